@@ -1,0 +1,70 @@
+#pragma once
+// What stands between a protocol object and a bus: where frames go (Sink), what a CAN controller tells of
+// itself (Controller), and what whoever sits on a bus must be able to take (Participant).
+
+#include <cstdint>
+
+#include "canopus/can/frame.hpp"
+#include "canopus/can/time.hpp"
+
+namespace canopus::can {
+
+/// Where a protocol object sends its frames.
+class Sink {
+ public:
+  /// Queues a frame for transmission. False: the transmit queue is full (or the controller is off) and the
+  /// frame is lost; the sender decides whether to try again.
+  virtual bool send(const Frame& frame) = 0;
+
+ protected:
+  ~Sink() = default;
+};
+
+/// Fault confinement state of a controller [ISO 11898-1].
+enum class ErrorState : std::uint8_t {
+  error_active,   ///< TEC and REC <= 127
+  error_passive,  ///< TEC or REC >= 128
+  bus_off,        ///< TEC >= 256: takes no part in the bus
+};
+
+/// Bit rates in bit/s that CiA 301 names, and 100 kbit/s, which is common.
+inline constexpr std::uint32_t bit_rates[] = {10'000,  20'000,  50'000,  100'000,  125'000,
+                                              250'000, 500'000, 800'000, 1'000'000};
+
+/// The controller of one node, as its firmware sees it.
+class Controller : public Sink {
+ public:
+  [[nodiscard]] virtual std::uint16_t transmit_error_counter() const = 0;  ///< TEC 0..256
+  [[nodiscard]] virtual std::uint16_t receive_error_counter() const = 0;   ///< REC 0..255
+  [[nodiscard]] virtual ErrorState error_state() const = 0;
+  [[nodiscard]] virtual std::uint32_t bit_rate() const = 0;  ///< bit/s
+  /// Changes the bit rate and starts the controller anew: counters 0, error active, transmit queue empty.
+  virtual void restart(std::uint32_t bit_rate) = 0;
+  /// Frames that send() refused since the last restart().
+  [[nodiscard]] virtual std::uint32_t transmit_overflows() const = 0;
+  /// Received frames lost because nobody took them in time, since the last restart().
+  [[nodiscard]] virtual std::uint32_t receive_overflows() const { return 0; }
+
+ protected:
+  ~Controller() = default;
+};
+
+/// Anything that lives in time and may hear frames: it is told what happened and when, and says what it wants
+/// next.
+class Participant {
+ public:
+  virtual ~Participant() = default;
+  /// A frame of another node was received without error; `now` is the end of the frame.
+  virtual void receive(const Frame& frame, Time now) = 0;
+  /// A frame this participant sent was acknowledged and is complete on the bus.
+  virtual void transmitted(const Frame& /*frame*/, Time /*now*/) {}
+  /// The error state of this participant's controller, or a counter's way over the warning limit, changed.
+  virtual void controller_changed(Time /*now*/) {}
+  /// The deadline has come (now >= deadline()).
+  virtual void tick(Time now) = 0;
+  /// Earliest moment at which tick() is wanted; never = not at all. Valid until the next call of any other
+  /// member.
+  [[nodiscard]] virtual Time deadline() const noexcept = 0;
+};
+
+}  // namespace canopus::can

@@ -1,0 +1,50 @@
+#pragma once
+// The order in which participants get their ticks: a queue of deadlines. It knows no clock; the simulated
+// bus, a test or the event loop asks it what comes next and runs it up to a moment. Equal deadlines tick by
+// rank, then in the order of add(), so one seed gives one trace.
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "canopus/can/controller.hpp"
+
+namespace canopus::can {
+
+class Timeline {
+ public:
+  using Handle = std::size_t;
+
+  /// Who goes first at one and the same moment: nodes say what they want to send, then the bus arbitrates.
+  enum class Rank : std::uint8_t { node, bus };
+
+  /// Adds a participant, which must outlive the timeline or be removed. Returns its handle.
+  Handle add(Participant& participant, Rank rank = Rank::node);
+  /// Takes a participant out for good; its handle is not used again.
+  void remove(Handle handle);
+  /// Reads the participant's deadline again. To be called after anything but its tick() happened to it.
+  void refresh(Handle handle);
+  /// Earliest deadline of all.
+  [[nodiscard]] Time next() const noexcept;
+  /// What now is: the time of the last tick, or what run_until() was given.
+  [[nodiscard]] Time now() const noexcept { return now_; }
+  /// Ticks everything whose deadline is <= end, in order of time; then now() == end.
+  void run_until(Time end);
+
+ private:
+  struct Slot {
+    Participant* participant = nullptr;
+    Rank rank = Rank::node;
+    Time deadline = never;
+    std::size_t position = 0;  // in heap_
+  };
+  [[nodiscard]] bool before(Handle left, Handle right) const noexcept;
+  void sift_up(std::size_t position) noexcept;
+  void sift_down(std::size_t position) noexcept;
+
+  std::vector<Slot> slots_;
+  std::vector<Handle> heap_;  // binary heap of slot numbers, earliest first
+  Time now_{};
+};
+
+}  // namespace canopus::can

@@ -1,0 +1,140 @@
+#include "canopus/canopen/object_dictionary.hpp"
+
+#include <algorithm>
+
+namespace canopus::canopen {
+
+ObjectDictionary::ObjectDictionary(std::shared_ptr<const DictionaryDescription> description,
+                                   std::uint8_t node_id)
+    : description_(std::move(description)),
+      block_(description_->block_size()),
+      slots_(description_->slot_count()),
+      handler_numbers_(description_->objects().size()),
+      handlers_{nullptr} {
+  description_->load_defaults(block_, node_id);
+}
+
+std::expected<Entry, AbortCode> ObjectDictionary::find(std::uint16_t index, std::uint8_t sub) const noexcept {
+  const ObjectDescription* object = description_->find(index);
+  if (object == nullptr) return std::unexpected(AbortCode::no_object);
+  const Entry entry = description_->find(*object, sub);
+  if (!entry) return std::unexpected(AbortCode::no_sub_index);
+  return entry;
+}
+
+ObjectHandler* ObjectDictionary::handler(std::uint16_t index) const noexcept {
+  const ObjectDescription* object = description_->find(index);
+  return handlers_[handler_numbers_[description_->position(*object)]];
+}
+
+std::expected<std::span<const std::uint8_t>, AbortCode> ObjectDictionary::read(std::uint16_t index,
+                                                                               std::uint8_t sub,
+                                                                               can::Time now) {
+  const auto entry = find(index, sub);
+  if (!entry) return std::unexpected(entry.error());
+  if (!is_readable(entry->description->access)) return std::unexpected(AbortCode::read_of_write_only);
+  if (ObjectHandler* behaviour = handler(index)) {
+    if (const AbortCode code = behaviour->before_read(*this, *entry, now); code != AbortCode::none) {
+      return std::unexpected(code);
+    }
+  }
+  return bytes(*entry);
+}
+
+AbortCode ObjectDictionary::check_write(const Entry& entry, std::size_t length) const noexcept {
+  if (!is_writable(entry.description->access)) return AbortCode::write_of_read_only;
+  if (entry.description->length == 0) return AbortCode::none;
+  if (length > entry.description->length) return AbortCode::length_too_high;
+  if (length < entry.description->length) return AbortCode::length_too_low;
+  return AbortCode::none;
+}
+
+AbortCode ObjectDictionary::check_limits(const Entry& entry,
+                                         std::span<const std::uint8_t> value) const noexcept {
+  const EntryDescription& d = *entry.description;
+  if (d.type == DataType::boolean && value[0] > 1) return AbortCode::value_too_high;
+  if (d.limits == 0) return AbortCode::none;
+  const Limits& limits = description_->limits(entry);
+  std::uint64_t raw = 0;
+  std::memcpy(&raw, value.data(), d.length);
+  const auto outside = [&](auto convert) {
+    const auto number = convert(raw);
+    if (limits.high && number > convert(*limits.high)) return AbortCode::value_too_high;
+    if (limits.low && number < convert(*limits.low)) return AbortCode::value_too_low;
+    return AbortCode::none;
+  };
+  if (d.type == DataType::real32) {
+    raw = std::bit_cast<std::uint64_t>(
+        static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(raw))));
+  }
+  if (d.type == DataType::real32 || d.type == DataType::real64) {
+    return outside([](std::uint64_t bits) { return std::bit_cast<double>(bits); });
+  }
+  if (is_signed(d.type)) {
+    const unsigned unused = 64U - 8U * d.length;
+    raw = static_cast<std::uint64_t>(static_cast<std::int64_t>(raw << unused) >> unused);
+    return outside([](std::uint64_t bits) { return static_cast<std::int64_t>(bits); });
+  }
+  return outside([](std::uint64_t bits) { return bits; });
+}
+
+AbortCode ObjectDictionary::write(std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> value,
+                                  can::Time now) {
+  const auto entry = find(index, sub);
+  if (!entry) return entry.error();
+  if (const AbortCode code = check_write(*entry, value.size()); code != AbortCode::none) return code;
+  if (entry->description->length != 0) {
+    if (const AbortCode code = check_limits(*entry, value); code != AbortCode::none) return code;
+  }
+  ObjectHandler* behaviour = handler(index);
+  if (behaviour != nullptr) {
+    if (const AbortCode code = behaviour->before_write(*this, *entry, value, now); code != AbortCode::none) {
+      return code;
+    }
+  }
+  assign(*entry, value);
+  if (behaviour != nullptr) behaviour->after_write(*this, *entry, now);
+  return AbortCode::none;
+}
+
+std::span<const std::uint8_t> ObjectDictionary::bytes(const Entry& entry) const noexcept {
+  if (entry.description->length != 0) return {&block_[entry.offset], entry.description->length};
+  const auto& slot = slots_[entry.offset];
+  return slot ? *slot : description_->default_slot(entry.offset);
+}
+
+void ObjectDictionary::assign(const Entry& entry, std::span<const std::uint8_t> value) {
+  if (entry.description->length != 0) {
+    std::copy_n(value.begin(), std::min<std::size_t>(value.size(), entry.description->length),
+                block_.begin() + entry.offset);
+    return;
+  }
+  auto& slot = slots_[entry.offset];
+  if (!slot) {
+    slot = std::make_unique<std::vector<std::uint8_t>>(value.begin(), value.end());
+  } else {
+    slot->assign(value.begin(), value.end());
+  }
+}
+
+void ObjectDictionary::attach(std::uint16_t first, std::uint16_t last, ObjectHandler& handler) {
+  auto known = std::find(handlers_.begin(), handlers_.end(), &handler);
+  if (known == handlers_.end()) known = handlers_.insert(handlers_.end(), &handler);
+  const auto number = static_cast<std::uint8_t>(known - handlers_.begin());
+  for (const ObjectDescription& object : description_->objects()) {
+    if (object.index >= first && object.index <= last)
+      handler_numbers_[description_->position(object)] = number;
+  }
+}
+
+void ObjectDictionary::reset(std::uint8_t node_id) {
+  description_->load_defaults(block_, node_id);
+  for (auto& slot : slots_) slot.reset();
+}
+
+void ObjectDictionary::reset_communication(std::uint8_t node_id) {
+  description_->load_defaults(std::span(block_).first(description_->communication_block_size()), node_id);
+  for (std::size_t i = 0; i < description_->communication_slot_count(); ++i) slots_[i].reset();
+}
+
+}  // namespace canopus::canopen
