@@ -1,0 +1,152 @@
+#pragma once
+// A device description file as a device: what an EDS or DCF [CiA 306] says, read forgivingly. Files in the
+// field are broken in many ways; the reader repairs what a person would and says so, with the line, and
+// refuses only what no person could make sense of.
+//
+// No file is opened here: the text comes in as it is, with any bytes, any line ends.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/canopen/dictionary_description.hpp"
+
+namespace canopus::eds {
+
+/// Something about a file that is not as it should be.
+struct Problem {
+  enum class Severity : std::uint8_t {
+    error,    ///< the file, or a value in it, cannot be used
+    warning,  ///< repaired: the file contradicts itself or [CiA 306], and a reading was chosen
+    note,     ///< unusual, harmless
+  };
+  Severity severity = Severity::error;
+  unsigned line = 0;    ///< from 1
+  unsigned column = 0;  ///< from 1; 0 = the whole line
+  std::string message;  ///< without file name and line: "DefaultValue=0x1FF does not fit UNSIGNED8: ..."
+};
+
+/// "error", "warning", "note".
+[[nodiscard]] std::string_view name(Problem::Severity severity) noexcept;
+
+/// [FileInfo]; empty or 0 where the file says nothing.
+struct FileInfo {
+  std::string file_name;
+  std::uint32_t version = 0;
+  std::uint32_t revision = 0;
+  std::string eds_version;  ///< "4.0"
+  std::string description;
+  std::string creation_time;  ///< hh:mmAM
+  std::string creation_date;  ///< MM-DD-YYYY
+  std::string created_by;
+  std::string modification_time;  ///< hh:mmAM
+  std::string modification_date;  ///< MM-DD-YYYY
+  std::string modified_by;
+  std::string last_eds;  ///< DCF: the EDS it was made from
+};
+
+/// [DeviceInfo]. A number that the file does not give is empty: 1018H may still have it (identity()).
+struct DeviceInfo {
+  std::string vendor_name;
+  std::string product_name;
+  std::string order_code;
+  std::optional<std::uint32_t> vendor_number;
+  std::optional<std::uint32_t> product_number;
+  std::optional<std::uint32_t> revision_number;
+  std::vector<std::uint32_t> bit_rates;  ///< supported, bit/s, rising; empty when the file names none
+  bool simple_boot_up_master = false;
+  bool simple_boot_up_slave = false;
+  std::uint8_t granularity = 8;  ///< bits per mapped object, 0 = mapping fixed, 1..64
+  std::uint32_t dynamic_channels = 0;
+  bool group_messaging = false;
+  std::uint16_t rpdos = 0;  ///< NrOfRXPDO as the file says
+  std::uint16_t tpdos = 0;  ///< NrOfTXPDO as the file says
+  bool lss = false;
+  std::uint8_t compact_pdo = 0;  ///< bits 0..5: sub-indexes 01H..06H of generated PDO communication records
+};
+
+/// [DeviceComissioning] of a DCF.
+struct Commissioning {
+  std::optional<std::uint8_t> node_id;  ///< 1..127
+  std::string node_name;
+  std::uint32_t bit_rate = 0;  ///< bit/s; 0 = not given
+  std::uint32_t net_number = 0;
+  std::string network_name;
+  bool canopen_manager = false;
+  std::uint32_t lss_serial_number = 0;
+};
+
+/// What a file says of a sub-index beyond what a dictionary needs.
+struct EntryFacts {
+  std::uint16_t index = 0;
+  std::uint8_t sub = 0;
+  unsigned line = 0;               ///< of its section
+  std::uint32_t object_flags = 0;  ///< bit 0: do not write on download, bit 1: do not read on scan
+  bool configured = false;         ///< a DCF gives it a ParameterValue: to be downloaded
+  std::string denotation;          ///< the application's name for it
+  std::string upload_file;         ///< DOMAIN: receives what is read
+  std::string download_file;       ///< DOMAIN: is written to the device
+};
+
+/// [MxModuleInfo] of a modular device, x = position + 1.
+struct ModuleInfo {
+  std::string product_name;
+  std::uint32_t product_version = 0;
+  std::uint32_t product_revision = 0;
+  std::string order_code;
+};
+
+/// 1000H and 1018H, as a master compares them (1F84H-1F88H). Empty: the file does not say, or the object does
+/// not exist.
+struct Identity {
+  std::optional<std::uint32_t> device_type;
+  std::optional<std::uint32_t> vendor_id;
+  std::optional<std::uint32_t> product_code;
+  std::optional<std::uint32_t> revision;
+  std::optional<std::uint32_t> serial_number;
+};
+
+struct DeviceFile {
+  FileInfo file;
+  DeviceInfo device;
+  std::optional<Commissioning> commissioning;  ///< present: the file is a DCF
+  std::uint32_t dummy_usage = 0;               ///< bit n: data type n may be mapped as a dummy into an RPDO
+  std::vector<std::string> comments;
+  std::vector<EntryFacts> facts;         ///< every sub-index, in order of index and sub-index
+  std::vector<ModuleInfo> modules;       ///< that a modular device can take
+  std::vector<std::uint16_t> connected;  ///< module types by slot, 1 = modules[0]
+  std::shared_ptr<const canopen::DictionaryDescription> dictionary;  ///< never null
+
+  /// Facts of one sub-index, or nullptr. Sub-indexes of a uniform object share those of sub-index 01H.
+  [[nodiscard]] const EntryFacts* find_facts(std::uint16_t index, std::uint8_t sub) const noexcept;
+};
+
+struct ReadResult {
+  std::shared_ptr<const DeviceFile> file;  ///< null: refused, and problems[0] is the error
+  std::vector<Problem> problems;           ///< worst first, then by line; every one has a line
+};
+
+/// Reads an EDS or DCF. Never fails otherwise than by refusing.
+[[nodiscard]] ReadResult read_device_file(std::string_view text);
+
+/// What a device made from this file answers for 1000H and 1018H.
+[[nodiscard]] Identity identity(const DeviceFile& file);
+/// The default (or configured) value of a sub-index of fixed length for this node-ID, zero-extended; empty
+/// when there is none.
+[[nodiscard]] std::optional<std::uint64_t> default_value(const canopen::DictionaryDescription& dictionary,
+                                                         std::uint16_t index, std::uint8_t sub,
+                                                         std::uint8_t node_id);
+/// Receive and transmit PDOs that have a communication record.
+struct PdoCount {
+  unsigned rpdos = 0;
+  unsigned tpdos = 0;
+};
+[[nodiscard]] PdoCount count_pdos(const canopen::DictionaryDescription& dictionary) noexcept;
+
+/// Name of a data type as CiA 301 spells it: "UNSIGNED8"; "unknown" for others.
+[[nodiscard]] std::string_view name(canopen::DataType type) noexcept;
+
+}  // namespace canopus::eds
