@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "canopus/can/controller.hpp"
+#include "canopus/module/observer.hpp"
 
 namespace canopus::module {
 
@@ -45,6 +46,10 @@ class Module : public can::Participant {
   virtual void power_off(can::Time now) = 0;
   /// The CPU changed between RUN and STOP.
   virtual void cpu_changed(CpuState state, can::Time now) = 0;
+
+  /// Who is told of signals, writes and errors from now on; nullptr = nobody. It must outlive the module or
+  /// be taken out.
+  virtual void set_observer(ModuleObserver* observer) = 0;
 };
 
 /// Where a module keeps what must survive power-off. Named blobs, written whole; a write is done or not done,

@@ -1,0 +1,31 @@
+#pragma once
+// Who watches a module from outside: the live table, the JSON lines, a trace. Everything is told as it
+// happens, on the loop the module lives on; nothing is asked back.
+
+#include <cstdint>
+#include <string_view>
+
+#include "canopus/can/time.hpp"
+
+namespace canopus::module {
+
+/// Direction of a signal, as the CPU names it.
+enum class SignalKind : std::uint8_t {
+  input,   ///< X: module to CPU
+  output,  ///< Y: CPU to module
+};
+
+class ModuleObserver {
+ public:
+  /// A signal changed. `number` is the offset from the head address.
+  virtual void signal_changed(SignalKind /*kind*/, unsigned /*number*/, bool /*on*/, can::Time) {}
+  /// The CPU's write reached the buffer memory (a refused one does not).
+  virtual void buffer_written(std::uint32_t /*address*/, std::uint16_t /*value*/, can::Time) {}
+  /// The module found something wrong: one line for a person ("G24 = 300: not a baud rate").
+  virtual void error_raised(std::string_view /*what*/, can::Time) {}
+
+ protected:
+  ~ModuleObserver() = default;
+};
+
+}  // namespace canopus::module
