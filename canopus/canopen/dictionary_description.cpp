@@ -37,6 +37,35 @@ void DictionaryDescription::load_defaults(std::span<std::uint8_t> block,
   }
 }
 
+std::shared_ptr<const DictionaryDescription> DictionaryDescription::with(
+    std::span<const Change> changes) const {
+  auto copy = std::make_shared<DictionaryDescription>();
+  for (std::size_t i = 0; i < pages_.size(); ++i) {
+    if (pages_[i]) copy->pages_[i] = std::make_unique<std::array<std::uint16_t, 256>>(*pages_[i]);
+  }
+  copy->objects_ = objects_;
+  copy->entries_ = entries_;
+  copy->names_ = names_;
+  copy->limits_ = limits_;
+  copy->image_ = image_;
+  copy->slots_ = slots_;
+  copy->node_id_defaults_ = node_id_defaults_;
+  copy->communication_block_size_ = communication_block_size_;
+  copy->communication_slot_count_ = communication_slot_count_;
+  for (const Change& change : changes) {
+    if (change.entry.description->length == 0) {
+      copy->slots_[change.entry.offset] = change.value;
+      continue;
+    }
+    std::copy_n(change.value.begin(),
+                std::min<std::size_t>(change.value.size(), change.entry.description->length),
+                copy->image_.begin() + change.entry.offset);
+    std::erase_if(copy->node_id_defaults_,
+                  [&](const NodeIdDefault& place) { return place.offset == change.entry.offset; });
+  }
+  return copy;
+}
+
 DictionaryBuilder& DictionaryBuilder::variable(std::uint16_t index, EntrySpec spec) {
   ObjectSpec object;
   object.code = spec.type == DataType::domain ? ObjectCode::domain : ObjectCode::variable;

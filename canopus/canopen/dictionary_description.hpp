@@ -115,6 +115,15 @@ class DictionaryDescription {
   /// communication_block_size() for those of the communication profile alone).
   void load_defaults(std::span<std::uint8_t> block, std::uint8_t node_id) const noexcept;
 
+  /// A default of one sub-index in place of the described one.
+  struct Change {
+    Entry entry;  ///< of this description
+    std::vector<std::uint8_t> value;
+  };
+  /// The same description with other defaults: one device of a kind that was configured before it is switched
+  /// on.
+  [[nodiscard]] std::shared_ptr<const DictionaryDescription> with(std::span<const Change> changes) const;
+
  private:
   friend class DictionaryBuilder;
   static constexpr std::uint16_t no_position = 0xFFFF;

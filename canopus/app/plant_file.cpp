@@ -1,0 +1,460 @@
+#include "canopus/app/plant_file.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <toml++/toml.h>
+
+#include "canopus/can/controller.hpp"
+
+namespace canopus::app {
+namespace {
+
+Place place_of(const toml::source_region& region) {
+  return {static_cast<std::uint32_t>(region.begin.line), static_cast<std::uint32_t>(region.begin.column)};
+}
+
+/// "a string", "the integer 128": what was found instead.
+std::string describe_found(const toml::node& node) {
+  switch (node.type()) {
+    case toml::node_type::string: return fmt::format("\"{}\"", node.as_string()->get());
+    case toml::node_type::integer: return fmt::format("{}", node.as_integer()->get());
+    case toml::node_type::floating_point: return fmt::format("{}", node.as_floating_point()->get());
+    case toml::node_type::boolean: return node.as_boolean()->get() ? "true" : "false";
+    case toml::node_type::array: return "an array";
+    case toml::node_type::table: return "a table";
+    default: return "a date or time";
+  }
+}
+
+/// One table of the file: every key is asked for by name; what nobody asked for is a mistake (a misspelt key
+/// must not pass in silence).
+class TableReader {
+ public:
+  TableReader(const toml::table& table, std::string what, std::vector<PlantError>& errors)
+      : table_(table), what_(std::move(what)), errors_(errors) {}
+
+  [[nodiscard]] Place place() const { return place_of(table_.source()); }
+  [[nodiscard]] Place place(std::string_view key) const {
+    const toml::node* node = table_.get(key);
+    return node == nullptr ? place() : place_of(node->source());
+  }
+  void error(Place place, std::string message) { errors_.push_back({place, std::move(message)}); }
+  void error(std::string_view key, std::string_view expected) {
+    const toml::node* node = table_.get(key);
+    error(place(key), node == nullptr ? fmt::format("{}: {} is missing; {}", what_, key, expected)
+                                      : fmt::format("{} = {}: {}", key, describe_found(*node), expected));
+  }
+
+  const toml::node* find(std::string_view key) {
+    known_.insert(std::string(key));
+    return table_.get(key);
+  }
+  std::optional<std::string> text(std::string_view key, bool required = false) {
+    const toml::node* node = find(key);
+    if (node == nullptr) {
+      if (required) error(key, "expected a string");
+      return std::nullopt;
+    }
+    if (const auto* value = node->as_string(); value != nullptr && !(required && value->get().empty())) {
+      return value->get();
+    }
+    error(key, required ? "expected a string that is not empty" : "expected a string");
+    return std::nullopt;
+  }
+  std::optional<std::int64_t> integer(std::string_view key, std::int64_t low, std::int64_t high,
+                                      std::string_view expected, bool required = false) {
+    const toml::node* node = find(key);
+    if (node == nullptr) {
+      if (required) error(key, expected);
+      return std::nullopt;
+    }
+    const auto* value = node->as_integer();
+    if (value == nullptr || value->get() < low || value->get() > high) {
+      error(key, expected);
+      return std::nullopt;
+    }
+    return value->get();
+  }
+  std::optional<double> number(std::string_view key) {
+    const toml::node* node = find(key);
+    if (node == nullptr) return std::nullopt;
+    if (const auto value = node->value<double>(); value && !node->is_boolean()) return *value;
+    error(key, "expected a number");
+    return std::nullopt;
+  }
+  std::optional<bool> boolean(std::string_view key) {
+    const toml::node* node = find(key);
+    if (node == nullptr) return std::nullopt;
+    if (const auto* value = node->as_boolean()) return value->get();
+    error(key, "expected true or false");
+    return std::nullopt;
+  }
+  /// A string that `parse` understands.
+  template <typename Parse>
+  auto parsed(std::string_view key, Parse parse, bool required = false)
+      -> std::optional<typename decltype(parse(std::string_view{}))::value_type> {
+    const auto value = text(key, required);
+    if (!value) return std::nullopt;
+    auto result = parse(*value);
+    if (!result) {
+      error(place(key), fmt::format("{} = {}", key, result.error()));
+      return std::nullopt;
+    }
+    return *result;
+  }
+  /// Every table of an array of tables ([[key]]).
+  void tables(std::string_view key, const std::string& what, const std::function<void(TableReader&)>& read) {
+    const toml::node* node = find(key);
+    if (node == nullptr) return;
+    const auto* array = node->as_array();
+    if (array == nullptr) return error(key, fmt::format("expected tables, written as [[{}]]", what));
+    for (const toml::node& element : *array) {
+      const auto* table = element.as_table();
+      if (table == nullptr) {
+        error(place_of(element.source()),
+              fmt::format("{}: found {}, expected a table", key, describe_found(element)));
+        continue;
+      }
+      TableReader reader(*table, what, errors_);
+      read(reader);
+      reader.finish();
+    }
+  }
+  /// Every element of an array, or the one value that stands in its place.
+  void elements(std::string_view key, const std::function<void(const toml::node&)>& read) {
+    const toml::node* node = find(key);
+    if (node == nullptr) return;
+    if (const auto* array = node->as_array()) {
+      for (const toml::node& element : *array) read(element);
+    } else {
+      read(*node);
+    }
+  }
+  /// Every key and value of a table whose keys are not known beforehand.
+  void entries(std::string_view key,
+               const std::function<void(std::string_view, const toml::node&, Place)>& read) {
+    const toml::node* node = find(key);
+    if (node == nullptr) return;
+    const auto* table = node->as_table();
+    if (table == nullptr) return error(key, "expected a table, for example { \"1017:00\" = 1000 }");
+    for (const auto& [name, value] : *table) read(name.str(), value, place_of(name.source()));
+  }
+  /// Reports every key that nobody asked for.
+  void finish() {
+    for (const auto& [key, value] : table_) {
+      if (known_.contains(std::string(key.str()))) continue;
+      error(place_of(key.source()),
+            fmt::format("{}: unknown key {}; expected one of {}", what_, key.str(), fmt::join(known_, ", ")));
+    }
+  }
+  std::vector<PlantError>& errors() { return errors_; }
+
+ private:
+  const toml::table& table_;
+  std::string what_;
+  std::vector<PlantError>& errors_;
+  std::set<std::string> known_;
+};
+
+constexpr std::string_view node_id_expected = "a node-ID is 1 to 127";
+
+std::optional<Scalar> scalar(const toml::node& node) {
+  if (const auto* value = node.as_boolean()) return value->get();
+  if (const auto* value = node.as_integer()) return value->get();
+  if (const auto* value = node.as_floating_point()) return value->get();
+  if (const auto* value = node.as_string()) return value->get();
+  return std::nullopt;
+}
+
+std::vector<ObjectSetting> read_objects(TableReader& table, std::string_view key) {
+  std::vector<ObjectSetting> settings;
+  table.entries(key, [&](std::string_view name, const toml::node& node, Place place) {
+    const auto object = parse_object(name);
+    if (!object) return table.error(place, object.error());
+    const auto value = scalar(node);
+    if (!value) {
+      return table.error(
+          place_of(node.source()),
+          fmt::format("{} = {}: expected a number, a string, true or false", name, describe_found(node)));
+    }
+    settings.push_back({place, *object, *value});
+  });
+  return settings;
+}
+
+std::vector<BufferSetting> read_buffer(TableReader& table) {
+  std::vector<BufferSetting> settings;
+  table.entries("buffer", [&](std::string_view name, const toml::node& node, Place place) {
+    const auto address = parse_buffer_address(name);
+    if (!address) return table.error(place, address.error());
+    const auto* value = node.as_integer();
+    if (value == nullptr || value->get() < -32768 || value->get() > 65535) {
+      return table.error(place_of(node.source()),
+                         fmt::format("{} = {}: a word is -32768 to 65535", name, describe_found(node)));
+    }
+    settings.push_back({place, *address, static_cast<std::uint16_t>(value->get())});
+  });
+  return settings;
+}
+
+BehaviourSection read_behaviour(TableReader& table) {
+  static constexpr std::string_view kinds[] = {"sine", "ramp", "counter", "echo", "noise"};
+  BehaviourSection behaviour{.place = table.place()};
+  behaviour.object = table.parsed("object", parse_object, true).value_or(ObjectName{});
+  behaviour.kind = table.text("kind", true).value_or("");
+  if (!behaviour.kind.empty() && std::ranges::find(kinds, behaviour.kind) == std::end(kinds)) {
+    table.error("kind", fmt::format("expected one of {}", fmt::join(kinds, ", ")));
+  }
+  behaviour.low = table.number("low");
+  behaviour.high = table.number("high");
+  if (behaviour.low && behaviour.high && *behaviour.low > *behaviour.high) {
+    table.error("high", fmt::format("must not be below low = {}", *behaviour.low));
+  }
+  behaviour.step = table.number("step");
+  behaviour.period = table.parsed("period", parse_duration);
+  if (behaviour.period && *behaviour.period < std::chrono::milliseconds(1)) {
+    table.error("period", "expected at least 1ms");
+  }
+  behaviour.source = table.parsed("source", parse_object, behaviour.kind == "echo");
+  if (const auto seed = table.integer("seed", 0, INT64_MAX, "a seed is 0 or more")) {
+    behaviour.seed = static_cast<std::uint64_t>(*seed);
+  }
+  return behaviour;
+}
+
+BusSection read_bus(TableReader& table) {
+  BusSection bus{.place = table.place()};
+  bus.name = table.text("name", true).value_or("");
+  const auto rate =
+      table.integer("bit_rate", 0, INT64_MAX, "expected a bit rate in bit/s, for example 250_000", true);
+  if (rate) {
+    if (std::ranges::find(can::bit_rates, static_cast<std::uint64_t>(*rate)) == std::end(can::bit_rates)) {
+      table.error("bit_rate", fmt::format("expected one of {} bit/s", fmt::join(can::bit_rates, ", ")));
+    } else {
+      bus.bit_rate = static_cast<std::uint32_t>(*rate);
+    }
+  }
+  bus.socketcand =
+      table.parsed("serve", [](std::string_view text) -> std::expected<HostAndPort, std::string> {
+        constexpr std::string_view protocol = "socketcand:";
+        if (!text.starts_with(protocol)) {
+          return std::unexpected(fmt::format(
+              "\"{}\" is not a way to serve a bus; expected \"socketcand:127.0.0.1:29536\"", text));
+        }
+        return parse_host_and_port(text.substr(protocol.size()));
+      });
+  return bus;
+}
+
+DeviceSection read_device(TableReader& table) {
+  DeviceSection device{.place = table.place(), .eds_place = table.place("eds")};
+  device.bus = table.text("bus").value_or("");
+  device.name = table.text("name").value_or("");
+  device.eds = table.text("eds", true).value_or("");
+  device.node = static_cast<std::uint8_t>(table.integer("node", 1, 127, node_id_expected).value_or(0));
+  device.start = table.parsed("start", parse_duration).value_or(can::Duration{});
+  device.objects = read_objects(table, "objects");
+  table.tables("behaviour", "device.behaviour",
+               [&](TableReader& inner) { device.behaviours.push_back(read_behaviour(inner)); });
+  return device;
+}
+
+/// receive = [1, 2], or [{ pdo = 1, at = "G10000" }, ...]
+std::vector<SlaveSection::Link> read_links(TableReader& table, std::string_view key) {
+  std::vector<SlaveSection::Link> links;
+  table.elements(key, [&](const toml::node& element) {
+    SlaveSection::Link link{.place = place_of(element.source())};
+    const auto valid_number = [](std::int64_t number) { return number >= 1 && number <= 512; };
+    constexpr std::string_view expected = "expected a PDO number 1 to 512, or { pdo = 1, at = \"G10000\" }";
+    if (const auto* number = element.as_integer(); number != nullptr && valid_number(number->get())) {
+      link.pdo = static_cast<std::uint16_t>(number->get());
+    } else if (const auto* inner_table = element.as_table()) {
+      TableReader inner(*inner_table, std::string(key), table.errors());
+      link.pdo = static_cast<std::uint16_t>(
+          inner.integer("pdo", 1, 512, "a PDO number is 1 to 512", true).value_or(1));
+      link.address = inner.parsed("at", parse_buffer_address);
+      inner.finish();
+    } else {
+      return table.error(link.place, fmt::format("{} = {}: {}", key, describe_found(element), expected));
+    }
+    links.push_back(link);
+  });
+  return links;
+}
+
+SlaveSection read_slave(TableReader& table) {
+  SlaveSection slave{.place = table.place()};
+  slave.node = static_cast<std::uint8_t>(table.integer("node", 1, 127, node_id_expected, true).value_or(0));
+  slave.mandatory = table.boolean("mandatory").value_or(true);
+  slave.receive = read_links(table, "receive");
+  slave.send = read_links(table, "send");
+  return slave;
+}
+
+ModuleSection read_module(TableReader& table) {
+  ModuleSection module{.place = table.place()};
+  module.model = table.text("model", true).value_or("");
+  if (!module.model.empty() && module.model != "ME3CAN1-Q") {
+    table.error("model", "expected \"ME3CAN1-Q\"");
+  }
+  constexpr std::string_view head_expected = "a head I/O number is a multiple of 10H from 0 to 0FF0H";
+  const auto head = table.integer("head", 0, 0xFF0, head_expected);
+  module.head = static_cast<std::uint16_t>(head.value_or(0));
+  if (module.head % 16 != 0) table.error("head", head_expected);
+  module.bus = table.text("bus").value_or("");
+  module.node = static_cast<std::uint8_t>(table.integer("node", 1, 127, node_id_expected).value_or(0));
+  module.master = table.boolean("master").value_or(false);
+  if (const toml::node* all = table.find("slaves")) {
+    if (all->as_string() == nullptr || all->as_string()->get() != "all") {
+      table.error("slaves", "expected \"all\"; single slaves are written as [[plc.module.slave]]");
+    }
+    module.all_slaves = true;
+  }
+  table.tables("slave", "plc.module.slave",
+               [&](TableReader& inner) { module.slaves.push_back(read_slave(inner)); });
+  module.exchange = table.parsed("exchange", parse_duration);
+  if (module.exchange && *module.exchange < std::chrono::milliseconds(1)) {
+    table.error("exchange", "expected at least 1ms");
+  }
+  module.restart_time = table.parsed("restart_time", parse_duration);
+  module.objects = read_objects(table, "objects");
+  module.buffer = read_buffer(table);
+  table.elements("watch", [&](const toml::node& element) {
+    const auto* text = element.as_string();
+    const auto address = text == nullptr ? std::unexpected(std::string("expected words such as \"G10000\""))
+                                         : parse_buffer_address(text->get());
+    if (!address) return table.error(place_of(element.source()), fmt::format("watch: {}", address.error()));
+    module.watch.push_back(*address);
+  });
+  return module;
+}
+
+PlcSection read_plc(TableReader& table) {
+  PlcSection plc{.place = table.place()};
+  plc.name = table.text("name").value_or("");
+  const auto listen = table.text("listen");
+  if (!listen) {
+    plc.listen = HostAndPort{.port = 5007};
+  } else if (*listen != "off") {
+    plc.listen = table.parsed("listen", parse_host_and_port);
+  }
+  if (const auto cpu = table.text("cpu")) {
+    if (*cpu != "run" && *cpu != "stop") table.error("cpu", "expected \"run\" or \"stop\"");
+    plc.run = *cpu != "stop";
+  }
+  plc.store = table.text("store").value_or("");
+  table.tables("module", "plc.module",
+               [&](TableReader& inner) { plc.modules.push_back(read_module(inner)); });
+  return plc;
+}
+
+/// What no single table can see: names that must be there once, buses that must exist.
+void check_references(PlantFile& plant, std::vector<PlantError>& errors) {
+  const auto error = [&](Place place, std::string message) { errors.push_back({place, std::move(message)}); };
+  if (plant.buses.empty()) error({1, 1}, "the plant has no bus; expected at least one [[bus]]");
+  for (std::size_t i = 0; i < plant.buses.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      if (plant.buses[i].name != plant.buses[k].name || plant.buses[i].name.empty()) continue;
+      error(plant.buses[i].place, fmt::format("bus \"{}\" is there already, in line {}", plant.buses[i].name,
+                                              plant.buses[k].place.line));
+    }
+  }
+  struct Occupant {
+    std::string bus;
+    unsigned node;
+    Place place;
+  };
+  std::vector<Occupant> occupants;
+  const auto resolve = [&](std::string& bus, unsigned node, Place place, std::string_view what) {
+    if (bus.empty() && plant.buses.size() == 1) bus = plant.buses.front().name;
+    if (std::ranges::find(plant.buses, bus, &BusSection::name) == plant.buses.end()) {
+      const auto names = [&] {
+        std::vector<std::string> list;
+        for (const BusSection& known : plant.buses) list.push_back(known.name);
+        return fmt::format("{}", fmt::join(list, ", "));
+      };
+      error(place, bus.empty()
+                       ? fmt::format("{}: bus is missing; expected one of {}", what, names())
+                       : fmt::format("{}: there is no bus \"{}\"; expected one of {}", what, bus, names()));
+      return;
+    }
+    if (node == 0) return;
+    for (const Occupant& other : occupants) {
+      if (other.bus != bus || other.node != node) continue;
+      error(place, fmt::format("{}: node {} of bus \"{}\" is taken already, in line {}", what, node, bus,
+                               other.place.line));
+    }
+    occupants.push_back({bus, node, place});
+  };
+  for (DeviceSection& device : plant.devices) resolve(device.bus, device.node, device.place, "device");
+  for (PlcSection& plc : plant.plcs) {
+    for (std::size_t i = 0; i < plc.modules.size(); ++i) {
+      ModuleSection& module = plc.modules[i];
+      resolve(module.bus, module.node, module.place, "module");
+      for (std::size_t k = 0; k < i; ++k) {
+        if (module.head + 32 <= plc.modules[k].head || plc.modules[k].head + 32 <= module.head) continue;
+        error(module.place, fmt::format("the module at head {:03X}H overlaps the one in line {}", module.head,
+                                        plc.modules[k].place.line));
+      }
+      if (!module.master && (module.all_slaves || !module.slaves.empty())) {
+        error(module.place, "slaves need master = true");
+      }
+      for (const SlaveSection& slave : module.slaves) {
+        const auto on_bus = [&](const DeviceSection& device) {
+          return device.bus == module.bus && (device.node == slave.node || device.node == 0);
+        };
+        if (slave.node != 0 && std::ranges::none_of(plant.devices, on_bus)) {
+          error(slave.place, fmt::format("slave: there is no device with node = {} on bus \"{}\"", slave.node,
+                                         module.bus));
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
+PlantReading read_plant(std::string_view text, std::string path) {
+  PlantReading reading;
+  reading.plant.path = std::move(path);
+  toml::table root;
+  try {
+    root = toml::parse(text, reading.plant.path);
+  } catch (const toml::parse_error& problem) {
+    reading.errors.push_back({place_of(problem.source()), std::string(problem.description())});
+    return reading;
+  }
+  PlantFile& plant = reading.plant;
+  TableReader top(root, "plant file", reading.errors);
+  if (const toml::node* node = top.find("plant")) {
+    if (const auto* table = node->as_table()) {
+      TableReader head(*table, "plant", reading.errors);
+      plant.name = head.text("name").value_or("");
+      plant.seed =
+          static_cast<std::uint64_t>(head.integer("seed", 0, INT64_MAX, "a seed is 0 or more").value_or(1));
+      head.finish();
+    } else {
+      top.error("plant", "expected a table, written as [plant]");
+    }
+  }
+  top.tables("bus", "bus", [&](TableReader& table) { plant.buses.push_back(read_bus(table)); });
+  top.tables("device", "device", [&](TableReader& table) { plant.devices.push_back(read_device(table)); });
+  top.tables("plc", "plc", [&](TableReader& table) { plant.plcs.push_back(read_plc(table)); });
+  top.finish();
+  check_references(plant, reading.errors);
+  std::ranges::stable_sort(reading.errors, [](const PlantError& a, const PlantError& b) {
+    return std::pair(a.place.line, a.place.column) < std::pair(b.place.line, b.place.column);
+  });
+  return reading;
+}
+
+std::string describe(const PlantError& error, std::string_view path) {
+  if (error.place.line == 0) return fmt::format("{}: {}", path, error.message);
+  return fmt::format("{}:{}:{}: {}", path, error.place.line, error.place.column, error.message);
+}
+
+}  // namespace canopus::app

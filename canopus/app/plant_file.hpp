@@ -1,0 +1,136 @@
+#pragma once
+// The plant file: what there is on which bus, in TOML. Reading it finds every mistake at once, each with line
+// and column, what was found and what was expected; it opens no device file and starts nothing.
+// docs/plant-file.md is the reference for people.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "canopus/app/text_values.hpp"
+
+namespace canopus::app {
+
+/// Where something stands in the plant file; line 0 = nowhere (made up by a default).
+struct Place {
+  std::uint32_t line = 0;
+  std::uint32_t column = 0;
+};
+
+/// A mistake in the plant file, or in something it names.
+struct PlantError {
+  Place place{};
+  std::string message{};
+};
+
+using Scalar = std::variant<bool, std::int64_t, double, std::string>;
+
+/// An entry of a device's or module's object dictionary and the value it gets before power-on.
+struct ObjectSetting {
+  Place place{};
+  ObjectName object{};
+  Scalar value;
+};
+
+/// A buffer memory word and the value it gets before power-on.
+struct BufferSetting {
+  Place place{};
+  std::uint32_t address = 0;
+  std::uint16_t value = 0;
+};
+
+/// A value that moves by itself.
+struct BehaviourSection {
+  Place place{};
+  ObjectName object{};
+  std::string kind{};  ///< sine ramp counter echo noise
+  std::optional<double> low{};
+  std::optional<double> high{};
+  std::optional<double> step{};
+  std::optional<can::Duration> period{};
+  std::optional<ObjectName> source{};  ///< of an echo
+  std::optional<std::uint64_t> seed{};
+};
+
+struct BusSection {
+  Place place{};
+  std::string name{};
+  std::uint32_t bit_rate = 0;               ///< bit/s
+  std::optional<HostAndPort> socketcand{};  ///< from serve = "socketcand:127.0.0.1:29536"
+};
+
+struct DeviceSection {
+  Place place{};
+  Place eds_place{};
+  std::string bus{};
+  std::string name{};
+  std::string eds{};        ///< path, relative to the plant file
+  std::uint8_t node = 0;  ///< 1..127; 0 = from the DCF
+  can::Duration start{};  ///< powers up this long after the run's start
+  std::vector<ObjectSetting> objects{};
+  std::vector<BehaviourSection> behaviours{};
+};
+
+/// A slave of a master module, and the PDOs that connect the two.
+struct SlaveSection {
+  Place place{};
+  std::uint8_t node = 0;
+  bool mandatory = true;
+  struct Link {
+    Place place{};
+    std::uint16_t pdo = 1;                 ///< PDO number of the slave, from 1
+    std::optional<std::uint32_t> address{};  ///< first buffer memory word; none = the next free one
+  };
+  std::vector<Link> receive{};  ///< TPDOs of the slave into the module's receive words
+  std::vector<Link> send{};     ///< RPDOs of the slave from the module's transmit words
+};
+
+struct ModuleSection {
+  Place place{};
+  std::string model{};
+  std::uint16_t head = 0;  ///< head I/O number, in points
+  std::string bus{};
+  std::uint8_t node = 0;
+  bool master = false;
+  bool all_slaves = false;  ///< slaves = "all": every device of the bus, first TPDO and RPDO of each
+  std::vector<SlaveSection> slaves{};
+  std::optional<can::Duration> exchange{};      ///< a stand-in program requests a data exchange this often
+  std::optional<can::Duration> restart_time{};  ///< instead of the module's own 6 s
+  std::vector<ObjectSetting> objects{};
+  std::vector<BufferSetting> buffer{};
+  std::vector<std::uint32_t> watch{};  ///< buffer memory words whose changes are reported
+};
+
+struct PlcSection {
+  Place place{};
+  std::string name{};
+  std::optional<HostAndPort> listen{};  ///< MC protocol
+  bool run = true;
+  std::string store{};  ///< folder for what the modules save; empty = nothing survives the run
+  std::vector<ModuleSection> modules{};
+};
+
+struct PlantFile {
+  std::string path{};  ///< as given
+  std::string name{};
+  std::uint64_t seed = 1;
+  std::vector<BusSection> buses{};
+  std::vector<DeviceSection> devices{};
+  std::vector<PlcSection> plcs{};
+};
+
+/// Reads a plant file's text. With errors, `plant` holds what could be read and must not be started.
+struct PlantReading {
+  PlantFile plant;
+  std::vector<PlantError> errors{};
+};
+[[nodiscard]] PlantReading read_plant(std::string_view text, std::string path);
+
+/// "plant.toml:14:9: node = 128: a node-ID is 1 to 127"
+[[nodiscard]] std::string describe(const PlantError& error, std::string_view path);
+
+}  // namespace canopus::app
