@@ -1,0 +1,121 @@
+#pragma once
+// How a master behaves where CiA 302 leaves a choice or a product's manual differs, and what it tells of
+// itself. Every time has the manual's or the standard's default.
+
+#include <chrono>
+#include <cstdint>
+#include <span>
+
+#include "canopus/can/time.hpp"
+#include "canopus/canopen/abort_code.hpp"
+#include "canopus/canopen/nmt.hpp"
+#include "canopus/manager/boot_record.hpp"
+
+namespace canopus::manager {
+
+/// When a slave's revision number satisfies 1F87H.
+enum class RevisionRule : std::uint8_t {
+  equal,                   ///< CiA 302-2
+  same_major_newer_minor,  ///< high words equal, low word at least the expected one [RJ71CN91]
+};
+
+struct MasterOptions {
+  /// Least pause between Reset communication all nodes and Start all nodes [ME3CAN1-Q G70].
+  can::Duration start_all_delay = std::chrono::milliseconds(500);
+  /// An SDO request of the start-up is given up after this [ME3CAN1-Q G71].
+  can::Duration sdo_time_out = std::chrono::milliseconds(500);
+  /// After a reset, a slave is first asked for 1000H when its boot-up message came or this is over.
+  can::Duration wait_after_reset = std::chrono::seconds(1);
+  /// Pause before a slave that did not answer is asked for 1000H again [ME3CAN1-Q 4.8.6].
+  can::Duration presence_retry = std::chrono::seconds(1);
+  /// A guarding remote frame of the start-up must be answered within this [ME3CAN1-Q 4.8.6].
+  can::Duration guarding_probe = std::chrono::milliseconds(100);
+  /// How long a slave that was reset in the middle of its boot may take to its boot-up message.
+  can::Duration boot_up_time_out = std::chrono::seconds(1);
+  /// Pause before an SDO channel that somebody else uses is tried again (MasterListener::sdo_channel_free).
+  can::Duration busy_retry = std::chrono::milliseconds(10);
+  /// The reset of a lost slave: 82H in the manuals of the modules, 81H in some other stacks.
+  canopen::NmtCommand error_reset = canopen::NmtCommand::reset_communication;
+  RevisionRule revision_rule = RevisionRule::equal;
+  /// Bits of 1F80H and of the configuration byte of 1F81H that exist; others are refused with 06090030H.
+  std::uint32_t start_up_bits = 0x7F;
+  std::uint8_t assignment_bits = 0x1D;
+  /// 1F82H or 1F83H written while this node is not the active master.
+  canopen::AbortCode not_master = canopen::AbortCode::device_state;
+  /// A guarding answer that was sent before a state change could take effect is not held against the slave
+  /// for this long after the NMT command.
+  can::Duration state_change_grace = std::chrono::milliseconds(50);
+};
+
+/// Why an error control event happened.
+enum class ErrorControlEvent : std::uint8_t {
+  heartbeat_lost,    ///< the consumer time of 1016H elapsed
+  node_lost,         ///< guarding: the node's life time elapsed
+  unexpected_state,  ///< guarding: the node is not in the state it was commanded to
+};
+
+/// Bits of NmtMaster::error_control(), as the modules' NMT error control status words have them
+/// [ME3CAN1-Q 3.5.15].
+namespace error_control {
+inline constexpr std::uint16_t guarding_active = 0x01;
+inline constexpr std::uint16_t heartbeat_active = 0x02;  ///< since the first heartbeat
+inline constexpr std::uint16_t guarding_miss = 0x04;     ///< an answer was missed or its toggle bit wrong
+inline constexpr std::uint16_t node_lost = 0x08;         ///< life time elapsed
+inline constexpr std::uint16_t start_up_failed = 0x10;
+inline constexpr std::uint16_t unexpected_state = 0x20;
+inline constexpr std::uint16_t life_guarding = 0x40;  ///< this node as slave misses its master's remote frame
+inline constexpr std::uint16_t heartbeat_missing = 0x80;
+inline constexpr std::uint16_t errors = 0xFC;  ///< all but the two that say what is running
+}  // namespace error_control
+
+/// NMT state of a node as 1F82H reads it.
+namespace node_state {
+inline constexpr std::uint8_t unknown = 0x00;
+inline constexpr std::uint8_t missing = 0x01;
+inline constexpr std::uint8_t stopped = 0x04;
+inline constexpr std::uint8_t operational = 0x05;
+inline constexpr std::uint8_t reset_communication = 0x07;  ///< own node only
+inline constexpr std::uint8_t pre_operational = 0x7F;
+}  // namespace node_state
+
+/// What the application around a master hears of it. Every function has an empty default. Functions of the
+/// master may be called from inside.
+class MasterListener {
+ public:
+  /// This node became the active NMT master, or is not any longer.
+  virtual void active_changed(bool /*active*/, can::Time) {}
+  /// The start-up of slaves is in progress, or has ended (NmtMaster::starting()).
+  virtual void starting_changed(bool /*starting*/, can::Time) {}
+  /// All mandatory slaves are booted, the slaves that are to be started were started.
+  virtual void start_up_finished(can::Time) {}
+  /// The start-up ended because of this mandatory slave, and is disabled until the next start().
+  virtual void start_up_halted(std::uint8_t /*node_id*/, BootError, can::Time) {}
+  virtual void slave_booted(std::uint8_t /*node_id*/, can::Time) {}
+  virtual void slave_failed(std::uint8_t /*node_id*/, BootError, can::Time) {}
+  virtual void error_control_event(std::uint8_t /*node_id*/, ErrorControlEvent, can::Time) {}
+  /// A node that had an error control event is heard again.
+  virtual void error_control_resolved(std::uint8_t /*node_id*/, can::Time) {}
+  /// NmtMaster::node_state(node_id) changed.
+  virtual void node_state_changed(std::uint8_t /*node_id*/, std::uint8_t /*state*/, can::Time) {}
+  /// NmtMaster::error_control(node_id) changed.
+  virtual void error_control_changed(std::uint8_t /*node_id*/, std::uint16_t /*bits*/, can::Time) {}
+  /// False while the application itself has an SDO transfer with this node on the default channel; the
+  /// start-up then tries again a little later.
+  virtual bool sdo_channel_free(std::uint8_t /*node_id*/) { return true; }
+
+ protected:
+  ~MasterListener() = default;
+};
+
+/// Where the configurations of the slaves come from [CiA 302-3].
+class ConfigurationSource {
+ public:
+  /// The concise DCF for this node, as 1F22H holds it; empty = none. The bytes must stay valid and unchanged
+  /// while NmtMaster::configuring(node_id).
+  virtual std::span<const std::uint8_t> concise_dcf(std::uint8_t node_id) = 0;
+
+ protected:
+  ~ConfigurationSource() = default;
+};
+
+}  // namespace canopus::manager
