@@ -1,0 +1,283 @@
+#include "canopus/link/candump_log.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+namespace canopus::link {
+namespace {
+
+constexpr char hex_digits[] = "0123456789ABCDEF";
+constexpr std::uint32_t error_frame_flag = 0x2000'0000;  // CAN_ERR_FLAG of linux/can.h
+constexpr std::int64_t nanoseconds_per_second = 1'000'000'000;
+
+constexpr bool is_blank(char c) noexcept { return c == ' ' || c == '\t'; }
+constexpr bool is_digit(char c) noexcept { return c >= '0' && c <= '9'; }
+
+constexpr std::optional<unsigned> hex_value(char c) noexcept {
+  if (is_digit(c)) return static_cast<unsigned>(c - '0');
+  if (c >= 'A' && c <= 'F') return static_cast<unsigned>(c - 'A' + 10);
+  if (c >= 'a' && c <= 'f') return static_cast<unsigned>(c - 'a' + 10);
+  return std::nullopt;
+}
+
+/// `number` in decimal with at least `width` digits.
+char* put_decimal(char* out, std::uint64_t number, int width) noexcept {
+  char digits[20];
+  const auto end = std::to_chars(digits, digits + sizeof digits, number).ptr;
+  for (auto missing = width - (end - digits); missing > 0; --missing) *out++ = '0';
+  return std::copy(digits, end, out);
+}
+
+/// The lowest `width` hexadecimal digits of `number`.
+char* put_hex(char* out, std::uint32_t number, int width) noexcept {
+  for (int digit = width - 1; digit >= 0; --digit) *out++ = hex_digits[number >> (4 * digit) & 0xFU];
+  return out;
+}
+
+/// One pass over a line. Every read either succeeds or says what was expected at the place where it stands.
+class Line {
+ public:
+  Line(std::string_view text, std::size_t number) : text_(text), number_(number) {}
+
+  std::expected<CandumpEntry, CandumpError> read() {
+    CandumpEntry entry;
+    skip_blanks();
+    if (!read_time(entry.time) || !read_channel(entry.channel)) return std::unexpected(error_);
+    const auto word_end = std::ranges::find_if(text_.substr(at_), is_blank);
+    const bool log_form = std::ranges::find(text_.begin() + position(), word_end, '#') != word_end;
+    if (log_form ? !read_log_frame(entry) : !read_screen_frame(entry)) return std::unexpected(error_);
+    return entry;
+  }
+
+ private:
+  [[nodiscard]] std::string_view::difference_type position() const {
+    return static_cast<std::string_view::difference_type>(at_);
+  }
+  [[nodiscard]] char peek(std::size_t ahead = 0) const {
+    return at_ + ahead < text_.size() ? text_[at_ + ahead] : '\0';
+  }
+  [[nodiscard]] bool at_end() const { return at_ >= text_.size(); }
+  void skip_blanks() {
+    while (!at_end() && is_blank(peek())) ++at_;
+  }
+  bool take(char c) {
+    if (at_end() || peek() != c) return false;
+    ++at_;
+    return true;
+  }
+  bool fail(std::string expected) { return fail_at(at_, std::move(expected)); }
+  bool fail_at(std::size_t at, std::string expected);
+
+  bool read_time(can::Time& time);
+  bool read_channel(std::string& channel);
+  bool read_identifier(CandumpEntry& entry);
+  bool read_byte(std::uint8_t& byte);
+  bool read_log_frame(CandumpEntry& entry);
+  bool read_log_remote(can::Frame& frame);
+  bool read_log_data(can::Frame& frame);
+  bool read_screen_frame(CandumpEntry& entry);
+
+  std::string_view text_;
+  std::size_t number_;
+  std::size_t at_ = 0;
+  CandumpError error_{};
+};
+
+bool Line::fail_at(std::size_t at, std::string expected) {
+  std::string found = "the end of the line";
+  if (at < text_.size()) {
+    const auto byte = static_cast<unsigned char>(text_[at]);
+    if (byte >= 0x20 && byte < 0x7F) {
+      found = {'\'', text_[at], '\''};
+    } else {
+      found = {'b', 'y', 't', 'e', ' ', hex_digits[byte >> 4], hex_digits[byte & 0xF], 'H'};
+    }
+  }
+  error_ = {.line = number_, .column = at + 1, .expected = std::move(expected), .found = std::move(found)};
+  return false;
+}
+
+bool Line::read_time(can::Time& time) {
+  if (!take('(')) return fail("'(' and a time in seconds");
+  const std::size_t start = at_;
+  std::int64_t whole = 0;
+  for (; is_digit(peek()); ++at_) {
+    whole = whole * 10 + (peek() - '0');
+    if (whole >= can::never.time_since_epoch().count() / nanoseconds_per_second) {
+      return fail_at(start, "a time below 9223372036 seconds");
+    }
+  }
+  if (at_ == start) return fail("a time in seconds");
+  if (!take('.')) return fail("'.' and a fraction of a second");
+  std::int64_t fraction = 0;
+  int digits = 0;
+  for (; is_digit(peek()); ++at_, ++digits) {
+    if (digits == 9) return fail("')' after at most 9 decimals");
+    fraction = fraction * 10 + (peek() - '0');
+  }
+  if (digits == 0) return fail("a decimal digit");
+  for (; digits < 9; ++digits) fraction *= 10;
+  if (!take(')')) return fail("')'");
+  time = can::Time(can::Duration(whole * nanoseconds_per_second + fraction));
+  return true;
+}
+
+bool Line::read_channel(std::string& channel) {
+  if (!is_blank(peek())) return fail("a blank");
+  skip_blanks();
+  const std::size_t start = at_;
+  while (!at_end() && !is_blank(peek())) ++at_;
+  if (at_ == start) return fail("the name of a channel");
+  channel = text_.substr(start, at_ - start);
+  skip_blanks();
+  return true;
+}
+
+bool Line::read_identifier(CandumpEntry& entry) {
+  const std::size_t start = at_;
+  std::uint32_t identifier = 0;
+  while (const auto digit = hex_value(peek())) {
+    if (at_ - start == 8) return fail("an identifier of 3 or 8 hexadecimal digits");
+    identifier = identifier << 4 | *digit;
+    ++at_;
+  }
+  const std::size_t digits = at_ - start;
+  if (digits == 0) return fail("an identifier in hexadecimal digits");
+  if (digits != 3 && digits != 8) return fail_at(start, "an identifier of 3 or 8 hexadecimal digits");
+  if (digits == 3 && identifier > can::max_base_identifier) return fail_at(start, "an identifier up to 7FF");
+  if (digits == 8 && identifier > can::max_extended_identifier) {
+    entry.error_frame = (identifier & ~can::max_extended_identifier) == error_frame_flag;
+    if (!entry.error_frame) return fail_at(start, "an identifier up to 1FFFFFFF");
+    identifier &= can::max_extended_identifier;
+  }
+  entry.frame.identifier = identifier;
+  entry.frame.extended = digits == 8;
+  return true;
+}
+
+bool Line::read_byte(std::uint8_t& byte) {
+  unsigned value = 0;
+  for (int digit = 0; digit < 2; ++digit, ++at_) {
+    const auto next = hex_value(peek());
+    if (!next) return fail("two hexadecimal digits for a byte");
+    value = value << 4 | *next;
+  }
+  byte = static_cast<std::uint8_t>(value);
+  return true;
+}
+
+bool Line::read_log_frame(CandumpEntry& entry) {
+  if (!read_identifier(entry)) return false;
+  if (!take('#')) return fail("'#'");
+  if (peek() == '#') return fail("the data of a classical frame ('##' begins a CAN FD frame)");
+  const bool remote = peek() == 'R' || peek() == 'r';
+  if (!(remote ? read_log_remote(entry.frame) : read_log_data(entry.frame))) return false;
+  // `candump -l -x` appends the direction
+  skip_blanks();
+  if (peek() == 'R' || peek() == 'T') ++at_;
+  skip_blanks();
+  return at_end() || fail("the end of the line");
+}
+
+bool Line::read_log_remote(can::Frame& frame) {
+  frame.remote = true;
+  ++at_;
+  if (at_end() || is_blank(peek())) return true;
+  const auto dlc = hex_value(peek());
+  if (!dlc || *dlc > 8) return fail("a length of 0 to 8");
+  frame.dlc = static_cast<std::uint8_t>(*dlc);
+  ++at_;
+  if (frame.dlc == 8 && take('_')) {
+    const auto raw = hex_value(peek());
+    if (!raw || *raw < 9) return fail("a raw DLC of 9 to F");
+    frame.dlc = static_cast<std::uint8_t>(*raw);
+    ++at_;
+  }
+  return at_end() || is_blank(peek()) || fail("the end of the frame");
+}
+
+bool Line::read_log_data(can::Frame& frame) {
+  while (!at_end() && !is_blank(peek()) && peek() != '_') {
+    if (frame.dlc == 8) return fail("at most 8 bytes");
+    if (!read_byte(frame.data[frame.dlc])) return false;
+    ++frame.dlc;
+    if (peek() == '.') ++at_;  // cansend's separator, which other tools leave in
+  }
+  if (!take('_')) return true;
+  const auto raw = hex_value(peek());
+  if (frame.dlc != 8 || !raw || *raw < 9) return fail("a raw DLC of 9 to F after 8 bytes");
+  frame.dlc = static_cast<std::uint8_t>(*raw);
+  ++at_;
+  return at_end() || is_blank(peek()) || fail("the end of the frame");
+}
+
+bool Line::read_screen_frame(CandumpEntry& entry) {
+  if (!read_identifier(entry)) return false;
+  skip_blanks();
+  if (!take('[')) return fail("'#', or '[' and a length");
+  if (peek() < '0' || peek() > '8') return fail("a length of 0 to 8");
+  can::Frame& frame = entry.frame;
+  frame.dlc = static_cast<std::uint8_t>(peek() - '0');
+  ++at_;
+  if (!take(']')) return fail("']'");
+  skip_blanks();
+  constexpr std::string_view remote_request = "remote request";
+  if (text_.substr(at_).starts_with(remote_request)) {
+    frame.remote = true;
+    return true;
+  }
+  for (std::size_t byte = 0; byte < frame.dlc; ++byte) {
+    if (byte > 0 && !is_blank(peek())) return fail("a blank and another byte");
+    skip_blanks();
+    if (!read_byte(frame.data[byte])) return false;
+  }
+  // What follows is the ASCII column, and what people write behind it.
+  return at_end() || is_blank(peek()) || fail("a blank or the end of the line");
+}
+
+}  // namespace
+
+std::size_t write_candump_line(std::span<char> out, std::string_view channel, const can::Frame& frame,
+                               can::Time time) noexcept {
+  const auto microseconds = static_cast<std::uint64_t>(std::max<std::int64_t>(
+      0, std::chrono::floor<std::chrono::microseconds>(time.time_since_epoch()).count()));
+  char* p = out.data();
+  *p++ = '(';
+  p = put_decimal(p, microseconds / 1'000'000, 10);
+  *p++ = '.';
+  p = put_decimal(p, microseconds % 1'000'000, 6);
+  *p++ = ')';
+  *p++ = ' ';
+  if (channel.empty()) channel = "_";
+  for (const char c : channel.substr(0, candump_max_channel)) *p++ = c > ' ' && c < 0x7F ? c : '_';
+  *p++ = ' ';
+  p = put_hex(p, frame.identifier, frame.extended ? 8 : 3);
+  *p++ = '#';
+  const unsigned length = std::min<unsigned>(frame.dlc, 8);
+  if (frame.remote) {
+    *p++ = 'R';
+    if (length > 0) *p++ = hex_digits[length];
+  }
+  for (const std::uint8_t byte : frame.bytes()) p = put_hex(p, byte, 2);
+  if (frame.dlc > 8) {
+    *p++ = '_';
+    *p++ = hex_digits[frame.dlc & 0xF];
+  }
+  *p++ = '\n';
+  return static_cast<std::size_t>(p - out.data());
+}
+
+std::string CandumpError::message() const {
+  return std::to_string(line) + ':' + std::to_string(column) + ": expected " + expected + ", found " + found;
+}
+
+std::expected<CandumpEntry, CandumpError> read_candump_line(std::string_view line, std::size_t number) {
+  while (line.ends_with('\n') || line.ends_with('\r')) line.remove_suffix(1);
+  return Line(line, number).read();
+}
+
+}  // namespace canopus::link

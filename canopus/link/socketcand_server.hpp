@@ -1,0 +1,85 @@
+#pragma once
+// Opens a bus to other processes: a TCP server that speaks socketcand (see socketcand_session.hpp) to several
+// clients. Each client is a node of its own on the bus, so its frames go through arbitration, and it hears
+// the other clients' frames but not its own.
+//
+// A client that does not read cannot hold up the bus: its messages wait in a queue of fixed size, frames that
+// find it full are lost and counted, the client is told how many when there is room again, and too many cost
+// it the connection. A client that sends faster than the bus is not read until the bus has room.
+//
+// Everything runs on the thread of the io_context, which is the thread of the bus.
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+
+#include "canopus/can/controller.hpp"
+#include "canopus/link/loop_clock.hpp"
+
+namespace canopus::link {
+
+/// One client's place on the bus: takes its frames. Destroying it takes the client off the bus: its
+/// Participant is not called any more, and frames it has queued are not sent.
+class BusAttachment : public can::Sink {
+ public:
+  virtual ~BusAttachment() = default;
+  /// The client's deadline changed (Timeline::refresh).
+  virtual void refresh() = 0;
+};
+
+/// Puts a participant on the bus. It lives until its attachment is destroyed. Null: the bus takes no more.
+using AttachToBus = std::function<std::unique_ptr<BusAttachment>(can::Participant& client)>;
+
+struct SocketcandLimits {
+  std::size_t clients = 32;          ///< connections at a time; one more is told so and closed
+  std::size_t queue = 2048;          ///< messages that wait for one client's socket, at least 8
+  std::uint64_t lost_frames = 8192;  ///< frames in a row lost to a full queue until the client is closed
+  /// Run time between the answer to `rawmode` and the first frame: the python-can client takes whatever one
+  /// recv() returns for the answer, so nothing may follow it closely.
+  can::Duration settle = std::chrono::milliseconds(20);
+  /// Run time that a closed connection may take to get its last messages and frames out.
+  can::Duration linger = std::chrono::seconds(1);
+};
+
+struct SocketcandStatistics {
+  std::size_t clients = 0;                ///< connected now
+  std::uint64_t connections = 0;          ///< accepted so far, those over the limit included
+  std::uint64_t frames_to_clients = 0;    ///< queued for a client
+  std::uint64_t frames_from_clients = 0;  ///< taken by the bus
+  std::uint64_t frames_lost = 0;          ///< not queued because the client was too slow
+  std::uint64_t clients_too_slow = 0;     ///< closed for it
+};
+
+class SocketcandServer {
+ public:
+  /// Nothing happens before listen(). `clock` and the io_context outlive the server; `attach` is called for
+  /// each client that connects.
+  SocketcandServer(boost::asio::io_context& io, const boost::asio::ip::tcp::endpoint& endpoint,
+                   std::string bus_name, AttachToBus attach, LoopClock& clock, SocketcandLimits limits = {});
+  /// close()
+  ~SocketcandServer();
+  SocketcandServer(const SocketcandServer&) = delete;
+  SocketcandServer& operator=(const SocketcandServer&) = delete;
+
+  /// Starts to accept. Error: `cannot listen on 127.0.0.1:29536: Address already in use`.
+  [[nodiscard]] std::expected<void, std::string> listen();
+  /// The port it listens on (the one the system chose when the endpoint's is 0); 0 before listen().
+  [[nodiscard]] std::uint16_t port() const noexcept;
+  [[nodiscard]] SocketcandStatistics statistics() const noexcept;
+  /// Ends all connections and takes the clients off the bus. Not to be called from a bus callback.
+  void close();
+
+ private:
+  class Client;
+  struct Shared;
+  std::shared_ptr<Shared> shared_;  // handlers may outlive the server by one round of the loop
+};
+
+}  // namespace canopus::link

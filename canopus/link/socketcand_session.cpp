@@ -1,0 +1,177 @@
+#include "canopus/link/socketcand_session.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <utility>
+
+namespace canopus::link {
+namespace {
+
+constexpr bool is_blank(char c) noexcept { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+
+/// Takes the next word off the front of `text`; empty when there is none.
+std::string_view take_word(std::string_view& text) noexcept {
+  const auto start = std::ranges::find_if_not(text, is_blank);
+  const auto end = std::find_if(start, text.end(), is_blank);
+  const std::string_view word(start, end);
+  text = std::string_view(end, text.end());
+  return word;
+}
+
+/// The whole word as a number without sign or prefix.
+std::optional<std::uint32_t> number(std::string_view word, int base) noexcept {
+  std::uint32_t value = 0;
+  const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value, base);
+  if (failure != std::errc{} || end != word.data() + word.size()) return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
+std::size_t write_socketcand_frame(std::span<char, socketcand_max_message> out, const can::Frame& frame,
+                                   can::Time time) noexcept {
+  constexpr char hex_digits[] = "0123456789ABCDEF";
+  const auto microseconds = static_cast<std::uint64_t>(std::max<std::int64_t>(
+      0, std::chrono::floor<std::chrono::microseconds>(time.time_since_epoch()).count()));
+  constexpr std::string_view start = "< frame ";
+  char* p = std::ranges::copy(start, out.data()).out;
+  for (int digit = frame.extended ? 7 : 2; digit >= 0; --digit) {
+    *p++ = hex_digits[frame.identifier >> (4 * digit) & 0xFU];
+  }
+  *p++ = ' ';
+  p = std::to_chars(p, p + 20, microseconds / 1'000'000).ptr;
+  *p++ = '.';
+  for (std::uint64_t unit = 100'000, rest = microseconds % 1'000'000; unit > 0; unit /= 10) {
+    *p++ = static_cast<char>('0' + rest / unit % 10);
+  }
+  *p++ = ' ';
+  for (const std::uint8_t byte : frame.bytes()) {
+    *p++ = hex_digits[byte >> 4];
+    *p++ = hex_digits[byte & 0xF];
+  }
+  *p++ = ' ';
+  *p++ = '>';
+  return static_cast<std::size_t>(p - out.data());
+}
+
+SocketcandSession::SocketcandSession(std::string bus_name, can::Sink& bus, Peer& peer)
+    : bus_name_(std::move(bus_name)), bus_(bus), peer_(peer) {}
+
+void SocketcandSession::start() { peer_.message("< hi >"); }
+
+void SocketcandSession::receive(std::string_view bytes) {
+  if (state_ == State::closed) return;
+  input_.append(bytes);
+  read_input();
+}
+
+void SocketcandSession::resume() {
+  if (!refused_ || state_ == State::closed) return;
+  if (!bus_.send(*refused_)) return;
+  refused_.reset();
+  read_input();
+}
+
+void SocketcandSession::read_input() {
+  std::size_t used = 0;
+  while (!refused_ && state_ != State::closed) {
+    used = static_cast<std::size_t>(
+        std::find_if_not(input_.begin() + static_cast<std::ptrdiff_t>(used), input_.end(), is_blank) -
+        input_.begin());
+    if (used == input_.size()) break;
+    if (input_[used] != '<') {
+      close_with("< error expected an element in angle brackets >");
+      break;
+    }
+    const std::size_t end = input_.find_first_of("<>", used + 1);
+    if (std::min(end, input_.size()) - used >= socketcand_max_element) {
+      close_with("< error element longer than 128 characters >");
+      break;
+    }
+    if (end == std::string::npos) break;  // the rest of the element is still to come
+    if (input_[end] == '<') {
+      error("expected a closing bracket, found another opening one");
+      used = end;
+      continue;
+    }
+    const std::string_view text(input_.data() + used + 1, end - used - 1);
+    used = end + 1;
+    element(text);
+  }
+  if (state_ == State::closed) {
+    input_.clear();
+  } else {
+    input_.erase(0, used);
+  }
+}
+
+void SocketcandSession::element(std::string_view text) {
+  const std::string_view command = take_word(text);
+  std::string_view rest = text;
+  const bool alone = take_word(rest).empty();
+  switch (state_) {
+    case State::no_bus:
+      if (command != "open") return error("unknown command, expected open");
+      if (take_word(text) != bus_name_ || !take_word(text).empty()) {
+        return close_with("< error could not open bus >");
+      }
+      state_ = State::quiet;
+      return peer_.message("< ok >");
+    case State::quiet:
+    case State::raw:
+      if (command == "send") return send(text, false);
+      if (command == "sendrtr") return send(text, true);
+      if (command == "echo" && alone) return peer_.message("< echo >");
+      if (command == "rawmode" && alone) {
+        state_ = State::raw;
+        return peer_.message("< ok >");
+      }
+      if (command == "bcmmode" && alone) {
+        state_ = State::quiet;
+        return peer_.message("< ok >");
+      }
+      return error("unknown command");
+    case State::closed: return;
+  }
+}
+
+void SocketcandSession::send(std::string_view arguments, bool remote) {
+  can::Frame frame{.remote = remote};
+  const std::string_view identifier_word = take_word(arguments);
+  const auto identifier = number(identifier_word, 16);
+  if (!identifier) return error("send: expected an identifier in hexadecimal digits");
+  frame.extended = identifier_word.size() == 8;
+  if (*identifier > (frame.extended ? can::max_extended_identifier : can::max_base_identifier)) {
+    return error("send: expected an identifier up to 7FF, or of 8 digits up to 1FFFFFFF");
+  }
+  frame.identifier = *identifier;
+
+  const auto length = number(take_word(arguments), 10);
+  if (!length || *length > 8) return error("send: expected a length of 0 to 8");
+  frame.dlc = static_cast<std::uint8_t>(*length);
+
+  for (std::uint8_t& byte : std::span(frame.data).first(frame.length())) {
+    const auto value = number(take_word(arguments), 16);
+    if (!value || *value > 0xFF) return error("send: expected as many bytes as the length says, 0 to FF");
+    byte = static_cast<std::uint8_t>(*value);
+  }
+  if (!take_word(arguments).empty()) return error("send: expected no more bytes than the length says");
+  if (!bus_.send(frame)) refused_ = frame;
+}
+
+void SocketcandSession::error(std::string_view text) {
+  std::array<char, socketcand_max_message> message;
+  char* p = std::ranges::copy(std::string_view("< error "), message.data()).out;
+  p = std::ranges::copy(text.substr(0, message.size() - 10), p).out;
+  p = std::ranges::copy(std::string_view(" >"), p).out;
+  peer_.message({message.data(), p});
+}
+
+void SocketcandSession::close_with(std::string_view text) {
+  peer_.message(text);
+  state_ = State::closed;
+}
+
+}  // namespace canopus::link

@@ -1,0 +1,93 @@
+#pragma once
+// One client's conversation in the socketcand protocol, without the socket. Both sides send elements, text
+// between '<' and '>', words separated by blanks, with nothing between the elements:
+//
+//   server: < hi >            client: < open line1 >     server: < ok >      the bus's name, or an error and
+//                                                                            the end of the connection
+//                             client: < rawmode >        server: < ok >      from now on every frame of the
+//                             bus:
+//   server: < frame 581 12.000345 4318100101000000 >                         %03X or %08X = extended
+//   identifier
+//                             client: < send 601 8 40 18 10 1 0 0 0 0 >      8 digits = extended identifier
+//                             client: < sendrtr 705 1 >                      a remote frame
+//                             client: < echo >           server: < echo >
+//                             client: < bcmmode >        server: < ok >      frames stop
+//
+// What is not understood gets `< error ... >`; after garbage outside of elements, or an element without end,
+// the connection is closed. As in socketcand's raw mode a client does not hear the frames it sent itself,
+// and remote frames are not passed on to it. The broadcast manager commands (add, update, subscribe, filter)
+// and ISO-TP mode are not offered.
+// [socketcand doc/protocol.md]
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "canopus/can/controller.hpp"
+#include "canopus/can/frame.hpp"
+#include "canopus/can/time.hpp"
+
+namespace canopus::link {
+
+/// Longest message a session or write_socketcand_frame() produces, in characters.
+inline constexpr std::size_t socketcand_max_message = 96;
+/// Longest element a client may send, brackets included.
+inline constexpr std::size_t socketcand_max_element = 128;
+
+/// Writes `< frame ... >` and returns its length. Time is written in seconds with six decimals, cut.
+std::size_t write_socketcand_frame(std::span<char, socketcand_max_message> out, const can::Frame& frame,
+                                   can::Time time) noexcept;
+
+class SocketcandSession {
+ public:
+  /// The connection, as its session sees it.
+  class Peer {
+   public:
+    /// Sends a message of at most socketcand_max_message characters. Some clients compare the answer of one
+    /// recv() with the whole message: each goes out as a segment of its own.
+    virtual void message(std::string_view text) = 0;
+
+   protected:
+    ~Peer() = default;
+  };
+
+  enum class State : std::uint8_t {
+    no_bus,  ///< greeted, waits for `open`
+    quiet,   ///< bus open, frames of the bus are not wanted
+    raw,     ///< every frame of the bus is wanted
+    closed,  ///< the connection is to be closed once the messages so far are sent
+  };
+
+  /// `bus_name` is the only name that `open` accepts. `bus` takes the client's frames.
+  SocketcandSession(std::string bus_name, can::Sink& bus, Peer& peer);
+
+  /// The connection is there: says `< hi >`.
+  void start();
+  /// Bytes came from the client, cut anywhere.
+  void receive(std::string_view bytes);
+  /// The bus may have room again: goes on where a frame was refused.
+  void resume();
+  /// The bus refused a frame. No bytes are to be read from the client until resume() ended this, so that a
+  /// client that sends faster than the bus is slowed down by TCP and loses nothing.
+  [[nodiscard]] bool waiting() const noexcept { return refused_.has_value(); }
+  [[nodiscard]] State state() const noexcept { return state_; }
+
+ private:
+  void read_input();
+  void element(std::string_view text);
+  void send(std::string_view arguments, bool remote);
+  void error(std::string_view text);
+  void close_with(std::string_view text);
+
+  std::string bus_name_;
+  can::Sink& bus_;
+  Peer& peer_;
+  State state_ = State::no_bus;
+  std::string input_;                  // not yet understood
+  std::optional<can::Frame> refused_;  // waits for the bus
+};
+
+}  // namespace canopus::link
