@@ -8,6 +8,7 @@
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
 
 #include "canopus/link/socketcand_session.hpp"
@@ -27,10 +28,12 @@ struct SocketcandServer::Shared : std::enable_shared_from_this<Shared> {
         attach(std::move(attach_to_bus)),
         clock(loop),
         limits(given),
-        acceptor(context) {}
+        acceptor(context),
+        pause(context) {}
 
   void accept();
   void admit(tcp::socket socket);
+  static void refuse(tcp::socket& socket);
   void remove(const Client* client);
 
   asio::io_context& io;
@@ -40,6 +43,7 @@ struct SocketcandServer::Shared : std::enable_shared_from_this<Shared> {
   LoopClock& clock;
   SocketcandLimits limits;
   tcp::acceptor acceptor;
+  asio::steady_timer pause;
   std::vector<std::shared_ptr<Client>> clients;
   SocketcandStatistics statistics;
 };
@@ -64,6 +68,8 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
     return attachment_ != nullptr;
   }
 
+  [[nodiscard]] tcp::socket& socket() { return socket_; }
+
   void start() {
     session_.start();
     read();
@@ -81,11 +87,11 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
 
   // can::Participant
   void receive(const can::Frame& frame, can::Time now) override;
-  void transmitted(const can::Frame& /*frame*/, can::Time /*now*/) override {
+  void transmitted(const can::Frame& /*frame*/, can::Time now) override {
     if (on_the_way_ > 0) --on_the_way_;
-    bus_has_room();
+    bus_has_room(now);
   }
-  void controller_changed(can::Time /*now*/) override { bus_has_room(); }
+  void controller_changed(can::Time now) override { bus_has_room(now); }
   void tick(can::Time now) override;
   [[nodiscard]] can::Time deadline() const noexcept override { return std::min(hold_until_, close_at_); }
 
@@ -110,7 +116,8 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
   void write_next();
   Message* claim_slot(std::size_t reserve);
   void report_lost();
-  void bus_has_room();
+  void bus_has_room(can::Time now);
+  void after_input(SocketcandSession::State before, can::Time now);
   void end_soon();
   void leave_later();
   [[nodiscard]] bool ending() const {
@@ -139,7 +146,6 @@ void SocketcandServer::Client::read() {
   reading_ = true;
   socket_.async_read_some(asio::buffer(input_),
                           [self = shared_from_this()](const error_code& failure, std::size_t size) {
-                            self->reading_ = false;
                             self->on_read(failure, size);
                           });
 }
@@ -147,24 +153,31 @@ void SocketcandServer::Client::read() {
 void SocketcandServer::Client::on_read(const error_code& failure, std::size_t size) {
   if (server_ == nullptr) return;
   const can::Time now = server_->clock.now();
+  reading_ = false;
+  const auto before = session_.state();
   if (failure) {
     ending_ = true;  // it has closed: nothing to answer, but its last frames are still to go out
     queued_ = std::min<std::size_t>(queued_, writing_ ? 1 : 0);
     if (on_the_way_ == 0 || failure != asio::error::eof) return leave();
   } else {
-    const auto before = session_.state();
     session_.receive({input_.data(), size});
-    if (before != SocketcandSession::State::raw && session_.state() == SocketcandSession::State::raw) {
-      hold_until_ = can::later(now, server_->limits.settle);
-    }
+  }
+  after_input(before, now);
+  attachment_->refresh();
+  server_->clock.touched();
+}
+
+/// What the session made of its input decides what the connection does next.
+void SocketcandServer::Client::after_input(SocketcandSession::State before, can::Time now) {
+  using State = SocketcandSession::State;
+  if (before != State::raw && session_.state() == State::raw) {
+    hold_until_ = can::later(now, server_->limits.settle);
   }
   if (ending()) {
-    close_at_ = can::later(now, server_->limits.linger);
+    if (close_at_ == can::never) close_at_ = can::later(now, server_->limits.linger);
     end_soon();
   }
   read();
-  attachment_->refresh();
-  server_->clock.touched();
 }
 
 void SocketcandServer::Client::receive(const can::Frame& frame, can::Time now) {
@@ -173,7 +186,7 @@ void SocketcandServer::Client::receive(const can::Frame& frame, can::Time now) {
     return;
   }
   report_lost();
-  Message* slot = claim_slot(reserved_for_answers);
+  Message* slot = lost_ == 0 ? claim_slot(reserved_for_answers) : nullptr;
   if (slot == nullptr) {
     ++server_->statistics.frames_lost;
     if (++lost_ == server_->limits.lost_frames) {
@@ -206,13 +219,11 @@ bool SocketcandServer::Client::send(const can::Frame& frame) {
   return true;
 }
 
-void SocketcandServer::Client::bus_has_room() {
+void SocketcandServer::Client::bus_has_room(can::Time now) {
   if (server_ == nullptr) return;
-  if (session_.waiting()) {
-    session_.resume();
-    read();
-  }
-  if (ending()) end_soon();
+  const auto before = session_.state();
+  session_.resume();
+  after_input(before, now);
 }
 
 /// The next free slot of the queue, if `reserve` more would still be free.
@@ -221,9 +232,9 @@ SocketcandServer::Client::Message* SocketcandServer::Client::claim_slot(std::siz
   return &queue_[(front_ + queued_++) % queue_.size()];
 }
 
-/// Tells a client that was too slow what it missed, as soon as it reads again.
+/// Tells a client that was too slow what it missed, once it has read half of what waits for it.
 void SocketcandServer::Client::report_lost() {
-  if (lost_ == 0 || queued_ + reserved_for_answers + 2 >= queue_.size()) return;
+  if (lost_ == 0 || queued_ > queue_.size() / 2) return;
   const std::string text = "< error lost " + std::to_string(lost_) + " frames, read faster >";
   lost_ = 0;
   message(text);
@@ -277,8 +288,15 @@ void SocketcandServer::Client::leave_later() {
 void SocketcandServer::Shared::accept() {
   acceptor.async_accept([self = shared_from_this()](const error_code& failure, tcp::socket socket) {
     if (!self->acceptor.is_open()) return;
-    if (!failure) self->admit(std::move(socket));
-    self->accept();
+    if (!failure) {
+      self->admit(std::move(socket));
+      return self->accept();
+    }
+    // Most likely no file descriptor is left: trying again at once would only burn the processor.
+    self->pause.expires_after(std::chrono::milliseconds(100));
+    self->pause.async_wait([self](const error_code&) {
+      if (self->acceptor.is_open()) self->accept();
+    });
   });
 }
 
@@ -286,15 +304,18 @@ void SocketcandServer::Shared::admit(tcp::socket socket) {
   ++statistics.connections;
   error_code ignored;
   socket.set_option(tcp::no_delay(true), ignored);
-  if (clients.size() >= limits.clients) {
-    constexpr std::string_view text = "< error too many clients >";
-    socket.write_some(asio::buffer(text), ignored);
-    return;
-  }
-  auto client = std::make_shared<Client>(*this, std::move(socket));
-  if (!client->attach()) return;
+  if (clients.size() >= limits.clients) return refuse(socket);
+  const auto client = std::make_shared<Client>(*this, std::move(socket));
+  if (!client->attach()) return refuse(client->socket());
   clients.push_back(client);
   client->start();
+}
+
+void SocketcandServer::Shared::refuse(tcp::socket& socket) {
+  constexpr std::string_view text = "< error too many clients >";
+  error_code ignored;
+  socket.write_some(asio::buffer(text), ignored);
+  socket.close(ignored);
 }
 
 void SocketcandServer::Shared::remove(const Client* client) {
@@ -340,6 +361,7 @@ SocketcandStatistics SocketcandServer::statistics() const noexcept {
 void SocketcandServer::close() {
   error_code ignored;
   shared_->acceptor.close(ignored);
+  shared_->pause.cancel();
   const auto clients = shared_->clients;  // leave() takes each off the list
   for (const auto& client : clients) client->leave();
 }

@@ -141,7 +141,9 @@ void SocketcandSession::send(std::string_view arguments, bool remote) {
   can::Frame frame{.remote = remote};
   const std::string_view identifier_word = take_word(arguments);
   const auto identifier = number(identifier_word, 16);
-  if (!identifier) return error("send: expected an identifier in hexadecimal digits");
+  if (!identifier || identifier_word.size() > 8) {
+    return error("send: expected an identifier of 1 to 8 hexadecimal digits");
+  }
   frame.extended = identifier_word.size() == 8;
   if (*identifier > (frame.extended ? can::max_extended_identifier : can::max_base_identifier)) {
     return error("send: expected an identifier up to 7FF, or of 8 digits up to 1FFFFFFF");
