@@ -1,0 +1,52 @@
+#pragma once
+// Data exchange between the PLC's process data words and the network variables of the object dictionary (CiA
+// 405). Received values gather in a block of their own, written by RPDOs and SDOs as they come; the PLC sees
+// them when it asks for an exchange. What the PLC wants sent is taken in the same moment, and only into
+// objects that a TPDO maps [ME3CAN1-Q 3.5.1, 3.5.19].
+
+#include <cstdint>
+#include <vector>
+
+#include "canopus/canopen/object_dictionary.hpp"
+#include "canopus/module/buffer_memory.hpp"
+
+namespace canopus::module {
+
+struct DataExchangeLayout {
+  BufferAddress receive_first = 0;   ///< RPDO data
+  BufferAddress transmit_first = 0;  ///< TPDO data
+  std::uint16_t words = 0;           ///< each way
+  std::uint16_t pdos = 0;            ///< RPDOs, and TPDOs
+};
+
+class DataExchange final : public canopen::ObjectHandler {
+ public:
+  DataExchange(const DataExchangeLayout& layout, BufferMemory& memory)
+      : layout_(layout), memory_(&memory), received_(layout.words * 2U), to_send_(layout.words * 2U) {}
+
+  /// Hears SDO writes to the output variables from now on.
+  void attach(canopen::ObjectDictionary& dictionary) { dictionary.attach(0xA480, 0xA6FF, *this); }
+
+  /// An RPDO put values into its mapped objects: they become the latest received data.
+  void rpdo_received(const canopen::ObjectDictionary& dictionary, std::uint16_t number);
+  /// Takes what the PLC has written now; exchange() will use it.
+  void snapshot();
+  /// Words to send into the mapped objects, received data into the words.
+  void exchange(canopen::ObjectDictionary& dictionary);
+  /// As from power-on.
+  void reset();
+
+  // Output variables written by SDO.
+  void after_write(canopen::ObjectDictionary& dictionary, const canopen::Entry& entry,
+                   can::Time now) override;
+
+ private:
+  void take(const canopen::ObjectDictionary& dictionary, std::uint16_t index, std::uint8_t sub);
+
+  DataExchangeLayout layout_;
+  BufferMemory* memory_;
+  std::vector<std::uint8_t> received_;
+  std::vector<std::uint8_t> to_send_;
+};
+
+}  // namespace canopus::module

@@ -1,0 +1,36 @@
+#include "canopus/module/emergency_buffer.hpp"
+
+#include <algorithm>
+
+namespace canopus::module {
+
+void EmergencyBuffer::record(const canopen::Emergency& message) {
+  if (hold_clear_) return;
+  if (messages_.size() == stack_ + ring_) {
+    messages_.erase(messages_.begin() + static_cast<std::ptrdiff_t>(stack_));  // the ring's oldest
+  }
+  messages_.push_back(message);
+}
+
+void EmergencyBuffer::refresh() {
+  std::ranges::fill(words_, std::uint16_t{0});
+  auto word = words_.begin();
+  const auto pair = [](std::uint8_t high, std::uint8_t low) {
+    return static_cast<std::uint16_t>(high << 8 | low);
+  };
+  for (const canopen::Emergency& message : messages_) {
+    const auto& bytes = message.manufacturer;
+    *word++ = message.node_id;
+    *word++ = message.code;
+    *word++ = pair(bytes[0], message.error_register);
+    *word++ = pair(bytes[2], bytes[1]);
+    *word++ = pair(bytes[4], bytes[3]);
+  }
+}
+
+void EmergencyBuffer::clear() {
+  messages_.clear();
+  std::ranges::fill(words_, std::uint16_t{0});
+}
+
+}  // namespace canopus::module

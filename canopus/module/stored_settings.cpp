@@ -1,0 +1,75 @@
+#include "canopus/module/stored_settings.hpp"
+
+namespace canopus::module {
+
+namespace {
+
+void put16(std::vector<std::uint8_t>& bytes, std::size_t value) {
+  bytes.push_back(static_cast<std::uint8_t>(value & 0xFF));
+  bytes.push_back(static_cast<std::uint8_t>(value >> 8 & 0xFF));
+}
+
+std::uint16_t get16(std::span<const std::uint8_t> bytes) {
+  return static_cast<std::uint16_t>(bytes[0] | bytes[1] << 8);
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> encode_words(const StoredWords& words) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(words.size() * 4);
+  for (const auto& [address, value] : words) {
+    put16(bytes, address);
+    put16(bytes, value);
+  }
+  return bytes;
+}
+
+std::optional<StoredWords> decode_words(std::span<const std::uint8_t> bytes) {
+  if (bytes.size() % 4 != 0) return std::nullopt;
+  StoredWords words;
+  for (; !bytes.empty(); bytes = bytes.subspan(4)) words[get16(bytes)] = get16(bytes.subspan(2));
+  return words;
+}
+
+std::vector<std::uint8_t> encode_objects(const canopen::ObjectDictionary& dictionary) {
+  std::vector<std::uint8_t> bytes;
+  const canopen::DictionaryDescription& description = dictionary.description();
+  for (const canopen::ObjectDescription& object : description.objects()) {
+    for (unsigned sub = 0; sub <= object.highest_sub; ++sub) {
+      const canopen::Entry entry = description.find(object, static_cast<std::uint8_t>(sub));
+      if (!entry || !entry.description->stored) continue;
+      append_object(bytes, object.index, static_cast<std::uint8_t>(sub), dictionary.bytes(entry));
+    }
+  }
+  return bytes;
+}
+
+void append_object(std::vector<std::uint8_t>& bytes, std::uint16_t index, std::uint8_t sub,
+                   std::span<const std::uint8_t> value) {
+  put16(bytes, index);
+  bytes.push_back(sub);
+  put16(bytes, value.size());
+  bytes.insert(bytes.end(), value.begin(), value.end());
+}
+
+bool apply_objects(std::span<const std::uint8_t> bytes, canopen::ObjectDictionary& dictionary) {
+  while (!bytes.empty()) {
+    if (bytes.size() < 5) return false;
+    const std::uint16_t index = get16(bytes);
+    const std::uint8_t sub = bytes[2];
+    const std::size_t length = get16(bytes.subspan(3));
+    bytes = bytes.subspan(5);
+    if (bytes.size() < length) return false;
+    const canopen::Entry entry = dictionary.description().find(index, sub);
+    if (entry) {
+      const std::uint8_t fixed = entry.description->length;
+      if (fixed != 0 && fixed != length) return false;
+      dictionary.assign(entry, bytes.first(length));
+    }
+    bytes = bytes.subspan(length);
+  }
+  return true;
+}
+
+}  // namespace canopus::module
