@@ -68,7 +68,7 @@ struct DeviceSection {
   Place eds_place{};
   std::string bus{};
   std::string name{};
-  std::string eds{};        ///< path, relative to the plant file
+  std::string eds{};      ///< path, relative to the plant file
   std::uint8_t node = 0;  ///< 1..127; 0 = from the DCF
   can::Duration start{};  ///< powers up this long after the run's start
   std::vector<ObjectSetting> objects{};
@@ -82,7 +82,7 @@ struct SlaveSection {
   bool mandatory = true;
   struct Link {
     Place place{};
-    std::uint16_t pdo = 1;                 ///< PDO number of the slave, from 1
+    std::uint16_t pdo = 1;                   ///< PDO number of the slave, from 1
     std::optional<std::uint32_t> address{};  ///< first buffer memory word; none = the next free one
   };
   std::vector<Link> receive{};  ///< TPDOs of the slave into the module's receive words

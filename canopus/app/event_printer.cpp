@@ -1,0 +1,198 @@
+#include "canopus/app/event_printer.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace canopus::app {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Microseconds are what a trace has; more digits would only be noise.
+double rounded_seconds(can::Time time) {
+  return static_cast<double>(time.time_since_epoch() / std::chrono::microseconds(1)) / 1e6;
+}
+
+Json event(can::Time now, std::string_view kind) { return {{"t", rounded_seconds(now)}, {"event", kind}}; }
+
+Json node_event(can::Time now, std::string_view kind, const NodePlate& node) {
+  Json line = event(now, kind);
+  line["bus"] = node.bus;
+  line["node"] = node.node_id;
+  if (!node.name.empty()) line["name"] = node.name;
+  return line;
+}
+
+void print(std::FILE* out, const Json& line) {
+  const std::string text = line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  std::fwrite(text.data(), 1, text.size(), out);
+  std::fflush(out);
+}
+
+std::string hexadecimal(const canopen::Emergency& message) {
+  std::string text;
+  for (const std::uint8_t byte : message.manufacturer) text += fmt::format("{:02X}", byte);
+  return text;
+}
+
+}  // namespace
+
+void JsonPrinter::listening(std::string_view protocol, std::string_view of, std::string_view address) {
+  Json line = event(can::Time{}, "listen");
+  line["protocol"] = protocol;
+  line["of"] = of;
+  line["address"] = address;
+  print(out_, line);
+}
+
+void JsonPrinter::booted(const NodePlate& node, can::Time now) { print(out_, node_event(now, "boot", node)); }
+
+void JsonPrinter::nmt_state_changed(const NodePlate& node, canopen::NmtState state, can::Time now) {
+  Json line = node_event(now, "nmt", node);
+  line["state"] = canopen::name(state);
+  print(out_, line);
+}
+
+void JsonPrinter::emergency(const NodePlate& node, const canopen::Emergency& message, can::Time now) {
+  Json line = node_event(now, "emcy", node);
+  line["code"] = fmt::format("{:04X}", message.code);
+  line["register"] = message.error_register;
+  line["data"] = hexadecimal(message);
+  print(out_, line);
+}
+
+void JsonPrinter::signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) {
+  Json line = event(now, "signal");
+  line["plc"] = plc;
+  line["signal"] = fmt::format("{}{:02X}", kind, number);
+  line["on"] = on;
+  print(out_, line);
+}
+
+void JsonPrinter::buffer_changed(std::string_view plc, unsigned head, std::uint32_t address,
+                                 std::uint16_t value, bool by_cpu, can::Time now) {
+  Json line = event(now, "buffer");
+  line["plc"] = plc;
+  line["module"] = fmt::format("U{:X}", head / 16);
+  line["address"] = address;
+  line["value"] = value;
+  line["by"] = by_cpu ? "cpu" : "module";
+  print(out_, line);
+}
+
+void JsonPrinter::load(std::string_view bus, const sim::BusLoad& load, can::Time now) {
+  Json line = event(now, "load");
+  line["bus"] = bus;
+  line["now"] = load.now;
+  line["peak"] = load.peak;
+  line["frames"] = load.frames;
+  print(out_, line);
+}
+
+void JsonPrinter::error(std::string_view source, std::string_view message, can::Time now) {
+  Json line = event(now, "error");
+  line["source"] = source;
+  line["message"] = message;
+  print(out_, line);
+}
+
+void JsonPrinter::summary(const RunSummary& summary) {
+  Json line = event(summary.end, "summary");
+  line["virtual"] = summary.virtual_time;
+  line["wall"] = static_cast<double>(summary.wall / std::chrono::microseconds(1)) / 1e6;
+  if (!summary.virtual_time) {
+    line["lag"] = static_cast<double>(summary.largest_lag / std::chrono::microseconds(1)) / 1e6;
+  }
+  line["buses"] = Json::array();
+  for (const auto& bus : summary.buses) {
+    line["buses"].push_back({{"bus", bus.name}, {"frames", bus.load.frames}, {"peak", bus.load.peak}});
+  }
+  line["nodes"] = Json::array();
+  for (const NodeStatus& node : summary.nodes) {
+    line["nodes"].push_back({{"bus", node.plate.bus},
+                             {"node", node.plate.node_id},
+                             {"name", node.plate.name},
+                             {"state", node.is_on ? canopen::name(node.state) : "off"},
+                             {"pdos", node.pdos},
+                             {"emcy", node.emergencies}});
+  }
+  print(out_, line);
+}
+
+std::string describe(const NodePlate& node) {
+  return node.name.empty() ? fmt::format("{} node {}", node.bus, node.node_id)
+                           : fmt::format("{} node {} ({})", node.bus, node.node_id, node.name);
+}
+
+std::string describe(const RunSummary& summary) {
+  std::string text = fmt::format("ran {} of plant time in {}", describe(summary.end.time_since_epoch()),
+                                 describe(summary.wall));
+  if (summary.virtual_time) {
+    const double ratio =
+        can::seconds(summary.end) / std::max(1e-9, std::chrono::duration<double>(summary.wall).count());
+    text += fmt::format(", {:.0f} times as fast as real time\n", ratio);
+  } else {
+    text += fmt::format(", at most {} late\n", describe(summary.largest_lag));
+  }
+  for (const auto& bus : summary.buses) {
+    text += fmt::format("bus {}: {} frames, load at most {:.1f} %\n", bus.name, bus.load.frames,
+                        bus.load.peak * 100);
+  }
+  std::size_t operational = 0;
+  for (const NodeStatus& node : summary.nodes) {
+    const bool is_operational = node.is_on && node.state == canopen::NmtState::operational;
+    operational += is_operational ? 1 : 0;
+    text += fmt::format("{}: {}, {} PDOs sent{}\n", describe(node.plate),
+                        node.is_on ? canopen::name(node.state) : "off", node.pdos,
+                        node.emergencies == 0
+                            ? ""
+                            : fmt::format(", {} EMCY, last {:04X}H", node.emergencies, node.last_emergency));
+  }
+  text += operational == summary.nodes.size()
+              ? fmt::format("all {} nodes operational\n", operational)
+              : fmt::format("{} of {} nodes operational\n", operational, summary.nodes.size());
+  return text;
+}
+
+void LinePrinter::line(can::Time now, std::string_view text) {
+  fmt::print(out_, "{:>12.6f}  {}\n", rounded_seconds(now), text);
+  std::fflush(out_);
+}
+
+void LinePrinter::booted(const NodePlate& node, can::Time now) {
+  if (!quiet_) line(now, fmt::format("{}: boot-up", describe(node)));
+}
+
+void LinePrinter::nmt_state_changed(const NodePlate& node, canopen::NmtState state, can::Time now) {
+  if (!quiet_) line(now, fmt::format("{}: {}", describe(node), canopen::name(state)));
+}
+
+void LinePrinter::emergency(const NodePlate& node, const canopen::Emergency& message, can::Time now) {
+  if (quiet_) return;
+  line(now, fmt::format("{}: EMCY {:04X}H, error register {:02X}H, {}", describe(node), message.code,
+                        message.error_register, hexadecimal(message)));
+}
+
+void LinePrinter::signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) {
+  if (!quiet_) line(now, fmt::format("{} {}{:02X} {}", plc, kind, number, on ? "ON" : "OFF"));
+}
+
+void LinePrinter::buffer_changed(std::string_view plc, unsigned head, std::uint32_t address,
+                                 std::uint16_t value, bool by_cpu, can::Time now) {
+  if (quiet_) return;
+  line(now, fmt::format("{} U{:X}\\G{} = {} ({:04X}H){}", plc, head / 16, address, value, value,
+                        by_cpu ? " written by the CPU" : ""));
+}
+
+void LinePrinter::error(std::string_view source, std::string_view message, can::Time now) {
+  fmt::print(stderr, "{:>12.6f}  {}: {}\n", rounded_seconds(now), source, message);
+}
+
+void LinePrinter::summary(const RunSummary& summary) {
+  if (quiet_) return;
+  const std::string text = describe(summary);
+  std::fwrite(text.data(), 1, text.size(), out_);
+  std::fflush(out_);
+}
+
+}  // namespace canopus::app

@@ -1,0 +1,73 @@
+#pragma once
+// What happens in a plant, as lines: JSON for programs (one object per line, docs/events.md), or plain text
+// for people and pipes. Each line goes out whole.
+
+#include <cstdio>
+#include <string>
+#include <string_view>
+
+#include "canopus/app/plant.hpp"
+
+namespace canopus::app {
+
+/// How the run ended and how it went.
+struct RunSummary {
+  can::Time end{};       ///< how far the plant's time got
+  can::Duration wall{};  ///< how long that took
+  bool virtual_time = false;
+  can::Duration largest_lag{};  ///< real time only: how late the plant was at worst
+  struct BusCount {
+    std::string_view name;
+    sim::BusLoad load;
+  };
+  std::vector<BusCount> buses;
+  std::vector<NodeStatus> nodes;
+};
+
+/// Lines for programs.
+class JsonPrinter final : public PlantObserver {
+ public:
+  explicit JsonPrinter(std::FILE* out) : out_(out) {}
+  void listening(std::string_view protocol, std::string_view of, std::string_view address);
+  void summary(const RunSummary& summary);
+
+  void booted(const NodePlate& node, can::Time now) override;
+  void nmt_state_changed(const NodePlate& node, canopen::NmtState state, can::Time now) override;
+  void emergency(const NodePlate& node, const canopen::Emergency& message, can::Time now) override;
+  void signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) override;
+  void buffer_changed(std::string_view plc, unsigned head, std::uint32_t address, std::uint16_t value,
+                      bool by_cpu, can::Time now) override;
+  void load(std::string_view bus, const sim::BusLoad& load, can::Time now) override;
+  void error(std::string_view source, std::string_view message, can::Time now) override;
+
+ private:
+  std::FILE* out_;
+};
+
+/// Lines for people: everything but the load.
+class LinePrinter final : public PlantObserver {
+ public:
+  /// `quiet`: errors alone.
+  LinePrinter(std::FILE* out, bool quiet) : out_(out), quiet_(quiet) {}
+  void summary(const RunSummary& summary);
+
+  void booted(const NodePlate& node, can::Time now) override;
+  void nmt_state_changed(const NodePlate& node, canopen::NmtState state, can::Time now) override;
+  void emergency(const NodePlate& node, const canopen::Emergency& message, can::Time now) override;
+  void signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) override;
+  void buffer_changed(std::string_view plc, unsigned head, std::uint32_t address, std::uint16_t value,
+                      bool by_cpu, can::Time now) override;
+  void error(std::string_view source, std::string_view message, can::Time now) override;
+
+ private:
+  void line(can::Time now, std::string_view text);
+  std::FILE* out_;
+  bool quiet_;
+};
+
+/// "line1 node 3 (encoder)"
+[[nodiscard]] std::string describe(const NodePlate& node);
+/// The summary's lines.
+[[nodiscard]] std::string describe(const RunSummary& summary);
+
+}  // namespace canopus::app

@@ -1,0 +1,106 @@
+#include "canopus/app/live_table.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "canopus/app/event_printer.hpp"
+
+namespace canopus::app {
+namespace {
+
+constexpr std::string_view bold = "1";
+constexpr std::string_view red = "31";
+constexpr std::string_view green = "32";
+constexpr std::string_view yellow = "33";
+constexpr std::size_t kept_events = 8;
+
+std::string_view state_colour(const NodeStatus& node) {
+  if (!node.is_on) return "2";
+  switch (node.state) {
+    case canopen::NmtState::operational: return green;
+    case canopen::NmtState::stopped: return red;
+    default: return yellow;
+  }
+}
+
+}  // namespace
+
+std::string LiveTable::paint(std::string_view text, std::string_view code) const {
+  return colour_ ? fmt::format("\x1b[{}m{}\x1b[0m", code, text) : std::string(text);
+}
+
+void LiveTable::note(can::Time now, std::string text) {
+  latest_.push_back(fmt::format("{:>10.3f}  {}", can::seconds(now), text));
+  if (latest_.size() > kept_events) latest_.pop_front();
+}
+
+void LiveTable::emergency(const NodePlate& node, const canopen::Emergency& message, can::Time now) {
+  note(now, fmt::format("{}: EMCY {:04X}H, error register {:02X}H", describe(node), message.code,
+                        message.error_register));
+}
+
+void LiveTable::nmt_state_changed(const NodePlate& node, canopen::NmtState state, can::Time now) {
+  note(now, fmt::format("{}: {}", describe(node), canopen::name(state)));
+}
+
+void LiveTable::error(std::string_view source, std::string_view message, can::Time now) {
+  note(now, fmt::format("{}: {}", source, message));
+}
+
+std::string LiveTable::draw(can::Time now, can::Duration lag, TableSize size) {
+  const std::vector<NodeStatus> nodes = plant_->nodes();
+  counts_.resize(nodes.size());
+  const double span = can::seconds(can::Time{} + (now - counted_at_));
+  if (span >= 1) {
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      counts_[i].rate = static_cast<double>(nodes[i].pdos - counts_[i].pdos) / span;
+      counts_[i].pdos = nodes[i].pdos;
+    }
+    counted_at_ = now;
+  }
+
+  std::vector<std::string> lines;
+  lines.push_back(
+      paint(fmt::format("{:<40.40} {:>10.1f} s   {}", plant_->name(), can::seconds(now),
+                        lag > std::chrono::milliseconds(20) ? fmt::format("LATE by {}", describe(lag))
+                                                            : fmt::format("late by {}", describe(lag))),
+            bold));
+  for (std::size_t i = 0; i < plant_->bus_count(); ++i) {
+    const sim::Bus& bus = plant_->bus(i);
+    const sim::BusLoad load = bus.load(now);
+    lines.push_back(fmt::format("{:<16.16} {:>5} kbit/s   load {:>5.1f} %   peak {:>5.1f} %   {:>10} frames",
+                                bus.name(), bus.bit_rate() / 1000, load.now * 100, load.peak * 100,
+                                load.frames));
+  }
+  lines.emplace_back();
+  lines.push_back(
+      paint(fmt::format("{:>4}  {:<28}  {:<16} {:>8}  {}", "Node", "Name", "NMT state", "PDO/s", "Last EMCY"),
+            bold));
+  const std::size_t below = 2 + std::min<std::size_t>(latest_.size(), kept_events) + (doors_.empty() ? 0 : 1);
+  const std::size_t room = size.rows > lines.size() + below + 1 ? size.rows - lines.size() - below - 1 : 1;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (i + 1 == room && nodes.size() > room) {
+      lines.push_back(fmt::format("      and {} more", nodes.size() - i));
+      break;
+    }
+    const NodeStatus& node = nodes[i];
+    const std::string state = fmt::format("{:<16}", node.is_on ? canopen::name(node.state) : "off");
+    const std::string emergency = node.emergencies == 0 ? "-" : fmt::format("{:04X}H", node.last_emergency);
+    lines.push_back(fmt::format("{:>4}  {:<28.28}  {} {:>8.0f}  {}", node.plate.node_id, node.plate.name,
+                                paint(state, state_colour(node)), counts_[i].rate, emergency));
+  }
+  lines.emplace_back();
+  for (const std::string& event : latest_) lines.push_back(event.substr(0, size.columns));
+  if (!doors_.empty()) {
+    std::string doors;
+    for (const std::string& door : doors_) doors += door + "   ";
+    lines.push_back(doors + "Ctrl-C stops");
+  }
+  if (lines.size() >= size.rows) lines.resize(size.rows - 1);
+  std::string picture;
+  for (const std::string& line : lines) picture += line + "\x1b[K\n";
+  return picture;
+}
+
+}  // namespace canopus::app

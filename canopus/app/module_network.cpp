@@ -1,0 +1,189 @@
+#include "canopus/app/module_network.hpp"
+
+#include <bit>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "canopus/canopen/dictionary_description.hpp"
+
+namespace canopus::app {
+
+/// One way of the process data. The slave's TPDOs become RPDOs of the module, and the other way round.
+struct ModuleNetwork::Direction {
+  bool receive;                        ///< seen from the module
+  std::string_view slave_pdo;          ///< "TPDO"
+  std::uint16_t slave_communication;   ///< 1800H or 1400H
+  std::uint16_t slave_mapping;         ///< 1A00H or 1600H
+  std::uint16_t module_communication;  ///< 1400H or 1800H
+  std::uint16_t module_mapping;        ///< 1600H or 1A00H
+  std::uint32_t module_cob_id_bits;    ///< bits above the identifier
+  std::uint32_t first_word;            ///< G10000 or G13000
+  std::uint16_t words;                 ///< object of the first U16
+  std::uint16_t bytes;                 ///< object of the first U8
+};
+
+namespace {
+
+// [ME3CAN1-Q 3.5.19]: objects behind the words; sub-indexes run from 01H to FEH, then the next index goes on.
+constexpr std::uint32_t word_count = 1024;
+constexpr unsigned subs_per_index = 254;
+constexpr unsigned pdo_count = 256;
+
+std::uint32_t mapping_entry(std::uint16_t first_index, std::uint32_t number, unsigned bits) {
+  return (first_index + number / subs_per_index) << 16 | (number % subs_per_index + 1) << 8 | bits;
+}
+
+template <typename Number>
+std::expected<std::vector<std::uint8_t>, std::string> whole_number(Number number, canopen::DataType type) {
+  const unsigned bits = canopen::bit_length(type);
+  const auto low = canopen::is_signed(type) ? -std::exp2(bits - 1) : 0.0;
+  const auto high = canopen::is_signed(type) ? std::exp2(bits - 1) : std::exp2(bits);
+  const auto value = static_cast<double>(number);
+  // A negative number may stand for the bit pattern of an unsigned one (-1 = FFFFH), as GX Works allows.
+  const bool fits = value < high && value >= (low == 0.0 ? -std::exp2(bits - 1) : low);
+  if (!fits) return std::unexpected(fmt::format("{} does not fit {}", number, eds::name(type)));
+  return canopen::little_endian(static_cast<std::uint64_t>(static_cast<std::int64_t>(number)),
+                                canopen::byte_length(type));
+}
+
+}  // namespace
+
+std::expected<std::vector<std::uint8_t>, std::string> encode(const Scalar& value, canopen::DataType type) {
+  if (canopen::is_variable_length(type)) {
+    if (const auto* words = std::get_if<std::string>(&value)) return canopen::text(*words);
+    return std::unexpected(fmt::format("expected a string for {}", eds::name(type)));
+  }
+  if (const auto* flag = std::get_if<bool>(&value)) {
+    return canopen::little_endian(*flag ? 1 : 0, canopen::byte_length(type));
+  }
+  if (std::holds_alternative<std::string>(value)) {
+    return std::unexpected(fmt::format("\"{}\" is a string, expected a number for {}",
+                                       std::get<std::string>(value), eds::name(type)));
+  }
+  const auto* whole = std::get_if<std::int64_t>(&value);
+  const double number = whole != nullptr ? static_cast<double>(*whole) : std::get<double>(value);
+  if (type == canopen::DataType::real32) {
+    return canopen::little_endian(std::bit_cast<std::uint32_t>(static_cast<float>(number)), 4);
+  }
+  if (type == canopen::DataType::real64)
+    return canopen::little_endian(std::bit_cast<std::uint64_t>(number), 8);
+  if (whole != nullptr) return whole_number(*whole, type);
+  if (number != std::floor(number)) {
+    return std::unexpected(fmt::format("{} is not a whole number, as {} needs", number, eds::name(type)));
+  }
+  return whole_number(number, type);
+}
+
+void ModuleNetwork::preset(std::uint16_t index, std::uint8_t sub, std::uint32_t value, unsigned length) {
+  const auto code = module_.preset_object(index, sub, canopen::little_endian(value, length));
+  if (code == canopen::AbortCode::none) return;
+  refusals_.push_back(
+      fmt::format("{:04X}H:{:02X}H = {:X}H is refused: {}", index, sub, value, canopen::describe(code)));
+}
+
+std::vector<PlantError> ModuleNetwork::add_slave(const SlaveSection& slave, const eds::DeviceFile& file,
+                                                 std::string_view name, bool every_link) {
+  constexpr std::uint32_t assigned = 0x01;
+  constexpr std::uint32_t boot_slave = 0x04;
+  constexpr std::uint32_t mandatory = 0x08;
+  preset(0x1F81, slave.node, assigned | boot_slave | (slave.mandatory ? mandatory : 0), 4);
+  const eds::Identity identity = eds::identity(file);
+  const std::optional<std::uint32_t> expected[] = {identity.device_type, identity.vendor_id,
+                                                   identity.product_code, identity.revision};
+  for (std::uint16_t i = 0; i < std::size(expected); ++i) {
+    if (expected[i]) preset(static_cast<std::uint16_t>(0x1F84 + i), slave.node, *expected[i], 4);
+  }
+  static constexpr Direction receive{.receive = true,
+                                     .slave_pdo = "TPDO",
+                                     .slave_communication = 0x1800,
+                                     .slave_mapping = 0x1A00,
+                                     .module_communication = 0x1400,
+                                     .module_mapping = 0x1600,
+                                     .module_cob_id_bits = 0,
+                                     .first_word = 10000,
+                                     .words = 0xA580,
+                                     .bytes = 0xA4C0};
+  static constexpr Direction send{.receive = false,
+                                  .slave_pdo = "RPDO",
+                                  .slave_communication = 0x1400,
+                                  .slave_mapping = 0x1600,
+                                  .module_communication = 0x1800,
+                                  .module_mapping = 0x1A00,
+                                  .module_cob_id_bits = 0x4000'0000,
+                                  .first_word = 13000,
+                                  .words = 0xA100,
+                                  .bytes = 0xA040};
+  std::vector<PlantError> errors;
+  for (const Direction* direction : {&receive, &send}) {
+    for (const SlaveSection::Link& link : direction->receive ? slave.receive : slave.send) {
+      const std::string problem = connect(*direction, slave, link, file, name);
+      if (!problem.empty() && every_link) {
+        errors.push_back({link.place, fmt::format("{}{} of node {}: {}", direction->slave_pdo, link.pdo,
+                                                  slave.node, problem)});
+      }
+    }
+  }
+  for (const std::string& refusal : refusals_) errors.push_back({slave.place, refusal});
+  refusals_.clear();
+  return errors;
+}
+
+std::string ModuleNetwork::connect(const Direction& direction, const SlaveSection& slave,
+                                   const SlaveSection::Link& link, const eds::DeviceFile& file,
+                                   std::string_view name) {
+  const auto slave_value = [&](std::uint16_t base, std::uint8_t sub) {
+    return eds::default_value(*file.dictionary, static_cast<std::uint16_t>(base + link.pdo - 1), sub,
+                              slave.node);
+  };
+  const auto cob_id = slave_value(direction.slave_communication, 1);
+  if (!cob_id) return "the device has no such PDO";
+  if ((*cob_id & 0x8000'0000) != 0) return "the device's file leaves this PDO switched off (COB-ID bit 31)";
+  if ((*cob_id & 0x2000'0000) != 0) return "the PDO has a 29-bit identifier, which the module does not take";
+  const auto entries = slave_value(direction.slave_mapping, 0).value_or(0);
+  if (entries > 64) return "the PDO is a multiplex PDO";
+  unsigned bits = 0;
+  for (std::uint8_t i = 1; i <= entries; ++i) {
+    bits += static_cast<unsigned>(slave_value(direction.slave_mapping, i).value_or(0) & 0xFF);
+  }
+  const unsigned length = (bits + 7) / 8;
+  if (length == 0) return "nothing is mapped into the PDO";
+  if (length > 8) return "more than 8 bytes are mapped into the PDO";
+  const std::uint32_t words = (length + 1) / 2;
+
+  std::uint32_t& next_word = direction.receive ? next_receive_word_ : next_send_word_;
+  unsigned& used = direction.receive ? receive_pdos_ : send_pdos_;
+  const std::uint32_t address = link.address.value_or(direction.first_word + next_word);
+  if (address < direction.first_word || address + words > direction.first_word + word_count) {
+    return fmt::format("G{} is no place for {} words; expected G{} to G{}", address, words,
+                       direction.first_word, direction.first_word + word_count - words);
+  }
+  if (used == pdo_count) return fmt::format("the module has no more than {} PDOs", pdo_count);
+  const std::uint32_t first = address - direction.first_word;
+  next_word = std::max(next_word, first + 4);  // PDOs of up to 8 bytes line up on four words
+  const auto communication = static_cast<std::uint16_t>(direction.module_communication + used);
+  const auto mapping = static_cast<std::uint16_t>(direction.module_mapping + used);
+  ++used;
+
+  const auto identifier = static_cast<std::uint32_t>(*cob_id & 0x7FF);
+  preset(communication, 1, 0x8000'0000 | direction.module_cob_id_bits | identifier, 4);
+  preset(mapping, 0, 0, 1);
+  std::uint8_t count = 0;
+  for (std::uint32_t i = 0; i < length / 2; ++i) {
+    preset(mapping, ++count, mapping_entry(direction.words, first + i, 16), 4);
+  }
+  if (length % 2 != 0)
+    preset(mapping, ++count, mapping_entry(direction.bytes, 2 * (first + length / 2), 8), 4);
+  preset(mapping, 0, count, 1);
+  preset(communication, 1, direction.module_cob_id_bits | identifier, 4);
+  connections_.push_back(fmt::format("{}\\G{}{} {} {}{} of node {}{}, {:03X}H, {} byte{}", slot_, address,
+                                     words == 1 ? "" : fmt::format("-G{}", address + words - 1),
+                                     direction.receive ? "<-" : "->", direction.slave_pdo, link.pdo,
+                                     slave.node, name.empty() ? "" : fmt::format(" ({})", name), identifier,
+                                     length, length == 1 ? "" : "s"));
+  return {};
+}
+
+void ModuleNetwork::become_master() { preset(0x1F80, 0, 1, 4); }
+
+}  // namespace canopus::app

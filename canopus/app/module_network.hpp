@@ -1,0 +1,56 @@
+#pragma once
+// Sets a master module up for the network around it, as an engineer with the configuration software would:
+// slave assignment and identification (1F80H, 1F81H, 1F84H-1F87H) and the PDOs that carry the slaves' data to
+// and from the buffer memory. All of it lands in the module's own objects; nothing happens behind its back.
+
+#include <cstdint>
+#include <expected>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/app/plant_file.hpp"
+#include "canopus/canopen/abort_code.hpp"
+#include "canopus/canopen/data_type.hpp"
+#include "canopus/eds/device_file.hpp"
+#include "canopus/module/me3can1_q/me3can1_q.hpp"
+
+namespace canopus::app {
+
+/// The bytes of a plant file's value as an object of this type holds it, or what is wrong with it: "300 does
+/// not fit UNSIGNED8".
+[[nodiscard]] std::expected<std::vector<std::uint8_t>, std::string> encode(const Scalar& value,
+                                                                           canopen::DataType type);
+
+class ModuleNetwork {
+ public:
+  ModuleNetwork(module::me3can1_q::Me3can1Q& module, std::string slot)
+      : module_(module), slot_(std::move(slot)) {}
+
+  /// Assigns a slave and connects its PDOs. `file` is the slave's, as configured. Without `every_link` a PDO
+  /// that the slave does not have, or has switched off, is passed over in silence.
+  [[nodiscard]] std::vector<PlantError> add_slave(const SlaveSection& slave, const eds::DeviceFile& file,
+                                                  std::string_view name, bool every_link);
+  /// 1F80H bit 0: the module is the NMT master. To be called last.
+  void become_master();
+  /// What was connected, a line each.
+  [[nodiscard]] const std::vector<std::string>& connections() const noexcept { return connections_; }
+
+ private:
+  struct Direction;
+  /// What is wrong with it, or nothing.
+  std::string connect(const Direction& direction, const SlaveSection& slave, const SlaveSection::Link& link,
+                      const eds::DeviceFile& file, std::string_view name);
+  void preset(std::uint16_t index, std::uint8_t sub, std::uint32_t value, unsigned length);
+
+  module::me3can1_q::Me3can1Q& module_;
+  std::string slot_;
+  std::vector<std::string> connections_;
+  std::vector<std::string> refusals_;
+  unsigned receive_pdos_ = 0;  // used so far
+  unsigned send_pdos_ = 0;
+  std::uint32_t next_receive_word_ = 0;
+  std::uint32_t next_send_word_ = 0;
+};
+
+}  // namespace canopus::app

@@ -1,0 +1,91 @@
+#pragma once
+// A plant that runs: the buses, devices, racks and modules of a plant file, on one timeline. Whoever drives
+// the timeline (run_loop.hpp) decides whether time is virtual or real; the plant neither knows nor cares.
+
+#include <cstdint>
+#include <expected>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/app/plant_file.hpp"
+#include "canopus/can/timeline.hpp"
+#include "canopus/canopen/node.hpp"
+#include "canopus/module/observer.hpp"
+#include "canopus/plc/rack.hpp"
+#include "canopus/sim/bus.hpp"
+
+namespace canopus::app {
+
+/// Who a node is, for people.
+struct NodePlate {
+  std::string_view bus;
+  std::string_view name;  ///< from the plant file, or the product's; empty for a node outside of the plant
+  std::uint8_t node_id = 0;
+};
+
+/// What happens in a plant, as it happens. docs/events.md describes the lines made of it.
+class PlantObserver {
+ public:
+  virtual void booted(const NodePlate&, can::Time) {}
+  virtual void nmt_state_changed(const NodePlate&, canopen::NmtState, can::Time) {}
+  virtual void emergency(const NodePlate&, const canopen::Emergency&, can::Time) {}
+  virtual void signal_changed(std::string_view /*plc*/, char /*'X' or 'Y'*/, unsigned /*number*/, bool /*on*/,
+                              can::Time) {}
+  /// A buffer memory word got another value: written by the CPU, or a watched one changed by the module.
+  virtual void buffer_changed(std::string_view /*plc*/, unsigned /*head*/, std::uint32_t /*address*/,
+                              std::uint16_t /*value*/, bool /*by_cpu*/, can::Time) {}
+  virtual void load(std::string_view /*bus*/, const sim::BusLoad&, can::Time) {}
+  virtual void error(std::string_view /*source*/, std::string_view /*message*/, can::Time) {}
+
+ protected:
+  ~PlantObserver() = default;
+};
+
+/// A node as the live table and the summary show it.
+struct NodeStatus {
+  NodePlate plate;
+  canopen::NmtState state = canopen::NmtState::initialising;
+  std::uint64_t pdos = 0;  ///< sent so far
+  std::uint64_t emergencies = 0;
+  std::uint16_t last_emergency = 0;  ///< code
+  bool is_module = false;
+  bool is_on = false;
+};
+
+class Plant {
+ public:
+  /// Opens the device files and builds everything, switched off. Errors name the line of the plant file;
+  /// notes of device files that were repaired are not among them (`canopus eds check` shows those). `seed`
+  /// replaces the file's.
+  [[nodiscard]] static std::expected<std::unique_ptr<Plant>, std::vector<PlantError>> build(
+      const PlantFile& file, PlantObserver& observer, std::optional<std::uint64_t> seed = std::nullopt);
+  ~Plant();
+  Plant(const Plant&) = delete;
+  Plant& operator=(const Plant&) = delete;
+
+  /// Switches everything on at the timeline's now; devices with a later start follow by themselves.
+  void power_on();
+
+  [[nodiscard]] can::Timeline& timeline() noexcept;
+  [[nodiscard]] const std::string& name() const noexcept;
+  [[nodiscard]] std::size_t bus_count() const noexcept;
+  [[nodiscard]] sim::Bus& bus(std::size_t number) noexcept;
+  [[nodiscard]] const BusSection& bus_section(std::size_t number) const noexcept;
+  [[nodiscard]] std::size_t plc_count() const noexcept;
+  [[nodiscard]] plc::Rack& rack(std::size_t number) noexcept;
+  [[nodiscard]] const PlcSection& plc_section(std::size_t number) const noexcept;
+  /// All nodes, in the order of the plant file, modules first.
+  [[nodiscard]] std::vector<NodeStatus> nodes() const;
+  /// "U0\G10000 <- node 3 (encoder) TPDO1, 2 words": how process data are connected.
+  [[nodiscard]] const std::vector<std::string>& connections() const noexcept;
+
+ private:
+  Plant();
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace canopus::app

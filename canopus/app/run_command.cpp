@@ -1,0 +1,56 @@
+#include "canopus/app/run_command.hpp"
+
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+#include "canopus/app/run_loop.hpp"
+#include "canopus/app/text_values.hpp"
+
+namespace canopus::app {
+
+void add_run_command(CLI::App& app, int& exit_code) {
+  struct Words {
+    RunOptions options;
+    std::string duration;
+  };
+  auto words = std::make_shared<Words>();
+  CLI::App* command = app.add_subcommand("run", "Start everything a plant file describes, until Ctrl-C");
+  command->add_option("PLANT", words->options.plant, "Plant file (TOML, see docs/plant-file.md)")->required();
+  command
+      ->add_option("--for", words->duration, "Stop after this much plant time, for example 10s, 500ms, 2min")
+      ->type_name("TIME")
+      ->check([](const std::string& text) {
+        const auto duration = parse_duration(text);
+        return duration ? std::string() : duration.error();
+      });
+  command->add_flag("--virtual", words->options.virtual_time,
+                    "Virtual time: as fast as possible, the same every time, no doors for other programs");
+  command->add_option("--seed", words->options.seed, "Seed of everything random, instead of the plant file's")
+      ->type_name("N");
+  command->add_option("--trace", words->options.trace, "Record every frame: candump log, or pcap for *.pcap")
+      ->type_name("FILE");
+  auto* json =
+      command->add_flag("--json", words->options.json, "One JSON object per line (see docs/events.md)");
+  command->add_flag("-q,--quiet", words->options.quiet, "Print errors alone")->excludes(json);
+  command->footer(
+      "Without --json and --quiet a terminal shows a live table, a pipe gets one line per event.\n"
+      "Exit codes: 0 ended as asked, 1 could not start or write a file, 2 wrong plant file or usage.");
+  command->callback([words, &exit_code] {
+    if (!words->duration.empty()) words->options.duration = *parse_duration(words->duration);
+    exit_code = run_plant(words->options);
+  });
+}
+
+void add_check_command(CLI::App& app, int& exit_code) {
+  auto path = std::make_shared<std::string>();
+  CLI::App* command =
+      app.add_subcommand("check", "Check a plant file, and the device files it names, without running it");
+  command->add_option("PLANT", *path, "Plant file (TOML, see docs/plant-file.md)")->required();
+  command->footer(
+      "Every mistake is printed as file:line:column: what was found and what was expected.\n"
+      "Exit codes: 0 good, 2 wrong.");
+  command->callback([path, &exit_code] { exit_code = check_plant(*path); });
+}
+
+}  // namespace canopus::app

@@ -1,0 +1,32 @@
+#pragma once
+// Runs a plant: in real time, in step with the machine's clock, with its doors (MC protocol, socketcand)
+// open; or in virtual time, as fast as it goes, with the doors shut. Ends after a duration, or when it is
+// told to.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "canopus/can/time.hpp"
+
+namespace canopus::app {
+
+struct RunOptions {
+  std::string plant;                        ///< path of the plant file
+  std::optional<can::Duration> duration{};  ///< plant time; without it until SIGINT or SIGTERM
+  bool virtual_time = false;
+  std::optional<std::uint64_t> seed{};
+  std::string trace{};  ///< file for all frames: candump log, or pcap if it ends so; empty = none
+  bool quiet = false;   ///< errors alone
+  bool json = false;    ///< one JSON object per line
+};
+
+/// Runs to the end. Exit code: 0 ended as asked (Ctrl-C included), 1 the plant could not be started or an
+/// output file failed, 2 the plant file is wrong.
+int run_plant(const RunOptions& options);
+
+/// Reads and builds the plant without starting it. Exit code: 0 good, 2 wrong; every error is printed with
+/// its place.
+int check_plant(const std::string& path);
+
+}  // namespace canopus::app
