@@ -1,0 +1,39 @@
+#pragma once
+// End codes of the MELSEC communication protocol: what a CPU module answers in place of 0000H. Names are
+// ours, numbers and meanings the manuals' [SH-080811 5.1.4, SH-080931]. docs/mc-protocol.md says which of
+// them a real CPU was seen to answer in which case.
+
+#include <cstdint>
+#include <string_view>
+
+namespace canopus::plc::melsec {
+
+enum class EndCode : std::uint16_t {
+  completed = 0x0000,
+  not_while_running = 0x4013,
+  no_such_device = 0x4030,
+  device_out_of_range = 0x4031,
+  beyond_buffer_memory = 0x4041,
+  no_module = 0x4043,
+  wrong_request_data = 0x4080,
+  remote_request_refused = 0x408B,
+  not_convertible = 0xC050,
+  bit_points = 0xC051,
+  word_points = 0xC052,
+  random_bit_points = 0xC053,
+  random_word_points = 0xC054,
+  text_length = 0xC058,
+  unknown_command = 0xC059,
+  device_not_accessible = 0xC05B,
+  wrong_contents = 0xC05C,
+  nothing_registered = 0xC05D,
+  other_target = 0xC05F,
+  wrong_bit_data = 0xC060,
+  data_length = 0xC061,
+  no_device_extension = 0xC070,
+};
+
+/// What an end code means, in a few words; for any number, known or not.
+[[nodiscard]] std::string_view end_code_text(std::uint16_t code) noexcept;
+
+}  // namespace canopus::plc::melsec

@@ -1,0 +1,53 @@
+#pragma once
+// What a request points at: a device of the CPU, or buffer memory of a module (U\G), as the four layouts of
+// the subcommands write it.
+//
+//                      binary                                         ASCII
+//   000x Q/L     number 3 | code 1                                    code 2 | number 6
+//   000x iQ-R    number 4 | code 2                                    code 4 | number 8
+//   008x Q/L     00 00 | number 3 | code 1 | 00 00 | ext 2 | memory   "00" | ext 4 | "000" | code 2 | number
+//   6 |
+//                                                                     "000"
+//   008x iQ-R    00 00 | number 4 | code 2 | 00 00 | ext 2 | memory   "00" | ext 4 | "0000" | code 4 |
+//                                                                     number 10 | "0000"
+//
+// `ext` is a module's start I/O number / 16 (ASCII: "U003"), `memory` F8H then; the zeros are the places of
+// index modification. [SH-080008 8.1, appendix 1]
+
+#include <cstdint>
+#include <expected>
+
+#include "canopus/plc/device.hpp"
+#include "canopus/plc/melsec/end_code.hpp"
+#include "canopus/plc/melsec/field.hpp"
+
+namespace canopus::plc::melsec {
+
+/// The last digit of the subcommands 000x and 008x, apart from its bit for single bits.
+struct Layout {
+  bool iqr = false;
+  bool extended = false;
+};
+
+struct Target {
+  bool is_buffer = false;
+  Device device = Device::d;       ///< when !is_buffer
+  std::uint16_t head_address = 0;  ///< when is_buffer
+  std::uint32_t number = 0;        ///< device number or buffer memory address
+};
+
+/// Reads one target. A missing byte or a wrong digit shows in the reader's fault, as for any field; the error
+/// is about what was read.
+[[nodiscard]] std::expected<Target, EndCode> read_target(FieldReader& reader, Layout layout) noexcept;
+
+/// Binary code of a device, the same for Q and iQ-R.
+[[nodiscard]] std::uint8_t device_code(Device device) noexcept;
+/// ASCII code of a device, without its padding: the Q series calls the retentive timers SS SC SN.
+[[nodiscard]] std::string_view device_text(Device device, bool iqr) noexcept;
+
+/// Binary code of G.
+inline constexpr std::uint8_t buffer_memory_code = 0xAB;
+/// What stands where a CPU's or module's memory is chosen: U\G.
+inline constexpr std::uint8_t module_access = 0xF8;
+
+}  // namespace canopus::plc::melsec
