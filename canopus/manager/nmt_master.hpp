@@ -16,9 +16,9 @@
 //     there, nmt_state_changed -> own_state_changed);
 //   - calls start(now) after each power-on, reset node or reset communication of the node (from
 //     NodeListener::reset_done or later), and stop(now) when a reset begins or the node goes off.
-// Everything these calls cause happens in the next tick() (deadline() is then `now`), never inside the call,
-// so they may come from inside the node's own callbacks. Only receive(), tick() and the request functions
-// send frames or command the node.
+// Frames and commands to the node that these calls cause come in the next tick() (deadline() is then `now`),
+// never inside the call, so they may be made from the node's own callbacks; stop() is silent on the bus. Only
+// receive(), tick() and the request functions send frames, only tick() commands the node.
 
 #include <cstdint>
 #include <memory>

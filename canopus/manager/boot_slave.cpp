@@ -1,0 +1,351 @@
+#include "canopus/manager/boot_slave.hpp"
+
+#include <array>
+
+namespace canopus::manager {
+
+namespace {
+
+// Configuration byte of 1F81H [CiA 302-2].
+constexpr std::uint32_t assigned = 0x01;
+constexpr std::uint32_t boot_slave = 0x04;
+constexpr std::uint32_t keep_alive = 0x10;
+constexpr std::uint32_t restore_first = 0x80;
+
+constexpr std::array<std::uint8_t, 4> load_signature{0x6C, 0x6F, 0x61, 0x64};  // "load"
+
+constexpr BootError identity_error(std::uint8_t sub) noexcept {
+  switch (sub) {
+    case 1: return BootError::vendor;
+    case 2: return BootError::product;
+    case 3: return BootError::revision;
+    default: return BootError::serial;
+  }
+}
+
+}  // namespace
+
+BootSlave::BootSlave(std::uint8_t node_id, BootHost& host, can::Sink& sink)
+    : node_id_(node_id), host_(&host), client_(sink) {
+  client_.set_server(node_id);
+}
+
+bool BootSlave::running() const noexcept {
+  switch (record_.step) {
+    case BootStep::idle:
+    case BootStep::booted:
+    case BootStep::failed: return false;
+    default: return true;
+  }
+}
+
+void BootSlave::enter(BootStep step, can::Time now, can::Duration limit) {
+  record_.step = step;
+  record_.since = now;
+  request_pending_ = false;
+  deadline_ = limit > can::Duration{} ? later(now, limit) : can::never;
+}
+
+void BootSlave::start(bool after_reset, can::Time now) {
+  abandon();
+  record_ = BootRecord{};
+  only_configure_ = false;
+  found_operational_ = false;
+  const can::Duration wait = host_->boot_options().wait_after_reset;
+  if (after_reset && wait > can::Duration{}) {
+    enter(BootStep::wait_after_reset, now, wait);
+  } else {
+    begin(now);
+  }
+}
+
+void BootSlave::abandon() {
+  if (client_.busy()) client_.cancel(canopen::AbortCode::general);
+  record_.step = BootStep::idle;
+  deadline_ = can::never;
+  request_pending_ = false;
+}
+
+void BootSlave::begin(can::Time now) {
+  const std::uint32_t assignment = host_->assignment(node_id_);
+  if ((assignment & assigned) == 0) return fail(BootError::not_assigned, now);
+  if ((assignment & boot_slave) == 0) return start_error_control(now);
+  ask_presence(now);
+}
+
+void BootSlave::boot_up(can::Time now) {
+  switch (record_.step) {
+    case BootStep::wait_after_reset: begin(now); break;
+    case BootStep::presence:
+      rebooted_ = true;
+      break;  // the question was lost; its time-out asks again at once
+    case BootStep::presence_pause: ask_presence(now); break;
+    case BootStep::boot_up_after_reset: restore(now); break;
+    case BootStep::boot_up_after_restore: check_configuration(now); break;
+    default: start(false, now); break;
+  }
+}
+
+void BootSlave::request(can::Time now) {
+  if (host_->sdo_channel_free(node_id_)) {
+    const can::Duration time_out = host_->boot_options().sdo_time_out;
+    const bool started = download_.data() == nullptr
+                             ? client_.upload(record_.index, record_.sub, *this, now, time_out)
+                             : client_.download(record_.index, record_.sub, download_, *this, now, time_out);
+    if (started) {
+      request_pending_ = false;
+      deadline_ = can::never;
+      return;
+    }
+  }
+  request_pending_ = true;
+  deadline_ = later(now, host_->boot_options().busy_retry);
+}
+
+void BootSlave::ask_presence(can::Time now) {
+  enter(BootStep::presence, now);
+  rebooted_ = false;
+  ++record_.attempts;
+  record_.index = 0x1000;
+  record_.sub = 0;
+  download_ = {};
+  request(now);
+}
+
+void BootSlave::presence_answered(can::Time now) {
+  if (record_.abort_code != canopen::AbortCode::none) {
+    record_.error = BootError::no_answer;
+    host_->presence_known(node_id_, false, now);
+    if (rebooted_) return ask_presence(now);
+    return enter(BootStep::presence_pause, now, host_->boot_options().presence_retry);
+  }
+  record_.error = BootError::none;
+  host_->presence_known(node_id_, true, now);
+  record_.received = received_value();
+  record_.expected = host_->dictionary().get<std::uint32_t>(0x1F84, node_id_);
+  if (record_.expected != 0 && record_.expected != record_.received) return fail(BootError::device_type, now);
+  ask_identity(1, now);
+}
+
+void BootSlave::ask_identity(std::uint8_t sub, can::Time now) {
+  for (; sub <= 4; ++sub) {
+    const auto index = static_cast<std::uint16_t>(0x1F84 + sub);
+    record_.expected = host_->dictionary().get<std::uint32_t>(index, node_id_);
+    if (record_.expected == 0) continue;
+    enter(BootStep::identity, now);
+    record_.index = 0x1018;
+    record_.sub = sub;
+    download_ = {};
+    return request(now);
+  }
+  check_state(now);
+}
+
+void BootSlave::identity_answered(can::Time now) {
+  if (record_.abort_code != canopen::AbortCode::none) return fail(identity_error(record_.sub), now);
+  record_.received = received_value();
+  const bool newer_minor_will_do =
+      record_.sub == 3 && host_->boot_options().revision_rule == RevisionRule::same_major_newer_minor;
+  const bool fits = newer_minor_will_do ? record_.received >> 16 == record_.expected >> 16 &&
+                                              (record_.received & 0xFFFF) >= (record_.expected & 0xFFFF)
+                                        : record_.received == record_.expected;
+  if (!fits) return fail(identity_error(record_.sub), now);
+  ask_identity(static_cast<std::uint8_t>(record_.sub + 1), now);
+}
+
+// Keep alive: a node that is Operational must not be disturbed.
+void BootSlave::check_state(can::Time now) {
+  if ((host_->assignment(node_id_) & keep_alive) == 0) return restore(now);
+  const can::Duration heartbeat = host_->heartbeat_time(node_id_);
+  if (heartbeat > can::Duration{}) return enter(BootStep::state_by_heartbeat, now, heartbeat);
+  enter(BootStep::state_by_guarding, now, host_->boot_options().guarding_probe);
+  host_->ask_state(node_id_);
+}
+
+void BootSlave::state_seen(canopen::NmtState state, can::Time now) {
+  switch (record_.step) {
+    case BootStep::state_by_heartbeat:
+    case BootStep::state_by_guarding:
+      if (state == canopen::NmtState::operational) {
+        found_operational_ = true;
+        return start_error_control(now);
+      }
+      enter(BootStep::boot_up_after_reset, now, host_->boot_options().boot_up_time_out);
+      host_->send_nmt(canopen::NmtCommand::reset_communication, node_id_, now);
+      return;
+    case BootStep::heartbeat_start:
+    case BootStep::guarding_start: return finish(now);
+    default: return;
+  }
+}
+
+void BootSlave::restore(can::Time now) {
+  const auto sub = host_->dictionary().get<std::uint8_t>(0x1F8A, node_id_);
+  if ((host_->assignment(node_id_) & restore_first) == 0 || sub == 0) return check_configuration(now);
+  enter(BootStep::restore, now);
+  record_.index = 0x1011;
+  record_.sub = sub;
+  download_ = load_signature;
+  request(now);
+}
+
+void BootSlave::check_configuration(can::Time now) {
+  if (is_empty_concise_dcf(host_->concise_dcf(node_id_))) return start_error_control(now);
+  const auto date = host_->dictionary().get<std::uint32_t>(0x1F26, node_id_);
+  const auto time = host_->dictionary().get<std::uint32_t>(0x1F27, node_id_);
+  if (date == 0 || time == 0) return start_configuration(now);
+  enter(BootStep::configuration_date, now);
+  record_.expected = date;
+  record_.index = 0x1020;
+  record_.sub = 1;
+  download_ = {};
+  request(now);
+}
+
+void BootSlave::configuration_mark_answered(can::Time now) {
+  record_.received = received_value();
+  if (record_.abort_code != canopen::AbortCode::none || record_.received != record_.expected) {
+    return start_configuration(now);
+  }
+  if (record_.step == BootStep::configuration_time) return start_error_control(now);
+  enter(BootStep::configuration_time, now);
+  record_.expected = host_->dictionary().get<std::uint32_t>(0x1F27, node_id_);
+  record_.sub = 2;
+  request(now);
+}
+
+void BootSlave::start_configuration(can::Time now) {
+  enter(BootStep::configuration, now);
+  configuration_ = ConciseDcfReader(host_->concise_dcf(node_id_));
+  next_configuration_entry(now);
+}
+
+void BootSlave::configure(can::Time now) {
+  step_before_configuration_ = record_.step;
+  only_configure_ = true;
+  start_configuration(now);
+}
+
+void BootSlave::next_configuration_entry(can::Time now) {
+  // Recursion would follow the file's length when transfers end inside the call; they never do.
+  const auto entry = configuration_.next();
+  if (!entry) return configuration_finished(now);
+  record_.index = entry->index;
+  record_.sub = entry->sub;
+  download_ = entry->data;
+  request(now);
+}
+
+void BootSlave::configuration_finished(can::Time now) {
+  if (!configuration_.intact()) {
+    record_.abort_code = canopen::AbortCode::general;
+    record_.index = 0;
+    return fail(BootError::configuration, now);
+  }
+  if (!only_configure_) return start_error_control(now);
+  only_configure_ = false;
+  enter(step_before_configuration_, now);
+}
+
+void BootSlave::start_error_control(can::Time now) {
+  const can::Duration heartbeat = host_->heartbeat_time(node_id_);
+  if (heartbeat > can::Duration{}) return enter(BootStep::heartbeat_start, now, heartbeat);
+  const can::Duration probe = host_->boot_options().guarding_probe;
+  enter(BootStep::guarding_start, now, probe);
+  if (!host_->start_guarding(node_id_, now) || probe == can::Duration{}) finish(now);
+}
+
+void BootSlave::finish(can::Time now) {
+  const BootError result = found_operational_ ? BootError::already_operational : BootError::none;
+  record_.error = result;
+  enter(BootStep::booted, now);
+  host_->boot_ended(node_id_, result, now);
+}
+
+void BootSlave::fail(BootError error, can::Time now) {
+  if (client_.busy()) client_.cancel(canopen::AbortCode::general);
+  record_.failed_step = record_.step;
+  record_.error = error;
+  if (only_configure_) {
+    only_configure_ = false;
+    enter(step_before_configuration_, now);
+    return;
+  }
+  enter(BootStep::failed, now);
+  host_->boot_ended(node_id_, error, now);
+}
+
+BootError BootSlave::error_of_step() const noexcept {
+  switch (record_.step) {
+    case BootStep::identity: return identity_error(record_.sub);
+    case BootStep::state_by_heartbeat: return BootError::no_heartbeat_state;
+    case BootStep::state_by_guarding: return BootError::no_guarding_state;
+    case BootStep::boot_up_after_reset:
+      return host_->heartbeat_time(node_id_) > can::Duration{} ? BootError::no_heartbeat_state
+                                                               : BootError::no_guarding_state;
+    case BootStep::restore:
+    case BootStep::boot_up_after_restore:
+    case BootStep::configuration_date:
+    case BootStep::configuration_time:
+    case BootStep::configuration: return BootError::configuration;
+    case BootStep::heartbeat_start:
+    case BootStep::guarding_start: return BootError::no_error_control;
+    default: return BootError::no_answer;
+  }
+}
+
+void BootSlave::give_up(can::Time now) {
+  if (running() && !only_configure_) fail(error_of_step(), now);
+}
+
+void BootSlave::tick(can::Time now) {
+  if (client_.deadline() <= now) client_.tick(now);
+  if (deadline_ > now) return;
+  deadline_ = can::never;
+  if (request_pending_) return request(now);
+  switch (record_.step) {
+    case BootStep::wait_after_reset: return begin(now);
+    case BootStep::presence_pause: return ask_presence(now);
+    case BootStep::state_by_heartbeat:
+    case BootStep::state_by_guarding:
+    case BootStep::boot_up_after_reset:
+    case BootStep::boot_up_after_restore:
+    case BootStep::heartbeat_start:
+    case BootStep::guarding_start: return fail(error_of_step(), now);
+    default: return;
+  }
+}
+
+void BootSlave::sdo_finished(canopen::SdoClient& client, can::Time now) {
+  record_.abort_code = client.abort_code();
+  switch (record_.step) {
+    case BootStep::presence: return presence_answered(now);
+    case BootStep::identity: return identity_answered(now);
+    case BootStep::restore:
+      if (record_.abort_code != canopen::AbortCode::none) return fail(BootError::configuration, now);
+      enter(BootStep::boot_up_after_restore, now, host_->boot_options().boot_up_time_out);
+      // Restored communication parameters (sub 02) need no more than a reset of the communication.
+      host_->send_nmt(
+          record_.sub == 2 ? canopen::NmtCommand::reset_communication : canopen::NmtCommand::reset_node,
+          node_id_, now);
+      return;
+    case BootStep::configuration_date:
+    case BootStep::configuration_time: return configuration_mark_answered(now);
+    case BootStep::configuration:
+      if (record_.abort_code != canopen::AbortCode::none &&
+          record_.abort_code != canopen::AbortCode::write_of_read_only) {
+        return fail(BootError::configuration, now);
+      }
+      return next_configuration_entry(now);
+    default: return;
+  }
+}
+
+std::uint32_t BootSlave::received_value() const noexcept {
+  std::uint32_t value = 0;
+  const auto data = client_.data();
+  for (std::size_t i = std::min<std::size_t>(data.size(), 4); i > 0; --i) value = value << 8 | data[i - 1];
+  return value;
+}
+
+}  // namespace canopus::manager

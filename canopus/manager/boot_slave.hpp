@@ -1,0 +1,113 @@
+#pragma once
+// "Boot slave": the way of one slave from its reset to its start [CiA 302-2; ME3CAN1-Q 4.8.6, notes B8]:
+//
+//   (wait after reset) - presence: 1000H - identity: 1018H - [keep alive: its state] - [restore: 1011H]
+//   - [configuration: 1020H compared, concise DCF] - error control: heartbeat or guarding - booted
+//
+// One SDO transfer at a time on the slave's default channel. A slave that does not answer is asked again
+// without end; whether that is too long is decided by the host (boot time). The start command itself is the
+// host's as well: it depends on what the other slaves do.
+
+#include <cstdint>
+#include <span>
+
+#include "canopus/can/controller.hpp"
+#include "canopus/canopen/nmt.hpp"
+#include "canopus/canopen/object_dictionary.hpp"
+#include "canopus/canopen/sdo_client.hpp"
+#include "canopus/manager/boot_record.hpp"
+#include "canopus/manager/concise_dcf.hpp"
+#include "canopus/manager/master_options.hpp"
+
+namespace canopus::manager {
+
+/// What a boot needs from its master.
+class BootHost {
+ public:
+  virtual const canopen::ObjectDictionary& dictionary() const = 0;
+  virtual const MasterOptions& boot_options() const = 0;
+  /// 1F81H of the node; 0 for the own node.
+  virtual std::uint32_t assignment(std::uint8_t node_id) const = 0;
+  /// Consumer time of 1016H for the node; 0 = not watched.
+  virtual can::Duration heartbeat_time(std::uint8_t node_id) const = 0;
+  virtual void send_nmt(canopen::NmtCommand command, std::uint8_t node_id, can::Time now) = 0;
+  /// Sends one guarding remote frame.
+  virtual void ask_state(std::uint8_t node_id) = 0;
+  /// Begins guarding with its first remote frame. False when 1F81H configures none.
+  virtual bool start_guarding(std::uint8_t node_id, can::Time now) = 0;
+  virtual std::span<const std::uint8_t> concise_dcf(std::uint8_t node_id) = 0;
+  virtual bool sdo_channel_free(std::uint8_t node_id) = 0;
+  /// The slave answered 1000H, or did not.
+  virtual void presence_known(std::uint8_t node_id, bool present, can::Time now) = 0;
+  /// The boot ended; the record has the details.
+  virtual void boot_ended(std::uint8_t node_id, BootError error, can::Time now) = 0;
+
+ protected:
+  ~BootHost() = default;
+};
+
+class BootSlave final : private canopen::SdoClientUser {
+ public:
+  BootSlave(std::uint8_t node_id, BootHost& host, can::Sink& sink);
+
+  /// Begins from the first step; a running boot is given up. `after_reset`: the slave was just told to reset.
+  void start(bool after_reset, can::Time now);
+  /// The slave's boot-up message.
+  void boot_up(can::Time now);
+  /// A heartbeat or guarding answer of the slave.
+  void state_seen(canopen::NmtState state, can::Time now);
+  /// The boot time is over: ends a running boot with the error of its present step.
+  void give_up(can::Time now);
+  /// Ends without a result.
+  void abandon();
+  /// Only writes the concise DCF; the step is afterwards what it was. Not while running().
+  void configure(can::Time now);
+
+  [[nodiscard]] bool running() const noexcept;
+  [[nodiscard]] bool booted() const noexcept { return record_.step == BootStep::booted; }
+  [[nodiscard]] bool configuring() const noexcept { return record_.step == BootStep::configuration; }
+  [[nodiscard]] bool sdo_busy() const noexcept { return client_.busy(); }
+  [[nodiscard]] const BootRecord& record() const noexcept { return record_; }
+
+  void receive(const can::Frame& frame, can::Time now) { client_.receive(frame, now); }
+  void tick(can::Time now);
+  [[nodiscard]] can::Time deadline() const noexcept { return std::min(deadline_, client_.deadline()); }
+
+ private:
+  void sdo_finished(canopen::SdoClient& client, can::Time now) override;
+
+  void enter(BootStep step, can::Time now, can::Duration limit = {});
+  void begin(can::Time now);
+  void ask_presence(can::Time now);
+  void presence_answered(can::Time now);
+  void ask_identity(std::uint8_t sub, can::Time now);
+  void identity_answered(can::Time now);
+  void check_state(can::Time now);
+  void restore(can::Time now);
+  void check_configuration(can::Time now);
+  void configuration_mark_answered(can::Time now);
+  void start_configuration(can::Time now);
+  void next_configuration_entry(can::Time now);
+  void configuration_finished(can::Time now);
+  void start_error_control(can::Time now);
+  void request(can::Time now);
+  void fail(BootError error, can::Time now);
+  void finish(can::Time now);
+  [[nodiscard]] BootError error_of_step() const noexcept;
+  [[nodiscard]] std::uint32_t received_value() const noexcept;
+
+  std::uint8_t node_id_;
+  BootHost* host_;
+  canopen::SdoClient client_;
+  BootRecord record_;
+  BootStep step_before_configuration_ = BootStep::idle;
+  can::Time deadline_ = can::never;
+  ConciseDcfReader configuration_;
+  std::span<const std::uint8_t> download_;  // what the present step writes; empty: it reads
+  bool only_configure_ = false;
+  bool request_pending_ = false;  // the SDO could not be started yet
+  bool rebooted_ = false;         // boot-up message while 1000H was asked
+  bool found_operational_ = false;
+};
+
+}  // namespace canopus::manager

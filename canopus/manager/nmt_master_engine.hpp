@@ -1,0 +1,188 @@
+#pragma once
+// The inside of NmtMaster. Everything that has a time lies in one tournament of 128 timers: number n for what
+// concerns node n (its boot, its guarding), number 0 for the master itself.
+
+#include <array>
+#include <bitset>
+#include <cstdint>
+#include <memory>
+
+#include "canopus/manager/boot_slave.hpp"
+#include "canopus/manager/nmt_master.hpp"
+#include "canopus/manager/node_guarding.hpp"
+#include "canopus/manager/node_timers.hpp"
+
+namespace canopus::manager {
+
+/// Bits of 1F80H [CiA 302-2; ME3CAN1-Q 4.8.5].
+namespace start_up_bit {
+inline constexpr std::uint32_t nmt_master = 0x01;
+inline constexpr std::uint32_t start_all_nodes = 0x02;
+inline constexpr std::uint32_t wait_for_application = 0x04;  // own node does not become Operational by itself
+inline constexpr std::uint32_t do_not_start_slaves = 0x08;
+inline constexpr std::uint32_t reset_all_nodes = 0x10;
+inline constexpr std::uint32_t flying_master = 0x20;
+inline constexpr std::uint32_t stop_all_nodes = 0x40;
+}  // namespace start_up_bit
+
+/// Bits of the configuration byte of 1F81H [CiA 302-2; ME3CAN1-Q 4.8.6].
+namespace assignment_bit {
+inline constexpr std::uint32_t slave = 0x01;
+inline constexpr std::uint32_t boot_slave = 0x04;
+inline constexpr std::uint32_t mandatory = 0x08;
+inline constexpr std::uint32_t keep_alive = 0x10;
+}  // namespace assignment_bit
+
+class NmtMaster::Engine final : public BootHost, public canopen::ObjectHandler, private can::Sink {
+ public:
+  Engine(canopen::Node& node, can::Sink& sink, MasterOptions options);
+
+  void start(can::Time now);
+  void stop(can::Time now);
+  void receive(const can::Frame& frame, can::Time now);
+  void tick(can::Time now);
+  [[nodiscard]] can::Time deadline() const noexcept { return timers_.earliest(); }
+  void own_state_changed(can::Time now);
+  void heartbeat_received(std::uint8_t node_id, canopen::NmtState state, can::Time now);
+  void heartbeat_lost(std::uint8_t node_id, can::Time now);
+
+  [[nodiscard]] bool active() const noexcept { return phase_ > Phase::slave; }
+  [[nodiscard]] bool starting() const noexcept {
+    return running_boots_ > 0 || (phase_ > Phase::slave && phase_ < Phase::running);
+  }
+  [[nodiscard]] bool halted() const noexcept { return phase_ == Phase::halted; }
+  [[nodiscard]] std::uint8_t node_state(std::uint8_t node_id) const noexcept;
+  [[nodiscard]] std::uint16_t error_control(std::uint8_t node_id) const noexcept;
+  void clear_error_control(std::uint8_t node_id, can::Time now);
+  [[nodiscard]] const BootSlave* boot(std::uint8_t node_id) const noexcept {
+    return node_id < boots_.size() ? boots_[node_id].get() : nullptr;
+  }
+  [[nodiscard]] bool guarding(std::uint8_t node_id) const noexcept {
+    return node_id < guarding_.size() && guarding_[node_id].running();
+  }
+
+  canopen::AbortCode check_nmt_request(std::uint8_t node_id, std::uint8_t value) const noexcept;
+  void perform_nmt_request(std::uint8_t node_id, std::uint8_t value, can::Time now);
+  canopen::AbortCode check_guarding_request(std::uint8_t node_id, std::uint8_t value) const noexcept;
+  void perform_guarding_request(std::uint8_t node_id, std::uint8_t value, can::Time now);
+  canopen::AbortCode request_configuration(std::uint8_t node_id, can::Time now);
+
+  MasterOptions options_;
+  MasterListener* listener_;
+  ConfigurationSource* source_ = nullptr;
+
+ private:
+  enum class Phase : std::uint8_t {
+    off,
+    slave,             ///< 1F80H bit 0 is 0
+    booting,           ///< until all mandatory slaves are booted
+    settling,          ///< nothing assigned: the pause between reset and start
+    wait_operational,  ///< own node is not Operational yet: 1F80H bit 2, or the application forbids it
+    wait_start_all,    ///< the pause between reset and Start all nodes
+    running,
+    halted,
+  };
+  struct Command {
+    canopen::NmtCommand command;
+    std::uint8_t node_id;
+  };
+  static constexpr std::size_t queue_size = 256;
+
+  // BootHost
+  [[nodiscard]] const canopen::ObjectDictionary& dictionary() const override { return node_->dictionary(); }
+  [[nodiscard]] const MasterOptions& boot_options() const override { return options_; }
+  [[nodiscard]] std::uint32_t assignment(std::uint8_t node_id) const override;
+  [[nodiscard]] can::Duration heartbeat_time(std::uint8_t node_id) const override;
+  void send_nmt(canopen::NmtCommand command, std::uint8_t node_id, can::Time now) override;
+  void ask_state(std::uint8_t node_id) override;
+  bool start_guarding(std::uint8_t node_id, can::Time now) override;
+  std::span<const std::uint8_t> concise_dcf(std::uint8_t node_id) override;
+  bool sdo_channel_free(std::uint8_t node_id) override { return listener_->sdo_channel_free(node_id); }
+  void presence_known(std::uint8_t node_id, bool present, can::Time now) override;
+  void boot_ended(std::uint8_t node_id, BootError error, can::Time now) override;
+
+  // canopen::ObjectHandler: 1F80H-1F83H
+  canopen::AbortCode before_read(canopen::ObjectDictionary&, const canopen::Entry&, can::Time now) override;
+  canopen::AbortCode before_write(canopen::ObjectDictionary&, const canopen::Entry&,
+                                  std::span<const std::uint8_t> value, can::Time now) override;
+  void after_write(canopen::ObjectDictionary&, const canopen::Entry&, can::Time now) override;
+
+  // can::Sink, between the boots and the real one: silent while everything is being given up
+  bool send(const can::Frame& frame) override { return muted_ || sink_->send(frame); }
+
+  // start-up (nmt_master_start_up.cpp)
+  void begin(can::Time now);
+  /// True when every node was reset, not only those that need not be kept alive.
+  bool reset_network(can::Time now);
+  void boot_all(bool all_were_reset, can::Time now);
+  void start_boot(std::uint8_t node_id, bool after_reset, can::Time now);
+  void boot_time_elapsed(can::Time now);
+  void mandatory_done(can::Time now);
+  void become_operational(can::Time now);
+  void own_node_is_operational(can::Time now);
+  void start_slaves(can::Time now);
+  void enter(Phase phase, can::Time now, can::Time until = can::never);
+  void halt(can::Time now);
+  void abandon_boots();
+  [[nodiscard]] bool all_booted(std::uint32_t assignment_bits) const;
+  [[nodiscard]] bool may_boot() const;
+
+  // events (nmt_master_events.cpp)
+  void master_tick(can::Time now);
+  void node_tick(std::uint8_t node_id, can::Time now);
+  void guarding_tick(std::uint8_t node_id, can::Time now);
+  void state_message(std::uint8_t node_id, std::uint8_t byte, can::Time now);
+  void boot_up_message(std::uint8_t node_id, can::Time now);
+  void check_guarded_state(std::uint8_t node_id, std::uint8_t state, can::Time now);
+  void error_event(std::uint8_t node_id, ErrorControlEvent event, can::Time now);
+  void flush_commands(can::Time now);
+  void command_was_sent(Command command, can::Time now);
+  void show_commanded(canopen::NmtCommand command, std::uint8_t node_id, can::Time now);
+  [[nodiscard]] bool heard(std::uint8_t node_id) const;
+
+  void set_state(std::uint8_t node_id, std::uint8_t state, can::Time now);
+  void set_flags(std::uint8_t node_id, std::uint16_t set, std::uint16_t clear, can::Time now);
+  void tell_starting(can::Time now);
+  void refresh(std::uint8_t node_id);
+  void refresh_master(can::Time now);
+  /// Something is to be done in the next tick.
+  void wake(can::Time now) { timers_.set(0, now); }
+
+  canopen::Node* node_;
+  can::Sink* sink_;
+  bool muted_ = false;
+
+  Phase phase_ = Phase::off;
+  std::uint32_t start_up_ = 0;        // 1F80H as it was at start()
+  can::Time phase_end_ = can::never;  // of settling, wait_start_all
+  can::Time boot_end_ = can::never;   // 1F89H
+  can::Time reset_time_{};            // of the latest NMT reset of other nodes
+  bool begin_pending_ = false;
+  bool network_was_reset_ = false;  // the reset of step 4 was sent already
+  bool giving_up_ = false;          // the boot time is over
+  bool was_starting_ = false;
+  bool own_state_changed_ = false;
+  std::uint8_t own_command_ = 0;  // NmtCommand for the own node, to be obeyed in the next tick; 0 = none
+  unsigned running_boots_ = 0;
+
+  std::array<std::uint8_t, 128> state_{};
+  std::array<std::uint16_t, 128> flags_{};
+  std::array<std::uint8_t, 128> expected_state_{};  // what guarding should see; 0 = no opinion
+  std::array<can::Time, 128> expected_since_{};
+  std::bitset<128> heartbeat_alive_;
+  std::bitset<128> heartbeat_lost_pending_;
+  std::bitset<128> in_error_;  // had an error control event, not heard since
+  std::bitset<128> wrong_state_;
+  std::bitset<128> held_;  // stopped by request: not started again by itself [ME3CAN1-Q 4.8.8]
+  std::bitset<128> boot_counted_;
+  std::array<std::unique_ptr<BootSlave>, 128> boots_;
+  std::array<NodeGuarding, 128> guarding_{};
+  NodeTimers timers_;
+
+  std::array<Command, queue_size> commands_{};
+  std::size_t first_command_ = 0;
+  std::size_t command_count_ = 0;
+  can::Time next_command_{};  // not before this [102AH]
+};
+
+}  // namespace canopus::manager
