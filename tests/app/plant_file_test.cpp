@@ -1,0 +1,221 @@
+#include "canopus/app/plant_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+namespace canopus::app {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using namespace std::chrono_literals;
+
+constexpr std::string_view good_plant = R"([plant]
+name = "press line"
+seed = 7
+
+[[bus]]
+name = "line1"
+bit_rate = 250_000
+serve = "socketcand:127.0.0.1:29536"
+
+[[device]]
+node = 3
+name = "encoder"
+eds = "encoder.eds"
+start = "1.5s"
+objects = { "1017:00" = 500, "2000:0A" = "text" }
+
+[[device.behaviour]]
+object = "6004:00"
+kind = "ramp"
+low = -10
+high = 4095.5
+period = "4s"
+
+[[plc]]
+name = "plc1"
+listen = ":5008"
+cpu = "stop"
+store = "state"
+
+[[plc.module]]
+model = "ME3CAN1-Q"
+head = 0x30
+node = 1
+master = true
+exchange = "20ms"
+restart_time = "100ms"
+buffer = { G70 = 1000 }
+objects = { "1F89:00" = 10000 }
+watch = ["G25", "G10000"]
+
+[[plc.module.slave]]
+node = 3
+mandatory = false
+receive = [1, { pdo = 2, at = "G10020" }]
+send = 1
+)";
+
+std::vector<std::string> errors_of(std::string_view text) {
+  std::vector<std::string> lines;
+  for (const PlantError& error : read_plant(text, "plant.toml").errors)
+    lines.push_back(describe(error, "plant.toml"));
+  return lines;
+}
+
+TEST(PlantFile, EverythingThatIsWrittenIsRead) {
+  const PlantReading reading = read_plant(good_plant, "plant.toml");
+  ASSERT_THAT(reading.errors, IsEmpty());
+  const PlantFile& plant = reading.plant;
+  EXPECT_EQ(plant.name, "press line");
+  EXPECT_EQ(plant.seed, 7U);
+  ASSERT_EQ(plant.buses.size(), 1U);
+  EXPECT_EQ(plant.buses[0].bit_rate, 250'000U);
+  EXPECT_EQ(plant.buses[0].socketcand->port, 29536);
+
+  ASSERT_EQ(plant.devices.size(), 1U);
+  const DeviceSection& device = plant.devices[0];
+  EXPECT_EQ(device.bus, "line1") << "the only bus is meant where none is named";
+  EXPECT_EQ(device.start, 1500ms);
+  ASSERT_EQ(device.objects.size(), 2U);
+  EXPECT_EQ(device.objects[0].object, (ObjectName{0x1017, 0}));
+  EXPECT_EQ(std::get<std::int64_t>(device.objects[0].value), 500);
+  EXPECT_EQ(device.objects[1].object, (ObjectName{0x2000, 0x0A}));
+  EXPECT_EQ(std::get<std::string>(device.objects[1].value), "text");
+  ASSERT_EQ(device.behaviours.size(), 1U);
+  EXPECT_EQ(device.behaviours[0].low, -10);
+  EXPECT_EQ(device.behaviours[0].high, 4095.5);
+  EXPECT_EQ(device.behaviours[0].period, 4s);
+
+  ASSERT_EQ(plant.plcs.size(), 1U);
+  EXPECT_EQ(plant.plcs[0].listen->host, "127.0.0.1");
+  EXPECT_EQ(plant.plcs[0].listen->port, 5008);
+  EXPECT_FALSE(plant.plcs[0].run);
+  const ModuleSection& module = plant.plcs[0].modules.at(0);
+  EXPECT_EQ(module.head, 0x30);
+  EXPECT_TRUE(module.master);
+  EXPECT_EQ(module.exchange, 20ms);
+  EXPECT_EQ(module.restart_time, 100ms);
+  EXPECT_EQ(module.buffer.at(0).address, 70U);
+  EXPECT_EQ(module.buffer.at(0).value, 1000);
+  EXPECT_THAT(module.watch, ElementsAre(25U, 10000U));
+  const SlaveSection& slave = module.slaves.at(0);
+  EXPECT_FALSE(slave.mandatory);
+  ASSERT_EQ(slave.receive.size(), 2U);
+  EXPECT_EQ(slave.receive[1].pdo, 2);
+  EXPECT_EQ(slave.receive[1].address, 10020U);
+  EXPECT_EQ(slave.send.size(), 1U);
+}
+
+TEST(PlantFile, AnErrorOfSyntaxHasItsLineAndColumn) {
+  const auto errors = errors_of("[plant]\nname = \n");
+  ASSERT_EQ(errors.size(), 1U);
+  EXPECT_THAT(errors[0], HasSubstr("plant.toml:2:8: "));
+}
+
+struct WrongLine {
+  std::string_view from;
+  std::string_view to;
+  std::string_view error;
+};
+
+class PlantFileWithOneMistake : public testing::TestWithParam<WrongLine> {};
+
+TEST_P(PlantFileWithOneMistake, NamesPlaceFindingAndExpectation) {
+  std::string text(good_plant);
+  const std::size_t place = text.find(GetParam().from);
+  ASSERT_NE(place, std::string::npos);
+  text.replace(place, GetParam().from.size(), GetParam().to);
+  EXPECT_THAT(errors_of(text), ElementsAre(std::string(GetParam().error)));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Mistakes, PlantFileWithOneMistake,
+    testing::Values(
+        WrongLine{"node = 3\nname", "node = 128\nname", "plant.toml:11:8: node = 128: a node-ID is 1 to 127"},
+        WrongLine{"bit_rate = 250_000", "bit_rate = 300_000",
+                  "plant.toml:7:12: bit_rate = 300000: expected one of 10000, 20000, 50000, 100000, 125000, "
+                  "250000, "
+                  "500000, 800000, 1000000 bit/s"},
+        WrongLine{"bit_rate = 250_000", "bit_rate = \"fast\"",
+                  "plant.toml:7:12: bit_rate = \"fast\": expected a bit rate in bit/s, for example 250_000"},
+        WrongLine{"kind = \"ramp\"", "kind = \"rampe\"",
+                  "plant.toml:19:8: kind = \"rampe\": expected one of sine, ramp, counter, echo, noise"},
+        WrongLine{"object = \"6004:00\"", "object = \"60040:00\"",
+                  "plant.toml:18:10: object = \"60040:00\" is not an object; expected index:sub-index in "
+                  "hexadecimal, "
+                  "for example \"6000:01\""},
+        WrongLine{"period = \"4s\"", "period = \"4\"",
+                  "plant.toml:22:10: period = \"4\" is not a duration; expected a number and a unit (us, ms, "
+                  "s, min, "
+                  "h), for example \"10ms\""},
+        WrongLine{"high = 4095.5", "high = -11", "plant.toml:21:8: high = -11: must not be below low = -10"},
+        WrongLine{"cpu = \"stop\"", "cpu = \"halt\"",
+                  "plant.toml:27:7: cpu = \"halt\": expected \"run\" or \"stop\""},
+        WrongLine{"head = 0x30", "head = 0x31",
+                  "plant.toml:32:8: head = 49: a head I/O number is a multiple of 10H from 0 to 0FF0H"},
+        WrongLine{"model = \"ME3CAN1-Q\"", "model = \"ME3CAN2\"",
+                  "plant.toml:31:9: model = \"ME3CAN2\": expected \"ME3CAN1-Q\""},
+        WrongLine{"G70 = 1000", "G70 = 65536", "plant.toml:37:18: G70 = 65536: a word is -32768 to 65535"},
+        WrongLine{"G70 = 1000", "X70 = 1000",
+                  "plant.toml:37:12: \"X70\" is not a buffer memory address; expected G0 to G65535"},
+        WrongLine{
+            "send = 1", "send = 513",
+            "plant.toml:45:8: send = 513: expected a PDO number 1 to 512, or { pdo = 1, at = \"G10000\" }"},
+        WrongLine{"node = 3\nmandatory", "node = 4\nmandatory",
+                  "plant.toml:41:1: slave: there is no device with node = 4 on bus \"line1\""},
+        WrongLine{"master = true", "master = false", "plant.toml:30:1: slaves need master = true"},
+        WrongLine{"serve = \"socketcand:", "serve = \"udp:",
+                  "plant.toml:8:9: serve = \"udp:127.0.0.1:29536\" is not a way to serve a bus; expected "
+                  "\"socketcand:127.0.0.1:29536\""},
+        WrongLine{"node = 1\nmaster", "node = 3\nmaster",
+                  "plant.toml:30:1: module: node 3 of bus \"line1\" is taken already, in line 10"}));
+
+TEST(PlantFile, AMisspeltKeyIsAMistakeWithTheKeysThatExist) {
+  const auto errors = errors_of("[[bus]]\nname = \"a\"\nbit_rate = 250000\nbitrate = 1\n");
+  EXPECT_THAT(errors,
+              ElementsAre("plant.toml:4:1: bus: unknown key bitrate; expected one of bit_rate, name, serve"));
+}
+
+TEST(PlantFile, AllMistakesAreFoundAtOnceInTheOrderOfTheFile) {
+  const auto errors = errors_of("[[bus]]\nname = \"a\"\nbit_rate = 1\n[[device]]\nnode = 0\n");
+  ASSERT_EQ(errors.size(), 3U);
+  EXPECT_THAT(errors[0], HasSubstr("plant.toml:3:12: bit_rate"));
+  EXPECT_THAT(errors[1], HasSubstr("plant.toml:4:1: device: eds is missing"));
+  EXPECT_THAT(errors[2], HasSubstr("plant.toml:5:8: node = 0"));
+}
+
+TEST(PlantFile, WithSeveralBusesADeviceMustNameItsOwn) {
+  const auto errors = errors_of(
+      "[[bus]]\nname = \"a\"\nbit_rate = 250000\n[[bus]]\nname = \"b\"\nbit_rate = 250000\n"
+      "[[device]]\nnode = 1\neds = \"x.eds\"\n");
+  EXPECT_THAT(errors, ElementsAre("plant.toml:7:1: device: bus is missing; expected one of a, b"));
+}
+
+TEST(PlantFile, ModulesMustNotShareTheirPoints) {
+  const auto errors = errors_of(
+      "[[bus]]\nname = \"a\"\nbit_rate = 250000\n[[plc]]\n[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nhead = "
+      "0x00\n"
+      "[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nhead = 0x10\n");
+  EXPECT_THAT(errors, ElementsAre("plant.toml:8:1: the module at head 010H overlaps the one in line 5"));
+}
+
+RC_GTEST_PROP(PlantFile, NoTextWhateverMakesItFail, (const std::string& text)) {
+  (void)read_plant(text, "plant.toml");
+}
+
+RC_GTEST_PROP(PlantFile, EveryErrorOfADamagedFileHasALine, ()) {
+  std::string text(good_plant);
+  const auto changes = *rc::gen::inRange(1, 6);
+  for (int i = 0; i < changes; ++i) {
+    const auto place = *rc::gen::inRange<std::size_t>(0, text.size());
+    text[place] = *rc::gen::arbitrary<char>();
+  }
+  for (const PlantError& error : read_plant(text, "plant.toml").errors) RC_ASSERT(error.place.line >= 1U);
+}
+
+}  // namespace
+}  // namespace canopus::app
