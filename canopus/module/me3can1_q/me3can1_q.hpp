@@ -18,6 +18,8 @@ namespace canopus::module::me3can1_q {
 struct Profile {
   /// Y02 to X02 [ME3CAN1-Q 3.3.2: approx. 6 s].
   can::Duration restart_time = std::chrono::seconds(6);
+  /// How long X02 stays ON before Y02, still ON, counts as the next restart. Not printed.
+  can::Duration restart_repeat_time = std::chrono::milliseconds(500);
   /// Supply on to the end of initialization (G25.7 = 0). Not printed.
   can::Duration power_on_time = std::chrono::seconds(1);
   /// An NMT reset to the end of initialization. Not printed.

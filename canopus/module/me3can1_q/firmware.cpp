@@ -1,0 +1,314 @@
+// Life cycle: construction, power, initialization, restart, stored settings.
+
+#include "canopus/module/me3can1_q/firmware.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "canopus/module/me3can1_q/buffer_table.hpp"
+#include "canopus/module/me3can1_q/object_table.hpp"
+#include "canopus/module/stored_settings.hpp"
+
+namespace canopus::module::me3can1_q {
+
+namespace {
+
+// Names in the non-volatile memory.
+constexpr std::string_view words_name = "buffer-memory";
+constexpr std::string_view objects_name = "object-dictionary";
+// There while a save runs: found at a start, the supply went off in the middle of one.
+constexpr std::string_view saving_name = "saving";
+
+constexpr std::uint32_t save_signature = 0x65766173;  // "save"
+constexpr std::uint32_t load_signature = 0x64616F6C;  // "load"
+
+constexpr unsigned stack_records = 11;
+constexpr unsigned ring_records = 11;
+
+canopen::NodeOptions node_options() {
+  return {
+      .dismiss_events_during_inhibit = true,
+      .send_tpdos_on_start = false,
+      .sdo_write_is_event = false,
+      .tpdo_rtr_bit_is_constant = true,
+      .rtr_transmission_types = false,
+      .profile_event_transmission_type = false,
+      .inhibit_time_resolution = std::chrono::milliseconds(1),
+      .extended_identifiers = false,
+      .sync_needs_active_master = true,
+      .sync_period_resolution = std::chrono::milliseconds(1),
+      .history_clears_error_register = true,
+      .empty_history_reads_zero = true,
+      .guarding_emergency_names_node = true,
+  };
+}
+
+Modes mode_bit(std::uint16_t function_mode) {
+  switch (function_mode) {
+    case 11: return layer2_11;
+    case 29: return layer2_29;
+    default: return canopen_405;
+  }
+}
+
+std::uint32_t number(std::span<const std::uint8_t> value) {
+  std::uint32_t result = 0;
+  for (std::size_t i = 0; i < value.size() && i < 4; ++i) {
+    result |= static_cast<std::uint32_t>(value[i]) << (8 * i);
+  }
+  return result;
+}
+
+}  // namespace
+
+Me3can1Q::Firmware::Firmware(can::Controller& controller, NonVolatileMemory& memory, Profile profile)
+    : controller_(controller),
+      memory_(memory),
+      profile_(std::move(profile)),
+      buffer_(buffer_table),
+      errors_(error_layout),
+      emergencies_(g::emergencies, stack_records, ring_records),
+      nmt_status_(g::error_clear_node, g::nmt_state),
+      node_(object_dictionary(), 127, controller, node_options()),
+      master_(node_, controller),
+      command_(g::command, command_table, *this, controller),
+      exchange_(exchange_layout, buffer_) {
+  node_.set_listener(this);
+  master_.set_listener(this);
+  node_.dictionary().attach(0x1010, 0x1011, *this);
+  exchange_.attach(node_.dictionary());
+
+  buffer_.attach(g::data_exchange_control, g::data_exchange_control, *this);
+  buffer_.attach(g::communication_status, g::communication_status, *this);
+  buffer_.attach(g::transmit_errors, g::active_baud_rate, *this);
+  buffer_.attach(g::error_status, g::error_status, errors_);
+  buffer_.attach(g::setting_error, g::refused_write, errors_);
+  buffer_.attach(g::error_clear_node + 1, g::error_clear_node + 127, nmt_status_);
+  buffer_.attach(g::nmt_state + 1, g::nmt_state + 127, nmt_status_);
+  buffer_.attach(g::emergencies, emergencies_.last_address(), emergencies_);
+  buffer_.attach(g::command, g::command + CommandInterface::word_count - 1, command_);
+  events_.reserve(8);
+}
+
+bool Me3can1Q::Firmware::preset_buffer(BufferAddress address, std::uint16_t value) {
+  const bool is_stored = std::ranges::any_of(buffer_table, [&](const BufferRow& row) {
+    return row.stored == Stored::yes && address >= row.first && address <= row.last &&
+           (address - row.first) % row.stride == 0;
+  });
+  if (!is_stored) return false;
+  const auto mode = shelf_words_.find(g::function_mode);
+  const Modes modes =
+      address == g::function_mode || mode == shelf_words_.end() ? all_modes : mode_bit(mode->second);
+  if (buffer_.check(address, value, modes) != WriteResult::done) return false;
+  shelf_words_[address] = value;
+  return true;
+}
+
+canopen::AbortCode Me3can1Q::Firmware::preset_object(std::uint16_t index, std::uint8_t sub,
+                                                     std::span<const std::uint8_t> value) {
+  // A dictionary of its own, without the services' handlers: the order of the presets must not matter.
+  canopen::ObjectDictionary scratch(object_dictionary(), 127);
+  const auto entry = scratch.find(index, sub);
+  if (!entry) return entry.error();
+  if (const auto code = scratch.write(index, sub, value, {}); code != canopen::AbortCode::none) return code;
+  if (!entry->description->stored) return canopen::AbortCode::cannot_store;
+  const manager::MasterOptions& rules = master_.options();
+  const bool bad_role = index == 0x1F80 && (number(value) & ~rules.start_up_bits) != 0;
+  const bool bad_assignment = index == 0x1F81 && (value[0] & ~rules.assignment_bits) != 0;
+  if (bad_role || bad_assignment) return canopen::AbortCode::invalid_value;
+  shelf_objects_[{index, sub}] = {value.begin(), value.end()};
+  return canopen::AbortCode::none;
+}
+
+void Me3can1Q::Firmware::set_observer(ModuleObserver* observer) {
+  observer_ = observer;
+  signals_.set_observer(observer);
+}
+
+bool Me3can1Q::Firmware::initializing() const noexcept {
+  return state_ == State::initializing || nmt_reset_end_ != can::never;
+}
+
+bool Me3can1Q::Firmware::canopen_mode() const noexcept { return mode_ == 405; }
+
+void Me3can1Q::Firmware::power_on(can::Time now) {
+  if (state_ != State::off) return;
+  for (unsigned y = 0; y < 32; ++y) signals_.set_output(y, false, now);
+  restarting_ = false;
+  begin_initialization(profile_.power_on_time, now);
+}
+
+void Me3can1Q::Firmware::power_off(can::Time now) {
+  if (state_ == State::off) return;
+  state_ = State::off;
+  master_.stop(now);
+  node_.power_off();
+  command_.reset();
+  signals_.clear_inputs(now);
+  initialized_at_ = restart_again_at_ = nmt_reset_end_ = exchange_end_ = save_end_ = can::never;
+  events_.clear();
+}
+
+// [ME3CAN1-Q 3.3.2, 3.5.5] From the start of a restart on the module is off the bus; what it holds is what
+// its flash memory holds.
+void Me3can1Q::Firmware::begin_initialization(can::Duration duration, can::Time now) {
+  state_ = State::initializing;
+  initialized_at_ = can::later(now, duration);
+  restart_again_at_ = nmt_reset_end_ = exchange_end_ = save_end_ = can::never;
+  process_data_pending_ = emergencies_pending_ = exchange_running_ = nmt_reset_seen_ = false;
+  save_request_ = 0;
+  events_.clear();
+  master_.stop(now);
+  node_.power_off();
+  errors_.reset();
+  emergencies_.clear();
+  nmt_status_.reset();
+  command_.reset();
+  exchange_.reset();
+  const bool ready = signals_.input(signal::ready);
+  signals_.clear_inputs(now);
+  signals_.set_input(signal::ready, ready, now);
+  load_settings();
+  update(now);
+}
+
+void Me3can1Q::Firmware::load_settings() {
+  flash_error_ = false;
+  if (memory_.read(saving_name).state != NonVolatileMemory::Content::State::missing) {
+    flash_error_ = true;
+    memory_.erase(saving_name);
+  }
+  stored_words_.clear();
+  const NonVolatileMemory::Content content = memory_.read(words_name);
+  if (content.state == NonVolatileMemory::Content::State::missing) {
+    stored_words_ = shelf_words_;
+  } else if (auto words = content.state == NonVolatileMemory::Content::State::good
+                              ? decode_words(content.bytes)
+                              : std::nullopt) {
+    stored_words_ = std::move(*words);
+  } else {
+    flash_error_ = true;
+  }
+  const auto mode = stored_words_.find(g::function_mode);
+  mode_ = mode != stored_words_.end() && one_of(function_modes).contains(mode->second) ? mode->second : 405;
+  mode_bit_ = mode_bit(mode_);
+  buffer_.select_mode(static_cast<Modes>(mode_bit_));
+  if (!buffer_.apply_stored(stored_words_)) flash_error_ = true;
+  // In a layer 2 mode all settings of the object dictionary are deleted [ME3CAN1-Q 3.5.2].
+  if (!canopen_mode() && memory_.read(objects_name).state != NonVolatileMemory::Content::State::missing) {
+    memory_.write(objects_name, {});
+  }
+}
+
+void Me3can1Q::Firmware::end_initialization(can::Time now) {
+  initialized_at_ = can::never;
+  state_ = State::running;
+  bit_rate_ = buffer_.word(g::baud_rate);
+  controller_.restart(bit_rate_ * 1000U);
+  overflows_ = 0;
+  if (canopen_mode()) {
+    node_.set_node_id(static_cast<std::uint8_t>(buffer_.word(g::node_address)));
+    use_communication_settings();
+    node_.power_on(now);
+  }
+  signals_.set_input(signal::ready, true, now);
+  if (std::exchange(restarting_, false)) {
+    signals_.set_input(signal::restart, true, now);
+    restart_again_at_ = can::later(now, profile_.restart_repeat_time);
+  } else if (signals_.output(signal::restart)) {
+    begin_restart(now);
+  }
+  controller_changed(now);
+}
+
+void Me3can1Q::Firmware::begin_restart(can::Time now) {
+  // The frame is in the controller's queue before the node goes off; the controller starts anew only at the
+  // end of the initialization, so it leaves.
+  if (state_ == State::running && canopen_mode()) {
+    node_.emergency(0x6200, 0x01, std::array<std::uint8_t, 5>{0x4D, 0x45, 0x30, 0x30, 0x34}, now);  // "ME004"
+  }
+  restarting_ = true;
+  begin_initialization(profile_.restart_time, now);
+}
+
+void Me3can1Q::Firmware::use_communication_settings() {
+  master_.options().start_all_delay = std::chrono::milliseconds(buffer_.word(g::start_all_delay));
+  master_.options().sdo_time_out = sdo_time_out();
+}
+
+// The node has its defaults again; what was stored goes on top.
+void Me3can1Q::Firmware::load_objects() {
+  canopen::ObjectDictionary& objects = node_.dictionary();
+  // Its default depends on the node-ID in a way of its own [ME3CAN1-Q 4.8.10].
+  objects.set<std::uint16_t>(0x1F90, 6, static_cast<std::uint16_t>(4000 + 10 * node_.node_id()));
+  const NonVolatileMemory::Content content = memory_.read(objects_name);
+  switch (content.state) {
+    case NonVolatileMemory::Content::State::missing:
+      for (const auto& [place, value] : shelf_objects_) {
+        objects.assign(objects.description().find(place.first, place.second), value);
+      }
+      break;
+    case NonVolatileMemory::Content::State::good:
+      if (!apply_objects(content.bytes, objects)) flash_error_ = true;
+      break;
+    case NonVolatileMemory::Content::State::damaged: flash_error_ = true; break;
+  }
+}
+
+void Me3can1Q::Firmware::reset_requested(canopen::NmtCommand, can::Time now) {
+  nmt_reset_seen_ = false;
+  if (state_ != State::running) return;
+  nmt_reset_end_ = can::later(now, profile_.nmt_reset_time);
+  master_.stop(now);
+}
+
+void Me3can1Q::Firmware::reset_done(canopen::NmtCommand, can::Time now) {
+  load_objects();
+  nmt_status_.reset();
+  master_.start(now);
+}
+
+// 1010H and 1011H [ME3CAN1-Q 4.6.10, 4.6.11].
+canopen::AbortCode Me3can1Q::Firmware::before_write(canopen::ObjectDictionary& dictionary,
+                                                    const canopen::Entry& entry,
+                                                    std::span<const std::uint8_t> value, can::Time) {
+  const bool storing = entry.index == 0x1010;
+  if (number(value) != (storing ? save_signature : load_signature)) return canopen::AbortCode::cannot_store;
+  // Restored settings are factory defaults, not those of the shelf: an empty content, not a missing one.
+  const bool written =
+      storing ? memory_.write(objects_name, encode_objects(dictionary)) : memory_.write(objects_name, {});
+  return written ? canopen::AbortCode::none : canopen::AbortCode::hardware_error;
+}
+
+void Me3can1Q::Firmware::after_write(canopen::ObjectDictionary& dictionary, const canopen::Entry& entry,
+                                     can::Time) {
+  dictionary.set<std::uint32_t>(entry, 1);  // saves, or restores, on command
+}
+
+void Me3can1Q::Firmware::begin_save(can::Time now) {
+  save_request_ = buffer_.written(g::save_restore) & 3U;
+  if ((save_request_ & 1U) != 0) memory_.write(saving_name, {});
+  save_end_ = can::later(now, profile_.save_time);
+}
+
+void Me3can1Q::Firmware::end_save(can::Time now) {
+  save_end_ = can::never;
+  if ((save_request_ & 2U) != 0) {
+    buffer_.restore_initial();
+    use_communication_settings();
+  }
+  if ((save_request_ & 1U) != 0) {
+    if ((save_request_ & 2U) != 0) stored_words_.clear();  // of all modes
+    buffer_.collect_stored(stored_words_);
+    const bool written = memory_.write(words_name, encode_words(stored_words_));
+    memory_.erase(saving_name);
+    if (!written) {
+      flash_error_ = true;
+      tell("the flash memory could not be written", now);
+    }
+  }
+  buffer_.set_word(g::save_restore, 0);
+  signals_.set_input(signal::save_restore, true, now);
+}
+
+}  // namespace canopus::module::me3can1_q

@@ -1,0 +1,173 @@
+#pragma once
+// What runs inside the ME3CAN1-Q: life cycle (power, initialization, restart), signals, and the areas of the
+// buffer memory, tied to one CANopen node and its NMT master. Private to the module's folder.
+
+#include <array>
+#include <map>
+#include <vector>
+
+#include "canopus/manager/nmt_master.hpp"
+#include "canopus/module/buffer_memory.hpp"
+#include "canopus/module/command_interface.hpp"
+#include "canopus/module/data_exchange.hpp"
+#include "canopus/module/emergency_buffer.hpp"
+#include "canopus/module/error_status.hpp"
+#include "canopus/module/me3can1_q/me3can1_q.hpp"
+#include "canopus/module/nmt_status.hpp"
+#include "canopus/module/signals.hpp"
+
+namespace canopus::module::me3can1_q {
+
+class Me3can1Q::Firmware final : public BufferArea,
+                                 public CommandHost,
+                                 public canopen::NodeListener,
+                                 public canopen::ObjectHandler,
+                                 public manager::MasterListener {
+ public:
+  Firmware(can::Controller& controller, NonVolatileMemory& memory, Profile profile);
+
+  bool preset_buffer(BufferAddress address, std::uint16_t value);
+  canopen::AbortCode preset_object(std::uint16_t index, std::uint8_t sub,
+                                   std::span<const std::uint8_t> value);
+
+  std::uint16_t read(BufferAddress address, can::Time now);
+  void write(BufferAddress address, std::uint16_t value, can::Time now);
+  void set_output(unsigned number, bool on, can::Time now);
+  void power_on(can::Time now);
+  void power_off(can::Time now);
+  void cpu_changed(CpuState state, can::Time now);
+  void set_observer(ModuleObserver* observer);
+
+  void receive(const can::Frame& frame, can::Time now);
+  void transmitted(const can::Frame& frame, can::Time now);
+  void controller_changed(can::Time now);
+  void tick(can::Time now);
+  [[nodiscard]] can::Time deadline() const noexcept;
+
+  [[nodiscard]] const Signals& signals() const noexcept { return signals_; }
+  [[nodiscard]] const Profile& profile() const noexcept { return profile_; }
+  [[nodiscard]] const canopen::Node& node() const noexcept { return node_; }
+
+  // BufferArea: the status words that are made when they are read (G20 G25 G35 G36 G37).
+  std::uint16_t read_word(BufferAddress address, can::Time now) override;
+  WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
+
+  // CommandHost
+  std::uint16_t bus_obstacle() const override;
+  std::uint8_t own_node_id() const override { return node_.node_id(); }
+  canopen::ObjectDictionary& dictionary() override { return node_.dictionary(); }
+  can::Duration sdo_time_out() const override;
+  bool sdo_channel_free(std::uint8_t node_id) const override { return !master_.sdo_channel_busy(node_id); }
+  EmergencyAnswer send_emergency(std::uint16_t code, std::uint8_t error_register,
+                                 std::span<const std::uint8_t, 5> manufacturer, can::Time now) override;
+  bool send_plain_frame(std::span<const std::uint16_t> parameters, std::span<std::uint16_t> faults) override;
+  void command_finished(can::Time now) override;
+
+  // NodeListener
+  void nmt_state_changed(canopen::NmtState state, can::Time now) override;
+  void reset_requested(canopen::NmtCommand which, can::Time now) override;
+  void reset_done(canopen::NmtCommand which, can::Time now) override;
+  bool may_become_operational() override;
+  void emergency_received(const canopen::Emergency& message, can::Time now) override;
+  void rpdo_received(std::uint16_t number, can::Time now) override;
+  void heartbeat_received(std::uint8_t node_id, canopen::NmtState state, can::Time now) override;
+  void heartbeat_lost(std::uint8_t node_id, can::Time now) override;
+  void life_guarding_event(bool occurred, can::Time now) override;
+  void object_written(const canopen::Entry& entry, can::Time now) override;
+
+  // ObjectHandler: 1010H, 1011H
+  canopen::AbortCode before_write(canopen::ObjectDictionary& dictionary, const canopen::Entry& entry,
+                                  std::span<const std::uint8_t> value, can::Time now) override;
+  void after_write(canopen::ObjectDictionary& dictionary, const canopen::Entry& entry,
+                   can::Time now) override;
+
+  // MasterListener
+  void slave_failed(std::uint8_t node_id, manager::BootError error, can::Time now) override;
+  void error_control_event(std::uint8_t node_id, manager::ErrorControlEvent event, can::Time now) override;
+  void node_state_changed(std::uint8_t node_id, std::uint8_t state, can::Time now) override;
+  void error_control_changed(std::uint8_t node_id, std::uint16_t bits, can::Time now) override;
+  bool sdo_channel_free(std::uint8_t node_id) override { return command_.remote_node() != node_id; }
+
+ private:
+  enum class State : std::uint8_t {
+    off,           ///< no supply
+    initializing,  ///< power-on or Y02 until the settings are in force
+    running,
+  };
+  /// An emergency of the module's own finding: sent after the event that caused it is dealt with.
+  struct Event {
+    std::uint16_t code;
+    std::uint8_t error_register;
+    std::array<std::uint8_t, 5> manufacturer;
+  };
+
+  // Life cycle.
+  void begin_initialization(can::Duration duration, can::Time now);
+  void end_initialization(can::Time now);
+  void begin_restart(can::Time now);
+  void load_settings();
+  void load_objects();
+  void use_communication_settings();
+  [[nodiscard]] bool initializing() const noexcept;
+  [[nodiscard]] bool canopen_mode() const noexcept;
+
+  // Signals.
+  void rising(unsigned number, can::Time now);
+  void falling(unsigned number, can::Time now);
+  void begin_exchange(can::Time now);
+  void end_exchange(can::Time now);
+  void exchange_process_data(can::Time now);
+  void begin_save(can::Time now);
+  void end_save(can::Time now);
+  void clear_nmt_errors(can::Time now);
+
+  // Status.
+  [[nodiscard]] std::uint16_t communication_status() const;
+  void update(can::Time now);
+  void raise_event(Event event) { events_.push_back(event); }
+  void send_events(can::Time now);
+  void tell(std::string_view what, can::Time now);
+
+  can::Controller& controller_;
+  NonVolatileMemory& memory_;
+  Profile profile_;
+  ModuleObserver* observer_ = nullptr;
+
+  BufferMemory buffer_;
+  Signals signals_;
+  ErrorStatus errors_;
+  EmergencyBuffer emergencies_;
+  NmtStatus nmt_status_;
+  canopen::Node node_;
+  manager::NmtMaster master_;
+  CommandInterface command_;
+  DataExchange exchange_;
+
+  State state_ = State::off;
+  std::uint16_t mode_ = 405;      // active function mode: 405, 11, 29
+  std::uint16_t mode_bit_ = 1;    // the same for the tables
+  std::uint16_t bit_rate_ = 250;  // active, in kbit/s
+  CpuState cpu_ = CpuState::run;
+  bool flash_error_ = false;
+  bool nmt_reset_seen_ = false;  // G25.6
+  bool process_data_pending_ = false;
+  bool emergencies_pending_ = false;
+  bool exchange_running_ = false;
+  std::uint16_t save_request_ = 0;
+  std::uint32_t overflows_ = 0;
+  std::vector<Event> events_;
+
+  can::Time initialized_at_ = can::never;
+  can::Time restart_again_at_ = can::never;
+  can::Time nmt_reset_end_ = can::never;
+  can::Time exchange_end_ = can::never;
+  can::Time save_end_ = can::never;
+
+  // What the module leaves the shelf with (presets), and what it has stored of the buffer memory.
+  StoredWords shelf_words_;
+  std::map<std::pair<std::uint16_t, std::uint8_t>, std::vector<std::uint8_t>> shelf_objects_;
+  StoredWords stored_words_;
+  bool restarting_ = false;
+};
+
+}  // namespace canopus::module::me3can1_q

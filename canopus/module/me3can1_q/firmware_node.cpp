@@ -1,0 +1,138 @@
+// The network's side: what the CANopen node and the NMT master report, and what the command interface asks of
+// them.
+
+#include <algorithm>
+#include <string>
+
+#include "canopus/module/me3can1_q/buffer_table.hpp"
+#include "canopus/module/me3can1_q/firmware.hpp"
+
+namespace canopus::module::me3can1_q {
+
+namespace {
+
+// 1029H:01 [ME3CAN1-Q 4.7].
+constexpr std::uint8_t no_change_on_error = 1;
+constexpr std::uint8_t stopped_on_error = 2;
+
+}  // namespace
+
+void Me3can1Q::Firmware::receive(const can::Frame& frame, can::Time now) {
+  if (state_ != State::running || !canopen_mode()) return;
+  node_.receive(frame, now);
+  master_.receive(frame, now);
+  command_.receive(frame, now);
+  update(now);
+}
+
+void Me3can1Q::Firmware::transmitted(const can::Frame& frame, can::Time now) {
+  if (state_ != State::running || !canopen_mode()) return;
+  node_.transmitted(frame, now);
+}
+
+void Me3can1Q::Firmware::cpu_changed(CpuState state, can::Time now) {
+  const CpuState before = cpu_;
+  cpu_ = state;
+  if (state_ != State::running || !canopen_mode()) return;
+  if (before == CpuState::run && state == CpuState::stop) {
+    raise_event({0xFF00, 0x81, {0x4D, 0x45, 0x30, 0x30, 0x32}});  // "ME002" [ME3CAN1-Q 8.2.2]
+    // [ME3CAN1-Q 4.7] 1 means no change on communication errors, yet STOP still leads to Pre-operational.
+    const auto behaviour = node_.dictionary().get<std::uint8_t>(0x1029, 1);
+    if (behaviour == stopped_on_error) {
+      node_.command(canopen::NmtCommand::stop, now);
+    } else if (node_.state() == canopen::NmtState::operational) {
+      node_.command(canopen::NmtCommand::enter_pre_operational, now);
+    }
+  }
+  update(now);
+}
+
+bool Me3can1Q::Firmware::may_become_operational() {
+  return cpu_ == CpuState::run || node_.dictionary().get<std::uint8_t>(0x1029, 1) == no_change_on_error;
+}
+
+void Me3can1Q::Firmware::nmt_state_changed(canopen::NmtState state, can::Time now) {
+  master_.own_state_changed(state, now);
+}
+
+void Me3can1Q::Firmware::emergency_received(const canopen::Emergency& message, can::Time) {
+  emergencies_.record(message);
+}
+
+void Me3can1Q::Firmware::rpdo_received(std::uint16_t number, can::Time) {
+  exchange_.rpdo_received(node_.dictionary(), number);
+}
+
+void Me3can1Q::Firmware::heartbeat_received(std::uint8_t node_id, canopen::NmtState state, can::Time now) {
+  master_.heartbeat_received(node_id, state, now);
+}
+
+void Me3can1Q::Firmware::heartbeat_lost(std::uint8_t node_id, can::Time now) {
+  master_.heartbeat_lost(node_id, now);
+}
+
+void Me3can1Q::Firmware::life_guarding_event(bool occurred, can::Time) {
+  // The master's own number is not known to a guarded slave, so the failure is shown at the own word.
+  if (occurred && !signals_.output(signal::nmt_error)) nmt_status_.set_life_guarding(node_.node_id());
+}
+
+// Any change of the configuration makes its date and time invalid [ME3CAN1-Q 4.8.12].
+void Me3can1Q::Firmware::object_written(const canopen::Entry& entry, can::Time) {
+  if (!entry.description->stored || entry.index == 0x1020) return;
+  node_.dictionary().set<std::uint32_t>(0x1020, 1, 0);
+  node_.dictionary().set<std::uint32_t>(0x1020, 2, 0);
+}
+
+void Me3can1Q::Firmware::slave_failed(std::uint8_t node_id, manager::BootError, can::Time now) {
+  if (observer_ != nullptr) tell(manager::explain(master_.boot_record(node_id), node_id, now), now);
+}
+
+void Me3can1Q::Firmware::error_control_event(std::uint8_t node_id, manager::ErrorControlEvent event,
+                                             can::Time) {
+  // A lost heartbeat is the node's own to tell; guarding is the master's.
+  if (event == manager::ErrorControlEvent::heartbeat_lost) return;
+  raise_event({static_cast<std::uint16_t>(0x8F00 + node_id), 0x11, {}});
+}
+
+void Me3can1Q::Firmware::node_state_changed(std::uint8_t node_id, std::uint8_t state, can::Time) {
+  nmt_status_.set_state(node_id, state);
+}
+
+void Me3can1Q::Firmware::error_control_changed(std::uint8_t node_id, std::uint16_t bits, can::Time now) {
+  const std::uint16_t held = buffer_.word(g::error_clear_node);
+  const bool clear_at_once = signals_.output(signal::nmt_error) && (held == 0 || held == node_id);
+  if (clear_at_once && (bits & manager::error_control::errors) != 0) {
+    nmt_status_.set_status(node_id, bits & static_cast<std::uint16_t>(~manager::error_control::errors));
+    master_.clear_error_control(node_id, now);
+    return;
+  }
+  nmt_status_.set_status(node_id, bits);
+}
+
+std::uint16_t Me3can1Q::Firmware::bus_obstacle() const {
+  if (controller_.error_state() == can::ErrorState::bus_off) return command_error::bus_off;
+  if (!canopen_mode()) return command_error::wrong_state;  // offline
+  const canopen::NmtState state = node_.state();
+  const bool usable = state == canopen::NmtState::pre_operational || state == canopen::NmtState::operational;
+  return usable ? std::uint16_t{0} : command_error::wrong_state;
+}
+
+can::Duration Me3can1Q::Firmware::sdo_time_out() const {
+  return std::chrono::milliseconds(buffer_.word(g::sdo_time_out));
+}
+
+CommandHost::EmergencyAnswer Me3can1Q::Firmware::send_emergency(std::uint16_t code,
+                                                                std::uint8_t error_register,
+                                                                std::span<const std::uint8_t, 5> manufacturer,
+                                                                can::Time now) {
+  if (bus_obstacle() != 0) return EmergencyAnswer::wrong_state;
+  return node_.emergency(code, error_register, manufacturer, now) ? EmergencyAnswer::sent
+                                                                  : EmergencyAnswer::inhibited;
+}
+
+bool Me3can1Q::Firmware::send_plain_frame(std::span<const std::uint16_t>, std::span<std::uint16_t> faults) {
+  faults[0] = command_error::wrong_state;
+  return false;
+}
+
+}  // namespace canopus::module::me3can1_q

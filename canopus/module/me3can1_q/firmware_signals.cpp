@@ -1,0 +1,255 @@
+// The PLC's side: words, signals, data exchange, and what is updated after every event.
+
+#include <algorithm>
+#include <cstdio>
+
+#include "canopus/module/me3can1_q/buffer_table.hpp"
+#include "canopus/module/me3can1_q/firmware.hpp"
+
+namespace canopus::module::me3can1_q {
+
+namespace {
+
+// Bits of G20.
+constexpr std::uint16_t process_data = 1U << 8;
+constexpr std::uint16_t emergency_data = 1U << 12;
+
+// Bits of G25 [ME3CAN1-Q Tab. 3-10].
+constexpr std::uint16_t operational = 1U << 0;
+constexpr std::uint16_t warning_level = 1U << 1;
+constexpr std::uint16_t nmt_reset_seen = 1U << 6;
+constexpr std::uint16_t initialization = 1U << 7;
+constexpr unsigned network_state_shift = 8;
+constexpr std::uint16_t slave_start_up = 1U << 14;
+constexpr std::uint16_t nmt_master = 1U << 15;
+
+// [ME3CAN1-Q 3.5.8]
+constexpr unsigned warning_counter = 96;
+constexpr unsigned passive_counter = 128;
+constexpr std::uint16_t bus_off_counter = 256;
+
+constexpr std::array<std::uint8_t, 5> no_detail{};
+
+}  // namespace
+
+std::uint16_t Me3can1Q::Firmware::read(BufferAddress address, can::Time now) {
+  return state_ == State::off ? std::uint16_t{0} : buffer_.read(address, now);
+}
+
+void Me3can1Q::Firmware::write(BufferAddress address, std::uint16_t value, can::Time now) {
+  if (state_ == State::off) return;
+  const WriteResult result = initializing() ? WriteResult::refused : buffer_.write(address, value, now);
+  errors_.record(result, address);
+  if (result == WriteResult::done) {
+    if (address == g::start_all_delay || address == g::sdo_time_out) use_communication_settings();
+    if (observer_ != nullptr) observer_->buffer_written(address, value, now);
+  } else if (observer_ != nullptr && result != WriteResult::ignored) {
+    std::array<char, 80> text{};
+    const int length = std::snprintf(
+        text.data(), text.size(), "G%u = %u: %s", address, value,
+        result == WriteResult::invalid ? "not a value this word accepts" : "not to be written now");
+    tell({text.data(), static_cast<std::size_t>(length)}, now);
+  }
+  update(now);
+}
+
+std::uint16_t Me3can1Q::Firmware::read_word(BufferAddress address, can::Time) {
+  const bool bus_off = controller_.error_state() == can::ErrorState::bus_off;
+  switch (address) {
+    case g::data_exchange_control: return exchange_running_ ? process_data : std::uint16_t{0};
+    case g::communication_status: return communication_status();
+    case g::transmit_errors: return bus_off ? bus_off_counter : controller_.transmit_error_counter();
+    case g::receive_errors:
+      return bus_off ? bus_off_counter
+                     : std::min<std::uint16_t>(controller_.receive_error_counter(), passive_counter);
+    case g::active_baud_rate: return static_cast<std::uint16_t>(bit_rate_ * 10U);  // 0.1 kbit/s
+    default: return 0;
+  }
+}
+
+WriteResult Me3can1Q::Firmware::write_word(BufferAddress address, std::uint16_t value, can::Time) {
+  if (address == g::communication_status) {
+    // Writing acts on bit 6 only (and on bit 12 with the time stamp), and only as a 0.
+    if ((value & nmt_reset_seen) == 0) nmt_reset_seen_ = false;
+  } else {
+    // What was chosen is not what is read: reading shows whether an exchange runs.
+    buffer_.set_word(address, value);
+  }
+  return WriteResult::done;
+}
+
+std::uint16_t Me3can1Q::Firmware::communication_status() const {
+  unsigned status = 0;
+  if (initializing()) status |= initialization;
+  if (nmt_reset_seen_) status |= nmt_reset_seen;
+  if (state_ != State::running) return static_cast<std::uint16_t>(status);
+  const unsigned counter =
+      std::max<unsigned>(controller_.transmit_error_counter(), controller_.receive_error_counter());
+  if (counter >= warning_counter && controller_.error_state() == can::ErrorState::error_active) {
+    status |= warning_level;
+  }
+  if (!canopen_mode()) return static_cast<std::uint16_t>(status);
+  switch (node_.state()) {
+    case canopen::NmtState::operational: status |= operational | 2U << network_state_shift; break;
+    case canopen::NmtState::pre_operational: status |= 1U << network_state_shift; break;
+    case canopen::NmtState::stopped:
+    case canopen::NmtState::initialising: break;
+  }
+  if (master_.starting()) status |= slave_start_up;
+  if (master_.active()) status |= nmt_master;
+  return static_cast<std::uint16_t>(status);
+}
+
+void Me3can1Q::Firmware::set_output(unsigned number, bool on, can::Time now) {
+  if (state_ == State::off || number >= 32 || !signals_.set_output(number, on, now)) return;
+  if (on) {
+    rising(number, now);
+  } else {
+    falling(number, now);
+  }
+  update(now);
+}
+
+void Me3can1Q::Firmware::rising(unsigned number, can::Time now) {
+  if (number == signal::error) return errors_.hold_clear(true);
+  if (initializing()) return;
+  switch (number) {
+    case signal::data_exchange: return begin_exchange(now);
+    case signal::restart: return begin_restart(now);
+    case signal::command: return command_.execute(static_cast<Modes>(mode_bit_), now, profile_.command_time);
+    case signal::save_restore: return begin_save(now);
+    case signal::nmt_error:
+      if (canopen_mode()) clear_nmt_errors(now);
+      return;
+    case signal::emergency: return emergencies_.hold_clear(true);
+    default: return;
+  }
+}
+
+// A completed signal goes OFF with its request.
+void Me3can1Q::Firmware::falling(unsigned number, can::Time now) {
+  switch (number) {
+    case signal::restart: restart_again_at_ = can::never; [[fallthrough]];
+    case signal::data_exchange:
+    case signal::command:
+    case signal::save_restore: return signals_.set_input(number, false, now);
+    case signal::error: return errors_.hold_clear(false);
+    case signal::emergency: return emergencies_.hold_clear(false);
+    default: return;
+  }
+}
+
+void Me3can1Q::Firmware::begin_exchange(can::Time now) {
+  if (canopen_mode()) {
+    const std::uint16_t selection =
+        buffer_.written(g::data_exchange_control) & (process_data | emergency_data);
+    emergencies_pending_ = selection == 0 || (selection & emergency_data) != 0;
+    if (selection == 0 || (selection & process_data) != 0) {
+      exchange_running_ = true;
+      exchange_.snapshot();
+    }
+  }
+  exchange_end_ = can::later(now, profile_.exchange_time);
+}
+
+void Me3can1Q::Firmware::end_exchange(can::Time now) {
+  exchange_end_ = can::never;
+  if (emergencies_pending_) emergencies_.refresh();
+  emergencies_pending_ = false;
+  // Process data wait for Operational; the exchange is reported as done all the same
+  // [ME3CAN1-Q 3.3.2, 3.5.1].
+  process_data_pending_ = exchange_running_;
+  if (signals_.output(signal::data_exchange)) signals_.set_input(signal::data_exchange, true, now);
+}
+
+void Me3can1Q::Firmware::exchange_process_data(can::Time now) {
+  process_data_pending_ = exchange_running_ = false;
+  exchange_.exchange(node_.dictionary());
+  node_.values_changed(now);
+}
+
+void Me3can1Q::Firmware::clear_nmt_errors(can::Time now) {
+  const auto node = static_cast<std::uint8_t>(buffer_.word(g::error_clear_node));
+  nmt_status_.clear_life_guarding(node);
+  master_.clear_error_control(node, now);
+}
+
+void Me3can1Q::Firmware::command_finished(can::Time now) {
+  if (signals_.output(signal::command)) signals_.set_input(signal::command, true, now);
+}
+
+void Me3can1Q::Firmware::controller_changed(can::Time now) {
+  if (state_ != State::running) return;
+  const can::ErrorState state = controller_.error_state();
+  const bool was_off = errors_.bit(error_bit::bus_off);
+  errors_.follow(error_bit::bus_off, state == can::ErrorState::bus_off);
+  if (errors_.follow(error_bit::error_passive, state == can::ErrorState::error_passive) &&
+      errors_.bit(error_bit::error_passive)) {
+    raise_event({0x8120, 0x11, no_detail});
+  }
+  if (!was_off && errors_.bit(error_bit::bus_off)) {
+    tell("the CAN controller is bus-off", now);
+    if (canopen_mode()) node_.communication_error(now);
+  }
+  update(now);
+}
+
+void Me3can1Q::Firmware::tick(can::Time now) {
+  if (now >= initialized_at_) end_initialization(now);
+  if (now >= restart_again_at_) {
+    restart_again_at_ = can::never;
+    begin_restart(now);
+  }
+  if (now >= nmt_reset_end_) {
+    nmt_reset_end_ = can::never;
+    nmt_reset_seen_ = true;
+  }
+  if (now >= exchange_end_) end_exchange(now);
+  if (now >= save_end_) end_save(now);
+  if (now >= node_.deadline()) node_.tick(now);
+  if (now >= master_.deadline()) master_.tick(now);
+  if (now >= command_.deadline()) command_.tick(now);
+  update(now);
+}
+
+can::Time Me3can1Q::Firmware::deadline() const noexcept {
+  return std::min({initialized_at_, restart_again_at_, nmt_reset_end_, exchange_end_, save_end_,
+                   node_.deadline(), master_.deadline(), command_.deadline()});
+}
+
+// After every event: what hangs on several causes.
+void Me3can1Q::Firmware::update(can::Time now) {
+  if (state_ == State::off) return;
+  if (state_ == State::running) {
+    const std::uint32_t overflows = controller_.transmit_overflows() + controller_.receive_overflows();
+    if (overflows != overflows_) {
+      overflows_ = overflows;
+      if (errors_.raise(error_bit::queue_overflow)) {
+        raise_event({0x8110, 0x11, no_detail});
+        tell("a queue has overflown: frames were lost", now);
+      }
+    }
+    if (canopen_mode()) {
+      send_events(now);
+      if (process_data_pending_ && node_.state() == canopen::NmtState::operational)
+        exchange_process_data(now);
+    }
+    events_.clear();
+  }
+  errors_.follow(error_bit::flash, flash_error_);
+  signals_.set_input(signal::error, errors_.any(), now);
+  signals_.set_input(signal::nmt_error, canopen_mode() && nmt_status_.any_failure(), now);
+  signals_.set_input(signal::emergency, canopen_mode() && !emergencies_.empty(), now);
+}
+
+void Me3can1Q::Firmware::send_events(can::Time now) {
+  for (const Event& event : events_) {
+    node_.emergency(event.code, event.error_register, event.manufacturer, now);
+  }
+}
+
+void Me3can1Q::Firmware::tell(std::string_view what, can::Time now) {
+  if (observer_ != nullptr) observer_->error_raised(what, now);
+}
+
+}  // namespace canopus::module::me3can1_q

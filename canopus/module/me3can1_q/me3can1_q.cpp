@@ -1,0 +1,44 @@
+#include "canopus/module/me3can1_q/me3can1_q.hpp"
+
+#include <utility>
+
+#include "canopus/module/me3can1_q/firmware.hpp"
+
+namespace canopus::module::me3can1_q {
+
+Me3can1Q::Me3can1Q(can::Controller& controller, NonVolatileMemory& memory, Profile profile)
+    : firmware_(std::make_unique<Firmware>(controller, memory, std::move(profile))) {}
+Me3can1Q::~Me3can1Q() = default;
+
+bool Me3can1Q::preset_buffer(BufferAddress address, std::uint16_t value) {
+  return firmware_->preset_buffer(address, value);
+}
+canopen::AbortCode Me3can1Q::preset_object(std::uint16_t index, std::uint8_t sub,
+                                           std::span<const std::uint8_t> value) {
+  return firmware_->preset_object(index, sub, value);
+}
+
+std::uint16_t Me3can1Q::read_word(BufferAddress address, can::Time now) {
+  return firmware_->read(address, now);
+}
+void Me3can1Q::write_word(BufferAddress address, std::uint16_t value, can::Time now) {
+  firmware_->write(address, value, now);
+}
+std::uint32_t Me3can1Q::inputs() const noexcept { return firmware_->signals().inputs(); }
+std::uint32_t Me3can1Q::outputs() const noexcept { return firmware_->signals().outputs(); }
+void Me3can1Q::set_output(unsigned signal, bool on, can::Time now) { firmware_->set_output(signal, on, now); }
+void Me3can1Q::power_on(can::Time now) { firmware_->power_on(now); }
+void Me3can1Q::power_off(can::Time now) { firmware_->power_off(now); }
+void Me3can1Q::cpu_changed(CpuState state, can::Time now) { firmware_->cpu_changed(state, now); }
+void Me3can1Q::set_observer(ModuleObserver* observer) { firmware_->set_observer(observer); }
+
+void Me3can1Q::receive(const can::Frame& frame, can::Time now) { firmware_->receive(frame, now); }
+void Me3can1Q::transmitted(const can::Frame& frame, can::Time now) { firmware_->transmitted(frame, now); }
+void Me3can1Q::controller_changed(can::Time now) { firmware_->controller_changed(now); }
+void Me3can1Q::tick(can::Time now) { firmware_->tick(now); }
+can::Time Me3can1Q::deadline() const noexcept { return firmware_->deadline(); }
+
+const Profile& Me3can1Q::profile() const noexcept { return firmware_->profile(); }
+const canopen::Node& Me3can1Q::node() const noexcept { return firmware_->node(); }
+
+}  // namespace canopus::module::me3can1_q
