@@ -3,9 +3,14 @@
 // arbitration, and every controller on it has its own bit rate, queues and error counters. Time is virtual:
 // the bus is a Participant of the timeline that its nodes live on, so the same code runs as fast as possible
 // or in step with a clock.
+//
+// Frames of one moment are arbitrated together: a node that queues a frame in its tick at a moment takes part
+// in what starts at that moment. A frame is delivered at the end of its EOF; the next one starts three bits
+// (intermission) later at the earliest.
 
+#include <bitset>
+#include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 
@@ -15,14 +20,36 @@
 namespace canopus::sim {
 
 class Bus;
+class Port;
 
-/// What a bus did, for traces and statistics. Called for every frame that was completed on the bus.
+/// What a bus did, for traces and statistics.
 class BusObserver {
  public:
+  /// A frame was completed on the bus: from the start of its SOF to the end of its EOF. Called before anybody
+  /// on the bus is told.
   virtual void frame_completed(const can::Frame& frame, can::Time start, can::Time end) = 0;
 
  protected:
   ~BusObserver() = default;
+};
+
+/// Which of its waiting frames a controller offers first.
+enum class TransmitOrder : std::uint8_t {
+  identifier,  ///< the one that would win arbitration, equal ones in the order of send(): sorted mailboxes
+  fifo,        ///< the oldest
+};
+
+/// Which frames a port hands to its participant. Filtering changes nothing on the bus.
+struct Acceptance {
+  std::bitset<2048> base = std::bitset<2048>{}.set();  ///< base identifiers
+  bool extended = true;                                ///< all extended identifiers or none
+};
+
+/// What a controller counted since its port was added.
+struct PortCounters {
+  std::uint64_t transmitted = 0;        ///< frames completed
+  std::uint64_t received = 0;           ///< frames handed to the participant
+  std::uint64_t receive_overflows = 0;  ///< frames lost because the participant did not take them
 };
 
 /// A controller plugged into the bus, and the participant behind it.
@@ -30,7 +57,17 @@ class Port : public can::Controller {
  public:
   /// The participant that hears this port. Its deadline is refreshed in the timeline after every call.
   virtual void connect(can::Participant& participant, can::Timeline::Handle handle) = 0;
+  /// Nobody hears this port any more; the controller stays on the bus.
+  virtual void disconnect() = 0;
   virtual void plug(bool plugged) = 0;  ///< unplugged: hears nothing, its frames wait
+  [[nodiscard]] virtual bool plugged() const = 0;
+  [[nodiscard]] virtual const std::string& name() const = 0;
+  /// Default: everything.
+  virtual void accept(const Acceptance& acceptance) = 0;
+  /// Order and number of waiting frames (1..65535, the one being sent included); empties the queue. Default:
+  /// by identifier, 128.
+  virtual void set_transmit_queue(TransmitOrder order, std::size_t capacity) = 0;
+  [[nodiscard]] virtual const PortCounters& counters() const = 0;
 };
 
 /// How busy a bus is.
@@ -51,10 +88,16 @@ class Bus final : public can::Participant {
 
   [[nodiscard]] const std::string& name() const noexcept;
   [[nodiscard]] std::uint32_t bit_rate() const noexcept;
-  /// Adds a controller; it belongs to the bus and lives as long.
+  /// Adds a controller with the bus's bit rate; it belongs to the bus and lives as long.
   Port& add_port(std::string name);
+  /// Replaces all observers by this one; null: by none.
   void set_observer(BusObserver* observer);
+  /// Observers are called in the order of add and must outlive the bus or be removed.
+  void add_observer(BusObserver& observer);
+  void remove_observer(BusObserver& observer);
   [[nodiscard]] BusLoad load(can::Time now) const;
+  /// Frames completed with this identifier. Extended identifiers beyond the first 1024 seen are not counted.
+  [[nodiscard]] std::uint64_t frames_of(std::uint32_t identifier, bool extended = false) const;
 
   void receive(const can::Frame&, can::Time) override {}
   void tick(can::Time now) override;

@@ -1,0 +1,60 @@
+#pragma once
+// How busy a bus is: frames and bits in all, per identifier, and the share of each second that was busy.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "canopus/can/frame.hpp"
+#include "canopus/can/time.hpp"
+
+namespace canopus::sim {
+
+struct BusLoad;
+
+class BusStatistics {
+ public:
+  BusStatistics();
+  /// A frame was completed. No allocation.
+  void frame(const can::Frame& frame) noexcept {
+    ++frames_;
+    if (!frame.extended) {
+      ++base_[frame.identifier & can::max_base_identifier];
+    } else {
+      count_extended(frame.identifier);
+    }
+  }
+  /// The wire was not idle from `start` to `end`, which is not before the end of the last call.
+  void busy(can::Time start, can::Time end, std::uint64_t bits) noexcept {
+    bits_ += bits;
+    if (end > second_end_) {
+      roll(start, end);
+    } else {
+      busy_ += end - start;
+    }
+  }
+  [[nodiscard]] BusLoad load(can::Time now) const noexcept;
+  [[nodiscard]] std::uint64_t frames_of(std::uint32_t identifier, bool extended) const noexcept;
+
+ private:
+  struct Extended {
+    std::uint32_t identifier = 0;
+    std::uint64_t frames = 0;  // 0: free
+  };
+  void count_extended(std::uint32_t identifier) noexcept;
+  [[nodiscard]] std::size_t slot_of(std::uint32_t identifier) const noexcept;
+  void roll(can::Time start, can::Time end) noexcept;
+  void close_second() noexcept;
+
+  std::uint64_t frames_ = 0;
+  std::uint64_t bits_ = 0;
+  can::Time second_end_;  // of the second that busy_ counts
+  can::Duration busy_{};
+  double last_ = 0;  // of the second before
+  double peak_ = 0;
+  std::array<std::uint64_t, 2048> base_{};
+  std::vector<Extended> extended_;  // open addressing
+  std::size_t extended_used_ = 0;
+};
+
+}  // namespace canopus::sim

@@ -1,0 +1,50 @@
+#include "canopus/sim/transmit_queue.hpp"
+
+#include <algorithm>
+
+namespace canopus::sim {
+
+void TransmitQueue::configure(bool sorted, std::size_t capacity) {
+  frames_.assign(std::max<std::size_t>(capacity, 1), {});
+  sorted_ = sorted;
+  clear();
+}
+
+bool TransmitQueue::push(const can::Frame& frame, std::size_t reserved) noexcept {
+  if (size() + reserved >= frames_.size()) return false;
+  std::size_t position = end_;
+  if (sorted_) {
+    const std::uint32_t priority = arbitration(frame);
+    while (position > begin_ && arbitration(frames_[position - 1]) > priority) --position;
+  }
+  insert(position, frame);
+  return true;
+}
+
+void TransmitQueue::push_back_again(const can::Frame& frame) noexcept {
+  std::size_t position = begin_;
+  if (sorted_) {
+    const std::uint32_t priority = arbitration(frame);
+    while (position < end_ && arbitration(frames_[position]) < priority) ++position;
+  }
+  insert(position, frame);
+}
+
+void TransmitQueue::insert(std::size_t position, const can::Frame& frame) noexcept {
+  const auto at = [this](std::size_t slot) { return frames_.begin() + static_cast<std::ptrdiff_t>(slot); };
+  if (begin_ > 0 && position == begin_) {
+    frames_[--begin_] = frame;
+    return;
+  }
+  if (end_ == frames_.size()) {  // once per capacity, not per frame
+    std::copy(at(begin_), at(end_), at(0));
+    position -= begin_;
+    end_ -= begin_;
+    begin_ = 0;
+  }
+  std::copy_backward(at(position), at(end_), at(end_ + 1));
+  ++end_;
+  frames_[position] = frame;
+}
+
+}  // namespace canopus::sim

@@ -1,0 +1,53 @@
+#pragma once
+// The frames that wait in a controller, and who wins arbitration.
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "canopus/can/frame.hpp"
+
+namespace canopus::sim {
+
+enum class TransmitOrder : std::uint8_t;
+
+/// The bits that decide arbitration as one number, first bit on the wire highest: the frame with the lower
+/// one wins. Equal only for frames that cannot be told apart before the control field.
+[[nodiscard]] constexpr std::uint32_t arbitration(const can::Frame& frame) noexcept {
+  const std::uint32_t remote = frame.remote ? 1 : 0;
+  if (!frame.extended) return (frame.identifier & can::max_base_identifier) << 21 | remote << 20;
+  // identifier 28-18, SRR, IDE, identifier 17-0, RTR
+  return ((frame.identifier >> 18) & can::max_base_identifier) << 21 | 3U << 19 |
+         (frame.identifier & 0x3FFFF) << 1 | remote;
+}
+
+/// A bounded queue, sorted or not. No allocation but in configure().
+class TransmitQueue {
+ public:
+  void configure(bool sorted, std::size_t capacity);
+  /// False: full. `reserved` places count as taken.
+  bool push(const can::Frame& frame, std::size_t reserved) noexcept;
+  /// Gives a frame back that was taken by pop(): it is the oldest of its kind again. Its place must be free.
+  void push_back_again(const can::Frame& frame) noexcept;
+  [[nodiscard]] bool empty() const noexcept { return begin_ == end_; }
+  [[nodiscard]] std::size_t size() const noexcept { return end_ - begin_; }
+  [[nodiscard]] std::size_t capacity() const noexcept { return frames_.size(); }
+  /// The frame to offer next. Not when empty.
+  [[nodiscard]] const can::Frame& front() const noexcept { return frames_[begin_]; }
+  can::Frame pop() noexcept {
+    const can::Frame frame = frames_[begin_++];
+    if (begin_ == end_) begin_ = end_ = 0;
+    return frame;
+  }
+  void clear() noexcept { begin_ = end_ = 0; }
+
+ private:
+  void insert(std::size_t position, const can::Frame& frame) noexcept;
+
+  std::vector<can::Frame> frames_;  // begin_..end_ are waiting, the next one first
+  std::size_t begin_ = 0;
+  std::size_t end_ = 0;
+  bool sorted_ = true;
+};
+
+}  // namespace canopus::sim
