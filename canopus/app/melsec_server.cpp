@@ -1,0 +1,226 @@
+#include "canopus/app/melsec_server.hpp"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+
+#include "canopus/plc/melsec/session.hpp"
+
+namespace canopus::app {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+struct MelsecServer::Parts : std::enable_shared_from_this<Parts> {
+  Parts(asio::io_context& io, plc::Rack& the_rack, AccessClock& the_clock, MelsecServerOptions the_options)
+      : context(io), rack(the_rack), clock(the_clock), options(the_options), acceptor(io), accept_pause(io) {}
+
+  void accept();
+  void remove(const Connection& connection);
+
+  asio::io_context& context;
+  plc::Rack& rack;
+  AccessClock& clock;
+  MelsecServerOptions options;
+  tcp::acceptor acceptor;
+  asio::steady_timer accept_pause;
+  std::vector<std::shared_ptr<Connection>> connections;
+  std::uint64_t requests = 0;
+};
+
+/// One client. Handlers hold it; it forgets the server when the server is gone.
+class MelsecServer::Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  Connection(Parts& parts, tcp::socket socket)
+      : parts_(&parts), socket_(std::move(socket)), timer_(parts.context), session_(parts.rack) {}
+
+  void start() {
+    error_code ignored;
+    socket_.set_option(tcp::no_delay(true), ignored);
+    socket_.non_blocking(true, ignored);
+    receive();
+  }
+
+  void close() noexcept {
+    parts_ = nullptr;
+    error_code ignored;
+    socket_.shutdown(tcp::socket::shutdown_both, ignored);
+    socket_.close(ignored);
+    timer_.cancel(ignored);
+  }
+
+ private:
+  void receive() {
+    const auto space = session_.space();
+    socket_.async_read_some(asio::buffer(space.data(), space.size()),
+                            [self = shared_from_this()](error_code error, std::size_t count) {
+                              if (self->parts_ == nullptr) return;
+                              if (error) return self->end();
+                              self->session_.received(count);
+                              self->work();
+                            });
+  }
+
+  /// Answers what is complete and sends it, until there is nothing more to answer or the client does not take
+  /// more.
+  void work() {
+    while (true) {
+      const std::size_t answered = session_.process(parts_->clock.now());
+      if (answered != 0) {
+        parts_->requests += answered;
+        parts_->clock.touched();
+        if (parts_ == nullptr) return;  // stopped meanwhile
+      }
+      watch_request(answered != 0);
+      if (session_.output().empty()) break;
+      if (!send()) return;
+    }
+    if (session_.over()) return end();
+    receive();
+  }
+
+  /// False when the rest has to wait, or the connection is at its end.
+  bool send() {
+    while (!session_.output().empty()) {
+      error_code error;
+      const auto output = session_.output();
+      const std::size_t count = socket_.write_some(asio::buffer(output.data(), output.size()), error);
+      if (error == asio::error::would_block) {
+        wait_to_send();
+        return false;
+      }
+      if (error) {
+        end();
+        return false;
+      }
+      session_.sent(count);
+    }
+    return true;
+  }
+
+  void wait_to_send() {
+    set_timer(parts_->options.send_timeout);
+    socket_.async_wait(tcp::socket::wait_write, [self = shared_from_this()](error_code error) {
+      if (self->parts_ == nullptr) return;
+      if (error) return self->end();
+      self->stop_timer();
+      if (self->send()) self->work();
+    });
+  }
+
+  /// A request that has begun has its time; one that is answered gives the next its own.
+  void watch_request(bool progress) {
+    if (!session_.half_request()) return stop_timer();
+    if (progress || !timed_) set_timer(parts_->options.half_request_timeout);
+  }
+
+  void set_timer(std::chrono::milliseconds timeout) {
+    timed_ = true;
+    const std::uint64_t turn = ++timer_turn_;
+    timer_.expires_after(timeout);
+    timer_.async_wait([self = shared_from_this(), turn](error_code error) {
+      // A timer that was set again after it had expired is not meant any more.
+      if (error || self->parts_ == nullptr || turn != self->timer_turn_) return;
+      self->end();
+    });
+  }
+
+  void stop_timer() {
+    if (!std::exchange(timed_, false)) return;
+    ++timer_turn_;
+    error_code ignored;
+    timer_.cancel(ignored);
+  }
+
+  void end() {
+    Parts& parts = *parts_;
+    close();
+    parts.remove(*this);
+  }
+
+  Parts* parts_;
+  tcp::socket socket_;
+  asio::steady_timer timer_;
+  bool timed_ = false;
+  std::uint64_t timer_turn_ = 0;
+  plc::melsec::Session session_;
+};
+
+void MelsecServer::Parts::accept() {
+  acceptor.async_accept([this, self = shared_from_this()](error_code error, tcp::socket socket) {
+    if (error == asio::error::operation_aborted || !acceptor.is_open()) return;
+    if (error) {
+      // Out of file descriptors or the like: the door stays open for later.
+      accept_pause.expires_after(std::chrono::milliseconds(100));
+      accept_pause.async_wait([this, self](error_code stopped) {
+        if (!stopped && acceptor.is_open()) accept();
+      });
+      return;
+    }
+    if (connections.size() < options.maximum_clients) {
+      connections.push_back(std::make_shared<Connection>(*this, std::move(socket)));
+      connections.back()->start();
+    }
+    accept();
+  });
+}
+
+void MelsecServer::Parts::remove(const Connection& connection) {
+  std::erase_if(connections, [&](const auto& other) { return other.get() == &connection; });
+}
+
+MelsecServer::MelsecServer(asio::io_context& context, plc::Rack& rack, AccessClock& clock,
+                           MelsecServerOptions options)
+    : parts_(std::make_shared<Parts>(context, rack, clock, options)) {}
+
+MelsecServer::~MelsecServer() { stop(); }
+
+std::expected<void, std::string> MelsecServer::listen(const std::string& host, std::uint16_t port) {
+  const auto failed = [&](const error_code& error) {
+    error_code ignored;
+    parts_->acceptor.close(ignored);
+    return std::unexpected(host + ":" + std::to_string(port) + ": " + error.message());
+  };
+  error_code error;
+  tcp::resolver resolver(parts_->context);
+  const auto found = resolver.resolve(host, std::to_string(port),
+                                      tcp::resolver::passive | tcp::resolver::numeric_service, error);
+  if (error) return failed(error);
+  const tcp::endpoint endpoint = found.begin()->endpoint();
+  tcp::acceptor& acceptor = parts_->acceptor;
+  acceptor.open(endpoint.protocol(), error);
+  if (error) return failed(error);
+  acceptor.set_option(tcp::acceptor::reuse_address(true), error);
+  acceptor.bind(endpoint, error);
+  if (error) return failed(error);
+  acceptor.listen(asio::socket_base::max_listen_connections, error);
+  if (error) return failed(error);
+  parts_->accept();
+  return {};
+}
+
+std::uint16_t MelsecServer::port() const noexcept {
+  error_code error;
+  const tcp::endpoint endpoint = parts_->acceptor.local_endpoint(error);
+  return error ? std::uint16_t{0} : endpoint.port();
+}
+
+std::size_t MelsecServer::clients() const noexcept { return parts_->connections.size(); }
+
+std::uint64_t MelsecServer::requests() const noexcept { return parts_->requests; }
+
+void MelsecServer::stop() noexcept {
+  error_code ignored;
+  parts_->acceptor.close(ignored);
+  parts_->accept_pause.cancel(ignored);
+  for (const auto& connection : parts_->connections) connection->close();
+  parts_->connections.clear();
+}
+
+}  // namespace canopus::app
