@@ -1,0 +1,290 @@
+#include "canopus/eds/device_file.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "canopus/eds/device_sections.hpp"
+#include "canopus/eds/modules.hpp"
+#include "canopus/eds/object_reader.hpp"
+#include "canopus/eds/pdo_review.hpp"
+#include "canopus/eds/words.hpp"
+
+namespace canopus::eds {
+namespace {
+
+using canopen::Access;
+using canopen::DataType;
+using canopen::ObjectCode;
+using Severity = Problem::Severity;
+
+constexpr std::size_t largest_text = 4U << 20;     // bytes; the largest known device has 0.2 MB
+constexpr std::size_t most_sub_indexes = 100'000;  // so that no file takes all memory
+constexpr std::size_t most_limits = 65'000;        // EntryDescription::limits has 16 bits
+
+Draft read_objects(const ObjectSectionMap& sections, Problems& problems) {
+  Draft draft;
+  std::size_t sub_indexes = 0;
+  for (const auto& [index, object] : sections) {
+    if (sub_indexes > most_sub_indexes) {
+      const Section* section = object.head != nullptr ? object.head : nullptr;
+      problems.warning(section != nullptr ? section->line : 1,
+                       "more than " + std::to_string(most_sub_indexes) +
+                           " sub-indexes: " + object_name(index) + " and all above are left out");
+      break;
+    }
+    read_object(draft, index, object, problems);
+    if (const auto place = draft.find(index); place != draft.end()) sub_indexes += place->second.subs.size();
+  }
+  return draft;
+}
+
+/// 1000H, 1001H and 1018H must exist [CiA 301].
+void complete_mandatory_objects(Draft& draft, const IniFile& file, Problems& problems) {
+  const Section* list = file.find("mandatoryobjects");
+  const unsigned line = list != nullptr ? list->line : 1;
+  const auto variable = [&](std::uint16_t index, std::string_view name, DataType type) {
+    if (draft.contains(index)) return;
+    ObjectDraft object;
+    object.name = name;
+    object.line = line;
+    EntryDraft entry = made_entry(object.name, type, Access::read_only, 0, line);
+    entry.facts.index = index;
+    object.subs.emplace(std::uint8_t{0}, std::move(entry));
+    draft.emplace(index, std::move(object));
+    problems.warning(line, "mandatory object " + object_name(index) + " (" + std::string(name) +
+                               ") is missing: made, with value 0");
+  };
+  variable(0x1000, "Device type", DataType::unsigned32);
+  variable(0x1001, "Error register", DataType::unsigned8);
+  if (draft.contains(0x1018)) return;
+  ObjectDraft identity;
+  identity.code = ObjectCode::record;
+  identity.name = "Identity object";
+  identity.line = line;
+  constexpr std::string_view names[] = {"Highest sub-index supported", "Vendor-ID", "Product code",
+                                        "Revision number", "Serial number"};
+  for (std::uint8_t sub = 0; sub <= 4; ++sub) {
+    EntryDraft entry =
+        made_entry(std::string(names[sub]), sub == 0 ? DataType::unsigned8 : DataType::unsigned32,
+                   Access::read_only, sub == 0 ? 4 : 0, line);
+    entry.has_value = sub == 0;
+    entry.facts.index = 0x1018;
+    entry.facts.sub = sub;
+    identity.subs.emplace(sub, std::move(entry));
+  }
+  draft.emplace(std::uint16_t{0x1018}, std::move(identity));
+  problems.warning(line, "mandatory object 1018H (Identity object) is missing: made from [DeviceInfo]");
+}
+
+/// 1018H and [DeviceInfo] say the same thing twice; what the device answers (1018H) wins.
+void compare_identity(Draft& draft, const DeviceFile& device, Problems& problems) {
+  struct Part {
+    std::uint8_t sub;
+    std::string_view key;
+    std::optional<std::uint32_t> number;
+  };
+  const Part parts[] = {{1, "VendorNumber", device.device.vendor_number},
+                        {2, "ProductNumber", device.device.product_number},
+                        {3, "RevisionNumber", device.device.revision_number}};
+  for (const Part& part : parts) {
+    EntryDraft* entry = find(draft, 0x1018, part.sub);
+    if (entry == nullptr || !part.number || canopen::byte_length(entry->spec.type) == 0) continue;
+    if (!entry->has_value) {
+      entry->set_number(*part.number);
+      if (*part.number != 0) {
+        problems.note(entry->facts.line,
+                      object_name(0x1018, part.sub) + " has no value: taken from " + std::string(part.key));
+      }
+    } else if (entry->number() != *part.number) {
+      const bool says_nothing = *part.number == 0 || *part.number == 0xFFFF'FFFF;
+      problems.report(says_nothing ? Severity::note : Severity::warning, entry->value_line,
+                      object_name(0x1018, part.sub) + " is " + std::to_string(entry->number()) + ", but " +
+                          std::string(part.key) + " in [DeviceInfo] is " + std::to_string(*part.number) +
+                          ": the object counts");
+    }
+  }
+  EntryDraft* serial = find(draft, 0x1018, 4);
+  if (serial != nullptr && !serial->has_value && device.commissioning) {
+    serial->set_number(device.commissioning->lss_serial_number);
+  }
+}
+
+void review_device_type(Draft& draft, Problems& problems) {
+  const EntryDraft* entry = find(draft, 0x1000, 0);
+  if (entry == nullptr || entry->spec.type != DataType::unsigned32) return;
+  if (!entry->has_value) {
+    problems.warning(entry->facts.line, "1000H (Device type) has no value: taken as 0");
+    return;
+  }
+  const auto is_profile = [](std::uint64_t number) {
+    return number >= 0x191 && number <= 0x1F3;
+  };  // CiA 401-499
+  const std::uint64_t value = entry->number();
+  const std::uint64_t swapped = (value >> 24 & 0xFF) | (value >> 8 & 0xFF00);
+  if (!is_profile(value & 0xFFFF) && is_profile(swapped)) {
+    problems.warning(entry->value_line,
+                     "1000H (Device type) seems to have its bytes in the wrong order; the value is kept");
+  }
+}
+
+void compare_pdo_counts(const DeviceFile& device, const DeviceInfoLines& lines, Problems& problems) {
+  const PdoCount found = count_pdos(*device.dictionary);
+  const auto compare = [&](unsigned announced, unsigned described, unsigned line, std::string_view key,
+                           std::string_view what) {
+    if (announced == described || line == 1) return;
+    problems.note(line, std::string(key) + '=' + std::to_string(announced) + ", but " +
+                            counted(described, what) + " described");
+  };
+  compare(device.device.rpdos, found.rpdos, lines.rpdos, "NrOfRXPDO", "RPDO");
+  compare(device.device.tpdos, found.tpdos, lines.tpdos, "NrOfTXPDO", "TPDO");
+}
+
+/// Members that differ in nothing at all need only one description.
+void join_alike_members(ObjectDraft& object) {
+  constexpr std::size_t worth_it = 4;
+  if (object.uniform_count != 0 || !object.is_structured() || object.subs.size() <= worth_it ||
+      !object.subs.contains(0) || object.highest_sub() != object.subs.size() - 1) {
+    return;
+  }
+  const EntryDraft& first = object.subs.at(1);
+  for (const auto& [sub, entry] : object.subs) {
+    if (sub == 0) continue;
+    const canopen::EntrySpec& a = first.spec;
+    const canopen::EntrySpec& b = entry.spec;
+    const bool alike = a.name == b.name && a.type == b.type && a.access == b.access && a.value == b.value &&
+                       a.adds_node_id == b.adds_node_id && a.rpdo_mappable == b.rpdo_mappable &&
+                       a.tpdo_mappable == b.tpdo_mappable && a.stored == b.stored &&
+                       a.limits.low == b.limits.low && a.limits.high == b.limits.high &&
+                       first.facts.object_flags == entry.facts.object_flags &&
+                       first.facts.configured == entry.facts.configured &&
+                       first.facts.denotation == entry.facts.denotation &&
+                       first.facts.upload_file == entry.facts.upload_file &&
+                       first.facts.download_file == entry.facts.download_file;
+    if (!alike) return;
+  }
+  object.uniform_count = object.highest_sub();
+  object.subs.erase(std::next(object.subs.begin(), 2), object.subs.end());
+}
+
+void build(Draft& draft, DeviceFile& device) {
+  canopen::DictionaryBuilder builder;
+  std::size_t limits = 0;
+  for (auto& [index, object] : draft) {
+    join_alike_members(object);
+    for (auto& [sub, entry] : object.subs) {
+      entry.facts.index = index;
+      entry.facts.sub = sub;
+      device.facts.push_back(entry.facts);
+      if (!entry.spec.limits.low && !entry.spec.limits.high) continue;
+      if (++limits > most_limits) entry.spec.limits = {};
+    }
+    if (!object.is_structured()) {
+      canopen::EntrySpec spec = object.subs.begin()->second.spec;
+      spec.name = object.name;
+      builder.variable(index, std::move(spec));
+      continue;
+    }
+    if (object.uniform_count != 0) {
+      builder.uniform(index, object.code, object.name, object.uniform_count, object.subs.at(1).spec);
+      builder.sub(index, 0, object.subs.at(0).spec);
+      continue;
+    }
+    builder.object(index, object.code, object.name);
+    for (const auto& [sub, entry] : object.subs) builder.sub(index, sub, entry.spec);
+  }
+  device.dictionary = builder.build();
+}
+
+/// Why there is no device in this text, for whoever opened the wrong file.
+void refuse(std::string_view text, const IniFile& file, Problems& problems) {
+  const std::string_view start = trim(text.substr(0, text.find_first_of("\r\n")));
+  if (trim(text).empty() || text.find_first_not_of(" \t\r\n") == std::string_view::npos) {
+    problems.error(1, "the file is empty");
+  } else if (start.starts_with('<') || start.starts_with("\xEF\xBB\xBF<")) {
+    problems.error(1, "this is XML (a CiA 311 XDD?), not an EDS or DCF");
+  } else if (file.sections().empty()) {
+    problems.error(file.first_strange_line(), "this is not an EDS or DCF: there is not one [section]");
+  } else {
+    problems.error(file.sections().front().line,
+                   "no object is described: an EDS has sections such as [1000] and [1018sub1]");
+  }
+}
+
+}  // namespace
+
+ReadResult read_device_file(std::string_view text) {
+  Problems problems;
+  if (text.size() > largest_text) {
+    problems.error(1, "the file is larger than 4 MB: no EDS or DCF is");
+    return {nullptr, problems.take()};
+  }
+  const IniFile file(text, problems);
+  const ObjectSectionMap sections = find_object_sections(file, "", problems);
+  Draft draft = read_objects(sections, problems);
+  if (draft.empty()) {
+    refuse(text, file, problems);
+    return {nullptr, problems.take()};
+  }
+
+  auto device = std::make_shared<DeviceFile>();
+  read_file_info(file, device->file, problems);
+  const DeviceInfoLines lines = read_device_info(file, device->device, problems);
+  device->commissioning = read_commissioning(file, problems);
+  device->dummy_usage = read_dummy_usage(file, problems);
+  device->comments = read_comments(file);
+  check_object_lists(file, sections, problems);
+  read_modules(file, draft, *device, problems);
+  complete_mandatory_objects(draft, file, problems);
+  compare_identity(draft, *device, problems);
+  review_device_type(draft, problems);
+  generate_compact_pdos(draft, device->device, lines.section, problems);
+  repair_cob_ids(draft, problems);
+  review_mappings(draft, device->dummy_usage, problems);
+  note_unknown_sections(file, problems);
+  build(draft, *device);
+  compare_pdo_counts(*device, lines, problems);
+  return {std::move(device), problems.take()};
+}
+
+const EntryFacts* DeviceFile::find_facts(std::uint16_t index, std::uint8_t sub) const noexcept {
+  const canopen::Entry entry = dictionary->find(index, sub);
+  if (!entry) return nullptr;
+  const std::uint8_t described = sub != 0 && dictionary->find(index)->uniform ? std::uint8_t{1} : sub;
+  const auto place = std::ranges::lower_bound(facts, std::pair(index, described), {},
+                                              [](const EntryFacts& f) { return std::pair(f.index, f.sub); });
+  if (place == facts.end() || place->index != index || place->sub != described) return nullptr;
+  return &*place;
+}
+
+std::optional<std::uint64_t> default_value(const canopen::DictionaryDescription& dictionary,
+                                           std::uint16_t index, std::uint8_t sub, std::uint8_t node_id) {
+  const canopen::Entry entry = dictionary.find(index, sub);
+  if (!entry || entry.description->length == 0) return std::nullopt;
+  std::vector<std::uint8_t> block(dictionary.block_size());
+  dictionary.load_defaults(block, node_id);
+  std::uint64_t value = 0;
+  for (unsigned i = 0; i < entry.description->length; ++i) {
+    value |= std::uint64_t{block[entry.offset + i]} << (8 * i);
+  }
+  return value;
+}
+
+Identity identity(const DeviceFile& file) {
+  const auto part = [&](std::uint16_t index, std::uint8_t sub) -> std::optional<std::uint32_t> {
+    const auto value = default_value(*file.dictionary, index, sub, 0);
+    if (!value) return std::nullopt;
+    return static_cast<std::uint32_t>(*value);
+  };
+  return {part(0x1000, 0), part(0x1018, 1), part(0x1018, 2), part(0x1018, 3), part(0x1018, 4)};
+}
+
+PdoCount count_pdos(const canopen::DictionaryDescription& dictionary) noexcept {
+  PdoCount count;
+  for (const canopen::ObjectDescription& object : dictionary.objects()) {
+    if (object.index >= 0x1400 && object.index <= 0x15FF) ++count.rpdos;
+    if (object.index >= 0x1800 && object.index <= 0x19FF) ++count.tpdos;
+  }
+  return count;
+}
+
+}  // namespace canopus::eds

@@ -1,0 +1,186 @@
+#include "canopus/eds/ini.hpp"
+
+#include <algorithm>
+
+#include "canopus/eds/words.hpp"
+
+namespace canopus::eds {
+namespace {
+
+using Severity = Problem::Severity;
+
+/// UTF-16 as Windows' "Unicode" is, to UTF-8. Half a pair is replaced.
+std::string from_utf16(std::string_view text, bool big_endian) {
+  std::string result;
+  const auto unit = [&](std::size_t i) {
+    const auto a = static_cast<unsigned char>(text[i]);
+    const auto b = static_cast<unsigned char>(text[i + 1]);
+    return static_cast<std::uint32_t>(big_endian ? a << 8 | b : b << 8 | a);
+  };
+  for (std::size_t i = 0; i + 1 < text.size(); i += 2) {
+    std::uint32_t code = unit(i);
+    if (code >= 0xD800 && code < 0xDC00 && i + 3 < text.size()) {
+      const std::uint32_t low = unit(i + 2);
+      if (low >= 0xDC00 && low < 0xE000) {
+        code = 0x10000 + ((code - 0xD800) << 10) + (low - 0xDC00);
+        i += 2;
+      }
+    }
+    if (code >= 0xD800 && code < 0xE000) code = 0xFFFD;
+    if (code < 0x80) {
+      result += static_cast<char>(code);
+    } else if (code < 0x800) {
+      result += static_cast<char>(0xC0 | code >> 6);
+      result += static_cast<char>(0x80 | (code & 0x3F));
+    } else if (code < 0x10000) {
+      result += static_cast<char>(0xE0 | code >> 12);
+      result += static_cast<char>(0x80 | (code >> 6 & 0x3F));
+      result += static_cast<char>(0x80 | (code & 0x3F));
+    } else {
+      result += static_cast<char>(0xF0 | code >> 18);
+      result += static_cast<char>(0x80 | (code >> 12 & 0x3F));
+      result += static_cast<char>(0x80 | (code >> 6 & 0x3F));
+      result += static_cast<char>(0x80 | (code & 0x3F));
+    }
+  }
+  return result;
+}
+
+bool is_comment(std::string_view line) noexcept {
+  return line.starts_with(';') || line.starts_with('#') || line.starts_with("//");
+}
+
+}  // namespace
+
+const Item* Section::find(std::string_view folded_key) const noexcept {
+  const auto place = std::ranges::find(items, folded_key, &Item::folded_key);
+  return place == items.end() ? nullptr : &*place;
+}
+
+const Item* Section::find_value(std::string_view folded_key) const noexcept {
+  const Item* item = find(folded_key);
+  return item != nullptr && !item->value.empty() ? item : nullptr;
+}
+
+IniFile::IniFile(std::string_view text, Problems& problems) {
+  std::string converted;
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) {
+    converted = from_utf16(text.substr(2), text.starts_with("\xFE\xFF"));
+    text = converted;
+    problems.warning(1, "the file is UTF-16 text, EDS files are 8-bit text: converted");
+  } else if (text.starts_with("\xEF\xBB\xBF")) {
+    text.remove_prefix(3);
+    problems.note(1, "the file begins with a UTF-8 byte order mark: skipped");
+  }
+  // A carriage return ends a line where there is no line feed at all; else it belongs to the line feed.
+  const char line_end = text.find('\n') == std::string_view::npos ? '\r' : '\n';
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find(line_end), text.size());
+    read_line(text.substr(0, end), ++line_count_, problems);
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+}
+
+void IniFile::read_line(std::string_view line, unsigned number, Problems& problems) {
+  std::string cleaned;
+  if (line.find_first_of(std::string_view("\0\x1A", 2)) != std::string_view::npos) {
+    cleaned = line;
+    std::erase_if(cleaned, [](char c) { return c == '\0' || c == '\x1A'; });  // 1AH: a DOS end of file
+    if (line.find('\0') != std::string_view::npos) {
+      problems.repeated(Severity::warning, "zero bytes", number, "zero bytes in the text: skipped");
+    }
+    line = cleaned;
+  }
+  const std::string_view content = trim(line);
+  if (content.empty() || is_comment(content)) return;
+  if (!is_utf8(content)) {
+    problems.repeated(Severity::note, "8-bit", number,
+                      "bytes that are not UTF-8: read as Windows Latin text");
+  }
+  if (content.front() == '[') return begin_section(content, number, problems);
+  const std::size_t equals = line.find('=');
+  if (equals != std::string_view::npos && !trim(line.substr(0, equals)).empty() && current_ != 0) {
+    return add_item(line, equals, number, problems);
+  }
+  if (strange_lines_++ == 0) first_strange_line_ = number;
+  problems.repeated(Severity::warning, "strange line", number,
+                    (equals != std::string_view::npos && current_ == 0
+                         ? "a key before the first [section]: skipped: \""
+                         : "neither [section] nor Key=Value nor ;comment: skipped: \"") +
+                        printable(content) + '"');
+}
+
+void IniFile::begin_section(std::string_view line, unsigned number, Problems& problems) {
+  const std::size_t end = line.find(']');
+  std::string_view name = trim(line.substr(1, end == std::string_view::npos ? end : end - 1));
+  if (end == std::string_view::npos) {
+    name = trim(name.substr(0, name.find(';')));
+    problems.warning(number, "section \"" + printable(line) + "\" has no closing bracket");
+  } else if (const auto rest = trim(line.substr(end + 1)); !rest.empty() && !is_comment(rest)) {
+    problems.warning(number, "text behind the section's bracket: skipped: \"" + printable(rest) + '"');
+  }
+  Section section;
+  section.folded_name = folded(name);
+  section.name = printable(name);
+  section.line = number;
+  item_numbers_.clear();
+  const auto [place, is_new] = section_numbers_.try_emplace(section.folded_name, sections_.size());
+  current_ = place->second + 1;
+  if (is_new) {
+    sections_.push_back(std::move(section));
+    return;
+  }
+  const Section& first = sections_[place->second];
+  problems.repeated(Severity::warning, "section again", number,
+                    "section [" + first.name + "] was in line " + std::to_string(first.line) +
+                        " before: only what is new in it counts");
+  for (std::size_t i = 0; i < first.items.size(); ++i) item_numbers_.emplace(first.items[i].folded_key, i);
+}
+
+void IniFile::add_item(std::string_view line, std::size_t equals, unsigned number, Problems& problems) {
+  Section& section = sections_[current_ - 1];
+  Item item;
+  const std::string_view key = trim(line.substr(0, equals));
+  item.key = printable(key);
+  item.folded_key = folded(key);
+  const std::string_view value = trim(line.substr(equals + 1));
+  item.value = value;
+  item.line = number;
+  item.column = static_cast<unsigned>(value.empty() ? equals + 2 : value.data() - line.data() + 1);
+  if (key.find_first_of(" \t") != std::string_view::npos) {
+    problems.repeated(Severity::note, "blank in key " + item.folded_key, number,
+                      "key \"" + item.key + "\" is written with a blank");
+  }
+  const auto [place, is_new] = item_numbers_.try_emplace(item.folded_key, section.items.size());
+  if (is_new) {
+    section.items.push_back(std::move(item));
+    return;
+  }
+  const Item& first = section.items[place->second];
+  if (first.value == item.value) {
+    problems.repeated(Severity::note, "key again", number,
+                      item.key + " is in [" + section.name + "] twice, with the same value");
+    return;
+  }
+  problems.repeated(Severity::warning, "key again otherwise", number,
+                    item.key + '=' + printable(item.value) + " in [" + section.name + "]: line " +
+                        std::to_string(first.line) + " says " + printable(first.value) + ", which counts");
+}
+
+const Section* IniFile::find(std::string_view folded_name) const noexcept {
+  const auto place = section_numbers_.find(folded_name);
+  return place == section_numbers_.end() ? nullptr : &sections_[place->second];
+}
+
+const Section* IniFile::find_or_misspelt(std::string_view folded_name, std::string_view shown,
+                                         Problems& problems) const {
+  if (const Section* section = find(folded_name)) return section;
+  for (const Section& section : sections_) {
+    if (!is_misspelt(section.folded_name, folded_name)) continue;
+    problems.warning(section.line, "section [" + section.name + "] is read as [" + std::string(shown) + ']');
+    return &section;
+  }
+  return nullptr;
+}
+
+}  // namespace canopus::eds

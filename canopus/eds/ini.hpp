@@ -1,0 +1,67 @@
+#pragma once
+// The text of an EDS as sections, keys and values that still know their lines.
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/eds/problems.hpp"
+
+namespace canopus::eds {
+
+/// Key=value.
+struct Item {
+  std::string folded_key;  ///< words.hpp
+  std::string key;         ///< as written
+  std::string value;       ///< as written, without blanks around it; may be empty
+  unsigned line = 0;
+  unsigned column = 0;  ///< of the value
+};
+
+struct Section {
+  std::string folded_name;
+  std::string name;  ///< as written
+  unsigned line = 0;
+  std::vector<Item> items;  ///< in the order of the file, each key once
+
+  /// The key (folded), or nullptr. An empty value counts as found.
+  [[nodiscard]] const Item* find(std::string_view folded_key) const noexcept;
+  /// The same, or nullptr when it is there but has no value.
+  [[nodiscard]] const Item* find_value(std::string_view folded_key) const noexcept;
+};
+
+class IniFile {
+ public:
+  /// Takes any bytes. Of a section that comes twice, the later one adds the keys the first one lacks; of a
+  /// key that comes twice in a section, the first one counts.
+  IniFile(std::string_view text, Problems& problems);
+
+  [[nodiscard]] const std::vector<Section>& sections() const noexcept { return sections_; }
+  /// The section (folded), or nullptr.
+  [[nodiscard]] const Section* find(std::string_view folded_name) const noexcept;
+  /// The section of this name or of a misspelling of it that is no other section's name; warns of the latter.
+  [[nodiscard]] const Section* find_or_misspelt(std::string_view folded_name, std::string_view shown,
+                                                Problems& problems) const;
+  /// Lines that are neither section, key nor comment; and the first of them.
+  [[nodiscard]] std::size_t strange_lines() const noexcept { return strange_lines_; }
+  [[nodiscard]] unsigned first_strange_line() const noexcept { return first_strange_line_; }
+  [[nodiscard]] unsigned line_count() const noexcept { return line_count_; }
+
+ private:
+  void read_line(std::string_view line, unsigned number, Problems& problems);
+  void begin_section(std::string_view line, unsigned number, Problems& problems);
+  void add_item(std::string_view line, std::size_t equals, unsigned number, Problems& problems);
+
+  std::vector<Section> sections_;
+  std::map<std::string, std::size_t, std::less<>> section_numbers_;
+  std::size_t current_ = 0;  // number of the section that is being read, + 1
+  std::map<std::string, std::size_t, std::less<>> item_numbers_;  // of that section
+  std::size_t strange_lines_ = 0;
+  unsigned first_strange_line_ = 1;
+  unsigned line_count_ = 0;
+};
+
+}  // namespace canopus::eds

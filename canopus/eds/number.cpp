@@ -1,0 +1,139 @@
+#include "canopus/eds/number.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "canopus/eds/words.hpp"
+
+namespace canopus::eds {
+namespace {
+
+bool is_hex_digit(char c) noexcept { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); }
+bool is_digit(char c) noexcept { return c >= '0' && c <= '9'; }
+
+std::optional<std::uint64_t> digits(std::string_view text, int base) {
+  std::uint64_t value = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value, base);
+  if (text.empty() || failure != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// A number without sign and blanks, in lower case.
+std::optional<Number> unsigned_number(std::string_view text) {
+  Number number;
+  if (text.starts_with("0x")) {
+    const auto value = digits(text.substr(2), 16);
+    if (!value) return std::nullopt;
+    number.magnitude = *value;
+    number.hexadecimal = true;
+    return number;
+  }
+  if (std::ranges::all_of(text, is_digit)) {
+    const bool is_octal =
+        text.size() > 1 && text.front() == '0' && text.find_first_of("89") == std::string_view::npos;
+    const auto value = digits(text, is_octal ? 8 : 10);
+    if (!value) return std::nullopt;
+    number.magnitude = *value;
+    if (is_octal && *value > 7) number.overlooked = "a leading 0 makes it octal";
+    return number;
+  }
+  if (const std::size_t end = text.find_last_not_of("ul");
+      end != std::string_view::npos && end + 1 < text.size() && end + 4 > text.size()) {
+    if (const auto value = digits(text.substr(0, end + 1), 10)) {
+      number.magnitude = *value;
+      number.overlooked = "letters behind the number";
+      return number;
+    }
+  }
+  std::string_view hex = text;
+  if (hex.ends_with('h')) hex.remove_suffix(1);
+  if (!hex.empty() && std::ranges::all_of(hex, is_hex_digit)) {
+    const auto value = digits(hex, 16);
+    if (!value) return std::nullopt;
+    number.magnitude = *value;
+    number.hexadecimal = true;
+    number.overlooked = "hexadecimal without 0x";
+    return number;
+  }
+  if (const auto real = read_real(text); real && std::isfinite(*real) && *real >= 0 && *real < 1e19) {
+    number.magnitude = static_cast<std::uint64_t>(std::llround(std::min(*real, 9e18)));
+    number.overlooked = "a fraction where a whole number belongs";
+    return number;
+  }
+  return std::nullopt;
+}
+
+std::optional<Number> signed_number(std::string_view text) {
+  bool negative = false;
+  if (text.starts_with('-') || text.starts_with('+')) {
+    negative = text.front() == '-';
+    text.remove_prefix(1);
+  }
+  auto number = unsigned_number(text);
+  if (number) number->negative = negative && number->magnitude != 0;
+  return number;
+}
+
+}  // namespace
+
+std::string_view without_comment(std::string_view text) noexcept {
+  return trim(text.substr(0, text.find(';')));
+}
+
+std::optional<Number> read_number(std::string_view text) {
+  std::string_view overlooked;
+  const std::string_view bare = without_comment(text);
+  if (bare.size() != trim(text).size()) overlooked = "a comment behind the number";
+  std::string word = lower(bare);
+  if (word.size() >= 2 && word.front() == '"' && word.back() == '"') {
+    word = word.substr(1, word.size() - 2);
+    overlooked = "quotes round the number";
+  }
+  const std::size_t length = word.size();
+  std::erase_if(word, [](char c) { return c == ' ' || c == '\t'; });
+  if (word.size() != length) overlooked = "blanks inside";
+
+  bool adds_node_id = false;
+  for (const std::string_view spelling : {"$nodeid", "$node_id", "$node-id", "nodeid"}) {
+    const std::size_t place = word.find(spelling);
+    if (place == std::string::npos) continue;
+    adds_node_id = true;
+    const std::string before = word.substr(0, place);
+    const std::string after = word.substr(place + spelling.size());
+    if (before.empty()) {
+      if (!after.empty() && after.front() != '+' && after.front() != '-') return std::nullopt;
+      word = after.empty() ? "0" : after;
+    } else if (after.empty() && before.ends_with('+')) {
+      word = before.substr(0, before.size() - 1);
+    } else {
+      return std::nullopt;
+    }
+    if (!bare.starts_with("$NODEID") || bare.find_first_of(" \t") != std::string_view::npos) {
+      overlooked = "not spelled $NODEID+number";
+    }
+    break;
+  }
+
+  auto number = signed_number(word);
+  if (!number) return std::nullopt;
+  number->adds_node_id = adds_node_id;
+  if (!overlooked.empty()) number->overlooked = overlooked;
+  return number;
+}
+
+std::optional<double> read_real(std::string_view text) {
+  std::string word = lower(trim(text));
+  std::ranges::replace(word, ',', '.');
+  if (word.starts_with('+')) word.erase(0, 1);
+  if (word.ends_with('f') && word.find('.') != std::string::npos) word.pop_back();  // 1.0f
+  double value = 0;
+  const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (word.empty() || failure == std::errc::invalid_argument || end != word.data() + word.size()) {
+    return std::nullopt;
+  }
+  if (failure == std::errc::result_out_of_range) return std::nullopt;
+  return value;
+}
+
+}  // namespace canopus::eds

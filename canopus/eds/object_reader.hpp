@@ -1,0 +1,41 @@
+#pragma once
+// All object sections of a file, and its object lists, as a draft of the dictionary.
+
+#include <map>
+#include <string_view>
+
+#include "canopus/eds/draft.hpp"
+
+namespace canopus::eds {
+
+/// The sections that belong to one object.
+struct ObjectSections {
+  const Section* head = nullptr;
+  std::map<std::uint8_t, const Section*> subs;
+  const Section* names = nullptr;        ///< [xxxxName]
+  const Section* values = nullptr;       ///< [xxxxValue]
+  const Section* denotations = nullptr;  ///< [xxxxDenotation]
+};
+using ObjectSectionMap = std::map<std::uint16_t, ObjectSections>;
+
+/// The object sections whose folded names begin with `prefix` (empty, or "m1fixed").
+[[nodiscard]] ObjectSectionMap find_object_sections(const IniFile& file, std::string_view prefix,
+                                                    Problems& problems);
+
+/// Reads one object into the draft. Data type definitions and objects that cannot be made sense of are left
+/// out, with a note or warning.
+void read_object(Draft& draft, std::uint16_t index, const ObjectSections& sections, Problems& problems);
+
+/// Compares [MandatoryObjects], [OptionalObjects] and [ManufacturerObjects] with the sections that are there.
+void check_object_lists(const IniFile& file, const ObjectSectionMap& sections, Problems& problems);
+
+/// The entries 1=, 2= ... of a list, with the number of them that `count_key` (folded) announces; warns when
+/// it differs.
+struct ListEntry {
+  std::uint64_t key = 0;
+  const Item* item = nullptr;
+};
+[[nodiscard]] std::vector<ListEntry> read_list(const Section& section, std::string_view count_key,
+                                               Problems& problems);
+
+}  // namespace canopus::eds

@@ -1,0 +1,94 @@
+#include "canopus/eds/problems.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "canopus/eds/words.hpp"
+
+namespace canopus::eds {
+namespace {
+
+constexpr std::size_t most_problems = 2000;  // of a file made to annoy; real ones have less than 300
+
+constexpr std::string_view hex_digits = "0123456789ABCDEF";
+
+}  // namespace
+
+std::string_view name(Problem::Severity severity) noexcept {
+  switch (severity) {
+    case Problem::Severity::error: return "error";
+    case Problem::Severity::warning: return "warning";
+    case Problem::Severity::note: return "note";
+  }
+  return "error";
+}
+
+void Problems::report(Severity severity, unsigned line, std::string message, unsigned column) {
+  if (severity != Severity::error && list_.size() >= most_problems) {
+    ++not_listed_;
+    return;
+  }
+  list_.push_back({severity, std::max(line, 1U), column, std::move(message)});
+}
+
+void Problems::repeated(Severity severity, const std::string& kind, unsigned line, std::string message,
+                        unsigned column) {
+  const auto [place, is_new] = repeated_.try_emplace(kind, Repeated{list_.size()});
+  if (!is_new) {
+    ++place->second.more;
+    return;
+  }
+  const std::size_t before = list_.size();
+  report(severity, line, std::move(message), column);
+  if (list_.size() == before) repeated_.erase(place);  // over the limit
+}
+
+std::vector<Problem> Problems::take() {
+  for (const auto& [kind, repeated] : repeated_) {
+    if (repeated.more == 0) continue;
+    list_[repeated.position].message += " (and in " + counted(repeated.more, "more place") + ")";
+  }
+  repeated_.clear();
+  if (not_listed_ != 0) {
+    list_.push_back(
+        {Severity::note, list_.back().line, 0, counted(not_listed_, "further problem") + " not listed"});
+  }
+  std::stable_sort(list_.begin(), list_.end(), [](const Problem& a, const Problem& b) {
+    return std::pair(a.severity, a.line) < std::pair(b.severity, b.line);
+  });
+  const auto repeats = std::ranges::unique(list_, [](const Problem& a, const Problem& b) {
+    return a.line == b.line && a.severity == b.severity && a.message == b.message;
+  });
+  list_.erase(repeats.begin(), repeats.end());
+  return std::exchange(list_, {});
+}
+
+std::string printable(std::string_view text) {
+  constexpr std::size_t longest = 60;
+  const std::string utf8 = to_utf8(text);
+  std::string shown;
+  for (const char c : utf8) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (shown.size() >= longest && (byte & 0xC0) != 0x80) return shown + "...";
+    shown += byte < 0x20 || byte == 0x7F ? '?' : c;
+  }
+  return shown;
+}
+
+std::string object_name(std::uint16_t index) {
+  std::string text;
+  for (int shift = 12; shift >= 0; shift -= 4) text += hex_digits[(index >> shift) & 0xF];
+  return text + 'H';
+}
+
+std::string object_name(std::uint16_t index, std::uint8_t sub) {
+  return object_name(index) + ':' + hex_digits[sub >> 4] + hex_digits[sub & 0xF];
+}
+
+std::string counted(std::size_t count, std::string_view what) {
+  std::string text = std::to_string(count) + ' ' + std::string(what);
+  if (count != 1) text += text.back() == 'x' ? "es" : "s";
+  return text;
+}
+
+}  // namespace canopus::eds

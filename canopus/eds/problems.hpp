@@ -1,0 +1,50 @@
+#pragma once
+// Collects what is wrong with a file while it is read.
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/eds/device_file.hpp"
+
+namespace canopus::eds {
+
+class Problems {
+ public:
+  using Severity = Problem::Severity;
+
+  void report(Severity severity, unsigned line, std::string message, unsigned column = 0);
+  void error(unsigned line, std::string message) { report(Severity::error, line, std::move(message)); }
+  void warning(unsigned line, std::string message) { report(Severity::warning, line, std::move(message)); }
+  void note(unsigned line, std::string message) { report(Severity::note, line, std::move(message)); }
+  /// For what files do in hundreds of places: the first of its `kind` is told, the others are counted.
+  void repeated(Severity severity, const std::string& kind, unsigned line, std::string message,
+                unsigned column = 0);
+
+  /// Everything, worst first, then by line.
+  [[nodiscard]] std::vector<Problem> take();
+
+ private:
+  struct Repeated {
+    std::size_t position;
+    unsigned more = 0;
+  };
+  std::vector<Problem> list_;
+  std::map<std::string, Repeated> repeated_;
+  unsigned not_listed_ = 0;
+};
+
+/// Text of the file as it may stand in a message: control characters and bytes that are not UTF-8 replaced,
+/// long text cut.
+[[nodiscard]] std::string printable(std::string_view text);
+/// "1018H".
+[[nodiscard]] std::string object_name(std::uint16_t index);
+/// "1018H:01".
+[[nodiscard]] std::string object_name(std::uint16_t index, std::uint8_t sub);
+/// "1 object", "2 objects".
+[[nodiscard]] std::string counted(std::size_t count, std::string_view what);
+
+}  // namespace canopus::eds

@@ -1,0 +1,298 @@
+#include "canopus/eds/value.hpp"
+
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "canopus/canopen/dictionary_description.hpp"
+#include "canopus/eds/number.hpp"
+#include "canopus/eds/words.hpp"
+
+namespace canopus::eds {
+namespace {
+
+using canopen::bit_length;
+using canopen::byte_length;
+using canopen::DataType;
+using canopen::is_signed;
+using canopen::little_endian;
+
+std::string hex_text(std::uint64_t value) {
+  std::string text;
+  do text.insert(text.begin(), "0123456789ABCDEF"[value & 0xF]);
+  while ((value >>= 4) != 0);
+  return "0x" + text;
+}
+
+std::uint64_t sign_extended(std::uint64_t value, unsigned bits) noexcept {
+  const unsigned unused = 64 - bits;
+  return static_cast<std::uint64_t>(static_cast<std::int64_t>(value << unused) >> unused);
+}
+
+std::optional<Number> number_of(const Place& place) {
+  const auto number = read_number(place.item.value);
+  if (number && !number->overlooked.empty()) place.note(number->overlooked);
+  return number;
+}
+
+bool is_real(DataType type) noexcept { return type == DataType::real32 || type == DataType::real64; }
+
+/// Does the number fit the integer type? A hexadecimal one is a bit pattern of the type's width.
+bool fits(const Number& number, DataType type) noexcept {
+  const unsigned bits = bit_length(type);
+  if (!is_signed(type)) return !number.negative && (bits == 64 || number.magnitude >> bits == 0);
+  if (number.hexadecimal && !number.negative) return bits == 64 || number.magnitude >> bits == 0;
+  const std::uint64_t most = (std::uint64_t{1} << (bits - 1)) - (number.negative ? 0 : 1);
+  return number.magnitude <= most;
+}
+
+std::optional<Value> integer_value(DataType type, const Place& place) {
+  const auto number = number_of(place);
+  const unsigned bits = type == DataType::boolean ? 1 : bit_length(type);
+  if (!number) {
+    const std::string word = folded(without_comment(place.item.value));
+    if (word == "true" || word == "false") {
+      place.note("true or false for 1 or 0");
+      return Value{little_endian(word == "true" ? 1 : 0, byte_length(type))};
+    }
+    place.warning("is not a number: taken as not given");
+    return std::nullopt;
+  }
+  Value value{{}, number->adds_node_id};
+  std::uint64_t raw = number->bits();
+  if (type == DataType::boolean) {
+    if (raw > 1) {
+      place.warning("is neither 0 nor 1: taken as 1");
+      raw = 1;
+    }
+  } else if (!fits(*number, type)) {
+    const std::uint64_t cut = bits == 64 ? raw : raw & ((std::uint64_t{1} << bits) - 1);
+    const std::string message = "does not fit " + std::string(name(type)) + ": taken as " + hex_text(cut);
+    place.warning(message);
+    raw = cut;
+  }
+  value.bytes = little_endian(raw, byte_length(type));
+  return value;
+}
+
+/// Decimal text is the value itself, hexadecimal its IEEE bit pattern [CiA 306].
+std::optional<double> real_number(DataType type, const Place& place) {
+  const std::string_view text = without_comment(place.item.value);
+  if (text.size() < trim(place.item.value).size()) place.note("a comment behind the number");
+  if (const auto real = read_real(text)) {
+    if (text.find(',') != std::string_view::npos) place.note("a comma for the decimal point");
+    return real;
+  }
+  const auto number = read_number(text);
+  if (!number || number->adds_node_id) return std::nullopt;
+  if (!number->hexadecimal) {
+    const auto magnitude = static_cast<double>(number->magnitude);
+    return number->negative ? -magnitude : magnitude;
+  }
+  if (type == DataType::real64) return std::bit_cast<double>(number->bits());
+  if (number->bits() > std::numeric_limits<std::uint32_t>::max()) return std::nullopt;
+  return static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(number->bits())));
+}
+
+std::optional<Value> real_value(DataType type, const Place& place) {
+  const auto real = real_number(type, place);
+  if (!real) {
+    place.warning("is neither a number nor a bit pattern: taken as not given");
+    return std::nullopt;
+  }
+  if (type == DataType::real64) return Value{little_endian(std::bit_cast<std::uint64_t>(*real), 8)};
+  if (std::isfinite(*real) && std::abs(*real) > static_cast<double>(std::numeric_limits<float>::max())) {
+    place.warning("does not fit REAL32: taken as not given");
+    return std::nullopt;
+  }
+  return Value{little_endian(std::bit_cast<std::uint32_t>(static_cast<float>(*real)), 4)};
+}
+
+std::string_view without_quotes(const Place& place) {
+  std::string_view text = trim(place.item.value);
+  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') {
+    place.note("quotes round a text");
+    text = text.substr(1, text.size() - 2);
+  }
+  return text;
+}
+
+Value octets(const Place& place) {
+  std::string_view text = without_quotes(place);
+  if (text.starts_with("0x") || text.starts_with("0X")) text.remove_prefix(2);
+  Value value;
+  unsigned half = 0;
+  bool is_half = false;
+  bool is_hex = true;
+  for (const char c : text) {
+    unsigned digit = 0;
+    if (c >= '0' && c <= '9') {
+      digit = static_cast<unsigned>(c - '0');
+    } else if (c >= 'a' && c <= 'f') {
+      digit = static_cast<unsigned>(c - 'a') + 10;
+    } else if (c >= 'A' && c <= 'F') {
+      digit = static_cast<unsigned>(c - 'A') + 10;
+    } else if ((c == ' ' || c == '\t') && !is_half) {
+      continue;
+    } else {
+      is_hex = false;
+      break;
+    }
+    if (is_half) value.bytes.push_back(static_cast<std::uint8_t>(half << 4 | digit));
+    half = digit;
+    is_half = !is_half;
+  }
+  if (is_hex && is_half && value.bytes.empty()) {  // a single digit
+    value.bytes.push_back(static_cast<std::uint8_t>(half));
+  } else if (!is_hex || is_half) {
+    place.note("octets that are not pairs of hexadecimal digits, taken as text");
+    value.bytes = canopen::text(without_quotes(place));
+  }
+  return value;
+}
+
+Value utf16_text(const Place& place) {
+  const std::string text = to_utf8(without_quotes(place));
+  Value value;
+  const auto push = [&](std::uint32_t unit) {
+    value.bytes.push_back(static_cast<std::uint8_t>(unit));
+    value.bytes.push_back(static_cast<std::uint8_t>(unit >> 8));
+  };
+  for (std::size_t i = 0; i < text.size();) {
+    const auto first = static_cast<unsigned char>(text[i]);
+    const std::size_t length = first < 0x80 ? 1 : first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
+    std::uint32_t code = length == 1 ? first : first & (0x7FU >> length);
+    for (std::size_t k = 1; k < length; ++k)
+      code = code << 6 | (static_cast<unsigned char>(text[i + k]) & 0x3F);
+    if (code >= 0x10000) {
+      push(0xD800 + ((code - 0x10000) >> 10));
+      push(0xDC00 + ((code - 0x10000) & 0x3FF));
+    } else {
+      push(code);
+    }
+    i += length;
+  }
+  return value;
+}
+
+/// "days milliseconds", or one 48-bit number.
+std::optional<Value> time_value(const Place& place) {
+  const std::string_view text = without_comment(place.item.value);
+  const std::size_t blank = text.find_first_of(" \t");
+  if (blank != std::string_view::npos) {
+    const auto days = read_number(text.substr(0, blank));
+    const auto milliseconds = read_number(text.substr(blank + 1));
+    if (days && milliseconds && days->bits() <= 0xFFFF && milliseconds->bits() <= 0x0FFFFFFF) {
+      return Value{little_endian(days->bits() << 32 | milliseconds->bits(), 6)};
+    }
+  } else if (const auto number = read_number(text); number && number->bits() >> 48 == 0) {
+    return Value{little_endian(number->bits(), 6)};
+  }
+  place.warning("is not \"days milliseconds\": taken as not given");
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::string Place::quoted() const {
+  return item.key + '=' + printable(item.value) + " of " + object_name(index, sub);
+}
+
+void Place::warning(std::string_view message) const {
+  problems.report(Problem::Severity::warning, item.line, quoted() + ' ' + std::string(message), item.column);
+}
+
+void Place::note(std::string_view kind) const {
+  problems.repeated(Problem::Severity::note, std::string(kind), item.line,
+                    quoted() + ": " + std::string(kind), item.column);
+}
+
+std::optional<Value> read_value(DataType type, const Place& place) {
+  switch (type) {
+    case DataType::visible_string: return Value{canopen::text(without_quotes(place))};
+    case DataType::octet_string:
+    case DataType::domain: return octets(place);
+    case DataType::unicode_string: return utf16_text(place);
+    case DataType::time_of_day:
+    case DataType::time_difference: return time_value(place);
+    case DataType::real32:
+    case DataType::real64: return real_value(type, place);
+    default: return integer_value(type, place);
+  }
+}
+
+bool is_number(DataType type) noexcept {
+  return bit_length(type) != 0 && type != DataType::time_of_day && type != DataType::time_difference;
+}
+
+std::optional<std::uint64_t> read_limit(DataType type, const Place& place) {
+  if (!is_number(type) || type == DataType::boolean) return std::nullopt;
+  if (is_real(type)) {
+    if (const auto real = real_number(type, place); real && !std::isnan(*real)) {
+      return std::bit_cast<std::uint64_t>(*real);
+    }
+    place.warning("is neither a number nor a bit pattern: no limit");
+    return std::nullopt;
+  }
+  const auto number = number_of(place);
+  if (!number) {
+    place.warning("is not a number: no limit");
+    return std::nullopt;
+  }
+  if (number->adds_node_id) {
+    place.note("a limit that depends on the node-ID is not watched");
+    return std::nullopt;
+  }
+  if (!fits(*number, type)) {
+    const std::string message = "is outside " + std::string(name(type)) + ": no limit";
+    place.warning(message);
+    return std::nullopt;
+  }
+  return is_signed(type) ? sign_extended(number->bits(), bit_length(type)) : number->bits();
+}
+
+std::optional<std::uint64_t> read_unsigned(const Section& section, const Item& item, std::uint64_t highest,
+                                           Problems& problems) {
+  const auto number = read_number(item.value);
+  const std::string shown = item.key + '=' + printable(item.value) + " in [" + section.name + ']';
+  if (!number || number->negative || number->adds_node_id || number->magnitude > highest) {
+    problems.report(Problem::Severity::warning, item.line,
+                    shown + (number ? " is outside 0.." + std::to_string(highest) : " is not a number") +
+                        ": taken as not given",
+                    item.column);
+    return std::nullopt;
+  }
+  if (!number->overlooked.empty()) {
+    problems.repeated(Problem::Severity::note, std::string(number->overlooked), item.line,
+                      shown + ": " + std::string(number->overlooked), item.column);
+  }
+  return number->magnitude;
+}
+
+Range range(DataType type) noexcept {
+  const unsigned bits = bit_length(type);
+  if (is_signed(type)) {
+    const std::uint64_t half = std::uint64_t{1} << (bits - 1);
+    return {sign_extended(half, bits), half - 1};
+  }
+  return {0, bits == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1};
+}
+
+bool less(DataType type, std::uint64_t a, std::uint64_t b) noexcept {
+  if (is_real(type)) return std::bit_cast<double>(a) < std::bit_cast<double>(b);
+  if (is_signed(type)) return static_cast<std::int64_t>(a) < static_cast<std::int64_t>(b);
+  return a < b;
+}
+
+std::uint64_t pattern(DataType type, const std::vector<std::uint8_t>& bytes) noexcept {
+  std::uint64_t raw = 0;
+  for (std::size_t i = 0; i < bytes.size() && i < 8; ++i) raw |= std::uint64_t{bytes[i]} << (8 * i);
+  if (type == DataType::real32) {
+    return std::bit_cast<std::uint64_t>(
+        static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(raw))));
+  }
+  return is_signed(type) ? sign_extended(raw, bit_length(type)) : raw;
+}
+
+}  // namespace canopus::eds
