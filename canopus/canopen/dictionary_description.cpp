@@ -83,7 +83,15 @@ DictionaryBuilder& DictionaryBuilder::object(std::uint16_t index, ObjectCode cod
 }
 
 DictionaryBuilder& DictionaryBuilder::sub(std::uint16_t index, std::uint8_t sub, EntrySpec spec) {
-  objects_[index].subs.insert_or_assign(sub, std::move(spec));
+  ObjectSpec& object = objects_[index];
+  if (object.uniform_count != 0 && sub != 0) {  // no longer all alike: describe each on its own
+    const EntrySpec common = object.subs.at(1);
+    for (unsigned i = 2; i <= object.uniform_count; ++i) {
+      object.subs.try_emplace(static_cast<std::uint8_t>(i), common);
+    }
+    object.uniform_count = 0;
+  }
+  object.subs.insert_or_assign(sub, std::move(spec));
   return *this;
 }
 
@@ -162,11 +170,18 @@ std::shared_ptr<const DictionaryDescription> DictionaryBuilder::build() const {
     const bool is_structured = spec.code == ObjectCode::array || spec.code == ObjectCode::record ||
                                spec.code == ObjectCode::structure_definition;
     if (is_structured && !spec.subs.contains(0)) {
+      std::uint8_t highest = object.highest_sub;
+      if (highest == 0xFF) {  // FFH describes the object itself and does not count
+        const auto place = spec.subs.find(0xFF);
+        highest = place == spec.subs.begin() ? std::uint8_t{0} : std::prev(place)->first;
+      }
       d.entries_.push_back(place_entry({.name = "Highest sub-index supported",
                                         .type = DataType::unsigned8,
                                         .access = Access::constant,
-                                        .value = {object.highest_sub}},
+                                        .value = {highest}},
                                        1));
+    } else if (spec.subs.empty()) {
+      d.entries_.emplace_back();  // an object without any sub-index
     }
     for (const auto& [sub, entry] : spec.subs) {
       const std::size_t wanted = object.first_entry + (object.uniform && sub != 0 ? 1U : sub);

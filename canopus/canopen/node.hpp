@@ -12,65 +12,11 @@
 
 #include "canopus/can/controller.hpp"
 #include "canopus/canopen/nmt.hpp"
+#include "canopus/canopen/node_listener.hpp"
+#include "canopus/canopen/node_options.hpp"
 #include "canopus/canopen/object_dictionary.hpp"
 
 namespace canopus::canopen {
-
-/// An emergency message as sent or received [CiA 301 7.2.7].
-struct Emergency {
-  std::uint8_t node_id = 0;         ///< of the sender
-  std::uint16_t code = 0;           ///< emergency error code
-  std::uint8_t error_register = 0;  ///< 1001H of the sender
-  std::array<std::uint8_t, 5> manufacturer{};
-};
-
-/// TIME_OF_DAY as the TIME object carries it [CiA 301 7.2.6].
-struct TimeOfDay {
-  std::uint32_t milliseconds = 0;  ///< after midnight, 28 bits
-  std::uint16_t days = 0;          ///< since 1984-01-01
-};
-
-/// What the application around a node hears of it. Every function has an empty default.
-class NodeListener {
- public:
-  /// The NMT state was entered. `by_command`: an NMT frame or Node::command() asked for it (else boot or
-  /// 1029H).
-  virtual void nmt_state_changed(NmtState /*state*/, can::Time) {}
-  /// Reset node or reset communication was asked for and is about to begin (values still the old ones).
-  virtual void reset_requested(NmtCommand /*which*/, can::Time) {}
-  /// The dictionary has its power-on or stored values again; the boot-up message follows.
-  virtual void reset_done(NmtCommand /*which*/, can::Time) {}
-  /// May an NMT start command be obeyed now? [ME3CAN1-Q 4.7: not while the CPU is in STOP]
-  virtual bool may_become_operational() { return true; }
-  virtual void sync_received(std::uint8_t /*counter, 0 without*/, can::Time) {}
-  virtual void time_received(const TimeOfDay&, can::Time) {}
-  virtual void emergency_received(const Emergency&, can::Time) {}
-  /// RPDO `number` (0..511) put new values into the dictionary.
-  virtual void rpdo_received(std::uint16_t /*number*/, can::Time) {}
-  /// TPDO `number` (0..511) was handed to the sink.
-  virtual void tpdo_sent(std::uint16_t /*number*/, can::Time) {}
-  /// Heartbeat (or boot-up) of a node that 1016H watches. `state` initialising = boot-up.
-  virtual void heartbeat_received(std::uint8_t /*node_id*/, NmtState /*state*/, can::Time) {}
-  virtual void heartbeat_lost(std::uint8_t /*node_id*/, can::Time) {}
-  /// Life guarding (this node as NMT slave): the master's remote frame did not come in time; or it is back.
-  virtual void life_guarding_event(bool /*occurred*/, can::Time) {}
-
- protected:
-  ~NodeListener() = default;
-};
-
-/// How a node behaves where CiA 301 leaves a choice or a module's manual differs.
-struct NodeOptions {
-  /// An event of an event-driven TPDO during its inhibit time: sent when it ends (CiA 301) or forgotten
-  /// [ME3CAN1-Q 4.6.5 case 2].
-  bool dismiss_events_during_inhibit = false;
-  /// Send all valid event-driven TPDOs once on entering Operational.
-  bool send_tpdos_on_start = true;
-  /// Produce SYNC and TIME only while Node::set_active_master(true) [ME3CAN1-Q 4.6.6, 4.6.9].
-  bool sync_needs_active_master = false;
-  /// Values written through SDO to mapped objects cause events of the TPDOs that hold them.
-  bool sdo_write_is_event = true;
-};
 
 class Node final : public can::Participant {
  public:
@@ -119,6 +65,14 @@ class Node final : public can::Participant {
   bool tpdo_event(std::uint16_t number, can::Time now);
   /// Sends TIME once, if 1012H produces and the state allows.
   bool send_time(const TimeOfDay& time, can::Time now);
+
+  /// True when the node would do something with a data or remote frame of this base identifier: whoever
+  /// delivers frames may leave out the others.
+  [[nodiscard]] bool wants(std::uint32_t base_identifier) const;
+  /// True when it listens to any 29-bit identifier.
+  [[nodiscard]] bool wants_extended() const;
+  /// Changes whenever wants() may answer differently than before.
+  [[nodiscard]] std::uint32_t identifiers_revision() const;
 
   void receive(const can::Frame& frame, can::Time now) override;
   void tick(can::Time now) override;

@@ -22,23 +22,20 @@ std::expected<Entry, AbortCode> ObjectDictionary::find(std::uint16_t index, std:
   return entry;
 }
 
-ObjectHandler* ObjectDictionary::handler(std::uint16_t index) const noexcept {
-  const ObjectDescription* object = description_->find(index);
-  return handlers_[handler_numbers_[description_->position(*object)]];
-}
-
 std::expected<std::span<const std::uint8_t>, AbortCode> ObjectDictionary::read(std::uint16_t index,
                                                                                std::uint8_t sub,
                                                                                can::Time now) {
-  const auto entry = find(index, sub);
-  if (!entry) return std::unexpected(entry.error());
-  if (!is_readable(entry->description->access)) return std::unexpected(AbortCode::read_of_write_only);
-  if (ObjectHandler* behaviour = handler(index)) {
-    if (const AbortCode code = behaviour->before_read(*this, *entry, now); code != AbortCode::none) {
+  const ObjectDescription* object = description_->find(index);
+  if (object == nullptr) return std::unexpected(AbortCode::no_object);
+  const Entry entry = description_->find(*object, sub);
+  if (!entry) return std::unexpected(AbortCode::no_sub_index);
+  if (!is_readable(entry.description->access)) return std::unexpected(AbortCode::read_of_write_only);
+  if (ObjectHandler* behaviour = handler(*object)) {
+    if (const AbortCode code = behaviour->before_read(*this, entry, now); code != AbortCode::none) {
       return std::unexpected(code);
     }
   }
-  return bytes(*entry);
+  return bytes(entry);
 }
 
 AbortCode ObjectDictionary::check_write(const Entry& entry, std::size_t length) const noexcept {
@@ -80,20 +77,23 @@ AbortCode ObjectDictionary::check_limits(const Entry& entry,
 
 AbortCode ObjectDictionary::write(std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> value,
                                   can::Time now) {
-  const auto entry = find(index, sub);
-  if (!entry) return entry.error();
-  if (const AbortCode code = check_write(*entry, value.size()); code != AbortCode::none) return code;
-  if (entry->description->length != 0) {
-    if (const AbortCode code = check_limits(*entry, value); code != AbortCode::none) return code;
+  const ObjectDescription* object = description_->find(index);
+  if (object == nullptr) return AbortCode::no_object;
+  const Entry entry = description_->find(*object, sub);
+  if (!entry) return AbortCode::no_sub_index;
+  if (const AbortCode code = check_write(entry, value.size()); code != AbortCode::none) return code;
+  if (entry.description->length != 0) {
+    if (const AbortCode code = check_limits(entry, value); code != AbortCode::none) return code;
   }
-  ObjectHandler* behaviour = handler(index);
+  ObjectHandler* behaviour = handler(*object);
   if (behaviour != nullptr) {
-    if (const AbortCode code = behaviour->before_write(*this, *entry, value, now); code != AbortCode::none) {
+    if (const AbortCode code = behaviour->before_write(*this, entry, value, now); code != AbortCode::none) {
       return code;
     }
   }
-  assign(*entry, value);
-  if (behaviour != nullptr) behaviour->after_write(*this, *entry, now);
+  assign(entry, value);
+  if (behaviour != nullptr) behaviour->after_write(*this, entry, now);
+  if (write_observer_ != nullptr) write_observer_->object_written(entry, now);
   return AbortCode::none;
 }
 

@@ -5,6 +5,7 @@
 // through; they check existence, access, length and limits, and call the object's handler. get() and set()
 // are the device's own access: no checks, no handler. PDOs copy bytes straight into and out of block().
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <cstring>
@@ -43,6 +44,15 @@ class ObjectHandler {
   ~ObjectHandler() = default;
 };
 
+/// Told of every value that came in through write(), after its handler.
+class WriteObserver {
+ public:
+  virtual void object_written(const Entry& entry, can::Time now) = 0;
+
+ protected:
+  ~WriteObserver() = default;
+};
+
 class ObjectDictionary {
  public:
   /// All values at their defaults for this node-ID (1..127, or 255 while unconfigured).
@@ -68,7 +78,7 @@ class ObjectDictionary {
     static_assert(std::is_arithmetic_v<T> && sizeof(T) <= 8);
     if constexpr (std::is_floating_point_v<T>) {
       T value{};
-      std::memcpy(&value, &block_[entry.offset], sizeof(T));
+      std::memcpy(&value, &block_[entry.offset], std::min<std::size_t>(sizeof(T), entry.description->length));
       return value;
     } else {
       std::uint64_t raw = 0;
@@ -91,7 +101,7 @@ class ObjectDictionary {
   void set(const Entry& entry, T value) noexcept {
     static_assert(std::is_arithmetic_v<T> && sizeof(T) <= 8);
     if constexpr (std::is_floating_point_v<T>) {
-      std::memcpy(&block_[entry.offset], &value, sizeof(T));
+      std::memcpy(&block_[entry.offset], &value, std::min<std::size_t>(sizeof(T), entry.description->length));
     } else {
       const auto raw = static_cast<std::uint64_t>(value);
       std::memcpy(&block_[entry.offset], &raw, entry.description->length);
@@ -117,6 +127,8 @@ class ObjectDictionary {
   /// Calls `handler` for the objects first..last (those that exist) from now on; it replaces an earlier one.
   void attach(std::uint16_t first, std::uint16_t last, ObjectHandler& handler);
 
+  void set_write_observer(WriteObserver* observer) noexcept { write_observer_ = observer; }
+
   /// Everything at its default for this node-ID: reset node.
   void reset(std::uint8_t node_id);
   /// 0000H-1FFFH at their defaults for this node-ID: reset communication.
@@ -125,13 +137,16 @@ class ObjectDictionary {
  private:
   [[nodiscard]] AbortCode check_limits(const Entry& entry,
                                        std::span<const std::uint8_t> value) const noexcept;
-  [[nodiscard]] ObjectHandler* handler(std::uint16_t index) const noexcept;
+  [[nodiscard]] ObjectHandler* handler(const ObjectDescription& object) const noexcept {
+    return handlers_[handler_numbers_[description_->position(object)]];
+  }
 
   std::shared_ptr<const DictionaryDescription> description_;
   std::vector<std::uint8_t> block_;
   std::vector<std::unique_ptr<std::vector<std::uint8_t>>> slots_;  // empty pointer: still the default
   std::vector<std::uint8_t> handler_numbers_;                      // by position of the object, 0 = none
   std::vector<ObjectHandler*> handlers_;
+  WriteObserver* write_observer_ = nullptr;
 };
 
 }  // namespace canopus::canopen

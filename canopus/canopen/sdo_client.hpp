@@ -29,6 +29,8 @@ class SdoClientUser {
 
 class SdoClient {
  public:
+  /// Local code, never on the bus: the value is longer than set_maximum_size() allows [ME3CAN1-Q 8.2.3].
+  static constexpr auto buffer_too_small = static_cast<AbortCode>(0x60600000);
   static constexpr can::Duration default_time_out = std::chrono::milliseconds(500);
 
   explicit SdoClient(can::Sink& sink) : sink_(&sink) {}
@@ -51,8 +53,8 @@ class SdoClient {
   void cancel(AbortCode code);
 
   [[nodiscard]] bool busy() const noexcept { return state_ != State::idle; }
-  /// Limits what an upload may bring: more is aborted at the initiate response with out_of_memory... 0 = no
-  /// limit.
+  /// Limits what an upload may bring, in bytes; 0 = no limit. More is aborted with 05040005H, as soon as it
+  /// is announced or comes, and reported as buffer_too_small.
   void set_maximum_size(std::size_t bytes) noexcept { maximum_size_ = bytes; }
 
   // The last transfer, from sdo_finished() on until the next one starts.
@@ -75,6 +77,21 @@ class SdoClient {
     download_segment
   };
 
+  static constexpr std::size_t largest_reservation = 1U << 16;  // what a size alone makes us allocate
+
+  bool start(State state, const can::Frame& request, SdoClientUser& user, can::Time now,
+             can::Duration time_out);
+  void finish(AbortCode code, can::Time now);
+  void give_up(AbortCode code, can::Time now);
+  void too_long(can::Time now);
+  [[nodiscard]] bool is_about_this_object(const can::Frame& frame) const noexcept;
+  void upload_initiated(const can::Frame& frame, can::Time now);
+  void request_segment(can::Time now);
+  void segment_uploaded(const can::Frame& frame, can::Time now);
+  void download_initiated(const can::Frame& frame, can::Time now);
+  void send_segment(can::Time now);
+  void segment_downloaded(const can::Frame& frame, can::Time now);
+
   can::Sink* sink_;
   SdoClientUser* user_ = nullptr;
   std::uint32_t request_cob_id_ = 0;
@@ -84,8 +101,10 @@ class SdoClient {
   std::uint16_t index_ = 0;
   std::uint8_t sub_ = 0;
   bool toggle_ = false;
+  bool size_known_ = false;  // of an upload
   AbortCode abort_code_ = AbortCode::none;
   std::size_t maximum_size_ = 0;
+  std::size_t size_ = 0;  // as announced
   std::size_t sent_ = 0;
   std::span<const std::uint8_t> source_;
   std::vector<std::uint8_t> received_;

@@ -1,0 +1,72 @@
+#pragma once
+// Which service of a node a received frame belongs to: a small hash table over the identifier, the frame
+// format and RTR. Built anew when a COB-ID changes; a look-up is one multiplication and, on average, less
+// than two comparisons, whatever the number of identifiers. One identifier may lead to several services (two
+// RPDOs may listen to one TPDO).
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "canopus/can/frame.hpp"
+
+namespace canopus::canopen {
+
+enum class ServiceKind : std::uint8_t {
+  nmt,
+  sync,
+  time_stamp,
+  rpdo,                ///< number: position among the node's RPDOs
+  tpdo_request,        ///< remote frame; number: position among the node's TPDOs
+  sdo_server,          ///< number: position among the node's SDO servers
+  emcy,                ///< number: sub-index of 1028H
+  heartbeat,           ///< number: position in 1016H, from 0
+  node_guard_request,  ///< remote frame of the NMT master
+  sam_mpdo,            ///< MPDO in source addressing mode
+};
+
+class IdentifierTable {
+ public:
+  struct Route {
+    std::uint32_t key = 0;
+    ServiceKind kind = ServiceKind::nmt;
+    std::uint16_t number = 0;
+  };
+
+  /// Identifier, bit 29 = extended, bit 30 = remote.
+  [[nodiscard]] static constexpr std::uint32_t key(std::uint32_t identifier, bool extended,
+                                                   bool remote) noexcept {
+    return identifier | (extended ? 1U << 29 : 0U) | (remote ? 1U << 30 : 0U);
+  }
+  [[nodiscard]] static constexpr std::uint32_t key(const can::Frame& frame) noexcept {
+    return key(frame.identifier, frame.extended, frame.remote);
+  }
+
+  IdentifierTable() { build({}); }
+  void build(std::span<const Route> routes);
+
+  /// Calls `visit(kind, number)` for every route of this key, in the order they were given to build().
+  template <typename Visit>
+  void for_each(std::uint32_t wanted, Visit&& visit) const {
+    for (std::size_t place = start(wanted); slots_[place].key != empty; place = (place + 1) & mask_) {
+      if (slots_[place].key == wanted) visit(slots_[place].kind, slots_[place].number);
+    }
+  }
+  [[nodiscard]] bool contains(std::uint32_t wanted) const noexcept {
+    bool found = false;
+    for_each(wanted, [&](ServiceKind, std::uint16_t) { found = true; });
+    return found;
+  }
+
+ private:
+  static constexpr std::uint32_t empty = 0xFFFF'FFFF;
+  [[nodiscard]] std::size_t start(std::uint32_t wanted) const noexcept {
+    return (wanted * 0x9E37'79B1U) >> shift_;
+  }
+
+  std::vector<Route> slots_;  // a power of two, at least twice as many as there are routes
+  std::size_t mask_ = 0;
+  unsigned shift_ = 0;
+};
+
+}  // namespace canopus::canopen

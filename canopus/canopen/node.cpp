@@ -1,0 +1,302 @@
+#include "canopus/canopen/node.hpp"
+
+#include <utility>
+
+#include "canopus/canopen/emcy_consumer.hpp"
+#include "canopus/canopen/emcy_producer.hpp"
+#include "canopus/canopen/error_behaviour.hpp"
+#include "canopus/canopen/heartbeat_consumer.hpp"
+#include "canopus/canopen/heartbeat_producer.hpp"
+#include "canopus/canopen/identifier_table.hpp"
+#include "canopus/canopen/nmt_slave.hpp"
+#include "canopus/canopen/node_context.hpp"
+#include "canopus/canopen/node_guarding.hpp"
+#include "canopus/canopen/rpdo.hpp"
+#include "canopus/canopen/sdo_server.hpp"
+#include "canopus/canopen/sync.hpp"
+#include "canopus/canopen/time_stamp.hpp"
+#include "canopus/canopen/tpdo.hpp"
+
+namespace canopus::canopen {
+
+struct Node::Services final : NodeContext, WriteObserver {
+  Services(std::shared_ptr<const DictionaryDescription> description, std::uint8_t id, can::Sink& frames,
+           const NodeOptions& node_options)
+      : NodeContext(std::move(description), id, frames, node_options), next_node_id(id) {
+    sdo_timer = timers.add();
+    sdo_server.set_time_out(options.sdo_server_time_out);
+    sdo_server.set_maximum_size(options.sdo_maximum_download);
+    dictionary.set_write_observer(this);
+  }
+
+  void error_began(const CommunicationError& error, can::Time now) override {
+    emcy_producer.error_began(error, now);
+  }
+  void error_ended(const CommunicationError& error, can::Time now) override {
+    emcy_producer.error_ended(error, now);
+  }
+  void communication_error(can::Time now) override { enter(error_behaviour.after_error(state), now); }
+  void object_written(const Entry& entry, can::Time now) override {
+    if (options.sdo_write_is_event && entry.index >= 0x2000) tpdos.object_written(entry, now);
+    if (listener != nullptr) listener->object_written(entry, now);
+  }
+
+  void enter(NmtState wanted, can::Time now);
+  void command(NmtCommand command, can::Time now);
+  void initialise(NmtCommand which, can::Time now);
+  void stop();
+  void settle() {
+    if (identifiers_changed) build_table();
+  }
+  void build_table();
+  void dispatch(ServiceKind kind, std::uint16_t number, const can::Frame& frame, can::Time now);
+  void sync(std::uint8_t counter, can::Time now);
+  void tick(TimerQueue::Number number, can::Time now);
+  void schedule_sdo();
+
+  HeartbeatProducer heartbeat_producer{*this};
+  NodeGuarding node_guarding{*this};
+  Sync sync_service{*this};
+  EmcyProducer emcy_producer{*this};
+  TimeStamp time_stamp{*this};
+  EmcyConsumer emcy_consumer{*this};
+  ErrorBehaviour error_behaviour{*this};
+  HeartbeatConsumer heartbeat_consumer{*this};
+  Rpdos rpdos{*this};
+  Tpdos tpdos{*this};
+  SdoServer sdo_server{dictionary, sink};
+  TimerQueue::Number sdo_timer = 0;
+  IdentifierTable table;
+  std::uint32_t revision = 0;
+  std::uint8_t next_node_id = 0;
+  bool powered = false;
+  bool hears_extended = false;
+};
+
+void Node::Services::stop() {
+  state = NmtState::initialising;
+  heartbeat_producer.stop();
+  node_guarding.stop();
+  sync_service.stop();
+  time_stamp.stop();
+  emcy_producer.stop();
+  heartbeat_consumer.stop();
+  rpdos.stop();
+  tpdos.stop();
+  sdo_server.stop();
+  timers.stop_all();
+  identifiers_changed = true;
+}
+
+// Initialisation: new values, then the services read them, then the boot-up message ends it.
+void Node::Services::initialise(NmtCommand which, can::Time now) {
+  stop();
+  node_id = next_node_id;
+  if (which == NmtCommand::reset_node) {
+    dictionary.reset(node_id);
+  } else {
+    dictionary.reset_communication(node_id);
+  }
+  if (listener != nullptr) listener->reset_done(which, now);
+  if (node_id < 1 || node_id > 127) return;  // not configured: stays in Initialisation
+  sink.send(can::data_frame(cob_id::error_control + node_id, {0x00}));
+  state = NmtState::pre_operational;
+  sdo_server.set_response_identifier(cob_id::sdo_response + node_id);
+  heartbeat_producer.start(now);
+  node_guarding.start();
+  sync_service.start(now);
+  time_stamp.start();
+  emcy_producer.start();
+  heartbeat_consumer.start();
+  rpdos.start();
+  tpdos.start(now);
+  if (listener != nullptr) listener->nmt_state_changed(state, now);
+}
+
+void Node::Services::enter(NmtState wanted, can::Time now) {
+  if (wanted == state || state == NmtState::initialising) return;
+  const bool was_operational = is_operational();
+  state = wanted;
+  if (was_operational) {
+    rpdos.leave_operational();
+    tpdos.leave_operational();
+  }
+  if (state == NmtState::stopped) {
+    sdo_server.stop();
+    timers.stop(sdo_timer);
+  }
+  sync_service.state_changed(now);
+  if (listener != nullptr) listener->nmt_state_changed(state, now);
+  if (is_operational()) tpdos.enter_operational(now);
+}
+
+void Node::Services::command(NmtCommand command, can::Time now) {
+  if (!powered) return;
+  switch (command) {
+    case NmtCommand::reset_node:
+    case NmtCommand::reset_communication:
+      if (listener != nullptr) listener->reset_requested(command, now);
+      initialise(command, now);
+      return;
+    case NmtCommand::start:
+      if (listener != nullptr && !listener->may_become_operational()) return;
+      break;
+    case NmtCommand::stop:
+    case NmtCommand::enter_pre_operational: break;
+  }
+  enter(state_after(command, state), now);
+}
+
+void Node::Services::build_table() {
+  identifiers_changed = false;
+  ++revision;
+  std::vector<IdentifierTable::Route> routes;
+  if (state != NmtState::initialising) {
+    routes.push_back({cob_id::nmt, ServiceKind::nmt, 0});
+    routes.push_back({cob_id::sdo_request + node_id, ServiceKind::sdo_server, 0});
+    routes.push_back({IdentifierTable::key(cob_id::error_control + node_id, false, true),
+                      ServiceKind::node_guard_request, 0});
+    sync_service.list_identifiers(routes);
+    time_stamp.list_identifiers(routes);
+    rpdos.list_identifiers(routes);
+    tpdos.list_identifiers(routes);
+    emcy_consumer.list_identifiers(routes);
+    heartbeat_consumer.list_identifiers(routes);
+  }
+  table.build(routes);
+  hears_extended = false;
+  for (const auto& route : routes) hears_extended = hears_extended || (route.key >> 29 & 1) != 0;
+}
+
+void Node::Services::sync(std::uint8_t counter, can::Time now) {
+  tpdos.sync(counter, now);  // first, so that the values of the cycle before go out
+  if (is_operational()) rpdos.sync(now);
+  if (listener != nullptr) listener->sync_received(counter, now);
+}
+
+void Node::Services::schedule_sdo() {
+  if (sdo_server.deadline() != timers.deadline(sdo_timer)) timers.set(sdo_timer, sdo_server.deadline());
+}
+
+void Node::Services::dispatch(ServiceKind kind, std::uint16_t number, const can::Frame& frame,
+                              can::Time now) {
+  switch (kind) {
+    case ServiceKind::rpdo: return rpdos.receive(number, frame, sync_service.window_end(), now);
+    case ServiceKind::sdo_server:
+      if (!communicates()) return;
+      sdo_server.receive(frame, now);
+      return schedule_sdo();
+    case ServiceKind::sync:
+      if (sync_service.receive(frame, now)) sync(sync_service.counter(), now);
+      return;
+    case ServiceKind::heartbeat: return heartbeat_consumer.receive(number, frame, now);
+    case ServiceKind::nmt:
+      if (const auto wanted = nmt_command_for(frame, node_id, active_master)) command(*wanted, now);
+      return;
+    case ServiceKind::node_guard_request: return node_guarding.receive(heartbeat_producer.is_active(), now);
+    case ServiceKind::emcy: return emcy_consumer.receive(static_cast<std::uint8_t>(number), frame, now);
+    case ServiceKind::time_stamp: return time_stamp.receive(frame, now);
+    case ServiceKind::tpdo_request: return tpdos.requested(number, now);
+    case ServiceKind::sam_mpdo: return;
+  }
+}
+
+void Node::Services::tick(TimerQueue::Number number, can::Time now) {
+  const auto is_one_of = [number](TimerQueue::Number first, std::size_t count) {
+    return number >= first && number < first + count;
+  };
+  if (is_one_of(tpdos.first_timer(), tpdos.size())) {
+    tpdos.tick(static_cast<std::uint16_t>(number - tpdos.first_timer()), now);
+  } else if (number == heartbeat_producer.timer()) {
+    heartbeat_producer.tick(now);
+  } else if (number == sync_service.timer()) {
+    if (sync_service.tick(now)) sync(sync_service.counter(), now);
+  } else if (number == node_guarding.timer()) {
+    node_guarding.tick(now);
+  } else if (number == emcy_producer.timer()) {
+    emcy_producer.tick(now);
+  } else if (number == sdo_timer) {
+    sdo_server.tick(now);
+    schedule_sdo();
+  } else if (is_one_of(rpdos.first_timer(), rpdos.size())) {
+    rpdos.tick(static_cast<std::uint16_t>(number - rpdos.first_timer()), now);
+  } else {
+    heartbeat_consumer.tick(static_cast<std::uint16_t>(number - heartbeat_consumer.first_timer()), now);
+  }
+}
+
+Node::Node(std::shared_ptr<const DictionaryDescription> description, std::uint8_t node_id, can::Sink& sink,
+           NodeOptions options)
+    : services_(std::make_unique<Services>(std::move(description), node_id, sink, options)) {}
+
+Node::~Node() = default;
+
+void Node::set_listener(NodeListener* listener) noexcept { services_->listener = listener; }
+
+void Node::power_on(can::Time now) {
+  services_->powered = true;
+  services_->initialise(NmtCommand::reset_node, now);
+}
+
+void Node::power_off() {
+  services_->powered = false;
+  services_->stop();
+}
+
+void Node::set_node_id(std::uint8_t node_id) noexcept { services_->next_node_id = node_id; }
+std::uint8_t Node::node_id() const noexcept { return services_->node_id; }
+NmtState Node::state() const noexcept { return services_->state; }
+ObjectDictionary& Node::dictionary() noexcept { return services_->dictionary; }
+const ObjectDictionary& Node::dictionary() const noexcept { return services_->dictionary; }
+
+void Node::command(NmtCommand command, can::Time now) { services_->command(command, now); }
+void Node::communication_error(can::Time now) { services_->communication_error(now); }
+
+void Node::set_active_master(bool active, can::Time now) {
+  services_->active_master = active;
+  services_->sync_service.state_changed(now);
+}
+
+bool Node::emergency(std::uint16_t code, std::uint8_t error_register,
+                     std::span<const std::uint8_t, 5> manufacturer, can::Time now) {
+  return services_->emcy_producer.raise(code, error_register, manufacturer, now);
+}
+bool Node::emergency_reset(can::Time now) { return services_->emcy_producer.reset(now); }
+
+unsigned Node::values_changed(can::Time now) { return services_->tpdos.values_changed(now); }
+bool Node::tpdo_event(std::uint16_t number, can::Time now) { return services_->tpdos.event(number, now); }
+bool Node::send_time(const TimeOfDay& time, can::Time) { return services_->time_stamp.send(time); }
+
+bool Node::wants(std::uint32_t base_identifier) const {
+  services_->settle();
+  return services_->table.contains(IdentifierTable::key(base_identifier, false, false)) ||
+         services_->table.contains(IdentifierTable::key(base_identifier, false, true));
+}
+bool Node::wants_extended() const {
+  services_->settle();
+  return services_->hears_extended;
+}
+std::uint32_t Node::identifiers_revision() const {
+  services_->settle();
+  return services_->revision;
+}
+
+void Node::receive(const can::Frame& frame, can::Time now) {
+  Services& services = *services_;
+  services.settle();
+  services.table.for_each(IdentifierTable::key(frame), [&](ServiceKind kind, std::uint16_t number) {
+    services.dispatch(kind, number, frame, now);
+  });
+}
+
+void Node::tick(can::Time now) {
+  Services& services = *services_;
+  // What a timer starts anew for this very moment waits for the next call: no endless loop.
+  for (std::size_t left = services.timers.size(); left != 0 && services.timers.next() <= now; --left) {
+    services.tick(services.timers.pop(), now);
+  }
+}
+
+can::Time Node::deadline() const noexcept { return services_->timers.next(); }
+
+}  // namespace canopus::canopen

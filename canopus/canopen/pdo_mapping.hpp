@@ -1,0 +1,103 @@
+#pragma once
+// PDO mapping [CiA 301 7.4.8.2]: sub-index 00H of 16xxH/1AxxH is the number of mapped objects, the entries
+// are index (16 bits), sub-index (8), length in bits (8). The objects follow each other in the frame bit by
+// bit, least significant first. A mapping is compiled once, when it is switched on, into a copy plan between
+// frame and value block; a frame then costs a few copies and no look-up. Neighbours in both frame and block
+// are copied as one.
+//
+// Dummy entries 0001H-0007H (:00, length of the type; 0008H where the dictionary has it) leave bits of an
+// RPDO unused.
+
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <vector>
+
+#include "canopus/canopen/abort_code.hpp"
+#include "canopus/canopen/object_dictionary.hpp"
+
+namespace canopus::canopen {
+
+enum class PdoDirection : std::uint8_t { receive, transmit };
+
+class CopyPlan {
+ public:
+  struct Step {
+    std::uint32_t offset = 0;  // in the value block
+    std::uint8_t bit = 0;      // first bit in the frame
+    std::uint8_t bits = 0;     // in the frame
+    std::uint8_t bytes = 0;    // of the value
+  };
+
+  /// Takes the mapping of `index` (16xxH/1AxxH) as it stands. It is lenient, since device files are: an
+  /// object that does not exist leaves its bits unused, one of another length is cut or filled with zeros,
+  /// and what goes beyond 64 bits is left out. An absent or switched-off mapping gives an empty plan.
+  void compile(const ObjectDictionary& dictionary, std::uint16_t index);
+  void clear();
+
+  /// Length of the frame, 0..8.
+  [[nodiscard]] std::uint8_t length() const noexcept { return static_cast<std::uint8_t>((bits_ + 7) / 8); }
+  [[nodiscard]] std::span<const Step> steps() const noexcept { return steps_; }
+  /// True when some of the bytes offset..offset+length of the block are mapped.
+  [[nodiscard]] bool holds(std::uint32_t offset, std::uint8_t length) const noexcept;
+
+  /// The data bytes of a frame, little endian; those beyond length() are 0.
+  [[nodiscard]] std::uint64_t gather(const std::uint8_t* block) const noexcept {
+    std::uint64_t frame = 0;
+    if (byte_aligned_) {
+      auto* bytes = reinterpret_cast<std::uint8_t*>(&frame);
+      for (const Step& step : steps_) copy(bytes + step.bit / 8, block + step.offset, step.bytes);
+      return frame;
+    }
+    for (const Step& step : steps_) {
+      std::uint64_t value = 0;
+      copy(reinterpret_cast<std::uint8_t*>(&value), block + step.offset, step.bytes);
+      frame |= (value & mask(step.bits)) << step.bit;
+    }
+    return frame;
+  }
+  /// Puts the data bytes of a frame into the block.
+  void scatter(std::uint64_t frame, std::uint8_t* block) const noexcept {
+    if (byte_aligned_) {
+      const auto* bytes = reinterpret_cast<const std::uint8_t*>(&frame);
+      for (const Step& step : steps_) copy(block + step.offset, bytes + step.bit / 8, step.bytes);
+      return;
+    }
+    for (const Step& step : steps_) {
+      const std::uint64_t value = (frame >> step.bit) & mask(step.bits);
+      copy(block + step.offset, reinterpret_cast<const std::uint8_t*>(&value), step.bytes);
+    }
+  }
+
+ private:
+  [[nodiscard]] static constexpr std::uint64_t mask(unsigned bits) noexcept {
+    return bits >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1;
+  }
+  static void copy(std::uint8_t* to, const std::uint8_t* from, std::uint8_t bytes) noexcept {
+    switch (bytes) {
+      case 8: std::memcpy(to, from, 8); return;
+      case 4: std::memcpy(to, from, 4); return;
+      case 2: std::memcpy(to, from, 2); return;
+      case 1: *to = *from; return;
+      default:
+        for (std::uint8_t i = 0; i < bytes; ++i) to[i] = from[i];
+    }
+  }
+
+  std::vector<Step> steps_;
+  std::uint8_t bits_ = 0;
+  bool byte_aligned_ = true;
+};
+
+/// May this value be mapped: does the object exist (06020000H, 06090011H), is it mappable in this direction
+/// and of this length (06040041H)?
+[[nodiscard]] AbortCode check_mapping_entry(const ObjectDictionary& dictionary, std::uint32_t mapping,
+                                            PdoDirection direction) noexcept;
+
+/// May the mapping object be written so? `valid`: the PDO is (08000022H then; an entry while sub-index 00H is
+/// not 0: 06010000H). Switching on checks every entry, their number and the sum of lengths (06040042H).
+[[nodiscard]] AbortCode check_mapping_write(const ObjectDictionary& dictionary, const Entry& entry,
+                                            std::span<const std::uint8_t> value, bool valid,
+                                            PdoDirection direction) noexcept;
+
+}  // namespace canopus::canopen

@@ -1,0 +1,89 @@
+#pragma once
+// Receive PDOs [CiA 301 7.2.2]. 14xxH: 01H COB-ID (bit 31: not valid), 02H transmission type, 05H event timer
+// in ms; 16xxH: the mapping. In Operational a frame of at least the mapped length is put into the dictionary:
+// at once with types FEH and FFH, at the next SYNC with 00H-F0H. A shorter one is dropped (EMCY 8210H), a
+// longer one is taken as far as mapped (EMCY 8220H). The event timer watches for the next frame from the
+// first one on; its end is EMCY 8250H and NodeListener::rpdo_timed_out().
+//
+// Checks: COB-ID rules; reserved transmission types 06090030H; changing the mapping: check_mapping_write().
+
+#include <vector>
+
+#include "canopus/canopen/cob_id.hpp"
+#include "canopus/canopen/identifier_table.hpp"
+#include "canopus/canopen/node_context.hpp"
+#include "canopus/canopen/pdo_mapping.hpp"
+
+namespace canopus::canopen {
+
+class Rpdos final : public ObjectHandler {
+ public:
+  /// Only the RPDOs that the dictionary has exist.
+  explicit Rpdos(NodeContext& node);
+
+  /// Reads all parameters.
+  void start();
+  void stop();
+  /// Operational was left: forgets what waits for SYNC and stops watching.
+  void leave_operational();
+  /// A frame of the RPDO at this position came.
+  void receive(std::uint16_t position, const can::Frame& frame, can::Time window_end, can::Time now) {
+    if (!node_.is_operational()) return;
+    Rpdo& pdo = rpdos_[position];
+    if (frame.length() != pdo.plan.length() || pdo.watched || pdo.error_count != 0) {
+      receive_unusual(position, frame, window_end, now);
+      return;
+    }
+    take(pdo, frame, window_end, now);
+  }
+  void sync(can::Time now);
+  void tick(std::uint16_t position, can::Time now);
+  void list_identifiers(std::vector<IdentifierTable::Route>& routes) const;
+  [[nodiscard]] std::size_t size() const noexcept { return rpdos_.size(); }
+  [[nodiscard]] TimerQueue::Number first_timer() const noexcept { return first_timer_; }
+
+  AbortCode before_write(ObjectDictionary&, const Entry&, std::span<const std::uint8_t>, can::Time) override;
+  void after_write(ObjectDictionary&, const Entry&, can::Time) override;
+
+ private:
+  struct Rpdo {
+    std::uint64_t waiting_data = 0;  // for the next SYNC
+    CopyPlan plan;
+    CobId cob_id;
+    std::uint16_t number = 0;
+    std::uint16_t event_timer = 0;  // ms
+    std::uint8_t transmission_type = 0xFF;
+    std::uint8_t error_count = 0;  // EMCYs that wait for their end: length, deadline
+    bool watched = false;          // event_timer != 0
+    bool is_waiting = false;
+    bool length_error = false;
+    bool timed_out = false;
+  };
+  void take(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now) {
+    std::uint64_t data;
+    std::memcpy(&data, frame.data.data(), 8);
+    if (pdo.transmission_type <= 240) {
+      if (now > window_end) return;
+      pdo.waiting_data = data;
+      pdo.is_waiting = true;
+      any_waiting_ = true;
+      return;
+    }
+    pdo.plan.scatter(data, node_.dictionary.block().data());
+    if (node_.listener != nullptr) node_.listener->rpdo_received(pdo.number, now);
+  }
+  void receive_unusual(std::uint16_t position, const can::Frame& frame, can::Time window_end, can::Time now);
+  void read(Rpdo& pdo);
+  void forget_errors(Rpdo& pdo, can::Time now);
+  [[nodiscard]] Rpdo* find(std::uint16_t index) noexcept;
+  [[nodiscard]] TimerQueue::Number timer(const Rpdo& pdo) const noexcept {
+    return static_cast<TimerQueue::Number>(first_timer_ + (&pdo - rpdos_.data()));
+  }
+
+  NodeContext& node_;
+  std::vector<Rpdo> rpdos_;  // in order of number
+  TimerQueue::Number first_timer_ = 0;
+  bool any_waiting_ = false;
+};
+
+}  // namespace canopus::canopen

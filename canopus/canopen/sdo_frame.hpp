@@ -1,0 +1,95 @@
+#pragma once
+// The eight bytes of SDO frames [CiA 301 7.2.4.3]: byte 0 is the command specifier, bytes 1-3 index and
+// sub-index where the service has them, the rest data. Shared by server and client.
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <span>
+
+#include "canopus/can/frame.hpp"
+#include "canopus/canopen/abort_code.hpp"
+
+namespace canopus::canopen::sdo {
+
+/// Bits 5-7 of byte 0, client to server.
+enum class ClientCommand : std::uint8_t {
+  download_segment = 0,
+  initiate_download = 1,
+  initiate_upload = 2,
+  upload_segment = 3,
+  abort = 4,
+  block_upload = 5,
+  block_download = 6,
+  network_indication = 7,
+};
+
+/// Bits 5-7 of byte 0, server to client.
+enum class ServerCommand : std::uint8_t {
+  upload_segment = 0,
+  download_segment = 1,
+  initiate_upload = 2,
+  initiate_download = 3,
+  abort = 4,
+  block_download = 5,
+  block_upload = 6,
+};
+
+inline constexpr std::uint8_t expedited_bit = 0x02;
+inline constexpr std::uint8_t size_bit = 0x01;
+inline constexpr std::uint8_t toggle_bit = 0x10;
+inline constexpr std::uint8_t last_bit = 0x01;
+inline constexpr std::size_t segment_size = 7;
+
+/// An empty frame on this channel: `identifier_key` is the identifier, bit 29 = extended.
+[[nodiscard]] inline can::Frame frame(std::uint32_t identifier_key, unsigned command) noexcept {
+  can::Frame f{.identifier = identifier_key & 0x1FFF'FFFF, .extended = (identifier_key >> 29 & 1) != 0};
+  f.dlc = 8;
+  f.data[0] = static_cast<std::uint8_t>(command);
+  return f;
+}
+
+[[nodiscard]] inline can::Frame frame(std::uint32_t identifier_key, unsigned command, std::uint16_t index,
+                                      std::uint8_t sub, std::uint32_t value = 0) noexcept {
+  can::Frame f{.identifier = identifier_key & 0x1FFF'FFFF, .extended = (identifier_key >> 29 & 1) != 0};
+  f.dlc = 8;
+  const std::uint64_t bytes =
+      (command & 0xFFU) | std::uint64_t{index} << 8 | std::uint64_t{sub} << 24 | std::uint64_t{value} << 32;
+  std::memcpy(f.data.data(), &bytes, 8);
+  return f;
+}
+
+[[nodiscard]] inline can::Frame abort_frame(std::uint32_t identifier_key, std::uint16_t index,
+                                            std::uint8_t sub, AbortCode code) noexcept {
+  return frame(identifier_key, 0x80, index, sub, static_cast<std::uint32_t>(code));
+}
+
+[[nodiscard]] inline std::uint16_t index(const can::Frame& f) noexcept {
+  return static_cast<std::uint16_t>(f.data[1] | f.data[2] << 8);
+}
+/// Bytes 4-7 as a number.
+[[nodiscard]] inline std::uint32_t value(const can::Frame& f) noexcept {
+  std::uint32_t number;
+  std::memcpy(&number, &f.data[4], 4);
+  return number;
+}
+/// Data bytes of a segment of either direction (command with n in bits 1-3).
+[[nodiscard]] inline std::span<const std::uint8_t> segment_data(const can::Frame& f) noexcept {
+  return {&f.data[1], segment_size - (f.data[0] >> 1 & 7U)};
+}
+/// Data bytes of an expedited transfer: 4 - n when the size is indicated, else all 4.
+[[nodiscard]] inline std::span<const std::uint8_t> expedited_data(const can::Frame& f) noexcept {
+  const std::size_t unused = (f.data[0] & size_bit) != 0 ? f.data[0] >> 2 & 3U : 0U;
+  return {&f.data[4], 4 - unused};
+}
+/// Puts up to 7 bytes into a segment; n and the last bit are added to the command.
+inline void put_segment(can::Frame& f, const std::uint8_t* bytes, std::size_t count, bool last) noexcept {
+  if (count >= segment_size) {
+    std::memcpy(&f.data[1], bytes, segment_size);
+  } else {
+    std::copy_n(bytes, count, &f.data[1]);
+  }
+  f.data[0] = static_cast<std::uint8_t>(f.data[0] | (segment_size - count) << 1 | (last ? last_bit : 0U));
+}
+
+}  // namespace canopus::canopen::sdo

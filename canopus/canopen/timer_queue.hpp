@@ -1,0 +1,49 @@
+#pragma once
+// The timers of one node in order of their deadlines: a binary heap of timer numbers. All timers are made at
+// construction; starting, moving and stopping one costs O(log n) and allocates nothing. Equal deadlines come
+// in order of number.
+
+#include <cstdint>
+#include <vector>
+
+#include "canopus/can/time.hpp"
+
+namespace canopus::canopen {
+
+class TimerQueue {
+ public:
+  using Number = std::uint16_t;
+
+  /// Makes `count` timers with consecutive numbers; returns the first number.
+  Number add(std::size_t count = 1);
+  /// Starts or moves a timer; can::never stops it.
+  void set(Number number, can::Time deadline) noexcept;
+  void stop(Number number) noexcept { set(number, can::never); }
+  [[nodiscard]] bool runs(Number number) const noexcept { return timers_[number].position != stopped; }
+  [[nodiscard]] can::Time deadline(Number number) const noexcept { return timers_[number].deadline; }
+  void stop_all() noexcept;
+  [[nodiscard]] std::size_t size() const noexcept { return timers_.size(); }
+
+  /// The earliest deadline, or never.
+  [[nodiscard]] can::Time next() const noexcept {
+    return heap_.empty() ? can::never : timers_[heap_.front()].deadline;
+  }
+  /// Stops the earliest timer, which must exist, and returns its number.
+  Number pop() noexcept;
+
+ private:
+  static constexpr std::uint16_t stopped = 0xFFFF;
+  struct Timer {
+    can::Time deadline = can::never;
+    std::uint16_t position = stopped;  // in heap_
+  };
+  [[nodiscard]] bool before(Number left, Number right) const noexcept;
+  void place(std::size_t position, Number number) noexcept;
+  void sift_up(std::size_t position) noexcept;
+  void sift_down(std::size_t position) noexcept;
+
+  std::vector<Timer> timers_;
+  std::vector<Number> heap_;
+};
+
+}  // namespace canopus::canopen
