@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstring>
+#include <system_error>
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -118,14 +118,11 @@ module::NonVolatileMemory::Content FileMemory::read(std::string_view name) {
 
 bool FileMemory::write(std::string_view name, std::span<const std::uint8_t> bytes) {
   error_.clear();
-  if (!is_good_name(name)) return fail("not a name for stored data", name);
-  if (bytes.size() > largest_content) return fail("too much to store", name);
+  if (!is_good_name(name)) return fail("not a name for stored data", name, 0);
+  if (bytes.size() > largest_content) return fail("too much to store", name, 0);
   std::error_code code;
   std::filesystem::create_directories(folder_, code);
-  if (code) {
-    errno = code.value();
-    return fail("cannot make the folder", folder_);
-  }
+  if (code) return fail("cannot make the folder", folder_, code.value());
   const std::filesystem::path path = folder_ / name;
   std::filesystem::path temporary = path;
   temporary += temporary_suffix;
@@ -137,19 +134,17 @@ bool FileMemory::write(std::string_view name, std::span<const std::uint8_t> byte
   content.insert(content.end(), bytes.begin(), bytes.end());
   {
     const Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
-    if (!file) return fail("cannot open", temporary);
+    if (!file) return fail("cannot open", temporary, errno);
     if (!write_all(file.get(), content) || ::fsync(file.get()) != 0) {
       const int why = errno;
       ::unlink(temporary.c_str());
-      errno = why;
-      return fail("cannot write", temporary);
+      return fail("cannot write", temporary, why);
     }
   }
   if (::rename(temporary.c_str(), path.c_str()) != 0) {
     const int why = errno;
     ::unlink(temporary.c_str());
-    errno = why;
-    return fail("cannot put in place", path);
+    return fail("cannot put in place", path, why);
   }
   // The new name must be on the medium too; where a folder cannot be flushed the rename alone has to do.
   if (const Descriptor folder(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)); folder) {
@@ -161,16 +156,16 @@ bool FileMemory::write(std::string_view name, std::span<const std::uint8_t> byte
 
 bool FileMemory::erase(std::string_view name) {
   error_.clear();
-  if (!is_good_name(name)) return fail("not a name for stored data", name);
+  if (!is_good_name(name)) return fail("not a name for stored data", name, 0);
   if (::unlink((folder_ / name).c_str()) != 0 && errno != ENOENT && errno != ENOTDIR) {
-    return fail("cannot erase", folder_ / name);
+    return fail("cannot erase", folder_ / name, errno);
   }
   return true;
 }
 
-bool FileMemory::fail(std::string_view what, const std::filesystem::path& path) {
+bool FileMemory::fail(std::string_view what, const std::filesystem::path& path, int why) {
   error_ = path.string() + ": " + std::string(what);
-  if (errno != 0) error_ += std::string(": ") + std::strerror(errno);
+  if (why != 0) error_ += ": " + std::generic_category().message(why);
   return false;
 }
 

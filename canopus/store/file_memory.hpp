@@ -34,7 +34,7 @@ class FileMemory final : public module::NonVolatileMemory {
   [[nodiscard]] std::uint64_t writes() const noexcept { return writes_; }
 
  private:
-  bool fail(std::string_view what, const std::filesystem::path& path);
+  bool fail(std::string_view what, const std::filesystem::path& path, int why);
 
   std::filesystem::path folder_;
   std::string error_;

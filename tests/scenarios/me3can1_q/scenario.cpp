@@ -1,0 +1,73 @@
+#include "scenarios/me3can1_q/scenario.hpp"
+
+namespace canopus::scenario {
+
+Me3Scenario& Me3Scenario::power_on(Where where) {
+  supply_on();
+  wait_bit(25, 7, false, 20s, where);
+  ignore_tx();
+  return *this;
+}
+
+Me3Scenario& Me3Scenario::power_on_as(std::uint8_t node_id, Where where) {
+  power_on(where);
+  write(27, node_id);
+  save(1, where);
+  return restart(where);
+}
+
+Me3Scenario& Me3Scenario::request(unsigned number, Where where) {
+  y(number, true);
+  wait_x(number, true, 60s, where);
+  y(number, false);
+  expect_x(number, false, where);
+  return *this;
+}
+
+Me3Scenario& Me3Scenario::save(std::uint16_t g22, Where where) {
+  write(22, g22);
+  request(0x1F, where);
+  expect(22, 0, where);
+  return *this;
+}
+
+Me3Scenario& Me3Scenario::restart(Where where) {
+  request(0x02, where);
+  ignore_tx();
+  return *this;
+}
+
+Me3Scenario& Me3Scenario::cif(const Words& command, Where where) {
+  write(1000, command);
+  return request(0x17, where);
+}
+
+Me3Scenario& Me3Scenario::exchange(Where where) { return request(0x01, where); }
+
+Me3Scenario& Me3Scenario::set_object(std::uint16_t index, std::uint8_t sub, std::uint32_t value,
+                                     unsigned length, Where where) {
+  cif({0x0002, 0, index, sub, static_cast<std::uint16_t>(length), static_cast<std::uint16_t>(value & 0xFFFF),
+       static_cast<std::uint16_t>(value >> 16)},
+      where);
+  expect(1000, 0x0003, where);
+  return *this;
+}
+
+Me3Scenario& Me3Scenario::expect_object(std::uint16_t index, std::uint8_t sub, std::uint32_t value,
+                                        unsigned length, Where where) {
+  cif({0x0004, 0, index, sub}, where);
+  expect(1000, 0x0005, where);
+  expect(1004, static_cast<std::uint16_t>(length), where);
+  expect(1005, static_cast<std::uint16_t>(value & 0xFFFF), where);
+  if (length > 2) expect(1006, static_cast<std::uint16_t>(value >> 16), where);
+  return *this;
+}
+
+Me3Scenario& Me3Scenario::nmt(std::uint8_t command, std::uint8_t node) {
+  rx(0x000, {command, node});
+  return *this;
+}
+
+Me3Scenario& Me3Scenario::store_objects(Where where) { return set_object(0x1010, 1, 0x65766173, 4, where); }
+
+}  // namespace canopus::scenario
