@@ -20,8 +20,8 @@ struct RunSummary {
     std::string_view name;
     sim::BusLoad load;
   };
-  std::vector<BusCount> buses;
-  std::vector<NodeStatus> nodes;
+  std::vector<BusCount> buses{};
+  std::vector<NodeStatus> nodes{};
 };
 
 /// Lines for programs.

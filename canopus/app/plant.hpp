@@ -82,9 +82,10 @@ class Plant {
   /// "U0\G10000 <- node 3 (encoder) TPDO1, 2 words": how process data are connected.
   [[nodiscard]] const std::vector<std::string>& connections() const noexcept;
 
+  struct Parts;  // known to plant.cpp alone
+
  private:
   Plant();
-  struct Parts;
   std::unique_ptr<Parts> parts_;
 };
 

@@ -1,0 +1,417 @@
+#!/usr/bin/env python3
+"""Runs the program for real and lets programs we did not write judge it. Writes JUnit XML.
+
+usage: interop.py --program build/canopus --results build/results/interop.xml [--only NAME] [--keep]
+
+A check that needs something absent (a package, ../shared) is skipped with the reason. Ports are always chosen by the
+system; the program says which in its `listen` events.
+"""
+import argparse
+import contextlib
+import json
+import os
+import pathlib
+import queue
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import xml.etree.ElementTree as ET
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+DEVICE_FILES = ROOT.parent / "shared" / "data" / "eds"
+PYTHON = "/usr/bin/python3"  # Debian's, which sees Debian's python3-can
+
+parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+parser.add_argument("--program", type=pathlib.Path, required=True)
+parser.add_argument("--results", type=pathlib.Path)
+parser.add_argument("--only", help="only checks whose name contains this")
+parser.add_argument("--keep", action="store_true", help="keep the scratch folder")
+args = parser.parse_args()
+program = str(args.program.resolve())
+scratch = pathlib.Path(tempfile.mkdtemp(prefix="canopus-interop-"))
+
+checks = []
+
+
+def check(function):
+    checks.append(function)
+    return function
+
+
+class Skip(Exception):
+    pass
+
+
+def require(condition, message):
+    if not condition:
+        raise AssertionError(message)
+
+
+def command(*words, timeout=120, expect=0, **options):
+    """Runs a command to its end; its output is the message if it ends otherwise than expected."""
+    done = subprocess.run([str(w) for w in words], capture_output=True, text=True, errors="replace", timeout=timeout, **options)
+    require(done.returncode == expect, f"{' '.join(map(str, words))}\nexit code {done.returncode}, expected {expect}\n"
+            f"{done.stdout[-4000:]}\n{done.stderr[-4000:]}")
+    return done
+
+
+class RunningPlant:
+    """`canopus run --json` in real time, with the doors on ports of the system's choice."""
+
+    def __init__(self, plant):
+        self.process = subprocess.Popen([program, "run", str(plant), "--json"], stdout=subprocess.PIPE,
+                                        stderr=subprocess.PIPE, text=True)
+        self.events, self.lines = [], queue.Queue()
+        self.reader = threading.Thread(target=self._read, daemon=True)
+        self.reader.start()
+        self.mc = self.wait(lambda e: e["event"] == "listen" and e["protocol"] == "MC protocol")["address"]
+        self.socketcand = self.wait(lambda e: e["event"] == "listen" and e["protocol"] == "socketcand")["address"]
+
+    def _read(self):
+        for line in self.process.stdout:
+            self.lines.put(line)
+        self.lines.put(None)
+
+    def wait(self, wanted, timeout=30):
+        """The first event, past or coming, that is wanted."""
+        for event in self.events:
+            if wanted(event):
+                return event
+        end = time.monotonic() + timeout
+        while True:
+            try:
+                line = self.lines.get(timeout=max(0.01, end - time.monotonic()))
+            except queue.Empty:
+                raise AssertionError(f"an expected event did not come; last events: {self.events[-5:]}") from None
+            if line is None:
+                raise AssertionError(f"the plant ended: {self.process.stderr.read()[-2000:]}")
+            self.events.append(json.loads(line))
+            if wanted(self.events[-1]):
+                return self.events[-1]
+
+    def wait_operational(self, nodes):
+        for node in nodes:
+            self.wait(lambda e: e["event"] == "nmt" and e["node"] == node and e["state"] == "operational")
+
+    def stop(self, how=signal.SIGINT):
+        self.process.send_signal(how)
+        code = self.process.wait(timeout=20)
+        self.reader.join(timeout=5)
+        return code, self.process.stderr.read()
+
+
+def host_port(address):
+    host, port = address.rsplit(":", 1)
+    return host, port
+
+
+def first_plant_file():
+    text = (ROOT / "examples/first-plant/plant.toml").read_text()
+    text = text.replace("127.0.0.1:5007", "127.0.0.1:0").replace("127.0.0.1:29536", "127.0.0.1:0")
+    text = text.replace('"../devices/', f'"{ROOT}/examples/devices/')
+    path = scratch / "first-plant.toml"
+    path.write_text(text)
+    return path
+
+
+@contextlib.contextmanager
+def first_plant():
+    plant = RunningPlant(first_plant_file())
+    try:
+        plant.wait_operational([1, 2, 3, 4])
+        yield plant
+    finally:
+        if plant.process.poll() is None:
+            plant.process.kill()
+            plant.process.wait()
+
+
+def node_modules():
+    for tool in ("node", "npm"):
+        if not shutil.which(tool):
+            raise Skip(f"{tool} is not installed")
+    if not (HERE / "node_modules" / "canopen").is_dir():
+        command("npm", "ci", "--no-audit", "--no-fund", "--ignore-scripts", cwd=HERE, timeout=300)
+
+
+# --- the program itself
+
+
+@check
+def plant_stops_cleanly_on_interrupt():
+    with first_plant() as plant:
+        code, errors = plant.stop(signal.SIGINT)
+        require(code == 0, f"exit code {code}, expected 0")
+        require(errors == "", f"printed on stderr: {errors}")
+
+
+@check
+def plant_runs_for_the_time_asked():
+    done = command(program, "run", ROOT / "examples/first-plant/plant.toml", "--virtual", "--for", "15s")
+    require("all 4 nodes operational" in done.stdout, done.stdout[-2000:])
+
+
+@check
+def one_seed_gives_one_trace():
+    traces = []
+    for number in range(2):
+        path = scratch / f"trace-{number}.log"
+        command(program, "run", first_plant_file(), "--virtual", "--for", "5s", "--seed", "42", "--trace", path, "--quiet")
+        traces.append(path.read_bytes())
+    require(traces[0] == traces[1], "two runs with one seed recorded different frames")
+    require(traces[0].count(b"\n") > 500, "the trace is almost empty")
+
+
+@check
+def a_wrong_plant_file_starts_nothing():
+    path = scratch / "wrong.toml"
+    path.write_text('[[bus]]\nname = "a"\nbit_rate = 250000\n[[device]]\nnode = 200\neds = "missing.eds"\n')
+    for words in (["check", path], ["run", path]):
+        done = command(program, *words, expect=2)
+        require(f"{path}:5:8: node = 200: a node-ID is 1 to 127" in done.stderr, done.stderr)
+    path.write_text('[[bus]]\nname = "a"\nbit_rate = 250000\n[[device]]\nnode = 20\neds = "missing.eds"\n')
+    done = command(program, "check", path, expect=2)
+    require(f"{path}:6:7: eds = \"missing.eds\": cannot read" in done.stderr, done.stderr)
+
+
+@check
+def help_and_version_are_where_a_user_looks():
+    version = (ROOT / "VERSION").read_text().strip()
+    require(command(program, "--version").stdout.strip() == f"canopus {version}", "wrong --version")
+    for words in (["--help"], ["run", "--help"], ["check", "--help"], ["plc", "--help"], ["eds", "check", "--help"]):
+        require("Usage" in command(program, *words).stdout, f"no usage in {words}")
+    command(program, expect=2)
+    command(program, "run", expect=2)
+    command(program, "nonsense", expect=2)
+
+
+# --- the PLC's Ethernet door
+
+
+@check
+def client_reads_and_writes_the_plc():
+    with first_plant() as plant:
+        _, port = host_port(plant.mc)
+        plc = lambda *words, **options: command(program, "plc", *words, "--port", port, **options).stdout
+        require("33281" in plc("read", r"U0\G25") and "8201" in plc("read", r"U0\G25"), plc("read", r"U0\G25"))
+        plc("write", "D100", "1234", "-1", "0x10")
+        words = plc("read", "D100", "--count", "3", "--format", "dec")
+        for value in ("1234", "65535", "16"):
+            require(value in words, words)
+        states = plc("read", r"U0\G602", "--count", "3", "--format", "dec")
+        require(states.split().count("5") >= 3, states)
+        plc("set", "M10")
+        require("1" in plc("read", "M10"), "M10 did not come on")
+        command(program, "plc", "read", "D999999", "--port", port, expect=1)
+        command(program, "plc", "read", "nonsense", "--port", port, expect=2)
+
+
+@check
+def output_words_reach_the_device():
+    """G13000 is the first transmit word: RPDO1 of node 2, whose second input byte echoes the first output byte."""
+    with first_plant() as plant:
+        _, port = host_port(plant.mc)
+        command(program, "plc", "write", r"U0\G13000", "0x005A", "--port", port)
+        end = time.monotonic() + 10
+        while True:
+            word = command(program, "plc", "read", r"U0\G10000", "--port", port, "--format", "hex").stdout
+            if re.search(r"5A[0-9A-F]{2}", word):
+                break
+            require(time.monotonic() < end, f"the echo of 5AH did not come back: {word}")
+
+
+@check
+def python_speaks_mc_protocol_byte_by_byte():
+    with first_plant() as plant:
+        command(sys.executable, HERE / "mc_raw.py", *host_port(plant.mc))
+
+
+# --- CANopen peers on socketcand
+
+
+@check
+def javascript_speaks_socketcand():
+    if not shutil.which("node"):
+        raise Skip("node is not installed")
+    with first_plant() as plant:
+        command("node", HERE / "socketcand_client.js", *host_port(plant.socketcand), "line1", "2")
+
+
+@check
+def npm_canopen_reads_three_devices_and_starts_one():
+    node_modules()
+    with first_plant() as plant:
+        command("node", HERE / "canopen_peer.mjs", *host_port(plant.socketcand), "line1",
+                "2:0x000F0191", "3:0x00020196", "4:0x00020192")
+
+
+@check
+def python_can_hears_and_commands_the_bus():
+    if subprocess.run([PYTHON, "-c", "import can"], capture_output=True).returncode != 0:
+        raise Skip("python3-can is not installed")
+    with first_plant() as plant:
+        command(PYTHON, HERE / "socketcand_python_can.py", *host_port(plant.socketcand), "line1", "3")
+
+
+# --- real device files
+
+
+def usable_device_files():
+    if not DEVICE_FILES.is_dir():
+        raise Skip(f"{DEVICE_FILES} is absent")
+    return sorted(p for p in DEVICE_FILES.iterdir() if p.suffix in (".eds", ".dcf"))
+
+
+@check
+def eds_check_takes_at_least_30_of_38_real_files():
+    files = usable_device_files()
+    accepted = 0
+    for path in files:
+        done = subprocess.run([program, "eds", "check", str(path)], capture_output=True, text=True, errors="replace", timeout=60)
+        require(done.returncode in (0, 1), f"{path.name}: exit code {done.returncode}\n{done.stderr}")
+        accepted += done.returncode == 0
+        if done.returncode == 1:
+            require(re.search(rf"{re.escape(path.name)}:\d+:(\d+:)? error: ", done.stdout), f"{path.name}: refused without a line")
+    require(accepted >= 30, f"{accepted} of {len(files)} files accepted, expected at least 30")
+    print(f"    {accepted} of {len(files)} device files accepted")
+
+
+def many_devices_plant():
+    """Every real file that a bus can be made of, one node each, under one ME3CAN1-Q."""
+    lines = ['[plant]\nname = "many makers"\n[[bus]]\nname = "line1"\nbit_rate = 1_000_000\n']
+    node, used = 1, []
+    for path in usable_device_files():
+        node += 1
+        text = f'[[device]]\nnode = {node}\nname = "{path.stem}"\neds = "{path}"\nobjects = {{ "1017:00" = 500 }}\n'
+        trial = scratch / "trial.toml"
+        trial.write_text(lines[0] + text)
+        if subprocess.run([program, "check", str(trial)], capture_output=True).returncode != 0:
+            text = text.replace('objects = { "1017:00" = 500 }\n', "")
+            trial.write_text(lines[0] + text)
+            if subprocess.run([program, "check", str(trial)], capture_output=True).returncode != 0:
+                node -= 1
+                continue
+        used.append((node, path.stem))
+        lines.append(text)
+    watch = ", ".join(f'"G{600 + n}"' for n, _ in used)
+    lines.append('[[plc]]\nname = "plc1"\nlisten = "off"\n[[plc.module]]\nmodel = "ME3CAN1-Q"\nhead = 0\nnode = 1\n'
+                 f'master = true\nexchange = "10ms"\nslaves = "all"\nwatch = [{watch}]\n')
+    path = scratch / "many-makers.toml"
+    path.write_text("".join(lines))
+    return path, used
+
+
+@check
+def a_plant_of_real_device_files_boots():
+    path, used = many_devices_plant()
+    require(len(used) >= 20, f"only {len(used)} real device files can be used")
+    connections = command(program, "check", path).stdout
+    words = {}  # node -> first buffer memory word of its TPDO1
+    for match in re.finditer(r"U0\\G(\d+)\S* <- TPDO1 of node (\d+)", connections):
+        words[int(match.group(2))] = int(match.group(1))
+    trace, events = scratch / "many-makers.log", scratch / "many-makers.json"
+    with events.open("w") as out:
+        done = subprocess.run([program, "run", str(path), "--virtual", "--for", "20s", "--json", "--trace", str(trace)],
+                              stdout=out, stderr=subprocess.PIPE, text=True, timeout=300)
+    require(done.returncode == 0, done.stderr)
+    states, summary = {}, None
+    for line in events.read_text().splitlines():
+        event = json.loads(line)
+        if event["event"] == "buffer" and 601 <= event["address"] <= 727:
+            states[event["address"] - 600] = event["value"]
+        if event["event"] == "summary":
+            summary = event
+    down = [n["name"] for n in summary["nodes"] if n["state"] != "operational"]
+    require(not down, f"not operational: {down}")
+    wrong = {name: states.get(node) for node, name in used if states.get(node) != 5}
+    require(not wrong, f"NMT state words that are not 5: {wrong}")
+    print(f"    {len(used)} real device files operational, TPDO1 of {len(words)} connected")
+
+
+@check
+def every_real_device_sends_its_process_data_into_the_buffer_memory():
+    """Each device counts in the first object of its TPDO1; the word that TPDO1 is connected to must follow."""
+    path, used = many_devices_plant()
+    connections = command(program, "check", path).stdout
+    words = {int(m.group(2)): int(m.group(1))
+             for m in re.finditer(r"U0\\G(\d+)\S* <- TPDO1 of node (\d+)", connections)}
+    require(len(words) >= 20, f"TPDO1 of {len(words)} devices connected, expected at least 20")
+    text = path.read_text()
+    names = dict(used)
+    for node, word in words.items():
+        mapped = first_mapped_object(DEVICE_FILES, names[node], node)
+        behaviour = f'[[device.behaviour]]\nobject = "{mapped}"\nkind = "counter"\nlow = 1\nhigh = 100\nperiod = "100ms"\n'
+        text = text.replace(f'name = "{names[node]}"\n', f'name = "{names[node]}"\n', 1)
+        head, tail = text.split(f"[[device]]\nnode = {node}\n", 1)
+        end = min(x for x in (tail.find("[[device]]\n"), tail.find("[[plc]]\n")) if x >= 0)
+        text = f"{head}[[device]]\nnode = {node}\n{tail[:end]}{behaviour}{tail[end:]}"
+    text = re.sub(r"watch = \[.*\]", "watch = [" + ", ".join(f'"G{w}"' for w in words.values()) + "]", text)
+    moving = scratch / "many-makers-moving.toml"
+    moving.write_text(text)
+    trace = scratch / "many-makers-moving.log"
+    done = command(program, "run", moving, "--virtual", "--for", "20s", "--json", "--trace", trace, timeout=300)
+    seen = {}
+    for line in done.stdout.splitlines():
+        event = json.loads(line)
+        if event["event"] == "buffer" and event["address"] >= 10000:
+            seen.setdefault(event["address"], set()).add(event["value"])
+    still = [names[n] for n, w in words.items() if len(seen.get(w, ())) < 3]
+    require(not still, f"words that do not follow their device: {still}")
+    command(sys.executable, HERE / "tshark_trace.py", trace) if shutil.which("tshark") else print("    tshark is absent")
+    print(f"    TPDO1 of {len(words)} devices arrives in the buffer memory")
+
+
+def first_mapped_object(folder, stem, node):
+    """First application object of TPDO1, read from the file itself, not by the program under test."""
+    path = next(p for p in folder.iterdir() if p.stem == stem and p.suffix in (".eds", ".dcf"))
+    text = path.read_bytes().decode("latin-1")
+    section = re.search(r"(?ims)^\[\s*1A00\s*sub\s*1\s*\](.*?)(?=^\[|\Z)", text)
+    require(section, f"{stem} has no 1A00H:01H")
+    value = (re.search(r"(?im)^\s*ParameterValue\s*=\s*(\S+)", section.group(1))
+             or re.search(r"(?im)^\s*DefaultValue\s*=\s*(\S+)", section.group(1)))
+    entry = int(value.group(1), 0)
+    return f"{entry >> 16:04X}:{entry >> 8 & 0xFF:02X}"
+
+
+# --- run them
+
+
+def main():
+    suite = ET.Element("testsuite", name="interop")
+    failed = 0
+    for function in checks:
+        name = function.__name__
+        if args.only and args.only not in name:
+            continue
+        case = ET.SubElement(suite, "testcase", classname="interop", name=name, status="run")
+        started = time.monotonic()
+        try:
+            function()
+            verdict = "ok"
+        except Skip as reason:
+            ET.SubElement(case, "skipped", message=str(reason))
+            verdict = f"skipped: {reason}"
+        except Exception as error:  # one check's failure must not hide the others
+            failed += 1
+            ET.SubElement(case, "failure", message=str(error)[:2000])
+            verdict = f"FAILED\n{error}"
+        case.set("time", f"{time.monotonic() - started:.3f}")
+        print(f"  {name}: {verdict}", flush=True)
+    if args.results:
+        args.results.parent.mkdir(parents=True, exist_ok=True)
+        ET.ElementTree(suite).write(args.results, encoding="utf-8", xml_declaration=True)
+    if args.keep:
+        print(f"  scratch folder: {scratch}")
+    else:
+        shutil.rmtree(scratch, ignore_errors=True)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
