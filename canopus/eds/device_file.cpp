@@ -116,14 +116,26 @@ void review_device_type(Draft& draft, Problems& problems) {
     problems.warning(entry->facts.line, "1000H (Device type) has no value: taken as 0");
     return;
   }
-  const auto is_profile = [](std::uint64_t number) {
-    return number >= 0x191 && number <= 0x1F3;
-  };  // CiA 401-499
-  const std::uint64_t value = entry->number();
-  const std::uint64_t swapped = (value >> 24 & 0xFF) | (value >> 8 & 0xFF00);
-  if (!is_profile(value & 0xFFFF) && is_profile(swapped)) {
-    problems.warning(entry->value_line,
-                     "1000H (Device type) seems to have its bytes in the wrong order; the value is kept");
+  // 0 is none, 301 to 499 are the numbers of CiA's device profiles.
+  const std::uint64_t profile = entry->number() & 0xFFFF;
+  if (profile != 0 && (profile < 301 || profile > 499)) {
+    problems.warning(entry->value_line, "1000H (Device type) names device profile " +
+                                            std::to_string(profile) +
+                                            ", which CiA does not have; the value is kept");
+  }
+}
+
+/// Values for download without a node to download them to.
+void review_configuration(const Draft& draft, const DeviceFile& device, Problems& problems) {
+  if (device.commissioning) return;
+  for (const auto& [index, object] : draft) {
+    for (const auto& [sub, entry] : object.subs) {
+      if (!entry.facts.configured) continue;
+      problems.repeated(Severity::note, "configured", entry.value_line,
+                        object_name(index, sub) +
+                            " has a ParameterValue, which counts, but the file has no " +
+                            "[DeviceComissioning]");
+    }
   }
 }
 
@@ -240,6 +252,7 @@ ReadResult read_device_file(std::string_view text) {
   generate_compact_pdos(draft, device->device, lines.section, problems);
   repair_cob_ids(draft, problems);
   review_mappings(draft, device->dummy_usage, problems);
+  review_configuration(draft, *device, problems);
   note_unknown_sections(file, problems);
   build(draft, *device);
   compare_pdo_counts(*device, lines, problems);

@@ -229,8 +229,8 @@ EntryDraft read_entry(const ObjectKeys& keys, std::uint16_t index, std::uint8_t 
   if (read_mappable(keys, index, sub, problems)) {
     if (canopen::is_variable_length(spec.type)) {
       problems.repeated(Severity::warning, "mappable text", section.line,
-                        object_name(index, sub) + ": a " + std::string(name(spec.type)) +
-                            " cannot be mapped into a PDO: PDOMapping is taken as 0");
+                        object_name(index, sub) + " is of type " + std::string(name(spec.type)) +
+                            ", which cannot be mapped into a PDO: PDOMapping is taken as 0");
     } else {
       set_mappable(spec);
     }

@@ -117,8 +117,8 @@ bool ObjectReader::read(ObjectDraft& object) {
     if (!is_structured) {
       const std::string made = "taken as " + std::string(name(object.code));
       if (code) {
-        problems_.warning(object.line, object_name(index_) + " is a " + std::string(name(*code)) +
-                                           " and has sub-indexes: " + made);
+        problems_.warning(object.line, object_name(index_) + " has ObjectType " + std::string(name(*code)) +
+                                           " and sub-indexes: " + made);
       } else {
         problems_.repeated(Severity::warning, "no code", object.line,
                            object_name(index_) + " has sub-indexes and no ObjectType: " + made);
@@ -132,12 +132,12 @@ bool ObjectReader::read(ObjectDraft& object) {
     read_compact(object, keys, static_cast<std::uint8_t>(announced - 1));
   } else if (is_structured && !has_type) {
     object.code = *code;
-    problems_.warning(object.line, object_name(index_) + " is a " + std::string(name(*code)) +
-                                       " but no sub-index is described");
+    problems_.warning(object.line, object_name(index_) + " has ObjectType " + std::string(name(*code)) +
+                                       ", but no sub-index is described");
   } else {
     if (is_structured) {
-      problems_.warning(object.line, object_name(index_) + " is a " + std::string(name(*code)) +
-                                         " without sub-indexes: taken as VAR");
+      problems_.warning(object.line, object_name(index_) + " has ObjectType " + std::string(name(*code)) +
+                                         ", but no sub-indexes: taken as VAR");
     } else if (announced > 1) {
       problems_.repeated(
           Severity::warning, "subs of a variable", object.line,

@@ -86,8 +86,9 @@ class MappingReview {
 
   void review(ObjectDraft& mapping) {
     EntryDraft* count = mapping.find(0);
-    const std::uint64_t entries = count == nullptr ? 0 : count->number();
-    if (entries > 64) return;  // MPDO
+    std::uint64_t entries = count == nullptr ? 0 : count->number();
+    if (entries == 0 || entries > 64) return;  // nothing, or an MPDO
+    entries = without_empty_end(mapping, *count, entries);
     std::uint64_t bits = 0;
     for (std::uint64_t sub = 1; sub <= entries; ++sub) {
       EntryDraft* entry = mapping.find(static_cast<std::uint8_t>(sub));
@@ -107,6 +108,23 @@ class MappingReview {
 
  private:
   [[nodiscard]] std::string name() const { return pdo_name(transmit_, number_); }
+
+  /// Mapping entries that are 0 map nothing: the count is for those before them.
+  std::uint64_t without_empty_end(ObjectDraft& mapping, EntryDraft& count, std::uint64_t entries) {
+    std::uint64_t used = entries;
+    while (used != 0) {
+      const EntryDraft* entry = mapping.find(static_cast<std::uint8_t>(used));
+      if (entry == nullptr || entry->number() != 0) break;
+      --used;
+    }
+    if (used != entries) {
+      problems_.repeated(Severity::warning, "maps nothing", count.value_line,
+                         name() + " maps " + counted(entries, "object") + ", but the mapping entries from " +
+                             std::to_string(used + 1) + " on are 0: taken as " + std::to_string(used));
+      count.set_number(used);
+    }
+    return used;
+  }
 
   void review(const EntryDraft& entry, std::uint32_t mapped) {
     const auto index = static_cast<std::uint16_t>(mapped >> 16);
