@@ -1,0 +1,102 @@
+// A whole plant: twenty devices under one ME3CAN1-Q at 1 Mbit/s, in virtual time, built from the example
+// device files.
+
+#include "canopus/app/plant.hpp"
+
+#include <fstream>
+#include <sstream>
+
+#include <benchmark/benchmark.h>
+#include <malloc.h>
+
+#include "canopus/eds/device_file.hpp"
+#include "canopus/sim/device.hpp"
+
+namespace {
+
+using namespace canopus;
+
+constexpr unsigned device_count = 20;
+constexpr const char* kinds[] = {"io-block", "encoder", "drive"};
+constexpr const char* moving[] = {"6000:01", "6004:00", "606C:00"};
+
+std::string plant_text() {
+  std::string text = "[[bus]]\nname = \"line1\"\nbit_rate = 1_000_000\n";
+  for (unsigned i = 0; i < device_count; ++i) {
+    text += "[[device]]\nnode = " + std::to_string(i + 2) +
+            "\neds = \"" CANOPUS_SOURCE_DIR "/examples/devices/" + kinds[i % 3] +
+            ".eds\"\nobjects = { \"1017:00\" = 100 }\n[[device.behaviour]]\nobject = \"" + moving[i % 3] +
+            "\"\nkind = \"counter\"\nhigh = 100\nperiod = \"10ms\"\n";
+  }
+  return text +
+         "[[plc]]\nlisten = \"off\"\n[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nnode = 1\nmaster = true\n"
+         "exchange = \"10ms\"\nslaves = \"all\"\n";
+}
+
+struct Nobody final : app::PlantObserver {};
+
+/// Seconds of plant time per second: items_per_second is the figure.
+void twenty_devices_simulated_seconds(benchmark::State& state) {
+  const app::PlantReading reading = app::read_plant(plant_text(), "bench.toml");
+  Nobody nobody;
+  auto plant = app::Plant::build(reading.plant, nobody);
+  if (!reading.errors.empty() || !plant) return state.SkipWithError("the plant cannot be built");
+  (*plant)->power_on();
+  can::Timeline& timeline = (*plant)->timeline();
+  timeline.run_until(can::Time{} + std::chrono::seconds(10));
+  for (const app::NodeStatus& node : (*plant)->nodes()) {
+    if (node.state != canopen::NmtState::operational) return state.SkipWithError("a node is not operational");
+  }
+  const std::uint64_t frames_before = (*plant)->bus(0).load(timeline.now()).frames;
+  for (auto _ : state) timeline.run_until(timeline.now() + std::chrono::seconds(1));
+  const std::uint64_t frames = (*plant)->bus(0).load(timeline.now()).frames - frames_before;
+  state.SetItemsProcessed(state.iterations());
+  state.counters["frames_per_simulated_second"] =
+      static_cast<double>(frames) / static_cast<double>(state.iterations());
+}
+BENCHMARK(twenty_devices_simulated_seconds)->Unit(benchmark::kMillisecond);
+
+/// From the text of the plant file to everything switched on.
+void twenty_devices_start(benchmark::State& state) {
+  for (auto _ : state) {
+    const app::PlantReading reading = app::read_plant(plant_text(), "bench.toml");
+    Nobody nobody;
+    auto plant = app::Plant::build(reading.plant, nobody);
+    if (!plant) return state.SkipWithError("the plant cannot be built");
+    (*plant)->power_on();
+    benchmark::DoNotOptimize(plant);
+  }
+}
+BENCHMARK(twenty_devices_start)->Unit(benchmark::kMillisecond);
+
+/// Heap bytes of one more simulated device of a kind that is there already.
+void bytes_per_device(benchmark::State& state) {
+  std::ifstream stream(std::string(CANOPUS_SOURCE_DIR "/examples/devices/") + kinds[state.range(0)] + ".eds");
+  std::ostringstream text;
+  text << stream.rdbuf();
+  const eds::ReadResult result = eds::read_device_file(text.str());
+  if (!result.file) return state.SkipWithError("the device file cannot be read");
+  struct Nowhere final : can::Sink {
+    bool send(const can::Frame&) override { return true; }
+  } nowhere;
+  constexpr std::size_t count = 100;
+  std::size_t bytes = 0;
+  for (auto _ : state) {
+    std::vector<std::unique_ptr<sim::Device>> devices;
+    devices.reserve(count);
+    const std::size_t before = mallinfo2().uordblks;
+    for (std::size_t i = 0; i < count; ++i) {
+      devices.push_back(
+          std::make_unique<sim::Device>(result.file, static_cast<std::uint8_t>(i + 1), nowhere));
+      devices.back()->power_on(can::Time{});
+    }
+    bytes = (mallinfo2().uordblks - before) / count;
+  }
+  state.SetLabel(kinds[state.range(0)]);
+  state.counters["bytes"] = static_cast<double>(bytes);
+}
+BENCHMARK(bytes_per_device)->DenseRange(0, 2)->Unit(benchmark::kMillisecond)->Iterations(1);
+
+}  // namespace
+
+BENCHMARK_MAIN();
