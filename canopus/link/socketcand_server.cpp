@@ -61,7 +61,7 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
       : server_(&server),
         socket_(std::move(socket)),
         session_(server.bus_name, *this, *this),
-        queue_(std::max<std::size_t>(server.limits.queue, 8)) {}
+        queue_(std::max(server.limits.queue, 2 * reserved_for_answers)) {}
 
   [[nodiscard]] bool attach() {
     attachment_ = server_->attach(*this);
@@ -102,8 +102,14 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
     std::uint8_t length = 0;
     bool frame = false;
   };
-  /// Slots that frames leave free for answers.
-  static constexpr std::size_t reserved_for_answers = 4;
+  /// Bytes read at a time. An element of 3 characters has an answer, so they make less than
+  /// most_answers messages, what the session kept of the last ones included.
+  static constexpr std::size_t read_size = 1024;
+  static constexpr std::size_t most_answers = (read_size + socketcand_max_element) / 3 + 1;
+  /// Slots that frames leave free, so that answers always find one; input is only read while most_answers of
+  /// them are free, so a client that asks and never reads is slowed down by TCP.
+  static constexpr std::size_t reserved_for_answers = 512;
+  static_assert(most_answers < reserved_for_answers);
 
   // can::Sink, for the session
   bool send(const can::Frame& frame) override;
@@ -128,7 +134,7 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
   tcp::socket socket_;
   SocketcandSession session_;
   std::unique_ptr<BusAttachment> attachment_;
-  std::array<char, 4096> input_;
+  std::array<char, read_size> input_;
   std::vector<Message> queue_;  // ring
   std::size_t front_ = 0;
   std::size_t queued_ = 0;
@@ -143,6 +149,7 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
 
 void SocketcandServer::Client::read() {
   if (reading_ || server_ == nullptr || session_.waiting() || ending()) return;
+  if (queue_.size() - queued_ < most_answers) return;
   reading_ = true;
   socket_.async_read_some(asio::buffer(input_),
                           [self = shared_from_this()](const error_code& failure, std::size_t size) {
@@ -242,10 +249,7 @@ void SocketcandServer::Client::report_lost() {
 
 void SocketcandServer::Client::message(std::string_view text) {
   Message* slot = claim_slot(0);
-  if (slot == nullptr) {  // a client that asks and asks and never reads the answers
-    ++server_->statistics.clients_too_slow;
-    return leave_later();
-  }
+  if (slot == nullptr) return leave_later();  // cannot be, see reserved_for_answers
   text = text.substr(0, slot->text.size());
   std::ranges::copy(text, slot->text.begin());
   slot->length = static_cast<std::uint8_t>(text.size());
@@ -272,6 +276,7 @@ void SocketcandServer::Client::on_written(const error_code& failure) {
   front_ = (front_ + 1) % queue_.size();
   --queued_;
   write_next();
+  read();
   if (ending()) end_soon();
 }
 
@@ -304,6 +309,8 @@ void SocketcandServer::Shared::admit(tcp::socket socket) {
   ++statistics.connections;
   error_code ignored;
   socket.set_option(tcp::no_delay(true), ignored);
+  // Frames that wait in the kernel are as late as those in the queue, but are not counted.
+  socket.set_option(asio::socket_base::send_buffer_size(64 * 1024), ignored);
   if (clients.size() >= limits.clients) return refuse(socket);
   const auto client = std::make_shared<Client>(*this, std::move(socket));
   if (!client->attach()) return refuse(client->socket());

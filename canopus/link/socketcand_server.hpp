@@ -39,7 +39,7 @@ using AttachToBus = std::function<std::unique_ptr<BusAttachment>(can::Participan
 
 struct SocketcandLimits {
   std::size_t clients = 32;          ///< connections at a time; one more is told so and closed
-  std::size_t queue = 2048;          ///< messages that wait for one client's socket, at least 8
+  std::size_t queue = 2048;          ///< messages that wait for one client's socket, at least 1024
   std::uint64_t lost_frames = 8192;  ///< frames in a row lost to a full queue until the client is closed
   /// Run time between the answer to `rawmode` and the first frame: the python-can client takes whatever one
   /// recv() returns for the answer, so nothing may follow it closely.

@@ -1,0 +1,293 @@
+#include "canopus/link/socketcand_session.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+namespace canopus::link {
+namespace {
+
+using can::Frame;
+using can::Time;
+using testing::ElementsAre;
+using testing::IsEmpty;
+using namespace std::chrono_literals;
+using State = SocketcandSession::State;
+
+/// A bus that takes so many frames, and a connection that keeps what it is given.
+struct Ends : can::Sink, SocketcandSession::Peer {
+  bool send(const Frame& frame) override {
+    if (frames.size() >= room) return false;
+    frames.push_back(frame);
+    return true;
+  }
+  void message(std::string_view text) override { messages.emplace_back(text); }
+
+  std::size_t room = 1000;
+  std::vector<Frame> frames;
+  std::vector<std::string> messages;
+};
+
+class SocketcandSessionTest : public testing::Test {
+ protected:
+  void open_raw() {
+    session.start();
+    session.receive("< open line1 >");
+    session.receive("< rawmode >");
+    ends.messages.clear();
+  }
+
+  Ends ends;
+  SocketcandSession session{"line1", ends, ends};
+};
+
+std::string text_of(const Frame& frame, Time time) {
+  std::array<char, socketcand_max_message> text{};
+  const std::size_t size = write_socketcand_frame(text, frame, time);
+  return {text.data(), size};
+}
+
+TEST(SocketcandFrame, BaseFrame_HasThreeDigitsAndDataWithoutBlanks) {
+  EXPECT_EQ(text_of(can::data_frame(0x081, {0x11, 0xAB, 0x0C}), Time(23s + 424242us)),
+            "< frame 081 23.424242 11AB0C >");
+}
+
+TEST(SocketcandFrame, ExtendedFrame_HasEightDigits) {
+  Frame frame = can::data_frame(0x123, {1});
+  frame.extended = true;
+  EXPECT_EQ(text_of(frame, Time(1us)), "< frame 00000123 0.000001 01 >");
+}
+
+TEST(SocketcandFrame, FrameWithoutData_KeepsBothBlanks) {
+  EXPECT_EQ(text_of(can::data_frame(0x080), Time(0s)), "< frame 080 0.000000  >");
+}
+
+TEST_F(SocketcandSessionTest, Start_SaysHi) {
+  session.start();
+  EXPECT_THAT(ends.messages, ElementsAre("< hi >"));
+}
+
+TEST_F(SocketcandSessionTest, Open_OfTheBus_IsAnsweredAndIsStillQuiet) {
+  session.receive("< open line1 >");
+  EXPECT_THAT(ends.messages, ElementsAre("< ok >"));
+  EXPECT_EQ(session.state(), State::quiet);
+}
+
+TEST_F(SocketcandSessionTest, Open_OfAnotherBus_IsAnErrorAndTheEnd) {
+  session.receive("< open can7 >");
+  EXPECT_THAT(ends.messages, ElementsAre("< error could not open bus >"));
+  EXPECT_EQ(session.state(), State::closed);
+}
+
+TEST_F(SocketcandSessionTest, Rawmode_IsAnsweredAndWantsFrames) {
+  session.receive("< open line1 >");
+  session.receive("< rawmode >");
+  EXPECT_THAT(ends.messages, ElementsAre("< ok >", "< ok >"));
+  EXPECT_EQ(session.state(), State::raw);
+}
+
+TEST_F(SocketcandSessionTest, Bcmmode_EndsTheFrames) {
+  open_raw();
+  session.receive("< bcmmode >");
+  EXPECT_THAT(ends.messages, ElementsAre("< ok >"));
+  EXPECT_EQ(session.state(), State::quiet);
+}
+
+TEST_F(SocketcandSessionTest, Echo_ComesBack) {
+  open_raw();
+  session.receive("< echo >");
+  EXPECT_THAT(ends.messages, ElementsAre("< echo >"));
+}
+
+TEST_F(SocketcandSessionTest, CommandBeforeOpen_IsAnError) {
+  session.receive("< rawmode >");
+  EXPECT_THAT(ends.messages, ElementsAre("< error unknown command, expected open >"));
+  EXPECT_EQ(session.state(), State::no_bus);
+}
+
+TEST_F(SocketcandSessionTest, SendBeforeOpen_ReachesNoBus) {
+  session.receive("< send 0 2 1 5 >");
+  EXPECT_THAT(ends.frames, IsEmpty());
+}
+
+TEST_F(SocketcandSessionTest, UnknownCommand_IsAnErrorAndTheSessionGoesOn) {
+  open_raw();
+  session.receive("< subscribe 0 0 123 >< echo >");
+  EXPECT_THAT(ends.messages, ElementsAre("< error unknown command >", "< echo >"));
+}
+
+TEST_F(SocketcandSessionTest, Send_PutsTheFrameOnTheBus) {
+  open_raw();
+  session.receive("< send 601 8 40 18 10 1 0 0 0 ff >");
+  EXPECT_THAT(ends.frames, ElementsAre(can::data_frame(0x601, {0x40, 0x18, 0x10, 0x01, 0, 0, 0, 0xFF})));
+  EXPECT_THAT(ends.messages, IsEmpty());
+}
+
+TEST_F(SocketcandSessionTest, SendWithoutData_NeedsNoMoreThanOneBlank) {
+  open_raw();
+  session.receive("< send 80 0  >< send 80 0 >");  // python-can writes two blanks
+  EXPECT_THAT(ends.frames, ElementsAre(can::data_frame(0x080), can::data_frame(0x080)));
+}
+
+TEST_F(SocketcandSessionTest, SendWithEightDigits_IsAnExtendedFrame) {
+  open_raw();
+  session.receive("< send 00000601 1 5 >");
+  Frame expected = can::data_frame(0x601, {5});
+  expected.extended = true;
+  EXPECT_THAT(ends.frames, ElementsAre(expected));
+}
+
+TEST_F(SocketcandSessionTest, Sendrtr_IsARemoteFrame) {
+  open_raw();
+  session.receive("< sendrtr 705 1 >");
+  EXPECT_THAT(ends.frames, ElementsAre(can::remote_frame(0x705, 1)));
+}
+
+struct WrongSend {
+  const char* command;
+  const char* error;
+};
+
+class SocketcandWrongSend : public SocketcandSessionTest, public testing::WithParamInterface<WrongSend> {};
+
+TEST_P(SocketcandWrongSend, IsAnErrorThatNamesTheFieldAndSendsNothing) {
+  open_raw();
+  session.receive(GetParam().command);
+  EXPECT_THAT(ends.messages, ElementsAre(GetParam().error));
+  EXPECT_THAT(ends.frames, IsEmpty());
+  EXPECT_EQ(session.state(), State::raw);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Fields, SocketcandWrongSend,
+    testing::Values(
+        WrongSend{"< send >", "< error send: expected an identifier of 1 to 8 hexadecimal digits >"},
+        WrongSend{"< send x 0 >", "< error send: expected an identifier of 1 to 8 hexadecimal digits >"},
+        WrongSend{"< send -1 0 >", "< error send: expected an identifier of 1 to 8 hexadecimal digits >"},
+        WrongSend{"< send 000000601 0 >",
+                  "< error send: expected an identifier of 1 to 8 hexadecimal digits >"},
+        WrongSend{"< send 800 0 >",
+                  "< error send: expected an identifier up to 7FF, or of 8 digits up to 1FFFFFFF >"},
+        WrongSend{"< send 20000000 0 >",
+                  "< error send: expected an identifier up to 7FF, or of 8 digits up to 1FFFFFFF >"},
+        WrongSend{"< send 1 >", "< error send: expected a length of 0 to 8 >"},
+        WrongSend{"< send 1 9 1 2 3 4 5 6 7 8 9 >", "< error send: expected a length of 0 to 8 >"},
+        WrongSend{"< send 1 2 1 >", "< error send: expected as many bytes as the length says, 0 to FF >"},
+        WrongSend{"< send 1 1 100 >", "< error send: expected as many bytes as the length says, 0 to FF >"},
+        WrongSend{"< send 1 1 1 2 >", "< error send: expected no more bytes than the length says >"}));
+
+TEST_F(SocketcandSessionTest, GarbageBetweenElements_IsAnErrorAndTheEnd) {
+  open_raw();
+  session.receive("GET / HTTP/1.1\r\n< echo >");
+  EXPECT_THAT(ends.messages, ElementsAre("< error expected an element in angle brackets >"));
+  EXPECT_EQ(session.state(), State::closed);
+}
+
+TEST_F(SocketcandSessionTest, BlanksAndLineEndsBetweenElements_AreAllowed) {
+  open_raw();
+  session.receive("\r\n < echo >\n");
+  EXPECT_THAT(ends.messages, ElementsAre("< echo >"));
+}
+
+TEST_F(SocketcandSessionTest, ElementOf128Characters_IsStillUnderstood) {
+  open_raw();
+  session.receive("< echo" + std::string(121, ' ') + ">");
+  EXPECT_THAT(ends.messages, ElementsAre("< echo >"));
+}
+
+TEST_F(SocketcandSessionTest, ElementOf129Characters_IsAnErrorAndTheEnd) {
+  open_raw();
+  session.receive("< echo" + std::string(122, ' ') + ">");
+  EXPECT_THAT(ends.messages, ElementsAre("< error element longer than 128 characters >"));
+  EXPECT_EQ(session.state(), State::closed);
+}
+
+TEST_F(SocketcandSessionTest, ElementWithoutEnd_IsCutOffBeforeItEatsMemory) {
+  open_raw();
+  session.receive("<" + std::string(127, 'a'));
+  EXPECT_THAT(ends.messages, ElementsAre("< error element longer than 128 characters >"));
+}
+
+TEST_F(SocketcandSessionTest, ElementInsideAnElement_IsTakenAsANewOne) {
+  open_raw();
+  session.receive("< send 1 < echo >");
+  EXPECT_THAT(ends.messages,
+              ElementsAre("< error expected a closing bracket, found another opening one >", "< echo >"));
+}
+
+TEST_F(SocketcandSessionTest, AfterTheEnd_NothingIsAnswered) {
+  session.receive("< open can7 >");
+  ends.messages.clear();
+  session.receive("< open line1 >");
+  EXPECT_THAT(ends.messages, IsEmpty());
+}
+
+TEST_F(SocketcandSessionTest, FrameTheBusRefuses_WaitsAndHoldsUpWhatFollows) {
+  open_raw();
+  ends.room = 1;
+  session.receive("< send 1 0 >< send 2 0 >< echo >");
+  EXPECT_TRUE(session.waiting());
+  EXPECT_THAT(ends.frames, ElementsAre(can::data_frame(1)));
+  EXPECT_THAT(ends.messages, IsEmpty());
+}
+
+TEST_F(SocketcandSessionTest, Resume_GoesOnInOrder) {
+  open_raw();
+  ends.room = 1;
+  session.receive("< send 1 0 >< send 2 0 >< echo >");
+  ends.room = 2;
+  session.resume();
+  EXPECT_FALSE(session.waiting());
+  EXPECT_THAT(ends.frames, ElementsAre(can::data_frame(1), can::data_frame(2)));
+  EXPECT_THAT(ends.messages, ElementsAre("< echo >"));
+}
+
+TEST_F(SocketcandSessionTest, ResumeWhileTheBusIsStillFull_GoesOnWaiting) {
+  open_raw();
+  ends.room = 0;
+  session.receive("< send 1 0 >");
+  session.resume();
+  EXPECT_TRUE(session.waiting());
+}
+
+constexpr char conversation[] =
+    "< open line1 >< rawmode >< send 601 8 40 0 10 0 0 0 0 0 >\n< echo >< what >< send 0 2 1 5 >";
+
+RC_GTEST_PROP(SocketcandSessionProperties, AnyChunking_GivesTheSameConversation, ()) {
+  Ends ends;
+  SocketcandSession session("line1", ends, ends);
+  std::string_view rest = conversation;
+  while (!rest.empty()) {
+    const auto size = *rc::gen::inRange<std::size_t>(1, rest.size() + 1);
+    session.receive(rest.substr(0, size));
+    rest.remove_prefix(size);
+  }
+  RC_ASSERT(ends.messages ==
+            (std::vector<std::string>{"< ok >", "< ok >", "< echo >", "< error unknown command >"}));
+  RC_ASSERT(ends.frames == (std::vector<Frame>{can::data_frame(0x601, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0}),
+                                               can::data_frame(0x000, {0x01, 0x05})}));
+}
+
+RC_GTEST_PROP(SocketcandSessionProperties, AnyBytes_GiveWellFormedAnswersOnly, ()) {
+  Ends ends;
+  SocketcandSession session("line1", ends, ends);
+  session.receive("< open line1 >");
+  const auto words = *rc::gen::container<std::vector<std::string>>(
+      rc::gen::element<std::string>("<", ">", " ", "send", "echo", "0", "8", "7FF", "\xFF", "\n"));
+  for (const std::string& word : words) session.receive(word);
+  for (const std::string& message : ends.messages) {
+    RC_ASSERT(message.size() <= socketcand_max_message);
+    RC_ASSERT(message.starts_with("< "));
+    RC_ASSERT(message.ends_with(" >"));
+    RC_ASSERT(std::ranges::count_if(message, [](char c) { return c == '<' || c == '>'; }) == 2);
+  }
+}
+
+}  // namespace
+}  // namespace canopus::link
