@@ -123,8 +123,8 @@ class FieldWriter {
       return;
     }
     for (std::size_t i = 0; i < values.size(); i += 2) {
-      const unsigned second = i + 1 < values.size() ? values[i + 1] : 0U;
-      put(static_cast<std::uint8_t>(values[i] << 4U | second));
+      const unsigned second = i + 1 < values.size() ? unsigned{values[i + 1]} : 0U;
+      put(static_cast<std::uint8_t>(unsigned{values[i]} << 4U | second));
     }
   }
 
