@@ -56,10 +56,10 @@ std::vector<Problem> Problems::take() {
   std::stable_sort(list_.begin(), list_.end(), [](const Problem& a, const Problem& b) {
     return std::pair(a.severity, a.line) < std::pair(b.severity, b.line);
   });
-  const auto repeats = std::ranges::unique(list_, [](const Problem& a, const Problem& b) {
+  const auto same = [](const Problem& a, const Problem& b) {
     return a.line == b.line && a.severity == b.severity && a.message == b.message;
-  });
-  list_.erase(repeats.begin(), repeats.end());
+  };
+  list_.erase(std::unique(list_.begin(), list_.end(), same), list_.end());
   return std::exchange(list_, {});
 }
 

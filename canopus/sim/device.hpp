@@ -29,7 +29,7 @@ class Device final : public can::Participant {
          DeviceOptions options = {});
 
   /// Lets an object move from now on. Returns what is wrong with it instead, in words for the plant file's
-  /// author: no such object, a string, high below low, a period of 0, an echo of an object of another length.
+  /// author: no such object, a string, high below low, a period of 0, an echo of another type.
   [[nodiscard]] std::optional<std::string> add_behaviour(const Behaviour& behaviour);
 
   void power_on(can::Time now);
