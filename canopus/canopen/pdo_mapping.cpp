@@ -99,6 +99,8 @@ AbortCode check_mapping_write(const ObjectDictionary& dictionary, const Entry& e
   }
   const std::uint8_t count = value.empty() ? std::uint8_t{0} : value[0];
   if (count > maximum_mapped_objects) return AbortCode::invalid_value;
+  const ObjectDescription* object = dictionary.description().find(entry.index);
+  if (object == nullptr || count > object->highest_sub) return AbortCode::mapping_length;
   unsigned bits = 0;
   for (std::uint8_t sub = 1; sub <= count; ++sub) {
     const Entry place = dictionary.description().find(entry.index, sub);

@@ -1,0 +1,157 @@
+#include "canopus/canopen/sdo_client.hpp"
+
+#include <gtest/gtest.h>
+
+#include "canopen/conversation.hpp"
+
+namespace canopus::canopen {
+namespace {
+
+class SdoClientTest : public testing::Test, public SdoClientUser {
+ protected:
+  SdoClientTest() { client.set_server(9); }
+  std::string hear(const std::string& frame) {
+    client.receive(from_text(frame), now);
+    return bus.take();
+  }
+  void sdo_finished(SdoClient&, can::Time) override { ++finished; }
+  std::vector<std::uint8_t> data() const { return {client.data().begin(), client.data().end()}; }
+
+  Notebook bus;
+  SdoClient client{bus};
+  can::Time now{};
+  int finished = 0;
+};
+
+TEST_F(SdoClientTest, ExpeditedUpload_GivesTheBytesThatAreIndicated) {
+  ASSERT_TRUE(client.upload(0x1018, 1, *this, now));
+  EXPECT_EQ(bus.take(), "609 40 18 10 01 00 00 00 00");
+  EXPECT_EQ(hear("589 4B 18 10 01 D0 01 00 00"), "");
+  EXPECT_EQ(data(), (std::vector<std::uint8_t>{0xD0, 0x01}));
+  EXPECT_EQ(client.abort_code(), AbortCode::none);
+  EXPECT_EQ(finished, 1);
+  EXPECT_EQ(client.deadline(), can::never);
+}
+
+TEST_F(SdoClientTest, SegmentedUpload_CollectsTheSegments) {
+  client.upload(0x1008, 0, *this, now);
+  bus.take();
+  EXPECT_EQ(hear("589 41 08 10 00 09 00 00 00"), "609 60 00 00 00 00 00 00 00");
+  EXPECT_EQ(hear("589 00 4D 45 33 43 41 4E 31"), "609 70 00 00 00 00 00 00 00");
+  EXPECT_EQ(hear("589 1B 2D 51 00 00 00 00 00"), "");
+  EXPECT_EQ(std::string(client.data().begin(), client.data().end()), "ME3CAN1-Q");
+  EXPECT_EQ(finished, 1);
+}
+
+TEST_F(SdoClientTest, DownloadOfUpToFourBytes_IsExpedited) {
+  const std::uint8_t bytes[] = {0xE8, 0x03};
+  ASSERT_TRUE(client.download(0x1017, 0, bytes, *this, now));
+  EXPECT_EQ(bus.take(), "609 2B 17 10 00 E8 03 00 00");
+  EXPECT_EQ(hear("589 60 17 10 00 00 00 00 00"), "");
+  EXPECT_EQ(client.abort_code(), AbortCode::none);
+  EXPECT_EQ(finished, 1);
+}
+
+TEST_F(SdoClientTest, LongerDownload_GoesInSegments) {
+  const std::uint8_t bytes[] = {1, 2, 3, 4, 5, 6, 7, 8};
+  client.download(0x2016, 0, bytes, *this, now);
+  EXPECT_EQ(bus.take(), "609 21 16 20 00 08 00 00 00");
+  EXPECT_EQ(hear("589 60 16 20 00 00 00 00 00"), "609 00 01 02 03 04 05 06 07");
+  EXPECT_EQ(hear("589 20 00 00 00 00 00 00 00"), "609 1D 08 00 00 00 00 00 00");
+  EXPECT_EQ(finished, 0);
+  EXPECT_EQ(hear("589 30 00 00 00 00 00 00 00"), "");
+  EXPECT_EQ(finished, 1);
+}
+
+TEST_F(SdoClientTest, EmptyDownload_IsOneSegmentWithoutData) {
+  client.download(0x2008, 0, {}, *this, now);
+  EXPECT_EQ(bus.take(), "609 21 08 20 00 00 00 00 00");
+  EXPECT_EQ(hear("589 60 08 20 00 00 00 00 00"), "609 0F 00 00 00 00 00 00 00");
+  EXPECT_EQ(hear("589 20 00 00 00 00 00 00 00"), "");
+  EXPECT_EQ(finished, 1);
+}
+
+TEST_F(SdoClientTest, AbortOfTheServer_IsReportedAsItCame) {
+  client.upload(0x5000, 0, *this, now);
+  bus.take();
+  EXPECT_EQ(hear("589 80 00 50 00 00 00 02 06"), "");
+  EXPECT_EQ(client.abort_code(), AbortCode::no_object);
+  EXPECT_EQ(finished, 1);
+}
+
+TEST_F(SdoClientTest, Silence_IsAbortedAtTheTimeOut) {
+  client.upload(0x1000, 0, *this, now, 200ms);
+  bus.take();
+  EXPECT_EQ(client.deadline(), now + 200ms);
+  client.tick(now + 199ms);
+  EXPECT_EQ(bus.take(), "");
+  client.tick(now + 200ms);
+  EXPECT_EQ(bus.take(), "609 80 00 10 00 00 00 04 05");
+  EXPECT_EQ(client.abort_code(), AbortCode::timed_out);
+  EXPECT_EQ(finished, 1);
+}
+
+TEST_F(SdoClientTest, EverySegment_StartsTheTimeOutAnew) {
+  client.upload(0x1008, 0, *this, now, 200ms);
+  now += 150ms;
+  hear("589 41 08 10 00 09 00 00 00");
+  EXPECT_EQ(client.deadline(), now + 200ms);
+}
+
+TEST_F(SdoClientTest, WrongToggleBit_IsAborted) {
+  client.upload(0x1008, 0, *this, now);
+  hear("589 41 08 10 00 09 00 00 00");
+  EXPECT_EQ(hear("589 10 4D 45 33 43 41 4E 31"), "609 80 08 10 00 00 00 03 05");
+  EXPECT_EQ(client.abort_code(), AbortCode::toggle_bit);
+}
+
+TEST_F(SdoClientTest, AnswerThatDoesNotFit_IsAborted) {
+  client.upload(0x1008, 0, *this, now);
+  bus.take();
+  EXPECT_EQ(hear("589 60 08 10 00 00 00 00 00"), "609 80 08 10 00 01 00 04 05");
+  EXPECT_EQ(client.abort_code(), AbortCode::command_specifier);
+}
+
+TEST_F(SdoClientTest, LateAnswerAboutAnotherObject_IsIgnored) {
+  client.upload(0x1008, 0, *this, now);
+  bus.take();
+  EXPECT_EQ(hear("589 43 00 10 00 01 02 03 04"), "");
+  EXPECT_TRUE(client.busy());
+}
+
+TEST_F(SdoClientTest, MoreThanTheMaximum_IsReportedAsBufferTooSmall) {
+  client.set_maximum_size(8);
+  client.upload(0x1008, 0, *this, now);
+  bus.take();
+  EXPECT_EQ(hear("589 41 08 10 00 09 00 00 00"), "609 80 08 10 00 05 00 04 05");
+  EXPECT_EQ(static_cast<std::uint32_t>(client.abort_code()), 0x60600000U);
+}
+
+TEST_F(SdoClientTest, MoreBytesThanAnnounced_AreAborted) {
+  client.upload(0x1008, 0, *this, now);
+  hear("589 41 08 10 00 03 00 00 00");
+  EXPECT_EQ(hear("589 01 4D 45 33 43 41 4E 31"), "609 80 08 10 00 12 00 07 06");
+}
+
+TEST_F(SdoClientTest, Cancel_SendsAnAbortAndCallsNobody) {
+  client.upload(0x1008, 0, *this, now);
+  bus.take();
+  client.cancel(AbortCode::general);
+  EXPECT_EQ(bus.take(), "609 80 08 10 00 00 00 00 08");
+  EXPECT_FALSE(client.busy());
+  EXPECT_EQ(finished, 0);
+}
+
+TEST_F(SdoClientTest, FullTransmitQueue_StartsNothing) {
+  bus.is_full = true;
+  EXPECT_FALSE(client.upload(0x1008, 0, *this, now));
+  EXPECT_FALSE(client.busy());
+}
+
+TEST_F(SdoClientTest, FramesOfOtherChannels_AreNotItsOwn) {
+  EXPECT_FALSE(client.receive(from_text("588 43 00 10 00 01 02 03 04"), now));
+  EXPECT_TRUE(client.receive(from_text("589 43 00 10 00 01 02 03 04"), now));
+}
+
+}  // namespace
+}  // namespace canopus::canopen
