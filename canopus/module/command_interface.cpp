@@ -10,6 +10,7 @@ constexpr std::size_t records = 8;
 constexpr std::size_t words_per_record = 8;
 constexpr std::size_t record_bytes = 8;
 constexpr std::uint16_t end_of_list = 0xFFFF;
+constexpr std::uint16_t clear_code = 0xFFFF;
 constexpr std::uint16_t record_failed = 0x0F00;
 
 constexpr std::uint8_t low(std::uint16_t word) { return static_cast<std::uint8_t>(word & 0xFF); }
@@ -50,7 +51,9 @@ std::uint16_t CommandInterface::read_word(BufferAddress address, can::Time) {
 
 WriteResult CommandInterface::write_word(BufferAddress address, std::uint16_t value, can::Time) {
   if (running_) {
-    locked_ = true;  // not stored [ME3CAN1-Q 5.4.2]
+    // Not stored [ME3CAN1-Q 5.4.2], but for the command that ends the locked state.
+    if (locked_ && address == first_ && value == clear_code) request_[0] = value;
+    locked_ = true;
     return WriteResult::done;
   }
   request_[address - first_] = value;
@@ -59,12 +62,9 @@ WriteResult CommandInterface::write_word(BufferAddress address, std::uint16_t va
 }
 
 void CommandInterface::execute(Modes mode, can::Time now, can::Duration duration) {
-  const bool clearing = request_[0] == 0xFFFF;
   if (locked_) {
-    // The lock was set by a write that was not stored, so the code of the clear command may still have to
-    // come; until it does, commands are refused.
-    if (!clearing) {
-      if (!running_) host_->command_finished(now);
+    if (request_[0] != clear_code) {
+      if (!running_) host_->command_finished(now);  // refused: the result stays what it is
       return;
     }
   } else if (running_) {

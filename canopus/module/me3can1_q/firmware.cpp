@@ -212,11 +212,10 @@ void Me3can1Q::Firmware::end_initialization(can::Time now) {
     node_.power_on(now);
   }
   signals_.set_input(signal::ready, true, now);
-  if (std::exchange(restarting_, false)) {
-    signals_.set_input(signal::restart, true, now);
-    restart_again_at_ = can::later(now, profile_.restart_repeat_time);
-  } else if (signals_.output(signal::restart)) {
-    begin_restart(now);
+  const bool restarted = std::exchange(restarting_, false);
+  if (signals_.output(signal::restart)) {
+    if (restarted) signals_.set_input(signal::restart, true, now);
+    restart_again_at_ = restarted ? can::later(now, profile_.restart_repeat_time) : now;
   }
   controller_changed(now);
 }

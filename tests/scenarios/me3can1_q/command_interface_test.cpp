@@ -1,0 +1,439 @@
+// spec/me3can1-q/scenarios.md, section 6: command interface.
+
+#include "scenarios/me3can1_q/scenario.hpp"
+
+namespace canopus::scenario {
+namespace {
+
+// Active NMT master, node 1, no slaves assigned, own state Pre-operational.
+void become_master(Me3Scenario& s) {
+  s.power_on_as(1);
+  s.set_object(0x1F80, 0, 0x0000000D, 4);  // stays Pre-operational, starts no slave
+  s.store_objects();
+  s.restart();
+  s.advance(5s);
+  s.ignore_tx();
+  s.expect_bit(25, 15, true).expect_bit(25, 8, true);
+}
+
+TEST(Me3CommandInterface, S24_RequestNmtToAllNodes_StartsTheNetwork) {
+  RecordProperty("spec", "ME3-RQN-002");
+  Me3Scenario s;
+  become_master(s);
+  s.write(1000, {0x0002, 0, 0x1F82, 0x0080, 1, 0x0005});
+  s.y(0x17, true);
+  s.expect(1000, 0xFFFF).expect_x(0x17, false);
+  s.wait_x(0x17, true);
+  s.tx(0x000, {0x01, 0x00});
+  s.expect(1000, {0x0003, 0, 0x1F82, 0x0080});
+  s.expect_bit(25, 0, true).expect_bit(25, 8, false).expect_bit(25, 9, true);
+  s.y(0x17, false);
+  s.expect_x(0x17, false);
+  const std::map<std::uint16_t, std::uint8_t> services{{4, 0x02}, {5, 0x01}, {0x7F, 0x80}, {5, 0x01}};
+  for (const auto& [value, command] : services) {
+    s.cif({0x0002, 0, 0x1F82, 0x0080, 1, value});
+    s.expect(1000, 0x0003);
+    s.tx(0x000, {command, 0x00});
+    s.expect(601, value);
+  }
+  s.no_tx();
+}
+
+TEST(Me3CommandInterface, RequestNmtToOneNode_SendsOneFrame) {
+  RecordProperty("spec", "ME3-RQN-001 ME3-NST-003");
+  Me3Scenario s;
+  become_master(s);
+  s.expect(602, 0);
+  const std::vector<std::pair<std::uint16_t, std::uint8_t>> services{
+      {4, 0x02}, {5, 0x01}, {6, 0x81}, {7, 0x82}, {0x7F, 0x80}};
+  for (const auto& [value, command] : services) {
+    s.cif({0x0002, 0, 0x1F82, 2, 1, value});
+    s.expect(1000, 0x0003);
+    s.tx(0x000, {command, 0x02}).no_tx();
+    if (value == 4 || value == 5 || value == 0x7F) s.expect(602, value);
+  }
+  s.expect_bit(25, 8, true);  // the own state is untouched
+}
+
+TEST(Me3CommandInterface, RequestNmt_ReservedValues_AreRefused) {
+  RecordProperty("spec", "ME3-RQN-004");
+  Me3Scenario s;
+  become_master(s);
+  const std::vector<std::uint16_t> good{4, 5, 6, 7, 0x7F, 0x84, 0x85, 0x86, 0x87, 0x8F};
+  for (std::uint16_t value = 0; value <= 0xFE; ++value) {
+    if (std::find(good.begin(), good.end(), value) != good.end()) continue;
+    s.cif({0x0002, 0, 0x1F82, 2, 1, value});
+    s.expect(1000, {0x000F, 0x0003, 0, 0x0030, 0x0609});
+  }
+  s.no_tx();
+}
+
+TEST(Me3CommandInterface, RequestNmt_AsSlave_SendsNothing) {
+  RecordProperty("spec", "ME3-NMT-010");
+  Me3Scenario s;
+  s.power_on();
+  s.cif({0x0002, 0, 0x1F82, 2, 1, 5});
+  s.expect(1000, {0x000F, 0x0003, 0, 0x0022, 0x0800}).no_tx();
+  s.cif({0x0002, 0, 0x1F82, 0x80, 1, 5});
+  s.expect(1000, {0x000F, 0x0003, 0, 0x0022, 0x0800}).no_tx();
+}
+
+TEST(Me3CommandInterface, S25_SdoRead_LocalAndRemote) {
+  RecordProperty(
+      "spec",
+      "ME3-CIF-011 ME3-CIF-002 ME3-CIF-003 ME3-CIF-015 ME3-IO-024 ME3-MODE-008 ME3-SDO-002 ME3-OD-007");
+  Me3Scenario s;
+  s.power_on();
+  s.write(1000, {0x0004, 0, 0x1000, 0});
+  s.advance(1s);
+  s.expect(1000, 0x0004);  // the write alone executes nothing
+  s.y(0x17, true);
+  s.expect(1000, 0xFFFF);
+  s.wait_x(0x17, true);
+  s.expect(1000, {0x0005, 0, 0x1000, 0, 4, 0x0195, 0}).no_tx();
+  s.y(0x17, false);
+  s.expect_x(0x17, false);
+
+  s.write(1001, 2);
+  s.y(0x17, true);
+  s.advance(1ms);
+  s.tx(0x602, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0});
+  s.expect(1000, 0xFFFF).expect_x(0x17, false);
+  s.rx(0x582, {0x43, 0x00, 0x10, 0x00, 0x91, 0x01, 0x0F, 0x00});
+  s.expect_x(0x17, true).expect(1000, {0x0005, 2, 0x1000, 0, 4, 0x0191, 0x000F}).no_tx();
+  s.y(0x17, false);
+
+  s.cif({0x0004, 0, 0x1008, 0});
+  s.expect(1000, {0x0005, 0, 0x1008, 0, 9, 0x454D, 0x4333, 0x4E41, 0x2D31, 0x0051, 0});
+  s.cif({0x0004, 0, 0x1009, 0});
+  s.expect(1000, {0x0005, 0, 0x1009, 0, 4, 0x2E31, 0x3030});
+  s.cif({0x0004, 0, 0x100A, 0});
+  s.expect(1000, {0x0005, 0, 0x100A, 0, 4, 0x2E31, 0x3030});
+}
+
+TEST(Me3CommandInterface, OwnNodeId_IsTheOwnDictionary_WithoutBusTraffic) {
+  RecordProperty("spec", "ME3-CIF-016");
+  Me3Scenario s;
+  s.power_on();
+  s.cif({0x0004, 127, 0x1000, 0});
+  s.expect(1000, {0x0005, 127, 0x1000, 0, 4, 0x0195, 0}).no_tx();
+}
+
+TEST(Me3CommandInterface, S26_SdoWrite_Remote) {
+  Me3Scenario s;
+  s.power_on();
+  s.write(1000, {0x0002, 2, 0x1017, 0, 2, 0x03E8});
+  s.y(0x17, true);
+  s.advance(1ms);
+  s.tx(0x602, {0x2B, 0x17, 0x10, 0x00, 0xE8, 0x03, 0x00, 0x00});
+  s.rx(0x582, {0x60, 0x17, 0x10, 0x00, 0, 0, 0, 0});
+  s.expect_x(0x17, true).expect(1000, {0x0003, 2, 0x1017, 0}).no_tx();
+}
+
+// 124 bytes, segmented both ways, byte by byte in the order of the bus.
+TEST(Me3CommandInterface, SdoWriteAndRead_124Bytes_LowByteFirst) {
+  RecordProperty("spec", "ME3-CIF-013 ME3-CIF-014");
+  Me3Scenario s;
+  s.power_on();
+  Words command{0x0002, 2, 0x2000, 1, 124};
+  for (unsigned i = 0; i < 124; i += 2) command.push_back(static_cast<std::uint16_t>((i + 2) << 8 | (i + 1)));
+  s.write(1000, command);
+  s.y(0x17, true);
+  s.advance(1ms);
+  s.tx(0x602, {0x21, 0x00, 0x20, 0x01, 124, 0, 0, 0});
+  s.rx(0x582, {0x60, 0x00, 0x20, 0x01, 0, 0, 0, 0});
+  for (unsigned segment = 0; segment < 18; ++segment) {
+    const unsigned bytes = segment == 17 ? 5 : 7;
+    const unsigned toggle = segment % 2 * 0x10;
+    Bytes expected(8, 0);
+    expected[0] = static_cast<std::uint8_t>(toggle | (7 - bytes) << 1 | (segment == 17 ? 1 : 0));
+    for (unsigned i = 0; i < bytes; ++i) expected[i + 1] = static_cast<std::uint8_t>(segment * 7 + i + 1);
+    s.tx(0x602, expected);
+    s.rx(0x582, {static_cast<std::uint8_t>(0x20 | toggle), 0, 0, 0, 0, 0, 0, 0});
+  }
+  s.expect_x(0x17, true).expect(1000, {0x0003, 2, 0x2000, 1}).no_tx();
+  s.y(0x17, false);
+
+  s.write(1000, {0x0004, 2, 0x2000, 1});
+  s.y(0x17, true);
+  s.advance(1ms);
+  s.tx(0x602, {0x40, 0x00, 0x20, 0x01, 0, 0, 0, 0});
+  s.rx(0x582, {0x41, 0x00, 0x20, 0x01, 124, 0, 0, 0});
+  for (unsigned segment = 0; segment < 18; ++segment) {
+    const unsigned bytes = segment == 17 ? 5 : 7;
+    const unsigned toggle = segment % 2 * 0x10;
+    s.tx(0x602, {static_cast<std::uint8_t>(0x60 | toggle), 0, 0, 0, 0, 0, 0, 0});
+    Bytes answer(8, 0);
+    answer[0] = static_cast<std::uint8_t>(toggle | (7 - bytes) << 1 | (segment == 17 ? 1 : 0));
+    for (unsigned i = 0; i < bytes; ++i) answer[i + 1] = static_cast<std::uint8_t>(segment * 7 + i + 1);
+    s.rx(0x582, answer);
+  }
+  s.expect_x(0x17, true)
+      .expect(1000, {0x0005, 2, 0x2000, 1, 124, 0x0201, 0x0403})
+      .expect(1066, 0x7C7B)
+      .no_tx();
+  s.y(0x17, false);
+
+  for (const std::uint16_t length : Words{0, 125}) {
+    s.cif({0x0002, 0, 0x1017, 0, length, 1});
+    s.expect(1000, {0x000F, 0x0003, 0, 0x0010, 0x0607});
+  }
+}
+
+TEST(Me3CommandInterface, SdoRead_MoreThan124Bytes_FailsAtTheStart) {
+  RecordProperty("spec", "ME3-CIF-012");
+  Me3Scenario s;
+  s.power_on();
+  s.write(1000, {0x0004, 2, 0x2000, 1});
+  s.y(0x17, true);
+  s.advance(1ms);
+  s.tx(0x602, {0x40, 0x00, 0x20, 0x01, 0, 0, 0, 0});
+  s.rx(0x582, {0x41, 0x00, 0x20, 0x01, 125, 0, 0, 0});
+  s.expect_x(0x17, true).expect(1000, {0x000F, 0x0003, 2, 0x0000, 0x6060});
+  s.ignore_tx();  // the abort to the server
+}
+
+TEST(Me3CommandInterface, S27_SdoFailures_ShowClassNodeAndAbortCode) {
+  RecordProperty("spec", "ME3-CIF-008 ME3-SDO-004 ME3-SDO-005");
+  Me3Scenario s;
+  s.power_on();
+  const std::vector<std::pair<Bytes, Words>> aborts{
+      {{0x30, 0x00, 0x09, 0x06}, {0x0030, 0x0609}},
+      {{0x02, 0x00, 0x01, 0x06}, {0x0002, 0x0601}},
+      {{0x78, 0x56, 0x34, 0x12}, {0x5678, 0x1234}},  // no code anybody knows
+  };
+  for (const auto& [code, words] : aborts) {
+    s.write(1000, {0x0002, 2, 0x1017, 0, 2, 0x03E8});
+    s.y(0x17, true);
+    s.advance(1ms);
+    s.tx(0x602, {0x2B, 0x17, 0x10, 0x00, 0xE8, 0x03, 0x00, 0x00});
+    s.rx(0x582, {0x80, 0x17, 0x10, 0x00, code[0], code[1], code[2], code[3]});
+    s.expect_x(0x17, true).expect(1000, {0x000F, 0x0003, 2, words[0], words[1], 0}).no_tx();
+    s.y(0x17, false);
+  }
+  for (const std::uint16_t time_out : Words{500, 50, 1000}) {
+    s.write(71, time_out);
+    s.write(1000, {0x0002, 2, 0x1017, 0, 2, 0x03E8});
+    s.y(0x17, true);
+    s.advance(1ms);
+    s.tx(0x602, {0x2B, 0x17, 0x10, 0x00, 0xE8, 0x03, 0x00, 0x00});
+    s.advance(std::chrono::milliseconds(time_out - 1));
+    s.expect(1000, 0xFFFF).expect_x(0x17, false);
+    s.advance(1ms);
+    s.expect_x(0x17, true).expect(1000, {0x000F, 0x0003, 2, 0x0000, 0x0504});
+    s.tx(0x602, {0x80, 0x17, 0x10, 0x00, 0x00, 0x00, 0x04, 0x05}).no_tx();
+    s.y(0x17, false);
+  }
+}
+
+TEST(Me3CommandInterface, S28_MultiRead) {
+  RecordProperty("spec", "ME3-CIF-017 ME3-CIF-018 ME3-CIF-020 ME3-OD-003");
+  Me3Scenario s;
+  s.power_on();
+  Words command(67, 0xAAAA);  // stale data everywhere
+  command[0] = 0x0008;
+  const auto record = [&](std::size_t number, const Words& words) {
+    std::copy(words.begin(), words.end(), command.begin() + static_cast<std::ptrdiff_t>(1 + 8 * number));
+  };
+  record(0, {0, 0x1000, 0});
+  record(1, {0, 0x1018, 4});
+  record(2, {0xFFFF});
+  s.cif(command);
+  s.expect(1000, 0x00F9);
+  s.expect(1001, {0, 0x1000, 0, 4, 0x0195, 0, 0, 0});
+  s.expect(1009, {0x0F00, 0x1018, 4, 0, 0x0011, 0x0609});
+  s.no_tx();
+  record(1, {0, 0x1018, 1});
+  s.cif(command);
+  s.expect(1000, {0x0009, 0, 0x1000, 0, 4, 0x0195, 0, 0, 0});
+  s.expect(1009, {0, 0x1018, 1, 4, 0x0071, 0x0000});
+  // Eight records need no terminator; the ninth does not exist.
+  for (std::size_t i = 0; i < 8; ++i) record(i, {0, 0x1018, static_cast<std::uint16_t>(1 + i % 3)});
+  s.cif(command);
+  s.expect(1000, 0x0009);
+  s.expect(1057, {0, 0x1018, 2, 4, 0xED63, 0x0000});
+  // More than eight bytes do not fit into a record.
+  record(0, {0, 0x1008, 0});
+  record(1, {0xFFFF});
+  s.cif(command);
+  s.expect(1000, {0x00F9, 0x0F00, 0x1008, 0, 0, 0x0000, 0x6060});
+  // A remote record.
+  record(0, {2, 0x1000, 0});
+  s.write(1000, command);
+  s.y(0x17, true);
+  s.advance(1ms);
+  s.tx(0x602, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0});
+  s.rx(0x582, {0x80, 0x00, 0x10, 0x00, 0x00, 0x00, 0x00, 0x08});
+  s.expect_x(0x17, true).expect(1000, {0x00F9, 0x0F02, 0x1000, 0, 0, 0x0000, 0x0800}).no_tx();
+}
+
+TEST(Me3CommandInterface, S29_MultiWrite) {
+  RecordProperty("spec", "ME3-CIF-019 ME3-OD-004");
+  Me3Scenario s;
+  s.power_on();
+  s.cif({0x0006, 0, 0x1015, 0, 2, 0x03E8, 0, 0, 0, 0, 0x1000, 0, 4, 1, 0, 0, 0, 0xFFFF});
+  s.expect(1000, 0x00F7);
+  s.expect(1001, {0, 0x1015, 0});
+  s.expect(1009, {0x0F00, 0x1000, 0}).expect(1013, {0x0002, 0x0601});
+  s.expect_object(0x1015, 0, 1000, 2);
+  Words command{0x0006};
+  for (std::uint16_t i = 1; i <= 8; ++i) {
+    const Words record{0, 0x1F89, 0, 4, i, 0, 0, 0};
+    command.insert(command.end(), record.begin(), record.end());
+  }
+  s.cif(command);
+  s.expect(1000, 0x0007).expect(1057, {0, 0x1F89, 0});
+  s.expect_object(0x1F89, 0, 8, 4);
+  s.cif({0x0006, 0, 0x1F89, 0, 9, 1, 0, 0, 0, 0xFFFF});
+  s.expect(1000, {0x00F7, 0x0F00}).expect(1005, {0x0010, 0x0607});
+  // Reading what can only be written.
+  s.cif({0x0004, 0, 0x1F82, 0x80});
+  s.expect(1000, {0x000F, 0x0003, 0, 0x0001, 0x0601});
+}
+
+TEST(Me3CommandInterface, S32_SendEmergency) {
+  RecordProperty("spec", "ME3-CIF-021 ME3-CIF-022 ME3-CIF-023 ME3-EMCY-001 ME3-OD-008");
+  Me3Scenario s;
+  s.power_on_as(1);
+  s.cif({0x000A, 0x1000, 0xAA81, 0xCCBB, 0xEEDD});
+  s.tx(0x081, {0x00, 0x10, 0x81, 0xAA, 0xBB, 0xCC, 0xDD, 0xEE}).no_tx();
+  s.expect(1000, {0x000B, 0x0000});
+  s.expect_object(0x1003, 0, 1, 1);
+  s.cif({0x0004, 0, 0x1003, 1});
+  s.expect(1005, 0x1000);
+  s.expect_object(0x1001, 0, 0x81, 1);
+  s.set_object(0x1003, 0, 0, 1);
+  s.expect_object(0x1001, 0, 0, 1);
+  s.ignore_tx();
+
+  s.set_object(0x1015, 0, 1000, 2);  // 100 ms
+  s.cif({0x000A, 0x1000, 0x0001, 0, 0});
+  s.expect(1000, {0x000B, 0x0000});
+  s.tx(0x081, {0x00, 0x10, 0x01, 0, 0, 0, 0, 0});
+  s.cif({0x000A, 0x1001, 0x0001, 0, 0});
+  s.expect(1000, {0x000C, 0x0001}).no_tx();
+  s.advance(100ms);
+  s.no_tx();
+  s.cif({0x000A, 0x1001, 0x0001, 0, 0});
+  s.expect(1000, {0x000B, 0x0000});
+  s.tx(0x081, {0x01, 0x10, 0x01, 0, 0, 0, 0, 0});
+  s.advance(100ms);
+
+  s.nmt(0x02);
+  s.cif({0x000A, 0x1002, 0x0001, 0, 0});
+  s.expect(1000, {0x000C, 0x0002}).no_tx();
+}
+
+TEST(Me3CommandInterface, S33_Display_ShowsTheParametersOfTheLastCommand) {
+  RecordProperty("spec", "ME3-CIF-007");
+  Me3Scenario s;
+  s.power_on_as(1);
+  s.cif({0x000A, 0x1000, 0xAA81, 0xCCBB, 0xEEDD});
+  s.ignore_tx();
+  s.expect(1000, {0x000B, 0x0000});
+  s.write(1000, 0x0000);
+  s.y(0x17, true);
+  s.wait_x(0x17, true);
+  s.expect(1000, {0x0000, 0x1000, 0xAA81, 0xCCBB, 0xEEDD}).no_tx();
+}
+
+TEST(Me3CommandInterface, S34_UnknownCommand) {
+  RecordProperty("spec", "ME3-CIF-006 ME3-CIF-026");
+  Me3Scenario s;
+  s.power_on();
+  for (const std::uint16_t code : Words{0x1234, 0x000C, 0x0001, 0x0003, 0x0005, 0x000F}) {
+    s.cif({code});
+    s.expect(1000, {0x000F, 0x0064});
+  }
+  s.cif({0x0000});
+  s.expect(1000, 0x0000);
+  s.cif({0xFFFF});
+  s.expect(1000, 0x0000);
+  s.write(21, 11);
+  s.save();
+  s.restart();
+  for (const std::uint16_t code : Words{0x0002, 0x0004, 0x0006, 0x0008, 0x000A, 0x1234}) {
+    s.cif({code});
+    s.expect(1000, {0x000F, 0x0064});
+  }
+  s.cif({0x0000});
+  s.expect(1000, 0x0000);
+  s.cif({0xFFFF});
+  s.expect(1000, 0x0000).no_tx();
+}
+
+TEST(Me3CommandInterface, S35_WriteWhileBusy_LocksUntilFfffh) {
+  RecordProperty("spec", "ME3-CIF-004 ME3-CIF-005");
+  Me3Scenario s;
+  s.power_on();
+  s.write(1000, {0x0004, 2, 0x1000, 0, 0, 7});
+  s.y(0x17, true);
+  s.advance(1ms);
+  s.ignore_tx();
+  s.expect(1000, 0xFFFF);
+  s.write(1005, 1);
+  s.expect(1000, {0x000F, 0xFFFF});
+  s.wait_x(0x17, true);
+  s.ignore_tx();
+  s.expect(1000, {0x000F, 0xFFFF});
+  s.y(0x17, false);
+  s.cif({0x0004, 0, 0x1000, 0});
+  s.expect(1000, {0x000F, 0xFFFF});
+  s.cif({0xFFFF});
+  s.expect(1000, 0x0000);
+  s.write(1000, 0x0000);
+  s.expect(1005, 7);  // the write that came too early was not stored
+  s.cif({0x0004, 0, 0x1000, 0});
+  s.expect(1000, {0x0005, 0, 0x1000, 0, 4, 0x0195});
+}
+
+TEST(Me3CommandInterface, WriteWhileBusy_ClearedBeforeTheTransferEnds_GivesItUp) {
+  Me3Scenario s;
+  s.power_on();
+  s.write(1000, {0x0004, 2, 0x1000, 0});
+  s.y(0x17, true);
+  s.advance(1ms);
+  s.tx(0x602, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0});
+  s.write(1005, 1);
+  s.y(0x17, false);
+  s.cif({0xFFFF});
+  s.expect(1000, 0x0000);
+  s.ignore_tx();
+  s.rx(0x582, {0x43, 0x00, 0x10, 0x00, 0x91, 0x01, 0x0F, 0x00});
+  s.advance(2s);
+  s.expect(1000, {0x0000, 0}).no_tx();
+}
+
+TEST(Me3CommandInterface, S36_TwoPlanes) {
+  RecordProperty("spec", "ME3-CIF-001");
+  Me3Scenario s;
+  s.power_on();
+  s.cif({0x0004, 0, 0x1018, 2});
+  s.expect(1000, {0x0005, 0, 0x1018, 2, 4, 0xED63});
+  s.write(1003, 1);
+  s.expect(1000, {0x0004, 0, 0x1018, 1, 0, 0});
+  s.y(0x17, true);
+  s.wait_x(0x17, true);
+  s.expect(1000, {0x0005, 0, 0x1018, 1, 4, 0x0071});
+}
+
+TEST(Me3CommandInterface, S37_BusOffAndWrongState) {
+  RecordProperty("spec", "ME3-CIF-009 ME3-CIF-010");
+  Me3Scenario s;
+  s.power_on();
+  s.nmt(0x02);
+  s.cif({0x0004, 2, 0x1000, 0});
+  s.expect(1000, {0x000F, 0x0F0F}).no_tx();
+  s.cif({0x0004, 0, 0x1000, 0});  // the own dictionary needs no bus
+  s.expect(1000, 0x0005);
+  s.nmt(0x80);
+  s.error_counters(256, 0);
+  s.ignore_tx();
+  s.cif({0x0004, 2, 0x1000, 0});
+  s.expect(1000, {0x000F, 0xB0FF}).no_tx();
+  s.cif({0x0004, 0, 0x1000, 0});
+  s.expect(1000, 0x0005);
+}
+
+}  // namespace
+}  // namespace canopus::scenario

@@ -1,0 +1,585 @@
+// spec/me3can1-q/scenarios.md, section 7: PDOs and data exchange; and S30, S31 of section 6.
+
+#include "scenarios/me3can1_q/scenario.hpp"
+
+namespace canopus::scenario {
+namespace {
+
+// Node 1, Operational.
+void operational(Me3Scenario& s) {
+  s.power_on_as(1);
+  s.nmt(0x01);
+  s.expect_bit(25, 0, true);
+  s.ignore_tx();
+}
+
+TEST(Me3Pdo, S30_RpdoMappingExample) {
+  RecordProperty("spec", "ME3-PDO-004");
+  Me3Scenario s;
+  s.power_on_as(1);
+  // Out of order it is refused: the PDO is valid, or entries are mapped.
+  s.cif({0x0002, 0, 0x1600, 0, 1, 0});
+  s.expect(1000, {0x000F, 0x0003});
+  s.set_object(0x1400, 1, 0x80000201, 4);
+  s.cif({0x0002, 0, 0x1600, 1, 4, 0x0110, 0xA580});
+  s.expect(1000, {0x000F, 0x0003});
+  s.set_object(0x1600, 0, 0, 1);
+  s.set_object(0x1600, 1, 0xA5800110, 4);
+  s.set_object(0x1600, 0, 1, 1);
+  s.set_object(0x1400, 1, 0x00000201, 4);
+  s.nmt(0x01);
+  s.rx(0x201, {0x34, 0x12});
+  s.exchange();
+  s.expect(10000, {0x1234, 0});
+  s.no_tx();
+}
+
+TEST(Me3Pdo, S31_TpdoMappingExample) {
+  RecordProperty("spec", "ME3-PDO-007");
+  Me3Scenario s;
+  s.power_on_as(1);
+  s.set_object(0x1800, 1, 0xC0000181, 4);
+  s.set_object(0x1A00, 0, 0, 1);
+  s.set_object(0x1A00, 1, 0xA1000110, 4);
+  s.set_object(0x1A00, 0, 1, 1);
+  s.set_object(0x1800, 1, 0x40000181, 4);
+  s.nmt(0x01);
+  s.write(13000, 0x1234);
+  s.exchange();
+  s.tx(0x181, {0x34, 0x12}).no_tx();
+  s.set_object(0x1800, 1, 0x80000181, 4);
+  s.expect_object(0x1800, 1, 0xC0000181, 4);  // bit 30 always reads 1
+}
+
+TEST(Me3Pdo, Defaults_CommunicationParameters) {
+  RecordProperty("spec", "ME3-PDO-001 ME3-PDO-002");
+  Me3Scenario s;
+  s.power_on_as(5);
+  const canopen::ObjectDictionary& objects = s.plug_in().node().dictionary();
+  for (unsigned n = 0; n < 256; ++n) {
+    const auto rpdo = static_cast<std::uint16_t>(0x1400 + n);
+    const auto tpdo = static_cast<std::uint16_t>(0x1800 + n);
+    const std::uint32_t offset = n * 0x100;
+    EXPECT_EQ(objects.get<std::uint8_t>(rpdo, 0), 2);
+    EXPECT_EQ(objects.get<std::uint32_t>(rpdo, 1), n < 4 ? 0x205 + offset : 0x80000000U);
+    EXPECT_EQ(objects.get<std::uint8_t>(rpdo, 2), 0xFE);
+    EXPECT_EQ(objects.get<std::uint8_t>(tpdo, 0), 5);
+    EXPECT_EQ(objects.get<std::uint32_t>(tpdo, 1), n < 4 ? 0x40000185 + offset : 0xC0000000U);
+    EXPECT_EQ(objects.get<std::uint8_t>(tpdo, 2), 0xFE);
+    EXPECT_EQ(objects.get<std::uint16_t>(tpdo, 3), 0);
+    EXPECT_EQ(objects.get<std::uint16_t>(tpdo, 5), 0);
+  }
+  EXPECT_FALSE(objects.find(0x1500, 0));
+  EXPECT_FALSE(objects.find(0x1900, 0));
+}
+
+TEST(Me3Pdo, Defaults_Mapping) {
+  RecordProperty("spec", "ME3-PDO-003 ME3-SYS-010");
+  Me3Scenario s;
+  s.power_on();
+  const canopen::ObjectDictionary& objects = s.plug_in().node().dictionary();
+  const auto entry = [&](unsigned index, unsigned sub) {
+    return objects.get<std::uint32_t>(static_cast<std::uint16_t>(index), static_cast<std::uint8_t>(sub));
+  };
+  for (unsigned n = 0; n < 256; ++n) {
+    EXPECT_EQ(entry(0x1600 + n, 0), 4U);
+    EXPECT_EQ(entry(0x1A00 + n, 0), 4U);
+    for (unsigned sub = 5; sub <= 8; ++sub) {
+      EXPECT_EQ(entry(0x1600 + n, sub), 0U);
+      EXPECT_EQ(entry(0x1A00 + n, sub), 0U);
+    }
+  }
+  // Rows of tables 4-8 and 4-10.
+  const std::map<unsigned, std::array<std::uint32_t, 4>> printed{
+      {0x1600, {0xA5800110, 0xA5800210, 0xA5800310, 0xA5800410}},
+      {0x1601, {0xA5800510, 0xA5800610, 0xA5800710, 0xA5800810}},
+      {0x163F, {0xA580FD10, 0xA580FE10, 0xA5810110, 0xA5810210}},
+      {0x16FF, {0xA5840510, 0xA5840610, 0xA5840710, 0xA5840810}},
+      {0x1A00, {0xA1000110, 0xA1000210, 0xA1000310, 0xA1000410}},
+      {0x1A3F, {0xA100FD10, 0xA100FE10, 0xA1010110, 0xA1010210}},
+      {0x1AFF, {0xA1040510, 0xA1040610, 0xA1040710, 0xA1040810}},
+  };
+  for (const auto& [index, values] : printed) {
+    for (unsigned i = 0; i < 4; ++i)
+      EXPECT_EQ(entry(index, i + 1), values[i]) << std::hex << index << ":" << i + 1;
+  }
+  EXPECT_EQ(entry(0x1A80, 1), 0xA1020510U);  // word 512 = 2 * 254 + 4
+}
+
+TEST(Me3Pdo, S38_Case1_NoTimers) {
+  RecordProperty("spec", "ME3-PDO-012 ME3-PDO-013 ME3-DX-006 ME3-IO-002");
+  Me3Scenario s;
+  operational(s);
+  s.write(13000, 0x1111);
+  s.advance(1s);
+  s.no_tx();
+  s.expect_object(0xA100, 1, 0, 2);
+  s.y(0x01, true);
+  s.wait_x(0x01, true);
+  s.tx(0x181, {0x11, 0x11, 0, 0, 0, 0, 0, 0}).no_tx();
+  s.y(0x01, false);
+  s.expect_x(0x01, false);
+  s.expect_object(0xA100, 1, 0x1111, 2);
+  s.exchange();
+  s.no_tx();
+  s.write(13000, 0x2222);
+  s.advance(1s);
+  s.no_tx();
+  s.exchange();
+  s.tx(0x181, {0x22, 0x22, 0, 0, 0, 0, 0, 0}).no_tx();
+}
+
+TEST(Me3Pdo, S39_Case2_InhibitTime_DismissesTheRequest) {
+  RecordProperty("spec", "ME3-PDO-014");
+  Me3Scenario s;
+  s.power_on_as(1);
+  s.set_object(0x1800, 1, 0xC0000181, 4);
+  s.set_object(0x1800, 3, 1000, 2);
+  s.set_object(0x1800, 1, 0x40000181, 4);
+  s.nmt(0x01);
+  s.write(13000, 0x1111);
+  s.exchange();
+  s.tx(0x181, {0x11, 0x11, 0, 0, 0, 0, 0, 0});
+  s.advance(50ms);
+  s.write(13000, 0x2222);
+  s.exchange();
+  s.advance(69ms);
+  s.no_tx();  // dismissed, not put off
+  s.exchange();
+  s.tx(0x181, {0x22, 0x22, 0, 0, 0, 0, 0, 0}).no_tx();
+}
+
+TEST(Me3Pdo, S40_Case3_EventTimer_SendsUnchangedData_AndStartsAgainWithEachFrame) {
+  RecordProperty("spec", "ME3-PDO-015 ME3-PDO-016");
+  Me3Scenario s;
+  s.power_on_as(1);
+  s.set_object(0x1800, 1, 0xC0000181, 4);
+  s.set_object(0x1800, 5, 200, 2);
+  s.set_object(0x1800, 1, 0x40000181, 4);
+  s.nmt(0x01);
+  s.write(13000, 0x1111);
+  s.exchange();
+  s.tx(0x181, {0x11, 0x11, 0, 0, 0, 0, 0, 0});
+  s.advance(199ms);
+  s.no_tx();
+  s.advance(1ms);
+  s.tx(0x181, {0x11, 0x11, 0, 0, 0, 0, 0, 0});
+  s.advance(200ms);
+  s.tx(0x181, {0x11, 0x11, 0, 0, 0, 0, 0, 0}).no_tx();
+  s.advance(50ms);
+  s.write(13000, 0x2222);
+  s.exchange();
+  s.tx(0x181, {0x22, 0x22, 0, 0, 0, 0, 0, 0});
+  s.advance(199ms);
+  s.no_tx();
+  s.advance(1ms);
+  s.tx(0x181, {0x22, 0x22, 0, 0, 0, 0, 0, 0}).no_tx();
+}
+
+TEST(Me3Pdo, S42_Case5_EventTimerWithinTheInhibitTime_SendsNothing) {
+  RecordProperty("spec", "ME3-PDO-017");
+  Me3Scenario s;
+  s.power_on_as(1);
+  s.set_object(0x1800, 1, 0xC0000181, 4);
+  s.set_object(0x1800, 3, 3000, 2);
+  s.set_object(0x1800, 5, 200, 2);
+  s.set_object(0x1800, 1, 0x40000181, 4);
+  s.nmt(0x01);
+  s.write(13000, 0x1111);
+  s.exchange();
+  s.tx(0x181, {0x11, 0x11, 0, 0, 0, 0, 0, 0});
+  s.advance(299ms);
+  s.no_tx();
+  s.advance(10ms);
+  s.ignore_tx();  // when the timer's next frame comes is not printed
+  s.advance(5s);
+  s.ignore_tx();
+}
+
+TEST(Me3Pdo, S43_SynchronousTypes) {
+  RecordProperty("spec", "ME3-PDO-008 ME3-PDO-009 ME3-PDO-010 ME3-PDO-011");
+  Me3Scenario s;
+  s.power_on_as(1);
+  const auto types = [&](std::uint8_t tpdo, std::uint8_t rpdo) {
+    s.set_object(0x1800, 1, 0xC0000181, 4);
+    s.set_object(0x1800, 2, tpdo, 1);
+    s.set_object(0x1800, 1, 0x40000181, 4);
+    s.set_object(0x1400, 1, 0x80000201, 4);
+    s.set_object(0x1400, 2, rpdo, 1);
+    s.set_object(0x1400, 1, 0x00000201, 4);
+  };
+  types(3, 0);
+  s.nmt(0x01);
+  s.rx(0x080).rx(0x080).no_tx();
+  s.rx(0x080).tx(0x181, {0, 0, 0, 0, 0, 0, 0, 0}).no_tx();
+  s.rx(0x080).rx(0x080).no_tx();
+  s.rx(0x080).tx(0x181, {0, 0, 0, 0, 0, 0, 0, 0}).no_tx();
+
+  types(0, 0);
+  s.rx(0x080).no_tx();
+  s.write(13000, 0x0102);
+  s.exchange();
+  s.no_tx();
+  s.rx(0x080).tx(0x181, {0x02, 0x01, 0, 0, 0, 0, 0, 0}).no_tx();
+  s.rx(0x080).no_tx();
+
+  for (const std::uint8_t type : Bytes{0x00, 0x01, 0xF0}) {
+    types(0, type);
+    s.rx(0x201, {type, 0x12, 0, 0, 0, 0, 0, 0});
+    const std::uint16_t before = s.read(10000);
+    s.exchange();
+    s.expect(10000, before);
+    s.rx(0x080);
+    s.exchange();
+    s.expect(10000, static_cast<std::uint16_t>(0x1200 | type));
+  }
+  types(0, 0xFE);
+  s.rx(0x201, {0x34, 0x12, 0, 0, 0, 0, 0, 0});
+  s.exchange();
+  s.expect(10000, 0x1234);
+  for (const std::uint8_t reserved : Bytes{0xF1, 0xFB, 0xFC, 0xFD, 0xFF}) {
+    s.set_object(0x1800, 1, 0xC0000181, 4);
+    s.cif({0x0002, 0, 0x1800, 2, 1, reserved});
+    s.expect(1000, {0x000F, 0x0003});
+  }
+  s.ignore_tx();
+}
+
+TEST(Me3Pdo, S43a_DummyMapping_SkipsAByte) {
+  RecordProperty("spec", "ME3-PDO-006");
+  Me3Scenario s;
+  s.power_on_as(1);
+  s.set_object(0x1400, 1, 0x80000201, 4);
+  s.set_object(0x1600, 0, 0, 1);
+  s.set_object(0x1600, 1, 0x00050008, 4);
+  s.set_object(0x1600, 2, 0xA4C00108, 4);
+  s.set_object(0x1600, 0, 2, 1);
+  s.set_object(0x1400, 1, 0x00000201, 4);
+  s.nmt(0x01);
+  s.rx(0x201, {0xAA, 0xBB});
+  s.exchange();
+  s.expect(10000, 0x00BB).no_tx();
+}
+
+TEST(Me3Pdo, S43b_OnlyMappedObjectsAreCopied) {
+  RecordProperty("spec", "ME3-PBUF-006");
+  Me3Scenario s;
+  s.power_on_as(1);
+  s.set_object(0x1800, 1, 0xC0000181, 4);
+  s.set_object(0x1A00, 0, 0, 1);
+  s.nmt(0x01);
+  s.write(13000, {5, 6, 7, 8, 9});
+  s.exchange();
+  s.expect_object(0xA100, 1, 0, 2);
+  s.expect_object(0xA0C0, 1, 0, 2);
+  s.expect_object(0xA040, 1, 0, 1);
+  s.expect_object(0xA100, 5, 9, 2);  // TPDO 2 still maps the fifth word
+  s.ignore_tx();
+}
+
+TEST(Me3Pdo, S43c_NotOperational_TheProcessDataWait) {
+  RecordProperty("spec", "ME3-DX-007 ME3-PBUF-007 ME3-PDO-018");
+  Me3Scenario s;
+  s.power_on_as(1);
+  s.rx(0x201, {0x34, 0x12, 0, 0, 0, 0, 0, 0});
+  s.write(13000, 7);
+  s.y(0x01, true);
+  s.wait_x(0x01, true);
+  s.y(0x01, false);
+  s.advance(1s);
+  s.no_tx().expect(10000, 0);
+  s.expect_object(0xA100, 1, 0, 2);
+  s.nmt(0x01, 1);
+  s.tx(0x181, {0x07, 0, 0, 0, 0, 0, 0, 0}).no_tx();
+  s.expect_object(0xA100, 1, 7, 2);
+  s.expect(10000, 0);  // the RPDO came outside of Operational
+  s.nmt(0x02, 1);
+  s.write(13000, 8);
+  s.exchange();
+  s.rx(0x201, {0x34, 0x12, 0, 0, 0, 0, 0, 0});
+  s.no_tx();
+  s.nmt(0x01, 1);
+  s.tx(0x181, {0x08, 0, 0, 0, 0, 0, 0, 0}).no_tx();
+  s.expect(10000, 0);
+}
+
+TEST(Me3Pdo, S43d_Selection_OfProcessDataAndEmergencies) {
+  RecordProperty("spec", "ME3-DX-001 ME3-DX-002 ME3-DX-003 ME3-DX-004 ME3-IO-003");
+  Me3Scenario s;
+  operational(s);
+  std::uint8_t n = 0;
+  const auto change = [&] {
+    ++n;
+    s.write(13000, n);
+    s.rx(0x201, {n, 0, 0, 0, 0, 0, 0, 0});
+    s.write(750, 0);
+    s.rx(0x085, {n, 0x10, 0x01, 0, 0, 0, 0, 0});
+  };
+  change();
+  s.write(20, 0x1000);
+  s.exchange();
+  s.expect(751, 0x1001).expect(10000, 0).no_tx();
+
+  change();
+  s.write(20, 0x0100);
+  s.exchange();
+  s.tx(0x181, {2, 0, 0, 0, 0, 0, 0, 0}).no_tx();
+  s.expect(751, 0).expect(10000, 2);
+
+  for (const std::uint16_t both : Words{0x0000, 0x1100}) {
+    change();
+    s.write(20, both);
+    s.exchange();
+    s.tx(0x181, {n, 0, 0, 0, 0, 0, 0, 0}).no_tx();
+    s.expect(751, static_cast<std::uint16_t>(0x1000 | n)).expect(10000, n);
+  }
+}
+
+TEST(Me3Pdo, ExchangeStatus_ReadsInBit8WhileItRuns) {
+  RecordProperty("spec", "ME3-DX-005");
+  Me3Scenario s;
+  operational(s);
+  s.write(20, 0x1100);
+  s.expect(20, 0);
+  s.y(0x01, true);
+  s.expect(20, 0x0100).expect_x(0x01, false);
+  s.wait_x(0x01, true);
+  s.expect(20, 0);
+  s.y(0x01, false);
+  s.nmt(0x80);
+  s.y(0x01, true);
+  s.wait_x(0x01, true);
+  s.expect(20, 0x0100);  // waits for Operational
+  s.nmt(0x01);
+  s.expect(20, 0);
+}
+
+TEST(Me3Pdo, ReceivedData_StandStillBetweenExchanges_TheLatestFrameWins) {
+  RecordProperty("spec", "ME3-DX-008");
+  Me3Scenario s;
+  operational(s);
+  s.rx(0x201, {1, 0, 2, 0, 3, 0, 4, 0});
+  s.expect(10000, {0, 0, 0, 0});
+  s.exchange();
+  s.expect(10000, {1, 2, 3, 4});
+  s.rx(0x201, {5, 0, 6, 0, 7, 0, 8, 0});
+  s.rx(0x201, {9, 0, 10, 0, 11, 0, 12, 0});
+  s.advance(1s);
+  s.expect(10000, {1, 2, 3, 4});
+  s.exchange();
+  s.expect(10000, {9, 10, 11, 12});
+}
+
+TEST(Me3Pdo, WordsWrittenBeforeTheRequest_LeaveTogether_LaterOnesWait) {
+  RecordProperty("spec", "ME3-DX-009");
+  Me3Scenario s;
+  operational(s);
+  s.write(13000, {1, 2, 3, 4});
+  s.y(0x01, true);
+  s.write(13002, {30, 40});  // in the middle of the exchange
+  s.wait_x(0x01, true);
+  s.tx(0x181, {1, 0, 2, 0, 3, 0, 4, 0}).no_tx();
+  s.y(0x01, false);
+  s.exchange();
+  s.tx(0x181, {1, 0, 2, 0, 30, 0, 40, 0}).no_tx();
+}
+
+TEST(Me3Pdo, RemoteRequestOfAPdo_IsNotAnswered) {
+  Me3Scenario s;
+  operational(s);
+  s.write(13000, 1);
+  s.exchange();
+  s.ignore_tx();
+  s.rx_remote(0x181, 8).rx_remote(0x201, 8);
+  s.advance(1s);
+  s.no_tx();
+}
+
+TEST(Me3Pdo, RpdoLengthErrors_SendEmergencies) {
+  RecordProperty("spec", "ME3-PDO-019");
+  Me3Scenario s;
+  operational(s);
+  s.rx(0x201, {0x11, 0x22, 0x33});
+  ASSERT_EQ(s.controller().sent.size(), 1U);
+  EXPECT_EQ(text(s.controller().sent.front()).substr(0, 10), "081 [10 82");
+  s.ignore_tx();
+  s.exchange();
+  s.expect(10000, 0);
+  s.set_object(0x1400, 1, 0x80000201, 4);
+  s.set_object(0x1600, 0, 0, 1);
+  s.set_object(0x1600, 0, 1, 1);
+  s.set_object(0x1400, 1, 0x00000201, 4);
+  s.rx(0x201, {0x11, 0x22, 0x33});
+  ASSERT_EQ(s.controller().sent.size(), 1U);
+  EXPECT_EQ(text(s.controller().sent.front()).substr(0, 10), "081 [20 82");
+  s.ignore_tx();
+  s.exchange();
+  s.expect(10000, {0x2211, 0});
+}
+
+TEST(Me3Pdo, MappingIsChecked_LengthAndMappability) {
+  RecordProperty("spec", "ME3-PDO-005");
+  Me3Scenario s;
+  s.power_on_as(1);
+  s.set_object(0x1400, 1, 0x80000201, 4);
+  s.set_object(0x1600, 0, 0, 1);
+  for (std::uint8_t i = 1; i <= 8; ++i)
+    s.set_object(0x1600, i, 0xA4C00008U | static_cast<std::uint32_t>(i) << 8, 4);
+  s.set_object(0x1600, 0, 8, 1);  // 64 bits
+  s.set_object(0x1600, 0, 0, 1);
+  s.set_object(0x1600, 8, 0xA5800110, 4);
+  s.cif({0x0002, 0, 0x1600, 0, 1, 8});  // 72 bits
+  s.expect(1000, {0x000F, 0x0003, 0, 0x0042, 0x0604});
+  for (const std::uint32_t entry : {0x10000020U, 0xA1000110U, 0x10170010U}) {
+    s.cif({0x0002, 0, 0x1600, 1, 4, static_cast<std::uint16_t>(entry & 0xFFFF),
+           static_cast<std::uint16_t>(entry >> 16)});
+    s.expect(1000, {0x000F, 0x0003, 0, 0x0041, 0x0604});
+  }
+  s.set_object(0x1800, 1, 0xC0000181, 4);
+  s.set_object(0x1A00, 0, 0, 1);
+  s.cif({0x0002, 0, 0x1A00, 1, 4, 0x0110, 0xA580});  // an output variable in a TPDO
+  s.expect(1000, {0x000F, 0x0003, 0, 0x0041, 0x0604});
+}
+
+// --- what lies where [3.5.19]
+
+TEST(Me3ProcessData, RpdoWords_ToNetworkVariables) {
+  RecordProperty("spec", "ME3-PBUF-001 ME3-PBUF-002 ME3-PBUF-003 ME3-PRO-003");
+  Me3Scenario s;
+  operational(s);
+  struct Row {
+    std::uint16_t index;
+    std::uint8_t sub;
+    std::uint32_t value;
+    unsigned length;
+    module::BufferAddress word;
+    Words expected;
+  };
+  // Rows of tables 3-21, 3-22 and 3-23.
+  const std::vector<Row> rows{
+      {0xA4C0, 0x01, 0x11, 1, 10000, {0x0011}},
+      {0xA480, 0x02, 0x22, 1, 10000, {0x2211}},
+      {0xA4C0, 0xFD, 0x33, 1, 10126, {0x0033}},
+      {0xA4C0, 0xFE, 0x44, 1, 10126, {0x4433}},
+      {0xA4C1, 0x01, 0x55, 1, 10127, {0x0055}},
+      {0xA481, 0x02, 0x66, 1, 10127, {0x6655}},
+      {0xA4C7, 0xFE, 0x77, 1, 11015, {0x7700}},
+      {0xA4C8, 0x01, 0x12, 1, 11016, {0x0012}},
+      {0xA4C8, 0x0F, 0x13, 1, 11023, {0x0013}},
+      {0xA488, 0x10, 0x14, 1, 11023, {0x1413}},
+      {0xA580, 0xFE, 0x1234, 2, 10253, {0x1234}},
+      {0xA581, 0x01, 0x2345, 2, 10254, {0x2345}},
+      {0xA541, 0xFE, 0x3456, 2, 10507, {0x3456}},
+      {0xA584, 0x08, 0x4567, 2, 11023, {0x4567}},
+      {0xA680, 0x01, 0x89ABCDEF, 4, 10000, {0xCDEF, 0x89AB}},
+      {0xA640, 0xFE, 0x01234567, 4, 10506, {0x4567, 0x0123}},
+      {0xA6C1, 0x01, 0x3F800000, 4, 10508, {0x0000, 0x3F80}},
+      {0xA682, 0x04, 0xDEADBEEF, 4, 11022, {0xBEEF, 0xDEAD}},
+  };
+  for (const Row& row : rows) {
+    s.set_object(row.index, row.sub, row.value, row.length);
+    s.exchange();
+    s.expect(row.word, row.expected);
+  }
+  s.no_tx();
+}
+
+TEST(Me3ProcessData, TpdoWords_ToNetworkVariables) {
+  RecordProperty("spec", "ME3-PBUF-004");
+  struct Row {
+    std::uint32_t mapping;
+    module::BufferAddress word;
+    Words written;
+    std::uint32_t value;
+    unsigned length;
+  };
+  // Rows of tables 3-24 to 3-26; the last row of 3-26 is misprinted and stands for 14022/14023.
+  const std::vector<Row> rows{
+      {0xA0400108, 13000, {0x2211}, 0x11, 1},
+      {0xA0000208, 13000, {0x2211}, 0x22, 1},
+      {0xA040FE08, 13126, {0x4433}, 0x44, 1},
+      {0xA0410108, 13127, {0x6655}, 0x55, 1},
+      {0xA0481008, 14023, {0x1413}, 0x14, 1},
+      {0xA100FE10, 13253, {0x1234}, 0x1234, 2},
+      {0xA1010110, 13254, {0x2345}, 0x2345, 2},
+      {0xA0C40810, 14023, {0x4567}, 0x4567, 2},
+      {0xA2000120, 13000, {0xCDEF, 0x89AB}, 0x89ABCDEF, 4},
+      {0xA1C0FE20, 13506, {0x4567, 0x0123}, 0x01234567, 4},
+      {0xA2410120, 13508, {0x0000, 0x3F80}, 0x3F800000, 4},
+      {0xA2020420, 14022, {0xBEEF, 0xDEAD}, 0xDEADBEEF, 4},
+  };
+  for (const Row& row : rows) {
+    Me3Scenario s;
+    s.power_on_as(1);
+    s.set_object(0x1800, 1, 0xC0000181, 4);
+    s.set_object(0x1A00, 0, 0, 1);
+    s.set_object(0x1A00, 1, row.mapping, 4);
+    s.set_object(0x1A00, 0, 1, 1);
+    s.set_object(0x1800, 1, 0x40000181, 4);
+    s.nmt(0x01);
+    s.write(row.word, row.written);
+    s.exchange();
+    Bytes frame;
+    for (unsigned i = 0; i < row.length; ++i)
+      frame.push_back(static_cast<std::uint8_t>(row.value >> (8 * i)));
+    s.tx(0x181, frame);
+    s.expect_object(static_cast<std::uint16_t>(row.mapping >> 16),
+                    static_cast<std::uint8_t>(row.mapping >> 8), row.value, row.length);
+    s.ignore_tx();
+  }
+}
+
+TEST(Me3ProcessData, OverlappingObjects_AreNotKeptEqual) {
+  RecordProperty("spec", "ME3-PBUF-005");
+  Me3Scenario s;
+  operational(s);
+  s.set_object(0xA580, 1, 0x1234, 2);
+  s.set_object(0xA4C0, 1, 0x99, 1);
+  s.exchange();
+  s.expect(10000, 0x1299);
+  s.expect_object(0xA580, 1, 0x1234, 2);
+  s.expect_object(0xA4C0, 1, 0x99, 1);
+  s.expect_object(0xA4C0, 2, 0, 1);
+}
+
+TEST(Me3ProcessData, NetworkVariables_Exist_AsTheProfileSays) {
+  RecordProperty("spec", "ME3-PRO-001 ME3-PRO-002 ME3-PRO-004");
+  Me3Scenario s;
+  s.power_on();
+  // First index, last index, sub-indexes of the last one.
+  const std::vector<std::array<std::uint16_t, 3>> inputs{
+      {0xA000, 0xA008, 0x10}, {0xA040, 0xA048, 0x10}, {0xA0C0, 0xA0C4, 0x08}, {0xA100, 0xA104, 0x08},
+      {0xA1C0, 0xA1C2, 0x04}, {0xA200, 0xA202, 0x04}, {0xA240, 0xA242, 0x04}};
+  const std::vector<std::array<std::uint16_t, 3>> outputs{
+      {0xA480, 0xA488, 0x10}, {0xA4C0, 0xA4C8, 0x10}, {0xA540, 0xA544, 0x08}, {0xA580, 0xA584, 0x08},
+      {0xA640, 0xA642, 0x04}, {0xA680, 0xA682, 0x04}, {0xA6C0, 0xA6C2, 0x04}};
+  const auto check = [&](const auto& areas, bool writable) {
+    for (const auto& [first, last, count] : areas) {
+      const unsigned length = last - first == 8 ? 1 : last - first == 4 ? 2 : 4;
+      s.expect_object(first, 0, 0xFE, 1);
+      s.expect_object(last, 0, count, 1);
+      s.expect_object(first, 0xFE, 0, length);
+      s.expect_object(last, static_cast<std::uint8_t>(count), 0, length);
+      s.cif({0x0004, 0, last, static_cast<std::uint16_t>(count + 1)});
+      s.expect(1000, {0x000F, 0x0003, 0, 0x0011, 0x0609});
+      s.cif({0x0004, 0, static_cast<std::uint16_t>(last + 1), 0});
+      s.expect(1000, {0x000F, 0x0003, 0, 0x0000, 0x0602});
+      s.cif({0x0002, 0, first, 1, static_cast<std::uint16_t>(length), 1});
+      if (writable) {
+        s.expect(1000, 0x0003);
+      } else {
+        s.expect(1000, {0x000F, 0x0003, 0, 0x0002, 0x0601});
+      }
+    }
+  };
+  check(inputs, false);
+  check(outputs, true);
+  for (const std::uint16_t missing :
+       Words{0xA080, 0xA140, 0xA180, 0xA280, 0xA400, 0xA500, 0xA5C0, 0xA600, 0xA700}) {
+    s.cif({0x0004, 0, missing, 0});
+    s.expect(1000, {0x000F, 0x0003, 0, 0x0000, 0x0602});
+  }
+}
+
+}  // namespace
+}  // namespace canopus::scenario

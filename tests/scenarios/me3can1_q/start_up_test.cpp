@@ -1,0 +1,206 @@
+// spec/me3can1-q/scenarios.md, section 2: start-up procedures.
+
+#include "scenarios/me3can1_q/scenario.hpp"
+
+namespace canopus::scenario {
+namespace {
+
+TEST(Me3StartUp, S04_PowerOn_InitializesFirst_ThenPreOperationalWithBootUpFrame) {
+  RecordProperty("spec", "ME3-STAT-001 ME3-STAT-006 ME3-NMT-001 ME3-NMT-002 ME3-ERR-004 ME3-ERR-012");
+  Me3Scenario s;
+  s.supply_on();
+  s.expect(25, 0x0080).expect_x(0x00, false).no_tx();
+  s.write(24, 125);
+  s.expect_bit(29, 5, true).expect(40, 24).expect_x(0x0F, true);
+  s.write(27, 5);
+  s.expect(40, 24);  // the first one stays
+  s.wait_bit(25, 7, false);
+  s.expect(25, 0x0100).expect(24, 250).expect(27, 127).expect_x(0x00, true);
+  s.tx(0x77F, {0x00}).no_tx();
+  s.expect_bit(29, 5, true);  // latched
+  s.y(0x0F, true);
+  s.expect(29, 0).expect(40, 0).expect_x(0x0F, false);
+  s.y(0x0F, false);
+}
+
+TEST(Me3StartUp, S04_FactoryState_EveryWordHasItsDefault) {
+  RecordProperty("spec", "ME3-SAVE-007 ME3-BAUD-005 ME3-NST-002 ME3-SYS-005");
+  Me3Scenario s;
+  s.power_on();
+  s.expect(20, {0, 405, 0, 0, 250, 0x0100, 0, 127, 0, 0});
+  s.expect(30, {0, 0, 0, 0, 0, 0, 0, 2500, 875, 0, 0});
+  s.expect(50, {1, 14, 8, 1, 0, 0, 0, 5, 0, 0});
+  s.expect(70, {500, 500});
+  for (module::BufferAddress a = 400; a <= 527; ++a) s.expect(a, 0);
+  for (module::BufferAddress a = 601; a <= 726; ++a) s.expect(a, 0);
+  s.expect(727, 0x007F);
+  for (module::BufferAddress a = 750; a <= 859; ++a) s.expect(a, 0);
+  for (module::BufferAddress a = 1000; a <= 1066; ++a) s.expect(a, 0);
+  for (module::BufferAddress a = 10000; a <= 11023; ++a) s.expect(a, 0);
+  for (module::BufferAddress a = 13000; a <= 14023; ++a) s.expect(a, 0);
+}
+
+TEST(Me3StartUp, S05_MasterNode1_StepByStep) {
+  RecordProperty("spec", "ME3-PRG-002 ME3-NODE-002 ME3-MST-001 ME3-IO-007");
+  Me3Scenario s;
+  s.power_on();
+  s.write(21, 405);
+  s.save();
+  s.restart();
+  s.write(24, 250);
+  s.write(27, 1);
+  s.save();
+  s.y(0x02, true);
+  s.ignore_tx();
+  s.wait_x(0x02, true);
+  s.y(0x02, false);
+  s.tx(0x701, {0x00});
+  s.expect(601, 0x007F).expect(727, 0);
+  s.set_object(0x1F80, 0, 1, 4);
+  s.expect_bit(25, 15, false);  // not before the restart
+  s.store_objects();
+  s.restart();
+  s.expect_bit(25, 15, true);
+  s.set_object(0x1017, 0, 1000, 2);
+  s.set_object(0x1016, 1, 0x000205DC, 4);
+  s.set_object(0x1F81, 2, 0x0000000D, 4);
+  s.set_object(0x1F84, 2, 0x000F0191, 4);
+  s.set_object(0x1F89, 0, 10000, 4);
+  s.store_objects();
+  s.restart();
+  s.expect_object(0x1017, 0, 1000, 2);
+  s.expect_object(0x1016, 1, 0x000205DC, 4);
+  s.expect_object(0x1F81, 2, 0x0000000D, 4);
+  s.expect_object(0x1F84, 2, 0x000F0191, 4);
+  s.expect_object(0x1F89, 0, 10000, 4);
+  s.expect_bit(25, 15, true);
+  s.ignore_tx();
+}
+
+TEST(Me3StartUp, S07_Restart_TakesSixSeconds_SendsEmergencyAndBootUp) {
+  RecordProperty("spec", "ME3-IO-004 ME3-IO-008 ME3-STAT-001");
+  Me3Scenario s;
+  s.power_on();
+  s.y(0x02, true);
+  s.tx(0x0FF, {0x00, 0x62, 0x01, 0x4D, 0x45, 0x30, 0x30, 0x34}).no_tx();
+  s.expect_bit(25, 7, true).expect_x(0x02, false);
+  s.advance(5999ms);
+  s.expect_bit(25, 7, true).expect_x(0x02, false).no_tx();
+  s.advance(1ms);
+  s.expect_bit(25, 7, false).expect_x(0x02, true);
+  s.tx(0x77F, {0x00});
+  s.y(0x02, false);
+  s.expect_x(0x02, false);
+  s.advance(30s);
+  s.no_tx();
+}
+
+TEST(Me3StartUp, S07_RestartRequestLeftOn_RestartsAgainAndAgain) {
+  RecordProperty("spec", "ME3-IO-005");
+  Me3Scenario s;
+  s.power_on();
+  s.y(0x02, true);
+  for (int round = 0; round < 3; ++round) {
+    s.wait_x(0x02, true);
+    s.expect_bit(25, 7, false);
+    s.wait_x(0x02, false);
+    s.expect_bit(25, 7, true);
+  }
+  s.y(0x02, false);
+  s.wait_bit(25, 7, false);
+  s.ignore_tx();
+  s.advance(30s);
+  s.no_tx();
+  s.expect_bit(25, 7, false);
+}
+
+TEST(Me3StartUp, S08_UnsavedSettings_AreLostAtTheRestart_SavedOnesComeIntoForce) {
+  RecordProperty("spec", "ME3-IO-006 ME3-BAUD-003 ME3-BAUD-004");
+  Me3Scenario s;
+  s.power_on();
+  s.write(24, 125);
+  s.restart();
+  s.expect(24, 250).expect(37, 2500);
+  s.write(24, 125);
+  s.save();
+  s.expect(37, 2500);
+  EXPECT_EQ(s.controller().rate, 250'000U);
+  s.restart();
+  s.expect(24, 125).expect(37, 1250);
+  EXPECT_EQ(s.controller().rate, 125'000U);
+  s.write(24, 1000);
+  s.save();
+  s.restart();
+  s.expect(37, 10000);
+}
+
+TEST(Me3StartUp, UnsavedObjectDictionary_IsLostAtTheRestart) {
+  Me3Scenario s;
+  s.power_on();
+  s.set_object(0x1017, 0, 1000, 2);
+  s.restart();
+  s.expect_object(0x1017, 0, 0, 2);
+}
+
+TEST(Me3StartUp, InvalidBaudRateAndModeAndNode_AreRefused_WithTheirAddress) {
+  RecordProperty("spec", "ME3-BAUD-001 ME3-BAUD-002 ME3-MODE-002 ME3-NODE-001 ME3-SYS-011 ME3-ERR-005");
+  Me3Scenario s;
+  s.power_on();
+  for (const std::uint16_t rate : Words{10, 20, 50, 100, 125, 250, 500, 800, 1000}) {
+    s.write(24, rate);
+    s.expect(24, rate).expect(29, 0);
+  }
+  s.write(24, 300);
+  s.expect(29, 0x0040).expect(39, 24).expect(24, 1000).expect_x(0x0F, true);
+  s.write(29, 0);
+  s.write(21, 100);
+  s.expect(29, 0x0040).expect(39, 21).expect(21, 405).expect_x(0x0F, true);
+  s.write(29, 0);
+  s.write(27, 1);
+  s.write(27, 127);
+  s.expect(29, 0).expect(27, 127);
+  s.write(27, 0);
+  s.expect(29, 0x0040).expect(39, 27).expect(27, 127);
+  s.write(29, 0);
+  s.write(27, 128);
+  s.expect(29, 0x0040).expect(39, 27).expect(27, 127);
+}
+
+TEST(Me3StartUp, ModeChange_TakesEffectAfterSaveAndRestart_AndDeletesTheObjectDictionarySettings) {
+  RecordProperty("spec", "ME3-MODE-001 ME3-MODE-003 ME3-MODE-004 ME3-MODE-005 ME3-NODE-003");
+  Me3Scenario s;
+  s.power_on();
+  s.expect(21, 405);
+  s.set_object(0x1017, 0, 1000, 2);
+  s.store_objects();
+  s.write(21, 11);
+  s.restart();
+  s.expect(21, 405).expect_bit(25, 8, true);  // not saved: still CANopen
+  s.expect_object(0x1017, 0, 1000, 2);
+  s.write(21, 11);
+  s.save();
+  s.y(0x02, true);
+  s.ignore_tx();
+  s.wait_x(0x02, true);
+  s.y(0x02, false);
+  s.expect(21, 11).expect(25, 0x0000);
+  s.no_tx();  // no boot-up
+  s.rx(0x67F, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0});
+  s.rx(0x000, {0x01, 0x00});
+  s.advance(5s);
+  s.no_tx();
+  s.expect(25, 0x0000);
+  s.write(27, 5);
+  s.expect(29, 0x0040).expect(39, 27);
+  s.write(29, 0);
+  s.write(21, 29);
+  s.expect(29, 0);
+  s.write(21, 405);
+  s.save();
+  s.restart();
+  s.expect(21, 405).expect_bit(25, 8, true);
+  s.expect_object(0x1017, 0, 0, 2);
+}
+
+}  // namespace
+}  // namespace canopus::scenario
