@@ -57,7 +57,11 @@ std::string hex(std::uint32_t value, int digits) {
   return text;
 }
 
-std::string object(const BootRecord& record) { return hex(record.index, 4) + ":" + hex(record.sub, 2); }
+std::string object(const BootRecord& record) {
+  std::string text = hex(record.index, 4) + ":" + hex(record.sub, 2);
+  text.pop_back();  // 1018H:01, without a second H
+  return text;
+}
 
 std::string comparison(const BootRecord& record) {
   return object(record) + " reads " + hex(record.received, 8) + ", expected " + hex(record.expected, 8) + ".";

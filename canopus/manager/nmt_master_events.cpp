@@ -163,9 +163,8 @@ void NmtMaster::Engine::boot_up_message(std::uint8_t node_id, can::Time now) {
 
 void NmtMaster::Engine::state_message(std::uint8_t node_id, std::uint8_t byte, can::Time now) {
   const auto state = static_cast<std::uint8_t>(byte & 0x7F);
-  NodeGuarding& guarding = guarding_[node_id];
-  if (guarding.running()) {
-    const NodeGuarding::Answer answer = guarding.answer(byte, now);
+  const NodeGuarding::Answer answer = guarding_[node_id].answer(byte, now);
+  if (guarding_[node_id].running()) {
     if (!answer.accepted) return set_flags(node_id, error_control::guarding_miss, 0, now);
     set_state(node_id, state, now);
     if (answer.resolved && in_error_[node_id]) {

@@ -44,7 +44,7 @@ void NmtMaster::Engine::stop(can::Time now) {
   held_.reset();
   expected_state_.fill(0);
   for (std::uint8_t n = 1; n < 128; ++n) {
-    guarding_[n].stop();
+    guarding_[n].forget();
     set_flags(n, 0, 0xFFFF, now);
     set_state(n, node_state::unknown, now);
     refresh(n);

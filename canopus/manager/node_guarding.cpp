@@ -3,7 +3,7 @@
 namespace canopus::manager {
 
 void NodeGuarding::start(can::Duration guard_time, unsigned retry_factor, can::Time now) noexcept {
-  *this = NodeGuarding{};
+  stop();
   running_ = true;
   guard_time_ = guard_time;
   retry_factor_ = retry_factor;
@@ -11,11 +11,19 @@ void NodeGuarding::start(can::Duration guard_time, unsigned retry_factor, can::T
   life_end_ = later(now, guard_time * retry_factor);
 }
 
+void NodeGuarding::stop() noexcept {
+  const bool known = toggle_known_;
+  const bool toggle = toggle_;
+  *this = NodeGuarding{};
+  toggle_known_ = known;
+  toggle_ = toggle;
+}
+
 void NodeGuarding::expect_silence() noexcept {
   silence_expected_ = !lost_;
   lost_ = true;
   awaiting_ = false;
-  toggle_known_ = false;
+  toggle_known_ = false;  // its boot-up message, if it comes, will say
   life_end_ = can::never;
 }
 
@@ -51,12 +59,12 @@ NodeGuarding::Due NodeGuarding::tick(can::Time now) noexcept {
 
 NodeGuarding::Answer NodeGuarding::answer(std::uint8_t byte, can::Time now) noexcept {
   Answer result;
-  if (!running_) return result;
   const bool toggle = (byte & 0x80) != 0;
   result.accepted = !toggle_known_ || toggle == toggle_;
   if (!result.accepted) return result;
   toggle_known_ = true;
   toggle_ = !toggle;
+  if (!running_) return result;
   result.resolved = lost_ && !silence_expected_;
   silence_expected_ = false;
   awaiting_ = false;

@@ -26,13 +26,17 @@ class NodeGuarding {
 
   /// Begins; the first remote frame is due at once. retry_factor >= 1, guard_time > 0.
   void start(can::Duration guard_time, unsigned retry_factor, can::Time now) noexcept;
-  void stop() noexcept { *this = NodeGuarding{}; }
+  /// The toggle bit is remembered: the slave goes on with it when guarding starts again.
+  void stop() noexcept;
+  /// Nothing is known of the slave.
+  void forget() noexcept { *this = NodeGuarding{}; }
   /// The slave was reset: its silence is no news until it answers, and its toggle bit begins anew.
   void expect_silence() noexcept;
   /// The slave's boot-up message: the toggle bit of its next answer is 0.
   void boot_up() noexcept;
 
   Due tick(can::Time now) noexcept;
+  /// Also while not running: an answer to a single remote frame moves the toggle bit on.
   Answer answer(std::uint8_t byte, can::Time now) noexcept;
 
   [[nodiscard]] bool running() const noexcept { return running_; }

@@ -1,0 +1,499 @@
+// What a master does when a slave is lost, and what it shows of its slaves [CiA 302-2;
+// ME3CAN1-Q 4.8.7-4.8.9].
+
+#include <gmock/gmock.h>
+
+#include "master_bench.hpp"
+
+namespace canopus::manager::test {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+constexpr std::uint32_t optional = 0x05;
+constexpr std::uint32_t mandatory = 0x0D;
+
+/// Slave 2 is watched by heartbeat (1500 ms) and running; its heartbeats end at about 3 s.
+class LostHeartbeat : public MasterBench {
+ public:
+  void run(std::uint32_t start_up, std::uint32_t assignment) {
+    object(0x1F80, 0, start_up);
+    object(0x1F81, 2, assignment);
+    object(0x1016, 1, 0x000205DC);
+    ScriptedSlave& device = slave(2);
+    device.heartbeat_after_reset = 10ms;
+    switch_on();
+    heartbeats(2, 0x7F, 5ms, 15ms);
+    run_until_ms(1000);
+    hear(can::data_frame(0x702, {0x05}));
+    run_until_ms(2000);
+    hear(can::data_frame(0x702, {0x05}));
+    run_until_ms(3000);
+    hear(can::data_frame(0x702, {0x05}));
+    ASSERT_EQ(node.state(), NmtState::operational);
+    ASSERT_EQ(master.boot_record(2).step, BootStep::booted);
+    device.heartbeat_after_reset = 100ms;
+    sent();
+    events.clear();
+    run_until_ms(4499);
+    ASSERT_THAT(sent(), IsEmpty());
+    run_until_ms(4500);
+  }
+};
+
+TEST_F(LostHeartbeat, OptionalSlave_IsResetAndBootedAgain) {
+  run(0x01, optional);
+  EXPECT_EQ(master.error_control(2), 0x82);
+  EXPECT_TRUE(master.starting());
+  run_for(1s);
+  EXPECT_THAT(sent(), ElementsAre("4500 000 82 02", "4505 602 40 00 10 00 00 00 00 00", "4605 000 01 02"));
+  EXPECT_EQ(events[0], "event 2 heartbeat");
+  EXPECT_THAT(events, Contains("booted 2"));
+  EXPECT_FALSE(master.starting());
+}
+
+TEST_F(LostHeartbeat, MandatorySlave_IsTreatedTheSameAlone) {
+  run(0x01, mandatory);
+  run_for(1s);
+  EXPECT_THAT(sent(), ElementsAre("4500 000 82 02", "4505 602 40 00 10 00 00 00 00 00", "4605 000 01 02"));
+}
+
+TEST_F(LostHeartbeat, MandatorySlave_Bit4_ResetsAllAndStartsTheNetworkAnew) {
+  run(0x11, mandatory);
+  EXPECT_EQ(node.state(), NmtState::pre_operational);
+  run_for(1s);
+  EXPECT_THAT(sent(), ElementsAre("4500 000 82 00", "4505 602 40 00 10 00 00 00 00 00", "4605 000 01 02"));
+  EXPECT_EQ(node.state(), NmtState::operational);
+}
+
+TEST_F(LostHeartbeat, OptionalSlave_Bit4_IsStillTreatedAlone) {
+  run(0x11, optional);
+  EXPECT_THAT(commands(), ElementsAre("4500 000 82 02"));
+}
+
+TEST_F(LostHeartbeat, MandatorySlave_Bit6_StopsAllForGood) {
+  run(0x41, mandatory);
+  EXPECT_EQ(node.state(), NmtState::stopped);
+  EXPECT_TRUE(master.halted());
+  EXPECT_FALSE(master.starting());
+  EXPECT_EQ(master.node_state(2), 4);
+  EXPECT_THAT(sent(), ElementsAre("4500 000 02 00"));
+  hear(can::data_frame(0x702, {0x00}));
+  run_for(60s);
+  EXPECT_THAT(sent(), IsEmpty());
+}
+
+TEST_F(LostHeartbeat, MandatorySlave_Bits6And4_Bit6Wins) {
+  run(0x51, mandatory);
+  run_for(60s);
+  EXPECT_THAT(sent(), ElementsAre("4500 000 02 00"));
+}
+
+TEST_F(LostHeartbeat, StoppedNetwork_IsBroughtBackByAResetOfAllByRequest) {
+  run(0x41, mandatory);
+  sent();
+  run_until_ms(5000);
+  EXPECT_EQ(write(0x1F82, 0x80, 0x07, 1), AbortCode::none);
+  run_for(1s);
+  EXPECT_FALSE(master.halted());
+  EXPECT_EQ(node.state(), NmtState::operational);
+  EXPECT_THAT(commands(), ElementsAre("5000 000 82 00", "5000 000 82 00", "5105 000 01 02"));
+}
+
+TEST_F(LostHeartbeat, OptionalSlave_Bit6_IsStillTreatedAlone) {
+  run(0x41, optional);
+  EXPECT_THAT(commands(), ElementsAre("4500 000 82 02"));
+}
+
+TEST_F(LostHeartbeat, WhileTheMasterIsStopped_NothingIsDone) {
+  object(0x1F80, 0, 0x01);
+  run(0x01, mandatory);  // lost once, and coming back
+  run_for(1s);
+  node.command(canopen::NmtCommand::stop, now);
+  sent();
+  run_for(10s);
+  EXPECT_THAT(sent(), IsEmpty());
+}
+
+TEST_F(LostHeartbeat, ResetNodeAsErrorReset_IsAnOption) {
+  master.options().error_reset = canopen::NmtCommand::reset_node;
+  run(0x01, optional);
+  EXPECT_THAT(commands(), ElementsAre("4500 000 81 02"));
+}
+
+class ErrorControl : public MasterBench {};
+
+TEST_F(ErrorControl, UnassignedNodeLost_IsOnlyShown) {
+  object(0x1F80, 0, 0x01);
+  object(0x1016, 1, 0x000205DC);
+  switch_on();
+  run_until_ms(1000);
+  EXPECT_EQ(master.error_control(2), 0);
+  hear(can::data_frame(0x702, {0x05}));
+  EXPECT_EQ(master.error_control(2), 0x02);
+  EXPECT_EQ(master.node_state(2), 5);
+  sent();
+  run_until_ms(2499);
+  EXPECT_EQ(master.error_control(2), 0x02);
+  run_until_ms(2500);
+  EXPECT_EQ(master.error_control(2), 0x82);
+  run_for(10s);
+  EXPECT_THAT(sent(), IsEmpty());
+  EXPECT_EQ(master.node_state(2), 5);
+}
+
+TEST_F(ErrorControl, HeartbeatAgain_ResolvesTheEvent_AndKeepsTheErrorBitUntilItIsCleared) {
+  object(0x1F80, 0, 0x01);
+  object(0x1016, 1, 0x000205DC);
+  switch_on();
+  heartbeat(2, 0x05);
+  run_for(2s);
+  EXPECT_THAT(events, Contains("event 2 heartbeat"));
+  heartbeat(2, 0x04);
+  EXPECT_THAT(events, Contains("resolved 2"));
+  EXPECT_EQ(master.error_control(2), 0x82);
+  EXPECT_EQ(master.node_state(2), 4);
+  master.clear_error_control(3, now);
+  EXPECT_EQ(master.error_control(2), 0x82);
+  master.clear_error_control(2, now);
+  EXPECT_EQ(master.error_control(2), 0x02);
+}
+
+TEST_F(ErrorControl, AsSlave_WatchedNodesAreShown_AndNothingIsSent) {
+  object(0x1016, 1, 0x000205DC);
+  switch_on();
+  heartbeat(2, 0x05);
+  EXPECT_EQ(master.node_state(2), 5);
+  heartbeat(2, 0x00);
+  EXPECT_EQ(master.node_state(2), 0x7F);
+  heartbeat(2, 0x05);
+  sent();
+  run_for(10s);
+  EXPECT_EQ(master.error_control(2), 0x82);
+  EXPECT_THAT(sent(), IsEmpty());
+}
+
+// --- guarding
+
+/// Slave 2 is guarded every 100 ms with retry factor 3, and not booted by the master; the first answer came
+/// at 6 ms (boot-up message at 5 ms, remote frame at once).
+class Guarding : public MasterBench {
+ public:
+  Guarding() {
+    object(0x1F80, 0, 0x01);
+    object(0x1F81, 2, 0x00640301);
+    slave(2);
+  }
+  ScriptedSlave& device() { return slaves.front(); }
+};
+
+TEST_F(Guarding, AsksEveryGuardTime_AndShowsTheState) {
+  switch_on();
+  run_until_ms(410);
+  EXPECT_THAT(only(sent(), "702"),
+              ElementsAre("5 702 R", "105 702 R", "205 702 R", "305 702 R", "405 702 R"));
+  EXPECT_EQ(master.error_control(2), 0x01);
+  EXPECT_EQ(master.node_state(2), 0x7F);
+  EXPECT_TRUE(master.guarding(2));
+}
+
+TEST_F(Guarding, OneMissedAnswer_IsMarkedAtTheNextRequest_WithoutAnyReaction) {
+  switch_on();
+  run_until_ms(150);
+  device().answers_guarding = false;
+  run_until_ms(304);
+  EXPECT_EQ(master.error_control(2), 0x01);
+  run_until_ms(305);
+  EXPECT_EQ(master.error_control(2), 0x05);
+  device().answers_guarding = true;
+  run_until_ms(3000);
+  EXPECT_EQ(master.error_control(2), 0x05);
+  EXPECT_THAT(commands(), ElementsAre("0 000 82 00"));
+}
+
+TEST_F(Guarding, SilenceForTheLifeTime_LosesTheSlave) {
+  switch_on();
+  run_until_ms(150);
+  device().present = false;  // heard last at 106 ms
+  run_until_ms(405);
+  EXPECT_EQ(master.error_control(2) & 0x08, 0);
+  run_until_ms(406);
+  EXPECT_EQ(master.error_control(2), 0x0D);
+  EXPECT_THAT(events, Contains("event 2 lost"));
+  EXPECT_THAT(commands(), ElementsAre("0 000 82 00", "406 000 82 02"));
+}
+
+TEST_F(Guarding, AnswersAgainAfterTheLoss_ResolveTheEvent) {
+  switch_on();
+  run_until_ms(150);
+  device().present = false;
+  run_until_ms(1000);
+  device().present = true;
+  run_until_ms(1200);
+  EXPECT_THAT(events, Contains("resolved 2"));
+  EXPECT_TRUE(master.guarding(2));
+}
+
+TEST_F(Guarding, WrongToggleBit_IsMarked) {
+  switch_on();
+  run_until_ms(150);
+  device().toggle = !device().toggle;
+  run_until_ms(205);
+  EXPECT_EQ(master.error_control(2), 0x01);
+  run_until_ms(206);
+  EXPECT_EQ(master.error_control(2), 0x05);
+}
+
+TEST_F(Guarding, FirstAnswerAfterABootUp_HasToggleBit0) {
+  switch_on();
+  run_until_ms(4);
+  device().toggle = true;
+  run_until_ms(106);
+  EXPECT_EQ(master.error_control(2) & 0x04, 0x04);
+}
+
+TEST_F(Guarding, UnexpectedState_IsMarked_AndTheSlaveIsResetAndBootedAgain) {
+  switch_on();
+  run_until_ms(150);
+  device().state = 0x04;
+  run_until_ms(206);
+  EXPECT_EQ(master.error_control(2), 0x21);
+  EXPECT_THAT(events, Contains("event 2 state"));
+  EXPECT_THAT(commands(), ElementsAre("0 000 82 00", "206 000 82 02"));
+  EXPECT_EQ(master.node_state(2), 0);
+  run_until_ms(1000);
+  EXPECT_EQ(master.boot_record(2).step, BootStep::booted);
+}
+
+TEST_F(Guarding, StateThatWasCommanded_IsExpected) {
+  switch_on();
+  run_until_ms(150);
+  EXPECT_EQ(write(0x1F82, 2, 0x05, 1), AbortCode::none);
+  run_until_ms(1000);
+  EXPECT_EQ(master.error_control(2), 0x01);
+  EXPECT_EQ(master.node_state(2), 5);
+}
+
+TEST_F(Guarding, Request1f83_StopsAndStartsIt) {
+  switch_on();
+  run_until_ms(150);
+  EXPECT_EQ(read(0x1F83, 2), 1U);
+  EXPECT_EQ(write(0x1F83, 2, 0, 1), AbortCode::none);
+  EXPECT_EQ(read(0x1F83, 2), 0U);
+  EXPECT_EQ(master.error_control(2), 0x00);
+  sent();
+  run_until_ms(1000);
+  EXPECT_THAT(sent(), IsEmpty());
+  EXPECT_EQ(write(0x1F83, 0x80, 1, 1), AbortCode::none);
+  EXPECT_EQ(read(0x1F83, 2), 1U);
+  EXPECT_EQ(read(0x1F83, 3), 0U);
+  run_until_ms(1150);
+  EXPECT_THAT(sent(), ElementsAre("1000 702 R", "1100 702 R"));
+  EXPECT_EQ(write(0x1F83, 2, 2, 1), AbortCode::invalid_value);
+}
+
+TEST_F(Guarding, Request1f83_OfANodeWithoutGuardTime_StartsNothing) {
+  switch_on();
+  sent();
+  EXPECT_EQ(write(0x1F83, 5, 1, 1), AbortCode::none);
+  run_until_ms(4);
+  EXPECT_THAT(sent(), IsEmpty());
+  EXPECT_EQ(read(0x1F83, 5), 0U);
+}
+
+TEST_F(Guarding, GuardTimeWritten_WhileRunning_TakesEffect) {
+  switch_on();
+  run_until_ms(150);
+  sent();
+  EXPECT_EQ(write(0x1F81, 2, 0x00C80301, 4), AbortCode::none);
+  run_until_ms(600);
+  EXPECT_THAT(sent(), ElementsAre("150 702 R", "350 702 R", "550 702 R"));
+}
+
+TEST_F(Guarding, RetryFactor1_AnswersWithJitter_LoseNobody) {
+  object(0x1F81, 2, 0x00640101);
+  switch_on();
+  for (int i = 0; i < 100; ++i) {
+    device().answer_delay = std::chrono::milliseconds(i % 2 == 0 ? 1 : 20);
+    run_for(100ms);
+  }
+  EXPECT_EQ(master.error_control(2), 0x01);
+  device().present = false;
+  run_for(200ms);
+  EXPECT_EQ(master.error_control(2), 0x0D);
+}
+
+TEST_F(ErrorControl, Guarding_WithoutBit0Assigned_DoesNotRun) {
+  object(0x1F80, 0, 0x01);
+  object(0x1F81, 2, 0x00640300);
+  switch_on();
+  run_for(1s);
+  EXPECT_THAT(only(sent(), " R"), IsEmpty());
+}
+
+TEST_F(ErrorControl, Guarding_NotByASlave) {
+  object(0x1F81, 2, 0x00640301);
+  switch_on();
+  run_for(1s);
+  EXPECT_THAT(only(sent(), " R"), IsEmpty());
+  EXPECT_EQ(write(0x1F83, 2, 1, 1), AbortCode::device_state);
+}
+
+// --- requests
+
+struct Request {
+  std::uint8_t value;
+  const char* frame;  // with node 0
+  const char* single;
+  NmtState own;  // after the same to all
+};
+class RequestNmt : public MasterBench, public ::testing::WithParamInterface<Request> {};
+
+TEST_P(RequestNmt, ToOneNode_SendsItsCommand) {
+  object(0x1F80, 0, 0x01);
+  switch_on();
+  run_for(1s);
+  sent();
+  EXPECT_EQ(write(0x1F82, 2, GetParam().value, 1), AbortCode::none);
+  EXPECT_THAT(sent(), ElementsAre(std::string("1000 ") + GetParam().single));
+  EXPECT_EQ(node.state(), NmtState::operational);
+}
+
+TEST_P(RequestNmt, ToAllNodes_SendsItToNode0_AndChangesTheOwnStateUnlessExcluded) {
+  object(0x1F80, 0, 0x05);  // not Operational by itself
+  switch_on();
+  run_for(1s);
+  node.command(canopen::NmtCommand::start, now);
+  run_for(0ms);
+  sent();
+  EXPECT_EQ(write(0x1F82, 0x80, GetParam().value, 1), AbortCode::none);
+  EXPECT_EQ(sent().front(), std::string("1000 ") + GetParam().frame);
+  EXPECT_EQ(node.state(), GetParam().own);
+}
+
+INSTANTIATE_TEST_SUITE_P(Values, RequestNmt,
+                         ::testing::Values(Request{0x04, "000 02 00", "000 02 02", NmtState::stopped},
+                                           Request{0x05, "000 01 00", "000 01 02", NmtState::operational},
+                                           Request{0x06, "000 81 00", "000 81 02", NmtState::pre_operational},
+                                           Request{0x07, "000 82 00", "000 82 02", NmtState::pre_operational},
+                                           Request{0x7F, "000 80 00", "000 80 02", NmtState::pre_operational},
+                                           Request{0x84, "000 02 00", "000 02 02", NmtState::operational},
+                                           Request{0x85, "000 01 00", "000 01 02", NmtState::operational},
+                                           Request{0x86, "000 81 00", "000 81 02", NmtState::operational},
+                                           Request{0x87, "000 82 00", "000 82 02", NmtState::operational},
+                                           Request{0x8F, "000 80 00", "000 80 02", NmtState::operational}),
+                         [](const auto& row) { return "Value" + std::to_string(row.param.value); });
+
+TEST_F(ErrorControl, RequestNmt_ReservedValues_AreRefused) {
+  object(0x1F80, 0, 0x01);
+  switch_on();
+  sent();
+  for (unsigned value = 0; value <= 0xFF; ++value) {
+    const bool known = value == 0x04 || value == 0x05 || value == 0x06 || value == 0x07 || value == 0x7F ||
+                       value == 0x84 || value == 0x85 || value == 0x86 || value == 0x87 || value == 0x8F;
+    if (known) continue;
+    EXPECT_EQ(write(0x1F82, 2, value, 1), AbortCode::invalid_value) << value;
+  }
+  EXPECT_THAT(sent(), IsEmpty());
+}
+
+TEST_F(ErrorControl, RequestNmt_AsSlave_SendsNothing) {
+  switch_on();
+  sent();
+  EXPECT_EQ(write(0x1F82, 2, 0x05, 1), AbortCode::device_state);
+  EXPECT_EQ(write(0x1F82, 0x80, 0x05, 1), AbortCode::device_state);
+  EXPECT_THAT(sent(), IsEmpty());
+}
+
+TEST_F(ErrorControl, CommandedState_IsShownWithoutErrorControl) {
+  object(0x1F80, 0, 0x01);
+  switch_on();
+  EXPECT_EQ(read(0x1F82, 9), 0U);
+  write(0x1F82, 9, 0x05, 1);
+  EXPECT_EQ(read(0x1F82, 9), 5U);
+  write(0x1F82, 9, 0x04, 1);
+  EXPECT_EQ(read(0x1F82, 9), 4U);
+  write(0x1F82, 9, 0x7F, 1);
+  EXPECT_EQ(read(0x1F82, 9), 0x7FU);
+}
+
+TEST_F(ErrorControl, CommandToAll_SaysNothingOfNodesThatWereNeverSeen) {
+  object(0x1F80, 0, 0x01);
+  switch_on();
+  hear(can::data_frame(0x709, {0x00}));
+  write(0x1F82, 0x80, 0x85, 1);
+  EXPECT_EQ(read(0x1F82, 9), 5U);
+  EXPECT_EQ(read(0x1F82, 10), 0U);
+}
+
+TEST_F(ErrorControl, StateHeardByHeartbeat_IsShownInsteadOfTheCommandedOne) {
+  object(0x1F80, 0, 0x01);
+  object(0x1016, 1, 0x000905DC);
+  switch_on();
+  heartbeat(9, 0x04);
+  write(0x1F82, 9, 0x05, 1);
+  EXPECT_EQ(read(0x1F82, 9), 4U);
+  heartbeat(9, 0x05);
+  EXPECT_EQ(read(0x1F82, 9), 5U);
+}
+
+TEST_F(ErrorControl, OwnState_IsShownInItsOwnSubIndex) {
+  object(0x1F80, 0, 0x05);
+  switch_on();
+  EXPECT_EQ(read(0x1F82, 1), 0x7FU);
+  node.command(canopen::NmtCommand::start, now);
+  EXPECT_EQ(read(0x1F82, 1), 5U);
+  node.command(canopen::NmtCommand::stop, now);
+  EXPECT_EQ(read(0x1F82, 1), 4U);
+}
+
+TEST_F(ErrorControl, SlaveStoppedByRequest_IsNotStartedAgainAfterItsNextBootUp) {
+  object(0x1F80, 0, 0x01);
+  object(0x1F81, 2, optional);
+  slave(2);
+  switch_on();
+  run_until_ms(1000);
+  write(0x1F82, 2, 0x04, 1);
+  sent();
+  hear(can::data_frame(0x702, {0x00}));
+  run_for(5s);
+  EXPECT_THAT(commands(), IsEmpty());
+  write(0x1F82, 2, 0x05, 1);
+  sent();
+  hear(can::data_frame(0x702, {0x00}));
+  run_for(5s);
+  EXPECT_THAT(commands(), ElementsAre("6001 000 01 02"));
+}
+
+TEST_F(ErrorControl, ReservedBits_AreRefused) {
+  switch_on();
+  EXPECT_EQ(write(0x1F80, 0, 0x7F, 4), AbortCode::none);
+  EXPECT_EQ(write(0x1F80, 0, 0x80, 4), AbortCode::invalid_value);
+  EXPECT_EQ(write(0x1F80, 0, 0x80000000, 4), AbortCode::invalid_value);
+  EXPECT_EQ(write(0x1F81, 2, 0xFFFFFF1D, 4), AbortCode::none);
+  for (const std::uint32_t bit : {0x02U, 0x20U, 0x40U, 0x80U}) {
+    EXPECT_EQ(write(0x1F81, 2, bit, 4), AbortCode::invalid_value) << bit;
+  }
+}
+
+TEST_F(ErrorControl, MasterIgnoresForeignFrames) {
+  object(0x1F80, 0, 0x01);
+  object(0x1F81, 2, mandatory);
+  slave(2);
+  switch_on();
+  run_for(1s);
+  sent();
+  hear(can::Frame{.identifier = 0x702, .extended = true, .dlc = 1});
+  hear(can::remote_frame(0x702, 1));
+  hear(can::data_frame(0x702, {0x05, 0x05}));
+  hear(can::data_frame(0x582, {0x43, 0x00, 0x10, 0x00, 0, 0, 0, 0}));
+  run_for(5s);
+  EXPECT_THAT(sent(), IsEmpty());
+  EXPECT_EQ(master.node_state(2), 5);
+}
+
+}  // namespace
+}  // namespace canopus::manager::test
