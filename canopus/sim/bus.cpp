@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "canopus/sim/bus_core.hpp"
+#include "canopus/sim/segment.hpp"
 
 namespace canopus::sim {
 
@@ -29,7 +30,15 @@ Port& Bus::add_port(std::string name) {
   const std::size_t index = core.ports.size();
   core.acceptance.resize(index + 1);
   core.ports.push_back(std::make_unique<BusPort>(core, wire_->segment, index, std::move(name)));
-  wire_->segment.add(*core.ports.back());
+  Segment& segment = wire_->segment;
+  segment.resize();
+  if (core.timeline.now() == core.created && !segment.busy()) {
+    segment.reconsider();  // there from the beginning
+  } else {
+    segment.before_change();
+    segment.restart(*core.ports.back());
+    segment.after_change();
+  }
   return *core.ports.back();
 }
 
@@ -40,6 +49,13 @@ void Bus::set_observer(BusObserver* observer) {
 
 void Bus::add_observer(BusObserver& observer) { wire_->core.observers.push_back(&observer); }
 void Bus::remove_observer(BusObserver& observer) { std::erase(wire_->core.observers, &observer); }
+
+void Bus::add_observer(WireObserver& observer) {
+  wire_->segment.before_change();
+  wire_->core.wire_observers.push_back(&observer);
+  wire_->segment.after_change();
+}
+void Bus::remove_observer(WireObserver& observer) { std::erase(wire_->core.wire_observers, &observer); }
 
 BusLoad Bus::load(can::Time now) const { return wire_->core.statistics.load(now); }
 std::uint64_t Bus::frames_of(std::uint32_t identifier, bool extended) const {

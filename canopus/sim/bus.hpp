@@ -21,6 +21,10 @@ namespace canopus::sim {
 
 class Bus;
 class Port;
+struct BusCore;
+
+/// What a controller found wrong [ISO 11898-1 error detection].
+enum class BusError : std::uint8_t { none, bit, stuff, crc, form, acknowledgement };
 
 /// What a bus did, for traces and statistics.
 class BusObserver {
@@ -28,9 +32,25 @@ class BusObserver {
   /// A frame was completed on the bus: from the start of its SOF to the end of its EOF. Called before anybody
   /// on the bus is told.
   virtual void frame_completed(const can::Frame& frame, can::Time start, can::Time end) = 0;
+  /// A controller found an error at the sample point of a bit; its error flag follows.
+  virtual void error_detected(const Port& /*port*/, BusError /*error*/, can::Time /*now*/) {}
 
  protected:
   ~BusObserver() = default;
+};
+
+/// Looks at the wire itself. While there is one, the bus works bit by bit.
+class WireObserver {
+ public:
+  /// The level of the wire as the first segment has it.
+  virtual void level_changed(bool dominant, can::Time now) = 0;
+  /// What a controller drives; not told for a port that hangs on no wire.
+  virtual void transmit_changed(const Port& port, bool dominant, can::Time now) = 0;
+  /// A controller sends its error or overload flag, or its frame takes part in arbitration.
+  virtual void activity_changed(const Port& port, bool flagging, bool arbitrating, can::Time now) = 0;
+
+ protected:
+  ~WireObserver() = default;
 };
 
 /// Which of its waiting frames a controller offers first.
@@ -50,6 +70,9 @@ struct PortCounters {
   std::uint64_t transmitted = 0;        ///< frames completed
   std::uint64_t received = 0;           ///< frames handed to the participant
   std::uint64_t receive_overflows = 0;  ///< frames lost because the participant did not take them
+  std::uint64_t errors = 0;             ///< errors this controller detected
+  std::uint64_t arbitrations_lost = 0;
+  std::uint64_t bus_offs = 0;
 };
 
 /// A controller plugged into the bus, and the participant behind it.
@@ -59,7 +82,9 @@ class Port : public can::Controller {
   virtual void connect(can::Participant& participant, can::Timeline::Handle handle) = 0;
   /// Nobody hears this port any more; the controller stays on the bus.
   virtual void disconnect() = 0;
-  virtual void plug(bool plugged) = 0;  ///< unplugged: hears nothing, its frames wait
+  /// Unplugged: hears nothing, its frames wait. A controller that is plugged, restarted or added to a running
+  /// bus takes part after 11 recessive bits.
+  virtual void plug(bool plugged) = 0;
   [[nodiscard]] virtual bool plugged() const = 0;
   [[nodiscard]] virtual const std::string& name() const = 0;
   /// Default: everything.
@@ -68,6 +93,14 @@ class Port : public can::Controller {
   /// by identifier, 128.
   virtual void set_transmit_queue(TransmitOrder order, std::size_t capacity) = 0;
   [[nodiscard]] virtual const PortCounters& counters() const = 0;
+  /// Bus monitoring: hears everything and drives nothing, no acknowledgement, no error flag; send() is
+  /// refused.
+  virtual void set_listen_only(bool listen_only) = 0;
+  /// After bus-off: true (default) = returns by itself after 128 times 11 recessive bits; false = when asked
+  /// to by recover(), or at once by restart().
+  virtual void set_automatic_recovery(bool automatic) = 0;
+  /// Starts to count the 128 times 11 recessive bits when bus-off; else nothing.
+  virtual void recover() = 0;
 };
 
 /// How busy a bus is.
@@ -95,6 +128,8 @@ class Bus final : public can::Participant {
   /// Observers are called in the order of add and must outlive the bus or be removed.
   void add_observer(BusObserver& observer);
   void remove_observer(BusObserver& observer);
+  void add_observer(WireObserver& observer);
+  void remove_observer(WireObserver& observer);
   [[nodiscard]] BusLoad load(can::Time now) const;
   /// Frames completed with this identifier. Extended identifiers beyond the first 1024 seen are not counted.
   [[nodiscard]] std::uint64_t frames_of(std::uint32_t identifier, bool extended = false) const;

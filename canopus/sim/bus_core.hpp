@@ -1,6 +1,6 @@
 #pragma once
-// The inside of the bus: its controllers (BusPort), what they share (BusCore), and the wire they are on
-// (Segment). Only the sources of the bus include this.
+// The inside of the bus: its controllers (BusPort) and what they share (BusCore). Only the sources of the bus
+// include this.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,6 +11,7 @@
 
 #include "canopus/can/fault_confinement.hpp"
 #include "canopus/can/frame_bits.hpp"
+#include "canopus/sim/bit_controller.hpp"
 #include "canopus/sim/bus.hpp"
 #include "canopus/sim/bus_statistics.hpp"
 #include "canopus/sim/port_table.hpp"
@@ -24,7 +25,10 @@ class Segment;
 /// What all controllers of a bus share.
 struct BusCore {
   BusCore(std::string bus_name, std::uint32_t bus_bit_rate, can::Timeline& bus_timeline)
-      : name(std::move(bus_name)), bit_rate(bus_bit_rate), timeline(bus_timeline) {}
+      : name(std::move(bus_name)),
+        bit_rate(bus_bit_rate),
+        created(bus_timeline.now()),
+        timeline(bus_timeline) {}
 
   /// Somebody outside the bus's own tick changed when the bus has to act.
   void refresh() {
@@ -33,11 +37,13 @@ struct BusCore {
 
   std::string name;
   std::uint32_t bit_rate;
+  can::Time created{};
   can::Timeline& timeline;
   can::Timeline::Handle handle = 0;
   bool ticking = false;
   std::vector<std::unique_ptr<BusPort>> ports;
   std::vector<BusObserver*> observers;
+  std::vector<WireObserver*> wire_observers;
   BusStatistics statistics;
   AcceptanceTable acceptance;
 };
@@ -63,6 +69,9 @@ class BusPort final : public Port {
   void accept(const Acceptance& acceptance) override;
   void set_transmit_queue(TransmitOrder order, std::size_t capacity) override;
   [[nodiscard]] const PortCounters& counters() const override { return counted; }
+  void set_listen_only(bool new_listen_only) override;
+  void set_automatic_recovery(bool automatic) override;
+  void recover() override;
 
   /// What it offers in arbitration, for Arbiter.
   [[nodiscard]] std::uint64_t offer() const noexcept {
@@ -70,7 +79,21 @@ class BusPort final : public Port {
     return Arbiter::key(arbitration(queue.front()), index);
   }
   [[nodiscard]] bool may_transmit() const noexcept {
-    return on_wire && faults.state() != can::ErrorState::bus_off;
+    return on_wire && !listen_only && faults.state() != can::ErrorState::bus_off;
+  }
+  /// On the wire, and not switched off for good.
+  [[nodiscard]] bool present() const noexcept {
+    return on_wire && (faults.state() != can::ErrorState::bus_off || recovering);
+  }
+  /// The next waiting frame goes onto the wire.
+  void take_next() noexcept {
+    current = queue.pop();
+    sending = true;
+  }
+  /// What was on the wire has failed or lost and waits again.
+  void give_back() noexcept {
+    queue.push_back_again(current);
+    sending = false;
   }
   /// Tells the participant and reads its deadline again.
   template <typename Call>
@@ -79,6 +102,11 @@ class BusPort final : public Port {
     call(*participant);
     core.timeline.refresh(handle);
   }
+  void hear(const can::Frame& frame, can::Time now) {
+    ++counted.received;
+    tell([&](can::Participant& hearer) { hearer.receive(frame, now); });
+  }
+  [[nodiscard]] can::Duration bit() const noexcept { return can::bit_time(1, rate); }
 
   BusCore& core;
   Segment* segment;
@@ -87,6 +115,10 @@ class BusPort final : public Port {
   can::Timeline::Handle handle = 0;
   std::uint32_t rate;
   bool on_wire = true;
+  bool listen_only = false;
+  bool automatic_recovery = true;
+  bool recovering = false;
+  bool deaf = false;     // see Segment::reconsider()
   bool sending = false;  // `current` is on the wire; it counts as waiting
   can::Frame current;
   TransmitQueue queue;
@@ -95,47 +127,24 @@ class BusPort final : public Port {
   std::uint32_t overrun = 0;
   PortCounters counted;
 
+  // For the segment, while it works bit by bit.
+  struct Tap {
+    can::Time bit_start{};
+    can::Time next = can::never;  // sample point or start of the next bit
+    bool sampling = false;        // `next` is a sample point
+    bool driving = false;         // dominant
+    bool flagging = false;        // as last told to observers
+    bool arbitrating = false;     // likewise
+    bool received = false;        // complete at the end of this bit
+    bool transmitted = false;     // likewise
+    bool changed = false;         // error state or warning
+    can::Time frame_start{};
+  };
+  BitController bits{faults};
+  Tap tap;
+
  private:
   std::string port_name_;
-};
-
-/// One electrically connected piece of wire. While nothing is wrong a frame costs two steps: its start, where
-/// arbitration and its length are computed, and its end, where it is delivered.
-class Segment {
- public:
-  explicit Segment(BusCore& core) : core_(core) {}
-
-  void add(BusPort& port);
-  /// What the port offers, or whether it takes part, changed.
-  void port_changed(BusPort& port);
-  void tick(can::Time now);
-  [[nodiscard]] can::Time deadline() const noexcept { return deadline_; }
-
- private:
-  enum class State : std::uint8_t {
-    idle,        // nothing on the wire; deadline_ is the next start, or never
-    frame,       // deadline_ is the end of EOF
-    lone_frame,  // nobody acknowledges; deadline_ is the end of the ACK slot
-  };
-
-  void start(can::Time now);
-  void finish(can::Time now);
-  void fail_lone(can::Time now);
-  void deliver(const can::Frame& frame, const BusPort& from, can::Time now);
-  /// Ready for the next frame at `from`.
-  void become_idle(can::Time from);
-  [[nodiscard]] bool somebody_acknowledges(const BusPort& transmitter) const;
-
-  BusCore& core_;
-  State state_ = State::idle;
-  can::Time deadline_ = can::never;
-  can::Time free_from_{};  // end of the last intermission
-  can::Time start_{};      // of the frame on the wire
-  unsigned bits_ = 0;      // of the frame on the wire
-  BusPort* transmitter_ = nullptr;
-  Arbiter arbiter_;
-  std::vector<std::uint64_t> hearing_;  // set of ports, as in AcceptanceTable
-  std::size_t hearing_count_ = 0;
 };
 
 }  // namespace canopus::sim

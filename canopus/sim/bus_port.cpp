@@ -1,4 +1,5 @@
 #include "canopus/sim/bus_core.hpp"
+#include "canopus/sim/segment.hpp"
 
 namespace canopus::sim {
 namespace {
@@ -19,21 +20,25 @@ BusPort::BusPort(BusCore& bus_core, Segment& port_segment, std::size_t port_inde
 }
 
 bool BusPort::send(const can::Frame& frame) {
-  if (!queue.push(frame, sending ? 1 : 0)) {
+  if (listen_only || !queue.push(frame, sending ? 1 : 0)) {
     ++refused;
     return false;
   }
-  segment->port_changed(*this);
+  segment->offer_changed(*this);
   return true;
 }
 
 void BusPort::restart(std::uint32_t bit_rate) {
+  segment->before_change();
+  segment->take_off(*this);
   rate = bit_rate;
   faults.reset();
+  recovering = false;
   queue.clear();
   refused = 0;
   overrun = 0;
-  segment->port_changed(*this);
+  segment->restart(*this);
+  segment->after_change();
 }
 
 void BusPort::connect(can::Participant& new_participant, can::Timeline::Handle new_handle) {
@@ -43,8 +48,36 @@ void BusPort::connect(can::Participant& new_participant, can::Timeline::Handle n
 
 void BusPort::plug(bool plugged) {
   if (on_wire == plugged) return;
+  segment->before_change();
   on_wire = plugged;
-  segment->port_changed(*this);
+  if (plugged) {
+    segment->restart(*this);
+  } else {
+    segment->take_off(*this);
+  }
+  segment->after_change();
+}
+
+void BusPort::set_listen_only(bool new_listen_only) {
+  if (listen_only == new_listen_only) return;
+  segment->before_change();
+  listen_only = new_listen_only;
+  bits.set_listen_only(new_listen_only);
+  segment->restart(*this);
+  segment->after_change();
+}
+
+void BusPort::set_automatic_recovery(bool automatic) {
+  automatic_recovery = automatic;
+  if (automatic) recover();
+}
+
+void BusPort::recover() {
+  if (faults.state() != can::ErrorState::bus_off || recovering) return;
+  segment->before_change();
+  recovering = true;
+  segment->restart(*this);
+  segment->after_change();
 }
 
 void BusPort::accept(const Acceptance& acceptance) {
@@ -56,7 +89,7 @@ void BusPort::accept(const Acceptance& acceptance) {
 
 void BusPort::set_transmit_queue(TransmitOrder order, std::size_t capacity) {
   queue.configure(order == TransmitOrder::identifier, std::min(capacity, max_queue_capacity));
-  segment->port_changed(*this);
+  segment->offer_changed(*this);
 }
 
 }  // namespace canopus::sim

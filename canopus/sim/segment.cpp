@@ -1,7 +1,9 @@
+// A segment frame by frame.
+
+#include "canopus/sim/segment.hpp"
+
 #include <algorithm>
 #include <bit>
-
-#include "canopus/sim/bus_core.hpp"
 
 namespace canopus::sim {
 namespace {
@@ -12,27 +14,106 @@ constexpr unsigned error_flag_bits = 6;
 constexpr unsigned error_delimiter_bits = 8;
 constexpr unsigned suspend_bits = 8;
 
-}  // namespace
-
-void Segment::add(BusPort& port) {
-  arbiter_.resize(port.index + 1);
-  hearing_.resize(core_.acceptance.words());
-  port_changed(port);
+/// The bit rate of most error active controllers, 0 if there is none.
+std::uint32_t rate_of_most(const std::vector<BusPort*>& ports) {
+  std::uint32_t best = 0;
+  std::ptrdiff_t best_count = 0;
+  for (const BusPort* port : ports) {
+    const auto speaks_alike = [port](const BusPort* other) {
+      return other->rate == port->rate && !other->listen_only &&
+             other->faults.state() == can::ErrorState::error_active;
+    };
+    if (port->rate == best) continue;
+    const std::ptrdiff_t count = std::count_if(ports.begin(), ports.end(), speaks_alike);
+    if (count > best_count) {
+      best = port->rate;
+      best_count = count;
+    }
+  }
+  return best;
 }
 
-void Segment::port_changed(BusPort& port) {
-  std::uint64_t& word = hearing_[port.index / 64];
-  const std::uint64_t bit = std::uint64_t{1} << (port.index % 64);
-  const bool hears = port.may_transmit();
-  if (((word & bit) != 0) != hears) {
-    word ^= bit;
-    hearing_count_ = hears ? hearing_count_ + 1 : hearing_count_ - 1;
+}  // namespace
+
+void Segment::resize() {
+  arbiter_.resize(core_.ports.size());
+  hearing_.resize(core_.acceptance.words());
+}
+
+void Segment::reconsider() {
+  members_.clear();
+  for (const auto& port : core_.ports) {
+    arbiter_.set(port->index, port->segment == this ? port->offer() : Arbiter::none);
+    if (port->segment == this && port->present()) members_.push_back(port.get());
+  }
+  // A controller with another bit rate hears nothing but errors. Once it is passive and has nothing to send
+  // it can do nothing to the others either: it is left out, and its counters stay as they are.
+  const std::uint32_t rate = rate_of_most(members_);
+  std::erase_if(members_, [rate](BusPort* port) {
+    port->deaf = rate != 0 && port->rate != rate &&
+                 (port->listen_only || (port->faults.state() == can::ErrorState::error_passive &&
+                                        port->queue.empty() && !port->sending));
+    return port->deaf;
+  });
+
+  healthy_ = core_.wire_observers.empty();
+  std::size_t acknowledging = 0;
+  std::fill(hearing_.begin(), hearing_.end(), 0);
+  for (const BusPort* port : members_) {
+    hearing_[port->index / 64] |= std::uint64_t{1} << (port->index % 64);
+    if (!port->listen_only) ++acknowledging;
+    if (port->rate != rate || !port->bits.idle() || port->faults.state() != can::ErrorState::error_active) {
+      healthy_ = false;
+    }
+  }
+  lone_ =
+      members_.size() == 1 && acknowledging == 1 && members_[0]->bits.idle() && core_.wire_observers.empty();
+  healthy_ = healthy_ && acknowledging >= 2;
+}
+
+void Segment::offer_changed(BusPort& port) {
+  if (port.deaf) {
+    before_change();
+    restart(port);
+    after_change();
+    return;
   }
   arbiter_.set(port.index, port.offer());
-  if (state_ == State::idle && deadline_ == can::never && arbiter_.lowest() != Arbiter::none) {
-    deadline_ = std::max(core_.timeline.now(), free_from_);
-    core_.refresh();
+  if (state_ == State::frame || state_ == State::lone_frame) return;
+  if (arbiter_.lowest() == Arbiter::none) return;
+  const can::Time possible = std::max(core_.timeline.now(), free_from_);
+  if (possible >= deadline_ || active_) return;
+  deadline_ = possible;
+  core_.refresh();
+}
+
+void Segment::before_change() { enter_bits(); }
+
+void Segment::after_change() {
+  reconsider();
+  settle(core_.timeline.now());
+  schedule(core_.timeline.now());
+  core_.refresh();
+}
+
+void Segment::restart(BusPort& port) {
+  take_off(port);
+  port.bits.set_recovering(port.recovering);
+  port.bits.restart(false);
+  port.tap.bit_start = core_.timeline.now();
+  port.tap.next = port.tap.bit_start;
+}
+
+void Segment::take_off(BusPort& port) {
+  if (port.sending && !port.tap.transmitted) port.give_back();
+  port.sending = false;
+  port.bits.restart(true);
+  if (port.tap.driving) {
+    for (WireObserver* observer : core_.wire_observers) {
+      observer->transmit_changed(port, false, core_.timeline.now());
+    }
   }
+  port.tap = {};
 }
 
 void Segment::tick(can::Time now) {
@@ -41,11 +122,20 @@ void Segment::tick(can::Time now) {
     case State::idle: start(now); break;
     case State::frame: finish(now); break;
     case State::lone_frame: fail_lone(now); break;
+    case State::bits: bits_tick(now); break;
   }
 }
 
-bool Segment::somebody_acknowledges(const BusPort& transmitter) const {
-  return hearing_count_ > (transmitter.may_transmit() ? 1U : 0U);
+/// Whether a second port offers what arbitration cannot tell from what the winner sends.
+bool Segment::another_offers(std::uint64_t winner) const noexcept {
+  const std::uint64_t next = arbiter_.lowest();
+  if (Arbiter::value_of(next) != Arbiter::value_of(winner) || next == Arbiter::none) return false;
+  if (Arbiter::port_of(next) != Arbiter::port_of(winner)) return true;
+  return std::any_of(members_.begin(), members_.end(), [&](const BusPort* port) {
+    return port->index != Arbiter::port_of(winner) &&
+           Arbiter::value_of(arbiter_.of(port->index)) == Arbiter::value_of(winner) &&
+           arbiter_.of(port->index) != Arbiter::none;
+  });
 }
 
 void Segment::start(can::Time now) {
@@ -54,14 +144,19 @@ void Segment::start(can::Time now) {
     deadline_ = can::never;
     return;
   }
+  if (!healthy_ && !lone_) return begin_bits(now);
   BusPort& port = *core_.ports[Arbiter::port_of(winner)];
-  port.current = port.queue.pop();
-  port.sending = true;
+  port.take_next();
   arbiter_.set(port.index, port.offer());
+  if (another_offers(winner)) {
+    port.give_back();
+    arbiter_.set(port.index, port.offer());
+    return begin_bits(now);
+  }
   transmitter_ = &port;
   start_ = now;
   bits_ = can::frame_bits(port.current);
-  if (somebody_acknowledges(port)) {
+  if (healthy_) {
     state_ = State::frame;
     deadline_ = now + can::bit_time(bits_, port.rate);
   } else {
@@ -70,6 +165,7 @@ void Segment::start(can::Time now) {
   }
 }
 
+/// Ready for the next frame at `from`.
 void Segment::become_idle(can::Time from) {
   state_ = State::idle;
   free_from_ = from;
@@ -81,15 +177,16 @@ void Segment::finish(can::Time now) {
   BusPort& port = *transmitter_;
   const can::Frame frame = port.current;
   port.sending = false;
-  port.faults.transmitted();
-  ++port.counted.transmitted;
   const can::Time next = now + can::bit_time(can::intermission_bits, port.rate);
   core_.statistics.frame(frame);
   core_.statistics.busy(start_, next, bits_ + can::intermission_bits);
+  ++port.counted.transmitted;
+  if (counting_) count_success(port);
   become_idle(next);
   for (BusObserver* observer : core_.observers) observer->frame_completed(frame, start_, now);
   deliver(frame, port, now);
   port.tell([&](can::Participant& participant) { participant.transmitted(frame, now); });
+  if (changes_) tell_changes(now);
 }
 
 void Segment::deliver(const can::Frame& frame, const BusPort& from, can::Time now) {
@@ -99,10 +196,24 @@ void Segment::deliver(const can::Frame& frame, const BusPort& from, can::Time no
     while (ports != 0) {
       BusPort& port = *core_.ports[64 * word + static_cast<std::size_t>(std::countr_zero(ports))];
       ports &= ports - 1;
-      if (&port == &from) continue;
-      ++port.counted.received;
-      port.tell([&](can::Participant& participant) { participant.receive(frame, now); });
+      if (&port != &from) port.hear(frame, now);
     }
+  }
+}
+
+/// Success takes errors back, rules g and h.
+void Segment::count_success(BusPort& transmitter) {
+  counting_ = false;
+  for (BusPort* port : members_) {
+    if (port->listen_only || port->faults.clean()) continue;
+    const bool warned = port->faults.warning();
+    if (port == &transmitter) {
+      port->faults.transmitted();
+    } else {
+      port->faults.received();
+    }
+    if (port->faults.warning() != warned) port->tap.changed = changes_ = true;
+    counting_ = counting_ || !port->faults.clean();
   }
 }
 
@@ -113,17 +224,22 @@ void Segment::fail_lone(can::Time now) {
   const bool was_passive = port.faults.state() == can::ErrorState::error_passive;
   const bool was_warned = port.faults.warning();
   if (!was_passive) port.faults.transmitter_error();
+  counting_ = true;
+  ++port.counted.errors;
   const bool passive = port.faults.state() == can::ErrorState::error_passive;
   unsigned bits = error_flag_bits + error_delimiter_bits + can::intermission_bits;
   if (passive) bits += suspend_bits;
   const can::Time next = now + can::bit_time(bits, port.rate);
-  port.sending = false;
-  port.queue.push_back_again(port.current);
+  port.give_back();
   arbiter_.set(port.index, port.offer());
   core_.statistics.busy(start_, next, bits_ - after_ack_slot + bits);
   become_idle(next);
+  for (BusObserver* observer : core_.observers) {
+    observer->error_detected(port, BusError::acknowledgement, now);
+  }
   if (passive != was_passive || port.faults.warning() != was_warned) {
-    port.tell([&](can::Participant& participant) { participant.controller_changed(now); });
+    port.tap.changed = changes_ = true;
+    tell_changes(now);
   }
 }
 

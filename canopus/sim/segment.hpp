@@ -1,0 +1,102 @@
+#pragma once
+// One electrically connected piece of wire and the controllers on it. Only the sources of the bus include
+// this.
+//
+// While nothing is wrong a frame costs two steps: its start, where arbitration and its length are computed,
+// and its end, where it is delivered. As soon as anything could go another way (an error, an integrating or
+// passive controller, two equal identifiers, another bit rate, somebody who looks at the wire) the segment
+// works bit by bit, with a BitController per port, until the bus is idle and healthy again. A change in the
+// middle of a frame replays the frame's bits up to now, so that both ways of working can follow each other at
+// any moment and give the same times.
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "canopus/sim/bus_core.hpp"
+
+namespace canopus::sim {
+
+class Segment {
+ public:
+  explicit Segment(BusCore& core) : core_(core) {}
+
+  /// A port was added to the bus, whether to this segment or not.
+  void resize();
+  /// Looks at all ports again: who is a member, and whether frames can be computed as a whole.
+  void reconsider();
+  /// A frame is on the wire, or something of one.
+  [[nodiscard]] bool busy() const noexcept {
+    return state_ == State::frame || state_ == State::lone_frame || active_ ||
+           free_from_ > core_.timeline.now();
+  }
+  /// What the port offers changed.
+  void offer_changed(BusPort& port);
+  /// Something about the port is going to change now that both ways of working have to know.
+  void before_change();
+  /// It has changed.
+  void after_change();
+  /// Between the two: the controller starts anew and has to integrate.
+  void restart(BusPort& port);
+  /// Between the two: the controller leaves the wire.
+  void take_off(BusPort& port);
+  void tick(can::Time now);
+  [[nodiscard]] can::Time deadline() const noexcept { return deadline_; }
+
+ private:
+  enum class State : std::uint8_t {
+    idle,        // nothing on the wire; deadline_ is the next start, or never
+    frame,       // deadline_ is the end of EOF
+    lone_frame,  // nobody acknowledges; deadline_ is the end of the ACK slot
+    bits,        // bit by bit; deadline_ is the next sample point or start of a bit
+  };
+
+  // segment.cpp: frame by frame
+  void start(can::Time now);
+  void finish(can::Time now);
+  void fail_lone(can::Time now);
+  void count_success(BusPort& transmitter);
+  void deliver(const can::Frame& frame, const BusPort& from, can::Time now);
+  void become_idle(can::Time from);
+  [[nodiscard]] bool another_offers(std::uint64_t winner) const noexcept;
+  // segment_bits.cpp: bit by bit
+  void enter_bits();
+  void replay(can::Time until);
+  void bits_tick(can::Time now);
+  void complete_frames(can::Time now);
+  bool leave_bits_if_healthy(can::Time now);
+  void start_waiting(can::Time now);
+  void begin_bits(can::Time now);
+  void settle(can::Time now);
+  void synchronise(BusPort& port, can::Time now);
+  void sample(can::Time now);
+  void sample_port(BusPort& port, can::Time now);
+  void tell_changes(can::Time now);
+  void tell_activity(BusPort& port, can::Time now);
+  void schedule(can::Time now);
+  [[nodiscard]] bool quiet(can::Time now) const noexcept;
+
+  BusCore& core_;
+  State state_ = State::idle;
+  can::Time deadline_ = can::never;
+  can::Time free_from_{};  // end of the last intermission
+  can::Time start_{};      // of the frame on the wire
+  unsigned bits_ = 0;      // of the frame on the wire
+  BusPort* transmitter_ = nullptr;
+  Arbiter arbiter_;
+  std::vector<BusPort*> members_;       // whoever can do anything to the wire or hear it
+  std::vector<std::uint64_t> hearing_;  // set of members, as in AcceptanceTable
+  bool healthy_ = false;                // frames can be computed as a whole
+  bool lone_ = false;                   // so can the failures of the only member
+
+  bool counting_ = false;  // some error counter is not 0
+  bool changes_ = false;   // some port has to be told of its controller
+
+  // bit by bit
+  bool dominant_ = false;  // level of the wire
+  bool active_ = false;    // from the first dominant bit to idle
+  bool replaying_ = false;
+  can::Time activity_start_{};
+};
+
+}  // namespace canopus::sim

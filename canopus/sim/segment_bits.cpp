@@ -1,0 +1,269 @@
+// A segment bit by bit.
+
+#include <algorithm>
+
+#include "canopus/sim/segment.hpp"
+
+namespace canopus::sim {
+namespace {
+
+// CiA recommends the sample point at 87.5 % of the bit; one eighth of a bit is also the most that one edge
+// may move it.
+can::Duration sample_offset(can::Duration bit) { return bit - bit / 8; }
+can::Duration jump_width(can::Duration bit) { return bit / 8; }
+
+}  // namespace
+
+void Segment::enter_bits() {
+  if (state_ == State::bits) return;
+  const bool on_wire = state_ == State::frame || state_ == State::lone_frame;
+  state_ = State::bits;
+  dominant_ = false;
+  active_ = false;
+  for (const auto& port : core_.ports) {
+    if (port->segment == this) port->tap = {};
+  }
+  if (on_wire) {
+    replay(core_.timeline.now());
+  } else {
+    deadline_ = arbiter_.lowest() == Arbiter::none ? can::never : std::max(core_.timeline.now(), free_from_);
+  }
+}
+
+/// Brings the controllers to where the frame on the wire has them before `until`.
+void Segment::replay(can::Time until) {
+  BusPort& port = *transmitter_;
+  replaying_ = true;
+  port.bits.transmit(port.current);
+  port.tap.frame_start = start_;
+  port.tap.next = start_;
+  deadline_ = start_;
+  while (deadline_ < until) bits_tick(deadline_);
+  replaying_ = false;
+}
+
+/// From idle: whoever offers something begins.
+void Segment::begin_bits(can::Time now) {
+  enter_bits();
+  bits_tick(now);
+}
+
+/// Nothing of a frame is left, and whoever is idle is at the end of its bit.
+bool Segment::quiet(can::Time now) const noexcept {
+  return std::all_of(members_.begin(), members_.end(), [now](const BusPort* port) {
+    return port->bits.quiet() &&
+           (!port->bits.idle() || port->tap.next == can::never || port->tap.next <= now);
+  });
+}
+
+void Segment::bits_tick(can::Time now) {
+  complete_frames(now);
+  if (!dominant_ && quiet(now)) {
+    if (active_) {
+      active_ = false;
+      const can::Duration bit = can::bit_time(1, core_.bit_rate);
+      core_.statistics.busy(activity_start_, now, static_cast<std::uint64_t>((now - activity_start_) / bit));
+    }
+    if (leave_bits_if_healthy(now)) return;
+    start_waiting(now);
+  }
+  settle(now);
+  sample(now);
+  tell_changes(now);
+  schedule(now);
+}
+
+/// Frames whose last bit ends now.
+void Segment::complete_frames(can::Time now) {
+  const BusPort* told = nullptr;
+  for (BusPort* port : members_) {
+    if (!port->tap.transmitted && !port->tap.received) continue;
+    if (port->tap.next > now) continue;
+    // Everybody has the same frame, or the transmitter alone knows when it began.
+    if (told == nullptr || (port->tap.transmitted && !told->tap.transmitted)) told = port;
+  }
+  if (told == nullptr) return;
+  const can::Frame frame = told->tap.transmitted ? told->current : told->bits.frame();
+  const can::Time start = told->tap.transmitted ? told->tap.frame_start : activity_start_;
+  core_.statistics.frame(frame);
+  for (BusObserver* observer : core_.observers) observer->frame_completed(frame, start, now);
+  // By number: who is told may plug, unplug and add ports.
+  for (std::size_t number = 0; number < core_.ports.size(); ++number) {
+    BusPort& port = *core_.ports[number];
+    if (port.segment != this || !port.tap.received || port.tap.next > now) continue;
+    port.tap.received = false;
+    const can::Frame heard = port.bits.frame();
+    const std::uint64_t wanted = core_.acceptance.ports_for(heard)[port.index / 64];
+    if ((wanted >> (port.index % 64) & 1U) != 0) port.hear(heard, now);
+  }
+  for (std::size_t number = 0; number < core_.ports.size(); ++number) {
+    BusPort& port = *core_.ports[number];
+    if (port.segment != this || !port.tap.transmitted || port.tap.next > now) continue;
+    port.tap.transmitted = false;
+    port.sending = false;
+    ++port.counted.transmitted;
+    const can::Frame sent = port.current;
+    port.tell([&](can::Participant& participant) { participant.transmitted(sent, now); });
+  }
+}
+
+bool Segment::leave_bits_if_healthy(can::Time now) {
+  if (replaying_) return false;
+  reconsider();
+  if (!healthy_ && !lone_) return false;
+  for (BusPort* port : members_) {
+    if (port->tap.next != can::never && port->tap.next > now) return false;
+    counting_ = counting_ || !port->faults.clean();
+  }
+  for (BusPort* port : members_) port->tap = {};
+  state_ = State::idle;
+  free_from_ = std::max(free_from_, now);
+  deadline_ = arbiter_.lowest() == Arbiter::none ? can::never : free_from_;
+  if (deadline_ == now) start(now);
+  return true;
+}
+
+void Segment::start_waiting(can::Time now) {
+  if (replaying_ || now < free_from_) return;
+  for (BusPort* port : members_) {
+    if (!port->bits.idle() || port->tap.sampling || port->offer() == Arbiter::none) continue;
+    port->take_next();
+    arbiter_.set(port->index, port->offer());
+    port->bits.transmit(port->current);
+    port->tap.frame_start = now;
+    port->tap.next = now;
+  }
+}
+
+/// Lets bits begin that begin now and finds the level of the wire.
+void Segment::settle(can::Time now) {
+  if (state_ != State::bits) return;
+  bool dominant = false;
+  for (BusPort* port : members_) {
+    BusPort::Tap& tap = port->tap;
+    if (tap.next == now && !tap.sampling) {
+      tap.bit_start = now;
+      if (port->bits.idle()) {
+        tap.next = can::never;  // asleep until an edge
+      } else {
+        tap.next = now + sample_offset(port->bit());
+        tap.sampling = true;
+      }
+      const bool driving = port->bits.drives_dominant();
+      if (driving != tap.driving) {
+        tap.driving = driving;
+        for (WireObserver* observer : core_.wire_observers) observer->transmit_changed(*port, driving, now);
+      }
+      if (!core_.wire_observers.empty()) tell_activity(*port, now);
+    }
+    dominant = dominant || tap.driving;
+  }
+  if (dominant == dominant_) return;
+  dominant_ = dominant;
+  for (WireObserver* observer : core_.wire_observers) observer->level_changed(dominant, now);
+  if (!dominant) return;
+  if (!active_) {
+    active_ = true;
+    activity_start_ = now;
+  }
+  for (BusPort* port : members_) synchronise(*port, now);
+}
+
+/// An edge from recessive to dominant.
+void Segment::synchronise(BusPort& port, can::Time now) {
+  BusPort::Tap& tap = port.tap;
+  if (tap.next != can::never && tap.bit_start == now) return;
+  const can::Duration bit = port.bit();
+  if (port.bits.quiet() || port.bits.state() == BitController::State::intermission) {
+    if (port.bits.state() == BitController::State::bus_off && !port.recovering) return;
+    tap.bit_start = now;  // hard synchronisation
+    tap.next = now + sample_offset(bit);
+    tap.sampling = true;
+    return;
+  }
+  if (tap.sampling) {
+    if (tap.driving) return;
+    const can::Duration late = std::min(now - tap.bit_start, jump_width(bit));
+    tap.bit_start += late;
+    tap.next += late;
+  } else {
+    const can::Duration early = std::min(tap.next - now, jump_width(bit));
+    tap.next -= early;
+  }
+}
+
+void Segment::sample(can::Time now) {
+  for (BusPort* port : members_) {
+    if (port->tap.next == now && port->tap.sampling) sample_port(*port, now);
+  }
+}
+
+void Segment::sample_port(BusPort& port, can::Time now) {
+  BusPort::Tap& tap = port.tap;
+  const can::ErrorState state = port.faults.state();
+  const bool warned = port.faults.warning();
+  const BitController::Events events = port.bits.sample(dominant_);
+  tap.sampling = false;
+  tap.next = tap.bit_start + port.bit();
+  if (events.lost || (events.error != BusError::none && port.sending)) {
+    port.give_back();
+    arbiter_.set(port.index, port.offer());
+    if (events.lost) ++port.counted.arbitrations_lost;
+  }
+  tap.received = tap.received || events.received;
+  tap.transmitted = tap.transmitted || events.transmitted;
+  if (events.early_start && port.offer() != Arbiter::none) {
+    port.take_next();
+    port.bits.join(port.current);
+    tap.frame_start = tap.bit_start;
+  }
+  if (events.error != BusError::none) {
+    ++port.counted.errors;
+    for (BusObserver* observer : core_.observers) observer->error_detected(port, events.error, now);
+  }
+  if (events.recovered) port.recovering = false;
+  if (port.faults.state() != state || port.faults.warning() != warned) {
+    tap.changed = changes_ = true;
+    if (port.faults.state() == can::ErrorState::bus_off) {
+      ++port.counted.bus_offs;
+      if (port.automatic_recovery) port.recovering = true;
+      port.bits.set_recovering(port.recovering);
+    }
+    arbiter_.set(port.index, port.offer());
+  }
+}
+
+void Segment::tell_changes(can::Time now) {
+  if (!changes_) return;
+  changes_ = false;
+  for (const auto& port : core_.ports) {
+    if (port->segment != this || !port->tap.changed) continue;
+    port->tap.changed = false;
+    port->tell([now](can::Participant& participant) { participant.controller_changed(now); });
+  }
+}
+
+void Segment::tell_activity(BusPort& port, can::Time now) {
+  const bool flagging = port.bits.flagging();
+  const bool arbitrating = port.bits.arbitrating();
+  if (flagging == port.tap.flagging && arbitrating == port.tap.arbitrating) return;
+  port.tap.flagging = flagging;
+  port.tap.arbitrating = arbitrating;
+  for (WireObserver* observer : core_.wire_observers) {
+    observer->activity_changed(port, flagging, arbitrating, now);
+  }
+}
+
+/// When the segment has to act next.
+void Segment::schedule(can::Time now) {
+  if (state_ != State::bits) return;
+  deadline_ = can::never;
+  for (const BusPort* port : members_) {
+    deadline_ = std::min(deadline_, port->tap.next);
+    if (!active_ && port->tap.next == can::never && port->bits.idle() && port->offer() != Arbiter::none) {
+      deadline_ = std::min(deadline_, std::max(now, free_from_));
+    }
+  }
+}
+
+}  // namespace canopus::sim
