@@ -13,6 +13,9 @@ struct NodeOptions {
   /// An event of an event-driven TPDO during its inhibit time (its event timer's end included): sent when the
   /// inhibit time ends (CiA 301) or forgotten [ME3CAN1-Q 4.6.5 cases 2 and 5].
   bool dismiss_events_during_inhibit = false;
+  /// Values count as changed until a TPDO has sent them once; else only against what they were when the TPDO
+  /// became valid or the node entered Operational [ME3CAN1-Q 4.6.5 case 1].
+  bool unsent_values_are_changed = true;
   /// Send all valid event-driven TPDOs once on entering Operational.
   bool send_tpdos_on_start = true;
   /// Values written through SDO to mapped objects cause events of the TPDOs that hold them.

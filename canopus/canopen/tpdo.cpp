@@ -52,7 +52,8 @@ void Tpdos::read(Tpdo& pdo) {
 
 void Tpdos::activate(Tpdo& pdo, can::Time now) {
   pdo.has_event = false;
-  pdo.was_sent = false;
+  pdo.was_sent = !node_.options.unsent_values_are_changed && pdo.cob_id.is_valid();
+  if (pdo.was_sent) pdo.last_data = gather(pdo);
   pdo.inhibited_until = {};
   pdo.syncs_left = pdo.transmission_type;
   pdo.waits_for_start = pdo.sync_start != 0;
