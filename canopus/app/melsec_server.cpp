@@ -80,6 +80,7 @@ class MelsecServer::Connection : public std::enable_shared_from_this<Connection>
       watch_request(answered != 0);
       if (session_.output().empty()) break;
       if (!send()) return;
+      if (!session_.half_request()) break;  // nothing left to look at
     }
     if (session_.over()) return end();
     receive();

@@ -1,0 +1,210 @@
+#include "canopus/plc/rack.hpp"
+
+#include <array>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "plc/conversation.hpp"
+
+namespace canopus::plc {
+namespace {
+
+using module::CpuState;
+using ::testing::ElementsAre;
+using testing::FakeModule;
+using ::testing::Pair;
+using testing::Plc;
+using namespace std::chrono_literals;
+
+AccessError error_of(const Rack::Access& access) { return access.error(); }
+
+TEST(Rack, Insert_OverlappingPoints_IsRefused) {
+  can::Timeline timeline;
+  Rack rack(timeline);
+  FakeModule first;
+  FakeModule second;
+  ASSERT_TRUE(rack.insert(0x20, first, timeline.add(first)));
+  const auto handle = timeline.add(second);
+  EXPECT_FALSE(rack.insert(0x30, second, handle));
+  EXPECT_FALSE(rack.insert(0x10, second, handle));
+  EXPECT_FALSE(rack.insert(0x48, second, handle));
+  EXPECT_FALSE(rack.insert(0xFF0, second, handle));
+  EXPECT_TRUE(rack.insert(0x40, second, handle));
+  EXPECT_EQ(rack.module_at(0x20), &first);
+  EXPECT_EQ(rack.module_at(0x30), nullptr);
+  EXPECT_EQ(rack.module_at(0x40), &second);
+}
+
+TEST(Rack, PowerOn_StartsModulesAndTellsThemTheCpuState) {
+  Plc plc;
+  EXPECT_EQ(plc.module.power_ons, 1);
+  EXPECT_THAT(plc.module.states, ElementsAre(CpuState::run));
+}
+
+TEST(Rack, Words_AcrossTheLastDevice_AreRefusedAsAWhole) {
+  Plc plc;
+  std::array<std::uint16_t, 2> words = {1, 2};
+  EXPECT_EQ(error_of(plc.rack.write_words(Device::d, 18431, words, plc.now)), AccessError::out_of_range);
+  EXPECT_EQ(plc.word(Device::d, 18431), 0);
+  EXPECT_EQ(error_of(plc.rack.read_words(Device::d, 0xFFFFFFFF, words, plc.now)), AccessError::out_of_range);
+}
+
+TEST(Rack, Bits_OfAWordDevice_AreRefused) {
+  Plc plc;
+  std::array<std::uint8_t, 1> bits{};
+  EXPECT_EQ(error_of(plc.rack.read_bits(Device::d, 0, bits, plc.now)), AccessError::wrong_unit);
+  EXPECT_EQ(error_of(plc.rack.write_bits(Device::d, 0, bits, plc.now)), AccessError::wrong_unit);
+}
+
+TEST(Rack, RetentiveTimers_OfANewProject_DoNotExist) {
+  Plc plc;
+  std::array<std::uint16_t, 1> words{};
+  EXPECT_EQ(error_of(plc.rack.read_words(Device::stn, 0, words, plc.now)), AccessError::no_device);
+}
+
+TEST(Rack, BitDeviceAsWords_FromAnyNumber_JoinsSixteenPoints) {
+  Plc plc;
+  plc.bit(Device::m, 5, true);
+  plc.bit(Device::m, 20, true);
+  plc.bit(Device::m, 36, true);
+  std::array<std::uint16_t, 2> words{};
+  ASSERT_TRUE(plc.rack.read_words(Device::m, 5, words, plc.now));
+  EXPECT_THAT(words, ElementsAre(0x8001, 0x8000));
+}
+
+TEST(Rack, BitDeviceAsWords_EndingAtTheLastPoint_IsRead) {
+  Plc plc;
+  plc.bit(Device::m, 12287, true);
+  std::array<std::uint16_t, 1> words{};
+  ASSERT_TRUE(plc.rack.read_words(Device::m, 12272, words, plc.now));
+  EXPECT_EQ(words[0], 0x8000);
+  EXPECT_FALSE(plc.rack.read_words(Device::m, 12273, words, plc.now));
+}
+
+TEST(Rack, R_AndZr_AreTheSameWords) {
+  Plc plc;
+  plc.word(Device::r, 100, 0x1234);
+  EXPECT_EQ(plc.word(Device::zr, 100), 0x1234);
+}
+
+TEST(Rack, X_OfAModule_IsWhatTheModuleSaysWhateverIsWritten) {
+  Plc plc;
+  plc.module.x = 0x80000001;
+  plc.bit(Device::x, 1, true);
+  EXPECT_TRUE(plc.bit(Device::x, 0x00));
+  EXPECT_FALSE(plc.bit(Device::x, 0x01));
+  EXPECT_TRUE(plc.bit(Device::x, 0x1F));
+  EXPECT_EQ(plc.word(Device::x, 0x10), 0x8000);
+}
+
+TEST(Rack, X_WithoutModule_IsMemory) {
+  Plc plc;
+  plc.bit(Device::x, 0x100, true);
+  EXPECT_TRUE(plc.bit(Device::x, 0x100));
+}
+
+TEST(Rack, Y_WrittenOnce_IsOneEdgeAtTheModule) {
+  Plc plc;
+  plc.bit(Device::y, 0x31, true);
+  plc.bit(Device::y, 0x31, true);
+  plc.bit(Device::y, 0x31, false);
+  EXPECT_THAT(plc.other_module.edges, ElementsAre(Pair(1U, true), Pair(1U, false)));
+}
+
+TEST(Rack, Y_WrittenAsWord_SetsSignalsInOrder) {
+  Plc plc;
+  plc.word(Device::y, 0x30, 0x8006);
+  EXPECT_THAT(plc.other_module.edges, ElementsAre(Pair(1U, true), Pair(2U, true), Pair(15U, true)));
+}
+
+TEST(Rack, BufferWrite_MovesTheModulesDeadlineInTheTimeline) {
+  Plc plc;
+  plc.module.wakes_after_write = true;
+  const std::array<std::uint16_t, 1> word = {7};
+  ASSERT_TRUE(plc.rack.write_buffer(0x00, 10, word, plc.now));
+  EXPECT_EQ(plc.timeline.next(), plc.now + 1ms);
+  plc.timeline.run_until(plc.now + 1ms);
+  EXPECT_THAT(plc.module.ticks, ElementsAre(plc.now + 1ms));
+}
+
+TEST(Rack, Buffer_BeyondItsEnd_IsRefusedBeforeAnythingIsWritten) {
+  Plc plc;
+  const std::array<std::uint16_t, 2> words = {1, 2};
+  EXPECT_EQ(error_of(plc.rack.write_buffer(0x30, 511, words, plc.now)), AccessError::beyond_buffer);
+  EXPECT_TRUE(plc.other_module.writes.empty());
+  EXPECT_EQ(error_of(plc.rack.write_buffer(0x50, 0, words, plc.now)), AccessError::no_module);
+}
+
+TEST(Rack, Stop_TellsModulesAndTurnsYOff_RunRestoresThem) {
+  Plc plc;
+  plc.bit(Device::y, 0x30, true);
+  plc.other_module.edges.clear();
+  plc.rack.set_cpu_state(CpuState::stop, plc.now);
+  EXPECT_THAT(plc.other_module.states, ElementsAre(CpuState::run, CpuState::stop));
+  EXPECT_THAT(plc.other_module.edges, ElementsAre(Pair(0U, false)));
+  EXPECT_FALSE(plc.bit(Device::y, 0x30));
+  plc.rack.set_cpu_state(CpuState::run, plc.now);
+  EXPECT_TRUE(plc.bit(Device::y, 0x30));
+  EXPECT_THAT(plc.other_module.edges, ElementsAre(Pair(0U, false), Pair(0U, true)));
+}
+
+TEST(Rack, Stop_WhenAlreadyStopped_IsToldOnce) {
+  Plc plc;
+  plc.rack.set_cpu_state(CpuState::stop, plc.now);
+  plc.rack.set_cpu_state(CpuState::stop, plc.now);
+  EXPECT_THAT(plc.module.states, ElementsAre(CpuState::run, CpuState::stop));
+}
+
+TEST(Rack, SpecialRelays_ShowStateAndClocks) {
+  Plc plc;
+  EXPECT_EQ(plc.word(Device::sm, 400) & 0x000F, 0b1001);
+  EXPECT_FALSE(plc.bit(Device::sm, 203));
+  plc.bit(Device::sm, 400, false);
+  EXPECT_TRUE(plc.bit(Device::sm, 400));
+  plc.rack.set_cpu_state(CpuState::stop, plc.now);
+  EXPECT_TRUE(plc.bit(Device::sm, 203));
+  EXPECT_FALSE(plc.bit(Device::sm, 412));
+  plc.now += 500ms;
+  EXPECT_TRUE(plc.bit(Device::sm, 412));
+}
+
+TEST(Rack, Sd203_ShowsRemoteStop) {
+  Plc plc;
+  EXPECT_EQ(plc.word(Device::sd, 203), 0x0000);
+  plc.rack.set_cpu_state(CpuState::stop, plc.now);
+  EXPECT_EQ(plc.word(Device::sd, 203), 0x0022);
+}
+
+TEST(Rack, Clock_OfAnR04Cpu_RunsInBinaryWords) {
+  Plc plc;
+  using std::chrono::local_days;
+  plc.rack.set_clock(local_days{std::chrono::year{2024} / 2 / 28} + 23h + 59min + 58s, plc.now);
+  plc.now += 3s;
+  std::array<std::uint16_t, 7> words{};
+  ASSERT_TRUE(plc.rack.read_words(Device::sd, 210, words, plc.now));
+  EXPECT_THAT(words, ElementsAre(2024, 2, 29, 0, 0, 1, 4));
+}
+
+TEST(Rack, Clock_OfAQ03Udv_IsBcdInPairs) {
+  Plc plc(q03udvcpu());
+  using std::chrono::local_days;
+  plc.rack.set_clock(local_days{std::chrono::year{2024} / 12 / 31} + 13h + 45min + 59s, plc.now);
+  std::array<std::uint16_t, 4> words{};
+  ASSERT_TRUE(plc.rack.read_words(Device::sd, 210, words, plc.now));
+  EXPECT_THAT(words, ElementsAre(0x2412, 0x3113, 0x4559, 0x2002));
+}
+
+TEST(Rack, Switched_Off_HasNoModulesAndNoSignals) {
+  Plc plc;
+  plc.module.x = 1;
+  plc.rack.power_off(plc.now);
+  EXPECT_EQ(plc.module.power_offs, 1);
+  EXPECT_FALSE(plc.bit(Device::x, 0));
+  std::array<std::uint16_t, 1> words{};
+  EXPECT_FALSE(plc.rack.read_buffer(0, 0, words, plc.now));
+}
+
+}  // namespace
+}  // namespace canopus::plc
