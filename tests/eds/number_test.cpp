@@ -1,0 +1,66 @@
+#include "canopus/eds/number.hpp"
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using canopus::eds::Number;
+using canopus::eds::read_number;
+using canopus::eds::read_real;
+
+struct Case {
+  const char* text;
+  std::uint64_t bits;
+  bool adds_node_id;
+  const char* overlooked;
+};
+
+class NumberAsWritten : public testing::TestWithParam<Case> {};
+
+TEST_P(NumberAsWritten, Number_IsReadAsAPersonWould) {
+  const auto number = read_number(GetParam().text);
+  ASSERT_TRUE(number);
+  EXPECT_EQ(number->bits(), GetParam().bits);
+  EXPECT_EQ(number->adds_node_id, GetParam().adds_node_id);
+  EXPECT_EQ(number->overlooked, GetParam().overlooked);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Spellings, NumberAsWritten,
+    testing::Values(
+        Case{"0", 0, false, ""}, Case{"12", 12, false, ""}, Case{"-1", 0xFFFF'FFFF'FFFF'FFFF, false, ""},
+        Case{"+3", 3, false, ""}, Case{"0x1F", 0x1F, false, ""}, Case{"0X1f", 0x1F, false, ""},
+        Case{"010", 8, false, "a leading 0 makes it octal"}, Case{"0000", 0, false, ""},
+        Case{"007", 7, false, ""}, Case{"089", 89, false, ""},
+        Case{"0xFFFFFFFFFFFFFFFF", 0xFFFF'FFFF'FFFF'FFFF, false, ""},
+        Case{"1AH", 0x1A, false, "hexadecimal without 0x"}, Case{"FF", 0xFF, false, "hexadecimal without 0x"},
+        Case{"8U", 8, false, "letters behind the number"},
+        Case{"0x3ED ; prevent homing", 0x3ED, false, "a comment behind the number"},
+        Case{"\"5\"", 5, false, "quotes round the number"}, Case{"0x12 34", 0x1234, false, "blanks inside"},
+        Case{"5.0", 5, false, "a fraction where a whole number belongs"}, Case{"$NODEID", 0, true, ""},
+        Case{"$NODEID+0x180", 0x180, true, ""}, Case{"$NODEID+384", 384, true, ""},
+        Case{"$NodeID+0x80", 0x80, true, "not spelled $NODEID+number"},
+        Case{"$NODEID + 0x600", 0x600, true, "not spelled $NODEID+number"},
+        Case{"$NODEID +0x80", 0x80, true, "not spelled $NODEID+number"},
+        Case{"1280+$NODEID", 1280, true, "not spelled $NODEID+number"},
+        Case{"NODEID+1", 1, true, "not spelled $NODEID+number"}));
+
+class NoNumber : public testing::TestWithParam<const char*> {};
+
+TEST_P(NoNumber, Number_IsRefusedWhereNobodyCouldReadOne) { EXPECT_FALSE(read_number(GetParam())); }
+
+INSTANTIATE_TEST_SUITE_P(Texts, NoNumber,
+                         testing::Values("", "0x", "-", "N/A", "12 apples", "0x10000000000000000",
+                                         "99999999999999999999", "$NODEID*2", "1 << 3", "0x0x1", "--1",
+                                         "$NODEID+$NODEID"));
+
+TEST(Real, Real_TakesPointAndComma) {
+  EXPECT_EQ(read_real("1.5"), 1.5);
+  EXPECT_EQ(read_real("1,5"), 1.5);
+  EXPECT_EQ(read_real("-3e-4"), -3e-4);
+  EXPECT_EQ(read_real("2.0f"), 2.0);
+}
+
+TEST(Real, Real_IsNotReadFromHexadecimal) { EXPECT_FALSE(read_real("0x3F800000")); }
+
+}  // namespace
