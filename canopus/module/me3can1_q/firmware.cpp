@@ -28,6 +28,7 @@ constexpr unsigned ring_records = 11;
 canopen::NodeOptions node_options() {
   return {
       .dismiss_events_during_inhibit = true,
+      .unsent_values_are_changed = false,
       .send_tpdos_on_start = false,
       .sdo_write_is_event = false,
       .tpdo_rtr_bit_is_constant = true,
