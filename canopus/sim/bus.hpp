@@ -11,11 +11,14 @@
 #include <bitset>
 #include <cstddef>
 #include <cstdint>
+#include <expected>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "canopus/can/controller.hpp"
 #include "canopus/can/timeline.hpp"
+#include "canopus/sim/fault.hpp"
 
 namespace canopus::sim {
 
@@ -128,8 +131,12 @@ class Bus final : public can::Participant {
   /// Observers are called in the order of add and must outlive the bus or be removed.
   void add_observer(BusObserver& observer);
   void remove_observer(BusObserver& observer);
+  /// While there is a wire observer the bus works bit by bit: slower, with the same result.
   void add_observer(WireObserver& observer);
   void remove_observer(WireObserver& observer);
+  /// Replaces all faults by these, numbered in error messages from 1; what the old ones did ends now. Ports
+  /// are named as in add_port() and have to exist; the first of a name counts. On error nothing changes.
+  std::expected<void, std::string> set_faults(const std::vector<Fault>& faults, std::uint64_t seed);
   [[nodiscard]] BusLoad load(can::Time now) const;
   /// Frames completed with this identifier. Extended identifiers beyond the first 1024 seen are not counted.
   [[nodiscard]] std::uint64_t frames_of(std::uint32_t identifier, bool extended = false) const;
@@ -139,8 +146,8 @@ class Bus final : public can::Participant {
   [[nodiscard]] can::Time deadline() const noexcept override;
 
  private:
-  struct Wire;
-  std::unique_ptr<Wire> wire_;
+  struct Inside;
+  std::unique_ptr<Inside> inside_;
 };
 
 }  // namespace canopus::sim

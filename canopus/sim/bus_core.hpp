@@ -14,6 +14,7 @@
 #include "canopus/sim/bit_controller.hpp"
 #include "canopus/sim/bus.hpp"
 #include "canopus/sim/bus_statistics.hpp"
+#include "canopus/sim/fault_plan.hpp"
 #include "canopus/sim/port_table.hpp"
 #include "canopus/sim/transmit_queue.hpp"
 
@@ -46,6 +47,15 @@ struct BusCore {
   std::vector<WireObserver*> wire_observers;
   BusStatistics statistics;
   AcceptanceTable acceptance;
+  FaultPlan plan;
+
+  /// A frame that a fault keeps in its controller.
+  struct Delayed {
+    can::Time until;
+    BusPort* port;
+    can::Frame frame;
+  };
+  std::vector<Delayed> delayed;  // in the order of send()
 };
 
 class BusPort final : public Port {
@@ -53,6 +63,8 @@ class BusPort final : public Port {
   BusPort(BusCore& bus_core, Segment& port_segment, std::size_t port_index, std::string port_name);
 
   bool send(const can::Frame& frame) override;
+  /// send() without faults that delay.
+  bool enqueue(const can::Frame& frame);
   [[nodiscard]] std::uint16_t transmit_error_counter() const override { return faults.transmit_errors(); }
   [[nodiscard]] std::uint16_t receive_error_counter() const override { return faults.receive_errors(); }
   [[nodiscard]] can::ErrorState error_state() const override { return faults.state(); }
@@ -75,8 +87,12 @@ class BusPort final : public Port {
 
   /// What it offers in arbitration, for Arbiter.
   [[nodiscard]] std::uint64_t offer() const noexcept {
-    if (queue.empty() || !may_transmit()) return Arbiter::none;
-    return Arbiter::key(arbitration(queue.front()), index);
+    if (!may_transmit()) return Arbiter::none;
+    if (babble_goes_first()) return Arbiter::key(arbitration(babble), index);
+    return queue.empty() ? Arbiter::none : Arbiter::key(arbitration(queue.front()), index);
+  }
+  [[nodiscard]] bool babble_goes_first() const noexcept {
+    return babble_due && (queue.empty() || arbitration(babble) < arbitration(queue.front()));
   }
   [[nodiscard]] bool may_transmit() const noexcept {
     return on_wire && !listen_only && faults.state() != can::ErrorState::bus_off;
@@ -87,13 +103,26 @@ class BusPort final : public Port {
   }
   /// The next waiting frame goes onto the wire.
   void take_next() noexcept {
-    current = queue.pop();
+    sends_babble = babble_goes_first();
+    current = sends_babble ? babble : queue.pop();
+    babble_due = babble_due && !sends_babble;
     sending = true;
   }
   /// What was on the wire has failed or lost and waits again.
   void give_back() noexcept {
-    queue.push_back_again(current);
+    if (sends_babble) {
+      babble_due = babbling;
+    } else {
+      queue.push_back_again(current);
+    }
     sending = false;
+  }
+  /// What was on the wire is complete. False: the participant has not sent it.
+  bool complete() noexcept {
+    ++counted.transmitted;
+    sending = false;
+    if (sends_babble) babble_due = babbling && babble_always;
+    return !sends_babble;
   }
   /// Tells the participant and reads its deadline again.
   template <typename Call>
@@ -103,6 +132,15 @@ class BusPort final : public Port {
     core.timeline.refresh(handle);
   }
   void hear(const can::Frame& frame, can::Time now) {
+    if (jammed) {
+      if (held.size() < held_capacity) {
+        held.push_back(frame);
+      } else {
+        ++overrun;
+        ++counted.receive_overflows;
+      }
+      return;
+    }
     ++counted.received;
     tell([&](can::Participant& hearer) { hearer.receive(frame, now); });
   }
@@ -126,6 +164,17 @@ class BusPort final : public Port {
   std::uint32_t refused = 0;
   std::uint32_t overrun = 0;
   PortCounters counted;
+
+  // Faults at work.
+  bool stuck = false;  // dominant
+  bool jammed = false;
+  std::size_t held_capacity = 0;
+  std::vector<can::Frame> held;  // received while jammed
+  bool babbling = false;
+  bool babble_always = false;
+  bool babble_due = false;
+  bool sends_babble = false;  // `current` is one
+  can::Frame babble;
 
   // For the segment, while it works bit by bit.
   struct Tap {

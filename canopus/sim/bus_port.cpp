@@ -20,6 +20,18 @@ BusPort::BusPort(BusCore& bus_core, Segment& port_segment, std::size_t port_inde
 }
 
 bool BusPort::send(const can::Frame& frame) {
+  if (core.plan.delays_frames()) {
+    const can::Duration delay = core.plan.on_send(*this, frame, core.timeline.now());
+    if (delay > can::Duration{}) {
+      core.delayed.push_back({can::later(core.timeline.now(), delay), this, frame});
+      core.refresh();
+      return true;
+    }
+  }
+  return enqueue(frame);
+}
+
+bool BusPort::enqueue(const can::Frame& frame) {
   if (listen_only || !queue.push(frame, sending ? 1 : 0)) {
     ++refused;
     return false;

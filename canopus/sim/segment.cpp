@@ -42,7 +42,9 @@ void Segment::resize() {
 
 void Segment::reconsider() {
   members_.clear();
+  forced_ = false;
   for (const auto& port : core_.ports) {
+    forced_ = forced_ || (port->segment == this && port->on_wire && port->stuck);
     arbiter_.set(port->index, port->segment == this ? port->offer() : Arbiter::none);
     if (port->segment == this && port->present()) members_.push_back(port.get());
   }
@@ -56,7 +58,8 @@ void Segment::reconsider() {
     return port->deaf;
   });
 
-  healthy_ = core_.wire_observers.empty();
+  const bool computable = core_.wire_observers.empty() && !forced_;
+  healthy_ = computable;
   std::size_t acknowledging = 0;
   std::fill(hearing_.begin(), hearing_.end(), 0);
   for (const BusPort* port : members_) {
@@ -66,8 +69,7 @@ void Segment::reconsider() {
       healthy_ = false;
     }
   }
-  lone_ =
-      members_.size() == 1 && acknowledging == 1 && members_[0]->bits.idle() && core_.wire_observers.empty();
+  lone_ = members_.size() == 1 && acknowledging == 1 && members_[0]->bits.idle() && computable;
   healthy_ = healthy_ && acknowledging >= 2;
 }
 
@@ -90,9 +92,15 @@ void Segment::offer_changed(BusPort& port) {
 void Segment::before_change() { enter_bits(); }
 
 void Segment::after_change() {
+  const can::Time now = core_.timeline.now();
   reconsider();
-  settle(core_.timeline.now());
-  schedule(core_.timeline.now());
+  if (!active_ && !quiet(now)) {
+    active_ = true;
+    activity_start_ = now;
+  }
+  settle(now);
+  schedule(now);
+  if (active_ && !dominant_ && quiet(now)) deadline_ = now;  // whoever was busy has gone
   core_.refresh();
 }
 
@@ -148,11 +156,16 @@ void Segment::start(can::Time now) {
   BusPort& port = *core_.ports[Arbiter::port_of(winner)];
   port.take_next();
   arbiter_.set(port.index, port.offer());
-  if (another_offers(winner)) {
+  if (core_.plan.hits_frames()) {
+    faults_ = core_.plan.on_frame(port, port.current, now);
+    faults_ready_ = true;
+  }
+  if (faults_.corruptions > 0 || another_offers(winner)) {
     port.give_back();
     arbiter_.set(port.index, port.offer());
     return begin_bits(now);
   }
+  faults_ready_ = false;
   transmitter_ = &port;
   start_ = now;
   bits_ = can::frame_bits(port.current);
@@ -176,16 +189,16 @@ void Segment::become_idle(can::Time from) {
 void Segment::finish(can::Time now) {
   BusPort& port = *transmitter_;
   const can::Frame frame = port.current;
-  port.sending = false;
+  const bool own = port.complete();
+  arbiter_.set(port.index, port.offer());
   const can::Time next = now + can::bit_time(can::intermission_bits, port.rate);
   core_.statistics.frame(frame);
   core_.statistics.busy(start_, next, bits_ + can::intermission_bits);
-  ++port.counted.transmitted;
   if (counting_) count_success(port);
   become_idle(next);
   for (BusObserver* observer : core_.observers) observer->frame_completed(frame, start_, now);
   deliver(frame, port, now);
-  port.tell([&](can::Participant& participant) { participant.transmitted(frame, now); });
+  if (own) port.tell([&](can::Participant& participant) { participant.transmitted(frame, now); });
   if (changes_) tell_changes(now);
 }
 
@@ -196,7 +209,7 @@ void Segment::deliver(const can::Frame& frame, const BusPort& from, can::Time no
     while (ports != 0) {
       BusPort& port = *core_.ports[64 * word + static_cast<std::size_t>(std::countr_zero(ports))];
       ports &= ports - 1;
-      if (&port != &from) port.hear(frame, now);
+      if (&port != &from && !dropped(port)) port.hear(frame, now);
     }
   }
 }

@@ -9,6 +9,7 @@
 // middle of a frame replays the frame's bits up to now, so that both ways of working can follow each other at
 // any moment and give the same times.
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -41,6 +42,13 @@ class Segment {
   /// Between the two: the controller leaves the wire.
   void take_off(BusPort& port);
   void tick(can::Time now);
+  /// Forgets what is to happen to the frame on the wire.
+  void clear_faults() noexcept {
+    faults_ = {};
+    faults_ready_ = false;
+  }
+  /// Goes on where another segment is, which a port comes from.
+  void follow(const Segment& other) noexcept { free_from_ = std::max(free_from_, other.free_from_); }
   [[nodiscard]] can::Time deadline() const noexcept { return deadline_; }
 
  private:
@@ -57,15 +65,19 @@ class Segment {
   void fail_lone(can::Time now);
   void count_success(BusPort& transmitter);
   void deliver(const can::Frame& frame, const BusPort& from, can::Time now);
+  [[nodiscard]] bool dropped(const BusPort& port) const noexcept {
+    return faults_.drop_everywhere || faults_.drop_at == &port;
+  }
   void become_idle(can::Time from);
   [[nodiscard]] bool another_offers(std::uint64_t winner) const noexcept;
   // segment_bits.cpp: bit by bit
   void enter_bits();
   void replay(can::Time until);
-  void bits_tick(can::Time now);
+  void bits_tick(can::Time now, bool may_leave = true);
   void complete_frames(can::Time now);
   bool leave_bits_if_healthy(can::Time now);
   void start_waiting(can::Time now);
+  [[nodiscard]] bool inverted(const BusPort* at, can::Time now) const noexcept;
   void begin_bits(can::Time now);
   void settle(can::Time now);
   void synchronise(BusPort& port, can::Time now);
@@ -92,7 +104,13 @@ class Segment {
   bool counting_ = false;  // some error counter is not 0
   bool changes_ = false;   // some port has to be told of its controller
 
+  FrameFaults faults_;         // of the frame on the wire
+  bool faults_ready_ = false;  // known before the frame began
+  can::Time faults_origin_{};  // its SOF
+  can::Duration faults_bit_{};
+
   // bit by bit
+  bool forced_ = false;    // somebody is stuck dominant
   bool dominant_ = false;  // level of the wire
   bool active_ = false;    // from the first dominant bit to idle
   bool replaying_ = false;

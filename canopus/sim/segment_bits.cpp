@@ -45,7 +45,7 @@ void Segment::replay(can::Time until) {
 /// From idle: whoever offers something begins.
 void Segment::begin_bits(can::Time now) {
   enter_bits();
-  bits_tick(now);
+  bits_tick(now, false);
 }
 
 /// Nothing of a frame is left, and whoever is idle is at the end of its bit.
@@ -56,7 +56,7 @@ bool Segment::quiet(can::Time now) const noexcept {
   });
 }
 
-void Segment::bits_tick(can::Time now) {
+void Segment::bits_tick(can::Time now, bool may_leave) {
   complete_frames(now);
   if (!dominant_ && quiet(now)) {
     if (active_) {
@@ -64,7 +64,7 @@ void Segment::bits_tick(can::Time now) {
       const can::Duration bit = can::bit_time(1, core_.bit_rate);
       core_.statistics.busy(activity_start_, now, static_cast<std::uint64_t>((now - activity_start_) / bit));
     }
-    if (leave_bits_if_healthy(now)) return;
+    if (may_leave && leave_bits_if_healthy(now)) return;
     start_waiting(now);
   }
   settle(now);
@@ -94,15 +94,16 @@ void Segment::complete_frames(can::Time now) {
     port.tap.received = false;
     const can::Frame heard = port.bits.frame();
     const std::uint64_t wanted = core_.acceptance.ports_for(heard)[port.index / 64];
-    if ((wanted >> (port.index % 64) & 1U) != 0) port.hear(heard, now);
+    if ((wanted >> (port.index % 64) & 1U) != 0 && !dropped(port)) port.hear(heard, now);
   }
   for (std::size_t number = 0; number < core_.ports.size(); ++number) {
     BusPort& port = *core_.ports[number];
     if (port.segment != this || !port.tap.transmitted || port.tap.next > now) continue;
     port.tap.transmitted = false;
-    port.sending = false;
-    ++port.counted.transmitted;
     const can::Frame sent = port.current;
+    const bool own = port.complete();
+    arbiter_.set(port.index, port.offer());
+    if (!own) continue;
     port.tell([&](can::Participant& participant) { participant.transmitted(sent, now); });
   }
 }
@@ -125,6 +126,7 @@ bool Segment::leave_bits_if_healthy(can::Time now) {
 
 void Segment::start_waiting(can::Time now) {
   if (replaying_ || now < free_from_) return;
+  const BusPort* first = nullptr;
   for (BusPort* port : members_) {
     if (!port->bits.idle() || port->tap.sampling || port->offer() == Arbiter::none) continue;
     port->take_next();
@@ -132,13 +134,32 @@ void Segment::start_waiting(can::Time now) {
     port->bits.transmit(port->current);
     port->tap.frame_start = now;
     port->tap.next = now;
+    if (first == nullptr || arbitration(port->current) < arbitration(first->current)) first = port;
   }
+  if (first == nullptr) return;
+  if (!faults_ready_) {
+    faults_ = core_.plan.hits_frames() ? core_.plan.on_frame(*first, first->current, now) : FrameFaults{};
+  }
+  faults_ready_ = false;
+  faults_origin_ = now;
+  faults_bit_ = first->bit();
+}
+
+/// Whether a fault inverts what there is on the wire, or what one port sees of it.
+bool Segment::inverted(const BusPort* at, can::Time now) const noexcept {
+  bool inverts = false;
+  for (std::size_t number = 0; number < faults_.corruptions; ++number) {
+    const FrameFaults::Corruption& corruption = faults_.corruption[number];
+    const can::Time begin = faults_origin_ + faults_bit_ * corruption.bit;
+    if (corruption.at == at && now >= begin && now < begin + faults_bit_) inverts = !inverts;
+  }
+  return inverts;
 }
 
 /// Lets bits begin that begin now and finds the level of the wire.
 void Segment::settle(can::Time now) {
   if (state_ != State::bits) return;
-  bool dominant = false;
+  bool dominant = forced_;
   for (BusPort* port : members_) {
     BusPort::Tap& tap = port->tap;
     if (tap.next == now && !tap.sampling) {
@@ -158,6 +179,7 @@ void Segment::settle(can::Time now) {
     }
     dominant = dominant || tap.driving;
   }
+  dominant = dominant != inverted(nullptr, now);
   if (dominant == dominant_) return;
   dominant_ = dominant;
   for (WireObserver* observer : core_.wire_observers) observer->level_changed(dominant, now);
@@ -202,7 +224,7 @@ void Segment::sample_port(BusPort& port, can::Time now) {
   BusPort::Tap& tap = port.tap;
   const can::ErrorState state = port.faults.state();
   const bool warned = port.faults.warning();
-  const BitController::Events events = port.bits.sample(dominant_);
+  const BitController::Events events = port.bits.sample(dominant_ != inverted(&port, now));
   tap.sampling = false;
   tap.next = tap.bit_start + port.bit();
   if (events.lost || (events.error != BusError::none && port.sending)) {
@@ -258,6 +280,14 @@ void Segment::tell_activity(BusPort& port, can::Time now) {
 void Segment::schedule(can::Time now) {
   if (state_ != State::bits) return;
   deadline_ = can::never;
+  for (std::size_t number = 0; number < faults_.corruptions; ++number) {
+    const can::Time begin = faults_origin_ + faults_bit_ * faults_.corruption[number].bit;
+    if (begin > now) {
+      deadline_ = std::min(deadline_, begin);
+    } else if (begin + faults_bit_ > now) {
+      deadline_ = std::min(deadline_, begin + faults_bit_);
+    }
+  }
   for (const BusPort* port : members_) {
     deadline_ = std::min(deadline_, port->tap.next);
     if (!active_ && port->tap.next == can::never && port->bits.idle() && port->offer() != Arbiter::none) {

@@ -1,0 +1,54 @@
+#pragma once
+// Faults of a simulated bus, as data: a plant file or a scenario fills a list of them and hands it to
+// Bus::set_faults() with a seed. One list and one seed give one run.
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "canopus/can/frame.hpp"
+#include "canopus/can/time.hpp"
+
+namespace canopus::sim {
+
+enum class FaultKind : std::uint8_t {
+  drop,            ///< acknowledged on the bus, then lost in the receiving controllers
+  corrupt,         ///< one bit on the wire is inverted
+  duplicate,       ///< the last bit of EOF is dominant: receivers keep the frame, its transmitter repeats it
+  delay,           ///< waits in its controller before it takes part in arbitration
+  babble,          ///< a controller sends by itself
+  stuck_dominant,  ///< a controller's output is dominant
+  jam,             ///< a controller's participant takes nothing out of its receive queue
+  cut,             ///< the wire is cut: the named ports are on the far side
+};
+
+/// One fault. What its kind does not use is ignored.
+struct Fault {
+  FaultKind kind = FaultKind::drop;
+  can::Time from{};              ///< in effect from here ...
+  can::Time until = can::never;  ///< ... to just before here
+
+  // drop, corrupt, duplicate, delay: which frames. Those that match are numbered from 1 in the order in which
+  // they begin on the wire (delay: in which they are queued); a repeated attempt counts again.
+  std::optional<std::uint32_t> identifier;                          ///< none: every frame
+  bool extended = false;                                            ///< of `identifier`
+  std::string sender;                                               ///< name of a port; empty: any
+  std::uint64_t first = 1;                                          ///< number of the first frame hit, from 1
+  std::uint64_t every = 1;                                          ///< after it every second, third ...
+  std::uint64_t count = std::numeric_limits<std::uint64_t>::max();  ///< frames hit at most
+  double probability = 1.0;                                         ///< 0..1, of each frame that is due
+
+  std::string receiver;         ///< drop, corrupt: the only port where it happens; empty: all
+  std::optional<unsigned> bit;  ///< corrupt: 0 = SOF, stuff bits counted; none: any bit of the frame
+  can::Duration delay{};        ///< delay: longer than 0
+
+  std::vector<std::string> ports;  ///< babble, stuck_dominant, jam, cut: whose fault it is
+  can::Frame frame;                ///< babble
+  can::Duration interval{};        ///< babble: from frame to frame; 0: always one more
+  std::size_t capacity = 16;       ///< jam: received frames kept; later ones are lost
+};
+
+}  // namespace canopus::sim
