@@ -68,9 +68,9 @@ void HeartbeatConsumer::tick(std::uint16_t number, can::Time now) {
   if (watch.state != State::alive) return;
   watch.state = State::lost;
   const std::uint8_t node_id = watch.node_id;
-  const auto code =
-      static_cast<std::uint16_t>(node_.options.guarding_emergency_names_node ? 0x8F00U + node_id : 0x8130U);
-  node_.error_began({code, node_id}, now);
+  const bool named = node_.options.guarding_emergency_names_node;
+  const auto code = static_cast<std::uint16_t>(named ? 0x8F00U + node_id : 0x8130U);
+  node_.error_began({code, named ? std::uint8_t{0} : node_id}, now);
   if (node_.listener != nullptr) node_.listener->heartbeat_lost(node_id, now);
   if (!node_.active_master) node_.communication_error(now);
 }

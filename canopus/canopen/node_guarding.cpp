@@ -36,9 +36,9 @@ void NodeGuarding::receive(bool heartbeat, can::Time now) {
 
 void NodeGuarding::tick(can::Time now) {
   occurred_ = true;
-  const auto code = static_cast<std::uint16_t>(
-      node_.options.guarding_emergency_names_node ? 0x8F00U + node_.node_id : 0x8130U);
-  node_.error_began({code, node_.node_id}, now);
+  const bool named = node_.options.guarding_emergency_names_node;
+  const auto code = static_cast<std::uint16_t>(named ? 0x8F00U + node_.node_id : 0x8130U);
+  node_.error_began({code, named ? std::uint8_t{0} : node_.node_id}, now);
   if (node_.listener != nullptr) node_.listener->life_guarding_event(true, now);
   node_.communication_error(now);
 }

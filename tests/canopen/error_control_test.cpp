@@ -77,7 +77,7 @@ TEST(Heartbeat, LostNode_CanBeNamedInTheCode) {
   Conversation c(NodeOptions{.guarding_emergency_names_node = true});
   c.write(0x1016, 1, 0x00090064, 4);
   c.hear("709 05");
-  EXPECT_EQ(c.wait(200ms), "100: 085 09 8F 11 09 00 00 00 00");
+  EXPECT_EQ(c.wait(200ms), "100: 085 09 8F 11 00 00 00 00 00");
 }
 
 TEST_F(NodeGuardingTest, Answer_AlternatesTheToggleBit) {

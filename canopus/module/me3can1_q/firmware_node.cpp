@@ -53,9 +53,9 @@ bool Me3can1Q::Firmware::may_become_operational() {
 
 void Me3can1Q::Firmware::nmt_state_changed(canopen::NmtState state, can::Time now) {
   // The own node is shown whether it is a master or not; 7 = in the middle of a reset [ME3CAN1-Q 4.8.8].
-  nmt_status_.set_state(node_.node_id(), state == canopen::NmtState::initialising
-                                             ? manager::node_state::reset_communication
-                                             : static_cast<std::uint8_t>(state));
+  const bool in_reset = state == canopen::NmtState::initialising || nmt_reset_end_ != can::never;
+  nmt_status_.set_state(node_.node_id(), in_reset ? manager::node_state::reset_communication
+                                                  : static_cast<std::uint8_t>(state));
   master_.own_state_changed(state, now);
 }
 

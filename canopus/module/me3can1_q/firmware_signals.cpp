@@ -203,6 +203,7 @@ void Me3can1Q::Firmware::tick(can::Time now) {
   if (now >= nmt_reset_end_) {
     nmt_reset_end_ = can::never;
     nmt_reset_seen_ = true;
+    nmt_status_.set_state(node_.node_id(), static_cast<std::uint8_t>(node_.state()));
   }
   if (now >= exchange_end_) end_exchange(now);
   if (now >= save_end_) end_save(now);
