@@ -1,14 +1,16 @@
 #include "canopus/app/eds_command.hpp"
 
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <iterator>
 #include <memory>
 #include <optional>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -21,14 +23,27 @@ namespace {
 
 using Severity = eds::Problem::Severity;
 
+/// The text, or nothing after a word on `err`. More than any device file has is not read: /dev/zero ends too.
 std::optional<std::string> read_text(const std::string& file, std::ostream& err) {
-  if (file == "-") return std::string(std::istreambuf_iterator<char>(std::cin), {});
+  constexpr std::size_t enough = std::size_t{8} << 20;
+  std::error_code no_folder;
+  std::ifstream opened;
+  const bool is_folder = std::filesystem::is_directory(file, no_folder);
   errno = 0;
-  std::ifstream stream(file, std::ios::binary);
+  if (file != "-" && !is_folder) opened.open(file, std::ios::binary);
+  if (is_folder || (file != "-" && !opened)) {
+    const int reason = is_folder ? EISDIR : errno != 0 ? errno : EIO;
+    err << "canopus: " << file << ": " << std::strerror(reason) << '\n';
+    return std::nullopt;
+  }
+  std::istream& stream = file == "-" ? std::cin : opened;
   std::string text;
-  if (stream) text.assign(std::istreambuf_iterator<char>(stream), {});
-  if (!stream.good() || errno == EISDIR) {
-    err << "canopus: " << file << ": " << (errno != 0 ? std::strerror(errno) : "cannot be read") << '\n';
+  std::array<char, 16384> piece{};
+  while (text.size() < enough && (stream.read(piece.data(), piece.size()) || stream.gcount() != 0)) {
+    text.append(piece.data(), static_cast<std::size_t>(stream.gcount()));
+  }
+  if (stream.bad()) {
+    err << "canopus: " << file << ": " << std::strerror(errno != 0 ? errno : EIO) << '\n';
     return std::nullopt;
   }
   return text;

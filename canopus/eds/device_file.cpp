@@ -38,8 +38,8 @@ Draft read_objects(const ObjectSectionMap& sections, Problems& problems) {
   return draft;
 }
 
-/// 1000H, 1001H and 1018H must exist [CiA 301].
-void complete_mandatory_objects(Draft& draft, const IniFile& file, Problems& problems) {
+/// 1000H, 1001H and 1018H must exist [CiA 301]. True: 1018H had to be made, and has no values yet.
+bool complete_mandatory_objects(Draft& draft, const IniFile& file, Problems& problems) {
   const Section* list = file.find("mandatoryobjects");
   const unsigned line = list != nullptr ? list->line : 1;
   const auto variable = [&](std::uint16_t index, std::string_view name, DataType type) {
@@ -56,7 +56,7 @@ void complete_mandatory_objects(Draft& draft, const IniFile& file, Problems& pro
   };
   variable(0x1000, "Device type", DataType::unsigned32);
   variable(0x1001, "Error register", DataType::unsigned8);
-  if (draft.contains(0x1018)) return;
+  if (draft.contains(0x1018)) return false;
   ObjectDraft identity;
   identity.code = ObjectCode::record;
   identity.name = "Identity object";
@@ -74,10 +74,11 @@ void complete_mandatory_objects(Draft& draft, const IniFile& file, Problems& pro
   }
   draft.emplace(std::uint16_t{0x1018}, std::move(identity));
   problems.warning(line, "mandatory object 1018H (Identity object) is missing: made from [DeviceInfo]");
+  return true;
 }
 
 /// 1018H and [DeviceInfo] say the same thing twice; what the device answers (1018H) wins.
-void compare_identity(Draft& draft, const DeviceFile& device, Problems& problems) {
+void compare_identity(Draft& draft, const DeviceFile& device, bool is_made, Problems& problems) {
   struct Part {
     std::uint8_t sub;
     std::string_view key;
@@ -91,7 +92,7 @@ void compare_identity(Draft& draft, const DeviceFile& device, Problems& problems
     if (entry == nullptr || !part.number || canopen::byte_length(entry->spec.type) == 0) continue;
     if (!entry->has_value) {
       entry->set_number(*part.number);
-      if (*part.number != 0) {
+      if (*part.number != 0 && !is_made) {
         problems.note(entry->facts.line,
                       object_name(0x1018, part.sub) + " has no value: taken from " + std::string(part.key));
       }
@@ -246,8 +247,8 @@ ReadResult read_device_file(std::string_view text) {
   device->comments = read_comments(file);
   check_object_lists(file, sections, problems);
   read_modules(file, draft, *device, problems);
-  complete_mandatory_objects(draft, file, problems);
-  compare_identity(draft, *device, problems);
+  const bool identity_is_made = complete_mandatory_objects(draft, file, problems);
+  compare_identity(draft, *device, identity_is_made, problems);
   review_device_type(draft, problems);
   generate_compact_pdos(draft, device->device, lines.section, problems);
   repair_cob_ids(draft, problems);
