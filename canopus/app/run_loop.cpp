@@ -143,21 +143,19 @@ class RealTime final : public link::LoopClock, public AccessClock {
     arm();
   }
   /// Runs what is due. A plant that is behind catches up in slices, so that clients and Ctrl-C are heard.
-  void advance(can::Time until) {
-    constexpr can::Duration slice = 20ms;
-    until = std::min({until, end_, can::later(timeline_.now(), slice)});
-    timeline_.run_until(until);
+  void advance(can::Time wall) {
     const can::Time due = std::min(timeline_.next(), end_);
-    const can::Time wall = clock();
     lag_ = std::max(can::Duration{}, wall - std::min(due, wall));
     largest_lag_ = std::max(largest_lag_, lag_);
     constexpr can::Duration worth_telling = 50ms;
     if (lag_ >= worth_telling && wall >= tell_again_) {
       observer_.error("real time",
-                      fmt::format("the plant is {} behind: this machine is too slow for it", describe(lag_)),
+                      fmt::format("the plant is {} late: this machine is too slow for it", describe(lag_)),
                       timeline_.now());
       tell_again_ = wall + 1s;
     }
+    constexpr can::Duration slice = 20ms;
+    timeline_.run_until(std::min({wall, end_, can::later(std::max(timeline_.now(), std::min(due, wall)), slice)}));
   }
 
   can::Timeline& timeline_;
