@@ -1,0 +1,34 @@
+// Prints each check as it is made; the exit code says whether all held.
+let failures = 0;
+
+const show = (value) => (Buffer.isBuffer(value) ? value.toString('hex') : typeof value === 'number' ? `${value} (${value.toString(16)}H)`
+  : JSON.stringify(value));
+
+/** One check: prints it, and remembers a failure. */
+export function check(what, actual, expected) {
+  const same = Buffer.isBuffer(expected) ? Buffer.isBuffer(actual) && expected.equals(actual) : actual === expected;
+  if (!same) ++failures;
+  console.log(same ? `ok    ${what}: ${show(actual)}` : `FAIL  ${what}: ${show(actual)}, expected ${show(expected)}`);
+  return same;
+}
+
+/** Runs the script's body; ends the process with 0 when every check held. Nothing hangs longer than `seconds`. */
+export function run(seconds, body) {
+  const done = (code) => process.exit(code || (failures > 0 ? 1 : 0));
+  setTimeout(() => {
+    console.log(`FAIL  not finished within ${seconds} s`);
+    done(1);
+  }, seconds * 1000);
+  body().then(() => done(0), (error) => {
+    console.log(`FAIL  ${error.stack ?? error}`);
+    done(1);
+  });
+}
+
+/** The command line's arguments, or the usage and exit code 2. */
+export function argumentsOrUsage(least, usage) {
+  const words = process.argv.slice(2);
+  if (words.length >= least) return words;
+  console.log(`usage: ${usage}`);
+  process.exit(2);
+}
