@@ -52,6 +52,12 @@ Port& Bus::add_port(std::string name) {
   return *core.ports.back();
 }
 
+std::vector<const Port*> Bus::ports() const {
+  std::vector<const Port*> all;
+  for (const auto& port : inside_->core.ports) all.push_back(port.get());
+  return all;
+}
+
 void Bus::set_observer(BusObserver* observer) {
   inside_->core.observers.clear();
   if (observer != nullptr) add_observer(*observer);

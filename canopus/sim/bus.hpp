@@ -126,6 +126,8 @@ class Bus final : public can::Participant {
   [[nodiscard]] std::uint32_t bit_rate() const noexcept;
   /// Adds a controller with the bus's bit rate; it belongs to the bus and lives as long.
   Port& add_port(std::string name);
+  /// In the order of add_port().
+  [[nodiscard]] std::vector<const Port*> ports() const;
   /// Replaces all observers by this one; null: by none.
   void set_observer(BusObserver* observer);
   /// Observers are called in the order of add and must outlive the bus or be removed.

@@ -33,22 +33,22 @@ struct Fault {
 
   // drop, corrupt, duplicate, delay: which frames. Those that match are numbered from 1 in the order in which
   // they begin on the wire (delay: in which they are queued); a repeated attempt counts again.
-  std::optional<std::uint32_t> identifier;                          ///< none: every frame
+  std::optional<std::uint32_t> identifier{};                        ///< none: every frame
   bool extended = false;                                            ///< of `identifier`
-  std::string sender;                                               ///< name of a port; empty: any
+  std::string sender{};                                             ///< name of a port; empty: any
   std::uint64_t first = 1;                                          ///< number of the first frame hit, from 1
   std::uint64_t every = 1;                                          ///< after it every second, third ...
   std::uint64_t count = std::numeric_limits<std::uint64_t>::max();  ///< frames hit at most
   double probability = 1.0;                                         ///< 0..1, of each frame that is due
 
-  std::string receiver;         ///< drop, corrupt: the only port where it happens; empty: all
-  std::optional<unsigned> bit;  ///< corrupt: 0 = SOF, stuff bits counted; none: any bit of the frame
-  can::Duration delay{};        ///< delay: longer than 0
+  std::string receiver{};         ///< drop, corrupt: the only port where it happens; empty: all
+  std::optional<unsigned> bit{};  ///< corrupt: 0 = SOF, stuff bits counted; none: any bit of the frame
+  can::Duration delay{};          ///< delay: longer than 0
 
-  std::vector<std::string> ports;  ///< babble, stuck_dominant, jam, cut: whose fault it is
-  can::Frame frame;                ///< babble
-  can::Duration interval{};        ///< babble: from frame to frame; 0: always one more
-  std::size_t capacity = 16;       ///< jam: received frames kept; later ones are lost
+  std::vector<std::string> ports{};  ///< babble, stuck_dominant, jam, cut: whose fault it is
+  can::Frame frame{};                ///< babble
+  can::Duration interval{};          ///< babble: from frame to frame; 0: always one more
+  std::size_t capacity = 16;         ///< jam: received frames kept; later ones are lost
 };
 
 }  // namespace canopus::sim

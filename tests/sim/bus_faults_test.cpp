@@ -1,0 +1,282 @@
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "canopus/sim/bus.hpp"
+
+#include "sim/bus_station.hpp"
+
+namespace canopus::sim {
+namespace {
+
+using namespace std::chrono_literals;
+using can::data_frame;
+using can::ErrorState;
+using can::Frame;
+using can::Time;
+
+using Frames = std::vector<Frame>;
+
+struct BusFaults : ::testing::Test {
+  void faults(const std::vector<Fault>& list, std::uint64_t seed = 1) {
+    const auto set = bus.set_faults(list, seed);
+    ASSERT_TRUE(set.has_value()) << set.error();
+  }
+  std::string refusal(const Fault& fault) {
+    const auto set = bus.set_faults({{.kind = FaultKind::drop}, fault}, 1);
+    return set.has_value() ? "" : set.error();
+  }
+
+  can::Timeline timeline;
+  Bus bus{"main", 1'000'000, timeline};
+  Station a{bus, timeline, "a"};
+  Station b{bus, timeline, "b"};
+  Station c{bus, timeline, "c"};
+};
+
+Frame numbered(std::uint8_t number) { return data_frame(0x180, {number}); }
+
+void send_numbered(Station& station, int count) {
+  for (int number = 1; number <= count; ++number) {
+    station.send_at(Time(number * 1ms), numbered(static_cast<std::uint8_t>(number)));
+  }
+}
+
+TEST_F(BusFaults, Drop_LosesTheFrameInItsReceiversThoughItIsAcknowledged) {
+  faults({{.kind = FaultKind::drop, .first = 2, .every = 3, .count = 2}});
+  send_numbered(a, 10);
+  timeline.run_until(Time(1s));
+  EXPECT_EQ(b.frames(), (Frames{numbered(1), numbered(3), numbered(4), numbered(6), numbered(7), numbered(8),
+                                numbered(9), numbered(10)}));
+  EXPECT_EQ(a.sent.size(), 10U);
+  EXPECT_EQ(a.port.transmit_error_counter(), 0);
+}
+
+TEST_F(BusFaults, Drop_AtOneReceiver_LeavesTheOthersTheirs) {
+  faults({{.kind = FaultKind::drop, .first = 1, .count = 1, .receiver = "b"}});
+  send_numbered(a, 2);
+  timeline.run_until(Time(1s));
+  EXPECT_EQ(b.frames(), (Frames{numbered(2)}));
+  EXPECT_EQ(c.frames(), (Frames{numbered(1), numbered(2)}));
+}
+
+TEST_F(BusFaults, FrameRules_MatchIdentifierSenderAndTime) {
+  faults({{.kind = FaultKind::drop, .from = Time(2ms), .until = Time(4ms), .sender = "a"},
+          {.kind = FaultKind::drop, .identifier = 0x181}});
+  send_numbered(a, 5);
+  b.send_at(Time(2'500us), data_frame(0x180, {0xBB}));
+  b.send_at(Time(9ms), data_frame(0x181));
+  b.send_at(Time(10ms), {.identifier = 0x181, .extended = true});
+  timeline.run_until(Time(1s));
+  EXPECT_EQ(c.frames(), (Frames{numbered(1),
+                                data_frame(0x180, {0xBB}),
+                                numbered(4),
+                                numbered(5),
+                                {.identifier = 0x181, .extended = true}}));
+}
+
+TEST_F(BusFaults, Corrupt_CostsAnErrorFrameAndTheFrameIsRepeated) {
+  faults({{.kind = FaultKind::corrupt, .first = 2, .count = 1, .bit = 24}});
+  send_numbered(a, 3);
+  timeline.run_until(Time(1s));
+  EXPECT_EQ(b.frames(), (Frames{numbered(1), numbered(2), numbered(3)}));
+  EXPECT_EQ(a.port.counters().errors, 1U);
+  EXPECT_EQ(a.port.transmit_error_counter(), 6);  // 8, and two frames since
+}
+
+TEST_F(BusFaults, Corrupt_OfAnyBit_NeverLosesOrChangesAFrame) {
+  // The last bit of EOF duplicates the frame, every other one has it repeated.
+  faults({{.kind = FaultKind::corrupt, .every = 10}}, 77);
+  send_numbered(a, 250);
+  timeline.run_until(Time(1s));
+  std::vector<Frame> once = b.frames();
+  once.erase(std::unique(once.begin(), once.end()), once.end());
+  ASSERT_EQ(once.size(), 250U);
+  for (std::size_t number = 0; number < once.size(); ++number) {
+    EXPECT_EQ(once[number], numbered(static_cast<std::uint8_t>(number + 1)));
+  }
+  EXPECT_GE(a.port.counters().errors, 20U);
+}
+
+TEST_F(BusFaults, Corrupt_WithAProbability_IsTheSameRunForTheSameSeed) {
+  const auto run = [](std::uint64_t seed) {
+    can::Timeline own_timeline;
+    Bus own_bus("own", 500'000, own_timeline);
+    Station from(own_bus, own_timeline, "from");
+    Station to(own_bus, own_timeline, "to");
+    EXPECT_TRUE(own_bus.set_faults({{.kind = FaultKind::corrupt, .probability = 0.3}}, seed).has_value());
+    send_numbered(from, 200);
+    own_timeline.run_until(Time(1s));
+    return std::pair(to.heard, from.port.counters().errors);
+  };
+  EXPECT_EQ(run(1), run(1));
+  EXPECT_NE(run(1), run(2));
+  EXPECT_GE(run(1).second, 40U);
+  EXPECT_LE(run(1).second, 140U);
+}
+
+TEST_F(BusFaults, Duplicate_ReachesTheReceiversTwice) {
+  faults({{.kind = FaultKind::duplicate, .first = 2, .count = 1}});
+  send_numbered(a, 3);
+  timeline.run_until(Time(1s));
+  EXPECT_EQ(b.frames(), (Frames{numbered(1), numbered(2), numbered(2), numbered(3)}));
+  EXPECT_EQ(a.sent.size(), 3U);
+  EXPECT_EQ(b.port.receive_error_counter(), 0);
+}
+
+TEST_F(BusFaults, Delay_KeepsAFrameWhileOthersPass) {
+  faults({{.kind = FaultKind::delay, .identifier = 0x180, .count = 1, .delay = 5ms}});
+  a.send_at(Time(1ms), numbered(1));
+  a.send_at(Time(2ms), numbered(2));
+  timeline.run_until(Time(1s));
+  ASSERT_EQ(b.frames(), (Frames{numbered(2), numbered(1)}));
+  EXPECT_GE(b.heard[1].at, Time(6ms));
+  EXPECT_LE(b.heard[1].at, Time(6ms) + 60us);
+}
+
+TEST_F(BusFaults, Babble_WithAnInterval_SendsAtThatInterval) {
+  faults({{.kind = FaultKind::babble,
+           .from = Time(10ms),
+           .until = Time(20ms),
+           .ports = {"c"},
+           .frame = data_frame(0x001),
+           .interval = 2ms}});
+  timeline.run_until(Time(1s));
+  ASSERT_EQ(b.heard.size(), 5U);
+  EXPECT_EQ(b.heard[1].at - b.heard[0].at, 2ms);
+  EXPECT_TRUE(c.sent.empty());
+  EXPECT_EQ(c.port.counters().transmitted, 5U);
+}
+
+TEST_F(BusFaults, Babble_WithoutInterval_StarvesHigherIdentifiersOnly) {
+  faults({{.kind = FaultKind::babble,
+           .from = Time(1ms),
+           .until = Time(11ms),
+           .ports = {"c"},
+           .frame = data_frame(0x100)}});
+  a.send_at(Time(2ms), data_frame(0x200));
+  a.send_at(Time(3ms), data_frame(0x080));
+  timeline.run_until(Time(1s));
+  ASSERT_EQ(a.sent.size(), 2U);
+  EXPECT_EQ(a.sent[0].frame, data_frame(0x080));
+  EXPECT_LE(a.sent[0].at, Time(3ms) + 120us);
+  EXPECT_EQ(a.sent[1].frame, data_frame(0x200));
+  EXPECT_GE(a.sent[1].at, Time(11ms));
+  EXPECT_GE(c.port.counters().transmitted, 180U);
+}
+
+TEST_F(BusFaults, StuckDominant_SilencesTheBusUntilItEnds) {
+  faults({{.kind = FaultKind::stuck_dominant, .from = Time(1ms), .until = Time(3ms), .ports = {"c"}}});
+  a.send_at(Time(1'500us), numbered(1));
+  timeline.run_until(Time(2'999us));
+  EXPECT_TRUE(b.heard.empty());
+  EXPECT_EQ(b.port.error_state(), ErrorState::error_passive);
+  EXPECT_EQ(a.port.transmit_error_counter(), 0);  // it never began
+  timeline.run_until(Time(1s));
+  EXPECT_EQ(b.frames(), (Frames{numbered(1)}));
+}
+
+TEST_F(BusFaults, StuckDominantInAFrame_EndsInBusOffOfItsTransmitter) {
+  a.port.set_automatic_recovery(false);
+  faults({{.kind = FaultKind::stuck_dominant, .from = Time(1ms), .until = Time(3ms), .ports = {"c"}}});
+  a.send_at(Time(980us), numbered(1));
+  timeline.run_until(Time(1s));
+  // 8 for the bit error, 8 more for each 8 dominant bits after the flag.
+  EXPECT_EQ(a.port.error_state(), ErrorState::bus_off);
+  EXPECT_TRUE(b.heard.empty());
+}
+
+TEST_F(BusFaults, Jam_KeepsWhatFitsAndLosesTheRest) {
+  faults(
+      {{.kind = FaultKind::jam, .from = Time(2'500us), .until = Time(20ms), .ports = {"b"}, .capacity = 3}});
+  send_numbered(a, 8);
+  timeline.run_until(Time(19ms));
+  EXPECT_EQ(b.frames(), (Frames{numbered(1), numbered(2)}));
+  EXPECT_EQ(b.port.receive_overflows(), 3U);
+  timeline.run_until(Time(1s));
+  EXPECT_EQ(b.frames(), (Frames{numbered(1), numbered(2), numbered(3), numbered(4), numbered(5)}));
+  EXPECT_EQ(b.heard.back().at, Time(20ms));
+  EXPECT_EQ(c.frames().size(), 8U);
+}
+
+TEST_F(BusFaults, Cut_MakesTwoBusesAndTheirEndOneAgain) {
+  Station d(bus, timeline, "d");
+  faults({{.kind = FaultKind::cut, .from = Time(2ms), .until = Time(50ms), .ports = {"c", "d"}}});
+  send_numbered(a, 3);
+  c.send_at(Time(10ms), data_frame(0x333));
+  a.send_at(Time(60ms), data_frame(0x444));
+  timeline.run_until(Time(1s));
+  EXPECT_EQ(b.frames(), (Frames{numbered(1), numbered(2), numbered(3), data_frame(0x444)}));
+  EXPECT_EQ(d.frames(), (Frames{numbered(1), data_frame(0x333), data_frame(0x444)}));
+}
+
+TEST_F(BusFaults, Cut_InAFrame_LeavesTheFarSideAnError) {
+  Station d(bus, timeline, "d");
+  faults({{.kind = FaultKind::cut, .from = Time(1'020us), .until = Time(50ms), .ports = {"c", "d"}}});
+  a.send_at(Time(1ms), numbered(1));
+  d.send_at(Time(2ms), data_frame(0x333));
+  timeline.run_until(Time(40ms));
+  EXPECT_EQ(b.frames(), (Frames{numbered(1)}));
+  EXPECT_EQ(a.sent.size(), 1U);
+  EXPECT_EQ(c.frames(), (Frames{data_frame(0x333)}));
+  EXPECT_EQ(d.port.receive_error_counter(), 1);
+}
+
+TEST_F(BusFaults, Cut_OfOneStation_LeavesItAloneAndPassive) {
+  faults({{.kind = FaultKind::cut, .from = Time(1ms), .until = Time(500ms), .ports = {"c"}}});
+  c.send_at(Time(2ms), numbered(1));
+  timeline.run_until(Time(499ms));
+  EXPECT_EQ(c.port.error_state(), ErrorState::error_passive);
+  EXPECT_EQ(c.port.transmit_error_counter(), 128);
+  timeline.run_until(Time(1s));
+  EXPECT_EQ(b.frames(), (Frames{numbered(1)}));
+}
+
+TEST_F(BusFaults, NewFaults_EndTheOldOnes) {
+  faults({{.kind = FaultKind::jam, .ports = {"b"}}, {.kind = FaultKind::drop, .receiver = "c"}});
+  send_numbered(a, 2);
+  timeline.run_until(Time(1'500us));
+  EXPECT_TRUE(b.heard.empty());
+  faults({});
+  EXPECT_EQ(b.frames(), (Frames{numbered(1)}));
+  timeline.run_until(Time(1s));
+  EXPECT_EQ(b.frames(), (Frames{numbered(1), numbered(2)}));
+  EXPECT_EQ(c.frames(), (Frames{numbered(2)}));
+}
+
+TEST_F(BusFaults, WrongFaults_AreRefusedWithNumberKindAndReason) {
+  EXPECT_EQ(refusal({.kind = FaultKind::corrupt, .sender = "x"}),
+            "fault 2 (corrupt): no port \"x\" on bus \"main\"");
+  EXPECT_EQ(refusal({.kind = FaultKind::drop, .receiver = "y"}),
+            "fault 2 (drop): no port \"y\" on bus \"main\"");
+  EXPECT_EQ(refusal({.kind = FaultKind::cut, .ports = {"a", "z"}}),
+            "fault 2 (cut): no port \"z\" on bus \"main\"");
+  EXPECT_EQ(refusal({.kind = FaultKind::jam}), "fault 2 (jam): it names no port");
+  EXPECT_EQ(refusal({.kind = FaultKind::drop, .first = 0}),
+            "fault 2 (drop): first = 0: frames are numbered from 1");
+  EXPECT_EQ(refusal({.kind = FaultKind::drop, .every = 0}), "fault 2 (drop): every = 0: 1 means every frame");
+  EXPECT_EQ(refusal({.kind = FaultKind::drop, .probability = 1.5}),
+            "fault 2 (drop): probability is not 0 to 1");
+  EXPECT_EQ(refusal({.kind = FaultKind::delay}), "fault 2 (delay): delay is not longer than 0");
+  EXPECT_EQ(refusal({.kind = FaultKind::corrupt, .bit = 160}), "fault 2 (corrupt): bit is not 0 to 159");
+  EXPECT_EQ(refusal({.kind = FaultKind::drop, .from = Time(2s), .until = Time(1s)}),
+            "fault 2 (drop): until is before from");
+  EXPECT_EQ(refusal({.kind = FaultKind::babble, .ports = {"a"}, .frame = data_frame(0x800)}),
+            "fault 2 (babble): identifier is above 7FFH");
+  EXPECT_EQ(refusal({.kind = FaultKind::babble, .ports = {"a"}, .interval = -1ns}),
+            "fault 2 (babble): interval is negative");
+}
+
+TEST_F(BusFaults, RefusedFaults_LeaveTheOldOnesAtWork) {
+  faults({{.kind = FaultKind::drop}});
+  EXPECT_FALSE(bus.set_faults({{.kind = FaultKind::jam}}, 1).has_value());
+  send_numbered(a, 1);
+  timeline.run_until(Time(1s));
+  EXPECT_TRUE(b.heard.empty());
+}
+
+}  // namespace
+}  // namespace canopus::sim
