@@ -52,6 +52,9 @@ inline std::shared_ptr<const canopen::DictionaryDescription> master_dictionary()
   builder.uniform(0x1018, ObjectCode::record, "Identity", 4,
                   {.name = "Identity", .access = Access::read_only});
   builder.variable(0x102A, {.name = "NMT inhibit time", .type = DataType::unsigned16});
+  builder.uniform(0x1F22, ObjectCode::array, "Concise DCF", 127, {.name = "File", .type = DataType::domain});
+  builder.uniform(0x1F25, ObjectCode::array, "Configuration request", 128,
+                  {.name = "Request", .access = Access::write_only});
   builder.uniform(0x1F26, ObjectCode::array, "Expected configuration date", 127, u32("Date"));
   builder.uniform(0x1F27, ObjectCode::array, "Expected configuration time", 127, u32("Time"));
   builder.variable(0x1F80, u32("NMT start-up"));
