@@ -22,9 +22,8 @@ std::expected<Entry, AbortCode> ObjectDictionary::find(std::uint16_t index, std:
   return entry;
 }
 
-std::expected<std::span<const std::uint8_t>, AbortCode> ObjectDictionary::read(std::uint16_t index,
-                                                                               std::uint8_t sub,
-                                                                               can::Time now) {
+std::expected<Entry, AbortCode> ObjectDictionary::prepare_read(std::uint16_t index, std::uint8_t sub,
+                                                               can::Time now) {
   const ObjectDescription* object = description_->find(index);
   if (object == nullptr) return std::unexpected(AbortCode::no_object);
   const Entry entry = description_->find(*object, sub);
@@ -35,7 +34,21 @@ std::expected<std::span<const std::uint8_t>, AbortCode> ObjectDictionary::read(s
       return std::unexpected(code);
     }
   }
-  return bytes(entry);
+  return entry;
+}
+
+std::expected<std::span<const std::uint8_t>, AbortCode> ObjectDictionary::read(std::uint16_t index,
+                                                                               std::uint8_t sub,
+                                                                               can::Time now) {
+  const auto entry = prepare_read(index, sub, now);
+  if (!entry) return std::unexpected(entry.error());
+  return bytes(*entry);
+}
+
+ObjectStream* ObjectDictionary::stream(const Entry& entry) const {
+  if (entry.description->length != 0) return nullptr;
+  ObjectHandler* behaviour = handler(*description_->find(entry.index));
+  return behaviour != nullptr ? behaviour->stream(entry) : nullptr;
 }
 
 AbortCode ObjectDictionary::check_write(const Entry& entry, std::size_t length) const noexcept {

@@ -19,6 +19,7 @@
 #include "canopus/can/time.hpp"
 #include "canopus/canopen/abort_code.hpp"
 #include "canopus/canopen/dictionary_description.hpp"
+#include "canopus/canopen/object_stream.hpp"
 
 namespace canopus::canopen {
 
@@ -39,6 +40,9 @@ class ObjectHandler {
   }
   /// The value is in.
   virtual void after_write(ObjectDictionary&, const Entry&, can::Time) {}
+  /// A value of variable length that an SDO shall read and write piece by piece through this stream, instead
+  /// of through the functions above and the dictionary's memory; nullptr: it does not stream.
+  virtual ObjectStream* stream(const Entry&) { return nullptr; }
 
  protected:
   ~ObjectHandler() = default;
@@ -65,6 +69,11 @@ class ObjectDictionary {
   /// Reads as the bus does. The bytes stay valid until the next call of a non-const member.
   [[nodiscard]] std::expected<std::span<const std::uint8_t>, AbortCode> read(std::uint16_t index,
                                                                              std::uint8_t sub, can::Time now);
+  /// The first half of read(): existence, access, handler; bytes() of the entry is the second.
+  [[nodiscard]] std::expected<Entry, AbortCode> prepare_read(std::uint16_t index, std::uint8_t sub,
+                                                             can::Time now);
+  /// The stream of a value that has one.
+  [[nodiscard]] ObjectStream* stream(const Entry& entry) const;
   /// Writes as the bus does.
   [[nodiscard]] AbortCode write(std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> value,
                                 can::Time now);

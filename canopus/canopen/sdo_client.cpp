@@ -1,5 +1,7 @@
 #include "canopus/canopen/sdo_client.hpp"
 
+#include <cstdint>
+
 #include "canopus/canopen/nmt.hpp"
 #include "canopus/canopen/sdo_frame.hpp"
 
@@ -30,9 +32,9 @@ bool SdoClient::start(State state, const can::Frame& request, SdoClientUser& use
   sub_ = request.data[3];
   toggle_ = false;
   abort_code_ = AbortCode::none;
-  received_.clear();
+  collector_.clear();
   time_out_ = time_out;
-  deadline_ = can::later(now, time_out);
+  restart_time_out(now);
   if (sink_->send(request)) return true;
   state_ = State::idle;
   deadline_ = can::never;
@@ -40,24 +42,53 @@ bool SdoClient::start(State state, const can::Frame& request, SdoClientUser& use
 }
 
 bool SdoClient::upload(std::uint16_t index, std::uint8_t sub, SdoClientUser& user, can::Time now,
-                       can::Duration time_out) {
+                       can::Duration time_out, Mode mode, ByteSink* into) {
   if (busy()) return false;
-  return start(State::initiate_upload, sdo::frame(request_cob_id_, 0x40, index, sub), user, now, time_out);
+  into_ = into;
+  if (mode == Mode::segmented) {
+    return start(State::initiate_upload, sdo::frame(request_cob_id_, 0x40, index, sub), user, now, time_out);
+  }
+  // Protocol switch threshold 4: what fits comes expedited.
+  const std::uint32_t block_size_and_threshold = own_block_size | 4U << 8;
+  return start(State::initiate_block_upload,
+               sdo::frame(request_cob_id_, 0xA0U | sdo::crc_bit, index, sub, block_size_and_threshold), user,
+               now, time_out);
+}
+
+bool SdoClient::start_download(State state, std::uint16_t index, std::uint8_t sub,
+                               std::optional<std::uint32_t> size, SdoClientUser& user, can::Time now,
+                               can::Duration time_out) {
+  expedited_ = false;
+  all_sent_ = false;
+  const bool in_blocks = state == State::initiate_block_download;
+  const unsigned size_bit = !size ? 0U : in_blocks ? 2U : 1U;
+  const unsigned command = in_blocks ? 0xC0U | sdo::crc_bit : 0x20U;
+  return start(state, sdo::frame(request_cob_id_, command | size_bit, index, sub, size.value_or(0)), user,
+               now, time_out);
 }
 
 bool SdoClient::download(std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> data,
-                         SdoClientUser& user, can::Time now, can::Duration time_out) {
+                         SdoClientUser& user, can::Time now, can::Duration time_out, Mode mode) {
   if (busy()) return false;
-  can::Frame request;
   if (data.size() >= 1 && data.size() <= 4) {
-    request = sdo::frame(request_cob_id_, 0x23U | static_cast<unsigned>(4 - data.size()) << 2, index, sub);
+    can::Frame request =
+        sdo::frame(request_cob_id_, 0x23U | static_cast<unsigned>(4 - data.size()) << 2, index, sub);
     std::copy_n(data.begin(), data.size(), &request.data[4]);
-  } else {
-    request = sdo::frame(request_cob_id_, 0x21, index, sub, static_cast<std::uint32_t>(data.size()));
+    expedited_ = true;
+    return start(State::initiate_download, request, user, now, time_out);
   }
-  source_ = data;
-  sent_ = 0;
-  return start(State::initiate_download, request, user, now, time_out);
+  source_.begin(data);
+  return start_download(mode == Mode::block ? State::initiate_block_download : State::initiate_download,
+                        index, sub, static_cast<std::uint32_t>(data.size()), user, now, time_out);
+}
+
+bool SdoClient::download(std::uint16_t index, std::uint8_t sub, ByteSource& source,
+                         std::optional<std::uint32_t> size, SdoClientUser& user, can::Time now,
+                         can::Duration time_out, Mode mode) {
+  if (busy()) return false;
+  source_.begin(source);
+  return start_download(mode == Mode::block ? State::initiate_block_download : State::initiate_download,
+                        index, sub, size, user, now, time_out);
 }
 
 void SdoClient::cancel(AbortCode code) {
@@ -80,12 +111,20 @@ void SdoClient::give_up(AbortCode code, can::Time now) {
   finish(code, now);
 }
 
+// What cannot be taken: the server hears of a full memory where the user hears of too small a buffer.
+void SdoClient::refuse(AbortCode code, can::Time now) {
+  if (code != buffer_too_small) return give_up(code, now);
+  sink_->send(sdo::abort_frame(request_cob_id_, index_, sub_, AbortCode::out_of_memory));
+  finish(buffer_too_small, now);
+}
+
 bool SdoClient::receive(const can::Frame& frame, can::Time now) {
   const std::uint32_t key = frame.identifier | (frame.extended ? 1U << 29 : 0U);
   if (frame.remote || key != response_cob_id_) return false;
   if (!busy() || frame.dlc == 0) return true;
   const auto command = static_cast<ServerCommand>(frame.data[0] >> 5);
-  if (command == ServerCommand::abort) {
+  // Between the segments of a block, 81H.. is the last segment.
+  if (command == ServerCommand::abort && (state_ != State::block_upload || frame.data[0] == 0x80)) {
     finish(static_cast<AbortCode>(sdo::value(frame)), now);
     return true;
   }
@@ -95,6 +134,7 @@ bool SdoClient::receive(const can::Frame& frame, can::Time now) {
     case State::upload_segment: segment_uploaded(frame, now); break;
     case State::initiate_download: download_initiated(frame, now); break;
     case State::download_segment: segment_downloaded(frame, now); break;
+    default: receive_in_block(frame, now);
   }
   return true;
 }
@@ -108,22 +148,24 @@ void SdoClient::upload_initiated(const can::Frame& frame, can::Time now) {
     return give_up(AbortCode::command_specifier, now);
   }
   if (!is_about_this_object(frame)) return;  // a late answer to a transfer given up
-  if ((frame.data[0] & sdo::expedited_bit) != 0) {
-    const auto data = sdo::expedited_data(frame);
-    if (maximum_size_ != 0 && data.size() > maximum_size_) return too_long(now);
-    received_.assign(data.begin(), data.end());
+  const std::size_t maximum = maximum_size_ != 0 ? maximum_size_ : SIZE_MAX / 2;
+  const bool is_expedited = (frame.data[0] & sdo::expedited_bit) != 0;
+  std::optional<std::size_t> announced;
+  if (!is_expedited && (frame.data[0] & sdo::size_bit) != 0) announced = sdo::value(frame);
+  if (announced && *announced > maximum) return refuse(buffer_too_small, now);
+  collector_.begin(into_, maximum, buffer_too_small, announced, 0);
+  if (is_expedited) {
+    AbortCode code = collector_.add(sdo::expedited_data(frame));
+    if (code == AbortCode::none) code = collector_.finish(0);
+    if (code != AbortCode::none) return refuse(code, now);
     return finish(AbortCode::none, now);
   }
-  size_known_ = (frame.data[0] & sdo::size_bit) != 0;
-  size_ = size_known_ ? sdo::value(frame) : 0;
-  if (maximum_size_ != 0 && size_ > maximum_size_) return too_long(now);
-  received_.reserve(std::min<std::size_t>(size_, largest_reservation));
   state_ = State::upload_segment;
   request_segment(now);
 }
 
 void SdoClient::request_segment(can::Time now) {
-  deadline_ = can::later(now, time_out_);
+  restart_time_out(now);
   sink_->send(sdo::frame(request_cob_id_, 0x60U | (toggle_ ? sdo::toggle_bit : 0U)));
 }
 
@@ -132,22 +174,13 @@ void SdoClient::segment_uploaded(const can::Frame& frame, can::Time now) {
     return give_up(AbortCode::command_specifier, now);
   }
   if (((frame.data[0] & sdo::toggle_bit) != 0) != toggle_) return give_up(AbortCode::toggle_bit, now);
-  const auto data = sdo::segment_data(frame);
-  const std::size_t total = received_.size() + data.size();
-  if (size_known_ && total > size_) return give_up(AbortCode::length_too_high, now);
-  if (maximum_size_ != 0 && total > maximum_size_) return too_long(now);
-  received_.insert(received_.end(), data.begin(), data.end());
-  if ((frame.data[0] & sdo::last_bit) != 0) {
-    if (size_known_ && total < size_) return give_up(AbortCode::length_too_low, now);
-    return finish(AbortCode::none, now);
-  }
+  AbortCode code = collector_.add(sdo::segment_data(frame));
+  const bool last = (frame.data[0] & sdo::last_bit) != 0;
+  if (last && code == AbortCode::none) code = collector_.finish(0);
+  if (code != AbortCode::none) return refuse(code, now);
+  if (last) return finish(AbortCode::none, now);
   toggle_ = !toggle_;
   request_segment(now);
-}
-
-void SdoClient::too_long(can::Time now) {
-  sink_->send(sdo::abort_frame(request_cob_id_, index_, sub_, AbortCode::out_of_memory));
-  finish(buffer_too_small, now);
 }
 
 void SdoClient::download_initiated(const can::Frame& frame, can::Time now) {
@@ -155,17 +188,22 @@ void SdoClient::download_initiated(const can::Frame& frame, can::Time now) {
     return give_up(AbortCode::command_specifier, now);
   }
   if (!is_about_this_object(frame)) return;
-  if (source_.size() >= 1 && source_.size() <= 4) return finish(AbortCode::none, now);
+  if (expedited_) return finish(AbortCode::none, now);
   state_ = State::download_segment;
   send_segment(now);
 }
 
 void SdoClient::send_segment(can::Time now) {
-  const std::size_t count = std::min(source_.size() - sent_, sdo::segment_size);
+  if (const AbortCode code = source_.prepare(sdo::segment_size); code != AbortCode::none) {
+    return give_up(code, now);
+  }
+  const auto window = source_.window();
+  const std::size_t count = std::min(window.size(), sdo::segment_size);
+  all_sent_ = count == window.size() && source_.ends_in_window();
   can::Frame segment = sdo::frame(request_cob_id_, toggle_ ? sdo::toggle_bit : 0U);
-  sdo::put_segment(segment, source_.data() + sent_, count, sent_ + count == source_.size());
-  sent_ += count;
-  deadline_ = can::later(now, time_out_);
+  sdo::put_segment(segment, window.data(), count, all_sent_);
+  source_.advance(count);
+  restart_time_out(now);
   sink_->send(segment);
 }
 
@@ -174,13 +212,25 @@ void SdoClient::segment_downloaded(const can::Frame& frame, can::Time now) {
     return give_up(AbortCode::command_specifier, now);
   }
   if (((frame.data[0] & sdo::toggle_bit) != 0) != toggle_) return give_up(AbortCode::toggle_bit, now);
-  if (sent_ == source_.size()) return finish(AbortCode::none, now);
+  if (all_sent_) return finish(AbortCode::none, now);
   toggle_ = !toggle_;
   send_segment(now);
 }
 
 void SdoClient::tick(can::Time now) {
-  if (busy() && now >= deadline_) give_up(AbortCode::timed_out, now);
+  if (!busy() || now < deadline_) return;
+  const can::Time end = can::later(last_heard_, time_out_);
+  if (now >= end) return give_up(AbortCode::timed_out, now);
+  if (state_ == State::block_download) return send_block(now);  // the transmit queue was full
+  deadline_ = end;
+  if (state_ != State::block_upload || confirmed_early_) return;
+  const can::Time pause_end = can::later(last_heard_, time_out_ / 4);
+  if (now < pause_end) {
+    deadline_ = pause_end;
+    return;
+  }
+  confirm_block();  // the segment that asks for it was lost
+  confirmed_early_ = true;
 }
 
 }  // namespace canopus::canopen

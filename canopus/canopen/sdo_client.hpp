@@ -3,16 +3,20 @@
 // answers come on another; both belong to the channel. A time-out or a protocol error is answered with an
 // abort frame.
 //
-// Memory: a download reads the caller's bytes (they must stay valid until the transfer ends), an upload grows
-// one buffer that is kept from transfer to transfer, so that after the first use of a size nothing is
-// allocated.
+// Block transfers (Mode::block) send up to 127 segments before a confirmation is awaited and repeat what was
+// lost; a server that does not know them aborts with 05040001H.
+//
+// Memory: a download reads the caller's bytes (they must stay valid until the transfer ends) or a stream, an
+// upload grows one buffer that is kept from transfer to transfer, so that after the first use of a size
+// nothing is allocated, or goes into a stream.
 
 #include <cstdint>
+#include <optional>
 #include <span>
-#include <vector>
 
 #include "canopus/can/controller.hpp"
 #include "canopus/canopen/abort_code.hpp"
+#include "canopus/canopen/sdo_transfer.hpp"
 
 namespace canopus::canopen {
 
@@ -42,13 +46,22 @@ class SdoClient {
   void set_channel(std::uint32_t request, std::uint32_t response);
   [[nodiscard]] std::uint8_t server() const noexcept { return server_; }
 
-  /// Starts reading. False when busy() or the frame could not be queued.
+  enum class Mode : std::uint8_t { segmented, block };
+
+  /// Starts reading. False when busy() or the frame could not be queued. With `into`, the bytes go there as
+  /// they come, and data() stays empty.
   bool upload(std::uint16_t index, std::uint8_t sub, SdoClientUser& user, can::Time now,
-              can::Duration time_out = default_time_out);
-  /// Starts writing; `data` must stay valid until the end. Up to 4 bytes go expedited, more segmented. False
-  /// as above.
+              can::Duration time_out = default_time_out, Mode mode = Mode::segmented,
+              ByteSink* into = nullptr);
+  /// Starts writing; `data` must stay valid until the end. Up to 4 bytes go expedited, more segmented or in
+  /// blocks. False as above.
   bool download(std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> data,
-                SdoClientUser& user, can::Time now, can::Duration time_out = default_time_out);
+                SdoClientUser& user, can::Time now, can::Duration time_out = default_time_out,
+                Mode mode = Mode::segmented);
+  /// Starts writing what `source` gives, whose size is indicated to the server if it is known.
+  bool download(std::uint16_t index, std::uint8_t sub, ByteSource& source, std::optional<std::uint32_t> size,
+                SdoClientUser& user, can::Time now, can::Duration time_out = default_time_out,
+                Mode mode = Mode::segmented);
   /// Gives the running transfer up with an abort frame; its user is not called.
   void cancel(AbortCode code);
 
@@ -58,8 +71,10 @@ class SdoClient {
   void set_maximum_size(std::size_t bytes) noexcept { maximum_size_ = bytes; }
 
   // The last transfer, from sdo_finished() on until the next one starts.
-  [[nodiscard]] AbortCode abort_code() const noexcept { return abort_code_; }              ///< none = success
-  [[nodiscard]] std::span<const std::uint8_t> data() const noexcept { return received_; }  ///< of an upload
+  [[nodiscard]] AbortCode abort_code() const noexcept { return abort_code_; }  ///< none = success
+  [[nodiscard]] std::span<const std::uint8_t> data() const noexcept {
+    return collector_.bytes();
+  }  ///< of an upload
   [[nodiscard]] std::uint16_t index() const noexcept { return index_; }
   [[nodiscard]] std::uint8_t sub() const noexcept { return sub_; }
 
@@ -74,23 +89,46 @@ class SdoClient {
     initiate_upload,
     upload_segment,
     initiate_download,
-    download_segment
+    download_segment,
+    initiate_block_upload,
+    block_upload,      // segments come
+    block_upload_end,  // all are here, C1H is to come
+    initiate_block_download,
+    block_download,          // segments go out
+    block_download_confirm,  // a sub-block is out, A2H is to come
+    block_download_end,      // C1H is out, A1H is to come
   };
-
-  static constexpr std::size_t largest_reservation = 1U << 16;  // what a size alone makes us allocate
 
   bool start(State state, const can::Frame& request, SdoClientUser& user, can::Time now,
              can::Duration time_out);
+  bool start_download(State state, std::uint16_t index, std::uint8_t sub, std::optional<std::uint32_t> size,
+                      SdoClientUser& user, can::Time now, can::Duration time_out);
   void finish(AbortCode code, can::Time now);
   void give_up(AbortCode code, can::Time now);
-  void too_long(can::Time now);
+  void refuse(AbortCode code, can::Time now);
   [[nodiscard]] bool is_about_this_object(const can::Frame& frame) const noexcept;
+  void restart_time_out(can::Time now) noexcept {
+    last_heard_ = now;
+    deadline_ = can::later(now, time_out_);
+  }
+
   void upload_initiated(const can::Frame& frame, can::Time now);
   void request_segment(can::Time now);
   void segment_uploaded(const can::Frame& frame, can::Time now);
   void download_initiated(const can::Frame& frame, can::Time now);
   void send_segment(can::Time now);
   void segment_downloaded(const can::Frame& frame, can::Time now);
+
+  void receive_in_block(const can::Frame& frame, can::Time now);
+  void block_upload_initiated(const can::Frame& frame, can::Time now);
+  void block_segment(const can::Frame& frame, can::Time now);
+  void confirm_block();
+  void end_block_upload(const can::Frame& frame, can::Time now);
+  void block_download_initiated(const can::Frame& frame, can::Time now);
+  void send_block(can::Time now);
+  void block_confirmed(const can::Frame& frame, can::Time now);
+
+  static constexpr std::uint8_t own_block_size = 127;
 
   can::Sink* sink_;
   SdoClientUser* user_ = nullptr;
@@ -101,14 +139,23 @@ class SdoClient {
   std::uint16_t index_ = 0;
   std::uint8_t sub_ = 0;
   bool toggle_ = false;
-  bool size_known_ = false;  // of an upload
+  bool expedited_ = false;  // of a download
+  bool crc_is_used_ = false;
+  bool sending_ = false;  // inside send_block()
+  bool confirmed_early_ = false;
+  std::uint8_t block_size_ = own_block_size;
+  std::uint8_t sequence_ = 0;       // of the last segment that was taken, or sent
+  std::uint8_t last_sequence_ = 0;  // of the segment with the end of the value, 0: not in this sub-block
+  std::uint8_t unused_ = 0;         // bytes in the last segment sent
+  std::uint16_t crc_ = 0;
+  bool all_sent_ = false;  // of a segmented download
   AbortCode abort_code_ = AbortCode::none;
   std::size_t maximum_size_ = 0;
-  std::size_t size_ = 0;  // as announced
-  std::size_t sent_ = 0;
-  std::span<const std::uint8_t> source_;
-  std::vector<std::uint8_t> received_;
+  ByteSink* into_ = nullptr;
+  SegmentSource source_;
+  SegmentCollector collector_;
   can::Duration time_out_ = default_time_out;
+  can::Time last_heard_{};
   can::Time deadline_ = can::never;
 };
 

@@ -35,6 +35,10 @@ enum class ServerCommand : std::uint8_t {
   block_upload = 6,
 };
 
+/// Bits 0-1 of byte 0 in a block upload's frames, client to server.
+enum class BlockUpload : std::uint8_t { initiate = 0, end = 1, response = 2, start = 3 };
+
+inline constexpr std::uint8_t crc_bit = 0x04;  ///< of the initiate frames of block transfers
 inline constexpr std::uint8_t expedited_bit = 0x02;
 inline constexpr std::uint8_t size_bit = 0x01;
 inline constexpr std::uint8_t toggle_bit = 0x10;

@@ -1,27 +1,40 @@
 #include "canopus/canopen/sdo_server.hpp"
 
+#include <limits>
+#include <utility>
+
 #include "canopus/canopen/sdo_frame.hpp"
 
 namespace canopus::canopen {
 
 using sdo::ClientCommand;
 
-void SdoServer::set_response_identifier(std::uint32_t identifier_key) noexcept {
+void SdoServer::set_response_identifier(std::uint32_t identifier_key) {
   stop();
   response_ = identifier_key;
 }
 
-void SdoServer::stop() noexcept {
-  state_ = State::idle;
-  deadline_ = can::never;
+void SdoServer::close(bool complete) {
+  ObjectStream* const stream = std::exchange(stream_, nullptr);
+  if (stream != nullptr) static_cast<void>(stream->close(entry_, complete, last_heard_));
 }
 
-void SdoServer::begin(State state, const can::Frame& frame, can::Time now) {
+void SdoServer::stop() {
+  state_ = State::idle;
+  deadline_ = can::never;
+  close(false);
+}
+
+/// Silence within a sub-block after which the sender is told how far it came.
+can::Duration SdoServer::pause() const noexcept {
+  return time_out_ != can::Duration{} ? time_out_ / 4 : can::Duration(std::chrono::milliseconds(250));
+}
+
+void SdoServer::enter(State state, std::uint16_t index, std::uint8_t sub, can::Time now) {
   state_ = state;
-  index_ = sdo::index(frame);
-  sub_ = frame.data[3];
+  index_ = index;
+  sub_ = sub;
   toggle_ = false;
-  position_ = 0;
   last_heard_ = now;
   deadline_ = time_out_ != can::Duration{} ? can::later(now, time_out_) : can::never;
 }
@@ -36,107 +49,188 @@ void SdoServer::abort(AbortCode code) { abort(index_, sub_, code); }
 void SdoServer::receive(const can::Frame& frame, can::Time now) {
   if (frame.dlc != 8) return;
   const auto command = static_cast<ClientCommand>(frame.data[0] >> 5);
-  if (command == ClientCommand::abort) return stop();
+  // Between the segments of a block, 81H.. is the last segment.
+  if (command == ClientCommand::abort && (state_ != State::block_download || frame.data[0] == 0x80)) {
+    return stop();
+  }
   switch (state_) {
     case State::idle:
-      if (command == ClientCommand::initiate_upload) return initiate_upload(frame, now);
-      if (command == ClientCommand::initiate_download) return initiate_download(frame, now);
-      return abort(0, 0, AbortCode::command_specifier);
+      switch (command) {
+        case ClientCommand::initiate_upload: return initiate_upload(frame, now);
+        case ClientCommand::initiate_download: return initiate_download(frame, now);
+        case ClientCommand::block_upload: return initiate_block_upload(frame, now);
+        case ClientCommand::block_download: return initiate_block_download(frame, now);
+        default: return abort(0, 0, AbortCode::command_specifier);
+      }
     case State::download_segment:
       if (command == ClientCommand::download_segment) return download_segment(frame, now);
       return abort(AbortCode::command_specifier);
     case State::upload_segment:
       if (command == ClientCommand::upload_segment) return upload_segment(frame, now);
       return abort(AbortCode::command_specifier);
+    default: return receive_in_block(frame, now);
   }
 }
 
-std::size_t SdoServer::maximum_size(const Entry& entry) const noexcept {
-  return entry.description->length != 0 ? entry.description->length : maximum_size_;
+AbortCode SdoServer::begin_download(const can::Frame& frame, State state, bool size_indicated,
+                                    std::size_t slack, can::Time now) {
+  const auto entry = dictionary_->find(sdo::index(frame), frame.data[3]);
+  if (!entry) return entry.error();
+  const std::uint8_t object_length = entry->description->length;
+  const std::size_t size = sdo::value(frame);
+  // Without a size, the access right and no more can be checked now.
+  const AbortCode code = dictionary_->check_write(*entry, size_indicated ? size : object_length);
+  if (code != AbortCode::none) return code;
+  const std::optional<std::size_t> announced = size_indicated ? std::optional(size) : std::nullopt;
+  entry_ = *entry;
+  stream_ = dictionary_->stream(*entry);
+  std::size_t maximum = object_length != 0 ? object_length : maximum_size_;
+  if (stream_ != nullptr) {
+    maximum = std::numeric_limits<std::size_t>::max() / 2;
+    const AbortCode refusal = stream_->open_write(*entry, announced, now);
+    if (refusal != AbortCode::none) {
+      stream_ = nullptr;
+      return refusal;
+    }
+  } else if (announced && *announced > maximum) {
+    return AbortCode::out_of_memory;
+  }
+  collector_.begin(stream_, maximum,
+                   object_length != 0 ? AbortCode::length_too_high : AbortCode::out_of_memory, announced,
+                   slack);
+  enter(state, entry->index, entry->sub, now);
+  return AbortCode::none;
+}
+
+AbortCode SdoServer::finish_download(std::size_t unused, can::Time now) {
+  if (const AbortCode code = collector_.finish(unused); code != AbortCode::none) return code;
+  if (crc_is_used_ && collector_.crc() != crc_) return AbortCode::crc;
+  if (stream_ != nullptr) return std::exchange(stream_, nullptr)->close(entry_, true, now);
+  return dictionary_->write(index_, sub_, collector_.bytes(), now);
+}
+
+void SdoServer::expedited_download(const can::Frame& frame, const Entry& entry, can::Time now) {
+  const std::uint8_t object_length = entry.description->length;
+  auto data = sdo::expedited_data(frame);
+  const bool size_indicated = (frame.data[0] & sdo::size_bit) != 0;
+  if (!size_indicated && object_length != 0 && object_length < 4) data = data.first(object_length);
+  AbortCode code = AbortCode::none;
+  if (ObjectStream* stream = dictionary_->stream(entry)) {
+    code = dictionary_->check_write(entry, data.size());
+    if (code == AbortCode::none) code = stream->open_write(entry, data.size(), now);
+    if (code != AbortCode::none) return abort(entry.index, entry.sub, code);
+    code = stream->write(data);
+    const AbortCode at_close = stream->close(entry, code == AbortCode::none, now);
+    if (code == AbortCode::none) code = at_close;
+  } else {
+    code = dictionary_->write(entry.index, entry.sub, data, now);
+  }
+  if (code != AbortCode::none) return abort(entry.index, entry.sub, code);
+  sink_->send(sdo::frame(response_, 0x60, entry.index, entry.sub));
 }
 
 void SdoServer::initiate_download(const can::Frame& frame, can::Time now) {
   const std::uint16_t index = sdo::index(frame);
   const std::uint8_t sub = frame.data[3];
-  const auto entry = dictionary_->find(index, sub);
-  if (!entry) return abort(index, sub, entry.error());
-  const std::uint8_t object_length = entry->description->length;
-  const bool size_indicated = (frame.data[0] & sdo::size_bit) != 0;
   if ((frame.data[0] & sdo::expedited_bit) != 0) {
-    auto data = sdo::expedited_data(frame);
-    if (!size_indicated && object_length != 0 && object_length < 4) data = data.first(object_length);
-    const AbortCode code = dictionary_->write(index, sub, data, now);
-    if (code != AbortCode::none) return abort(index, sub, code);
-    sink_->send(sdo::frame(response_, 0x60, index, sub));
-    return;
+    const auto entry = dictionary_->find(index, sub);
+    if (!entry) return abort(index, sub, entry.error());
+    return expedited_download(frame, *entry, now);
   }
-  size_known_ = size_indicated;
-  size_ = size_indicated ? sdo::value(frame) : 0;
-  // Without a size, the access right and no more can be checked now.
-  const AbortCode code = dictionary_->check_write(*entry, size_indicated ? size_ : object_length);
+  crc_is_used_ = false;
+  const bool size_indicated = (frame.data[0] & sdo::size_bit) != 0;
+  const AbortCode code = begin_download(frame, State::download_segment, size_indicated, 0, now);
   if (code != AbortCode::none) return abort(index, sub, code);
-  if (size_ > maximum_size(*entry)) return abort(index, sub, AbortCode::out_of_memory);
-  begin(State::download_segment, frame, now);
-  buffer_.clear();
-  buffer_.reserve(size_);
   sink_->send(sdo::frame(response_, 0x60, index, sub));
 }
 
 void SdoServer::download_segment(const can::Frame& frame, can::Time now) {
   if (((frame.data[0] & sdo::toggle_bit) != 0) != toggle_) return abort(AbortCode::toggle_bit);
   last_heard_ = now;
-  const auto data = sdo::segment_data(frame);
-  const auto entry = dictionary_->find(index_, sub_);
-  if (!entry) return abort(entry.error());
-  const bool is_fixed = entry->description->length != 0;
-  if (size_known_ && buffer_.size() + data.size() > size_) return abort(AbortCode::length_too_high);
-  if (buffer_.size() + data.size() > maximum_size(*entry)) {
-    return abort(is_fixed ? AbortCode::length_too_high : AbortCode::out_of_memory);
-  }
-  buffer_.insert(buffer_.end(), data.begin(), data.end());
-  if ((frame.data[0] & sdo::last_bit) != 0) {
-    if (size_known_ && buffer_.size() < size_) return abort(AbortCode::length_too_low);
-    const AbortCode code = dictionary_->write(index_, sub_, buffer_, now);
-    if (code != AbortCode::none) return abort(code);
-    stop();
-  }
+  AbortCode code = collector_.add(sdo::segment_data(frame));
+  const bool last = (frame.data[0] & sdo::last_bit) != 0;
+  if (last && code == AbortCode::none) code = finish_download(0, now);
+  if (code != AbortCode::none) return abort(code);
   const unsigned toggle = toggle_ ? sdo::toggle_bit : 0U;
   toggle_ = !toggle_;
+  if (last) stop();
   sink_->send(sdo::frame(response_, 0x20U | toggle));
+}
+
+AbortCode SdoServer::begin_upload(const Entry& entry, can::Time now) {
+  entry_ = entry;
+  stream_ = dictionary_->stream(entry);
+  if (stream_ == nullptr) {
+    const auto value = dictionary_->bytes(entry);
+    size_ = value.size();
+    source_.begin(source_.own_copy(value));
+    return AbortCode::none;
+  }
+  const auto size = stream_->open_read(entry, now);
+  if (!size) {
+    stream_ = nullptr;
+    return size.error();
+  }
+  size_ = *size;
+  source_.begin(*stream_);
+  return source_.prepare(0);
 }
 
 void SdoServer::initiate_upload(const can::Frame& frame, can::Time now) {
   const std::uint16_t index = sdo::index(frame);
   const std::uint8_t sub = frame.data[3];
-  const auto value = dictionary_->read(index, sub, now);
-  if (!value) return abort(index, sub, value.error());
-  const std::size_t size = value->size();
-  if (size >= 1 && size <= 4) {
+  const auto entry = dictionary_->prepare_read(index, sub, now);
+  if (!entry) return abort(index, sub, entry.error());
+  const std::uint8_t length = entry->description->length;
+  if (length >= 1 && length <= 4) {
+    const auto value = dictionary_->bytes(*entry);
     std::uint32_t number = 0;
-    if (size == 4) {
-      std::memcpy(&number, value->data(), 4);
+    if (length == 4) {
+      std::memcpy(&number, value.data(), 4);
     } else {
-      std::copy_n(value->data(), size, reinterpret_cast<std::uint8_t*>(&number));
+      std::copy_n(value.data(), length, reinterpret_cast<std::uint8_t*>(&number));
     }
-    sink_->send(sdo::frame(response_, 0x43U | static_cast<unsigned>(4 - size) << 2, index, sub, number));
+    sink_->send(sdo::frame(response_, 0x43U | (4U - length) << 2, index, sub, number));
     return;
   }
-  buffer_.assign(value->begin(), value->end());  // the value may change while the transfer runs
-  size_ = size;
-  begin(State::upload_segment, frame, now);
-  sink_->send(sdo::frame(response_, 0x41, index, sub, static_cast<std::uint32_t>(size)));
+  index_ = index;
+  sub_ = sub;
+  if (const AbortCode code = begin_upload(*entry, now); code != AbortCode::none) return abort(code);
+  answer_upload(now);
+}
+
+/// The initiate response of an upload that is not in blocks: expedited if it fits.
+void SdoServer::answer_upload(can::Time now) {
+  const bool fits = size_ && *size_ >= 1 && *size_ <= 4 && source_.window().size() >= *size_;
+  if (fits) {
+    std::uint32_t number = 0;
+    std::copy_n(source_.window().data(), *size_, reinterpret_cast<std::uint8_t*>(&number));
+    close(true);
+    const auto unused = static_cast<unsigned>(4 - *size_);
+    stop();
+    sink_->send(sdo::frame(response_, 0x43U | unused << 2, index_, sub_, number));
+    return;
+  }
+  enter(State::upload_segment, index_, sub_, now);
+  sink_->send(sdo::frame(response_, size_ ? 0x41 : 0x40, index_, sub_,
+                         static_cast<std::uint32_t>(size_.value_or(0))));
 }
 
 void SdoServer::upload_segment(const can::Frame& frame, can::Time now) {
   if (((frame.data[0] & sdo::toggle_bit) != 0) != toggle_) return abort(AbortCode::toggle_bit);
   last_heard_ = now;
-  const std::size_t count = std::min(size_ - position_, sdo::segment_size);
-  const bool last = position_ + count == size_;
+  if (const AbortCode code = source_.prepare(sdo::segment_size); code != AbortCode::none) return abort(code);
+  const auto window = source_.window();
+  const std::size_t count = std::min(window.size(), sdo::segment_size);
+  const bool last = count == window.size() && source_.ends_in_window();
   can::Frame answer = sdo::frame(response_, toggle_ ? sdo::toggle_bit : 0U);
-  sdo::put_segment(answer, buffer_.data() + position_, count, last);
-  position_ += count;
+  sdo::put_segment(answer, window.data(), count, last);
+  source_.advance(count);
   toggle_ = !toggle_;
-  if (last) stop();
+  if (last) {
+    close(true);
+    stop();
+  }
   sink_->send(answer);
 }
 
@@ -145,12 +239,19 @@ void SdoServer::tick(can::Time now) {
     deadline_ = can::never;
     return;
   }
-  const can::Time due = can::later(last_heard_, time_out_);
+  if (time_out_ != can::Duration{} && now >= can::later(last_heard_, time_out_)) {
+    return abort(AbortCode::timed_out);
+  }
+  if (state_ == State::block_upload) return send_block(now);  // the transmit queue was full
+  deadline_ = time_out_ != can::Duration{} ? can::later(last_heard_, time_out_) : can::never;
+  if (state_ != State::block_download || confirmed_early_) return;
+  const can::Time due = can::later(last_heard_, pause());
   if (now < due) {
-    deadline_ = due;  // heard since the deadline was set
+    deadline_ = due;
     return;
   }
-  abort(AbortCode::timed_out);
+  confirm_block();  // the segment that asks for it was lost
+  confirmed_early_ = true;
 }
 
 }  // namespace canopus::canopen

@@ -5,31 +5,42 @@
 //
 //   download  2xH index sub data|size -> 60H;  segments 00H/10H.. 7 bytes -> 20H/30H, the last one with bit 0
 //   upload    40H index sub -> 4xH data|size;  60H/70H -> segments 00H/10H.., the last one with bit 0
+//   block download  C0H.. -> A0H; segments 1..blksize -> A2H ackseq blksize; ...; C1H crc -> A1H
+//   block upload    A0H.. -> C0H; A3H -> segments 1..blksize; A2H ackseq blksize -> ...; -> C1H crc; A1H
 //   abort     80H index sub code, from either side, never answered
 //
 // A value of up to 4 bytes goes in the initiate frame (expedited), a longer one in segments whose toggle bit
-// alternates from 0. A download in segments is collected and written when it is complete, so an aborted one
-// changes nothing. What does not fit the state is aborted with 05040001H and ends the transfer; a client that
-// is silent for the time-out ends it with 05040000H.
+// alternates from 0. A download is collected and written when it is complete, so an aborted one changes
+// nothing (an object that streams is told that it was incomplete). What does not fit the state is aborted
+// with 05040001H and ends the transfer; a client that is silent for the time-out ends it with 05040000H.
+//
+// Lost segments of a block: the receiver takes segments in order only and confirms, at the last one of the
+// sub-block (or, when that is lost, after a pause), the last one it has; the sender goes on from there.
 
 #include <cstdint>
-#include <vector>
 
 #include "canopus/can/controller.hpp"
 #include "canopus/canopen/object_dictionary.hpp"
+#include "canopus/canopen/sdo_transfer.hpp"
 
 namespace canopus::canopen {
 
 class SdoServer {
  public:
   SdoServer(ObjectDictionary& dictionary, can::Sink& sink) : dictionary_(&dictionary), sink_(&sink) {}
+  SdoServer(const SdoServer&) = delete;
+  SdoServer& operator=(const SdoServer&) = delete;
+  ~SdoServer() = default;
 
   /// Where answers go: identifier, bit 29 = extended. Gives a running transfer up in silence.
-  void set_response_identifier(std::uint32_t identifier_key) noexcept;
+  void set_response_identifier(std::uint32_t identifier_key);
   /// A client's silence that ends a transfer; 0 = never.
   void set_time_out(can::Duration time_out) noexcept { time_out_ = time_out; }
-  /// Longest value of variable length that a download may bring; more is aborted with 05040005H.
+  /// Longest value of variable length that a download may bring; more is aborted with 05040005H. Does not
+  /// concern objects that stream.
   void set_maximum_size(std::size_t bytes) noexcept { maximum_size_ = bytes; }
+  /// Segments asked for in each sub-block of a block download, 1..127.
+  void set_block_size(std::uint8_t segments) noexcept { own_block_size_ = segments; }
 
   /// A frame with the request identifier came.
   void receive(const can::Frame& frame, can::Time now);
@@ -38,32 +49,70 @@ class SdoServer {
   [[nodiscard]] can::Time deadline() const noexcept { return deadline_; }
   [[nodiscard]] bool busy() const noexcept { return state_ != State::idle; }
   /// Forgets a running transfer in silence.
-  void stop() noexcept;
+  void stop();
 
  private:
-  enum class State : std::uint8_t { idle, download_segment, upload_segment };
+  enum class State : std::uint8_t {
+    idle,
+    download_segment,
+    upload_segment,
+    block_download,        // segments come
+    block_download_end,    // all are here, C1H is to come
+    block_upload_start,    // A3H is to come
+    block_upload,          // segments go out
+    block_upload_confirm,  // a sub-block is out, A2H is to come
+    block_upload_end,      // C1H is out, A1H is to come
+  };
 
+  void receive_in_block(const can::Frame& frame, can::Time now);
   void initiate_download(const can::Frame& frame, can::Time now);
+  void expedited_download(const can::Frame& frame, const Entry& entry, can::Time now);
   void download_segment(const can::Frame& frame, can::Time now);
+  [[nodiscard]] AbortCode begin_download(const can::Frame& frame, State state, bool size_indicated,
+                                         std::size_t slack, can::Time now);
+  [[nodiscard]] AbortCode finish_download(std::size_t unused, can::Time now);
+
   void initiate_upload(const can::Frame& frame, can::Time now);
   void upload_segment(const can::Frame& frame, can::Time now);
-  void begin(State state, const can::Frame& frame, can::Time now);
+  [[nodiscard]] AbortCode begin_upload(const Entry& entry, can::Time now);
+  void answer_upload(can::Time now);
+
+  void initiate_block_download(const can::Frame& frame, can::Time now);
+  void block_segment(const can::Frame& frame, can::Time now);
+  void confirm_block();
+  void end_block_download(const can::Frame& frame, can::Time now);
+  void initiate_block_upload(const can::Frame& frame, can::Time now);
+  void send_block(can::Time now);
+  void block_confirmed(const can::Frame& frame, can::Time now);
+
+  void enter(State state, std::uint16_t index, std::uint8_t sub, can::Time now);
+  void close(bool complete);
   void abort(AbortCode code);
   void abort(std::uint16_t index, std::uint8_t sub, AbortCode code);
-  [[nodiscard]] std::size_t maximum_size(const Entry& entry) const noexcept;
+  [[nodiscard]] can::Duration pause() const noexcept;
 
   ObjectDictionary* dictionary_;
   can::Sink* sink_;
   std::uint32_t response_ = 0;
   State state_ = State::idle;
   bool toggle_ = false;
-  bool size_known_ = false;
+  bool crc_is_used_ = false;
+  bool sending_ = false;  // inside send_block()
+  std::uint8_t own_block_size_ = 127;
+  std::uint8_t block_size_ = 127;
+  std::uint8_t sequence_ = 0;       // of the last segment that was taken, or sent
+  std::uint8_t last_sequence_ = 0;  // of the segment with the end of the value, 0: not in this sub-block
+  std::uint8_t unused_ = 0;         // bytes in the last segment sent
   std::uint8_t sub_ = 0;
   std::uint16_t index_ = 0;
+  std::uint16_t crc_ = 0;
+  bool confirmed_early_ = false;
   std::size_t maximum_size_ = 1U << 20;
-  std::size_t size_ = 0;      // announced, or of the value that is read
-  std::size_t position_ = 0;  // sent of an upload
-  std::vector<std::uint8_t> buffer_;
+  std::optional<std::size_t> size_;  // of an upload
+  Entry entry_;                      // of a stream
+  ObjectStream* stream_ = nullptr;
+  SegmentSource source_;
+  SegmentCollector collector_;
   can::Duration time_out_{};
   can::Time last_heard_{};
   can::Time deadline_ = can::never;

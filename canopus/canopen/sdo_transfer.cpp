@@ -1,0 +1,77 @@
+#include "canopus/canopen/sdo_transfer.hpp"
+
+#include <algorithm>
+
+#include "canopus/canopen/sdo_crc.hpp"
+
+namespace canopus::canopen {
+
+void SegmentSource::begin(std::span<const std::uint8_t> bytes) {
+  window_ = bytes;
+  stream_ = nullptr;
+}
+
+void SegmentSource::begin(ByteSource& stream) {
+  buffer_.clear();
+  window_ = {};
+  stream_ = &stream;
+  at_end_ = false;
+}
+
+std::span<const std::uint8_t> SegmentSource::own_copy(std::span<const std::uint8_t> value) {
+  buffer_.assign(value.begin(), value.end());
+  return buffer_;
+}
+
+AbortCode SegmentSource::refill(std::size_t bytes) {
+  if (at_end_) return AbortCode::none;
+  constexpr std::size_t piece = 1024;
+  const std::size_t wanted = std::max(bytes + 1, piece);
+  const std::size_t left = window_.size();
+  // What is left moves to the front of the buffer; the stream fills the rest.
+  std::copy(window_.begin(), window_.end(), buffer_.begin());
+  buffer_.resize(wanted);
+  const auto count = stream_->read(std::span(buffer_).subspan(left));
+  if (!count) return count.error();
+  const std::size_t got = std::min(*count, wanted - left);
+  at_end_ = got < wanted - left;
+  buffer_.resize(left + got);
+  window_ = buffer_;
+  return AbortCode::none;
+}
+
+void SegmentCollector::begin(ByteSink* stream, std::size_t maximum, AbortCode too_many,
+                             std::optional<std::size_t> announced, std::size_t slack) {
+  buffer_.clear();
+  stream_ = stream;
+  total_ = 0;
+  announced_ = announced;
+  slack_ = slack;
+  limit_ = announced ? *announced : maximum;
+  limit_code_ = announced ? AbortCode::length_too_high : too_many;
+  crc_ = 0;
+  counts_crc_ = false;
+  buffer_.reserve(stream != nullptr ? hand_on_at + kept
+                                    : std::min(announced.value_or(0), largest_reservation));
+}
+
+AbortCode SegmentCollector::hand_on(std::size_t keep) {
+  const std::size_t count = buffer_.size() - std::min(keep, buffer_.size());
+  const auto bytes = std::span<const std::uint8_t>(buffer_).first(count);
+  if (counts_crc_) crc_ = sdo::crc16(crc_, bytes);
+  if (stream_ == nullptr) return AbortCode::none;
+  const AbortCode code = bytes.empty() ? AbortCode::none : stream_->write(bytes);
+  buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(count));
+  return code;
+}
+
+AbortCode SegmentCollector::finish(std::size_t unused) {
+  if (unused > buffer_.size()) return AbortCode::length_too_low;
+  buffer_.resize(buffer_.size() - unused);
+  total_ -= unused;
+  if (total_ > limit_) return limit_code_;
+  if (announced_ && total_ < *announced_) return AbortCode::length_too_low;
+  return hand_on(0);
+}
+
+}  // namespace canopus::canopen
