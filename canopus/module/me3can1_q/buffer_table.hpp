@@ -9,6 +9,7 @@
 #include "canopus/module/command_interface.hpp"
 #include "canopus/module/data_exchange.hpp"
 #include "canopus/module/error_status.hpp"
+#include "canopus/module/time_stamp.hpp"
 
 namespace canopus::module::me3can1_q {
 
@@ -34,6 +35,8 @@ inline constexpr BufferAddress active_baud_rate = 37;
 inline constexpr BufferAddress sampling_point = 38;
 inline constexpr BufferAddress setting_error = 39;
 inline constexpr BufferAddress refused_write = 40;
+inline constexpr BufferAddress time_stamp = 50;
+inline constexpr BufferAddress daily_correction = 59;
 inline constexpr BufferAddress start_all_delay = 70;
 inline constexpr BufferAddress sdo_time_out = 71;
 inline constexpr BufferAddress error_clear_node = 400;  ///< error control status of node n is 400 + n
@@ -144,6 +147,8 @@ inline constexpr ErrorStatusLayout error_layout{
 
 inline constexpr DataExchangeLayout exchange_layout{
     .receive_first = g::receive_data, .transmit_first = g::transmit_data, .words = 1024, .pdos = 256};
+
+inline constexpr TimeStampLayout time_stamp_layout{.first = g::time_stamp, .two_digit_year = true};
 
 // Signals: offsets from the head address [ME3CAN1-Q Tab. 3-3].
 namespace signal {

@@ -73,7 +73,8 @@ Me3can1Q::Firmware::Firmware(can::Controller& controller, NonVolatileMemory& mem
       node_(object_dictionary(), 127, controller, node_options()),
       master_(node_, controller),
       command_(g::command, command_table, *this, controller),
-      exchange_(exchange_layout, buffer_) {
+      exchange_(exchange_layout, buffer_),
+      time_stamp_(time_stamp_layout, buffer_) {
   node_.set_listener(this);
   master_.set_listener(this);
   node_.dictionary().attach(0x1010, 0x1011, *this);
@@ -82,6 +83,7 @@ Me3can1Q::Firmware::Firmware(can::Controller& controller, NonVolatileMemory& mem
   buffer_.attach(g::data_exchange_control, g::data_exchange_control, *this);
   buffer_.attach(g::communication_status, g::communication_status, *this);
   buffer_.attach(g::transmit_errors, g::active_baud_rate, *this);
+  buffer_.attach(g::time_stamp, g::time_stamp, *this);
   buffer_.attach(g::error_status, g::error_status, errors_);
   buffer_.attach(g::setting_error, g::refused_write, errors_);
   buffer_.attach(g::error_clear_node + 1, g::error_clear_node + 127, nmt_status_);
@@ -156,7 +158,8 @@ void Me3can1Q::Firmware::begin_initialization(can::Duration duration, can::Time 
   state_ = State::initializing;
   initialized_at_ = can::later(now, duration);
   restart_again_at_ = nmt_reset_end_ = exchange_end_ = save_end_ = can::never;
-  process_data_pending_ = emergencies_pending_ = exchange_running_ = nmt_reset_seen_ = false;
+  process_data_pending_ = emergencies_pending_ = exchange_running_ = false;
+  nmt_reset_seen_ = time_seen_ = false;
   save_request_ = 0;
   events_.clear();
   master_.stop(now);
@@ -195,6 +198,7 @@ void Me3can1Q::Firmware::load_settings() {
   mode_bit_ = mode_bit(mode_);
   buffer_.select_mode(static_cast<Modes>(mode_bit_));
   if (!buffer_.apply_stored(stored_words_)) flash_error_ = true;
+  if (canopen_mode()) time_stamp_.reset();
   // In a layer 2 mode all settings of the object dictionary are deleted [ME3CAN1-Q 3.5.2].
   if (!canopen_mode() && memory_.read(objects_name).state != NonVolatileMemory::Content::State::missing) {
     memory_.write(objects_name, {});
@@ -264,6 +268,7 @@ void Me3can1Q::Firmware::reset_requested(canopen::NmtCommand, can::Time now) {
 
 void Me3can1Q::Firmware::reset_done(canopen::NmtCommand, can::Time now) {
   load_objects();
+  use_time_role();
   nmt_status_.reset();
   master_.start(now);
 }
@@ -296,6 +301,7 @@ void Me3can1Q::Firmware::end_save(can::Time now) {
   if ((save_request_ & 2U) != 0) {
     buffer_.restore_initial();
     use_communication_settings();
+    time_stamp_.correction_changed(now);
   }
   if ((save_request_ & 1U) != 0) {
     if ((save_request_ & 2U) != 0) stored_words_.clear();  // of all modes

@@ -15,6 +15,7 @@
 #include "canopus/module/me3can1_q/me3can1_q.hpp"
 #include "canopus/module/nmt_status.hpp"
 #include "canopus/module/signals.hpp"
+#include "canopus/module/time_stamp.hpp"
 
 namespace canopus::module::me3can1_q {
 
@@ -44,11 +45,12 @@ class Me3can1Q::Firmware final : public BufferArea,
   void tick(can::Time now);
   [[nodiscard]] can::Time deadline() const noexcept;
 
+  [[nodiscard]] std::array<Led, 5> leds(can::Time now) const;
   [[nodiscard]] const Signals& signals() const noexcept { return signals_; }
   [[nodiscard]] const Profile& profile() const noexcept { return profile_; }
   [[nodiscard]] const canopen::Node& node() const noexcept { return node_; }
 
-  // BufferArea: the status words that are made when they are read (G20 G25 G35 G36 G37).
+  // BufferArea: the status words that are made when they are read (G20 G25 G35 G36 G37), and G50.
   std::uint16_t read_word(BufferAddress address, can::Time now) override;
   WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
 
@@ -70,6 +72,7 @@ class Me3can1Q::Firmware final : public BufferArea,
   bool may_become_operational() override;
   void emergency_received(const canopen::Emergency& message, can::Time now) override;
   void rpdo_received(std::uint16_t number, can::Time now) override;
+  void time_received(const canopen::TimeOfDay& time, can::Time now) override;
   void heartbeat_received(std::uint8_t node_id, canopen::NmtState state, can::Time now) override;
   void heartbeat_lost(std::uint8_t node_id, can::Time now) override;
   void life_guarding_event(bool occurred, can::Time now) override;
@@ -120,6 +123,9 @@ class Me3can1Q::Firmware final : public BufferArea,
   void begin_save(can::Time now);
   void end_save(can::Time now);
   void clear_nmt_errors(can::Time now);
+  void set_clock(can::Time now);
+  void send_time(can::Time now);
+  void use_time_role();
 
   // Status.
   [[nodiscard]] std::uint16_t communication_status() const;
@@ -142,6 +148,7 @@ class Me3can1Q::Firmware final : public BufferArea,
   manager::NmtMaster master_;
   CommandInterface command_;
   DataExchange exchange_;
+  TimeStamp time_stamp_;
 
   State state_ = State::off;
   std::uint16_t mode_ = 405;      // active function mode: 405, 11, 29
@@ -150,6 +157,8 @@ class Me3can1Q::Firmware final : public BufferArea,
   CpuState cpu_ = CpuState::run;
   bool flash_error_ = false;
   bool nmt_reset_seen_ = false;  // G25.6
+  bool time_seen_ = false;       // G25.12
+  can::Time last_frame_{};       // sent or received
   bool process_data_pending_ = false;
   bool emergencies_pending_ = false;
   bool exchange_running_ = false;

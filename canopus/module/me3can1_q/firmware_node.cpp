@@ -18,7 +18,9 @@ constexpr std::uint8_t stopped_on_error = 2;
 }  // namespace
 
 void Me3can1Q::Firmware::receive(const can::Frame& frame, can::Time now) {
-  if (state_ != State::running || !canopen_mode()) return;
+  if (state_ != State::running) return;
+  last_frame_ = now;
+  if (!canopen_mode()) return;
   node_.receive(frame, now);
   master_.receive(frame, now);
   command_.receive(frame, now);
@@ -26,8 +28,8 @@ void Me3can1Q::Firmware::receive(const can::Frame& frame, can::Time now) {
 }
 
 void Me3can1Q::Firmware::transmitted(const can::Frame& frame, can::Time now) {
-  if (state_ != State::running || !canopen_mode()) return;
-  node_.transmitted(frame, now);
+  last_frame_ = now;
+  if (state_ == State::running && canopen_mode()) node_.transmitted(frame, now);
 }
 
 void Me3can1Q::Firmware::cpu_changed(CpuState state, can::Time now) {
@@ -67,6 +69,11 @@ void Me3can1Q::Firmware::rpdo_received(std::uint16_t number, can::Time) {
   exchange_.rpdo_received(node_.dictionary(), number);
 }
 
+void Me3can1Q::Firmware::time_received(const canopen::TimeOfDay& time, can::Time now) {
+  time_seen_ = true;
+  time_stamp_.receive(time, now);
+}
+
 void Me3can1Q::Firmware::heartbeat_received(std::uint8_t node_id, canopen::NmtState state, can::Time now) {
   master_.heartbeat_received(node_id, state, now);
 }
@@ -82,6 +89,7 @@ void Me3can1Q::Firmware::life_guarding_event(bool occurred, can::Time) {
 
 // Any change of the configuration makes its date and time invalid [ME3CAN1-Q 4.8.12].
 void Me3can1Q::Firmware::object_written(const canopen::Entry& entry, can::Time) {
+  if (entry.index == 0x1012) use_time_role();
   if (!entry.description->stored || entry.index == 0x1020) return;
   node_.dictionary().set<std::uint32_t>(0x1020, 1, 0);
   node_.dictionary().set<std::uint32_t>(0x1020, 2, 0);

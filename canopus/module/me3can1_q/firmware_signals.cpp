@@ -20,6 +20,7 @@ constexpr std::uint16_t warning_level = 1U << 1;
 constexpr std::uint16_t nmt_reset_seen = 1U << 6;
 constexpr std::uint16_t initialization = 1U << 7;
 constexpr unsigned network_state_shift = 8;
+constexpr std::uint16_t time_seen = 1U << 12;
 constexpr std::uint16_t slave_start_up = 1U << 14;
 constexpr std::uint16_t nmt_master = 1U << 15;
 
@@ -29,6 +30,9 @@ constexpr unsigned passive_counter = 128;
 constexpr std::uint16_t bus_off_counter = 256;
 
 constexpr std::array<std::uint8_t, 5> no_detail{};
+
+// A frame is too short to be seen.
+constexpr can::Duration traffic_afterglow = std::chrono::milliseconds(50);
 
 }  // namespace
 
@@ -41,6 +45,7 @@ void Me3can1Q::Firmware::write(BufferAddress address, std::uint16_t value, can::
   const WriteResult result = initializing() ? WriteResult::refused : buffer_.write(address, value, now);
   errors_.record(result, address);
   if (result == WriteResult::done) {
+    if (address == g::daily_correction) time_stamp_.correction_changed(now);
     if (address == g::start_all_delay || address == g::sdo_time_out) use_communication_settings();
     if (observer_ != nullptr) observer_->buffer_written(address, value, now);
   } else if (observer_ != nullptr && result != WriteResult::ignored) {
@@ -63,25 +68,57 @@ std::uint16_t Me3can1Q::Firmware::read_word(BufferAddress address, can::Time) {
       return bus_off ? bus_off_counter
                      : std::min<std::uint16_t>(controller_.receive_error_counter(), passive_counter);
     case g::active_baud_rate: return static_cast<std::uint16_t>(bit_rate_ * 10U);  // 0.1 kbit/s
-    default: return 0;
+    default: return buffer_.word(address);
   }
 }
 
-WriteResult Me3can1Q::Firmware::write_word(BufferAddress address, std::uint16_t value, can::Time) {
+WriteResult Me3can1Q::Firmware::write_word(BufferAddress address, std::uint16_t value, can::Time now) {
   if (address == g::communication_status) {
-    // Writing acts on bit 6 only (and on bit 12 with the time stamp), and only as a 0.
+    // Writing acts on bits 6 and 12 only, and only as a 0.
     if ((value & nmt_reset_seen) == 0) nmt_reset_seen_ = false;
-  } else {
-    // What was chosen is not what is read: reading shows whether an exchange runs.
-    buffer_.set_word(address, value);
+    if ((value & time_seen) == 0) time_seen_ = false;
+    return WriteResult::done;
+  }
+  // G20: what was chosen is not what is read, which shows whether an exchange runs.
+  buffer_.set_word(address, value);
+  if (address == g::time_stamp) {
+    // Takes effect directly: bits 31 (consume) and 30 (produce) of 1012H [ME3CAN1-Q 3.5.11, 4.6.9].
+    canopen::ObjectDictionary& objects = node_.dictionary();
+    const std::uint32_t cob_id =
+        (objects.get<std::uint32_t>(0x1012, 0) & 0x3FFF'FFFFU) | (value & 1U) << 31 | (value & 2U) << 29;
+    const std::array<std::uint8_t, 4> bytes{
+        static_cast<std::uint8_t>(cob_id & 0xFF), static_cast<std::uint8_t>(cob_id >> 8 & 0xFF),
+        static_cast<std::uint8_t>(cob_id >> 16 & 0xFF), static_cast<std::uint8_t>(cob_id >> 24)};
+    if (objects.write(0x1012, 0, bytes, now) != canopen::AbortCode::none) use_time_role();
   }
   return WriteResult::done;
+}
+
+void Me3can1Q::Firmware::use_time_role() {
+  const auto cob_id = node_.dictionary().get<std::uint32_t>(0x1012, 0);
+  time_stamp_.set_role((cob_id >> 31 & 1U) != 0, (cob_id >> 30 & 1U) != 0);
+}
+
+// A value out of range changes nothing; the request is answered all the same, so that the program can look at
+// G29.
+void Me3can1Q::Firmware::set_clock(can::Time now) {
+  if (const auto wrong = time_stamp_.set_from_words(now)) {
+    errors_.record(WriteResult::invalid, *wrong);
+    tell("the time stamp words are not a date and time", now);
+  }
+  signals_.set_input(signal::time_set, true, now);
+}
+
+void Me3can1Q::Firmware::send_time(can::Time now) {
+  node_.send_time(time_stamp_.time_of_day(now), now);  // only if 1012H, the role and the state allow
+  time_stamp_.transmission_done(now);
 }
 
 std::uint16_t Me3can1Q::Firmware::communication_status() const {
   unsigned status = 0;
   if (initializing()) status |= initialization;
   if (nmt_reset_seen_) status |= nmt_reset_seen;
+  if (time_seen_) status |= time_seen;
   if (state_ != State::running) return static_cast<std::uint16_t>(status);
   const unsigned counter =
       std::max<unsigned>(controller_.transmit_error_counter(), controller_.receive_error_counter());
@@ -122,6 +159,13 @@ void Me3can1Q::Firmware::rising(unsigned number, can::Time now) {
       if (canopen_mode()) clear_nmt_errors(now);
       return;
     case signal::emergency: return emergencies_.hold_clear(true);
+    case signal::time_set:
+      if (canopen_mode()) set_clock(now);
+      return;
+    case signal::time_read:
+      if (!canopen_mode()) return;
+      time_stamp_.show(now);
+      return signals_.set_input(signal::time_read, true, now);
     default: return;
   }
 }
@@ -132,6 +176,8 @@ void Me3can1Q::Firmware::falling(unsigned number, can::Time now) {
     case signal::restart: restart_again_at_ = can::never; [[fallthrough]];
     case signal::data_exchange:
     case signal::command:
+    case signal::time_set:
+    case signal::time_read:
     case signal::save_restore: return signals_.set_input(number, false, now);
     case signal::error: return errors_.hold_clear(false);
     case signal::emergency: return emergencies_.hold_clear(false);
@@ -207,6 +253,7 @@ void Me3can1Q::Firmware::tick(can::Time now) {
   }
   if (now >= exchange_end_) end_exchange(now);
   if (now >= save_end_) end_save(now);
+  if (state_ == State::running && now >= time_stamp_.next_transmission()) send_time(now);
   if (now >= node_.deadline()) node_.tick(now);
   if (now >= master_.deadline()) master_.tick(now);
   if (now >= command_.deadline()) command_.tick(now);
@@ -214,7 +261,8 @@ void Me3can1Q::Firmware::tick(can::Time now) {
 }
 
 can::Time Me3can1Q::Firmware::deadline() const noexcept {
-  return std::min({initialized_at_, restart_again_at_, nmt_reset_end_, exchange_end_, save_end_,
+  const can::Time time_due = state_ == State::running ? time_stamp_.next_transmission() : can::never;
+  return std::min({initialized_at_, restart_again_at_, nmt_reset_end_, exchange_end_, save_end_, time_due,
                    node_.deadline(), master_.deadline(), command_.deadline()});
 }
 
@@ -247,6 +295,37 @@ void Me3can1Q::Firmware::send_events(can::Time now) {
   for (const Event& event : events_) {
     node_.emergency(event.code, event.error_register, event.manufacturer, now);
   }
+}
+
+std::array<Led, 5> Me3can1Q::Firmware::leds(can::Time now) const {
+  std::array<Led, 5> leds{Led{"RUN"}, Led{"ERR."}, Led{"CAN RUN"}, Led{"TX/RX"}, Led{"CAN ERR"}};
+  if (state_ == State::off) return leds;
+  auto& [run, error, can_run, traffic, can_error] = leds;
+  run.pattern = LedPattern::on;
+  if (errors_.any()) error.pattern = LedPattern::on;
+  if (state_ != State::running) return leds;
+  if (canopen_mode()) {
+    switch (node_.state()) {
+      case canopen::NmtState::operational: can_run.pattern = LedPattern::on; break;
+      case canopen::NmtState::pre_operational: can_run.pattern = LedPattern::blinking; break;
+      case canopen::NmtState::stopped: can_run.pattern = LedPattern::single_flash; break;
+      case canopen::NmtState::initialising: break;
+    }
+  }
+  if (last_frame_ != can::Time{} && now - last_frame_ < traffic_afterglow) traffic.pattern = LedPattern::on;
+  // The most severe cause wins.
+  const bool warning = std::max<unsigned>(controller_.transmit_error_counter(),
+                                          controller_.receive_error_counter()) >= warning_counter;
+  if (errors_.bit(error_bit::bus_off)) {
+    can_error.pattern = LedPattern::on;
+  } else if (nmt_status_.any_failure()) {
+    can_error.pattern = LedPattern::double_flash;
+  } else if (warning) {
+    can_error.pattern = LedPattern::single_flash;
+  } else if (errors_.any()) {
+    can_error.pattern = LedPattern::blinking;
+  }
+  return leds;
 }
 
 void Me3can1Q::Firmware::tell(std::string_view what, can::Time now) {

@@ -39,6 +39,7 @@ void Me3can1Q::tick(can::Time now) { firmware_->tick(now); }
 can::Time Me3can1Q::deadline() const noexcept { return firmware_->deadline(); }
 
 const Profile& Me3can1Q::profile() const noexcept { return firmware_->profile(); }
+std::array<Led, 5> Me3can1Q::leds(can::Time now) const { return firmware_->leds(now); }
 const canopen::Node& Me3can1Q::node() const noexcept { return firmware_->node(); }
 
 }  // namespace canopus::module::me3can1_q

@@ -5,11 +5,13 @@
 // This class is the wiring. What an area of the buffer memory does is in canopus/module; the module's facts
 // are the tables beside this file: buffer_table.hpp (memory map), object_table.hpp (object dictionary).
 
+#include <array>
 #include <memory>
 #include <span>
 #include <string>
 
 #include "canopus/canopen/node.hpp"
+#include "canopus/module/led.hpp"
 #include "canopus/module/module.hpp"
 
 namespace canopus::module::me3can1_q {
@@ -73,6 +75,8 @@ class Me3can1Q final : public Module {
   [[nodiscard]] can::Time deadline() const noexcept override;
 
   [[nodiscard]] const Profile& profile() const noexcept;
+  /// RUN, ERR., CAN RUN, TX/RX, CAN ERR [ME3CAN1-Q 3.1.1].
+  [[nodiscard]] std::array<Led, 5> leds(can::Time now) const;
   /// The CANopen node inside, for display (state, node-ID, objects).
   [[nodiscard]] const canopen::Node& node() const noexcept;
 

@@ -1,0 +1,146 @@
+#include "canopus/store/file_memory.hpp"
+
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+namespace canopus::store {
+namespace {
+
+using State = module::NonVolatileMemory::Content::State;
+using Bytes = std::vector<std::uint8_t>;
+
+// A folder of the test's own, gone at its end.
+class FileMemoryTest : public testing::Test {
+ protected:
+  FileMemoryTest() {
+    std::string name = (std::filesystem::temp_directory_path() / "canopus-store-XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+  }
+  ~FileMemoryTest() override { std::filesystem::remove_all(folder_); }
+
+  [[nodiscard]] std::filesystem::path inside(std::string_view name) const {
+    return folder_ / "module" / name;
+  }
+  [[nodiscard]] Bytes file(std::string_view name) const {
+    std::ifstream stream(inside(name), std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  void put_file(std::string_view name, const Bytes& bytes) const {
+    std::ofstream stream(inside(name), std::ios::binary | std::ios::trunc);
+    stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(FileMemoryTest, NeverWritten_IsMissing) {
+  FileMemory memory(folder_ / "module");
+  EXPECT_EQ(memory.read("words").state, State::missing);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "module"));
+}
+
+TEST_F(FileMemoryTest, Written_IsReadByTheNextRun) {
+  EXPECT_TRUE(FileMemory(folder_ / "module").write("words", Bytes{1, 2, 3}));
+  FileMemory next(folder_ / "module");
+  const auto content = next.read("words");
+  EXPECT_EQ(content.state, State::good);
+  EXPECT_EQ(content.bytes, (Bytes{1, 2, 3}));
+}
+
+TEST_F(FileMemoryTest, FileFormat_IsAsDocumented) {
+  FileMemory memory(folder_ / "module");
+  ASSERT_TRUE(memory.write("words", Bytes{'1', '2', '3', '4', '5', '6', '7', '8', '9'}));
+  // The CRC-32 of "123456789" is CBF43926H.
+  EXPECT_EQ(file("words"), (Bytes{'C', 'N',  'P',  'S',  1,    0,   0,   0,   9,   0,   0,   0,   0,   0,  0,
+                                  0,   0x26, 0x39, 0xF4, 0xCB, '1', '2', '3', '4', '5', '6', '7', '8', '9'}));
+}
+
+TEST_F(FileMemoryTest, EmptyContent_IsNotMissing) {
+  FileMemory memory(folder_ / "module");
+  ASSERT_TRUE(memory.write("words", {}));
+  EXPECT_EQ(memory.read("words").state, State::good);
+  EXPECT_TRUE(memory.read("words").bytes.empty());
+}
+
+TEST_F(FileMemoryTest, Erased_IsMissing_AndErasingWhatIsNotThereIsFine) {
+  FileMemory memory(folder_ / "module");
+  EXPECT_TRUE(memory.erase("words"));
+  ASSERT_TRUE(memory.write("words", Bytes{1}));
+  EXPECT_TRUE(memory.erase("words"));
+  EXPECT_EQ(memory.read("words").state, State::missing);
+}
+
+TEST_F(FileMemoryTest, EveryFlippedBit_IsDamage) {
+  FileMemory memory(folder_ / "module");
+  ASSERT_TRUE(memory.write("words", Bytes{1, 2, 3}));
+  const Bytes good = file("words");
+  for (std::size_t bit = 0; bit < good.size() * 8; ++bit) {
+    Bytes bad = good;
+    bad[bit / 8] = static_cast<std::uint8_t>(bad[bit / 8] ^ 1U << (bit % 8));
+    put_file("words", bad);
+    EXPECT_EQ(memory.read("words").state, State::damaged) << "bit " << bit;
+  }
+}
+
+TEST_F(FileMemoryTest, EveryCutLength_AndWhatIsAppended_IsDamage) {
+  FileMemory memory(folder_ / "module");
+  ASSERT_TRUE(memory.write("words", Bytes{1, 2, 3}));
+  const Bytes good = file("words");
+  for (std::size_t length = 0; length < good.size(); ++length) {
+    put_file("words", Bytes(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(length)));
+    EXPECT_EQ(memory.read("words").state, State::damaged) << length << " bytes";
+  }
+  Bytes longer = good;
+  longer.push_back(0);
+  put_file("words", longer);
+  EXPECT_EQ(memory.read("words").state, State::damaged);
+}
+
+TEST_F(FileMemoryTest, CutBeforeTheNewFileIsInPlace_LeavesTheOldContent) {
+  FileMemory memory(folder_ / "module");
+  ASSERT_TRUE(memory.write("words", Bytes{1, 2, 3}));
+  put_file("words.new", Bytes{9, 9});  // what a cut in the middle of a write leaves behind
+  EXPECT_EQ(FileMemory(folder_ / "module").read("words").bytes, (Bytes{1, 2, 3}));
+  ASSERT_TRUE(memory.write("words", Bytes{4}));
+  EXPECT_EQ(memory.read("words").bytes, (Bytes{4}));
+  EXPECT_FALSE(std::filesystem::exists(inside("words.new")));
+}
+
+TEST_F(FileMemoryTest, FolderThatCannotBeMade_IsAnErrorWithItsName) {
+  std::ofstream(folder_ / "module") << "a file, not a folder";
+  FileMemory memory(folder_ / "module");
+  EXPECT_FALSE(memory.write("words", Bytes{1}));
+  EXPECT_NE(memory.error().find((folder_ / "module").string()), std::string::npos) << memory.error();
+  EXPECT_EQ(memory.read("words").state, State::missing);
+}
+
+TEST_F(FileMemoryTest, NamesThatLeaveTheFolder_AreRefused) {
+  FileMemory memory(folder_ / "module");
+  for (const char* name : {"", "..", "../words", "a/b", ".hidden", "a b", "a\n"}) {
+    EXPECT_FALSE(memory.write(name, Bytes{1})) << name;
+    EXPECT_FALSE(memory.erase(name)) << name;
+    EXPECT_EQ(memory.read(name).state, State::missing) << name;
+    EXPECT_FALSE(memory.error().empty());
+  }
+}
+
+TEST_F(FileMemoryTest, CountsItsWrites) {
+  FileMemory memory(folder_ / "module");
+  EXPECT_EQ(memory.writes(), 0U);
+  memory.write("a", Bytes{1});
+  memory.write("a", Bytes{2});
+  EXPECT_EQ(memory.writes(), 2U);
+}
+
+RC_GTEST_FIXTURE_PROP(FileMemoryTest, AnyContent_ComesBack, (const Bytes& bytes)) {
+  FileMemory memory(folder_ / "module");
+  RC_ASSERT(memory.write("words", bytes));
+  const auto content = memory.read("words");
+  RC_ASSERT(content.state == State::good);
+  RC_ASSERT(content.bytes == bytes);
+}
+
+}  // namespace
+}  // namespace canopus::store
