@@ -58,7 +58,7 @@ std::optional<std::string> Device::add_behaviour(const Behaviour& behaviour) {
   }
   samples_ =
       samples_ || (behaviour.kind != Behaviour::Kind::echo && behaviour.kind != Behaviour::Kind::constant);
-  motions_.push_back(std::move(motion));
+  motions_.push_back(motion);
   return std::nullopt;
 }
 
