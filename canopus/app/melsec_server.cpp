@@ -71,11 +71,13 @@ class MelsecServer::Connection : public std::enable_shared_from_this<Connection>
   /// more.
   void work() {
     while (true) {
-      const std::size_t answered = session_.process(parts_->clock.now());
+      const can::Time now = parts_->clock.now();
+      if (parts_ == nullptr) return;  // the run ended on the way there
+      const std::size_t answered = session_.process(now);
       if (answered != 0) {
         parts_->requests += answered;
         parts_->clock.touched();
-        if (parts_ == nullptr) return;  // stopped meanwhile
+        if (parts_ == nullptr) return;
       }
       watch_request(answered != 0);
       if (session_.output().empty()) break;

@@ -145,7 +145,7 @@ Rack::Access Rack::read_words(Device device, std::uint32_t first, std::span<std:
                               can::Time now) {
   const auto count = static_cast<std::uint32_t>(words.size());
   if (!is_bit(device)) {
-    if (const Access access = check(device, first, count); !access) return access;
+    if (Access access = check(device, first, count); !access) return access;
     if (device == Device::sd) {
       for (std::uint32_t i = 0; i < count; ++i) words[i] = special_register(first + i, now);
     } else {
@@ -153,7 +153,7 @@ Rack::Access Rack::read_words(Device device, std::uint32_t first, std::span<std:
     }
     return {};
   }
-  if (const Access access = check(device, first, 16 * count); !access) return access;
+  if (Access access = check(device, first, 16 * count); !access) return access;
   const unsigned shift = first % 16;
   std::uint32_t block = first / 16;
   std::uint32_t low = bit_block(device, block, now);
@@ -174,11 +174,11 @@ Rack::Access Rack::write_words(Device device, std::uint32_t first, std::span<con
                                can::Time now) {
   const auto count = static_cast<std::uint32_t>(words.size());
   if (!is_bit(device)) {
-    if (const Access access = check(device, first, count); !access) return access;
+    if (Access access = check(device, first, count); !access) return access;
     std::ranges::copy(words, memory(device).subspan(first, count).begin());
     return {};
   }
-  if (const Access access = check(device, first, 16 * count); !access) return access;
+  if (Access access = check(device, first, 16 * count); !access) return access;
   for (std::uint32_t i = 0; i < count; ++i)
     for (unsigned bit = 0; bit < 16; ++bit)
       write_bit(device, first + 16 * i + bit, (words[i] >> bit & 1U) != 0, now);
@@ -189,7 +189,7 @@ Rack::Access Rack::read_bits(Device device, std::uint32_t first, std::span<std::
                              can::Time now) {
   if (!is_bit(device)) return std::unexpected(AccessError::wrong_unit);
   const auto count = static_cast<std::uint32_t>(bits.size());
-  if (const Access access = check(device, first, count); !access) return access;
+  if (Access access = check(device, first, count); !access) return access;
   std::uint16_t block = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
     const std::uint32_t number = first + i;
@@ -203,7 +203,7 @@ Rack::Access Rack::write_bits(Device device, std::uint32_t first, std::span<cons
                               can::Time now) {
   if (!is_bit(device)) return std::unexpected(AccessError::wrong_unit);
   const auto count = static_cast<std::uint32_t>(bits.size());
-  if (const Access access = check(device, first, count); !access) return access;
+  if (Access access = check(device, first, count); !access) return access;
   for (std::uint32_t i = 0; i < count; ++i) write_bit(device, first + i, bits[i] != 0, now);
   return {};
 }
@@ -211,7 +211,7 @@ Rack::Access Rack::write_bits(Device device, std::uint32_t first, std::span<cons
 Rack::Access Rack::read_buffer(std::uint16_t head_address, module::BufferAddress first,
                                std::span<std::uint16_t> words, can::Time now) {
   const auto count = static_cast<std::uint32_t>(words.size());
-  if (const Access access = check_buffer(head_address, first, count); !access) return access;
+  if (Access access = check_buffer(head_address, first, count); !access) return access;
   const Slot& slot = *slot_of_point(head_address);
   for (std::uint32_t i = 0; i < count; ++i) words[i] = slot.module->read_word(first + i, now);
   timeline_.refresh(slot.handle);  // some words act when they are read
@@ -221,7 +221,7 @@ Rack::Access Rack::read_buffer(std::uint16_t head_address, module::BufferAddress
 Rack::Access Rack::write_buffer(std::uint16_t head_address, module::BufferAddress first,
                                 std::span<const std::uint16_t> words, can::Time now) {
   const auto count = static_cast<std::uint32_t>(words.size());
-  if (const Access access = check_buffer(head_address, first, count); !access) return access;
+  if (Access access = check_buffer(head_address, first, count); !access) return access;
   const Slot& slot = *slot_of_point(head_address);
   for (std::uint32_t i = 0; i < count; ++i) slot.module->write_word(first + i, words[i], now);
   timeline_.refresh(slot.handle);

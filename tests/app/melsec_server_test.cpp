@@ -31,6 +31,7 @@ class TestClock final : public AccessClock {
  public:
   can::Time now() override {
     ++asked;
+    if (stop_when_asked != nullptr) stop_when_asked->stop();
     return time;
   }
   void touched() override { ++touches; }
@@ -38,6 +39,7 @@ class TestClock final : public AccessClock {
   can::Time time{10s};
   int asked = 0;
   int touches = 0;
+  MelsecServer* stop_when_asked = nullptr;
 };
 
 class MelsecServerTest : public ::testing::Test {
@@ -238,6 +240,14 @@ TEST_F(MelsecServerTest, ServerDestroyed_BeforeItsHandlersRan_IsNotTouchedByThem
   context_.restart();
   context_.run();
   EXPECT_EQ(clock_.asked, 0);
+}
+
+TEST_F(MelsecServerTest, RunThatEndsWhileTheTimeIsAsked_LeavesTheRequestUnanswered) {
+  clock_.stop_when_asked = &start();
+  auto client = connect();
+  send(client, read_d100);
+  EXPECT_EQ(receive(client), "closed");
+  EXPECT_EQ(clock_.touches, 0);
 }
 
 TEST_F(MelsecServerTest, Listen_OnATakenPort_SaysSo) {

@@ -23,7 +23,6 @@ constexpr std::array<DeviceCode, device_count> codes = {{
     {0xB0, "ZR", "ZR"}, {0xCC, "Z", "Z"},    {0xC2, "TN", "TN"},  {0xC8, "SN", "STN"}, {0xC5, "CN", "CN"},
 }};
 
-constexpr std::uint8_t link_direct = 0xF9;
 constexpr std::uint8_t cpu_buffer = 0xFA;
 
 /// What the extension of a target points at, before the device code is known.
@@ -74,12 +73,13 @@ std::expected<Target, EndCode> read_binary(FieldReader& reader, Layout layout) {
     const std::uint16_t extension_modification = reader.u16();
     module_number = reader.u16();
     const std::uint8_t memory = reader.u8();
-    if (device_modification != 0 || extension_modification != 0 || memory == link_direct)
+    const bool modified = device_modification != 0 || extension_modification != 0;
+    const bool is_module = memory == module_access || memory == cpu_buffer;
+    const bool is_none = memory == 0 && module_number == 0;
+    if (modified || (!is_module && !is_none))  // also link direct, F9H
       extension = Extension::other;
-    else if (memory == module_access || memory == cpu_buffer)
+    else if (is_module)
       extension = Extension::module;
-    else if (memory != 0 || module_number != 0)
-      extension = Extension::other;
   }
   return joined(device_of(code), code == buffer_memory_code, extension, module_number, number);
 }
