@@ -37,6 +37,15 @@ TEST(Me3CommandInterface, S24_RequestNmtToAllNodes_StartsTheNetwork) {
     s.expect(601, value);
   }
   s.no_tx();
+  for (const auto& [value, command] : std::map<std::uint16_t, std::uint8_t>{{6, 0x81}, {7, 0x82}}) {
+    s.cif({0x0002, 0, 0x1F82, 0x0080, 1, value});
+    s.tx(0x000, {command, 0x00});
+    s.wait_bit(25, 7, true);
+    s.wait_bit(25, 7, false);
+    s.expect_bit(25, 6, true);
+    s.advance(5s);
+    s.ignore_tx();
+  }
 }
 
 TEST(Me3CommandInterface, RequestNmtToOneNode_SendsOneFrame) {
@@ -194,7 +203,7 @@ TEST(Me3CommandInterface, SdoRead_MoreThan124Bytes_FailsAtTheStart) {
 }
 
 TEST(Me3CommandInterface, S27_SdoFailures_ShowClassNodeAndAbortCode) {
-  RecordProperty("spec", "ME3-CIF-008 ME3-SDO-004 ME3-SDO-005");
+  RecordProperty("spec", "ME3-CIF-008 ME3-SDO-004 ME3-SDO-005 ME3-DLY-002");
   Me3Scenario s;
   s.power_on();
   const std::vector<std::pair<Bytes, Words>> aborts{
@@ -224,6 +233,16 @@ TEST(Me3CommandInterface, S27_SdoFailures_ShowClassNodeAndAbortCode) {
     s.tx(0x602, {0x80, 0x17, 0x10, 0x00, 0x00, 0x00, 0x04, 0x05}).no_tx();
     s.y(0x17, false);
   }
+  s.write(71, 32767);
+  s.expect(29, 0).expect(71, 32767);
+  for (const std::uint16_t wrong : Words{0, 49, 32768, 65535}) {
+    s.write(71, wrong);
+    s.expect(29, 0x0040).expect(39, 71).expect(71, 32767);
+    s.write(29, 0);
+  }
+  s.save();
+  s.restart();
+  s.expect(71, 32767);
 }
 
 TEST(Me3CommandInterface, S28_MultiRead) {
@@ -358,6 +377,8 @@ TEST(Me3CommandInterface, S34_UnknownCommand) {
   }
   s.cif({0x0000});
   s.expect(1000, 0x0000);
+  s.cif({0x000C, 0x123, 0, 0, 0});
+  s.expect(1000, {0x000F, 0x0F0F});  // known here, but the module is offline
   s.cif({0xFFFF});
   s.expect(1000, 0x0000).no_tx();
 }
@@ -430,6 +451,10 @@ TEST(Me3CommandInterface, S37_BusOffAndWrongState) {
   s.error_counters(256, 0);
   s.ignore_tx();
   s.cif({0x0004, 2, 0x1000, 0});
+  s.expect(1000, {0x000F, 0xB0FF}).no_tx();
+  s.cif({0x0008, 0, 0x1000, 0, 0, 0, 0, 0, 0, 2, 0x1000, 0, 0, 0, 0, 0, 0, 0xFFFF});
+  s.expect(1000, {0x000F, 0xB0FF}).no_tx();
+  s.cif({0x000A, 0x1000, 1, 0, 0});
   s.expect(1000, {0x000F, 0xB0FF}).no_tx();
   s.cif({0x0004, 0, 0x1000, 0});
   s.expect(1000, 0x0005);

@@ -20,15 +20,15 @@ void start_as_master(
 }
 
 TEST(Me3Network, S56_StateMachine_AsSlave) {
-  RecordProperty("spec", "ME3-NMT-003 ME3-NMT-005 ME3-NMT-007 ME3-STAT-004 ME3-STAT-005");
+  RecordProperty("spec", "ME3-NMT-003 ME3-NMT-005 ME3-NMT-007 ME3-STAT-004 ME3-STAT-005 ME3-NST-002");
   Me3Scenario s;
   s.power_on_as(1);
   s.nmt(0x01, 1);
-  s.expect(25, 0x0201);
+  s.expect(25, 0x0201).expect(601, 5);
   s.nmt(0x80, 0);
-  s.expect(25, 0x0100);
+  s.expect(25, 0x0100).expect(601, 0x7F);
   s.nmt(0x02, 1);
-  s.expect(25, 0x0000);
+  s.expect(25, 0x0000).expect(601, 4).expect(727, 0);
   s.rx(0x601, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0});
   s.no_tx();
   s.nmt(0x01, 0);
@@ -98,8 +98,7 @@ TEST(Me3Network, S57_SimpleMasterStart_WaitsG70BetweenResetAndStart) {
 }
 
 TEST(Me3Network, S58_MasterStart_BringsItsSlaveToOperational) {
-  RecordProperty("spec",
-                 "ME3-MST-008 ME3-MST-010 ME3-SLV-007 ME3-SLV-008 ME3-SLV-013 ME3-STAT-010 ME3-NST-001");
+  RecordProperty("spec", "ME3-MST-008 ME3-MST-010 ME3-SLV-007 ME3-SLV-008 ME3-SLV-013 ME3-STAT-010");
   Me3Scenario s;
   start_as_master(s, 1, {{{0x1F81, 2}, 0x0D}, {{0x1F84, 2}, 0x000F0191}, {{0x1F89, 0}, 10000}});
   s.tx(0x701, {0x00});
@@ -119,7 +118,7 @@ TEST(Me3Network, S58_MasterStart_BringsItsSlaveToOperational) {
 }
 
 TEST(Me3Network, S59_MandatorySlaveMissing_StopsTheStartUp) {
-  RecordProperty("spec", "ME3-MST-011 ME3-MST-012 ME3-NEC-007 ME3-SLV-015");
+  RecordProperty("spec", "ME3-MST-012 ME3-NEC-007 ME3-SLV-015");
   Me3Scenario s;
   start_as_master(s, 1, {{{0x1F81, 2}, 0x0D}, {{0x1F84, 2}, 0x000F0191}, {{0x1F89, 0}, 10000}});
   s.advance(9s);
@@ -261,7 +260,7 @@ TEST(Me3Network, S65_HeartbeatProducer) {
 }
 
 TEST(Me3Network, S69_SyncProducer_OnlyAsActiveMaster) {
-  RecordProperty("spec", "ME3-SYNC-002 ME3-SYNC-003 ME3-SYNC-004");
+  RecordProperty("spec", "ME3-SYNC-001 ME3-SYNC-002 ME3-SYNC-003 ME3-SYNC-004");
   {
     Me3Scenario s;  // a slave
     s.power_on_as(1);
@@ -274,6 +273,7 @@ TEST(Me3Network, S69_SyncProducer_OnlyAsActiveMaster) {
   start_as_master(s, 1);
   s.advance(5s);
   s.ignore_tx();
+  s.expect_object(0x1005, 0, 0x80, 4);
   const auto period = [&](std::uint32_t microseconds) {
     s.set_object(0x1006, 0, microseconds, 4);
     s.ignore_tx();

@@ -48,7 +48,7 @@ TEST(Me3Objects, Length_MustFit) {
 }
 
 TEST(Me3Objects, Defaults_OfTheCommunicationArea) {
-  RecordProperty("spec", "ME3-EMCY-005 ME3-SYNC-001 ME3-FLY-001 ME3-MST-014 ME3-TIME-019");
+  RecordProperty("spec", "ME3-FLY-001 ME3-MST-014");
   Me3Scenario s;
   s.power_on_as(9);
   s.expect_object(0x1005, 0, 0x80, 4);
@@ -144,7 +144,7 @@ TEST(Me3Objects, SdoServer_AnswersInPreOperationalAndOperational_NotInStopped) {
 }
 
 TEST(Me3Objects, SdoServer_LongObjects_GoSegmented) {
-  RecordProperty("spec", "ME3-SDO-003");
+  RecordProperty("spec", "ME3-SDO-003 ME3-OD-007");
   Me3Scenario s;
   s.power_on_as(1);
   s.rx(0x601, {0x40, 0x08, 0x10, 0x00, 0, 0, 0, 0});
@@ -282,6 +282,7 @@ TEST(Me3Emergency, LostHeartbeat_NamesTheNode) {
   EXPECT_EQ(text(s.controller().sent.front()).substr(0, 13), "081 [02 8F 11");
   s.ignore_tx();
   s.expect_bit(402, 7, true).expect_x(0x10, true);
+  EXPECT_EQ(s.plug_in().leds(s.now())[4].pattern, module::LedPattern::double_flash);
   s.rx(0x702, {0x00});
   s.expect(602, 0x7F);
   s.ignore_tx();

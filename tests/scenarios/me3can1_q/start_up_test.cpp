@@ -24,7 +24,7 @@ TEST(Me3StartUp, S04_PowerOn_InitializesFirst_ThenPreOperationalWithBootUpFrame)
 }
 
 TEST(Me3StartUp, S04_FactoryState_EveryWordHasItsDefault) {
-  RecordProperty("spec", "ME3-SAVE-007 ME3-BAUD-005 ME3-NST-002 ME3-SYS-005");
+  RecordProperty("spec", "ME3-BAUD-005");
   Me3Scenario s;
   s.power_on();
   s.expect(20, {0, 405, 0, 0, 250, 0x0100, 0, 127, 0, 0});
@@ -41,7 +41,7 @@ TEST(Me3StartUp, S04_FactoryState_EveryWordHasItsDefault) {
 }
 
 TEST(Me3StartUp, S05_MasterNode1_StepByStep) {
-  RecordProperty("spec", "ME3-PRG-002 ME3-NODE-002 ME3-MST-001 ME3-IO-007");
+  RecordProperty("spec", "ME3-PRG-002 ME3-NODE-002");
   Me3Scenario s;
   s.power_on();
   s.write(21, 405);
@@ -63,6 +63,16 @@ TEST(Me3StartUp, S05_MasterNode1_StepByStep) {
   s.expect_bit(25, 15, true);
   s.set_object(0x1017, 0, 1000, 2);
   s.set_object(0x1016, 1, 0x000205DC, 4);
+  s.set_object(0x1400, 1, 0x80000201, 4);
+  s.set_object(0x1600, 0, 0, 1);
+  s.set_object(0x1600, 1, 0xA5800110, 4);
+  s.set_object(0x1600, 0, 1, 1);
+  s.set_object(0x1400, 1, 0x00000182, 4);
+  s.set_object(0x1800, 1, 0xC0000181, 4);
+  s.set_object(0x1A00, 0, 0, 1);
+  s.set_object(0x1A00, 1, 0xA1000110, 4);
+  s.set_object(0x1A00, 0, 1, 1);
+  s.set_object(0x1800, 1, 0x40000202, 4);
   s.set_object(0x1F81, 2, 0x0000000D, 4);
   s.set_object(0x1F84, 2, 0x000F0191, 4);
   s.set_object(0x1F89, 0, 10000, 4);
@@ -73,6 +83,10 @@ TEST(Me3StartUp, S05_MasterNode1_StepByStep) {
   s.expect_object(0x1F81, 2, 0x0000000D, 4);
   s.expect_object(0x1F84, 2, 0x000F0191, 4);
   s.expect_object(0x1F89, 0, 10000, 4);
+  s.expect_object(0x1400, 1, 0x00000182, 4);
+  s.expect_object(0x1600, 0, 1, 1);
+  s.expect_object(0x1800, 1, 0x40000202, 4);
+  s.expect_object(0x1A00, 0, 1, 1);
   s.expect_bit(25, 15, true);
   s.ignore_tx();
 }
@@ -134,6 +148,31 @@ TEST(Me3StartUp, S08_UnsavedSettings_AreLostAtTheRestart_SavedOnesComeIntoForce)
   s.expect(37, 10000);
 }
 
+TEST(Me3StartUp, NewSettings_TakeEffectOnlyAfterARestart) {
+  RecordProperty("spec", "ME3-IO-007");
+  Me3Scenario s;
+  s.power_on_as(1);
+  s.write(24, 500);
+  s.write(27, 2);
+  s.save();
+  s.set_object(0x1F80, 0, 1, 4);
+  s.store_objects();
+  s.advance(10s);
+  s.expect(37, 2500).expect(601, 0x7F).expect(602, 0).expect_bit(25, 15, false).no_tx();
+  EXPECT_EQ(s.controller().rate, 250'000U);
+  s.rx(0x601, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0});
+  s.tx(0x581, {0x43, 0x00, 0x10, 0x00, 0x95, 0x01, 0, 0}).no_tx();
+  s.nmt(0x81, 1);  // Reset node is enough for 1F80H
+  s.wait_bit(25, 7, false);
+  s.expect_bit(25, 15, true).expect(37, 2500).expect(602, 0);
+  s.ignore_tx();
+  s.restart();
+  s.expect(37, 5000).expect(602, 0x7F).expect_bit(25, 15, true);
+  EXPECT_EQ(s.controller().rate, 500'000U);
+  s.advance(10s);
+  s.ignore_tx();
+}
+
 TEST(Me3StartUp, UnsavedObjectDictionary_IsLostAtTheRestart) {
   Me3Scenario s;
   s.power_on();
@@ -167,7 +206,7 @@ TEST(Me3StartUp, InvalidBaudRateAndModeAndNode_AreRefused_WithTheirAddress) {
 }
 
 TEST(Me3StartUp, ModeChange_TakesEffectAfterSaveAndRestart_AndDeletesTheObjectDictionarySettings) {
-  RecordProperty("spec", "ME3-MODE-001 ME3-MODE-003 ME3-MODE-004 ME3-MODE-005 ME3-NODE-003");
+  RecordProperty("spec", "ME3-MODE-004 ME3-MODE-005 ME3-NODE-003");
   Me3Scenario s;
   s.power_on();
   s.expect(21, 405);
@@ -187,9 +226,16 @@ TEST(Me3StartUp, ModeChange_TakesEffectAfterSaveAndRestart_AndDeletesTheObjectDi
   s.no_tx();  // no boot-up
   s.rx(0x67F, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0});
   s.rx(0x000, {0x01, 0x00});
+  s.rx(0x000, {0x82, 0x00});
+  s.rx(0x085, {0x00, 0x10, 0x01, 0, 0, 0, 0, 0});
+  s.rx_remote(0x77F, 1);
+  s.error_counters(130, 0);
+  s.error_counters(0, 0);
+  s.cpu(module::CpuState::stop);
+  s.cpu(module::CpuState::run);
   s.advance(5s);
   s.no_tx();
-  s.expect(25, 0x0000);
+  s.expect(25, 0x0000).expect_x(0x11, false);
   s.write(27, 5);
   s.expect(29, 0x0040).expect(39, 27);
   s.write(29, 0);
