@@ -140,7 +140,7 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
   std::size_t queued_ = 0;
   bool writing_ = false;
   bool reading_ = false;
-  bool ending_ = false;
+  bool ending_ = false;                // closed by the client, or about to leave
   std::uint64_t lost_ = 0;             // frames since there was room last
   std::uint32_t on_the_way_ = 0;       // frames given to the bus and not yet transmitted
   can::Time hold_until_ = can::never;  // frames wait for this moment when it is not never
@@ -148,7 +148,7 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
 };
 
 void SocketcandServer::Client::read() {
-  if (reading_ || server_ == nullptr || session_.waiting() || ending()) return;
+  if (reading_ || server_ == nullptr || session_.waiting() || ending_) return;
   if (queue_.size() - queued_ < most_answers) return;
   reading_ = true;
   socket_.async_read_some(asio::buffer(input_),
@@ -280,9 +280,13 @@ void SocketcandServer::Client::on_written(const error_code& failure) {
   if (ending()) end_soon();
 }
 
-/// Leaves when everything is out that was to go out.
+/// Once everything is out that was to go out: leaves when the client has closed, else tells it that nothing
+/// more comes and reads on until it closes too. Closing over unread input would take back the last message.
 void SocketcandServer::Client::end_soon() {
-  if (queued_ == 0 && on_the_way_ == 0) leave_later();
+  if (queued_ > 0 || on_the_way_ > 0) return;
+  if (ending_) return leave_later();
+  error_code ignored;
+  socket_.shutdown(tcp::socket::shutdown_send, ignored);
 }
 
 void SocketcandServer::Client::leave_later() {

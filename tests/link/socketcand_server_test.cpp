@@ -191,7 +191,26 @@ TEST_F(SocketcandServerTest, WrongBusName_IsToldAndTheConnectionEnds) {
   client->send("< open can0 >");
   until([&] { return client->closed_by_server; });
   EXPECT_EQ(client->all(), "< hi >< error could not open bus >");
-  EXPECT_EQ(bus.participants(), 0U);
+  client->close();
+  until([&] { return bus.participants() == 0; });
+}
+
+TEST_F(SocketcandServerTest, WrongBusNameWithCommandsBehindIt_IsStillTold) {
+  const auto client = connect();
+  client->send("< open can0 >< rawmode >< send 1 0 >" + std::string(10'000, 'x'));
+  until([&] { return client->closed_by_server; });
+  EXPECT_EQ(client->all(), "< hi >< error could not open bus >");
+}
+
+TEST_F(SocketcandServerTest, ClientThatStaysAfterTheEnd_IsClosedAfterASecond) {
+  const auto client = connect();
+  client->send("< open can0 >");
+  until([&] { return client->closed_by_server; });
+  bus.advance(999'999us);
+  io.poll();
+  EXPECT_EQ(bus.participants(), 1U);
+  bus.advance(1us);
+  until([&] { return bus.participants() == 0; });
 }
 
 TEST_F(SocketcandServerTest, ClientThatCloses_LeavesTheBus) {
