@@ -1,8 +1,12 @@
 // Prints each check as it is made; the exit code says whether all held.
 let failures = 0;
 
-const show = (value) => (Buffer.isBuffer(value) ? value.toString('hex') : typeof value === 'number' ? `${value} (${value.toString(16)}H)`
-  : JSON.stringify(value));
+function show(value) {
+  if (typeof value === 'number') return `${value} (${value.toString(16).toUpperCase()}H)`;
+  if (!Buffer.isBuffer(value)) return JSON.stringify(value);
+  const start = value.subarray(0, 16).toString('hex');
+  return value.length > 16 ? `${value.length} bytes ${start}…` : start;
+}
 
 /** One check: prints it, and remembers a failure. */
 export function check(what, actual, expected) {

@@ -30,6 +30,8 @@ def kind_of(info):
 def main():
     args = parser.parse_args()
     needed = args.need.split(",")
+    if not args.trace.is_file():
+        parser.error(f"{args.trace}: no such file")
     fields = ["can.flags.rtr", "_ws.malformed", "_ws.col.Protocol", "_ws.col.Info"]
     words = ["tshark", "-r", str(args.trace), "-d", "can.subdissector,canopen", "-T", "fields"]
     for field in fields:
