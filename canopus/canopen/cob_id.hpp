@@ -29,6 +29,8 @@ struct CobId {
   [[nodiscard]] constexpr std::uint32_t identifier() const noexcept {
     return raw & (is_extended() ? 0x1FFF'FFFFU : 0x7FFU);
   }
+  /// Identifier, bit 29 = extended: what frame_of() and IdentifierTable take.
+  [[nodiscard]] constexpr std::uint32_t key() const noexcept { return identifier() | (raw & extended_bit); }
 };
 
 /// Identifiers that no configurable COB-ID may have: NMT, error control, default SDO and the reserved ranges

@@ -6,18 +6,6 @@
 
 namespace canopus::canopen {
 
-Entry DictionaryDescription::find(const ObjectDescription& object, std::uint8_t sub) const noexcept {
-  if (sub > object.highest_sub) return {};
-  if (!object.uniform || sub == 0) {
-    const EntryDescription& entry = entries_[object.first_entry + sub];
-    if (entry.type == DataType::none) return {};
-    return {&entry, entry.offset, object.index, sub};
-  }
-  const EntryDescription& entry = entries_[object.first_entry + 1];
-  const std::uint32_t step = entry.length == 0 ? 1U : entry.length;
-  return {&entry, entry.offset + (sub - 1U) * step, object.index, sub};
-}
-
 Entry DictionaryDescription::find(std::uint16_t index, std::uint8_t sub) const noexcept {
   const ObjectDescription* object = find(index);
   return object == nullptr ? Entry{} : find(*object, sub);

@@ -84,7 +84,17 @@ class DictionaryDescription {
   }
   /// The sub-index, or an empty Entry.
   [[nodiscard]] Entry find(std::uint16_t index, std::uint8_t sub) const noexcept;
-  [[nodiscard]] Entry find(const ObjectDescription& object, std::uint8_t sub) const noexcept;
+  [[nodiscard]] Entry find(const ObjectDescription& object, std::uint8_t sub) const noexcept {
+    if (sub > object.highest_sub) return {};
+    if (!object.uniform || sub == 0) {
+      const EntryDescription& entry = entries_[object.first_entry + sub];
+      if (entry.type == DataType::none) return {};
+      return {&entry, entry.offset, object.index, sub};
+    }
+    const EntryDescription& entry = entries_[object.first_entry + 1];
+    const std::uint32_t step = entry.length == 0 ? 1U : entry.length;
+    return {&entry, entry.offset + (sub - 1U) * step, object.index, sub};
+  }
   /// Position of the object among all (0, 1, 2 ... in order of index); the object must be one of this
   /// description's.
   [[nodiscard]] std::size_t position(const ObjectDescription& object) const noexcept {

@@ -22,27 +22,24 @@ std::expected<Entry, AbortCode> ObjectDictionary::find(std::uint16_t index, std:
   return entry;
 }
 
-std::expected<Entry, AbortCode> ObjectDictionary::prepare_read(std::uint16_t index, std::uint8_t sub,
-                                                               can::Time now) {
+AbortCode ObjectDictionary::prepare_read(std::uint16_t index, std::uint8_t sub, can::Time now, Entry& found) {
   const ObjectDescription* object = description_->find(index);
-  if (object == nullptr) return std::unexpected(AbortCode::no_object);
-  const Entry entry = description_->find(*object, sub);
-  if (!entry) return std::unexpected(AbortCode::no_sub_index);
-  if (!is_readable(entry.description->access)) return std::unexpected(AbortCode::read_of_write_only);
-  if (ObjectHandler* behaviour = handler(*object)) {
-    if (const AbortCode code = behaviour->before_read(*this, entry, now); code != AbortCode::none) {
-      return std::unexpected(code);
-    }
-  }
-  return entry;
+  if (object == nullptr) return AbortCode::no_object;
+  found = description_->find(*object, sub);
+  if (!found) return AbortCode::no_sub_index;
+  if (!is_readable(found.description->access)) return AbortCode::read_of_write_only;
+  ObjectHandler* behaviour = handler(*object);
+  return behaviour != nullptr ? behaviour->before_read(*this, found, now) : AbortCode::none;
 }
 
 std::expected<std::span<const std::uint8_t>, AbortCode> ObjectDictionary::read(std::uint16_t index,
                                                                                std::uint8_t sub,
                                                                                can::Time now) {
-  const auto entry = prepare_read(index, sub, now);
-  if (!entry) return std::unexpected(entry.error());
-  return bytes(*entry);
+  Entry entry;
+  if (const AbortCode code = prepare_read(index, sub, now, entry); code != AbortCode::none) {
+    return std::unexpected(code);
+  }
+  return bytes(entry);
 }
 
 ObjectStream* ObjectDictionary::stream(const Entry& entry) const {

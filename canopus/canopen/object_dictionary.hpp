@@ -69,9 +69,8 @@ class ObjectDictionary {
   /// Reads as the bus does. The bytes stay valid until the next call of a non-const member.
   [[nodiscard]] std::expected<std::span<const std::uint8_t>, AbortCode> read(std::uint16_t index,
                                                                              std::uint8_t sub, can::Time now);
-  /// The first half of read(): existence, access, handler; bytes() of the entry is the second.
-  [[nodiscard]] std::expected<Entry, AbortCode> prepare_read(std::uint16_t index, std::uint8_t sub,
-                                                             can::Time now);
+  /// The first half of read(): existence, access, handler; bytes(found) is the second.
+  [[nodiscard]] AbortCode prepare_read(std::uint16_t index, std::uint8_t sub, can::Time now, Entry& found);
   /// The stream of a value that has one.
   [[nodiscard]] ObjectStream* stream(const Entry& entry) const;
   /// Writes as the bus does.

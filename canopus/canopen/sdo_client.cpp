@@ -149,17 +149,20 @@ void SdoClient::upload_initiated(const can::Frame& frame, can::Time now) {
   }
   if (!is_about_this_object(frame)) return;  // a late answer to a transfer given up
   const std::size_t maximum = maximum_size_ != 0 ? maximum_size_ : SIZE_MAX / 2;
-  const bool is_expedited = (frame.data[0] & sdo::expedited_bit) != 0;
-  std::optional<std::size_t> announced;
-  if (!is_expedited && (frame.data[0] & sdo::size_bit) != 0) announced = sdo::value(frame);
-  if (announced && *announced > maximum) return refuse(buffer_too_small, now);
-  collector_.begin(into_, maximum, buffer_too_small, announced, 0);
-  if (is_expedited) {
-    AbortCode code = collector_.add(sdo::expedited_data(frame));
-    if (code == AbortCode::none) code = collector_.finish(0);
-    if (code != AbortCode::none) return refuse(code, now);
+  if ((frame.data[0] & sdo::expedited_bit) != 0) {
+    const auto data = sdo::expedited_data(frame);
+    if (data.size() > maximum) return refuse(buffer_too_small, now);
+    if (into_ == nullptr) {
+      collector_.take(data);
+    } else if (const AbortCode code = into_->write(data); code != AbortCode::none) {
+      return give_up(code, now);
+    }
     return finish(AbortCode::none, now);
   }
+  std::optional<std::size_t> announced;
+  if ((frame.data[0] & sdo::size_bit) != 0) announced = sdo::value(frame);
+  if (announced && *announced > maximum) return refuse(buffer_too_small, now);
+  collector_.begin(into_, maximum, buffer_too_small, announced, 0);
   state_ = State::upload_segment;
   request_segment(now);
 }

@@ -9,6 +9,7 @@
 
 #include "canopus/can/frame.hpp"
 #include "canopus/canopen/abort_code.hpp"
+#include "canopus/canopen/frame_of.hpp"
 
 namespace canopus::canopen::sdo {
 
@@ -45,22 +46,16 @@ inline constexpr std::uint8_t toggle_bit = 0x10;
 inline constexpr std::uint8_t last_bit = 0x01;
 inline constexpr std::size_t segment_size = 7;
 
-/// An empty frame on this channel: `identifier_key` is the identifier, bit 29 = extended.
+/// A frame of 8 bytes on this channel: `identifier_key` is the identifier, bit 29 = extended.
 [[nodiscard]] inline can::Frame frame(std::uint32_t identifier_key, unsigned command) noexcept {
-  can::Frame f{.identifier = identifier_key & 0x1FFF'FFFF, .extended = (identifier_key >> 29 & 1) != 0};
-  f.dlc = 8;
-  f.data[0] = static_cast<std::uint8_t>(command);
-  return f;
+  return frame_of(identifier_key, 8, command & 0xFFU);
 }
 
 [[nodiscard]] inline can::Frame frame(std::uint32_t identifier_key, unsigned command, std::uint16_t index,
                                       std::uint8_t sub, std::uint32_t value = 0) noexcept {
-  can::Frame f{.identifier = identifier_key & 0x1FFF'FFFF, .extended = (identifier_key >> 29 & 1) != 0};
-  f.dlc = 8;
-  const std::uint64_t bytes =
-      (command & 0xFFU) | std::uint64_t{index} << 8 | std::uint64_t{sub} << 24 | std::uint64_t{value} << 32;
-  std::memcpy(f.data.data(), &bytes, 8);
-  return f;
+  return frame_of(
+      identifier_key, 8,
+      (command & 0xFFU) | std::uint64_t{index} << 8 | std::uint64_t{sub} << 24 | std::uint64_t{value} << 32);
 }
 
 [[nodiscard]] inline can::Frame abort_frame(std::uint32_t identifier_key, std::uint16_t index,

@@ -179,11 +179,13 @@ AbortCode SdoServer::begin_upload(const Entry& entry, can::Time now) {
 void SdoServer::initiate_upload(const can::Frame& frame, can::Time now) {
   const std::uint16_t index = sdo::index(frame);
   const std::uint8_t sub = frame.data[3];
-  const auto entry = dictionary_->prepare_read(index, sub, now);
-  if (!entry) return abort(index, sub, entry.error());
-  const std::uint8_t length = entry->description->length;
+  Entry entry;
+  if (const AbortCode code = dictionary_->prepare_read(index, sub, now, entry); code != AbortCode::none) {
+    return abort(index, sub, code);
+  }
+  const std::uint8_t length = entry.description->length;
   if (length >= 1 && length <= 4) {
-    const auto value = dictionary_->bytes(*entry);
+    const auto value = dictionary_->bytes(entry);
     std::uint32_t number = 0;
     if (length == 4) {
       std::memcpy(&number, value.data(), 4);
@@ -195,7 +197,7 @@ void SdoServer::initiate_upload(const can::Frame& frame, can::Time now) {
   }
   index_ = index;
   sub_ = sub;
-  if (const AbortCode code = begin_upload(*entry, now); code != AbortCode::none) return abort(code);
+  if (const AbortCode code = begin_upload(entry, now); code != AbortCode::none) return abort(code);
   answer_upload(now);
 }
 

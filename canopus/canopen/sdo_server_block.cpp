@@ -109,11 +109,13 @@ void SdoServer::initiate_block_upload(const can::Frame& frame, can::Time now) {
   const std::uint8_t block_size = frame.data[4];
   const std::uint8_t switch_threshold = frame.data[5];
   if (block_size < 1 || block_size > 127) return abort(index, sub, AbortCode::block_size);
-  const auto entry = dictionary_->prepare_read(index, sub, now);
-  if (!entry) return abort(index, sub, entry.error());
+  Entry entry;
+  if (const AbortCode code = dictionary_->prepare_read(index, sub, now, entry); code != AbortCode::none) {
+    return abort(index, sub, code);
+  }
   index_ = index;
   sub_ = sub;
-  if (const AbortCode code = begin_upload(*entry, now); code != AbortCode::none) return abort(code);
+  if (const AbortCode code = begin_upload(entry, now); code != AbortCode::none) return abort(code);
   if (switch_threshold != 0 && size_ && *size_ <= switch_threshold) return answer_upload(now);
   enter(State::block_upload_start, index, sub, now);
   block_size_ = block_size;

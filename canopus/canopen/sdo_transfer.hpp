@@ -55,6 +55,8 @@ class SegmentCollector {
     buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
     return stream_ != nullptr && buffer_.size() >= hand_on_at ? hand_on(kept) : AbortCode::none;
   }
+  /// A whole value that came at once, for memory: instead of all the rest.
+  void take(std::span<const std::uint8_t> bytes) { buffer_.assign(bytes.begin(), bytes.end()); }
   /// The transfer is complete but for the last `unused` bytes, which are padding. Checks the size.
   AbortCode finish(std::size_t unused);
   /// CRC of all bytes, after finish().

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "canopus/canopen/frame_of.hpp"
+
 namespace canopus::canopen {
 namespace {
 
@@ -116,10 +118,7 @@ void Tpdos::leave_operational() {
 }
 
 bool Tpdos::send(Tpdo& pdo, std::uint64_t data, can::Time now) {
-  can::Frame frame{.identifier = pdo.cob_id.identifier(), .extended = pdo.cob_id.is_extended()};
-  frame.dlc = pdo.plan.length();
-  std::memcpy(frame.data.data(), &data, 8);
-  if (!node_.sink.send(frame)) return false;
+  if (!node_.sink.send(frame_of(pdo.cob_id.key(), pdo.plan.length(), data))) return false;
   pdo.last_data = data;
   pdo.was_sent = true;
   if (pdo.is_event_driven()) {
