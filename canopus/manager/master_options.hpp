@@ -42,6 +42,11 @@ struct MasterOptions {
   std::uint8_t assignment_bits = 0x1D;
   /// 1F82H or 1F83H written while this node is not the active master.
   canopen::AbortCode not_master = canopen::AbortCode::device_state;
+  /// A flying master without 1017H sends its heartbeat so often [ME3CAN1-Q 4.8.10].
+  can::Duration flying_heartbeat = std::chrono::seconds(1);
+  /// One that stands by and does not watch the active master by 1016H does so with this time, plus 10 ms x
+  /// own node-ID [ME3CAN1-Q 4.8.10].
+  can::Duration flying_consumer_time = std::chrono::milliseconds(1500);
   /// A guarding answer that was sent before a state change could take effect is not held against the slave
   /// for this long after the NMT command.
   can::Duration state_change_grace = std::chrono::milliseconds(50);

@@ -34,6 +34,7 @@ void NmtMaster::heartbeat_received(std::uint8_t node_id, canopen::NmtState state
 void NmtMaster::heartbeat_lost(std::uint8_t node_id, can::Time now) { engine_->heartbeat_lost(node_id, now); }
 
 bool NmtMaster::active() const noexcept { return engine_->active(); }
+std::uint8_t NmtMaster::active_master() const noexcept { return engine_->active_master(); }
 bool NmtMaster::starting() const noexcept { return engine_->starting(); }
 bool NmtMaster::halted() const noexcept { return engine_->halted(); }
 

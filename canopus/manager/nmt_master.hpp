@@ -2,8 +2,8 @@
 // The NMT master of CiA 302-2: starts the network, watches its slaves, brings lost ones back, and sends NMT
 // commands on request. Configured by the objects of its own node's dictionary, as far as they exist: 1F80H
 // (role and rules), 1F81H (which slaves, how), 1F82H/1F83H (requests), 1F84H-1F88H (expected identities),
-// 1F89H (boot time), 1F26H/1F27H (expected configurations), 1F8AH (restore), 1016H (heartbeats), 102AH (NMT
-// inhibit time).
+// 1F89H (boot time), 1F90H (flying master: flying_master.hpp), 1F26H/1F27H (expected configurations), 1F8AH
+// (restore), 1016H (heartbeats), 102AH (NMT inhibit time).
 //
 // Start-up (start()): Reset communication, boot every assigned slave (in parallel, one SDO channel each: see
 // boot_slave.hpp), own node Operational when all mandatory slaves are booted, slaves started.
@@ -31,7 +31,7 @@ namespace canopus::manager {
 
 class NmtMaster final : public can::Participant {
  public:
-  /// Attaches itself to 1F80H-1F83H of the node's dictionary. `node` and `sink` must outlive it.
+  /// Attaches itself to 1F80H-1F83H and 1F90H of the node's dictionary. `node` and `sink` must outlive it.
   NmtMaster(canopen::Node& node, can::Sink& sink, MasterOptions options = {});
   ~NmtMaster() override;
   NmtMaster(const NmtMaster&) = delete;
@@ -58,6 +58,9 @@ class NmtMaster final : public can::Participant {
   // --- what is going on
   /// The active NMT master.
   [[nodiscard]] bool active() const noexcept;
+  /// Node-ID of the network's active master: the own one, or while this flying master stands by the one it
+  /// watches; 0 = unknown.
+  [[nodiscard]] std::uint8_t active_master() const noexcept;
   /// The start-up, or the boot of a slave that was found, is in progress [ME3CAN1-Q G25.14].
   [[nodiscard]] bool starting() const noexcept;
   /// The start-up ended with a failed mandatory slave, or 1F80H bit 6 stopped the network: no slave is booted

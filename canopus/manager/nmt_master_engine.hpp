@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "canopus/manager/boot_slave.hpp"
+#include "canopus/manager/flying_master.hpp"
 #include "canopus/manager/nmt_master.hpp"
 #include "canopus/manager/node_guarding.hpp"
 #include "canopus/manager/node_timers.hpp"
@@ -33,7 +34,10 @@ inline constexpr std::uint32_t mandatory = 0x08;
 inline constexpr std::uint32_t keep_alive = 0x10;
 }  // namespace assignment_bit
 
-class NmtMaster::Engine final : public BootHost, public canopen::ObjectHandler, private can::Sink {
+class NmtMaster::Engine final : public BootHost,
+                                public canopen::ObjectHandler,
+                                private can::Sink,
+                                private FlyingMasterUser {
  public:
   Engine(canopen::Node& node, can::Sink& sink, MasterOptions options);
 
@@ -54,6 +58,9 @@ class NmtMaster::Engine final : public BootHost, public canopen::ObjectHandler, 
   [[nodiscard]] std::uint8_t node_state(std::uint8_t node_id) const noexcept;
   [[nodiscard]] std::uint16_t error_control(std::uint8_t node_id) const noexcept;
   void clear_error_control(std::uint8_t node_id, can::Time now);
+  [[nodiscard]] std::uint8_t active_master() const noexcept {
+    return active() ? node_->node_id() : flying_.active_master();
+  }
   [[nodiscard]] const BootSlave* boot(std::uint8_t node_id) const noexcept {
     return node_id < boots_.size() ? boots_[node_id].get() : nullptr;
   }
@@ -101,7 +108,14 @@ class NmtMaster::Engine final : public BootHost, public canopen::ObjectHandler, 
   void presence_known(std::uint8_t node_id, bool present, can::Time now) override;
   void boot_ended(std::uint8_t node_id, BootError error, can::Time now) override;
 
-  // canopen::ObjectHandler: 1F80H-1F83H
+  // FlyingMasterUser (nmt_master_flying.cpp)
+  void mastership_won(can::Time now) override;
+  void mastership_lost(can::Time now) override;
+  can::Duration standby_for(std::uint8_t master_node_id, can::Time now) override;
+  void reset_all_nodes(can::Time now) override;
+  void begin_flying(can::Time now);
+
+  // canopen::ObjectHandler: 1F80H-1F83H, 1F90H
   canopen::AbortCode before_read(canopen::ObjectDictionary&, const canopen::Entry&, can::Time now) override;
   canopen::AbortCode before_write(canopen::ObjectDictionary&, const canopen::Entry&,
                                   std::span<const std::uint8_t> value, can::Time now) override;
@@ -112,6 +126,7 @@ class NmtMaster::Engine final : public BootHost, public canopen::ObjectHandler, 
 
   // start-up (nmt_master_start_up.cpp)
   void begin(can::Time now);
+  void start_network(can::Time now);
   /// True when every node was reset, not only those that need not be kept alive.
   bool reset_network(can::Time now);
   void boot_all(bool all_were_reset, can::Time now);
@@ -178,6 +193,8 @@ class NmtMaster::Engine final : public BootHost, public canopen::ObjectHandler, 
   std::array<std::unique_ptr<BootSlave>, 128> boots_;
   std::array<NodeGuarding, 128> guarding_{};
   NodeTimers timers_;
+  FlyingMaster flying_;
+  std::uint8_t standby_entry_ = 0;  // sub-index of 1016H that was set to watch the active master; 0 = none
 
   std::array<Command, queue_size> commands_{};
   std::size_t first_command_ = 0;

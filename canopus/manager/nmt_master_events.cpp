@@ -17,7 +17,12 @@ constexpr can::Duration send_retry = std::chrono::milliseconds(1);
 }  // namespace
 
 void NmtMaster::Engine::receive(const can::Frame& frame, can::Time now) {
-  if (frame.extended || frame.remote || phase_ == Phase::off) return;
+  if (frame.extended || frame.remote) return;
+  if (flying_.state() != FlyingMaster::State::off || frame.identifier == canopen::cob_id::nmt) {
+    flying_.receive(frame, now);
+    refresh_master(now);
+  }
+  if (phase_ == Phase::off) return;
   const auto node_id = static_cast<std::uint8_t>(frame.identifier & 0x7F);
   if (node_id == 0 || node_id == node_->node_id()) return;
   switch (frame.identifier & base_function) {
@@ -88,6 +93,7 @@ void NmtMaster::Engine::master_tick(can::Time now) {
       error_event(n, ErrorControlEvent::heartbeat_lost, now);
     }
   }
+  if (flying_.deadline() <= now) flying_.tick(now);
   if (boot_end_ <= now) boot_time_elapsed(now);
   if (phase_end_ <= now) {
     phase_end_ = can::never;
@@ -108,7 +114,7 @@ void NmtMaster::Engine::refresh(std::uint8_t node_id) {
 }
 
 void NmtMaster::Engine::refresh_master(can::Time now) {
-  can::Time next = std::min(boot_end_, phase_end_);
+  can::Time next = std::min({boot_end_, phase_end_, flying_.deadline()});
   if (command_count_ > 0) next = std::min(next, next_command_);
   if (begin_pending_ || own_state_changed_ || own_command_ != 0 || heartbeat_lost_pending_.any()) next = now;
   timers_.set(0, next);

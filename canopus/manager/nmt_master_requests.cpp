@@ -1,4 +1,4 @@
-// What the application asks for: the objects 1F80H-1F83H [CiA 302-2; ME3CAN1-Q 4.8.5-4.8.9].
+// What the application asks for: the objects 1F80H-1F83H, 1F90H [CiA 302-2; ME3CAN1-Q 4.8.5-4.8.10].
 
 #include <algorithm>
 
@@ -118,6 +118,8 @@ AbortCode NmtMaster::Engine::before_write(canopen::ObjectDictionary&, const cano
                                                                        : AbortCode::invalid_value;
     case 0x1F82: return check_nmt_request(entry.sub, byte);
     case 0x1F83: return check_guarding_request(entry.sub, byte);
+    case 0x1F90:  // 03: priority level 0 high, 1 medium, 2 low
+      return entry.sub == 3 && number > 2 ? AbortCode::invalid_value : AbortCode::none;
     default: return AbortCode::none;
   }
 }

@@ -14,11 +14,16 @@ constexpr std::uint8_t all_nodes = 0;
 }  // namespace
 
 NmtMaster::Engine::Engine(canopen::Node& node, can::Sink& sink, MasterOptions options)
-    : options_(options), listener_(nullptr), node_(&node), sink_(&sink) {
+    : options_(options),
+      listener_(nullptr),
+      node_(&node),
+      sink_(&sink),
+      flying_(static_cast<can::Sink&>(*this), *this) {
   static class : public MasterListener {
   } nobody;
   listener_ = &nobody;
   node.dictionary().attach(0x1F80, 0x1F83, *this);
+  node.dictionary().attach(0x1F90, 0x1F90, *this);
 }
 
 void NmtMaster::Engine::start(can::Time now) {
@@ -32,6 +37,8 @@ void NmtMaster::Engine::stop(can::Time now) {
   muted_ = true;
   abandon_boots();
   muted_ = false;
+  flying_.stop();
+  standby_entry_ = 0;
   phase_ = Phase::off;
   phase_end_ = boot_end_ = can::never;
   begin_pending_ = network_was_reset_ = own_state_changed_ = false;
@@ -57,7 +64,7 @@ void NmtMaster::Engine::stop(can::Time now) {
   tell_starting(now);
 }
 
-// Steps 1 to 5.
+// Steps 1 and 2.
 void NmtMaster::Engine::begin(can::Time now) {
   begin_pending_ = false;
   start_up_ = node_->dictionary().get<std::uint32_t>(0x1F80, 0);
@@ -65,6 +72,12 @@ void NmtMaster::Engine::begin(can::Time now) {
     phase_ = Phase::slave;
     return;
   }
+  if (!active() && (start_up_ & start_up_bit::flying_master) != 0) return begin_flying(now);
+  start_network(now);
+}
+
+// Steps 3 to 5, as the active master.
+void NmtMaster::Engine::start_network(can::Time now) {
   const bool was_active = active();
   enter(Phase::booting, now);
   if (!was_active) {

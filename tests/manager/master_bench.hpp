@@ -66,6 +66,13 @@ inline std::shared_ptr<const canopen::DictionaryDescription> master_dictionary()
   }
   builder.variable(0x1F89, u32("Boot time"));
   builder.uniform(0x1F8A, ObjectCode::array, "Restore configuration", 127, u8("Sub-index"));
+  builder.object(0x1F90, ObjectCode::record, "Flying master timing");
+  const std::uint16_t timing[] = {100, 500, 1, 1500, 10, 4010};
+  for (std::uint8_t sub = 1; sub <= 6; ++sub) {
+    builder.sub(
+        0x1F90, sub,
+        {.name = "Time", .type = DataType::unsigned16, .value = canopen::little_endian(timing[sub - 1], 2)});
+  }
   return builder.build();
 }
 
