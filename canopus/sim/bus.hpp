@@ -74,7 +74,6 @@ struct PortCounters {
   std::uint64_t received = 0;           ///< frames handed to the participant
   std::uint64_t receive_overflows = 0;  ///< frames lost because the participant did not take them
   std::uint64_t errors = 0;             ///< errors this controller detected
-  std::uint64_t arbitrations_lost = 0;
   std::uint64_t bus_offs = 0;
 };
 
@@ -109,6 +108,7 @@ class Port : public can::Controller {
 /// How busy a bus is.
 struct BusLoad {
   std::uint64_t frames = 0;
+  std::uint64_t error_frames = 0;
   std::uint64_t bits = 0;  ///< on the wire, interframe space included
   double now = 0;          ///< share of the last full second that was busy, 0..1
   double peak = 0;         ///< highest `now` so far

@@ -160,6 +160,7 @@ class BusPort final : public Port {
   bool sending = false;  // `current` is on the wire; it counts as waiting
   can::Frame current;
   TransmitQueue queue;
+  can::Time last_queued{};
   can::FaultConfinement faults;
   std::uint32_t refused = 0;
   std::uint32_t overrun = 0;

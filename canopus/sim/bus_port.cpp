@@ -36,6 +36,7 @@ bool BusPort::enqueue(const can::Frame& frame) {
     ++refused;
     return false;
   }
+  last_queued = core.timeline.now();
   segment->offer_changed(*this);
   return true;
 }

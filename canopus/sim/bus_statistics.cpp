@@ -69,7 +69,7 @@ void BusStatistics::roll(can::Time start, can::Time end) noexcept {
 }
 
 BusLoad BusStatistics::load(can::Time now) const noexcept {
-  BusLoad load{.frames = frames_, .bits = bits_, .now = last_, .peak = peak_};
+  BusLoad load{.frames = frames_, .error_frames = error_frames_, .bits = bits_, .now = last_, .peak = peak_};
   if (now >= second_end_) {
     const bool just_ended = now < second_end_ + second;
     load.now = just_ended ? share(busy_) : 0;

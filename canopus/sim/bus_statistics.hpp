@@ -24,6 +24,7 @@ class BusStatistics {
       count_extended(frame.identifier);
     }
   }
+  void error_frame() noexcept { ++error_frames_; }
   /// The wire was not idle from `start` to `end`, which is not before the end of the last call.
   void busy(can::Time start, can::Time end, std::uint64_t bits) noexcept {
     bits_ += bits;
@@ -47,6 +48,7 @@ class BusStatistics {
   void close_second() noexcept;
 
   std::uint64_t frames_ = 0;
+  std::uint64_t error_frames_ = 0;
   std::uint64_t bits_ = 0;
   can::Time second_end_;  // of the second that busy_ counts
   can::Duration busy_{};

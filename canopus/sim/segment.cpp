@@ -166,6 +166,7 @@ void Segment::start(can::Time now) {
     return begin_bits(now);
   }
   faults_ready_ = false;
+  failed_ = false;
   transmitter_ = &port;
   start_ = now;
   bits_ = can::frame_bits(port.current);
@@ -174,7 +175,7 @@ void Segment::start(can::Time now) {
     deadline_ = now + can::bit_time(bits_, port.rate);
   } else {
     state_ = State::lone_frame;
-    deadline_ = now + can::bit_time(bits_ - after_ack_slot, port.rate);
+    deadline_ = now + can::bit_time(bits_ - after_ack_slot, port.rate) - after_sample_point(port.bit());
   }
 }
 
@@ -182,7 +183,6 @@ void Segment::start(can::Time now) {
 void Segment::become_idle(can::Time from) {
   state_ = State::idle;
   free_from_ = from;
-  transmitter_ = nullptr;
   deadline_ = arbiter_.lowest() == Arbiter::none ? can::never : from;
 }
 
@@ -236,16 +236,19 @@ void Segment::fail_lone(can::Time now) {
   // on the bus it stays passive for ever and is never bus-off.
   const bool was_passive = port.faults.state() == can::ErrorState::error_passive;
   const bool was_warned = port.faults.warning();
+  failed_ = true;
+  faults_before_ = port.faults;
   if (!was_passive) port.faults.transmitter_error();
   counting_ = true;
   ++port.counted.errors;
+  core_.statistics.error_frame();
   const bool passive = port.faults.state() == can::ErrorState::error_passive;
-  unsigned bits = error_flag_bits + error_delimiter_bits + can::intermission_bits;
-  if (passive) bits += suspend_bits;
-  const can::Time next = now + can::bit_time(bits, port.rate);
+  const unsigned bits = error_flag_bits + error_delimiter_bits + can::intermission_bits;
+  const can::Time end = now + after_sample_point(port.bit()) + can::bit_time(bits, port.rate);
+  const can::Time next = passive ? end + can::bit_time(suspend_bits, port.rate) : end;
   port.give_back();
   arbiter_.set(port.index, port.offer());
-  core_.statistics.busy(start_, next, bits_ - after_ack_slot + bits);
+  core_.statistics.busy(start_, end, bits_ - after_ack_slot + bits);
   become_idle(next);
   for (BusObserver* observer : core_.observers) {
     observer->error_detected(port, BusError::acknowledgement, now);

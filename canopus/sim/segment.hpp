@@ -18,6 +18,9 @@
 
 namespace canopus::sim {
 
+/// What of a bit follows its sample point: CiA recommends the sample point at 87.5 % of the bit.
+[[nodiscard]] constexpr can::Duration after_sample_point(can::Duration bit) noexcept { return bit / 8; }
+
 class Segment {
  public:
   explicit Segment(BusCore& core) : core_(core) {}
@@ -55,7 +58,7 @@ class Segment {
   enum class State : std::uint8_t {
     idle,        // nothing on the wire; deadline_ is the next start, or never
     frame,       // deadline_ is the end of EOF
-    lone_frame,  // nobody acknowledges; deadline_ is the end of the ACK slot
+    lone_frame,  // nobody acknowledges; deadline_ is the sample point of the ACK slot
     bits,        // bit by bit; deadline_ is the next sample point or start of a bit
   };
 
@@ -101,8 +104,10 @@ class Segment {
   bool healthy_ = false;                // frames can be computed as a whole
   bool lone_ = false;                   // so can the failures of the only member
 
-  bool counting_ = false;  // some error counter is not 0
-  bool changes_ = false;   // some port has to be told of its controller
+  bool failed_ = false;                  // transmitter_ was alone with its last frame
+  can::FaultConfinement faults_before_;  // its counters before that
+  bool counting_ = false;                // some error counter is not 0
+  bool changes_ = false;                 // some port has to be told of its controller
 
   FrameFaults faults_;         // of the frame on the wire
   bool faults_ready_ = false;  // known before the frame began
@@ -114,6 +119,7 @@ class Segment {
   bool dominant_ = false;  // level of the wire
   bool active_ = false;    // from the first dominant bit to idle
   bool replaying_ = false;
+  bool error_frame_ = false;  // one is counted since the last frame began
   can::Time activity_start_{};
 };
 

@@ -23,10 +23,18 @@ void Segment::enter_bits() {
   for (const auto& port : core_.ports) {
     if (port->segment == this) port->tap = {};
   }
+  const can::Time now = core_.timeline.now();
   if (on_wire) {
-    replay(core_.timeline.now());
+    replay(now);
+  } else if (failed_ && now < free_from_) {
+    // In the error frame of a lone transmitter, which has been counted already.
+    transmitter_->faults = faults_before_;
+    replay(now);
+    activity_start_ = free_from_ = now;
+    failed_ = false;
+    error_frame_ = true;
   } else {
-    deadline_ = arbiter_.lowest() == Arbiter::none ? can::never : std::max(core_.timeline.now(), free_from_);
+    deadline_ = arbiter_.lowest() == Arbiter::none ? can::never : std::max(now, free_from_);
   }
 }
 
@@ -37,6 +45,13 @@ void Segment::replay(can::Time until) {
   port.bits.transmit(port.current);
   port.tap.frame_start = start_;
   port.tap.next = start_;
+  for (BusPort* loser : members_) {
+    // Whoever has queued nothing since was in the arbitration with what it offers now.
+    if (loser == &port || loser->offer() == Arbiter::none || loser->last_queued > start_) continue;
+    loser->take_next();
+    loser->bits.transmit(loser->current);
+    loser->tap.next = loser->tap.frame_start = start_;
+  }
   deadline_ = start_;
   while (deadline_ < until) bits_tick(deadline_);
   replaying_ = false;
@@ -61,6 +76,8 @@ void Segment::bits_tick(can::Time now, bool may_leave) {
   if (!dominant_ && quiet(now)) {
     if (active_) {
       active_ = false;
+      error_frame_ = false;
+      clear_faults();
       const can::Duration bit = can::bit_time(1, core_.bit_rate);
       core_.statistics.busy(activity_start_, now, static_cast<std::uint64_t>((now - activity_start_) / bit));
     }
@@ -69,6 +86,7 @@ void Segment::bits_tick(can::Time now, bool may_leave) {
   }
   settle(now);
   sample(now);
+  if (error_frame_) faults_.corruptions = 0;  // they were about the frame that has just been given up
   tell_changes(now);
   schedule(now);
 }
@@ -227,10 +245,9 @@ void Segment::sample_port(BusPort& port, can::Time now) {
   const BitController::Events events = port.bits.sample(dominant_ != inverted(&port, now));
   tap.sampling = false;
   tap.next = tap.bit_start + port.bit();
-  if (events.lost || (events.error != BusError::none && port.sending)) {
+  if (port.sending && (events.lost || events.error != BusError::none)) {
     port.give_back();
     arbiter_.set(port.index, port.offer());
-    if (events.lost) ++port.counted.arbitrations_lost;
   }
   tap.received = tap.received || events.received;
   tap.transmitted = tap.transmitted || events.transmitted;
@@ -239,8 +256,11 @@ void Segment::sample_port(BusPort& port, can::Time now) {
     port.bits.join(port.current);
     tap.frame_start = tap.bit_start;
   }
+  if (replaying_) return;  // counted and told when it was computed
   if (events.error != BusError::none) {
     ++port.counted.errors;
+    if (!error_frame_) core_.statistics.error_frame();
+    error_frame_ = true;
     for (BusObserver* observer : core_.observers) observer->error_detected(port, events.error, now);
   }
   if (events.recovered) port.recovering = false;
