@@ -86,6 +86,7 @@ void JsonPrinter::load(std::string_view bus, const sim::BusLoad& load, can::Time
   line["now"] = load.now;
   line["peak"] = load.peak;
   line["frames"] = load.frames;
+  line["error_frames"] = load.error_frames;
   print(out_, line);
 }
 
@@ -105,7 +106,10 @@ void JsonPrinter::summary(const RunSummary& summary) {
   }
   line["buses"] = Json::array();
   for (const auto& bus : summary.buses) {
-    line["buses"].push_back({{"bus", bus.name}, {"frames", bus.load.frames}, {"peak", bus.load.peak}});
+    line["buses"].push_back({{"bus", bus.name},
+                             {"frames", bus.load.frames},
+                             {"error_frames", bus.load.error_frames},
+                             {"peak", bus.load.peak}});
   }
   line["nodes"] = Json::array();
   for (const NodeStatus& node : summary.nodes) {
@@ -135,8 +139,8 @@ std::string describe(const RunSummary& summary) {
     text += fmt::format(", at most {} late\n", describe(summary.largest_lag));
   }
   for (const auto& bus : summary.buses) {
-    text += fmt::format("bus {}: {} frames, load at most {:.1f} %\n", bus.name, bus.load.frames,
-                        bus.load.peak * 100);
+    text += fmt::format("bus {}: {} frames, {} error frames, load at most {:.1f} %\n", bus.name,
+                        bus.load.frames, bus.load.error_frames, bus.load.peak * 100);
   }
   std::size_t operational = 0;
   for (const NodeStatus& node : summary.nodes) {

@@ -69,9 +69,11 @@ std::string LiveTable::draw(can::Time now, can::Duration lag, TableSize size) {
   for (std::size_t i = 0; i < plant_->bus_count(); ++i) {
     const sim::Bus& bus = plant_->bus(i);
     const sim::BusLoad load = bus.load(now);
-    lines.push_back(fmt::format("{:<16.16} {:>5} kbit/s   load {:>5.1f} %   peak {:>5.1f} %   {:>10} frames",
-                                bus.name(), bus.bit_rate() / 1000, load.now * 100, load.peak * 100,
-                                load.frames));
+    const std::string errors = fmt::format("{} error frames", load.error_frames);
+    lines.push_back(
+        fmt::format("{:<16.16} {:>5} kbit/s   load {:>5.1f} %   peak {:>5.1f} %   {:>9} frames   {}",
+                    bus.name(), bus.bit_rate() / 1000, load.now * 100, load.peak * 100, load.frames,
+                    load.error_frames == 0 ? errors : paint(errors, red)));
   }
   lines.emplace_back();
   lines.push_back(

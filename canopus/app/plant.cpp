@@ -328,6 +328,7 @@ class Assembly {
   void add_device(const DeviceSection& section, std::size_t number);
   void add_module(const PlcSection& plc, std::size_t plc_number, const ModuleSection& section);
   void configure_network(const ModuleSection& section, Me3can1Q& module);
+  void set_faults(const BusSection& section, sim::Bus& bus);
   DeviceSeat* device(std::string_view bus, std::uint8_t node);
 
   Plant::Parts& parts_;
@@ -350,6 +351,7 @@ std::vector<PlantError> Assembly::run() {
     for (const ModuleSection& module : parts_.file.plcs[i].modules)
       add_module(parts_.file.plcs[i], i, module);
   }
+  for (std::size_t i = 0; i < parts_.buses.size(); ++i) set_faults(parts_.file.buses[i], *parts_.buses[i]);
   parts_.load_report = std::make_unique<LoadReport>(parts_.buses, observer_);
   parts_.timeline.add(*parts_.load_report);
   return std::move(errors_);
@@ -410,6 +412,10 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
   file = configured(file, section);
   sim::Bus& bus = parts_.bus(section.bus);
   sim::Port& port = bus.add_port(section.name.empty() ? fmt::format("node{}", node_id) : section.name);
+  port.set_transmit_queue(section.transmit_fifo ? sim::TransmitOrder::fifo : sim::TransmitOrder::identifier,
+                          section.transmit_queue);
+  if (section.bit_rate != 0) port.restart(section.bit_rate);
+  port.set_listen_only(section.listen_only);
   auto seat = std::make_unique<DeviceSeat>(file, section, node_id, port, observer_);
   for (std::size_t i = 0; i < section.behaviours.size(); ++i) {
     const BehaviourSection& wanted = section.behaviours[i];
@@ -437,6 +443,16 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
           parts_.buses.begin())]
       ->know(seat->status());
   parts_.devices.push_back(std::move(seat));
+}
+
+void Assembly::set_faults(const BusSection& section, sim::Bus& bus) {
+  std::vector<sim::Fault> faults;
+  for (const FaultSection& fault : section.faults) {
+    if (const auto good = bus.set_faults({fault.fault}, seed_); !good)
+      error(fault.place, "fault: {}", good.error());
+    faults.push_back(fault.fault);
+  }
+  (void)bus.set_faults(faults, seed_);
 }
 
 DeviceSeat* Assembly::device(std::string_view bus, std::uint8_t node) {

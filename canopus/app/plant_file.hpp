@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "canopus/app/text_values.hpp"
+#include "canopus/sim/fault.hpp"
 
 namespace canopus::app {
 
@@ -56,11 +57,18 @@ struct BehaviourSection {
   std::optional<std::uint64_t> seed{};
 };
 
+/// A fault of a bus. Fields that its kind does not use are refused.
+struct FaultSection {
+  Place place{};
+  sim::Fault fault{};
+};
+
 struct BusSection {
   Place place{};
   std::string name{};
   std::uint32_t bit_rate = 0;               ///< bit/s
   std::optional<HostAndPort> socketcand{};  ///< from serve = "socketcand:127.0.0.1:29536"
+  std::vector<FaultSection> faults{};
 };
 
 struct DeviceSection {
@@ -68,9 +76,13 @@ struct DeviceSection {
   Place eds_place{};
   std::string bus{};
   std::string name{};
-  std::string eds{};      ///< path, relative to the plant file
-  std::uint8_t node = 0;  ///< 1..127; 0 = from the DCF
-  can::Duration start{};  ///< powers up this long after the run's start
+  std::string eds{};                 ///< path, relative to the plant file
+  std::uint8_t node = 0;             ///< 1..127; 0 = from the DCF
+  can::Duration start{};             ///< powers up this long after the run's start
+  std::uint32_t bit_rate = 0;        ///< bit/s; 0 = the bus's. Another one than the bus's destroys frames
+  bool listen_only = false;          ///< its controller hears, but drives nothing
+  bool transmit_fifo = false;        ///< its controller sends in the order of queueing, not of identifiers
+  std::size_t transmit_queue = 128;  ///< frames that may wait in it
   std::vector<ObjectSetting> objects{};
   std::vector<BehaviourSection> behaviours{};
 };

@@ -30,6 +30,11 @@ void add_run_command(CLI::App& app, int& exit_code) {
       ->type_name("N");
   command->add_option("--trace", words->options.trace, "Record every frame: candump log, or pcap for *.pcap")
       ->type_name("FILE");
+  command
+      ->add_option(
+          "--vcd", words->options.vcd,
+          "Record the wire bit by bit as a waveform (VCD, for PulseView, GTKWave, sigrok-cli); slower")
+      ->type_name("FILE");
   auto* json =
       command->add_flag("--json", words->options.json, "One JSON object per line (see docs/events.md)");
   command->add_flag("-q,--quiet", words->options.quiet, "Print errors alone")->excludes(json);

@@ -25,6 +25,7 @@
 #include "canopus/app/plant.hpp"
 #include "canopus/link/socketcand_server.hpp"
 #include "canopus/link/trace_file.hpp"
+#include "canopus/sim/waveform.hpp"
 
 namespace canopus::app {
 namespace {
@@ -67,6 +68,41 @@ class TraceWriter final : public sim::BusObserver {
  private:
   link::TraceFile& file_;
   const std::string& bus_;
+};
+
+/// The wire of one bus as a VCD file. The first error is kept and told by close().
+class VcdFile {
+ public:
+  VcdFile(std::string path, sim::Bus& bus) : path_(std::move(path)), file_(std::fopen(path_.c_str(), "w")) {
+    if (file_ == nullptr) {
+      error_ = errno;
+      return;
+    }
+    waveform_.emplace(bus, can::Time{}, [this](std::string_view text) {
+      if (std::fwrite(text.data(), 1, text.size(), file_) != text.size() && error_ == 0) error_ = errno;
+    });
+  }
+  ~VcdFile() { (void)close({}); }
+  VcdFile(const VcdFile&) = delete;
+  VcdFile& operator=(const VcdFile&) = delete;
+
+  [[nodiscard]] std::string error() const {
+    return error_ == 0 ? std::string() : fmt::format("cannot write {}: {}", path_, std::strerror(error_));
+  }
+  /// Empty, or what went wrong since the start.
+  std::string close(can::Time now) {
+    if (waveform_) waveform_->flush(now);
+    waveform_.reset();
+    if (file_ != nullptr && std::fclose(file_) != 0 && error_ == 0) error_ = errno;
+    file_ = nullptr;
+    return error();
+  }
+
+ private:
+  std::string path_;
+  std::FILE* file_;
+  int error_ = 0;
+  std::optional<sim::Waveform> waveform_;
 };
 
 /// A socketcand client's own port on a simulated bus. A bus keeps its ports, so those of clients that left
@@ -155,7 +191,8 @@ class RealTime final : public link::LoopClock, public AccessClock {
       tell_again_ = wall + 1s;
     }
     constexpr can::Duration slice = 20ms;
-    timeline_.run_until(std::min({wall, end_, can::later(std::max(timeline_.now(), std::min(due, wall)), slice)}));
+    timeline_.run_until(
+        std::min({wall, end_, can::later(std::max(timeline_.now(), std::min(due, wall)), slice)}));
   }
 
   can::Timeline& timeline_;
@@ -217,6 +254,7 @@ class Run {
     return lines_;
   }
   bool open_trace();
+  bool open_vcd();
   bool open_doors(RealTime& clock);
   bool run_in_real_time();
   void run_in_virtual_time();
@@ -233,6 +271,7 @@ class Run {
   std::unique_ptr<Plant> plant_;
   std::optional<link::TraceFile> trace_;
   std::vector<std::unique_ptr<TraceWriter>> trace_writers_;
+  std::vector<std::unique_ptr<VcdFile>> vcd_;
   asio::io_context io_{1};
   std::vector<SimulatedAttachment::Ports> free_ports_;  // by bus; outlive the servers
   std::vector<std::unique_ptr<link::SocketcandServer>> socketcand_;
@@ -253,6 +292,23 @@ bool Run::open_trace() {
   for (std::size_t i = 0; i < plant_->bus_count(); ++i) {
     trace_writers_.push_back(std::make_unique<TraceWriter>(*trace_, plant_->bus(i).name()));
     plant_->bus(i).add_observer(*trace_writers_.back());
+  }
+  return true;
+}
+
+bool Run::open_vcd() {
+  if (options_.vcd.empty()) return true;
+  const std::string_view suffix = options_.vcd.ends_with(".vcd") ? ".vcd" : "";
+  const std::string stem = options_.vcd.substr(0, options_.vcd.size() - suffix.size());
+  for (std::size_t i = 0; i < plant_->bus_count(); ++i) {
+    sim::Bus& bus = plant_->bus(i);
+    const std::string path =
+        plant_->bus_count() == 1 ? options_.vcd : fmt::format("{}-{}{}", stem, bus.name(), suffix);
+    vcd_.push_back(std::make_unique<VcdFile>(path, bus));
+    if (const std::string problem = vcd_.back()->error(); !problem.empty()) {
+      fmt::print(stderr, "canopus: {}\n", problem);
+      return false;
+    }
   }
   return true;
 }
@@ -383,7 +439,7 @@ int Run::operator()() {
   plant_ = build_plant(*file, observer(), options_.seed);
   if (!plant_) return 2;
   raw_plant_ = plant_.get();
-  if (!open_trace()) return 1;
+  if (!open_trace() || !open_vcd()) return 1;
   const auto started = WallClock::now();
   if (options_.virtual_time) {
     run_in_virtual_time();
@@ -391,13 +447,20 @@ int Run::operator()() {
     return 1;
   }
   summarise(WallClock::now() - started);
+  bool written = true;
+  for (const auto& vcd : vcd_) {
+    const std::string problem = vcd->close(plant_->timeline().now());
+    if (problem.empty()) continue;
+    fmt::print(stderr, "canopus: {}\n", problem);
+    written = false;
+  }
   if (trace_) {
     if (const auto closed = trace_->close(); !closed) {
       fmt::print(stderr, "canopus: {}\n", closed.error());
-      return 1;
+      written = false;
     }
   }
-  return 0;
+  return written ? 0 : 1;
 }
 
 }  // namespace

@@ -17,8 +17,10 @@ struct RunOptions {
   bool virtual_time = false;
   std::optional<std::uint64_t> seed{};
   std::string trace{};  ///< file for all frames: candump log, or pcap if it ends so; empty = none
-  bool quiet = false;   ///< errors alone
-  bool json = false;    ///< one JSON object per line
+  std::string
+      vcd{};  ///< file for the wire as a waveform, with several buses one each (-BUS.vcd); empty = none
+  bool quiet = false;  ///< errors alone
+  bool json = false;   ///< one JSON object per line
 };
 
 /// Runs to the end. Exit code: 0 ended as asked (Ctrl-C included), 1 the plant could not be started or an

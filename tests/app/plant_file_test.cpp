@@ -176,8 +176,9 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(PlantFile, AMisspeltKeyIsAMistakeWithTheKeysThatExist) {
   const auto errors = errors_of("[[bus]]\nname = \"a\"\nbit_rate = 250000\nbitrate = 1\n");
-  EXPECT_THAT(errors,
-              ElementsAre("plant.toml:4:1: bus: unknown key bitrate; expected one of bit_rate, name, serve"));
+  EXPECT_THAT(
+      errors,
+      ElementsAre("plant.toml:4:1: bus: unknown key bitrate; expected one of bit_rate, fault, name, serve"));
 }
 
 TEST(PlantFile, AllMistakesAreFoundAtOnceInTheOrderOfTheFile) {
@@ -201,6 +202,44 @@ TEST(PlantFile, ModulesMustNotShareTheirPoints) {
       "0x00\n"
       "[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nhead = 0x10\n");
   EXPECT_THAT(errors, ElementsAre("plant.toml:8:1: the module at head 010H overlaps the one in line 5"));
+}
+
+TEST(PlantFile, FaultsOfABusAreRead) {
+  const PlantReading reading = read_plant(
+      "[[bus]]\nname = \"a\"\nbit_rate = 250000\n"
+      "[[bus.fault]]\nkind = \"corrupt\"\nidentifier = 0x183\nbit = 20\nevery = 10\nfrom = \"1s\"\nuntil = "
+      "\"2s\"\n"
+      "[[bus.fault]]\nkind = \"babble\"\nports = [\"drive\"]\nframe = { identifier = 1, data = [1, 255] "
+      "}\ninterval = \"1ms\"\n",
+      "plant.toml");
+  ASSERT_THAT(reading.errors, IsEmpty());
+  ASSERT_EQ(reading.plant.buses.at(0).faults.size(), 2U);
+  const sim::Fault& corrupt = reading.plant.buses[0].faults[0].fault;
+  EXPECT_EQ(corrupt.kind, sim::FaultKind::corrupt);
+  EXPECT_EQ(corrupt.identifier, 0x183U);
+  EXPECT_EQ(corrupt.bit, 20U);
+  EXPECT_EQ(corrupt.every, 10U);
+  EXPECT_EQ(corrupt.from, can::Time{1s});
+  EXPECT_EQ(corrupt.until, can::Time{2s});
+  const sim::Fault& babble = reading.plant.buses[0].faults[1].fault;
+  EXPECT_THAT(babble.ports, ElementsAre("drive"));
+  EXPECT_EQ(babble.frame, can::data_frame(0x001, {1, 255}));
+  EXPECT_EQ(babble.interval, 1ms);
+}
+
+TEST(PlantFile, AFaultTakesOnlyTheKeysOfItsKind) {
+  const std::string bus = "[[bus]]\nname = \"a\"\nbit_rate = 250000\n[[bus.fault]]\n";
+  EXPECT_THAT(
+      errors_of(bus + "kind = \"jam\"\nports = [\"a\"]\nbit = 3\n"),
+      ElementsAre(
+          "plant.toml:7:1: bus.fault: unknown key bit; expected one of capacity, from, kind, ports, until"));
+  EXPECT_THAT(
+      errors_of(bus + "kind = \"break\"\n"),
+      ElementsAre(
+          "plant.toml:5:8: kind = \"break\": expected one of drop, corrupt, duplicate, delay, babble, "
+          "stuck dominant, jam, cut"));
+  EXPECT_THAT(errors_of(bus + "kind = \"drop\"\nfrom = \"2s\"\nuntil = \"1s\"\n"),
+              ElementsAre("plant.toml:7:9: until = \"1s\": must be later than from"));
 }
 
 RC_GTEST_PROP(PlantFile, NoTextWhateverMakesItFail, (const std::string& text)) {
