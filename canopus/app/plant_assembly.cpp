@@ -1,0 +1,266 @@
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "canopus/app/module_network.hpp"
+#include "canopus/app/plant_parts.hpp"
+#include "canopus/eds/device_file.hpp"
+#include "canopus/store/file_memory.hpp"
+
+namespace canopus::app {
+
+namespace {
+
+using module::me3can1_q::Me3can1Q;
+
+/// Builds a plant's parts, collecting every error on the way.
+class Assembly {
+ public:
+  Assembly(Plant::Parts& parts, PlantObserver& observer, std::uint64_t seed)
+      : parts_(parts),
+        observer_(observer),
+        seed_(seed),
+        folder_(std::filesystem::path(parts.file.path).parent_path()) {}
+
+  std::vector<PlantError> run();
+
+ private:
+  using File = std::shared_ptr<const eds::DeviceFile>;
+
+  template <typename... Arguments>
+  void error(Place place, fmt::format_string<Arguments...> text, Arguments&&... arguments) {
+    errors_.push_back({place, fmt::format(text, std::forward<Arguments>(arguments)...)});
+  }
+  File load(const DeviceSection& section);
+  File configured(const File& file, const DeviceSection& section);
+  void add_device(const DeviceSection& section, std::size_t number);
+  void add_module(const PlcSection& plc, std::size_t plc_number, const ModuleSection& section);
+  void configure_network(const ModuleSection& section, Me3can1Q& module);
+  void set_faults(const BusSection& section, sim::Bus& bus);
+  DeviceSeat* device(std::string_view bus, std::uint8_t node);
+
+  Plant::Parts& parts_;
+  PlantObserver& observer_;
+  std::uint64_t seed_;
+  std::filesystem::path folder_;
+  std::map<std::string, File> files_;
+  std::vector<PlantError> errors_;
+};
+
+std::vector<PlantError> Assembly::run() {
+  for (const BusSection& section : parts_.file.buses) {
+    parts_.buses.push_back(std::make_unique<sim::Bus>(section.name, section.bit_rate, parts_.timeline));
+    parts_.watches.push_back(std::make_unique<BusWatch>(section.name, observer_));
+    parts_.buses.back()->add_observer(*parts_.watches.back());
+  }
+  for (std::size_t i = 0; i < parts_.file.devices.size(); ++i) add_device(parts_.file.devices[i], i);
+  for (std::size_t i = 0; i < parts_.file.plcs.size(); ++i) {
+    parts_.racks.push_back(std::make_unique<plc::Rack>(parts_.timeline));
+    for (const ModuleSection& module : parts_.file.plcs[i].modules)
+      add_module(parts_.file.plcs[i], i, module);
+  }
+  for (std::size_t i = 0; i < parts_.buses.size(); ++i) set_faults(parts_.file.buses[i], *parts_.buses[i]);
+  parts_.load_report = std::make_unique<LoadReport>(parts_.buses, observer_);
+  parts_.timeline.add(*parts_.load_report);
+  return std::move(errors_);
+}
+
+Assembly::File Assembly::load(const DeviceSection& section) {
+  const std::string path = (folder_ / section.eds).lexically_normal().string();
+  if (const auto known = files_.find(path); known != files_.end()) return known->second;
+  std::ifstream stream(path, std::ios::binary);
+  std::ostringstream text;
+  if (!stream || !(text << stream.rdbuf())) {
+    error(section.eds_place, "eds = \"{}\": cannot read {}: {}", section.eds, path, std::strerror(errno));
+    return files_[path] = nullptr;
+  }
+  const eds::ReadResult result = eds::read_device_file(text.str());
+  if (!result.file) {
+    const eds::Problem& problem = result.problems.front();
+    error(section.eds_place, "eds = \"{}\": no device can be made of it: {}:{}: {}", section.eds, path,
+          problem.line, problem.message);
+  }
+  return files_[path] = result.file;
+}
+
+Assembly::File Assembly::configured(const File& file, const DeviceSection& section) {
+  std::vector<canopen::DictionaryDescription::Change> changes;
+  for (const ObjectSetting& setting : section.objects) {
+    const canopen::Entry entry = file->dictionary->find(setting.object.index, setting.object.sub);
+    if (!entry) {
+      error(setting.place, "{} has no object {:04X}H:{:02X}H", section.eds, setting.object.index,
+            setting.object.sub);
+      continue;
+    }
+    auto bytes = encode(setting.value, entry.description->type);
+    if (!bytes) {
+      error(setting.place, "{:04X}H:{:02X}H: {}", setting.object.index, setting.object.sub, bytes.error());
+      continue;
+    }
+    changes.push_back({entry, std::move(*bytes)});
+  }
+  if (changes.empty()) return file;
+  auto copy = std::make_shared<eds::DeviceFile>(*file);
+  copy->dictionary = file->dictionary->with(changes);
+  return copy;
+}
+
+void Assembly::add_device(const DeviceSection& section, std::size_t number) {
+  File file = load(section);
+  if (!file) return;
+  std::uint8_t node_id = section.node;
+  if (node_id == 0 && file->commissioning && file->commissioning->node_id)
+    node_id = *file->commissioning->node_id;
+  if (node_id == 0) {
+    return error(section.place, "device: node is missing; {} names no node-ID either", section.eds);
+  }
+  if (device(section.bus, node_id) != nullptr) {
+    return error(section.place, "device: node {} of bus \"{}\" is taken already", node_id, section.bus);
+  }
+  file = configured(file, section);
+  sim::Bus& bus = parts_.bus(section.bus);
+  sim::Port& port = bus.add_port(section.name.empty() ? fmt::format("node{}", node_id) : section.name);
+  port.set_transmit_queue(section.transmit_fifo ? sim::TransmitOrder::fifo : sim::TransmitOrder::identifier,
+                          section.transmit_queue);
+  if (section.bit_rate != 0) port.restart(section.bit_rate);
+  port.set_listen_only(section.listen_only);
+  auto seat = std::make_unique<DeviceSeat>(file, section, node_id, port, observer_);
+  for (std::size_t i = 0; i < section.behaviours.size(); ++i) {
+    const BehaviourSection& wanted = section.behaviours[i];
+    sim::Behaviour behaviour;
+    behaviour.kind = sim::behaviour_kind(wanted.kind).value_or(sim::Behaviour::Kind::constant);
+    behaviour.index = wanted.object.index;
+    behaviour.sub = wanted.object.sub;
+    behaviour.low = wanted.low.value_or(0);
+    behaviour.high = wanted.high.value_or(behaviour.low + 100);
+    behaviour.period = wanted.period.value_or(behaviour.period);
+    behaviour.step = wanted.step.value_or(1);
+    behaviour.seed = wanted.seed.value_or(seed_ * 1'000'003 + number * 1009 + i);
+    if (wanted.source) {
+      behaviour.source_index = wanted.source->index;
+      behaviour.source_sub = wanted.source->sub;
+    }
+    if (const auto problem = seat->device().add_behaviour(behaviour))
+      error(wanted.place, "behaviour: {}", *problem);
+  }
+  parts_.device_handles.push_back(parts_.timeline.add(*seat));
+  port.connect(*seat, parts_.device_handles.back());
+  parts_
+      .watches[static_cast<std::size_t>(
+          std::ranges::find_if(parts_.buses, [&](const auto& b) { return b.get() == &bus; }) -
+          parts_.buses.begin())]
+      ->know(seat->status());
+  parts_.devices.push_back(std::move(seat));
+}
+
+void Assembly::set_faults(const BusSection& section, sim::Bus& bus) {
+  std::vector<sim::Fault> faults;
+  for (const FaultSection& fault : section.faults) {
+    if (const auto good = bus.set_faults({fault.fault}, seed_); !good)
+      error(fault.place, "fault: {}", good.error());
+    faults.push_back(fault.fault);
+  }
+  (void)bus.set_faults(faults, seed_);
+}
+
+DeviceSeat* Assembly::device(std::string_view bus, std::uint8_t node) {
+  for (const auto& seat : parts_.devices) {
+    if (seat->status().plate.bus == bus && seat->status().plate.node_id == node) return seat.get();
+  }
+  return nullptr;
+}
+
+void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const ModuleSection& section) {
+  sim::Bus& bus = parts_.bus(section.bus);
+  sim::Port& port = bus.add_port(fmt::format("{} U{:X}", section.model, section.head / 16));
+  std::unique_ptr<module::NonVolatileMemory> memory;
+  if (plc.store.empty()) {
+    memory = std::make_unique<RunMemory>();
+  } else {
+    const std::filesystem::path path =
+        folder_ / plc.store / fmt::format("U{:03X}-{}", section.head, section.model);
+    memory = std::make_unique<store::FileMemory>(path);
+  }
+  module::me3can1_q::Profile profile;
+  if (section.restart_time) profile.restart_time = *section.restart_time;
+  auto seat = std::make_unique<ModuleSeat>(section, plc.name, port, std::move(memory), profile, observer_);
+  Me3can1Q& module = seat->module();
+
+  constexpr module::BufferAddress bit_rate_word = 24;
+  constexpr module::BufferAddress node_address_word = 27;
+  module.preset_buffer(bit_rate_word, static_cast<std::uint16_t>(bus.bit_rate() / 1000));
+  if (section.node != 0) module.preset_buffer(node_address_word, section.node);
+  for (const BufferSetting& setting : section.buffer) {
+    if (!module.preset_buffer(setting.address, setting.value)) {
+      error(setting.place, "G{} = {}: the {} does not take this value, or does not save this word",
+            setting.address, setting.value, section.model);
+    }
+  }
+  if (section.master) configure_network(section, module);
+  for (const ObjectSetting& setting : section.objects) {
+    const auto [index, sub] = setting.object;
+    const canopen::Entry entry = module.node().dictionary().description().find(index, sub);
+    if (!entry) {
+      error(setting.place, "the {} has no object {:04X}H:{:02X}H", section.model, index, sub);
+      continue;
+    }
+    const auto bytes = encode(setting.value, entry.description->type);
+    if (!bytes) {
+      error(setting.place, "{:04X}H:{:02X}H: {}", index, sub, bytes.error());
+    } else if (const auto code = module.preset_object(index, sub, *bytes); code != canopen::AbortCode::none) {
+      error(setting.place, "{:04X}H:{:02X}H: the {} refuses the value: {}", index, sub, section.model,
+            canopen::describe(code));
+    }
+  }
+  parts_.module_handles.push_back(parts_.timeline.add(*seat));
+  port.connect(*seat, parts_.module_handles.back());
+  if (!parts_.racks[plc_number]->insert(section.head, module, parts_.module_handles.back())) {
+    error(section.place, "module: head {:03X}H overlaps another module's points", section.head);
+  }
+  seat->status().plate.node_id = section.node;
+  for (std::size_t i = 0; i < parts_.buses.size(); ++i) {
+    if (parts_.buses[i].get() == &bus && section.node != 0) parts_.watches[i]->know(seat->status());
+  }
+  parts_.modules.push_back(std::move(seat));
+}
+
+void Assembly::configure_network(const ModuleSection& section, Me3can1Q& module) {
+  ModuleNetwork network(module, fmt::format("U{:X}", section.head / 16));
+  const auto add = [&](const SlaveSection& wanted, DeviceSeat& seat, bool every_link) {
+    const NodeStatus& status = seat.status();
+    const auto problems = network.add_slave(wanted, seat.device().file(), status.plate.name, every_link);
+    for (const PlantError& problem : problems) errors_.push_back(problem);
+  };
+  for (const SlaveSection& slave : section.slaves) {
+    if (DeviceSeat* seat = device(section.bus, slave.node)) add(slave, *seat, true);
+  }
+  if (section.all_slaves) {
+    for (const auto& seat : parts_.devices) {
+      const NodePlate& plate = seat->status().plate;
+      if (plate.bus != section.bus) continue;
+      if (std::ranges::find(section.slaves, plate.node_id, &SlaveSection::node) != section.slaves.end())
+        continue;
+      SlaveSection slave{.place = section.place, .node = plate.node_id};
+      slave.receive.push_back({.place = section.place, .pdo = 1});
+      slave.send.push_back({.place = section.place, .pdo = 1});
+      add(slave, *seat, false);
+    }
+  }
+  network.become_master();
+  for (const std::string& line : network.connections()) parts_.connections.push_back(line);
+}
+
+}  // namespace
+
+std::vector<PlantError> assemble(Plant::Parts& parts, PlantObserver& observer, std::uint64_t seed) {
+  return Assembly(parts, observer, seed).run();
+}
+
+}  // namespace canopus::app

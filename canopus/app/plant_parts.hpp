@@ -1,0 +1,37 @@
+#pragma once
+// What a plant consists of, and how it is put together from its file.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/app/plant.hpp"
+#include "canopus/app/plant_seats.hpp"
+
+namespace canopus::app {
+
+struct Plant::Parts {
+  PlantFile file;
+  can::Timeline timeline;
+  std::vector<std::unique_ptr<sim::Bus>> buses;
+  std::vector<std::unique_ptr<BusWatch>> watches;
+  std::vector<std::unique_ptr<DeviceSeat>> devices;
+  std::vector<can::Timeline::Handle> device_handles;
+  std::vector<std::unique_ptr<ModuleSeat>> modules;
+  std::vector<can::Timeline::Handle> module_handles;
+  std::vector<std::unique_ptr<plc::Rack>> racks;
+  std::unique_ptr<LoadReport> load_report;
+  std::vector<std::string> connections;
+
+  sim::Bus& bus(std::string_view name) {
+    return **std::ranges::find_if(buses, [&](const auto& bus) { return bus->name() == name; });
+  }
+};
+
+/// Opens the device files and fills `parts` from parts.file. All errors are found at once.
+[[nodiscard]] std::vector<PlantError> assemble(Plant::Parts& parts, PlantObserver& observer,
+                                               std::uint64_t seed);
+
+}  // namespace canopus::app
