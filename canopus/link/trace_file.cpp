@@ -12,7 +12,7 @@
 namespace canopus::link {
 namespace {
 
-constexpr std::size_t buffer_size = 64 * 1024;
+constexpr std::size_t buffer_size = 65536;
 constexpr std::uint32_t pcap_nanosecond_magic = 0xA1B2'3C4D;
 constexpr std::uint32_t linktype_can_socketcan = 227;
 constexpr std::uint32_t extended_flag = 0x8000'0000;
