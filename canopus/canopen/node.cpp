@@ -12,7 +12,8 @@
 #include "canopus/canopen/node_context.hpp"
 #include "canopus/canopen/node_guarding.hpp"
 #include "canopus/canopen/rpdo.hpp"
-#include "canopus/canopen/sdo_server.hpp"
+#include "canopus/canopen/sdo_channels.hpp"
+#include "canopus/canopen/stored_parameters.hpp"
 #include "canopus/canopen/sync.hpp"
 #include "canopus/canopen/time_stamp.hpp"
 #include "canopus/canopen/tpdo.hpp"
@@ -23,9 +24,6 @@ struct Node::Services final : NodeContext, WriteObserver {
   Services(std::shared_ptr<const DictionaryDescription> description, std::uint8_t id, can::Sink& frames,
            const NodeOptions& node_options)
       : NodeContext(std::move(description), id, frames, node_options), next_node_id(id) {
-    sdo_timer = timers.add();
-    sdo_server.set_time_out(options.sdo_server_time_out);
-    sdo_server.set_maximum_size(options.sdo_maximum_download);
     dictionary.set_write_observer(this);
   }
 
@@ -38,6 +36,7 @@ struct Node::Services final : NodeContext, WriteObserver {
   void communication_error(can::Time now) override { enter(error_behaviour.after_error(state), now); }
   void object_written(const Entry& entry, can::Time now) override {
     if (options.sdo_write_is_event && entry.index >= 0x2000) tpdos.object_written(entry, now);
+    stored_parameters.object_written(entry);
     if (listener != nullptr) listener->object_written(entry, now);
   }
 
@@ -52,7 +51,6 @@ struct Node::Services final : NodeContext, WriteObserver {
   void dispatch(ServiceKind kind, std::uint16_t number, const can::Frame& frame, can::Time now);
   void sync(std::uint8_t counter, can::Time now);
   void tick(TimerQueue::Number number, can::Time now);
-  void schedule_sdo();
 
   HeartbeatProducer heartbeat_producer{*this};
   NodeGuarding node_guarding{*this};
@@ -64,8 +62,8 @@ struct Node::Services final : NodeContext, WriteObserver {
   HeartbeatConsumer heartbeat_consumer{*this};
   Rpdos rpdos{*this};
   Tpdos tpdos{*this};
-  SdoServer sdo_server{dictionary, sink};
-  TimerQueue::Number sdo_timer = 0;
+  SdoChannels sdo_channels{*this};
+  StoredParameters stored_parameters{*this};
   IdentifierTable table;
   std::uint32_t revision = 0;
   std::uint8_t next_node_id = 0;
@@ -83,7 +81,7 @@ void Node::Services::stop() {
   heartbeat_consumer.stop();
   rpdos.stop();
   tpdos.stop();
-  sdo_server.stop();
+  sdo_channels.stop();
   timers.stop_all();
   identifiers_changed = true;
 }
@@ -94,14 +92,16 @@ void Node::Services::initialise(NmtCommand which, can::Time now) {
   node_id = next_node_id;
   if (which == NmtCommand::reset_node) {
     dictionary.reset(node_id);
+    stored_parameters.apply(0x0000, 0xFFFF);
   } else {
     dictionary.reset_communication(node_id);
+    stored_parameters.apply(0x0000, 0x1FFF);
   }
   if (listener != nullptr) listener->reset_done(which, now);
   if (node_id < 1 || node_id > 127) return;  // not configured: stays in Initialisation
   sink.send(can::data_frame(cob_id::error_control + node_id, {0x00}));
   state = NmtState::pre_operational;
-  sdo_server.set_response_identifier(cob_id::sdo_response + node_id);
+  sdo_channels.start();
   heartbeat_producer.start(now);
   node_guarding.start();
   sync_service.start(now);
@@ -121,10 +121,7 @@ void Node::Services::enter(NmtState wanted, can::Time now) {
     rpdos.leave_operational();
     tpdos.leave_operational();
   }
-  if (state == NmtState::stopped) {
-    sdo_server.stop();
-    timers.stop(sdo_timer);
-  }
+  if (state == NmtState::stopped) sdo_channels.stop();
   sync_service.state_changed(now);
   if (listener != nullptr) listener->nmt_state_changed(state, now);
   if (is_operational()) tpdos.enter_operational(now);
@@ -153,9 +150,9 @@ void Node::Services::build_table() {
   std::vector<IdentifierTable::Route> routes;
   if (state != NmtState::initialising) {
     routes.push_back({cob_id::nmt, ServiceKind::nmt, 0});
-    routes.push_back({cob_id::sdo_request + node_id, ServiceKind::sdo_server, 0});
     routes.push_back({IdentifierTable::key(cob_id::error_control + node_id, false, true),
                       ServiceKind::node_guard_request, 0});
+    sdo_channels.list_identifiers(routes);
     sync_service.list_identifiers(routes);
     time_stamp.list_identifiers(routes);
     rpdos.list_identifiers(routes);
@@ -174,18 +171,13 @@ void Node::Services::sync(std::uint8_t counter, can::Time now) {
   if (listener != nullptr) listener->sync_received(counter, now);
 }
 
-void Node::Services::schedule_sdo() {
-  if (sdo_server.deadline() != timers.deadline(sdo_timer)) timers.set(sdo_timer, sdo_server.deadline());
-}
-
 void Node::Services::dispatch(ServiceKind kind, std::uint16_t number, const can::Frame& frame,
                               can::Time now) {
   switch (kind) {
     case ServiceKind::rpdo: return rpdos.receive(number, frame, sync_service.window_end(), now);
     case ServiceKind::sdo_server:
-      if (!communicates()) return;
-      sdo_server.receive(frame, now);
-      return schedule_sdo();
+      if (communicates()) sdo_channels.receive(number, frame, now);
+      return;
     case ServiceKind::sync:
       if (sync_service.receive(frame, now)) sync(sync_service.counter(), now);
       return;
@@ -215,9 +207,8 @@ void Node::Services::tick(TimerQueue::Number number, can::Time now) {
     node_guarding.tick(now);
   } else if (number == emcy_producer.timer()) {
     emcy_producer.tick(now);
-  } else if (number == sdo_timer) {
-    sdo_server.tick(now);
-    schedule_sdo();
+  } else if (is_one_of(sdo_channels.first_timer(), sdo_channels.size())) {
+    sdo_channels.tick(static_cast<std::uint16_t>(number - sdo_channels.first_timer()), now);
   } else if (is_one_of(rpdos.first_timer(), rpdos.size())) {
     rpdos.tick(static_cast<std::uint16_t>(number - rpdos.first_timer()), now);
   } else {
@@ -265,7 +256,21 @@ bool Node::emergency_reset(can::Time now) { return services_->emcy_producer.rese
 
 unsigned Node::values_changed(can::Time now) { return services_->tpdos.values_changed(now); }
 bool Node::tpdo_event(std::uint16_t number, can::Time now) { return services_->tpdos.event(number, now); }
+bool Node::send_destination_mpdo(std::uint16_t number, std::uint8_t node_id, std::uint16_t index,
+                                 std::uint8_t sub, std::span<const std::uint8_t> value, can::Time now) {
+  return services_->tpdos.send_to(number, node_id, index, sub, value, now);
+}
+bool Node::send_source_mpdo(std::uint16_t index, std::uint8_t sub, can::Time now) {
+  return services_->tpdos.send_from(index, sub, now);
+}
+void Node::set_parameter_store(ParameterStore* store) noexcept {
+  services_->stored_parameters.set_store(store);
+}
 bool Node::send_time(const TimeOfDay& time, can::Time) { return services_->time_stamp.send(time); }
+
+std::optional<SdoClientChannel> Node::sdo_client_channel(std::uint8_t number) const {
+  return services_->sdo_channels.client(number);
+}
 
 bool Node::wants(std::uint32_t base_identifier) const {
   services_->settle();

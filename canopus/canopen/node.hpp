@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "canopus/can/controller.hpp"
@@ -15,6 +16,8 @@
 #include "canopus/canopen/node_listener.hpp"
 #include "canopus/canopen/node_options.hpp"
 #include "canopus/canopen/object_dictionary.hpp"
+#include "canopus/canopen/parameter_store.hpp"
+#include "canopus/canopen/sdo_channel.hpp"
 
 namespace canopus::canopen {
 
@@ -63,8 +66,20 @@ class Node final : public can::Participant {
   unsigned values_changed(can::Time now);
   /// The application event of one TPDO, changed or not. False when it is not valid, or was dismissed.
   bool tpdo_event(std::uint16_t number, can::Time now);
+  /// Sends `value` (up to 4 bytes) to an object of node `node_id` (0 = all nodes) through the MPDO in TPDO
+  /// `number`. False: that TPDO is not a valid MPDO in destination addressing mode, or its inhibit time runs.
+  bool send_destination_mpdo(std::uint16_t number, std::uint8_t node_id, std::uint16_t index,
+                             std::uint8_t sub, std::span<const std::uint8_t> value, can::Time now);
+  /// Sends an object of the scanner list 1FA0H-1FCFH through the MPDO in source addressing mode. Values
+  /// written through SDO do so by themselves (NodeOptions::sdo_write_is_event).
+  bool send_source_mpdo(std::uint16_t index, std::uint8_t sub, can::Time now);
+  /// Where 1010H keeps values; nullptr: in the node's own memory, over resets only. Must outlive the node.
+  void set_parameter_store(ParameterStore* store) noexcept;
   /// Sends TIME once, if 1012H produces and the state allows.
   bool send_time(const TimeOfDay& time, can::Time now);
+
+  /// SDO client channel 1280H + `number` (0..127) as the dictionary has it, if it is valid.
+  [[nodiscard]] std::optional<SdoClientChannel> sdo_client_channel(std::uint8_t number) const;
 
   /// True when the node would do something with a data or remote frame of this base identifier: whoever
   /// delivers frames may leave out the others.

@@ -36,10 +36,13 @@ void Rpdos::read(Rpdo& pdo) {
   pdo.cob_id = CobId{d.get<std::uint32_t>(index, 1, CobId::invalid_bit)};
   pdo.transmission_type = d.get<std::uint8_t>(index, 2, 0xFF);
   pdo.event_timer = d.get<std::uint16_t>(index, 5);
-  pdo.watched = pdo.event_timer != 0;
   pdo.is_waiting = false;
+  const auto mapping = static_cast<std::uint16_t>(first_mapping + pdo.number);
+  const auto count = d.get<std::uint8_t>(mapping, 0);
+  pdo.addressing = count >= source_addressing ? count : std::uint8_t{0};
+  pdo.watched = pdo.event_timer != 0 || pdo.addressing != 0;
   if (pdo.cob_id.is_valid()) {
-    pdo.plan.compile(d, static_cast<std::uint16_t>(first_mapping + pdo.number));
+    pdo.plan.compile(d, mapping);
   } else {
     pdo.plan.clear();
   }
@@ -55,6 +58,7 @@ void Rpdos::start() {
     pdo.timed_out = false;
   }
   any_waiting_ = false;
+  mpdo_consumer_.start();
 }
 
 void Rpdos::stop() {
@@ -76,6 +80,12 @@ void Rpdos::leave_operational() {
 void Rpdos::receive_unusual(std::uint16_t position, const can::Frame& frame, can::Time window_end,
                             can::Time now) {
   Rpdo& pdo = rpdos_[position];
+  if (pdo.addressing != 0) {
+    if (mpdo_consumer_.receive(frame, pdo.addressing, now) && node_.listener != nullptr) {
+      node_.listener->rpdo_received(pdo.number, now);
+    }
+    return;
+  }
   const bool too_short = frame.length() < pdo.plan.length();
   const bool fits = frame.length() == pdo.plan.length();
   if (pdo.watched && !too_short) {
@@ -129,6 +139,10 @@ AbortCode Rpdos::before_write(ObjectDictionary& dictionary, const Entry& entry,
   const auto communication = static_cast<std::uint16_t>(first_communication + (entry.index & number_mask));
   const CobId cob_id{dictionary.get<std::uint32_t>(communication, 1, CobId::invalid_bit)};
   if (entry.index >= first_mapping) {
+    const auto type = dictionary.get<std::uint8_t>(communication, 2, 0xFF);
+    if (entry.sub == 0 && !value.empty() && value[0] >= source_addressing) {
+      return check_mpdo(type, cob_id.is_valid());
+    }
     return check_mapping_write(dictionary, entry, value, cob_id.is_valid(), PdoDirection::receive);
   }
   switch (entry.sub) {

@@ -11,6 +11,7 @@
 
 #include "canopus/canopen/cob_id.hpp"
 #include "canopus/canopen/identifier_table.hpp"
+#include "canopus/canopen/mpdo.hpp"
 #include "canopus/canopen/node_context.hpp"
 #include "canopus/canopen/pdo_mapping.hpp"
 
@@ -53,8 +54,9 @@ class Rpdos final : public ObjectHandler {
     std::uint16_t number = 0;
     std::uint16_t event_timer = 0;  // ms
     std::uint8_t transmission_type = 0xFF;
+    std::uint8_t addressing = 0;   // of an MPDO, else 0
     std::uint8_t error_count = 0;  // EMCYs that wait for their end: length, deadline
-    bool watched = false;          // event_timer != 0
+    bool watched = false;          // frames go through receive_unusual()
     bool is_waiting = false;
     bool length_error = false;
     bool timed_out = false;
@@ -81,6 +83,7 @@ class Rpdos final : public ObjectHandler {
   }
 
   NodeContext& node_;
+  MpdoConsumer mpdo_consumer_{node_};
   std::vector<Rpdo> rpdos_;  // in order of number
   TimerQueue::Number first_timer_ = 0;
   bool any_waiting_ = false;

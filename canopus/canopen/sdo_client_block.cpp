@@ -52,7 +52,7 @@ void SdoClient::block_upload_initiated(const can::Frame& frame, can::Time now) {
   if ((frame.data[0] & 2U) != 0) announced = sdo::value(frame);
   const std::size_t maximum = maximum_size_ != 0 ? maximum_size_ : SIZE_MAX / 2;
   if (announced && *announced > maximum) return refuse(buffer_too_small, now);
-  collector_.begin(into_, maximum, buffer_too_small, announced, sdo::segment_size - 1);
+  collector_.begin(into_, maximum, buffer_too_small, announced, sdo::segment_size);
   crc_is_used_ = (frame.data[0] & sdo::crc_bit) != 0;
   collector_.count_crc(crc_is_used_);
   block_size_ = own_block_size;

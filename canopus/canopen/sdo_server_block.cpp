@@ -55,8 +55,7 @@ void SdoServer::initiate_block_download(const can::Frame& frame, can::Time now) 
   if ((frame.data[0] & 1U) != 0) return abort(0, 0, AbortCode::command_specifier);
   const bool size_indicated = (frame.data[0] & 2U) != 0;
   crc_is_used_ = (frame.data[0] & sdo::crc_bit) != 0;
-  const AbortCode code =
-      begin_download(frame, State::block_download, size_indicated, sdo::segment_size - 1, now);
+  const AbortCode code = begin_download(frame, State::block_download, size_indicated, sdo::segment_size, now);
   if (code != AbortCode::none) return abort(index, sub, code);
   collector_.count_crc(crc_is_used_);
   sequence_ = 0;

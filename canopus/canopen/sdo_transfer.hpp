@@ -46,7 +46,7 @@ class SegmentSource {
 class SegmentCollector {
  public:
   /// Collects in memory (stream nullptr) or hands on. `maximum`: more bytes than that are `too_many`.
-  /// `slack`: bytes beyond the announced size that may come and be trimmed (6 in block transfers).
+  /// `slack`: bytes beyond the announced size that may come and be trimmed (7 in block transfers).
   void begin(ByteSink* stream, std::size_t maximum, AbortCode too_many, std::optional<std::size_t> announced,
              std::size_t slack);
   AbortCode add(std::span<const std::uint8_t> bytes) {

@@ -44,8 +44,11 @@ void Tpdos::read(Tpdo& pdo) {
   pdo.inhibit_time = d.get<std::uint16_t>(index, 3);
   pdo.event_timer = d.get<std::uint16_t>(index, 5);
   pdo.sync_start = d.get<std::uint8_t>(index, 6);
+  const auto mapping = static_cast<std::uint16_t>(first_mapping + pdo.number);
+  const auto count = d.get<std::uint8_t>(mapping, 0);
+  pdo.addressing = count >= source_addressing ? count : std::uint8_t{0};
   if (pdo.cob_id.is_valid()) {
-    pdo.plan.compile(d, static_cast<std::uint16_t>(first_mapping + pdo.number));
+    pdo.plan.compile(d, mapping);
   } else {
     pdo.plan.clear();
   }
@@ -89,6 +92,7 @@ void Tpdos::start(can::Time now) {
     activate(pdo, now);
   }
   list_synchronous();
+  scanner_.start();
 }
 
 void Tpdos::stop() {
@@ -134,6 +138,36 @@ bool Tpdos::send(Tpdo& pdo, std::uint64_t data, can::Time now) {
   return true;
 }
 
+bool Tpdos::send_mpdo(Tpdo& pdo, std::uint64_t data, can::Time now) {
+  if (!node_.is_operational() || !pdo.cob_id.is_valid() || now < pdo.inhibited_until) return false;
+  if (!node_.sink.send(frame_of(pdo.cob_id.key(), 8, data))) return false;
+  if (pdo.inhibit_time != 0) {
+    pdo.inhibited_until = now + in_steps(pdo.inhibit_time, std::chrono::microseconds(100),
+                                         node_.options.inhibit_time_resolution);
+  }
+  if (node_.listener != nullptr) node_.listener->tpdo_sent(pdo.number, now);
+  return true;
+}
+
+bool Tpdos::send_to(std::uint16_t number, std::uint8_t node_id, std::uint16_t index, std::uint8_t sub,
+                    std::span<const std::uint8_t> value, can::Time now) {
+  Tpdo* pdo = find(number);
+  if (pdo == nullptr || pdo->addressing != destination_addressing || node_id > 127 || value.size() > 4) {
+    return false;
+  }
+  return send_mpdo(*pdo, mpdo_data(destination_addressing, node_id, index, sub, value), now);
+}
+
+bool Tpdos::send_from(std::uint16_t index, std::uint8_t sub, can::Time now) {
+  const Entry entry = node_.dictionary.description().find(index, sub);
+  if (!entry || entry.description->length == 0 || entry.description->length > 4) return false;
+  if (!scanner_.holds(index, sub)) return false;
+  const auto pdo = std::ranges::find(tpdos_, source_addressing, &Tpdo::addressing);
+  if (pdo == tpdos_.end()) return false;
+  const auto value = node_.dictionary.bytes(entry);
+  return send_mpdo(*pdo, mpdo_data(source_addressing, node_.node_id, index, sub, value), now);
+}
+
 bool Tpdos::event(Tpdo& pdo, can::Time now) {
   if (!node_.is_operational() || !pdo.cob_id.is_valid()) return false;
   if (pdo.transmission_type == 0) {
@@ -168,6 +202,7 @@ unsigned Tpdos::values_changed(can::Time now) {
 
 void Tpdos::object_written(const Entry& entry, can::Time now) {
   if (!node_.is_operational() || entry.description->length == 0) return;
+  send_from(entry.index, entry.sub, now);
   for (Tpdo& pdo : tpdos_) {
     if (!pdo.is_event_driven() && pdo.transmission_type != 0) continue;
     if (!pdo.plan.holds(entry.offset, entry.description->length)) continue;
@@ -201,7 +236,7 @@ void Tpdos::sync(std::uint8_t counter, can::Time now) {
 
 void Tpdos::requested(std::uint16_t position, can::Time now) {
   Tpdo& pdo = tpdos_[position];
-  if (!node_.is_operational() || !pdo.cob_id.is_valid()) return;
+  if (!node_.is_operational() || !pdo.cob_id.is_valid() || pdo.addressing != 0) return;
   if (pdo.is_event_driven()) {
     event(pdo, now);
   } else if (pdo.transmission_type == rtr_synchronous) {
@@ -240,6 +275,15 @@ AbortCode Tpdos::before_write(ObjectDictionary& dictionary, const Entry& entry,
   const auto communication = static_cast<std::uint16_t>(first_communication + (entry.index & number_mask));
   const CobId cob_id{dictionary.get<std::uint32_t>(communication, 1, CobId::invalid_bit)};
   if (entry.index >= first_mapping) {
+    if (entry.sub == 0 && !value.empty() && value[0] >= source_addressing) {
+      const Tpdo* self = find(entry.index);
+      const bool second_source =
+          value[0] == source_addressing && std::ranges::any_of(tpdos_, [&](const Tpdo& other) {
+            return &other != self && other.addressing == source_addressing;
+          });
+      if (second_source) return AbortCode::parameter_incompatible;
+      return check_mpdo(dictionary.get<std::uint8_t>(communication, 2, 0xFF), cob_id.is_valid());
+    }
     return check_mapping_write(dictionary, entry, value, cob_id.is_valid(), PdoDirection::transmit);
   }
   const std::uint32_t number = CobId::from(value).raw;

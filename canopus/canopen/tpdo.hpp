@@ -20,6 +20,7 @@
 
 #include "canopus/canopen/cob_id.hpp"
 #include "canopus/canopen/identifier_table.hpp"
+#include "canopus/canopen/mpdo.hpp"
 #include "canopus/canopen/node_context.hpp"
 #include "canopus/canopen/pdo_mapping.hpp"
 
@@ -43,6 +44,12 @@ class Tpdos final : public ObjectHandler {
   bool event(std::uint16_t number, can::Time now);
   /// A mapped value was written: its TPDOs have their events.
   void object_written(const Entry& entry, can::Time now);
+  /// Sends `value` (up to 4 bytes) to an object of another node (0 = all) through the MPDO in TPDO `number`.
+  /// False: that is none in destination addressing mode, it is not valid, or its inhibit time runs.
+  bool send_to(std::uint16_t number, std::uint8_t node_id, std::uint16_t index, std::uint8_t sub,
+               std::span<const std::uint8_t> value, can::Time now);
+  /// Sends an object of the scanner list through the MPDO in source addressing mode, if there is one.
+  bool send_from(std::uint16_t index, std::uint8_t sub, can::Time now);
   void sync(std::uint8_t counter, can::Time now);
   /// A remote frame came for the TPDO at this position.
   void requested(std::uint16_t position, can::Time now);
@@ -66,19 +73,23 @@ class Tpdos final : public ObjectHandler {
     std::uint16_t inhibit_time = 0;  // 100 us
     std::uint16_t event_timer = 0;   // ms
     std::uint8_t transmission_type = 0xFF;
+    std::uint8_t addressing = 0;  // of an MPDO, else 0
     std::uint8_t sync_start = 0;
     std::uint8_t syncs_left = 0;   // of type 01H-F0H, until the next transmission
     bool waits_for_start = false;  // for the SYNC whose counter is sync_start
     bool has_event = false;        // waits for SYNC or for the end of the inhibit time
     bool was_sent = false;         // last_data is what the receivers have
 
-    [[nodiscard]] bool is_event_driven() const noexcept { return transmission_type >= 0xFE; }
+    [[nodiscard]] bool is_event_driven() const noexcept {
+      return transmission_type >= 0xFE && addressing == 0;
+    }
     [[nodiscard]] bool is_synchronous() const noexcept { return transmission_type <= 0xF0; }
   };
   void read(Tpdo& pdo);
   void activate(Tpdo& pdo, can::Time now);
   bool event(Tpdo& pdo, can::Time now);
   bool send(Tpdo& pdo, std::uint64_t data, can::Time now);
+  bool send_mpdo(Tpdo& pdo, std::uint64_t data, can::Time now);
   [[nodiscard]] std::uint64_t gather(const Tpdo& pdo) const noexcept {
     return pdo.plan.gather(node_.dictionary.block().data());
   }
@@ -90,6 +101,7 @@ class Tpdos final : public ObjectHandler {
   }
 
   NodeContext& node_;
+  MpdoScanner scanner_{node_};
   std::vector<Tpdo> tpdos_;                 // in order of number
   std::vector<std::uint16_t> synchronous_;  // positions of the valid ones that SYNC concerns
   TimerQueue::Number first_timer_ = 0;

@@ -1,0 +1,116 @@
+#include "canopus/canopen/sdo_channels.hpp"
+
+namespace canopus::canopen {
+namespace {
+
+constexpr std::uint16_t first_client = 0x1280;
+
+bool is_default_sdo_identifier(CobId id) {
+  const std::uint32_t base = id.identifier() & 0x780;
+  return !id.is_extended() && (id.identifier() & 0x7F) != 0 && (base == 0x580 || base == 0x600);
+}
+
+}  // namespace
+
+SdoChannels::SdoChannels(NodeContext& node) : node_(node), default_server_(node.dictionary, node.sink) {
+  configure(default_server_);
+  for (const ObjectDescription& object : node.dictionary.description().objects()) {
+    if (object.index <= 0x1200 || object.index >= first_client) continue;
+    servers_.push_back(std::make_unique<Server>(object.index, node));
+    configure(servers_.back()->server);
+  }
+  first_timer_ = node.timers.add(size());
+  node.dictionary.attach(0x1200, 0x12FF, *this);
+}
+
+void SdoChannels::configure(SdoServer& server) const {
+  server.set_time_out(node_.options.sdo_server_time_out);
+  server.set_maximum_size(node_.options.sdo_maximum_download);
+}
+
+void SdoChannels::read(Server& server) const {
+  const ObjectDictionary& d = node_.dictionary;
+  server.request = CobId{d.get<std::uint32_t>(server.index, 1, CobId::invalid_bit)};
+  server.response = CobId{d.get<std::uint32_t>(server.index, 2, CobId::invalid_bit)};
+  server.server.set_response_identifier(server.response.key());
+  node_.identifiers_changed = true;
+}
+
+void SdoChannels::start() {
+  default_server_.set_response_identifier(cob_id::sdo_response + node_.node_id);
+  for (const auto& server : servers_) read(*server);
+  node_.identifiers_changed = true;
+}
+
+void SdoChannels::stop() {
+  default_server_.stop();
+  for (const auto& server : servers_) server->server.stop();
+  for (std::size_t i = 0; i < size(); ++i) {
+    node_.timers.stop(static_cast<TimerQueue::Number>(first_timer_ + i));
+  }
+}
+
+void SdoChannels::schedule(std::uint16_t number, const SdoServer& server) {
+  const auto timer = static_cast<TimerQueue::Number>(first_timer_ + number);
+  if (server.deadline() != node_.timers.deadline(timer)) node_.timers.set(timer, server.deadline());
+}
+
+void SdoChannels::receive(std::uint16_t number, const can::Frame& frame, can::Time now) {
+  SdoServer& server = number == 0 ? default_server_ : servers_[number - 1U]->server;
+  server.receive(frame, now);
+  schedule(number, server);
+}
+
+void SdoChannels::tick(std::uint16_t number, can::Time now) {
+  SdoServer& server = number == 0 ? default_server_ : servers_[number - 1U]->server;
+  server.tick(now);
+  schedule(number, server);
+}
+
+void SdoChannels::list_identifiers(std::vector<IdentifierTable::Route>& routes) const {
+  routes.push_back({cob_id::sdo_request + node_.node_id, ServiceKind::sdo_server, 0});
+  for (std::size_t i = 0; i < servers_.size(); ++i) {
+    if (!servers_[i]->is_valid()) continue;
+    routes.push_back(
+        {servers_[i]->request.key(), ServiceKind::sdo_server, static_cast<std::uint16_t>(i + 1)});
+  }
+}
+
+std::optional<SdoClientChannel> SdoChannels::client(std::uint8_t number) const {
+  const auto index = static_cast<std::uint16_t>(first_client + number);
+  const ObjectDictionary& d = node_.dictionary;
+  const CobId request{d.get<std::uint32_t>(index, 1, CobId::invalid_bit)};
+  const CobId response{d.get<std::uint32_t>(index, 2, CobId::invalid_bit)};
+  if (number > 0x7F || !request.is_valid() || !response.is_valid()) return std::nullopt;
+  return SdoClientChannel{request.key(), response.key(), d.get<std::uint8_t>(index, 3)};
+}
+
+AbortCode SdoChannels::before_write(ObjectDictionary& dictionary, const Entry& entry,
+                                    std::span<const std::uint8_t> value, can::Time) {
+  if (entry.sub == 0) return AbortCode::write_of_read_only;
+  if (entry.sub > 2) return AbortCode::none;
+  if (entry.index == 0x1200) return AbortCode::write_of_read_only;  // the default channel stays
+  const CobId old_value{dictionary.get<std::uint32_t>(entry)};
+  const CobId new_value = CobId::from(value);
+  const AbortCode code = check_change(old_value, new_value, node_.options.extended_identifiers);
+  if (code == AbortCode::none || entry.index < first_client || !is_default_sdo_identifier(new_value))
+    return code;
+  return old_value.is_valid() && old_value.raw != new_value.raw ? code : AbortCode::none;
+}
+
+void SdoChannels::after_write(ObjectDictionary&, const Entry& entry, can::Time) {
+  if (node_.state == NmtState::initialising || entry.index >= first_client) return;
+  for (const auto& server : servers_) {
+    // One that was switched off through itself still answers on its old identifier.
+    if (server->index == entry.index) {
+      server->request = CobId{node_.dictionary.get<std::uint32_t>(entry.index, 1, CobId::invalid_bit)};
+      server->response = CobId{node_.dictionary.get<std::uint32_t>(entry.index, 2, CobId::invalid_bit)};
+      if (server->is_valid() && !server->server.busy()) {
+        server->server.set_response_identifier(server->response.key());
+      }
+      node_.identifiers_changed = true;
+    }
+  }
+}
+
+}  // namespace canopus::canopen
