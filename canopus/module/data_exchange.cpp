@@ -62,8 +62,8 @@ void DataExchange::exchange(canopen::ObjectDictionary& dictionary) {
                       dictionary.assign(entry, std::span(to_send_).subspan(place->offset, place->size));
                     });
   }
-  for (BufferAddress i = 0; i < layout_.words; ++i) {
-    memory_->set_word(layout_.receive_first + i,
+  for (std::size_t i = 0; i < layout_.words; ++i) {
+    memory_->set_word(layout_.receive_first + static_cast<BufferAddress>(i),
                       static_cast<std::uint16_t>(received_[2 * i] | received_[2 * i + 1] << 8));
   }
 }

@@ -15,14 +15,14 @@ namespace canopus::module {
 struct DataExchangeLayout {
   BufferAddress receive_first = 0;   ///< RPDO data
   BufferAddress transmit_first = 0;  ///< TPDO data
-  std::uint16_t words = 0;           ///< each way
+  std::size_t words = 0;             ///< each way
   std::uint16_t pdos = 0;            ///< RPDOs, and TPDOs
 };
 
 class DataExchange final : public canopen::ObjectHandler {
  public:
   DataExchange(const DataExchangeLayout& layout, BufferMemory& memory)
-      : layout_(layout), memory_(&memory), received_(layout.words * 2U), to_send_(layout.words * 2U) {}
+      : layout_(layout), memory_(&memory), received_(layout.words * 2), to_send_(layout.words * 2) {}
 
   /// Hears SDO writes to the output variables from now on.
   void attach(canopen::ObjectDictionary& dictionary) { dictionary.attach(0xA480, 0xA6FF, *this); }

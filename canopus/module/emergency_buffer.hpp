@@ -17,7 +17,7 @@ class EmergencyBuffer final : public BufferArea {
   static constexpr BufferAddress words_per_record = 5;
 
   /// `first` is the address of the first record; `stack` and `ring` count records.
-  EmergencyBuffer(BufferAddress first, unsigned stack, unsigned ring)
+  EmergencyBuffer(BufferAddress first, std::size_t stack, std::size_t ring)
       : first_(first), stack_(stack), ring_(ring), words_((stack + ring) * words_per_record) {}
 
   [[nodiscard]] BufferAddress last_address() const noexcept {

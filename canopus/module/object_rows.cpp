@@ -52,7 +52,7 @@ void add_network_variables(canopen::DictionaryBuilder& builder, std::size_t bloc
         .rpdo_mappable = !input,
         .tpdo_mappable = input,
     };
-    std::size_t left = block_bytes / area.size();
+    std::size_t left = area.size() == 0 ? 0 : block_bytes / area.size();
     for (std::uint16_t index = area.first_index; left > 0; ++index) {
       const std::size_t count = std::min(left, variables_per_index);
       builder.uniform(index, canopen::ObjectCode::array, std::string(area.name),

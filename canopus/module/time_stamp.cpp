@@ -31,10 +31,13 @@ void TimeStamp::reset() {
   running_ = false;
   next_ = can::never;
   const std::chrono::sys_days date{std::chrono::year{full_year(word(year))} / word(month) / word(day)};
-  base_ =
-      (date - clock_begin).count() * seconds_per_day + word(hour) * 3600 + word(minute) * 60 + word(second);
+  base_ = (date - clock_begin).count() * seconds_per_day + seconds_of_day();
   since_ = {};
   correction_ = static_cast<std::int16_t>(word(correction));
+}
+
+std::int64_t TimeStamp::seconds_of_day() const {
+  return (std::int64_t{word(hour)} * 60 + word(minute)) * 60 + word(second);
 }
 
 void TimeStamp::set_role(bool consumes, bool produces) {
@@ -68,7 +71,7 @@ std::optional<BufferAddress> TimeStamp::set_from_words(can::Time now) {
   if (word(second) > 59) return layout_.first + second;
   if (word(interval) > longest_interval) return layout_.first + interval;
   const std::int64_t days = (std::chrono::sys_days{date} - clock_begin).count();
-  run_from(days * seconds_per_day + word(hour) * 3600 + word(minute) * 60 + word(second), now);
+  run_from(days * seconds_per_day + seconds_of_day(), now);
   interval_ = std::chrono::minutes(word(interval));
   next_ = interval_ == can::Duration{} ? can::never : now;
   show(now);

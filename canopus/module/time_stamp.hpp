@@ -49,6 +49,7 @@ class TimeStamp {
  private:
   /// Seconds since 2000-01-01 00:00:00.
   [[nodiscard]] std::int64_t seconds(can::Time now) const;
+  [[nodiscard]] std::int64_t seconds_of_day() const;  ///< as the words say
   void run_from(std::int64_t seconds, can::Time now);
   [[nodiscard]] std::uint16_t word(BufferAddress offset) const {
     return memory_->written(layout_.first + offset);

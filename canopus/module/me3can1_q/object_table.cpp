@@ -127,7 +127,7 @@ std::shared_ptr<const canopen::DictionaryDescription> object_dictionary() {
     add_rows(builder, default_pdos);
     add_default_mapping(builder, 0x1600, 0xA580);
     add_default_mapping(builder, 0x1A00, 0xA100);
-    add_network_variables(builder, exchange_layout.words * 2U);
+    add_network_variables(builder, exchange_layout.words * 2);
     return builder.build();
   }();
   return description;

@@ -1,0 +1,235 @@
+// ME3CAN1-Q modules in a rack and on the simulated bus: addressing, two modules with each other, bus errors.
+
+#include "canopus/sim/bus.hpp"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "canopus/plc/rack.hpp"
+
+#include "scenarios/scenario.hpp"
+
+namespace canopus::scenario {
+namespace {
+
+using module::me3can1_q::Me3can1Q;
+
+// A Q CPU with modules at heads of 32 points, all on one bus of 250 kbit/s.
+class Plant {
+ public:
+  struct Slot {
+    RamMemory memory;
+    sim::Port* port = nullptr;
+    std::unique_ptr<Me3can1Q> module;
+    std::uint16_t head = 0;
+  };
+
+  Slot& add(std::uint16_t head,
+            const std::vector<std::pair<module::BufferAddress, std::uint16_t>>& words = {},
+            const std::vector<std::tuple<std::uint16_t, std::uint8_t, Bytes>>& objects = {}) {
+    Slot& slot = *slots_.emplace_back(std::make_unique<Slot>());
+    slot.port = &bus_.add_port("port" + std::to_string(slots_.size()));
+    slot.module = std::make_unique<Me3can1Q>(*slot.port, slot.memory);
+    slot.head = head;
+    for (const auto& [address, value] : words) EXPECT_TRUE(slot.module->preset_buffer(address, value));
+    for (const auto& [index, sub, value] : objects) {
+      EXPECT_EQ(slot.module->preset_object(index, sub, value), canopen::AbortCode::none) << std::hex << index;
+    }
+    const auto handle = timeline_.add(*slot.module);
+    slot.port->connect(*slot.module, handle);
+    EXPECT_TRUE(rack_.insert(head, *slot.module, handle));
+    return slot;
+  }
+  void power_on() { rack_.power_on(timeline_.now()); }
+  void run(can::Duration duration) { timeline_.run_until(timeline_.now() + duration); }
+
+  std::uint16_t g(const Slot& slot, module::BufferAddress address) {
+    std::uint16_t word = 0;
+    EXPECT_TRUE(rack_.read_buffer(slot.head, address, {&word, 1}, timeline_.now()));
+    return word;
+  }
+  void g(const Slot& slot, module::BufferAddress address, std::uint16_t value) {
+    EXPECT_TRUE(rack_.write_buffer(slot.head, address, {&value, 1}, timeline_.now()));
+  }
+  bool x(std::uint32_t number) {
+    std::uint8_t bit = 0;
+    EXPECT_TRUE(rack_.read_bits(plc::Device::x, number, {&bit, 1}, timeline_.now()));
+    return bit != 0;
+  }
+  void y(std::uint32_t number, bool on) {
+    const std::uint8_t bit = on ? 1 : 0;
+    EXPECT_TRUE(rack_.write_bits(plc::Device::y, number, {&bit, 1}, timeline_.now()));
+  }
+  void exchange(const Slot& slot) {
+    y(slot.head + 1U, true);
+    run(1ms);
+    EXPECT_TRUE(x(slot.head + 1U));
+    y(slot.head + 1U, false);
+  }
+  plc::Rack& rack() { return rack_; }
+  can::Time now() const { return timeline_.now(); }
+
+ private:
+  can::Timeline timeline_;
+  sim::Bus bus_{"line", 250'000, timeline_};
+  std::vector<std::unique_ptr<Slot>> slots_;
+  plc::Rack rack_{timeline_};
+};
+
+TEST(Me3Rack, S01_HeadAddress) {
+  RecordProperty("spec", "ME3-SYS-002 ME3-SYS-003");
+  Plant plant;
+  Plant::Slot& slot = plant.add(0x40);
+  RamMemory memory;
+  FreeBus controller;
+  Me3can1Q other(controller, memory);
+  EXPECT_FALSE(plant.rack().insert(0x50, other, {}));  // 32 points: 40H to 5FH
+  EXPECT_EQ(plant.rack().module_at(0x40), slot.module.get());
+  plant.power_on();
+  EXPECT_FALSE(plant.x(0x40));
+  plant.run(1s);
+  EXPECT_TRUE(plant.x(0x40));
+  for (std::uint32_t number = 0; number < 0x80; ++number)
+    EXPECT_EQ(plant.x(number), number == 0x40) << number;
+  slot.module->receive(can::data_frame(0x085, {0x00, 0x10, 0x01, 0, 0, 0, 0, 0}), plant.now());
+  EXPECT_TRUE(plant.x(0x51));
+  plant.y(0x42, true);
+  EXPECT_EQ(plant.g(slot, 25) & 0x80, 0x80);
+}
+
+TEST(Me3Rack, S02_BufferMemory_OfTheHeadAddress) {
+  RecordProperty("spec", "ME3-SYS-004 ME3-SYS-005");
+  Plant plant;
+  Plant::Slot& slot = plant.add(0x30);
+  plant.power_on();
+  plant.run(1s);
+  plant.g(slot, 70, 0x8001);
+  EXPECT_EQ(plant.g(slot, 70), 0x8001);
+  EXPECT_EQ(slot.module->read_word(70, plant.now()), 0x8001);
+  EXPECT_EQ(plant.g(slot, 11), 0);
+}
+
+Bytes u32(std::uint32_t value) {
+  return {static_cast<std::uint8_t>(value & 0xFF), static_cast<std::uint8_t>(value >> 8 & 0xFF),
+          static_cast<std::uint8_t>(value >> 16 & 0xFF), static_cast<std::uint8_t>(value >> 24)};
+}
+
+TEST(Me3OnABus, MasterAndSlave_BootAndExchangeProcessData) {
+  Plant plant;
+  Plant::Slot& master = plant.add(0x00, {{27, 1}},
+                                  {{0x1F80, 0, u32(1)},
+                                   {0x1F81, 2, u32(0x0D)},
+                                   {0x1F84, 2, u32(0x195)},
+                                   {0x1F85, 2, u32(0x71)},
+                                   {0x1F86, 2, u32(0xED63)},
+                                   {0x1F89, 0, u32(10000)},
+                                   {0x1016, 1, u32(0x000200C8)},
+                                   {0x1400, 1, u32(0x182)}});
+  Plant::Slot& slave = plant.add(0x20, {{27, 2}}, {{0x1017, 0, Bytes{100, 0}}, {0x1400, 1, u32(0x181)}});
+  plant.power_on();
+  plant.run(4s);
+  EXPECT_EQ(plant.g(master, 25), 0x8201);
+  EXPECT_EQ(plant.g(slave, 25) & 0x0301, 0x0201);
+  EXPECT_EQ(plant.g(master, 601), 5);
+  EXPECT_EQ(plant.g(master, 602), 5);
+  EXPECT_EQ(plant.g(master, 402), 0x0002);
+
+  plant.g(slave, 13000, 0x1234);
+  plant.g(slave, 13003, 0x5678);
+  plant.exchange(slave);
+  plant.run(10ms);
+  plant.exchange(master);
+  EXPECT_EQ(plant.g(master, 10000), 0x1234);
+  EXPECT_EQ(plant.g(master, 10003), 0x5678);
+  plant.g(master, 13001, 0xBEEF);
+  plant.exchange(master);
+  plant.run(10ms);
+  plant.exchange(slave);
+  EXPECT_EQ(plant.g(slave, 10001), 0xBEEF);
+
+  // The slave restarts: its heartbeat goes missing, it boots again.
+  plant.y(0x22, true);
+  plant.run(1s);
+  EXPECT_TRUE(plant.x(0x10));
+  EXPECT_EQ(plant.g(master, 402) & 0x80, 0x80);
+  EXPECT_TRUE(plant.x(0x11));  // the emergency of the restart
+  plant.exchange(master);
+  EXPECT_EQ(plant.g(master, 751), 0x6200);
+  plant.run(5200ms);
+  EXPECT_TRUE(plant.x(0x22));
+  plant.y(0x22, false);
+  plant.run(5s);
+  EXPECT_EQ(plant.g(slave, 25) & 0x0301, 0x0201);
+  EXPECT_EQ(plant.g(master, 602), 5);
+}
+
+TEST(Me3OnABus, AloneOnTheBus_CountsUpByEightToErrorPassive_AndDownByOnePerGoodFrame) {
+  RecordProperty("spec", "ME3-CNT-001");
+  Plant plant;
+  Plant::Slot& one = plant.add(0x00, {{27, 1}}, {{0x1017, 0, Bytes{100, 0}}});
+  plant.power_on();
+  std::uint16_t before = 0;
+  std::vector<std::uint16_t> seen;
+  for (int step = 0; step < 40'000 && seen.size() < 16; ++step) {
+    plant.run(50us);
+    const std::uint16_t counter = plant.g(one, 35);
+    if (counter != before) seen.push_back(counter);
+    before = counter;
+  }
+  EXPECT_EQ(seen, (Words{8, 16, 24, 32, 40, 48, 56, 64, 72, 80, 88, 96, 104, 112, 120, 128}));
+  EXPECT_EQ(plant.g(one, 29), 0x4000);
+  plant.run(10s);
+  EXPECT_EQ(plant.g(one, 35), 128);  // nobody acknowledges: not bus-off
+
+  Plant::Slot& two = plant.add(0x20, {{27, 2}});
+  two.module->power_on(plant.now());
+  plant.run(1500ms);
+  before = plant.g(one, 35);
+  EXPECT_LT(before, 128);
+  EXPECT_EQ(plant.g(one, 29), 0);
+  plant.run(100ms);
+  EXPECT_EQ(plant.g(one, 35), before - 1);
+  plant.run(1s);
+  EXPECT_EQ(plant.g(one, 35), before - 11);
+  plant.run(60s);
+  EXPECT_EQ(plant.g(one, 35), 0);
+}
+
+TEST(Me3OnABus, WrongBaudRate_DrivesTheCountersUp) {
+  RecordProperty("spec", "ME3-BAUD-006");
+  Plant plant;
+  Plant::Slot& one = plant.add(0x00, {{27, 1}}, {{0x1017, 0, Bytes{10, 0}}});
+  plant.add(0x40, {{27, 3}}, {{0x1017, 0, Bytes{10, 0}}});
+  Plant::Slot& wrong = plant.add(0x20, {{27, 2}, {24, 500}}, {{0x1017, 0, Bytes{10, 0}}});
+  plant.power_on();
+  plant.run(1200ms);
+  EXPECT_TRUE(plant.g(wrong, 35) > 0 || plant.g(wrong, 36) > 0);
+  EXPECT_TRUE(plant.g(one, 35) > 0 || plant.g(one, 36) > 0);
+  EXPECT_EQ(plant.g(wrong, 37), 5000);
+}
+
+TEST(Me3OnABus, S82_ExchangingFasterThanTheBusCarries_OverflowsTheQueue) {
+  RecordProperty("spec", "ME3-DX-011");
+  Plant plant;
+  Plant::Slot& one = plant.add(0x00, {{27, 1}, {24, 10}});
+  plant.add(0x20, {{27, 2}, {24, 10}});
+  plant.power_on();
+  plant.run(2s);
+  one.module->receive(can::data_frame(0x000, {0x01, 0x01}), plant.now());
+  EXPECT_EQ(plant.g(one, 29), 0);
+  for (std::uint16_t i = 1; i <= 500; ++i) {
+    for (module::BufferAddress word = 13000; word < 13016; ++word) plant.g(one, word, i);
+    plant.exchange(one);
+  }
+  EXPECT_EQ(plant.g(one, 29) & 0x0100, 0x0100);
+  EXPECT_TRUE(plant.x(0x0F));
+  plant.run(60s);
+  EXPECT_EQ(plant.g(one, 29) & 0x0100, 0x0100);
+  plant.y(0x0F, true);
+  EXPECT_EQ(plant.g(one, 29), 0);
+  EXPECT_FALSE(plant.x(0x0F));
+}
+
+}  // namespace
+}  // namespace canopus::scenario
