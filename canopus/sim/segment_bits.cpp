@@ -159,6 +159,7 @@ void Segment::start_waiting(can::Time now) {
     faults_ = core_.plan.hits_frames() ? core_.plan.on_frame(*first, first->current, now) : FrameFaults{};
   }
   faults_ready_ = false;
+  error_frame_ = false;
   faults_origin_ = now;
   faults_bit_ = first->bit();
 }

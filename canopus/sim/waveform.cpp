@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <initializer_list>
 #include <utility>
 
 #include "canopus/can/frame_bits.hpp"
@@ -55,20 +56,30 @@ Waveform::~Waveform() {
 
 void Waveform::write_head() {
   const auto nanoseconds = resolution_.count();
-  text_ += "$version Canopus $end\n$timescale ";
-  text_ += nanoseconds == 1000 ? "1 us" : std::to_string(nanoseconds) + " ns";
-  text_ += " $end\n$scope module " + word(bus_.name()) + " $end\n$var wire 1 " + code(0) + " can $end\n";
+  // Piece by piece: gcc 12 warns of its own std::string where literals are added to strings.
+  const auto write = [this](std::initializer_list<std::string_view> pieces) {
+    for (const std::string_view piece : pieces) text_ += piece;
+  };
+  write({"$version Canopus $end\n$timescale ",
+         nanoseconds == 1000  ? "1 us"
+         : nanoseconds == 100 ? "100 ns"
+         : nanoseconds == 10  ? "10 ns"
+                              : "1 ns",
+         " $end\n$scope module ", word(bus_.name()), " $end\n$var wire 1 ", code(0), " can $end\n"});
   std::vector<std::string> names;
   for (std::size_t number = 0; number < ports_.size(); ++number) {
     std::string name = word(ports_[number]->name());
-    if (std::find(names.begin(), names.end(), name) != names.end()) name += "_" + std::to_string(number);
-    names.push_back(name);
+    if (std::find(names.begin(), names.end(), name) != names.end()) {
+      name += '_';
+      name += std::to_string(number);
+    }
     const std::size_t signal = 1 + signals_per_port * number;
-    text_ += "$var wire 1 " + code(signal + tx) + " " + name + "_tx $end\n";
-    text_ += "$var wire 1 " + code(signal + flag) + " " + name + "_flag $end\n";
-    text_ += "$var wire 1 " + code(signal + arbitration_part) + " " + name + "_arb $end\n";
+    write({"$var wire 1 ", code(signal + tx), " ", name, "_tx $end\n"});
+    write({"$var wire 1 ", code(signal + flag), " ", name, "_flag $end\n"});
+    write({"$var wire 1 ", code(signal + arbitration_part), " ", name, "_arb $end\n"});
+    names.push_back(std::move(name));
   }
-  text_ += "$upscope $end\n$enddefinitions $end\n";
+  write({"$upscope $end\n$enddefinitions $end\n"});
 }
 
 std::string Waveform::code(std::size_t signal) {
