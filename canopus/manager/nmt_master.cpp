@@ -56,6 +56,10 @@ const BootRecord& NmtMaster::boot_record(std::uint8_t node_id) const noexcept {
   return boot != nullptr ? boot->record() : never_booted;
 }
 
+bool NmtMaster::lss_configured(std::uint8_t node_id) const noexcept {
+  return engine_->lss_configured(node_id);
+}
+
 bool NmtMaster::sdo_channel_busy(std::uint8_t node_id) const noexcept {
   const BootSlave* boot = engine_->boot(node_id);
   return boot != nullptr && boot->sdo_busy();

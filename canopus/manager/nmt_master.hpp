@@ -74,6 +74,9 @@ class NmtMaster final : public can::Participant {
   void clear_error_control(std::uint8_t node_id, can::Time now);
   /// How the boot of node 1..127 went or where it is. Turned into words by explain().
   [[nodiscard]] const BootRecord& boot_record(std::uint8_t node_id) const noexcept;
+  /// A search for this node by LSS is configured, should it be missing when the boot time is over: 1F89H,
+  /// 1F84H-1F88H of the node all set, its 1F81H bits 0, 2 and 3 [ME3CAN1-Q 4.8.11]. See lss_search.hpp.
+  [[nodiscard]] bool lss_configured(std::uint8_t node_id) const noexcept;
   /// The start-up is using the default SDO channel of this node.
   [[nodiscard]] bool sdo_channel_busy(std::uint8_t node_id) const noexcept;
   /// The concise DCF of this node is being downloaded.

@@ -64,6 +64,7 @@ class NmtMaster::Engine final : public BootHost,
   [[nodiscard]] const BootSlave* boot(std::uint8_t node_id) const noexcept {
     return node_id < boots_.size() ? boots_[node_id].get() : nullptr;
   }
+  [[nodiscard]] bool lss_configured(std::uint8_t node_id) const noexcept;
   [[nodiscard]] bool guarding(std::uint8_t node_id) const noexcept {
     return node_id < guarding_.size() && guarding_[node_id].running();
   }

@@ -295,6 +295,18 @@ can::Duration NmtMaster::Engine::heartbeat_time(std::uint8_t node_id) const {
   return {};
 }
 
+bool NmtMaster::Engine::lss_configured(std::uint8_t node_id) const noexcept {
+  constexpr std::uint32_t needed =
+      assignment_bit::slave | assignment_bit::boot_slave | assignment_bit::mandatory;
+  if (node_id == 0 || node_id > 127 || (assignment(node_id) & needed) != needed) return false;
+  const canopen::ObjectDictionary& objects = node_->dictionary();
+  if (objects.get<std::uint32_t>(0x1F89, 0) == 0) return false;
+  for (std::uint16_t index = 0x1F84; index <= 0x1F88; ++index) {
+    if (objects.get<std::uint32_t>(index, node_id) == 0) return false;
+  }
+  return true;
+}
+
 std::span<const std::uint8_t> NmtMaster::Engine::concise_dcf(std::uint8_t node_id) {
   return source_ != nullptr ? source_->concise_dcf(node_id) : std::span<const std::uint8_t>{};
 }

@@ -689,6 +689,25 @@ TEST_F(StartUp, HeartbeatAndGuardingConfigured_OnlyTheHeartbeatIsUsed) {
   EXPECT_EQ(master.error_control(2), 0x02);
 }
 
+TEST_F(StartUp, LssSearch_IsConfigured_OnlyByTheBootTimeAllFiveIdentityEntriesAndAMandatoryBootSlave) {
+  const auto complete = [this](std::uint16_t without) {
+    for (std::uint16_t index = 0x1F84; index <= 0x1F88; ++index) {
+      node.dictionary().set(index, 5, index == without ? 0U : 7U);
+    }
+    node.dictionary().set(0x1F89, 0, without == 0x1F89 ? 0U : 10000U);
+    node.dictionary().set(0x1F81, 5, 0x0DU);
+    return master.lss_configured(5);
+  };
+  EXPECT_TRUE(complete(0));
+  for (std::uint16_t index = 0x1F84; index <= 0x1F89; ++index) EXPECT_FALSE(complete(index));
+  complete(0);
+  for (const std::uint32_t assignment : {0x0CU, 0x09U, 0x05U}) {
+    node.dictionary().set(0x1F81, 5, assignment);
+    EXPECT_FALSE(master.lss_configured(5));
+  }
+  EXPECT_FALSE(master.lss_configured(6));
+}
+
 // --- why is my slave stuck?
 
 TEST_F(StartUp, Explanation_OfAMissingSlave_SaysHowOftenItWasAskedAndWhatToCheck) {
