@@ -16,6 +16,7 @@ namespace {
 // Names in the non-volatile memory.
 constexpr std::string_view words_name = "buffer-memory";
 constexpr std::string_view objects_name = "object-dictionary";
+constexpr std::string_view concise_dcfs_name = "concise-dcf";
 // There while a save runs: found at a start, the supply went off in the middle of one.
 constexpr std::string_view saving_name = "saving";
 
@@ -74,7 +75,8 @@ Me3can1Q::Firmware::Firmware(can::Controller& controller, NonVolatileMemory& mem
       master_(node_, controller),
       command_(g::command, command_table, *this, controller),
       exchange_(exchange_layout, buffer_),
-      time_stamp_(time_stamp_layout, buffer_) {
+      time_stamp_(time_stamp_layout, buffer_),
+      concise_dcfs_(node_, master_, memory, concise_dcfs_name, {.erase_time = profile_.erase_time}) {
   node_.set_listener(this);
   master_.set_listener(this);
   node_.dictionary().attach(0x1010, 0x1011, *this);
@@ -172,6 +174,7 @@ void Me3can1Q::Firmware::begin_initialization(can::Duration duration, can::Time 
   const bool ready = signals_.input(signal::ready);
   signals_.clear_inputs(now);
   signals_.set_input(signal::ready, ready, now);
+  if (std::exchange(clear_concise_dcfs_, false)) concise_dcfs_.clear();
   load_settings();
   update(now);
 }
@@ -243,6 +246,7 @@ void Me3can1Q::Firmware::use_communication_settings() {
 // The node has its defaults again; what was stored goes on top.
 void Me3can1Q::Firmware::load_objects() {
   canopen::ObjectDictionary& objects = node_.dictionary();
+  if (!concise_dcfs_.load()) flash_error_ = true;
   // Its default depends on the node-ID in a way of its own [ME3CAN1-Q 4.8.10].
   objects.set<std::uint16_t>(0x1F90, 6, static_cast<std::uint16_t>(4000 + 10 * node_.node_id()));
   const NonVolatileMemory::Content content = memory_.read(objects_name);
@@ -282,6 +286,7 @@ canopen::AbortCode Me3can1Q::Firmware::before_write(canopen::ObjectDictionary& d
   // Restored settings are factory defaults, not those of the shelf: an empty content, not a missing one.
   const bool written =
       storing ? memory_.write(objects_name, encode_objects(dictionary)) : memory_.write(objects_name, {});
+  if (written && !storing) clear_concise_dcfs_ = true;
   return written ? canopen::AbortCode::none : canopen::AbortCode::hardware_error;
 }
 

@@ -9,6 +9,7 @@
 #include "canopus/manager/nmt_master.hpp"
 #include "canopus/module/buffer_memory.hpp"
 #include "canopus/module/command_interface.hpp"
+#include "canopus/module/concise_dcf_store.hpp"
 #include "canopus/module/data_exchange.hpp"
 #include "canopus/module/emergency_buffer.hpp"
 #include "canopus/module/error_status.hpp"
@@ -149,6 +150,7 @@ class Me3can1Q::Firmware final : public BufferArea,
   CommandInterface command_;
   DataExchange exchange_;
   TimeStamp time_stamp_;
+  ConciseDcfStore concise_dcfs_;
 
   State state_ = State::off;
   std::uint16_t mode_ = 405;      // active function mode: 405, 11, 29
@@ -177,6 +179,7 @@ class Me3can1Q::Firmware final : public BufferArea,
   std::map<std::pair<std::uint16_t, std::uint8_t>, std::vector<std::uint8_t>> shelf_objects_;
   StoredWords stored_words_;
   bool restarting_ = false;
+  bool clear_concise_dcfs_ = false;  // 1011H was written: at the next start
 };
 
 }  // namespace canopus::module::me3can1_q

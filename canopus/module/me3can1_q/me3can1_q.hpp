@@ -32,6 +32,8 @@ struct Profile {
   can::Duration command_time = std::chrono::milliseconds(1);
   /// Y1F to X1F. Not printed.
   can::Duration save_time = std::chrono::milliseconds(100);
+  /// How long the flash memory takes no concise DCF after one was deleted. Not printed.
+  can::Duration erase_time = std::chrono::seconds(2);
   /// Product list entries [ME3CAN1-Q 2.3].
   std::string serial_number = "1203100000000000";
   std::string function_version = "B";

@@ -18,6 +18,7 @@ using enum ObjectRow::Flag;
 constexpr auto u8 = DataType::unsigned8;
 constexpr auto u16 = DataType::unsigned16;
 constexpr auto u32 = DataType::unsigned32;
+constexpr auto domain = DataType::domain;
 constexpr auto string = DataType::visible_string;
 constexpr auto ro = Access::read_only;
 constexpr auto rw = Access::read_write;
@@ -61,6 +62,8 @@ constexpr std::array rows = std::to_array<ObjectRow>({
     {0x1800, 0x18FF, sub,      0x05, 0x05, "TPDO communication: event timer",    u16,    rw,             0, stored},
     {0x1A00, 0x1AFF, sub,      0x00, 0x00, "TPDO mapping",                       u8,     rw,             4, stored},
     {0x1A00, 0x1AFF, sub,      0x01, 0x08, "TPDO mapping",                       u32,    rw,             0, stored},
+    {0x1F22, 0x1F22, array,    0x01, 0x7F, "Concise DCF",                        domain, rw,             0, plain},
+    {0x1F25, 0x1F25, array,    0x01, 0x80, "Configuration request",              u32,    wo,             0, plain},
     {0x1F26, 0x1F26, array,    0x01, 0x7F, "Expected configuration date",        u32,    rw,             0, stored},
     {0x1F27, 0x1F27, array,    0x01, 0x7F, "Expected configuration time",        u32,    rw,             0, stored},
     {0x1F80, 0x1F80, variable, 0x00, 0x00, "NMT start-up",                       u32,    rw,             0, stored},

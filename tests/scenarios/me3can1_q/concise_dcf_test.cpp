@@ -1,0 +1,202 @@
+// spec/me3can1-q/scenarios.md, section 10: configuration manager; and SDO channels shared with the start-up.
+
+#include "scenarios/me3can1_q/scenario.hpp"
+
+namespace canopus::scenario {
+namespace {
+
+void expect_abort(Me3Scenario& s, const Words& command, std::uint32_t code, Where where = Where::current()) {
+  s.cif(command, where);
+  s.expect(
+      1000,
+      {0x000F, 0x0003, 0, static_cast<std::uint16_t>(code & 0xFFFF), static_cast<std::uint16_t>(code >> 16)},
+      where);
+}
+
+// One entry: 1017H:00 = 1000 (2 bytes).
+const Words one_entry{0x0001, 0x0000, 0x1017, 0x0200, 0x0000, 0xE800, 0x0003};
+
+Words download(std::uint16_t sub, std::uint16_t bytes = 13) {
+  Words command{0x0002, 0, 0x1F22, sub, bytes};
+  command.insert(command.end(), one_entry.begin(), one_entry.end());
+  return command;
+}
+
+void become_master(Me3Scenario& s) {
+  s.power_on_as(1);
+  s.set_object(0x1F80, 0, 0x0000000D, 4);
+  s.store_objects();
+  s.restart();
+  s.advance(5s);
+  s.ignore_tx();
+}
+
+TEST(Me3ConciseDcf, S77_Download_Delete_Limits) {
+  RecordProperty("spec",
+                 "ME3-CFG-003 ME3-CFG-004 ME3-CFG-005 ME3-CFG-006 ME3-CFG-007 ME3-STO-003 ME3-SYS-013");
+  Me3Scenario s;
+  s.power_on();
+  s.cif(download(2));
+  s.expect(1000, 0x0003);
+  s.supply_off();
+  s.power_on();  // in the flash memory at once
+  s.cif({0x0004, 0, 0x1F22, 2});
+  s.expect(1000, {0x0005, 0, 0x1F22, 2, 13})
+      .expect(1005, {0x0001, 0x0000, 0x1017, 0x0200, 0x0000, 0xE800, 0x0003});
+  expect_abort(s, download(2), 0x06010002);
+  s.cif({0x0002, 0, 0x1F22, 2, 1, 0});
+  s.expect(1000, 0x0003);
+  expect_abort(s, download(2), 0x06060000);  // the erase still runs
+  expect_abort(s, download(3), 0x06060000);
+  s.advance(2s);
+  s.cif(download(2));
+  s.expect(1000, 0x0003);
+  // Larger than a concise DCF may be: over the bus, segmented.
+  const auto segmented = [&](std::uint32_t bytes) {
+    s.rx(0x67F, {0x21, 0x22, 0x1F, 0x05, static_cast<std::uint8_t>(bytes & 0xFF),
+                 static_cast<std::uint8_t>(bytes >> 8 & 0xFF), static_cast<std::uint8_t>(bytes >> 16), 0});
+    s.ignore_tx();
+    std::uint8_t toggle = 0;
+    for (std::uint32_t sent = 0; sent < bytes; sent += 7, toggle ^= 0x10) {
+      const std::uint32_t left = bytes - sent;
+      const unsigned unused = left < 7 ? 7 - left : 0;
+      const bool last = left <= 7;
+      if (last) s.ignore_tx();
+      s.rx(0x67F, {static_cast<std::uint8_t>(toggle | unused << 1 | (last ? 1U : 0U)), 1, 1, 1, 1, 1, 1, 1});
+    }
+    const std::string answer = text(s.controller().sent.back());
+    s.ignore_tx();
+    return answer;
+  };
+  EXPECT_EQ(segmented(65532), "5FF [80 22 1F 05 10 00 07 06]");
+  EXPECT_EQ(segmented(65531).substr(0, 7), "5FF [30");  // the last of 9362 segments, taken
+  // 1010H has no part in it.
+  s.set_object(0x1015, 0, 5, 2);
+  s.restart();
+  s.cif({0x0004, 0, 0x1F22, 2});
+  s.expect(1000, 0x0005).expect(1004, 13);
+  s.expect_object(0x1015, 0, 0, 2);
+}
+
+TEST(Me3ConciseDcf, SixtyFiles_AndNotOneMore) {
+  RecordProperty("spec", "ME3-CFG-002");
+  Me3Scenario s;
+  s.power_on();
+  for (std::uint16_t sub = 68; sub <= 127; ++sub) {
+    s.cif(download(sub));
+    s.expect(1000, 0x0003);
+  }
+  s.cif(download(1));
+  s.expect(1000, {0x000F, 0x0003});
+  s.cif({0x0004, 0, 0x1F22, 127});
+  s.expect(1000, {0x0005, 0, 0x1F22, 127, 13});
+}
+
+TEST(Me3ConciseDcf, RestoreDefaults_DeletesAllAtTheRestart) {
+  RecordProperty("spec", "ME3-STO-006");
+  Me3Scenario s;
+  s.power_on();
+  s.cif(download(2));
+  s.cif(download(3));
+  s.set_object(0x1011, 1, 0x64616F6C, 4);
+  s.cif({0x0004, 0, 0x1F22, 3});
+  s.expect(1004, 13);  // not before
+  s.restart();
+  for (const std::uint16_t sub : Words{2, 3}) {
+    s.cif({0x0004, 0, 0x1F22, sub});
+    s.expect(1000, 0x0005).expect(1004, 0);
+  }
+  s.supply_off();
+  s.power_on();
+  s.cif({0x0004, 0, 0x1F22, 2});
+  s.expect(1004, 0);
+}
+
+TEST(Me3ConciseDcf, S79_ConfigurationRequest) {
+  RecordProperty("spec", "ME3-CFG-008 ME3-CFG-012 ME3-CFG-013 ME3-CFG-014");
+  Me3Scenario s;
+  become_master(s);
+  s.cif(download(1));  // for the own node: never executed
+  s.cif(download(2));
+  s.cif(download(3));
+  const Words conf{4, 0x6F63, 0x666E};
+  const auto request = [&](std::uint16_t sub) {
+    return Words{0x0002, 0, 0x1F25, sub, conf[0], conf[1], conf[2]};
+  };
+  s.cif(request(1));
+  s.expect(1000, 0x0003).no_tx();
+  expect_abort(s, request(4), 0x08000024);
+  s.no_tx();
+  s.cif({0x0002, 0, 0x1F25, 2, 4, 0x6F63, 0x666F});
+  s.expect(1000, {0x000F, 0x0003}).no_tx();
+  s.cif(request(2));
+  s.expect(1000, 0x0003);
+  s.tx(0x602, {0x2B, 0x17, 0x10, 0x00, 0xE8, 0x03, 0, 0}).no_tx();
+  s.rx(0x582, {0x60, 0x17, 0x10, 0x00, 0, 0, 0, 0}).no_tx();
+  s.cif(request(0x80));
+  s.expect(1000, 0x0003);
+  s.tx(0x602, {0x2B, 0x17, 0x10, 0x00, 0xE8, 0x03, 0, 0});
+  s.tx(0x603, {0x2B, 0x17, 0x10, 0x00, 0xE8, 0x03, 0, 0}).no_tx();
+  s.rx(0x582, {0x60, 0x17, 0x10, 0x00, 0, 0, 0, 0});
+  s.rx(0x583, {0x60, 0x17, 0x10, 0x00, 0, 0, 0, 0}).no_tx();
+}
+
+TEST(Me3ConciseDcf, ConfigurationRequest_NeedsTheActiveMaster) {
+  RecordProperty("spec", "ME3-CFG-001");
+  Me3Scenario s;
+  s.power_on();
+  s.cif(download(2));
+  for (const std::uint16_t sub : Words{2, 0x80}) {
+    expect_abort(s, {0x0002, 0, 0x1F25, sub, 4, 0x6F63, 0x666E}, 0x08000022);
+  }
+  s.no_tx();
+}
+
+TEST(Me3SdoChannel, TakenByTheStartUp_FailsTheCommand) {
+  RecordProperty("spec", "ME3-CIF-024");
+  Me3Scenario s;
+  s.power_on_as(1);
+  s.set_object(0x1F80, 0, 1, 4);
+  s.set_object(0x1F81, 2, 0x05, 4);
+  s.store_objects();
+  s.restart();
+  s.ignore_tx();
+  s.wait_tx(0x602, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0});
+  s.cif({0x0004, 2, 0x1018, 1});
+  s.expect(1000, {0x000F, 0x0003, 2, 0x0023, 0x060A}).expect_bit(25, 14, true).no_tx();
+  s.rx(0x582, {0x43, 0x00, 0x10, 0x00, 0x91, 0x01, 0x0F, 0x00});
+  s.wait_bit(25, 14, false);
+  s.ignore_tx();
+  s.write(1000, {0x0004, 2, 0x1018, 1});
+  s.y(0x17, true);
+  s.advance(1ms);
+  s.tx(0x602, {0x40, 0x18, 0x10, 0x01, 0, 0, 0, 0});
+  s.rx(0x582, {0x43, 0x18, 0x10, 0x01, 0x71, 0, 0, 0});
+  s.expect(1000, {0x0005, 2, 0x1018, 1, 4, 0x0071});
+}
+
+TEST(Me3EmergencyInhibitTime, CountsInWholeMilliseconds) {
+  RecordProperty("spec", "ME3-EMCY-004");
+  const auto messages_after = [](std::uint16_t inhibit_time, can::Duration pause) {
+    Me3Scenario s;
+    s.power_on_as(1);
+    s.set_object(0x1015, 0, inhibit_time, 2);
+    s.error_counters(130, 0);
+    s.advance(pause);
+    s.controller().overflows = 1;
+    s.write(20, 0);
+    const std::size_t count = s.controller().sent.size();
+    s.ignore_tx();
+    return count;
+  };
+  EXPECT_EQ(messages_after(0, 0us), 2U);
+  EXPECT_EQ(messages_after(1, 950us), 1U);
+  EXPECT_EQ(messages_after(9, 950us), 1U);
+  EXPECT_EQ(messages_after(9, 1000us), 2U);
+  EXPECT_EQ(messages_after(19, 1000us), 2U);
+  EXPECT_EQ(messages_after(500, 49900us), 1U);
+  EXPECT_EQ(messages_after(500, 50000us), 2U);
+}
+
+}  // namespace
+}  // namespace canopus::scenario
