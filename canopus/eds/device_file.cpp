@@ -5,6 +5,7 @@
 
 #include "canopus/eds/device_sections.hpp"
 #include "canopus/eds/modules.hpp"
+#include "canopus/eds/object_lists.hpp"
 #include "canopus/eds/object_reader.hpp"
 #include "canopus/eds/pdo_review.hpp"
 #include "canopus/eds/words.hpp"

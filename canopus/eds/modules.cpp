@@ -6,6 +6,7 @@
 
 #include "canopus/eds/entry_reader.hpp"
 #include "canopus/eds/number.hpp"
+#include "canopus/eds/object_lists.hpp"
 #include "canopus/eds/object_reader.hpp"
 #include "canopus/eds/value.hpp"
 #include "canopus/eds/words.hpp"

@@ -26,16 +26,4 @@ using ObjectSectionMap = std::map<std::uint16_t, ObjectSections>;
 /// out, with a note or warning.
 void read_object(Draft& draft, std::uint16_t index, const ObjectSections& sections, Problems& problems);
 
-/// Compares [MandatoryObjects], [OptionalObjects] and [ManufacturerObjects] with the sections that are there.
-void check_object_lists(const IniFile& file, const ObjectSectionMap& sections, Problems& problems);
-
-/// The entries 1=, 2= ... of a list, with the number of them that `count_key` (folded) announces; warns when
-/// it differs.
-struct ListEntry {
-  std::uint64_t key = 0;
-  const Item* item = nullptr;
-};
-[[nodiscard]] std::vector<ListEntry> read_list(const Section& section, std::string_view count_key,
-                                               Problems& problems);
-
 }  // namespace canopus::eds
