@@ -61,6 +61,12 @@ class BitController {
   /// Begins to send after early_start: the SOF of another counts as its own.
   void join(const can::Frame& frame) noexcept;
 
+  /// At the end of a frame that somebody else has computed: the intermission begins.
+  void begin_intermission(bool transmitter) noexcept {
+    transmitting_ = transmitter;
+    enter(State::intermission);
+  }
+
   /// Whether it drives the bit that begins now dominant.
   [[nodiscard]] bool drives_dominant() const noexcept;
   /// The sample point of the bit.

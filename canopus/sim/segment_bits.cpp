@@ -33,6 +33,8 @@ void Segment::enter_bits() {
     activity_start_ = free_from_ = now;
     failed_ = false;
     error_frame_ = true;
+  } else if (now < free_from_) {
+    replay_intermission(now);
   } else {
     deadline_ = arbiter_.lowest() == Arbiter::none ? can::never : std::max(now, free_from_);
   }
@@ -53,6 +55,22 @@ void Segment::replay(can::Time until) {
     loser->tap.next = loser->tap.frame_start = start_;
   }
   deadline_ = start_;
+  while (deadline_ < until) bits_tick(deadline_);
+  replaying_ = false;
+}
+
+/// The same for the intermission of a frame that is complete.
+void Segment::replay_intermission(can::Time until) {
+  const can::Time begin = free_from_ - can::bit_time(can::intermission_bits, transmitter_->rate);
+  for (BusPort* port : members_) {
+    port->bits.begin_intermission(port == transmitter_);
+    port->tap.next = begin;
+  }
+  active_ = true;
+  activity_start_ = free_from_;  // up to there it has been counted
+  free_from_ = until;
+  replaying_ = true;
+  deadline_ = begin;
   while (deadline_ < until) bits_tick(deadline_);
   replaying_ = false;
 }
@@ -79,6 +97,7 @@ void Segment::bits_tick(can::Time now, bool may_leave) {
       error_frame_ = false;
       clear_faults();
       const can::Duration bit = can::bit_time(1, core_.bit_rate);
+      activity_start_ = std::min(activity_start_, now);
       core_.statistics.busy(activity_start_, now, static_cast<std::uint64_t>((now - activity_start_) / bit));
     }
     if (may_leave && leave_bits_if_healthy(now)) return;
