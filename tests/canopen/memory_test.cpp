@@ -1,0 +1,133 @@
+// What a node takes from the heap, counted: 6 KiB for a slave of the usual size, and nothing on a frame's
+// path.
+
+#include <cstdlib>
+#include <new>
+
+#include <gtest/gtest.h>
+
+#include "canopus/canopen/sdo_client.hpp"
+
+#include "canopen/conversation.hpp"
+
+namespace {
+std::size_t allocated_bytes = 0;
+std::size_t allocations = 0;
+}  // namespace
+
+// GCC takes malloc() here and free() below for a mismatch, because it inlines only one of the two.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
+void* operator new(std::size_t size) {
+  allocated_bytes += size;
+  ++allocations;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+#pragma GCC diagnostic pop
+
+namespace canopus::canopen {
+namespace {
+
+struct Counter final : can::Sink {
+  bool send(const can::Frame& frame) override {
+    ++frames;
+    last = frame;
+    return true;
+  }
+  int frames = 0;
+  can::Frame last;
+};
+
+TEST(Memory, OfASlaveWithFourPdosEachWay_IsBelowSixKibibytes) {
+  const DictionaryBuilder objects = standard_objects();
+  const auto description = objects.build();
+  ASSERT_GE(description->objects().size(), 50U);
+  Counter bus;
+  const std::size_t before = allocated_bytes;
+  Node node(description, 5, bus);
+  node.power_on({});
+  for (std::uint16_t pdo = 0; pdo < 4; ++pdo) {
+    for (const int base : {0x1400, 0x1800}) {
+      const auto communication = static_cast<std::uint16_t>(base + pdo);
+      const auto mapping = static_cast<std::uint16_t>(communication + 0x200);
+      const std::uint32_t first = base == 0x1400 ? 0x62000108 : 0x60000108;
+      ObjectDictionary& d = node.dictionary();
+      for (std::uint8_t i = 0; i < 8; ++i) {
+        ASSERT_EQ(
+            d.write(mapping, static_cast<std::uint8_t>(i + 1), little_endian(first + i * 0x100U, 4), {}),
+            AbortCode::none);
+      }
+      ASSERT_EQ(d.write(mapping, 0, little_endian(8, 1), {}), AbortCode::none);
+      const auto cob_id = d.get<std::uint32_t>(communication, 1) & 0x7FF;
+      ASSERT_EQ(d.write(communication, 1, little_endian(cob_id, 4), {}), AbortCode::none);
+    }
+  }
+  node.receive(can::data_frame(0x000, {0x01, 0x05}), {});
+  // What building tables took and gave back is counted, too: the node holds less than this.
+  RecordProperty("bytes", static_cast<int>(allocated_bytes - before + sizeof(Node)));
+  EXPECT_LE(allocated_bytes - before + sizeof(Node), 6U * 1024);
+}
+
+TEST(Memory, NothingIsAllocatedOnAFramesPath) {
+  Conversation c;
+  c.set_up(0x1400, {0x62000108, 0x64110110}, 0xFE);
+  c.set_up(0x1401, {0x62000208}, 0x01);
+  c.set_up(0x1800, {0x60000108}, 0x01);
+  c.write(0x1017, 0, 10, 2);
+  c.write(0x1016, 1, 0x00090064, 4);
+  Counter bus;
+  Node node(standard_objects().build(), 5, bus);
+  node.power_on({});
+  for (const int index : {0x1400, 0x1401, 0x1600, 0x1601, 0x1800, 0x1A00, 0x1016, 0x1017}) {
+    const ObjectDescription* object = node.dictionary().description().find(static_cast<std::uint16_t>(index));
+    for (unsigned sub = 0; sub <= object->highest_sub; ++sub) {
+      const Entry entry = node.dictionary().description().find(*object, static_cast<std::uint8_t>(sub));
+      if (entry) node.dictionary().assign(entry, c.node.dictionary().bytes(entry));
+    }
+  }
+  struct Restorer final : NodeListener {
+  } listener;
+  node.set_listener(&listener);
+  // Communication parameters are read again when they are written; this one write stands for all.
+  for (const int index : {0x1400, 0x1401, 0x1800}) {
+    const auto raw = node.dictionary().get<std::uint32_t>(static_cast<std::uint16_t>(index), 1);
+    ASSERT_EQ(node.dictionary().write(static_cast<std::uint16_t>(index), 1, little_endian(raw, 4), {}),
+              AbortCode::none);
+  }
+  ASSERT_EQ(node.dictionary().write(0x1017, 0, little_endian(10, 2), {}), AbortCode::none);
+  ASSERT_EQ(node.dictionary().write(0x1016, 1, little_endian(0x00090064, 4), {}), AbortCode::none);
+  can::Time now{};
+  SdoClient client(bus);
+  client.set_server(5);
+  struct User final : SdoClientUser {
+    void sdo_finished(SdoClient&, can::Time) override {}
+  } user;
+  const std::uint8_t value[] = {1, 0};
+  const auto round = [&] {
+    now += 10ms;
+    node.receive(can::data_frame(0x000, {0x01, 0x05}), now);
+    node.receive(can::data_frame(0x205, {1, 2, 3}), now);
+    node.receive(can::data_frame(0x305, {1}), now);
+    node.receive(can::data_frame(0x080), now);
+    node.receive(can::data_frame(0x709, {0x05}), now);
+    node.tick(now);
+    client.upload(0x1000, 0, user, now);
+    node.receive(bus.last, now);
+    client.receive(bus.last, now);
+    client.download(0x2005, 0, value, user, now);
+    node.receive(bus.last, now);
+    client.receive(bus.last, now);
+  };
+  round();  // buffers grow to their size
+  const std::size_t before = allocations;
+  const int frames_before = bus.frames;
+  for (int i = 0; i < 100; ++i) round();
+  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(bus.frames - frames_before, 600) << "TPDO, heartbeat, and two SDO requests and answers each time";
+}
+
+}  // namespace
+}  // namespace canopus::canopen
