@@ -18,7 +18,8 @@ using asio::ip::tcp;
 using boost::system::error_code;
 
 struct MelsecServer::Parts : std::enable_shared_from_this<Parts> {
-  Parts(asio::io_context& io, plc::Rack& the_rack, AccessClock& the_clock, MelsecServerOptions the_options)
+  Parts(asio::io_context& io, plc::Rack& the_rack, link::LoopClock& the_clock,
+        MelsecServerOptions the_options)
       : context(io), rack(the_rack), clock(the_clock), options(the_options), acceptor(io), accept_pause(io) {}
 
   void accept();
@@ -26,7 +27,7 @@ struct MelsecServer::Parts : std::enable_shared_from_this<Parts> {
 
   asio::io_context& context;
   plc::Rack& rack;
-  AccessClock& clock;
+  link::LoopClock& clock;
   MelsecServerOptions options;
   tcp::acceptor acceptor;
   asio::steady_timer accept_pause;
@@ -178,7 +179,7 @@ void MelsecServer::Parts::remove(const Connection& connection) {
   std::erase_if(connections, [&](const auto& other) { return other.get() == &connection; });
 }
 
-MelsecServer::MelsecServer(asio::io_context& context, plc::Rack& rack, AccessClock& clock,
+MelsecServer::MelsecServer(asio::io_context& context, plc::Rack& rack, link::LoopClock& clock,
                            MelsecServerOptions options)
     : parts_(std::make_shared<Parts>(context, rack, clock, options)) {}
 

@@ -12,7 +12,7 @@
 #include <memory>
 #include <string>
 
-#include "canopus/can/time.hpp"
+#include "canopus/link/loop_clock.hpp"
 #include "canopus/plc/rack.hpp"
 
 namespace boost::asio {
@@ -20,18 +20,6 @@ class io_context;
 }
 
 namespace canopus::app {
-
-/// How the server learns what time it is, and lets the loop know what it did. The event loop implements it.
-class AccessClock {
- public:
-  /// Called before the server accesses the rack: runs the timeline up to this moment and returns it.
-  virtual can::Time now() = 0;
-  /// Called after it did: deadlines may have moved, the loop's timer is to be set again.
-  virtual void touched() = 0;
-
- protected:
-  ~AccessClock() = default;
-};
 
 struct MelsecServerOptions {
   /// Further ones are accepted and closed at once. A CPU has 16 connections.
@@ -45,7 +33,7 @@ struct MelsecServerOptions {
 class MelsecServer {
  public:
   /// All three must outlive the server.
-  MelsecServer(boost::asio::io_context& context, plc::Rack& rack, AccessClock& clock,
+  MelsecServer(boost::asio::io_context& context, plc::Rack& rack, link::LoopClock& clock,
                MelsecServerOptions options = {});
   /// Stops.
   ~MelsecServer();

@@ -142,7 +142,7 @@ class SimulatedAttachment final : public link::BusAttachment {
 };
 
 /// Keeps a plant in step with the machine's clock.
-class RealTime final : public link::LoopClock, public AccessClock {
+class RealTime final : public link::LoopClock {
  public:
   RealTime(asio::io_context& io, Plant& plant, PlantObserver& observer, can::Time end)
       : timeline_(plant.timeline()), observer_(observer), timer_(io), io_(io), end_(end) {}
@@ -397,6 +397,7 @@ bool Run::run_in_real_time() {
     redraw(clock);
   }
   io_.run();
+  (void)clock.now();  // up to the moment it was stopped
   for (const auto& server : socketcand_) server->close();
   for (const auto& server : melsec_) server->stop();
   screen_.leave();

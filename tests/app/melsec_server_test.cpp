@@ -27,7 +27,7 @@ using namespace std::chrono_literals;
 const std::string read_d100 = bytes("50 00 00 ff ff 03 00 0c 00 10 00 01 04 00 00 64 00 00 a8 01 00");
 const std::string read_d100_reply = "d0 00 00 ff ff 03 00 04 00 00 00 34 12";
 
-class TestClock final : public AccessClock {
+class TestClock final : public link::LoopClock {
  public:
   can::Time now() override {
     ++asked;

@@ -26,7 +26,7 @@ using ::testing::internal::CaptureStdout;
 using ::testing::internal::GetCapturedStderr;
 using ::testing::internal::GetCapturedStdout;
 
-class StandingClock final : public AccessClock {
+class StandingClock final : public link::LoopClock {
  public:
   can::Time now() override { return can::Time(std::chrono::seconds(10)); }
   void touched() override {}
