@@ -50,7 +50,7 @@ void BootSlave::start(bool after_reset, can::Time now) {
   abandon();
   record_ = BootRecord{};
   only_configure_ = false;
-  found_operational_ = false;
+  found_operational_ = answered_ = false;
   const can::Duration wait = host_->boot_options().wait_after_reset;
   if (after_reset && wait > can::Duration{}) {
     enter(BootStep::wait_after_reset, now, wait);
@@ -171,6 +171,7 @@ void BootSlave::state_seen(canopen::NmtState state, can::Time now) {
         return start_error_control(now);
       }
       enter(BootStep::boot_up_after_reset, now, host_->boot_options().boot_up_time_out);
+      answered_ = false;
       host_->send_nmt(canopen::NmtCommand::reset_communication, node_id_, now);
       return;
     case BootStep::heartbeat_start:
@@ -318,12 +319,14 @@ void BootSlave::tick(can::Time now) {
 
 void BootSlave::sdo_finished(canopen::SdoClient& client, can::Time now) {
   record_.abort_code = client.abort_code();
+  if (record_.abort_code != canopen::AbortCode::timed_out) answered_ = true;
   switch (record_.step) {
     case BootStep::presence: return presence_answered(now);
     case BootStep::identity: return identity_answered(now);
     case BootStep::restore:
       if (record_.abort_code != canopen::AbortCode::none) return fail(BootError::configuration, now);
       enter(BootStep::boot_up_after_restore, now, host_->boot_options().boot_up_time_out);
+      answered_ = false;
       // Restored communication parameters (sub 02) need no more than a reset of the communication.
       host_->send_nmt(
           record_.sub == 2 ? canopen::NmtCommand::reset_communication : canopen::NmtCommand::reset_node,

@@ -66,6 +66,8 @@ class BootSlave final : private canopen::SdoClientUser {
   [[nodiscard]] bool running() const noexcept;
   [[nodiscard]] bool booted() const noexcept { return record_.step == BootStep::booted; }
   [[nodiscard]] bool configuring() const noexcept { return record_.step == BootStep::configuration; }
+  /// It answered an SDO since it was reset.
+  [[nodiscard]] bool answered() const noexcept { return answered_; }
   [[nodiscard]] bool sdo_busy() const noexcept { return client_.busy(); }
   [[nodiscard]] const BootRecord& record() const noexcept { return record_; }
 
@@ -108,6 +110,7 @@ class BootSlave final : private canopen::SdoClientUser {
   bool request_pending_ = false;  // the SDO could not be started yet
   bool rebooted_ = false;         // boot-up message while 1000H was asked
   bool found_operational_ = false;
+  bool answered_ = false;
 };
 
 }  // namespace canopus::manager

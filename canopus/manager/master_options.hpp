@@ -32,6 +32,10 @@ struct MasterOptions {
   can::Duration guarding_probe = std::chrono::milliseconds(100);
   /// How long a slave that was reset in the middle of its boot may take to its boot-up message.
   can::Duration boot_up_time_out = std::chrono::seconds(1);
+  /// On a full bus the boot-up message, which has the lowest priority of all, may come later than SDO
+  /// answers. One that comes within this time after a reset, after the slave has answered, is taken for that
+  /// reset's.
+  can::Duration late_boot_up = std::chrono::seconds(10);
   /// Pause before an SDO channel that somebody else uses is tried again (MasterListener::sdo_channel_free).
   can::Duration busy_retry = std::chrono::milliseconds(10);
   /// The reset of a lost slave: 82H in the manuals of the modules, 81H in some other stacks.

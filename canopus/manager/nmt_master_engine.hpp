@@ -191,6 +191,8 @@ class NmtMaster::Engine final : public BootHost,
   std::bitset<128> wrong_state_;
   std::bitset<128> held_;  // stopped by request: not started again by itself [ME3CAN1-Q 4.8.8]
   std::bitset<128> boot_counted_;
+  std::bitset<128> boot_up_due_;  // reset, its boot-up message has not come yet
+  std::array<can::Time, 128> reset_since_{};
   std::array<std::unique_ptr<BootSlave>, 128> boots_;
   std::array<NodeGuarding, 128> guarding_{};
   NodeTimers timers_;

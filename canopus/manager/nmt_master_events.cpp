@@ -154,6 +154,10 @@ void NmtMaster::Engine::heartbeat_lost(std::uint8_t node_id, can::Time now) {
 // --- slaves
 
 void NmtMaster::Engine::boot_up_message(std::uint8_t node_id, can::Time now) {
+  const bool due = boot_up_due_[node_id] && now < later(reset_since_[node_id], options_.late_boot_up);
+  boot_up_due_[node_id] = false;
+  const BootSlave* boot = boots_[node_id].get();
+  if (due && boot != nullptr && boot->answered() && (boot->running() || boot->booted())) return;
   guarding_[node_id].boot_up();
   wrong_state_[node_id] = false;
   expected_state_[node_id] = node_state::pre_operational;
@@ -278,6 +282,11 @@ void NmtMaster::Engine::command_was_sent(Command command, can::Time now) {
   const bool reset =
       command.command == NmtCommand::reset_node || command.command == NmtCommand::reset_communication;
   if (reset && (command.node_id == all_nodes || phase_ == Phase::booting)) reset_time_ = now;
+  for (std::uint8_t n = 1; reset && n < 128; ++n) {
+    if (command.node_id != all_nodes && command.node_id != n) continue;
+    boot_up_due_[n] = true;
+    reset_since_[n] = now;
+  }
   if (command.node_id != all_nodes) return show_commanded(command.command, command.node_id, now);
   for (std::uint8_t n = 1; n < 128; ++n) {
     // A command to all says nothing of nodes that were never seen.

@@ -354,6 +354,30 @@ TEST_F(StartUp, BootUpInTheMiddleOfTheBoot_BeginsAgain) {
   EXPECT_TRUE(std::count(events.begin(), events.end(), "booted 2") == 1);
 }
 
+TEST_F(StartUp, BootUpThatComesAfterAnAnswer_BelongsToTheReset_AndBeginsNothingAnew) {
+  object(0x1F80, 0, 0x01);
+  object(0x1F81, 2, mandatory);
+  slave(2).boot_up_delay = 3s;  // held up on a full bus
+  switch_on();
+  run_until_ms(10000);
+  EXPECT_THAT(only(sent(), " 602 "), ElementsAre("1000 602 40 00 10 00 00 00 00 00"));
+  hear(can::data_frame(0x702, {0x00}));  // the next one is a real one
+  run_for(1s);
+  EXPECT_THAT(sent(), ElementsAre("10000 602 40 00 10 00 00 00 00 00", "10001 000 01 02"));
+}
+
+TEST_F(StartUp, BootUpLongAfterTheReset_IsANewOne) {
+  object(0x1F80, 0, 0x01);
+  object(0x1F81, 2, mandatory);
+  slave(2).boots_up = false;
+  switch_on();
+  run_until_ms(10000);
+  sent();
+  hear(can::data_frame(0x702, {0x00}));
+  run_for(1s);
+  EXPECT_THAT(sent(), ElementsAre("10000 602 40 00 10 00 00 00 00 00", "10001 000 01 02"));
+}
+
 TEST_F(StartUp, ChannelInUseByTheApplication_IsTriedAgain) {
   object(0x1F80, 0, 0x01);
   object(0x1F81, 2, mandatory);
