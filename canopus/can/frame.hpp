@@ -19,7 +19,7 @@ struct Frame {
   bool extended = false;         ///< 29-bit identifier (IDE recessive)
   bool remote = false;           ///< remote frame (RTR recessive): no data; dlc is the length asked for
   std::uint8_t dlc = 0;          ///< 0..15 as on the wire; 9..15 mean 8 bytes
-  std::array<std::uint8_t, 8> data{};
+  alignas(8) std::array<std::uint8_t, 8> data{};  // aligned: frames are copied and compared as two words
 
   /// Number of data bytes on the wire, 0..8: 0 for a remote frame.
   [[nodiscard]] constexpr std::size_t length() const noexcept {

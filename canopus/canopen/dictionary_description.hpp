@@ -55,6 +55,7 @@ struct Entry {
   std::uint32_t offset = 0;  ///< in the value block, or slot number for types of variable length
   std::uint16_t index = 0;
   std::uint8_t sub = 0;
+  std::uint8_t unused = 0;  // no padding at the end: an Entry is copied as two words
 
   explicit operator bool() const noexcept { return description != nullptr; }
 };

@@ -15,14 +15,14 @@ namespace canopus::canopen {
   static_assert(std::endian::native == std::endian::little);
   static_assert(offsetof(can::Frame, identifier) == 0 && offsetof(can::Frame, extended) == 4 &&
                 offsetof(can::Frame, remote) == 5 && offsetof(can::Frame, dlc) == 6 &&
-                offsetof(can::Frame, data) == 7);
+                offsetof(can::Frame, data) == 8);
   struct Words {
-    std::uint64_t low;
-    std::uint64_t high;
+    std::uint64_t head;
+    std::uint64_t data;
   };
   const std::uint64_t extended = key >> 29 & 1U;
   return std::bit_cast<can::Frame>(
-      Words{(key & 0x1FFF'FFFFU) | extended << 32 | std::uint64_t{dlc} << 48 | bytes << 56, bytes >> 8});
+      Words{(key & 0x1FFF'FFFFU) | extended << 32 | std::uint64_t{dlc} << 48, bytes});
 }
 
 }  // namespace canopus::canopen
