@@ -65,9 +65,7 @@ void Segment::reconsider() {
   for (const BusPort* port : members_) {
     hearing_[port->index / 64] |= std::uint64_t{1} << (port->index % 64);
     if (!port->listen_only) ++acknowledging;
-    if (port->rate != rate || !port->bits.idle() || port->faults.state() != can::ErrorState::error_active) {
-      healthy_ = false;
-    }
+    if (port->rate != rate || !port->bits.idle()) healthy_ = false;
   }
   lone_ = members_.size() == 1 && acknowledging == 1 && members_[0]->bits.idle() && computable;
   healthy_ = healthy_ && acknowledging >= 2;
@@ -78,6 +76,13 @@ void Segment::offer_changed(BusPort& port) {
     before_change();
     restart(port);
     after_change();
+    return;
+  }
+  if (&port == suspended_) {
+    if (state_ == State::idle && port.offer() != Arbiter::none && suspended_until_ < deadline_) {
+      deadline_ = std::max(core_.timeline.now(), suspended_until_);
+      core_.refresh();
+    }
     return;
   }
   arbiter_.set(port.index, port.offer());
@@ -147,6 +152,7 @@ bool Segment::another_offers(std::uint64_t winner) const noexcept {
 }
 
 void Segment::start(can::Time now) {
+  if (suspended_ != nullptr && now >= suspended_until_) end_suspension();
   const std::uint64_t winner = arbiter_.lowest();
   if (winner == Arbiter::none) {
     deadline_ = can::never;
@@ -167,6 +173,8 @@ void Segment::start(can::Time now) {
   }
   faults_ready_ = false;
   failed_ = false;
+  sat_out_ = suspended_;
+  if (suspended_ != nullptr) end_suspension();  // it has become a receiver
   transmitter_ = &port;
   start_ = now;
   bits_ = can::frame_bits(port.current);
@@ -186,6 +194,20 @@ void Segment::become_idle(can::Time from) {
   deadline_ = arbiter_.lowest() == Arbiter::none ? can::never : from;
 }
 
+/// A passive transmitter lets the others go first.
+void Segment::suspend(BusPort& port, can::Time until) {
+  suspended_ = &port;
+  suspended_until_ = until;
+  arbiter_.set(port.index, Arbiter::none);
+  if (arbiter_.lowest() != Arbiter::none) return;
+  deadline_ = port.offer() == Arbiter::none ? can::never : until;
+}
+
+void Segment::end_suspension() {
+  arbiter_.set(suspended_->index, suspended_->offer());
+  suspended_ = nullptr;
+}
+
 void Segment::finish(can::Time now) {
   BusPort& port = *transmitter_;
   const can::Frame frame = port.current;
@@ -196,6 +218,9 @@ void Segment::finish(can::Time now) {
   core_.statistics.busy(start_, next, bits_ + can::intermission_bits);
   if (counting_) count_success(port);
   become_idle(next);
+  if (port.faults.state() == can::ErrorState::error_passive) {
+    suspend(port, next + can::bit_time(suspend_bits, port.rate));
+  }
   for (BusObserver* observer : core_.observers) observer->frame_completed(frame, start_, now);
   deliver(frame, port, now);
   if (own) port.tell([&](can::Participant& participant) { participant.transmitted(frame, now); });
@@ -220,12 +245,14 @@ void Segment::count_success(BusPort& transmitter) {
   for (BusPort* port : members_) {
     if (port->listen_only || port->faults.clean()) continue;
     const bool warned = port->faults.warning();
+    const can::ErrorState state = port->faults.state();
     if (port == &transmitter) {
       port->faults.transmitted();
     } else {
       port->faults.received();
     }
-    if (port->faults.warning() != warned) port->tap.changed = changes_ = true;
+    if (port->faults.warning() != warned || port->faults.state() != state)
+      port->tap.changed = changes_ = true;
     counting_ = counting_ || !port->faults.clean();
   }
 }

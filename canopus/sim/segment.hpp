@@ -72,6 +72,8 @@ class Segment {
     return faults_.drop_everywhere || faults_.drop_at == &port;
   }
   void become_idle(can::Time from);
+  void suspend(BusPort& port, can::Time until);
+  void end_suspension();
   [[nodiscard]] bool another_offers(std::uint64_t winner) const noexcept;
   // segment_bits.cpp: bit by bit
   void enter_bits();
@@ -107,6 +109,9 @@ class Segment {
 
   bool failed_ = false;                  // transmitter_ was alone with its last frame
   can::FaultConfinement faults_before_;  // its counters before that
+  BusPort* suspended_ = nullptr;         // passive, and the last to send: not offered to the arbiter ...
+  can::Time suspended_until_{};          // ... before this
+  BusPort* sat_out_ = nullptr;           // was suspended when the frame on the wire began
   bool counting_ = false;                // some error counter is not 0
   bool changes_ = false;                 // some port has to be told of its controller
 
@@ -120,6 +125,7 @@ class Segment {
   bool dominant_ = false;  // level of the wire
   bool active_ = false;    // from the first dominant bit to idle
   bool replaying_ = false;
+  bool completing_ = false;   // some frame ends with the present bit
   bool error_frame_ = false;  // one is counted since the last frame began
   can::Time activity_start_{};
 };

@@ -24,6 +24,8 @@ void Segment::enter_bits() {
     if (port->segment == this) port->tap = {};
   }
   const can::Time now = core_.timeline.now();
+  const bool suspended = suspended_ != nullptr && now < suspended_until_;
+  if (suspended_ != nullptr) end_suspension();
   if (on_wire) {
     replay(now);
   } else if (failed_ && now < free_from_) {
@@ -33,7 +35,7 @@ void Segment::enter_bits() {
     activity_start_ = free_from_ = now;
     failed_ = false;
     error_frame_ = true;
-  } else if (now < free_from_) {
+  } else if (now < free_from_ || suspended) {
     replay_intermission(now);
   } else {
     deadline_ = arbiter_.lowest() == Arbiter::none ? can::never : std::max(now, free_from_);
@@ -49,7 +51,8 @@ void Segment::replay(can::Time until) {
   port.tap.next = start_;
   for (BusPort* loser : members_) {
     // Whoever has queued nothing since was in the arbitration with what it offers now.
-    if (loser == &port || loser->offer() == Arbiter::none || loser->last_queued > start_) continue;
+    if (loser == &port || loser == sat_out_ || loser->offer() == Arbiter::none || loser->last_queued > start_)
+      continue;
     loser->take_next();
     loser->bits.transmit(loser->current);
     loser->tap.next = loser->tap.frame_start = start_;
@@ -77,7 +80,11 @@ void Segment::replay_intermission(can::Time until) {
 
 /// From idle: whoever offers something begins.
 void Segment::begin_bits(can::Time now) {
+  const FrameFaults faults = faults_;  // of the frame that begins
+  const bool ready = faults_ready_;
   enter_bits();
+  faults_ = faults;
+  faults_ready_ = ready;
   bits_tick(now, false);
 }
 
@@ -95,7 +102,7 @@ void Segment::bits_tick(can::Time now, bool may_leave) {
     if (active_) {
       active_ = false;
       error_frame_ = false;
-      clear_faults();
+      if (!faults_ready_) clear_faults();
       const can::Duration bit = can::bit_time(1, core_.bit_rate);
       activity_start_ = std::min(activity_start_, now);
       core_.statistics.busy(activity_start_, now, static_cast<std::uint64_t>((now - activity_start_) / bit));
@@ -112,6 +119,7 @@ void Segment::bits_tick(can::Time now, bool may_leave) {
 
 /// Frames whose last bit ends now.
 void Segment::complete_frames(can::Time now) {
+  if (!completing_) return;
   const BusPort* told = nullptr;
   for (BusPort* port : members_) {
     if (!port->tap.transmitted && !port->tap.received) continue;
@@ -143,6 +151,8 @@ void Segment::complete_frames(can::Time now) {
     if (!own) continue;
     port.tell([&](can::Participant& participant) { participant.transmitted(sent, now); });
   }
+  completing_ = std::any_of(members_.begin(), members_.end(),
+                            [](const BusPort* port) { return port->tap.received || port->tap.transmitted; });
 }
 
 bool Segment::leave_bits_if_healthy(can::Time now) {
@@ -269,6 +279,7 @@ void Segment::sample_port(BusPort& port, can::Time now) {
     port.give_back();
     arbiter_.set(port.index, port.offer());
   }
+  completing_ = completing_ || events.received || events.transmitted;
   tap.received = tap.received || events.received;
   tap.transmitted = tap.transmitted || events.transmitted;
   if (events.early_start && port.offer() != Arbiter::none) {
