@@ -238,15 +238,14 @@ void Assembly::configure_network(const ModuleSection& section, Me3can1Q& module)
     const auto problems = network.add_slave(wanted, seat.device().file(), status.plate.name, every_link);
     for (const PlantError& problem : problems) errors_.push_back(problem);
   };
-  for (const SlaveSection& slave : section.slaves) {
-    if (DeviceSeat* seat = device(section.bus, slave.node)) add(slave, *seat, true);
-  }
-  if (section.all_slaves) {
-    for (const auto& seat : parts_.devices) {
-      const NodePlate& plate = seat->status().plate;
-      if (plate.bus != section.bus) continue;
-      if (std::ranges::find(section.slaves, plate.node_id, &SlaveSection::node) != section.slaves.end())
-        continue;
+  for (const auto& seat :
+       parts_.devices) {  // in the plant file's order, so that the words come in this order too
+    const NodePlate& plate = seat->status().plate;
+    if (plate.bus != section.bus) continue;
+    const auto written = std::ranges::find(section.slaves, plate.node_id, &SlaveSection::node);
+    if (written != section.slaves.end()) {
+      add(*written, *seat, true);
+    } else if (section.all_slaves) {
       SlaveSection slave{.place = section.place, .node = plate.node_id};
       slave.receive.push_back({.place = section.place, .pdo = 1});
       slave.send.push_back({.place = section.place, .pdo = 1});
