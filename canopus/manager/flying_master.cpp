@@ -111,7 +111,7 @@ void FlyingMaster::claimed(std::uint8_t level, std::uint8_t node_id, can::Time n
     return become_standby(node_id, now);
   }
   switch (state_) {
-    case State::off: return;
+    case State::off:
     case State::delay: return;  // this node asks in a moment
     case State::standby:
       // Not ours: another master claims the network, although ours is better. Let them settle it.

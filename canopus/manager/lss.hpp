@@ -3,6 +3,7 @@
 // the table of bit rates. All frames have 8 bytes; numbers are little-endian.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
@@ -61,8 +62,8 @@ inline constexpr std::array<std::uint32_t, 9> bit_rates{1'000'000, 800'000, 500'
 
 /// Index of a bit rate in table 0.
 [[nodiscard]] constexpr std::optional<std::uint8_t> bit_rate_index(std::uint32_t bit_rate) noexcept {
-  for (std::uint8_t index = 0; index < bit_rates.size(); ++index) {
-    if (bit_rate != 0 && bit_rates[index] == bit_rate) return index;
+  for (std::size_t index = 0; index < bit_rates.size(); ++index) {
+    if (bit_rate != 0 && bit_rates[index] == bit_rate) return static_cast<std::uint8_t>(index);
   }
   return std::nullopt;
 }
