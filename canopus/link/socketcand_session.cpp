@@ -114,7 +114,8 @@ void SocketcandSession::element(std::string_view text) {
   switch (state_) {
     case State::no_bus:
       if (command != "open") return error("unknown command, expected open");
-      if (take_word(text) != bus_name_ || !take_word(text).empty()) {
+      if (const auto name = take_word(text);
+          (!name.empty() && name != bus_name_) || !take_word(text).empty()) {
         return close_with("< error could not open bus >");
       }
       state_ = State::quiet;

@@ -13,6 +13,8 @@
 //                             client: < echo >           server: < echo >
 //                             client: < bcmmode >        server: < ok >      frames stop
 //
+// `< open >` without a name opens the bus as well: a server has only one. Other servers refuse that.
+//
 // What is not understood gets `< error ... >`; after garbage outside of elements, or an element without end,
 // the connection is closed. As in socketcand's raw mode a client does not hear the frames it sent itself,
 // and remote frames are not passed on to it. The broadcast manager commands (add, update, subscribe, filter)
@@ -61,7 +63,7 @@ class SocketcandSession {
     closed,  ///< the connection is to be closed once the messages so far are sent
   };
 
-  /// `bus_name` is the only name that `open` accepts. `bus` takes the client's frames.
+  /// `bus_name` is the only name that `open` accepts, besides none at all. `bus` takes the client's frames.
   SocketcandSession(std::string bus_name, can::Sink& bus, Peer& peer);
 
   /// The connection is there: says `< hi >`.

@@ -85,6 +85,18 @@ TEST_F(SocketcandSessionTest, Open_OfAnotherBus_IsAnErrorAndTheEnd) {
   EXPECT_EQ(session.state(), State::closed);
 }
 
+TEST_F(SocketcandSessionTest, OpenWithoutAName_OpensTheOnlyBus) {
+  session.receive("< open >");
+  EXPECT_THAT(ends.messages, ElementsAre("< ok >"));
+  EXPECT_EQ(session.state(), State::quiet);
+}
+
+TEST_F(SocketcandSessionTest, OpenOfTwoNames_IsAnErrorAndTheEnd) {
+  session.receive("< open line1 line2 >");
+  EXPECT_THAT(ends.messages, ElementsAre("< error could not open bus >"));
+  EXPECT_EQ(session.state(), State::closed);
+}
+
 TEST_F(SocketcandSessionTest, Rawmode_IsAnsweredAndWantsFrames) {
   session.receive("< open line1 >");
   session.receive("< rawmode >");

@@ -1,0 +1,152 @@
+#include "canopus/link/socketcand_dialogue.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+#include <utility>
+
+namespace canopus::link {
+namespace {
+
+/// No element of a server is longer; more without an end is no socketcand server.
+constexpr std::size_t longest_element = 512;
+
+constexpr bool is_blank(char c) noexcept { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+
+std::string_view take_word(std::string_view& text) noexcept {
+  const auto start = std::ranges::find_if_not(text, is_blank);
+  const auto end = std::find_if(start, text.end(), is_blank);
+  const std::string_view word(start, end);
+  text = std::string_view(end, text.end());
+  return word;
+}
+
+std::optional<std::uint32_t> hexadecimal(std::string_view word) noexcept {
+  std::uint32_t value = 0;
+  const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value, 16);
+  if (failure != std::errc{} || end != word.data() + word.size()) return std::nullopt;
+  return value;
+}
+
+/// What of the server's bytes can be shown to a person.
+std::string printable(std::string_view text) {
+  std::string shown(text.substr(0, 40));
+  for (char& c : shown) {
+    if (c < ' ' || c > '~') c = '?';
+  }
+  return shown;
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+}  // namespace
+
+std::size_t write_socketcand_send(std::span<char, socketcand_max_send> out,
+                                  const can::Frame& frame) noexcept {
+  constexpr char hex_digits[] = "0123456789ABCDEF";
+  const std::string_view start = frame.remote ? "< sendrtr " : "< send ";
+  char* p = std::ranges::copy(start, out.data()).out;
+  for (int digit = frame.extended ? 7 : 2; digit >= 0; --digit) {
+    *p++ = hex_digits[frame.identifier >> (4 * digit) & 0xFU];
+  }
+  *p++ = ' ';
+  *p++ = static_cast<char>('0' + std::min<unsigned>(frame.dlc, 8));
+  for (const std::uint8_t byte : frame.bytes()) {
+    *p++ = ' ';
+    if (byte >= 0x10) *p++ = hex_digits[byte >> 4];
+    *p++ = hex_digits[byte & 0xF];
+  }
+  *p++ = ' ';
+  *p++ = '>';
+  return static_cast<std::size_t>(p - out.data());
+}
+
+SocketcandDialogue::SocketcandDialogue(std::string bus_name, Peer& peer)
+    : bus_name_(std::move(bus_name)), peer_(peer) {}
+
+void SocketcandDialogue::receive(std::string_view bytes) {
+  if (state_ == State::failed) return;
+  input_.append(bytes);
+  std::size_t used = 0;
+  while (state_ != State::failed) {
+    while (used < input_.size() && is_blank(input_[used])) ++used;
+    if (used == input_.size()) break;
+    if (input_[used] != '<') {
+      fail("this is no socketcand server: it says \"" + printable(std::string_view(input_).substr(used)) +
+           '"');
+      break;
+    }
+    const std::size_t end = input_.find('>', used);
+    if (std::min(end, input_.size()) - used >= longest_element) {
+      fail("this is no socketcand server: what it says has no end");
+      break;
+    }
+    if (end == std::string::npos) break;  // the rest is still to come
+    const std::string_view text(input_.data() + used + 1, end - used - 1);
+    used = end + 1;
+    element(trimmed(text));
+  }
+  if (state_ == State::failed) {
+    input_.clear();
+  } else {
+    input_.erase(0, used);
+  }
+}
+
+void SocketcandDialogue::element(std::string_view text) {
+  std::string_view rest = text;
+  const std::string_view word = take_word(rest);
+  switch (state_) {
+    case State::greeting:
+      if (word != "hi") return fail("expected its greeting, found \"" + printable(text) + '"');
+      state_ = State::opening;
+      return peer_.message(bus_name_.empty() ? std::string("< open >") : "< open " + bus_name_ + " >");
+    case State::opening:
+      if (word == "ok") {
+        state_ = State::entering_raw;
+        return peer_.message("< rawmode >");
+      }
+      if (bus_name_.empty()) return fail("the server wants the name of the bus: socketcand:HOST:PORT/BUS");
+      return fail("the server does not open the bus \"" + bus_name_ + "\": " + printable(text));
+    case State::entering_raw:
+      if (word != "ok") return fail("the server does not give the frames of the bus: " + printable(text));
+      state_ = State::raw;
+      return;
+    case State::raw:
+      if (word == "frame") return frame(rest);
+      if (word == "error") return peer_.complaint(trimmed(rest));
+      return;  // answers to nothing we asked
+    case State::failed: return;
+  }
+}
+
+// `581 12.000345 4318100101000000`; some servers put blanks between the bytes.
+void SocketcandDialogue::frame(std::string_view arguments) {
+  const std::string_view identifier_word = take_word(arguments);
+  const auto identifier = hexadecimal(identifier_word);
+  can::Frame frame{.extended = identifier_word.size() == 8};
+  (void)take_word(arguments);  // the server's time
+  const std::uint32_t highest = frame.extended ? can::max_extended_identifier : can::max_base_identifier;
+  bool good = identifier && *identifier <= highest;
+  for (std::string_view word = take_word(arguments); good && !word.empty(); word = take_word(arguments)) {
+    for (; good && !word.empty(); word.remove_prefix(std::min<std::size_t>(2, word.size()))) {
+      const auto byte = hexadecimal(word.substr(0, 2));
+      good = byte && word.size() >= 2 && frame.dlc < 8;
+      if (good) frame.data[frame.dlc++] = static_cast<std::uint8_t>(*byte);
+    }
+  }
+  if (!good) return peer_.complaint("a frame that cannot be read");
+  frame.identifier = *identifier;
+  peer_.frame_received(frame);
+}
+
+void SocketcandDialogue::fail(std::string text) {
+  error_ = std::move(text);
+  state_ = State::failed;
+}
+
+}  // namespace canopus::link

@@ -1,0 +1,66 @@
+#pragma once
+// The client's side of a socketcand conversation (socketcand_session.hpp shows both), without the socket:
+// waits for `< hi >`, opens the bus, enters raw mode, and from then on reads frames. Frames to be sent are
+// elements of their own, write_socketcand_send().
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "canopus/can/frame.hpp"
+
+namespace canopus::link {
+
+/// Longest element write_socketcand_send() makes.
+inline constexpr std::size_t socketcand_max_send = 64;
+
+/// Writes `< send 601 8 40 18 10 1 0 0 0 0 >` or `< sendrtr 705 1 >` and returns its length. Lengths above 8
+/// are sent as 8.
+std::size_t write_socketcand_send(std::span<char, socketcand_max_send> out, const can::Frame& frame) noexcept;
+
+class SocketcandDialogue {
+ public:
+  class Peer {
+   public:
+    /// To be sent to the server as it is.
+    virtual void message(std::string_view text) = 0;
+    virtual void frame_received(const can::Frame& frame) = 0;
+    /// The server says that something is wrong (frames were lost, a frame was refused); the connection stays.
+    virtual void complaint(std::string_view text) = 0;
+
+   protected:
+    ~Peer() = default;
+  };
+
+  enum class State : std::uint8_t {
+    greeting,      ///< waits for `< hi >`
+    opening,       ///< asked for the bus
+    entering_raw,  ///< asked for its frames
+    raw,           ///< frames come and go
+    failed,        ///< error() says why; the connection is to be closed
+  };
+
+  /// An empty name asks for the only bus of the server, which servers of other makes refuse.
+  SocketcandDialogue(std::string bus_name, Peer& peer);
+
+  /// Bytes came from the server, cut anywhere.
+  void receive(std::string_view bytes);
+  [[nodiscard]] State state() const noexcept { return state_; }
+  /// A sentence, when failed.
+  [[nodiscard]] const std::string& error() const noexcept { return error_; }
+
+ private:
+  void element(std::string_view text);
+  void frame(std::string_view arguments);
+  void fail(std::string text);
+
+  std::string bus_name_;
+  Peer& peer_;
+  State state_ = State::greeting;
+  std::string input_;  // not yet understood
+  std::string error_;
+};
+
+}  // namespace canopus::link

@@ -1,0 +1,126 @@
+#include "canopus/link/bus_client.hpp"
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <boost/asio/ip/tcp.hpp>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "canopus/link/socketcand_server.hpp"
+
+#include "link/toy_bus.hpp"
+
+namespace canopus::link {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+using namespace std::chrono_literals;
+
+constexpr auto patience = 10s;  // never reached when all is well
+
+struct Listener : BusClientUser {
+  void frame_received(const can::Frame& frame) override { frames.push_back(frame); }
+  void bus_lost(const std::string& reason) override { lost.push_back(reason); }
+
+  std::vector<can::Frame> frames;
+  std::vector<std::string> lost;
+};
+
+class SocketcandClientTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    server = std::make_unique<SocketcandServer>(io, tcp::endpoint(asio::ip::address_v4::loopback(), 0),
+                                                "line1", bus.attach(), bus);
+    const auto listening = server->listen();
+    ASSERT_TRUE(listening) << listening.error();
+    address.host = "127.0.0.1";
+    address.port = server->port();
+  }
+  void TearDown() override { client.reset(); }
+
+  std::string join(const std::string& name) {
+    address.bus = name;
+    auto opened = open_bus(io, address, patience);
+    if (!opened) return opened.error();
+    client = std::move(*opened);
+    client->set_user(&listener);
+    bus.advance(100ms);  // the server's frames wait until the client has settled
+    return "joined";
+  }
+  void until(const std::function<bool()>& condition) {
+    while (!condition()) io.run_one();
+  }
+
+  asio::io_context io;
+  ToyBus bus;
+  std::unique_ptr<SocketcandServer> server;
+  BusAddress address;
+  Listener listener;
+  std::unique_ptr<BusClient> client;
+};
+
+TEST_F(SocketcandClientTest, NamedBus_IsJoined) { EXPECT_EQ(join("line1"), "joined"); }
+
+TEST_F(SocketcandClientTest, OnlyBus_IsJoinedWithoutItsName) { EXPECT_EQ(join(""), "joined"); }
+
+TEST_F(SocketcandClientTest, AnotherName_IsRefusedWithAddressAndReason) {
+  EXPECT_EQ(join("can7"), "socketcand:127.0.0.1:" + std::to_string(address.port) +
+                              "/can7: the server does not open the bus \"can7\": error could not open bus");
+}
+
+TEST_F(SocketcandClientTest, NobodyListening_IsToldAtOnce) {
+  server->close();
+  EXPECT_THAT(join("line1"), HasSubstr("Connection refused"));
+}
+
+TEST_F(SocketcandClientTest, SentFrame_ReachesTheBus) {
+  join("line1");
+  EXPECT_TRUE(client->send(can::data_frame(0x601, {0x40, 0, 0x10, 0, 0, 0, 0, 0})));
+  until([&] { return bus.waiting() == 1; });
+  bus.run();
+  EXPECT_THAT(bus.delivered, ElementsAre(can::data_frame(0x601, {0x40, 0, 0x10, 0, 0, 0, 0, 0})));
+}
+
+TEST_F(SocketcandClientTest, FrameOfTheBus_IsHeard) {
+  join("line1");
+  bus.inject(can::data_frame(0x701, {0x05}));
+  until([&] { return !listener.frames.empty(); });
+  EXPECT_THAT(listener.frames, ElementsAre(can::data_frame(0x701, {0x05})));
+}
+
+TEST_F(SocketcandClientTest, EndedServer_IsTold) {
+  join("line1");
+  server->close();
+  until([&] { return !listener.lost.empty(); });
+  EXPECT_THAT(listener.lost, ElementsAre("the server ended the connection"));
+  EXPECT_FALSE(client->send(can::data_frame(0x080)));
+}
+
+TEST(SocketcandClient, SilentServer_IsGivenUpAfterTheTime) {
+  asio::io_context io;
+  tcp::acceptor silent(io, tcp::endpoint(asio::ip::address_v4::loopback(), 0));
+  const BusAddress address{.host = "127.0.0.1", .port = silent.local_endpoint().port()};
+  const auto opened = open_bus(io, address, 20ms);
+  ASSERT_FALSE(opened.has_value());
+  EXPECT_THAT(opened.error(), HasSubstr("no answer within 20 ms"));
+}
+
+TEST(SocketcanClient, MissingKernelOrInterface_IsToldWithTheAddress) {
+  asio::io_context io;
+  const auto opened = open_bus(io, {.kind = BusAddress::Kind::socketcan, .bus = "nosuchcan9"}, 1s);
+  ASSERT_FALSE(opened.has_value());
+  EXPECT_THAT(opened.error(), StartsWith("socketcan:nosuchcan9: "));
+  EXPECT_THAT(opened.error(), testing::AnyOf(HasSubstr("kernel has no SocketCAN"),
+                                             HasSubstr("no such interface"), HasSubstr("no CAN socket")));
+}
+
+}  // namespace
+}  // namespace canopus::link
