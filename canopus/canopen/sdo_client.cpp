@@ -123,9 +123,12 @@ bool SdoClient::receive(const can::Frame& frame, can::Time now) {
   if (frame.remote || key != response_cob_id_) return false;
   if (!busy() || frame.dlc == 0) return true;
   const auto command = static_cast<ServerCommand>(frame.data[0] >> 5);
-  // Between the segments of a block, 81H.. is the last segment.
-  if (command == ServerCommand::abort && (state_ != State::block_upload || frame.data[0] == 0x80)) {
-    finish(static_cast<AbortCode>(sdo::value(frame)), now);
+  // Among the segments of a block, 81H.. is the last segment, also when it comes twice.
+  const bool among_segments = state_ == State::block_upload || state_ == State::block_upload_end;
+  if (command == ServerCommand::abort && (!among_segments || frame.data[0] == 0x80)) {
+    const auto code = static_cast<AbortCode>(sdo::value(frame));
+    finish(code != AbortCode::none ? code : AbortCode::general,
+           now);  // an abort without a reason is one, too
     return true;
   }
   switch (state_) {
