@@ -132,6 +132,10 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
   if (section.bit_rate != 0) port.restart(section.bit_rate);
   port.set_listen_only(section.listen_only);
   auto seat = std::make_unique<DeviceSeat>(file, section, node_id, port, observer_);
+  if (!section.store.empty()) {
+    seat->set_store(
+        std::make_unique<store::ParameterFile>(folder_ / section.store, fmt::format("node-{:03}", node_id)));
+  }
   for (std::size_t i = 0; i < section.behaviours.size(); ++i) {
     const BehaviourSection& wanted = section.behaviours[i];
     sim::Behaviour behaviour;

@@ -112,6 +112,7 @@ DeviceSection read_device(TableReader& table) {
   device.eds = table.text("eds", true).value_or("");
   device.node = static_cast<std::uint8_t>(table.integer("node", 1, 127, node_id_expected).value_or(0));
   device.start = table.parsed("start", parse_duration).value_or(can::Duration{});
+  device.store = table.text("store").value_or("");
   device.bit_rate = read_bit_rate(table, false);
   device.listen_only = table.boolean("listen_only").value_or(false);
   if (const auto order = table.text("transmit_order")) {

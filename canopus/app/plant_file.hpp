@@ -79,6 +79,7 @@ struct DeviceSection {
   std::string eds{};                 ///< path, relative to the plant file
   std::uint8_t node = 0;             ///< 1..127; 0 = from the DCF
   can::Duration start{};             ///< powers up this long after the run's start
+  std::string store{};               ///< folder for what 1010H saves; empty = it does not survive the run
   std::uint32_t bit_rate = 0;        ///< bit/s; 0 = the bus's. Another one than the bus's destroys frames
   bool listen_only = false;          ///< its controller hears, but drives nothing
   bool transmit_fifo = false;        ///< its controller sends in the order of queueing, not of identifiers

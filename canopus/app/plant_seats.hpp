@@ -18,6 +18,7 @@
 #include "canopus/app/plant.hpp"
 #include "canopus/module/me3can1_q/me3can1_q.hpp"
 #include "canopus/sim/device.hpp"
+#include "canopus/store/parameter_file.hpp"
 
 namespace canopus::app {
 
@@ -38,6 +39,11 @@ class DeviceSeat final : public can::Participant {
   }
 
   sim::Device& device() noexcept { return device_; }
+  /// Where the device keeps what 1010H saves. To be called before power_on().
+  void set_store(std::unique_ptr<store::ParameterFile> store) {
+    store_ = std::move(store);
+    device_.node().set_parameter_store(store_.get());
+  }
   NodeStatus& status() noexcept { return status_; }
   const NodeStatus& status() const noexcept { return status_; }
 
@@ -74,6 +80,7 @@ class DeviceSeat final : public can::Participant {
     observer_.nmt_state_changed(status_.plate, status_.state, now);
   }
 
+  std::unique_ptr<store::ParameterFile> store_;
   sim::Device device_;
   std::string name_;
   NodeStatus status_;
