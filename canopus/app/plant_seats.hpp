@@ -32,7 +32,10 @@ class DeviceSeat final : public can::Participant {
  public:
   DeviceSeat(std::shared_ptr<const eds::DeviceFile> file, const DeviceSection& section, std::uint8_t node_id,
              sim::Port& port, PlantObserver& observer)
-      : device_(std::move(file), node_id, port), start_(can::Time{} + section.start), observer_(observer) {
+      : device_(std::move(file), node_id, port),
+        port_(port),
+        start_(can::Time{} + section.start),
+        observer_(observer) {
     const std::string& product = device_.file().device.product_name;
     name_ = !section.name.empty() ? section.name : product;
     status_.plate = {section.bus, name_, node_id};
@@ -75,13 +78,27 @@ class DeviceSeat final : public can::Participant {
 
  private:
   void look(can::Time now) {
+    if (device_.node().identifiers_revision() != accepted_revision_) accept();
     if (device_.node().state() == status_.state) return;
     status_.state = device_.node().state();
     observer_.nmt_state_changed(status_.plate, status_.state, now);
   }
+  /// Tells the controller which identifiers the node does something with: the bus then leaves out the others.
+  void accept() {
+    const canopen::Node& node = device_.node();
+    accepted_revision_ = node.identifiers_revision();
+    sim::Acceptance acceptance;
+    for (std::uint32_t identifier = 0; identifier <= can::max_base_identifier; ++identifier) {
+      acceptance.base[identifier] = node.wants(identifier);
+    }
+    acceptance.extended = node.wants_extended();
+    port_.accept(acceptance);
+  }
 
   std::unique_ptr<store::ParameterFile> store_;
   sim::Device device_;
+  sim::Port& port_;
+  std::uint32_t accepted_revision_ = 0;
   std::string name_;
   NodeStatus status_;
   can::Time start_;
