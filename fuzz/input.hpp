@@ -10,6 +10,7 @@
 #include <span>
 
 #include "canopus/can/frame.hpp"
+#include "canopus/can/time.hpp"
 
 namespace canopus::fuzz {
 

@@ -1,0 +1,526 @@
+// A node with every service of CiA 301, that hears mutated frames (mostly on identifiers it listens to), is
+// used by its application in any order, and lives through time steps of any size. It sends nothing its NMT
+// state forbids, hears nothing it says it does not want, its deadlines lead somewhere, and streams are closed
+// as often as opened.
+
+#include "canopus/canopen/node.hpp"
+
+#include <vector>
+
+#include "input.hpp"
+
+namespace {
+
+using namespace canopus;
+using namespace std::chrono_literals;
+using canopen::AbortCode;
+using canopen::Access;
+using canopen::DataType;
+using canopen::little_endian;
+using canopen::NmtState;
+using canopen::ObjectCode;
+using fuzz::expect;
+using fuzz::Input;
+
+constexpr std::uint8_t own_id = 5;
+constexpr std::uint16_t pdo_count = 10;
+constexpr std::uint16_t stream_object = 0x2040;
+
+/// Transmission types and mappings of the PDOs as delivered; those in 1A00H count for TPDOs, in 1600H for
+/// RPDOs.
+struct PdoDefaults {
+  std::uint8_t transmission_type;
+  std::uint16_t inhibit_time;
+  std::uint16_t event_timer;
+  std::uint8_t mapped;
+  std::uint32_t objects[4];
+};
+constexpr PdoDefaults rpdos[pdo_count] = {
+    {0, 0, 0, 2, {0x62000108, 0x62000208}},
+    {1, 0, 0, 2, {0x64110110, 0x64110210}},
+    {240, 0, 50, 4, {0x62200101, 0x62200201, 0x00010001, 0x62200301}},
+    {254, 0, 20, 1, {0x65000040}},
+    {255, 0, 0, 4, {0x00050008, 0x62000308, 0x00060010, 0x64110310}},
+    {255, 0, 0, 0xFF, {}},
+    {254, 0, 0, 0xFE, {}},
+    {255, 0, 1, 0, {}},
+    {255, 0, 0, 3, {0x62200401, 0x62000408, 0x62200501}},
+    {255, 0, 0, 1, {0x65010018}},
+};
+constexpr PdoDefaults tpdos[pdo_count] = {
+    {0, 0, 0, 2, {0x60000108, 0x60000208}},
+    {1, 0, 0, 2, {0x64010110, 0x64010210}},
+    {3, 0, 0, 4, {0x60200101, 0x60200201, 0x60000308, 0x60200301}},
+    {252, 0, 0, 1, {0x65000040}},
+    {253, 0, 0, 1, {0x64010310}},
+    {254, 100, 20, 2, {0x60000408, 0x64010410}},
+    {255, 0, 0, 3, {0x60200401, 0x60000508, 0x60200501}},
+    {254, 50, 0, 0xFF, {}},
+    {255, 0, 0, 0xFE, {}},
+    {255, 10, 5, 1, {0x65010018}},
+};
+
+void add_pdos(canopen::DictionaryBuilder& b, std::uint16_t first, std::uint32_t identifier,
+              const PdoDefaults (&pdos)[pdo_count]) {
+  for (std::uint16_t i = 0; i < pdo_count; ++i) {
+    const auto index = static_cast<std::uint16_t>(first + i);
+    b.object(index, ObjectCode::record, "PDO");
+    const bool transmits = first == 0x1800;
+    const bool on_request = pdos[i].transmission_type == 252 || pdos[i].transmission_type == 253;
+    const std::uint32_t flags = i == 9 ? 0x80000000U : transmits && !on_request ? 0x40000000U : 0U;
+    b.sub(index, 1, {.value = little_endian(flags | (identifier + 0x10U * i), 4)});
+    b.sub(index, 2, {.type = DataType::unsigned8, .value = {pdos[i].transmission_type}});
+    b.sub(index, 3, {.type = DataType::unsigned16, .value = little_endian(pdos[i].inhibit_time, 2)});
+    b.sub(index, 5, {.type = DataType::unsigned16, .value = little_endian(pdos[i].event_timer, 2)});
+    if (transmits) b.sub(index, 6, {.type = DataType::unsigned8});
+    const auto mapping = static_cast<std::uint16_t>(index + 0x200);
+    b.object(mapping, ObjectCode::array, "Mapping");
+    b.sub(mapping, 0, {.type = DataType::unsigned8, .value = {pdos[i].mapped}});
+    for (std::uint8_t sub = 1; sub <= 8; ++sub) {
+      b.sub(mapping, sub, {.value = little_endian(sub <= 4 ? pdos[i].objects[sub - 1] : 0, 4)});
+    }
+  }
+}
+
+std::shared_ptr<const canopen::DictionaryDescription> build() {
+  canopen::DictionaryBuilder b;
+  const auto variable = [&b](std::uint16_t index, DataType type, std::uint64_t value = 0,
+                             Access access = Access::read_write) {
+    const unsigned length = (canopen::bit_length(type) + 7) / 8;
+    b.variable(index,
+               {.name = "Object", .type = type, .access = access, .value = little_endian(value, length)});
+  };
+  using enum DataType;
+  variable(0x1000, unsigned32, 0x191, Access::read_only);
+  variable(0x1001, unsigned8, 0, Access::read_only);
+  b.uniform(0x1003, ObjectCode::array, "History", 3, {.access = Access::read_only});
+  b.sub(0x1003, 0, {.type = unsigned8, .access = Access::read_write});
+  variable(0x1005, unsigned32, 0x80);
+  variable(0x1006, unsigned32, 3000);
+  variable(0x1007, unsigned32, 500);
+  b.variable(0x1008, {.name = "Name",
+                      .type = visible_string,
+                      .access = Access::constant,
+                      .value = canopen::text("CANOPUS")});
+  variable(0x100C, unsigned16, 20);
+  variable(0x100D, unsigned8, 2);
+  b.uniform(0x1010, ObjectCode::array, "Store", 4, {.value = little_endian(1, 4)});
+  b.uniform(0x1011, ObjectCode::array, "Restore", 4, {.value = little_endian(1, 4)});
+  variable(0x1012, unsigned32, 0x8000'0100);
+  b.variable(0x1014, {.value = little_endian(0x80, 4), .adds_node_id = true});
+  variable(0x1015, unsigned16);
+  b.uniform(0x1016, ObjectCode::array, "Consumers", 4, {});
+  b.sub(0x1016, 0, {.type = unsigned8, .access = Access::constant, .value = {4}});
+  variable(0x1017, unsigned16);
+  b.uniform(0x1018, ObjectCode::record, "Identity", 4, {.access = Access::read_only});
+  variable(0x1019, unsigned8);
+  b.uniform(0x1028, ObjectCode::array, "EMCY", 12, {.value = little_endian(0x80000000, 4)});
+  b.uniform(0x1029, ObjectCode::array, "Error behaviour", 1, {.type = unsigned8});
+  for (const std::uint16_t channel : {0x1200, 0x1201, 0x1202, 0x1280}) {
+    b.object(channel, ObjectCode::record, "SDO");
+    const bool is_default = channel == 0x1200;
+    const std::uint32_t request = is_default ? 0x605U : channel == 0x1201 ? 0x6A0U : 0x80000000U;
+    const std::uint32_t response = is_default ? 0x585U : channel == 0x1201 ? 0x6A1U : 0x80000000U;
+    b.sub(channel, 1, {.value = little_endian(request, 4)});
+    b.sub(channel, 2, {.value = little_endian(response, 4)});
+    b.sub(channel, 3, {.type = unsigned8});
+  }
+  add_pdos(b, 0x1400, 0x300, rpdos);
+  add_pdos(b, 0x1800, 0x200, tpdos);
+  b.uniform(0x1FA0, ObjectCode::array, "Scanner list", 4, {.value = little_endian(0x04'2000'00, 4)});
+  b.uniform(0x1FD0, ObjectCode::array, "Dispatcher list", 4,
+            {.type = unsigned64, .value = little_endian(0x03'6200'01'2000'01'09, 8)});
+  const DataType types[] = {boolean,    integer8,    integer16,  integer32,       unsigned8,
+                            unsigned16, unsigned32,  real32,     visible_string,  octet_string,
+                            domain,     time_of_day, integer24,  real64,          integer40,
+                            integer48,  integer56,   integer64,  unsigned24,      unsigned40,
+                            unsigned48, unsigned56,  unsigned64, time_difference, unicode_string};
+  std::uint16_t next = 0x2000;
+  for (const DataType type : types) b.variable(next++, {.name = "Value", .type = type});
+  b.variable(0x2020, {.name = "Write-only", .type = unsigned8, .access = Access::write_only});
+  b.variable(0x2022, {.name = "Limited",
+                      .type = integer16,
+                      .limits = {.low = static_cast<std::uint64_t>(-100), .high = 100}});
+  b.variable(stream_object, {.name = "Stream", .type = domain});
+  b.uniform(0x6000, ObjectCode::array, "Inputs", 8, {.type = unsigned8, .tpdo_mappable = true});
+  b.uniform(0x6020, ObjectCode::array, "Input bits", 8, {.type = boolean, .tpdo_mappable = true});
+  b.uniform(0x6200, ObjectCode::array, "Outputs", 8, {.type = unsigned8, .rpdo_mappable = true});
+  b.uniform(0x6220, ObjectCode::array, "Output bits", 8, {.type = boolean, .rpdo_mappable = true});
+  b.uniform(0x6401, ObjectCode::array, "Analogue inputs", 4, {.type = integer16, .tpdo_mappable = true});
+  b.uniform(0x6411, ObjectCode::array, "Analogue outputs", 4, {.type = integer16, .rpdo_mappable = true});
+  b.variable(0x6500, {.type = unsigned64, .rpdo_mappable = true, .tpdo_mappable = true});
+  b.variable(0x6501, {.type = integer24, .rpdo_mappable = true, .tpdo_mappable = true});
+  return b.build();
+}
+
+class Stream final : public canopen::ObjectHandler, public canopen::ObjectStream {
+ public:
+  canopen::ObjectStream* stream(const canopen::Entry&) override { return this; }
+  std::expected<std::optional<std::size_t>, AbortCode> open_read(const canopen::Entry&, can::Time) override {
+    if (open_) return std::unexpected(AbortCode::device_state);
+    open_ = reads_ = true;
+    left_ = length;
+    return length % 2 != 0 ? std::optional(length) : std::nullopt;
+  }
+  AbortCode open_write(const canopen::Entry&, std::optional<std::size_t>, can::Time) override {
+    if (open_) return AbortCode::device_state;
+    open_ = true;
+    reads_ = false;
+    left_ = length;
+    return AbortCode::none;
+  }
+  AbortCode close(const canopen::Entry&, bool complete, can::Time) override {
+    expect(open_);
+    open_ = false;
+    return complete && length == 13 ? AbortCode::hardware_error : AbortCode::none;
+  }
+  std::expected<std::size_t, AbortCode> read(std::span<std::uint8_t> into) override {
+    expect(open_ && reads_);
+    if (length == 1000 && left_ < 500) return std::unexpected(AbortCode::hardware_error);
+    const std::size_t count = std::min(into.size(), left_);
+    std::fill_n(into.begin(), count, std::uint8_t{0x55});
+    left_ -= count;
+    return count;
+  }
+  AbortCode write(std::span<const std::uint8_t> bytes) override {
+    expect(open_ && !reads_);
+    if (bytes.size() > left_) return AbortCode::out_of_memory;
+    left_ -= bytes.size();
+    return AbortCode::none;
+  }
+  [[nodiscard]] bool is_open() const noexcept { return open_; }
+
+  std::size_t length = 100;
+
+ private:
+  std::size_t left_ = 0;
+  bool open_ = false;
+  bool reads_ = false;
+};
+
+class Store final : public canopen::ParameterStore {
+ public:
+  std::vector<std::uint8_t> load() override { return image; }
+  AbortCode save(std::span<const std::uint8_t> bytes) override {
+    if (fails) return AbortCode::hardware_error;
+    image.assign(bytes.begin(), bytes.end());
+    return AbortCode::none;
+  }
+  std::vector<std::uint8_t> image;
+  bool fails = false;
+};
+
+class Run final : can::Sink, canopen::NodeListener {
+ public:
+  explicit Run(Input& input)
+      : input_(input), node_(description(), own_id, *this, options(input.byte(), input.byte())) {
+    node_.set_listener(this);
+    node_.dictionary().attach(stream_object, stream_object, stream_);
+    const std::uint8_t set_up = input.byte();
+    if ((set_up & 1) != 0) node_.set_parameter_store(&store_);
+    produces_sync_ = (set_up & 2) != 0;
+    counts_sync_ = (set_up & 4) != 0;
+    heartbeat_ = (set_up & 8) != 0;
+    consumes_ = (set_up & 16) != 0;
+    inhibits_emcy_ = (set_up & 32) != 0;
+    error_behaviour_ = static_cast<std::uint8_t>(set_up >> 6);
+    node_.power_on(now_);
+    node_.command(canopen::NmtCommand::start, now_);
+  }
+
+  void run() {
+    for (unsigned steps = 0; steps < 300 && !input_.empty(); ++steps) {
+      frames_ = 0;
+      step();
+      expect(frames_ <= 4000);
+      const can::Time deadline = node_.deadline();
+      expect(deadline >= now_ - 1s);
+      expect(node_.state() != NmtState::initialising || !stream_.is_open());
+    }
+    node_.power_off();
+    expect(!stream_.is_open() && node_.deadline() == can::never);
+  }
+
+ private:
+  static std::shared_ptr<const canopen::DictionaryDescription> description() {
+    static const auto built = build();
+    return built;
+  }
+  static canopen::NodeOptions options(std::uint8_t low, std::uint8_t high) {
+    canopen::NodeOptions o;
+    o.dismiss_events_during_inhibit = (low & 1) != 0;
+    o.unsent_values_are_changed = (low & 2) == 0;
+    o.send_tpdos_on_start = (low & 4) == 0;
+    o.sdo_write_is_event = (low & 8) == 0;
+    o.tpdo_rtr_bit_is_constant = (low & 16) != 0;
+    o.rtr_transmission_types = (low & 32) == 0;
+    o.extended_identifiers = (low & 64) == 0;
+    if ((low & 128) != 0) o.inhibit_time_resolution = o.sync_period_resolution = 1ms;
+    o.sync_needs_active_master = (high & 1) != 0;
+    o.history_clears_error_register = (high & 2) != 0;
+    o.empty_history_reads_zero = (high & 4) != 0;
+    o.guarding_emergency_names_node = (high & 8) != 0;
+    if ((high & 16) != 0) o.sdo_server_time_out = 0s;
+    if ((high & 32) != 0) o.sdo_maximum_download = 20;
+    return o;
+  }
+
+  // --- what the node does
+  bool send(const can::Frame& frame) override {
+    ++frames_;
+    fuzz::expect_well_formed(frame);
+    expect(!frame.remote);
+    const bool is_error_control = !frame.extended && frame.identifier == 0x700U + node_.node_id();
+    if (node_.state() == NmtState::stopped) expect(is_error_control && frame.dlc == 1);
+    if (node_.state() == NmtState::initialising) {
+      expect(is_error_control && frame.dlc == 1 && frame.data[0] == 0);
+    }
+    static_cast<void>(node_.identifiers_revision());  // as a bus may ask at any time
+    return !full_;
+  }
+  void tpdo_sent(std::uint16_t number, can::Time) override {
+    expect(node_.state() == NmtState::operational && number < pdo_count);
+  }
+  void rpdo_received(std::uint16_t number, can::Time) override {
+    expect(node_.state() == NmtState::operational && number < pdo_count);
+  }
+  void sync_received(std::uint8_t, can::Time) override { expect_communicates(); }
+  void time_received(const canopen::TimeOfDay&, can::Time) override { expect_communicates(); }
+  void emergency_received(const canopen::Emergency& e, can::Time) override {
+    expect_communicates();
+    expect(e.node_id >= 1 && e.node_id <= 12);
+  }
+  void emergency_raised(const canopen::Emergency& e, can::Time) override {
+    expect(e.node_id == node_.node_id());
+    if (reacts_) node_.values_changed(now_);
+  }
+  bool may_become_operational() override { return may_start_; }
+  void heartbeat_lost(std::uint8_t id, can::Time) override {
+    expect(id >= 1 && id <= 127);
+    if (reacts_) node_.command(canopen::NmtCommand::stop, now_);
+  }
+  void life_guarding_event(bool, can::Time) override {
+    if (reacts_) node_.command(canopen::NmtCommand::reset_communication, now_);
+  }
+  void reset_done(canopen::NmtCommand, can::Time) override {
+    auto& d = node_.dictionary();
+    if (produces_sync_) d.set<std::uint32_t>(0x1005, 0, 0x4000'0080);
+    if (counts_sync_) d.set<std::uint8_t>(0x1019, 0, 5);
+    if (heartbeat_) d.set<std::uint16_t>(0x1017, 0, 30);
+    if (inhibits_emcy_) d.set<std::uint16_t>(0x1015, 0, 100);
+    d.set<std::uint8_t>(0x1029, 1, error_behaviour_);
+    if (consumes_) {
+      for (std::uint8_t sub = 1; sub <= 3; ++sub) d.set(0x1016, sub, (8U + sub) << 16 | 40U);
+      for (std::uint8_t sub = 1; sub <= 12; ++sub) d.set(0x1028, sub, 0x80U + sub);
+    }
+  }
+  void expect_communicates() const {
+    expect(node_.state() == NmtState::operational || node_.state() == NmtState::pre_operational);
+  }
+
+  // --- what is done to it
+  void step() {
+    switch (input_.choice(16)) {
+      case 0: return hear(input_.frame(own_identifier(), false));
+      case 1: return hear(input_.frame(static_cast<std::uint32_t>(input_.number(2)) & 0x7FF));
+      case 2: return hear(input_.frame(static_cast<std::uint32_t>(input_.number(4)) & 0x1FFF'FFFF, true));
+      case 3:
+        return hear(
+            can::data_frame(0x000, {input_.one_of(commands), input_.flag() ? own_id : std::uint8_t{0}}));
+      case 4:
+      case 5: return hear(sdo_request());
+      case 6: return write();
+      case 7:
+        return hear(can::remote_frame(0x700U + node_.node_id(), static_cast<std::uint8_t>(input_.choice(2))));
+      case 8: return hear(can::data_frame(0x080, std::span(counter_).first(counts_sync_ ? 1 : 0)));
+      case 9: return hear(can::data_frame(0x709U + input_.choice(3), {input_.one_of(states)}));
+      case 10:
+      case 11: return pass_time();
+      case 12: return application();
+      case 13: return application_write();
+      case 14: return sdo_block();
+      default: return surroundings();
+    }
+  }
+
+  void hear(const can::Frame& frame) {
+    const bool wanted = frame.extended ? node_.wants_extended() : node_.wants(frame.identifier);
+    if (frame.identifier == 0x080 && !frame.extended)
+      counter_[0] = static_cast<std::uint8_t>(counter_[0] % 5 + 1);
+    node_.receive(frame, now_);
+    expect(wanted || frames_ == 0);
+  }
+
+  std::uint32_t own_identifier() {
+    const std::uint32_t which = input_.byte();
+    if (which < pdo_count) return 0x300 + 0x10 * which;
+    if (which < 2 * pdo_count) return 0x200 + 0x10 * (which - pdo_count);
+    constexpr std::uint32_t others[] = {0x000, 0x080, 0x081, 0x085, 0x08A, 0x100,
+                                        0x605, 0x6A0, 0x705, 0x709, 0x70A};
+    return others[which % std::size(others)];
+  }
+
+  std::uint16_t some_object() {
+    constexpr std::uint16_t objects[] = {
+        0x1001, 0x1003, 0x1005, 0x1006, 0x1007, 0x1008, 0x100C, 0x100D, 0x1010, 0x1011, 0x1012, 0x1014,
+        0x1015, 0x1016, 0x1017, 0x1018, 0x1019, 0x1028, 0x1029, 0x1200, 0x1201, 0x1202, 0x1280, 0x1FA0,
+        0x1FD0, 0x2000, 0x2005, 0x2006, 0x2008, 0x2009, 0x200A, 0x200B, 0x2016, 0x2018, 0x2020, 0x2022,
+        0x2040, 0x6000, 0x6020, 0x6200, 0x6220, 0x6401, 0x6411, 0x6500, 0x6501};
+    const std::uint32_t which = input_.byte();
+    if (which < std::size(objects)) return objects[which];
+    constexpr std::uint16_t pdos[] = {0x1400, 0x1600, 0x1800, 0x1A00};
+    return static_cast<std::uint16_t>(pdos[which % 4] + which / 4 % pdo_count);
+  }
+
+  can::Frame sdo_request() {
+    constexpr std::uint8_t usual[] = {0x40, 0x23, 0x27, 0x2B, 0x2F, 0x20, 0x21, 0x22, 0x60, 0x70, 0x00,
+                                      0x10, 0x01, 0x11, 0x0F, 0x80, 0xA0, 0xA1, 0xA2, 0xA3, 0xA4, 0xC0,
+                                      0xC2, 0xC4, 0xC6, 0xC1, 0xDD, 0x81, 0x82, 0x02, 0x7F};
+    const std::uint8_t command = input_.one_of(usual);
+    const std::uint16_t index = some_object();
+    can::Frame frame = can::data_frame(input_.flag() ? 0x6A0 : 0x605,
+                                       {command, static_cast<std::uint8_t>(index),
+                                        static_cast<std::uint8_t>(index >> 8), input_.byte(), 0, 0, 0, 0});
+    std::ranges::copy(input_.bytes(4), frame.data.begin() + 4);
+    return frame;
+  }
+
+  /// A write that gets as far as the object's own rules: a value of the right length.
+  void write() {
+    const std::uint16_t index = some_object();
+    const auto sub = static_cast<std::uint8_t>(input_.choice(10));
+    const canopen::Entry entry = node_.dictionary().description().find(index, sub);
+    if (!entry) return;
+    std::uint64_t value = 0;
+    constexpr std::uint64_t interesting[] = {0,           1,           2,           8,           0x40,
+                                             0xFE,        0xFF,        0x85,        0x300,       0x8000'0300,
+                                             0x4000'0080, 0x2000'0085, 0x6000'0008, 0x6000'0108, 0x6200'0108,
+                                             0x6500'0040, 0x6020'0101, 0x0005'0008, 0x6576'6173, 0x6461'6F6C,
+                                             0xA000'0310, 0xFFFF'FFFF, 0x0009'000A, 0xC000'0200};
+    const std::uint8_t which = input_.byte();
+    value = which < std::size(interesting) ? interesting[which] : input_.number(entry.description->length);
+    const auto bytes = little_endian(value, entry.description->length);
+    const AbortCode code = node_.dictionary().write(index, sub, bytes, now_);
+    if (code == AbortCode::none && index >= 0x2000) {
+      expect(std::ranges::equal(node_.dictionary().bytes(entry), bytes));
+    }
+  }
+
+  /// Segments of a block download in a row.
+  void sdo_block() {
+    const std::uint32_t identifier = input_.flag() ? 0x6A0 : 0x605;
+    const unsigned first = input_.choice(128);
+    const unsigned count = input_.choice(128);
+    const bool last = input_.flag();
+    for (unsigned i = 0; i < count; ++i) {
+      const unsigned mark = last && i + 1 == count ? 0x80 : 0;
+      hear(can::data_frame(identifier,
+                           {static_cast<std::uint8_t>((first + i) % 128 | mark), 1, 2, 3, 4, 5, 6, 7}));
+    }
+  }
+
+  void pass_time() {
+    constexpr can::Duration spans[] = {0us,  1us,  100us, 500us, 1ms, 3ms, 10ms,
+                                       20ms, 40ms, 50ms,  250ms, 1s,  5s,  3600s};
+    fuzz::pass_time(node_, now_, now_ + input_.one_of(spans));
+  }
+
+  void application() {
+    switch (input_.choice(12)) {
+      case 0: return node_.command(input_.one_of(all_commands), now_);
+      case 1: return node_.communication_error(now_);
+      case 2: return node_.set_active_master(input_.flag(), now_);
+      case 3: {
+        const std::array<std::uint8_t, 5> manufacturer{1, 2, 3, 4, 5};
+        const auto code = static_cast<std::uint16_t>(input_.number(2));
+        const bool sent = node_.emergency(code, input_.byte(), manufacturer, now_);
+        if (sent) expect_communicates();
+        return;
+      }
+      case 4: return static_cast<void>(node_.emergency_reset(now_));
+      case 5: return static_cast<void>(node_.values_changed(now_));
+      case 6: return static_cast<void>(node_.tpdo_event(input_.byte(), now_));
+      case 7: {
+        const auto object = some_object();
+        const std::uint8_t value[] = {1, 2, 3, 4};
+        const auto length = input_.choice(5);
+        node_.send_destination_mpdo(7, input_.byte(), object, input_.byte(), std::span(value).first(length),
+                                    now_);
+        return;
+      }
+      case 8: return static_cast<void>(node_.send_source_mpdo(some_object(), input_.byte(), now_));
+      case 9:
+        node_.send_time(
+            {static_cast<std::uint32_t>(input_.number(4)), static_cast<std::uint16_t>(input_.number(2))},
+            now_);
+        return;
+      case 10:
+        node_.power_off();
+        expect(node_.state() == NmtState::initialising && node_.deadline() == can::never && frames_ == 0);
+        if (input_.flag()) node_.power_on(now_);
+        return;
+      default:
+        constexpr std::uint8_t ids[] = {own_id, 1, 127, 9, 0, 128, 255};
+        node_.set_node_id(input_.one_of(ids));
+    }
+  }
+
+  /// The device changes its process values.
+  void application_write() {
+    const std::uint16_t index = some_object();
+    const canopen::Entry entry =
+        node_.dictionary().description().find(index, static_cast<std::uint8_t>(input_.choice(5)));
+    if (!entry || entry.description->length == 0 || index < 0x2000) return;
+    node_.dictionary().set(entry, input_.number(entry.description->length));
+    node_.values_changed(now_);
+  }
+
+  void surroundings() {
+    switch (input_.choice(6)) {
+      case 0: full_ = input_.flag(); return;
+      case 1: may_start_ = input_.flag(); return;
+      case 2: reacts_ = input_.flag(); return;
+      case 3: store_.fails = input_.flag(); return;
+      case 4: {
+        constexpr std::size_t lengths[] = {0, 1, 4, 5, 7, 13, 100, 889, 890, 1000, 5001};
+        if (!stream_.is_open()) stream_.length = input_.one_of(lengths);
+        return;
+      }
+      default: {
+        const auto image = input_.bytes(64);
+        store_.image.assign(image.begin(), image.end());
+      }
+    }
+  }
+
+  static constexpr std::uint8_t commands[] = {0x01, 0x02, 0x80, 0x81, 0x82, 0x01, 0x01, 0x00};
+  static constexpr canopen::NmtCommand all_commands[] = {
+      canopen::NmtCommand::start, canopen::NmtCommand::stop, canopen::NmtCommand::enter_pre_operational,
+      canopen::NmtCommand::reset_node, canopen::NmtCommand::reset_communication};
+  static constexpr std::uint8_t states[] = {0x05, 0x7F, 0x04, 0x00, 0x85, 0x01};
+
+  Input& input_;
+  can::Time now_{1s};
+  Stream stream_;
+  Store store_;
+  canopen::Node node_;
+  unsigned frames_ = 0;
+  std::array<std::uint8_t, 1> counter_{1};
+  std::uint8_t error_behaviour_ = 0;
+  bool produces_sync_ = false;
+  bool counts_sync_ = false;
+  bool heartbeat_ = false;
+  bool consumes_ = false;
+  bool inhibits_emcy_ = false;
+  bool full_ = false;
+  bool may_start_ = true;
+  bool reacts_ = false;
+};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  Input input(data, size);
+  Run(input).run();
+  return 0;
+}
