@@ -25,11 +25,10 @@ class Segment;
 
 /// What all controllers of a bus share.
 struct BusCore {
-  BusCore(std::string bus_name, std::uint32_t bus_bit_rate, can::Timeline& bus_timeline)
-      : name(std::move(bus_name)),
-        bit_rate(bus_bit_rate),
-        created(bus_timeline.now()),
-        timeline(bus_timeline) {}
+  BusCore(std::string bus_name, std::uint32_t bus_bit_rate, can::Timeline& bus_timeline);
+  ~BusCore();
+  BusCore(const BusCore&) = delete;
+  BusCore& operator=(const BusCore&) = delete;
 
   /// Somebody outside the bus's own tick changed when the bus has to act.
   void refresh() {
@@ -196,5 +195,12 @@ class BusPort final : public Port {
  private:
   std::string port_name_;
 };
+
+inline BusCore::BusCore(std::string bus_name, std::uint32_t bus_bit_rate, can::Timeline& bus_timeline)
+    : name(std::move(bus_name)),
+      bit_rate(bus_bit_rate),
+      created(bus_timeline.now()),
+      timeline(bus_timeline) {}
+inline BusCore::~BusCore() = default;
 
 }  // namespace canopus::sim
