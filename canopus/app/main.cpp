@@ -4,8 +4,13 @@
 #include <CLI/CLI.hpp>
 
 #include "canopus/app/eds_command.hpp"
+#include "canopus/app/lss_command.hpp"
+#include "canopus/app/master_command.hpp"
+#include "canopus/app/nmt_command.hpp"
 #include "canopus/app/plc_command.hpp"
 #include "canopus/app/run_command.hpp"
+#include "canopus/app/scan_command.hpp"
+#include "canopus/app/sdo_command.hpp"
 #include "canopus/app/version.hpp"
 
 int main(int argc, char** argv) {
@@ -19,6 +24,11 @@ int main(int argc, char** argv) {
   canopus::app::add_check_command(app, exit_code);
   canopus::app::add_plc_command(app, exit_code);
   canopus::app::add_eds_command(app, exit_code);
+  canopus::app::add_scan_command(app, exit_code);
+  canopus::app::add_sdo_command(app, exit_code);
+  canopus::app::add_nmt_command(app, exit_code);
+  canopus::app::add_lss_command(app, exit_code);
+  canopus::app::add_master_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,0 +1,93 @@
+#include "canopus/app/bus_loop.hpp"
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+
+#include <fmt/format.h>
+
+namespace canopus::app {
+
+using WallClock = std::chrono::steady_clock;
+using namespace std::chrono_literals;
+
+BusLoop::BusLoop() : signals_(io_, SIGINT, SIGTERM), started_(WallClock::now()) {
+  signals_.async_wait([this](const boost::system::error_code& failure, int) {
+    if (!failure) interrupted_ = true;
+  });
+}
+
+BusLoop::~BusLoop() {
+  if (bus_ == nullptr) return;
+  bus_->set_user(nullptr);
+  if (!lost_) (void)bus_->close(1s);
+}
+
+std::expected<std::unique_ptr<BusLoop>, std::string> BusLoop::open(const link::BusAddress& address,
+                                                                   can::Duration time_out) {
+  std::unique_ptr<BusLoop> loop(new BusLoop);
+  auto bus = link::open_bus(loop->io_, address, std::chrono::ceil<std::chrono::milliseconds>(time_out));
+  if (!bus) return std::unexpected(bus.error());
+  loop->bus_ = std::move(*bus);
+  loop->bus_->set_user(loop.get());
+  return loop;
+}
+
+can::Time BusLoop::now() const {
+  return can::Time{} + std::chrono::duration_cast<can::Duration>(WallClock::now() - started_);
+}
+
+bool BusLoop::send(const can::Frame& frame) { return !lost_ && bus_->send(frame); }
+
+void BusLoop::add(can::Participant& participant) {
+  seats_.push_back({&participant, timeline_.add(participant)});
+}
+
+void BusLoop::remove(can::Participant& participant) {
+  const auto seat = std::ranges::find(seats_, &participant, &Seat::participant);
+  if (seat == seats_.end()) return;
+  timeline_.remove(seat->handle);
+  seats_.erase(seat);
+}
+
+void BusLoop::refresh() {
+  for (const Seat& seat : seats_) timeline_.refresh(seat.handle);
+}
+
+void BusLoop::frame_received(const can::Frame& frame) {
+  const can::Time time = now();
+  for (std::size_t i = 0; i < seats_.size(); ++i) seats_[i].participant->receive(frame, time);
+}
+
+void BusLoop::bus_lost(const std::string& reason) {
+  lost_ = true;
+  failure_ = "the bus is lost: " + reason;
+}
+
+void BusLoop::bus_complains(std::string_view text) { fmt::print(stderr, "canopus: the bus: {}\n", text); }
+
+BusLoop::End BusLoop::run(const std::function<bool()>& done, can::Time end) {
+  while (true) {
+    // What has arrived is heard before anybody's time is said to be over: this process may have slept long.
+    const can::Time time = now();
+    if (io_.stopped()) io_.restart();
+    io_.poll();
+    refresh();
+    timeline_.run_until(time);
+    if (done()) return End::done;
+    if (lost_) return End::lost;
+    if (interrupted_) return End::interrupted;
+    if (time >= end) return End::time_over;
+    refresh();
+    const can::Time next = std::min(timeline_.next(), end);
+    if (next <= now()) continue;
+    if (io_.stopped()) io_.restart();
+    if (next == can::never) {
+      io_.run_one();
+    } else {
+      io_.run_one_until(started_ + next.time_since_epoch());
+    }
+  }
+}
+
+}  // namespace canopus::app

@@ -1,0 +1,72 @@
+#pragma once
+// The command line's place on a bus: participants in real time, over a bus client. Protocol objects are added
+// and hear every frame; run() lets time pass until a question is answered.
+
+#include <chrono>
+#include <expected>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/signal_set.hpp>
+
+#include "canopus/can/controller.hpp"
+#include "canopus/can/timeline.hpp"
+#include "canopus/link/bus_client.hpp"
+
+namespace canopus::app {
+
+class BusLoop final : public can::Sink, private link::BusClientUser {
+ public:
+  /// Joins the bus. The error is a sentence.
+  [[nodiscard]] static std::expected<std::unique_ptr<BusLoop>, std::string> open(
+      const link::BusAddress& address, can::Duration time_out);
+  /// Leaves the bus; what was sent is given a second to get out.
+  ~BusLoop();
+  BusLoop(const BusLoop&) = delete;
+  BusLoop& operator=(const BusLoop&) = delete;
+
+  bool send(const can::Frame& frame) override;
+  /// The participant hears the bus and gets its ticks from now on. It outlives the loop or is removed.
+  void add(can::Participant& participant);
+  void remove(can::Participant& participant);
+  /// Since the bus was joined.
+  [[nodiscard]] can::Time now() const;
+
+  enum class End : std::uint8_t {
+    done,
+    time_over,
+    interrupted,  ///< Ctrl-C or SIGTERM
+    lost,         ///< the bus; failure() says why
+  };
+  /// Runs until `done()`, which is asked after everything that happened, or until `end`.
+  End run(const std::function<bool()>& done, can::Time end = can::never);
+  /// Why the bus was lost.
+  [[nodiscard]] const std::string& failure() const noexcept { return failure_; }
+
+ private:
+  BusLoop();
+  void frame_received(const can::Frame& frame) override;
+  void bus_lost(const std::string& reason) override;
+  void bus_complains(std::string_view text) override;
+  void refresh();
+
+  struct Seat {
+    can::Participant* participant;
+    can::Timeline::Handle handle;
+  };
+
+  boost::asio::io_context io_;
+  boost::asio::signal_set signals_;
+  std::unique_ptr<link::BusClient> bus_;
+  can::Timeline timeline_;
+  std::vector<Seat> seats_;
+  std::chrono::steady_clock::time_point started_;
+  bool interrupted_ = false;
+  bool lost_ = false;
+  std::string failure_;
+};
+
+}  // namespace canopus::app

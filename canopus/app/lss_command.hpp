@@ -1,0 +1,14 @@
+#pragma once
+// `canopus lss scan|set-node`: devices without a node-ID, by LSS [CiA 305].
+
+namespace CLI {
+class App;
+}
+
+namespace canopus::app {
+
+/// Adds the subcommand `lss` to the program. When the user asks for it, parsing runs it and puts the exit
+/// code into `exit_code`.
+void add_lss_command(CLI::App& app, int& exit_code);
+
+}  // namespace canopus::app

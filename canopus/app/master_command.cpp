@@ -1,0 +1,245 @@
+#include "canopus/app/master_command.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <sstream>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "canopus/app/bus_command.hpp"
+#include "canopus/app/network_master.hpp"
+#include "canopus/app/text_values.hpp"
+
+namespace canopus::app {
+namespace {
+
+using manager::BootRecord;
+using manager::BootStep;
+
+struct Arguments {
+  BusOptions bus;
+  std::string network;
+  std::string duration;
+  bool stay = false;
+  bool quiet = false;
+};
+
+std::string_view state_name(std::uint8_t state) {
+  switch (state) {
+    case manager::node_state::missing: return "missing";
+    case manager::node_state::stopped: return "stopped";
+    case manager::node_state::operational: return "operational";
+    case manager::node_state::pre_operational: return "pre-operational";
+    default: return "unknown";
+  }
+}
+
+std::string_view describe(manager::ErrorControlEvent event) {
+  switch (event) {
+    case manager::ErrorControlEvent::heartbeat_lost: return "its heartbeat is lost";
+    case manager::ErrorControlEvent::node_lost: return "it does not answer guarding";
+    case manager::ErrorControlEvent::unexpected_state: return "it is not in the state it was commanded to";
+  }
+  return "";
+}
+
+/// "checking its identity, 1018H:02"
+std::string describe_step(const BootRecord& record) {
+  std::string text(manager::describe(record.step));
+  const bool names_object = record.step == BootStep::identity || record.step == BootStep::configuration;
+  if (names_object && record.index != 0) text += fmt::format(", {:04X}H:{:02X}", record.index, record.sub);
+  if (record.step == BootStep::presence_pause) text += fmt::format(" ({} times)", record.attempts);
+  return text;
+}
+
+/// Lines of progress, for people or programs.
+class Printer final : public NetworkObserver {
+ public:
+  Printer(bool json, bool quiet, bool colour) : json_(json), quiet_(quiet), colour_(colour) {}
+
+  void boot_went_on(const NetworkSlave& slave, const BootRecord& record, can::Time now) override {
+    if (record.step == BootStep::idle) return;
+    if (json_) return event("step", slave, now, {{"step", describe_step(record)}});
+    line(slave, now, describe_step(record), "2");
+  }
+  void slave_booted(const NetworkSlave& slave, can::Time now) override {
+    if (json_) return event("booted", slave, now, {});
+    line(slave, now, "booted", "32");
+  }
+  void slave_failed(const NetworkSlave& slave, const BootRecord& record, can::Time now) override {
+    const std::string error(manager::describe(record.error));
+    if (json_) return event("failed", slave, now, {{"error", error_letter(record)}, {"reason", error}});
+    line(slave, now, fmt::format("failed ({}, {})", error_letter(record), error), "31");
+  }
+  void state_changed(const NetworkSlave& slave, std::uint8_t state, can::Time now) override {
+    if (state == manager::node_state::unknown) return;
+    if (json_) return event("state", slave, now, {{"state", state_name(state)}});
+    line(slave, now, std::string(state_name(state)), "36");
+  }
+  void error_control_event(const NetworkSlave& slave, manager::ErrorControlEvent what,
+                           can::Time now) override {
+    if (json_) return event("error control", slave, now, {{"what", describe(what)}});
+    line(slave, now, std::string(describe(what)), "31");
+  }
+  void error_control_resolved(const NetworkSlave& slave, can::Time now) override {
+    if (json_) return event("heard again", slave, now, {});
+    line(slave, now, "is heard again", "32");
+  }
+
+  /// What has become of everybody. True when the network is as it should be.
+  bool summary(const NetworkMaster& network, can::Time now) {
+    bool good = true;
+    unsigned booted = 0;
+    for (const NetworkSlave& slave : network.slaves()) {
+      const auto result = network.result(slave);
+      const BootRecord& record = network.master().boot_record(slave.node);
+      if (result == NetworkMaster::Result::booted) ++booted;
+      if (result == NetworkMaster::Result::failed) good = false;
+      print_result(slave, result, record, network.master().node_state(slave.node), now);
+    }
+    if (!json_) {
+      fmt::print("{} of {} slaves booted\n", booted, network.slaves().size());
+    } else {
+      fmt::print("{}\n", nlohmann::ordered_json{{"event", "summary"},
+                                                {"time", can::seconds(now)},
+                                                {"slaves", network.slaves().size()},
+                                                {"booted", booted},
+                                                {"good", good}}
+                             .dump());
+    }
+    std::fflush(stdout);
+    return good;
+  }
+
+ private:
+  static std::string error_letter(const BootRecord& record) { return {manager::letter(record.error)}; }
+
+  void print_result(const NetworkSlave& slave, NetworkMaster::Result result, const BootRecord& record,
+                    std::uint8_t state, can::Time now) {
+    switch (result) {
+      case NetworkMaster::Result::booted:
+        if (!json_ && !quiet_) {
+          fmt::print("{}: {}, {}\n", app::describe(slave), paint("booted", "32", colour_), state_name(state));
+        } else if (json_) {
+          event("result", slave, now, {{"result", "booted"}, {"state", state_name(state)}});
+        }
+        return;
+      case NetworkMaster::Result::absent:
+        if (json_) return event("result", slave, now, {{"result", "absent"}});
+        if (!quiet_) fmt::print("{}: {} (optional)\n", app::describe(slave), paint("absent", "33", colour_));
+        return;
+      case NetworkMaster::Result::failed: break;
+    }
+    const std::string reason = manager::explain(record, slave.node, now);
+    if (json_) {
+      return event("result", slave, now,
+                   {{"result", "failed"}, {"error", error_letter(record)}, {"reason", reason}});
+    }
+    fmt::print("{}: {}: {}\n", app::describe(slave), paint("failed", "31", colour_), reason);
+  }
+
+  void line(const NetworkSlave& slave, can::Time now, const std::string& text, std::string_view colour) {
+    if (quiet_) return;
+    fmt::print("{:12.6f}  {}: {}\n", can::seconds(now), app::describe(slave), paint(text, colour, colour_));
+    std::fflush(stdout);
+  }
+  void event(const char* name, const NetworkSlave& slave, can::Time now, nlohmann::ordered_json more) {
+    nlohmann::ordered_json object{{"event", name}, {"time", can::seconds(now)}, {"node", slave.node}};
+    if (!slave.name.empty()) object["name"] = slave.name;
+    for (const auto& [key, value] : more.items()) object[key] = value;
+    fmt::print("{}\n", object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+    std::fflush(stdout);
+  }
+
+  bool json_;
+  bool quiet_;
+  bool colour_;
+};
+
+std::optional<NetworkFile> read_file(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::ostringstream text;
+  if (!stream || !(text << stream.rdbuf())) {
+    complain(exit_code::usage, fmt::format("cannot read {}: {}", path, std::strerror(errno)));
+    return std::nullopt;
+  }
+  NetworkReading reading = read_network(text.str(), path);
+  for (const PlantError& error : reading.errors) fmt::print(stderr, "{}\n", describe(error, path));
+  if (!reading.errors.empty()) return std::nullopt;
+  return std::move(reading.network);
+}
+
+/// A bus that takes nothing: the network is built once before the bus is joined, so that a wrong file is told
+/// without one.
+class NoBus final : public can::Sink {
+ public:
+  bool send(const can::Frame&) override { return false; }
+};
+
+int boot(const Arguments& arguments) {
+  std::optional<can::Duration> duration;
+  if (!arguments.duration.empty()) {
+    const auto parsed = parse_duration(arguments.duration);
+    if (!parsed) return complain(exit_code::usage, "--for: " + parsed.error());
+    duration = *parsed;
+  }
+  auto file = read_file(arguments.network);
+  if (!file) return exit_code::usage;
+  constexpr can::Duration default_boot_time = std::chrono::seconds(30);
+  if (!file->boot_time) file->boot_time = duration && !arguments.stay ? *duration : default_boot_time;
+
+  Printer printer(arguments.bus.json, arguments.quiet, !arguments.bus.json && wants_colour(STDOUT_FILENO));
+  NoBus no_bus;
+  if (const auto trial = NetworkMaster::build(*file, no_bus, printer); !trial) {
+    for (const PlantError& error : trial.error()) fmt::print(stderr, "{}\n", describe(error, file->path));
+    return exit_code::usage;
+  }
+  return with_bus(arguments.bus, [&](BusLoop& bus, can::Duration time_out) {
+    auto network = NetworkMaster::build(*file, bus, printer);
+    if (!network) return complain(exit_code::failed, "a device file changed meanwhile");
+    NetworkMaster& master = **network;
+    master.set_sdo_time_out(time_out);
+    bus.add(master);
+    const can::Time end = duration ? can::later(bus.now(), *duration) : can::never;
+    master.power_on(bus.now());
+    BusLoop::End how = bus.run([&] { return master.start_up_over(); }, end);
+    if (how == BusLoop::End::done && arguments.stay) how = bus.run([] { return false; }, end);
+    const bool good = printer.summary(master, bus.now());
+    bus.remove(master);
+    if (how == BusLoop::End::lost) return complain(exit_code::failed, bus.failure());
+    if (how == BusLoop::End::interrupted && !arguments.stay) {
+      return complain(exit_code::failed, "interrupted");
+    }
+    return good ? exit_code::done : exit_code::failed;
+  });
+}
+
+}  // namespace
+
+void add_master_command(CLI::App& app, int& exit_code) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("master", "Boot a network as its NMT master, without a PLC");
+  command->add_option("--dcf", arguments->network, "Network file (TOML, see docs/commands.md)")
+      ->type_name("FILE")
+      ->required();
+  command->add_flag("--stay", arguments->stay, "Stay the network's master, until Ctrl-C or the end of --for");
+  command->add_option("--for", arguments->duration, "End after this time, for example 10s")
+      ->type_name("TIME");
+  command->add_flag("-q,--quiet", arguments->quiet, "Print failures and the last line alone");
+  add_bus_options(*command, arguments->bus, "for each SDO answer of a slave");
+  command->footer(
+      "Without --stay it ends when the start-up is over; the slaves stay as they are.\n"
+      "Exit code: 0 all mandatory slaves booted and no slave failed, 1 some did not, or no bus, 2 wrong file "
+      "or "
+      "usage.");
+  command->callback([arguments, &exit_code] { exit_code = boot(*arguments); });
+}
+
+}  // namespace canopus::app

@@ -1,0 +1,53 @@
+#pragma once
+// The network file of `canopus master`: which slaves a network has, and how its NMT master treats them, in
+// TOML. Reading it finds every mistake at once, each with line and column; it opens no device file.
+// docs/commands.md is the reference for people.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/app/plant_file.hpp"
+
+namespace canopus::app {
+
+/// A slave: an entry of 1F81H, and what is expected of it and downloaded to it.
+struct NetworkSlave {
+  Place place{};
+  Place eds_place{};
+  std::uint8_t node = 0;  ///< 1..127
+  std::string name{};
+  bool mandatory = true;
+  bool keep_alive = false;  ///< not reset while it is Operational
+  std::string eds{};        ///< EDS or DCF, relative to the network file; empty = none
+  /// Expected identity, 1F84H-1F88H; instead of the device file's. 0 = not compared.
+  std::optional<std::uint32_t> device_type{};
+  std::optional<std::uint32_t> vendor{};
+  std::optional<std::uint32_t> product{};
+  std::optional<std::uint32_t> revision{};
+  std::optional<std::uint32_t> serial{};
+  can::Duration consumer_heartbeat_time{};  ///< 1016H, whole ms up to 65535; 0 = its heartbeat is not watched
+  can::Duration guard_time{};               ///< whole ms up to 65535; 0 = not guarded
+  std::uint8_t retry_factor = 3;
+  std::vector<ObjectSetting> objects{};  ///< written to it besides its DCF's configured values
+};
+
+struct NetworkFile {
+  std::string path{};
+  std::string name{};
+  std::uint8_t node = 127;                   ///< of the master
+  can::Duration heartbeat{};                 ///< the master's own, 1017H; 0 = none
+  std::optional<can::Duration> boot_time{};  ///< 1F89H: mandatory slaves must have booted by then
+  bool start_slaves = true;                  ///< slaves are started as they are booted
+  std::vector<NetworkSlave> slaves{};
+};
+
+struct NetworkReading {
+  NetworkFile network;
+  std::vector<PlantError> errors{};
+};
+[[nodiscard]] NetworkReading read_network(std::string_view text, std::string path);
+
+}  // namespace canopus::app

@@ -1,0 +1,240 @@
+#include "canopus/app/network_master.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "canopus/app/dcf_download.hpp"
+#include "canopus/eds/device_file.hpp"
+
+namespace canopus::app {
+namespace {
+
+using manager::BootRecord;
+using manager::BootStep;
+
+constexpr unsigned nodes = 127;
+constexpr std::uint32_t generic_device = 0;  // 1000H of a device without a profile
+
+std::uint32_t whole_milliseconds(can::Duration duration) {
+  return static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::milliseconds>(duration).count());
+}
+
+/// What CiA 302-2 names, as far as this master uses it.
+std::shared_ptr<const canopen::DictionaryDescription> master_dictionary() {
+  using canopen::Access;
+  using canopen::DataType;
+  using canopen::EntrySpec;
+  using canopen::ObjectCode;
+  canopen::DictionaryBuilder builder;
+  const auto read_only = [](std::string name, DataType type, std::uint32_t value = 0) {
+    return EntrySpec{.name = std::move(name),
+                     .type = type,
+                     .access = Access::read_only,
+                     .value = canopen::little_endian(value, canopen::byte_length(type))};
+  };
+  const auto array = [&builder](std::uint16_t index, const char* name, DataType type,
+                                unsigned count = nodes) {
+    builder.uniform(index, ObjectCode::array, name, static_cast<std::uint8_t>(count),
+                    {.name = name, .type = type});
+  };
+  builder.variable(0x1000, read_only("Device type", DataType::unsigned32, generic_device));
+  builder.variable(0x1001, read_only("Error register", DataType::unsigned8));
+  array(0x1016, "Consumer heartbeat time", DataType::unsigned32);
+  builder.variable(0x1017, {.name = "Producer heartbeat time", .type = DataType::unsigned16});
+  builder.uniform(0x1018, ObjectCode::record, "Identity object", 4,
+                  read_only("Identity", DataType::unsigned32));
+  builder.variable(0x102A, {.name = "NMT inhibit time", .type = DataType::unsigned16});
+  builder.variable(0x1F80, {.name = "NMT start-up"});
+  array(0x1F81, "NMT slave assignment", DataType::unsigned32);
+  array(0x1F82, "Request NMT", DataType::unsigned8, nodes + 1);
+  array(0x1F83, "Request node guarding", DataType::unsigned8, nodes + 1);
+  array(0x1F84, "Device type identification", DataType::unsigned32);
+  array(0x1F85, "Vendor identification", DataType::unsigned32);
+  array(0x1F86, "Product code", DataType::unsigned32);
+  array(0x1F87, "Revision number", DataType::unsigned32);
+  array(0x1F88, "Serial number", DataType::unsigned32);
+  builder.variable(0x1F89, {.name = "Boot time"});
+  return builder.build();
+}
+
+std::expected<std::string, std::string> read_text(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::ostringstream text;
+  if (!stream || !(text << stream.rdbuf())) return std::unexpected(std::strerror(errno));
+  return text.str();
+}
+
+}  // namespace
+
+std::string describe(const NetworkSlave& slave) {
+  return slave.name.empty() ? fmt::format("node {}", slave.node)
+                            : fmt::format("node {} ({})", slave.node, slave.name);
+}
+
+NetworkMaster::NetworkMaster(const NetworkFile& file, can::Sink& sink, NetworkObserver& observer)
+    : file_(file), observer_(observer), node_(master_dictionary(), file.node, sink), master_(node_, sink) {
+  node_.set_listener(this);
+  master_.set_listener(this);
+  master_.set_configuration_source(this);
+}
+
+std::expected<std::unique_ptr<NetworkMaster>, std::vector<PlantError>> NetworkMaster::build(
+    const NetworkFile& file, can::Sink& sink, NetworkObserver& observer) {
+  std::unique_ptr<NetworkMaster> network(new NetworkMaster(file, sink, observer));
+  constexpr std::uint32_t nmt_master = 0x01;
+  constexpr std::uint32_t do_not_start_slaves = 0x08;
+  network->store(0x1F80, 0, nmt_master | (file.start_slaves ? 0 : do_not_start_slaves));
+  network->store(0x1017, 0, whole_milliseconds(file.heartbeat));
+  if (file.boot_time) network->store(0x1F89, 0, whole_milliseconds(*file.boot_time));
+  std::vector<PlantError> errors;
+  for (const NetworkSlave& slave : network->file_.slaves) {
+    std::ranges::move(network->prepare(slave), std::back_inserter(errors));
+  }
+  if (!errors.empty()) return std::unexpected(std::move(errors));
+  return network;
+}
+
+std::vector<PlantError> NetworkMaster::prepare(const NetworkSlave& slave) {
+  constexpr std::uint32_t assigned_and_booted = 0x05;
+  constexpr std::uint32_t mandatory = 0x08;
+  constexpr std::uint32_t keep_alive = 0x10;
+  const std::uint32_t guard_time = whole_milliseconds(slave.guard_time);
+  store(0x1F81, slave.node,
+        assigned_and_booted | (slave.mandatory ? mandatory : 0) | (slave.keep_alive ? keep_alive : 0) |
+            (guard_time != 0 ? std::uint32_t{slave.retry_factor} << 8 | guard_time << 16 : 0));
+  if (slave.consumer_heartbeat_time != can::Duration{}) {
+    store(0x1016, static_cast<std::uint8_t>(++watched_),
+          std::uint32_t{slave.node} << 16 | whole_milliseconds(slave.consumer_heartbeat_time));
+  }
+  eds::Identity identity;
+  if (!slave.eds.empty()) {
+    const std::string path = (std::filesystem::path(file_.path).parent_path() / slave.eds).string();
+    const auto refuse = [&](std::string_view what) {
+      return std::vector<PlantError>{{slave.eds_place, fmt::format("eds = \"{}\": {}", slave.eds, what)}};
+    };
+    const auto text = read_text(path);
+    if (!text) return refuse(fmt::format("cannot read {}: {}", path, text.error()));
+    const eds::ReadResult device = eds::read_device_file(*text);
+    if (device.file == nullptr) {
+      return refuse(fmt::format("{}:{}: {}", path, device.problems[0].line, device.problems[0].message));
+    }
+    identity = eds::identity(*device.file);
+    auto concise = concise_dcf_of(*device.file, slave.objects, slave.node);
+    if (!concise) return concise.error();
+    files_[slave.node] = std::move(*concise);
+  }
+  store(0x1F84, slave.node, slave.device_type.value_or(identity.device_type.value_or(0)));
+  store(0x1F85, slave.node, slave.vendor.value_or(identity.vendor_id.value_or(0)));
+  store(0x1F86, slave.node, slave.product.value_or(identity.product_code.value_or(0)));
+  store(0x1F87, slave.node, slave.revision.value_or(identity.revision.value_or(0)));
+  store(0x1F88, slave.node, slave.serial.value_or(0));
+  return {};
+}
+
+void NetworkMaster::power_on(can::Time now) {
+  node_.power_on(now);
+  look_at_boots(now);
+}
+
+NetworkMaster::Result NetworkMaster::result(const NetworkSlave& slave) const {
+  const BootRecord& record = master_.boot_record(slave.node);
+  if (record.step == BootStep::booted) return Result::booted;
+  const bool silent =
+      record.error == manager::BootError::no_answer || record.error == manager::BootError::none;
+  return !slave.mandatory && silent && record.step != BootStep::failed ? Result::absent : Result::failed;
+}
+
+bool NetworkMaster::start_up_over() const {
+  if (master_.halted()) return true;
+  if (!finished_) return false;
+  return std::ranges::all_of(file_.slaves, [this](const NetworkSlave& slave) {
+    const BootStep step = master_.boot_record(slave.node).step;
+    return step == BootStep::booted || step == BootStep::failed ||
+           (!slave.mandatory && step == BootStep::presence_pause);
+  });
+}
+
+const NetworkSlave* NetworkMaster::find(std::uint8_t node_id) const {
+  const auto found = std::ranges::find(file_.slaves, node_id, &NetworkSlave::node);
+  return found == file_.slaves.end() ? nullptr : &*found;
+}
+
+void NetworkMaster::look_at_boots(can::Time now) {
+  for (const NetworkSlave& slave : file_.slaves) {
+    const BootRecord& record = master_.boot_record(slave.node);
+    BootRecord& seen = seen_[slave.node];
+    const bool same = seen.step == record.step && seen.index == record.index && seen.sub == record.sub &&
+                      seen.attempts == record.attempts;
+    if (same) continue;
+    seen = record;
+    if (record.step == BootStep::booted || record.step == BootStep::failed) continue;  // told by the master
+    observer_.boot_went_on(slave, record, now);
+  }
+}
+
+void NetworkMaster::receive(const can::Frame& frame, can::Time now) {
+  node_.receive(frame, now);
+  master_.receive(frame, now);
+  look_at_boots(now);
+}
+
+void NetworkMaster::tick(can::Time now) {
+  if (node_.deadline() <= now) node_.tick(now);
+  if (master_.deadline() <= now) master_.tick(now);
+  look_at_boots(now);
+}
+
+can::Time NetworkMaster::deadline() const noexcept { return std::min(node_.deadline(), master_.deadline()); }
+
+void NetworkMaster::reset_requested(canopen::NmtCommand, can::Time now) { master_.stop(now); }
+
+void NetworkMaster::reset_done(canopen::NmtCommand, can::Time now) {
+  for (const auto& [index, sub, value] : stored_) node_.dictionary().set(index, sub, value);
+  finished_ = false;
+  master_.start(now);
+}
+
+void NetworkMaster::nmt_state_changed(canopen::NmtState state, can::Time now) {
+  master_.own_state_changed(state, now);
+}
+
+void NetworkMaster::heartbeat_received(std::uint8_t node_id, canopen::NmtState state, can::Time now) {
+  master_.heartbeat_received(node_id, state, now);
+}
+
+void NetworkMaster::heartbeat_lost(std::uint8_t node_id, can::Time now) {
+  master_.heartbeat_lost(node_id, now);
+}
+
+void NetworkMaster::start_up_finished(can::Time) { finished_ = true; }
+
+void NetworkMaster::slave_booted(std::uint8_t node_id, can::Time now) {
+  if (const NetworkSlave* slave = find(node_id)) observer_.slave_booted(*slave, now);
+}
+
+void NetworkMaster::slave_failed(std::uint8_t node_id, manager::BootError, can::Time now) {
+  if (const NetworkSlave* slave = find(node_id)) {
+    observer_.slave_failed(*slave, master_.boot_record(node_id), now);
+  }
+}
+
+void NetworkMaster::error_control_event(std::uint8_t node_id, manager::ErrorControlEvent event,
+                                        can::Time now) {
+  if (const NetworkSlave* slave = find(node_id)) observer_.error_control_event(*slave, event, now);
+}
+
+void NetworkMaster::error_control_resolved(std::uint8_t node_id, can::Time now) {
+  if (const NetworkSlave* slave = find(node_id)) observer_.error_control_resolved(*slave, now);
+}
+
+void NetworkMaster::node_state_changed(std::uint8_t node_id, std::uint8_t state, can::Time now) {
+  if (const NetworkSlave* slave = find(node_id)) observer_.state_changed(*slave, state, now);
+}
+
+}  // namespace canopus::app

@@ -1,0 +1,113 @@
+#pragma once
+// A CANopen master without a PLC: a node with the objects of CiA 302, an NmtMaster on it, and the slaves of a
+// network file in its dictionary. A participant like any other: it runs on a real bus as well as on a
+// simulated one.
+
+#include <array>
+#include <cstdint>
+#include <expected>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "canopus/app/network_file.hpp"
+#include "canopus/canopen/node.hpp"
+#include "canopus/manager/nmt_master.hpp"
+
+namespace canopus::app {
+
+/// What happens in the network, as it happens.
+class NetworkObserver {
+ public:
+  /// The boot of a slave goes on: another step, or the same one with another object.
+  virtual void boot_went_on(const NetworkSlave&, const manager::BootRecord&, can::Time) {}
+  virtual void slave_booted(const NetworkSlave&, can::Time) {}
+  virtual void slave_failed(const NetworkSlave&, const manager::BootRecord&, can::Time) {}
+  virtual void state_changed(const NetworkSlave&, std::uint8_t /*node_state::...*/, can::Time) {}
+  virtual void error_control_event(const NetworkSlave&, manager::ErrorControlEvent, can::Time) {}
+  virtual void error_control_resolved(const NetworkSlave&, can::Time) {}
+
+ protected:
+  ~NetworkObserver() = default;
+};
+
+class NetworkMaster final : public can::Participant,
+                            private canopen::NodeListener,
+                            private manager::MasterListener,
+                            private manager::ConfigurationSource {
+ public:
+  /// Opens the device files. Errors name the line of the network file. `sink` and `observer` outlive it.
+  [[nodiscard]] static std::expected<std::unique_ptr<NetworkMaster>, std::vector<PlantError>> build(
+      const NetworkFile& file, can::Sink& sink, NetworkObserver& observer);
+  ~NetworkMaster() override = default;
+  NetworkMaster(const NetworkMaster&) = delete;
+  NetworkMaster& operator=(const NetworkMaster&) = delete;
+
+  /// SDO requests of the start-up are given up after this.
+  void set_sdo_time_out(can::Duration time_out) noexcept { master_.options().sdo_time_out = time_out; }
+  /// The start-up begins.
+  void power_on(can::Time now);
+  /// It has ended: halted by a mandatory slave, or all mandatory slaves are booted and every optional one is
+  /// booted, failed or did not answer.
+  [[nodiscard]] bool start_up_over() const;
+  /// What has become of a slave.
+  enum class Result : std::uint8_t {
+    booted,
+    absent,  ///< optional, does not answer
+    failed,  ///< or mandatory and not booted
+  };
+  [[nodiscard]] Result result(const NetworkSlave& slave) const;
+  [[nodiscard]] std::span<const NetworkSlave> slaves() const noexcept { return file_.slaves; }
+  [[nodiscard]] const manager::NmtMaster& master() const noexcept { return master_; }
+  /// The concise DCF that a slave is given.
+  std::span<const std::uint8_t> concise_dcf(std::uint8_t node_id) override { return files_[node_id]; }
+
+  // can::Participant
+  void receive(const can::Frame& frame, can::Time now) override;
+  void tick(can::Time now) override;
+  [[nodiscard]] can::Time deadline() const noexcept override;
+
+ private:
+  NetworkMaster(const NetworkFile& file, can::Sink& sink, NetworkObserver& observer);
+  std::vector<PlantError> prepare(const NetworkSlave& slave);
+  void store(std::uint16_t index, std::uint8_t sub, std::uint32_t value) {
+    stored_.push_back({index, sub, value});
+  }
+  [[nodiscard]] const NetworkSlave* find(std::uint8_t node_id) const;
+  void look_at_boots(can::Time now);
+
+  // canopen::NodeListener
+  void reset_requested(canopen::NmtCommand which, can::Time now) override;
+  void reset_done(canopen::NmtCommand which, can::Time now) override;
+  void nmt_state_changed(canopen::NmtState state, can::Time now) override;
+  void heartbeat_received(std::uint8_t node_id, canopen::NmtState state, can::Time now) override;
+  void heartbeat_lost(std::uint8_t node_id, can::Time now) override;
+  // manager::MasterListener
+  void start_up_finished(can::Time now) override;
+  void slave_booted(std::uint8_t node_id, can::Time now) override;
+  void slave_failed(std::uint8_t node_id, manager::BootError error, can::Time now) override;
+  void error_control_event(std::uint8_t node_id, manager::ErrorControlEvent event, can::Time now) override;
+  void error_control_resolved(std::uint8_t node_id, can::Time now) override;
+  void node_state_changed(std::uint8_t node_id, std::uint8_t state, can::Time now) override;
+
+  struct Stored {
+    std::uint16_t index;
+    std::uint8_t sub;
+    std::uint32_t value;
+  };
+  NetworkFile file_;
+  NetworkObserver& observer_;
+  canopen::Node node_;
+  manager::NmtMaster master_;
+  std::vector<Stored> stored_;
+  std::array<std::vector<std::uint8_t>, 128> files_;
+  std::array<manager::BootRecord, 128> seen_{};
+  bool finished_ = false;
+  unsigned watched_ = 0;  // entries of 1016H in use
+};
+
+/// "node 2 (io-block)"
+[[nodiscard]] std::string describe(const NetworkSlave& slave);
+
+}  // namespace canopus::app

@@ -1,0 +1,26 @@
+#pragma once
+// `canopus scan`: which nodes are on a bus, what they are and in which NMT state.
+
+#include <string>
+#include <vector>
+
+#include "canopus/app/bus_scan.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace canopus::app {
+
+/// The table, a header line and a line per node. `colour`: states in colour.
+[[nodiscard]] std::string scan_table(const std::vector<FoundNode>& nodes, bool colour);
+/// One JSON object for a node; what is not known is left out.
+[[nodiscard]] std::string scan_json(const FoundNode& node);
+/// "[######----]  64 of 127 nodes asked, 3 found"
+[[nodiscard]] std::string scan_progress(unsigned asked, unsigned of, std::size_t found);
+
+/// Adds the subcommand `scan` to the program. When the user asks for it, parsing runs it and puts the exit
+/// code into `exit_code`.
+void add_scan_command(CLI::App& app, int& exit_code);
+
+}  // namespace canopus::app

@@ -1,0 +1,60 @@
+#pragma once
+// One SDO transfer at a time over a bus of the command line, waited for.
+
+#include <cstdint>
+#include <expected>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "canopus/app/bus_loop.hpp"
+#include "canopus/app/text_values.hpp"
+#include "canopus/canopen/sdo_client.hpp"
+
+namespace canopus::app {
+
+/// Why a transfer failed.
+struct SdoFailure {
+  canopen::AbortCode code = canopen::AbortCode::none;  ///< none: the bus, `reason` says what
+  std::string reason;  ///< "abort 06020000H: object does not exist", "no answer within 500.0 ms"
+};
+
+class SdoOnBus final : public can::Participant, private canopen::SdoClientUser {
+ public:
+  /// Told how many bytes have passed, of how many (0 = not known), every now and then.
+  using Progress = std::function<void(std::size_t bytes, std::size_t of)>;
+
+  SdoOnBus(BusLoop& bus, std::uint8_t node_id, can::Duration time_out, bool block);
+  ~SdoOnBus() override;
+  SdoOnBus(const SdoOnBus&) = delete;
+  SdoOnBus& operator=(const SdoOnBus&) = delete;
+
+  void set_progress(Progress progress) { progress_ = std::move(progress); }
+  std::expected<std::vector<std::uint8_t>, SdoFailure> read(ObjectName object);
+  std::expected<void, SdoFailure> write(ObjectName object, std::span<const std::uint8_t> value);
+
+  // can::Participant
+  void receive(const can::Frame& frame, can::Time now) override;
+  void tick(can::Time now) override { client_.tick(now); }
+  [[nodiscard]] can::Time deadline() const noexcept override { return client_.deadline(); }
+
+ private:
+  void sdo_finished(canopen::SdoClient& client, can::Time now) override;
+  std::expected<void, SdoFailure> wait(bool started);
+  [[nodiscard]] canopen::SdoClient::Mode mode() const;
+
+  BusLoop& bus_;
+  can::Duration time_out_;
+  bool block_;
+  Progress progress_;
+  canopen::SdoClient client_;
+  bool finished_ = false;
+  bool aborted_by_server_ = false;
+};
+
+/// The words for an abort code; `aborted_by_server`: it came over the bus.
+[[nodiscard]] std::string describe_abort(canopen::AbortCode code, bool aborted_by_server,
+                                         can::Duration time_out);
+
+}  // namespace canopus::app
