@@ -26,6 +26,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     expect(!bus.name.empty() && bus.bit_rate >= 10'000 && bus.bit_rate <= 1'000'000);
     for (const app::FaultSection& section : bus.faults) {
       expect(section.fault.delay >= can::Duration{} && section.fault.interval >= can::Duration{});
+      const can::Frame& frame = section.fault.frame;
+      expect(std::ranges::all_of(frame.data.begin() + static_cast<std::ptrdiff_t>(frame.length()),
+                                 frame.data.end(), [](std::uint8_t byte) { return byte == 0; }));
       expect(section.fault.probability >= 0 && section.fault.probability <= 1);
     }
   }
@@ -43,7 +46,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   for (const app::PlcSection& plc : plant.plcs) {
     for (const app::ModuleSection& module : plc.modules) {
-      expect(has_bus(module.bus) && module.node >= 1 && module.node <= 127);
+      expect(has_bus(module.bus) && module.node <= 127);
       expect(!module.exchange || *module.exchange > can::Duration{});
       for (const app::SlaveSection& slave : module.slaves) expect(slave.node >= 1 && slave.node <= 127);
     }

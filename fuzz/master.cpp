@@ -1,0 +1,420 @@
+// An NMT master (or flying master) with its node and configuration manager, among three slaves that mostly
+// answer, and arbitrary frames. Callbacks and stop() send nothing, a node that is no master is silent,
+// deadlines lead somewhere, and what the master tells of its slaves is in range.
+
+#include <array>
+#include <deque>
+#include <vector>
+
+#include "canopus/canopen/node.hpp"
+#include "canopus/manager/concise_dcf.hpp"
+#include "canopus/manager/configuration_manager.hpp"
+#include "canopus/manager/nmt_master.hpp"
+
+#include "input.hpp"
+
+namespace {
+
+using namespace canopus;
+using namespace std::chrono_literals;
+using canopen::Access;
+using canopen::DataType;
+using canopen::NmtState;
+using canopen::ObjectCode;
+using fuzz::expect;
+using fuzz::Input;
+
+constexpr std::uint8_t own_id = 1;
+constexpr std::uint8_t slave_ids[] = {2, 3, 127};
+
+std::shared_ptr<const canopen::DictionaryDescription> description() {
+  static const auto built = [] {
+    canopen::DictionaryBuilder b;
+    const auto u32 = [] { return canopen::EntrySpec{}; };
+    const auto u8 = [] { return canopen::EntrySpec{.type = DataType::unsigned8}; };
+    b.variable(0x1000, {.access = Access::read_only});
+    b.variable(0x1001, {.type = DataType::unsigned8, .access = Access::read_only});
+    b.variable(0x1014, {.value = canopen::little_endian(0x81, 4)});
+    b.uniform(0x1016, ObjectCode::array, "Consumers", 127, u32());
+    b.variable(0x1017, {.type = DataType::unsigned16});
+    b.uniform(0x1018, ObjectCode::record, "Identity", 4, {.access = Access::read_only});
+    b.uniform(0x1029, ObjectCode::array, "Error behaviour", 1, u8());
+    b.variable(0x102A, {.type = DataType::unsigned16});
+    b.uniform(0x1F22, ObjectCode::array, "Concise DCF", 127, {.type = DataType::domain});
+    b.uniform(0x1F25, ObjectCode::array, "Configuration request", 128, {.access = Access::write_only});
+    b.uniform(0x1F26, ObjectCode::array, "Configuration date", 127, u32());
+    b.uniform(0x1F27, ObjectCode::array, "Configuration time", 127, u32());
+    b.variable(0x1F80, u32());
+    b.uniform(0x1F81, ObjectCode::array, "Slave assignment", 127, u32());
+    b.uniform(0x1F82, ObjectCode::array, "Request NMT", 128, u8());
+    b.uniform(0x1F83, ObjectCode::array, "Request guarding", 128, u8());
+    for (std::uint16_t index = 0x1F84; index <= 0x1F88; ++index) {
+      b.uniform(index, ObjectCode::array, "Expected identity", 127, u32());
+    }
+    b.variable(0x1F89, u32());
+    b.uniform(0x1F8A, ObjectCode::array, "Restore", 127, u8());
+    b.object(0x1F90, ObjectCode::record, "Flying master timing");
+    constexpr std::uint16_t timing[] = {100, 500, 1, 1500, 10, 4010};
+    for (std::uint8_t sub = 1; sub <= 6; ++sub) {
+      b.sub(0x1F90, sub, {.type = DataType::unsigned16, .value = canopen::little_endian(timing[sub - 1], 2)});
+    }
+    return b.build();
+  }();
+  return built;
+}
+
+struct Store final : manager::ConfigurationStore {
+  bool store(std::uint8_t node_id, std::span<const std::uint8_t>) override {
+    expect(node_id >= 1 && node_id <= 127);
+    return works;
+  }
+  bool works = true;
+};
+
+class Run final : canopen::NodeListener, manager::MasterListener, can::Participant {
+ public:
+  explicit Run(Input& input)
+      : input_(input),
+        node_(description(), own_id, node_sink_),
+        master_(node_, master_sink_, options(input.byte())),
+        configurations_(node_.dictionary(), master_, &store_, configuration_options(input.byte())) {
+    node_.set_listener(this);
+    master_.set_listener(this);
+    start_up_ = input.byte() & 0x7F;
+    for (std::uint8_t& byte : settings_) byte = input.byte();
+    const std::uint8_t value[] = {1, 2, 3, 4, 5, 6, 7, 8, 9};
+    manager::ConciseDcfWriter file;
+    file.add(0x1017, 0, 100, 2).add(0x2000, 1, 7, 4).add(0x2001, 0, value);
+    configurations_.load(2, file.file());
+    configurations_.load(127, std::span(file.file()).first(file.file().size() - 3));  // damaged
+    node_.power_on(now_);
+    check();
+  }
+
+  void run() {
+    for (unsigned steps = 0; steps < 300 && !input_.empty(); ++steps) {
+      frames_ = 0;
+      step();
+      check();
+    }
+  }
+
+  // --- node and master as one participant
+  void receive(const can::Frame& frame, can::Time now) override {
+    node_.receive(frame, now);
+    master_.receive(frame, now);
+  }
+  void tick(can::Time now) override {
+    node_.tick(now);
+    master_.tick(now);
+  }
+  [[nodiscard]] can::Time deadline() const noexcept override {
+    return std::min(node_.deadline(), master_.deadline());
+  }
+
+  bool send(const can::Frame& frame, bool by_master) {
+    fuzz::expect_well_formed(frame);
+    expect(++frames_ < 5000);
+    if (by_master) {
+      expect(!silent_);
+      was_master_ = was_master_ || (node_.dictionary().get<std::uint32_t>(0x1F80, 0) & 1) != 0;
+      expect(was_master_);
+    } else {
+      expect(!frame.remote);
+    }
+    answer(frame);
+    return !full_;
+  }
+
+ private:
+  struct Frames final : can::Sink {
+    Frames(Run& run, bool of_master) : to(&run), by_master(of_master) {}
+    bool send(const can::Frame& frame) override { return to->send(frame, by_master); }
+    Run* to;
+    bool by_master;
+  };
+
+  /// While it lives, the master must send nothing.
+  class Silence {
+   public:
+    explicit Silence(bool& flag) : flag_(&flag), before_(flag) { flag = true; }
+    ~Silence() { *flag_ = before_; }
+    Silence(const Silence&) = delete;
+    Silence& operator=(const Silence&) = delete;
+
+   private:
+    bool* flag_;
+    bool before_;
+  };
+
+  static manager::MasterOptions options(std::uint8_t shape) {
+    manager::MasterOptions o;
+    if ((shape & 1) != 0) o.start_all_delay = 0ms;
+    if ((shape & 2) != 0) o.sdo_time_out = 10ms;
+    if ((shape & 4) != 0) o.wait_after_reset = 0ms;
+    if ((shape & 8) != 0) o.presence_retry = 5ms;
+    if ((shape & 16) != 0) o.error_reset = canopen::NmtCommand::reset_node;
+    if ((shape & 32) != 0) o.revision_rule = manager::RevisionRule::same_major_newer_minor;
+    return o;
+  }
+  static manager::ConfigurationOptions configuration_options(std::uint8_t shape) {
+    manager::ConfigurationOptions o;
+    if ((shape & 1) != 0) o.maximum_files = 2;
+    if ((shape & 2) != 0) o.maximum_size = 30;
+    o.delete_first = (shape & 4) != 0;
+    o.check_files = (shape & 8) == 0;
+    if ((shape & 16) != 0) o.write_time = 100ms;
+    return o;
+  }
+
+  // --- NodeListener
+  void reset_requested(canopen::NmtCommand, can::Time now) override {
+    const Silence silence(silent_);
+    master_.stop(now);
+    expect(!master_.active() && !master_.starting());
+  }
+  void reset_done(canopen::NmtCommand, can::Time now) override {
+    auto& d = node_.dictionary();
+    d.set<std::uint32_t>(0x1F80, 0, start_up_);
+    for (unsigned i = 0; i < 3; ++i) {
+      const std::uint8_t id = slave_ids[i];
+      const std::uint8_t shape = settings_[i];
+      constexpr std::uint32_t assignments[] = {0x05,       0x0D,       0x1D,       0x00,
+                                               0x0A'03'0D, 0x0F'02'05, 0x05'01'1D, 0x01};
+      d.set(0x1F81, id, assignments[shape % 8]);
+      if ((shape & 0x08) != 0) d.set(0x1016, static_cast<std::uint8_t>(i + 1), std::uint32_t{id} << 16 | 60U);
+      if ((shape & 0x10) != 0) d.set(0x1F84, id, 0x191U);
+      if ((shape & 0x20) != 0) d.set(0x1F26, id, 5U), d.set(0x1F27, id, 6U);
+      if ((shape & 0x40) != 0) d.set<std::uint8_t>(0x1F8A, id, 1);
+      if ((shape & 0x80) != 0) d.set(0x1F87, id, 0x1'0002U);
+    }
+    if ((settings_[3] & 1) != 0) d.set<std::uint32_t>(0x1F89, 0, 2000);
+    if ((settings_[3] & 2) != 0) d.set<std::uint16_t>(0x102A, 0, 20);
+    if ((settings_[3] & 4) != 0) d.set<std::uint16_t>(0x1017, 0, 100);
+    if ((settings_[3] & 8) != 0) d.set<std::uint16_t>(0x1F90, 3, 0);
+    const Silence silence(silent_);
+    master_.start(now);
+  }
+  void nmt_state_changed(NmtState state, can::Time now) override {
+    const Silence silence(silent_);
+    master_.own_state_changed(state, now);
+  }
+  void heartbeat_received(std::uint8_t id, NmtState state, can::Time now) override {
+    const Silence silence(silent_);
+    master_.heartbeat_received(id, state, now);
+  }
+  void heartbeat_lost(std::uint8_t id, can::Time now) override {
+    const Silence silence(silent_);
+    master_.heartbeat_lost(id, now);
+  }
+  bool may_become_operational() override { return may_start_; }
+
+  // --- MasterListener
+  void active_changed(bool active, can::Time) override { expect(master_.active() == active); }
+  void slave_booted(std::uint8_t id, can::Time) override { expect(id >= 1 && id <= 127); }
+  void slave_failed(std::uint8_t id, manager::BootError error, can::Time now) override {
+    expect(id >= 1 && id <= 127 && error != manager::BootError::none);
+    expect(!manager::explain(master_.boot_record(id), id, now).empty());
+    if (reacts_) static_cast<void>(master_.request_nmt(id, 0x06, now));
+  }
+  void error_control_event(std::uint8_t id, manager::ErrorControlEvent, can::Time now) override {
+    expect(id >= 1 && id <= 127);
+    if (reacts_) master_.clear_error_control(0, now);
+  }
+  void start_up_halted(std::uint8_t, manager::BootError, can::Time) override { expect(master_.halted()); }
+  bool sdo_channel_free(std::uint8_t id) override {
+    expect(id >= 1 && id <= 127);
+    return channel_free_;
+  }
+
+  void check() {
+    if (!master_.active()) expect(master_.active_master() != own_id);
+    if (master_.halted()) expect(master_.active());
+    for (const std::uint8_t id : slave_ids) {
+      const std::uint8_t state = master_.node_state(id);
+      expect(state == 0 || state == 1 || state == 4 || state == 5 || state == 0x7F || state == 7);
+      expect((master_.error_control(id) & 0xFF00) == 0);
+      if (master_.guarding(id)) expect(master_.active());
+    }
+    expect(master_.deadline() >= now_ - 1s);
+  }
+
+  // --- the slaves
+  void answer(const can::Frame& frame) {
+    if (frame.extended || answers_.size() > 64) return;
+    if (frame.identifier == 0x000) {
+      for (const std::uint8_t id : slave_ids) {
+        if (frame.data[1] != 0 && frame.data[1] != id) continue;
+        if (frame.data[0] >= 0x81) answers_.push_back(can::data_frame(0x700U + id, {0x00}));
+        slave_state_[id] = frame.data[0] == 1 ? 5 : frame.data[0] == 2 ? 4 : 0x7F;
+        if (frame.data[0] >= 0x81) toggle_[id] = 0;
+      }
+      return;
+    }
+    const auto id = static_cast<std::uint8_t>(frame.identifier & 0x7F);
+    if (frame.identifier > 0x700 && frame.remote) {
+      answers_.push_back(
+          can::data_frame(frame.identifier, {static_cast<std::uint8_t>(slave_state_[id] | toggle_[id])}));
+      toggle_[id] ^= 0x80;
+      return;
+    }
+    if (frame.identifier < 0x601 || frame.identifier > 0x67F) return;
+    can::Frame response = frame;
+    response.identifier -= 0x80;
+    const auto index = static_cast<std::uint16_t>(frame.data[1] | frame.data[2] << 8);
+    switch (frame.data[0] >> 5) {
+      case 0: response.data = {static_cast<std::uint8_t>(0x20 | (frame.data[0] & 0x10))}; break;
+      case 1:
+        response.data[0] = 0x60;
+        for (unsigned i = 4; i < 8; ++i) response.data[i] = 0;
+        break;
+      case 2:
+        response.data[0] = 0x43;
+        response.data[4] = index == 0x1000   ? 0x91
+                           : index == 0x1020 ? static_cast<std::uint8_t>(4 + frame.data[3])
+                                             : 2;
+        response.data[5] = index == 0x1000 ? 0x01 : 0;
+        response.data[6] = index == 0x1018 ? 1 : 0;
+        break;
+      default: return;
+    }
+    answers_.push_back(response);
+  }
+
+  // --- what happens
+  void step() {
+    switch (input_.choice(16)) {
+      case 0: return receive(input_.frame(some_identifier()), now_);
+      case 1: return receive(input_.frame(static_cast<std::uint32_t>(input_.number(2)) & 0x7FF), now_);
+      case 2: {
+        constexpr std::uint8_t states[] = {0x00, 0x05, 0x7F, 0x04, 0x85, 0xFF, 0x84, 0x01};
+        return receive(can::data_frame(0x700U + input_.one_of(slave_ids), {input_.one_of(states)}), now_);
+      }
+      case 3:
+      case 4:
+      case 5: return deliver(1 + input_.choice(16));
+      case 6:
+      case 7:
+      case 8: {
+        constexpr can::Duration spans[] = {0us, 1ms, 5ms, 10ms, 50ms, 100ms, 500ms, 1s, 2s, 5s, 30s};
+        return fuzz::pass_time(*this, now_, now_ + input_.one_of(spans), 200);
+      }
+      case 9: {
+        constexpr std::uint8_t values[] = {0x04, 0x05, 0x06, 0x07, 0x7F, 0x84,
+                                           0x85, 0x86, 0x87, 0x8F, 0x00, 0x01};
+        constexpr std::uint8_t ids[] = {1, 2, 3, 127, 0x80, 0, 0x81, 4};
+        const std::uint8_t id = input_.one_of(ids);
+        const std::uint8_t value = input_.one_of(values);
+        if (input_.flag()) return static_cast<void>(master_.request_guarding(id, value, now_));
+        return static_cast<void>(master_.request_nmt(id, value, now_));
+      }
+      case 10: return static_cast<void>(master_.request_configuration(input_.one_of(slave_ids), now_));
+      case 11: {  // flying master's frames
+        const auto identifier = 0x071U + input_.choice(6);
+        const std::uint8_t bytes[] = {input_.byte(), input_.byte()};
+        return receive(can::data_frame(identifier, std::span(bytes).first(identifier == 0x071 ? 2 : 0)),
+                       now_);
+      }
+      case 12: return write();
+      case 13: return answers_.clear();  // all lost
+      case 14: return surroundings();
+      default: {
+        constexpr std::uint8_t commands[] = {0x01, 0x02, 0x80, 0x81, 0x82};
+        return receive(
+            can::data_frame(0x000, {input_.one_of(commands), input_.flag() ? own_id : std::uint8_t{0}}),
+            now_);
+      }
+    }
+  }
+
+  std::uint32_t some_identifier() {
+    constexpr std::uint32_t bases[] = {0x580, 0x700, 0x080, 0x600};
+    constexpr std::uint8_t ids[] = {1, 2, 3, 127};
+    return input_.one_of(bases) + input_.one_of(ids);
+  }
+
+  void deliver(unsigned count) {
+    for (unsigned i = 0; i < count && !answers_.empty(); ++i) {
+      const can::Frame frame = answers_.front();
+      answers_.pop_front();
+      now_ += 200us;
+      receive(frame, now_);
+      for (unsigned ticks = 0; deadline() <= now_; ++ticks) {
+        expect(ticks <= 32);
+        tick(now_);
+      }
+    }
+  }
+
+  void write() {
+    constexpr std::uint16_t objects[] = {0x1F80, 0x1F81, 0x1F82, 0x1F83, 0x1F22, 0x1F25, 0x1F84,
+                                         0x1F89, 0x1F90, 0x1016, 0x1017, 0x102A, 0x1F26, 0x1F8A};
+    constexpr std::uint8_t subs[] = {0, 1, 2, 3, 4, 5, 6, 127, 128};
+    const std::uint16_t index = input_.one_of(objects);
+    const std::uint8_t sub = input_.one_of(subs);
+    const canopen::Entry entry = node_.dictionary().description().find(index, sub);
+    if (!entry) return;
+    if (index == 0x1F25) {
+      static_cast<void>(node_.dictionary().write(index, sub, canopen::little_endian(0x666E6F63, 4), now_));
+      return;
+    }
+    const auto value = input_.bytes(entry.description->length != 0 ? entry.description->length : 40);
+    static_cast<void>(node_.dictionary().write(index, sub, value, now_));
+    static_cast<void>(node_.dictionary().read(index, sub, now_));
+  }
+
+  void surroundings() {
+    switch (input_.choice(8)) {
+      case 0: full_ = input_.flag(); return;
+      case 1: may_start_ = input_.flag(); return;
+      case 2: channel_free_ = input_.flag(); return;
+      case 3: reacts_ = input_.flag(); return;
+      case 4: store_.works = input_.flag(); return;
+      case 5: master_.clear_error_control(input_.one_of(slave_ids), now_); return;
+      case 6: {
+        const Silence silence(silent_);
+        master_.stop(now_);
+        expect(!master_.active() && master_.deadline() >= now_);
+        return;
+      }
+      default:
+        node_.power_off();
+        {
+          const Silence silence(silent_);
+          master_.stop(now_);
+        }
+        answers_.clear();
+        if (input_.flag()) start_up_ = input_.byte() & 0x7F;
+        node_.power_on(now_);
+    }
+  }
+
+  Input& input_;
+  can::Time now_{1s};
+  Frames node_sink_{*this, false};
+  Frames master_sink_{*this, true};
+  Store store_;
+  canopen::Node node_;
+  manager::NmtMaster master_;
+  manager::ConfigurationManager configurations_;
+  std::uint32_t start_up_ = 0;
+  std::array<std::uint8_t, 4> settings_{};
+  std::array<std::uint8_t, 128> slave_state_{};
+  std::array<std::uint8_t, 128> toggle_{};
+  std::deque<can::Frame> answers_;
+  unsigned frames_ = 0;
+  bool was_master_ = false;  // 1F80H had bit 0 set
+  bool silent_ = false;
+  bool full_ = false;
+  bool may_start_ = true;
+  bool channel_free_ = true;
+  bool reacts_ = false;
+};
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  Input input(data, size);
+  Run(input).run();
+  return 0;
+}
