@@ -26,7 +26,8 @@ can::Frame read_frame(TableReader& table) {
   });
   if (const auto dlc = table.integer("dlc", 0, 15, "a DLC is 0 to 15"))
     frame.dlc = static_cast<std::uint8_t>(*dlc);
-  if (frame.remote) frame.data = {};
+  std::fill(frame.data.begin() + static_cast<std::ptrdiff_t>(frame.length()), frame.data.end(),
+            std::uint8_t{0});
   return frame;
 }
 

@@ -3,6 +3,7 @@
 // for is a mistake, because a misspelt key must not pass in silence. Mistakes are collected with line and
 // column.
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -87,7 +88,9 @@ class TableReader {
   std::optional<double> number(std::string_view key) {
     const toml::node* node = find(key);
     if (node == nullptr) return std::nullopt;
-    if (const auto value = node->value<double>(); value && !node->is_boolean()) return *value;
+    if (const auto value = node->value<double>(); value && !node->is_boolean() && std::isfinite(*value)) {
+      return *value;
+    }
     error(key, "expected a number");
     return std::nullopt;
   }

@@ -153,6 +153,8 @@ INSTANTIATE_TEST_SUITE_P(
                   "s, min, "
                   "h), for example \"10ms\""},
         WrongLine{"high = 4095.5", "high = -11", "plant.toml:21:8: high = -11: must not be below low = -10"},
+        WrongLine{"low = -10", "low = nan", "plant.toml:20:7: low = nan: expected a number"},
+        WrongLine{"high = 4095.5", "high = inf", "plant.toml:21:8: high = inf: expected a number"},
         WrongLine{"cpu = \"stop\"", "cpu = \"halt\"",
                   "plant.toml:27:7: cpu = \"halt\": expected \"run\" or \"stop\""},
         WrongLine{"head = 0x30", "head = 0x31",
@@ -225,6 +227,15 @@ TEST(PlantFile, FaultsOfABusAreRead) {
   EXPECT_THAT(babble.ports, ElementsAre("drive"));
   EXPECT_EQ(babble.frame, can::data_frame(0x001, {1, 255}));
   EXPECT_EQ(babble.interval, 1ms);
+}
+
+TEST(PlantFile, ABabbledFrameKeepsOnlyTheBytesThatItsDlcSends) {
+  const PlantReading reading = read_plant(
+      "[[bus]]\nname = \"line1\"\nbit_rate = 250_000\n[[bus.fault]]\nkind = \"babble\"\nports = [\"drive\"]\n"
+      "frame = { identifier = 1, data = [1, 2, 3], dlc = 1 }\n",
+      "plant.toml");
+  ASSERT_THAT(reading.errors, IsEmpty());
+  EXPECT_EQ(reading.plant.buses[0].faults[0].fault.frame, can::data_frame(0x001, {1}));
 }
 
 TEST(PlantFile, AFaultTakesOnlyTheKeysOfItsKind) {
