@@ -101,7 +101,7 @@ class Printer final : public NetworkObserver {
       const auto result = network.result(slave);
       const BootRecord& record = network.master().boot_record(slave.node);
       if (result == NetworkMaster::Result::booted) ++booted;
-      if (result == NetworkMaster::Result::failed) good = false;
+      if (result == NetworkMaster::Result::failed || result == NetworkMaster::Result::given_up) good = false;
       print_result(slave, result, record, network.master().node_state(slave.node), now);
     }
     if (!json_) {
@@ -135,14 +135,24 @@ class Printer final : public NetworkObserver {
         if (json_) return event("result", slave, now, {{"result", "absent"}});
         if (!quiet_) fmt::print("{}: {} (optional)\n", app::describe(slave), paint("absent", "33", colour_));
         return;
+      case NetworkMaster::Result::given_up:
+        if (json_) return event("result", slave, now, {{"result", "given up"}});
+        if (!quiet_) {
+          fmt::print("{}: {}, another slave ended the start-up\n", app::describe(slave),
+                     paint("given up", "33", colour_));
+        }
+        return;
       case NetworkMaster::Result::failed: break;
     }
-    const std::string reason = manager::explain(record, slave.node, now);
+    std::string reason = manager::explain(record, slave.node, now);
+    if (const std::size_t colon = reason.find(": "); colon != std::string::npos) {
+      reason.erase(0, colon + 2);  // "Node 4: "
+    }
     if (json_) {
       return event("result", slave, now,
                    {{"result", "failed"}, {"error", error_letter(record)}, {"reason", reason}});
     }
-    fmt::print("{}: {}: {}\n", app::describe(slave), paint("failed", "31", colour_), reason);
+    fmt::print("{}: {}: {}\n", app::describe(slave), paint("not booted", "31", colour_), reason);
   }
 
   void line(const NetworkSlave& slave, can::Time now, const std::string& text, std::string_view colour) {

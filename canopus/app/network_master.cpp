@@ -145,6 +145,7 @@ void NetworkMaster::power_on(can::Time now) {
 NetworkMaster::Result NetworkMaster::result(const NetworkSlave& slave) const {
   const BootRecord& record = master_.boot_record(slave.node);
   if (record.step == BootStep::booted) return Result::booted;
+  if (master_.halted() && record.step == BootStep::idle) return Result::given_up;
   const bool silent =
       record.error == manager::BootError::no_answer || record.error == manager::BootError::none;
   return !slave.mandatory && silent && record.step != BootStep::failed ? Result::absent : Result::failed;

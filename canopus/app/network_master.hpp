@@ -54,8 +54,9 @@ class NetworkMaster final : public can::Participant,
   /// What has become of a slave.
   enum class Result : std::uint8_t {
     booted,
-    absent,  ///< optional, does not answer
-    failed,  ///< or mandatory and not booted
+    absent,    ///< optional, does not answer
+    given_up,  ///< the start-up ended with another slave before this one was booted
+    failed,    ///< or mandatory and not booted
   };
   [[nodiscard]] Result result(const NetworkSlave& slave) const;
   [[nodiscard]] std::span<const NetworkSlave> slaves() const noexcept { return file_.slaves; }

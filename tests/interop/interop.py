@@ -6,145 +6,18 @@ usage: interop.py --program build/canopus --results build/results/interop.xml [-
 A check that needs something absent (a package, ../shared) is skipped with the reason. Ports are always chosen by the
 system; the program says which in its `listen` events.
 """
-import argparse
-import contextlib
 import json
-import os
-import pathlib
-import queue
 import re
 import shutil
 import signal
 import subprocess
 import sys
-import tempfile
-import threading
 import time
 import xml.etree.ElementTree as ET
 
-HERE = pathlib.Path(__file__).resolve().parent
-ROOT = HERE.parent.parent
-DEVICE_FILES = ROOT.parent / "shared" / "data" / "eds"
-PYTHON = "/usr/bin/python3"  # Debian's, which sees Debian's python3-can
-
-parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-parser.add_argument("--program", type=pathlib.Path, required=True)
-parser.add_argument("--results", type=pathlib.Path)
-parser.add_argument("--only", help="only checks whose name contains this")
-parser.add_argument("--keep", action="store_true", help="keep the scratch folder")
-args = parser.parse_args()
-program = str(args.program.resolve())
-scratch = pathlib.Path(tempfile.mkdtemp(prefix="canopus-interop-"))
-
-checks = []
-
-
-def check(function):
-    checks.append(function)
-    return function
-
-
-class Skip(Exception):
-    pass
-
-
-def require(condition, message):
-    if not condition:
-        raise AssertionError(message)
-
-
-def command(*words, timeout=120, expect=0, **options):
-    """Runs a command to its end; its output is the message if it ends otherwise than expected."""
-    done = subprocess.run([str(w) for w in words], capture_output=True, text=True, errors="replace", timeout=timeout, **options)
-    require(done.returncode == expect, f"{' '.join(map(str, words))}\nexit code {done.returncode}, expected {expect}\n"
-            f"{done.stdout[-4000:]}\n{done.stderr[-4000:]}")
-    return done
-
-
-def until(condition, message, timeout=10):
-    """Asks again until it is so; a program that runs in real time is not there at once."""
-    end = time.monotonic() + timeout
-    while not condition():
-        require(time.monotonic() < end, message)
-
-
-class RunningPlant:
-    """`canopus run --json` in real time, with the doors on ports of the system's choice."""
-
-    def __init__(self, plant):
-        self.process = subprocess.Popen([program, "run", str(plant), "--json"], stdout=subprocess.PIPE,
-                                        stderr=subprocess.PIPE, text=True)
-        self.events, self.lines = [], queue.Queue()
-        self.reader = threading.Thread(target=self._read, daemon=True)
-        self.reader.start()
-        self.mc = self.wait(lambda e: e["event"] == "listen" and e["protocol"] == "MC protocol")["address"]
-        self.socketcand = self.wait(lambda e: e["event"] == "listen" and e["protocol"] == "socketcand")["address"]
-
-    def _read(self):
-        for line in self.process.stdout:
-            self.lines.put(line)
-        self.lines.put(None)
-
-    def wait(self, wanted, timeout=30):
-        """The first event, past or coming, that is wanted."""
-        for event in self.events:
-            if wanted(event):
-                return event
-        end = time.monotonic() + timeout
-        while True:
-            try:
-                line = self.lines.get(timeout=max(0.01, end - time.monotonic()))
-            except queue.Empty:
-                raise AssertionError(f"an expected event did not come; last events: {self.events[-5:]}") from None
-            if line is None:
-                raise AssertionError(f"the plant ended: {self.process.stderr.read()[-2000:]}")
-            self.events.append(json.loads(line))
-            if wanted(self.events[-1]):
-                return self.events[-1]
-
-    def wait_operational(self, nodes):
-        for node in nodes:
-            self.wait(lambda e: e["event"] == "nmt" and e["node"] == node and e["state"] == "operational")
-
-    def stop(self, how=signal.SIGINT):
-        self.process.send_signal(how)
-        code = self.process.wait(timeout=20)
-        self.reader.join(timeout=5)
-        return code, self.process.stderr.read()
-
-
-def host_port(address):
-    host, port = address.rsplit(":", 1)
-    return host, port
-
-
-def first_plant_file():
-    text = (ROOT / "examples/first-plant/plant.toml").read_text()
-    text = text.replace("127.0.0.1:5007", "127.0.0.1:0").replace("127.0.0.1:29536", "127.0.0.1:0")
-    text = text.replace('"../devices/', f'"{ROOT}/examples/devices/')
-    path = scratch / "first-plant.toml"
-    path.write_text(text)
-    return path
-
-
-@contextlib.contextmanager
-def first_plant():
-    plant = RunningPlant(first_plant_file())
-    try:
-        plant.wait_operational([1, 2, 3, 4])
-        yield plant
-    finally:
-        if plant.process.poll() is None:
-            plant.process.kill()
-            plant.process.wait()
-
-
-def node_modules():
-    for tool in ("node", "npm"):
-        if not shutil.which(tool):
-            raise Skip(f"{tool} is not installed")
-    if not (HERE / "node_modules" / "canopen").is_dir():
-        command("npm", "ci", "--no-audit", "--no-fund", "--ignore-scripts", cwd=HERE, timeout=300)
+import bus_checks  # noqa: F401  (registers its checks)
+from kit import (DEVICE_FILES, HERE, PYTHON, ROOT, Skip, args, check, checks, command, first_plant, first_plant_file,
+                 host_port, node_modules, program, require, scratch, until)
 
 
 # --- the program itself

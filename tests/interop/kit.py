@@ -1,0 +1,157 @@
+"""What the checks of interop.py share: running commands and plants, skipping, the scratch folder."""
+import argparse
+import contextlib
+import json
+import pathlib
+import queue
+import shutil
+import signal
+import subprocess
+import tempfile
+import threading
+import time
+
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+DEVICE_FILES = ROOT.parent / "shared" / "data" / "eds"
+PYTHON = "/usr/bin/python3"  # Debian's, which sees Debian's python3-can
+
+parser = argparse.ArgumentParser(description="Runs the program for real and lets programs we did not write judge it.")
+parser.add_argument("--program", type=pathlib.Path, required=True)
+parser.add_argument("--results", type=pathlib.Path)
+parser.add_argument("--only", help="only checks whose name contains this")
+parser.add_argument("--keep", action="store_true", help="keep the scratch folder")
+args = parser.parse_args()
+program = str(args.program.resolve())
+scratch = pathlib.Path(tempfile.mkdtemp(prefix="canopus-interop-"))
+
+checks = []
+
+
+def check(function):
+    checks.append(function)
+    return function
+
+
+class Skip(Exception):
+    pass
+
+
+def require(condition, message):
+    if not condition:
+        raise AssertionError(message)
+
+
+def command(*words, timeout=120, expect=0, **options):
+    """Runs a command to its end; its output is the message if it ends otherwise than expected."""
+    done = subprocess.run([str(w) for w in words], capture_output=True, text=True, errors="replace", timeout=timeout, **options)
+    require(done.returncode == expect, f"{' '.join(map(str, words))}\nexit code {done.returncode}, expected {expect}\n"
+            f"{done.stdout[-4000:]}\n{done.stderr[-4000:]}")
+    return done
+
+
+def until(condition, message, timeout=10):
+    """Asks again until it is so; a program that runs in real time is not there at once."""
+    end = time.monotonic() + timeout
+    while not condition():
+        require(time.monotonic() < end, message)
+
+
+class RunningPlant:
+    """`canopus run --json` in real time, with the doors on ports of the system's choice."""
+
+    def __init__(self, plant, has_plc=True):
+        self.process = subprocess.Popen([program, "run", str(plant), "--json"], stdout=subprocess.PIPE,
+                                        stderr=subprocess.PIPE, text=True)
+        self.events, self.lines = [], queue.Queue()
+        self.reader = threading.Thread(target=self._read, daemon=True)
+        self.reader.start()
+        if has_plc:
+            self.mc = self.wait(lambda e: e["event"] == "listen" and e["protocol"] == "MC protocol")["address"]
+        self.socketcand = self.wait(lambda e: e["event"] == "listen" and e["protocol"] == "socketcand")["address"]
+
+    def _read(self):
+        for line in self.process.stdout:
+            self.lines.put(line)
+        self.lines.put(None)
+
+    def wait(self, wanted, timeout=30):
+        """The first event, past or coming, that is wanted."""
+        for event in self.events:
+            if wanted(event):
+                return event
+        end = time.monotonic() + timeout
+        while True:
+            try:
+                line = self.lines.get(timeout=max(0.01, end - time.monotonic()))
+            except queue.Empty:
+                raise AssertionError(f"an expected event did not come; last events: {self.events[-5:]}") from None
+            if line is None:
+                raise AssertionError(f"the plant ended: {self.process.stderr.read()[-2000:]}")
+            self.events.append(json.loads(line))
+            if wanted(self.events[-1]):
+                return self.events[-1]
+
+    def wait_operational(self, nodes):
+        for node in nodes:
+            self.wait(lambda e: e["event"] == "nmt" and e["node"] == node and e["state"] == "operational")
+
+    def stop(self, how=signal.SIGINT):
+        self.process.send_signal(how)
+        code = self.process.wait(timeout=20)
+        self.reader.join(timeout=5)
+        return code, self.process.stderr.read()
+
+
+def host_port(address):
+    host, port = address.rsplit(":", 1)
+    return host, port
+
+
+def first_plant_file():
+    text = (ROOT / "examples/first-plant/plant.toml").read_text()
+    text = text.replace("127.0.0.1:5007", "127.0.0.1:0").replace("127.0.0.1:29536", "127.0.0.1:0")
+    text = text.replace('"../devices/', f'"{ROOT}/examples/devices/')
+    path = scratch / "first-plant.toml"
+    path.write_text(text)
+    return path
+
+
+@contextlib.contextmanager
+def running(plant_file, has_plc=True, operational=()):
+    plant = RunningPlant(plant_file, has_plc)
+    try:
+        plant.wait_operational(operational)
+        yield plant
+    finally:
+        if plant.process.poll() is None:
+            plant.process.kill()
+            plant.process.wait()
+
+
+def first_plant():
+    return running(first_plant_file(), operational=[1, 2, 3, 4])
+
+
+def node_modules():
+    for tool in ("node", "npm"):
+        if not shutil.which(tool):
+            raise Skip(f"{tool} is not installed")
+    if not (HERE / "node_modules" / "canopen").is_dir():
+        command("npm", "ci", "--no-audit", "--no-fund", "--ignore-scripts", cwd=HERE, timeout=300)
+    build_crc()
+
+
+def build_crc():
+    """The native part of node-crc, which SDO block transfers of npm canopen need: one C file against the headers of node.
+    Nothing is fetched for it. Where it cannot be built, block steps are skipped by the scripts, which say so."""
+    package = HERE / "node_modules" / "node-crc"
+    module = package / "build" / "Release" / "crc.node"
+    node = pathlib.Path(shutil.which("node")).resolve()
+    places = [node.parent.parent / "include/node", "/usr/include/node", "/usr/include/nodejs/src", "/usr/include/nodejs"]
+    headers = [p for p in map(pathlib.Path, places) if (p / "node_api.h").is_file()]
+    if module.is_file() or not headers or not shutil.which("gcc"):
+        return
+    module.parent.mkdir(parents=True, exist_ok=True)
+    subprocess.run(["gcc", "-shared", "-fPIC", "-O2", "-DNODE_GYP_MODULE_NAME=crc", f"-I{headers[0]}",
+                    str(package / "c" / "crc.c"), "-o", str(module)], capture_output=True)
