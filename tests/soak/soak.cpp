@@ -268,7 +268,7 @@ int run(long minutes, std::uint64_t seed) {
   std::vector<std::unique_ptr<Slave>> slaves;
   std::vector<can::Timeline::Handle> handles;
   const auto description =
-      slave_description(19);  // 126 frames of about 130 bits every 19 ms, and the rest: 0.9 of the bus
+      slave_description(18);  // 126 frames of about 125 bits every 18 ms, and the rest: 0.9 of the bus
   for (std::uint8_t id = 1; id <= slave_count; ++id) {
     sim::Port& port = bus.add_port("node" + std::to_string(id));
     slaves.push_back(std::make_unique<Slave>(description, id, port));
