@@ -17,7 +17,7 @@ import xml.etree.ElementTree as ET
 
 import bus_checks  # noqa: F401  (registers its checks)
 from kit import (DEVICE_FILES, HERE, PYTHON, ROOT, Skip, args, check, checks, command, first_plant, first_plant_file,
-                 host_port, node_modules, program, require, scratch, until)
+                 host_port, node_modules, program, require, running, scratch, until)
 
 
 # --- the program itself
@@ -102,6 +102,31 @@ def output_words_reach_the_device():
         until(lambda: re.search(r"5A[0-9A-F]{2}", command(program, "plc", "read", r"U0\G10000", "--port", port,
                                                           "--format", "hex").stdout),
               "the echo of 5AH does not come back")
+
+
+@check
+def saved_settings_survive_a_killed_program():
+    """G22 and Y1F save G70; the program is killed without warning; the next one has it. An unsaved word is lost."""
+    text = first_plant_file().read_text().replace('listen = "127.0.0.1:0"', 'listen = "127.0.0.1:0"\nstore = "state"')
+    path = scratch / "with-store.toml"
+    path.write_text(text)
+    with running(path, operational=[1, 2, 3, 4]) as plant:
+        _, port = host_port(plant.mc)
+        plc = lambda *words: command(program, "plc", *words, "--port", port).stdout
+        plc("write", r"U0\G70", "1000")
+        plc("write", r"U0\G22", "1")
+        plc("set", "Y1F")
+        until(lambda: plc("read", "X1F").split()[-1] == "ON", "X1F does not come on")
+        require(plc("read", r"U0\G22", "--format", "dec").split()[-1] == "0", "G22 is not 0 after the save")
+        plc("reset", "Y1F")
+        plc("write", r"U0\G71", "900")
+        plant.process.kill()
+        plant.process.wait()
+    require(any((scratch / "state").rglob("*")), "nothing was stored")
+    with running(path, operational=[1]) as plant:
+        _, port = host_port(plant.mc)
+        words = command(program, "plc", "read", r"U0\G70", "--count", "2", "--port", port, "--format", "dec").stdout.split()
+        require("1000" in words and "500" in words, f"G70 and G71 after the restart: {words}")
 
 
 @check
