@@ -48,8 +48,7 @@ bool SdoClient::upload(std::uint16_t index, std::uint8_t sub, SdoClientUser& use
   if (mode == Mode::segmented) {
     return start(State::initiate_upload, sdo::frame(request_cob_id_, 0x40, index, sub), user, now, time_out);
   }
-  // Protocol switch threshold 4: what fits comes expedited.
-  const std::uint32_t block_size_and_threshold = own_block_size | 4U << 8;
+  const std::uint32_t block_size_and_threshold = own_block_size | std::uint32_t{switch_threshold_} << 8;
   return start(State::initiate_block_upload,
                sdo::frame(request_cob_id_, 0xA0U | sdo::crc_bit, index, sub, block_size_and_threshold), user,
                now, time_out);

@@ -70,6 +70,10 @@ class SdoClient {
   /// is announced or comes, and reported as buffer_too_small.
   void set_maximum_size(std::size_t bytes) noexcept { maximum_size_ = bytes; }
 
+  /// Block uploads: a server may answer a value of up to this many bytes expedited or segmented instead; 0 =
+  /// never. 4 as long as nobody says otherwise: what fits comes expedited.
+  void set_switch_threshold(std::uint8_t bytes) noexcept { switch_threshold_ = bytes; }
+
   // The last transfer, from sdo_finished() on until the next one starts.
   [[nodiscard]] AbortCode abort_code() const noexcept { return abort_code_; }  ///< none = success
   [[nodiscard]] std::span<const std::uint8_t> data() const noexcept {
@@ -135,6 +139,7 @@ class SdoClient {
   std::uint32_t request_cob_id_ = 0;
   std::uint32_t response_cob_id_ = 0;
   std::uint8_t server_ = 0;
+  std::uint8_t switch_threshold_ = 4;
   State state_ = State::idle;
   std::uint16_t index_ = 0;
   std::uint8_t sub_ = 0;

@@ -66,6 +66,21 @@ def peer(plant, name, *words):
             process.wait()
 
 
+@contextlib.contextmanager
+def meanwhile(plant, *steps):
+    """services_peer.mjs goes these steps while the check does something; they must end well."""
+    process = subprocess.Popen(["node", str(HERE / "services_peer.mjs"), *host_port(plant.socketcand), "line1", *steps],
+                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    try:
+        yield
+        said, _ = process.communicate(timeout=60)
+        require(process.returncode == 0, f"{' '.join(steps)}:\n{said}")
+    finally:
+        if process.poll() is None:
+            process.kill()
+            process.wait()
+
+
 # --- the commands on a plant's bus
 
 
@@ -273,16 +288,16 @@ def npm_canopen_hears_and_commands_by_every_service():
         require("1234H" in on_bus(plant, "sdo", "read", "5", "6200:02", "--type", "u16").stdout, "their RPDO did not arrive")
         # their SYNC moves our TPDO of transmission type 1; our SYNC is heard in time
         on_bus(plant, "sdo", "write", "5", "1800:02", "1", "--type", "u8")
-        node_script(plant, "services_peer.mjs", "sync,5,100")
+        with meanwhile(plant, "wait-pdo,185,u8+u16,_+_"):
+            node_script(plant, "services_peer.mjs", "pause,1000", "sync,10,100")
         on_bus(plant, "sdo", "write", "5", "1800:02", "255", "--type", "u8")
         on_bus(plant, "sdo", "write", "5", "1006", "50000", "--type", "u32")
         on_bus(plant, "sdo", "write", "5", "1005", "0x40000080", "--type", "u32")
         node_script(plant, "services_peer.mjs", "wait-sync,20,50,10")
         on_bus(plant, "sdo", "write", "5", "1005", "0x80", "--type", "u32")
-        # our consumer of their heartbeat: they have none, so 8130H comes after the first one is missed
-        on_bus(plant, "sdo", "write", "5", "1017", "0", "--type", "u16")
-        node_script(plant, "services_peer.mjs", "wait-loss,5,300") if False else None
-        # an emergency of theirs reaches the plant
+        # an emergency each way: ours because their PDO is too short
+        with meanwhile(plant, "wait-emcy,5,8210"):
+            node_script(plant, "services_peer.mjs", "pause,1000", "pdo,205,u8,1")
         node_script(plant, "services_peer.mjs", "emcy,8110,0102030405", "pause,200")
         event = plant.wait(lambda e: e["event"] == "emcy" and e["node"] == 126)
         require(event["code"] == "8110" and event["data"] == "0102030405", str(event))
