@@ -14,6 +14,17 @@ constexpr std::uint8_t all_nodes = 0;
 constexpr std::uint32_t base_function = 0x780;
 constexpr can::Duration send_retry = std::chrono::milliseconds(1);
 
+// What a slave says of itself, as 1F82H shows it: a reserved value is no state.
+constexpr std::uint8_t told_state(std::uint8_t state) noexcept {
+  switch (static_cast<NmtState>(state)) {
+    case NmtState::stopped:
+    case NmtState::operational:
+    case NmtState::pre_operational: return state;
+    case NmtState::initialising: break;
+  }
+  return node_state::unknown;
+}
+
 }  // namespace
 
 void NmtMaster::Engine::receive(const can::Frame& frame, can::Time now) {
@@ -136,7 +147,7 @@ void NmtMaster::Engine::heartbeat_received(std::uint8_t node_id, NmtState state,
   heartbeat_alive_[node_id] = true;
   heartbeat_lost_pending_[node_id] = false;
   set_flags(node_id, error_control::heartbeat_active, 0, now);
-  set_state(node_id, static_cast<std::uint8_t>(state), now);
+  set_state(node_id, told_state(static_cast<std::uint8_t>(state)), now);
   if (in_error_[node_id]) {
     in_error_[node_id] = false;
     listener_->error_control_resolved(node_id, now);
@@ -176,7 +187,7 @@ void NmtMaster::Engine::state_message(std::uint8_t node_id, std::uint8_t byte, c
   const NodeGuarding::Answer answer = guarding_[node_id].answer(byte, now);
   if (guarding_[node_id].running()) {
     if (!answer.accepted) return set_flags(node_id, error_control::guarding_miss, 0, now);
-    set_state(node_id, state, now);
+    set_state(node_id, told_state(state), now);
     if (answer.resolved && in_error_[node_id]) {
       in_error_[node_id] = false;
       listener_->error_control_resolved(node_id, now);

@@ -55,6 +55,19 @@ TEST_F(LostHeartbeat, OptionalSlave_IsResetAndBootedAgain) {
   EXPECT_FALSE(master.starting());
 }
 
+TEST_F(LostHeartbeat, HeartbeatWithAReservedState_IsShownAsUnknown) {
+  object(0x1F80, 0, 0x01);
+  object(0x1F81, 2, optional);
+  object(0x1016, 1, 0x000205DC);
+  slave(2).heartbeat_after_reset = 10ms;
+  switch_on();
+  run_until_ms(1000);
+  heartbeat(2, 0x05);
+  EXPECT_EQ(master.node_state(2), node_state::operational);
+  heartbeat(2, 0x01);  // as if it were "missing"
+  EXPECT_EQ(master.node_state(2), node_state::unknown);
+}
+
 TEST_F(LostHeartbeat, MandatorySlave_IsTreatedTheSameAlone) {
   run(0x01, mandatory);
   run_for(1s);
