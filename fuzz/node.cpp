@@ -275,6 +275,7 @@ class Run final : can::Sink, canopen::NodeListener {
     if (node_.state() == NmtState::initialising) {
       expect(is_error_control && frame.dlc == 1 && frame.data[0] == 0);
     }
+    if (frame.data[0] != 0x80 && (frame.data[0] & 0x7F) != 0) last_sequence_ = frame.data[0] & 0x7F;
     static_cast<void>(node_.identifiers_revision());  // as a bus may ask at any time
     return !full_;
   }
@@ -338,7 +339,7 @@ class Run final : can::Sink, canopen::NodeListener {
       case 11: return pass_time();
       case 12: return application();
       case 13: return application_write();
-      case 14: return sdo_block();
+      case 14: return input_.flag() ? sdo_block() : sdo_conversation();
       default: return surroundings();
     }
   }
@@ -417,6 +418,39 @@ class Run final : can::Sink, canopen::NodeListener {
       hear(can::data_frame(identifier,
                            {static_cast<std::uint8_t>((first + i) % 128 | mark), 1, 2, 3, 4, 5, 6, 7}));
     }
+  }
+
+  /// A block transfer as a good client does it, as far as the input lets it come.
+  void sdo_conversation() {
+    const std::uint32_t identifier = input_.flag() ? 0x6A0 : 0x605;
+    const std::uint16_t index = some_object();
+    const auto low = static_cast<std::uint8_t>(index);
+    const auto high = static_cast<std::uint8_t>(index >> 8);
+    const std::uint8_t sub = static_cast<std::uint8_t>(input_.choice(4));
+    const auto say = [&](std::initializer_list<std::uint8_t> bytes) {
+      hear(can::data_frame(identifier, bytes));
+    };
+    if (input_.flag()) {
+      const auto block_size = static_cast<std::uint8_t>(1 + input_.choice(127));
+      say({static_cast<std::uint8_t>(0xA0 | (input_.flag() ? 4 : 0)), low, high, sub, block_size, 0, 0, 0});
+      say({0xA3, 0, 0, 0, 0, 0, 0, 0});
+      for (unsigned blocks = input_.choice(8); blocks != 0; --blocks) {
+        const std::uint8_t confirmed =
+            input_.flag() ? static_cast<std::uint8_t>(input_.choice(128)) : last_sequence_;
+        say({0xA2, confirmed, block_size, 0, 0, 0, 0, 0});
+      }
+      if (input_.flag()) say({0xA1, 0, 0, 0, 0, 0, 0, 0});
+      return;
+    }
+    const unsigned count = 1 + input_.choice(140);
+    const unsigned unused = input_.choice(8);
+    const unsigned size = 7 * count - std::min(unused, 7 * count);
+    say({0xC2, low, high, sub, static_cast<std::uint8_t>(size), static_cast<std::uint8_t>(size >> 8), 0, 0});
+    for (unsigned i = 0; i < count; ++i) {
+      const unsigned last = i + 1 == count ? 0x80 : 0;
+      say({static_cast<std::uint8_t>((i % 127 + 1) | last), 0x11, 0x22, 0x33, 0x44, 0x55, 0x66, 0x77});
+    }
+    say({static_cast<std::uint8_t>(0xC1 | unused << 2), 0, 0, 0, 0, 0, 0, 0});
   }
 
   void pass_time() {
@@ -505,6 +539,7 @@ class Run final : can::Sink, canopen::NodeListener {
   Store store_;
   canopen::Node node_;
   unsigned frames_ = 0;
+  std::uint8_t last_sequence_ = 0;
   std::array<std::uint8_t, 1> counter_{1};
   std::uint8_t error_behaviour_ = 0;
   bool produces_sync_ = false;
