@@ -242,8 +242,9 @@ void add_master_command(CLI::App& app, int& exit_code) {
   command->add_flag("--stay", arguments->stay, "Stay the network's master, until Ctrl-C or the end of --for");
   command->add_option("--for", arguments->duration, "End after this time, for example 10s")
       ->type_name("TIME");
-  command->add_flag("-q,--quiet", arguments->quiet, "Print failures and the last line alone");
+  auto* quiet = command->add_flag("-q,--quiet", arguments->quiet, "Print failures and the last line alone");
   add_bus_options(*command, arguments->bus, "for each SDO answer of a slave");
+  quiet->excludes(command->get_option("--json"));
   command->footer(
       "Without --stay it ends when the start-up is over; the slaves stay as they are.\n"
       "Exit code: 0 all mandatory slaves booted and no slave failed, 1 some did not, or no bus, 2 wrong file "

@@ -1,0 +1,171 @@
+#include "canopus/app/network_master.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "app/device_bus.hpp"
+
+namespace canopus::app {
+namespace {
+
+using canopen::NmtState;
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using Result = NetworkMaster::Result;
+using namespace std::chrono_literals;
+
+const std::string device_eds = CANOPUS_SOURCE_DIR "/tests/interop/interop_device.eds";
+
+class NetworkMasterTest : public testing::Test, public NetworkObserver {
+ protected:
+  NetworkMasterTest() { network.boot_time = 5s; }
+  NetworkSlave& slave(std::uint8_t node) {
+    network.slaves.push_back({.node = node});
+    return network.slaves.back();
+  }
+  void boot(can::Duration duration = 10s) {
+    auto built = NetworkMaster::build(network, bus.port, *this);
+    ASSERT_TRUE(built.has_value());
+    master = std::move(*built);
+    bus.join(*master);
+    master->power_on(bus.now());
+    const can::Time end = bus.now() + duration;
+    while (bus.now() < end && !master->start_up_over()) bus.run_for(10ms);
+  }
+  [[nodiscard]] Result result(std::size_t number) const { return master->result(master->slaves()[number]); }
+
+  void slave_booted(const NetworkSlave& which, can::Time) override { note("booted", which); }
+  void slave_failed(const NetworkSlave& which, const manager::BootRecord&, can::Time) override {
+    note("failed", which);
+  }
+  void boot_went_on(const NetworkSlave& which, const manager::BootRecord& record, can::Time) override {
+    note(std::string(manager::describe(record.step)), which);
+  }
+  void note(const std::string& what, const NetworkSlave& which) {
+    events.push_back(app::describe(which) + " " + what);
+  }
+
+  NetworkFile network{.path = "network.toml"};
+  std::unique_ptr<NetworkMaster> master;
+  std::vector<std::string> events;
+  DeviceBus bus;
+};
+
+TEST_F(NetworkMasterTest, Slave_IsBootedAndStarted) {
+  const sim::Device& device = bus.device(5, 100);
+  slave(5).name = "valve";
+  boot();
+  EXPECT_TRUE(master->start_up_over());
+  EXPECT_EQ(result(0), Result::booted);
+  EXPECT_EQ(device.node().state(), NmtState::operational);
+  EXPECT_THAT(events, Contains("node 5 (valve) asking for 1000H"));
+  EXPECT_THAT(events, Contains("node 5 (valve) booted"));
+}
+
+TEST_F(NetworkMasterTest, SlavesNotToBeStarted_StayPreOperational) {
+  const sim::Device& device = bus.device(5, 100);
+  network.start_slaves = false;
+  slave(5);
+  boot();
+  EXPECT_EQ(result(0), Result::booted);
+  EXPECT_EQ(device.node().state(), NmtState::pre_operational);
+}
+
+TEST_F(NetworkMasterTest, Settings_AreDownloaded) {
+  sim::Device& device = bus.device(5, 100);
+  NetworkSlave& valve = slave(5);
+  valve.eds = device_eds;
+  valve.objects.push_back({.place = {}, .object = {0x2003, 0}, .value = std::int64_t{123}});
+  boot();
+  EXPECT_EQ(result(0), Result::booted);
+  EXPECT_EQ(device.node().dictionary().get<std::uint16_t>(0x2003, 0), 123);
+}
+
+TEST_F(NetworkMasterTest, IdentityOfTheDeviceFile_IsExpected) {
+  bus.device(5, 100);
+  slave(5).eds = device_eds;
+  network.slaves[0].product = 0x501;  // instead of the file's 500H
+  boot();
+  EXPECT_EQ(result(0), Result::failed);
+  EXPECT_EQ(master->master().boot_record(5).expected, 0x501U);
+  EXPECT_EQ(master->master().boot_record(5).received, 0x500U);
+}
+
+TEST_F(NetworkMasterTest, ZeroInTheFile_IsNotCompared) {
+  bus.device(5, 100);
+  slave(5).eds = device_eds;
+  network.slaves[0].revision = 0;
+  boot();
+  EXPECT_EQ(result(0), Result::booted);
+}
+
+TEST_F(NetworkMasterTest, MissingOptionalSlave_IsAbsentAndHoldsNothingUp) {
+  bus.device(5, 100);
+  slave(5);
+  slave(9).mandatory = false;
+  boot();
+  EXPECT_TRUE(master->start_up_over());
+  EXPECT_EQ(result(0), Result::booted);
+  EXPECT_EQ(result(1), Result::absent);
+}
+
+TEST_F(NetworkMasterTest, MissingMandatorySlave_FailsWhenTheBootTimeIsOver) {
+  bus.device(5, 100);
+  slave(5);
+  slave(9);
+  boot(4s);
+  EXPECT_FALSE(master->start_up_over());
+  while (!master->start_up_over() && bus.now() < can::Time(20s)) bus.run_for(10ms);
+  EXPECT_TRUE(master->start_up_over());
+  EXPECT_EQ(result(1), Result::failed);
+  EXPECT_LT(bus.now(), can::Time(6s));
+}
+
+TEST_F(NetworkMasterTest, WatchedHeartbeat_ThatDoesNotCome_Fails) {
+  bus.device(5, 200);
+  slave(5).consumer_heartbeat_time = 100ms;
+  boot();
+  EXPECT_EQ(result(0), Result::failed);
+  EXPECT_EQ(master->master().boot_record(5).error, manager::BootError::no_error_control);
+}
+
+TEST_F(NetworkMasterTest, GuardedSlave_IsBooted) {
+  bus.device(5, 0);
+  NetworkSlave& valve = slave(5);
+  valve.eds = device_eds;  // after the reset its heartbeat is 200 ms again
+  valve.objects.push_back({.place = {}, .object = {0x1017, 0}, .value = std::int64_t{0}});
+  valve.guard_time = 100ms;
+  boot();
+  EXPECT_EQ(result(0), Result::booted);
+  EXPECT_TRUE(master->master().guarding(5));
+}
+
+TEST_F(NetworkMasterTest, WrongSetting_IsToldWithItsPlace) {
+  NetworkSlave& valve = slave(5);
+  valve.eds = device_eds;
+  valve.objects.push_back({.place = {7, 3}, .object = {0x2003, 0}, .value = std::int64_t{70000}});
+  valve.objects.push_back({.place = {8, 3}, .object = {0x2999, 0}, .value = std::int64_t{1}});
+  valve.objects.push_back({.place = {9, 3}, .object = {0x1000, 0}, .value = std::int64_t{1}});
+  const auto built = NetworkMaster::build(network, bus.port, *this);
+  ASSERT_FALSE(built.has_value());
+  ASSERT_EQ(built.error().size(), 3U);
+  EXPECT_EQ(describe(built.error()[0], "n.toml"), "n.toml:7:3: 2003:00: 70000 does not fit UNSIGNED16");
+  EXPECT_EQ(describe(built.error()[1], "n.toml"), "n.toml:8:3: 2999:00: the device file has no such object");
+  EXPECT_EQ(describe(built.error()[2], "n.toml"),
+            "n.toml:9:3: 1000:00: the device file says it cannot be written");
+}
+
+TEST_F(NetworkMasterTest, MissingDeviceFile_IsToldWithItsPlace) {
+  slave(5).eds = "nowhere.eds";
+  network.slaves[0].eds_place = {4, 7};
+  const auto built = NetworkMaster::build(network, bus.port, *this);
+  ASSERT_FALSE(built.has_value());
+  ASSERT_EQ(built.error().size(), 1U);
+  EXPECT_THAT(describe(built.error()[0], "n.toml"),
+              HasSubstr("n.toml:4:7: eds = \"nowhere.eds\": cannot read "));
+}
+
+}  // namespace
+}  // namespace canopus::app
