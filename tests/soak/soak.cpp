@@ -155,7 +155,7 @@ class Master final : public can::Participant,
     return next;
   }
 
-  void sdo_finished(canopen::SdoClient& client, can::Time) override {
+  void sdo_finished(canopen::SdoClient& client, can::Time now) override {
     Job& job = *std::ranges::find_if(jobs_, [&](const Job& j) { return j.client.get() == &client; });
     if (client.abort_code() != AbortCode::none) {
       ++failed;
@@ -166,7 +166,10 @@ class Master final : public can::Participant,
     const auto& dictionary = slaves_[job.node - 1U]->node.dictionary();
     const auto held = dictionary.bytes(*dictionary.find(scratch_object, job.sub));
     const auto claimed = job.is_download ? std::span<const std::uint8_t>(job.bytes) : client.data();
-    if (!std::ranges::equal(held, claimed)) ++lied;
+    if (std::ranges::equal(held, claimed)) return;
+    ++lied;
+    std::printf("at %.6f s the %s of node %u, %04X:%02X, did not do what it said\n", can::seconds(now),
+                job.is_download ? "download" : "upload", job.node, scratch_object, job.sub);
   }
 
   std::uint64_t succeeded = 0;
@@ -238,8 +241,10 @@ std::vector<sim::Fault> random_faults(std::mt19937_64& random, can::Time from, c
       case 4:
         fault.kind = sim::FaultKind::babble;
         fault.ports = {port()};
+        // An identifier that wins against everything and belongs to nobody: a babbler that forges the frames
+        // of a service could make any protocol lie.
         fault.frame =
-            can::data_frame(static_cast<std::uint32_t>(0x600 + random() % 0x100), {1, 2, 3, 4, 5, 6, 7, 8});
+            can::data_frame(static_cast<std::uint32_t>(0x010 + random() % 0x40), {1, 2, 3, 4, 5, 6, 7, 8});
         fault.interval = 500us;
         break;
       case 5:
