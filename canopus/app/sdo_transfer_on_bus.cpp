@@ -57,7 +57,8 @@ std::string describe_abort(AbortCode code, bool aborted_by_server, can::Duration
 SdoOnBus::SdoOnBus(BusLoop& bus, std::uint8_t node_id, can::Duration time_out, bool block)
     : bus_(bus), time_out_(time_out), block_(block), client_(bus) {
   client_.set_server(node_id);
-  // Who asks for blocks gets blocks. npm canopen 6 as a server takes the threshold for a part of the block size.
+  // Who asks for blocks gets blocks. npm canopen 6 as a server takes the threshold for a part of the block
+  // size.
   client_.set_switch_threshold(0);
   bus_.add(*this);
 }
