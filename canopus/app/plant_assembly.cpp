@@ -116,8 +116,9 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
   File file = load(section);
   if (!file) return;
   std::uint8_t node_id = section.node;
-  if (node_id == 0 && file->commissioning && file->commissioning->node_id)
-    node_id = *file->commissioning->node_id;
+  if (const auto& commissioning = file->commissioning; node_id == 0 && commissioning) {
+    node_id = commissioning->node_id.value_or(0);
+  }
   if (node_id == 0) {
     return error(section.place, "device: node is missing; {} names no node-ID either", section.eds);
   }

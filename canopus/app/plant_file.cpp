@@ -239,6 +239,7 @@ void check_references(PlantFile& plant, std::vector<PlantError>& errors) {
     if (std::ranges::find(plant.buses, bus, &BusSection::name) == plant.buses.end()) {
       const auto names = [&] {
         std::vector<std::string> list;
+        list.reserve(plant.buses.size());
         for (const BusSection& known : plant.buses) list.push_back(known.name);
         return fmt::format("{}", fmt::join(list, ", "));
       };

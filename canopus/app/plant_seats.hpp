@@ -151,7 +151,7 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver 
   /// The rack has switched the module on.
   void powered(can::Time now) {
     status_.is_on = true;
-    if (section_.exchange) next_request_ = now + *section_.exchange;
+    if (section_.exchange) next_request_ = now + exchange_interval_;
     look(now);
   }
 
@@ -200,13 +200,13 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver 
     if (program_requested_) {
       program_requested_ = false;
       module_.set_output(exchange_signal, false, now);
-      next_request_ = std::max(requested_at_ + *section_.exchange, now + std::chrono::milliseconds(1));
+      next_request_ = std::max(requested_at_ + exchange_interval_, now + std::chrono::milliseconds(1));
       return;
     }
     const bool is_free = is_on(module_.inputs(), 0) && !is_on(module_.inputs(), exchange_signal) &&
                          !is_on(module_.outputs(), exchange_signal);
     if (!is_free) {  // not ready, or a client plays the program: look again later
-      next_request_ = now + *section_.exchange;
+      next_request_ = now + exchange_interval_;
       return;
     }
     requested_at_ = now;
@@ -237,6 +237,7 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver 
   PlantObserver& observer_;
   NodeStatus status_;
   std::vector<std::uint16_t> watched_;
+  can::Duration exchange_interval_ = section_.exchange.value_or(can::Duration{});
   can::Time next_request_ = can::never;
   can::Time requested_at_{};
   bool program_requested_ = false;      // Y01 is ON, X01 awaited

@@ -35,6 +35,10 @@ constexpr std::uint8_t master_id = 127;
 constexpr std::uint8_t slave_count = 126;
 constexpr std::uint16_t scratch_object = 0x2000;  // :01 UNSIGNED32, :02 text for segmented transfers
 constexpr can::Duration recovery_bound = 20s;
+// An overloaded bus holds answers back for as long as a fault lasts. SDO has no transaction numbers: the late
+// answer to a transfer that timed out looks like the answer to the next one of the same object, so a careful
+// user waits.
+constexpr can::Duration late_answers = 5s;
 
 /// A slave that sends one TPDO of 8 bytes every `period` ms.
 std::shared_ptr<const canopen::DictionaryDescription> slave_description(std::uint16_t period) {
@@ -159,6 +163,7 @@ class Master final : public can::Participant,
     Job& job = *std::ranges::find_if(jobs_, [&](const Job& j) { return j.client.get() == &client; });
     if (client.abort_code() != AbortCode::none) {
       ++failed;
+      ask_again_[job.node] = now + late_answers;
       return;
     }
     ++succeeded;
@@ -190,7 +195,7 @@ class Master final : public can::Participant,
     for (Job& job : jobs_) {
       if (job.client->busy()) continue;
       const auto id = static_cast<std::uint8_t>(random_() % slave_count + 1);
-      if (master_.sdo_channel_busy(id) || !sdo_channel_free(id)) continue;
+      if (master_.sdo_channel_busy(id) || !sdo_channel_free(id) || now < ask_again_[id]) continue;
       job.node = id;
       job.sub = static_cast<std::uint8_t>(random_() % 4 == 0 ? 2 : 1);
       job.is_download = random_() % 2 == 0;
@@ -210,6 +215,7 @@ class Master final : public can::Participant,
   std::vector<std::unique_ptr<Slave>>& slaves_;
   std::mt19937_64 random_;
   std::array<Job, 4> jobs_;
+  std::array<can::Time, 128> ask_again_{};
   can::Time next_job_ = can::never;
 };
 
