@@ -3,10 +3,11 @@ and a CANopen stack that is not ours (npm canopen) as SDO client, SDO server, LS
 import contextlib
 import json
 import queue
+import shutil
 import subprocess
 import threading
 
-from kit import (HERE, ROOT, check, command, first_plant, host_port, node_modules, program, require, running, scratch)
+from kit import (HERE, ROOT, Skip, check, command, first_plant, host_port, node_modules, program, require, running, scratch)
 
 DEVICE = HERE / "interop_device.eds"
 PATTERN = bytes((i * 7 + (i >> 8)) & 0xFF for i in range(1000))  # as the JavaScript peers make it
@@ -221,6 +222,20 @@ def master_tells_why_a_slave_does_not_boot():
         path = network_file("node = 200")
         done = on_bus(plant, "master", "--dcf", path, expect=2)
         require(f"{path}:4:8: node = 200: a node-ID is 1 to 127" in done.stderr, done.stderr)
+
+
+@check
+def commands_join_socketcan():
+    """In a virtual machine with a kernel that has SocketCAN: a virtual interface, and two controllers on one bus."""
+    machine = ROOT.parent / "shared/tools/qemu-can.sh"
+    for absent in [str(machine)] * (not machine.is_file()) + [t for t in ("qemu-system-x86_64", "busybox", "depmod", "cpio")
+                                                              if not shutil.which(t)]:
+        raise Skip(f"{absent} is absent: no machine with SocketCAN")
+    script = HERE / "socketcan_commands.sh"
+    for theirs, ours in (("vcan0", "vcan0"), ("can0", "can1")):
+        done = subprocess.run([str(machine), "--", "bash", str(script), program, theirs, ours], capture_output=True, text=True,
+                              errors="replace", timeout=300)
+        require("socketcan ok" in done.stdout, f"{theirs} to {ours}:\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}")
 
 
 # --- a foreign stack on the same bus
