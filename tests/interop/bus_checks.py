@@ -7,7 +7,8 @@ import shutil
 import subprocess
 import threading
 
-from kit import (HERE, ROOT, Skip, check, command, first_plant, host_port, node_modules, program, require, running, scratch)
+from kit import (HERE, ROOT, Skip, check, command, first_plant, host_port, node_modules, program, require, running, scratch,
+                 tshark_agrees)
 
 DEVICE = HERE / "interop_device.eds"
 PATTERN = bytes((i * 7 + (i >> 8)) & 0xFF for i in range(1000))  # as the JavaScript peers make it
@@ -253,6 +254,7 @@ def npm_canopen_as_sdo_client_transfers_everything():
             "abort-upload,2999:0,06020000", "abort-upload,1018:9,06090011", "abort-upload,2002:0,06010001",
             "abort-download,1000:0,u32,1,06010002", "abort-download,2003:0,u16,1001,06090031",
             "abort-download,2003:0,u16,9,06090032", "abort-download,2003:0,u32,500,06070012")
+        tshark_agrees(plant, "boot-up,SDO")
 
 
 @check
@@ -264,6 +266,7 @@ def npm_canopen_as_sdo_client_transfers_blocks():
             "block-download-size,2001:0,5", "block-download-size,2001:0,7", "block-download-size,2001:0,888",
             "block-download-size,2001:0,889", "block-download-size,2001:0,890", "block-download-size,2001:0,5000",
             "abort-block-upload,2999:0,06020000", "abort-block-download,1008:0,text,no place for this,06010002")
+        tshark_agrees(plant, "boot-up,SDO")
 
 
 @check
@@ -291,6 +294,7 @@ def sdo_command_reads_and_writes_npm_canopen():
             write("2003", str(number), "--type", "u16")
             path.write_bytes(domain)
             write("2001", "--file", path)
+        tshark_agrees(plant, "SDO")
 
 
 @check
@@ -316,6 +320,7 @@ def npm_canopen_hears_and_commands_by_every_service():
         node_script(plant, "services_peer.mjs", "emcy,8110,0102030405", "pause,200")
         event = plant.wait(lambda e: e["event"] == "emcy" and e["node"] == 126)
         require(event["code"] == "8110" and event["data"] == "0102030405", str(event))
+        tshark_agrees(plant, "boot-up,NMT,SDO,PDO,EMCY,SYNC,heartbeat")
 
 
 @check

@@ -7,6 +7,7 @@ import queue
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -60,9 +61,13 @@ def until(condition, message, timeout=10):
 class RunningPlant:
     """`canopus run --json` in real time, with the doors on ports of the system's choice."""
 
+    runs = 0
+
     def __init__(self, plant, has_plc=True):
-        self.process = subprocess.Popen([program, "run", str(plant), "--json"], stdout=subprocess.PIPE,
-                                        stderr=subprocess.PIPE, text=True)
+        RunningPlant.runs += 1
+        self.trace = scratch / f"run-{RunningPlant.runs}.pcap"
+        self.process = subprocess.Popen([program, "run", str(plant), "--json", "--trace", str(self.trace)],
+                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.events, self.lines = [], queue.Queue()
         self.reader = threading.Thread(target=self._read, daemon=True)
         self.reader.start()
@@ -101,6 +106,16 @@ class RunningPlant:
         code = self.process.wait(timeout=20)
         self.reader.join(timeout=5)
         return code, self.process.stderr.read()
+
+
+def tshark_agrees(plant, kinds):
+    """Ends the run; tshark must find these kinds of messages in its recording, and nothing malformed."""
+    code, errors = plant.stop()
+    require(code == 0, f"exit code {code}: {errors}")
+    if not shutil.which("tshark"):
+        print("    tshark is absent: the recording is not decoded")
+        return
+    command(sys.executable, HERE / "tshark_trace.py", plant.trace, "--need", kinds)
 
 
 def host_port(address):
