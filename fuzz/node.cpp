@@ -116,7 +116,8 @@ std::shared_ptr<const canopen::DictionaryDescription> build() {
   variable(0x1019, unsigned8);
   b.uniform(0x1028, ObjectCode::array, "EMCY", 12, {.value = little_endian(0x80000000, 4)});
   b.uniform(0x1029, ObjectCode::array, "Error behaviour", 1, {.type = unsigned8});
-  for (const std::uint16_t channel : {0x1200, 0x1201, 0x1202, 0x1280}) {
+  constexpr std::uint16_t channels[] = {0x1200, 0x1201, 0x1202, 0x1280};
+  for (const std::uint16_t channel : channels) {
     b.object(channel, ObjectCode::record, "SDO");
     const bool is_default = channel == 0x1200;
     const std::uint32_t request = is_default ? 0x605U : channel == 0x1201 ? 0x6A0U : 0x80000000U;
