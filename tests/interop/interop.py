@@ -16,6 +16,7 @@ import time
 import xml.etree.ElementTree as ET
 
 import bus_checks  # noqa: F401  (registers its checks)
+import module_checks  # noqa: F401
 from kit import (DEVICE_FILES, HERE, PYTHON, ROOT, Skip, args, check, checks, command, first_plant, first_plant_file,
                  host_port, node_modules, program, require, running, scratch, until)
 
@@ -308,6 +309,8 @@ def main():
         if args.only and args.only not in name:
             continue
         case = ET.SubElement(suite, "testcase", classname="interop", name=name, status="run")
+        if hasattr(function, "features"):
+            ET.SubElement(ET.SubElement(case, "properties"), "property", name="spec", value=function.features)
         started = time.monotonic()
         try:
             function()

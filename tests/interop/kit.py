@@ -34,6 +34,14 @@ def check(function):
     return function
 
 
+def covers(features):
+    """Names the features of the manuals (spec/*/features.csv) whose behaviour the check looks at."""
+    def mark(function):
+        function.features = features
+        return function
+    return mark
+
+
 class Skip(Exception):
     pass
 
