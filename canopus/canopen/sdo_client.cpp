@@ -93,6 +93,7 @@ bool SdoClient::download(std::uint16_t index, std::uint8_t sub, ByteSource& sour
 void SdoClient::cancel(AbortCode code) {
   if (!busy()) return;
   state_ = State::idle;
+  block_sender_.stop();
   deadline_ = can::never;
   abort_code_ = code;
   sink_->send(sdo::abort_frame(request_cob_id_, index_, sub_, code));
@@ -100,6 +101,7 @@ void SdoClient::cancel(AbortCode code) {
 
 void SdoClient::finish(AbortCode code, can::Time now) {
   state_ = State::idle;
+  block_sender_.stop();
   deadline_ = can::never;
   abort_code_ = code;
   user_->sdo_finished(*this, now);  // may start the next transfer
@@ -226,16 +228,17 @@ void SdoClient::tick(can::Time now) {
   if (!busy() || now < deadline_) return;
   const can::Time end = can::later(last_heard_, time_out_);
   if (now >= end) return give_up(AbortCode::timed_out, now);
-  if (state_ == State::block_download) return send_block(now);  // the transmit queue was full
+  if (state_ == State::block_download && block_sender_.is_sending())
+    return send_block(now);  // the transmit queue was full
   deadline_ = end;
-  if (state_ != State::block_upload || confirmed_early_) return;
+  if (state_ != State::block_upload || !block_receiver_.may_confirm_early()) return;
   const can::Time pause_end = can::later(last_heard_, time_out_ / 4);
   if (now < pause_end) {
     deadline_ = pause_end;
     return;
   }
-  confirm_block();  // the segment that asks for it was lost
-  confirmed_early_ = true;
+  block_receiver_.note_early_confirmation();  // the segment that asks for it was lost
+  confirm_block();
 }
 
 }  // namespace canopus::canopen

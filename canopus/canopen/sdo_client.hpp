@@ -16,6 +16,7 @@
 
 #include "canopus/can/controller.hpp"
 #include "canopus/canopen/abort_code.hpp"
+#include "canopus/canopen/sdo_block.hpp"
 #include "canopus/canopen/sdo_transfer.hpp"
 
 namespace canopus::canopen {
@@ -98,9 +99,8 @@ class SdoClient {
     block_upload,      // segments come
     block_upload_end,  // all are here, C1H is to come
     initiate_block_download,
-    block_download,          // segments go out
-    block_download_confirm,  // a sub-block is out, A2H is to come
-    block_download_end,      // C1H is out, A1H is to come
+    block_download,      // segments go out, A2H come
+    block_download_end,  // C1H is out, A1H is to come
   };
 
   bool start(State state, const can::Frame& request, SdoClientUser& user, can::Time now,
@@ -145,20 +145,14 @@ class SdoClient {
   std::uint8_t sub_ = 0;
   bool toggle_ = false;
   bool expedited_ = false;  // of a download
-  bool crc_is_used_ = false;
-  bool sending_ = false;  // inside send_block()
-  bool confirmed_early_ = false;
-  std::uint8_t block_size_ = own_block_size;
-  std::uint8_t sequence_ = 0;       // of the last segment that was taken, or sent
-  std::uint8_t last_sequence_ = 0;  // of the segment with the end of the value, 0: not in this sub-block
-  std::uint8_t unused_ = 0;         // bytes in the last segment sent
-  std::uint16_t crc_ = 0;
-  bool all_sent_ = false;  // of a segmented download
+  bool all_sent_ = false;   // of a segmented download
   AbortCode abort_code_ = AbortCode::none;
   std::size_t maximum_size_ = 0;
   ByteSink* into_ = nullptr;
   SegmentSource source_;
   SegmentCollector collector_;
+  BlockSender block_sender_;
+  BlockReceiver block_receiver_;
   can::Duration time_out_ = default_time_out;
   can::Time last_heard_{};
   can::Time deadline_ = can::never;

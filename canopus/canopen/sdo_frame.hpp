@@ -76,6 +76,17 @@ inline constexpr std::size_t segment_size = 7;
 [[nodiscard]] inline std::span<const std::uint8_t> segment_data(const can::Frame& f) noexcept {
   return {&f.data[1], segment_size - (f.data[0] >> 1 & 7U)};
 }
+/// A segment of a block transfer: `command` is its number and bit 7; of `rest`, the first 7 bytes go out.
+[[nodiscard]] inline can::Frame block_segment(std::uint32_t identifier_key, unsigned command,
+                                              std::span<const std::uint8_t> rest) noexcept {
+  std::uint64_t bytes = 0;
+  if (rest.size() > segment_size) {
+    std::memcpy(&bytes, rest.data(), 8);  // one byte too many, which the shift drops: one load
+  } else {
+    std::copy(rest.begin(), rest.end(), reinterpret_cast<std::uint8_t*>(&bytes));
+  }
+  return frame_of(identifier_key, 8, bytes << 8 | (command & 0xFFU));
+}
 /// Data bytes of an expedited transfer: 4 - n when the size is indicated, else all 4.
 [[nodiscard]] inline std::span<const std::uint8_t> expedited_data(const can::Frame& f) noexcept {
   const std::size_t unused = (f.data[0] & size_bit) != 0 ? f.data[0] >> 2 & 3U : 0U;

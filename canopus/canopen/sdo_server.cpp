@@ -22,6 +22,7 @@ void SdoServer::close(bool complete) {
 void SdoServer::stop() {
   state_ = State::idle;
   deadline_ = can::never;
+  block_sender_.stop();
   close(false);
 }
 
@@ -102,9 +103,7 @@ AbortCode SdoServer::begin_download(const can::Frame& frame, State state, bool s
   return AbortCode::none;
 }
 
-AbortCode SdoServer::finish_download(std::size_t unused, can::Time now) {
-  if (const AbortCode code = collector_.finish(unused); code != AbortCode::none) return code;
-  if (crc_is_used_ && collector_.crc() != crc_) return AbortCode::crc;
+AbortCode SdoServer::store_download(can::Time now) {
   if (stream_ != nullptr) return std::exchange(stream_, nullptr)->close(entry_, true, now);
   return dictionary_->write(index_, sub_, collector_.bytes(), now);
 }
@@ -137,7 +136,6 @@ void SdoServer::initiate_download(const can::Frame& frame, can::Time now) {
     if (!entry) return abort(index, sub, entry.error());
     return expedited_download(frame, *entry, now);
   }
-  crc_is_used_ = false;
   const bool size_indicated = (frame.data[0] & sdo::size_bit) != 0;
   const AbortCode code = begin_download(frame, State::download_segment, size_indicated, 0, now);
   if (code != AbortCode::none) return abort(index, sub, code);
@@ -149,7 +147,8 @@ void SdoServer::download_segment(const can::Frame& frame, can::Time now) {
   last_heard_ = now;
   AbortCode code = collector_.add(sdo::segment_data(frame));
   const bool last = (frame.data[0] & sdo::last_bit) != 0;
-  if (last && code == AbortCode::none) code = finish_download(0, now);
+  if (last && code == AbortCode::none) code = collector_.finish(0);
+  if (last && code == AbortCode::none) code = store_download(now);
   if (code != AbortCode::none) return abort(code);
   const unsigned toggle = toggle_ ? sdo::toggle_bit : 0U;
   toggle_ = !toggle_;
@@ -244,16 +243,17 @@ void SdoServer::tick(can::Time now) {
   if (time_out_ != can::Duration{} && now >= can::later(last_heard_, time_out_)) {
     return abort(AbortCode::timed_out);
   }
-  if (state_ == State::block_upload) return send_block(now);  // the transmit queue was full
+  if (state_ == State::block_upload && block_sender_.is_sending())
+    return send_block(now);  // the transmit queue was full
   deadline_ = time_out_ != can::Duration{} ? can::later(last_heard_, time_out_) : can::never;
-  if (state_ != State::block_download || confirmed_early_) return;
+  if (state_ != State::block_download || !block_receiver_.may_confirm_early()) return;
   const can::Time due = can::later(last_heard_, pause());
   if (now < due) {
     deadline_ = due;
     return;
   }
-  confirm_block();  // the segment that asks for it was lost
-  confirmed_early_ = true;
+  block_receiver_.note_early_confirmation();  // the segment that asks for it was lost
+  confirm_block();
 }
 
 }  // namespace canopus::canopen

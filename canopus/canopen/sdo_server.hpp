@@ -14,13 +14,13 @@
 // nothing (an object that streams is told that it was incomplete). What does not fit the state is aborted
 // with 05040001H and ends the transfer; a client that is silent for the time-out ends it with 05040000H.
 //
-// Lost segments of a block: the receiver takes segments in order only and confirms, at the last one of the
-// sub-block (or, when that is lost, after a pause), the last one it has; the sender goes on from there.
+// Lost segments of a block: see sdo_block.hpp.
 
 #include <cstdint>
 
 #include "canopus/can/controller.hpp"
 #include "canopus/canopen/object_dictionary.hpp"
+#include "canopus/canopen/sdo_block.hpp"
 #include "canopus/canopen/sdo_transfer.hpp"
 
 namespace canopus::canopen {
@@ -56,12 +56,11 @@ class SdoServer {
     idle,
     download_segment,
     upload_segment,
-    block_download,        // segments come
-    block_download_end,    // all are here, C1H is to come
-    block_upload_start,    // A3H is to come
-    block_upload,          // segments go out
-    block_upload_confirm,  // a sub-block is out, A2H is to come
-    block_upload_end,      // C1H is out, A1H is to come
+    block_download,      // segments come
+    block_download_end,  // all are here, C1H is to come
+    block_upload_start,  // A3H is to come
+    block_upload,        // segments go out, A2H come
+    block_upload_end,    // C1H is out, A1H is to come
   };
 
   void receive_in_block(const can::Frame& frame, can::Time now);
@@ -70,7 +69,7 @@ class SdoServer {
   void download_segment(const can::Frame& frame, can::Time now);
   [[nodiscard]] AbortCode begin_download(const can::Frame& frame, State state, bool size_indicated,
                                          std::size_t slack, can::Time now);
-  [[nodiscard]] AbortCode finish_download(std::size_t unused, can::Time now);
+  [[nodiscard]] AbortCode store_download(can::Time now);
 
   void initiate_upload(const can::Frame& frame, can::Time now);
   void upload_segment(const can::Frame& frame, can::Time now);
@@ -96,23 +95,17 @@ class SdoServer {
   std::uint32_t response_ = 0;
   State state_ = State::idle;
   bool toggle_ = false;
-  bool crc_is_used_ = false;
-  bool sending_ = false;  // inside send_block()
   std::uint8_t own_block_size_ = 127;
-  std::uint8_t block_size_ = 127;
-  std::uint8_t sequence_ = 0;       // of the last segment that was taken, or sent
-  std::uint8_t last_sequence_ = 0;  // of the segment with the end of the value, 0: not in this sub-block
-  std::uint8_t unused_ = 0;         // bytes in the last segment sent
   std::uint8_t sub_ = 0;
   std::uint16_t index_ = 0;
-  std::uint16_t crc_ = 0;
-  bool confirmed_early_ = false;
   std::size_t maximum_size_ = 1U << 20;
   std::optional<std::size_t> size_;  // of an upload
   Entry entry_;                      // of a stream
   ObjectStream* stream_ = nullptr;
   SegmentSource source_;
   SegmentCollector collector_;
+  BlockSender block_sender_;
+  BlockReceiver block_receiver_;
   can::Duration time_out_{};
   can::Time last_heard_{};
   can::Time deadline_ = can::never;

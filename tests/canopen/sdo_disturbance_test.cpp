@@ -1,5 +1,7 @@
 // SDO transfers on a bus that repeats, loses or changes frames: what fuzzing has found.
 
+#include <cstdio>
+
 #include <gtest/gtest.h>
 
 #include "canopus/canopen/sdo_client.hpp"
@@ -38,6 +40,73 @@ TEST_F(DisturbedSdoClient, LastSegmentOfABlockTwice_IsNotAnAbortOfTheServer) {
   EXPECT_EQ(hear("589 81 24 0F 90 00 00 00 00"), "609 A2 01 7F 00 00 00 00 00");
   EXPECT_EQ(hear("589 81 24 0F 90 00 00 00 00"), "609 80 12 20 00 01 00 04 05");
   EXPECT_EQ(client.abort_code(), AbortCode::command_specifier);
+}
+
+// A sub-block of the server under test, or of the scripted server: 127 segments.
+std::string segment_of_a_full_sub_block(const std::string& identifier, unsigned sequence) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%s %02X 30 31 32 33 34 35 36", identifier.c_str(), sequence);
+  return text;
+}
+
+struct DisturbedSdoServer : testing::Test, Conversation {
+  std::string hear_a_full_sub_block() {
+    std::string answers;
+    for (unsigned sequence = 1; sequence <= 127; ++sequence) {
+      answers += hear(segment_of_a_full_sub_block("605", sequence));
+    }
+    return answers;
+  }
+};
+
+// Had it confirmed "0", the client would send the sub-block again, and the value would have it twice.
+TEST_F(DisturbedSdoServer, LostConfirmationOfALaterSubBlock_WithoutCrc_TimesOutInSilence) {
+  hear("605 C0 0A 20 00 00 00 00 00");
+  EXPECT_EQ(hear_a_full_sub_block(), "585 A2 7F 7F 00 00 00 00 00");
+  EXPECT_EQ(wait(2s), "1000: 585 80 0A 20 00 00 00 04 05");
+}
+
+TEST_F(DisturbedSdoServer, LostConfirmationOfALaterSubBlock_WithCrc_IsSaidAgainAndTheCrcJudges) {
+  hear("605 C4 0A 20 00 00 00 00 00");
+  EXPECT_EQ(hear_a_full_sub_block(), "585 A2 7F 7F 00 00 00 00 00");
+  EXPECT_EQ(wait(300ms), "250: 585 A2 00 7F 00 00 00 00 00");
+  EXPECT_EQ(hear_a_full_sub_block(), "585 A2 7F 7F 00 00 00 00 00");
+  EXPECT_EQ(hear("605 81 30 31 32 33 34 35 36"), "585 A2 01 7F 00 00 00 00 00");
+  // CRC of 128 times "0123456", which the client has in mind; the server took 255.
+  EXPECT_EQ(hear("605 C1 4D 47 00 00 00 00 00"), "585 80 0A 20 00 04 00 04 05");
+}
+
+TEST_F(DisturbedSdoServer, FirstSubBlockLostAsAWhole_IsAskedForAlsoWithoutCrc) {
+  hear("605 C0 0A 20 00 00 00 00 00");
+  EXPECT_EQ(wait(300ms), "250: 585 A2 00 7F 00 00 00 00 00");
+  EXPECT_EQ(hear("605 81 30 31 32 00 00 00 00"), "585 A2 01 7F 00 00 00 00 00");
+}
+
+TEST_F(DisturbedSdoServer, PartOfALaterSubBlock_IsConfirmedAfterAPauseAlsoWithoutCrc) {
+  hear("605 C0 0A 20 00 00 00 00 00");
+  hear_a_full_sub_block();
+  hear("605 01 30 31 32 33 34 35 36");
+  EXPECT_EQ(wait(300ms), "250: 585 A2 01 7F 00 00 00 00 00");
+}
+
+TEST_F(DisturbedSdoClient, LostConfirmationOfALaterSubBlock_WithoutCrc_TimesOutInSilence) {
+  client.upload(0x2012, 0, *this, now, 400ms, SdoClient::Mode::block);
+  bus.take();
+  EXPECT_EQ(hear("589 C0 12 20 00 00 00 00 00"), "609 A3 00 00 00 00 00 00 00");
+  std::string answers;
+  for (unsigned sequence = 1; sequence <= 127; ++sequence) {
+    answers += hear(segment_of_a_full_sub_block("589", sequence));
+  }
+  EXPECT_EQ(answers, "609 A2 7F 7F 00 00 00 00 00");
+  std::string said;
+  while (client.busy()) {
+    now = client.deadline();
+    client.tick(now);
+    said += std::to_string(now.time_since_epoch() / 1ms) + ": " + bus.take() + "|";
+  }
+  EXPECT_TRUE(said.ends_with("400: 609 80 12 20 00 00 00 04 05|")) << said;
+  EXPECT_EQ(said.find("A2"), std::string::npos) << said;
+  EXPECT_EQ(client.abort_code(), AbortCode::timed_out);
 }
 
 }  // namespace

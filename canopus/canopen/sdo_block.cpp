@@ -1,0 +1,109 @@
+#include "canopus/canopen/sdo_block.hpp"
+
+#include "canopus/canopen/sdo_crc.hpp"
+#include "canopus/canopen/sdo_frame.hpp"
+
+namespace canopus::canopen {
+namespace {
+
+constexpr unsigned last_segment = 0x80;
+
+constexpr bool is_block_size(std::uint8_t segments) noexcept { return segments >= 1 && segments <= 127; }
+
+}  // namespace
+
+AbortCode BlockSender::begin(std::uint8_t block_size, bool with_crc) noexcept {
+  if (!is_block_size(block_size)) return AbortCode::block_size;
+  phase_ = Phase::ready;
+  with_crc_ = with_crc;
+  block_size_ = block_size;
+  sequence_ = 0;
+  last_sequence_ = 0;
+  crc_ = 0;
+  return AbortCode::none;
+}
+
+AbortCode BlockSender::send(SegmentSource& source, can::Sink& sink, std::uint32_t identifier_key) {
+  if (phase_ == Phase::ready) phase_ = Phase::sending;
+  if (is_inside_send_) return AbortCode::none;
+  is_inside_send_ = true;
+  AbortCode code = AbortCode::none;
+  while (phase_ == Phase::sending) {
+    code = source.prepare(block_size_ * sdo::segment_size);
+    if (code != AbortCode::none) break;
+    const auto rest = source.window().subspan(sequence_ * sdo::segment_size);
+    const bool last = rest.size() <= sdo::segment_size && source.ends_in_window();
+    const auto sequence = static_cast<std::uint8_t>(sequence_ + 1);
+    sequence_ = sequence;
+    if (last) {
+      last_sequence_ = sequence;
+      unused_ = static_cast<std::uint8_t>(sdo::segment_size - rest.size());
+    }
+    if (last || sequence == block_size_) phase_ = Phase::waiting;
+    if (sink.send(sdo::block_segment(identifier_key, sequence | (last ? last_segment : 0U), rest))) continue;
+    if (sequence_ != sequence) break;  // it was out, for it is confirmed
+    --sequence_;
+    if (last) last_sequence_ = 0;
+    phase_ = Phase::sending;
+    break;
+  }
+  is_inside_send_ = false;
+  return code;
+}
+
+AbortCode BlockSender::confirmed(const can::Frame& answer, SegmentSource& source) {
+  const std::uint8_t confirmed = answer.data[1];
+  const std::uint8_t block_size = answer.data[2];
+  if (confirmed > sequence_) return AbortCode::sequence_number;
+  if (!is_block_size(block_size)) return AbortCode::block_size;
+  const bool complete = last_sequence_ != 0 && confirmed == last_sequence_;
+  const std::size_t bytes = confirmed * sdo::segment_size - (complete ? unused_ : 0U);
+  if (with_crc_) crc_ = sdo::crc16(crc_, source.window().first(bytes));
+  source.advance(bytes);
+  block_size_ = block_size;
+  sequence_ = 0;
+  last_sequence_ = 0;
+  phase_ = complete ? Phase::complete : Phase::sending;
+  return AbortCode::none;
+}
+
+can::Frame BlockSender::end(std::uint32_t identifier_key) const noexcept {
+  return frame_of(identifier_key, 8, 0xC1U | std::uint64_t{unused_} << 2 | std::uint64_t{crc_} << 8);
+}
+
+void BlockReceiver::begin(std::uint8_t block_size, bool with_crc) noexcept {
+  *this = {};
+  block_size_ = block_size;
+  with_crc_ = with_crc;
+}
+
+AbortCode BlockReceiver::take(const can::Frame& segment, SegmentCollector& collector, Next& next) {
+  const std::uint8_t sequence = segment.data[0] & 0x7F;
+  const bool last = (segment.data[0] & last_segment) != 0;
+  if (sequence == 0 || sequence > block_size_) return AbortCode::sequence_number;
+  confirmed_early_ = false;
+  if (sequence == sequence_ + 1) {
+    const AbortCode code = collector.add({&segment.data[1], sdo::segment_size});
+    if (code != AbortCode::none) return code;
+    sequence_ = sequence;
+    took_any_ = true;
+    has_all_ = last;
+  }
+  next = last || sequence == block_size_ ? Next::confirmation : Next::segment;
+  return AbortCode::none;
+}
+
+can::Frame BlockReceiver::confirmation(std::uint32_t identifier_key, std::uint8_t block_size) noexcept {
+  const std::uint64_t came = sequence_;
+  sequence_ = 0;
+  block_size_ = block_size;
+  return frame_of(identifier_key, 8, 0xA2U | came << 8 | std::uint64_t{block_size} << 16);
+}
+
+AbortCode BlockReceiver::finish(const can::Frame& end, SegmentCollector& collector) const {
+  const AbortCode code = collector.finish(end.data[0] >> 2 & 7U);
+  const auto crc = static_cast<std::uint16_t>(end.data[1] | end.data[2] << 8);
+  return code == AbortCode::none && with_crc_ && crc != collector.crc() ? AbortCode::crc : code;
+}
+
+}  // namespace canopus::canopen
