@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "canopus/app/boot_report.hpp"
+
 namespace canopus::app {
 namespace {
 
@@ -58,6 +60,14 @@ void JsonPrinter::emergency(const NodePlate& node, const canopen::Emergency& mes
   line["code"] = fmt::format("{:04X}", message.code);
   line["register"] = message.error_register;
   line["data"] = hexadecimal(message);
+  print(out_, line);
+}
+
+void JsonPrinter::slave_boot_went_on(const NodePlate& slave, const NodePlate& master,
+                                     const manager::BootRecord& record, can::Time now) {
+  Json line = node_event(now, "boot slave", slave);
+  line["master"] = master.node_id;
+  add_boot(line, record, now);
   print(out_, line);
 }
 
@@ -120,7 +130,20 @@ void JsonPrinter::summary(const RunSummary& summary) {
                              {"pdos", node.pdos},
                              {"emcy", node.emergencies}});
   }
+  line["slaves"] = Json::array();
+  for (const SlaveBoot& boot : summary.boots) {
+    Json slave{{"bus", boot.slave.bus}, {"node", boot.slave.node_id}};
+    if (!boot.slave.name.empty()) slave["name"] = boot.slave.name;
+    slave["master"] = boot.master.node_id;
+    add_boot(slave, boot.record, summary.end);
+    line["slaves"].push_back(std::move(slave));
+  }
   print(out_, line);
+}
+
+std::string describe_trouble(const SlaveBoot& boot, can::Time now) {
+  if (boot.record.step == manager::BootStep::booted) return {};
+  return fmt::format("{}: {}", describe(boot.slave), manager::explain(boot.record, now));
 }
 
 std::string describe(const NodePlate& node) {
@@ -152,6 +175,10 @@ std::string describe(const RunSummary& summary) {
                             ? ""
                             : fmt::format(", {} EMCY, last {:04X}H", node.emergencies, node.last_emergency));
   }
+  for (const SlaveBoot& boot : summary.boots) {
+    if (const std::string trouble = describe_trouble(boot, summary.end); !trouble.empty())
+      text += trouble + "\n";
+  }
   text += operational == summary.nodes.size()
               ? fmt::format("all {} nodes operational\n", operational)
               : fmt::format("{} of {} nodes operational\n", operational, summary.nodes.size());
@@ -175,6 +202,18 @@ void LinePrinter::emergency(const NodePlate& node, const canopen::Emergency& mes
   if (quiet_) return;
   line(now, fmt::format("{}: EMCY {:04X}H, error register {:02X}H, {}", describe(node), message.code,
                         message.error_register, hexadecimal(message)));
+}
+
+void LinePrinter::slave_boot_went_on(const NodePlate& slave, const NodePlate&,
+                                     const manager::BootRecord& record, can::Time now) {
+  using manager::BootStep;
+  if (record.step == BootStep::failed) return error(describe(slave), manager::explain(record, now), now);
+  const bool again = record.step == BootStep::presence && record.attempts > 1;
+  const bool still = record.step == BootStep::presence_pause && record.attempts > 1;
+  if (quiet_ || again || still) return;  // a missing slave is asked for ever: told once
+  const std::string words =
+      record.step == BootStep::presence_pause ? manager::explain(record, now) : manager::describe(record);
+  line(now, fmt::format("{}: {}{}", describe(slave), record.step == BootStep::booted ? "" : "boot: ", words));
 }
 
 void LinePrinter::signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) {

@@ -22,6 +22,7 @@ struct RunSummary {
   };
   std::vector<BusCount> buses{};
   std::vector<NodeStatus> nodes{};
+  std::vector<SlaveBoot> boots{};
 };
 
 /// Lines for programs.
@@ -34,6 +35,8 @@ class JsonPrinter final : public PlantObserver {
   void booted(const NodePlate& node, can::Time now) override;
   void nmt_state_changed(const NodePlate& node, canopen::NmtState state, can::Time now) override;
   void emergency(const NodePlate& node, const canopen::Emergency& message, can::Time now) override;
+  void slave_boot_went_on(const NodePlate& slave, const NodePlate& master, const manager::BootRecord& record,
+                          can::Time now) override;
   void signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) override;
   void buffer_changed(std::string_view plc, unsigned head, std::uint32_t address, std::uint16_t value,
                       bool by_cpu, can::Time now) override;
@@ -54,6 +57,8 @@ class LinePrinter final : public PlantObserver {
   void booted(const NodePlate& node, can::Time now) override;
   void nmt_state_changed(const NodePlate& node, canopen::NmtState state, can::Time now) override;
   void emergency(const NodePlate& node, const canopen::Emergency& message, can::Time now) override;
+  void slave_boot_went_on(const NodePlate& slave, const NodePlate& master, const manager::BootRecord& record,
+                          can::Time now) override;
   void signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) override;
   void buffer_changed(std::string_view plc, unsigned head, std::uint32_t address, std::uint16_t value,
                       bool by_cpu, can::Time now) override;
@@ -67,6 +72,8 @@ class LinePrinter final : public PlantObserver {
 
 /// "line1 node 3 (encoder)"
 [[nodiscard]] std::string describe(const NodePlate& node);
+/// "line1 node 9: not booted: no answer to 1000H, ...": empty when it is booted.
+[[nodiscard]] std::string describe_trouble(const SlaveBoot& boot, can::Time now);
 /// The summary's lines.
 [[nodiscard]] std::string describe(const RunSummary& summary);
 

@@ -24,6 +24,25 @@ std::string_view state_colour(const NodeStatus& node) {
   }
 }
 
+/// `text` in lines of at most `columns`, broken between words, the second and further ones indented.
+std::vector<std::string> wrap(std::string_view text, std::size_t columns, std::size_t indent) {
+  columns = std::max(columns, 2 * indent + 1);
+  std::vector<std::string> lines;
+  while (!text.empty()) {
+    std::string line(lines.empty() ? 0 : indent, ' ');
+    const std::size_t room = columns - line.size();
+    std::size_t length = text.size();
+    if (length > room) {
+      const std::size_t blank = text.rfind(' ', room);
+      length = blank == std::string_view::npos || blank == 0 ? room : blank;
+    }
+    lines.push_back(line += text.substr(0, length));
+    text.remove_prefix(length);
+    text.remove_prefix(std::min(text.find_first_not_of(' '), text.size()));
+  }
+  return lines;
+}
+
 }  // namespace
 
 std::string LiveTable::paint(std::string_view text, std::string_view code) const {
@@ -44,8 +63,34 @@ void LiveTable::nmt_state_changed(const NodePlate& node, canopen::NmtState state
   note(now, fmt::format("{}: {}", describe(node), canopen::name(state)));
 }
 
+void LiveTable::slave_boot_went_on(const NodePlate& slave, const NodePlate&,
+                                   const manager::BootRecord& record, can::Time now) {
+  const bool ended = record.step == manager::BootStep::booted || record.step == manager::BootStep::failed;
+  if (ended) note(now, fmt::format("{}: {}", describe(slave), manager::describe(record)));
+}
+
 void LiveTable::error(std::string_view source, std::string_view message, can::Time now) {
   note(now, fmt::format("{}: {}", source, message));
+}
+
+std::vector<std::string> LiveTable::draw_boots(can::Time now, std::size_t rows, unsigned columns) const {
+  std::vector<std::string> lines;
+  std::size_t left_out = 0;
+  for (const SlaveBoot& boot : plant_->boots()) {
+    const std::string trouble = describe_trouble(boot, now);
+    if (trouble.empty()) continue;
+    const bool failed = boot.record.step == manager::BootStep::failed;
+    const std::vector<std::string> wrapped = wrap(trouble, columns, 6);
+    if (lines.size() + wrapped.size() + 1 > rows) {
+      ++left_out;
+      continue;
+    }
+    for (const std::string& line : wrapped) lines.push_back(paint(line, failed ? red : yellow));
+  }
+  if (left_out > 0) {
+    lines.push_back(fmt::format("and {} slave{} more not booted", left_out, left_out == 1 ? "" : "s"));
+  }
+  return lines;
 }
 
 std::string LiveTable::draw(can::Time now, can::Duration lag, TableSize size) {
@@ -79,7 +124,9 @@ std::string LiveTable::draw(can::Time now, can::Duration lag, TableSize size) {
   lines.push_back(
       paint(fmt::format("{:>4}  {:<28}  {:<16} {:>8}  {}", "Node", "Name", "NMT state", "PDO/s", "Last EMCY"),
             bold));
-  const std::size_t below = 2 + std::min<std::size_t>(latest_.size(), kept_events) + (doors_.empty() ? 0 : 1);
+  const std::vector<std::string> boots = draw_boots(now, size.rows / 3, size.columns);
+  const std::size_t below = 2 + boots.size() + (boots.empty() ? 0 : 1) +
+                            std::min<std::size_t>(latest_.size(), kept_events) + (doors_.empty() ? 0 : 1);
   const std::size_t room = size.rows > lines.size() + below + 1 ? size.rows - lines.size() - below - 1 : 1;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (i + 1 == room && nodes.size() > room) {
@@ -93,6 +140,10 @@ std::string LiveTable::draw(can::Time now, can::Duration lag, TableSize size) {
                                 paint(state, state_colour(node)), counts_[i].rate, emergency));
   }
   lines.emplace_back();
+  if (!boots.empty()) {
+    lines.insert(lines.end(), boots.begin(), boots.end());
+    lines.emplace_back();
+  }
   for (const std::string& event : latest_) lines.push_back(event.substr(0, size.columns));
   if (!doors_.empty()) {
     std::string doors;

@@ -1,6 +1,7 @@
 #pragma once
 // The live table a terminal shows while a plant runs: bus load, every node with its NMT state, PDOs per
-// second and last EMCY, and the latest events below. Redrawn in place; what it draws is a string, so a test
+// second and last EMCY, then every slave that a master of the plant has not booted (yet), with the reason and
+// what to check, and the latest events. Redrawn in place; what it draws is a string, so a test
 // can look at it.
 
 #include <cstdio>
@@ -28,9 +29,13 @@ class LiveTable final : public PlantObserver {
 
   void emergency(const NodePlate& node, const canopen::Emergency& message, can::Time now) override;
   void nmt_state_changed(const NodePlate& node, canopen::NmtState state, can::Time now) override;
+  void slave_boot_went_on(const NodePlate& slave, const NodePlate& master, const manager::BootRecord& record,
+                          can::Time now) override;
   void error(std::string_view source, std::string_view message, can::Time now) override;
 
  private:
+  /// The slaves that are not booted, in at most `rows` lines.
+  [[nodiscard]] std::vector<std::string> draw_boots(can::Time now, std::size_t rows, unsigned columns) const;
   void note(can::Time now, std::string text);
   [[nodiscard]] std::string paint(std::string_view text, std::string_view code) const;
 

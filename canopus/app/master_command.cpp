@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "canopus/app/boot_report.hpp"
 #include "canopus/app/bus_command.hpp"
 #include "canopus/app/network_master.hpp"
 #include "canopus/app/text_values.hpp"
@@ -50,15 +51,6 @@ std::string_view describe(manager::ErrorControlEvent event) {
   return "";
 }
 
-/// "checking its identity, 1018H:02"
-std::string describe_step(const BootRecord& record) {
-  std::string text(manager::describe(record.step));
-  const bool names_object = record.step == BootStep::identity || record.step == BootStep::configuration;
-  if (names_object && record.index != 0) text += fmt::format(", {:04X}H:{:02X}", record.index, record.sub);
-  if (record.step == BootStep::presence_pause) text += fmt::format(" ({} times)", record.attempts);
-  return text;
-}
-
 /// Lines of progress, for people or programs.
 class Printer final : public NetworkObserver {
  public:
@@ -66,17 +58,16 @@ class Printer final : public NetworkObserver {
 
   void boot_went_on(const NetworkSlave& slave, const BootRecord& record, can::Time now) override {
     if (record.step == BootStep::idle) return;
-    if (json_) return event("step", slave, now, {{"step", describe_step(record)}});
-    line(slave, now, describe_step(record), "2");
+    if (json_) return event("step", slave, now, boot_fields(record, now));
+    line(slave, now, manager::describe(record), "2");
   }
   void slave_booted(const NetworkSlave& slave, can::Time now) override {
     if (json_) return event("booted", slave, now, {});
     line(slave, now, "booted", "32");
   }
   void slave_failed(const NetworkSlave& slave, const BootRecord& record, can::Time now) override {
-    const std::string error(manager::describe(record.error));
-    if (json_) return event("failed", slave, now, {{"error", error_letter(record)}, {"reason", error}});
-    line(slave, now, fmt::format("failed ({}, {})", error_letter(record), error), "31");
+    if (json_) return event("failed", slave, now, boot_fields(record, now));
+    line(slave, now, manager::describe(record), "31");
   }
   void state_changed(const NetworkSlave& slave, std::uint8_t state, can::Time now) override {
     if (state == manager::node_state::unknown) return;
@@ -119,7 +110,11 @@ class Printer final : public NetworkObserver {
   }
 
  private:
-  static std::string error_letter(const BootRecord& record) { return {manager::letter(record.error)}; }
+  static nlohmann::ordered_json boot_fields(const BootRecord& record, can::Time now) {
+    nlohmann::ordered_json fields = nlohmann::ordered_json::object();
+    add_boot(fields, record, now);
+    return fields;
+  }
 
   void print_result(const NetworkSlave& slave, NetworkMaster::Result result, const BootRecord& record,
                     std::uint8_t state, can::Time now) {
@@ -144,14 +139,12 @@ class Printer final : public NetworkObserver {
         return;
       case NetworkMaster::Result::failed: break;
     }
-    std::string reason = manager::explain(record, slave.node, now);
-    if (const std::size_t colon = reason.find(": "); colon != std::string::npos) {
-      reason.erase(0, colon + 2);  // "Node 4: "
-    }
     if (json_) {
-      return event("result", slave, now,
-                   {{"result", "failed"}, {"error", error_letter(record)}, {"reason", reason}});
+      nlohmann::ordered_json fields = boot_fields(record, now);
+      fields["result"] = "failed";
+      return event("result", slave, now, std::move(fields));
     }
+    const std::string reason = manager::explain(record, now);
     fmt::print("{}: {}: {}\n", app::describe(slave), paint("not booted", "31", colour_), reason);
   }
 

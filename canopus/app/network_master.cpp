@@ -137,10 +137,7 @@ std::vector<PlantError> NetworkMaster::prepare(const NetworkSlave& slave) {
   return {};
 }
 
-void NetworkMaster::power_on(can::Time now) {
-  node_.power_on(now);
-  look_at_boots(now);
-}
+void NetworkMaster::power_on(can::Time now) { node_.power_on(now); }
 
 NetworkMaster::Result NetworkMaster::result(const NetworkSlave& slave) const {
   const BootRecord& record = master_.boot_record(slave.node);
@@ -166,29 +163,14 @@ const NetworkSlave* NetworkMaster::find(std::uint8_t node_id) const {
   return found == file_.slaves.end() ? nullptr : &*found;
 }
 
-void NetworkMaster::look_at_boots(can::Time now) {
-  for (const NetworkSlave& slave : file_.slaves) {
-    const BootRecord& record = master_.boot_record(slave.node);
-    BootRecord& seen = seen_[slave.node];
-    const bool same = seen.step == record.step && seen.index == record.index && seen.sub == record.sub &&
-                      seen.attempts == record.attempts;
-    if (same) continue;
-    seen = record;
-    if (record.step == BootStep::booted || record.step == BootStep::failed) continue;  // told by the master
-    observer_.boot_went_on(slave, record, now);
-  }
-}
-
 void NetworkMaster::receive(const can::Frame& frame, can::Time now) {
   node_.receive(frame, now);
   master_.receive(frame, now);
-  look_at_boots(now);
 }
 
 void NetworkMaster::tick(can::Time now) {
   if (node_.deadline() <= now) node_.tick(now);
   if (master_.deadline() <= now) master_.tick(now);
-  look_at_boots(now);
 }
 
 can::Time NetworkMaster::deadline() const noexcept { return std::min(node_.deadline(), master_.deadline()); }
@@ -214,6 +196,11 @@ void NetworkMaster::heartbeat_lost(std::uint8_t node_id, can::Time now) {
 }
 
 void NetworkMaster::start_up_finished(can::Time) { finished_ = true; }
+
+void NetworkMaster::boot_went_on(std::uint8_t node_id, const BootRecord& record, can::Time now) {
+  if (record.step == BootStep::booted || record.step == BootStep::failed) return;  // told on their own
+  if (const NetworkSlave* slave = find(node_id)) observer_.boot_went_on(*slave, record, now);
+}
 
 void NetworkMaster::slave_booted(std::uint8_t node_id, can::Time now) {
   if (const NetworkSlave* slave = find(node_id)) observer_.slave_booted(*slave, now);

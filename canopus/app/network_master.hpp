@@ -76,7 +76,6 @@ class NetworkMaster final : public can::Participant,
     stored_.push_back({index, sub, value});
   }
   [[nodiscard]] const NetworkSlave* find(std::uint8_t node_id) const;
-  void look_at_boots(can::Time now);
 
   // canopen::NodeListener
   void reset_requested(canopen::NmtCommand which, can::Time now) override;
@@ -86,6 +85,7 @@ class NetworkMaster final : public can::Participant,
   void heartbeat_lost(std::uint8_t node_id, can::Time now) override;
   // manager::MasterListener
   void start_up_finished(can::Time now) override;
+  void boot_went_on(std::uint8_t node_id, const manager::BootRecord& record, can::Time now) override;
   void slave_booted(std::uint8_t node_id, can::Time now) override;
   void slave_failed(std::uint8_t node_id, manager::BootError error, can::Time now) override;
   void error_control_event(std::uint8_t node_id, manager::ErrorControlEvent event, can::Time now) override;
@@ -103,7 +103,6 @@ class NetworkMaster final : public can::Participant,
   manager::NmtMaster master_;
   std::vector<Stored> stored_;
   std::array<std::vector<std::uint8_t>, 128> files_;
-  std::array<manager::BootRecord, 128> seen_{};
   bool finished_ = false;
   unsigned watched_ = 0;  // entries of 1016H in use
 };

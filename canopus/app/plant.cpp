@@ -56,4 +56,10 @@ std::vector<NodeStatus> Plant::nodes() const {
   return all;
 }
 
+std::vector<SlaveBoot> Plant::boots() const {
+  std::vector<SlaveBoot> all;
+  for (const auto& seat : parts_->modules) seat->collect_boots(all);
+  return all;
+}
+
 }  // namespace canopus::app

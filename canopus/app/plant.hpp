@@ -13,6 +13,7 @@
 #include "canopus/app/plant_file.hpp"
 #include "canopus/can/timeline.hpp"
 #include "canopus/canopen/node.hpp"
+#include "canopus/manager/boot_record.hpp"
 #include "canopus/module/observer.hpp"
 #include "canopus/plc/rack.hpp"
 #include "canopus/sim/bus.hpp"
@@ -32,6 +33,9 @@ class PlantObserver {
   virtual void booted(const NodePlate&, can::Time) {}
   virtual void nmt_state_changed(const NodePlate&, canopen::NmtState, can::Time) {}
   virtual void emergency(const NodePlate&, const canopen::Emergency&, can::Time) {}
+  /// A module of the plant boots this slave as its NMT master and came to another step, or asks it once more.
+  virtual void slave_boot_went_on(const NodePlate& /*slave*/, const NodePlate& /*master*/,
+                                  const manager::BootRecord&, can::Time) {}
   virtual void signal_changed(std::string_view /*plc*/, char /*'X' or 'Y'*/, unsigned /*number*/, bool /*on*/,
                               can::Time) {}
   /// A buffer memory word got another value: written by the CPU, or a watched one changed by the module.
@@ -53,6 +57,14 @@ struct NodeStatus {
   std::uint16_t last_emergency = 0;  ///< code
   bool is_module = false;
   bool is_on = false;
+};
+
+/// How far a module of the plant is with the boot of a slave, which may be a node outside of the plant, or
+/// missing.
+struct SlaveBoot {
+  NodePlate slave;
+  NodePlate master;
+  manager::BootRecord record;
 };
 
 class Plant {
@@ -79,6 +91,8 @@ class Plant {
   [[nodiscard]] const PlcSection& plc_section(std::size_t number) const noexcept;
   /// All nodes, in the order of the plant file, modules first.
   [[nodiscard]] std::vector<NodeStatus> nodes() const;
+  /// Every slave that an active NMT master of the plant boots or has booted, by master and node-ID.
+  [[nodiscard]] std::vector<SlaveBoot> boots() const;
   /// "U0\G10000 <- node 3 (encoder) TPDO1, 2 words": how process data are connected.
   [[nodiscard]] const std::vector<std::string>& connections() const noexcept;
 

@@ -44,6 +44,7 @@ class Assembly {
   void add_module(const PlcSection& plc, std::size_t plc_number, const ModuleSection& section);
   void configure_network(const ModuleSection& section, Me3can1Q& module);
   void set_faults(const BusSection& section, sim::Bus& bus);
+  BusWatch& watch(const sim::Bus& bus);
   DeviceSeat* device(std::string_view bus, std::uint8_t node);
 
   Plant::Parts& parts_;
@@ -157,12 +158,13 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
   }
   parts_.device_handles.push_back(parts_.timeline.add(*seat));
   port.connect(*seat, parts_.device_handles.back());
-  parts_
-      .watches[static_cast<std::size_t>(
-          std::ranges::find_if(parts_.buses, [&](const auto& b) { return b.get() == &bus; }) -
-          parts_.buses.begin())]
-      ->know(seat->status());
+  watch(bus).know(seat->status());
   parts_.devices.push_back(std::move(seat));
+}
+
+BusWatch& Assembly::watch(const sim::Bus& bus) {
+  const auto found = std::ranges::find(parts_.buses, &bus, [](const auto& owned) { return owned.get(); });
+  return *parts_.watches[static_cast<std::size_t>(found - parts_.buses.begin())];
 }
 
 void Assembly::set_faults(const BusSection& section, sim::Bus& bus) {
@@ -195,7 +197,8 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
   }
   module::me3can1_q::Profile profile;
   if (section.restart_time) profile.restart_time = *section.restart_time;
-  auto seat = std::make_unique<ModuleSeat>(section, plc.name, port, std::move(memory), profile, observer_);
+  auto seat = std::make_unique<ModuleSeat>(section, plc.name, port, std::move(memory), profile, watch(bus),
+                                           observer_);
   Me3can1Q& module = seat->module();
 
   constexpr module::BufferAddress bit_rate_word = 24;
@@ -230,9 +233,7 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
     error(section.place, "module: head {:03X}H overlaps another module's points", section.head);
   }
   seat->status().plate.node_id = section.node;
-  for (std::size_t i = 0; i < parts_.buses.size(); ++i) {
-    if (parts_.buses[i].get() == &bus && section.node != 0) parts_.watches[i]->know(seat->status());
-  }
+  if (section.node != 0) watch(bus).know(seat->status());
   parts_.modules.push_back(std::move(seat));
 }
 

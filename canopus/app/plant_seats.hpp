@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include "canopus/app/plant.hpp"
+#include "canopus/manager/nmt_master.hpp"
 #include "canopus/module/me3can1_q/me3can1_q.hpp"
 #include "canopus/sim/device.hpp"
 #include "canopus/store/parameter_file.hpp"
@@ -126,14 +127,61 @@ class RunMemory final : public module::NonVolatileMemory {
   std::map<std::string, std::vector<std::uint8_t>, std::less<>> contents_;
 };
 
+/// Reports what the nodes of a bus say of themselves, those outside of this process included.
+class BusWatch final : public sim::BusObserver {
+ public:
+  BusWatch(std::string_view bus, PlantObserver& observer) : bus_(bus), observer_(observer) {}
+  void know(NodeStatus& status) { known_[status.plate.node_id & 0x7F] = &status; }
+  /// Who has this node-ID (1..127) on the bus.
+  NodePlate plate(std::uint8_t node_id) const {
+    return known_[node_id] != nullptr ? known_[node_id]->plate : NodePlate{bus_, {}, node_id};
+  }
+
+  void frame_completed(const can::Frame& frame, can::Time /*start*/, can::Time end) override {
+    if (frame.extended || frame.remote) return;
+    const auto node_id = static_cast<std::uint8_t>(frame.identifier & 0x7F);
+    if (node_id == 0) return;
+    const std::uint32_t function = frame.identifier & 0x780;
+    if (function == canopen::cob_id::error_control && frame.dlc == 1) {
+      error_control(node_id, static_cast<std::uint8_t>(frame.data[0] & 0x7F), end);
+    } else if (function == canopen::cob_id::emcy && frame.dlc == 8) {
+      emergency(node_id, frame, end);
+    }
+  }
+
+ private:
+  void error_control(std::uint8_t node_id, std::uint8_t state, can::Time now) {
+    if (state == 0) observer_.booted(plate(node_id), now);
+    if (known_[node_id] != nullptr || foreign_states_[node_id] == state) return;
+    foreign_states_[node_id] = state;
+    if (state != 0) observer_.nmt_state_changed(plate(node_id), static_cast<canopen::NmtState>(state), now);
+  }
+  void emergency(std::uint8_t node_id, const can::Frame& frame, can::Time now) {
+    canopen::Emergency message{.node_id = node_id};
+    message.code = static_cast<std::uint16_t>(frame.data[0] | frame.data[1] << 8);
+    message.error_register = frame.data[2];
+    std::copy_n(frame.data.begin() + 3, 5, message.manufacturer.begin());
+    if (NodeStatus* status = known_[node_id]) {
+      ++status->emergencies;
+      status->last_emergency = message.code;
+    }
+    observer_.emergency(plate(node_id), message, now);
+  }
+  std::string_view bus_;
+  PlantObserver& observer_;
+  std::array<NodeStatus*, 128> known_{};
+  std::array<std::uint8_t, 128> foreign_states_{};
+};
+
 /// A module in its slot, with the stand-in for the PLC program that asks for data exchanges.
 class ModuleSeat final : public can::Participant, public module::ModuleObserver {
  public:
   ModuleSeat(const ModuleSection& section, std::string_view plc, sim::Port& port,
              std::unique_ptr<module::NonVolatileMemory> memory, module::me3can1_q::Profile profile,
-             PlantObserver& observer)
+             const BusWatch& watch, PlantObserver& observer)
       : section_(section),
         plc_(plc),
+        watch_(watch),
         memory_(std::move(memory)),
         module_(port, *memory_, std::move(profile)),
         observer_(observer) {
@@ -147,6 +195,17 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver 
   module::me3can1_q::Me3can1Q& module() noexcept { return module_; }
   NodeStatus& status() noexcept { return status_; }
   const NodeStatus& status() const noexcept { return status_; }
+
+  /// Adds the slaves that this module boots as the active NMT master.
+  void collect_boots(std::vector<SlaveBoot>& all) const {
+    const manager::NmtMaster* master = module_.master();
+    if (master == nullptr) return;
+    for (std::uint8_t node_id = 1; node_id <= 127; ++node_id) {
+      const manager::BootRecord& record = master->boot_record(node_id);
+      if (record.step == manager::BootStep::idle) continue;
+      all.push_back({watch_.plate(node_id), status_.plate, record});
+    }
+  }
 
   /// The rack has switched the module on.
   void powered(can::Time now) {
@@ -189,6 +248,13 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver 
       if (section_.watch[i] == address) watched_[i] = value;
     }
   }
+  void slave_boot_went_on(std::uint8_t node_id, const manager::BootRecord& record, can::Time now) override {
+    BootSeen& seen = boots_seen_[node_id & 0x7F];
+    const bool is_news = seen.step != record.step || seen.attempts != record.attempts;
+    seen = {record.step, record.attempts};
+    status_.plate.node_id = module_.node().node_id();
+    if (is_news) observer_.slave_boot_went_on(watch_.plate(node_id), status_.plate, record, now);
+  }
   void error_raised(std::string_view what, can::Time now) override { observer_.error(name_, what, now); }
 
  private:
@@ -229,65 +295,26 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver 
     }
   }
 
+  struct BootSeen {
+    manager::BootStep step = manager::BootStep::idle;
+    std::uint32_t attempts = 0;
+  };
+
   ModuleSection section_;
   std::string_view plc_;
+  const BusWatch& watch_;
   std::string name_;
   std::unique_ptr<module::NonVolatileMemory> memory_;
   module::me3can1_q::Me3can1Q module_;
   PlantObserver& observer_;
   NodeStatus status_;
   std::vector<std::uint16_t> watched_;
+  std::array<BootSeen, 128> boots_seen_{};
   can::Duration exchange_interval_ = section_.exchange.value_or(can::Duration{});
   can::Time next_request_ = can::never;
   can::Time requested_at_{};
   bool program_requested_ = false;      // Y01 is ON, X01 awaited
   bool program_owns_exchange_ = false;  // until X01 is OFF again
-};
-
-/// Reports what the nodes of a bus say of themselves, those outside of this process included.
-class BusWatch final : public sim::BusObserver {
- public:
-  BusWatch(std::string_view bus, PlantObserver& observer) : bus_(bus), observer_(observer) {}
-  void know(NodeStatus& status) { known_[status.plate.node_id & 0x7F] = &status; }
-
-  void frame_completed(const can::Frame& frame, can::Time /*start*/, can::Time end) override {
-    if (frame.extended || frame.remote) return;
-    const auto node_id = static_cast<std::uint8_t>(frame.identifier & 0x7F);
-    if (node_id == 0) return;
-    const std::uint32_t function = frame.identifier & 0x780;
-    if (function == canopen::cob_id::error_control && frame.dlc == 1) {
-      error_control(node_id, static_cast<std::uint8_t>(frame.data[0] & 0x7F), end);
-    } else if (function == canopen::cob_id::emcy && frame.dlc == 8) {
-      emergency(node_id, frame, end);
-    }
-  }
-
- private:
-  void error_control(std::uint8_t node_id, std::uint8_t state, can::Time now) {
-    if (state == 0) observer_.booted(plate(node_id), now);
-    if (known_[node_id] != nullptr || foreign_states_[node_id] == state) return;
-    foreign_states_[node_id] = state;
-    if (state != 0) observer_.nmt_state_changed(plate(node_id), static_cast<canopen::NmtState>(state), now);
-  }
-  void emergency(std::uint8_t node_id, const can::Frame& frame, can::Time now) {
-    canopen::Emergency message{.node_id = node_id};
-    message.code = static_cast<std::uint16_t>(frame.data[0] | frame.data[1] << 8);
-    message.error_register = frame.data[2];
-    std::copy_n(frame.data.begin() + 3, 5, message.manufacturer.begin());
-    if (NodeStatus* status = known_[node_id]) {
-      ++status->emergencies;
-      status->last_emergency = message.code;
-    }
-    observer_.emergency(plate(node_id), message, now);
-  }
-  NodePlate plate(std::uint8_t node_id) const {
-    return known_[node_id] != nullptr ? known_[node_id]->plate : NodePlate{bus_, {}, node_id};
-  }
-
-  std::string_view bus_;
-  PlantObserver& observer_;
-  std::array<NodeStatus*, 128> known_{};
-  std::array<std::uint8_t, 128> foreign_states_{};
 };
 
 /// Reports the load of every bus once a second.

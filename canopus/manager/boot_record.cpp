@@ -130,12 +130,25 @@ std::string advice(const BootRecord& record) {
 
 }  // namespace
 
-std::string explain(const BootRecord& record, std::uint8_t node_id, can::Time now) {
-  std::string text = "Node " + std::to_string(node_id) + ": " + std::string(describe(record.step));
-  if (record.step == BootStep::failed) {
-    text += " (" + std::string(1, letter(record.error)) + ", " + std::string(describe(record.error)) + ")";
+std::string describe(const BootRecord& record) {
+  std::string text(describe(record.step));
+  switch (record.step) {
+    case BootStep::identity:
+    case BootStep::configuration:
+      if (record.index != 0) text += ", " + object(record);
+      break;
+    case BootStep::presence_pause: text += " (asked " + std::to_string(record.attempts) + " times)"; break;
+    case BootStep::failed:
+      text += " (" + std::string(1, letter(record.error)) + ", " + std::string(describe(record.error)) + ")";
+      break;
+    default: break;
   }
-  if (record.step == BootStep::configuration && record.index != 0) text += ", " + object(record);
+  return text;
+}
+
+std::string explain(const BootRecord& record, can::Time now) {
+  const bool advice_counts = record.step == BootStep::presence_pause;  // the requests
+  std::string text = advice_counts ? std::string(describe(record.step)) : describe(record);
   if (record.step != BootStep::idle) {
     char duration[32];
     std::snprintf(duration, sizeof duration, "%.1f", seconds(now) - seconds(record.since));
@@ -144,6 +157,10 @@ std::string explain(const BootRecord& record, std::uint8_t node_id, can::Time no
   text += ".";
   const std::string more = advice(record);
   return more.empty() ? text : text + " " + more;
+}
+
+std::string explain(const BootRecord& record, std::uint8_t node_id, can::Time now) {
+  return "Node " + std::to_string(node_id) + ": " + explain(record, now);
 }
 
 }  // namespace canopus::manager

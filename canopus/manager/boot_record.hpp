@@ -62,6 +62,18 @@ enum class BootStep : std::uint8_t {
   booted,                 ///< done
   failed,                 ///< ended with an error; begins again with the slave's next boot-up message
 };
+/// The step is one SDO transfer, or several.
+[[nodiscard]] constexpr bool asks_object(BootStep step) noexcept {
+  switch (step) {
+    case BootStep::presence:
+    case BootStep::identity:
+    case BootStep::restore:
+    case BootStep::configuration_date:
+    case BootStep::configuration_time:
+    case BootStep::configuration: return true;
+    default: return false;
+  }
+}
 /// "reading 1000H", ...
 [[nodiscard]] std::string_view describe(BootStep step) noexcept;
 
@@ -78,7 +90,12 @@ struct BootRecord {
   canopen::AbortCode abort_code = canopen::AbortCode::none;  ///< of the last SDO; timed_out: no answer
 };
 
-/// One or two sentences: where the boot of this node is, and what to check when it does not go on.
+/// Where the boot is, in a few words: "checking its identity, 1018H:02", "failed (D, vendor-ID differs from
+/// 1F85H)".
+[[nodiscard]] std::string describe(const BootRecord& record);
+/// One or two sentences: where the boot is, and what to check when it does not go on.
+[[nodiscard]] std::string explain(const BootRecord& record, can::Time now);
+/// The same, after "Node 5: ".
 [[nodiscard]] std::string explain(const BootRecord& record, std::uint8_t node_id, can::Time now);
 
 }  // namespace canopus::manager

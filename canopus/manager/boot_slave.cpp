@@ -44,6 +44,20 @@ void BootSlave::enter(BootStep step, can::Time now, can::Duration limit) {
   record_.since = now;
   request_pending_ = false;
   deadline_ = limit > can::Duration{} ? later(now, limit) : can::never;
+  if (!asks_object(step)) host_->boot_went_on(node_id_, record_, now);
+}
+
+void BootSlave::upload(std::uint16_t index, std::uint8_t sub, can::Time now) {
+  download(index, sub, {}, now);
+}
+
+void BootSlave::download(std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> data,
+                         can::Time now) {
+  record_.index = index;
+  record_.sub = sub;
+  download_ = data;
+  host_->boot_went_on(node_id_, record_, now);
+  request(now);
 }
 
 void BootSlave::start(bool after_reset, can::Time now) {
@@ -106,10 +120,7 @@ void BootSlave::ask_presence(can::Time now) {
   enter(BootStep::presence, now);
   rebooted_ = false;
   ++record_.attempts;
-  record_.index = 0x1000;
-  record_.sub = 0;
-  download_ = {};
-  request(now);
+  upload(0x1000, 0, now);
 }
 
 void BootSlave::presence_answered(can::Time now) {
@@ -133,10 +144,7 @@ void BootSlave::ask_identity(std::uint8_t sub, can::Time now) {
     record_.expected = host_->dictionary().get<std::uint32_t>(index, node_id_);
     if (record_.expected == 0) continue;
     enter(BootStep::identity, now);
-    record_.index = 0x1018;
-    record_.sub = sub;
-    download_ = {};
-    return request(now);
+    return upload(0x1018, sub, now);
   }
   check_state(now);
 }
@@ -184,10 +192,7 @@ void BootSlave::restore(can::Time now) {
   const auto sub = host_->dictionary().get<std::uint8_t>(0x1F8A, node_id_);
   if ((host_->assignment(node_id_) & restore_first) == 0 || sub == 0) return check_configuration(now);
   enter(BootStep::restore, now);
-  record_.index = 0x1011;
-  record_.sub = sub;
-  download_ = load_signature;
-  request(now);
+  download(0x1011, sub, load_signature, now);
 }
 
 void BootSlave::check_configuration(can::Time now) {
@@ -197,10 +202,7 @@ void BootSlave::check_configuration(can::Time now) {
   if (date == 0 || time == 0) return start_configuration(now);
   enter(BootStep::configuration_date, now);
   record_.expected = date;
-  record_.index = 0x1020;
-  record_.sub = 1;
-  download_ = {};
-  request(now);
+  upload(0x1020, 1, now);
 }
 
 void BootSlave::configuration_mark_answered(can::Time now) {
@@ -211,8 +213,7 @@ void BootSlave::configuration_mark_answered(can::Time now) {
   if (record_.step == BootStep::configuration_time) return start_error_control(now);
   enter(BootStep::configuration_time, now);
   record_.expected = host_->dictionary().get<std::uint32_t>(0x1F27, node_id_);
-  record_.sub = 2;
-  request(now);
+  upload(0x1020, 2, now);
 }
 
 void BootSlave::start_configuration(can::Time now) {
@@ -231,10 +232,7 @@ void BootSlave::next_configuration_entry(can::Time now) {
   // Recursion would follow the file's length when transfers end inside the call; they never do.
   const auto entry = configuration_.next();
   if (!entry) return configuration_finished(now);
-  record_.index = entry->index;
-  record_.sub = entry->sub;
-  download_ = entry->data;
-  request(now);
+  download(entry->index, entry->sub, entry->data, now);
 }
 
 void BootSlave::configuration_finished(can::Time now) {

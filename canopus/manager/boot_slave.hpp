@@ -39,6 +39,8 @@ class BootHost {
   virtual bool sdo_channel_free(std::uint8_t node_id) = 0;
   /// The slave answered 1000H, or did not.
   virtual void presence_known(std::uint8_t node_id, bool present, can::Time now) = 0;
+  /// The boot is at another step, or at another object of the same one.
+  virtual void boot_went_on(std::uint8_t node_id, const BootRecord& record, can::Time now) = 0;
   /// The boot ended; the record has the details.
   virtual void boot_ended(std::uint8_t node_id, BootError error, can::Time now) = 0;
 
@@ -79,6 +81,8 @@ class BootSlave final : private canopen::SdoClientUser {
   void sdo_finished(canopen::SdoClient& client, can::Time now) override;
 
   void enter(BootStep step, can::Time now, can::Duration limit = {});
+  void upload(std::uint16_t index, std::uint8_t sub, can::Time now);
+  void download(std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> data, can::Time now);
   void begin(can::Time now);
   void ask_presence(can::Time now);
   void presence_answered(can::Time now);

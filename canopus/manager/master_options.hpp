@@ -99,6 +99,9 @@ class MasterListener {
   virtual void start_up_finished(can::Time) {}
   /// The start-up ended because of this mandatory slave, and is disabled until the next start().
   virtual void start_up_halted(std::uint8_t /*node_id*/, BootError, can::Time) {}
+  /// The boot of a slave is at another step, or at another object of the same one; booted and failed are
+  /// steps, too. explain() says it in words. The master must not be started or stopped from inside.
+  virtual void boot_went_on(std::uint8_t /*node_id*/, const BootRecord&, can::Time) {}
   virtual void slave_booted(std::uint8_t /*node_id*/, can::Time) {}
   virtual void slave_failed(std::uint8_t /*node_id*/, BootError, can::Time) {}
   virtual void error_control_event(std::uint8_t /*node_id*/, ErrorControlEvent, can::Time) {}

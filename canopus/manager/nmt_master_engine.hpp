@@ -107,6 +107,9 @@ class NmtMaster::Engine final : public BootHost,
   std::span<const std::uint8_t> concise_dcf(std::uint8_t node_id) override;
   bool sdo_channel_free(std::uint8_t node_id) override { return listener_->sdo_channel_free(node_id); }
   void presence_known(std::uint8_t node_id, bool present, can::Time now) override;
+  void boot_went_on(std::uint8_t node_id, const BootRecord& record, can::Time now) override {
+    listener_->boot_went_on(node_id, record, now);
+  }
   void boot_ended(std::uint8_t node_id, BootError error, can::Time now) override;
 
   // FlyingMasterUser (nmt_master_flying.cpp)

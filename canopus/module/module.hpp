@@ -10,6 +10,10 @@
 #include "canopus/can/controller.hpp"
 #include "canopus/module/observer.hpp"
 
+namespace canopus::manager {
+class NmtMaster;
+}
+
 namespace canopus::module {
 
 /// Buffer memory address, 0..65535, in words.
@@ -46,6 +50,10 @@ class Module : public can::Participant {
   virtual void power_off(can::Time now) = 0;
   /// The CPU changed between RUN and STOP.
   virtual void cpu_changed(CpuState state, can::Time now) = 0;
+
+  /// The NMT master inside, to look at: active or not, and why a slave is stuck (boot_record()). nullptr:
+  /// none.
+  [[nodiscard]] virtual const manager::NmtMaster* master() const noexcept { return nullptr; }
 
   /// Who is told of signals, writes and errors from now on; nullptr = nobody. It must outlive the module or
   /// be taken out.

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "canopus/can/time.hpp"
+#include "canopus/manager/boot_record.hpp"
 
 namespace canopus::module {
 
@@ -21,6 +22,9 @@ class ModuleObserver {
   virtual void signal_changed(SignalKind /*kind*/, unsigned /*number*/, bool /*on*/, can::Time) {}
   /// The CPU's write reached the buffer memory (a refused one does not).
   virtual void buffer_written(std::uint32_t /*address*/, std::uint16_t /*value*/, can::Time) {}
+  /// The module is the active NMT master, and the boot of this slave is at another step, or at another object
+  /// of the same one (manager::explain() says it in words).
+  virtual void slave_boot_went_on(std::uint8_t /*node_id*/, const manager::BootRecord&, can::Time) {}
   /// The module found something wrong: one line for a person ("G24 = 300: not a baud rate").
   virtual void error_raised(std::string_view /*what*/, can::Time) {}
 

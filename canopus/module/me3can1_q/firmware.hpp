@@ -50,6 +50,7 @@ class Me3can1Q::Firmware final : public BufferArea,
   [[nodiscard]] const Signals& signals() const noexcept { return signals_; }
   [[nodiscard]] const Profile& profile() const noexcept { return profile_; }
   [[nodiscard]] const canopen::Node& node() const noexcept { return node_; }
+  [[nodiscard]] const manager::NmtMaster& master() const noexcept { return master_; }
 
   // BufferArea: the status words that are made when they are read (G20 G25 G35 G36 G37), and G50.
   std::uint16_t read_word(BufferAddress address, can::Time now) override;
@@ -86,7 +87,8 @@ class Me3can1Q::Firmware final : public BufferArea,
                    can::Time now) override;
 
   // MasterListener
-  void slave_failed(std::uint8_t node_id, manager::BootError error, can::Time now) override;
+  void boot_went_on(std::uint8_t node_id, const manager::BootRecord& record, can::Time now) override;
+  void start_up_halted(std::uint8_t node_id, manager::BootError error, can::Time now) override;
   void error_control_event(std::uint8_t node_id, manager::ErrorControlEvent event, can::Time now) override;
   void node_state_changed(std::uint8_t node_id, std::uint8_t state, can::Time now) override;
   void error_control_changed(std::uint8_t node_id, std::uint16_t bits, can::Time now) override;

@@ -95,8 +95,15 @@ void Me3can1Q::Firmware::object_written(const canopen::Entry& entry, can::Time) 
   node_.dictionary().set<std::uint32_t>(0x1020, 2, 0);
 }
 
-void Me3can1Q::Firmware::slave_failed(std::uint8_t node_id, manager::BootError, can::Time now) {
-  if (observer_ != nullptr) tell(manager::explain(master_.boot_record(node_id), node_id, now), now);
+void Me3can1Q::Firmware::boot_went_on(std::uint8_t node_id, const manager::BootRecord& record,
+                                      can::Time now) {
+  if (observer_ != nullptr) observer_->slave_boot_went_on(node_id, record, now);
+}
+
+void Me3can1Q::Firmware::start_up_halted(std::uint8_t node_id, manager::BootError, can::Time now) {
+  tell("the start-up of the network has ended: node " + std::to_string(node_id) +
+           " is mandatory (1F81H bit 3) and was not booted",
+       now);
 }
 
 void Me3can1Q::Firmware::error_control_event(std::uint8_t node_id, manager::ErrorControlEvent event,

@@ -41,5 +41,6 @@ can::Time Me3can1Q::deadline() const noexcept { return firmware_->deadline(); }
 const Profile& Me3can1Q::profile() const noexcept { return firmware_->profile(); }
 std::array<Led, 5> Me3can1Q::leds(can::Time now) const { return firmware_->leds(now); }
 const canopen::Node& Me3can1Q::node() const noexcept { return firmware_->node(); }
+const manager::NmtMaster* Me3can1Q::master() const noexcept { return &firmware_->master(); }
 
 }  // namespace canopus::module::me3can1_q

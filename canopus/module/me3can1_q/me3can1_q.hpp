@@ -68,6 +68,7 @@ class Me3can1Q final : public Module {
   void power_on(can::Time now) override;
   void power_off(can::Time now) override;
   void cpu_changed(CpuState state, can::Time now) override;
+  [[nodiscard]] const manager::NmtMaster* master() const noexcept override;
   void set_observer(ModuleObserver* observer) override;
 
   void receive(const can::Frame& frame, can::Time now) override;
