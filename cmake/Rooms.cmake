@@ -18,6 +18,7 @@ function(canopus_room name)
     add_library(canopus_${name} INTERFACE)
     set(scope INTERFACE)
   endif()
+  add_library(canopus::${name} ALIAS canopus_${name})  # for projects that add_subdirectory() this one
   target_include_directories(canopus_${name} ${scope} ${door})
   list(TRANSFORM ARG_ROOMS PREPEND canopus_)
   target_link_libraries(canopus_${name} ${scope} ${ARG_ROOMS} ${ARG_LIBRARIES})

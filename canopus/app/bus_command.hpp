@@ -6,13 +6,15 @@
 #include <string>
 #include <string_view>
 
-#include "canopus/app/bus_loop.hpp"
+#include "canopus/link/bus_loop.hpp"
 
 namespace CLI {
 class App;
 }
 
 namespace canopus::app {
+
+using link::BusLoop;
 
 /// Exit codes of these commands.
 namespace exit_code {

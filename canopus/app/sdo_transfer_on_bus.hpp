@@ -8,11 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "canopus/app/bus_loop.hpp"
 #include "canopus/app/text_values.hpp"
 #include "canopus/canopen/sdo_client.hpp"
+#include "canopus/link/bus_loop.hpp"
 
 namespace canopus::app {
+
+using link::BusLoop;
 
 /// Why a transfer failed.
 struct SdoFailure {

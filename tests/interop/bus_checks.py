@@ -2,6 +2,7 @@
 and a CANopen stack that is not ours (npm canopen) as SDO client, SDO server, LSS slave and user of the other services."""
 import contextlib
 import json
+import pathlib
 import queue
 import shutil
 import subprocess
@@ -223,6 +224,20 @@ def master_tells_why_a_slave_does_not_boot():
         path = network_file("node = 200")
         done = on_bus(plant, "master", "--dcf", path, expect=2)
         require(f"{path}:4:8: node = 200: a node-ID is 1 to 127" in done.stderr, done.stderr)
+
+
+@check
+def a_cpp_program_on_the_rooms_boots_a_network():
+    example = pathlib.Path(program).parent / "examples" / "example_cpp_master"
+    with device_plant((2, ROOT / "examples/devices/io-block.eds", ""), (3, ROOT / "examples/devices/encoder.eds", "")) as plant:
+        bus = f"socketcand:{plant.socketcand}"
+        said = command(example, bus, 2, 3).stdout
+        for wanted in ("node 2: asking for 1000H", "node 3: booted", 'node 2 is a "Canopus I/O block"', "Node 3: booted"):
+            require(wanted in said, f"no {wanted!r} in {said}")
+        missing = command(example, bus, 2, 9, expect=1).stdout
+        require("Node 9: failed (B, no answer to 1000H)" in missing, f"why node 9 does not boot: {missing}")
+    refused = command(example, "somewhere", 2, expect=2).stderr
+    require("somewhere" in refused, f"a wrong address is told: {refused}")
 
 
 @check

@@ -1,6 +1,6 @@
 #pragma once
-// The command line's place on a bus: participants in real time, over a bus client. Protocol objects are added
-// and hear every frame; run() lets time pass until a question is answered.
+// A place on a bus for programs that live with it: participants in real time, over a bus client. Protocol
+// objects are added and hear every frame; run() lets time pass until a question is answered.
 
 #include <chrono>
 #include <expected>
@@ -16,13 +16,13 @@
 #include "canopus/can/timeline.hpp"
 #include "canopus/link/bus_client.hpp"
 
-namespace canopus::app {
+namespace canopus::link {
 
-class BusLoop final : public can::Sink, private link::BusClientUser {
+class BusLoop final : public can::Sink, private BusClientUser {
  public:
   /// Joins the bus. The error is a sentence.
-  [[nodiscard]] static std::expected<std::unique_ptr<BusLoop>, std::string> open(
-      const link::BusAddress& address, can::Duration time_out);
+  [[nodiscard]] static std::expected<std::unique_ptr<BusLoop>, std::string> open(const BusAddress& address,
+                                                                                 can::Duration time_out);
   /// Leaves the bus; what was sent is given a second to get out.
   ~BusLoop();
   BusLoop(const BusLoop&) = delete;
@@ -60,7 +60,7 @@ class BusLoop final : public can::Sink, private link::BusClientUser {
 
   boost::asio::io_context io_;
   boost::asio::signal_set signals_;
-  std::unique_ptr<link::BusClient> bus_;
+  std::unique_ptr<BusClient> bus_;
   can::Timeline timeline_;
   std::vector<Seat> seats_;
   std::chrono::steady_clock::time_point started_;
@@ -69,4 +69,4 @@ class BusLoop final : public can::Sink, private link::BusClientUser {
   std::string failure_;
 };
 
-}  // namespace canopus::app
+}  // namespace canopus::link

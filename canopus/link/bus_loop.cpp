@@ -1,4 +1,4 @@
-#include "canopus/app/bus_loop.hpp"
+#include "canopus/link/bus_loop.hpp"
 
 #include <algorithm>
 #include <csignal>
@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-namespace canopus::app {
+namespace canopus::link {
 
 using WallClock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
@@ -23,10 +23,10 @@ BusLoop::~BusLoop() {
   if (!lost_) (void)bus_->close(1s);
 }
 
-std::expected<std::unique_ptr<BusLoop>, std::string> BusLoop::open(const link::BusAddress& address,
+std::expected<std::unique_ptr<BusLoop>, std::string> BusLoop::open(const BusAddress& address,
                                                                    can::Duration time_out) {
   std::unique_ptr<BusLoop> loop(new BusLoop);
-  auto bus = link::open_bus(loop->io_, address, std::chrono::ceil<std::chrono::milliseconds>(time_out));
+  auto bus = open_bus(loop->io_, address, std::chrono::ceil<std::chrono::milliseconds>(time_out));
   if (!bus) return std::unexpected(bus.error());
   loop->bus_ = std::move(*bus);
   loop->bus_->set_user(loop.get());
@@ -90,4 +90,4 @@ BusLoop::End BusLoop::run(const std::function<bool()>& done, can::Time end) {
   }
 }
 
-}  // namespace canopus::app
+}  // namespace canopus::link
