@@ -5,28 +5,13 @@
 #include <optional>
 #include <utility>
 
+#include "canopus/link/socketcand_words.hpp"
+
 namespace canopus::link {
 namespace {
 
 /// No element of a server is longer; more without an end is no socketcand server.
 constexpr std::size_t longest_element = 512;
-
-constexpr bool is_blank(char c) noexcept { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
-
-std::string_view take_word(std::string_view& text) noexcept {
-  const auto start = std::ranges::find_if_not(text, is_blank);
-  const auto end = std::find_if(start, text.end(), is_blank);
-  const std::string_view word(start, end);
-  text = std::string_view(end, text.end());
-  return word;
-}
-
-std::optional<std::uint32_t> hexadecimal(std::string_view word) noexcept {
-  std::uint32_t value = 0;
-  const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value, 16);
-  if (failure != std::errc{} || end != word.data() + word.size()) return std::nullopt;
-  return value;
-}
 
 /// What of the server's bytes can be shown to a person.
 std::string printable(std::string_view text) {
@@ -127,14 +112,14 @@ void SocketcandDialogue::element(std::string_view text) {
 // `581 12.000345 4318100101000000`; some servers put blanks between the bytes.
 void SocketcandDialogue::frame(std::string_view arguments) {
   const std::string_view identifier_word = take_word(arguments);
-  const auto identifier = hexadecimal(identifier_word);
+  const auto identifier = number(identifier_word, 16);
   can::Frame frame{.extended = identifier_word.size() == 8};
   (void)take_word(arguments);  // the server's time
   const std::uint32_t highest = frame.extended ? can::max_extended_identifier : can::max_base_identifier;
   bool good = identifier && *identifier <= highest;
   for (std::string_view word = take_word(arguments); good && !word.empty(); word = take_word(arguments)) {
     for (; good && !word.empty(); word.remove_prefix(std::min<std::size_t>(2, word.size()))) {
-      const auto byte = hexadecimal(word.substr(0, 2));
+      const auto byte = number(word.substr(0, 2), 16);
       good = byte && word.size() >= 2 && frame.dlc < 8;
       if (good) frame.data[frame.dlc++] = static_cast<std::uint8_t>(*byte);
     }

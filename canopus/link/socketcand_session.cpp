@@ -6,30 +6,9 @@
 #include <chrono>
 #include <utility>
 
+#include "canopus/link/socketcand_words.hpp"
+
 namespace canopus::link {
-namespace {
-
-constexpr bool is_blank(char c) noexcept { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
-
-/// Takes the next word off the front of `text`; empty when there is none.
-std::string_view take_word(std::string_view& text) noexcept {
-  const auto start = std::ranges::find_if_not(text, is_blank);
-  const auto end = std::find_if(start, text.end(), is_blank);
-  const std::string_view word(start, end);
-  text = std::string_view(end, text.end());
-  return word;
-}
-
-/// The whole word as a number without sign or prefix.
-std::optional<std::uint32_t> number(std::string_view word, int base) noexcept {
-  std::uint32_t value = 0;
-  const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value, base);
-  if (failure != std::errc{} || end != word.data() + word.size()) return std::nullopt;
-  return value;
-}
-
-}  // namespace
-
 std::size_t write_socketcand_frame(std::span<char, socketcand_max_message> out, const can::Frame& frame,
                                    can::Time time) noexcept {
   constexpr char hex_digits[] = "0123456789ABCDEF";
