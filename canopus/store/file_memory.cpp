@@ -5,9 +5,6 @@
 #include <cerrno>
 #include <system_error>
 
-#include <fcntl.h>
-#include <unistd.h>
-
 namespace canopus::store {
 
 namespace {
@@ -34,47 +31,31 @@ bool is_good_name(std::string_view name) {
   });
 }
 
-// A file descriptor that closes itself.
-class Descriptor {
+// A file that closes itself.
+class OpenFile {
  public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  [[nodiscard]] int get() const { return number_; }
-  explicit operator bool() const { return number_ >= 0; }
+  OpenFile(Files& files, int number) : files_(files), number_(number) {}
+  ~OpenFile() { files_.close(number_); }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
 
  private:
+  Files& files_;
   int number_;
 };
 
-bool write_all(int file, std::span<const std::uint8_t> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(file, bytes.data(), bytes.size());
-    if (written < 0) {
-      if (errno == EINTR) continue;
-      return false;
-    }
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
+// Makes the folder and those above it that are missing; each name is on the medium before the next is made.
+int make_folders(Files& files, const std::filesystem::path& folder) {
+  const std::filesystem::path parent = folder.parent_path();
+  int why = files.make_folder(folder);
+  if (why == ENOENT && !parent.empty() && parent != folder) {
+    why = make_folders(files, parent);
+    if (why == 0) why = files.make_folder(folder);
   }
-  return true;
-}
-
-// False when the file cannot be read to its end or is larger than anything written here.
-bool read_all(int file, std::vector<std::uint8_t>& bytes) {
-  std::array<std::uint8_t, 16384> piece{};
-  for (;;) {
-    const ssize_t count = ::read(file, piece.data(), piece.size());
-    if (count < 0) {
-      if (errno == EINTR) continue;
-      return false;
-    }
-    if (count == 0) return true;
-    bytes.insert(bytes.end(), piece.begin(), piece.begin() + count);
-    if (bytes.size() > largest_content + header_size) return false;
-  }
+  if (why != 0 && why != EEXIST) return why;
+  // Also when it is there already: who made it may have been cut off right then.
+  files.flush_folder(parent.empty() ? "." : parent);
+  return 0;
 }
 
 std::uint64_t get(std::span<const std::uint8_t> bytes) {
@@ -98,12 +79,13 @@ std::uint32_t crc32(std::span<const std::uint8_t> bytes) noexcept {
 module::NonVolatileMemory::Content FileMemory::read(std::string_view name) {
   using State = Content::State;
   if (!is_good_name(name)) return {};
-  const Descriptor file(::open((folder_ / name).c_str(), O_RDONLY | O_CLOEXEC));
-  if (!file)
-    return {.state = errno == ENOENT || errno == ENOTDIR ? State::missing : State::damaged, .bytes = {}};
-  std::vector<std::uint8_t> bytes;
-  if (!read_all(file.get(), bytes) || bytes.size() < header_size ||
-      !std::equal(magic.begin(), magic.end(), bytes.begin())) {
+  auto read = files_->read(folder_ / name, header_size + largest_content);
+  if (!read) {
+    const bool missing = read.error() == ENOENT || read.error() == ENOTDIR;
+    return {.state = missing ? State::missing : State::damaged, .bytes = {}};
+  }
+  std::vector<std::uint8_t>& bytes = *read;
+  if (bytes.size() < header_size || !std::equal(magic.begin(), magic.end(), bytes.begin())) {
     return {.state = State::damaged, .bytes = {}};
   }
   const std::span<const std::uint8_t> all(bytes);
@@ -120,9 +102,7 @@ bool FileMemory::write(std::string_view name, std::span<const std::uint8_t> byte
   error_.clear();
   if (!is_good_name(name)) return fail("not a name for stored data", name, 0);
   if (bytes.size() > largest_content) return fail("too much to store", name, 0);
-  std::error_code code;
-  std::filesystem::create_directories(folder_, code);
-  if (code) return fail("cannot make the folder", folder_, code.value());
+  if (!make_folder()) return false;
   const std::filesystem::path path = folder_ / name;
   std::filesystem::path temporary = path;
   temporary += temporary_suffix;
@@ -132,35 +112,48 @@ bool FileMemory::write(std::string_view name, std::span<const std::uint8_t> byte
   put(content, bytes.size(), 8);
   put(content, crc32(bytes), 4);
   content.insert(content.end(), bytes.begin(), bytes.end());
-  {
-    const Descriptor file(::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
-    if (!file) return fail("cannot open", temporary, errno);
-    if (!write_all(file.get(), content) || ::fsync(file.get()) != 0) {
-      const int why = errno;
-      ::unlink(temporary.c_str());
-      return fail("cannot write", temporary, why);
-    }
+  if (const int why = write_file(temporary, content); why != 0) {
+    static_cast<void>(files_->remove(temporary));
+    return fail("cannot write", temporary, why);
   }
-  if (::rename(temporary.c_str(), path.c_str()) != 0) {
-    const int why = errno;
-    ::unlink(temporary.c_str());
+  if (const int why = files_->rename(temporary, path); why != 0) {
+    static_cast<void>(files_->remove(temporary));
     return fail("cannot put in place", path, why);
   }
   // The new name must be on the medium too; where a folder cannot be flushed the rename alone has to do.
-  if (const Descriptor folder(::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)); folder) {
-    static_cast<void>(::fsync(folder.get()));
-  }
-  ++writes_;
+  files_->flush_folder(folder_);
   return true;
 }
 
 bool FileMemory::erase(std::string_view name) {
   error_.clear();
   if (!is_good_name(name)) return fail("not a name for stored data", name, 0);
-  if (::unlink((folder_ / name).c_str()) != 0 && errno != ENOENT && errno != ENOTDIR) {
-    return fail("cannot erase", folder_ / name, errno);
-  }
+  const int why = files_->remove(folder_ / name);
+  if (why == ENOENT || why == ENOTDIR) return true;
+  if (why != 0) return fail("cannot erase", folder_ / name, why);
+  files_->flush_folder(folder_);
   return true;
+}
+
+bool FileMemory::make_folder() {
+  if (folder_made_) return true;
+  if (const int why = make_folders(*files_, folder_); why != 0) {
+    return fail("cannot make the folder", folder_, why);
+  }
+  folder_made_ = true;
+  return true;
+}
+
+int FileMemory::write_file(const std::filesystem::path& path, std::span<const std::uint8_t> bytes) {
+  const auto file = files_->create(path);
+  if (!file) return file.error();
+  const OpenFile closes_itself(*files_, *file);
+  while (!bytes.empty()) {
+    const auto written = files_->write(*file, bytes);
+    if (!written) return written.error();
+    bytes = bytes.subspan(*written);
+  }
+  return files_->flush(*file);
 }
 
 bool FileMemory::fail(std::string_view what, const std::filesystem::path& path, int why) {

@@ -126,14 +126,6 @@ TEST_F(FileMemoryTest, NamesThatLeaveTheFolder_AreRefused) {
   }
 }
 
-TEST_F(FileMemoryTest, CountsItsWrites) {
-  FileMemory memory(folder_ / "module");
-  EXPECT_EQ(memory.writes(), 0U);
-  memory.write("a", Bytes{1});
-  memory.write("a", Bytes{2});
-  EXPECT_EQ(memory.writes(), 2U);
-}
-
 RC_GTEST_FIXTURE_PROP(FileMemoryTest, AnyContent_ComesBack, (const Bytes& bytes)) {
   FileMemory memory(folder_ / "module");
   RC_ASSERT(memory.write("words", bytes));

@@ -1,0 +1,41 @@
+#pragma once
+// What stored data ask of a file system, as an interface: the real one in a program, one that loses its power
+// in a test. Errors are errno values.
+
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+namespace canopus::store {
+
+class Files {
+ public:
+  virtual ~Files() = default;
+
+  /// The whole file; EFBIG when it is longer than `at_most`.
+  [[nodiscard]] virtual std::expected<std::vector<std::uint8_t>, int> read(const std::filesystem::path& path,
+                                                                           std::size_t at_most) = 0;
+  /// Makes one folder: 0, EEXIST, ENOENT when its parent is missing, ...
+  [[nodiscard]] virtual int make_folder(const std::filesystem::path& path) = 0;
+  /// Opens a file for writing and empties it. The number is for write(), flush() and close().
+  [[nodiscard]] virtual std::expected<int, int> create(const std::filesystem::path& path) = 0;
+  /// Appends; may take less than all.
+  [[nodiscard]] virtual std::expected<std::size_t, int> write(int file,
+                                                              std::span<const std::uint8_t> bytes) = 0;
+  /// What was written is on the medium afterwards.
+  [[nodiscard]] virtual int flush(int file) = 0;
+  virtual void close(int file) noexcept = 0;
+  /// Takes the place of a file that is there, in one step.
+  [[nodiscard]] virtual int rename(const std::filesystem::path& from, const std::filesystem::path& to) = 0;
+  [[nodiscard]] virtual int remove(const std::filesystem::path& path) = 0;
+  /// The names in the folder are on the medium afterwards.
+  virtual int flush_folder(const std::filesystem::path& path) = 0;
+};
+
+/// The machine's own.
+[[nodiscard]] Files& real_files() noexcept;
+
+}  // namespace canopus::store
