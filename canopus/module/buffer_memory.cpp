@@ -106,14 +106,13 @@ bool BufferMemory::apply_stored(const StoredWords& words) {
   bool good = true;
   for_each_stored([&](const BufferRow& row, BufferAddress address) {
     const auto found = words.find(address);
-    if (found == words.end()) return;
-    if (row.range.contains(found->second)) {
-      set_word(address, found->second);
-    } else {
-      good = false;
-    }
+    good = good && (found == words.end() || row.range.contains(found->second));
   });
-  return good;
+  if (!good) return false;
+  for_each_stored([&](const BufferRow&, BufferAddress address) {
+    if (const auto found = words.find(address); found != words.end()) set_word(address, found->second);
+  });
+  return true;
 }
 
 void BufferMemory::restore_initial() {

@@ -140,8 +140,8 @@ class BufferMemory {
 
   /// Takes the present values of all stored words of the selected mode into `words`; other entries stay.
   void collect_stored(StoredWords& words) const;
-  /// Puts stored words of the selected mode in. False when a value is not one its word accepts (that one
-  /// stays at its initial value).
+  /// Puts stored words of the selected mode in. False, and nothing is put in, when a value is not one its
+  /// word accepts.
   bool apply_stored(const StoredWords& words);
   /// Stored words of the selected mode back to their initial values.
   void restore_initial();

@@ -45,7 +45,9 @@ bool FlashMemory::write(std::string_view name, std::span<const std::uint8_t> byt
   return put(Kind::content, name, bytes);
 }
 
-bool FlashMemory::erase(std::string_view name) { return put(Kind::erased, name, {}); }
+bool FlashMemory::erase(std::string_view name) {
+  return read(name).state == Content::State::missing || put(Kind::erased, name, {});
+}
 
 bool FlashMemory::put(Kind kind, std::string_view name, std::span<const std::uint8_t> bytes) {
   const std::uint32_t count = writes_ + 1;

@@ -22,7 +22,7 @@ class FlashMemory final : public NonVolatileMemory {
 
   [[nodiscard]] Content read(std::string_view name) override;
   bool write(std::string_view name, std::span<const std::uint8_t> bytes) override;
-  /// Wears like a write.
+  /// Wears like a write, if there is something to erase.
   bool erase(std::string_view name) override;
 
   /// Writes and erasures so far, over all runs.

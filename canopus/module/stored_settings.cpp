@@ -53,7 +53,13 @@ void append_object(std::vector<std::uint8_t>& bytes, std::uint16_t index, std::u
   bytes.insert(bytes.end(), value.begin(), value.end());
 }
 
-bool apply_objects(std::span<const std::uint8_t> bytes, canopen::ObjectDictionary& dictionary) {
+namespace {
+
+// Calls use(entry, value) for every stored object that exists. False at the first that cannot be what
+// encode_objects() makes.
+template <typename Use>
+bool for_each_object(std::span<const std::uint8_t> bytes, const canopen::DictionaryDescription& description,
+                     Use use) {
   while (!bytes.empty()) {
     if (bytes.size() < 5) return false;
     const std::uint16_t index = get16(bytes);
@@ -61,15 +67,23 @@ bool apply_objects(std::span<const std::uint8_t> bytes, canopen::ObjectDictionar
     const std::size_t length = get16(bytes.subspan(3));
     bytes = bytes.subspan(5);
     if (bytes.size() < length) return false;
-    const canopen::Entry entry = dictionary.description().find(index, sub);
-    if (entry) {
+    if (const canopen::Entry entry = description.find(index, sub)) {
       const std::uint8_t fixed = entry.description->length;
       if (fixed != 0 && fixed != length) return false;
-      dictionary.assign(entry, bytes.first(length));
+      use(entry, bytes.first(length));
     }
     bytes = bytes.subspan(length);
   }
   return true;
+}
+
+}  // namespace
+
+bool apply_objects(std::span<const std::uint8_t> bytes, canopen::ObjectDictionary& dictionary) {
+  const canopen::DictionaryDescription& description = dictionary.description();
+  if (!for_each_object(bytes, description, [](const auto&, const auto&) {})) return false;
+  return for_each_object(bytes, description,
+                         [&](const canopen::Entry& entry, auto value) { dictionary.assign(entry, value); });
 }
 
 }  // namespace canopus::module

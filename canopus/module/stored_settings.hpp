@@ -19,8 +19,7 @@ namespace canopus::module {
 /// All objects of the dictionary that are described as stored.
 [[nodiscard]] std::vector<std::uint8_t> encode_objects(const canopen::ObjectDictionary& dictionary);
 /// Puts stored values into the dictionary, without checks or handlers. False when the bytes are not what
-/// encode_objects() makes; what came before the bad place is in then. Objects that no longer exist are left
-/// out.
+/// encode_objects() makes; nothing is put in then. Objects that no longer exist are left out.
 bool apply_objects(std::span<const std::uint8_t> bytes, canopen::ObjectDictionary& dictionary);
 /// Appends one object in the same form.
 void append_object(std::vector<std::uint8_t>& bytes, std::uint16_t index, std::uint8_t sub,

@@ -1,10 +1,15 @@
 """Checks of the ME3CAN1-Q over its PLC's Ethernet port: the examples a user copies from, judged by the bus's recording."""
+import random
 import struct
 import sys
+import threading
 
-from kit import ROOT, check, command, covers, host_port, require, running, scratch
+from kit import ROOT, check, command, covers, first_plant_file, host_port, require, running, scratch
 
 EXAMPLES = ROOT / "examples/me3can1-q"
+sys.path.append(str(EXAMPLES))
+import mc  # noqa: E402
+import me3can1q  # noqa: E402
 
 
 def example_plant(name, changes=()):
@@ -88,3 +93,59 @@ def example_program_does_what_the_function_blocks_do():
     require(outputs == list(range(0x80, 0xA8)), f"TPDO1 carried {outputs}")
     analogue = [int.from_bytes(data[:2], "little") for identifier, data in frames if identifier == 0x302]
     require(analogue == [10 * cycle for cycle in range(1, 40)], f"TPDO2 carried {analogue}")
+
+
+# --- what survives a killed program
+
+
+@check
+@covers("ME3-SAVE-009")
+def killed_while_saving_leaves_old_or_new_settings():
+    """kill -9 at any moment of saves by G22 and by 1010H, thirty times: each store is the old one or the new one."""
+    text = first_plant_file().read_text().replace('listen = "127.0.0.1:0"', 'listen = "127.0.0.1:0"\nstore = "killed"')
+    path = scratch / "killed.toml"
+    path.write_text(text)
+    dice = random.Random(1)
+    words, objects = {(500, 500)}, {(0, 0)}  # what G70 and G71, and 1F84H:09 and :0A, may be now
+    seen_words, seen_objects, reported = set(), set(), 0
+    for kill in range(31):
+        with running(path) as plant:
+            plant.wait(lambda e: e["event"] == "signal" and e["signal"] == "X00" and e["on"])
+            host, port = host_port(plant.mc)
+            with mc.McClient(host, int(port)) as plc:
+                module = me3can1q.Me3Can1Q(plc)
+                module.wait_ready()
+                found = tuple(module.words(70, 2))
+                require(found in words, f"kill {kill}: G70 and G71 are {found}, expected one of {words}")
+                found_objects = tuple(me3can1q.number(module.sdo_read(0, 0x1F84, sub)) for sub in (9, 10))
+                require(found_objects in objects, f"kill {kill}: 1F84H is {found_objects}, expected one of {objects}")
+                errors = module.g(29)
+                require(errors in (0, 0x10), f"kill {kill}: G29 = {errors:04X}H")
+                reported += errors == 0x10
+                seen_words.add(found)
+                seen_objects.add(found_objects)
+                if kill == 30:
+                    break
+                killer = threading.Timer(dice.uniform(0, 0.4), plant.process.kill)
+                killer.start()
+                words, objects = {found}, {found_objects}
+                try:
+                    for step in range(1, 1000):
+                        new = (100 * kill + step, 5000 + 100 * kill + step)
+                        module.set_g(70, *new)
+                        words.add(new)  # from here on it may be stored
+                        module.set_g(22, 1)
+                        module.handshake(0x1F, 10)
+                        words = {new}
+                        new = (kill << 16 | step, ~(kill << 16 | step) & 0xFFFFFFFF)
+                        for sub, value in zip((9, 10), new):
+                            module.sdo_write(0, 0x1F84, sub, me3can1q.u32(value))
+                        objects.add(new)
+                        module.store_objects()
+                        objects = {new}
+                except OSError:
+                    pass  # killed
+                killer.join()
+                plant.process.wait()
+    require(len(seen_words) > 10 and len(seen_objects) > 10, "hardly anything was saved between the kills")
+    print(f"    30 kills: {len(seen_words)} settings came back, {reported} starts reported an interrupted save (G29.4)")

@@ -114,10 +114,10 @@ TEST_F(BufferMemoryTest, StoredWords_AreThoseOfTheMode_OthersAreKept) {
   EXPECT_EQ(read(11), 0);
 }
 
-TEST_F(BufferMemoryTest, StoredValuesThatNoWordAccepts_AreLeftOut_AndReported) {
+TEST_F(BufferMemoryTest, StoredValueThatNoWordAccepts_IsReported_AndNothingIsPutIn) {
   EXPECT_FALSE(memory_.apply_stored({{10, 11}, {11, 4}}));
   EXPECT_EQ(read(10), 10);
-  EXPECT_EQ(read(11), 4);
+  EXPECT_EQ(read(11), 0);
 }
 
 TEST_F(BufferMemoryTest, Check_KnowsTheRowsOfEveryMode) {

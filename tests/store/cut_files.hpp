@@ -87,11 +87,13 @@ class CutFiles final : public Files {
   std::expected<std::size_t, int> write(int file, std::span<const std::uint8_t> bytes) override {
     step();
     const std::size_t length = std::min(bytes.size(), write_at_most);
-    for (const std::uint8_t byte : bytes.first(length)) {
-      step();
-      open_.at(file)->cached.push_back(byte);
-    }
-    open_.at(file)->flushed = false;
+    const auto possible = static_cast<std::size_t>(std::min<std::uint64_t>(length, steps_left_));
+    File& open = *open_.at(file);
+    open.cached.insert(open.cached.end(), bytes.begin(),
+                       bytes.begin() + static_cast<std::ptrdiff_t>(possible));
+    open.flushed = false;
+    steps_left_ -= possible;
+    if (possible < length) throw PowerCut{};
     return length;
   }
   int flush(int file) override {

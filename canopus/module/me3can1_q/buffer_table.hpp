@@ -148,6 +148,9 @@ inline constexpr ErrorStatusLayout error_layout{
 inline constexpr DataExchangeLayout exchange_layout{
     .receive_first = g::receive_data, .transmit_first = g::transmit_data, .words = 1024, .pdos = 256};
 
+/// Writes that the flash memory tolerates [ME3CAN1-Q 4.6].
+inline constexpr std::uint32_t flash_endurance = 10'000;
+
 inline constexpr TimeStampLayout time_stamp_layout{.first = g::time_stamp, .two_digit_year = true};
 
 // Signals: offsets from the head address [ME3CAN1-Q Tab. 3-3].

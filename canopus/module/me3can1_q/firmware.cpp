@@ -66,6 +66,7 @@ std::uint32_t number(std::span<const std::uint8_t> value) {
 Me3can1Q::Firmware::Firmware(can::Controller& controller, NonVolatileMemory& memory, Profile profile)
     : controller_(controller),
       memory_(memory),
+      flash_(memory, {words_name, objects_name, concise_dcfs_name}),
       profile_(std::move(profile)),
       buffer_(buffer_table),
       errors_(error_layout),
@@ -76,7 +77,7 @@ Me3can1Q::Firmware::Firmware(can::Controller& controller, NonVolatileMemory& mem
       command_(g::command, command_table, *this, controller),
       exchange_(exchange_layout, buffer_),
       time_stamp_(time_stamp_layout, buffer_),
-      concise_dcfs_(node_, master_, memory, concise_dcfs_name, {.erase_time = profile_.erase_time}) {
+      concise_dcfs_(node_, master_, flash_, concise_dcfs_name, {.erase_time = profile_.erase_time}) {
   node_.set_listener(this);
   master_.set_listener(this);
   node_.dictionary().attach(0x1010, 0x1011, *this);
@@ -140,6 +141,7 @@ void Me3can1Q::Firmware::power_on(can::Time now) {
   if (state_ != State::off) return;
   for (unsigned y = 0; y < 32; ++y) signals_.set_output(y, false, now);
   restarting_ = false;
+  clear_concise_dcfs_ = false;  // kept in RAM: only a restart carries it out
   begin_initialization(profile_.power_on_time, now);
 }
 
@@ -181,12 +183,14 @@ void Me3can1Q::Firmware::begin_initialization(can::Duration duration, can::Time 
 
 void Me3can1Q::Firmware::load_settings() {
   flash_error_ = false;
+  flash_.load();
+  told_writes_ = flash_.writes();
   if (memory_.read(saving_name).state != NonVolatileMemory::Content::State::missing) {
     flash_error_ = true;
     memory_.erase(saving_name);
   }
   stored_words_.clear();
-  const NonVolatileMemory::Content content = memory_.read(words_name);
+  const NonVolatileMemory::Content content = flash_.read(words_name);
   if (content.state == NonVolatileMemory::Content::State::missing) {
     stored_words_ = shelf_words_;
   } else if (auto words = content.state == NonVolatileMemory::Content::State::good
@@ -196,16 +200,25 @@ void Me3can1Q::Firmware::load_settings() {
   } else {
     flash_error_ = true;
   }
+  if (!use_stored_words()) {  // answered with the factory's defaults, all of them
+    flash_error_ = true;
+    stored_words_.clear();
+    use_stored_words();
+  }
+  if (canopen_mode()) time_stamp_.reset();
+  // In a layer 2 mode all settings of the object dictionary are deleted [ME3CAN1-Q 3.5.2].
+  if (!canopen_mode() && flash_.read(objects_name).state != NonVolatileMemory::Content::State::missing) {
+    flash_.write(objects_name, {});
+  }
+}
+
+// Function mode and words. False when they are not all what a module can have stored.
+bool Me3can1Q::Firmware::use_stored_words() {
   const auto mode = stored_words_.find(g::function_mode);
   mode_ = mode != stored_words_.end() && one_of(function_modes).contains(mode->second) ? mode->second : 405;
   mode_bit_ = mode_bit(mode_);
   buffer_.select_mode(static_cast<Modes>(mode_bit_));
-  if (!buffer_.apply_stored(stored_words_)) flash_error_ = true;
-  if (canopen_mode()) time_stamp_.reset();
-  // In a layer 2 mode all settings of the object dictionary are deleted [ME3CAN1-Q 3.5.2].
-  if (!canopen_mode() && memory_.read(objects_name).state != NonVolatileMemory::Content::State::missing) {
-    memory_.write(objects_name, {});
-  }
+  return buffer_.apply_stored(stored_words_);
 }
 
 void Me3can1Q::Firmware::end_initialization(can::Time now) {
@@ -249,7 +262,7 @@ void Me3can1Q::Firmware::load_objects() {
   if (!concise_dcfs_.load()) flash_error_ = true;
   // Its default depends on the node-ID in a way of its own [ME3CAN1-Q 4.8.10].
   objects.set<std::uint16_t>(0x1F90, 6, static_cast<std::uint16_t>(4000 + 10 * node_.node_id()));
-  const NonVolatileMemory::Content content = memory_.read(objects_name);
+  const NonVolatileMemory::Content content = flash_.read(objects_name);
   switch (content.state) {
     case NonVolatileMemory::Content::State::missing:
       for (const auto& [place, value] : shelf_objects_) {
@@ -285,7 +298,7 @@ canopen::AbortCode Me3can1Q::Firmware::before_write(canopen::ObjectDictionary& d
   if (number(value) != (storing ? save_signature : load_signature)) return canopen::AbortCode::cannot_store;
   // Restored settings are factory defaults, not those of the shelf: an empty content, not a missing one.
   const bool written =
-      storing ? memory_.write(objects_name, encode_objects(dictionary)) : memory_.write(objects_name, {});
+      storing ? flash_.write(objects_name, encode_objects(dictionary)) : flash_.write(objects_name, {});
   if (written && !storing) clear_concise_dcfs_ = true;
   return written ? canopen::AbortCode::none : canopen::AbortCode::hardware_error;
 }
@@ -311,7 +324,7 @@ void Me3can1Q::Firmware::end_save(can::Time now) {
   if ((save_request_ & 1U) != 0) {
     if ((save_request_ & 2U) != 0) stored_words_.clear();  // of all modes
     buffer_.collect_stored(stored_words_);
-    const bool written = memory_.write(words_name, encode_words(stored_words_));
+    const bool written = flash_.write(words_name, encode_words(stored_words_));
     memory_.erase(saving_name);
     if (!written) {
       flash_error_ = true;

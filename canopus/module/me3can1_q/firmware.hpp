@@ -13,6 +13,7 @@
 #include "canopus/module/data_exchange.hpp"
 #include "canopus/module/emergency_buffer.hpp"
 #include "canopus/module/error_status.hpp"
+#include "canopus/module/flash_memory.hpp"
 #include "canopus/module/me3can1_q/me3can1_q.hpp"
 #include "canopus/module/nmt_status.hpp"
 #include "canopus/module/signals.hpp"
@@ -51,6 +52,7 @@ class Me3can1Q::Firmware final : public BufferArea,
   [[nodiscard]] const Profile& profile() const noexcept { return profile_; }
   [[nodiscard]] const canopen::Node& node() const noexcept { return node_; }
   [[nodiscard]] const manager::NmtMaster& master() const noexcept { return master_; }
+  [[nodiscard]] std::uint32_t flash_writes() const noexcept { return flash_.writes(); }
 
   // BufferArea: the status words that are made when they are read (G20 G25 G35 G36 G37), and G50.
   std::uint16_t read_word(BufferAddress address, can::Time now) override;
@@ -112,6 +114,7 @@ class Me3can1Q::Firmware final : public BufferArea,
   void end_initialization(can::Time now);
   void begin_restart(can::Time now);
   void load_settings();
+  bool use_stored_words();
   void load_objects();
   void use_communication_settings();
   [[nodiscard]] bool initializing() const noexcept;
@@ -136,9 +139,11 @@ class Me3can1Q::Firmware final : public BufferArea,
   void raise_event(Event event) { events_.push_back(event); }
   void send_events(can::Time now);
   void tell(std::string_view what, can::Time now);
+  void tell_wear(can::Time now);
 
   can::Controller& controller_;
   NonVolatileMemory& memory_;
+  FlashMemory flash_;  // the settings; the mark of a running save is in memory_ itself
   Profile profile_;
   ModuleObserver* observer_ = nullptr;
 
@@ -181,7 +186,8 @@ class Me3can1Q::Firmware final : public BufferArea,
   std::map<std::pair<std::uint16_t, std::uint8_t>, std::vector<std::uint8_t>> shelf_objects_;
   StoredWords stored_words_;
   bool restarting_ = false;
-  bool clear_concise_dcfs_ = false;  // 1011H was written: at the next start
+  bool clear_concise_dcfs_ = false;  // 1011H was written: at the next restart
+  std::uint32_t told_writes_ = 0;    // of the flash memory, when its wear was last looked at
 };
 
 }  // namespace canopus::module::me3can1_q

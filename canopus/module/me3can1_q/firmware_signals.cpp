@@ -285,6 +285,7 @@ void Me3can1Q::Firmware::update(can::Time now) {
     }
     events_.clear();
   }
+  if (told_writes_ != flash_.writes()) tell_wear(now);
   errors_.follow(error_bit::flash, flash_error_);
   signals_.set_input(signal::error, errors_.any(), now);
   signals_.set_input(signal::nmt_error, canopen_mode() && nmt_status_.any_failure(), now);
@@ -326,6 +327,15 @@ std::array<Led, 5> Me3can1Q::Firmware::leds(can::Time now) const {
     can_error.pattern = LedPattern::blinking;
   }
   return leds;
+}
+
+// What the real flash memory lasts for [ME3CAN1-Q 4.6]; this one goes on.
+void Me3can1Q::Firmware::tell_wear(can::Time now) {
+  const bool worn_before = told_writes_ > flash_endurance;
+  told_writes_ = flash_.writes();
+  if (told_writes_ > flash_endurance && !worn_before) {
+    tell("the flash memory has been written more often than the real one lasts for (10000 times)", now);
+  }
 }
 
 void Me3can1Q::Firmware::tell(std::string_view what, can::Time now) {

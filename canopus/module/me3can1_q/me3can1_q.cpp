@@ -40,6 +40,7 @@ can::Time Me3can1Q::deadline() const noexcept { return firmware_->deadline(); }
 
 const Profile& Me3can1Q::profile() const noexcept { return firmware_->profile(); }
 std::array<Led, 5> Me3can1Q::leds(can::Time now) const { return firmware_->leds(now); }
+std::uint32_t Me3can1Q::flash_writes() const noexcept { return firmware_->flash_writes(); }
 const canopen::Node& Me3can1Q::node() const noexcept { return firmware_->node(); }
 const manager::NmtMaster* Me3can1Q::master() const noexcept { return &firmware_->master(); }
 

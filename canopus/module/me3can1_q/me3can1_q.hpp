@@ -80,6 +80,9 @@ class Me3can1Q final : public Module {
   [[nodiscard]] const Profile& profile() const noexcept;
   /// RUN, ERR., CAN RUN, TX/RX, CAN ERR [ME3CAN1-Q 3.1.1].
   [[nodiscard]] std::array<Led, 5> leds(can::Time now) const;
+  /// Writes of the flash memory over all runs, as it would wear; the real one tolerates 10000
+  /// [ME3CAN1-Q 4.6].
+  [[nodiscard]] std::uint32_t flash_writes() const noexcept;
   /// The CANopen node inside, for display (state, node-ID, objects).
   [[nodiscard]] const canopen::Node& node() const noexcept;
 
