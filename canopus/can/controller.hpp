@@ -44,6 +44,11 @@ class Controller : public Sink {
   [[nodiscard]] virtual std::uint32_t transmit_overflows() const = 0;
   /// Received frames lost because nobody took them in time, since the last restart().
   [[nodiscard]] virtual std::uint32_t receive_overflows() const { return 0; }
+  /// True when send() would take a frame now.
+  [[nodiscard]] virtual bool has_room() const { return true; }
+  /// Takes back every frame that waits. One that is on the wire is completed, but not repeated when it fails
+  /// or loses arbitration. Nothing is told of frames taken back.
+  virtual void abort_transmissions() {}
 
  protected:
   ~Controller() = default;

@@ -217,9 +217,10 @@ void CommandInterface::send_emergency(can::Time now) {
 
 void CommandInterface::send_frame(can::Time now) {
   if (const std::uint16_t obstacle = host_->bus_obstacle(); obstacle != 0) return fail(obstacle, now);
-  const bool sent =
+  const auto answer =
       host_->send_plain_frame(std::span(running_request_).subspan(1), std::span(result_).subspan(1));
-  finish(sent ? command_->success : command_->partial, now);
+  if (answer == CommandHost::FrameAnswer::no_room) return fail(command_error::queue_full, now);
+  finish(answer == CommandHost::FrameAnswer::queued ? command_->success : command_->partial, now);
 }
 
 void CommandInterface::fail(std::uint16_t error_class, can::Time now) {

@@ -48,6 +48,7 @@ inline constexpr std::uint16_t sdo = 0x0003;
 inline constexpr std::uint16_t unknown_command = 0x0064;
 inline constexpr std::uint16_t wrong_state = 0x0F0F;
 inline constexpr std::uint16_t bus_off = 0xB0FF;
+inline constexpr std::uint16_t queue_full = 0x8FFF;  // [FX3U-CAN 10.9]
 inline constexpr std::uint16_t was_busy = 0xFFFF;
 }  // namespace command_error
 
@@ -69,10 +70,11 @@ class CommandHost {
   [[nodiscard]] virtual bool sdo_channel_free(std::uint8_t node_id) const = 0;
   virtual EmergencyAnswer send_emergency(std::uint16_t code, std::uint8_t error_register,
                                          std::span<const std::uint8_t, 5> manufacturer, can::Time now) = 0;
+  enum class FrameAnswer : std::uint8_t { queued, setting_error, no_room };
   /// Queues a plain frame. `parameters` are the words after the command code; `faults` gets a value other
-  /// than 0 at each parameter that is wrong. True when it was queued.
-  virtual bool send_plain_frame(std::span<const std::uint16_t> parameters,
-                                std::span<std::uint16_t> faults) = 0;
+  /// than 0 at each parameter that is wrong.
+  virtual FrameAnswer send_plain_frame(std::span<const std::uint16_t> parameters,
+                                       std::span<std::uint16_t> faults) = 0;
   /// The command is finished and its result can be read.
   virtual void command_finished(can::Time now) = 0;
 

@@ -71,6 +71,10 @@ class BusPort final : public Port {
   void restart(std::uint32_t bit_rate) override;
   [[nodiscard]] std::uint32_t transmit_overflows() const override { return refused; }
   [[nodiscard]] std::uint32_t receive_overflows() const override { return overrun; }
+  [[nodiscard]] bool has_room() const override {
+    return !listen_only && queue.size() + (sending ? 1 : 0) < queue.capacity();
+  }
+  void abort_transmissions() override;
 
   void connect(can::Participant& new_participant, can::Timeline::Handle new_handle) override;
   void disconnect() override { participant = nullptr; }
@@ -106,12 +110,13 @@ class BusPort final : public Port {
     current = sends_babble ? babble : queue.pop();
     babble_due = babble_due && !sends_babble;
     sending = true;
+    last_attempt = false;
   }
   /// What was on the wire has failed or lost and waits again.
   void give_back() noexcept {
     if (sends_babble) {
       babble_due = babbling;
-    } else {
+    } else if (!last_attempt) {
       queue.push_back_again(current);
     }
     sending = false;
@@ -155,8 +160,9 @@ class BusPort final : public Port {
   bool listen_only = false;
   bool automatic_recovery = true;
   bool recovering = false;
-  bool deaf = false;     // see Segment::reconsider()
-  bool sending = false;  // `current` is on the wire; it counts as waiting
+  bool deaf = false;          // see Segment::reconsider()
+  bool sending = false;       // `current` is on the wire; it counts as waiting
+  bool last_attempt = false;  // `current` was aborted: it does not wait again
   can::Frame current;
   TransmitQueue queue;
   can::Time last_queued{};

@@ -54,6 +54,13 @@ void BusPort::restart(std::uint32_t bit_rate) {
   segment->after_change();
 }
 
+void BusPort::abort_transmissions() {
+  std::erase_if(core.delayed, [&](const BusCore::Delayed& waiting) { return waiting.port == this; });
+  queue.clear();
+  last_attempt = sending && !sends_babble;
+  segment->offer_changed(*this);
+}
+
 void BusPort::connect(can::Participant& new_participant, can::Timeline::Handle new_handle) {
   participant = &new_participant;
   handle = new_handle;

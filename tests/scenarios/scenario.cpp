@@ -179,15 +179,17 @@ ModuleScenario& ModuleScenario::wait_bit(module::BufferAddress address, unsigned
 }
 
 ModuleScenario& ModuleScenario::rx(std::uint32_t identifier, const Bytes& bytes) {
-  module_->receive(can::data_frame(identifier, bytes), now_);
+  return rx(can::data_frame(identifier, bytes));
+}
+
+ModuleScenario& ModuleScenario::rx(const can::Frame& frame) {
+  module_->receive(frame, now_);
   settle();
   return *this;
 }
 
 ModuleScenario& ModuleScenario::rx_remote(std::uint32_t identifier, std::uint8_t dlc) {
-  module_->receive(can::remote_frame(identifier, dlc), now_);
-  settle();
-  return *this;
+  return rx(can::remote_frame(identifier, dlc));
 }
 
 void ModuleScenario::take(const can::Frame& expected, const Where& where) {
@@ -199,6 +201,11 @@ void ModuleScenario::take(const can::Frame& expected, const Where& where) {
 
 ModuleScenario& ModuleScenario::tx(std::uint32_t identifier, const Bytes& bytes, Where where) {
   take(can::data_frame(identifier, bytes), where);
+  return *this;
+}
+
+ModuleScenario& ModuleScenario::tx(const can::Frame& frame, Where where) {
+  take(frame, where);
   return *this;
 }
 

@@ -56,6 +56,7 @@ class FreeBus final : public can::Controller {
   std::uint32_t bit_rate() const override { return rate; }
   void restart(std::uint32_t bit_rate) override;
   std::uint32_t transmit_overflows() const override { return overflows; }
+  bool has_room() const override { return accepts; }
 
   std::uint16_t transmit_errors = 0;
   std::uint16_t receive_errors = 0;
@@ -101,8 +102,11 @@ class ModuleScenario {
   /// Another node sends.
   ModuleScenario& rx(std::uint32_t identifier, const Bytes& bytes = {});
   ModuleScenario& rx_remote(std::uint32_t identifier, std::uint8_t dlc = 0);
+  /// Any frame, with a 29-bit identifier for one.
+  ModuleScenario& rx(const can::Frame& frame);
   /// The next frame the module has sent and nobody has looked at.
   ModuleScenario& tx(std::uint32_t identifier, const Bytes& bytes = {}, Where where = Where::current());
+  ModuleScenario& tx(const can::Frame& frame, Where where = Where::current());
   ModuleScenario& tx_remote(std::uint32_t identifier, Where where = Where::current());
   /// Lets time pass until the module sends, then as tx().
   ModuleScenario& wait_tx(std::uint32_t identifier, const Bytes& bytes = {}, can::Duration at_most = 20s,

@@ -9,6 +9,7 @@
 #include "canopus/module/command_interface.hpp"
 #include "canopus/module/data_exchange.hpp"
 #include "canopus/module/error_status.hpp"
+#include "canopus/module/layer2.hpp"
 #include "canopus/module/time_stamp.hpp"
 
 namespace canopus::module::me3can1_q {
@@ -43,6 +44,12 @@ inline constexpr BufferAddress error_clear_node = 400;  ///< error control statu
 inline constexpr BufferAddress nmt_state = 600;         ///< state of node n is 600 + n
 inline constexpr BufferAddress emergencies = 750;
 inline constexpr BufferAddress command = 1000;
+inline constexpr BufferAddress slot_errors = 5001;
+inline constexpr BufferAddress slot_parameters = 6000;
+inline constexpr BufferAddress rtr_flags = 8350;
+inline constexpr BufferAddress trigger_flags = 8400;
+inline constexpr BufferAddress stop_messages = 8450;
+inline constexpr BufferAddress slot_data = 10000;  ///< in the Layer 2 modes
 inline constexpr BufferAddress receive_data = 10000;
 inline constexpr BufferAddress transmit_data = 13000;
 }  // namespace g
@@ -84,7 +91,7 @@ inline constexpr std::array buffer_table = std::to_array<BufferRow>({
     {   750,    750, "EMCY message buffer, clear",        WordAccess::read_write,       0, any_value,               Stored::no,  canopen_405, "3.5.17"},
     {   751,    859, "EMCY message buffer",               WordAccess::read,             0, any_value,               Stored::no,  canopen_405, "3.5.17"},
     {  1000,   1066, "Command interface",                 WordAccess::read_write,       0, any_value,               Stored::no,  all_modes,   "3.5.18"},
-    {  5001,   5042, "Message slot error code",           WordAccess::read_write,       0, any_value,               Stored::no,  layer2,      "3.6.1"},
+    {  5001,   5042, "Message slot error code",           WordAccess::read_write,       0, between(0, 0),           Stored::no,  layer2,      "3.6.1"},
     {  6000,   6164, "Layer 2 message: parameter A",      WordAccess::read_write,  0xFFFF, any_value,               Stored::yes, layer2,      "3.6.2",   4, true},
     {  6001,   6165, "Layer 2 message: parameter B",      WordAccess::read_write,  0xFFFF, any_value,               Stored::yes, layer2,      "3.6.2",   4, true},
     {  6002,   6166, "Layer 2 message: parameter C",      WordAccess::read_write,       0, any_value,               Stored::yes, layer2,      "3.6.2",   4, true},
@@ -150,6 +157,13 @@ inline constexpr DataExchangeLayout exchange_layout{
 
 /// Writes that the flash memory tolerates [ME3CAN1-Q 4.6].
 inline constexpr std::uint32_t flash_endurance = 10'000;
+
+inline constexpr Layer2Layout layer2_layout{.error_codes = g::slot_errors,
+                                            .parameters = g::slot_parameters,
+                                            .rtr_flags = g::rtr_flags,
+                                            .trigger_flags = g::trigger_flags,
+                                            .stop_messages = g::stop_messages,
+                                            .process_data = g::slot_data};
 
 inline constexpr TimeStampLayout time_stamp_layout{.first = g::time_stamp, .two_digit_year = true};
 

@@ -45,6 +45,12 @@ canopen::NodeOptions node_options() {
   };
 }
 
+Layer2Rules layer2_rules(const Profile& profile) {
+  return {.cycle_unit = profile.layer2_cycle_unit,
+          .message_time = profile.layer2_message_time,
+          .waiting_messages = profile.layer2_waiting_messages};
+}
+
 Modes mode_bit(std::uint16_t function_mode) {
   switch (function_mode) {
     case 11: return layer2_11;
@@ -76,6 +82,7 @@ Me3can1Q::Firmware::Firmware(can::Controller& controller, NonVolatileMemory& mem
       master_(node_, controller),
       command_(g::command, command_table, *this, controller),
       exchange_(exchange_layout, buffer_),
+      layer2_(layer2_layout, layer2_rules(profile_), buffer_, controller),
       time_stamp_(time_stamp_layout, buffer_),
       concise_dcfs_(node_, master_, flash_, concise_dcfs_name, {.erase_time = profile_.erase_time}) {
   node_.set_listener(this);
@@ -110,6 +117,18 @@ bool Me3can1Q::Firmware::preset_buffer(BufferAddress address, std::uint16_t valu
   return true;
 }
 
+std::optional<BufferAddress> Me3can1Q::Firmware::layer2_preset_error() const {
+  const auto mode = shelf_words_.find(g::function_mode);
+  const Modes modes = mode == shelf_words_.end() ? canopen_405 : mode_bit(mode->second);
+  if ((modes & layer2) == 0) return std::nullopt;
+  BufferMemory words(buffer_table);
+  words.select_mode(modes);
+  words.apply_stored(shelf_words_);
+  Layer2Settings settings(layer2_layout, layer2_rules(profile_), words);
+  settings.select(modes == layer2_29);
+  return settings.first_error();
+}
+
 canopen::AbortCode Me3can1Q::Firmware::preset_object(std::uint16_t index, std::uint8_t sub,
                                                      std::span<const std::uint8_t> value) {
   // A dictionary of its own, without the services' handlers: the order of the presets must not matter.
@@ -137,6 +156,11 @@ bool Me3can1Q::Firmware::initializing() const noexcept {
 
 bool Me3can1Q::Firmware::canopen_mode() const noexcept { return mode_ == 405; }
 
+Layer2State Me3can1Q::Firmware::layer2_state() const noexcept {
+  if (canopen_mode()) return Layer2State::inactive;
+  return layer2_.online() ? Layer2State::online : Layer2State::offline;
+}
+
 void Me3can1Q::Firmware::power_on(can::Time now) {
   if (state_ != State::off) return;
   for (unsigned y = 0; y < 32; ++y) signals_.set_output(y, false, now);
@@ -150,6 +174,7 @@ void Me3can1Q::Firmware::power_off(can::Time now) {
   state_ = State::off;
   master_.stop(now);
   node_.power_off();
+  layer2_.go_offline();
   command_.reset();
   signals_.clear_inputs(now);
   initialized_at_ = restart_again_at_ = nmt_reset_end_ = exchange_end_ = save_end_ = can::never;
@@ -168,6 +193,7 @@ void Me3can1Q::Firmware::begin_initialization(can::Duration duration, can::Time 
   events_.clear();
   master_.stop(now);
   node_.power_off();
+  layer2_.go_offline();
   errors_.reset();
   emergencies_.clear();
   nmt_status_.reset();
@@ -178,6 +204,7 @@ void Me3can1Q::Firmware::begin_initialization(can::Duration duration, can::Time 
   signals_.set_input(signal::ready, ready, now);
   if (std::exchange(clear_concise_dcfs_, false)) concise_dcfs_.clear();
   load_settings();
+  layer2_.start(mode_ == 29);
   update(now);
 }
 
@@ -231,6 +258,8 @@ void Me3can1Q::Firmware::end_initialization(can::Time now) {
     node_.set_node_id(static_cast<std::uint8_t>(buffer_.word(g::node_address)));
     use_communication_settings();
     node_.power_on(now);
+  } else if (signals_.output(signal::online)) {
+    go_online(now);
   }
   signals_.set_input(signal::ready, true, now);
   const bool restarted = std::exchange(restarting_, false);

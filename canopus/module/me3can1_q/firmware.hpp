@@ -14,6 +14,7 @@
 #include "canopus/module/emergency_buffer.hpp"
 #include "canopus/module/error_status.hpp"
 #include "canopus/module/flash_memory.hpp"
+#include "canopus/module/layer2.hpp"
 #include "canopus/module/me3can1_q/me3can1_q.hpp"
 #include "canopus/module/nmt_status.hpp"
 #include "canopus/module/signals.hpp"
@@ -32,6 +33,7 @@ class Me3can1Q::Firmware final : public BufferArea,
   bool preset_buffer(BufferAddress address, std::uint16_t value);
   canopen::AbortCode preset_object(std::uint16_t index, std::uint8_t sub,
                                    std::span<const std::uint8_t> value);
+  [[nodiscard]] std::optional<BufferAddress> layer2_preset_error() const;
 
   std::uint16_t read(BufferAddress address, can::Time now);
   void write(BufferAddress address, std::uint16_t value, can::Time now);
@@ -53,6 +55,7 @@ class Me3can1Q::Firmware final : public BufferArea,
   [[nodiscard]] const canopen::Node& node() const noexcept { return node_; }
   [[nodiscard]] const manager::NmtMaster& master() const noexcept { return master_; }
   [[nodiscard]] std::uint32_t flash_writes() const noexcept { return flash_.writes(); }
+  [[nodiscard]] Layer2State layer2_state() const noexcept;
 
   // BufferArea: the status words that are made when they are read (G20 G25 G35 G36 G37), and G50.
   std::uint16_t read_word(BufferAddress address, can::Time now) override;
@@ -66,7 +69,8 @@ class Me3can1Q::Firmware final : public BufferArea,
   bool sdo_channel_free(std::uint8_t node_id) const override { return !master_.sdo_channel_busy(node_id); }
   EmergencyAnswer send_emergency(std::uint16_t code, std::uint8_t error_register,
                                  std::span<const std::uint8_t, 5> manufacturer, can::Time now) override;
-  bool send_plain_frame(std::span<const std::uint16_t> parameters, std::span<std::uint16_t> faults) override;
+  FrameAnswer send_plain_frame(std::span<const std::uint16_t> parameters,
+                               std::span<std::uint16_t> faults) override;
   void command_finished(can::Time now) override;
 
   // NodeListener
@@ -126,6 +130,7 @@ class Me3can1Q::Firmware final : public BufferArea,
   void begin_exchange(can::Time now);
   void end_exchange(can::Time now);
   void exchange_process_data(can::Time now);
+  void go_online(can::Time now);
   void begin_save(can::Time now);
   void end_save(can::Time now);
   void clear_nmt_errors(can::Time now);
@@ -156,6 +161,7 @@ class Me3can1Q::Firmware final : public BufferArea,
   manager::NmtMaster master_;
   CommandInterface command_;
   DataExchange exchange_;
+  Layer2 layer2_;
   TimeStamp time_stamp_;
   ConciseDcfStore concise_dcfs_;
 

@@ -18,25 +18,34 @@ constexpr std::uint8_t stopped_on_error = 2;
 }  // namespace
 
 void Me3can1Q::Firmware::receive(const can::Frame& frame, can::Time now) {
-  if (state_ != State::running) return;
+  if (state_ != State::running || layer2_state() == Layer2State::offline) return;
   last_frame_ = now;
-  if (!canopen_mode()) return;
-  node_.receive(frame, now);
-  master_.receive(frame, now);
-  command_.receive(frame, now);
+  if (canopen_mode()) {
+    node_.receive(frame, now);
+    master_.receive(frame, now);
+    command_.receive(frame, now);
+  } else {
+    layer2_.receive(frame, now);
+  }
   update(now);
 }
 
 void Me3can1Q::Firmware::transmitted(const can::Frame& frame, can::Time now) {
   last_frame_ = now;
-  if (state_ == State::running && canopen_mode()) node_.transmitted(frame, now);
+  if (state_ != State::running) return;
+  if (canopen_mode()) return node_.transmitted(frame, now);
+  layer2_.transmitted(frame);
+  update(now);
 }
 
 void Me3can1Q::Firmware::cpu_changed(CpuState state, can::Time now) {
   const CpuState before = cpu_;
   cpu_ = state;
-  if (state_ != State::running || !canopen_mode()) return;
-  if (before == CpuState::run && state == CpuState::stop) {
+  if (state_ != State::running) return;
+  const bool stopped = before == CpuState::run && state == CpuState::stop;
+  if (!canopen_mode()) {
+    if (stopped) layer2_.cpu_stopped();
+  } else if (stopped) {
     raise_event({0xFF00, 0x81, {0x4D, 0x45, 0x30, 0x30, 0x32}});  // "ME002" [ME3CAN1-Q 8.2.2]
     // [ME3CAN1-Q 4.7] 1 means no change on communication errors, yet STOP still leads to Pre-operational.
     const auto behaviour = node_.dictionary().get<std::uint8_t>(0x1029, 1);
@@ -130,7 +139,7 @@ void Me3can1Q::Firmware::error_control_changed(std::uint8_t node_id, std::uint16
 
 std::uint16_t Me3can1Q::Firmware::bus_obstacle() const {
   if (controller_.error_state() == can::ErrorState::bus_off) return command_error::bus_off;
-  if (!canopen_mode()) return command_error::wrong_state;  // offline
+  if (!canopen_mode()) return layer2_.online() ? std::uint16_t{0} : command_error::wrong_state;
   const canopen::NmtState state = node_.state();
   const bool usable = state == canopen::NmtState::pre_operational || state == canopen::NmtState::operational;
   return usable ? std::uint16_t{0} : command_error::wrong_state;
@@ -149,9 +158,9 @@ CommandHost::EmergencyAnswer Me3can1Q::Firmware::send_emergency(std::uint16_t co
                                                                   : EmergencyAnswer::inhibited;
 }
 
-bool Me3can1Q::Firmware::send_plain_frame(std::span<const std::uint16_t>, std::span<std::uint16_t> faults) {
-  faults[0] = command_error::wrong_state;
-  return false;
+CommandHost::FrameAnswer Me3can1Q::Firmware::send_plain_frame(std::span<const std::uint16_t> parameters,
+                                                              std::span<std::uint16_t> faults) {
+  return layer2_.send(parameters, faults);
 }
 
 }  // namespace canopus::module::me3can1_q

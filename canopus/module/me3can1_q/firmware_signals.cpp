@@ -153,6 +153,12 @@ void Me3can1Q::Firmware::rising(unsigned number, can::Time now) {
   switch (number) {
     case signal::data_exchange: return begin_exchange(now);
     case signal::restart: return begin_restart(now);
+    case signal::online:
+      if (!canopen_mode()) go_online(now);
+      return;
+    case signal::transmit_trigger:
+      if (!canopen_mode()) layer2_.request_trigger(true);
+      return;
     case signal::command: return command_.execute(static_cast<Modes>(mode_bit_), now, profile_.command_time);
     case signal::save_restore: return begin_save(now);
     case signal::nmt_error:
@@ -179,6 +185,8 @@ void Me3can1Q::Firmware::falling(unsigned number, can::Time now) {
     case signal::time_set:
     case signal::time_read:
     case signal::save_restore: return signals_.set_input(number, false, now);
+    case signal::online: return layer2_.go_offline();
+    case signal::transmit_trigger: return layer2_.request_trigger(false);
     case signal::error: return errors_.hold_clear(false);
     case signal::emergency: return emergencies_.hold_clear(false);
     default: return;
@@ -194,6 +202,8 @@ void Me3can1Q::Firmware::begin_exchange(can::Time now) {
       exchange_running_ = true;
       exchange_.snapshot();
     }
+  } else {
+    layer2_.snapshot();
   }
   exchange_end_ = can::later(now, profile_.exchange_time);
 }
@@ -202,6 +212,7 @@ void Me3can1Q::Firmware::end_exchange(can::Time now) {
   exchange_end_ = can::never;
   if (emergencies_pending_) emergencies_.refresh();
   emergencies_pending_ = false;
+  if (!canopen_mode()) layer2_.exchange();
   // Process data wait for Operational; the exchange is reported as done all the same
   // [ME3CAN1-Q 3.3.2, 3.5.1].
   process_data_pending_ = exchange_running_;
@@ -212,6 +223,18 @@ void Me3can1Q::Firmware::exchange_process_data(can::Time now) {
   process_data_pending_ = exchange_running_ = false;
   exchange_.exchange(node_.dictionary());
   node_.values_changed(now);
+}
+
+// Settings that make no sense keep the module offline.
+void Me3can1Q::Firmware::go_online(can::Time now) {
+  const auto wrong = layer2_.go_online(now);
+  if (!wrong) return;
+  errors_.record(WriteResult::invalid, *wrong);
+  std::array<char, 80> text{};
+  const int length = std::snprintf(text.data(), text.size(),
+                                   "stays offline: G%u = %u does not go with the other Layer 2 settings",
+                                   *wrong, buffer_.word(*wrong));
+  tell({text.data(), static_cast<std::size_t>(length)}, now);
 }
 
 void Me3can1Q::Firmware::clear_nmt_errors(can::Time now) {
@@ -257,13 +280,14 @@ void Me3can1Q::Firmware::tick(can::Time now) {
   if (now >= node_.deadline()) node_.tick(now);
   if (now >= master_.deadline()) master_.tick(now);
   if (now >= command_.deadline()) command_.tick(now);
+  if (now >= layer2_.deadline()) layer2_.tick(now);
   update(now);
 }
 
 can::Time Me3can1Q::Firmware::deadline() const noexcept {
   const can::Time time_due = state_ == State::running ? time_stamp_.next_transmission() : can::never;
   return std::min({initialized_at_, restart_again_at_, nmt_reset_end_, exchange_end_, save_end_, time_due,
-                   node_.deadline(), master_.deadline(), command_.deadline()});
+                   node_.deadline(), master_.deadline(), command_.deadline(), layer2_.deadline()});
 }
 
 // After every event: what hangs on several causes.
@@ -282,11 +306,15 @@ void Me3can1Q::Firmware::update(can::Time now) {
       send_events(now);
       if (process_data_pending_ && node_.state() == canopen::NmtState::operational)
         exchange_process_data(now);
+    } else if (layer2_.any_slot_error() && errors_.raise(error_bit::message_slot)) {
+      tell("messages of a slot were lost: they come faster than the module takes them", now);
     }
     events_.clear();
   }
   if (told_writes_ != flash_.writes()) tell_wear(now);
   errors_.follow(error_bit::flash, flash_error_);
+  signals_.set_input(signal::online, layer2_.online(), now);
+  signals_.set_input(signal::transmit_trigger, layer2_.trigger_done(), now);
   signals_.set_input(signal::error, errors_.any(), now);
   signals_.set_input(signal::nmt_error, canopen_mode() && nmt_status_.any_failure(), now);
   signals_.set_input(signal::emergency, canopen_mode() && !emergencies_.empty(), now);
@@ -312,6 +340,8 @@ std::array<Led, 5> Me3can1Q::Firmware::leds(can::Time now) const {
       case canopen::NmtState::stopped: can_run.pattern = LedPattern::single_flash; break;
       case canopen::NmtState::initialising: break;
     }
+  } else if (layer2_.online()) {
+    can_run.pattern = LedPattern::on;
   }
   if (last_frame_ != can::Time{} && now - last_frame_ < traffic_afterglow) traffic.pattern = LedPattern::on;
   // The most severe cause wins.

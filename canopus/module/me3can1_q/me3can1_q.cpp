@@ -18,6 +18,10 @@ canopen::AbortCode Me3can1Q::preset_object(std::uint16_t index, std::uint8_t sub
   return firmware_->preset_object(index, sub, value);
 }
 
+std::optional<BufferAddress> Me3can1Q::layer2_preset_error() const {
+  return firmware_->layer2_preset_error();
+}
+
 std::uint16_t Me3can1Q::read_word(BufferAddress address, can::Time now) {
   return firmware_->read(address, now);
 }
@@ -43,5 +47,6 @@ std::array<Led, 5> Me3can1Q::leds(can::Time now) const { return firmware_->leds(
 std::uint32_t Me3can1Q::flash_writes() const noexcept { return firmware_->flash_writes(); }
 const canopen::Node& Me3can1Q::node() const noexcept { return firmware_->node(); }
 const manager::NmtMaster* Me3can1Q::master() const noexcept { return &firmware_->master(); }
+Layer2State Me3can1Q::layer2_state() const noexcept { return firmware_->layer2_state(); }
 
 }  // namespace canopus::module::me3can1_q

@@ -7,10 +7,12 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
 #include "canopus/canopen/node.hpp"
+#include "canopus/module/layer2.hpp"
 #include "canopus/module/led.hpp"
 #include "canopus/module/module.hpp"
 
@@ -32,6 +34,11 @@ struct Profile {
   can::Duration command_time = std::chrono::milliseconds(1);
   /// Y1F to X1F. Not printed.
   can::Duration save_time = std::chrono::milliseconds(100);
+  /// Unit of parameter D of a Layer 2 slot: the table says 10 ms, the text 1 ms [ME3CAN1-Q 3.6.2].
+  can::Duration layer2_cycle_unit = std::chrono::milliseconds(10);
+  /// Layer 2 receive processing: time per message, and messages that may wait for it. Not printed.
+  can::Duration layer2_message_time = std::chrono::microseconds(100);
+  unsigned layer2_waiting_messages = 8;
   /// How long the flash memory takes no concise DCF after one was deleted. Not printed.
   can::Duration erase_time = std::chrono::seconds(2);
   /// Product list entries [ME3CAN1-Q 2.3].
@@ -56,6 +63,9 @@ class Me3can1Q final : public Module {
   /// not store.
   canopen::AbortCode preset_object(std::uint16_t index, std::uint8_t sub,
                                    std::span<const std::uint8_t> value);
+  /// The first of the preset words that would keep the module from going online in the Layer 2 mode they
+  /// select.
+  [[nodiscard]] std::optional<BufferAddress> layer2_preset_error() const;
 
   [[nodiscard]] std::string_view model() const noexcept override { return "ME3CAN1-Q"; }
   [[nodiscard]] unsigned points() const noexcept override { return 32; }
@@ -85,6 +95,8 @@ class Me3can1Q final : public Module {
   [[nodiscard]] std::uint32_t flash_writes() const noexcept;
   /// The CANopen node inside, for display (state, node-ID, objects).
   [[nodiscard]] const canopen::Node& node() const noexcept;
+  /// Likewise: whether it is in a Layer 2 mode, and online.
+  [[nodiscard]] Layer2State layer2_state() const noexcept;
 
  private:
   class Firmware;

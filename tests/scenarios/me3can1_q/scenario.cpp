@@ -16,6 +16,25 @@ Me3Scenario& Me3Scenario::power_on_as(std::uint8_t node_id, Where where) {
   return restart(where);
 }
 
+Me3Scenario& Me3Scenario::power_on_layer2(std::uint16_t mode, Where where) {
+  power_on(where);
+  write(21, mode);
+  save(1, where);
+  return restart(where);
+}
+
+Me3Scenario& Me3Scenario::online(Where where) {
+  y(0x03, true);
+  expect_x(0x03, true, where);
+  return *this;
+}
+
+Me3Scenario& Me3Scenario::offline(Where where) {
+  y(0x03, false);
+  expect_x(0x03, false, where);
+  return *this;
+}
+
 Me3Scenario& Me3Scenario::request(unsigned number, Where where) {
   y(number, true);
   wait_x(number, true, 60s, where);

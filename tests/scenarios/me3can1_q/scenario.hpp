@@ -24,6 +24,12 @@ class Me3Scenario : private Me3can1QBench, public ModuleScenario {
   Me3Scenario& power_on(Where where = Where::current());
   /// As a node with another node-ID than the factory's 127, settings saved.
   Me3Scenario& power_on_as(std::uint8_t node_id, Where where = Where::current());
+  /// In a Layer 2 mode (11 or 29), saved, started anew, offline.
+  Me3Scenario& power_on_layer2(std::uint16_t mode = 11, Where where = Where::current());
+  /// Y03=1 -> X03 1.
+  Me3Scenario& online(Where where = Where::current());
+  /// Y03=0 -> X03 0.
+  Me3Scenario& offline(Where where = Where::current());
   /// `save`: G22=1; Y1F=1; wait X1F -> 1 (G22 -> 0); Y1F=0.
   Me3Scenario& save(std::uint16_t g22 = 1, Where where = Where::current());
   /// `restart`: Y02=1; wait X02 -> 1; Y02=0. The frames of the restart do not matter.
