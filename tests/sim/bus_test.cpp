@@ -299,5 +299,72 @@ TEST_F(LoneTransmitter, WhenSomebodyComes_GetsItsFrameOut) {
   EXPECT_EQ(a.port.transmit_error_counter(), 127);
 }
 
+TEST_F(LoneTransmitter, Abort_EndsItsAttempts) {
+  a.port.send(frame_of_53_bits);
+  timeline.run_until(Time(1s));
+  a.port.abort_transmissions();
+  timeline.run_until(Time(1s) + 200us);
+  const std::uint64_t errors = bus.load(timeline.now()).error_frames;
+  timeline.run_until(Time(2s));
+  EXPECT_EQ(bus.load(timeline.now()).error_frames, errors);
+  Station b(bus, timeline, "b");
+  timeline.run_until(Time(3s));
+  EXPECT_TRUE(b.heard.empty());
+  EXPECT_TRUE(a.sent.empty());
+  a.port.send(frame_of_53_bits);
+  timeline.run_until(Time(4s));
+  EXPECT_EQ(b.heard.size(), 1U);
+}
+
+TEST_F(BusTest, Abort_TakesWaitingFramesBack_TheOneOnTheWireIsCompleted) {
+  a.port.send(data_frame(0x100));
+  a.port.send(data_frame(0x101));
+  a.port.send(data_frame(0x102));
+  timeline.run_until(Time(20us));
+  a.port.abort_transmissions();
+  a.port.send(data_frame(0x103));
+  timeline.run_until(Time(1ms));
+  EXPECT_EQ(b.frames(), (std::vector<Frame>{data_frame(0x100), data_frame(0x103)}));
+  EXPECT_EQ(a.sent.size(), 2U);
+  EXPECT_EQ(a.port.transmit_error_counter(), 0);
+}
+
+TEST_F(BusTest, Abort_OfAFrameThatLosesArbitration_IsNotRepeated) {
+  for (const bool bit_by_bit : {false, true}) {
+    struct Watch final : WireObserver {
+      void level_changed(bool, Time) override {}
+      void transmit_changed(const Port&, bool, Time) override {}
+      void activity_changed(const Port&, bool, bool, Time) override {}
+    } watch;
+    if (bit_by_bit) bus.add_observer(watch);
+    b.heard.clear();
+    const Time start = timeline.now() + 1ms;
+    timeline.run_until(start);
+    a.port.send(data_frame(0x101));
+    b.port.send(data_frame(0x100));
+    timeline.run_until(start + 2us);  // both are in arbitration
+    a.port.abort_transmissions();
+    timeline.run_until(start + 1ms);
+    EXPECT_TRUE(b.heard.empty());
+    if (bit_by_bit) bus.remove_observer(watch);
+  }
+}
+
+TEST_F(BusTest, HasRoom_UntilAsManyFramesWaitAsTheQueueTakes) {
+  a.port.set_transmit_queue(TransmitOrder::identifier, 2);
+  EXPECT_TRUE(a.port.has_room());
+  a.port.send(data_frame(0x100));
+  EXPECT_TRUE(a.port.has_room());
+  a.port.send(data_frame(0x101));
+  EXPECT_FALSE(a.port.has_room());
+  timeline.run_until(Time(20us));  // the first one is on the wire and still counts
+  EXPECT_FALSE(a.port.has_room());
+  EXPECT_EQ(a.port.transmit_overflows(), 0U);
+  timeline.run_until(Time(1ms));
+  EXPECT_TRUE(a.port.has_room());
+  a.port.set_listen_only(true);
+  EXPECT_FALSE(a.port.has_room());
+}
+
 }  // namespace
 }  // namespace canopus::sim

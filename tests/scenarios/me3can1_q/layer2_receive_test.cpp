@@ -34,7 +34,7 @@ TEST(Me3Layer2Receive, S49_FilterExample1) {
   s.exchange();           // (3)
   s.expect(10000, {0x0181, 0, 0x0301, 0x00A1, 0, 0, 0});
   s.write(10002, 0x0000);
-  for (const std::uint8_t data : {0xB1, 0xC1, 0xD1}) s.rx(0x181, {data}).advance(1ms);
+  for (const std::uint8_t data : Bytes{0xB1, 0xC1, 0xD1}) s.rx(0x181, {data}).advance(1ms);
   s.exchange();  // (4)
   s.expect(10000, {0x0181, 0, 0x0701, 0x00D1, 0, 0, 0});
   s.write(10002, 0x0000);
@@ -56,7 +56,9 @@ TEST(Me3Layer2Receive, S50_FilterExample2) {
     s.rx(identifier, {static_cast<std::uint8_t>(identifier & 0xFF)});
     s.exchange();
     EXPECT_EQ(s.read(10009) >> 8 != 0, passes) << std::hex << identifier;
-    if (passes) s.expect(10007, {static_cast<std::uint16_t>(identifier), 0}).expect(10010, identifier & 0xFF);
+    if (passes)
+      s.expect(10007, {static_cast<std::uint16_t>(identifier), 0})
+          .expect(10010, static_cast<std::uint16_t>(identifier & 0xFF));
   }
   s.write(10009, 0);
   s.rx(0x182, {0xB1}).advance(1ms).rx(0x186, {0xC1}).advance(1ms).rx(0x180, {0xD1});
@@ -151,17 +153,17 @@ TEST(Me3Layer2Receive, ShortFrames_LeaveZeros) {
   Me3Scenario s;
   one_slot(s, 0x0181);
   const Bytes all{1, 2, 3, 4, 5, 6, 7, 8};
-  const Words words{0x0201, 0x0403, 0x0605, 0x0807};
+  const std::vector<unsigned> words{0x0201, 0x0403, 0x0605, 0x0807};
   for (std::size_t dlc = 8; dlc <= 8; --dlc) {
     s.rx(0x181, Bytes(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(dlc))).advance(1ms);
     s.write(10002, 0);
     s.exchange();
     s.expect(10002, static_cast<std::uint16_t>(0x0300 | dlc));
     for (std::size_t word = 0; word < 4; ++word) {
-      std::uint16_t wanted = 0;
+      unsigned wanted = 0;
       if (2 * word < dlc) wanted = words[word] & 0x00FF;
       if (2 * word + 1 < dlc) wanted = words[word];
-      s.expect(10003 + static_cast<module::BufferAddress>(word), wanted);
+      s.expect(10003 + static_cast<module::BufferAddress>(word), static_cast<std::uint16_t>(wanted));
     }
   }
 }

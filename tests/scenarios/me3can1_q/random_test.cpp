@@ -100,6 +100,114 @@ TEST_P(RandomAccess, NeverBreaksTheModule) {
   EXPECT_EQ(module.read_word(29, now), 0);
 }
 
+// The same in the Layer 2 modes, with settings that are mostly good.
+class RandomLayer2 : public testing::TestWithParam<unsigned> {};
+
+TEST_P(RandomLayer2, NeverBreaksTheModule) {
+  std::mt19937 random(GetParam());
+  const auto below = [&](std::uint32_t limit) { return static_cast<std::uint32_t>(random() % limit); };
+  RamMemory memory;
+  FreeBus bus;
+  module::me3can1_q::Me3can1Q module(bus, memory, {.restart_time = 100ms, .power_on_time = 10ms});
+  const bool extended = GetParam() % 2 == 0;
+  ASSERT_TRUE(module.preset_buffer(21, extended ? 29 : 11));
+  can::Time now{};
+  const auto run_to = [&](can::Time end) {
+    for (unsigned ticks = 0; module.deadline() <= end; ++ticks) {
+      ASSERT_LT(ticks, 100'000U) << "the deadline does not move on";
+      now = std::max(now, module.deadline());
+      module.tick(now);
+    }
+    now = end;
+  };
+  module.power_on(now);
+  constexpr std::array<std::uint16_t, 8> likely{0, 1, 4, 0x0181, 0x5FFF, 0x6FFF, 0x7FFF, 0xFFFF};
+  const auto value = [&] {
+    return static_cast<std::uint16_t>(below(8) == 0 ? random() : likely[below(likely.size())]);
+  };
+  unsigned times_online = 0;
+  for (int step = 0; step < 3000 && !HasFatalFailure(); ++step) {
+    switch (below(10)) {
+      case 0: module.write_word(6000 + below(170), value(), now); break;
+      case 1: module.write_word(10000 + below(300), value(), now); break;
+      case 2: module.write_word(8350 + below(130), value(), now); break;
+      case 3: {  // a slot that is good
+        const module::BufferAddress slot = below(42);
+        module.write_word(6000 + 4 * slot, 0xFFFF, now);
+        module.write_word(6001 + 4 * slot, likely[4 + below(4)], now);
+        module.write_word(6002 + 4 * slot, static_cast<std::uint16_t>(below(5)), now);
+        module.write_word(6003 + 4 * slot, static_cast<std::uint16_t>(below(3)), now);
+        module.write_word(10000 + 7 * slot, 0x0181, now);
+        module.write_word(10001 + 7 * slot, 0, now);
+        module.write_word(10002 + 7 * slot, static_cast<std::uint16_t>(below(9)), now);
+        break;
+      }
+      case 4:
+        module.write_word(1000, static_cast<std::uint16_t>(below(3) == 0 ? random() : 0x000C), now);
+        for (module::BufferAddress i = 1001; i < 1009; ++i) module.write_word(i, value(), now);
+        module.set_output(0x17, true, now);
+        break;
+      case 5: {
+        can::Frame frame{.identifier = 0x180 + below(3),
+                         .extended = below(8) == 0 ? !extended : extended,
+                         .remote = below(3) == 0,
+                         .dlc = static_cast<std::uint8_t>(below(16))};
+        for (std::size_t i = 0; i < frame.length(); ++i) frame.data[i] = static_cast<std::uint8_t>(below(2));
+        for (std::uint32_t i = below(4) == 0 ? 20 : 1; i > 0; --i) module.receive(frame, now);
+        break;
+      }
+      case 6: run_to(now + std::chrono::milliseconds(below(50))); break;
+      case 7:
+        bus.transmit_errors = static_cast<std::uint16_t>(below(10) == 0 ? below(257) : 0);
+        bus.accepts = below(10) != 0;
+        module.controller_changed(now);
+        break;
+      case 8: module.set_output(std::array{0x01U, 0x03U, 0x04U, 0x0FU}[below(4)], below(2) == 0, now); break;
+      default:
+        if (below(8) == 0) {  // settings that make no sense are thrown away
+          module.set_output(0x03, false, now);
+          for (module::BufferAddress slot = 0; slot < 42; ++slot) {
+            module.write_word(6000 + 4 * slot, 0xFFFF, now);
+            module.write_word(6001 + 4 * slot, 0xFFFF, now);
+          }
+          for (module::BufferAddress i = 8450; i < 8478; i += 7) {
+            module.write_word(i, 0xFFFF, now);
+            module.write_word(i + 1, 0xFFFF, now);
+          }
+        }
+        if (below(20) == 0) {
+          module.power_off(now);
+          module.power_on(now);
+        }
+        module.cpu_changed(below(2) == 0 ? module::CpuState::run : module::CpuState::stop, now);
+        break;
+    }
+    const bool online = (module.inputs() >> 3 & 1U) != 0;
+    times_online += online ? 1 : 0;
+    // One format, no more than 8 bytes, nothing while offline.
+    for (const can::Frame& frame : bus.sent) {
+      EXPECT_EQ(frame.extended, extended);
+      EXPECT_LE(frame.dlc, 8);
+      EXPECT_LE(frame.identifier, extended ? can::max_extended_identifier : can::max_base_identifier);
+    }
+    bus.sent.clear();
+    for (const auto frames = std::exchange(bus.completing, {}); const can::Frame& frame : frames) {
+      module.transmitted(frame, now);
+    }
+  }
+  EXPECT_GT(times_online, 100U);
+  module.power_off(now);
+  memory.blobs.clear();
+  bus.transmit_errors = 0;
+  module.power_on(now);
+  run_to(now + 1s);
+  EXPECT_EQ(module.read_word(25, now), 0);
+  EXPECT_EQ(module.read_word(21, now), extended ? 29 : 11);
+  EXPECT_EQ(module.read_word(29, now), 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, RandomLayer2, testing::Range(1U, 11U));
+
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomAccess, testing::Range(1U, 21U));
 
 }  // namespace
