@@ -126,7 +126,7 @@ void JsonPrinter::summary(const RunSummary& summary) {
     line["nodes"].push_back({{"bus", node.plate.bus},
                              {"node", node.plate.node_id},
                              {"name", node.plate.name},
-                             {"state", node.is_on ? canopen::name(node.state) : "off"},
+                             {"state", state_name(node)},
                              {"pdos", node.pdos},
                              {"emcy", node.emergencies}});
   }
@@ -146,7 +146,24 @@ std::string describe_trouble(const SlaveBoot& boot, can::Time now) {
   return fmt::format("{}: {}", describe(boot.slave), manager::explain(boot.record, now));
 }
 
+std::string_view state_name(const NodeStatus& node) {
+  if (!node.is_on) return "off";
+  switch (node.layer2) {
+    case module::Layer2State::offline: return "layer 2 offline";
+    case module::Layer2State::online: return "layer 2 online";
+    case module::Layer2State::inactive: break;
+  }
+  return canopen::name(node.state);
+}
+
+bool in_operation(const NodeStatus& node) {
+  if (!node.is_on) return false;
+  return node.layer2 == module::Layer2State::inactive ? node.state == canopen::NmtState::operational
+                                                      : node.layer2 == module::Layer2State::online;
+}
+
 std::string describe(const NodePlate& node) {
+  if (node.node_id == 0) return fmt::format("{} ({})", node.bus, node.name);
   return node.name.empty() ? fmt::format("{} node {}", node.bus, node.node_id)
                            : fmt::format("{} node {} ({})", node.bus, node.node_id, node.name);
 }
@@ -167,10 +184,10 @@ std::string describe(const RunSummary& summary) {
   }
   std::size_t operational = 0;
   for (const NodeStatus& node : summary.nodes) {
-    const bool is_operational = node.is_on && node.state == canopen::NmtState::operational;
-    operational += is_operational ? 1 : 0;
-    text += fmt::format("{}: {}, {} PDOs sent{}\n", describe(node.plate),
-                        node.is_on ? canopen::name(node.state) : "off", node.pdos,
+    operational += in_operation(node) ? 1 : 0;
+    const bool plain = node.layer2 != module::Layer2State::inactive;
+    text += fmt::format("{}: {}, {} {} sent{}\n", describe(node.plate), state_name(node), node.pdos,
+                        plain ? "frames" : "PDOs",
                         node.emergencies == 0
                             ? ""
                             : fmt::format(", {} EMCY, last {:04X}H", node.emergencies, node.last_emergency));

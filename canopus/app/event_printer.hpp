@@ -70,7 +70,11 @@ class LinePrinter final : public PlantObserver {
   bool quiet_;
 };
 
-/// "line1 node 3 (encoder)"
+/// "operational", "off", "layer 2 online"
+[[nodiscard]] std::string_view state_name(const NodeStatus& node);
+/// Operational, or online in a Layer 2 mode.
+[[nodiscard]] bool in_operation(const NodeStatus& node);
+/// "line1 node 3 (encoder)"; without a node-ID "line1 (ME3CAN1-Q U0)"
 [[nodiscard]] std::string describe(const NodePlate& node);
 /// "line1 node 9: not booted: no answer to 1000H, ...": empty when it is booted.
 [[nodiscard]] std::string describe_trouble(const SlaveBoot& boot, can::Time now);

@@ -17,6 +17,7 @@ constexpr std::size_t kept_events = 8;
 
 std::string_view state_colour(const NodeStatus& node) {
   if (!node.is_on) return "2";
+  if (node.layer2 != module::Layer2State::inactive) return in_operation(node) ? green : yellow;
   switch (node.state) {
     case canopen::NmtState::operational: return green;
     case canopen::NmtState::stopped: return red;
@@ -134,9 +135,10 @@ std::string LiveTable::draw(can::Time now, can::Duration lag, TableSize size) {
       break;
     }
     const NodeStatus& node = nodes[i];
-    const std::string state = fmt::format("{:<16}", node.is_on ? canopen::name(node.state) : "off");
+    const std::string state = fmt::format("{:<16}", state_name(node));
+    const std::string number = node.plate.node_id == 0 ? "-" : fmt::format("{}", node.plate.node_id);
     const std::string emergency = node.emergencies == 0 ? "-" : fmt::format("{:04X}H", node.last_emergency);
-    lines.push_back(fmt::format("{:>4}  {:<28.28}  {} {:>8.0f}  {}", node.plate.node_id, node.plate.name,
+    lines.push_back(fmt::format("{:>4}  {:<28.28}  {} {:>8.0f}  {}", number, node.plate.name,
                                 paint(state, state_colour(node)), counts_[i].rate, emergency));
   }
   lines.emplace_back();

@@ -14,6 +14,7 @@
 #include "canopus/can/timeline.hpp"
 #include "canopus/canopen/node.hpp"
 #include "canopus/manager/boot_record.hpp"
+#include "canopus/module/layer2.hpp"
 #include "canopus/module/observer.hpp"
 #include "canopus/plc/rack.hpp"
 #include "canopus/sim/bus.hpp"
@@ -23,8 +24,8 @@ namespace canopus::app {
 /// Who a node is, for people.
 struct NodePlate {
   std::string_view bus;
-  std::string_view name;  ///< from the plant file, or the product's; empty for a node outside of the plant
-  std::uint8_t node_id = 0;
+  std::string_view name;     ///< from the plant file, or the product's; empty for a node outside of the plant
+  std::uint8_t node_id = 0;  ///< 0: has none (a module in a Layer 2 mode)
 };
 
 /// What happens in a plant, as it happens. docs/events.md describes the lines made of it.
@@ -52,7 +53,8 @@ class PlantObserver {
 struct NodeStatus {
   NodePlate plate;
   canopen::NmtState state = canopen::NmtState::initialising;
-  std::uint64_t pdos = 0;  ///< sent so far
+  module::Layer2State layer2 = module::Layer2State::inactive;
+  std::uint64_t pdos = 0;  ///< sent so far; in a Layer 2 mode every frame counts
   std::uint64_t emergencies = 0;
   std::uint16_t last_emergency = 0;  ///< code
   bool is_module = false;

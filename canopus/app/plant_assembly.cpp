@@ -211,6 +211,18 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
             setting.address, setting.value, section.model);
     }
   }
+  if (const auto wrong = module.layer2_preset_error()) {
+    const auto setting = std::ranges::find(section.buffer, *wrong, &BufferSetting::address);
+    error(setting == section.buffer.end() ? section.place : setting->place,
+          "G{}: the {} does not go online in its Layer 2 mode with this word, or without it", *wrong,
+          section.model);
+  }
+  for (const BufferSetting& word : section.writes) {
+    if (!module.takes_word(word.address, word.value)) {
+      error(word.place, "write: G{} = {}: the {} does not take this", word.address, word.value,
+            section.model);
+    }
+  }
   if (section.master) configure_network(section, module);
   for (const ObjectSetting& setting : section.objects) {
     const auto [index, sub] = setting.object;
@@ -233,7 +245,7 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
     error(section.place, "module: head {:03X}H overlaps another module's points", section.head);
   }
   seat->status().plate.node_id = section.node;
-  if (section.node != 0) watch(bus).know(seat->status());
+  watch(bus).know(seat->status());
   parts_.modules.push_back(std::move(seat));
 }
 

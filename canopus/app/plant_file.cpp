@@ -37,9 +37,9 @@ std::vector<ObjectSetting> read_objects(TableReader& table, std::string_view key
   return settings;
 }
 
-std::vector<BufferSetting> read_buffer(TableReader& table) {
+std::vector<BufferSetting> read_words(TableReader& table, std::string_view key) {
   std::vector<BufferSetting> settings;
-  table.entries("buffer", [&](std::string_view name, const toml::node& node, Place place) {
+  table.entries(key, [&](std::string_view name, const toml::node& node, Place place) {
     const auto address = parse_buffer_address(name);
     if (!address) return table.error(place, address.error());
     const auto* value = node.as_integer();
@@ -49,6 +49,7 @@ std::vector<BufferSetting> read_buffer(TableReader& table) {
     }
     settings.push_back({place, *address, static_cast<std::uint16_t>(value->get())});
   });
+  std::ranges::sort(settings, {}, &BufferSetting::address);
   return settings;
 }
 
@@ -187,7 +188,9 @@ ModuleSection read_module(TableReader& table) {
   }
   module.restart_time = table.parsed("restart_time", parse_duration);
   module.objects = read_objects(table, "objects");
-  module.buffer = read_buffer(table);
+  module.buffer = read_words(table, "buffer");
+  module.online = table.boolean("online").value_or(false);
+  module.writes = read_words(table, "write");
   table.elements("watch", [&](const toml::node& element) {
     const auto* text = element.as_string();
     const auto address = text == nullptr ? std::unexpected(std::string("expected words such as \"G10000\""))

@@ -115,7 +115,9 @@ struct ModuleSection {
   std::optional<can::Duration> restart_time{};  ///< instead of the module's own 6 s
   std::vector<ObjectSetting> objects{};
   std::vector<BufferSetting> buffer{};
-  std::vector<std::uint32_t> watch{};  ///< buffer memory words whose changes are reported
+  bool online = false;                  ///< the stand-in program sets Y03 whenever the module has started
+  std::vector<BufferSetting> writes{};  ///< and writes these words before, by address
+  std::vector<std::uint32_t> watch{};   ///< buffer memory words whose changes are reported
 };
 
 struct PlcSection {

@@ -131,7 +131,11 @@ class RunMemory final : public module::NonVolatileMemory {
 class BusWatch final : public sim::BusObserver {
  public:
   BusWatch(std::string_view bus, PlantObserver& observer) : bus_(bus), observer_(observer) {}
-  void know(NodeStatus& status) { known_[status.plate.node_id & 0x7F] = &status; }
+  /// Somebody of the plant on this bus.
+  void know(NodeStatus& status) {
+    occupants_.push_back(&status);
+    if (status.plate.node_id != 0) known_[status.plate.node_id & 0x7F] = &status;
+  }
   /// Who has this node-ID (1..127) on the bus.
   NodePlate plate(std::uint8_t node_id) const {
     return known_[node_id] != nullptr ? known_[node_id]->plate : NodePlate{bus_, {}, node_id};
@@ -142,6 +146,8 @@ class BusWatch final : public sim::BusObserver {
     const auto node_id = static_cast<std::uint8_t>(frame.identifier & 0x7F);
     if (node_id == 0) return;
     const std::uint32_t function = frame.identifier & 0x780;
+    if (function != canopen::cob_id::error_control && function != canopen::cob_id::emcy) return;
+    if (is_plain_can()) return;
     if (function == canopen::cob_id::error_control && frame.dlc == 1) {
       error_control(node_id, static_cast<std::uint8_t>(frame.data[0] & 0x7F), end);
     } else if (function == canopen::cob_id::emcy && frame.dlc == 8) {
@@ -150,6 +156,12 @@ class BusWatch final : public sim::BusObserver {
   }
 
  private:
+  /// Everybody of the plant is in a Layer 2 mode: identifiers mean nothing.
+  bool is_plain_can() const {
+    return !occupants_.empty() && std::ranges::none_of(occupants_, [](const NodeStatus* status) {
+      return status->layer2 == module::Layer2State::inactive;
+    });
+  }
   void error_control(std::uint8_t node_id, std::uint8_t state, can::Time now) {
     if (state == 0) observer_.booted(plate(node_id), now);
     if (known_[node_id] != nullptr || foreign_states_[node_id] == state) return;
@@ -169,6 +181,7 @@ class BusWatch final : public sim::BusObserver {
   }
   std::string_view bus_;
   PlantObserver& observer_;
+  std::vector<const NodeStatus*> occupants_;
   std::array<NodeStatus*, 128> known_{};
   std::array<std::uint8_t, 128> foreign_states_{};
 };
@@ -219,7 +232,7 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver 
     look(now);
   }
   void transmitted(const can::Frame& frame, can::Time now) override {
-    if (is_pdo(frame)) ++status_.pdos;
+    if (status_.layer2 != module::Layer2State::inactive || is_pdo(frame)) ++status_.pdos;
     module_.transmitted(frame, now);
   }
   void controller_changed(can::Time now) override {
@@ -235,6 +248,7 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver 
 
   void signal_changed(module::SignalKind kind, unsigned number, bool on, can::Time now) override {
     const bool is_input = kind == module::SignalKind::input;
+    if (is_input && number == ready_signal && !on) was_ready_ = false;  // it starts anew
     if (number == exchange_signal && program_owns_exchange_) {  // the stand-in program's own are not news
       if (is_input && on) next_request_ = now;
       if (is_input && !on) program_owns_exchange_ = false;
@@ -258,7 +272,11 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver 
   void error_raised(std::string_view what, can::Time now) override { observer_.error(name_, what, now); }
 
  private:
+  static constexpr unsigned ready_signal = 0x00;
   static constexpr unsigned exchange_signal = 0x01;
+  static constexpr unsigned online_signal = 0x03;
+  static constexpr module::BufferAddress communication_status = 25;
+  static constexpr std::uint16_t initializing = 1U << 7;
 
   /// Y01 ON; when X01 answers, Y01 OFF; again after the interval [ME3CAN1-Q 3.3.2].
   void run_program(can::Time now) {
@@ -281,9 +299,21 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver 
     module_.set_output(exchange_signal, true, now);
   }
 
+  /// What the program does once after each start of the module: words, then Y03.
+  void set_up(can::Time now) {
+    const bool ready = status_.is_on && (module_.read_word(communication_status, now) & initializing) == 0;
+    if (std::exchange(was_ready_, ready) || !ready) return;
+    if (section_.online) module_.set_output(online_signal, false, now);
+    for (const BufferSetting& word : section_.writes) module_.write_word(word.address, word.value, now);
+    if (section_.online) module_.set_output(online_signal, true, now);
+  }
+
   void look(can::Time now) {
-    status_.plate.node_id = module_.node().node_id();
-    if (module_.node().state() != status_.state) {
+    if (section_.online || !section_.writes.empty()) set_up(now);
+    status_.layer2 = module_.layer2_state();
+    const bool canopen_mode = status_.layer2 == module::Layer2State::inactive;
+    status_.plate.node_id = canopen_mode ? module_.node().node_id() : std::uint8_t{0};
+    if (canopen_mode && module_.node().state() != status_.state) {
       status_.state = module_.node().state();
       observer_.nmt_state_changed(status_.plate, status_.state, now);
     }
@@ -313,6 +343,7 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver 
   can::Duration exchange_interval_ = section_.exchange.value_or(can::Duration{});
   can::Time next_request_ = can::never;
   can::Time requested_at_{};
+  bool was_ready_ = false;              // as set_up() saw it last
   bool program_requested_ = false;      // Y01 is ON, X01 awaited
   bool program_owns_exchange_ = false;  // until X01 is OFF again
 };

@@ -15,8 +15,8 @@ import me3can1q  # noqa: E402
 def example_plant(name, changes=()):
     """An example's plant file with doors on free ports."""
     text = (EXAMPLES / f"{name}.toml").read_text()
-    for old, new in [("127.0.0.1:5007", "127.0.0.1:0"), ("127.0.0.1:29536", "127.0.0.1:0"),
-                     ('"../devices/', f'"{ROOT}/examples/devices/'), *changes]:
+    devices = [('"../devices/', f'"{ROOT}/examples/devices/')] if '"../devices/' in text else []
+    for old, new in [("127.0.0.1:5007", "127.0.0.1:0"), ("127.0.0.1:29536", "127.0.0.1:0"), *devices, *changes]:
         require(old in text, f"{name}.toml has no {old}")
         text = text.replace(old, new)
     path = scratch / f"example-{name}.toml"
@@ -93,6 +93,20 @@ def example_program_does_what_the_function_blocks_do():
     require(outputs == list(range(0x80, 0xA8)), f"TPDO1 carried {outputs}")
     analogue = [int.from_bytes(data[:2], "little") for identifier, data in frames if identifier == 0x302]
     require(analogue == [10 * cycle for cycle in range(1, 40)], f"TPDO2 carried {analogue}")
+
+
+@check
+@covers("ME3-PRG-003")
+def example_starts_an_me3can1_q_up_in_layer_2_mode():
+    printed, frames = run_example("layer2")
+    for line in ("the module is online", "slot 2 has 182 [A2 B2], flags 03H", "slot 4 has 222 [A3 B3], flags 03H",
+                 "321 [01 02 03] is sent: G1000 = 000DH"):
+        require(line in printed, f"{line!r} is missing in:\n{printed}")
+    in_order(frames, [
+        (0x77F, "00"), (0x0FF, "00 62 01 4D 45 30 30 34"),  # from the shelf a CANopen node, until the restart of step 3
+        (0x123, "11 22 33 44"), (0x222, "A3 B3"), (0x321, "01 02 03")])
+    require((0x182, bytes.fromhex("A2 B2")) in frames, "the partner did not send")
+    require(all(identifier in (0x77F, 0x0FF, 0x123, 0x182, 0x222, 0x321) for identifier, _ in frames), "other frames came")
 
 
 # --- what survives a killed program

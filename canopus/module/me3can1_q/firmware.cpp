@@ -117,9 +117,17 @@ bool Me3can1Q::Firmware::preset_buffer(BufferAddress address, std::uint16_t valu
   return true;
 }
 
-std::optional<BufferAddress> Me3can1Q::Firmware::layer2_preset_error() const {
+Modes Me3can1Q::Firmware::preset_mode() const {
   const auto mode = shelf_words_.find(g::function_mode);
-  const Modes modes = mode == shelf_words_.end() ? canopen_405 : mode_bit(mode->second);
+  return mode == shelf_words_.end() ? canopen_405 : mode_bit(mode->second);
+}
+
+bool Me3can1Q::Firmware::takes_word(BufferAddress address, std::uint16_t value) const {
+  return buffer_.check(address, value, preset_mode()) == WriteResult::done;
+}
+
+std::optional<BufferAddress> Me3can1Q::Firmware::layer2_preset_error() const {
+  const Modes modes = preset_mode();
   if ((modes & layer2) == 0) return std::nullopt;
   BufferMemory words(buffer_table);
   words.select_mode(modes);

@@ -34,6 +34,7 @@ class Me3can1Q::Firmware final : public BufferArea,
   canopen::AbortCode preset_object(std::uint16_t index, std::uint8_t sub,
                                    std::span<const std::uint8_t> value);
   [[nodiscard]] std::optional<BufferAddress> layer2_preset_error() const;
+  [[nodiscard]] bool takes_word(BufferAddress address, std::uint16_t value) const;
 
   std::uint16_t read(BufferAddress address, can::Time now);
   void write(BufferAddress address, std::uint16_t value, can::Time now);
@@ -119,6 +120,7 @@ class Me3can1Q::Firmware final : public BufferArea,
   void begin_restart(can::Time now);
   void load_settings();
   bool use_stored_words();
+  [[nodiscard]] Modes preset_mode() const;
   void load_objects();
   void use_communication_settings();
   [[nodiscard]] bool initializing() const noexcept;

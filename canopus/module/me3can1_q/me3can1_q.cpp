@@ -22,6 +22,10 @@ std::optional<BufferAddress> Me3can1Q::layer2_preset_error() const {
   return firmware_->layer2_preset_error();
 }
 
+bool Me3can1Q::takes_word(BufferAddress address, std::uint16_t value) const {
+  return firmware_->takes_word(address, value);
+}
+
 std::uint16_t Me3can1Q::read_word(BufferAddress address, can::Time now) {
   return firmware_->read(address, now);
 }

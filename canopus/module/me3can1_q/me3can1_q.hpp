@@ -66,6 +66,8 @@ class Me3can1Q final : public Module {
   /// The first of the preset words that would keep the module from going online in the Layer 2 mode they
   /// select.
   [[nodiscard]] std::optional<BufferAddress> layer2_preset_error() const;
+  /// A program may write this value to this word in the preset function mode.
+  [[nodiscard]] bool takes_word(BufferAddress address, std::uint16_t value) const;
 
   [[nodiscard]] std::string_view model() const noexcept override { return "ME3CAN1-Q"; }
   [[nodiscard]] unsigned points() const noexcept override { return 32; }
