@@ -99,7 +99,8 @@ void Layer2::snapshot() {
   snapshot_taken_ = online_;
   if (!online_) return;
   for (unsigned slot = 0; slot < layer2_slots; ++slot) {
-    if (transmit_[slot].active) transmit_[slot].next = settings_.frame(slot);
+    transmit_[slot].next = settings_.frame(slot);
+    transmit_[slot].next_strict_dlc = settings_.strict_dlc(slot);
   }
 }
 
@@ -110,7 +111,7 @@ void Layer2::exchange() {
     if (receive_[slot].active) show(slot);
     if (!own.active) continue;
     own.outgoing = own.next;
-    own.strict_dlc = settings_.strict_dlc(slot);
+    own.strict_dlc = own.next_strict_dlc;
     const bool changed = own.outgoing != own.last;
     if (own.transmission == Layer2Transmission::exchange ||
         (own.transmission == Layer2Transmission::exchange_changed && changed)) {

@@ -81,9 +81,10 @@ class Layer2 final : public BufferArea {
     Layer2Transmission transmission{};
     RtrResponse response{};
     bool strict_dlc = false;
+    bool next_strict_dlc = false;
     can::Duration cycle{};
     can::Time due = can::never;
-    can::Frame next;      // as taken by snapshot()
+    can::Frame next;      // as taken by snapshot(), like next_strict_dlc
     can::Frame outgoing;  // as of the last exchange
     can::Frame last;      // as last sent, or as it was on going online
   };

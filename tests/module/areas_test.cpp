@@ -5,12 +5,23 @@
 
 #include "canopus/module/emergency_buffer.hpp"
 #include "canopus/module/error_status.hpp"
+#include "canopus/module/me3can1_q/buffer_table.hpp"
 #include "canopus/module/network_variables.hpp"
 #include "canopus/module/nmt_status.hpp"
 #include "canopus/module/stored_settings.hpp"
 
 namespace canopus::module {
 namespace {
+
+TEST(ErrorStatus, OfTheMe3can1Q_EachOfItsErrorBitsMakesTheSignal) {
+  RecordProperty("spec", "ME3-IO-012");
+  for (unsigned bit = 0; bit < 16; ++bit) {
+    ErrorStatus status(me3can1_q::error_layout);
+    status.follow(bit, true);
+    const bool expected = bit == 1 || (bit >= 3 && bit <= 6) || bit == 8 || bit == 15;
+    EXPECT_EQ(status.any(), expected) << bit;
+  }
+}
 
 TEST(NmtStatus, EveryFailureBitOfEveryNode_IsAFailure_ActivityIsNot) {
   RecordProperty("spec", "ME3-NEC-011");

@@ -266,6 +266,83 @@ TEST(Me3Layer2Settings, S54_ConfigurationWhileOnline_IsRefused) {
   s.expect(6000, 0x0200).expect(8452, 1).expect(10007, 5).expect(29, 0).expect_x(0x0F, false);
 }
 
+// Slot 1 sends 123H, slot 2 receives 181H; online.
+void two_slots(Me3Scenario& s) {
+  s.write(6000, {0xFFFF, 0x5FFF, 0, 0}).write(10000, {0x0123, 0, 1});
+  s.write(6004, {0x0181, 0, 0, 0});
+  s.online();
+}
+
+void make_error(Me3Scenario& s, unsigned bit) {
+  switch (bit) {
+    case 5: s.write(6000, 1); break;
+    case 6: s.write(24, 1); break;
+    case 8:
+      s.controller().accepts = false;
+      s.exchange();
+      s.controller().accepts = true;
+      break;
+    default:
+      for (int i = 0; i < 20; ++i) s.rx(0x181, {1});
+      s.write(5002, 0);  // the cause is gone at once
+      break;
+  }
+}
+
+TEST(Me3Layer2Settings, LatchedBits_StayUntilCleared_ByY0FOrBy0) {
+  RecordProperty("spec", "ME3-ERR-009 ME3-IO-012 ME3-IO-013 ME3-ERR-008");
+  for (const unsigned bit : {5U, 6U, 8U, 15U}) {
+    Me3Scenario s;
+    s.power_on_layer2();
+    two_slots(s);
+    for (const bool by_signal : {true, false}) {
+      s.expect(29, 0).expect_x(0x0F, false);
+      make_error(s, bit);
+      s.advance(10s);
+      s.expect(29, static_cast<std::uint16_t>(1U << bit)).expect_x(0x0F, true);
+      s.expect(39, bit == 6 ? 24 : 0).expect(40, bit == 5 ? 6000 : 0);
+      if (by_signal) {
+        s.y(0x0F, true);
+        s.expect(29, 0).expect_x(0x0F, false).expect(39, 0).expect(40, 0);
+        make_error(s, bit);  // cleared at once
+        s.expect(29, 0).expect_x(0x0F, false).expect(39, 0).expect(40, 0);
+        s.y(0x0F, false);
+      } else {
+        s.write(29, static_cast<std::uint16_t>(~(1U << bit)));
+        s.expect(29, 0).expect_x(0x0F, false).expect(39, 0).expect(40, 0);
+      }
+    }
+    s.ignore_tx();
+  }
+}
+
+TEST(Me3Layer2Settings, OtherBits_FollowTheirCause_AndNotEachRaisesX0F) {
+  RecordProperty("spec", "ME3-ERR-009 ME3-IO-012 ME3-IO-013");
+  Me3Scenario s;
+  s.power_on_layer2();
+  s.error_counters(256, 0);
+  s.expect(29, 0x0008).expect_x(0x0F, true);
+  s.y(0x0F, true);
+  s.expect(29, 0x0008).expect_x(0x0F, true);
+  s.y(0x0F, false).write(29, 0);
+  s.expect(29, 0x0008);
+  s.error_counters(200, 0);
+  s.expect(29, 0x4000).expect_x(0x0F, false);  // error passive is no error of the module
+  s.y(0x0F, true).y(0x0F, false).write(29, 0);
+  s.expect(29, 0x4000);
+  s.error_counters(0, 0);
+  s.expect(29, 0).expect_x(0x0F, false);
+  // A save that was cut off: bit 4 until the next start.
+  s.write(22, 1).y(0x1F, true).advance(1ms);
+  s.supply_off().supply_on();
+  s.wait_bit(25, 7, false);
+  s.expect(29, 0x0010).expect_x(0x0F, true);
+  s.y(0x0F, true);
+  s.expect(29, 0x0010).expect_x(0x0F, true);
+  s.restart();
+  s.expect(29, 0).expect_x(0x0F, false);
+}
+
 TEST(Me3Layer2Settings, TriggersDataAndFlags_AreWrittenOnline) {
   RecordProperty("spec", "ME3-IO-010 ME3-L2-033");
   Me3Scenario s;
@@ -434,6 +511,24 @@ TEST(Me3Layer2Settings, Save_KeepsModeRateParametersStopMessagesAndCanIds_Nothin
   s.expect(24, 250).expect(21, 405);
   s.restart();
   s.expect(6000, {0xFFFF, 0x5FFF, 4, 1}).expect(10000, {0x0100, 0}).expect(21, 11);
+}
+
+TEST(Me3Layer2Settings, FlagsAndErrorCodes_AreNotSaved) {
+  RecordProperty("spec", "ME3-SAVE-007");
+  Me3Scenario s;
+  s.power_on_layer2();
+  s.write(6000, {0xFFFF, 0x6FFF, 4, 0}).write(10000, {0x0123, 0, 1});
+  s.write(6004, {0x0181, 0, 0, 0});
+  s.online();
+  s.rx_remote(0x123, 1);
+  for (int i = 0; i < 20; ++i) s.rx(0x181, {1});
+  s.exchange();
+  s.write(8400, {1, 1, 1});
+  s.expect(8350, 1).expect(5002, 0x2000).expect(10009, 0x0701).expect(29, 0x8000);
+  s.save();
+  s.supply_off().supply_on();
+  s.wait_bit(25, 7, false);
+  s.expect(8350, {0, 0, 0}).expect(8400, {0, 0, 0}).expect(5001, {0, 0}).expect(10009, {0, 0}).expect(29, 0);
 }
 
 TEST(Me3Layer2Settings, UnsavedWords_OfCanopenModeStartAtTheirDefault) {

@@ -386,6 +386,32 @@ TEST(Me3Layer2Transmit, SendRtrFrame) {
   s.expect(10002, 0x0001).expect(29, 0x0040).expect(39, 10002);
 }
 
+TEST(Me3Layer2Transmit, RemoteFrames_In405Mode_AreForNodeGuardingAlone) {
+  RecordProperty("spec", "ME3-SYS-012");
+  Me3Scenario s;
+  s.power_on_as(1);
+  s.nmt(0x01);
+  s.write(13000, 0x1234);
+  s.exchange();
+  s.tx(0x181, {0x34, 0x12, 0, 0, 0, 0, 0, 0});
+  s.rx_remote(0x181, 8).advance(1s);
+  s.no_tx();
+  s.rx_remote(0x701, 1);
+  s.tx(0x701, {0x05});
+  s.rx_remote(0x701, 1);
+  s.tx(0x701, {0x85}).no_tx();
+  // Bit 30 of the COB-ID, "no RTR", is always 1.
+  for (const std::uint16_t number : Words{1, 2, 128, 256}) {
+    const auto index = static_cast<std::uint16_t>(0x1800 + number - 1);
+    s.cif({0x0004, 0, index, 1});
+    s.expect_bit(1006, 14, true);
+    s.cif({0x0002, 0, index, 1, 4, 0x0182, 0x8000});
+    s.cif({0x0004, 0, index, 1});
+    s.expect_bit(1006, 14, true);
+  }
+  s.no_tx();
+}
+
 TEST(Me3Layer2Transmit, Dlc_0To8) {
   RecordProperty("spec", "ME3-L2-038");
   Me3Scenario s;
