@@ -2,6 +2,7 @@
 // Values that are handed over piece by piece instead of lying in memory as a whole: a DOMAIN of megabytes
 // passes through an SDO server or client in pieces of at most about one kilobyte.
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <expected>
@@ -23,6 +24,22 @@ class ByteSource {
 
  protected:
   ~ByteSource() = default;
+};
+
+/// Gives bytes that lie in memory and stay there.
+class MemorySource final : public ByteSource {
+ public:
+  MemorySource() = default;
+  explicit MemorySource(std::span<const std::uint8_t> bytes) noexcept : rest_(bytes) {}
+  std::expected<std::size_t, AbortCode> read(std::span<std::uint8_t> into) override {
+    const std::size_t count = std::min(into.size(), rest_.size());
+    std::copy_n(rest_.begin(), count, into.begin());
+    rest_ = rest_.subspan(count);
+    return count;
+  }
+
+ private:
+  std::span<const std::uint8_t> rest_;
 };
 
 /// Takes the bytes of a value from front to back.

@@ -36,6 +36,15 @@ std::string_view describe(BootStep step) noexcept {
     case BootStep::state_by_heartbeat: return "waiting for a heartbeat to learn its state";
     case BootStep::state_by_guarding: return "waiting for a guarding answer to learn its state";
     case BootStep::boot_up_after_reset: return "waiting for its boot-up message after Reset communication";
+    case BootStep::software_version: return "comparing its software version";
+    case BootStep::program_state: return "asking whether its program runs";
+    case BootStep::program_stop: return "stopping its program";
+    case BootStep::program_clear: return "clearing its program";
+    case BootStep::program_download: return "downloading its program";
+    case BootStep::program_flash: return "waiting for its flash memory";
+    case BootStep::program_verify: return "comparing the software version of its new program";
+    case BootStep::program_start: return "starting its program";
+    case BootStep::program_started: return "waiting for its program to run";
     case BootStep::restore: return "restoring its defaults";
     case BootStep::boot_up_after_restore: return "waiting for its boot-up message after the restore";
     case BootStep::configuration_date:
@@ -71,6 +80,48 @@ std::string abort_text(const BootRecord& record) {
   if (record.abort_code == canopen::AbortCode::timed_out) return "no answer (time-out)";
   return "abort " + hex(static_cast<std::uint32_t>(record.abort_code), 8) + ", " +
          std::string(canopen::describe(record.abort_code));
+}
+
+// 1F57H, bits 1 to 7 [CiA 302-3].
+std::string_view flash_status(std::uint32_t status) {
+  switch (status >> 1 & 0x7F) {
+    case 0: return "no error";
+    case 1: return "there is no valid program";
+    case 2: return "the format of the program is not known";
+    case 3: return "the program is damaged (format or CRC)";
+    case 4: return "the flash memory was not cleared before";
+    case 5: return "the flash memory could not be written";
+    case 6: return "an address of the program is wrong";
+    case 7: return "the flash memory is protected";
+    case 63: return "an error that is not specified";
+    default: return "a code of the manufacturer";
+  }
+}
+
+std::string download_advice(const BootRecord& record) {
+  const bool aborted = record.abort_code != canopen::AbortCode::none;
+  switch (record.failed_step) {
+    case BootStep::software_version:
+      return comparison(record) + " It was updated and started, and yet tells another version.";
+    case BootStep::program_download:
+      if (record.index == 0) return "There is no program for it in 1F58H.";
+      return object(record) + ": " + abort_text(record) + ", after " + std::to_string(record.bytes) +
+             " bytes. Check that the program was made for this device.";
+    case BootStep::program_flash:
+      if (record.received != 0 && (record.received & 1) == 0) {
+        return object(record) + " reads " + hex(record.received, 8) + ": " +
+               std::string(flash_status(record.received)) + ".";
+      }
+      return "The flash memory of the device was busy for too long.";
+    case BootStep::program_verify:
+      if (!aborted) return comparison(record) + " Check that 1F55H is the version of the program in 1F58H.";
+      break;
+    case BootStep::program_started:
+      if (!aborted) return "The new program does not start. Check that it was made for this device.";
+      break;
+    default: break;
+  }
+  return object(record) + ": " + abort_text(record) + ". Check that the device takes programs over CANopen.";
 }
 
 // What is wrong, if the record knows, and what a person can check.
@@ -122,8 +173,15 @@ std::string advice(const BootRecord& record) {
       return "1016H watches this node, but no heartbeat came within its time. Check its producer heartbeat "
              "time 1017H: it must be shorter than the consumer time.";
     case BootError::software_not_described:
+      if (record.index == 0) return "1F81H bit 5 is set, but 1F55H holds no version to compare with.";
+      return object(record) + ": " + abort_text(record) +
+             ". Clear bit 5 of its 1F81H entry if the device has "
+             "no such object.";
     case BootError::software_not_allowed:
-    case BootError::software_download: return "Check 1F55H and the program stored for it.";
+      return comparison(record) +
+             " Set bit 6 of its 1F81H entry and clear bit 4 to have it updated, or set "
+             "1F55H to the version it has.";
+    case BootError::software_download: return download_advice(record);
   }
   return {};
 }
@@ -140,6 +198,11 @@ std::string describe(const BootRecord& record) {
     case BootStep::presence_pause: text += " (asked " + std::to_string(record.attempts) + " times)"; break;
     case BootStep::failed:
       text += " (" + std::string(1, letter(record.error)) + ", " + std::string(describe(record.error)) + ")";
+      break;
+    case BootStep::program_download:
+      text += ", " + std::to_string(record.bytes);
+      if (record.size != 0) text += " of " + std::to_string(record.size);
+      text += " bytes";
       break;
     default: break;
   }

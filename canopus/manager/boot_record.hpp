@@ -22,7 +22,7 @@ enum class BootError : char {
   no_guarding_state = 'F',       ///< keep alive: the guarding remote frame was not answered
   software_not_described = 'G',  ///< 1F55H is 0, or 1F56H could not be read
   software_not_allowed = 'H',    ///< an update is needed but not allowed
-  software_download = 'I',       ///< the program download failed
+  software_download = 'I',       ///< the program download failed, or the new program is not the expected one
   configuration = 'J',           ///< the configuration download failed
   no_error_control = 'K',        ///< no heartbeat (or guarding answer) at the start of error control
   already_operational = 'L',     ///< found Operational and left so: no failure
@@ -52,6 +52,15 @@ enum class BootStep : std::uint8_t {
   state_by_heartbeat,     ///< keep alive: its heartbeat is awaited
   state_by_guarding,      ///< keep alive: its guarding answer is awaited
   boot_up_after_reset,    ///< keep alive, but not Operational: reset, its boot-up message is awaited
+  software_version,       ///< 1F56H:01 is asked
+  program_state,          ///< an update is due: 1F51H:01 is asked
+  program_stop,           ///< 1F51H:01 = 0 is written
+  program_clear,          ///< 1F51H:01 = 3 is written
+  program_download,       ///< 1F50H:01 is being written
+  program_flash,          ///< 1F57H:01 is asked until the flash memory is not busy
+  program_verify,         ///< 1F56H:01 is asked again
+  program_start,          ///< 1F51H:01 = 1 is written
+  program_started,        ///< 1F51H:01 is asked until it reads 1
   restore,                ///< 1011H is written
   boot_up_after_restore,  ///< its boot-up message after the restore is awaited
   configuration_date,     ///< 1020H:01 is asked
@@ -67,6 +76,15 @@ enum class BootStep : std::uint8_t {
   switch (step) {
     case BootStep::presence:
     case BootStep::identity:
+    case BootStep::software_version:
+    case BootStep::program_state:
+    case BootStep::program_stop:
+    case BootStep::program_clear:
+    case BootStep::program_download:
+    case BootStep::program_flash:
+    case BootStep::program_verify:
+    case BootStep::program_start:
+    case BootStep::program_started:
     case BootStep::restore:
     case BootStep::configuration_date:
     case BootStep::configuration_time:
@@ -86,6 +104,8 @@ struct BootRecord {
   std::uint32_t expected = 0;  ///< of a comparison that failed
   std::uint32_t received = 0;
   std::uint32_t attempts = 0;  ///< requests for 1000H since the boot of this slave began
+  std::uint32_t bytes = 0;     ///< program_download: handed to the SDO transfer so far
+  std::uint32_t size = 0;      ///< program_download: bytes of the program, 0 = not known
   can::Time since{};           ///< when the present step began
   canopen::AbortCode abort_code = canopen::AbortCode::none;  ///< of the last SDO; timed_out: no answer
 };

@@ -1,7 +1,5 @@
 #include "canopus/manager/boot_slave.hpp"
 
-#include <array>
-
 namespace canopus::manager {
 
 namespace {
@@ -10,9 +8,6 @@ namespace {
 constexpr std::uint32_t assigned = 0x01;
 constexpr std::uint32_t boot_slave = 0x04;
 constexpr std::uint32_t keep_alive = 0x10;
-constexpr std::uint32_t restore_first = 0x80;
-
-constexpr std::array<std::uint8_t, 4> load_signature{0x6C, 0x6F, 0x61, 0x64};  // "load"
 
 constexpr BootError identity_error(std::uint8_t sub) noexcept {
   switch (sub) {
@@ -42,13 +37,9 @@ bool BootSlave::running() const noexcept {
 void BootSlave::enter(BootStep step, can::Time now, can::Duration limit) {
   record_.step = step;
   record_.since = now;
-  request_pending_ = false;
+  request_pending_ = wants_channel_ = writes_program_ = false;
   deadline_ = limit > can::Duration{} ? later(now, limit) : can::never;
   if (!asks_object(step)) host_->boot_went_on(node_id_, record_, now);
-}
-
-void BootSlave::upload(std::uint16_t index, std::uint8_t sub, can::Time now) {
-  download(index, sub, {}, now);
 }
 
 void BootSlave::download(std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> data,
@@ -64,7 +55,7 @@ void BootSlave::start(bool after_reset, can::Time now) {
   abandon();
   record_ = BootRecord{};
   only_configure_ = false;
-  found_operational_ = answered_ = false;
+  found_operational_ = answered_ = no_blocks_ = false;
   const can::Duration wait = host_->boot_options().wait_after_reset;
   if (after_reset && wait > can::Duration{}) {
     enter(BootStep::wait_after_reset, now, wait);
@@ -77,7 +68,7 @@ void BootSlave::abandon() {
   if (client_.busy()) client_.cancel(canopen::AbortCode::general);
   record_.step = BootStep::idle;
   deadline_ = can::never;
-  request_pending_ = false;
+  request_pending_ = wants_channel_ = writes_program_ = false;
 }
 
 void BootSlave::begin(can::Time now) {
@@ -94,33 +85,86 @@ void BootSlave::boot_up(can::Time now) {
       rebooted_ = true;
       break;  // the question was lost; its time-out asks again at once
     case BootStep::presence_pause: ask_presence(now); break;
-    case BootStep::boot_up_after_reset: restore(now); break;
+    case BootStep::boot_up_after_reset: check_software(now); break;
     case BootStep::boot_up_after_restore: check_configuration(now); break;
+    // Some devices restart to take a program.
+    case BootStep::program_stop:
+    case BootStep::program_clear: break;
+    case BootStep::program_download:
+      rebooted_ = true;
+      break;  // the boot-up message of that restart, late, or another one: the transfer will show
+    case BootStep::program_start:
+    case BootStep::program_started:
+      if (client_.busy()) client_.cancel(canopen::AbortCode::general);
+      updated_ = true;
+      begin(now);
+      break;
     default: start(false, now); break;
   }
 }
 
+void BootSlave::ask(BootStep step, std::uint16_t index, std::uint8_t sub, can::Time now) {
+  enter(step, now);
+  download(index, sub, {}, now);
+}
+
 void BootSlave::request(can::Time now) {
-  if (host_->sdo_channel_free(node_id_)) {
-    const can::Duration time_out = host_->boot_options().sdo_time_out;
-    const bool started = download_.data() == nullptr
-                             ? client_.upload(record_.index, record_.sub, *this, now, time_out)
-                             : client_.download(record_.index, record_.sub, download_, *this, now, time_out);
-    if (started) {
-      request_pending_ = false;
-      deadline_ = can::never;
-      return;
-    }
+  wants_channel_ = false;
+  if (host_->sdo_channel_free(node_id_, now) && start_transfer(now)) {
+    request_pending_ = false;
+    deadline_ = can::never;
+    return;
   }
+  request_later(host_->boot_options().busy_retry, now);
+  wants_channel_ = true;
+}
+
+void BootSlave::channel_freed(can::Time now) {
+  if (request_pending_ && wants_channel_) request(now);
+}
+
+void BootSlave::request_later(can::Duration pause, can::Time now) {
   request_pending_ = true;
-  deadline_ = later(now, host_->boot_options().busy_retry);
+  deadline_ = later(now, pause);
+}
+
+bool BootSlave::start_transfer(can::Time now) {
+  using Mode = canopen::SdoClient::Mode;
+  const MasterOptions& options = host_->boot_options();
+  const bool slow = record_.step == BootStep::program_clear || record_.step == BootStep::program_download;
+  const can::Duration time_out = slow ? options.program_time_out : options.sdo_time_out;
+  in_blocks_ = false;
+  if (!writes_program_ && download_.data() == nullptr) {
+    return client_.upload(record_.index, record_.sub, *this, now, time_out);
+  }
+  const bool large = writes_program_ || (options.block_from != 0 && download_.size() >= options.block_from);
+  in_blocks_ = large && !no_blocks_;
+  const Mode mode = in_blocks_ ? Mode::block : Mode::segmented;
+  if (writes_program_) {
+    return client_.download(record_.index, record_.sub, *this, program_.size, *this, now, time_out, mode);
+  }
+  return client_.download(record_.index, record_.sub, download_, *this, now, time_out, mode);
+}
+
+// Also a slave that knows no blocks and does not even say so is tried without them once.
+bool BootSlave::blocks_refused() const noexcept {
+  // What breaks off in the middle of a program is no question of blocks.
+  const bool is_program = record_.step == BootStep::program_download;
+  switch (record_.abort_code) {
+    case canopen::AbortCode::timed_out: return in_blocks_ && (!is_program || record_.bytes == 0);
+    case canopen::AbortCode::command_specifier:
+    case canopen::AbortCode::block_size:
+    case canopen::AbortCode::sequence_number:
+    case canopen::AbortCode::crc:
+    case canopen::AbortCode::unsupported_access: return in_blocks_ && !(is_program && rebooted_);
+    default: return false;
+  }
 }
 
 void BootSlave::ask_presence(can::Time now) {
-  enter(BootStep::presence, now);
   rebooted_ = false;
   ++record_.attempts;
-  upload(0x1000, 0, now);
+  ask(BootStep::presence, 0x1000, 0, now);
 }
 
 void BootSlave::presence_answered(can::Time now) {
@@ -143,8 +187,7 @@ void BootSlave::ask_identity(std::uint8_t sub, can::Time now) {
     const auto index = static_cast<std::uint16_t>(0x1F84 + sub);
     record_.expected = host_->dictionary().get<std::uint32_t>(index, node_id_);
     if (record_.expected == 0) continue;
-    enter(BootStep::identity, now);
-    return upload(0x1018, sub, now);
+    return ask(BootStep::identity, 0x1018, sub, now);
   }
   check_state(now);
 }
@@ -163,7 +206,7 @@ void BootSlave::identity_answered(can::Time now) {
 
 // Keep alive: a node that is Operational must not be disturbed.
 void BootSlave::check_state(can::Time now) {
-  if ((host_->assignment(node_id_) & keep_alive) == 0) return restore(now);
+  if ((host_->assignment(node_id_) & keep_alive) == 0) return check_software(now);
   const can::Duration heartbeat = host_->heartbeat_time(node_id_);
   if (heartbeat > can::Duration{}) return enter(BootStep::state_by_heartbeat, now, heartbeat);
   enter(BootStep::state_by_guarding, now, host_->boot_options().guarding_probe);
@@ -188,64 +231,6 @@ void BootSlave::state_seen(canopen::NmtState state, can::Time now) {
   }
 }
 
-void BootSlave::restore(can::Time now) {
-  const auto sub = host_->dictionary().get<std::uint8_t>(0x1F8A, node_id_);
-  if ((host_->assignment(node_id_) & restore_first) == 0 || sub == 0) return check_configuration(now);
-  enter(BootStep::restore, now);
-  download(0x1011, sub, load_signature, now);
-}
-
-void BootSlave::check_configuration(can::Time now) {
-  if (is_empty_concise_dcf(host_->concise_dcf(node_id_))) return start_error_control(now);
-  const auto date = host_->dictionary().get<std::uint32_t>(0x1F26, node_id_);
-  const auto time = host_->dictionary().get<std::uint32_t>(0x1F27, node_id_);
-  if (date == 0 || time == 0) return start_configuration(now);
-  enter(BootStep::configuration_date, now);
-  record_.expected = date;
-  upload(0x1020, 1, now);
-}
-
-void BootSlave::configuration_mark_answered(can::Time now) {
-  record_.received = received_value();
-  if (record_.abort_code != canopen::AbortCode::none || record_.received != record_.expected) {
-    return start_configuration(now);
-  }
-  if (record_.step == BootStep::configuration_time) return start_error_control(now);
-  enter(BootStep::configuration_time, now);
-  record_.expected = host_->dictionary().get<std::uint32_t>(0x1F27, node_id_);
-  upload(0x1020, 2, now);
-}
-
-void BootSlave::start_configuration(can::Time now) {
-  enter(BootStep::configuration, now);
-  configuration_ = ConciseDcfReader(host_->concise_dcf(node_id_));
-  next_configuration_entry(now);
-}
-
-void BootSlave::configure(can::Time now) {
-  step_before_configuration_ = record_.step;
-  only_configure_ = true;
-  start_configuration(now);
-}
-
-void BootSlave::next_configuration_entry(can::Time now) {
-  // Recursion would follow the file's length when transfers end inside the call; they never do.
-  const auto entry = configuration_.next();
-  if (!entry) return configuration_finished(now);
-  download(entry->index, entry->sub, entry->data, now);
-}
-
-void BootSlave::configuration_finished(can::Time now) {
-  if (!configuration_.intact()) {
-    record_.abort_code = canopen::AbortCode::general;
-    record_.index = 0;
-    return fail(BootError::configuration, now);
-  }
-  if (!only_configure_) return start_error_control(now);
-  only_configure_ = false;
-  enter(step_before_configuration_, now);
-}
-
 void BootSlave::start_error_control(can::Time now) {
   const can::Duration heartbeat = host_->heartbeat_time(node_id_);
   if (heartbeat > can::Duration{}) return enter(BootStep::heartbeat_start, now, heartbeat);
@@ -257,6 +242,8 @@ void BootSlave::start_error_control(can::Time now) {
 void BootSlave::finish(can::Time now) {
   const BootError result = found_operational_ ? BootError::already_operational : BootError::none;
   record_.error = result;
+  updates_ = 0;
+  updated_ = false;
   enter(BootStep::booted, now);
   host_->boot_ended(node_id_, result, now);
 }
@@ -270,6 +257,8 @@ void BootSlave::fail(BootError error, can::Time now) {
     enter(step_before_configuration_, now);
     return;
   }
+  updates_ = 0;
+  updated_ = false;
   enter(BootStep::failed, now);
   host_->boot_ended(node_id_, error, now);
 }
@@ -282,6 +271,15 @@ BootError BootSlave::error_of_step() const noexcept {
     case BootStep::boot_up_after_reset:
       return host_->heartbeat_time(node_id_) > can::Duration{} ? BootError::no_heartbeat_state
                                                                : BootError::no_guarding_state;
+    case BootStep::software_version: return BootError::software_not_described;
+    case BootStep::program_state:
+    case BootStep::program_stop:
+    case BootStep::program_clear:
+    case BootStep::program_download:
+    case BootStep::program_flash:
+    case BootStep::program_verify:
+    case BootStep::program_start:
+    case BootStep::program_started: return BootError::software_download;
     case BootStep::restore:
     case BootStep::boot_up_after_restore:
     case BootStep::configuration_date:
@@ -318,26 +316,27 @@ void BootSlave::tick(can::Time now) {
 void BootSlave::sdo_finished(canopen::SdoClient& client, can::Time now) {
   record_.abort_code = client.abort_code();
   if (record_.abort_code != canopen::AbortCode::timed_out) answered_ = true;
+  writes_program_ = false;
+  if (blocks_refused()) {
+    no_blocks_ = true;
+    return record_.step == BootStep::program_download ? download_program(now) : request(now);
+  }
   switch (record_.step) {
     case BootStep::presence: return presence_answered(now);
     case BootStep::identity: return identity_answered(now);
-    case BootStep::restore:
-      if (record_.abort_code != canopen::AbortCode::none) return fail(BootError::configuration, now);
-      enter(BootStep::boot_up_after_restore, now, host_->boot_options().boot_up_time_out);
-      answered_ = false;
-      // Restored communication parameters (sub 02) need no more than a reset of the communication.
-      host_->send_nmt(
-          record_.sub == 2 ? canopen::NmtCommand::reset_communication : canopen::NmtCommand::reset_node,
-          node_id_, now);
-      return;
+    case BootStep::software_version: return software_version_answered(now);
+    case BootStep::program_state: return program_state_answered(now);
+    case BootStep::program_stop: return program_stopped(now);
+    case BootStep::program_clear: return program_cleared(now);
+    case BootStep::program_download: return program_downloaded(now);
+    case BootStep::program_flash: return flash_status_answered(now);
+    case BootStep::program_verify: return program_verified(now);
+    case BootStep::program_start: return program_start_answered(now);
+    case BootStep::program_started: return program_run_answered(now);
+    case BootStep::restore: return restore_answered(now);
     case BootStep::configuration_date:
     case BootStep::configuration_time: return configuration_mark_answered(now);
-    case BootStep::configuration:
-      if (record_.abort_code != canopen::AbortCode::none &&
-          record_.abort_code != canopen::AbortCode::write_of_read_only) {
-        return fail(BootError::configuration, now);
-      }
-      return next_configuration_entry(now);
+    case BootStep::configuration: return configuration_entry_answered(now);
     default: return;
   }
 }

@@ -1,14 +1,19 @@
 #pragma once
 // "Boot slave": the way of one slave from its reset to its start [CiA 302-2; ME3CAN1-Q 4.8.6, notes B8]:
 //
-//   (wait after reset) - presence: 1000H - identity: 1018H - [keep alive: its state] - [restore: 1011H]
-//   - [configuration: 1020H compared, concise DCF] - error control: heartbeat or guarding - booted
+//   (wait after reset) - presence: 1000H - identity: 1018H - [keep alive: its state]
+//   - [software: 1F56H compared; if it differs: stop, clear, download, flash status, start, from the
+//   beginning]
+//   - [restore: 1011H] - [configuration: 1020H compared, concise DCF]
+//   - error control: heartbeat or guarding - booted
 //
-// One SDO transfer at a time on the slave's default channel. A slave that does not answer is asked again
-// without end; whether that is too long is decided by the host (boot time). The start command itself is the
-// host's as well: it depends on what the other slaves do.
+// boot_slave.cpp has the frame of it, boot_slave_configuration.cpp and boot_slave_software.cpp the steps in
+// the middle. One SDO transfer at a time on the slave's default channel. A slave that does not answer is
+// asked again without end; whether that is too long is decided by the host (boot time). The start command
+// itself is the host's as well: it depends on what the other slaves do.
 
 #include <cstdint>
+#include <expected>
 #include <span>
 
 #include "canopus/can/controller.hpp"
@@ -36,7 +41,10 @@ class BootHost {
   /// Begins guarding with its first remote frame. False when 1F81H configures none.
   virtual bool start_guarding(std::uint8_t node_id, can::Time now) = 0;
   virtual std::span<const std::uint8_t> concise_dcf(std::uint8_t node_id) = 0;
-  virtual bool sdo_channel_free(std::uint8_t node_id) = 0;
+  virtual Program open_program(std::uint8_t node_id) = 0;
+  /// False: somebody else has a transfer with this node, or has waited for one. The boot then asks again
+  /// after MasterOptions::busy_retry, or when channel_freed() is called.
+  virtual bool sdo_channel_free(std::uint8_t node_id, can::Time now) = 0;
   /// The slave answered 1000H, or did not.
   virtual void presence_known(std::uint8_t node_id, bool present, can::Time now) = 0;
   /// The boot is at another step, or at another object of the same one.
@@ -48,7 +56,7 @@ class BootHost {
   ~BootHost() = default;
 };
 
-class BootSlave final : private canopen::SdoClientUser {
+class BootSlave final : private canopen::SdoClientUser, private canopen::ByteSource {
  public:
   BootSlave(std::uint8_t node_id, BootHost& host, can::Sink& sink);
 
@@ -62,6 +70,8 @@ class BootSlave final : private canopen::SdoClientUser {
   void give_up(can::Time now);
   /// Ends without a result.
   void abandon();
+  /// The SDO channel, which was not free, is so now.
+  void channel_freed(can::Time now);
   /// Only writes the concise DCF; the step is afterwards what it was. Not while running().
   void configure(can::Time now);
 
@@ -79,24 +89,47 @@ class BootSlave final : private canopen::SdoClientUser {
 
  private:
   void sdo_finished(canopen::SdoClient& client, can::Time now) override;
+  // The program, counted on its way.
+  std::expected<std::size_t, canopen::AbortCode> read(std::span<std::uint8_t> into) override;
 
   void enter(BootStep step, can::Time now, can::Duration limit = {});
-  void upload(std::uint16_t index, std::uint8_t sub, can::Time now);
-  void download(std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> data, can::Time now);
   void begin(can::Time now);
   void ask_presence(can::Time now);
   void presence_answered(can::Time now);
   void ask_identity(std::uint8_t sub, can::Time now);
   void identity_answered(can::Time now);
   void check_state(can::Time now);
+  void check_software(can::Time now);
+  void software_version_answered(can::Time now);
+  void program_state_answered(can::Time now);
+  void control_program(BootStep step, std::uint8_t command, can::Time now);
+  void program_stopped(can::Time now);
+  void program_cleared(can::Time now);
+  void download_program(can::Time now);
+  void program_downloaded(can::Time now);
+  void flash_status_answered(can::Time now);
+  void program_verified(can::Time now);
+  void program_start_answered(can::Time now);
+  void program_run_answered(can::Time now);
   void restore(can::Time now);
+  void restore_answered(can::Time now);
   void check_configuration(can::Time now);
   void configuration_mark_answered(can::Time now);
   void start_configuration(can::Time now);
   void next_configuration_entry(can::Time now);
   void configuration_finished(can::Time now);
+  void configuration_entry_answered(can::Time now);
   void start_error_control(can::Time now);
+  /// Reads this object, as this step.
+  void ask(BootStep step, std::uint16_t index, std::uint8_t sub, can::Time now);
+  /// Writes this object in the present step; without data: reads it.
+  void download(std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> data, can::Time now);
   void request(can::Time now);
+  bool start_transfer(can::Time now);
+  /// The last transfer was in blocks, and failed in a way that another without them may not.
+  [[nodiscard]] bool blocks_refused() const noexcept;
+  /// request() after a pause.
+  void request_later(can::Duration pause, can::Time now);
   void fail(BootError error, can::Time now);
   void finish(can::Time now);
   [[nodiscard]] BootError error_of_step() const noexcept;
@@ -110,9 +143,18 @@ class BootSlave final : private canopen::SdoClientUser {
   can::Time deadline_ = can::never;
   ConciseDcfReader configuration_;
   std::span<const std::uint8_t> download_;  // what the present step writes; empty: it reads
+  std::uint8_t program_command_ = 0;        // what download_ is while 1F51H is written
+  Program program_;
+  bool writes_program_ = false;  // instead of download_
+  bool in_blocks_ = false;       // the present transfer
+  bool no_blocks_ = false;       // the slave does not know them
+  unsigned clear_attempts_ = 0;
+  unsigned updates_ = 0;  // begun since the slave was booted last
+  bool updated_ = false;  // since then, and the new program runs
   bool only_configure_ = false;
-  bool request_pending_ = false;  // the SDO could not be started yet
-  bool rebooted_ = false;         // boot-up message while 1000H was asked
+  bool request_pending_ = false;  // the SDO could not be started yet, or is to be after a pause
+  bool wants_channel_ = false;    // of these the former
+  bool rebooted_ = false;         // boot-up message while 1000H was asked, or the program downloaded
   bool found_operational_ = false;
   bool answered_ = false;
 };

@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::uint16_t concise_dcf_index = 0x1F22;
 constexpr std::uint16_t request_index = 0x1F25;
+constexpr std::uint16_t program_index = 0x1F58;
 constexpr std::uint8_t all = 0x80;
 constexpr std::array<std::uint8_t, 4> signature{0x63, 0x6F, 0x6E, 0x66};  // "conf"
 
@@ -22,12 +23,24 @@ ConfigurationManager::ConfigurationManager(canopen::ObjectDictionary& dictionary
     : master_(&master), store_(store), options_(options) {
   dictionary.attach(concise_dcf_index, concise_dcf_index, *this);
   dictionary.attach(request_index, request_index, *this);
+  dictionary.attach(program_index, program_index, *this);
   master.set_configuration_source(this);
 }
 
 void ConfigurationManager::load(std::uint8_t node_id, std::span<const std::uint8_t> file) {
   if (node_id == 0 || node_id >= files_.size()) return;
   files_[node_id].assign(file.begin(), file.end());
+}
+
+void ConfigurationManager::load_program(std::uint8_t node_id, std::span<const std::uint8_t> program) {
+  if (node_id == 0 || node_id >= programs_.size()) return;
+  programs_[node_id].assign(program.begin(), program.end());
+}
+
+Program ConfigurationManager::open_program(std::uint8_t node_id) {
+  if (node_id >= programs_.size() || programs_[node_id].empty()) return {};
+  readers_[node_id] = canopen::MemorySource(programs_[node_id]);
+  return {.bytes = &readers_[node_id], .size = static_cast<std::uint32_t>(programs_[node_id].size())};
 }
 
 unsigned ConfigurationManager::files() const noexcept {
@@ -42,9 +55,9 @@ std::span<const std::uint8_t> ConfigurationManager::concise_dcf(std::uint8_t nod
 
 AbortCode ConfigurationManager::before_read(canopen::ObjectDictionary& dictionary,
                                             const canopen::Entry& entry, can::Time) {
-  if (entry.index == concise_dcf_index && entry.sub != 0) {
+  if ((entry.index == concise_dcf_index || entry.index == program_index) && entry.sub != 0) {
     if (entry.sub >= files_.size()) return AbortCode::no_sub_index;
-    dictionary.assign(entry, files_[entry.sub]);
+    dictionary.assign(entry, entry.index == program_index ? programs_[entry.sub] : files_[entry.sub]);
   }
   return AbortCode::none;
 }
@@ -52,13 +65,15 @@ AbortCode ConfigurationManager::before_read(canopen::ObjectDictionary& dictionar
 AbortCode ConfigurationManager::before_write(canopen::ObjectDictionary&, const canopen::Entry& entry,
                                              std::span<const std::uint8_t> value, can::Time now) {
   if (entry.sub == 0) return AbortCode::write_of_read_only;
-  return entry.index == request_index ? request(entry.sub, value, now) : take_file(entry.sub, value, now);
+  if (entry.index == request_index) return request(entry.sub, value, now);
+  return entry.index == program_index ? take_program(entry.sub, value, now)
+                                      : take_file(entry.sub, value, now);
 }
 
 void ConfigurationManager::after_write(canopen::ObjectDictionary& dictionary, const canopen::Entry& entry,
                                        can::Time) {
   // The file is kept here; a second copy in the dictionary would only take room.
-  if (entry.index == concise_dcf_index) dictionary.assign(entry, {});
+  if (entry.index != request_index) dictionary.assign(entry, {});
 }
 
 AbortCode ConfigurationManager::take_file(std::uint8_t node_id, std::span<const std::uint8_t> file,
@@ -81,6 +96,22 @@ AbortCode ConfigurationManager::take_file(std::uint8_t node_id, std::span<const 
   if (store_ != nullptr && !store_->store(node_id, file)) return AbortCode::hardware_error;
   place.assign(file.begin(), file.end());
   busy_until_ = can::later(now, options_.write_time);
+  return AbortCode::none;
+}
+
+// One byte 00H deletes it, as it deletes a file.
+AbortCode ConfigurationManager::take_program(std::uint8_t node_id, std::span<const std::uint8_t> program,
+                                             can::Time now) {
+  if (node_id >= programs_.size()) return AbortCode::no_sub_index;
+  if (busy(now)) return options_.busy;
+  if (master_->boot_record(node_id).step == BootStep::program_download) return AbortCode::device_state;
+  if (program.size() == 1 && program[0] == 0) program = {};
+  if (options_.maximum_program_size != 0 && program.size() > options_.maximum_program_size) {
+    return options_.too_long;
+  }
+  if (store_ != nullptr && !store_->store_program(node_id, program)) return AbortCode::hardware_error;
+  programs_[node_id].assign(program.begin(), program.end());
+  busy_until_ = can::later(now, program.empty() ? options_.erase_time : options_.write_time);
   return AbortCode::none;
 }
 

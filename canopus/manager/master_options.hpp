@@ -4,11 +4,13 @@
 
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "canopus/can/time.hpp"
 #include "canopus/canopen/abort_code.hpp"
 #include "canopus/canopen/nmt.hpp"
+#include "canopus/canopen/object_stream.hpp"
 #include "canopus/manager/boot_record.hpp"
 
 namespace canopus::manager {
@@ -38,12 +40,27 @@ struct MasterOptions {
   can::Duration late_boot_up = std::chrono::seconds(10);
   /// Pause before an SDO channel that somebody else uses is tried again (MasterListener::sdo_channel_free).
   can::Duration busy_retry = std::chrono::milliseconds(10);
+  /// Values of the configuration of so many bytes and more go in SDO blocks, which is fewer frames from 22
+  /// bytes on, and segmented if the slave does not know blocks; 0 = never in blocks. Programs always try.
+  std::size_t block_from = 22;
+  /// Program download: clearing and writing a flash memory may take longer than other answers.
+  can::Duration program_time_out = std::chrono::seconds(5);
+  /// So often is the program cleared when no answer comes.
+  unsigned program_clear_attempts = 4;
+  /// Pause between two questions for 1F57H or 1F51H, and between two attempts to clear.
+  can::Duration program_poll = std::chrono::milliseconds(100);
+  /// The flash memory may be busy for so long after the download; 0 = no limit.
+  can::Duration program_flash_limit = std::chrono::seconds(60);
+  /// The new program may take so long to run; 0 = no limit.
+  can::Duration program_start_limit = std::chrono::seconds(60);
+  /// A slave that restarts in the middle of its update is updated again, so often until it succeeds.
+  unsigned program_attempts = 3;
   /// The reset of a lost slave: 82H in the manuals of the modules, 81H in some other stacks.
   canopen::NmtCommand error_reset = canopen::NmtCommand::reset_communication;
   RevisionRule revision_rule = RevisionRule::equal;
   /// Bits of 1F80H and of the configuration byte of 1F81H that exist; others are refused with 06090030H.
   std::uint32_t start_up_bits = 0x7F;
-  std::uint8_t assignment_bits = 0x1D;
+  std::uint8_t assignment_bits = 0xFD;
   /// 1F82H or 1F83H written while this node is not the active master.
   canopen::AbortCode not_master = canopen::AbortCode::device_state;
   /// A flying master without 1017H sends its heartbeat so often [ME3CAN1-Q 4.8.10].
@@ -119,12 +136,21 @@ class MasterListener {
   ~MasterListener() = default;
 };
 
-/// Where the configurations of the slaves come from [CiA 302-3].
+/// A program that is to be downloaded [CiA 302-3 1F58H].
+struct Program {
+  canopen::ByteSource* bytes = nullptr;  ///< from its first byte on; nullptr: there is none
+  std::optional<std::uint32_t> size{};   ///< in bytes, if it is known
+};
+
+/// Where the configurations and programs of the slaves come from [CiA 302-3].
 class ConfigurationSource {
  public:
   /// The concise DCF for this node, as 1F22H holds it; empty = none. The bytes must stay valid and unchanged
   /// while NmtMaster::configuring(node_id).
   virtual std::span<const std::uint8_t> concise_dcf(std::uint8_t node_id) = 0;
+  /// The program for this node, from its beginning at each call. It is read piece by piece while
+  /// NmtMaster::boot_record(node_id).step is program_download.
+  virtual Program open_program(std::uint8_t /*node_id*/) { return {}; }
 
  protected:
   ~ConfigurationSource() = default;

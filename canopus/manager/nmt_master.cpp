@@ -1,5 +1,7 @@
 #include "canopus/manager/nmt_master.hpp"
 
+#include <utility>
+
 #include "canopus/manager/nmt_master_engine.hpp"
 
 namespace canopus::manager {
@@ -62,7 +64,7 @@ bool NmtMaster::lss_configured(std::uint8_t node_id) const noexcept {
 
 bool NmtMaster::sdo_channel_busy(std::uint8_t node_id) const noexcept {
   const BootSlave* boot = engine_->boot(node_id);
-  return boot != nullptr && boot->sdo_busy();
+  return (boot != nullptr && boot->sdo_busy()) || engine_->requests_.busy(node_id);
 }
 
 bool NmtMaster::configuring(std::uint8_t node_id) const noexcept {
@@ -86,6 +88,34 @@ bool NmtMaster::guarding(std::uint8_t node_id) const noexcept { return engine_->
 
 canopen::AbortCode NmtMaster::request_configuration(std::uint8_t node_id, can::Time now) {
   return engine_->request_configuration(node_id, now);
+}
+
+canopen::AbortCode NmtMaster::read_object(std::uint8_t node_id, std::uint16_t index, std::uint8_t sub,
+                                          SdoRequests::Done done, can::Time now,
+                                          const SdoRequestOptions& options) {
+  const canopen::AbortCode refusal = engine_->check_sdo_request(node_id);
+  if (refusal == canopen::AbortCode::none) {
+    engine_->requests_.upload(node_id, index, sub, std::move(done), now, options);
+  }
+  return refusal;
+}
+
+canopen::AbortCode NmtMaster::write_object(std::uint8_t node_id, std::uint16_t index, std::uint8_t sub,
+                                           std::span<const std::uint8_t> value, SdoRequests::Done done,
+                                           can::Time now, const SdoRequestOptions& options) {
+  const canopen::AbortCode refusal = engine_->check_sdo_request(node_id);
+  if (refusal == canopen::AbortCode::none) {
+    engine_->requests_.download(node_id, index, sub, value, std::move(done), now, options);
+  }
+  return refusal;
+}
+
+std::size_t NmtMaster::pending_requests(std::uint8_t node_id) const noexcept {
+  return engine_->requests_.pending(node_id);
+}
+
+void NmtMaster::cancel_requests(std::uint8_t node_id, can::Time now) {
+  engine_->requests_.cancel(node_id, canopen::AbortCode::local_control, now);
 }
 
 }  // namespace canopus::manager

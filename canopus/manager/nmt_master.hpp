@@ -3,7 +3,7 @@
 // commands on request. Configured by the objects of its own node's dictionary, as far as they exist: 1F80H
 // (role and rules), 1F81H (which slaves, how), 1F82H/1F83H (requests), 1F84H-1F88H (expected identities),
 // 1F89H (boot time), 1F90H (flying master: flying_master.hpp), 1F26H/1F27H (expected configurations), 1F8AH
-// (restore), 1016H (heartbeats), 102AH (NMT inhibit time).
+// (restore), 1F55H (expected software), 1016H (heartbeats), 102AH (NMT inhibit time).
 //
 // Start-up (start()): Reset communication, boot every assigned slave (in parallel, one SDO channel each: see
 // boot_slave.hpp), own node Operational when all mandatory slaves are booted, slaves started.
@@ -26,6 +26,7 @@
 #include "canopus/can/controller.hpp"
 #include "canopus/canopen/node.hpp"
 #include "canopus/manager/master_options.hpp"
+#include "canopus/manager/sdo_requests.hpp"
 
 namespace canopus::manager {
 
@@ -77,7 +78,8 @@ class NmtMaster final : public can::Participant {
   /// A search for this node by LSS is configured, should it be missing when the boot time is over: 1F89H,
   /// 1F84H-1F88H of the node all set, its 1F81H bits 0, 2 and 3 [ME3CAN1-Q 4.8.11]. See lss_search.hpp.
   [[nodiscard]] bool lss_configured(std::uint8_t node_id) const noexcept;
-  /// The start-up is using the default SDO channel of this node.
+  /// The start-up, or a request of read_object() or write_object(), is using the default SDO channel of this
+  /// node.
   [[nodiscard]] bool sdo_channel_busy(std::uint8_t node_id) const noexcept;
   /// The concise DCF of this node is being downloaded.
   [[nodiscard]] bool configuring(std::uint8_t node_id) const noexcept;
@@ -94,6 +96,21 @@ class NmtMaster final : public can::Participant {
   /// Downloads the concise DCF of this node now, as a write of "conf" to 1F25H. no_data without one,
   /// MasterOptions::not_master, device_state while the slave is being booted.
   canopen::AbortCode request_configuration(std::uint8_t node_id, can::Time now);
+  /// Reads an object of another node over its default SDO channel, as soon as those before it are done; the
+  /// start-up and the requests take turns. `done` is called at the end, never from inside this call; it may
+  /// make other requests. invalid_value (node-ID), device_state (this node Stopped or in reset). A reset of
+  /// this node ends all requests with device_state.
+  canopen::AbortCode read_object(std::uint8_t node_id, std::uint16_t index, std::uint8_t sub,
+                                 SdoRequests::Done done, can::Time now,
+                                 const SdoRequestOptions& options = {});
+  /// Writes one; the value is copied.
+  canopen::AbortCode write_object(std::uint8_t node_id, std::uint16_t index, std::uint8_t sub,
+                                  std::span<const std::uint8_t> value, SdoRequests::Done done, can::Time now,
+                                  const SdoRequestOptions& options = {});
+  /// Of these, how many to this node have not ended.
+  [[nodiscard]] std::size_t pending_requests(std::uint8_t node_id) const noexcept;
+  /// Ends those to one node, or to all (0), with local_control.
+  void cancel_requests(std::uint8_t node_id, can::Time now);
 
  private:
   class Engine;

@@ -2,6 +2,7 @@
 // The inside of NmtMaster. Everything that has a time lies in one tournament of 128 timers: number n for what
 // concerns node n (its boot, its guarding), number 0 for the master itself.
 
+#include <algorithm>
 #include <array>
 #include <bitset>
 #include <cstdint>
@@ -12,6 +13,7 @@
 #include "canopus/manager/nmt_master.hpp"
 #include "canopus/manager/node_guarding.hpp"
 #include "canopus/manager/node_timers.hpp"
+#include "canopus/manager/sdo_requests.hpp"
 
 namespace canopus::manager {
 
@@ -37,6 +39,7 @@ inline constexpr std::uint32_t keep_alive = 0x10;
 class NmtMaster::Engine final : public BootHost,
                                 public canopen::ObjectHandler,
                                 private can::Sink,
+                                private SdoChannelGate,
                                 private FlyingMasterUser {
  public:
   Engine(canopen::Node& node, can::Sink& sink, MasterOptions options);
@@ -45,7 +48,9 @@ class NmtMaster::Engine final : public BootHost,
   void stop(can::Time now);
   void receive(const can::Frame& frame, can::Time now);
   void tick(can::Time now);
-  [[nodiscard]] can::Time deadline() const noexcept { return timers_.earliest(); }
+  [[nodiscard]] can::Time deadline() const noexcept {
+    return std::min(timers_.earliest(), requests_.deadline());
+  }
   void own_state_changed(can::Time now);
   void heartbeat_received(std::uint8_t node_id, canopen::NmtState state, can::Time now);
   void heartbeat_lost(std::uint8_t node_id, can::Time now);
@@ -74,10 +79,12 @@ class NmtMaster::Engine final : public BootHost,
   canopen::AbortCode check_guarding_request(std::uint8_t node_id, std::uint8_t value) const noexcept;
   void perform_guarding_request(std::uint8_t node_id, std::uint8_t value, can::Time now);
   canopen::AbortCode request_configuration(std::uint8_t node_id, can::Time now);
+  [[nodiscard]] canopen::AbortCode check_sdo_request(std::uint8_t node_id) const noexcept;
 
   MasterOptions options_;
   MasterListener* listener_;
   ConfigurationSource* source_ = nullptr;
+  SdoRequests requests_;
 
  private:
   enum class Phase : std::uint8_t {
@@ -105,12 +112,17 @@ class NmtMaster::Engine final : public BootHost,
   void ask_state(std::uint8_t node_id) override;
   bool start_guarding(std::uint8_t node_id, can::Time now) override;
   std::span<const std::uint8_t> concise_dcf(std::uint8_t node_id) override;
-  bool sdo_channel_free(std::uint8_t node_id) override { return listener_->sdo_channel_free(node_id); }
+  Program open_program(std::uint8_t node_id) override;
+  bool sdo_channel_free(std::uint8_t node_id, can::Time now) override;
   void presence_known(std::uint8_t node_id, bool present, can::Time now) override;
   void boot_went_on(std::uint8_t node_id, const BootRecord& record, can::Time now) override {
     listener_->boot_went_on(node_id, record, now);
   }
   void boot_ended(std::uint8_t node_id, BootError error, can::Time now) override;
+
+  // SdoChannelGate
+  bool channel_is_free(std::uint8_t node_id) override;
+  void channel_freed(std::uint8_t node_id, can::Time now) override;
 
   // FlyingMasterUser (nmt_master_flying.cpp)
   void mastership_won(can::Time now) override;
@@ -150,6 +162,7 @@ class NmtMaster::Engine final : public BootHost,
   void master_tick(can::Time now);
   void node_tick(std::uint8_t node_id, can::Time now);
   void guarding_tick(std::uint8_t node_id, can::Time now);
+  void boot_may_have_ended_transfer(std::uint8_t node_id, can::Time now);
   void state_message(std::uint8_t node_id, std::uint8_t byte, can::Time now);
   void boot_up_message(std::uint8_t node_id, can::Time now);
   void check_guarded_state(std::uint8_t node_id, std::uint8_t state, can::Time now);
@@ -194,7 +207,8 @@ class NmtMaster::Engine final : public BootHost,
   std::bitset<128> wrong_state_;
   std::bitset<128> held_;  // stopped by request: not started again by itself [ME3CAN1-Q 4.8.8]
   std::bitset<128> boot_counted_;
-  std::bitset<128> boot_up_due_;  // reset, its boot-up message has not come yet
+  std::bitset<128> boot_up_due_;       // reset, its boot-up message has not come yet
+  std::bitset<128> boot_had_channel_;  // the last SDO transfer with the node was the start-up's
   std::array<can::Time, 128> reset_since_{};
   std::array<std::unique_ptr<BootSlave>, 128> boots_;
   std::array<NodeGuarding, 128> guarding_{};

@@ -40,7 +40,10 @@ void NmtMaster::Engine::receive(const can::Frame& frame, can::Time now) {
     case canopen::cob_id::sdo_response:
       if (boots_[node_id] && boots_[node_id]->sdo_busy()) {
         boots_[node_id]->receive(frame, now);
+        boot_may_have_ended_transfer(node_id, now);
         refresh(node_id);
+      } else {
+        requests_.receive(frame, now);
       }
       return;
     case canopen::cob_id::error_control:
@@ -66,6 +69,11 @@ void NmtMaster::Engine::tick(can::Time now) {
       refresh(number);
     }
   }
+  if (requests_.deadline() <= now) requests_.tick(now);
+}
+
+void NmtMaster::Engine::boot_may_have_ended_transfer(std::uint8_t node_id, can::Time now) {
+  if (!boots_[node_id]->sdo_busy() && requests_.pending(node_id) > 0) requests_.channel_freed(node_id, now);
 }
 
 void NmtMaster::Engine::guarding_tick(std::uint8_t node_id, can::Time now) {
@@ -80,7 +88,10 @@ void NmtMaster::Engine::guarding_tick(std::uint8_t node_id, can::Time now) {
 
 void NmtMaster::Engine::node_tick(std::uint8_t node_id, can::Time now) {
   if (guarding_[node_id].deadline() <= now) guarding_tick(node_id, now);
-  if (boots_[node_id] && boots_[node_id]->deadline() <= now) boots_[node_id]->tick(now);
+  if (boots_[node_id] && boots_[node_id]->deadline() <= now) {
+    boots_[node_id]->tick(now);
+    boot_may_have_ended_transfer(node_id, now);
+  }
 }
 
 void NmtMaster::Engine::master_tick(can::Time now) {

@@ -97,6 +97,34 @@ AbortCode NmtMaster::Engine::request_configuration(std::uint8_t node_id, can::Ti
   return AbortCode::none;
 }
 
+AbortCode NmtMaster::Engine::check_sdo_request(std::uint8_t node_id) const noexcept {
+  if (node_id == 0 || node_id > 127 || node_id == node_->node_id()) return AbortCode::invalid_value;
+  const canopen::NmtState state = node_->state();
+  const bool allowed = state == canopen::NmtState::pre_operational || state == canopen::NmtState::operational;
+  return allowed && phase_ != Phase::off ? AbortCode::none : AbortCode::device_state;
+}
+
+// Start-up and application take turns, so that neither waits for the other's end.
+bool NmtMaster::Engine::sdo_channel_free(std::uint8_t node_id, can::Time now) {
+  if (!listener_->sdo_channel_free(node_id) || requests_.busy(node_id)) return false;
+  if (boot_had_channel_[node_id] && requests_.channel_freed(node_id, now)) {
+    boot_had_channel_[node_id] = false;
+    return false;
+  }
+  boot_had_channel_[node_id] = true;
+  return true;
+}
+
+bool NmtMaster::Engine::channel_is_free(std::uint8_t node_id) {
+  return listener_->sdo_channel_free(node_id) && (!boots_[node_id] || !boots_[node_id]->sdo_busy());
+}
+
+void NmtMaster::Engine::channel_freed(std::uint8_t node_id, can::Time now) {
+  if (!boots_[node_id]) return;
+  boots_[node_id]->channel_freed(now);
+  refresh(node_id);
+}
+
 AbortCode NmtMaster::Engine::before_read(canopen::ObjectDictionary& dictionary, const canopen::Entry& entry,
                                          can::Time) {
   if (entry.sub == 0 || entry.sub > 127) return AbortCode::none;

@@ -16,6 +16,7 @@ constexpr std::uint8_t all_nodes = 0;
 NmtMaster::Engine::Engine(canopen::Node& node, can::Sink& sink, MasterOptions options)
     : options_(options),
       listener_(nullptr),
+      requests_(static_cast<can::Sink&>(*this), *this),
       node_(&node),
       sink_(&sink),
       flying_(static_cast<can::Sink&>(*this), *this) {
@@ -40,6 +41,9 @@ void NmtMaster::Engine::stop(can::Time now) {
   flying_.stop();
   standby_entry_ = 0;
   phase_ = Phase::off;
+  muted_ = true;
+  requests_.cancel(0, canopen::AbortCode::device_state, now);
+  muted_ = false;
   phase_end_ = boot_end_ = can::never;
   begin_pending_ = network_was_reset_ = own_state_changed_ = false;
   own_command_ = 0;
@@ -309,6 +313,10 @@ bool NmtMaster::Engine::lss_configured(std::uint8_t node_id) const noexcept {
 
 std::span<const std::uint8_t> NmtMaster::Engine::concise_dcf(std::uint8_t node_id) {
   return source_ != nullptr ? source_->concise_dcf(node_id) : std::span<const std::uint8_t>{};
+}
+
+Program NmtMaster::Engine::open_program(std::uint8_t node_id) {
+  return source_ != nullptr ? source_->open_program(node_id) : Program{};
 }
 
 void NmtMaster::Engine::tell_starting(can::Time now) {

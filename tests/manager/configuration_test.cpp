@@ -177,6 +177,65 @@ TEST_F(Configuration, LongValue_GoesInSegments) {
   EXPECT_THAT(device().written[0].second, ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9));
 }
 
+/// A file with one value of so many bytes per entry.
+Bytes file_with(std::initializer_list<std::size_t> lengths) {
+  ConciseDcfWriter writer;
+  std::uint8_t sub = 0;
+  for (const std::size_t length : lengths) writer.add(0x2000, ++sub, Bytes(length, 0x5A));
+  return writer.file();
+}
+
+TEST_F(Configuration, From22Bytes_GoesInBlocks) {
+  files[2] = file_with({21, 22, 300});
+  switch_on();
+  run_for(1s);
+  EXPECT_THAT(only(sent(), " 00 20 0"),
+              ElementsAre("6 602 21 00 20 01 15 00 00 00", "10 602 C6 00 20 02 16 00 00 00",
+                          "13 602 C6 00 20 03 2C 01 00 00"));
+  ASSERT_EQ(device().written.size(), 3U);
+  EXPECT_EQ(device().written[2].second, Bytes(300, 0x5A));
+}
+
+TEST_F(Configuration, SlaveWithoutBlocks_GetsSegments_AndIsAskedOnce) {
+  device().knows_blocks = false;
+  files[2] = file_with({22, 22});
+  switch_on();
+  run_for(1s);
+  EXPECT_THAT(only(sent(), " 00 20 0"),
+              ElementsAre("6 602 C6 00 20 01 16 00 00 00", "7 602 21 00 20 01 16 00 00 00",
+                          "12 602 21 00 20 02 16 00 00 00"));
+  EXPECT_EQ(device().written.size(), 2U);
+  EXPECT_EQ(master.boot_record(2).error, BootError::none);
+}
+
+TEST_F(Configuration, SlaveThatDoesNotAnswerABlock_GetsSegments) {
+  device().silences[{0x2000, 1}] = 1;
+  files[2] = file_with({22});
+  switch_on();
+  run_for(2s);
+  EXPECT_THAT(only(sent(), " 00 20 0"),
+              ElementsAre("6 602 C6 00 20 01 16 00 00 00", "506 602 80 00 20 01 00 00 04 05",
+                          "506 602 21 00 20 01 16 00 00 00"));
+  EXPECT_EQ(master.boot_record(2).error, BootError::none);
+}
+
+TEST_F(Configuration, BlocksCanBeSwitchedOff) {
+  master.options().block_from = 0;
+  files[2] = file_with({300});
+  switch_on();
+  run_for(1s);
+  EXPECT_THAT(only(sent(), " 00 20 0"), ElementsAre("6 602 21 00 20 01 2C 01 00 00"));
+}
+
+TEST_F(Configuration, ValueRefusedInABlock_IsNotTriedAgain) {
+  device().aborts[{0x2000, 1}] = 0x06090030;
+  files[2] = file_with({22});
+  switch_on();
+  run_for(1s);
+  EXPECT_THAT(only(sent(), " 00 20 0"), ElementsAre("6 602 C6 00 20 01 16 00 00 00"));
+  EXPECT_EQ(master.boot_record(2).error, BootError::configuration);
+}
+
 TEST_F(Configuration, WithoutTheBootSlaveBit_IsNotDownloaded) {
   object(0x1F81, 2, 0x01);
   switch_on();

@@ -487,6 +487,9 @@ TEST_F(ErrorControl, ReservedBits_AreRefused) {
   EXPECT_EQ(write(0x1F80, 0, 0x80, 4), AbortCode::invalid_value);
   EXPECT_EQ(write(0x1F80, 0, 0x80000000, 4), AbortCode::invalid_value);
   EXPECT_EQ(write(0x1F81, 2, 0xFFFFFF1D, 4), AbortCode::none);
+  EXPECT_EQ(write(0x1F81, 2, 0xFFFFFFFD, 4), AbortCode::none);
+  EXPECT_EQ(write(0x1F81, 2, 0x02, 4), AbortCode::invalid_value);
+  master.options().assignment_bits = 0x1D;  // as the modules have it
   for (const std::uint32_t bit : {0x02U, 0x20U, 0x40U, 0x80U}) {
     EXPECT_EQ(write(0x1F81, 2, bit, 4), AbortCode::invalid_value) << bit;
   }

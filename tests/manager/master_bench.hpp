@@ -57,6 +57,8 @@ inline std::shared_ptr<const canopen::DictionaryDescription> master_dictionary()
                   {.name = "Request", .access = Access::write_only});
   builder.uniform(0x1F26, ObjectCode::array, "Expected configuration date", 127, u32("Date"));
   builder.uniform(0x1F27, ObjectCode::array, "Expected configuration time", 127, u32("Time"));
+  builder.uniform(0x1F55, ObjectCode::array, "Expected software identification", 127, u32("Version"));
+  builder.uniform(0x1F58, ObjectCode::array, "Program", 127, {.name = "Program", .type = DataType::domain});
   builder.variable(0x1F80, u32("NMT start-up"));
   builder.uniform(0x1F81, ObjectCode::array, "NMT slave assignment", 127, u32("Assignment"));
   builder.uniform(0x1F82, ObjectCode::array, "Request NMT", 128, u8("Request"));
@@ -158,6 +160,8 @@ class MasterBench : public ::testing::Test,
   NmtMaster master;
   std::list<ScriptedSlave> slaves;
   std::map<std::uint8_t, std::vector<std::uint8_t>> files;
+  std::map<std::uint8_t, std::vector<std::uint8_t>> programs;
+  canopen::MemorySource program_source;
   std::vector<std::string> events;
   int refuse_frames = 0;  // the next so many frames find the transmit queue full
   bool channel_free = true;
@@ -209,6 +213,11 @@ class MasterBench : public ::testing::Test,
   bool sdo_channel_free(std::uint8_t) override { return channel_free; }
   // ConfigurationSource
   std::span<const std::uint8_t> concise_dcf(std::uint8_t id) override { return files[id]; }
+  Program open_program(std::uint8_t id) override {
+    if (!programs.contains(id)) return {};
+    program_source = canopen::MemorySource(programs[id]);
+    return {.bytes = &program_source, .size = static_cast<std::uint32_t>(programs[id].size())};
+  }
 
  private:
   struct Stored {

@@ -51,6 +51,14 @@ Layer2Rules layer2_rules(const Profile& profile) {
           .waiting_messages = profile.layer2_waiting_messages};
 }
 
+// No software check, no restore [ME3CAN1-Q Tab. 4-30]; the manual knows no SDO block transfer.
+manager::MasterOptions master_options() {
+  manager::MasterOptions options;
+  options.assignment_bits = 0x1D;
+  options.block_from = 0;
+  return options;
+}
+
 Modes mode_bit(std::uint16_t function_mode) {
   switch (function_mode) {
     case 11: return layer2_11;
@@ -79,7 +87,7 @@ Me3can1Q::Firmware::Firmware(can::Controller& controller, NonVolatileMemory& mem
       emergencies_(g::emergencies, stack_records, ring_records),
       nmt_status_(g::error_clear_node, g::nmt_state),
       node_(object_dictionary(), 127, controller, node_options()),
-      master_(node_, controller),
+      master_(node_, controller, master_options()),
       command_(g::command, command_table, *this, controller),
       exchange_(exchange_layout, buffer_),
       layer2_(layer2_layout, layer2_rules(profile_), buffer_, controller),
