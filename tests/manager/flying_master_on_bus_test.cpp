@@ -19,7 +19,7 @@ namespace {
 
 unsigned seeds() {
   const char* wanted = std::getenv("CANOPUS_SEEDS");
-  return wanted != nullptr ? static_cast<unsigned>(std::atoi(wanted)) : 12U;
+  return wanted != nullptr ? static_cast<unsigned>(std::atoi(wanted)) : 40U;
 }
 
 // 1F90H, as every master has it here.
@@ -298,7 +298,8 @@ TEST_P(FlyingOnBus, PowerComesBackAtAnyMoment_TheBestIsActiveAgain) {
       if (random() % 2 == 0) network.run_for(std::chrono::microseconds(random() % 2'000'000));
       network.switch_on(member);
     }
-    const can::Duration allowed = election(network);
+    // While it waits for its turn, another may miss the old master, and reset it once more.
+    const can::Duration allowed = election(network) + network.best()->waiting_time();
     const auto took = network.settle(60s);
     ASSERT_TRUE(took.has_value()) << "seed " << seed << ": " << network.text();
     EXPECT_LE(*took, allowed) << "seed " << seed << ": " << network.text();
@@ -325,10 +326,11 @@ TEST_P(FlyingOnBus, BusCutAndJoined_OneActiveMasterInEachPart_ThenOneAgain) {
     }
     network.run_for(std::chrono::microseconds(random() % 5'000'000));
     network.cut(false);
-    // Each active master looks for others once in its cycle.
-    can::Duration found{};
-    for (const std::uint8_t id : network.active()) found = std::max(found, detect_cycle + per_node_id * id);
-    const can::Duration allowed = found + election(network);
+    // Each active master looks for others once in its cycle, and the first who does finds them; unless two do
+    // at the very same moment: their frames are one on the wire, and neither hears it. Then it is the next.
+    can::Duration found = 60s;
+    for (const std::uint8_t id : network.active()) found = std::min(found, detect_cycle + per_node_id * id);
+    const can::Duration allowed = 2 * found + election(network);
     const auto took = network.settle(60s);
     ASSERT_TRUE(took.has_value()) << "seed " << seed << ": " << network.text();
     EXPECT_LE(*took, allowed) << "seed " << seed << ": " << network.text();
