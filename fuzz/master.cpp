@@ -1,5 +1,6 @@
 // An NMT master (or flying master) with its node and configuration manager, among three slaves that mostly
-// answer, and arbitrary frames. Callbacks and stop() send nothing, a node that is no master is silent,
+// answer, take configurations and programs (also in blocks), and arbitrary frames; an application that makes
+// SDO requests of its own. Callbacks and stop() send nothing, a node that is no master is silent,
 // deadlines lead somewhere, and what the master tells of its slaves is in range.
 
 #include <array>
@@ -26,6 +27,7 @@ using fuzz::Input;
 
 constexpr std::uint8_t own_id = 1;
 constexpr std::uint8_t slave_ids[] = {2, 3, 127};
+constexpr std::uint32_t new_version = 9;  // of the program; the slaves begin with version 4
 
 std::shared_ptr<const canopen::DictionaryDescription> description() {
   static const auto built = [] {
@@ -44,6 +46,8 @@ std::shared_ptr<const canopen::DictionaryDescription> description() {
     b.uniform(0x1F25, ObjectCode::array, "Configuration request", 128, {.access = Access::write_only});
     b.uniform(0x1F26, ObjectCode::array, "Configuration date", 127, u32());
     b.uniform(0x1F27, ObjectCode::array, "Configuration time", 127, u32());
+    b.uniform(0x1F55, ObjectCode::array, "Software version", 127, u32());
+    b.uniform(0x1F58, ObjectCode::array, "Program", 127, {.type = DataType::domain});
     b.variable(0x1F80, u32());
     b.uniform(0x1F81, ObjectCode::array, "Slave assignment", 127, u32());
     b.uniform(0x1F82, ObjectCode::array, "Request NMT", 128, u8());
@@ -85,7 +89,13 @@ class Run final : canopen::NodeListener, manager::MasterListener, can::Participa
     const std::uint8_t value[] = {1, 2, 3, 4, 5, 6, 7, 8, 9};
     manager::ConciseDcfWriter file;
     file.add(0x1017, 0, 100, 2).add(0x2000, 1, 7, 4).add(0x2001, 0, value);
+    const std::vector<std::uint8_t> table(60, 0x5A);
+    file.add(0x2002, 0, table);
     configurations_.load(2, file.file());
+    configurations_.load(3, file.file());
+    configurations_.load_program(2, table);
+    configurations_.load_program(127, value);
+    slave_version_.fill(4);
     configurations_.load(127, std::span(file.file()).first(file.file().size() - 3));  // damaged
     node_.power_on(now_);
     check();
@@ -118,7 +128,8 @@ class Run final : canopen::NodeListener, manager::MasterListener, can::Participa
     if (by_master) {
       expect(!silent_);
       was_master_ = was_master_ || (node_.dictionary().get<std::uint32_t>(0x1F80, 0) & 1) != 0;
-      expect(was_master_);
+      const bool is_request = frame.identifier > 0x600 && frame.identifier < 0x680;
+      expect(was_master_ || (asked_ && is_request));
     } else {
       expect(!frame.remote);
     }
@@ -154,6 +165,8 @@ class Run final : canopen::NodeListener, manager::MasterListener, can::Participa
     if ((shape & 4) != 0) o.wait_after_reset = 0ms;
     if ((shape & 8) != 0) o.presence_retry = 5ms;
     if ((shape & 16) != 0) o.error_reset = canopen::NmtCommand::reset_node;
+    if ((shape & 64) != 0) o.program_time_out = 50ms, o.program_poll = 5ms;
+    if ((shape & 128) != 0) o.program_flash_limit = o.program_start_limit = 300ms, o.program_attempts = 1;
     if ((shape & 32) != 0) o.revision_rule = manager::RevisionRule::same_major_newer_minor;
     return o;
   }
@@ -179,9 +192,10 @@ class Run final : canopen::NodeListener, manager::MasterListener, can::Participa
     for (unsigned i = 0; i < 3; ++i) {
       const std::uint8_t id = slave_ids[i];
       const std::uint8_t shape = settings_[i];
-      constexpr std::uint32_t assignments[] = {0x05,       0x0D,       0x1D,       0x00,
-                                               0x0A'03'0D, 0x0F'02'05, 0x05'01'1D, 0x01};
+      constexpr std::uint32_t assignments[] = {0x05,       0x6D,       0x1D,       0x00,
+                                               0x0A'03'ED, 0x0F'02'65, 0x05'01'3D, 0x85};
       d.set(0x1F81, id, assignments[shape % 8]);
+      d.set(0x1F55, id, new_version);
       if ((shape & 0x08) != 0) d.set(0x1016, static_cast<std::uint8_t>(i + 1), std::uint32_t{id} << 16 | 60U);
       if ((shape & 0x10) != 0) d.set(0x1F84, id, 0x191U);
       if ((shape & 0x20) != 0) d.set(0x1F26, id, 5U), d.set(0x1F27, id, 6U);
@@ -239,6 +253,32 @@ class Run final : canopen::NodeListener, manager::MasterListener, can::Participa
     expect(master_.deadline() >= now_ - 1s);
   }
 
+  // --- the application
+  void request_object() {
+    const std::uint8_t id = input_.one_of(slave_ids);
+    const std::uint8_t what = input_.byte();
+    const auto done = [this, id](const manager::SdoResult& result, can::Time now) {
+      expect(result.node_id == id && requests_ > 0);
+      --requests_;
+      if (reacts_ && requests_ < 50 &&
+          master_.read_object(
+              id, 0x1000, 0, [this](const auto&, can::Time) { --requests_; }, now) ==
+              canopen::AbortCode::none) {
+        ++requests_;
+      }
+    };
+    const manager::SdoRequestOptions options{
+        .time_out = (what & 1) != 0 ? can::Duration(20ms) : can::Duration(500ms),
+        .mode = (what & 2) != 0 ? canopen::SdoClient::Mode::block : canopen::SdoClient::Mode::segmented};
+    if (requests_ > 100) return;
+    ++requests_;
+    asked_ = true;
+    const std::vector<std::uint8_t> value((what >> 3) * 3U, what);
+    const auto code = (what & 4) != 0 ? master_.write_object(id, 0x2000, what, value, done, now_, options)
+                                      : master_.read_object(id, 0x1018, what & 3, done, now_, options);
+    if (code != canopen::AbortCode::none) --requests_;
+  }
+
   // --- the slaves
   void answer(const can::Frame& frame) {
     if (frame.extended || answers_.size() > 64) return;
@@ -261,10 +301,36 @@ class Run final : canopen::NodeListener, manager::MasterListener, can::Participa
     if (frame.identifier < 0x601 || frame.identifier > 0x67F) return;
     can::Frame response = frame;
     response.identifier -= 0x80;
+    if (block_sequence_[id] != 0) {  // segments of a block download, 1 is due first
+      if (frame.data[0] == 0x80) {
+        block_sequence_[id] = 0;
+        return;
+      }
+      if ((frame.data[0] & 0x7F) != block_sequence_[id]) return;
+      const bool last = (frame.data[0] & 0x80) != 0;
+      if (!last && block_sequence_[id]++ != 127) return;
+      response.data = {0xA2, static_cast<std::uint8_t>(frame.data[0] & 0x7F), 127};
+      block_sequence_[id] = last ? 0 : 1;
+      answers_.push_back(response);
+      return;
+    }
     const auto index = static_cast<std::uint16_t>(frame.data[1] | frame.data[2] << 8);
     switch (frame.data[0] >> 5) {
       case 0: response.data = {static_cast<std::uint8_t>(0x20 | (frame.data[0] & 0x10))}; break;
+      case 6:  // no CRC
+        if (!knows_blocks_) {
+          response.data = {0x80, frame.data[1], frame.data[2], frame.data[3], 0x01, 0x00, 0x04, 0x05};
+        } else if ((frame.data[0] & 1) != 0) {
+          response.data = {0xA1};
+          slave_version_[id] = new_version;
+        } else {
+          response.data = {0xA0, frame.data[1], frame.data[2], frame.data[3], 127};
+          block_sequence_[id] = 1;
+        }
+        break;
       case 1:
+        if (index == 0x1F51) program_state_[id] = frame.data[4] == 3 ? 2 : frame.data[4];
+        if (index == 0x1F50) slave_version_[id] = new_version;
         response.data[0] = 0x60;
         for (unsigned i = 4; i < 8; ++i) response.data[i] = 0;
         break;
@@ -272,6 +338,9 @@ class Run final : canopen::NodeListener, manager::MasterListener, can::Participa
         response.data[0] = 0x43;
         response.data[4] = index == 0x1000   ? 0x91
                            : index == 0x1020 ? static_cast<std::uint8_t>(4 + frame.data[3])
+                           : index == 0x1F51 ? program_state_[id]
+                           : index == 0x1F56 ? static_cast<std::uint8_t>(slave_version_[id])
+                           : index == 0x1F57 ? flash_status_
                                              : 2;
         response.data[5] = index == 0x1000 ? 0x01 : 0;
         response.data[6] = index == 0x1018 ? 1 : 0;
@@ -283,7 +352,8 @@ class Run final : canopen::NodeListener, manager::MasterListener, can::Participa
 
   // --- what happens
   void step() {
-    switch (input_.choice(16)) {
+    switch (input_.choice(17)) {
+      case 16: return request_object();
       case 0: return receive(input_.frame(some_identifier()), now_);
       case 1: return receive(input_.frame(static_cast<std::uint32_t>(input_.number(2)) & 0x7FF), now_);
       case 2: {
@@ -347,8 +417,8 @@ class Run final : canopen::NodeListener, manager::MasterListener, can::Participa
   }
 
   void write() {
-    constexpr std::uint16_t objects[] = {0x1F80, 0x1F81, 0x1F82, 0x1F83, 0x1F22, 0x1F25, 0x1F84,
-                                         0x1F89, 0x1F90, 0x1016, 0x1017, 0x102A, 0x1F26, 0x1F8A};
+    constexpr std::uint16_t objects[] = {0x1F80, 0x1F81, 0x1F82, 0x1F83, 0x1F22, 0x1F25, 0x1F84, 0x1F89,
+                                         0x1F90, 0x1016, 0x1017, 0x102A, 0x1F26, 0x1F8A, 0x1F55, 0x1F58};
     constexpr std::uint8_t subs[] = {0, 1, 2, 3, 4, 5, 6, 127, 128};
     const std::uint16_t index = input_.one_of(objects);
     const std::uint8_t sub = input_.one_of(subs);
@@ -364,7 +434,11 @@ class Run final : canopen::NodeListener, manager::MasterListener, can::Participa
   }
 
   void surroundings() {
-    switch (input_.choice(8)) {
+    switch (input_.choice(12)) {
+      case 8: knows_blocks_ = input_.flag(); return;
+      case 9: flash_status_ = input_.byte(); return;
+      case 10: slave_version_[input_.one_of(slave_ids)] = input_.byte(); return;
+      case 11: master_.cancel_requests(input_.flag() ? 0 : input_.one_of(slave_ids), now_); return;
       case 0: full_ = input_.flag(); return;
       case 1: may_start_ = input_.flag(); return;
       case 2: channel_free_ = input_.flag(); return;
@@ -401,6 +475,13 @@ class Run final : canopen::NodeListener, manager::MasterListener, can::Participa
   std::array<std::uint8_t, 4> settings_{};
   std::array<std::uint8_t, 128> slave_state_{};
   std::array<std::uint8_t, 128> toggle_{};
+  std::array<std::uint8_t, 128> block_sequence_{};
+  std::array<std::uint8_t, 128> program_state_{};
+  std::array<std::uint32_t, 128> slave_version_{};
+  std::uint8_t flash_status_ = 0;
+  bool knows_blocks_ = true;
+  unsigned requests_ = 0;
+  bool asked_ = false;  // SDO requests were made
   std::deque<can::Frame> answers_;
   unsigned frames_ = 0;
   bool was_master_ = false;  // 1F80H had bit 0 set

@@ -16,6 +16,7 @@ using Bytes = std::vector<std::uint8_t>;
 /// Values to be written by index and sub-index.
 using Values = std::map<std::uint16_t, std::map<std::uint8_t, Bytes>>;
 
+constexpr std::uint16_t verify_configuration = 0x1020;
 constexpr std::uint32_t not_valid = 0x8000'0000;  // bit 31 of a PDO's COB-ID
 
 /// Offset from a PDO's communication to its mapping record; 0 when `index` is not a communication record.
@@ -83,8 +84,13 @@ class Download {
       if (mapping_of(index) != 0) {
         write_pdo(index, subs);
       } else if (!is_mapping(index) || !values_.contains(static_cast<std::uint16_t>(index - 0x200))) {
+        if (index == verify_configuration) continue;
         for (const auto& [sub, value] : subs) file_.add(index, sub, value);
       }
+    }
+    // Any other change of its configuration makes the device forget it [CiA 301 1020H].
+    if (const auto found = values_.find(verify_configuration); found != values_.end()) {
+      for (const auto& [sub, value] : found->second) file_.add(verify_configuration, sub, value);
     }
     return file_.file();
   }

@@ -2,7 +2,8 @@
 // What is to be downloaded to a slave so that it becomes what its DCF describes, as a concise DCF [CiA
 // 302-3]: every configured value (ParameterValue) that can be written, and settings that come on top. A PDO
 // is switched off while it is changed, as CiA 301 demands: COB-ID bit 31 set, number of mapped objects 0,
-// mapping, number, COB-ID. Commands (1010H, 1011H) are not settings and are left out.
+// mapping, number, COB-ID. The date and time of
+// the configuration (1020H) come last. Commands (1010H, 1011H) are not settings and are left out.
 
 #include <cstdint>
 #include <expected>

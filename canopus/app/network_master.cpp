@@ -11,6 +11,7 @@
 
 #include "canopus/app/dcf_download.hpp"
 #include "canopus/eds/device_file.hpp"
+#include "canopus/manager/concise_dcf.hpp"
 #include "canopus/manager/master_dictionary.hpp"
 
 namespace canopus::app {
@@ -91,6 +92,7 @@ std::vector<PlantError> NetworkMaster::prepare(const NetworkSlave& slave) {
     auto concise = concise_dcf_of(*device.file, slave.objects, slave.node);
     if (!concise) return concise.error();
     files_[slave.node] = std::move(*concise);
+    expect_configuration(slave.node);
   }
   store(0x1F84, slave.node, slave.device_type.value_or(identity.device_type.value_or(0)));
   store(0x1F85, slave.node, slave.vendor.value_or(identity.vendor_id.value_or(0)));
@@ -98,6 +100,17 @@ std::vector<PlantError> NetworkMaster::prepare(const NetworkSlave& slave) {
   store(0x1F87, slave.node, slave.revision.value_or(identity.revision.value_or(0)));
   store(0x1F88, slave.node, slave.serial.value_or(0));
   return {};
+}
+
+// A configuration that says when it was made need not be downloaded to a slave that has it.
+void NetworkMaster::expect_configuration(std::uint8_t node_id) {
+  manager::ConciseDcfReader reader(files_[node_id]);
+  while (const auto entry = reader.next()) {
+    if (entry->index != 0x1020 || entry->data.size() != 4 || entry->sub < 1 || entry->sub > 2) continue;
+    std::uint32_t value = 0;
+    for (std::size_t i = 4; i > 0; --i) value = value << 8 | entry->data[i - 1];
+    store(static_cast<std::uint16_t>(0x1F25 + entry->sub), node_id, value);
+  }
 }
 
 void NetworkMaster::power_on(can::Time now) { node_.power_on(now); }

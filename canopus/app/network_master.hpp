@@ -72,6 +72,7 @@ class NetworkMaster final : public can::Participant,
  private:
   NetworkMaster(const NetworkFile& file, can::Sink& sink, NetworkObserver& observer);
   std::vector<PlantError> prepare(const NetworkSlave& slave);
+  void expect_configuration(std::uint8_t node_id);
   void store(std::uint16_t index, std::uint8_t sub, std::uint32_t value) {
     stored_.push_back({index, sub, value});
   }

@@ -204,7 +204,7 @@ void Node::Services::tick(TimerQueue::Number number, can::Time now) {
   } else if (number == sync_service.timer()) {
     if (sync_service.tick(now)) sync(sync_service.counter(), now);
   } else if (number == node_guarding.timer()) {
-    node_guarding.tick(now);
+    node_guarding.tick(heartbeat_producer.is_active(), now);
   } else if (number == emcy_producer.timer()) {
     emcy_producer.tick(now);
   } else if (is_one_of(sdo_channels.first_timer(), sdo_channels.size())) {

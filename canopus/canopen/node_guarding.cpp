@@ -34,7 +34,11 @@ void NodeGuarding::receive(bool heartbeat, can::Time now) {
   if (node_.listener != nullptr) node_.listener->life_guarding_event(false, now);
 }
 
-void NodeGuarding::tick(can::Time now) {
+void NodeGuarding::tick(bool heartbeat, can::Time now) {
+  if (heartbeat) {
+    guarded_ = false;
+    return stop();
+  }
   occurred_ = true;
   const bool named = node_.options.guarding_emergency_names_node;
   const auto code = static_cast<std::uint16_t>(named ? 0x8F00U + node_.node_id : 0x8130U);

@@ -46,6 +46,9 @@ struct NodeOptions {
   /// A lost heartbeat is told with 8F00H + node-ID of the lost node, a life guarding event with 8F00H + own
   /// node-ID, instead of 8130H [ME3CAN1-Q 8.2.1].
   bool guarding_emergency_names_node = false;
+  /// Emergency code of a SYNC of the wrong length; modules that do not know 8240H say 8200H
+  /// [ME3CAN1-Q 8.2.1].
+  std::uint16_t sync_length_error = 0x8240;
 
   // --- SDO server
   /// A transfer whose client is silent for so long is aborted with 05040000H; 0 = never.

@@ -34,6 +34,9 @@ std::shared_ptr<const canopen::DictionaryDescription> master_dictionary() {
   builder.uniform(0x1018, ObjectCode::record, "Identity object", 4,
                   read_only("Identity", DataType::unsigned32));
   builder.variable(0x102A, {.name = "NMT inhibit time", .type = DataType::unsigned16});
+  array(0x1F26, "Expected configuration date", DataType::unsigned32);
+  array(0x1F27, "Expected configuration time", DataType::unsigned32);
+  array(0x1F55, "Expected software identification", DataType::unsigned32);
   builder.variable(0x1F80, {.name = "NMT start-up"});
   array(0x1F81, "NMT slave assignment", DataType::unsigned32);
   array(0x1F82, "Request NMT", DataType::unsigned8, nodes + 1);
@@ -44,6 +47,7 @@ std::shared_ptr<const canopen::DictionaryDescription> master_dictionary() {
   array(0x1F87, "Revision number", DataType::unsigned32);
   array(0x1F88, "Serial number", DataType::unsigned32);
   builder.variable(0x1F89, {.name = "Boot time"});
+  array(0x1F8A, "Restore configuration", DataType::unsigned8);
   return builder.build();
 }
 

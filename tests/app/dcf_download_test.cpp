@@ -69,6 +69,20 @@ const std::string pdo =
     "[ManufacturerObjects]\nSupportedObjects=1\n1=0x2000\n"
     "[2000]\nParameterName=V\nDataType=6\nAccessType=rw\nPDOMapping=1\n";
 
+TEST(DcfDownload, DateAndTimeOfTheConfiguration_ComeLast) {
+  EXPECT_EQ(download("[OptionalObjects]\nSupportedObjects=1\n1=0x1020\n"
+                     "[1020]\nParameterName=Verify\nObjectType=8\nSubNumber=3\n"
+                     "[1020sub0]\nParameterName=N\nDataType=5\nAccessType=const\nDefaultValue=2\n"
+                     "[1020sub1]\nParameterName=Date\nDataType=7\nAccessType=rw\nParameterValue=11245\n"
+                     "[1020sub2]\nParameterName=Time\nDataType=7\nAccessType=rw\nParameterValue=6\n"
+                     "[ManufacturerObjects]\nSupportedObjects=1\n1=0x2000\n"
+                     "[2000]\nParameterName=V\nDataType=5\nAccessType=rw\nParameterValue=1\n"),
+            (Bytes{3,    0,    0, 0,                                   //
+                   0x00, 0x20, 0, 1, 0, 0, 0, 1,                       //
+                   0x20, 0x10, 1, 4, 0, 0, 0, 0xED, 0x2B, 0x00, 0x00,  //
+                   0x20, 0x10, 2, 4, 0, 0, 0, 0x06, 0x00, 0x00, 0x00}));
+}
+
 TEST(DcfDownload, Pdo_IsSwitchedOffWhileItIsChanged) {
   EXPECT_EQ(download(pdo), (Bytes{6,    0,    0,    0,                                   //
                                   0x00, 0x18, 0x01, 4, 0, 0, 0, 0x85, 0x01, 0x00, 0x80,  //

@@ -1,5 +1,8 @@
 #include "canopus/app/network_master.hpp"
 
+#include <cstdio>
+#include <fstream>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -81,6 +84,29 @@ TEST_F(NetworkMasterTest, Settings_AreDownloaded) {
   boot();
   EXPECT_EQ(result(0), Result::booted);
   EXPECT_EQ(device.node().dictionary().get<std::uint16_t>(0x2003, 0), 123);
+}
+
+TEST_F(NetworkMasterTest, ConfigurationWithDateAndTime_IsComparedBeforeItIsDownloaded) {
+  const std::string dcf = testing::TempDir() + "canopus_dated.dcf";
+  std::ofstream(dcf)
+      << "[FileInfo]\nFileName=a.dcf\n[DeviceInfo]\nVendorName=a\nProductName=b\nGranularity=8\n"
+         "[DeviceComissioning]\nNodeID=5\n"
+         "[MandatoryObjects]\nSupportedObjects=2\n1=0x1000\n2=0x1001\n"
+         "[1000]\nParameterName=Type\nDataType=7\nAccessType=ro\nDefaultValue=0\n"
+         "[1001]\nParameterName=Register\nDataType=5\nAccessType=ro\n"
+         "[OptionalObjects]\nSupportedObjects=1\n1=0x1020\n"
+         "[1020]\nParameterName=Verify\nObjectType=8\nSubNumber=3\n"
+         "[1020sub0]\nParameterName=N\nDataType=5\nAccessType=const\nDefaultValue=2\n"
+         "[1020sub1]\nParameterName=Date\nDataType=7\nAccessType=rw\nParameterValue=11245\n"
+         "[1020sub2]\nParameterName=Time\nDataType=7\nAccessType=rw\nParameterValue=6\n";
+  bus.device(5, 100);  // has no 1020H, so it is asked in vain
+  slave(5).eds = dcf;
+  network.slaves[0].device_type = 0;
+  boot();
+  EXPECT_THAT(events, Contains("node 5 comparing its configuration date and time"));
+  EXPECT_EQ(master->master().boot_record(5).failed_step, manager::BootStep::configuration);
+  EXPECT_EQ(master->master().boot_record(5).index, 0x1020);
+  std::remove(dcf.c_str());
 }
 
 TEST_F(NetworkMasterTest, IdentityOfTheDeviceFile_IsExpected) {

@@ -42,6 +42,7 @@ canopen::NodeOptions node_options() {
       .history_clears_error_register = true,
       .empty_history_reads_zero = true,
       .guarding_emergency_names_node = true,
+      .sync_length_error = 0x8200,
   };
 }
 

@@ -69,5 +69,251 @@ TEST(Me3FlyingMaster, S75_WaitingTimes) {
   }
 }
 
+TEST(Me3FlyingMaster, Bit5_TakesPart_AndTheLoserIsASlave) {
+  RecordProperty("spec", "ME3-MST-006");
+  Me3Scenario s;
+  switch_on(s, 2);
+  s.advance(499ms).no_tx().advance(1ms).tx(0x073).no_tx();  // no start-up before the negotiation
+  s.rx(0x071, {0x01, 0x01}).no_tx().expect_bit(25, 15, false);
+  s.rx(0x000, {0x01, 0x00}).expect_bit(25, 0, true);  // a slave obeys commands to all nodes
+  s.rx(0x000, {0x80, 0x02}).expect_bit(25, 0, false);
+  s.ignore_tx();
+
+  Me3Scenario plain;  // bit 5 clear: master at once, and deaf to what flying masters say
+  plain.plug_in().preset_buffer(27, 2);
+  plain.plug_in().preset_object(0x1F80, 0, canopen::little_endian(0x01, 4));
+  plain.supply_on().wait_tx(0x702, {0x00}).tx(0x000, {0x82, 0x00}).expect_bit(25, 15, true);
+  plain.rx(0x071, {0x00, 0x01}).rx(0x076).rx(0x073).advance(1s).no_tx().expect_bit(25, 15, true);
+}
+
+TEST(Me3FlyingMaster, PriorityLevels_0To2_ReservedOnesAreRefused) {
+  RecordProperty("spec", "ME3-FLY-002");
+  Me3Scenario s;
+  s.power_on_as(1);
+  s.expect_object(0x1F90, 3, 1, 2);
+  for (const std::uint16_t level : Words{0, 1, 2}) {
+    s.set_object(0x1F90, 3, level, 2);
+    s.expect_object(0x1F90, 3, level, 2);
+  }
+  for (const std::uint16_t level : Words{3, 4, 0x7F, 0xFF}) {
+    s.cif({0x0002, 0, 0x1F90, 3, 2, level});
+    s.expect(1000, {0x000F, 0x0003, 0, 0x0030, 0x0609});
+    s.expect_object(0x1F90, 3, 2, 2);
+  }
+  for (const std::uint16_t level : Words{0, 1, 2}) {  // 0 is the first to claim, 2 the last
+    Me3Scenario t;
+    switch_on(t, 1, level);
+    t.advance(600ms).ignore_tx().rx(0x072);
+    const can::Time asked = t.now();
+    t.wait_bit(25, 15, true);
+    EXPECT_EQ(t.now() - asked, 1500ms * level + 10ms);
+    while (t.controller().sent.front().identifier == 0x701) t.controller().sent.pop_front();  // heartbeats
+    t.tx(0x071, {static_cast<std::uint8_t>(level), 0x01});
+    t.ignore_tx();
+  }
+}
+
+TEST(Me3FlyingMaster, HigherLevelWins_ThenTheLowerNodeId) {
+  RecordProperty("spec", "ME3-FLY-003");
+  struct Row {
+    std::uint16_t level;
+    std::uint8_t node;
+    std::uint8_t other_level, other_node;
+    bool stands_by;
+  };
+  for (const Row& row :
+       {Row{1, 5, 0, 127, true}, Row{1, 5, 2, 1, false}, Row{1, 5, 1, 4, true}, Row{1, 5, 1, 6, false},
+        Row{0, 127, 1, 1, false}, Row{2, 1, 1, 127, true}, Row{0, 2, 0, 1, true}, Row{0, 1, 0, 2, false}}) {
+    Me3Scenario s;
+    switch_on(s, row.node, row.level);
+    s.ignore_tx().wait_tx(0x073).rx(0x071, {row.other_level, row.other_node});
+    if (row.stands_by) {
+      s.no_tx().advance(1s).expect_bit(25, 15, false).ignore_tx();
+    } else {
+      s.tx(0x076).tx(0x072).no_tx().wait_bit(25, 15, true).ignore_tx();
+    }
+  }
+}
+
+TEST(Me3FlyingMaster, PrioritySlot_IsLongerThanAllDeviceSlotsTogether) {
+  RecordProperty("spec", "ME3-FLY-005");
+  Me3Scenario s;
+  s.power_on_as(127);
+  s.expect_object(0x1F90, 4, 1500, 2).expect_object(0x1F90, 5, 10, 2);
+  s.ignore_tx();
+  const auto waits = [](std::uint8_t node, std::uint16_t level, std::uint16_t slot) {
+    Me3Scenario t;
+    t.plug_in().preset_object(0x1F90, 4, canopen::little_endian(slot, 2));
+    switch_on(t, node, level);
+    t.advance(600ms).ignore_tx().rx(0x072);
+    const can::Time asked = t.now();
+    t.wait_bit(25, 15, true).ignore_tx();
+    return t.now() - asked;
+  };
+  // The last node of a level before the first of the next one.
+  EXPECT_EQ(waits(127, 0, 1500), 1270ms);
+  EXPECT_EQ(waits(1, 1, 1500), 1510ms);
+  // Against the rule, which the module leaves to the user, the lower level would claim first.
+  EXPECT_EQ(waits(1, 1, 1000), 1010ms);
+}
+
+TEST(Me3FlyingMaster, Negotiation_ResetsAllNodes_AlsoThoseThatAreToBeKeptAlive) {
+  RecordProperty("spec", "ME3-FLY-006");
+  Me3Scenario s;
+  s.plug_in().preset_object(0x1F81, 2, canopen::little_endian(0x1D, 4));
+  switch_on(s, 1);
+  s.ignore_tx().wait_tx(0x073).advance(100ms).tx(0x000, {0x82, 0x00}).tx(0x072).no_tx();
+  s.advance(990ms).ignore_tx().rx(0x702, {0x05}).advance(520ms);
+  s.ignore_tx().expect_bit(25, 15, true);
+  s.advance(1s).ignore_tx();
+  s.rx(0x702, {0x05}).ignore_tx();
+  s.rx(0x076).tx(0x602, {0x80, 0x00, 0x10, 0x00, 0x00, 0x00, 0x00, 0x08});  // forced: its boot is given up
+  s.tx(0x072).no_tx();
+  const can::Time asked = s.now();
+  s.expect_bit(25, 15, false).wait_bit(25, 15, true);
+  EXPECT_EQ(s.now() - asked, 1510ms);
+  unsigned resets = 0;
+  for (const can::Frame& frame : s.controller().sent) {
+    if (frame.identifier == 0) {
+      EXPECT_EQ(text(frame), "000 [82 00]");  // none singly
+      ++resets;
+    }
+  }
+  EXPECT_EQ(resets, 1U);
+  s.ignore_tx();
+}
+
+TEST(Me3FlyingMaster, S74_BetterMasterJoins_NegotiatesAndWins) {
+  RecordProperty("spec", "ME3-FLY-008");
+  Me3Scenario joining;  // node 3, high
+  switch_on(joining, 3, 0);
+  joining.advance(500ms).tx(0x073).rx(0x071, {0x01, 0x01}).tx(0x076).tx(0x072).no_tx();
+  const can::Time asked = joining.now();
+  joining.rx(0x072);  // the active master's
+  joining.wait_tx(0x071, {0x00, 0x03});
+  EXPECT_EQ(joining.now() - asked, 30ms);
+  joining.tx(0x000, {0x82, 0x00}).expect_bit(25, 15, true).ignore_tx();
+
+  Me3Scenario active;  // node 1, medium, its opponent
+  switch_on(active, 1);
+  active.wait_bit(25, 15, true).advance(1s).ignore_tx();
+  active.rx(0x073).tx(0x071, {0x01, 0x01}).no_tx();
+  active.rx(0x076).tx(0x072).no_tx().expect_bit(25, 15, false);
+  active.rx(0x072).advance(30ms).no_tx();
+  active.rx(0x071, {0x00, 0x03}).no_tx();
+  active.rx(0x000, {0x82, 0x00}).wait_tx(0x701, {0x00});  // and is reset as a slave
+  active.wait_tx(0x073).rx(0x071, {0x00, 0x03}).expect_bit(25, 15, false);
+  active.advance(1s).expect_bit(25, 15, false).ignore_tx();
+  active.expect_object(0x1016, 1, 0x000305E6, 4);
+  active.ignore_tx();
+
+  Me3Scenario worse;  // a low one that joins leaves the active master alone
+  switch_on(worse, 9, 2);
+  worse.advance(500ms).tx(0x073).rx(0x071, {0x01, 0x01}).no_tx().advance(1s).expect_bit(25, 15, false);
+  worse.ignore_tx();
+}
+
+TEST(Me3FlyingMaster, DifferentConsumerTimes_TheFirstResetsTheNetwork_TheSecondDoesNot) {
+  RecordProperty("spec", "ME3-FLY-011");
+  for (const bool reset_by_other : {true, false}) {
+    Me3Scenario s;  // node 3, consumer time 1530 ms; node 2's is 1520 ms
+    switch_on(s, 3);
+    s.ignore_tx().wait_tx(0x073).rx(0x071, {0x01, 0x01}).rx(0x701, {0x05});
+    const can::Time heard = s.now();
+    s.advance(1520ms).ignore_tx();
+    if (reset_by_other) s.rx(0x000, {0x82, 0x00});
+    s.advance(9ms).ignore_tx();
+    s.advance(1ms);
+    unsigned resets = 0;
+    for (const can::Frame& frame : s.controller().sent) resets += frame.identifier == 0 ? 1U : 0U;
+    EXPECT_EQ(s.now() - heard, 1530ms);
+    EXPECT_EQ(resets, reset_by_other ? 0U : 1U);
+    s.ignore_tx().advance(600ms).ignore_tx();
+  }
+}
+
+TEST(Me3FlyingMaster, ForeignMasterWithoutHeartbeat_LeadsToEndlessResets) {
+  RecordProperty("spec", "ME3-FLY-012");
+  Me3Scenario s;
+  switch_on(s, 2);
+  s.ignore_tx().wait_tx(0x073);
+  for (int again = 0; again < 20; ++again) {
+    s.rx(0x071, {0x00, 0x05});
+    const can::Time answered = s.now();
+    for (;;) {  // its own heartbeats apart
+      s.ignore_tx().advance(1ms);
+      if (!s.controller().sent.empty() && s.controller().sent.back().identifier == 0) break;
+      ASSERT_LT(s.now() - answered, 3s);
+    }
+    EXPECT_EQ(s.now() - answered, 1520ms);
+    EXPECT_EQ(text(s.controller().sent.back()), "000 [82 00]");
+    s.ignore_tx().advance(499ms).ignore_tx().advance(1ms).tx(0x073);
+  }
+  s.ignore_tx();
+}
+
+TEST(Me3FlyingMaster, Standby_LeavesTheMastersServicesAlone_UntilItWins) {
+  RecordProperty("spec", "ME3-FLY-014");
+  Me3Scenario s;
+  s.plug_in().preset_object(0x1F81, 9, canopen::little_endian(0x00640301, 4));
+  s.plug_in().preset_object(0x1005, 0, canopen::little_endian(0x40000080, 4));
+  s.plug_in().preset_object(0x1006, 0, canopen::little_endian(10'000, 4));
+  switch_on(s, 2);
+  s.ignore_tx().wait_tx(0x073).rx(0x071, {0x01, 0x01}).rx(0x701, {0x05}).ignore_tx();
+  s.rx(0x000, {0x01, 0x02}).expect_bit(25, 0, true);
+  s.write(50, 2);  // time producer
+  s.cif({0x0002, 0, 0x1F82, 9, 1, 5});
+  s.expect(1000, {0x000F, 0x0003, 0, 0x0022, 0x0800});
+  s.cif({0x0002, 0, 0x1F83, 9, 1, 1});
+  s.expect(1000, {0x000F, 0x0003, 0, 0x0022, 0x0800});
+  s.rx(0x709, {0x00});
+  for (int second = 0; second < 10; ++second) {
+    s.rx(0x701, {0x05}).advance(1s);
+    for (const can::Frame& frame : s.controller().sent)
+      EXPECT_EQ(frame.identifier, 0x702U);  // heartbeats alone
+    s.ignore_tx();
+  }
+  s.wait_bit(25, 15, true).advance(1s).ignore_tx();  // it wins
+  s.wait_tx(0x080);
+  s.ignore_tx().rx(0x709, {0x00}).tx_remote(0x709);
+  s.cif({0x0002, 0, 0x1F82, 9, 1, 5});
+  s.expect(1000, 0x0003).ignore_tx();
+}
+
+TEST(Me3FlyingMaster, ActiveMaster_LooksForASecondOne_EveryDetectCycle) {
+  RecordProperty("spec", "ME3-FLY-015");
+  Me3Scenario s;
+  switch_on(s, 7);
+  s.wait_bit(25, 15, true, 60s).ignore_tx();
+  const can::Time won = s.now();
+  s.expect_object(0x1F90, 6, 4070, 2);
+  for (int cycle = 1; cycle <= 3; ++cycle) {
+    for (;;) {
+      s.ignore_tx().advance(1ms);
+      if (!s.controller().sent.empty() && s.controller().sent.front().identifier == 0x076) break;
+      ASSERT_LT(s.now() - won, 60s);
+    }
+    EXPECT_EQ(s.now() - won, 4070ms * cycle);
+  }
+  s.ignore_tx().expect_bit(25, 15, true);           // nobody: nothing happens
+  s.rx(0x076).tx(0x072).expect_bit(25, 15, false);  // it is the second one itself
+  s.wait_bit(25, 15, true).ignore_tx();
+}
+
+TEST(Me3FlyingMaster, ApplicationData_AreNotMirrored) {
+  RecordProperty("spec", "ME3-FLY-016");
+  Me3Scenario s;
+  switch_on(s, 2);
+  s.ignore_tx().wait_tx(0x073).rx(0x071, {0x01, 0x01}).rx(0x701, {0x05}).ignore_tx();
+  s.rx(0x000, {0x01, 0x02}).write(13000, 0x2222);
+  s.y(0x01, true).advance(100ms).y(0x01, false);
+  s.rx(0x181, {0x11, 0x11, 0, 0, 0, 0, 0, 0}).rx(0x701, {0x05});  // the active master's outputs
+  s.y(0x01, true).advance(100ms).y(0x01, false);
+  s.expect(13000, 0x2222).expect(10000, 0);
+  s.ignore_tx().wait_bit(25, 15, true).advance(1s).ignore_tx();
+  s.y(0x01, true).advance(100ms).y(0x01, false);
+  s.expect(13000, 0x2222).expect(10000, 0).ignore_tx();
+}
+
 }  // namespace
 }  // namespace canopus::scenario

@@ -71,7 +71,7 @@ TEST(Me3NmtSlave, S56_Resets_BringTheStoredObjectsBack_AndEndWithTheBootUpFrame)
 }
 
 TEST(Me3NmtSlave, ServicesPerState) {
-  // SYNC and TIME are not looked at here.
+  RecordProperty("spec", "ME3-NMT-008");
   Me3Scenario s;
   s.power_on_as(1);
   s.write(11000, 0);
@@ -83,8 +83,22 @@ TEST(Me3NmtSlave, ServicesPerState) {
     s.y(0x11, true).advance(10ms).y(0x11, false).expect_x(0x11, false);
     s.rx(0x085, {0x10, 0x81, 0x11, 0, 0, 0, 0, 0}).expect_x(0x11, heard);
   };
-  // Pre-operational: SDO, EMCY, NMT and error control, no PDO.
+  const auto time_is_heard = [&](bool heard) {
+    s.write(25, 0xEFFF).expect_bit(25, 12, false);
+    s.rx(0x100, {0, 0, 0, 0, 0x10, 0x27}).expect_bit(25, 12, heard);
+  };
+  const auto sync_error_is_told = [&](bool told) {  // a SYNC with a byte is one too many
+    s.rx(0x080, {0x01});
+    if (told) s.tx(0x081, {0x00, 0x82, 0x11, 0, 0, 0, 0, 0});
+    s.rx(0x080);
+    if (told) s.tx(0x081, {0x00, 0x00, 0x00, 0, 0, 0, 0, 0});
+    s.no_tx();
+  };
+  s.write(50, 1);  // consumes TIME
+  // Pre-operational: SDO, SYNC, TIME, EMCY, NMT and error control, no PDO.
   sdo_answers();
+  time_is_heard(true);
+  sync_error_is_told(true);
   emergency_is_heard(true);
   exchange_sends_tpdo(0x1111);
   s.no_tx();
@@ -92,6 +106,8 @@ TEST(Me3NmtSlave, ServicesPerState) {
   // Operational: PDO as well.
   s.nmt(0x01, 1).ignore_tx();
   sdo_answers();
+  time_is_heard(true);
+  sync_error_is_told(true);
   emergency_is_heard(true);
   exchange_sends_tpdo(0x2222);
   s.tx(0x181, {0x22, 0x22, 0, 0, 0, 0, 0, 0}).no_tx();
@@ -99,6 +115,8 @@ TEST(Me3NmtSlave, ServicesPerState) {
   // Stopped: NMT and error control only; nothing says that anything was refused.
   s.nmt(0x02, 1);
   s.rx(0x601, read_1000).advance(5s).no_tx();
+  time_is_heard(false);
+  sync_error_is_told(false);
   emergency_is_heard(false);
   exchange_sends_tpdo(0x3333);
   s.no_tx().expect(29, 0);
