@@ -1,5 +1,7 @@
 """Checks of the ME3CAN1-Q over its PLC's Ethernet port: the examples a user copies from, judged by the bus's recording."""
 import random
+import re
+import socket
 import struct
 import sys
 import threading
@@ -107,6 +109,42 @@ def example_starts_an_me3can1_q_up_in_layer_2_mode():
         (0x123, "11 22 33 44"), (0x222, "A3 B3"), (0x321, "01 02 03")])
     require((0x182, bytes.fromhex("A2 B2")) in frames, "the partner did not send")
     require(all(identifier in (0x77F, 0x0FF, 0x123, 0x182, 0x222, 0x321) for identifier, _ in frames), "other frames came")
+
+
+@check
+def layer_2_module_talks_to_a_raw_socketcand_peer():
+    """The partner of the Layer 2 example, set up by the plant file alone: slot 1 receives 123H, 2 sends 182H, 3 answers."""
+    with running(example_plant("layer2")) as plant:
+        plant.wait(lambda e: e["event"] == "signal" and e["signal"] == "X63" and e["on"])
+        host, port = host_port(plant.socketcand)
+        with socket.create_connection((host, int(port)), 5) as peer:
+            heard = ""
+
+            def hear(pattern):
+                nonlocal heard
+                while not re.search(pattern, heard):
+                    more = peer.recv(4096).decode()
+                    require(more, f"{pattern} did not come; heard {heard}")
+                    heard += more
+
+            hear("< hi >")
+            peer.sendall(b"< open line1 >")
+            hear("< ok >")
+            peer.sendall(b"< rawmode >")
+            hear("< ok >.*< ok >")
+            hear("< frame 182 [0-9.]+ A2B2 >")
+            peer.sendall(b"< send 123 2 5A A5 >")
+            plant.wait(lambda e: e["event"] == "buffer" and e["address"] == 10003 and e["value"] == 0xA55A)
+            mc_host, mc_port = host_port(plant.mc)
+            with mc.McClient(mc_host, int(mc_port)) as plc:
+                module = me3can1q.Me3Can1Q(plc, head=0x60)
+                require(module.words(10000, 4) == [0x123, 0, 0x0302, 0xA55A], f"slot 1 has {module.words(10000, 4)}")
+                require(module.g(29) == 0, f"G29 = {module.g(29):04X}H")
+        done = plant.stop()
+        require(done[0] == 0, f"exit code {done[0]}: {done[1]}")
+        summary = plant.wait(lambda e: e["event"] == "summary")
+        states = {node["name"]: node["state"] for node in summary["nodes"]}
+        require(states["ME3CAN1-Q U6"] == "layer 2 online", f"the summary says {states}")
 
 
 # --- what survives a killed program
