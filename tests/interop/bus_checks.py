@@ -227,6 +227,19 @@ def master_tells_why_a_slave_does_not_boot():
 
 
 @check
+def the_stuck_slaves_example_says_what_its_how_to_shows():
+    """Every line of the how-to's transcript is a line of the run, but for the times behind the seconds."""
+    how_to = (ROOT / "docs/how-to/why-is-my-slave-stuck.md").read_text()
+    shown = how_to.split("```")[1].splitlines()[2:]
+    done = subprocess.run([program, "run", str(ROOT / "examples/stuck-slave/plant.toml"), "--virtual", "--for", "4s"],
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=True, timeout=60)
+    said = done.stdout.splitlines()
+    for line in shown:
+        if line.strip() and line.strip() != "...":
+            require(line in said, f"the how-to shows {line!r}, the program says:\n{done.stdout}")
+
+
+@check
 def a_cpp_program_on_the_rooms_boots_a_network():
     example = pathlib.Path(program).parent / "examples" / "example_cpp_master"
     with device_plant((2, ROOT / "examples/devices/io-block.eds", ""), (3, ROOT / "examples/devices/encoder.eds", "")) as plant:
