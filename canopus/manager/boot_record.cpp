@@ -136,8 +136,8 @@ std::string advice(const BootRecord& record) {
         return "The device answers 1000H with " + abort_text(record) +
                ". Check whether it is a CANopen device and whether its SDO server is free.";
       }
-      return "Asked " + std::to_string(record.attempts) +
-             " times without an answer. Check that the device is powered and connected, has this node-ID and "
+      return (record.attempts == 1 ? "Asked once" : "Asked " + std::to_string(record.attempts) + " times") +
+             " without an answer. Check that the device is powered and connected, has this node-ID and "
              "this bit rate, and that the bus is terminated.";
     case BootError::device_type:
       return comparison(record) + " Another device has this node-ID, or 1F84H is set wrongly.";

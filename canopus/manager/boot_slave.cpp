@@ -234,9 +234,11 @@ void BootSlave::state_seen(canopen::NmtState state, can::Time now) {
 void BootSlave::start_error_control(can::Time now) {
   const can::Duration heartbeat = host_->heartbeat_time(node_id_);
   if (heartbeat > can::Duration{}) return enter(BootStep::heartbeat_start, now, heartbeat);
+  if (!host_->guards(node_id_)) return finish(now);
   const can::Duration probe = host_->boot_options().guarding_probe;
   enter(BootStep::guarding_start, now, probe);
-  if (!host_->start_guarding(node_id_, now) || probe == can::Duration{}) finish(now);
+  host_->start_guarding(node_id_, now);
+  if (probe == can::Duration{}) finish(now);
 }
 
 void BootSlave::finish(can::Time now) {

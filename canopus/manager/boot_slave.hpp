@@ -38,8 +38,10 @@ class BootHost {
   virtual void send_nmt(canopen::NmtCommand command, std::uint8_t node_id, can::Time now) = 0;
   /// Sends one guarding remote frame.
   virtual void ask_state(std::uint8_t node_id) = 0;
-  /// Begins guarding with its first remote frame. False when 1F81H configures none.
-  virtual bool start_guarding(std::uint8_t node_id, can::Time now) = 0;
+  /// 1F81H has guarding for the node, and 1016H does not watch it.
+  virtual bool guards(std::uint8_t node_id) const = 0;
+  /// Begins guarding with its first remote frame, if it guards() the node.
+  virtual void start_guarding(std::uint8_t node_id, can::Time now) = 0;
   virtual std::span<const std::uint8_t> concise_dcf(std::uint8_t node_id) = 0;
   virtual Program open_program(std::uint8_t node_id) = 0;
   /// False: somebody else has a transfer with this node, or has waited for one. The boot then asks again

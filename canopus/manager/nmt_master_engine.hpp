@@ -110,7 +110,8 @@ class NmtMaster::Engine final : public BootHost,
   [[nodiscard]] can::Duration heartbeat_time(std::uint8_t node_id) const override;
   void send_nmt(canopen::NmtCommand command, std::uint8_t node_id, can::Time now) override;
   void ask_state(std::uint8_t node_id) override;
-  bool start_guarding(std::uint8_t node_id, can::Time now) override;
+  [[nodiscard]] bool guards(std::uint8_t node_id) const override;
+  void start_guarding(std::uint8_t node_id, can::Time now) override;
   std::span<const std::uint8_t> concise_dcf(std::uint8_t node_id) override;
   Program open_program(std::uint8_t node_id) override;
   bool sdo_channel_free(std::uint8_t node_id, can::Time now) override;

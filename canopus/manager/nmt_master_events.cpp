@@ -14,6 +14,12 @@ constexpr std::uint8_t all_nodes = 0;
 constexpr std::uint32_t base_function = 0x780;
 constexpr can::Duration send_retry = std::chrono::milliseconds(1);
 
+// The guarding part of 1F81H.
+constexpr can::Duration guard_time(std::uint32_t assignment) noexcept {
+  return std::chrono::milliseconds(assignment >> 16);
+}
+constexpr unsigned retry_factor(std::uint32_t assignment) noexcept { return assignment >> 8 & 0xFF; }
+
 // What a slave says of itself, as 1F82H shows it: a reserved value is no state.
 constexpr std::uint8_t told_state(std::uint8_t state) noexcept {
   switch (static_cast<NmtState>(state)) {
@@ -260,17 +266,19 @@ void NmtMaster::Engine::ask_state(std::uint8_t node_id) {
 }
 
 // Heartbeat has priority: no guarding of a node that 1016H watches [ME3CAN1-Q 4.6.7].
-bool NmtMaster::Engine::start_guarding(std::uint8_t node_id, can::Time now) {
+bool NmtMaster::Engine::guards(std::uint8_t node_id) const {
   const std::uint32_t bits = assignment(node_id);
-  const auto guard_time = std::chrono::milliseconds(bits >> 16);
-  const unsigned retry_factor = bits >> 8 & 0xFF;
-  if ((bits & assignment_bit::slave) == 0 || guard_time.count() == 0 || retry_factor == 0) return false;
-  if (heartbeat_time(node_id) > can::Duration{}) return false;
-  guarding_[node_id].start(guard_time, retry_factor, now);
+  return (bits & assignment_bit::slave) != 0 && guard_time(bits) > can::Duration{} &&
+         retry_factor(bits) > 0 && heartbeat_time(node_id) == can::Duration{};
+}
+
+void NmtMaster::Engine::start_guarding(std::uint8_t node_id, can::Time now) {
+  if (!guards(node_id)) return;
+  const std::uint32_t bits = assignment(node_id);
+  guarding_[node_id].start(guard_time(bits), retry_factor(bits), now);
   set_flags(node_id, error_control::guarding_active, 0, now);
   guarding_tick(node_id, now);
   refresh(node_id);
-  return true;
 }
 
 // --- commands
