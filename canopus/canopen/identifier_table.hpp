@@ -49,7 +49,10 @@ class IdentifierTable {
   template <typename Visit>
   void for_each(std::uint32_t wanted, Visit&& visit) const {
     for (std::size_t place = start(wanted); slots_[place].key != empty; place = (place + 1) & mask_) {
-      if (slots_[place].key == wanted) visit(slots_[place].kind, slots_[place].number);
+      const Slot slot = slots_[place];  // a copy: a visit may build the table anew
+      if (slot.key != wanted) continue;
+      visit(slot.kind, slot.number);
+      if (!slot.more) return;
     }
   }
   [[nodiscard]] bool contains(std::uint32_t wanted) const noexcept {
@@ -59,12 +62,18 @@ class IdentifierTable {
   }
 
  private:
+  struct Slot {
+    std::uint32_t key = empty;
+    ServiceKind kind = ServiceKind::nmt;
+    bool more = false;  // another one of the same key is farther on
+    std::uint16_t number = 0;
+  };
   static constexpr std::uint32_t empty = 0xFFFF'FFFF;
   [[nodiscard]] std::size_t start(std::uint32_t wanted) const noexcept {
     return (wanted * 0x9E37'79B1U) >> shift_;
   }
 
-  std::vector<Route> slots_;  // a power of two, at least twice as many as there are routes
+  std::vector<Slot> slots_;  // a power of two, at least twice as many as there are routes
   std::size_t mask_ = 0;
   unsigned shift_ = 0;
 };

@@ -48,7 +48,16 @@ struct Node::Services final : NodeContext, WriteObserver {
     if (identifiers_changed) build_table();
   }
   void build_table();
-  void dispatch(ServiceKind kind, std::uint16_t number, const can::Frame& frame, can::Time now);
+  /// The services that most frames are for are looked at first.
+  void dispatch(ServiceKind kind, std::uint16_t number, const can::Frame& frame, can::Time now) {
+    if (kind == ServiceKind::rpdo) return rpdos.receive(number, frame, sync_service.window_end(), now);
+    if (kind == ServiceKind::sdo_server) {
+      if (communicates()) sdo_channels.receive(number, frame, now);
+      return;
+    }
+    dispatch_others(kind, number, frame, now);
+  }
+  void dispatch_others(ServiceKind kind, std::uint16_t number, const can::Frame& frame, can::Time now);
   void sync(std::uint8_t counter, can::Time now);
   void tick(TimerQueue::Number number, can::Time now);
 
@@ -171,13 +180,9 @@ void Node::Services::sync(std::uint8_t counter, can::Time now) {
   if (listener != nullptr) listener->sync_received(counter, now);
 }
 
-void Node::Services::dispatch(ServiceKind kind, std::uint16_t number, const can::Frame& frame,
-                              can::Time now) {
+void Node::Services::dispatch_others(ServiceKind kind, std::uint16_t number, const can::Frame& frame,
+                                     can::Time now) {
   switch (kind) {
-    case ServiceKind::rpdo: return rpdos.receive(number, frame, sync_service.window_end(), now);
-    case ServiceKind::sdo_server:
-      if (communicates()) sdo_channels.receive(number, frame, now);
-      return;
     case ServiceKind::sync:
       if (sync_service.receive(frame, now)) sync(sync_service.counter(), now);
       return;
@@ -189,6 +194,8 @@ void Node::Services::dispatch(ServiceKind kind, std::uint16_t number, const can:
     case ServiceKind::emcy: return emcy_consumer.receive(static_cast<std::uint8_t>(number), frame, now);
     case ServiceKind::time_stamp: return time_stamp.receive(frame, now);
     case ServiceKind::tpdo_request: return tpdos.requested(number, now);
+    case ServiceKind::rpdo:
+    case ServiceKind::sdo_server:
     case ServiceKind::sam_mpdo: return;
   }
 }

@@ -25,9 +25,9 @@ bool is_dummy(const ObjectDictionary& dictionary, const Mapping& mapping) {
 }  // namespace
 
 void CopyPlan::clear() {
-  steps_.clear();
+  first_ = no_step;
+  rest_.clear();
   bits_ = 0;
-  byte_aligned_ = true;
 }
 
 void CopyPlan::compile(const ObjectDictionary& dictionary, std::uint16_t index) {
@@ -45,7 +45,6 @@ void CopyPlan::compile(const ObjectDictionary& dictionary, std::uint16_t index) 
     if (exists) {
       Step step{entry.offset, static_cast<std::uint8_t>(position), mapping.bits, entry.description->length};
       const bool aligned = position % 8 == 0 && mapping.bits == step.bytes * 8;
-      byte_aligned_ = byte_aligned_ && aligned;
       const bool continues = aligned && !steps.empty() && steps.back().bits == steps.back().bytes * 8 &&
                              steps.back().bit + steps.back().bits == step.bit &&
                              steps.back().offset + steps.back().bytes == step.offset;
@@ -59,14 +58,17 @@ void CopyPlan::compile(const ObjectDictionary& dictionary, std::uint16_t index) 
     position += mapping.bits;
   }
   bits_ = static_cast<std::uint8_t>(position);
-  steps_.assign(steps.begin(), steps.end());  // no larger than needed
-  steps_.shrink_to_fit();
+  if (steps.empty()) return;
+  first_ = steps.front();
+  rest_.assign(steps.begin() + 1, steps.end());  // no larger than needed
+  rest_.shrink_to_fit();
 }
 
 bool CopyPlan::holds(std::uint32_t offset, std::uint8_t length) const noexcept {
-  return std::ranges::any_of(steps_, [&](const Step& step) {
+  const auto overlaps = [&](const Step& step) {
     return offset < step.offset + step.bytes && step.offset < offset + length;
-  });
+  };
+  return overlaps(first_) || std::ranges::any_of(rest_, overlaps);
 }
 
 AbortCode check_mapping_entry(const ObjectDictionary& dictionary, std::uint32_t value,

@@ -37,56 +37,72 @@ class CopyPlan {
 
   /// Length of the frame, 0..8.
   [[nodiscard]] std::uint8_t length() const noexcept { return static_cast<std::uint8_t>((bits_ + 7) / 8); }
-  [[nodiscard]] std::span<const Step> steps() const noexcept { return steps_; }
+  /// Copies that a frame costs.
+  [[nodiscard]] std::size_t step_count() const noexcept {
+    return (first_.bytes != 0 ? 1U : 0U) + rest_.size();
+  }
   /// True when some of the bytes offset..offset+length of the block are mapped.
   [[nodiscard]] bool holds(std::uint32_t offset, std::uint8_t length) const noexcept;
 
   /// The data bytes of a frame, little endian; those beyond length() are 0.
   [[nodiscard]] std::uint64_t gather(const std::uint8_t* block) const noexcept {
-    std::uint64_t frame = 0;
-    if (byte_aligned_) {
-      auto* bytes = reinterpret_cast<std::uint8_t*>(&frame);
-      for (const Step& step : steps_) copy(bytes + step.bit / 8, block + step.offset, step.bytes);
-      return frame;
-    }
-    for (const Step& step : steps_) {
-      std::uint64_t value = 0;
-      copy(reinterpret_cast<std::uint8_t*>(&value), block + step.offset, step.bytes);
-      frame |= (value & mask(step.bits)) << step.bit;
-    }
+    std::uint64_t frame = gather(first_, block);
+    for (const Step& step : rest_) frame |= gather(step, block);
     return frame;
   }
   /// Puts the data bytes of a frame into the block.
   void scatter(std::uint64_t frame, std::uint8_t* block) const noexcept {
-    if (byte_aligned_) {
-      const auto* bytes = reinterpret_cast<const std::uint8_t*>(&frame);
-      for (const Step& step : steps_) copy(block + step.offset, bytes + step.bit / 8, step.bytes);
-      return;
-    }
-    for (const Step& step : steps_) {
-      const std::uint64_t value = (frame >> step.bit) & mask(step.bits);
-      copy(block + step.offset, reinterpret_cast<const std::uint8_t*>(&value), step.bytes);
-    }
+    scatter(first_, frame, block);
+    for (const Step& step : rest_) scatter(step, frame, block);
   }
 
  private:
-  [[nodiscard]] static constexpr std::uint64_t mask(unsigned bits) noexcept {
-    return bits >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << bits) - 1;
+  // Frames and values stay in registers on the way: a frame written in pieces and then read as a whole would
+  // make the processor wait.
+  static std::uint64_t gather(const Step& step, const std::uint8_t* block) noexcept {
+    return (load(block + step.offset, step.bytes) & mask(step.bits)) << step.bit;
   }
-  static void copy(std::uint8_t* to, const std::uint8_t* from, std::uint8_t bytes) noexcept {
+  static void scatter(const Step& step, std::uint64_t frame, std::uint8_t* block) noexcept {
+    store(block + step.offset, frame >> step.bit & mask(step.bits), step.bytes);
+  }
+  /// `bits`: 1..64.
+  [[nodiscard]] static constexpr std::uint64_t mask(unsigned bits) noexcept {
+    return ~std::uint64_t{0} >> (64 - bits);
+  }
+  template <typename T>
+  [[nodiscard]] static std::uint64_t load(const std::uint8_t* from) noexcept {
+    T value;
+    std::memcpy(&value, from, sizeof value);
+    return value;
+  }
+  [[nodiscard]] static std::uint64_t load(const std::uint8_t* from, unsigned bytes) noexcept {
     switch (bytes) {
-      case 8: std::memcpy(to, from, 8); return;
-      case 4: std::memcpy(to, from, 4); return;
-      case 2: std::memcpy(to, from, 2); return;
-      case 1: *to = *from; return;
-      default:
-        for (std::uint8_t i = 0; i < bytes; ++i) to[i] = from[i];
+      case 8: return load<std::uint64_t>(from);
+      case 4: return load<std::uint32_t>(from);
+      case 2: return load<std::uint16_t>(from);
+      case 1: return *from;
+      default: break;
     }
+    std::uint64_t value = 0;
+    for (unsigned i = bytes; i-- > 0;) value = value << 8 | from[i];
+    return value;
+  }
+  static void store(std::uint8_t* to, std::uint64_t value, unsigned bytes) noexcept {
+    switch (bytes) {
+      case 8: std::memcpy(to, &value, 8); return;
+      case 4: std::memcpy(to, &value, 4); return;
+      case 2: std::memcpy(to, &value, 2); return;
+      case 1: *to = static_cast<std::uint8_t>(value); return;
+      default: break;
+    }
+    for (unsigned i = 0; i < bytes; ++i) to[i] = static_cast<std::uint8_t>(value >> 8 * i);
   }
 
-  std::vector<Step> steps_;
+  // Most mappings are one copy: it lies in the plan itself, which saves a way through memory.
+  static constexpr Step no_step{.offset = 0, .bit = 0, .bits = 1, .bytes = 0};
+  Step first_ = no_step;
+  std::vector<Step> rest_;
   std::uint8_t bits_ = 0;
-  bool byte_aligned_ = true;
 };
 
 /// May this value be mapped: does the object exist (06020000H, 06090011H), is it mappable in this direction

@@ -83,7 +83,7 @@ AbortCode BlockReceiver::take(const can::Frame& segment, SegmentCollector& colle
   if (sequence == 0 || sequence > block_size_) return AbortCode::sequence_number;
   confirmed_early_ = false;
   if (sequence == sequence_ + 1) {
-    const AbortCode code = collector.add({&segment.data[1], sdo::segment_size});
+    const AbortCode code = collector.add(segment, sdo::segment_size);
     if (code != AbortCode::none) return code;
     sequence_ = sequence;
     took_any_ = true;

@@ -50,19 +50,8 @@ void SdoChannels::stop() {
   }
 }
 
-void SdoChannels::schedule(std::uint16_t number, const SdoServer& server) {
-  const auto timer = static_cast<TimerQueue::Number>(first_timer_ + number);
-  if (server.deadline() != node_.timers.deadline(timer)) node_.timers.set(timer, server.deadline());
-}
-
-void SdoChannels::receive(std::uint16_t number, const can::Frame& frame, can::Time now) {
-  SdoServer& server = number == 0 ? default_server_ : servers_[number - 1U]->server;
-  server.receive(frame, now);
-  schedule(number, server);
-}
-
 void SdoChannels::tick(std::uint16_t number, can::Time now) {
-  SdoServer& server = number == 0 ? default_server_ : servers_[number - 1U]->server;
+  SdoServer& server = server_of(number);
   server.tick(now);
   schedule(number, server);
 }

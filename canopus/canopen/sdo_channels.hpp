@@ -28,7 +28,11 @@ class SdoChannels final : public ObjectHandler {
   /// Gives all transfers up in silence.
   void stop();
   /// `number`: 0 is the default server.
-  void receive(std::uint16_t number, const can::Frame& frame, can::Time now);
+  void receive(std::uint16_t number, const can::Frame& frame, can::Time now) {
+    SdoServer& server = server_of(number);
+    server.receive(frame, now);
+    schedule(number, server);
+  }
   void tick(std::uint16_t number, can::Time now);
   void list_identifiers(std::vector<IdentifierTable::Route>& routes) const;
   [[nodiscard]] std::size_t size() const noexcept { return servers_.size() + 1; }
@@ -51,7 +55,13 @@ class SdoChannels final : public ObjectHandler {
   };
   void configure(SdoServer& server) const;
   void read(Server& server) const;
-  void schedule(std::uint16_t number, const SdoServer& server);
+  [[nodiscard]] SdoServer& server_of(std::uint16_t number) noexcept {
+    return number == 0 ? default_server_ : servers_[number - 1U]->server;
+  }
+  void schedule(std::uint16_t number, const SdoServer& server) {
+    const auto timer = static_cast<TimerQueue::Number>(first_timer_ + number);
+    if (server.deadline() != node_.timers.deadline(timer)) node_.timers.set(timer, server.deadline());
+  }
 
   NodeContext& node_;
   SdoServer default_server_;

@@ -157,7 +157,7 @@ void SdoClient::upload_initiated(const can::Frame& frame, can::Time now) {
     const auto data = sdo::expedited_data(frame);
     if (data.size() > maximum) return refuse(buffer_too_small, now);
     if (into_ == nullptr) {
-      collector_.take(data);
+      collector_.take(sdo::value(frame), data.size());
     } else if (const AbortCode code = into_->write(data); code != AbortCode::none) {
       return give_up(code, now);
     }
@@ -181,7 +181,7 @@ void SdoClient::segment_uploaded(const can::Frame& frame, can::Time now) {
     return give_up(AbortCode::command_specifier, now);
   }
   if (((frame.data[0] & sdo::toggle_bit) != 0) != toggle_) return give_up(AbortCode::toggle_bit, now);
-  AbortCode code = collector_.add(sdo::segment_data(frame));
+  AbortCode code = collector_.add(frame, sdo::segment_length(frame));
   const bool last = (frame.data[0] & sdo::last_bit) != 0;
   if (last && code == AbortCode::none) code = collector_.finish(0);
   if (code != AbortCode::none) return refuse(code, now);

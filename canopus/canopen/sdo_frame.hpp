@@ -73,8 +73,8 @@ inline constexpr std::size_t segment_size = 7;
   return number;
 }
 /// Data bytes of a segment of either direction (command with n in bits 1-3).
-[[nodiscard]] inline std::span<const std::uint8_t> segment_data(const can::Frame& f) noexcept {
-  return {&f.data[1], segment_size - (f.data[0] >> 1 & 7U)};
+[[nodiscard]] inline std::size_t segment_length(const can::Frame& f) noexcept {
+  return segment_size - (f.data[0] >> 1 & 7U);
 }
 /// A segment of a block transfer: `command` is its number and bit 7; of `rest`, the first 7 bytes go out.
 [[nodiscard]] inline can::Frame block_segment(std::uint32_t identifier_key, unsigned command,

@@ -145,7 +145,7 @@ void SdoServer::initiate_download(const can::Frame& frame, can::Time now) {
 void SdoServer::download_segment(const can::Frame& frame, can::Time now) {
   if (((frame.data[0] & sdo::toggle_bit) != 0) != toggle_) return abort(AbortCode::toggle_bit);
   last_heard_ = now;
-  AbortCode code = collector_.add(sdo::segment_data(frame));
+  AbortCode code = collector_.add(frame, sdo::segment_length(frame));
   const bool last = (frame.data[0] & sdo::last_bit) != 0;
   if (last && code == AbortCode::none) code = collector_.finish(0);
   if (last && code == AbortCode::none) code = store_download(now);

@@ -42,7 +42,7 @@ AbortCode SegmentSource::refill(std::size_t bytes) {
 
 void SegmentCollector::begin(ByteSink* stream, std::size_t maximum, AbortCode too_many,
                              std::optional<std::size_t> announced, std::size_t slack) {
-  buffer_.clear();
+  used_ = 0;
   stream_ = stream;
   total_ = 0;
   announced_ = announced;
@@ -51,23 +51,27 @@ void SegmentCollector::begin(ByteSink* stream, std::size_t maximum, AbortCode to
   limit_code_ = announced ? AbortCode::length_too_high : too_many;
   crc_ = 0;
   counts_crc_ = false;
-  buffer_.reserve(stream != nullptr ? hand_on_at + kept
-                                    : std::min(announced.value_or(0), largest_reservation));
+  const std::size_t room =
+      stream != nullptr ? hand_on_at + kept : std::min(announced.value_or(0) + kept, largest_reservation);
+  if (memory_.size() < room + 1) memory_.resize(room + 1);
 }
 
+void SegmentCollector::grow() { memory_.resize(std::max<std::size_t>(2 * memory_.size(), 64)); }
+
 AbortCode SegmentCollector::hand_on(std::size_t keep) {
-  const std::size_t count = buffer_.size() - std::min(keep, buffer_.size());
-  const auto bytes = std::span<const std::uint8_t>(buffer_).first(count);
+  const std::size_t count = used_ - std::min(keep, used_);
+  const auto bytes = std::span<const std::uint8_t>(memory_).first(count);
   if (counts_crc_) crc_ = sdo::crc16(crc_, bytes);
   if (stream_ == nullptr) return AbortCode::none;
   const AbortCode code = bytes.empty() ? AbortCode::none : stream_->write(bytes);
-  buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(count));
+  used_ -= count;
+  std::memmove(memory_.data(), memory_.data() + count, used_);
   return code;
 }
 
 AbortCode SegmentCollector::finish(std::size_t unused) {
-  if (unused > buffer_.size()) return AbortCode::length_too_low;
-  buffer_.resize(buffer_.size() - unused);
+  if (unused > used_) return AbortCode::length_too_low;
+  used_ -= unused;
   total_ -= unused;
   if (total_ > limit_) return limit_code_;
   if (announced_ && total_ < *announced_) return AbortCode::length_too_low;

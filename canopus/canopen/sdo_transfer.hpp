@@ -5,10 +5,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "canopus/can/frame.hpp"
 #include "canopus/canopen/abort_code.hpp"
 #include "canopus/canopen/object_stream.hpp"
 
@@ -49,30 +51,43 @@ class SegmentCollector {
   /// `slack`: bytes beyond the announced size that may come and be trimmed (7 in block transfers).
   void begin(ByteSink* stream, std::size_t maximum, AbortCode too_many, std::optional<std::size_t> announced,
              std::size_t slack);
-  AbortCode add(std::span<const std::uint8_t> bytes) {
-    total_ += bytes.size();
+  /// Adds the first `count` (0..7) bytes after the command byte of a segment.
+  AbortCode add(const can::Frame& segment, std::size_t count) {
+    std::uint64_t bytes;
+    std::memcpy(&bytes, segment.data.data(), 8);
+    bytes >>= 8;
+    total_ += count;
     if (total_ > limit_ + slack_) return limit_code_;
-    buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
-    return stream_ != nullptr && buffer_.size() >= hand_on_at ? hand_on(kept) : AbortCode::none;
+    if (memory_.size() < used_ + 8) grow();
+    std::memcpy(&memory_[used_], &bytes, 8);  // always eight: one store; what is too many is overwritten
+    used_ += count;
+    return stream_ != nullptr && used_ >= hand_on_at ? hand_on(kept) : AbortCode::none;
   }
-  /// A whole value that came at once, for memory: instead of all the rest.
-  void take(std::span<const std::uint8_t> bytes) { buffer_.assign(bytes.begin(), bytes.end()); }
+  /// A whole value of 1..4 bytes that came at once, for memory: instead of all the rest.
+  void take(std::uint32_t value, std::size_t count) {
+    used_ = 0;
+    if (memory_.size() < 8) grow();
+    std::memcpy(memory_.data(), &value, 4);
+    used_ = count;
+  }
   /// The transfer is complete but for the last `unused` bytes, which are padding. Checks the size.
   AbortCode finish(std::size_t unused);
   /// CRC of all bytes, after finish().
   [[nodiscard]] std::uint16_t crc() const noexcept { return crc_; }
   void count_crc(bool on) noexcept { counts_crc_ = on; }
   /// What was collected in memory.
-  [[nodiscard]] std::span<const std::uint8_t> bytes() const noexcept { return buffer_; }
-  void clear() noexcept { buffer_.clear(); }
+  [[nodiscard]] std::span<const std::uint8_t> bytes() const noexcept { return {memory_.data(), used_}; }
+  void clear() noexcept { used_ = 0; }
 
  private:
   static constexpr std::size_t hand_on_at = 1024;
   static constexpr std::size_t kept = 7;                        // the last segment may still be trimmed
   static constexpr std::size_t largest_reservation = 1U << 16;  // what an announcement makes us allocate
   AbortCode hand_on(std::size_t keep);
+  void grow();
 
-  std::vector<std::uint8_t> buffer_;
+  std::vector<std::uint8_t> memory_;  // what is used of it is a value; grown, never shrunk
+  std::size_t used_ = 0;
   ByteSink* stream_ = nullptr;
   std::size_t total_ = 0;
   std::size_t limit_ = 0;

@@ -59,7 +59,7 @@ TEST_F(PdoMappingTest, NeighboursInFrameAndBlock_AreOneCopy) {
   map(0x1A00, 0, 4);
   CopyPlan plan;
   plan.compile(node.dictionary(), 0x1A00);
-  EXPECT_EQ(plan.steps().size(), 1U);
+  EXPECT_EQ(plan.step_count(), 1U);
   EXPECT_EQ(plan.length(), 8);
 }
 

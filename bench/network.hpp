@@ -1,0 +1,157 @@
+#pragma once
+// What the benches of the stack share: a bus without bits, a slave of the usual size, and a master that
+// receives what the slaves send.
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "canopus/canopen/node.hpp"
+
+namespace canopus::bench {
+
+/// A bus that carries frames in the order they were sent and takes no time. Each goes to everybody who wants
+/// its identifier (the acceptance filters of real controllers), the sender excepted.
+class PassThroughBus {
+ public:
+  class Port final : public can::Sink {
+   public:
+    explicit Port(PassThroughBus& bus) : bus_(&bus) {}
+    bool send(const can::Frame& frame) override {
+      bus_->ring_[bus_->head_++ & mask] = {frame, owner};
+      return true;
+    }
+    can::Participant* owner = nullptr;
+
+   private:
+    PassThroughBus* bus_;
+  };
+
+  /// `wants(identifier)` of base identifiers; call compile() after the last one.
+  template <typename Wants>
+  void add(can::Participant& participant, Port& port, Wants wants) {
+    port.owner = &participant;
+    for (std::uint32_t identifier = 0; identifier <= can::max_base_identifier; ++identifier) {
+      if (wants(identifier)) lists_[identifier].push_back(&participant);
+    }
+  }
+  void compile() {
+    hearers_.clear();
+    for (std::size_t identifier = 0; identifier < lists_.size(); ++identifier) {
+      first_[identifier] = static_cast<std::uint32_t>(hearers_.size());
+      hearers_.insert(hearers_.end(), lists_[identifier].begin(), lists_[identifier].end());
+    }
+    first_.back() = static_cast<std::uint32_t>(hearers_.size());
+  }
+  /// Delivers until nobody says anything any more.
+  void deliver(can::Time now) {
+    while (tail_ != head_) {
+      const Sent& sent = ring_[tail_++ & mask];  // stays: nobody sends a thousand frames at once
+      for (std::uint32_t i = first_[sent.frame.identifier]; i != first_[sent.frame.identifier + 1]; ++i) {
+        if (hearers_[i] != sent.from) hearers_[i]->receive(sent.frame, now);
+      }
+    }
+  }
+  [[nodiscard]] std::uint64_t frames() const noexcept { return tail_; }
+
+ private:
+  struct Sent {
+    can::Frame frame;
+    can::Participant* from;
+  };
+  static constexpr std::size_t mask = 1023;
+  std::array<Sent, mask + 1> ring_;
+  std::uint64_t head_ = 0;
+  std::uint64_t tail_ = 0;
+  std::array<std::vector<can::Participant*>, 2048> lists_;
+  std::array<std::uint32_t, 2049> first_{};
+  std::vector<can::Participant*> hearers_;
+};
+
+inline void add_pdo(canopen::DictionaryBuilder& builder, std::uint16_t communication, std::uint32_t cob_id,
+                    std::uint8_t type, bool adds_node_id, std::uint16_t object, unsigned first_sub) {
+  using canopen::DataType;
+  const auto mapping = static_cast<std::uint16_t>(communication + 0x200);
+  builder.object(communication, canopen::ObjectCode::record, "PDO communication");
+  builder.sub(communication, 1,
+              {.name = "COB-ID", .value = canopen::little_endian(cob_id, 4), .adds_node_id = adds_node_id});
+  builder.sub(communication, 2, {.name = "Type", .type = DataType::unsigned8, .value = {type}});
+  builder.object(mapping, canopen::ObjectCode::record, "PDO mapping");
+  builder.sub(mapping, 0, {.name = "Entries", .type = DataType::unsigned8, .value = {4}});
+  for (unsigned i = 0; i < 4; ++i) {
+    const std::uint32_t entry = std::uint32_t{object} << 16 | (first_sub + i) << 8 | 16;
+    builder.sub(mapping, static_cast<std::uint8_t>(i + 1),
+                {.name = "Entry", .value = canopen::little_endian(entry, 4)});
+  }
+}
+
+inline void add_communication_objects(canopen::DictionaryBuilder& builder) {
+  using canopen::DataType;
+  builder.variable(0x1000, {.name = "Device type", .value = {0x91, 1, 0x0F, 0}});
+  builder.variable(0x1001, {.name = "Error register", .type = DataType::unsigned8});
+  builder.variable(0x1005, {.name = "COB-ID SYNC", .value = {0x80}});
+  builder.variable(0x1006, {.name = "Communication cycle period"});
+  builder.variable(0x1008,
+                   {.name = "Name", .type = DataType::visible_string, .value = canopen::text("bench")});
+  builder.variable(0x1014, {.name = "COB-ID EMCY", .value = {0x80}, .adds_node_id = true});
+  builder.variable(0x1015, {.name = "Inhibit time EMCY", .type = DataType::unsigned16});
+  builder.uniform(0x1018, canopen::ObjectCode::record, "Identity", 4, {.name = "Identity", .value = {7}});
+  builder.variable(0x1017, {.name = "Producer heartbeat time", .type = DataType::unsigned16});
+}
+
+/// A slave of the usual size: about 50 objects, four RPDOs and four TPDOs of four U16 each (TPDOs after every
+/// SYNC), a DOMAIN at 2000H. `cob_id_step`: TPDO n is on 180H + n * step + node-ID.
+inline std::shared_ptr<const canopen::DictionaryDescription> slave_description() {
+  using canopen::DataType;
+  static const auto description = [] {
+    canopen::DictionaryBuilder builder;
+    add_communication_objects(builder);
+    builder.variable(0x2000, {.name = "Domain", .type = DataType::domain});
+    for (std::uint16_t i = 0; i < 20; ++i) {
+      builder.variable(static_cast<std::uint16_t>(0x2100 + i), {.name = "Parameter"});
+    }
+    builder.uniform(0x6000, canopen::ObjectCode::array, "Inputs", 16,
+                    {.name = "Input", .type = DataType::unsigned16, .tpdo_mappable = true});
+    builder.uniform(0x6200, canopen::ObjectCode::array, "Outputs", 16,
+                    {.name = "Output", .type = DataType::unsigned16, .rpdo_mappable = true});
+    for (std::uint16_t pdo = 0; pdo < 4; ++pdo) {
+      add_pdo(builder, static_cast<std::uint16_t>(0x1400 + pdo), 0x200U + 0x100U * pdo, 0xFE, true, 0x6200,
+              4U * pdo + 1);
+      add_pdo(builder, static_cast<std::uint16_t>(0x1800 + pdo), 0x40000180U + 0x100U * pdo, 1, true, 0x6000,
+              4U * pdo + 1);
+    }
+    return builder.build();
+  }();
+  return description;
+}
+
+/// A master that receives the four TPDOs of the slaves with node-ID 2 .. slaves + 1 into its objects A000H+.
+inline std::shared_ptr<const canopen::DictionaryDescription> master_description(unsigned slaves) {
+  canopen::DictionaryBuilder builder;
+  add_communication_objects(builder);
+  for (unsigned i = 0; i < 4 * slaves; ++i) {
+    const auto object = static_cast<std::uint16_t>(0xA000 + i);
+    builder.uniform(object, canopen::ObjectCode::array, "Received", 4,
+                    {.name = "Word", .type = canopen::DataType::unsigned16, .rpdo_mappable = true});
+    add_pdo(builder, static_cast<std::uint16_t>(0x1400 + i), 0x180U + 0x100U * (i % 4) + 2 + i / 4, 0xFE,
+            false, object, 1);
+  }
+  return builder.build();
+}
+
+/// A node with its port on a pass-through bus.
+struct NodeOnBus {
+  NodeOnBus(PassThroughBus& bus, std::shared_ptr<const canopen::DictionaryDescription> description,
+            std::uint8_t node_id)
+      : port(bus), node(std::move(description), node_id, port) {
+    node.power_on(can::Time{});
+    node.command(canopen::NmtCommand::start, can::Time{});
+    bus.add(node, port, [&](std::uint32_t identifier) { return node.wants(identifier); });
+  }
+  PassThroughBus::Port port;
+  canopen::Node node;
+};
+
+}  // namespace canopus::bench
