@@ -1,6 +1,8 @@
 #include "canopus/module/buffer_memory.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <cstring>
 
 namespace canopus::module {
 
@@ -88,6 +90,15 @@ const BufferRow* BufferMemory::row(BufferAddress address, WordAccess direction) 
 void BufferMemory::set_word(BufferAddress address, std::uint16_t value) noexcept {
   from_[address] = value;
   if (to_row_[address] == 0 || to_row_[address] == from_row_[address]) to_[address] = value;
+}
+
+void BufferMemory::set_words(BufferAddress first, std::span<const std::uint8_t> bytes) noexcept {
+  static_assert(std::endian::native == std::endian::little);
+  const std::size_t words = bytes.size() / 2;
+  std::memcpy(&from_[first], bytes.data(), 2 * words);
+  for (std::size_t address = first; address < first + words; ++address) {
+    if (to_row_[address] == 0 || to_row_[address] == from_row_[address]) to_[address] = from_[address];
+  }
 }
 
 template <typename Use>

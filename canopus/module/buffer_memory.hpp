@@ -137,6 +137,8 @@ class BufferMemory {
   }
   /// What FROM shall read.
   void set_word(BufferAddress address, std::uint16_t value) noexcept;
+  /// The same for as many words from `first` on as there are bytes for, low byte first.
+  void set_words(BufferAddress first, std::span<const std::uint8_t> bytes) noexcept;
 
   /// Takes the present values of all stored words of the selected mode into `words`; other entries stay.
   void collect_stored(StoredWords& words) const;

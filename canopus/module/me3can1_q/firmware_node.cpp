@@ -75,7 +75,7 @@ void Me3can1Q::Firmware::emergency_received(const canopen::Emergency& message, c
 }
 
 void Me3can1Q::Firmware::rpdo_received(std::uint16_t number, can::Time) {
-  exchange_.rpdo_received(node_.dictionary(), number);
+  exchange_.rpdo_received(node_, number);
 }
 
 void Me3can1Q::Firmware::time_received(const canopen::TimeOfDay& time, can::Time now) {

@@ -221,7 +221,7 @@ void Me3can1Q::Firmware::end_exchange(can::Time now) {
 
 void Me3can1Q::Firmware::exchange_process_data(can::Time now) {
   process_data_pending_ = exchange_running_ = false;
-  exchange_.exchange(node_.dictionary());
+  exchange_.exchange(node_);
   node_.values_changed(now);
 }
 
