@@ -1,0 +1,128 @@
+// CiA 302 boot-up on a bus without bits: from the master's power-on to all slaves Operational.
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "canopus/manager/nmt_master.hpp"
+
+#include "measure.hpp"
+#include "network.hpp"
+
+namespace {
+
+using namespace canopus;
+
+std::shared_ptr<const canopen::DictionaryDescription> boot_master_description(unsigned slaves) {
+  using canopen::DataType;
+  canopen::DictionaryBuilder builder;
+  bench::add_communication_objects(builder);
+  builder.uniform(0x1016, canopen::ObjectCode::array, "Consumer heartbeat time", 127, {.name = "Time"});
+  builder.variable(0x1F80, {.name = "NMT start-up", .value = {0x01}});
+  builder.object(0x1F81, canopen::ObjectCode::array, "Slave assignment");
+  builder.object(0x1F84, canopen::ObjectCode::array, "Device type");
+  builder.object(0x1F85, canopen::ObjectCode::array, "Vendor");
+  for (unsigned id = 1; id <= 127; ++id) {
+    const bool is_slave = id >= 2 && id < 2 + slaves;
+    const auto value = [&](std::uint32_t of_a_slave) {
+      return canopen::little_endian(is_slave ? of_a_slave : 0, 4);
+    };
+    const auto sub = static_cast<std::uint8_t>(id);
+    builder.sub(0x1F81, sub, {.name = "Node", .value = value(0x0D)});  // a slave, booted, mandatory
+    builder.sub(0x1F84, sub, {.name = "Node", .value = value(0x000F0191)});
+    builder.sub(0x1F85, sub, {.name = "Node", .value = value(7)});
+  }
+  return builder.build();
+}
+
+class Master final : public can::Participant, canopen::NodeListener, manager::MasterListener {
+ public:
+  Master(bench::PassThroughBus& bus, std::shared_ptr<const canopen::DictionaryDescription> description)
+      : port(bus), node(std::move(description), 1, port), master(node, port) {
+    node.set_listener(this);
+    master.set_listener(this);
+    // The wait between the two resets and the start is the standard's, not the program's work: virtual time.
+    bus.add(*this, port, [](std::uint32_t identifier) { return identifier > 0x580; });
+  }
+  void receive(const can::Frame& frame, can::Time now) override {
+    node.receive(frame, now);
+    master.receive(frame, now);
+  }
+  void tick(can::Time now) override {
+    if (node.deadline() <= now) node.tick(now);
+    if (master.deadline() <= now) master.tick(now);
+  }
+  [[nodiscard]] can::Time deadline() const noexcept override {
+    return std::min(node.deadline(), master.deadline());
+  }
+  void reset_requested(canopen::NmtCommand, can::Time now) override { master.stop(now); }
+  void reset_done(canopen::NmtCommand, can::Time now) override { master.start(now); }
+  void nmt_state_changed(canopen::NmtState state, can::Time now) override {
+    master.own_state_changed(state, now);
+  }
+  void heartbeat_received(std::uint8_t id, canopen::NmtState state, can::Time now) override {
+    master.heartbeat_received(id, state, now);
+  }
+  void heartbeat_lost(std::uint8_t id, can::Time now) override { master.heartbeat_lost(id, now); }
+  void start_up_finished(can::Time) override { finished = true; }
+
+  bench::PassThroughBus::Port port;
+  canopen::Node node;
+  manager::NmtMaster master;
+  bool finished = false;
+};
+
+void boot_up(benchmark::State& state) {
+  const auto count = static_cast<unsigned>(state.range(0));
+  const auto description = boot_master_description(count);
+  std::uint64_t frames = 0;
+  for (auto _ : state) {
+    state.PauseTiming();
+    auto bus = std::make_unique<bench::PassThroughBus>();
+    std::vector<std::unique_ptr<bench::NodeOnBus>> slaves;
+    for (unsigned i = 0; i < count; ++i) {
+      slaves.push_back(std::make_unique<bench::NodeOnBus>(*bus, bench::slave_description(),
+                                                          static_cast<std::uint8_t>(i + 2)));
+    }
+    auto master = std::make_unique<Master>(*bus, description);
+    bus->compile();
+    bus->deliver(can::Time{});
+    const std::uint64_t before = bus->frames();
+    can::Time now{};
+    state.ResumeTiming();
+    master->node.power_on(now);
+    bus->deliver(now);
+    while (!master->finished && master->deadline() != can::never) {
+      now = std::max(now, master->deadline());
+      master->tick(now);
+      bus->deliver(now);
+    }
+    state.PauseTiming();
+    for (const auto& slave : slaves) {
+      if (slave->node.state() != canopen::NmtState::operational)
+        state.SkipWithError("a slave is not operational");
+    }
+    frames += bus->frames() - before;
+    master.reset();
+    slaves.clear();
+    bus.reset();
+    state.ResumeTiming();
+  }
+  bench::report(state, static_cast<std::uint64_t>(state.iterations()));
+  state.counters["frames"] = static_cast<double>(frames) / static_cast<double>(state.iterations());
+}
+BENCHMARK(boot_up)
+    ->Apply(bench::standard)
+    ->Unit(benchmark::kMillisecond)
+    ->ArgName("nodes")
+    ->Arg(1)
+    ->Arg(2)
+    ->Arg(8)
+    ->Arg(32)
+    ->Arg(126);
+
+}  // namespace
+
+BENCHMARK_MAIN();

@@ -1,0 +1,133 @@
+// The MC protocol over loopback TCP against the program itself: a child process runs a plant in real time (a
+// bus, an ME3CAN1-Q, and the PLC's door), this one is the client.
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/read.hpp>
+#include <boost/asio/write.hpp>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "canopus/app/run_loop.hpp"
+
+#include "measure.hpp"
+
+namespace {
+
+using boost::asio::ip::tcp;
+using Clock = std::chrono::steady_clock;
+
+class RunningPlant {
+ public:
+  RunningPlant() {
+    {
+      tcp::acceptor free(context_, {boost::asio::ip::address_v4::loopback(), 0});
+      port_ = free.local_endpoint().port();
+    }
+    char path[] = "/tmp/canopus-bench-XXXXXX";
+    ::close(::mkstemp(path));
+    path_ = path;
+    std::ofstream(path_) << "[[bus]]\nname = \"line1\"\nbit_rate = 1_000_000\n[[plc]]\nlisten = \"127.0.0.1:"
+                         << port_ << "\"\n[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nnode = 1\nmaster = true\n";
+    child_ = ::fork();
+    if (child_ == 0) std::_Exit(canopus::app::run_plant({.plant = path_, .quiet = true}));
+    for (int attempt = 0; attempt < 500; ++attempt) {
+      boost::system::error_code error;
+      socket.connect({boost::asio::ip::address_v4::loopback(), port_}, error);
+      if (!error) {
+        socket.set_option(tcp::no_delay(true));
+        return;
+      }
+      socket.close(error);
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+  }
+  ~RunningPlant() {
+    ::kill(child_, SIGTERM);
+    ::waitpid(child_, nullptr, 0);
+    ::unlink(path_.c_str());
+  }
+  RunningPlant(const RunningPlant&) = delete;
+  RunningPlant& operator=(const RunningPlant&) = delete;
+
+ private:
+  boost::asio::io_context context_;
+  std::uint16_t port_ = 0;
+  std::string path_;
+  pid_t child_ = 0;
+
+ public:
+  tcp::socket socket{context_};
+};
+
+// D100, 64 words.
+constexpr std::array<std::uint8_t, 21> read_3e{0x50, 0, 0, 0xFF, 0xFF, 3, 0, 12,   0,  16, 0,
+                                               1,    4, 0, 0,    100,  0, 0, 0xA8, 64, 0};
+constexpr std::size_t reply_3e = 11 + 2 * 64;
+constexpr std::array<std::uint8_t, 25> read_4e{0x54, 0, 1, 0, 0, 0, 0,   0xFF, 0xFF, 3,    0,  12, 0,
+                                               16,   0, 1, 4, 0, 0, 100, 0,    0,    0xA8, 64, 0};
+constexpr std::size_t reply_4e = 15 + 2 * 64;
+
+/// One request after the other's reply: the median is the figure.
+void read_64_words_3e(benchmark::State& state) {
+  RunningPlant plant;
+  std::array<std::uint8_t, reply_3e> reply{};
+  std::vector<std::uint32_t> times;
+  times.reserve(1U << 20);
+  for (auto _ : state) {
+    const auto start = Clock::now();
+    boost::asio::write(plant.socket, boost::asio::buffer(read_3e));
+    boost::asio::read(plant.socket, boost::asio::buffer(reply));
+    const auto time = std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - start);
+    times.push_back(static_cast<std::uint32_t>(time.count()));
+    if (reply[0] != 0xD0 || reply[9] != 0 || reply[10] != 0) return state.SkipWithError("not a good reply");
+  }
+  std::ranges::sort(times);
+  state.counters["p50_seconds"] = times[times.size() / 2] * 1e-9;
+  state.counters["p99_seconds"] = times[times.size() * 99 / 100] * 1e-9;
+  canopus::bench::report(state, times.size());
+}
+BENCHMARK(read_64_words_3e)->Apply(canopus::bench::standard)->UseRealTime();
+
+/// range(0) requests at once, then their replies.
+void read_64_words_4e_pipelined(benchmark::State& state) {
+  RunningPlant plant;
+  const auto depth = static_cast<std::size_t>(state.range(0));
+  std::vector<std::uint8_t> requests;
+  for (std::size_t i = 0; i < depth; ++i) {
+    requests.insert(requests.end(), read_4e.begin(), read_4e.end());
+    requests[requests.size() - read_4e.size() + 2] = static_cast<std::uint8_t>(i);
+  }
+  std::vector<std::uint8_t> replies(depth * reply_4e);
+  for (auto _ : state) {
+    boost::asio::write(plant.socket, boost::asio::buffer(requests));
+    boost::asio::read(plant.socket, boost::asio::buffer(replies));
+    const std::uint8_t* const last = &replies[(depth - 1) * reply_4e];
+    if (last[0] != 0xD4 || last[2] != static_cast<std::uint8_t>(depth - 1)) {
+      return state.SkipWithError("not a good reply");
+    }
+  }
+  canopus::bench::report(state, static_cast<std::uint64_t>(state.iterations()) * depth);
+}
+BENCHMARK(read_64_words_4e_pipelined)
+    ->Apply(canopus::bench::standard)
+    ->UseRealTime()
+    ->ArgName("depth")
+    ->Arg(16)
+    ->Arg(64);
+
+}  // namespace
+
+BENCHMARK_MAIN();
