@@ -9,14 +9,17 @@
 #include <vector>
 
 #include <benchmark/benchmark.h>
+#include <malloc.h>
 
 #include "canopus/can/frame_bits.hpp"
 #include "canopus/can/timeline.hpp"
 
-namespace can = canopus::can;
-namespace sim = canopus::sim;
+#include "measure.hpp"
+#include "network.hpp"
 
 namespace {
+
+using namespace canopus;
 
 std::vector<can::Frame> random_frames(std::size_t count) {
   std::mt19937_64 random(1);
@@ -36,8 +39,9 @@ void frame_bits_of_random_8_byte_frames(benchmark::State& state) {
     benchmark::DoNotOptimize(can::frame_bits(frames[next]));
     next = (next + 1) & 4095;
   }
+  bench::report(state, static_cast<std::uint64_t>(state.iterations()));
 }
-BENCHMARK(frame_bits_of_random_8_byte_frames);
+BENCHMARK(frame_bits_of_random_8_byte_frames)->Apply(bench::standard);
 
 void frame_bits_each_after_the_last(benchmark::State& state) {
   const auto frames = random_frames(4096);
@@ -47,8 +51,9 @@ void frame_bits_each_after_the_last(benchmark::State& state) {
     next = (next + bits) & 4095;
   }
   benchmark::DoNotOptimize(next);
+  bench::report(state, static_cast<std::uint64_t>(state.iterations()));
 }
-BENCHMARK(frame_bits_each_after_the_last);
+BENCHMARK(frame_bits_each_after_the_last)->Apply(bench::standard);
 
 // A node that always has a frame waiting, and counts what it hears.
 class Talker final : public can::Participant {
@@ -79,45 +84,94 @@ class Talker final : public can::Participant {
   can::Time heartbeat_{};
 };
 
-// Bus at 100 % load, 1 Mbit/s; range(0) nodes. range(1) = 0: the first node hears everything, the others what
-// a CANopen slave listens to; 1: everybody hears everything.
+struct FullBus {
+  FullBus(can::Timeline& timeline, std::uint32_t nodes, bool everybody_hears_all)
+      : bus("bench", 1'000'000, timeline) {
+    for (std::uint32_t number = 0; number < nodes; ++number) {
+      talkers.push_back(std::make_unique<Talker>(bus, timeline, number));
+      if (number == 0 || everybody_hears_all) continue;
+      sim::Acceptance slave;
+      slave.base.reset();
+      for (const std::uint32_t identifier : {0x000U, 0x080U, 0x100U, 0x200U + number, 0x600U + number}) {
+        slave.base.set(identifier);
+      }
+      slave.extended = false;
+      talkers.back()->port->accept(slave);
+    }
+    for (auto& talker : talkers) talker->start();
+  }
+  sim::Bus bus;
+  std::vector<std::unique_ptr<Talker>> talkers;
+};
+
+// Buses at 100 % load, 1 Mbit/s, on one timeline. everybody_hears_all = 0: the first node hears everything,
+// the others what a CANopen slave listens to; 1: everybody hears everything.
 void full_bus(benchmark::State& state) {
   using namespace std::chrono_literals;
   can::Timeline timeline;
-  sim::Bus bus("bench", 1'000'000, timeline);
-  std::vector<std::unique_ptr<Talker>> nodes;
-  for (std::uint32_t number = 0; number < static_cast<std::uint32_t>(state.range(0)); ++number) {
-    nodes.push_back(std::make_unique<Talker>(bus, timeline, number));
-    if (number == 0 || state.range(1) != 0) continue;
-    sim::Acceptance slave;
-    slave.base.reset();
-    for (const std::uint32_t identifier : {0x000U, 0x080U, 0x100U, 0x200U + number, 0x600U + number}) {
-      slave.base.set(identifier);
-    }
-    slave.extended = false;
-    nodes.back()->port->accept(slave);
+  std::vector<std::unique_ptr<FullBus>> buses;
+  for (std::int64_t i = 0; i < state.range(1); ++i) {
+    buses.push_back(
+        std::make_unique<FullBus>(timeline, static_cast<std::uint32_t>(state.range(0)), state.range(2) != 0));
   }
-  for (auto& node : nodes) node->start();
   can::Time now{};
+  const auto frames = [&] {
+    std::uint64_t sum = 0;
+    for (const auto& full : buses) sum += full->bus.load(now).frames;
+    return sum;
+  };
   timeline.run_until(now);
-  const std::uint64_t before = bus.load(now).frames;
+  const std::uint64_t before = frames();
   for (auto _ : state) {
     now += 10ms;
     timeline.run_until(now);
   }
-  const double frames = static_cast<double>(bus.load(now).frames - before);
-  state.counters["per frame"] =
-      benchmark::Counter(frames, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
-  state.counters["simulated s/s"] =
-      benchmark::Counter(static_cast<double>(state.iterations()) * 0.01, benchmark::Counter::kIsRate);
+  for (const auto& full : buses) {
+    if (full->bus.load(now).now < 0.99 && state.iterations() > 200)
+      state.SkipWithError("the bus is not full");
+  }
+  bench::report(state, frames() - before);
+  state.counters["simulated_seconds_per_second"] = benchmark::Counter(
+      static_cast<double>(state.iterations() * state.range(1)) * 0.01, benchmark::Counter::kIsRate);
 }
 BENCHMARK(full_bus)
-    ->ArgNames({"nodes", "everybody_hears_all"})
-    ->Args({2, 0})
-    ->Args({8, 0})
-    ->Args({32, 0})
-    ->Args({127, 0})
-    ->Args({127, 1});
+    ->Apply(bench::standard)
+    ->ArgNames({"nodes", "buses", "everybody_hears_all"})
+    ->Args({2, 1, 0})
+    ->Args({8, 1, 0})
+    ->Args({32, 1, 0})
+    ->Args({127, 1, 0})
+    ->Args({127, 4, 0})
+    ->Args({127, 16, 0})
+    ->Args({127, 1, 1});
+
+// Heap bytes of one more simulated slave: node, controller and their places on bus and timeline.
+void bytes_per_slave(benchmark::State& state) {
+  constexpr std::size_t count = 126;
+  std::size_t bytes = 0;
+  struct Slave {
+    Slave(sim::Port& port, std::uint8_t id) : node(bench::slave_description(), id, port) {}
+    canopen::Node node;
+  };
+  for (auto _ : state) {
+    can::Timeline timeline;
+    sim::Bus bus("bench", 1'000'000, timeline);
+    static_cast<void>(bench::slave_description());
+    std::vector<std::unique_ptr<Slave>> slaves;
+    const std::size_t before = mallinfo2().uordblks;
+    for (std::uint8_t id = 1; id <= count; ++id) {
+      sim::Port& port = bus.add_port("slave");
+      Slave& slave = *slaves.emplace_back(std::make_unique<Slave>(port, id));
+      port.connect(slave.node, timeline.add(slave.node));
+      slave.node.power_on(can::Time{});
+      slave.node.command(canopen::NmtCommand::start, can::Time{});
+    }
+    timeline.run_until(can::Time{} + std::chrono::seconds(1));
+    bytes = (mallinfo2().uordblks - before) / count;
+  }
+  state.counters["bytes"] = static_cast<double>(bytes);
+}
+BENCHMARK(bytes_per_slave)->Iterations(1);
 
 }  // namespace
 
