@@ -60,11 +60,8 @@ void Timeline::remove(Handle handle) {
   sift_down(slots_[last].position);
 }
 
-void Timeline::refresh(Handle handle) {
+void Timeline::move(Handle handle, Time deadline) noexcept {
   Slot& slot = slots_[handle];
-  if (slot.participant == nullptr) return;
-  const Time deadline = slot.participant->deadline();
-  if (deadline == slot.deadline) return;
   const bool earlier = deadline < slot.deadline;
   slot.deadline = deadline;
   if (earlier) {

@@ -23,7 +23,12 @@ class Timeline {
   /// Takes a participant out for good; its handle is not used again.
   void remove(Handle handle);
   /// Reads the participant's deadline again. To be called after anything but its tick() happened to it.
-  void refresh(Handle handle);
+  void refresh(Handle handle) {
+    const Slot& slot = slots_[handle];
+    if (slot.participant == nullptr) return;
+    const Time deadline = slot.participant->deadline();
+    if (deadline != slot.deadline) move(handle, deadline);
+  }
   /// Earliest deadline of all.
   [[nodiscard]] Time next() const noexcept;
   /// What now is: the time of the last tick, or what run_until() was given.
@@ -39,6 +44,7 @@ class Timeline {
     std::size_t position = 0;  // in heap_
   };
   [[nodiscard]] bool before(Handle left, Handle right) const noexcept;
+  void move(Handle handle, Time deadline) noexcept;
   void sift_up(std::size_t position) noexcept;
   void sift_down(std::size_t position) noexcept;
 

@@ -150,11 +150,15 @@ class BusPort final : public Port {
   }
   [[nodiscard]] can::Duration bit() const noexcept { return can::bit_time(1, rate); }
 
+  // What a received frame needs lies together.
   BusCore& core;
-  Segment* segment;
-  std::size_t index;
   can::Participant* participant = nullptr;
   can::Timeline::Handle handle = 0;
+  PortCounters counted;
+  bool jammed = false;  // by a fault: received frames are held
+
+  Segment* segment;
+  std::size_t index;
   std::uint32_t rate;
   bool on_wire = true;
   bool listen_only = false;
@@ -169,11 +173,9 @@ class BusPort final : public Port {
   can::FaultConfinement faults;
   std::uint32_t refused = 0;
   std::uint32_t overrun = 0;
-  PortCounters counted;
 
   // Faults at work.
   bool stuck = false;  // dominant
-  bool jammed = false;
   std::size_t held_capacity = 0;
   std::vector<can::Frame> held;  // received while jammed
   bool babbling = false;

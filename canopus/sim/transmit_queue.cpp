@@ -4,14 +4,23 @@
 
 namespace canopus::sim {
 
+namespace {
+constexpr std::size_t first_frames = 32;
+}
+
 void TransmitQueue::configure(bool sorted, std::size_t capacity) {
-  frames_.assign(std::max<std::size_t>(capacity, 1), {});
+  capacity_ = std::max<std::size_t>(capacity, 1);
+  frames_.assign(std::min(capacity_, first_frames), {});
   sorted_ = sorted;
   clear();
 }
 
-bool TransmitQueue::push(const can::Frame& frame, std::size_t reserved) noexcept {
-  if (size() + reserved >= frames_.size()) return false;
+// One frame that is on the wire may come back any time: there is always room for it.
+void TransmitQueue::make_room() { frames_.resize(std::min(capacity_, 2 * frames_.size())); }
+
+bool TransmitQueue::push(const can::Frame& frame, std::size_t reserved) {
+  if (size() + reserved >= capacity_) return false;
+  if (size() + 1 >= frames_.size() && frames_.size() < capacity_) make_room();
   std::size_t position = end_;
   if (sorted_) {
     const std::uint32_t priority = arbitration(frame);

@@ -21,17 +21,18 @@ enum class TransmitOrder : std::uint8_t;
          (frame.identifier & 0x3FFFF) << 1 | remote;
 }
 
-/// A bounded queue, sorted or not. No allocation but in configure().
+/// A bounded queue, sorted or not. Its memory grows with the longest queue there ever was, by doubling, from
+/// 32 frames on.
 class TransmitQueue {
  public:
   void configure(bool sorted, std::size_t capacity);
   /// False: full. `reserved` places count as taken.
-  bool push(const can::Frame& frame, std::size_t reserved) noexcept;
+  bool push(const can::Frame& frame, std::size_t reserved);
   /// Gives a frame back that was taken by pop(): it is the oldest of its kind again. Its place must be free.
   void push_back_again(const can::Frame& frame) noexcept;
   [[nodiscard]] bool empty() const noexcept { return begin_ == end_; }
   [[nodiscard]] std::size_t size() const noexcept { return end_ - begin_; }
-  [[nodiscard]] std::size_t capacity() const noexcept { return frames_.size(); }
+  [[nodiscard]] std::size_t capacity() const noexcept { return capacity_; }
   /// The frame to offer next. Not when empty.
   [[nodiscard]] const can::Frame& front() const noexcept { return frames_[begin_]; }
   can::Frame pop() noexcept {
@@ -43,8 +44,10 @@ class TransmitQueue {
 
  private:
   void insert(std::size_t position, const can::Frame& frame) noexcept;
+  void make_room();
 
   std::vector<can::Frame> frames_;  // begin_..end_ are waiting, the next one first
+  std::size_t capacity_ = 0;
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
   bool sorted_ = true;
