@@ -78,17 +78,6 @@ void expedited_upload(benchmark::State& state) {
   }
   bench::report(state, networks.frames() - before);
 }
-BENCHMARK(expedited_upload)
-    ->Apply(bench::standard)
-    ->ArgNames({"nodes", "buses"})
-    ->Args({1, 1})
-    ->Args({2, 1})
-    ->Args({8, 1})
-    ->Args({32, 1})
-    ->Args({126, 1})
-    ->Args({126, 4})
-    ->Args({126, 16});
-
 void download(benchmark::State& state, canopen::SdoClient::Mode mode) {
   Networks networks(state.range(0), state.range(1));
   std::vector<std::uint8_t> value(64 * 1024);
@@ -113,18 +102,15 @@ void segmented_download_64_kib(benchmark::State& state) {
   download(state, canopen::SdoClient::Mode::segmented);
 }
 void block_download_64_kib(benchmark::State& state) { download(state, canopen::SdoClient::Mode::block); }
-BENCHMARK(segmented_download_64_kib)
-    ->Apply(bench::standard)
-    ->ArgNames({"nodes", "buses"})
-    ->Args({1, 1})
-    ->Args({32, 1})
-    ->Args({126, 1});
-BENCHMARK(block_download_64_kib)
-    ->Apply(bench::standard)
-    ->ArgNames({"nodes", "buses"})
-    ->Args({1, 1})
-    ->Args({32, 1})
-    ->Args({126, 1});
+void sizes(benchmark::internal::Benchmark* bench) {
+  bench::standard(bench);
+  bench->ArgNames({"nodes", "buses"});
+  for (const std::int64_t nodes : {1, 2, 8, 32, 126}) bench->Args({nodes, 1});
+  bench->Args({126, 4})->Args({126, 16});
+}
+BENCHMARK(expedited_upload)->Apply(sizes);
+BENCHMARK(segmented_download_64_kib)->Apply(sizes);
+BENCHMARK(block_download_64_kib)->Apply(sizes);
 
 }  // namespace
 
