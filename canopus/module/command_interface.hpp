@@ -98,6 +98,10 @@ class CommandInterface final : public BufferArea, public canopen::SdoClientUser 
   /// Starts the command in the request plane; it runs at least `duration`. Nothing happens while busy.
   void execute(Modes mode, can::Time now, can::Duration duration);
   [[nodiscard]] bool busy() const noexcept { return running_; }
+  /// The address is one of its words.
+  [[nodiscard]] bool owns(BufferAddress address) const noexcept {
+    return address >= first_ && address < first_ + word_count;
+  }
   /// The node whose default SDO channel is in use, or 0.
   [[nodiscard]] std::uint8_t remote_node() const noexcept { return client_.busy() ? client_.server() : 0; }
 

@@ -1,5 +1,7 @@
 #include "canopus/module/stored_settings.hpp"
 
+#include "canopus/canopen/pdo_mapping.hpp"
+
 namespace canopus::module {
 
 namespace {
@@ -84,6 +86,37 @@ bool apply_objects(std::span<const std::uint8_t> bytes, canopen::ObjectDictionar
   if (!for_each_object(bytes, description, [](const auto&, const auto&) {})) return false;
   return for_each_object(bytes, description,
                          [&](const canopen::Entry& entry, auto value) { dictionary.assign(entry, value); });
+}
+
+namespace {
+
+// The first wrong entry of a mapping that is switched on.
+std::optional<canopen::Entry> faulty_mapping(const canopen::ObjectDictionary& dictionary, std::uint16_t index,
+                                             canopen::PdoDirection direction) {
+  const auto count = dictionary.get<std::uint8_t>(index, 0);
+  unsigned bits = 0;
+  for (unsigned sub = 1; sub <= count; ++sub) {
+    const canopen::Entry entry = dictionary.description().find(index, static_cast<std::uint8_t>(sub));
+    if (!entry) return dictionary.description().find(index, 0);
+    const auto mapping = dictionary.get<std::uint32_t>(entry);
+    bits += mapping & 0xFF;
+    const auto code = canopen::check_mapping_entry(dictionary, mapping, direction);
+    if (code != canopen::AbortCode::none || bits > 64) return entry;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<canopen::Entry> first_faulty_mapping(const canopen::ObjectDictionary& dictionary) {
+  for (const canopen::ObjectDescription& object : dictionary.description().objects()) {
+    const bool receives = object.index >= 0x1600 && object.index <= 0x17FF;
+    const bool transmits = object.index >= 0x1A00 && object.index <= 0x1BFF;
+    if (!receives && !transmits) continue;
+    const auto direction = receives ? canopen::PdoDirection::receive : canopen::PdoDirection::transmit;
+    if (const auto faulty = faulty_mapping(dictionary, object.index, direction)) return faulty;
+  }
+  return std::nullopt;
 }
 
 }  // namespace canopus::module

@@ -3,6 +3,7 @@
 #include "canopus/module/me3can1_q/firmware.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <utility>
 
 #include "canopus/module/me3can1_q/buffer_table.hpp"
@@ -168,7 +169,7 @@ void Me3can1Q::Firmware::set_observer(ModuleObserver* observer) {
 }
 
 bool Me3can1Q::Firmware::initializing() const noexcept {
-  return state_ == State::initializing || nmt_reset_end_ != can::never;
+  return state_ == State::initializing || state_ == State::stuck || nmt_reset_end_ != can::never;
 }
 
 bool Me3can1Q::Firmware::canopen_mode() const noexcept { return mode_ == 405; }
@@ -267,6 +268,10 @@ bool Me3can1Q::Firmware::use_stored_words() {
 
 void Me3can1Q::Firmware::end_initialization(can::Time now) {
   initialized_at_ = can::never;
+  if (canopen_mode() && configuration_is_faulty(now)) {
+    state_ = State::stuck;
+    return;
+  }
   state_ = State::running;
   bit_rate_ = buffer_.word(g::baud_rate);
   controller_.restart(bit_rate_ * 1000U);
@@ -285,6 +290,26 @@ void Me3can1Q::Firmware::end_initialization(can::Time now) {
     restart_again_at_ = restarted ? can::later(now, profile_.restart_repeat_time) : now;
   }
   controller_changed(now);
+}
+
+// A faulty CANopen configuration keeps the module in its initial state; the way out is the object
+// dictionary's reset by the command interface, and a restart [ME3CAN1-Q 8.1.2].
+bool Me3can1Q::Firmware::configuration_is_faulty(can::Time now) {
+  const NonVolatileMemory::Content content = flash_.read(objects_name);
+  if (content.state != NonVolatileMemory::Content::State::good) return false;
+  canopen::ObjectDictionary scratch(object_dictionary(),
+                                    static_cast<std::uint8_t>(buffer_.word(g::node_address)));
+  if (!apply_objects(content.bytes, scratch)) return false;  // damaged, not faulty: the defaults hold
+  const auto faulty = first_faulty_mapping(scratch);
+  if (!faulty) return false;
+  std::array<char, 120> text{};
+  const int length =
+      std::snprintf(text.data(), text.size(),
+                    "stays in initialization: the stored object dictionary is faulty at %04XH:%02X; "
+                    "write 1011H:01 by the CIF and restart",
+                    faulty->index, faulty->sub);
+  tell({text.data(), static_cast<std::size_t>(length)}, now);
+  return true;
 }
 
 void Me3can1Q::Firmware::begin_restart(can::Time now) {

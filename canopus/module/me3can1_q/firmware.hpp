@@ -105,6 +105,7 @@ class Me3can1Q::Firmware final : public BufferArea,
   enum class State : std::uint8_t {
     off,           ///< no supply
     initializing,  ///< power-on or Y02 until the settings are in force
+    stuck,         ///< initializing for ever: the stored object dictionary is faulty
     running,
   };
   /// An emergency of the module's own finding: sent after the event that caused it is dealt with.
@@ -118,6 +119,7 @@ class Me3can1Q::Firmware final : public BufferArea,
   void begin_initialization(can::Duration duration, can::Time now);
   void end_initialization(can::Time now);
   void begin_restart(can::Time now);
+  [[nodiscard]] bool configuration_is_faulty(can::Time now);
   void load_settings();
   bool use_stored_words();
   [[nodiscard]] Modes preset_mode() const;

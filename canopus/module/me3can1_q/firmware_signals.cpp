@@ -42,7 +42,8 @@ std::uint16_t Me3can1Q::Firmware::read(BufferAddress address, can::Time now) {
 
 void Me3can1Q::Firmware::write(BufferAddress address, std::uint16_t value, can::Time now) {
   if (state_ == State::off) return;
-  const WriteResult result = initializing() ? WriteResult::refused : buffer_.write(address, value, now);
+  const bool allowed = !initializing() || (state_ == State::stuck && command_.owns(address));
+  const WriteResult result = allowed ? buffer_.write(address, value, now) : WriteResult::refused;
   errors_.record(result, address);
   if (result == WriteResult::done) {
     if (address == g::daily_correction) time_stamp_.correction_changed(now);
@@ -149,7 +150,8 @@ void Me3can1Q::Firmware::set_output(unsigned number, bool on, can::Time now) {
 
 void Me3can1Q::Firmware::rising(unsigned number, can::Time now) {
   if (number == signal::error) return errors_.hold_clear(true);
-  if (initializing()) return;
+  const bool cures = number == signal::command || number == signal::restart;
+  if (initializing() && !(state_ == State::stuck && cures)) return;
   switch (number) {
     case signal::data_exchange: return begin_exchange(now);
     case signal::restart: return begin_restart(now);

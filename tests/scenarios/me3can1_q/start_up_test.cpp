@@ -1,5 +1,8 @@
 // spec/me3can1-q/scenarios.md, section 2: start-up procedures.
 
+#include "canopus/module/flash_memory.hpp"
+#include "canopus/module/stored_settings.hpp"
+
 #include "scenarios/me3can1_q/scenario.hpp"
 
 namespace canopus::scenario {
@@ -38,6 +41,50 @@ TEST(Me3StartUp, S04_FactoryState_EveryWordHasItsDefault) {
   for (module::BufferAddress a = 1000; a <= 1066; ++a) s.expect(a, 0);
   for (module::BufferAddress a = 10000; a <= 11023; ++a) s.expect(a, 0);
   for (module::BufferAddress a = 13000; a <= 14023; ++a) s.expect(a, 0);
+}
+
+/// Puts one more object into the stored object dictionary, as if an older firmware had stored it.
+void store_besides(RamMemory& memory, std::uint16_t index, std::uint8_t sub, const Bytes& value) {
+  module::FlashMemory flash(memory, {"object-dictionary"});
+  flash.load();
+  auto content = flash.read("object-dictionary").bytes;
+  module::append_object(content, index, sub, value);
+  flash.write("object-dictionary", content);
+}
+
+TEST(Me3StartUp, FaultyStoredConfiguration_KeepsInitializing_UntilTheObjectDictionaryIsReset) {
+  RecordProperty("spec", "ME3-STAT-013");
+  Me3Scenario s;
+  s.power_on();
+  s.set_object(0x1017, 0, 1000, 2).store_objects();
+  store_besides(s.flash(), 0x1A00, 1, {0x10, 0x01, 0x99, 0x5F});  // maps 5F99H, which does not exist
+  store_besides(s.flash(), 0x1A00, 0, {1});
+  s.supply_off();
+  s.ignore_tx();
+  s.supply_on();
+  s.advance(60s);
+  s.expect(25, 0x0080).expect_x(0x00, false).no_tx();  // no boot-up message, no heartbeat
+  s.write(24, 125);
+  s.expect_bit(29, 5, true).expect(40, 24);
+  s.set_object(0x1011, 1, 0x64616F6C, 4);  // by CIF, although it initializes
+  s.expect(25, 0x0080);                    // and only the restart uses it
+  s.restart();
+  s.expect(25, 0x0100).expect_x(0x00, true);
+  s.expect_object(0x1017, 0, 0, 2).expect_object(0x1A00, 0, 4, 1);
+}
+
+TEST(Me3StartUp, FaultyStoredMapping_OfMoreThanEightBytes_KeepsInitializingToo) {
+  RecordProperty("spec", "ME3-STAT-013");
+  Me3Scenario s;
+  s.power_on();
+  s.store_objects();
+  for (const std::uint8_t sub : Bytes{1, 2, 3})
+    store_besides(s.flash(), 0x1600, sub, {0x20, sub, 0x80, 0xA6});
+  store_besides(s.flash(), 0x1600, 0, {3});  // three values of 32 bits
+  s.supply_off();
+  s.supply_on();
+  s.advance(60s);
+  s.expect(25, 0x0080).expect_x(0x00, false);
 }
 
 TEST(Me3StartUp, S05_MasterNode1_StepByStep) {
