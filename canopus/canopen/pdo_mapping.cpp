@@ -17,9 +17,11 @@ struct Mapping {
   std::uint8_t bits;
 };
 
+// 0001H-0007H; a dictionary that has 0008H itself says which ones it has.
 bool is_dummy(const ObjectDictionary& dictionary, const Mapping& mapping) {
-  if (mapping.sub != 0 || mapping.index == 0) return false;
-  return mapping.index <= 7 || (mapping.index == 8 && dictionary.description().find(8) != nullptr);
+  if (mapping.sub != 0 || mapping.index == 0 || mapping.index > 8) return false;
+  const DictionaryDescription& description = dictionary.description();
+  return description.find(8) != nullptr ? description.find(mapping.index) != nullptr : mapping.index != 8;
 }
 
 }  // namespace

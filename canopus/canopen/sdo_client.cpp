@@ -92,11 +92,15 @@ bool SdoClient::download(std::uint16_t index, std::uint8_t sub, ByteSource& sour
 
 void SdoClient::cancel(AbortCode code) {
   if (!busy()) return;
+  drop(code);
+  sink_->send(sdo::abort_frame(request_cob_id_, index_, sub_, code));
+}
+
+void SdoClient::drop(AbortCode code) noexcept {
   state_ = State::idle;
   block_sender_.stop();
   deadline_ = can::never;
   abort_code_ = code;
-  sink_->send(sdo::abort_frame(request_cob_id_, index_, sub_, code));
 }
 
 void SdoClient::finish(AbortCode code, can::Time now) {

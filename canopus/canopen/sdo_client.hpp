@@ -65,6 +65,8 @@ class SdoClient {
                 Mode mode = Mode::segmented);
   /// Gives the running transfer up with an abort frame; its user is not called.
   void cancel(AbortCode code);
+  /// The same without a frame: the node has to keep silent (Stopped).
+  void drop(AbortCode code) noexcept;
 
   [[nodiscard]] bool busy() const noexcept { return state_ != State::idle; }
   /// Limits what an upload may bring, in bytes; 0 = no limit. More is aborted with 05040005H, as soon as it

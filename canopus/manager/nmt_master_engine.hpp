@@ -139,7 +139,7 @@ class NmtMaster::Engine final : public BootHost,
   void after_write(canopen::ObjectDictionary&, const canopen::Entry&, can::Time now) override;
 
   // can::Sink, between the boots and the real one: silent while everything is being given up
-  bool send(const can::Frame& frame) override { return muted_ || sink_->send(frame); }
+  bool send(const can::Frame& frame) override;
 
   // start-up (nmt_master_start_up.cpp)
   void begin(can::Time now);

@@ -33,6 +33,14 @@ constexpr std::uint8_t told_state(std::uint8_t state) noexcept {
 
 }  // namespace
 
+// A Stopped node sends no SDO and takes none, and nobody is told so [CiA 301 7.3.2.2.4; ME3CAN1-Q 4.8.1]: the
+// start-up finds no answer and goes on asking.
+bool NmtMaster::Engine::send(const can::Frame& frame) {
+  const bool is_sdo = (frame.identifier & base_function) == canopen::cob_id::sdo_request;
+  const bool silent = muted_ || (is_sdo && node_->state() == NmtState::stopped);
+  return silent || sink_->send(frame);
+}
+
 void NmtMaster::Engine::receive(const can::Frame& frame, can::Time now) {
   if (frame.extended || frame.remote) return;
   if (flying_.state() != FlyingMaster::State::off || frame.identifier == canopen::cob_id::nmt) {
@@ -44,7 +52,7 @@ void NmtMaster::Engine::receive(const can::Frame& frame, can::Time now) {
   if (node_id == 0 || node_id == node_->node_id()) return;
   switch (frame.identifier & base_function) {
     case canopen::cob_id::sdo_response:
-      if (boots_[node_id] && boots_[node_id]->sdo_busy()) {
+      if (boots_[node_id] && boots_[node_id]->sdo_busy() && node_->state() != NmtState::stopped) {
         boots_[node_id]->receive(frame, now);
         boot_may_have_ended_transfer(node_id, now);
         refresh(node_id);

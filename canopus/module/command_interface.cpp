@@ -34,6 +34,7 @@ void CommandInterface::reset() {
   if (client_.busy()) client_.cancel(canopen::AbortCode::local_control);
   request_.fill(0);
   result_.fill(0);
+  last_issued_.fill(0);
   show_result_ = running_ = locked_ = false;
   command_ = nullptr;
   begin_at_ = can::never;
@@ -77,6 +78,13 @@ void CommandInterface::execute(Modes mode, can::Time now, can::Duration duration
   begin_at_ = can::later(now, duration);
 }
 
+void CommandInterface::bus_lost(std::uint16_t error_class, can::Time now) {
+  if (!client_.busy()) return;
+  client_.drop(canopen::AbortCode::local_control);
+  result_.fill(0);
+  fail(error_class, now);
+}
+
 void CommandInterface::tick(can::Time now) {
   if (now >= begin_at_) {
     begin_at_ = can::never;
@@ -92,13 +100,21 @@ void CommandInterface::begin(can::Time now) {
   const auto row = std::ranges::find_if(table_, [&](const CommandRow& known) {
     return known.code == running_request_[0] && (known.modes & mode_) != 0;
   });
+  const bool is_issue =
+      row == table_.end() || (row->kind != CommandKind::display && row->kind != CommandKind::clear);
+  if (is_issue) last_issued_ = running_request_;
   if (row == table_.end()) return fail(command_error::unknown_command, now);
   command_ = &*row;
   if (needs_bus()) {
     if (const std::uint16_t obstacle = host_->bus_obstacle(); obstacle != 0) return fail(obstacle, now);
   }
   switch (command_->kind) {
-    case CommandKind::display: result_ = running_request_; return finish(command_->success, now);
+    case CommandKind::display:
+      // Restored, to be shown and adjusted; what stands beside the code now is unused [ME3CAN1-Q 5.3].
+      request_ = last_issued_;
+      request_[0] = running_request_[0];
+      result_ = request_;
+      return finish(command_->success, now);
     case CommandKind::clear: locked_ = false; return finish(command_->success, now);
     case CommandKind::emergency: return send_emergency(now);
     case CommandKind::send_frame: return send_frame(now);

@@ -4,8 +4,8 @@
 // and multiple), sending an emergency message, and what else the module has [ME3CAN1-Q 3.5.18, 5].
 //
 // The block has two planes. Writes go to the request plane. After a command reads show the result plane; the
-// next write (or the display command) brings the request plane back. While a command runs the first word
-// reads FFFFH; a write then locks the interface until command FFFFH is executed.
+// next write (or the display command: as the last command found it) brings the request plane back. While a
+// command runs the first word reads FFFFH; a write then locks the interface until command FFFFH is executed.
 //
 //   idle --execute--> busy --done--> idle (result shown)
 //                     busy --write--> locked --execute FFFFH--> idle
@@ -102,6 +102,9 @@ class CommandInterface final : public BufferArea, public canopen::SdoClientUser 
   [[nodiscard]] bool owns(BufferAddress address) const noexcept {
     return address >= first_ && address < first_ + word_count;
   }
+  /// The bus may not be used any more: a command that waits for another node ends with this error class, and
+  /// sends nothing.
+  void bus_lost(std::uint16_t error_class, can::Time now);
   /// The node whose default SDO channel is in use, or 0.
   [[nodiscard]] std::uint8_t remote_node() const noexcept { return client_.busy() ? client_.server() : 0; }
 
@@ -147,6 +150,7 @@ class CommandInterface final : public BufferArea, public canopen::SdoClientUser 
   Plane request_{};
   Plane result_{};
   Plane running_request_{};
+  Plane last_issued_{};  // of the commands that have parameters
   bool show_result_ = false;
   bool running_ = false;  // between execute() and the end of the command
   bool locked_ = false;   // written to while running

@@ -24,7 +24,7 @@ TEST(ErrorStatus, OfTheMe3can1Q_EachOfItsErrorBitsMakesTheSignal) {
 }
 
 TEST(NmtStatus, EveryFailureBitOfEveryNode_IsAFailure_ActivityIsNot) {
-  RecordProperty("spec", "ME3-NEC-011");
+  RecordProperty("spec", "ME3-NEC-011 ME3-IO-015");
   for (std::uint8_t node = 1; node <= 127; ++node) {
     for (unsigned bit = 0; bit < 8; ++bit) {
       NmtStatus status(400, 600);

@@ -59,7 +59,7 @@ can::ErrorState FreeBus::error_state() const {
 void FreeBus::restart(std::uint32_t bit_rate) {
   rate = bit_rate;
   transmit_errors = receive_errors = 0;
-  overflows = 0;
+  overflows = lost = 0;
   completing.clear();
 }
 

@@ -57,11 +57,13 @@ class FreeBus final : public can::Controller {
   void restart(std::uint32_t bit_rate) override;
   std::uint32_t transmit_overflows() const override { return overflows; }
   bool has_room() const override { return accepts; }
+  std::uint32_t receive_overflows() const override { return lost; }
 
   std::uint16_t transmit_errors = 0;
   std::uint16_t receive_errors = 0;
   std::uint32_t rate = 0;
   std::uint32_t overflows = 0;
+  std::uint32_t lost = 0;              // received frames
   bool accepts = true;                 // false: every send() overflows
   std::deque<can::Frame> sent;         // not yet looked at by the test
   std::vector<can::Frame> completing;  // transmitted() not yet told

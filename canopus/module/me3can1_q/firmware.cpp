@@ -97,6 +97,7 @@ Me3can1Q::Firmware::Firmware(can::Controller& controller, NonVolatileMemory& mem
       concise_dcfs_(node_, master_, flash_, concise_dcfs_name, {.erase_time = profile_.erase_time}) {
   node_.set_listener(this);
   master_.set_listener(this);
+  node_.dictionary().attach(0x0002, 0x0008, *this);
   node_.dictionary().attach(0x1010, 0x1011, *this);
   exchange_.attach(node_.dictionary());
 
@@ -361,10 +362,17 @@ void Me3can1Q::Firmware::reset_done(canopen::NmtCommand, can::Time now) {
   master_.start(now);
 }
 
+// The data types 0002H-0008H [ME3CAN1-Q 4.5].
+canopen::AbortCode Me3can1Q::Firmware::before_read(canopen::ObjectDictionary&, const canopen::Entry& entry,
+                                                   can::Time) {
+  return entry.index <= 0x0008 ? canopen::AbortCode::no_object : canopen::AbortCode::none;
+}
+
 // 1010H and 1011H [ME3CAN1-Q 4.6.10, 4.6.11].
 canopen::AbortCode Me3can1Q::Firmware::before_write(canopen::ObjectDictionary& dictionary,
                                                     const canopen::Entry& entry,
                                                     std::span<const std::uint8_t> value, can::Time) {
+  if (entry.index <= 0x0008) return canopen::AbortCode::no_object;
   const bool storing = entry.index == 0x1010;
   if (number(value) != (storing ? save_signature : load_signature)) return canopen::AbortCode::cannot_store;
   // Restored settings are factory defaults, not those of the shelf: an empty content, not a missing one.

@@ -87,7 +87,9 @@ class Me3can1Q::Firmware final : public BufferArea,
   void life_guarding_event(bool occurred, can::Time now) override;
   void object_written(const canopen::Entry& entry, can::Time now) override;
 
-  // ObjectHandler: 1010H, 1011H
+  // ObjectHandler: 0002H-0008H, 1010H, 1011H
+  canopen::AbortCode before_read(canopen::ObjectDictionary& dictionary, const canopen::Entry& entry,
+                                 can::Time now) override;
   canopen::AbortCode before_write(canopen::ObjectDictionary& dictionary, const canopen::Entry& entry,
                                   std::span<const std::uint8_t> value, can::Time now) override;
   void after_write(canopen::ObjectDictionary& dictionary, const canopen::Entry& entry,

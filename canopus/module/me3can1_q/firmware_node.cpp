@@ -68,6 +68,7 @@ void Me3can1Q::Firmware::nmt_state_changed(canopen::NmtState state, can::Time no
   nmt_status_.set_state(node_.node_id(), in_reset ? manager::node_state::reset_communication
                                                   : static_cast<std::uint8_t>(state));
   master_.own_state_changed(state, now);
+  if (state == canopen::NmtState::stopped) command_.bus_lost(command_error::wrong_state, now);
 }
 
 void Me3can1Q::Firmware::emergency_received(const canopen::Emergency& message, can::Time) {

@@ -27,6 +27,8 @@ constexpr auto wo = Access::write_only;
 // clang-format off
 constexpr std::array rows = std::to_array<ObjectRow>({
     // first   last   kind      sub   ..     name                                 type   acc.     default  flags
+    // There for RPDO mapping alone: an SDO access ends as if there were nothing [4.5].
+    {0x0002, 0x0008, variable, 0x00, 0x00, "Data type",                          domain, rw,             0, plain},
     {0x1000, 0x1000, variable, 0x00, 0x00, "Device type",                        u32,    ro,    0x00000195, plain},
     {0x1001, 0x1001, variable, 0x00, 0x00, "Error register",                     u8,     ro,             0, plain},
     {0x1003, 0x1003, sub,      0x00, 0x00, "Pre-defined error field",            u8,     rw,             0, plain},

@@ -128,6 +128,24 @@ TEST(Me3CommandInterface, OwnNodeId_IsTheOwnDictionary_WithoutBusTraffic) {
   s.expect(1000, {0x0005, 127, 0x1000, 0, 4, 0x0195, 0}).no_tx();
 }
 
+TEST(Me3CommandInterface, NodeZero_IsTheOwnDictionary_WhateverTheNodeId) {
+  RecordProperty("spec", "ME3-CIF-015 ME3-CIF-016");
+  for (const std::uint8_t node_id : Bytes{1, 5, 126}) {
+    Me3Scenario s;
+    s.power_on_as(node_id);
+    for (const std::uint16_t node : Words{0, node_id}) {
+      s.cif({0x0004, node, 0x1014, 0});
+      s.expect(1000, {0x0005, node, 0x1014, 0, 4, static_cast<std::uint16_t>(0x80U + node_id), 0}).no_tx();
+    }
+    s.write(1000, {0x0004, 127, 0x1014, 0});  // somebody else now
+    s.y(0x17, true);
+    s.advance(1ms);
+    s.tx(0x67F, {0x40, 0x14, 0x10, 0x00, 0, 0, 0, 0});
+    s.rx(0x5FF, {0x43, 0x14, 0x10, 0x00, 0xFF, 0, 0, 0});
+    s.expect(1000, {0x0005, 127, 0x1014, 0, 4, 0x00FF, 0}).no_tx();
+  }
+}
+
 TEST(Me3CommandInterface, S26_SdoWrite_Remote) {
   Me3Scenario s;
   s.power_on();
@@ -141,7 +159,7 @@ TEST(Me3CommandInterface, S26_SdoWrite_Remote) {
 
 // 124 bytes, segmented both ways, byte by byte in the order of the bus.
 TEST(Me3CommandInterface, SdoWriteAndRead_124Bytes_LowByteFirst) {
-  RecordProperty("spec", "ME3-CIF-013 ME3-CIF-014");
+  RecordProperty("spec", "ME3-CIF-011 ME3-CIF-013 ME3-CIF-014");
   Me3Scenario s;
   s.power_on();
   Words command{0x0002, 2, 0x2000, 1, 124};
@@ -183,9 +201,11 @@ TEST(Me3CommandInterface, SdoWriteAndRead_124Bytes_LowByteFirst) {
       .no_tx();
   s.y(0x17, false);
 
-  for (const std::uint16_t length : Words{0, 125}) {
-    s.cif({0x0002, 0, 0x1017, 0, length, 1});
-    s.expect(1000, {0x000F, 0x0003, 0, 0x0010, 0x0607});
+  for (const std::uint16_t node : Words{0, 2}) {
+    for (const std::uint16_t length : Words{0, 125, 0xFFFF}) {
+      s.cif({0x0002, node, 0x1017, 0, length, 1});
+      s.expect(1000, {0x000F, 0x0003, node, 0x0010, 0x0607}).no_tx();
+    }
   }
 }
 
@@ -199,7 +219,19 @@ TEST(Me3CommandInterface, SdoRead_MoreThan124Bytes_FailsAtTheStart) {
   s.tx(0x602, {0x40, 0x00, 0x20, 0x01, 0, 0, 0, 0});
   s.rx(0x582, {0x41, 0x00, 0x20, 0x01, 125, 0, 0, 0});
   s.expect_x(0x17, true).expect(1000, {0x000F, 0x0003, 2, 0x0000, 0x6060});
-  s.ignore_tx();  // the abort to the server
+  s.tx(0x602, {0x80, 0x00, 0x20, 0x01, 0x05, 0x00, 0x04, 0x05}).no_tx();  // no segment was asked for
+  s.y(0x17, false);
+  // The own dictionary: a concise DCF of 131 bytes comes over the bus, and is too long to be read.
+  const std::uint8_t size = 131;
+  s.rx(0x67F, {0x21, 0x22, 0x1F, 0x05, size, 0, 0, 0}).tx(0x5FF, {0x60, 0x22, 0x1F, 0x05, 0, 0, 0, 0});
+  for (unsigned sent = 0, segment = 0; sent < size; sent += 7, ++segment) {
+    const unsigned unused = size - sent < 7 ? 7 - (size - sent) : 0;
+    const unsigned last = size - sent <= 7 ? 1 : 0;
+    s.rx(0x67F, {static_cast<std::uint8_t>(segment % 2 * 0x10 | unused << 1 | last), 0, 0, 0, 0, 0, 0, 0});
+    s.tx(0x5FF, {static_cast<std::uint8_t>(0x20 | segment % 2 * 0x10), 0, 0, 0, 0, 0, 0, 0});
+  }
+  s.cif({0x0004, 0, 0x1F22, 5});
+  s.expect(1000, {0x000F, 0x0003, 0, 0x0000, 0x6060}).no_tx();
 }
 
 TEST(Me3CommandInterface, S27_SdoFailures_ShowClassNodeAndAbortCode) {
@@ -286,6 +318,39 @@ TEST(Me3CommandInterface, S28_MultiRead) {
   s.expect_x(0x17, true).expect(1000, {0x00F9, 0x0F02, 0x1000, 0, 0, 0x0000, 0x0800}).no_tx();
 }
 
+TEST(Me3CommandInterface, MultiRead_EightRecords_OfUpToEightBytes) {
+  RecordProperty("spec", "ME3-CIF-017 ME3-CIF-020");
+  Me3Scenario s;
+  s.power_on();
+  Words command{0x0008};
+  const auto add = [&](const Words& record) { command.insert(command.end(), record.begin(), record.end()); };
+  add({0, 0x1018, 1, 9, 0xAAAA, 0xAAAA, 0xAAAA, 0xAAAA});
+  add({2, 0x2000, 1, 9, 0xAAAA, 0xAAAA, 0xAAAA, 0xAAAA});
+  add({3, 0x2001, 2, 9, 0xAAAA, 0xAAAA, 0xAAAA, 0xAAAA});
+  for (std::uint16_t sub = 0; sub < 4; ++sub) add({0, 0x1018, sub, 0, 0, 0, 0, 0});
+  add({127, 0x1017, 0, 0, 0, 0, 0, 0});
+  add({0xAAAA, 0xAAAA});
+  s.write(1000, command);
+  s.y(0x17, true);
+  s.advance(1ms);
+  // Eight bytes, then five.
+  s.tx(0x602, {0x40, 0x00, 0x20, 0x01, 0, 0, 0, 0}).rx(0x582, {0x41, 0x00, 0x20, 0x01, 8, 0, 0, 0});
+  s.tx(0x602, {0x60, 0, 0, 0, 0, 0, 0, 0}).rx(0x582, {0x00, 1, 2, 3, 4, 5, 6, 7});
+  s.tx(0x602, {0x70, 0, 0, 0, 0, 0, 0, 0}).rx(0x582, {0x1D, 8, 0, 0, 0, 0, 0, 0});
+  s.expect(1000, 0xFFFF).expect_x(0x17, false);
+  s.tx(0x603, {0x40, 0x01, 0x20, 0x02, 0, 0, 0, 0}).rx(0x583, {0x41, 0x01, 0x20, 0x02, 5, 0, 0, 0});
+  s.tx(0x603, {0x60, 0, 0, 0, 0, 0, 0, 0}).rx(0x583, {0x05, 0x11, 0x12, 0x13, 0x14, 0x15, 0, 0});
+  s.expect_x(0x17, true).no_tx();
+  s.expect(1000, {0x0009, 0, 0x1018, 1, 4, 0x0071, 0, 0, 0});
+  s.expect(1009, {2, 0x2000, 1, 8, 0x0201, 0x0403, 0x0605, 0x0807});
+  s.expect(1017, {3, 0x2001, 2, 5, 0x1211, 0x1413, 0x0015, 0});
+  s.expect(1025, {0, 0x1018, 0, 1, 0x0003, 0, 0, 0});
+  s.expect(1033, {0, 0x1018, 1, 4, 0x0071, 0, 0, 0});
+  s.expect(1041, {0, 0x1018, 2, 4, 0xED63, 0, 0, 0});
+  s.expect(1049, {0, 0x1018, 3, 4, 0x0000, 0x0001, 0, 0});
+  s.expect(1057, {127, 0x1017, 0, 2, 0, 0, 0, 0, 0, 0});
+}
+
 TEST(Me3CommandInterface, S29_MultiWrite) {
   RecordProperty("spec", "ME3-CIF-019 ME3-OD-004");
   Me3Scenario s;
@@ -305,9 +370,38 @@ TEST(Me3CommandInterface, S29_MultiWrite) {
   s.expect_object(0x1F89, 0, 8, 4);
   s.cif({0x0006, 0, 0x1F89, 0, 9, 1, 0, 0, 0, 0xFFFF});
   s.expect(1000, {0x00F7, 0x0F00}).expect(1005, {0x0010, 0x0607});
+  // What lies behind the end of the list is not written.
+  s.cif({0x0006, 0, 0x1F89, 0, 4, 77, 0, 0, 0, 0xFFFF, 0x1F89, 0, 4, 78, 0, 0, 0, 0, 0x1F89, 0, 4, 79, 0});
+  s.expect(1000, 0x0007);
+  s.expect_object(0x1F89, 0, 77, 4);
   // Reading what can only be written.
   s.cif({0x0004, 0, 0x1F82, 0x80});
   s.expect(1000, {0x000F, 0x0003, 0, 0x0001, 0x0601});
+  for (const std::uint16_t sub : Words{1, 0x80}) {
+    s.cif({0x0004, 0, 0x1F25, sub});
+    s.expect(1000, {0x000F, 0x0003, 0, 0x0001, 0x0601});
+  }
+}
+
+TEST(Me3CommandInterface, MultiWrite_ToOtherNodes_OfUpToEightBytes) {
+  RecordProperty("spec", "ME3-CIF-019");
+  Me3Scenario s;
+  s.power_on();
+  s.write(1000, {0x0006, 2, 0x2000, 1, 8, 0x0201, 0x0403, 0x0605, 0x0807, 3, 0x1017, 0, 2,
+                 0x03E8, 0, 0,      0, 4, 0x2001, 5,      1,      0x0099, 0, 0,      0, 0xFFFF});
+  s.y(0x17, true);
+  s.advance(1ms);
+  s.tx(0x602, {0x21, 0x00, 0x20, 0x01, 8, 0, 0, 0}).rx(0x582, {0x60, 0x00, 0x20, 0x01, 0, 0, 0, 0});
+  s.tx(0x602, {0x00, 1, 2, 3, 4, 5, 6, 7}).rx(0x582, {0x20, 0, 0, 0, 0, 0, 0, 0});
+  s.tx(0x602, {0x1D, 8, 0, 0, 0, 0, 0, 0}).rx(0x582, {0x30, 0, 0, 0, 0, 0, 0, 0});
+  s.tx(0x603, {0x2B, 0x17, 0x10, 0x00, 0xE8, 0x03, 0, 0});
+  s.rx(0x583, {0x80, 0x17, 0x10, 0x00, 0x30, 0x00, 0x09, 0x06});
+  s.expect(1000, 0xFFFF).expect_x(0x17, false);
+  s.tx(0x604, {0x2F, 0x01, 0x20, 0x05, 0x99, 0, 0, 0}).rx(0x584, {0x60, 0x01, 0x20, 0x05, 0, 0, 0, 0});
+  s.expect_x(0x17, true).no_tx();
+  s.expect(1000, {0x00F7, 2, 0x2000, 1});
+  s.expect(1009, {0x0F03, 0x1017, 0}).expect(1013, {0x0030, 0x0609});
+  s.expect(1017, {4, 0x2001, 5});
 }
 
 TEST(Me3CommandInterface, S32_SendEmergency) {
@@ -331,7 +425,10 @@ TEST(Me3CommandInterface, S32_SendEmergency) {
   s.tx(0x081, {0x00, 0x10, 0x01, 0, 0, 0, 0, 0});
   s.cif({0x000A, 0x1001, 0x0001, 0, 0});
   s.expect(1000, {0x000C, 0x0001}).no_tx();
-  s.advance(100ms);
+  s.advance(97500us);  // a command takes 1 ms: 99.5 ms after the message
+  s.cif({0x000A, 0x1001, 0x0001, 0, 0});
+  s.expect(1000, {0x000C, 0x0001}).no_tx();
+  s.advance(10s);
   s.no_tx();
   s.cif({0x000A, 0x1001, 0x0001, 0, 0});
   s.expect(1000, {0x000B, 0x0000});
@@ -341,6 +438,33 @@ TEST(Me3CommandInterface, S32_SendEmergency) {
   s.nmt(0x02);
   s.cif({0x000A, 0x1002, 0x0001, 0, 0});
   s.expect(1000, {0x000C, 0x0002}).no_tx();
+  s.nmt(0x01);  // Operational
+  s.cif({0x000A, 0x1003, 0x0001, 0, 0});
+  s.expect(1000, {0x000B, 0x0000});
+  s.tx(0x081, {0x03, 0x10, 0x01, 0, 0, 0, 0, 0}).no_tx();
+}
+
+// The generic bit hangs on the code, the others are the program's.
+TEST(Me3CommandInterface, SendEmergency_ErrorRegister) {
+  RecordProperty("spec", "ME3-OD-008");
+  Me3Scenario s;
+  s.power_on_as(1);
+  s.expect_object(0x1001, 0, 0x00, 1);
+  s.cif({0x000A, 0x00FF, 0x0010, 0, 0});
+  s.tx(0x081, {0xFF, 0x00, 0x10, 0, 0, 0, 0, 0}).no_tx();
+  s.expect_object(0x1001, 0, 0x10, 1);
+  s.set_object(0x1003, 0, 0, 1);
+  s.ignore_tx();
+  s.expect_object(0x1001, 0, 0x00, 1);
+  s.cif({0x000A, 0x0100, 0x0080, 0, 0});
+  s.tx(0x081, {0x00, 0x01, 0x81, 0, 0, 0, 0, 0}).no_tx();
+  s.expect_object(0x1001, 0, 0x81, 1);
+  s.set_object(0x1003, 0, 0, 1);
+  s.ignore_tx();
+  s.expect_object(0x1001, 0, 0x00, 1);
+  s.cif({0x000A, 0x1000, 0x00FE, 0, 0});
+  s.ignore_tx();
+  s.expect_object(0x1001, 0, 0xFF, 1);
 }
 
 TEST(Me3CommandInterface, S33_Display_ShowsTheParametersOfTheLastCommand) {
@@ -354,6 +478,34 @@ TEST(Me3CommandInterface, S33_Display_ShowsTheParametersOfTheLastCommand) {
   s.y(0x17, true);
   s.wait_x(0x17, true);
   s.expect(1000, {0x0000, 0x1000, 0xAA81, 0xCCBB, 0xEEDD}).no_tx();
+}
+
+TEST(Me3CommandInterface, Display_AfterAnError_WholeBlock_InEveryMode) {
+  RecordProperty("spec", "ME3-CIF-007");
+  Me3Scenario s;
+  s.power_on();
+  Words parameters;
+  for (std::uint16_t i = 1; i <= 66; ++i) parameters.push_back(static_cast<std::uint16_t>(0x4000 + i));
+  for (const bool layer2 : {false, true}) {
+    if (layer2) {
+      s.write(21, 11);
+      s.save();
+      s.restart();
+    }
+    s.cif({0x0000});
+    s.expect(1000, Words(67, 0));  // no command yet
+    s.write(1001, parameters);
+    s.cif({0x1234});
+    s.expect(1000, {0x000F, 0x0064, 0});
+    s.expect(1003, Words(64, 0));
+    // What the program has written beside the display command is not what it issued last.
+    s.cif({0x0000, 1, 2, 3});
+    s.expect(1000, 0x0000).expect(1001, parameters);
+    s.cif({0x0000});
+    s.expect(1000, 0x0000).expect(1001, parameters);
+    s.write(1002, 7);  // the parameters are there to be adjusted
+    s.expect(1001, {0x4001, 7, 0x4003}).expect(1066, 0x4042).no_tx();
+  }
 }
 
 TEST(Me3CommandInterface, S34_UnknownCommand) {
@@ -408,6 +560,33 @@ TEST(Me3CommandInterface, S35_WriteWhileBusy_LocksUntilFfffh) {
   s.expect(1000, {0x0005, 0, 0x1000, 0, 4, 0x0195});
 }
 
+TEST(Me3CommandInterface, WriteWhileBusy_ToAnyWord_IsNotStored) {
+  RecordProperty("spec", "ME3-CIF-004 ME3-CIF-005");
+  Words command{0x0004, 2, 0x1000, 0};
+  for (std::uint16_t i = 4; i <= 66; ++i) command.push_back(static_cast<std::uint16_t>(0x100 + i));
+  for (std::uint16_t word = 0; word <= 66; ++word) {
+    Me3Scenario s;
+    s.power_on();
+    s.write(1000, command);
+    s.y(0x17, true);
+    s.advance(1ms);
+    s.tx(0x602, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0});
+    s.write(1000U + word, 0x0000);
+    s.expect(1000, {0x000F, 0xFFFF}).expect_x(0x17, false);
+    s.rx(0x582, {0x43, 0x00, 0x10, 0x00, 0x91, 0x01, 0x0F, 0x00});
+    s.expect(1000, {0x000F, 0xFFFF}).expect_x(0x17, true).no_tx();
+    s.y(0x17, false);
+    for (const std::uint16_t refused : Words{0x0004, 0x0002, 0x000A, 0x0000}) {
+      s.cif({refused});
+      s.expect(1000, {0x000F, 0xFFFF}).no_tx();
+    }
+    s.cif({0xFFFF});
+    s.expect(1000, 0x0000);
+    s.write(1000, command[0]);
+    s.expect(1000, command);
+  }
+}
+
 TEST(Me3CommandInterface, WriteWhileBusy_ClearedBeforeTheTransferEnds_GivesItUp) {
   Me3Scenario s;
   s.power_on();
@@ -436,6 +615,28 @@ TEST(Me3CommandInterface, S36_TwoPlanes) {
   s.y(0x17, true);
   s.wait_x(0x17, true);
   s.expect(1000, {0x0005, 0, 0x1018, 1, 4, 0x0071});
+  // The whole block, and the display command instead of a write.
+  Words request{0x0004, 0, 0x1018, 2};
+  for (std::uint16_t i = 4; i <= 66; ++i) request.push_back(static_cast<std::uint16_t>(0x100 + i));
+  Words result{0x0005, 0, 0x1018, 2, 4, 0xED63};
+  result.resize(67);
+  s.y(0x17, false);
+  s.write(1000, request);
+  s.expect(1000, request);
+  s.y(0x17, true);
+  s.wait_x(0x17, true);
+  s.expect(1000, result);
+  s.y(0x17, false);
+  s.write(1066, 0x1234);
+  request[66] = 0x1234;
+  s.expect(1000, request);
+  s.y(0x17, true);
+  s.wait_x(0x17, true);
+  s.expect(1000, result);
+  s.y(0x17, false);
+  s.cif({0x0000});
+  request[0] = 0;
+  s.expect(1000, request);
 }
 
 TEST(Me3CommandInterface, S37_BusOffAndWrongState) {
@@ -443,17 +644,24 @@ TEST(Me3CommandInterface, S37_BusOffAndWrongState) {
   Me3Scenario s;
   s.power_on();
   s.nmt(0x02);
-  s.cif({0x0004, 2, 0x1000, 0});
-  s.expect(1000, {0x000F, 0x0F0F}).no_tx();
+  const std::vector<Words> commands{
+      {0x0004, 2, 0x1000, 0},
+      {0x0002, 2, 0x1017, 0, 2, 1},
+      {0x0006, 0, 0x1015, 0, 2, 1, 0, 0, 0, 2, 0x1017, 0, 2, 1, 0, 0, 0, 0xFFFF},
+      {0x0008, 0, 0x1000, 0, 0, 0, 0, 0, 0, 2, 0x1000, 0, 0, 0, 0, 0, 0, 0xFFFF}};
+  for (const Words& command : commands) {
+    s.cif(command);
+    s.expect(1000, {0x000F, 0x0F0F}).no_tx();
+  }
   s.cif({0x0004, 0, 0x1000, 0});  // the own dictionary needs no bus
   s.expect(1000, 0x0005);
   s.nmt(0x80);
   s.error_counters(256, 0);
   s.ignore_tx();
-  s.cif({0x0004, 2, 0x1000, 0});
-  s.expect(1000, {0x000F, 0xB0FF}).no_tx();
-  s.cif({0x0008, 0, 0x1000, 0, 0, 0, 0, 0, 0, 2, 0x1000, 0, 0, 0, 0, 0, 0, 0xFFFF});
-  s.expect(1000, {0x000F, 0xB0FF}).no_tx();
+  for (const Words& command : commands) {
+    s.cif(command);
+    s.expect(1000, {0x000F, 0xB0FF}).no_tx();
+  }
   s.cif({0x000A, 0x1000, 1, 0, 0});
   s.expect(1000, {0x000F, 0xB0FF}).no_tx();
   s.cif({0x0004, 0, 0x1000, 0});

@@ -78,6 +78,26 @@ TEST(Me3ConciseDcf, S77_Download_Delete_Limits) {
   s.expect_object(0x1015, 0, 0, 2);
 }
 
+// Each of the three groups has a way of its own to be saved, which saves nothing of the others.
+TEST(Me3ConciseDcf, ThreeGroupsOfData_AreSavedSeparately) {
+  RecordProperty("spec", "ME3-SYS-013 ME3-STO-003");
+  for (const int way : {0, 1, 2, 3}) {
+    Me3Scenario s;
+    s.power_on();
+    s.write(70, 1000);
+    s.set_object(0x1015, 0, 5, 2);
+    if (way == 1) s.save();
+    if (way == 2) s.store_objects();
+    if (way == 3) s.cif(download(2));
+    s.supply_off();
+    s.power_on();
+    s.expect(70, way == 1 ? 1000 : 500);
+    s.expect_object(0x1015, 0, way == 2 ? 5 : 0, 2);
+    s.cif({0x0004, 0, 0x1F22, 2});
+    s.expect(1000, 0x0005).expect(1004, way == 3 ? 13 : 0).no_tx();
+  }
+}
+
 TEST(Me3ConciseDcf, SixtyFiles_AndNotOneMore) {
   RecordProperty("spec", "ME3-CFG-002");
   Me3Scenario s;

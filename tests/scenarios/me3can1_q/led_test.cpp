@@ -79,6 +79,7 @@ TEST(Me3Led, TxRx_IsOnWhileFramesGoByTheModule) {
 
 // The patterns over time, in steps of 50 ms from the start of the time base.
 TEST(Me3Led, Patterns_OverTime) {
+  RecordProperty("spec", "ME3-LED-004 ME3-LED-005 ME3-LED-011");
   const auto lit = [](LedPattern pattern, std::size_t steps) {
     std::string text;
     for (std::size_t i = 0; i < steps; ++i) {

@@ -78,6 +78,7 @@ TEST(Me3Network, S57_SimpleMasterStart_WaitsG70BetweenResetAndStart) {
   for (const std::uint16_t delay : Words{500, 2000}) {
     Me3Scenario s;
     s.power_on_as(1);
+    s.expect_bit(25, 15, false);
     s.write(70, delay);
     s.save();
     s.set_object(0x1F80, 0, 0x00000003, 4);
@@ -181,6 +182,7 @@ TEST(Me3Network, S68_ErrorBehavior_OnCpuStop) {
   for (const std::uint8_t behaviour : Bytes{0, 1, 2}) {
     Me3Scenario s;
     s.power_on_as(1);
+    s.expect_object(0x1029, 1, 0, 1);
     s.set_object(0x1029, 1, behaviour, 1);
     s.nmt(0x01, 1);
     s.expect(25, 0x0201);
@@ -194,6 +196,16 @@ TEST(Me3Network, S68_ErrorBehavior_OnCpuStop) {
     // A communication error: bus-off.
     s.error_counters(256, 0);
     s.expect_bit(25, 0, behaviour == 1).expect_bit(25, 8, behaviour == 0);
+    s.ignore_tx();
+    // In Stopped nothing changes.
+    s.restart();
+    s.set_object(0x1029, 1, behaviour, 1);
+    s.nmt(0x02, 1);
+    s.error_counters(256, 0);
+    s.expect(25, 0x0000);
+    s.cpu(module::CpuState::stop);
+    s.expect(25, 0x0000);
+    s.cpu(module::CpuState::run);
     s.ignore_tx();
     // In Pre-operational, 0 and 1 change nothing.
     s.restart();
@@ -288,6 +300,8 @@ TEST(Me3Network, S69_SyncProducer_OnlyAsActiveMaster) {
   EXPECT_EQ(period(2999), 2000);
   EXPECT_EQ(period(999), 1000);
   EXPECT_EQ(period(1), 1000);
+  EXPECT_EQ(period(1000), 1000);
+  EXPECT_EQ(period(1'000'999), 1'000'000);
   s.set_object(0x1006, 0, 0, 4);
   s.ignore_tx();
   s.advance(1s);
@@ -296,6 +310,18 @@ TEST(Me3Network, S69_SyncProducer_OnlyAsActiveMaster) {
   s.ignore_tx();
   s.advance(10ms);
   s.tx(0x080);
+  s.set_object(0x1005, 0, 0x00000080, 4);  // does not generate
+  s.ignore_tx().advance(1s).no_tx();
+  s.set_object(0x1005, 0, 0x000000A0, 4);
+  s.set_object(0x1005, 0, 0x400000A0, 4);
+  s.ignore_tx().wait_tx(0x0A0).ignore_tx();
+  s.cif({0x0004, 0, 0x1019, 0});
+  s.expect(1000, {0x000F, 0x0003, 0, 0x0000, 0x0602});
+  s.ignore_tx();
+  s.store_objects();
+  s.restart();
+  s.expect_object(0x1005, 0, 0x400000A0, 4);
+  s.advance(5s).ignore_tx().wait_tx(0x0A0).advance(10ms).tx(0x0A0).no_tx();
   s.cif({0x0002, 0, 0x1F82, 0x80, 1, 4});  // Stopped
   s.ignore_tx();
   s.advance(1s);

@@ -159,6 +159,17 @@ TEST(Me3NmtMaster, S59_MandatorySlaveMissing_TheStartUpStopsAtTheBootTime_UntilA
   s.wait_tx(0x602, ask_1000).ignore_tx();
 }
 
+TEST(Me3NmtMaster, MasterStoppedDuringTheStartUp_SendsAndTakesNoSdo) {
+  RecordProperty("spec", "ME3-SDO-006");
+  Me3Scenario s;
+  boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, mandatory}});
+  s.tx(0x000, {0x82, 0x00}).rx(0x702, {0x00}).tx(0x602, ask_1000);
+  s.rx(0x000, {0x02, 0x01}).expect(25, 0xC000);
+  s.rx(0x582, is_0191).advance(60s).no_tx().expect(25, 0xC000);
+  s.rx(0x000, {0x80, 0x01}).wait_tx(0x602, time_out).wait_tx(0x602, ask_1000);
+  s.rx(0x582, is_0191).tx(0x000, {0x01, 0x02}).expect(25, 0x8201).no_tx();
+}
+
 TEST(Me3NmtMaster, BootTimeZero_IsNoLimit) {
   Me3Scenario s;
   boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, mandatory}});
@@ -405,7 +416,7 @@ TEST(Me3NmtMaster, StartStep_EachBootedSlaveSingly_UnlessBit1OrBit3) {
 // --- S61
 
 TEST(Me3NmtMaster, S61_LostOptionalSlave_IsResetAndBootedAgain) {
-  RecordProperty("spec", "ME3-ERH-001");
+  RecordProperty("spec", "ME3-ERH-001 ME3-STAT-010");
   for (const std::uint32_t start_up : {0x01U, 0x11U, 0x41U, 0x51U}) {
     Me3Scenario s;
     run_with_slave_2(s, start_up, optional);
@@ -671,6 +682,17 @@ TEST(Me3NmtMaster, S66_Guarding_AsksEveryGuardTime_AndFindsMissesLossAndReturn) 
       .expect(602, 4)
       .expect_bit(402, 0, true);
   s.ignore_tx();
+}
+
+TEST(Me3NmtMaster, S66_Guarding_NeedsAssignment_RetryFactorAndGuardTime) {
+  RecordProperty("spec", "ME3-NG-004");
+  for (const std::uint32_t assignment : {0x00640300U, 0x00640001U, 0x00000301U, 0x00000001U}) {
+    Me3Scenario s;
+    boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, assignment}});
+    s.ignore_tx().rx(0x702, {0x00}).advance(500ms);
+    for (const can::Frame& frame : s.controller().sent) EXPECT_FALSE(frame.remote) << std::hex << assignment;
+    s.ignore_tx().expect_bit(402, 0, false);
+  }
 }
 
 TEST(Me3NmtMaster, S66_Guarding_OnlyOfTheActiveMaster_AndNotOfAHeartbeatNode) {

@@ -59,12 +59,14 @@ TEST(Me3NmtSlave, S56_Resets_BringTheStoredObjectsBack_AndEndWithTheBootUpFrame)
       s.set_object(0x1017, 0, 5000, 2);
       s.store_objects();
       s.set_object(0x1017, 0, 7000, 2);
+      s.set_object(0xA580, 1, 0x1234, 2);  // of the application
       s.ignore_tx();
       s.nmt(0x01, 1).expect(25, 0x0201).write(25, 0xFFBF);
       s.nmt(command, node).expect_bit(25, 7, true).expect_bit(25, 6, false);
       s.wait_bit(25, 7, false).tx(0x701, {0x00}).no_tx();
       s.expect(25, 0x0140);
       s.expect_object(0x1017, 0, 5000, 2);
+      s.expect_object(0xA580, 1, command == 0x81 ? 0 : 0x1234, 2);
       s.write(25, 0xFFBF).expect(25, 0x0100);  // writing 0 to bit 6 clears it
     }
   }
@@ -151,6 +153,22 @@ TEST(Me3NmtSlave, S67_LifeGuarding_EventAfterGuardTimeTimesLifeTimeFactor) {
   s.advance(1ms).expect(401, 0x0040).expect_x(0x10, true);
   s.tx(0x081, {0x01, 0x8F, 0x11, 0, 0, 0, 0, 0}).no_tx();
   s.expect(25, 0x0100);  // 1029H/01 = 0
+  EXPECT_EQ(s.plug_in().leds(s.now())[4].pattern, module::LedPattern::double_flash);
+}
+
+TEST(Me3NmtSlave, S67_LifeGuardingEvent_ChangesTheStateAs1029hSays) {
+  RecordProperty("spec", "ME3-NG-003");
+  for (const auto& [behaviour, status] :
+       std::map<std::uint8_t, std::uint16_t>{{0, 0x0100}, {1, 0x0201}, {2, 0}}) {
+    Me3Scenario s;
+    s.power_on_as(126);
+    s.set_object(0x1029, 1, behaviour, 1);
+    s.set_object(0x100C, 0, 50, 2);
+    s.set_object(0x100D, 0, 2, 1);
+    s.nmt(0x01).rx_remote(0x77E, 1).tx(0x77E, {0x05});
+    s.advance(99ms).no_tx().expect(25, 0x0201).advance(1ms);
+    s.expect(25, status).expect(526, 0x0040).tx(0x0FE, {0x7E, 0x8F, 0x11, 0, 0, 0, 0, 0}).no_tx();
+  }
 }
 
 TEST(Me3NmtSlave, LifeGuarding_NeedsBothObjects_InAnyOrder) {

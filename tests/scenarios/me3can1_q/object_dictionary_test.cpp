@@ -28,11 +28,11 @@ TEST(Me3Objects, ReservedIndexes_DoNotExist) {
   RecordProperty("spec", "ME3-OD-001 ME3-OD-002");
   Me3Scenario s;
   s.power_on();
-  for (const std::uint16_t index :
-       Words{0x0001, 0x0002, 0x0005, 0x0008, 0x0009, 0x009F, 0x1002, 0x1004, 0x1007, 0x100B, 0x100E,
-             0x100F, 0x1013, 0x1019, 0x101F, 0x1021, 0x1027, 0x102B, 0x1200, 0x1280, 0x13FF, 0x1500,
-             0x15FF, 0x1700, 0x17FF, 0x1900, 0x19FF, 0x1B00, 0x1BFF, 0x1C00, 0x1F21, 0x1F23, 0x1F28,
-             0x1F7F, 0x1F8A, 0x1F8F, 0x1F91, 0x1FFF, 0x2000, 0x5FFF, 0x6000, 0x9FFF, 0xB000, 0xFFFF}) {
+  for (const std::uint16_t index : Words{
+           0x0001, 0x0002, 0x0003, 0x0004, 0x0005, 0x0006, 0x0007, 0x0008, 0x0009, 0x009F, 0x1002, 0x1004,
+           0x1007, 0x100B, 0x100E, 0x100F, 0x1013, 0x1019, 0x101F, 0x1021, 0x1027, 0x102B, 0x1200, 0x1280,
+           0x13FF, 0x1500, 0x15FF, 0x1700, 0x17FF, 0x1900, 0x19FF, 0x1B00, 0x1BFF, 0x1C00, 0x1F21, 0x1F23,
+           0x1F28, 0x1F7F, 0x1F8A, 0x1F8F, 0x1F91, 0x1FFF, 0x2000, 0x5FFF, 0x6000, 0x9FFF, 0xB000, 0xFFFF}) {
     expect_abort(s, {0x0004, 0, index, 0}, 0x06020000);
     expect_abort(s, {0x0002, 0, index, 0, 1, 0}, 0x06020000);
   }
@@ -45,6 +45,14 @@ TEST(Me3Objects, Length_MustFit) {
   expect_abort(s, {0x0002, 0, 0x1017, 0, 4, 1, 0}, 0x06070012);
   expect_abort(s, {0x0002, 0, 0x1017, 0, 1, 1}, 0x06070013);
   expect_abort(s, {0x0002, 0, 0x1F80, 0, 5, 1, 0, 0}, 0x06070012);
+  expect_abort(s, {0x0002, 0, 0x1F80, 0, 3, 1, 0}, 0x06070013);
+  expect_abort(s, {0x0002, 0, 0x1017, 0, 0}, 0x06070010);
+  s.expect_object(0x1017, 0, 0, 2);
+  s.expect_object(0x1F80, 0, 0, 4);
+  // The same on the bus.
+  s.rx(0x67F, {0x23, 0x17, 0x10, 0x00, 1, 0, 0, 0}).tx(0x5FF, {0x80, 0x17, 0x10, 0x00, 0x12, 0, 0x07, 0x06});
+  s.rx(0x67F, {0x2F, 0x17, 0x10, 0x00, 1, 0, 0, 0}).tx(0x5FF, {0x80, 0x17, 0x10, 0x00, 0x13, 0, 0x07, 0x06});
+  s.no_tx();
 }
 
 TEST(Me3Objects, Defaults_OfTheCommunicationArea) {
@@ -94,6 +102,10 @@ TEST(Me3Objects, DefaultCobIds_FollowTheNodeId) {
   s.expect_object(0x1801, 1, 0x40000285, 4);
   s.expect_object(0x1802, 1, 0x40000385, 4);
   s.expect_object(0x1803, 1, 0x40000485, 4);
+  s.expect_object(0x1005, 0, 0x080, 4);
+  s.expect_object(0x1012, 0, 0x80000100, 4);
+  s.nmt(0x01, 5).expect_bit(25, 0, true);  // NMT: 0
+  s.nmt(0x80, 5).expect_bit(25, 8, true);
   s.rx(0x605, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0});
   s.tx(0x585, {0x43, 0x00, 0x10, 0x00, 0x95, 0x01, 0, 0});
   s.cif({0x000A, 0x1000, 1, 0, 0});
@@ -114,8 +126,12 @@ TEST(Me3Objects, RestrictedIdentifiers_AreRefused) {
     expect_abort(s, {0x0002, 0, 0x1404, 1, 4, id, 0}, 0x06090030);
     expect_abort(s, {0x0002, 0, 0x1804, 1, 4, id, 0x4000}, 0x06090030);
     expect_abort(s, {0x0002, 0, 0x1005, 0, 4, id, 0}, 0x06090030);
+    expect_abort(s, {0x0002, 0, 0x1028, 5, 4, id, 0}, 0x06090030);
   }
-  for (const std::uint16_t id : Words{0x080, 0x100, 0x181, 0x580, 0x680, 0x6DF}) {
+  s.set_object(0x1012, 0, 0x100, 4);
+  for (const std::uint16_t id : restricted)
+    expect_abort(s, {0x0002, 0, 0x1012, 0, 4, id, 0x8000}, 0x06090030);
+  for (const std::uint16_t id : Words{0x080, 0x100, 0x181, 0x580, 0x600, 0x680, 0x6DF, 0x700}) {
     s.set_object(0x1804, 1, 0x40000000U | id, 4);
     s.set_object(0x1804, 1, 0xC0000000U | id, 4);
   }
@@ -135,12 +151,61 @@ TEST(Me3Objects, SdoServer_AnswersInPreOperationalAndOperational_NotInStopped) {
   s.nmt(0x02, 1);
   s.expect(25, 0x0000);
   s.rx(0x601, request).no_tx();
+  s.rx(0x601, {0x2B, 0x15, 0x10, 0x00, 77, 0, 0, 0}).no_tx();
+  s.cif({0x0004, 2, 0x1000, 0});
+  s.no_tx();
   s.nmt(0x80, 1);
   s.expect(25, 0x0100);
+  s.expect_object(0x1015, 0, 0, 2);            // it was not processed either
+  for (const std::uint8_t high : Bytes{0x12})  // no channel to configure
+    for (const std::uint8_t low : Bytes{0x00, 0x80})
+      s.rx(0x601, {0x40, low, high, 0, 0, 0, 0, 0}).tx(0x581, {0x80, low, high, 0, 0, 0, 0x02, 0x06});
   s.nmt(0x02, 1);
   s.expect(25, 0x0000);
   s.nmt(0x01, 1);
   s.expect(25, 0x0201);
+}
+
+// A transfer that runs when the module is stopped ends there, without another frame.
+TEST(Me3Objects, SdoClient_StoppedInTheMiddle_SendsAndTakesNothingMore) {
+  RecordProperty("spec", "ME3-SDO-006 ME3-CIF-010");
+  for (const bool answered : {true, false}) {
+    Me3Scenario s;
+    s.power_on_as(1);
+    s.write(1000, {0x0004, 2, 0x2000, 1});
+    s.y(0x17, true);
+    s.advance(1ms);
+    s.tx(0x602, {0x40, 0x00, 0x20, 0x01, 0, 0, 0, 0}).rx(0x582, {0x41, 0x00, 0x20, 0x01, 8, 0, 0, 0});
+    s.tx(0x602, {0x60, 0, 0, 0, 0, 0, 0, 0});
+    s.nmt(0x02, 1);
+    if (answered) s.rx(0x582, {0x00, 1, 2, 3, 4, 5, 6, 7}).no_tx();
+    s.advance(10s).no_tx();
+    s.expect_x(0x17, true).expect(1000, {0x000F, 0x0F0F, 0, 0, 0});
+    s.y(0x17, false);
+    s.nmt(0x80, 1);
+    s.write(1000, {0x0004, 2, 0x1000, 0});  // the channel is free again
+    s.y(0x17, true);
+    s.advance(1ms);
+    s.tx(0x602, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0});
+    s.rx(0x582, {0x43, 0x00, 0x10, 0x00, 0x91, 0x01, 0x0F, 0x00});
+    s.expect_x(0x17, true).expect(1000, {0x0005, 2, 0x1000, 0, 4, 0x0191, 0x000F}).no_tx();
+  }
+}
+
+TEST(Me3Objects, SdoClient_UsesTheDefaultChannelOfEachNode) {
+  RecordProperty("spec", "ME3-SDO-002");
+  Me3Scenario s;
+  s.power_on_as(9);
+  for (const std::uint16_t node : Words{1, 8, 10, 127}) {
+    s.write(1000, {0x0004, node, 0x1000, 0});
+    s.y(0x17, true);
+    s.advance(1ms);
+    s.tx(0x600U + node, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0});
+    const Bytes answer{0x43, 0x00, 0x10, 0x00, 0x91, 0x01, 0x0F, 0x00};
+    s.rx(0x580U + node - 1, answer).rx(0x580U + (node + 1) % 128, answer).expect(1000, 0xFFFF);
+    s.rx(0x580U + node, answer).expect(1000, {0x0005, node, 0x1000, 0, 4, 0x0191, 0x000F}).no_tx();
+    s.y(0x17, false);
+  }
 }
 
 TEST(Me3Objects, SdoServer_LongObjects_GoSegmented) {
@@ -174,8 +239,11 @@ TEST(Me3Objects, S71_ErrorHistory_KeepsTheFifteenNewest) {
   }
   expect_abort(s, {0x0002, 0, 0x1003, 0, 1, 1}, 0x06090030);
   s.expect_object(0x1001, 0, 0x01, 1);
+  expect_abort(s, {0x0002, 0, 0x1003, 0, 1, 0xFF}, 0x06090030);
   s.set_object(0x1003, 0, 0, 1);
   s.expect_object(0x1003, 0, 0, 1);
+  for (std::uint8_t sub = 1; sub <= 15; ++sub) s.expect_object(0x1003, sub, 0, 4);
+  expect_abort(s, {0x0004, 0, 0x1003, 16}, 0x06090011);
   s.expect_object(0x1001, 0, 0, 1);
   s.ignore_tx();
 }
@@ -223,7 +291,7 @@ TEST(Me3Emergency, CpuRunToStop_SendsMe002) {
 }
 
 TEST(Me3Emergency, ErrorPassive_SendsOneMessagePerEvent) {
-  RecordProperty("spec", "ME3-EMCY-009");
+  RecordProperty("spec", "ME3-EMCY-002 ME3-EMCY-009");
   Me3Scenario s;
   s.power_on_as(1);
   s.error_counters(130, 0);

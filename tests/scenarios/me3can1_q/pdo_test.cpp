@@ -19,10 +19,14 @@ TEST(Me3Pdo, S30_RpdoMappingExample) {
   s.power_on_as(1);
   // Out of order it is refused: the PDO is valid, or entries are mapped.
   s.cif({0x0002, 0, 0x1600, 0, 1, 0});
-  s.expect(1000, {0x000F, 0x0003});
+  s.expect(1000, {0x000F, 0x0003, 0, 0x0022, 0x0800});
+  s.cif({0x0002, 0, 0x1600, 1, 4, 0x0110, 0xA580});
+  s.expect(1000, {0x000F, 0x0003, 0, 0x0022, 0x0800});
   s.set_object(0x1400, 1, 0x80000201, 4);
   s.cif({0x0002, 0, 0x1600, 1, 4, 0x0110, 0xA580});
-  s.expect(1000, {0x000F, 0x0003});
+  s.expect(1000, {0x000F, 0x0003, 0, 0x0000, 0x0601});
+  s.expect_object(0x1600, 0, 4, 1);
+  s.expect_object(0x1600, 1, 0xA5800110, 4);
   s.set_object(0x1600, 0, 0, 1);
   s.set_object(0x1600, 1, 0xA5800110, 4);
   s.set_object(0x1600, 0, 1, 1);
@@ -35,9 +39,11 @@ TEST(Me3Pdo, S30_RpdoMappingExample) {
 }
 
 TEST(Me3Pdo, S31_TpdoMappingExample) {
-  RecordProperty("spec", "ME3-PDO-007");
+  RecordProperty("spec", "ME3-PDO-004 ME3-PDO-007");
   Me3Scenario s;
   s.power_on_as(1);
+  s.cif({0x0002, 0, 0x1A00, 0, 1, 0});
+  s.expect(1000, {0x000F, 0x0003, 0, 0x0022, 0x0800});
   s.set_object(0x1800, 1, 0xC0000181, 4);
   s.set_object(0x1A00, 0, 0, 1);
   s.set_object(0x1A00, 1, 0xA1000110, 4);
@@ -49,6 +55,8 @@ TEST(Me3Pdo, S31_TpdoMappingExample) {
   s.tx(0x181, {0x34, 0x12}).no_tx();
   s.set_object(0x1800, 1, 0x80000181, 4);
   s.expect_object(0x1800, 1, 0xC0000181, 4);  // bit 30 always reads 1
+  s.set_object(0x1800, 1, 0x00000181, 4);
+  s.expect_object(0x1800, 1, 0x40000181, 4);
 }
 
 TEST(Me3Pdo, Defaults_CommunicationParameters) {
@@ -104,6 +112,15 @@ TEST(Me3Pdo, Defaults_Mapping) {
       EXPECT_EQ(entry(index, i + 1), values[i]) << std::hex << index << ":" << i + 1;
   }
   EXPECT_EQ(entry(0x1A80, 1), 0xA1020510U);  // word 512 = 2 * 254 + 4
+  // And the rule all rows of the tables follow.
+  for (unsigned n = 0; n < 256; ++n) {
+    for (unsigned k = 1; k <= 4; ++k) {
+      const unsigned word = 4 * n + k - 1;
+      const std::uint32_t rest = (word / 254) << 16 | (word % 254 + 1) << 8 | 0x10;
+      EXPECT_EQ(entry(0x1600 + n, k), 0xA580'0000U + rest) << n << ":" << k;
+      EXPECT_EQ(entry(0x1A00 + n, k), 0xA100'0000U + rest) << n << ":" << k;
+    }
+  }
 }
 
 TEST(Me3Pdo, S38_Case1_NoTimers) {
@@ -127,6 +144,14 @@ TEST(Me3Pdo, S38_Case1_NoTimers) {
   s.no_tx();
   s.exchange();
   s.tx(0x181, {0x22, 0x22, 0, 0, 0, 0, 0, 0}).no_tx();
+  // The event is a change of what the PDO maps.
+  s.write(13004, 0x3333);
+  s.exchange();
+  s.tx(0x281, {0x33, 0x33, 0, 0, 0, 0, 0, 0}).no_tx();
+  s.write(13016, 0x4444);  // of no valid PDO
+  s.exchange();
+  s.no_tx();
+  s.expect_object(0xA100, 17, 0x4444, 2);
 }
 
 TEST(Me3Pdo, S39_Case2_InhibitTime_DismissesTheRequest) {
@@ -143,7 +168,10 @@ TEST(Me3Pdo, S39_Case2_InhibitTime_DismissesTheRequest) {
   s.advance(50ms);
   s.write(13000, 0x2222);
   s.exchange();
-  s.advance(69ms);
+  s.advance(47500us);
+  s.exchange();  // 99.5 ms after the frame
+  s.no_tx();
+  s.advance(20ms);
   s.no_tx();  // dismissed, not put off
   s.exchange();
   s.tx(0x181, {0x22, 0x22, 0, 0, 0, 0, 0, 0}).no_tx();
@@ -283,12 +311,46 @@ TEST(Me3Pdo, S43_SynchronousTypes) {
   s.rx(0x201, {0x34, 0x12, 0, 0, 0, 0, 0, 0});
   s.exchange();
   s.expect(10000, 0x1234);
-  for (const std::uint8_t reserved : Bytes{0xF1, 0xFB, 0xFC, 0xFD, 0xFF}) {
-    s.set_object(0x1800, 1, 0xC0000181, 4);
-    s.cif({0x0002, 0, 0x1800, 2, 1, reserved});
-    s.expect(1000, {0x000F, 0x0003});
+  for (std::uint16_t reserved = 0xF1; reserved <= 0xFD; ++reserved) {
+    for (const std::uint16_t index : Words{0x1804, 0x1404}) {  // not valid, as they come
+      s.cif({0x0002, 0, index, 2, 1, reserved});
+      s.expect(1000, {0x000F, 0x0003, 0, 0x0030, 0x0609});
+      s.expect_object(index, 2, 0xFE, 1);
+    }
   }
   s.ignore_tx();
+}
+
+TEST(Me3Pdo, SynchronousTypes_EveryNthSync_OrAfterAnEvent) {
+  RecordProperty("spec", "ME3-PDO-010 ME3-PDO-011");
+  Me3Scenario s;
+  s.power_on_as(1);
+  const auto type = [&](std::uint8_t value) {
+    s.set_object(0x1800, 1, 0xC0000181, 4);
+    s.set_object(0x1800, 2, value, 1);
+    s.set_object(0x1800, 1, 0x40000181, 4);
+  };
+  type(1);
+  s.nmt(0x01);
+  for (std::uint16_t i = 1; i <= 3; ++i) {
+    s.rx(0x080).tx(0x181, {0, 0, 0, 0, 0, 0, 0, 0}).no_tx();
+  }
+  s.write(13000, 0x0102);  // changed data do not send before the SYNC
+  s.exchange();
+  s.no_tx().rx(0x080).tx(0x181, {0x02, 0x01, 0, 0, 0, 0, 0, 0}).no_tx();
+  type(240);
+  for (int round = 0; round < 2; ++round) {
+    for (int i = 1; i <= 239; ++i) s.rx(0x080);
+    s.no_tx().rx(0x080).tx(0x181, {0x02, 0x01, 0, 0, 0, 0, 0, 0}).no_tx();
+  }
+  type(0);
+  s.exchange();  // nothing has changed: no event
+  s.rx(0x080).no_tx();
+  s.write(13001, 0x0304);
+  s.exchange();
+  s.rx(0x080).tx(0x181, {0x02, 0x01, 0x04, 0x03, 0, 0, 0, 0}).no_tx();
+  s.exchange();
+  s.rx(0x080).no_tx();
 }
 
 TEST(Me3Pdo, S43a_DummyMapping_SkipsAByte) {
@@ -305,6 +367,34 @@ TEST(Me3Pdo, S43a_DummyMapping_SkipsAByte) {
   s.rx(0x201, {0xAA, 0xBB});
   s.exchange();
   s.expect(10000, 0x00BB).no_tx();
+  s.supply_off();
+
+  // Every dummy of table 4-5, with its own length.
+  for (const auto& [dummy, bits] :
+       std::map<std::uint32_t, unsigned>{{2, 8}, {3, 16}, {4, 32}, {5, 8}, {6, 16}, {7, 32}, {8, 32}}) {
+    Me3Scenario t;
+    t.power_on_as(1);
+    t.set_object(0x1400, 1, 0x80000201, 4);
+    t.set_object(0x1600, 0, 0, 1);
+    t.set_object(0x1600, 1, dummy << 16 | bits, 4);
+    t.set_object(0x1600, 2, 0xA4C00108, 4);
+    t.set_object(0x1600, 0, 2, 1);
+    t.set_object(0x1400, 1, 0x00000201, 4);
+    t.nmt(0x01);
+    Bytes frame(bits / 8, 0xAA);
+    frame.push_back(0xBB);
+    t.rx(0x201, frame);
+    t.exchange();
+    t.expect(10000, 0x00BB).no_tx();
+    t.set_object(0x1404, 1, 0x80000000, 4);
+    t.set_object(0x1604, 0, 0, 1);
+    t.cif({0x0002, 0, 0x1604, 1, 4, static_cast<std::uint16_t>(bits + 8), static_cast<std::uint16_t>(dummy)});
+    t.expect(1000, {0x000F, 0x0003, 0, 0x0041, 0x0604});  // not its length
+    for (const std::uint16_t reserved : Words{1, 9}) {
+      t.cif({0x0002, 0, 0x1604, 1, 4, 1, reserved});
+      t.expect(1000, {0x000F, 0x0003, 0, 0x0000, 0x0602});
+    }
+  }
 }
 
 TEST(Me3Pdo, S43b_OnlyMappedObjectsAreCopied) {
@@ -346,7 +436,24 @@ TEST(Me3Pdo, S43c_NotOperational_TheProcessDataWait) {
   s.no_tx();
   s.nmt(0x01, 1);
   s.tx(0x181, {0x08, 0, 0, 0, 0, 0, 0, 0}).no_tx();
-  s.expect(10000, 0);
+  s.expect(10000, 0).expect(29, 0);
+  // Neither the event timer nor a SYNC sends outside of Operational.
+  s.set_object(0x1800, 1, 0xC0000181, 4);
+  s.set_object(0x1800, 5, 100, 2);
+  s.set_object(0x1800, 1, 0x40000181, 4);
+  s.set_object(0x1801, 1, 0xC0000281, 4);
+  s.set_object(0x1801, 2, 1, 1);
+  s.set_object(0x1801, 1, 0x40000281, 4);
+  s.advance(100ms).tx(0x181, {0x08, 0, 0, 0, 0, 0, 0, 0}).no_tx();
+  s.rx(0x080).tx(0x281, {0, 0, 0, 0, 0, 0, 0, 0}).no_tx();
+  for (const std::uint8_t command : Bytes{0x80, 0x02}) {
+    s.nmt(command, 1);
+    s.advance(10s).rx(0x080).rx(0x201, {0x34, 0x12, 0, 0, 0, 0, 0, 0}).no_tx();
+    s.expect(29, 0);
+  }
+  s.nmt(0x01, 1).ignore_tx();
+  s.exchange();
+  s.expect(10000, 0).ignore_tx();
 }
 
 TEST(Me3Pdo, S43d_Selection_OfProcessDataAndEmergencies) {
@@ -446,9 +553,7 @@ TEST(Me3Pdo, RpdoLengthErrors_SendEmergencies) {
   Me3Scenario s;
   operational(s);
   s.rx(0x201, {0x11, 0x22, 0x33});
-  ASSERT_EQ(s.controller().sent.size(), 1U);
-  EXPECT_EQ(text(s.controller().sent.front()).substr(0, 10), "081 [10 82");
-  s.ignore_tx();
+  s.tx(0x081, {0x10, 0x82, 0x11, 0, 0, 0, 0, 0}).no_tx();
   s.exchange();
   s.expect(10000, 0);
   s.set_object(0x1400, 1, 0x80000201, 4);
@@ -457,9 +562,7 @@ TEST(Me3Pdo, RpdoLengthErrors_SendEmergencies) {
   s.set_object(0x1400, 1, 0x00000201, 4);
   s.ignore_tx();
   s.rx(0x201, {0x11, 0x22, 0x33});
-  ASSERT_EQ(s.controller().sent.size(), 1U);
-  EXPECT_EQ(text(s.controller().sent.front()).substr(0, 10), "081 [20 82");
-  s.ignore_tx();
+  s.tx(0x081, {0x20, 0x82, 0x11, 0, 0, 0, 0, 0}).no_tx();
   s.exchange();
   s.expect(10000, {0x2211, 0});
 }
@@ -484,14 +587,30 @@ TEST(Me3Pdo, MappingIsChecked_LengthAndMappability) {
   }
   s.set_object(0x1800, 1, 0xC0000181, 4);
   s.set_object(0x1A00, 0, 0, 1);
-  s.cif({0x0002, 0, 0x1A00, 1, 4, 0x0110, 0xA580});  // an output variable in a TPDO
-  s.expect(1000, {0x000F, 0x0003, 0, 0x0041, 0x0604});
+  for (const std::uint32_t entry : {0xA5800110U, 0x00050008U, 0x10170010U}) {  // an output, a dummy, others
+    s.cif({0x0002, 0, 0x1A00, 1, 4, static_cast<std::uint16_t>(entry & 0xFFFF),
+           static_cast<std::uint16_t>(entry >> 16)});
+    s.expect(1000, {0x000F, 0x0003, 0, 0x0041, 0x0604});
+  }
+  for (std::uint8_t i = 1; i <= 8; ++i)
+    s.set_object(0x1A00, i, (i == 8 ? 0xA1000010U : 0xA0400008U) | static_cast<std::uint32_t>(i) << 8, 4);
+  s.cif({0x0002, 0, 0x1A00, 0, 1, 8});  // 72 bits
+  s.expect(1000, {0x000F, 0x0003, 0, 0x0042, 0x0604});
+  s.set_object(0x1A00, 8, 0xA0400808, 4);
+  s.set_object(0x1A00, 0, 8, 1);
+  s.set_object(0x1A00, 0, 0, 1);
+  for (const std::uint16_t mapping : Words{0x1600, 0x1A00}) {
+    s.cif({0x0002, 0, mapping, 0, 1, 9});
+    s.expect(1000, {0x000F, 0x0003, 0, 0x0042, 0x0604});
+    s.cif({0x0002, 0, mapping, 9, 4, 0x0110, 0xA580});
+    s.expect(1000, {0x000F, 0x0003, 0, 0x0011, 0x0609});
+  }
 }
 
 // --- what lies where [3.5.19]
 
 TEST(Me3ProcessData, RpdoWords_ToNetworkVariables) {
-  RecordProperty("spec", "ME3-PBUF-001 ME3-PBUF-002 ME3-PBUF-003 ME3-PRO-003");
+  RecordProperty("spec", "ME3-PBUF-001 ME3-PBUF-002 ME3-PBUF-003");
   Me3Scenario s;
   operational(s);
   struct Row {
@@ -529,6 +648,98 @@ TEST(Me3ProcessData, RpdoWords_ToNetworkVariables) {
     s.expect(row.word, row.expected);
   }
   s.no_tx();
+}
+
+// The rule of the tables, for every object there is.
+struct Area {
+  std::uint16_t index;
+  unsigned bytes;
+};
+
+std::uint32_t pattern(unsigned number, unsigned bytes) {
+  const std::uint32_t value = (number + 1) * 0x9E3779B1U;
+  return bytes == 4 ? value : value >> 7 & ((1U << 8 * bytes) - 1);
+}
+
+std::uint16_t object_index(const Area& area, unsigned k) {
+  return static_cast<std::uint16_t>(area.index + k / 254);
+}
+std::uint8_t object_sub(unsigned k) { return static_cast<std::uint8_t>(k % 254 + 1); }
+
+// What 1024 words hold when object k of the area has the value pattern(k).
+Words words_of(const Area& area) {
+  Words words(1024);
+  for (unsigned k = 0; k < 2048 / area.bytes; ++k) {
+    const std::uint32_t value = pattern(k, area.bytes);
+    if (area.bytes == 4) words[2 * k + 1] = static_cast<std::uint16_t>(value >> 16);
+    std::uint16_t& word = words[k * area.bytes / 2];
+    word = static_cast<std::uint16_t>(area.bytes == 1 && k % 2 == 1 ? word | value << 8 : value & 0xFFFF);
+  }
+  return words;
+}
+
+TEST(Me3ProcessData, EveryRpdoObject_LiesWhereTheRuleSays) {
+  RecordProperty("spec", "ME3-PBUF-001 ME3-PBUF-002 ME3-PBUF-003");
+  for (const Area& area : {Area{0xA480, 1}, Area{0xA4C0, 1}, Area{0xA540, 2}, Area{0xA580, 2},
+                           Area{0xA640, 4}, Area{0xA680, 4}, Area{0xA6C0, 4}}) {
+    Me3Scenario s;
+    operational(s);
+    for (unsigned k = 0; k < 2048 / area.bytes; ++k)
+      s.set_object(object_index(area, k), object_sub(k), pattern(k, area.bytes), area.bytes);
+    s.exchange();
+    s.expect(10000, words_of(area)).no_tx();
+  }
+}
+
+TEST(Me3ProcessData, EveryTpdoObject_LiesWhereTheRuleSays) {
+  RecordProperty("spec", "ME3-PBUF-004");
+  for (const Area& area : {Area{0xA000, 1}, Area{0xA040, 1}, Area{0xA0C0, 2}, Area{0xA100, 2},
+                           Area{0xA1C0, 4}, Area{0xA200, 4}, Area{0xA240, 4}}) {
+    Me3Scenario s;
+    s.power_on_as(1);
+    for (std::uint16_t n = 0; n < 4; ++n)
+      s.set_object(static_cast<std::uint16_t>(0x1800 + n), 1, 0xC0000000, 4);
+    const unsigned in_a_pdo = 8 / area.bytes;
+    for (unsigned n = 0; n < 256; ++n) {
+      const auto mapping = static_cast<std::uint16_t>(0x1A00 + n);
+      s.set_object(mapping, 0, 0, 1);
+      for (unsigned i = 0; i < in_a_pdo; ++i) {
+        const unsigned k = n * in_a_pdo + i;
+        const std::uint32_t entry = static_cast<std::uint32_t>(object_index(area, k)) << 16 |
+                                    static_cast<std::uint32_t>(object_sub(k)) << 8 | 8 * area.bytes;
+        s.set_object(mapping, static_cast<std::uint8_t>(i + 1), entry, 4);
+      }
+      s.set_object(mapping, 0, in_a_pdo, 1);
+    }
+    s.nmt(0x01);
+    s.write(13000, words_of(area));
+    s.exchange();
+    for (unsigned k = 0; k < 2048 / area.bytes; ++k)
+      s.expect_object(object_index(area, k), object_sub(k), pattern(k, area.bytes), area.bytes);
+    s.no_tx();
+  }
+}
+
+TEST(Me3ProcessData, OutputVariable_WrittenByAnotherNode) {
+  RecordProperty("spec", "ME3-PRO-003");
+  Me3Scenario s;
+  s.power_on_as(1);
+  const Bytes write{0x2B, 0x80, 0xA5, 0x01, 0x34, 0x12, 0, 0};
+  const Bytes written{0x60, 0x80, 0xA5, 0x01, 0, 0, 0, 0};
+  s.rx(0x601, write).tx(0x581, written);
+  s.exchange();
+  s.expect(10000, 0);  // Pre-operational
+  s.nmt(0x01);
+  s.ignore_tx();
+  s.expect(10000, 0x1234);  // the exchange has waited
+  s.rx(0x601, {0x2B, 0x80, 0xA5, 0x01, 0x78, 0x56, 0, 0}).tx(0x581, written);
+  s.advance(1s);
+  s.expect(10000, 0x1234);
+  s.exchange();
+  s.expect(10000, {0x5678, 0}).no_tx();
+  // An input variable is not for the network to write.
+  s.rx(0x601, {0x2B, 0x00, 0xA1, 0x01, 0x34, 0x12, 0, 0});
+  s.tx(0x581, {0x80, 0x00, 0xA1, 0x01, 0x02, 0x00, 0x01, 0x06}).no_tx();
 }
 
 TEST(Me3ProcessData, TpdoWords_ToNetworkVariables) {

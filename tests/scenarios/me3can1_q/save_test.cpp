@@ -28,15 +28,21 @@ TEST(Me3Save, S10_RestoreAlone_ChangesTheMemory_NotTheFlash) {
   RecordProperty("spec", "ME3-SAVE-002");
   Me3Scenario s;
   s.power_on();
+  s.write(24, 500);
+  s.write(27, 5);
+  s.write(59, 7);
   s.write(70, 1000);
+  s.write(71, 600);
   s.save();
+  const unsigned writes = s.flash().writes;
   s.write(22, 2);
   s.y(0x1F, true);
   s.wait_x(0x1F, true);
-  s.expect(22, 0).expect(70, 500);
+  s.expect(22, 0).expect(21, 405).expect(24, 250).expect(27, 127).expect(59, 0).expect(70, {500, 500});
   s.y(0x1F, false);
+  EXPECT_EQ(s.flash().writes, writes);
   s.restart();
-  s.expect(70, 1000);
+  s.expect(21, 405).expect(24, 500).expect(27, 5).expect(59, 7).expect(70, {1000, 600});
 }
 
 TEST(Me3Save, S11_BothBits_ResetMemoryAndFlash) {
@@ -44,13 +50,15 @@ TEST(Me3Save, S11_BothBits_ResetMemoryAndFlash) {
   Me3Scenario s;
   s.power_on();
   s.write(70, 1000);
+  s.write(71, 600);
+  s.write(59, 7);
   s.write(27, 5);
   s.write(24, 500);
   s.save();
   s.save(3);
-  s.expect(70, 500).expect(27, 127).expect(24, 250);
+  s.expect(70, {500, 500}).expect(27, 127).expect(24, 250).expect(59, 0);
   s.restart();
-  s.expect(70, 500).expect(27, 127).expect(21, 405).expect(24, 250).expect(37, 2500);
+  s.expect(70, {500, 500}).expect(27, 127).expect(21, 405).expect(24, 250).expect(37, 2500).expect(59, 0);
 }
 
 TEST(Me3Save, RequestWithoutABit_CompletesAndChangesNothing) {
@@ -96,8 +104,18 @@ TEST(Me3Save, S12_ObjectDictionary_StoreAndRestore) {
   s.ignore_tx();
   s.cif({0x0002, 0, 0x1010, 1, 4, 0x6173, 0x6577});  // not "save"
   s.expect(1000, {0x000F, 0x0003, 0, 0x0020, 0x0800});
-  s.cif({0x0002, 0, 0x1010, 1, 2, 0x6173});
-  s.expect(1000, 0x000F);
+  for (const std::uint16_t length : Words{1, 2, 3}) {
+    s.cif({0x0002, 0, 0x1010, 1, length, 0x6173, 0x6576});
+    s.expect(1000, {0x000F, 0x0003, 0, 0x0013, 0x0607});
+  }
+  for (const std::uint16_t object : Words{0x1010, 0x1011}) {
+    for (const auto& [low, high] : std::vector<std::pair<std::uint16_t, std::uint16_t>>{
+             {object == 0x1011 ? 0x6173 : 0x6F6C, object == 0x1011 ? 0x6576 : 0x6461}, {0, 0}, {1, 0}}) {
+      s.cif({0x0002, 0, object, 1, 4, low, high});
+      s.expect(1000, {0x000F, 0x0003, 0, 0x0020, 0x0800});
+    }
+  }
+  EXPECT_EQ(s.flash().writes, 0U);
   s.store_objects();
   s.y(0x02, true);
   s.wait_x(0x02, true);
@@ -111,6 +129,8 @@ TEST(Me3Save, S12_ObjectDictionary_StoreAndRestore) {
   s.tx(0x77F, {0x7F}).no_tx();
   s.set_object(0x1011, 1, 0x64616F6C, 4);
   s.expect_object(0x1017, 0, 1000, 2);
+  s.expect_object(0x1010, 1, 1, 4);
+  s.expect_object(0x1011, 1, 1, 4);
   s.ignore_tx();
   s.restart();
   s.expect_object(0x1017, 0, 0, 2);
@@ -179,11 +199,13 @@ TEST(Me3Save, Store_KeepsEveryStorableObject) {
   s.set_object(0x1A04, 0, 0, 1);
   s.set_object(0x1A04, 1, 0xA0400108, 4);
   s.set_object(0x1A04, 0, 1, 1);
+  s.set_object(0xA580, 1, 0x1234, 2);  // process data are not stored
   s.set_object(0x1020, 1, 5, 4);
   s.set_object(0x1020, 2, 6, 4);
   s.store_objects();
   s.ignore_tx();
   s.restart();
+  s.expect_object(0xA580, 1, 0, 2);
   for (const Value& v : values) s.expect_object(v.index, v.sub, v.value, v.length);
   s.expect_object(0x1604, 0, 1, 1);
   s.expect_object(0x1604, 1, 0xA4C00108, 4);

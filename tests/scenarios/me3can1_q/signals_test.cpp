@@ -26,6 +26,27 @@ TEST(Me3Signals, S14_ErrorClear_ClearsLatchedErrors_AndHoldsThemDownWhileOn) {
   s.write(27, 200);
   s.write(29, 0xFFBF);  // bit 6 alone
   s.expect(29, 0).expect(39, 0);
+  s.write(27, 200);
+  s.controller().overflows = 1;
+  s.write(27, 5);  // a good value does not take the error back
+  s.tx(0x0FF, {0x10, 0x81, 0x11, 0, 0, 0, 0, 0});
+  s.expect(29, 0x0140).expect(39, 27);
+  s.write(29, 0xFEFF);
+  s.expect(29, 0x0040).expect(39, 27).expect_x(0x0F, true);
+  s.write(29, 0xFFFF);
+  s.expect(29, 0x0040).expect(39, 27);
+  s.write(29, 0xFFBF);
+  s.expect(29, 0).expect(39, 0).expect_x(0x0F, false);
+  s.y(0x0F, true);
+  s.controller().overflows = 2;
+  s.write(20, 0);
+  s.expect(29, 0).expect_x(0x0F, false);
+  s.y(0x0F, false);
+  s.expect(29, 0).expect_x(0x0F, false);
+  s.controller().overflows = 3;
+  s.write(20, 0);
+  s.expect(29, 0x0100).expect_x(0x0F, true);
+  s.ignore_tx();
   // Refused writes have an address of their own, and it goes the same way.
   s.write(22, 0);
   s.supply_off();
@@ -63,6 +84,13 @@ TEST(Me3Signals, LatchedErrors_StayAfterTheirCause_OthersFollowIt) {
   s.expect(29, 0x0100);
   s.y(0x0F, true);
   s.expect(29, 0).expect_x(0x0F, false);
+  s.y(0x0F, false);
+  s.controller().lost = 1;
+  s.write(20, 0);
+  s.expect(29, 0x0100).expect_x(0x0F, true);
+  s.tx(0x0FF, {0x10, 0x81, 0x11, 0, 0, 0, 0, 0}).no_tx();
+  s.y(0x0F, true);
+  s.expect(29, 0);
   s.error_counters(256, 0);
   s.expect_bit(25, 1, false);
   s.ignore_tx();
@@ -110,6 +138,14 @@ TEST(Me3Signals, S15_NmtErrorClear_OneNodeThenAll) {
   s.expect_x(0x10, false);
   s.advance(10ms);
   s.expect_bit(402, 7, true).expect_bit(403, 7, true).expect_x(0x10, true);
+  s.ignore_tx();
+  s.y(0x10, true);  // all nodes
+  s.expect(402, 0x0002).expect(403, 0x0002).expect_x(0x10, false);
+  s.y(0x10, false);
+  s.rx(0x702, {0x05});
+  s.rx(0x703, {0x05});
+  s.advance(1501ms);
+  s.expect(402, 0x0082).expect(403, 0x0082).expect_x(0x10, true);
   s.ignore_tx();
   s.write(400, 2);
   s.y(0x10, true);
@@ -191,7 +227,7 @@ TEST(Me3Signals, EmergencyOfANodeThatIsNotConsumed_IsNotStored) {
 }
 
 TEST(Me3Signals, S70_TwentyThreeEmergencies_StackKeepsTheFirstEleven_RingTheLastEleven) {
-  RecordProperty("spec", "ME3-EBUF-001 ME3-EBUF-003 ME3-EBUF-004");
+  RecordProperty("spec", "ME3-EBUF-001 ME3-EBUF-003 ME3-EBUF-004 ME3-EBUF-005 ME3-EBUF-006");
   Me3Scenario s;
   s.power_on();
   for (std::uint8_t i = 1; i <= 11; ++i) s.rx(0x085, {i, 0x10, 0x01, 0, 0, 0, 0, 0});
@@ -208,11 +244,32 @@ TEST(Me3Signals, S70_TwentyThreeEmergencies_StackKeepsTheFirstEleven_RingTheLast
   }
   s.rx(0x085, {23, 0x10, 0x01, 0, 0, 0, 0, 0});
   s.expect(806, 0x100C);
+  s.write(20, 0x0100);
+  s.exchange();
+  s.expect(806, 0x100C);  // process data only
+  s.write(20, 0);
   s.exchange();
   for (std::uint16_t i = 0; i < 11; ++i) {
     s.expect(750U + 5U * i, {5, static_cast<std::uint16_t>(0x1001 + i)});
     s.expect(805U + 5U * i, {5, static_cast<std::uint16_t>(0x100D + i)});
   }
+  for (std::uint8_t i = 24; i <= 40; ++i) s.rx(0x085, {i, 0x10, 0x01, 0, 0, 0, 0, 0});
+  s.exchange();
+  for (std::uint16_t i = 0; i < 11; ++i) {
+    s.expect(750U + 5U * i, {5, static_cast<std::uint16_t>(0x1001 + i)});
+    s.expect(805U + 5U * i, {5, static_cast<std::uint16_t>(0x101E + i)});
+  }
+  for (module::BufferAddress a = 751; a <= 859; ++a) {
+    const std::uint16_t before = s.read(a);
+    s.write(a, 0);
+    s.expect(a, before);
+  }
+  s.expect_x(0x11, true);
+  s.write(750, 0);
+  s.expect(750, Words(110, 0)).expect_x(0x11, false);
+  s.rx(0x086, {0x77, 0x10, 0x01, 0, 0, 0, 0, 0});
+  s.exchange();
+  s.expect(750, {6, 0x1077, 0x0001}).expect(755, Words(105, 0));  // the stack's turn again
 }
 
 TEST(Me3Signals, ProhibitedSignals_HaveNoEffect) {

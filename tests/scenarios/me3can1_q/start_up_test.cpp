@@ -27,7 +27,7 @@ TEST(Me3StartUp, S04_PowerOn_InitializesFirst_ThenPreOperationalWithBootUpFrame)
 }
 
 TEST(Me3StartUp, S04_FactoryState_EveryWordHasItsDefault) {
-  RecordProperty("spec", "ME3-BAUD-005");
+  RecordProperty("spec", "ME3-BAUD-005 ME3-NST-002");
   Me3Scenario s;
   s.power_on();
   s.expect(20, {0, 405, 0, 0, 250, 0x0100, 0, 127, 0, 0});
@@ -180,8 +180,10 @@ TEST(Me3StartUp, S08_UnsavedSettings_AreLostAtTheRestart_SavedOnesComeIntoForce)
   Me3Scenario s;
   s.power_on();
   s.write(24, 125);
+  s.set_object(0x1015, 0, 77, 2);
   s.restart();
   s.expect(24, 250).expect(37, 2500);
+  s.expect_object(0x1015, 0, 0, 2);
   s.write(24, 125);
   s.save();
   s.expect(37, 2500);
@@ -199,6 +201,13 @@ TEST(Me3StartUp, NewSettings_TakeEffectOnlyAfterARestart) {
   RecordProperty("spec", "ME3-IO-007");
   Me3Scenario s;
   s.power_on_as(1);
+  s.write(21, 11);
+  s.save();
+  s.advance(10s);
+  s.expect(21, 11).expect_bit(25, 8, true).no_tx();
+  s.rx(0x601, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0});
+  s.tx(0x581, {0x43, 0x00, 0x10, 0x00, 0x95, 0x01, 0, 0}).no_tx();
+  s.write(21, 405);
   s.write(24, 500);
   s.write(27, 2);
   s.save();
@@ -286,6 +295,11 @@ TEST(Me3StartUp, ModeChange_TakesEffectAfterSaveAndRestart_AndDeletesTheObjectDi
   s.write(27, 5);
   s.expect(29, 0x0040).expect(39, 27);
   s.write(29, 0);
+  s.y(0x02, true);  // no emergency message of the restart either
+  s.no_tx();
+  s.wait_x(0x02, true);
+  s.y(0x02, false);
+  s.no_tx();
   s.write(21, 29);
   s.expect(29, 0);
   s.write(21, 405);

@@ -214,6 +214,89 @@ TEST(Me3TimeStamp, Role_IsBits31And30Of1012H) {
   s.expect(50, 3);
 }
 
+// Production and consumption begin and end with the word, without a restart.
+TEST(Me3TimeStamp, Role_TakesEffectDirectly) {
+  RecordProperty("spec", "ME3-TIME-002");
+  Me3Scenario s;
+  become_master(s);
+  s.write(50, 3);
+  s.write(58, 1);
+  set_clock(s, {14, 8, 1, 0, 0, 0});
+  s.tx(0x100, {0x00, 0x00, 0x00, 0x00, 0xA2, 0x2B}).no_tx();
+  for (const std::uint16_t silent : Words{0, 1}) {
+    s.write(50, silent);
+    s.advance(10min);
+    s.no_tx();
+  }
+  for (const std::uint16_t role : Words{2, 3}) {
+    s.write(50, role);
+    s.advance(1min);
+    ASSERT_EQ(s.controller().sent.size(), 1U);
+    s.ignore_tx();
+  }
+  for (const std::uint16_t role : Words{0, 1, 2, 3}) {
+    s.write(50, role);
+    s.write(25, 0);
+    s.rx(0x100, {0, 0, 0, 0, 0xA2, 0x2B});
+    s.expect_bit(25, 12, role == 1 || role == 3);
+  }
+  s.write(50, 0xFFFF);
+  s.expect(29, 0x0040).expect(39, 50).expect(50, 3);
+}
+
+// 1012H bits 0 to 10.
+TEST(Me3TimeStamp, Identifier_IsThatOf1012H) {
+  RecordProperty("spec", "ME3-TIME-019");
+  Me3Scenario s;
+  become_master(s);
+  s.set_object(0x1012, 0, 0x00000690, 4);
+  s.set_object(0x1012, 0, 0xC0000690, 4);
+  s.rx(0x100, {0, 0, 0, 0, 0xA2, 0x2B}).expect_bit(25, 12, false);
+  s.rx(0x690, {0, 0, 0, 0, 0xA2, 0x2B}).expect_bit(25, 12, true);
+  s.write(58, 1);
+  set_clock(s, {14, 8, 1, 0, 0, 0});
+  s.tx(0x690, {0x00, 0x00, 0x00, 0x00, 0xA2, 0x2B}).no_tx();
+  s.write(50, 2);  // keeps the identifier
+  s.expect_object(0x1012, 0, 0x40000690, 4);
+  s.store_objects();
+  s.restart();
+  s.expect_object(0x1012, 0, 0x40000690, 4);
+  s.expect(50, 2);
+  s.advance(5s).ignore_tx();
+}
+
+// The fraction of a second is neither counted up from what comes in nor told.
+TEST(Me3TimeStamp, WholeSeconds) {
+  RecordProperty("spec", "ME3-TIME-013 ME3-TIME-012");
+  Me3Scenario s;
+  become_master(s);
+  s.write(50, 3);
+  s.rx(0x100, {0xCF, 0x07, 0, 0, 0xA2, 0x2B});  // 1.999 s
+  expect_clock(s, {14, 8, 1, 0, 0, 1, 5});
+  s.advance(999ms);
+  expect_clock(s, {14, 8, 1, 0, 0, 1, 5});
+  s.advance(1ms);
+  expect_clock(s, {14, 8, 1, 0, 0, 2, 5});
+  s.write(57, 0);  // read only
+  s.expect(57, 5).expect(29, 0);
+  s.write(59, 0xFFC4);  // -60 s a day: one minute later the clock stands at 59.958 s
+  s.write(58, 1);
+  set_clock(s, {14, 8, 1, 0, 0, 0});
+  s.tx(0x100, {0x00, 0x00, 0x00, 0x00, 0xA2, 0x2B}).no_tx();
+  s.advance(1min);
+  s.tx(0x100, {0x78, 0xE6, 0x00, 0x00, 0xA2, 0x2B}).no_tx();
+}
+
+TEST(Me3TimeStamp, Consumer_TheYear2000IsTheFirst) {
+  RecordProperty("spec", "ME3-TIME-018");
+  Me3Scenario s;
+  s.power_on();
+  s.rx(0x100, {0x18, 0x58, 0x26, 0x05, 0xD3, 0x16});  // 1999-12-31 23:59:59
+  expect_clock(s, {0, 1, 1, 0, 0, 0, 6});
+  s.rx(0x100, {0xE8, 0x03, 0x00, 0x00, 0xD4, 0x16});  // 2000-01-01 00:00:01
+  expect_clock(s, {0, 1, 1, 0, 0, 1, 6});
+}
+
 TEST(Me3TimeStamp, S22_Overflow_And_S23_LeapYears) {
   RecordProperty("spec", "ME3-TIME-014 ME3-TIME-017");
   Me3Scenario s;
