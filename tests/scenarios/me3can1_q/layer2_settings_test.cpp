@@ -140,10 +140,10 @@ TEST(Me3Layer2Settings, CommonWordsAndTheCommandInterface_KeepTheirFunction) {
   s.error_counters(256, 0);
   s.expect(35, 256).expect(36, 256).expect(29, 0x0008).expect_x(0x0F, true);
   s.error_counters(0, 0);
-  s.cif({0x0000, 0x1111, 0x2222});
-  s.expect(1000, {0x0000, 0x1111, 0x2222});
-  s.cif({0x0004, 0, 0x1000, 0});
+  s.cif({0x0004, 0x1111, 0x2222, 0});
   s.expect(1000, {0x000F, 0x0064});
+  s.cif({0x0000});
+  s.expect(1000, {0x0000, 0x1111, 0x2222, 0});
   s.cif({0xFFFF});
   s.expect(1000, 0x0000);
   // Signals of 405 mode do nothing, the common ones work.
