@@ -111,7 +111,7 @@ Me3can1Q::Firmware::Firmware(can::Controller& controller, NonVolatileMemory& mem
   buffer_.attach(g::nmt_state + 1, g::nmt_state + 127, nmt_status_);
   buffer_.attach(g::emergencies, emergencies_.last_address(), emergencies_);
   buffer_.attach(g::command, g::command + CommandInterface::word_count - 1, command_);
-  events_.reserve(8);
+  events_.reserve(most_events);
 }
 
 bool Me3can1Q::Firmware::preset_buffer(BufferAddress address, std::uint16_t value) {
@@ -198,6 +198,7 @@ void Me3can1Q::Firmware::power_off(can::Time now) {
   signals_.clear_inputs(now);
   initialized_at_ = restart_again_at_ = nmt_reset_end_ = exchange_end_ = save_end_ = can::never;
   events_.clear();
+  events_due_ = can::never;
 }
 
 // [ME3CAN1-Q 3.3.2, 3.5.5] From the start of a restart on the module is off the bus; what it holds is what
@@ -210,6 +211,7 @@ void Me3can1Q::Firmware::begin_initialization(can::Duration duration, can::Time 
   nmt_reset_seen_ = time_seen_ = false;
   save_request_ = 0;
   events_.clear();
+  events_due_ = can::never;
   master_.stop(now);
   node_.power_off();
   layer2_.go_offline();

@@ -147,7 +147,9 @@ class Me3can1Q::Firmware final : public BufferArea,
   // Status.
   [[nodiscard]] std::uint16_t communication_status() const;
   void update(can::Time now);
-  void raise_event(Event event) { events_.push_back(event); }
+  void raise_event(Event event) {
+    if (events_.size() < most_events) events_.push_back(event);
+  }
   void send_events(can::Time now);
   void tell(std::string_view what, can::Time now);
   void tell_wear(can::Time now);
@@ -185,8 +187,10 @@ class Me3can1Q::Firmware final : public BufferArea,
   bool exchange_running_ = false;
   std::uint16_t save_request_ = 0;
   std::uint32_t overflows_ = 0;
-  std::vector<Event> events_;
+  static constexpr std::size_t most_events = 8;
+  std::vector<Event> events_;  // not sent yet
 
+  can::Time events_due_ = can::never;  // the inhibit time 1015H held some back
   can::Time initialized_at_ = can::never;
   can::Time restart_again_at_ = can::never;
   can::Time nmt_reset_end_ = can::never;

@@ -31,6 +31,9 @@ constexpr std::uint16_t bus_off_counter = 256;
 
 constexpr std::array<std::uint8_t, 5> no_detail{};
 
+// The inhibit time of EMCY counts in milliseconds [ME3CAN1-Q 4.6.12].
+constexpr can::Duration emergency_retry = std::chrono::milliseconds(1);
+
 // A frame is too short to be seen.
 constexpr can::Duration traffic_afterglow = std::chrono::milliseconds(50);
 
@@ -288,8 +291,8 @@ void Me3can1Q::Firmware::tick(can::Time now) {
 
 can::Time Me3can1Q::Firmware::deadline() const noexcept {
   const can::Time time_due = state_ == State::running ? time_stamp_.next_transmission() : can::never;
-  return std::min({initialized_at_, restart_again_at_, nmt_reset_end_, exchange_end_, save_end_, time_due,
-                   node_.deadline(), master_.deadline(), command_.deadline(), layer2_.deadline()});
+  return std::min({events_due_, initialized_at_, restart_again_at_, nmt_reset_end_, exchange_end_, save_end_,
+                   time_due, node_.deadline(), master_.deadline(), command_.deadline(), layer2_.deadline()});
 }
 
 // After every event: what hangs on several causes.
@@ -308,10 +311,12 @@ void Me3can1Q::Firmware::update(can::Time now) {
       send_events(now);
       if (process_data_pending_ && node_.state() == canopen::NmtState::operational)
         exchange_process_data(now);
-    } else if (layer2_.any_slot_error() && errors_.raise(error_bit::message_slot)) {
-      tell("messages of a slot were lost: they come faster than the module takes them", now);
+    } else {
+      events_.clear();
+      if (layer2_.any_slot_error() && errors_.raise(error_bit::message_slot)) {
+        tell("messages of a slot were lost: they come faster than the module takes them", now);
+      }
     }
-    events_.clear();
   }
   if (told_writes_ != flash_.writes()) tell_wear(now);
   errors_.follow(error_bit::flash, flash_error_);
@@ -323,9 +328,15 @@ void Me3can1Q::Firmware::update(can::Time now) {
 }
 
 void Me3can1Q::Firmware::send_events(can::Time now) {
-  for (const Event& event : events_) {
-    node_.emergency(event.code, event.error_register, event.manufacturer, now);
+  if (node_.state() != canopen::NmtState::pre_operational &&
+      node_.state() != canopen::NmtState::operational) {
+    events_.clear();
   }
+  const auto held_back = std::ranges::find_if_not(events_, [&](const Event& event) {
+    return node_.emergency(event.code, event.error_register, event.manufacturer, now);
+  });
+  events_.erase(events_.begin(), held_back);
+  events_due_ = events_.empty() ? can::never : can::later(now, emergency_retry);
 }
 
 std::array<Led, 5> Me3can1Q::Firmware::leds(can::Time now) const {

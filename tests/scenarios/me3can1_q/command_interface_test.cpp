@@ -252,6 +252,7 @@ TEST(Me3CommandInterface, S27_SdoFailures_ShowClassNodeAndAbortCode) {
     s.expect_x(0x17, true).expect(1000, {0x000F, 0x0003, 2, words[0], words[1], 0}).no_tx();
     s.y(0x17, false);
   }
+  s.expect(71, 500);
   for (const std::uint16_t time_out : Words{500, 50, 1000}) {
     s.write(71, time_out);
     s.write(1000, {0x0002, 2, 0x1017, 0, 2, 0x03E8});

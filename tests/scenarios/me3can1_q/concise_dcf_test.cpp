@@ -218,5 +218,29 @@ TEST(Me3EmergencyInhibitTime, CountsInWholeMilliseconds) {
   EXPECT_EQ(messages_after(500, 50000us), 2U);
 }
 
+// An error within the inhibit time is told at its end, once, in the order of the errors; not in Stopped.
+TEST(Me3EmergencyInhibitTime, HoldsEmergenciesBack) {
+  RecordProperty("spec", "ME3-EMCY-004 ME3-EMCY-011");
+  Me3Scenario s;
+  s.power_on_as(1);
+  s.set_object(0x1015, 0, 500, 2);
+  s.error_counters(130, 0);
+  s.tx(0x081, {0x20, 0x81, 0x11, 0, 0, 0, 0, 0}).no_tx();
+  s.controller().overflows = 1;
+  s.write(20, 0);
+  s.cpu(module::CpuState::stop);
+  s.advance(49900us).no_tx().advance(100us);
+  s.tx(0x081, {0x10, 0x81, 0x11, 0, 0, 0, 0, 0}).no_tx();
+  s.advance(49900us).no_tx().advance(100us);
+  s.tx(0x081, {0x00, 0xFF, 0x91, 0x4D, 0x45, 0x30, 0x30, 0x32}).advance(10s).no_tx();
+  s.cpu(module::CpuState::run);
+  s.cpu(module::CpuState::stop);
+  s.ignore_tx();
+  s.error_counters(0, 0);
+  s.error_counters(130, 0);
+  s.nmt(0x02, 1).advance(1s).no_tx();
+  s.nmt(0x80, 1).advance(1s).no_tx();
+}
+
 }  // namespace
 }  // namespace canopus::scenario

@@ -241,6 +241,7 @@ TEST(Me3StartUp, InvalidBaudRateAndModeAndNode_AreRefused_WithTheirAddress) {
   RecordProperty("spec", "ME3-BAUD-001 ME3-BAUD-002 ME3-MODE-002 ME3-NODE-001 ME3-SYS-011 ME3-ERR-005");
   Me3Scenario s;
   s.power_on();
+  s.expect(21, 405).expect(24, 250).expect(27, 127);
   for (const std::uint16_t rate : Words{10, 20, 50, 100, 125, 250, 500, 800, 1000}) {
     s.write(24, rate);
     s.expect(24, rate).expect(29, 0);
