@@ -353,7 +353,7 @@ TEST(Me3CommandInterface, MultiRead_EightRecords_OfUpToEightBytes) {
 }
 
 TEST(Me3CommandInterface, S29_MultiWrite) {
-  RecordProperty("spec", "ME3-CIF-019 ME3-OD-004");
+  RecordProperty("spec", "ME3-CIF-019 ME3-CIF-020 ME3-OD-004");
   Me3Scenario s;
   s.power_on();
   s.cif({0x0006, 0, 0x1015, 0, 2, 0x03E8, 0, 0, 0, 0, 0x1000, 0, 4, 1, 0, 0, 0, 0xFFFF});

@@ -470,6 +470,10 @@ TEST(Me3NmtMaster, S61_LostMandatorySlave_Bit6_StopsAllUntilARestart) {
     s.wait_tx(0x081, {0x02, 0x8F, 0x11, 0, 0, 0, 0, 0}).tx(0x000, {0x02, 0x00}).no_tx();
     s.expect(25, 0x8000);  // Stopped, nothing in progress
     s.rx(0x702, {0x00}).rx(0x702, {0x7F}).advance(60s).ignore_tx().rx(0x702, {0x00}).advance(60s).no_tx();
+    // Nor does it go on when the module leaves Stopped without a reset.
+    s.rx(0x000, {0x80, 0x01}).expect(25, 0x8100).rx(0x702, {0x00}).rx(0x702, {0x7F}).advance(1s);
+    s.no_tx().rx(0x000, {0x01, 0x01}).rx(0x702, {0x00}).advance(1s).no_tx();
+    s.rx(0x000, {0x02, 0x01}).expect(25, 0x8000).ignore_tx();
     if (way == Way::restart) {
       s.restart();
     } else {

@@ -57,6 +57,7 @@ TEST(Me3Pdo, S31_TpdoMappingExample) {
   s.expect_object(0x1800, 1, 0xC0000181, 4);  // bit 30 always reads 1
   s.set_object(0x1800, 1, 0x00000181, 4);
   s.expect_object(0x1800, 1, 0x40000181, 4);
+  s.rx_remote(0x181, 2).advance(1s).no_tx();
 }
 
 TEST(Me3Pdo, Defaults_CommunicationParameters) {
