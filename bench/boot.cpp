@@ -88,16 +88,14 @@ void boot_up(benchmark::State& state) {
     }
     auto master = std::make_unique<Master>(*bus, description);
     bus->compile();
-    bus->deliver(can::Time{});
     const std::uint64_t before = bus->frames();
     can::Time now{};
     state.ResumeTiming();
-    master->node.power_on(now);
-    bus->deliver(now);
+    bus->queue([&] { master->node.power_on(now); });
     while (!master->finished && master->deadline() != can::never) {
       now = std::max(now, master->deadline());
-      master->tick(now);
-      bus->deliver(now);
+      bus->set_time(now);
+      bus->queue([&] { master->tick(now); });
     }
     state.PauseTiming();
     for (const auto& slave : slaves) {

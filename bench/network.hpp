@@ -12,15 +12,20 @@
 
 namespace canopus::bench {
 
-/// A bus that carries frames in the order they were sent and takes no time. Each goes to everybody who wants
-/// its identifier (the acceptance filters of real controllers), the sender excepted.
+/// A bus that carries frames in the order they were sent and takes no time: a frame sent while none is on its
+/// way is delivered at once, inside send(); those sent meanwhile follow one after the other. Each goes to
+/// everybody who wants its identifier (the acceptance filters of real controllers), the sender excepted.
 class PassThroughBus {
  public:
   class Port final : public can::Sink {
    public:
     explicit Port(PassThroughBus& bus) : bus_(&bus) {}
     bool send(const can::Frame& frame) override {
-      bus_->ring_[bus_->head_++ & mask] = {frame, owner};
+      if (bus_->delivering_) {
+        bus_->ring_[bus_->head_++ & mask] = {frame, owner};
+      } else {
+        bus_->deliver_at_once(frame, owner);
+      }
       return true;
     }
     can::Participant* owner = nullptr;
@@ -45,16 +50,17 @@ class PassThroughBus {
     }
     first_.back() = static_cast<std::uint32_t>(hearers_.size());
   }
-  /// Delivers until nobody says anything any more.
-  void deliver(can::Time now) {
-    while (tail_ != head_) {
-      const Sent& sent = ring_[tail_++ & mask];  // stays: nobody sends a thousand frames at once
-      for (std::uint32_t i = first_[sent.frame.identifier]; i != first_[sent.frame.identifier + 1]; ++i) {
-        if (hearers_[i] != sent.from) hearers_[i]->receive(sent.frame, now);
-      }
-    }
+  /// The time that frames arrive at from now on.
+  void set_time(can::Time now) noexcept { now_ = now; }
+  /// What `call` sends is delivered after it, for whoever does not want answers inside send().
+  template <typename Call>
+  void queue(Call call) {
+    delivering_ = true;
+    call();
+    finish();
   }
-  [[nodiscard]] std::uint64_t frames() const noexcept { return tail_; }
+  /// Frames carried so far.
+  [[nodiscard]] std::uint64_t frames() const noexcept { return frames_; }
 
  private:
   struct Sent {
@@ -62,6 +68,28 @@ class PassThroughBus {
     can::Participant* from;
   };
   static constexpr std::size_t mask = 1023;
+  void hand_out(const can::Frame& frame, const can::Participant* from) {
+    ++frames_;
+    const std::uint32_t last = first_[frame.identifier + 1];
+    for (std::uint32_t i = first_[frame.identifier]; i != last; ++i) {
+      if (hearers_[i] != from) hearers_[i]->receive(frame, now_);
+    }
+  }
+  void deliver_at_once(const can::Frame& frame, const can::Participant* from) {
+    delivering_ = true;
+    hand_out(frame, from);
+    finish();
+  }
+  void finish() {
+    while (tail_ != head_) {
+      const Sent& sent = ring_[tail_++ & mask];  // stays: nobody sends a thousand frames at once
+      hand_out(sent.frame, sent.from);
+    }
+    delivering_ = false;
+  }
+  can::Time now_{};
+  std::uint64_t frames_ = 0;
+  bool delivering_ = false;
   std::array<Sent, mask + 1> ring_;
   std::uint64_t head_ = 0;
   std::uint64_t tail_ = 0;

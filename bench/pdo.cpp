@@ -25,7 +25,6 @@ struct Network {
     }
     sync.owner = &nobody;
     bus.compile();
-    bus.deliver(can::Time{});
   }
   /// New values in the slaves, SYNC, and everything that follows from it.
   void cycle(can::Time now) {
@@ -34,8 +33,8 @@ struct Network {
       input[0] = static_cast<std::uint8_t>(turn);
       input[24] = static_cast<std::uint8_t>(turn >> 8);
     }
+    bus.set_time(now);
     sync.send(can::data_frame(0x080));
-    bus.deliver(now);
   }
   /// The last values of every slave have arrived.
   [[nodiscard]] bool is_right() const {
