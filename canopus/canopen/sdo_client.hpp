@@ -69,6 +69,8 @@ class SdoClient {
   void drop(AbortCode code) noexcept;
 
   [[nodiscard]] bool busy() const noexcept { return state_ != State::idle; }
+  /// Segments of a block download go out.
+  [[nodiscard]] bool sends_block() const noexcept { return state_ == State::block_download; }
   /// Limits what an upload may bring, in bytes; 0 = no limit. More is aborted with 05040005H, as soon as it
   /// is announced or comes, and reported as buffer_too_small.
   void set_maximum_size(std::size_t bytes) noexcept { maximum_size_ = bytes; }
@@ -85,6 +87,10 @@ class SdoClient {
   [[nodiscard]] std::uint16_t index() const noexcept { return index_; }
   [[nodiscard]] std::uint8_t sub() const noexcept { return sub_; }
 
+  /// Counts the time-out from `now` on: the request got out on the bus only now, or is still waiting for it.
+  void count_from(can::Time now) noexcept {
+    if (busy()) last_heard_ = now;  // tick() looks at it when the present deadline comes
+  }
   /// True when the frame was an answer on this channel (whether or not it was of use).
   bool receive(const can::Frame& frame, can::Time now);
   void tick(can::Time now);

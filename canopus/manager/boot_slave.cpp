@@ -298,7 +298,10 @@ void BootSlave::give_up(can::Time now) {
 }
 
 void BootSlave::tick(can::Time now) {
-  if (client_.deadline() <= now) client_.tick(now);
+  if (client_.deadline() <= now) {
+    if (host_->request_waits(node_id_, now)) client_.count_from(now);
+    client_.tick(now);
+  }
   if (deadline_ > now) return;
   deadline_ = can::never;
   if (request_pending_) return request(now);

@@ -47,6 +47,8 @@ class BootHost {
   /// False: somebody else has a transfer with this node, or has waited for one. The boot then asks again
   /// after MasterOptions::busy_retry, or when channel_freed() is called.
   virtual bool sdo_channel_free(std::uint8_t node_id, can::Time now) = 0;
+  /// A request to this node is in line for the bus, and the line moves.
+  virtual bool request_waits(std::uint8_t node_id, can::Time now) const = 0;
   /// The slave answered 1000H, or did not.
   virtual void presence_known(std::uint8_t node_id, bool present, can::Time now) = 0;
   /// The boot is at another step, or at another object of the same one.
@@ -86,6 +88,10 @@ class BootSlave final : private canopen::SdoClientUser, private canopen::ByteSou
   [[nodiscard]] const BootRecord& record() const noexcept { return record_; }
 
   void receive(const can::Frame& frame, can::Time now) { client_.receive(frame, now); }
+  /// A block download is at its segments.
+  [[nodiscard]] bool sends_block() const noexcept { return client_.sends_block(); }
+  /// Its request got out on the bus.
+  void transmitted(can::Time now) { client_.count_from(now); }
   void tick(can::Time now);
   [[nodiscard]] can::Time deadline() const noexcept { return std::min(deadline_, client_.deadline()); }
 

@@ -24,6 +24,7 @@ MasterOptions& NmtMaster::options() noexcept { return engine_->options_; }
 void NmtMaster::start(can::Time now) { engine_->start(now); }
 void NmtMaster::stop(can::Time now) { engine_->stop(now); }
 void NmtMaster::receive(const can::Frame& frame, can::Time now) { engine_->receive(frame, now); }
+void NmtMaster::transmitted(const can::Frame& frame, can::Time now) { engine_->transmitted(frame, now); }
 void NmtMaster::tick(can::Time now) { engine_->tick(now); }
 can::Time NmtMaster::deadline() const noexcept { return engine_->deadline(); }
 

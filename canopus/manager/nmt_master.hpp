@@ -50,6 +50,8 @@ class NmtMaster final : public can::Participant {
   /// Gives everything up: no longer active, all states unknown, no frame is sent.
   void stop(can::Time now);
   void receive(const can::Frame& frame, can::Time now) override;
+  /// SDO requests that wait for a full bus do not time out if the owner passes this on.
+  void transmitted(const can::Frame& frame, can::Time now) override;
   void tick(can::Time now) override;
   [[nodiscard]] can::Time deadline() const noexcept override;
   void own_state_changed(canopen::NmtState state, can::Time now);

@@ -13,6 +13,7 @@
 #include "canopus/manager/nmt_master.hpp"
 #include "canopus/manager/node_guarding.hpp"
 #include "canopus/manager/node_timers.hpp"
+#include "canopus/manager/sdo_line.hpp"
 #include "canopus/manager/sdo_requests.hpp"
 
 namespace canopus::manager {
@@ -47,6 +48,7 @@ class NmtMaster::Engine final : public BootHost,
   void start(can::Time now);
   void stop(can::Time now);
   void receive(const can::Frame& frame, can::Time now);
+  void transmitted(const can::Frame& frame, can::Time now);
   void tick(can::Time now);
   [[nodiscard]] can::Time deadline() const noexcept {
     return std::min(timers_.earliest(), requests_.deadline());
@@ -115,6 +117,9 @@ class NmtMaster::Engine final : public BootHost,
   std::span<const std::uint8_t> concise_dcf(std::uint8_t node_id) override;
   Program open_program(std::uint8_t node_id) override;
   bool sdo_channel_free(std::uint8_t node_id, can::Time now) override;
+  bool request_waits(std::uint8_t node_id, can::Time now) const override {
+    return line_.waits(canopen::cob_id::sdo_request + node_id, now);
+  }
   void presence_known(std::uint8_t node_id, bool present, can::Time now) override;
   void boot_went_on(std::uint8_t node_id, const BootRecord& record, can::Time now) override {
     listener_->boot_went_on(node_id, record, now);
@@ -183,6 +188,8 @@ class NmtMaster::Engine final : public BootHost,
 
   canopen::Node* node_;
   can::Sink* sink_;
+  SdoLine line_;
+  can::Time now_{};  // of the latest call from outside
   bool muted_ = false;
 
   Phase phase_ = Phase::off;

@@ -34,14 +34,28 @@ constexpr std::uint8_t told_state(std::uint8_t state) noexcept {
 }  // namespace
 
 // A Stopped node sends no SDO and takes none, and nobody is told so [CiA 301 7.3.2.2.4; ME3CAN1-Q 4.8.1]: the
-// start-up finds no answer and goes on asking.
+// start-up finds no answer and goes on asking. The segments of a block do not wait in line: the server asks
+// for all of them at once.
 bool NmtMaster::Engine::send(const can::Frame& frame) {
-  const bool is_sdo = (frame.identifier & base_function) == canopen::cob_id::sdo_request;
-  const bool silent = muted_ || (is_sdo && node_->state() == NmtState::stopped);
-  return silent || sink_->send(frame);
+  if (muted_) return true;
+  if ((frame.identifier & base_function) != canopen::cob_id::sdo_request) return sink_->send(frame);
+  if (node_->state() == NmtState::stopped) return true;
+  const BootSlave* boot = boots_[frame.identifier & 0x7F].get();
+  if (boot != nullptr && boot->sends_block()) return sink_->send(frame);
+  return line_.send(frame, *sink_, now_);
+}
+
+void NmtMaster::Engine::transmitted(const can::Frame& frame, can::Time now) {
+  now_ = now;
+  if (frame.extended || frame.remote) return;
+  if ((frame.identifier & base_function) != canopen::cob_id::sdo_request) return;
+  const auto node_id = static_cast<std::uint8_t>(frame.identifier & 0x7F);
+  if (boots_[node_id] && boots_[node_id]->sdo_busy()) boots_[node_id]->transmitted(now);
+  line_.transmitted(*sink_, now);
 }
 
 void NmtMaster::Engine::receive(const can::Frame& frame, can::Time now) {
+  now_ = now;
   if (frame.extended || frame.remote) return;
   if (flying_.state() != FlyingMaster::State::off || frame.identifier == canopen::cob_id::nmt) {
     flying_.receive(frame, now);
@@ -74,6 +88,7 @@ void NmtMaster::Engine::receive(const can::Frame& frame, can::Time now) {
 }
 
 void NmtMaster::Engine::tick(can::Time now) {
+  now_ = now;
   while (timers_.earliest() <= now) {
     const std::uint8_t number = timers_.first();
     if (number == 0) {

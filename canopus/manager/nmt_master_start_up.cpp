@@ -38,6 +38,7 @@ void NmtMaster::Engine::stop(can::Time now) {
   muted_ = true;
   abandon_boots();
   muted_ = false;
+  line_.clear();
   flying_.stop();
   standby_entry_ = 0;
   phase_ = Phase::off;

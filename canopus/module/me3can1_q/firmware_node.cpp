@@ -33,7 +33,10 @@ void Me3can1Q::Firmware::receive(const can::Frame& frame, can::Time now) {
 void Me3can1Q::Firmware::transmitted(const can::Frame& frame, can::Time now) {
   last_frame_ = now;
   if (state_ != State::running) return;
-  if (canopen_mode()) return node_.transmitted(frame, now);
+  if (canopen_mode()) {
+    node_.transmitted(frame, now);
+    return master_.transmitted(frame, now);
+  }
   layer2_.transmitted(frame);
   update(now);
 }
