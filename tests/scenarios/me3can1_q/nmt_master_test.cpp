@@ -587,6 +587,9 @@ TEST(Me3NmtMaster, S63_ReadingRequestNmt_GivesTheWordsOfTheStateArea) {
     s.expect(727, state);
     s.expect_object(0x1F82, 127, state, 1);
   }
+  s.set_object(0x1F82, 127, 0x85, 1);
+  s.expect(727, 0x05);
+  s.expect_object(0x1F82, 127, 0x05, 1);  // the state, not what was written
   s.expect(601, 0x7F);
   s.expect_object(0x1F82, 1, 0x7F, 1);
   s.ignore_tx();

@@ -256,6 +256,7 @@ TEST(Me3NmtSlave, HeartbeatConsumerEntries_NodeIdInBits16To23_TimeBelow_UnusedOn
   s.set_object(0x1016, 3, 0x008003E8, 4);    // node 128
   s.set_object(0x1016, 127, 0x007E03E8, 4);  // node 126, 1000 ms
   s.rx(0x705, {0x05}).expect(605, 0).expect(405, 0);
+  s.rx(0x780, {0x05}).advance(60s).no_tx();
   s.rx(0x77E, {0x05}).expect(726, 5).expect(526, 0x0002);
   s.advance(999ms).expect(526, 0x0002).advance(1ms).expect(526, 0x0082);
   s.advance(60s).expect(405, 0);

@@ -58,6 +58,14 @@ TEST(Me3Pdo, S31_TpdoMappingExample) {
   s.set_object(0x1800, 1, 0x00000181, 4);
   s.expect_object(0x1800, 1, 0x40000181, 4);
   s.rx_remote(0x181, 2).advance(1s).no_tx();
+
+  Me3Scenario preset;  // configured without the bit before the first power-on
+  EXPECT_EQ(preset.plug_in().preset_object(0x1800, 1, Bytes{0xFF, 0x01, 0x00, 0x00}),
+            canopen::AbortCode::none);
+  preset.power_on();
+  preset.expect_object(0x1800, 1, 0x400001FF, 4);
+  preset.nmt(0x01);
+  preset.rx_remote(0x1FF, 8).advance(1s).no_tx();
 }
 
 TEST(Me3Pdo, Defaults_CommunicationParameters) {

@@ -110,6 +110,10 @@ TEST(Me3Signals, BusOff_ShowsInStatusAndCounters_AndEndsWithARestart) {
   s.ignore_tx();
   s.restart();
   s.expect(29, 0).expect(35, 0).expect(36, 0).expect_x(0x0F, false);
+  s.error_counters(256, 0);
+  s.expect(29, 0x0008).expect_x(0x0F, true);
+  s.error_counters(0, 0);  // a controller that was brought back: the bit is not latched
+  s.expect(29, 0).expect_x(0x0F, false).ignore_tx();
 }
 
 TEST(Me3Signals, QueueOverflow_SendsEmergency8110) {
