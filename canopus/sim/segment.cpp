@@ -49,12 +49,15 @@ void Segment::reconsider() {
     if (port->segment == this && port->present()) members_.push_back(port.get());
   }
   // A controller with another bit rate hears nothing but errors. Once it is passive and has nothing to send
-  // it can do nothing to the others either: it is left out, and its counters stay as they are.
+  // it can do nothing to the others either: it is left out, and its counters stay as they are. Back among
+  // them, because they have come to its rate, it has to find the end of what is on the wire.
   const std::uint32_t rate = rate_of_most(members_);
-  std::erase_if(members_, [rate](BusPort* port) {
+  std::erase_if(members_, [&](BusPort* port) {
+    const bool was_deaf = port->deaf;
     port->deaf = rate != 0 && port->rate != rate &&
                  (port->listen_only || (port->faults.state() == can::ErrorState::error_passive &&
                                         port->queue.empty() && !port->sending));
+    if (was_deaf && !port->deaf) restart(*port);
     return port->deaf;
   });
 

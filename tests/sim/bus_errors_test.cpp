@@ -338,6 +338,26 @@ TEST_F(BusErrors, StationWithAnotherBitRate_DestroysFramesUntilItIsPassive) {
   EXPECT_EQ(b.heard.size(), 20U);
 }
 
+TEST_F(BusErrors, PassiveStationLeftBehindByTheOthers_HearsThemAgainWhenTheyAreBack) {
+  a.port.restart(500'000);
+  b.port.restart(500'000);
+  for (int i = 1; i <= 40; ++i) a.send_at(Time(i * 5ms), frame_of_53_bits);
+  timeline.run_until(Time(300ms));
+  EXPECT_EQ(c.port.error_state(), ErrorState::error_passive);
+  EXPECT_EQ(b.heard.size(), 40U);
+  EXPECT_TRUE(c.heard.empty());
+  a.port.restart(1'000'000);
+  timeline.run_until(Time(301ms));
+  b.port.restart(1'000'000);
+  timeline.run_until(Time(310ms));
+  const std::uint64_t errors = a.port.counters().errors;
+  a.send_at(Time(310ms), frame_of_53_bits);
+  timeline.run_until(Time(311ms));
+  EXPECT_EQ(b.heard.size(), 41U);
+  EXPECT_EQ(c.frames(), std::vector<Frame>{frame_of_53_bits});
+  EXPECT_EQ(a.port.counters().errors, errors);
+}
+
 TEST_F(BusErrors, SenderWithAnotherBitRate_IsHeardByNobodyAndWhenItIsGoneTheOthersGoOn) {
   Station wrong(bus, timeline, "wrong");
   wrong.port.restart(250'000);
