@@ -23,7 +23,8 @@ namespace canopus::canopen {
 
 class Node final : public can::Participant {
  public:
-  /// The node is off until power_on(). `sink` and the listener must outlive it. node_id 1..127.
+  /// The node is off until power_on(). `sink` and the listener must outlive it. node_id 1..127; with FFH (not
+  /// configured) it stays in Initialisation, silent and deaf, until it has another one and is reset.
   Node(std::shared_ptr<const DictionaryDescription> description, std::uint8_t node_id, can::Sink& sink,
        NodeOptions options = {});
   ~Node() override;

@@ -64,11 +64,15 @@ void BootSlave::start(bool after_reset, can::Time now) {
   }
 }
 
-void BootSlave::abandon() {
+void BootSlave::suspend() {
   if (client_.busy()) client_.cancel(canopen::AbortCode::general);
-  record_.step = BootStep::idle;
   deadline_ = can::never;
   request_pending_ = wants_channel_ = writes_program_ = false;
+}
+
+void BootSlave::abandon() {
+  suspend();
+  record_.step = BootStep::idle;
 }
 
 void BootSlave::begin(can::Time now) {

@@ -72,6 +72,8 @@ class BootSlave final : private canopen::SdoClientUser, private canopen::ByteSou
   void state_seen(canopen::NmtState state, can::Time now);
   /// The boot time is over: ends a running boot with the error of its present step.
   void give_up(can::Time now);
+  /// Asks nothing more, until give_up() or start().
+  void suspend();
   /// Ends without a result.
   void abandon();
   /// The SDO channel, which was not free, is so now.

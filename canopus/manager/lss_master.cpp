@@ -1,5 +1,7 @@
 #include "canopus/manager/lss_master.hpp"
 
+#include <algorithm>
+
 namespace canopus::manager {
 
 namespace {
@@ -16,6 +18,7 @@ bool LssMaster::begin(Service service, std::uint8_t expected) {
   expected_ = expected;
   answered_ = false;
   error_ = specific_error_ = 0;
+  halving_ = false;
   return true;
 }
 
@@ -71,26 +74,73 @@ bool LssMaster::identify_unconfigured(can::Time now) {
   return true;
 }
 
+void LssMaster::begin_sequence(std::uint8_t first_command, std::initializer_list<std::uint32_t> numbers,
+                               can::Time now) {
+  first_command_ = first_command;
+  steps_ = static_cast<unsigned>(numbers.size());
+  step_ = 0;
+  std::copy(numbers.begin(), numbers.end(), numbers_);
+  answered_ = false;
+  send_step(now);
+}
+
 bool LssMaster::select(const LssAddress& address, can::Time now) {
   if (!begin(Service::sequence, lss::command::selected)) return false;
-  first_command_ = lss::command::select_vendor;
-  steps_ = parts;
-  step_ = 0;
-  for (unsigned part = 0; part < parts; ++part) numbers_[part] = address.part(part);
-  send_step(now);
+  begin_sequence(lss::command::select_vendor,
+                 {address.vendor, address.product, address.revision, address.serial}, now);
   return true;
+}
+
+void LssMaster::ask_range(const LssAddress& low, const LssAddress& high, can::Time now) {
+  begin_sequence(lss::command::identify_vendor,
+                 {low.vendor, low.product, low.revision, high.revision, low.serial, high.serial}, now);
 }
 
 bool LssMaster::identify(const LssAddress& low, const LssAddress& high, can::Time now) {
   if (!begin(Service::sequence, lss::command::identified)) return false;
-  first_command_ = lss::command::identify_vendor;
-  steps_ = 6;
-  step_ = 0;
-  const std::uint32_t numbers[] = {low.vendor,    low.product, low.revision,
-                                   high.revision, low.serial,  high.serial};
-  for (unsigned i = 0; i < steps_; ++i) numbers_[i] = numbers[i];
-  send_step(now);
+  ask_range(low, high, now);
   return true;
+}
+
+bool LssMaster::slow_scan(const LssAddress& low, const LssAddress& high, can::Time now) {
+  if (!begin(Service::slow_scan, lss::command::identified)) return false;
+  address_ = low;
+  highest_ = high;
+  halving_ = false;
+  ask_range(low, high, now);
+  return true;
+}
+
+// Revision first: among slaves of one revision the serial numbers are halved.
+void LssMaster::ask_lower_half(can::Time now) {
+  halving_ = true;
+  LssAddress middle = highest_;
+  if (address_.revision != highest_.revision) {
+    middle.revision = address_.revision + (highest_.revision - address_.revision) / 2;
+  } else if (address_.serial != highest_.serial) {
+    middle.serial = address_.serial + (highest_.serial - address_.serial) / 2;
+  } else {
+    service_ = Service::sequence;
+    expected_ = lss::command::selected;
+    return begin_sequence(lss::command::select_vendor,
+                          {address_.vendor, address_.product, address_.revision, address_.serial}, now);
+  }
+  ask_range(address_, middle, now);
+}
+
+void LssMaster::slow_scan_answered(bool answered, can::Time now) {
+  if (!halving_) {
+    if (!answered) return finish(LssResult::silence, now);
+  } else if (const bool of_revision = address_.revision != highest_.revision; answered) {
+    auto& bound = of_revision ? highest_.revision : highest_.serial;
+    const std::uint32_t lowest = of_revision ? address_.revision : address_.serial;
+    bound = lowest + (bound - lowest) / 2;
+  } else {
+    auto& bound = of_revision ? address_.revision : address_.serial;
+    const std::uint32_t highest = of_revision ? highest_.revision : highest_.serial;
+    bound += (highest - bound) / 2 + 1;
+  }
+  ask_lower_half(now);
 }
 
 void LssMaster::send_step(can::Time now) {
@@ -160,8 +210,9 @@ void LssMaster::receive(const can::Frame& frame, can::Time now) {
     case Service::none:
     case Service::unanswered: return;
     case Service::fastscan:
+    case Service::slow_scan:
       // Several slaves answer; the next question must wait for all of them, and so for the whole time.
-      answered_ = true;
+      answered_ = service_ == Service::fastscan || step_ == steps_;
       return;
     case Service::sequence:
       if (step_ != steps_) return;
@@ -186,7 +237,10 @@ void LssMaster::tick(can::Time now) {
     case Service::single: return finish(LssResult::silence, now);
     case Service::sequence:
       if (step_ != steps_) return send_step(now);
-      return finish(LssResult::silence, now);
+      return finish(halving_ ? LssResult::lost : LssResult::silence, now);
+    case Service::slow_scan:
+      if (step_ != steps_) return send_step(now);
+      return slow_scan_answered(answered_, now);
     case Service::fastscan: return scan_answered(answered_, now);
   }
 }

@@ -7,6 +7,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <initializer_list>
 
 #include "canopus/can/controller.hpp"
 #include "canopus/manager/lss.hpp"
@@ -17,7 +18,7 @@ enum class LssResult : std::uint8_t {
   done,     ///< answered (or nothing to answer)
   silence,  ///< no answer in time: no such slave
   refused,  ///< the slave answered with an error: LssMaster::error()
-  lost,     ///< fastscan: the slave stopped answering in the middle
+  lost,     ///< fastscan, slow scan: the slave stopped answering in the middle
 };
 
 class LssMaster;
@@ -64,6 +65,11 @@ class LssMaster {
   /// Finds one slave without a node-ID and switches it to configuration state: address(). silence: there is
   /// none (any longer).
   bool fastscan(can::Time now);
+  /// Finds the slave with the lowest revision, and among those the lowest serial number, in these ranges, and
+  /// switches it to configuration state: address(). Vendor and product (of `low`) have to be known. For
+  /// slaves without fastscan: halves the ranges by identify remote slave, 65 times at most; slaves that have
+  /// a node-ID answer as well. silence: there is none.
+  bool slow_scan(const LssAddress& low, const LssAddress& high, can::Time now);
   /// Gives the running service up; the user is not told.
   void cancel() noexcept;
 
@@ -71,20 +77,27 @@ class LssMaster {
   [[nodiscard]] std::uint32_t value() const noexcept { return value_; }  ///< of inquire
   [[nodiscard]] std::uint8_t error() const noexcept { return error_; }   ///< of a refusal: byte 1
   [[nodiscard]] std::uint8_t specific_error() const noexcept { return specific_error_; }  ///< byte 2
-  [[nodiscard]] const LssAddress& address() const noexcept { return address_; }           ///< of fastscan
+  [[nodiscard]] const LssAddress& address() const noexcept {
+    return address_;
+  }  ///< of fastscan and slow scan
 
   void receive(const can::Frame& frame, can::Time now);
   void tick(can::Time now);
   [[nodiscard]] can::Time deadline() const noexcept { return deadline_; }
 
  private:
-  enum class Service : std::uint8_t { none, unanswered, single, sequence, fastscan };
+  enum class Service : std::uint8_t { none, unanswered, single, sequence, fastscan, slow_scan };
 
   bool begin(Service service, std::uint8_t expected);
   bool single(const can::Frame& request, can::Time now);
   void send_step(can::Time now);
   void send_scan(can::Time now);
   void scan_answered(bool answered, can::Time now);
+  void begin_sequence(std::uint8_t first_command, std::initializer_list<std::uint32_t> numbers,
+                      can::Time now);
+  void ask_range(const LssAddress& low, const LssAddress& high, can::Time now);
+  void slow_scan_answered(bool answered, can::Time now);
+  void ask_lower_half(can::Time now);
   void finish(LssResult result, can::Time now);
 
   can::Sink* sink_;
@@ -100,6 +113,8 @@ class LssMaster {
   LssAddress address_;
   enum class Scan : std::uint8_t { reset, bit, confirm };
   Scan scan_ = Scan::reset;
+  LssAddress highest_;  // slow scan: what is left of the ranges is address_ to this
+  bool halving_ = false;
   unsigned part_ = 0;
   unsigned bit_ = 0;
   std::uint32_t value_ = 0;

@@ -2,9 +2,24 @@
 
 namespace canopus::manager {
 
+namespace {
+
+constexpr std::uint8_t former_index_of_100_kbit = 5;
+
+std::optional<std::uint8_t> index_of(std::uint32_t bit_rate) {
+  return bit_rate == 100'000 ? former_index_of_100_kbit : lss::bit_rate_index(bit_rate);
+}
+
+can::Duration longest_frame(std::uint32_t bit_rate) {
+  constexpr unsigned bits = 135;  // eight bytes, all stuff bits
+  return std::chrono::nanoseconds(std::uint64_t{bits} * 1'000'000'000 / bit_rate);
+}
+
+}  // namespace
+
 bool LssSearch::start(std::uint8_t node_id, const LssAddress& address, std::uint32_t own_bit_rate,
                       can::Time now) {
-  if (running() || !lss::bit_rate_index(own_bit_rate)) return false;
+  if (running() || !index_of(own_bit_rate)) return false;
   node_id_ = node_id;
   address_ = address;
   own_bit_rate_ = bit_rate_ = own_bit_rate;
@@ -52,7 +67,7 @@ void LssSearch::lss_finished(LssMaster&, LssResult result, can::Time now) {
     case State::setting_node_id:
       if (!done) return leave(false, now);
       state_ = State::setting_bit_rate;
-      master_.configure_bit_timing(*lss::bit_rate_index(own_bit_rate_), now);
+      master_.configure_bit_timing(*index_of(own_bit_rate_), now);
       return;
     case State::setting_bit_rate:
       // A device that cannot be told its rate will do, if it has the right one already.
@@ -66,7 +81,10 @@ void LssSearch::lss_finished(LssMaster&, LssResult result, can::Time now) {
       state_ = State::activating;
       master_.activate_bit_timing(options_.activation_delay, now);
       return;
-    case State::activating: return wait(State::before_change, options_.activation_delay, now);
+    case State::activating:
+      // The device counts from the end of the frame, which has only been queued.
+      return wait(State::before_change,
+                  options_.activation_delay + options_.settle_time + longest_frame(bit_rate_), now);
     case State::leaving: return end(found_, now);
     case State::idle:
     case State::settling:

@@ -38,7 +38,8 @@ class LssSearch final : private LssMasterUser {
   LssSearch(can::Sink& sink, LssSearchUser& user, Options options)
       : user_(&user), options_(options), master_(sink, *this) {}
 
-  /// False while running(). `own_bit_rate` must be one of table 0.
+  /// False while running(). `own_bit_rate` must be one of table 0, or 100 kbit/s, which had index 5 before
+  /// that was reserved: it is tried, and a device that knows it not refuses it.
   bool start(std::uint8_t node_id, const LssAddress& address, std::uint32_t own_bit_rate, can::Time now);
   /// Ends without a word; the controller may be left at another bit rate.
   void cancel() noexcept;

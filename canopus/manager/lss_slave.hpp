@@ -5,7 +5,7 @@
 //
 // A node-ID that was set is pending until the next reset communication; a device without one (FFH) that has a
 // valid pending node-ID goes on by itself when it is switched to waiting. A bit rate is pending until it is
-// activated: silence, switch over, silence again.
+// activated: silence, switch over, silence again; or until the next reset communication.
 
 #include <cstdint>
 
@@ -46,6 +46,8 @@ class LssSlave {
   [[nodiscard]] State state() const noexcept { return state_; }
   /// The node-ID that is in force after the next reset communication.
   [[nodiscard]] std::uint8_t pending_node_id() const noexcept { return pending_node_id_; }
+  /// The bit rate that is in force then, or when it is activated; bit/s.
+  [[nodiscard]] std::uint32_t pending_bit_rate() const noexcept { return pending_bit_rate_; }
   /// While the bit rate is being changed the device must not send anything.
   [[nodiscard]] bool silent() const noexcept { return switching_ != Switching::no; }
 

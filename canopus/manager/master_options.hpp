@@ -57,6 +57,8 @@ struct MasterOptions {
   unsigned program_attempts = 3;
   /// The reset of a lost slave: 82H in the manuals of the modules, 81H in some other stacks.
   canopen::NmtCommand error_reset = canopen::NmtCommand::reset_communication;
+  /// Of the own controller, bit/s. 0: missing slaves are not looked for by LSS.
+  std::uint32_t bit_rate = 0;
   RevisionRule revision_rule = RevisionRule::equal;
   /// Bits of 1F80H and of the configuration byte of 1F81H that exist; others are refused with 06090030H.
   std::uint32_t start_up_bits = 0x7F;
@@ -119,6 +121,13 @@ class MasterListener {
   /// The boot of a slave is at another step, or at another object of the same one; booted and failed are
   /// steps, too. explain() says it in words. The master must not be started or stopped from inside.
   virtual void boot_went_on(std::uint8_t /*node_id*/, const BootRecord&, can::Time) {}
+  /// Missing slaves are being looked for by LSS (NmtMaster::lss_active()), or no longer.
+  virtual void lss_active_changed(bool /*active*/, can::Time) {}
+  /// The LSS search wants the own controller restarted with this bit rate (bit/s). While it is not
+  /// MasterOptions::bit_rate, the own node is off its network and must not send.
+  virtual void change_bit_rate(std::uint32_t /*bit_rate*/, can::Time) {}
+  /// The search for this slave ended. `found`: it was given this node-ID and the network's bit rate.
+  virtual void lss_search_ended(std::uint8_t /*node_id*/, bool /*found*/, can::Time) {}
   virtual void slave_booted(std::uint8_t /*node_id*/, can::Time) {}
   virtual void slave_failed(std::uint8_t /*node_id*/, BootError, can::Time) {}
   virtual void error_control_event(std::uint8_t /*node_id*/, ErrorControlEvent, can::Time) {}

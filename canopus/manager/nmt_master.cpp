@@ -63,6 +63,8 @@ bool NmtMaster::lss_configured(std::uint8_t node_id) const noexcept {
   return engine_->lss_configured(node_id);
 }
 
+bool NmtMaster::lss_active() const noexcept { return engine_->lss_active(); }
+
 bool NmtMaster::sdo_channel_busy(std::uint8_t node_id) const noexcept {
   const BootSlave* boot = engine_->boot(node_id);
   return (boot != nullptr && boot->sdo_busy()) || engine_->requests_.busy(node_id);

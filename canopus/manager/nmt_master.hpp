@@ -80,6 +80,8 @@ class NmtMaster final : public can::Participant {
   /// A search for this node by LSS is configured, should it be missing when the boot time is over: 1F89H,
   /// 1F84H-1F88H of the node all set, its 1F81H bits 0, 2 and 3 [ME3CAN1-Q 4.8.11]. See lss_search.hpp.
   [[nodiscard]] bool lss_configured(std::uint8_t node_id) const noexcept;
+  /// The LSS master is looking for missing slaves [ME3CAN1-Q G25.10]; the start-up fails when it is done.
+  [[nodiscard]] bool lss_active() const noexcept;
   /// The start-up, or a request of read_object() or write_object(), is using the default SDO channel of this
   /// node.
   [[nodiscard]] bool sdo_channel_busy(std::uint8_t node_id) const noexcept;

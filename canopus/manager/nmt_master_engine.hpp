@@ -10,6 +10,7 @@
 
 #include "canopus/manager/boot_slave.hpp"
 #include "canopus/manager/flying_master.hpp"
+#include "canopus/manager/lss_search.hpp"
 #include "canopus/manager/nmt_master.hpp"
 #include "canopus/manager/node_guarding.hpp"
 #include "canopus/manager/node_timers.hpp"
@@ -41,7 +42,8 @@ class NmtMaster::Engine final : public BootHost,
                                 public canopen::ObjectHandler,
                                 private can::Sink,
                                 private SdoChannelGate,
-                                private FlyingMasterUser {
+                                private FlyingMasterUser,
+                                private LssSearchUser {
  public:
   Engine(canopen::Node& node, can::Sink& sink, MasterOptions options);
 
@@ -72,6 +74,7 @@ class NmtMaster::Engine final : public BootHost,
     return node_id < boots_.size() ? boots_[node_id].get() : nullptr;
   }
   [[nodiscard]] bool lss_configured(std::uint8_t node_id) const noexcept;
+  [[nodiscard]] bool lss_active() const noexcept { return phase_ == Phase::searching; }
   [[nodiscard]] bool guarding(std::uint8_t node_id) const noexcept {
     return node_id < guarding_.size() && guarding_[node_id].running();
   }
@@ -96,6 +99,7 @@ class NmtMaster::Engine final : public BootHost,
     settling,          ///< nothing assigned: the pause between reset and start
     wait_operational,  ///< own node is not Operational yet: 1F80H bit 2, or the application forbids it
     wait_start_all,    ///< the pause between reset and Start all nodes
+    searching,         ///< the boot time is over, missing slaves are looked for by LSS
     running,
     halted,
   };
@@ -137,13 +141,22 @@ class NmtMaster::Engine final : public BootHost,
   void reset_all_nodes(can::Time now) override;
   void begin_flying(can::Time now);
 
+  // LssSearchUser, and the searches (nmt_master_lss.cpp)
+  void change_bit_rate(std::uint32_t bit_rate, can::Time now) override;
+  void lss_search_finished(std::uint8_t node_id, bool found, can::Time now) override;
+  /// False: there is nobody to look for.
+  bool begin_searches(can::Time now);
+  void search_next(can::Time now);
+  void abandon_search(can::Time now);
+
   // canopen::ObjectHandler: 1F80H-1F83H, 1F90H
   canopen::AbortCode before_read(canopen::ObjectDictionary&, const canopen::Entry&, can::Time now) override;
   canopen::AbortCode before_write(canopen::ObjectDictionary&, const canopen::Entry&,
                                   std::span<const std::uint8_t> value, can::Time now) override;
   void after_write(canopen::ObjectDictionary&, const canopen::Entry&, can::Time now) override;
 
-  // can::Sink, between the boots and the real one: silent while everything is being given up
+  // can::Sink, between the boots and the real one: silent while everything is being given up, and while LSS
+  // has the own controller at another bit rate
   bool send(const can::Frame& frame) override;
 
   // start-up (nmt_master_start_up.cpp)
@@ -154,6 +167,7 @@ class NmtMaster::Engine final : public BootHost,
   void boot_all(bool all_were_reset, can::Time now);
   void start_boot(std::uint8_t node_id, bool after_reset, can::Time now);
   void boot_time_elapsed(can::Time now);
+  void start_up_failed(can::Time now);
   void mandatory_done(can::Time now);
   void become_operational(can::Time now);
   void own_node_is_operational(can::Time now);
@@ -222,6 +236,9 @@ class NmtMaster::Engine final : public BootHost,
   std::array<NodeGuarding, 128> guarding_{};
   NodeTimers timers_;
   FlyingMaster flying_;
+  LssSearch search_;
+  std::bitset<128> wanted_;         // slaves to be looked for
+  std::uint8_t searching_for_ = 0;  // the one that is being looked for
   std::uint8_t standby_entry_ = 0;  // sub-index of 1016H that was set to watch the active master; 0 = none
 
   std::array<Command, queue_size> commands_{};

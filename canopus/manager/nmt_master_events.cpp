@@ -57,6 +57,11 @@ void NmtMaster::Engine::transmitted(const can::Frame& frame, can::Time now) {
 void NmtMaster::Engine::receive(const can::Frame& frame, can::Time now) {
   now_ = now;
   if (frame.extended || frame.remote) return;
+  if (phase_ == Phase::searching) {
+    search_.receive(frame, now);
+    refresh_master(now);
+    if (muted_) return;  // not this network's
+  }
   if (flying_.state() != FlyingMaster::State::off || frame.identifier == canopen::cob_id::nmt) {
     flying_.receive(frame, now);
     refresh_master(now);
@@ -146,6 +151,7 @@ void NmtMaster::Engine::master_tick(can::Time now) {
   }
   if (flying_.deadline() <= now) flying_.tick(now);
   if (boot_end_ <= now) boot_time_elapsed(now);
+  if (search_.deadline() <= now) search_.tick(now);
   if (phase_end_ <= now) {
     phase_end_ = can::never;
     if (phase_ == Phase::settling) {
@@ -165,7 +171,7 @@ void NmtMaster::Engine::refresh(std::uint8_t node_id) {
 }
 
 void NmtMaster::Engine::refresh_master(can::Time now) {
-  can::Time next = std::min({boot_end_, phase_end_, flying_.deadline()});
+  can::Time next = std::min({boot_end_, phase_end_, flying_.deadline(), search_.deadline()});
   if (command_count_ > 0) next = std::min(next, next_command_);
   if (begin_pending_ || own_state_changed_ || own_command_ != 0 || heartbeat_lost_pending_.any()) next = now;
   timers_.set(0, next);
@@ -234,7 +240,8 @@ void NmtMaster::Engine::state_message(std::uint8_t node_id, std::uint8_t byte, c
     }
     check_guarded_state(node_id, state, now);
   }
-  if (boots_[node_id]) boots_[node_id]->state_seen(static_cast<NmtState>(state), now);
+  if (boots_[node_id] && phase_ != Phase::searching)
+    boots_[node_id]->state_seen(static_cast<NmtState>(state), now);
 }
 
 // The command itself wins every arbitration, but an answer may have been on its way, and a slave needs its

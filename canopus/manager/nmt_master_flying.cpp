@@ -50,6 +50,7 @@ void NmtMaster::Engine::mastership_won(can::Time now) {
 }
 
 void NmtMaster::Engine::mastership_lost(can::Time now) {
+  abandon_search(now);
   abandon_boots();
   boot_end_ = can::never;
   begin_pending_ = network_was_reset_ = false;

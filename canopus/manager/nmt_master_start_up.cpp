@@ -19,7 +19,8 @@ NmtMaster::Engine::Engine(canopen::Node& node, can::Sink& sink, MasterOptions op
       requests_(static_cast<can::Sink&>(*this), *this),
       node_(&node),
       sink_(&sink),
-      flying_(static_cast<can::Sink&>(*this), *this) {
+      flying_(static_cast<can::Sink&>(*this), *this),
+      search_(sink, *this) {
   static class : public MasterListener {
   } nobody;
   listener_ = &nobody;
@@ -35,6 +36,7 @@ void NmtMaster::Engine::start(can::Time now) {
 
 void NmtMaster::Engine::stop(can::Time now) {
   const bool was_active = active();
+  abandon_search(now);
   muted_ = true;
   abandon_boots();
   muted_ = false;
@@ -203,18 +205,23 @@ void NmtMaster::Engine::mandatory_done(can::Time now) {
 
 void NmtMaster::Engine::boot_time_elapsed(can::Time now) {
   boot_end_ = can::never;
+  if (!begin_searches(now)) start_up_failed(now);
+}
+
+void NmtMaster::Engine::start_up_failed(can::Time now) {
   constexpr std::uint32_t needed = assignment_bit::slave | assignment_bit::mandatory;
   // Every missing slave is to have its result before the first of them ends the start-up.
   std::uint8_t first = 0;
   giving_up_ = true;
-  for (std::uint8_t n = 1; n < 128 && phase_ == Phase::booting; ++n) {
+  const Phase phase = phase_;
+  for (std::uint8_t n = 1; n < 128 && phase_ == phase; ++n) {
     if ((assignment(n) & needed) != needed || !boots_[n] || boots_[n]->booted()) continue;
     if (first == 0) first = n;
     boots_[n]->give_up(now);
     refresh(n);
   }
   giving_up_ = false;
-  if (phase_ != Phase::booting || first == 0) return;
+  if (phase_ != phase || first == 0) return;
   const BootError error = boots_[first]->record().error;
   halt(now);
   listener_->start_up_halted(first, error, now);
@@ -282,7 +289,8 @@ void NmtMaster::Engine::abandon_boots() {
 }
 
 bool NmtMaster::Engine::may_boot() const {
-  return active() && phase_ != Phase::halted && node_->state() != NmtState::stopped;
+  return active() && phase_ != Phase::halted && phase_ != Phase::searching &&
+         node_->state() != NmtState::stopped;
 }
 
 std::uint32_t NmtMaster::Engine::assignment(std::uint8_t node_id) const {
@@ -298,18 +306,6 @@ can::Duration NmtMaster::Engine::heartbeat_time(std::uint8_t node_id) const {
     }
   }
   return {};
-}
-
-bool NmtMaster::Engine::lss_configured(std::uint8_t node_id) const noexcept {
-  constexpr std::uint32_t needed =
-      assignment_bit::slave | assignment_bit::boot_slave | assignment_bit::mandatory;
-  if (node_id == 0 || node_id > 127 || (assignment(node_id) & needed) != needed) return false;
-  const canopen::ObjectDictionary& objects = node_->dictionary();
-  if (objects.get<std::uint32_t>(0x1F89, 0) == 0) return false;
-  for (std::uint16_t index = 0x1F84; index <= 0x1F88; ++index) {
-    if (objects.get<std::uint32_t>(index, node_id) == 0) return false;
-  }
-  return true;
 }
 
 std::span<const std::uint8_t> NmtMaster::Engine::concise_dcf(std::uint8_t node_id) {

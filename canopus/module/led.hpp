@@ -20,6 +20,7 @@ enum class LedPattern : std::uint8_t {
 struct Led {
   std::string_view name{};  ///< as printed on the module
   LedPattern pattern = LedPattern::off;
+  bool opposite = false;  ///< dark when the pattern is lit: two LEDs that alternate
 };
 
 [[nodiscard]] constexpr std::string_view name(LedPattern pattern) noexcept {
@@ -51,6 +52,10 @@ struct Led {
     }
   }
   return false;
+}
+
+[[nodiscard]] constexpr bool is_lit(const Led& led, can::Time now) noexcept {
+  return is_lit(led.pattern, now) != led.opposite;
 }
 
 }  // namespace canopus::module

@@ -14,7 +14,10 @@ using canopen::NmtState;
 
 Device::Device(std::shared_ptr<const eds::DeviceFile> file, std::uint8_t node_id, can::Sink& sink,
                DeviceOptions options)
-    : file_(std::move(file)), node_(file_->dictionary, node_id, sink, options.node), options_(options) {
+    : file_(std::move(file)),
+      gate_(sink),
+      node_(file_->dictionary, node_id, gate_, options.node),
+      options_(options) {
   options_.sample_interval = std::max<can::Duration>(options_.sample_interval, std::chrono::microseconds(1));
 }
 
@@ -62,8 +65,15 @@ std::optional<std::string> Device::add_behaviour(const Behaviour& behaviour) {
   return std::nullopt;
 }
 
+void Device::enable_lss(can::Controller& controller, canopen::ParameterStore* store) {
+  lss_ = std::make_unique<DeviceLss>(node_, gate_, controller,
+                                     DeviceLss::Settings{node_.node_id(), controller.bit_rate()},
+                                     file_->device.bit_rates, store);
+}
+
 void Device::power_on(can::Time now) {
   is_on_ = true;
+  if (lss_) lss_->power_on(now);
   node_.power_on(now);
   move_values(now);
   after_event(now, false);
@@ -73,6 +83,7 @@ void Device::power_off() {
   is_on_ = false;
   next_sample_ = can::never;
   node_.power_off();
+  if (lss_) lss_->power_off();
 }
 
 bool Device::emergency(std::uint16_t code, std::uint8_t error_register,
@@ -121,6 +132,8 @@ void Device::after_event(can::Time now, bool moved) {
 }
 
 void Device::receive(const can::Frame& frame, can::Time now) {
+  if (lss_ && frame.identifier == manager::lss::from_master && !frame.extended)
+    return lss_->receive(frame, now);
   if (motions_.empty()) return node_.receive(frame, now);
   // Nobody samples outside Operational: an SDO read, or the first TPDOs after start, see the values of now.
   if (is_on_ && next_sample_ == can::never) move_values(now);
@@ -133,11 +146,15 @@ void Device::transmitted(const can::Frame& frame, can::Time now) { node_.transmi
 void Device::controller_changed(can::Time now) { node_.controller_changed(now); }
 
 void Device::tick(can::Time now) {
+  if (lss_ && lss_->deadline() <= now) lss_->tick(now);
   const bool moved = next_sample_ <= now && move_values(now);
   if (node_.deadline() <= now) node_.tick(now);
   if (!motions_.empty()) after_event(now, moved);
 }
 
-can::Time Device::deadline() const noexcept { return std::min(node_.deadline(), next_sample_); }
+can::Time Device::deadline() const noexcept {
+  const can::Time next = std::min(node_.deadline(), next_sample_);
+  return lss_ ? std::min(next, lss_->deadline()) : next;
+}
 
 }  // namespace canopus::sim

@@ -118,7 +118,37 @@ TEST_F(Search, NotStorable_IsFoundAllTheSame) {
   EXPECT_EQ(lines.back(), "node 5 found");
 }
 
-TEST_F(Search, OwnRateOutsideTheTable_CannotBegin) { EXPECT_FALSE(search.start(5, address, 100'000, now)); }
+TEST_F(Search, OwnRateOutsideTheTable_CannotBegin) { EXPECT_FALSE(search.start(5, address, 123'000, now)); }
+
+TEST_F(Search, OwnRateOf100Kbit_HasItsFormerIndex) {
+  own_rate = bit_rate = device_rate = 100'000;
+  EXPECT_TRUE(search.start(5, address, 100'000, now));
+  run();
+  EXPECT_EQ(only(lines, "7E5 13"), std::vector<std::string>{"7E5 13 00"});
+  EXPECT_EQ(lines.back(), "node 5 found");
+}
+
+// At 10 kbit/s a frame takes 13.5 ms: the device's two delays end that much later than the master's would.
+TEST_F(Search, AfterTheChange_NothingIsSentBeforeTheDeviceHearsAgain) {
+  device_rate = 10'000;
+  search.start(5, address, 250'000, now);
+  while (search.running() && (lines.empty() || lines.back() != "7E5 15 64")) {
+    if (!answers.empty()) {
+      search.receive(std::exchange(answers, {}).front(), now);
+      continue;
+    }
+    now = search.deadline();
+    search.tick(now);
+  }
+  const can::Time asked = now;
+  silent_until = asked + 13500us + 200ms;
+  while (search.running() && lines.back() != "7E5 04 00") {
+    now = search.deadline();
+    search.tick(now);
+  }
+  EXPECT_GT(now, silent_until);
+  EXPECT_LT(now, silent_until + 20ms);
+}
 
 }  // namespace
 }  // namespace canopus::manager::test

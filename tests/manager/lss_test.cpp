@@ -340,6 +340,55 @@ TEST_F(LssMasterTest, Fastscan_NobodyThere_IsSilence) {
   EXPECT_THAT(results, ElementsAre(LssResult::silence));
 }
 
+TEST_F(LssMasterTest, SlowScan_HalvesRevisionThenSerial_AndSelects) {
+  // Revisions 4 to 7, serial numbers 0 to 3; the slave has 6 and 1.
+  master.slow_scan({0x71, 0xED63, 4, 0}, {0x71, 0xED63, 7, 3}, now);
+  const auto asked = [&] {  // the four bounds of the question that has just been asked
+    wait(6ms);
+    std::string bounds;
+    for (const std::string& line : std::exchange(lines, {})) {
+      if (line[4] == '4' && line[5] >= '8') bounds += line.substr(7, 2) + ' ';
+    }
+    return bounds;
+  };
+  const auto silence = [&] { wait(100ms); };
+  const auto answer = [&] {
+    hear({0x4F});
+    EXPECT_THAT(lines, IsEmpty());  // others may still answer
+    wait(100ms);
+  };
+  EXPECT_EQ(asked(), "04 07 00 03 ");
+  answer();
+  EXPECT_EQ(asked(), "04 05 00 03 ");
+  silence();
+  EXPECT_EQ(asked(), "06 06 00 03 ");
+  answer();
+  EXPECT_EQ(asked(), "06 06 00 01 ");
+  answer();
+  EXPECT_EQ(asked(), "06 06 00 00 ");
+  silence();
+  wait(6ms);
+  EXPECT_THAT(lines, ElementsAre("7E5 40 71 00 00 00 00 00 00", "7E5 41 63 ED 00 00 00 00 00",
+                                 "7E5 42 06 00 00 00 00 00 00", "7E5 43 01 00 00 00 00 00 00"));
+  EXPECT_THAT(results, IsEmpty());
+  hear({0x44});
+  EXPECT_THAT(results, ElementsAre(LssResult::done));
+  EXPECT_EQ(master.address(), (LssAddress{0x71, 0xED63, 6, 1}));
+}
+
+TEST_F(LssMasterTest, SlowScan_NobodyThere_IsSilence_GoneInTheMiddle_IsLost) {
+  master.slow_scan({1, 2, 0, 0}, {1, 2, 0xFFFFFFFF, 0xFFFFFFFF}, now);
+  wait(106ms);
+  EXPECT_EQ(lines.size(), 6U);
+  EXPECT_THAT(results, ElementsAre(LssResult::silence));
+  results.clear();
+  master.slow_scan({1, 2, 0, 0}, {1, 2, 0xFFFFFFFF, 0xFFFFFFFF}, now);
+  wait(6ms);
+  hear({0x4F});
+  wait(100s);
+  EXPECT_THAT(results, ElementsAre(LssResult::lost));
+}
+
 TEST_F(LssMasterTest, AnswersToNothing_AreIgnored) {
   hear({0x44});
   master.store(now);

@@ -81,6 +81,7 @@ std::uint32_t number(std::span<const std::uint8_t> value) {
 
 Me3can1Q::Firmware::Firmware(can::Controller& controller, NonVolatileMemory& memory, Profile profile)
     : controller_(controller),
+      network_(controller),
       memory_(memory),
       flash_(memory, {words_name, objects_name, concise_dcfs_name}),
       profile_(std::move(profile)),
@@ -88,9 +89,9 @@ Me3can1Q::Firmware::Firmware(can::Controller& controller, NonVolatileMemory& mem
       errors_(error_layout),
       emergencies_(g::emergencies, stack_records, ring_records),
       nmt_status_(g::error_clear_node, g::nmt_state),
-      node_(object_dictionary(), 127, controller, node_options()),
+      node_(object_dictionary(), 127, network_, node_options()),
       master_(node_, controller, master_options()),
-      command_(g::command, command_table, *this, controller),
+      command_(g::command, command_table, *this, network_),
       exchange_(exchange_layout, buffer_),
       layer2_(layer2_layout, layer2_rules(profile_), buffer_, controller),
       time_stamp_(time_stamp_layout, buffer_),
@@ -328,6 +329,7 @@ void Me3can1Q::Firmware::begin_restart(can::Time now) {
 void Me3can1Q::Firmware::use_communication_settings() {
   master_.options().start_all_delay = std::chrono::milliseconds(buffer_.word(g::start_all_delay));
   master_.options().sdo_time_out = sdo_time_out();
+  master_.options().bit_rate = bit_rate_ * 1000U;
 }
 
 // The node has its defaults again; what was stored goes on top.

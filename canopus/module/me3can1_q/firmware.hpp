@@ -6,6 +6,7 @@
 #include <map>
 #include <vector>
 
+#include "canopus/can/gate.hpp"
 #include "canopus/manager/nmt_master.hpp"
 #include "canopus/module/buffer_memory.hpp"
 #include "canopus/module/command_interface.hpp"
@@ -99,6 +100,9 @@ class Me3can1Q::Firmware final : public BufferArea,
   void boot_went_on(std::uint8_t node_id, const manager::BootRecord& record, can::Time now) override;
   void start_up_halted(std::uint8_t node_id, manager::BootError error, can::Time now) override;
   void error_control_event(std::uint8_t node_id, manager::ErrorControlEvent event, can::Time now) override;
+  void lss_active_changed(bool active, can::Time now) override;
+  void change_bit_rate(std::uint32_t bit_rate, can::Time now) override;
+  void lss_search_ended(std::uint8_t node_id, bool found, can::Time now) override;
   void node_state_changed(std::uint8_t node_id, std::uint8_t state, can::Time now) override;
   void error_control_changed(std::uint8_t node_id, std::uint16_t bits, can::Time now) override;
   bool sdo_channel_free(std::uint8_t node_id) override { return command_.remote_node() != node_id; }
@@ -155,6 +159,7 @@ class Me3can1Q::Firmware final : public BufferArea,
   void tell_wear(can::Time now);
 
   can::Controller& controller_;
+  can::Gate network_;  // closed while the LSS search has the controller at another bit rate
   NonVolatileMemory& memory_;
   FlashMemory flash_;  // the settings; the mark of a running save is in memory_ itself
   Profile profile_;

@@ -21,9 +21,9 @@ void Me3can1Q::Firmware::receive(const can::Frame& frame, can::Time now) {
   if (state_ != State::running || layer2_state() == Layer2State::offline) return;
   last_frame_ = now;
   if (canopen_mode()) {
-    node_.receive(frame, now);
+    if (network_.is_open()) node_.receive(frame, now);
     master_.receive(frame, now);
-    command_.receive(frame, now);
+    if (network_.is_open()) command_.receive(frame, now);
   } else {
     layer2_.receive(frame, now);
   }
@@ -124,6 +124,25 @@ void Me3can1Q::Firmware::error_control_event(std::uint8_t node_id, manager::Erro
   // A lost heartbeat is the node's own to tell; guarding is the master's.
   if (event == manager::ErrorControlEvent::heartbeat_lost) return;
   raise_event({static_cast<std::uint16_t>(0x8F00 + node_id), 0x11, {}});
+}
+
+void Me3can1Q::Firmware::lss_active_changed(bool active, can::Time now) {
+  if (active) tell("the boot time is over: missing slaves are looked for by LSS", now);
+}
+
+void Me3can1Q::Firmware::change_bit_rate(std::uint32_t bit_rate, can::Time now) {
+  controller_.restart(bit_rate);
+  overflows_ = 0;
+  // What the controller meets at another bit rate is no error of this network.
+  network_.open(true);
+  controller_changed(now);
+  network_.open(bit_rate == bit_rate_ * 1000U);
+}
+
+void Me3can1Q::Firmware::lss_search_ended(std::uint8_t node_id, bool found, can::Time now) {
+  std::string text = "LSS: the slave for node-ID " + std::to_string(node_id);
+  text += found ? " was found and has its node-ID and bit rate" : " was not found at any bit rate";
+  tell(text, now);
 }
 
 void Me3can1Q::Firmware::node_state_changed(std::uint8_t node_id, std::uint8_t state, can::Time) {

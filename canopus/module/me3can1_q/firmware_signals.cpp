@@ -20,6 +20,7 @@ constexpr std::uint16_t warning_level = 1U << 1;
 constexpr std::uint16_t nmt_reset_seen = 1U << 6;
 constexpr std::uint16_t initialization = 1U << 7;
 constexpr unsigned network_state_shift = 8;
+constexpr std::uint16_t lss_active = 1U << 10;
 constexpr std::uint16_t time_seen = 1U << 12;
 constexpr std::uint16_t slave_start_up = 1U << 14;
 constexpr std::uint16_t nmt_master = 1U << 15;
@@ -136,6 +137,7 @@ std::uint16_t Me3can1Q::Firmware::communication_status() const {
     case canopen::NmtState::stopped:
     case canopen::NmtState::initialising: break;
   }
+  if (master_.lss_active()) status |= lss_active;
   if (master_.starting()) status |= slave_start_up;
   if (master_.active()) status |= nmt_master;
   return static_cast<std::uint16_t>(status);
@@ -253,7 +255,7 @@ void Me3can1Q::Firmware::command_finished(can::Time now) {
 }
 
 void Me3can1Q::Firmware::controller_changed(can::Time now) {
-  if (state_ != State::running) return;
+  if (state_ != State::running || !network_.is_open()) return;
   const can::ErrorState state = controller_.error_state();
   const bool was_off = errors_.bit(error_bit::bus_off);
   errors_.follow(error_bit::bus_off, state == can::ErrorState::bus_off);
@@ -346,7 +348,9 @@ std::array<Led, 5> Me3can1Q::Firmware::leds(can::Time now) const {
   run.pattern = LedPattern::on;
   if (errors_.any()) error.pattern = LedPattern::on;
   if (state_ != State::running) return leds;
-  if (canopen_mode()) {
+  if (master_.lss_active()) {
+    can_run.pattern = LedPattern::flickering;
+  } else if (canopen_mode()) {
     switch (node_.state()) {
       case canopen::NmtState::operational: can_run.pattern = LedPattern::on; break;
       case canopen::NmtState::pre_operational: can_run.pattern = LedPattern::blinking; break;
@@ -362,6 +366,8 @@ std::array<Led, 5> Me3can1Q::Firmware::leds(can::Time now) const {
                                           controller_.receive_error_counter()) >= warning_counter;
   if (errors_.bit(error_bit::bus_off)) {
     can_error.pattern = LedPattern::on;
+  } else if (master_.lss_active()) {
+    can_error = {can_error.name, LedPattern::flickering, true};
   } else if (nmt_status_.any_failure()) {
     can_error.pattern = LedPattern::double_flash;
   } else if (warning) {

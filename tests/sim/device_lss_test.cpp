@@ -1,0 +1,459 @@
+// Simulated devices as LSS slaves [CiA 305], alone and on the simulated bus, where every bit counts.
+
+#include <fstream>
+#include <iterator>
+#include <list>
+#include <map>
+#include <random>
+#include <set>
+
+#include <gmock/gmock.h>
+
+#include "canopus/manager/lss_master.hpp"
+#include "canopus/sim/bus.hpp"
+#include "canopus/sim/device.hpp"
+
+#include "bus_station.hpp"
+
+namespace canopus::sim {
+namespace {
+
+using namespace std::chrono_literals;
+using manager::LssAddress;
+using manager::LssMaster;
+using manager::LssResult;
+using manager::LssSlave;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::Not;
+
+constexpr std::uint8_t unconfigured = 0xFF;
+
+/// The example I/O block with this LSS address in 1018H.
+std::shared_ptr<const eds::DeviceFile> io_block(const LssAddress& address) {
+  static const auto file = [] {
+    std::ifstream stream(CANOPUS_SOURCE_DIR "/examples/devices/io-block.eds", std::ios::binary);
+    return eds::read_device_file(std::string(std::istreambuf_iterator<char>(stream), {})).file;
+  }();
+  const std::uint32_t parts[] = {address.vendor, address.product, address.revision, address.serial};
+  std::vector<canopen::DictionaryDescription::Change> changes;
+  for (std::uint8_t i = 0; i < 4; ++i) {
+    changes.push_back({file->dictionary->find(0x1018, static_cast<std::uint8_t>(i + 1)),
+                       canopen::little_endian(parts[i], 4)});
+  }
+  auto copy = std::make_shared<eds::DeviceFile>(*file);
+  copy->dictionary = file->dictionary->with(changes);
+  return copy;
+}
+
+struct Store final : canopen::ParameterStore {
+  std::vector<std::uint8_t> load() override { return image; }
+  canopen::AbortCode save(std::span<const std::uint8_t> bytes) override {
+    if (broken) return canopen::AbortCode::hardware_error;
+    image.assign(bytes.begin(), bytes.end());
+    return canopen::AbortCode::none;
+  }
+  std::vector<std::uint8_t> image;
+  bool broken = false;
+};
+
+constexpr LssAddress address{0x00000071, 0x0000ED63, 0x00010000, 0x12345678};
+
+/// Devices on a bus, and an LSS master that is a station of it and writes down what is on the wire.
+class LssOnBus : public testing::Test, public manager::LssMasterUser {
+ protected:
+  struct Seat {
+    Seat(Bus& bus, can::Timeline& timeline, const LssAddress& own, std::uint8_t node_id, std::uint32_t rate,
+         Store* store)
+        : port(bus.add_port("device")) {
+      if (rate != bus.bit_rate()) port.restart(rate);
+      device = std::make_unique<Device>(io_block(own), node_id, port);
+      device->enable_lss(port, store);
+      handle = timeline.add(*device);
+      port.connect(*device, handle);
+      device->power_on(timeline.now());
+      timeline.refresh(handle);
+    }
+    Port& port;
+    std::unique_ptr<Device> device;
+    can::Timeline::Handle handle = 0;
+  };
+
+  LssOnBus() {
+    station.on_receive = [this](const can::Frame& frame, can::Time now) {
+      master.receive(frame, now);
+      wake();
+    };
+  }
+  virtual ~LssOnBus() = default;
+
+  Seat& add(const LssAddress& own, std::uint8_t node_id = unconfigured, std::uint32_t rate = 250'000,
+            Store* store = nullptr) {
+    return seats.emplace_back(bus, timeline, own, node_id, rate, store);
+  }
+  void lss_finished(LssMaster&, LssResult result, can::Time) override { latest = result; }
+
+  /// One service of the master, until its end.
+  template <typename Service>
+  std::optional<LssResult> service(Service begin) {
+    latest.reset();
+    EXPECT_TRUE(begin(timeline.now()));
+    for (unsigned i = 0; i < 2'000'000 && !latest; ++i) {
+      timeline.run_until(std::min(master.deadline(), timeline.now() + 100us));
+      if (master.deadline() <= timeline.now()) master.tick(timeline.now());
+    }
+    return latest;
+  }
+  std::optional<LssResult> select(const LssAddress& whom) {
+    return service([&](can::Time now) { return master.select(whom, now); });
+  }
+  std::optional<LssResult> switch_all(bool configuration) {
+    return service([&](can::Time now) { return master.switch_global(configuration, now); });
+  }
+  std::optional<LssResult> set_node_id(std::uint8_t id) {
+    return service([&](can::Time now) { return master.configure_node_id(id, now); });
+  }
+  std::optional<LssResult> set_bit_rate(std::uint8_t index) {
+    return service([&](can::Time now) { return master.configure_bit_timing(index, now); });
+  }
+  std::optional<LssResult> activate(std::chrono::milliseconds delay) {
+    return service([&](can::Time now) { return master.activate_bit_timing(delay, now); });
+  }
+  std::optional<LssResult> store() {
+    return service([&](can::Time now) { return master.store(now); });
+  }
+  std::optional<LssResult> fastscan() {
+    return service([&](can::Time now) { return master.fastscan(now); });
+  }
+  void run_for(can::Duration duration) { timeline.run_until(timeline.now() + duration); }
+  void wake() {}
+  /// A power cut of this device.
+  void cut(Seat& seat, can::Duration pause = 1s) {
+    seat.device->power_off();
+    timeline.refresh(seat.handle);
+    run_for(pause);
+    seat.device->power_on(timeline.now());
+    timeline.refresh(seat.handle);
+    run_for(5ms);
+  }
+  /// Everything heard with this identifier since the last call of forget().
+  [[nodiscard]] std::size_t heard(std::uint32_t identifier) const {
+    return static_cast<std::size_t>(
+        std::ranges::count(station.frames(), identifier, [](const can::Frame& f) { return f.identifier; }));
+  }
+  void forget() { station.heard.clear(); }
+
+  can::Timeline timeline;
+  Bus bus{"field", 250'000, timeline};
+  Station station{bus, timeline, "master"};
+  LssMaster master{station.port, *this};
+  std::list<Seat> seats;
+  std::optional<LssResult> latest;
+};
+
+TEST_F(LssOnBus, WithoutNodeId_TheDeviceIsSilentAndDeaf_UntilItHasOne_ThenItBootsUp) {
+  Seat& seat = add(address);
+  run_for(1s);
+  EXPECT_TRUE(station.heard.empty());
+  EXPECT_EQ(seat.device->node().state(), canopen::NmtState::initialising);
+  station.send_at(timeline.now(), can::data_frame(0x000, {0x81, 0x00}));
+  station.send_at(timeline.now(), can::data_frame(0x000, {0x01, 0x00}));
+  station.send_at(timeline.now(), can::data_frame(0x67F, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0}));
+  run_for(1s);
+  EXPECT_TRUE(station.heard.empty());
+
+  EXPECT_EQ(select(address), LssResult::done);
+  EXPECT_EQ(seat.device->lss()->state(), LssSlave::State::configuration);
+  EXPECT_EQ(set_node_id(5), LssResult::done);
+  run_for(1s);
+  EXPECT_EQ(heard(0x705), 0U);  // only pending
+  switch_all(false);
+  run_for(5ms);
+  EXPECT_EQ(heard(0x705), 1U);
+  EXPECT_EQ(seat.device->node().state(), canopen::NmtState::pre_operational);
+  forget();
+  station.send_at(timeline.now(), can::data_frame(0x605, {0x40, 0x18, 0x10, 0x04, 0, 0, 0, 0}));
+  run_for(5ms);
+  EXPECT_THAT(station.frames(),
+              ElementsAre(can::data_frame(0x585, {0x43, 0x18, 0x10, 0x04, 0x78, 0x56, 0x34, 0x12})));
+  EXPECT_EQ(fastscan(), LssResult::silence);
+}
+
+TEST_F(LssOnBus, NodeIdOfAConfiguredDevice_ChangesWithItsNextReset_AndCanBeTakenAway) {
+  Seat& seat = add(address, 9);
+  run_for(5ms);
+  select(address);
+  EXPECT_EQ(set_node_id(5), LssResult::done);
+  switch_all(false);
+  run_for(5ms);
+  EXPECT_EQ(seat.device->node().node_id(), 9);
+  forget();
+  station.send_at(timeline.now(), can::data_frame(0x000, {0x82, 0x09}));
+  run_for(5ms);
+  EXPECT_EQ(heard(0x705), 1U);
+  EXPECT_EQ(seat.device->node().node_id(), 5);
+
+  select(address);
+  EXPECT_EQ(set_node_id(unconfigured), LssResult::done);
+  switch_all(false);
+  forget();
+  station.send_at(timeline.now(), can::data_frame(0x000, {0x82, 0x00}));
+  run_for(100ms);
+  EXPECT_TRUE(station.heard.empty());
+  EXPECT_EQ(seat.device->node().state(), canopen::NmtState::initialising);
+  EXPECT_EQ(fastscan(), LssResult::done);
+}
+
+TEST_F(LssOnBus, WhatIsStored_ComesBackAfterAPowerCut_TheRestIsLost) {
+  Seat& seat = add(address);
+  select(address);
+  set_node_id(5);
+  switch_all(false);
+  run_for(5ms);
+  EXPECT_EQ(seat.device->node().node_id(), 5);
+  cut(seat);  // not stored
+  EXPECT_EQ(seat.device->node().node_id(), unconfigured);
+  select(address);
+  set_node_id(6);
+  EXPECT_EQ(store(), LssResult::done);
+  forget();
+  cut(seat);
+  EXPECT_EQ(heard(0x706), 1U);
+  EXPECT_EQ(seat.device->node().node_id(), 6);
+}
+
+TEST_F(LssOnBus, ItsStore_OutlivesTheDevice_AndAFailureIsTold) {
+  Store memory;
+  add(address, unconfigured, 250'000, &memory);
+  select(address);
+  set_node_id(7);
+  memory.broken = true;
+  EXPECT_EQ(store(), LssResult::refused);
+  EXPECT_EQ(master.error(), 2);
+  memory.broken = false;
+  EXPECT_EQ(store(), LssResult::done);
+  can::Timeline later;
+  Bus other("field", 250'000, later);
+  const Seat again(other, later, address, unconfigured, 250'000, &memory);
+  EXPECT_EQ(again.device->node().node_id(), 7);
+  memory.image = {5, 0, 0, 0, 0};  // no bit rate
+  const Seat damaged(other, later, address, unconfigured, 250'000, &memory);
+  EXPECT_EQ(damaged.device->node().node_id(), unconfigured);
+}
+
+TEST_F(LssOnBus, BitRate_ChangesAfterTheSwitchDelay_WithSilenceBeforeAndAfter) {
+  Seat& seat = add(address, 5);
+  run_for(5ms);
+  station.send_at(timeline.now(),
+                  can::data_frame(0x605, {0x2B, 0x17, 0x10, 0x00, 10, 0, 0, 0}));  // heartbeat
+  run_for(100ms);
+  EXPECT_GE(heard(0x705), 9U);
+  select(address);
+  EXPECT_EQ(set_bit_rate(2), LssResult::done);  // 500 kbit/s
+  run_for(50ms);
+  EXPECT_EQ(seat.port.bit_rate(), 250'000U);
+  EXPECT_EQ(activate(200ms), LssResult::done);
+  const can::Time asked = timeline.now();
+  forget();
+  run_for(190ms);
+  EXPECT_TRUE(station.heard.empty());
+  EXPECT_EQ(seat.port.bit_rate(), 250'000U);
+  run_for(10ms);
+  EXPECT_EQ(seat.port.bit_rate(), 500'000U);
+  station.port.restart(500'000);
+  run_for(189ms);
+  EXPECT_TRUE(station.heard.empty());
+  run_for(100ms);
+  EXPECT_GE(heard(0x705), 9U);
+  EXPECT_GE(station.heard.front().at, asked + 400ms - 1ms);
+  EXPECT_LE(station.heard.front().at, asked + 400ms + 11ms);
+}
+
+TEST_F(LssOnBus, BitRateThatTheFileDoesNotName_IsRefused) {
+  Seat& seat = add(address, 5);
+  run_for(5ms);
+  std::set<std::uint32_t> named(seat.device->file().device.bit_rates.begin(),
+                                seat.device->file().device.bit_rates.end());
+  ASSERT_FALSE(named.empty());
+  select(address);
+  for (std::uint8_t index = 0; index < manager::lss::bit_rates.size(); ++index) {
+    const bool known = named.contains(manager::lss::bit_rates[index]);
+    EXPECT_EQ(set_bit_rate(index), known ? LssResult::done : LssResult::refused) << unsigned{index};
+    if (!known) {
+      EXPECT_EQ(master.error(), 1);
+    }
+  }
+}
+
+TEST_F(LssOnBus, PendingBitRate_IsInForceAfterAReset) {
+  Seat& seat = add(address, 5);
+  run_for(5ms);
+  select(address);
+  set_bit_rate(4);  // 125 kbit/s
+  switch_all(false);
+  run_for(50ms);
+  EXPECT_EQ(seat.port.bit_rate(), 250'000U);
+  station.send_at(timeline.now(), can::data_frame(0x000, {0x82, 0x00}));
+  run_for(1ms);
+  station.port.restart(125'000);
+  EXPECT_EQ(seat.port.bit_rate(), 125'000U);
+  forget();
+  run_for(50ms);
+  EXPECT_EQ(heard(0x705), 1U);
+  EXPECT_EQ(seat.device->node().node_id(), 5);
+}
+
+TEST_F(LssOnBus, AtAnotherBitRate_ItHearsNothingAndDestroysFrames_LssAtItsRateBringsItBack) {
+  Seat& good = add({1, 2, 3, 4}, 9);
+  Seat& wrong = add(address, unconfigured, 125'000);
+  run_for(20ms);
+  EXPECT_EQ(select(address), LssResult::silence);
+  EXPECT_GT(wrong.port.counters().errors, 0U);
+  EXPECT_GT(station.port.counters().errors, 0U);  // its frames were hit by error flags
+  good.port.plug(false);                          // one to one, as the manuals advise
+  station.port.restart(125'000);
+  run_for(10ms);
+  EXPECT_EQ(select(address), LssResult::done);
+  EXPECT_EQ(set_node_id(5), LssResult::done);
+  EXPECT_EQ(set_bit_rate(3), LssResult::done);
+  EXPECT_EQ(store(), LssResult::done);
+  EXPECT_EQ(activate(100ms), LssResult::done);
+  run_for(100ms);
+  station.port.restart(250'000);
+  good.port.plug(true);
+  run_for(100ms);
+  forget();
+  switch_all(false);
+  run_for(20ms);
+  EXPECT_EQ(heard(0x705), 1U);
+  const std::uint64_t errors = station.port.counters().errors;
+  station.send_at(timeline.now(), can::data_frame(0x609, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0}));
+  station.send_at(timeline.now(), can::data_frame(0x605, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0}));
+  run_for(20ms);
+  EXPECT_EQ(heard(0x589), 1U);
+  EXPECT_EQ(heard(0x585), 1U);
+  EXPECT_EQ(station.port.counters().errors, errors);
+  cut(wrong);
+  EXPECT_EQ(wrong.port.bit_rate(), 250'000U);
+  EXPECT_EQ(wrong.device->node().node_id(), 5);
+}
+
+TEST_F(LssOnBus, EqualAnswersOfSeveralDevices_AreOneFrameOnTheWire_DifferentOnesCollide) {
+  add({1, 2, 3, 4});
+  add({1, 2, 3, 5});
+  add({1, 2, 3, 6});
+  run_for(5ms);
+  EXPECT_EQ(service([&](can::Time now) { return master.identify_unconfigured(now); }), LssResult::done);
+  run_for(5ms);
+  EXPECT_EQ(heard(0x7E4), 1U);
+  EXPECT_EQ(station.port.counters().errors, 0U);
+  switch_all(true);
+  EXPECT_EQ(service([&](can::Time now) { return master.inquire(0, now); }), LssResult::done);
+  EXPECT_EQ(master.value(), 1U);  // all of one vendor
+  EXPECT_EQ(station.port.counters().errors, 0U);
+  service([&](can::Time now) { return master.inquire(3, now); });
+  EXPECT_GT(station.port.counters().errors, 0U);  // of three serial numbers none may have gone through whole
+}
+
+TEST_F(LssOnBus, SlowScan_FindsAllOfAVendorsDevices_WithAndWithoutNodeId) {
+  std::mt19937_64 random(11);
+  std::set<std::pair<std::uint32_t, std::uint32_t>> expected;
+  const auto put = [&](std::uint32_t own_revision, std::uint32_t own_serial, std::uint8_t node_id) {
+    expected.insert({own_revision, own_serial});
+    add({0x71, 0xED63, own_revision, own_serial}, node_id);
+  };
+  put(0, 0, 20);
+  put(0xFFFFFFFF, 0xFFFFFFFF, unconfigured);
+  put(0xFFFFFFFF, 0, 21);
+  put(0x00010000, 7, unconfigured);
+  put(0x00010000, 8, unconfigured);
+  for (std::uint8_t i = 0; i < 10; ++i) {
+    put(static_cast<std::uint32_t>(random()), static_cast<std::uint32_t>(random()),
+        i % 2 == 0 ? unconfigured : static_cast<std::uint8_t>(30 + i));
+  }
+  add({0x72, 0xED63, 1, 1});  // another vendor's, another product
+  add({0x71, 0xED64, 1, 1});
+  run_for(20ms);
+  master = LssMaster(station.port, *this, {.time_out = 5ms});
+  std::set<std::pair<std::uint32_t, std::uint32_t>> found;
+  LssAddress low{0x71, 0xED63, 0, 0};
+  LssAddress high{0x71, 0xED63, 0xFFFFFFFF, 0xFFFFFFFF};
+  // In the order of revision and serial number: behind each one the rest of its revision, then what follows.
+  while (found.size() < 100) {
+    const std::size_t sent_before = station.sent.size();
+    if (service([&](can::Time now) { return master.slow_scan(low, high, now); }) == LssResult::done) {
+      const LssAddress one = master.address();
+      EXPECT_LE(station.sent.size() - sent_before, 65U * 6 + 4);
+      EXPECT_TRUE(found.empty() || *found.rbegin() < std::pair(one.revision, one.serial));
+      EXPECT_TRUE(found.insert({one.revision, one.serial}).second);
+      switch_all(false);
+      low = high = one;
+      low.serial = one.serial + 1;
+      high.serial = 0xFFFFFFFF;
+      if (one.serial != 0xFFFFFFFF) continue;
+    }
+    EXPECT_NE(latest, LssResult::lost);
+    if (high.revision == 0xFFFFFFFF) break;
+    low = {0x71, 0xED63, high.revision + 1, 0};
+    high = {0x71, 0xED63, 0xFFFFFFFF, 0xFFFFFFFF};
+  }
+  EXPECT_EQ(found, expected);
+}
+
+/// Watching the wire makes the bus work bit by bit.
+struct Wire final : WireObserver {
+  void level_changed(bool, can::Time) override { ++changes; }
+  void transmit_changed(const Port&, bool, can::Time) override {}
+  void activity_changed(const Port&, bool, bool, can::Time) override {}
+  std::uint64_t changes = 0;
+};
+
+LssAddress random_address(std::mt19937_64& random) {
+  LssAddress own;
+  // A few vendors and products, so that long parts of the addresses agree, and any revision and serial.
+  own.vendor = random() % 3 == 0 ? 0x71 : static_cast<std::uint32_t>(random());
+  own.product = random() % 2 == 0 ? 0xED63 : static_cast<std::uint32_t>(random());
+  own.revision = random() % 2 == 0 ? 0x00010000 : static_cast<std::uint32_t>(random());
+  own.serial = static_cast<std::uint32_t>(random());
+  return own;
+}
+
+TEST_F(LssOnBus, Fastscan_Finds32DevicesWithRandomIdentities_AndConfiguresAll_BitByBit) {
+  Wire wire;
+  bus.add_observer(wire);
+  std::mt19937_64 random(7);
+  std::map<std::uint8_t, LssAddress> given;
+  for (int i = 0; i < 32; ++i) add(random_address(random));
+  run_for(5ms);
+  master = LssMaster(station.port, *this, {.time_out = 2ms});
+  std::uint8_t next = 10;
+  while (fastscan() == LssResult::done && next < 100) {
+    given[next] = master.address();
+    EXPECT_EQ(set_node_id(next), LssResult::done);
+    EXPECT_EQ(store(), LssResult::done);
+    switch_all(false);
+    ++next;
+  }
+  EXPECT_EQ(latest, LssResult::silence);
+  EXPECT_EQ(given.size(), 32U);
+  EXPECT_GT(wire.changes, 100'000U);
+  EXPECT_EQ(station.port.counters().errors, 0U);
+  run_for(50ms);
+  std::set<std::uint8_t> ids;
+  for (const Seat& seat : seats) {
+    const std::uint8_t id = seat.device->node().node_id();
+    EXPECT_TRUE(ids.insert(id).second);
+    EXPECT_EQ(heard(0x700U + id), 1U);
+    EXPECT_EQ(seat.device->node().state(), canopen::NmtState::pre_operational);
+    ASSERT_TRUE(given.contains(id));
+    for (unsigned part = 0; part < 4; ++part) {
+      EXPECT_EQ(
+          seat.device->node().dictionary().get<std::uint32_t>(0x1018, static_cast<std::uint8_t>(part + 1)),
+          given[id].part(part));
+    }
+  }
+  bus.remove_observer(wire);
+}
+
+}  // namespace
+}  // namespace canopus::sim
