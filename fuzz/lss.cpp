@@ -1,6 +1,6 @@
-// LSS master, bit rate search and fastscan against two LSS slaves, with frames between them lost, repeated
+// LSS master, bit rate search and both scans against two LSS slaves, with frames between them lost, repeated
 // and changed, and strange ones in between: every service ends in time, a search leaves the own bit rate in
-// force, and what fastscan finds while nothing was disturbed is one of the devices there are.
+// force, and what a scan finds while nothing was disturbed is one of the devices there are.
 
 #include <deque>
 
@@ -161,7 +161,7 @@ class Network final : manager::LssMasterUser, manager::LssSearchUser {
     if (search_.running() || master_.busy()) return;
     const LssAddress& address = addresses[input_.choice(2)];
     bool begun = true;
-    switch (input_.choice(11)) {
+    switch (input_.choice(12)) {
       case 0: begun = master_.switch_global(input_.flag(), now_); break;
       case 1: begun = master_.select(address, now_); break;
       case 2: begun = master_.configure_node_id(input_.byte(), now_); break;
@@ -172,6 +172,11 @@ class Network final : manager::LssMasterUser, manager::LssSearchUser {
       case 7: begun = master_.inquire_node_id(now_); break;
       case 8: begun = master_.identify_unconfigured(now_); break;
       case 9: begun = master_.identify(addresses[0], addresses[1], now_); break;
+      case 10:
+        disturbances_ = 0;
+        scans_ = begun = master_.slow_scan({address.vendor, address.product, 0, 0},
+                                           {address.vendor, address.product, 0xFFFF'FFFF, 0xFFFF'FFFF}, now_);
+        break;
       default: disturbances_ = 0; scans_ = begun = master_.fastscan(now_);
     }
     expect(begun && master_.busy() && master_.deadline() != can::never);

@@ -10,6 +10,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr std::uint8_t no_node_id = 0xFF;
+
 /// Microseconds are what a trace has; more digits would only be noise.
 double rounded_seconds(can::Time time) {
   return static_cast<double>(time.time_since_epoch() / std::chrono::microseconds(1)) / 1e6;
@@ -52,6 +54,12 @@ void JsonPrinter::booted(const NodePlate& node, can::Time now) { print(out_, nod
 void JsonPrinter::nmt_state_changed(const NodePlate& node, canopen::NmtState state, can::Time now) {
   Json line = node_event(now, "nmt", node);
   line["state"] = canopen::name(state);
+  print(out_, line);
+}
+
+void JsonPrinter::lss_configured(const NodePlate& node, std::uint32_t bit_rate, can::Time now) {
+  Json line = node_event(now, "lss", node);
+  line["bit_rate"] = bit_rate;
   print(out_, line);
 }
 
@@ -164,8 +172,15 @@ bool in_operation(const NodeStatus& node) {
 
 std::string describe(const NodePlate& node) {
   if (node.node_id == 0) return fmt::format("{} ({})", node.bus, node.name);
+  if (node.node_id == no_node_id) return fmt::format("{} unconfigured ({})", node.bus, node.name);
   return node.name.empty() ? fmt::format("{} node {}", node.bus, node.node_id)
                            : fmt::format("{} node {} ({})", node.bus, node.node_id, node.name);
+}
+
+std::string describe_lss(const NodePlate& node, std::uint32_t bit_rate) {
+  const std::string number =
+      node.node_id == no_node_id ? "no node-ID" : fmt::format("node-ID {}", node.node_id);
+  return fmt::format("{}: LSS: {}, {:g} kbit/s", describe(node), number, bit_rate / 1000.0);
 }
 
 std::string describe(const RunSummary& summary) {
@@ -213,6 +228,10 @@ void LinePrinter::booted(const NodePlate& node, can::Time now) {
 
 void LinePrinter::nmt_state_changed(const NodePlate& node, canopen::NmtState state, can::Time now) {
   if (!quiet_) line(now, fmt::format("{}: {}", describe(node), canopen::name(state)));
+}
+
+void LinePrinter::lss_configured(const NodePlate& node, std::uint32_t bit_rate, can::Time now) {
+  if (!quiet_) line(now, describe_lss(node, bit_rate));
 }
 
 void LinePrinter::emergency(const NodePlate& node, const canopen::Emergency& message, can::Time now) {

@@ -34,6 +34,7 @@ class JsonPrinter final : public PlantObserver {
 
   void booted(const NodePlate& node, can::Time now) override;
   void nmt_state_changed(const NodePlate& node, canopen::NmtState state, can::Time now) override;
+  void lss_configured(const NodePlate& node, std::uint32_t bit_rate, can::Time now) override;
   void emergency(const NodePlate& node, const canopen::Emergency& message, can::Time now) override;
   void slave_boot_went_on(const NodePlate& slave, const NodePlate& master, const manager::BootRecord& record,
                           can::Time now) override;
@@ -56,6 +57,7 @@ class LinePrinter final : public PlantObserver {
 
   void booted(const NodePlate& node, can::Time now) override;
   void nmt_state_changed(const NodePlate& node, canopen::NmtState state, can::Time now) override;
+  void lss_configured(const NodePlate& node, std::uint32_t bit_rate, can::Time now) override;
   void emergency(const NodePlate& node, const canopen::Emergency& message, can::Time now) override;
   void slave_boot_went_on(const NodePlate& slave, const NodePlate& master, const manager::BootRecord& record,
                           can::Time now) override;
@@ -74,10 +76,12 @@ class LinePrinter final : public PlantObserver {
 [[nodiscard]] std::string_view state_name(const NodeStatus& node);
 /// Operational, or online in a Layer 2 mode.
 [[nodiscard]] bool in_operation(const NodeStatus& node);
-/// "line1 node 3 (encoder)"; without a node-ID "line1 (ME3CAN1-Q U0)"
+/// "line1 node 3 (encoder)", "line1 unconfigured (encoder)"; without a node-ID "line1 (ME3CAN1-Q U0)"
 [[nodiscard]] std::string describe(const NodePlate& node);
 /// "line1 node 9: not booted: no answer to 1000H, ...": empty when it is booted.
 [[nodiscard]] std::string describe_trouble(const SlaveBoot& boot, can::Time now);
+/// "line1 node 3 (encoder): LSS: node-ID 3, 125 kbit/s": what LSS has set.
+[[nodiscard]] std::string describe_lss(const NodePlate& node, std::uint32_t bit_rate);
 /// The summary's lines.
 [[nodiscard]] std::string describe(const RunSummary& summary);
 

@@ -55,6 +55,10 @@ void LiveTable::note(can::Time now, std::string text) {
   if (latest_.size() > kept_events) latest_.pop_front();
 }
 
+void LiveTable::lss_configured(const NodePlate& node, std::uint32_t bit_rate, can::Time now) {
+  note(now, describe_lss(node, bit_rate));
+}
+
 void LiveTable::emergency(const NodePlate& node, const canopen::Emergency& message, can::Time now) {
   note(now, fmt::format("{}: EMCY {:04X}H, error register {:02X}H", describe(node), message.code,
                         message.error_register));
@@ -136,7 +140,8 @@ std::string LiveTable::draw(can::Time now, can::Duration lag, TableSize size) {
     }
     const NodeStatus& node = nodes[i];
     const std::string state = fmt::format("{:<16}", state_name(node));
-    const std::string number = node.plate.node_id == 0 ? "-" : fmt::format("{}", node.plate.node_id);
+    const std::string number =
+        node.plate.node_id >= 1 && node.plate.node_id <= 127 ? fmt::format("{}", node.plate.node_id) : "-";
     const std::string emergency = node.emergencies == 0 ? "-" : fmt::format("{:04X}H", node.last_emergency);
     lines.push_back(fmt::format("{:>4}  {:<28.28}  {} {:>8.0f}  {}", number, node.plate.name,
                                 paint(state, state_colour(node)), counts_[i].rate, emergency));

@@ -1,5 +1,5 @@
 #pragma once
-// `canopus lss scan|set-node`: devices without a node-ID, by LSS [CiA 305].
+// `canopus lss ...`: finding devices, their node-IDs and bit rates, by LSS [CiA 305].
 
 namespace CLI {
 class App;

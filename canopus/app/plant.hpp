@@ -24,8 +24,9 @@ namespace canopus::app {
 /// Who a node is, for people.
 struct NodePlate {
   std::string_view bus;
-  std::string_view name;     ///< from the plant file, or the product's; empty for a node outside of the plant
-  std::uint8_t node_id = 0;  ///< 0: has none (a module in a Layer 2 mode)
+  std::string_view name;  ///< from the plant file, or the product's; empty for a node outside of the plant
+  /// 0: has none (a module in a Layer 2 mode). FFH: has none yet (an LSS slave that waits for one).
+  std::uint8_t node_id = 0;
 };
 
 /// What happens in a plant, as it happens. docs/events.md describes the lines made of it.
@@ -33,6 +34,9 @@ class PlantObserver {
  public:
   virtual void booted(const NodePlate&, can::Time) {}
   virtual void nmt_state_changed(const NodePlate&, canopen::NmtState, can::Time) {}
+  /// LSS gave a device of the plant its node-ID (the plate has it already; FFH: took it away) or bit rate
+  /// (bit/s), or it came up with what it had stored.
+  virtual void lss_configured(const NodePlate&, std::uint32_t /*bit_rate*/, can::Time) {}
   virtual void emergency(const NodePlate&, const canopen::Emergency&, can::Time) {}
   /// A module of the plant boots this slave as its NMT master and came to another step, or asks it once more.
   virtual void slave_boot_went_on(const NodePlate& /*slave*/, const NodePlate& /*master*/,

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <map>
 #include <optional>
+#include <set>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -52,6 +53,7 @@ class Assembly {
   std::uint64_t seed_;
   std::filesystem::path folder_;
   std::map<std::string, File> files_;
+  std::set<std::filesystem::path> lss_stores_;
   std::vector<PlantError> errors_;
 };
 
@@ -121,23 +123,46 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
     node_id = commissioning->node_id.value_or(0);
   }
   if (node_id == 0) {
-    return error(section.place, "device: node is missing; {} names no node-ID either", section.eds);
+    return error(section.place,
+                 "device: node is missing; {} names no node-ID either. A device that gets it by LSS: node = "
+                 "\"unconfigured\"",
+                 section.eds);
   }
-  if (device(section.bus, node_id) != nullptr) {
+  const bool is_unconfigured = node_id == manager::lss::unconfigured;
+  if (!is_unconfigured && device(section.bus, node_id) != nullptr) {
     return error(section.place, "device: node {} of bus \"{}\" is taken already", node_id, section.bus);
   }
   file = configured(file, section);
   sim::Bus& bus = parts_.bus(section.bus);
-  sim::Port& port = bus.add_port(section.name.empty() ? fmt::format("node{}", node_id) : section.name);
+  sim::Port& port = bus.add_port(!section.name.empty() ? section.name
+                                 : is_unconfigured     ? fmt::format("device{}", number + 1)
+                                                       : fmt::format("node{}", node_id));
   port.set_transmit_queue(section.transmit_fifo ? sim::TransmitOrder::fifo : sim::TransmitOrder::identifier,
                           section.transmit_queue);
   if (section.bit_rate != 0) port.restart(section.bit_rate);
   port.set_listen_only(section.listen_only);
   auto seat = std::make_unique<DeviceSeat>(file, section, node_id, port, observer_);
-  if (!section.store.empty()) {
-    seat->set_store(
-        std::make_unique<store::ParameterFile>(folder_ / section.store, fmt::format("node-{:03}", node_id)));
+  const std::filesystem::path store = section.store.empty() ? "" : folder_ / section.store;
+  const bool is_lss_slave = section.lss.value_or(is_unconfigured || file->device.lss);
+  // By the node-ID it has from the shelf, or if that is none, by its LSS address.
+  std::string stored_as = fmt::format("node-{:03}", node_id);
+  if (is_unconfigured) {
+    const eds::Identity identity = eds::identity(*file);
+    stored_as = fmt::format("{:08X}-{:08X}-{:08X}-{:08X}", identity.vendor_id.value_or(0),
+                            identity.product_code.value_or(0), identity.revision.value_or(0),
+                            identity.serial_number.value_or(0));
+    if (!store.empty() && !lss_stores_.insert(store / stored_as).second) {
+      error(section.place,
+            "device: another one without a node-ID stores into \"{}\" with the same LSS address {} (1018H); "
+            "give each a serial number: objects = {{ \"1018:04\" = 1 }}",
+            section.store, stored_as);
+    }
   }
+  if (is_lss_slave) {
+    seat->enable_lss(store.empty() ? nullptr
+                                   : std::make_unique<store::ParameterFile>(store, stored_as + ".lss"));
+  }
+  if (!store.empty()) seat->set_store(std::make_unique<store::ParameterFile>(store, stored_as));
   for (std::size_t i = 0; i < section.behaviours.size(); ++i) {
     const BehaviourSection& wanted = section.behaviours[i];
     sim::Behaviour behaviour;
@@ -159,6 +184,7 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
   parts_.device_handles.push_back(parts_.timeline.add(*seat));
   port.connect(*seat, parts_.device_handles.back());
   watch(bus).know(seat->status());
+  seat->set_watch(watch(bus));
   parts_.devices.push_back(std::move(seat));
 }
 
@@ -259,7 +285,7 @@ void Assembly::configure_network(const ModuleSection& section, Me3can1Q& module)
   for (const auto& seat :
        parts_.devices) {  // in the plant file's order, so that the words come in this order too
     const NodePlate& plate = seat->status().plate;
-    if (plate.bus != section.bus) continue;
+    if (plate.bus != section.bus || plate.node_id == manager::lss::unconfigured) continue;
     const auto written = std::ranges::find(section.slaves, plate.node_id, &SlaveSection::node);
     if (written != section.slaves.end()) {
       add(*written, *seat, true);

@@ -12,6 +12,7 @@ namespace canopus::app {
 namespace {
 
 constexpr std::string_view node_id_expected = "a node-ID is 1 to 127";
+constexpr std::uint8_t no_node_id = 0xFF;
 
 std::optional<Scalar> scalar(const toml::node& node) {
   if (const auto* value = node.as_boolean()) return value->get();
@@ -106,12 +107,30 @@ BusSection read_bus(TableReader& table) {
   return bus;
 }
 
+/// 1 to 127, "unconfigured", or 0 when there is none.
+std::uint8_t read_device_node(TableReader& table) {
+  constexpr std::string_view expected =
+      "a node-ID is 1 to 127, or \"unconfigured\" for a device that gets it by LSS";
+  const toml::node* node = table.find("node");
+  if (node != nullptr && node->as_integer() == nullptr) {
+    const auto* word = node->as_string();
+    if (word != nullptr && word->get() == "unconfigured") return no_node_id;
+    table.error("node", expected);
+    return 0;
+  }
+  return static_cast<std::uint8_t>(table.integer("node", 1, 127, node_id_expected).value_or(0));
+}
+
 DeviceSection read_device(TableReader& table) {
   DeviceSection device{.place = table.place(), .eds_place = table.place("eds")};
   device.bus = table.text("bus").value_or("");
   device.name = table.text("name").value_or("");
   device.eds = table.text("eds", true).value_or("");
-  device.node = static_cast<std::uint8_t>(table.integer("node", 1, 127, node_id_expected).value_or(0));
+  device.node = read_device_node(table);
+  device.lss = table.boolean("lss");
+  if (device.node == no_node_id && device.lss == false) {
+    table.error("lss", "a device without a node-ID gets one by LSS: true, or left out");
+  }
   device.start = table.parsed("start", parse_duration).value_or(can::Duration{});
   device.store = table.text("store").value_or("");
   device.bit_rate = read_bit_rate(table, false);
@@ -251,7 +270,7 @@ void check_references(PlantFile& plant, std::vector<PlantError>& errors) {
                        : fmt::format("{}: there is no bus \"{}\"; expected one of {}", what, bus, names()));
       return;
     }
-    if (node == 0) return;
+    if (node == 0 || node == no_node_id) return;
     for (const Occupant& other : occupants) {
       if (other.bus != bus || other.node != node) continue;
       error(place, fmt::format("{}: node {} of bus \"{}\" is taken already, in line {}", what, node, bus,

@@ -77,7 +77,8 @@ struct DeviceSection {
   std::string bus{};
   std::string name{};
   std::string eds{};                 ///< path, relative to the plant file
-  std::uint8_t node = 0;             ///< 1..127; 0 = from the DCF
+  std::uint8_t node = 0;             ///< 1..127; 0 = from the DCF; FFH = none until LSS gives it one
+  std::optional<bool> lss{};         ///< is an LSS slave; without it, if the device file says so
   can::Duration start{};             ///< powers up this long after the run's start
   std::string store{};               ///< folder for what 1010H saves; empty = it does not survive the run
   std::uint32_t bit_rate = 0;        ///< bit/s; 0 = the bus's. Another one than the bus's destroys frames

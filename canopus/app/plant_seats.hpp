@@ -28,105 +28,6 @@ namespace canopus::app {
   return !frame.extended && !frame.remote && frame.identifier >= 0x180 && frame.identifier < 0x580;
 }
 
-/// A simulated device in its place on a bus.
-class DeviceSeat final : public can::Participant {
- public:
-  DeviceSeat(std::shared_ptr<const eds::DeviceFile> file, const DeviceSection& section, std::uint8_t node_id,
-             sim::Port& port, PlantObserver& observer)
-      : device_(std::move(file), node_id, port),
-        port_(port),
-        start_(can::Time{} + section.start),
-        observer_(observer) {
-    const std::string& product = device_.file().device.product_name;
-    name_ = !section.name.empty() ? section.name : product;
-    status_.plate = {section.bus, name_, node_id};
-  }
-
-  sim::Device& device() noexcept { return device_; }
-  /// Where the device keeps what 1010H saves. To be called before power_on().
-  void set_store(std::unique_ptr<store::ParameterFile> store) {
-    store_ = std::move(store);
-    device_.node().set_parameter_store(store_.get());
-  }
-  NodeStatus& status() noexcept { return status_; }
-  const NodeStatus& status() const noexcept { return status_; }
-
-  void power_on(can::Time now) {
-    if (now < start_) return;
-    status_.is_on = true;
-    device_.power_on(now);
-    look(now);
-  }
-  void receive(const can::Frame& frame, can::Time now) override {
-    if (!status_.is_on) return;
-    device_.receive(frame, now);
-    look(now);
-  }
-  void transmitted(const can::Frame& frame, can::Time now) override {
-    if (is_pdo(frame)) ++status_.pdos;
-    device_.transmitted(frame, now);
-  }
-  void controller_changed(can::Time now) override {
-    device_.controller_changed(now);
-    look(now);
-  }
-  void tick(can::Time now) override {
-    if (!status_.is_on) return power_on(now);
-    device_.tick(now);
-    look(now);
-  }
-  can::Time deadline() const noexcept override { return status_.is_on ? device_.deadline() : start_; }
-
- private:
-  void look(can::Time now) {
-    if (device_.node().identifiers_revision() != accepted_revision_) accept();
-    if (device_.node().state() == status_.state) return;
-    status_.state = device_.node().state();
-    observer_.nmt_state_changed(status_.plate, status_.state, now);
-  }
-  /// Tells the controller which identifiers the node does something with: the bus then leaves out the others.
-  void accept() {
-    const canopen::Node& node = device_.node();
-    accepted_revision_ = node.identifiers_revision();
-    sim::Acceptance acceptance;
-    for (std::uint32_t identifier = 0; identifier <= can::max_base_identifier; ++identifier) {
-      acceptance.base[identifier] = node.wants(identifier);
-    }
-    acceptance.extended = node.wants_extended();
-    port_.accept(acceptance);
-  }
-
-  std::unique_ptr<store::ParameterFile> store_;
-  sim::Device device_;
-  sim::Port& port_;
-  std::uint32_t accepted_revision_ = 0;
-  std::string name_;
-  NodeStatus status_;
-  can::Time start_;
-  PlantObserver& observer_;
-};
-
-/// Non-volatile memory that lasts as long as the run: a rack without a store folder.
-class RunMemory final : public module::NonVolatileMemory {
- public:
-  Content read(std::string_view name) override {
-    const auto found = contents_.find(name);
-    if (found == contents_.end()) return {};
-    return {Content::State::good, found->second};
-  }
-  bool write(std::string_view name, std::span<const std::uint8_t> bytes) override {
-    contents_.insert_or_assign(std::string(name), std::vector<std::uint8_t>(bytes.begin(), bytes.end()));
-    return true;
-  }
-  bool erase(std::string_view name) override {
-    contents_.erase(std::string(name));
-    return true;
-  }
-
- private:
-  std::map<std::string, std::vector<std::uint8_t>, std::less<>> contents_;
-};
-
 /// Reports what the nodes of a bus say of themselves, those outside of this process included.
 class BusWatch final : public sim::BusObserver {
  public:
@@ -134,7 +35,13 @@ class BusWatch final : public sim::BusObserver {
   /// Somebody of the plant on this bus.
   void know(NodeStatus& status) {
     occupants_.push_back(&status);
-    if (status.plate.node_id != 0) known_[status.plate.node_id & 0x7F] = &status;
+    know_number(status);
+  }
+  /// The node has this node-ID from now on (FFH: none).
+  void renumber(NodeStatus& status, std::uint8_t node_id) {
+    std::ranges::replace(known_, &status, static_cast<NodeStatus*>(nullptr));
+    status.plate.node_id = node_id;
+    know_number(status);
   }
   /// Who has this node-ID (1..127) on the bus.
   NodePlate plate(std::uint8_t node_id) const {
@@ -156,6 +63,10 @@ class BusWatch final : public sim::BusObserver {
   }
 
  private:
+  void know_number(NodeStatus& status) {
+    const std::uint8_t node_id = status.plate.node_id;
+    if (node_id >= 1 && node_id <= 127) known_[node_id] = &status;
+  }
   /// Everybody of the plant is in a Layer 2 mode: identifiers mean nothing.
   bool is_plain_can() const {
     return !occupants_.empty() && std::ranges::none_of(occupants_, [](const NodeStatus* status) {
@@ -184,6 +95,125 @@ class BusWatch final : public sim::BusObserver {
   std::vector<const NodeStatus*> occupants_;
   std::array<NodeStatus*, 128> known_{};
   std::array<std::uint8_t, 128> foreign_states_{};
+};
+
+/// A simulated device in its place on a bus.
+class DeviceSeat final : public can::Participant {
+ public:
+  DeviceSeat(std::shared_ptr<const eds::DeviceFile> file, const DeviceSection& section, std::uint8_t node_id,
+             sim::Port& port, PlantObserver& observer)
+      : device_(std::move(file), node_id, port),
+        port_(port),
+        start_(can::Time{} + section.start),
+        observer_(observer) {
+    const std::string& product = device_.file().device.product_name;
+    name_ = !section.name.empty() ? section.name : product;
+    status_.plate = {section.bus, name_, node_id};
+  }
+
+  sim::Device& device() noexcept { return device_; }
+  /// Where the device keeps what 1010H saves. To be called before power_on().
+  void set_store(std::unique_ptr<store::ParameterFile> store) {
+    store_ = std::move(store);
+    device_.node().set_parameter_store(store_.get());
+  }
+  /// LSS slave, what it is told to store goes there (nullptr: does not survive the run). To be called before
+  /// power_on().
+  void enable_lss(std::unique_ptr<store::ParameterFile> store) {
+    lss_store_ = std::move(store);
+    device_.enable_lss(port_, lss_store_.get());
+  }
+  /// To be told when the node-ID changes.
+  void set_watch(BusWatch& watch) noexcept { watch_ = &watch; }
+  NodeStatus& status() noexcept { return status_; }
+  const NodeStatus& status() const noexcept { return status_; }
+
+  void power_on(can::Time now) {
+    if (now < start_) return;
+    status_.is_on = true;
+    bit_rate_ = port_.bit_rate();
+    device_.power_on(now);
+    look(now);
+  }
+  void receive(const can::Frame& frame, can::Time now) override {
+    if (!status_.is_on) return;
+    device_.receive(frame, now);
+    look(now);
+  }
+  void transmitted(const can::Frame& frame, can::Time now) override {
+    if (is_pdo(frame)) ++status_.pdos;
+    device_.transmitted(frame, now);
+  }
+  void controller_changed(can::Time now) override {
+    device_.controller_changed(now);
+    look(now);
+  }
+  void tick(can::Time now) override {
+    if (!status_.is_on) return power_on(now);
+    device_.tick(now);
+    look(now);
+  }
+  can::Time deadline() const noexcept override { return status_.is_on ? device_.deadline() : start_; }
+
+ private:
+  void look(can::Time now) {
+    if (device_.lss() != nullptr) look_at_lss(now);
+    if (device_.node().identifiers_revision() != accepted_revision_) accept();
+    if (device_.node().state() == status_.state) return;
+    status_.state = device_.node().state();
+    observer_.nmt_state_changed(status_.plate, status_.state, now);
+  }
+  void look_at_lss(can::Time now) {
+    const std::uint8_t node_id = device_.node().node_id();
+    if (node_id == status_.plate.node_id && port_.bit_rate() == bit_rate_) return;
+    bit_rate_ = port_.bit_rate();
+    if (node_id != status_.plate.node_id) watch_->renumber(status_, node_id);
+    observer_.lss_configured(status_.plate, bit_rate_, now);
+  }
+  /// Tells the controller which identifiers the node does something with: the bus then leaves out the others.
+  void accept() {
+    const canopen::Node& node = device_.node();
+    accepted_revision_ = node.identifiers_revision();
+    sim::Acceptance acceptance;
+    for (std::uint32_t identifier = 0; identifier <= can::max_base_identifier; ++identifier) {
+      acceptance.base[identifier] = device_.wants(identifier);
+    }
+    acceptance.extended = node.wants_extended();
+    port_.accept(acceptance);
+  }
+
+  std::unique_ptr<store::ParameterFile> store_;
+  std::unique_ptr<store::ParameterFile> lss_store_;
+  BusWatch* watch_ = nullptr;
+  std::uint32_t bit_rate_ = 0;
+  sim::Device device_;
+  sim::Port& port_;
+  std::uint32_t accepted_revision_ = 0;
+  std::string name_;
+  NodeStatus status_;
+  can::Time start_;
+  PlantObserver& observer_;
+};
+
+/// Non-volatile memory that lasts as long as the run: a rack without a store folder.
+class RunMemory final : public module::NonVolatileMemory {
+ public:
+  Content read(std::string_view name) override {
+    const auto found = contents_.find(name);
+    if (found == contents_.end()) return {};
+    return {Content::State::good, found->second};
+  }
+  bool write(std::string_view name, std::span<const std::uint8_t> bytes) override {
+    contents_.insert_or_assign(std::string(name), std::vector<std::uint8_t>(bytes.begin(), bytes.end()));
+    return true;
+  }
+  bool erase(std::string_view name) override {
+    contents_.erase(std::string(name));
+    return true;
+  }
+
+ private:
+  std::map<std::string, std::vector<std::uint8_t>, std::less<>> contents_;
 };
 
 /// A module in its slot, with the stand-in for the PLC program that asks for data exchanges.

@@ -136,6 +136,12 @@ INSTANTIATE_TEST_SUITE_P(
     Mistakes, PlantFileWithOneMistake,
     testing::Values(
         WrongLine{"node = 3\nname", "node = 128\nname", "plant.toml:11:8: node = 128: a node-ID is 1 to 127"},
+        WrongLine{
+            "node = 3\nname", "node = \"none\"\nname",
+            "plant.toml:11:8: node = \"none\": a node-ID is 1 to 127, or \"unconfigured\" for a device that "
+            "gets it by LSS"},
+        WrongLine{"node = 3\nname", "node = 3\nlss = 1\nname",
+                  "plant.toml:12:7: lss = 1: expected true or false"},
         WrongLine{"bit_rate = 250_000", "bit_rate = 300_000",
                   "plant.toml:7:12: bit_rate = 300000: expected one of 10000, 20000, 50000, 100000, 125000, "
                   "250000, "
@@ -189,6 +195,24 @@ TEST(PlantFile, AllMistakesAreFoundAtOnceInTheOrderOfTheFile) {
   EXPECT_THAT(errors[0], HasSubstr("plant.toml:3:12: bit_rate"));
   EXPECT_THAT(errors[1], HasSubstr("plant.toml:4:1: device: eds is missing"));
   EXPECT_THAT(errors[2], HasSubstr("plant.toml:5:8: node = 0"));
+}
+
+TEST(PlantFile, DevicesThatGetTheirNodeIdByLss) {
+  constexpr std::string_view bus = "[[bus]]\nname = \"a\"\nbit_rate = 250_000\n";
+  const std::string two = std::string(bus) +
+                          "[[device]]\neds = \"x.eds\"\nnode = \"unconfigured\"\n"
+                          "[[device]]\neds = \"x.eds\"\nnode = \"unconfigured\"\nlss = true\n"
+                          "[[device]]\neds = \"x.eds\"\nnode = 5\nlss = false\n";
+  const PlantReading reading = read_plant(two, "plant.toml");
+  ASSERT_THAT(reading.errors, IsEmpty());
+  EXPECT_EQ(reading.plant.devices[0].node, 0xFF);
+  EXPECT_EQ(reading.plant.devices[0].lss, std::nullopt);
+  EXPECT_EQ(reading.plant.devices[1].lss, true);
+  EXPECT_EQ(reading.plant.devices[2].lss, false);
+  EXPECT_THAT(
+      errors_of(std::string(bus) + "[[device]]\neds = \"x.eds\"\nnode = \"unconfigured\"\nlss = false\n"),
+      ElementsAre(
+          "plant.toml:7:7: lss = false: a device without a node-ID gets one by LSS: true, or left out"));
 }
 
 TEST(PlantFile, WithSeveralBusesADeviceMustNameItsOwn) {

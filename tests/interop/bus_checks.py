@@ -369,3 +369,84 @@ def lss_command_finds_and_numbers_foreign_devices():
             assigned = [json.loads(line) for line in on_bus(plant, "lss", "scan", "--assign", "10", *options).stdout.splitlines()]
             require([d["node"] for d in assigned] == [10, 11] and sorted(map(key, assigned)) == expected[1:], str(assigned))
         on_bus(plant, "lss", "scan", "--timeout", "5ms", expect=1)
+
+
+# --- devices of a plant as LSS slaves
+
+
+def lss_example(name, folder):
+    """A plant of examples/lss, with a store folder of its own and a port of the system's choice."""
+    text = (ROOT / "examples/lss" / name).read_text()
+    text = text.replace('"../devices/', f'"{ROOT}/examples/devices/').replace("127.0.0.1:29536", "127.0.0.1:0")
+    text = text.replace('store = "state"', f'store = "{folder}"')
+    path = scratch / f"{folder}.toml"
+    path.write_text(text)
+    return path
+
+
+def json_lines(done):
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+@check
+def lss_command_makes_a_network_of_unconfigured_devices():
+    path = lss_example("plant.toml", "lss-state")
+    fast = ("--timeout", "20ms", "--json")
+    valves, encoder = ("--vendor", "0", "--product", "0x401"), ("--vendor", "0", "--product", "0x406")
+    serial = lambda number: ("--revision", "0x10000", "--serial", number)
+    with running(path, has_plc=False) as plant:
+        require(json_lines(on_bus(plant, "lss", "identify", *fast)) == [{"answered": True}], "nobody without a node-ID")
+        slow = json_lines(on_bus(plant, "lss", "scan", "--slow", *valves, *fast))
+        require([d["serial"] for d in slow] == [0x0A01, 0x0A02] and not any("node" in d for d in slow), str(slow))
+        found = json_lines(on_bus(plant, "lss", "scan", *fast))
+        require(sorted((d["product"], d["serial"]) for d in found) == [(0x401, 0x0A01), (0x401, 0x0A02), (0x406, 1)], str(found))
+        on_bus(plant, "lss", "set-node", "30", *valves, *serial("0x0A02"), "--store", *fast)
+        plant.wait(lambda e: e["event"] == "boot" and e["node"] == 30)
+        named = json_lines(on_bus(plant, "lss", "scan", "--assign", "10", "--store", *fast))
+        require([d["node"] for d in named] == [10, 11], str(named))
+        on_bus(plant, "lss", "identify", *fast, expect=1)
+        on_bus(plant, "lss", "scan", *fast, expect=1)
+        slow = json_lines(on_bus(plant, "lss", "scan", "--slow", *valves, *fast))
+        require([d["node"] for d in slow if d["serial"] == 0x0A02] == [30] and len(slow) == 2, str(slow))
+        known = json_lines(on_bus(plant, "lss", "inquire", *valves, *serial("0x0A02"), *fast))
+        require(known == [{"vendor": 0, "product": 0x401, "revision": 0x10000, "serial": 0x0A02, "node": 30}], str(known))
+        on_bus(plant, "lss", "inquire", *valves, *serial("99"), *fast, expect=1)
+        on_bus(plant, "lss", "identify", *encoder, *serial("1"), *fast)
+        code, errors = plant.stop()
+        require(code == 0 and errors == "", f"exit code {code}: {errors}")
+    with running(path, has_plc=False) as plant:  # what they stored is still there
+        for node in (10, 11, 30):
+            plant.wait(lambda e, node=node: e["event"] == "boot" and e["node"] == node)
+        # One takes another bit rate: gone from this one; its way back leads over that rate, or its next start.
+        on_bus(plant, "lss", "set-rate", "500k", *encoder, *serial("1"), "--activate", "50ms", *fast)
+        plant.wait(lambda e: e["event"] == "lss" and e["bit_rate"] == 500000 and e["name"] == "encoder")
+        on_bus(plant, "lss", "identify", *encoder, *serial("1"), *fast, expect=1)
+        refused = on_bus(plant, "lss", "set-rate", "100k", *fast, expect=2)
+        require("is not a bit rate of LSS" in refused.stderr, refused.stderr)
+        on_bus(plant, "lss", "set-rate", "250k", "--activate", "70s", *fast, expect=2)
+        on_bus(plant, "lss", "set-node", "0", *fast, expect=2)
+        on_bus(plant, "lss", "scan", "--slow", *fast, expect=2)
+
+
+@check
+def me3can1_finds_unconfigured_slaves_by_lss():
+    path = lss_example("search.toml", "lss-search")
+    events = json_lines(command(program, "run", path, "--virtual", "--for", "20s", "--json"))
+    lss = [(e["node"], e["bit_rate"]) for e in events if e["event"] == "lss"]
+    require((5, 250000) in lss and (6, 250000) in lss, str(lss))
+    words = [e["value"] for e in events if e["event"] == "buffer" and e["address"] == 25]
+    require(any(w & 1 << 10 for w in words) and not words[-1] & 1 << 10, f"G25: {words}")
+    events = json_lines(command(program, "run", path, "--virtual", "--for", "20s", "--json"))
+    nodes = {n["node"]: n["state"] for n in events[-1]["nodes"]}
+    require(nodes == {1: "operational", 5: "operational", 6: "operational"}, str(nodes))
+    require(not any(e["event"] == "buffer" and e["value"] & 1 << 10 for e in events), "it looked for them again")
+
+
+@check
+def npm_canopen_as_lss_master_configures_our_devices():
+    node_modules()
+    with running(lss_example("plant.toml", "lss-npm"), has_plc=False) as plant:
+        node_script(plant, "lss_master_peer.mjs", "40", "0:0x401:0x10000:0x0A01", "0:0x401:0x10000:0x0A02", "0:0x406:0x10000:1")
+        for node in (40, 41, 42):
+            plant.wait(lambda e, node=node: e["event"] == "boot" and e["node"] == node)
+        tshark_agrees(plant, "LSS,boot-up")
