@@ -391,7 +391,7 @@ def json_lines(done):
 @check
 def lss_command_makes_a_network_of_unconfigured_devices():
     path = lss_example("plant.toml", "lss-state")
-    fast = ("--timeout", "20ms", "--json")
+    fast = ("--timeout", "50ms", "--json")
     valves, encoder = ("--vendor", "0", "--product", "0x401"), ("--vendor", "0", "--product", "0x406")
     serial = lambda number: ("--revision", "0x10000", "--serial", number)
     with running(path, has_plc=False) as plant:
