@@ -6,6 +6,7 @@
 #include "canopus/app/eds_command.hpp"
 #include "canopus/app/lss_command.hpp"
 #include "canopus/app/master_command.hpp"
+#include "canopus/app/module_command.hpp"
 #include "canopus/app/nmt_command.hpp"
 #include "canopus/app/plc_command.hpp"
 #include "canopus/app/run_command.hpp"
@@ -24,6 +25,7 @@ int main(int argc, char** argv) {
   canopus::app::add_check_command(app, exit_code);
   canopus::app::add_plc_command(app, exit_code);
   canopus::app::add_eds_command(app, exit_code);
+  canopus::app::add_module_command(app, exit_code);
   canopus::app::add_scan_command(app, exit_code);
   canopus::app::add_sdo_command(app, exit_code);
   canopus::app::add_nmt_command(app, exit_code);

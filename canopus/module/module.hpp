@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "canopus/can/controller.hpp"
+#include "canopus/module/data_sheet.hpp"
 #include "canopus/module/observer.hpp"
 
 namespace canopus::manager {
@@ -29,6 +30,10 @@ class Module : public can::Participant {
   /// X and Y points it occupies, from its head address on: 32 for the ME3CAN1-Q; 0 for modules without
   /// signals.
   [[nodiscard]] virtual unsigned points() const noexcept = 0;
+  /// Its line in the CPU's product list.
+  [[nodiscard]] virtual ProductInformation product() const noexcept {
+    return {.model = model(), .points = points()};
+  }
   /// Words of buffer memory that FROM/TO and U\G may address: 0..buffer_memory_size()-1.
   [[nodiscard]] virtual BufferAddress buffer_memory_size() const noexcept = 0;
 

@@ -61,6 +61,14 @@ module::Module* Rack::module_at(std::uint16_t head_address) const noexcept {
   return slot != nullptr && slot->head == head_address ? slot->module : nullptr;
 }
 
+std::vector<Rack::ProductListRow> Rack::product_list() const {
+  std::vector<ProductListRow> rows;
+  for (const Slot& slot : slots_) {
+    rows.push_back({static_cast<unsigned>(rows.size()), slot.head, slot.module->product()});
+  }
+  return rows;
+}
+
 void Rack::power_on(can::Time now, CpuState state) {
   for (auto& words : memory_) std::ranges::fill(words, std::uint16_t{0});
   std::ranges::fill(outputs_before_stop_, std::uint16_t{0});

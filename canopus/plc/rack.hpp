@@ -49,6 +49,14 @@ class Rack {
 
   [[nodiscard]] const CpuModel& model() const noexcept { return *model_; }
 
+  /// What the programming tool's product list says of a slot.
+  struct ProductListRow {
+    unsigned slot = 0;            ///< in the order of insertion
+    std::uint16_t io_number = 0;  ///< head address
+    module::ProductInformation product;
+  };
+  [[nodiscard]] std::vector<ProductListRow> product_list() const;
+
   /// Supply on: devices cleared, modules started, then told the CPU's state.
   void power_on(can::Time now, module::CpuState state = module::CpuState::run);
   void power_off(can::Time now);

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "canopus/module/me3can1_q/data_sheet.hpp"
 #include "canopus/module/me3can1_q/firmware.hpp"
 
 namespace canopus::module::me3can1_q {
@@ -9,6 +10,15 @@ namespace canopus::module::me3can1_q {
 Me3can1Q::Me3can1Q(can::Controller& controller, NonVolatileMemory& memory, Profile profile)
     : firmware_(std::make_unique<Firmware>(controller, memory, std::move(profile))) {}
 Me3can1Q::~Me3can1Q() = default;
+
+ProductInformation Me3can1Q::product() const noexcept {
+  return {.type = data_sheet.type,
+          .series = data_sheet.series,
+          .model = data_sheet.model,
+          .points = data_sheet.points,
+          .serial_number = profile().serial_number,
+          .version = profile().function_version};
+}
 
 bool Me3can1Q::preset_buffer(BufferAddress address, std::uint16_t value) {
   return firmware_->preset_buffer(address, value);

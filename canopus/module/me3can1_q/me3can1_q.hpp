@@ -71,6 +71,7 @@ class Me3can1Q final : public Module {
 
   [[nodiscard]] std::string_view model() const noexcept override { return "ME3CAN1-Q"; }
   [[nodiscard]] unsigned points() const noexcept override { return 32; }
+  [[nodiscard]] ProductInformation product() const noexcept override;
   [[nodiscard]] BufferAddress buffer_memory_size() const noexcept override { return 65536; }
   [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
   void write_word(BufferAddress address, std::uint16_t value, can::Time now) override;

@@ -1,0 +1,29 @@
+#pragma once
+// The soft modules there are, with what there is to say of each.
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "canopus/canopen/dictionary_description.hpp"
+#include "canopus/module/data_sheet.hpp"
+
+namespace canopus::app {
+
+struct CatalogueEntry {
+  const module::DataSheet* data_sheet;
+  /// Its object dictionary; nullptr for a module that has none.
+  std::shared_ptr<const canopen::DictionaryDescription> (*objects)();
+  /// Names of what it stores, as files of its folder in a plant's store.
+  std::span<const std::string_view> stored;
+};
+
+[[nodiscard]] std::span<const CatalogueEntry> module_catalogue() noexcept;
+/// By model name in any case; nullptr when there is no such module.
+[[nodiscard]] const CatalogueEntry* find_module(std::string_view model) noexcept;
+
+/// The text of an EDS file that describes the module.
+[[nodiscard]] std::string module_eds(const CatalogueEntry& entry);
+
+}  // namespace canopus::app

@@ -1,0 +1,270 @@
+#include "canopus/app/module_command.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <sstream>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "canopus/app/module_catalogue.hpp"
+#include "canopus/app/plant.hpp"
+#include "canopus/module/flash_memory.hpp"
+#include "canopus/store/file_memory.hpp"
+
+namespace canopus::app {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using module::DataSheet;
+
+const CatalogueEntry* known_module(const std::string& model, std::ostream& err) {
+  const CatalogueEntry* entry = find_module(model);
+  if (entry == nullptr) {
+    err << "canopus: " << model << ": no such module; there are:";
+    for (const CatalogueEntry& known : module_catalogue()) err << ' ' << known.data_sheet->model;
+    err << '\n';
+  }
+  return entry;
+}
+
+std::uint32_t flash_writes(const CatalogueEntry& entry, const std::filesystem::path& folder) {
+  store::FileMemory memory(folder);
+  std::uint32_t most = 0;
+  for (const std::string_view name : entry.stored) {
+    module::FlashMemory flash(memory, {name});
+    flash.load();
+    most = std::max(most, flash.writes());
+  }
+  return most;
+}
+
+void print_text(const DataSheet& sheet, std::optional<std::uint32_t> writes, std::ostream& out) {
+  const auto row = [&](std::string_view name, std::string_view value) {
+    out << fmt::format("{:<26}{}\n", name, value);
+  };
+  row("Model", fmt::format("{}, {}", sheet.model, sheet.maker));
+  row("Manual", sheet.manual);
+  row("Type, series", fmt::format("{} {}", sheet.type, sheet.series));
+  row("I/O points", fmt::format("{} ({})", sheet.points, sheet.io_assignment));
+  row("Online module change", sheet.online_module_change ? "supported" : "not supported");
+  row("Multiple CPU system", sheet.multiple_cpu);
+  row("Flash memory", writes ? fmt::format("{} of {} writes used", *writes, sheet.flash_writes)
+                             : fmt::format("{} writes", sheet.flash_writes));
+  for (const module::Property& property : sheet.properties) row(property.name, property.value);
+  out << "\nFunction modes\n";
+  for (const auto& mode : sheet.modes) out << fmt::format("  {:<6}{}\n", mode.value, mode.name);
+  out << "\nStandards\n";
+  for (const auto& standard : sheet.standards) {
+    out << fmt::format("  {:<10} V{:<5}{}\n", standard.name, standard.version, standard.about);
+  }
+  out << "\nConnector: " << sheet.connector << '\n';
+  for (const auto& pin : sheet.pins) {
+    out << fmt::format("  {}  {:<10}{}\n", pin.number, pin.signal.empty() ? "reserved" : pin.signal,
+                       pin.meaning);
+  }
+  out << "\nLongest bus\n";
+  for (const auto& length : sheet.bus_lengths)
+    out << fmt::format("  {:>4} kbps {:>5} m\n", length.kbps, length.metres);
+  out << "\nModules per CPU, within its I/O points and the power supply's capacity\n";
+  for (const auto& cpu : sheet.modules_per_cpu) {
+    out << fmt::format("  {:<30}{:<28}{}\n", cpu.kind, cpu.models,
+                       cpu.modules == 0 ? "not applicable" : fmt::format("up to {}", cpu.modules));
+  }
+}
+
+Json as_json(const DataSheet& sheet, std::optional<std::uint32_t> writes) {
+  Json json;
+  json["model"] = sheet.model;
+  json["maker"] = sheet.maker;
+  json["manual"] = sheet.manual;
+  json["type"] = sheet.type;
+  json["series"] = sheet.series;
+  json["points"] = sheet.points;
+  json["io_assignment"] = sheet.io_assignment;
+  json["online_module_change"] = sheet.online_module_change;
+  json["multiple_cpu"] = sheet.multiple_cpu;
+  json["flash_endurance"] = sheet.flash_writes;
+  if (writes) json["flash_writes"] = *writes;
+  for (const auto& mode : sheet.modes) json["modes"].push_back({{"value", mode.value}, {"name", mode.name}});
+  for (const auto& standard : sheet.standards) {
+    json["standards"].push_back(
+        {{"name", standard.name}, {"version", standard.version}, {"about", standard.about}});
+  }
+  json["connector"] = sheet.connector;
+  for (const auto& pin : sheet.pins) {
+    json["pins"].push_back(
+        {{"number", pin.number}, {"signal", pin.signal.empty() ? Json() : Json(pin.signal)}});
+  }
+  for (const auto& length : sheet.bus_lengths) {
+    json["bus_lengths"].push_back({{"kbps", length.kbps}, {"metres", length.metres}});
+  }
+  for (const auto& cpu : sheet.modules_per_cpu) {
+    json["modules_per_cpu"].push_back({{"kind", cpu.kind},
+                                       {"models", cpu.models},
+                                       {"modules", cpu.modules == 0 ? Json() : Json(cpu.modules)}});
+  }
+  for (const auto& property : sheet.properties)
+    json["properties"][std::string(property.name)] = property.value;
+  return json;
+}
+
+std::unique_ptr<Plant> plant_of(const std::string& path, std::ostream& err) {
+  std::ifstream stream(path, std::ios::binary);
+  std::ostringstream text;
+  if (!stream || !(text << stream.rdbuf())) {
+    err << "canopus: cannot read " << path << ": " << std::strerror(errno) << '\n';
+    return nullptr;
+  }
+  const PlantReading reading = read_plant(text.str(), path);
+  for (const PlantError& error : reading.errors) err << describe(error, path) << '\n';
+  if (!reading.errors.empty()) return nullptr;
+  static PlantObserver* const nobody = [] {
+    static class Nobody final : public PlantObserver {
+    } observer;
+    return &observer;
+  }();
+  auto plant = Plant::build(reading.plant, *nobody);
+  if (plant) return std::move(*plant);
+  for (const PlantError& error : plant.error()) err << describe(error, path) << '\n';
+  return nullptr;
+}
+
+int product_lists(const std::string& path, bool json, std::ostream& out, std::ostream& err) {
+  const std::unique_ptr<Plant> plant = plant_of(path, err);
+  if (!plant) return 2;
+  if (!json)
+    out << "plc       slot  type      series  model        points  I/O No.  serial No         ver.\n";
+  for (std::size_t number = 0; number < plant->plc_count(); ++number) {
+    const std::string& name = plant->plc_section(number).name;
+    for (const auto& [slot, io_number, product] : plant->rack(number).product_list()) {
+      if (json) {
+        out << Json{{"plc", name},
+                    {"slot", slot},
+                    {"type", product.type},
+                    {"series", product.series},
+                    {"model", product.model},
+                    {"points", product.points},
+                    {"io_number", io_number},
+                    {"serial_number", product.serial_number},
+                    {"version", product.version}}
+                   .dump()
+            << '\n';
+      } else {
+        out << fmt::format("{:<9} 0-{:<3} {:<9} {:<7} {:<12} {:<7} {:04X}     {:<17} {}\n", name, slot,
+                           product.type, product.series, product.model, fmt::format("{}pt", product.points),
+                           io_number, product.serial_number, product.version);
+      }
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+
+int module_list(const std::optional<std::string>& plant, bool json, std::ostream& out, std::ostream& err) {
+  if (plant) return product_lists(*plant, json, out, err);
+  for (const CatalogueEntry& entry : module_catalogue()) {
+    const DataSheet& sheet = *entry.data_sheet;
+    if (json) {
+      out << Json{{"model", sheet.model},
+                  {"maker", sheet.maker},
+                  {"series", sheet.series},
+                  {"points", sheet.points}}
+                 .dump()
+          << '\n';
+    } else {
+      out << fmt::format("{:<12} {}, series {}, {} points\n", sheet.model, sheet.maker, sheet.series,
+                         sheet.points);
+    }
+  }
+  return 0;
+}
+
+int module_info(const std::string& model, const std::optional<std::filesystem::path>& store, bool json,
+                std::ostream& out, std::ostream& err) {
+  const CatalogueEntry* entry = known_module(model, err);
+  if (entry == nullptr) return 2;
+  std::optional<std::uint32_t> writes;
+  if (store) {
+    if (!std::filesystem::is_directory(*store)) {
+      err << "canopus: " << store->string()
+          << ": no such folder; expected the module's own in a plant's store, for example "
+             "state/U000-ME3CAN1-Q\n";
+      return 2;
+    }
+    writes = flash_writes(*entry, *store);
+  }
+  if (json) {
+    out << as_json(*entry->data_sheet, writes).dump() << '\n';
+  } else {
+    print_text(*entry->data_sheet, writes, out);
+  }
+  return 0;
+}
+
+int module_eds_file(const std::string& model, const std::string& path, std::ostream& out, std::ostream& err) {
+  const CatalogueEntry* entry = known_module(model, err);
+  if (entry == nullptr) return 2;
+  const std::string text = module_eds(*entry);
+  if (path.empty()) {
+    out << text;
+    return 0;
+  }
+  std::ofstream file(path, std::ios::binary | std::ios::trunc);
+  if (!file || !(file << text) || !file.flush()) {
+    err << "canopus: cannot write " << path << ": " << std::strerror(errno) << '\n';
+    return 2;
+  }
+  return 0;
+}
+
+void add_module_command(CLI::App& app, int& exit_code) {
+  CLI::App* command =
+      app.add_subcommand("module", "Say what the soft modules are, and describe them to other tools");
+  command->require_subcommand(1);
+  struct Words {
+    std::string model, plant, store, output;
+    bool json = false;
+  };
+  const auto words = std::make_shared<Words>();
+
+  CLI::App* list = command->add_subcommand("list", "The modules there are, or those of a plant's PLCs");
+  list->add_option("PLANT", words->plant,
+                   "Plant file: its product lists, as the programming tool shows them");
+  list->add_flag("--json", words->json, "One JSON object per line");
+  list->callback([words, &exit_code] {
+    exit_code = module_list(words->plant.empty() ? std::nullopt : std::optional(words->plant), words->json,
+                            std::cout, std::cerr);
+  });
+
+  CLI::App* info = command->add_subcommand("info", "What the manual says of a module and no register shows");
+  info->add_option("MODEL", words->model, "for example me3can1-q")->required();
+  info->add_option("--store", words->store,
+                   "Its folder in a plant's store: how often its flash memory was written")
+      ->type_name("FOLDER");
+  info->add_flag("--json", words->json, "One JSON object");
+  info->callback([words, &exit_code] {
+    exit_code =
+        module_info(words->model,
+                    words->store.empty() ? std::nullopt : std::optional<std::filesystem::path>(words->store),
+                    words->json, std::cout, std::cerr);
+  });
+
+  CLI::App* eds = command->add_subcommand("eds", "An EDS file of the module, for configuration tools");
+  eds->add_option("MODEL", words->model, "for example me3can1-q")->required();
+  eds->add_option("-o,--output", words->output, "Write it into this file")->type_name("FILE");
+  eds->callback([words, &exit_code] {
+    exit_code = module_eds_file(words->model, words->output, std::cout, std::cerr);
+  });
+  command->footer(
+      "Exit codes: 0 done, 2 no such module, or a file that cannot be read or written.\n"
+      "Example: canopus module eds me3can1-q -o me3can1-q.eds");
+}
+
+}  // namespace canopus::app

@@ -1,0 +1,92 @@
+#pragma once
+// Facts of the ME3CAN1-Q that are physical, or about its place in a system [ME3CAN1-Q 1.2, 2.2, 3.1, 3.2, 6.4].
+
+#include <array>
+
+#include "canopus/module/data_sheet.hpp"
+#include "canopus/module/me3can1_q/buffer_table.hpp"
+
+namespace canopus::module::me3can1_q {
+
+// clang-format off
+inline constexpr std::array mode_facts = std::to_array<FunctionMode>({
+    {"405", "CANopen, CiA 405"},
+    {"11",  "Layer 2, 11-bit identifiers"},
+    {"29",  "Layer 2, 29-bit identifiers"},
+});
+
+inline constexpr std::array standard_facts = std::to_array<Standard>({
+    {"CiA 301",   "4.2", "application layer and communication profile"},
+    {"CiA 302",   "4.1", "additional application layer functions"},
+    {"CiA 305",   "2.2", "layer setting services"},
+    {"CiA 405",   "2.0", "IEC 61131-3 programmable devices"},
+    {"CiA 303-1", "1.8", "connector"},
+    {"CiA 303-3", "1.4", "LEDs"},
+});
+
+// [ME3CAN1-Q 3.1.2]
+inline constexpr std::array pin_facts = std::to_array<ConnectorPin>({
+    {1, "",         ""},
+    {2, "CAN_L",    "dominant low"},
+    {3, "CAN_GND",  "ground"},
+    {4, "",         ""},
+    {5, "CAN_SHLD", "shield"},
+    {6, "",         ""},
+    {7, "CAN_H",    "dominant high"},
+    {8, "",         ""},
+    {9, "",         ""},
+});
+
+// [ME3CAN1-Q 3.2]
+inline constexpr std::array bus_length_facts = std::to_array<BusLength>({
+    {1000, 25}, {800, 50}, {500, 100}, {250, 250}, {125, 500}, {100, 600}, {50, 1000}, {20, 2500}, {10, 5000},
+});
+
+// [ME3CAN1-Q Tab. 2-1, 2-2]
+inline constexpr std::array cpu_facts = std::to_array<ModulesPerCpu>({
+    {"Basic model QCPU",             "Q00J",                     16},
+    {"Basic model QCPU",             "Q00 Q01",                  24},
+    {"High performance model QCPU",  "Q02 Q02H Q06H Q12H",       64},
+    {"Process CPU",                  "Q02PH Q06PH Q12PH Q25PH",  64},
+    {"Redundant CPU",                "Q12PRH Q25PRH",             0},
+    {"Universal model QCPU",         "Q00UJ",                    16},
+    {"Universal model QCPU",         "Q00U Q01U",                24},
+    {"Universal model QCPU",         "Q02U",                     36},
+    {"Universal model QCPU",         "QnUD(E) Q50UDEH Q100UDEH", 64},
+    {"Safety CPU",                   "QS001",                     0},
+    {"C Controller module",          "Q06CCPU-V Q12DCCPU-V",     64},
+    {"MELSECNET/H remote I/O head",  "QJ72LP25 QJ72BR15",        64},
+});
+
+inline constexpr std::array property_facts = std::to_array<Property>({
+    {"Base units",                "any I/O slot of main and extension base units"},
+    {"Transmission",              "CAN bus network (RS-485, CSMA/CR)"},
+    {"Cable",                     "ISO 11898, shielded, 2 x 2 twisted, about 120 ohm"},
+    {"Terminating resistors",     "120 ohm at both ends, not built in"},
+    {"Insulation",                "photocouplers and DC/DC converter between CAN and PLC"},
+    {"Current consumption (5 V)", "0.34 A"},
+    {"Weight",                    "0.12 kg"},
+});
+// clang-format on
+
+inline constexpr DataSheet data_sheet{
+    .model = "ME3CAN1-Q",
+    .maker = "Mitsubishi Electric",
+    .manual = "ME3CAN1-Q User's Manual, version A, 10/2014",
+    .type = "Intelli.",
+    .series = "Q",
+    .points = 32,
+    .io_assignment = "Intelligent 32 points",
+    .online_module_change = false,
+    .multiple_cpu = "parameters are accepted from the module's control CPU only",
+    .flash_writes = flash_endurance,
+    .connector = "9-pin D-sub, 4-40 UNC screws",
+    .modes = mode_facts,
+    .standards = standard_facts,
+    .pins = pin_facts,
+    .bus_lengths = bus_length_facts,
+    .modules_per_cpu = cpu_facts,
+    .properties = property_facts,
+};
+
+}  // namespace canopus::module::me3can1_q
