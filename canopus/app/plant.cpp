@@ -33,6 +33,10 @@ void Plant::power_on() {
     parts_->racks[i]->power_on(now,
                                parts_->file.plcs[i].run ? module::CpuState::run : module::CpuState::stop);
   }
+  for (std::size_t i = 0; i < parts_->cpu_errors.size(); ++i) {
+    parts_->cpu_errors[i]->powered(now);
+    parts_->timeline.refresh(parts_->cpu_error_handles[i]);
+  }
   for (std::size_t i = 0; i < parts_->modules.size(); ++i) {
     parts_->modules[i]->powered(now);
     parts_->timeline.refresh(parts_->module_handles[i]);

@@ -68,6 +68,10 @@ std::vector<PlantError> Assembly::run() {
     parts_.racks.push_back(std::make_unique<plc::Rack>(parts_.timeline));
     for (const ModuleSection& module : parts_.file.plcs[i].modules)
       add_module(parts_.file.plcs[i], i, module);
+    if (const auto after = parts_.file.plcs[i].cpu_error) {
+      parts_.cpu_errors.push_back(std::make_unique<CpuErrorTimer>(*parts_.racks[i], *after));
+      parts_.cpu_error_handles.push_back(parts_.timeline.add(*parts_.cpu_errors.back()));
+    }
   }
   for (std::size_t i = 0; i < parts_.buses.size(); ++i) set_faults(parts_.file.buses[i], *parts_.buses[i]);
   parts_.load_report = std::make_unique<LoadReport>(parts_.buses, observer_);

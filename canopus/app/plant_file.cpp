@@ -206,6 +206,15 @@ ModuleSection read_module(TableReader& table) {
     table.error("exchange", "expected at least 1ms");
   }
   module.restart_time = table.parsed("restart_time", parse_duration);
+  if (const auto fault = table.text("fault")) {
+    if (*fault == "watchdog error") module.fault = module::ModuleFault::watchdog_error;
+    if (*fault != "watchdog error" && *fault != "hardware error") {
+      table.error("fault", "expected \"hardware error\" or \"watchdog error\"");
+    }
+    module.fault_at = table.parsed("fault_at", parse_duration).value_or(can::Duration{});
+  } else if (table.find("fault_at") != nullptr) {
+    table.error("fault_at", "expected a fault, too");
+  }
   module.objects = read_objects(table, "objects");
   module.buffer = read_words(table, "buffer");
   module.online = table.boolean("online").value_or(false);
@@ -234,6 +243,7 @@ PlcSection read_plc(TableReader& table) {
     plc.run = *cpu != "stop";
   }
   plc.store = table.text("store").value_or("");
+  plc.cpu_error = table.parsed("cpu_error", parse_duration);
   table.tables("module", "plc.module",
                [&](TableReader& inner) { plc.modules.push_back(read_module(inner)); });
   return plc;

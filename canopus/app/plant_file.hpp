@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "canopus/app/text_values.hpp"
+#include "canopus/module/module.hpp"
 #include "canopus/sim/fault.hpp"
 
 namespace canopus::app {
@@ -118,7 +119,9 @@ struct ModuleSection {
   std::vector<BufferSetting> buffer{};
   bool online = false;                  ///< the stand-in program sets Y03 whenever the module has started
   std::vector<BufferSetting> writes{};  ///< and writes these words before, by address
-  std::vector<std::uint32_t> watch{};   ///< buffer memory words whose changes are reported
+  module::ModuleFault fault = module::ModuleFault::hardware_error;
+  std::optional<can::Duration> fault_at{};  ///< when the module gets this fault
+  std::vector<std::uint32_t> watch{};       ///< buffer memory words whose changes are reported
 };
 
 struct PlcSection {
@@ -127,6 +130,7 @@ struct PlcSection {
   std::optional<HostAndPort> listen{};  ///< MC protocol
   bool run = true;
   std::string store{};  ///< folder for what the modules save; empty = nothing survives the run
+  std::optional<can::Duration> cpu_error{};  ///< when the CPU stops with an error
   std::vector<ModuleSection> modules{};
 };
 

@@ -22,6 +22,8 @@ struct Plant::Parts {
   std::vector<std::unique_ptr<ModuleSeat>> modules;
   std::vector<can::Timeline::Handle> module_handles;
   std::vector<std::unique_ptr<plc::Rack>> racks;
+  std::vector<std::unique_ptr<CpuErrorTimer>> cpu_errors;
+  std::vector<can::Timeline::Handle> cpu_error_handles;
   std::unique_ptr<LoadReport> load_report;
   std::vector<std::string> connections;
 

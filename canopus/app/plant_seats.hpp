@@ -18,6 +18,7 @@
 #include "canopus/app/plant.hpp"
 #include "canopus/manager/nmt_master.hpp"
 #include "canopus/module/me3can1_q/me3can1_q.hpp"
+#include "canopus/plc/rack.hpp"
 #include "canopus/sim/device.hpp"
 #include "canopus/store/parameter_file.hpp"
 
@@ -216,6 +217,26 @@ class RunMemory final : public module::NonVolatileMemory {
   std::map<std::string, std::vector<std::uint8_t>, std::less<>> contents_;
 };
 
+/// Stops a PLC's CPU with an error, once.
+class CpuErrorTimer final : public can::Participant {
+ public:
+  CpuErrorTimer(plc::Rack& rack, can::Duration after) : rack_(rack), after_(after) {}
+
+  /// The rack has been switched on.
+  void powered(can::Time now) { at_ = can::later(now, after_); }
+  void receive(const can::Frame&, can::Time) override {}
+  void tick(can::Time now) override {
+    at_ = can::never;
+    rack_.fail_cpu(now);
+  }
+  can::Time deadline() const noexcept override { return at_; }
+
+ private:
+  plc::Rack& rack_;
+  can::Duration after_;
+  can::Time at_ = can::never;
+};
+
 /// A module in its slot, with the stand-in for the PLC program that asks for data exchanges.
 class ModuleSeat final : public can::Participant, public module::ModuleObserver {
  public:
@@ -254,6 +275,7 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver 
   void powered(can::Time now) {
     status_.is_on = true;
     if (section_.exchange) next_request_ = now + exchange_interval_;
+    if (section_.fault_at) next_fault_ = can::later(now, *section_.fault_at);
     look(now);
   }
 
@@ -271,10 +293,16 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver 
   }
   void tick(can::Time now) override {
     if (module_.deadline() <= now) module_.tick(now);
+    if (next_fault_ <= now) {
+      next_fault_ = can::never;
+      module_.inject(section_.fault, now);
+    }
     if (next_request_ <= now) run_program(now);
     look(now);
   }
-  can::Time deadline() const noexcept override { return std::min(module_.deadline(), next_request_); }
+  can::Time deadline() const noexcept override {
+    return std::min({module_.deadline(), next_request_, next_fault_});
+  }
 
   void signal_changed(module::SignalKind kind, unsigned number, bool on, can::Time now) override {
     const bool is_input = kind == module::SignalKind::input;
@@ -371,6 +399,7 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver 
   std::vector<std::uint16_t> watched_;
   std::array<BootSeen, 128> boots_seen_{};
   can::Duration exchange_interval_ = section_.exchange.value_or(can::Duration{});
+  can::Time next_fault_ = can::never;
   can::Time next_request_ = can::never;
   can::Time requested_at_{};
   bool was_ready_ = false;              // as set_up() saw it last

@@ -179,10 +179,7 @@ void CommandInterface::start_access(can::Time now) {
 }
 
 void CommandInterface::sdo_finished(canopen::SdoClient& client, can::Time now) {
-  canopen::AbortCode code = client.abort_code();
-  // The client gives up on an object larger than the block with this code.
-  if (code == canopen::AbortCode::out_of_memory) code = abort_buffer_too_small;
-  access_done(code, is_read() ? client.data() : std::span<const std::uint8_t>{}, now);
+  access_done(client.abort_code(), is_read() ? client.data() : std::span<const std::uint8_t>{}, now);
 }
 
 void CommandInterface::access_done(canopen::AbortCode code, std::span<const std::uint8_t> data,

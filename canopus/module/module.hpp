@@ -23,6 +23,12 @@ using BufferAddress = std::uint32_t;
 /// CPU operating state as a module sees it.
 enum class CpuState : std::uint8_t { stop, run };
 
+/// A fault that a test or a plant file gives a module.
+enum class ModuleFault : std::uint8_t {
+  hardware_error,  ///< the module finds its hardware faulty
+  watchdog_error,  ///< its firmware hangs: it does nothing any more
+};
+
 class Module : public can::Participant {
  public:
   /// "ME3CAN1-Q"
@@ -53,6 +59,10 @@ class Module : public can::Participant {
   /// The PLC's supply comes on: the module starts as from the shelf, with what its non-volatile memory holds.
   virtual void power_on(can::Time now) = 0;
   virtual void power_off(can::Time now) = 0;
+  /// The CPU has an error that stops it; cpu_changed(CpuState::stop) follows if it was in RUN.
+  virtual void cpu_failed(can::Time /*now*/) {}
+  /// From now on, until the supply goes off, the module has this fault. Modules without supply have none.
+  virtual void inject(ModuleFault /*fault*/, can::Time /*now*/) {}
   /// The CPU changed between RUN and STOP.
   virtual void cpu_changed(CpuState state, can::Time now) = 0;
 

@@ -47,7 +47,7 @@ bool Rack::insert(std::uint16_t head_address, module::Module& module, can::Timel
   // A module without signals still needs an address of its own for U\G.
   const std::size_t blocks = std::max(1U, (module.points() + 15) / 16);
   const std::size_t first = head_address / 16U;
-  if (head_address % 16 != 0 || first + blocks > block_count || slots_.size() >= empty) return false;
+  if (on_ || head_address % 16 != 0 || first + blocks > block_count || slots_.size() >= empty) return false;
   for (std::size_t block = first; block < first + blocks; ++block)
     if (slot_of_block_[block] != empty) return false;
   for (std::size_t block = first; block < first + blocks; ++block)
@@ -105,6 +105,23 @@ void Rack::set_cpu_state(CpuState state, can::Time now) {
     for (std::uint32_t number = 0; number < model_->points_of(Device::y); ++number)
       write_bit(Device::y, number, (outputs_before_stop_[number / 16] >> (number % 16) & 1U) != 0, now);
   }
+}
+
+void Rack::fail_cpu(can::Time now) {
+  if (!on_) return;
+  for (const Slot& slot : slots_) {
+    slot.module->cpu_failed(now);
+    timeline_.refresh(slot.handle);
+  }
+  set_cpu_state(CpuState::stop, now);
+  stopped_remotely_ = false;
+}
+
+void Rack::reset_cpu(can::Time now) {
+  if (!on_) return;
+  const CpuState state = state_;
+  power_off(now);
+  power_on(now, state);
 }
 
 void Rack::tell_cpu_state(can::Time now) {

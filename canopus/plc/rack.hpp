@@ -42,7 +42,8 @@ class Rack {
 
   /// Puts a module at a head I/O number (0, 10H, 20H ... FF0H, in points; a multiple of 16). `handle` is what
   /// the timeline's add() gave for it; the module must outlive the rack. False when the head address is not
-  /// one, or the points overlap another module's or reach beyond X/Y FFFH.
+  /// one, or the points overlap another module's or reach beyond X/Y FFFH, or the rack has supply: modules
+  /// are not changed online.
   bool insert(std::uint16_t head_address, module::Module& module, can::Timeline::Handle handle);
   /// The module whose points begin at head_address, or nullptr.
   [[nodiscard]] module::Module* module_at(std::uint16_t head_address) const noexcept;
@@ -65,6 +66,11 @@ class Rack {
   /// Remote RUN/STOP. RUN to STOP turns all Y off, STOP to RUN restores them as they were before the STOP
   /// ("previous state", the default of the CPU parameter). Every module is told.
   void set_cpu_state(module::CpuState state, can::Time now);
+  /// The CPU finds an error and stops: every module is told, then as RUN to STOP. RUN again is possible at
+  /// once.
+  void fail_cpu(can::Time now);
+  /// As the RESET switch: devices are cleared and all modules start anew.
+  void reset_cpu(can::Time now);
   /// What remote RUN clears when asked: all devices but L (`latched` = false) or with L. SM SD R ZR stay, and
   /// so does Z; Y of modules go off.
   void clear_devices(bool latched, can::Time now);

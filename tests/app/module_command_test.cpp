@@ -146,7 +146,7 @@ TEST(ModuleInfo, Store_ShowsHowOftenTheFlashMemoryWasWritten) {
   std::filesystem::remove_all(folder);
 }
 
-TEST(ModuleList, OfAPlant_IsTheProductListOfItsPlcs) {
+TEST(ModuleList, S03_OfAPlant_IsTheProductListOfItsPlcs) {
   RecordProperty("spec", "ME3-SYS-001");
   const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "module-list.toml";
   std::ofstream(path)

@@ -6,7 +6,8 @@ import struct
 import sys
 import threading
 
-from kit import ROOT, check, command, covers, first_plant_file, host_port, require, running, scratch
+from kit import (HERE, ROOT, check, command, covers, first_plant_file, host_port, node_modules, program, require, running,
+                 scratch)
 
 EXAMPLES = ROOT / "examples/me3can1-q"
 sys.path.append(str(EXAMPLES))
@@ -62,6 +63,7 @@ def run_example(name):
 @check
 @covers("ME3-PRG-002")
 def example_starts_an_me3can1_q_up():
+    """S05, over the Ethernet port: table 6-4."""
     printed, frames = run_example("startup")
     require("the network is Operational: nodes 1, 2 and 3" in printed, printed)
     require("its inputs 5A00H" in printed, printed)
@@ -78,6 +80,7 @@ def example_starts_an_me3can1_q_up():
 @check
 @covers("ME3-PRG-001")
 def example_program_does_what_the_function_blocks_do():
+    """S84: the program example of chapter 7."""
     printed, frames = run_example("program")
     for line in ("40 cycles: 40 outputs came back", "analogue output 390", "SDO abort 05040000H", "G402 = 0082H, X10 ON"):
         require(line in printed, f"{line!r} is missing in:\n{printed}")
@@ -145,6 +148,31 @@ def layer_2_module_talks_to_a_raw_socketcand_peer():
         summary = plant.wait(lambda e: e["event"] == "summary")
         states = {node["name"]: node["state"] for node in summary["nodes"]}
         require(states["ME3CAN1-Q U6"] == "layer 2 online", f"the summary says {states}")
+
+
+# --- the module as a slave of a foreign stack
+
+
+@check
+@covers("ME3-SYS-017")
+def npm_canopen_configures_the_module_as_its_slave():
+    node_modules()
+    eds = scratch / "me3can1-q.eds"
+    command(program, "module", "eds", "me3can1-q", "-o", eds)
+    checked = command(program, "eds", "check", eds).stdout
+    require("accepted, 0 warnings:" in checked and checked.count("\n") == 1, checked)
+    with running(example_plant("program")) as plant:
+        plant.wait(lambda e: e["event"] == "signal" and e["signal"] == "X00" and e["on"])
+        command("node", HERE / "module_slave_peer.mjs", *host_port(plant.socketcand), "line1", "127", eds)
+        host, port = host_port(plant.mc)
+        with mc.McClient(host, int(port)) as plc:
+            module = me3can1q.Me3Can1Q(plc)
+            require(module.g(25) & 0x0301 == 0x0201, f"G25 = {module.g(25):04X}H after the peer started the node")
+            module.set_g(13000, 0xBEEF)
+            module.exchange()
+        code, errors = plant.stop()
+        require(code == 0, errors)
+        require((0x1FF, bytes.fromhex("EF BE")) in recorded(plant.trace), "TPDO1 with the one word was not sent")
 
 
 # --- what survives a killed program

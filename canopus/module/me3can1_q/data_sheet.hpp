@@ -1,5 +1,6 @@
 #pragma once
-// Facts of the ME3CAN1-Q that are physical, or about its place in a system [ME3CAN1-Q 1.2, 2.2, 3.1, 3.2, 6.4].
+// Facts of the ME3CAN1-Q that are physical, or about its place in a system
+// [ME3CAN1-Q 1.2, 2.2, 3.1, 3.2, 6.4].
 
 #include <array>
 

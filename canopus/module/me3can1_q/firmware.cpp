@@ -192,6 +192,7 @@ void Me3can1Q::Firmware::power_on(can::Time now) {
 void Me3can1Q::Firmware::power_off(can::Time now) {
   if (state_ == State::off) return;
   state_ = State::off;
+  hardware_fault_ = false;
   master_.stop(now);
   node_.power_off();
   layer2_.go_offline();
@@ -200,6 +201,20 @@ void Me3can1Q::Firmware::power_off(can::Time now) {
   initialized_at_ = restart_again_at_ = nmt_reset_end_ = exchange_end_ = save_end_ = can::never;
   events_.clear();
   events_due_ = can::never;
+}
+
+void Me3can1Q::Firmware::inject(ModuleFault fault, can::Time now) {
+  if (state_ == State::off) return;
+  switch (fault) {
+    case ModuleFault::hardware_error:
+      hardware_fault_ = true;
+      signals_.set_input(signal::ready, false, now);
+      tell("hardware error", now);
+      return update(now);
+    case ModuleFault::watchdog_error:
+      power_off(now);  // until the supply has been off
+      return tell("watchdog error", now);
+  }
 }
 
 // [ME3CAN1-Q 3.3.2, 3.5.5] From the start of a restart on the module is off the bus; what it holds is what
@@ -287,7 +302,7 @@ void Me3can1Q::Firmware::end_initialization(can::Time now) {
   } else if (signals_.output(signal::online)) {
     go_online(now);
   }
-  signals_.set_input(signal::ready, true, now);
+  signals_.set_input(signal::ready, !hardware_fault_, now);
   const bool restarted = std::exchange(restarting_, false);
   if (signals_.output(signal::restart)) {
     if (restarted) signals_.set_input(signal::restart, true, now);

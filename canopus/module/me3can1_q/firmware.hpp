@@ -43,6 +43,8 @@ class Me3can1Q::Firmware final : public BufferArea,
   void power_on(can::Time now);
   void power_off(can::Time now);
   void cpu_changed(CpuState state, can::Time now);
+  void cpu_failed(can::Time now);
+  void inject(ModuleFault fault, can::Time now);
   void set_observer(ModuleObserver* observer);
 
   void receive(const can::Frame& frame, can::Time now);
@@ -151,6 +153,7 @@ class Me3can1Q::Firmware final : public BufferArea,
   // Status.
   [[nodiscard]] std::uint16_t communication_status() const;
   void update(can::Time now);
+  [[nodiscard]] static Event cpu_event(bool error);
   void raise_event(Event event) {
     if (events_.size() < most_events) events_.push_back(event);
   }
@@ -184,6 +187,8 @@ class Me3can1Q::Firmware final : public BufferArea,
   std::uint16_t bit_rate_ = 250;  // active, in kbit/s
   CpuState cpu_ = CpuState::run;
   bool flash_error_ = false;
+  bool hardware_fault_ = false;
+  bool cpu_failed_ = false;      // the STOP that comes is an error's
   bool nmt_reset_seen_ = false;  // G25.6
   bool time_seen_ = false;       // G25.12
   can::Time last_frame_{};       // sent or received

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "canopus/module/me3can1_q/buffer_table.hpp"
 #include "canopus/module/me3can1_q/firmware.hpp"
@@ -41,15 +42,22 @@ void Me3can1Q::Firmware::transmitted(const can::Frame& frame, can::Time now) {
   update(now);
 }
 
+// [ME3CAN1-Q 8.2.2] One error, one message: a CPU error's STOP is not told as RUN to STOP besides.
+Me3can1Q::Firmware::Event Me3can1Q::Firmware::cpu_event(bool error) {
+  const std::uint8_t digit = error ? '1' : '2';  // "ME001", "ME002"
+  return {0xFF00, 0x81, {'M', 'E', '0', '0', digit}};
+}
+
 void Me3can1Q::Firmware::cpu_changed(CpuState state, can::Time now) {
   const CpuState before = cpu_;
   cpu_ = state;
+  const bool failed = std::exchange(cpu_failed_, false);
   if (state_ != State::running) return;
   const bool stopped = before == CpuState::run && state == CpuState::stop;
   if (!canopen_mode()) {
     if (stopped) layer2_.cpu_stopped();
   } else if (stopped) {
-    raise_event({0xFF00, 0x81, {0x4D, 0x45, 0x30, 0x30, 0x32}});  // "ME002" [ME3CAN1-Q 8.2.2]
+    raise_event(cpu_event(failed));
     // [ME3CAN1-Q 4.7] 1 means no change on communication errors, yet STOP still leads to Pre-operational.
     const auto behaviour = node_.dictionary().get<std::uint8_t>(0x1029, 1);
     if (behaviour == stopped_on_error) {
@@ -58,6 +66,13 @@ void Me3can1Q::Firmware::cpu_changed(CpuState state, can::Time now) {
       node_.command(canopen::NmtCommand::enter_pre_operational, now);
     }
   }
+  update(now);
+}
+
+void Me3can1Q::Firmware::cpu_failed(can::Time now) {
+  cpu_failed_ = cpu_ == CpuState::run;
+  if (cpu_failed_ || state_ != State::running || !canopen_mode()) return;
+  raise_event(cpu_event(true));  // it was in STOP already
   update(now);
 }
 

@@ -321,6 +321,7 @@ void Me3can1Q::Firmware::update(can::Time now) {
     }
   }
   if (told_writes_ != flash_.writes()) tell_wear(now);
+  errors_.follow(error_bit::hardware, hardware_fault_);
   errors_.follow(error_bit::flash, flash_error_);
   signals_.set_input(signal::online, layer2_.online(), now);
   signals_.set_input(signal::transmit_trigger, layer2_.trigger_done(), now);

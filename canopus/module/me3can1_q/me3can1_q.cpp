@@ -48,6 +48,8 @@ void Me3can1Q::set_output(unsigned signal, bool on, can::Time now) { firmware_->
 void Me3can1Q::power_on(can::Time now) { firmware_->power_on(now); }
 void Me3can1Q::power_off(can::Time now) { firmware_->power_off(now); }
 void Me3can1Q::cpu_changed(CpuState state, can::Time now) { firmware_->cpu_changed(state, now); }
+void Me3can1Q::cpu_failed(can::Time now) { firmware_->cpu_failed(now); }
+void Me3can1Q::inject(ModuleFault fault, can::Time now) { firmware_->inject(fault, now); }
 void Me3can1Q::set_observer(ModuleObserver* observer) { firmware_->set_observer(observer); }
 
 void Me3can1Q::receive(const can::Frame& frame, can::Time now) { firmware_->receive(frame, now); }

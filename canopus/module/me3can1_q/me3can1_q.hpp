@@ -81,6 +81,10 @@ class Me3can1Q final : public Module {
   void power_on(can::Time now) override;
   void power_off(can::Time now) override;
   void cpu_changed(CpuState state, can::Time now) override;
+  void cpu_failed(can::Time now) override;
+  /// hardware_error: G29.1 and X0F ON, X00 OFF. watchdog_error: as without supply; signals and LEDs OFF
+  /// [ME3CAN1-Q 3.1.1, 3.3.2, 3.5.7].
+  void inject(ModuleFault fault, can::Time now) override;
   [[nodiscard]] const manager::NmtMaster* master() const noexcept override;
   void set_observer(ModuleObserver* observer) override;
 

@@ -27,7 +27,8 @@ class Plant {
 
   Slot& add(std::uint16_t head,
             const std::vector<std::pair<module::BufferAddress, std::uint16_t>>& words = {},
-            const std::vector<std::tuple<std::uint16_t, std::uint8_t, Bytes>>& objects = {}) {
+            const std::vector<std::tuple<std::uint16_t, std::uint8_t, Bytes>>& objects = {},
+            bool in_rack = true) {
     Slot& slot = *slots_.emplace_back(std::make_unique<Slot>());
     slot.port = &bus_.add_port("port" + std::to_string(slots_.size()));
     slot.module = std::make_unique<Me3can1Q>(*slot.port, slot.memory);
@@ -38,7 +39,9 @@ class Plant {
     }
     const auto handle = timeline_.add(*slot.module);
     slot.port->connect(*slot.module, handle);
-    EXPECT_TRUE(rack_.insert(head, *slot.module, handle));
+    if (in_rack) {
+      EXPECT_TRUE(rack_.insert(head, *slot.module, handle));
+    }
     return slot;
   }
   void power_on() { rack_.power_on(timeline_.now()); }
@@ -182,7 +185,7 @@ TEST(Me3OnABus, AloneOnTheBus_CountsUpByEightToErrorPassive_AndDownByOnePerGoodF
   plant.run(10s);
   EXPECT_EQ(plant.g(one, 35), 128);  // nobody acknowledges: not bus-off
 
-  Plant::Slot& two = plant.add(0x20, {{27, 2}});
+  Plant::Slot& two = plant.add(0x20, {{27, 2}}, {}, false);  // in a rack of its own
   two.module->power_on(plant.now());
   plant.run(1500ms);
   before = plant.g(one, 35);

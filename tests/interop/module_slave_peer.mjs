@@ -1,0 +1,72 @@
+#!/usr/bin/env node
+// A CANopen stack that is not ours configures an ME3CAN1-Q as its slave, over socketcand, as a configuration tool would:
+// identity, heartbeat, a TPDO, store (1010H), reset; what was stored must be in force after the reset, what was not must be
+// gone. The node is left Operational with a heartbeat every 200 ms and one word in TPDO1. With an EDS file (of
+// `canopus module eds`), the stack reads that, too, and the module must be what the file says.
+import { argumentsOrUsage, check, run } from './interop_report.mjs';
+import { abortCodeOf, canopen, deviceOn, useServer } from './npm_canopen.mjs';
+import { SocketcandBus } from './socketcand_bus.mjs';
+
+const { DataType, Eds, NmtState } = canopen;
+const [host, port, busName, nodeText, edsFile] = argumentsOrUsage(5, 'module_slave_peer.mjs HOST PORT BUS NODE EDS');
+const node = Number(nodeText);
+const { UNSIGNED8: u8, UNSIGNED16: u16, UNSIGNED32: u32, VISIBLE_STRING: text } = DataType;
+
+run(60, async () => {
+  const bus = await SocketcandBus.connect(host, port, busName);
+  const device = deviceOn(bus, 126);
+  useServer(device, node);
+  device.start();
+  const read = (index, subIndex, dataType) => device.sdo.upload({ deviceId: node, index, subIndex, dataType, timeout: 2000 });
+  const write = (index, subIndex, data, dataType) =>
+    device.sdo.download({ deviceId: node, index, subIndex, data, dataType, timeout: 2000 });
+  const heartbeat = (state) => new Promise((resolve) => {
+    const timer = setTimeout(() => done('none within 5 s'), 5000);
+    const listen = ({ id, data }) => { if (id === 0x700 + node && data[0] === state) done(data[0]); };
+    const done = (result) => {
+      clearTimeout(timer);
+      bus.off('frame', listen);
+      resolve(result);
+    };
+    bus.on('frame', listen);
+  });
+
+  check('1000H device type', await read(0x1000, 0, u32), 0x195);
+  check('1008H device name', await read(0x1008, 0, text), 'ME3CAN1-Q');
+  check('1018H:00 entries', await read(0x1018, 0, u8), 3);
+  check('1018H:01 vendor', await read(0x1018, 1, u32), 0x71);
+  check('1018H:02 product code', await read(0x1018, 2, u32), 0xED63);
+  check('1018H:03 revision', await read(0x1018, 3, u32), 0x10000);
+  check('1018H:04 serial number is refused', await abortCodeOf(read(0x1018, 4, u32)), 0x06090011);
+
+  const eds = Eds.fromFile(edsFile);
+  check('EDS: 1008H', eds.getEntry(0x1008).defaultValue, await read(0x1008, 0, text));
+  for (const sub of [1, 2, 3]) {
+    check(`EDS: 1018H:0${sub}`, eds.getSubEntry(0x1018, sub).value, await read(0x1018, sub, u32));
+  }
+  check('EDS: RPDOs', Array.from({ length: 256 }, (_, i) => eds.getEntry(0x1400 + i)).filter(Boolean).length, 256);
+  check('EDS: 1A05H:03', eds.getSubEntry(0x1A05, 3).value, await read(0x1A05, 3, u32));
+
+  await write(0x1017, 0, 200, u16);
+  check('heartbeat in Pre-operational', await heartbeat(NmtState.PRE_OPERATIONAL), NmtState.PRE_OPERATIONAL);
+  // TPDO1: one word, G13000, inhibit time 5 ms
+  await write(0x1800, 1, 0xC0000180 + node, u32);
+  await write(0x1A00, 0, 0, u8);
+  await write(0x1A00, 1, 0xA1000110, u32);
+  check('9 entries are refused', await abortCodeOf(write(0x1A00, 0, 9, u8)), 0x06040042);
+  await write(0x1A00, 0, 1, u8);
+  await write(0x1800, 3, 50, u16);
+  await write(0x1800, 1, 0x40000180 + node, u32);
+  check('another word than "save" is refused', await abortCodeOf(write(0x1010, 1, 0x65766172, u32)), 0x08000020);
+  await write(0x1010, 1, 0x65766173, u32);
+  await write(0x1015, 0, 77, u16);  // not stored
+  device.nmt.resetNode(node);
+  check('boot-up after the reset', await heartbeat(0), 0);
+  check('heartbeat after the reset', await heartbeat(NmtState.PRE_OPERATIONAL), NmtState.PRE_OPERATIONAL);
+  check('1800H:03 was stored', await read(0x1800, 3, u16), 50);
+  check('1A00H:00 was stored', await read(0x1A00, 0, u8), 1);
+  check('1015H was not', await read(0x1015, 0, u16), 0);
+  device.nmt.startNode(node);
+  check('Operational', await heartbeat(NmtState.OPERATIONAL), NmtState.OPERATIONAL);
+  bus.close();
+});
