@@ -34,6 +34,10 @@ std::string_view word(Access access) {
   return "ro";
 }
 
+// Below it are the data types, which the format tells by [DummyUsage] alone.
+constexpr std::uint16_t first_object = 0x1000;
+bool is_data_type(std::uint16_t index) { return index < first_object; }
+
 class Writer {
  public:
   explicit Writer(const DictionaryDescription& dictionary)
@@ -54,7 +58,7 @@ class Writer {
   void list(std::string_view name, Kind kind) {
     std::vector<std::uint16_t> indexes;
     for (const ObjectDescription& object : dictionary_.objects()) {
-      if (kind_of(object.index) == kind) indexes.push_back(object.index);
+      if (!is_data_type(object.index) && kind_of(object.index) == kind) indexes.push_back(object.index);
     }
     section(name);
     key("SupportedObjects", indexes.size());
@@ -177,6 +181,16 @@ void write_device_info(Writer& writer, const DeviceInfo& device) {
   writer.end();
 }
 
+// The data types that may stand for bytes an RPDO skips; the format always names the first seven.
+void write_dummy_usage(Writer& writer, const DictionaryDescription& dictionary) {
+  writer.section("DummyUsage");
+  for (std::uint16_t type = 1; is_data_type(type); ++type) {
+    const bool usable = dictionary.find(type) != nullptr;
+    if (usable || type <= 7) writer.key("Dummy" + hex(type, 4), usable ? 1U : 0U);
+  }
+  writer.end();
+}
+
 }  // namespace
 
 std::string write_device_file(const FileInfo& file, const DeviceInfo& device,
@@ -184,14 +198,13 @@ std::string write_device_file(const FileInfo& file, const DeviceInfo& device,
   Writer writer(dictionary);
   write_file_info(writer, file);
   write_device_info(writer, device);
-  writer.section("DummyUsage");
-  // Types 0002H to 0007H may stand for bytes that an RPDO skips.
-  for (unsigned type = 1; type <= 7; ++type) writer.key("Dummy" + hex(type, 4), type == 1 ? 0U : 1U);
-  writer.end();
+  write_dummy_usage(writer, dictionary);
   writer.list("MandatoryObjects", Writer::Kind::mandatory);
   writer.list("OptionalObjects", Writer::Kind::optional);
   writer.list("ManufacturerObjects", Writer::Kind::manufacturer);
-  for (const ObjectDescription& object : dictionary.objects()) writer.object(object);
+  for (const ObjectDescription& object : dictionary.objects()) {
+    if (!is_data_type(object.index)) writer.object(object);
+  }
   return writer.take();
 }
 
