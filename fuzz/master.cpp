@@ -189,6 +189,8 @@ class Run final : canopen::NodeListener, manager::MasterListener, can::Participa
   void reset_done(canopen::NmtCommand, can::Time now) override {
     auto& d = node_.dictionary();
     d.set<std::uint32_t>(0x1F80, 0, start_up_);
+    was_master_ =
+        was_master_ || (start_up_ & 1) != 0;  // a negotiation goes on when the bit is taken away meanwhile
     for (unsigned i = 0; i < 3; ++i) {
       const std::uint8_t id = slave_ids[i];
       const std::uint8_t shape = settings_[i];
