@@ -1,12 +1,8 @@
 #include "canopus/app/master_command.hpp"
 
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
-#include <fstream>
 #include <memory>
 #include <optional>
-#include <sstream>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -15,6 +11,7 @@
 
 #include "canopus/app/boot_report.hpp"
 #include "canopus/app/bus_command.hpp"
+#include "canopus/app/file_text.hpp"
 #include "canopus/app/network_master.hpp"
 #include "canopus/app/text_values.hpp"
 
@@ -84,32 +81,55 @@ class Printer final : public NetworkObserver {
     line(slave, now, "is heard again", "32");
   }
 
+  void master_changed(bool is_own, std::uint8_t master, can::Time now) override {
+    if (json_) {
+      return print({{"event", "master"}, {"time", can::seconds(now)}, {"active", is_own}, {"node", master}});
+    }
+    if (quiet_) return;
+    fmt::print("{:12.6f}  {}\n", can::seconds(now), describe_master(is_own, master));
+    std::fflush(stdout);
+  }
+
   /// What has become of everybody. True when the network is as it should be.
   bool summary(const NetworkMaster& network, can::Time now) {
     bool good = true;
+    bool stands_by = false;
     unsigned booted = 0;
     for (const NetworkSlave& slave : network.slaves()) {
       const auto result = network.result(slave);
       const BootRecord& record = network.master().boot_record(slave.node);
       if (result == NetworkMaster::Result::booted) ++booted;
+      if (result == NetworkMaster::Result::left_to_the_active_master) stands_by = true;
       if (result == NetworkMaster::Result::failed || result == NetworkMaster::Result::given_up) good = false;
       print_result(slave, result, record, network.master().node_state(slave.node), now);
     }
-    if (!json_) {
-      fmt::print("{} of {} slaves booted\n", booted, network.slaves().size());
+    const manager::NmtMaster& master = network.master();
+    if (json_) {
+      print({{"event", "summary"},
+             {"time", can::seconds(now)},
+             {"active", master.active()},
+             {"slaves", network.slaves().size()},
+             {"booted", booted},
+             {"good", good}});
+    } else if (stands_by) {
+      fmt::print("{}\n", describe_master(false, master.active_master()));
     } else {
-      fmt::print("{}\n", nlohmann::ordered_json{{"event", "summary"},
-                                                {"time", can::seconds(now)},
-                                                {"slaves", network.slaves().size()},
-                                                {"booted", booted},
-                                                {"good", good}}
-                             .dump());
+      fmt::print("{} of {} slaves booted\n", booted, network.slaves().size());
     }
     std::fflush(stdout);
     return good;
   }
 
  private:
+  static void print(const nlohmann::ordered_json& object) {
+    fmt::print("{}\n", object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+    std::fflush(stdout);
+  }
+  static std::string describe_master(bool is_own, std::uint8_t master) {
+    if (is_own) return "this node is the active master";
+    if (master == 0) return "there is no active master yet";
+    return fmt::format("node {} is the active master, this one stands by", master);
+  }
   static nlohmann::ordered_json boot_fields(const BootRecord& record, can::Time now) {
     nlohmann::ordered_json fields = nlohmann::ordered_json::object();
     add_boot(fields, record, now);
@@ -137,6 +157,7 @@ class Printer final : public NetworkObserver {
                      paint("given up", "33", colour_));
         }
         return;
+      case NetworkMaster::Result::left_to_the_active_master: return;
       case NetworkMaster::Result::failed: break;
     }
     if (json_) {
@@ -157,8 +178,7 @@ class Printer final : public NetworkObserver {
     nlohmann::ordered_json object{{"event", name}, {"time", can::seconds(now)}, {"node", slave.node}};
     if (!slave.name.empty()) object["name"] = slave.name;
     for (const auto& [key, value] : more.items()) object[key] = value;
-    fmt::print("{}\n", object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
-    std::fflush(stdout);
+    print(object);
   }
 
   bool json_;
@@ -166,14 +186,13 @@ class Printer final : public NetworkObserver {
   bool colour_;
 };
 
-std::optional<NetworkFile> read_file(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  if (!stream || !(text << stream.rdbuf())) {
-    complain(exit_code::usage, fmt::format("cannot read {}: {}", path, std::strerror(errno)));
+std::optional<NetworkFile> read_network_file(const std::string& path) {
+  const auto text = read_file(path);
+  if (!text) {
+    complain(exit_code::usage, text.error());
     return std::nullopt;
   }
-  NetworkReading reading = read_network(text.str(), path);
+  NetworkReading reading = read_network(*text, path);
   for (const PlantError& error : reading.errors) fmt::print(stderr, "{}\n", describe(error, path));
   if (!reading.errors.empty()) return std::nullopt;
   return std::move(reading.network);
@@ -193,7 +212,7 @@ int boot(const Arguments& arguments) {
     if (!parsed) return complain(exit_code::usage, "--for: " + parsed.error());
     duration = *parsed;
   }
-  auto file = read_file(arguments.network);
+  auto file = read_network_file(arguments.network);
   if (!file) return exit_code::usage;
   constexpr can::Duration default_boot_time = std::chrono::seconds(30);
   if (!file->boot_time) file->boot_time = duration && !arguments.stay ? *duration : default_boot_time;

@@ -5,12 +5,12 @@
 #include <fstream>
 #include <iostream>
 #include <memory>
-#include <sstream>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "canopus/app/file_text.hpp"
 #include "canopus/app/module_catalogue.hpp"
 #include "canopus/app/plant.hpp"
 #include "canopus/module/flash_memory.hpp"
@@ -115,13 +115,12 @@ Json as_json(const DataSheet& sheet, std::optional<std::uint32_t> writes) {
 }
 
 std::unique_ptr<Plant> plant_of(const std::string& path, std::ostream& err) {
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  if (!stream || !(text << stream.rdbuf())) {
-    err << "canopus: cannot read " << path << ": " << std::strerror(errno) << '\n';
+  const auto text = read_file(path);
+  if (!text) {
+    err << "canopus: " << text.error() << '\n';
     return nullptr;
   }
-  const PlantReading reading = read_plant(text.str(), path);
+  const PlantReading reading = read_plant(*text, path);
   for (const PlantError& error : reading.errors) err << describe(error, path) << '\n';
   if (!reading.errors.empty()) return nullptr;
   static PlantObserver* const nobody = [] {

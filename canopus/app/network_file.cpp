@@ -21,6 +21,53 @@ can::Duration milliseconds_16(TableReader& table, std::string_view key) {
   return *time;
 }
 
+struct OptionTime {
+  std::string_view key;
+  can::Duration manager::MasterOptions::*time;
+};
+constexpr OptionTime option_times[] = {
+    {"start_all_delay", &manager::MasterOptions::start_all_delay},
+    {"wait_after_reset", &manager::MasterOptions::wait_after_reset},
+    {"presence_retry", &manager::MasterOptions::presence_retry},
+    {"guarding_probe", &manager::MasterOptions::guarding_probe},
+    {"boot_up_timeout", &manager::MasterOptions::boot_up_time_out},
+    {"late_boot_up", &manager::MasterOptions::late_boot_up},
+    {"state_change_grace", &manager::MasterOptions::state_change_grace},
+    {"flying_heartbeat", &manager::MasterOptions::flying_heartbeat},
+    {"flying_consumer_time", &manager::MasterOptions::flying_consumer_time},
+    {"program_timeout", &manager::MasterOptions::program_time_out},
+    {"program_poll", &manager::MasterOptions::program_poll},
+    {"program_flash_limit", &manager::MasterOptions::program_flash_limit},
+    {"program_start_limit", &manager::MasterOptions::program_start_limit},
+};
+
+/// [master.times]: those of the start-up that CiA 302 and the manuals leave to the product.
+void read_times(TableReader& table, manager::MasterOptions& options) {
+  for (const OptionTime& option : option_times) {
+    options.*option.time = table.parsed(option.key, parse_duration).value_or(options.*option.time);
+  }
+}
+
+/// [master.flying]
+manager::FlyingMasterTiming read_flying(TableReader& table, std::uint8_t node) {
+  manager::FlyingMasterTiming timing;
+  timing.detect_cycle += std::chrono::milliseconds(10) * node;  // so that no two masters share one
+  const auto time = [&table](std::string_view key, can::Duration& duration) {
+    if (table.find(key) != nullptr) duration = milliseconds_16(table, key);
+  };
+  timing.level = static_cast<std::uint8_t>(
+      table.integer("priority", 0, 2, "expected 0 (high), 1 or 2 (low)").value_or(timing.level));
+  time("timeout", timing.time_out);
+  time("negotiation_delay", timing.negotiation_delay);
+  time("priority_slot", timing.priority_slot);
+  time("device_slot", timing.device_slot);
+  time("detect_cycle", timing.detect_cycle);
+  if (timing.priority_slot <= 127 * timing.device_slot) {
+    table.error("priority_slot", "expected more than 127 times device_slot, or priorities overlap");
+  }
+  return timing;
+}
+
 std::optional<std::uint32_t> unsigned32(TableReader& table, std::string_view key) {
   const auto value = table.integer(key, 0, 0xFFFF'FFFF, "expected 0 to 0xFFFF_FFFF");
   return value ? std::optional(static_cast<std::uint32_t>(*value)) : std::nullopt;
@@ -72,6 +119,14 @@ NetworkSlave read_slave(TableReader& table) {
   slave.retry_factor =
       static_cast<std::uint8_t>(table.integer("retry_factor", 1, 255, "expected 1 to 255").value_or(3));
   slave.objects = objects(table);
+  slave.software_version = unsigned32(table, "software_version");
+  slave.program = table.text("program").value_or("");
+  slave.program_place = table.place("program");
+  slave.restore = static_cast<std::uint8_t>(
+      table.integer("restore", 1, 127, "expected a sub-index of 1011H, 1 to 127").value_or(0));
+  if (!slave.program.empty() && slave.software_version.value_or(0) == 0) {
+    table.error("program", "needs software_version, other than 0: what the new program's 1F56H reads");
+  }
   if (!slave.objects.empty() && slave.eds.empty()) {
     table.error("objects", "needs the device's eds, which says the objects' types");
   }
@@ -79,6 +134,51 @@ NetworkSlave read_slave(TableReader& table) {
     table.error("guard_time", "a slave is watched by heartbeat or by guarding, not both");
   }
   return slave;
+}
+
+void read_master(TableReader& table, NetworkFile& network, std::vector<PlantError>& errors) {
+  network.node = node_id(table, false, network.node);
+  network.heartbeat = milliseconds_16(table, "heartbeat");
+  network.boot_time = table.parsed("boot_time", parse_duration);
+  network.start_slaves = table.boolean("start_slaves").value_or(true);
+  network.start_together = table.boolean("start_together").value_or(false);
+  network.nmt_inhibit_time = table.parsed("nmt_inhibit_time", parse_duration).value_or(can::Duration{});
+  constexpr can::Duration unit = std::chrono::microseconds(100);
+  if (network.nmt_inhibit_time % unit != can::Duration{} || network.nmt_inhibit_time > 65535 * unit) {
+    table.error("nmt_inhibit_time", "expected whole 100us, at most 6553500us");
+  }
+  if (const auto reaction = table.text("on_error")) {
+    if (*reaction == "reset slave") {
+      network.on_error = ErrorReaction::reset_slave;
+    } else if (*reaction == "reset all") {
+      network.on_error = ErrorReaction::reset_all;
+    } else if (*reaction == "stop all") {
+      network.on_error = ErrorReaction::stop_all;
+    } else {
+      table.error("on_error", "expected \"reset slave\", \"reset all\" or \"stop all\"");
+    }
+  }
+  const auto number = [&table](std::string_view key, unsigned otherwise) {
+    return static_cast<unsigned>(table.integer(key, 1, 100, "expected 1 to 100").value_or(otherwise));
+  };
+  manager::MasterOptions& options = network.options;
+  options.program_attempts = number("program_attempts", options.program_attempts);
+  options.program_clear_attempts = number("program_clear_attempts", options.program_clear_attempts);
+  const auto block_from = table.integer("block_from", 0, 0xFFFF, "expected 0 (never) to 65535 bytes");
+  if (block_from) options.block_from = static_cast<std::size_t>(*block_from);
+  const auto inner = [&](std::string_view key, const auto& read) {
+    const toml::node* node = table.find(key);
+    if (node == nullptr) return;
+    if (const auto* found = node->as_table()) {
+      TableReader reader(*found, fmt::format("[master.{}]", key), errors);
+      read(reader);
+      reader.finish();
+    } else {
+      table.error(key, fmt::format("expected a table, [master.{}]", key));
+    }
+  };
+  inner("times", [&](TableReader& times) { read_times(times, options); });
+  inner("flying", [&](TableReader& flying) { network.flying = read_flying(flying, network.node); });
 }
 
 void check(NetworkReading& reading) {
@@ -117,10 +217,7 @@ NetworkReading read_network(std::string_view text, std::string path) {
   if (const toml::node* node = table.find("master")) {
     if (const auto* inner = node->as_table()) {
       TableReader master(*inner, "[master]", reading.errors);
-      network.node = node_id(master, false, network.node);
-      network.heartbeat = milliseconds_16(master, "heartbeat");
-      network.boot_time = master.parsed("boot_time", parse_duration);
-      network.start_slaves = master.boolean("start_slaves").value_or(true);
+      read_master(master, network, reading.errors);
       master.finish();
     } else {
       table.error("master", "expected a table, [master]");

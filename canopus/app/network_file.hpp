@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "canopus/app/plant_file.hpp"
+#include "canopus/manager/flying_master.hpp"
+#include "canopus/manager/master_options.hpp"
 
 namespace canopus::app {
 
@@ -31,7 +33,18 @@ struct NetworkSlave {
   can::Duration consumer_heartbeat_time{};  ///< 1016H, whole ms up to 65535; 0 = its heartbeat is not watched
   can::Duration guard_time{};               ///< whole ms up to 65535; 0 = not guarded
   std::uint8_t retry_factor = 3;
-  std::vector<ObjectSetting> objects{};  ///< written to it besides its DCF's configured values
+  std::vector<ObjectSetting> objects{};             ///< written to it besides its DCF's configured values
+  std::optional<std::uint32_t> software_version{};  ///< 1F55H: what its 1F56H:01 must read
+  Place program_place{};
+  std::string program{};     ///< file that it is given when its version is another; empty = none
+  std::uint8_t restore = 0;  ///< 1F8AH: 1011H sub-index written before its configuration; 0 = none
+};
+
+/// What happens when a mandatory slave has an error control event.
+enum class ErrorReaction : std::uint8_t {
+  reset_slave,
+  reset_all,  ///< 1F80H bit 4
+  stop_all,   ///< 1F80H bit 6
 };
 
 struct NetworkFile {
@@ -41,6 +54,11 @@ struct NetworkFile {
   can::Duration heartbeat{};                 ///< the master's own, 1017H; 0 = none
   std::optional<can::Duration> boot_time{};  ///< 1F89H: mandatory slaves must have booted by then
   bool start_slaves = true;                  ///< slaves are started as they are booted
+  bool start_together = false;               ///< 1F80H bit 1: all at once, when all mandatory ones are booted
+  ErrorReaction on_error = ErrorReaction::reset_slave;
+  can::Duration nmt_inhibit_time{};                     ///< 102AH, whole 100 us
+  std::optional<manager::FlyingMasterTiming> flying{};  ///< 1F80H bit 5 and 1F90H
+  manager::MasterOptions options{};                     ///< times and attempts of the start-up
   std::vector<NetworkSlave> slaves{};
 };
 

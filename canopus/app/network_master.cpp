@@ -1,15 +1,12 @@
 #include "canopus/app/network_master.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include <fmt/format.h>
 
 #include "canopus/app/dcf_download.hpp"
+#include "canopus/app/file_text.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/manager/concise_dcf.hpp"
 #include "canopus/manager/master_dictionary.hpp"
@@ -24,11 +21,14 @@ std::uint32_t whole_milliseconds(can::Duration duration) {
   return static_cast<std::uint32_t>(std::chrono::duration_cast<std::chrono::milliseconds>(duration).count());
 }
 
-std::expected<std::string, std::string> read_text(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  if (!stream || !(text << stream.rdbuf())) return std::unexpected(std::strerror(errno));
-  return text.str();
+std::uint32_t start_up_of(const NetworkFile& file) {
+  std::uint32_t bits = 0x01;  // NMT master
+  if (file.start_together) bits |= 0x02;
+  if (!file.start_slaves) bits |= 0x08;
+  if (file.on_error == ErrorReaction::reset_all) bits |= 0x10;
+  if (file.flying) bits |= 0x20;
+  if (file.on_error == ErrorReaction::stop_all) bits |= 0x40;
+  return bits;
 }
 
 }  // namespace
@@ -42,7 +42,7 @@ NetworkMaster::NetworkMaster(const NetworkFile& file, can::Sink& sink, NetworkOb
     : file_(file),
       observer_(observer),
       node_(manager::master_dictionary(), file.node, sink),
-      master_(node_, sink) {
+      master_(node_, sink, file.options) {
   node_.set_listener(this);
   master_.set_listener(this);
   master_.set_configuration_source(this);
@@ -51,10 +51,11 @@ NetworkMaster::NetworkMaster(const NetworkFile& file, can::Sink& sink, NetworkOb
 std::expected<std::unique_ptr<NetworkMaster>, std::vector<PlantError>> NetworkMaster::build(
     const NetworkFile& file, can::Sink& sink, NetworkObserver& observer) {
   std::unique_ptr<NetworkMaster> network(new NetworkMaster(file, sink, observer));
-  constexpr std::uint32_t nmt_master = 0x01;
-  constexpr std::uint32_t do_not_start_slaves = 0x08;
-  network->store(0x1F80, 0, nmt_master | (file.start_slaves ? 0 : do_not_start_slaves));
+  network->store(0x1F80, 0, start_up_of(file));
   network->store(0x1017, 0, whole_milliseconds(file.heartbeat));
+  network->store(0x102A, 0,
+                 static_cast<std::uint32_t>(file.nmt_inhibit_time / std::chrono::microseconds(100)));
+  if (file.flying) network->store_flying(*file.flying);
   if (file.boot_time) network->store(0x1F89, 0, whole_milliseconds(*file.boot_time));
   std::vector<PlantError> errors;
   for (const NetworkSlave& slave : network->file_.slaves) {
@@ -64,35 +65,47 @@ std::expected<std::unique_ptr<NetworkMaster>, std::vector<PlantError>> NetworkMa
   return network;
 }
 
+void NetworkMaster::store_flying(const manager::FlyingMasterTiming& timing) {
+  store(0x1F90, 1, whole_milliseconds(timing.time_out));
+  store(0x1F90, 2, whole_milliseconds(timing.negotiation_delay));
+  store(0x1F90, 3, timing.level);
+  store(0x1F90, 4, whole_milliseconds(timing.priority_slot));
+  store(0x1F90, 5, whole_milliseconds(timing.device_slot));
+  store(0x1F90, 6, whole_milliseconds(timing.detect_cycle));
+}
+
 std::vector<PlantError> NetworkMaster::prepare(const NetworkSlave& slave) {
   constexpr std::uint32_t assigned_and_booted = 0x05;
   constexpr std::uint32_t mandatory = 0x08;
   constexpr std::uint32_t keep_alive = 0x10;
+  constexpr std::uint32_t check_software = 0x20;
+  constexpr std::uint32_t update_software = 0x40;
+  constexpr std::uint32_t restore = 0x80;
   const std::uint32_t guard_time = whole_milliseconds(slave.guard_time);
   store(0x1F81, slave.node,
         assigned_and_booted | (slave.mandatory ? mandatory : 0) | (slave.keep_alive ? keep_alive : 0) |
+            (slave.software_version ? check_software : 0) | (slave.program.empty() ? 0 : update_software) |
+            (slave.restore != 0 ? restore : 0) |
             (guard_time != 0 ? std::uint32_t{slave.retry_factor} << 8 | guard_time << 16 : 0));
   if (slave.consumer_heartbeat_time != can::Duration{}) {
     store(0x1016, static_cast<std::uint8_t>(++watched_),
           std::uint32_t{slave.node} << 16 | whole_milliseconds(slave.consumer_heartbeat_time));
   }
+  store(0x1F55, slave.node, slave.software_version.value_or(0));
+  store(0x1F8A, slave.node, slave.restore);
+  if (!slave.program.empty()) {
+    auto program = read_beside(slave.program);
+    if (program && program->empty()) program = std::unexpected("the file is empty");
+    if (!program) {
+      return {{slave.program_place, fmt::format("program = \"{}\": {}", slave.program, program.error())}};
+    }
+    programs_[slave.node] = std::move(*program);
+  }
   eds::Identity identity;
   if (!slave.eds.empty()) {
-    const std::string path = (std::filesystem::path(file_.path).parent_path() / slave.eds).string();
-    const auto refuse = [&](std::string_view what) {
-      return std::vector<PlantError>{{slave.eds_place, fmt::format("eds = \"{}\": {}", slave.eds, what)}};
-    };
-    const auto text = read_text(path);
-    if (!text) return refuse(fmt::format("cannot read {}: {}", path, text.error()));
-    const eds::ReadResult device = eds::read_device_file(*text);
-    if (device.file == nullptr) {
-      return refuse(fmt::format("{}:{}: {}", path, device.problems[0].line, device.problems[0].message));
-    }
-    identity = eds::identity(*device.file);
-    auto concise = concise_dcf_of(*device.file, slave.objects, slave.node);
-    if (!concise) return concise.error();
-    files_[slave.node] = std::move(*concise);
-    expect_configuration(slave.node);
+    const auto found = prepare_device(slave);
+    if (!found) return found.error();
+    identity = *found;
   }
   store(0x1F84, slave.node, slave.device_type.value_or(identity.device_type.value_or(0)));
   store(0x1F85, slave.node, slave.vendor.value_or(identity.vendor_id.value_or(0)));
@@ -100,6 +113,37 @@ std::vector<PlantError> NetworkMaster::prepare(const NetworkSlave& slave) {
   store(0x1F87, slave.node, slave.revision.value_or(identity.revision.value_or(0)));
   store(0x1F88, slave.node, slave.serial.value_or(0));
   return {};
+}
+
+std::expected<eds::Identity, std::vector<PlantError>> NetworkMaster::prepare_device(
+    const NetworkSlave& slave) {
+  const auto refuse = [&](std::string_view what) {
+    return std::unexpected(
+        std::vector<PlantError>{{slave.eds_place, fmt::format("eds = \"{}\": {}", slave.eds, what)}});
+  };
+  const auto text = read_beside(slave.eds);
+  if (!text) return refuse(text.error());
+  const eds::ReadResult device = eds::read_device_file(*text);
+  if (device.file == nullptr) {
+    return refuse(fmt::format("line {}: {}", device.problems[0].line, device.problems[0].message));
+  }
+  auto concise = concise_dcf_of(*device.file, slave.objects, slave.node);
+  if (!concise) return std::unexpected(concise.error());
+  files_[slave.node] = std::move(*concise);
+  expect_configuration(slave.node);
+  return eds::identity(*device.file);
+}
+
+std::expected<std::string, std::string> NetworkMaster::read_beside(const std::string& name) const {
+  return read_file((std::filesystem::path(file_.path).parent_path() / name).string());
+}
+
+manager::Program NetworkMaster::open_program(std::uint8_t node_id) {
+  const std::string& program = programs_[node_id];
+  if (program.empty()) return {};
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(program.data());
+  program_readers_[node_id] = canopen::MemorySource({bytes, program.size()});
+  return {.bytes = &program_readers_[node_id], .size = static_cast<std::uint32_t>(program.size())};
 }
 
 // A configuration that says when it was made need not be downloaded to a slave that has it.
@@ -117,6 +161,7 @@ void NetworkMaster::power_on(can::Time now) { node_.power_on(now); }
 
 NetworkMaster::Result NetworkMaster::result(const NetworkSlave& slave) const {
   const BootRecord& record = master_.boot_record(slave.node);
+  if (file_.flying && !master_.active()) return Result::left_to_the_active_master;
   if (record.step == BootStep::booted) return Result::booted;
   if (master_.halted() && record.step == BootStep::idle) return Result::given_up;
   const bool silent =
@@ -126,6 +171,7 @@ NetworkMaster::Result NetworkMaster::result(const NetworkSlave& slave) const {
 
 bool NetworkMaster::start_up_over() const {
   if (master_.halted()) return true;
+  if (!master_.active()) return false;
   if (!finished_) return false;
   return std::ranges::all_of(file_.slaves, [this](const NetworkSlave& slave) {
     const BootStep step = master_.boot_record(slave.node).step;
@@ -142,11 +188,24 @@ const NetworkSlave* NetworkMaster::find(std::uint8_t node_id) const {
 void NetworkMaster::receive(const can::Frame& frame, can::Time now) {
   node_.receive(frame, now);
   master_.receive(frame, now);
+  look_for_master(now);
+}
+
+void NetworkMaster::transmitted(const can::Frame& frame, can::Time now) {
+  node_.transmitted(frame, now);
+  master_.transmitted(frame, now);
 }
 
 void NetworkMaster::tick(can::Time now) {
   if (node_.deadline() <= now) node_.tick(now);
   if (master_.deadline() <= now) master_.tick(now);
+  look_for_master(now);
+}
+
+void NetworkMaster::look_for_master(can::Time now) {
+  if (!file_.flying || master_.active_master() == told_master_) return;
+  told_master_ = master_.active_master();
+  observer_.master_changed(master_.active(), told_master_, now);
 }
 
 can::Time NetworkMaster::deadline() const noexcept { return std::min(node_.deadline(), master_.deadline()); }

@@ -13,6 +13,8 @@
 
 #include "canopus/app/network_file.hpp"
 #include "canopus/canopen/node.hpp"
+#include "canopus/canopen/object_stream.hpp"
+#include "canopus/eds/device_file.hpp"
 #include "canopus/manager/nmt_master.hpp"
 
 namespace canopus::app {
@@ -27,6 +29,8 @@ class NetworkObserver {
   virtual void state_changed(const NetworkSlave&, std::uint8_t /*node_state::...*/, can::Time) {}
   virtual void error_control_event(const NetworkSlave&, manager::ErrorControlEvent, can::Time) {}
   virtual void error_control_resolved(const NetworkSlave&, can::Time) {}
+  /// A flying master: this node is the active master, or `master` is (0: nobody yet).
+  virtual void master_changed(bool /*is_own*/, std::uint8_t /*master*/, can::Time) {}
 
  protected:
   ~NetworkObserver() = default;
@@ -37,7 +41,8 @@ class NetworkMaster final : public can::Participant,
                             private manager::MasterListener,
                             private manager::ConfigurationSource {
  public:
-  /// Opens the device files. Errors name the line of the network file. `sink` and `observer` outlive it.
+  /// Opens the device files and programs. Errors name the line of the network file. `sink` and `observer`
+  /// outlive it.
   [[nodiscard]] static std::expected<std::unique_ptr<NetworkMaster>, std::vector<PlantError>> build(
       const NetworkFile& file, can::Sink& sink, NetworkObserver& observer);
   ~NetworkMaster() override = default;
@@ -49,30 +54,41 @@ class NetworkMaster final : public can::Participant,
   /// The start-up begins.
   void power_on(can::Time now);
   /// It has ended: halted by a mandatory slave, or all mandatory slaves are booted and every optional one is
-  /// booted, failed or did not answer.
+  /// booted, failed or did not answer. Never while another flying master is the active one.
   [[nodiscard]] bool start_up_over() const;
   /// What has become of a slave.
   enum class Result : std::uint8_t {
     booted,
-    absent,    ///< optional, does not answer
-    given_up,  ///< the start-up ended with another slave before this one was booted
-    failed,    ///< or mandatory and not booted
+    absent,                     ///< optional, does not answer
+    given_up,                   ///< the start-up ended with another slave before this one was booted
+    failed,                     ///< or mandatory and not booted
+    left_to_the_active_master,  ///< this flying master stands by
   };
   [[nodiscard]] Result result(const NetworkSlave& slave) const;
   [[nodiscard]] std::span<const NetworkSlave> slaves() const noexcept { return file_.slaves; }
   [[nodiscard]] const manager::NmtMaster& master() const noexcept { return master_; }
+  /// The master as a node.
+  [[nodiscard]] canopen::Node& node() noexcept { return node_; }
   /// The concise DCF that a slave is given.
   std::span<const std::uint8_t> concise_dcf(std::uint8_t node_id) override { return files_[node_id]; }
+  manager::Program open_program(std::uint8_t node_id) override;
 
   // can::Participant
   void receive(const can::Frame& frame, can::Time now) override;
+  void transmitted(const can::Frame& frame, can::Time now) override;
   void tick(can::Time now) override;
   [[nodiscard]] can::Time deadline() const noexcept override;
 
  private:
   NetworkMaster(const NetworkFile& file, can::Sink& sink, NetworkObserver& observer);
+  void store_flying(const manager::FlyingMasterTiming& timing);
   std::vector<PlantError> prepare(const NetworkSlave& slave);
+  /// A file whose name is relative to the network file. The error is a sentence.
+  [[nodiscard]] std::expected<std::string, std::string> read_beside(const std::string& name) const;
+  /// The device file's identity and configuration.
+  std::expected<eds::Identity, std::vector<PlantError>> prepare_device(const NetworkSlave& slave);
   void expect_configuration(std::uint8_t node_id);
+  void look_for_master(can::Time now);
   void store(std::uint16_t index, std::uint8_t sub, std::uint32_t value) {
     stored_.push_back({index, sub, value});
   }
@@ -104,7 +120,10 @@ class NetworkMaster final : public can::Participant,
   manager::NmtMaster master_;
   std::vector<Stored> stored_;
   std::array<std::vector<std::uint8_t>, 128> files_;
+  std::array<std::string, 128> programs_;
+  std::array<canopen::MemorySource, 128> program_readers_;
   bool finished_ = false;
+  std::uint8_t told_master_ = 0;
   unsigned watched_ = 0;  // entries of 1016H in use
 };
 

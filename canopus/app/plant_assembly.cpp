@@ -1,15 +1,12 @@
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <optional>
 #include <set>
-#include <sstream>
 
 #include <fmt/format.h>
 
+#include "canopus/app/file_text.hpp"
 #include "canopus/app/module_network.hpp"
 #include "canopus/app/plant_parts.hpp"
 #include "canopus/eds/device_file.hpp"
@@ -82,13 +79,12 @@ std::vector<PlantError> Assembly::run() {
 Assembly::File Assembly::load(const DeviceSection& section) {
   const std::string path = (folder_ / section.eds).lexically_normal().string();
   if (const auto known = files_.find(path); known != files_.end()) return known->second;
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  if (!stream || !(text << stream.rdbuf())) {
-    error(section.eds_place, "eds = \"{}\": cannot read {}: {}", section.eds, path, std::strerror(errno));
+  const auto text = read_file(path);
+  if (!text) {
+    error(section.eds_place, "eds = \"{}\": {}", section.eds, text.error());
     return files_[path] = nullptr;
   }
-  const eds::ReadResult result = eds::read_device_file(text.str());
+  const eds::ReadResult result = eds::read_device_file(*text);
   if (!result.file) {
     const eds::Problem& problem = result.problems.front();
     error(section.eds_place, "eds = \"{}\": no device can be made of it: {}:{}: {}", section.eds, path,

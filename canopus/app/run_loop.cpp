@@ -6,9 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <memory>
-#include <sstream>
 #include <vector>
 
 #include <boost/asio/io_context.hpp>
@@ -20,6 +18,7 @@
 #include <unistd.h>
 
 #include "canopus/app/event_printer.hpp"
+#include "canopus/app/file_text.hpp"
 #include "canopus/app/live_table.hpp"
 #include "canopus/app/melsec_server.hpp"
 #include "canopus/app/plant.hpp"
@@ -35,13 +34,12 @@ using WallClock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 std::optional<PlantFile> read_plant_file(const std::string& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::ostringstream text;
-  if (!stream || !(text << stream.rdbuf())) {
-    fmt::print(stderr, "canopus: cannot read {}: {}\n", path, std::strerror(errno));
+  const auto text = read_file(path);
+  if (!text) {
+    fmt::print(stderr, "canopus: {}\n", text.error());
     return std::nullopt;
   }
-  PlantReading reading = read_plant(text.str(), path);
+  PlantReading reading = read_plant(*text, path);
   for (const PlantError& error : reading.errors) fmt::print(stderr, "{}\n", describe(error, path));
   if (!reading.errors.empty()) return std::nullopt;
   return std::move(reading.plant);

@@ -3,10 +3,8 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <memory>
 #include <optional>
-#include <sstream>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -14,6 +12,7 @@
 #include <unistd.h>
 
 #include "canopus/app/bus_command.hpp"
+#include "canopus/app/file_text.hpp"
 #include "canopus/app/sdo_transfer_on_bus.hpp"
 #include "canopus/app/sdo_value.hpp"
 
@@ -161,13 +160,9 @@ int read(const Arguments& arguments) {
 }
 
 std::expected<std::vector<std::uint8_t>, std::string> file_content(const std::string& name) {
-  std::ifstream stream(name, std::ios::binary);
-  std::ostringstream content;
-  if (!stream || !(content << stream.rdbuf() || stream.peek() == std::ifstream::traits_type::eof())) {
-    return std::unexpected(fmt::format("cannot read {}: {}", name, std::strerror(errno)));
-  }
-  const std::string text = content.str();
-  return std::vector<std::uint8_t>(text.begin(), text.end());
+  const auto text = read_file(name);
+  if (!text) return std::unexpected(text.error());
+  return std::vector<std::uint8_t>(text->begin(), text->end());
 }
 
 std::expected<std::vector<std::uint8_t>, std::string> bytes_to_write(const Arguments& arguments,

@@ -48,6 +48,7 @@ std::shared_ptr<const canopen::DictionaryDescription> master_dictionary() {
   array(0x1F88, "Serial number", DataType::unsigned32);
   builder.variable(0x1F89, {.name = "Boot time"});
   array(0x1F8A, "Restore configuration", DataType::unsigned8);
+  array(0x1F90, "NMT flying master timing parameters", DataType::unsigned16, 6);
   return builder.build();
 }
 

@@ -8,8 +8,8 @@
 
 namespace canopus::manager {
 
-/// 1000H, 1001H, 1016H (127 entries), 1017H, 1018H, 102AH, 1F80H-1F89H [CiA 301, CiA 302-2], all 0. The
-/// values are put in from NodeListener::reset_done(), before NmtMaster::start().
+/// 1000H, 1001H, 1016H (127 entries), 1017H, 1018H, 102AH, 1F26H, 1F27H, 1F55H, 1F80H-1F8AH, 1F90H [CiA 301,
+/// CiA 302-2], all 0. The values are put in from NodeListener::reset_done(), before NmtMaster::start().
 [[nodiscard]] std::shared_ptr<const canopen::DictionaryDescription> master_dictionary();
 
 }  // namespace canopus::manager

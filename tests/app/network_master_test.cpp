@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "app/device_bus.hpp"
+#include "manager/scripted_slave.hpp"
 
 namespace canopus::app {
 namespace {
@@ -45,6 +46,9 @@ class NetworkMasterTest : public testing::Test, public NetworkObserver {
   }
   void boot_went_on(const NetworkSlave& which, const manager::BootRecord& record, can::Time) override {
     note(std::string(manager::describe(record.step)), which);
+  }
+  void master_changed(bool is_own, std::uint8_t node_id, can::Time) override {
+    events.push_back(is_own ? "this is the master" : "master is " + std::to_string(node_id));
   }
   void note(const std::string& what, const NetworkSlave& which) {
     events.push_back(app::describe(which) + " " + what);
@@ -191,6 +195,155 @@ TEST_F(NetworkMasterTest, MissingDeviceFile_IsToldWithItsPlace) {
   ASSERT_EQ(built.error().size(), 1U);
   EXPECT_THAT(describe(built.error()[0], "n.toml"),
               HasSubstr("n.toml:4:7: eds = \"nowhere.eds\": cannot read "));
+}
+
+/// A slave that takes programs, written by hand, on a simulated bus.
+class ProgrammableSlave final : public can::Participant {
+ public:
+  ProgrammableSlave(std::uint8_t node_id, can::Sink& sink)
+      : script(node_id, [this](const can::Frame& frame,
+                               can::Duration after) { answers_.emplace(now_ + after, frame); }),
+        sink_(sink) {}
+
+  void receive(const can::Frame& frame, can::Time now) override {
+    now_ = now;
+    script.hear(frame);
+  }
+  void tick(can::Time now) override {
+    now_ = now;
+    while (!answers_.empty() && answers_.begin()->first <= now) {
+      sink_.send(answers_.begin()->second);
+      answers_.erase(answers_.begin());
+    }
+  }
+  [[nodiscard]] can::Time deadline() const noexcept override {
+    return answers_.empty() ? can::never : answers_.begin()->first;
+  }
+
+  manager::test::ScriptedSlave script;
+
+ private:
+  can::Sink& sink_;
+  can::Time now_{};
+  std::multimap<can::Time, can::Frame> answers_;
+};
+
+class NetworkMasterProgram : public NetworkMasterTest {
+ protected:
+  NetworkMasterProgram() {
+    sim::Port& place = bus.bus.add_port("programmable");
+    device = std::make_unique<ProgrammableSlave>(std::uint8_t{5}, place);
+    place.connect(*device, bus.timeline.add(*device));
+    place.plug(true);
+    auto& objects = device->script.objects;
+    objects[{0x1F51, 1}] = {1};
+    objects[{0x1F56, 1}] = {0x11, 0, 0, 0};
+    objects[{0x1F57, 1}] = {0, 0, 0, 0};
+    device->script.on_write = [this](const manager::test::ScriptedSlave::Key& key) {
+      auto& values = device->script.objects;
+      if (key == std::pair<std::uint16_t, std::uint8_t>{0x1F50, 1}) values[{0x1F56, 1}] = {0x22, 0, 0, 0};
+      if (key == std::pair<std::uint16_t, std::uint8_t>{0x1F51, 1} && values[key][0] == 3) values[key] = {2};
+      return 0U;
+    };
+    slave(5).software_version = 0x22;
+  }
+  std::unique_ptr<ProgrammableSlave> device;
+};
+
+TEST_F(NetworkMasterProgram, OldVersion_IsReplacedByTheFile) {
+  const std::string path = testing::TempDir() + "canopus_program.bin";
+  std::ofstream(path, std::ios::binary) << std::string(1000, 'p') << '\0' << "end";
+  network.slaves[0].program = path;
+  boot();
+  EXPECT_EQ(result(0), Result::booted);
+  const std::vector<std::uint8_t>& taken = device->script.objects[{0x1F50, 1}];
+  EXPECT_EQ(std::string(taken.begin(), taken.end()), std::string(1000, 'p') + '\0' + "end");
+  std::remove(path.c_str());
+}
+
+TEST_F(NetworkMasterProgram, WithoutAFile_AnotherVersionIsAFailure) {
+  boot();
+  EXPECT_EQ(result(0), Result::failed);
+  EXPECT_EQ(master->master().boot_record(5).error, manager::BootError::software_not_allowed);
+}
+
+TEST_F(NetworkMasterProgram, FileThatCannotBeRead_OrIsEmpty_IsToldWithItsPlace) {
+  const std::string path = testing::TempDir() + "canopus_empty.bin";
+  std::ofstream(path).flush();
+  for (const auto& [name, error] :
+       {std::pair<std::string, std::string>{"nowhere.bin", "cannot read "}, {path, "the file is empty"}}) {
+    network.slaves[0].program = name;
+    network.slaves[0].program_place = {4, 7};
+    const auto built = NetworkMaster::build(network, bus.port, *this);
+    ASSERT_FALSE(built.has_value());
+    EXPECT_THAT(describe(built.error()[0], "n.toml"),
+                HasSubstr("n.toml:4:7: program = \"" + name + "\": " + error));
+  }
+  std::remove(path.c_str());
+}
+
+TEST_F(NetworkMasterTest, Restore_IsWrittenBeforeTheConfiguration) {
+  bus.device(5, 100);
+  slave(5).restore = 1;
+  boot();
+  EXPECT_THAT(events, Contains("node 5 restoring its defaults"));
+  EXPECT_EQ(master->master().boot_record(5).index, 0x1011);  // which this device does not have
+  EXPECT_EQ(master->master().boot_record(5).sub, 1);
+  EXPECT_EQ(result(0), Result::failed);
+}
+
+// 1F80H, one bit after the other.
+TEST_F(NetworkMasterTest, StartUpBits_AreThoseOfTheFile) {
+  const auto start_up = [this] {
+    auto built = NetworkMaster::build(network, bus.port, *this);
+    (*built)->power_on(bus.now());
+    return (*built)->node().dictionary().get<std::uint32_t>(0x1F80, 0);
+  };
+  EXPECT_EQ(start_up(), 0x01U);
+  network.start_together = true;
+  EXPECT_EQ(start_up(), 0x03U);
+  network.start_slaves = false;
+  EXPECT_EQ(start_up(), 0x0BU);
+  network.on_error = ErrorReaction::reset_all;
+  EXPECT_EQ(start_up(), 0x1BU);
+  network.on_error = ErrorReaction::stop_all;
+  EXPECT_EQ(start_up(), 0x4BU);
+  network.flying.emplace();
+  EXPECT_EQ(start_up(), 0x6BU);
+}
+
+// Two of them on one bus: the one with the better priority boots the slave, the other stands by, and takes
+// over.
+TEST_F(NetworkMasterTest, FlyingMasters_OneIsActiveTheOtherStandsBy) {
+  bus.device(5, 100);
+  slave(5);
+  network.node = 2;
+  network.flying.emplace();
+  network.flying->level = 2;
+  NetworkFile better = network;
+  better.node = 3;
+  better.flying->level = 0;
+  struct : NetworkObserver {
+  } nobody;
+  sim::Port& place = bus.bus.add_port("better");
+  auto other = NetworkMaster::build(better, place, nobody);
+  ASSERT_TRUE(other.has_value());
+  place.connect(**other, bus.timeline.add(**other));
+  place.plug(true);
+  (*other)->power_on(bus.now());
+
+  boot(12s);
+  EXPECT_FALSE(master->start_up_over());
+  EXPECT_EQ(result(0), Result::left_to_the_active_master);
+  EXPECT_EQ((*other)->result((*other)->slaves()[0]), Result::booted);
+  EXPECT_THAT(events, Contains("master is 3"));
+  EXPECT_THAT(events, Not(Contains("this is the master")));
+
+  place.plug(false);  // the active one is lost
+  for (int i = 0; i < 1200 && !master->start_up_over(); ++i) bus.run_for(10ms);
+  EXPECT_TRUE(master->master().active());
+  EXPECT_EQ(result(0), Result::booted);
+  EXPECT_THAT(events, Contains("this is the master"));
 }
 
 }  // namespace

@@ -227,6 +227,30 @@ def master_tells_why_a_slave_does_not_boot():
 
 
 @check
+def flying_masters_stand_by_and_take_over():
+    """Two processes: the better one boots the slave; when it ends, the other one does."""
+    timing = ('[master.times]\nflying_heartbeat = "100ms"\nflying_consumer_time = "700ms"\n'
+              '[master.flying]\npriority = {}\nnegotiation_delay = "100ms"\npriority_slot = "300ms"\ndevice_slot = "1ms"\n')
+    paths = {}
+    for node, priority in ((11, 0), (12, 1)):
+        paths[node] = scratch / f"flying{node}.toml"
+        paths[node].write_text(f"[master]\nnode = {node}\n{timing.format(priority)}[[slave]]\nnode = 5\n")
+    with device_plant((5, DEVICE, "")) as plant:
+        bus = f"socketcand:{plant.socketcand}"
+        start = lambda node, time: subprocess.Popen([program, "master", "--dcf", str(paths[node]), "--bus", bus, "--stay", "--for", time],
+                                                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        standby, active = start(12, "8s"), start(11, "4s")
+        for node, process, in ((11, active), (12, standby)):
+            said = process.communicate(timeout=60)[0]
+            require(process.returncode == 0, f"master {node}: exit code {process.returncode}:\n{said}")
+            lines = [line.split("  ")[-1] for line in said.splitlines()]
+            require("this node is the active master" in lines and "node 5: booted, operational" in lines, said)
+            if node == 12:
+                stands_by = lines.index("node 11 is the active master, this one stands by")
+                require(stands_by < len(lines) - 1 - lines[::-1].index("this node is the active master"), said)
+
+
+@check
 def the_stuck_slaves_example_says_what_its_how_to_shows():
     """Every line of the how-to's transcript is a line of the run, but for the times behind the seconds."""
     how_to = (ROOT / "docs/how-to/why-is-my-slave-stuck.md").read_text()
