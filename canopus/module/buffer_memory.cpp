@@ -67,6 +67,7 @@ WriteResult BufferMemory::write(BufferAddress address, std::uint16_t value, can:
   if (const std::uint8_t area = area_of_[address]; area != 0) {
     return areas_[area - 1U]->write_word(address, value, now);
   }
+  value = static_cast<std::uint16_t>((value & row.writable) | (to_[address] & ~row.writable));
   to_[address] = value;
   if (from_row_[address] == to_row_[address]) from_[address] = value;
   return WriteResult::done;

@@ -81,6 +81,8 @@ struct BufferRow {
   std::uint16_t stride = 1;
   /// Refused while the module is online (BufferMemory::set_online).
   bool offline_only = false;
+  /// Bits that a write reaches; reserved ones stay as they are.
+  std::uint16_t writable = 0xFFFF;
 };
 
 /// What became of a write.

@@ -303,6 +303,7 @@ WriteResult Layer2::write_block(BufferAddress address, std::uint16_t value) {
     if (online_ && rules_.frame_word_is_configuration && value != memory_->word(address))
       return WriteResult::refused;
     if (!settings_.good_frame_word(slot, value)) return WriteResult::invalid;
+    value &= frame_word::dlc | frame_word::strict_dlc | frame_word::remote;
   } else if (receives) {
     return WriteResult::ignored;
   }

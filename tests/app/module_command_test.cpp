@@ -67,6 +67,19 @@ TEST(ModuleInfo, BusLengths) {
   EXPECT_THAT(std::string(sheet["properties"]["Terminating resistors"]), StartsWith("120 ohm at both ends"));
 }
 
+TEST(ModuleInfo, EmergencyCodesOfItsOwn_AndTheOneThatNothingCauses) {
+  RecordProperty("spec", "ME3-EMCY-006");
+  const Json properties = info("ME3CAN1-Q")["properties"];
+  EXPECT_THAT(std::string(properties["Emergency codes"]),
+              StartsWith("0000H 6200H 8110H 8120H 8200H 8210H 8220H 8250H 8F01H-8F7FH FF00H;"));
+  EXPECT_THAT(std::string(properties["Emergency code 8250H"]), StartsWith("never occurs"));
+  // Because no RPDO has one: its communication record ends at sub-index 2.
+  const auto description = module::me3can1_q::object_dictionary();
+  for (std::uint16_t index = 0x1400; index <= 0x14FF; ++index) {
+    EXPECT_TRUE(description->find(index, 2) && !description->find(index, 3)) << std::hex << index;
+  }
+}
+
 TEST(ModuleInfo, ModulesPerCpu) {
   RecordProperty("spec", "ME3-SYS-009");
   const Json sheet = info("ME3CAN1-Q");

@@ -60,10 +60,10 @@ inline constexpr ValueRange no_value = between(1, 0);  // every write is an erro
 
 // clang-format off
 inline constexpr std::array buffer_table = std::to_array<BufferRow>({
-    //  first   last  name                                 access                  default  range                    stored       modes        section  stride offline only
+    //  first   last  name                                 access                  default  range                    stored       modes        section  stride offline only, bits
     {    20,     20, "Data exchange control",             WordAccess::read_write,       0, any_value,               Stored::no,  all_modes,   "3.5.1"},
     {    21,     21, "Function mode",                     WordAccess::read_write,     405, one_of(function_modes),  Stored::yes, all_modes,   "3.5.2"},
-    {    22,     22, "Save/Restore configuration",        WordAccess::read_write,       0, any_value,               Stored::no,  all_modes,   "3.5.3"},
+    {    22,     22, "Save/Restore configuration",        WordAccess::read_write,       0, any_value,               Stored::no,  all_modes,   "3.5.3",   1, false, 0x0003},
     {    24,     24, "Baud rate",                         WordAccess::read_write,     250, one_of(baud_rates),      Stored::yes, all_modes,   "3.5.4"},
     {    25,     25, "Communication status",              WordAccess::read_write,  0x0080, any_value,               Stored::no,  all_modes,   "3.5.5"},
     {    27,     27, "Node address",                      WordAccess::read_write,     127, between(1, 127),         Stored::yes, canopen_405, "3.5.6"},
@@ -97,7 +97,8 @@ inline constexpr std::array buffer_table = std::to_array<BufferRow>({
     {  6002,   6166, "Layer 2 message: parameter C",      WordAccess::read_write,       0, any_value,               Stored::yes, layer2,      "3.6.2",   4, true},
     {  6003,   6167, "Layer 2 message: parameter D",      WordAccess::read_write,       0, any_value,               Stored::yes, layer2,      "3.6.2",   4, true},
     {  8350,   8352, "Layer 2 RTR flags",                 WordAccess::read,             0, any_value,               Stored::no,  layer2,      "3.6.3"},
-    {  8400,   8402, "Message transmit trigger flags",    WordAccess::read_write,       0, any_value,               Stored::no,  layer2,      "3.6.4"},
+    {  8400,   8401, "Message transmit trigger flags",    WordAccess::read_write,       0, any_value,               Stored::no,  layer2,      "3.6.4"},
+    {  8402,   8402, "Message transmit trigger flags",    WordAccess::read_write,       0, any_value,               Stored::no,  layer2,      "3.6.4",   1, false, 0x03FF},
     {  8450,   8471, "RUN>STOP message: CAN-ID low",      WordAccess::read_write,  0xFFFF, any_value,               Stored::yes, layer2,      "3.6.5",   7, true},
     {  8451,   8472, "RUN>STOP message: CAN-ID high",     WordAccess::read_write,  0xFFFF, any_value,               Stored::yes, layer2,      "3.6.5",   7, true},
     {  8452,   8473, "RUN>STOP message: DLC",             WordAccess::read_write,       0, between(0, 8),           Stored::yes, layer2,      "3.6.5",   7, true},

@@ -67,6 +67,9 @@ inline constexpr std::array property_facts = std::to_array<Property>({
     {"Insulation",                "photocouplers and DC/DC converter between CAN and PLC"},
     {"Current consumption (5 V)", "0.34 A"},
     {"Weight",                    "0.12 kg"},
+    // [8.2.1]
+    {"Emergency codes",           "0000H 6200H 8110H 8120H 8200H 8210H 8220H 8250H 8F01H-8F7FH FF00H; others by command 000AH only"},
+    {"Emergency code 8250H",      "never occurs: RPDO time-out, and 1400H-14FFH have no event timer"},
 });
 // clang-format on
 

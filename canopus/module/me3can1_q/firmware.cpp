@@ -210,6 +210,8 @@ void Me3can1Q::Firmware::inject(ModuleFault fault, can::Time now) {
       hardware_fault_ = true;
       signals_.set_input(signal::ready, false, now);
       tell("hardware error", now);
+      // A severe error that the device causes itself acts as a communication error does [ME3CAN1-Q 4.7].
+      if (state_ == State::running && canopen_mode()) node_.communication_error(now);
       return update(now);
     case ModuleFault::watchdog_error:
       power_off(now);  // until the supply has been off

@@ -265,6 +265,7 @@ void Me3can1Q::Firmware::controller_changed(can::Time now) {
   }
   if (!was_off && errors_.bit(error_bit::bus_off)) {
     tell("the CAN controller is bus-off", now);
+    command_.bus_lost(command_error::bus_off, now);
     if (canopen_mode()) node_.communication_error(now);
   }
   update(now);

@@ -300,6 +300,7 @@ class Comparison {
     std::array<std::uint32_t, 3> flags{};
     for (auto& word : flags) word = static_cast<std::uint32_t>(random_()) & 0xFFFF;
     for (module::BufferAddress word = 0; word < 3; ++word) write(8400 + word, flags[word]);
+    flags[2] &= 0x03FF;  // bits 10 to 15 are reserved
     y(4, true);
     RC_ASSERT((module_.inputs() >> 4 & 1U) == (model_.is_online ? 1U : 0U));
     for (std::size_t number = 0; number < 42; ++number) {
