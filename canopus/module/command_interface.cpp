@@ -72,6 +72,7 @@ void CommandInterface::execute(Modes mode, can::Time now, can::Duration duration
     return;
   }
   if (client_.busy()) client_.cancel(canopen::AbortCode::local_control);
+  locked_ = false;  // by FFFFH; a write from now on locks anew
   mode_ = mode;
   running_request_ = request_;
   running_ = true;
@@ -115,7 +116,7 @@ void CommandInterface::begin(can::Time now) {
       request_[0] = running_request_[0];
       result_ = request_;
       return finish(command_->success, now);
-    case CommandKind::clear: locked_ = false; return finish(command_->success, now);
+    case CommandKind::clear: return finish(command_->success, now);
     case CommandKind::emergency: return send_emergency(now);
     case CommandKind::send_frame: return send_frame(now);
     case CommandKind::sdo_read:

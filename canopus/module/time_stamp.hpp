@@ -25,7 +25,6 @@ class TimeStamp {
 
   /// The clock stands at what the words say (their initial values).
   void reset();
-  [[nodiscard]] bool consumes() const { return (memory_->word(layout_.first) & 1U) != 0; }
   [[nodiscard]] bool produces() const { return (memory_->word(layout_.first) & 2U) != 0; }
   /// The producer/consumer word, as bits 31 and 30 of 1012H say.
   void set_role(bool consumes, bool produces);

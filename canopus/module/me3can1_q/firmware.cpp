@@ -334,6 +334,8 @@ bool Me3can1Q::Firmware::configuration_is_faulty(can::Time now) {
 }
 
 void Me3can1Q::Firmware::begin_restart(can::Time now) {
+  if (save_end_ != can::never)
+    end_save(now);  // a restart is no cut of the supply: what was asked for is saved
   // The frame is in the controller's queue before the node goes off; the controller starts anew only at the
   // end of the initialization, so it leaves.
   if (state_ == State::running && canopen_mode()) {

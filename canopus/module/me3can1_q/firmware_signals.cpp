@@ -155,8 +155,10 @@ void Me3can1Q::Firmware::set_output(unsigned number, bool on, can::Time now) {
 
 void Me3can1Q::Firmware::rising(unsigned number, can::Time now) {
   if (number == signal::error) return errors_.hold_clear(true);
-  const bool cures = number == signal::command || number == signal::restart;
-  if (initializing() && !(state_ == State::stuck && cures)) return;
+  // While a restart, or the start after power-on, runs, Y02 is looked at when it ends. An NMT reset it ends.
+  const bool may_restart = number == signal::restart && state_ != State::initializing;
+  const bool may_command = number == signal::command && state_ == State::stuck;
+  if (initializing() && !may_restart && !may_command) return;
   switch (number) {
     case signal::data_exchange: return begin_exchange(now);
     case signal::restart: return begin_restart(now);

@@ -111,6 +111,93 @@ TEST(Me3Fault, CpuError_IsTold_InsteadOfRunToStop) {
   s.no_tx();
 }
 
+// --- what was under way
+
+struct Told final : module::ModuleObserver {
+  void error_raised(std::string_view what, can::Time) override { lines.emplace_back(what); }
+  std::vector<std::string> lines;
+};
+
+TEST(Me3Fault, SupplyOff_EndsEverything_AlsoCyclicMessages) {
+  Me3Scenario s;
+  s.power_on_layer2();
+  s.write(6000, {0xFFFF, 0x5FFF, 2, 1}).write(10000, {0x0123, 0, 1, 0x0055});
+  s.online();
+  s.advance(10ms).tx(0x123, {0x55});
+  s.write(8400, 1).y(0x04, true).tx(0x123, {0x55}).y(0x01, true).supply_off();
+  EXPECT_EQ(s.plug_in().inputs(), 0U);
+  EXPECT_EQ(s.plug_in().layer2_state(), module::Layer2State::offline);
+  s.advance(60s).no_tx();
+  EXPECT_EQ(s.plug_in().inputs(), 0U);
+  EXPECT_EQ(s.plug_in().deadline(), can::never);
+  s.rx(0x123, {1}).cpu(module::CpuState::stop).cpu(module::CpuState::run).no_tx();
+}
+
+// Requests that were not completed when the restart came are not completed after it; a save is done before.
+TEST(Me3Fault, Restart_DropsWhatWasUnderWay) {
+  RecordProperty("spec", "ME3-IO-004");
+  Me3Scenario s;
+  s.power_on_as(1);
+  s.nmt(0x82, 1);  // a reset by NMT, not finished
+  s.advance(5ms).y(0x02, true).ignore_tx();
+  s.advance(5999ms).expect_bit(25, 7, true).expect_bit(25, 6, false).no_tx();
+  s.wait_x(0x02, true).tx(0x701, {0x00}).expect_bit(25, 6, false).y(0x02, false);
+  s.advance(1s).expect_bit(25, 6, false);
+  // Save, data exchange and command.
+  s.write(70, 1234).write(22, 1).write(1000, {0x0004, 2, 0x1000, 0});
+  s.y(0x1F, true).y(0x01, true).y(0x17, true).y(0x02, true).ignore_tx();
+  s.advance(5999ms).no_tx();
+  EXPECT_EQ(s.plug_in().inputs(), 1U);  // ready
+  s.wait_x(0x02, true).advance(400ms);
+  EXPECT_EQ(s.plug_in().inputs() & ~0x8000U, 1U | 1U << 2);
+  s.expect(22, 0).expect(70, 1234).expect(1000, 0).expect(29, 0);
+  s.y(0x02, false).y(0x1F, false).y(0x01, false).y(0x17, false).advance(1s).ignore_tx();
+  // A second restart within the first one's repetition time.
+  s.y(0x02, true).wait_x(0x02, true).y(0x02, false).ignore_tx().advance(400ms);
+  s.y(0x02, true).ignore_tx().advance(5999ms).expect_bit(25, 7, true).no_tx();
+  s.advance(1ms).expect_bit(25, 7, false).y(0x02, false).ignore_tx().advance(10s).no_tx();
+}
+
+TEST(Me3Fault, WornFlash_IsToldOnce_WithTheFirstWriteTooMany) {
+  RecordProperty("spec", "ME3-SYS-014");
+  Me3Scenario s;
+  Told told;
+  s.power_on();
+  s.plug_in().set_observer(&told);
+  while (s.plug_in().flash_writes() < 10'000) s.store_objects();
+  EXPECT_EQ(told.lines, std::vector<std::string>{});
+  s.store_objects();
+  EXPECT_EQ(s.plug_in().flash_writes(), 10'001U);
+  ASSERT_EQ(told.lines.size(), 1U);
+  EXPECT_NE(told.lines[0].find("10000 times"), std::string::npos) << told.lines[0];
+  s.store_objects();
+  s.restart();
+  s.supply_off();
+  s.power_on();
+  s.store_objects();
+  EXPECT_EQ(told.lines.size(), 1U);  // no error of the module, and told once
+  s.expect(29, 0);
+  s.plug_in().set_observer(nullptr);
+}
+
+// The emergency of a restart is one like any other: within the inhibit time 1015H it is not sent, and the
+// restart does not wait for it.
+TEST(Me3Fault, RestartWithinTheInhibitTime_SendsNoEmergency_AndDoesNotWait) {
+  RecordProperty("spec", "ME3-IO-008 ME3-EMCY-004");
+  for (const bool within : {true, false}) {
+    Me3Scenario s;
+    s.power_on_as(1);
+    s.set_object(0x1015, 0, 10000, 2);  // 1 s
+    s.cif({0x000A, 0x1000, 1, 0, 0});
+    s.tx(0x081, {0x00, 0x10, 0x01, 0, 0, 0, 0, 0});
+    s.advance(within ? 990ms : 1000ms);
+    s.y(0x02, true).expect_bit(25, 7, true);
+    if (!within) s.tx(0x081, {0x00, 0x62, 0x01, 0x4D, 0x45, 0x30, 0x30, 0x34});
+    s.advance(5999ms).no_tx().expect_bit(25, 7, true);
+    s.advance(1ms).tx(0x701, {0x00}).no_tx().expect_x(0x02, true).y(0x02, false);
+  }
+}
+
 // --- in a rack
 
 struct RackBench {

@@ -25,7 +25,7 @@ void one_slot(Me3Scenario& s, std::uint16_t b, std::uint16_t type, std::uint16_t
   s.online();
 }
 
-TEST(Me3Layer2Transmit, S44_TriggerFlags) {
+TEST(Me3Layer2Transmit, S17_S44_TriggerFlags) {
   RecordProperty("spec", "ME3-IO-011 ME3-L2-018 ME3-L2-020 ME3-L2-022");
   Me3Scenario s;
   one_slot(s, 0x5FFF, 4, 0x0002);
@@ -72,7 +72,9 @@ TEST(Me3Layer2Transmit, Trigger_OfReceiveAndDisabledSlots_IsDiscarded) {
   s.power_on_layer2();
   s.write(6000, {0x0181, 0, 0, 0});
   s.online();
-  s.write(8400, {0x0003, 0x8000, 0xFE00}).y(0x04, true);
+  s.write(8400, {0x0003, 0x8000, 0xFE00})
+      .expect(8400, {0x0003, 0x8000, 0x0200});  // bits 10-15 of G8402: none
+  s.y(0x04, true);
   s.no_tx().expect(8400, {0, 0, 0}).expect_x(0x04, true).expect(29, 0);
 }
 

@@ -138,6 +138,71 @@ TEST(Me3StartUp, S05_MasterNode1_StepByStep) {
   s.ignore_tx();
 }
 
+// The order of chapter 7's program; the slave answers by hand. tests/interop runs the same over Ethernet.
+TEST(Me3StartUp, S84_ProgramExample_InItsOrder) {
+  RecordProperty("spec", "ME3-PRG-001");
+  Me3Scenario s;
+  const Bytes read_ok{0x43, 0x00, 0x10, 0x00, 0x91, 0x01, 0x0F, 0x00};
+  // An SDO write to the slave through the CIF, two bytes.
+  const auto sdo_write = [&](std::uint16_t index, std::uint8_t sub, std::uint16_t value) {
+    const auto low = static_cast<std::uint8_t>(index & 0xFF), high = static_cast<std::uint8_t>(index >> 8);
+    s.write(1000, {0x0002, 2, index, sub, 2, value}).y(0x17, true).advance(1ms);
+    s.tx(0x602, {0x2B, low, high, sub, static_cast<std::uint8_t>(value & 0xFF),
+                 static_cast<std::uint8_t>(value >> 8), 0, 0});
+    s.rx(0x582, {0x60, low, high, sub, 0, 0, 0, 0})
+        .expect_x(0x17, true)
+        .expect(1000, {0x0003, 2, index, sub});
+    s.y(0x17, false);
+  };
+  s.power_on();
+  // 1. CANopenInit: mode, node address, baud rate, save, restart.
+  s.write(21, 405).write(27, 1).write(24, 250);
+  s.save().restart();
+  s.expect(601, 0x7F);
+  // 2. NMTMasterSettings: master; bit 3: the program starts the slaves. 3. NMTSlaveSettings.
+  s.set_object(0x1F80, 0, 0x00000009, 4);
+  s.set_object(0x1F81, 2, 0x0000000D, 4);
+  s.store_objects().restart();
+  s.rx(0x702, {0x00}).tx(0x602, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0}).rx(0x582, read_ok).no_tx();
+  s.expect(25, 0x8201).expect(402, 0);
+  // 4. HeartbeatProducerSetup of the own and the remote node, HeartbeatConsumerSetup.
+  s.set_object(0x1017, 0, 500, 2).ignore_tx();
+  sdo_write(0x1017, 0, 200);
+  s.set_object(0x1016, 1, 0x000203E8, 4);
+  s.rx(0x702, {0x7F}).expect(402, 0x0002).expect(602, 0x7F);  // HeartbeatStatus, NMTStatus
+  // 5. PDOSetup, four times: CANID, ObjectIndex, ObjectSubindex, ObjectLength, NoOfEntries, TransmissionType.
+  struct Pdo {
+    std::uint16_t communication, mapping;
+    std::uint32_t cob_id, entry;
+  };
+  for (const Pdo& pdo :
+       {Pdo{0x1400, 0x1600, 0x00000182, 0xA5800110}, Pdo{0x1401, 0x1601, 0x00000282, 0xA5800510},
+        Pdo{0x1800, 0x1A00, 0x40000202, 0xA1000110}, Pdo{0x1801, 0x1A01, 0x40000302, 0xA1000510}}) {
+    s.set_object(pdo.communication, 1, pdo.cob_id | 0x80000000, 4);
+    s.set_object(pdo.communication, 2, 0xFE, 1);
+    s.set_object(pdo.mapping, 0, 0, 1);
+    s.set_object(pdo.mapping, 1, pdo.entry, 4);
+    s.set_object(pdo.mapping, 0, 1, 1);
+    s.set_object(pdo.communication, 1, pdo.cob_id, 4);
+  }
+  s.ignore_tx();
+  // 6. SDOWrite: ReleaseAnalogInputdata.
+  sdo_write(0x6423, 0, 1);
+  s.write(1000, {0x0004, 2, 0x1000, 0}).y(0x17, true).advance(1ms);  // SDORead
+  s.tx(0x602, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0}).rx(0x582, read_ok);
+  s.expect(1000, {0x0005, 2, 0x1000, 0, 4, 0x0191, 0x000F}).y(0x17, false);
+  // 7. NMTRequestWrite, RequestData 5, to all.
+  s.cif({0x0002, 0, 0x1F82, 0x80, 1, 5});
+  s.expect(1000, 0x0003).tx(0x000, {0x01, 0x00}).rx(0x702, {0x05}).expect(601, 5).expect(602, 5).ignore_tx();
+  // 8. PDOWrite and PDORead with Y01 and X01.
+  s.write(13000, 0x1234).write(13004, 0x0056).rx(0x182, {0xAA, 0xBB}).rx(0x282, {0xCC, 0xDD});
+  s.exchange();
+  s.tx(0x202, {0x34, 0x12}).tx(0x302, {0x56, 0x00}).no_tx().expect(10000, 0xBBAA).expect(10004, 0xDDCC);
+  // A lost heartbeat: X10, and ResetHeartbeatError by G400 and Y10. The mandatory slave is reset.
+  s.wait_bit(402, 7, true).expect_x(0x10, true).ignore_tx();
+  s.write(400, 2).y(0x10, true).expect_bit(402, 7, false).expect_x(0x10, false).y(0x10, false).ignore_tx();
+}
+
 TEST(Me3StartUp, S07_Restart_TakesSixSeconds_SendsEmergencyAndBootUp) {
   RecordProperty("spec", "ME3-IO-004 ME3-IO-008 ME3-STAT-001");
   Me3Scenario s;
