@@ -170,9 +170,53 @@ def npm_canopen_configures_the_module_as_its_slave():
             require(module.g(25) & 0x0301 == 0x0201, f"G25 = {module.g(25):04X}H after the peer started the node")
             module.set_g(13000, 0xBEEF)
             module.exchange()
+            module.set_g(13000, 0)
+            exchange_with_npm_canopen(plant, module)
         code, errors = plant.stop()
         require(code == 0, errors)
-        require((0x1FF, bytes.fromhex("EF BE")) in recorded(plant.trace), "TPDO1 with the one word was not sent")
+        frames = recorded(plant.trace)
+        require((0x1FF, bytes.fromhex("EF BE")) in frames, "TPDO1 with the one word was not sent")
+        syncs = sum(identifier == 0x080 for identifier, _ in frames)
+        tpdo2 = [data.hex(" ").upper() for identifier, data in frames if identifier == 0x2FF]
+        require(syncs >= 3 and abs(len(tpdo2) - syncs) <= 1, f"{syncs} SYNCs, {len(tpdo2)} times TPDO2")
+        # RPDO2 came 300 ms before the first SYNC, but nobody has seen it: TPDO2 is still the inverted 0.
+        require(tpdo2[0] == "FF FF", f"TPDO2 after the first SYNC: {tpdo2[0]}")
+
+
+def exchange_with_npm_canopen(plant, module):
+    """The peer sends PDOs, SYNC and emergencies; a PLC program answers: G13000 = G10000 + 1, G13004 = inverted G10004,
+    an emergency while G10000 is 3584."""
+    steps = ["wait-state,127,5",
+             "pdo,27F,u16,4660", "wait-pdo,1FF,u16,4661",     # event-driven, both ways
+             "pdo,27F,u16,65535", "wait-pdo,1FF,u16,0",
+             "pdo,37F,u16,255", "pause,300", "sync-on,50",    # with SYNC, both ways
+             "wait-pdo,2FF,u16,65280", "pdo,37F,u16,43690", "wait-pdo,2FF,u16,21845", "sync-off",
+             "pdo,27F,u16,3584", "wait-emcy,127,5000,83",     # an emergency of the module
+             "pdo,27F,u16,1", "wait-pdo,1FF,u16,2",
+             "emcy,8130,0102030405", "pause,500"]             # one of the peer
+    outcome = []
+
+    def judge():
+        try:
+            outcome.append(command("node", HERE / "services_peer.mjs", *host_port(plant.socketcand), "line1", *steps))
+        except AssertionError as failure:
+            outcome.append(failure)
+
+    peer = threading.Thread(target=judge)
+    peer.start()
+    while peer.is_alive():
+        module.exchange()
+        received, synchronous = module.g(10000), module.g(10004)
+        module.set_g(13000, (received + 1) & 0xFFFF)
+        module.set_g(13004, synchronous ^ 0xFFFF)
+        if received == 3584:
+            module.command([0x000A, 0x5000, 0x1182, 0x3322, 0x5544], "emergency")
+    if isinstance(outcome[0], AssertionError):
+        raise outcome[0]
+    module.exchange()
+    require(module.x(0x11), "X11 is OFF: the peer's emergency did not come")
+    record = module.words(750, 5)
+    require(record == [126, 0x8130, 0x0100 | record[2] & 0xFF, 0x0302, 0x0504], f"G750 has {record}")
 
 
 # --- what survives a killed program

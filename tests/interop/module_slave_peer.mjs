@@ -1,7 +1,8 @@
 #!/usr/bin/env node
 // A CANopen stack that is not ours configures an ME3CAN1-Q as its slave, over socketcand, as a configuration tool would:
-// identity, heartbeat, a TPDO, store (1010H), reset; what was stored must be in force after the reset, what was not must be
-// gone. The node is left Operational with a heartbeat every 200 ms and one word in TPDO1. With an EDS file (of
+// identity, heartbeat producer and consumer, two PDOs each way, store (1010H), reset; what was stored must be in force after
+// the reset, what was not must be gone. The node is left Operational with a heartbeat every 200 ms; RPDO1 and TPDO1 carry
+// the words G10000 and G13000 on events, RPDO2 and TPDO2 G10004 and G13004 with each SYNC. With an EDS file (of
 // `canopus module eds`), the stack reads that, too, and the module must be what the file says.
 import { argumentsOrUsage, check, run } from './interop_report.mjs';
 import { abortCodeOf, canopen, deviceOn, useServer } from './npm_canopen.mjs';
@@ -57,6 +58,28 @@ run(60, async () => {
   await write(0x1A00, 0, 1, u8);
   await write(0x1800, 3, 50, u16);
   await write(0x1800, 1, 0x40000180 + node, u32);
+  // RPDO1 one word, G10000; RPDO2 and TPDO2 one word each, G10004 and G13004, synchronous
+  const setUp = async (communication, cobId, type, entry) => {
+    await write(communication, 1, (cobId | 0x80000000) >>> 0, u32);
+    await write(communication, 2, type, u8);
+    await write(communication + 0x200, 0, 0, u8);
+    await write(communication + 0x200, 1, entry, u32);
+    await write(communication + 0x200, 0, 1, u8);
+    check(`${communication.toString(16)}H: the mapping cannot change while entries are in use`,
+      await abortCodeOf(write(communication + 0x200, 1, entry, u32)), 0x06010000);
+    await write(communication, 1, cobId, u32);
+    check(`${communication.toString(16)}H: the mapping cannot change while the PDO is valid`,
+      await abortCodeOf(write(communication + 0x200, 0, 0, u8)), 0x08000022);
+  };
+  await setUp(0x1400, 0x200 + node, 254, 0xA5800110);
+  await setUp(0x1401, 0x300 + node, 1, 0xA5800510);
+  await setUp(0x1801, 0x40000280 + node, 1, 0xA1000510);
+  check('an input cannot be mapped into an RPDO', await abortCodeOf((async () => {
+    await write(0x1604, 0, 0, u8);
+    await write(0x1604, 1, 0xA1000110, u32);
+  })()), 0x06040041);
+  check('a reserved COB-ID is refused', await abortCodeOf(write(0x1404, 1, 0x601, u32)), 0x06090030);
+  await write(0x1016, 1, 0x007E03E8, u32);  // this stack, node 126: 1000 ms
   check('another word than "save" is refused', await abortCodeOf(write(0x1010, 1, 0x65766172, u32)), 0x08000020);
   await write(0x1010, 1, 0x65766173, u32);
   await write(0x1015, 0, 77, u16);  // not stored
@@ -65,6 +88,17 @@ run(60, async () => {
   check('heartbeat after the reset', await heartbeat(NmtState.PRE_OPERATIONAL), NmtState.PRE_OPERATIONAL);
   check('1800H:03 was stored', await read(0x1800, 3, u16), 50);
   check('1A00H:00 was stored', await read(0x1A00, 0, u8), 1);
+  check('1A00H:01 was stored', await read(0x1A00, 1, u32), 0xA1000110);
+  check('1016H:01 was stored', await read(0x1016, 1, u32), 0x007E03E8);
+  check('1017H was stored', await read(0x1017, 0, u16), 200);
+  for (const [communication, cobId, type, entry] of [[0x1400, 0x200 + node, 254, 0xA5800110],
+    [0x1401, 0x300 + node, 1, 0xA5800510], [0x1801, 0x40000280 + node, 1, 0xA1000510]]) {
+    const name = `${communication.toString(16)}H`;
+    check(`${name}:01 was stored`, await read(communication, 1, u32), cobId);
+    check(`${name}:02 was stored`, await read(communication, 2, u8), type);
+    check(`${name}: its mapping was stored`, await read(communication + 0x200, 0, u8), 1);
+    check(`${name}: its object was stored`, await read(communication + 0x200, 1, u32), entry);
+  }
   check('1015H was not', await read(0x1015, 0, u16), 0);
   device.nmt.startNode(node);
   check('Operational', await heartbeat(NmtState.OPERATIONAL), NmtState.OPERATIONAL);

@@ -8,6 +8,7 @@
 //   emcy,CODE[,HEX]                sends one as node 126, with up to 5 bytes of its own
 //   wait-sync,COUNT[,MILLISECONDS[,TOLERANCE]]   so many SYNCs, at this mean period
 //   sync,COUNT,MILLISECONDS        produces them (1005H = 40000080H, 1006H)
+//   sync-on,MILLISECONDS           produces them from now on, until sync-off
 //   wait-pdo,COBID,TYPES[,VALUES]  a PDO whose objects (u8+u16+…) have values (v+v+…); _ = any
 //   pdo,COBID,TYPES,VALUES         sends one
 //   pause,MILLISECONDS
@@ -118,6 +119,11 @@ run(120, async () => {
       eds.setSyncGenerationEnable(false);
       check('SYNC produced', Number(count), Number(count));
     },
+    async 'sync-on'(milliseconds) {
+      eds.setSyncCyclePeriod(Number(milliseconds) * 1000);
+      eds.setSyncGenerationEnable(true);
+    },
+    async 'sync-off'() { eds.setSyncGenerationEnable(false); },
     async 'wait-pdo'(cobId, list, values) {
       const id = parseInt(cobId, 16);
       const dataObjects = objectsFor(id, list, (pdo) => eds.addReceivePdo(pdo));
