@@ -1,5 +1,7 @@
 // spec/me3can1-q/scenarios.md, section 10: configuration manager; and SDO channels shared with the start-up.
 
+#include <algorithm>
+
 #include "scenarios/me3can1_q/scenario.hpp"
 
 namespace canopus::scenario {
@@ -106,10 +108,60 @@ TEST(Me3ConciseDcf, SixtyFiles_AndNotOneMore) {
     s.cif(download(sub));
     s.expect(1000, 0x0003);
   }
+  expect_abort(s, download(1), 0x08000020);
+  for (std::uint16_t sub = 1; sub <= 127; ++sub) {
+    s.cif({0x0004, 0, 0x1F22, sub});
+    s.expect(1000, {0x0005, 0, 0x1F22, sub, sub >= 68 ? std::uint16_t{13} : std::uint16_t{0}});
+  }
+  for (const std::uint16_t sub : Words{0x80, 0xFF}) expect_abort(s, {0x0004, 0, 0x1F22, sub}, 0x06090011);
+  // One deleted makes room for one.
+  s.cif({0x0002, 0, 0x1F22, 100, 1, 0});
+  s.expect(1000, 0x0003).advance(2s);
   s.cif(download(1));
-  s.expect(1000, {0x000F, 0x0003});
-  s.cif({0x0004, 0, 0x1F22, 127});
-  s.expect(1000, {0x0005, 0, 0x1F22, 127, 13});
+  s.expect(1000, 0x0003);
+  expect_abort(s, download(2), 0x08000020);
+  s.supply_off();
+  s.power_on();
+  s.cif({0x0004, 0, 0x1F22, 1});
+  s.expect(1004, 13);
+  s.cif({0x0004, 0, 0x1F22, 100});
+  s.expect(1000, 0x0005).expect(1004, 0);
+}
+
+// 1F22H:02 is written to the flash memory with the write, and 60 files of 65531 bytes have room.
+TEST(Me3ConciseDcf, SixtyFilesOfTheGreatestLength) {
+  RecordProperty("spec", "ME3-CFG-002 ME3-CFG-003 ME3-CFG-005");
+  Me3Scenario s;
+  s.power_on();
+  Bytes content(65531, 0xA5);
+  content[0] = content[1] = content[2] = content[3] = 0;  // no entries
+  const auto download_whole = [&](std::uint8_t sub) {
+    s.rx(0x67F, {0x21, 0x22, 0x1F, sub, 0xFB, 0xFF, 0x00, 0x00})
+        .tx(0x5FF, {0x60, 0x22, 0x1F, sub, 0, 0, 0, 0});
+    for (std::size_t sent = 0, segment = 0; sent < content.size(); sent += 7, ++segment) {
+      const std::size_t bytes = std::min<std::size_t>(7, content.size() - sent);
+      Bytes frame(8, 0);
+      frame[0] = static_cast<std::uint8_t>(segment % 2 * 0x10 | (7 - bytes) << 1 |
+                                           (sent + bytes == content.size() ? 1 : 0));
+      std::copy_n(content.begin() + static_cast<std::ptrdiff_t>(sent), bytes, frame.begin() + 1);
+      s.rx(0x67F, frame);
+    }
+    s.ignore_tx();
+  };
+  for (std::uint8_t sub = 1; sub <= 60; ++sub) {
+    content[4] = sub;
+    download_whole(sub);
+  }
+  expect_abort(s, download(61), 0x08000020);
+  s.supply_off();
+  s.power_on();
+  s.expect(29, 0);
+  const auto& objects = s.plug_in().node().dictionary();
+  for (std::uint8_t sub = 1; sub <= 60; ++sub) {
+    const auto stored = objects.bytes(objects.description().find(0x1F22, sub));
+    content[4] = sub;
+    EXPECT_TRUE(std::ranges::equal(stored, content)) << int{sub};
+  }
 }
 
 TEST(Me3ConciseDcf, RestoreDefaults_DeletesAllAtTheRestart) {

@@ -51,6 +51,31 @@ TEST(Me3FlyingMaster, S73_ActiveMasterLost_NegotiatesResetsAndBecomesActive) {
   s.ignore_tx();
 }
 
+// What the program has set stays: 1017H other than 0, a 1016H entry for the active master.
+TEST(Me3FlyingMaster, AutomaticTimes_OnlyWhereNothingIsSet) {
+  RecordProperty("spec", "ME3-FLY-009 ME3-FLY-010 ME3-HB-006");
+  Me3Scenario s;
+  s.plug_in().preset_object(0x1017, 0, canopen::little_endian(300, 2));
+  s.plug_in().preset_object(0x1016, 7, canopen::little_endian(0x00010BB8, 4));
+  switch_on(s, 2);
+  s.expect_object(0x1017, 0, 300, 2);
+  s.advance(490ms).ignore_tx().wait_tx(0x073).rx(0x071, {0x01, 0x01}).wait_tx(0x702, {0x7F});
+  const can::Time heartbeat = s.now();
+  s.wait_tx(0x702, {0x7F});
+  EXPECT_EQ(s.now() - heartbeat, 300ms);
+  s.rx(0x701, {0x05});
+  const can::Time heard = s.now();
+  s.expect_object(0x1016, 1, 0, 4).expect_object(0x1016, 7, 0x00010BB8, 4);
+  s.ignore_tx().wait_bit(401, 7, true);
+  EXPECT_EQ(s.now() - heard, 3000ms);
+  s.ignore_tx();
+  // Not a flying master: neither.
+  Me3Scenario plain;
+  plain.power_on_as(2);
+  plain.rx(0x071, {0x01, 0x01}).rx(0x701, {0x05}).advance(60s).no_tx().expect(401, 0);
+  plain.expect_object(0x1017, 0, 0, 2).expect_object(0x1016, 1, 0, 4);
+}
+
 TEST(Me3FlyingMaster, S75_WaitingTimes) {
   RecordProperty("spec", "ME3-FLY-004");
   struct Row {

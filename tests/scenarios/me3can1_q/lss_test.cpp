@@ -193,8 +193,10 @@ TEST(Me3Lss, OneConditionMissing_NoSearch_TheStartUpFailsAtOnce) {
     EXPECT_EQ(s.controller().rate, 250'000U);
   }
   // 1F81H/5 without bit 3: optional, asked for ever. Without bit 2: not booted. 1F89H = 0: no boot time.
-  for (const auto& [index, sub, value] : {Object{0x1F81, 5, 0x05}, Object{0x1F89, 0, 0}}) {
-    SCOPED_TRACE(index);
+  // Without bit 0: no slave at all.
+  for (const auto& [index, sub, value] :
+       {Object{0x1F81, 5, 0x05}, Object{0x1F81, 5, 0x09}, Object{0x1F81, 5, 0x0C}, Object{0x1F89, 0, 0}}) {
+    SCOPED_TRACE(value);
     auto objects = without(s76, index);
     objects.push_back({index, sub, value});
     Me3Scenario s;
@@ -215,6 +217,22 @@ TEST(Me3Lss, SerialNumberDeletedAfterwards_NoUnwantedStart) {
   s.set_object(0x1F88, 5, 0, 4);
   s.advance(9s).ignore_tx().expect_bit(25, start_up, false).expect_bit(405, 4, true);
   s.expect_bit(25, lss_active, false).advance(5s).no_tx();
+
+  Me3Scenario found;  // after a search that found it; stored, so that no later start searches
+  boot(found, s76);
+  boot_time_passes(found);
+  asks_for_the_slave(found);
+  found.rx(0x7E4, selected).rx(0x7E4, {0x11, 0, 0, 0, 0, 0, 0, 0});
+  found.rx(0x7E4, {0x13, 0, 0, 0, 0, 0, 0, 0}).rx(0x7E4, {0x17, 0, 0, 0, 0, 0, 0, 0}).advance(10ms);
+  found.ignore_tx().expect_bit(25, lss_active, false);
+  found.set_object(0x1F88, 5, 0, 4);
+  found.store_objects().restart();
+  for (int second = 0; second < 30; ++second) {
+    found.advance(1s).expect_bit(25, lss_active, false);
+    for (const can::Frame& frame : found.controller().sent) EXPECT_NE(frame.identifier, 0x7E5U);
+    found.ignore_tx();
+  }
+  found.expect_bit(405, 4, true);
 }
 
 TEST(Me3Lss, SlaveThatAnswered_IsNotMissing) {

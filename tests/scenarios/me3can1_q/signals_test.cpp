@@ -228,6 +228,13 @@ TEST(Me3Signals, EmergencyOfANodeThatIsNotConsumed_IsNotStored) {
   s.expect(750, 0);
   s.rx(0x086, {0x30, 0x81, 0x11, 0x01, 0x02, 0x03, 0x04, 0x05});
   s.expect_x(0x11, true);
+  // Another CAN-ID for node 5 (bits 0-10): that one is node 5's, 085H nobody's.
+  s.write(750, 0);
+  s.set_object(0x1028, 5, 0x00000685, 4);
+  s.rx(0x085, {0x30, 0x81, 0x11, 0, 0, 0, 0, 0}).expect_x(0x11, false);
+  s.rx(0x685, {0x30, 0x81, 0x11, 0, 0, 0, 0, 0}).expect_x(0x11, true);
+  s.exchange();
+  s.expect(750, {5, 0x8130, 0x0011});
 }
 
 TEST(Me3Signals, S70_TwentyThreeEmergencies_StackKeepsTheFirstEleven_RingTheLastEleven) {
