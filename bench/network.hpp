@@ -21,11 +21,9 @@ class PassThroughBus {
    public:
     explicit Port(PassThroughBus& bus) : bus_(&bus) {}
     bool send(const can::Frame& frame) override {
-      if (bus_->delivering_) {
-        bus_->ring_[bus_->head_++ & mask] = {frame, owner};
-      } else {
-        bus_->deliver_at_once(frame, owner);
-      }
+      if (!bus_->delivering_) return bus_->deliver_at_once(frame, owner);
+      if (bus_->end_ == bus_->waiting_.end()) return false;
+      *bus_->end_++ = {frame, owner};
       return true;
     }
     can::Participant* owner = nullptr;
@@ -67,35 +65,32 @@ class PassThroughBus {
     can::Frame frame;
     can::Participant* from;
   };
-  static constexpr std::size_t mask = 1023;
   void hand_out(const can::Frame& frame, const can::Participant* from) {
     ++frames_;
-    const std::uint32_t last = first_[frame.identifier + 1];
-    for (std::uint32_t i = first_[frame.identifier]; i != last; ++i) {
-      if (hearers_[i] != from) hearers_[i]->receive(frame, now_);
+    can::Participant* const* const last = hearers_.data() + first_[frame.identifier + 1];
+    for (auto hearer = hearers_.data() + first_[frame.identifier]; hearer != last; ++hearer) {
+      if (*hearer != from) (*hearer)->receive(frame, now_);
     }
   }
-  void deliver_at_once(const can::Frame& frame, const can::Participant* from) {
+  [[gnu::noinline]] bool deliver_at_once(const can::Frame& frame, const can::Participant* from) {
     delivering_ = true;
     hand_out(frame, from);
     finish();
+    return true;
   }
   void finish() {
-    while (tail_ != head_) {
-      const Sent& sent = ring_[tail_++ & mask];  // stays: nobody sends a thousand frames at once
-      hand_out(sent.frame, sent.from);
-    }
+    for (const Sent* sent = waiting_.data(); sent != end_; ++sent) hand_out(sent->frame, sent->from);
+    end_ = waiting_.data();
     delivering_ = false;
   }
   can::Time now_{};
   std::uint64_t frames_ = 0;
   bool delivering_ = false;
-  std::array<Sent, mask + 1> ring_;
-  std::uint64_t head_ = 0;
-  std::uint64_t tail_ = 0;
+  Sent* end_ = waiting_.data();  // of those that were sent while one was delivered
   std::array<std::vector<can::Participant*>, 2048> lists_;
   std::array<std::uint32_t, 2049> first_{};
   std::vector<can::Participant*> hearers_;
+  std::array<Sent, 20'000> waiting_;  // a block, or what all slaves say to one SYNC
 };
 
 inline void add_pdo(canopen::DictionaryBuilder& builder, std::uint16_t communication, std::uint32_t cob_id,

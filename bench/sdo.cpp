@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include <benchmark/benchmark.h>
@@ -57,8 +58,8 @@ struct Networks {
   std::vector<bench::PassThroughBus*> bus_of;
 };
 
-/// Request and answer, with each server in turn.
-void expedited_upload(benchmark::State& state) {
+/// Request and answer, with each server in turn: always the same object, or one object and another.
+void expedited_upload(benchmark::State& state, std::uint16_t object, std::uint16_t other) {
   Networks networks(state.range(0), state.range(1));
   const std::uint64_t before = networks.frames();
   can::Time now{};
@@ -67,8 +68,9 @@ void expedited_upload(benchmark::State& state) {
     for (std::size_t i = 0; i < networks.clients.size(); ++i) {
       Client& client = *networks.clients[i];
       networks.bus_of[i]->set_time(now);
-      client.client.upload(0x1000, 0, client, now);
+      client.client.upload(object, 0, client, now);
     }
+    std::swap(object, other);
   }
   for (const auto& client : networks.clients) {
     if (client->finished != static_cast<std::uint64_t>(state.iterations())) {
@@ -77,6 +79,9 @@ void expedited_upload(benchmark::State& state) {
   }
   bench::report(state, networks.frames() - before);
 }
+void expedited_upload(benchmark::State& state) { expedited_upload(state, 0x1000, 0x1000); }
+void expedited_upload_in_turn(benchmark::State& state) { expedited_upload(state, 0x1000, 0x1001); }
+
 void download(benchmark::State& state, canopen::SdoClient::Mode mode) {
   Networks networks(state.range(0), state.range(1));
   std::vector<std::uint8_t> value(64 * 1024);
@@ -108,6 +113,7 @@ void sizes(benchmark::internal::Benchmark* bench) {
   bench->Args({126, 4})->Args({126, 16});
 }
 BENCHMARK(expedited_upload)->Apply(sizes);
+BENCHMARK(expedited_upload_in_turn)->Apply(bench::standard)->ArgNames({"nodes", "buses"})->Args({1, 1});
 BENCHMARK(segmented_download_64_kib)->Apply(sizes);
 BENCHMARK(block_download_64_kib)->Apply(sizes);
 

@@ -27,6 +27,7 @@ enum class ServiceKind : std::uint8_t {
 
 class IdentifierTable {
  public:
+  static constexpr std::uint32_t empty = 0xFFFF'FFFF;
   struct Route {
     std::uint32_t key = 0;
     ServiceKind kind = ServiceKind::nmt;
@@ -45,6 +46,20 @@ class IdentifierTable {
   IdentifierTable() { build({}); }
   void build(std::span<const Route> routes);
 
+  struct Slot {
+    std::uint32_t key = empty;
+    ServiceKind kind = ServiceKind::nmt;
+    bool more = false;  ///< another one of the same key is farther on
+    std::uint16_t number = 0;
+  };
+  /// The first route of this key, or nullptr.
+  [[nodiscard]] const Slot* first(std::uint32_t wanted) const noexcept {
+    for (std::size_t place = start(wanted);; place = (place + 1) & mask_) {
+      const Slot& slot = slots_[place];
+      if (slot.key == empty) return nullptr;  // first, for `wanted` may be anything
+      if (slot.key == wanted) return &slot;
+    }
+  }
   /// Calls `visit(kind, number)` for every route of this key, in the order they were given to build().
   template <typename Visit>
   void for_each(std::uint32_t wanted, Visit&& visit) const {
@@ -55,20 +70,9 @@ class IdentifierTable {
       if (!slot.more) return;
     }
   }
-  [[nodiscard]] bool contains(std::uint32_t wanted) const noexcept {
-    bool found = false;
-    for_each(wanted, [&](ServiceKind, std::uint16_t) { found = true; });
-    return found;
-  }
+  [[nodiscard]] bool contains(std::uint32_t wanted) const noexcept { return first(wanted) != nullptr; }
 
  private:
-  struct Slot {
-    std::uint32_t key = empty;
-    ServiceKind kind = ServiceKind::nmt;
-    bool more = false;  // another one of the same key is farther on
-    std::uint16_t number = 0;
-  };
-  static constexpr std::uint32_t empty = 0xFFFF'FFFF;
   [[nodiscard]] std::size_t start(std::uint32_t wanted) const noexcept {
     return (wanted * 0x9E37'79B1U) >> shift_;
   }

@@ -58,6 +58,8 @@ struct Node::Services final : NodeContext, WriteObserver {
     dispatch_others(kind, number, frame, now);
   }
   void dispatch_others(ServiceKind kind, std::uint16_t number, const can::Frame& frame, can::Time now);
+  /// Any frame, to every service that listens to it.
+  void receive(const can::Frame& frame, can::Time now);
   void sync(std::uint8_t counter, can::Time now);
   void tick(TimerQueue::Number number, can::Time now);
 
@@ -172,6 +174,12 @@ void Node::Services::build_table() {
   table.build(routes);
   hears_extended = false;
   for (const auto& route : routes) hears_extended = hears_extended || (route.key >> 29 & 1) != 0;
+}
+
+void Node::Services::receive(const can::Frame& frame, can::Time now) {
+  settle();
+  table.for_each(IdentifierTable::key(frame),
+                 [&](ServiceKind kind, std::uint16_t number) { dispatch(kind, number, frame, now); });
 }
 
 void Node::Services::sync(std::uint8_t counter, can::Time now) {
@@ -293,12 +301,15 @@ std::uint32_t Node::identifiers_revision() const {
   return services_->revision;
 }
 
+// What nearly all frames are comes first, and every call is the last thing that is done: nothing has to be
+// kept.
 void Node::receive(const can::Frame& frame, can::Time now) {
   Services& services = *services_;
-  services.settle();
-  services.table.for_each(IdentifierTable::key(frame), [&](ServiceKind kind, std::uint16_t number) {
-    services.dispatch(kind, number, frame, now);
-  });
+  if (services.identifiers_changed || frame.extended || frame.remote) return services.receive(frame, now);
+  const IdentifierTable::Slot* slot = services.table.first(frame.identifier);
+  if (slot == nullptr) return;
+  if (slot->more) return services.receive(frame, now);
+  services.dispatch(slot->kind, slot->number, frame, now);
 }
 
 void Node::tick(can::Time now) {

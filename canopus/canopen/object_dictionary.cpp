@@ -32,6 +32,17 @@ AbortCode ObjectDictionary::prepare_read(std::uint16_t index, std::uint8_t sub, 
   return behaviour != nullptr ? behaviour->before_read(*this, found, now) : AbortCode::none;
 }
 
+ObjectDictionary::ShortValue ObjectDictionary::find_short(std::uint32_t multiplexer) noexcept {
+  const ObjectDescription* object = description_->find(static_cast<std::uint16_t>(multiplexer >> 8));
+  if (object == nullptr || handler(*object) != nullptr) return {};
+  const Entry entry = description_->find(*object, static_cast<std::uint8_t>(multiplexer >> 24));
+  if (!entry || !is_readable(entry.description->access)) return {};
+  const std::uint8_t length = entry.description->length;
+  if (length == 0 || length > 4) return {};
+  last_short_ = {multiplexer, entry.offset, length};
+  return {get<std::uint32_t>(entry), length};
+}
+
 std::expected<std::span<const std::uint8_t>, AbortCode> ObjectDictionary::read(std::uint16_t index,
                                                                                std::uint8_t sub,
                                                                                can::Time now) {
@@ -128,6 +139,7 @@ void ObjectDictionary::assign(const Entry& entry, std::span<const std::uint8_t> 
 }
 
 void ObjectDictionary::attach(std::uint16_t first, std::uint16_t last, ObjectHandler& handler) {
+  last_short_ = {};
   auto known = std::find(handlers_.begin(), handlers_.end(), &handler);
   if (known == handlers_.end()) known = handlers_.insert(handlers_.end(), &handler);
   const auto number = static_cast<std::uint8_t>(known - handlers_.begin());

@@ -20,6 +20,7 @@
 #include "canopus/canopen/abort_code.hpp"
 #include "canopus/canopen/dictionary_description.hpp"
 #include "canopus/canopen/object_stream.hpp"
+#include "canopus/canopen/value_bytes.hpp"
 
 namespace canopus::canopen {
 
@@ -71,6 +72,19 @@ class ObjectDictionary {
                                                                              std::uint8_t sub, can::Time now);
   /// The first half of read(): existence, access, handler; bytes(found) is the second.
   [[nodiscard]] AbortCode prepare_read(std::uint16_t index, std::uint8_t sub, can::Time now, Entry& found);
+  /// A value of `length` bytes.
+  struct ShortValue {
+    std::uint32_t number = 0;
+    std::uint8_t length = 0;
+  };
+  /// read() of what has 1..4 bytes, may be read and has no handler, as most values that are asked for; length
+  /// 0: this is none of them.
+  /// `multiplexer`: bits 8-23 index, bits 24-31 sub-index, as an SDO has them.
+  [[nodiscard]] ShortValue read_short(std::uint32_t multiplexer) noexcept {
+    if (multiplexer != last_short_.multiplexer) return find_short(multiplexer);
+    const auto number = load_value(block_.data() + last_short_.offset, last_short_.length);
+    return {static_cast<std::uint32_t>(number), last_short_.length};
+  }
   /// The stream of a value that has one.
   [[nodiscard]] ObjectStream* stream(const Entry& entry) const;
   /// Writes as the bus does.
@@ -89,8 +103,7 @@ class ObjectDictionary {
       std::memcpy(&value, &block_[entry.offset], std::min<std::size_t>(sizeof(T), entry.description->length));
       return value;
     } else {
-      std::uint64_t raw = 0;
-      std::memcpy(&raw, &block_[entry.offset], entry.description->length);
+      std::uint64_t raw = load_value(&block_[entry.offset], entry.description->length);
       if constexpr (std::is_signed_v<T>) {
         const unsigned unused = 64U - 8U * entry.description->length;
         raw = static_cast<std::uint64_t>(static_cast<std::int64_t>(raw << unused) >> unused);
@@ -111,8 +124,7 @@ class ObjectDictionary {
     if constexpr (std::is_floating_point_v<T>) {
       std::memcpy(&block_[entry.offset], &value, std::min<std::size_t>(sizeof(T), entry.description->length));
     } else {
-      const auto raw = static_cast<std::uint64_t>(value);
-      std::memcpy(&block_[entry.offset], &raw, entry.description->length);
+      store_value(&block_[entry.offset], static_cast<std::uint64_t>(value), entry.description->length);
     }
   }
   /// The same by number. False when there is no such sub-index or it is of variable length.
@@ -149,8 +161,17 @@ class ObjectDictionary {
     return handlers_[handler_numbers_[description_->position(object)]];
   }
 
+  [[nodiscard]] ShortValue find_short(std::uint32_t multiplexer) noexcept;
+
   std::shared_ptr<const DictionaryDescription> description_;
   std::vector<std::uint8_t> block_;
+  // What read_short() found last. Who reads one value again and again does not wait for the way through the
+  // description, five loads of which each needs the one before.
+  struct LastShort {
+    std::uint32_t multiplexer = 0xFF;  // none has bits 0-7
+    std::uint32_t offset = 0;
+    std::uint8_t length = 0;
+  } last_short_;
   std::vector<std::unique_ptr<std::vector<std::uint8_t>>> slots_;  // empty pointer: still the default
   std::vector<std::uint8_t> handler_numbers_;                      // by position of the object, 0 = none
   std::vector<ObjectHandler*> handlers_;

@@ -29,7 +29,19 @@ bool is_dummy(const ObjectDictionary& dictionary, const Mapping& mapping) {
 void CopyPlan::clear() {
   first_ = no_step;
   rest_.clear();
-  bits_ = 0;
+  length_ = 0;
+  word_ = 0;
+}
+
+std::uint64_t CopyPlan::gather_steps(const std::uint8_t* block) const noexcept {
+  std::uint64_t frame = gather(first_, block);
+  for (const Step& step : rest_) frame |= gather(step, block);
+  return frame;
+}
+
+void CopyPlan::scatter_steps(std::uint64_t frame, std::uint8_t* block) const noexcept {
+  scatter(first_, frame, block);
+  for (const Step& step : rest_) scatter(step, frame, block);
 }
 
 void CopyPlan::compile(const ObjectDictionary& dictionary, std::uint16_t index) {
@@ -59,11 +71,13 @@ void CopyPlan::compile(const ObjectDictionary& dictionary, std::uint16_t index) 
     }
     position += mapping.bits;
   }
-  bits_ = static_cast<std::uint8_t>(position);
+  length_ = static_cast<std::uint8_t>((position + 7) / 8);
   if (steps.empty()) return;
   first_ = steps.front();
   rest_.assign(steps.begin() + 1, steps.end());  // no larger than needed
   rest_.shrink_to_fit();
+  const bool is_word = first_.bytes == 2 || first_.bytes == 4 || first_.bytes == 8;
+  if (is_word && first_.bit == 0 && first_.bits == 8 * first_.bytes && rest_.empty()) word_ = first_.bytes;
 }
 
 bool CopyPlan::holds(std::uint32_t offset, std::uint8_t length) const noexcept {

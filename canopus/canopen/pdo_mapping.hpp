@@ -15,6 +15,7 @@
 
 #include "canopus/canopen/abort_code.hpp"
 #include "canopus/canopen/object_dictionary.hpp"
+#include "canopus/canopen/value_bytes.hpp"
 
 namespace canopus::canopen {
 
@@ -36,7 +37,7 @@ class CopyPlan {
   void clear();
 
   /// Length of the frame, 0..8.
-  [[nodiscard]] std::uint8_t length() const noexcept { return static_cast<std::uint8_t>((bits_ + 7) / 8); }
+  [[nodiscard]] std::uint8_t length() const noexcept { return length_; }
   /// Copies that a frame costs.
   [[nodiscard]] std::size_t step_count() const noexcept {
     return (first_.bytes != 0 ? 1U : 0U) + rest_.size();
@@ -46,63 +47,53 @@ class CopyPlan {
 
   /// The data bytes of a frame, little endian; those beyond length() are 0.
   [[nodiscard]] std::uint64_t gather(const std::uint8_t* block) const noexcept {
-    std::uint64_t frame = gather(first_, block);
-    for (const Step& step : rest_) frame |= gather(step, block);
-    return frame;
+    switch (word_) {
+      case 8: return load_as<std::uint64_t>(block + first_.offset);
+      case 4: return load_as<std::uint32_t>(block + first_.offset);
+      case 2: return load_as<std::uint16_t>(block + first_.offset);
+      default: return gather_steps(block);
+    }
   }
   /// Puts the data bytes of a frame into the block.
   void scatter(std::uint64_t frame, std::uint8_t* block) const noexcept {
-    scatter(first_, frame, block);
-    for (const Step& step : rest_) scatter(step, frame, block);
+    is_word() ? scatter_word(frame, block) : scatter_steps(frame, block);
+  }
+  /// The mapping is but one copy of 2, 4 or 8 bytes, from bit 0 on.
+  [[nodiscard]] bool is_word() const noexcept { return word_ != 0; }
+  /// scatter() if is_word().
+  void scatter_word(std::uint64_t frame, std::uint8_t* block) const noexcept {
+    std::uint8_t* const to = block + first_.offset;
+    if (word_ == 8) {
+      std::memcpy(to, &frame, 8);
+    } else if (word_ == 4) {
+      std::memcpy(to, &frame, 4);
+    } else {
+      std::memcpy(to, &frame, 2);
+    }
   }
 
  private:
+  [[nodiscard]] std::uint64_t gather_steps(const std::uint8_t* block) const noexcept;
+  void scatter_steps(std::uint64_t frame, std::uint8_t* block) const noexcept;
   // Frames and values stay in registers on the way: a frame written in pieces and then read as a whole would
   // make the processor wait.
   static std::uint64_t gather(const Step& step, const std::uint8_t* block) noexcept {
-    return (load(block + step.offset, step.bytes) & mask(step.bits)) << step.bit;
+    return (load_value(block + step.offset, step.bytes) & mask(step.bits)) << step.bit;
   }
   static void scatter(const Step& step, std::uint64_t frame, std::uint8_t* block) noexcept {
-    store(block + step.offset, frame >> step.bit & mask(step.bits), step.bytes);
+    store_value(block + step.offset, frame >> step.bit & mask(step.bits), step.bytes);
   }
   /// `bits`: 1..64.
   [[nodiscard]] static constexpr std::uint64_t mask(unsigned bits) noexcept {
     return ~std::uint64_t{0} >> (64 - bits);
   }
-  template <typename T>
-  [[nodiscard]] static std::uint64_t load(const std::uint8_t* from) noexcept {
-    T value;
-    std::memcpy(&value, from, sizeof value);
-    return value;
-  }
-  [[nodiscard]] static std::uint64_t load(const std::uint8_t* from, unsigned bytes) noexcept {
-    switch (bytes) {
-      case 8: return load<std::uint64_t>(from);
-      case 4: return load<std::uint32_t>(from);
-      case 2: return load<std::uint16_t>(from);
-      case 1: return *from;
-      default: break;
-    }
-    std::uint64_t value = 0;
-    for (unsigned i = bytes; i-- > 0;) value = value << 8 | from[i];
-    return value;
-  }
-  static void store(std::uint8_t* to, std::uint64_t value, unsigned bytes) noexcept {
-    switch (bytes) {
-      case 8: std::memcpy(to, &value, 8); return;
-      case 4: std::memcpy(to, &value, 4); return;
-      case 2: std::memcpy(to, &value, 2); return;
-      case 1: *to = static_cast<std::uint8_t>(value); return;
-      default: break;
-    }
-    for (unsigned i = 0; i < bytes; ++i) to[i] = static_cast<std::uint8_t>(value >> 8 * i);
-  }
 
   // Most mappings are one copy: it lies in the plan itself, which saves a way through memory.
   static constexpr Step no_step{.offset = 0, .bit = 0, .bits = 1, .bytes = 0};
   Step first_ = no_step;
+  std::uint8_t length_ = 0;
+  std::uint8_t word_ = 0;  // bytes of it, if is_word()
   std::vector<Step> rest_;
-  std::uint8_t bits_ = 0;
 };
 
 /// May this value be mapped: does the object exist (06020000H, 06090011H), is it mappable in this direction

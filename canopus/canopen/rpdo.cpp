@@ -56,6 +56,7 @@ void Rpdos::start() {
     pdo.error_count = 0;
     pdo.length_error = false;
     pdo.timed_out = false;
+    classify(pdo);
   }
   any_waiting_ = false;
   mpdo_consumer_.start();
@@ -77,9 +78,27 @@ void Rpdos::leave_operational() {
   any_waiting_ = false;
 }
 
-void Rpdos::receive_unusual(std::uint16_t position, const can::Frame& frame, can::Time window_end,
-                            can::Time now) {
-  Rpdo& pdo = rpdos_[position];
+void Rpdos::take(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now) {
+  const auto data = std::bit_cast<std::uint64_t>(frame.data);
+  if (pdo.transmission_type <= 240) {
+    if (now > window_end) return;
+    pdo.waiting_data = data;
+    pdo.is_waiting = true;
+    any_waiting_ = true;
+    return;
+  }
+  pdo.plan.scatter(data, node_.dictionary.block().data());
+  if (node_.listener != nullptr) node_.listener->rpdo_received(pdo.number, now);
+}
+
+void Rpdos::receive_other(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now) {
+  if (pdo.watched || pdo.error_count != 0 || frame.dlc != pdo.plan.length()) {
+    return receive_unusual(pdo, frame, window_end, now);
+  }
+  take(pdo, frame, window_end, now);
+}
+
+void Rpdos::receive_unusual(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now) {
   if (pdo.addressing != 0) {
     if (mpdo_consumer_.receive(frame, pdo.addressing, now) && node_.listener != nullptr) {
       node_.listener->rpdo_received(pdo.number, now);
@@ -102,6 +121,7 @@ void Rpdos::receive_unusual(std::uint16_t position, const can::Frame& frame, can
     const CommunicationError error{static_cast<std::uint16_t>(too_short ? 0x8210 : 0x8220), 0};
     fits ? node_.error_ended(error, now) : node_.error_began(error, now);
   }
+  classify(pdo);
   if (!too_short) take(pdo, frame, window_end, now);
 }
 
@@ -120,6 +140,7 @@ void Rpdos::tick(std::uint16_t position, can::Time now) {
   Rpdo& pdo = rpdos_[position];
   pdo.timed_out = true;
   ++pdo.error_count;
+  classify(pdo);
   const std::uint16_t number = pdo.number;
   node_.error_began({0x8250, 0}, now);
   if (node_.listener != nullptr) node_.listener->rpdo_timed_out(number, now);
@@ -161,6 +182,7 @@ void Rpdos::forget_errors(Rpdo& pdo, can::Time now) {
   for (; pdo.error_count != 0; --pdo.error_count) node_.error_ended({0, 0}, now);
   pdo.length_error = false;
   pdo.timed_out = false;
+  classify(pdo);
 }
 
 void Rpdos::after_write(ObjectDictionary&, const Entry& entry, can::Time now) {

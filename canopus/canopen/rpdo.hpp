@@ -7,6 +7,7 @@
 //
 // Checks: COB-ID rules; reserved transmission types 06090030H; changing the mapping: check_mapping_write().
 
+#include <bit>
 #include <vector>
 
 #include "canopus/canopen/cob_id.hpp"
@@ -31,11 +32,9 @@ class Rpdos final : public ObjectHandler {
   void receive(std::uint16_t position, const can::Frame& frame, can::Time window_end, can::Time now) {
     if (!node_.is_operational()) return;
     Rpdo& pdo = rpdos_[position];
-    if (frame.length() != pdo.plan.length() || pdo.watched || pdo.error_count != 0) {
-      receive_unusual(position, frame, window_end, now);
-      return;
-    }
-    take(pdo, frame, window_end, now);
+    if (!pdo.is_plain || frame.dlc != pdo.plan.length()) return receive_other(pdo, frame, window_end, now);
+    pdo.plan.scatter_word(std::bit_cast<std::uint64_t>(frame.data), node_.dictionary.block().data());
+    if (node_.listener != nullptr) node_.listener->rpdo_received(pdo.number, now);
   }
   void sync(can::Time now);
   void tick(std::uint16_t position, can::Time now);
@@ -56,26 +55,19 @@ class Rpdos final : public ObjectHandler {
     std::uint8_t transmission_type = 0xFF;
     std::uint8_t addressing = 0;   // of an MPDO, else 0
     std::uint8_t error_count = 0;  // EMCYs that wait for their end: length, deadline
-    bool watched = false;          // frames go through receive_unusual()
+    bool watched = false;          // has an event timer, or is an MPDO
+    bool is_plain = false;         // a frame is one copy, at once: nothing waits, is watched or was wrong
     bool is_waiting = false;
     bool length_error = false;
     bool timed_out = false;
   };
-  void take(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now) {
-    std::uint64_t data;
-    std::memcpy(&data, frame.data.data(), 8);
-    if (pdo.transmission_type <= 240) {
-      if (now > window_end) return;
-      pdo.waiting_data = data;
-      pdo.is_waiting = true;
-      any_waiting_ = true;
-      return;
-    }
-    pdo.plan.scatter(data, node_.dictionary.block().data());
-    if (node_.listener != nullptr) node_.listener->rpdo_received(pdo.number, now);
-  }
-  void receive_unusual(std::uint16_t position, const can::Frame& frame, can::Time window_end, can::Time now);
+  void take(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now);
+  void receive_other(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now);
+  void receive_unusual(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now);
   void read(Rpdo& pdo);
+  static void classify(Rpdo& pdo) noexcept {
+    pdo.is_plain = pdo.plan.is_word() && pdo.transmission_type > 240 && !pdo.watched && pdo.error_count == 0;
+  }
   void forget_errors(Rpdo& pdo, can::Time now);
   [[nodiscard]] Rpdo* find(std::uint16_t index) noexcept;
   [[nodiscard]] TimerQueue::Number timer(const Rpdo& pdo) const noexcept {

@@ -6,8 +6,6 @@
 namespace canopus::canopen {
 namespace {
 
-constexpr unsigned last_segment = 0x80;
-
 constexpr bool is_block_size(std::uint8_t segments) noexcept { return segments >= 1 && segments <= 127; }
 
 }  // namespace
@@ -23,7 +21,7 @@ AbortCode BlockSender::begin(std::uint8_t block_size, bool with_crc) noexcept {
   return AbortCode::none;
 }
 
-AbortCode BlockSender::send(SegmentSource& source, can::Sink& sink, std::uint32_t identifier_key) {
+AbortCode BlockSender::send(SegmentSource& source, can::Sink& sink, FrameHead head) {
   if (phase_ == Phase::ready) phase_ = Phase::sending;
   if (is_inside_send_) return AbortCode::none;
   is_inside_send_ = true;
@@ -40,7 +38,7 @@ AbortCode BlockSender::send(SegmentSource& source, can::Sink& sink, std::uint32_
       unused_ = static_cast<std::uint8_t>(sdo::segment_size - rest.size());
     }
     if (last || sequence == block_size_) phase_ = Phase::waiting;
-    if (sink.send(sdo::block_segment(identifier_key, sequence | (last ? last_segment : 0U), rest))) continue;
+    if (sink.send(sdo::block_segment(head, sequence | (last ? sdo::last_segment : 0U), rest))) continue;
     if (sequence_ != sequence) break;  // it was out, for it is confirmed
     --sequence_;
     if (last) last_sequence_ = 0;
@@ -67,8 +65,8 @@ AbortCode BlockSender::confirmed(const can::Frame& answer, SegmentSource& source
   return AbortCode::none;
 }
 
-can::Frame BlockSender::end(std::uint32_t identifier_key) const noexcept {
-  return frame_of(identifier_key, 8, 0xC1U | std::uint64_t{unused_} << 2 | std::uint64_t{crc_} << 8);
+can::Frame BlockSender::end(FrameHead head) const noexcept {
+  return frame_of(head, 0xC1U | std::uint64_t{unused_} << 2 | std::uint64_t{crc_} << 8);
 }
 
 void BlockReceiver::begin(std::uint8_t block_size, bool with_crc) noexcept {
@@ -77,27 +75,11 @@ void BlockReceiver::begin(std::uint8_t block_size, bool with_crc) noexcept {
   with_crc_ = with_crc;
 }
 
-AbortCode BlockReceiver::take(const can::Frame& segment, SegmentCollector& collector, Next& next) {
-  const std::uint8_t sequence = segment.data[0] & 0x7F;
-  const bool last = (segment.data[0] & last_segment) != 0;
-  if (sequence == 0 || sequence > block_size_) return AbortCode::sequence_number;
-  confirmed_early_ = false;
-  if (sequence == sequence_ + 1) {
-    const AbortCode code = collector.add(segment, sdo::segment_size);
-    if (code != AbortCode::none) return code;
-    sequence_ = sequence;
-    took_any_ = true;
-    has_all_ = last;
-  }
-  next = last || sequence == block_size_ ? Next::confirmation : Next::segment;
-  return AbortCode::none;
-}
-
-can::Frame BlockReceiver::confirmation(std::uint32_t identifier_key, std::uint8_t block_size) noexcept {
+can::Frame BlockReceiver::confirmation(FrameHead head, std::uint8_t block_size) noexcept {
   const std::uint64_t came = sequence_;
   sequence_ = 0;
   block_size_ = block_size;
-  return frame_of(identifier_key, 8, 0xA2U | came << 8 | std::uint64_t{block_size} << 16);
+  return frame_of(head, 0xA2U | came << 8 | std::uint64_t{block_size} << 16);
 }
 
 AbortCode BlockReceiver::finish(const can::Frame& end, SegmentCollector& collector) const {

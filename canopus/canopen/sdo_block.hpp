@@ -14,6 +14,7 @@
 #include <cstdint>
 
 #include "canopus/can/controller.hpp"
+#include "canopus/canopen/sdo_frame.hpp"
 #include "canopus/canopen/sdo_transfer.hpp"
 
 namespace canopus::canopen {
@@ -32,12 +33,12 @@ class BlockSender {
 
   /// Sends what the sub-block still lacks. On a bus that is a function call, confirmations and even the next
   /// transfer come from inside: a call from there returns at once, and the outer one goes on with it.
-  AbortCode send(SegmentSource& source, can::Sink& sink, std::uint32_t identifier_key);
+  AbortCode send(SegmentSource& source, can::Sink& sink, FrameHead head);
   /// A2H came. send() is to follow, or end() if the value is_complete().
   AbortCode confirmed(const can::Frame& answer, SegmentSource& source);
   [[nodiscard]] bool is_complete() const noexcept { return phase_ == Phase::complete; }
   /// C1H, with the bytes unused in the last segment and the CRC.
-  [[nodiscard]] can::Frame end(std::uint32_t identifier_key) const noexcept;
+  [[nodiscard]] can::Frame end(FrameHead head) const noexcept;
 
  private:
   enum class Phase : std::uint8_t {
@@ -65,9 +66,23 @@ class BlockReceiver {
   /// The first sub-block shall have `block_size` segments, 1..127.
   void begin(std::uint8_t block_size, bool with_crc) noexcept;
   /// A segment came: hands its bytes on if it is the one that is due. Says whether it is now time to confirm.
-  AbortCode take(const can::Frame& segment, SegmentCollector& collector, Next& next);
+  AbortCode take(const can::Frame& segment, SegmentCollector& collector, Next& next) {
+    const unsigned sequence = segment.data[0] & 0x7FU;
+    const bool last = (segment.data[0] & sdo::last_segment) != 0;
+    if (sequence == 0 || sequence > block_size_) return AbortCode::sequence_number;
+    confirmed_early_ = false;
+    if (sequence == sequence_ + 1U) {
+      const AbortCode code = collector.add(segment, sdo::segment_size);
+      if (code != AbortCode::none) return code;
+      sequence_ = static_cast<std::uint8_t>(sequence);
+      took_any_ = true;
+      has_all_ = last;
+    }
+    next = last || sequence == block_size_ ? Next::confirmation : Next::segment;
+    return AbortCode::none;
+  }
   /// A2H with what came of this sub-block; the next one shall have `block_size` segments.
-  [[nodiscard]] can::Frame confirmation(std::uint32_t identifier_key, std::uint8_t block_size) noexcept;
+  [[nodiscard]] can::Frame confirmation(FrameHead head, std::uint8_t block_size) noexcept;
   /// The same after a pause, once per sub-block; not when it could do harm.
   [[nodiscard]] bool may_confirm_early() const noexcept {
     return !confirmed_early_ && (sequence_ != 0 || with_crc_ || !took_any_);

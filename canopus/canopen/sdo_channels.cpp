@@ -12,14 +12,14 @@ bool is_default_sdo_identifier(CobId id) {
 
 }  // namespace
 
-SdoChannels::SdoChannels(NodeContext& node) : node_(node), default_server_(node.dictionary, node.sink) {
+SdoChannels::SdoChannels(NodeContext& node)
+    : node_(node), default_server_(node.dictionary, node.sink, node.timers) {
   configure(default_server_);
   for (const ObjectDescription& object : node.dictionary.description().objects()) {
     if (object.index <= 0x1200 || object.index >= first_client) continue;
     servers_.push_back(std::make_unique<Server>(object.index, node));
     configure(servers_.back()->server);
   }
-  first_timer_ = node.timers.add(size());
   node.dictionary.attach(0x1200, 0x12FF, *this);
 }
 
@@ -45,15 +45,6 @@ void SdoChannels::start() {
 void SdoChannels::stop() {
   default_server_.stop();
   for (const auto& server : servers_) server->server.stop();
-  for (std::size_t i = 0; i < size(); ++i) {
-    node_.timers.stop(static_cast<TimerQueue::Number>(first_timer_ + i));
-  }
-}
-
-void SdoChannels::tick(std::uint16_t number, can::Time now) {
-  SdoServer& server = server_of(number);
-  server.tick(now);
-  schedule(number, server);
 }
 
 void SdoChannels::list_identifiers(std::vector<IdentifierTable::Route>& routes) const {

@@ -29,14 +29,12 @@ class SdoChannels final : public ObjectHandler {
   void stop();
   /// `number`: 0 is the default server.
   void receive(std::uint16_t number, const can::Frame& frame, can::Time now) {
-    SdoServer& server = server_of(number);
-    server.receive(frame, now);
-    schedule(number, server);
+    server_of(number).receive(frame, now);
   }
-  void tick(std::uint16_t number, can::Time now);
+  void tick(std::uint16_t number, can::Time now) { server_of(number).tick(now); }
   void list_identifiers(std::vector<IdentifierTable::Route>& routes) const;
   [[nodiscard]] std::size_t size() const noexcept { return servers_.size() + 1; }
-  [[nodiscard]] TimerQueue::Number first_timer() const noexcept { return first_timer_; }
+  [[nodiscard]] TimerQueue::Number first_timer() const noexcept { return default_server_.timer(); }
 
   /// Channel 1280H + `number`, if it exists and is valid.
   [[nodiscard]] std::optional<SdoClientChannel> client(std::uint8_t number) const;
@@ -46,7 +44,8 @@ class SdoChannels final : public ObjectHandler {
 
  private:
   struct Server {
-    Server(std::uint16_t object, NodeContext& node) : index(object), server(node.dictionary, node.sink) {}
+    Server(std::uint16_t object, NodeContext& node)
+        : index(object), server(node.dictionary, node.sink, node.timers) {}
     std::uint16_t index;  // 1201H..
     CobId request;
     CobId response;
@@ -58,15 +57,10 @@ class SdoChannels final : public ObjectHandler {
   [[nodiscard]] SdoServer& server_of(std::uint16_t number) noexcept {
     return number == 0 ? default_server_ : servers_[number - 1U]->server;
   }
-  void schedule(std::uint16_t number, const SdoServer& server) {
-    const auto timer = static_cast<TimerQueue::Number>(first_timer_ + number);
-    if (server.deadline() != node_.timers.deadline(timer)) node_.timers.set(timer, server.deadline());
-  }
 
   NodeContext& node_;
   SdoServer default_server_;
-  std::vector<std::unique_ptr<Server>> servers_;
-  TimerQueue::Number first_timer_ = 0;
+  std::vector<std::unique_ptr<Server>> servers_;  // their timers follow that of the default server
 };
 
 }  // namespace canopus::canopen

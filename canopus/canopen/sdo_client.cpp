@@ -17,7 +17,7 @@ void SdoClient::set_server(std::uint8_t node_id) {
 void SdoClient::set_channel(std::uint32_t request, std::uint32_t response) {
   if (busy()) return;
   constexpr std::uint32_t identifier_and_format = 0x3FFF'FFFF;
-  request_cob_id_ = request & identifier_and_format;
+  request_ = sdo::head(request & identifier_and_format);
   response_cob_id_ = response & identifier_and_format;
   server_ = 0;
 }
@@ -28,9 +28,8 @@ bool SdoClient::start(State state, const can::Frame& request, SdoClientUser& use
                       can::Duration time_out) {
   state_ = state;
   user_ = &user;
-  index_ = sdo::index(request);
-  sub_ = request.data[3];
-  toggle_ = false;
+  multiplexer_ = sdo::multiplexer(request);
+  toggle_ = 0;
   abort_code_ = AbortCode::none;
   collector_.clear();
   time_out_ = time_out;
@@ -46,12 +45,14 @@ bool SdoClient::upload(std::uint16_t index, std::uint8_t sub, SdoClientUser& use
   if (busy()) return false;
   into_ = into;
   if (mode == Mode::segmented) {
-    return start(State::initiate_upload, sdo::frame(request_cob_id_, 0x40, index, sub), user, now, time_out);
+    return start(State::initiate_upload, sdo::frame(request_, 0x40, sdo::multiplexer(index, sub)), user, now,
+                 time_out);
   }
   const std::uint32_t block_size_and_threshold = own_block_size | std::uint32_t{switch_threshold_} << 8;
-  return start(State::initiate_block_upload,
-               sdo::frame(request_cob_id_, 0xA0U | sdo::crc_bit, index, sub, block_size_and_threshold), user,
-               now, time_out);
+  return start(
+      State::initiate_block_upload,
+      sdo::frame(request_, 0xA0U | sdo::crc_bit, sdo::multiplexer(index, sub), block_size_and_threshold),
+      user, now, time_out);
 }
 
 bool SdoClient::start_download(State state, std::uint16_t index, std::uint8_t sub,
@@ -62,7 +63,8 @@ bool SdoClient::start_download(State state, std::uint16_t index, std::uint8_t su
   const bool in_blocks = state == State::initiate_block_download;
   const unsigned size_bit = !size ? 0U : in_blocks ? 2U : 1U;
   const unsigned command = in_blocks ? 0xC0U | sdo::crc_bit : 0x20U;
-  return start(state, sdo::frame(request_cob_id_, command | size_bit, index, sub, size.value_or(0)), user,
+  return start(state,
+               sdo::frame(request_, command | size_bit, sdo::multiplexer(index, sub), size.value_or(0)), user,
                now, time_out);
 }
 
@@ -70,11 +72,12 @@ bool SdoClient::download(std::uint16_t index, std::uint8_t sub, std::span<const 
                          SdoClientUser& user, can::Time now, can::Duration time_out, Mode mode) {
   if (busy()) return false;
   if (data.size() >= 1 && data.size() <= 4) {
-    can::Frame request =
-        sdo::frame(request_cob_id_, 0x23U | static_cast<unsigned>(4 - data.size()) << 2, index, sub);
-    std::copy_n(data.begin(), data.size(), &request.data[4]);
+    std::uint32_t value = 0;
+    std::copy_n(data.begin(), data.size(), reinterpret_cast<std::uint8_t*>(&value));
+    const unsigned command = 0x23U | static_cast<unsigned>(4 - data.size()) << 2;
     expedited_ = true;
-    return start(State::initiate_download, request, user, now, time_out);
+    return start(State::initiate_download, sdo::frame(request_, command, sdo::multiplexer(index, sub), value),
+                 user, now, time_out);
   }
   source_.begin(data);
   return start_download(mode == Mode::block ? State::initiate_block_download : State::initiate_download,
@@ -93,7 +96,7 @@ bool SdoClient::download(std::uint16_t index, std::uint8_t sub, ByteSource& sour
 void SdoClient::cancel(AbortCode code) {
   if (!busy()) return;
   drop(code);
-  sink_->send(sdo::abort_frame(request_cob_id_, index_, sub_, code));
+  sink_->send(sdo::abort_frame(request_, multiplexer_, code));
 }
 
 void SdoClient::drop(AbortCode code) noexcept {
@@ -112,43 +115,39 @@ void SdoClient::finish(AbortCode code, can::Time now) {
 }
 
 void SdoClient::give_up(AbortCode code, can::Time now) {
-  sink_->send(sdo::abort_frame(request_cob_id_, index_, sub_, code));
+  sink_->send(sdo::abort_frame(request_, multiplexer_, code));
   finish(code, now);
 }
 
 // What cannot be taken: the server hears of a full memory where the user hears of too small a buffer.
 void SdoClient::refuse(AbortCode code, can::Time now) {
   if (code != buffer_too_small) return give_up(code, now);
-  sink_->send(sdo::abort_frame(request_cob_id_, index_, sub_, AbortCode::out_of_memory));
+  sink_->send(sdo::abort_frame(request_, multiplexer_, AbortCode::out_of_memory));
   finish(buffer_too_small, now);
 }
 
-bool SdoClient::receive(const can::Frame& frame, can::Time now) {
-  const std::uint32_t key = frame.identifier | (frame.extended ? 1U << 29 : 0U);
-  if (frame.remote || key != response_cob_id_) return false;
-  if (!busy() || frame.dlc == 0) return true;
+/// An answer on this channel while a transfer runs.
+void SdoClient::take(const can::Frame& frame, can::Time now) {
   const auto command = static_cast<ServerCommand>(frame.data[0] >> 5);
   // Among the segments of a block, 81H.. is the last segment, also when it comes twice.
   const bool among_segments = state_ == State::block_upload || state_ == State::block_upload_end;
   if (command == ServerCommand::abort && (!among_segments || frame.data[0] == 0x80)) {
     const auto code = static_cast<AbortCode>(sdo::value(frame));
-    finish(code != AbortCode::none ? code : AbortCode::general,
-           now);  // an abort without a reason is one, too
-    return true;
+    // An abort without a reason is one, too.
+    return finish(code != AbortCode::none ? code : AbortCode::general, now);
   }
   switch (state_) {
-    case State::idle: break;
-    case State::initiate_upload: upload_initiated(frame, now); break;
-    case State::upload_segment: segment_uploaded(frame, now); break;
-    case State::initiate_download: download_initiated(frame, now); break;
-    case State::download_segment: segment_downloaded(frame, now); break;
-    default: receive_in_block(frame, now);
+    case State::idle: return;
+    case State::initiate_upload: return upload_initiated(frame, now);
+    case State::upload_segment: return segment_uploaded(frame, now);
+    case State::initiate_download: return download_initiated(frame, now);
+    case State::download_segment: return segment_downloaded(frame, now);
+    default: return receive_in_block(frame, now);
   }
-  return true;
 }
 
 bool SdoClient::is_about_this_object(const can::Frame& frame) const noexcept {
-  return sdo::index(frame) == index_ && frame.data[3] == sub_;
+  return sdo::multiplexer(frame) == multiplexer_;
 }
 
 void SdoClient::upload_initiated(const can::Frame& frame, can::Time now) {
@@ -156,17 +155,25 @@ void SdoClient::upload_initiated(const can::Frame& frame, can::Time now) {
     return give_up(AbortCode::command_specifier, now);
   }
   if (!is_about_this_object(frame)) return;  // a late answer to a transfer given up
-  const std::size_t maximum = maximum_size_ != 0 ? maximum_size_ : SIZE_MAX / 2;
-  if ((frame.data[0] & sdo::expedited_bit) != 0) {
-    const auto data = sdo::expedited_data(frame);
-    if (data.size() > maximum) return refuse(buffer_too_small, now);
-    if (into_ == nullptr) {
-      collector_.take(sdo::value(frame), data.size());
-    } else if (const AbortCode code = into_->write(data); code != AbortCode::none) {
-      return give_up(code, now);
-    }
-    return finish(AbortCode::none, now);
+  if ((frame.data[0] & sdo::expedited_bit) == 0) return long_upload_initiated(frame, now);
+  if (into_ != nullptr || maximum_size_ != 0) return take_expedited(frame, now);
+  collector_.take(sdo::value(frame), sdo::expedited_data(frame).size());
+  finish(AbortCode::none, now);
+}
+
+void SdoClient::take_expedited(const can::Frame& frame, can::Time now) {
+  const auto data = sdo::expedited_data(frame);
+  if (maximum_size_ != 0 && data.size() > maximum_size_) return refuse(buffer_too_small, now);
+  if (into_ == nullptr) {
+    collector_.take(sdo::value(frame), data.size());
+  } else if (const AbortCode code = into_->write(data); code != AbortCode::none) {
+    return give_up(code, now);
   }
+  finish(AbortCode::none, now);
+}
+
+void SdoClient::long_upload_initiated(const can::Frame& frame, can::Time now) {
+  const std::size_t maximum = maximum_size_ != 0 ? maximum_size_ : SIZE_MAX / 2;
   std::optional<std::size_t> announced;
   if ((frame.data[0] & sdo::size_bit) != 0) announced = sdo::value(frame);
   if (announced && *announced > maximum) return refuse(buffer_too_small, now);
@@ -177,20 +184,20 @@ void SdoClient::upload_initiated(const can::Frame& frame, can::Time now) {
 
 void SdoClient::request_segment(can::Time now) {
   restart_time_out(now);
-  sink_->send(sdo::frame(request_cob_id_, 0x60U | (toggle_ ? sdo::toggle_bit : 0U)));
+  sink_->send(sdo::frame(request_, 0x60U | toggle_));
 }
 
 void SdoClient::segment_uploaded(const can::Frame& frame, can::Time now) {
   if (static_cast<ServerCommand>(frame.data[0] >> 5) != ServerCommand::upload_segment) {
     return give_up(AbortCode::command_specifier, now);
   }
-  if (((frame.data[0] & sdo::toggle_bit) != 0) != toggle_) return give_up(AbortCode::toggle_bit, now);
+  if ((frame.data[0] & sdo::toggle_bit) != toggle_) return give_up(AbortCode::toggle_bit, now);
   AbortCode code = collector_.add(frame, sdo::segment_length(frame));
   const bool last = (frame.data[0] & sdo::last_bit) != 0;
   if (last && code == AbortCode::none) code = collector_.finish(0);
   if (code != AbortCode::none) return refuse(code, now);
   if (last) return finish(AbortCode::none, now);
-  toggle_ = !toggle_;
+  toggle_ ^= sdo::toggle_bit;
   request_segment(now);
 }
 
@@ -211,8 +218,7 @@ void SdoClient::send_segment(can::Time now) {
   const auto window = source_.window();
   const std::size_t count = std::min(window.size(), sdo::segment_size);
   all_sent_ = count == window.size() && source_.ends_in_window();
-  can::Frame segment = sdo::frame(request_cob_id_, toggle_ ? sdo::toggle_bit : 0U);
-  sdo::put_segment(segment, window.data(), count, all_sent_);
+  const can::Frame segment = sdo::segment(request_, toggle_, window, all_sent_);
   source_.advance(count);
   restart_time_out(now);
   sink_->send(segment);
@@ -222,9 +228,9 @@ void SdoClient::segment_downloaded(const can::Frame& frame, can::Time now) {
   if (static_cast<ServerCommand>(frame.data[0] >> 5) != ServerCommand::download_segment) {
     return give_up(AbortCode::command_specifier, now);
   }
-  if (((frame.data[0] & sdo::toggle_bit) != 0) != toggle_) return give_up(AbortCode::toggle_bit, now);
+  if ((frame.data[0] & sdo::toggle_bit) != toggle_) return give_up(AbortCode::toggle_bit, now);
   if (all_sent_) return finish(AbortCode::none, now);
-  toggle_ = !toggle_;
+  toggle_ ^= sdo::toggle_bit;
   send_segment(now);
 }
 

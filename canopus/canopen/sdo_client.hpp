@@ -16,6 +16,7 @@
 
 #include "canopus/can/controller.hpp"
 #include "canopus/canopen/abort_code.hpp"
+#include "canopus/canopen/frame_of.hpp"
 #include "canopus/canopen/sdo_block.hpp"
 #include "canopus/canopen/sdo_transfer.hpp"
 
@@ -84,15 +85,20 @@ class SdoClient {
   [[nodiscard]] std::span<const std::uint8_t> data() const noexcept {
     return collector_.bytes();
   }  ///< of an upload
-  [[nodiscard]] std::uint16_t index() const noexcept { return index_; }
-  [[nodiscard]] std::uint8_t sub() const noexcept { return sub_; }
+  [[nodiscard]] std::uint16_t index() const noexcept { return static_cast<std::uint16_t>(multiplexer_ >> 8); }
+  [[nodiscard]] std::uint8_t sub() const noexcept { return static_cast<std::uint8_t>(multiplexer_ >> 24); }
 
   /// Counts the time-out from `now` on: the request got out on the bus only now, or is still waiting for it.
   void count_from(can::Time now) noexcept {
     if (busy()) last_heard_ = now;  // tick() looks at it when the present deadline comes
   }
   /// True when the frame was an answer on this channel (whether or not it was of use).
-  bool receive(const can::Frame& frame, can::Time now);
+  bool receive(const can::Frame& frame, can::Time now) {
+    const std::uint32_t key = frame.identifier | (frame.extended ? 1U << 29 : 0U);
+    if (frame.remote || key != response_cob_id_) return false;
+    if (busy() && frame.dlc != 0) take(frame, now);
+    return true;
+  }
   void tick(can::Time now);
   [[nodiscard]] can::Time deadline() const noexcept { return deadline_; }
 
@@ -111,6 +117,7 @@ class SdoClient {
     block_download_end,  // C1H is out, A1H is to come
   };
 
+  void take(const can::Frame& frame, can::Time now);
   bool start(State state, const can::Frame& request, SdoClientUser& user, can::Time now,
              can::Duration time_out);
   bool start_download(State state, std::uint16_t index, std::uint8_t sub, std::optional<std::uint32_t> size,
@@ -125,6 +132,8 @@ class SdoClient {
   }
 
   void upload_initiated(const can::Frame& frame, can::Time now);
+  void long_upload_initiated(const can::Frame& frame, can::Time now);
+  void take_expedited(const can::Frame& frame, can::Time now);
   void request_segment(can::Time now);
   void segment_uploaded(const can::Frame& frame, can::Time now);
   void download_initiated(const can::Frame& frame, can::Time now);
@@ -144,16 +153,15 @@ class SdoClient {
 
   can::Sink* sink_;
   SdoClientUser* user_ = nullptr;
-  std::uint32_t request_cob_id_ = 0;
+  FrameHead request_;
   std::uint32_t response_cob_id_ = 0;
+  std::uint32_t multiplexer_ = 0;  // index and sub-index of the transfer, as in its frames
   std::uint8_t server_ = 0;
   std::uint8_t switch_threshold_ = 4;
   State state_ = State::idle;
-  std::uint16_t index_ = 0;
-  std::uint8_t sub_ = 0;
-  bool toggle_ = false;
-  bool expedited_ = false;  // of a download
-  bool all_sent_ = false;   // of a segmented download
+  std::uint8_t toggle_ = 0;  // the toggle bit that is due
+  bool expedited_ = false;   // of a download
+  bool all_sent_ = false;    // of a segmented download
   AbortCode abort_code_ = AbortCode::none;
   std::size_t maximum_size_ = 0;
   ByteSink* into_ = nullptr;

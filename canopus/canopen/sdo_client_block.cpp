@@ -51,7 +51,7 @@ void SdoClient::block_upload_initiated(const can::Frame& frame, can::Time now) {
   state_ = State::block_upload;
   restart_time_out(now);
   deadline_ = can::later(now, time_out_ / 4);
-  sink_->send(sdo::frame(request_cob_id_, 0xA3));
+  sink_->send(sdo::frame(request_, 0xA3));
 }
 
 void SdoClient::block_segment(const can::Frame& frame, can::Time now) {
@@ -65,14 +65,14 @@ void SdoClient::block_segment(const can::Frame& frame, can::Time now) {
 
 void SdoClient::confirm_block() {
   if (block_receiver_.has_all()) state_ = State::block_upload_end;
-  sink_->send(block_receiver_.confirmation(request_cob_id_, own_block_size));
+  sink_->send(block_receiver_.confirmation(request_, own_block_size));
 }
 
 void SdoClient::end_block_upload(const can::Frame& frame, can::Time now) {
   if (const AbortCode code = block_receiver_.finish(frame, collector_); code != AbortCode::none) {
     return refuse(code, now);
   }
-  sink_->send(sdo::frame(request_cob_id_, 0xA1));
+  sink_->send(sdo::frame(request_, 0xA1));
   finish(AbortCode::none, now);
 }
 
@@ -86,7 +86,7 @@ void SdoClient::block_download_initiated(const can::Frame& frame, can::Time now)
 }
 
 void SdoClient::send_block(can::Time now) {
-  const AbortCode code = block_sender_.send(source_, *sink_, request_cob_id_);
+  const AbortCode code = block_sender_.send(source_, *sink_, request_);
   if (code != AbortCode::none) return give_up(code, now);
   if (state_ != State::block_download) return;  // ended by answers that came meanwhile
   deadline_ = block_sender_.is_sending() ? can::later(now, BlockSender::full_queue_retry)
@@ -99,7 +99,7 @@ void SdoClient::block_confirmed(const can::Frame& frame, can::Time now) {
   restart_time_out(now);
   if (!block_sender_.is_complete()) return send_block(now);
   state_ = State::block_download_end;
-  sink_->send(block_sender_.end(request_cob_id_));
+  sink_->send(block_sender_.end(request_));
 }
 
 }  // namespace canopus::canopen

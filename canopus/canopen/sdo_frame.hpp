@@ -44,40 +44,48 @@ inline constexpr std::uint8_t expedited_bit = 0x02;
 inline constexpr std::uint8_t size_bit = 0x01;
 inline constexpr std::uint8_t toggle_bit = 0x10;
 inline constexpr std::uint8_t last_bit = 0x01;
+inline constexpr std::uint8_t last_segment = 0x80;  ///< of a segment in a block transfer
 inline constexpr std::size_t segment_size = 7;
 
-/// A frame of 8 bytes on this channel: `identifier_key` is the identifier, bit 29 = extended.
-[[nodiscard]] inline can::Frame frame(std::uint32_t identifier_key, unsigned command) noexcept {
-  return frame_of(identifier_key, 8, command & 0xFFU);
+/// What all frames to one side of a channel begin with. `key`: identifier, bit 29 = extended.
+[[nodiscard]] constexpr FrameHead head(std::uint32_t key) noexcept { return {key, 8}; }
+
+[[nodiscard]] inline can::Frame frame(FrameHead head, unsigned command) noexcept {
+  return frame_of(head, command & 0xFFU);
 }
 
-[[nodiscard]] inline can::Frame frame(std::uint32_t identifier_key, unsigned command, std::uint16_t index,
-                                      std::uint8_t sub, std::uint32_t value = 0) noexcept {
-  return frame_of(
-      identifier_key, 8,
-      (command & 0xFFU) | std::uint64_t{index} << 8 | std::uint64_t{sub} << 24 | std::uint64_t{value} << 32);
+/// Index and sub-index as a frame's data word has them, in bits 8-31.
+[[nodiscard]] constexpr std::uint32_t multiplexer(std::uint16_t index, std::uint8_t sub) noexcept {
+  return std::uint32_t{index} << 8 | std::uint32_t{sub} << 24;
+}
+inline constexpr std::uint32_t multiplexer_mask = 0xFFFF'FF00;
+
+[[nodiscard]] inline can::Frame frame(FrameHead head, unsigned command, std::uint32_t multiplexer,
+                                      std::uint32_t value = 0) noexcept {
+  return frame_of(head, (command & 0xFFU) | multiplexer | std::uint64_t{value} << 32);
 }
 
-[[nodiscard]] inline can::Frame abort_frame(std::uint32_t identifier_key, std::uint16_t index,
-                                            std::uint8_t sub, AbortCode code) noexcept {
-  return frame(identifier_key, 0x80, index, sub, static_cast<std::uint32_t>(code));
+[[nodiscard]] inline can::Frame abort_frame(FrameHead head, std::uint32_t multiplexer,
+                                            AbortCode code) noexcept {
+  return frame(head, 0x80, multiplexer, static_cast<std::uint32_t>(code));
 }
 
+[[nodiscard]] inline std::uint32_t multiplexer(const can::Frame& f) noexcept {
+  return static_cast<std::uint32_t>(data_word(f)) & multiplexer_mask;
+}
 [[nodiscard]] inline std::uint16_t index(const can::Frame& f) noexcept {
   return static_cast<std::uint16_t>(f.data[1] | f.data[2] << 8);
 }
 /// Bytes 4-7 as a number.
 [[nodiscard]] inline std::uint32_t value(const can::Frame& f) noexcept {
-  std::uint32_t number;
-  std::memcpy(&number, &f.data[4], 4);
-  return number;
+  return static_cast<std::uint32_t>(data_word(f) >> 32);
 }
 /// Data bytes of a segment of either direction (command with n in bits 1-3).
 [[nodiscard]] inline std::size_t segment_length(const can::Frame& f) noexcept {
   return segment_size - (f.data[0] >> 1 & 7U);
 }
 /// A segment of a block transfer: `command` is its number and bit 7; of `rest`, the first 7 bytes go out.
-[[nodiscard]] inline can::Frame block_segment(std::uint32_t identifier_key, unsigned command,
+[[nodiscard]] inline can::Frame block_segment(FrameHead head, unsigned command,
                                               std::span<const std::uint8_t> rest) noexcept {
   std::uint64_t bytes = 0;
   if (rest.size() > segment_size) {
@@ -85,21 +93,19 @@ inline constexpr std::size_t segment_size = 7;
   } else {
     std::copy(rest.begin(), rest.end(), reinterpret_cast<std::uint8_t*>(&bytes));
   }
-  return frame_of(identifier_key, 8, bytes << 8 | (command & 0xFFU));
+  return frame_of(head, bytes << 8 | (command & 0xFFU));
 }
 /// Data bytes of an expedited transfer: 4 - n when the size is indicated, else all 4.
 [[nodiscard]] inline std::span<const std::uint8_t> expedited_data(const can::Frame& f) noexcept {
   const std::size_t unused = (f.data[0] & size_bit) != 0 ? f.data[0] >> 2 & 3U : 0U;
   return {&f.data[4], 4 - unused};
 }
-/// Puts up to 7 bytes into a segment; n and the last bit are added to the command.
-inline void put_segment(can::Frame& f, const std::uint8_t* bytes, std::size_t count, bool last) noexcept {
-  if (count >= segment_size) {
-    std::memcpy(&f.data[1], bytes, segment_size);
-  } else {
-    std::copy_n(bytes, count, &f.data[1]);
-  }
-  f.data[0] = static_cast<std::uint8_t>(f.data[0] | (segment_size - count) << 1 | (last ? last_bit : 0U));
+/// A segment of either direction: `toggle` is its toggle bit; of `rest`, up to 7 bytes go out. `last`: the
+/// last bit is set.
+[[nodiscard]] inline can::Frame segment(FrameHead head, unsigned toggle, std::span<const std::uint8_t> rest,
+                                        bool last) noexcept {
+  const std::size_t unused = rest.size() < segment_size ? segment_size - rest.size() : 0;
+  return block_segment(head, toggle | static_cast<unsigned>(unused) << 1 | (last ? last_bit : 0U), rest);
 }
 
 }  // namespace canopus::canopen::sdo

@@ -11,7 +11,7 @@ using sdo::ClientCommand;
 
 void SdoServer::set_response_identifier(std::uint32_t identifier_key) {
   stop();
-  response_ = identifier_key;
+  response_ = sdo::head(identifier_key);
 }
 
 void SdoServer::close(bool complete) {
@@ -21,7 +21,7 @@ void SdoServer::close(bool complete) {
 
 void SdoServer::stop() {
   state_ = State::idle;
-  deadline_ = can::never;
+  set_deadline(can::never);
   block_sender_.stop();
   close(false);
 }
@@ -31,37 +31,36 @@ can::Duration SdoServer::pause() const noexcept {
   return time_out_ != can::Duration{} ? time_out_ / 4 : can::Duration(std::chrono::milliseconds(250));
 }
 
-void SdoServer::enter(State state, std::uint16_t index, std::uint8_t sub, can::Time now) {
+void SdoServer::enter(State state, std::uint32_t multiplexer, can::Time now) {
   state_ = state;
-  index_ = index;
-  sub_ = sub;
-  toggle_ = false;
+  multiplexer_ = multiplexer;
+  toggle_ = 0;
   last_heard_ = now;
-  deadline_ = time_out_ != can::Duration{} ? can::later(now, time_out_) : can::never;
+  set_deadline(time_out_ != can::Duration{} ? can::later(now, time_out_) : can::never);
 }
 
-void SdoServer::abort(std::uint16_t index, std::uint8_t sub, AbortCode code) {
+void SdoServer::abort(std::uint32_t multiplexer, AbortCode code) {
   stop();
-  sink_->send(sdo::abort_frame(response_, index, sub, code));
+  sink_->send(sdo::abort_frame(response_, multiplexer, code));
 }
 
-void SdoServer::abort(AbortCode code) { abort(index_, sub_, code); }
+void SdoServer::abort(AbortCode code) { abort(multiplexer_, code); }
 
 void SdoServer::receive(const can::Frame& frame, can::Time now) {
   if (frame.dlc != 8) return;
   const auto command = static_cast<ClientCommand>(frame.data[0] >> 5);
-  // Between the segments of a block, 81H.. is the last segment.
-  if (command == ClientCommand::abort && (state_ != State::block_download || frame.data[0] == 0x80)) {
-    return stop();
+  if (state_ == State::idle && command == ClientCommand::initiate_upload) return initiate_upload(frame, now);
+  if (state_ == State::block_download && frame.data[0] != 0x80) {  // 81H.. is the last segment
+    return block_segment(frame, now);
   }
+  if (command == ClientCommand::abort) return stop();
   switch (state_) {
     case State::idle:
       switch (command) {
-        case ClientCommand::initiate_upload: return initiate_upload(frame, now);
         case ClientCommand::initiate_download: return initiate_download(frame, now);
         case ClientCommand::block_upload: return initiate_block_upload(frame, now);
         case ClientCommand::block_download: return initiate_block_download(frame, now);
-        default: return abort(0, 0, AbortCode::command_specifier);
+        default: return abort(0, AbortCode::command_specifier);
       }
     case State::download_segment:
       if (command == ClientCommand::download_segment) return download_segment(frame, now);
@@ -99,13 +98,14 @@ AbortCode SdoServer::begin_download(const can::Frame& frame, State state, bool s
   collector_.begin(stream_, maximum,
                    object_length != 0 ? AbortCode::length_too_high : AbortCode::out_of_memory, announced,
                    slack);
-  enter(state, entry->index, entry->sub, now);
+  enter(state, sdo::multiplexer(frame), now);
   return AbortCode::none;
 }
 
 AbortCode SdoServer::store_download(can::Time now) {
   if (stream_ != nullptr) return std::exchange(stream_, nullptr)->close(entry_, true, now);
-  return dictionary_->write(index_, sub_, collector_.bytes(), now);
+  return dictionary_->write(static_cast<std::uint16_t>(multiplexer_ >> 8),
+                            static_cast<std::uint8_t>(multiplexer_ >> 24), collector_.bytes(), now);
 }
 
 void SdoServer::expedited_download(const can::Frame& frame, const Entry& entry, can::Time now) {
@@ -117,42 +117,41 @@ void SdoServer::expedited_download(const can::Frame& frame, const Entry& entry, 
   if (ObjectStream* stream = dictionary_->stream(entry)) {
     code = dictionary_->check_write(entry, data.size());
     if (code == AbortCode::none) code = stream->open_write(entry, data.size(), now);
-    if (code != AbortCode::none) return abort(entry.index, entry.sub, code);
+    if (code != AbortCode::none) return abort(sdo::multiplexer(frame), code);
     code = stream->write(data);
     const AbortCode at_close = stream->close(entry, code == AbortCode::none, now);
     if (code == AbortCode::none) code = at_close;
   } else {
     code = dictionary_->write(entry.index, entry.sub, data, now);
   }
-  if (code != AbortCode::none) return abort(entry.index, entry.sub, code);
-  sink_->send(sdo::frame(response_, 0x60, entry.index, entry.sub));
+  if (code != AbortCode::none) return abort(sdo::multiplexer(frame), code);
+  sink_->send(sdo::frame(response_, 0x60, sdo::multiplexer(frame)));
 }
 
 void SdoServer::initiate_download(const can::Frame& frame, can::Time now) {
-  const std::uint16_t index = sdo::index(frame);
-  const std::uint8_t sub = frame.data[3];
   if ((frame.data[0] & sdo::expedited_bit) != 0) {
-    const auto entry = dictionary_->find(index, sub);
-    if (!entry) return abort(index, sub, entry.error());
+    const auto entry = dictionary_->find(sdo::index(frame), frame.data[3]);
+    if (!entry) return abort(sdo::multiplexer(frame), entry.error());
     return expedited_download(frame, *entry, now);
   }
   const bool size_indicated = (frame.data[0] & sdo::size_bit) != 0;
   const AbortCode code = begin_download(frame, State::download_segment, size_indicated, 0, now);
-  if (code != AbortCode::none) return abort(index, sub, code);
-  sink_->send(sdo::frame(response_, 0x60, index, sub));
+  if (code != AbortCode::none) return abort(sdo::multiplexer(frame), code);
+  sink_->send(sdo::frame(response_, 0x60, sdo::multiplexer(frame)));
 }
 
 void SdoServer::download_segment(const can::Frame& frame, can::Time now) {
-  if (((frame.data[0] & sdo::toggle_bit) != 0) != toggle_) return abort(AbortCode::toggle_bit);
+  const unsigned toggle = frame.data[0] & sdo::toggle_bit;
+  if (toggle != toggle_) return abort(AbortCode::toggle_bit);
   last_heard_ = now;
   AbortCode code = collector_.add(frame, sdo::segment_length(frame));
-  const bool last = (frame.data[0] & sdo::last_bit) != 0;
-  if (last && code == AbortCode::none) code = collector_.finish(0);
-  if (last && code == AbortCode::none) code = store_download(now);
+  if ((frame.data[0] & sdo::last_bit) != 0) {
+    if (code == AbortCode::none) code = collector_.finish(0);
+    if (code == AbortCode::none) code = store_download(now);
+    if (code == AbortCode::none) stop();
+  }
   if (code != AbortCode::none) return abort(code);
-  const unsigned toggle = toggle_ ? sdo::toggle_bit : 0U;
-  toggle_ = !toggle_;
-  if (last) stop();
+  toggle_ ^= sdo::toggle_bit;
   sink_->send(sdo::frame(response_, 0x20U | toggle));
 }
 
@@ -176,26 +175,24 @@ AbortCode SdoServer::begin_upload(const Entry& entry, can::Time now) {
 }
 
 void SdoServer::initiate_upload(const can::Frame& frame, can::Time now) {
-  const std::uint16_t index = sdo::index(frame);
-  const std::uint8_t sub = frame.data[3];
+  const auto value = dictionary_->read_short(sdo::multiplexer(frame));
+  if (value.length == 0) return initiate_other_upload(frame, now);
+  answer_expedited(sdo::multiplexer(frame), value);
+}
+
+inline void SdoServer::answer_expedited(std::uint32_t multiplexer, ObjectDictionary::ShortValue value) {
+  sink_->send(sdo::frame(response_, 0x43U | (4U - value.length) << 2, multiplexer, value.number));
+}
+
+void SdoServer::initiate_other_upload(const can::Frame& frame, can::Time now) {
   Entry entry;
-  if (const AbortCode code = dictionary_->prepare_read(index, sub, now, entry); code != AbortCode::none) {
-    return abort(index, sub, code);
-  }
+  const AbortCode refusal = dictionary_->prepare_read(sdo::index(frame), frame.data[3], now, entry);
+  if (refusal != AbortCode::none) return abort(sdo::multiplexer(frame), refusal);
   const std::uint8_t length = entry.description->length;
   if (length >= 1 && length <= 4) {
-    const auto value = dictionary_->bytes(entry);
-    std::uint32_t number = 0;
-    if (length == 4) {
-      std::memcpy(&number, value.data(), 4);
-    } else {
-      std::copy_n(value.data(), length, reinterpret_cast<std::uint8_t*>(&number));
-    }
-    sink_->send(sdo::frame(response_, 0x43U | (4U - length) << 2, index, sub, number));
-    return;
+    return answer_expedited(sdo::multiplexer(frame), {dictionary_->get<std::uint32_t>(entry), length});
   }
-  index_ = index;
-  sub_ = sub;
+  multiplexer_ = sdo::multiplexer(frame);
   if (const AbortCode code = begin_upload(entry, now); code != AbortCode::none) return abort(code);
   answer_upload(now);
 }
@@ -209,25 +206,24 @@ void SdoServer::answer_upload(can::Time now) {
     close(true);
     const auto unused = static_cast<unsigned>(4 - *size_);
     stop();
-    sink_->send(sdo::frame(response_, 0x43U | unused << 2, index_, sub_, number));
+    sink_->send(sdo::frame(response_, 0x43U | unused << 2, multiplexer_, number));
     return;
   }
-  enter(State::upload_segment, index_, sub_, now);
-  sink_->send(sdo::frame(response_, size_ ? 0x41 : 0x40, index_, sub_,
+  enter(State::upload_segment, multiplexer_, now);
+  sink_->send(sdo::frame(response_, size_ ? 0x41 : 0x40, multiplexer_,
                          static_cast<std::uint32_t>(size_.value_or(0))));
 }
 
 void SdoServer::upload_segment(const can::Frame& frame, can::Time now) {
-  if (((frame.data[0] & sdo::toggle_bit) != 0) != toggle_) return abort(AbortCode::toggle_bit);
+  if ((frame.data[0] & sdo::toggle_bit) != toggle_) return abort(AbortCode::toggle_bit);
   last_heard_ = now;
   if (const AbortCode code = source_.prepare(sdo::segment_size); code != AbortCode::none) return abort(code);
   const auto window = source_.window();
   const std::size_t count = std::min(window.size(), sdo::segment_size);
   const bool last = count == window.size() && source_.ends_in_window();
-  can::Frame answer = sdo::frame(response_, toggle_ ? sdo::toggle_bit : 0U);
-  sdo::put_segment(answer, window.data(), count, last);
+  const can::Frame answer = sdo::segment(response_, toggle_, window, last);
   source_.advance(count);
-  toggle_ = !toggle_;
+  toggle_ ^= sdo::toggle_bit;
   if (last) {
     close(true);
     stop();
@@ -236,20 +232,17 @@ void SdoServer::upload_segment(const can::Frame& frame, can::Time now) {
 }
 
 void SdoServer::tick(can::Time now) {
-  if (state_ == State::idle) {
-    deadline_ = can::never;
-    return;
-  }
+  if (state_ == State::idle) return;
   if (time_out_ != can::Duration{} && now >= can::later(last_heard_, time_out_)) {
     return abort(AbortCode::timed_out);
   }
   if (state_ == State::block_upload && block_sender_.is_sending())
     return send_block(now);  // the transmit queue was full
-  deadline_ = time_out_ != can::Duration{} ? can::later(last_heard_, time_out_) : can::never;
+  set_deadline(time_out_ != can::Duration{} ? can::later(last_heard_, time_out_) : can::never);
   if (state_ != State::block_download || !block_receiver_.may_confirm_early()) return;
   const can::Time due = can::later(last_heard_, pause());
   if (now < due) {
-    deadline_ = due;
+    set_deadline(due);
     return;
   }
   block_receiver_.note_early_confirmation();  // the segment that asks for it was lost

@@ -19,15 +19,19 @@
 #include <cstdint>
 
 #include "canopus/can/controller.hpp"
+#include "canopus/canopen/frame_of.hpp"
 #include "canopus/canopen/object_dictionary.hpp"
 #include "canopus/canopen/sdo_block.hpp"
 #include "canopus/canopen/sdo_transfer.hpp"
+#include "canopus/canopen/timer_queue.hpp"
 
 namespace canopus::canopen {
 
 class SdoServer {
  public:
-  SdoServer(ObjectDictionary& dictionary, can::Sink& sink) : dictionary_(&dictionary), sink_(&sink) {}
+  /// Makes itself a timer among `timers`.
+  SdoServer(ObjectDictionary& dictionary, can::Sink& sink, TimerQueue& timers)
+      : dictionary_(&dictionary), sink_(&sink), timers_(&timers), timer_(timers.add()) {}
   SdoServer(const SdoServer&) = delete;
   SdoServer& operator=(const SdoServer&) = delete;
   ~SdoServer() = default;
@@ -44,9 +48,9 @@ class SdoServer {
 
   /// A frame with the request identifier came.
   void receive(const can::Frame& frame, can::Time now);
+  /// Its timer has ended: looks whether the client is silent, which may be too early.
   void tick(can::Time now);
-  /// Moment to look whether the client is silent; may be earlier than the time-out itself.
-  [[nodiscard]] can::Time deadline() const noexcept { return deadline_; }
+  [[nodiscard]] TimerQueue::Number timer() const noexcept { return timer_; }
   [[nodiscard]] bool busy() const noexcept { return state_ != State::idle; }
   /// Forgets a running transfer in silence.
   void stop();
@@ -73,6 +77,8 @@ class SdoServer {
 
   void initiate_upload(const can::Frame& frame, can::Time now);
   void upload_segment(const can::Frame& frame, can::Time now);
+  void initiate_other_upload(const can::Frame& frame, can::Time now);
+  void answer_expedited(std::uint32_t multiplexer, ObjectDictionary::ShortValue value);
   [[nodiscard]] AbortCode begin_upload(const Entry& entry, can::Time now);
   void answer_upload(can::Time now);
 
@@ -84,31 +90,34 @@ class SdoServer {
   void send_block(can::Time now);
   void block_confirmed(const can::Frame& frame, can::Time now);
 
-  void enter(State state, std::uint16_t index, std::uint8_t sub, can::Time now);
+  void enter(State state, std::uint32_t multiplexer, can::Time now);
   void close(bool complete);
   void abort(AbortCode code);
-  void abort(std::uint16_t index, std::uint8_t sub, AbortCode code);
+  void abort(std::uint32_t multiplexer, AbortCode code);
+  void set_deadline(can::Time deadline) {
+    if (deadline != timers_->deadline(timer_)) timers_->set(timer_, deadline);
+  }
   [[nodiscard]] can::Duration pause() const noexcept;
 
   ObjectDictionary* dictionary_;
   can::Sink* sink_;
-  std::uint32_t response_ = 0;
+  FrameHead response_;
+  std::uint32_t multiplexer_ = 0;  // index and sub-index of the transfer, as in its frames
   State state_ = State::idle;
-  bool toggle_ = false;
+  std::uint8_t toggle_ = 0;  // the toggle bit that is due
   std::uint8_t own_block_size_ = 127;
-  std::uint8_t sub_ = 0;
-  std::uint16_t index_ = 0;
+  can::Time last_heard_{};
+  SegmentCollector collector_;
+  BlockReceiver block_receiver_;
+  BlockSender block_sender_;
+  TimerQueue* timers_;
+  TimerQueue::Number timer_;
   std::size_t maximum_size_ = 1U << 20;
   std::optional<std::size_t> size_;  // of an upload
   Entry entry_;                      // of a stream
   ObjectStream* stream_ = nullptr;
   SegmentSource source_;
-  SegmentCollector collector_;
-  BlockSender block_sender_;
-  BlockReceiver block_receiver_;
   can::Duration time_out_{};
-  can::Time last_heard_{};
-  can::Time deadline_ = can::never;
 };
 
 }  // namespace canopus::canopen

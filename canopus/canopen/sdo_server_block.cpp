@@ -11,7 +11,6 @@ void SdoServer::receive_in_block(const can::Frame& frame, can::Time now) {
   const auto command = static_cast<ClientCommand>(frame.data[0] >> 5);
   const auto subcommand = static_cast<sdo::BlockUpload>(frame.data[0] & 3U);
   switch (state_) {
-    case State::block_download: return block_segment(frame, now);
     case State::block_download_end:
       if (command == ClientCommand::block_download && (frame.data[0] & 1U) != 0) {
         return end_block_download(frame, now);
@@ -41,17 +40,15 @@ void SdoServer::receive_in_block(const can::Frame& frame, can::Time now) {
 }
 
 void SdoServer::initiate_block_download(const can::Frame& frame, can::Time now) {
-  const std::uint16_t index = sdo::index(frame);
-  const std::uint8_t sub = frame.data[3];
-  if ((frame.data[0] & 1U) != 0) return abort(0, 0, AbortCode::command_specifier);
+  if ((frame.data[0] & 1U) != 0) return abort(0, AbortCode::command_specifier);
   const bool size_indicated = (frame.data[0] & 2U) != 0;
   const bool with_crc = (frame.data[0] & sdo::crc_bit) != 0;
   const AbortCode code = begin_download(frame, State::block_download, size_indicated, sdo::segment_size, now);
-  if (code != AbortCode::none) return abort(index, sub, code);
+  if (code != AbortCode::none) return abort(sdo::multiplexer(frame), code);
   collector_.count_crc(with_crc);
   block_receiver_.begin(own_block_size_, with_crc);
-  deadline_ = can::later(now, pause());
-  sink_->send(sdo::frame(response_, 0xA0U | sdo::crc_bit, index, sub, own_block_size_));
+  set_deadline(can::later(now, pause()));
+  sink_->send(sdo::frame(response_, 0xA0U | sdo::crc_bit, multiplexer_, own_block_size_));
 }
 
 void SdoServer::block_segment(const can::Frame& frame, can::Time now) {
@@ -78,27 +75,23 @@ void SdoServer::end_block_download(const can::Frame& frame, can::Time now) {
 }
 
 void SdoServer::initiate_block_upload(const can::Frame& frame, can::Time now) {
-  const std::uint16_t index = sdo::index(frame);
-  const std::uint8_t sub = frame.data[3];
   if (static_cast<sdo::BlockUpload>(frame.data[0] & 3U) != sdo::BlockUpload::initiate) {
-    return abort(0, 0, AbortCode::command_specifier);
+    return abort(0, AbortCode::command_specifier);
   }
   const bool with_crc = (frame.data[0] & sdo::crc_bit) != 0;
   const std::uint8_t switch_threshold = frame.data[5];
   if (const AbortCode code = block_sender_.begin(frame.data[4], with_crc); code != AbortCode::none) {
-    return abort(index, sub, code);
+    return abort(sdo::multiplexer(frame), code);
   }
   Entry entry;
-  if (const AbortCode code = dictionary_->prepare_read(index, sub, now, entry); code != AbortCode::none) {
-    return abort(index, sub, code);
-  }
-  index_ = index;
-  sub_ = sub;
+  const AbortCode refusal = dictionary_->prepare_read(sdo::index(frame), frame.data[3], now, entry);
+  if (refusal != AbortCode::none) return abort(sdo::multiplexer(frame), refusal);
+  multiplexer_ = sdo::multiplexer(frame);
   if (const AbortCode code = begin_upload(entry, now); code != AbortCode::none) return abort(code);
   if (switch_threshold != 0 && size_ && *size_ <= switch_threshold) return answer_upload(now);
-  enter(State::block_upload_start, index, sub, now);
+  enter(State::block_upload_start, multiplexer_, now);
   const unsigned size_indicated = size_ ? 2U : 0U;
-  sink_->send(sdo::frame(response_, 0xC0U | sdo::crc_bit | size_indicated, index, sub,
+  sink_->send(sdo::frame(response_, 0xC0U | sdo::crc_bit | size_indicated, multiplexer_,
                          static_cast<std::uint32_t>(size_.value_or(0))));
 }
 
@@ -107,9 +100,9 @@ void SdoServer::send_block(can::Time now) {
   if (code != AbortCode::none) return abort(code);
   if (state_ != State::block_upload) return;  // ended by answers that came meanwhile
   if (block_sender_.is_sending()) {
-    deadline_ = can::later(now, BlockSender::full_queue_retry);
+    set_deadline(can::later(now, BlockSender::full_queue_retry));
   } else if (time_out_ != can::Duration{}) {
-    deadline_ = can::later(last_heard_, time_out_);
+    set_deadline(can::later(last_heard_, time_out_));
   }
 }
 

@@ -44,7 +44,7 @@ void SegmentCollector::begin(ByteSink* stream, std::size_t maximum, AbortCode to
                              std::optional<std::size_t> announced, std::size_t slack) {
   used_ = 0;
   stream_ = stream;
-  total_ = 0;
+  handed_on_ = 0;
   announced_ = announced;
   slack_ = slack;
   limit_ = announced ? *announced : maximum;
@@ -54,9 +54,25 @@ void SegmentCollector::begin(ByteSink* stream, std::size_t maximum, AbortCode to
   const std::size_t room =
       stream != nullptr ? hand_on_at + kept : std::min(announced.value_or(0) + kept, largest_reservation);
   if (memory_.size() < room + 1) memory_.resize(room + 1);
+  look_ahead();
 }
 
 void SegmentCollector::grow() { memory_.resize(std::max<std::size_t>(2 * memory_.size(), 64)); }
+
+void SegmentCollector::look_ahead() noexcept {
+  const auto before = [](std::size_t end, std::size_t bytes) { return end > bytes ? end - bytes : 0; };
+  plain_until_ = std::min(before(memory_.size(), 7), before(limit_ + slack_, handed_on_ + 6));
+  if (stream_ != nullptr) plain_until_ = std::min(plain_until_, before(hand_on_at, 7));
+}
+
+AbortCode SegmentCollector::add_with_care(const can::Frame& segment, std::size_t count) {
+  if (handed_on_ + used_ + count > limit_ + slack_) return limit_code_;
+  if (memory_.size() < used_ + 8) grow();
+  put(segment, count);
+  const AbortCode code = stream_ != nullptr && used_ >= hand_on_at ? hand_on(kept) : AbortCode::none;
+  look_ahead();
+  return code;
+}
 
 AbortCode SegmentCollector::hand_on(std::size_t keep) {
   const std::size_t count = used_ - std::min(keep, used_);
@@ -65,6 +81,7 @@ AbortCode SegmentCollector::hand_on(std::size_t keep) {
   if (stream_ == nullptr) return AbortCode::none;
   const AbortCode code = bytes.empty() ? AbortCode::none : stream_->write(bytes);
   used_ -= count;
+  handed_on_ += count;
   std::memmove(memory_.data(), memory_.data() + count, used_);
   return code;
 }
@@ -72,9 +89,9 @@ AbortCode SegmentCollector::hand_on(std::size_t keep) {
 AbortCode SegmentCollector::finish(std::size_t unused) {
   if (unused > used_) return AbortCode::length_too_low;
   used_ -= unused;
-  total_ -= unused;
-  if (total_ > limit_) return limit_code_;
-  if (announced_ && total_ < *announced_) return AbortCode::length_too_low;
+  const std::size_t total = handed_on_ + used_;
+  if (total > limit_) return limit_code_;
+  if (announced_ && total < *announced_) return AbortCode::length_too_low;
   return hand_on(0);
 }
 

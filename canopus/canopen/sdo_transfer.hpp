@@ -3,6 +3,7 @@
 // sent, SegmentCollector takes the received ones; each from or to memory as a whole, or a stream through a
 // window of at most about two sub-blocks.
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -53,20 +54,12 @@ class SegmentCollector {
              std::size_t slack);
   /// Adds the first `count` (0..7) bytes after the command byte of a segment.
   AbortCode add(const can::Frame& segment, std::size_t count) {
-    std::uint64_t bytes;
-    std::memcpy(&bytes, segment.data.data(), 8);
-    bytes >>= 8;
-    total_ += count;
-    if (total_ > limit_ + slack_) return limit_code_;
-    if (memory_.size() < used_ + 8) grow();
-    std::memcpy(&memory_[used_], &bytes, 8);  // always eight: one store; what is too many is overwritten
-    used_ += count;
-    return stream_ != nullptr && used_ >= hand_on_at ? hand_on(kept) : AbortCode::none;
+    if (used_ >= plain_until_) return add_with_care(segment, count);
+    put(segment, count);
+    return AbortCode::none;
   }
-  /// A whole value of 1..4 bytes that came at once, for memory: instead of all the rest.
+  /// A whole value of 1..4 bytes that came at once, for memory, after clear(): instead of all the rest.
   void take(std::uint32_t value, std::size_t count) {
-    used_ = 0;
-    if (memory_.size() < 8) grow();
     std::memcpy(memory_.data(), &value, 4);
     used_ = count;
   }
@@ -77,19 +70,32 @@ class SegmentCollector {
   void count_crc(bool on) noexcept { counts_crc_ = on; }
   /// What was collected in memory.
   [[nodiscard]] std::span<const std::uint8_t> bytes() const noexcept { return {memory_.data(), used_}; }
-  void clear() noexcept { used_ = 0; }
+  void clear() {
+    used_ = 0;
+    if (memory_.empty()) grow();
+  }
 
  private:
   static constexpr std::size_t hand_on_at = 1024;
   static constexpr std::size_t kept = 7;                        // the last segment may still be trimmed
   static constexpr std::size_t largest_reservation = 1U << 16;  // what an announcement makes us allocate
+  /// There is room for eight bytes.
+  void put(const can::Frame& segment, std::size_t count) {
+    const std::uint64_t bytes = std::bit_cast<std::uint64_t>(segment.data) >> 8;
+    std::memcpy(&memory_[used_], &bytes, 8);  // always eight: one store; what is too many is overwritten
+    used_ += count;
+  }
+  AbortCode add_with_care(const can::Frame& segment, std::size_t count);
   AbortCode hand_on(std::size_t keep);
   void grow();
+  void look_ahead() noexcept;
 
   std::vector<std::uint8_t> memory_;  // what is used of it is a value; grown, never shrunk
   std::size_t used_ = 0;
+  std::size_t plain_until_ =
+      0;  // while used_ is below, a segment has room, no limit is near, nothing goes on
   ByteSink* stream_ = nullptr;
-  std::size_t total_ = 0;
+  std::size_t handed_on_ = 0;  // bytes before those in memory_
   std::size_t limit_ = 0;
   std::size_t slack_ = 0;
   std::optional<std::size_t> announced_;

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "canopus/canopen/frame_of.hpp"
-
 namespace canopus::canopen {
 namespace {
 
@@ -52,6 +50,7 @@ void Tpdos::read(Tpdo& pdo) {
   } else {
     pdo.plan.clear();
   }
+  pdo.head = {pdo.cob_id.key(), pdo.addressing != 0 ? std::uint8_t{8} : pdo.plan.length()};
   node_.identifiers_changed = true;
 }
 
@@ -122,7 +121,7 @@ void Tpdos::leave_operational() {
 }
 
 bool Tpdos::send(Tpdo& pdo, std::uint64_t data, can::Time now) {
-  if (!node_.sink.send(frame_of(pdo.cob_id.key(), pdo.plan.length(), data))) return false;
+  if (!node_.sink.send(frame_of(pdo.head, data))) return false;
   pdo.last_data = data;
   pdo.was_sent = true;
   if (pdo.is_event_driven()) {
@@ -140,7 +139,7 @@ bool Tpdos::send(Tpdo& pdo, std::uint64_t data, can::Time now) {
 
 bool Tpdos::send_mpdo(Tpdo& pdo, std::uint64_t data, can::Time now) {
   if (!node_.is_operational() || !pdo.cob_id.is_valid() || now < pdo.inhibited_until) return false;
-  if (!node_.sink.send(frame_of(pdo.cob_id.key(), 8, data))) return false;
+  if (!node_.sink.send(frame_of(pdo.head, data))) return false;
   if (pdo.inhibit_time != 0) {
     pdo.inhibited_until = now + in_steps(pdo.inhibit_time, std::chrono::microseconds(100),
                                          node_.options.inhibit_time_resolution);
@@ -214,24 +213,44 @@ void Tpdos::sync(std::uint8_t counter, can::Time now) {
   if (!node_.is_operational()) return;
   for (const std::uint16_t position : synchronous_) {
     Tpdo& pdo = tpdos_[position];
-    if (pdo.transmission_type == 0) {
-      if (pdo.has_event && send(pdo, gather(pdo), now)) pdo.has_event = false;
+    const std::uint8_t type = pdo.transmission_type;
+    if (type == 0 || type == rtr_synchronous || pdo.waits_for_start) {
+      sync_unusual(pdo, counter, now);
       continue;
     }
-    if (pdo.transmission_type == rtr_synchronous) {
-      pdo.last_data = gather(pdo);
-      pdo.was_sent = true;
-      continue;
-    }
-    if (pdo.waits_for_start && counter != 0) {  // SYNC without a counter: the start value has no effect
-      if (counter != pdo.sync_start) continue;
-      pdo.syncs_left = 1;  // this one is the first that counts, and it sends
-    }
-    pdo.waits_for_start = false;
     if (--pdo.syncs_left != 0) continue;
-    pdo.syncs_left = pdo.transmission_type;
-    send(pdo, gather(pdo), now);
+    pdo.syncs_left = type;
+    send_on_sync(pdo, now);
   }
+}
+
+/// send() of a PDO that no timer concerns.
+inline void Tpdos::send_on_sync(Tpdo& pdo, can::Time now) {
+  const std::uint64_t data = gather(pdo);
+  if (!node_.sink.send(frame_of(pdo.head, data))) return;
+  pdo.last_data = data;
+  pdo.was_sent = true;
+  if (node_.listener != nullptr) node_.listener->tpdo_sent(pdo.number, now);
+}
+
+void Tpdos::sync_unusual(Tpdo& pdo, std::uint8_t counter, can::Time now) {
+  if (pdo.transmission_type == 0) {
+    if (pdo.has_event && send(pdo, gather(pdo), now)) pdo.has_event = false;
+    return;
+  }
+  if (pdo.transmission_type == rtr_synchronous) {
+    pdo.last_data = gather(pdo);
+    pdo.was_sent = true;
+    return;
+  }
+  if (counter != 0) {  // SYNC without a counter: the start value has no effect
+    if (counter != pdo.sync_start) return;
+    pdo.syncs_left = 1;  // this one is the first that counts, and it sends
+  }
+  pdo.waits_for_start = false;
+  if (--pdo.syncs_left != 0) return;
+  pdo.syncs_left = pdo.transmission_type;
+  send_on_sync(pdo, now);
 }
 
 void Tpdos::requested(std::uint16_t position, can::Time now) {

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "canopus/canopen/cob_id.hpp"
+#include "canopus/canopen/frame_of.hpp"
 #include "canopus/canopen/identifier_table.hpp"
 #include "canopus/canopen/mpdo.hpp"
 #include "canopus/canopen/node_context.hpp"
@@ -68,6 +69,7 @@ class Tpdos final : public ObjectHandler {
     can::Time inhibited_until{};
     can::Time event_due = can::never;
     CopyPlan plan;
+    FrameHead head;
     CobId cob_id;
     std::uint16_t number = 0;
     std::uint16_t inhibit_time = 0;  // 100 us
@@ -89,6 +91,8 @@ class Tpdos final : public ObjectHandler {
   void activate(Tpdo& pdo, can::Time now);
   bool event(Tpdo& pdo, can::Time now);
   bool send(Tpdo& pdo, std::uint64_t data, can::Time now);
+  void send_on_sync(Tpdo& pdo, can::Time now);
+  void sync_unusual(Tpdo& pdo, std::uint8_t counter, can::Time now);
   bool send_mpdo(Tpdo& pdo, std::uint64_t data, can::Time now);
   [[nodiscard]] std::uint64_t gather(const Tpdo& pdo) const noexcept {
     return pdo.plan.gather(node_.dictionary.block().data());
