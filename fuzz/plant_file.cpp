@@ -10,6 +10,10 @@
 
 #include "input.hpp"
 
+namespace {
+constexpr std::uint8_t no_node_id = 0xFF;
+}  // namespace
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace canopus;
   using fuzz::expect;
@@ -36,7 +40,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     return std::ranges::any_of(plant.buses, [&name](const auto& bus) { return bus.name == name; });
   };
   for (const app::DeviceSection& device : plant.devices) {
-    expect(has_bus(device.bus) && device.node <= 127 && device.start >= can::Duration{});
+    expect(has_bus(device.bus) && (device.node <= 127 || device.node == no_node_id));
+    expect(device.start >= can::Duration{});
     for (const app::BehaviourSection& behaviour : device.behaviours) {
       expect(!behaviour.period || *behaviour.period > can::Duration{});
       expect(!behaviour.low || std::isfinite(*behaviour.low));

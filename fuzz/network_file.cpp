@@ -1,0 +1,49 @@
+// The text of a network file: mistakes are told with a place inside the text, and what is accepted can be put
+// into the objects it is meant for.
+
+#include "canopus/app/network_file.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <string_view>
+
+#include "input.hpp"
+
+using namespace canopus;
+using fuzz::expect;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const auto lines = static_cast<std::size_t>(std::ranges::count(text, '\n')) + 1;
+  const app::NetworkReading reading = app::read_network(text, "network.toml");
+  for (const app::PlantError& error : reading.errors) {
+    expect(!error.message.empty() && error.place.line <= lines);
+    expect(app::describe(error, "network.toml").starts_with("network.toml:"));
+  }
+  if (!reading.errors.empty()) return 0;
+  const app::NetworkFile& network = reading.network;
+  constexpr can::Duration sixteen_bits = std::chrono::milliseconds(65535);
+  const auto fits = [](can::Duration time) {
+    return time >= can::Duration{} && time <= sixteen_bits &&
+           time % std::chrono::milliseconds(1) == can::Duration{};
+  };
+  expect(network.node >= 1 && network.node <= 127 && fits(network.heartbeat));
+  expect(!network.boot_time || *network.boot_time >= can::Duration{});
+  expect(network.nmt_inhibit_time >= can::Duration{});
+  expect(network.nmt_inhibit_time / std::chrono::microseconds(100) <= 65535);
+  expect(network.options.program_attempts >= 1 && network.options.program_clear_attempts >= 1);
+  if (network.flying) {
+    const manager::FlyingMasterTiming& timing = *network.flying;
+    expect(timing.level <= 2 && fits(timing.time_out) && fits(timing.negotiation_delay));
+    expect(fits(timing.priority_slot) && fits(timing.device_slot) && fits(timing.detect_cycle));
+    expect(timing.priority_slot > 127 * timing.device_slot);
+  }
+  expect(!network.slaves.empty());
+  for (const app::NetworkSlave& slave : network.slaves) {
+    expect(slave.node >= 1 && slave.node <= 127 && slave.node != network.node);
+    expect(fits(slave.consumer_heartbeat_time) && fits(slave.guard_time) && slave.retry_factor >= 1);
+    expect(slave.program.empty() || slave.software_version.value_or(0) != 0);
+    expect(slave.objects.empty() || !slave.eds.empty());
+  }
+  return 0;
+}
