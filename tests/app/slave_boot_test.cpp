@@ -91,7 +91,7 @@ TEST_F(SlaveBootTest, AMissingSlave_IsInTheTableWithWhatToCheck) {
   EXPECT_THAT(picture(),
               HasSubstr("line1 node 9: no answer to 1000H, waiting to ask again, since 0.2 s. Asked 2\n"
                         "      times without an answer. Check that the device is powered and connected,\n"));
-  const SlaveBoot& missing = plant->boots().back();
+  const SlaveBoot missing = plant->boots().back();
   EXPECT_EQ(missing.slave.node_id, 9);
   EXPECT_EQ(missing.slave.name, "");
   EXPECT_EQ(missing.record.error, manager::BootError::no_answer);
