@@ -50,13 +50,6 @@ class PassThroughBus {
   }
   /// The time that frames arrive at from now on.
   void set_time(can::Time now) noexcept { now_ = now; }
-  /// What `call` sends is delivered after it, for whoever does not want answers inside send().
-  template <typename Call>
-  void queue(Call call) {
-    delivering_ = true;
-    call();
-    finish();
-  }
   /// Frames carried so far.
   [[nodiscard]] std::uint64_t frames() const noexcept { return frames_; }
 

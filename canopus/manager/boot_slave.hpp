@@ -86,6 +86,8 @@ class BootSlave final : private canopen::SdoClientUser, private canopen::ByteSou
   [[nodiscard]] bool configuring() const noexcept { return record_.step == BootStep::configuration; }
   /// It answered an SDO since it was reset.
   [[nodiscard]] bool answered() const noexcept { return answered_; }
+  /// The slave was commanded to reset: what it answered before no longer counts.
+  void was_reset() noexcept { answered_ = false; }
   [[nodiscard]] bool sdo_busy() const noexcept { return client_.busy(); }
   [[nodiscard]] const BootRecord& record() const noexcept { return record_; }
 

@@ -7,6 +7,7 @@
 #include <bitset>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "canopus/manager/boot_slave.hpp"
 #include "canopus/manager/flying_master.hpp"
@@ -109,6 +110,24 @@ class NmtMaster::Engine final : public BootHost,
   };
   static constexpr std::size_t queue_size = 256;
 
+  /// The way to the bus. It knows when it is in use: on a bus that is a function call, answers come from
+  /// inside send(), in the middle of whatever sends.
+  class Wire final : public can::Sink {
+   public:
+    explicit Wire(can::Sink& sink) : sink_(&sink) {}
+    bool send(const can::Frame& frame) override {
+      ++depth_;
+      const bool sent = sink_->send(frame);
+      --depth_;
+      return sent;
+    }
+    [[nodiscard]] bool is_sending() const noexcept { return depth_ != 0; }
+
+   private:
+    can::Sink* sink_;
+    unsigned depth_ = 0;
+  };
+
   // BootHost
   [[nodiscard]] const canopen::ObjectDictionary& dictionary() const override { return node_->dictionary(); }
   [[nodiscard]] const MasterOptions& boot_options() const override { return options_; }
@@ -179,6 +198,8 @@ class NmtMaster::Engine final : public BootHost,
   [[nodiscard]] bool may_boot() const;
 
   // events (nmt_master_events.cpp)
+  void hear(const can::Frame& frame, can::Time now);
+  void hear_kept(can::Time now);
   void master_tick(can::Time now);
   void node_tick(std::uint8_t node_id, can::Time now);
   void guarding_tick(std::uint8_t node_id, can::Time now);
@@ -201,7 +222,9 @@ class NmtMaster::Engine final : public BootHost,
   void wake(can::Time now) { timers_.set(0, now); }
 
   canopen::Node* node_;
-  can::Sink* sink_;
+  Wire wire_;
+  std::vector<can::Frame> kept_;     // came from inside send(): heard in the next tick, which is due at once
+  std::vector<can::Frame> hearing_;  // of those, what is being heard
   SdoLine line_;
   can::Time now_{};  // of the latest call from outside
   bool muted_ = false;
@@ -244,6 +267,7 @@ class NmtMaster::Engine final : public BootHost,
   std::array<Command, queue_size> commands_{};
   std::size_t first_command_ = 0;
   std::size_t command_count_ = 0;
+  bool flushes_commands_ = false;
   can::Time next_command_{};  // not before this [102AH]
 };
 

@@ -38,11 +38,11 @@ constexpr std::uint8_t told_state(std::uint8_t state) noexcept {
 // for all of them at once.
 bool NmtMaster::Engine::send(const can::Frame& frame) {
   if (muted_) return true;
-  if ((frame.identifier & base_function) != canopen::cob_id::sdo_request) return sink_->send(frame);
+  if ((frame.identifier & base_function) != canopen::cob_id::sdo_request) return wire_.send(frame);
   if (node_->state() == NmtState::stopped) return true;
   const BootSlave* boot = boots_[frame.identifier & 0x7F].get();
-  if (boot != nullptr && boot->sends_block()) return sink_->send(frame);
-  return line_.send(frame, *sink_, now_);
+  if (boot != nullptr && boot->sends_block()) return wire_.send(frame);
+  return line_.send(frame, wire_, now_);
 }
 
 void NmtMaster::Engine::transmitted(const can::Frame& frame, can::Time now) {
@@ -51,12 +51,28 @@ void NmtMaster::Engine::transmitted(const can::Frame& frame, can::Time now) {
   if ((frame.identifier & base_function) != canopen::cob_id::sdo_request) return;
   const auto node_id = static_cast<std::uint8_t>(frame.identifier & 0x7F);
   if (boots_[node_id] && boots_[node_id]->sdo_busy()) boots_[node_id]->transmitted(now);
-  line_.transmitted(*sink_, now);
+  line_.transmitted(wire_, now);
 }
 
 void NmtMaster::Engine::receive(const can::Frame& frame, can::Time now) {
   now_ = now;
   if (frame.extended || frame.remote) return;
+  if (wire_.is_sending()) {
+    kept_.push_back(frame);
+    return wake(now);
+  }
+  hear_kept(now);
+  hear(frame, now);
+}
+
+void NmtMaster::Engine::hear_kept(can::Time now) {
+  if (kept_.empty() || !hearing_.empty()) return;
+  std::swap(kept_, hearing_);  // what is sent now may be answered at once again
+  for (const can::Frame& frame : hearing_) hear(frame, now);
+  hearing_.clear();
+}
+
+void NmtMaster::Engine::hear(const can::Frame& frame, can::Time now) {
   if (phase_ == Phase::searching) {
     search_.receive(frame, now);
     refresh_master(now);
@@ -94,16 +110,23 @@ void NmtMaster::Engine::receive(const can::Frame& frame, can::Time now) {
 
 void NmtMaster::Engine::tick(can::Time now) {
   now_ = now;
-  while (timers_.earliest() <= now) {
-    const std::uint8_t number = timers_.first();
-    if (number == 0) {
-      master_tick(now);
+  for (;;) {
+    if (!kept_.empty() && hearing_.empty()) {
+      hear_kept(now);
+    } else if (timers_.earliest() <= now) {
+      const std::uint8_t number = timers_.first();
+      if (number == 0) {
+        master_tick(now);
+      } else {
+        node_tick(number, now);
+        refresh(number);
+      }
+    } else if (requests_.deadline() <= now) {
+      requests_.tick(now);
     } else {
-      node_tick(number, now);
-      refresh(number);
+      return;
     }
   }
-  if (requests_.deadline() <= now) requests_.tick(now);
 }
 
 void NmtMaster::Engine::boot_may_have_ended_transfer(std::uint8_t node_id, can::Time now) {
@@ -174,6 +197,7 @@ void NmtMaster::Engine::refresh_master(can::Time now) {
   can::Time next = std::min({boot_end_, phase_end_, flying_.deadline(), search_.deadline()});
   if (command_count_ > 0) next = std::min(next, next_command_);
   if (begin_pending_ || own_state_changed_ || own_command_ != 0 || heartbeat_lost_pending_.any()) next = now;
+  if (!kept_.empty()) next = now;
   timers_.set(0, next);
 }
 
@@ -322,20 +346,25 @@ void NmtMaster::Engine::send_nmt(NmtCommand command, std::uint8_t node_id, can::
 }
 
 void NmtMaster::Engine::flush_commands(can::Time now) {
+  if (flushes_commands_) return;  // asked for from inside send(): it comes after the one that goes out
+  flushes_commands_ = true;
   while (command_count_ > 0 && next_command_ <= now) {
     const Command next = commands_[first_command_];
+    first_command_ = (first_command_ + 1) % queue_size;  // before, for stop() may come from inside
+    --command_count_;
     const bool sent =
         send(can::data_frame(canopen::cob_id::nmt, {static_cast<std::uint8_t>(next.command), next.node_id}));
     if (!sent) {
+      first_command_ = (first_command_ + queue_size - 1) % queue_size;
+      ++command_count_;
       next_command_ = later(now, send_retry);
-      return;
+      break;
     }
-    first_command_ = (first_command_ + 1) % queue_size;
-    --command_count_;
     next_command_ =
         later(now, std::chrono::microseconds(100) * node_->dictionary().get<std::uint16_t>(0x102A, 0));
     command_was_sent(next, now);
   }
+  flushes_commands_ = false;
 }
 
 void NmtMaster::Engine::command_was_sent(Command command, can::Time now) {
@@ -346,6 +375,7 @@ void NmtMaster::Engine::command_was_sent(Command command, can::Time now) {
     if (command.node_id != all_nodes && command.node_id != n) continue;
     boot_up_due_[n] = true;
     reset_since_[n] = now;
+    if (boots_[n]) boots_[n]->was_reset();
   }
   if (command.node_id != all_nodes) return show_commanded(command.command, command.node_id, now);
   for (std::uint8_t n = 1; n < 128; ++n) {

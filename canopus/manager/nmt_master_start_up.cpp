@@ -18,9 +18,9 @@ NmtMaster::Engine::Engine(canopen::Node& node, can::Sink& sink, MasterOptions op
       listener_(nullptr),
       requests_(static_cast<can::Sink&>(*this), *this),
       node_(&node),
-      sink_(&sink),
+      wire_(sink),
       flying_(static_cast<can::Sink&>(*this), *this),
-      search_(sink, *this) {
+      search_(wire_, *this) {
   static class : public MasterListener {
   } nobody;
   listener_ = &nobody;
@@ -41,6 +41,7 @@ void NmtMaster::Engine::stop(can::Time now) {
   abandon_boots();
   muted_ = false;
   line_.clear();
+  kept_.clear();
   flying_.stop();
   standby_entry_ = 0;
   phase_ = Phase::off;

@@ -13,24 +13,41 @@
 namespace canopus::manager::test {
 namespace {
 
-std::shared_ptr<const canopen::DictionaryDescription> slave_dictionary() {
+canopen::DictionaryBuilder slave_objects() {
   using canopen::Access;
   using canopen::DataType;
-  static const auto description = [] {
-    canopen::DictionaryBuilder builder;
-    builder.variable(
-        0x1000,
-        {.name = "Device type", .access = Access::read_only, .value = canopen::little_endian(0x000F0191, 4)});
-    builder.variable(0x1001,
-                     {.name = "Error register", .type = DataType::unsigned8, .access = Access::read_only});
-    builder.variable(0x1017, {.name = "Producer heartbeat time", .type = DataType::unsigned16});
-    builder.uniform(0x1018, canopen::ObjectCode::record, "Identity", 4,
-                    {.name = "Identity", .access = Access::read_only, .value = canopen::little_endian(7, 4)});
-    builder.uniform(0x2000, canopen::ObjectCode::array, "Parameters", 190, {.name = "Parameter"});
-    builder.variable(0x2100, {.name = "Table", .type = DataType::domain});
-    return builder.build();
-  }();
+  canopen::DictionaryBuilder builder;
+  builder.variable(
+      0x1000,
+      {.name = "Device type", .access = Access::read_only, .value = canopen::little_endian(0x000F0191, 4)});
+  builder.variable(0x1001,
+                   {.name = "Error register", .type = DataType::unsigned8, .access = Access::read_only});
+  builder.variable(0x1017, {.name = "Producer heartbeat time", .type = DataType::unsigned16});
+  builder.uniform(0x1018, canopen::ObjectCode::record, "Identity", 4,
+                  {.name = "Identity", .access = Access::read_only, .value = canopen::little_endian(7, 4)});
+  builder.uniform(0x2000, canopen::ObjectCode::array, "Parameters", 190, {.name = "Parameter"});
+  builder.variable(0x2100, {.name = "Table", .type = DataType::domain});
+  return builder;
+}
+std::shared_ptr<const canopen::DictionaryDescription> slave_dictionary() {
+  static const auto description = slave_objects().build();
   return description;
+}
+/// With a TPDO of one word.
+std::shared_ptr<const canopen::DictionaryDescription> slave_with_tpdo() {
+  using canopen::DataType;
+  canopen::DictionaryBuilder builder = slave_objects();
+  builder.uniform(0x6000, canopen::ObjectCode::array, "Inputs", 4,
+                  {.name = "Input", .type = DataType::unsigned16, .tpdo_mappable = true});
+  builder.object(0x1800, canopen::ObjectCode::record, "TPDO communication");
+  builder.sub(0x1800, 1, {.value = canopen::little_endian(0x180, 4), .adds_node_id = true});
+  builder.sub(0x1800, 2, {.type = DataType::unsigned8, .value = {0xFE}});
+  builder.object(0x1A00, canopen::ObjectCode::record, "TPDO mapping");
+  builder.sub(0x1A00, 0, {.type = DataType::unsigned8, .value = {1}});
+  for (std::uint8_t sub = 1; sub <= 4; ++sub) {
+    builder.sub(0x1A00, sub, {.value = canopen::little_endian(0x60000010U + 0x100U * sub, 4)});
+  }
+  return builder.build();
 }
 
 /// A master on a port: its node, then the master, as NmtMaster wants to be driven.
@@ -75,8 +92,9 @@ class MasterOnBus final : public can::Participant, public canopen::NodeListener,
 class NetworkOnBus : public ::testing::Test {
  public:
   struct Slave {
-    Slave(std::uint8_t id, sim::Bus& bus, can::Timeline& timeline)
-        : port(bus.add_port("slave " + std::to_string(id))), node(slave_dictionary(), id, port) {
+    Slave(std::uint8_t id, sim::Bus& bus, can::Timeline& timeline,
+          std::shared_ptr<const canopen::DictionaryDescription> description = slave_dictionary())
+        : port(bus.add_port("slave " + std::to_string(id))), node(std::move(description), id, port) {
       handle = timeline.add(node);
       port.connect(node, handle);
     }
@@ -141,6 +159,64 @@ TEST_F(NetworkOnBus, SlaveUnplugged_IsFoundMissing_AndComesBackByItself) {
   EXPECT_EQ(device.node.state(), NmtState::operational);
   EXPECT_EQ(master.master.node_state(5), 5);
   EXPECT_FALSE(master.master.starting());
+}
+
+TEST_F(NetworkOnBus, SlaveResetByRequest_IsBootedAndStartedAgain) {
+  master.stored[{0x1F80, 0}] = 0x01;
+  Slave& device = slave(5);
+  master.stored[{0x1F81, 5}] = 0x0D;
+  switch_on();
+  run_for(3s);
+  ASSERT_EQ(device.node.state(), NmtState::operational);
+  EXPECT_EQ(master.master.request_nmt(5, 6, timeline.now()), canopen::AbortCode::none);
+  timeline.refresh(master.handle);
+  run_for(3s);
+  EXPECT_EQ(device.node.state(), NmtState::operational);
+  EXPECT_EQ(master.master.node_state(5), 5);
+}
+
+TEST_F(NetworkOnBus, MappingInAConciseDcf_CountsFromThenOn) {
+  master.stored[{0x1F80, 0}] = 0x01;
+  Slave& device = slaves.emplace_back(std::uint8_t{5}, bus, timeline, slave_with_tpdo());
+  master.stored[{0x1F81, 5}] = 0x0D;
+  switch_on();
+  run_for(3s);
+  ASSERT_EQ(device.node.state(), NmtState::operational);
+  struct Listener final : can::Participant {
+    void receive(const can::Frame& frame, can::Time) override {
+      if (frame.identifier > 0x180 && frame.identifier < 0x580) heard.push_back(text(frame));
+    }
+    void tick(can::Time) override {}
+    can::Time deadline() const noexcept override { return can::never; }
+    std::vector<std::string> heard;
+  } listener;
+  bus.add_port("listener").connect(listener, timeline.add(listener));
+  run_for(1ms);  // a controller that joins waits for an idle bus
+  std::uint16_t turn = 0;
+  const auto values = [&] {
+    ++turn;
+    for (unsigned sub = 1; sub <= 4; ++sub) {
+      device.node.dictionary().set(0x6000, static_cast<std::uint8_t>(sub), turn << 8 | sub);
+    }
+    device.node.values_changed(timeline.now());
+    run_for(10ms);
+  };
+  values();
+  master.files[5] = ConciseDcfWriter()
+                        .add(0x1800, 1, 0x80000185, 4)
+                        .add(0x1A00, 0, 0, 1)
+                        .add(0x1A00, 1, 0x60000310, 4)
+                        .add(0x1A00, 2, 0x60000110, 4)
+                        .add(0x1A00, 0, 2, 1)
+                        .add(0x1800, 1, 0x000001A5, 4)
+                        .file();
+  EXPECT_EQ(master.master.request_configuration(5, timeline.now()), canopen::AbortCode::none);
+  timeline.refresh(master.handle);
+  run_for(1s);
+  listener.heard.push_back("configured");
+  values();
+  EXPECT_EQ(device.node.state(), NmtState::operational);
+  EXPECT_THAT(listener.heard, ::testing::ElementsAre("185 01 01", "configured", "1A5 03 02 01 02"));
 }
 
 TEST_F(NetworkOnBus, GuardedSlave_IsHeardForHours) {
