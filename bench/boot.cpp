@@ -1,5 +1,6 @@
 // CiA 302 boot-up on a bus without bits: from the master's power-on to all slaves Operational.
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -74,52 +75,68 @@ class Master final : public can::Participant, canopen::NodeListener, manager::Ma
   bool finished = false;
 };
 
-void boot_up(benchmark::State& state) {
-  const auto count = static_cast<unsigned>(state.range(0));
-  const auto description = boot_master_description(count);
-  std::uint64_t frames = 0;
-  for (auto _ : state) {
-    state.PauseTiming();
-    auto bus = std::make_unique<bench::PassThroughBus>();
-    std::vector<std::unique_ptr<bench::NodeOnBus>> slaves;
+/// A master and its slaves, off.
+struct Network {
+  Network(unsigned count, const std::shared_ptr<const canopen::DictionaryDescription>& description)
+      : bus(std::make_unique<bench::PassThroughBus>()) {
     for (unsigned i = 0; i < count; ++i) {
       slaves.push_back(std::make_unique<bench::NodeOnBus>(*bus, bench::slave_description(),
                                                           static_cast<std::uint8_t>(i + 2)));
     }
-    auto master = std::make_unique<Master>(*bus, description);
+    master = std::make_unique<Master>(*bus, description);
     bus->compile();
-    const std::uint64_t before = bus->frames();
+  }
+  /// Until all slaves are Operational. False: one is not.
+  bool boot() {
     can::Time now{};
-    state.ResumeTiming();
     master->node.power_on(now);
     while (!master->finished && master->deadline() != can::never) {
       now = std::max(now, master->deadline());
       bus->set_time(now);
       master->tick(now);
     }
+    return std::ranges::all_of(
+        slaves, [](const auto& slave) { return slave->node.state() == canopen::NmtState::operational; });
+  }
+  std::unique_ptr<bench::PassThroughBus> bus;
+  std::vector<std::unique_ptr<bench::NodeOnBus>> slaves;
+  std::unique_ptr<Master> master;
+};
+
+void boot_up(benchmark::State& state) {
+  const auto count = static_cast<unsigned>(state.range(0));
+  const auto description = boot_master_description(count);
+  std::uint64_t frames = 0;
+  for (auto _ : state) {
     state.PauseTiming();
-    for (const auto& slave : slaves) {
-      if (slave->node.state() != canopen::NmtState::operational)
-        state.SkipWithError("a slave is not operational");
+    std::vector<std::unique_ptr<Network>> networks;
+    for (std::int64_t i = 0; i < state.range(1); ++i) {
+      networks.push_back(std::make_unique<Network>(count, description));
+      frames -= networks.back()->bus->frames();
     }
-    frames += bus->frames() - before;
-    master.reset();
-    slaves.clear();
-    bus.reset();
+    state.ResumeTiming();
+    for (const auto& network : networks) {
+      if (!network->boot()) state.SkipWithError("a slave is not operational");
+    }
+    state.PauseTiming();
+    for (const auto& network : networks) frames += network->bus->frames();
+    networks.clear();
     state.ResumeTiming();
   }
-  bench::report(state, static_cast<std::uint64_t>(state.iterations()));
+  bench::report(state, static_cast<std::uint64_t>(state.iterations() * state.range(1)));
   state.counters["frames"] = static_cast<double>(frames) / static_cast<double>(state.iterations());
 }
 BENCHMARK(boot_up)
     ->Apply(bench::standard)
     ->Unit(benchmark::kMillisecond)
-    ->ArgName("nodes")
-    ->Arg(1)
-    ->Arg(2)
-    ->Arg(8)
-    ->Arg(32)
-    ->Arg(126);
+    ->ArgNames({"nodes", "buses"})
+    ->Args({1, 1})
+    ->Args({2, 1})
+    ->Args({8, 1})
+    ->Args({32, 1})
+    ->Args({126, 1})
+    ->Args({126, 4})
+    ->Args({126, 16});
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <ctime>
+#include <memory>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -131,25 +132,41 @@ double processor_time() {
 
 enum class From : std::uint8_t { words, rpdos, exchange };
 
+/// range(1) modules take turns.
 void data_exchange(benchmark::State& state, From from) {
-  Exchange exchange(static_cast<std::uint16_t>(state.range(0)));
-  if (!exchange.is_good()) return state.SkipWithError("the module is not operational");
-  const std::uint64_t before = exchange.frames();
-  for (auto _ : state) {
-    double start = processor_time();
-    exchange.write_words();
-    if (from == From::rpdos) start = processor_time();
-    exchange.receive_rpdos();
-    if (from == From::exchange) start = processor_time();
-    exchange.exchange();
-    state.SetIterationTime(processor_time() - start);
-    exchange.end();
+  std::vector<std::unique_ptr<Exchange>> modules;
+  for (std::int64_t i = 0; i < state.range(1); ++i) {
+    modules.push_back(std::make_unique<Exchange>(static_cast<std::uint16_t>(state.range(0))));
+    if (!modules.back()->is_good()) return state.SkipWithError("the module is not operational");
   }
-  if (!exchange.is_right()) state.SkipWithError("values are missing");
-  if (exchange.frames() - before != static_cast<std::uint64_t>(state.iterations() * state.range(0))) {
+  const auto frames = [&] {
+    std::uint64_t sum = 0;
+    for (const auto& module : modules) sum += module->frames();
+    return sum;
+  };
+  const std::uint64_t before = frames();
+  for (auto _ : state) {
+    double time = 0;
+    for (const auto& exchange : modules) {
+      double start = processor_time();
+      exchange->write_words();
+      if (from == From::rpdos) start = processor_time();
+      exchange->receive_rpdos();
+      if (from == From::exchange) start = processor_time();
+      exchange->exchange();
+      time += processor_time() - start;
+      exchange->end();
+    }
+    state.SetIterationTime(time);
+  }
+  for (const auto& exchange : modules) {
+    if (!exchange->is_right()) state.SkipWithError("values are missing");
+  }
+  const std::int64_t exchanges = state.iterations() * state.range(1);
+  if (frames() - before != static_cast<std::uint64_t>(exchanges * state.range(0))) {
     state.SkipWithError("frames are missing");
   }
-  bench::report(state, static_cast<std::uint64_t>(state.iterations()));
+  bench::report(state, static_cast<std::uint64_t>(exchanges));
 }
 /// From Y01 to X01 and the last TPDO.
 void exchange_alone(benchmark::State& state) { data_exchange(state, From::exchange); }
@@ -159,11 +176,19 @@ void exchange_with_rpdos(benchmark::State& state) { data_exchange(state, From::r
 void exchange_cycle(benchmark::State& state) { data_exchange(state, From::words); }
 void sizes(benchmark::internal::Benchmark* bench) {
   bench::standard(bench);
-  bench->UseManualTime()->ArgName("pdos");
+  bench->UseManualTime()->ArgNames({"pdos", "modules"});
 }
-BENCHMARK(exchange_alone)->Apply(sizes)->Arg(256);
-BENCHMARK(exchange_with_rpdos)->Apply(sizes)->Arg(1)->Arg(2)->Arg(8)->Arg(32)->Arg(256);
-BENCHMARK(exchange_cycle)->Apply(sizes)->Arg(256);
+BENCHMARK(exchange_alone)->Apply(sizes)->Args({256, 1});
+BENCHMARK(exchange_with_rpdos)
+    ->Apply(sizes)
+    ->Args({1, 1})
+    ->Args({2, 1})
+    ->Args({8, 1})
+    ->Args({32, 1})
+    ->Args({256, 1})
+    ->Args({256, 4})
+    ->Args({256, 16});
+BENCHMARK(exchange_cycle)->Apply(sizes)->Args({256, 1});
 
 }  // namespace
 

@@ -31,7 +31,8 @@ using Clock = std::chrono::steady_clock;
 
 class RunningPlant {
  public:
-  RunningPlant() {
+  /// A CPU with one module for each bus, nodes 1, and so many connections to it.
+  explicit RunningPlant(std::int64_t buses = 1, std::int64_t clients = 1) {
     {
       tcp::acceptor free(context_, {boost::asio::ip::address_v4::loopback(), 0});
       port_ = free.local_endpoint().port();
@@ -39,18 +40,28 @@ class RunningPlant {
     char path[] = "/tmp/canopus-bench-XXXXXX";
     ::close(::mkstemp(path));
     path_ = path;
-    std::ofstream(path_) << "[[bus]]\nname = \"line1\"\nbit_rate = 1_000_000\n[[plc]]\nlisten = \"127.0.0.1:"
-                         << port_ << "\"\n[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nnode = 1\nmaster = true\n";
+    std::ofstream file(path_);
+    for (std::int64_t bus = 1; bus <= buses; ++bus) {
+      file << "[[bus]]\nname = \"line" << bus << "\"\nbit_rate = 1_000_000\n";
+    }
+    file << "[[plc]]\nlisten = \"127.0.0.1:" << port_ << "\"\n";
+    for (std::int64_t bus = 1; bus <= buses; ++bus) {
+      file << "[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nbus = \"line" << bus << "\"\nhead = " << 32 * (bus - 1)
+           << "\nnode = 1\nmaster = true\n";
+    }
+    file.close();
     child_ = ::fork();
     if (child_ == 0) std::_Exit(canopus::app::run_plant({.plant = path_, .quiet = true}));
     for (int attempt = 0; attempt < 500; ++attempt) {
       boost::system::error_code error;
-      socket.connect({boost::asio::ip::address_v4::loopback(), port_}, error);
+      tcp::socket next(context_);
+      next.connect({boost::asio::ip::address_v4::loopback(), port_}, error);
       if (!error) {
-        socket.set_option(tcp::no_delay(true));
-        return;
+        next.set_option(tcp::no_delay(true));
+        sockets.push_back(std::move(next));
+        if (sockets.size() == static_cast<std::size_t>(clients)) return;
+        continue;
       }
-      socket.close(error);
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
   }
@@ -69,7 +80,7 @@ class RunningPlant {
   pid_t child_ = 0;
 
  public:
-  tcp::socket socket{context_};
+  std::vector<tcp::socket> sockets;
 };
 
 // D100, 64 words.
@@ -88,8 +99,8 @@ void read_64_words_3e(benchmark::State& state) {
   times.reserve(1U << 20);
   for (auto _ : state) {
     const auto start = Clock::now();
-    boost::asio::write(plant.socket, boost::asio::buffer(read_3e));
-    boost::asio::read(plant.socket, boost::asio::buffer(reply));
+    boost::asio::write(plant.sockets[0], boost::asio::buffer(read_3e));
+    boost::asio::read(plant.sockets[0], boost::asio::buffer(reply));
     const auto time = std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - start);
     times.push_back(static_cast<std::uint32_t>(time.count()));
     if (reply[0] != 0xD0 || reply[9] != 0 || reply[10] != 0) return state.SkipWithError("not a good reply");
@@ -100,6 +111,32 @@ void read_64_words_3e(benchmark::State& state) {
   canopus::bench::report(state, times.size());
 }
 BENCHMARK(read_64_words_3e)->Apply(canopus::bench::standard)->UseRealTime();
+
+/// A request of each client, then the replies; range(1) buses run meanwhile.
+void read_64_words_by_clients(benchmark::State& state) {
+  RunningPlant plant(state.range(1), state.range(0));
+  if (plant.sockets.size() != static_cast<std::size_t>(state.range(0)))
+    return state.SkipWithError("no connection");
+  std::array<std::uint8_t, reply_3e> reply{};
+  for (auto _ : state) {
+    for (auto& socket : plant.sockets) boost::asio::write(socket, boost::asio::buffer(read_3e));
+    for (auto& socket : plant.sockets) {
+      boost::asio::read(socket, boost::asio::buffer(reply));
+      if (reply[0] != 0xD0 || reply[9] != 0 || reply[10] != 0) return state.SkipWithError("not a good reply");
+    }
+  }
+  canopus::bench::report(state, static_cast<std::uint64_t>(state.iterations() * state.range(0)));
+}
+BENCHMARK(read_64_words_by_clients)
+    ->Apply(canopus::bench::standard)
+    ->UseRealTime()
+    ->ArgNames({"clients", "buses"})
+    ->Args({1, 1})
+    ->Args({2, 1})
+    ->Args({8, 1})
+    ->Args({16, 1})
+    ->Args({16, 4})
+    ->Args({16, 16});
 
 /// range(0) requests at once, then their replies.
 void read_64_words_4e_pipelined(benchmark::State& state) {
@@ -112,8 +149,8 @@ void read_64_words_4e_pipelined(benchmark::State& state) {
   }
   std::vector<std::uint8_t> replies(depth * reply_4e);
   for (auto _ : state) {
-    boost::asio::write(plant.socket, boost::asio::buffer(requests));
-    boost::asio::read(plant.socket, boost::asio::buffer(replies));
+    boost::asio::write(plant.sockets[0], boost::asio::buffer(requests));
+    boost::asio::read(plant.sockets[0], boost::asio::buffer(replies));
     const std::uint8_t* const last = &replies[(depth - 1) * reply_4e];
     if (last[0] != 0xD4 || last[2] != static_cast<std::uint8_t>(depth - 1)) {
       return state.SkipWithError("not a good reply");

@@ -18,28 +18,34 @@ namespace {
 
 using namespace canopus;
 
-constexpr unsigned device_count = 20;
 constexpr const char* kinds[] = {"io-block", "encoder", "drive"};
 constexpr const char* moving[] = {"6000:01", "6004:00", "606C:00"};
 
-std::string plant_text() {
-  std::string text = "[[bus]]\nname = \"line1\"\nbit_rate = 1_000_000\n";
-  for (unsigned i = 0; i < device_count; ++i) {
-    text += "[[device]]\nnode = " + std::to_string(i + 2) +
-            "\neds = \"" CANOPUS_SOURCE_DIR "/examples/devices/" + kinds[i % 3] +
-            ".eds\"\nobjects = { \"1017:00\" = 100 }\n[[device.behaviour]]\nobject = \"" + moving[i % 3] +
-            "\"\nkind = \"counter\"\nhigh = 100\nperiod = \"10ms\"\n";
+/// Buses with so many devices and a module each. Each device's value moves in every `period`.
+std::string plant_text(unsigned devices = 20, unsigned buses = 1, const std::string& period = "10ms") {
+  std::string text;
+  std::string modules = "[[plc]]\nlisten = \"off\"\n";
+  for (unsigned number = 1; number <= buses; ++number) {
+    const std::string bus = "\"line" + std::to_string(number) + "\"\n";
+    text += "[[bus]]\nname = " + bus + "bit_rate = 1_000_000\n";
+    for (unsigned i = 0; i < devices; ++i) {
+      text += "[[device]]\nbus = " + bus + "node = " + std::to_string(i + 2) +
+              "\neds = \"" CANOPUS_SOURCE_DIR "/examples/devices/" + kinds[i % 3] +
+              ".eds\"\nobjects = { \"1017:00\" = 100 }\n[[device.behaviour]]\nobject = \"" + moving[i % 3] +
+              "\"\nkind = \"counter\"\nhigh = 100\nperiod = \"" + period + "\"\n";
+    }
+    modules += "[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nbus = " + bus +
+               "head = " + std::to_string(32 * (number - 1)) +
+               "\nnode = 1\nmaster = true\nexchange = \"10ms\"\nslaves = \"all\"\n";
   }
-  return text +
-         "[[plc]]\nlisten = \"off\"\n[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nnode = 1\nmaster = true\n"
-         "exchange = \"10ms\"\nslaves = \"all\"\n";
+  return text + modules;
 }
 
 struct Nobody final : app::PlantObserver {};
 
-/// A second of plant time; per item: a frame on the bus.
-void twenty_devices_simulated_seconds(benchmark::State& state) {
-  const app::PlantReading reading = app::read_plant(plant_text(), "bench.toml");
+/// A second of plant time; per item: a frame on a bus.
+void simulated_seconds(benchmark::State& state, const std::string& text, unsigned buses) {
+  const app::PlantReading reading = app::read_plant(text, "bench.toml");
   Nobody nobody;
   auto plant = app::Plant::build(reading.plant, nobody);
   if (!reading.errors.empty() || !plant) return state.SkipWithError("the plant cannot be built");
@@ -49,14 +55,36 @@ void twenty_devices_simulated_seconds(benchmark::State& state) {
   for (const app::NodeStatus& node : (*plant)->nodes()) {
     if (node.state != canopen::NmtState::operational) return state.SkipWithError("a node is not operational");
   }
-  const std::uint64_t frames_before = (*plant)->bus(0).load(timeline.now()).frames;
+  const auto all_frames = [&] {
+    std::uint64_t sum = 0;
+    for (unsigned bus = 0; bus < buses; ++bus) sum += (*plant)->bus(bus).load(timeline.now()).frames;
+    return sum;
+  };
+  const std::uint64_t frames_before = all_frames();
   for (auto _ : state) timeline.run_until(timeline.now() + std::chrono::seconds(1));
-  const std::uint64_t frames = (*plant)->bus(0).load(timeline.now()).frames - frames_before;
+  const std::uint64_t frames = all_frames() - frames_before;
   bench::report(state, frames);
   state.counters["frames_per_simulated_second"] =
       static_cast<double>(frames) / static_cast<double>(state.iterations());
 }
+void twenty_devices_simulated_seconds(benchmark::State& state) { simulated_seconds(state, plant_text(), 1); }
 BENCHMARK(twenty_devices_simulated_seconds)->Apply(bench::standard)->Unit(benchmark::kMillisecond);
+
+void simulated_seconds_by_nodes(benchmark::State& state) {
+  const auto buses = static_cast<unsigned>(state.range(1));
+  simulated_seconds(state, plant_text(static_cast<unsigned>(state.range(0)), buses, "50ms"), buses);
+}
+BENCHMARK(simulated_seconds_by_nodes)
+    ->Apply(bench::standard)
+    ->Unit(benchmark::kMillisecond)
+    ->ArgNames({"nodes", "buses"})
+    ->Args({1, 1})
+    ->Args({2, 1})
+    ->Args({8, 1})
+    ->Args({32, 1})
+    ->Args({126, 1})
+    ->Args({126, 4})
+    ->Args({126, 16});
 
 /// From the text of the plant file and the files of the devices to the first frame on the bus.
 void twenty_devices_start(benchmark::State& state) {
