@@ -13,6 +13,7 @@
 
 #include "canopus/can/frame_bits.hpp"
 #include "canopus/can/timeline.hpp"
+#include "canopus/canopen/frame_of.hpp"
 
 #include "measure.hpp"
 #include "network.hpp"
@@ -67,9 +68,9 @@ class Talker final : public can::Participant {
   void receive(const can::Frame& frame, can::Time) override { sum += frame.data[0]; }
   void transmitted(const can::Frame&, can::Time) override {
     // A counter and some bits that move, as process data have.
-    ++frame_.data[0];
-    frame_.data[3] = static_cast<std::uint8_t>(frame_.data[0] * 37 + number_);
-    frame_.data[6] = static_cast<std::uint8_t>(frame_.data[3] ^ 0x5A);
+    ++turn_;
+    const std::uint64_t moving = (turn_ * 37 + number_) & 0xFF;
+    frame_ = canopen::frame_of({0x180 + number_, 8}, (turn_ & 0xFF) | moving << 24 | (moving ^ 0x5A) << 48);
     port->send(frame_);
   }
   void tick(can::Time now) override { heartbeat_ = now + std::chrono::milliseconds(100); }
@@ -80,6 +81,7 @@ class Talker final : public can::Participant {
 
  private:
   std::uint32_t number_;
+  std::uint64_t turn_ = 0;
   can::Frame frame_;
   can::Time heartbeat_{};
 };

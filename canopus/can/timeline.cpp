@@ -4,46 +4,37 @@
 
 namespace canopus::can {
 
-bool Timeline::before(Handle left, Handle right) const noexcept {
-  const Slot& a = slots_[left];
-  const Slot& b = slots_[right];
-  if (a.deadline != b.deadline) return a.deadline < b.deadline;
-  return a.rank != b.rank ? a.rank < b.rank : left < right;
-}
-
 void Timeline::sift_up(std::size_t position) noexcept {
-  const Handle moving = heap_[position];
+  const Place moving = heap_[position];
   while (position > 0) {
     const std::size_t parent = (position - 1) / 2;
-    if (!before(moving, heap_[parent])) break;
-    heap_[position] = heap_[parent];
-    slots_[heap_[position]].position = position;
+    if (!moving.before(heap_[parent])) break;
+    put(position, heap_[parent]);
     position = parent;
   }
-  heap_[position] = moving;
-  slots_[moving].position = position;
+  put(position, moving);
 }
 
 void Timeline::sift_down(std::size_t position) noexcept {
-  const Handle moving = heap_[position];
+  const Place moving = heap_[position];
+  const std::size_t size = heap_.size();
   while (true) {
     std::size_t child = 2 * position + 1;
-    if (child >= heap_.size()) break;
-    if (child + 1 < heap_.size() && before(heap_[child + 1], heap_[child])) ++child;
-    if (!before(heap_[child], moving)) break;
-    heap_[position] = heap_[child];
-    slots_[heap_[position]].position = position;
+    if (child >= size) break;
+    if (child + 1 < size && heap_[child + 1].before(heap_[child])) ++child;
+    if (!heap_[child].before(moving)) break;
+    put(position, heap_[child]);
     position = child;
   }
-  heap_[position] = moving;
-  slots_[moving].position = position;
+  put(position, moving);
 }
 
 Timeline::Handle Timeline::add(Participant& participant, Rank rank) {
   const Handle handle = slots_.size();
-  slots_.push_back({&participant, rank, participant.deadline(), heap_.size()});
-  heap_.push_back(handle);
-  sift_up(heap_.size() - 1);
+  const auto position = static_cast<std::uint32_t>(heap_.size());
+  slots_.push_back({&participant, participant.deadline(), position, rank});
+  heap_.push_back({slots_.back().deadline, static_cast<std::uint64_t>(rank) << 32 | handle});
+  sift_up(position);
   return handle;
 }
 
@@ -51,19 +42,19 @@ void Timeline::remove(Handle handle) {
   const std::size_t position = slots_[handle].position;
   if (slots_[handle].participant == nullptr) return;
   slots_[handle].participant = nullptr;
-  const Handle last = heap_.back();
+  const Place last = heap_.back();
   heap_.pop_back();
-  if (last == handle) return;
-  heap_[position] = last;
-  slots_[last].position = position;
+  if (last.handle() == handle) return;
+  put(position, last);
   sift_up(position);
-  sift_down(slots_[last].position);
+  sift_down(slots_[last.handle()].position);
 }
 
 void Timeline::move(Handle handle, Time deadline) noexcept {
   Slot& slot = slots_[handle];
   const bool earlier = deadline < slot.deadline;
   slot.deadline = deadline;
+  heap_[slot.position].deadline = deadline;
   if (earlier) {
     sift_up(slot.position);
   } else {
@@ -71,12 +62,12 @@ void Timeline::move(Handle handle, Time deadline) noexcept {
   }
 }
 
-Time Timeline::next() const noexcept { return heap_.empty() ? never : slots_[heap_.front()].deadline; }
+Time Timeline::next() const noexcept { return heap_.empty() ? never : heap_.front().deadline; }
 
 void Timeline::run_until(Time end) {
   while (!heap_.empty()) {
-    const Handle handle = heap_.front();
-    const Time deadline = slots_[handle].deadline;
+    const Handle handle = heap_.front().handle();
+    const Time deadline = heap_.front().deadline;
     if (deadline > end) break;
     if (deadline > now_) now_ = deadline;
     slots_[handle].participant->tick(now_);

@@ -39,17 +39,30 @@ class Timeline {
  private:
   struct Slot {
     Participant* participant = nullptr;
-    Rank rank = Rank::node;
     Time deadline = never;
-    std::size_t position = 0;  // in heap_
+    std::uint32_t position = 0;  // in heap_
+    Rank rank = Rank::node;
   };
-  [[nodiscard]] bool before(Handle left, Handle right) const noexcept;
+  /// What decides who is first lies in the heap itself: a comparison looks nowhere else.
+  struct Place {
+    Time deadline;
+    std::uint64_t order;  // rank, then handle
+
+    [[nodiscard]] Handle handle() const noexcept { return order & 0xFFFF'FFFF; }
+    [[nodiscard]] bool before(const Place& other) const noexcept {
+      return deadline != other.deadline ? deadline < other.deadline : order < other.order;
+    }
+  };
+  void put(std::size_t position, const Place& place) noexcept {
+    heap_[position] = place;
+    slots_[place.handle()].position = static_cast<std::uint32_t>(position);
+  }
   void move(Handle handle, Time deadline) noexcept;
   void sift_up(std::size_t position) noexcept;
   void sift_down(std::size_t position) noexcept;
 
   std::vector<Slot> slots_;
-  std::vector<Handle> heap_;  // binary heap of slot numbers, earliest first
+  std::vector<Place> heap_;  // binary heap, earliest first
   Time now_{};
 };
 

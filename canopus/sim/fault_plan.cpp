@@ -142,7 +142,7 @@ can::Time FaultPlan::Spell::next() const noexcept {
   return std::min(fault.until, next_babble);
 }
 
-can::Time FaultPlan::next() const noexcept {
+can::Time FaultPlan::next_spell() const noexcept {
   can::Time next = can::never;
   for (const Spell& spell : spells_) next = std::min(next, spell.next());
   return next;

@@ -52,9 +52,10 @@ class FaultPlan {
   };
   [[nodiscard]] std::vector<Spell>& spells() noexcept { return spells_; }
   /// When a spell begins, ends or babbles next.
-  [[nodiscard]] can::Time next() const noexcept;
+  [[nodiscard]] can::Time next() const noexcept { return spells_.empty() ? can::never : next_spell(); }
 
  private:
+  [[nodiscard]] can::Time next_spell() const noexcept;
   struct Rule {
     Fault fault;
     const BusPort* sender = nullptr;

@@ -79,7 +79,12 @@ class Arbiter {
     }
   }
   [[nodiscard]] std::uint64_t lowest() const noexcept { return tree_[1]; }
-  [[nodiscard]] std::uint64_t of(std::size_t port) const noexcept { return tree_[leaves_ + port]; }
+  /// The lowest of all others.
+  [[nodiscard]] std::uint64_t lowest_but(std::size_t port) const noexcept {
+    std::uint64_t lowest = none;
+    for (std::size_t node = leaves_ + port; node > 1; node /= 2) lowest = std::min(lowest, tree_[node ^ 1]);
+    return lowest;
+  }
 
  private:
   std::size_t leaves_ = 1;

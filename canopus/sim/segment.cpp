@@ -132,26 +132,13 @@ void Segment::take_off(BusPort& port) {
   port.tap = {};
 }
 
-void Segment::tick(can::Time now) {
-  if (now < deadline_) return;
+void Segment::act(can::Time now) {
   switch (state_) {
     case State::idle: start(now); break;
     case State::frame: finish(now); break;
     case State::lone_frame: fail_lone(now); break;
     case State::bits: bits_tick(now); break;
   }
-}
-
-/// Whether a second port offers what arbitration cannot tell from what the winner sends.
-bool Segment::another_offers(std::uint64_t winner) const noexcept {
-  const std::uint64_t next = arbiter_.lowest();
-  if (Arbiter::value_of(next) != Arbiter::value_of(winner) || next == Arbiter::none) return false;
-  if (Arbiter::port_of(next) != Arbiter::port_of(winner)) return true;
-  return std::any_of(members_.begin(), members_.end(), [&](const BusPort* port) {
-    return port->index != Arbiter::port_of(winner) &&
-           Arbiter::value_of(arbiter_.of(port->index)) == Arbiter::value_of(winner) &&
-           arbiter_.of(port->index) != Arbiter::none;
-  });
 }
 
 void Segment::start(can::Time now) {
@@ -163,8 +150,7 @@ void Segment::start(can::Time now) {
   }
   if (!healthy_ && !lone_) return begin_bits(now);
   BusPort& port = *core_.ports[Arbiter::port_of(winner)];
-  port.take_next();
-  arbiter_.set(port.index, port.offer());
+  port.take_next();  // it stays in the arbiter: most often it will offer the same identifier again
   if (core_.plan.hits_frames()) {
     faults_ = core_.plan.on_frame(port, port.current, now);
     faults_ready_ = true;
@@ -215,7 +201,6 @@ void Segment::finish(can::Time now) {
   BusPort& port = *transmitter_;
   const can::Frame frame = port.current;
   const bool own = port.complete();
-  arbiter_.set(port.index, port.offer());
   const can::Time next = now + can::bit_time(can::intermission_bits, port.rate);
   core_.statistics.frame(frame);
   core_.statistics.busy(start_, next, bits_ + can::intermission_bits);
@@ -227,6 +212,10 @@ void Segment::finish(can::Time now) {
   for (BusObserver* observer : core_.observers) observer->frame_completed(frame, start_, now);
   deliver(frame, port, now);
   if (own) port.tell([&](can::Participant& participant) { participant.transmitted(frame, now); });
+  if (state_ == State::idle && port.segment == this && &port != suspended_) {
+    arbiter_.set(port.index, port.offer());
+    if (arbiter_.lowest() == Arbiter::none) deadline_ = can::never;
+  }
   if (changes_) tell_changes(now);
 }
 

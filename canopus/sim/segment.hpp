@@ -44,7 +44,9 @@ class Segment {
   void restart(BusPort& port);
   /// Between the two: the controller leaves the wire.
   void take_off(BusPort& port);
-  void tick(can::Time now);
+  void tick(can::Time now) {
+    if (now >= deadline_) act(now);
+  }
   /// Forgets what is to happen to the frame on the wire.
   void clear_faults() noexcept {
     faults_ = {};
@@ -63,6 +65,7 @@ class Segment {
   };
 
   // segment.cpp: frame by frame
+  void act(can::Time now);
   void start(can::Time now);
   void finish(can::Time now);
   void fail_lone(can::Time now);
@@ -74,7 +77,11 @@ class Segment {
   void become_idle(can::Time from);
   void suspend(BusPort& port, can::Time until);
   void end_suspension();
-  [[nodiscard]] bool another_offers(std::uint64_t winner) const noexcept;
+  /// Whether a second port offers what arbitration cannot tell from what the winner sends.
+  [[nodiscard]] bool another_offers(std::uint64_t winner) const noexcept {
+    const std::uint64_t next = arbiter_.lowest_but(Arbiter::port_of(winner));
+    return next != Arbiter::none && Arbiter::value_of(next) == Arbiter::value_of(winner);
+  }
   // segment_bits.cpp: bit by bit
   void enter_bits();
   void replay(can::Time until);
@@ -101,7 +108,7 @@ class Segment {
   can::Time start_{};      // of the frame on the wire
   unsigned bits_ = 0;      // of the frame on the wire
   BusPort* transmitter_ = nullptr;
-  Arbiter arbiter_;
+  Arbiter arbiter_;                     // while a frame is on the wire, its port may still be there with it
   std::vector<BusPort*> members_;       // whoever can do anything to the wire or hear it
   std::vector<std::uint64_t> hearing_;  // set of members, as in AcceptanceTable
   bool healthy_ = false;                // frames can be computed as a whole

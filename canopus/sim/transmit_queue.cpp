@@ -18,7 +18,7 @@ void TransmitQueue::configure(bool sorted, std::size_t capacity) {
 // One frame that is on the wire may come back any time: there is always room for it.
 void TransmitQueue::make_room() { frames_.resize(std::min(capacity_, 2 * frames_.size())); }
 
-bool TransmitQueue::push(const can::Frame& frame, std::size_t reserved) {
+bool TransmitQueue::push_behind(const can::Frame& frame, std::size_t reserved) {
   if (size() + reserved >= capacity_) return false;
   if (size() + 1 >= frames_.size() && frames_.size() < capacity_) make_room();
   std::size_t position = end_;

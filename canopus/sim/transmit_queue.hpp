@@ -27,7 +27,13 @@ class TransmitQueue {
  public:
   void configure(bool sorted, std::size_t capacity);
   /// False: full. `reserved` places count as taken.
-  bool push(const can::Frame& frame, std::size_t reserved);
+  bool push(const can::Frame& frame, std::size_t reserved) {
+    if (!empty() || reserved >= capacity_) return push_behind(frame, reserved);
+    frames_[0] = frame;  // the usual case
+    begin_ = 0;
+    end_ = 1;
+    return true;
+  }
   /// Gives a frame back that was taken by pop(): it is the oldest of its kind again. Its place must be free.
   void push_back_again(const can::Frame& frame) noexcept;
   [[nodiscard]] bool empty() const noexcept { return begin_ == end_; }
@@ -43,6 +49,7 @@ class TransmitQueue {
   void clear() noexcept { begin_ = end_ = 0; }
 
  private:
+  bool push_behind(const can::Frame& frame, std::size_t reserved);
   void insert(std::size_t position, const can::Frame& frame) noexcept;
   void make_room();
 
