@@ -640,6 +640,45 @@ TEST(Me3CommandInterface, S36_TwoPlanes) {
   s.expect(1000, request);
 }
 
+// What stays inside the module needs no bus: Stopped and bus-off do not matter.
+TEST(Me3CommandInterface, OwnDictionary_IsReachedInStoppedAndAtBusOff) {
+  RecordProperty("spec", "ME3-CIF-009 ME3-CIF-010 ME3-CIF-015");
+  for (const bool bus_off : {true, false}) {
+    const std::uint16_t obstacle = bus_off ? 0xB0FF : 0x0F0F;
+    Me3Scenario s;
+    s.power_on_as(5);
+    if (bus_off) {
+      s.error_counters(256, 0);
+    } else {
+      s.nmt(0x02, 5);
+    }
+    s.ignore_tx();
+    for (const std::uint16_t own : Words{0, 5}) {
+      s.cif({0x0004, own, 0x1018, 1});
+      s.expect(1000, {0x0005, own, 0x1018, 1, 4, 0x0071});
+      s.cif({0x0002, own, 0x1015, 0, 2, 7});
+      s.expect(1000, {0x0003, own, 0x1015, 0});
+      s.cif({0x0008, own, 0x1018, 1, 0, 0, 0, 0, 0, 0xFFFF, 0, 0, 0, 0, 0, 0, 0,
+             2});  // after the end: no record
+      s.expect(1000, {0x0009, own, 0x1018, 1, 4, 0x0071});
+      s.cif({0x0006, own, 0x1015, 0, 2, 9, 0, 0, 0, 0xFFFF});
+      s.expect(1000, {0x0007, own, 0x1015, 0});
+      s.cif({0x0006, 0xFFFF});  // nothing to do
+      s.expect(1000, 0x0007);
+    }
+    Words eight{0x0008};
+    for (int i = 0; i < 8; ++i) eight.insert(eight.end(), {0, 0x1018, 1, 0, 0, 0, 0, 0});
+    s.cif(eight);
+    s.expect(1000, 0x0009).expect(1057, {0, 0x1018, 1, 4, 0x0071});
+    // One record for somebody else, and nothing is done.
+    eight[57] = 2;
+    s.cif(eight);
+    s.expect(1000, {0x000F, obstacle, 0, 0, 0}).no_tx();
+    s.cif({0x0004, 2, 0x1018, 1});
+    s.expect(1000, {0x000F, obstacle, 0, 0, 0}).no_tx();
+  }
+}
+
 TEST(Me3CommandInterface, S37_BusOffAndWrongState) {
   RecordProperty("spec", "ME3-CIF-009 ME3-CIF-010");
   Me3Scenario s;
