@@ -38,6 +38,9 @@ class Controller : public Sink {
   [[nodiscard]] virtual std::uint16_t receive_error_counter() const = 0;   ///< REC 0..255
   [[nodiscard]] virtual ErrorState error_state() const = 0;
   [[nodiscard]] virtual std::uint32_t bit_rate() const = 0;  ///< bit/s
+  /// Whether it returns from bus-off by itself (after 128 times 11 recessive bits), or by restart() alone.
+  /// What it does before this is called is its own business; a controller that cannot choose ignores it.
+  virtual void set_automatic_recovery(bool /*automatic*/) {}
   /// Changes the bit rate and starts the controller anew: counters 0, error active, transmit queue empty.
   virtual void restart(std::uint32_t bit_rate) = 0;
   /// Frames that send() refused since the last restart().

@@ -100,7 +100,7 @@ class Port : public can::Controller {
   virtual void set_listen_only(bool listen_only) = 0;
   /// After bus-off: true (default) = returns by itself after 128 times 11 recessive bits; false = when asked
   /// to by recover(), or at once by restart().
-  virtual void set_automatic_recovery(bool automatic) = 0;
+  void set_automatic_recovery(bool automatic) override = 0;
   /// Starts to count the 128 times 11 recessive bits when bus-off; else nothing.
   virtual void recover() = 0;
 };

@@ -96,6 +96,7 @@ Me3can1Q::Firmware::Firmware(can::Controller& controller, NonVolatileMemory& mem
       layer2_(layer2_layout, layer2_rules(profile_), buffer_, controller),
       time_stamp_(time_stamp_layout, buffer_),
       concise_dcfs_(node_, master_, flash_, concise_dcfs_name, {.erase_time = profile_.erase_time}) {
+  controller_.set_automatic_recovery(false);  // the way out of bus-off is a restart [ME3CAN1-Q 3.5.7]
   node_.set_listener(this);
   master_.set_listener(this);
   node_.dictionary().attach(0x0002, 0x0008, *this);

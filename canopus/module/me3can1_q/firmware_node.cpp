@@ -142,6 +142,8 @@ void Me3can1Q::Firmware::error_control_event(std::uint8_t node_id, manager::Erro
 }
 
 void Me3can1Q::Firmware::lss_active_changed(bool active, can::Time now) {
+  // A slave at another bit rate, which the search is for, can drive the module bus-off: that must not end it.
+  controller_.set_automatic_recovery(active);
   if (active) tell("the boot time is over: missing slaves are looked for by LSS", now);
 }
 

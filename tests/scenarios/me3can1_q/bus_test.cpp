@@ -206,9 +206,15 @@ TEST(Me3OnABus, WrongBaudRate_DrivesTheCountersUp) {
   plant.add(0x40, {{27, 3}}, {{0x1017, 0, Bytes{10, 0}}});
   Plant::Slot& wrong = plant.add(0x20, {{27, 2}, {24, 500}}, {{0x1017, 0, Bytes{10, 0}}});
   plant.power_on();
-  plant.run(1200ms);
-  EXPECT_TRUE(plant.g(wrong, 35) > 0 || plant.g(wrong, 36) > 0);
-  EXPECT_TRUE(plant.g(one, 35) > 0 || plant.g(one, 36) > 0);
+  std::uint16_t highest_of_wrong = 0, highest_of_one = 0;
+  for (int moment = 0; moment < 1200; ++moment) {
+    plant.run(1ms);
+    highest_of_wrong = std::max({highest_of_wrong, plant.g(wrong, 35), plant.g(wrong, 36)});
+    highest_of_one = std::max({highest_of_one, plant.g(one, 35), plant.g(one, 36)});
+  }
+  EXPECT_EQ(highest_of_wrong, 256);  // bus-off, and stays so
+  EXPECT_GE(highest_of_one, 8);
+  EXPECT_EQ(plant.g(wrong, 29) & 0x0008, 0x0008);
   EXPECT_EQ(plant.g(wrong, 37), 5000);
 }
 

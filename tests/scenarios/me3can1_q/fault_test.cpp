@@ -416,6 +416,40 @@ TEST(Me3Fault, ReceiveErrorCounter_GoesUpByEight_DownByOne_AndShowsAtMost128) {
   EXPECT_EQ(bench.plc.g(29), 0x4000);
 }
 
+// Every frame of the module is disturbed until it is bus-off. The disturbance ends and the bus is free, but
+// only a restart brings the module back; the error counter and the bit go with it.
+TEST(Me3Fault, BusOffOnTheBus_IsLeftByARestartAlone) {
+  RecordProperty("spec", "ME3-ERR-002 ME3-CNT-001 ME3-EMCY-009");
+  RackBench plc;
+  const Words heartbeat{0x0002, 0, 0x1017, 0, 2, 100};  // 1017H = 100 ms, by the CIF
+  EXPECT_TRUE(plc.rack.write_buffer(0, 1000, heartbeat, plc.timeline.now()));
+  plc.y(0x17, true);
+  plc.run(1s);
+  EXPECT_EQ(plc.g(1000), 0x0003);
+  const auto heard = [&] { return plc.other.frames().size(); };
+  EXPECT_GT(heard(), 5U);
+  ASSERT_TRUE(plc.bus.set_faults(
+      {{{.kind = sim::FaultKind::corrupt, .sender = "module", .count = 32, .bit = 22}}}, 1));
+  plc.run(3s);
+  EXPECT_EQ(plc.g(29), 0x0008);
+  EXPECT_EQ(plc.g(35), 256);
+  EXPECT_EQ(plc.g(36), 256);
+  const std::size_t before = heard();
+  plc.run(10s);  // 128 times 11 bits are 6 ms
+  EXPECT_EQ(heard(), before);
+  EXPECT_EQ(plc.g(29) & 0x4008, 0x0008);  // its queue may be full by now: bit 8
+  EXPECT_EQ(plc.g(35), 256);
+  plc.y(0x0F, true);
+  EXPECT_EQ(plc.g(29), 0x0008);
+  plc.y(0x0F, false);
+  plc.y(0x02, true);
+  plc.run(6100ms);
+  plc.y(0x02, false);
+  EXPECT_EQ(plc.g(29), 0);
+  EXPECT_EQ(plc.g(35), 0);
+  EXPECT_EQ(heard(), before + 1);  // the boot-up message
+}
+
 TEST(Me3Fault, ErrorActiveModule_DestroysAFaultyFrame_ErrorPassiveOneDoesNot) {
   RecordProperty("spec", "ME3-CNT-004");
   FaultyReceiver bench;

@@ -447,6 +447,20 @@ INSTANTIATE_TEST_SUITE_P(
                     BadSetting{6000, {0xFFFF, 0x5FFF, 0, 0}, 10000},  // no CAN-ID
                     BadSetting{8450, {0x0100}, 8451}));
 
+// RTR/new/DLC of a slot that is not used yet: only its DLC can be wrong; what goes with B is seen at Y03.
+TEST(Me3Layer2Settings, FrameWord_BeforeTheSlotIsSetUp) {
+  RecordProperty("spec", "ME3-L2-036 ME3-L2-037 ME3-L2-038");
+  Me3Scenario s;
+  s.power_on_layer2();
+  for (const std::uint16_t good : Words{0x1002, 0x8002, 0x0008})
+    s.write(10002, good).expect(10002, good).expect(29, 0);
+  s.write(10002, 0x0009).expect(10002, 0x0008).expect(29, 0x0040).expect(39, 10002).write(29, 0);
+  s.write(10002, 0x1002).write(10000, {0x0123, 0}).write(6000, {0xFFFF, 0x5FFF});  // bit 12 needs an answer
+  s.y(0x03, true).expect_x(0x03, false).expect(29, 0x0040).expect(39, 10002);
+  s.y(0x03, false).write(29, 0);
+  s.write(6001, 0x6FFF).y(0x03, true).expect_x(0x03, true).expect(29, 0).no_tx();
+}
+
 TEST(Me3Layer2Settings, DisabledSlot_NeitherSendsNorReceives) {
   RecordProperty("spec", "ME3-L2-004 ME3-L2-005 ME3-L2-006");
   Me3Scenario s;

@@ -297,6 +297,17 @@ TEST(Me3TimeStamp, Consumer_TheYear2000IsTheFirst) {
   expect_clock(s, {0, 1, 1, 0, 0, 1, 6});
 }
 
+// A stored 1012H whose CAN-ID the module would not take by SDO: G50 cannot change it, and shows what holds.
+TEST(Me3TimeStamp, RoleThat1012hRefuses_IsNotShown) {
+  RecordProperty("spec", "ME3-TIME-002 ME3-TIME-019");
+  Me3Scenario s;
+  ASSERT_EQ(s.plug_in().preset_object(0x1012, 0, canopen::little_endian(0x80000601, 4)),
+            canopen::AbortCode::none);
+  s.power_on();
+  s.expect(50, 1).write(50, 2).expect(50, 1);
+  s.expect_object(0x1012, 0, 0x80000601, 4);
+}
+
 TEST(Me3TimeStamp, S22_Overflow) {
   RecordProperty("spec", "ME3-TIME-017");
   Me3Scenario s;
