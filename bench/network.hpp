@@ -72,7 +72,11 @@ class PassThroughBus {
     return true;
   }
   void finish() {
-    for (const Sent* sent = waiting_.data(); sent != end_; ++sent) hand_out(sent->frame, sent->from);
+    for (const Sent* next = waiting_.data(); next != end_;) {
+      const Sent& sent = *next++;  // stays, until half of the places are taken again
+      if (next == end_ && next > &waiting_[waiting_.size() / 2]) next = end_ = waiting_.data();
+      hand_out(sent.frame, sent.from);
+    }
     end_ = waiting_.data();
     delivering_ = false;
   }
@@ -83,7 +87,7 @@ class PassThroughBus {
   std::array<std::vector<can::Participant*>, 2048> lists_;
   std::array<std::uint32_t, 2049> first_{};
   std::vector<can::Participant*> hearers_;
-  std::array<Sent, 20'000> waiting_;  // a block, or what all slaves say to one SYNC
+  std::array<Sent, 1200> waiting_;  // twice what all slaves say to one SYNC
 };
 
 inline void add_pdo(canopen::DictionaryBuilder& builder, std::uint16_t communication, std::uint32_t cob_id,

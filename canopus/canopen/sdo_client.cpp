@@ -212,6 +212,17 @@ void SdoClient::download_initiated(const can::Frame& frame, can::Time now) {
 }
 
 void SdoClient::send_segment(can::Time now) {
+  const auto rest = source_.window();
+  if (rest.size() <= sdo::segment_size) return send_last_segment(now);
+  const can::Frame segment = sdo::block_segment(request_, toggle_, rest);
+  all_sent_ = false;
+  source_.advance(sdo::segment_size);
+  restart_time_out(now);
+  sink_->send(segment);
+}
+
+/// The last one at hand: perhaps of all.
+void SdoClient::send_last_segment(can::Time now) {
   if (const AbortCode code = source_.prepare(sdo::segment_size); code != AbortCode::none) {
     return give_up(code, now);
   }

@@ -138,6 +138,7 @@ class SdoClient {
   void segment_uploaded(const can::Frame& frame, can::Time now);
   void download_initiated(const can::Frame& frame, can::Time now);
   void send_segment(can::Time now);
+  void send_last_segment(can::Time now);
   void segment_downloaded(const can::Frame& frame, can::Time now);
 
   void receive_in_block(const can::Frame& frame, can::Time now);

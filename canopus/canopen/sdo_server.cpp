@@ -144,6 +144,16 @@ void SdoServer::download_segment(const can::Frame& frame, can::Time now) {
   const unsigned toggle = frame.data[0] & sdo::toggle_bit;
   if (toggle != toggle_) return abort(AbortCode::toggle_bit);
   last_heard_ = now;
+  const bool last = (frame.data[0] & sdo::last_bit) != 0;
+  if (last || !collector_.add_plain(frame, sdo::segment_length(frame)))
+    return take_segment_with_care(frame, now);
+  toggle_ ^= sdo::toggle_bit;
+  sink_->send(sdo::frame(response_, 0x20U | toggle));
+}
+
+/// The last segment, or one that is more than a copy.
+void SdoServer::take_segment_with_care(const can::Frame& frame, can::Time now) {
+  const unsigned toggle = frame.data[0] & sdo::toggle_bit;
   AbortCode code = collector_.add(frame, sdo::segment_length(frame));
   if ((frame.data[0] & sdo::last_bit) != 0) {
     if (code == AbortCode::none) code = collector_.finish(0);

@@ -71,6 +71,7 @@ class SdoServer {
   void initiate_download(const can::Frame& frame, can::Time now);
   void expedited_download(const can::Frame& frame, const Entry& entry, can::Time now);
   void download_segment(const can::Frame& frame, can::Time now);
+  void take_segment_with_care(const can::Frame& frame, can::Time now);
   [[nodiscard]] AbortCode begin_download(const can::Frame& frame, State state, bool size_indicated,
                                          std::size_t slack, can::Time now);
   [[nodiscard]] AbortCode store_download(can::Time now);

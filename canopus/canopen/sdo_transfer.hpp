@@ -54,9 +54,13 @@ class SegmentCollector {
              std::size_t slack);
   /// Adds the first `count` (0..7) bytes after the command byte of a segment.
   AbortCode add(const can::Frame& segment, std::size_t count) {
-    if (used_ >= plain_until_) return add_with_care(segment, count);
+    return add_plain(segment, count) ? AbortCode::none : add_with_care(segment, count);
+  }
+  /// The same, if there is nothing to see to; false: there is, and nothing was added.
+  bool add_plain(const can::Frame& segment, std::size_t count) noexcept {
+    if (used_ >= plain_until_) return false;
     put(segment, count);
-    return AbortCode::none;
+    return true;
   }
   /// A whole value of 1..4 bytes that came at once, for memory, after clear(): instead of all the rest.
   void take(std::uint32_t value, std::size_t count) {
@@ -80,7 +84,7 @@ class SegmentCollector {
   static constexpr std::size_t kept = 7;                        // the last segment may still be trimmed
   static constexpr std::size_t largest_reservation = 1U << 16;  // what an announcement makes us allocate
   /// There is room for eight bytes.
-  void put(const can::Frame& segment, std::size_t count) {
+  void put(const can::Frame& segment, std::size_t count) noexcept {
     const std::uint64_t bytes = std::bit_cast<std::uint64_t>(segment.data) >> 8;
     std::memcpy(&memory_[used_], &bytes, 8);  // always eight: one store; what is too many is overwritten
     used_ += count;
