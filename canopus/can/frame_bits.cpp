@@ -69,81 +69,78 @@ struct Stuffing {
   std::uint64_t state;
   std::uint64_t sum = 0;  // 64 for each stuff bit
 
-  void eat(std::uint64_t byte) noexcept {
+  [[gnu::always_inline]] void eat(std::uint64_t byte) noexcept {
     state = stuff_table[byte] >> (state & 63U);
     sum += state & 0xC0U;
   }
   [[nodiscard]] unsigned bits() const noexcept { return static_cast<unsigned>(sum / 64); }
 };
 
-struct Header {
-  std::uint64_t bits = 0;  // SOF first, which is 0
-  unsigned length = 0;     // in bits
-  std::size_t bytes = 0;   // length rounded up to whole bytes
-};
-
-Header header_of(const Frame& frame) noexcept {
+/// SOF first, which is 0.
+template <bool extended>
+std::uint64_t header_of(const Frame& frame) noexcept {
   const std::uint64_t remote = frame.remote ? 1 : 0;
   const std::uint64_t length_code = frame.dlc & 15U;
-  if (!frame.extended) {
-    return {(std::uint64_t{frame.identifier} & max_base_identifier) << 7 | remote << 6 | length_code,
-            base_header_bits, 3};
+  if constexpr (!extended) {
+    return (std::uint64_t{frame.identifier} & max_base_identifier) << 7 | remote << 6 | length_code;
   }
   const std::uint64_t base = (frame.identifier >> 18) & max_base_identifier;
   const std::uint64_t extension = frame.identifier & 0x3FFFF;
-  return {base << 27 | std::uint64_t{3} << 25 | extension << 7 | remote << 6 | length_code,
-          extended_header_bits, 5};
+  return base << 27 | std::uint64_t{3} << 25 | extension << 7 | remote << 6 | length_code;
 }
 
-unsigned crc_of(const Header& header, const Frame& frame, std::size_t length) noexcept {
-  const std::uint64_t bits = header.bits;
-  unsigned crc = crc_table[length][bits & 0xFF] ^ crc_table[length + 1][(bits >> 8) & 0xFF] ^
-                 crc_table[length + 2][(bits >> 16) & 0xFF];
-  if (frame.extended) crc ^= crc_table[length + 3][(bits >> 24) & 0xFF] ^ crc_table[length + 4][bits >> 32];
-  if (length == 8) {  // the most frequent length, unrolled
-#pragma GCC unroll 8
-    for (std::size_t byte = 0; byte < 8; ++byte) crc ^= crc_table[7 - byte][frame.data[byte]];
-  } else {
-    for (std::size_t byte = 0; byte < length; ++byte) crc ^= crc_table[length - 1 - byte][frame.data[byte]];
+template <bool extended>
+unsigned crc_of(std::uint64_t header, const Frame& frame, std::size_t length) noexcept {
+  unsigned crc = crc_table[length][header & 0xFF] ^ crc_table[length + 1][(header >> 8) & 0xFF] ^
+                 crc_table[length + 2][(header >> 16) & 0xFF];
+  if constexpr (extended) {
+    crc ^= crc_table[length + 3][(header >> 24) & 0xFF] ^ crc_table[length + 4][header >> 32];
   }
+  for (std::size_t byte = 0; byte < length; ++byte) crc ^= crc_table[length - 1 - byte][frame.data[byte]];
   return crc;
 }
 
-}  // namespace
-
-std::uint16_t frame_crc(const Frame& frame) noexcept {
-  return static_cast<std::uint16_t>(crc_of(header_of(frame), frame, frame.length()));
-}
-
-unsigned frame_bits(const Frame& frame) noexcept {
-  const Header header = header_of(frame);
-  const std::size_t length = frame.length();
-  const unsigned crc = crc_of(header, frame, length);
+// Inlined with `length` known where it is 8, the most frequent one.
+template <bool extended>
+[[gnu::always_inline]] inline unsigned bits_of(const Frame& frame, std::size_t length) noexcept {
+  const std::uint64_t header = header_of<extended>(frame);
+  const unsigned crc = crc_of<extended>(header, frame, length);
 
   // Whole bytes need a few bits in front of SOF and one after the CRC that are not on the wire: alternating
   // ones in front, ending recessive as an idle bus is, and the complement of the last CRC bit behind. None of
   // them can make a fifth bit in a row.
-  const unsigned front_bits = static_cast<unsigned>(8 * header.bytes) - header.length;
-  const std::uint64_t front = (0x15U & ((1U << front_bits) - 1U)) | 1U;
-  const std::uint64_t head = header.bits | front << header.length;
+  constexpr unsigned header_bits = extended ? extended_header_bits : base_header_bits;
+  constexpr unsigned front_bits = (8 - header_bits % 8) % 8;
+  constexpr std::uint64_t front = (0x15U & ((1U << front_bits) - 1U)) | 1U;
+  const std::uint64_t head = header | front << header_bits;
 
   Stuffing stuffing{8U * stuff_state(front_bits % 2 == 0 ? 1 : 0, 1)};
-  if (frame.extended) {
+  if constexpr (extended) {
     stuffing.eat((head >> 32) & 0xFF);
     stuffing.eat((head >> 24) & 0xFF);
   }
   stuffing.eat((head >> 16) & 0xFF);
   stuffing.eat((head >> 8) & 0xFF);
   stuffing.eat(head & 0xFF);
-  if (length == 8) {  // the most frequent length, unrolled
-#pragma GCC unroll 8
-    for (const std::uint8_t byte : frame.data) stuffing.eat(byte);
-  } else {
-    for (std::size_t byte = 0; byte < length; ++byte) stuffing.eat(frame.data[byte]);
-  }
+  for (std::size_t byte = 0; byte < length; ++byte) stuffing.eat(frame.data[byte]);
   stuffing.eat(crc >> 7);
   stuffing.eat((crc << 1 | (~crc & 1U)) & 0xFF);
-  return header.length + static_cast<unsigned>(8 * length) + crc_bits + tail_bits + stuffing.bits();
+  return header_bits + static_cast<unsigned>(8 * length) + crc_bits + tail_bits + stuffing.bits();
+}
+
+}  // namespace
+
+std::uint16_t frame_crc(const Frame& frame) noexcept {
+  const std::size_t length = frame.length();
+  const unsigned crc = frame.extended ? crc_of<true>(header_of<true>(frame), frame, length)
+                                      : crc_of<false>(header_of<false>(frame), frame, length);
+  return static_cast<std::uint16_t>(crc);
+}
+
+unsigned frame_bits(const Frame& frame) noexcept {
+  const std::size_t length = frame.length();
+  if (frame.extended) return bits_of<true>(frame, length);
+  return length == 8 ? bits_of<false>(frame, 8) : bits_of<false>(frame, length);
 }
 
 }  // namespace canopus::can
