@@ -213,6 +213,24 @@ TEST(Me3ConciseDcf, S79_ConfigurationRequest) {
   s.rx(0x583, {0x60, 0x17, 0x10, 0x00, 0, 0, 0, 0}).no_tx();
 }
 
+TEST(Me3ConciseDcf, S79_RequestToAll_IsForEveryNodeWithData_FirstAndLast) {
+  RecordProperty("spec", "ME3-CFG-012 ME3-CFG-008");
+  Me3Scenario s;
+  s.power_on_as(9);
+  s.set_object(0x1F80, 0, 0x0000000D, 4);
+  s.store_objects().restart();
+  s.advance(5s).ignore_tx().expect_bit(25, 15, true);
+  for (const std::uint16_t node : Words{1, 9, 127}) {
+    s.cif(download(node));
+    s.expect(1000, 0x0003);
+  }
+  s.cif({0x0002, 0, 0x1F25, 0x80, 4, 0x6F63, 0x666E});
+  s.expect(1000, 0x0003);
+  const Bytes write_1017{0x2B, 0x17, 0x10, 0x00, 0xE8, 0x03, 0, 0};
+  s.tx(0x601, write_1017).tx(0x67F, write_1017).no_tx();
+  s.rx(0x581, {0x60, 0x17, 0x10, 0x00, 0, 0, 0, 0}).rx(0x5FF, {0x60, 0x17, 0x10, 0x00, 0, 0, 0, 0}).no_tx();
+}
+
 TEST(Me3ConciseDcf, ConfigurationRequest_NeedsTheActiveMaster) {
   RecordProperty("spec", "ME3-CFG-001");
   Me3Scenario s;

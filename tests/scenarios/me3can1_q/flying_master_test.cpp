@@ -240,19 +240,19 @@ TEST(Me3FlyingMaster, S74_BetterMasterJoins_NegotiatesAndWins) {
 
 TEST(Me3FlyingMaster, DifferentConsumerTimes_TheFirstResetsTheNetwork_TheSecondDoesNot) {
   RecordProperty("spec", "ME3-FLY-011");
-  for (const bool reset_by_other : {true, false}) {
+  for (const std::uint8_t reset_by_other : Bytes{0x82, 0x81, 0}) {
     Me3Scenario s;  // node 3, consumer time 1530 ms; node 2's is 1520 ms
     switch_on(s, 3);
     s.ignore_tx().wait_tx(0x073).rx(0x071, {0x01, 0x01}).rx(0x701, {0x05});
     const can::Time heard = s.now();
     s.advance(1520ms).ignore_tx();
-    if (reset_by_other) s.rx(0x000, {0x82, 0x00});
+    if (reset_by_other != 0) s.rx(0x000, {reset_by_other, 0x00});
     s.advance(9ms).ignore_tx();
     s.advance(1ms);
     unsigned resets = 0;
     for (const can::Frame& frame : s.controller().sent) resets += frame.identifier == 0 ? 1U : 0U;
     EXPECT_EQ(s.now() - heard, 1530ms);
-    EXPECT_EQ(resets, reset_by_other ? 0U : 1U);
+    EXPECT_EQ(resets, reset_by_other != 0 ? 0U : 1U);
     s.ignore_tx().advance(600ms).ignore_tx();
   }
 }
@@ -303,6 +303,18 @@ TEST(Me3FlyingMaster, Standby_LeavesTheMastersServicesAlone_UntilItWins) {
   s.ignore_tx().rx(0x709, {0x00}).tx_remote(0x709);
   s.cif({0x0002, 0, 0x1F82, 9, 1, 5});
   s.expect(1000, 0x0003).ignore_tx();
+  // A better one forces a negotiation, and wins: no SYNC, no remote frame any more.
+  s.rx(0x076).rx(0x072).rx(0x071, {0x00, 0x01}).expect_bit(25, 15, false).ignore_tx();
+  s.advance(100ms).no_tx().rx(0x000, {0x82, 0x00}).ignore_tx().advance(700ms).ignore_tx();
+  s.rx(0x071, {0x00, 0x01}).rx(0x701, {0x05}).ignore_tx();
+  for (int second = 0; second < 5; ++second) {
+    s.rx(0x701, {0x05}).advance(1s);
+    for (const can::Frame& frame : s.controller().sent) {
+      EXPECT_TRUE(frame.identifier == 0x702U || frame.identifier == 0x073U) << text(frame);
+    }
+    s.ignore_tx();
+  }
+  s.expect_bit(25, 15, false);
 }
 
 TEST(Me3FlyingMaster, ActiveMaster_LooksForASecondOne_EveryDetectCycle) {
