@@ -50,6 +50,16 @@ TEST_F(BufferMemoryTest, OrdinaryWord_IsOneWord) {
   EXPECT_EQ(memory_.written(11), 6);
 }
 
+TEST(ValueRangeTest, FromZeroOn_IsUnsigned_BelowZeroSigned) {
+  for (const int good : {0, 1, 40'000}) {
+    EXPECT_TRUE(between(0, 40'000).contains(static_cast<std::uint16_t>(good))) << good;
+  }
+  EXPECT_FALSE(between(0, 40'000).contains(40'001));
+  EXPECT_TRUE(between(-60, 60).contains(0xFFC4));
+  EXPECT_FALSE(between(-60, 60).contains(0xFFC3));
+  EXPECT_FALSE(between(0, 60).contains(0xFFFF));
+}
+
 TEST_F(BufferMemoryTest, ValuesOutOfRange_AreInvalid_AndChangeNothing) {
   EXPECT_EQ(write(10, 20), WriteResult::done);
   EXPECT_EQ(write(10, 15), WriteResult::invalid);

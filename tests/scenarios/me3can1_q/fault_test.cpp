@@ -177,6 +177,14 @@ TEST(Me3Fault, WornFlash_IsToldOnce_WithTheFirstWriteTooMany) {
   s.store_objects();
   EXPECT_EQ(told.lines.size(), 1U);  // no error of the module, and told once
   s.expect(29, 0);
+  // Nor by the next run of the program.
+  FreeBus other_bus;
+  module::me3can1_q::Me3can1Q next_run(other_bus, s.flash());
+  next_run.set_observer(&told);
+  next_run.power_on({});
+  next_run.tick(can::Time{} + 1s);
+  EXPECT_EQ(next_run.flash_writes(), s.plug_in().flash_writes());
+  EXPECT_EQ(told.lines.size(), 1U);
   s.plug_in().set_observer(nullptr);
 }
 
