@@ -172,6 +172,57 @@ TEST(ObjectDictionary, Handler_IsAskedBeforeAndToldAfter) {
   EXPECT_EQ(handler.writes, 1);
 }
 
+constexpr std::uint32_t multiplexer(std::uint16_t index, std::uint8_t sub) {
+  return std::uint32_t{index} << 8 | std::uint32_t{sub} << 24;
+}
+
+// The second call of each finds what the first one remembered.
+TEST(ObjectDictionary, ReadShort_GivesPresentValuesOfUpToFourBytes_AsOftenAsAsked) {
+  DictionaryBuilder b;
+  b.uniform(0x2000, ObjectCode::array, "words", 200, {.type = DataType::unsigned16});
+  b.variable(0x2001, {.value = {1, 2, 3, 4}});
+  b.variable(0x2002, {.type = DataType::unsigned64});
+  b.variable(0x2003, {.type = DataType::visible_string, .value = {'a'}});
+  b.variable(0x2004, {.access = Access::write_only});
+  b.variable(0x2005, {.type = DataType::unsigned24, .value = {1, 2, 3}});
+  ObjectDictionary od(b.build(), 1);
+  for (unsigned turn = 0; turn < 3; ++turn) {
+    for (std::uint16_t value = 7; value < 9; ++value) {
+      od.set(0x2000, 200, value);
+      EXPECT_EQ(od.read_short(multiplexer(0x2000, 200)).number, value);
+      EXPECT_EQ(od.read_short(multiplexer(0x2000, 200)).length, 2);
+    }
+    EXPECT_EQ(od.read_short(multiplexer(0x2001, 0)).number, 0x04030201U);
+    EXPECT_EQ(od.read_short(multiplexer(0x2005, 0)).number, 0x030201U);
+    EXPECT_EQ(od.read_short(multiplexer(0x2005, 0)).length, 3);
+    for (const std::uint32_t other :
+         {multiplexer(0x2000, 201), multiplexer(0x2001, 1), multiplexer(0x2002, 0), multiplexer(0x2003, 0),
+          multiplexer(0x2004, 0), multiplexer(0x2999, 0), multiplexer(0xFFFF, 0xFF), multiplexer(0, 0)}) {
+      EXPECT_EQ(od.read_short(other).length, 0) << std::hex << other;
+    }
+  }
+}
+
+TEST(ObjectDictionary, ReadShort_LeavesObjectsWithAHandlerToIt_AlsoOneThatCameLater) {
+  DictionaryBuilder b;
+  b.variable(0x2001, {.value = {1, 2, 3, 4}});
+  ObjectDictionary od(b.build(), 1);
+  EXPECT_EQ(od.read_short(multiplexer(0x2001, 0)).length, 4);
+  struct Silent final : ObjectHandler {
+  } handler;
+  od.attach(0x2001, 0x2001, handler);
+  EXPECT_EQ(od.read_short(multiplexer(0x2001, 0)).length, 0);
+}
+
+TEST(IdentifierTable, WhatNoFrameCanHave_IsNotFound) {
+  IdentifierTable table;
+  EXPECT_EQ(table.first(0xFFFF'FFFF), nullptr);
+  table.build(std::vector<IdentifierTable::Route>{{0x181, ServiceKind::rpdo, 3}});
+  EXPECT_EQ(table.first(0xFFFF'FFFF), nullptr);
+  ASSERT_NE(table.first(0x181), nullptr);
+  EXPECT_EQ(table.first(0x181)->number, 3);
+}
+
 TEST(CobIds, RestrictedIdentifiers_AreThoseOfCia301) {
   const auto restricted = [](std::uint32_t id) {
     return id == 0 || (id >= 0x001 && id <= 0x07F) || (id >= 0x101 && id <= 0x180) ||
