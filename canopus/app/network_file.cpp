@@ -164,6 +164,7 @@ void read_master(TableReader& table, NetworkFile& network, std::vector<PlantErro
   manager::MasterOptions& options = network.options;
   options.program_attempts = number("program_attempts", options.program_attempts);
   options.program_clear_attempts = number("program_clear_attempts", options.program_clear_attempts);
+  options.blocks_at_once = number("blocks_at_once", options.blocks_at_once);
   const auto block_from = table.integer("block_from", 0, 0xFFFF, "expected 0 (never) to 65535 bytes");
   if (block_from) options.block_from = static_cast<std::size_t>(*block_from);
   const auto inner = [&](std::string_view key, const auto& read) {

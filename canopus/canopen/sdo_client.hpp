@@ -70,8 +70,6 @@ class SdoClient {
   void drop(AbortCode code) noexcept;
 
   [[nodiscard]] bool busy() const noexcept { return state_ != State::idle; }
-  /// Segments of a block download go out.
-  [[nodiscard]] bool sends_block() const noexcept { return state_ == State::block_download; }
   /// Limits what an upload may bring, in bytes; 0 = no limit. More is aborted with 05040005H, as soon as it
   /// is announced or comes, and reported as buffer_too_small.
   void set_maximum_size(std::size_t bytes) noexcept { maximum_size_ = bytes; }

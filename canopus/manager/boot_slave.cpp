@@ -114,12 +114,16 @@ void BootSlave::ask(BootStep step, std::uint16_t index, std::uint8_t sub, can::T
 
 void BootSlave::request(can::Time now) {
   wants_channel_ = false;
+  const MasterOptions& options = host_->boot_options();
+  if (takes_blocks() && host_->blocks_running() >= options.blocks_at_once) {
+    return request_later(options.busy_retry, now);
+  }
   if (host_->sdo_channel_free(node_id_, now) && start_transfer(now)) {
     request_pending_ = false;
     deadline_ = can::never;
     return;
   }
-  request_later(host_->boot_options().busy_retry, now);
+  request_later(options.busy_retry, now);
   wants_channel_ = true;
 }
 
@@ -132,17 +136,20 @@ void BootSlave::request_later(can::Duration pause, can::Time now) {
   deadline_ = later(now, pause);
 }
 
+bool BootSlave::takes_blocks() const {
+  const std::size_t block_from = host_->boot_options().block_from;
+  return !no_blocks_ && (writes_program_ || (block_from != 0 && download_.size() >= block_from));
+}
+
 bool BootSlave::start_transfer(can::Time now) {
   using Mode = canopen::SdoClient::Mode;
   const MasterOptions& options = host_->boot_options();
   const bool slow = record_.step == BootStep::program_clear || record_.step == BootStep::program_download;
   const can::Duration time_out = slow ? options.program_time_out : options.sdo_time_out;
-  in_blocks_ = false;
+  in_blocks_ = takes_blocks();
   if (!writes_program_ && download_.data() == nullptr) {
     return client_.upload(record_.index, record_.sub, *this, now, time_out);
   }
-  const bool large = writes_program_ || (options.block_from != 0 && download_.size() >= options.block_from);
-  in_blocks_ = large && !no_blocks_;
   const Mode mode = in_blocks_ ? Mode::block : Mode::segmented;
   if (writes_program_) {
     return client_.download(record_.index, record_.sub, *this, program_.size, *this, now, time_out, mode);

@@ -49,6 +49,8 @@ class BootHost {
   virtual bool sdo_channel_free(std::uint8_t node_id, can::Time now) = 0;
   /// A request to this node is in line for the bus, and the line moves.
   virtual bool request_waits(std::uint8_t node_id, can::Time now) const = 0;
+  /// Boots that have a block download going on.
+  virtual unsigned blocks_running() const = 0;
   /// The slave answered 1000H, or did not.
   virtual void presence_known(std::uint8_t node_id, bool present, can::Time now) = 0;
   /// The boot is at another step, or at another object of the same one.
@@ -89,11 +91,11 @@ class BootSlave final : private canopen::SdoClientUser, private canopen::ByteSou
   /// The slave was commanded to reset: what it answered before no longer counts.
   void was_reset() noexcept { answered_ = false; }
   [[nodiscard]] bool sdo_busy() const noexcept { return client_.busy(); }
+  /// A block download goes on.
+  [[nodiscard]] bool downloads_block() const noexcept { return client_.busy() && in_blocks_; }
   [[nodiscard]] const BootRecord& record() const noexcept { return record_; }
 
   void receive(const can::Frame& frame, can::Time now) { client_.receive(frame, now); }
-  /// A block download is at its segments.
-  [[nodiscard]] bool sends_block() const noexcept { return client_.sends_block(); }
   /// Its request got out on the bus.
   void transmitted(can::Time now) { client_.count_from(now); }
   void tick(can::Time now);
@@ -138,6 +140,8 @@ class BootSlave final : private canopen::SdoClientUser, private canopen::ByteSou
   void download(std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> data, can::Time now);
   void request(can::Time now);
   bool start_transfer(can::Time now);
+  /// The transfer that is to come is a block download.
+  [[nodiscard]] bool takes_blocks() const;
   /// The last transfer was in blocks, and failed in a way that another without them may not.
   [[nodiscard]] bool blocks_refused() const noexcept;
   /// request() after a pause.

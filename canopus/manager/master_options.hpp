@@ -43,6 +43,9 @@ struct MasterOptions {
   /// Values of the configuration of so many bytes and more go in SDO blocks, which is fewer frames from 22
   /// bytes on, and segmented if the slave does not know blocks; 0 = never in blocks. Programs always try.
   std::size_t block_from = 22;
+  /// So many block downloads go on side by side: the segments of more would come so far apart on a slow bus
+  /// that the slaves take them for lost.
+  unsigned blocks_at_once = 16;
   /// Program download: clearing and writing a flash memory may take longer than other answers.
   can::Duration program_time_out = std::chrono::seconds(5);
   /// So often is the program cleared when no answer comes.

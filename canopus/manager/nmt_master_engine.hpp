@@ -143,6 +143,7 @@ class NmtMaster::Engine final : public BootHost,
   bool request_waits(std::uint8_t node_id, can::Time now) const override {
     return line_.waits(canopen::cob_id::sdo_request + node_id, now);
   }
+  [[nodiscard]] unsigned blocks_running() const override;
   void presence_known(std::uint8_t node_id, bool present, can::Time now) override;
   void boot_went_on(std::uint8_t node_id, const BootRecord& record, can::Time now) override {
     listener_->boot_went_on(node_id, record, now);

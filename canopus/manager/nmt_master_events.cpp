@@ -34,14 +34,11 @@ constexpr std::uint8_t told_state(std::uint8_t state) noexcept {
 }  // namespace
 
 // A Stopped node sends no SDO and takes none, and nobody is told so [CiA 301 7.3.2.2.4; ME3CAN1-Q 4.8.1]: the
-// start-up finds no answer and goes on asking. The segments of a block do not wait in line: the server asks
-// for all of them at once.
+// start-up finds no answer and goes on asking.
 bool NmtMaster::Engine::send(const can::Frame& frame) {
   if (muted_) return true;
   if ((frame.identifier & base_function) != canopen::cob_id::sdo_request) return wire_.send(frame);
   if (node_->state() == NmtState::stopped) return true;
-  const BootSlave* boot = boots_[frame.identifier & 0x7F].get();
-  if (boot != nullptr && boot->sends_block()) return wire_.send(frame);
   return line_.send(frame, wire_, now_);
 }
 
@@ -51,7 +48,7 @@ void NmtMaster::Engine::transmitted(const can::Frame& frame, can::Time now) {
   if ((frame.identifier & base_function) != canopen::cob_id::sdo_request) return;
   const auto node_id = static_cast<std::uint8_t>(frame.identifier & 0x7F);
   if (boots_[node_id] && boots_[node_id]->sdo_busy()) boots_[node_id]->transmitted(now);
-  line_.transmitted(wire_, now);
+  line_.transmitted(frame.identifier, wire_, now);
 }
 
 void NmtMaster::Engine::receive(const can::Frame& frame, can::Time now) {

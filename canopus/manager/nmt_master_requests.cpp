@@ -115,6 +115,11 @@ bool NmtMaster::Engine::sdo_channel_free(std::uint8_t node_id, can::Time now) {
   return true;
 }
 
+unsigned NmtMaster::Engine::blocks_running() const {
+  return static_cast<unsigned>(std::count_if(
+      boots_.begin(), boots_.end(), [](const auto& boot) { return boot && boot->downloads_block(); }));
+}
+
 bool NmtMaster::Engine::channel_is_free(std::uint8_t node_id) {
   return listener_->sdo_channel_free(node_id) && (!boots_[node_id] || !boots_[node_id]->sdo_busy());
 }

@@ -2,39 +2,48 @@
 
 namespace canopus::manager {
 
+namespace {
+bool is_abort(const can::Frame& request) noexcept { return request.data[0] == 0x80; }
+}  // namespace
+
 bool SdoLine::send(const can::Frame& request, can::Sink& sink, can::Time now) {
   if (!is_told_) return sink.send(request);
   if (count_ == 0 && in_flight_ < at_once) return hand_over(request, sink, now);
-  if (count_ == places) return false;
+  std::uint16_t& of_this_node = waiting_of_[node(request.identifier)];
+  if (count_ == places || (of_this_node >= share && count_ > of_this_node && !is_abort(request)))
+    return false;
   waiting_[(first_ + count_++) % places] = request;
+  ++of_this_node;
   if (now - last_ > stall) {
     in_flight_ = 0;
+    in_flight_of_ = {};
     release(sink, now);
   }
   return true;
 }
 
-void SdoLine::transmitted(can::Sink& sink, can::Time now) {
+void SdoLine::transmitted(std::uint32_t identifier, can::Sink& sink, can::Time now) {
   is_told_ = true;
   last_ = now;
-  if (in_flight_ > 0) --in_flight_;
+  if (std::uint8_t& of_this_node = in_flight_of_[node(identifier)]; of_this_node > 0) {
+    --of_this_node;
+    --in_flight_;
+  }
   release(sink, now);
 }
 
 bool SdoLine::waits(std::uint32_t identifier, can::Time now) const noexcept {
-  if (now - last_ > stall) return false;
-  for (std::size_t i = 0; i < count_; ++i) {
-    if (waiting_[(first_ + i) % places].identifier == identifier) return true;
-  }
-  return false;
+  return now - last_ <= stall && (waiting_of_[node(identifier)] != 0 || in_flight_of_[node(identifier)] != 0);
 }
 
 bool SdoLine::hand_over(const can::Frame& request, can::Sink& sink, can::Time now) {
   // Counted first: on a bus that is a function call, the transmission is told from inside.
   ++in_flight_;
+  ++in_flight_of_[node(request.identifier)];
   last_ = now;
   if (sink.send(request)) return true;
   --in_flight_;
+  --in_flight_of_[node(request.identifier)];
   return false;
 }
 
@@ -43,9 +52,11 @@ void SdoLine::release(can::Sink& sink, can::Time now) {
     const can::Frame request = waiting_[first_];
     first_ = (first_ + 1) % places;
     --count_;
+    --waiting_of_[node(request.identifier)];
     if (hand_over(request, sink, now)) continue;
     first_ = (first_ + places - 1) % places;  // no room: it stays the first one
     ++count_;
+    ++waiting_of_[node(request.identifier)];
     return;
   }
 }

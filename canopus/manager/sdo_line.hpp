@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "canopus/can/controller.hpp"
 
@@ -14,27 +15,40 @@ namespace canopus::manager {
 
 class SdoLine {
  public:
-  /// Sends the request now, or when it is its turn. False when there is no room for it.
+  /// Sends the request now, or when it is its turn. False when there is no room for it, or others wait and
+  /// this node has its share in line: the segments of one block would fill the line, and the transfers with
+  /// the other nodes would pause for so long that their servers take segments for lost.
   bool send(const can::Frame& request, can::Sink& sink, can::Time now);
-  /// The controller has sent a request.
-  void transmitted(can::Sink& sink, can::Time now);
-  /// A request with this identifier is in line, and the line moves.
+  /// The controller has sent a request with this identifier.
+  void transmitted(std::uint32_t identifier, can::Sink& sink, can::Time now);
+  /// A request with this identifier is in line or with the controller, and the line moves.
   [[nodiscard]] bool waits(std::uint32_t identifier, can::Time now) const noexcept;
   /// Everything is given up.
-  void clear() noexcept { first_ = count_ = in_flight_ = 0; }
+  void clear() noexcept {
+    first_ = count_ = in_flight_ = 0;
+    waiting_of_ = {};
+    in_flight_of_ = {};
+  }
 
  private:
   bool hand_over(const can::Frame& request, can::Sink& sink, can::Time now);
   void release(can::Sink& sink, can::Time now);
 
-  /// A request and an abort for each node.
-  static constexpr std::size_t places = 256;
-  /// Requests with the controller: the next one is there when one is done.
-  static constexpr unsigned at_once = 2;
+  [[nodiscard]] static std::size_t node(std::uint32_t identifier) noexcept { return identifier & 0x7F; }
+
+  /// Two for each node, and an abort, and a whole block of one: what a client sends but once, a request or
+  /// the end of a block, always finds room.
+  static constexpr std::size_t places = 512;
+  static constexpr std::uint16_t share = 2;
+  /// Requests with the controller. Of two it would send the one with the lower node-ID, and the next, and the
+  /// other one would wait for as long as lower ones come.
+  static constexpr unsigned at_once = 1;
   /// The controller has sent nothing for so long: what it had is lost.
   static constexpr can::Duration stall = std::chrono::milliseconds(100);
 
   std::array<can::Frame, places> waiting_{};
+  std::array<std::uint16_t, 128> waiting_of_{};  // by node-ID
+  std::array<std::uint8_t, 128> in_flight_of_{};
   std::size_t first_ = 0;
   std::size_t count_ = 0;
   std::size_t in_flight_ = 0;

@@ -48,6 +48,7 @@ start_together = true
 on_error = "stop all"
 nmt_inhibit_time = "1500us"
 block_from = 0
+blocks_at_once = 5
 program_attempts = 1
 program_clear_attempts = 2
 [master.times]
@@ -105,6 +106,7 @@ consumer_heartbeat_time = "1500ms"
   EXPECT_EQ(network.nmt_inhibit_time, 1500us);
   const manager::MasterOptions& options = network.options;
   EXPECT_EQ(options.block_from, 0U);
+  EXPECT_EQ(options.blocks_at_once, 5U);
   EXPECT_EQ(options.program_attempts, 1U);
   EXPECT_EQ(options.program_clear_attempts, 2U);
   EXPECT_THAT((std::array{options.start_all_delay, options.wait_after_reset, options.presence_retry,

@@ -2,7 +2,8 @@
 // the negotiation, a bus that is cut in two and joined. In the end exactly one master is active, the best
 // one, within the time that 1F90H implies.
 //
-// CANOPUS_SEEDS=1000 runs the whole campaign, as ctest does; by default a few networks of each kind are tried.
+// CANOPUS_SEEDS=1000 runs the whole campaign, as ctest does; by default a few networks of each kind are
+// tried.
 
 #include <algorithm>
 #include <cstdlib>

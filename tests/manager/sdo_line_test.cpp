@@ -1,5 +1,6 @@
 #include "canopus/manager/sdo_line.hpp"
 
+#include <algorithm>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -24,6 +25,11 @@ class SdoLineTest : public testing::Test, public can::Sink {
     return line.send(frame, *this, now);
   }
 
+  /// The controller has sent it.
+  void gone(std::uint32_t identifier) { line.transmitted(identifier, *this, now); }
+  /// From now on the line knows that it is told.
+  void begin() { gone(0x67E); }
+
   SdoLine line;
   bool accepts = true;
   can::Time now{1s};
@@ -35,52 +41,82 @@ TEST_F(SdoLineTest, WithoutNewsOfTransmissions_RequestsGoStraightThrough) {
   EXPECT_EQ(sent.size(), 127U);
 }
 
-TEST_F(SdoLineTest, TwoAtOnce_TheOthersInTheOrderTheyWereMade) {
-  line.transmitted(*this, now);
-  for (const std::uint32_t id : {0x67F, 0x605, 0x610, 0x602}) EXPECT_TRUE(request(id));
+// Node-IDs decide on the bus, so that the controller has one at a time.
+TEST_F(SdoLineTest, OneAtATime_InTheOrderTheyWereMade) {
+  begin();
+  for (const std::uint32_t id : {0x67F, 0x605, 0x602}) EXPECT_TRUE(request(id));
+  EXPECT_THAT(sent, ElementsAre(0x67F));
+  EXPECT_TRUE(line.waits(0x67F, now));  // the controller waits for the bus
+  EXPECT_TRUE(line.waits(0x605, now));
+  gone(0x67F);
   EXPECT_THAT(sent, ElementsAre(0x67F, 0x605));
-  EXPECT_TRUE(line.waits(0x602, now));
-  EXPECT_FALSE(line.waits(0x605, now));
-  line.transmitted(*this, now);
-  EXPECT_THAT(sent, ElementsAre(0x67F, 0x605, 0x610));
-  line.transmitted(*this, now);
-  EXPECT_THAT(sent, ElementsAre(0x67F, 0x605, 0x610, 0x602));
+  EXPECT_FALSE(line.waits(0x67F, now));
+  gone(0x605);
+  EXPECT_THAT(sent, ElementsAre(0x67F, 0x605, 0x602));
+  gone(0x602);
   EXPECT_FALSE(line.waits(0x602, now));
 }
 
+TEST_F(SdoLineTest, RequestsOfOthers_AreNotTakenForItsOwn) {
+  begin();
+  for (const std::uint32_t id : {0x601, 0x602}) request(id);
+  gone(0x604);  // a request of the application
+  EXPECT_THAT(sent, ElementsAre(0x601));
+  EXPECT_TRUE(line.waits(0x601, now));
+}
+
+TEST_F(SdoLineTest, ABlockFillsTheLineOnlyWhileNobodyElseWaits) {
+  begin();
+  for (int i = 0; i < 100; ++i) EXPECT_TRUE(request(0x602));
+  EXPECT_TRUE(request(0x603));   // gets in at once,
+  EXPECT_FALSE(request(0x602));  // and node 2 has more than its share
+  EXPECT_TRUE(request(0x603));
+  EXPECT_FALSE(request(0x603));  // two are a node's share
+  EXPECT_TRUE(line.send(can::data_frame(0x603, {0x80, 0, 0, 0, 0, 0, 0, 0}), *this, now));  // but an abort
+  for (int i = 0; i < 100; ++i) gone(0x602);
+  EXPECT_EQ(sent.size(), 101U);
+  EXPECT_EQ(std::count(sent.begin(), sent.end(), 0x602U), 100);
+  EXPECT_TRUE(request(0x603));  // alone in line again
+}
+
 TEST_F(SdoLineTest, AFullController_KeepsTheFirstOneFirst) {
-  line.transmitted(*this, now);
-  for (const std::uint32_t id : {0x601, 0x602, 0x603, 0x604}) request(id);
+  begin();
+  for (const std::uint32_t id : {0x601, 0x602, 0x603}) request(id);
   accepts = false;
-  line.transmitted(*this, now);
+  gone(0x601);
+  EXPECT_THAT(sent, ElementsAre(0x601));
   accepts = true;
-  line.transmitted(*this, now);
-  EXPECT_THAT(sent, ElementsAre(0x601, 0x602, 0x603, 0x604));
+  gone(0x604);  // there is room now
+  EXPECT_THAT(sent, ElementsAre(0x601, 0x602));
+  gone(0x602);
+  EXPECT_THAT(sent, ElementsAre(0x601, 0x602, 0x603));
 }
 
 TEST_F(SdoLineTest, AStandstill_IsNotWaitedFor) {
-  line.transmitted(*this, now);
-  for (const std::uint32_t id : {0x601, 0x602, 0x603}) request(id);
+  begin();
+  for (const std::uint32_t id : {0x601, 0x602}) request(id);
   now += 101ms;
-  EXPECT_FALSE(line.waits(0x603, now));  // its time-out counts
-  EXPECT_TRUE(request(0x604));           // what the controller had is lost
-  EXPECT_THAT(sent, ElementsAre(0x601, 0x602, 0x603, 0x604));
+  EXPECT_FALSE(line.waits(0x602, now));  // its time-out counts
+  EXPECT_TRUE(request(0x603));           // what the controller had is lost
+  EXPECT_THAT(sent, ElementsAre(0x601, 0x602));
 }
 
 TEST_F(SdoLineTest, Clear_ForgetsEverything) {
-  line.transmitted(*this, now);
+  begin();
   for (const std::uint32_t id : {0x601, 0x602, 0x603}) request(id);
   line.clear();
   sent.clear();
-  line.transmitted(*this, now);
+  gone(0x601);
   EXPECT_THAT(sent, IsEmpty());
+  EXPECT_TRUE(request(0x605));
+  EXPECT_THAT(sent, ElementsAre(0x605));
 }
 
 TEST_F(SdoLineTest, NoRoom_IsSaid) {
-  line.transmitted(*this, now);
+  begin();
   unsigned taken = 0;
   while (request(0x601) && taken < 1000) ++taken;
-  EXPECT_EQ(taken, 2U + 256U);
+  EXPECT_EQ(taken, 1U + 512U);
 }
 
 }  // namespace
