@@ -4,6 +4,7 @@
 #include "canopus/app/network_file.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <string_view>
 
@@ -11,6 +12,16 @@
 
 using namespace canopus;
 using fuzz::expect;
+
+namespace {
+
+/// What an object of 16 bits holds in milliseconds.
+bool fits(can::Duration time) {
+  constexpr can::Duration most = std::chrono::milliseconds(65535);
+  return time >= can::Duration{} && time <= most && time % std::chrono::milliseconds(1) == can::Duration{};
+}
+
+}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
@@ -22,11 +33,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   if (!reading.errors.empty()) return 0;
   const app::NetworkFile& network = reading.network;
-  constexpr can::Duration sixteen_bits = std::chrono::milliseconds(65535);
-  const auto fits = [](can::Duration time) {
-    return time >= can::Duration{} && time <= sixteen_bits &&
-           time % std::chrono::milliseconds(1) == can::Duration{};
-  };
   expect(network.node >= 1 && network.node <= 127 && fits(network.heartbeat));
   expect(!network.boot_time || *network.boot_time >= can::Duration{});
   expect(network.nmt_inhibit_time >= can::Duration{});
