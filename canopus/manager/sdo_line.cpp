@@ -8,15 +8,14 @@ bool is_abort(const can::Frame& request) noexcept { return request.data[0] == 0x
 
 bool SdoLine::send(const can::Frame& request, can::Sink& sink, can::Time now) {
   if (!is_told_) return sink.send(request);
-  if (count_ == 0 && in_flight_ < at_once) return hand_over(request, sink, now);
+  if (count_ == 0 && with_controller_ == none) return hand_over(request, sink, now);
   std::uint16_t& of_this_node = waiting_of_[node(request.identifier)];
   if (count_ == places || (of_this_node >= share && count_ > of_this_node && !is_abort(request)))
     return false;
   waiting_[(first_ + count_++) % places] = request;
   ++of_this_node;
   if (now - last_ > stall) {
-    in_flight_ = 0;
-    in_flight_of_ = {};
+    with_controller_ = none;
     release(sink, now);
   }
   return true;
@@ -25,30 +24,25 @@ bool SdoLine::send(const can::Frame& request, can::Sink& sink, can::Time now) {
 void SdoLine::transmitted(std::uint32_t identifier, can::Sink& sink, can::Time now) {
   is_told_ = true;
   last_ = now;
-  if (std::uint8_t& of_this_node = in_flight_of_[node(identifier)]; of_this_node > 0) {
-    --of_this_node;
-    --in_flight_;
-  }
+  if (identifier == with_controller_) with_controller_ = none;
   release(sink, now);
 }
 
 bool SdoLine::waits(std::uint32_t identifier, can::Time now) const noexcept {
-  return now - last_ <= stall && (waiting_of_[node(identifier)] != 0 || in_flight_of_[node(identifier)] != 0);
+  return now - last_ <= stall && (waiting_of_[node(identifier)] != 0 || with_controller_ == identifier);
 }
 
 bool SdoLine::hand_over(const can::Frame& request, can::Sink& sink, can::Time now) {
-  // Counted first: on a bus that is a function call, the transmission is told from inside.
-  ++in_flight_;
-  ++in_flight_of_[node(request.identifier)];
+  // Noted first: on a bus that is a function call, the transmission is told from inside.
+  with_controller_ = request.identifier;
   last_ = now;
   if (sink.send(request)) return true;
-  --in_flight_;
-  --in_flight_of_[node(request.identifier)];
+  with_controller_ = none;
   return false;
 }
 
 void SdoLine::release(can::Sink& sink, can::Time now) {
-  while (count_ > 0 && in_flight_ < at_once) {
+  while (count_ > 0 && with_controller_ == none) {
     const can::Frame request = waiting_[first_];
     first_ = (first_ + 1) % places;
     --count_;

@@ -25,9 +25,9 @@ class SdoLine {
   [[nodiscard]] bool waits(std::uint32_t identifier, can::Time now) const noexcept;
   /// Everything is given up.
   void clear() noexcept {
-    first_ = count_ = in_flight_ = 0;
+    first_ = count_ = 0;
+    with_controller_ = none;
     waiting_of_ = {};
-    in_flight_of_ = {};
   }
 
  private:
@@ -36,22 +36,21 @@ class SdoLine {
 
   [[nodiscard]] static std::size_t node(std::uint32_t identifier) noexcept { return identifier & 0x7F; }
 
+  static constexpr std::uint32_t none = 0xFFFF'FFFF;
   /// Two for each node, and an abort, and a whole block of one: what a client sends but once, a request or
   /// the end of a block, always finds room.
   static constexpr std::size_t places = 512;
   static constexpr std::uint16_t share = 2;
-  /// Requests with the controller. Of two it would send the one with the lower node-ID, and the next, and the
-  /// other one would wait for as long as lower ones come.
-  static constexpr unsigned at_once = 1;
   /// The controller has sent nothing for so long: what it had is lost.
   static constexpr can::Duration stall = std::chrono::milliseconds(100);
 
   std::array<can::Frame, places> waiting_{};
   std::array<std::uint16_t, 128> waiting_of_{};  // by node-ID
-  std::array<std::uint8_t, 128> in_flight_of_{};
   std::size_t first_ = 0;
   std::size_t count_ = 0;
-  std::size_t in_flight_ = 0;
+  /// The one request that the controller has. Of two it would send the one with the lower node-ID, and the
+  /// next, and the other one would wait for as long as lower ones come.
+  std::uint32_t with_controller_ = none;
   bool is_told_ = false;
   can::Time last_{};
 };
