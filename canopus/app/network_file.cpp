@@ -136,7 +136,7 @@ NetworkSlave read_slave(TableReader& table) {
   return slave;
 }
 
-void read_master(TableReader& table, NetworkFile& network, std::vector<PlantError>& errors) {
+void read_master(TableReader& table, NetworkFile& network) {
   network.node = node_id(table, false, network.node);
   network.heartbeat = milliseconds_16(table, "heartbeat");
   network.boot_time = table.parsed("boot_time", parse_duration);
@@ -167,19 +167,10 @@ void read_master(TableReader& table, NetworkFile& network, std::vector<PlantErro
   options.blocks_at_once = number("blocks_at_once", options.blocks_at_once);
   const auto block_from = table.integer("block_from", 0, 0xFFFF, "expected 0 (never) to 65535 bytes");
   if (block_from) options.block_from = static_cast<std::size_t>(*block_from);
-  const auto inner = [&](std::string_view key, const auto& read) {
-    const toml::node* node = table.find(key);
-    if (node == nullptr) return;
-    if (const auto* found = node->as_table()) {
-      TableReader reader(*found, fmt::format("[master.{}]", key), errors);
-      read(reader);
-      reader.finish();
-    } else {
-      table.error(key, fmt::format("expected a table, [master.{}]", key));
-    }
-  };
-  inner("times", [&](TableReader& times) { read_times(times, options); });
-  inner("flying", [&](TableReader& flying) { network.flying = read_flying(flying, network.node); });
+  table.table("times", "[master.times]", "expected a table, [master.times]",
+              [&](TableReader& times) { read_times(times, options); });
+  table.table("flying", "[master.flying]", "expected a table, [master.flying]",
+              [&](TableReader& flying) { network.flying = read_flying(flying, network.node); });
 }
 
 void check(NetworkReading& reading) {
@@ -215,15 +206,8 @@ NetworkReading read_network(std::string_view text, std::string path) {
   }
   TableReader table(root, "the network file", reading.errors);
   network.name = table.text("name").value_or("");
-  if (const toml::node* node = table.find("master")) {
-    if (const auto* inner = node->as_table()) {
-      TableReader master(*inner, "[master]", reading.errors);
-      read_master(master, network, reading.errors);
-      master.finish();
-    } else {
-      table.error("master", "expected a table, [master]");
-    }
-  }
+  table.table("master", "[master]", "expected a table, [master]",
+              [&](TableReader& master) { read_master(master, network); });
   table.tables("slave", "slave", [&](TableReader& inner) { network.slaves.push_back(read_slave(inner)); });
   table.finish();
   check(reading);

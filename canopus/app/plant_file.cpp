@@ -328,17 +328,11 @@ PlantReading read_plant(std::string_view text, std::string path) {
   }
   PlantFile& plant = reading.plant;
   TableReader top(root, "plant file", reading.errors);
-  if (const toml::node* node = top.find("plant")) {
-    if (const auto* table = node->as_table()) {
-      TableReader head(*table, "plant", reading.errors);
-      plant.name = head.text("name").value_or("");
-      plant.seed =
-          static_cast<std::uint64_t>(head.integer("seed", 0, INT64_MAX, "a seed is 0 or more").value_or(1));
-      head.finish();
-    } else {
-      top.error("plant", "expected a table, written as [plant]");
-    }
-  }
+  top.table("plant", "plant", "expected a table, written as [plant]", [&](TableReader& head) {
+    plant.name = head.text("name").value_or("");
+    plant.seed =
+        static_cast<std::uint64_t>(head.integer("seed", 0, INT64_MAX, "a seed is 0 or more").value_or(1));
+  });
   top.tables("bus", "bus", [&](TableReader& table) { plant.buses.push_back(read_bus(table)); });
   top.tables("device", "device", [&](TableReader& table) { plant.devices.push_back(read_device(table)); });
   top.tables("plc", "plc", [&](TableReader& table) { plant.plcs.push_back(read_plc(table)); });

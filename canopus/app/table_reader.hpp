@@ -10,6 +10,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -113,6 +114,17 @@ class TableReader {
       return std::nullopt;
     }
     return *result;
+  }
+  /// The one table of this name ([key]), if it is there.
+  void table(std::string_view key, std::string what, std::string_view expected,
+             const std::function<void(TableReader&)>& read) {
+    const toml::node* node = find(key);
+    if (node == nullptr) return;
+    const auto* table = node->as_table();
+    if (table == nullptr) return error(key, expected);
+    TableReader reader(*table, std::move(what), errors_);
+    read(reader);
+    reader.finish();
   }
   /// Every table of an array of tables ([[key]]).
   void tables(std::string_view key, const std::string& what, const std::function<void(TableReader&)>& read) {
