@@ -126,17 +126,7 @@ void boot_up(benchmark::State& state) {
   bench::report(state, static_cast<std::uint64_t>(state.iterations() * state.range(1)));
   state.counters["frames"] = static_cast<double>(frames) / static_cast<double>(state.iterations());
 }
-BENCHMARK(boot_up)
-    ->Apply(bench::standard)
-    ->Unit(benchmark::kMillisecond)
-    ->ArgNames({"nodes", "buses"})
-    ->Args({1, 1})
-    ->Args({2, 1})
-    ->Args({8, 1})
-    ->Args({32, 1})
-    ->Args({126, 1})
-    ->Args({126, 4})
-    ->Args({126, 16});
+BENCHMARK(boot_up)->Apply(bench::nodes_and_buses)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 

@@ -16,6 +16,14 @@ inline void standard(benchmark::internal::Benchmark* bench) {
     bench->Iterations(std::atoll(iterations));
 }
 
+/// For ->Apply(), over 1 to 126 nodes, and over buses of 126 nodes each.
+inline void nodes_and_buses(benchmark::internal::Benchmark* bench) {
+  standard(bench);
+  bench->ArgNames({"nodes", "buses"});
+  for (const std::int64_t nodes : {1, 2, 8, 32, 126}) bench->Args({nodes, 1});
+  bench->Args({126, 4})->Args({126, 16});
+}
+
 /// `count` things (frames, requests, exchanges) in all iterations together: time per thing, and things per
 /// iteration.
 inline void report(benchmark::State& state, std::uint64_t count) {

@@ -74,17 +74,7 @@ void simulated_seconds_by_nodes(benchmark::State& state) {
   const auto buses = static_cast<unsigned>(state.range(1));
   simulated_seconds(state, plant_text(static_cast<unsigned>(state.range(0)), buses, "50ms"), buses);
 }
-BENCHMARK(simulated_seconds_by_nodes)
-    ->Apply(bench::standard)
-    ->Unit(benchmark::kMillisecond)
-    ->ArgNames({"nodes", "buses"})
-    ->Args({1, 1})
-    ->Args({2, 1})
-    ->Args({8, 1})
-    ->Args({32, 1})
-    ->Args({126, 1})
-    ->Args({126, 4})
-    ->Args({126, 16});
+BENCHMARK(simulated_seconds_by_nodes)->Apply(bench::nodes_and_buses)->Unit(benchmark::kMillisecond);
 
 /// From the text of the plant file and the files of the devices to the first frame on the bus.
 void twenty_devices_start(benchmark::State& state) {

@@ -106,16 +106,10 @@ void segmented_download_64_kib(benchmark::State& state) {
   download(state, canopen::SdoClient::Mode::segmented);
 }
 void block_download_64_kib(benchmark::State& state) { download(state, canopen::SdoClient::Mode::block); }
-void sizes(benchmark::internal::Benchmark* bench) {
-  bench::standard(bench);
-  bench->ArgNames({"nodes", "buses"});
-  for (const std::int64_t nodes : {1, 2, 8, 32, 126}) bench->Args({nodes, 1});
-  bench->Args({126, 4})->Args({126, 16});
-}
-BENCHMARK(expedited_upload)->Apply(sizes);
+BENCHMARK(expedited_upload)->Apply(bench::nodes_and_buses);
 BENCHMARK(expedited_upload_in_turn)->Apply(bench::standard)->ArgNames({"nodes", "buses"})->Args({1, 1});
-BENCHMARK(segmented_download_64_kib)->Apply(sizes);
-BENCHMARK(block_download_64_kib)->Apply(sizes);
+BENCHMARK(segmented_download_64_kib)->Apply(bench::nodes_and_buses);
+BENCHMARK(block_download_64_kib)->Apply(bench::nodes_and_buses);
 
 }  // namespace
 
