@@ -57,7 +57,7 @@ class Run {
  public:
   explicit Run(Input& input) : input_(input) {
     controller_.extended = input.flag();
-    expect(module_.preset_buffer(21, controller_.extended ? 29 : 11));
+    expect(module_.preset_word(21, controller_.extended ? 29 : 11));
     module_.power_on(now_);
     fuzz::pass_time(module_, now_, now_ + std::chrono::seconds(1));
   }

@@ -14,7 +14,7 @@
 #include "canopus/can/timeline.hpp"
 #include "canopus/canopen/node.hpp"
 #include "canopus/manager/boot_record.hpp"
-#include "canopus/module/layer2.hpp"
+#include "canopus/module/communication_module.hpp"
 #include "canopus/module/observer.hpp"
 #include "canopus/plc/rack.hpp"
 #include "canopus/sim/bus.hpp"

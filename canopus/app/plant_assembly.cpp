@@ -229,10 +229,10 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
 
   constexpr module::BufferAddress bit_rate_word = 24;
   constexpr module::BufferAddress node_address_word = 27;
-  module.preset_buffer(bit_rate_word, static_cast<std::uint16_t>(bus.bit_rate() / 1000));
-  if (section.node != 0) module.preset_buffer(node_address_word, section.node);
+  module.preset_word(bit_rate_word, static_cast<std::uint16_t>(bus.bit_rate() / 1000));
+  if (section.node != 0) module.preset_word(node_address_word, section.node);
   for (const BufferSetting& setting : section.buffer) {
-    if (!module.preset_buffer(setting.address, setting.value)) {
+    if (!module.preset_word(setting.address, setting.value)) {
       error(setting.place, "G{} = {}: the {} does not take this value, or does not save this word",
             setting.address, setting.value, section.model);
     }

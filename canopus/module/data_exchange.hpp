@@ -13,15 +13,9 @@
 #include "canopus/canopen/node.hpp"
 #include "canopus/module/buffer_memory.hpp"
 #include "canopus/module/network_variables.hpp"
+#include "canopus/module/program_interface.hpp"
 
 namespace canopus::module {
-
-struct DataExchangeLayout {
-  BufferAddress receive_first = 0;   ///< RPDO data
-  BufferAddress transmit_first = 0;  ///< TPDO data
-  std::size_t words = 0;             ///< each way
-  std::uint16_t pdos = 0;            ///< RPDOs, and TPDOs
-};
 
 class DataExchange final : public canopen::ObjectHandler {
  public:

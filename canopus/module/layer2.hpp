@@ -20,13 +20,6 @@
 
 namespace canopus::module {
 
-/// A module's Layer 2 as seen from outside.
-enum class Layer2State : std::uint8_t {
-  inactive,  ///< another function mode
-  offline,
-  online,
-};
-
 /// Error codes of a slot.
 namespace slot_error {
 inline constexpr std::uint16_t receive_overflow = 0x2000;

@@ -10,6 +10,7 @@
 #include "canopus/module/data_exchange.hpp"
 #include "canopus/module/error_status.hpp"
 #include "canopus/module/layer2.hpp"
+#include "canopus/module/program_interface.hpp"
 #include "canopus/module/time_stamp.hpp"
 
 namespace canopus::module::me3can1_q {
@@ -183,5 +184,15 @@ inline constexpr unsigned time_read = 0x13;
 inline constexpr unsigned command = 0x17;
 inline constexpr unsigned save_restore = 0x1F;
 }  // namespace signal
+
+/// What a program works with [ME3CAN1-Q 3.3.2, 3.5.5].
+inline constexpr ProgramInterface program_interface{
+    .exchange = {.kind = ProgramRequest::Kind::signal, .signal = signal::data_exchange},
+    .online = {.kind = ProgramRequest::Kind::signal, .signal = signal::online},
+    .ready = signal::ready,
+    .status = g::communication_status,
+    .initializing = 1U << 7,
+    .process_data = exchange_layout,
+};
 
 }  // namespace canopus::module::me3can1_q

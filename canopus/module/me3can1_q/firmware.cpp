@@ -116,7 +116,7 @@ Me3can1Q::Firmware::Firmware(can::Controller& controller, NonVolatileMemory& mem
   events_.reserve(most_events);
 }
 
-bool Me3can1Q::Firmware::preset_buffer(BufferAddress address, std::uint16_t value) {
+bool Me3can1Q::Firmware::preset_word(BufferAddress address, std::uint16_t value) {
   const bool is_stored = std::ranges::any_of(buffer_table, [&](const BufferRow& row) {
     return row.stored == Stored::yes && address >= row.first && address <= row.last &&
            (address - row.first) % row.stride == 0;

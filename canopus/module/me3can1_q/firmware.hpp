@@ -31,7 +31,7 @@ class Me3can1Q::Firmware final : public BufferArea,
  public:
   Firmware(can::Controller& controller, NonVolatileMemory& memory, Profile profile);
 
-  bool preset_buffer(BufferAddress address, std::uint16_t value);
+  bool preset_word(BufferAddress address, std::uint16_t value);
   canopen::AbortCode preset_object(std::uint16_t index, std::uint8_t sub,
                                    std::span<const std::uint8_t> value);
   [[nodiscard]] std::optional<BufferAddress> layer2_preset_error() const;
@@ -53,7 +53,7 @@ class Me3can1Q::Firmware final : public BufferArea,
   void tick(can::Time now);
   [[nodiscard]] can::Time deadline() const noexcept;
 
-  [[nodiscard]] std::array<Led, 5> leds(can::Time now) const;
+  [[nodiscard]] std::vector<Led> leds(can::Time now) const;
   [[nodiscard]] const Signals& signals() const noexcept { return signals_; }
   [[nodiscard]] const Profile& profile() const noexcept { return profile_; }
   [[nodiscard]] const canopen::Node& node() const noexcept { return node_; }

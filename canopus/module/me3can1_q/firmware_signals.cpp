@@ -345,10 +345,14 @@ void Me3can1Q::Firmware::send_events(can::Time now) {
   events_due_ = events_.empty() ? can::never : can::later(now, emergency_retry);
 }
 
-std::array<Led, 5> Me3can1Q::Firmware::leds(can::Time now) const {
-  std::array<Led, 5> leds{Led{"RUN"}, Led{"ERR."}, Led{"CAN RUN"}, Led{"TX/RX"}, Led{"CAN ERR"}};
+std::vector<Led> Me3can1Q::Firmware::leds(can::Time now) const {
+  std::vector<Led> leds{Led{"RUN"}, Led{"ERR."}, Led{"CAN RUN"}, Led{"TX/RX"}, Led{"CAN ERR"}};
   if (state_ == State::off) return leds;
-  auto& [run, error, can_run, traffic, can_error] = leds;
+  Led& run = leds[0];
+  Led& error = leds[1];
+  Led& can_run = leds[2];
+  Led& traffic = leds[3];
+  Led& can_error = leds[4];
   run.pattern = LedPattern::on;
   if (errors_.any()) error.pattern = LedPattern::on;
   if (state_ != State::running) return leds;

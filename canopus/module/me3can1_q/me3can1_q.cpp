@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "canopus/module/me3can1_q/buffer_table.hpp"
 #include "canopus/module/me3can1_q/data_sheet.hpp"
 #include "canopus/module/me3can1_q/firmware.hpp"
 
@@ -20,9 +21,14 @@ ProductInformation Me3can1Q::product() const noexcept {
           .version = profile().function_version};
 }
 
-bool Me3can1Q::preset_buffer(BufferAddress address, std::uint16_t value) {
-  return firmware_->preset_buffer(address, value);
+bool Me3can1Q::preset_word(BufferAddress address, std::uint16_t value) {
+  return firmware_->preset_word(address, value);
 }
+bool Me3can1Q::preset_bit_rate(std::uint32_t bit_rate) {
+  const std::uint32_t kbps = bit_rate / 1000;
+  return bit_rate % 1000 == 0 && kbps <= 1000 && preset_word(g::baud_rate, static_cast<std::uint16_t>(kbps));
+}
+bool Me3can1Q::preset_node_id(std::uint8_t node_id) { return preset_word(g::node_address, node_id); }
 canopen::AbortCode Me3can1Q::preset_object(std::uint16_t index, std::uint8_t sub,
                                            std::span<const std::uint8_t> value) {
   return firmware_->preset_object(index, sub, value);
@@ -31,6 +37,8 @@ canopen::AbortCode Me3can1Q::preset_object(std::uint16_t index, std::uint8_t sub
 std::optional<BufferAddress> Me3can1Q::layer2_preset_error() const {
   return firmware_->layer2_preset_error();
 }
+
+const ProgramInterface& Me3can1Q::program_interface() const noexcept { return me3can1_q::program_interface; }
 
 bool Me3can1Q::takes_word(BufferAddress address, std::uint16_t value) const {
   return firmware_->takes_word(address, value);
@@ -59,7 +67,7 @@ void Me3can1Q::tick(can::Time now) { firmware_->tick(now); }
 can::Time Me3can1Q::deadline() const noexcept { return firmware_->deadline(); }
 
 const Profile& Me3can1Q::profile() const noexcept { return firmware_->profile(); }
-std::array<Led, 5> Me3can1Q::leds(can::Time now) const { return firmware_->leds(now); }
+std::vector<Led> Me3can1Q::leds(can::Time now) const { return firmware_->leds(now); }
 std::uint32_t Me3can1Q::flash_writes() const noexcept { return firmware_->flash_writes(); }
 const canopen::Node& Me3can1Q::node() const noexcept { return firmware_->node(); }
 const manager::NmtMaster* Me3can1Q::master() const noexcept { return &firmware_->master(); }

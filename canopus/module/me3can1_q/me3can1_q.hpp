@@ -5,16 +5,13 @@
 // This class is the wiring. What an area of the buffer memory does is in canopus/module; the module's facts
 // are the tables beside this file: buffer_table.hpp (memory map), object_table.hpp (object dictionary).
 
-#include <array>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
-#include "canopus/canopen/node.hpp"
-#include "canopus/module/layer2.hpp"
-#include "canopus/module/led.hpp"
-#include "canopus/module/module.hpp"
+#include "canopus/module/communication_module.hpp"
 
 namespace canopus::module::me3can1_q {
 
@@ -46,7 +43,7 @@ struct Profile {
   std::string function_version = "B";
 };
 
-class Me3can1Q final : public Module {
+class Me3can1Q final : public CommunicationModule {
  public:
   /// Off until power_on(). The controller and the memory must outlive the module.
   Me3can1Q(can::Controller& controller, NonVolatileMemory& memory, Profile profile = {});
@@ -54,20 +51,15 @@ class Me3can1Q final : public Module {
   Me3can1Q(const Me3can1Q&) = delete;
   Me3can1Q& operator=(const Me3can1Q&) = delete;
 
-  /// A setting the module leaves the shelf with, in place of the factory default, until it saves its own (G22
-  /// and Y1F). Only words that G22 saves (G21 G24 G27 G59 G70 G71, layer 2 configuration), checked as a write
-  /// is; false otherwise. To be called before power_on().
-  bool preset_buffer(BufferAddress address, std::uint16_t value);
-  /// The same for an object that 1010H stores, until 1010H stores for the first time. The answer of a write:
-  /// no_object, no_sub_index, length_too_low, invalid_value ..., cannot_store for an object that 1010H does
-  /// not store.
+  /// Only words that G22 saves: G21 G24 G27 G59 G70 G71, layer 2 configuration.
+  bool preset_word(BufferAddress address, std::uint16_t value) override;
+  bool preset_bit_rate(std::uint32_t bit_rate) override;
+  bool preset_node_id(std::uint8_t node_id) override;
   canopen::AbortCode preset_object(std::uint16_t index, std::uint8_t sub,
-                                   std::span<const std::uint8_t> value);
-  /// The first of the preset words that would keep the module from going online in the Layer 2 mode they
-  /// select.
-  [[nodiscard]] std::optional<BufferAddress> layer2_preset_error() const;
-  /// A program may write this value to this word in the preset function mode.
-  [[nodiscard]] bool takes_word(BufferAddress address, std::uint16_t value) const;
+                                   std::span<const std::uint8_t> value) override;
+  [[nodiscard]] std::optional<BufferAddress> layer2_preset_error() const override;
+  [[nodiscard]] bool takes_word(BufferAddress address, std::uint16_t value) const override;
+  [[nodiscard]] const ProgramInterface& program_interface() const noexcept override;
 
   [[nodiscard]] std::string_view model() const noexcept override { return "ME3CAN1-Q"; }
   [[nodiscard]] unsigned points() const noexcept override { return 32; }
@@ -96,14 +88,11 @@ class Me3can1Q final : public Module {
 
   [[nodiscard]] const Profile& profile() const noexcept;
   /// RUN, ERR., CAN RUN, TX/RX, CAN ERR [ME3CAN1-Q 3.1.1].
-  [[nodiscard]] std::array<Led, 5> leds(can::Time now) const;
-  /// Writes of the flash memory over all runs, as it would wear; the real one tolerates 10000
-  /// [ME3CAN1-Q 4.6].
-  [[nodiscard]] std::uint32_t flash_writes() const noexcept;
-  /// The CANopen node inside, for display (state, node-ID, objects).
-  [[nodiscard]] const canopen::Node& node() const noexcept;
-  /// Likewise: whether it is in a Layer 2 mode, and online.
-  [[nodiscard]] Layer2State layer2_state() const noexcept;
+  [[nodiscard]] std::vector<Led> leds(can::Time now) const override;
+  /// The real flash memory tolerates 10000 [ME3CAN1-Q 4.6].
+  [[nodiscard]] std::uint32_t flash_writes() const noexcept override;
+  [[nodiscard]] const canopen::Node& node() const noexcept override;
+  [[nodiscard]] Layer2State layer2_state() const noexcept override;
 
  private:
   class Firmware;

@@ -33,7 +33,7 @@ class Plant {
     slot.port = &bus_.add_port("port" + std::to_string(slots_.size()));
     slot.module = std::make_unique<Me3can1Q>(*slot.port, slot.memory);
     slot.head = head;
-    for (const auto& [address, value] : words) EXPECT_TRUE(slot.module->preset_buffer(address, value));
+    for (const auto& [address, value] : words) EXPECT_TRUE(slot.module->preset_word(address, value));
     for (const auto& [index, sub, value] : objects) {
       EXPECT_EQ(slot.module->preset_object(index, sub, value), canopen::AbortCode::none) << std::hex << index;
     }

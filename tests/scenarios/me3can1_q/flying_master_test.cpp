@@ -6,7 +6,7 @@ namespace canopus::scenario {
 namespace {
 
 void switch_on(Me3Scenario& s, std::uint8_t node, std::uint16_t level = 1) {
-  s.plug_in().preset_buffer(27, node);
+  s.plug_in().preset_word(27, node);
   s.plug_in().preset_object(0x1F80, 0, canopen::little_endian(0x21, 4));
   s.plug_in().preset_object(0x1F90, 3, canopen::little_endian(level, 2));
   s.supply_on().wait_tx(0x700U + node, {0x00});
@@ -105,7 +105,7 @@ TEST(Me3FlyingMaster, Bit5_TakesPart_AndTheLoserIsASlave) {
   s.ignore_tx();
 
   Me3Scenario plain;  // bit 5 clear: master at once, and deaf to what flying masters say
-  plain.plug_in().preset_buffer(27, 2);
+  plain.plug_in().preset_word(27, 2);
   plain.plug_in().preset_object(0x1F80, 0, canopen::little_endian(0x01, 4));
   plain.supply_on().wait_tx(0x702, {0x00}).tx(0x000, {0x82, 0x00}).expect_bit(25, 15, true);
   plain.rx(0x071, {0x00, 0x01}).rx(0x076).rx(0x073).advance(1s).no_tx().expect_bit(25, 15, true);

@@ -26,8 +26,8 @@ class Bench {
     partner_.connect(listener_, timeline_.add(listener_));
     port_.connect(module_, handle_);
     EXPECT_TRUE(rack_.insert(0, module_, handle_));
-    EXPECT_TRUE(module_.preset_buffer(21, 11));
-    EXPECT_TRUE(module_.preset_buffer(24, kilobits));
+    EXPECT_TRUE(module_.preset_word(21, 11));
+    EXPECT_TRUE(module_.preset_word(24, kilobits));
   }
   void power_on() {
     rack_.power_on(timeline_.now());

@@ -127,7 +127,7 @@ class Model {
 class Comparison {
  public:
   Comparison(std::uint32_t seed, bool is_extended) : random_(seed), extended_(is_extended) {
-    RC_ASSERT(module_.preset_buffer(21, extended_ ? 29 : 11));
+    RC_ASSERT(module_.preset_word(21, extended_ ? 29 : 11));
     module_.power_on(now_);
     while (module_.read_word(25, now_) != 0) step(1ms);
     for (module::BufferAddress number = 0; number < 42; ++number) configure(number);

@@ -252,7 +252,7 @@ TEST(Me3Layer2Transmit, CycleTimeInMilliseconds_IsAChoice) {
   RamMemory memory;
   FreeBus bus;
   module::me3can1_q::Me3can1Q module(bus, memory, {.layer2_cycle_unit = 1ms});
-  ASSERT_TRUE(module.preset_buffer(21, 11));
+  ASSERT_TRUE(module.preset_word(21, 11));
   ModuleScenario s(module, bus);
   s.supply_on().wait_bit(25, 7, false);
   s.write(6000, {0xFFFF, 0x5FFF, 2, 5}).write(10000, {0x0123, 0, 0}).y(0x03, true);

@@ -33,7 +33,7 @@ const std::vector<Object> s76{{0x1F80, 0, 0x00000001}, {0x1F81, 5, mandatory},  
                               {0x1F88, 5, 0x12345678}, {0x1F89, 0, 10000}};
 
 void preset(module::me3can1_q::Me3can1Q& module, const std::vector<Object>& objects) {
-  EXPECT_TRUE(module.preset_buffer(27, 1));
+  EXPECT_TRUE(module.preset_word(27, 1));
   for (const Object& object : objects) {
     EXPECT_EQ(module.preset_object(object.index, object.sub, canopen::little_endian(object.value, 4)),
               canopen::AbortCode::none);

@@ -16,7 +16,7 @@ struct Object {
 
 /// Node 1 with these objects stored; supply on up to its boot-up frame.
 void boot_master(Me3Scenario& s, std::initializer_list<Object> objects, Where where = Where::current()) {
-  s.plug_in().preset_buffer(27, 1);
+  s.plug_in().preset_word(27, 1);
   for (const Object& object : objects) {
     const unsigned length = object.index == 0x1017 || object.index == 0x100C ? 2
                             : object.index == 0x1029                         ? 1

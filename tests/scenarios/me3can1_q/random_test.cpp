@@ -110,7 +110,7 @@ TEST_P(RandomLayer2, NeverBreaksTheModule) {
   FreeBus bus;
   module::me3can1_q::Me3can1Q module(bus, memory, {.restart_time = 100ms, .power_on_time = 10ms});
   const bool extended = GetParam() % 2 == 0;
-  ASSERT_TRUE(module.preset_buffer(21, extended ? 29 : 11));
+  ASSERT_TRUE(module.preset_word(21, extended ? 29 : 11));
   can::Time now{};
   const auto run_to = [&](can::Time end) {
     for (unsigned ticks = 0; module.deadline() <= end; ++ticks) {

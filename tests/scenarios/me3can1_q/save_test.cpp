@@ -255,10 +255,10 @@ TEST(Me3Save, DamagedFlash_IsReported_AndAnsweredWithDefaults) {
 
 TEST(Me3Save, PresetSettings_HoldUntilTheModuleSavesItsOwn) {
   Me3Scenario s;
-  EXPECT_TRUE(s.plug_in().preset_buffer(27, 1));
-  EXPECT_FALSE(s.plug_in().preset_buffer(27, 128));
-  EXPECT_FALSE(s.plug_in().preset_buffer(25, 0));
-  EXPECT_FALSE(s.plug_in().preset_buffer(13000, 1));
+  EXPECT_TRUE(s.plug_in().preset_word(27, 1));
+  EXPECT_FALSE(s.plug_in().preset_word(27, 128));
+  EXPECT_FALSE(s.plug_in().preset_word(25, 0));
+  EXPECT_FALSE(s.plug_in().preset_word(13000, 1));
   EXPECT_EQ(s.plug_in().preset_object(0x1017, 0, Bytes{0xE8, 0x03}), canopen::AbortCode::none);
   EXPECT_EQ(s.plug_in().preset_object(0x1017, 0, Bytes{0xE8}), canopen::AbortCode::length_too_low);
   EXPECT_EQ(s.plug_in().preset_object(0x1018, 1, Bytes{1, 0, 0, 0}), canopen::AbortCode::write_of_read_only);

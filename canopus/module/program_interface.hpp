@@ -1,0 +1,47 @@
+#pragma once
+// What a PLC program has to know of a module: which signals or bits ask for what, and where the process data
+// lie. Facts of a model, in its folder.
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "canopus/module/module.hpp"
+
+namespace canopus::module {
+
+/// A request of the program, and where the answer is.
+struct ProgramRequest {
+  enum class Kind : std::uint8_t {
+    none,    ///< the module has no such request
+    signal,  ///< Yn ON; Xn is ON when it is done, and OFF once Yn is
+    bits,    ///< the bits are written as 1; the module takes them back to 0 when it is done
+  };
+  Kind kind = Kind::none;
+  unsigned signal = 0;
+  BufferAddress word = 0;
+  std::uint16_t bits = 0;
+};
+
+/// Where the process data lie in the buffer memory, and how much of them there is.
+struct DataExchangeLayout {
+  BufferAddress receive_first = 0;   ///< RPDO data
+  BufferAddress transmit_first = 0;  ///< TPDO data
+  std::size_t words = 0;             ///< each way
+  std::uint16_t pdos = 0;            ///< RPDOs, and TPDOs
+};
+
+struct ProgramInterface {
+  /// Data exchange.
+  ProgramRequest exchange{};
+  /// Layer 2 online: as long as the signal, or the bits, are 1.
+  ProgramRequest online{};
+  /// X signal that is ON while the module can be worked with; modules without signals have none.
+  std::optional<unsigned> ready{};
+  /// The bits of this word are 1 while the module initializes and takes no words.
+  BufferAddress status = 0;
+  std::uint16_t initializing = 0;
+  DataExchangeLayout process_data{};
+};
+
+}  // namespace canopus::module
