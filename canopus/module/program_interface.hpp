@@ -16,6 +16,7 @@ struct ProgramRequest {
     none,    ///< the module has no such request
     signal,  ///< Yn ON; Xn is ON when it is done, and OFF once Yn is
     bits,    ///< the bits are written as 1; the module takes them back to 0 when it is done
+    write,   ///< the bits are written as 1 and that is all: read, they say something else [FX2N-32CAN 4.2.2]
   };
   Kind kind = Kind::none;
   unsigned signal = 0;
@@ -34,11 +35,12 @@ struct DataExchangeLayout {
 struct ProgramInterface {
   /// Data exchange.
   ProgramRequest exchange{};
-  /// Layer 2 online: as long as the signal, or the bits, are 1.
+  /// Layer 2 online: as long as the signal, or the bits, are 1. The word's other bits are requests of their
+  /// own, written as 0.
   ProgramRequest online{};
   /// X signal that is ON while the module can be worked with; modules without signals have none.
   std::optional<unsigned> ready{};
-  /// The bits of this word are 1 while the module initializes and takes no words.
+  /// The bits of this word are 1 while the module initializes and takes no words; no bits: nothing tells.
   BufferAddress status = 0;
   std::uint16_t initializing = 0;
   DataExchangeLayout process_data{};

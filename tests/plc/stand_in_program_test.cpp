@@ -1,0 +1,294 @@
+#include "canopus/plc/stand_in_program.hpp"
+
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "canopus/can/timeline.hpp"
+
+#include "plc/fake_module.hpp"
+
+namespace canopus::plc {
+namespace {
+
+using module::ProgramInterface;
+using module::ProgramRequest;
+using ::testing::ElementsAre;
+using testing::FakeModule;
+using ::testing::IsEmpty;
+using namespace std::chrono_literals;
+
+// Signals and words unlike those of any module.
+constexpr unsigned ready = 9;
+constexpr unsigned exchange = 5;
+constexpr unsigned online = 7;
+constexpr module::BufferAddress exchange_word = 41;
+constexpr module::BufferAddress status_word = 43;
+constexpr std::uint16_t initializing = 0x0200;
+
+constexpr ProgramInterface signals{
+    .exchange = {.kind = ProgramRequest::Kind::signal, .signal = exchange},
+    .online = {.kind = ProgramRequest::Kind::signal, .signal = online},
+    .ready = ready,
+    .status = status_word,
+    .initializing = initializing,
+};
+constexpr ProgramInterface bits{
+    .exchange = {.kind = ProgramRequest::Kind::bits, .word = exchange_word, .bits = 0x0004},
+    .online = {.kind = ProgramRequest::Kind::bits, .word = status_word, .bits = 0x0010},
+    .status = status_word,
+    .initializing = initializing,
+};
+constexpr ProgramInterface write_only{
+    .exchange = {.kind = ProgramRequest::Kind::write, .word = exchange_word, .bits = 0x0001},
+};
+
+/// Takes `answer_time` for a data exchange, and notes what the program does: "12ms Y5 on".
+class AnsweringModule final : public FakeModule {
+ public:
+  explicit AnsweringModule(const ProgramInterface& interface) : interface_(interface) {}
+
+  void set_output(unsigned signal, bool on, can::Time now) override {
+    FakeModule::set_output(signal, on, now);
+    note(now, "Y" + std::to_string(signal) + (on ? " on" : " off"));
+    if (program != nullptr && program->signal_changed(module::SignalKind::output, signal, on, now)) ++own;
+    if (signal != interface_.exchange.signal) return;
+    if (on) answer_at = now + answer_time;
+    if (!on) set_input(signal, false, now);
+  }
+  void write_word(module::BufferAddress address, std::uint16_t value, can::Time now) override {
+    if (program != nullptr && program->buffer_written(address)) ++own;
+    note(now, std::to_string(address) + "=" + std::to_string(value));
+    words[address] = static_cast<std::uint16_t>(address == status_word ? words[address] | value : value);
+    if (address == interface_.exchange.word) answer_at = now + answer_time;
+  }
+  [[nodiscard]] std::uint16_t read_word(module::BufferAddress address, can::Time now) override {
+    if ((words[status_word] & initializing) != 0 && address != status_word) ++wrong_reads;
+    return FakeModule::read_word(address, now);
+  }
+  void tick(can::Time now) override {
+    if (answer_at <= now) {
+      answer_at = can::never;
+      if (interface_.exchange.kind == ProgramRequest::Kind::signal) set_input(exchange, true, now);
+      if (interface_.exchange.kind == ProgramRequest::Kind::bits) words[exchange_word] = 0;
+    }
+    if (starts_at <= now) {
+      starts_at = can::never;
+      start(now);
+    }
+  }
+  [[nodiscard]] can::Time deadline() const noexcept override { return std::min(answer_at, starts_at); }
+
+  /// Initializes until `end`.
+  void initialize(can::Time now, can::Time end) {
+    words[status_word] = initializing;
+    if (interface_.ready) set_input(*interface_.ready, false, now);
+    starts_at = end;
+  }
+  void start(can::Time now) {
+    words[status_word] = 0;
+    if (interface_.ready) set_input(*interface_.ready, true, now);
+  }
+  std::vector<std::string> take_notes() { return std::exchange(notes_, {}); }
+
+  StandInProgram* program = nullptr;
+  can::Duration answer_time = 3ms;
+  can::Time answer_at = can::never;
+  can::Time starts_at = can::never;
+  int own = 0;
+  int wrong_reads = 0;  // of a module that initializes: its status is all there is
+
+ private:
+  void set_input(unsigned signal, bool on, can::Time now) {
+    if ((x >> signal & 1U) == (on ? 1U : 0U)) return;
+    x ^= 1U << signal;
+    if (program != nullptr && program->signal_changed(module::SignalKind::input, signal, on, now)) ++own;
+  }
+  void note(can::Time now, const std::string& what) {
+    notes_.push_back(std::to_string(now.time_since_epoch() / 1ms) + "ms " + what);
+  }
+  const ProgramInterface& interface_;
+  std::vector<std::string> notes_;
+};
+
+/// The module in its slot, started at 0 and with supply, the program running.
+class Slot final : public can::Participant {
+ public:
+  Slot(const ProgramInterface& interface, StandInProgram::Task task)
+      : module(interface), program(module, interface, std::move(task)) {
+    module.program = &program;
+    handle_ = timeline.add(*this);
+  }
+  void power(can::Duration initialization = {}) {
+    module.initialize(timeline.now(), timeline.now() + initialization);
+    program.powered(timeline.now());
+    program.look(timeline.now());
+    timeline.refresh(handle_);
+  }
+  void run_until(can::Duration end) {
+    timeline.refresh(handle_);
+    timeline.run_until(can::Time{} + end);
+  }
+  std::vector<std::string> notes_until(can::Duration end) {
+    run_until(end);
+    return module.take_notes();
+  }
+
+  void receive(const can::Frame&, can::Time) override {}
+  void tick(can::Time now) override {
+    if (module.deadline() <= now) module.tick(now);
+    program.tick(now);
+    program.look(now);
+  }
+  [[nodiscard]] can::Time deadline() const noexcept override {
+    return std::min(module.deadline(), program.deadline());
+  }
+
+  can::Timeline timeline;
+  AnsweringModule module;
+  StandInProgram program;
+
+ private:
+  can::Timeline::Handle handle_;
+};
+
+TEST(StandInProgram, Exchange_BySignal_WaitsForTheAnswerAndComesAgainAtTheInterval) {
+  Slot slot(signals, {.exchange = 20ms});
+  slot.power();
+  EXPECT_THAT(slot.notes_until(65ms), ElementsAre("20ms Y5 on", "23ms Y5 off", "40ms Y5 on", "43ms Y5 off",
+                                                  "60ms Y5 on", "63ms Y5 off"));
+  slot.module.set_output(exchange, true, slot.timeline.now());
+  EXPECT_EQ(slot.module.own, 3 * 4) << "Y on, X on, Y off, X off of each are the program's own";
+}
+
+TEST(StandInProgram, Exchange_BySignalThatIsAnsweredLate_GoesOnAMillisecondAfterTheAnswer) {
+  Slot slot(signals, {.exchange = 20ms});
+  slot.module.answer_time = 30ms;
+  slot.power();
+  EXPECT_THAT(slot.notes_until(60ms), ElementsAre("20ms Y5 on", "50ms Y5 off", "51ms Y5 on"));
+}
+
+TEST(StandInProgram, Exchange_ByBits_WaitsUntilTheModuleTakesThemBack) {
+  Slot slot(bits, {.exchange = 20ms});
+  slot.power();
+  EXPECT_THAT(slot.notes_until(45ms), ElementsAre("20ms 41=4", "40ms 41=4"));
+  slot.module.answer_time = 30ms;
+  EXPECT_THAT(slot.notes_until(100ms), ElementsAre("60ms 41=4", "91ms 41=4"))
+      << "the bit is 0 again at 90 ms";
+  slot.module.write_word(exchange_word, 4, slot.timeline.now());
+  EXPECT_EQ(slot.module.own, 4) << "a client's is not the program's own";
+  EXPECT_THAT(slot.module.edges, IsEmpty()) << "no signals";
+}
+
+TEST(StandInProgram, Exchange_ByBitsThatAreTakenBackAtOnce_ComesAgainAtTheInterval) {
+  Slot slot(bits, {.exchange = 20ms});
+  slot.module.answer_time = 0ms;
+  slot.power();
+  EXPECT_THAT(slot.notes_until(45ms), ElementsAre("20ms 41=4", "40ms 41=4"));
+}
+
+TEST(StandInProgram, Exchange_ByWriteAlone_DoesNotMindWhatTheWordReads) {
+  Slot slot(write_only, {.exchange = 20ms});
+  slot.power();
+  EXPECT_THAT(slot.notes_until(65ms), ElementsAre("20ms 41=1", "40ms 41=1", "60ms 41=1"));
+}
+
+TEST(StandInProgram, Exchange_OfAModuleThatExchangesByItself_IsNotRequested) {
+  constexpr ProgramInterface nothing{};
+  Slot slot(nothing, {.exchange = 20ms, .online = true});
+  slot.power();
+  EXPECT_THAT(slot.notes_until(100ms), IsEmpty());
+  EXPECT_EQ(slot.module.reads, 0) << "it may have no buffer memory at all";
+}
+
+TEST(StandInProgram, Exchange_WhileInitializing_IsPutOff) {
+  for (const ProgramInterface* interface : {&signals, &bits}) {
+    Slot slot(*interface, {.exchange = 20ms});
+    slot.power(70ms);
+    EXPECT_THAT(slot.notes_until(75ms), IsEmpty());
+    EXPECT_EQ(slot.notes_until(82ms).size(), 1U);
+  }
+}
+
+TEST(StandInProgram, Exchange_WhileAClientRequestsOne_IsPutOff) {
+  Slot by_signal(signals, {.exchange = 20ms});
+  by_signal.power();
+  by_signal.module.answer_time = 50ms;
+  by_signal.module.set_output(exchange, true, by_signal.timeline.now());
+  EXPECT_THAT(by_signal.notes_until(75ms), ElementsAre("0ms Y5 on"));
+  EXPECT_EQ(by_signal.module.own, 0) << "the client's request is news";
+  by_signal.module.set_output(exchange, false, by_signal.timeline.now());
+  EXPECT_THAT(by_signal.notes_until(81ms), ElementsAre("75ms Y5 off", "80ms Y5 on"));
+
+  Slot unanswered(signals, {.exchange = 20ms});
+  unanswered.power();
+  unanswered.module.x |= 1U << exchange;
+  EXPECT_THAT(unanswered.notes_until(75ms), IsEmpty()) << "X of the one before is not OFF yet";
+
+  Slot by_bits(bits, {.exchange = 20ms});
+  by_bits.power();
+  by_bits.module.answer_time = 50ms;
+  by_bits.module.write_word(exchange_word, 4, by_bits.timeline.now());
+  EXPECT_THAT(by_bits.notes_until(61ms), ElementsAre("0ms 41=4", "60ms 41=4"));
+  EXPECT_EQ(by_bits.module.own, 1);
+}
+
+TEST(StandInProgram, Exchange_ByBitsWhenTheModuleRestarts_GoesOnAfterwards) {
+  Slot slot(bits, {.exchange = 20ms, .words = {{100, 7}}});
+  slot.module.answer_time = 1000ms;
+  slot.power();
+  EXPECT_THAT(slot.notes_until(30ms), ElementsAre("0ms 100=7", "20ms 41=4"));
+  slot.module.answer_at = can::never;
+  slot.module.words[exchange_word] = 0;
+  slot.module.initialize(slot.timeline.now(), can::Time{} + 90ms);
+  EXPECT_THAT(slot.notes_until(89ms), IsEmpty()) << "an initializing module takes no words";
+  EXPECT_THAT(slot.notes_until(95ms), ElementsAre("90ms 100=7", "91ms 41=4"));
+  EXPECT_EQ(slot.module.wrong_reads, 0);
+}
+
+TEST(StandInProgram, SetUp_BySignal_WritesTheWordsOfflineAndThenGoesOnline) {
+  Slot slot(signals, {.words = {{100, 7}, {101, 8}}, .online = true});
+  slot.power(15ms);
+  EXPECT_THAT(slot.notes_until(14ms), IsEmpty());
+  EXPECT_THAT(slot.notes_until(50ms), ElementsAre("15ms Y7 off", "15ms 100=7", "15ms 101=8", "15ms Y7 on"));
+  slot.module.initialize(slot.timeline.now(), can::Time{} + 80ms);
+  EXPECT_THAT(slot.notes_until(200ms), ElementsAre("80ms Y7 off", "80ms 100=7", "80ms 101=8", "80ms Y7 on"));
+  EXPECT_EQ(slot.module.own, 0) << "what is done once is news";
+}
+
+TEST(StandInProgram, SetUp_ByBits_WritesNothingButTheBits) {
+  Slot slot(bits, {.words = {{100, 7}}, .online = true});
+  slot.power(15ms);
+  EXPECT_THAT(slot.notes_until(100ms), ElementsAre("15ms 100=7", "15ms 43=16"));
+  // Reading, bit 0 says something; written, it would be another request.
+  slot.module.initialize(slot.timeline.now(), can::never);
+  EXPECT_THAT(slot.notes_until(150ms), IsEmpty());
+  slot.module.words[status_word] = 0x0011;
+  EXPECT_THAT(slot.notes_until(200ms), ElementsAre("160ms 43=0", "160ms 100=7", "160ms 43=16"))
+      << "seen by the next scan";
+}
+
+TEST(StandInProgram, SetUp_OfAModuleWithoutSignals_SeesARestartThatNobodyTellsOf) {
+  Slot slot(bits, {.words = {{100, 7}}});
+  slot.program.look(slot.timeline.now());
+  EXPECT_THAT(slot.module.take_notes(), IsEmpty()) << "no supply yet";
+  slot.power();
+  EXPECT_THAT(slot.notes_until(50ms), ElementsAre("0ms 100=7"));
+  slot.module.initialize(slot.timeline.now(), can::Time{} + 75ms);  // by the CPU's reset, say
+  EXPECT_THAT(slot.notes_until(200ms), ElementsAre("75ms 100=7"));
+}
+
+TEST(StandInProgram, SetUp_WithoutWordsAndOnline_LeavesTheModuleAlone) {
+  for (const ProgramInterface* interface : {&signals, &bits}) {
+    Slot slot(*interface, {});
+    slot.power();
+    EXPECT_THAT(slot.notes_until(100ms), IsEmpty());
+    EXPECT_EQ(slot.program.deadline(), can::never);
+    EXPECT_EQ(slot.module.reads, 0);
+  }
+}
+
+}  // namespace
+}  // namespace canopus::plc
