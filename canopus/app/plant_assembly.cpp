@@ -221,7 +221,7 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
         folder_ / plc.store / fmt::format("U{:03X}-{}", section.head, section.model);
     memory = std::make_unique<store::FileMemory>(path);
   }
-  module::me3can1_q::Profile profile;
+  module::Profile profile;
   if (section.restart_time) profile.restart_time = *section.restart_time;
   auto seat = std::make_unique<ModuleSeat>(section, plc.name, port, std::move(memory), profile, watch(bus),
                                            observer_);

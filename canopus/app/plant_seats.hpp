@@ -241,7 +241,7 @@ class CpuErrorTimer final : public can::Participant {
 class ModuleSeat final : public can::Participant, public module::ModuleObserver {
  public:
   ModuleSeat(const ModuleSection& section, std::string_view plc, sim::Port& port,
-             std::unique_ptr<module::NonVolatileMemory> memory, module::me3can1_q::Profile profile,
+             std::unique_ptr<module::NonVolatileMemory> memory, module::Profile profile,
              const BusWatch& watch, PlantObserver& observer)
       : section_(section),
         plc_(plc),

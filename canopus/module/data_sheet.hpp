@@ -50,7 +50,9 @@ struct DataSheet {
   std::string_view manual{};
   std::string_view type{};    ///< in product lists: "Intelli."
   std::string_view series{};  ///< "Q"
-  unsigned points = 0;        ///< occupied I/O points
+  std::string_view serial_number{};
+  std::string_view function_version{};
+  unsigned points = 0;  ///< occupied I/O points
   std::string_view io_assignment{};
   bool online_module_change = false;
   std::string_view multiple_cpu{};

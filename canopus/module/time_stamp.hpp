@@ -17,6 +17,9 @@ namespace canopus::module {
 struct TimeStampLayout {
   BufferAddress first = 0;      ///< of the ten words
   bool two_digit_year = false;  ///< 14 for 2014; else 2014
+
+  [[nodiscard]] constexpr BufferAddress role() const noexcept { return first; }
+  [[nodiscard]] constexpr BufferAddress daily_correction() const noexcept { return first + 9; }
 };
 
 class TimeStamp {

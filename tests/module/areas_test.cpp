@@ -5,7 +5,7 @@
 
 #include "canopus/module/emergency_buffer.hpp"
 #include "canopus/module/error_status.hpp"
-#include "canopus/module/me3can1_q/buffer_table.hpp"
+#include "canopus/module/me3can1_q/model.hpp"
 #include "canopus/module/network_variables.hpp"
 #include "canopus/module/nmt_status.hpp"
 #include "canopus/module/stored_settings.hpp"
@@ -16,7 +16,7 @@ namespace {
 TEST(ErrorStatus, OfTheMe3can1Q_EachOfItsErrorBitsMakesTheSignal) {
   RecordProperty("spec", "ME3-IO-012");
   for (unsigned bit = 0; bit < 16; ++bit) {
-    ErrorStatus status(me3can1_q::error_layout);
+    ErrorStatus status(me3can1_q::model.error_status);
     status.follow(bit, true);
     const bool expected = bit == 1 || (bit >= 3 && bit <= 6) || bit == 8 || bit == 15;
     EXPECT_EQ(status.any(), expected) << bit;

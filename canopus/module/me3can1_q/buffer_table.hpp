@@ -6,12 +6,7 @@
 #include <array>
 
 #include "canopus/module/buffer_memory.hpp"
-#include "canopus/module/command_interface.hpp"
-#include "canopus/module/data_exchange.hpp"
-#include "canopus/module/error_status.hpp"
-#include "canopus/module/layer2.hpp"
 #include "canopus/module/program_interface.hpp"
-#include "canopus/module/time_stamp.hpp"
 
 namespace canopus::module::me3can1_q {
 
@@ -22,7 +17,7 @@ inline constexpr Modes layer2_29 = 4;
 inline constexpr Modes layer2 = layer2_11 | layer2_29;
 inline constexpr Modes all_modes = canopen_405 | layer2;
 
-// Addresses the firmware speaks of.
+// Addresses of single words and of areas.
 namespace g {
 inline constexpr BufferAddress data_exchange_control = 20;
 inline constexpr BufferAddress function_mode = 21;
@@ -41,8 +36,9 @@ inline constexpr BufferAddress time_stamp = 50;
 inline constexpr BufferAddress daily_correction = 59;
 inline constexpr BufferAddress start_all_delay = 70;
 inline constexpr BufferAddress sdo_time_out = 71;
-inline constexpr BufferAddress error_clear_node = 400;  ///< error control status of node n is 400 + n
-inline constexpr BufferAddress nmt_state = 600;         ///< state of node n is 600 + n
+inline constexpr BufferAddress error_clear_node = 400;
+inline constexpr BufferAddress error_control_status = 400;  ///< of node n: 400 + n
+inline constexpr BufferAddress nmt_state = 600;             ///< of node n: 600 + n
 inline constexpr BufferAddress emergencies = 750;
 inline constexpr BufferAddress command = 1000;
 inline constexpr BufferAddress slot_errors = 5001;
@@ -118,81 +114,9 @@ inline constexpr std::array buffer_table = std::to_array<BufferRow>({
     { 13000,  14023, "TPDO data",                         WordAccess::read_write,       0, any_value,               Stored::no,  canopen_405, "3.5.19"},
 });
 
-/// Commands of the command interface [ME3CAN1-Q 4.4, 5].
-inline constexpr std::array command_table = std::to_array<CommandRow>({
-    // code   what it does                modes        success  partly failed
-    {0x0000, CommandKind::display,       all_modes,   0x0000,  0x0000},
-    {0x0002, CommandKind::sdo_write,     canopen_405, 0x0003,  0x000F},
-    {0x0004, CommandKind::sdo_read,      canopen_405, 0x0005,  0x000F},
-    {0x0006, CommandKind::multi_write,   canopen_405, 0x0007,  0x00F7},
-    {0x0008, CommandKind::multi_read,    canopen_405, 0x0009,  0x00F9},
-    {0x000A, CommandKind::emergency,     canopen_405, 0x000B,  0x000C},
-    {0x000C, CommandKind::send_frame,    layer2,      0x000D,  0xF00C},
-    {0xFFFF, CommandKind::clear,         all_modes,   0x0000,  0x0000},
-});
-
-// Bits of G29 [ME3CAN1-Q Tab. 3-11].
-namespace error_bit {
-inline constexpr unsigned hardware = 1;
-inline constexpr unsigned bus_off = 3;
-inline constexpr unsigned flash = 4;
-inline constexpr unsigned refused_write = 5;
-inline constexpr unsigned setting = 6;
-inline constexpr unsigned queue_overflow = 8;
-inline constexpr unsigned error_passive = 14;
-inline constexpr unsigned message_slot = 15;
-}  // namespace error_bit
-
-inline constexpr ErrorStatusLayout error_layout{
-    .status = g::error_status, .setting_address = g::setting_error, .refused_address = g::refused_write,
-    .latched = 1U << error_bit::refused_write | 1U << error_bit::setting | 1U << error_bit::queue_overflow |
-               1U << error_bit::message_slot,
-    .sum = 1U << error_bit::hardware | 1U << error_bit::bus_off | 1U << error_bit::flash |
-           1U << error_bit::refused_write | 1U << error_bit::setting | 1U << error_bit::queue_overflow |
-           1U << error_bit::message_slot,
-    .setting_bit = error_bit::setting, .refused_bit = error_bit::refused_write,
-};
 // clang-format on
 
 inline constexpr DataExchangeLayout exchange_layout{
     .receive_first = g::receive_data, .transmit_first = g::transmit_data, .words = 1024, .pdos = 256};
-
-/// Writes that the flash memory tolerates [ME3CAN1-Q 4.6].
-inline constexpr std::uint32_t flash_endurance = 10'000;
-
-inline constexpr Layer2Layout layer2_layout{.error_codes = g::slot_errors,
-                                            .parameters = g::slot_parameters,
-                                            .rtr_flags = g::rtr_flags,
-                                            .trigger_flags = g::trigger_flags,
-                                            .stop_messages = g::stop_messages,
-                                            .process_data = g::slot_data};
-
-inline constexpr TimeStampLayout time_stamp_layout{.first = g::time_stamp, .two_digit_year = true};
-
-// Signals: offsets from the head address [ME3CAN1-Q Tab. 3-3].
-namespace signal {
-inline constexpr unsigned ready = 0x00;
-inline constexpr unsigned data_exchange = 0x01;
-inline constexpr unsigned restart = 0x02;
-inline constexpr unsigned online = 0x03;
-inline constexpr unsigned transmit_trigger = 0x04;
-inline constexpr unsigned error = 0x0F;
-inline constexpr unsigned nmt_error = 0x10;
-inline constexpr unsigned emergency = 0x11;
-inline constexpr unsigned time_set = 0x12;
-inline constexpr unsigned time_read = 0x13;
-inline constexpr unsigned command = 0x17;
-inline constexpr unsigned save_restore = 0x1F;
-}  // namespace signal
-
-/// What a program works with [ME3CAN1-Q 3.3.2, 3.5.5].
-inline constexpr ProgramInterface program_interface{
-    .exchange = {.kind = ProgramRequest::Kind::signal, .signal = signal::data_exchange},
-    .online = {.kind = ProgramRequest::Kind::signal, .signal = signal::online},
-    .ready = signal::ready,
-    .status = g::communication_status,
-    .initializing = 1U << 7,
-    .process_data = exchange_layout,
-};
 
 }  // namespace canopus::module::me3can1_q

@@ -5,7 +5,6 @@
 #include <array>
 
 #include "canopus/module/data_sheet.hpp"
-#include "canopus/module/me3can1_q/buffer_table.hpp"
 
 namespace canopus::module::me3can1_q {
 
@@ -79,11 +78,13 @@ inline constexpr DataSheet data_sheet{
     .manual = "ME3CAN1-Q User's Manual, version A, 10/2014",
     .type = "Intelli.",
     .series = "Q",
+    .serial_number = "1203100000000000",
+    .function_version = "B",
     .points = 32,
     .io_assignment = "Intelligent 32 points",
     .online_module_change = false,
     .multiple_cpu = "parameters are accepted from the module's control CPU only",
-    .flash_writes = flash_endurance,
+    .flash_writes = 10'000,  // [4.6]
     .connector = "9-pin D-sub, 4-40 UNC screws",
     .modes = mode_facts,
     .standards = standard_facts,

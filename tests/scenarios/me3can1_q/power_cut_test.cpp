@@ -129,7 +129,7 @@ class Machine {
   }
 
  private:
-  static module::me3can1_q::Profile profile() { return {.power_on_time = 1ms}; }
+  static module::Profile profile() { return {.power_on_time = 1ms}; }
   template <typename Condition>
   void wait(Condition condition) {
     for (unsigned ticks = 0; !condition(); ++ticks) {

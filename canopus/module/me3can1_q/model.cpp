@@ -1,0 +1,188 @@
+#include "canopus/module/me3can1_q/model.hpp"
+
+#include <array>
+#include <chrono>
+
+#include "canopus/module/me3can1_q/buffer_table.hpp"
+#include "canopus/module/me3can1_q/data_sheet.hpp"
+#include "canopus/module/me3can1_q/object_table.hpp"
+
+namespace canopus::module::me3can1_q {
+
+namespace {
+
+constexpr std::array function_modes_of_g21 = std::to_array<FunctionModeRow>({
+    {405, canopen_405, FunctionModeRow::Kind::canopen},
+    {11, layer2_11, FunctionModeRow::Kind::layer2_base},
+    {29, layer2_29, FunctionModeRow::Kind::layer2_extended},
+});
+
+// clang-format off
+/// Commands of the command interface [ME3CAN1-Q 4.4, 5].
+constexpr std::array commands = std::to_array<CommandRow>({
+    // code   what it does                modes        success  partly failed
+    {0x0000, CommandKind::display,       all_modes,   0x0000,  0x0000},
+    {0x0002, CommandKind::sdo_write,     canopen_405, 0x0003,  0x000F},
+    {0x0004, CommandKind::sdo_read,      canopen_405, 0x0005,  0x000F},
+    {0x0006, CommandKind::multi_write,   canopen_405, 0x0007,  0x00F7},
+    {0x0008, CommandKind::multi_read,    canopen_405, 0x0009,  0x00F9},
+    {0x000A, CommandKind::emergency,     canopen_405, 0x000B,  0x000C},
+    {0x000C, CommandKind::send_frame,    layer2,      0x000D,  0xF00C},
+    {0xFFFF, CommandKind::clear,         all_modes,   0x0000,  0x0000},
+});
+
+/// Signals: offsets from the head address [ME3CAN1-Q Tab. 3-3].
+constexpr std::array signals = std::to_array<SignalRow>({
+    {0x00, SignalUse::ready,            all_modes},
+    {0x01, SignalUse::data_exchange,    all_modes},
+    {0x02, SignalUse::restart,          all_modes},
+    {0x03, SignalUse::online,           layer2},
+    {0x04, SignalUse::transmit_trigger, layer2},
+    {0x0F, SignalUse::error,            all_modes},
+    {0x10, SignalUse::nmt_error,        canopen_405},
+    {0x11, SignalUse::emergency,        canopen_405},
+    {0x12, SignalUse::set_clock,        canopen_405},
+    {0x13, SignalUse::read_clock,       canopen_405},
+    {0x17, SignalUse::command,          all_modes},
+    {0x1F, SignalUse::save_restore,     all_modes},
+});
+
+/// [ME3CAN1-Q 3.1.1]
+constexpr std::array leds = std::to_array<LedRow>({
+    {"RUN",     LedUse::supply},
+    {"ERR.",    LedUse::error},
+    {"CAN RUN", LedUse::network_state},
+    {"TX/RX",   LedUse::traffic},
+    {"CAN ERR", LedUse::network_error},
+});
+// clang-format on
+
+/// Bits of G25 [ME3CAN1-Q Tab. 3-10].
+constexpr CommunicationStatusBits communication_status{
+    .operational = 1U << 0,
+    .warning_level = 1U << 1,
+    .nmt_reset_seen = 1U << 6,
+    .initialization = 1U << 7,
+    .pre_operational_state = 1U << 8,
+    .operational_state = 1U << 9,
+    .lss_active = 1U << 10,
+    .time_seen = 1U << 12,
+    .slave_start_up = 1U << 14,
+    .nmt_master = 1U << 15,
+};
+
+/// Bits of G29 [ME3CAN1-Q Tab. 3-11].
+constexpr ErrorBits errors{
+    .hardware = 1, .bus_off = 3, .flash = 4, .queue_overflow = 8, .error_passive = 14, .message_slot = 15};
+constexpr unsigned refused_write_bit = 5;
+constexpr unsigned setting_bit = 6;
+constexpr std::uint16_t latched_errors =
+    1U << refused_write_bit | 1U << setting_bit | 1U << errors.queue_overflow | 1U << errors.message_slot;
+
+/// What the module sends by itself [ME3CAN1-Q 8.2.1, 8.2.2].
+constexpr EmergencyRows emergencies{
+    .cpu_error = {0xFF00, 0x81, {'M', 'E', '0', '0', '1'}},
+    .cpu_stopped = {0xFF00, 0x81, {'M', 'E', '0', '0', '2'}},
+    .restart = {0x6200, 0x01, {'M', 'E', '0', '0', '4'}},
+    .queue_overflow = {0x8110, 0x11},
+    .error_passive = {0x8120, 0x11},
+    .node_lost = {0x8F00, 0x11},
+};
+
+canopen::NodeOptions node_options() {
+  return {
+      .dismiss_events_during_inhibit = true,
+      .unsent_values_are_changed = false,
+      .send_tpdos_on_start = false,
+      .sdo_write_is_event = false,
+      .tpdo_rtr_bit_is_constant = true,
+      .rtr_transmission_types = false,
+      .profile_event_transmission_type = false,
+      .inhibit_time_resolution = std::chrono::milliseconds(1),
+      .extended_identifiers = false,
+      .sync_needs_active_master = true,
+      .sync_period_resolution = std::chrono::milliseconds(1),
+      .history_clears_error_register = true,
+      .empty_history_reads_zero = true,
+      .guarding_emergency_names_node = true,
+      .sync_length_error = 0x8200,
+  };
+}
+
+// No software check, no restore [ME3CAN1-Q Tab. 4-30]; the manual knows no SDO block transfer.
+manager::MasterOptions master_options() {
+  manager::MasterOptions options;
+  options.assignment_bits = 0x1D;
+  options.block_from = 0;
+  return options;
+}
+
+// [ME3CAN1-Q 4.8.10]
+void set_detect_cycle(canopen::ObjectDictionary& objects, std::uint8_t node_id) {
+  objects.set<std::uint16_t>(0x1F90, 6, static_cast<std::uint16_t>(4000 + 10 * node_id));
+}
+
+}  // namespace
+
+constinit const ModuleModel model{
+    .data_sheet = &data_sheet,
+    .word_prefix = "G",
+    .buffer_memory_size = 65536,
+    .buffer_memory = buffer_table,
+    .function_modes = function_modes_of_g21,
+    .commands = commands,
+    .signals = signals,
+    .leds = leds,
+    .words = {.data_exchange_control = g::data_exchange_control,
+              .function_mode = g::function_mode,
+              .save_restore = g::save_restore,
+              .baud_rate = g::baud_rate,
+              .communication_status = g::communication_status,
+              .node_address = g::node_address,
+              .transmit_errors = g::transmit_errors,
+              .receive_errors = g::receive_errors,
+              .active_baud_rate = g::active_baud_rate,
+              .start_all_delay = g::start_all_delay,
+              .sdo_time_out = g::sdo_time_out,
+              .error_clear_node = g::error_clear_node,
+              .error_control_status = g::error_control_status,
+              .nmt_state = g::nmt_state,
+              .emergencies = g::emergencies,
+              .command = g::command},
+    .data_exchange = {.process_data = 1U << 8, .emergencies = 1U << 12},
+    .save_restore = {.save = 1U << 0, .restore = 1U << 1},
+    .communication_status = communication_status,
+    .error_status = {.status = g::error_status,
+                     .setting_address = g::setting_error,
+                     .refused_address = g::refused_write,
+                     .latched = latched_errors,
+                     .sum =
+                         latched_errors | 1U << errors.hardware | 1U << errors.bus_off | 1U << errors.flash,
+                     .setting_bit = setting_bit,
+                     .refused_bit = refused_write_bit},
+    .errors = errors,
+    .emergencies = emergencies,
+    .emergency_records = {.stack = 11, .ring = 11},
+    .layer2 = {.error_codes = g::slot_errors,
+               .parameters = g::slot_parameters,
+               .rtr_flags = g::rtr_flags,
+               .trigger_flags = g::trigger_flags,
+               .stop_messages = g::stop_messages,
+               .process_data = g::slot_data},
+    .time_stamp = {.first = g::time_stamp, .two_digit_year = true},
+    // [ME3CAN1-Q 3.3.2, 3.5.5]
+    .program_interface = {.exchange = {.kind = ProgramRequest::Kind::signal, .signal = 0x01},
+                          .online = {.kind = ProgramRequest::Kind::signal, .signal = 0x03},
+                          .ready = 0x00,
+                          .status = g::communication_status,
+                          .initializing = communication_status.initialization,
+                          .process_data = exchange_layout},
+    .object_dictionary = object_dictionary,
+    .node_id_defaults = set_detect_cycle,
+    .node_options = node_options,
+    .master_options = master_options,
+    .faulty_mapping_keeps_initializing = true,
+    .layer2_deletes_objects = true,
+};
+
+}  // namespace canopus::module::me3can1_q

@@ -1,0 +1,80 @@
+#pragma once
+// What a module keeps beyond power-off, and what it leaves the shelf with: the words that the PLC has saved,
+// the object dictionary as 1010H stored it, the concise DCFs (written by their own store into the same flash
+// memory). A power cut leaves each of them as it was before or after a write; one in the middle of a save is
+// noticed at the next start.
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "canopus/canopen/object_dictionary.hpp"
+#include "canopus/module/flash_memory.hpp"
+#include "canopus/module/module_model.hpp"
+
+namespace canopus::module {
+
+class ModuleSettings {
+ public:
+  /// Name of the concise DCFs in flash().
+  static constexpr std::string_view concise_dcfs_name = "concise-dcf";
+
+  /// Everything must outlive it. `buffer` is the module's, made of the model's table.
+  ModuleSettings(const ModuleModel& model, NonVolatileMemory& memory, BufferMemory& buffer);
+
+  // --- from the shelf: see CommunicationModule
+  bool preset_word(BufferAddress address, std::uint16_t value);
+  canopen::AbortCode preset_object(std::uint16_t index, std::uint8_t sub,
+                                   std::span<const std::uint8_t> value);
+  [[nodiscard]] std::optional<BufferAddress> layer2_preset_error(const Layer2Rules& rules) const;
+  [[nodiscard]] bool takes_word(BufferAddress address, std::uint16_t value) const;
+
+  // --- at a start
+  /// Selects the stored function mode and puts its stored words into the buffer memory. What is damaged is
+  /// answered with the factory's defaults.
+  const FunctionModeRow& load();
+  /// The first mapping of the stored object dictionary that the module cannot work with.
+  [[nodiscard]] std::optional<canopen::Entry> faulty_mapping(std::uint8_t node_id);
+  /// Puts stored objects on top of the defaults.
+  void load_objects(canopen::ObjectDictionary& objects);
+
+  // --- saving
+  /// The PLC's request, bits of the save/restore word, begins; what it finds at its end is what counts.
+  void begin_save(std::uint16_t request);
+  /// False when the flash memory could not be written.
+  bool end_save();
+  /// The request that is being carried out restores.
+  [[nodiscard]] bool restores() const noexcept { return (request_ & model_->save_restore.restore) != 0; }
+  void forget_save() noexcept { request_ = 0; }
+  /// 1010H and 1011H. False when the flash memory could not be written.
+  bool store_objects(const canopen::ObjectDictionary& objects);
+  bool restore_objects();
+
+  [[nodiscard]] FlashMemory& flash() noexcept { return flash_; }
+  [[nodiscard]] const FlashMemory& flash() const noexcept { return flash_; }
+  /// Since the last call the flash memory was written for the first time more often than the real one lasts.
+  bool wore_out() noexcept;
+  /// Something stored was damaged, or could not be written.
+  [[nodiscard]] bool error() const noexcept { return error_; }
+  void note_error() noexcept { error_ = true; }
+
+ private:
+  const FunctionModeRow& preset_mode() const;
+  const FunctionModeRow* use_words();
+
+  const ModuleModel* model_;
+  NonVolatileMemory* memory_;
+  BufferMemory* buffer_;
+  FlashMemory flash_;  // the settings; the mark of a running save is in memory_ itself
+  StoredWords shelf_words_;
+  std::map<std::pair<std::uint16_t, std::uint8_t>, std::vector<std::uint8_t>> shelf_objects_;
+  StoredWords words_;              // as stored, of all function modes
+  std::uint32_t told_writes_ = 0;  // when wore_out() looked last
+  std::uint16_t request_ = 0;
+  bool error_ = false;
+};
+
+}  // namespace canopus::module
