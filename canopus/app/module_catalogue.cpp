@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "canopus/canopen/object_dictionary.hpp"
 #include "canopus/eds/writer.hpp"
 #include "canopus/module/me3can1_q/data_sheet.hpp"
+#include "canopus/module/me3can1_q/me3can1_q.hpp"
 #include "canopus/module/me3can1_q/object_table.hpp"
 
 namespace canopus::app {
@@ -16,8 +20,16 @@ namespace {
 constexpr std::array<std::string_view, 3> me3can1_q_stored{"buffer-memory", "object-dictionary",
                                                            "concise-dcf"};
 
+std::unique_ptr<module::CommunicationModule> make_me3can1_q(can::Controller& controller,
+                                                            module::NonVolatileMemory& memory,
+                                                            const ModuleTuning& tuning) {
+  module::Profile profile;
+  profile.restart_time = tuning.restart_time.value_or(profile.restart_time);
+  return std::make_unique<module::me3can1_q::Me3can1Q>(controller, memory, std::move(profile));
+}
+
 const std::array catalogue = std::to_array<CatalogueEntry>({
-    {&module::me3can1_q::data_sheet, module::me3can1_q::object_dictionary, me3can1_q_stored},
+    {&module::me3can1_q::data_sheet, module::me3can1_q::object_dictionary, me3can1_q_stored, make_me3can1_q},
 });
 
 bool same_letter(char a, char b) {
@@ -48,6 +60,14 @@ const CatalogueEntry* find_module(std::string_view model) noexcept {
     return std::ranges::equal(e.data_sheet->model, model, same_letter);
   });
   return found == catalogue.end() ? nullptr : &*found;
+}
+
+std::string quoted_models() {
+  std::string models;
+  for (const CatalogueEntry& entry : catalogue) {
+    models += fmt::format("{}\"{}\"", models.empty() ? "" : ", ", entry.data_sheet->model);
+  }
+  return models;
 }
 
 std::string module_eds(const CatalogueEntry& entry) {

@@ -2,14 +2,21 @@
 // The soft modules there are, with what there is to say of each.
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
 #include "canopus/canopen/dictionary_description.hpp"
+#include "canopus/module/communication_module.hpp"
 #include "canopus/module/data_sheet.hpp"
 
 namespace canopus::app {
+
+/// What a plant may have otherwise than the module's own.
+struct ModuleTuning {
+  std::optional<can::Duration> restart_time{};
+};
 
 struct CatalogueEntry {
   const module::DataSheet* data_sheet;
@@ -17,11 +24,17 @@ struct CatalogueEntry {
   std::shared_ptr<const canopen::DictionaryDescription> (*objects)();
   /// Names of what it stores, as files of its folder in a plant's store.
   std::span<const std::string_view> stored;
+  /// One as it leaves the shelf. Controller and memory must outlive it.
+  std::unique_ptr<module::CommunicationModule> (*make)(can::Controller& controller,
+                                                       module::NonVolatileMemory& memory,
+                                                       const ModuleTuning& tuning);
 };
 
 [[nodiscard]] std::span<const CatalogueEntry> module_catalogue() noexcept;
 /// By model name in any case; nullptr when there is no such module.
 [[nodiscard]] const CatalogueEntry* find_module(std::string_view model) noexcept;
+/// The models there are, each between quotes: "A", "B".
+[[nodiscard]] std::string quoted_models();
 
 /// The text of an EDS file that describes the module.
 [[nodiscard]] std::string module_eds(const CatalogueEntry& entry);

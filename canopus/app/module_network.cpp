@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "canopus/canopen/dictionary_description.hpp"
+#include "canopus/module/network_variables.hpp"
 
 namespace canopus::app {
 
@@ -18,21 +19,12 @@ struct ModuleNetwork::Direction {
   std::uint16_t module_communication;  ///< 1400H or 1800H
   std::uint16_t module_mapping;        ///< 1600H or 1A00H
   std::uint32_t module_cob_id_bits;    ///< bits above the identifier
-  std::uint32_t first_word;            ///< G10000 or G13000
-  std::uint16_t words;                 ///< object of the first U16
-  std::uint16_t bytes;                 ///< object of the first U8
+  module::BufferAddress first_word;
+  const module::VariableArea& words;  ///< objects behind the words
+  const module::VariableArea& bytes;  ///< and behind their halves
 };
 
 namespace {
-
-// [ME3CAN1-Q 3.5.19]: objects behind the words; sub-indexes run from 01H to FEH, then the next index goes on.
-constexpr std::uint32_t word_count = 1024;
-constexpr unsigned subs_per_index = 254;
-constexpr unsigned pdo_count = 256;
-
-std::uint32_t mapping_entry(std::uint16_t first_index, std::uint32_t number, unsigned bits) {
-  return (first_index + number / subs_per_index) << 16 | (number % subs_per_index + 1) << 8 | bits;
-}
 
 template <typename Number>
 std::expected<std::vector<std::uint8_t>, std::string> whole_number(Number number, canopen::DataType type) {
@@ -94,26 +86,28 @@ std::vector<PlantError> ModuleNetwork::add_slave(const SlaveSection& slave, cons
   for (std::uint16_t i = 0; i < std::size(expected); ++i) {
     if (expected[i]) preset(static_cast<std::uint16_t>(0x1F84 + i), slave.node, *expected[i], 4);
   }
-  static constexpr Direction receive{.receive = true,
-                                     .slave_pdo = "TPDO",
-                                     .slave_communication = 0x1800,
-                                     .slave_mapping = 0x1A00,
-                                     .module_communication = 0x1400,
-                                     .module_mapping = 0x1600,
-                                     .module_cob_id_bits = 0,
-                                     .first_word = 10000,
-                                     .words = 0xA580,
-                                     .bytes = 0xA4C0};
-  static constexpr Direction send{.receive = false,
-                                  .slave_pdo = "RPDO",
-                                  .slave_communication = 0x1400,
-                                  .slave_mapping = 0x1600,
-                                  .module_communication = 0x1800,
-                                  .module_mapping = 0x1A00,
-                                  .module_cob_id_bits = 0x4000'0000,
-                                  .first_word = 13000,
-                                  .words = 0xA100,
-                                  .bytes = 0xA040};
+  using module::VariableDirection;
+  const module::DataExchangeLayout& layout = module_.program_interface().process_data;
+  const Direction receive{.receive = true,
+                          .slave_pdo = "TPDO",
+                          .slave_communication = 0x1800,
+                          .slave_mapping = 0x1A00,
+                          .module_communication = 0x1400,
+                          .module_mapping = 0x1600,
+                          .module_cob_id_bits = 0,
+                          .first_word = layout.receive_first,
+                          .words = variable_area(canopen::DataType::unsigned16, VariableDirection::output),
+                          .bytes = variable_area(canopen::DataType::unsigned8, VariableDirection::output)};
+  const Direction send{.receive = false,
+                       .slave_pdo = "RPDO",
+                       .slave_communication = 0x1400,
+                       .slave_mapping = 0x1600,
+                       .module_communication = 0x1800,
+                       .module_mapping = 0x1A00,
+                       .module_cob_id_bits = 0x4000'0000,
+                       .first_word = layout.transmit_first,
+                       .words = variable_area(canopen::DataType::unsigned16, VariableDirection::input),
+                       .bytes = variable_area(canopen::DataType::unsigned8, VariableDirection::input)};
   std::vector<PlantError> errors;
   for (const Direction* direction : {&receive, &send}) {
     for (const SlaveSection::Link& link : direction->receive ? slave.receive : slave.send) {
@@ -151,14 +145,16 @@ std::string ModuleNetwork::connect(const Direction& direction, const SlaveSectio
   if (length > 8) return "more than 8 bytes are mapped into the PDO";
   const std::uint32_t words = (length + 1) / 2;
 
+  const module::DataExchangeLayout& layout = module_.program_interface().process_data;
+  const auto end_word = static_cast<module::BufferAddress>(direction.first_word + layout.words);
   std::uint32_t& next_word = direction.receive ? next_receive_word_ : next_send_word_;
   unsigned& used = direction.receive ? receive_pdos_ : send_pdos_;
   const std::uint32_t address = link.address.value_or(direction.first_word + next_word);
-  if (address < direction.first_word || address + words > direction.first_word + word_count) {
+  if (address < direction.first_word || address + words > end_word) {
     return fmt::format("G{} is no place for {} words; expected G{} to G{}", address, words,
-                       direction.first_word, direction.first_word + word_count - words);
+                       direction.first_word, end_word - words);
   }
-  if (used == pdo_count) return fmt::format("the module has no more than {} PDOs", pdo_count);
+  if (used == layout.pdos) return fmt::format("the module has no more than {} PDOs", layout.pdos);
   const std::uint32_t first = address - direction.first_word;
   next_word = std::max(next_word, first + 4);  // PDOs of up to 8 bytes line up on four words
   const auto communication = static_cast<std::uint16_t>(direction.module_communication + used);
@@ -170,10 +166,10 @@ std::string ModuleNetwork::connect(const Direction& direction, const SlaveSectio
   preset(mapping, 0, 0, 1);
   std::uint8_t count = 0;
   for (std::uint32_t i = 0; i < length / 2; ++i) {
-    preset(mapping, ++count, mapping_entry(direction.words, first + i, 16), 4);
+    preset(mapping, ++count, variable_mapping(direction.words, first + i), 4);
   }
   if (length % 2 != 0)
-    preset(mapping, ++count, mapping_entry(direction.bytes, 2 * (first + length / 2), 8), 4);
+    preset(mapping, ++count, variable_mapping(direction.bytes, 2 * (first + length / 2)), 4);
   preset(mapping, 0, count, 1);
   preset(communication, 1, direction.module_cob_id_bits | identifier, 4);
   connections_.push_back(fmt::format("{}\\G{}{} {} {}{} of node {}{}, {:03X}H, {} byte{}", slot_, address,

@@ -13,7 +13,7 @@
 #include "canopus/canopen/abort_code.hpp"
 #include "canopus/canopen/data_type.hpp"
 #include "canopus/eds/device_file.hpp"
-#include "canopus/module/me3can1_q/me3can1_q.hpp"
+#include "canopus/module/communication_module.hpp"
 
 namespace canopus::app {
 
@@ -24,7 +24,7 @@ namespace canopus::app {
 
 class ModuleNetwork {
  public:
-  ModuleNetwork(module::me3can1_q::Me3can1Q& module, std::string slot)
+  ModuleNetwork(module::CommunicationModule& module, std::string slot)
       : module_(module), slot_(std::move(slot)) {}
 
   /// Assigns a slave and connects its PDOs. `file` is the slave's, as configured. Without `every_link` a PDO
@@ -43,7 +43,7 @@ class ModuleNetwork {
                       const eds::DeviceFile& file, std::string_view name);
   void preset(std::uint16_t index, std::uint8_t sub, std::uint32_t value, unsigned length);
 
-  module::me3can1_q::Me3can1Q& module_;
+  module::CommunicationModule& module_;
   std::string slot_;
   std::vector<std::string> connections_;
   std::vector<std::string> refusals_;

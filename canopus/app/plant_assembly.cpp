@@ -7,16 +7,17 @@
 #include <fmt/format.h>
 
 #include "canopus/app/file_text.hpp"
+#include "canopus/app/module_catalogue.hpp"
 #include "canopus/app/module_network.hpp"
+#include "canopus/app/module_presets.hpp"
 #include "canopus/app/plant_parts.hpp"
+#include "canopus/app/run_memory.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/store/file_memory.hpp"
 
 namespace canopus::app {
 
 namespace {
-
-using module::me3can1_q::Me3can1Q;
 
 /// Builds a plant's parts, collecting every error on the way.
 class Assembly {
@@ -36,11 +37,14 @@ class Assembly {
   void error(Place place, fmt::format_string<Arguments...> text, Arguments&&... arguments) {
     errors_.push_back({place, fmt::format(text, std::forward<Arguments>(arguments)...)});
   }
+  void add(const std::vector<PlantError>& problems) {
+    errors_.insert(errors_.end(), problems.begin(), problems.end());
+  }
   File load(const DeviceSection& section);
   File configured(const File& file, const DeviceSection& section);
   void add_device(const DeviceSection& section, std::size_t number);
   void add_module(const PlcSection& plc, std::size_t plc_number, const ModuleSection& section);
-  void configure_network(const ModuleSection& section, Me3can1Q& module);
+  void configure_network(const ModuleSection& section, module::CommunicationModule& module);
   void set_faults(const BusSection& section, sim::Bus& bus);
   BusWatch& watch(const sim::Bus& bus);
   DeviceSeat* device(std::string_view bus, std::uint8_t node);
@@ -221,50 +225,15 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
         folder_ / plc.store / fmt::format("U{:03X}-{}", section.head, section.model);
     memory = std::make_unique<store::FileMemory>(path);
   }
-  module::Profile profile;
-  if (section.restart_time) profile.restart_time = *section.restart_time;
-  auto seat = std::make_unique<ModuleSeat>(section, plc.name, port, std::move(memory), profile, watch(bus),
+  const CatalogueEntry& entry = *find_module(section.model);
+  auto made = entry.make(port, *memory, {.restart_time = section.restart_time});
+  auto seat = std::make_unique<ModuleSeat>(section, plc.name, std::move(memory), std::move(made), watch(bus),
                                            observer_);
-  Me3can1Q& module = seat->module();
-
-  constexpr module::BufferAddress bit_rate_word = 24;
-  constexpr module::BufferAddress node_address_word = 27;
-  module.preset_word(bit_rate_word, static_cast<std::uint16_t>(bus.bit_rate() / 1000));
-  if (section.node != 0) module.preset_word(node_address_word, section.node);
-  for (const BufferSetting& setting : section.buffer) {
-    if (!module.preset_word(setting.address, setting.value)) {
-      error(setting.place, "G{} = {}: the {} does not take this value, or does not save this word",
-            setting.address, setting.value, section.model);
-    }
-  }
-  if (const auto wrong = module.layer2_preset_error()) {
-    const auto setting = std::ranges::find(section.buffer, *wrong, &BufferSetting::address);
-    error(setting == section.buffer.end() ? section.place : setting->place,
-          "G{}: the {} does not go online in its Layer 2 mode with this word, or without it", *wrong,
-          section.model);
-  }
-  for (const BufferSetting& word : section.writes) {
-    if (!module.takes_word(word.address, word.value)) {
-      error(word.place, "write: G{} = {}: the {} does not take this", word.address, word.value,
-            section.model);
-    }
-  }
+  module::CommunicationModule& module = seat->module();
+  const auto bus_section = std::ranges::find(parts_.file.buses, section.bus, &BusSection::name);
+  add(preset_words(module, *entry.data_sheet, section, *bus_section));
   if (section.master) configure_network(section, module);
-  for (const ObjectSetting& setting : section.objects) {
-    const auto [index, sub] = setting.object;
-    const canopen::Entry entry = module.node().dictionary().description().find(index, sub);
-    if (!entry) {
-      error(setting.place, "the {} has no object {:04X}H:{:02X}H", section.model, index, sub);
-      continue;
-    }
-    const auto bytes = encode(setting.value, entry.description->type);
-    if (!bytes) {
-      error(setting.place, "{:04X}H:{:02X}H: {}", index, sub, bytes.error());
-    } else if (const auto code = module.preset_object(index, sub, *bytes); code != canopen::AbortCode::none) {
-      error(setting.place, "{:04X}H:{:02X}H: the {} refuses the value: {}", index, sub, section.model,
-            canopen::describe(code));
-    }
-  }
+  add(preset_objects(module, section));
   parts_.module_handles.push_back(parts_.timeline.add(*seat));
   port.connect(*seat, parts_.module_handles.back());
   if (!parts_.racks[plc_number]->insert(section.head, module, parts_.module_handles.back())) {
@@ -275,12 +244,11 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
   parts_.modules.push_back(std::move(seat));
 }
 
-void Assembly::configure_network(const ModuleSection& section, Me3can1Q& module) {
+void Assembly::configure_network(const ModuleSection& section, module::CommunicationModule& module) {
   ModuleNetwork network(module, fmt::format("U{:X}", section.head / 16));
-  const auto add = [&](const SlaveSection& wanted, DeviceSeat& seat, bool every_link) {
+  const auto add_slave = [&](const SlaveSection& wanted, DeviceSeat& seat, bool every_link) {
     const NodeStatus& status = seat.status();
-    const auto problems = network.add_slave(wanted, seat.device().file(), status.plate.name, every_link);
-    for (const PlantError& problem : problems) errors_.push_back(problem);
+    add(network.add_slave(wanted, seat.device().file(), status.plate.name, every_link));
   };
   for (const auto& seat :
        parts_.devices) {  // in the plant file's order, so that the words come in this order too
@@ -288,12 +256,12 @@ void Assembly::configure_network(const ModuleSection& section, Me3can1Q& module)
     if (plate.bus != section.bus || plate.node_id == manager::lss::unconfigured) continue;
     const auto written = std::ranges::find(section.slaves, plate.node_id, &SlaveSection::node);
     if (written != section.slaves.end()) {
-      add(*written, *seat, true);
+      add_slave(*written, *seat, true);
     } else if (section.all_slaves) {
       SlaveSection slave{.place = section.place, .node = plate.node_id};
       slave.receive.push_back({.place = section.place, .pdo = 1});
       slave.send.push_back({.place = section.place, .pdo = 1});
-      add(slave, *seat, false);
+      add_slave(slave, *seat, false);
     }
   }
   network.become_master();

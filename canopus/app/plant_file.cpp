@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "canopus/app/module_catalogue.hpp"
 #include "canopus/app/table_reader.hpp"
 #include "canopus/can/controller.hpp"
 
@@ -183,8 +184,11 @@ SlaveSection read_slave(TableReader& table) {
 ModuleSection read_module(TableReader& table) {
   ModuleSection module{.place = table.place()};
   module.model = table.text("model", true).value_or("");
-  if (!module.model.empty() && module.model != "ME3CAN1-Q") {
-    table.error("model", "expected \"ME3CAN1-Q\"");
+  if (const CatalogueEntry* entry = find_module(module.model)) {
+    module.model = entry->data_sheet->model;  // as its maker writes it
+  } else if (!module.model.empty()) {
+    const std::string_view one_of = module_catalogue().size() > 1 ? "one of " : "";
+    table.error("model", fmt::format("expected {}{}", one_of, quoted_models()));
   }
   constexpr std::string_view head_expected = "a head I/O number is a multiple of 10H from 0 to 0FF0H";
   const auto head = table.integer("head", 0, 0xFF0, head_expected);
@@ -249,6 +253,12 @@ PlcSection read_plc(TableReader& table) {
   return plc;
 }
 
+/// I/O points of the module in its rack; a module without signals has its head address for itself, too.
+unsigned points(const ModuleSection& module) {
+  const CatalogueEntry* entry = find_module(module.model);
+  return std::max(16U, entry == nullptr ? 0U : entry->data_sheet->points);
+}
+
 /// What no single table can see: names that must be there once, buses that must exist.
 void check_references(PlantFile& plant, std::vector<PlantError>& errors) {
   const auto error = [&](Place place, std::string message) { errors.push_back({place, std::move(message)}); };
@@ -294,9 +304,10 @@ void check_references(PlantFile& plant, std::vector<PlantError>& errors) {
       ModuleSection& module = plc.modules[i];
       resolve(module.bus, module.node, module.place, "module");
       for (std::size_t k = 0; k < i; ++k) {
-        if (module.head + 32 <= plc.modules[k].head || plc.modules[k].head + 32 <= module.head) continue;
+        const ModuleSection& other = plc.modules[k];
+        if (module.head + points(module) <= other.head || other.head + points(other) <= module.head) continue;
         error(module.place, fmt::format("the module at head {:03X}H overlaps the one in line {}", module.head,
-                                        plc.modules[k].place.line));
+                                        other.place.line));
       }
       if (!module.master && (module.all_slaves || !module.slaves.empty())) {
         error(module.place, "slaves need master = true");

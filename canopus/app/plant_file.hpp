@@ -117,7 +117,7 @@ struct ModuleSection {
   std::optional<can::Duration> restart_time{};  ///< instead of the module's own 6 s
   std::vector<ObjectSetting> objects{};
   std::vector<BufferSetting> buffer{};
-  bool online = false;                  ///< the stand-in program sets Y03 whenever the module has started
+  bool online = false;  ///< the stand-in program takes the module online whenever it has started (Layer 2)
   std::vector<BufferSetting> writes{};  ///< and writes these words before, by address
   module::ModuleFault fault = module::ModuleFault::hardware_error;
   std::optional<can::Duration> fault_at{};  ///< when the module gets this fault

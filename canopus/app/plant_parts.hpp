@@ -1,14 +1,18 @@
 #pragma once
 // What a plant consists of, and how it is put together from its file.
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "canopus/app/bus_watch.hpp"
+#include "canopus/app/device_seat.hpp"
+#include "canopus/app/module_seat.hpp"
 #include "canopus/app/plant.hpp"
-#include "canopus/app/plant_seats.hpp"
+#include "canopus/app/plant_timers.hpp"
 
 namespace canopus::app {
 

@@ -46,6 +46,22 @@ inline constexpr std::array<VariableArea, 14> variable_areas{{
     {0xA6C0, canopen::DataType::real32, VariableDirection::output, "Output network variable float 32"},
 }};
 
+/// The area of this type and direction; there must be one.
+[[nodiscard]] constexpr const VariableArea& variable_area(canopen::DataType type,
+                                                          VariableDirection direction) noexcept {
+  std::size_t i = 0;
+  while (variable_areas[i].type != type || variable_areas[i].direction != direction) ++i;
+  return variable_areas[i];
+}
+
+/// Object number `number` of an area as a PDO mapping parameter names it.
+[[nodiscard]] constexpr std::uint32_t variable_mapping(const VariableArea& area,
+                                                       std::size_t number) noexcept {
+  const auto index = static_cast<std::uint32_t>(area.first_index + number / variables_per_index);
+  const auto sub = static_cast<std::uint32_t>(number % variables_per_index + 1);
+  return index << 16U | sub << 8U | static_cast<std::uint32_t>(8 * area.size());
+}
+
 /// Where a network variable lies in the block of its direction.
 struct VariablePlace {
   VariableDirection direction = VariableDirection::input;

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "canopus/module/me3can1_q/me3can1_q.hpp"
+
 namespace canopus::app {
 namespace {
 

@@ -1,0 +1,86 @@
+#include "canopus/app/device_seat.hpp"
+
+#include <utility>
+
+namespace canopus::app {
+
+DeviceSeat::DeviceSeat(std::shared_ptr<const eds::DeviceFile> file, const DeviceSection& section,
+                       std::uint8_t node_id, sim::Port& port, PlantObserver& observer)
+    : device_(std::move(file), node_id, port),
+      port_(port),
+      start_(can::Time{} + section.start),
+      observer_(observer) {
+  const std::string& product = device_.file().device.product_name;
+  name_ = !section.name.empty() ? section.name : product;
+  status_.plate = {section.bus, name_, node_id};
+}
+
+void DeviceSeat::set_store(std::unique_ptr<store::ParameterFile> store) {
+  store_ = std::move(store);
+  device_.node().set_parameter_store(store_.get());
+}
+
+void DeviceSeat::enable_lss(std::unique_ptr<store::ParameterFile> store) {
+  lss_store_ = std::move(store);
+  device_.enable_lss(port_, lss_store_.get());
+}
+
+void DeviceSeat::power_on(can::Time now) {
+  if (now < start_) return;
+  status_.is_on = true;
+  bit_rate_ = port_.bit_rate();
+  device_.power_on(now);
+  look(now);
+}
+
+void DeviceSeat::receive(const can::Frame& frame, can::Time now) {
+  if (!status_.is_on) return;
+  device_.receive(frame, now);
+  look(now);
+}
+
+void DeviceSeat::transmitted(const can::Frame& frame, can::Time now) {
+  if (is_pdo(frame)) ++status_.pdos;
+  device_.transmitted(frame, now);
+}
+
+void DeviceSeat::controller_changed(can::Time now) {
+  device_.controller_changed(now);
+  look(now);
+}
+
+void DeviceSeat::tick(can::Time now) {
+  if (!status_.is_on) return power_on(now);
+  device_.tick(now);
+  look(now);
+}
+
+void DeviceSeat::look(can::Time now) {
+  if (device_.lss() != nullptr) look_at_lss(now);
+  if (device_.node().identifiers_revision() != accepted_revision_) accept();
+  if (device_.node().state() == status_.state) return;
+  status_.state = device_.node().state();
+  observer_.nmt_state_changed(status_.plate, status_.state, now);
+}
+
+void DeviceSeat::look_at_lss(can::Time now) {
+  const std::uint8_t node_id = device_.node().node_id();
+  if (node_id == status_.plate.node_id && port_.bit_rate() == bit_rate_) return;
+  bit_rate_ = port_.bit_rate();
+  if (node_id != status_.plate.node_id) watch_->renumber(status_, node_id);
+  observer_.lss_configured(status_.plate, bit_rate_, now);
+}
+
+/// Tells the controller which identifiers the node does something with: the bus then leaves out the others.
+void DeviceSeat::accept() {
+  const canopen::Node& node = device_.node();
+  accepted_revision_ = node.identifiers_revision();
+  sim::Acceptance acceptance;
+  for (std::uint32_t identifier = 0; identifier <= can::max_base_identifier; ++identifier) {
+    acceptance.base[identifier] = device_.wants(identifier);
+  }
+  acceptance.extended = node.wants_extended();
+  port_.accept(acceptance);
+}
+
+}  // namespace canopus::app

@@ -1,0 +1,57 @@
+#pragma once
+// A simulated device in its place on a bus: what happens to it is passed on, and what changes is reported to
+// the plant's observer.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "canopus/app/bus_watch.hpp"
+#include "canopus/app/plant.hpp"
+#include "canopus/sim/device.hpp"
+#include "canopus/store/parameter_file.hpp"
+
+namespace canopus::app {
+
+class DeviceSeat final : public can::Participant {
+ public:
+  DeviceSeat(std::shared_ptr<const eds::DeviceFile> file, const DeviceSection& section, std::uint8_t node_id,
+             sim::Port& port, PlantObserver& observer);
+
+  sim::Device& device() noexcept { return device_; }
+  /// Where the device keeps what 1010H saves. To be called before power_on().
+  void set_store(std::unique_ptr<store::ParameterFile> store);
+  /// LSS slave, what it is told to store goes there (nullptr: does not survive the run). To be called before
+  /// power_on().
+  void enable_lss(std::unique_ptr<store::ParameterFile> store);
+  /// To be told when the node-ID changes.
+  void set_watch(BusWatch& watch) noexcept { watch_ = &watch; }
+  NodeStatus& status() noexcept { return status_; }
+  const NodeStatus& status() const noexcept { return status_; }
+
+  void power_on(can::Time now);
+  void receive(const can::Frame& frame, can::Time now) override;
+  void transmitted(const can::Frame& frame, can::Time now) override;
+  void controller_changed(can::Time now) override;
+  void tick(can::Time now) override;
+  can::Time deadline() const noexcept override { return status_.is_on ? device_.deadline() : start_; }
+
+ private:
+  void look(can::Time now);
+  void look_at_lss(can::Time now);
+  void accept();
+
+  std::unique_ptr<store::ParameterFile> store_;
+  std::unique_ptr<store::ParameterFile> lss_store_;
+  BusWatch* watch_ = nullptr;
+  std::uint32_t bit_rate_ = 0;
+  sim::Device device_;
+  sim::Port& port_;
+  std::uint32_t accepted_revision_ = 0;
+  std::string name_;
+  NodeStatus status_;
+  can::Time start_;
+  PlantObserver& observer_;
+};
+
+}  // namespace canopus::app

@@ -1,0 +1,70 @@
+#pragma once
+// A communication module in its slot: what happens to it is passed on, what changes is reported to the
+// plant's observer, and a stand-in for the PLC program works with it as the plant file says.
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/app/bus_watch.hpp"
+#include "canopus/app/plant.hpp"
+#include "canopus/module/communication_module.hpp"
+#include "canopus/plc/stand_in_program.hpp"
+
+namespace canopus::app {
+
+class ModuleSeat final : public can::Participant, public module::ModuleObserver {
+ public:
+  /// `memory` is the module's.
+  ModuleSeat(const ModuleSection& section, std::string_view plc,
+             std::unique_ptr<module::NonVolatileMemory> memory,
+             std::unique_ptr<module::CommunicationModule> module, const BusWatch& watch,
+             PlantObserver& observer);
+
+  module::CommunicationModule& module() noexcept { return *module_; }
+  NodeStatus& status() noexcept { return status_; }
+  const NodeStatus& status() const noexcept { return status_; }
+
+  /// Adds the slaves that this module boots as the active NMT master.
+  void collect_boots(std::vector<SlaveBoot>& all) const;
+
+  /// The rack has switched the module on.
+  void powered(can::Time now);
+
+  void receive(const can::Frame& frame, can::Time now) override;
+  void transmitted(const can::Frame& frame, can::Time now) override;
+  void controller_changed(can::Time now) override;
+  void tick(can::Time now) override;
+  can::Time deadline() const noexcept override;
+
+  void signal_changed(module::SignalKind kind, unsigned number, bool on, can::Time now) override;
+  void buffer_written(std::uint32_t address, std::uint16_t value, can::Time now) override;
+  void slave_boot_went_on(std::uint8_t node_id, const manager::BootRecord& record, can::Time now) override;
+  void error_raised(std::string_view what, can::Time now) override;
+
+ private:
+  void look(can::Time now);
+
+  struct BootSeen {
+    manager::BootStep step = manager::BootStep::idle;
+    std::uint32_t attempts = 0;
+  };
+
+  ModuleSection section_;
+  std::string_view plc_;
+  const BusWatch& watch_;
+  std::string name_;
+  std::unique_ptr<module::NonVolatileMemory> memory_;
+  std::unique_ptr<module::CommunicationModule> module_;
+  plc::StandInProgram program_;
+  PlantObserver& observer_;
+  NodeStatus status_;
+  std::vector<std::uint16_t> watched_;
+  std::array<BootSeen, 128> boots_seen_{};
+  can::Time next_fault_ = can::never;
+};
+
+}  // namespace canopus::app
