@@ -148,6 +148,29 @@ TEST(Me3Layer2Bus, S52_RunToStopMessages_GoInTheirOrder_AlthoughY03GoesOffWithTh
   EXPECT_EQ(b.heard(), (std::vector<std::uint32_t>{0x400, 0x3FF, 0x3FE, 0x3FD}));
 }
 
+// Other messages that wait, and would win arbitration against a later message of the four, do not change
+// their order.
+TEST(Me3Layer2Bus, RunToStopMessages_KeepTheirOrder_AmongOtherMessages) {
+  RecordProperty("spec", "ME3-L2-040");
+  Bench b(250);
+  b.power_on();
+  for (std::uint16_t message = 0; message < 4; ++message) {
+    b.write(8450 + 7U * message, {static_cast<std::uint16_t>(0x400 - message), 0, 1});
+  }
+  b.transmit_slots(3, 0);
+  b.y(0x03, true);
+  b.y(0x01, true);
+  b.run(1100us);  // the first of the three is on its way
+  b.stop_cpu();
+  b.run(1s);
+  std::vector<std::uint32_t> stop_messages;
+  for (const std::uint32_t identifier : b.heard()) {
+    if (identifier > 0x300) stop_messages.push_back(identifier);
+  }
+  EXPECT_EQ(stop_messages, (std::vector<std::uint32_t>{0x400, 0x3FF, 0x3FE, 0x3FD}));
+  EXPECT_EQ(b.heard().front(), 0x100U);
+}
+
 TEST(Me3Layer2Bus, S55_FramesWithoutDataAt1MbitPerSecond_OverflowASlot) {
   RecordProperty("spec", "ME3-L2-039 ME3-ERR-008");
   for (const std::uint8_t dlc : Bytes{8, 0}) {

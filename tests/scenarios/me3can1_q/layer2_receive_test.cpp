@@ -43,6 +43,27 @@ TEST(Me3Layer2Receive, S49_FilterExample1) {
   s.expect(10000, {0x0181, 0, 0x0001, 0x00D1}).expect(29, 0);
 }
 
+// A first message of nothing but zeros is new data; the other frame format is another message.
+TEST(Me3Layer2Receive, FirstMessage_IsNewData_WhateverItHolds) {
+  RecordProperty("spec", "ME3-L2-029 ME3-L2-031 ME3-L2-044");
+  Me3Scenario s;
+  one_slot(s, 0x0000);
+  s.rx(can::Frame{.identifier = 0x000, .extended = true, .dlc = 1, .data = {1}});
+  s.exchange();
+  s.expect(10000, {0xFFFF, 0xFFFF, 0x0000, 0});
+  s.rx(0x000);
+  s.exchange();
+  s.expect(10000, {0x0000, 0x0000, 0x0300, 0});
+  s.write(10002, 0).rx(0x000);
+  s.exchange();
+  s.expect(10002, 0x0200);
+  // Going online begins anew: the same message is a new one again.
+  s.write(10002, 0);
+  s.offline().online().rx(0x000);
+  s.exchange();
+  s.expect(10002, 0x0300);
+}
+
 TEST(Me3Layer2Receive, S50_FilterExample2) {
   RecordProperty("spec", "ME3-L2-028 ME3-L2-030");
   Me3Scenario s;
@@ -178,6 +199,22 @@ TEST(Me3Layer2Receive, RemoteFrames_AreNotStored) {
   s.rx(0x181, {1});
   s.exchange();
   s.expect_bit(10002, 15, false).expect_bit(10002, 12, false).no_tx();
+}
+
+// Each slot has an error code of its own.
+TEST(Me3Layer2Receive, EverySlotsOverflow_IsShownAtItsErrorCode) {
+  RecordProperty("spec", "ME3-L2-002 ME3-L2-039");
+  Me3Scenario s;
+  s.power_on_layer2();
+  for (module::BufferAddress slot = 0; slot < 42; ++slot)
+    s.write(6000 + 4 * slot, {static_cast<std::uint16_t>(0x100 + slot), 0, 0, 0});
+  s.online();
+  for (module::BufferAddress slot = 0; slot < 42; ++slot) {
+    for (int i = 0; i < 20; ++i) s.rx(0x100 + slot, {});
+    for (module::BufferAddress other = 0; other < 42; ++other)
+      s.expect(5001 + other, other == slot ? 0x2000 : 0);
+    s.expect(29, 0x8000).write(5001 + slot, 0).write(29, 0).expect(29, 0).advance(1s);
+  }
 }
 
 TEST(Me3Layer2Receive, OneMessage_InEverySlotThatLetsItPass) {

@@ -51,7 +51,7 @@ TEST(Me3Layer2Settings, S06_StartUp_InTheOrderOfTable6_5) {
 }
 
 TEST(Me3Layer2Settings, FunctionMode_TakesEffectWithTheRestart_UnsavedItIsLost) {
-  RecordProperty("spec", "ME3-MODE-001 ME3-MODE-003");
+  RecordProperty("spec", "ME3-MODE-001 ME3-MODE-003 ME3-L2-001");
   Me3Scenario s;
   s.power_on();
   s.expect(21, 405);
@@ -210,6 +210,26 @@ TEST(Me3Layer2Settings, Y03_OnlineAndOffline) {
   s.exchange();
   s.tx(0x123, {0x55}).expect(10009, 0);  // what was not exchanged before going offline is lost
   s.ignore_tx();
+}
+
+// A data exchange that is under way when the module goes offline, or online, neither sends nor stores.
+TEST(Me3Layer2Settings, Y03_DuringADataExchange) {
+  RecordProperty("spec", "ME3-IO-009 ME3-L2-009");
+  Me3Scenario s;
+  s.power_on_layer2();
+  s.write(6000, {0xFFFF, 0x5FFF, 0, 0}).write(10000, {0x0123, 0, 1, 0x55});
+  s.write(6004, {0x0181, 0, 0, 0});
+  s.online();
+  s.rx(0x181, {0xA1});
+  s.y(0x01, true);
+  s.offline();
+  s.wait_x(0x01, true).no_tx().expect(10009, 0);
+  s.y(0x01, false).y(0x01, true);
+  s.online();
+  s.wait_x(0x01, true).no_tx().expect(10009, 0);
+  s.y(0x01, false);
+  s.exchange();
+  s.tx(0x123, {0x55}).no_tx();
 }
 
 TEST(Me3Layer2Settings, Y03_LeftOn_GoesOnlineAgainAfterARestart) {
@@ -384,6 +404,7 @@ TEST_P(Me3Layer2BadValue, SetsG29Bit6_AndLeavesTheWord) {
   s.write(6000, {0xFFFF, 0x5FFF, 4, 0}).write(10000, {0x0123, 0, 1});
   s.write(6004, {0x0181, 0, 6, 0});
   s.write(6008, {0xFFFF, 0x6FFF, 0, 0}).write(10014, {0x0124, 0, 1});
+  s.write(6012, {0xFFFF, 0x7FFF, 0, 0}).write(10021, {0x0125, 0, 1});
   s.expect(29, 0);
   const std::uint16_t before = s.read(bad.address);
   s.write(bad.address, bad.value);
@@ -398,8 +419,12 @@ INSTANTIATE_TEST_SUITE_P(
                     BadValue{29, 6002, 5}, BadValue{11, 10000, 0x0800}, BadValue{11, 10001, 1},
                     BadValue{29, 10001, 0x2000}, BadValue{11, 10002, 9}, BadValue{11, 10002, 0x00FF},
                     BadValue{11, 10002, 0x9001}, BadValue{11, 10002, 0x1001}, BadValue{11, 10016, 0x8001},
-                    BadValue{11, 8450, 0x0800}, BadValue{11, 8451, 1}, BadValue{29, 8451, 0x2000},
-                    BadValue{11, 8452, 9}, BadValue{11, 8452, 0x8001}, BadValue{11, 5001, 1}));
+                    BadValue{11, 10023, 0x8001}, BadValue{11, 10023, 0x9001}, BadValue{11, 6001, 0x6FFE},
+                    BadValue{11, 6001, 0x7FFE}, BadValue{11, 6001, 0xFFFE}, BadValue{29, 6005, 0x5FFE},
+                    BadValue{11, 10007, 0x0800}, BadValue{29, 10008, 0x2000}, BadValue{11, 8471, 0x0800},
+                    BadValue{29, 8472, 0x2000}, BadValue{11, 8473, 0x0101}, BadValue{11, 8450, 0x0800},
+                    BadValue{11, 8451, 1}, BadValue{29, 8451, 0x2000}, BadValue{11, 8452, 9},
+                    BadValue{11, 8452, 0x8001}, BadValue{11, 5001, 1}));
 
 TEST(Me3Layer2Settings, GoodValues_OfBothModes) {
   RecordProperty("spec", "ME3-L2-006 ME3-L2-007 ME3-L2-044");
@@ -446,6 +471,33 @@ INSTANTIATE_TEST_SUITE_P(
                     BadSetting{6000, {0xFFFF, 0x0000, 0, 0}, 6000},   // FFFFH is no 11-bit one
                     BadSetting{6000, {0xFFFF, 0x5FFF, 0, 0}, 10000},  // no CAN-ID
                     BadSetting{8450, {0x0100}, 8451}));
+
+// What was no error for the slot as it was then is one at Y03, and for every slot and message, first to last.
+TEST(Me3Layer2Settings, FirstWrongWord_IsShown_WhicheverOrderTheyWereWrittenIn) {
+  RecordProperty("spec", "ME3-L2-007 ME3-IO-009");
+  Me3Scenario s;
+  s.power_on_layer2();
+  const auto refused = [&](std::uint16_t address) {
+    s.y(0x03, true).expect_x(0x03, false).expect(29, 0x0040).expect(39, address).y(0x03, false);
+    s.write(29, 0).expect(39, 0);
+  };
+  s.write(8471, 0x0100);  // message 4: half an identifier
+  refused(8472);
+  s.write(6166, 5).write(6164, {0xFFFF, 0x5FFF}).write(10287, {0x0123, 0});  // type 5: written before A and B
+  refused(6166);
+  s.write(6004, 0x0181);  // slot 2: half an identifier
+  refused(6005);
+  s.write(6000, {0xFFFF, 0x7FFF, 4, 0}).write(10000, 0x0181);  // slot 1: half a CAN-ID
+  refused(10001);
+  s.write(10001, 0);
+  refused(6005);
+  s.write(6005, 0);
+  refused(6166);
+  s.write(6166, 4);
+  refused(8472);
+  s.write(8472, 0);
+  s.online().expect(29, 0);
+}
 
 // RTR/new/DLC of a slot that is not used yet: only its DLC can be wrong; what goes with B is seen at Y03.
 TEST(Me3Layer2Settings, FrameWord_BeforeTheSlotIsSetUp) {

@@ -51,6 +51,27 @@ TEST(Me3Layer2Transmit, S17_S44_TriggerFlags) {
   s.tx(0x123, {0xAA, 0xBB});
 }
 
+// Once X04 has come, Y04 has done its work, whatever else the module sends while it stays ON.
+TEST(Me3Layer2Transmit, Trigger_FlagsSetAfterX04_WaitForTheNextY04) {
+  RecordProperty("spec", "ME3-IO-011 ME3-L2-020");
+  Me3Scenario s;
+  s.power_on_layer2();
+  s.write(6000, {0xFFFF, 0x5FFF, 4, 0}).write(10000, {0x0123, 0, 1, 0x11});
+  s.write(6004, {0xFFFF, 0x5FFF, 0, 0}).write(10007, {0x0124, 0, 1, 0x22});
+  s.online();
+  s.write(8400, 1).y(0x04, true);
+  s.tx(0x123, {0x11}).expect_x(0x04, true);
+  s.write(8400, 1);
+  s.exchange();
+  s.tx(0x124, {0x22}).no_tx().expect(8400, 1).expect_x(0x04, true);
+  s.y(0x04, false).y(0x04, true);
+  s.tx(0x123, {0x11}).no_tx().expect(8400, 0);
+  // A restart takes X03 and X04 away, although Y03 and Y04 stay ON.
+  s.y(0x02, true).expect_x(0x03, false).expect_x(0x04, false);
+  s.advance(5999ms).expect_x(0x03, false).expect_x(0x04, false).no_tx();
+  s.wait_x(0x02, true).y(0x02, false).no_tx();
+}
+
 TEST(Me3Layer2Transmit, Trigger_SendsASlotOfAnyType) {
   RecordProperty("spec", "ME3-L2-020 ME3-IO-011");
   Me3Scenario s;
@@ -157,7 +178,6 @@ TEST(Me3Layer2Transmit, S45_Type1_SendsWithY01IfTheDataChanged) {
   s.write(10003, 0x0000).write(10003, 0x2212);  // back again before Y01
   s.exchange();
   s.no_tx();
-  // What was sent by a trigger was sent.
   s.write(10003, 0x5555);
   s.controller().accepts = false;
   s.exchange();  // lost: still to be sent
@@ -165,6 +185,19 @@ TEST(Me3Layer2Transmit, S45_Type1_SendsWithY01IfTheDataChanged) {
   s.controller().accepts = true;
   s.exchange();
   s.tx(0x123, {0x55, 0x55});
+  s.exchange();
+  s.no_tx();
+  // What was sent by a trigger was sent.
+  s.write(10003, 0x6666);
+  s.controller().accepts = false;
+  s.exchange();
+  s.controller().accepts = true;
+  s.write(8400, 1).y(0x04, true).tx(0x123, {0x66, 0x66}).y(0x04, false);
+  s.exchange();
+  s.no_tx();
+  s.write(10002, 0x0001);  // another length is another message
+  s.exchange();
+  s.tx(0x123, {0x66});
   s.exchange();
   s.no_tx();
 }
@@ -215,6 +248,35 @@ TEST(Me3Layer2Transmit, S46_Type3_SendsInTheCycleAfterAChange) {
   s.exchange();
   s.advance(100ms);
   s.tx(0x123, {0x13}).no_tx();  // once, with the last of them
+  // Sent by a trigger, or back as it was, is not changed since the last transmission.
+  s.write(10003, 0x0014);
+  s.exchange();
+  s.write(8400, 1).y(0x04, true).tx(0x123, {0x14}).y(0x04, false);
+  s.advance(1s);
+  s.no_tx();
+  s.write(10003, 0x0015);
+  s.exchange();
+  s.write(10003, 0x0014);
+  s.exchange();
+  s.advance(1s);
+  s.no_tx();
+}
+
+// An answer to a remote frame is a transmission, too, and so is one that takes the RTR flag away.
+TEST(Me3Layer2Transmit, Type3_AnswersCountAsSent_AndCyclesClearTheRtrFlag) {
+  RecordProperty("spec", "ME3-L2-017 ME3-L2-016 ME3-L2-025 ME3-L2-010");
+  Me3Scenario s;
+  s.power_on_layer2();
+  s.write(6000, {0xFFFF, 0x7FFF, 3, 10}).write(10000, {0x0123, 0, 1, 0x11});
+  s.write(6004, {0xFFFF, 0x6FFF, 2, 10}).write(10007, {0x0124, 0, 1, 0x22});
+  s.online();
+  s.write(10003, 0x0012);
+  s.exchange();
+  s.rx_remote(0x123, 1).tx(0x123, {0x12}).expect(8350, 0);
+  s.rx_remote(0x124, 1).no_tx().expect(8350, 0x0002);
+  s.advance(98ms).no_tx().expect(8350, 0x0002);
+  s.advance(1ms);
+  s.tx(0x124, {0x22}).no_tx().expect(8350, 0);
 }
 
 TEST(Me3Layer2Transmit, CycleTime0_IsForcedTo1_ForTypes2And3) {
@@ -297,11 +359,11 @@ TEST(Me3Layer2Transmit, S47_ManualRtrResponse) {
     s.expect(8350, 0x0001);
     s.exchange();
     s.tx(0x123, {0x11, 0x22}).no_tx().expect(8350, 0);
-    s.rx_remote(0x123, 2).rx_remote(0x123, 2);
+    s.rx_remote(0x123, 2).rx_remote(0x123, 7);  // once more, and with another DLC: it does not matter
     s.expect(8350, 0x0001).no_tx();
     s.write(8400, 1).y(0x04, true);
     s.tx(0x123, {0x11, 0x22}).expect(8350, 0).no_tx();
-    s.rx_remote(0x123, 2);
+    s.rx_remote(0x123, 8).expect(8350, 0x0001);
     s.controller().accepts = false;  // not transmitted: the flag stays
     s.write(10003, 0x3333);
     s.exchange();
@@ -328,6 +390,21 @@ TEST(Me3Layer2Transmit, S47_StrictDlcCheck) {
     s.no_tx().expect(8350, 0);
     s.rx_remote(0x123, 2);
     if (b == 0x7FFF) s.tx(0x123, {0, 0}).expect(8350, 0);
+    if (b == 0x6FFF) s.no_tx().expect(8350, 1);
+    s.rx_remote(0x122, 2).no_tx();  // the CAN-ID must match as well
+    // Bit 12 and the DLC are in force with the next Y01.
+    s.write(8400, 1).y(0x04, true).y(0x04, false).ignore_tx();
+    s.write(10002, 0x1003).rx_remote(0x123, 3).no_tx().expect(8350, 0);
+    s.exchange();
+    s.rx_remote(0x123, 2).no_tx().expect(8350, 0);
+    s.rx_remote(0x123, 3);
+    if (b == 0x7FFF) s.tx(0x123, {0, 0, 0}).expect(8350, 0);
+    if (b == 0x6FFF) s.no_tx().expect(8350, 1);
+    s.write(8400, 1).y(0x04, true).y(0x04, false).ignore_tx();
+    s.write(10002, 0x0003);
+    s.exchange();
+    s.rx_remote(0x123, 1);
+    if (b == 0x7FFF) s.tx(0x123, {0, 0, 0}).expect(8350, 0);
     if (b == 0x6FFF) s.no_tx().expect(8350, 1);
   }
 }
@@ -386,6 +463,29 @@ TEST(Me3Layer2Transmit, SendRtrFrame) {
   s.tx(0x123, {0x11});
   s.write(10002, 0x9000);  // bits 15 and 12 exclude each other
   s.expect(10002, 0x0001).expect(29, 0x0040).expect(39, 10002);
+}
+
+// By every way a slot is sent, and with the format of the mode.
+TEST(Me3Layer2Transmit, SendRtrFrame_ByCycleAndTrigger_WithTheDlcOfTheLastY01) {
+  RecordProperty("spec", "ME3-L2-036 ME3-L2-044");
+  for (const std::uint16_t mode : Words{11, 29}) {
+    Me3Scenario s;
+    s.power_on_layer2(mode);
+    s.write(6000, {0xFFFF, 0x5FFF, 2, 1}).write(10000, {0x0123, 0, 0x8000});
+    s.write(6004, {0xFFFF, 0x5FFF, 4, 0}).write(10007, {0x0124, 0, 0x8008});
+    s.online();
+    s.advance(10ms);
+    s.tx(remote(0x123, 0, mode == 29)).no_tx();
+    s.write(8400, 2).y(0x04, true);
+    s.tx(remote(0x124, 8, mode == 29)).no_tx().expect(8400, 0).expect_x(0x04, true);
+    s.write(10002, 0x8003).advance(10ms);
+    s.tx(remote(0x123, 0, mode == 29)).no_tx();
+    s.exchange();
+    s.advance(9ms);
+    s.tx(remote(0x123, 3, mode == 29)).no_tx();
+    s.cif({0x000C, 0x0321, 0, 1, 5});
+    s.tx(remote(0x321, 5, mode == 29)).ignore_tx();
+  }
 }
 
 TEST(Me3Layer2Transmit, RemoteFrames_In405Mode_AreForNodeGuardingAlone) {

@@ -68,6 +68,25 @@ TEST(Me3TimeStamp, Producer_AsSlave_RunsTheClock_SendsNothing) {
   expect_clock(s, {14, 10, 15, 12, 40, 0, 3});
 }
 
+// A producer by its stored 1012H: after a restart the clock stands, and nothing is sent, until Y12.
+TEST(Me3TimeStamp, Producer_AfterARestart_WaitsForY12) {
+  RecordProperty("spec", "ME3-TIME-001 ME3-TIME-006 ME3-TIME-007");
+  Me3Scenario s;
+  become_master(s);
+  s.write(50, 2).write(58, 1);
+  s.store_objects();
+  set_clock(s, {14, 10, 15, 12, 30, 0});
+  s.tx(0x100, {0x40, 0xA5, 0xAE, 0x02, 0xED, 0x2B});
+  s.restart();
+  s.advance(5s).ignore_tx();
+  s.expect(50, {2, 14, 8, 1, 0, 0, 0, 5, 0}).expect_bit(25, 15, true);
+  s.advance(10min).no_tx();
+  expect_clock(s, {14, 8, 1, 0, 0, 0, 5});
+  s.write(58, 1).advance(10min).no_tx();
+  set_clock(s, {14, 8, 1, 0, 0, 0});
+  s.tx(0x100, {0x00, 0x00, 0x00, 0x00, 0xA2, 0x2B}).no_tx();
+}
+
 TEST(Me3TimeStamp, Interval_ZeroSendsNothing_1440IsTheLongest) {
   RecordProperty("spec", "ME3-TIME-008");
   Me3Scenario s;
@@ -91,7 +110,7 @@ TEST(Me3TimeStamp, Interval_ZeroSendsNothing_1440IsTheLongest) {
 }
 
 TEST(Me3TimeStamp, S19_InvalidValues_AreRefused_TheClockGoesOn) {
-  RecordProperty("spec", "ME3-TIME-010 ME3-TIME-011 ME3-TIME-009");
+  RecordProperty("spec", "ME3-TIME-009 ME3-TIME-010 ME3-TIME-011 ME3-TIME-012");
   Me3Scenario s;
   s.power_on();
   s.write(50, 2);
@@ -120,11 +139,13 @@ TEST(Me3TimeStamp, S19_InvalidValues_AreRefused_TheClockGoesOn) {
       {{79, 12, 31, 0, 0, 0}, {79, 12, 31, 0, 0, 0, 0}},
       {{2079, 1, 1, 0, 0, 0}, {79, 1, 1, 0, 0, 0, 0}},
       {{99, 12, 31, 0, 0, 0}, {99, 12, 31, 0, 0, 0, 5}},
+      {{99, 12, 31, 23, 59, 59}, {99, 12, 31, 23, 59, 59, 5}},
+      {{80, 1, 1, 0, 0, 0}, {80, 1, 1, 0, 0, 0, 2}},
       {{1980, 1, 1, 12, 0, 0}, {80, 1, 1, 12, 0, 0, 2}},
   };
   for (const auto& [written, shown] : good) {
     set_clock(s, written);
-    s.expect(29, 0);
+    s.expect(29, 0).expect(57, shown[6]);  // the day of the week is there with Y12
     expect_clock(s, shown);
   }
 }
@@ -354,6 +375,21 @@ TEST(Me3TimeStamp, DailyCorrection_AddsItsSecondsToEachDay) {
   s.save();
   s.restart();
   s.expect(59, 0xFFC4);
+  s.write(50, 2);
+  set_clock(s, {14, 1, 1, 0, 0, 0});  // the saved one is in force
+  s.advance(24h);
+  expect_clock(s, {14, 1, 1, 23, 59, 0, 3});
+  s.write(59, 60);
+  s.restart();  // not saved
+  s.expect(59, 0xFFC4).write(50, 2);
+  set_clock(s, {14, 1, 1, 0, 0, 0});
+  s.advance(24h);
+  expect_clock(s, {14, 1, 1, 23, 59, 0, 3});
+  s.save(2);  // the factory's: 0
+  s.expect(59, 0);
+  set_clock(s, {14, 1, 1, 0, 0, 0});
+  s.advance(24h);
+  expect_clock(s, {14, 1, 2, 0, 0, 0, 4});
 }
 
 }  // namespace
