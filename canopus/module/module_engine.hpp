@@ -3,8 +3,9 @@
 // the stored settings, data exchange, and the areas of the buffer memory, tied to one CANopen node and its
 // NMT master, or to Layer 2. What a model's manual says of words, bits and commands is its ModuleModel.
 //
-// How the PLC program asks for something is left to the class above (SignalModule: by Y signals): it calls
-// the requests below, and hears of their ends by done().
+// How the PLC program asks for something is left to the class above (SignalModule: by Y signals; modules
+// without signals: by bits of words, word_written()): it calls the requests below, and hears of their ends by
+// done().
 
 #include <array>
 #include <cstdint>
@@ -131,6 +132,8 @@ class ModuleEngine : public CommunicationModule,
 
  private:
   // --- for the class above
+  /// The program wrote this, and the word took it.
+  virtual void word_written(BufferAddress /*address*/, std::uint16_t /*value*/, can::Time /*now*/) {}
   /// The request is carried out.
   virtual void done(Request request, can::Time now) = 0;
   /// An initialization begins.

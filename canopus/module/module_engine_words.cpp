@@ -34,6 +34,7 @@ void ModuleEngine::write_word(BufferAddress address, std::uint16_t value, can::T
       use_communication_settings();
     }
     if (observer_ != nullptr) observer_->buffer_written(address, value, now);
+    word_written(address, value, now);
   } else if (result != WriteResult::ignored) {
     tell_of_word(
         address, value,
@@ -58,7 +59,7 @@ std::uint16_t ModuleEngine::StatusWords::read_word(BufferAddress address, can::T
   const SystemWords& words = engine.model_.words;
   const bool bus_off = engine.controller_.error_state() == can::ErrorState::bus_off;
   if (address == words.data_exchange_control) {
-    return engine.exchange_running_ ? engine.model_.data_exchange.process_data : std::uint16_t{0};
+    return engine.exchange_running_ ? engine.model_.data_exchange.running : std::uint16_t{0};
   }
   if (address == words.communication_status) return engine.communication_status();
   if (address == words.transmit_errors) {

@@ -50,10 +50,11 @@ struct SystemWords {
   BufferAddress command = 0;
 };
 
-/// Bits of the data exchange control word: what is to be exchanged; none = all.
+/// Bits of the data exchange control word.
 struct DataExchangeBits {
-  std::uint16_t process_data = 0;
+  std::uint16_t process_data = 0;  ///< to be exchanged; neither of the two: everything is
   std::uint16_t emergencies = 0;
+  std::uint16_t running = 0;  ///< what it reads while process data wait for their exchange
 };
 
 /// Bits of the save/restore word.

@@ -25,7 +25,8 @@
 
 #include <gtest/gtest.h>
 
-#include "canopus/module/me3can1_q/me3can1_q.hpp"
+#include "canopus/can/controller.hpp"
+#include "canopus/module/module.hpp"
 
 namespace canopus::scenario {
 

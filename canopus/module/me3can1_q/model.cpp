@@ -149,7 +149,7 @@ constinit const ModuleModel model{
               .nmt_state = g::nmt_state,
               .emergencies = g::emergencies,
               .command = g::command},
-    .data_exchange = {.process_data = 1U << 8, .emergencies = 1U << 12},
+    .data_exchange = {.process_data = 1U << 8, .emergencies = 1U << 12, .running = 1U << 8},
     .save_restore = {.save = 1U << 0, .restore = 1U << 1},
     .communication_status = communication_status,
     .error_status = {.status = g::error_status,

@@ -12,6 +12,8 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "canopus/module/me3can1_q/me3can1_q.hpp"
+
 #include "scenarios/scenario.hpp"
 
 namespace canopus::scenario {

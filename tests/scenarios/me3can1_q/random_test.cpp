@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "canopus/module/me3can1_q/me3can1_q.hpp"
+
 #include "scenarios/scenario.hpp"
 
 namespace canopus::scenario {

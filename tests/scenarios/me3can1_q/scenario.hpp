@@ -1,6 +1,8 @@
 #pragma once
 // The scenario language with the shorthands of spec/me3can1-q/scenarios.md.
 
+#include "canopus/module/me3can1_q/me3can1_q.hpp"
+
 #include "scenarios/scenario.hpp"
 
 namespace canopus::scenario {

@@ -1,0 +1,62 @@
+#pragma once
+// Two made-up models for the engine, neither of them the ME3CAN1-Q: one whose every word, bit and signal is
+// elsewhere, and one without signals that is asked by bits of words, as the FX modules are.
+
+#include <utility>
+
+#include "canopus/module/signal_module.hpp"
+
+#include "scenarios/scenario.hpp"
+
+namespace canopus::scenario {
+
+/// All addresses, bits and signals differ from the ME3CAN1-Q's; 8 words and 2 PDOs each way, four-digit year.
+extern const module::ModuleModel elsewhere;
+/// The same words, no signals.
+extern const module::ModuleModel without_signals;
+
+/// Signals: 1C ready, 1B data exchange, 1A restart, 19 error, 18 NMT error, 17 emergency, 16 set clock, 15
+/// read clock, 14 command, 13 save/restore, 12 online (Layer 2), 11 transmit trigger (Layer 2).
+class ElsewhereModule final : public module::SignalModule {
+ public:
+  ElsewhereModule(can::Controller& controller, module::NonVolatileMemory& memory)
+      : SignalModule(elsewhere, controller, memory, {}) {}
+};
+
+/// Asked by words: 120 bit 0 data exchange, 122 bits 0 and 1 save and restore, 125 bit 0 restart and bit 4
+/// online, 1100 a command's code.
+class WordModule final : public module::ModuleEngine {
+ public:
+  WordModule(can::Controller& controller, module::NonVolatileMemory& memory)
+      : ModuleEngine(without_signals, controller, memory, {}) {}
+
+  [[nodiscard]] std::uint32_t inputs() const noexcept override { return 0; }
+  [[nodiscard]] std::uint32_t outputs() const noexcept override { return 0; }
+  void set_output(unsigned, bool, can::Time) override {}
+
+ private:
+  void word_written(module::BufferAddress address, std::uint16_t value, can::Time now) override;
+  void done(Request, can::Time) override {}
+  void initialization_begins(can::Time) override {}
+  void initialized(bool, can::Time) override {}
+  void went_off(can::Time) override {}
+  void fault_found(can::Time) override {}
+  void show(can::Time) override {}
+};
+
+template <typename Model>
+struct OtherBench {
+  RamMemory memory;
+  FreeBus bus;
+  Model module{bus, memory};
+};
+
+template <typename Model>
+class OtherScenario : private OtherBench<Model>, public ModuleScenario {
+ public:
+  OtherScenario() : ModuleScenario(OtherBench<Model>::module, OtherBench<Model>::bus) {}
+  [[nodiscard]] Model& plug_in() { return OtherBench<Model>::module; }
+  [[nodiscard]] FreeBus& controller() { return OtherBench<Model>::bus; }
+};
+
+}  // namespace canopus::scenario
