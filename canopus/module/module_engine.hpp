@@ -225,6 +225,8 @@ class ModuleEngine : public CommunicationModule,
   [[nodiscard]] unsigned error_counter() const;
   [[nodiscard]] LedPattern network_state_pattern() const;
   [[nodiscard]] LedPattern network_error_pattern() const;
+  /// The program holds this node's NMT errors clear.
+  [[nodiscard]] bool held_clear(std::uint8_t node_id) const;
   void raise_event(const EmergencyRow& row, std::uint8_t node_id = 0) {
     if (events_.size() < most_events) events_.push_back({&row, node_id});
   }

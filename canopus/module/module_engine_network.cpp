@@ -160,7 +160,7 @@ void ModuleEngine::heartbeat_lost(std::uint8_t node_id, can::Time now) {
 
 void ModuleEngine::life_guarding_event(bool occurred, can::Time) {
   // The master's own number is not known to a guarded slave, so the failure is shown at the own word.
-  if (occurred && !nmt_errors_held_clear_) nmt_status_.set_life_guarding(node_.node_id());
+  if (occurred && !held_clear(node_.node_id())) nmt_status_.set_life_guarding(node_.node_id());
 }
 
 // Any change of the configuration makes its date and time invalid [ME3CAN1-Q 4.8.12].
@@ -212,10 +212,13 @@ void ModuleEngine::node_state_changed(std::uint8_t node_id, std::uint8_t state, 
   nmt_status_.set_state(node_id, state);
 }
 
+bool ModuleEngine::held_clear(std::uint8_t node_id) const {
+  const std::uint16_t which = buffer_.word(model_.words.error_clear_node);
+  return nmt_errors_held_clear_ && (which == 0 || which == node_id);
+}
+
 void ModuleEngine::error_control_changed(std::uint8_t node_id, std::uint16_t bits, can::Time now) {
-  const std::uint16_t held = buffer_.word(model_.words.error_clear_node);
-  const bool clear_at_once = nmt_errors_held_clear_ && (held == 0 || held == node_id);
-  if (clear_at_once && (bits & manager::error_control::errors) != 0) {
+  if (held_clear(node_id) && (bits & manager::error_control::errors) != 0) {
     nmt_status_.set_status(node_id, bits & static_cast<std::uint16_t>(~manager::error_control::errors));
     master_.clear_error_control(node_id, now);
     return;
