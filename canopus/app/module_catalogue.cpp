@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -20,16 +19,18 @@ namespace {
 constexpr std::array<std::string_view, 3> me3can1_q_stored{"buffer-memory", "object-dictionary",
                                                            "concise-dcf"};
 
-std::unique_ptr<module::CommunicationModule> make_me3can1_q(can::Controller& controller,
-                                                            module::NonVolatileMemory& memory,
-                                                            const ModuleTuning& tuning) {
+template <typename Module>
+std::unique_ptr<module::CommunicationModule> make(can::Controller& controller,
+                                                  module::NonVolatileMemory& memory,
+                                                  const ModuleTuning& tuning) {
   module::Profile profile;
   profile.restart_time = tuning.restart_time.value_or(profile.restart_time);
-  return std::make_unique<module::me3can1_q::Me3can1Q>(controller, memory, std::move(profile));
+  return std::make_unique<Module>(controller, memory, profile);
 }
 
 const std::array catalogue = std::to_array<CatalogueEntry>({
-    {&module::me3can1_q::data_sheet, module::me3can1_q::object_dictionary, me3can1_q_stored, make_me3can1_q},
+    {&module::me3can1_q::data_sheet, module::me3can1_q::object_dictionary, me3can1_q_stored,
+     make<module::me3can1_q::Me3can1Q>},
 });
 
 bool same_letter(char a, char b) {

@@ -230,6 +230,21 @@ TEST(PlantFile, ModulesMustNotShareTheirPoints) {
   EXPECT_THAT(errors, ElementsAre("plant.toml:8:1: the module at head 010H overlaps the one in line 5"));
 }
 
+TEST(PlantFile, ModulesSideBySideAreNoMistake) {
+  EXPECT_THAT(errors_of("[[bus]]\nname = \"a\"\nbit_rate = 250000\n[[plc]]\n"
+                        "[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nhead = 0x20\n"
+                        "[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nhead = 0x00\n"),
+              IsEmpty());
+}
+
+TEST(PlantFile, AModelInSmallLettersIsTheSameModel) {
+  const PlantReading reading = read_plant(
+      "[[bus]]\nname = \"a\"\nbit_rate = 250000\n[[plc]]\n[[plc.module]]\nmodel = \"me3can1-q\"\nhead = 0\n",
+      "plant.toml");
+  ASSERT_THAT(reading.errors, IsEmpty());
+  EXPECT_EQ(reading.plant.plcs[0].modules[0].model, "ME3CAN1-Q") << "as the store's folder is named";
+}
+
 TEST(PlantFile, FaultsOfABusAreRead) {
   const PlantReading reading = read_plant(
       "[[bus]]\nname = \"a\"\nbit_rate = 250000\n"
