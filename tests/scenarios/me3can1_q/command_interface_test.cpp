@@ -107,7 +107,7 @@ TEST(Me3CommandInterface, S25_SdoRead_LocalAndRemote) {
   s.y(0x17, true);
   s.advance(1ms);
   s.tx(0x602, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0});
-  s.expect(1000, 0xFFFF).expect_x(0x17, false);
+  s.expect(1000, {0xFFFF, 2, 0x1000, 0, 0, 0}).expect_x(0x17, false);  // G1000 alone says so
   s.rx(0x582, {0x43, 0x00, 0x10, 0x00, 0x91, 0x01, 0x0F, 0x00});
   s.expect_x(0x17, true).expect(1000, {0x0005, 2, 0x1000, 0, 4, 0x0191, 0x000F}).no_tx();
   s.y(0x17, false);
@@ -505,7 +505,7 @@ TEST(Me3CommandInterface, Display_AfterAnError_WholeBlock_InEveryMode) {
     s.cif({0x0000});
     s.expect(1000, 0x0000).expect(1001, parameters);
     s.write(1002, 7);  // the parameters are there to be adjusted
-    s.expect(1001, {0x4001, 7, 0x4003}).expect(1066, 0x4042).no_tx();
+    s.expect(1000, {0x0000, 0x4001, 7, 0x4003}).expect(1066, 0x4042).no_tx();
   }
 }
 
@@ -588,7 +588,26 @@ TEST(Me3CommandInterface, WriteWhileBusy_ToAnyWord_IsNotStored) {
   }
 }
 
+// FFFFH counts as a clear command only at its place, and not as the write that does the harm.
+TEST(Me3CommandInterface, WriteWhileBusy_OfFfffh_IsNotStoredEither) {
+  RecordProperty("spec", "ME3-CIF-004 ME3-CIF-005");
+  for (const module::BufferAddress word : {1000U, 1005U}) {
+    Me3Scenario s;
+    s.power_on();
+    s.write(1000, {0x0004, 2, 0x1000, 0});
+    s.y(0x17, true).advance(1ms).ignore_tx();
+    s.write(word, 0xFFFF).expect(1000, {0x000F, 0xFFFF});
+    if (word != 1000) s.write(word, 0xFFFF);
+    s.y(0x17, false).y(0x17, true).advance(10ms).expect(1000, {0x000F, 0xFFFF}).no_tx();
+    s.y(0x17, false).advance(10s).ignore_tx();
+    s.expect(1000, {0x000F, 0xFFFF});
+    s.cif({0xFFFF});
+    s.expect(1000, 0x0000);
+  }
+}
+
 TEST(Me3CommandInterface, WriteWhileBusy_ClearedBeforeTheTransferEnds_GivesItUp) {
+  RecordProperty("spec", "ME3-CIF-004 ME3-CIF-005");
   Me3Scenario s;
   s.power_on();
   s.write(1000, {0x0004, 2, 0x1000, 0});
@@ -603,6 +622,8 @@ TEST(Me3CommandInterface, WriteWhileBusy_ClearedBeforeTheTransferEnds_GivesItUp)
   s.rx(0x582, {0x43, 0x00, 0x10, 0x00, 0x91, 0x01, 0x0F, 0x00});
   s.advance(2s);
   s.expect(1000, {0x0000, 0}).no_tx();
+  s.cif({0x0004, 0, 0x1000, 0});
+  s.expect(1000, {0x0005, 0, 0x1000, 0, 4, 0x0195}).no_tx();
 }
 
 TEST(Me3CommandInterface, S36_TwoPlanes) {

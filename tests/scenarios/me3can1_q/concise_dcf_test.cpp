@@ -53,6 +53,12 @@ TEST(Me3ConciseDcf, S77_Download_Delete_Limits) {
   s.advance(2s);
   s.cif(download(2));
   s.expect(1000, 0x0003);
+  s.cif({0x0002, 0, 0x1F22, 2, 1, 1});  // one byte, but no 0: not a deletion
+  s.expect(1000, {0x000F, 0x0003, 0, 0x0002, 0x0601});
+  s.cif({0x0002, 0, 0x1F22, 2, 2, 0});  // 0, but two bytes
+  s.expect(1000, {0x000F, 0x0003, 0, 0x0002, 0x0601});
+  s.cif({0x0004, 0, 0x1F22, 2});
+  s.expect(1000, 0x0005).expect(1004, 13);
   // Larger than a concise DCF may be: over the bus, segmented.
   const auto segmented = [&](std::uint32_t bytes) {
     s.rx(0x67F, {0x21, 0x22, 0x1F, 0x05, static_cast<std::uint8_t>(bytes & 0xFF),
@@ -211,6 +217,43 @@ TEST(Me3ConciseDcf, S79_ConfigurationRequest) {
   s.tx(0x603, {0x2B, 0x17, 0x10, 0x00, 0xE8, 0x03, 0, 0}).no_tx();
   s.rx(0x582, {0x60, 0x17, 0x10, 0x00, 0, 0, 0, 0});
   s.rx(0x583, {0x60, 0x17, 0x10, 0x00, 0, 0, 0, 0}).no_tx();
+}
+
+// Whatever its length, an object goes expedited or segmented: the manual knows no block transfer.
+TEST(Me3ConciseDcf, LongEntries_GoSegmented) {
+  RecordProperty("spec", "ME3-SDO-003 ME3-CFG-012");
+  Me3Scenario s;
+  become_master(s);
+  Words command{0x0002, 0, 0x1F22, 2, 111, 0x0001, 0x0000, 0x2000, 0x6401, 0x0000, 0x0000};
+  command.resize(5 + 56, 0x0000);
+  s.cif(command);
+  s.expect(1000, 0x0003);
+  s.cif({0x0002, 0, 0x1F25, 2, 4, 0x6F63, 0x666E});
+  s.expect(1000, 0x0003);
+  s.tx(0x602, {0x21, 0x00, 0x20, 0x01, 100, 0, 0, 0}).rx(0x582, {0x60, 0x00, 0x20, 0x01, 0, 0, 0, 0});
+  for (unsigned segment = 0; segment < 15; ++segment) {
+    const unsigned toggle = segment % 2 * 0x10;
+    s.tx(0x602, {static_cast<std::uint8_t>(segment == 14 ? 0x0B | toggle : toggle), 0, 0, 0, 0, 0, 0, 0});
+    s.rx(0x582, {static_cast<std::uint8_t>(0x20 | toggle), 0, 0, 0, 0, 0, 0, 0});
+  }
+  s.no_tx();
+}
+
+// A file that is on its way to its node is not taken away under it.
+TEST(Me3ConciseDcf, FileInUse_IsNotDeleted) {
+  RecordProperty("spec", "ME3-CFG-006 ME3-CFG-007");
+  Me3Scenario s;
+  become_master(s);
+  s.cif(download(2));
+  s.cif(download(3));
+  s.cif({0x0002, 0, 0x1F25, 2, 4, 0x6F63, 0x666E});
+  s.expect(1000, 0x0003).tx(0x602, {0x2B, 0x17, 0x10, 0x00, 0xE8, 0x03, 0, 0}).no_tx();
+  expect_abort(s, {0x0002, 0, 0x1F22, 2, 1, 0}, 0x06060000);
+  s.rx(0x582, {0x60, 0x17, 0x10, 0x00, 0, 0, 0, 0}).no_tx();
+  s.cif({0x0002, 0, 0x1F22, 2, 1, 0});
+  s.expect(1000, 0x0003);
+  s.cif({0x0004, 0, 0x1F22, 2});
+  s.expect(1000, 0x0005).expect(1004, 0);
 }
 
 TEST(Me3ConciseDcf, S79_RequestToAll_IsForEveryNodeWithData_FirstAndLast) {

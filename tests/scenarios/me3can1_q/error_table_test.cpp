@@ -472,6 +472,8 @@ TEST(Me3ErrorTable, SdoAbortCodesOfItsOwn) {
       {0x08000020, {0x0002, 0, 0x1010, 1, 4, 0x1234, 0}},
       {0x08000022, {0x0002, 0, 0x1F82, 2, 1, 5}},
       {0x50000000, {0x0004, 128, 0x1000, 0}},
+      {0x50000000, {0x0004, 0xFFFF, 0x1000, 0}},  // the end of a list, but this is none
+      {0x50000000, {0x0002, 0xFFFF, 0x1017, 0, 2, 1}},
   };
   Me3Scenario s;
   s.power_on_as(1);

@@ -158,6 +158,60 @@ TEST(Me3Fault, Restart_DropsWhatWasUnderWay) {
   s.advance(1ms).expect_bit(25, 7, false).y(0x02, false).ignore_tx().advance(10s).no_tx();
 }
 
+// As an SDO was under way, with every signal ON, and with data that no data exchange has brought to the
+// words.
+TEST(Me3Fault, Restart_BringsSignalsStatusAndData_ToTheirDefaults) {
+  RecordProperty("spec", "ME3-IO-004 ME3-STAT-001 ME3-SYS-018 ME3-SAVE-007");
+  for (const bool by_supply : {false, true}) {
+    Me3Scenario s;
+    s.power_on_as(1);
+    s.nmt(0x82, 1).wait_bit(25, 7, false).ignore_tx();
+    s.nmt(0x01, 1);
+    s.rx(0x100, {0, 0, 0, 0, 0xA2, 0x2B}).expect(25, 0x1241);
+    s.set_object(0x1016, 1, 0x00020064, 4);
+    s.rx(0x702, {0x05}).advance(200ms).expect(402, 0x0082);
+    s.rx(0x085, {0x30, 0x81, 0x11, 1, 2, 3, 4, 5});
+    s.rx(0x201, {0x34, 0x12, 0, 0, 0, 0, 0, 0});
+    s.write(24, 300).write(50, 2);
+    s.y(0x12, true).y(0x13, true).ignore_tx();
+    s.write(1000, {0x0004, 3, 0x1000, 0}).y(0x17, true).advance(1ms);
+    s.tx(0x603, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0}).expect(1000, 0xFFFF);
+    EXPECT_EQ(s.plug_in().inputs(), 1U | 0x8000U | 0xFU << 16);  // X00 X0F X10 X11 X12 X13
+    if (by_supply) {
+      s.supply_off().ignore_tx();
+      s.advance(10s).no_tx();  // off is off
+      EXPECT_EQ(s.plug_in().inputs(), 0U);
+      s.supply_on();
+    } else {
+      s.y(0x02, true).ignore_tx();
+    }
+    EXPECT_EQ(s.plug_in().inputs(), by_supply ? 0U : 1U);
+    s.expect(25, 0x0080).expect(29, 0).expect(39, {0, 0}).expect(402, 0).expect(602, 0).expect(1000, 0);
+    s.advance(by_supply ? 999ms : 5999ms).no_tx();
+    s.rx(0x583, {0x43, 0x00, 0x10, 0x00, 0x91, 0x01, 0x0F, 0x00}).advance(1ms);
+    s.tx(0x701, {0x00}).no_tx();
+    s.expect(25, 0x0100).expect(29, 0).expect(402, 0).expect(602, 0).expect(1000, {0, 0, 0, 0});
+    EXPECT_EQ(s.plug_in().inputs(), by_supply ? 1U : 5U);
+    s.y(0x02, false);
+    s.nmt(0x01, 1).y(0x01, true).wait_x(0x01, true).y(0x01, false);
+    s.expect(750, {0, 0}).expect(10000, {0, 0}).no_tx();
+    s.advance(10s).no_tx();
+  }
+}
+
+// A restart that the supply cut short is over: the next Y02 is a request of its own.
+TEST(Me3Fault, RestartCutByTheSupply_IsNotReportedAfterwards) {
+  RecordProperty("spec", "ME3-IO-004");
+  Me3Scenario s;
+  s.power_on_as(1);
+  s.y(0x02, true).advance(3s).ignore_tx();
+  s.supply_off().supply_on();
+  s.y(0x02, true).advance(1s).ignore_tx();  // while it initializes
+  s.expect_x(0x02, false).expect_bit(25, 7, true);
+  s.advance(5999ms).expect_x(0x02, false).expect_bit(25, 7, true).no_tx();
+  s.advance(1ms).expect_x(0x02, true).expect(25, 0x0100).tx(0x701, {0x00}).y(0x02, false).no_tx();
+}
+
 TEST(Me3Fault, WornFlash_IsToldOnce_WithTheFirstWriteTooMany) {
   RecordProperty("spec", "ME3-SYS-014");
   Me3Scenario s;

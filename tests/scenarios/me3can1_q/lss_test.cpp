@@ -157,6 +157,11 @@ TEST(Me3Lss, S76_NowhereToBeFound_EveryOtherRateIsTriedOnce_AndTheOwnOneComesBac
   EXPECT_EQ(s.controller().rate, 250'000U);
   s.expect_bit(25, start_up, false).expect_bit(405, 4, true).expect_x(0x10, true);
   s.ignore_tx().advance(20s).no_tx();
+  // Back on its network it answers, and its command interface asks.
+  s.rx(0x601, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0}).tx(0x581, {0x43, 0x00, 0x10, 0x00, 0x95, 0x01, 0, 0});
+  s.write(1000, {0x0004, 3, 0x1000, 0}).y(0x17, true).advance(1ms);
+  s.tx(0x603, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0}).rx(0x583, {0x43, 0x00, 0x10, 0x00, 0x91, 0x01, 0x0F, 0});
+  s.expect(1000, {0x0005, 3, 0x1000, 0, 4, 0x0191, 0x000F}).expect_x(0x17, true).no_tx();
 }
 
 TEST(Me3Lss, TheTwoLedsFlickerAlternately_AndG25_10_IsOn_OnlyWhileItSearches) {

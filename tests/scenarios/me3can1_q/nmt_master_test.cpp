@@ -120,6 +120,43 @@ TEST(Me3NmtMaster, S58_MandatorySlave_IsAskedUntilItAnswers_Started_AndThenTheMa
   s.expect(25, 0x8201).expect(602, 5).expect(402, 0);
 }
 
+// G71 is the time-out of every SDO, the start-up's as well, from the write on.
+TEST(Me3NmtMaster, S58_SdoTimeOut_IsG71) {
+  RecordProperty("spec", "ME3-DLY-002");
+  for (const bool at_run_time : {false, true}) {
+    Me3Scenario s;
+    if (!at_run_time) s.plug_in().preset_word(71, 200);
+    boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, optional}});
+    if (at_run_time) s.write(71, 200);
+    s.ignore_tx().wait_tx(0x602, ask_1000);
+    const can::Time asked = s.now();
+    s.wait_tx(0x602, time_out);
+    EXPECT_EQ(since(s, asked), 200ms);
+    s.wait_tx(0x602, ask_1000);
+    EXPECT_EQ(since(s, asked), 1200ms);
+    s.save(2);  // the factory's 500 ms, for the next transfer
+    s.expect(71, 500).wait_tx(0x602, time_out).wait_tx(0x602, ask_1000);
+    const can::Time again = s.now();
+    s.wait_tx(0x602, time_out);
+    EXPECT_EQ(since(s, again), 500ms);
+    s.ignore_tx();
+  }
+}
+
+// G70 written while the module runs counts at the next start-up, saved or not.
+TEST(Me3NmtMaster, S57_G70_CountsFromTheWriteOn) {
+  RecordProperty("spec", "ME3-DLY-001");
+  Me3Scenario s;
+  boot_master(s, {{0x1F80, 0, 0x00000003}});
+  s.tx(0x000, {0x82, 0x00}).wait_tx(0x000, {0x01, 0x00}).write(70, 1234);
+  s.cif({0x0002, 0, 0x1F82, 0x80, 1, 7});
+  s.tx(0x000, {0x82, 0x00}).wait_tx(0x701, {0x00}).tx(0x000, {0x82, 0x00});
+  const can::Time reset = s.now();
+  s.wait_tx(0x000, {0x01, 0x00});
+  EXPECT_EQ(since(s, reset), 1234ms);
+  s.no_tx();
+}
+
 TEST(Me3NmtMaster, PresenceCheck_IsRepeatedOneSecondAfterEachTimeOut_UntilTheBootTimeOrWithoutEnd) {
   RecordProperty("spec", "ME3-SLV-007");
   for (const std::uint32_t assignment : {mandatory, optional}) {

@@ -187,6 +187,38 @@ TEST(Me3NmtSlave, LifeGuarding_NeedsBothObjects_InAnyOrder) {
   }
 }
 
+// The end of the failure changes no word; what is cleared stays cleared; Y10 for all nodes holds it down.
+TEST(Me3NmtSlave, LifeGuarding_HeardAgain_AndY10) {
+  RecordProperty("spec", "ME3-NEC-009 ME3-NG-003 ME3-IO-016 ME3-IO-018");
+  Me3Scenario s;
+  s.power_on_as(1);
+  s.set_object(0x100C, 0, 100, 2);
+  s.set_object(0x100D, 0, 2, 1);
+  s.rx_remote(0x701, 1).advance(200ms).ignore_tx().expect(401, 0x0040).expect_x(0x10, true);
+  s.y(0x10, true).expect(401, 0).expect_x(0x10, false).y(0x10, false);
+  s.rx_remote(0x701, 1).ignore_tx().expect(401, 0).expect_x(0x10, false);
+  s.y(0x10, true).advance(200ms).ignore_tx().expect(401, 0).expect_x(0x10, false);
+  s.y(0x10, false).expect(401, 0).expect_x(0x10, false);
+  s.rx_remote(0x701, 1).advance(200ms).ignore_tx().expect(401, 0x0040).expect_x(0x10, true);
+}
+
+// What is not stored is lost by a reset: nobody is watched any more, and no failure is left.
+TEST(Me3NmtSlave, Resets_EndTheErrorControl) {
+  RecordProperty("spec", "ME3-NMT-006 ME3-NMT-007 ME3-NEC-002");
+  for (const std::uint8_t command : Bytes{0x81, 0x82}) {
+    Me3Scenario s;
+    s.power_on_as(1);
+    s.set_object(0x1016, 1, 0x00020064, 4);
+    s.set_object(0x100C, 0, 100, 2);
+    s.set_object(0x100D, 0, 1, 1);
+    s.rx(0x702, {0x05}).rx_remote(0x701, 1).advance(200ms).ignore_tx();
+    s.expect(401, 0x0040).expect(402, 0x0082).expect(602, 5).expect_x(0x10, true);
+    s.nmt(command, 1).wait_bit(25, 7, false).tx(0x701, {0x00}).no_tx();
+    s.expect(401, {0, 0}).expect_x(0x10, false).expect(602, 0).expect(601, 0x7F);
+    s.rx(0x702, {0x05}).expect(402, 0).expect(602, 0).advance(1s).no_tx();
+  }
+}
+
 // --- S68
 
 struct ErrorBehaviour {
@@ -196,6 +228,7 @@ struct ErrorBehaviour {
 };
 
 TEST(Me3NmtSlave, S68_CpuStopWhileOperational_ChangesTheStateAs1029hSays) {
+  RecordProperty("spec", "ME3-EB-001 ME3-EB-002 ME3-EB-003 ME3-EB-006");
   for (const ErrorBehaviour& row : {ErrorBehaviour{0, 0x0100, 0x0100}, ErrorBehaviour{1, 0x0201, 0x0100},
                                     ErrorBehaviour{2, 0x0000, 0x0000}}) {
     Me3Scenario s;
@@ -209,7 +242,26 @@ TEST(Me3NmtSlave, S68_CpuStopWhileOperational_ChangesTheStateAs1029hSays) {
   }
 }
 
+// Counters that rise, up to error passive, are no communication error: nothing ends.
+TEST(Me3NmtSlave, CountersBelowBusOff_ChangeNoState_AndEndNoTransfer) {
+  RecordProperty("spec", "ME3-EB-005 ME3-CIF-009 ME3-ERR-007");
+  for (const std::uint8_t behaviour : Bytes{0, 1, 2}) {
+    Me3Scenario s;
+    s.power_on_as(1);
+    s.set_object(0x1029, 1, behaviour, 1);
+    s.nmt(0x01, 1).write(1000, {0x0004, 2, 0x1000, 0}).y(0x17, true).advance(1ms);
+    s.tx(0x602, read_1000).no_tx();
+    for (const std::uint16_t counter : Words{1, 96, 127, 128, 255, 127, 0}) {
+      s.error_counters(counter, 0).ignore_tx().expect_bit(25, 0, true).expect(1000, 0xFFFF);
+      s.error_counters(0, counter).ignore_tx().expect_bit(25, 0, true).expect(1000, 0xFFFF);
+    }
+    s.rx(0x582, is_0195).expect(1000, {0x0005, 2, 0x1000, 0, 4, 0x0195, 0}).expect_x(0x17, true).no_tx();
+    s.expect(25, 0x0201);
+  }
+}
+
 TEST(Me3NmtSlave, S68_BusOffWhileOperational_ChangesTheStateAs1029hSays) {
+  RecordProperty("spec", "ME3-EB-001 ME3-EB-002 ME3-EB-003 ME3-EB-005");
   for (const ErrorBehaviour& row : {ErrorBehaviour{0, 0x0100, 0x0100}, ErrorBehaviour{1, 0x0201, 0x0100},
                                     ErrorBehaviour{2, 0x0000, 0x0000}}) {
     Me3Scenario s;

@@ -128,6 +128,10 @@ TEST(Me3Objects, RestrictedIdentifiers_AreRefused) {
     expect_abort(s, {0x0002, 0, 0x1005, 0, 4, id, 0}, 0x06090030);
     expect_abort(s, {0x0002, 0, 0x1028, 5, 4, id, 0}, 0x06090030);
   }
+  // Only 11-bit CAN-IDs: bit 29 is none of theirs.
+  expect_abort(s, {0x0002, 0, 0x1404, 1, 4, 0x0190, 0x2000}, 0x06090030);
+  expect_abort(s, {0x0002, 0, 0x1804, 1, 4, 0x0190, 0x6000}, 0x06090030);
+  expect_abort(s, {0x0002, 0, 0x1028, 5, 4, 0x0190, 0x2000}, 0x06090030);
   s.set_object(0x1012, 0, 0x100, 4);
   for (const std::uint16_t id : restricted)
     expect_abort(s, {0x0002, 0, 0x1012, 0, 4, id, 0x8000}, 0x06090030);
@@ -262,6 +266,18 @@ TEST(Me3Objects, VerifyConfiguration_IsZeroAfterAnyChange) {
     s.expect_object(0x1020, 1, 0, 4);
     s.expect_object(0x1020, 2, 0, 4);
   }
+  // By another node, too; what is no configuration leaves it alone, and so does a value that is refused.
+  s.set_object(0x1020, 1, 5, 4);
+  s.set_object(0x1020, 2, 6, 4);
+  s.set_object(0xA580, 1, 0x1234, 2);
+  s.set_object(0x1003, 0, 0, 1);
+  expect_abort(s, {0x0002, 0, 0x1029, 1, 1, 3}, 0x06090030);
+  s.ignore_tx();
+  s.expect_object(0x1020, 1, 5, 4);
+  s.expect_object(0x1020, 2, 6, 4);
+  s.rx(0x67F, {0x2B, 0x15, 0x10, 0x00, 7, 0, 0, 0}).tx(0x5FF, {0x60, 0x15, 0x10, 0x00, 0, 0, 0, 0});
+  s.expect_object(0x1020, 1, 0, 4);
+  s.expect_object(0x1020, 2, 0, 4).no_tx();
 }
 
 TEST(Me3Objects, AssignmentBitsThatDoNotExist_AreRefused) {
@@ -285,9 +301,23 @@ TEST(Me3Emergency, CpuRunToStop_SendsMe002) {
   s.advance(10s);
   s.cpu(module::CpuState::stop);
   s.no_tx();
-  s.cpu(module::CpuState::run);
+  s.cpu(module::CpuState::run).cpu(module::CpuState::run);
+  s.no_tx();
   s.cpu(module::CpuState::stop);
   s.tx(0x081, {0x00, 0xFF, 0x81, 0x4D, 0x45, 0x30, 0x30, 0x32}).no_tx();
+}
+
+// Nor is what happens during the initialization told after it.
+TEST(Me3Emergency, NotInInitialization) {
+  RecordProperty("spec", "ME3-EMCY-011");
+  Me3Scenario s;
+  s.supply_on();
+  s.plug_in().cpu_failed(s.now());
+  s.cpu(module::CpuState::stop);
+  s.plug_in().cpu_failed(s.now());
+  s.error_counters(130, 0).error_counters(0, 0).advance(10ms);
+  s.wait_tx(0x77F, {0x00}).advance(10s).no_tx();
+  s.expect_object(0x1003, 0, 0, 1).expect_object(0x1001, 0, 0, 1);
 }
 
 TEST(Me3Emergency, ErrorPassive_SendsOneMessagePerEvent) {

@@ -421,6 +421,59 @@ TEST(Me3Pdo, S43b_OnlyMappedObjectsAreCopied) {
   s.expect_object(0xA040, 1, 0, 1);
   s.expect_object(0xA100, 5, 9, 2);  // TPDO 2 still maps the fifth word
   s.ignore_tx();
+  // Nor what has been mapped before.
+  s.set_object(0x1801, 1, 0xC0000281, 4);
+  s.set_object(0x1A01, 0, 0, 1);
+  s.write(13004, 10);
+  s.exchange();
+  s.expect_object(0xA100, 5, 9, 2).no_tx();
+}
+
+// Neighbours in the dictionary that are none in the words: the last byte, then the first word.
+TEST(Me3ProcessData, FirstAndLastObject_InOnePdo) {
+  RecordProperty("spec", "ME3-PBUF-001 ME3-PBUF-004");
+  Me3Scenario s;
+  s.power_on_as(1);
+  s.set_object(0x1400, 1, 0x80000201, 4);
+  s.set_object(0x1600, 0, 0, 1);
+  s.set_object(0x1600, 1, 0xA4881008, 4);
+  s.set_object(0x1600, 2, 0xA4C00108, 4);
+  s.set_object(0x1600, 0, 2, 1);
+  s.set_object(0x1400, 1, 0x00000201, 4);
+  s.set_object(0x1800, 1, 0xC0000181, 4);
+  s.set_object(0x1A00, 0, 0, 1);
+  s.set_object(0x1A00, 1, 0xA0481008, 4);
+  s.set_object(0x1A00, 2, 0xA0C00110, 4);
+  s.set_object(0x1A00, 0, 2, 1);
+  s.set_object(0x1800, 1, 0x40000181, 4);
+  s.nmt(0x01, 1);
+  s.write(13000, 0x2211).write(14023, 0x4433).rx(0x201, {0xAA, 0xBB});
+  s.exchange();
+  s.tx(0x181, {0x44, 0x11, 0x22}).expect(10000, {0x00BB, 0}).expect(11022, {0, 0xAA00}).ignore_tx();
+}
+
+// After a change of one RPDO's mapping each RPDO is still brought to its own words, and to no others.
+TEST(Me3ProcessData, EachRpdo_ComesToItsOwnWords_AfterAChange) {
+  RecordProperty("spec", "ME3-PBUF-002 ME3-PBUF-005 ME3-DX-008");
+  Me3Scenario s;
+  operational(s);
+  s.rx(0x201, {1, 0, 2, 0, 3, 0, 4, 0}).rx(0x301, {5, 0, 6, 0, 7, 0, 8, 0});
+  s.exchange();
+  s.expect(10000, {1, 2, 3, 4, 5, 6, 7, 8});
+  s.set_object(0x1400, 1, 0x80000201, 4);
+  s.set_object(0x1600, 0, 0, 1);
+  s.set_object(0x1600, 1, 0xA5800910, 4);  // G10008, G10010, G10012: three pieces
+  s.set_object(0x1600, 2, 0xA5800B10, 4);
+  s.set_object(0x1600, 3, 0xA5800D10, 4);
+  s.set_object(0x1600, 0, 3, 1);
+  s.set_object(0x1400, 1, 0x00000201, 4);
+  s.set_object(0xA4C0, 9, 0x99, 1);  // low byte of G10004, over RPDO 2's object
+  s.rx(0x201, {9, 0, 11, 0, 13, 0});
+  s.exchange();
+  s.expect(10000, {1, 2, 3, 4, 0x0099, 6, 7, 8, 9, 0, 11, 0, 13, 0});
+  s.rx(0x301, {15, 0, 16, 0, 17, 0, 18, 0});
+  s.exchange();
+  s.expect(10000, {1, 2, 3, 4, 15, 16, 17, 18, 9, 0, 11, 0, 13, 0}).no_tx();
 }
 
 TEST(Me3Pdo, S43c_NotOperational_TheProcessDataWait) {

@@ -61,6 +61,29 @@ TEST(Me3Save, S11_BothBits_ResetMemoryAndFlash) {
   s.expect(70, {500, 500}).expect(27, 127).expect(21, 405).expect(24, 250).expect(37, 2500).expect(59, 0);
 }
 
+TEST(Me3Save, BothBits_ResetWhatTheOtherModesHaveStored_ASaveKeepsIt) {
+  RecordProperty("spec", "ME3-SAVE-003");
+  Me3Scenario s;
+  s.power_on_layer2(11);
+  s.write(6000, {0xFFFF, 0x5FFF, 4, 1}).write(10000, {0x0123, 0}).write(21, 405);
+  s.save();
+  s.restart();
+  s.write(70, 700);
+  s.save();  // keeps what the Layer 2 mode has stored
+  s.write(21, 11);
+  s.save();
+  s.restart();
+  s.expect(6000, {0xFFFF, 0x5FFF, 4, 1}).expect(10000, {0x0123, 0}).write(21, 405);
+  s.save();
+  s.restart();
+  s.expect(70, 700);
+  s.save(3);
+  s.write(21, 11);
+  s.save();
+  s.restart();
+  s.expect(6000, {0xFFFF, 0xFFFF, 0, 0}).expect(10000, {0xFFFF, 0xFFFF});
+}
+
 TEST(Me3Save, RequestWithoutABit_CompletesAndChangesNothing) {
   RecordProperty("spec", "ME3-SAVE-004");
   Me3Scenario s;
@@ -240,7 +263,24 @@ TEST(Me3Save, SupplyCutDuringASave_IsReportedOnce_AndTheOldSettingsAreThere) {
   s.expect(29, 0).expect_x(0x0F, false);
 }
 
+TEST(Me3Save, FlashThatCannotBeWritten_IsReported_AndTheOldSettingsAreThere) {
+  RecordProperty("spec", "ME3-ERR-003 ME3-IO-025");
+  Me3Scenario s;
+  s.power_on();
+  s.write(70, 1000);
+  s.save();
+  s.flash().writable = false;
+  s.write(70, 2000);
+  s.save();  // G22 -> 0, X1F
+  s.expect(29, 0x0010).expect_x(0x0F, true).expect(70, 2000);
+  s.y(0x0F, true).y(0x0F, false).expect(29, 0x0010);
+  s.flash().writable = true;
+  s.restart();
+  s.expect(29, 0).expect(70, 1000).expect_x(0x0F, false);
+}
+
 TEST(Me3Save, DamagedFlash_IsReported_AndAnsweredWithDefaults) {
+  RecordProperty("spec", "ME3-ERR-003");
   Me3Scenario s;
   s.power_on();
   s.write(70, 1000);

@@ -173,6 +173,20 @@ TEST(Me3Signals, S15_NmtErrorClear_OneNodeThenAll) {
   s.ignore_tx();
 }
 
+// Y10 held for one node holds that node's failures down, and no other's.
+TEST(Me3Signals, NmtErrorClear_HeldForOneNode) {
+  RecordProperty("spec", "ME3-IO-016 ME3-IO-017 ME3-IO-018");
+  Me3Scenario s;
+  s.power_on_as(1);
+  s.set_object(0x1016, 1, 0x00020064, 4);
+  s.set_object(0x1016, 2, 0x000300C8, 4);
+  s.write(400, 2).y(0x10, true);
+  s.rx(0x702, {0x05}).rx(0x703, {0x05}).advance(199ms).ignore_tx();
+  s.expect(402, 0x0002).expect(403, 0x0002).expect_x(0x10, false);
+  s.advance(1ms).ignore_tx().expect(402, 0x0002).expect(403, 0x0082).expect_x(0x10, true);
+  s.y(0x10, false).expect(402, 0x0002).expect(403, 0x0082).expect_x(0x10, true);
+}
+
 TEST(Me3Signals, NmtErrorClearNode_Above127_IsASettingError) {
   RecordProperty("spec", "ME3-NEC-001");
   Me3Scenario s;

@@ -26,6 +26,40 @@ TEST(Me3StartUp, S04_PowerOn_InitializesFirst_ThenPreOperationalWithBootUpFrame)
   s.y(0x0F, false);
 }
 
+// Whatever the program does meanwhile: no word takes a write, no request is carried out, before or after.
+TEST(Me3StartUp, Initialization_TakesNothing) {
+  RecordProperty("spec", "ME3-STAT-005 ME3-STAT-006 ME3-ERR-004 ME3-ERR-012");
+  for (const bool by_restart : {false, true}) {
+    Me3Scenario s;
+    if (by_restart) {
+      s.power_on();
+      s.y(0x02, true).ignore_tx();
+    } else {
+      s.supply_on();
+    }
+    Words before;
+    for (module::BufferAddress address = 0; address < 14100; ++address) before.push_back(s.read(address));
+    for (const module::BufferAddress first : {1000U, 20U, 13000U}) {
+      s.write(first, 1).expect(29, 0x0020).expect(40, static_cast<std::uint16_t>(first)).expect(39, 0);
+      s.expect_x(0x0F, true).y(0x0F, true).expect(29, 0).expect(40, 0).expect_x(0x0F, false).y(0x0F, false);
+    }
+    for (const module::BufferAddress address :
+         {20U, 21U, 22U, 24U, 25U, 27U, 29U, 50U, 59U, 70U, 71U, 400U, 750U, 1000U, 1066U, 13000U, 14023U}) {
+      s.write(address, 1);
+      if (address != 25 && address != 29) s.expect(address, before[address]);
+    }
+    s.expect(29, 0x0020).expect(40, 20);
+    const std::uint32_t inputs = s.plug_in().inputs();
+    for (const unsigned y : {0x01U, 0x03U, 0x04U, 0x10U, 0x11U, 0x12U, 0x13U, 0x17U, 0x1FU}) s.y(y, true);
+    s.advance(500ms).expect(25, 0x0080).no_tx();
+    EXPECT_EQ(s.plug_in().inputs(), inputs);
+    s.wait_bit(25, 7, false).ignore_tx().y(0x02, false).advance(1s);
+    EXPECT_EQ(s.plug_in().inputs(), 0x8001U);  // ready, and the error of the writes
+    EXPECT_EQ(s.flash().writes, 0U);
+    s.expect(29, 0x0020).expect(40, 20).no_tx();
+  }
+}
+
 TEST(Me3StartUp, S04_FactoryState_EveryWordHasItsDefault) {
   RecordProperty("spec", "ME3-BAUD-005 ME3-NST-002");
   Me3Scenario s;
