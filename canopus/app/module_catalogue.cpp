@@ -16,9 +16,6 @@ namespace canopus::app {
 
 namespace {
 
-constexpr std::array<std::string_view, 3> me3can1_q_stored{"buffer-memory", "object-dictionary",
-                                                           "concise-dcf"};
-
 template <typename Module>
 std::unique_ptr<module::CommunicationModule> make(can::Controller& controller,
                                                   module::NonVolatileMemory& memory,
@@ -29,8 +26,8 @@ std::unique_ptr<module::CommunicationModule> make(can::Controller& controller,
 }
 
 const std::array catalogue = std::to_array<CatalogueEntry>({
-    {&module::me3can1_q::data_sheet, module::me3can1_q::object_dictionary, me3can1_q_stored,
-     make<module::me3can1_q::Me3can1Q>},
+    {&module::me3can1_q::data_sheet, module::me3can1_q::object_dictionary,
+     module::ModuleSettings::stored_names, make<module::me3can1_q::Me3can1Q>},
 });
 
 bool same_letter(char a, char b) {

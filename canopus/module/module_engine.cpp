@@ -25,11 +25,11 @@ Layer2Rules layer2_rules(const ModuleModel& model, const Profile& profile) {
 }  // namespace
 
 ModuleEngine::ModuleEngine(const ModuleModel& model, can::Controller& controller, NonVolatileMemory& memory,
-                           Profile profile)
+                           const Profile& profile)
     : model_(model),
       controller_(controller),
       network_(controller),
-      profile_(std::move(profile)),
+      profile_(profile),
       buffer_(model.buffer_memory),
       settings_(model, memory, buffer_),
       errors_(model.error_status),

@@ -83,7 +83,7 @@ class ModuleEngine : public CommunicationModule,
  protected:
   /// Everything must outlive the module.
   ModuleEngine(const ModuleModel& model, can::Controller& controller, NonVolatileMemory& memory,
-               Profile profile);
+               const Profile& profile);
 
   enum class State : std::uint8_t {
     off,           ///< no supply

@@ -11,9 +11,6 @@ namespace {
 
 using State = NonVolatileMemory::Content::State;
 
-// Names in the non-volatile memory.
-constexpr std::string_view words_name = "buffer-memory";
-constexpr std::string_view objects_name = "object-dictionary";
 // There while a save runs: found at a start, the supply went off in the middle of one.
 constexpr std::string_view saving_name = "saving";
 

@@ -4,10 +4,12 @@
 // memory). A power cut leaves each of them as it was before or after a write; one in the middle of a save is
 // noticed at the next start.
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -19,8 +21,11 @@ namespace canopus::module {
 
 class ModuleSettings {
  public:
-  /// Name of the concise DCFs in flash().
+  /// Names of what is stored.
+  static constexpr std::string_view words_name = "buffer-memory";
+  static constexpr std::string_view objects_name = "object-dictionary";
   static constexpr std::string_view concise_dcfs_name = "concise-dcf";
+  static constexpr std::array stored_names{words_name, objects_name, concise_dcfs_name};
 
   /// Everything must outlive it. `buffer` is the module's, made of the model's table.
   ModuleSettings(const ModuleModel& model, NonVolatileMemory& memory, BufferMemory& buffer);

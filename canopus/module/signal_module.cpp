@@ -6,8 +6,8 @@
 namespace canopus::module {
 
 SignalModule::SignalModule(const ModuleModel& model, can::Controller& controller, NonVolatileMemory& memory,
-                           Profile profile)
-    : ModuleEngine(model, controller, memory, std::move(profile)) {
+                           const Profile& profile)
+    : ModuleEngine(model, controller, memory, profile) {
   for (const SignalRow& row : model.signals) {
     row_of_.at(row.number) = &row;
     row_for_.at(std::to_underlying(row.use)) = &row;

@@ -22,7 +22,7 @@ class SignalModule : public ModuleEngine {
  protected:
   /// Off until power_on(). Everything must outlive the module.
   SignalModule(const ModuleModel& model, can::Controller& controller, NonVolatileMemory& memory,
-               Profile profile);
+               const Profile& profile);
 
  private:
   void done(Request request, can::Time now) override;

@@ -4,8 +4,6 @@
 //
 // All of it is facts: model.cpp and the tables beside it. What they do is in canopus/module.
 
-#include <utility>
-
 #include "canopus/module/me3can1_q/model.hpp"
 #include "canopus/module/signal_module.hpp"
 
@@ -14,8 +12,8 @@ namespace canopus::module::me3can1_q {
 class Me3can1Q final : public SignalModule {
  public:
   /// Off until power_on(). The controller and the memory must outlive the module.
-  Me3can1Q(can::Controller& controller, NonVolatileMemory& memory, Profile profile = {})
-      : SignalModule(me3can1_q::model, controller, memory, std::move(profile)) {}
+  Me3can1Q(can::Controller& controller, NonVolatileMemory& memory, const Profile& profile = {})
+      : SignalModule(me3can1_q::model, controller, memory, profile) {}
 };
 
 }  // namespace canopus::module::me3can1_q
