@@ -7,7 +7,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "canopus/manager/nmt_master.hpp"
+#include "canopus/manager/master_node.hpp"
 
 #include "measure.hpp"
 #include "network.hpp"
@@ -38,41 +38,24 @@ std::shared_ptr<const canopen::DictionaryDescription> boot_master_description(un
   return builder.build();
 }
 
-class Master final : public can::Participant, canopen::NodeListener, manager::MasterListener {
+class Master final : public manager::MasterNode, manager::MasterListener {
  public:
   Master(bench::PassThroughBus& bus, std::shared_ptr<const canopen::DictionaryDescription> description)
-      : port(bus), node(std::move(description), 1, port), master(node, port) {
-    node.set_listener(this);
-    master.set_listener(this);
+      : Master(std::make_unique<bench::PassThroughBus::Port>(bus), std::move(description)) {
     // The wait between the two resets and the start is the standard's, not the program's work: virtual time.
-    bus.add(*this, port, [](std::uint32_t identifier) { return identifier > 0x580; });
+    bus.add(*this, *port_, [](std::uint32_t identifier) { return identifier > 0x580; });
   }
-  void receive(const can::Frame& frame, can::Time now) override {
-    node.receive(frame, now);
-    master.receive(frame, now);
+  bool finished = false;
+
+ private:
+  Master(std::unique_ptr<bench::PassThroughBus::Port> port,
+         std::shared_ptr<const canopen::DictionaryDescription> description)
+      : MasterNode(std::move(description), 1, *port), port_(std::move(port)) {
+    master().set_listener(this);
   }
-  void tick(can::Time now) override {
-    if (node.deadline() <= now) node.tick(now);
-    if (master.deadline() <= now) master.tick(now);
-  }
-  [[nodiscard]] can::Time deadline() const noexcept override {
-    return std::min(node.deadline(), master.deadline());
-  }
-  void reset_requested(canopen::NmtCommand, can::Time now) override { master.stop(now); }
-  void reset_done(canopen::NmtCommand, can::Time now) override { master.start(now); }
-  void nmt_state_changed(canopen::NmtState state, can::Time now) override {
-    master.own_state_changed(state, now);
-  }
-  void heartbeat_received(std::uint8_t id, canopen::NmtState state, can::Time now) override {
-    master.heartbeat_received(id, state, now);
-  }
-  void heartbeat_lost(std::uint8_t id, can::Time now) override { master.heartbeat_lost(id, now); }
   void start_up_finished(can::Time) override { finished = true; }
 
-  bench::PassThroughBus::Port port;
-  canopen::Node node;
-  manager::NmtMaster master;
-  bool finished = false;
+  std::unique_ptr<bench::PassThroughBus::Port> port_;
 };
 
 /// A master and its slaves, off.
@@ -89,7 +72,7 @@ struct Network {
   /// Until all slaves are Operational. False: one is not.
   bool boot() {
     can::Time now{};
-    master->node.power_on(now);
+    master->power_on(now);
     while (!master->finished && master->deadline() != can::never) {
       now = std::max(now, master->deadline());
       bus->set_time(now);

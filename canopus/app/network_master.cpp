@@ -39,13 +39,11 @@ std::string describe(const NetworkSlave& slave) {
 }
 
 NetworkMaster::NetworkMaster(const NetworkFile& file, can::Sink& sink, NetworkObserver& observer)
-    : file_(file),
-      observer_(observer),
-      node_(manager::master_dictionary(), file.node, sink),
-      master_(node_, sink, file.options) {
-  node_.set_listener(this);
-  master_.set_listener(this);
-  master_.set_configuration_source(this);
+    : MasterNode(manager::master_dictionary(), file.node, sink, {}, file.options),
+      file_(file),
+      observer_(observer) {
+  master().set_listener(this);
+  master().set_configuration_source(this);
 }
 
 std::expected<std::unique_ptr<NetworkMaster>, std::vector<PlantError>> NetworkMaster::build(
@@ -157,24 +155,22 @@ void NetworkMaster::expect_configuration(std::uint8_t node_id) {
   }
 }
 
-void NetworkMaster::power_on(can::Time now) { node_.power_on(now); }
-
 NetworkMaster::Result NetworkMaster::result(const NetworkSlave& slave) const {
-  const BootRecord& record = master_.boot_record(slave.node);
-  if (file_.flying && !master_.active()) return Result::left_to_the_active_master;
+  const BootRecord& record = master().boot_record(slave.node);
+  if (file_.flying && !master().active()) return Result::left_to_the_active_master;
   if (record.step == BootStep::booted) return Result::booted;
-  if (master_.halted() && record.step == BootStep::idle) return Result::given_up;
+  if (master().halted() && record.step == BootStep::idle) return Result::given_up;
   const bool silent =
       record.error == manager::BootError::no_answer || record.error == manager::BootError::none;
   return !slave.mandatory && silent && record.step != BootStep::failed ? Result::absent : Result::failed;
 }
 
 bool NetworkMaster::start_up_over() const {
-  if (master_.halted()) return true;
-  if (!master_.active()) return false;
+  if (master().halted()) return true;
+  if (!master().active()) return false;
   if (!finished_) return false;
   return std::ranges::all_of(file_.slaves, [this](const NetworkSlave& slave) {
-    const BootStep step = master_.boot_record(slave.node).step;
+    const BootStep step = master().boot_record(slave.node).step;
     return step == BootStep::booted || step == BootStep::failed ||
            (!slave.mandatory && step == BootStep::presence_pause);
   });
@@ -186,48 +182,24 @@ const NetworkSlave* NetworkMaster::find(std::uint8_t node_id) const {
 }
 
 void NetworkMaster::receive(const can::Frame& frame, can::Time now) {
-  node_.receive(frame, now);
-  master_.receive(frame, now);
+  MasterNode::receive(frame, now);
   look_for_master(now);
 }
 
-void NetworkMaster::transmitted(const can::Frame& frame, can::Time now) {
-  node_.transmitted(frame, now);
-  master_.transmitted(frame, now);
-}
-
 void NetworkMaster::tick(can::Time now) {
-  if (node_.deadline() <= now) node_.tick(now);
-  if (master_.deadline() <= now) master_.tick(now);
+  MasterNode::tick(now);
   look_for_master(now);
 }
 
 void NetworkMaster::look_for_master(can::Time now) {
-  if (!file_.flying || master_.active_master() == told_master_) return;
-  told_master_ = master_.active_master();
-  observer_.master_changed(master_.active(), told_master_, now);
+  if (!file_.flying || master().active_master() == told_master_) return;
+  told_master_ = master().active_master();
+  observer_.master_changed(master().active(), told_master_, now);
 }
 
-can::Time NetworkMaster::deadline() const noexcept { return std::min(node_.deadline(), master_.deadline()); }
-
-void NetworkMaster::reset_requested(canopen::NmtCommand, can::Time now) { master_.stop(now); }
-
-void NetworkMaster::reset_done(canopen::NmtCommand, can::Time now) {
-  for (const auto& [index, sub, value] : stored_) node_.dictionary().set(index, sub, value);
+void NetworkMaster::configure(canopen::ObjectDictionary& objects) {
+  for (const auto& [index, sub, value] : stored_) objects.set(index, sub, value);
   finished_ = false;
-  master_.start(now);
-}
-
-void NetworkMaster::nmt_state_changed(canopen::NmtState state, can::Time now) {
-  master_.own_state_changed(state, now);
-}
-
-void NetworkMaster::heartbeat_received(std::uint8_t node_id, canopen::NmtState state, can::Time now) {
-  master_.heartbeat_received(node_id, state, now);
-}
-
-void NetworkMaster::heartbeat_lost(std::uint8_t node_id, can::Time now) {
-  master_.heartbeat_lost(node_id, now);
 }
 
 void NetworkMaster::start_up_finished(can::Time) { finished_ = true; }
@@ -243,7 +215,7 @@ void NetworkMaster::slave_booted(std::uint8_t node_id, can::Time now) {
 
 void NetworkMaster::slave_failed(std::uint8_t node_id, manager::BootError, can::Time now) {
   if (const NetworkSlave* slave = find(node_id)) {
-    observer_.slave_failed(*slave, master_.boot_record(node_id), now);
+    observer_.slave_failed(*slave, master().boot_record(node_id), now);
   }
 }
 

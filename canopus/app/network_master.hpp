@@ -12,10 +12,9 @@
 #include <vector>
 
 #include "canopus/app/network_file.hpp"
-#include "canopus/canopen/node.hpp"
 #include "canopus/canopen/object_stream.hpp"
 #include "canopus/eds/device_file.hpp"
-#include "canopus/manager/nmt_master.hpp"
+#include "canopus/manager/master_node.hpp"
 
 namespace canopus::app {
 
@@ -36,8 +35,7 @@ class NetworkObserver {
   ~NetworkObserver() = default;
 };
 
-class NetworkMaster final : public can::Participant,
-                            private canopen::NodeListener,
+class NetworkMaster final : public manager::MasterNode,
                             private manager::MasterListener,
                             private manager::ConfigurationSource {
  public:
@@ -50,9 +48,7 @@ class NetworkMaster final : public can::Participant,
   NetworkMaster& operator=(const NetworkMaster&) = delete;
 
   /// SDO requests of the start-up are given up after this.
-  void set_sdo_time_out(can::Duration time_out) noexcept { master_.options().sdo_time_out = time_out; }
-  /// The start-up begins.
-  void power_on(can::Time now);
+  void set_sdo_time_out(can::Duration time_out) noexcept { master().options().sdo_time_out = time_out; }
   /// It has ended: halted by a mandatory slave, or all mandatory slaves are booted and every optional one is
   /// booted, failed or did not answer. Never while another flying master is the active one.
   [[nodiscard]] bool start_up_over() const;
@@ -66,18 +62,13 @@ class NetworkMaster final : public can::Participant,
   };
   [[nodiscard]] Result result(const NetworkSlave& slave) const;
   [[nodiscard]] std::span<const NetworkSlave> slaves() const noexcept { return file_.slaves; }
-  [[nodiscard]] const manager::NmtMaster& master() const noexcept { return master_; }
-  /// The master as a node.
-  [[nodiscard]] canopen::Node& node() noexcept { return node_; }
   /// The concise DCF that a slave is given.
   std::span<const std::uint8_t> concise_dcf(std::uint8_t node_id) override { return files_[node_id]; }
   manager::Program open_program(std::uint8_t node_id) override;
 
   // can::Participant
   void receive(const can::Frame& frame, can::Time now) override;
-  void transmitted(const can::Frame& frame, can::Time now) override;
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override;
 
  private:
   NetworkMaster(const NetworkFile& file, can::Sink& sink, NetworkObserver& observer);
@@ -94,12 +85,8 @@ class NetworkMaster final : public can::Participant,
   }
   [[nodiscard]] const NetworkSlave* find(std::uint8_t node_id) const;
 
-  // canopen::NodeListener
-  void reset_requested(canopen::NmtCommand which, can::Time now) override;
-  void reset_done(canopen::NmtCommand which, can::Time now) override;
-  void nmt_state_changed(canopen::NmtState state, can::Time now) override;
-  void heartbeat_received(std::uint8_t node_id, canopen::NmtState state, can::Time now) override;
-  void heartbeat_lost(std::uint8_t node_id, can::Time now) override;
+  // manager::MasterNode
+  void configure(canopen::ObjectDictionary& objects) override;
   // manager::MasterListener
   void start_up_finished(can::Time now) override;
   void boot_went_on(std::uint8_t node_id, const manager::BootRecord& record, can::Time now) override;
@@ -116,8 +103,6 @@ class NetworkMaster final : public can::Participant,
   };
   NetworkFile file_;
   NetworkObserver& observer_;
-  canopen::Node node_;
-  manager::NmtMaster master_;
   std::vector<Stored> stored_;
   std::array<std::vector<std::uint8_t>, 128> files_;
   std::array<std::string, 128> programs_;

@@ -8,7 +8,7 @@
 // Start-up (start()): Reset communication, boot every assigned slave (in parallel, one SDO channel each: see
 // boot_slave.hpp), own node Operational when all mandatory slaves are booted, slaves started.
 //
-// Driving it. The owner of node and master
+// Driving it: MasterNode does (master_node.hpp). Otherwise the owner of node and master
 //   - calls receive(frame, now) for every frame, *after* Node::receive; tick() and deadline() as of any
 //     Participant;
 //   - forwards from its NodeListener: own_state_changed, heartbeat_received, heartbeat_lost (of the same

@@ -13,11 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "canopus/canopen/node.hpp"
 #include "canopus/canopen/sdo_client.hpp"
 #include "canopus/link/bus_loop.hpp"
 #include "canopus/manager/master_dictionary.hpp"
-#include "canopus/manager/nmt_master.hpp"
+#include "canopus/manager/master_node.hpp"
 
 namespace {
 
@@ -25,30 +24,26 @@ using namespace canopus;
 using namespace std::chrono_literals;
 
 /// A node of its own with an NMT master on it.
-class Master final : public can::Participant,
-                     private canopen::NodeListener,
+class Master final : public manager::MasterNode,
                      private manager::MasterListener,
                      private canopen::SdoClientUser {
  public:
   Master(can::Sink& bus, std::vector<std::uint8_t> slaves)
-      : slaves_(std::move(slaves)),
-        node_(manager::master_dictionary(), 127, bus),
-        master_(node_, bus),
+      : MasterNode(manager::master_dictionary(), 127, bus),
+        slaves_(std::move(slaves)),
         sdo_(128, canopen::SdoClient(bus)) {
-    node_.set_listener(this);
-    master_.set_listener(this);
-    master_.options().sdo_time_out = 300ms;
+    master().set_listener(this);
+    master().options().sdo_time_out = 300ms;
     for (const std::uint8_t slave : slaves_) sdo_[slave].set_server(slave);
   }
 
-  void power_on(can::Time now) { node_.power_on(now); }
   /// Every slave was booted and told its name, or has failed.
-  [[nodiscard]] bool finished() const { return answers_ == slaves_.size() || master_.halted(); }
+  [[nodiscard]] bool finished() const { return answers_ == slaves_.size() || master().halted(); }
   /// True when all are booted. Prints how each one is doing.
   bool report(can::Time now) const {
     bool good = true;
     for (const std::uint8_t slave : slaves_) {
-      const manager::BootRecord& record = master_.boot_record(slave);
+      const manager::BootRecord& record = master().boot_record(slave);
       good = good && record.step == manager::BootStep::booted;
       std::printf("%s\n", manager::explain(record, slave, now).c_str());
     }
@@ -57,28 +52,24 @@ class Master final : public can::Participant,
 
   // can::Participant: what the loop calls.
   void receive(const can::Frame& frame, can::Time now) override {
-    node_.receive(frame, now);
-    master_.receive(frame, now);
+    MasterNode::receive(frame, now);
     for (const std::uint8_t slave : slaves_) sdo_[slave].receive(frame, now);
   }
   void tick(can::Time now) override {
-    if (node_.deadline() <= now) node_.tick(now);
-    if (master_.deadline() <= now) master_.tick(now);
+    MasterNode::tick(now);
     for (const std::uint8_t slave : slaves_) {
       if (sdo_[slave].deadline() <= now) sdo_[slave].tick(now);
     }
   }
   [[nodiscard]] can::Time deadline() const noexcept override {
-    can::Time earliest = std::min(node_.deadline(), master_.deadline());
+    can::Time earliest = MasterNode::deadline();
     for (const std::uint8_t slave : slaves_) earliest = std::min(earliest, sdo_[slave].deadline());
     return earliest;
   }
 
  private:
-  // canopen::NodeListener. The master follows its node.
-  void reset_requested(canopen::NmtCommand, can::Time now) override { master_.stop(now); }
-  void reset_done(canopen::NmtCommand, can::Time now) override {
-    canopen::ObjectDictionary& dictionary = node_.dictionary();
+  // manager::MasterNode: the network, as objects of CiA 302-2.
+  void configure(canopen::ObjectDictionary& dictionary) override {
     dictionary.set(0x1F80, 0, 0x01U);   // NMT master; starts itself and its slaves
     dictionary.set(0x1F89, 0, 5'000U);  // mandatory slaves must be booted after 5 s
     dictionary.set(0x1017, 0, 1'000U);  // own heartbeat every second
@@ -87,15 +78,7 @@ class Master final : public can::Participant,
     for (const std::uint8_t slave : slaves_) {
       dictionary.set(0x1F81, slave, guarded_every_500_ms | mandatory_slave);
     }
-    master_.start(now);
   }
-  void nmt_state_changed(canopen::NmtState state, can::Time now) override {
-    master_.own_state_changed(state, now);
-  }
-  void heartbeat_received(std::uint8_t node, canopen::NmtState state, can::Time now) override {
-    master_.heartbeat_received(node, state, now);
-  }
-  void heartbeat_lost(std::uint8_t node, can::Time now) override { master_.heartbeat_lost(node, now); }
 
   // manager::MasterListener
   void boot_went_on(std::uint8_t node, const manager::BootRecord& record, can::Time now) override {
@@ -118,8 +101,6 @@ class Master final : public can::Participant,
   }
 
   std::vector<std::uint8_t> slaves_;
-  canopen::Node node_;
-  manager::NmtMaster master_;
   std::vector<canopen::SdoClient> sdo_;  // by node-ID
   std::size_t answers_ = 0;
 };

@@ -34,48 +34,30 @@ constexpr can::Duration on_the_wire = 60ms;
 
 class Network final : public sim::BusObserver {
  public:
-  struct Member final : can::Participant, canopen::NodeListener {
+  struct Member final : MasterNode {
     Member(Network& network, std::uint8_t node_id, std::uint8_t priority)
-        : id(node_id),
-          level(priority),
-          port(network.bus.add_port("master " + std::to_string(node_id))),
-          node(dictionary(), node_id, port),
-          master(node, port) {
-      node.set_listener(this);
+        : Member(network.bus.add_port("master " + std::to_string(node_id)), node_id, priority) {
       handle = network.timeline.add(*this);
       port.connect(*this, handle);
     }
+    Member(sim::Port& own_port, std::uint8_t node_id, std::uint8_t priority)
+        : MasterNode(dictionary(), node_id, own_port), id(node_id), level(priority), port(own_port) {}
     static std::shared_ptr<const canopen::DictionaryDescription> dictionary() {
       static const auto description = master_dictionary();
       return description;
     }
     void receive(const can::Frame& frame, can::Time now) override {
-      if (!on) return;
-      node.receive(frame, now);
-      master.receive(frame, now);
+      if (on) MasterNode::receive(frame, now);
     }
     void transmitted(const can::Frame& frame, can::Time now) override {
-      if (on) node.transmitted(frame, now);
+      if (on) MasterNode::transmitted(frame, now);
     }
-    void tick(can::Time now) override {
-      if (node.deadline() <= now) node.tick(now);
-      if (master.deadline() <= now) master.tick(now);
+    can::Time deadline() const noexcept override { return on ? MasterNode::deadline() : can::never; }
+    void configure(canopen::ObjectDictionary& objects) override {
+      objects.set(0x1F80, 0, 0x21U);
+      objects.set(0x1F90, 3, std::uint16_t{level});
+      objects.set(0x1F90, 6, static_cast<std::uint16_t>(4000 + 10 * id));
     }
-    can::Time deadline() const noexcept override {
-      return on ? std::min(node.deadline(), master.deadline()) : can::never;
-    }
-    void reset_requested(canopen::NmtCommand, can::Time now) override { master.stop(now); }
-    void reset_done(canopen::NmtCommand, can::Time now) override {
-      node.dictionary().set(0x1F80, 0, 0x21U);
-      node.dictionary().set(0x1F90, 3, std::uint16_t{level});
-      node.dictionary().set(0x1F90, 6, static_cast<std::uint16_t>(4000 + 10 * id));
-      master.start(now);
-    }
-    void nmt_state_changed(NmtState state, can::Time now) override { master.own_state_changed(state, now); }
-    void heartbeat_received(std::uint8_t other, NmtState state, can::Time now) override {
-      master.heartbeat_received(other, state, now);
-    }
-    void heartbeat_lost(std::uint8_t other, can::Time now) override { master.heartbeat_lost(other, now); }
     [[nodiscard]] can::Duration waiting_time() const { return 1500ms * level + per_node_id * id; }
 
     std::uint8_t id;
@@ -83,8 +65,6 @@ class Network final : public sim::BusObserver {
     bool on = false;
     bool is_far = false;  // on the other side of the cut
     sim::Port& port;
-    canopen::Node node;
-    NmtMaster master;
     can::Timeline::Handle handle = 0;
   };
 
@@ -101,15 +81,14 @@ class Network final : public sim::BusObserver {
     member.on = true;
     member.port.restart(bus.bit_rate());
     member.port.plug(true);
-    member.node.power_on(timeline.now());
+    member.power_on(timeline.now());
     timeline.refresh(member.handle);
   }
   void switch_off(Member& member) {
     member.on = false;
     member.port.plug(false);
     member.port.restart(bus.bit_rate());  // and its queue is gone
-    member.master.stop(timeline.now());
-    member.node.power_off();
+    member.power_off(timeline.now());
     timeline.refresh(member.handle);
   }
   void run_for(can::Duration duration) { timeline.run_until(timeline.now() + duration); }
@@ -131,7 +110,8 @@ class Network final : public sim::BusObserver {
   [[nodiscard]] std::vector<std::uint8_t> active(std::optional<bool> side = {}) const {
     std::vector<std::uint8_t> ids;
     for (const Member& member : members) {
-      if (member.on && (!side || member.is_far == *side) && member.master.active()) ids.push_back(member.id);
+      if (member.on && (!side || member.is_far == *side) && member.master().active())
+        ids.push_back(member.id);
     }
     return ids;
   }

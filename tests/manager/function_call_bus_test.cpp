@@ -74,11 +74,19 @@ class FunctionCallBus {
   int depth_ = 0;
 };
 
-class FunctionCallMaster : public ::testing::Test,
-                           public can::Participant,
-                           public canopen::NodeListener,
-                           public MasterListener,
-                           public ConfigurationSource {
+class HeartbeatTeller final : public ConfiguredMaster {
+ public:
+  using ConfiguredMaster::ConfiguredMaster;
+  std::function<void(std::uint8_t, can::Time)> on_heartbeat;
+
+ private:
+  void heartbeat_received(std::uint8_t id, NmtState state, can::Time now) override {
+    ConfiguredMaster::heartbeat_received(id, state, now);
+    if (on_heartbeat) on_heartbeat(id, now);
+  }
+};
+
+class FunctionCallMaster : public ::testing::Test, public MasterListener {
  public:
   struct Slave {
     Slave(std::uint8_t id, FunctionCallBus& bus) : port(bus), node(slave_objects(), id, port) {
@@ -87,17 +95,15 @@ class FunctionCallMaster : public ::testing::Test,
     FunctionCallBus::Port port;
     canopen::Node node;
   };
-  FunctionCallMaster() : port(bus), node(master_dictionary(), 1, port), master(node, port) {
-    node.set_listener(this);
+  FunctionCallMaster() : port(bus), seat(port), node(seat.node()), master(seat.master()) {
     master.set_listener(this);
-    master.set_configuration_source(this);
-    bus.add(*this, port);
-    stored[{0x1F80, 0}] = 0x01;
+    bus.add(seat, port);
+    seat.stored[{0x1F80, 0}] = 0x01;
     for (std::uint8_t id = 2; id <= 4; ++id) {
       slaves.emplace_back(id, bus);
-      stored[{0x1F81, id}] = 0x0D;
-      stored[{0x1F84, id}] = 0x000F0191;
-      stored[{0x1F85, id}] = 7;
+      seat.stored[{0x1F81, id}] = 0x0D;
+      seat.stored[{0x1F84, id}] = 0x000F0191;
+      seat.stored[{0x1F85, id}] = 7;
     }
   }
   void switch_on() {
@@ -112,26 +118,6 @@ class FunctionCallMaster : public ::testing::Test,
     for (std::uint8_t id = 2; id <= 4; ++id) EXPECT_EQ(master.node_state(id), 5) << int{id};
   }
 
-  void receive(const can::Frame& frame, can::Time now) override {
-    node.receive(frame, now);
-    master.receive(frame, now);
-  }
-  void tick(can::Time now) override {
-    if (node.deadline() <= now) node.tick(now);
-    if (master.deadline() <= now) master.tick(now);
-  }
-  can::Time deadline() const noexcept override { return std::min(node.deadline(), master.deadline()); }
-  void reset_requested(canopen::NmtCommand, can::Time now) override { master.stop(now); }
-  void reset_done(canopen::NmtCommand, can::Time now) override {
-    for (const auto& [place, value] : stored) node.dictionary().set(place.first, place.second, value);
-    master.start(now);
-  }
-  void nmt_state_changed(NmtState state, can::Time now) override { master.own_state_changed(state, now); }
-  void heartbeat_received(std::uint8_t id, NmtState state, can::Time now) override {
-    master.heartbeat_received(id, state, now);
-    if (on_heartbeat) on_heartbeat(id, now);
-  }
-  void heartbeat_lost(std::uint8_t id, can::Time now) override { master.heartbeat_lost(id, now); }
   void slave_booted(std::uint8_t id, can::Time now) override {
     events.push_back("booted " + std::to_string(id));
     if (on_booted) on_booted(id, now);
@@ -140,18 +126,15 @@ class FunctionCallMaster : public ::testing::Test,
     events.push_back("failed " + std::to_string(id));
   }
   void start_up_finished(can::Time) override { events.push_back("finished"); }
-  std::span<const std::uint8_t> concise_dcf(std::uint8_t id) override { return files[id]; }
 
   FunctionCallBus bus;
   FunctionCallBus::Port port;
-  canopen::Node node;
-  NmtMaster master;
+  HeartbeatTeller seat;
+  canopen::Node& node;
+  NmtMaster& master;
   std::list<Slave> slaves;
-  std::map<std::pair<std::uint16_t, std::uint8_t>, std::uint32_t> stored;
-  std::map<std::uint8_t, std::vector<std::uint8_t>> files;
   std::vector<std::string> events;
   std::function<void(std::uint8_t, can::Time)> on_booted;
-  std::function<void(std::uint8_t, can::Time)> on_heartbeat;
 };
 
 TEST_F(FunctionCallMaster, SlavesAreBootedAndStarted_EachOnce) {
@@ -170,7 +153,8 @@ TEST_F(FunctionCallMaster, ConfigurationInSegmentsAndBlocks_Arrives) {
   std::vector<std::uint8_t> table(5000);
   for (std::size_t i = 0; i < table.size(); ++i) table[i] = static_cast<std::uint8_t>(i * 7);
   for (std::uint8_t id = 2; id <= 4; ++id) {
-    files[id] = ConciseDcfWriter().add(0x1017, 0, 100, 2).add(0x2100, 0, table).add(0x2000, 9, id, 4).file();
+    seat.files[id] =
+        ConciseDcfWriter().add(0x1017, 0, 100, 2).add(0x2100, 0, table).add(0x2000, 9, id, 4).file();
   }
   for (const unsigned block_from : {0U, 100U}) {
     master.options().block_from = block_from;
@@ -217,16 +201,17 @@ TEST_F(FunctionCallMaster, TransfersMayBeStartedFromAnyCallback_OneFromTheEndOfT
 
 TEST_F(FunctionCallMaster, CommandFromInsideAnother_GoesOutAfterIt_EachOnce) {
   for (std::uint8_t id = 2; id <= 4; ++id) {
-    stored[{0x1016, id}] = std::uint32_t{id} << 16 | 300;
-    files[id] = ConciseDcfWriter().add(0x1017, 0, 100, 2).file();
+    seat.stored[{0x1016, id}] = std::uint32_t{id} << 16 | 300;
+    seat.files[id] = ConciseDcfWriter().add(0x1017, 0, 100, 2).file();
   }
-  stored[{0x102A, 0}] = 100;  // 10 ms between commands
+  seat.stored[{0x102A, 0}] = 100;  // 10 ms between commands
   switch_on();
   bus.run_until(bus.now + 3s);
   expect_operational();
   bus.sent.clear();
   bool asked = false;
-  on_heartbeat = [&](std::uint8_t id, can::Time now) {  // the boot-up message of node 3, inside its reset
+  seat.on_heartbeat = [&](std::uint8_t id,
+                          can::Time now) {  // the boot-up message of node 3, inside its reset
     if (id != 3 || asked) return;
     asked = true;
     EXPECT_EQ(master.request_nmt(4, node_state::stopped, now), canopen::AbortCode::none);
@@ -244,8 +229,8 @@ TEST_F(FunctionCallMaster, CommandFromInsideAnother_GoesOutAfterIt_EachOnce) {
 
 TEST_F(FunctionCallMaster, LostSlave_IsResetAndComesBack) {
   for (std::uint8_t id = 2; id <= 4; ++id) {
-    stored[{0x1016, id}] = std::uint32_t{id} << 16 | 300;
-    files[id] = ConciseDcfWriter().add(0x1017, 0, 100, 2).file();
+    seat.stored[{0x1016, id}] = std::uint32_t{id} << 16 | 300;
+    seat.files[id] = ConciseDcfWriter().add(0x1017, 0, 100, 2).file();
   }
   switch_on();
   bus.run_until(bus.now + 3s);
@@ -260,7 +245,7 @@ TEST_F(FunctionCallMaster, LostSlave_IsResetAndComesBack) {
 }
 
 TEST_F(FunctionCallMaster, GuardedSlave_AnswersFromInside) {
-  stored[{0x1F81, 3}] = 0x0064030D;
+  seat.stored[{0x1F81, 3}] = 0x0064030D;
   switch_on();
   bus.run_until(bus.now + 10s);
   expect_operational();

@@ -6,13 +6,14 @@
 #include <cstdio>
 #include <functional>
 #include <list>
+#include <map>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "canopus/canopen/node.hpp"
-#include "canopus/manager/nmt_master.hpp"
+#include "canopus/manager/master_node.hpp"
 
 #include "scripted_slave.hpp"
 
@@ -77,6 +78,23 @@ inline std::shared_ptr<const canopen::DictionaryDescription> master_dictionary()
   }
   return builder.build();
 }
+
+/// Node 1 with a master on it; its objects and the slaves' concise DCFs are set from outside.
+class ConfiguredMaster : public MasterNode, public ConfigurationSource {
+ public:
+  explicit ConfiguredMaster(can::Sink& sink) : MasterNode(master_dictionary(), 1, sink) {
+    master().set_configuration_source(this);
+  }
+  std::span<const std::uint8_t> concise_dcf(std::uint8_t id) override { return files[id]; }
+
+  std::map<std::pair<std::uint16_t, std::uint8_t>, std::uint32_t> stored;
+  std::map<std::uint8_t, std::vector<std::uint8_t>> files;
+
+ private:
+  void configure(canopen::ObjectDictionary& objects) override {
+    for (const auto& [place, value] : stored) objects.set(place.first, place.second, value);
+  }
+};
 
 class MasterBench : public ::testing::Test,
                     public can::Sink,

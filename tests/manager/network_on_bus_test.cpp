@@ -50,43 +50,13 @@ std::shared_ptr<const canopen::DictionaryDescription> slave_with_tpdo() {
   return builder.build();
 }
 
-/// A master on a port: its node, then the master, as NmtMaster wants to be driven.
-class MasterOnBus final : public can::Participant, public canopen::NodeListener, public ConfigurationSource {
+class MasterOnBus final : public ConfiguredMaster {
  public:
-  MasterOnBus(sim::Port& port, can::Timeline& timeline)
-      : node(master_dictionary(), 1, port), master(node, port) {
-    node.set_listener(this);
-    master.set_configuration_source(this);
+  MasterOnBus(sim::Port& port, can::Timeline& timeline) : ConfiguredMaster(port) {
     handle = timeline.add(*this);
     port.connect(*this, handle);
   }
-  void receive(const can::Frame& frame, can::Time now) override {
-    node.receive(frame, now);
-    master.receive(frame, now);
-  }
-  void transmitted(const can::Frame& frame, can::Time now) override { master.transmitted(frame, now); }
-  void tick(can::Time now) override {
-    if (node.deadline() <= now) node.tick(now);
-    if (master.deadline() <= now) master.tick(now);
-  }
-  can::Time deadline() const noexcept override { return std::min(node.deadline(), master.deadline()); }
-  void reset_requested(canopen::NmtCommand, can::Time now) override { master.stop(now); }
-  void reset_done(canopen::NmtCommand, can::Time now) override {
-    for (const auto& [place, value] : stored) node.dictionary().set(place.first, place.second, value);
-    master.start(now);
-  }
-  void nmt_state_changed(NmtState state, can::Time now) override { master.own_state_changed(state, now); }
-  void heartbeat_received(std::uint8_t id, NmtState state, can::Time now) override {
-    master.heartbeat_received(id, state, now);
-  }
-  void heartbeat_lost(std::uint8_t id, can::Time now) override { master.heartbeat_lost(id, now); }
-  std::span<const std::uint8_t> concise_dcf(std::uint8_t id) override { return files[id]; }
-
-  canopen::Node node;
-  NmtMaster master;
   can::Timeline::Handle handle = 0;
-  std::map<std::pair<std::uint16_t, std::uint8_t>, std::uint32_t> stored;
-  std::map<std::uint8_t, std::vector<std::uint8_t>> files;
 };
 
 class NetworkOnBus : public ::testing::Test {
@@ -110,7 +80,7 @@ class NetworkOnBus : public ::testing::Test {
       timeline.refresh(device.handle);
     }
     run_for(100ms);
-    master.node.power_on(timeline.now());
+    master.node().power_on(timeline.now());
     timeline.refresh(master.handle);
   }
   void run_for(can::Duration duration) { timeline.run_until(timeline.now() + duration); }
@@ -133,11 +103,11 @@ TEST_F(NetworkOnBus, Slaves_AreIdentifiedConfiguredWatchedAndStarted) {
   }
   switch_on();
   run_for(2s);
-  EXPECT_EQ(master.node.state(), NmtState::operational);
+  EXPECT_EQ(master.node().state(), NmtState::operational);
   for (Slave& device : slaves) {
     EXPECT_EQ(device.node.state(), NmtState::operational);
-    EXPECT_EQ(master.master.node_state(device.node.node_id()), 5);
-    EXPECT_EQ(master.master.error_control(device.node.node_id()), error_control::heartbeat_active);
+    EXPECT_EQ(master.master().node_state(device.node.node_id()), 5);
+    EXPECT_EQ(master.master().error_control(device.node.node_id()), error_control::heartbeat_active);
   }
 }
 
@@ -152,13 +122,13 @@ TEST_F(NetworkOnBus, SlaveUnplugged_IsFoundMissing_AndComesBackByItself) {
   ASSERT_EQ(device.node.state(), NmtState::operational);
   device.port.plug(false);
   run_for(3s);
-  EXPECT_EQ(master.master.node_state(5), node_state::missing);
-  EXPECT_TRUE(master.master.starting());
+  EXPECT_EQ(master.master().node_state(5), node_state::missing);
+  EXPECT_TRUE(master.master().starting());
   device.port.plug(true);
   run_for(3s);
   EXPECT_EQ(device.node.state(), NmtState::operational);
-  EXPECT_EQ(master.master.node_state(5), 5);
-  EXPECT_FALSE(master.master.starting());
+  EXPECT_EQ(master.master().node_state(5), 5);
+  EXPECT_FALSE(master.master().starting());
 }
 
 TEST_F(NetworkOnBus, SlaveResetByRequest_IsBootedAndStartedAgain) {
@@ -168,11 +138,11 @@ TEST_F(NetworkOnBus, SlaveResetByRequest_IsBootedAndStartedAgain) {
   switch_on();
   run_for(3s);
   ASSERT_EQ(device.node.state(), NmtState::operational);
-  EXPECT_EQ(master.master.request_nmt(5, 6, timeline.now()), canopen::AbortCode::none);
+  EXPECT_EQ(master.master().request_nmt(5, 6, timeline.now()), canopen::AbortCode::none);
   timeline.refresh(master.handle);
   run_for(3s);
   EXPECT_EQ(device.node.state(), NmtState::operational);
-  EXPECT_EQ(master.master.node_state(5), 5);
+  EXPECT_EQ(master.master().node_state(5), 5);
 }
 
 TEST_F(NetworkOnBus, MappingInAConciseDcf_CountsFromThenOn) {
@@ -210,7 +180,7 @@ TEST_F(NetworkOnBus, MappingInAConciseDcf_CountsFromThenOn) {
                         .add(0x1A00, 0, 2, 1)
                         .add(0x1800, 1, 0x000001A5, 4)
                         .file();
-  EXPECT_EQ(master.master.request_configuration(5, timeline.now()), canopen::AbortCode::none);
+  EXPECT_EQ(master.master().request_configuration(5, timeline.now()), canopen::AbortCode::none);
   timeline.refresh(master.handle);
   run_for(1s);
   listener.heard.push_back("configured");
@@ -225,8 +195,8 @@ TEST_F(NetworkOnBus, GuardedSlave_IsHeardForHours) {
   master.stored[{0x1F81, 5}] = 0x0064030D;
   switch_on();
   run_for(3600s);
-  EXPECT_EQ(master.master.error_control(5), error_control::guarding_active);
-  EXPECT_EQ(master.master.node_state(5), 5);
+  EXPECT_EQ(master.master().error_control(5), error_control::guarding_active);
+  EXPECT_EQ(master.master().node_state(5), 5);
 }
 
 /// Bits on the wire of frames that come one after the other, with the intermission after each.
@@ -259,7 +229,7 @@ TEST_P(SlowNetworkOnBus, EveryTransferGetsItsTurn) {
   MasterOnBus master{bus.add_port("master"), timeline};
   std::list<NetworkOnBus::Slave> slaves;
   master.stored[{0x1F80, 0}] = 0x01;
-  master.master.options().block_from = GetParam();
+  master.master().options().block_from = GetParam();
   for (std::uint8_t id = 2; id <= 127; ++id) {
     slaves.emplace_back(id, bus, timeline);
     master.stored[{0x1F81, id}] = 0x0D;
@@ -270,20 +240,20 @@ TEST_P(SlowNetworkOnBus, EveryTransferGetsItsTurn) {
     timeline.refresh(device.handle);
   }
   timeline.run_until(can::Time(1s));
-  master.node.power_on(timeline.now());
+  master.node().power_on(timeline.now());
   timeline.refresh(master.handle);
   timeline.run_until(can::Time(30s));
   for (std::uint8_t id = 2; id <= 127; ++id) {
-    const BootRecord& record = master.master.boot_record(id);
+    const BootRecord& record = master.master().boot_record(id);
     ASSERT_TRUE(record.step == BootStep::booted) << explain(record, id, timeline.now());
   }
-  EXPECT_EQ(master.node.state(), NmtState::operational);
+  EXPECT_EQ(master.node().state(), NmtState::operational);
 }
 INSTANTIATE_TEST_SUITE_P(SegmentedAndInBlocks, SlowNetworkOnBus, ::testing::Values(0U, 22U));
 
 // The files take ten seconds on the bus; the servers wait one second for the next segment.
 TEST_F(NetworkOnBus, LargeFiles_GoSideBySide) {
-  master.master.options().late_boot_up = 30s;  // the boot-up messages have to wait for the end of the files
+  master.master().options().late_boot_up = 30s;  // the boot-up messages have to wait for the end of the files
   master.stored[{0x1F80, 0}] = 0x01;
   for (std::uint8_t id = 2; id <= 11; ++id) {
     slave(id);
@@ -294,7 +264,7 @@ TEST_F(NetworkOnBus, LargeFiles_GoSideBySide) {
   run_for(20s);
   for (Slave& device : slaves) {
     const std::uint8_t id = device.node.node_id();
-    const BootRecord& record = master.master.boot_record(id);
+    const BootRecord& record = master.master().boot_record(id);
     EXPECT_TRUE(record.step == BootStep::booted) << explain(record, id, timeline.now());
     const auto value = device.node.dictionary().read(0x2100, 0, timeline.now());
     ASSERT_TRUE(value.has_value());
@@ -390,7 +360,7 @@ class Boot126 : public NetworkOnBus, public ::testing::WithParamInterface<Config
 TEST_P(Boot126, WithConciseDcfsOf2Kilobytes_TakesTheTimeOfItsBits) {
   constexpr std::uint32_t bit_rate = 1'000'000;
   master.stored[{0x1F80, 0}] = 0x01;
-  if (GetParam() == Configuration2k::segmented) master.master.options().block_from = 0;
+  if (GetParam() == Configuration2k::segmented) master.master().options().block_from = 0;
   for (std::uint8_t id = 2; id <= 127; ++id) {
     slave(id);
     master.stored[{0x1F81, id}] = 0x0D;
@@ -399,12 +369,12 @@ TEST_P(Boot126, WithConciseDcfsOf2Kilobytes_TakesTheTimeOfItsBits) {
   ASSERT_GE(file().size(), 2000U);
   switch_on();
   const can::Time begin = timeline.now();
-  while (master.node.state() != NmtState::operational && timeline.now() - begin < 60s) run_for(1ms);
+  while (master.node().state() != NmtState::operational && timeline.now() - begin < 60s) run_for(1ms);
   for (std::uint8_t id = 2; id <= 127; ++id) {
-    const BootRecord& record = master.master.boot_record(id);
+    const BootRecord& record = master.master().boot_record(id);
     ASSERT_TRUE(record.step == BootStep::booted) << explain(record, id, timeline.now());
   }
-  ASSERT_EQ(master.node.state(), NmtState::operational);
+  ASSERT_EQ(master.node().state(), NmtState::operational);
   const double took = can::seconds(timeline.now()) - can::seconds(begin);
   const double least = minimum().seconds(bit_rate);
   constexpr const char* names[] = {"186 entries of 4 bytes", "2000 bytes in blocks",
@@ -420,7 +390,7 @@ TEST_P(Boot126, WithConciseDcfsOf2Kilobytes_TakesTheTimeOfItsBits) {
 // Slaves that boot early start to send PDOs, which have priority over SDO, while the others are configured.
 TEST_P(Boot126, WhileBootedSlavesSendPdos_NoTransferStarves) {
   master.stored[{0x1F80, 0}] = 0x01;
-  if (GetParam() == Configuration2k::segmented) master.master.options().block_from = 0;
+  if (GetParam() == Configuration2k::segmented) master.master().options().block_from = 0;
   for (std::uint8_t id = 2; id <= 127; ++id) {
     slaves.emplace_back(id, bus, timeline, slave_with_tpdo());
     master.stored[{0x1F81, id}] = 0x0D;
@@ -428,12 +398,12 @@ TEST_P(Boot126, WhileBootedSlavesSendPdos_NoTransferStarves) {
   }
   switch_on();
   const can::Time begin = timeline.now();
-  while (master.node.state() != NmtState::operational && timeline.now() - begin < 60s) run_for(1ms);
+  while (master.node().state() != NmtState::operational && timeline.now() - begin < 60s) run_for(1ms);
   for (std::uint8_t id = 2; id <= 127; ++id) {
-    const BootRecord& record = master.master.boot_record(id);
+    const BootRecord& record = master.master().boot_record(id);
     ASSERT_TRUE(record.step == BootStep::booted) << explain(record, id, timeline.now());
   }
-  EXPECT_EQ(master.node.state(), NmtState::operational);
+  EXPECT_EQ(master.node().state(), NmtState::operational);
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, Boot126,

@@ -21,7 +21,7 @@
 #include "canopus/can/timeline.hpp"
 #include "canopus/canopen/node.hpp"
 #include "canopus/canopen/sdo_client.hpp"
-#include "canopus/manager/nmt_master.hpp"
+#include "canopus/manager/master_node.hpp"
 #include "canopus/sim/bus.hpp"
 
 namespace {
@@ -112,49 +112,37 @@ struct Slave final : can::Participant {
 
 /// The master, and a user that keeps a few SDO transfers going and checks each against the slave's own
 /// memory.
-class Master final : public can::Participant,
-                     public canopen::NodeListener,
+class Master final : public manager::MasterNode,
                      public manager::MasterListener,
                      public canopen::SdoClientUser {
  public:
   Master(sim::Port& port, std::vector<std::unique_ptr<Slave>>& slaves, std::uint64_t seed)
-      : node_(master_description(), master_id, port), master_(node_, port), slaves_(slaves), random_(seed) {
-    node_.set_listener(this);
-    master_.set_listener(this);
+      : MasterNode(master_description(), master_id, port), slaves_(slaves), random_(seed) {
+    master().set_listener(this);
     for (Job& job : jobs_) job.client = std::make_unique<canopen::SdoClient>(port);
   }
   void power_on(can::Time now) {
-    node_.power_on(now);
+    MasterNode::power_on(now);
     next_job_ = now + 5s;
   }
 
-  void reset_done(canopen::NmtCommand, can::Time now) override { master_.start(now); }
-  void nmt_state_changed(canopen::NmtState state, can::Time now) override {
-    master_.own_state_changed(state, now);
-  }
-  void heartbeat_received(std::uint8_t id, canopen::NmtState state, can::Time now) override {
-    master_.heartbeat_received(id, state, now);
-  }
-  void heartbeat_lost(std::uint8_t id, can::Time now) override { master_.heartbeat_lost(id, now); }
   bool sdo_channel_free(std::uint8_t id) override {
     return std::ranges::none_of(jobs_, [&](const Job& job) { return job.client->busy() && job.node == id; });
   }
 
   void receive(const can::Frame& frame, can::Time now) override {
-    node_.receive(frame, now);
-    master_.receive(frame, now);
+    MasterNode::receive(frame, now);
     for (Job& job : jobs_) job.client->receive(frame, now);
   }
   void tick(can::Time now) override {
-    if (node_.deadline() <= now) node_.tick(now);
-    if (master_.deadline() <= now) master_.tick(now);
+    MasterNode::tick(now);
     for (Job& job : jobs_) {
       if (job.client->deadline() <= now) job.client->tick(now);
     }
     if (next_job_ <= now) start_jobs(now);
   }
   can::Time deadline() const noexcept override {
-    can::Time next = std::min({node_.deadline(), master_.deadline(), next_job_});
+    can::Time next = std::min(MasterNode::deadline(), next_job_);
     for (const Job& job : jobs_) next = std::min(next, job.client->deadline());
     return next;
   }
@@ -195,7 +183,7 @@ class Master final : public can::Participant,
     for (Job& job : jobs_) {
       if (job.client->busy()) continue;
       const auto id = static_cast<std::uint8_t>(random_() % slave_count + 1);
-      if (master_.sdo_channel_busy(id) || !sdo_channel_free(id) || now < ask_again_[id]) continue;
+      if (master().sdo_channel_busy(id) || !sdo_channel_free(id) || now < ask_again_[id]) continue;
       job.node = id;
       job.sub = static_cast<std::uint8_t>(random_() % 4 == 0 ? 2 : 1);
       job.is_download = random_() % 2 == 0;
@@ -210,8 +198,6 @@ class Master final : public can::Participant,
     }
   }
 
-  canopen::Node node_;
-  manager::NmtMaster master_;
   std::vector<std::unique_ptr<Slave>>& slaves_;
   std::mt19937_64 random_;
   std::array<Job, 4> jobs_;
