@@ -9,9 +9,11 @@ TEST(Me3ClearRequests, EndWithTheSupply) {
   RecordProperty("spec", "ME3-IO-013 ME3-IO-014 ME3-IO-020 ME3-IO-021 ME3-SYS-018");
   Me3Scenario s;
   s.power_on();
-  s.y(0x0F, true).y(0x11, true);
+  s.y(0x0F, true).y(0x10, true).y(0x11, true);
   s.supply_off();
   s.power_on();
+  s.set_object(0x1016, 1, 0x00020064, 4);
+  s.rx(0x702, {0x05}).advance(100ms).ignore_tx().expect(402, 0x0082).expect_x(0x10, true);
   s.write(24, 300).expect(29, 0x0040).expect(39, 24).expect_x(0x0F, true);
   s.rx(0x085, {0x30, 0x81, 0x11, 1, 2, 3, 4, 5}).expect_x(0x11, true);
   s.exchange();

@@ -71,10 +71,12 @@ TEST(Me3CommandInterface, RequestNmt_ReservedValues_AreRefused) {
   const std::vector<std::uint16_t> good{4, 5, 6, 7, 0x7F, 0x84, 0x85, 0x86, 0x87, 0x8F};
   for (std::uint16_t value = 0; value <= 0xFE; ++value) {
     if (std::find(good.begin(), good.end(), value) != good.end()) continue;
-    s.cif({0x0002, 0, 0x1F82, 2, 1, value});
-    s.expect(1000, {0x000F, 0x0003, 0, 0x0030, 0x0609});
+    for (const std::uint16_t sub : Words{1, 2, 127, 0x80}) {
+      s.cif({0x0002, 0, 0x1F82, sub, 1, value});
+      s.expect(1000, {0x000F, 0x0003, 0, 0x0030, 0x0609});
+    }
   }
-  s.no_tx();
+  s.no_tx().expect_bit(25, 8, true);  // nor is the own state changed
 }
 
 TEST(Me3CommandInterface, RequestNmt_AsSlave_SendsNothing) {
@@ -624,6 +626,15 @@ TEST(Me3CommandInterface, WriteWhileBusy_ClearedBeforeTheTransferEnds_GivesItUp)
   s.expect(1000, {0x0000, 0}).no_tx();
   s.cif({0x0004, 0, 0x1000, 0});
   s.expect(1000, {0x0005, 0, 0x1000, 0, 4, 0x0195}).no_tx();
+  // Once more, and at once to another node: nothing of the first transfer is in the way.
+  s.write(1000, {0x0004, 2, 0x1000, 0}).y(0x17, true).advance(1ms);
+  s.write(1005, 1).y(0x17, false).ignore_tx();
+  s.cif({0xFFFF});
+  s.write(1000, {0x0004, 3, 0x1018, 1}).y(0x17, true).ignore_tx().advance(1ms);
+  s.tx(0x603, {0x40, 0x18, 0x10, 0x01, 0, 0, 0, 0});
+  s.rx(0x582, {0x43, 0x00, 0x10, 0x00, 0x91, 0x01, 0x0F, 0x00}).expect(1000, 0xFFFF);
+  s.rx(0x583, {0x43, 0x18, 0x10, 0x01, 0x71, 0, 0, 0}).expect(1000, {0x0005, 3, 0x1018, 1, 4, 0x0071, 0});
+  s.expect_x(0x17, true).no_tx();
 }
 
 TEST(Me3CommandInterface, S36_TwoPlanes) {

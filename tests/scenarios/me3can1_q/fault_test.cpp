@@ -118,7 +118,31 @@ struct Told final : module::ModuleObserver {
   std::vector<std::string> lines;
 };
 
+// Off is off: no signal does anything, and a restart that was to come again does not come.
+TEST(Me3Fault, SupplyOff_NothingAnswers) {
+  RecordProperty("spec", "ME3-IO-005 ME3-IO-001");
+  for (const std::uint16_t mode : Words{405, 11}) {
+    Me3Scenario s;
+    if (mode == 405) {
+      s.power_on();
+    } else {
+      s.power_on_layer2(mode);
+    }
+    s.y(0x02, true).wait_x(0x02, true).ignore_tx();  // left ON: again in 0.5 s
+    s.supply_off();
+    for (unsigned number = 0; number < 32; ++number) s.y(number, true);
+    s.advance(20s).no_tx();
+    EXPECT_EQ(s.plug_in().inputs(), 0U);
+    s.expect(25, 0).expect(21, 0);
+    s.supply_on();  // all Y are OFF again
+    s.advance(20s).ignore_tx();
+    EXPECT_EQ(s.plug_in().inputs(), 1U);
+    s.expect(25, mode == 405 ? 0x0100 : 0).expect(29, 0);
+  }
+}
+
 TEST(Me3Fault, SupplyOff_EndsEverything_AlsoCyclicMessages) {
+  RecordProperty("spec", "ME3-L2-009");
   Me3Scenario s;
   s.power_on_layer2();
   s.write(6000, {0xFFFF, 0x5FFF, 2, 1}).write(10000, {0x0123, 0, 1, 0x0055});

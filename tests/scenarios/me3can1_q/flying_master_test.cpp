@@ -286,7 +286,8 @@ TEST(Me3FlyingMaster, Standby_LeavesTheMastersServicesAlone_UntilItWins) {
   switch_on(s, 2);
   s.ignore_tx().wait_tx(0x073).rx(0x071, {0x01, 0x01}).rx(0x701, {0x05}).ignore_tx();
   s.rx(0x000, {0x01, 0x02}).expect_bit(25, 0, true);
-  s.write(50, 2);  // time producer
+  s.write(50, {2, 14, 10, 15, 12, 30, 0}).write(58, 1).y(0x12, true);  // time producer
+  s.y(0x12, false).no_tx();
   s.cif({0x0002, 0, 0x1F82, 9, 1, 5});
   s.expect(1000, {0x000F, 0x0003, 0, 0x0022, 0x0800});
   s.cif({0x0002, 0, 0x1F83, 9, 1, 1});
@@ -300,6 +301,8 @@ TEST(Me3FlyingMaster, Standby_LeavesTheMastersServicesAlone_UntilItWins) {
   }
   s.wait_bit(25, 15, true).advance(1s).ignore_tx();  // it wins
   s.wait_tx(0x080);
+  s.write(51, {14, 8, 1, 0, 0, 0}).ignore_tx();
+  s.y(0x12, true).y(0x12, false).tx(0x100, {0x00, 0x00, 0x00, 0x00, 0xA2, 0x2B});
   s.ignore_tx().rx(0x709, {0x00}).tx_remote(0x709);
   s.cif({0x0002, 0, 0x1F82, 9, 1, 5});
   s.expect(1000, 0x0003).ignore_tx();

@@ -166,6 +166,8 @@ TEST(Me3Layer2Settings, SignalsOfLayer2_DoNothingIn405Mode) {
   s.power_on();
   s.y(0x03, true).y(0x04, true).advance(1s);
   s.expect_x(0x03, false).expect_x(0x04, false);
+  s.restart();  // with Y03 and Y04 ON
+  s.expect_x(0x03, false).expect_x(0x04, false).expect_bit(25, 8, true);
   s.y(0x03, false).y(0x04, false);
   // 405 mode has its own there.
   s.write(13000, 7);

@@ -60,6 +60,20 @@ TEST(Me3StartUp, Initialization_TakesNothing) {
   }
 }
 
+TEST(Me3StartUp, NmtReset_IsAnInitializationToo) {
+  RecordProperty("spec", "ME3-STAT-005 ME3-STAT-006 ME3-ERR-004");
+  for (const std::uint8_t command : Bytes{0x81, 0x82}) {
+    Me3Scenario s;
+    s.power_on_as(1);
+    s.nmt(command, 1).expect_bit(25, 7, true);
+    s.write(1000, 4).write(70, 1000).write(13000, 7).expect(29, 0x0020).expect(40, 1000);
+    for (const unsigned y : {0x01U, 0x11U, 0x12U, 0x13U, 0x17U, 0x1FU}) s.y(y, true);
+    s.wait_bit(25, 7, false).tx(0x701, {0x00}).advance(1s).no_tx().expect(25, 0x0140);
+    EXPECT_EQ(s.plug_in().inputs(), 0x8001U);
+    s.expect(1000, 0).expect(70, 500).expect(13000, 0);
+  }
+}
+
 TEST(Me3StartUp, S04_FactoryState_EveryWordHasItsDefault) {
   RecordProperty("spec", "ME3-BAUD-005 ME3-NST-002");
   Me3Scenario s;
@@ -100,8 +114,11 @@ TEST(Me3StartUp, FaultyStoredConfiguration_KeepsInitializing_UntilTheObjectDicti
   s.expect(25, 0x0080).expect_x(0x00, false).no_tx();  // no boot-up message, no heartbeat
   s.write(24, 125);
   s.expect_bit(29, 5, true).expect(40, 24);
-  s.set_object(0x1011, 1, 0x64616F6C, 4);  // by CIF, although it initializes
-  s.expect(25, 0x0080);                    // and only the restart uses it
+  for (const unsigned y : {0x01U, 0x03U, 0x04U, 0x11U, 0x12U, 0x13U, 0x1FU})
+    s.y(y, true).advance(1s).y(y, false);
+  EXPECT_EQ(s.plug_in().inputs(), 0x8000U);  // the refused write; nothing else acts
+  s.set_object(0x1011, 1, 0x64616F6C, 4);    // by CIF, although it initializes
+  s.expect(25, 0x0080);                      // and only the restart uses it
   s.restart();
   s.expect(25, 0x0100).expect_x(0x00, true);
   s.expect_object(0x1017, 0, 0, 2).expect_object(0x1A00, 0, 4, 1);
