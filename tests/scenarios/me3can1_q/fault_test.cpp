@@ -192,10 +192,10 @@ TEST(Me3Fault, Restart_BringsSignalsStatusAndData_ToTheirDefaults) {
     s.nmt(0x82, 1).wait_bit(25, 7, false).ignore_tx();
     s.nmt(0x01, 1);
     s.rx(0x100, {0, 0, 0, 0, 0xA2, 0x2B}).expect(25, 0x1241);
+    s.rx(0x201, {0x34, 0x12, 0, 0, 0, 0, 0, 0});
     s.set_object(0x1016, 1, 0x00020064, 4);
     s.rx(0x702, {0x05}).advance(200ms).expect(402, 0x0082);
     s.rx(0x085, {0x30, 0x81, 0x11, 1, 2, 3, 4, 5});
-    s.rx(0x201, {0x34, 0x12, 0, 0, 0, 0, 0, 0});
     s.write(24, 300).write(50, 2);
     s.y(0x12, true).y(0x13, true).ignore_tx();
     s.write(1000, {0x0004, 3, 0x1000, 0}).y(0x17, true).advance(1ms);
@@ -221,6 +221,49 @@ TEST(Me3Fault, Restart_BringsSignalsStatusAndData_ToTheirDefaults) {
     s.expect(750, {0, 0}).expect(10000, {0, 0}).no_tx();
     s.advance(10s).no_tx();
   }
+}
+
+// What a master does on the bus, and what waits to be sent, ends with the restart, and with the supply.
+TEST(Me3Fault, Restart_AndSupplyOff_EndTheMastersFrames) {
+  RecordProperty("spec", "ME3-IO-004 ME3-EMCY-011");
+  for (const bool by_supply : {false, true}) {
+    Me3Scenario s;
+    s.power_on_as(1);
+    s.set_object(0x1F80, 0, 1, 4);
+    s.set_object(0x1F81, 2, 0x05, 4);
+    s.set_object(0x1F81, 3, 0x00640301, 4);
+    s.set_object(0x1015, 0, 60000, 2);  // 6 s
+    s.store_objects();
+    s.restart();
+    s.rx(0x703, {0x00}).rx(0x703, {0x7F}).advance(1s).ignore_tx();  // it has told that node 3 is lost
+    s.error_counters(130, 0).error_counters(0, 0).ignore_tx();      // an emergency that has to wait
+    if (by_supply) {
+      s.supply_off().ignore_tx().advance(60s).no_tx();
+      s.supply_on();
+    } else {
+      s.y(0x02, true).ignore_tx();
+      s.advance(5999ms).no_tx();
+    }
+    s.wait_tx(0x701, {0x00}).y(0x02, false).tx(0x000, {0x82, 0x00}).advance(20s);
+    for (const can::Frame& frame : s.controller().sent)
+      EXPECT_FALSE(frame.identifier == 0x081 && frame.data[0] == 0x20) << text(frame);  // 8120H
+    s.ignore_tx();
+  }
+}
+
+// An initialization, or a save, that the supply cuts short does not end without it.
+TEST(Me3Fault, SupplyOff_InTheMiddle_NothingIsFinished) {
+  RecordProperty("spec", "ME3-STAT-001 ME3-SAVE-009");
+  Me3Scenario s;
+  s.supply_on().advance(500ms).supply_off();
+  s.advance(60s).no_tx().expect(25, 0);
+  EXPECT_EQ(s.plug_in().inputs(), 0U);
+  s.power_on();
+  s.write(70, 1000).write(22, 1).y(0x01, true).y(0x1F, true).supply_off();
+  s.advance(60s).no_tx();
+  EXPECT_EQ(s.plug_in().inputs(), 0U);
+  s.power_on();
+  s.expect(70, 500).expect(29, 0x0010).no_tx();
 }
 
 // A restart that the supply cut short is over: the next Y02 is a request of its own.

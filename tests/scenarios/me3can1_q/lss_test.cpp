@@ -118,6 +118,8 @@ TEST(Me3Lss, S76_NotFoundAtTheOwnRate_TheOthersAreTried_AndTheFoundSlaveChangesO
     ASSERT_EQ(s.controller().rate, rate);
     asks_for_the_slave(s);
     s.expect_bit(25, lss_active, true).expect(37, 2500);
+    // What the controller meets there is no error of the module's own network.
+    s.error_counters(256, 0).expect(29, 0).error_counters(130, 0).expect(29, 0).error_counters(0, 0);
     s.advance(90ms).no_tx();
   }
   for (int i = 0; i < 1000 && s.controller().rate != 125'000; ++i) s.advance(1ms);
