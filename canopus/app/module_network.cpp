@@ -83,7 +83,7 @@ std::vector<PlantError> ModuleNetwork::add_slave(const SlaveSection& slave, cons
   const eds::Identity identity = eds::identity(file);
   const std::optional<std::uint32_t> expected[] = {identity.device_type, identity.vendor_id,
                                                    identity.product_code, identity.revision};
-  for (std::uint16_t i = 0; i < std::size(expected); ++i) {
+  for (std::size_t i = 0; i < std::size(expected); ++i) {
     if (expected[i]) preset(static_cast<std::uint16_t>(0x1F84 + i), slave.node, *expected[i], 4);
   }
   using module::VariableDirection;
@@ -169,7 +169,7 @@ std::string ModuleNetwork::connect(const Direction& direction, const SlaveSectio
     preset(mapping, ++count, variable_mapping(direction.words, first + i), 4);
   }
   if (length % 2 != 0)
-    preset(mapping, ++count, variable_mapping(direction.bytes, 2 * (first + length / 2)), 4);
+    preset(mapping, ++count, variable_mapping(direction.bytes, 2 * std::size_t{first + length / 2}), 4);
   preset(mapping, 0, count, 1);
   preset(communication, 1, direction.module_cob_id_bits | identifier, 4);
   connections_.push_back(fmt::format("{}\\G{}{} {} {}{} of node {}{}, {:03X}H, {} byte{}", slot_, address,

@@ -14,13 +14,15 @@ bool is_on(std::uint32_t signals, unsigned number) { return (signals >> number &
 }  // namespace
 
 StandInProgram::StandInProgram(module::Module& module, const module::ProgramInterface& interface, Task task)
-    : module_(module), interface_(interface), task_(std::move(task)) {
-  if (interface_.exchange.kind == Kind::none) task_.exchange.reset();  // it exchanges by itself
-}
+    : module_(module),
+      interface_(interface),
+      task_(std::move(task)),
+      interval_(task_.exchange.value_or(can::Duration{})) {}
 
 void StandInProgram::powered(can::Time now) {
   is_on_ = true;
-  if (task_.exchange) next_request_ = now + *task_.exchange;
+  const bool exchanges_by_itself = interface_.exchange.kind == Kind::none;
+  if (task_.exchange && !exchanges_by_itself) next_request_ = now + interval_;
   if (has_set_up() && !interface_.ready) next_scan_ = now + scan_time;
 }
 
@@ -42,7 +44,7 @@ void StandInProgram::tick(can::Time now) {
   } else if (may_exchange(now)) {
     request_exchange(now);
   } else {  // not ready, or a client plays the program: look again later
-    next_request_ = now + *task_.exchange;
+    next_request_ = now + interval_;
   }
 }
 
@@ -95,7 +97,7 @@ void StandInProgram::request_exchange(can::Time now) {
 
 void StandInProgram::exchange_done(can::Time now) {
   is_requested_ = false;
-  next_request_ = std::max(requested_at_ + *task_.exchange, now + std::chrono::milliseconds(1));
+  next_request_ = std::max(requested_at_ + interval_, now + std::chrono::milliseconds(1));
 }
 
 void StandInProgram::set_online(bool on, can::Time now) {

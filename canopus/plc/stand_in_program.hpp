@@ -55,6 +55,7 @@ class StandInProgram {
   module::Module& module_;
   const module::ProgramInterface& interface_;
   Task task_;
+  can::Duration interval_;               // of data exchanges
   can::Time next_request_ = can::never;  // or the end of one by signals
   can::Time next_scan_ = can::never;     // of a module that has no signal to say that it starts anew
   can::Time requested_at_{};
