@@ -62,4 +62,31 @@ void add_network_variables(canopen::DictionaryBuilder& builder, std::size_t bloc
   }
 }
 
+void add_default_mappings(canopen::DictionaryBuilder& builder, unsigned pdos) {
+  struct Mapping {
+    std::uint16_t first;
+    std::string_view name;
+    VariableDirection direction;
+  };
+  constexpr unsigned words_per_pdo = 4;
+  for (const Mapping& mapping : {Mapping{0x1600, "RPDO mapping", VariableDirection::output},
+                                 Mapping{0x1A00, "TPDO mapping", VariableDirection::input}}) {
+    const VariableArea& words = variable_area(canopen::DataType::unsigned16, mapping.direction);
+    for (unsigned number = 0; number < words_per_pdo * pdos; ++number) {
+      const auto index = static_cast<std::uint16_t>(mapping.first + number / words_per_pdo);
+      const auto sub = static_cast<std::uint8_t>(number % words_per_pdo + 1);
+      const ObjectRow row{.first = index,
+                          .last = index,
+                          .kind = ObjectRow::Kind::sub,
+                          .sub_first = sub,
+                          .sub_last = sub,
+                          .name = mapping.name,
+                          .access = canopen::Access::read_write,
+                          .value = variable_mapping(words, number),
+                          .flags = ObjectRow::stored};
+      add_rows(builder, {&row, 1});
+    }
+  }
+}
+
 }  // namespace canopus::module

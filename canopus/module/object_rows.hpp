@@ -45,4 +45,7 @@ void add_rows(canopen::DictionaryBuilder& builder, std::span<const ObjectRow> ro
 /// Adds the network variables that fill a block of `block_bytes` each way.
 void add_network_variables(canopen::DictionaryBuilder& builder, std::size_t block_bytes);
 
+/// Adds the mappings 1600H on and 1A00H on: PDO n (from 0) has the unsigned 16-bit variables 4n .. 4n + 3.
+void add_default_mappings(canopen::DictionaryBuilder& builder, unsigned pdos);
+
 }  // namespace canopus::module

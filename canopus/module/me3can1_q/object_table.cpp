@@ -3,7 +3,6 @@
 #include <array>
 
 #include "canopus/module/me3can1_q/buffer_table.hpp"
-#include "canopus/module/network_variables.hpp"
 #include "canopus/module/object_rows.hpp"
 
 namespace canopus::module::me3can1_q {
@@ -101,28 +100,6 @@ constexpr std::array default_pdos = std::to_array<ObjectRow>({
 });
 // clang-format on
 
-// PDO n maps the unsigned 16-bit variables 4n .. 4n + 3 [ME3CAN1-Q Tab. 4-8, 4-10].
-void add_default_mapping(canopen::DictionaryBuilder& builder, std::uint16_t mapping,
-                         std::uint16_t variables) {
-  for (unsigned pdo = 0; pdo < exchange_layout.pdos; ++pdo) {
-    for (unsigned entry = 1; entry <= 4; ++entry) {
-      const unsigned number = 4 * pdo + entry - 1;
-      const ObjectRow row{
-          static_cast<std::uint16_t>(mapping + pdo),
-          static_cast<std::uint16_t>(mapping + pdo),
-          sub,
-          static_cast<std::uint8_t>(entry),
-          static_cast<std::uint8_t>(entry),
-          mapping == 0x1600 ? "RPDO mapping" : "TPDO mapping",
-          u32,
-          rw,
-          (variables + number / variables_per_index) << 16 | (number % variables_per_index + 1) << 8 | 0x10U,
-          stored};
-      add_rows(builder, {&row, 1});
-    }
-  }
-}
-
 }  // namespace
 
 std::shared_ptr<const canopen::DictionaryDescription> object_dictionary() {
@@ -130,8 +107,7 @@ std::shared_ptr<const canopen::DictionaryDescription> object_dictionary() {
     canopen::DictionaryBuilder builder;
     add_rows(builder, rows);
     add_rows(builder, default_pdos);
-    add_default_mapping(builder, 0x1600, 0xA580);
-    add_default_mapping(builder, 0x1A00, 0xA100);
+    add_default_mappings(builder, exchange_layout.pdos);  // [ME3CAN1-Q Tab. 4-8, 4-10]
     add_network_variables(builder, exchange_layout.words * 2);
     return builder.build();
   }();
