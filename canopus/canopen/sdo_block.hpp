@@ -6,11 +6,24 @@
 //   receiver  A2H ackseq blksize: all up to ackseq are here, the next sub-block has blksize segments
 //
 // The receiver takes segments in order only and confirms, at the last one of the sub-block, the last one it
-// has; the sender goes on from there. When the segment that asks for the confirmation is lost, the receiver
-// confirms after a pause. While nothing of a sub-block came, that pause may as well mean that the
-// confirmation of the sub-block before was lost, and to confirm "0" would make the sender repeat what was
-// taken. The CRC would show it; without one the receiver keeps silent and the transfer times out.
+// has; the sender goes on from there. So a segment that is lost in the midst of a sub-block is repeated.
+//
+// When the segment that asks for the confirmation is lost, or the confirmation, both sides wait. The standard
+// knows only the time-out then. With a CRC, and only then, the receiver confirms early, after a pause: it
+// guesses that something was lost and not merely late, and only a CRC shows a wrong guess.
+//   - Something of the sub-block came: its last segment was lost. The receiver confirms what it has. If the
+//     rest was merely late it comes still, and is not answered: the sender repeats it.
+//   - Nothing came: the last confirmation was lost, and is said again.
+// A sender to which a confirmation is said again though it had come knows it by its number when that is more
+// than it has sent since; nothing is wrong then but, if it sent a single segment, that one may be lost. When
+// the number fits it cannot know: all the segments so numbered were lost or late, and the CRC ends the
+// transfer.
+//
+// CAN may deliver a frame twice: the segment that asks for a confirmation is answered once. A confirmation
+// that comes twice, and a segment that comes twice in sub-blocks of one, cannot be told from a new one: the
+// CRC judges, or the size.
 
+#include <bit>
 #include <cstdint>
 
 #include "canopus/can/controller.hpp"
@@ -34,7 +47,12 @@ class BlockSender {
   /// Sends what the sub-block still lacks. On a bus that is a function call, confirmations and even the next
   /// transfer come from inside: a call from there returns at once, and the outer one goes on with it.
   AbortCode send(SegmentSource& source, can::Sink& sink, FrameHead head);
-  /// A2H came. send() is to follow, or end() if the value is_complete().
+  /// While A1H is to come: this is the last confirmation once more, which changes nothing.
+  [[nodiscard]] bool is_confirmed_again(const can::Frame& answer) const noexcept {
+    return answer.data[1] == confirmed_;
+  }
+  /// A2H came. send() is to follow, or end() if the value is_complete(). One that was said again although
+  /// it had come changes nothing.
   AbortCode confirmed(const can::Frame& answer, SegmentSource& source);
   [[nodiscard]] bool is_complete() const noexcept { return phase_ == Phase::complete; }
   /// C1H, with the bytes unused in the last segment and the CRC.
@@ -56,6 +74,7 @@ class BlockSender {
   std::uint8_t sequence_ = 0;       // of the last segment that was sent
   std::uint8_t last_sequence_ = 0;  // of the segment with the end of the value, 0: not in this sub-block
   std::uint8_t unused_ = 0;         // bytes in that segment
+  std::uint8_t confirmed_ = 0;      // by the confirmation before
   std::uint16_t crc_ = 0;
 };
 
@@ -63,43 +82,59 @@ class BlockReceiver {
  public:
   enum class Next : std::uint8_t { segment, confirmation };
 
-  /// The first sub-block shall have `block_size` segments, 1..127.
-  void begin(std::uint8_t block_size, bool with_crc) noexcept;
+  /// The first sub-block shall have `block_size` segments, 1..127. `initiation` is the frame that opened the
+  /// transfer: C0H.. would pass for a last segment if it came again.
+  void begin(std::uint8_t block_size, bool with_crc, const can::Frame& initiation) noexcept;
   /// A segment came: hands its bytes on if it is the one that is due. Says whether it is now time to confirm.
   AbortCode take(const can::Frame& segment, SegmentCollector& collector, Next& next) {
     const unsigned sequence = segment.data[0] & 0x7FU;
     const bool last = (segment.data[0] & sdo::last_segment) != 0;
     if (sequence == 0 || sequence > block_size_) return AbortCode::sequence_number;
-    confirmed_early_ = false;
     if (sequence == sequence_ + 1U) {
       const AbortCode code = collector.add(segment, sdo::segment_size);
       if (code != AbortCode::none) return code;
       sequence_ = static_cast<std::uint8_t>(sequence);
-      took_any_ = true;
       has_all_ = last;
     }
-    next = last || sequence == block_size_ ? Next::confirmation : Next::segment;
+    const bool asks = last || sequence == block_size_;
+    next = asks && is_to_be_answered(segment) ? Next::confirmation : Next::segment;
+    latest_ = Latest::segment;
     return AbortCode::none;
   }
   /// A2H with what came of this sub-block; the next one shall have `block_size` segments.
   [[nodiscard]] can::Frame confirmation(FrameHead head, std::uint8_t block_size) noexcept;
-  /// The same after a pause, once per sub-block; not when it could do harm.
+  /// After a pause, once until the next segment comes, and only if a CRC shows when it did harm.
   [[nodiscard]] bool may_confirm_early() const noexcept {
-    return !confirmed_early_ && (sequence_ != 0 || with_crc_ || !took_any_);
+    return with_crc_ && latest_ != Latest::early_confirmation;
   }
-  void note_early_confirmation() noexcept { confirmed_early_ = true; }
+  /// A2H after a pause.
+  [[nodiscard]] can::Frame early_confirmation(FrameHead head) noexcept;
   /// The last segment is here: C1H is to come.
   [[nodiscard]] bool has_all() const noexcept { return has_all_; }
+  /// While C1H is to come: this is the last segment once more, which changes nothing.
+  [[nodiscard]] bool is_last_segment_again(const can::Frame& frame) const noexcept {
+    const bool may_be_the_end = (frame.data[0] & 0xE3U) == 0xC1 && answered_ >> 24 == 0;
+    return is_answered(frame) && !may_be_the_end;
+  }
   /// C1H came: completes the value.
   AbortCode finish(const can::Frame& end, SegmentCollector& collector) const;
 
  private:
+  enum class Latest : std::uint8_t { confirmation, early_confirmation, segment };
+
+  [[nodiscard]] bool is_to_be_answered(const can::Frame& segment) noexcept;
+  [[nodiscard]] bool is_answered(const can::Frame& segment) const noexcept {
+    return std::bit_cast<std::uint64_t>(segment.data) == answered_;
+  }
+
   bool with_crc_ = false;
   bool has_all_ = false;
-  bool took_any_ = false;         // since the transfer began
-  bool confirmed_early_ = false;  // and no segment since
+  bool rest_may_come_ = false;  // of a sub-block that was confirmed early
+  Latest latest_ = Latest::confirmation;
   std::uint8_t block_size_ = 0;
-  std::uint8_t sequence_ = 0;  // of the last segment that was taken
+  std::uint8_t sequence_ = 0;   // of the last segment that was taken
+  std::uint8_t confirmed_ = 0;  // by the last confirmation
+  std::uint64_t answered_ = 0;  // the bytes of the frame that was answered last
 };
 
 }  // namespace canopus::canopen

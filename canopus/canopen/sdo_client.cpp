@@ -1,5 +1,6 @@
 #include "canopus/canopen/sdo_client.hpp"
 
+#include <algorithm>
 #include <cstdint>
 
 #include "canopus/canopen/nmt.hpp"
@@ -252,14 +253,15 @@ void SdoClient::tick(can::Time now) {
   if (state_ == State::block_download && block_sender_.is_sending())
     return send_block(now);  // the transmit queue was full
   deadline_ = end;
-  if (state_ != State::block_upload || !block_receiver_.may_confirm_early()) return;
+  const bool confirms = state_ == State::block_upload || state_ == State::block_upload_end;
+  if (!confirms || !block_receiver_.may_confirm_early()) return;
   const can::Time pause_end = can::later(last_heard_, time_out_ / 4);
   if (now < pause_end) {
     deadline_ = pause_end;
     return;
   }
-  block_receiver_.note_early_confirmation();  // the segment that asks for it was lost
-  confirm_block();
+  deadline_ = std::min(end, can::later(now, time_out_ / 4));
+  sink_->send(block_receiver_.early_confirmation(request_));
 }
 
 }  // namespace canopus::canopen

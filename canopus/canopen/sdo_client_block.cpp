@@ -19,6 +19,7 @@ void SdoClient::receive_in_block(const can::Frame& frame, can::Time now) {
       break;
     case State::block_upload: return block_segment(frame, now);
     case State::block_upload_end:
+      if (block_receiver_.is_last_segment_again(frame)) return;
       if (command == ServerCommand::block_upload && (subcommand & 1U) == 1)
         return end_block_upload(frame, now);
       break;
@@ -31,7 +32,9 @@ void SdoClient::receive_in_block(const can::Frame& frame, can::Time now) {
       if (command == ServerCommand::block_download && subcommand == 2) return block_confirmed(frame, now);
       break;
     case State::block_download_end:
-      if (command == ServerCommand::block_download && subcommand == 1) return finish(AbortCode::none, now);
+      if (command != ServerCommand::block_download) break;
+      if (subcommand == 1) return finish(AbortCode::none, now);
+      if (subcommand == 2 && block_sender_.is_confirmed_again(frame)) return;
       break;
     default: break;
   }
@@ -47,7 +50,7 @@ void SdoClient::block_upload_initiated(const can::Frame& frame, can::Time now) {
   const bool with_crc = (frame.data[0] & sdo::crc_bit) != 0;
   collector_.begin(into_, maximum, buffer_too_small, announced, sdo::segment_size);
   collector_.count_crc(with_crc);
-  block_receiver_.begin(own_block_size, with_crc);
+  block_receiver_.begin(own_block_size, with_crc, frame);
   state_ = State::block_upload;
   restart_time_out(now);
   deadline_ = can::later(now, time_out_ / 4);

@@ -53,6 +53,7 @@ void SdoServer::receive(const can::Frame& frame, can::Time now) {
   if (state_ == State::block_download && frame.data[0] != 0x80) {  // 81H.. is the last segment
     return block_segment(frame, now);
   }
+  if (state_ == State::block_download_end && block_receiver_.is_last_segment_again(frame)) return;
   if (command == ClientCommand::abort) return stop();
   switch (state_) {
     case State::idle:
@@ -249,14 +250,15 @@ void SdoServer::tick(can::Time now) {
   if (state_ == State::block_upload && block_sender_.is_sending())
     return send_block(now);  // the transmit queue was full
   set_deadline(time_out_ != can::Duration{} ? can::later(last_heard_, time_out_) : can::never);
-  if (state_ != State::block_download || !block_receiver_.may_confirm_early()) return;
+  const bool confirms = state_ == State::block_download || state_ == State::block_download_end;
+  if (!confirms || !block_receiver_.may_confirm_early()) return;
   const can::Time due = can::later(last_heard_, pause());
   if (now < due) {
     set_deadline(due);
     return;
   }
-  block_receiver_.note_early_confirmation();  // the segment that asks for it was lost
-  confirm_block();
+  set_deadline(can::later(now, pause()));
+  sink_->send(block_receiver_.early_confirmation(response_));
 }
 
 }  // namespace canopus::canopen

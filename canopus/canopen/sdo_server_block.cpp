@@ -33,6 +33,10 @@ void SdoServer::receive_in_block(const can::Frame& frame, can::Time now) {
         close(true);
         return stop();
       }
+      if (command == ClientCommand::block_upload && subcommand == sdo::BlockUpload::response &&
+          block_sender_.is_confirmed_again(frame)) {
+        return;
+      }
       break;
     default: break;
   }
@@ -46,7 +50,7 @@ void SdoServer::initiate_block_download(const can::Frame& frame, can::Time now) 
   const AbortCode code = begin_download(frame, State::block_download, size_indicated, sdo::segment_size, now);
   if (code != AbortCode::none) return abort(sdo::multiplexer(frame), code);
   collector_.count_crc(with_crc);
-  block_receiver_.begin(own_block_size_, with_crc);
+  block_receiver_.begin(own_block_size_, with_crc, frame);
   set_deadline(can::later(now, pause()));
   sink_->send(sdo::frame(response_, 0xA0U | sdo::crc_bit, multiplexer_, own_block_size_));
 }
