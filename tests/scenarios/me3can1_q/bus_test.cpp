@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "canopus/module/me3can1_q/me3can1_q.hpp"
+#include "canopus/plc/melsec/session.hpp"
 #include "canopus/plc/rack.hpp"
 
 #include "scenarios/scenario.hpp"
@@ -106,12 +107,35 @@ TEST(Me3Rack, S02_BufferMemory_OfTheHeadAddress) {
   RecordProperty("spec", "ME3-SYS-004 ME3-SYS-005");
   Plant plant;
   Plant::Slot& slot = plant.add(0x30);
+  Plant::Slot& other = plant.add(0x50);
   plant.power_on();
   plant.run(1s);
   plant.g(slot, 70, 0x8001);
   EXPECT_EQ(plant.g(slot, 70), 0x8001);
   EXPECT_EQ(slot.module->read_word(70, plant.now()), 0x8001);
   EXPECT_EQ(plant.g(slot, 11), 0);
+  // The device U3\G70, by MC protocol (0401/0080, 1401/0080), is the same word, and of no other module.
+  const auto u3_g70 = [&](const Bytes& command, const Bytes& data) {
+    Bytes request{0x50, 0x00, 0x00, 0xFF, 0xFF, 0x03, 0x00, static_cast<std::uint8_t>(19 + data.size()),
+                  0x00, 0x10, 0x00};
+    request.insert(request.end(), command.begin(), command.end());
+    const Bytes device{0x80, 0x00, 0x00, 0x00, 70,   0x00, 0x00, 0xAB,
+                       0x00, 0x00, 0x03, 0x00, 0xF8, 0x01, 0x00};
+    request.insert(request.end(), device.begin(), device.end());
+    request.insert(request.end(), data.begin(), data.end());
+    plc::melsec::Session session(plant.rack());
+    std::ranges::copy(request, session.space().begin());
+    session.received(request.size());
+    EXPECT_EQ(session.process(plant.now()), 1U);
+    const auto answer = session.output();
+    EXPECT_EQ(answer[9] | answer[10] << 8, 0);  // end code
+    return answer.size() >= 13 ? answer[11] | answer[12] << 8 : 0;
+  };
+  u3_g70({0x01, 0x14}, {0x34, 0x12});
+  EXPECT_EQ(plant.g(slot, 70), 0x1234);
+  EXPECT_EQ(plant.g(other, 70), 500);
+  plant.g(slot, 70, 0x8001);
+  EXPECT_EQ(u3_g70({0x01, 0x04}, {}), 0x8001);
 }
 
 Bytes u32(std::uint32_t value) {

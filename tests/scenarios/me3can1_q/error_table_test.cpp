@@ -182,7 +182,8 @@ TEST(Me3ErrorTable, AddressesAndStatusBits) {
 TEST(Me3ErrorTable, EveryErrorControlBit_ComesWithItsCause_AndGoesWithY10) {
   RecordProperty(
       "spec",
-      "ME3-NEC-005 ME3-NEC-006 ME3-NEC-007 ME3-NEC-008 ME3-NEC-009 ME3-NEC-010 ME3-IO-016 ME3-IO-017");
+      "ME3-NEC-005 ME3-NEC-006 ME3-NEC-007 ME3-NEC-008 ME3-NEC-009 ME3-NEC-010 ME3-NEC-011 ME3-IO-015 "
+      "ME3-IO-016 ME3-IO-017");
   for (const SpecRow& row : rows_of("G401-G527 bit", 6)) {
     const unsigned bit = row.number("code");
     Me3Scenario s;

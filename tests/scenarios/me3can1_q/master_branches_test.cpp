@@ -325,7 +325,7 @@ TEST(Me3SdoChannel, FirstStart_OccupiesAllNodes_LaterOnlyTheOneThatFailed) {
 // --- error control
 
 TEST(Me3ErrorControl, NodesWord_IsThatOfItsNumber_HeartbeatAndGuarding) {
-  RecordProperty("spec", "ME3-NEC-002");
+  RecordProperty("spec", "ME3-NEC-002 ME3-NEC-003 ME3-NEC-004 ME3-NEC-011");
   Me3Scenario s;
   s.power_on_as(1);
   s.set_object(0x1F80, 0, 1, 4);

@@ -185,6 +185,9 @@ TEST(Me3Signals, NmtErrorClear_HeldForOneNode) {
   s.expect(402, 0x0002).expect(403, 0x0002).expect_x(0x10, false);
   s.advance(1ms).ignore_tx().expect(402, 0x0002).expect(403, 0x0082).expect_x(0x10, true);
   s.y(0x10, false).expect(402, 0x0002).expect(403, 0x0082).expect_x(0x10, true);
+  // The edge to ON clears, and what G400 says then; the one to OFF clears nothing.
+  s.y(0x10, true).write(400, 0).expect(403, 0x0082).expect_x(0x10, true);
+  s.y(0x10, false).expect(403, 0x0082).expect_x(0x10, true);
 }
 
 TEST(Me3Signals, NmtErrorClearNode_Above127_IsASettingError) {
