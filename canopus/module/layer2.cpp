@@ -48,6 +48,11 @@ std::optional<BufferAddress> Layer2::go_online(can::Time now) {
   transmit_.fill({});
   receive_.fill({});
   for (unsigned slot = 0; slot < layer2_slots; ++slot) load(slot);
+  for (unsigned message = 0; message < layer2_stop_messages; ++message) {
+    stop_messages_[message].reset();
+    if (settings_.stop_message_enabled(message) && !settings_.stop_message_error(message))
+      stop_messages_[message] = settings_.stop_message(message);
+  }
   for (TransmitSlot& slot : transmit_) {
     if (slot.active && slot.cycle != can::Duration{}) slot.due = can::later(now, slot.cycle);
   }
@@ -99,8 +104,10 @@ void Layer2::snapshot() {
   snapshot_taken_ = online_;
   if (!online_) return;
   for (unsigned slot = 0; slot < layer2_slots; ++slot) {
-    transmit_[slot].next = settings_.frame(slot);
-    transmit_[slot].next_strict_dlc = settings_.strict_dlc(slot);
+    TransmitSlot& own = transmit_[slot];
+    own.next = settings_.frame(slot);
+    own.next.identifier = own.outgoing.identifier;  // as it was on going online, whatever restores its words
+    own.next_strict_dlc = settings_.strict_dlc(slot);
   }
 }
 
@@ -171,11 +178,10 @@ void Layer2::cpu_stopped() {
 
 // One after another, so that their identifiers do not change their order.
 void Layer2::send_stop_message() {
-  while (stop_message_ < layer2_stop_messages && !settings_.stop_message_enabled(stop_message_))
-    ++stop_message_;
+  while (stop_message_ < layer2_stop_messages && !stop_messages_[stop_message_]) ++stop_message_;
   stop_frame_.reset();
   if (stop_message_ == layer2_stop_messages) return;
-  const can::Frame frame = settings_.stop_message(stop_message_++);
+  const can::Frame frame = *stop_messages_[stop_message_++];
   if (controller_->send(frame)) stop_frame_ = frame;
 }
 

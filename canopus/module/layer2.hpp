@@ -118,8 +118,9 @@ class Layer2 final : public BufferArea {
   bool snapshot_taken_ = false;
   bool trigger_requested_ = false;
   bool trigger_done_ = false;
-  unsigned stop_message_ = layer2_stop_messages;  // the one to send next
-  std::optional<can::Frame> stop_frame_;          // with the controller, not yet complete
+  std::array<std::optional<can::Frame>, layer2_stop_messages> stop_messages_;  // as on going online
+  unsigned stop_message_ = layer2_stop_messages;                               // the one to send next
+  std::optional<can::Frame> stop_frame_;  // with the controller, not yet complete
 };
 
 }  // namespace canopus::module

@@ -103,12 +103,14 @@ TEST(Me3Layer2Settings, Defaults_DisableEverySlotAndStopMessage) {
 }
 
 TEST(Me3Layer2Settings, CanopenIsOff_ItsWordsReadZero) {
-  RecordProperty("spec", "ME3-MODE-007 ME3-SYS-012");
+  RecordProperty("spec", "ME3-MODE-005 ME3-MODE-007 ME3-SYS-012");
   Me3Scenario s;
   s.power_on_layer2();
   s.online();
   s.rx(0x081, {0x30, 0x81, 0x11, 0, 0, 0, 0, 0});
   s.rx(0x702, {0x05}).rx(0x000, {0x01, 0x00}).rx(0x67F, {0x40, 0, 0x10, 0, 0, 0, 0, 0}).rx_remote(0x77F, 1);
+  s.rx(0x000, {0x81, 0x00}).rx(0x000, {0x82, 0x7F}).expect(25, 0).expect_x(0x03, true);
+  s.rx(0x080).rx(0x100, {0, 0, 0, 0, 0xA2, 0x2B}).error_counters(130, 0).error_counters(0, 0);
   s.advance(2s);
   s.exchange();
   s.no_tx().expect_x(0x10, false).expect_x(0x11, false);
@@ -579,6 +581,32 @@ TEST(Me3Layer2Settings, Save_KeepsModeRateParametersStopMessagesAndCanIds_Nothin
   s.expect(24, 250).expect(21, 405);
   s.restart();
   s.expect(6000, {0xFFFF, 0x5FFF, 4, 1}).expect(10000, {0x0100, 0}).expect(21, 11);
+}
+
+// G22.1 while online: the words get their defaults, the module goes on with what it went online with.
+TEST(Me3Layer2Settings, RestoreWhileOnline_ActsOnTheWords_NotOnTheSlots) {
+  RecordProperty("spec", "ME3-SAVE-002 ME3-SAVE-003 ME3-L2-008 ME3-L2-005 ME3-L2-040");
+  for (const std::uint16_t bits : Words{2, 3}) {
+    Me3Scenario s;
+    s.power_on_layer2();
+    s.write(6000, {0xFFFF, 0x7FFF, 0, 0}).write(10000, {0x0123, 0, 1, 0x55});
+    s.write(6004, {0x0181, 0, 0, 0});
+    s.write(6008, {0xFFFF, 0x5FFF, 2, 10}).write(10014, {0x0124, 0, 1, 0x66});
+    s.write(8450, {0x0100, 0, 1, 1}).write(8471, {0x0101, 0, 1, 2});
+    s.online();
+    s.save(bits);  // 100 ms
+    s.tx(0x124, {0x66}).expect(6000, {0xFFFF, 0xFFFF, 0, 0, 0xFFFF, 0xFFFF}).expect(10000, {0xFFFF, 0xFFFF});
+    s.expect(8450, {0xFFFF, 0xFFFF, 0, 0}).expect_x(0x03, true).expect(29, 0);
+    s.write(10003, 0x77).rx(0x181, {0xA1});
+    s.exchange();
+    s.tx(0x123, {0x77}).expect(10007, {0x0181, 0, 0x0301, 0x00A1}).no_tx();
+    s.rx_remote(0x123, 1).tx(0x123, {0x77});
+    s.cpu(module::CpuState::stop).cpu(module::CpuState::run);
+    s.tx(0x100, {1}).tx(0x101, {2}).no_tx();
+    s.offline().online();  // now with the defaults
+    s.exchange();
+    s.rx_remote(0x123, 1).cpu(module::CpuState::stop).advance(1s).no_tx();
+  }
 }
 
 TEST(Me3Layer2Settings, FlagsAndErrorCodes_AreNotSaved) {
