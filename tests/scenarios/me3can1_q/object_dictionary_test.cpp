@@ -335,7 +335,7 @@ TEST(Me3Emergency, ErrorPassive_SendsOneMessagePerEvent) {
 }
 
 TEST(Me3Emergency, NotInStopped_NeitherSentNorReceived) {
-  RecordProperty("spec", "ME3-EMCY-011");
+  RecordProperty("spec", "ME3-EMCY-011 ME3-IO-008");
   Me3Scenario s;
   s.power_on_as(1);
   s.nmt(0x02, 1);
@@ -343,6 +343,9 @@ TEST(Me3Emergency, NotInStopped_NeitherSentNorReceived) {
   s.rx(0x085, {0x00, 0x10, 0x01, 0, 0, 0, 0, 0});
   s.no_tx().expect_x(0x11, false);
   s.error_counters(0, 0);
+  s.cpu(module::CpuState::stop).cpu(module::CpuState::run);
+  ++s.controller().overflows;
+  s.write(20, 0).rx(0x080, {1}).no_tx().write(29, 0);
   for (const std::uint8_t command : Bytes{0x80, 0x01}) {
     s.nmt(command, 1);
     s.ignore_tx();
@@ -355,6 +358,8 @@ TEST(Me3Emergency, NotInStopped_NeitherSentNorReceived) {
     s.write(750, 0);
     s.expect_x(0x11, false);
   }
+  s.nmt(0x02, 1).y(0x02, true).no_tx();  // nor that of a restart
+  s.wait_x(0x02, true).y(0x02, false).tx(0x701, {0x00}).advance(1s).no_tx();
 }
 
 TEST(Me3Emergency, LostHeartbeat_NamesTheNode) {
