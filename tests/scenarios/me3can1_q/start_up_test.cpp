@@ -114,11 +114,13 @@ TEST(Me3StartUp, FaultyStoredConfiguration_KeepsInitializing_UntilTheObjectDicti
   s.expect(25, 0x0080).expect_x(0x00, false).no_tx();  // no boot-up message, no heartbeat
   s.write(24, 125);
   s.expect_bit(29, 5, true).expect(40, 24);
-  for (const unsigned y : {0x01U, 0x03U, 0x04U, 0x11U, 0x12U, 0x13U, 0x1FU})
-    s.y(y, true).advance(1s).y(y, false);
-  EXPECT_EQ(s.plug_in().inputs(), 0x8000U);  // the refused write; nothing else acts
-  s.set_object(0x1011, 1, 0x64616F6C, 4);    // by CIF, although it initializes
-  s.expect(25, 0x0080);                      // and only the restart uses it
+  for (const unsigned y : {0x01U, 0x03U, 0x04U, 0x11U, 0x12U, 0x13U, 0x1FU}) {
+    s.y(y, true).advance(1s);
+    EXPECT_EQ(s.plug_in().inputs(), 0x8000U);  // the refused write; nothing else acts
+    s.y(y, false);
+  }
+  s.set_object(0x1011, 1, 0x64616F6C, 4);  // by CIF, although it initializes
+  s.expect(25, 0x0080);                    // and only the restart uses it
   s.restart();
   s.expect(25, 0x0100).expect_x(0x00, true);
   s.expect_object(0x1017, 0, 0, 2).expect_object(0x1A00, 0, 4, 1);
