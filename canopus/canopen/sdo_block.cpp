@@ -57,14 +57,7 @@ AbortCode BlockSender::confirmed(const can::Frame& answer, SegmentSource& source
   const std::uint8_t block_size = answer.data[2];
   if (!is_block_size(block_size)) return AbortCode::block_size;
   if (confirmed > sequence_) {
-    if (confirmed != confirmed_) return AbortCode::sequence_number;
-    // The one before, once more: of a single segment none may have come, of several one did or will.
-    if (phase_ == Phase::waiting && sequence_ == 1) {
-      sequence_ = 0;
-      last_sequence_ = 0;
-      phase_ = Phase::sending;
-    }
-    return AbortCode::none;
+    return confirmed == confirmed_ ? AbortCode::none : AbortCode::sequence_number;
   }
   const bool complete = last_sequence_ != 0 && confirmed == last_sequence_;
   const std::size_t bytes = confirmed * sdo::segment_size - (complete ? unused_ : 0U);
@@ -84,34 +77,29 @@ can::Frame BlockSender::end(FrameHead head) const noexcept {
 
 void BlockReceiver::begin(std::uint8_t block_size, bool with_crc, const can::Frame& initiation) noexcept {
   *this = {};
+  just_confirmed_ = true;
   answered_ = std::bit_cast<std::uint64_t>(initiation.data);
   block_size_ = block_size;
   with_crc_ = with_crc;
 }
 
 can::Frame BlockReceiver::confirmation(FrameHead head, std::uint8_t block_size) noexcept {
-  latest_ = Latest::confirmation;
-  confirmed_ = sequence_;
+  const std::uint64_t came = sequence_;
+  just_confirmed_ = true;
   sequence_ = 0;
   block_size_ = block_size;
-  return frame_of(head, 0xA2U | std::uint64_t{confirmed_} << 8 | std::uint64_t{block_size} << 16);
+  return frame_of(head, 0xA2U | came << 8 | std::uint64_t{block_size} << 16);
 }
 
 can::Frame BlockReceiver::early_confirmation(FrameHead head) noexcept {
-  if (sequence_ == 0) {
-    sequence_ = confirmed_;  // the last one again
-  } else {
-    rest_may_come_ = true;
-  }
-  const can::Frame frame = confirmation(head, block_size_);
-  latest_ = Latest::early_confirmation;
-  return frame;
+  rest_may_come_ = true;
+  return confirmation(head, block_size_);
 }
 
 /// A segment is here that asks for a confirmation.
 bool BlockReceiver::is_to_be_answered(const can::Frame& segment) noexcept {
   const bool is_late = std::exchange(rest_may_come_, false);
-  const bool is_repeated = latest_ != Latest::segment && is_answered(segment);
+  const bool is_repeated = just_confirmed_ && is_answered(segment);
   if (sequence_ == 0 && (is_late || is_repeated)) return false;
   answered_ = std::bit_cast<std::uint64_t>(segment.data);
   return true;

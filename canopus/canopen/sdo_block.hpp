@@ -9,19 +9,16 @@
 // has; the sender goes on from there. So a segment that is lost in the midst of a sub-block is repeated.
 //
 // When the segment that asks for the confirmation is lost, or the confirmation, both sides wait. The standard
-// knows only the time-out then. With a CRC, and only then, the receiver confirms early, after a pause: it
-// guesses that something was lost and not merely late, and only a CRC shows a wrong guess.
-//   - Something of the sub-block came: its last segment was lost. The receiver confirms what it has. If the
-//     rest was merely late it comes still, and is not answered: the sender repeats it.
-//   - Nothing came: the last confirmation was lost, and is said again.
-// A sender to which a confirmation is said again though it had come knows it by its number when that is more
-// than it has sent since; nothing is wrong then but, if it sent a single segment, that one may be lost. When
-// the number fits it cannot know: all the segments so numbered were lost or late, and the CRC ends the
-// transfer.
+// knows only the time-out then. With a CRC, and only then, a receiver that has something of the sub-block
+// confirms it early, after a pause: it guesses that the rest was lost and not merely late, and only a CRC
+// shows a wrong guess. If the rest comes after all it is not answered: the sender repeats it. A receiver that
+// has nothing of the sub-block keeps silent: to say the last confirmation again would help if that was lost,
+// but ends the transfer with a sender that is merely slow.
 //
-// CAN may deliver a frame twice: the segment that asks for a confirmation is answered once. A confirmation
-// that comes twice, and a segment that comes twice in sub-blocks of one, cannot be told from a new one: the
-// CRC judges, or the size.
+// CAN may deliver a frame twice: the segment that asks for a confirmation is answered once, and a
+// confirmation that comes again is passed over if its number is more than what was sent since. When the
+// number fits, and when a segment comes twice in sub-blocks of one, it cannot be told from a new one: the CRC
+// judges, or the size.
 
 #include <bit>
 #include <cstdint>
@@ -51,8 +48,8 @@ class BlockSender {
   [[nodiscard]] bool is_confirmed_again(const can::Frame& answer) const noexcept {
     return answer.data[1] == confirmed_;
   }
-  /// A2H came. send() is to follow, or end() if the value is_complete(). One that was said again although
-  /// it had come changes nothing.
+  /// A2H came. send() is to follow, or end() if the value is_complete(). The one before, once more, changes
+  /// nothing.
   AbortCode confirmed(const can::Frame& answer, SegmentSource& source);
   [[nodiscard]] bool is_complete() const noexcept { return phase_ == Phase::complete; }
   /// C1H, with the bytes unused in the last segment and the CRC.
@@ -98,15 +95,13 @@ class BlockReceiver {
     }
     const bool asks = last || sequence == block_size_;
     next = asks && is_to_be_answered(segment) ? Next::confirmation : Next::segment;
-    latest_ = Latest::segment;
+    just_confirmed_ = false;
     return AbortCode::none;
   }
   /// A2H with what came of this sub-block; the next one shall have `block_size` segments.
   [[nodiscard]] can::Frame confirmation(FrameHead head, std::uint8_t block_size) noexcept;
-  /// After a pause, once until the next segment comes, and only if a CRC shows when it did harm.
-  [[nodiscard]] bool may_confirm_early() const noexcept {
-    return with_crc_ && latest_ != Latest::early_confirmation;
-  }
+  /// After a pause: something of the sub-block came, and a CRC shows when a confirmation did harm.
+  [[nodiscard]] bool may_confirm_early() const noexcept { return with_crc_ && sequence_ != 0; }
   /// A2H after a pause.
   [[nodiscard]] can::Frame early_confirmation(FrameHead head) noexcept;
   /// The last segment is here: C1H is to come.
@@ -120,8 +115,6 @@ class BlockReceiver {
   AbortCode finish(const can::Frame& end, SegmentCollector& collector) const;
 
  private:
-  enum class Latest : std::uint8_t { confirmation, early_confirmation, segment };
-
   [[nodiscard]] bool is_to_be_answered(const can::Frame& segment) noexcept;
   [[nodiscard]] bool is_answered(const can::Frame& segment) const noexcept {
     return std::bit_cast<std::uint64_t>(segment.data) == answered_;
@@ -129,11 +122,10 @@ class BlockReceiver {
 
   bool with_crc_ = false;
   bool has_all_ = false;
-  bool rest_may_come_ = false;  // of a sub-block that was confirmed early
-  Latest latest_ = Latest::confirmation;
+  bool rest_may_come_ = false;   // of a sub-block that was confirmed early
+  bool just_confirmed_ = false;  // no segment has come since
   std::uint8_t block_size_ = 0;
   std::uint8_t sequence_ = 0;   // of the last segment that was taken
-  std::uint8_t confirmed_ = 0;  // by the last confirmation
   std::uint64_t answered_ = 0;  // the bytes of the frame that was answered last
 };
 

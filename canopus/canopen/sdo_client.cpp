@@ -253,15 +253,13 @@ void SdoClient::tick(can::Time now) {
   if (state_ == State::block_download && block_sender_.is_sending())
     return send_block(now);  // the transmit queue was full
   deadline_ = end;
-  const bool confirms = state_ == State::block_upload || state_ == State::block_upload_end;
-  if (!confirms || !block_receiver_.may_confirm_early()) return;
-  const can::Time pause_end = can::later(last_heard_, time_out_ / 4);
-  if (now < pause_end) {
-    deadline_ = pause_end;
-    return;
+  if (state_ != State::block_upload) return;
+  const can::Duration pause = time_out_ / 4;
+  const bool is_silent = now >= can::later(last_heard_, pause);
+  deadline_ = std::min(end, can::later(is_silent ? now : last_heard_, pause));
+  if (is_silent && block_receiver_.may_confirm_early()) {
+    sink_->send(block_receiver_.early_confirmation(request_));
   }
-  deadline_ = std::min(end, can::later(now, time_out_ / 4));
-  sink_->send(block_receiver_.early_confirmation(request_));
 }
 
 }  // namespace canopus::canopen

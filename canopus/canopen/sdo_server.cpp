@@ -1,5 +1,6 @@
 #include "canopus/canopen/sdo_server.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -249,16 +250,13 @@ void SdoServer::tick(can::Time now) {
   }
   if (state_ == State::block_upload && block_sender_.is_sending())
     return send_block(now);  // the transmit queue was full
-  set_deadline(time_out_ != can::Duration{} ? can::later(last_heard_, time_out_) : can::never);
-  const bool confirms = state_ == State::block_download || state_ == State::block_download_end;
-  if (!confirms || !block_receiver_.may_confirm_early()) return;
-  const can::Time due = can::later(last_heard_, pause());
-  if (now < due) {
-    set_deadline(due);
-    return;
+  const can::Time end = time_out_ != can::Duration{} ? can::later(last_heard_, time_out_) : can::never;
+  if (state_ != State::block_download) return set_deadline(end);
+  const bool is_silent = now >= can::later(last_heard_, pause());
+  set_deadline(std::min(end, can::later(is_silent ? now : last_heard_, pause())));
+  if (is_silent && block_receiver_.may_confirm_early()) {
+    sink_->send(block_receiver_.early_confirmation(response_));
   }
-  set_deadline(can::later(now, pause()));
-  sink_->send(block_receiver_.early_confirmation(response_));
 }
 
 }  // namespace canopus::canopen

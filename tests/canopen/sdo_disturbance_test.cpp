@@ -68,24 +68,24 @@ TEST_F(DisturbedSdoServer, LostConfirmationOfALaterSubBlock_WithoutCrc_TimesOutI
   EXPECT_EQ(wait(2s), "1000: 585 80 0A 20 00 00 00 04 05");
 }
 
-TEST_F(DisturbedSdoServer, LostConfirmation_WithCrc_IsSaidAgain) {
+// To say it again would end the transfer with a client that is merely slow.
+TEST_F(DisturbedSdoServer, NothingOfASubBlock_IsNotConfirmedEarly) {
   hear("605 C4 0A 20 00 00 00 00 00");
+  EXPECT_EQ(wait(900ms), "") << "the first";
   EXPECT_EQ(hear_a_full_sub_block(), "585 A2 7F 7F 00 00 00 00 00");
-  EXPECT_EQ(wait(300ms), "250: 585 A2 7F 7F 00 00 00 00 00");
+  EXPECT_EQ(wait(900ms), "") << "a later one";
   EXPECT_EQ(hear("605 81 30 31 32 33 34 35 36"), "585 A2 01 7F 00 00 00 00 00");
-  EXPECT_EQ(wait(300ms), "550: 585 A2 01 7F 00 00 00 00 00") << "the last one, too";
+  EXPECT_EQ(wait(900ms), "") << "the end";
   // CRC of 128 times "0123456".
   EXPECT_EQ(hear("605 C1 4D 47 00 00 00 00 00"), "585 A1 00 00 00 00 00 00 00");
 }
 
-// It was not lost: the client takes it for the confirmation of what the server never got.
-TEST_F(DisturbedSdoServer, ConfirmationSaidAgainInVain_TheCrcJudges) {
+// A pause before the sub-block must not hide one within it.
+TEST_F(DisturbedSdoServer, PartOfASubBlock_IsConfirmedEarly_AlsoAfterAPauseBeforeIt) {
   hear("605 C4 0A 20 00 00 00 00 00");
-  EXPECT_EQ(hear_a_full_sub_block(), "585 A2 7F 7F 00 00 00 00 00");
-  EXPECT_EQ(wait(300ms), "250: 585 A2 7F 7F 00 00 00 00 00");
-  EXPECT_EQ(hear("605 81 30 31 32 33 34 35 36"), "585 A2 01 7F 00 00 00 00 00");
-  // CRC of 255 times "0123456", which the client has in mind; the server took 128.
-  EXPECT_EQ(hear("605 C1 09 26 00 00 00 00 00"), "585 80 0A 20 00 04 00 04 05");
+  EXPECT_EQ(wait(600ms), "");
+  hear("605 01 30 31 32 33 34 35 36");
+  EXPECT_EQ(wait(500ms), "850: 585 A2 01 7F 00 00 00 00 00");
 }
 
 TEST_F(DisturbedSdoServer, SegmentThatAsksForTheConfirmationTwice_IsAnsweredOnce) {
@@ -108,12 +108,6 @@ TEST_F(DisturbedSdoServer, RestOfASubBlockThatIsMerelyLate_IsNotAnswered) {
   EXPECT_EQ(hear("605 81 30 31 32 33 34 35 36"), "585 A2 01 7F 00 00 00 00 00");
 }
 
-TEST_F(DisturbedSdoServer, FirstSubBlockLostAsAWhole_IsAskedForWithCrc) {
-  hear("605 C4 0A 20 00 00 00 00 00");
-  EXPECT_EQ(wait(300ms), "250: 585 A2 00 7F 00 00 00 00 00");
-  EXPECT_EQ(hear("605 81 30 31 32 00 00 00 00"), "585 A2 01 7F 00 00 00 00 00");
-}
-
 TEST_F(DisturbedSdoServer, WithoutCrc_NothingIsConfirmedEarly) {
   hear("605 C0 0A 20 00 00 00 00 00");
   hear_a_full_sub_block();
@@ -124,13 +118,13 @@ TEST_F(DisturbedSdoServer, WithoutCrc_NothingIsConfirmedEarly) {
 }
 
 // A client under test sends; the scripted server says a confirmation again.
-TEST_F(DisturbedSdoClient, ConfirmationSaidAgainAlthoughItCame_SendsASingleSegmentAgain) {
+TEST_F(DisturbedSdoClient, ConfirmationTwice_ChangesNothing) {
   const std::vector<std::uint8_t> value(2 * 7 + 3, 0x30);
   client.download(0x2012, 0, value, *this, now, 400ms, SdoClient::Mode::block);
   bus.take();
   EXPECT_EQ(hear("589 A4 12 20 00 02 00 00 00"), "609 01 30 30 30 30 30 30 30 | 609 02 30 30 30 30 30 30 30");
   EXPECT_EQ(hear("589 A2 02 02 00 00 00 00 00"), "609 81 30 30 30 00 00 00 00");
-  EXPECT_EQ(hear("589 A2 02 02 00 00 00 00 00"), "609 81 30 30 30 00 00 00 00");
+  EXPECT_EQ(hear("589 A2 02 02 00 00 00 00 00"), "");
   EXPECT_EQ(hear("589 A2 01 02 00 00 00 00 00").substr(0, 6), "609 D1");
   EXPECT_EQ(hear("589 A2 01 02 00 00 00 00 00"), "") << "the last one again";
   EXPECT_TRUE(client.busy());
@@ -138,7 +132,7 @@ TEST_F(DisturbedSdoClient, ConfirmationSaidAgainAlthoughItCame_SendsASingleSegme
   EXPECT_EQ(client.abort_code(), AbortCode::none);
 }
 
-TEST_F(DisturbedSdoClient, ConfirmationSaidAgainAlthoughItCame_IsIgnoredWhileSegmentsAreUnderWay) {
+TEST_F(DisturbedSdoClient, ConfirmationTwice_IsIgnoredWhileSegmentsAreUnderWay) {
   const std::vector<std::uint8_t> value(5 * 7, 0x30);
   client.download(0x2012, 0, value, *this, now, 400ms, SdoClient::Mode::block);
   hear("589 A4 12 20 00 03 00 00 00");
