@@ -179,6 +179,7 @@ TEST(Me3Layer2Receive, ShortFrames_LeaveZeros) {
     s.rx(0x181, Bytes(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(dlc))).advance(1ms);
     s.write(10002, 0);
     s.exchange();
+    s.expect(10007, {0xFFFF, 0xFFFF, 0});  // the next slot's words are not touched
     s.expect(10002, static_cast<std::uint16_t>(0x0300 | dlc));
     for (std::size_t word = 0; word < 4; ++word) {
       unsigned wanted = 0;
@@ -203,7 +204,7 @@ TEST(Me3Layer2Receive, RemoteFrames_AreNotStored) {
 
 // Each slot has an error code of its own.
 TEST(Me3Layer2Receive, EverySlotsOverflow_IsShownAtItsErrorCode) {
-  RecordProperty("spec", "ME3-L2-002 ME3-L2-039");
+  RecordProperty("spec", "ME3-L2-002 ME3-L2-004 ME3-L2-039");
   Me3Scenario s;
   s.power_on_layer2();
   for (module::BufferAddress slot = 0; slot < 42; ++slot)
@@ -215,6 +216,15 @@ TEST(Me3Layer2Receive, EverySlotsOverflow_IsShownAtItsErrorCode) {
       s.expect(5001 + other, other == slot ? 0x2000 : 0);
     s.expect(29, 0x8000).write(5001 + slot, 0).write(29, 0).expect(29, 0).advance(1s);
   }
+  for (int i = 0; i < 100; ++i) s.rx(0x000, {}).rx(0x7FF, {});  // nobody's
+  s.expect(29, 0).expect(5001, Words(42, 0));
+  // Slots that are not used do not receive, 000H for one.
+  s.offline();
+  for (module::BufferAddress slot = 0; slot < 42; ++slot) s.write(6000 + 4 * slot, {0xFFFF, 0xFFFF});
+  s.write(6000, {0x0000, 0x0000}).write(6164, {0xFFFF, 0x5FFF, 4, 0}).write(10287, {0x0123, 0});
+  s.online();
+  for (int i = 0; i < 20; ++i) s.rx(0x000, {});
+  s.expect(5001, 0x2000).expect(5002, Words(41, 0)).expect(29, 0x8000);
 }
 
 TEST(Me3Layer2Receive, OneMessage_InEverySlotThatLetsItPass) {

@@ -87,6 +87,17 @@ TEST(Me3Layer2Transmit, Trigger_SendsASlotOfAnyType) {
   s.no_tx().expect(8400, 0).expect_x(0x04, true);
 }
 
+// A request that is ON before the module is online is carried out when it is.
+TEST(Me3Layer2Transmit, Trigger_RequestedOffline_IsCarriedOutOnline) {
+  RecordProperty("spec", "ME3-IO-011 ME3-L2-009");
+  Me3Scenario s;
+  s.power_on_layer2();
+  s.write(6000, {0xFFFF, 0x5FFF, 4, 0}).write(10000, {0x0123, 0, 1, 0x11});
+  s.write(8400, 1).y(0x04, true).advance(1s).no_tx().expect(8400, 1).expect_x(0x04, false);
+  s.online();
+  s.tx(0x123, {0x11}).no_tx().expect(8400, 0).expect_x(0x04, true);
+}
+
 TEST(Me3Layer2Transmit, Trigger_OfReceiveAndDisabledSlots_IsDiscarded) {
   RecordProperty("spec", "ME3-L2-021 ME3-IO-011");
   Me3Scenario s;
