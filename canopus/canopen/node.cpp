@@ -42,6 +42,7 @@ struct Node::Services final : NodeContext, WriteObserver {
 
   void enter(NmtState wanted, can::Time now);
   void command(NmtCommand command, can::Time now);
+  void reset(NmtCommand which, can::Time now);
   void initialise(NmtCommand which, can::Time now);
   void stop();
   void settle() {
@@ -75,6 +76,8 @@ struct Node::Services final : NodeContext, WriteObserver {
   Tpdos tpdos{*this};
   SdoChannels sdo_channels{*this};
   StoredParameters stored_parameters{*this};
+  TimerQueue::Number reset_timer = timers.add();
+  NmtCommand pending_reset = NmtCommand::reset_communication;  // while reset_timer runs
   IdentifierTable table;
   std::uint32_t revision = 0;
   std::uint8_t next_node_id = 0;
@@ -124,6 +127,14 @@ void Node::Services::initialise(NmtCommand which, can::Time now) {
   if (listener != nullptr) listener->nmt_state_changed(state, now);
 }
 
+void Node::Services::reset(NmtCommand which, can::Time now) {
+  if (options.reset_time == can::Duration{}) return initialise(which, now);
+  const bool is_second = timers.runs(reset_timer);
+  stop();
+  if (!is_second || which == NmtCommand::reset_node) pending_reset = which;
+  timers.set(reset_timer, can::later(now, options.reset_time));
+}
+
 void Node::Services::enter(NmtState wanted, can::Time now) {
   if (wanted == state || state == NmtState::initialising) return;
   const bool was_operational = is_operational();
@@ -144,7 +155,7 @@ void Node::Services::command(NmtCommand command, can::Time now) {
     case NmtCommand::reset_node:
     case NmtCommand::reset_communication:
       if (listener != nullptr) listener->reset_requested(command, now);
-      initialise(command, now);
+      reset(command, now);
       return;
     case NmtCommand::start:
       if (listener != nullptr && !listener->may_become_operational()) return;
@@ -224,6 +235,8 @@ void Node::Services::tick(TimerQueue::Number number, can::Time now) {
     emcy_producer.tick(now);
   } else if (is_one_of(sdo_channels.first_timer(), sdo_channels.size())) {
     sdo_channels.tick(static_cast<std::uint16_t>(number - sdo_channels.first_timer()), now);
+  } else if (number == reset_timer) {
+    initialise(pending_reset, now);
   } else if (is_one_of(rpdos.first_timer(), rpdos.size())) {
     rpdos.tick(static_cast<std::uint16_t>(number - rpdos.first_timer()), now);
   } else {

@@ -9,6 +9,10 @@
 namespace canopus::canopen {
 
 struct NodeOptions {
+  // --- NMT
+  /// From an NMT reset to the boot-up message; meanwhile the node hears and says nothing.
+  can::Duration reset_time{};
+
   // --- PDO
   /// An event of an event-driven TPDO during its inhibit time (its event timer's end included): sent when the
   /// inhibit time ends (CiA 301) or forgotten [ME3CAN1-Q 4.6.5 cases 2 and 5].

@@ -22,6 +22,12 @@ Layer2Rules layer2_rules(const ModuleModel& model, const Profile& profile) {
   return rules;
 }
 
+canopen::NodeOptions node_options(const ModuleModel& model, const Profile& profile) {
+  canopen::NodeOptions options = model.node_options();
+  options.reset_time = profile.nmt_reset_time;
+  return options;
+}
+
 }  // namespace
 
 ModuleEngine::ModuleEngine(const ModuleModel& model, can::Controller& controller, NonVolatileMemory& memory,
@@ -35,7 +41,7 @@ ModuleEngine::ModuleEngine(const ModuleModel& model, can::Controller& controller
       errors_(model.error_status),
       emergencies_(model.words.emergencies, model.emergency_records.stack, model.emergency_records.ring),
       nmt_status_(model.words.error_control_status, model.words.nmt_state),
-      node_(model.object_dictionary(), 127, network_, model.node_options()),
+      node_(model.object_dictionary(), 127, network_, node_options(model, profile_)),
       master_(node_, controller, model.master_options()),
       command_(model.words.command, model.commands, *this, network_),
       exchange_(model.program_interface.process_data, buffer_),
@@ -102,7 +108,7 @@ ProductInformation ModuleEngine::product() const noexcept {
 }
 
 bool ModuleEngine::initializing() const noexcept {
-  return state_ == State::initializing || state_ == State::stuck || nmt_reset_end_ != can::never;
+  return state_ == State::initializing || state_ == State::stuck || nmt_resetting_;
 }
 
 Layer2State ModuleEngine::layer2_state() const noexcept {
@@ -125,7 +131,8 @@ void ModuleEngine::power_off(can::Time now) {
   node_.power_off();
   layer2_.go_offline();
   command_.reset();
-  initialized_at_ = nmt_reset_end_ = exchange_end_ = save_end_ = can::never;
+  nmt_resetting_ = false;
+  initialized_at_ = exchange_end_ = save_end_ = can::never;
   events_.clear();
   events_due_ = can::never;
   went_off(now);
@@ -152,9 +159,9 @@ void ModuleEngine::inject(ModuleFault fault, can::Time now) {
 void ModuleEngine::begin_initialization(can::Duration duration, can::Time now) {
   state_ = State::initializing;
   initialized_at_ = can::later(now, duration);
-  nmt_reset_end_ = exchange_end_ = save_end_ = can::never;
+  exchange_end_ = save_end_ = can::never;
   process_data_pending_ = emergencies_pending_ = exchange_running_ = false;
-  nmt_reset_seen_ = time_seen_ = false;
+  nmt_resetting_ = nmt_reset_seen_ = time_seen_ = false;
   events_.clear();
   events_due_ = can::never;
   master_.stop(now);
@@ -262,11 +269,6 @@ bool ModuleEngine::may_become_operational() {
 
 void ModuleEngine::tick(can::Time now) {
   end_due_initialization(now);
-  if (now >= nmt_reset_end_) {
-    nmt_reset_end_ = can::never;
-    nmt_reset_seen_ = true;
-    nmt_status_.set_state(node_.node_id(), static_cast<std::uint8_t>(node_.state()));
-  }
   if (now >= exchange_end_) end_exchange(now);
   if (now >= save_end_) end_save(now);
   if (state_ == State::running && now >= time_stamp_.next_transmission()) send_time(now);
@@ -279,8 +281,8 @@ void ModuleEngine::tick(can::Time now) {
 
 can::Time ModuleEngine::deadline() const noexcept {
   const can::Time time_due = state_ == State::running ? time_stamp_.next_transmission() : can::never;
-  return std::min({events_due_, initialized_at_, nmt_reset_end_, exchange_end_, save_end_, time_due,
-                   node_.deadline(), master_.deadline(), command_.deadline(), layer2_.deadline()});
+  return std::min({events_due_, initialized_at_, exchange_end_, save_end_, time_due, node_.deadline(),
+                   master_.deadline(), command_.deadline(), layer2_.deadline()});
 }
 
 // After every event: what hangs on several causes.

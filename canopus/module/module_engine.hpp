@@ -261,6 +261,7 @@ class ModuleEngine : public CommunicationModule,
   CpuState cpu_ = CpuState::run;
   bool hardware_fault_ = false;
   bool cpu_failed_ = false;      // the STOP that comes is an error's
+  bool nmt_resetting_ = false;   // the node is in an NMT reset
   bool nmt_reset_seen_ = false;  // until the program has taken note
   bool time_seen_ = false;       // likewise
   bool nmt_errors_held_clear_ = false;
@@ -276,7 +277,6 @@ class ModuleEngine : public CommunicationModule,
 
   can::Time events_due_ = can::never;  // the inhibit time 1015H held some back
   can::Time initialized_at_ = can::never;
-  can::Time nmt_reset_end_ = can::never;
   can::Time exchange_end_ = can::never;
   can::Time save_end_ = can::never;
 };

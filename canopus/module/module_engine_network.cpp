@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "canopus/module/module_engine.hpp"
 
@@ -92,9 +93,11 @@ void ModuleEngine::send_events(can::Time now) {
 
 void ModuleEngine::reset_requested(canopen::NmtCommand, can::Time now) {
   nmt_reset_seen_ = false;
-  if (state_ != State::running) return;
-  nmt_reset_end_ = can::later(now, profile_.nmt_reset_time);
+  nmt_resetting_ = true;
   master_.stop(now);
+  // The own node is shown whether it is a master or not [ME3CAN1-Q 4.8.8].
+  nmt_status_.reset();
+  nmt_status_.set_state(node_.node_id(), manager::node_state::reset_communication);
 }
 
 // The node has its defaults again; what was stored goes on top.
@@ -104,6 +107,7 @@ void ModuleEngine::reset_done(canopen::NmtCommand, can::Time now) {
   settings_.load_objects(node_.dictionary());
   use_time_role();
   nmt_status_.reset();
+  if (std::exchange(nmt_resetting_, false)) nmt_reset_seen_ = true;
   master_.start(now);
 }
 
@@ -131,10 +135,7 @@ void ModuleEngine::after_write(canopen::ObjectDictionary& dictionary, const cano
 }
 
 void ModuleEngine::nmt_state_changed(canopen::NmtState state, can::Time now) {
-  // The own node is shown whether it is a master or not; 7 = in the middle of a reset [ME3CAN1-Q 4.8.8].
-  const bool in_reset = state == canopen::NmtState::initialising || nmt_reset_end_ != can::never;
-  nmt_status_.set_state(node_.node_id(), in_reset ? manager::node_state::reset_communication
-                                                  : static_cast<std::uint8_t>(state));
+  nmt_status_.set_state(node_.node_id(), static_cast<std::uint8_t>(state));
   master_.own_state_changed(state, now);
   if (state == canopen::NmtState::stopped) command_.bus_lost(command_error::wrong_state, now);
 }

@@ -16,7 +16,7 @@ struct Profile {
   can::Duration restart_repeat_time = std::chrono::milliseconds(500);
   /// Supply on to the end of initialization. Not printed.
   can::Duration power_on_time = std::chrono::seconds(1);
-  /// An NMT reset to the end of initialization. Not printed.
+  /// An NMT reset to the boot-up message, the end of initialization. Not printed.
   can::Duration nmt_reset_time = std::chrono::milliseconds(10);
   /// Request of a data exchange to its end. Not printed.
   can::Duration exchange_time = std::chrono::milliseconds(1);

@@ -56,6 +56,43 @@ TEST_F(NmtSlaveTest, ResetNode_RestoresEverything) {
   EXPECT_EQ(node.dictionary().get<std::uint8_t>(0x2004, 0), 0);
 }
 
+struct SlowlyResettingNode : testing::Test, Conversation {
+  SlowlyResettingNode() : Conversation(NodeOptions{.reset_time = 10ms}) {}
+};
+
+TEST_F(SlowlyResettingNode, HearsAndSaysNothingUntilItsBootUpMessage) {
+  write(0x1017, 0, 4, 2);
+  EXPECT_EQ(hear("000 82 05"), "");
+  EXPECT_EQ(node.state(), NmtState::initialising);
+  EXPECT_FALSE(node.wants(0x605));
+  EXPECT_EQ(hear("605 40 00 10 00 00 00 00 00"), "");
+  EXPECT_EQ(hear("000 01 00"), "");
+  EXPECT_FALSE(node.emergency(0x1000, 0, std::array<std::uint8_t, 5>{}, now));
+  EXPECT_EQ(wait(20ms), "10: 705 00");
+  EXPECT_EQ(take_events(), "reset communication, reset done, pre-operational");
+  EXPECT_EQ(node.dictionary().get<std::uint16_t>(0x1017, 0), 0);
+}
+
+TEST_F(SlowlyResettingNode, ASecondResetStartsAnew_AndANodeResetIsTheGreater) {
+  for (const bool node_first : {true, false}) {
+    write(0x2004, 0, 9, 1);
+    node.command(node_first ? NmtCommand::reset_node : NmtCommand::reset_communication, now);
+    EXPECT_EQ(wait(6ms), "");
+    node.command(node_first ? NmtCommand::reset_communication : NmtCommand::reset_node, now);
+    EXPECT_EQ(wait(10ms), node_first ? "16: 705 00" : "32: 705 00");
+    EXPECT_EQ(node.dictionary().get<std::uint8_t>(0x2004, 0), 0);
+  }
+}
+
+TEST_F(SlowlyResettingNode, SupplyOffDuringAReset_EndsIt) {
+  node.command(NmtCommand::reset_node, now);
+  node.power_off();
+  EXPECT_EQ(wait(1s), "");
+  node.power_on(now);
+  EXPECT_EQ(bus.take(), "705 00");
+  EXPECT_EQ(wait(1s), "");
+}
+
 TEST_F(NmtSlaveTest, NewNodeId_TakesEffectAtReset) {
   node.set_node_id(9);
   EXPECT_EQ(hear("605 40 00 10 00 00 00 00 00"), "585 43 00 10 00 91 01 02 00");

@@ -74,6 +74,23 @@ TEST(Me3StartUp, NmtReset_IsAnInitializationToo) {
   }
 }
 
+// Initialization first: nothing is heard or sent, and its end is the boot-up message [3.5.5, 4.8.1, 4.8.2].
+TEST(Me3StartUp, NmtReset_SilentUntilTheBootUpMessageEndsIt) {
+  RecordProperty("spec", "ME3-NMT-002 ME3-STAT-005");
+  for (const std::uint8_t command : Bytes{0x81, 0x82}) {
+    Me3Scenario s;
+    s.power_on_as(1);
+    s.nmt(1).expect(25, 0x0201);
+    s.nmt(command, 1).expect(25, 0x0080).expect(601, 7).no_tx();
+    s.rx(0x601, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0});
+    s.nmt(1, 1).advance(9ms).no_tx();
+    s.expect(25, 0x0080).expect(601, 7);
+    s.advance(1ms).tx(0x701, {0x00}).expect(25, 0x0140).expect(601, 0x7F);
+    s.rx(0x601, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0});
+    s.tx(0x581, {0x43, 0x00, 0x10, 0x00, 0x95, 0x01, 0x00, 0x00});
+  }
+}
+
 TEST(Me3StartUp, S04_FactoryState_EveryWordHasItsDefault) {
   RecordProperty("spec", "ME3-BAUD-005 ME3-NST-002");
   Me3Scenario s;
