@@ -45,5 +45,19 @@ TEST(Me3ClearRequests, LifeGuarding_IsHeldDownByY10OfItsNodeAlone) {
   s.expect_bit(401, 6, false).expect_x(0x10, false);
 }
 
+// It holds what comes once the module works.
+TEST(Me3ClearRequests, Y10_MayBeOnBeforeTheInitializationEnds) {
+  RecordProperty("spec", "ME3-IO-016 ME3-IO-017");
+  for (const bool held : {true, false}) {
+    Me3Scenario s;
+    s.plug_in().preset_node_id(1);
+    s.plug_in().preset_object(0x100C, 0, Bytes{100, 0});
+    s.plug_in().preset_object(0x100D, 0, Bytes{2});
+    s.supply_on().y(0x10, held).advance(1s).tx(0x701, {0x00});
+    s.rx_remote(0x701, 1).advance(200ms).ignore_tx();
+    s.expect_bit(401, 6, !held).expect_x(0x10, !held);
+  }
+}
+
 }  // namespace
 }  // namespace canopus::scenario

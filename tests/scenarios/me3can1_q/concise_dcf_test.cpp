@@ -239,6 +239,22 @@ TEST(Me3ConciseDcf, LongEntries_GoSegmented) {
   s.no_tx();
 }
 
+// Restored is what was written to the flash memory: nothing, when it could not be.
+TEST(Me3ConciseDcf, RestoreThatCannotBeWritten_DeletesNothing) {
+  Me3Scenario s;
+  s.power_on();
+  s.cif(download(2));
+  s.set_object(0x1015, 0, 5, 2);
+  s.store_objects();
+  s.flash().writable = false;
+  expect_abort(s, {0x0002, 0, 0x1011, 1, 4, 0x6F6C, 0x6461}, 0x06060000);
+  s.flash().writable = true;
+  s.restart();
+  s.expect_object(0x1015, 0, 5, 2);
+  s.cif({0x0004, 0, 0x1F22, 2});
+  s.expect(1000, 0x0005).expect(1004, 13);
+}
+
 // A file that is on its way to its node is not taken away under it.
 TEST(Me3ConciseDcf, FileInUse_IsNotDeleted) {
   RecordProperty("spec", "ME3-CFG-006 ME3-CFG-007");

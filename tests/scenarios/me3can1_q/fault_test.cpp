@@ -118,6 +118,16 @@ struct Told final : module::ModuleObserver {
   std::vector<std::string> lines;
 };
 
+TEST(Me3Fault, BusOff_IsToldOnce) {
+  Told told;
+  Me3Scenario s;
+  s.plug_in().set_observer(&told);
+  s.power_on();
+  for (int i = 0; i < 3; ++i) s.error_counters(256, 0);
+  EXPECT_EQ(told.lines, std::vector<std::string>{"the CAN controller is bus-off"});
+  s.plug_in().set_observer(nullptr);
+}
+
 // Off is off: no signal does anything, and a restart that was to come again does not come.
 TEST(Me3Fault, SupplyOff_NothingAnswers) {
   RecordProperty("spec", "ME3-IO-005 ME3-IO-001");

@@ -592,6 +592,23 @@ TEST(Me3Layer2Transmit, S52_RunToStopMessages) {
   s.tx(0x400, {1, 2, 3, 4, 5, 6, 7, 8}).tx(0x300).tx(0x001, {0x11, 0x22}).no_tx();
 }
 
+// One that waits for room when the module is restarted is gone.
+TEST(Me3Layer2Transmit, RunToStopMessages_AreEndedByARestart) {
+  RecordProperty("spec", "ME3-L2-040 ME3-IO-004");
+  Me3Scenario s;
+  s.power_on_layer2();
+  s.write(8450, {0x0100, 0, 0x0001, 0x0055, 0, 0, 0, 0x0200, 0, 0x0001, 0x0066});
+  s.save();
+  s.online();
+  s.controller().accepts = false;
+  s.cpu(module::CpuState::stop).cpu(module::CpuState::run);
+  s.restart();
+  s.controller().accepts = true;
+  s.expect_x(0x03, true).advance(1s).no_tx();
+  s.cpu(module::CpuState::stop);
+  s.tx(0x100, {0x55}).tx(0x200, {0x66}).no_tx();
+}
+
 TEST(Me3Layer2Transmit, S53_CifLayer2Send) {
   RecordProperty("spec", "ME3-CIF-027");
   Me3Scenario s;
