@@ -72,7 +72,7 @@ bool SdoClient::start_download(State state, std::uint16_t index, std::uint8_t su
 bool SdoClient::download(std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> data,
                          SdoClientUser& user, can::Time now, can::Duration time_out, Mode mode) {
   if (busy()) return false;
-  if (data.size() >= 1 && data.size() <= 4) {
+  if (!data.empty() && data.size() <= 4) {
     std::uint32_t value = 0;
     std::copy_n(data.begin(), data.size(), reinterpret_cast<std::uint8_t*>(&value));
     const unsigned command = 0x23U | static_cast<unsigned>(4 - data.size()) << 2;

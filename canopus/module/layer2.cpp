@@ -178,11 +178,13 @@ void Layer2::cpu_stopped() {
 
 // One after another, so that their identifiers do not change their order.
 void Layer2::send_stop_message() {
-  while (stop_message_ < layer2_stop_messages && !stop_messages_[stop_message_]) ++stop_message_;
   stop_frame_.reset();
-  if (stop_message_ == layer2_stop_messages) return;
-  const can::Frame frame = *stop_messages_[stop_message_++];
-  if (controller_->send(frame)) stop_frame_ = frame;
+  while (stop_message_ < layer2_stop_messages) {
+    const std::optional<can::Frame>& frame = stop_messages_[stop_message_++];
+    if (!frame) continue;
+    if (controller_->send(*frame)) stop_frame_ = frame;
+    return;
+  }
 }
 
 CommandHost::FrameAnswer Layer2::send(std::span<const std::uint16_t> parameters,
@@ -250,10 +252,7 @@ void Layer2::show(unsigned slot) {
   memory_->set_word(block, static_cast<std::uint16_t>(own.stored.identifier & 0xFFFF));
   memory_->set_word(block + 1, static_cast<std::uint16_t>(own.stored.identifier >> 16));
   memory_->set_word(block + 2, static_cast<std::uint16_t>(unread | own.flags | own.stored.length()));
-  for (BufferAddress word = 0; word < 4; ++word) {
-    memory_->set_word(block + 3 + word, static_cast<std::uint16_t>(own.stored.data[2 * word] |
-                                                                   own.stored.data[2 * word + 1] << 8));
-  }
+  memory_->set_words(block + 3, own.stored.data);
   own.flags = 0;
 }
 
