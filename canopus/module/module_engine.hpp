@@ -112,8 +112,6 @@ class ModuleEngine : public CommunicationModule,
   void hold_clear_nmt_errors(bool held, can::Time now);
 
   // --- what is
-  [[nodiscard]] const ModuleModel& facts() const noexcept { return model_; }
-  [[nodiscard]] ModuleObserver* observer() const noexcept { return observer_; }
   [[nodiscard]] State state() const noexcept { return state_; }
   /// No program may use the module: settings are being put in force.
   [[nodiscard]] bool initializing() const noexcept;
