@@ -156,7 +156,7 @@ bool ModuleSettings::end_save() {
   return written;
 }
 
-bool ModuleSettings::wore_out() noexcept {
+bool ModuleSettings::has_worn_out() noexcept {
   const std::uint32_t lasts = model_->data_sheet->flash_writes;
   const bool worn_before = told_writes_ > lasts;
   told_writes_ = flash_.writes();

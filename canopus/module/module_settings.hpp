@@ -61,12 +61,13 @@ class ModuleSettings {
   [[nodiscard]] FlashMemory& flash() noexcept { return flash_; }
   [[nodiscard]] const FlashMemory& flash() const noexcept { return flash_; }
   /// Since the last call the flash memory was written for the first time more often than the real one lasts.
-  bool wore_out() noexcept;
+  bool wore_out() noexcept { return told_writes_ != flash_.writes() && has_worn_out(); }
   /// Something stored was damaged, or could not be written.
   [[nodiscard]] bool error() const noexcept { return error_; }
   void note_error() noexcept { error_ = true; }
 
  private:
+  bool has_worn_out() noexcept;
   const FunctionModeRow& preset_mode() const;
   const FunctionModeRow* use_words();
 

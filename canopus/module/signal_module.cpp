@@ -11,6 +11,7 @@ SignalModule::SignalModule(const ModuleModel& model, can::Controller& controller
   for (const SignalRow& row : model.signals) {
     row_of_.at(row.number) = &row;
     row_for_.at(std::to_underlying(row.use)) = &row;
+    bit_of_.at(std::to_underlying(row.use)) = 1U << row.number;
   }
 }
 
@@ -139,12 +140,19 @@ can::Time SignalModule::deadline() const noexcept {
   return std::min(restart_again_at_, ModuleEngine::deadline());
 }
 
+// After every event, and nearly always as it was.
 void SignalModule::show(can::Time now) {
-  set_input(SignalUse::online, layer2_state() == Layer2State::online, now);
-  set_input(SignalUse::transmit_trigger, trigger_done(), now);
-  set_input(SignalUse::error, any_error(), now);
-  set_input(SignalUse::nmt_error, any_nmt_error(), now);
-  set_input(SignalUse::emergency, any_emergency(), now);
+  const std::array shown{
+      std::pair{SignalUse::online, layer2_state() == Layer2State::online},
+      std::pair{SignalUse::transmit_trigger, trigger_done()}, std::pair{SignalUse::error, any_error()},
+      std::pair{SignalUse::nmt_error, any_nmt_error()}, std::pair{SignalUse::emergency, any_emergency()}};
+  std::uint32_t changed = 0;
+  for (const auto& [use, on] : shown) {
+    const std::uint32_t bit = bit_of_[std::to_underlying(use)];
+    changed |= (signals_.inputs() ^ (on ? bit : 0U)) & bit;
+  }
+  if (changed == 0) return;
+  for (const auto& [use, on] : shown) set_input(use, on, now);
 }
 
 }  // namespace canopus::module

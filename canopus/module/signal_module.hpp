@@ -40,6 +40,7 @@ class SignalModule : public ModuleEngine {
   Signals signals_;
   std::array<const SignalRow*, 32> row_of_{};            // by number
   std::array<const SignalRow*, signal_uses> row_for_{};  // by use
+  std::array<std::uint32_t, signal_uses> bit_of_{};      // of the signals; 0: the model has none
   can::Time restart_again_at_ = can::never;
 };
 
