@@ -75,7 +75,7 @@ WriteResult BufferMemory::write(BufferAddress address, std::uint16_t value, can:
 
 WriteResult BufferMemory::check(BufferAddress address, std::uint16_t value, Modes mode) const noexcept {
   for (const BufferRow& row : table_) {
-    if ((row.modes & mode) == 0 || !covers(row, address)) continue;
+    if ((row.modes & mode) == 0 || !row.covers(address)) continue;
     if (row.access != WordAccess::write && row.access != WordAccess::read_write) continue;
     return row.range.contains(value) ? WriteResult::done : WriteResult::invalid;
   }

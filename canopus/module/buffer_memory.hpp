@@ -83,6 +83,10 @@ struct BufferRow {
   bool offline_only = false;
   /// Bits that a write reaches; reserved ones stay as they are.
   std::uint16_t writable = 0xFFFF;
+
+  [[nodiscard]] constexpr bool covers(BufferAddress address) const noexcept {
+    return address >= first && address <= last && (address - first) % stride == 0;
+  }
 };
 
 /// What became of a write.
@@ -151,9 +155,6 @@ class BufferMemory {
   void restore_initial();
 
  private:
-  [[nodiscard]] static bool covers(const BufferRow& row, BufferAddress address) noexcept {
-    return address >= row.first && address <= row.last && (address - row.first) % row.stride == 0;
-  }
   template <typename Use>
   void for_each_stored(Use use) const;
 

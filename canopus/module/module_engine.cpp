@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <string>
 #include <utility>
 
 namespace canopus::module {
@@ -303,12 +304,9 @@ void ModuleEngine::update(can::Time now) {
     }
   }
   if (settings_.wore_out()) {  // the real flash memory; this one goes on
-    std::array<char, 120> text{};
-    const int length =
-        std::snprintf(text.data(), text.size(),
-                      "the flash memory has been written more often than the real one lasts for (%u times)",
-                      static_cast<unsigned>(model_.data_sheet->flash_writes));
-    tell({text.data(), static_cast<std::size_t>(length)}, now);
+    tell("the flash memory has been written more often than the real one lasts for (" +
+             std::to_string(model_.data_sheet->flash_writes) + " times)",
+         now);
   }
   errors_.follow(model_.errors.hardware, hardware_fault_);
   errors_.follow(model_.errors.flash, settings_.error());

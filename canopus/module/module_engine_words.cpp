@@ -1,7 +1,7 @@
 // The PLC's side of the engine: words, data exchange, saving, clock, LEDs.
 
 #include <algorithm>
-#include <cstdio>
+#include <string>
 
 #include "canopus/module/module_engine.hpp"
 
@@ -47,11 +47,10 @@ void ModuleEngine::write_word(BufferAddress address, std::uint16_t value, can::T
 void ModuleEngine::tell_of_word(BufferAddress address, std::uint16_t value, std::string_view what,
                                 can::Time now) {
   if (observer_ == nullptr) return;
-  std::array<char, 120> text{};
-  const int length =
-      std::snprintf(text.data(), text.size(), "%.*s%u = %u%.*s", static_cast<int>(model_.word_prefix.size()),
-                    model_.word_prefix.data(), address, value, static_cast<int>(what.size()), what.data());
-  tell({text.data(), static_cast<std::size_t>(length)}, now);
+  std::string text(model_.word_prefix);
+  text += std::to_string(address) + " = " + std::to_string(value);
+  text += what;
+  tell(text, now);
 }
 
 std::uint16_t ModuleEngine::StatusWords::read_word(BufferAddress address, can::Time) {

@@ -14,10 +14,6 @@ using State = NonVolatileMemory::Content::State;
 // There while a save runs: found at a start, the supply went off in the middle of one.
 constexpr std::string_view saving_name = "saving";
 
-bool covers(const BufferRow& row, BufferAddress address) {
-  return address >= row.first && address <= row.last && (address - row.first) % row.stride == 0;
-}
-
 }  // namespace
 
 ModuleSettings::ModuleSettings(const ModuleModel& model, NonVolatileMemory& memory, BufferMemory& buffer)
@@ -34,7 +30,7 @@ const FunctionModeRow& ModuleSettings::preset_mode() const {
 
 bool ModuleSettings::preset_word(BufferAddress address, std::uint16_t value) {
   const bool is_stored = std::ranges::any_of(model_->buffer_memory, [&](const BufferRow& row) {
-    return row.stored == Stored::yes && covers(row, address);
+    return row.stored == Stored::yes && row.covers(address);
   });
   if (!is_stored) return false;
   // Until the function mode is known, of any mode.

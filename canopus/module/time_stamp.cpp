@@ -10,6 +10,7 @@ namespace {
 
 // Offsets of the words.
 enum : BufferAddress { role, year, month, day, hour, minute, second, day_of_week, interval, correction };
+static_assert(TimeStampLayout{}.role() == role && TimeStampLayout{}.daily_correction() == correction);
 
 constexpr std::int64_t seconds_per_day = 86'400;
 constexpr std::chrono::sys_days clock_begin{std::chrono::year{2000} / 1 / 1};

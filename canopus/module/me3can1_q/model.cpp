@@ -32,19 +32,22 @@ constexpr std::array commands = std::to_array<CommandRow>({
 });
 
 /// Signals: offsets from the head address [ME3CAN1-Q Tab. 3-3].
+constexpr std::uint8_t ready_signal = 0x00;
+constexpr std::uint8_t data_exchange_signal = 0x01;
+constexpr std::uint8_t online_signal = 0x03;
 constexpr std::array signals = std::to_array<SignalRow>({
-    {0x00, SignalUse::ready,            all_modes},
-    {0x01, SignalUse::data_exchange,    all_modes},
-    {0x02, SignalUse::restart,          all_modes},
-    {0x03, SignalUse::online,           layer2},
-    {0x04, SignalUse::transmit_trigger, layer2},
-    {0x0F, SignalUse::error,            all_modes},
-    {0x10, SignalUse::nmt_error,        canopen_405},
-    {0x11, SignalUse::emergency,        canopen_405},
-    {0x12, SignalUse::set_clock,        canopen_405},
-    {0x13, SignalUse::read_clock,       canopen_405},
-    {0x17, SignalUse::command,          all_modes},
-    {0x1F, SignalUse::save_restore,     all_modes},
+    {ready_signal,         SignalUse::ready,            all_modes},
+    {data_exchange_signal, SignalUse::data_exchange,    all_modes},
+    {0x02,                 SignalUse::restart,          all_modes},
+    {online_signal,        SignalUse::online,           layer2},
+    {0x04,                 SignalUse::transmit_trigger, layer2},
+    {0x0F,                 SignalUse::error,            all_modes},
+    {0x10,                 SignalUse::nmt_error,        canopen_405},
+    {0x11,                 SignalUse::emergency,        canopen_405},
+    {0x12,                 SignalUse::set_clock,        canopen_405},
+    {0x13,                 SignalUse::read_clock,       canopen_405},
+    {0x17,                 SignalUse::command,          all_modes},
+    {0x1F,                 SignalUse::save_restore,     all_modes},
 });
 
 /// [ME3CAN1-Q 3.1.1]
@@ -171,9 +174,9 @@ constinit const ModuleModel model{
                .process_data = g::slot_data},
     .time_stamp = {.first = g::time_stamp, .two_digit_year = true},
     // [ME3CAN1-Q 3.3.2, 3.5.5]
-    .program_interface = {.exchange = {.kind = ProgramRequest::Kind::signal, .signal = 0x01},
-                          .online = {.kind = ProgramRequest::Kind::signal, .signal = 0x03},
-                          .ready = 0x00,
+    .program_interface = {.exchange = {.kind = ProgramRequest::Kind::signal, .signal = data_exchange_signal},
+                          .online = {.kind = ProgramRequest::Kind::signal, .signal = online_signal},
+                          .ready = ready_signal,
                           .status = g::communication_status,
                           .initializing = communication_status.initialization,
                           .process_data = exchange_layout},
