@@ -2,23 +2,14 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "canopus/app/module_network.hpp"
+#include "canopus/app/plant_errors.hpp"
 
 namespace canopus::app {
 
 namespace {
-
-class Errors {
- public:
-  template <typename... Arguments>
-  void add(Place place, fmt::format_string<Arguments...> text, Arguments&&... arguments) {
-    all.push_back({place, fmt::format(text, std::forward<Arguments>(arguments)...)});
-  }
-  std::vector<PlantError> all;
-};
 
 std::vector<unsigned> bit_rates(const module::DataSheet& data_sheet) {
   std::vector<unsigned> rates;
@@ -31,7 +22,7 @@ std::vector<unsigned> bit_rates(const module::DataSheet& data_sheet) {
 
 std::vector<PlantError> preset_words(module::CommunicationModule& module, const module::DataSheet& data_sheet,
                                      const ModuleSection& section, const BusSection& bus) {
-  Errors errors;
+  PlantErrors errors;
   const std::string_view model = section.model;
   if (!module.preset_bit_rate(bus.bit_rate)) {
     errors.add(section.place,
@@ -64,11 +55,11 @@ std::vector<PlantError> preset_words(module::CommunicationModule& module, const 
     errors.add(section.place, "module: watch: G{}: the {} has {} words of buffer memory", address, model,
                module.buffer_memory_size());
   }
-  return std::move(errors.all);
+  return errors.take();
 }
 
 std::vector<PlantError> preset_objects(module::CommunicationModule& module, const ModuleSection& section) {
-  Errors errors;
+  PlantErrors errors;
   for (const ObjectSetting& setting : section.objects) {
     const auto [index, sub] = setting.object;
     const canopen::Entry entry = module.node().dictionary().description().find(index, sub);
@@ -84,7 +75,7 @@ std::vector<PlantError> preset_objects(module::CommunicationModule& module, cons
                  canopen::describe(code));
     }
   }
-  return std::move(errors.all);
+  return errors.take();
 }
 
 }  // namespace canopus::app

@@ -10,6 +10,7 @@
 #include "canopus/app/module_catalogue.hpp"
 #include "canopus/app/module_network.hpp"
 #include "canopus/app/module_presets.hpp"
+#include "canopus/app/plant_errors.hpp"
 #include "canopus/app/plant_parts.hpp"
 #include "canopus/app/run_memory.hpp"
 #include "canopus/eds/device_file.hpp"
@@ -33,13 +34,6 @@ class Assembly {
  private:
   using File = std::shared_ptr<const eds::DeviceFile>;
 
-  template <typename... Arguments>
-  void error(Place place, fmt::format_string<Arguments...> text, Arguments&&... arguments) {
-    errors_.push_back({place, fmt::format(text, std::forward<Arguments>(arguments)...)});
-  }
-  void add(const std::vector<PlantError>& problems) {
-    errors_.insert(errors_.end(), problems.begin(), problems.end());
-  }
   File load(const DeviceSection& section);
   File configured(const File& file, const DeviceSection& section);
   void add_device(const DeviceSection& section, std::size_t number);
@@ -55,7 +49,7 @@ class Assembly {
   std::filesystem::path folder_;
   std::map<std::string, File> files_;
   std::set<std::filesystem::path> lss_stores_;
-  std::vector<PlantError> errors_;
+  PlantErrors errors_;
 };
 
 std::vector<PlantError> Assembly::run() {
@@ -77,7 +71,7 @@ std::vector<PlantError> Assembly::run() {
   for (std::size_t i = 0; i < parts_.buses.size(); ++i) set_faults(parts_.file.buses[i], *parts_.buses[i]);
   parts_.load_report = std::make_unique<LoadReport>(parts_.buses, observer_);
   parts_.timeline.add(*parts_.load_report);
-  return std::move(errors_);
+  return errors_.take();
 }
 
 Assembly::File Assembly::load(const DeviceSection& section) {
@@ -85,14 +79,14 @@ Assembly::File Assembly::load(const DeviceSection& section) {
   if (const auto known = files_.find(path); known != files_.end()) return known->second;
   const auto text = read_file(path);
   if (!text) {
-    error(section.eds_place, "eds = \"{}\": {}", section.eds, text.error());
+    errors_.add(section.eds_place, "eds = \"{}\": {}", section.eds, text.error());
     return files_[path] = nullptr;
   }
   const eds::ReadResult result = eds::read_device_file(*text);
   if (!result.file) {
     const eds::Problem& problem = result.problems.front();
-    error(section.eds_place, "eds = \"{}\": no device can be made of it: {}:{}: {}", section.eds, path,
-          problem.line, problem.message);
+    errors_.add(section.eds_place, "eds = \"{}\": no device can be made of it: {}:{}: {}", section.eds, path,
+                problem.line, problem.message);
   }
   return files_[path] = result.file;
 }
@@ -102,13 +96,14 @@ Assembly::File Assembly::configured(const File& file, const DeviceSection& secti
   for (const ObjectSetting& setting : section.objects) {
     const canopen::Entry entry = file->dictionary->find(setting.object.index, setting.object.sub);
     if (!entry) {
-      error(setting.place, "{} has no object {:04X}H:{:02X}H", section.eds, setting.object.index,
-            setting.object.sub);
+      errors_.add(setting.place, "{} has no object {:04X}H:{:02X}H", section.eds, setting.object.index,
+                  setting.object.sub);
       continue;
     }
     auto bytes = encode(setting.value, entry.description->type);
     if (!bytes) {
-      error(setting.place, "{:04X}H:{:02X}H: {}", setting.object.index, setting.object.sub, bytes.error());
+      errors_.add(setting.place, "{:04X}H:{:02X}H: {}", setting.object.index, setting.object.sub,
+                  bytes.error());
       continue;
     }
     changes.push_back({entry, std::move(*bytes)});
@@ -127,14 +122,15 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
     node_id = commissioning->node_id.value_or(0);
   }
   if (node_id == 0) {
-    return error(section.place,
-                 "device: node is missing; {} names no node-ID either. A device that gets it by LSS: node = "
-                 "\"unconfigured\"",
-                 section.eds);
+    return errors_.add(
+        section.place,
+        "device: node is missing; {} names no node-ID either. A device that gets it by LSS: node = "
+        "\"unconfigured\"",
+        section.eds);
   }
   const bool is_unconfigured = node_id == manager::lss::unconfigured;
   if (!is_unconfigured && device(section.bus, node_id) != nullptr) {
-    return error(section.place, "device: node {} of bus \"{}\" is taken already", node_id, section.bus);
+    return errors_.add(section.place, "device: node {} of bus \"{}\" is taken already", node_id, section.bus);
   }
   file = configured(file, section);
   sim::Bus& bus = parts_.bus(section.bus);
@@ -156,10 +152,11 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
                             identity.product_code.value_or(0), identity.revision.value_or(0),
                             identity.serial_number.value_or(0));
     if (!store.empty() && !lss_stores_.insert(store / stored_as).second) {
-      error(section.place,
-            "device: another one without a node-ID stores into \"{}\" with the same LSS address {} (1018H); "
-            "give each a serial number: objects = {{ \"1018:04\" = 1 }}",
-            section.store, stored_as);
+      errors_.add(
+          section.place,
+          "device: another one without a node-ID stores into \"{}\" with the same LSS address {} (1018H); "
+          "give each a serial number: objects = {{ \"1018:04\" = 1 }}",
+          section.store, stored_as);
     }
   }
   if (is_lss_slave) {
@@ -183,7 +180,7 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
       behaviour.source_sub = wanted.source->sub;
     }
     if (const auto problem = seat->device().add_behaviour(behaviour))
-      error(wanted.place, "behaviour: {}", *problem);
+      errors_.add(wanted.place, "behaviour: {}", *problem);
   }
   parts_.device_handles.push_back(parts_.timeline.add(*seat));
   port.connect(*seat, parts_.device_handles.back());
@@ -201,7 +198,7 @@ void Assembly::set_faults(const BusSection& section, sim::Bus& bus) {
   std::vector<sim::Fault> faults;
   for (const FaultSection& fault : section.faults) {
     if (const auto good = bus.set_faults({fault.fault}, seed_); !good)
-      error(fault.place, "fault: {}", good.error());
+      errors_.add(fault.place, "fault: {}", good.error());
     faults.push_back(fault.fault);
   }
   (void)bus.set_faults(faults, seed_);
@@ -231,13 +228,13 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
                                            observer_);
   module::CommunicationModule& module = seat->module();
   const auto bus_section = std::ranges::find(parts_.file.buses, section.bus, &BusSection::name);
-  add(preset_words(module, *entry.data_sheet, section, *bus_section));
+  errors_.add(preset_words(module, *entry.data_sheet, section, *bus_section));
   if (section.master) configure_network(section, module);
-  add(preset_objects(module, section));
+  errors_.add(preset_objects(module, section));
   parts_.module_handles.push_back(parts_.timeline.add(*seat));
   port.connect(*seat, parts_.module_handles.back());
   if (!parts_.racks[plc_number]->insert(section.head, module, parts_.module_handles.back())) {
-    error(section.place, "module: head {:03X}H overlaps another module's points", section.head);
+    errors_.add(section.place, "module: head {:03X}H overlaps another module's points", section.head);
   }
   seat->status().plate.node_id = section.node;
   watch(bus).know(seat->status());
@@ -248,7 +245,7 @@ void Assembly::configure_network(const ModuleSection& section, module::Communica
   ModuleNetwork network(module, fmt::format("U{:X}", section.head / 16));
   const auto add_slave = [&](const SlaveSection& wanted, DeviceSeat& seat, bool every_link) {
     const NodeStatus& status = seat.status();
-    add(network.add_slave(wanted, seat.device().file(), status.plate.name, every_link));
+    errors_.add(network.add_slave(wanted, seat.device().file(), status.plate.name, every_link));
   };
   for (const auto& seat :
        parts_.devices) {  // in the plant file's order, so that the words come in this order too

@@ -2,7 +2,9 @@
 // A CANopen node with an NMT master on it, each driven as it wants to be (nmt_master.hpp). What most programs
 // that are a master derive from; configure() puts the network into the node's dictionary.
 
+#include <algorithm>
 #include <memory>
+#include <utility>
 
 #include "canopus/canopen/node.hpp"
 #include "canopus/manager/nmt_master.hpp"
