@@ -1,12 +1,13 @@
 #include "canopus/app/run_loop.hpp"
 
-#include <cerrno>
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include <boost/asio/io_context.hpp>
@@ -14,7 +15,6 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <fmt/format.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include "canopus/app/event_printer.hpp"
@@ -22,9 +22,12 @@
 #include "canopus/app/live_table.hpp"
 #include "canopus/app/melsec_server.hpp"
 #include "canopus/app/plant.hpp"
+#include "canopus/app/real_time.hpp"
+#include "canopus/app/run_recording.hpp"
+#include "canopus/app/screen.hpp"
+#include "canopus/app/simulated_attachment.hpp"
 #include "canopus/link/socketcand_server.hpp"
 #include "canopus/link/trace_file.hpp"
-#include "canopus/sim/waveform.hpp"
 
 namespace canopus::app {
 namespace {
@@ -54,183 +57,6 @@ std::unique_ptr<Plant> build_plant(const PlantFile& file, PlantObserver& observe
   }
   return std::move(*plant);
 }
-
-/// Every frame of a bus into the trace file.
-class TraceWriter final : public sim::BusObserver {
- public:
-  TraceWriter(link::TraceFile& file, const std::string& bus) : file_(file), bus_(bus) {}
-  void frame_completed(const can::Frame& frame, can::Time /*start*/, can::Time end) override {
-    file_.write(bus_, frame, end);
-  }
-
- private:
-  link::TraceFile& file_;
-  const std::string& bus_;
-};
-
-/// The wire of one bus as a VCD file. The first error is kept and told by close().
-class VcdFile {
- public:
-  VcdFile(std::string path, sim::Bus& bus) : path_(std::move(path)), file_(std::fopen(path_.c_str(), "w")) {
-    if (file_ == nullptr) {
-      error_ = errno;
-      return;
-    }
-    waveform_.emplace(bus, can::Time{}, [this](std::string_view text) {
-      if (std::fwrite(text.data(), 1, text.size(), file_) != text.size() && error_ == 0) error_ = errno;
-    });
-  }
-  ~VcdFile() { (void)close({}); }
-  VcdFile(const VcdFile&) = delete;
-  VcdFile& operator=(const VcdFile&) = delete;
-
-  [[nodiscard]] std::string error() const {
-    return error_ == 0 ? std::string() : fmt::format("cannot write {}: {}", path_, std::strerror(error_));
-  }
-  /// Empty, or what went wrong since the start.
-  std::string close(can::Time now) {
-    if (waveform_) waveform_->flush(now);
-    waveform_.reset();
-    if (file_ != nullptr && std::fclose(file_) != 0 && error_ == 0) error_ = errno;
-    file_ = nullptr;
-    return error();
-  }
-
- private:
-  std::string path_;
-  std::FILE* file_;
-  int error_ = 0;
-  std::optional<sim::Waveform> waveform_;
-};
-
-/// A socketcand client's own port on a simulated bus. A bus keeps its ports, so those of clients that left
-/// are used again.
-class SimulatedAttachment final : public link::BusAttachment {
- public:
-  using Ports = std::vector<sim::Port*>;
-
-  SimulatedAttachment(sim::Bus& bus, Ports& free_ports, can::Timeline& timeline, can::Participant& client)
-      : free_ports_(free_ports), timeline_(timeline), handle_(timeline.add(client)) {
-    if (free_ports_.empty()) free_ports_.push_back(&bus.add_port("socketcand"));
-    port_ = free_ports_.back();
-    free_ports_.pop_back();
-    port_->set_transmit_queue(sim::TransmitOrder::fifo,
-                              queued_frames);  // as sent, and nothing of an earlier client
-    port_->connect(client, handle_);
-    port_->plug(true);
-  }
-  ~SimulatedAttachment() override {
-    port_->plug(false);
-    port_->disconnect();
-    timeline_.remove(handle_);
-    free_ports_.push_back(port_);
-  }
-  SimulatedAttachment(const SimulatedAttachment&) = delete;
-  SimulatedAttachment& operator=(const SimulatedAttachment&) = delete;
-
-  bool send(const can::Frame& frame) override { return port_->send(frame); }
-  void refresh() override { timeline_.refresh(handle_); }
-
- private:
-  static constexpr std::size_t queued_frames = 128;
-  Ports& free_ports_;
-  can::Timeline& timeline_;
-  can::Timeline::Handle handle_;
-  sim::Port* port_ = nullptr;
-};
-
-/// Keeps a plant in step with the machine's clock.
-class RealTime final : public link::LoopClock {
- public:
-  RealTime(asio::io_context& io, Plant& plant, PlantObserver& observer, can::Time end)
-      : timeline_(plant.timeline()), observer_(observer), timer_(io), io_(io), end_(end) {}
-
-  void start() {
-    started_ = WallClock::now();
-    arm();
-  }
-  can::Time now() override {
-    advance(clock());
-    return timeline_.now();
-  }
-  void touched() override {
-    if (std::min(timeline_.next(), end_) < armed_for_) arm();
-  }
-  [[nodiscard]] can::Duration largest_lag() const noexcept { return largest_lag_; }
-  [[nodiscard]] can::Duration lag() const noexcept { return lag_; }
-
- private:
-  [[nodiscard]] can::Time clock() const {
-    return can::Time{} + std::chrono::duration_cast<can::Duration>(WallClock::now() - started_);
-  }
-  void arm() {
-    armed_for_ = std::min(timeline_.next(), end_);
-    timer_.expires_at(armed_for_ == can::never ? WallClock::time_point::max()
-                                               : started_ + armed_for_.time_since_epoch());
-    timer_.async_wait([this](const boost::system::error_code& error) {
-      if (!error) wake();
-    });
-  }
-  void wake() {
-    advance(clock());
-    if (timeline_.now() >= end_) return io_.stop();
-    arm();
-  }
-  /// Runs what is due. A plant that is behind catches up in slices, so that clients and Ctrl-C are heard.
-  void advance(can::Time wall) {
-    const can::Time due = std::min(timeline_.next(), end_);
-    lag_ = std::max(can::Duration{}, wall - std::min(due, wall));
-    largest_lag_ = std::max(largest_lag_, lag_);
-    constexpr can::Duration worth_telling = 50ms;
-    if (lag_ >= worth_telling && wall >= tell_again_) {
-      observer_.error("real time",
-                      fmt::format("the plant is {} late: this machine is too slow for it", describe(lag_)),
-                      timeline_.now());
-      tell_again_ = wall + 1s;
-    }
-    constexpr can::Duration slice = 20ms;
-    timeline_.run_until(
-        std::min({wall, end_, can::later(std::max(timeline_.now(), std::min(due, wall)), slice)}));
-  }
-
-  can::Timeline& timeline_;
-  PlantObserver& observer_;
-  asio::steady_timer timer_;
-  asio::io_context& io_;
-  can::Time end_;
-  WallClock::time_point started_{};
-  can::Time armed_for_ = can::never;
-  can::Duration lag_{};
-  can::Duration largest_lag_{};
-  can::Time tell_again_{};
-};
-
-/// The terminal's part of the screen, redrawn in place.
-class Screen {
- public:
-  void show(const std::string& picture) {
-    std::string out = shown_ ? "\x1b[H" : "\x1b[?1049h\x1b[?25l\x1b[2J\x1b[H";
-    shown_ = true;
-    out += picture + "\x1b[J";
-    std::fwrite(out.data(), 1, out.size(), stdout);
-    std::fflush(stdout);
-  }
-  void leave() {
-    if (shown_) std::fputs("\x1b[?25h\x1b[?1049l", stdout);
-    shown_ = false;
-    std::fflush(stdout);
-  }
-  ~Screen() { leave(); }
-
-  [[nodiscard]] static TableSize size() {
-    winsize window{};
-    if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &window) != 0 || window.ws_row == 0) return {};
-    return {window.ws_row, window.ws_col};
-  }
-
- private:
-  bool shown_ = false;
-};
 
 /// One run from build to summary.
 class Run {
