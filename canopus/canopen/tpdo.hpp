@@ -2,13 +2,14 @@
 // Transmit PDOs [CiA 301 7.2.2]. 18xxH: 01H COB-ID (bit 31: not valid, bit 30: no RTR), 02H transmission
 // type, 03H inhibit time in 100 us, 05H event timer in ms, 06H SYNC start value; 1AxxH: the mapping. In
 // Operational:
+//
 //   00H       after the next SYNC, if an event happened before it
 //   01H-F0H   after every n-th SYNC; with a counter in SYNC, counted from the SYNC of the start value on
 //   FCH, FDH  asked for by a remote frame; FCH sends the values of the last SYNC
-//   FEH, FFH  on an event, at most once in an inhibit time, and when the event timer ends, which starts anew
-//   with
-//             each transmission. An event during the inhibit time waits for its end, or is forgotten
-//             (option).
+//   FEH, FFH  on an event, at most once in an inhibit time, and when the event timer ends, which starts
+//             anew with each transmission. An event during the inhibit time waits for its end, or is
+//             forgotten (option).
+//
 // A remote frame is answered in every type if bit 30 is 0. Values are those before the RPDOs of the same
 // SYNC.
 //

@@ -2,16 +2,15 @@
 // One client's conversation in the socketcand protocol, without the socket. Both sides send elements, text
 // between '<' and '>', words separated by blanks, with nothing between the elements:
 //
-//   server: < hi >            client: < open line1 >     server: < ok >      the bus's name, or an error and
-//                                                                            the end of the connection
-//                             client: < rawmode >        server: < ok >      from now on every frame of the
-//                             bus:
-//   server: < frame 581 12.000345 4318100101000000 >                         %03X or %08X = extended
-//   identifier
-//                             client: < send 601 8 40 18 10 1 0 0 0 0 >      8 digits = extended identifier
-//                             client: < sendrtr 705 1 >                      a remote frame
-//                             client: < echo >           server: < echo >
-//                             client: < bcmmode >        server: < ok >      frames stop
+//   server            client                                  server
+//   < hi >            < open line1 >                          < ok >    the bus's name; if it is another:
+//                                                                       an error, and the connection ends
+//                     < rawmode >                             < ok >    from now on every frame of the bus:
+//   < frame 581 12.000345 4318100101000000 >                            identifier as %03X, extended %08X
+//                     < send 601 8 40 18 10 1 0 0 0 0 >                 8 digits: an extended identifier
+//                     < sendrtr 705 1 >                                 a remote frame
+//                     < echo >                                < echo >
+//                     < bcmmode >                             < ok >    frames stop
 //
 // `< open >` without a name opens the bus as well: a server has only one. Other servers refuse that.
 //

@@ -2,9 +2,9 @@
 // "Boot slave": the way of one slave from its reset to its start [CiA 302-2; ME3CAN1-Q 4.8.6, notes B8]:
 //
 //   (wait after reset) - presence: 1000H - identity: 1018H - [keep alive: its state]
-//   - [software: 1F56H compared; if it differs: stop, clear, download, flash status, start, from the
-//   beginning]
-//   - [restore: 1011H] - [configuration: 1020H compared, concise DCF]
+//   - [software: 1F56H compared; if it differs: stop, clear, download, flash status, compared again, start;
+//                then from presence on once more]
+//   - [restore: 1011H, its boot-up] - [configuration: 1020H compared, concise DCF]
 //   - error control: heartbeat or guarding - booted
 //
 // boot_slave.cpp has the frame of it, boot_slave_configuration.cpp and boot_slave_software.cpp the steps in

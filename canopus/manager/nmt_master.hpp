@@ -11,11 +11,12 @@
 // Driving it: MasterNode does (master_node.hpp). Otherwise the owner of node and master
 //   - calls receive(frame, now) for every frame, *after* Node::receive; tick() and deadline() as of any
 //     Participant;
-//   - forwards from its NodeListener: own_state_changed, heartbeat_received, heartbeat_lost (of the same
-//   names
-//     there, nmt_state_changed -> own_state_changed);
+//   - forwards what its NodeListener hears:  nmt_state_changed   -> own_state_changed
+//                                            heartbeat_received  -> heartbeat_received
+//                                            heartbeat_lost      -> heartbeat_lost
 //   - calls start(now) after each power-on, reset node or reset communication of the node (from
 //     NodeListener::reset_done or later), and stop(now) when a reset begins or the node goes off.
+//
 // Frames and commands to the node that these calls cause come in the next tick() (deadline() is then `now`),
 // never inside the call, so they may be made from the node's own callbacks; stop() is silent on the bus. Only
 // receive(), tick() and the request functions send frames, only tick() commands the node.
