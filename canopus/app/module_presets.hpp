@@ -10,7 +10,7 @@
 
 namespace canopus::app {
 
-/// Bit rate of the bus, node-ID and words; and whether the stand-in program can do what it is asked for.
+/// Bit rate of the bus, node-ID and words; and whether the built-in PLC program can do what it is asked for.
 [[nodiscard]] std::vector<PlantError> preset_words(module::CommunicationModule& module,
                                                    const module::DataSheet& data_sheet,
                                                    const ModuleSection& section, const BusSection& bus);

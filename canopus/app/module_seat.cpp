@@ -11,8 +11,8 @@ namespace canopus::app {
 
 namespace {
 
-plc::StandInProgram::Task program_task(const ModuleSection& section) {
-  plc::StandInProgram::Task task{.exchange = section.exchange, .online = section.online};
+plc::BuiltInProgram::Task program_task(const ModuleSection& section) {
+  plc::BuiltInProgram::Task task{.exchange = section.exchange, .online = section.online};
   for (const BufferSetting& word : section.writes) task.words.push_back({word.address, word.value});
   return task;
 }

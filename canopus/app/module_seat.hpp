@@ -1,6 +1,6 @@
 #pragma once
 // A communication module in its slot: what happens to it is passed on, what changes is reported to the
-// plant's observer, and a stand-in for the PLC program works with it as the plant file says.
+// plant's observer, and the built-in PLC program works with it as the plant file says.
 
 #include <array>
 #include <cstdint>
@@ -12,7 +12,7 @@
 #include "canopus/app/bus_watch.hpp"
 #include "canopus/app/plant.hpp"
 #include "canopus/module/communication_module.hpp"
-#include "canopus/plc/stand_in_program.hpp"
+#include "canopus/plc/built_in_program.hpp"
 
 namespace canopus::app {
 
@@ -59,7 +59,7 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver 
   std::string name_;
   std::unique_ptr<module::NonVolatileMemory> memory_;
   std::unique_ptr<module::CommunicationModule> module_;
-  plc::StandInProgram program_;
+  plc::BuiltInProgram program_;
   PlantObserver& observer_;
   NodeStatus status_;
   std::vector<std::uint16_t> watched_;

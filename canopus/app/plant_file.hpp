@@ -113,11 +113,11 @@ struct ModuleSection {
   bool master = false;
   bool all_slaves = false;  ///< slaves = "all": every device of the bus, first TPDO and RPDO of each
   std::vector<SlaveSection> slaves{};
-  std::optional<can::Duration> exchange{};      ///< a stand-in program requests a data exchange this often
+  std::optional<can::Duration> exchange{};      ///< the built-in program asks for a data exchange this often
   std::optional<can::Duration> restart_time{};  ///< instead of the module's own 6 s
   std::vector<ObjectSetting> objects{};
   std::vector<BufferSetting> buffer{};
-  bool online = false;  ///< the stand-in program takes the module online whenever it has started (Layer 2)
+  bool online = false;  ///< the built-in program takes the module online whenever it has started (Layer 2)
   std::vector<BufferSetting> writes{};  ///< and writes these words before, by address
   module::ModuleFault fault = module::ModuleFault::hardware_error;
   std::optional<can::Duration> fault_at{};  ///< when the module gets this fault

@@ -1,4 +1,4 @@
-// A plant with an ME3CAN1-Q in a Layer 2 mode: stand-in program, live table, events, mistakes in the file.
+// A plant with an ME3CAN1-Q in a Layer 2 mode: built-in program, live table, events, mistakes in the file.
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -92,7 +92,7 @@ class Layer2Plant : public testing::Test, public PlantObserver, public can::Part
   std::vector<std::string> events;
 };
 
-TEST_F(Layer2Plant, TheStandInProgramSetsTheModuleUp_AndItTalksToAPeer) {
+TEST_F(Layer2Plant, TheBuiltInProgramSetsTheModuleUp_AndItTalksToAPeer) {
   build(std::string(frame_of_the_plant) + std::string(partner));
   run(900ms);
   EXPECT_THAT(events, IsEmpty());
@@ -148,7 +148,7 @@ TEST_F(Layer2Plant, WithACanopenNodeOnTheBus_TheyAre) {
   EXPECT_THAT(events, Contains("line1 node 1 emcy"));
 }
 
-TEST_F(Layer2Plant, TheStandInProgramSetsUpAgainAfterARestart) {
+TEST_F(Layer2Plant, TheBuiltInProgramSetsUpAgainAfterARestart) {
   build(std::string(frame_of_the_plant) + "restart_time = \"100ms\"\n" + std::string(partner));
   run(1500ms);
   events.clear();

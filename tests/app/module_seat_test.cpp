@@ -1,4 +1,4 @@
-// A module of another kind than the ME3CAN1-Q in a plant: settings, process data, stand-in program.
+// A module of another kind than the ME3CAN1-Q in a plant: settings, process data, built-in program.
 
 #include "canopus/app/module_seat.hpp"
 
@@ -134,7 +134,7 @@ TEST(ModuleNetwork, OfAnotherLayout_NamesItsOwnLimits) {
               ElementsAre("plant.toml:13:1: TPDO1 of node 5: the module has no more than 2 PDOs"));
 }
 
-TEST(ModuleSeat, OfAModuleWithoutSignals_LetsTheStandInProgramWork) {
+TEST(ModuleSeat, OfAModuleWithoutSignals_LetsTheBuiltInProgramWork) {
   struct Watcher final : PlantObserver {
     void buffer_changed(std::string_view, unsigned head, std::uint32_t address, std::uint16_t value,
                         bool by_cpu, can::Time now) override {

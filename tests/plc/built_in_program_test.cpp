@@ -1,4 +1,4 @@
-#include "canopus/plc/stand_in_program.hpp"
+#include "canopus/plc/built_in_program.hpp"
 
 #include <string>
 #include <vector>
@@ -93,7 +93,7 @@ class AnsweringModule final : public FakeModule {
   }
   std::vector<std::string> take_notes() { return std::exchange(notes_, {}); }
 
-  StandInProgram* program = nullptr;
+  BuiltInProgram* program = nullptr;
   can::Duration answer_time = 3ms;
   can::Time answer_at = can::never;
   can::Time starts_at = can::never;
@@ -116,7 +116,7 @@ class AnsweringModule final : public FakeModule {
 /// The module in its slot, started at 0 and with supply, the program running.
 class Slot final : public can::Participant {
  public:
-  Slot(const ProgramInterface& interface, StandInProgram::Task task)
+  Slot(const ProgramInterface& interface, BuiltInProgram::Task task)
       : module(interface), program(module, interface, std::move(task)) {
     module.program = &program;
     handle_ = timeline.add(*this);
@@ -148,13 +148,13 @@ class Slot final : public can::Participant {
 
   can::Timeline timeline;
   AnsweringModule module;
-  StandInProgram program;
+  BuiltInProgram program;
 
  private:
   can::Timeline::Handle handle_;
 };
 
-TEST(StandInProgram, Exchange_BySignal_WaitsForTheAnswerAndComesAgainAtTheInterval) {
+TEST(BuiltInProgram, Exchange_BySignal_WaitsForTheAnswerAndComesAgainAtTheInterval) {
   Slot slot(signals, {.exchange = 20ms});
   slot.power();
   EXPECT_THAT(slot.notes_until(65ms), ElementsAre("20ms Y5 on", "23ms Y5 off", "40ms Y5 on", "43ms Y5 off",
@@ -163,14 +163,14 @@ TEST(StandInProgram, Exchange_BySignal_WaitsForTheAnswerAndComesAgainAtTheInterv
   EXPECT_EQ(slot.module.own, 3 * 4) << "Y on, X on, Y off, X off of each are the program's own";
 }
 
-TEST(StandInProgram, Exchange_BySignalThatIsAnsweredLate_GoesOnAMillisecondAfterTheAnswer) {
+TEST(BuiltInProgram, Exchange_BySignalThatIsAnsweredLate_GoesOnAMillisecondAfterTheAnswer) {
   Slot slot(signals, {.exchange = 20ms});
   slot.module.answer_time = 30ms;
   slot.power();
   EXPECT_THAT(slot.notes_until(60ms), ElementsAre("20ms Y5 on", "50ms Y5 off", "51ms Y5 on"));
 }
 
-TEST(StandInProgram, Exchange_ByBits_WaitsUntilTheModuleTakesThemBack) {
+TEST(BuiltInProgram, Exchange_ByBits_WaitsUntilTheModuleTakesThemBack) {
   Slot slot(bits, {.exchange = 20ms});
   slot.power();
   EXPECT_THAT(slot.notes_until(45ms), ElementsAre("20ms 41=4", "40ms 41=4"));
@@ -182,20 +182,20 @@ TEST(StandInProgram, Exchange_ByBits_WaitsUntilTheModuleTakesThemBack) {
   EXPECT_THAT(slot.module.edges, IsEmpty()) << "no signals";
 }
 
-TEST(StandInProgram, Exchange_ByBitsThatAreTakenBackAtOnce_ComesAgainAtTheInterval) {
+TEST(BuiltInProgram, Exchange_ByBitsThatAreTakenBackAtOnce_ComesAgainAtTheInterval) {
   Slot slot(bits, {.exchange = 20ms});
   slot.module.answer_time = 0ms;
   slot.power();
   EXPECT_THAT(slot.notes_until(45ms), ElementsAre("20ms 41=4", "40ms 41=4"));
 }
 
-TEST(StandInProgram, Exchange_ByWriteAlone_DoesNotMindWhatTheWordReads) {
+TEST(BuiltInProgram, Exchange_ByWriteAlone_DoesNotMindWhatTheWordReads) {
   Slot slot(write_only, {.exchange = 20ms});
   slot.power();
   EXPECT_THAT(slot.notes_until(65ms), ElementsAre("20ms 41=1", "40ms 41=1", "60ms 41=1"));
 }
 
-TEST(StandInProgram, Exchange_OfAModuleThatExchangesByItself_IsNotRequested) {
+TEST(BuiltInProgram, Exchange_OfAModuleThatExchangesByItself_IsNotRequested) {
   constexpr ProgramInterface nothing{};
   Slot slot(nothing, {.exchange = 20ms, .online = true});
   slot.power();
@@ -203,7 +203,7 @@ TEST(StandInProgram, Exchange_OfAModuleThatExchangesByItself_IsNotRequested) {
   EXPECT_EQ(slot.module.reads, 0) << "it may have no buffer memory at all";
 }
 
-TEST(StandInProgram, Exchange_WhileInitializing_IsPutOff) {
+TEST(BuiltInProgram, Exchange_WhileInitializing_IsPutOff) {
   for (const ProgramInterface* interface : {&signals, &bits}) {
     Slot slot(*interface, {.exchange = 20ms});
     slot.power(70ms);
@@ -212,7 +212,7 @@ TEST(StandInProgram, Exchange_WhileInitializing_IsPutOff) {
   }
 }
 
-TEST(StandInProgram, Exchange_WhileAClientRequestsOne_IsPutOff) {
+TEST(BuiltInProgram, Exchange_WhileAClientRequestsOne_IsPutOff) {
   Slot by_signal(signals, {.exchange = 20ms});
   by_signal.power();
   by_signal.module.answer_time = 50ms;
@@ -235,7 +235,7 @@ TEST(StandInProgram, Exchange_WhileAClientRequestsOne_IsPutOff) {
   EXPECT_EQ(by_bits.module.own, 1);
 }
 
-TEST(StandInProgram, Exchange_ByBitsWhenTheModuleRestarts_GoesOnAfterwards) {
+TEST(BuiltInProgram, Exchange_ByBitsWhenTheModuleRestarts_GoesOnAfterwards) {
   Slot slot(bits, {.exchange = 20ms, .words = {{100, 7}}});
   slot.module.answer_time = 1000ms;
   slot.power();
@@ -248,7 +248,7 @@ TEST(StandInProgram, Exchange_ByBitsWhenTheModuleRestarts_GoesOnAfterwards) {
   EXPECT_EQ(slot.module.wrong_reads, 0);
 }
 
-TEST(StandInProgram, SetUp_BySignal_WritesTheWordsOfflineAndThenGoesOnline) {
+TEST(BuiltInProgram, SetUp_BySignal_WritesTheWordsOfflineAndThenGoesOnline) {
   Slot slot(signals, {.words = {{100, 7}, {101, 8}}, .online = true});
   slot.power(15ms);
   EXPECT_THAT(slot.notes_until(14ms), IsEmpty());
@@ -258,7 +258,7 @@ TEST(StandInProgram, SetUp_BySignal_WritesTheWordsOfflineAndThenGoesOnline) {
   EXPECT_EQ(slot.module.own, 0) << "what is done once is news";
 }
 
-TEST(StandInProgram, SetUp_ByBits_WritesNothingButTheBits) {
+TEST(BuiltInProgram, SetUp_ByBits_WritesNothingButTheBits) {
   Slot slot(bits, {.words = {{100, 7}}, .online = true});
   slot.power(15ms);
   EXPECT_THAT(slot.notes_until(100ms), ElementsAre("15ms 100=7", "15ms 43=16"));
@@ -270,7 +270,7 @@ TEST(StandInProgram, SetUp_ByBits_WritesNothingButTheBits) {
       << "seen by the next scan";
 }
 
-TEST(StandInProgram, SetUp_OfAModuleWithoutSignals_SeesARestartThatNobodyTellsOf) {
+TEST(BuiltInProgram, SetUp_OfAModuleWithoutSignals_SeesARestartThatNobodyTellsOf) {
   Slot slot(bits, {.words = {{100, 7}}});
   slot.program.look(slot.timeline.now());
   EXPECT_THAT(slot.module.take_notes(), IsEmpty()) << "no supply yet";
@@ -280,7 +280,7 @@ TEST(StandInProgram, SetUp_OfAModuleWithoutSignals_SeesARestartThatNobodyTellsOf
   EXPECT_THAT(slot.notes_until(200ms), ElementsAre("75ms 100=7"));
 }
 
-TEST(StandInProgram, SetUp_WithoutWordsAndOnline_LeavesTheModuleAlone) {
+TEST(BuiltInProgram, SetUp_WithoutWordsAndOnline_LeavesTheModuleAlone) {
   for (const ProgramInterface* interface : {&signals, &bits}) {
     Slot slot(*interface, {});
     slot.power();

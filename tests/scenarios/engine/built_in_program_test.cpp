@@ -1,6 +1,6 @@
-// The stand-in for the PLC program with a module that is asked by bits of words, on the real engine.
+// The built-in PLC program with a module that is asked by bits of words, on the real engine.
 
-#include "canopus/plc/stand_in_program.hpp"
+#include "canopus/plc/built_in_program.hpp"
 
 #include "scenarios/engine/other_models.hpp"
 
@@ -16,7 +16,7 @@ constexpr module::ProgramInterface by_words{
 
 class WithProgram : public OtherScenario<WordModule> {
  public:
-  explicit WithProgram(plc::StandInProgram::Task task) : program_(plug_in(), by_words, std::move(task)) {}
+  explicit WithProgram(plc::BuiltInProgram::Task task) : program_(plug_in(), by_words, std::move(task)) {}
 
   void start_program() {
     program_.powered(now());
@@ -31,10 +31,10 @@ class WithProgram : public OtherScenario<WordModule> {
   }
 
  private:
-  plc::StandInProgram program_;
+  plc::BuiltInProgram program_;
 };
 
-TEST(StandInProgramByWords, ExchangesProcessDataOnceTheModuleIsReady) {
+TEST(BuiltInProgramByWords, ExchangesProcessDataOnceTheModuleIsReady) {
   WithProgram s({.exchange = 30ms});
   s.supply_on();
   s.start_program();
@@ -49,7 +49,7 @@ TEST(StandInProgramByWords, ExchangesProcessDataOnceTheModuleIsReady) {
   s.expect(3001, 0x1235).no_tx();
 }
 
-TEST(StandInProgramByWords, GoesOnlineAfterEachStart) {
+TEST(BuiltInProgramByWords, GoesOnlineAfterEachStart) {
   WithProgram s(
       {.words =
            {{2400, 0xFFFF}, {2401, 0x5FFF}, {2402, 0}, {2403, 0}, {2000, 0x5678}, {2001, 0x1234}, {2002, 2}},

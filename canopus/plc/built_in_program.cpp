@@ -1,4 +1,4 @@
-#include "canopus/plc/stand_in_program.hpp"
+#include "canopus/plc/built_in_program.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -13,29 +13,29 @@ bool is_on(std::uint32_t signals, unsigned number) { return (signals >> number &
 
 }  // namespace
 
-StandInProgram::StandInProgram(module::Module& module, const module::ProgramInterface& interface, Task task)
+BuiltInProgram::BuiltInProgram(module::Module& module, const module::ProgramInterface& interface, Task task)
     : module_(module),
       interface_(interface),
       task_(std::move(task)),
       interval_(task_.exchange.value_or(can::Duration{})) {}
 
-void StandInProgram::powered(can::Time now) {
+void BuiltInProgram::powered(can::Time now) {
   is_on_ = true;
   const bool exchanges_by_itself = interface_.exchange.kind == Kind::none;
   if (task_.exchange && !exchanges_by_itself) next_request_ = now + interval_;
   if (has_set_up() && !interface_.ready) next_scan_ = now + scan_time;
 }
 
-can::Time StandInProgram::deadline() const noexcept { return std::min(next_request_, next_scan_); }
+can::Time BuiltInProgram::deadline() const noexcept { return std::min(next_request_, next_scan_); }
 
-void StandInProgram::look(can::Time now) {
+void BuiltInProgram::look(can::Time now) {
   if (has_set_up()) set_up(now);
   const module::ProgramRequest& exchange = interface_.exchange;
   if (!is_requested_ || exchange.kind == Kind::signal || is_initializing(now)) return;
   if (exchange.kind == Kind::write || !bits_are_set(exchange, now)) exchange_done(now);
 }
 
-void StandInProgram::tick(can::Time now) {
+void BuiltInProgram::tick(can::Time now) {
   if (next_scan_ <= now) next_scan_ = now + scan_time;  // the look that follows is the scan
   if (next_request_ > now) return;
   if (is_requested_) {
@@ -48,7 +48,7 @@ void StandInProgram::tick(can::Time now) {
   }
 }
 
-bool StandInProgram::signal_changed(module::SignalKind kind, unsigned number, bool on, can::Time now) {
+bool BuiltInProgram::signal_changed(module::SignalKind kind, unsigned number, bool on, can::Time now) {
   const bool is_input = kind == module::SignalKind::input;
   if (is_input && number == interface_.ready && !on) was_ready_ = false;  // it starts anew
   if (!owns_signal_ || number != interface_.exchange.signal) return false;
@@ -57,20 +57,20 @@ bool StandInProgram::signal_changed(module::SignalKind kind, unsigned number, bo
   return true;
 }
 
-bool StandInProgram::buffer_written(module::BufferAddress address) const noexcept {
+bool BuiltInProgram::buffer_written(module::BufferAddress address) const noexcept {
   return is_requesting_ && address == interface_.exchange.word;
 }
 
-bool StandInProgram::is_initializing(can::Time now) {
+bool BuiltInProgram::is_initializing(can::Time now) {
   return interface_.initializing != 0 &&
          (module_.read_word(interface_.status, now) & interface_.initializing) != 0;
 }
 
-bool StandInProgram::bits_are_set(const module::ProgramRequest& request, can::Time now) {
+bool BuiltInProgram::bits_are_set(const module::ProgramRequest& request, can::Time now) {
   return (module_.read_word(request.word, now) & request.bits) != 0;
 }
 
-bool StandInProgram::may_exchange(can::Time now) {
+bool BuiltInProgram::may_exchange(can::Time now) {
   const bool is_ready = interface_.ready ? is_on(module_.inputs(), *interface_.ready) : !is_initializing(now);
   if (!is_ready) return false;
   const module::ProgramRequest& exchange = interface_.exchange;
@@ -80,7 +80,7 @@ bool StandInProgram::may_exchange(can::Time now) {
   return exchange.kind == Kind::write || !bits_are_set(exchange, now);
 }
 
-void StandInProgram::request_exchange(can::Time now) {
+void BuiltInProgram::request_exchange(can::Time now) {
   const module::ProgramRequest& exchange = interface_.exchange;
   requested_at_ = now;
   next_request_ = can::never;
@@ -95,12 +95,12 @@ void StandInProgram::request_exchange(can::Time now) {
   }
 }
 
-void StandInProgram::exchange_done(can::Time now) {
+void BuiltInProgram::exchange_done(can::Time now) {
   is_requested_ = false;
   next_request_ = std::max(requested_at_ + interval_, now + std::chrono::milliseconds(1));
 }
 
-void StandInProgram::set_online(bool on, can::Time now) {
+void BuiltInProgram::set_online(bool on, can::Time now) {
   const module::ProgramRequest& online = interface_.online;
   if (online.kind == Kind::signal) {
     module_.set_output(online.signal, on, now);
@@ -109,7 +109,7 @@ void StandInProgram::set_online(bool on, can::Time now) {
   }
 }
 
-void StandInProgram::set_up(can::Time now) {
+void BuiltInProgram::set_up(can::Time now) {
   const bool is_ready = is_on_ && !is_initializing(now);
   if (std::exchange(was_ready_, is_ready) || !is_ready) return;
   if (task_.online) set_online(false, now);

@@ -1,5 +1,5 @@
 #pragma once
-// A stand-in for the program of a PLC that has none: it asks a communication module for a data exchange again
+// The built-in PLC program, for a PLC that has none: it asks a communication module for a data exchange again
 // and again, and after each start of the module writes words and takes it into Layer 2 online mode. What to
 // set and what to wait for it takes from the module's ProgramInterface.
 
@@ -13,7 +13,7 @@
 
 namespace canopus::plc {
 
-class StandInProgram {
+class BuiltInProgram {
  public:
   struct Word {
     module::BufferAddress address = 0;
@@ -26,7 +26,7 @@ class StandInProgram {
   };
 
   /// Module and interface must outlive the program.
-  StandInProgram(module::Module& module, const module::ProgramInterface& interface, Task task);
+  BuiltInProgram(module::Module& module, const module::ProgramInterface& interface, Task task);
 
   /// The module has supply: the program runs from now on.
   void powered(can::Time now);
