@@ -37,12 +37,36 @@ struct CobId {
 /// [CiA 301 7.3.5].
 [[nodiscard]] bool is_restricted_identifier(std::uint32_t base_identifier) noexcept;
 
+/// Its identifier is a base identifier and a restricted one.
+[[nodiscard]] bool is_restricted(CobId value) noexcept;
+
+/// An entry with a "valid" bit 31 as its service uses it: not valid when its identifier is a restricted one,
+/// whatever brought that into the dictionary (a device file, a stored value).
+[[nodiscard]] CobId usable(CobId value) noexcept;
+
+/// The service that an entry's COB-ID is for. The default SDO server (1200H) has none that could be another.
+enum class CobIdUse : std::uint8_t {
+  none,
+  sync,
+  time,
+  emcy,
+  emcy_consumer,
+  sdo_server,
+  sdo_client,
+  rpdo,
+  tpdo
+};
+[[nodiscard]] CobIdUse cob_id_use(std::uint16_t index, std::uint8_t sub) noexcept;
+/// The service would use the COB-ID, if CiA 301 did not restrict its identifier. An SDO client may use the
+/// default channel of a server.
+[[nodiscard]] bool is_refused(CobIdUse use, CobId value) noexcept;
+
 /// The identifier part of a new value: bits 11-28 must be 0 in a base identifier; a base identifier in use
 /// must not be a restricted one. 06090030H if it is not so.
 [[nodiscard]] AbortCode check_identifier(CobId value, bool in_use, bool extended_allowed) noexcept;
 
-/// An entry with a "valid" bit 31: check_identifier(), and bits 0-29 stay as they are while it is valid and
-/// stays so.
+/// An entry with a "valid" bit 31: check_identifier(), and bits 0-29 stay as they are while it is valid (and
+/// usable()) and stays so.
 [[nodiscard]] AbortCode check_change(CobId old_value, CobId new_value, bool extended_allowed) noexcept;
 
 }  // namespace canopus::canopen

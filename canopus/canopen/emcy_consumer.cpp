@@ -28,8 +28,8 @@ void EmcyConsumer::list_identifiers(std::vector<IdentifierTable::Route>& routes)
     if (sub == node_.node_id) continue;  // its own
     const Entry entry = description.find(*object, static_cast<std::uint8_t>(sub));
     if (!entry) continue;
-    const CobId cob_id{node_.dictionary.get<std::uint32_t>(entry)};
-    if (!cob_id.is_valid() || cob_id.identifier() == 0) continue;
+    const CobId cob_id = usable(CobId{node_.dictionary.get<std::uint32_t>(entry)});
+    if (!cob_id.is_valid()) continue;
     routes.push_back({IdentifierTable::key(cob_id.identifier(), cob_id.is_extended(), false),
                       ServiceKind::emcy, static_cast<std::uint16_t>(sub)});
   }

@@ -11,7 +11,7 @@ EmcyProducer::EmcyProducer(NodeContext& node) : node_(node), timer_(node.timers.
 }
 
 void EmcyProducer::read() {
-  cob_id_ = CobId{node_.dictionary.get<std::uint32_t>(0x1014, 0, CobId::invalid_bit)};
+  cob_id_ = usable(CobId{node_.dictionary.get<std::uint32_t>(0x1014, 0, CobId::invalid_bit)});
   inhibit_time_ = in_steps(node_.dictionary.get<std::uint16_t>(0x1015, 0), std::chrono::microseconds(100),
                            node_.options.inhibit_time_resolution);
 }

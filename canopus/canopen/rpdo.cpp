@@ -33,7 +33,7 @@ Rpdos::Rpdo* Rpdos::find(std::uint16_t index) noexcept {
 void Rpdos::read(Rpdo& pdo) {
   const ObjectDictionary& d = node_.dictionary;
   const auto index = static_cast<std::uint16_t>(first_communication + pdo.number);
-  pdo.cob_id = CobId{d.get<std::uint32_t>(index, 1, CobId::invalid_bit)};
+  pdo.cob_id = usable(CobId{d.get<std::uint32_t>(index, 1, CobId::invalid_bit)});
   pdo.transmission_type = d.get<std::uint8_t>(index, 2, 0xFF);
   pdo.event_timer = d.get<std::uint16_t>(index, 5);
   pdo.is_waiting = false;
@@ -158,7 +158,7 @@ void Rpdos::list_identifiers(std::vector<IdentifierTable::Route>& routes) const 
 AbortCode Rpdos::before_write(ObjectDictionary& dictionary, const Entry& entry,
                               std::span<const std::uint8_t> value, can::Time) {
   const auto communication = static_cast<std::uint16_t>(first_communication + (entry.index & number_mask));
-  const CobId cob_id{dictionary.get<std::uint32_t>(communication, 1, CobId::invalid_bit)};
+  const CobId cob_id = usable(CobId{dictionary.get<std::uint32_t>(communication, 1, CobId::invalid_bit)});
   if (entry.index >= first_mapping) {
     const auto type = dictionary.get<std::uint8_t>(communication, 2, 0xFF);
     if (entry.sub == 0 && !value.empty() && value[0] >= source_addressing) {

@@ -5,10 +5,7 @@ namespace {
 
 constexpr std::uint16_t first_client = 0x1280;
 
-bool is_default_sdo_identifier(CobId id) {
-  const std::uint32_t base = id.identifier() & 0x780;
-  return !id.is_extended() && (id.identifier() & 0x7F) != 0 && (base == 0x580 || base == 0x600);
-}
+bool is_usable_by_client(CobId id) { return id.is_valid() && !is_refused(CobIdUse::sdo_client, id); }
 
 }  // namespace
 
@@ -30,8 +27,8 @@ void SdoChannels::configure(SdoServer& server) const {
 
 void SdoChannels::read(Server& server) const {
   const ObjectDictionary& d = node_.dictionary;
-  server.request = CobId{d.get<std::uint32_t>(server.index, 1, CobId::invalid_bit)};
-  server.response = CobId{d.get<std::uint32_t>(server.index, 2, CobId::invalid_bit)};
+  server.request = usable(CobId{d.get<std::uint32_t>(server.index, 1, CobId::invalid_bit)});
+  server.response = usable(CobId{d.get<std::uint32_t>(server.index, 2, CobId::invalid_bit)});
   server.server.set_response_identifier(server.response.key());
   node_.identifiers_changed = true;
 }
@@ -61,7 +58,7 @@ std::optional<SdoClientChannel> SdoChannels::client(std::uint8_t number) const {
   const ObjectDictionary& d = node_.dictionary;
   const CobId request{d.get<std::uint32_t>(index, 1, CobId::invalid_bit)};
   const CobId response{d.get<std::uint32_t>(index, 2, CobId::invalid_bit)};
-  if (number > 0x7F || !request.is_valid() || !response.is_valid()) return std::nullopt;
+  if (number > 0x7F || !is_usable_by_client(request) || !is_usable_by_client(response)) return std::nullopt;
   return SdoClientChannel{request.key(), response.key(), d.get<std::uint8_t>(index, 3)};
 }
 
@@ -73,9 +70,10 @@ AbortCode SdoChannels::before_write(ObjectDictionary& dictionary, const Entry& e
   const CobId old_value{dictionary.get<std::uint32_t>(entry)};
   const CobId new_value = CobId::from(value);
   const AbortCode code = check_change(old_value, new_value, node_.options.extended_identifiers);
-  if (code == AbortCode::none || entry.index < first_client || !is_default_sdo_identifier(new_value))
-    return code;
-  return old_value.is_valid() && old_value.raw != new_value.raw ? code : AbortCode::none;
+  // The default channel of a server is restricted to all but clients.
+  const bool is_default_channel = is_restricted(new_value) && is_usable_by_client(new_value);
+  if (code == AbortCode::none || entry.index < first_client || !is_default_channel) return code;
+  return is_usable_by_client(old_value) && old_value.raw != new_value.raw ? code : AbortCode::none;
 }
 
 void SdoChannels::after_write(ObjectDictionary&, const Entry& entry, can::Time) {
@@ -83,8 +81,9 @@ void SdoChannels::after_write(ObjectDictionary&, const Entry& entry, can::Time) 
   for (const auto& server : servers_) {
     // One that was switched off through itself still answers on its old identifier.
     if (server->index == entry.index) {
-      server->request = CobId{node_.dictionary.get<std::uint32_t>(entry.index, 1, CobId::invalid_bit)};
-      server->response = CobId{node_.dictionary.get<std::uint32_t>(entry.index, 2, CobId::invalid_bit)};
+      const ObjectDictionary& d = node_.dictionary;
+      server->request = usable(CobId{d.get<std::uint32_t>(entry.index, 1, CobId::invalid_bit)});
+      server->response = usable(CobId{d.get<std::uint32_t>(entry.index, 2, CobId::invalid_bit)});
       if (server->is_valid() && !server->server.busy()) {
         server->server.set_response_identifier(server->response.key());
       }

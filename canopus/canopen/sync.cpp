@@ -9,7 +9,8 @@ Sync::Sync(NodeContext& node) : node_(node), timer_(node.timers.add()) {
 
 void Sync::read() {
   const ObjectDictionary& d = node_.dictionary;
-  cob_id_ = CobId{d.get<std::uint32_t>(0x1005, 0, CobId::invalid_bit)};
+  cob_id_ = CobId{d.get<std::uint32_t>(0x1005, 0)};
+  if (is_restricted(cob_id_)) cob_id_ = {};  // neither sent nor heard
   period_ = in_steps(d.get<std::uint32_t>(0x1006, 0), std::chrono::microseconds(1),
                      node_.options.sync_period_resolution);
   window_ = std::chrono::microseconds(d.get<std::uint32_t>(0x1007, 0));
@@ -32,8 +33,7 @@ void Sync::stop() {
 }
 
 bool Sync::produces() const noexcept {
-  return node_.dictionary.description().find(0x1005) != nullptr && cob_id_.has_bit_30() &&
-         period_ != can::Duration{} && node_.may_produce_time();
+  return cob_id_.has_bit_30() && period_ != can::Duration{} && node_.may_produce_time();
 }
 
 void Sync::state_changed(can::Time now) {
@@ -79,7 +79,7 @@ bool Sync::tick(can::Time now) {
 }
 
 void Sync::list_identifiers(std::vector<IdentifierTable::Route>& routes) const {
-  if (node_.dictionary.description().find(0x1005) == nullptr) return;
+  if (is_restricted(cob_id_)) return;  // without 1005H, too
   routes.push_back(
       {IdentifierTable::key(cob_id_.identifier(), cob_id_.is_extended(), false), ServiceKind::sync, 0});
 }
@@ -92,7 +92,7 @@ AbortCode Sync::before_write(ObjectDictionary& dictionary, const Entry& entry,
     if (new_value.has_bit_30() && dictionary.description().find(0x1006) == nullptr) {
       return AbortCode::invalid_value;
     }
-    if (old_value.has_bit_30() && new_value.has_bit_30() &&
+    if (old_value.has_bit_30() && new_value.has_bit_30() && !is_restricted(old_value) &&
         ((old_value.raw ^ new_value.raw) & 0x3FFF'FFFF) != 0) {
       return AbortCode::invalid_value;
     }

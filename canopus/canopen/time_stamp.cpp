@@ -9,6 +9,7 @@ TimeStamp::TimeStamp(NodeContext& node) : node_(node) { node.dictionary.attach(0
 void TimeStamp::start() {
   if (node_.state == NmtState::initialising) return;
   cob_id_ = CobId{node_.dictionary.get<std::uint32_t>(0x1012, 0)};
+  if (is_restricted(cob_id_)) cob_id_ = CobId{0};  // neither sent nor heard
   node_.identifiers_changed = true;
 }
 
@@ -47,7 +48,8 @@ AbortCode TimeStamp::before_write(ObjectDictionary& dictionary, const Entry& ent
   const CobId old_value{dictionary.get<std::uint32_t>(entry)};
   const CobId new_value = CobId::from(value);
   constexpr std::uint32_t active = CobId::invalid_bit | CobId::bit_30;
-  if ((old_value.raw & new_value.raw & active) != 0 && ((old_value.raw ^ new_value.raw) & 0x3FFF'FFFF) != 0) {
+  if ((old_value.raw & new_value.raw & active) != 0 && !is_restricted(old_value) &&
+      ((old_value.raw ^ new_value.raw) & 0x3FFF'FFFF) != 0) {
     return AbortCode::invalid_value;
   }
   return check_identifier(new_value, true, node_.options.extended_identifiers);

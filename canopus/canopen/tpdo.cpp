@@ -36,7 +36,7 @@ Tpdos::Tpdo* Tpdos::find(std::uint16_t index) noexcept {
 void Tpdos::read(Tpdo& pdo) {
   const ObjectDictionary& d = node_.dictionary;
   const auto index = static_cast<std::uint16_t>(first_communication + pdo.number);
-  pdo.cob_id = CobId{d.get<std::uint32_t>(index, 1, CobId::invalid_bit)};
+  pdo.cob_id = usable(CobId{d.get<std::uint32_t>(index, 1, CobId::invalid_bit)});
   if (node_.options.tpdo_rtr_bit_is_constant) pdo.cob_id.raw |= CobId::bit_30;
   pdo.transmission_type = d.get<std::uint8_t>(index, 2, 0xFF);
   pdo.inhibit_time = d.get<std::uint16_t>(index, 3);
@@ -50,6 +50,7 @@ void Tpdos::read(Tpdo& pdo) {
   } else {
     pdo.plan.clear();
   }
+  if (pdo.addressing == 0 && pdo.plan.length() == 0) pdo.cob_id.raw |= CobId::invalid_bit;  // nothing to send
   pdo.head = {pdo.cob_id.key(), pdo.addressing != 0 ? std::uint8_t{8} : pdo.plan.length()};
   node_.identifiers_changed = true;
 }
@@ -86,7 +87,9 @@ void Tpdos::start(can::Time now) {
   for (Tpdo& pdo : tpdos_) {
     read(pdo);
     if (node_.options.tpdo_rtr_bit_is_constant) {
-      node_.dictionary.set(static_cast<std::uint16_t>(first_communication + pdo.number), 1, pdo.cob_id.raw);
+      const auto index = static_cast<std::uint16_t>(first_communication + pdo.number);
+      const auto raw = node_.dictionary.get<std::uint32_t>(index, 1, CobId::invalid_bit);
+      node_.dictionary.set(index, 1, raw | CobId::bit_30);
     }
     activate(pdo, now);
   }
@@ -292,7 +295,7 @@ void Tpdos::list_identifiers(std::vector<IdentifierTable::Route>& routes) const 
 AbortCode Tpdos::before_write(ObjectDictionary& dictionary, const Entry& entry,
                               std::span<const std::uint8_t> value, can::Time) {
   const auto communication = static_cast<std::uint16_t>(first_communication + (entry.index & number_mask));
-  const CobId cob_id{dictionary.get<std::uint32_t>(communication, 1, CobId::invalid_bit)};
+  const CobId cob_id = usable(CobId{dictionary.get<std::uint32_t>(communication, 1, CobId::invalid_bit)});
   if (entry.index >= first_mapping) {
     if (entry.sub == 0 && !value.empty() && value[0] >= source_addressing) {
       const Tpdo* self = find(entry.index);

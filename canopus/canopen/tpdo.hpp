@@ -10,8 +10,8 @@
 //             anew with each transmission. An event during the inhibit time waits for its end, or is
 //             forgotten (option).
 //
-// A remote frame is answered in every type if bit 30 is 0. Values are those before the RPDOs of the same
-// SYNC.
+// A remote frame is answered in every type if bit 30 is 0. A PDO with nothing mapped is never sent. Values
+// are those before the RPDOs of the same SYNC.
 //
 // Checks: COB-ID rules; reserved types, FCH/FDH with bit 30 set and a SYNC start value above 240 06090030H;
 // inhibit time and SYNC start value cannot be changed while valid (06090030H); changing the mapping:
@@ -71,7 +71,7 @@ class Tpdos final : public ObjectHandler {
     can::Time event_due = can::never;
     CopyPlan plan;
     FrameHead head;
-    CobId cob_id;
+    CobId cob_id;  // not valid, too, when there is nothing mapped
     std::uint16_t number = 0;
     std::uint16_t inhibit_time = 0;  // 100 us
     std::uint16_t event_timer = 0;   // ms

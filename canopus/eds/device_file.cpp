@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "canopus/eds/communication_defaults.hpp"
 #include "canopus/eds/device_sections.hpp"
 #include "canopus/eds/modules.hpp"
 #include "canopus/eds/object_lists.hpp"
@@ -252,7 +253,9 @@ ReadResult read_device_file(std::string_view text) {
   compare_identity(draft, *device, identity_is_made, problems);
   review_device_type(draft, problems);
   generate_compact_pdos(draft, device->device, lines.section, problems);
+  set_missing_defaults(draft, problems);
   repair_cob_ids(draft, problems);
+  review_restricted_identifiers(draft, problems);
   review_mappings(draft, device->dummy_usage, problems);
   review_configuration(draft, *device, problems);
   note_unknown_sections(file, problems);

@@ -220,5 +220,35 @@ TEST_F(TpdoTest, FullTransmitQueue_KeepsTheChange) {
   EXPECT_EQ(bus.take(), "185 03");
 }
 
+// A TPDO that is valid with nothing mapped has nothing to say, in whatever way it is asked.
+TEST_F(TpdoTest, WithNothingMapped_IsNotSent) {
+  for (const std::uint64_t type : {0x00, 0x01, 0xFC, 0xFE, 0xFF}) {
+    node.command(NmtCommand::enter_pre_operational, now);
+    write(tpdo1, 1, 0x8000'0185, 4);
+    write(tpdo1, 2, type, 1);
+    write(tpdo1, 5, 10, 2);
+    EXPECT_EQ(write(tpdo1, 1, 0x185, 4), AbortCode::none);
+    bus.take();
+    node.command(NmtCommand::start, now);
+    EXPECT_EQ(bus.take(), "") << type;
+    EXPECT_FALSE(node.tpdo_event(0, now)) << type;
+    EXPECT_EQ(hear("080"), "") << type;
+    EXPECT_EQ(hear("185 R"), "") << type;
+    EXPECT_EQ(wait(100ms), "") << type;
+  }
+}
+
+TEST_F(TpdoTest, WithNothingMapped_IsSentOnceItIsMapped) {
+  write(tpdo1, 1, 0x4000'0185, 4);
+  start();
+  write(tpdo1, 1, 0xC000'0185, 4);
+  write(0x1A00, 1, 0x6000'0108, 4);
+  write(0x1A00, 0, 1, 1);
+  write(tpdo1, 1, 0x4000'0185, 4);
+  bus.take();
+  EXPECT_TRUE(node.tpdo_event(0, now));
+  EXPECT_EQ(bus.take(), "185 00");
+}
+
 }  // namespace
 }  // namespace canopus::canopen

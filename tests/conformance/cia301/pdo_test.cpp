@@ -121,7 +121,7 @@ const Case mapping[] = {
     {"DummyReal32IsNone", "605 23 00 16 01 20 00 08 00 -> 585 80 00 16 01 00 00 02 06"},
     {"ValidWithEmptyMapping",
      "605 23 00 18 01 85 01 00 40 -> 585 60 00 18 01 00 00 00 00\n"
-     "000 01 05 -> 185"},
+     "000 01 05 ->"},  // allowed, but there is nothing to send
 };
 INSTANTIATE_TEST_SUITE_P(Mapping, Pdo, testing::ValuesIn(mapping), case_name);
 
