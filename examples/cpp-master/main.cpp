@@ -33,7 +33,7 @@ class Master final : public manager::MasterNode,
         slaves_(std::move(slaves)),
         sdo_(128, canopen::SdoClient(bus)) {
     master().set_listener(this);
-    master().options().sdo_time_out = 300ms;
+    master().options().sdo_time_out = 1s;
     for (const std::uint8_t slave : slaves_) sdo_[slave].set_server(slave);
   }
 

@@ -3,13 +3,12 @@ and a CANopen stack that is not ours (npm canopen) as SDO client, SDO server, LS
 import contextlib
 import json
 import pathlib
-import queue
 import shutil
+import signal
 import subprocess
-import threading
 
-from kit import (HERE, ROOT, Skip, check, command, first_plant, host_port, node_modules, program, require, running, scratch,
-                 tshark_agrees)
+from kit import (HERE, PATIENCE, ROOT, Skip, check, command, first_plant, host_port, node_modules, program, require, running,
+                 scratch, silence, talking, tshark_agrees)
 
 DEVICE = HERE / "interop_device.eds"
 PATTERN = bytes((i * 7 + (i >> 8)) & 0xFF for i in range(1000))  # as the JavaScript peers make it
@@ -27,13 +26,15 @@ def device_plant(*devices, bit_rate=1_000_000):
 
 
 def on_bus(plant, *words, name=False, **options):
-    """`canopus WORDS --bus` the plant's."""
+    """`canopus WORDS --bus` the plant's. Whoever must answer has time: only scans wait for silence."""
     address = f"socketcand:{plant.socketcand}" + ("/line1" if name else "")
+    if "--timeout" not in words and words[0] in ("sdo", "nmt"):
+        words += ("--timeout", f"{PATIENCE}s")
     return command(program, *words, "--bus", address, **options)
 
 
-def node_script(plant, name, *words, timeout=120):
-    done = command("node", HERE / name, *host_port(plant.socketcand), "line1", *words, timeout=timeout)
+def node_script(plant, name, *words):
+    done = command("node", HERE / name, *host_port(plant.socketcand), "line1", *words, timeout=600)
     for line in done.stdout.splitlines():
         if line.startswith("skip"):
             print(f"    {line}")
@@ -42,46 +43,18 @@ def node_script(plant, name, *words, timeout=120):
 
 @contextlib.contextmanager
 def peer(plant, name, *words):
-    """A script that stays on the bus; once it said "ready" the check goes on, and at the end the script must end well."""
-    process = subprocess.Popen(["node", str(HERE / name), *host_port(plant.socketcand), "line1", *map(str, words)],
-                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    lines, said = queue.Queue(), []
-
-    def read():
-        for line in process.stdout:
-            said.append(line)
-            lines.put(line)
-        lines.put(None)
-    threading.Thread(target=read, daemon=True).start()
-    try:
-        line = ""
-        while line is not None and not line.startswith("ready"):
-            try:
-                line = lines.get(timeout=20)
-            except queue.Empty:
-                line = None
-        require(line is not None, f"{name} is not ready:\n{''.join(said)}")
-        yield process
-        require(process.wait(timeout=60) == 0, f"{name} ended with {process.returncode}:\n{''.join(said)}")
-    finally:
-        if process.poll() is None:
-            process.kill()
-            process.wait()
+    """A script that stays on the bus; once it said "ready" the check goes on. Then its standard input ends, and it must end
+    well."""
+    with talking("node", HERE / name, *host_port(plant.socketcand), "line1", *words) as script:
+        script.wait_line(lambda line: line.startswith("ready"))
+        yield script
+        script.process.stdin.close()
+        script.require_end()
 
 
-@contextlib.contextmanager
 def meanwhile(plant, *steps):
     """services_peer.mjs goes these steps while the check does something; they must end well."""
-    process = subprocess.Popen(["node", str(HERE / "services_peer.mjs"), *host_port(plant.socketcand), "line1", *steps],
-                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    try:
-        yield
-        said, _ = process.communicate(timeout=60)
-        require(process.returncode == 0, f"{' '.join(steps)}:\n{said}")
-    finally:
-        if process.poll() is None:
-            process.kill()
-            process.wait()
+    return peer(plant, "services_peer.mjs", "ready", *steps)
 
 
 # --- the commands on a plant's bus
@@ -149,7 +122,7 @@ def nmt_command_moves_a_node_through_its_states():
         for word, shown in (("start", "node 5 is operational"), ("stop", "node 5 is stopped"),
                             ("preop", "node 5 is pre-operational"), ("reset-comm", "node 5 has booted"),
                             ("start", "node 5 is operational"), ("reset", "node 5 has booted")):
-            done = on_bus(plant, "nmt", word, "5", "--wait", "--timeout", "3s")
+            done = on_bus(plant, "nmt", word, "5", "--wait")
             require(done.stdout == shown + "\n", f"{word}: {done.stdout}")
         require(on_bus(plant, "nmt", "start", "all").stdout == "start sent to all nodes\n", "nmt start all")
         plant.wait_operational([5])
@@ -160,12 +133,12 @@ def nmt_command_moves_a_node_through_its_states():
 @check
 def scan_finds_the_nodes_of_the_first_plant():
     with first_plant() as plant:
-        nodes = [json.loads(line) for line in on_bus(plant, "scan", "--json").stdout.splitlines()]
+        nodes = [json.loads(line) for line in on_bus(plant, "scan", "--json", "--timeout", silence(200)).stdout.splitlines()]
         require([n["node"] for n in nodes] == [1, 2, 3, 4], str(nodes))
         require(all(n["state"] == "operational" for n in nodes), str(nodes))
         require([n["device_type"] for n in nodes] == [0x195, 0x000F0191, 0x00010196, 0x00020192], str(nodes))
         require(nodes[2]["name"] == "Canopus encoder" and nodes[2]["product"] == 0x406, str(nodes[2]))
-        require("4 nodes found" in on_bus(plant, "scan").stdout, "the table does not end with the count")
+        require("4 nodes found" in on_bus(plant, "scan", "--timeout", silence(200)).stdout, "the table does not end with the count")
 
 
 @check
@@ -173,8 +146,9 @@ def scan_learns_states_by_heartbeat_and_by_guarding():
     quiet = 'objects = { "1017:00" = 0 }'
     with device_plant((5, DEVICE, ""), (6, DEVICE, quiet), (7, DEVICE, "")) as plant:
         on_bus(plant, "nmt", "start", "6")
-        on_bus(plant, "nmt", "stop", "7", "--wait", "--timeout", "3s")
-        nodes = {n["node"]: n for n in map(json.loads, on_bus(plant, "scan", "--json", "--nodes", "1-16").stdout.splitlines())}
+        on_bus(plant, "nmt", "stop", "7", "--wait")
+        said = on_bus(plant, "scan", "--json", "--nodes", "1-16", "--timeout", silence(200)).stdout
+        nodes = {n["node"]: n for n in map(json.loads, said.splitlines())}
         require({n: nodes[n]["state"] for n in nodes}
                 == {5: "pre-operational", 6: "operational", 7: "stopped"}, str(nodes))
         require(not nodes[7]["answers_sdo"], "a stopped node answered SDO")
@@ -193,19 +167,20 @@ def master_boots_a_network_without_a_plc():
     with device_plant((2, devices / "io-block.eds", ""), (3, devices / "encoder.eds", ""),
                       (5, DEVICE, "")) as plant:
         network = network_file(
-            f'node = 2\nname = "io"\neds = "{devices}/io-block.eds"\nconsumer_heartbeat_time = "1s"\n'
+            f'node = 2\nname = "io"\neds = "{devices}/io-block.eds"\nconsumer_heartbeat_time = "5s"\n'
             'objects = { "1017:00" = 200 }',
-            f'node = 3\neds = "{devices}/encoder.eds"\nguard_time = "200ms"\nobjects = {{ "1017:00" = 0 }}',
+            f'node = 3\neds = "{devices}/encoder.eds"\nguard_time = "1s"\nobjects = {{ "1017:00" = 0 }}',
             f'node = 5\neds = "{DEVICE}"\nobjects = {{ "2000:00" = "written by the master", "2003:00" = 123 }}',
             'node = 9\nname = "spare"\nmandatory = false')
-        done = on_bus(plant, "master", "--dcf", network)
+        slowly = ("--timeout", silence(500))
+        done = on_bus(plant, "master", "--dcf", network, *slowly)
         require("node 2 (io): booted" in done.stdout and "3 of 4 slaves booted" in done.stdout, done.stdout)
         require("node 9 (spare): absent (optional)" in done.stdout, done.stdout)
         for node in (2, 3, 5):
             plant.wait_operational([node])
         require('"written by the master"' in on_bus(plant, "sdo", "read", "5", "2000", "--type", "text").stdout,
                 "the setting did not arrive")
-        events = [json.loads(line) for line in on_bus(plant, "master", "--dcf", network, "--json").stdout.splitlines()]
+        events = [json.loads(line) for line in on_bus(plant, "master", "--dcf", network, "--json", *slowly).stdout.splitlines()]
         require(events[-1] == {**events[-1], "event": "summary", "slaves": 4, "booted": 3, "good": True}, str(events[-1]))
         require({e["node"] for e in events if e["event"] == "booted"} == {2, 3, 5}, str(events))
 
@@ -219,7 +194,7 @@ def master_tells_why_a_slave_does_not_boot():
                 ("node = 8", "Check that the device is powered and connected"),
                 (f'node = 5\neds = "{DEVICE}"\nobjects = {{ "2003:00" = 5000 }}', "2003H:00: abort 06090031H"),
                 ("node = 5\nvendor = 0\nconsumer_heartbeat_time = \"100ms\"", "its producer heartbeat time 1017H")):
-            done = on_bus(plant, "master", "--dcf", network_file(text), "--for", "5s", expect=1)
+            done = on_bus(plant, "master", "--dcf", network_file(text), "--for", "10s", "--timeout", silence(500), expect=1)
             require(told in done.stdout, f"{text}:\n{done.stdout}{done.stderr}")
         path = network_file("node = 200")
         done = on_bus(plant, "master", "--dcf", path, expect=2)
@@ -235,19 +210,21 @@ def flying_masters_stand_by_and_take_over():
     for node, priority in ((11, 0), (12, 1)):
         paths[node] = scratch / f"flying{node}.toml"
         paths[node].write_text(f"[master]\nnode = {node}\n{timing.format(priority)}[[slave]]\nnode = 5\n")
+    active_now, booted = "this node is the active master", "node 5: booted"
     with device_plant((5, DEVICE, "")) as plant:
-        bus = f"socketcand:{plant.socketcand}"
-        start = lambda node, time: subprocess.Popen([program, "master", "--dcf", str(paths[node]), "--bus", bus, "--stay", "--for", time],
-                                                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-        standby, active = start(12, "8s"), start(11, "4s")
-        for node, process, in ((11, active), (12, standby)):
-            said = process.communicate(timeout=60)[0]
-            require(process.returncode == 0, f"master {node}: exit code {process.returncode}:\n{said}")
-            lines = [line.split("  ")[-1] for line in said.splitlines()]
-            require("this node is the active master" in lines and "node 5: booted, operational" in lines, said)
-            if node == 12:
-                stands_by = lines.index("node 11 is the active master, this one stands by")
-                require(stands_by < len(lines) - 1 - lines[::-1].index("this node is the active master"), said)
+        master = lambda node: talking(program, "master", "--dcf", paths[node], "--bus", f"socketcand:{plant.socketcand}", "--stay")
+        with master(12) as standby, master(11) as active:
+            active.wait_line(lambda line: line.endswith(active_now))
+            active.wait_line(lambda line: line.endswith(booted))
+            standby.wait_line(lambda line: line.endswith("node 11 is the active master, this one stands by"))
+            active.process.send_signal(signal.SIGINT)
+            active.require_end()
+            standby.wait_line(lambda line: line.endswith(active_now))
+            standby.wait_line(lambda line: line.endswith(booted))
+            standby.process.send_signal(signal.SIGINT)
+            standby.require_end()
+            for ended in (active, standby):
+                require("node 5: booted, operational" in ended.said, "\n".join(ended.said))
 
 
 @check
@@ -256,7 +233,7 @@ def the_stuck_slaves_example_says_what_its_how_to_shows():
     how_to = (ROOT / "docs/how-to/why-is-my-slave-stuck.md").read_text()
     shown = how_to.split("```")[1].splitlines()[2:]
     done = subprocess.run([program, "run", str(ROOT / "examples/stuck-slave/plant.toml"), "--virtual", "--for", "4s"],
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=True, timeout=60)
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=True, timeout=PATIENCE)
     said = done.stdout.splitlines()
     for line in shown:
         if line.strip() and line.strip() != "...":
@@ -287,7 +264,7 @@ def commands_join_socketcan():
     script = HERE / "socketcan_commands.sh"
     for theirs, ours in (("vcan0", "vcan0"), ("can0", "can1")):
         done = subprocess.run([str(machine), "--", "bash", str(script), program, theirs, ours], capture_output=True, text=True,
-                              errors="replace", timeout=300)
+                              errors="replace", timeout=900)
         require("socketcan ok" in done.stdout, f"{theirs} to {ours}:\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}")
 
 
@@ -326,9 +303,9 @@ def sdo_command_reads_and_writes_npm_canopen():
     node_modules()
     with device_plant((5, DEVICE, "")) as plant:
         text, number, domain = "written by the sdo command", 500, bytes(reversed(PATTERN))
-        with peer(plant, "sdo_server_peer.mjs", 40, 60, f"2000,text,{text}", f"2003,u16,{number}", f"2001,domain,{domain.hex()}"):
-            read = lambda *words, **options: on_bus(plant, "sdo", "read", "40", *words, "--timeout", "3s", **options)
-            write = lambda *words, **options: on_bus(plant, "sdo", "write", "40", *words, "--timeout", "3s", **options)
+        with peer(plant, "sdo_server_peer.mjs", 40, f"2000,text,{text}", f"2003,u16,{number}", f"2001,domain,{domain.hex()}"):
+            read = lambda *words, **options: on_bus(plant, "sdo", "read", "40", *words, **options)
+            write = lambda *words, **options: on_bus(plant, "sdo", "write", "40", *words, **options)
             require('"npm canopen"' in read("1008", "--type", "text").stdout, "1008H")
             require("00000319H" in read("1018:01", "--type", "u32").stdout, "1018H:01")
             require("12345678H" in read("2002", "--type", "u32").stdout, "2002H")
@@ -360,7 +337,7 @@ def npm_canopen_hears_and_commands_by_every_service():
         # their SYNC moves our TPDO of transmission type 1; our SYNC is heard in time
         on_bus(plant, "sdo", "write", "5", "1800:02", "1", "--type", "u8")
         with meanwhile(plant, "wait-pdo,185,u8+u16,_+_"):
-            node_script(plant, "services_peer.mjs", "pause,1000", "sync,10,100")
+            node_script(plant, "services_peer.mjs", "sync,10,100")
         on_bus(plant, "sdo", "write", "5", "1800:02", "255", "--type", "u8")
         on_bus(plant, "sdo", "write", "5", "1006", "50000", "--type", "u32")
         on_bus(plant, "sdo", "write", "5", "1005", "0x40000080", "--type", "u32")
@@ -368,9 +345,9 @@ def npm_canopen_hears_and_commands_by_every_service():
         on_bus(plant, "sdo", "write", "5", "1005", "0x80", "--type", "u32")
         # an emergency each way: ours because their PDO is too short
         with meanwhile(plant, "wait-emcy,5,8210"):
-            node_script(plant, "services_peer.mjs", "pause,1000", "pdo,205,u8,1")
-        node_script(plant, "services_peer.mjs", "emcy,8110,0102030405", "pause,200")
-        event = plant.wait(lambda e: e["event"] == "emcy" and e["node"] == 126)
+            node_script(plant, "services_peer.mjs", "pdo,205,u8,1")
+        with meanwhile(plant, "emcy,8110,0102030405", "stay"):
+            event = plant.wait(lambda e: e["event"] == "emcy" and e["node"] == 126)
         require(event["code"] == "8110" and event["data"] == "0102030405", str(event))
         tshark_agrees(plant, "boot-up,NMT,SDO,PDO,EMCY,SYNC,heartbeat")
 
@@ -380,15 +357,15 @@ def lss_command_finds_and_numbers_foreign_devices():
     node_modules()
     identities = ["0x319:0x1234:0x10002:7", "0x319:0x1234:0x10002:0xFFFFFFFF", "0x71:0xED63:1:0"]
     with device_plant((5, DEVICE, "")) as plant:
-        with peer(plant, "lss_peer.mjs", 120, *identities):
-            options = ("--timeout", "30ms", "--json")
+        with peer(plant, "lss_peer.mjs", *identities):
+            options = ("--timeout", silence(50), "--json")
             found = [json.loads(line) for line in on_bus(plant, "lss", "scan", *options).stdout.splitlines()]
             key = lambda d: (d["vendor"], d["product"], d["revision"], d["serial"])
             expected = sorted(tuple(int(part, 0) for part in text.split(":")) for text in identities)
             require(sorted(map(key, found)) == expected, str(found))
-            on_bus(plant, "lss", "set-node", "30", "--vendor", "0x71", "--product", "0xED63", "--revision", "1", "--serial", "0")
+            on_bus(plant, "lss", "set-node", "30", "--vendor", "0x71", "--product", "0xED63", "--revision", "1", "--serial", "0", *options)
             done = on_bus(plant, "lss", "set-node", "31", "--vendor", "1", "--product", "1", "--revision", "1", "--serial", "1",
-                          expect=1)
+                          *options, expect=1)
             require("selecting the device: no answer" in done.stderr, done.stderr)
             assigned = [json.loads(line) for line in on_bus(plant, "lss", "scan", "--assign", "10", *options).stdout.splitlines()]
             require([d["node"] for d in assigned] == [10, 11] and sorted(map(key, assigned)) == expected[1:], str(assigned))
@@ -415,7 +392,7 @@ def json_lines(done):
 @check
 def lss_command_makes_a_network_of_unconfigured_devices():
     path = lss_example("plant.toml", "lss-state")
-    fast = ("--timeout", "50ms", "--json")
+    fast = ("--timeout", silence(50), "--json")
     valves, encoder = ("--vendor", "0", "--product", "0x401"), ("--vendor", "0", "--product", "0x406")
     serial = lambda number: ("--revision", "0x10000", "--serial", number)
     with running(path, has_plc=False) as plant:
@@ -470,7 +447,8 @@ def me3can1_finds_unconfigured_slaves_by_lss():
 def npm_canopen_as_lss_master_configures_our_devices():
     node_modules()
     with running(lss_example("plant.toml", "lss-npm"), has_plc=False) as plant:
-        node_script(plant, "lss_master_peer.mjs", "40", "0:0x401:0x10000:0x0A01", "0:0x401:0x10000:0x0A02", "0:0x406:0x10000:1")
+        node_script(plant, "lss_master_peer.mjs", silence(100).removesuffix("ms"), "40",
+                    "0:0x401:0x10000:0x0A01", "0:0x401:0x10000:0x0A02", "0:0x406:0x10000:1")
         for node in (40, 41, 42):
             plant.wait(lambda e, node=node: e["event"] == "boot" and e["node"] == node)
         tshark_agrees(plant, "LSS,boot-up")

@@ -4,7 +4,7 @@
 // For each device it reads 1000H (must be TYPE), 1008H (must be NAME) and 1018H:01, 02 (must be VENDOR, PRODUCT); what is not
 // given is read without being compared. Then it makes the last device send heartbeats, sends it to Pre-operational and starts
 // it, and expects both states in its heartbeats.
-import { argumentsOrUsage, check, run } from './interop_report.mjs';
+import { argumentsOrUsage, check, patience, run } from './interop_report.mjs';
 import { canopen, deviceOn, useServer } from './npm_canopen.mjs';
 import { SocketcandBus } from './socketcand_bus.mjs';
 
@@ -13,7 +13,7 @@ const [host, port, busName, ...devices] = argumentsOrUsage(4,
   'canopen_peer.mjs HOST PORT BUS NODE:TYPE[:NAME[:VENDOR[:PRODUCT]]]...');
 const own = 127;
 
-run(30, async () => {
+run(async () => {
   const bus = await SocketcandBus.connect(host, port, busName);
   const device = deviceOn(bus, own);
   const expected = devices.map((text) => {
@@ -24,7 +24,7 @@ run(30, async () => {
   device.start();
 
   const read = (deviceId, index, subIndex, dataType) =>
-    device.sdo.upload({ deviceId, index, subIndex, dataType, timeout: 2000 });
+    device.sdo.upload({ deviceId, index, subIndex, dataType, timeout: patience });
   const compare = (what, actual, text, parse) => {
     if (text) check(what, actual, parse(text));
     else check(`${what} (${JSON.stringify(actual)}) is there`, actual !== undefined, true);
@@ -41,11 +41,11 @@ run(30, async () => {
   const { node } = expected.at(-1);
   const period = await read(node, 0x1017, 0, DataType.UNSIGNED16);
   const setPeriod = (data) =>
-    device.sdo.download({ deviceId: node, index: 0x1017, subIndex: 0, data, dataType: DataType.UNSIGNED16, timeout: 2000 });
+    device.sdo.download({ deviceId: node, index: 0x1017, subIndex: 0, data, dataType: DataType.UNSIGNED16, timeout: patience });
   if (period === 0 || period > 500) await setPeriod(100);
   // The state of the next heartbeat, or of the first one that shows `state`.
   const heartbeat = (state) => new Promise((resolve) => {
-    const timer = setTimeout(() => done('none within 3 s'), 3000);
+    const timer = setTimeout(() => done(`none within ${patience} ms`), patience);
     const listen = ({ id, data }) => { if (id === 0x700 + node && (state === undefined || data[0] === state)) done(data[0]); };
     const done = (result) => {
       clearTimeout(timer);
@@ -59,5 +59,5 @@ run(30, async () => {
   device.nmt.startNode(node);
   check(`node ${node} starts`, await heartbeat(NmtState.OPERATIONAL), NmtState.OPERATIONAL);
   if (period === 0 || period > 500) await setPeriod(period);
-  bus.close();
+  await bus.close();
 });

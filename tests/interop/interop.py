@@ -17,7 +17,7 @@ import xml.etree.ElementTree as ET
 
 import bus_checks  # noqa: F401  (registers its checks)
 import module_checks  # noqa: F401
-from kit import (DEVICE_FILES, HERE, PYTHON, ROOT, Skip, args, check, checks, command, first_plant, first_plant_file,
+from kit import (DEVICE_FILES, HERE, PATIENCE, PYTHON, ROOT, Skip, args, check, checks, command, first_plant, first_plant_file,
                  host_port, node_modules, program, require, running, scratch, until)
 
 
@@ -182,7 +182,7 @@ def eds_check_takes_at_least_30_of_38_real_files():
     files = device_files()
     accepted = 0
     for path in files:
-        done = subprocess.run([program, "eds", "check", str(path)], capture_output=True, text=True, errors="replace", timeout=60)
+        done = subprocess.run([program, "eds", "check", str(path)], capture_output=True, text=True, errors="replace", timeout=PATIENCE)
         require(done.returncode in (0, 1), f"{path.name}: exit code {done.returncode}\n{done.stderr}")
         accepted += done.returncode == 0
         if done.returncode == 1:
@@ -244,7 +244,7 @@ def many_devices_plant(moving=False):
 
 def run_and_collect(plant, trace):
     """Runs 20 s of plant time. Returns the values each watched word had, and the summary."""
-    done = command(program, "run", plant, "--virtual", "--for", "20s", "--json", "--trace", trace, timeout=300)
+    done = command(program, "run", plant, "--virtual", "--for", "20s", "--json", "--trace", trace, timeout=600)
     values, summary = {}, None
     for line in done.stdout.splitlines():
         event = json.loads(line)

@@ -16,8 +16,11 @@ export function check(what, actual, expected) {
   return same;
 }
 
+/** What is there at once on an idle machine is given so many milliseconds: they cost something only when a check fails. */
+export const patience = 60_000;
+
 /** Runs the script's body; ends the process with 0 when every check held. Nothing hangs longer than `seconds`. */
-export function run(seconds, body) {
+export function run(body, seconds = 600) {
   const done = (code) => process.exit(code || (failures > 0 ? 1 : 0));
   setTimeout(() => {
     console.log(`FAIL  not finished within ${seconds} s`);
@@ -27,6 +30,11 @@ export function run(seconds, body) {
     console.log(`FAIL  ${error.stack ?? error}`);
     done(1);
   });
+}
+
+/** Whoever started the script says by the end of its standard input that it is no longer needed. */
+export function standardInputEnded() {
+  return new Promise((resolve) => { process.stdin.on('end', resolve).resume(); });
 }
 
 /** The command line's arguments, or the usage and exit code 2. */

@@ -2,6 +2,7 @@
 import argparse
 import contextlib
 import json
+import os
 import pathlib
 import queue
 import shutil
@@ -25,6 +26,18 @@ parser.add_argument("--keep", action="store_true", help="keep the scratch folder
 args = parser.parse_args()
 program = str(args.program.resolve())
 scratch = pathlib.Path(tempfile.mkdtemp(prefix="canopus-interop-"))
+
+# What is there at once on an idle machine is given so many seconds: they cost something only when a check fails.
+PATIENCE = 120
+
+
+def silence(milliseconds):
+    """A time-out that is waited for in full when nobody answers (an LSS scan is mostly silence), as `--timeout` takes it: the
+    time given, on a machine with more to do than cores as many times that. A late answer would pass for the next one's."""
+    minute, _, _, running, _ = pathlib.Path("/proc/loadavg").read_text().split()
+    wanted = max(float(minute), int(running.split("/")[0])) / os.cpu_count()
+    return f"{round(milliseconds * min(max(wanted, 1), 8))}ms"
+
 
 checks = []
 
@@ -51,7 +64,7 @@ def require(condition, message):
         raise AssertionError(message)
 
 
-def command(*words, timeout=120, expect=0, **options):
+def command(*words, timeout=PATIENCE, expect=0, **options):
     """Runs a command to its end; its output is the message if it ends otherwise than expected."""
     done = subprocess.run([str(w) for w in words], capture_output=True, text=True, errors="replace", timeout=timeout, **options)
     require(done.returncode == expect, f"{' '.join(map(str, words))}\nexit code {done.returncode}, expected {expect}\n"
@@ -59,11 +72,12 @@ def command(*words, timeout=120, expect=0, **options):
     return done
 
 
-def until(condition, message, timeout=10):
+def until(condition, message, timeout=PATIENCE):
     """Asks again until it is so; a program that runs in real time is not there at once."""
     end = time.monotonic() + timeout
     while not condition():
         require(time.monotonic() < end, message)
+        time.sleep(0.01)
 
 
 class RunningPlant:
@@ -88,7 +102,7 @@ class RunningPlant:
             self.lines.put(line)
         self.lines.put(None)
 
-    def wait(self, wanted, timeout=30):
+    def wait(self, wanted, timeout=PATIENCE):
         """The first event, past or coming, that is wanted."""
         for event in self.events:
             if wanted(event):
@@ -111,9 +125,53 @@ class RunningPlant:
 
     def stop(self, how=signal.SIGINT):
         self.process.send_signal(how)
-        code = self.process.wait(timeout=20)
-        self.reader.join(timeout=5)
+        code = self.process.wait(timeout=PATIENCE)
+        self.reader.join(timeout=PATIENCE)
         return code, self.process.stderr.read()
+
+
+class Talker:
+    """A program that runs while the check goes on, and whose lines the check waits for."""
+
+    def __init__(self, *words):
+        self.words = " ".join(map(str, words))
+        self.process = subprocess.Popen([str(w) for w in words], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                        stderr=subprocess.STDOUT, text=True)
+        self.said, self.lines = [], queue.Queue()
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self):
+        for line in self.process.stdout:
+            self.said.append(line.rstrip("\n"))
+            self.lines.put(self.said[-1])
+        self.lines.put(None)
+
+    def wait_line(self, wanted):
+        """The first line, of those that no wait has taken yet, that is wanted."""
+        end = time.monotonic() + PATIENCE
+        while True:
+            try:
+                line = self.lines.get(timeout=max(0.01, end - time.monotonic()))
+            except queue.Empty:
+                raise AssertionError(self.words + ": an expected line did not come:\n" + "\n".join(self.said)) from None
+            require(line is not None, self.words + " ended too early:\n" + "\n".join(self.said))
+            if wanted(line):
+                return line
+
+    def require_end(self, code=0):
+        ended = self.process.wait(timeout=PATIENCE)
+        require(ended == code, f"{self.words} ended with {ended}:\n" + "\n".join(self.said))
+
+
+@contextlib.contextmanager
+def talking(*words):
+    talker = Talker(*words)
+    try:
+        yield talker
+    finally:
+        if talker.process.poll() is None:
+            talker.process.kill()
+            talker.process.wait()
 
 
 def tshark_agrees(plant, kinds):
@@ -161,7 +219,7 @@ def node_modules():
         if not shutil.which(tool):
             raise Skip(f"{tool} is not installed")
     if not (HERE / "node_modules" / "canopen").is_dir():
-        command("npm", "ci", "--no-audit", "--no-fund", "--ignore-scripts", cwd=HERE, timeout=300)
+        command("npm", "ci", "--no-audit", "--no-fund", "--ignore-scripts", cwd=HERE, timeout=600)
     build_crc()
 
 

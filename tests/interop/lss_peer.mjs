@@ -1,49 +1,47 @@
 #!/usr/bin/env node
 // Devices without a node-ID, made of a stack that is not ours, on one bus over socketcand: LSS slaves.
 //
-// Each IDENTITY is VENDOR:PRODUCT:REVISION:SERIAL. Prints "ready", then each node-ID as it is given, and ends well when every
-// device has one.
+// Each IDENTITY is VENDOR:PRODUCT:REVISION:SERIAL. Prints "ready", then each node-ID as it is given, until its standard input
+// ends; by then every device must have one.
 //
 // Two things the stack leaves to the application are done here: fastscan is for devices in waiting state that have no node-ID
 // yet, and a device selected by its address says so (44H).
-import { argumentsOrUsage, check, run } from './interop_report.mjs';
+import { argumentsOrUsage, check, run, standardInputEnded } from './interop_report.mjs';
 import { canopen } from './npm_canopen.mjs';
 import { SocketcandBus } from './socketcand_bus.mjs';
 
 const { Device, LssMode } = canopen;
-const [host, port, busName, secondsText, ...identities] =
-  argumentsOrUsage(5, 'lss_peer.mjs HOST PORT BUS SECONDS VENDOR:PRODUCT:REVISION:SERIAL...');
+const [host, port, busName, ...identities] =
+  argumentsOrUsage(4, 'lss_peer.mjs HOST PORT BUS VENDOR:PRODUCT:REVISION:SERIAL...');
 const fastscan = 0x51;
 const lastOfAddress = 0x43;
 
-run(Number(secondsText), async () => {
+run(async () => {
   const bus = await SocketcandBus.connect(host, port, busName);
   let missing = identities.length;
-  const all = new Promise((resolve) => {
-    for (const text of identities) {
-      const [vendorId, productCode, revisionNumber, serialNumber] = text.split(':').map(Number);
-      const device = new Device({ enableLss: true });
-      device.eds.setIdentity({ vendorId, productCode, revisionNumber, serialNumber });
-      let nodeId;
-      device.on('message', (message) => bus.send(message));
-      device.lss.on('changeDeviceId', (id) => {
-        if (nodeId === undefined && --missing === 0) setTimeout(resolve, 500);  // the answer must still go out
-        nodeId = id;
-        console.log(`      ${text} is node ${id}`);
-      });
-      bus.on('frame', (frame) => {
-        if (frame.extended || frame.id !== 0x7E5) return;
-        const waiting = device.lss.mode !== LssMode.CONFIGURATION;
-        if (frame.data[0] === fastscan && !(waiting && nodeId === undefined)) return;
-        device.lss.receive(frame);
-        if (frame.data[0] === lastOfAddress && waiting && device.lss.mode === LssMode.CONFIGURATION) {
-          bus.send({ id: 0x7E4, data: Buffer.from([0x44, 0, 0, 0, 0, 0, 0, 0]) });
-        }
-      });
-    }
-  });
+  for (const text of identities) {
+    const [vendorId, productCode, revisionNumber, serialNumber] = text.split(':').map(Number);
+    const device = new Device({ enableLss: true });
+    device.eds.setIdentity({ vendorId, productCode, revisionNumber, serialNumber });
+    let nodeId;
+    device.on('message', (message) => bus.send(message));
+    device.lss.on('changeDeviceId', (id) => {
+      if (nodeId === undefined) --missing;
+      nodeId = id;
+      console.log(`      ${text} is node ${id}`);
+    });
+    bus.on('frame', (frame) => {
+      if (frame.extended || frame.id !== 0x7E5) return;
+      const waiting = device.lss.mode !== LssMode.CONFIGURATION;
+      if (frame.data[0] === fastscan && !(waiting && nodeId === undefined)) return;
+      device.lss.receive(frame);
+      if (frame.data[0] === lastOfAddress && waiting && device.lss.mode === LssMode.CONFIGURATION) {
+        bus.send({ id: 0x7E4, data: Buffer.from([0x44, 0, 0, 0, 0, 0, 0, 0]) });
+      }
+    });
+  }
   console.log('ready');
-  await all;
+  await standardInputEnded();
   check('devices with a node-ID', identities.length - missing, identities.length);
-  bus.close();
+  await bus.close();
 });

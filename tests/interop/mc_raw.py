@@ -10,7 +10,7 @@ import argparse
 import socket
 import sys
 
-TIMEOUT = 3.0
+TIMEOUT = 60.0  # seconds; a PLC answers at once, a busy machine may not
 failures = 0
 
 

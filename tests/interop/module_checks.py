@@ -5,9 +5,10 @@ import socket
 import struct
 import sys
 import threading
+import time
 
-from kit import (HERE, ROOT, check, command, covers, first_plant_file, host_port, node_modules, program, require, running,
-                 scratch)
+from kit import (HERE, PATIENCE, ROOT, check, command, covers, first_plant_file, host_port, node_modules, program, require,
+                 running, scratch, talking)
 
 EXAMPLES = ROOT / "examples/me3can1-q"
 sys.path.append(str(EXAMPLES))
@@ -120,7 +121,7 @@ def layer_2_module_talks_to_a_raw_socketcand_peer():
     with running(example_plant("layer2")) as plant:
         plant.wait(lambda e: e["event"] == "signal" and e["signal"] == "X63" and e["on"])
         host, port = host_port(plant.socketcand)
-        with socket.create_connection((host, int(port)), 5) as peer:
+        with socket.create_connection((host, int(port)), PATIENCE) as peer:
             heard = ""
 
             def hear(pattern):
@@ -193,28 +194,21 @@ def exchange_with_npm_canopen(plant, module):
              "wait-pdo,2FF,u16,65280", "pdo,37F,u16,43690", "wait-pdo,2FF,u16,21845", "sync-off",
              "pdo,27F,u16,3584", "wait-emcy,127,5000,83",     # an emergency of the module
              "pdo,27F,u16,1", "wait-pdo,1FF,u16,2",
-             "emcy,8130,0102030405", "pause,500"]             # one of the peer
-    outcome = []
-
-    def judge():
-        try:
-            outcome.append(command("node", HERE / "services_peer.mjs", *host_port(plant.socketcand), "line1", *steps))
-        except AssertionError as failure:
-            outcome.append(failure)
-
-    peer = threading.Thread(target=judge)
-    peer.start()
-    while peer.is_alive():
-        module.exchange()
-        received, synchronous = module.g(10000), module.g(10004)
-        module.set_g(13000, (received + 1) & 0xFFFF)
-        module.set_g(13004, synchronous ^ 0xFFFF)
-        if received == 3584:
-            module.command([0x000A, 0x5000, 0x1182, 0x3322, 0x5544], "emergency")
-    if isinstance(outcome[0], AssertionError):
-        raise outcome[0]
+             "emcy,8130,0102030405", "stay"]                  # one of the peer
+    end = time.monotonic() + 2 * PATIENCE
+    with talking("node", HERE / "services_peer.mjs", *host_port(plant.socketcand), "line1", *steps) as peer:
+        while not module.x(0x11):
+            require(peer.process.poll() is None, "\n".join(peer.said))
+            require(time.monotonic() < end, "X11 is OFF: the peer's emergency did not come\n" + "\n".join(peer.said))
+            module.exchange()
+            received, synchronous = module.g(10000), module.g(10004)
+            module.set_g(13000, (received + 1) & 0xFFFF)
+            module.set_g(13004, synchronous ^ 0xFFFF)
+            if received == 3584:
+                module.command([0x000A, 0x5000, 0x1182, 0x3322, 0x5544], "emergency")
+        peer.process.stdin.close()
+        peer.require_end()
     module.exchange()
-    require(module.x(0x11), "X11 is OFF: the peer's emergency did not come")
     record = module.words(750, 5)
     require(record == [126, 0x8130, 0x0100 | record[2] & 0xFF, 0x0302, 0x0504], f"G750 has {record}")
 

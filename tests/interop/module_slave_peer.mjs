@@ -4,7 +4,7 @@
 // the reset, what was not must be gone. The node is left Operational with a heartbeat every 200 ms; RPDO1 and TPDO1 carry
 // the words G10000 and G13000 on events, RPDO2 and TPDO2 G10004 and G13004 with each SYNC. With an EDS file (of
 // `canopus module eds`), the stack reads that, too, and the module must be what the file says.
-import { argumentsOrUsage, check, run } from './interop_report.mjs';
+import { argumentsOrUsage, check, patience, run } from './interop_report.mjs';
 import { abortCodeOf, canopen, deviceOn, useServer } from './npm_canopen.mjs';
 import { SocketcandBus } from './socketcand_bus.mjs';
 
@@ -13,16 +13,16 @@ const [host, port, busName, nodeText, edsFile] = argumentsOrUsage(5, 'module_sla
 const node = Number(nodeText);
 const { UNSIGNED8: u8, UNSIGNED16: u16, UNSIGNED32: u32, VISIBLE_STRING: text } = DataType;
 
-run(60, async () => {
+run(async () => {
   const bus = await SocketcandBus.connect(host, port, busName);
   const device = deviceOn(bus, 126);
   useServer(device, node);
   device.start();
-  const read = (index, subIndex, dataType) => device.sdo.upload({ deviceId: node, index, subIndex, dataType, timeout: 2000 });
+  const read = (index, subIndex, dataType) => device.sdo.upload({ deviceId: node, index, subIndex, dataType, timeout: patience });
   const write = (index, subIndex, data, dataType) =>
-    device.sdo.download({ deviceId: node, index, subIndex, data, dataType, timeout: 2000 });
+    device.sdo.download({ deviceId: node, index, subIndex, data, dataType, timeout: patience });
   const heartbeat = (state) => new Promise((resolve) => {
-    const timer = setTimeout(() => done('none within 5 s'), 5000);
+    const timer = setTimeout(() => done(`none within ${patience} ms`), patience);
     const listen = ({ id, data }) => { if (id === 0x700 + node && data[0] === state) done(data[0]); };
     const done = (result) => {
       clearTimeout(timer);
@@ -102,5 +102,5 @@ run(60, async () => {
   check('1015H was not', await read(0x1015, 0, u16), 0);
   device.nmt.startNode(node);
   check('Operational', await heartbeat(NmtState.OPERATIONAL), NmtState.OPERATIONAL);
-  bus.close();
+  await bus.close();
 });

@@ -13,7 +13,7 @@
 //   abort-download,OBJECT,TYPE,VALUE,CODE
 //   abort-block-upload,OBJECT,CODE
 //   abort-block-download,OBJECT,TYPE,VALUE,CODE
-import { argumentsOrUsage, check, run } from './interop_report.mjs';
+import { argumentsOrUsage, check, patience, run } from './interop_report.mjs';
 import { abortCodeOf, canTransferBlocks, deviceOn, objectOf, types, useServer, valueOf } from './npm_canopen.mjs';
 import { SocketcandBus } from './socketcand_bus.mjs';
 
@@ -21,12 +21,12 @@ const [host, port, busName, nodeText, ...steps] = argumentsOrUsage(5, 'sdo_clien
 const node = Number(nodeText);
 const own = 126;
 
-run(60, async () => {
+run(async () => {
   const bus = await SocketcandBus.connect(host, port, busName);
   const device = deviceOn(bus, own);
   useServer(device, node);
   device.start();
-  const transfer = { deviceId: node, timeout: 5000 };
+  const transfer = { deviceId: node, timeout: patience };
 
   const upload = (object, type, blockTransfer) =>
     device.sdo.upload({ ...transfer, ...objectOf(object), dataType: types[type], blockTransfer });
@@ -75,5 +75,5 @@ run(60, async () => {
     }
     await actions[action](...fields);
   }
-  bus.close();
+  await bus.close();
 });

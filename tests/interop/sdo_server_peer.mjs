@@ -3,19 +3,17 @@
 //
 // It has 1000H, 1001H, 1017H, 1018H and
 //   1008H text "npm canopen"    2000H text    2001H domain of 1000 bytes    2002H u32 12345678H, read only    2003H u16 0..1000
-// prints "ready" once it is on the bus, then each object as it is written, and ends well when every EXPECT (OBJECT,TYPE,VALUE,
-// as in sdo_client_peer.mjs, in any order) was written, or after SECONDS when there is none.
-import { argumentsOrUsage, check, run } from './interop_report.mjs';
+// prints "ready" once it is on the bus, then each object as it is written, until its standard input ends; by then every EXPECT
+// (OBJECT,TYPE,VALUE, as in sdo_client_peer.mjs, in any order) must have been written.
+import { argumentsOrUsage, check, run, standardInputEnded } from './interop_report.mjs';
 import { canopen, canTransferBlocks, deviceOn, objectOf, types, valueOf } from './npm_canopen.mjs';
 import { SocketcandBus } from './socketcand_bus.mjs';
 
 const { AccessType, DataType } = canopen;
-const [host, port, busName, nodeText, secondsText, ...expects] =
-  argumentsOrUsage(5, 'sdo_server_peer.mjs HOST PORT BUS NODE SECONDS [EXPECT...]');
+const [host, port, busName, nodeText, ...expects] = argumentsOrUsage(4, 'sdo_server_peer.mjs HOST PORT BUS NODE [EXPECT...]');
 const node = Number(nodeText);
-const seconds = Number(secondsText);
 
-run(seconds + 30, async () => {
+run(async () => {
   const bus = await SocketcandBus.connect(host, port, busName);
   const device = deviceOn(bus, node);
   const { eds } = device;
@@ -36,30 +34,24 @@ run(seconds + 30, async () => {
     const [object, type, value] = text.split(',');
     return [objectOf(object).index, { type, value }];
   }));
-  const finished = new Promise((resolve) => {
-    setTimeout(resolve, seconds * 1000);
-    for (const object of objects) {
-      object.on('update', () => {
-        const index = parseInt(object.key, 16);
-        console.log(`      written ${object.key.toUpperCase()}H: ${object.raw.length} bytes ${object.raw.subarray(0, 32).toString('hex')}`);
-        const expected = missing.get(index);
-        if (!expected) return;
-        const same = object.raw.equals(canopen.typeToRaw(valueOf(expected.type, expected.value), types[expected.type])
-          ?? valueOf(expected.type, expected.value));
-        if (same) {
-          check(`${object.key.toUpperCase()}H was written with ${expected.value}`, same, true);
-          missing.delete(index);
-        }
-        // The answer to the last segment must still go out.
-        if (missing.size === 0) setTimeout(resolve, 500);
-      });
-    }
-  });
+  for (const object of objects) {
+    object.on('update', () => {
+      const index = parseInt(object.key, 16);
+      console.log(`      written ${object.key.toUpperCase()}H: ${object.raw.length} bytes ${object.raw.subarray(0, 32).toString('hex')}`);
+      const expected = missing.get(index);
+      if (!expected) return;
+      const same = object.raw.equals(canopen.typeToRaw(valueOf(expected.type, expected.value), types[expected.type])
+        ?? valueOf(expected.type, expected.value));
+      if (!same) return;
+      check(`${object.key.toUpperCase()}H was written with ${expected.value}`, same, true);
+      missing.delete(index);
+    });
+  }
   bus.send({ id: 0x700 + node, data: Buffer.from([0]) });  // boot-up, which the stack leaves to the application
   device.start();
   console.log(`ready as node ${node}${canTransferBlocks ? '' : ', without block transfers (npm rebuild node-crc)'}`);
-  await finished;
+  await standardInputEnded();
   for (const [index, { value }] of missing) check(`${index.toString(16).toUpperCase()}H was written with ${value}`, false, true);
   device.stop();
-  bus.close();
+  await bus.close();
 });

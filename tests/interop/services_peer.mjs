@@ -1,6 +1,6 @@
 #!/usr/bin/env node
 // The other services of a stack that is not ours, over socketcand: heartbeat, EMCY, SYNC, TIME and PDO, as consumer and as
-// producer. Steps are done one after the other; a wait is given 10 s:
+// producer. Steps are done one after the other; a wait is given 60 s:
 //   nmt,COMMAND,NODE               start stop preop reset reset-communication; NODE 0 = all
 //   wait-state,NODE,STATE          the stack's heartbeat consumer sees STATE (hexadecimal: 4 5 7F)
 //   wait-loss,NODE,MILLISECONDS    its heartbeat consumer, set to this time, loses NODE
@@ -11,8 +11,10 @@
 //   sync-on,MILLISECONDS           produces them from now on, until sync-off
 //   wait-pdo,COBID,TYPES[,VALUES]  a PDO whose objects (u8+u16+…) have values (v+v+…); _ = any
 //   pdo,COBID,TYPES,VALUES         sends one
+//   ready                          says so: what the next step waits for may happen from now on
+//   stay                           until the standard input ends
 //   pause,MILLISECONDS
-import { argumentsOrUsage, check, run } from './interop_report.mjs';
+import { argumentsOrUsage, check, patience, run, standardInputEnded } from './interop_report.mjs';
 import { canopen, deviceOn, types, valueOf } from './npm_canopen.mjs';
 import { SocketcandBus } from './socketcand_bus.mjs';
 
@@ -21,7 +23,7 @@ const own = 126;
 const hex = (number, digits) => number.toString(16).toUpperCase().padStart(digits, '0');
 const pause = (milliseconds) => new Promise((resolve) => { setTimeout(resolve, milliseconds); });
 
-/** The first result other than undefined that `listen` gives for an event, or undefined after 10 s. */
+/** The first result other than undefined that `listen` gives for an event, or undefined when patience is over. */
 function waitFor(emitter, event, listen) {
   return new Promise((resolve) => {
     const done = (result) => {
@@ -33,12 +35,12 @@ function waitFor(emitter, event, listen) {
       const result = listen(...words);
       if (result !== undefined) done(result);
     };
-    const timer = setTimeout(() => done(undefined), 10000);
+    const timer = setTimeout(() => done(undefined), patience);
     emitter.on(event, handler);
   });
 }
 
-run(120, async () => {
+run(async () => {
   const bus = await SocketcandBus.connect(host, port, busName);
   const device = deviceOn(bus, own);
   const { eds } = device;
@@ -139,6 +141,8 @@ run(120, async () => {
       device.pdo.write(id);
       check(`PDO ${cobId}H sent with`, values, values);
     },
+    async ready() { console.log('ready'); },
+    stay: standardInputEnded,
     pause: (milliseconds) => pause(Number(milliseconds)),
   };
   for (const step of steps) {
@@ -147,5 +151,5 @@ run(120, async () => {
     await actions[action](...fields);
   }
   device.stop();
-  bus.close();
+  await bus.close();
 });

@@ -31,9 +31,10 @@ export class SocketcandBus extends EventEmitter {
     this.#socket.write(`< send ${identifier} ${data.length} ${bytes} >`);
   }
 
+  /** Resolves when everything sent has left this process. */
   close() {
     this.#socket.removeAllListeners('close');
-    this.#socket.end();
+    return new Promise((resolve) => { this.#socket.end(resolve); });
   }
 
   #answer() {

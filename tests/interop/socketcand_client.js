@@ -12,7 +12,7 @@ const request = (0x600 + Number(node)).toString(16);
 const answer = (0x580 + Number(node)).toString(16).toUpperCase();
 
 const end = (code, text) => { console.log(text); process.exit(code); };
-setTimeout(() => end(1, 'no SDO answer within 10 s'), 10000);
+setTimeout(() => end(1, 'no SDO answer within 60 s'), 60000);
 
 const steps = {
   '< hi >': [`< open ${bus} >`, '< rawmode >', `< send ${request} 8 40 ${low} ${high} ${subIndex} 0 0 0 0 >`],

@@ -29,7 +29,7 @@ def main():
     def send(identifier, *data):
         bus.send(can.Message(arbitration_id=identifier, data=data, is_extended_id=False))
 
-    def wait(condition, seconds=5.0):
+    def wait(condition, seconds=60.0):
         """The first frame from now on for which the condition holds, or None."""
         end = time.monotonic() + seconds
         while time.monotonic() < end:
