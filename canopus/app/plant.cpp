@@ -53,6 +53,8 @@ plc::Rack& Plant::rack(std::size_t number) noexcept { return *parts_->racks[numb
 const PlcSection& Plant::plc_section(std::size_t number) const noexcept { return parts_->file.plcs[number]; }
 const std::vector<std::string>& Plant::connections() const noexcept { return parts_->connections; }
 
+bool Plant::has_stalled() const noexcept { return parts_->has_stalled; }
+
 std::vector<NodeStatus> Plant::nodes() const {
   std::vector<NodeStatus> all;
   for (const auto& seat : parts_->modules) all.push_back(seat->status());

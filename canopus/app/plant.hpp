@@ -99,6 +99,9 @@ class Plant {
   [[nodiscard]] std::vector<NodeStatus> nodes() const;
   /// Every slave that an active NMT master of the plant boots or has booted, by master and node-ID.
   [[nodiscard]] std::vector<SlaveBoot> boots() const;
+  /// A part of the plant asked for one moment without end and was stopped (can::Timeline::Stall): what the
+  /// run shows from there on is not to be trusted. The observer has been told by error().
+  [[nodiscard]] bool has_stalled() const noexcept;
   /// "U0\G10000 <- node 3 (encoder) TPDO1, 2 words": how process data are connected.
   [[nodiscard]] const std::vector<std::string>& connections() const noexcept;
 

@@ -20,6 +20,11 @@ namespace canopus::app {
 
 namespace {
 
+constexpr std::string_view stall_text =
+    "asks for this moment without end and is stopped from here on. This is an error in Canopus: please "
+    "report "
+    "it with the plant file";
+
 /// Builds a plant's parts, collecting every error on the way.
 class Assembly {
  public:
@@ -65,12 +70,18 @@ std::vector<PlantError> Assembly::run() {
       add_module(parts_.file.plcs[i], i, module);
     if (const auto after = parts_.file.plcs[i].cpu_error) {
       parts_.cpu_errors.push_back(std::make_unique<CpuErrorTimer>(*parts_.racks[i], *after));
-      parts_.cpu_error_handles.push_back(parts_.timeline.add(*parts_.cpu_errors.back()));
+      parts_.cpu_error_handles.push_back(
+          parts_.timeline.add(*parts_.cpu_errors.back(), "CPU of " + parts_.file.plcs[i].name));
     }
   }
   for (std::size_t i = 0; i < parts_.buses.size(); ++i) set_faults(parts_.file.buses[i], *parts_.buses[i]);
   parts_.load_report = std::make_unique<LoadReport>(parts_.buses, observer_);
-  parts_.timeline.add(*parts_.load_report);
+  parts_.timeline.add(*parts_.load_report, "load report");
+  parts_.timeline.set_stall_handler(
+      [parts = &parts_, observer = &observer_](const can::Timeline::Stall& stall) {
+        parts->has_stalled = true;
+        observer->error(stall.name, stall_text, stall.now);
+      });
   return errors_.take();
 }
 
@@ -182,7 +193,8 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
     if (const auto problem = seat->device().add_behaviour(behaviour))
       errors_.add(wanted.place, "behaviour: {}", *problem);
   }
-  parts_.device_handles.push_back(parts_.timeline.add(*seat));
+  parts_.device_handles.push_back(
+      parts_.timeline.add(*seat, fmt::format("{} on {}", port.name(), bus.name())));
   port.connect(*seat, parts_.device_handles.back());
   watch(bus).know(seat->status());
   seat->set_watch(watch(bus));
@@ -231,7 +243,8 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
   errors_.add(preset_words(module, *entry.data_sheet, section, *bus_section));
   if (section.master) configure_network(section, module);
   errors_.add(preset_objects(module, section));
-  parts_.module_handles.push_back(parts_.timeline.add(*seat));
+  parts_.module_handles.push_back(
+      parts_.timeline.add(*seat, fmt::format("{} on {}", port.name(), bus.name())));
   port.connect(*seat, parts_.module_handles.back());
   if (!parts_.racks[plc_number]->insert(section.head, module, parts_.module_handles.back())) {
     errors_.add(section.place, "module: head {:03X}H overlaps another module's points", section.head);

@@ -30,6 +30,7 @@ struct Plant::Parts {
   std::vector<can::Timeline::Handle> cpu_error_handles;
   std::unique_ptr<LoadReport> load_report;
   std::vector<std::string> connections;
+  bool has_stalled = false;
 
   sim::Bus& bus(std::string_view name) {
     return **std::ranges::find_if(buses, [&](const auto& bus) { return bus->name() == name; });

@@ -286,7 +286,7 @@ int Run::operator()() {
       written = false;
     }
   }
-  return written ? 0 : 1;
+  return written && !plant_->has_stalled() ? 0 : 1;
 }
 
 }  // namespace

@@ -23,8 +23,8 @@ struct RunOptions {
   bool json = false;   ///< one JSON object per line
 };
 
-/// Runs to the end. Exit code: 0 ended as asked (Ctrl-C included), 1 the plant could not be started or an
-/// output file failed, 2 the plant file is wrong.
+/// Runs to the end. Exit code: 0 ended as asked (Ctrl-C included), 1 the plant could not be started, an
+/// output file failed or a part of the plant stalled, 2 the plant file is wrong.
 int run_plant(const RunOptions& options);
 
 /// Reads and builds the plant without starting it. Exit code: 0 good, 2 wrong; every error is printed with

@@ -15,7 +15,7 @@ class SimulatedAttachment final : public link::BusAttachment {
   using Ports = std::vector<sim::Port*>;
 
   SimulatedAttachment(sim::Bus& bus, Ports& free_ports, can::Timeline& timeline, can::Participant& client)
-      : free_ports_(free_ports), timeline_(timeline), handle_(timeline.add(client)) {
+      : free_ports_(free_ports), timeline_(timeline), handle_(timeline.add(client, "socketcand client")) {
     if (free_ports_.empty()) free_ports_.push_back(&bus.add_port("socketcand"));
     port_ = free_ports_.back();
     free_ports_.pop_back();

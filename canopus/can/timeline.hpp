@@ -2,9 +2,15 @@
 // The order in which participants get their ticks: a queue of deadlines. It knows no clock; the simulated
 // bus, a test or the event loop asks it what comes next and runs it up to a moment. Equal deadlines tick by
 // rank, then in the order of add(), so one seed gives one trace.
+//
+// A participant whose deadline does not pass, however often it gets its tick, would stop time for all others.
+// It is taken out after `most_ticks` of them at one moment, and reported by its name.
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "canopus/can/controller.hpp"
@@ -18,10 +24,24 @@ class Timeline {
   /// Who goes first at one and the same moment: nodes say what they want to send, then the bus arbitrates.
   enum class Rank : std::uint8_t { node, bus };
 
-  /// Adds a participant, which must outlive the timeline or be removed. Returns its handle.
-  Handle add(Participant& participant, Rank rank = Rank::node);
+  /// Adds a participant, which must outlive the timeline or be removed. Returns its handle. `name` is for
+  /// people, in errors; empty: its number.
+  Handle add(Participant& participant, std::string name = {}, Rank rank = Rank::node);
   /// Takes a participant out for good; its handle is not used again.
   void remove(Handle handle);
+
+  /// A participant that asked for one moment without end and has been taken out.
+  struct Stall {
+    std::string name;
+    Time now;
+    /// "NAME asks for the moment 1.5 s without end: it gets no ticks any more"
+    [[nodiscard]] std::string text() const;
+  };
+  /// So many ticks of one participant at one moment are an error. The busiest ones need a few hundred.
+  static constexpr std::uint32_t most_ticks = 10'000;
+  /// Who is told of a stall, inside run_until(), which then goes on. Without a handler run_until() throws
+  /// std::logic_error with the text.
+  void set_stall_handler(std::function<void(const Stall&)> handler) { stall_handler_ = std::move(handler); }
   /// Reads the participant's deadline again. To be called after anything but its tick() happened to it.
   void refresh(Handle handle) {
     const Slot& slot = slots_[handle];
@@ -41,7 +61,6 @@ class Timeline {
     Participant* participant = nullptr;
     Time deadline = never;
     std::uint32_t position = 0;  // in heap_
-    Rank rank = Rank::node;
   };
   /// What decides who is first lies in the heap itself: a comparison looks nowhere else.
   struct Place {
@@ -60,9 +79,13 @@ class Timeline {
   void move(Handle handle, Time deadline) noexcept;
   void sift_up(std::size_t position) noexcept;
   void sift_down(std::size_t position) noexcept;
+  /// Counts a tick that comes after too many at one moment. True: the participant has been taken out.
+  bool is_stalled(Handle handle, std::vector<std::uint32_t>& ticks);
 
   std::vector<Slot> slots_;
-  std::vector<Place> heap_;  // binary heap, earliest first
+  std::vector<Place> heap_;         // binary heap, earliest first
+  std::vector<std::string> names_;  // by handle: apart from what every tick needs
+  std::function<void(const Stall&)> stall_handler_;
   Time now_{};
 };
 

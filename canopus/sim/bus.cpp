@@ -26,7 +26,7 @@ struct Bus::Inside {
 
 Bus::Bus(std::string name, std::uint32_t bit_rate, can::Timeline& timeline)
     : inside_(std::make_unique<Inside>(std::move(name), bit_rate, timeline)) {
-  inside_->core.handle = timeline.add(*this, can::Timeline::Rank::bus);
+  inside_->core.handle = timeline.add(*this, "bus " + inside_->core.name, can::Timeline::Rank::bus);
 }
 
 Bus::~Bus() { inside_->core.timeline.remove(inside_->core.handle); }

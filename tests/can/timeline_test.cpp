@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -62,7 +63,7 @@ TEST(Timeline, EqualDeadlines_TickByRankThenInTheOrderOfAdd) {
   Alarm bus("bus", {Time(1ms)}, log);
   Alarm first("first", {Time(1ms)}, log);
   Alarm second("second", {Time(1ms)}, log);
-  timeline.add(bus, Timeline::Rank::bus);
+  timeline.add(bus, "bus", Timeline::Rank::bus);
   timeline.add(first);
   timeline.add(second);
   timeline.run_until(Time(1ms));
@@ -136,6 +137,124 @@ TEST(Timeline, RandomAlarms_TickAsASortedListHasThem) {
     }
     timeline.run_until(Time(1s));
     ASSERT_EQ(log, expected);
+  }
+}
+
+/// Asks for each moment so often.
+struct Insistent : Participant {
+  explicit Insistent(std::uint64_t how_often, Time first = Time(1ms)) : times(how_often), at(first) {}
+  void receive(const Frame&, Time) override {}
+  void tick(Time) override {
+    ++ticks;
+    if (times != for_ever && ticks % times == 0) at += 1ms;
+    if (then) then();
+  }
+  [[nodiscard]] Time deadline() const noexcept override { return at; }
+
+  static constexpr std::uint64_t for_ever = 0;
+  std::uint64_t times;
+  std::uint64_t ticks = 0;
+  Time at;
+  std::function<void()> then;
+};
+
+TEST(TimelineStall, AParticipantThatAsksForOneMomentWithoutEnd_IsTakenOutAndNamed) {
+  Log log;
+  Timeline timeline;
+  std::vector<Timeline::Stall> stalls;
+  timeline.set_stall_handler([&](const Timeline::Stall& stall) { stalls.push_back(stall); });
+  Insistent spinner(Insistent::for_ever, Time(1500ms));
+  Alarm other("other", {Time(1s), Time(1500ms), Time(2s)}, log);
+  const auto handle = timeline.add(spinner, "bus main");
+  timeline.add(other);
+  timeline.run_until(Time(3s));
+  ASSERT_EQ(stalls.size(), 1U);
+  EXPECT_EQ(stalls[0].text(),
+            "bus main asks for the moment 1.500000000 s without end: it gets no ticks any more");
+  EXPECT_LE(spinner.ticks, 2 * Timeline::most_ticks);
+  EXPECT_EQ(log, (Log{"other@1000", "other@1500", "other@2000"}));
+  EXPECT_EQ(timeline.now(), Time(3s));
+  // Whoever holds its handle may go on using it.
+  timeline.refresh(handle);
+  EXPECT_EQ(timeline.next(), never);
+  timeline.remove(handle);
+  timeline.run_until(Time(4s));
+  EXPECT_EQ(stalls.size(), 1U);
+}
+
+TEST(TimelineStall, ADeadlineThatStaysInThePast_IsOneToo) {
+  Timeline timeline;
+  timeline.run_until(Time(1s));
+  std::vector<Timeline::Stall> stalls;
+  timeline.set_stall_handler([&](const Timeline::Stall& stall) { stalls.push_back(stall); });
+  Insistent spinner(Insistent::for_ever, Time(1ms));
+  timeline.add(spinner);
+  timeline.run_until(Time(1s));
+  ASSERT_EQ(stalls.size(), 1U);
+  EXPECT_EQ(stalls[0].name, "participant 0");
+  EXPECT_EQ(stalls[0].now, Time(1s));
+}
+
+TEST(TimelineStall, TwoThatWakeEachOther_AreFound) {
+  Timeline timeline;
+  std::vector<std::string> names;
+  timeline.set_stall_handler([&](const Timeline::Stall& stall) { names.push_back(stall.name); });
+  Insistent one(1);
+  Insistent two(1);
+  const auto first = timeline.add(one, "one");
+  const auto second = timeline.add(two, "two");
+  one.then = [&] {
+    two.at = timeline.now();
+    timeline.refresh(second);
+  };
+  two.then = [&] {
+    one.at = timeline.now();
+    timeline.refresh(first);
+  };
+  timeline.run_until(Time(1ms));
+  EXPECT_EQ(names.size(), 1U);  // the other one has nobody who wakes it
+  EXPECT_EQ(timeline.now(), Time(1ms));
+}
+
+TEST(TimelineStall, WithoutAHandler_IsThrown) {
+  Timeline timeline;
+  Insistent spinner(Insistent::for_ever);
+  timeline.add(spinner, "slave 3");
+  try {
+    timeline.run_until(Time(1s));
+    FAIL() << "nothing was thrown";
+  } catch (const std::logic_error& error) {
+    EXPECT_STREQ(error.what(),
+                 "slave 3 asks for the moment 0.001000000 s without end: it gets no ticks any more");
+  }
+  timeline.run_until(Time(1s));
+  EXPECT_EQ(timeline.now(), Time(1s));
+}
+
+TEST(TimelineStall, ManyTicksAtOneMoment_AreNoStall) {
+  Timeline timeline;
+  Insistent busy(Timeline::most_ticks / 2);
+  Insistent as_busy(Timeline::most_ticks - 1);
+  timeline.add(busy);
+  timeline.add(as_busy);
+  std::vector<std::unique_ptr<Insistent>> many;
+  for (int number = 0; number < 3'000; ++number) {
+    many.push_back(std::make_unique<Insistent>(10));
+    timeline.add(*many.back());
+  }
+  EXPECT_NO_THROW(timeline.run_until(Time(3ms)));
+  EXPECT_EQ(as_busy.ticks, 3 * (Timeline::most_ticks - 1));
+  EXPECT_EQ(many.back()->ticks, 30U);
+}
+
+TEST(TimelineStall, RunUntilTheSameMomentAgainAndAgain_IsNoStall) {
+  Timeline timeline;
+  Insistent restless(1);
+  const auto handle = timeline.add(restless);
+  for (std::uint32_t number = 0; number < 3 * Timeline::most_ticks; ++number) {
+    restless.at = Time(1ms);
+    timeline.refresh(handle);
+    EXPECT_NO_THROW(timeline.run_until(Time(1ms)));
   }
 }
 
