@@ -89,6 +89,7 @@ class Segment {
   void bits_tick(can::Time now, bool may_leave = true);
   void complete_frames(can::Time now);
   bool leave_bits_if_healthy(can::Time now);
+  [[nodiscard]] static bool ready(const BusPort& port, can::Time now) noexcept;
   void start_waiting(can::Time now);
   [[nodiscard]] bool inverted(const BusPort* at, can::Time now) const noexcept;
   void begin_bits(can::Time now);

@@ -108,8 +108,10 @@ void Segment::bits_tick(can::Time now, bool may_leave) {
       core_.statistics.busy(activity_start_, now, static_cast<std::uint64_t>((now - activity_start_) / bit));
     }
     if (may_leave && leave_bits_if_healthy(now)) return;
-    start_waiting(now);
   }
+  // Somebody else may be in the middle of a bit that only it sees: it has just integrated, say. Whoever is
+  // ready does not wait for that.
+  if (!active_) start_waiting(now);
   settle(now);
   sample(now);
   if (error_frame_) faults_.corruptions = 0;  // they were about the frame that has just been given up
@@ -171,11 +173,17 @@ bool Segment::leave_bits_if_healthy(can::Time now) {
   return true;
 }
 
+/// It may begin its frame: the bus is idle for it, and it is not within a bit.
+bool Segment::ready(const BusPort& port, can::Time now) noexcept {
+  return port.bits.idle() && !port.tap.sampling && (port.tap.next == can::never || port.tap.next <= now) &&
+         port.offer() != Arbiter::none;
+}
+
 void Segment::start_waiting(can::Time now) {
   if (replaying_ || now < free_from_) return;
   const BusPort* first = nullptr;
   for (BusPort* port : members_) {
-    if (!port->bits.idle() || port->tap.sampling || port->offer() == Arbiter::none) continue;
+    if (!ready(*port, now)) continue;
     port->take_next();
     arbiter_.set(port->index, port->offer());
     port->bits.transmit(port->current);
@@ -341,7 +349,7 @@ void Segment::schedule(can::Time now) {
   }
   for (const BusPort* port : members_) {
     deadline_ = std::min(deadline_, port->tap.next);
-    if (!active_ && port->tap.next == can::never && port->bits.idle() && port->offer() != Arbiter::none) {
+    if (!active_ && ready(*port, now)) {
       deadline_ = std::min(deadline_, std::max(now, free_from_));
     }
   }
