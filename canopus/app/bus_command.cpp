@@ -1,11 +1,8 @@
 #include "canopus/app/bus_command.hpp"
 
 #include <charconv>
-#include <cstdlib>
 
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
-#include <unistd.h>
 
 #include "canopus/app/text_values.hpp"
 
@@ -22,7 +19,7 @@ void add_bus_options(CLI::App& command, BusOptions& options, const char* time_ou
 }
 
 int complain(int code, std::string_view message) {
-  fmt::print(stderr, "canopus: {}\n", message);
+  print_error("canopus: {}", message);
   return code;
 }
 
@@ -37,6 +34,7 @@ int with_bus(const BusOptions& options, const std::function<int(BusLoop&, can::D
   // To join takes a server a moment, however short the answers of the nodes may be.
   auto bus = BusLoop::open(*address, std::max<can::Duration>(*time_out, std::chrono::seconds(3)));
   if (!bus) return complain(exit_code::failed, bus.error());
+  (*bus)->set_complaint([](std::string_view text) { print_error("canopus: the bus: {}", text); });
   return action(**bus, *time_out);
 }
 
@@ -48,20 +46,6 @@ int complain_of(BusLoop::End end, const BusLoop& bus, std::string_view time_over
     case BusLoop::End::lost: return complain(exit_code::failed, bus.failure());
   }
   return exit_code::done;
-}
-
-bool is_terminal(int descriptor) {
-  const char* terminal = std::getenv("TERM");
-  return isatty(descriptor) != 0 && terminal != nullptr && std::string_view(terminal) != "dumb";
-}
-
-bool wants_colour(int descriptor) {
-  const char* refused = std::getenv("NO_COLOR");  // no-color.org: set and not empty
-  return (refused == nullptr || *refused == '\0') && is_terminal(descriptor);
-}
-
-std::string paint(std::string_view text, std::string_view code, bool colour) {
-  return colour ? fmt::format("\x1b[{}m{}\x1b[0m", code, text) : std::string(text);
 }
 
 unsigned parse_node(std::string_view text) {

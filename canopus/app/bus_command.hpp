@@ -1,11 +1,12 @@
 #pragma once
 // What the commands that join a bus (sdo, nmt, scan, lss, master) have in common: their options, their exit
-// codes, how they complain, and colour.
+// codes, and how they complain.
 
 #include <functional>
 #include <string>
 #include <string_view>
 
+#include "canopus/app/print.hpp"
 #include "canopus/link/bus_loop.hpp"
 
 namespace CLI {
@@ -41,12 +42,6 @@ int with_bus(const BusOptions& options, const std::function<int(BusLoop&, can::D
 
 /// Complains about an end of BusLoop::run() other than done; `time_over` is what to say of that.
 int complain_of(BusLoop::End end, const BusLoop& bus, std::string_view time_over);
-
-/// Whether a stream gets colour and progress: a terminal, TERM not dumb; colour also NO_COLOR not set.
-[[nodiscard]] bool is_terminal(int descriptor);
-[[nodiscard]] bool wants_colour(int descriptor);
-/// The text between the escape sequence "\x1b[<code>m" and its end, or the text alone.
-[[nodiscard]] std::string paint(std::string_view text, std::string_view code, bool colour);
 
 /// A node-ID, 1..127, decimal or 0x..; 0 when it is none.
 [[nodiscard]] unsigned parse_node(std::string_view text);

@@ -2,8 +2,6 @@
 
 #include <array>
 #include <cerrno>
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +11,7 @@
 #include <system_error>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
@@ -24,7 +23,7 @@ namespace {
 using Severity = eds::Problem::Severity;
 
 /// The text, or nothing after a word on `err`. More than any device file has is not read: /dev/zero ends too.
-std::optional<std::string> read_text(const std::string& file, std::ostream& err) {
+std::optional<std::string> read_text(const std::string& file, Output& err) {
   constexpr std::size_t enough = std::size_t{8} << 20;
   std::error_code no_folder;
   std::ifstream opened;
@@ -33,7 +32,7 @@ std::optional<std::string> read_text(const std::string& file, std::ostream& err)
   if (file != "-" && !is_folder) opened.open(file, std::ios::binary);
   if (is_folder || (file != "-" && !opened)) {
     const int reason = is_folder ? EISDIR : errno != 0 ? errno : EIO;
-    err << "canopus: " << file << ": " << std::strerror(reason) << '\n';
+    err.line("canopus: {}: {}", file, std::strerror(reason));
     return std::nullopt;
   }
   std::istream& stream = file == "-" ? std::cin : opened;
@@ -43,7 +42,7 @@ std::optional<std::string> read_text(const std::string& file, std::ostream& err)
     text.append(piece.data(), static_cast<std::size_t>(stream.gcount()));
   }
   if (stream.bad()) {
-    err << "canopus: " << file << ": " << std::strerror(errno != 0 ? errno : EIO) << '\n';
+    err.line("canopus: {}: {}", file, std::strerror(errno != 0 ? errno : EIO));
     return std::nullopt;
   }
   return text;
@@ -67,18 +66,18 @@ Counts count(const std::vector<eds::Problem>& problems) {
   return counts;
 }
 
-void print_problem(std::ostream& out, const std::string& file, const eds::Problem& problem, bool colour) {
-  const auto paint = [&](const char* code) { return colour ? code : ""; };
-  const char* severity_colour = problem.severity == Severity::error     ? "\x1b[1;31m"
-                                : problem.severity == Severity::warning ? "\x1b[1;35m"
-                                                                        : "\x1b[1;36m";
-  out << paint("\x1b[1m") << file << ':' << problem.line << ':';
-  if (problem.column != 0) out << problem.column << ':';
-  out << paint("\x1b[0m") << ' ' << paint(severity_colour) << eds::name(problem.severity) << ':'
-      << paint("\x1b[0m") << ' ' << problem.message << '\n';
+void print_problem(Output& out, const std::string& file, const eds::Problem& problem, bool colour) {
+  const std::string_view severity_colour = problem.severity == Severity::error     ? "1;31"
+                                           : problem.severity == Severity::warning ? "1;35"
+                                                                                   : "1;36";
+  const std::string place = problem.column == 0
+                                ? fmt::format("{}:{}:", file, problem.line)
+                                : fmt::format("{}:{}:{}:", file, problem.line, problem.column);
+  out.line("{} {} {}", paint(place, "1", colour),
+           paint(fmt::format("{}:", eds::name(problem.severity)), severity_colour, colour), problem.message);
 }
 
-void print_text(std::ostream& out, const std::string& file, const eds::ReadResult& result,
+void print_text(Output& out, const std::string& file, const eds::ReadResult& result,
                 const EdsCheckOptions& options) {
   for (const eds::Problem& problem : result.problems) {
     if (!options.quiet || problem.severity == Severity::error) {
@@ -86,25 +85,21 @@ void print_text(std::ostream& out, const std::string& file, const eds::ReadResul
     }
   }
   if (result.file == nullptr) {
-    out << file << ": refused\n";
+    out.line("{}: refused", file);
     return;
   }
   if (options.quiet) return;
   const Counts counts = count(result.problems);
   const eds::PdoCount pdos = eds::count_pdos(*result.file->dictionary);
-  out << file << ": accepted, " << counted(counts.warnings, "warning");
-  if (counts.notes != 0) out << ", " << counted(counts.notes, "note");
-  out << ": " << counted(result.file->dictionary->objects().size(), "object") << ", "
-      << counted(pdos.rpdos, "RPDO") << ", " << counted(pdos.tpdos, "TPDO");
-  if (const auto type = identity(*result.file).device_type) {
-    char text[16];
-    std::snprintf(text, sizeof text, "%08XH", static_cast<unsigned>(*type));
-    out << ", device type " << text;
-  }
-  out << '\n';
+  Line line("{}: accepted, {}", file, counted(counts.warnings, "warning"));
+  if (counts.notes != 0) line.add(", {}", counted(counts.notes, "note"));
+  line.add(": {}, {}, {}", counted(result.file->dictionary->objects().size(), "object"),
+           counted(pdos.rpdos, "RPDO"), counted(pdos.tpdos, "TPDO"));
+  if (const auto type = identity(*result.file).device_type) line.add(", device type {:08X}H", *type);
+  out.line(line);
 }
 
-void print_json(std::ostream& out, const std::string& file, const eds::ReadResult& result) {
+void print_json(Output& out, const std::string& file, const eds::ReadResult& result) {
   nlohmann::ordered_json line;
   line["file"] = file;
   line["accepted"] = result.file != nullptr;
@@ -130,19 +125,12 @@ void print_json(std::ostream& out, const std::string& file, const eds::ReadResul
     entry["message"] = problem.message;
     line["problems"].push_back(std::move(entry));
   }
-  out << line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
-}
-
-bool wants_colour() {
-  const char* refused = std::getenv("NO_COLOR");  // no-color.org: set and not empty
-  const char* terminal = std::getenv("TERM");
-  return (refused == nullptr || *refused == '\0') && isatty(STDOUT_FILENO) != 0 && terminal != nullptr &&
-         std::string_view(terminal) != "dumb";
+  out.json(line);
 }
 
 }  // namespace
 
-int eds_check(const EdsCheckOptions& options, std::ostream& out, std::ostream& err) {
+int eds_check(const EdsCheckOptions& options, Output& out, Output& err) {
   int exit_code = 0;
   for (const std::string& file : options.files) {
     const auto text = read_text(file, err);
@@ -179,8 +167,8 @@ void add_eds_command(CLI::App& app, int& exit_code) {
       "\n"
       "Example: canopus eds check devices/*.eds");
   check->callback([options, &exit_code] {
-    options->colour = !options->json && wants_colour();
-    exit_code = eds_check(*options, std::cout, std::cerr);
+    options->colour = !options->json && wants_colour(STDOUT_FILENO);
+    exit_code = eds_check(*options, standard_output(), standard_error());
   });
 }
 

@@ -1,9 +1,10 @@
 #pragma once
 // `canopus eds check FILE...`: what is wrong with device description files, in the form compilers use.
 
-#include <iosfwd>
 #include <string>
 #include <vector>
+
+#include "canopus/app/print.hpp"
 
 namespace CLI {
 class App;
@@ -20,7 +21,7 @@ struct EdsCheckOptions {
 
 /// Checks the files, prints to `out` (what cannot be opened: to `err`). Returns the exit code: 0 all files
 /// accepted, 1 at least one refused, 2 at least one could not be read.
-int eds_check(const EdsCheckOptions& options, std::ostream& out, std::ostream& err);
+int eds_check(const EdsCheckOptions& options, Output& out, Output& err);
 
 /// Adds the subcommand `eds` with its own subcommand `check` to the program. When the user asks for it,
 /// parsing runs it and puts the exit code into `exit_code`.

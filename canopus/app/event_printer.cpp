@@ -27,12 +27,6 @@ Json node_event(can::Time now, std::string_view kind, const NodePlate& node) {
   return line;
 }
 
-void print(std::FILE* out, const Json& line) {
-  const std::string text = line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
-  std::fwrite(text.data(), 1, text.size(), out);
-  std::fflush(out);
-}
-
 std::string hexadecimal(const canopen::Emergency& message) {
   std::string text;
   for (const std::uint8_t byte : message.manufacturer) text += fmt::format("{:02X}", byte);
@@ -46,21 +40,21 @@ void JsonPrinter::listening(std::string_view protocol, std::string_view of, std:
   line["protocol"] = protocol;
   line["of"] = of;
   line["address"] = address;
-  print(out_, line);
+  out_.json(line);
 }
 
-void JsonPrinter::booted(const NodePlate& node, can::Time now) { print(out_, node_event(now, "boot", node)); }
+void JsonPrinter::booted(const NodePlate& node, can::Time now) { out_.json(node_event(now, "boot", node)); }
 
 void JsonPrinter::nmt_state_changed(const NodePlate& node, canopen::NmtState state, can::Time now) {
   Json line = node_event(now, "nmt", node);
   line["state"] = canopen::name(state);
-  print(out_, line);
+  out_.json(line);
 }
 
 void JsonPrinter::lss_configured(const NodePlate& node, std::uint32_t bit_rate, can::Time now) {
   Json line = node_event(now, "lss", node);
   line["bit_rate"] = bit_rate;
-  print(out_, line);
+  out_.json(line);
 }
 
 void JsonPrinter::emergency(const NodePlate& node, const canopen::Emergency& message, can::Time now) {
@@ -68,7 +62,7 @@ void JsonPrinter::emergency(const NodePlate& node, const canopen::Emergency& mes
   line["code"] = fmt::format("{:04X}", message.code);
   line["register"] = message.error_register;
   line["data"] = hexadecimal(message);
-  print(out_, line);
+  out_.json(line);
 }
 
 void JsonPrinter::slave_boot_went_on(const NodePlate& slave, const NodePlate& master,
@@ -76,7 +70,7 @@ void JsonPrinter::slave_boot_went_on(const NodePlate& slave, const NodePlate& ma
   Json line = node_event(now, "boot slave", slave);
   line["master"] = master.node_id;
   add_boot(line, record, now);
-  print(out_, line);
+  out_.json(line);
 }
 
 void JsonPrinter::signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) {
@@ -84,7 +78,7 @@ void JsonPrinter::signal_changed(std::string_view plc, char kind, unsigned numbe
   line["plc"] = plc;
   line["signal"] = fmt::format("{}{:02X}", kind, number);
   line["on"] = on;
-  print(out_, line);
+  out_.json(line);
 }
 
 void JsonPrinter::buffer_changed(std::string_view plc, unsigned head, std::uint32_t address,
@@ -95,7 +89,7 @@ void JsonPrinter::buffer_changed(std::string_view plc, unsigned head, std::uint3
   line["address"] = address;
   line["value"] = value;
   line["by"] = by_cpu ? "cpu" : "module";
-  print(out_, line);
+  out_.json(line);
 }
 
 void JsonPrinter::load(std::string_view bus, const sim::BusLoad& load, can::Time now) {
@@ -105,14 +99,14 @@ void JsonPrinter::load(std::string_view bus, const sim::BusLoad& load, can::Time
   line["peak"] = load.peak;
   line["frames"] = load.frames;
   line["error_frames"] = load.error_frames;
-  print(out_, line);
+  out_.json(line);
 }
 
 void JsonPrinter::error(std::string_view source, std::string_view message, can::Time now) {
   Json line = event(now, "error");
   line["source"] = source;
   line["message"] = message;
-  print(out_, line);
+  out_.json(line);
 }
 
 void JsonPrinter::summary(const RunSummary& summary) {
@@ -146,7 +140,7 @@ void JsonPrinter::summary(const RunSummary& summary) {
     add_boot(slave, boot.record, summary.end);
     line["slaves"].push_back(std::move(slave));
   }
-  print(out_, line);
+  out_.json(line);
 }
 
 std::string describe_trouble(const SlaveBoot& boot, can::Time now) {
@@ -183,43 +177,45 @@ std::string describe_lss(const NodePlate& node, std::uint32_t bit_rate) {
   return fmt::format("{}: LSS: {}, {:g} kbit/s", describe(node), number, bit_rate / 1000.0);
 }
 
-std::string describe(const RunSummary& summary) {
-  std::string text = fmt::format("ran {} of plant time in {}", describe(summary.end.time_since_epoch()),
+std::vector<std::string> describe(const RunSummary& summary) {
+  std::vector<std::string> lines;
+  std::string time = fmt::format("ran {} of plant time in {}", describe(summary.end.time_since_epoch()),
                                  describe(summary.wall));
   if (summary.virtual_time) {
     const double ratio =
         can::seconds(summary.end) / std::max(1e-9, std::chrono::duration<double>(summary.wall).count());
-    text += fmt::format(", {:.0f} times as fast as real time\n", ratio);
+    time += fmt::format(", {:.0f} times as fast as real time", ratio);
   } else {
-    text += fmt::format(", at most {} late\n", describe(summary.largest_lag));
+    time += fmt::format(", at most {} late", describe(summary.largest_lag));
   }
+  lines.push_back(std::move(time));
   for (const auto& bus : summary.buses) {
-    text += fmt::format("bus {}: {} frames, {} error frames, load at most {:.1f} %\n", bus.name,
-                        bus.load.frames, bus.load.error_frames, bus.load.peak * 100);
+    lines.push_back(fmt::format("bus {}: {} frames, {} error frames, load at most {:.1f} %", bus.name,
+                                bus.load.frames, bus.load.error_frames, bus.load.peak * 100));
   }
   std::size_t operational = 0;
   for (const NodeStatus& node : summary.nodes) {
     operational += in_operation(node) ? 1 : 0;
     const bool plain = node.layer2 != module::Layer2State::inactive;
-    text += fmt::format("{}: {}, {} {} sent{}\n", describe(node.plate), state_name(node), node.pdos,
-                        plain ? "frames" : "PDOs",
-                        node.emergencies == 0
-                            ? ""
-                            : fmt::format(", {} EMCY, last {:04X}H", node.emergencies, node.last_emergency));
+    lines.push_back(fmt::format(
+        "{}: {}, {} {} sent{}", describe(node.plate), state_name(node), node.pdos, plain ? "frames" : "PDOs",
+        node.emergencies == 0
+            ? ""
+            : fmt::format(", {} EMCY, last {:04X}H", node.emergencies, node.last_emergency)));
   }
   for (const SlaveBoot& boot : summary.boots) {
-    if (const std::string trouble = describe_trouble(boot, summary.end); !trouble.empty())
-      text += trouble + "\n";
+    if (std::string trouble = describe_trouble(boot, summary.end); !trouble.empty()) {
+      lines.push_back(std::move(trouble));
+    }
   }
-  text += operational == summary.nodes.size()
-              ? fmt::format("all {} nodes operational\n", operational)
-              : fmt::format("{} of {} nodes operational\n", operational, summary.nodes.size());
-  return text;
+  lines.push_back(operational == summary.nodes.size()
+                      ? fmt::format("all {} nodes operational", operational)
+                      : fmt::format("{} of {} nodes operational", operational, summary.nodes.size()));
+  return lines;
 }
 
 void LinePrinter::line(can::Time now, std::string_view text) {
-  fmt::print(out_, "{:>12.6f}  {}\n", rounded_seconds(now), text);
-  std::fflush(out_);
+  out_.line("{:>12.6f}  {}", rounded_seconds(now), text);
 }
 
 void LinePrinter::booted(const NodePlate& node, can::Time now) {
@@ -264,14 +260,12 @@ void LinePrinter::buffer_changed(std::string_view plc, unsigned head, std::uint3
 }
 
 void LinePrinter::error(std::string_view source, std::string_view message, can::Time now) {
-  fmt::print(stderr, "{:>12.6f}  {}: {}\n", rounded_seconds(now), source, message);
+  errors_.line("{:>12.6f}  {}: {}", rounded_seconds(now), source, message);
 }
 
 void LinePrinter::summary(const RunSummary& summary) {
   if (quiet_) return;
-  const std::string text = describe(summary);
-  std::fwrite(text.data(), 1, text.size(), out_);
-  std::fflush(out_);
+  for (const std::string& text : describe(summary)) out_.line("{}", text);
 }
 
 }  // namespace canopus::app

@@ -2,11 +2,12 @@
 // What happens in a plant, as lines: JSON for programs (one object per line, docs/events.md), or plain text
 // for people and pipes. Each line goes out whole.
 
-#include <cstdio>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "canopus/app/plant.hpp"
+#include "canopus/app/print.hpp"
 
 namespace canopus::app {
 
@@ -28,7 +29,7 @@ struct RunSummary {
 /// Lines for programs.
 class JsonPrinter final : public PlantObserver {
  public:
-  explicit JsonPrinter(std::FILE* out) : out_(out) {}
+  explicit JsonPrinter(Output& out) : out_(out) {}
   void listening(std::string_view protocol, std::string_view of, std::string_view address);
   void summary(const RunSummary& summary);
 
@@ -45,14 +46,14 @@ class JsonPrinter final : public PlantObserver {
   void error(std::string_view source, std::string_view message, can::Time now) override;
 
  private:
-  std::FILE* out_;
+  Output& out_;
 };
 
 /// Lines for people: everything but the load.
 class LinePrinter final : public PlantObserver {
  public:
   /// `quiet`: errors alone.
-  LinePrinter(std::FILE* out, bool quiet) : out_(out), quiet_(quiet) {}
+  LinePrinter(Output& out, Output& errors, bool quiet) : out_(out), errors_(errors), quiet_(quiet) {}
   void summary(const RunSummary& summary);
 
   void booted(const NodePlate& node, can::Time now) override;
@@ -68,7 +69,8 @@ class LinePrinter final : public PlantObserver {
 
  private:
   void line(can::Time now, std::string_view text);
-  std::FILE* out_;
+  Output& out_;
+  Output& errors_;
   bool quiet_;
 };
 
@@ -83,6 +85,6 @@ class LinePrinter final : public PlantObserver {
 /// "line1 node 3 (encoder): LSS: node-ID 3, 125 kbit/s": what LSS has set.
 [[nodiscard]] std::string describe_lss(const NodePlate& node, std::uint32_t bit_rate);
 /// The summary's lines.
-[[nodiscard]] std::string describe(const RunSummary& summary);
+[[nodiscard]] std::vector<std::string> describe(const RunSummary& summary);
 
 }  // namespace canopus::app

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "canopus/app/event_printer.hpp"
+#include "canopus/app/printable.hpp"
 
 namespace canopus::app {
 namespace {
@@ -51,7 +52,7 @@ std::string LiveTable::paint(std::string_view text, std::string_view code) const
 }
 
 void LiveTable::note(can::Time now, std::string text) {
-  latest_.push_back(fmt::format("{:>10.3f}  {}", can::seconds(now), text));
+  latest_.push_back(printable(fmt::format("{:>10.3f}  {}", can::seconds(now), text)));
   if (latest_.size() > kept_events) latest_.pop_front();
 }
 
@@ -85,7 +86,7 @@ std::vector<std::string> LiveTable::draw_boots(can::Time now, std::size_t rows, 
     const std::string trouble = describe_trouble(boot, now);
     if (trouble.empty()) continue;
     const bool failed = boot.record.step == manager::BootStep::failed;
-    const std::vector<std::string> wrapped = wrap(trouble, columns, 6);
+    const std::vector<std::string> wrapped = wrap(printable(trouble), columns, 6);
     if (lines.size() + wrapped.size() + 1 > rows) {
       ++left_out;
       continue;
@@ -112,7 +113,7 @@ std::string LiveTable::draw(can::Time now, can::Duration lag, TableSize size) {
 
   std::vector<std::string> lines;
   lines.push_back(
-      paint(fmt::format("{:<40.40} {:>10.1f} s   {}", plant_->name(), can::seconds(now),
+      paint(fmt::format("{:<40.40} {:>10.1f} s   {}", printable(plant_->name()), can::seconds(now),
                         lag > std::chrono::milliseconds(20) ? fmt::format("LATE by {}", describe(lag))
                                                             : fmt::format("late by {}", describe(lag))),
             bold));
@@ -122,8 +123,8 @@ std::string LiveTable::draw(can::Time now, can::Duration lag, TableSize size) {
     const std::string errors = fmt::format("{} error frames", load.error_frames);
     lines.push_back(
         fmt::format("{:<16.16} {:>5} kbit/s   load {:>5.1f} %   peak {:>5.1f} %   {:>9} frames   {}",
-                    bus.name(), bus.bit_rate() / 1000, load.now * 100, load.peak * 100, load.frames,
-                    load.error_frames == 0 ? errors : paint(errors, red)));
+                    printable(bus.name()), bus.bit_rate() / 1000, load.now * 100, load.peak * 100,
+                    load.frames, load.error_frames == 0 ? errors : paint(errors, red)));
   }
   lines.emplace_back();
   lines.push_back(
@@ -143,7 +144,7 @@ std::string LiveTable::draw(can::Time now, can::Duration lag, TableSize size) {
     const std::string number =
         node.plate.node_id >= 1 && node.plate.node_id <= 127 ? fmt::format("{}", node.plate.node_id) : "-";
     const std::string emergency = node.emergencies == 0 ? "-" : fmt::format("{:04X}H", node.last_emergency);
-    lines.push_back(fmt::format("{:>4}  {:<28.28}  {} {:>8.0f}  {}", number, node.plate.name,
+    lines.push_back(fmt::format("{:>4}  {:<28.28}  {} {:>8.0f}  {}", number, printable(node.plate.name),
                                 paint(state, state_colour(node)), counts_[i].rate, emergency));
   }
   lines.emplace_back();
@@ -151,7 +152,7 @@ std::string LiveTable::draw(can::Time now, can::Duration lag, TableSize size) {
     lines.insert(lines.end(), boots.begin(), boots.end());
     lines.emplace_back();
   }
-  for (const std::string& event : latest_) lines.push_back(event.substr(0, size.columns));
+  for (const std::string& event : latest_) lines.emplace_back(clipped(event, size.columns));
   if (!doors_.empty()) {
     std::string doors;
     for (const std::string& door : doors_) doors += door + "   ";

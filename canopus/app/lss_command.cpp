@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -41,16 +40,10 @@ constexpr unsigned fastscan_questions = 1 + 4 * 33;
 constexpr unsigned slow_scan_questions = (1 + 2 * 32) * 6 + 4;
 constexpr std::string_view selecting = "selecting the device";
 
-void print(const Json& line) {
-  fmt::print("{}\n", line.dump());
-  std::fflush(stdout);
-}
-
 /// A line of people's, or the JSON.
 void tell(const Arguments& arguments, const Json& line, const std::string& text) {
-  if (arguments.bus.json) return print(line);
-  fmt::print("{}\n", text);
-  std::fflush(stdout);
+  if (arguments.bus.json) return print_json(line);
+  print_line("{}", text);
 }
 
 Json json(const LssAddress& address) {
@@ -175,16 +168,15 @@ class Scan {
   void draw_bar(unsigned frames) const {
     constexpr unsigned width = 30;
     const unsigned filled = std::min(width, frames * width / questions_);
-    fmt::print(stderr, "\r\x1b[K[{:#<{}}{:.<{}}] device {}: question {} of {}", "", filled, "",
-               width - filled, count_ + 1, frames, questions_);
-    std::fflush(stderr);
+    show_progress(Line("[{:#<{}}{:.<{}}] device {}: question {} of {}", "", filled, "", width - filled,
+                       count_ + 1, frames, questions_));
   }
   template <typename Service>
   std::optional<LssResult> with_bar(unsigned questions, Service service) {
     questions_ = questions;
     const auto result = on_bus_.service(service);
     questions_ = 0;
-    if (is_terminal(STDERR_FILENO)) std::fputs("\r\x1b[K", stderr);
+    end_progress();
     return result;
   }
 
@@ -309,8 +301,7 @@ int scan(const Arguments& arguments) {
       return complain(exit_code::failed, arguments.slow ? "no device of this vendor and product answers"
                                                         : "no device without a node-ID answers");
     }
-    if (!arguments.bus.json)
-      fmt::print("{} device{} found\n", search.count(), search.count() == 1 ? "" : "s");
+    if (!arguments.bus.json) print_line("{} device{} found", search.count(), search.count() == 1 ? "" : "s");
     return exit_code::done;
   });
 }

@@ -1,5 +1,6 @@
-#include <cstdio>
 #include <exception>
+#include <sstream>
+#include <string>
 
 #include <CLI/CLI.hpp>
 
@@ -9,12 +10,28 @@
 #include "canopus/app/module_command.hpp"
 #include "canopus/app/nmt_command.hpp"
 #include "canopus/app/plc_command.hpp"
+#include "canopus/app/print.hpp"
 #include "canopus/app/run_command.hpp"
 #include "canopus/app/scan_command.hpp"
 #include "canopus/app/sdo_command.hpp"
 #include "canopus/app/version.hpp"
 
-int main(int argc, char** argv) {
+namespace {
+
+/// Help, the version, or what is wrong with the command line.
+int explain(const CLI::App& app, const CLI::ParseError& reason) {
+  std::ostringstream help, complaint;
+  const int code = app.exit(reason, help, complaint);
+  const auto print = [](canopus::app::Output& out, const std::string& text) {
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) out.line("{}", line);
+  };
+  print(canopus::app::standard_output(), help.str());
+  print(canopus::app::standard_error(), complaint.str());
+  return code == 0 ? 0 : 2;
+}
+
+int run(int argc, char** argv) {
   CLI::App app{"Canopus: CANopen communication modules of PLCs, and whole CANopen plants, as software",
                "canopus"};
   app.set_version_flag("-V,--version", std::string("canopus ") + canopus::app::version());
@@ -34,10 +51,18 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "canopus: %s\n", error.what());
-    return 1;
+    return explain(app, error);
   }
   return exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    canopus::app::print_error("canopus: {}", error.what());
+    return 1;
+  }
 }

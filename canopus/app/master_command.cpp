@@ -1,6 +1,5 @@
 #include "canopus/app/master_command.hpp"
 
-#include <cstdio>
 #include <memory>
 #include <optional>
 
@@ -83,11 +82,11 @@ class Printer final : public NetworkObserver {
 
   void master_changed(bool is_own, std::uint8_t master, can::Time now) override {
     if (json_) {
-      return print({{"event", "master"}, {"time", can::seconds(now)}, {"active", is_own}, {"node", master}});
+      return print_json(
+          {{"event", "master"}, {"time", can::seconds(now)}, {"active", is_own}, {"node", master}});
     }
     if (quiet_) return;
-    fmt::print("{:12.6f}  {}\n", can::seconds(now), describe_master(is_own, master));
-    std::fflush(stdout);
+    print_line("{:12.6f}  {}", can::seconds(now), describe_master(is_own, master));
   }
 
   /// What has become of everybody. True when the network is as it should be.
@@ -105,26 +104,21 @@ class Printer final : public NetworkObserver {
     }
     const manager::NmtMaster& master = network.master();
     if (json_) {
-      print({{"event", "summary"},
-             {"time", can::seconds(now)},
-             {"active", master.active()},
-             {"slaves", network.slaves().size()},
-             {"booted", booted},
-             {"good", good}});
+      print_json({{"event", "summary"},
+                  {"time", can::seconds(now)},
+                  {"active", master.active()},
+                  {"slaves", network.slaves().size()},
+                  {"booted", booted},
+                  {"good", good}});
     } else if (stands_by) {
-      fmt::print("{}\n", describe_master(false, master.active_master()));
+      print_line("{}", describe_master(false, master.active_master()));
     } else {
-      fmt::print("{} of {} slaves booted\n", booted, network.slaves().size());
+      print_line("{} of {} slaves booted", booted, network.slaves().size());
     }
-    std::fflush(stdout);
     return good;
   }
 
  private:
-  static void print(const nlohmann::ordered_json& object) {
-    fmt::print("{}\n", object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
-    std::fflush(stdout);
-  }
   static std::string describe_master(bool is_own, std::uint8_t master) {
     if (is_own) return "this node is the active master";
     if (master == 0) return "there is no active master yet";
@@ -141,19 +135,19 @@ class Printer final : public NetworkObserver {
     switch (result) {
       case NetworkMaster::Result::booted:
         if (!json_ && !quiet_) {
-          fmt::print("{}: {}, {}\n", app::describe(slave), paint("booted", "32", colour_), state_name(state));
+          print_line("{}: {}, {}", app::describe(slave), paint("booted", "32", colour_), state_name(state));
         } else if (json_) {
           event("result", slave, now, {{"result", "booted"}, {"state", state_name(state)}});
         }
         return;
       case NetworkMaster::Result::absent:
         if (json_) return event("result", slave, now, {{"result", "absent"}});
-        if (!quiet_) fmt::print("{}: {} (optional)\n", app::describe(slave), paint("absent", "33", colour_));
+        if (!quiet_) print_line("{}: {} (optional)", app::describe(slave), paint("absent", "33", colour_));
         return;
       case NetworkMaster::Result::given_up:
         if (json_) return event("result", slave, now, {{"result", "given up"}});
         if (!quiet_) {
-          fmt::print("{}: {}, another slave ended the start-up\n", app::describe(slave),
+          print_line("{}: {}, another slave ended the start-up", app::describe(slave),
                      paint("given up", "33", colour_));
         }
         return;
@@ -166,19 +160,18 @@ class Printer final : public NetworkObserver {
       return event("result", slave, now, std::move(fields));
     }
     const std::string reason = manager::explain(record, now);
-    fmt::print("{}: {}: {}\n", app::describe(slave), paint("not booted", "31", colour_), reason);
+    print_line("{}: {}: {}", app::describe(slave), paint("not booted", "31", colour_), reason);
   }
 
   void line(const NetworkSlave& slave, can::Time now, const std::string& text, std::string_view colour) {
     if (quiet_) return;
-    fmt::print("{:12.6f}  {}: {}\n", can::seconds(now), app::describe(slave), paint(text, colour, colour_));
-    std::fflush(stdout);
+    print_line("{:12.6f}  {}: {}", can::seconds(now), app::describe(slave), paint(text, colour, colour_));
   }
   void event(const char* name, const NetworkSlave& slave, can::Time now, nlohmann::ordered_json more) {
     nlohmann::ordered_json object{{"event", name}, {"time", can::seconds(now)}, {"node", slave.node}};
     if (!slave.name.empty()) object["name"] = slave.name;
     for (const auto& [key, value] : more.items()) object[key] = value;
-    print(object);
+    print_json(object);
   }
 
   bool json_;
@@ -193,7 +186,7 @@ std::optional<NetworkFile> read_network_file(const std::string& path) {
     return std::nullopt;
   }
   NetworkReading reading = read_network(*text, path);
-  for (const PlantError& error : reading.errors) fmt::print(stderr, "{}\n", describe(error, path));
+  for (const PlantError& error : reading.errors) print_error("{}", describe(error, path));
   if (!reading.errors.empty()) return std::nullopt;
   return std::move(reading.network);
 }
@@ -220,7 +213,7 @@ int boot(const Arguments& arguments) {
   Printer printer(arguments.bus.json, arguments.quiet, !arguments.bus.json && wants_colour(STDOUT_FILENO));
   NoBus no_bus;
   if (const auto trial = NetworkMaster::build(*file, no_bus, printer); !trial) {
-    for (const PlantError& error : trial.error()) fmt::print(stderr, "{}\n", describe(error, file->path));
+    for (const PlantError& error : trial.error()) print_error("{}", describe(error, file->path));
     return exit_code::usage;
   }
   return with_bus(arguments.bus, [&](BusLoop& bus, can::Duration time_out) {

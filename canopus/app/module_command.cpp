@@ -3,7 +3,6 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <iostream>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -23,12 +22,12 @@ namespace {
 using Json = nlohmann::ordered_json;
 using module::DataSheet;
 
-const CatalogueEntry* known_module(const std::string& model, std::ostream& err) {
+const CatalogueEntry* known_module(const std::string& model, Output& err) {
   const CatalogueEntry* entry = find_module(model);
   if (entry == nullptr) {
-    err << "canopus: " << model << ": no such module; there are:";
-    for (const CatalogueEntry& known : module_catalogue()) err << ' ' << known.data_sheet->model;
-    err << '\n';
+    Line line("canopus: {}: no such module; there are:", model);
+    for (const CatalogueEntry& known : module_catalogue()) line.add(" {}", known.data_sheet->model);
+    err.line(line);
   }
   return entry;
 }
@@ -44,10 +43,8 @@ std::uint32_t flash_writes(const CatalogueEntry& entry, const std::filesystem::p
   return most;
 }
 
-void print_text(const DataSheet& sheet, std::optional<std::uint32_t> writes, std::ostream& out) {
-  const auto row = [&](std::string_view name, std::string_view value) {
-    out << fmt::format("{:<26}{}\n", name, value);
-  };
+void print_text(const DataSheet& sheet, std::optional<std::uint32_t> writes, Output& out) {
+  const auto row = [&](std::string_view name, std::string_view value) { out.line("{:<26}{}", name, value); };
   row("Model", fmt::format("{}, {}", sheet.model, sheet.maker));
   row("Manual", sheet.manual);
   row("Type, series", fmt::format("{} {}", sheet.type, sheet.series));
@@ -57,24 +54,27 @@ void print_text(const DataSheet& sheet, std::optional<std::uint32_t> writes, std
   row("Flash memory", writes ? fmt::format("{} of {} writes used", *writes, sheet.flash_writes)
                              : fmt::format("{} writes", sheet.flash_writes));
   for (const module::Property& property : sheet.properties) row(property.name, property.value);
-  out << "\nFunction modes\n";
-  for (const auto& mode : sheet.modes) out << fmt::format("  {:<6}{}\n", mode.value, mode.name);
-  out << "\nStandards\n";
+  out.line("");
+  out.line("Function modes");
+  for (const auto& mode : sheet.modes) out.line("  {:<6}{}", mode.value, mode.name);
+  out.line("");
+  out.line("Standards");
   for (const auto& standard : sheet.standards) {
-    out << fmt::format("  {:<10} V{:<5}{}\n", standard.name, standard.version, standard.about);
+    out.line("  {:<10} V{:<5}{}", standard.name, standard.version, standard.about);
   }
-  out << "\nConnector: " << sheet.connector << '\n';
+  out.line("");
+  out.line("Connector: {}", sheet.connector);
   for (const auto& pin : sheet.pins) {
-    out << fmt::format("  {}  {:<10}{}\n", pin.number, pin.signal.empty() ? "reserved" : pin.signal,
-                       pin.meaning);
+    out.line("  {}  {:<10}{}", pin.number, pin.signal.empty() ? "reserved" : pin.signal, pin.meaning);
   }
-  out << "\nLongest bus\n";
-  for (const auto& length : sheet.bus_lengths)
-    out << fmt::format("  {:>4} kbps {:>5} m\n", length.kbps, length.metres);
-  out << "\nModules per CPU, within its I/O points and the power supply's capacity\n";
+  out.line("");
+  out.line("Longest bus");
+  for (const auto& length : sheet.bus_lengths) out.line("  {:>4} kbps {:>5} m", length.kbps, length.metres);
+  out.line("");
+  out.line("Modules per CPU, within its I/O points and the power supply's capacity");
   for (const auto& cpu : sheet.modules_per_cpu) {
-    out << fmt::format("  {:<30}{:<28}{}\n", cpu.kind, cpu.models,
-                       cpu.modules == 0 ? "not applicable" : fmt::format("up to {}", cpu.modules));
+    out.line("  {:<30}{:<28}{}", cpu.kind, cpu.models,
+             cpu.modules == 0 ? "not applicable" : fmt::format("up to {}", cpu.modules));
   }
 }
 
@@ -114,14 +114,14 @@ Json as_json(const DataSheet& sheet, std::optional<std::uint32_t> writes) {
   return json;
 }
 
-std::unique_ptr<Plant> plant_of(const std::string& path, std::ostream& err) {
+std::unique_ptr<Plant> plant_of(const std::string& path, Output& err) {
   const auto text = read_file(path);
   if (!text) {
-    err << "canopus: " << text.error() << '\n';
+    err.line("canopus: {}", text.error());
     return nullptr;
   }
   const PlantReading reading = read_plant(*text, path);
-  for (const PlantError& error : reading.errors) err << describe(error, path) << '\n';
+  for (const PlantError& error : reading.errors) err.line("{}", describe(error, path));
   if (!reading.errors.empty()) return nullptr;
   static PlantObserver* const nobody = [] {
     static class Nobody final : public PlantObserver {
@@ -130,34 +130,32 @@ std::unique_ptr<Plant> plant_of(const std::string& path, std::ostream& err) {
   }();
   auto plant = Plant::build(reading.plant, *nobody);
   if (plant) return std::move(*plant);
-  for (const PlantError& error : plant.error()) err << describe(error, path) << '\n';
+  for (const PlantError& error : plant.error()) err.line("{}", describe(error, path));
   return nullptr;
 }
 
-int product_lists(const std::string& path, bool json, std::ostream& out, std::ostream& err) {
+int product_lists(const std::string& path, bool json, Output& out, Output& err) {
   const std::unique_ptr<Plant> plant = plant_of(path, err);
   if (!plant) return 2;
   if (!json)
-    out << "plc       slot  type      series  model        points  I/O No.  serial No         ver.\n";
+    out.line("plc       slot  type      series  model        points  I/O No.  serial No         ver.");
   for (std::size_t number = 0; number < plant->plc_count(); ++number) {
     const std::string& name = plant->plc_section(number).name;
     for (const auto& [slot, io_number, product] : plant->rack(number).product_list()) {
       if (json) {
-        out << Json{{"plc", name},
-                    {"slot", slot},
-                    {"type", product.type},
-                    {"series", product.series},
-                    {"model", product.model},
-                    {"points", product.points},
-                    {"io_number", io_number},
-                    {"serial_number", product.serial_number},
-                    {"version", product.version}}
-                   .dump()
-            << '\n';
+        out.json(Json{{"plc", name},
+                      {"slot", slot},
+                      {"type", product.type},
+                      {"series", product.series},
+                      {"model", product.model},
+                      {"points", product.points},
+                      {"io_number", io_number},
+                      {"serial_number", product.serial_number},
+                      {"version", product.version}});
       } else {
-        out << fmt::format("{:<9} 0-{:<3} {:<9} {:<7} {:<12} {:<7} {:04X}     {:<17} {}\n", name, slot,
-                           product.type, product.series, product.model, fmt::format("{}pt", product.points),
-                           io_number, product.serial_number, product.version);
+        out.line("{:<9} 0-{:<3} {:<9} {:<7} {:<12} {:<7} {:04X}     {:<17} {}", name, slot, product.type,
+                 product.series, product.model, fmt::format("{}pt", product.points), io_number,
+                 product.serial_number, product.version);
       }
     }
   }
@@ -166,58 +164,56 @@ int product_lists(const std::string& path, bool json, std::ostream& out, std::os
 
 }  // namespace
 
-int module_list(const std::optional<std::string>& plant, bool json, std::ostream& out, std::ostream& err) {
+int module_list(const std::optional<std::string>& plant, bool json, Output& out, Output& err) {
   if (plant) return product_lists(*plant, json, out, err);
   for (const CatalogueEntry& entry : module_catalogue()) {
     const DataSheet& sheet = *entry.data_sheet;
     if (json) {
-      out << Json{{"model", sheet.model},
-                  {"maker", sheet.maker},
-                  {"series", sheet.series},
-                  {"points", sheet.points}}
-                 .dump()
-          << '\n';
+      out.json(Json{{"model", sheet.model},
+                    {"maker", sheet.maker},
+                    {"series", sheet.series},
+                    {"points", sheet.points}});
     } else {
-      out << fmt::format("{:<12} {}, series {}, {} points\n", sheet.model, sheet.maker, sheet.series,
-                         sheet.points);
+      out.line("{:<12} {}, series {}, {} points", sheet.model, sheet.maker, sheet.series, sheet.points);
     }
   }
   return 0;
 }
 
 int module_info(const std::string& model, const std::optional<std::filesystem::path>& store, bool json,
-                std::ostream& out, std::ostream& err) {
+                Output& out, Output& err) {
   const CatalogueEntry* entry = known_module(model, err);
   if (entry == nullptr) return 2;
   std::optional<std::uint32_t> writes;
   if (store) {
     if (!std::filesystem::is_directory(*store)) {
-      err << "canopus: " << store->string()
-          << ": no such folder; expected the module's own in a plant's store, for example "
-             "state/U000-ME3CAN1-Q\n";
+      err.line(
+          "canopus: {}: no such folder; expected the module's own in a plant's store, for example "
+          "state/U000-ME3CAN1-Q",
+          store->string());
       return 2;
     }
     writes = flash_writes(*entry, *store);
   }
   if (json) {
-    out << as_json(*entry->data_sheet, writes).dump() << '\n';
+    out.json(as_json(*entry->data_sheet, writes));
   } else {
     print_text(*entry->data_sheet, writes, out);
   }
   return 0;
 }
 
-int module_eds_file(const std::string& model, const std::string& path, std::ostream& out, std::ostream& err) {
+int module_eds_file(const std::string& model, const std::string& path, Output& out, Output& err) {
   const CatalogueEntry* entry = known_module(model, err);
   if (entry == nullptr) return 2;
   const std::string text = module_eds(*entry);
   if (path.empty()) {
-    out << text;
+    out.content(text);
     return 0;
   }
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
   if (!file || !(file << text) || !file.flush()) {
-    err << "canopus: cannot write " << path << ": " << std::strerror(errno) << '\n';
+    err.line("canopus: cannot write {}: {}", path, std::strerror(errno));
     return 2;
   }
   return 0;
@@ -239,7 +235,7 @@ void add_module_command(CLI::App& app, int& exit_code) {
   list->add_flag("--json", words->json, "One JSON object per line");
   list->callback([words, &exit_code] {
     exit_code = module_list(words->plant.empty() ? std::nullopt : std::optional(words->plant), words->json,
-                            std::cout, std::cerr);
+                            standard_output(), standard_error());
   });
 
   CLI::App* info = command->add_subcommand("info", "What the manual says of a module and no register shows");
@@ -252,14 +248,14 @@ void add_module_command(CLI::App& app, int& exit_code) {
     exit_code =
         module_info(words->model,
                     words->store.empty() ? std::nullopt : std::optional<std::filesystem::path>(words->store),
-                    words->json, std::cout, std::cerr);
+                    words->json, standard_output(), standard_error());
   });
 
   CLI::App* eds = command->add_subcommand("eds", "An EDS file of the module, for configuration tools");
   eds->add_option("MODEL", words->model, "for example me3can1-q")->required();
   eds->add_option("-o,--output", words->output, "Write it into this file")->type_name("FILE");
   eds->callback([words, &exit_code] {
-    exit_code = module_eds_file(words->model, words->output, std::cout, std::cerr);
+    exit_code = module_eds_file(words->model, words->output, standard_output(), standard_error());
   });
   command->footer(
       "Exit codes: 0 done, 2 no such module, or a file that cannot be read or written.\n"

@@ -88,13 +88,13 @@ int command_node(const Arguments& arguments, const Service& service) {
       line["command"] = service.name;
       line["node"] = node;
       if (arguments.wait) line["state"] = canopen::name(service.state);
-      fmt::print("{}\n", line.dump());
+      print_json(line);
     } else if (!arguments.wait) {
-      fmt::print("{} sent to {}\n", service.name, whom);
+      print_line("{} sent to {}", service.name, whom);
     } else if (service.state == NmtState::initialising) {
-      fmt::print("{} has booted\n", whom);
+      print_line("{} has booted", whom);
     } else {
-      fmt::print("{} is {}\n", whom, canopen::name(service.state));
+      print_line("{} is {}", whom, canopen::name(service.state));
     }
     return exit_code::done;
   });

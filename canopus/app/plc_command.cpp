@@ -2,7 +2,6 @@
 
 #include <chrono>
 #include <cstdint>
-#include <cstdio>
 #include <functional>
 #include <memory>
 #include <string>
@@ -14,6 +13,7 @@
 
 #include "canopus/app/plc_address.hpp"
 #include "canopus/app/plc_client.hpp"
+#include "canopus/app/print.hpp"
 #include "canopus/app/text_values.hpp"
 
 namespace canopus::app {
@@ -40,8 +40,7 @@ struct Arguments {
 };
 
 int complain(int exit_code, const std::string& message) {
-  std::fflush(stdout);
-  fmt::print(stderr, "canopus plc: {}\n", message);
+  print_error("canopus plc: {}", message);
   return exit_code;
 }
 
@@ -89,7 +88,7 @@ int read(const Target& target, const Arguments& arguments) {
     if (!texts) return complain(refused, texts.error());
     const std::size_t width = plc_address(target, arguments.count - 1).size();
     for (std::uint32_t i = 0; i < texts->size(); ++i)
-      fmt::print("{:<{}}  {}\n", plc_address(target, i), width, (*texts)[i]);
+      print_line("{:<{}}  {}", plc_address(target, i), width, (*texts)[i]);
     return done;
   });
 }
@@ -148,8 +147,7 @@ int watch_until(PlcClient& client, const Target& target, const Arguments& argume
     const double seconds = std::chrono::duration<double>(WatchClock::now() - start).count();
     for (std::uint32_t i = 0; i < texts->size(); ++i)
       if ((*texts)[i] != before[i])
-        fmt::print("{:9.3f} s  {:<{}}  {}\n", seconds, plc_address(target, i), width, (*texts)[i]);
-    std::fflush(stdout);
+        print_line("{:9.3f} s  {:<{}}  {}", seconds, plc_address(target, i), width, (*texts)[i]);
     before = *texts;
     next += interval;
     if (next < WatchClock::now())
@@ -178,7 +176,7 @@ int watch(const Target& target, const Arguments& arguments) {
 int type(PlcClient& client) {
   const auto found = client.read_type();
   if (!found) return complain(refused, found.error());
-  fmt::print("{}  {:04X}H\n", found->name, found->code);
+  print_line("{}  {:04X}H", found->name, found->code);
   return done;
 }
 

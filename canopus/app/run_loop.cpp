@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
-#include <cstdio>
-#include <cstdlib>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -22,6 +20,7 @@
 #include "canopus/app/live_table.hpp"
 #include "canopus/app/melsec_server.hpp"
 #include "canopus/app/plant.hpp"
+#include "canopus/app/print.hpp"
 #include "canopus/app/real_time.hpp"
 #include "canopus/app/run_recording.hpp"
 #include "canopus/app/screen.hpp"
@@ -39,11 +38,11 @@ using namespace std::chrono_literals;
 std::optional<PlantFile> read_plant_file(const std::string& path) {
   const auto text = read_file(path);
   if (!text) {
-    fmt::print(stderr, "canopus: {}\n", text.error());
+    print_error("canopus: {}", text.error());
     return std::nullopt;
   }
   PlantReading reading = read_plant(*text, path);
-  for (const PlantError& error : reading.errors) fmt::print(stderr, "{}\n", describe(error, path));
+  for (const PlantError& error : reading.errors) print_error("{}", describe(error, path));
   if (!reading.errors.empty()) return std::nullopt;
   return std::move(reading.plant);
 }
@@ -52,7 +51,7 @@ std::unique_ptr<Plant> build_plant(const PlantFile& file, PlantObserver& observe
                                    std::optional<std::uint64_t> seed) {
   auto plant = Plant::build(file, observer, seed);
   if (!plant) {
-    for (const PlantError& error : plant.error()) fmt::print(stderr, "{}\n", describe(error, file.path));
+    for (const PlantError& error : plant.error()) print_error("{}", describe(error, file.path));
     return nullptr;
   }
   return std::move(*plant);
@@ -63,11 +62,10 @@ class Run {
  public:
   explicit Run(const RunOptions& options)
       : options_(options),
-        json_(stdout),
-        lines_(stdout, options.quiet),
-        table_(raw_plant_, std::getenv("NO_COLOR") == nullptr),
-        has_table_(!options.json && !options.quiet && !options.virtual_time && ::isatty(STDOUT_FILENO) == 1) {
-  }
+        json_(standard_output()),
+        lines_(standard_output(), standard_error(), options.quiet),
+        table_(raw_plant_, wants_colour(STDOUT_FILENO)),
+        has_table_(!options.json && !options.quiet && !options.virtual_time && is_terminal(STDOUT_FILENO)) {}
 
   int operator()();
 
@@ -109,7 +107,7 @@ bool Run::open_trace() {
   if (options_.trace.empty()) return true;
   auto file = link::TraceFile::create(options_.trace, link::trace_format_of(options_.trace));
   if (!file) {
-    fmt::print(stderr, "canopus: {}\n", file.error());
+    print_error("canopus: {}", file.error());
     return false;
   }
   trace_.emplace(std::move(*file));
@@ -130,7 +128,7 @@ bool Run::open_vcd() {
         plant_->bus_count() == 1 ? options_.vcd : fmt::format("{}-{}{}", stem, bus.name(), suffix);
     vcd_.push_back(std::make_unique<VcdFile>(path, bus));
     if (const std::string problem = vcd_.back()->error(); !problem.empty()) {
-      fmt::print(stderr, "canopus: {}\n", problem);
+      print_error("canopus: {}", problem);
       return false;
     }
   }
@@ -143,7 +141,7 @@ void Run::door(std::string_view protocol, std::string_view of, const std::string
   } else if (has_table_) {
     table_.add_door(fmt::format("{} {}", protocol, address));
   } else if (!options_.quiet) {
-    fmt::print("{}{} on {}\n", protocol, of.empty() ? "" : fmt::format(" of {}", of), address);
+    print_line("{}{} on {}", protocol, of.empty() ? "" : fmt::format(" of {}", of), address);
   }
 }
 
@@ -152,8 +150,8 @@ bool Run::open_doors(RealTime& clock) {
     boost::system::error_code error;
     const auto address = asio::ip::make_address(place.host == "localhost" ? "127.0.0.1" : place.host, error);
     if (!error) return asio::ip::tcp::endpoint(address, place.port);
-    fmt::print(stderr, "canopus: \"{}\" is not an address to listen on; expected numbers such as 127.0.0.1\n",
-               place.host);
+    print_error("canopus: \"{}\" is not an address to listen on; expected numbers such as 127.0.0.1",
+                place.host);
     return std::nullopt;
   };
   const auto opened = [&](const std::expected<void, std::string>& result, std::string_view protocol,
@@ -161,7 +159,7 @@ bool Run::open_doors(RealTime& clock) {
     if (result) {
       door(protocol, of, fmt::format("{}:{}", place.host, port));
     } else {
-      fmt::print(stderr, "canopus: {}: {}\n", protocol, result.error());
+      print_error("canopus: {}: {}", protocol, result.error());
     }
     return result.has_value();
   };
@@ -203,8 +201,7 @@ bool Run::run_in_real_time() {
   RealTime clock(io_, *plant_, observer(), end);
   if (!open_doors(clock)) return false;
   if (!options_.json && !options_.quiet && !has_table_) {
-    for (const std::string& line : plant_->connections()) fmt::print("{}\n", line);
-    std::fflush(stdout);
+    for (const std::string& line : plant_->connections()) print_line("{}", line);
   }
   asio::signal_set stop(io_, SIGINT, SIGTERM, SIGHUP);
   stop.async_wait([this](const boost::system::error_code& error, int) {
@@ -277,12 +274,12 @@ int Run::operator()() {
   for (const auto& vcd : vcd_) {
     const std::string problem = vcd->close(plant_->timeline().now());
     if (problem.empty()) continue;
-    fmt::print(stderr, "canopus: {}\n", problem);
+    print_error("canopus: {}", problem);
     written = false;
   }
   if (trace_) {
     if (const auto closed = trace_->close(); !closed) {
-      fmt::print(stderr, "canopus: {}\n", closed.error());
+      print_error("canopus: {}", closed.error());
       written = false;
     }
   }
@@ -303,8 +300,8 @@ int check_plant(const std::string& path) {
   } nobody;
   const auto plant = build_plant(*file, nobody, std::nullopt);
   if (!plant) return 2;
-  for (const std::string& line : plant->connections()) fmt::print("{}\n", line);
-  fmt::print("{}: good: {} bus{}, {} device{}, {} PLC{}\n", path, file->buses.size(),
+  for (const std::string& line : plant->connections()) print_line("{}", line);
+  print_line("{}: good: {} bus{}, {} device{}, {} PLC{}", path, file->buses.size(),
              file->buses.size() == 1 ? "" : "es", file->devices.size(), file->devices.size() == 1 ? "" : "s",
              file->plcs.size(), file->plcs.size() == 1 ? "" : "s");
   return 0;

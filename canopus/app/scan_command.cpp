@@ -1,7 +1,6 @@
 #include "canopus/app/scan_command.hpp"
 
 #include <charconv>
-#include <cstdio>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -56,13 +55,12 @@ BusLoop::End run_scan(BusLoop& bus, BusScan& scan) {
   BusLoop::End end = BusLoop::End::time_over;
   while (end == BusLoop::End::time_over) {
     if (bar && bus.now() >= next_bar) {
-      fmt::print(stderr, "\r\x1b[K{}", scan_progress(scan.asked(), scan.of(), scan.found().size()));
-      std::fflush(stderr);
+      show_progress(Line("{}", scan_progress(scan.asked(), scan.of(), scan.found().size())));
       next_bar = bus.now() + std::chrono::milliseconds(100);
     }
     end = bus.run([&] { return scan.finished(); }, bar ? next_bar : can::never);
   }
-  if (bar) std::fputs("\r\x1b[K", stderr);
+  end_progress();
   bus.remove(scan);
   return end;
 }
@@ -75,34 +73,35 @@ int scan(const Arguments& arguments) {
     const BusLoop::End end = run_scan(bus, questions);
     const std::vector<FoundNode> nodes = questions.found();
     if (arguments.bus.json) {
-      for (const FoundNode& node : nodes) fmt::print("{}\n", scan_json(node));
+      for (const FoundNode& node : nodes) print_json(scan_json(node));
     } else if (!nodes.empty()) {
-      fmt::print("{}", scan_table(nodes, wants_colour(STDOUT_FILENO)));
+      for (const Line& line : scan_table(nodes, wants_colour(STDOUT_FILENO))) standard_output().line(line);
     }
-    std::fflush(stdout);
     if (end != BusLoop::End::done) return complain_of(end, bus, "");
     if (nodes.empty()) return complain(exit_code::failed, "no node answers");
-    if (!arguments.bus.json) fmt::print("{} node{} found\n", nodes.size(), nodes.size() == 1 ? "" : "s");
+    if (!arguments.bus.json) print_line("{} node{} found", nodes.size(), nodes.size() == 1 ? "" : "s");
     return exit_code::done;
   });
 }
 
 }  // namespace
 
-std::string scan_table(const std::vector<FoundNode>& nodes, bool colour) {
-  std::string text = fmt::format("{:>4}  {:<15}  {:<8}  {:<8}  {:<8}  {:<8}  {:<8}  {}\n", "node", "state",
-                                 "type", "vendor", "product", "revision", "serial", "name");
+std::vector<Line> scan_table(const std::vector<FoundNode>& nodes, bool colour) {
+  std::vector<Line> lines;
+  lines.push_back(Line("{:>4}  {:<15}  {:<8}  {:<8}  {:<8}  {:<8}  {:<8}  {}", "node", "state", "type",
+                       "vendor", "product", "revision", "serial", "name"));
   for (const FoundNode& node : nodes) {
     const std::string state = fmt::format("{:<15}", node.state ? canopen::name(*node.state) : "unknown");
-    text += fmt::format("{:>4}  {}  {:<8}  {:<8}  {:<8}  {:<8}  {:<8}  {}\n", node.node_id,
-                        paint(state, colour_of(node.state), colour), number(node.device_type),
-                        number(node.vendor), number(node.product), number(node.revision), number(node.serial),
-                        node.answers_sdo ? node.name.value_or("-") : "(no SDO answer)");
+    lines.push_back(Line("{:>4}  {}  {:<8}  {:<8}  {:<8}  {:<8}  {:<8}  {}", node.node_id,
+                         paint(state, colour_of(node.state), colour), number(node.device_type),
+                         number(node.vendor), number(node.product), number(node.revision),
+                         number(node.serial),
+                         node.answers_sdo ? node.name.value_or("-") : "(no SDO answer)"));
   }
-  return text;
+  return lines;
 }
 
-std::string scan_json(const FoundNode& node) {
+nlohmann::ordered_json scan_json(const FoundNode& node) {
   nlohmann::ordered_json line;
   line["node"] = node.node_id;
   line["answers_sdo"] = node.answers_sdo;
@@ -115,7 +114,7 @@ std::string scan_json(const FoundNode& node) {
   if (node.name) line["name"] = *node.name;
   if (node.heartbeat_ms) line["heartbeat_ms"] = *node.heartbeat_ms;
   if (node.guard_ms) line["guard_ms"] = *node.guard_ms;
-  return line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return line;
 }
 
 std::string scan_progress(unsigned asked, unsigned of, std::size_t found) {

@@ -4,7 +4,10 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "canopus/app/bus_scan.hpp"
+#include "canopus/app/print.hpp"
 
 namespace CLI {
 class App;
@@ -13,9 +16,9 @@ class App;
 namespace canopus::app {
 
 /// The table, a header line and a line per node. `colour`: states in colour.
-[[nodiscard]] std::string scan_table(const std::vector<FoundNode>& nodes, bool colour);
+[[nodiscard]] std::vector<Line> scan_table(const std::vector<FoundNode>& nodes, bool colour);
 /// One JSON object for a node; what is not known is left out.
-[[nodiscard]] std::string scan_json(const FoundNode& node);
+[[nodiscard]] nlohmann::ordered_json scan_json(const FoundNode& node);
 /// "[######----]  64 of 127 nodes asked, 3 found"
 [[nodiscard]] std::string scan_progress(unsigned asked, unsigned of, std::size_t found);
 

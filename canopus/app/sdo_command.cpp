@@ -65,7 +65,7 @@ class ProgressLine {
  public:
   explicit ProgressLine(const BusLoop& bus) : bus_(bus), next_(bus.now() + std::chrono::milliseconds(500)) {}
   ~ProgressLine() {
-    if (shown_) std::fputs("\r\x1b[K", stderr);
+    if (shown_) end_progress();
   }
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
@@ -74,12 +74,8 @@ class ProgressLine {
     if (bus_.now() < next_ || !is_terminal(STDERR_FILENO)) return;
     next_ = bus_.now() + std::chrono::milliseconds(100);
     shown_ = true;
-    if (of == 0) {
-      fmt::print(stderr, "\r\x1b[K{} bytes", bytes);
-    } else {
-      fmt::print(stderr, "\r\x1b[K{} of {} bytes, {} %", bytes, of, bytes * 100 / of);
-    }
-    std::fflush(stderr);
+    show_progress(of == 0 ? Line("{} bytes", bytes)
+                          : Line("{} of {} bytes, {} %", bytes, of, bytes * 100 / of));
   }
 
  private:
@@ -97,7 +93,7 @@ int failed(const Arguments& arguments, const Target& target, const SdoFailure& f
       line["abort"] = fmt::format("{:08X}", static_cast<std::uint32_t>(failure.code));
     }
     line["reason"] = failure.reason;
-    fmt::print("{}\n", line.dump());
+    print_json(line);
     return exit_code::failed;
   }
   return complain(exit_code::failed,
@@ -105,18 +101,21 @@ int failed(const Arguments& arguments, const Target& target, const SdoFailure& f
 }
 
 int print_value(const Arguments& arguments, const Target& target, std::span<const std::uint8_t> bytes) {
-  if (!arguments.file.empty() || arguments.raw) {
-    std::FILE* out = arguments.raw ? stdout : std::fopen(arguments.file.c_str(), "wb");
+  if (arguments.raw) {
+    standard_output().content({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    return exit_code::done;
+  }
+  if (!arguments.file.empty()) {
+    std::FILE* out = std::fopen(arguments.file.c_str(), "wb");
     const bool written = out != nullptr && std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size();
-    const int reason = errno;
-    const bool closed = out == nullptr || (arguments.raw ? std::fflush(out) : std::fclose(out)) == 0;
+    int reason = errno;
+    const bool closed = out == nullptr || std::fclose(out) == 0;
+    if (written && !closed) reason = errno;
     if (!written || !closed) {
       return complain(exit_code::failed,
-                      fmt::format("cannot write {}: {}", arguments.raw ? "the output" : arguments.file,
-                                  std::strerror(reason)));
+                      fmt::format("cannot write {}: {}", arguments.file, std::strerror(reason)));
     }
-    if (!arguments.raw)
-      fmt::print("{}  {} bytes in {}\n", target.object_text(), bytes.size(), arguments.file);
+    print_line("{}  {} bytes in {}", target.object_text(), bytes.size(), arguments.file);
     return exit_code::done;
   }
   if (arguments.bus.json) {
@@ -128,11 +127,11 @@ int print_value(const Arguments& arguments, const Target& target, std::span<cons
       line["type"] = arguments.type;
       line["value"] = json_value(bytes, *target.type);
     }
-    fmt::print("{}\n", line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+    print_json(line);
     return exit_code::done;
   }
   if (!target.type) {
-    fmt::print("{}  {}\n", target.object_text(), show_bytes(bytes));
+    print_line("{}  {}", target.object_text(), show_bytes(bytes));
     return exit_code::done;
   }
   const auto shown = show_value(bytes, *target.type);
@@ -140,7 +139,7 @@ int print_value(const Arguments& arguments, const Target& target, std::span<cons
     return complain(exit_code::failed,
                     fmt::format("node {}, {}: {}", target.node, target.object_text(), shown.error()));
   }
-  fmt::print("{}  {}\n", target.object_text(), *shown);
+  print_line("{}  {}", target.object_text(), *shown);
   return exit_code::done;
 }
 
@@ -196,9 +195,9 @@ int write(const Arguments& arguments) {
     if (!result) return failed(arguments, *target, result.error());
     if (arguments.bus.json) return print_value(arguments, *target, *bytes);
     if (bytes->size() > 16) {
-      fmt::print("{}  {} bytes written\n", target->object_text(), bytes->size());
+      print_line("{}  {} bytes written", target->object_text(), bytes->size());
     } else {
-      fmt::print("{}  {} written\n", target->object_text(), hexadecimal(*bytes));
+      print_line("{}  {} written", target->object_text(), hexadecimal(*bytes));
     }
     return exit_code::done;
   });

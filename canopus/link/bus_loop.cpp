@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <csignal>
-#include <cstdio>
-
-#include <fmt/format.h>
 
 namespace canopus::link {
 
@@ -64,7 +61,9 @@ void BusLoop::bus_lost(const std::string& reason) {
   failure_ = "the bus is lost: " + reason;
 }
 
-void BusLoop::bus_complains(std::string_view text) { fmt::print(stderr, "canopus: the bus: {}\n", text); }
+void BusLoop::bus_complains(std::string_view text) {
+  if (complaint_) complaint_(text);
+}
 
 BusLoop::End BusLoop::run(const std::function<bool()>& done, can::Time end) {
   while (true) {

@@ -45,6 +45,8 @@ class BusLoop final : public can::Sink, private BusClientUser {
   End run(const std::function<bool()>& done, can::Time end = can::never);
   /// Why the bus was lost.
   [[nodiscard]] const std::string& failure() const noexcept { return failure_; }
+  /// Called with what a server of the bus complains of; its own words, not to be printed as they are.
+  void set_complaint(std::function<void(std::string_view)> complaint) { complaint_ = std::move(complaint); }
 
  private:
   BusLoop();
@@ -67,6 +69,7 @@ class BusLoop final : public can::Sink, private BusClientUser {
   bool interrupted_ = false;
   bool lost_ = false;
   std::string failure_;
+  std::function<void(std::string_view)> complaint_;
 };
 
 }  // namespace canopus::link

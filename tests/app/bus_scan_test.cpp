@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "canopus/app/scan_command.hpp"
 
@@ -84,12 +85,18 @@ TEST_F(BusScanTest, EmptyBus_TakesEightTimeOuts) {
   EXPECT_LE(took, 820ms);
 }
 
+std::string shown(const std::vector<FoundNode>& nodes, bool colour) {
+  TextOutput out;
+  for (const Line& line : scan_table(nodes, colour)) out.line(line);
+  return out.text();
+}
+
 TEST(ScanTable, ShowsOneLinePerNode) {
   FoundNode node{.node_id = 5, .answers_sdo = true, .state = NmtState::operational};
   node.device_type = 0x191;
   node.name = "valve";
   const FoundNode silent{.node_id = 17, .state = NmtState::stopped};
-  EXPECT_EQ(scan_table({node, silent}, false),
+  EXPECT_EQ(shown({node, silent}, false),
             "node  state            type      vendor    product   revision  serial    name\n"
             "   5  operational      00000191  -         -         -         -         valve\n"
             "  17  stopped          -         -         -         -         -         (no SDO answer)\n");
@@ -97,13 +104,13 @@ TEST(ScanTable, ShowsOneLinePerNode) {
 
 TEST(ScanTable, ColoursOnlyTheState) {
   const FoundNode node{.node_id = 5, .state = NmtState::operational};
-  EXPECT_THAT(scan_table({node}, true), testing::HasSubstr("   5  \x1b[32moperational    \x1b[0m  -"));
+  EXPECT_THAT(shown({node}, true), testing::HasSubstr("   5  \x1b[32moperational    \x1b[0m  -"));
 }
 
 TEST(ScanJson, LeavesOutWhatIsNotKnown) {
   FoundNode node{.node_id = 5, .answers_sdo = true};
   node.vendor = 0x195;
-  EXPECT_EQ(scan_json(node), R"({"node":5,"answers_sdo":true,"vendor":405})");
+  EXPECT_EQ(scan_json(node).dump(), R"({"node":5,"answers_sdo":true,"vendor":405})");
 }
 
 TEST(ScanProgress, IsABarOfThirty) {

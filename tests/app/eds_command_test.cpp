@@ -33,8 +33,8 @@ class EdsCheck : public testing::Test {
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
   std::filesystem::path folder_;
-  std::ostringstream out_;
-  std::ostringstream err_;
+  canopus::app::TextOutput out_;
+  canopus::app::TextOutput err_;
 };
 
 const std::string small =
@@ -45,9 +45,9 @@ TEST_F(EdsCheck, AcceptedFile_GetsItsProblemsAndOneSummaryLine) {
   const std::string file = write("a.eds", small);
   EXPECT_EQ(check({.files = {file}}), 0);
   EXPECT_THAT(
-      out_.str(),
+      out_.text(),
       HasSubstr(file + ":4: warning: there are no object lists: every object described is taken in\n"));
-  EXPECT_THAT(out_.str(),
+  EXPECT_THAT(out_.text(),
               EndsWith(file + ": accepted, 3 warnings, 1 note: 3 objects, 0 RPDOs, 0 TPDOs, device type "
                               "00020192H\n"));
 }
@@ -55,38 +55,38 @@ TEST_F(EdsCheck, AcceptedFile_GetsItsProblemsAndOneSummaryLine) {
 TEST_F(EdsCheck, RefusedFile_MakesTheExitCodeOne) {
   const std::string file = write("b.eds", "\nhello\n");
   EXPECT_EQ(check({.files = {file, write("a.eds", small)}}), 1);
-  EXPECT_THAT(out_.str(),
+  EXPECT_THAT(out_.text(),
               HasSubstr(file + ":2: error: this is not an EDS or DCF: there is not one [section]\n"));
-  EXPECT_THAT(out_.str(), HasSubstr(file + ": refused\n"));
+  EXPECT_THAT(out_.text(), HasSubstr(file + ": refused\n"));
 }
 
 TEST_F(EdsCheck, FileThatIsNotThere_MakesTheExitCodeTwo) {
   EXPECT_EQ(check({.files = {"/nowhere/a.eds", write("b.eds", "x")}}), 2);
-  EXPECT_EQ(err_.str(), "canopus: /nowhere/a.eds: No such file or directory\n");
+  EXPECT_EQ(err_.text(), "canopus: /nowhere/a.eds: No such file or directory\n");
 }
 
 TEST_F(EdsCheck, Folder_IsNotReadAsAFile) {
   EXPECT_EQ(check({.files = {folder_.string()}}), 2);
-  EXPECT_EQ(err_.str(), "canopus: " + folder_.string() + ": Is a directory\n");
+  EXPECT_EQ(err_.text(), "canopus: " + folder_.string() + ": Is a directory\n");
 }
 
 TEST_F(EdsCheck, Quiet_PrintsRefusedFilesOnly) {
   EXPECT_EQ(check({.files = {write("a.eds", small)}, .quiet = true}), 0);
-  EXPECT_EQ(out_.str(), "");
+  EXPECT_EQ(out_.text(), "");
 }
 
 TEST_F(EdsCheck, Colour_IsOnlyWhereAskedFor) {
   const std::string file = write("a.eds", small);
   check({.files = {file}});
-  EXPECT_EQ(out_.str().find('\x1b'), std::string::npos);
+  EXPECT_EQ(out_.text().find('\x1b'), std::string::npos);
   check({.files = {file}, .colour = true});
-  EXPECT_THAT(out_.str(), HasSubstr("\x1b[1;35mwarning:\x1b[0m"));
+  EXPECT_THAT(out_.text(), HasSubstr("\x1b[1;35mwarning:\x1b[0m"));
 }
 
 TEST_F(EdsCheck, Json_IsOneObjectPerFile) {
   const std::string file = write("a.eds", small);
   EXPECT_EQ(check({.files = {file}, .json = true}), 0);
-  const auto line = nlohmann::json::parse(out_.str());
+  const auto line = nlohmann::json::parse(out_.text());
   EXPECT_EQ(line["file"], file);
   EXPECT_EQ(line["accepted"], true);
   EXPECT_EQ(line["device_type"], 0x20192);

@@ -1,7 +1,6 @@
 #include "canopus/app/event_printer.hpp"
 
-#include <cstdlib>
-
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace canopus::app {
@@ -9,35 +8,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Catches what a printer prints.
-class Printed {
- public:
-  Printed() : file_(::open_memstream(&text_, &size_)) {}
-  ~Printed() {
-    std::fclose(file_);
-    std::free(text_);
-  }
-  Printed(const Printed&) = delete;
-  Printed& operator=(const Printed&) = delete;
-  std::FILE* file() { return file_; }
-  std::string text() {
-    std::fflush(file_);
-    return {text_, size_};
-  }
-
- private:
-  char* text_ = nullptr;
-  std::size_t size_ = 0;
-  std::FILE* file_;
-};
-
 constexpr NodePlate encoder{"line1", "encoder", 3};
 constexpr NodePlate stranger{"line1", "", 77};
 constexpr can::Time at{1'250'000us};
 
 TEST(JsonPrinter, EachEventIsOneLineAsDocumented) {
-  Printed printed;
-  JsonPrinter json(printed.file());
+  TextOutput printed;
+  JsonPrinter json(printed);
   json.booted(encoder, at);
   json.nmt_state_changed(stranger, canopen::NmtState::operational, at);
   json.emergency(encoder,
@@ -64,16 +41,16 @@ TEST(JsonPrinter, EachEventIsOneLineAsDocumented) {
 }
 
 TEST(JsonPrinter, ANameThatIsNotUtf8DoesNotBreakTheLine) {
-  Printed printed;
-  JsonPrinter json(printed.file());
+  TextOutput printed;
+  JsonPrinter json(printed);
   json.booted({"line1", "Ger\xE4t", 3}, at);
   EXPECT_EQ(printed.text(),
             "{\"t\":1.25,\"event\":\"boot\",\"bus\":\"line1\",\"node\":3,\"name\":\"Ger\xEF\xBF\xBDt\"}\n");
 }
 
 TEST(LinePrinter, LinesAreForPeople) {
-  Printed printed;
-  LinePrinter lines(printed.file(), false);
+  TextOutput printed;
+  LinePrinter lines(printed, printed, false);
   lines.booted(encoder, at);
   lines.signal_changed("plc1", 'Y', 0x02, false, at);
   lines.buffer_changed("plc1", 0, 13000, 65535, true, at);
@@ -84,8 +61,8 @@ TEST(LinePrinter, LinesAreForPeople) {
 }
 
 TEST(LinePrinter, QuietMeansNothing) {
-  Printed printed;
-  LinePrinter lines(printed.file(), true);
+  TextOutput printed;
+  LinePrinter lines(printed, printed, true);
   lines.booted(encoder, at);
   lines.nmt_state_changed(encoder, canopen::NmtState::stopped, at);
   lines.summary({});
@@ -97,11 +74,10 @@ TEST(Summary, SaysWhoIsNotOperational) {
   summary.nodes.push_back(
       {.plate = encoder, .state = canopen::NmtState::operational, .pdos = 5, .is_on = true});
   summary.nodes.push_back({.plate = stranger, .state = canopen::NmtState::stopped, .is_on = true});
-  EXPECT_EQ(describe(summary),
-            "ran 10.000 s of plant time in 100.0 ms, 100 times as fast as real time\n"
-            "line1 node 3 (encoder): operational, 5 PDOs sent\n"
-            "line1 node 77: stopped, 0 PDOs sent\n"
-            "1 of 2 nodes operational\n");
+  EXPECT_THAT(describe(summary),
+              testing::ElementsAre("ran 10.000 s of plant time in 100.0 ms, 100 times as fast as real time",
+                                   "line1 node 3 (encoder): operational, 5 PDOs sent",
+                                   "line1 node 77: stopped, 0 PDOs sent", "1 of 2 nodes operational"));
 }
 
 }  // namespace

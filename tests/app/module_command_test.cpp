@@ -23,9 +23,9 @@ using ::testing::StartsWith;
 using Json = nlohmann::json;
 
 Json info(const std::string& model) {
-  std::ostringstream out, err;
-  EXPECT_EQ(module_info(model, std::nullopt, true, out, err), 0) << err.str();
-  return Json::parse(out.str());
+  TextOutput out, err;
+  EXPECT_EQ(module_info(model, std::nullopt, true, out, err), 0) << err.text();
+  return Json::parse(out.text());
 }
 
 TEST(ModuleInfo, Identity_OccupiedPoints_NoOnlineChange_ControlCpuOnly) {
@@ -122,38 +122,38 @@ TEST(ModuleInfo, Standards) {
 }
 
 TEST(ModuleInfo, Text_SaysTheSame) {
-  std::ostringstream out, err;
+  TextOutput out, err;
   EXPECT_EQ(module_info("me3can1-q", std::nullopt, false, out, err), 0);
   for (const char* line :
        {"Model                     ME3CAN1-Q, Mitsubishi Electric\n",
         "Online module change      not supported\n", "Flash memory              10000 writes\n",
         "  7  CAN_H     dominant high\n", "  1000 kbps    25 m\n", "  CiA 303-3  V1.4  LEDs\n",
         "  Safety CPU                    QS001                       not applicable\n"}) {
-    EXPECT_THAT(out.str(), HasSubstr(line));
+    EXPECT_THAT(out.text(), HasSubstr(line));
   }
 }
 
 TEST(ModuleInfo, UnknownModel_NamesThoseThereAre) {
-  std::ostringstream out, err;
+  TextOutput out, err;
   EXPECT_EQ(module_info("me3can2-q", std::nullopt, false, out, err), 2);
-  EXPECT_EQ(err.str(), "canopus: me3can2-q: no such module; there are: ME3CAN1-Q\n");
+  EXPECT_EQ(err.text(), "canopus: me3can2-q: no such module; there are: ME3CAN1-Q\n");
   EXPECT_EQ(module_eds_file("nothing", "", out, err), 2);
-  EXPECT_EQ(out.str(), "");
+  EXPECT_EQ(out.text(), "");
 }
 
 TEST(ModuleInfo, Store_ShowsHowOftenTheFlashMemoryWasWritten) {
   const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "module-info-store";
   std::filesystem::remove_all(folder);
-  std::ostringstream out, err;
+  TextOutput out, err;
   EXPECT_EQ(module_info("me3can1-q", folder, true, out, err), 2);
-  EXPECT_THAT(err.str(), HasSubstr("no such folder"));
+  EXPECT_THAT(err.text(), HasSubstr("no such folder"));
   store::FileMemory memory(folder);
   module::FlashMemory flash(memory, {"buffer-memory", "object-dictionary"});
   flash.write("buffer-memory", {});
   flash.write("object-dictionary", {});
   flash.write("buffer-memory", {});
   EXPECT_EQ(module_info("me3can1-q", folder, true, out, err), 0);
-  const Json sheet = Json::parse(out.str());
+  const Json sheet = Json::parse(out.text());
   EXPECT_EQ(sheet["flash_writes"], 3);
   EXPECT_EQ(sheet["flash_endurance"], 10000);
   std::filesystem::remove_all(folder);
@@ -166,30 +166,30 @@ TEST(ModuleList, S03_OfAPlant_IsTheProductListOfItsPlcs) {
       << "[[bus]]\nname = \"a\"\nbit_rate = 250_000\n[[plc]]\nname = \"plc1\"\nlisten = \"off\"\n"
          "[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nhead = 0x00\nnode = 1\n"
          "[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nhead = 0x40\nnode = 2\n";
-  std::ostringstream out, err;
-  ASSERT_EQ(module_list(path.string(), false, out, err), 0) << err.str();
-  EXPECT_EQ(out.str(),
+  TextOutput out, err;
+  ASSERT_EQ(module_list(path.string(), false, out, err), 0) << err.text();
+  EXPECT_EQ(out.text(),
             "plc       slot  type      series  model        points  I/O No.  serial No         ver.\n"
             "plc1      0-0   Intelli.  Q       ME3CAN1-Q    32pt    0000     1203100000000000  B\n"
             "plc1      0-1   Intelli.  Q       ME3CAN1-Q    32pt    0040     1203100000000000  B\n");
-  out.str("");
+  out.clear();
   ASSERT_EQ(module_list(path.string(), true, out, err), 0);
-  const Json first = Json::parse(out.str().substr(0, out.str().find('\n')));
+  const Json first = Json::parse(out.text().substr(0, out.text().find('\n')));
   EXPECT_EQ(first["io_number"], 0);
   EXPECT_EQ(first["serial_number"], "1203100000000000");
   EXPECT_EQ(first["version"], "B");
-  out.str("");
+  out.clear();
   EXPECT_EQ(module_list(std::nullopt, false, out, err), 0);
-  EXPECT_EQ(out.str(), "ME3CAN1-Q    Mitsubishi Electric, series Q, 32 points\n");
+  EXPECT_EQ(out.text(), "ME3CAN1-Q    Mitsubishi Electric, series Q, 32 points\n");
   EXPECT_EQ(module_list("/no/such/plant.toml", false, out, err), 2);
 }
 
 // The file says of every object what the module's own dictionary says.
 TEST(ModuleEds, DescribesTheObjectDictionary) {
   RecordProperty("spec", "ME3-SYS-017");
-  std::ostringstream out, err;
+  TextOutput out, err;
   ASSERT_EQ(module_eds_file("me3can1-q", "", out, err), 0);
-  const eds::ReadResult read = eds::read_device_file(out.str());
+  const eds::ReadResult read = eds::read_device_file(out.text());
   ASSERT_NE(read.file, nullptr);
   for (const eds::Problem& problem : read.problems) ADD_FAILURE() << problem.line << ": " << problem.message;
   EXPECT_EQ(read.file->device.product_name, "ME3CAN1-Q");

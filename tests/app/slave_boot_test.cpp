@@ -121,13 +121,9 @@ TEST_F(SlaveBootTest, ManyMissingSlaves_LeaveRoomForTheRest) {
 TEST_F(SlaveBootTest, Json_HasTheFieldsThatPrograms_LookAt) {
   run(R"("1F86:03" = 0x1234)", 2s);
   RunSummary summary{.end = can::Time{2s}, .virtual_time = true, .boots = plant->boots()};
-  char* text = nullptr;
-  std::size_t size = 0;
-  std::FILE* file = open_memstream(&text, &size);
-  JsonPrinter(file).summary(summary);
-  std::fclose(file);
-  const auto line = nlohmann::json::parse(std::string(text, size));
-  std::free(text);
+  TextOutput out;
+  JsonPrinter(out).summary(summary);
+  const auto line = nlohmann::json::parse(out.text());
   const auto& slave = line["slaves"][0];
   EXPECT_EQ(slave["node"], 3);
   EXPECT_EQ(slave["master"], 1);

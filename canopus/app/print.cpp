@@ -1,0 +1,97 @@
+#include "canopus/app/print.hpp"
+
+#include <cerrno>
+#include <cstdlib>
+#include <system_error>
+
+#include <nlohmann/json.hpp>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+namespace canopus::app {
+namespace {
+
+/// The standard output or standard error. Nothing is kept back: the two stay in order on a terminal.
+class StandardStream final : public Output {
+ public:
+  explicit StandardStream(int descriptor) : descriptor_(descriptor) {}
+
+ private:
+  void write(std::string_view text) override {
+    end_progress();
+    while (!text.empty()) {
+      const ssize_t written = ::write(descriptor_, text.data(), text.size());
+      if (written < 0) {
+        if (descriptor_ == STDERR_FILENO) return;
+        throw OutputFailed(errno);
+      }
+      text.remove_prefix(static_cast<std::size_t>(written));
+    }
+  }
+
+  int descriptor_;
+};
+
+bool progress_is_shown = false;
+
+void write_to_terminal(std::string_view text) {
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text.data(), text.size());
+}
+
+}  // namespace
+
+Line paint(std::string_view text, std::string_view code, bool colour) {
+  Line line;
+  line.text_ = colour ? fmt::format("\x1b[{}m{}\x1b[0m", code, printable(text)) : printable(text);
+  return line;
+}
+
+bool is_terminal(int descriptor) {
+  const char* terminal = std::getenv("TERM");
+  return isatty(descriptor) != 0 && terminal != nullptr && std::string_view(terminal) != "dumb";
+}
+
+bool wants_colour(int descriptor) {
+  const char* refused = std::getenv("NO_COLOR");  // no-color.org: set and not empty
+  return (refused == nullptr || *refused == '\0') && is_terminal(descriptor);
+}
+
+void Output::line(const Line& line) { write(line.text() + '\n'); }
+
+void Output::json(const nlohmann::ordered_json& object) {
+  write(printable_json(object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)) + '\n');
+}
+
+OutputFailed::OutputFailed(int error)
+    : std::runtime_error(error == EINTR
+                             ? "interrupted"
+                             : "cannot write the output: " + std::generic_category().message(error)) {}
+
+Output& standard_output() {
+  static StandardStream stream(STDOUT_FILENO);
+  return stream;
+}
+
+Output& standard_error() {
+  static StandardStream stream(STDERR_FILENO);
+  return stream;
+}
+
+void print_json(const nlohmann::ordered_json& object) { standard_output().json(object); }
+
+void show_progress(const Line& line) {
+  if (!is_terminal(STDERR_FILENO)) return;
+  winsize window{};
+  const bool known = ::ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 1;
+  const std::string_view text = clipped(line.text(), known ? window.ws_col - 1U : 79U);
+  write_to_terminal(fmt::format("\r{}\x1b[K", text));
+  progress_is_shown = true;
+}
+
+void end_progress() {
+  if (!progress_is_shown) return;
+  progress_is_shown = false;
+  write_to_terminal("\r\x1b[K");
+}
+
+}  // namespace canopus::app
