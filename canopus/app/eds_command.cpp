@@ -1,20 +1,15 @@
 #include "canopus/app/eds_command.hpp"
 
-#include <array>
-#include <cerrno>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <optional>
-#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "canopus/app/file_text.hpp"
 #include "canopus/eds/device_file.hpp"
 
 namespace canopus::app {
@@ -22,30 +17,12 @@ namespace {
 
 using Severity = eds::Problem::Severity;
 
-/// The text, or nothing after a word on `err`. More than any device file has is not read: /dev/zero ends too.
+/// The text, or nothing after a word on `err`.
 std::optional<std::string> read_text(const std::string& file, Output& err) {
-  constexpr std::size_t enough = std::size_t{8} << 20;
-  std::error_code no_folder;
-  std::ifstream opened;
-  const bool is_folder = std::filesystem::is_directory(file, no_folder);
-  errno = 0;
-  if (file != "-" && !is_folder) opened.open(file, std::ios::binary);
-  if (is_folder || (file != "-" && !opened)) {
-    const int reason = is_folder ? EISDIR : errno != 0 ? errno : EIO;
-    err.line("canopus: {}: {}", file, std::strerror(reason));
-    return std::nullopt;
-  }
-  std::istream& stream = file == "-" ? std::cin : opened;
-  std::string text;
-  std::array<char, 16384> piece{};
-  while (text.size() < enough && (stream.read(piece.data(), piece.size()) || stream.gcount() != 0)) {
-    text.append(piece.data(), static_cast<std::size_t>(stream.gcount()));
-  }
-  if (stream.bad()) {
-    err.line("canopus: {}: {}", file, std::strerror(errno != 0 ? errno : EIO));
-    return std::nullopt;
-  }
-  return text;
+  const auto text = file == "-" ? read_standard_input() : read_file_or_reason(file);
+  if (text) return *text;
+  err.line("canopus: {}: {}", file, text.error());
+  return std::nullopt;
 }
 
 std::string counted(std::size_t count, const std::string& what) {

@@ -159,7 +159,7 @@ int read(const Arguments& arguments) {
 }
 
 std::expected<std::vector<std::uint8_t>, std::string> file_content(const std::string& name) {
-  const auto text = read_file(name);
+  const auto text = read_file_or_pipe(name);
   if (!text) return std::unexpected(text.error());
   return std::vector<std::uint8_t>(text->begin(), text->end());
 }

@@ -3,14 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <system_error>
 
 namespace canopus::store {
 
 namespace {
 
-constexpr std::array<std::uint8_t, 8> magic{'C', 'N', 'P', 'S', 1, 0, 0, 0};
-constexpr std::size_t header_size = magic.size() + 8 + 4;
+using Head = std::array<std::uint8_t, 8>;
+constexpr Head without_owner{'C', 'N', 'P', 'S', 1, 0, 0, 0};
+constexpr Head with_owner{'C', 'N', 'P', 'S', 2, 0, 0, 0};
+constexpr std::size_t header_size = sizeof(Head) + 8 + 4;
+constexpr std::size_t longest_owner = 65'535;
 constexpr std::uint64_t largest_content = 64ULL << 20;
 constexpr std::string_view temporary_suffix = ".new";
 
@@ -27,7 +29,7 @@ constexpr std::array<std::uint32_t, 256> crc_table = [] {
 bool is_good_name(std::string_view name) {
   return !name.empty() && name.front() != '.' && std::ranges::all_of(name, [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
-           c == '_' || c == '.';
+           c == '_' || c == '%' || c == '.';
   });
 }
 
@@ -44,7 +46,41 @@ class OpenFile {
   int number_;
 };
 
-// Makes the folder and those above it that are missing; each name is on the medium before the next is made.
+std::uint64_t get(std::span<const std::uint8_t> bytes) {
+  std::uint64_t value = 0;
+  for (std::size_t i = bytes.size(); i-- > 0;) value = value << 8 | bytes[i];
+  return value;
+}
+
+void put(std::vector<std::uint8_t>& bytes, std::uint64_t value, unsigned length) {
+  for (unsigned i = 0; i < length; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i) & 0xFF));
+}
+
+// The whole file.
+std::vector<std::uint8_t> file_of(std::string_view owner, std::span<const std::uint8_t> bytes) {
+  std::vector<std::uint8_t> content;
+  content.reserve(2 + owner.size() + bytes.size());
+  if (!owner.empty()) {
+    owner = owner.substr(0, longest_owner);
+    put(content, owner.size(), 2);
+    content.insert(content.end(), owner.begin(), owner.end());
+  }
+  content.insert(content.end(), bytes.begin(), bytes.end());
+  const Head& head = owner.empty() ? without_owner : with_owner;
+  std::vector<std::uint8_t> file(head.begin(), head.end());
+  file.reserve(header_size + content.size());
+  put(file, content.size(), 8);
+  put(file, crc32(content), 4);
+  file.insert(file.end(), content.begin(), content.end());
+  return file;
+}
+
+bool begins_with(std::span<const std::uint8_t> bytes, const Head& head) {
+  return bytes.size() >= header_size && std::equal(head.begin(), head.end(), bytes.begin());
+}
+
+}  // namespace
+
 int make_folders(Files& files, const std::filesystem::path& folder) {
   const std::filesystem::path parent = folder.parent_path();
   int why = files.make_folder(folder);
@@ -58,61 +94,60 @@ int make_folders(Files& files, const std::filesystem::path& folder) {
   return 0;
 }
 
-std::uint64_t get(std::span<const std::uint8_t> bytes) {
-  std::uint64_t value = 0;
-  for (std::size_t i = bytes.size(); i-- > 0;) value = value << 8 | bytes[i];
-  return value;
-}
-
-void put(std::vector<std::uint8_t>& bytes, std::uint64_t value, unsigned length) {
-  for (unsigned i = 0; i < length; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i) & 0xFF));
-}
-
-}  // namespace
-
 std::uint32_t crc32(std::span<const std::uint8_t> bytes) noexcept {
   std::uint32_t crc = 0xFFFFFFFFU;
   for (const std::uint8_t byte : bytes) crc = crc >> 8 ^ crc_table[(crc ^ byte) & 0xFF];
   return ~crc;
 }
 
-module::NonVolatileMemory::Content FileMemory::read(std::string_view name) {
+FileMemory::Stored FileMemory::load(std::string_view name) {
   using State = Content::State;
   if (!is_good_name(name)) return {};
-  auto read = files_->read(folder_ / name, header_size + largest_content);
+  const std::filesystem::path path = folder_ / name;
+  const auto damaged = [&path](const std::string& why) {
+    return Stored{.content = {.state = State::damaged, .bytes = {}}, .damage = path.string() + ": " + why};
+  };
+  auto read = files_->read(path, header_size + largest_content);
   if (!read) {
-    const bool missing = read.error() == ENOENT || read.error() == ENOTDIR;
-    return {.state = missing ? State::missing : State::damaged, .bytes = {}};
+    if (read.error() == ENOENT || read.error() == ENOTDIR) return {};
+    return damaged("cannot read: " + describe_error(read.error()));
   }
   std::vector<std::uint8_t>& bytes = *read;
-  if (bytes.size() < header_size || !std::equal(magic.begin(), magic.end(), bytes.begin())) {
-    return {.state = State::damaged, .bytes = {}};
-  }
   const std::span<const std::uint8_t> all(bytes);
-  const std::uint64_t length = get(all.subspan(magic.size(), 8));
-  const std::span<const std::uint8_t> content = all.subspan(header_size);
-  if (length != content.size() || crc32(content) != get(all.subspan(magic.size() + 8, 4))) {
-    return {.state = State::damaged, .bytes = {}};
+  const bool has_owner = begins_with(all, with_owner);
+  if (!has_owner && !begins_with(all, without_owner)) {
+    return damaged("is damaged, or not a file that Canopus has stored");
   }
-  bytes.erase(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(header_size));
-  return {.state = State::good, .bytes = std::move(bytes)};
+  const std::span<const std::uint8_t> content = all.subspan(header_size);
+  const bool is_whole = get(all.subspan(sizeof(Head), 8)) == content.size() &&
+                        get(all.subspan(sizeof(Head) + 8, 4)) == crc32(content);
+  std::size_t owner_size = 0;
+  if (has_owner && content.size() >= 2) owner_size = 2 + static_cast<std::size_t>(get(content.first(2)));
+  if (!is_whole || owner_size > content.size() || (has_owner && owner_size == 0)) {
+    return damaged("is damaged (length or checksum)");
+  }
+  if (has_owner && !owner_.empty()) {
+    const std::string owner(content.begin() + 2, content.begin() + static_cast<std::ptrdiff_t>(owner_size));
+    if (owner != owner_) return damaged("belongs to " + owner + ", not to " + owner_);
+  }
+  bytes.erase(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(header_size + owner_size));
+  return {.content = {.state = State::good, .bytes = std::move(bytes)}, .damage = {}};
 }
+
+module::NonVolatileMemory::Content FileMemory::read(std::string_view name) { return load(name).content; }
+
+std::string FileMemory::damage(std::string_view name) { return load(name).damage; }
 
 bool FileMemory::write(std::string_view name, std::span<const std::uint8_t> bytes) {
   error_.clear();
   if (!is_good_name(name)) return fail("not a name for stored data", name, 0);
-  if (bytes.size() > largest_content) return fail("too much to store", name, 0);
+  if (bytes.size() > largest_content - longest_owner) return fail("too much to store", name, 0);
   if (!make_folder()) return false;
   const std::filesystem::path path = folder_ / name;
   std::filesystem::path temporary = path;
   temporary += temporary_suffix;
 
-  std::vector<std::uint8_t> content(magic.begin(), magic.end());
-  content.reserve(header_size + bytes.size());
-  put(content, bytes.size(), 8);
-  put(content, crc32(bytes), 4);
-  content.insert(content.end(), bytes.begin(), bytes.end());
-  if (const int why = write_file(temporary, content); why != 0) {
+  if (const int why = write_file(temporary, file_of(owner_, bytes)); why != 0) {
     static_cast<void>(files_->remove(temporary));
     return fail("cannot write", temporary, why);
   }
@@ -158,7 +193,7 @@ int FileMemory::write_file(const std::filesystem::path& path, std::span<const st
 
 bool FileMemory::fail(std::string_view what, const std::filesystem::path& path, int why) {
   error_ = path.string() + ": " + std::string(what);
-  if (why != 0) error_ += ": " + std::generic_category().message(why);
+  if (why != 0) error_ += ": " + describe_error(why);
   return false;
 }
 

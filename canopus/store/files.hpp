@@ -1,26 +1,34 @@
 #pragma once
 // What stored data ask of a file system, as an interface: the real one in a program, one that loses its power
-// in a test. Errors are errno values.
+// in a test. Errors are errno values, or not_a_file.
 
 #include <cstddef>
 #include <cstdint>
 #include <expected>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace canopus::store {
+
+/// There is something of that name, but it is neither a file nor a folder: a FIFO, a device.
+inline constexpr int not_a_file = -1;
+/// "Permission denied", "it is not a file".
+[[nodiscard]] std::string describe_error(int why);
 
 class Files {
  public:
   virtual ~Files() = default;
 
-  /// The whole file; EFBIG when it is longer than `at_most`.
+  /// The whole file; EFBIG when it is longer than `at_most`, EISDIR for a folder, not_a_file for what would
+  /// have to be waited for.
   [[nodiscard]] virtual std::expected<std::vector<std::uint8_t>, int> read(const std::filesystem::path& path,
                                                                            std::size_t at_most) = 0;
   /// Makes one folder: 0, EEXIST, ENOENT when its parent is missing, ...
   [[nodiscard]] virtual int make_folder(const std::filesystem::path& path) = 0;
-  /// Opens a file for writing and empties it. The number is for write(), flush() and close().
+  /// Makes an empty file for writing. One that has this name is taken away first, a link as such: nothing that
+  /// is there already is written into. The number is for write(), flush() and close().
   [[nodiscard]] virtual std::expected<int, int> create(const std::filesystem::path& path) = 0;
   /// Appends; may take less than all.
   [[nodiscard]] virtual std::expected<std::size_t, int> write(int file,

@@ -11,11 +11,12 @@ namespace canopus::store {
 
 class ParameterFile final : public canopen::ParameterStore {
  public:
-  /// The file `name` in `folder`; letters, digits, '-', '_' and '.'.
-  ParameterFile(std::filesystem::path folder, std::string name)
-      : memory_(std::move(folder)), name_(std::move(name)) {}
+  /// The file `name` in `folder`; which names and whose: file_memory.hpp.
+  ParameterFile(std::filesystem::path folder, std::string name, std::string owner = {})
+      : memory_(std::move(folder), std::move(owner)), name_(std::move(name)) {}
 
-  /// Empty when there is no file, or when it is damaged: the node then starts with its defaults.
+  /// Empty when there is no file, or when it is damaged: the node then starts with its defaults. A plant that
+  /// finds damage does not start at all.
   [[nodiscard]] std::vector<std::uint8_t> load() override { return memory_.read(name_).bytes; }
   canopen::AbortCode save(std::span<const std::uint8_t> image) override {
     return memory_.write(name_, image) ? canopen::AbortCode::none : canopen::AbortCode::hardware_error;

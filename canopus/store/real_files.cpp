@@ -1,5 +1,6 @@
 #include <array>
 #include <cerrno>
+#include <system_error>
 #include <utility>
 
 #include <fcntl.h>
@@ -26,17 +27,21 @@ class RealFiles final : public Files {
  public:
   std::expected<std::vector<std::uint8_t>, int> read(const std::filesystem::path& path,
                                                      std::size_t at_most) override {
-    const int file = open(path, O_RDONLY);
+    const int file = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY);
     if (file < 0) return std::unexpected(errno);
     std::vector<std::uint8_t> bytes;
-    const int why = read_all(file, bytes, at_most);
+    const int kind = check_kind(file);
+    const int why = kind != 0 ? kind : read_all(file, bytes, at_most);
     ::close(file);
     if (why != 0) return std::unexpected(why);
     return bytes;
   }
   int make_folder(const std::filesystem::path& path) override { return outcome(::mkdir(path.c_str(), 0755)); }
   std::expected<int, int> create(const std::filesystem::path& path) override {
-    const int file = open(path, O_WRONLY | O_CREAT | O_TRUNC);
+    constexpr int new_file = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW;
+    int file = open(path, new_file);
+    // What a power cut left, or what somebody put there: a link is unlinked, not followed.
+    if (file < 0 && errno == EEXIST && ::unlink(path.c_str()) == 0) file = open(path, new_file);
     if (file < 0) return std::unexpected(errno);
     return file;
   }
@@ -66,6 +71,13 @@ class RealFiles final : public Files {
     return uninterrupted([&] { return ::open(path.c_str(), how | O_CLOEXEC, 0644); });
   }
 
+  static int check_kind(int file) {
+    struct stat status {};
+    if (::fstat(file, &status) != 0) return errno;
+    if (S_ISDIR(status.st_mode)) return EISDIR;
+    return S_ISREG(status.st_mode) ? 0 : not_a_file;
+  }
+
   static int read_all(int file, std::vector<std::uint8_t>& bytes, std::size_t at_most) {
     std::array<std::uint8_t, 16384> piece{};
     for (;;) {
@@ -79,6 +91,10 @@ class RealFiles final : public Files {
 };
 
 }  // namespace
+
+std::string describe_error(int why) {
+  return why == not_a_file ? "it is not a file" : std::generic_category().message(why);
+}
 
 Files& real_files() noexcept {
   static RealFiles files;

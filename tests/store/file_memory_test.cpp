@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
+#include <sys/stat.h>
 
 namespace canopus::store {
 namespace {
@@ -55,6 +56,77 @@ TEST_F(FileMemoryTest, FileFormat_IsAsDocumented) {
   // The CRC-32 of "123456789" is CBF43926H.
   EXPECT_EQ(file("words"), (Bytes{'C', 'N',  'P',  'S',  1,    0,   0,   0,   9,   0,   0,   0,   0,   0,  0,
                                   0,   0x26, 0x39, 0xF4, 0xCB, '1', '2', '3', '4', '5', '6', '7', '8', '9'}));
+}
+
+TEST_F(FileMemoryTest, FileFormatWithAnOwner_IsAsDocumented) {
+  FileMemory memory(folder_ / "module", "me");
+  ASSERT_TRUE(memory.write("words", Bytes{'5', '6', '7', '8', '9'}));
+  const Bytes bytes = file("words");
+  ASSERT_EQ(bytes.size(), 29U);
+  EXPECT_EQ(Bytes(bytes.begin(), bytes.begin() + 16),
+            (Bytes{'C', 'N', 'P', 'S', 2, 0, 0, 0, 9, 0, 0, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(Bytes(bytes.begin() + 20, bytes.end()), (Bytes{2, 0, 'm', 'e', '5', '6', '7', '8', '9'}));
+}
+
+TEST_F(FileMemoryTest, OfAnotherOwner_IsDamageThatNamesBoth) {
+  ASSERT_TRUE(FileMemory(folder_ / "module", "device \"a\"").write("words", Bytes{1}));
+  FileMemory other(folder_ / "module", "device \"b\"");
+  EXPECT_EQ(other.read("words").state, State::damaged);
+  EXPECT_EQ(other.damage("words"),
+            inside("words").string() + ": belongs to device \"a\", not to device \"b\"");
+  EXPECT_EQ(FileMemory(folder_ / "module", "device \"a\"").read("words").bytes, Bytes{1});
+  EXPECT_EQ(FileMemory(folder_ / "module").read("words").bytes, Bytes{1});  // whoever asks
+}
+
+TEST_F(FileMemoryTest, WithoutAnOwner_IsReadByAnyAndGetsOneWhenItIsWritten) {
+  ASSERT_TRUE(FileMemory(folder_ / "module").write("words", Bytes{1}));
+  FileMemory mine(folder_ / "module", "me");
+  EXPECT_EQ(mine.read("words").bytes, Bytes{1});
+  EXPECT_EQ(mine.damage("words"), "");
+  ASSERT_TRUE(mine.write("words", Bytes{2}));
+  EXPECT_EQ(FileMemory(folder_ / "module", "another").read("words").state, State::damaged);
+}
+
+TEST_F(FileMemoryTest, Damage_IsASentenceWithThePath) {
+  FileMemory memory(folder_ / "module");
+  EXPECT_EQ(memory.damage("words"), "");
+  ASSERT_TRUE(memory.write("words", Bytes{1}));
+  EXPECT_EQ(memory.damage("words"), "");
+  put_file("words", Bytes{'h', 'i'});
+  EXPECT_EQ(memory.damage("words"),
+            inside("words").string() + ": is damaged, or not a file that Canopus has stored");
+  std::filesystem::remove(inside("words"));
+  std::filesystem::create_directory(inside("words"));
+  EXPECT_EQ(memory.damage("words"), inside("words").string() + ": cannot read: Is a directory");
+}
+
+// A FIFO that nobody writes to: opened as a file it would wait for ever.
+TEST_F(FileMemoryTest, AFifo_IsDamageAndNotWaitedFor) {
+  std::filesystem::create_directory(folder_ / "module");
+  ASSERT_EQ(::mkfifo(inside("words").c_str(), 0600), 0);
+  FileMemory memory(folder_ / "module");
+  EXPECT_EQ(memory.read("words").state, State::damaged);
+  EXPECT_EQ(memory.damage("words"), inside("words").string() + ": cannot read: it is not a file");
+}
+
+TEST_F(FileMemoryTest, ALinkInPlaceOfTheNewFile_IsNotFollowed) {
+  std::filesystem::create_directory(folder_ / "module");
+  std::ofstream(folder_ / "other") << "keep me";
+  std::filesystem::create_symlink(folder_ / "other", inside("words.new"));
+  FileMemory memory(folder_ / "module");
+  ASSERT_TRUE(memory.write("words", Bytes{1, 2, 3})) << memory.error();
+  std::ifstream other(folder_ / "other");
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(other), {}), "keep me");
+  EXPECT_EQ(memory.read("words").bytes, (Bytes{1, 2, 3}));
+}
+
+// Nor is a FIFO waited for that somebody put in its place.
+TEST_F(FileMemoryTest, AFifoInPlaceOfTheNewFile_IsTakenAway) {
+  std::filesystem::create_directory(folder_ / "module");
+  ASSERT_EQ(::mkfifo(inside("words.new").c_str(), 0600), 0);
+  FileMemory memory(folder_ / "module");
+  ASSERT_TRUE(memory.write("words", Bytes{1})) << memory.error();
+  EXPECT_EQ(memory.read("words").bytes, Bytes{1});
 }
 
 TEST_F(FileMemoryTest, EmptyContent_IsNotMissing) {

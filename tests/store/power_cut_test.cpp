@@ -42,7 +42,7 @@ void cut_everywhere(const std::vector<Change>& before, const Change& change, uns
       ASSERT_EQ(files.make_folder("plant"), 0);
       std::mt19937 random(static_cast<unsigned>(cut) * rounds + round);
       {
-        FileMemory memory(folder, files);
+        FileMemory memory(folder, "the owner", files);
         for (const Change& earlier : before) {
           make(memory, earlier);
           if (earlier.name == change.name) old = earlier.content;
@@ -51,13 +51,13 @@ void cut_everywhere(const std::vector<Change>& before, const Change& change, uns
       done = false;
       files.cut_after(cut);
       try {
-        FileMemory memory(folder, files);
+        FileMemory memory(folder, "the owner", files);
         make(memory, change);
         done = true;
       } catch (const PowerCut&) {
       }
       files.power_back(random);
-      FileMemory memory(folder, files);
+      FileMemory memory(folder, "the owner", files);
       const auto found = memory.read(change.name);
       ASSERT_NE(found.state, State::damaged) << "cut after " << cut << " steps";
       const Content left = found.state == State::good ? Content(found.bytes) : std::nullopt;

@@ -47,7 +47,8 @@ struct Settings {
 // A module on a file system, until the supply goes off.
 class Machine {
  public:
-  explicit Machine(CutFiles& files) : memory_(folder, files), module_(bus_, memory_, profile()) {
+  explicit Machine(CutFiles& files)
+      : memory_(folder, "the module", files), module_(bus_, memory_, profile()) {
     module_.power_on(now_);
     wait([&] { return (g(25) & 0x80) == 0; });
   }
