@@ -19,10 +19,14 @@ namespace {
 using canopus::can::Time;
 
 /// 3000 words that remember, so that a write beyond them is a write beyond this object.
-class Memory final : public canopus::module::Module {
+class Memory final : public canopus::module::Module,
+                     public canopus::module::BufferMemoryAccess,
+                     public canopus::module::SignalAccess {
  public:
   [[nodiscard]] std::string_view model() const noexcept override { return "MEMORY"; }
   [[nodiscard]] unsigned points() const noexcept override { return 32; }
+  [[nodiscard]] canopus::module::BufferMemoryAccess* buffer_memory() noexcept override { return this; }
+  [[nodiscard]] canopus::module::SignalAccess* signals() noexcept override { return this; }
   [[nodiscard]] canopus::module::BufferAddress buffer_memory_size() const noexcept override { return 3000; }
   [[nodiscard]] std::uint16_t read_word(canopus::module::BufferAddress address, Time /*now*/) override {
     return words_.at(address);

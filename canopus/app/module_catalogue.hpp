@@ -10,6 +10,7 @@
 #include "canopus/canopen/dictionary_description.hpp"
 #include "canopus/module/communication_module.hpp"
 #include "canopus/module/data_sheet.hpp"
+#include "canopus/module/non_volatile_memory.hpp"
 
 namespace canopus::app {
 

@@ -50,10 +50,12 @@ std::vector<PlantError> preset_words(module::CommunicationModule& module, const 
     if (module.takes_word(word.address, word.value)) continue;
     errors.add(word.place, "write: G{} = {}: the {} does not take this", word.address, word.value, model);
   }
+  const module::BufferMemoryAccess* buffer = module.buffer_memory();
+  const module::BufferAddress words = buffer == nullptr ? 0 : buffer->buffer_memory_size();
   for (const std::uint32_t address : section.watch) {
-    if (address < module.buffer_memory_size()) continue;
+    if (address < words) continue;
     errors.add(section.place, "module: watch: G{}: the {} has {} words of buffer memory", address, model,
-               module.buffer_memory_size());
+               words);
   }
   return errors.take();
 }

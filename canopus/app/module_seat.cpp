@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "canopus/manager/nmt_master.hpp"
-
 namespace canopus::app {
 
 namespace {
@@ -38,12 +36,8 @@ ModuleSeat::ModuleSeat(const ModuleSection& section, std::string_view plc,
 }
 
 void ModuleSeat::collect_boots(std::vector<SlaveBoot>& all) const {
-  const manager::NmtMaster* master = module_->master();
-  if (master == nullptr) return;
-  for (std::uint8_t node_id = 1; node_id <= 127; ++node_id) {
-    const manager::BootRecord& record = master->boot_record(node_id);
-    if (record.step == manager::BootStep::idle) continue;
-    all.push_back({watch_.plate(node_id), status_.plate, record});
+  for (const module::SlaveBootRecord& boot : module_->boots()) {
+    all.push_back({watch_.plate(boot.node_id), status_.plate, boot.record});
   }
 }
 
@@ -117,7 +111,7 @@ void ModuleSeat::look(can::Time now) {
     observer_.nmt_state_changed(status_.plate, status_.state, now);
   }
   for (std::size_t i = 0; i < watched_.size(); ++i) {
-    const std::uint16_t value = module_->read_word(section_.watch[i], now);
+    const std::uint16_t value = module_->buffer_memory()->read_word(section_.watch[i], now);
     if (value == watched_[i]) continue;
     watched_[i] = value;
     observer_.buffer_changed(plc_, section_.head, section_.watch[i], value, false, now);

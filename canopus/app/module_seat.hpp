@@ -12,6 +12,7 @@
 #include "canopus/app/bus_watch.hpp"
 #include "canopus/app/plant.hpp"
 #include "canopus/module/communication_module.hpp"
+#include "canopus/module/non_volatile_memory.hpp"
 #include "canopus/plc/built_in_program.hpp"
 
 namespace canopus::app {

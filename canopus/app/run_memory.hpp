@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "canopus/module/module.hpp"
+#include "canopus/module/non_volatile_memory.hpp"
 
 namespace canopus::app {
 

@@ -1,7 +1,6 @@
 #pragma once
 // A CANopen communication module of any make, as a plant sees it: beside what the PLC does to it (Module),
-// the settings it leaves the shelf with, what a PLC program has to know to work with it, and what there is to
-// look at.
+// its factory settings, what a PLC program has to know to work with it, and what there is to look at.
 
 #include <cstdint>
 #include <optional>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "canopus/canopen/node.hpp"
+#include "canopus/manager/boot_record.hpp"
 #include "canopus/module/led.hpp"
 #include "canopus/module/module.hpp"
 #include "canopus/module/program_interface.hpp"
@@ -22,13 +22,19 @@ enum class Layer2State : std::uint8_t {
   online,
 };
 
+/// How the boot of one slave went or where it is.
+struct SlaveBootRecord {
+  std::uint8_t node_id = 0;
+  manager::BootRecord record{};
+};
+
 class CommunicationModule : public Module {
  public:
-  // --- as it leaves the shelf; to be called before power_on()
+  // --- factory settings; to be called before power_on()
 
   /// A setting in place of the factory default, until the module saves its own. Only words that it saves,
   /// checked as a write is; false otherwise.
-  virtual bool preset_word(BufferAddress address, std::uint16_t value) = 0;
+  virtual bool preset_word(BufferAddress /*address*/, std::uint16_t /*value*/) { return false; }
   /// The bit rate, bit/s, and the node-ID, 1..127, wherever the module keeps them. False: not one of its own.
   virtual bool preset_bit_rate(std::uint32_t bit_rate) = 0;
   virtual bool preset_node_id(std::uint8_t node_id) = 0;
@@ -41,7 +47,9 @@ class CommunicationModule : public Module {
   /// select.
   [[nodiscard]] virtual std::optional<BufferAddress> layer2_preset_error() const { return std::nullopt; }
   /// A program may write this value to this word in the preset function mode.
-  [[nodiscard]] virtual bool takes_word(BufferAddress address, std::uint16_t value) const = 0;
+  [[nodiscard]] virtual bool takes_word(BufferAddress /*address*/, std::uint16_t /*value*/) const {
+    return false;
+  }
 
   /// What a PLC program has to know.
   [[nodiscard]] virtual const ProgramInterface& program_interface() const noexcept = 0;
@@ -50,6 +58,9 @@ class CommunicationModule : public Module {
 
   /// The CANopen node inside: state, node-ID, objects.
   [[nodiscard]] virtual const canopen::Node& node() const noexcept = 0;
+  /// The slaves that it boots, or has booted, as the active NMT master, by node-ID. manager::explain() says in
+  /// words where a boot is.
+  [[nodiscard]] virtual std::vector<SlaveBootRecord> boots() const { return {}; }
   /// Whether it is in a Layer 2 mode, and online.
   [[nodiscard]] virtual Layer2State layer2_state() const noexcept { return Layer2State::inactive; }
   /// Its LEDs, from the top.

@@ -10,7 +10,7 @@
 
 #include "canopus/canopen/node.hpp"
 #include "canopus/manager/nmt_master.hpp"
-#include "canopus/module/module.hpp"
+#include "canopus/module/non_volatile_memory.hpp"
 
 namespace canopus::module {
 

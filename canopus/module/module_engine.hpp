@@ -32,6 +32,7 @@
 namespace canopus::module {
 
 class ModuleEngine : public CommunicationModule,
+                     public BufferMemoryAccess,
                      private CommandHost,
                      private canopen::NodeListener,
                      private canopen::ObjectHandler,
@@ -54,24 +55,27 @@ class ModuleEngine : public CommunicationModule,
   [[nodiscard]] const canopen::Node& node() const noexcept override { return node_; }
   [[nodiscard]] Layer2State layer2_state() const noexcept override;
   [[nodiscard]] std::vector<Led> leds(can::Time now) const override;
+  [[nodiscard]] std::vector<SlaveBootRecord> boots() const override;
   [[nodiscard]] std::uint32_t flash_writes() const noexcept override { return settings_.flash().writes(); }
 
   // Module
   [[nodiscard]] std::string_view model() const noexcept override { return model_.data_sheet->model; }
   [[nodiscard]] unsigned points() const noexcept override { return model_.data_sheet->points; }
   [[nodiscard]] ProductInformation product() const noexcept override;
-  [[nodiscard]] BufferAddress buffer_memory_size() const noexcept override {
-    return model_.buffer_memory_size;
-  }
-  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
-  void write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
+  [[nodiscard]] BufferMemoryAccess* buffer_memory() noexcept override { return this; }
   void power_on(can::Time now) override;
   void power_off(can::Time now) override;
   void cpu_changed(CpuState state, can::Time now) override;
   void cpu_failed(can::Time now) override;
   void inject(ModuleFault fault, can::Time now) override;
-  [[nodiscard]] const manager::NmtMaster* master() const noexcept override { return &master_; }
   void set_observer(ModuleObserver* observer) override { observer_ = observer; }
+
+  // BufferMemoryAccess
+  [[nodiscard]] BufferAddress buffer_memory_size() const noexcept override {
+    return model_.buffer_memory_size;
+  }
+  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
+  void write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
 
   // can::Participant
   void receive(const can::Frame& frame, can::Time now) override;

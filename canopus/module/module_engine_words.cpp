@@ -244,6 +244,15 @@ std::vector<Led> ModuleEngine::leds(can::Time now) const {
   return leds;
 }
 
+std::vector<SlaveBootRecord> ModuleEngine::boots() const {
+  std::vector<SlaveBootRecord> boots;
+  for (std::uint8_t node_id = 1; node_id <= 127; ++node_id) {
+    const manager::BootRecord& record = master_.boot_record(node_id);
+    if (record.step != manager::BootStep::idle) boots.push_back({node_id, record});
+  }
+  return boots;
+}
+
 LedPattern ModuleEngine::network_state_pattern() const {
   if (state_ != State::running) return LedPattern::off;
   if (master_.lss_active()) return LedPattern::flickering;

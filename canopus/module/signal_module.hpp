@@ -9,8 +9,9 @@
 
 namespace canopus::module {
 
-class SignalModule : public ModuleEngine {
+class SignalModule : public ModuleEngine, public SignalAccess {
  public:
+  [[nodiscard]] SignalAccess* signals() noexcept override { return this; }
   [[nodiscard]] std::uint32_t inputs() const noexcept override { return signals_.inputs(); }
   [[nodiscard]] std::uint32_t outputs() const noexcept override { return signals_.outputs(); }
   void set_output(unsigned signal, bool on, can::Time now) override;

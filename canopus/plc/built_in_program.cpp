@@ -14,7 +14,8 @@ bool is_on(std::uint32_t signals, unsigned number) { return (signals >> number &
 }  // namespace
 
 BuiltInProgram::BuiltInProgram(module::Module& module, const module::ProgramInterface& interface, Task task)
-    : module_(module),
+    : words_(module.buffer_memory()),
+      signals_(module.signals()),
       interface_(interface),
       task_(std::move(task)),
       interval_(task_.exchange.value_or(can::Duration{})) {}
@@ -39,7 +40,7 @@ void BuiltInProgram::tick(can::Time now) {
   if (next_scan_ <= now) next_scan_ = now + scan_time;  // the look that follows is the scan
   if (next_request_ > now) return;
   if (is_requested_) {
-    module_.set_output(interface_.exchange.signal, false, now);
+    signals_->set_output(interface_.exchange.signal, false, now);
     exchange_done(now);
   } else if (may_exchange(now)) {
     request_exchange(now);
@@ -63,19 +64,20 @@ bool BuiltInProgram::buffer_written(module::BufferAddress address) const noexcep
 
 bool BuiltInProgram::is_initializing(can::Time now) {
   return interface_.initializing != 0 &&
-         (module_.read_word(interface_.status, now) & interface_.initializing) != 0;
+         (words_->read_word(interface_.status, now) & interface_.initializing) != 0;
 }
 
 bool BuiltInProgram::bits_are_set(const module::ProgramRequest& request, can::Time now) {
-  return (module_.read_word(request.word, now) & request.bits) != 0;
+  return (words_->read_word(request.word, now) & request.bits) != 0;
 }
 
 bool BuiltInProgram::may_exchange(can::Time now) {
-  const bool is_ready = interface_.ready ? is_on(module_.inputs(), *interface_.ready) : !is_initializing(now);
+  const bool is_ready =
+      interface_.ready ? is_on(signals_->inputs(), *interface_.ready) : !is_initializing(now);
   if (!is_ready) return false;
   const module::ProgramRequest& exchange = interface_.exchange;
   if (exchange.kind == Kind::signal) {
-    return !is_on(module_.inputs(), exchange.signal) && !is_on(module_.outputs(), exchange.signal);
+    return !is_on(signals_->inputs(), exchange.signal) && !is_on(signals_->outputs(), exchange.signal);
   }
   return exchange.kind == Kind::write || !bits_are_set(exchange, now);
 }
@@ -87,10 +89,10 @@ void BuiltInProgram::request_exchange(can::Time now) {
   is_requested_ = true;
   if (exchange.kind == Kind::signal) {
     owns_signal_ = true;
-    module_.set_output(exchange.signal, true, now);
+    signals_->set_output(exchange.signal, true, now);
   } else {
     is_requesting_ = true;
-    module_.write_word(exchange.word, exchange.bits, now);
+    words_->write_word(exchange.word, exchange.bits, now);
     is_requesting_ = false;
   }
 }
@@ -103,9 +105,9 @@ void BuiltInProgram::exchange_done(can::Time now) {
 void BuiltInProgram::set_online(bool on, can::Time now) {
   const module::ProgramRequest& online = interface_.online;
   if (online.kind == Kind::signal) {
-    module_.set_output(online.signal, on, now);
+    signals_->set_output(online.signal, on, now);
   } else if (online.kind != Kind::none && (on || bits_are_set(online, now))) {
-    module_.write_word(online.word, on ? online.bits : std::uint16_t{0}, now);
+    words_->write_word(online.word, on ? online.bits : std::uint16_t{0}, now);
   }
 }
 
@@ -113,7 +115,7 @@ void BuiltInProgram::set_up(can::Time now) {
   const bool is_ready = is_on_ && !is_initializing(now);
   if (std::exchange(was_ready_, is_ready) || !is_ready) return;
   if (task_.online) set_online(false, now);
-  for (const Word& word : task_.words) module_.write_word(word.address, word.value, now);
+  for (const Word& word : task_.words) words_->write_word(word.address, word.value, now);
   if (task_.online) set_online(true, now);
 }
 

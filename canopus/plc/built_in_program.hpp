@@ -52,7 +52,8 @@ class BuiltInProgram {
   void set_online(bool on, can::Time now);
   void set_up(can::Time now);
 
-  module::Module& module_;
+  module::BufferMemoryAccess* words_;  // nullptr: the module has none; likewise
+  module::SignalAccess* signals_;
   const module::ProgramInterface& interface_;
   Task task_;
   can::Duration interval_;               // of data exchanges

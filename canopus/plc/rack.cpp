@@ -52,7 +52,7 @@ bool Rack::insert(std::uint16_t head_address, module::Module& module, can::Timel
     if (slot_of_block_[block] != empty) return false;
   for (std::size_t block = first; block < first + blocks; ++block)
     slot_of_block_[block] = static_cast<std::uint8_t>(slots_.size());
-  slots_.push_back({head_address, &module, handle});
+  slots_.push_back({head_address, &module, module.buffer_memory(), module.signals(), handle});
   return true;
 }
 
@@ -161,7 +161,7 @@ Rack::Access Rack::check_buffer(std::uint16_t head_address, module::BufferAddres
                                 std::uint32_t count) const noexcept {
   const Slot* slot = slot_of_point(head_address);
   if (slot == nullptr || !on_) return std::unexpected(AccessError::no_module);
-  const module::BufferAddress size = slot->module->buffer_memory_size();
+  const module::BufferAddress size = slot->buffer == nullptr ? 0 : slot->buffer->buffer_memory_size();
   if (first >= size || count > size - first) return std::unexpected(AccessError::beyond_buffer);
   return {};
 }
@@ -238,7 +238,7 @@ Rack::Access Rack::read_buffer(std::uint16_t head_address, module::BufferAddress
   const auto count = static_cast<std::uint32_t>(words.size());
   if (Access access = check_buffer(head_address, first, count); !access) return access;
   const Slot& slot = *slot_of_point(head_address);
-  for (std::uint32_t i = 0; i < count; ++i) words[i] = slot.module->read_word(first + i, now);
+  for (std::uint32_t i = 0; i < count; ++i) words[i] = slot.buffer->read_word(first + i, now);
   timeline_.refresh(slot.handle);  // some words act when they are read
   return {};
 }
@@ -248,7 +248,7 @@ Rack::Access Rack::write_buffer(std::uint16_t head_address, module::BufferAddres
   const auto count = static_cast<std::uint32_t>(words.size());
   if (Access access = check_buffer(head_address, first, count); !access) return access;
   const Slot& slot = *slot_of_point(head_address);
-  for (std::uint32_t i = 0; i < count; ++i) slot.module->write_word(first + i, words[i], now);
+  for (std::uint32_t i = 0; i < count; ++i) slot.buffer->write_word(first + i, words[i], now);
   timeline_.refresh(slot.handle);
   return {};
 }
@@ -265,8 +265,8 @@ std::uint16_t Rack::bit_block(Device device, std::uint32_t block, can::Time now)
   if (device == Device::x) {
     if (const Slot* slot = slot_of_point(16 * block); slot != nullptr) {
       const std::uint32_t shift = 16 * block - slot->head;  // a module has at most 32 signals
-      if (!on_ || shift >= 32) return 0;
-      return static_cast<std::uint16_t>(slot->module->inputs() >> shift);
+      if (!on_ || shift >= 32 || slot->signals == nullptr) return 0;
+      return static_cast<std::uint16_t>(slot->signals->inputs() >> shift);
     }
   }
   if (device == Device::sm) return special_relays(block, now);
@@ -281,12 +281,12 @@ void Rack::write_bit(Device device, std::uint32_t number, bool on, can::Time now
 
 void Rack::output_to_module(std::uint32_t number, bool on, can::Time now) {
   const Slot* slot = slot_of_point(number);
-  if (slot == nullptr || !on_) return;
+  if (slot == nullptr || slot->signals == nullptr || !on_) return;
   const unsigned signal = number - slot->head;
   if (signal >= std::min(slot->module->points(), 32U) ||
-      (slot->module->outputs() >> signal & 1U) == (on ? 1U : 0U))
+      (slot->signals->outputs() >> signal & 1U) == (on ? 1U : 0U))
     return;
-  slot->module->set_output(signal, on, now);
+  slot->signals->set_output(signal, on, now);
   timeline_.refresh(slot->handle);
 }
 

@@ -106,6 +106,8 @@ class Rack {
   struct Slot {
     std::uint16_t head = 0;
     module::Module* module = nullptr;
+    module::BufferMemoryAccess* buffer = nullptr;  // nullptr: the module has none; likewise
+    module::SignalAccess* signals = nullptr;
     can::Timeline::Handle handle = 0;
   };
   static constexpr std::size_t block_count = 256;  // of 16 points: X/Y 000H to FFFH

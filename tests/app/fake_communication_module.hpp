@@ -16,7 +16,9 @@
 
 namespace canopus::app::testing {
 
-class FakeCommunicationModule final : public module::CommunicationModule {
+class FakeCommunicationModule final : public module::CommunicationModule,
+                                      public module::BufferMemoryAccess,
+                                      public module::SignalAccess {
  public:
   static constexpr module::BufferAddress exchange_word = 41;
   static constexpr module::BufferAddress status_word = 43;
@@ -59,6 +61,8 @@ class FakeCommunicationModule final : public module::CommunicationModule {
 
   [[nodiscard]] std::string_view model() const noexcept override { return data_sheet.model; }
   [[nodiscard]] unsigned points() const noexcept override { return 0; }
+  [[nodiscard]] module::BufferMemoryAccess* buffer_memory() noexcept override { return this; }
+  [[nodiscard]] module::SignalAccess* signals() noexcept override { return this; }
   [[nodiscard]] module::BufferAddress buffer_memory_size() const noexcept override { return 700; }
   [[nodiscard]] std::uint16_t read_word(module::BufferAddress address, can::Time) override {
     return words[address];

@@ -11,13 +11,15 @@
 
 namespace canopus::plc::testing {
 
-class FakeModule : public module::Module {
+class FakeModule : public module::Module, public module::BufferMemoryAccess, public module::SignalAccess {
  public:
   explicit FakeModule(unsigned points = 32, module::BufferAddress size = 65536)
       : points_(points), size_(size) {}
 
   [[nodiscard]] std::string_view model() const noexcept override { return "FAKE"; }
   [[nodiscard]] unsigned points() const noexcept override { return points_; }
+  [[nodiscard]] module::BufferMemoryAccess* buffer_memory() noexcept override { return this; }
+  [[nodiscard]] module::SignalAccess* signals() noexcept override { return this; }
   [[nodiscard]] module::BufferAddress buffer_memory_size() const noexcept override { return size_; }
   [[nodiscard]] std::uint16_t read_word(module::BufferAddress address, can::Time now) override {
     last_time = now;

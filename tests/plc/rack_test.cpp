@@ -196,6 +196,34 @@ TEST(Rack, Clock_OfAQ03Udv_IsBcdInPairs) {
   EXPECT_THAT(words, ElementsAre(0x2412, 0x3113, 0x4559, 0x2002));
 }
 
+/// What every module has, and nothing else.
+struct BareModule final : module::Module {
+  [[nodiscard]] std::string_view model() const noexcept override { return "BARE"; }
+  [[nodiscard]] unsigned points() const noexcept override { return 16; }
+  void power_on(can::Time /*now*/) override {}
+  void power_off(can::Time /*now*/) override {}
+  void cpu_changed(CpuState /*state*/, can::Time /*now*/) override {}
+  void set_observer(module::ModuleObserver* /*observer*/) override {}
+  void receive(const can::Frame& /*frame*/, can::Time /*now*/) override {}
+  void tick(can::Time /*now*/) override {}
+  [[nodiscard]] can::Time deadline() const noexcept override { return can::never; }
+};
+
+TEST(Rack, ModuleWithoutBufferMemoryAndSignals_HasNoWords_AndItsPointsReadZero) {
+  can::Timeline timeline;
+  Rack rack(timeline);
+  BareModule module;
+  ASSERT_TRUE(rack.insert(0x20, module, timeline.add(module)));
+  rack.power_on({});
+  std::array<std::uint16_t, 1> words{};
+  EXPECT_EQ(error_of(rack.read_buffer(0x20, 0, words, {})), AccessError::beyond_buffer);
+  EXPECT_EQ(error_of(rack.write_buffer(0x20, 0, words, {})), AccessError::beyond_buffer);
+  EXPECT_TRUE(rack.write_bits(Device::y, 0x20, std::array<std::uint8_t, 1>{1}, {}));
+  ASSERT_TRUE(rack.read_words(Device::x, 0x20, words, {}));
+  EXPECT_EQ(words[0], 0);
+  EXPECT_EQ(rack.product_list().at(0).product.points, 16U);
+}
+
 TEST(Rack, Switched_Off_HasNoModulesAndNoSignals) {
   Plc plc;
   plc.module.x = 1;

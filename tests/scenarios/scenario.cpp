@@ -117,19 +117,19 @@ bool ModuleScenario::run_until(Condition condition, can::Duration at_most) {
 }
 
 ModuleScenario& ModuleScenario::write(module::BufferAddress address, std::uint16_t value) {
-  module_->write_word(address, value, now_);
+  words_->write_word(address, value, now_);
   settle();
   return *this;
 }
 
 ModuleScenario& ModuleScenario::write(module::BufferAddress first, const Words& values) {
-  for (const std::uint16_t value : values) module_->write_word(first++, value, now_);
+  for (const std::uint16_t value : values) words_->write_word(first++, value, now_);
   settle();
   return *this;
 }
 
 ModuleScenario& ModuleScenario::y(unsigned number, bool on) {
-  module_->set_output(number, on, now_);
+  signals_->set_output(number, on, now_);
   settle();
   return *this;
 }

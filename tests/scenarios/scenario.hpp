@@ -27,6 +27,7 @@
 
 #include "canopus/can/controller.hpp"
 #include "canopus/module/module.hpp"
+#include "canopus/module/non_volatile_memory.hpp"
 
 namespace canopus::scenario {
 
@@ -73,7 +74,8 @@ class FreeBus final : public can::Controller {
 /// The scenario of one module of any kind. Signal numbers are offsets from the head address.
 class ModuleScenario {
  public:
-  ModuleScenario(module::Module& module, FreeBus& bus) : module_(&module), bus_(&bus) {}
+  ModuleScenario(module::Module& module, FreeBus& bus)
+      : module_(&module), words_(module.buffer_memory()), signals_(module.signals()), bus_(&bus) {}
   virtual ~ModuleScenario();
   ModuleScenario(const ModuleScenario&) = delete;
   ModuleScenario& operator=(const ModuleScenario&) = delete;
@@ -83,10 +85,8 @@ class ModuleScenario {
   /// Consecutive words.
   ModuleScenario& write(module::BufferAddress first, const Words& values);
   ModuleScenario& y(unsigned number, bool on);
-  [[nodiscard]] std::uint16_t read(module::BufferAddress address) {
-    return module_->read_word(address, now_);
-  }
-  [[nodiscard]] bool x(unsigned number) const { return (module_->inputs() >> number & 1U) != 0; }
+  [[nodiscard]] std::uint16_t read(module::BufferAddress address) { return words_->read_word(address, now_); }
+  [[nodiscard]] bool x(unsigned number) const { return (signals_->inputs() >> number & 1U) != 0; }
 
   ModuleScenario& expect(module::BufferAddress address, std::uint16_t value, Where where = Where::current());
   /// Consecutive words.
@@ -132,6 +132,8 @@ class ModuleScenario {
   void failed(const Where& where, const std::string& what) const;
 
   module::Module* module_;
+  module::BufferMemoryAccess* words_;  // nullptr: the module has none; likewise
+  module::SignalAccess* signals_;
   FreeBus* bus_;
   can::Time now_{};
 

@@ -30,10 +30,6 @@ class WordModule final : public module::ModuleEngine {
   WordModule(can::Controller& controller, module::NonVolatileMemory& memory)
       : ModuleEngine(without_signals, controller, memory, {}) {}
 
-  [[nodiscard]] std::uint32_t inputs() const noexcept override { return 0; }
-  [[nodiscard]] std::uint32_t outputs() const noexcept override { return 0; }
-  void set_output(unsigned, bool, can::Time) override {}
-
  private:
   void word_written(module::BufferAddress address, std::uint16_t value, can::Time now) override;
   void done(Request, can::Time) override {}

@@ -167,7 +167,7 @@ TEST(ModelWithoutSignals, IsAskedByBitsOfWords) {
   s.write(127, 7).write(122, 1).expect(122, 1).advance(100ms).expect(122, 0);
   s.write(125, 1).tx(0x083, {0x01, 0x62, 0x05, 'X', '4', 0, 0, 0}).expect_bit(125, 13, true);
   s.wait_bit(125, 13, false).tx(0x707, {0x00});
-  EXPECT_EQ(s.plug_in().inputs(), 0U);
+  EXPECT_EQ(s.plug_in().signals(), nullptr);
 }
 
 TEST(ModelWithoutSignals, GoesOnlineByABit) {
