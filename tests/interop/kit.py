@@ -33,10 +33,10 @@ PATIENCE = 120
 
 def silence(milliseconds):
     """A time-out that is waited for in full when nobody answers (an LSS scan is mostly silence), as `--timeout` takes it: the
-    time given, on a machine with more to do than cores as many times that. A late answer would pass for the next one's."""
+    time given, on a machine with more to do than cores up to four times that. A late answer would pass for the next one's."""
     minute, _, _, running, _ = pathlib.Path("/proc/loadavg").read_text().split()
     wanted = max(float(minute), int(running.split("/")[0])) / os.cpu_count()
-    return f"{round(milliseconds * min(max(wanted, 1), 8))}ms"
+    return f"{round(milliseconds * min(max(wanted, 1), 4))}ms"
 
 
 checks = []

@@ -1,0 +1,137 @@
+"""Checks of what the documentation shows: its commands are run as they are written, their output must be what is printed there."""
+import pathlib
+import re
+import shlex
+import shutil
+import subprocess
+import time
+
+from bus_checks import lss_example
+from kit import PATIENCE, PYTHON, ROOT, Skip, check, first_plant, host_port, program, require, running, scratch, silence
+
+
+def blocks(page, language=""):
+    """The code blocks of a page that are in this language, as lists of lines."""
+    text = (ROOT / page).read_text()
+    return [found.splitlines() for found in re.findall(rf"(?ms)^```{language}\n(.*?)^```$", text)]
+
+
+def transcripts(page):
+    """(command, lines shown) of each `$ command` of a page, block by block."""
+    for block in blocks(page):
+        commands = []
+        for line in block:
+            if line.startswith("$ "):
+                commands.append((re.sub(r"\s+# .*", "", line[2:]), []))
+            elif commands:
+                commands[-1][1].append(line)
+        if commands:
+            yield commands
+
+
+def differs(shown, said, varying):
+    """None if the output is what a page shows, else the line of the page that is not there. A line of dots stands for any number
+    of lines; `varying` are regular expressions whose matches may differ."""
+    def same(line):
+        return "".join(f"(?:{part})" if at % 2 else re.escape(part) for at, part in enumerate(split(line)))
+
+    def split(line):
+        places = sorted(((m.start(), m.end(), p) for p in varying for m in re.finditer(p, line)), key=lambda p: p[:2])
+        parts, end = [], 0
+        for start, stop, pattern in places:
+            if start >= end:
+                parts += [line[end:start], pattern]
+                end = stop
+        return [*parts, line[end:]]
+
+    skipping, place = False, 0
+    for line in shown:
+        if line.strip() == "...":
+            skipping = True
+            continue
+        wanted = re.compile(same(line))
+        while skipping and place < len(said) and not wanted.fullmatch(said[place]):
+            place += 1
+        if place == len(said) or not wanted.fullmatch(said[place]):
+            return line
+        place, skipping = place + 1, False
+    return None if skipping or place == len(said) else "(the end)"
+
+
+def require_shown(page, words, shown, varying=()):
+    """Runs a command of a page until it prints what the page shows: a plant in real time is not there at once."""
+    end = time.monotonic() + PATIENCE
+    while True:
+        done = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=5 * PATIENCE,
+                              cwd=scratch)
+        said = [line for line in done.stdout.splitlines() if not line.startswith("Running as user")]  # tshark as root
+        different = differs(shown, said, varying)
+        if different is None:
+            return
+        again = {"read", "scan"} & set(words[1:3])
+        require(again and time.monotonic() < end, f"{page} shows {different!r}, {shlex.join(words)} says:\n{done.stdout}")
+        time.sleep(0.05)
+
+
+def words_of(command, plant):
+    """A command of a page with this plant's ports, the program under test and the examples' full paths."""
+    words = [re.sub("^examples/", f"{ROOT}/examples/", word) for word in shlex.split(command)]
+    if words[0] not in ("canopus", "build/canopus"):
+        return words
+    words[0] = program
+    if words[1] == "plc":
+        words += ["--port", host_port(plant.mc)[1]]
+    elif words[1] in ("scan", "sdo", "nmt", "lss", "master"):
+        words += ["--bus", f"socketcand:{plant.socketcand}"]
+    return words
+
+
+@check
+def the_readme_shows_what_the_commands_print():
+    varying = (r"in [0-9.]+ (?:us|ms|s), \d+ times", r"5A[0-9A-F]{2}H", r"\d+  [0-9A-F]{8}H")
+    with first_plant() as plant:
+        for commands in transcripts("README.md"):
+            for command, shown in commands:
+                words = words_of(command, plant)
+                if not shutil.which(words[0]):
+                    print(f"    {words[0]} is absent: {command!r} is not run")
+                    continue
+                require_shown("README.md", words, shown, varying)
+
+
+@check
+def the_readmes_python_reads_the_encoder():
+    if subprocess.run([PYTHON, "-c", "import can"], capture_output=True).returncode != 0:
+        raise Skip("python3-can is not installed")
+    (snippet,) = blocks("README.md", "python")
+    with first_plant() as plant:
+        text = "\n".join(snippet)
+        require("port=29536" in text, "the snippet names another port than the first plant's")
+        text = text.replace("port=29536", f"port={host_port(plant.socketcand)[1]}")
+        require_shown("README.md", [PYTHON, "-c", text], ["position 1234"], (r"\d+",))
+
+
+@check
+def the_page_of_commands_shows_what_they_print():
+    page = "docs/commands.md"
+    network = (ROOT / "examples/network-without-plc/network.toml").read_text()
+    devices = scratch / "page-devices.toml"
+    devices.write_text((ROOT / "examples/network-without-plc/devices.toml").read_text()
+                       .replace("127.0.0.1:29536", "127.0.0.1:0").replace('"../devices/', f'"{ROOT}/examples/devices/'))
+    failing = network.replace('"../devices/', f'"{ROOT}/examples/devices/').replace("node = 4\n", "node = 4\nvendor = 0x195\n")
+    require("0x195" in failing, "network.toml has no node 4")
+    (scratch / "network.toml").write_text(failing)  # as the page says of it
+    with running(devices, has_plc=False) as plant, running(lss_example("plant.toml", "lss-page"), has_plc=False) as lss:
+        for commands in transcripts(page):
+            for command, shown in commands:
+                on = lss if " lss " in command else plant
+                words = words_of(command.replace("--timeout 20ms", f"--timeout {silence(50)}"), on)
+                require_shown(page, words, shown, (r" *\d+\.\d{6}  ",))
+
+
+@check
+def the_stuck_slaves_example_says_what_its_how_to_shows():
+    page = "docs/how-to/why-is-my-slave-stuck.md"
+    for commands in transcripts(page):
+        for command, shown in commands:
+            require_shown(page, words_of(command, None), shown)
