@@ -1,22 +1,30 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include "canopus/app/pace.hpp"
 #include "canopus/app/plant.hpp"
 #include "canopus/link/loop_clock.hpp"
 
 namespace canopus::app {
 
-/// Keeps a plant in step with the machine's clock.
+/// Keeps a plant in step with the machine's clock. One at a time in a process: it watches SIGCONT.
 class RealTime final : public link::LoopClock {
  public:
-  /// `io` is stopped when the plant's time has come to `end`; `observer` hears when the plant is late.
+  /// `io` is stopped when the plant's time has come to `end`; `observer` hears when the plant is late, or the
+  /// process had been suspended.
   RealTime(boost::asio::io_context& io, Plant& plant, PlantObserver& observer, can::Time end);
+  ~RealTime();
+  RealTime(const RealTime&) = delete;
+  RealTime& operator=(const RealTime&) = delete;
 
   void start();
+  /// Called after each suspension: plant time stood still, so what shows the time of day is behind.
+  void set_resumed_handler(std::function<void()> handler) { resumed_ = std::move(handler); }
   can::Time now() override;
   void touched() override;
   [[nodiscard]] can::Duration largest_lag() const noexcept { return largest_lag_; }
@@ -25,21 +33,25 @@ class RealTime final : public link::LoopClock {
  private:
   using WallClock = std::chrono::steady_clock;
 
-  [[nodiscard]] can::Time clock() const;
+  [[nodiscard]] Pace::Reading read_clocks() const;
   void arm();
   void wake();
-  void advance(can::Time wall);
+  void advance();
+  void report(const Pace::Step& step, can::Duration elapsed);
 
   can::Timeline& timeline_;
   PlantObserver& observer_;
   boost::asio::steady_timer timer_;
   boost::asio::io_context& io_;
   can::Time end_;
+  Pace pace_;
+  std::function<void()> resumed_;
   WallClock::time_point started_{};
+  can::Duration asleep_before_{};
   can::Time armed_for_ = can::never;
   can::Duration lag_{};
   can::Duration largest_lag_{};
-  can::Time tell_again_{};
+  can::Duration report_again_{};  // elapsed time from which on lag is reported again
 };
 
 }  // namespace canopus::app

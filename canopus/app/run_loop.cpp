@@ -18,6 +18,7 @@
 #include "canopus/app/event_printer.hpp"
 #include "canopus/app/file_text.hpp"
 #include "canopus/app/live_table.hpp"
+#include "canopus/app/local_time.hpp"
 #include "canopus/app/melsec_server.hpp"
 #include "canopus/app/plant.hpp"
 #include "canopus/app/print.hpp"
@@ -78,6 +79,8 @@ class Run {
   bool open_trace();
   bool open_vcd();
   bool open_doors(RealTime& clock);
+  link::ClientReport report_of(std::string source);
+  void set_cpu_clocks();
   bool run_in_real_time();
   void run_in_virtual_time();
   void redraw(RealTime& clock);
@@ -95,7 +98,7 @@ class Run {
   std::vector<std::unique_ptr<TraceWriter>> trace_writers_;
   std::vector<std::unique_ptr<VcdFile>> vcd_;
   asio::io_context io_{1};
-  std::vector<SimulatedAttachment::Ports> free_ports_;  // by bus; outlive the servers
+  std::vector<std::unique_ptr<ClientPorts>> client_ports_;  // outlive the servers
   std::vector<std::unique_ptr<link::SocketcandServer>> socketcand_;
   std::vector<std::unique_ptr<MelsecServer>> melsec_;
   std::optional<asio::steady_timer> redraw_timer_;
@@ -170,22 +173,28 @@ bool Run::open_doors(RealTime& clock) {
     const auto result = server.listen(section.listen->host, section.listen->port);
     if (!opened(result, "MC protocol", section.name, *section.listen, server.port())) return false;
   }
-  free_ports_.resize(plant_->bus_count());
   for (std::size_t i = 0; i < plant_->bus_count(); ++i) {
     const BusSection& section = plant_->bus_section(i);
     if (!section.socketcand) continue;
     const auto where = endpoint(*section.socketcand);
     if (!where) return false;
-    const auto attach = [this, i](can::Participant& client) -> std::unique_ptr<link::BusAttachment> {
-      return std::make_unique<SimulatedAttachment>(plant_->bus(i), free_ports_[i], plant_->timeline(),
-                                                   client);
-    };
-    link::SocketcandServer& server = *socketcand_.emplace_back(
-        std::make_unique<link::SocketcandServer>(io_, *where, section.name, attach, clock));
+    ClientPorts& ports =
+        *client_ports_.emplace_back(std::make_unique<ClientPorts>(plant_->bus(i), plant_->timeline()));
+    const auto attach = [&ports](can::Participant& client) { return ports.attach(client); };
+    link::SocketcandServer& server = *socketcand_.emplace_back(std::make_unique<link::SocketcandServer>(
+        io_, *where, section.name, attach, clock, link::SocketcandLimits{},
+        report_of(fmt::format("socketcand {}", section.name))));
     const auto result = server.listen();
     if (!opened(result, "socketcand", section.name, *section.socketcand, server.port())) return false;
   }
   return true;
+}
+
+/// What a server has to say of its clients, as errors of this source.
+link::ClientReport Run::report_of(std::string source) {
+  return [this, source = std::move(source)](std::string_view sentence) {
+    observer().error(source, sentence, plant_->timeline().now());
+  };
 }
 
 void Run::redraw(RealTime& clock) {
@@ -194,6 +203,14 @@ void Run::redraw(RealTime& clock) {
   redraw_timer_->async_wait([this, &clock](const boost::system::error_code& error) {
     if (!error) redraw(clock);
   });
+}
+
+/// As a programming tool sets them: to the time of day where the machine is.
+void Run::set_cpu_clocks() {
+  const auto moment = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+  for (std::size_t i = 0; i < plant_->plc_count(); ++i) {
+    plant_->rack(i).set_clock(local_time(moment), plant_->timeline().now());
+  }
 }
 
 bool Run::run_in_real_time() {
@@ -207,10 +224,8 @@ bool Run::run_in_real_time() {
   stop.async_wait([this](const boost::system::error_code& error, int) {
     if (!error) io_.stop();
   });
-  const auto wall_clock = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-  for (std::size_t i = 0; i < plant_->plc_count(); ++i) {
-    plant_->rack(i).set_clock(std::chrono::local_seconds(wall_clock.time_since_epoch()), can::Time{});
-  }
+  set_cpu_clocks();
+  clock.set_resumed_handler([this] { set_cpu_clocks(); });
   plant_->power_on();
   clock.start();
   if (has_table_) {

@@ -10,6 +10,8 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
+#include <netinet/tcp.h>
+#include <poll.h>
 
 #include "canopus/link/socketcand_session.hpp"
 
@@ -21,13 +23,14 @@ using boost::system::error_code;
 /// What the server and the handlers under way have in common.
 struct SocketcandServer::Shared : std::enable_shared_from_this<Shared> {
   Shared(asio::io_context& context, tcp::endpoint local, std::string name, AttachToBus attach_to_bus,
-         LoopClock& loop, SocketcandLimits given)
+         LoopClock& loop, SocketcandLimits given, ClientReport to_report)
       : io(context),
         endpoint(std::move(local)),
         bus_name(std::move(name)),
         attach(std::move(attach_to_bus)),
         clock(loop),
         limits(given),
+        report(std::move(to_report)),
         acceptor(context),
         pause(context) {}
 
@@ -42,11 +45,41 @@ struct SocketcandServer::Shared : std::enable_shared_from_this<Shared> {
   AttachToBus attach;
   LoopClock& clock;
   SocketcandLimits limits;
+  ClientReport report;
   tcp::acceptor acceptor;
   asio::steady_timer pause;
   std::vector<std::shared_ptr<Client>> clients;
   SocketcandStatistics statistics;
 };
+
+namespace {
+
+/// The other side has closed the connection or its end has come, whatever there still is to be read.
+bool is_closed_by_peer(tcp::socket& socket) {
+  pollfd state{socket.native_handle(), POLLRDHUP, 0};
+  return ::poll(&state, 1, 0) > 0 && (state.revents & (POLLRDHUP | POLLHUP | POLLERR)) != 0;
+}
+
+/// Little is to wait in the system between a client and this server: a client that is faster than the bus
+/// shall feel it, and what one that left has sent shall not keep the bus busy. Connections inherit both: the
+/// window they offer to the client, and the segment size, by which the client's side measures what it
+/// gathers. About 80 KiB instead of 4 MiB.
+void keep_little(tcp::acceptor& acceptor) {
+  constexpr int window = 2 * 1024;
+  constexpr int segment = 1400;
+  error_code ignored;
+  acceptor.set_option(asio::socket_base::receive_buffer_size(window), ignored);
+  using MaximumSegment = asio::detail::socket_option::integer<IPPROTO_TCP, TCP_MAXSEG>;
+  acceptor.set_option(MaximumSegment(segment), ignored);
+}
+
+std::string name_of(const tcp::socket& socket) {
+  error_code failure;
+  const tcp::endpoint peer = socket.remote_endpoint(failure);
+  return failure ? "a client" : peer.address().to_string() + ':' + std::to_string(peer.port());
+}
+
+}  // namespace
 
 /// One connection: a socket on one side, a place on the bus on the other, a session between them.
 ///
@@ -60,6 +93,7 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
   Client(Shared& server, tcp::socket socket)
       : server_(&server),
         socket_(std::move(socket)),
+        name_(name_of(socket_)),
         session_(server.bus_name, *this, *this),
         queue_(std::max(server.limits.queue, 2 * reserved_for_answers)) {}
 
@@ -76,24 +110,21 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
   }
 
   /// Ends the connection and leaves the bus at once.
-  void leave() {
-    if (server_ == nullptr) return;
-    error_code ignored;
-    socket_.close(ignored);
-    attachment_.reset();
-    Shared& server = *std::exchange(server_, nullptr);
-    server.remove(this);
-  }
+  void leave();
 
   // can::Participant
   void receive(const can::Frame& frame, can::Time now) override;
   void transmitted(const can::Frame& /*frame*/, can::Time now) override {
     if (on_the_way_ > 0) --on_the_way_;
+    progress_at_ = now;
+    gave_up_ = false;
     bus_has_room(now);
   }
   void controller_changed(can::Time now) override { bus_has_room(now); }
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override { return std::min(hold_until_, close_at_); }
+  [[nodiscard]] can::Time deadline() const noexcept override {
+    return std::min({hold_until_, close_at_, look_at_});
+  }
 
  private:
   /// Queued text. Frames can be lost to a full queue and be held back; answers cannot.
@@ -110,6 +141,10 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
   /// them are free, so a client that asks and never reads is slowed down by TCP.
   static constexpr std::size_t reserved_for_answers = 512;
   static_assert(most_answers < reserved_for_answers);
+  /// How often a client that is not read, because the bus is full, is looked at.
+  static constexpr can::Duration look_interval = std::chrono::milliseconds(20);
+  /// What is read at most of the input that a client left behind, to count its frames.
+  static constexpr std::size_t most_counted = 256 * 1024;
 
   // can::Sink, for the session
   bool send(const can::Frame& frame) override;
@@ -124,14 +159,19 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
   void report_lost();
   void bus_has_room(can::Time now);
   void after_input(SocketcandSession::State before, can::Time now);
+  void client_is_gone(can::Time now);
+  void look(can::Time now);
+  [[nodiscard]] std::uint64_t drop_input();
   void end_soon();
   void leave_later();
+  /// The client hears nothing any more.
   [[nodiscard]] bool ending() const {
-    return ending_ || session_.state() == SocketcandSession::State::closed;
+    return gone_ || leaving_ || session_.state() == SocketcandSession::State::closed;
   }
 
   Shared* server_;  // null once the client has left
   tcp::socket socket_;
+  std::string name_;
   SocketcandSession session_;
   std::unique_ptr<BusAttachment> attachment_;
   std::array<char, read_size> input_;
@@ -140,16 +180,22 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
   std::size_t queued_ = 0;
   bool writing_ = false;
   bool reading_ = false;
-  bool ending_ = false;                // closed by the client, or about to leave
+  bool gone_ = false;                  // the client has closed; its last frames are still to go out
+  bool read_all_ = false;              // to the end of the connection
+  bool gave_up_ = false;               // frames are dropped until the bus takes one again
+  bool too_slow_ = false;              // read nothing for so long that its connection ends
+  bool leaving_ = false;               // leave() is about to come
   std::uint64_t lost_ = 0;             // frames since there was room last
   std::uint32_t on_the_way_ = 0;       // frames given to the bus and not yet transmitted
   can::Time hold_until_ = can::never;  // frames wait for this moment when it is not never
   can::Time close_at_ = can::never;    // when to close whatever is still unsent
+  can::Time look_at_ = can::never;     // when to look after a client that waits for the bus
+  can::Time progress_at_{};            // when the bus took a frame last, or waiting began
 };
 
 void SocketcandServer::Client::read() {
-  if (reading_ || server_ == nullptr || session_.waiting() || ending_) return;
-  if (queue_.size() - queued_ < most_answers) return;
+  if (reading_ || server_ == nullptr || session_.waiting() || read_all_ || leaving_) return;
+  if (!gone_ && queue_.size() - queued_ < most_answers) return;
   reading_ = true;
   socket_.async_read_some(asio::buffer(input_),
                           [self = shared_from_this()](const error_code& failure, std::size_t size) {
@@ -160,12 +206,12 @@ void SocketcandServer::Client::read() {
 void SocketcandServer::Client::on_read(const error_code& failure, std::size_t size) {
   if (server_ == nullptr) return;
   const can::Time now = server_->clock.now();
+  if (server_ == nullptr) return;  // the run ended on the way there
   reading_ = false;
   const auto before = session_.state();
   if (failure) {
-    ending_ = true;  // it has closed: nothing to answer, but its last frames are still to go out
-    queued_ = std::min<std::size_t>(queued_, writing_ ? 1 : 0);
-    if (on_the_way_ == 0 || failure != asio::error::eof) return leave();
+    read_all_ = true;
+    client_is_gone(now);
   } else {
     session_.receive({input_.data(), size});
   }
@@ -174,11 +220,25 @@ void SocketcandServer::Client::on_read(const error_code& failure, std::size_t si
   server_->clock.touched();
 }
 
+/// Nothing to answer any more, but its last frames are still to go out.
+void SocketcandServer::Client::client_is_gone(can::Time now) {
+  if (gone_) return;
+  gone_ = true;
+  queued_ = std::min<std::size_t>(queued_, writing_ ? 1 : 0);
+  close_at_ = std::min(close_at_, can::later(now, server_->limits.linger));
+}
+
 /// What the session made of its input decides what the connection does next.
 void SocketcandServer::Client::after_input(SocketcandSession::State before, can::Time now) {
   using State = SocketcandSession::State;
   if (before != State::raw && session_.state() == State::raw) {
     hold_until_ = can::later(now, server_->limits.settle);
+  }
+  if (!session_.waiting()) {
+    look_at_ = can::never;
+  } else if (look_at_ == can::never) {
+    look_at_ = can::later(now, look_interval);
+    if (!gave_up_) progress_at_ = now;
   }
   if (ending()) {
     if (close_at_ == can::never) close_at_ = can::later(now, server_->limits.linger);
@@ -198,6 +258,7 @@ void SocketcandServer::Client::receive(const can::Frame& frame, can::Time now) {
     ++server_->statistics.frames_lost;
     if (++lost_ == server_->limits.lost_frames) {
       ++server_->statistics.clients_too_slow;
+      too_slow_ = true;
       leave_later();
     }
     return;
@@ -209,6 +270,8 @@ void SocketcandServer::Client::receive(const can::Frame& frame, can::Time now) {
 }
 
 void SocketcandServer::Client::tick(can::Time now) {
+  if (server_ == nullptr) return;
+  if (now >= look_at_) look(now);
   if (now >= close_at_) {
     close_at_ = can::never;
     leave_later();
@@ -217,6 +280,18 @@ void SocketcandServer::Client::tick(can::Time now) {
     hold_until_ = can::never;
     write_next();
   }
+}
+
+/// A client that waits for the bus is not read, so neither its end nor its patience shows by itself.
+void SocketcandServer::Client::look(can::Time now) {
+  look_at_ = can::later(now, look_interval);
+  if (is_closed_by_peer(socket_)) client_is_gone(now);
+  const auto before = session_.state();
+  if (now - progress_at_ >= server_->limits.patience) {
+    if (!std::exchange(gave_up_, true)) message("< error the bus takes no frames, they are dropped >");
+    session_.drop_waiting();
+  }
+  after_input(before, now);
 }
 
 bool SocketcandServer::Client::send(const can::Frame& frame) {
@@ -248,6 +323,7 @@ void SocketcandServer::Client::report_lost() {
 }
 
 void SocketcandServer::Client::message(std::string_view text) {
+  if (gone_) return;
   Message* slot = claim_slot(0);
   if (slot == nullptr) return leave_later();  // cannot be, see reserved_for_answers
   text = text.substr(0, slot->text.size());
@@ -272,26 +348,67 @@ void SocketcandServer::Client::write_next() {
 
 void SocketcandServer::Client::on_written(const error_code& failure) {
   if (server_ == nullptr) return;
-  if (failure) return leave();
   front_ = (front_ + 1) % queue_.size();
   --queued_;
+  if (failure) {
+    client_is_gone(server_->clock.now());
+    if (server_ == nullptr) return;
+    attachment_->refresh();
+    server_->clock.touched();
+  }
   write_next();
   read();
   if (ending()) end_soon();
 }
 
-/// Once everything is out that was to go out: leaves when the client has closed, else tells it that nothing
-/// more comes and reads on until it closes too. Closing over unread input would take back the last message.
+/// Once everything is out that was to go out: leaves when the client has closed, else says that nothing more
+/// comes and reads on until it closes too. Closing over unread input would take back the last message.
 void SocketcandServer::Client::end_soon() {
-  if (queued_ > 0 || on_the_way_ > 0) return;
-  if (ending_) return leave_later();
+  if (queued_ > 0 || on_the_way_ > 0 || leaving_) return;
+  if (gone_) {
+    if (read_all_ && !session_.waiting()) leave_later();
+    return;
+  }
   error_code ignored;
   socket_.shutdown(tcp::socket::shutdown_send, ignored);
 }
 
 void SocketcandServer::Client::leave_later() {
-  ending_ = true;
+  if (std::exchange(leaving_, true)) return;
   asio::post(server_->io, [self = shared_from_this()] { self->leave(); });
+}
+
+void SocketcandServer::Client::leave() {
+  if (server_ == nullptr) return;
+  (void)server_->clock.now();  // it leaves now, not at the bus's last event
+  if (server_ == nullptr) return;
+  Shared& server = *std::exchange(server_, nullptr);
+  const std::uint64_t dropped = gone_ ? on_the_way_ + drop_input() : 0;
+  error_code ignored;
+  socket_.close(ignored);
+  attachment_.reset();
+  server.clock.touched();
+  server.remove(this);
+  server.statistics.frames_dropped += dropped;
+  if (!server.report) return;
+  if (too_slow_) server.report(name_ + " does not read its frames: its connection is closed");
+  if (dropped == 1) server.report(name_ + " left: 1 frame that it had sent was dropped");
+  if (dropped > 1) {
+    server.report(name_ + " left: " + std::to_string(dropped) + " frames that it had sent were dropped");
+  }
+}
+
+/// Counts the frames that the client had sent and that were not given to the bus.
+std::uint64_t SocketcandServer::Client::drop_input() {
+  session_.drop();
+  error_code failure;
+  socket_.non_blocking(true, failure);
+  for (std::size_t size = 0; !failure && size < most_counted;) {
+    const std::size_t count = socket_.read_some(asio::buffer(input_), failure);
+    session_.receive({input_.data(), count});
+    size += count;
+  }
+  return session_.frames_dropped();
 }
 
 void SocketcandServer::Shared::accept() {
@@ -313,13 +430,16 @@ void SocketcandServer::Shared::admit(tcp::socket socket) {
   ++statistics.connections;
   error_code ignored;
   socket.set_option(tcp::no_delay(true), ignored);
+  socket.set_option(asio::socket_base::keep_alive(true), ignored);  // a machine that vanished is noticed
   // Frames that wait in the kernel are as late as those in the queue, but are not counted.
   socket.set_option(asio::socket_base::send_buffer_size(64 * 1024), ignored);
   if (clients.size() >= limits.clients) return refuse(socket);
   const auto client = std::make_shared<Client>(*this, std::move(socket));
+  (void)clock.now();  // it joins now, not at the bus's last event
   if (!client->attach()) return refuse(client->socket());
   clients.push_back(client);
   client->start();
+  clock.touched();
 }
 
 void SocketcandServer::Shared::refuse(tcp::socket& socket) {
@@ -334,9 +454,10 @@ void SocketcandServer::Shared::remove(const Client* client) {
 }
 
 SocketcandServer::SocketcandServer(asio::io_context& io, const tcp::endpoint& endpoint, std::string bus_name,
-                                   AttachToBus attach, LoopClock& clock, SocketcandLimits limits)
-    : shared_(std::make_shared<Shared>(io, endpoint, std::move(bus_name), std::move(attach), clock, limits)) {
-}
+                                   AttachToBus attach, LoopClock& clock, SocketcandLimits limits,
+                                   ClientReport report)
+    : shared_(std::make_shared<Shared>(io, endpoint, std::move(bus_name), std::move(attach), clock, limits,
+                                       std::move(report))) {}
 
 SocketcandServer::~SocketcandServer() { close(); }
 
@@ -345,6 +466,7 @@ std::expected<void, std::string> SocketcandServer::listen() {
   error_code failure;
   acceptor.open(shared_->endpoint.protocol(), failure);
   if (!failure) acceptor.set_option(tcp::acceptor::reuse_address(true), failure);
+  if (!failure) keep_little(acceptor);
   if (!failure) acceptor.bind(shared_->endpoint, failure);
   if (!failure) acceptor.listen(tcp::acceptor::max_listen_connections, failure);
   if (failure) {

@@ -5,7 +5,10 @@
 //
 // A client that does not read cannot hold up the bus: its messages wait in a queue of fixed size, frames that
 // find it full are lost and counted, the client is told how many when there is room again, and too many cost
-// it the connection. A client that sends faster than the bus is not read until the bus has room.
+// it the connection. A client that sends faster than the bus is not read until the bus has room, and the
+// system keeps little for it, so it feels soon that the bus is slower. What a client leaves behind when its
+// connection ends is still sent for `linger`; then it is dropped, and a report says how many frames. Frames
+// are dropped as well while the bus takes none at all for `patience`, and the client is told.
 //
 // Everything runs on the thread of the io_context, which is the thread of the bus.
 
@@ -16,6 +19,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -44,8 +48,12 @@ struct SocketcandLimits {
   /// Run time between the answer to `rawmode` and the first frame: the python-can client takes whatever one
   /// recv() returns for the answer, so nothing may follow it closely.
   can::Duration settle = std::chrono::milliseconds(20);
-  /// Run time that a closed connection may take to get its last messages and frames out.
+  /// Run time that a closed connection may take to get its last messages and frames out. The frames that are
+  /// left then are dropped.
   can::Duration linger = std::chrono::seconds(1);
+  /// Run time without any of its frames sent after which a client that is faster than the bus waits no more:
+  /// nobody acknowledges, or others leave no gap. Its frames are dropped then, as by a real CAN interface.
+  can::Duration patience = std::chrono::seconds(1);
 };
 
 struct SocketcandStatistics {
@@ -54,15 +62,20 @@ struct SocketcandStatistics {
   std::uint64_t frames_to_clients = 0;    ///< queued for a client
   std::uint64_t frames_from_clients = 0;  ///< taken by the bus
   std::uint64_t frames_lost = 0;          ///< not queued because the client was too slow
+  std::uint64_t frames_dropped = 0;       ///< sent by clients, and not taken by the bus in time
   std::uint64_t clients_too_slow = 0;     ///< closed for it
 };
+
+/// Hears what a person should know of the clients, as a sentence that begins with the client's address.
+using ClientReport = std::function<void(std::string_view sentence)>;
 
 class SocketcandServer {
  public:
   /// Nothing happens before listen(). `clock` and the io_context outlive the server; `attach` is called for
-  /// each client that connects.
+  /// each client that connects. The bus is at clock.now() when a client joins or leaves it.
   SocketcandServer(boost::asio::io_context& io, const boost::asio::ip::tcp::endpoint& endpoint,
-                   std::string bus_name, AttachToBus attach, LoopClock& clock, SocketcandLimits limits = {});
+                   std::string bus_name, AttachToBus attach, LoopClock& clock, SocketcandLimits limits = {},
+                   ClientReport report = {});
   /// close()
   ~SocketcandServer();
   SocketcandServer(const SocketcandServer&) = delete;

@@ -53,6 +53,22 @@ void SocketcandSession::resume() {
   read_input();
 }
 
+void SocketcandSession::drop_waiting() {
+  while (refused_ && state_ != State::closed) {
+    refused_.reset();
+    ++frames_dropped_;
+    read_input();
+  }
+}
+
+void SocketcandSession::drop() {
+  if (state_ == State::closed || state_ == State::dropped) return;
+  state_ = State::dropped;
+  if (refused_) ++frames_dropped_;
+  refused_.reset();
+  read_input();
+}
+
 void SocketcandSession::read_input() {
   std::size_t used = 0;
   while (!refused_ && state_ != State::closed) {
@@ -113,6 +129,9 @@ void SocketcandSession::element(std::string_view text) {
         return peer_.message("< ok >");
       }
       return error("unknown command");
+    case State::dropped:
+      if (command == "send" || command == "sendrtr") ++frames_dropped_;
+      return;
     case State::closed: return;
   }
 }
@@ -144,6 +163,7 @@ void SocketcandSession::send(std::string_view arguments, bool remote) {
 }
 
 void SocketcandSession::error(std::string_view text) {
+  if (state_ == State::dropped) return;
   std::array<char, socketcand_max_message> message;
   char* p = std::ranges::copy(std::string_view("< error "), message.data()).out;
   p = std::ranges::copy(text.substr(0, message.size() - 10), p).out;

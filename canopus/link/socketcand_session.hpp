@@ -56,10 +56,11 @@ class SocketcandSession {
   };
 
   enum class State : std::uint8_t {
-    no_bus,  ///< greeted, waits for `open`
-    quiet,   ///< bus open, frames of the bus are not wanted
-    raw,     ///< every frame of the bus is wanted
-    closed,  ///< the connection is to be closed once the messages so far are sent
+    no_bus,   ///< greeted, waits for `open`
+    quiet,    ///< bus open, frames of the bus are not wanted
+    raw,      ///< every frame of the bus is wanted
+    closed,   ///< the connection is to be closed once the messages so far are sent
+    dropped,  ///< its client is gone, and what it left behind is only counted
   };
 
   /// `bus_name` is the only name that `open` accepts, besides none at all. `bus` takes the client's frames.
@@ -74,6 +75,14 @@ class SocketcandSession {
   /// The bus refused a frame. No bytes are to be read from the client until resume() ended this, so that a
   /// client that sends faster than the bus is slowed down by TCP and loses nothing.
   [[nodiscard]] bool waiting() const noexcept { return refused_.has_value(); }
+  /// The bus takes nothing any more: drops the frame it refused and those behind it, as far as they have been
+  /// read.
+  void drop_waiting();
+  /// The client is gone: what it left behind does not go on the bus any more. From now on its frames are only
+  /// counted, those that receive() still brings included.
+  void drop();
+  /// Frames of the client that did not go on the bus.
+  [[nodiscard]] std::uint64_t frames_dropped() const noexcept { return frames_dropped_; }
   [[nodiscard]] State state() const noexcept { return state_; }
 
  private:
@@ -89,6 +98,7 @@ class SocketcandSession {
   State state_ = State::no_bus;
   std::string input_;                  // not yet understood
   std::optional<can::Frame> refused_;  // waits for the bus
+  std::uint64_t frames_dropped_ = 0;
 };
 
 }  // namespace canopus::link

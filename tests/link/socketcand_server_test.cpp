@@ -30,12 +30,26 @@ const tcp::endpoint any_local_port(asio::ip::address_v4::loopback(), 0);
 /// A foreign client: keeps what each receive call returned.
 class Client {
  public:
-  Client(asio::io_context& io, std::uint16_t port) : socket_(io) {
-    socket_.connect({asio::ip::address_v4::loopback(), port});
+  Client(asio::io_context& io, std::uint16_t server_port) : socket_(io) {
+    socket_.connect({asio::ip::address_v4::loopback(), server_port});
+    port = socket_.local_endpoint().port();
     read();
   }
+  std::uint16_t port = 0;  // its own
   void send(std::string_view text) { asio::write(socket_, asio::buffer(text)); }
+  /// Sends the text again and again until the connection takes no more for now; how often it was sent.
+  std::size_t flood(std::string_view text) {
+    socket_.non_blocking(true);
+    std::size_t size = 0;
+    error_code failure;
+    while (!failure) size += socket_.write_some(asio::buffer(text.substr(size % text.size())), failure);
+    return size / text.size();
+  }
   void close() { socket_.close(); }
+  void reset() {
+    socket_.set_option(asio::socket_base::linger(true, 0));
+    socket_.close();
+  }
 
   std::vector<std::string> received;  // one entry per segment that arrived
   bool closed_by_server = false;
@@ -68,7 +82,9 @@ class SocketcandServerTest : public testing::Test {
 
   void start(SocketcandLimits limits) {
     server.reset();
-    server = std::make_unique<SocketcandServer>(io, any_local_port, "line1", bus.attach(), bus, limits);
+    server = std::make_unique<SocketcandServer>(
+        io, any_local_port, "line1", bus.attach(), bus, limits,
+        [this](std::string_view sentence) { reports.emplace_back(sentence); });
     const auto listening = server->listen();
     ASSERT_TRUE(listening) << listening.error();
   }
@@ -96,8 +112,28 @@ class SocketcandServerTest : public testing::Test {
     return client;
   }
 
+  /// A bus that takes 100 frames a second, until the condition holds.
+  void run_slow_bus_until(const std::function<bool()>& condition) {
+    while (!condition()) {
+      while (io.poll() > 0) {
+      }
+      if (bus.waiting() == 0) io.run_one_for(1ms);  // the system has not brought everything yet
+      bus.advance(bus.waiting() == 0 ? 1ms : 10ms);
+      bus.run_one();
+    }
+  }
+  /// A bus where nobody acknowledges, until the condition holds.
+  void run_dead_bus_until(const std::function<bool()>& condition) {
+    while (!condition()) {
+      while (io.poll() > 0) {
+      }
+      bus.advance(10ms);
+    }
+  }
+
   asio::io_context io;
   ToyBus bus;
+  std::vector<std::string> reports;
   std::unique_ptr<SocketcandServer> server;
 };
 
@@ -242,6 +278,89 @@ TEST_F(SocketcandServerTest, ClosedClientOnADeadBus_IsTakenOffAfterASecond) {
   bus.advance(1s);
   until([&] { return bus.participants() == 0; });
   EXPECT_EQ(bus.waiting(), 0U);
+  EXPECT_THAT(reports, ElementsAre(HasSubstr(" left: 1 frame that it had sent was dropped")));
+}
+
+TEST_F(SocketcandServerTest, ClientThatComesAndGoes_JoinsAndLeavesAtThePresent) {
+  bus.wall = can::Time(5s);
+  const auto client = connect();
+  EXPECT_EQ(bus.joined, can::Time(5s));
+  EXPECT_EQ(bus.touches, 1);
+  bus.wall = can::Time(7s);
+  client->close();
+  until([&] { return bus.participants() == 0; });
+  EXPECT_EQ(bus.left, can::Time(7s));
+}
+
+TEST_F(SocketcandServerTest, ClientThatIsGone_HasASecondForWhatItLeft) {
+  bus.room = 4;
+  const auto client = connect_raw();
+  std::string text;
+  for (int i = 0; i < 90; ++i) text += "< send 123 1 5 >";
+  client->send(text);
+  client->close();
+  run_slow_bus_until([&] { return bus.participants() == 0; });
+  EXPECT_EQ(bus.delivered.size(), 90U);
+  EXPECT_EQ(server->statistics().frames_dropped, 0U);
+  EXPECT_THAT(reports, ElementsAre());
+}
+
+TEST_F(SocketcandServerTest, ClientThatFloodsAndCloses_DoesNotKeepTheBusBusy) {
+  bus.room = 4;
+  const auto client = connect_raw();
+  const std::size_t sent = client->flood("< send 123 8 1 2 3 4 5 6 7 8 >");
+  const can::Time closed = bus.time;
+  client->close();
+  run_slow_bus_until([&] { return bus.participants() == 0; });
+  EXPECT_LT(bus.time - closed, 60s);
+  EXPECT_EQ(bus.delivered.size() + server->statistics().frames_dropped, sent);
+}
+
+TEST_F(SocketcandServerTest, ClientThatFloodsAndResets_IsOffAfterASecond) {
+  bus.room = 4;
+  const auto client = connect_raw();
+  (void)client->flood("< send 123 8 1 2 3 4 5 6 7 8 >");
+  until([&] { return bus.waiting() == 4; });
+  const can::Time reset = bus.time;
+  client->reset();
+  run_dead_bus_until([&] { return bus.participants() == 0; });
+  EXPECT_LE(bus.time - reset, 1100ms);
+  EXPECT_GT(server->statistics().frames_dropped, 4U);
+  EXPECT_THAT(reports, ElementsAre("127.0.0.1:" + std::to_string(client->port) +
+                                   " left: " + std::to_string(server->statistics().frames_dropped) +
+                                   " frames that it had sent were dropped"));
+}
+
+TEST_F(SocketcandServerTest, ClientThatSendsAndResets_HasItsFramesSentNevertheless) {
+  const auto client = connect_raw();
+  client->send("< send 1 0 >< send 2 0 >< send 3 0 >");
+  client->reset();
+  run_slow_bus_until([&] { return bus.participants() == 0; });
+  EXPECT_EQ(bus.delivered.size(), 3U);
+}
+
+TEST_F(SocketcandServerTest, BusThatTakesNothingForASecond_HoldsNobodyUp) {
+  bus.room = 4;
+  const auto client = connect_raw();
+  std::string text;
+  for (int i = 0; i < 30; ++i) text += "< send 123 0 >";
+  client->send(text + "< echo >");
+  run_dead_bus_until([&] { return client->all().ends_with("< echo >"); });
+  EXPECT_EQ(client->all(), "< error the bus takes no frames, they are dropped >< echo >");
+  EXPECT_GE(bus.time, can::Time(1s));
+  EXPECT_EQ(bus.waiting(), 4U);
+  bus.run();
+  client->send("< send 7 0 >");
+  until([&] { return bus.waiting() == 1; });
+}
+
+TEST_F(SocketcandServerTest, ClientThatFloodsADeadBusAndCloses_IsTakenOffIt) {
+  bus.room = 4;
+  const auto client = connect_raw();
+  (void)client->flood("< send 123 8 1 2 3 4 5 6 7 8 >");
+  client->close();
+  run_dead_bus_until([&] { return bus.participants() == 0; });
+  EXPECT_GT(server->statistics().frames_dropped, 4U);
 }
 
 TEST_F(SocketcandServerTest, MoreClientsThanAllowed_AreToldSoAndClosed) {

@@ -271,6 +271,32 @@ TEST_F(SocketcandSessionTest, ResumeWhileTheBusIsStillFull_GoesOnWaiting) {
 constexpr char conversation[] =
     "< open line1 >< rawmode >< send 601 8 40 0 10 0 0 0 0 0 >\n< echo >< what >< send 0 2 1 5 >";
 
+TEST_F(SocketcandSessionTest, DropWaiting_LosesWhatTheBusDoesNotTakeAndGoesOn) {
+  open_raw();
+  ends.room = 0;
+  session.receive("< send 1 0 >< send 2 0 >< echo >< send 3 0 >< send 4");
+  session.drop_waiting();
+  EXPECT_FALSE(session.waiting());
+  EXPECT_THAT(ends.messages, ElementsAre("< echo >"));
+  EXPECT_EQ(session.frames_dropped(), 3U);
+  ends.room = 1000;
+  session.receive(" 0 >");
+  EXPECT_THAT(ends.frames, ElementsAre(can::data_frame(0x004)));
+}
+
+TEST_F(SocketcandSessionTest, Drop_CountsTheFramesThatTheBusHasNotTaken) {
+  open_raw();
+  ends.room = 0;
+  session.receive("< send 1 0 >< send 2 0 >< echo >< sendrtr 3 1 >< se");
+  session.drop();
+  ends.room = 1000;
+  session.resume();
+  session.receive("nd 4 0 >< send 5");
+  EXPECT_THAT(ends.frames, IsEmpty());
+  EXPECT_THAT(ends.messages, IsEmpty());
+  EXPECT_EQ(session.frames_dropped(), 4U);
+}
+
 RC_GTEST_PROP(SocketcandSessionProperties, AnyChunking_GivesTheSameConversation, ()) {
   Ends ends;
   SocketcandSession session("line1", ends, ends);

@@ -21,6 +21,10 @@ class ToyBus final : public LoopClock {
   /// Attachments given out; 0 = attach() refuses.
   std::size_t places = 1000;
   can::Time time{};
+  /// The present: now() brings the bus up to it.
+  can::Time wall{};
+  can::Time joined{};  ///< when somebody joined last
+  can::Time left{};    ///< when somebody left last
   int touches = 0;
   std::vector<can::Frame> delivered;
 
@@ -28,11 +32,15 @@ class ToyBus final : public LoopClock {
     return [this](can::Participant& participant) -> std::unique_ptr<BusAttachment> {
       if (participants_.size() >= places) return nullptr;
       participants_.push_back(&participant);
+      joined = time;
       return std::make_unique<Place>(*this, participant);
     };
   }
 
-  can::Time now() override { return time; }
+  can::Time now() override {
+    time = std::max(time, wall);
+    return time;
+  }
   void touched() override { ++touches; }
 
   [[nodiscard]] std::size_t participants() const { return participants_.size(); }
@@ -43,12 +51,15 @@ class ToyBus final : public LoopClock {
 
   /// Delivers everything that waits.
   void run() {
-    while (!queue_.empty()) {
-      const auto [sender, frame] = queue_.front();
-      queue_.pop_front();
-      deliver(sender, frame);
-      if (is_here(sender)) sender->transmitted(frame, time);
-    }
+    while (!queue_.empty()) run_one();
+  }
+  /// Delivers the frame that waits longest, if there is one.
+  void run_one() {
+    if (queue_.empty()) return;
+    const auto [sender, frame] = queue_.front();
+    queue_.pop_front();
+    deliver(sender, frame);
+    if (is_here(sender)) sender->transmitted(frame, time);
   }
 
   /// Moves time on and ticks whose deadline has come.
@@ -65,6 +76,7 @@ class ToyBus final : public LoopClock {
    public:
     Place(ToyBus& bus, can::Participant& participant) : bus_(bus), participant_(participant) {}
     ~Place() override {
+      bus_.left = bus_.time;
       std::erase(bus_.participants_, &participant_);
       std::erase_if(bus_.queue_, [this](const auto& entry) { return entry.first == &participant_; });
     }

@@ -1,0 +1,115 @@
+"""The program in step with the machine's clock: what is the machine's fault, what is a suspension, what a client does to the
+bus when it comes and goes."""
+import os
+import re
+import signal
+import socket
+import time
+
+from kit import check, command, host_port, program, require, running, scratch
+
+
+def empty_plant(has_plc=False):
+    path = scratch / "empty-plant.toml"
+    path.write_text('[[bus]]\nname = "line1"\nbit_rate = 250_000\nserve = "socketcand:127.0.0.1:0"\n'
+                    + ('[[plc]]\nlisten = "127.0.0.1:0"\n' if has_plc else ""))
+    return running(path, has_plc=has_plc)
+
+
+def waited_for_a_processor(plant):
+    with open(f"/proc/{plant.process.pid}/schedstat") as file:
+        return int(file.read().split()[1]) * 1e-9
+
+
+def end_of(plant):
+    """The summary, and all errors reported."""
+    plant.process.send_signal(signal.SIGTERM)
+    summary = plant.wait(lambda e: e["event"] == "summary")
+    return summary, [e["message"] for e in plant.events if e["event"] == "error"]
+
+
+def join(plant):
+    client = socket.create_connection(host_port(plant.socketcand), timeout=60)
+    require(client.recv(100) == b"< hi >", "not greeted")
+    return client
+
+
+@check
+def clients_of_a_quiet_bus_make_no_lag():
+    with empty_plant() as plant:
+        for pause in (0.3, 0.9, 0.6, 0.8):
+            time.sleep(pause)  # nothing happens on the bus but a report once a second
+            client = join(plant)
+            time.sleep(pause)
+            client.close()
+        waited = waited_for_a_processor(plant)
+        summary, errors = end_of(plant)
+        require(summary["lag"] < 0.2 + waited, f"a lag of {summary['lag']} s, waited {waited} s for a processor: {errors}")
+
+
+@check
+def a_suspended_process_is_not_the_machines_fault():
+    with empty_plant() as plant:
+        time.sleep(0.5)
+        plant.process.send_signal(signal.SIGSTOP)
+        time.sleep(4)
+        plant.process.send_signal(signal.SIGCONT)
+        event = plant.wait(lambda e: e["event"] == "error", timeout=60)
+        found = re.fullmatch(r"the process was suspended for ([\d.]+) s: plant time stood still", event["message"])
+        require(found, event["message"])
+        require(2.5 < float(found[1]), event["message"])  # up to a second passes until something is due
+        waited = waited_for_a_processor(plant)
+        summary, errors = end_of(plant)
+        require(summary["lag"] < 0.2 + waited, f"a lag of {summary['lag']} s, waited {waited} s for a processor: {errors}")
+        require(summary["t"] < summary["wall"] - 2.5, f"plant time ran on: {summary}")
+
+
+@check
+def a_client_that_left_does_not_keep_the_bus_busy():
+    with empty_plant() as plant:
+        client = join(plant)
+        client.sendall(b"< open line1 >")
+        require(client.recv(100) == b"< ok >", "the bus was not opened")
+        client.setblocking(False)
+        frames = b"< send 123 8 1 2 3 4 5 6 7 8 >" * 1000
+        sent, end = 0, time.monotonic() + 1
+        while time.monotonic() < end:
+            try:
+                sent += client.send(frames[sent % len(frames):])
+            except BlockingIOError:
+                time.sleep(0.01)
+        client.close()
+        left = time.monotonic()
+        seen = len(plant.events)
+        plant.wait(lambda e: e["event"] == "load" and e["now"] < 0.1 and plant.events.index(e) >= seen, timeout=60)
+        require(time.monotonic() - left < 20, f"the bus was busy for {time.monotonic() - left:.0f} s: {sent} bytes were sent")
+        plant.wait(lambda e: e["event"] == "error" and " frames that it had sent were dropped" in e["message"])
+
+
+@check
+def clients_that_send_and_leave_have_their_frames_sent():
+    with empty_plant() as plant:
+        for how in ("close", "reset"):
+            client = join(plant)
+            client.sendall(b"< open line1 >< send 1 0 >< send 2 0 >< send 3 0 >")
+            if how == "close":
+                require(client.recv(100) == b"< ok >", "the bus was not opened")
+            client.close()  # what is not read makes it a reset
+            time.sleep(0.5)
+        summary, errors = end_of(plant)
+        require(summary["buses"][0]["frames"] == 6 and not errors, f"{summary} {errors}")
+
+
+@check
+def the_cpus_clock_shows_local_time():
+    before = os.environ.get("TZ")
+    os.environ["TZ"] = "HERE-9:30"
+    try:
+        with empty_plant(has_plc=True) as plant:
+            host, port = host_port(plant.mc)
+            done = command(program, "plc", "read", "SD210", "--count", "7", "--format", "dec", "--host", host, "--port", port)
+            here = time.gmtime(time.time() + 9.5 * 3600)
+    finally:
+        os.environ.pop("TZ") if before is None else os.environ.update(TZ=before)
+    words = [int(word) for word in re.findall(r"-?\d+\s*$|(?<=\s)\d+(?=\s)", done.stdout)]
+    require(len(words) >= 7, done.stdout)
