@@ -15,7 +15,9 @@ namespace canopus::app {
 class ClientPort final : public can::Participant {
  public:
   ClientPort(sim::Bus& bus, can::Timeline& timeline)
-      : timeline_(timeline), handle_(timeline.add(*this, "socketcand client")), port_(bus.add_port("socketcand")) {
+      : timeline_(timeline),
+        handle_(timeline.add(*this, "socketcand client")),
+        port_(bus.add_port("socketcand")) {
     port_.connect(*this, handle_);
   }
   ~ClientPort() override {

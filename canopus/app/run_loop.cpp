@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "canopus/app/client_ports.hpp"
 #include "canopus/app/event_printer.hpp"
 #include "canopus/app/file_text.hpp"
 #include "canopus/app/live_table.hpp"
@@ -25,7 +26,6 @@
 #include "canopus/app/real_time.hpp"
 #include "canopus/app/run_recording.hpp"
 #include "canopus/app/screen.hpp"
-#include "canopus/app/simulated_attachment.hpp"
 #include "canopus/link/socketcand_server.hpp"
 #include "canopus/link/trace_file.hpp"
 
