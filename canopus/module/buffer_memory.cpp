@@ -49,7 +49,8 @@ void BufferMemory::attach(BufferAddress first, BufferAddress last, BufferArea& a
   auto known = std::ranges::find(areas_, &area);
   if (known == areas_.end()) known = areas_.insert(areas_.end(), &area);
   const auto number = static_cast<std::uint8_t>(known - areas_.begin() + 1);
-  std::fill(area_of_.begin() + first, area_of_.begin() + last + 1, number);
+  const std::size_t end = std::min<std::size_t>(last + 1U, area_of_.size());
+  for (std::size_t address = first; address < end; ++address) area_of_[address] = number;
 }
 
 std::uint16_t BufferMemory::read(BufferAddress address, can::Time now) {
@@ -67,10 +68,15 @@ WriteResult BufferMemory::write(BufferAddress address, std::uint16_t value, can:
   if (const std::uint8_t area = area_of_[address]; area != 0) {
     return areas_[area - 1U]->write_word(address, value, now);
   }
+  store(address, value);
+  return WriteResult::done;
+}
+
+void BufferMemory::store(BufferAddress address, std::uint16_t value) noexcept {
+  const BufferRow& row = table_[to_row_[address] - 1U];
   value = static_cast<std::uint16_t>((value & row.writable) | (to_[address] & ~row.writable));
   to_[address] = value;
   if (from_row_[address] == to_row_[address]) from_[address] = value;
-  return WriteResult::done;
 }
 
 WriteResult BufferMemory::check(BufferAddress address, std::uint16_t value, Modes mode) const noexcept {

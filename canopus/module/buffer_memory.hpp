@@ -119,7 +119,7 @@ class BufferMemory {
   void select_mode(Modes mode);
   /// While online, writes to offline_only rows are refused.
   void set_online(bool online) noexcept { online_ = online; }
-  /// Gives first..last to an area.
+  /// Gives first..last, as far as they are in the table, to an area.
   void attach(BufferAddress first, BufferAddress last, BufferArea& area);
 
   /// FROM.
@@ -141,6 +141,8 @@ class BufferMemory {
                                                        std::size_t count) const noexcept {
     return std::span(to_).subspan(first, count);
   }
+  /// What write() does with a word that has no area: only the bits that a write reaches.
+  void store(BufferAddress address, std::uint16_t value) noexcept;
   /// What FROM shall read.
   void set_word(BufferAddress address, std::uint16_t value) noexcept;
   /// The same for as many words from `first` on as there are bytes for, low byte first.

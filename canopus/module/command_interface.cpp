@@ -30,6 +30,13 @@ void take_bytes(std::span<const std::uint16_t> words, std::span<std::uint8_t> by
 
 }  // namespace
 
+CommandInterface::CommandInterface(const std::optional<CommandLayout>& layout, BufferMemory& memory,
+                                   CommandHost& host, can::Sink& sink)
+    : layout_(layout), host_(&host), client_(sink) {
+  client_.set_maximum_size(data_bytes);
+  if (layout) memory.attach(layout->first, layout->first + word_count - 1, *this);
+}
+
 void CommandInterface::reset() {
   if (client_.busy()) client_.cancel(canopen::AbortCode::local_control);
   request_.fill(0);
@@ -41,7 +48,7 @@ void CommandInterface::reset() {
 }
 
 std::uint16_t CommandInterface::read_word(BufferAddress address, can::Time) {
-  const std::size_t word = address - first_;
+  const std::size_t word = address - layout_->first;
   if (locked_) {
     constexpr std::array<std::uint16_t, 2> was_busy{command_error::result, command_error::was_busy};
     return word < was_busy.size() ? was_busy[word] : 0;
@@ -53,11 +60,11 @@ std::uint16_t CommandInterface::read_word(BufferAddress address, can::Time) {
 WriteResult CommandInterface::write_word(BufferAddress address, std::uint16_t value, can::Time) {
   if (running_) {
     // Not stored [ME3CAN1-Q 5.4.2], but for the command that ends the locked state.
-    if (locked_ && address == first_ && value == clear_code) request_[0] = value;
+    if (locked_ && address == layout_->first && value == clear_code) request_[0] = value;
     locked_ = true;
     return WriteResult::done;
   }
-  request_[address - first_] = value;
+  request_[address - layout_->first] = value;
   show_result_ = false;
   return WriteResult::done;
 }
@@ -98,13 +105,14 @@ can::Time CommandInterface::deadline() const noexcept { return std::min(begin_at
 
 void CommandInterface::begin(can::Time now) {
   result_.fill(0);
-  const auto row = std::ranges::find_if(table_, [&](const CommandRow& known) {
+  const std::span<const CommandRow> table = layout_->commands;
+  const auto row = std::ranges::find_if(table, [&](const CommandRow& known) {
     return known.code == running_request_[0] && (known.modes & mode_) != 0;
   });
   const bool is_issue =
-      row == table_.end() || (row->kind != CommandKind::display && row->kind != CommandKind::clear);
+      row == table.end() || (row->kind != CommandKind::display && row->kind != CommandKind::clear);
   if (is_issue) last_issued_ = running_request_;
-  if (row == table_.end()) return fail(command_error::unknown_command, now);
+  if (row == table.end()) return fail(command_error::unknown_command, now);
   command_ = &*row;
   if (needs_bus()) {
     if (const std::uint16_t obstacle = host_->bus_obstacle(); obstacle != 0) return fail(obstacle, now);

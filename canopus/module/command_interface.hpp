@@ -12,6 +12,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "canopus/canopen/object_dictionary.hpp"
@@ -39,6 +40,11 @@ struct CommandRow {
   Modes modes = every_mode;
   std::uint16_t success = 0;  ///< result code
   std::uint16_t partial = 0;  ///< result code when some, or the special condition of the command, failed
+};
+
+struct CommandLayout {
+  BufferAddress first = 0;  ///< of the command code; 66 more words follow
+  std::span<const CommandRow> commands{};
 };
 
 /// Classes of the general error result 000FH [ME3CAN1-Q 5.4].
@@ -87,11 +93,9 @@ class CommandInterface final : public BufferArea, public canopen::SdoClientUser 
   static constexpr std::size_t word_count = 67;
   static constexpr std::size_t data_bytes = 124;
 
-  /// `first` is the address of the command code. The table must outlive the interface.
-  CommandInterface(BufferAddress first, std::span<const CommandRow> table, CommandHost& host, can::Sink& sink)
-      : first_(first), table_(table), host_(&host), client_(sink) {
-    client_.set_maximum_size(data_bytes);
-  }
+  /// Everything must outlive the interface. Without a layout there are no words and no commands.
+  CommandInterface(const std::optional<CommandLayout>& layout, BufferMemory& memory, CommandHost& host,
+                   can::Sink& sink);
 
   /// As from power-on; a running transfer is given up.
   void reset();
@@ -100,7 +104,7 @@ class CommandInterface final : public BufferArea, public canopen::SdoClientUser 
   [[nodiscard]] bool busy() const noexcept { return running_; }
   /// The address is one of its words.
   [[nodiscard]] bool owns(BufferAddress address) const noexcept {
-    return address >= first_ && address < first_ + word_count;
+    return layout_ && address - layout_->first < word_count;
   }
   /// The bus may not be used any more: a command that waits for another node ends with this error class, and
   /// sends nothing.
@@ -143,8 +147,7 @@ class CommandInterface final : public BufferArea, public canopen::SdoClientUser 
     return node == 0 || node == host_->own_node_id();
   }
 
-  BufferAddress first_;
-  std::span<const CommandRow> table_;
+  std::optional<CommandLayout> layout_;
   CommandHost* host_;
   canopen::SdoClient client_;
   Plane request_{};

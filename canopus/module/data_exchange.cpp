@@ -61,6 +61,7 @@ void DataExchange::follow(const canopen::Node& node) {
 }
 
 void DataExchange::rpdo_received(const canopen::Node& node, std::uint16_t number) {
+  if (number >= layout_.pdos) return;
   follow(node);
   const std::uint8_t* const block = node.dictionary().block().data();
   const auto last = receive_.begin() + receive_first_[number + 1U];

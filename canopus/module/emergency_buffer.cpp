@@ -4,10 +4,17 @@
 
 namespace canopus::module {
 
+EmergencyBuffer::EmergencyBuffer(const std::optional<EmergencyBufferLayout>& layout, BufferMemory& memory)
+    : layout_(layout.value_or(EmergencyBufferLayout{})),
+      words_((layout_.stack + layout_.ring) * words_per_record) {
+  if (words_.empty()) return;
+  memory.attach(layout_.first, layout_.first + static_cast<BufferAddress>(words_.size()) - 1, *this);
+}
+
 void EmergencyBuffer::record(const canopen::Emergency& message) {
-  if (hold_clear_) return;
-  if (messages_.size() == stack_ + ring_) {
-    messages_.erase(messages_.begin() + static_cast<std::ptrdiff_t>(stack_));  // the ring's oldest
+  if (hold_clear_ || words_.empty()) return;
+  if (messages_.size() == layout_.stack + layout_.ring) {
+    messages_.erase(messages_.begin() + static_cast<std::ptrdiff_t>(layout_.stack));  // the ring's oldest
   }
   messages_.push_back(message);
 }

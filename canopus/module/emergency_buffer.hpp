@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "canopus/canopen/node.hpp"
@@ -12,17 +13,19 @@
 
 namespace canopus::module {
 
+struct EmergencyBufferLayout {
+  BufferAddress first = 0;  ///< of the first record
+  std::size_t stack = 0;    ///< records
+  std::size_t ring = 0;
+};
+
 class EmergencyBuffer final : public BufferArea {
  public:
   static constexpr BufferAddress words_per_record = 5;
 
-  /// `first` is the address of the first record; `stack` and `ring` count records.
-  EmergencyBuffer(BufferAddress first, std::size_t stack, std::size_t ring)
-      : first_(first), stack_(stack), ring_(ring), words_((stack + ring) * words_per_record) {}
+  /// Without a layout nothing is kept.
+  EmergencyBuffer(const std::optional<EmergencyBufferLayout>& layout, BufferMemory& memory);
 
-  [[nodiscard]] BufferAddress last_address() const noexcept {
-    return first_ + static_cast<BufferAddress>(words_.size()) - 1;
-  }
   [[nodiscard]] bool empty() const noexcept { return messages_.empty(); }
 
   /// A message came in. While clearing is held it is dropped.
@@ -38,19 +41,17 @@ class EmergencyBuffer final : public BufferArea {
   }
 
   [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time) override {
-    return words_[address - first_];
+    return words_[address - layout_.first];
   }
   /// 0 to the first word clears the whole buffer; other writes have no effect.
   WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time) override {
-    if (address != first_ || value != 0) return WriteResult::ignored;
+    if (address != layout_.first || value != 0) return WriteResult::ignored;
     clear();
     return WriteResult::done;
   }
 
  private:
-  BufferAddress first_;
-  std::size_t stack_;
-  std::size_t ring_;
+  EmergencyBufferLayout layout_;
   std::vector<canopen::Emergency> messages_;  // oldest first: the stack's, then the ring's
   std::vector<std::uint16_t> words_;
   bool hold_clear_ = false;

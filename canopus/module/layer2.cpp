@@ -13,16 +13,17 @@ constexpr BufferAddress flag_words = (layer2_slots + 15) / 16;
 
 }  // namespace
 
-Layer2::Layer2(const Layer2Layout& layout, const Layer2Rules& rules, BufferMemory& memory,
+Layer2::Layer2(const std::optional<Layer2Layout>& layout, const Layer2Rules& rules, BufferMemory& memory,
                can::Controller& controller)
     : layout_(layout),
       rules_(rules),
       memory_(&memory),
       controller_(&controller),
-      settings_(layout, rules, memory) {
-  memory.attach(layout.parameters, layout.parameters + parameters_per_slot * layer2_slots - 1, *this);
-  memory.attach(layout.process_data, layout.process_data + words_per_slot * layer2_slots - 1, *this);
-  memory.attach(layout.stop_messages, layout.stop_messages + words_per_slot * layer2_stop_messages - 1,
+      settings_(layout.value_or(Layer2Layout{}), rules, memory) {
+  if (!layout) return;
+  memory.attach(layout->parameters, layout->parameters + parameters_per_slot * layer2_slots - 1, *this);
+  memory.attach(layout->process_data, layout->process_data + words_per_slot * layer2_slots - 1, *this);
+  memory.attach(layout->stop_messages, layout->stop_messages + words_per_slot * layer2_stop_messages - 1,
                 *this);
 }
 
@@ -132,7 +133,7 @@ bool Layer2::transmit(unsigned slot) {
   TransmitSlot& own = transmit_[slot];
   if (!controller_->send(own.outgoing)) return false;
   own.last = own.outgoing;
-  set_flag(layout_.rtr_flags, slot, false);
+  set_flag(layout_->rtr_flags, slot, false);
   return true;
 }
 
@@ -161,11 +162,11 @@ void Layer2::request_trigger(bool on) {
 void Layer2::send_triggered() {
   if (!online_ || !trigger_requested_ || trigger_done_) return;
   for (unsigned slot = 0; slot < flag_words * 16; ++slot) {
-    if (!flag(layout_.trigger_flags, slot)) continue;
+    if (!flag(layout_->trigger_flags, slot)) continue;
     // Requests on other slots are discarded.
     if (slot < layer2_slots && transmit_[slot].active && (!controller_->has_room() || !transmit(slot)))
       return;
-    set_flag(layout_.trigger_flags, slot, false);
+    set_flag(layout_->trigger_flags, slot, false);
   }
   trigger_done_ = true;
 }
@@ -220,7 +221,7 @@ void Layer2::receive(const can::Frame& frame, can::Time now) {
     if (!own.active || ((frame.identifier ^ own.identifier) & ~own.mask) != 0) continue;
     if (!std::exchange(counted, true)) lost = !take_message(now);
     if (lost) {
-      memory_->set_word(layout_.error_codes + slot, slot_error::receive_overflow);
+      memory_->set_word(layout_->error_codes + slot, slot_error::receive_overflow);
     } else {
       store(own, frame);
     }
@@ -262,7 +263,7 @@ void Layer2::answer(const can::Frame& request) {
     if (!own.active || own.outgoing.identifier != request.identifier) continue;
     if (own.strict_dlc && own.outgoing.dlc != request.dlc) continue;
     if (own.response == RtrResponse::automatic) transmit(slot);
-    if (own.response == RtrResponse::manual) set_flag(layout_.rtr_flags, slot, true);
+    if (own.response == RtrResponse::manual) set_flag(layout_->rtr_flags, slot, true);
   }
 }
 
@@ -273,19 +274,19 @@ void Layer2::transmitted(const can::Frame& frame) {
 
 bool Layer2::any_slot_error() const noexcept {
   for (unsigned slot = 0; slot < layer2_slots; ++slot) {
-    if (memory_->word(layout_.error_codes + slot) != 0) return true;
+    if (memory_->word(layout_->error_codes + slot) != 0) return true;
   }
   return false;
 }
 
 WriteResult Layer2::write_word(BufferAddress address, std::uint16_t value, can::Time) {
   WriteResult result = WriteResult::done;
-  if (address >= layout_.process_data && address < layout_.process_data + words_per_slot * layer2_slots) {
+  if (address >= layout_->process_data && address < layout_->process_data + words_per_slot * layer2_slots) {
     return write_block(address, value);
   }
-  if (address >= layout_.stop_messages &&
-      address < layout_.stop_messages + words_per_slot * layer2_stop_messages) {
-    const BufferAddress word = (address - layout_.stop_messages) % words_per_slot;
+  if (address >= layout_->stop_messages &&
+      address < layout_->stop_messages + words_per_slot * layer2_stop_messages) {
+    const BufferAddress word = (address - layout_->stop_messages) % words_per_slot;
     if (word < 2) result = settings_.check_identifier_word(value, word == 1);
   } else {
     result = settings_.check_parameter(address, value);
@@ -295,8 +296,8 @@ WriteResult Layer2::write_word(BufferAddress address, std::uint16_t value, can::
 }
 
 WriteResult Layer2::write_block(BufferAddress address, std::uint16_t value) {
-  const unsigned slot = (address - layout_.process_data) / words_per_slot;
-  const BufferAddress word = (address - layout_.process_data) % words_per_slot;
+  const unsigned slot = (address - layout_->process_data) / words_per_slot;
+  const BufferAddress word = (address - layout_->process_data) % words_per_slot;
   const bool receives = settings_.kind(slot) == SlotKind::receive;
   if (word < 2) {
     const WriteResult result = settings_.check_identifier_word(value, word == 1);

@@ -27,8 +27,8 @@ inline constexpr std::uint16_t receive_overflow = 0x2000;
 
 class Layer2 final : public BufferArea {
  public:
-  /// Everything must outlive it.
-  Layer2(const Layer2Layout& layout, const Layer2Rules& rules, BufferMemory& memory,
+  /// Everything must outlive it. A module without Layer 2 modes has no layout, and stays offline.
+  Layer2(const std::optional<Layer2Layout>& layout, const Layer2Rules& rules, BufferMemory& memory,
          can::Controller& controller);
 
   /// Offline, as from power-on, with 29-bit or 11-bit identifiers.
@@ -105,7 +105,7 @@ class Layer2 final : public BufferArea {
   [[nodiscard]] bool flag(BufferAddress first, unsigned slot) const noexcept;
   void set_flag(BufferAddress first, unsigned slot, bool on);
 
-  Layer2Layout layout_;
+  std::optional<Layer2Layout> layout_;
   Layer2Rules rules_;
   BufferMemory* memory_;
   can::Controller* controller_;

@@ -39,52 +39,35 @@ ModuleEngine::ModuleEngine(const ModuleModel& model, can::Controller& controller
       profile_(profile),
       buffer_(model.buffer_memory),
       settings_(model, memory, buffer_),
-      errors_(model.error_status),
-      emergencies_(model.words.emergencies, model.emergency_records.stack, model.emergency_records.ring),
-      nmt_status_(model.words.error_control_status, model.words.nmt_state),
+      errors_(model.error_status, buffer_),
+      emergencies_(model.emergency_buffer, buffer_),
+      nmt_status_(model.nmt_status, buffer_),
       node_(model.object_dictionary(), 127, network_, node_options(model, profile_)),
       master_(node_, controller, model.master_options()),
-      command_(model.words.command, model.commands, *this, network_),
-      exchange_(model.program_interface.process_data, buffer_),
+      command_(model.command, buffer_, *this, network_),
+      network_settings_(model.network_settings, buffer_, master_),
+      process_data_(model.program_interface.process_data, buffer_),
       layer2_(model.layer2, layer2_rules(model, profile_), buffer_, controller),
-      time_stamp_(model.time_stamp, buffer_),
+      exchange_(model.exchange_control, buffer_, {process_data_, emergencies_, layer2_, node_}),
+      time_stamp_(model.time_stamp, buffer_, node_),
+      status_words_(model.status, buffer_, {state_, controller, node_, master_, layer2_}),
       concise_dcfs_(node_, master_, settings_.flash(), ModuleSettings::concise_dcfs_name,
-                    {.erase_time = profile_.erase_time}),
-      mode_(&model.function_modes.front()) {
+                    {.erase_time = profile_.erase_time}) {
+  state_.mode = &model.function_modes.front();
   controller_.set_automatic_recovery(false);  // the way out of bus-off is a restart [ME3CAN1-Q 3.5.7]
   node_.set_listener(this);
   master_.set_listener(this);
   node_.dictionary().attach(0x0002, 0x0008, *this);
   node_.dictionary().attach(0x1010, 0x1011, *this);
-  exchange_.attach(node_.dictionary());
-
-  const SystemWords& words = model_.words;
-  for (const BufferAddress address :
-       {words.data_exchange_control, words.communication_status, words.transmit_errors, words.receive_errors,
-        words.active_baud_rate, model_.time_stamp.role()}) {
-    buffer_.attach(address, address, status_words_);
-  }
-  for (const BufferAddress address : {model_.error_status.status, model_.error_status.setting_address,
-                                      model_.error_status.refused_address}) {
-    buffer_.attach(address, address, errors_);
-  }
-  buffer_.attach(words.error_control_status + 1, words.error_control_status + 127, nmt_status_);
-  buffer_.attach(words.nmt_state + 1, words.nmt_state + 127, nmt_status_);
-  buffer_.attach(words.emergencies, emergencies_.last_address(), emergencies_);
-  buffer_.attach(words.command, words.command + CommandInterface::word_count - 1, command_);
+  process_data_.attach(node_.dictionary());
   events_.reserve(most_events);
 }
 
 bool ModuleEngine::preset_word(BufferAddress address, std::uint16_t value) {
   return settings_.preset_word(address, value);
 }
-bool ModuleEngine::preset_bit_rate(std::uint32_t bit_rate) {
-  return bit_rate % 1000 == 0 && bit_rate <= 1'000'000 &&
-         preset_word(model_.words.baud_rate, static_cast<std::uint16_t>(bit_rate / 1000));
-}
-bool ModuleEngine::preset_node_id(std::uint8_t node_id) {
-  return preset_word(model_.words.node_address, node_id);
-}
+bool ModuleEngine::preset_bit_rate(std::uint32_t bit_rate) { return settings_.preset_bit_rate(bit_rate); }
+bool ModuleEngine::preset_node_id(std::uint8_t node_id) { return settings_.preset_node_id(node_id); }
 canopen::AbortCode ModuleEngine::preset_object(std::uint16_t index, std::uint8_t sub,
                                                std::span<const std::uint8_t> value) {
   return settings_.preset_object(index, sub, value);
@@ -108,46 +91,44 @@ ProductInformation ModuleEngine::product() const noexcept {
           .version = sheet.function_version};
 }
 
-bool ModuleEngine::initializing() const noexcept {
-  return state_ == State::initializing || state_ == State::stuck || nmt_resetting_;
-}
-
 Layer2State ModuleEngine::layer2_state() const noexcept {
-  if (canopen_mode()) return Layer2State::inactive;
+  if (state_.canopen_mode()) return Layer2State::inactive;
   return layer2_.online() ? Layer2State::online : Layer2State::offline;
 }
 
 void ModuleEngine::power_on(can::Time now) {
-  if (state_ != State::off) return;
+  if (state_.phase != Phase::off) return;
   restarting_ = false;
   clear_concise_dcfs_ = false;  // kept in RAM: only a restart carries it out
   begin_initialization(profile_.power_on_time, now);
 }
 
 void ModuleEngine::power_off(can::Time now) {
-  if (state_ == State::off) return;
-  state_ = State::off;
-  hardware_fault_ = false;
+  if (state_.phase == Phase::off) return;
+  state_.phase = Phase::off;
+  state_.hardware_fault = false;
   master_.stop(now);
   node_.power_off();
   layer2_.go_offline();
   command_.reset();
-  nmt_resetting_ = false;
-  initialized_at_ = exchange_end_ = save_end_ = can::never;
+  state_.nmt_resetting = false;
+  exchange_.reset();
+  settings_.cancel_save();
+  initialized_at_ = can::never;
   events_.clear();
   events_due_ = can::never;
   went_off(now);
 }
 
 void ModuleEngine::inject(ModuleFault fault, can::Time now) {
-  if (state_ == State::off) return;
+  if (state_.phase == Phase::off) return;
   switch (fault) {
     case ModuleFault::hardware_error:
-      hardware_fault_ = true;
+      state_.hardware_fault = true;
       fault_found(now);
       tell("hardware error", now);
       // A severe error that the device causes itself acts as a communication error does [ME3CAN1-Q 4.7].
-      if (state_ == State::running && canopen_mode()) node_.communication_error(now);
+      if (state_.running() && state_.canopen_mode()) node_.communication_error(now);
       return update(now);
     case ModuleFault::watchdog_error:
       power_off(now);  // until the supply has been off
@@ -158,11 +139,10 @@ void ModuleEngine::inject(ModuleFault fault, can::Time now) {
 // [ME3CAN1-Q 3.3.2, 3.5.5] From the start of a restart on the module is off the bus; what it holds is what
 // its flash memory holds.
 void ModuleEngine::begin_initialization(can::Duration duration, can::Time now) {
-  state_ = State::initializing;
+  state_.phase = Phase::initializing;
   initialized_at_ = can::later(now, duration);
-  exchange_end_ = save_end_ = can::never;
-  process_data_pending_ = emergencies_pending_ = exchange_running_ = false;
-  nmt_resetting_ = nmt_reset_seen_ = time_seen_ = false;
+  settings_.cancel_save();
+  state_.nmt_resetting = false;
   events_.clear();
   events_due_ = can::never;
   master_.stop(now);
@@ -173,28 +153,31 @@ void ModuleEngine::begin_initialization(can::Duration duration, can::Time now) {
   nmt_status_.reset();
   command_.reset();
   exchange_.reset();
+  process_data_.reset();
+  status_words_.reset();
   initialization_begins(now);
   if (std::exchange(clear_concise_dcfs_, false)) concise_dcfs_.clear();
-  mode_ = &settings_.load();
-  if (canopen_mode()) time_stamp_.reset();
-  layer2_.start(mode_->kind == FunctionModeRow::Kind::layer2_extended);
+  state_.mode = &settings_.load();
+  if (state_.canopen_mode()) time_stamp_.reset();
+  layer2_.start(state_.mode->kind == FunctionModeRow::Kind::layer2_extended);
   update(now);
 }
 
 void ModuleEngine::end_due_initialization(can::Time now) {
   if (now < initialized_at_) return;
   initialized_at_ = can::never;
-  if (canopen_mode() && model_.faulty_mapping_keeps_initializing && configuration_is_faulty(now)) {
-    state_ = State::stuck;
+  if (state_.canopen_mode() && model_.faulty_mapping_keeps_initializing && configuration_is_faulty(now)) {
+    state_.phase = Phase::stuck;
     return;
   }
-  state_ = State::running;
-  bit_rate_ = buffer_.word(model_.words.baud_rate);
-  controller_.restart(bit_rate_ * 1000U);
+  state_.phase = Phase::running;
+  state_.bit_rate = settings_.bit_rate();
+  master_.options().bit_rate = state_.bit_rate * 1000U;
+  controller_.restart(state_.bit_rate * 1000U);
   overflows_ = 0;
-  if (canopen_mode()) {
-    node_.set_node_id(static_cast<std::uint8_t>(buffer_.word(model_.words.node_address)));
-    use_communication_settings();
+  if (state_.canopen_mode()) {
+    node_.set_node_id(settings_.node_id());
+    network_settings_.apply();
     node_.power_on(now);
   }
   initialized(std::exchange(restarting_, false), now);
@@ -203,8 +186,7 @@ void ModuleEngine::end_due_initialization(can::Time now) {
 
 // The way out is the object dictionary's reset by the command interface, and a restart [ME3CAN1-Q 8.1.2].
 bool ModuleEngine::configuration_is_faulty(can::Time now) {
-  const auto faulty =
-      settings_.faulty_mapping(static_cast<std::uint8_t>(buffer_.word(model_.words.node_address)));
+  const auto faulty = settings_.faulty_mapping(settings_.node_id());
   if (!faulty) return false;
   std::array<char, 120> text{};
   const int length =
@@ -218,10 +200,10 @@ bool ModuleEngine::configuration_is_faulty(can::Time now) {
 
 void ModuleEngine::begin_restart(can::Time now) {
   // A restart is no cut of the supply: what was asked for is saved.
-  if (save_end_ != can::never) end_save(now);
+  if (settings_.save_deadline() != can::never) end_save(now);
   // The frame is in the controller's queue before the node goes off; the controller starts anew only at the
   // end of the initialization, so it leaves.
-  if (state_ == State::running && canopen_mode()) {
+  if (state_.running() && state_.canopen_mode()) {
     const EmergencyRow& row = model_.emergencies.restart;
     node_.emergency(row.code, row.error_register, row.manufacturer, now);
   }
@@ -229,19 +211,13 @@ void ModuleEngine::begin_restart(can::Time now) {
   begin_initialization(profile_.restart_time, now);
 }
 
-void ModuleEngine::use_communication_settings() {
-  master_.options().start_all_delay = std::chrono::milliseconds(buffer_.word(model_.words.start_all_delay));
-  master_.options().sdo_time_out = sdo_time_out();
-  master_.options().bit_rate = bit_rate_ * 1000U;
-}
-
 void ModuleEngine::cpu_changed(CpuState state, can::Time now) {
-  const CpuState before = cpu_;
-  cpu_ = state;
+  const CpuState before = state_.cpu;
+  state_.cpu = state;
   const bool failed = std::exchange(cpu_failed_, false);
-  if (state_ != State::running) return;
+  if (!state_.running()) return;
   const bool stopped = before == CpuState::run && state == CpuState::stop;
-  if (!canopen_mode()) {
+  if (!state_.canopen_mode()) {
     if (stopped) layer2_.cpu_stopped();
   } else if (stopped) {
     // One error, one message: a CPU error's STOP is not told as RUN to STOP besides [ME3CAN1-Q 8.2.2].
@@ -258,21 +234,21 @@ void ModuleEngine::cpu_changed(CpuState state, can::Time now) {
 }
 
 void ModuleEngine::cpu_failed(can::Time now) {
-  cpu_failed_ = cpu_ == CpuState::run;
-  if (cpu_failed_ || state_ != State::running || !canopen_mode()) return;
+  cpu_failed_ = state_.cpu == CpuState::run;
+  if (cpu_failed_ || !state_.running() || !state_.canopen_mode()) return;
   raise_event(model_.emergencies.cpu_error);  // it was in STOP already
   update(now);
 }
 
 bool ModuleEngine::may_become_operational() {
-  return cpu_ == CpuState::run || node_.dictionary().get<std::uint8_t>(0x1029, 1) == no_change_on_error;
+  return state_.cpu == CpuState::run || node_.dictionary().get<std::uint8_t>(0x1029, 1) == no_change_on_error;
 }
 
 void ModuleEngine::tick(can::Time now) {
   end_due_initialization(now);
-  if (now >= exchange_end_) end_exchange(now);
-  if (now >= save_end_) end_save(now);
-  if (state_ == State::running && now >= time_stamp_.next_transmission()) send_time(now);
+  if (exchange_.end_if_due(now)) done(Request::data_exchange, now);
+  if (now >= settings_.save_deadline()) end_save(now);
+  if (state_.running() && now >= time_stamp_.next_transmission()) time_stamp_.tick(now);
   if (now >= node_.deadline()) node_.tick(now);
   if (now >= master_.deadline()) master_.tick(now);
   if (now >= command_.deadline()) command_.tick(now);
@@ -281,24 +257,22 @@ void ModuleEngine::tick(can::Time now) {
 }
 
 can::Time ModuleEngine::deadline() const noexcept {
-  const can::Time time_due = state_ == State::running ? time_stamp_.next_transmission() : can::never;
-  return std::min({events_due_, initialized_at_, exchange_end_, save_end_, time_due, node_.deadline(),
-                   master_.deadline(), command_.deadline(), layer2_.deadline()});
+  const can::Time time_due = state_.running() ? time_stamp_.next_transmission() : can::never;
+  return std::min({events_due_, initialized_at_, exchange_.deadline(), settings_.save_deadline(), time_due,
+                   node_.deadline(), master_.deadline(), command_.deadline(), layer2_.deadline()});
 }
 
 // After every event: what hangs on several causes.
 void ModuleEngine::update(can::Time now) {
-  if (state_ == State::off) return;
-  if (state_ == State::running) {
+  if (state_.phase == Phase::off) return;
+  if (state_.running()) {
     look_at_overflows(now);
-    if (canopen_mode()) {
+    if (state_.canopen_mode()) {
       send_events(now);
-      if (process_data_pending_ && node_.state() == canopen::NmtState::operational) {
-        exchange_process_data(now);
-      }
+      exchange_.exchange_if_operational(now);
     } else {
       events_.clear();
-      if (layer2_.any_slot_error() && errors_.raise(model_.errors.message_slot)) {
+      if (layer2_.any_slot_error() && errors_.raise(ModuleError::message_slot)) {
         tell("messages of a slot were lost: they come faster than the module takes them", now);
       }
     }
@@ -308,8 +282,8 @@ void ModuleEngine::update(can::Time now) {
              std::to_string(model_.data_sheet->flash_writes) + " times)",
          now);
   }
-  errors_.follow(model_.errors.hardware, hardware_fault_);
-  errors_.follow(model_.errors.flash, settings_.error());
+  errors_.follow(ModuleError::hardware, state_.hardware_fault);
+  errors_.follow(ModuleError::flash, settings_.error());
   show(now);
 }
 

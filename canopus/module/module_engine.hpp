@@ -22,11 +22,15 @@
 #include "canopus/module/data_exchange.hpp"
 #include "canopus/module/emergency_buffer.hpp"
 #include "canopus/module/error_status.hpp"
+#include "canopus/module/exchange_control.hpp"
 #include "canopus/module/layer2.hpp"
 #include "canopus/module/module_model.hpp"
 #include "canopus/module/module_settings.hpp"
+#include "canopus/module/module_state.hpp"
+#include "canopus/module/network_settings.hpp"
 #include "canopus/module/nmt_status.hpp"
 #include "canopus/module/profile.hpp"
+#include "canopus/module/status_words.hpp"
 #include "canopus/module/time_stamp.hpp"
 
 namespace canopus::module {
@@ -89,12 +93,7 @@ class ModuleEngine : public CommunicationModule,
   ModuleEngine(const ModuleModel& model, can::Controller& controller, NonVolatileMemory& memory,
                const Profile& profile);
 
-  enum class State : std::uint8_t {
-    off,           ///< no supply
-    initializing,  ///< power-on or restart until the settings are in force
-    stuck,         ///< initializing for ever: the stored object dictionary is faulty
-    running,
-  };
+  using Phase = ModuleState::Phase;
   /// What a program asks for and waits for.
   enum class Request : std::uint8_t { data_exchange, command, save_restore, set_clock, read_clock };
 
@@ -116,16 +115,12 @@ class ModuleEngine : public CommunicationModule,
   void hold_clear_nmt_errors(bool held, can::Time now);
 
   // --- what is
-  [[nodiscard]] State state() const noexcept { return state_; }
-  /// No program may use the module: settings are being put in force.
-  [[nodiscard]] bool initializing() const noexcept;
-  /// The function mode in use.
-  [[nodiscard]] const FunctionModeRow& mode() const noexcept { return *mode_; }
-  [[nodiscard]] bool canopen_mode() const noexcept { return mode_->kind == FunctionModeRow::Kind::canopen; }
-  [[nodiscard]] bool hardware_fault() const noexcept { return hardware_fault_; }
+  [[nodiscard]] const ModuleState& state() const noexcept { return state_; }
   [[nodiscard]] bool any_error() const noexcept { return errors_.any(); }
-  [[nodiscard]] bool any_nmt_error() const noexcept { return canopen_mode() && nmt_status_.any_failure(); }
-  [[nodiscard]] bool any_emergency() const noexcept { return canopen_mode() && !emergencies_.empty(); }
+  [[nodiscard]] bool any_nmt_error() const noexcept {
+    return state_.canopen_mode() && nmt_status_.any_failure();
+  }
+  [[nodiscard]] bool any_emergency() const noexcept { return state_.canopen_mode() && !emergencies_.empty(); }
   [[nodiscard]] bool trigger_done() const noexcept { return layer2_.trigger_done(); }
   /// After every event: what hangs on several causes.
   void update(can::Time now);
@@ -149,16 +144,6 @@ class ModuleEngine : public CommunicationModule,
   /// Something may have changed that the program sees.
   virtual void show(can::Time now) = 0;
 
-  /// The words that are made when they are read, and those whose writes act at once.
-  class StatusWords final : public BufferArea {
-   public:
-    explicit StatusWords(ModuleEngine& engine) : engine_(&engine) {}
-    std::uint16_t read_word(BufferAddress address, can::Time now) override;
-    WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
-
-   private:
-    ModuleEngine* engine_;
-  };
   /// Not sent yet.
   struct Event {
     const EmergencyRow* row = nullptr;
@@ -169,7 +154,7 @@ class ModuleEngine : public CommunicationModule,
   std::uint16_t bus_obstacle() const override;
   std::uint8_t own_node_id() const override { return node_.node_id(); }
   canopen::ObjectDictionary& dictionary() override { return node_.dictionary(); }
-  can::Duration sdo_time_out() const override;
+  can::Duration sdo_time_out() const override { return network_settings_.sdo_time_out(); }
   bool sdo_channel_free(std::uint8_t node_id) const override { return !master_.sdo_channel_busy(node_id); }
   EmergencyAnswer send_emergency(std::uint16_t code, std::uint8_t error_register,
                                  std::span<const std::uint8_t, 5> manufacturer, can::Time now) override;
@@ -212,23 +197,11 @@ class ModuleEngine : public CommunicationModule,
   // Life cycle.
   void begin_initialization(can::Duration duration, can::Time now);
   [[nodiscard]] bool configuration_is_faulty(can::Time now);
-  void use_communication_settings();
-
-  // Data exchange, saving, clock.
-  void end_exchange(can::Time now);
-  void exchange_process_data(can::Time now);
   void end_save(can::Time now);
-  void send_time(can::Time now);
-  void change_time_role(std::uint16_t role, can::Time now);
-  void use_time_role();
 
   // Status.
-  [[nodiscard]] std::uint16_t communication_status() const;
-  [[nodiscard]] unsigned error_counter() const;
   [[nodiscard]] LedPattern network_state_pattern() const;
   [[nodiscard]] LedPattern network_error_pattern() const;
-  /// The program holds this node's NMT errors clear.
-  [[nodiscard]] bool held_clear(std::uint8_t node_id) const;
   void raise_event(const EmergencyRow& row, std::uint8_t node_id = 0) {
     if (events_.size() < most_events) events_.push_back({&row, node_id});
   }
@@ -242,45 +215,34 @@ class ModuleEngine : public CommunicationModule,
   can::Gate network_;  // closed while the LSS search has the controller at another bit rate
   Profile profile_;
   ModuleObserver* observer_ = nullptr;
+  ModuleState state_;
 
   BufferMemory buffer_;
   ModuleSettings settings_;
-  StatusWords status_words_{*this};
   ErrorStatus errors_;
   EmergencyBuffer emergencies_;
   NmtStatus nmt_status_;
   canopen::Node node_;
   manager::NmtMaster master_;
   CommandInterface command_;
-  DataExchange exchange_;
+  NetworkSettings network_settings_;
+  DataExchange process_data_;
   Layer2 layer2_;
+  ExchangeControl exchange_;
   TimeStamp time_stamp_;
+  StatusWords status_words_;
   ConciseDcfStore concise_dcfs_;
 
-  State state_ = State::off;
-  const FunctionModeRow* mode_;
-  std::uint16_t bit_rate_ = 250;  // active, in kbit/s
-  CpuState cpu_ = CpuState::run;
-  bool hardware_fault_ = false;
-  bool cpu_failed_ = false;      // the STOP that comes is an error's
-  bool nmt_resetting_ = false;   // the node is in an NMT reset
-  bool nmt_reset_seen_ = false;  // until the program has taken note
-  bool time_seen_ = false;       // likewise
-  bool nmt_errors_held_clear_ = false;
+  bool cpu_failed_ = false;  // the STOP that comes is an error's
   bool restarting_ = false;
   bool clear_concise_dcfs_ = false;  // 1011H was written: at the next restart
   can::Time last_frame_{};           // sent or received
-  bool process_data_pending_ = false;
-  bool emergencies_pending_ = false;
-  bool exchange_running_ = false;
   std::uint32_t overflows_ = 0;
   static constexpr std::size_t most_events = 8;
   std::vector<Event> events_;  // of the module's own finding, sent after what caused them is dealt with
 
   can::Time events_due_ = can::never;  // the inhibit time 1015H held some back
   can::Time initialized_at_ = can::never;
-  can::Time exchange_end_ = can::never;
-  can::Time save_end_ = can::never;
 };
 
 }  // namespace canopus::module

@@ -28,9 +28,9 @@ std::uint32_t number(std::span<const std::uint8_t> value) {
 }  // namespace
 
 void ModuleEngine::receive(const can::Frame& frame, can::Time now) {
-  if (state_ != State::running || layer2_state() == Layer2State::offline) return;
+  if (!state_.running() || layer2_state() == Layer2State::offline) return;
   last_frame_ = now;
-  if (canopen_mode()) {
+  if (state_.canopen_mode()) {
     if (network_.is_open()) node_.receive(frame, now);
     master_.receive(frame, now);
     if (network_.is_open()) command_.receive(frame, now);
@@ -42,8 +42,8 @@ void ModuleEngine::receive(const can::Frame& frame, can::Time now) {
 
 void ModuleEngine::transmitted(const can::Frame& frame, can::Time now) {
   last_frame_ = now;
-  if (state_ != State::running) return;
-  if (canopen_mode()) {
+  if (!state_.running()) return;
+  if (state_.canopen_mode()) {
     node_.transmitted(frame, now);
     return master_.transmitted(frame, now);
   }
@@ -52,19 +52,18 @@ void ModuleEngine::transmitted(const can::Frame& frame, can::Time now) {
 }
 
 void ModuleEngine::controller_changed(can::Time now) {
-  if (state_ != State::running || !network_.is_open()) return;
-  const ErrorBits& bits = model_.errors;
+  if (!state_.running() || !network_.is_open()) return;
   const can::ErrorState state = controller_.error_state();
-  const bool was_off = errors_.bit(bits.bus_off);
-  errors_.follow(bits.bus_off, state == can::ErrorState::bus_off);
-  if (errors_.follow(bits.error_passive, state == can::ErrorState::error_passive) &&
-      errors_.bit(bits.error_passive)) {
+  const bool was_off = errors_.has(ModuleError::bus_off);
+  errors_.follow(ModuleError::bus_off, state == can::ErrorState::bus_off);
+  if (errors_.follow(ModuleError::error_passive, state == can::ErrorState::error_passive) &&
+      errors_.has(ModuleError::error_passive)) {
     raise_event(model_.emergencies.error_passive);
   }
-  if (!was_off && errors_.bit(bits.bus_off)) {
+  if (!was_off && errors_.has(ModuleError::bus_off)) {
     tell("the CAN controller is bus-off", now);
     command_.bus_lost(command_error::bus_off, now);
-    if (canopen_mode()) node_.communication_error(now);
+    if (state_.canopen_mode()) node_.communication_error(now);
   }
   update(now);
 }
@@ -73,7 +72,7 @@ void ModuleEngine::look_at_overflows(can::Time now) {
   const std::uint32_t overflows = controller_.transmit_overflows() + controller_.receive_overflows();
   if (overflows == overflows_) return;
   overflows_ = overflows;
-  if (!errors_.raise(model_.errors.queue_overflow)) return;
+  if (!errors_.raise(ModuleError::queue_overflow)) return;
   raise_event(model_.emergencies.queue_overflow);
   tell("a queue has overflown: frames were lost", now);
 }
@@ -92,8 +91,8 @@ void ModuleEngine::send_events(can::Time now) {
 }
 
 void ModuleEngine::reset_requested(canopen::NmtCommand, can::Time now) {
-  nmt_reset_seen_ = false;
-  nmt_resetting_ = true;
+  status_words_.show_nmt_reset(false);
+  state_.nmt_resetting = true;
   master_.stop(now);
   // The own node is shown whether it is a master or not [ME3CAN1-Q 4.8.8].
   nmt_status_.reset();
@@ -105,9 +104,9 @@ void ModuleEngine::reset_done(canopen::NmtCommand, can::Time now) {
   if (!concise_dcfs_.load()) settings_.note_error();
   if (model_.node_id_defaults != nullptr) model_.node_id_defaults(node_.dictionary(), node_.node_id());
   settings_.load_objects(node_.dictionary());
-  use_time_role();
+  time_stamp_.show_role();
   nmt_status_.reset();
-  if (std::exchange(nmt_resetting_, false)) nmt_reset_seen_ = true;
+  if (std::exchange(state_.nmt_resetting, false)) status_words_.show_nmt_reset(true);
   master_.start(now);
 }
 
@@ -144,10 +143,12 @@ void ModuleEngine::emergency_received(const canopen::Emergency& message, can::Ti
   emergencies_.record(message);
 }
 
-void ModuleEngine::rpdo_received(std::uint16_t number, can::Time) { exchange_.rpdo_received(node_, number); }
+void ModuleEngine::rpdo_received(std::uint16_t number, can::Time) {
+  process_data_.rpdo_received(node_, number);
+}
 
 void ModuleEngine::time_received(const canopen::TimeOfDay& time, can::Time now) {
-  time_seen_ = true;
+  status_words_.show_time();
   time_stamp_.receive(time, now);
 }
 
@@ -161,12 +162,12 @@ void ModuleEngine::heartbeat_lost(std::uint8_t node_id, can::Time now) {
 
 void ModuleEngine::life_guarding_event(bool occurred, can::Time) {
   // The master's own number is not known to a guarded slave, so the failure is shown at the own word.
-  if (occurred && !held_clear(node_.node_id())) nmt_status_.set_life_guarding(node_.node_id());
+  if (occurred && !nmt_status_.held_clear(node_.node_id())) nmt_status_.set_life_guarding(node_.node_id());
 }
 
 // Any change of the configuration makes its date and time invalid [ME3CAN1-Q 4.8.12].
 void ModuleEngine::object_written(const canopen::Entry& entry, can::Time) {
-  if (entry.index == 0x1012) use_time_role();
+  if (entry.index == 0x1012) time_stamp_.show_role();
   if (!entry.description->stored || entry.index == 0x1020) return;
   node_.dictionary().set<std::uint32_t>(0x1020, 1, 0);
   node_.dictionary().set<std::uint32_t>(0x1020, 2, 0);
@@ -200,7 +201,7 @@ void ModuleEngine::change_bit_rate(std::uint32_t bit_rate, can::Time now) {
   // What the controller meets at another bit rate is no error of this network.
   network_.open(true);
   controller_changed(now);
-  network_.open(bit_rate == bit_rate_ * 1000U);
+  network_.open(bit_rate == state_.bit_rate * 1000U);
 }
 
 void ModuleEngine::lss_search_ended(std::uint8_t node_id, bool found, can::Time now) {
@@ -213,13 +214,8 @@ void ModuleEngine::node_state_changed(std::uint8_t node_id, std::uint8_t state, 
   nmt_status_.set_state(node_id, state);
 }
 
-bool ModuleEngine::held_clear(std::uint8_t node_id) const {
-  const std::uint16_t which = buffer_.word(model_.words.error_clear_node);
-  return nmt_errors_held_clear_ && (which == 0 || which == node_id);
-}
-
 void ModuleEngine::error_control_changed(std::uint8_t node_id, std::uint16_t bits, can::Time now) {
-  if (held_clear(node_id) && (bits & manager::error_control::errors) != 0) {
+  if (nmt_status_.held_clear(node_id) && (bits & manager::error_control::errors) != 0) {
     nmt_status_.set_status(node_id, bits & static_cast<std::uint16_t>(~manager::error_control::errors));
     master_.clear_error_control(node_id, now);
     return;
@@ -229,14 +225,10 @@ void ModuleEngine::error_control_changed(std::uint8_t node_id, std::uint16_t bit
 
 std::uint16_t ModuleEngine::bus_obstacle() const {
   if (controller_.error_state() == can::ErrorState::bus_off) return command_error::bus_off;
-  if (!canopen_mode()) return layer2_.online() ? std::uint16_t{0} : command_error::wrong_state;
+  if (!state_.canopen_mode()) return layer2_.online() ? std::uint16_t{0} : command_error::wrong_state;
   const canopen::NmtState state = node_.state();
   const bool usable = state == canopen::NmtState::pre_operational || state == canopen::NmtState::operational;
   return usable ? std::uint16_t{0} : command_error::wrong_state;
-}
-
-can::Duration ModuleEngine::sdo_time_out() const {
-  return std::chrono::milliseconds(buffer_.word(model_.words.sdo_time_out));
 }
 
 CommandHost::EmergencyAnswer ModuleEngine::send_emergency(std::uint16_t code, std::uint8_t error_register,

@@ -23,8 +23,9 @@ ModuleSettings::ModuleSettings(const ModuleModel& model, NonVolatileMemory& memo
       flash_(memory, {words_name, objects_name, concise_dcfs_name}) {}
 
 const FunctionModeRow& ModuleSettings::preset_mode() const {
-  const auto word = shelf_words_.find(model_->words.function_mode);
-  if (word == shelf_words_.end()) return model_->function_modes.front();
+  const auto& address = model_->settings.function_mode;
+  const auto word = address ? factory_words_.find(*address) : factory_words_.end();
+  if (word == factory_words_.end()) return model_->function_modes.front();
   return *std::ranges::find(model_->function_modes, word->second, &FunctionModeRow::value);
 }
 
@@ -34,11 +35,40 @@ bool ModuleSettings::preset_word(BufferAddress address, std::uint16_t value) {
   });
   if (!is_stored) return false;
   // Until the function mode is known, of any mode.
-  const bool any =
-      address == model_->words.function_mode || !shelf_words_.contains(model_->words.function_mode);
+  const auto& mode_word = model_->settings.function_mode;
+  const bool any = mode_word && (address == *mode_word || !factory_words_.contains(*mode_word));
   if (buffer_->check(address, value, any ? every_mode : preset_mode().bit) != WriteResult::done) return false;
-  shelf_words_[address] = value;
+  factory_words_[address] = value;
   return true;
+}
+
+bool ModuleSettings::preset_bit_rate(std::uint32_t bit_rate) {
+  if (bit_rate % 1000 != 0 || bit_rate > 1'000'000) return false;
+  const auto kbit = static_cast<std::uint16_t>(bit_rate / 1000);
+  if (model_->settings.baud_rate) return preset_word(*model_->settings.baud_rate, kbit);
+  const auto& rates = model_->data_sheet->bus_lengths;
+  if (std::ranges::find(rates, kbit, &BusLength::kbps) == rates.end()) return false;
+  factory_bit_rate_ = kbit;
+  return true;
+}
+
+bool ModuleSettings::preset_node_id(std::uint8_t node_id) {
+  if (model_->settings.node_address) return preset_word(*model_->settings.node_address, node_id);
+  if (node_id < 1 || node_id > 127) return false;
+  factory_node_id_ = node_id;
+  return true;
+}
+
+std::uint16_t ModuleSettings::bit_rate() const {
+  if (model_->settings.baud_rate) return buffer_->word(*model_->settings.baud_rate);
+  return factory_bit_rate_.value_or(model_->factory.bit_rate);
+}
+
+std::uint8_t ModuleSettings::node_id() const {
+  if (model_->settings.node_address) {
+    return static_cast<std::uint8_t>(buffer_->word(*model_->settings.node_address));
+  }
+  return factory_node_id_.value_or(model_->factory.node_id);
 }
 
 bool ModuleSettings::takes_word(BufferAddress address, std::uint16_t value) const {
@@ -50,8 +80,8 @@ std::optional<BufferAddress> ModuleSettings::layer2_preset_error(const Layer2Rul
   if (mode.kind == FunctionModeRow::Kind::canopen) return std::nullopt;
   BufferMemory words(model_->buffer_memory);
   words.select_mode(mode.bit);
-  words.apply_stored(shelf_words_);
-  Layer2Settings settings(model_->layer2, rules, words);
+  words.apply_stored(factory_words_);
+  Layer2Settings settings(*model_->layer2, rules, words);
   settings.select(mode.kind == FunctionModeRow::Kind::layer2_extended);
   return settings.first_error();
 }
@@ -68,14 +98,14 @@ canopen::AbortCode ModuleSettings::preset_object(std::uint16_t index, std::uint8
   const bool bad_role = index == 0x1F80 && (scratch.get<std::uint32_t>(index, 0) & ~rules.start_up_bits) != 0;
   const bool bad_assignment = index == 0x1F81 && (value[0] & ~rules.assignment_bits) != 0;
   if (bad_role || bad_assignment) return canopen::AbortCode::invalid_value;
-  shelf_objects_[{index, sub}] = {value.begin(), value.end()};
+  factory_objects_[{index, sub}] = {value.begin(), value.end()};
   return canopen::AbortCode::none;
 }
 
 const FunctionModeRow& ModuleSettings::load() {
   error_ = false;
   flash_.load();
-  told_writes_ = flash_.writes();
+  known_writes_ = flash_.writes();
   if (memory_->read(saving_name).state != State::missing) {
     error_ = true;
     memory_->erase(saving_name);
@@ -83,7 +113,7 @@ const FunctionModeRow& ModuleSettings::load() {
   words_.clear();
   const NonVolatileMemory::Content content = flash_.read(words_name);
   if (content.state == State::missing) {
-    words_ = shelf_words_;
+    words_ = factory_words_;
   } else if (auto words = content.state == State::good ? decode_words(content.bytes) : std::nullopt) {
     words_ = std::move(*words);
   } else {
@@ -103,7 +133,8 @@ const FunctionModeRow& ModuleSettings::load() {
 // Selects the function mode and puts the words in. nullptr when they are not all what a module can have
 // stored.
 const FunctionModeRow* ModuleSettings::use_words() {
-  const auto word = words_.find(model_->words.function_mode);
+  const auto& address = model_->settings.function_mode;
+  const auto word = address ? words_.find(*address) : words_.end();
   auto mode = model_->function_modes.begin();
   if (word != words_.end()) {
     const auto stored = std::ranges::find(model_->function_modes, word->second, &FunctionModeRow::value);
@@ -125,7 +156,7 @@ void ModuleSettings::load_objects(canopen::ObjectDictionary& objects) {
   const NonVolatileMemory::Content content = flash_.read(objects_name);
   switch (content.state) {
     case State::missing:
-      for (const auto& [place, value] : shelf_objects_) {
+      for (const auto& [place, value] : factory_objects_) {
         objects.assign(objects.description().find(place.first, place.second), value);
       }
       break;
@@ -136,14 +167,19 @@ void ModuleSettings::load_objects(canopen::ObjectDictionary& objects) {
   }
 }
 
-void ModuleSettings::begin_save(std::uint16_t request) {
-  request_ = request & (model_->save_restore.save | model_->save_restore.restore);
-  if ((request_ & model_->save_restore.save) != 0) memory_->write(saving_name, {});
+void ModuleSettings::begin_save(can::Time end) {
+  const SettingsLayout& layout = model_->settings;
+  request_ = layout.save_restore ? buffer_->written(*layout.save_restore) : std::uint16_t{0};
+  if ((request_ & layout.save) != 0) memory_->write(saving_name, {});
+  save_end_ = end;
 }
 
 bool ModuleSettings::end_save() {
+  save_end_ = can::never;
+  const SettingsLayout& layout = model_->settings;
   if (restores()) buffer_->restore_initial();
-  if ((request_ & model_->save_restore.save) == 0) return true;
+  if (layout.save_restore) buffer_->set_word(*layout.save_restore, 0);
+  if ((request_ & layout.save) == 0) return true;
   if (restores()) words_.clear();  // of all modes
   buffer_->collect_stored(words_);
   const bool written = flash_.write(words_name, encode_words(words_));
@@ -154,16 +190,16 @@ bool ModuleSettings::end_save() {
 
 bool ModuleSettings::has_worn_out() noexcept {
   const std::uint32_t lasts = model_->data_sheet->flash_writes;
-  const bool worn_before = told_writes_ > lasts;
-  told_writes_ = flash_.writes();
-  return told_writes_ > lasts && !worn_before;
+  const bool worn_before = known_writes_ > lasts;
+  known_writes_ = flash_.writes();
+  return known_writes_ > lasts && !worn_before;
 }
 
 bool ModuleSettings::store_objects(const canopen::ObjectDictionary& objects) {
   return flash_.write(objects_name, encode_objects(objects));
 }
 
-// Restored settings are factory defaults, not those of the shelf: an empty content, not a missing one.
+// Restored settings are factory defaults, not presets: an empty content, not a missing one.
 bool ModuleSettings::restore_objects() { return flash_.write(objects_name, {}); }
 
 }  // namespace canopus::module

@@ -1,7 +1,6 @@
 #pragma once
-// What a module keeps beyond power-off, and what it leaves the shelf with: the words that the PLC has saved,
-// the object dictionary as 1010H stored it, the concise DCFs (written by their own store into the same flash
-// memory). A power cut leaves each of them as it was before or after a write; one in the middle of a save is
+// What a module keeps beyond power-off, and its factory settings: the words that the PLC has saved, the object
+// dictionary as 1010H stored it, the concise DCFs (written by their own store into the same flash memory). A power cut leaves each of them as it was before or after a write; one in the middle of a save is
 // noticed at the next start.
 
 #include <array>
@@ -30,8 +29,10 @@ class ModuleSettings {
   /// Everything must outlive it. `buffer` is the module's, made of the model's table.
   ModuleSettings(const ModuleModel& model, NonVolatileMemory& memory, BufferMemory& buffer);
 
-  // --- from the shelf: see CommunicationModule
+  // --- factory settings: see CommunicationModule
   bool preset_word(BufferAddress address, std::uint16_t value);
+  bool preset_bit_rate(std::uint32_t bit_rate);
+  bool preset_node_id(std::uint8_t node_id);
   canopen::AbortCode preset_object(std::uint16_t index, std::uint8_t sub,
                                    std::span<const std::uint8_t> value);
   [[nodiscard]] std::optional<BufferAddress> layer2_preset_error(const Layer2Rules& rules) const;
@@ -46,14 +47,21 @@ class ModuleSettings {
   /// Puts stored objects on top of the defaults.
   void load_objects(canopen::ObjectDictionary& objects);
 
+  // --- in force from the next start on
+  [[nodiscard]] std::uint16_t bit_rate() const;  ///< kbit/s
+  [[nodiscard]] std::uint8_t node_id() const;
+
   // --- saving
-  /// The PLC's request, bits of the save/restore word, begins; what it finds at its end is what counts.
-  void begin_save(std::uint16_t request);
+  /// Carries out the save/restore word until `end`; what it finds then is what counts.
+  void begin_save(can::Time end);
+  /// When end_save() is due; never: nothing is being saved or restored.
+  [[nodiscard]] can::Time save_deadline() const noexcept { return save_end_; }
+  /// The supply went off, or a start began.
+  void cancel_save() noexcept { save_end_ = can::never; }
   /// False when the flash memory could not be written.
   bool end_save();
-  /// The request that is being carried out restores.
-  [[nodiscard]] bool restores() const noexcept { return (request_ & model_->save_restore.restore) != 0; }
-  void forget_save() noexcept { request_ = 0; }
+  /// The request that is being carried out, or was last, restores.
+  [[nodiscard]] bool restores() const noexcept { return (request_ & model_->settings.restore) != 0; }
   /// 1010H and 1011H. False when the flash memory could not be written.
   bool store_objects(const canopen::ObjectDictionary& objects);
   bool restore_objects();
@@ -61,7 +69,7 @@ class ModuleSettings {
   [[nodiscard]] FlashMemory& flash() noexcept { return flash_; }
   [[nodiscard]] const FlashMemory& flash() const noexcept { return flash_; }
   /// Since the last call the flash memory was written for the first time more often than the real one lasts.
-  bool wore_out() noexcept { return told_writes_ != flash_.writes() && has_worn_out(); }
+  bool wore_out() noexcept { return known_writes_ != flash_.writes() && has_worn_out(); }
   /// Something stored was damaged, or could not be written.
   [[nodiscard]] bool error() const noexcept { return error_; }
   void note_error() noexcept { error_ = true; }
@@ -75,11 +83,14 @@ class ModuleSettings {
   NonVolatileMemory* memory_;
   BufferMemory* buffer_;
   FlashMemory flash_;  // the settings; the mark of a running save is in memory_ itself
-  StoredWords shelf_words_;
-  std::map<std::pair<std::uint16_t, std::uint8_t>, std::vector<std::uint8_t>> shelf_objects_;
-  StoredWords words_;              // as stored, of all function modes
-  std::uint32_t told_writes_ = 0;  // when wore_out() looked last
+  StoredWords factory_words_;
+  std::map<std::pair<std::uint16_t, std::uint8_t>, std::vector<std::uint8_t>> factory_objects_;
+  StoredWords words_;               // as stored, of all function modes
+  std::uint32_t known_writes_ = 0;  // when wore_out() looked last
+  std::optional<std::uint16_t> factory_bit_rate_;
+  std::optional<std::uint8_t> factory_node_id_;
   std::uint16_t request_ = 0;
+  can::Time save_end_ = can::never;
   bool error_ = false;
 };
 

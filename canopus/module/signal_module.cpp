@@ -22,7 +22,7 @@ void SignalModule::set_observer(ModuleObserver* observer) {
 
 bool SignalModule::wanted(SignalUse use) const {
   const SignalRow* row = row_for_[std::to_underlying(use)];
-  return row != nullptr && (row->modes & mode().bit) != 0 && signals_.output(row->number);
+  return row != nullptr && (row->modes & state().mode->bit) != 0 && signals_.output(row->number);
 }
 
 void SignalModule::set_input(SignalUse use, bool on, can::Time now) {
@@ -30,7 +30,8 @@ void SignalModule::set_input(SignalUse use, bool on, can::Time now) {
 }
 
 void SignalModule::set_output(unsigned signal, bool on, can::Time now) {
-  if (state() == State::off || signal >= row_of_.size() || !signals_.set_output(signal, on, now)) return;
+  if (state().phase == Phase::off || signal >= row_of_.size() || !signals_.set_output(signal, on, now))
+    return;
   if (const SignalRow* row = row_of_[signal]) on ? rising(*row, now) : falling(*row, now);
   update(now);
 }
@@ -43,10 +44,10 @@ void SignalModule::rising(const SignalRow& row, can::Time now) {
   }
   // While a restart, or the start after power-on, runs, its request is looked at when it ends. An NMT reset
   // it ends.
-  const bool may_restart = row.use == SignalUse::restart && state() != State::initializing;
-  const bool may_command = row.use == SignalUse::command && state() == State::stuck;
-  if (initializing() && !may_restart && !may_command) return;
-  if ((row.modes & mode().bit) == 0) return;
+  const bool may_restart = row.use == SignalUse::restart && state().phase != Phase::initializing;
+  const bool may_command = row.use == SignalUse::command && state().phase == Phase::stuck;
+  if (state().initializing() && !may_restart && !may_command) return;
+  if ((row.modes & state().mode->bit) == 0) return;
   switch (row.use) {
     case SignalUse::data_exchange: return begin_exchange(now);
     case SignalUse::restart: return begin_restart(now);
@@ -95,7 +96,7 @@ void SignalModule::done(Request request, can::Time now) {
 
 // Everything the program had switched ON is OFF, and nothing is held clear.
 void SignalModule::power_on(can::Time now) {
-  if (state() == State::off) {
+  if (state().phase == Phase::off) {
     for (unsigned number = 0; number < row_of_.size(); ++number) signals_.set_output(number, false, now);
     hold_clear_errors(false);
     hold_clear_nmt_errors(false, now);
@@ -121,7 +122,7 @@ void SignalModule::initialization_begins(can::Time now) {
 
 void SignalModule::initialized(bool by_restart, can::Time now) {
   if (wanted(SignalUse::online)) go_online(now);
-  set_input(SignalUse::ready, !hardware_fault(), now);
+  set_input(SignalUse::ready, !state().hardware_fault, now);
   if (!wanted(SignalUse::restart)) return;
   if (by_restart) set_input(SignalUse::restart, true, now);
   restart_again_at_ = by_restart ? can::later(now, profile().restart_repeat_time) : now;

@@ -10,7 +10,7 @@ namespace {
 
 // Offsets of the words.
 enum : BufferAddress { role, year, month, day, hour, minute, second, day_of_week, interval, correction };
-static_assert(TimeStampLayout{}.role() == role && TimeStampLayout{}.daily_correction() == correction);
+constexpr BufferAddress word_count = correction + 1;
 
 constexpr std::int64_t seconds_per_day = 86'400;
 constexpr std::chrono::sys_days clock_begin{std::chrono::year{2000} / 1 / 1};
@@ -28,9 +28,15 @@ int full_year(std::uint16_t word) {
 
 }  // namespace
 
+TimeStamp::TimeStamp(const std::optional<TimeStampLayout>& layout, BufferMemory& memory, canopen::Node& node)
+    : layout_(layout), memory_(&memory), node_(&node) {
+  if (layout) memory.attach(layout->first, layout->first + word_count - 1, *this);
+}
+
 void TimeStamp::reset() {
   running_ = false;
   next_ = can::never;
+  if (!layout_) return;
   const std::chrono::sys_days date{std::chrono::year{full_year(word(year))} / word(month) / word(day)};
   base_ = (date - clock_begin).count() * seconds_per_day + seconds_of_day();
   since_ = {};
@@ -41,8 +47,26 @@ std::int64_t TimeStamp::seconds_of_day() const {
   return (std::int64_t{word(hour)} * 60 + word(minute)) * 60 + word(second);
 }
 
-void TimeStamp::set_role(bool consumes, bool produces) {
-  set_word(role, (consumes ? 1 : 0) | (produces ? 2 : 0));
+void TimeStamp::show_role() {
+  if (!layout_) return;
+  const auto cob_id = node_->dictionary().get<std::uint32_t>(0x1012, 0);
+  set_word(role, (cob_id >> 31 & 1U) | (cob_id >> 29 & 2U));
+}
+
+// Takes effect directly: bits 31 (consume) and 30 (produce) of 1012H [ME3CAN1-Q 3.5.11, 4.6.9].
+void TimeStamp::change_role(std::uint16_t role_bits, can::Time now) {
+  canopen::ObjectDictionary& objects = node_->dictionary();
+  const std::uint32_t cob_id = (objects.get<std::uint32_t>(0x1012, 0) & 0x3FFF'FFFFU) |
+                               (role_bits & 1U) << 31 | (role_bits & 2U) << 29;
+  if (objects.write(0x1012, 0, canopen::little_endian(cob_id, 4), now) != canopen::AbortCode::none)
+    show_role();
+}
+
+WriteResult TimeStamp::write_word(BufferAddress address, std::uint16_t value, can::Time now) {
+  memory_->store(address, value);
+  if (address == layout_->first + role) change_role(value, now);
+  if (address == layout_->first + correction) correction_changed(now);
+  return WriteResult::done;
 }
 
 std::int64_t TimeStamp::seconds(can::Time now) const {
@@ -60,17 +84,17 @@ void TimeStamp::run_from(std::int64_t time, can::Time now) {
 }
 
 std::optional<BufferAddress> TimeStamp::set_from_words(can::Time now) {
-  if (!produces()) return std::nullopt;  // what a consumer writes is ignored
+  if (!layout_ || !produces()) return std::nullopt;  // what a consumer writes is ignored
   const int y = full_year(word(year));
-  if (y < 1980 || y > 2079) return layout_.first + year;
+  if (y < 1980 || y > 2079) return layout_->first + year;
   const std::chrono::year_month_day date{std::chrono::year{y}, std::chrono::month{word(month)},
                                          std::chrono::day{word(day)}};
-  if (word(month) < 1 || word(month) > 12) return layout_.first + month;
-  if (word(day) > 31 || !date.ok()) return layout_.first + day;
-  if (word(hour) > 23) return layout_.first + hour;
-  if (word(minute) > 59) return layout_.first + minute;
-  if (word(second) > 59) return layout_.first + second;
-  if (word(interval) > longest_interval) return layout_.first + interval;
+  if (word(month) < 1 || word(month) > 12) return layout_->first + month;
+  if (word(day) > 31 || !date.ok()) return layout_->first + day;
+  if (word(hour) > 23) return layout_->first + hour;
+  if (word(minute) > 59) return layout_->first + minute;
+  if (word(second) > 59) return layout_->first + second;
+  if (word(interval) > longest_interval) return layout_->first + interval;
   const std::int64_t days = (std::chrono::sys_days{date} - clock_begin).count();
   run_from(days * seconds_per_day + seconds_of_day(), now);
   interval_ = std::chrono::minutes(word(interval));
@@ -80,13 +104,14 @@ std::optional<BufferAddress> TimeStamp::set_from_words(can::Time now) {
 }
 
 void TimeStamp::show(can::Time now) {
+  if (!layout_) return;
   const std::int64_t time = seconds(now);
   const std::int64_t days = (time >= 0 ? time : time - seconds_per_day + 1) / seconds_per_day;
   const std::int64_t in_day = time - days * seconds_per_day;
   const std::chrono::sys_days date = clock_begin + std::chrono::days(days);
   const std::chrono::year_month_day calendar{date};
   const int y = static_cast<int>(calendar.year());
-  set_word(year, layout_.two_digit_year ? y % 100 : y);
+  set_word(year, layout_->two_digit_year ? y % 100 : y);
   set_word(month, static_cast<unsigned>(calendar.month()));
   set_word(day, static_cast<unsigned>(calendar.day()));
   set_word(hour, in_day / 3600);
@@ -96,6 +121,7 @@ void TimeStamp::show(can::Time now) {
 }
 
 void TimeStamp::receive(const canopen::TimeOfDay& time, can::Time now) {
+  if (!layout_) return;
   const std::int64_t days = time.days - clock_begin_in_time_of_day;
   const std::int64_t received = days * seconds_per_day + time.milliseconds / 1000;
   run_from(days < 0 ? 0 : received % clock_span, now);
@@ -109,10 +135,14 @@ canopen::TimeOfDay TimeStamp::time_of_day(can::Time now) const {
 }
 
 void TimeStamp::correction_changed(can::Time now) {
+  if (!layout_) return;
   if (running_) run_from(seconds(now), now);
   correction_ = static_cast<std::int16_t>(word(correction));
 }
 
-void TimeStamp::transmission_done(can::Time now) { next_ = can::later(now, interval_); }
+void TimeStamp::tick(can::Time now) {
+  node_->send_time(time_of_day(now), now);
+  next_ = can::later(now, interval_);
+}
 
 }  // namespace canopus::module

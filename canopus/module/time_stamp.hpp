@@ -17,20 +17,17 @@ namespace canopus::module {
 struct TimeStampLayout {
   BufferAddress first = 0;      ///< of the ten words
   bool two_digit_year = false;  ///< 14 for 2014; else 2014
-
-  [[nodiscard]] constexpr BufferAddress role() const noexcept { return first; }
-  [[nodiscard]] constexpr BufferAddress daily_correction() const noexcept { return first + 9; }
 };
 
-class TimeStamp {
+class TimeStamp final : public BufferArea {
  public:
-  TimeStamp(const TimeStampLayout& layout, BufferMemory& memory) : layout_(layout), memory_(&memory) {}
+  /// Everything must outlive it. Without a layout there is no clock.
+  TimeStamp(const std::optional<TimeStampLayout>& layout, BufferMemory& memory, canopen::Node& node);
 
   /// The clock stands at what the words say (their initial values).
   void reset();
-  [[nodiscard]] bool produces() const { return (memory_->word(layout_.first) & 2U) != 0; }
-  /// The producer/consumer word, as bits 31 and 30 of 1012H say.
-  void set_role(bool consumes, bool produces);
+  /// 1012H may have changed: the producer/consumer word shows its bits 31 and 30.
+  void show_role();
 
   /// Takes the words as the time, if the module is a producer. The address of a word that is out of range, or
   /// nothing; then the clock runs, and next_transmission() is now if a transmission interval is set.
@@ -39,29 +36,39 @@ class TimeStamp {
   void show(can::Time now);
   /// A TIME object was received: the clock runs from there; before 2000 counts as 2000-01-01 00:00:00.
   void receive(const canopen::TimeOfDay& time, can::Time now);
-  /// The time for a TIME object.
-  [[nodiscard]] canopen::TimeOfDay time_of_day(can::Time now) const;
-  /// The daily correction is to be read again.
+  /// The daily correction is to be read again: others than the program have changed its word.
   void correction_changed(can::Time now);
 
-  /// When the next TIME object is due; never = none.
+  /// When the next TIME object is due, never = none; then tick() sends it, if 1012H, the role and the state
+  /// allow.
   [[nodiscard]] can::Time next_transmission() const noexcept { return next_; }
-  void transmission_done(can::Time now);
+  void tick(can::Time now);
+
+  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time) override {
+    return memory_->word(address);
+  }
+  /// Producer/consumer and daily correction act at once; the others when the program sets the clock.
+  WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
 
  private:
+  [[nodiscard]] bool produces() const { return (memory_->word(layout_->first) & 2U) != 0; }
+  /// Bits 31 (consume) and 30 (produce) of 1012H follow the word, if they may.
+  void change_role(std::uint16_t role_bits, can::Time now);
+  [[nodiscard]] canopen::TimeOfDay time_of_day(can::Time now) const;
   /// Seconds since 2000-01-01 00:00:00.
   [[nodiscard]] std::int64_t seconds(can::Time now) const;
   [[nodiscard]] std::int64_t seconds_of_day() const;  ///< as the words say
   void run_from(std::int64_t seconds, can::Time now);
   [[nodiscard]] std::uint16_t word(BufferAddress offset) const {
-    return memory_->written(layout_.first + offset);
+    return memory_->written(layout_->first + offset);
   }
   void set_word(BufferAddress offset, std::int64_t value) {
-    memory_->set_word(layout_.first + offset, static_cast<std::uint16_t>(value));
+    memory_->set_word(layout_->first + offset, static_cast<std::uint16_t>(value));
   }
 
-  TimeStampLayout layout_;
+  std::optional<TimeStampLayout> layout_;
   BufferMemory* memory_;
+  canopen::Node* node_;
   bool running_ = false;
   std::int64_t base_ = 0;  // the clock, in seconds since 2000, at since_
   can::Time since_{};

@@ -74,13 +74,20 @@ constexpr CommunicationStatusBits communication_status{
     .nmt_master = 1U << 15,
 };
 
+// clang-format off
 /// Bits of G29 [ME3CAN1-Q Tab. 3-11].
-constexpr ErrorBits errors{
-    .hardware = 1, .bus_off = 3, .flash = 4, .queue_overflow = 8, .error_passive = 14, .message_slot = 15};
-constexpr unsigned refused_write_bit = 5;
-constexpr unsigned setting_bit = 6;
-constexpr std::uint16_t latched_errors =
-    1U << refused_write_bit | 1U << setting_bit | 1U << errors.queue_overflow | 1U << errors.message_slot;
+constexpr std::array errors = std::to_array<ErrorRow>({
+    // error                     bit  latched  makes X0F
+    {ModuleError::hardware,        1, false,   true},
+    {ModuleError::bus_off,         3, false,   true},
+    {ModuleError::flash,           4, false,   true},
+    {ModuleError::refused_write,   5, true,    true},
+    {ModuleError::invalid_value,   6, true,    true},
+    {ModuleError::queue_overflow,  8, true,    true},
+    {ModuleError::error_passive,  14, false,   false},
+    {ModuleError::message_slot,   15, true,    true},
+});
+// clang-format on
 
 /// What the module sends by itself [ME3CAN1-Q 8.2.1, 8.2.2].
 constexpr EmergencyRows emergencies{
@@ -133,46 +140,42 @@ constinit const ModuleModel model{
     .buffer_memory_size = 65536,
     .buffer_memory = buffer_table,
     .function_modes = function_modes_of_g21,
-    .commands = commands,
     .signals = signals,
     .leds = leds,
-    .words = {.data_exchange_control = g::data_exchange_control,
-              .function_mode = g::function_mode,
-              .save_restore = g::save_restore,
-              .baud_rate = g::baud_rate,
-              .communication_status = g::communication_status,
-              .node_address = g::node_address,
-              .transmit_errors = g::transmit_errors,
-              .receive_errors = g::receive_errors,
-              .active_baud_rate = g::active_baud_rate,
-              .start_all_delay = g::start_all_delay,
-              .sdo_time_out = g::sdo_time_out,
-              .error_clear_node = g::error_clear_node,
-              .error_control_status = g::error_control_status,
-              .nmt_state = g::nmt_state,
-              .emergencies = g::emergencies,
-              .command = g::command},
-    .data_exchange = {.process_data = 1U << 8, .emergencies = 1U << 12, .running = 1U << 8},
-    .save_restore = {.save = 1U << 0, .restore = 1U << 1},
-    .communication_status = communication_status,
-    .error_status = {.status = g::error_status,
-                     .setting_address = g::setting_error,
-                     .refused_address = g::refused_write,
-                     .latched = latched_errors,
-                     .sum =
-                         latched_errors | 1U << errors.hardware | 1U << errors.bus_off | 1U << errors.flash,
-                     .setting_bit = setting_bit,
-                     .refused_bit = refused_write_bit},
-    .errors = errors,
     .emergencies = emergencies,
-    .emergency_records = {.stack = 11, .ring = 11},
-    .layer2 = {.error_codes = g::slot_errors,
-               .parameters = g::slot_parameters,
-               .rtr_flags = g::rtr_flags,
-               .trigger_flags = g::trigger_flags,
-               .stop_messages = g::stop_messages,
-               .process_data = g::slot_data},
-    .time_stamp = {.first = g::time_stamp, .two_digit_year = true},
+    .settings = {.function_mode = g::function_mode,
+                 .baud_rate = g::baud_rate,
+                 .node_address = g::node_address,
+                 .save_restore = g::save_restore,
+                 .save = 1U << 0,
+                 .restore = 1U << 1},
+    .status = StatusWordsLayout{.communication_status = g::communication_status,
+                                .bits = communication_status,
+                                .transmit_errors = g::transmit_errors,
+                                .receive_errors = g::receive_errors,
+                                .active_bit_rate = g::active_baud_rate},
+    .error_status = ErrorStatusLayout{.status = g::error_status,
+                                      .invalid_address = g::setting_error,
+                                      .refused_address = g::refused_write,
+                                      .errors = errors},
+    .exchange_control = ExchangeControlLayout{.address = g::data_exchange_control,
+                                              .process_data = 1U << 8,
+                                              .emergencies = 1U << 12,
+                                              .running = 1U << 8},
+    .emergency_buffer = EmergencyBufferLayout{.first = g::emergencies, .stack = 11, .ring = 11},
+    .nmt_status = NmtStatusLayout{.error_control = g::error_control_status,
+                                  .state = g::nmt_state,
+                                  .clear_node = g::error_clear_node},
+    .network_settings =
+        NetworkSettingsLayout{.start_all_delay = g::start_all_delay, .sdo_time_out = g::sdo_time_out},
+    .time_stamp = TimeStampLayout{.first = g::time_stamp, .two_digit_year = true},
+    .command = CommandLayout{.first = g::command, .commands = commands},
+    .layer2 = Layer2Layout{.error_codes = g::slot_errors,
+                           .parameters = g::slot_parameters,
+                           .rtr_flags = g::rtr_flags,
+                           .trigger_flags = g::trigger_flags,
+                           .stop_messages = g::stop_messages,
+                           .process_data = g::slot_data},
     // [ME3CAN1-Q 3.3.2, 3.5.5]
     .program_interface = {.exchange = {.kind = ProgramRequest::Kind::signal, .signal = data_exchange_signal},
                           .online = {.kind = ProgramRequest::Kind::signal, .signal = online_signal},
