@@ -3,7 +3,8 @@
 bus has faults by seed and a PLC client asks all the time. It ends with an error when
 
   - an answer of the MC protocol or of socketcand does not come, or is not the right one,
-  - the program says that the machine is too slow although the machine had time for it,
+  - the program says that the machine is too slow although the machine had time for it, or does not say that it was
+    suspended (now and then it is stopped for some seconds),
   - the program's memory grows after its warm-up (runs of 10 minutes and more),
   - a node does not answer once the faults are over, or the program does not end cleanly by SIGTERM.
 
@@ -338,8 +339,8 @@ class Program:
                 if late:
                     lag = float(late[1]) * {"us": 1e-6, "ms": 1e-3, "s": 1.0}[late[2]]
                     self.pending.append((time.monotonic(), lag, event["message"]))
-                elif event["source"] == "real time":
-                    self.suspensions.append(event["message"])
+                elif suspended := re.search(r"suspended for ([\d.]+) (ms|s)", event["message"]):
+                    self.suspensions.append(float(suspended[1]) * {"ms": 1e-3, "s": 1.0}[suspended[2]])
                 else:
                     self.others[f"{event['source']}: {re.sub(chr(92) + 'd+', 'N', event['message'])}"] += 1
         self.ready.set()
@@ -360,6 +361,18 @@ class Program:
         first = before[-1] if before else self.samples[0]
         last = self.samples[-1]
         return (last.running - first.running) + (last.waiting - first.waiting) >= 0.5 * lag
+
+    def suspend(self, seconds):
+        """As Ctrl-Z and fg; how much of it the program reports within some seconds."""
+        known = len(self.suspensions)
+        self.process.send_signal(signal.SIGSTOP)
+        time.sleep(seconds)
+        self.process.send_signal(signal.SIGCONT)
+        end = time.monotonic() + 10
+        while time.monotonic() < end and len(self.suspensions) == known:
+            self.sample()
+            time.sleep(0.1)
+        return sum(self.suspensions[known:])
 
     def sample_memory(self):
         with open(f"/proc/{self.process.pid}/status") as file:
@@ -467,6 +480,8 @@ def soak(args, scratch):
         plc.start()
         clients = BusClients(program.ports["socketcand"], args.seed, args.clients, end - CALM_AT_THE_END / 2)
         next_memory = next_line = 0.0
+        next_stop = min(seconds / 2, dice.uniform(60, 600))
+        stops = 0
         while time.monotonic() < end:
             if program.process.poll() is not None:
                 return [f"the program ended with {program.process.returncode}: {(scratch / 'stderr').read_text()[-2000:]}"]
@@ -480,6 +495,13 @@ def soak(args, scratch):
                 print(f"  {now / 60:6.1f} min  {program.memory[-1][1]} KiB, {clients.count['joins']} joins, {plc.answers} answers, "
                       f"{len(program.too_slow)} too slow", flush=True)
                 next_line = now + max(60.0, seconds / 24)
+            if now >= next_stop and not clients.problems:
+                stopped = dice.uniform(2, 8)
+                reported = program.suspend(stopped)
+                stops += 1
+                if not stopped - 1.2 < reported < stopped + 1.2:
+                    problems.append(f"stopped for {stopped:.1f} s, reported: {reported:.1f} s")
+                next_stop = now + stopped + dice.uniform(300, 900)
             if clients.problems or plc.problem:
                 break
             time.sleep(0.1)
@@ -512,7 +534,7 @@ def soak(args, scratch):
         growth, size = program.growth(seconds)
         if growth > MOST_GROWTH and args.minutes >= 10:
             problems.append(f"memory grew by {growth} KiB")
-        report(program, clients, plc, false_lag, growth, size)
+        report(program, clients, plc, stops, false_lag, growth, size)
         return problems
     finally:
         if program.process.poll() is None:
@@ -524,13 +546,13 @@ def soak(args, scratch):
                 process.wait()
 
 
-def report(program, clients, plc, false_lag, growth, size):
+def report(program, clients, plc, stops, false_lag, growth, size):
     count = clients.count
     print(f"socketcand: {count['joins']} joins, {clients.killed} clients killed, {count['floods']} floods "
           f"({count['bytes flooded'] / 1e6:.1f} MB), {count['deaf']} did not read; {count['bytes read'] / 1e6:.1f} MB read; "
           f"{count['echoes']} echoes, longest {clients.longest_echo:.3f} s")
-    print(f"MC protocol: {plc.answers} answers, longest {plc.longest:.3f} s")
-    print(f"too slow: {len(program.too_slow)}, of them false: {len(false_lag)}")
+    print(f"MC protocol: {plc.answers} answers, longest {plc.longest:.3f} s (stops included)")
+    print(f"too slow: {len(program.too_slow)}, of them false: {len(false_lag)}; stopped {stops} times, {len(program.suspensions)} suspensions reported")
     print(f"memory: {size} KiB, grown by {growth} KiB")
     if program.summary:
         bus = program.summary["buses"][0]
