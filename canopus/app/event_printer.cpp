@@ -102,6 +102,13 @@ void JsonPrinter::load(std::string_view bus, const sim::BusLoad& load, can::Time
   out_.json(line);
 }
 
+void JsonPrinter::warning(std::string_view source, std::string_view message, can::Time now) {
+  Json line = event(now, "warning");
+  line["source"] = source;
+  line["message"] = message;
+  out_.json(line);
+}
+
 void JsonPrinter::error(std::string_view source, std::string_view message, can::Time now) {
   Json line = event(now, "error");
   line["source"] = source;
@@ -257,6 +264,10 @@ void LinePrinter::buffer_changed(std::string_view plc, unsigned head, std::uint3
   if (quiet_) return;
   line(now, fmt::format("{} U{:X}\\G{} = {} ({:04X}H){}", plc, head / 16, address, value, value,
                         by_cpu ? " written by the CPU" : ""));
+}
+
+void LinePrinter::warning(std::string_view source, std::string_view message, can::Time) {
+  if (!quiet_) errors_.line("{}: warning: {}", source, message);
 }
 
 void LinePrinter::error(std::string_view source, std::string_view message, can::Time now) {

@@ -43,6 +43,7 @@ class JsonPrinter final : public PlantObserver {
   void buffer_changed(std::string_view plc, unsigned head, std::uint32_t address, std::uint16_t value,
                       bool by_cpu, can::Time now) override;
   void load(std::string_view bus, const sim::BusLoad& load, can::Time now) override;
+  void warning(std::string_view source, std::string_view message, can::Time now) override;
   void error(std::string_view source, std::string_view message, can::Time now) override;
 
  private:
@@ -65,6 +66,7 @@ class LinePrinter final : public PlantObserver {
   void signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) override;
   void buffer_changed(std::string_view plc, unsigned head, std::uint32_t address, std::uint16_t value,
                       bool by_cpu, can::Time now) override;
+  void warning(std::string_view source, std::string_view message, can::Time now) override;
   void error(std::string_view source, std::string_view message, can::Time now) override;
 
  private:

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "canopus/app/check_command.hpp"
 #include "canopus/app/eds_command.hpp"
 #include "canopus/app/lss_command.hpp"
 #include "canopus/app/master_command.hpp"

@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "canopus/app/file_text.hpp"
 #include "canopus/app/module_catalogue.hpp"
 #include "canopus/app/plant.hpp"
+#include "canopus/app/plant_loading.hpp"
 #include "canopus/module/flash_memory.hpp"
 #include "canopus/store/file_memory.hpp"
 
@@ -114,28 +114,10 @@ Json as_json(const DataSheet& sheet, std::optional<std::uint32_t> writes) {
   return json;
 }
 
-std::unique_ptr<Plant> plant_of(const std::string& path, Output& err) {
-  const auto text = read_file(path);
-  if (!text) {
-    err.line("canopus: {}", text.error());
-    return nullptr;
-  }
-  const PlantReading reading = read_plant(*text, path);
-  for (const PlantError& error : reading.errors) err.line("{}", describe(error, path));
-  if (!reading.errors.empty()) return nullptr;
-  static PlantObserver* const nobody = [] {
-    static class Nobody final : public PlantObserver {
-    } observer;
-    return &observer;
-  }();
-  auto plant = Plant::build(reading.plant, *nobody);
-  if (plant) return std::move(*plant);
-  for (const PlantError& error : plant.error()) err.line("{}", describe(error, path));
-  return nullptr;
-}
-
 int product_lists(const std::string& path, bool json, Output& out, Output& err) {
-  const std::unique_ptr<Plant> plant = plant_of(path, err);
+  class Nobody final : public PlantObserver {
+  } nobody;
+  const std::unique_ptr<Plant> plant = load_plant(path, nobody, err);
   if (!plant) return 2;
   if (!json)
     out.line("plc       slot  type      series  model        points  I/O No.  serial No         ver.");

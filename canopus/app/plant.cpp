@@ -16,12 +16,14 @@ std::expected<std::unique_ptr<Plant>, std::vector<PlantError>> Plant::build(
   plant->parts_->file = file;
   auto errors = assemble(*plant->parts_, observer, seed.value_or(file.seed));
   if (!errors.empty()) {
-    std::ranges::stable_sort(errors, {},
-                             [](const PlantError& e) { return std::pair(e.place.line, e.place.column); });
+    std::ranges::stable_sort(errors, {}, &PlantError::place);
     return std::unexpected(std::move(errors));
   }
+  std::ranges::stable_sort(plant->parts_->warnings, {}, &PlantWarning::place);
   return plant;
 }
+
+std::vector<PlantError> Plant::open_stores() { return parts_->stores->open(); }
 
 void Plant::power_on() {
   const can::Time now = parts_->timeline.now();
@@ -45,6 +47,8 @@ void Plant::power_on() {
 
 can::Timeline& Plant::timeline() noexcept { return parts_->timeline; }
 const std::string& Plant::name() const noexcept { return parts_->file.name; }
+const PlantFile& Plant::file() const noexcept { return parts_->file; }
+const std::vector<PlantWarning>& Plant::warnings() const noexcept { return parts_->warnings; }
 std::size_t Plant::bus_count() const noexcept { return parts_->buses.size(); }
 sim::Bus& Plant::bus(std::size_t number) noexcept { return *parts_->buses[number]; }
 const BusSection& Plant::bus_section(std::size_t number) const noexcept { return parts_->file.buses[number]; }

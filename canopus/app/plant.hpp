@@ -47,6 +47,8 @@ class PlantObserver {
   virtual void buffer_changed(std::string_view /*plc*/, unsigned /*head*/, std::uint32_t /*address*/,
                               std::uint16_t /*value*/, bool /*by_cpu*/, can::Time) {}
   virtual void load(std::string_view /*bus*/, const sim::BusLoad&, can::Time) {}
+  /// At the start: something a person should know of the plant file. `source` is its place in it.
+  virtual void warning(std::string_view /*source*/, std::string_view /*message*/, can::Time) {}
   virtual void error(std::string_view /*source*/, std::string_view /*message*/, can::Time) {}
 
  protected:
@@ -75,20 +77,27 @@ struct SlaveBoot {
 
 class Plant {
  public:
-  /// Opens the device files and builds everything, switched off. Errors name the line of the plant file;
-  /// notes of device files that were repaired are not among them (`canopus eds check` shows those). `seed`
-  /// replaces the file's.
+  /// Opens the device files and builds everything that is usable, switched off. Errors name the line of the
+  /// plant file; notes of device files that were repaired are not among them (`canopus eds check` shows
+  /// those). `seed` replaces the file's.
   [[nodiscard]] static std::expected<std::unique_ptr<Plant>, std::vector<PlantError>> build(
       const PlantFile& file, PlantObserver& observer, std::optional<std::uint64_t> seed = std::nullopt);
   ~Plant();
   Plant(const Plant&) = delete;
   Plant& operator=(const Plant&) = delete;
 
+  /// Takes the `store` folders for this plant alone, until it ends. To be called before power_on() by whoever
+  /// runs a plant; who only looks at one leaves them alone. Errors name the line of the plant file.
+  [[nodiscard]] std::vector<PlantError> open_stores();
+
   /// Switches everything on at the timeline's now; devices with a later start follow by themselves.
   void power_on();
 
   [[nodiscard]] can::Timeline& timeline() noexcept;
   [[nodiscard]] const std::string& name() const noexcept;
+  [[nodiscard]] const PlantFile& file() const noexcept;
+  /// What a person should know of the plant file, in its order.
+  [[nodiscard]] const std::vector<PlantWarning>& warnings() const noexcept;
   [[nodiscard]] std::size_t bus_count() const noexcept;
   [[nodiscard]] sim::Bus& bus(std::size_t number) noexcept;
   [[nodiscard]] const BusSection& bus_section(std::size_t number) const noexcept;

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
-#include <optional>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -32,7 +32,8 @@ class Assembly {
       : parts_(parts),
         observer_(observer),
         seed_(seed),
-        folder_(std::filesystem::path(parts.file.path).parent_path()) {}
+        folder_(std::filesystem::path(parts.file.path).parent_path()),
+        stores_(parts.stores.emplace(folder_)) {}
 
   std::vector<PlantError> run();
 
@@ -42,18 +43,23 @@ class Assembly {
   File load(const DeviceSection& section);
   File configured(const File& file, const DeviceSection& section);
   void add_device(const DeviceSection& section, std::size_t number);
+  std::uint8_t node_id(const DeviceSection& section, const eds::DeviceFile& file);
+  sim::Port& add_port(const DeviceSection& section, std::uint8_t node_id, std::size_t number);
+  void give_memory(const DeviceSection& section, std::uint8_t node_id, DeviceSeat& seat);
+  void move_values(const DeviceSection& section, std::size_t number, DeviceSeat& seat);
   void add_module(const PlcSection& plc, std::size_t plc_number, const ModuleSection& section);
   void configure_network(const ModuleSection& section, module::CommunicationModule& module);
   void set_faults(const BusSection& section, sim::Bus& bus);
   BusWatch& watch(const sim::Bus& bus);
-  DeviceSeat* device(std::string_view bus, std::uint8_t node);
 
   Plant::Parts& parts_;
   PlantObserver& observer_;
   std::uint64_t seed_;
   std::filesystem::path folder_;
+  PlantStores& stores_;
   std::map<std::string, File> files_;
-  std::set<std::filesystem::path> lss_stores_;
+  std::set<std::pair<std::string, std::uint8_t>> nodes_;  // bus, node-ID
+  bool complete_ = true;                                  // nothing had to be left out
   PlantErrors errors_;
 };
 
@@ -63,17 +69,24 @@ std::vector<PlantError> Assembly::run() {
     parts_.watches.push_back(std::make_unique<BusWatch>(section.name, observer_));
     parts_.buses.back()->add_observer(*parts_.watches.back());
   }
-  for (std::size_t i = 0; i < parts_.file.devices.size(); ++i) add_device(parts_.file.devices[i], i);
+  for (std::size_t i = 0; i < parts_.file.devices.size(); ++i) {
+    const std::size_t before = parts_.devices.size();
+    if (parts_.file.devices[i].usable) add_device(parts_.file.devices[i], i);
+    complete_ = complete_ && parts_.devices.size() > before;
+  }
   for (std::size_t i = 0; i < parts_.file.plcs.size(); ++i) {
     parts_.racks.push_back(std::make_unique<plc::Rack>(parts_.timeline));
-    for (const ModuleSection& module : parts_.file.plcs[i].modules)
-      add_module(parts_.file.plcs[i], i, module);
+    for (const ModuleSection& module : parts_.file.plcs[i].modules) {
+      complete_ = complete_ && module.usable;
+      if (module.usable) add_module(parts_.file.plcs[i], i, module);
+    }
     if (const auto after = parts_.file.plcs[i].cpu_error) {
       parts_.cpu_errors.push_back(std::make_unique<CpuErrorTimer>(*parts_.racks[i], *after));
       parts_.cpu_error_handles.push_back(
           parts_.timeline.add(*parts_.cpu_errors.back(), "CPU of " + parts_.file.plcs[i].name));
     }
   }
+  stores_.review(errors_, parts_.warnings);
   for (std::size_t i = 0; i < parts_.buses.size(); ++i) set_faults(parts_.file.buses[i], *parts_.buses[i]);
   parts_.load_report = std::make_unique<LoadReport>(parts_.buses, observer_);
   parts_.timeline.add(*parts_.load_report, "load report");
@@ -125,56 +138,61 @@ Assembly::File Assembly::configured(const File& file, const DeviceSection& secti
   return copy;
 }
 
-void Assembly::add_device(const DeviceSection& section, std::size_t number) {
-  File file = load(section);
-  if (!file) return;
+/// 0 after an error.
+std::uint8_t Assembly::node_id(const DeviceSection& section, const eds::DeviceFile& file) {
   std::uint8_t node_id = section.node;
-  if (const auto& commissioning = file->commissioning; node_id == 0 && commissioning) {
-    node_id = commissioning->node_id.value_or(0);
-  }
+  if (node_id == 0 && file.commissioning) node_id = file.commissioning->node_id.value_or(0);
   if (node_id == 0) {
-    return errors_.add(
-        section.place,
-        "device: node is missing; {} names no node-ID either. A device that gets it by LSS: node = "
-        "\"unconfigured\"",
-        section.eds);
+    errors_.add(section.place,
+                "device: node is missing; {} names no node-ID either. A device that gets it by LSS: node = "
+                "\"unconfigured\"",
+                section.eds);
+  } else if (node_id != manager::lss::unconfigured && !nodes_.emplace(section.bus, node_id).second) {
+    errors_.add(section.place, "device: node {} of bus \"{}\" is taken already", node_id, section.bus);
+    return 0;
   }
+  return node_id;
+}
+
+sim::Port& Assembly::add_port(const DeviceSection& section, std::uint8_t node_id, std::size_t number) {
   const bool is_unconfigured = node_id == manager::lss::unconfigured;
-  if (!is_unconfigured && device(section.bus, node_id) != nullptr) {
-    return errors_.add(section.place, "device: node {} of bus \"{}\" is taken already", node_id, section.bus);
-  }
-  file = configured(file, section);
-  sim::Bus& bus = parts_.bus(section.bus);
-  sim::Port& port = bus.add_port(!section.name.empty() ? section.name
-                                 : is_unconfigured     ? fmt::format("device{}", number + 1)
-                                                       : fmt::format("node{}", node_id));
+  sim::Port& port = parts_.bus(section.bus)
+                        .add_port(!section.name.empty() ? section.name
+                                  : is_unconfigured     ? fmt::format("device{}", number + 1)
+                                                        : fmt::format("node{}", node_id));
   port.set_transmit_queue(section.transmit_fifo ? sim::TransmitOrder::fifo : sim::TransmitOrder::identifier,
                           section.transmit_queue);
   if (section.bit_rate != 0) port.restart(section.bit_rate);
   port.set_listen_only(section.listen_only);
-  auto seat = std::make_unique<DeviceSeat>(file, section, node_id, port, observer_);
-  const std::filesystem::path store = section.store.empty() ? "" : folder_ / section.store;
-  const bool is_lss_slave = section.lss.value_or(is_unconfigured || file->device.lss);
-  // By the node-ID it has from the shelf, or if that is none, by its LSS address.
-  std::string stored_as = fmt::format("node-{:03}", node_id);
+  return port;
+}
+
+/// What the device saves, and what LSS stores, by the node-ID it has from the shelf, or if that is none, by its
+/// LSS address.
+void Assembly::give_memory(const DeviceSection& section, std::uint8_t node_id, DeviceSeat& seat) {
+  const eds::DeviceFile& file = seat.device().file();
+  const bool is_unconfigured = node_id == manager::lss::unconfigured;
+  const bool is_lss_slave = section.lss.value_or(is_unconfigured || file.device.lss);
+  if (section.store.empty()) {
+    if (is_lss_slave) seat.enable_lss(nullptr);
+    return;
+  }
+  std::string unit = fmt::format("node-{:03}", node_id);
   if (is_unconfigured) {
-    const eds::Identity identity = eds::identity(*file);
-    stored_as = fmt::format("{:08X}-{:08X}-{:08X}-{:08X}", identity.vendor_id.value_or(0),
-                            identity.product_code.value_or(0), identity.revision.value_or(0),
-                            identity.serial_number.value_or(0));
-    if (!store.empty() && !lss_stores_.insert(store / stored_as).second) {
-      errors_.add(
-          section.place,
-          "device: another one without a node-ID stores into \"{}\" with the same LSS address {} (1018H); "
-          "give each a serial number: objects = {{ \"1018:04\" = 1 }}",
-          section.store, stored_as);
-    }
+    const eds::Identity identity = eds::identity(file);
+    unit = fmt::format("{:08X}-{:08X}-{:08X}-{:08X}", identity.vendor_id.value_or(0),
+                       identity.product_code.value_or(0), identity.revision.value_or(0),
+                       identity.serial_number.value_or(0));
   }
-  if (is_lss_slave) {
-    seat->enable_lss(store.empty() ? nullptr
-                                   : std::make_unique<store::ParameterFile>(store, stored_as + ".lss"));
-  }
-  if (!store.empty()) seat->set_store(std::make_unique<store::ParameterFile>(store, stored_as));
+  const StoredAs stored = stores_.claim(section, unit, errors_);
+  const auto file_named = [&](const std::string& name) {
+    return std::make_unique<store::ParameterFile>(stored.folder, name, stored.owner);
+  };
+  if (is_lss_slave) seat.enable_lss(file_named(stored.name + ".lss"));
+  seat.set_store(file_named(stored.name));
+}
+
+void Assembly::move_values(const DeviceSection& section, std::size_t number, DeviceSeat& seat) {
   for (std::size_t i = 0; i < section.behaviours.size(); ++i) {
     const BehaviourSection& wanted = section.behaviours[i];
     sim::Behaviour behaviour;
@@ -190,11 +208,23 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
       behaviour.source_index = wanted.source->index;
       behaviour.source_sub = wanted.source->sub;
     }
-    if (const auto problem = seat->device().add_behaviour(behaviour))
+    if (const auto problem = seat.device().add_behaviour(behaviour))
       errors_.add(wanted.place, "behaviour: {}", *problem);
   }
-  parts_.device_handles.push_back(
-      parts_.timeline.add(*seat, fmt::format("{} on {}", port.name(), bus.name())));
+}
+
+void Assembly::add_device(const DeviceSection& section, std::size_t number) {
+  File file = load(section);
+  if (!file) return;
+  const std::uint8_t node = node_id(section, *file);
+  if (node == 0) return;
+  file = configured(file, section);
+  sim::Bus& bus = parts_.bus(section.bus);
+  sim::Port& port = add_port(section, node, number);
+  auto seat = std::make_unique<DeviceSeat>(file, section, node, port, observer_);
+  give_memory(section, node, *seat);
+  move_values(section, number, *seat);
+  parts_.device_handles.push_back(parts_.timeline.add(*seat));
   port.connect(*seat, parts_.device_handles.back());
   watch(bus).know(seat->status());
   seat->set_watch(watch(bus));
@@ -207,6 +237,7 @@ BusWatch& Assembly::watch(const sim::Bus& bus) {
 }
 
 void Assembly::set_faults(const BusSection& section, sim::Bus& bus) {
+  if (!complete_) return;  // a port may be missing
   std::vector<sim::Fault> faults;
   for (const FaultSection& fault : section.faults) {
     if (const auto good = bus.set_faults({fault.fault}, seed_); !good)
@@ -216,25 +247,17 @@ void Assembly::set_faults(const BusSection& section, sim::Bus& bus) {
   (void)bus.set_faults(faults, seed_);
 }
 
-DeviceSeat* Assembly::device(std::string_view bus, std::uint8_t node) {
-  for (const auto& seat : parts_.devices) {
-    if (seat->status().plate.bus == bus && seat->status().plate.node_id == node) return seat.get();
-  }
-  return nullptr;
-}
-
 void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const ModuleSection& section) {
   sim::Bus& bus = parts_.bus(section.bus);
   sim::Port& port = bus.add_port(fmt::format("{} U{:X}", section.model, section.head / 16));
+  const CatalogueEntry& entry = *find_module(section.model);
   std::unique_ptr<module::NonVolatileMemory> memory;
   if (plc.store.empty()) {
     memory = std::make_unique<RunMemory>();
   } else {
-    const std::filesystem::path path =
-        folder_ / plc.store / fmt::format("U{:03X}-{}", section.head, section.model);
-    memory = std::make_unique<store::FileMemory>(path);
+    const StoredAs stored = stores_.claim(plc, section, entry.stored, errors_);
+    memory = std::make_unique<store::FileMemory>(stored.folder, stored.owner);
   }
-  const CatalogueEntry& entry = *find_module(section.model);
   auto made = entry.make(port, *memory, {.restart_time = section.restart_time});
   auto seat = std::make_unique<ModuleSeat>(section, plc.name, std::move(memory), std::move(made), watch(bus),
                                            observer_);

@@ -6,11 +6,25 @@
 #include <fmt/ranges.h>
 
 #include "canopus/app/module_catalogue.hpp"
+#include "canopus/app/plant_references.hpp"
 #include "canopus/app/table_reader.hpp"
 #include "canopus/can/controller.hpp"
 
 namespace canopus::app {
 namespace {
+
+/// Every table of an array of tables in which there is no mistake; unknown keys do not count.
+template <typename Section>
+std::vector<Section> read_good(TableReader& table, std::string_view key, const std::string& what,
+                               Section (*read)(TableReader&)) {
+  std::vector<Section> sections;
+  table.tables(key, what, [&](TableReader& inner) {
+    const std::size_t before = inner.errors().size();
+    Section section = read(inner);
+    if (inner.errors().size() == before) sections.push_back(std::move(section));
+  });
+  return sections;
+}
 
 constexpr std::string_view node_id_expected = "a node-ID is 1 to 127";
 constexpr std::uint8_t no_node_id = 0xFF;
@@ -92,9 +106,10 @@ std::uint32_t read_bit_rate(TableReader& table, bool required) {
 }
 
 BusSection read_bus(TableReader& table) {
-  BusSection bus{.place = table.place()};
+  BusSection bus{.place = table.place(), .serve_place = table.place("serve")};
   bus.name = table.text("name", true).value_or("");
   bus.bit_rate = read_bit_rate(table, true);
+  if (bus.bit_rate == 0) bus.bit_rate = 250'000;  // so that what is on it can be looked at
   bus.socketcand =
       table.parsed("serve", [](std::string_view text) -> std::expected<HostAndPort, std::string> {
         constexpr std::string_view protocol = "socketcand:";
@@ -104,7 +119,7 @@ BusSection read_bus(TableReader& table) {
         }
         return parse_host_and_port(text.substr(protocol.size()));
       });
-  table.tables("fault", "bus.fault", [&](TableReader& inner) { bus.faults.push_back(read_fault(inner)); });
+  bus.faults = read_good<FaultSection>(table, "fault", "bus.fault", read_fault);
   return bus;
 }
 
@@ -123,7 +138,8 @@ std::uint8_t read_device_node(TableReader& table) {
 }
 
 DeviceSection read_device(TableReader& table) {
-  DeviceSection device{.place = table.place(), .eds_place = table.place("eds")};
+  DeviceSection device{
+      .place = table.place(), .eds_place = table.place("eds"), .store_place = table.place("store")};
   device.bus = table.text("bus").value_or("");
   device.name = table.text("name").value_or("");
   device.eds = table.text("eds", true).value_or("");
@@ -144,8 +160,8 @@ DeviceSection read_device(TableReader& table) {
   device.transmit_queue = static_cast<std::size_t>(
       table.integer("transmit_queue", 1, 65535, "a transmit queue holds 1 to 65535 frames").value_or(128));
   device.objects = read_objects(table, "objects");
-  table.tables("behaviour", "device.behaviour",
-               [&](TableReader& inner) { device.behaviours.push_back(read_behaviour(inner)); });
+  device.behaviours = read_good<BehaviourSection>(table, "behaviour", "device.behaviour", read_behaviour);
+  device.usable = !table.is_wrong("eds") && !table.is_wrong("node") && !table.is_wrong("bus");
   return device;
 }
 
@@ -203,8 +219,7 @@ ModuleSection read_module(TableReader& table) {
     }
     module.all_slaves = true;
   }
-  table.tables("slave", "plc.module.slave",
-               [&](TableReader& inner) { module.slaves.push_back(read_slave(inner)); });
+  module.slaves = read_good<SlaveSection>(table, "slave", "plc.module.slave", read_slave);
   module.exchange = table.parsed("exchange", parse_duration);
   if (module.exchange && *module.exchange < std::chrono::milliseconds(1)) {
     table.error("exchange", "expected at least 1ms");
@@ -230,11 +245,15 @@ ModuleSection read_module(TableReader& table) {
     if (!address) return table.error(place_of(element.source()), fmt::format("watch: {}", address.error()));
     module.watch.push_back(*address);
   });
+  for (const std::string_view key : {"model", "head", "bus", "node"}) {
+    module.usable = module.usable && !table.is_wrong(key);
+  }
   return module;
 }
 
 PlcSection read_plc(TableReader& table) {
-  PlcSection plc{.place = table.place()};
+  PlcSection plc{
+      .place = table.place(), .listen_place = table.place("listen"), .store_place = table.place("store")};
   plc.name = table.text("name").value_or("");
   const auto listen = table.text("listen");
   if (!listen) {
@@ -251,78 +270,6 @@ PlcSection read_plc(TableReader& table) {
   table.tables("module", "plc.module",
                [&](TableReader& inner) { plc.modules.push_back(read_module(inner)); });
   return plc;
-}
-
-/// I/O points of the module in its rack; a module without signals has its head address for itself, too.
-unsigned points(const ModuleSection& module) {
-  const CatalogueEntry* entry = find_module(module.model);
-  return std::max(16U, entry == nullptr ? 0U : entry->data_sheet->points);
-}
-
-/// What no single table can see: names that must be there once, buses that must exist.
-void check_references(PlantFile& plant, std::vector<PlantError>& errors) {
-  const auto error = [&](Place place, std::string message) { errors.push_back({place, std::move(message)}); };
-  if (plant.buses.empty()) error({1, 1}, "the plant has no bus; expected at least one [[bus]]");
-  for (std::size_t i = 0; i < plant.buses.size(); ++i) {
-    for (std::size_t k = 0; k < i; ++k) {
-      if (plant.buses[i].name != plant.buses[k].name || plant.buses[i].name.empty()) continue;
-      error(plant.buses[i].place, fmt::format("bus \"{}\" is there already, in line {}", plant.buses[i].name,
-                                              plant.buses[k].place.line));
-    }
-  }
-  struct Occupant {
-    std::string bus;
-    unsigned node;
-    Place place;
-  };
-  std::vector<Occupant> occupants;
-  const auto resolve = [&](std::string& bus, unsigned node, Place place, std::string_view what) {
-    if (bus.empty() && plant.buses.size() == 1) bus = plant.buses.front().name;
-    if (std::ranges::find(plant.buses, bus, &BusSection::name) == plant.buses.end()) {
-      const auto names = [&] {
-        std::vector<std::string> list;
-        list.reserve(plant.buses.size());
-        for (const BusSection& known : plant.buses) list.push_back(known.name);
-        return fmt::format("{}", fmt::join(list, ", "));
-      };
-      error(place, bus.empty()
-                       ? fmt::format("{}: bus is missing; expected one of {}", what, names())
-                       : fmt::format("{}: there is no bus \"{}\"; expected one of {}", what, bus, names()));
-      return;
-    }
-    if (node == 0 || node == no_node_id) return;
-    for (const Occupant& other : occupants) {
-      if (other.bus != bus || other.node != node) continue;
-      error(place, fmt::format("{}: node {} of bus \"{}\" is taken already, in line {}", what, node, bus,
-                               other.place.line));
-    }
-    occupants.push_back({bus, node, place});
-  };
-  for (DeviceSection& device : plant.devices) resolve(device.bus, device.node, device.place, "device");
-  for (PlcSection& plc : plant.plcs) {
-    for (std::size_t i = 0; i < plc.modules.size(); ++i) {
-      ModuleSection& module = plc.modules[i];
-      resolve(module.bus, module.node, module.place, "module");
-      for (std::size_t k = 0; k < i; ++k) {
-        const ModuleSection& other = plc.modules[k];
-        if (module.head + points(module) <= other.head || other.head + points(other) <= module.head) continue;
-        error(module.place, fmt::format("the module at head {:03X}H overlaps the one in line {}", module.head,
-                                        other.place.line));
-      }
-      if (!module.master && (module.all_slaves || !module.slaves.empty())) {
-        error(module.place, "slaves need master = true");
-      }
-      for (const SlaveSection& slave : module.slaves) {
-        const auto on_bus = [&](const DeviceSection& device) {
-          return device.bus == module.bus && (device.node == slave.node || device.node == 0);
-        };
-        if (slave.node != 0 && std::ranges::none_of(plant.devices, on_bus)) {
-          error(slave.place, fmt::format("slave: there is no device with node = {} on bus \"{}\"", slave.node,
-                                         module.bus));
-        }
-      }
-    }
-  }
 }
 
 }  // namespace
@@ -349,15 +296,20 @@ PlantReading read_plant(std::string_view text, std::string path) {
   top.tables("plc", "plc", [&](TableReader& table) { plant.plcs.push_back(read_plc(table)); });
   top.finish();
   check_references(plant, reading.errors);
-  std::ranges::stable_sort(reading.errors, [](const PlantError& a, const PlantError& b) {
-    return std::pair(a.place.line, a.place.column) < std::pair(b.place.line, b.place.column);
-  });
+  std::ranges::stable_sort(reading.errors, {}, &PlantError::place);
   return reading;
 }
 
+std::string describe(Place place, std::string_view path) {
+  return place.line == 0 ? std::string(path) : fmt::format("{}:{}:{}", path, place.line, place.column);
+}
+
 std::string describe(const PlantError& error, std::string_view path) {
-  if (error.place.line == 0) return fmt::format("{}: {}", path, error.message);
-  return fmt::format("{}:{}:{}: {}", path, error.place.line, error.place.column, error.message);
+  return fmt::format("{}: {}", describe(error.place, path), error.message);
+}
+
+std::string describe(const PlantWarning& warning, std::string_view path) {
+  return fmt::format("{}: warning: {}", describe(warning.place, path), warning.message);
 }
 
 }  // namespace canopus::app

@@ -21,12 +21,21 @@ namespace canopus::app {
 struct Place {
   std::uint32_t line = 0;
   std::uint32_t column = 0;
+  friend auto operator<=>(const Place&, const Place&) = default;
 };
 
-/// A mistake in the plant file, or in something it names.
+/// A mistake in the plant file, or in something it names: the plant does not start.
 struct PlantError {
   Place place{};
   std::string message{};
+  friend bool operator==(const PlantError&, const PlantError&) = default;
+};
+
+/// Something that a person should know: the plant starts, but probably not as it was meant.
+struct PlantWarning {
+  Place place{};
+  std::string message{};
+  friend bool operator==(const PlantWarning&, const PlantWarning&) = default;
 };
 
 using Scalar = std::variant<bool, std::int64_t, double, std::string>;
@@ -66,6 +75,7 @@ struct FaultSection {
 
 struct BusSection {
   Place place{};
+  Place serve_place{};
   std::string name{};
   std::uint32_t bit_rate = 0;               ///< bit/s
   std::optional<HostAndPort> socketcand{};  ///< from serve = "socketcand:127.0.0.1:29536"
@@ -73,8 +83,10 @@ struct BusSection {
 };
 
 struct DeviceSection {
+  bool usable = true;  ///< false: a mistake is reported that leaves nothing to build
   Place place{};
   Place eds_place{};
+  Place store_place{};
   std::string bus{};
   std::string name{};
   std::string eds{};                 ///< path, relative to the plant file
@@ -105,6 +117,7 @@ struct SlaveSection {
 };
 
 struct ModuleSection {
+  bool usable = true;  ///< false: a mistake is reported that leaves nothing to build
   Place place{};
   std::string model{};
   std::uint16_t head = 0;  ///< head I/O number, in points
@@ -126,6 +139,8 @@ struct ModuleSection {
 
 struct PlcSection {
   Place place{};
+  Place listen_place{};
+  Place store_place{};
   std::string name{};
   std::optional<HostAndPort> listen{};  ///< MC protocol
   bool run = true;
@@ -143,14 +158,19 @@ struct PlantFile {
   std::vector<PlcSection> plcs{};
 };
 
-/// Reads a plant file's text. With errors, `plant` holds what could be read and must not be started.
+/// Reads a plant file's text. With errors, `plant` holds what could be read: it may be built, to find what
+/// else is wrong, and must not be started.
 struct PlantReading {
   PlantFile plant;
   std::vector<PlantError> errors{};
 };
 [[nodiscard]] PlantReading read_plant(std::string_view text, std::string path);
 
+/// "plant.toml:14:9"; the path alone for nowhere.
+[[nodiscard]] std::string describe(Place place, std::string_view path);
 /// "plant.toml:14:9: node = 128: a node-ID is 1 to 127"
 [[nodiscard]] std::string describe(const PlantError& error, std::string_view path);
+/// "plant.toml:14:9: warning: node 3 waits for SYNC, but nobody on bus \"line1\" produces it"
+[[nodiscard]] std::string describe(const PlantWarning& warning, std::string_view path);
 
 }  // namespace canopus::app

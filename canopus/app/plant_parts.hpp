@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "canopus/app/device_seat.hpp"
 #include "canopus/app/module_seat.hpp"
 #include "canopus/app/plant.hpp"
+#include "canopus/app/plant_stores.hpp"
 #include "canopus/app/plant_timers.hpp"
 
 namespace canopus::app {
@@ -30,6 +32,8 @@ struct Plant::Parts {
   std::vector<can::Timeline::Handle> cpu_error_handles;
   std::unique_ptr<LoadReport> load_report;
   std::vector<std::string> connections;
+  std::vector<PlantWarning> warnings;
+  std::optional<PlantStores> stores;
   bool has_stalled = false;
 
   sim::Bus& bus(std::string_view name) {

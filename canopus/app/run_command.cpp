@@ -49,15 +49,4 @@ void add_run_command(CLI::App& app, int& exit_code) {
   });
 }
 
-void add_check_command(CLI::App& app, int& exit_code) {
-  auto path = std::make_shared<std::string>();
-  CLI::App* command =
-      app.add_subcommand("check", "Check a plant file, and the device files it names, without running it");
-  command->add_option("PLANT", *path, "Plant file (TOML, see docs/plant-file.md)")->required();
-  command->footer(
-      "Every mistake is printed as file:line:column: what was found and what was expected.\n"
-      "Exit codes: 0 good, 2 wrong.");
-  command->callback([path, &exit_code] { exit_code = check_plant(*path); });
-}
-
 }  // namespace canopus::app

@@ -1,5 +1,5 @@
 #pragma once
-// `canopus run PLANT.toml` and `canopus check PLANT.toml`.
+// `canopus run PLANT.toml`.
 
 namespace CLI {
 class App;
@@ -7,8 +7,7 @@ class App;
 
 namespace canopus::app {
 
-/// Adds the subcommands; when the user asks for one, parsing runs it and puts the exit code into `exit_code`.
+/// Adds the subcommand; when the user asks for it, parsing runs it and puts the exit code into `exit_code`.
 void add_run_command(CLI::App& app, int& exit_code);
-void add_check_command(CLI::App& app, int& exit_code);
 
 }  // namespace canopus::app

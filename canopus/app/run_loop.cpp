@@ -17,11 +17,11 @@
 
 #include "canopus/app/client_ports.hpp"
 #include "canopus/app/event_printer.hpp"
-#include "canopus/app/file_text.hpp"
 #include "canopus/app/live_table.hpp"
 #include "canopus/app/local_time.hpp"
 #include "canopus/app/melsec_server.hpp"
 #include "canopus/app/plant.hpp"
+#include "canopus/app/plant_loading.hpp"
 #include "canopus/app/print.hpp"
 #include "canopus/app/real_time.hpp"
 #include "canopus/app/run_recording.hpp"
@@ -35,28 +35,6 @@ namespace {
 namespace asio = boost::asio;
 using WallClock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
-
-std::optional<PlantFile> read_plant_file(const std::string& path) {
-  const auto text = read_file(path);
-  if (!text) {
-    print_error("canopus: {}", text.error());
-    return std::nullopt;
-  }
-  PlantReading reading = read_plant(*text, path);
-  for (const PlantError& error : reading.errors) print_error("{}", describe(error, path));
-  if (!reading.errors.empty()) return std::nullopt;
-  return std::move(reading.plant);
-}
-
-std::unique_ptr<Plant> build_plant(const PlantFile& file, PlantObserver& observer,
-                                   std::optional<std::uint64_t> seed) {
-  auto plant = Plant::build(file, observer, seed);
-  if (!plant) {
-    for (const PlantError& error : plant.error()) print_error("{}", describe(error, file.path));
-    return nullptr;
-  }
-  return std::move(*plant);
-}
 
 /// One run from build to summary.
 class Run {
@@ -76,6 +54,7 @@ class Run {
     if (has_table_) return table_;
     return lines_;
   }
+  void warn();
   bool open_trace();
   bool open_vcd();
   bool open_doors(RealTime& clock);
@@ -271,12 +250,23 @@ void Run::summarise(can::Duration wall) {
   }
 }
 
+/// A table leaves no room for warnings: they stand above it when it has gone.
+void Run::warn() {
+  for (const PlantWarning& warning : plant_->warnings()) {
+    if (has_table_) print_error("{}", describe(warning, options_.plant));
+    observer().warning(describe(warning.place, options_.plant), warning.message, {});
+  }
+}
+
 int Run::operator()() {
-  const auto file = read_plant_file(options_.plant);
-  if (!file) return 2;
-  plant_ = build_plant(*file, observer(), options_.seed);
+  plant_ = load_plant(options_.plant, observer(), standard_error(), options_.seed);
   if (!plant_) return 2;
   raw_plant_ = plant_.get();
+  if (auto errors = plant_->open_stores(); !errors.empty()) {
+    print_errors(std::move(errors), options_.plant, standard_error());
+    return 1;
+  }
+  warn();
   if (!open_trace() || !open_vcd()) return 1;
   const auto started = WallClock::now();
   if (options_.virtual_time) {
@@ -306,20 +296,6 @@ int Run::operator()() {
 int run_plant(const RunOptions& options) {
   std::signal(SIGPIPE, SIG_IGN);  // a reader that goes away ends the output, not the plant
   return Run(options)();
-}
-
-int check_plant(const std::string& path) {
-  const auto file = read_plant_file(path);
-  if (!file) return 2;
-  class Nobody final : public PlantObserver {
-  } nobody;
-  const auto plant = build_plant(*file, nobody, std::nullopt);
-  if (!plant) return 2;
-  for (const std::string& line : plant->connections()) print_line("{}", line);
-  print_line("{}: good: {} bus{}, {} device{}, {} PLC{}", path, file->buses.size(),
-             file->buses.size() == 1 ? "" : "es", file->devices.size(), file->devices.size() == 1 ? "" : "s",
-             file->plcs.size(), file->plcs.size() == 1 ? "" : "s");
-  return 0;
 }
 
 }  // namespace canopus::app

@@ -27,8 +27,4 @@ struct RunOptions {
 /// output file failed or a part of the plant stalled, 2 the plant file is wrong.
 int run_plant(const RunOptions& options);
 
-/// Reads and builds the plant without starting it. Exit code: 0 good, 2 wrong; every error is printed with
-/// its place.
-int check_plant(const std::string& path);
-
 }  // namespace canopus::app

@@ -51,13 +51,14 @@ class TableReader {
   }
   void error(Place place, std::string message) { errors_.push_back({place, std::move(message)}); }
   void error(std::string_view key, std::string_view expected) {
+    wrong_.emplace(key);
     const toml::node* node = table_.get(key);
     error(place(key), node == nullptr ? fmt::format("{}: {} is missing; {}", what_, key, expected)
                                       : fmt::format("{} = {}: {}", key, describe_found(*node), expected));
   }
 
   const toml::node* find(std::string_view key) {
-    known_.insert(std::string(key));
+    known_.emplace(key);
     return table_.get(key);
   }
   std::optional<std::string> text(std::string_view key, bool required = false) {
@@ -110,6 +111,7 @@ class TableReader {
     if (!value) return std::nullopt;
     auto result = parse(*value);
     if (!result) {
+      wrong_.emplace(key);
       error(place(key), fmt::format("{} = {}", key, result.error()));
       return std::nullopt;
     }
@@ -166,18 +168,21 @@ class TableReader {
   /// Reports every key that nobody asked for.
   void finish() {
     for (const auto& [key, value] : table_) {
-      if (known_.contains(std::string(key.str()))) continue;
+      if (known_.contains(key.str())) continue;
       error(place_of(key.source()),
             fmt::format("{}: unknown key {}; expected one of {}", what_, key.str(), fmt::join(known_, ", ")));
     }
   }
+  /// A mistake was found in the value of this key, or it is missing.
+  [[nodiscard]] bool is_wrong(std::string_view key) const { return wrong_.contains(key); }
   std::vector<PlantError>& errors() { return errors_; }
 
  private:
   const toml::table& table_;
   std::string what_;
   std::vector<PlantError>& errors_;
-  std::set<std::string> known_;
+  std::set<std::string, std::less<>> known_;
+  std::set<std::string, std::less<>> wrong_;
 };
 
 /// A [[bus.fault]].

@@ -1,0 +1,23 @@
+#pragma once
+// A plant file read and built in one go: every mistake is found at once, in the file itself and in what it
+// names, and printed with its place.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "canopus/app/plant.hpp"
+#include "canopus/app/print.hpp"
+
+namespace canopus::app {
+
+/// The plant, switched off, or nullptr after its mistakes were printed on `err`.
+[[nodiscard]] std::unique_ptr<Plant> load_plant(const std::string& path, PlantObserver& observer, Output& err,
+                                                std::optional<std::uint64_t> seed = std::nullopt);
+
+/// The first hundred in the order of the file, and how many more there are.
+void print_errors(std::vector<PlantError> errors, const std::string& path, Output& err);
+
+}  // namespace canopus::app

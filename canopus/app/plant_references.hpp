@@ -1,0 +1,14 @@
+#pragma once
+// What no single table of a plant file can see: names that must be there once, buses and slaves that must
+// exist, node-IDs and I/O points that only one can have.
+
+#include <vector>
+
+#include "canopus/app/plant_file.hpp"
+
+namespace canopus::app {
+
+/// Finds them, names the bus of everything that leaves it out, and marks as not usable what cannot be built.
+void check_references(PlantFile& plant, std::vector<PlantError>& errors);
+
+}  // namespace canopus::app
