@@ -121,6 +121,11 @@ class BufferMemory {
   void set_online(bool online) noexcept { online_ = online; }
   /// Gives first..last, as far as they are in the table, to an area.
   void attach(BufferAddress first, BufferAddress last, BufferArea& area);
+  /// Who owns the word; nullptr: nobody, it is a plain one.
+  [[nodiscard]] BufferArea* area(BufferAddress address) const noexcept {
+    const std::uint8_t number = address < area_of_.size() ? area_of_[address] : std::uint8_t{0};
+    return number == 0 ? nullptr : areas_[number - 1U];
+  }
 
   /// FROM.
   [[nodiscard]] std::uint16_t read(BufferAddress address, can::Time now);

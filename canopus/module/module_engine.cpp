@@ -52,7 +52,8 @@ ModuleEngine::ModuleEngine(const ModuleModel& model, can::Controller& controller
       time_stamp_(model.time_stamp, buffer_, node_),
       status_words_(model.status, buffer_, {state_, controller, node_, master_, layer2_}),
       concise_dcfs_(node_, master_, settings_.flash(), ModuleSettings::concise_dcfs_name,
-                    {.erase_time = profile_.erase_time}) {
+                    {.erase_time = profile_.erase_time}),
+      port_(model.request_port(*this)) {
   state_.mode = &model.function_modes.front();
   controller_.set_automatic_recovery(false);  // the way out of bus-off is a restart [ME3CAN1-Q 3.5.7]
   node_.set_listener(this);
@@ -96,8 +97,14 @@ Layer2State ModuleEngine::layer2_state() const noexcept {
   return layer2_.online() ? Layer2State::online : Layer2State::offline;
 }
 
+void ModuleEngine::set_observer(ModuleObserver* observer) {
+  observer_ = observer;
+  port_->set_observer(observer);
+}
+
 void ModuleEngine::power_on(can::Time now) {
   if (state_.phase != Phase::off) return;
+  port_->power_on(now);
   restarting_ = false;
   clear_concise_dcfs_ = false;  // kept in RAM: only a restart carries it out
   begin_initialization(profile_.power_on_time, now);
@@ -117,7 +124,7 @@ void ModuleEngine::power_off(can::Time now) {
   initialized_at_ = can::never;
   events_.clear();
   events_due_ = can::never;
-  went_off(now);
+  port_->power_off(now);
 }
 
 void ModuleEngine::inject(ModuleFault fault, can::Time now) {
@@ -125,7 +132,7 @@ void ModuleEngine::inject(ModuleFault fault, can::Time now) {
   switch (fault) {
     case ModuleFault::hardware_error:
       state_.hardware_fault = true;
-      fault_found(now);
+      port_->fault_found(now);
       tell("hardware error", now);
       // A severe error that the device causes itself acts as a communication error does [ME3CAN1-Q 4.7].
       if (state_.running() && state_.canopen_mode()) node_.communication_error(now);
@@ -155,7 +162,7 @@ void ModuleEngine::begin_initialization(can::Duration duration, can::Time now) {
   exchange_.reset();
   process_data_.reset();
   status_words_.reset();
-  initialization_begins(now);
+  port_->initialization_begins(now);
   if (std::exchange(clear_concise_dcfs_, false)) concise_dcfs_.clear();
   state_.mode = &settings_.load();
   if (state_.canopen_mode()) time_stamp_.reset();
@@ -180,7 +187,7 @@ void ModuleEngine::end_due_initialization(can::Time now) {
     network_settings_.apply();
     node_.power_on(now);
   }
-  initialized(std::exchange(restarting_, false), now);
+  port_->initialized(std::exchange(restarting_, false), now);
   controller_changed(now);
 }
 
@@ -246,7 +253,8 @@ bool ModuleEngine::may_become_operational() {
 
 void ModuleEngine::tick(can::Time now) {
   end_due_initialization(now);
-  if (exchange_.end_if_due(now)) done(Request::data_exchange, now);
+  port_->tick(now);
+  if (exchange_.end_if_due(now)) port_->done(Request::data_exchange, now);
   if (now >= settings_.save_deadline()) end_save(now);
   if (state_.running() && now >= time_stamp_.next_transmission()) time_stamp_.tick(now);
   if (now >= node_.deadline()) node_.tick(now);
@@ -258,8 +266,9 @@ void ModuleEngine::tick(can::Time now) {
 
 can::Time ModuleEngine::deadline() const noexcept {
   const can::Time time_due = state_.running() ? time_stamp_.next_transmission() : can::never;
-  return std::min({events_due_, initialized_at_, exchange_.deadline(), settings_.save_deadline(), time_due,
-                   node_.deadline(), master_.deadline(), command_.deadline(), layer2_.deadline()});
+  return std::min({port_->deadline(), events_due_, initialized_at_, exchange_.deadline(),
+                   settings_.save_deadline(), time_due, node_.deadline(), master_.deadline(),
+                   command_.deadline(), layer2_.deadline()});
 }
 
 // After every event: what hangs on several causes.
@@ -284,7 +293,7 @@ void ModuleEngine::update(can::Time now) {
   }
   errors_.follow(ModuleError::hardware, state_.hardware_fault);
   errors_.follow(ModuleError::flash, settings_.error());
-  show(now);
+  port_->show(now);
 }
 
 void ModuleEngine::tell(std::string_view what, can::Time now) {

@@ -3,12 +3,12 @@
 // the stored settings, data exchange, and the areas of the buffer memory, tied to one CANopen node and its
 // NMT master, or to Layer 2. What a model's manual says of words, bits and commands is its ModuleModel.
 //
-// How the PLC program asks for something is left to the class above (SignalModule: by Y signals; modules
-// without signals: by bits of words, word_written()): it calls the requests below, and hears of their ends by
-// done().
+// How the PLC program asks for something is the business of the model's request port (request_port.hpp): it
+// calls the requests below, and hears of their ends.
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -30,6 +30,7 @@
 #include "canopus/module/network_settings.hpp"
 #include "canopus/module/nmt_status.hpp"
 #include "canopus/module/profile.hpp"
+#include "canopus/module/request_port.hpp"
 #include "canopus/module/status_words.hpp"
 #include "canopus/module/time_stamp.hpp"
 
@@ -42,10 +43,11 @@ class ModuleEngine : public CommunicationModule,
                      private canopen::ObjectHandler,
                      private manager::MasterListener {
  public:
+  /// Off until power_on(). Everything must outlive the module.
+  ModuleEngine(const ModuleModel& model, can::Controller& controller, NonVolatileMemory& memory,
+               const Profile& profile);
   ModuleEngine(const ModuleEngine&) = delete;
   ModuleEngine& operator=(const ModuleEngine&) = delete;
-
-  [[nodiscard]] const Profile& profile() const noexcept { return profile_; }
 
   // CommunicationModule
   bool preset_word(BufferAddress address, std::uint16_t value) override;
@@ -67,12 +69,13 @@ class ModuleEngine : public CommunicationModule,
   [[nodiscard]] unsigned points() const noexcept override { return model_.data_sheet->points; }
   [[nodiscard]] ProductInformation product() const noexcept override;
   [[nodiscard]] BufferMemoryAccess* buffer_memory() noexcept override { return this; }
+  [[nodiscard]] SignalAccess* signals() noexcept override { return port_->signals(); }
   void power_on(can::Time now) override;
   void power_off(can::Time now) override;
   void cpu_changed(CpuState state, can::Time now) override;
   void cpu_failed(can::Time now) override;
   void inject(ModuleFault fault, can::Time now) override;
-  void set_observer(ModuleObserver* observer) override { observer_ = observer; }
+  void set_observer(ModuleObserver* observer) override;
 
   // BufferMemoryAccess
   [[nodiscard]] BufferAddress buffer_memory_size() const noexcept override {
@@ -88,18 +91,11 @@ class ModuleEngine : public CommunicationModule,
   void tick(can::Time now) override;
   [[nodiscard]] can::Time deadline() const noexcept override;
 
- protected:
-  /// Everything must outlive the module.
-  ModuleEngine(const ModuleModel& model, can::Controller& controller, NonVolatileMemory& memory,
-               const Profile& profile);
-
-  using Phase = ModuleState::Phase;
-  /// What a program asks for and waits for.
-  enum class Request : std::uint8_t { data_exchange, command, save_restore, set_clock, read_clock };
-
-  // --- requests of the PLC program; the module is on
+  // --- for the request port: requests of the PLC program; the module is on
   /// As the data exchange control word says.
   void begin_exchange(can::Time now);
+  /// Process data run, or wait for Operational.
+  [[nodiscard]] bool exchanging() const noexcept { return exchange_.running(); }
   void begin_restart(can::Time now);
   /// As the save/restore word says.
   void begin_save(can::Time now);
@@ -113,8 +109,14 @@ class ModuleEngine : public CommunicationModule,
   void hold_clear_errors(bool held) { errors_.hold_clear(held); }
   void hold_clear_emergencies(bool held) { emergencies_.hold_clear(held); }
   void hold_clear_nmt_errors(bool held, can::Time now);
+  /// Clears those that are there.
+  void clear_nmt_errors(can::Time now);
+  /// After every event: what hangs on several causes.
+  void update(can::Time now);
 
-  // --- what is
+  // --- for the request port: what is
+  [[nodiscard]] const ModuleModel& description() const noexcept { return model_; }
+  [[nodiscard]] const Profile& profile() const noexcept { return profile_; }
   [[nodiscard]] const ModuleState& state() const noexcept { return state_; }
   [[nodiscard]] bool any_error() const noexcept { return errors_.any(); }
   [[nodiscard]] bool any_nmt_error() const noexcept {
@@ -122,28 +124,11 @@ class ModuleEngine : public CommunicationModule,
   }
   [[nodiscard]] bool any_emergency() const noexcept { return state_.canopen_mode() && !emergencies_.empty(); }
   [[nodiscard]] bool trigger_done() const noexcept { return layer2_.trigger_done(); }
-  /// After every event: what hangs on several causes.
-  void update(can::Time now);
-  /// Ends the initialization if its time has come; tick() does so first of all.
-  void end_due_initialization(can::Time now);
+  /// For a port with words of its own.
+  [[nodiscard]] BufferMemory& memory() noexcept { return buffer_; }
 
  private:
-  // --- for the class above
-  /// The program wrote this, and the word took it.
-  virtual void word_written(BufferAddress /*address*/, std::uint16_t /*value*/, can::Time /*now*/) {}
-  /// The request is carried out.
-  virtual void done(Request request, can::Time now) = 0;
-  /// An initialization begins.
-  virtual void initialization_begins(can::Time now) = 0;
-  /// It has ended, the module works. `by_restart`: it was begin_restart()'s.
-  virtual void initialized(bool by_restart, can::Time now) = 0;
-  /// The supply went off.
-  virtual void went_off(can::Time now) = 0;
-  /// A hardware fault was found.
-  virtual void fault_found(can::Time now) = 0;
-  /// Something may have changed that the program sees.
-  virtual void show(can::Time now) = 0;
-
+  using Phase = ModuleState::Phase;
   /// Not sent yet.
   struct Event {
     const EmergencyRow* row = nullptr;
@@ -160,7 +145,7 @@ class ModuleEngine : public CommunicationModule,
                                  std::span<const std::uint8_t, 5> manufacturer, can::Time now) override;
   FrameAnswer send_plain_frame(std::span<const std::uint16_t> parameters,
                                std::span<std::uint16_t> faults) override;
-  void command_finished(can::Time now) override { done(Request::command, now); }
+  void command_finished(can::Time now) override { port_->done(Request::command, now); }
 
   // NodeListener
   void nmt_state_changed(canopen::NmtState state, can::Time now) override;
@@ -195,6 +180,7 @@ class ModuleEngine : public CommunicationModule,
   bool sdo_channel_free(std::uint8_t node_id) override { return command_.remote_node() != node_id; }
 
   // Life cycle.
+  void end_due_initialization(can::Time now);
   void begin_initialization(can::Duration duration, can::Time now);
   [[nodiscard]] bool configuration_is_faulty(can::Time now);
   void end_save(can::Time now);
@@ -232,6 +218,7 @@ class ModuleEngine : public CommunicationModule,
   TimeStamp time_stamp_;
   StatusWords status_words_;
   ConciseDcfStore concise_dcfs_;
+  std::unique_ptr<RequestPort> port_;
 
   bool cpu_failed_ = false;  // the STOP that comes is an error's
   bool restarting_ = false;

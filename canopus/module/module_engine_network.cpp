@@ -139,8 +139,9 @@ void ModuleEngine::nmt_state_changed(canopen::NmtState state, can::Time now) {
   if (state == canopen::NmtState::stopped) command_.bus_lost(command_error::wrong_state, now);
 }
 
-void ModuleEngine::emergency_received(const canopen::Emergency& message, can::Time) {
+void ModuleEngine::emergency_received(const canopen::Emergency& message, can::Time now) {
   emergencies_.record(message);
+  port_->emergency_received(message, now);
 }
 
 void ModuleEngine::rpdo_received(std::uint16_t number, can::Time) {
@@ -174,6 +175,7 @@ void ModuleEngine::object_written(const canopen::Entry& entry, can::Time) {
 }
 
 void ModuleEngine::boot_went_on(std::uint8_t node_id, const manager::BootRecord& record, can::Time now) {
+  port_->boot_went_on(node_id, record, now);
   if (observer_ != nullptr) observer_->slave_boot_went_on(node_id, record, now);
 }
 
@@ -215,6 +217,7 @@ void ModuleEngine::node_state_changed(std::uint8_t node_id, std::uint8_t state, 
 }
 
 void ModuleEngine::error_control_changed(std::uint8_t node_id, std::uint16_t bits, can::Time now) {
+  port_->error_control_changed(node_id, bits, now);
   if (nmt_status_.held_clear(node_id) && (bits & manager::error_control::errors) != 0) {
     nmt_status_.set_status(node_id, bits & static_cast<std::uint16_t>(~manager::error_control::errors));
     master_.clear_error_control(node_id, now);

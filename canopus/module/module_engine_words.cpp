@@ -25,7 +25,7 @@ void ModuleEngine::write_word(BufferAddress address, std::uint16_t value, can::T
   errors_.record(result, address);
   if (result == WriteResult::done) {
     if (observer_ != nullptr) observer_->buffer_written(address, value, now);
-    word_written(address, value, now);
+    port_->serve(now);
   } else if (result != WriteResult::ignored) {
     tell_of_word(
         address, value,
@@ -51,12 +51,12 @@ void ModuleEngine::set_clock(can::Time now) {
     errors_.record(WriteResult::invalid, *wrong);
     tell("the time stamp words are not a date and time", now);
   }
-  done(Request::set_clock, now);
+  port_->done(Request::set_clock, now);
 }
 
 void ModuleEngine::read_clock(can::Time now) {
   time_stamp_.show(now);
-  done(Request::read_clock, now);
+  port_->done(Request::read_clock, now);
 }
 
 void ModuleEngine::begin_exchange(can::Time now) {
@@ -74,7 +74,10 @@ void ModuleEngine::go_online(can::Time now) {
 
 void ModuleEngine::hold_clear_nmt_errors(bool held, can::Time now) {
   nmt_status_.hold_clear(held);
-  if (!held || state_.initializing() || !state_.canopen_mode()) return;
+  if (held && !state_.initializing() && state_.canopen_mode()) clear_nmt_errors(now);
+}
+
+void ModuleEngine::clear_nmt_errors(can::Time now) {
   const std::uint8_t node = nmt_status_.node_to_clear();
   nmt_status_.clear_life_guarding(node);
   master_.clear_error_control(node, now);
@@ -92,7 +95,7 @@ void ModuleEngine::end_save(can::Time now) {
     network_settings_.apply();
     time_stamp_.correction_changed(now);
   }
-  done(Request::save_restore, now);
+  port_->done(Request::save_restore, now);
 }
 
 std::vector<Led> ModuleEngine::leds(can::Time now) const {

@@ -22,11 +22,15 @@
 #include "canopus/module/network_settings.hpp"
 #include "canopus/module/nmt_status.hpp"
 #include "canopus/module/program_interface.hpp"
+#include "canopus/module/request_port.hpp"
 #include "canopus/module/signals.hpp"
 #include "canopus/module/status_words.hpp"
 #include "canopus/module/time_stamp.hpp"
+#include "canopus/module/word_port.hpp"
 
 namespace canopus::module {
+
+class ModuleEngine;
 
 /// The words of a module's settings, as far as words hold them.
 struct SettingsLayout {
@@ -79,7 +83,11 @@ struct ModuleModel {
   BufferAddress buffer_memory_size = 0;
   std::span<const BufferRow> buffer_memory{};
   std::span<const FunctionModeRow> function_modes{};
+  /// How a program asks: requests_by_signals with `signals`, requests_by_words with `request_words`, or a port of
+  /// the model's own. Made once per module.
+  std::unique_ptr<RequestPort> (*request_port)(ModuleEngine& engine) = nullptr;
   std::span<const SignalRow> signals{};
+  std::span<const RequestWordRow> request_words{};
   std::span<const LedRow> leds{};
   EmergencyRows emergencies{};
   FactorySettings factory{};

@@ -1,39 +1,18 @@
 #pragma once
 // The X and Y signals of a module that has them, bit n = X/Y(head+n), up to 32 each.
 
-#include <cstddef>
 #include <cstdint>
 
 #include "canopus/module/buffer_memory.hpp"
 #include "canopus/module/observer.hpp"
+#include "canopus/module/request_port.hpp"
 
 namespace canopus::module {
-
-/// What a signal pair is for: Yn of the program, Xn of the module.
-enum class SignalUse : std::uint8_t {
-  none,
-  ready,  ///< X only: the module can be worked with
-  // The module answers Y with X when it is done; X goes OFF with Y.
-  data_exchange,
-  restart,
-  set_clock,
-  read_clock,
-  command,
-  save_restore,
-  // Y is a wish that lasts; X shows what is.
-  online,
-  transmit_trigger,
-  // X shows that there is something; Y clears it, and keeps it clear while ON.
-  error,
-  nmt_error,
-  emergency,
-};
-inline constexpr std::size_t signal_uses = static_cast<std::size_t>(SignalUse::emergency) + 1;
 
 /// One row of a module's signal table.
 struct SignalRow {
   std::uint8_t number = 0;  ///< from the head address on
-  SignalUse use = SignalUse::none;
+  RequestUse use = RequestUse::none;
   Modes modes = every_mode;  ///< function modes in which a rising edge of Y means something
 };
 

@@ -6,6 +6,7 @@
 #include "canopus/module/me3can1_q/buffer_table.hpp"
 #include "canopus/module/me3can1_q/data_sheet.hpp"
 #include "canopus/module/me3can1_q/object_table.hpp"
+#include "canopus/module/signal_port.hpp"
 
 namespace canopus::module::me3can1_q {
 
@@ -36,18 +37,18 @@ constexpr std::uint8_t ready_signal = 0x00;
 constexpr std::uint8_t data_exchange_signal = 0x01;
 constexpr std::uint8_t online_signal = 0x03;
 constexpr std::array signals = std::to_array<SignalRow>({
-    {ready_signal,         SignalUse::ready,            all_modes},
-    {data_exchange_signal, SignalUse::data_exchange,    all_modes},
-    {0x02,                 SignalUse::restart,          all_modes},
-    {online_signal,        SignalUse::online,           layer2},
-    {0x04,                 SignalUse::transmit_trigger, layer2},
-    {0x0F,                 SignalUse::error,            all_modes},
-    {0x10,                 SignalUse::nmt_error,        canopen_405},
-    {0x11,                 SignalUse::emergency,        canopen_405},
-    {0x12,                 SignalUse::set_clock,        canopen_405},
-    {0x13,                 SignalUse::read_clock,       canopen_405},
-    {0x17,                 SignalUse::command,          all_modes},
-    {0x1F,                 SignalUse::save_restore,     all_modes},
+    {ready_signal,         RequestUse::ready,            all_modes},
+    {data_exchange_signal, RequestUse::data_exchange,    all_modes},
+    {0x02,                 RequestUse::restart,          all_modes},
+    {online_signal,        RequestUse::online,           layer2},
+    {0x04,                 RequestUse::transmit_trigger, layer2},
+    {0x0F,                 RequestUse::error,            all_modes},
+    {0x10,                 RequestUse::nmt_error,        canopen_405},
+    {0x11,                 RequestUse::emergency,        canopen_405},
+    {0x12,                 RequestUse::set_clock,        canopen_405},
+    {0x13,                 RequestUse::read_clock,       canopen_405},
+    {0x17,                 RequestUse::command,          all_modes},
+    {0x1F,                 RequestUse::save_restore,     all_modes},
 });
 
 /// [ME3CAN1-Q 3.1.1]
@@ -140,6 +141,7 @@ constinit const ModuleModel model{
     .buffer_memory_size = 65536,
     .buffer_memory = buffer_table,
     .function_modes = function_modes_of_g21,
+    .request_port = requests_by_signals,
     .signals = signals,
     .leds = leds,
     .emergencies = emergencies,

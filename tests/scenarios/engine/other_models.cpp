@@ -1,6 +1,7 @@
 #include "scenarios/engine/other_models.hpp"
 
 #include "canopus/module/object_rows.hpp"
+#include "canopus/module/signal_port.hpp"
 
 namespace canopus::scenario {
 
@@ -54,18 +55,18 @@ constexpr std::array buffer_rows = std::to_array<BufferRow>({
     {4000, 4007, "to send",               rw,    0,   any_value, Stored::no,  canopen_mode},
 });
 constexpr std::array signals = std::to_array<SignalRow>({
-    {0x1C, SignalUse::ready},
-    {0x1B, SignalUse::data_exchange},
-    {0x1A, SignalUse::restart},
-    {0x19, SignalUse::error},
-    {0x18, SignalUse::nmt_error,        canopen_mode},
-    {0x17, SignalUse::emergency,        canopen_mode},
-    {0x16, SignalUse::set_clock,        canopen_mode},
-    {0x15, SignalUse::read_clock,       canopen_mode},
-    {0x14, SignalUse::command},
-    {0x13, SignalUse::save_restore},
-    {0x12, SignalUse::online,           layer2_mode},
-    {0x11, SignalUse::transmit_trigger, layer2_mode},
+    {0x1C, RequestUse::ready},
+    {0x1B, RequestUse::data_exchange},
+    {0x1A, RequestUse::restart},
+    {0x19, RequestUse::error},
+    {0x18, RequestUse::nmt_error,        canopen_mode},
+    {0x17, RequestUse::emergency,        canopen_mode},
+    {0x16, RequestUse::set_clock,        canopen_mode},
+    {0x15, RequestUse::read_clock,       canopen_mode},
+    {0x14, RequestUse::command},
+    {0x13, RequestUse::save_restore},
+    {0x12, RequestUse::online,           layer2_mode},
+    {0x11, RequestUse::transmit_trigger, layer2_mode},
 });
 constexpr std::array error_rows = std::to_array<ErrorRow>({
     {ModuleError::error_passive,   0, false, false},
@@ -130,14 +131,24 @@ std::shared_ptr<const canopen::DictionaryDescription> dictionary() {
 
 constexpr DataSheet sheet{.model = "ELSEWHERE", .series = "X", .points = 32, .flash_writes = 3};
 
-constexpr ModuleModel make(std::span<const SignalRow> with_signals) {
+constexpr std::array request_words = std::to_array<RequestWordRow>({
+    {120, RequestUse::data_exchange, 1U << 0},
+    {122, RequestUse::save_restore, 1U << 0 | 1U << 1},
+    {125, RequestUse::restart, 1U << 0},
+    {125, RequestUse::online, 1U << 4, layer2_mode},
+    {1100, RequestUse::command},
+});
+
+constexpr ModuleModel make(std::unique_ptr<RequestPort> (*request_port)(ModuleEngine&)) {
   return {
       .data_sheet = &sheet,
       .word_prefix = "W",
       .buffer_memory_size = 5000,
       .buffer_memory = buffer_rows,
       .function_modes = function_modes,
-      .signals = with_signals,
+      .request_port = request_port,
+      .signals = signals,
+      .request_words = request_words,
       .leds = leds,
       .emergencies = {.cpu_error = {0xFF01, 0x80, {'X', '1'}},
                       .cpu_stopped = {0xFF02, 0x82, {'X', '2'}},
@@ -192,21 +203,7 @@ constexpr ModuleModel make(std::span<const SignalRow> with_signals) {
 
 }  // namespace
 
-constinit const ModuleModel elsewhere = make(signals);
-constinit const ModuleModel without_signals = make({});
-
-void WordModule::word_written(BufferAddress address, std::uint16_t value, can::Time now) {
-  switch (address) {
-    case 120:
-      if ((value & 1U) != 0) begin_exchange(now);
-      return;
-    case 122: return begin_save(now);
-    case 125:
-      if ((value & 1U) != 0) return begin_restart(now);
-      return (value & 1U << 4) != 0 ? go_online(now) : go_offline();
-    case 1100: return execute_command(now);
-    default: return;
-  }
-}
+constinit const ModuleModel elsewhere = make(requests_by_signals);
+constinit const ModuleModel without_signals = make(requests_by_words);
 
 }  // namespace canopus::scenario

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "canopus/module/signal_module.hpp"
+#include "canopus/module/module_engine.hpp"
 
 #include "scenarios/scenario.hpp"
 
@@ -17,10 +17,10 @@ extern const module::ModuleModel without_signals;
 
 /// Signals: 1C ready, 1B data exchange, 1A restart, 19 error, 18 NMT error, 17 emergency, 16 set clock, 15
 /// read clock, 14 command, 13 save/restore, 12 online (Layer 2), 11 transmit trigger (Layer 2).
-class ElsewhereModule final : public module::SignalModule {
+class ElsewhereModule final : public module::ModuleEngine {
  public:
   ElsewhereModule(can::Controller& controller, module::NonVolatileMemory& memory)
-      : SignalModule(elsewhere, controller, memory, {}) {}
+      : ModuleEngine(elsewhere, controller, memory, {}) {}
 };
 
 /// Asked by words: 120 bit 0 data exchange, 122 bits 0 and 1 save and restore, 125 bit 0 restart and bit 4
@@ -29,15 +29,6 @@ class WordModule final : public module::ModuleEngine {
  public:
   WordModule(can::Controller& controller, module::NonVolatileMemory& memory)
       : ModuleEngine(without_signals, controller, memory, {}) {}
-
- private:
-  void word_written(module::BufferAddress address, std::uint16_t value, can::Time now) override;
-  void done(Request, can::Time) override {}
-  void initialization_begins(can::Time) override {}
-  void initialized(bool, can::Time) override {}
-  void went_off(can::Time) override {}
-  void fault_found(can::Time) override {}
-  void show(can::Time) override {}
 };
 
 template <typename Model>
