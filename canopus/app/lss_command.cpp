@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "canopus/app/lss_on_bus.hpp"
+#include "canopus/app/option_checks.hpp"
 #include "canopus/app/sdo_value.hpp"
 #include "canopus/app/text_values.hpp"
 
@@ -557,7 +558,7 @@ void add_lss_command(CLI::App& app, int& exit_code) {
   sub = add("switch", "Switch all devices, or the one with this address, to a state of LSS", switch_state);
   sub->add_option("STATE", arguments->state, "waiting or configuration")
       ->required()
-      ->check(CLI::IsMember({"waiting", "configuration"}));
+      ->check(one_of_words({"waiting", "configuration"}));
   add_address_options(*sub, *arguments);
 }
 

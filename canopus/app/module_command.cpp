@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "canopus/app/module_catalogue.hpp"
+#include "canopus/app/nearest_word.hpp"
 #include "canopus/app/plant.hpp"
 #include "canopus/app/plant_loading.hpp"
 #include "canopus/module/flash_memory.hpp"
@@ -25,9 +26,9 @@ using module::DataSheet;
 const CatalogueEntry* known_module(const std::string& model, Output& err) {
   const CatalogueEntry* entry = find_module(model);
   if (entry == nullptr) {
-    Line line("canopus: {}: no such module; there are:", model);
-    for (const CatalogueEntry& known : module_catalogue()) line.add(" {}", known.data_sheet->model);
-    err.line(line);
+    std::vector<std::string_view> models;
+    for (const CatalogueEntry& known : module_catalogue()) models.push_back(known.data_sheet->model);
+    err.line("canopus: {}: no such module{}", model, suggestion(model, models));
   }
   return entry;
 }

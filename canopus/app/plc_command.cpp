@@ -11,6 +11,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "canopus/app/option_checks.hpp"
 #include "canopus/app/plc_address.hpp"
 #include "canopus/app/plc_client.hpp"
 #include "canopus/app/print.hpp"
@@ -188,7 +189,10 @@ int with_target(const Arguments& arguments,
 
 void add_connection_options(CLI::App& command, Arguments& arguments) {
   command.add_option("--host", arguments.connection.host, "the PLC's address")->capture_default_str();
-  command.add_option("--port", arguments.connection.port, "TCP port")->capture_default_str();
+  command.add_option("--port", arguments.connection.port, "TCP port")
+      ->type_name("PORT")
+      ->check(number_from(1, 65535))
+      ->capture_default_str();
   auto* frame_3e = command.add_flag("--3e", arguments.frame_3e, "3E frames (the default)");
   command.add_flag("--4e", arguments.connection.frame_4e, "4E frames, with serial numbers")
       ->excludes(frame_3e);
@@ -202,10 +206,12 @@ void add_address(CLI::App& command, Arguments& arguments, const char* help) {
 
 void add_reading_options(CLI::App& command, Arguments& arguments) {
   command.add_option("-n,--count", arguments.count, "points: words, or bits of a bit device")
-      ->check(CLI::Range(1, 65536))
+      ->type_name("NUMBER")
+      ->check(number_from(1, 65536))
       ->capture_default_str();
   command.add_option("--format", arguments.format, "how words are shown")
-      ->check(CLI::IsMember({"dec", "hex", "both"}))
+      ->type_name("dec|hex|both")
+      ->check(one_of_words({"dec", "hex", "both"}))
       ->capture_default_str();
   command.add_flag("--signed", arguments.as_signed, "decimal from -32768 to 32767");
 }

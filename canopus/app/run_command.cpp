@@ -1,9 +1,11 @@
 #include "canopus/app/run_command.hpp"
 
+#include <limits>
 #include <memory>
 
 #include <CLI/CLI.hpp>
 
+#include "canopus/app/option_checks.hpp"
 #include "canopus/app/run_loop.hpp"
 #include "canopus/app/text_values.hpp"
 
@@ -27,6 +29,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command->add_flag("--virtual", words->options.virtual_time,
                     "Virtual time: as fast as possible, the same every time, no doors for other programs");
   command->add_option("--seed", words->options.seed, "Seed of everything random, instead of the plant file's")
+      ->check(number_from(0, std::numeric_limits<std::uint64_t>::max()))
       ->type_name("N");
   command->add_option("--trace", words->options.trace, "Record every frame: candump log, or pcap for *.pcap")
       ->type_name("FILE");

@@ -13,6 +13,7 @@
 
 #include "canopus/app/bus_command.hpp"
 #include "canopus/app/file_text.hpp"
+#include "canopus/app/nearest_word.hpp"
 #include "canopus/app/sdo_transfer_on_bus.hpp"
 #include "canopus/app/sdo_value.hpp"
 
@@ -53,8 +54,8 @@ std::expected<Target, std::string> target_of(const Arguments& arguments) {
   if (!arguments.type.empty()) {
     target.type = parse_type(arguments.type);
     if (!target.type) {
-      return std::unexpected(
-          fmt::format("--type: \"{}\" is not a type; expected one of {}", arguments.type, type_names()));
+      return std::unexpected(fmt::format("--type: \"{}\" is not a type{}", arguments.type,
+                                         suggestion(arguments.type, type_names())));
     }
   }
   return target;
@@ -176,7 +177,7 @@ std::expected<std::vector<std::uint8_t>, std::string> bytes_to_write(const Argum
   if (target.type) return encode_value(arguments.value, *target.type);
   if (arguments.raw) return encode_value(arguments.value, canopen::DataType::octet_string);
   return std::unexpected(fmt::format(
-      "which type has the value? Give --type (one of {}), or --raw for bytes in hexadecimal", type_names()));
+      "which type has the value? Give --type {}, or --raw for bytes in hexadecimal", one_of(type_names())));
 }
 
 int write(const Arguments& arguments) {
@@ -215,7 +216,8 @@ void add_sdo_command(CLI::App& app, int& exit_code) {
   const auto add_common = [&](CLI::App& command) {
     command.add_option("NODE", arguments->node, "node-ID, 1 to 127")->required();
     command.add_option("OBJECT", arguments->object, "INDEX[:SUB] in hexadecimal")->required();
-    command.add_option("--type", arguments->type, "type of the value: " + type_names())->type_name("TYPE");
+    command.add_option("--type", arguments->type, "type of the value: " + one_of(type_names()))
+        ->type_name("TYPE");
     command.add_flag("--block", arguments->block, "block transfer");
     add_bus_options(command, arguments->bus, "for each answer of the node");
   };

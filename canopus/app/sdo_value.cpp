@@ -202,9 +202,9 @@ std::optional<DataType> parse_type(std::string_view name) {
   return found == names.end() ? std::nullopt : std::optional(found->type);
 }
 
-std::string type_names() {
-  std::string list;
-  for (const TypeName& name : names) list.append(list.empty() ? "" : " ").append(name.name);
+std::vector<std::string_view> type_names() {
+  std::vector<std::string_view> list;
+  for (const TypeName& name : names) list.push_back(name.name);
   return list;
 }
 

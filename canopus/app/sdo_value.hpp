@@ -18,8 +18,8 @@ namespace canopus::app {
 /// bool; i8 i16 i24 i32 i40 i48 i56 i64, u8 ... u64; f32 f64; text (VISIBLE_STRING), unicode
 /// (UNICODE_STRING), bytes (OCTET_STRING), domain.
 [[nodiscard]] std::optional<canopen::DataType> parse_type(std::string_view name);
-/// All names, separated by blanks.
-[[nodiscard]] std::string type_names();
+/// All names.
+[[nodiscard]] std::vector<std::string_view> type_names();
 /// "u32"; empty for a type that has no name here.
 [[nodiscard]] std::string_view type_name(canopen::DataType type);
 

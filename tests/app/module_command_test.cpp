@@ -136,8 +136,10 @@ TEST(ModuleInfo, Text_SaysTheSame) {
 TEST(ModuleInfo, UnknownModel_NamesThoseThereAre) {
   TextOutput out, err;
   EXPECT_EQ(module_info("me3can2-q", std::nullopt, false, out, err), 2);
-  EXPECT_EQ(err.text(), "canopus: me3can2-q: no such module; there are: ME3CAN1-Q\n");
+  EXPECT_EQ(err.text(), "canopus: me3can2-q: no such module; did you mean \"ME3CAN1-Q\"?\n");
+  err.clear();
   EXPECT_EQ(module_eds_file("nothing", "", out, err), 2);
+  EXPECT_EQ(err.text(), "canopus: nothing: no such module; expected ME3CAN1-Q\n");
   EXPECT_EQ(out.text(), "");
 }
 

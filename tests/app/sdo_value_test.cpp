@@ -15,14 +15,12 @@ using testing::ElementsAre;
 using Bytes = std::vector<std::uint8_t>;
 
 TEST(SdoTypes, EveryName_IsReadAgainAsItself) {
-  std::istringstream names(type_names());
-  unsigned count = 0;
-  for (std::string name; names >> name; ++count) {
+  for (const std::string_view name : type_names()) {
     const auto type = parse_type(name);
     ASSERT_TRUE(type.has_value()) << name;
     EXPECT_EQ(type_name(*type), name);
   }
-  EXPECT_EQ(count, 23U);
+  EXPECT_EQ(type_names().size(), 23U);
 }
 
 TEST(SdoTypes, UnknownName_IsNone) {
