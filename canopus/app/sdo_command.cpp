@@ -218,7 +218,8 @@ void add_sdo_command(CLI::App& app, int& exit_code) {
     command.add_option("OBJECT", arguments->object, "INDEX[:SUB] in hexadecimal")->required();
     command.add_option("--type", arguments->type, "type of the value: " + one_of(type_names()))
         ->type_name("TYPE");
-    command.add_flag("--block", arguments->block, "block transfer");
+    command.add_flag("--block", arguments->block,
+                     "block transfer, whatever the size; a node that answers otherwise is a failure");
     add_bus_options(command, arguments->bus, "for each answer of the node");
   };
 

@@ -73,12 +73,15 @@ canopen::SdoClient::Mode SdoOnBus::mode() const {
 }
 
 void SdoOnBus::receive(const can::Frame& frame, can::Time now) {
-  constexpr std::uint8_t abort = 0x80;
-  const bool ends = client_.busy() && !frame.extended && !frame.remote && frame.length() == 8 &&
-                    frame.identifier == canopen::cob_id::sdo_response + client_.server() &&
-                    frame.data[0] == abort;
-  if (ends) aborted_by_server_ = true;
+  constexpr unsigned initiate_upload = 2;
+  constexpr unsigned abort = 4;
+  const bool answers = client_.busy() && !frame.extended && !frame.remote && frame.length() == 8 &&
+                       frame.identifier == canopen::cob_id::sdo_response + client_.server();
+  const unsigned command = frame.data[0] >> 5;
   client_.receive(frame, now);
+  if (!answers || client_.busy()) return;  // not what ended the transfer
+  aborted_by_server_ = command == abort;
+  switched_ = block_ && command == initiate_upload;
 }
 
 void SdoOnBus::sdo_finished(canopen::SdoClient&, can::Time) { finished_ = true; }
@@ -94,11 +97,18 @@ std::expected<void, SdoFailure> SdoOnBus::wait(bool started) {
   }
   const AbortCode code = client_.abort_code();
   if (code == AbortCode::none) return {};
-  return std::unexpected(SdoFailure{code, describe_abort(code, aborted_by_server_, time_out_)});
+  if (switched_) {
+    return std::unexpected(
+        SdoFailure{code, "it answers the block upload with an ordinary one; without --block it can be read"});
+  }
+  std::string reason = describe_abort(code, aborted_by_server_, time_out_);
+  const bool unknown = block_ && aborted_by_server_ && code == AbortCode::command_specifier;
+  if (unknown) reason += "; without --block it may work";
+  return std::unexpected(SdoFailure{code, std::move(reason)});
 }
 
 std::expected<std::vector<std::uint8_t>, SdoFailure> SdoOnBus::read(ObjectName object) {
-  finished_ = aborted_by_server_ = false;
+  finished_ = aborted_by_server_ = switched_ = false;
   Collector collector(progress_);
   const auto result =
       wait(client_.upload(object.index, object.sub, *this, bus_.now(), time_out_, mode(), &collector));
@@ -107,9 +117,9 @@ std::expected<std::vector<std::uint8_t>, SdoFailure> SdoOnBus::read(ObjectName o
 }
 
 std::expected<void, SdoFailure> SdoOnBus::write(ObjectName object, std::span<const std::uint8_t> value) {
-  finished_ = aborted_by_server_ = false;
+  finished_ = aborted_by_server_ = switched_ = false;
   constexpr std::size_t expedited = 4;
-  if (value.size() <= expedited || !progress_) {
+  if (!block_ && (value.size() <= expedited || !progress_)) {
     return wait(client_.download(object.index, object.sub, value, *this, bus_.now(), time_out_, mode()));
   }
   Giver giver(value, progress_);

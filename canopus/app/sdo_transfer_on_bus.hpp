@@ -27,6 +27,8 @@ class SdoOnBus final : public can::Participant, private canopen::SdoClientUser {
   /// Told how many bytes have passed, of how many (0 = not known), every now and then.
   using Progress = std::function<void(std::size_t bytes, std::size_t of)>;
 
+  /// `block`: block transfers, also of values that would fit into one frame; a server that does otherwise is
+  /// a failure.
   SdoOnBus(BusLoop& bus, std::uint8_t node_id, can::Duration time_out, bool block);
   ~SdoOnBus() override;
   SdoOnBus(const SdoOnBus&) = delete;
@@ -53,6 +55,7 @@ class SdoOnBus final : public can::Participant, private canopen::SdoClientUser {
   canopen::SdoClient client_;
   bool finished_ = false;
   bool aborted_by_server_ = false;
+  bool switched_ = false;  // asked for blocks, the server answered an upload expedited or in segments
 };
 
 /// The words for an abort code; `aborted_by_server`: it came over the bus.

@@ -75,7 +75,8 @@ class SdoClient {
   void set_maximum_size(std::size_t bytes) noexcept { maximum_size_ = bytes; }
 
   /// Block uploads: a server may answer a value of up to this many bytes expedited or segmented instead; 0 =
-  /// never. 4 as long as nobody says otherwise: what fits comes expedited.
+  /// never, one that does so is aborted with 05040001H. 4 as long as nobody says otherwise: what fits comes
+  /// expedited.
   void set_switch_threshold(std::uint8_t bytes) noexcept { switch_threshold_ = bytes; }
 
   // The last transfer, from sdo_finished() on until the next one starts.

@@ -12,7 +12,11 @@ void SdoClient::receive_in_block(const can::Frame& frame, can::Time now) {
   const unsigned subcommand = frame.data[0] & 3U;
   switch (state_) {
     case State::initiate_block_upload:
-      if (command == ServerCommand::initiate_upload) return upload_initiated(frame, now);  // it switched
+      if (command == ServerCommand::initiate_upload) {  // it switched to another protocol
+        if (switch_threshold_ != 0) return upload_initiated(frame, now);
+        if (!is_about_this_object(frame)) return;
+        break;
+      }
       if (command == ServerCommand::block_upload && (subcommand & 1U) == 0) {
         return block_upload_initiated(frame, now);
       }

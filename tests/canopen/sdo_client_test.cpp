@@ -43,6 +43,26 @@ TEST_F(SdoClientTest, SegmentedUpload_CollectsTheSegments) {
   EXPECT_EQ(finished, 1);
 }
 
+TEST_F(SdoClientTest, BlockUpload_ServerMaySwitchWithinTheThreshold) {
+  client.set_switch_threshold(4);
+  client.upload(0x1000, 0, *this, now, 200ms, SdoClient::Mode::block);
+  EXPECT_EQ(bus.take(), "609 A4 00 10 00 7F 04 00 00");
+  EXPECT_EQ(hear("589 43 00 10 00 95 01 00 00"), "");
+  EXPECT_EQ(client.abort_code(), AbortCode::none);
+  EXPECT_EQ(data(), (std::vector<std::uint8_t>{0x95, 0x01, 0, 0}));
+}
+
+TEST_F(SdoClientTest, BlockUpload_ServerThatSwitchesUnaskedIsAborted) {
+  client.set_switch_threshold(0);
+  client.upload(0x1000, 0, *this, now, 200ms, SdoClient::Mode::block);
+  EXPECT_EQ(bus.take(), "609 A4 00 10 00 7F 00 00 00");
+  EXPECT_EQ(hear("589 43 01 10 00 95 01 00 00"), "") << "late, about another object";
+  EXPECT_TRUE(client.busy());
+  EXPECT_EQ(hear("589 43 00 10 00 95 01 00 00"), "609 80 00 10 00 01 00 04 05");
+  EXPECT_EQ(client.abort_code(), AbortCode::command_specifier);
+  EXPECT_EQ(finished, 1);
+}
+
 TEST_F(SdoClientTest, DownloadOfUpToFourBytes_IsExpedited) {
   const std::uint8_t bytes[] = {0xE8, 0x03};
   ASSERT_TRUE(client.download(0x1017, 0, bytes, *this, now));

@@ -6,8 +6,9 @@ import pathlib
 import shutil
 import signal
 import subprocess
+import threading
 
-from kit import (HERE, PATIENCE, ROOT, Skip, check, command, first_plant, host_port, node_modules, program, require, running,
+from kit import (HERE, PATIENCE, ROOT, RawClient, Skip, check, command, first_plant, host_port, node_modules, program, require, running,
                  scratch, silence, talking, tshark_agrees)
 
 DEVICE = HERE / "interop_device.eds"
@@ -82,6 +83,40 @@ def sdo_command_reads_and_writes_a_device():
         require(line["value"] == "longer than four bytes" and line["node"] == 5, str(line))
         on_bus(plant, "sdo", "write", "5", "2004", "-1.5", "--type", "f32")
         require("-1.5" in on_bus(plant, "sdo", "read", "5", "2004", "--type", "f32").stdout, "2004H is not -1.5")
+
+
+@check
+def sdo_command_with_block_transfers_in_blocks_or_fails():
+    """Node 40 is a script: it answers a block upload of 2000H expedited, and refuses all others."""
+    with device_plant((5, DEVICE, "")) as plant:
+        client, heard = RawClient(plant), []
+
+        def answer():
+            with contextlib.suppress(OSError, AssertionError):  # the plant ended
+                while True:
+                    identifier, data = client.frame()
+                    heard.append((identifier, data))
+                    if identifier != 0x628 or data[0] == 0x80:
+                        continue
+                    if data[0] >> 5 == 5 and data[1:3] == b"\x00\x20":
+                        client.send(0x5A8, bytes.fromhex("4F 00 20 00 05 00 00 00"))
+                    else:
+                        client.send(0x5A8, bytes((0x80,)) + data[1:4] + bytes.fromhex("01 00 04 05"))
+        threading.Thread(target=answer, daemon=True).start()
+        for words, told in (
+                (("read", "40", "2000"), "node 40, 2000:00: it answers the block upload with an ordinary one; "
+                                         "without --block it can be read"),
+                (("read", "40", "2001"), "abort 05040001H: command specifier invalid or unknown; "
+                                         "without --block it may work"),
+                (("write", "40", "2003", "500", "--type", "u16"), "without --block it may work")):
+            done = on_bus(plant, "sdo", *words, "--block", expect=1)
+            require(told in done.stderr, f"{words}: {done.stderr}")
+        require((0x628, bytes.fromhex("80 00 20 00 01 00 04 05")) in heard, f"the client did not abort: {heard}")
+        on_bus(plant, "sdo", "write", "5", "2003", "500", "--type", "u16", "--block")
+        require("500  01F4H" in on_bus(plant, "sdo", "read", "5", "2003", "--type", "u16", "--block").stdout, "2003H")
+        require("00000500H" in on_bus(plant, "sdo", "read", "5", "1018:02", "--type", "u32", "--block").stdout, "1018H:02")
+        started = {data[0] >> 5 for identifier, data in heard if identifier == 0x605 and data[0] != 0x80 and data[1:3] == b"\x03\x20"}
+        require(started <= {5, 6}, f"2003H of node 5 went otherwise than in blocks: {heard}")
 
 
 @check

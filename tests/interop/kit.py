@@ -7,6 +7,7 @@ import pathlib
 import queue
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -172,6 +173,41 @@ def talking(*words):
         if talker.process.poll() is None:
             talker.process.kill()
             talker.process.wait()
+
+
+class RawClient:
+    """A socketcand client of a few lines, which hears all frames but its own."""
+
+    def __init__(self, plant, bus="line1"):
+        host, port = host_port(plant.socketcand)
+        self.socket = socket.create_connection((host, int(port)), PATIENCE)
+        self.text = ""
+        self.expect("hi")
+        for command in (f"open {bus}", "rawmode"):
+            self.socket.sendall(f"< {command} >".encode())
+            self.expect("ok")
+
+    def element(self):
+        """The words of the next element, without its brackets."""
+        while ">" not in self.text:
+            more = self.socket.recv(4096).decode()
+            require(more, "the socketcand server closed the connection")
+            self.text += more
+        element, self.text = self.text.split(">", 1)
+        return element.strip(" <").split()
+
+    def expect(self, word):
+        while (words := self.element()) != [word]:
+            require(words[0] == "frame", f"expected {word}, the server says {words}")
+
+    def frame(self):
+        """(identifier, data) of the next frame."""
+        while (words := self.element())[0] != "frame":
+            pass
+        return int(words[1], 16), bytes.fromhex("".join(words[3:]))
+
+    def send(self, identifier, data):
+        self.socket.sendall(f"< send {identifier:03x} {len(data)} {data.hex(' ')} >".encode())
 
 
 def tshark_agrees(plant, kinds):
