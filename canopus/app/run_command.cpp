@@ -8,6 +8,7 @@
 #include "canopus/app/option_checks.hpp"
 #include "canopus/app/run_loop.hpp"
 #include "canopus/app/text_values.hpp"
+#include "canopus/link/trace_file.hpp"
 
 namespace canopus::app {
 
@@ -31,8 +32,14 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command->add_option("--seed", words->options.seed, "Seed of everything random, instead of the plant file's")
       ->check(number_from(0, std::numeric_limits<std::uint64_t>::max()))
       ->type_name("N");
-  command->add_option("--trace", words->options.trace, "Record every frame: candump log, or pcap for *.pcap")
-      ->type_name("FILE");
+  command
+      ->add_option("--trace", words->options.trace,
+                   "Record every frame: as pcap for *.pcap, as candump log for *.log or no extension")
+      ->type_name("FILE")
+      ->check([](const std::string& path) {
+        const auto format = link::trace_format_of(path);
+        return format ? std::string() : format.error();
+      });
   command
       ->add_option(
           "--vcd", words->options.vcd,

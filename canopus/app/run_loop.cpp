@@ -87,7 +87,12 @@ class Run {
 
 bool Run::open_trace() {
   if (options_.trace.empty()) return true;
-  auto file = link::TraceFile::create(options_.trace, link::trace_format_of(options_.trace));
+  const auto format = link::trace_format_of(options_.trace);
+  if (!format) {
+    print_error("canopus: {}", format.error());
+    return false;
+  }
+  auto file = link::TraceFile::create(options_.trace, *format);
   if (!file) {
     print_error("canopus: {}", file.error());
     return false;

@@ -27,8 +27,26 @@ std::uint8_t* put_host(std::uint8_t* out, T value) noexcept {
 
 }  // namespace
 
-TraceFormat trace_format_of(std::string_view path) noexcept {
-  return path.ends_with(".pcap") ? TraceFormat::pcap : TraceFormat::candump;
+std::expected<TraceFormat, std::string> trace_format_of(std::string_view path) {
+  const std::string_view name = path.substr(path.rfind('/') + 1);
+  const std::size_t dot = name.rfind('.');
+  if (dot == std::string_view::npos || dot == 0) return TraceFormat::candump;
+  std::string extension(name.substr(dot + 1));
+  for (char& c : extension) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  if (extension == "pcap") return TraceFormat::pcap;
+  const bool number = extension.find_first_not_of("0123456789") == std::string::npos;
+  if (number || extension == "log" || extension == "candump" || extension == "txt")
+    return TraceFormat::candump;
+  const std::string_view hint = extension == "asc" ? "; can-utils' log2asc makes an ASC file of a candump log"
+                                : extension == "pcapng" ? "; Wireshark reads pcap as well"
+                                : extension == "vcd"    ? "; --vcd records the wire as a waveform"
+                                                        : "";
+  return std::unexpected(std::string(path) +
+                         ": traces are written as pcap (name.pcap) or as candump log (name.log, or "
+                         "a name without extension), not as ." +
+                         extension + std::string(hint));
 }
 
 std::array<std::uint8_t, pcap_header_size> pcap_header() noexcept {

@@ -19,8 +19,9 @@ namespace canopus::link {
 
 enum class TraceFormat : std::uint8_t { candump, pcap };
 
-/// pcap for a name that ends in ".pcap", else candump.
-[[nodiscard]] TraceFormat trace_format_of(std::string_view path) noexcept;
+/// By the name: ".pcap" is pcap; ".log", ".candump", ".txt", a number (run.1) or no extension candump. The error
+/// says which formats are written.
+[[nodiscard]] std::expected<TraceFormat, std::string> trace_format_of(std::string_view path);
 
 /// Octets of the header of a pcap file, and of one record in it.
 inline constexpr std::size_t pcap_header_size = 24;

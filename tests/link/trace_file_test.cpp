@@ -33,8 +33,21 @@ class TraceFileTest : public testing::Test {
 
 TEST(TraceFormatOf, NameThatEndsInPcap_IsPcap) {
   EXPECT_EQ(trace_format_of("run.pcap"), TraceFormat::pcap);
-  EXPECT_EQ(trace_format_of("run.log"), TraceFormat::candump);
-  EXPECT_EQ(trace_format_of("pcap"), TraceFormat::candump);
+  EXPECT_EQ(trace_format_of("RUN.PCAP"), TraceFormat::pcap);
+  for (const char* path : {"run.log", "run.candump", "run.txt", "pcap", "run.1", "/dev/stdout",
+                           "runs.of.today/line1", ".hidden", "a.pcap/line1"}) {
+    EXPECT_EQ(trace_format_of(path), TraceFormat::candump) << path;
+  }
+}
+
+TEST(TraceFormat, OneThatIsNotWritten_IsRefusedWithThoseThatAre) {
+  EXPECT_EQ(trace_format_of("runs/x.asc").error(),
+            "runs/x.asc: traces are written as pcap (name.pcap) or as candump log (name.log, or a name "
+            "without extension), "
+            "not as .asc; can-utils' log2asc makes an ASC file of a candump log");
+  for (const char* path : {"x.blf", "x.trc", "x.mf4", "x.csv", "x.pcapng", "x.vcd", "x.json"}) {
+    EXPECT_FALSE(trace_format_of(path)) << path;
+  }
 }
 
 TEST_F(TraceFileTest, Candump_HoldsOneLinePerFrame) {
