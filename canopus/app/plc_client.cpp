@@ -12,6 +12,7 @@
 #include <boost/asio/write.hpp>
 #include <fmt/format.h>
 
+#include "canopus/app/text_values.hpp"
 #include "canopus/plc/melsec/end_code.hpp"
 
 namespace canopus::app {
@@ -83,6 +84,8 @@ struct PlcClient::Parts {
     return fmt::format("{}:{}: {}", connection.host, connection.port, what);
   }
 
+  [[nodiscard]] std::string within() const { return " within " + describe(connection.timeout); }
+
   /// Runs the operation that was started, at most for the time-out.
   bool finish() {
     context.restart();
@@ -117,7 +120,13 @@ PlcClient::Result<void> PlcClient::Parts::open() {
   error = asio::error::would_block;
   asio::async_connect(socket, found,
                       [&error](error_code result, const tcp::endpoint& /*endpoint*/) { error = result; });
-  if (!finish()) return std::unexpected(failed("no connection within the time-out"));
+  if (!finish()) return std::unexpected(failed("no connection" + within()));
+  if (error == asio::error::connection_refused) {
+    return std::unexpected(failed(
+        error.message() +
+        ". Is `canopus run` running, without --virtual? Its plant file says where the PLC listens: listen = "
+        "\"127.0.0.1:5007\". A real CPU needs an open setting for the MC protocol, TCP"));
+  }
   if (error) return std::unexpected(failed(error.message()));
   socket.set_option(tcp::no_delay(true), error);
   return {};
@@ -127,7 +136,7 @@ PlcClient::Result<void> PlcClient::Parts::receive(std::span<std::uint8_t> into) 
   error_code error = asio::error::would_block;
   asio::async_read(socket, asio::buffer(into.data(), into.size()),
                    [&error](error_code result, std::size_t /*count*/) { error = result; });
-  if (!finish()) return std::unexpected(failed("no answer within the time-out"));
+  if (!finish()) return std::unexpected(failed("no answer" + within()));
   if (error == asio::error::eof) return std::unexpected(failed("the PLC closed the connection"));
   if (error) return std::unexpected(failed(error.message()));
   return {};

@@ -1,10 +1,13 @@
 #include "canopus/app/plc_command.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -38,6 +41,7 @@ struct Arguments {
   bool as_signed = false;
   std::string interval = "200ms";
   std::string duration;
+  bool no_verify = false;
 };
 
 int complain(int exit_code, const std::string& message) {
@@ -60,6 +64,7 @@ std::string shown_bit(bool on) { return on ? "ON" : "OFF"; }
 int with_client(const Arguments& arguments, const std::function<int(PlcClient&)>& action) {
   const auto timeout = parse_duration(arguments.timeout);
   if (!timeout) return complain(usage, "--timeout: " + timeout.error());
+  if (*timeout < std::chrono::milliseconds(1)) return complain(usage, "--timeout: expected at least 1ms");
   PlcConnection connection = arguments.connection;
   connection.timeout = std::chrono::ceil<std::chrono::milliseconds>(*timeout);
   auto client = PlcClient::connect(connection);
@@ -94,6 +99,46 @@ int read(const Target& target, const Arguments& arguments) {
   });
 }
 
+/// Why a point may show something else than what was written to it: a CPU answers 0000H all the same.
+std::string_view why_not_written(const Target& target) {
+  if (target.is_buffer) return "the module does not let it be written, or changes it as well";
+  if (target.device == plc::Device::x) return "an input shows what its module says";
+  return "the PLC does not let it be written, or writes it as well";
+}
+
+/// Reads back what was written, unless that is not wanted. Complains of the first point that shows something
+/// else; `same` compares, `shown` shows.
+template <typename Value, typename Read, typename Show>
+int verify(const Target& target, const Arguments& arguments, std::span<const Value> written, Read read,
+           Show show) {
+  if (arguments.no_verify) return done;
+  const auto found = read(static_cast<std::uint32_t>(written.size()));
+  if (!found) return complain(refused, "written, but it cannot be read back: " + found.error());
+  const auto [wanted, other] = std::ranges::mismatch(written, *found);
+  if (wanted == written.end()) return done;
+  const auto offset = static_cast<std::uint32_t>(wanted - written.begin());
+  return complain(refused, fmt::format("{} was written with {} and shows {}: {}", plc_address(target, offset),
+                                       show(*wanted), show(*other), why_not_written(target)));
+}
+
+int write_and_verify(PlcClient& client, const Target& target, const Arguments& arguments,
+                     std::span<const std::uint8_t> bits) {
+  const auto written = client.write_bits(target, bits);
+  if (!written) return complain(refused, written.error());
+  return verify(
+      target, arguments, bits, [&](std::uint32_t count) { return client.read_bits(target, count); },
+      [](std::uint8_t bit) { return shown_bit(bit != 0); });
+}
+
+int write_and_verify(PlcClient& client, const Target& target, const Arguments& arguments,
+                     std::span<const std::uint16_t> words) {
+  const auto written = client.write_words(target, words);
+  if (!written) return complain(refused, written.error());
+  return verify(
+      target, arguments, words, [&](std::uint32_t count) { return client.read_words(target, count); },
+      [](std::uint16_t word) { return fmt::format("{} ({:04X}H)", word, word); });
+}
+
 int write_bits(const Target& target, const Arguments& arguments) {
   std::vector<std::uint8_t> bits;
   for (const std::string& text : arguments.values) {
@@ -102,8 +147,7 @@ int write_bits(const Target& target, const Arguments& arguments) {
     bits.push_back(*bit ? 1 : 0);
   }
   return with_client(arguments, [&](PlcClient& client) {
-    const auto written = client.write_bits(target, bits);
-    return written ? done : complain(refused, written.error());
+    return write_and_verify(client, target, arguments, std::span<const std::uint8_t>(bits));
   });
 }
 
@@ -115,8 +159,7 @@ int write_words(const Target& target, const Arguments& arguments) {
     words.push_back(*word);
   }
   return with_client(arguments, [&](PlcClient& client) {
-    const auto written = client.write_words(target, words);
-    return written ? done : complain(refused, written.error());
+    return write_and_verify(client, target, arguments, std::span<const std::uint16_t>(words));
   });
 }
 
@@ -129,8 +172,7 @@ int switch_bit(const Target& target, const Arguments& arguments, bool on) {
     return complain(usage, plc_address(target) + " is a word; set and reset take bit devices (Y1, M100)");
   return with_client(arguments, [&](PlcClient& client) {
     const std::uint8_t bit = on ? 1 : 0;
-    const auto written = client.write_bits(target, {&bit, 1});
-    return written ? done : complain(refused, written.error());
+    return write_and_verify(client, target, arguments, std::span<const std::uint8_t>(&bit, 1));
   });
 }
 
@@ -204,6 +246,10 @@ void add_address(CLI::App& command, Arguments& arguments, const char* help) {
   command.add_option("ADDRESS", arguments.address, help)->required();
 }
 
+void add_verify_option(CLI::App& command, Arguments& arguments) {
+  command.add_flag("--no-verify", arguments.no_verify, "do not read back what was written");
+}
+
 void add_reading_options(CLI::App& command, Arguments& arguments) {
   command.add_option("-n,--count", arguments.count, "points: words, or bits of a bit device")
       ->type_name("NUMBER")
@@ -225,7 +271,11 @@ void add_plc_command(CLI::App& app, int& exit_code) {
   plc.footer(
       "Addresses: D100, M0, X1F (X Y B W SB SW in hexadecimal), U3\\G256 for buffer memory; quote the "
       "backslash.\n"
-      "Exit code: 0 done, 1 the PLC refused or could not be reached, 2 wrong command line.");
+      "What is written is read back: a CPU answers as if all were well when a word or an input cannot be "
+      "written.\n"
+      "Exit code: 0 done, 1 the PLC refused, shows something else than what was written, or could not be "
+      "reached,\n"
+      "2 wrong command line.");
   const auto add = [&](const char* name, const char* help, std::function<int()> action) {
     CLI::App& command = *plc.add_subcommand(name, help);
     add_connection_options(command, *arguments);
@@ -241,6 +291,7 @@ void add_plc_command(CLI::App& app, int& exit_code) {
   auto* writing = add("write", "Write words or bits", [arguments] { return with_target(*arguments, write); });
   add_address(*writing, *arguments, "the first device or buffer memory address");
   writing->add_option("VALUE", arguments->values, "1234, -5, 0x4D2, 4D2H; ON or OFF for bits")->required();
+  add_verify_option(*writing, *arguments);
 
   for (const bool on : {true, false}) {
     auto* switching =
@@ -250,6 +301,7 @@ void add_plc_command(CLI::App& app, int& exit_code) {
           });
         });
     add_address(*switching, *arguments, "Y1, M100");
+    add_verify_option(*switching, *arguments);
   }
 
   auto* watching = add("watch", "Show values and then every change, with its time",

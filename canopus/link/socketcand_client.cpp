@@ -27,7 +27,7 @@ class Connection final : public std::enable_shared_from_this<Connection>, privat
 
   void connect(const BusAddress& address) {
     const auto connected = [self = shared_from_this()](const error_code& failure, const tcp::endpoint&) {
-      if (failure) return self->end(failure.message());
+      if (failure) return self->end(describe(failure));
       error_code ignored;
       self->socket_.set_option(tcp::no_delay(true), ignored);
       self->read();
@@ -86,6 +86,13 @@ class Connection final : public std::enable_shared_from_this<Connection>, privat
   }
   void complaint(std::string_view text) override {
     if (user_ != nullptr) user_->bus_complains(text);
+  }
+
+  static std::string describe(const error_code& failure) {
+    if (failure != asio::error::connection_refused) return failure.message();
+    return failure.message() +
+           ". Is `canopus run` running, without --virtual? Its plant file opens a bus with serve = "
+           "\"socketcand:127.0.0.1:29536\"";
   }
 
   void read() {
@@ -180,7 +187,8 @@ std::expected<std::unique_ptr<BusClient>, std::string> open_socketcand(asio::io_
                                               Clock::now() + time_out);
   if (!answered || connection->ended()) {
     const std::string reason =
-        answered ? connection->reason() : "no answer within " + std::to_string(time_out.count()) + " ms";
+        answered ? connection->reason()
+                 : "no answer within " + std::to_string(time_out.count()) + " ms; is it a socketcand server?";
     connection->close();
     return std::unexpected(reason);
   }

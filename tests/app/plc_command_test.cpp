@@ -125,7 +125,43 @@ TEST_F(PlcCommandTest, NobodyThere_IsSaidWithTheAddress) {
   port_ = "1";
   const Outcome outcome = run({"read", "D0"});
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_EQ(outcome.err, "canopus plc: 127.0.0.1:1: Connection refused\n");
+  EXPECT_EQ(
+      outcome.err,
+      "canopus plc: 127.0.0.1:1: Connection refused. Is `canopus run` running, without --virtual? Its plant "
+      "file "
+      "says where the PLC listens: listen = \"127.0.0.1:5007\". A real CPU needs an open setting for the MC "
+      "protocol, TCP\n");
+}
+
+TEST_F(PlcCommandTest, WriteToAnInput_IsSaid) {
+  Outcome outcome = run({"set", "X3"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.err,
+            "canopus plc: X3 was written with ON and shows OFF: an input shows what its module says\n");
+  outcome = run({"write", "X2", "OFF", "ON"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("X3 was written with ON"));
+  EXPECT_EQ(run({"set", "X3", "--no-verify"}).exit_code, 0);
+  EXPECT_EQ(run({"set", "X100"}).exit_code, 0) << "without a module it is memory";
+}
+
+TEST_F(PlcCommandTest, WriteToAWordThatCannotBeWritten_IsSaid) {
+  plc_.module.read_only = {25};
+  const Outcome outcome = run({"write", "U0\\G24", "7", "5"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(
+      outcome.err,
+      "canopus plc: U0\\G25 was written with 5 (0005H) and shows 640 (0280H): the module does not let it be "
+      "written, or changes it as well\n");
+  EXPECT_EQ(run({"write", "U0\\G25", "5", "--no-verify"}).exit_code, 0);
+  EXPECT_EQ(run({"write", "U0\\G25", "640"}).exit_code, 0) << "it is what was wanted";
+}
+
+TEST_F(PlcCommandTest, WriteToWhatTheCpuWritesItself_IsSaid) {
+  const Outcome outcome = run({"reset", "SM400", "--ascii"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err,
+              HasSubstr("SM400 was written with OFF and shows ON: the PLC does not let it be written"));
 }
 
 TEST_F(PlcCommandTest, WhatMakesNoSense_IsUsageWithoutConnecting) {
@@ -135,6 +171,7 @@ TEST_F(PlcCommandTest, WhatMakesNoSense_IsUsageWithoutConnecting) {
   EXPECT_EQ(run({"write", "M0", "5"}).exit_code, 2);
   EXPECT_EQ(run({"set", "D0"}).exit_code, 2);
   EXPECT_EQ(run({"watch", "D0", "--interval", "5"}).exit_code, 2);
+  EXPECT_EQ(run({"read", "D0", "--timeout", "0s"}).exit_code, 2);
 }
 
 TEST_F(PlcCommandTest, Watch_ShowsTheFirstValues) {

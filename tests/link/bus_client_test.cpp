@@ -78,7 +78,7 @@ TEST_F(SocketcandClientTest, AnotherName_IsRefusedWithAddressAndReason) {
 
 TEST_F(SocketcandClientTest, NobodyListening_IsToldAtOnce) {
   server->close();
-  EXPECT_THAT(join("line1"), HasSubstr("Connection refused"));
+  EXPECT_THAT(join("line1"), HasSubstr("Connection refused. Is `canopus run` running"));
 }
 
 TEST_F(SocketcandClientTest, SentFrame_ReachesTheBus) {

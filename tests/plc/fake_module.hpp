@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,7 +31,7 @@ class FakeModule : public module::Module, public module::BufferMemoryAccess, pub
   void write_word(module::BufferAddress address, std::uint16_t value, can::Time now) override {
     last_time = now;
     writes.emplace_back(address, value);
-    words[address] = value;
+    if (!read_only.contains(address)) words[address] = value;
     if (wakes_after_write) deadline_ = now + std::chrono::milliseconds(1);
   }
   [[nodiscard]] std::uint32_t inputs() const noexcept override { return x; }
@@ -54,6 +55,7 @@ class FakeModule : public module::Module, public module::BufferMemoryAccess, pub
   [[nodiscard]] can::Time deadline() const noexcept override { return deadline_; }
 
   std::map<module::BufferAddress, std::uint16_t> words;
+  std::set<module::BufferAddress> read_only;  ///< a write changes nothing, as the modules' manuals say
   std::vector<std::pair<module::BufferAddress, std::uint16_t>> writes;
   std::vector<std::pair<unsigned, bool>> edges;
   std::vector<module::CpuState> states;
