@@ -2,6 +2,8 @@
 
 #include <limits>
 #include <memory>
+#include <string>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 
@@ -12,10 +14,15 @@
 
 namespace canopus::app {
 
+namespace {
+constexpr std::string_view without_time = "true";  // what CLI11 gives for a flag without a value
+}
+
 void add_run_command(CLI::App& app, int& exit_code) {
   struct Words {
     RunOptions options;
     std::string duration;
+    std::string operational;
   };
   auto words = std::make_shared<Words>();
   CLI::App* command = app.add_subcommand("run", "Start everything a plant file describes, until Ctrl-C");
@@ -28,7 +35,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
         return duration ? std::string() : duration.error();
       });
   command->add_flag("--virtual", words->options.virtual_time,
-                    "Virtual time: as fast as possible, the same every time, no doors for other programs");
+                    "Virtual time: as fast as possible, the same every time, takes no clients");
   command->add_option("--seed", words->options.seed, "Seed of everything random, instead of the plant file's")
       ->check(number_from(0, std::numeric_limits<std::uint64_t>::max()))
       ->type_name("N");
@@ -45,6 +52,16 @@ void add_run_command(CLI::App& app, int& exit_code) {
           "--vcd", words->options.vcd,
           "Record the wire bit by bit as a waveform (VCD, for PulseView, GTKWave, sigrok-cli); slower")
       ->type_name("FILE");
+  command
+      ->add_flag(
+          "--expect-operational", words->operational,
+          "Exit code 3 unless all nodes are operational at the end; =TIME: unless they were within this "
+          "plant time, and without --for the run ends as soon as they are")
+      ->check([](const std::string& text) {
+        if (text == without_time) return std::string();
+        const auto duration = parse_duration(text);
+        return duration ? std::string() : duration.error();
+      });
   auto* json =
       command->add_flag("--json", words->options.json, "One JSON object per line (see docs/events.md)");
   command->add_flag("-q,--quiet", words->options.quiet, "Print errors alone")->excludes(json);
@@ -52,9 +69,14 @@ void add_run_command(CLI::App& app, int& exit_code) {
       "Without --json and --quiet a terminal shows a live table, a pipe gets one line per event.\n"
       "Exit codes: 0 ended as asked, 1 could not start or write a file, or an error in Canopus stopped a "
       "part of\n"
-      "the plant, 2 wrong plant file or usage.");
+      "the plant, 2 wrong plant file or usage, 3 not operational as expected.\n"
+      "Example: canopus run plant.toml --virtual --expect-operational=30s");
   command->callback([words, &exit_code] {
     if (!words->duration.empty()) words->options.duration = *parse_duration(words->duration);
+    words->options.expect_operational = !words->operational.empty();
+    if (words->options.expect_operational && words->operational != without_time) {
+      words->options.operational_within = *parse_duration(words->operational);
+    }
     exit_code = run_plant(words->options);
   });
 }

@@ -20,12 +20,14 @@
 #include "canopus/app/live_table.hpp"
 #include "canopus/app/local_time.hpp"
 #include "canopus/app/melsec_server.hpp"
+#include "canopus/app/operational_check.hpp"
 #include "canopus/app/plant.hpp"
 #include "canopus/app/plant_loading.hpp"
 #include "canopus/app/print.hpp"
 #include "canopus/app/real_time.hpp"
 #include "canopus/app/run_recording.hpp"
 #include "canopus/app/screen.hpp"
+#include "canopus/app/text_values.hpp"
 #include "canopus/link/socketcand_server.hpp"
 #include "canopus/link/trace_file.hpp"
 
@@ -64,6 +66,9 @@ class Run {
   void run_in_virtual_time();
   void redraw(RealTime& clock);
   void door(std::string_view protocol, std::string_view of, const std::string& address);
+  bool expectation_over();
+  bool came_up();
+  void look_for_end();
   void summarise(can::Duration wall);
 
   const RunOptions& options_;
@@ -81,6 +86,8 @@ class Run {
   std::vector<std::unique_ptr<link::SocketcandServer>> socketcand_;
   std::vector<std::unique_ptr<MelsecServer>> melsec_;
   std::optional<asio::steady_timer> redraw_timer_;
+  std::optional<OperationalCheck> expected_;
+  std::optional<asio::steady_timer> end_timer_;
   Screen screen_;
   can::Duration largest_lag_{};
 };
@@ -216,6 +223,10 @@ bool Run::run_in_real_time() {
     redraw_timer_.emplace(io_);
     redraw(clock);
   }
+  if (options_.operational_within) {
+    end_timer_.emplace(io_);
+    look_for_end();
+  }
   io_.run();
   (void)clock.now();  // up to the moment it was stopped
   for (const auto& server : socketcand_) server->close();
@@ -232,10 +243,37 @@ void Run::run_in_virtual_time() {
   stop.async_wait([&](const boost::system::error_code& error, int) { stopped = !error; });
   plant_->power_on();
   can::Timeline& timeline = plant_->timeline();
-  while (timeline.now() < end && !stopped) {
+  while (timeline.now() < end && !stopped && !expectation_over()) {
     timeline.run_until(std::min(can::later(timeline.now(), 100ms), end));
     io_.poll();
   }
+}
+
+/// The nodes are all operational, or it is too late for them.
+bool Run::expectation_over() {
+  return expected_ && expected_->over(plant_->nodes(), plant_->timeline().now());
+}
+
+/// In real time the expectation is looked at every now and then.
+void Run::look_for_end() {
+  if (expectation_over()) return io_.stop();
+  end_timer_->expires_after(20ms);
+  end_timer_->async_wait([this](const boost::system::error_code& error) {
+    if (!error) look_for_end();
+  });
+}
+
+/// Whether the nodes are operational as expected; says which are not, and why.
+bool Run::came_up() {
+  const can::Time now = plant_->timeline().now();
+  if (!expected_ || expected_->met(plant_->nodes(), now)) return true;
+  const auto lines = not_operational(plant_->nodes(), plant_->boots(), now);
+  for (const std::string& line : lines) print_error("canopus: {}", line);
+  if (lines.empty()) {
+    print_error("canopus: all nodes are operational, but not within {}",
+                describe(*options_.operational_within));
+  }
+  return false;
 }
 
 void Run::summarise(can::Duration wall) {
@@ -273,6 +311,9 @@ int Run::operator()() {
   }
   warn();
   if (!open_trace() || !open_vcd()) return 1;
+  if (options_.expect_operational) {
+    expected_.emplace(options_.operational_within, options_.duration.has_value());
+  }
   const auto started = WallClock::now();
   if (options_.virtual_time) {
     run_in_virtual_time();
@@ -293,7 +334,10 @@ int Run::operator()() {
       written = false;
     }
   }
-  return written && !plant_->has_stalled() ? 0 : 1;
+  const bool operational = came_up();
+  if (!written || plant_->has_stalled()) return 1;
+  constexpr int not_as_expected = 3;
+  return operational ? 0 : not_as_expected;
 }
 
 }  // namespace

@@ -19,12 +19,16 @@ struct RunOptions {
   std::string trace{};  ///< file for all frames: candump log, or pcap if it ends so; empty = none
   std::string
       vcd{};  ///< file for the wire as a waveform, with several buses one each (-BUS.vcd); empty = none
+  bool expect_operational = false;  ///< exit code 3 when not all nodes are Operational at the end
+  /// With it: by when they have to be; the run ends as soon as they are, unless it has a duration.
+  std::optional<can::Duration> operational_within{};
   bool quiet = false;  ///< errors alone
   bool json = false;   ///< one JSON object per line
 };
 
 /// Runs to the end. Exit code: 0 ended as asked (Ctrl-C included), 1 the plant could not be started, an
-/// output file failed or a part of the plant stalled, 2 the plant file is wrong.
+/// output file failed or a part of the plant stalled, 2 the plant file is wrong, 3 the nodes are not Operational
+/// as expected.
 int run_plant(const RunOptions& options);
 
 }  // namespace canopus::app
