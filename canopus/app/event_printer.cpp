@@ -147,6 +147,13 @@ void JsonPrinter::summary(const RunSummary& summary) {
     add_boot(slave, boot.record, summary.end);
     line["slaves"].push_back(std::move(slave));
   }
+  line["troubles"] = Json::array();
+  for (const ModuleTrouble& trouble : summary.troubles) {
+    line["troubles"].push_back({{"bus", trouble.module.bus},
+                                {"node", trouble.module.node_id},
+                                {"name", trouble.module.name},
+                                {"message", trouble.text}});
+  }
   out_.json(line);
 }
 
@@ -214,6 +221,9 @@ std::vector<std::string> describe(const RunSummary& summary) {
     if (std::string trouble = describe_trouble(boot, summary.end); !trouble.empty()) {
       lines.push_back(std::move(trouble));
     }
+  }
+  for (const ModuleTrouble& trouble : summary.troubles) {
+    lines.push_back(fmt::format("{}: {}", describe(trouble.module), trouble.text));
   }
   lines.push_back(operational == summary.nodes.size()
                       ? fmt::format("all {} nodes operational", operational)

@@ -24,6 +24,7 @@ struct RunSummary {
   std::vector<BusCount> buses{};
   std::vector<NodeStatus> nodes{};
   std::vector<SlaveBoot> boots{};
+  std::vector<ModuleTrouble> troubles{};
 };
 
 /// Lines for programs.

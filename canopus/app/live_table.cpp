@@ -93,6 +93,12 @@ std::vector<std::string> LiveTable::draw_boots(can::Time now, std::size_t rows, 
     }
     for (const std::string& line : wrapped) lines.push_back(paint(line, failed ? red : yellow));
   }
+  for (const ModuleTrouble& trouble : plant_->troubles()) {
+    const std::vector<std::string> wrapped =
+        wrap(fmt::format("{}: {}", describe(trouble.module), trouble.text), columns, 6);
+    if (lines.size() + wrapped.size() > rows) break;
+    for (const std::string& line : wrapped) lines.push_back(paint(line, red));
+  }
   if (left_out > 0) {
     lines.push_back(fmt::format("and {} slave{} more not booted", left_out, left_out == 1 ? "" : "s"));
   }

@@ -9,15 +9,21 @@ namespace canopus::app {
 
 namespace {
 
+using module::StartUp;
+
 plc::BuiltInProgram::Task program_task(const ModuleSection& section) {
-  plc::BuiltInProgram::Task task{.exchange = section.exchange, .online = section.online};
+  plc::BuiltInProgram::Task task{
+      .exchange = section.exchange, .online = section.online, .recover = section.recover};
   for (const BufferSetting& word : section.writes) task.words.push_back({word.address, word.value});
   return task;
 }
 
+/// A program has had its chance by then.
+constexpr can::Duration start_patience = std::chrono::milliseconds(200);
+
 }  // namespace
 
-ModuleSeat::ModuleSeat(const ModuleSection& section, std::string_view plc,
+ModuleSeat::ModuleSeat(const ModuleSection& section, std::string_view plc, plc::Rack& rack,
                        std::unique_ptr<module::NonVolatileMemory> memory,
                        std::unique_ptr<module::CommunicationModule> module, const BusWatch& watch,
                        PlantObserver& observer)
@@ -27,12 +33,15 @@ ModuleSeat::ModuleSeat(const ModuleSection& section, std::string_view plc,
       name_(fmt::format("{} U{:X}", section.model, section.head / 16)),
       memory_(std::move(memory)),
       module_(std::move(module)),
-      program_(*module_, module_->program_interface(), program_task(section)),
+      rack_(rack),
+      program_(rack, section.head, *module_, module_->program_interface(), program_task(section)),
+      exchange_watch_(*module_, module_->program_interface(), section.head),
       observer_(observer) {
   status_.is_module = true;
   status_.plate = {section.bus, name_, section.node};
   watched_.resize(section.watch.size());
   module_->set_observer(this);
+  rack_.add_listener(*this);
 }
 
 void ModuleSeat::collect_boots(std::vector<SlaveBoot>& all) const {
@@ -41,11 +50,55 @@ void ModuleSeat::collect_boots(std::vector<SlaveBoot>& all) const {
   }
 }
 
-void ModuleSeat::powered(can::Time now) {
-  status_.is_on = true;
-  program_.powered(now);
-  if (section_.fault_at) next_fault_ = can::later(now, *section_.fault_at);
+void ModuleSeat::supply_changed(bool on, can::Time now) {
+  if (on && section_.fault_at) next_fault_ = can::later(now, *std::exchange(section_.fault_at, std::nullopt));
+  status_.is_on = on;
+  after_stop_ = AfterStop::nothing;
+  after_stop_due_ = can::never;
+  exchange_watch_.forget();
+  program_.supply_changed(on, now);
   look(now);
+}
+
+void ModuleSeat::cpu_changed(module::CpuState state, can::Time now) {
+  if (state == module::CpuState::stop) exchange_watch_.forget();
+  program_.cpu_changed(state, now);
+  const bool was_operational = status_.state == canopen::NmtState::operational;
+  if (state == module::CpuState::stop && was_operational) {
+    after_stop_ = AfterStop::stopped;
+    out_of_operation_since_ = now;
+  } else if (state == module::CpuState::run &&
+             (after_stop_ == AfterStop::stopped || module_->start_up() == StartUp::waits_for_own_start)) {
+    after_stop_ = AfterStop::not_started;
+    after_stop_due_ = now + start_patience;
+  }
+  look(now);
+}
+
+std::optional<ModuleTrouble> ModuleSeat::trouble(can::Time now) const {
+  std::string text = exchange_watch_.trouble(now);
+  if (rack_.cpu_state() == module::CpuState::stop && status_.is_on) {
+    text = "no process data are exchanged: the CPU is in STOP";
+  } else if (after_stop_ == AfterStop::reported) {
+    text = not_started();
+  }
+  if (text.empty()) return std::nullopt;
+  return ModuleTrouble{status_.plate, std::move(text)};
+}
+
+// [ME3CAN1-Q 4.7, 4.8.8]
+std::string ModuleSeat::not_started() const {
+  const std::string_view state = canopen::name(status_.state);
+  if (module_->start_up() == StartUp::none) {
+    return fmt::format(
+        "no process data are exchanged: {} since the CPU's STOP, and RUN alone does not change that. The way "
+        "back: Start remote node by the network's NMT master",
+        state);
+  }
+  return fmt::format(
+      "no process data are exchanged: {} since the CPU's STOP, and RUN alone does not change that. The way "
+      "back: 05H to 1F82H:{:02X} of the module (request NMT, Start remote node to itself), or a restart",
+      state, status_.plate.node_id);
 }
 
 void ModuleSeat::receive(const can::Frame& frame, can::Time now) {
@@ -70,20 +123,26 @@ void ModuleSeat::tick(can::Time now) {
     module_->inject(section_.fault, now);
   }
   program_.tick(now);
+  exchange_watch_.tick(now);
+  if (after_stop_due_ <= now) look_after_stop(now);
   look(now);
 }
 
 can::Time ModuleSeat::deadline() const noexcept {
-  return std::min({module_->deadline(), program_.deadline(), next_fault_});
+  return std::min(
+      {module_->deadline(), program_.deadline(), exchange_watch_.deadline(), next_fault_, after_stop_due_});
 }
 
 void ModuleSeat::signal_changed(module::SignalKind kind, unsigned number, bool on, can::Time now) {
-  if (program_.signal_changed(kind, number, on, now)) return;  // its data exchanges are not news
+  const bool is_own = program_.signal_changed(kind, number, on, now);
+  exchange_watch_.signal_changed(kind, number, on, is_own, now);
+  if (is_own) return;  // its data exchanges are not news
   const char device = kind == module::SignalKind::input ? 'X' : 'Y';
   observer_.signal_changed(plc_, device, section_.head + number, on, now);
 }
 
 void ModuleSeat::buffer_written(std::uint32_t address, std::uint16_t value, can::Time now) {
+  exchange_watch_.buffer_written(address, value, now);
   if (program_.buffer_written(address)) return;
   observer_.buffer_changed(plc_, section_.head, address, value, true, now);
   for (std::size_t i = 0; i < watched_.size(); ++i) {
@@ -103,19 +162,41 @@ void ModuleSeat::error_raised(std::string_view what, can::Time now) { observer_.
 
 void ModuleSeat::look(can::Time now) {
   program_.look(now);
-  status_.layer2 = module_->layer2_state();
-  const bool canopen_mode = status_.layer2 == module::Layer2State::inactive;
-  status_.plate.node_id = canopen_mode ? module_->node().node_id() : std::uint8_t{0};
-  if (canopen_mode && module_->node().state() != status_.state) {
-    status_.state = module_->node().state();
-    observer_.nmt_state_changed(status_.plate, status_.state, now);
-  }
+  exchange_watch_.look(now);
+  if (const auto text = exchange_watch_.take_report()) report(*text, now);
+  look_at_state(now);
   for (std::size_t i = 0; i < watched_.size(); ++i) {
     const std::uint16_t value = module_->buffer_memory()->read_word(section_.watch[i], now);
     if (value == watched_[i]) continue;
     watched_[i] = value;
     observer_.buffer_changed(plc_, section_.head, section_.watch[i], value, false, now);
   }
+}
+
+void ModuleSeat::look_at_state(can::Time now) {
+  status_.layer2 = module_->layer2_state();
+  const bool canopen_mode = status_.layer2 == module::Layer2State::inactive;
+  status_.plate.node_id = canopen_mode ? module_->node().node_id() : std::uint8_t{0};
+  if (!canopen_mode || module_->node().state() == status_.state) return;
+  status_.state = module_->node().state();
+  observer_.nmt_state_changed(status_.plate, status_.state, now);
+  // An initialization in RUN is followed by a start-up; one in STOP is held up by it.
+  if (status_.state == canopen::NmtState::operational ||
+      (status_.state == canopen::NmtState::initialising && rack_.cpu_state() == module::CpuState::run)) {
+    after_stop_ = AfterStop::nothing;
+    after_stop_due_ = can::never;
+  }
+}
+
+// Slaves that are still being booted come first, and the module goes Operational after them by itself.
+void ModuleSeat::look_after_stop(can::Time now) {
+  if (module_->start_up() == StartUp::booting) {
+    after_stop_due_ = now + start_patience;
+    return;
+  }
+  after_stop_due_ = can::never;
+  after_stop_ = AfterStop::reported;
+  report(not_started(), now);
 }
 
 }  // namespace canopus::app

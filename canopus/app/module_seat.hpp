@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,13 +15,16 @@
 #include "canopus/module/communication_module.hpp"
 #include "canopus/module/non_volatile_memory.hpp"
 #include "canopus/plc/built_in_program.hpp"
+#include "canopus/plc/exchange_watch.hpp"
+#include "canopus/plc/rack.hpp"
 
 namespace canopus::app {
 
-class ModuleSeat final : public can::Participant, public module::ModuleObserver {
+class ModuleSeat final : public can::Participant, public module::ModuleObserver, public plc::RackListener {
  public:
-  /// `memory` is the module's.
-  ModuleSeat(const ModuleSection& section, std::string_view plc,
+  /// `memory` is the module's. The rack's listener is this seat from now on; into its slot the module is put
+  /// afterwards.
+  ModuleSeat(const ModuleSection& section, std::string_view plc, plc::Rack& rack,
              std::unique_ptr<module::NonVolatileMemory> memory,
              std::unique_ptr<module::CommunicationModule> module, const BusWatch& watch,
              PlantObserver& observer);
@@ -32,8 +36,11 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver 
   /// Adds the slaves that this module boots as the active NMT master.
   void collect_boots(std::vector<SlaveBoot>& all) const;
 
-  /// The rack has switched the module on.
-  void powered(can::Time now);
+  /// What keeps the module's process data from being exchanged, if anything.
+  [[nodiscard]] std::optional<ModuleTrouble> trouble(can::Time now) const;
+
+  void supply_changed(bool on, can::Time now) override;
+  void cpu_changed(module::CpuState state, can::Time now) override;
 
   void receive(const can::Frame& frame, can::Time now) override;
   void transmitted(const can::Frame& frame, can::Time now) override;
@@ -48,6 +55,18 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver 
 
  private:
   void look(can::Time now);
+  void look_at_state(can::Time now);
+  void look_after_stop(can::Time now);
+  void report(const std::string& text, can::Time now) { observer_.error(name_, text, now); }
+  [[nodiscard]] std::string not_started() const;
+
+  /// What the CPU's STOP has done to the module's NMT state.
+  enum class AfterStop : std::uint8_t {
+    nothing,
+    stopped,      ///< the CPU is in STOP, and took the module out of Operational
+    not_started,  ///< it is in RUN again, and nobody has started the module
+    reported,     ///< likewise, and the observer knows
+  };
 
   struct BootSeen {
     manager::BootStep step = manager::BootStep::idle;
@@ -60,12 +79,17 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver 
   std::string name_;
   std::unique_ptr<module::NonVolatileMemory> memory_;
   std::unique_ptr<module::CommunicationModule> module_;
+  plc::Rack& rack_;
   plc::BuiltInProgram program_;
+  plc::ExchangeWatch exchange_watch_;
   PlantObserver& observer_;
   NodeStatus status_;
   std::vector<std::uint16_t> watched_;
   std::array<BootSeen, 128> boots_seen_{};
   can::Time next_fault_ = can::never;
+  AfterStop after_stop_ = AfterStop::nothing;
+  can::Time after_stop_due_ = can::never;
+  can::Time out_of_operation_since_{};
 };
 
 }  // namespace canopus::app

@@ -39,10 +39,6 @@ void Plant::power_on() {
     parts_->cpu_errors[i]->powered(now);
     parts_->timeline.refresh(parts_->cpu_error_handles[i]);
   }
-  for (std::size_t i = 0; i < parts_->modules.size(); ++i) {
-    parts_->modules[i]->powered(now);
-    parts_->timeline.refresh(parts_->module_handles[i]);
-  }
 }
 
 can::Timeline& Plant::timeline() noexcept { return parts_->timeline; }
@@ -69,6 +65,14 @@ std::vector<NodeStatus> Plant::nodes() const {
 std::vector<SlaveBoot> Plant::boots() const {
   std::vector<SlaveBoot> all;
   for (const auto& seat : parts_->modules) seat->collect_boots(all);
+  return all;
+}
+
+std::vector<ModuleTrouble> Plant::troubles() const {
+  std::vector<ModuleTrouble> all;
+  for (const auto& seat : parts_->modules) {
+    if (auto trouble = seat->trouble(parts_->timeline.now())) all.push_back(std::move(*trouble));
+  }
   return all;
 }
 

@@ -75,6 +75,13 @@ struct SlaveBoot {
   manager::BootRecord record;
 };
 
+/// What keeps the process data of a module of the plant from being exchanged, while its NMT state may look
+/// well.
+struct ModuleTrouble {
+  NodePlate module;
+  std::string text;  ///< what is wrong, since when, and the way back; for a person
+};
+
 class Plant {
  public:
   /// Opens the device files and builds everything that is usable, switched off. Errors name the line of the
@@ -111,6 +118,8 @@ class Plant {
   /// A part of the plant asked for one moment without end and was stopped (can::Timeline::Stall): what the
   /// run shows from there on is not to be trusted. The observer has been told by error().
   [[nodiscard]] bool has_stalled() const noexcept;
+  /// Modules whose process data stand still.
+  [[nodiscard]] std::vector<ModuleTrouble> troubles() const;
   /// "U0\G10000 <- node 3 (encoder) TPDO1, 2 words": how process data are connected.
   [[nodiscard]] const std::vector<std::string>& connections() const noexcept;
 

@@ -259,8 +259,8 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
     memory = std::make_unique<store::FileMemory>(stored.folder, stored.owner);
   }
   auto made = entry.make(port, *memory, {.restart_time = section.restart_time});
-  auto seat = std::make_unique<ModuleSeat>(section, plc.name, std::move(memory), std::move(made), watch(bus),
-                                           observer_);
+  auto seat = std::make_unique<ModuleSeat>(section, plc.name, *parts_.racks[plc_number], std::move(memory),
+                                           std::move(made), watch(bus), observer_);
   module::CommunicationModule& module = seat->module();
   const auto bus_section = std::ranges::find(parts_.file.buses, section.bus, &BusSection::name);
   errors_.add(preset_words(module, *entry.data_sheet, section, *bus_section));

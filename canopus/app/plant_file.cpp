@@ -224,6 +224,12 @@ ModuleSection read_module(TableReader& table) {
   if (module.exchange && *module.exchange < std::chrono::milliseconds(1)) {
     table.error("exchange", "expected at least 1ms");
   }
+  const auto recover = table.boolean("recover");
+  module.recover = recover.value_or(true);
+  if (recover && !module.exchange) {
+    table.error("recover",
+                "is about the built-in PLC program, which runs with exchange = \"20ms\" or the like");
+  }
   module.restart_time = table.parsed("restart_time", parse_duration);
   if (const auto fault = table.text("fault")) {
     if (*fault == "watchdog error") module.fault = module::ModuleFault::watchdog_error;

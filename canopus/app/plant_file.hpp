@@ -127,6 +127,7 @@ struct ModuleSection {
   bool all_slaves = false;  ///< slaves = "all": every device of the bus, first TPDO and RPDO of each
   std::vector<SlaveSection> slaves{};
   std::optional<can::Duration> exchange{};      ///< the built-in program asks for a data exchange this often
+  bool recover = true;                          ///< it does what keeps process data going
   std::optional<can::Duration> restart_time{};  ///< instead of the module's own 6 s
   std::vector<ObjectSetting> objects{};
   std::vector<BufferSetting> buffer{};

@@ -282,7 +282,8 @@ void Run::summarise(can::Duration wall) {
                      .virtual_time = options_.virtual_time,
                      .largest_lag = largest_lag_,
                      .nodes = plant_->nodes(),
-                     .boots = plant_->boots()};
+                     .boots = plant_->boots(),
+                     .troubles = plant_->troubles()};
   for (std::size_t i = 0; i < plant_->bus_count(); ++i) {
     summary.buses.push_back({plant_->bus(i).name(), plant_->bus(i).load(summary.end)});
   }

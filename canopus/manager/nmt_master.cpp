@@ -40,6 +40,7 @@ bool NmtMaster::active() const noexcept { return engine_->active(); }
 std::uint8_t NmtMaster::active_master() const noexcept { return engine_->active_master(); }
 bool NmtMaster::starting() const noexcept { return engine_->starting(); }
 bool NmtMaster::halted() const noexcept { return engine_->halted(); }
+bool NmtMaster::waits_for_own_start() const noexcept { return engine_->waits_for_own_start(); }
 
 std::uint8_t NmtMaster::node_state(std::uint8_t node_id) const noexcept {
   return engine_->node_state(node_id);

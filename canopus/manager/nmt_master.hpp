@@ -70,6 +70,9 @@ class NmtMaster final : public can::Participant {
   /// The start-up ended with a failed mandatory slave, or 1F80H bit 6 stopped the network: no slave is booted
   /// until the next start().
   [[nodiscard]] bool halted() const noexcept;
+  /// The active master's own node is not Operational, and nothing else is missing: 1F80H bit 2, a CPU in STOP,
+  /// or it has left Operational since. Request NMT to itself (1F82H) goes on from here.
+  [[nodiscard]] bool waits_for_own_start() const noexcept;
   /// node_state::... of node 1..127. Nodes without error control: the state last commanded.
   [[nodiscard]] std::uint8_t node_state(std::uint8_t node_id) const noexcept;
   /// error_control::... bits of node 1..127.

@@ -65,6 +65,7 @@ class NmtMaster::Engine final : public BootHost,
     return running_boots_ > 0 || (phase_ > Phase::slave && phase_ < Phase::running);
   }
   [[nodiscard]] bool halted() const noexcept { return phase_ == Phase::halted; }
+  [[nodiscard]] bool waits_for_own_start() const noexcept;
   [[nodiscard]] std::uint8_t node_state(std::uint8_t node_id) const noexcept;
   [[nodiscard]] std::uint16_t error_control(std::uint8_t node_id) const noexcept;
   void clear_error_control(std::uint8_t node_id, can::Time now);

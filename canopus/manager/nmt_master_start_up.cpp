@@ -236,6 +236,12 @@ void NmtMaster::Engine::become_operational(can::Time now) {
     own_node_is_operational(now);
 }
 
+bool NmtMaster::Engine::waits_for_own_start() const noexcept {
+  const bool is_that_far =
+      phase_ == Phase::wait_operational || phase_ == Phase::wait_start_all || phase_ == Phase::running;
+  return is_that_far && node_->state() != NmtState::operational;
+}
+
 // Step 8.
 void NmtMaster::Engine::own_node_is_operational(can::Time now) {
   constexpr std::uint32_t rule = start_up_bit::start_all_nodes | start_up_bit::do_not_start_slaves;

@@ -82,6 +82,14 @@ class RegisterAccess {
   ~RegisterAccess() = default;
 };
 
+/// What the start-up of the NMT master inside waits for.
+enum class StartUp : std::uint8_t {
+  none,                 ///< no active NMT master
+  booting,              ///< slaves
+  waits_for_own_start,  ///< nothing but the own node: 1F80H bit 2, a CPU in STOP, or it left Operational since
+  ended,                ///< nothing: the own node is Operational, or the start-up has failed
+};
+
 class Module : public can::Participant {
  public:
   /// "ME3CAN1-Q"
@@ -93,6 +101,9 @@ class Module : public can::Participant {
   [[nodiscard]] virtual ProductInformation product() const noexcept {
     return {.model = model(), .points = points()};
   }
+
+  /// A program knows by the status words, and by those of its slaves.
+  [[nodiscard]] virtual StartUp start_up() const noexcept { return StartUp::none; }
 
   [[nodiscard]] virtual BufferMemoryAccess* buffer_memory() noexcept { return nullptr; }
   [[nodiscard]] virtual SignalAccess* signals() noexcept { return nullptr; }

@@ -68,6 +68,7 @@ class ModuleEngine : public CommunicationModule,
   [[nodiscard]] std::string_view model() const noexcept override { return model_.data_sheet->model; }
   [[nodiscard]] unsigned points() const noexcept override { return model_.data_sheet->points; }
   [[nodiscard]] ProductInformation product() const noexcept override;
+  [[nodiscard]] StartUp start_up() const noexcept override;
   [[nodiscard]] BufferMemoryAccess* buffer_memory() noexcept override { return this; }
   [[nodiscard]] SignalAccess* signals() noexcept override { return port_->signals(); }
   void power_on(can::Time now) override;

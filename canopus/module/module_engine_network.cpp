@@ -226,6 +226,12 @@ void ModuleEngine::error_control_changed(std::uint8_t node_id, std::uint16_t bit
   nmt_status_.set_status(node_id, bits);
 }
 
+StartUp ModuleEngine::start_up() const noexcept {
+  if (!master_.active()) return StartUp::none;
+  if (master_.waits_for_own_start()) return StartUp::waits_for_own_start;
+  return master_.starting() ? StartUp::booting : StartUp::ended;
+}
+
 std::uint16_t ModuleEngine::bus_obstacle() const {
   if (controller_.error_state() == can::ErrorState::bus_off) return command_error::bus_off;
   if (!state_.canopen_mode()) return layer2_.online() ? std::uint16_t{0} : command_error::wrong_state;

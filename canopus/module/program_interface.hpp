@@ -32,6 +32,16 @@ struct DataExchangeLayout {
   std::uint16_t pdos = 0;            ///< RPDOs, and TPDOs
 };
 
+/// SDO write to the module's own object dictionary by its command interface: code, node (0 = own), index,
+/// sub-index, length in bytes and data into the words from `first` on, then `execute`; the code's word reads
+/// FFFFH while a command runs, then `success`.
+struct ProgramCommand {
+  BufferAddress first = 0;
+  std::uint16_t sdo_write = 0;  ///< code; 0: the module has no command interface
+  std::uint16_t success = 0;
+  ProgramRequest execute{};
+};
+
 struct ProgramInterface {
   /// Data exchange.
   ProgramRequest exchange{};
@@ -44,6 +54,9 @@ struct ProgramInterface {
   BufferAddress status = 0;
   std::uint16_t initializing = 0;
   DataExchangeLayout process_data{};
+  ProgramCommand command{};
+  /// Word of the node-ID.
+  BufferAddress node_address = 0;
 };
 
 }  // namespace canopus::module

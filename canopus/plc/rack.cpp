@@ -80,14 +80,20 @@ void Rack::power_on(can::Time now, CpuState state) {
     timeline_.refresh(slot.handle);
   }
   tell_cpu_state(now);
+  for (RackListener* listener : listeners_) listener->supply_changed(true, now);
+  refresh_modules();
 }
 
 void Rack::power_off(can::Time now) {
   on_ = false;
-  for (const Slot& slot : slots_) {
-    slot.module->power_off(now);
-    timeline_.refresh(slot.handle);
-  }
+  for (const Slot& slot : slots_) slot.module->power_off(now);
+  for (RackListener* listener : listeners_) listener->supply_changed(false, now);
+  refresh_modules();
+}
+
+// A listener may be the one whose deadline the timeline knows for a module.
+void Rack::refresh_modules() {
+  for (const Slot& slot : slots_) timeline_.refresh(slot.handle);
 }
 
 void Rack::set_cpu_state(CpuState state, can::Time now) {
@@ -105,6 +111,8 @@ void Rack::set_cpu_state(CpuState state, can::Time now) {
     for (std::uint32_t number = 0; number < model_->points_of(Device::y); ++number)
       write_bit(Device::y, number, (outputs_before_stop_[number / 16] >> (number % 16) & 1U) != 0, now);
   }
+  for (RackListener* listener : listeners_) listener->cpu_changed(state, now);
+  refresh_modules();
 }
 
 void Rack::fail_cpu(can::Time now) {

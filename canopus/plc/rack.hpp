@@ -33,6 +33,18 @@ enum class AccessError : std::uint8_t {
   beyond_buffer  ///< buffer memory addresses beyond the module's last one
 };
 
+/// Who goes with the CPU: the built-in PLC program.
+class RackListener {
+ public:
+  /// The supply came on, with the CPU in cpu_state(), or went off. Modules know already.
+  virtual void supply_changed(bool on, can::Time now) = 0;
+  /// The CPU went to RUN, Y as before the STOP, or to STOP, Y OFF. Modules know already.
+  virtual void cpu_changed(module::CpuState state, can::Time now) = 0;
+
+ protected:
+  ~RackListener() = default;
+};
+
 class Rack {
  public:
   using Access = std::expected<void, AccessError>;
@@ -45,6 +57,8 @@ class Rack {
   /// one, or the points overlap another module's or reach beyond X/Y FFFH, or the rack has supply: modules
   /// are not changed online.
   bool insert(std::uint16_t head_address, module::Module& module, can::Timeline::Handle handle);
+  /// Hears of supply and CPU from now on; it must outlive the rack.
+  void add_listener(RackListener& listener) { listeners_.push_back(&listener); }
   /// The module whose points begin at head_address, or nullptr.
   [[nodiscard]] module::Module* module_at(std::uint16_t head_address) const noexcept;
 
@@ -122,10 +136,12 @@ class Rack {
   void write_bit(Device device, std::uint32_t number, bool on, can::Time now);
   void output_to_module(std::uint32_t number, bool on, can::Time now);
   void tell_cpu_state(can::Time now);
+  void refresh_modules();
 
   can::Timeline& timeline_;
   const CpuModel* model_;
   std::vector<Slot> slots_;
+  std::vector<RackListener*> listeners_;
   std::array<std::uint8_t, block_count> slot_of_block_{};        // number in slots_, or empty
   std::array<std::vector<std::uint16_t>, device_count> memory_;  // bit devices: 16 points per word
   std::vector<std::uint16_t> outputs_before_stop_;

@@ -151,10 +151,11 @@ TEST(ModuleSeat, OfAModuleWithoutSignals_LetsTheBuiltInProgramWork) {
       .model = "FAKE", .head = 0x20, .exchange = 10ms, .writes = {{{}, 100, 7}}, .watch = {500}};
   auto owned = std::make_unique<FakeCommunicationModule>();
   FakeCommunicationModule& module = *owned;
-  ModuleSeat seat(section, "plc1", nullptr, std::move(owned), bus, watcher);
   can::Timeline timeline;
+  plc::Rack rack(timeline);
+  ModuleSeat seat(section, "plc1", rack, nullptr, std::move(owned), bus, watcher);
   const auto handle = timeline.add(seat);
-  seat.powered(timeline.now());
+  rack.power_on(timeline.now());
   timeline.refresh(handle);
   timeline.run_until(can::Time{} + 11ms);
   EXPECT_EQ(module.words[FakeCommunicationModule::exchange_word], 1);

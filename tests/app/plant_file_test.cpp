@@ -98,6 +98,7 @@ TEST(PlantFile, EverythingThatIsWrittenIsRead) {
   EXPECT_EQ(module.head, 0x30);
   EXPECT_TRUE(module.master);
   EXPECT_EQ(module.exchange, 20ms);
+  EXPECT_TRUE(module.recover);
   EXPECT_EQ(module.restart_time, 100ms);
   EXPECT_EQ(module.buffer.at(0).address, 70U);
   EXPECT_EQ(module.buffer.at(0).value, 1000);
@@ -304,6 +305,18 @@ RC_GTEST_PROP(PlantFile, EveryErrorOfADamagedFileHasALine, ()) {
     text[place] = *rc::gen::arbitrary<char>();
   }
   for (const PlantError& error : read_plant(text, "plant.toml").errors) RC_ASSERT(error.place.line >= 1U);
+}
+
+TEST(PlantFile, Recover_IsAboutTheBuiltInProgram) {
+  constexpr std::string_view head =
+      "[[bus]]\nname = \"a\"\nbit_rate = 250000\n[[plc]]\n[[plc.module]]\n"
+      "model = \"ME3CAN1-Q\"\nrecover = false\n";
+  EXPECT_THAT(errors_of(head),
+              ElementsAre("plant.toml:7:11: recover = false: is about the built-in PLC program, "
+                          "which runs with exchange = \"20ms\" or the like"));
+  const PlantReading reading = read_plant(std::string(head) + "exchange = \"10ms\"\n", "plant.toml");
+  EXPECT_THAT(reading.errors, IsEmpty());
+  EXPECT_FALSE(reading.plant.plcs[0].modules[0].recover);
 }
 
 }  // namespace

@@ -114,18 +114,26 @@ class AnsweringModule final : public FakeModule {
 };
 
 /// The module in its slot, started at 0 and with supply, the program running.
-class Slot final : public can::Participant {
+class Slot final : public can::Participant, public RackListener {
  public:
   Slot(const ProgramInterface& interface, BuiltInProgram::Task task)
-      : module(interface), program(module, interface, std::move(task)) {
+      : rack(timeline), module(interface), program(rack, head, module, interface, std::move(task)) {
     module.program = &program;
     handle_ = timeline.add(*this);
+    rack.insert(head, module, handle_);
+    rack.add_listener(*this);
   }
   void power(can::Duration initialization = {}) {
     module.initialize(timeline.now(), timeline.now() + initialization);
-    program.powered(timeline.now());
-    program.look(timeline.now());
-    timeline.refresh(handle_);
+    rack.power_on(timeline.now());
+  }
+  void supply_changed(bool on, can::Time now) override {
+    program.supply_changed(on, now);
+    program.look(now);
+  }
+  void cpu_changed(module::CpuState state, can::Time now) override {
+    program.cpu_changed(state, now);
+    program.look(now);
   }
   void run_until(can::Duration end) {
     timeline.refresh(handle_);
@@ -146,7 +154,9 @@ class Slot final : public can::Participant {
     return std::min(module.deadline(), program.deadline());
   }
 
+  static constexpr std::uint16_t head = 0x20;
   can::Timeline timeline;
+  Rack rack;
   AnsweringModule module;
   BuiltInProgram program;
 
@@ -252,7 +262,8 @@ TEST(BuiltInProgram, SetUp_BySignal_WritesTheWordsOfflineAndThenGoesOnline) {
   Slot slot(signals, {.words = {{100, 7}, {101, 8}}, .online = true});
   slot.power(15ms);
   EXPECT_THAT(slot.notes_until(14ms), IsEmpty());
-  EXPECT_THAT(slot.notes_until(50ms), ElementsAre("15ms Y7 off", "15ms 100=7", "15ms 101=8", "15ms Y7 on"));
+  // Y07 is OFF at the CPU already.
+  EXPECT_THAT(slot.notes_until(50ms), ElementsAre("15ms 100=7", "15ms 101=8", "15ms Y7 on"));
   slot.module.initialize(slot.timeline.now(), can::Time{} + 80ms);
   EXPECT_THAT(slot.notes_until(200ms), ElementsAre("80ms Y7 off", "80ms 100=7", "80ms 101=8", "80ms Y7 on"));
   EXPECT_EQ(slot.module.own, 0) << "what is done once is news";
@@ -288,6 +299,104 @@ TEST(BuiltInProgram, SetUp_WithoutWordsAndOnline_LeavesTheModuleAlone) {
     EXPECT_EQ(slot.program.deadline(), can::never);
     EXPECT_EQ(slot.module.reads, 0);
   }
+}
+
+// The answer never comes, because the module initialized when the request came, and the ready signal said
+// nothing of it.
+TEST(BuiltInProgram, RequestWhileInitializing_IsTakenBackAndMadeAnew) {
+  RecordProperty("spec", "ME3-STAT-005");
+  Slot slot(signals, {.exchange = 20ms});
+  slot.power();
+  slot.module.answer_time = 1h;
+  EXPECT_THAT(slot.notes_until(25ms), ElementsAre("20ms Y5 on"));
+  slot.module.answer_time = 3ms;
+  slot.module.answer_at = can::never;
+  slot.module.words[status_word] = initializing;
+  slot.module.starts_at = can::Time{} + 63ms;
+  slot.program.look(slot.timeline.now());
+  EXPECT_THAT(slot.notes_until(60ms), ElementsAre("25ms Y5 off"));
+  EXPECT_THAT(slot.notes_until(80ms), ElementsAre("75ms Y5 on", "78ms Y5 off"));
+  slot.module.set_output(exchange, true, slot.timeline.now());
+  EXPECT_EQ(slot.module.own, 2 + 4) << "a client's next one is not";
+}
+
+TEST(BuiltInProgram, RequestWithoutAnAnswer_IsTakenBackAndMadeAnew) {
+  Slot slot(signals, {.exchange = 20ms});
+  slot.power();
+  slot.module.answer_time = 1h;
+  EXPECT_THAT(slot.notes_until(525ms), ElementsAre("20ms Y5 on", "520ms Y5 off"));
+  slot.module.answer_time = 3ms;
+  EXPECT_THAT(slot.notes_until(540ms), ElementsAre("530ms Y5 on", "533ms Y5 off"));
+}
+
+TEST(BuiltInProgram, WithoutRecover_WaitsForTheAnswerForEver) {
+  Slot slot(signals, {.exchange = 20ms, .recover = false});
+  slot.power();
+  slot.module.answer_time = 1h;
+  EXPECT_THAT(slot.notes_until(20ms), ElementsAre("20ms Y5 on"));
+  slot.module.words[status_word] = initializing;
+  slot.module.starts_at = can::Time{} + 30ms;
+  EXPECT_THAT(slot.notes_until(10min), IsEmpty());
+  // The way back: OFF and ON, by whoever it is.
+  const std::uint8_t off = 0;
+  const std::uint8_t on = 1;
+  slot.module.answer_time = 3ms;
+  EXPECT_TRUE(slot.rack.write_bits(Device::y, Slot::head + exchange, {&off, 1}, slot.timeline.now()));
+  EXPECT_TRUE(slot.rack.write_bits(Device::y, Slot::head + exchange, {&on, 1}, slot.timeline.now()));
+  EXPECT_THAT(slot.notes_until(10min + 5ms),
+              ElementsAre("600000ms Y5 off", "600000ms Y5 on", "600003ms Y5 off", "600004ms Y5 on"));
+}
+
+TEST(BuiltInProgram, InStop_StandsStill) {
+  Slot slot(signals, {.exchange = 20ms});
+  slot.power();
+  EXPECT_THAT(slot.notes_until(30ms), ElementsAre("20ms Y5 on", "23ms Y5 off"));
+  slot.rack.set_cpu_state(module::CpuState::stop, slot.timeline.now());
+  EXPECT_EQ(slot.program.deadline(), can::never);
+  EXPECT_THAT(slot.notes_until(100ms), IsEmpty());
+  slot.rack.set_cpu_state(module::CpuState::run, slot.timeline.now());
+  EXPECT_THAT(slot.notes_until(130ms), ElementsAre("120ms Y5 on", "123ms Y5 off"));
+}
+
+// Y OFF with the STOP, ON again with RUN: the module answers that.
+TEST(BuiltInProgram, StopInTheMiddleOfARequest_GoesOnWithRun) {
+  for (const bool recover : {true, false}) {
+    for (const auto after : {1ms, 2ms, 4ms}) {
+      Slot slot(signals, {.exchange = 20ms, .recover = recover});
+      slot.power();
+      slot.run_until(20ms + after);
+      slot.module.take_notes();
+      slot.rack.set_cpu_state(module::CpuState::stop, slot.timeline.now());
+      slot.run_until(100ms);
+      EXPECT_EQ(slot.module.y >> exchange & 1U, 0U);
+      slot.rack.set_cpu_state(module::CpuState::run, slot.timeline.now());
+      slot.module.take_notes();
+      EXPECT_FALSE(slot.notes_until(130ms).empty());
+    }
+  }
+}
+
+TEST(BuiltInProgram, SupplyOffAndOn_BeginsAnew) {
+  Slot slot(signals, {.exchange = 20ms});
+  slot.power();
+  slot.module.answer_time = 1h;
+  EXPECT_THAT(slot.notes_until(25ms), ElementsAre("20ms Y5 on"));
+  slot.module.y = slot.module.x = 0;
+  slot.module.answer_at = can::never;
+  slot.module.answer_time = 3ms;
+  slot.rack.power_off(slot.timeline.now());
+  EXPECT_EQ(slot.program.deadline(), can::never);
+  slot.power(10ms);
+  EXPECT_THAT(slot.notes_until(60ms), ElementsAre("45ms Y5 on", "48ms Y5 off"));
+}
+
+TEST(BuiltInProgram, CpuInStopFromTheStart_DoesNothing) {
+  Slot slot(signals, {.exchange = 20ms, .words = {{100, 7}}});
+  slot.module.initialize(slot.timeline.now(), can::Time{} + 10ms);
+  slot.rack.power_on(slot.timeline.now(), module::CpuState::stop);
+  EXPECT_THAT(slot.notes_until(100ms), IsEmpty());
+  slot.rack.set_cpu_state(module::CpuState::run, slot.timeline.now());
+  EXPECT_THAT(slot.notes_until(125ms), ElementsAre("100ms 100=7", "120ms Y5 on", "123ms Y5 off"));
 }
 
 }  // namespace

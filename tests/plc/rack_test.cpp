@@ -234,5 +234,35 @@ TEST(Rack, Switched_Off_HasNoModulesAndNoSignals) {
   EXPECT_FALSE(plc.rack.read_buffer(0, 0, words, plc.now));
 }
 
+// Those who go with the CPU hear of it when the modules know and Y are as they will be.
+TEST(Rack, Listener_HearsOfSupplyAndCpu) {
+  struct Listener final : RackListener {
+    void supply_changed(bool on, can::Time) override {
+      heard.push_back(on ? "on" : "off");
+      EXPECT_EQ(plc->module.power_ons, on ? 2 : 1);
+    }
+    void cpu_changed(CpuState state, can::Time) override {
+      heard.push_back(state == CpuState::run ? "run" : "stop");
+      EXPECT_EQ(plc->module.states.back(), state);
+      EXPECT_EQ(plc->module.y, state == CpuState::run ? 2U : 0U);
+    }
+    Plc* plc = nullptr;
+    std::vector<std::string> heard;
+  } listener;
+  Plc plc;
+  listener.plc = &plc;
+  plc.rack.add_listener(listener);
+  const std::array<std::uint8_t, 1> on{1};
+  ASSERT_TRUE(plc.rack.write_bits(Device::y, 1, on, plc.now));
+  plc.rack.set_cpu_state(CpuState::stop, plc.now);
+  plc.rack.set_cpu_state(CpuState::stop, plc.now);
+  plc.rack.set_cpu_state(CpuState::run, plc.now);
+  EXPECT_THAT(listener.heard, ElementsAre("stop", "run"));
+  plc.rack.reset_cpu(plc.now);
+  plc.module.y = 0;
+  plc.rack.fail_cpu(plc.now);
+  EXPECT_THAT(listener.heard, ElementsAre("stop", "run", "off", "on", "stop"));
+}
+
 }  // namespace
 }  // namespace canopus::plc

@@ -36,6 +36,7 @@ constexpr std::array commands = std::to_array<CommandRow>({
 constexpr std::uint8_t ready_signal = 0x00;
 constexpr std::uint8_t data_exchange_signal = 0x01;
 constexpr std::uint8_t online_signal = 0x03;
+constexpr std::uint8_t command_signal = 0x17;
 constexpr std::array signals = std::to_array<SignalRow>({
     {ready_signal,         RequestUse::ready,            all_modes},
     {data_exchange_signal, RequestUse::data_exchange,    all_modes},
@@ -47,7 +48,7 @@ constexpr std::array signals = std::to_array<SignalRow>({
     {0x11,                 RequestUse::emergency,        canopen_405},
     {0x12,                 RequestUse::set_clock,        canopen_405},
     {0x13,                 RequestUse::read_clock,       canopen_405},
-    {0x17,                 RequestUse::command,          all_modes},
+    {command_signal,       RequestUse::command,          all_modes},
     {0x1F,                 RequestUse::save_restore,     all_modes},
 });
 
@@ -184,7 +185,13 @@ constinit const ModuleModel model{
                           .ready = ready_signal,
                           .status = g::communication_status,
                           .initializing = communication_status.initialization,
-                          .process_data = exchange_layout},
+                          .process_data = exchange_layout,
+                          .command = {.first = g::command,
+                                      .sdo_write = 0x0002,
+                                      .success = 0x0003,
+                                      .execute = {.kind = ProgramRequest::Kind::signal,
+                                                  .signal = command_signal}},
+                          .node_address = g::node_address},
     .object_dictionary = object_dictionary,
     .node_id_defaults = set_detect_cycle,
     .node_options = node_options,

@@ -16,10 +16,11 @@ constexpr module::ProgramInterface by_words{
 
 class WithProgram : public OtherScenario<WordModule> {
  public:
-  explicit WithProgram(plc::BuiltInProgram::Task task) : program_(plug_in(), by_words, std::move(task)) {}
+  explicit WithProgram(plc::BuiltInProgram::Task task)
+      : rack_(timeline_), program_(rack_, 0, plug_in(), by_words, std::move(task)) {}
 
   void start_program() {
-    program_.powered(now());
+    program_.supply_changed(true, now());
     program_.look(now());
   }
   void run(can::Duration time) {
@@ -31,6 +32,8 @@ class WithProgram : public OtherScenario<WordModule> {
   }
 
  private:
+  can::Timeline timeline_;
+  plc::Rack rack_;
   plc::BuiltInProgram program_;
 };
 
