@@ -8,6 +8,8 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
 
 #include "canopus/plc/melsec/session.hpp"
 
@@ -16,19 +18,32 @@ namespace canopus::app {
 namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
+using WallClock = std::chrono::steady_clock;
 
 struct MelsecServer::Parts : std::enable_shared_from_this<Parts> {
   Parts(asio::io_context& io, plc::Rack& the_rack, link::LoopClock& the_clock,
-        MelsecServerOptions the_options)
-      : context(io), rack(the_rack), clock(the_clock), options(the_options), acceptor(io), accept_pause(io) {}
+        MelsecServerOptions the_options, link::ClientReport the_report)
+      : context(io),
+        rack(the_rack),
+        clock(the_clock),
+        options(std::move(the_options)),
+        report(std::move(the_report)),
+        acceptor(io),
+        accept_pause(io) {}
 
   void accept();
+  void admit(tcp::socket socket);
+  [[nodiscard]] bool make_room(const std::string& newcomer);
   void remove(const Connection& connection);
+  void say(const std::string& client, const std::string& what) const {
+    if (report) report(client + ' ' + what);
+  }
 
   asio::io_context& context;
   plc::Rack& rack;
   link::LoopClock& clock;
   MelsecServerOptions options;
+  link::ClientReport report;
   tcp::acceptor acceptor;
   asio::steady_timer accept_pause;
   std::vector<std::shared_ptr<Connection>> connections;
@@ -39,14 +54,23 @@ struct MelsecServer::Parts : std::enable_shared_from_this<Parts> {
 class MelsecServer::Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(Parts& parts, tcp::socket socket)
-      : parts_(&parts), socket_(std::move(socket)), timer_(parts.context), session_(parts.rack) {}
+      : parts_(&parts),
+        socket_(std::move(socket)),
+        name_(link::name_of_peer(socket_)),
+        timer_(parts.context),
+        session_(parts.rack) {}
 
   void start() {
     error_code ignored;
     socket_.set_option(tcp::no_delay(true), ignored);
     socket_.non_blocking(true, ignored);
+    check_alive();
     receive();
   }
+
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  /// When something came from the client last.
+  [[nodiscard]] WallClock::time_point heard_at() const noexcept { return heard_at_; }
 
   void close() noexcept {
     parts_ = nullptr;
@@ -62,10 +86,26 @@ class MelsecServer::Connection : public std::enable_shared_from_this<Connection>
     socket_.async_read_some(asio::buffer(space.data(), space.size()),
                             [self = shared_from_this()](error_code error, std::size_t count) {
                               if (self->parts_ == nullptr) return;
+                              if (error == asio::error::timed_out) {
+                                return self->end("does not answer the alive check any more");
+                              }
                               if (error) return self->end();
+                              self->heard_at_ = WallClock::now();
                               self->session_.received(count);
                               self->work();
                             });
+  }
+
+  void check_alive() {
+    const MelsecServerOptions& options = parts_->options;
+    const auto set = [this](int name, int value) {
+      ::setsockopt(socket_.native_handle(), IPPROTO_TCP, name, &value, sizeof value);
+    };
+    error_code ignored;
+    socket_.set_option(asio::socket_base::keep_alive(true), ignored);
+    set(TCP_KEEPIDLE, static_cast<int>(options.alive_check_start.count()));
+    set(TCP_KEEPINTVL, static_cast<int>(options.alive_check_interval.count()));
+    set(TCP_KEEPCNT, options.alive_checks);
   }
 
   /// Answers what is complete and sends it, until there is nothing more to answer or the client does not take
@@ -85,7 +125,7 @@ class MelsecServer::Connection : public std::enable_shared_from_this<Connection>
       if (!send()) return;
       if (!session_.half_request()) break;  // nothing left to look at
     }
-    if (session_.over()) return end();
+    if (session_.over()) return end("sent what is no request of the MC protocol");
     receive();
   }
 
@@ -109,7 +149,7 @@ class MelsecServer::Connection : public std::enable_shared_from_this<Connection>
   }
 
   void wait_to_send() {
-    set_timer(parts_->options.send_timeout);
+    set_timer(parts_->options.send_timeout, "does not take its replies");
     socket_.async_wait(tcp::socket::wait_write, [self = shared_from_this()](error_code error) {
       if (self->parts_ == nullptr) return;
       if (error) return self->end();
@@ -121,17 +161,17 @@ class MelsecServer::Connection : public std::enable_shared_from_this<Connection>
   /// A request that has begun has its time; one that is answered gives the next its own.
   void watch_request(bool progress) {
     if (!session_.half_request()) return stop_timer();
-    if (progress || !timed_) set_timer(parts_->options.half_request_timeout);
+    if (progress || !timed_) set_timer(parts_->options.half_request_timeout, "left a request incomplete");
   }
 
-  void set_timer(std::chrono::milliseconds timeout) {
+  void set_timer(std::chrono::milliseconds timeout, const char* reason) {
     timed_ = true;
     const std::uint64_t turn = ++timer_turn_;
     timer_.expires_after(timeout);
-    timer_.async_wait([self = shared_from_this(), turn](error_code error) {
+    timer_.async_wait([self = shared_from_this(), turn, reason](error_code error) {
       // A timer that was set again after it had expired is not meant any more.
       if (error || self->parts_ == nullptr || turn != self->timer_turn_) return;
-      self->end();
+      self->end(reason);
     });
   }
 
@@ -142,14 +182,18 @@ class MelsecServer::Connection : public std::enable_shared_from_this<Connection>
     timer_.cancel(ignored);
   }
 
-  void end() {
+  /// `reason`: what the client did, when it was not its client that ended the connection.
+  void end(const char* reason = nullptr) {
     Parts& parts = *parts_;
+    if (reason != nullptr) parts.say(name_, std::string(reason) + ": its connection is closed");
     close();
     parts.remove(*this);
   }
 
   Parts* parts_;
   tcp::socket socket_;
+  std::string name_;
+  WallClock::time_point heard_at_ = WallClock::now();
   asio::steady_timer timer_;
   bool timed_ = false;
   std::uint64_t timer_turn_ = 0;
@@ -160,19 +204,41 @@ void MelsecServer::Parts::accept() {
   acceptor.async_accept([this, self = shared_from_this()](error_code error, tcp::socket socket) {
     if (error == asio::error::operation_aborted || !acceptor.is_open()) return;
     if (error) {
-      // Out of file descriptors or the like: the door stays open for later.
+      // Out of file descriptors or the like: the port stays open for later.
       accept_pause.expires_after(std::chrono::milliseconds(100));
       accept_pause.async_wait([this, self](error_code stopped) {
         if (!stopped && acceptor.is_open()) accept();
       });
       return;
     }
-    if (connections.size() < options.maximum_clients) {
-      connections.push_back(std::make_shared<Connection>(*this, std::move(socket)));
-      connections.back()->start();
-    }
+    admit(std::move(socket));
     accept();
   });
+}
+
+void MelsecServer::Parts::admit(tcp::socket socket) {
+  const std::string name = link::name_of_peer(socket);
+  if (!link::is_allowed(socket, options.allowed)) return say(name, "is not allowed to connect");
+  if (connections.size() >= options.maximum_clients && !make_room(name)) return;
+  connections.push_back(std::make_shared<Connection>(*this, std::move(socket)));
+  connections.back()->start();
+}
+
+/// Closes the connection from which nothing has come for the longest time, if that is long enough.
+bool MelsecServer::Parts::make_room(const std::string& newcomer) {
+  const auto idlest =
+      std::ranges::min_element(connections, {}, [](const auto& other) { return other->heard_at(); });
+  const auto idle = WallClock::now() - (*idlest)->heard_at();
+  if (idle < options.gives_way_after) {
+    say(newcomer, "was refused: all " + std::to_string(options.maximum_clients) + " connections are in use");
+    return false;
+  }
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(idle).count();
+  say((*idlest)->name(),
+      "has asked nothing for " + std::to_string(seconds) + " s: its connection gives way to " + newcomer);
+  (*idlest)->close();
+  connections.erase(idlest);
+  return true;
 }
 
 void MelsecServer::Parts::remove(const Connection& connection) {
@@ -180,8 +246,8 @@ void MelsecServer::Parts::remove(const Connection& connection) {
 }
 
 MelsecServer::MelsecServer(asio::io_context& context, plc::Rack& rack, link::LoopClock& clock,
-                           MelsecServerOptions options)
-    : parts_(std::make_shared<Parts>(context, rack, clock, options)) {}
+                           MelsecServerOptions options, link::ClientReport report)
+    : parts_(std::make_shared<Parts>(context, rack, clock, std::move(options), std::move(report))) {}
 
 MelsecServer::~MelsecServer() { stop(); }
 

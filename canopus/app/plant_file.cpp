@@ -119,6 +119,7 @@ BusSection read_bus(TableReader& table) {
         }
         return parse_host_and_port(text.substr(protocol.size()));
       });
+  bus.allowed = read_allowed(table, "serve", "socketcand protocol", bus.socketcand);
   bus.faults = read_good<FaultSection>(table, "fault", "bus.fault", read_fault);
   return bus;
 }
@@ -267,6 +268,7 @@ PlcSection read_plc(TableReader& table) {
   } else if (*listen != "off") {
     plc.listen = table.parsed("listen", parse_host_and_port);
   }
+  plc.allowed = read_allowed(table, "listen", "MC protocol", plc.listen);
   if (const auto cpu = table.text("cpu")) {
     if (*cpu != "run" && *cpu != "stop") table.error("cpu", "expected \"run\" or \"stop\"");
     plc.run = *cpu != "stop";

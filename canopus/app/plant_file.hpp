@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "canopus/app/text_values.hpp"
+#include "canopus/link/allow_list.hpp"
 #include "canopus/module/module.hpp"
 #include "canopus/sim/fault.hpp"
 
@@ -79,6 +80,7 @@ struct BusSection {
   std::string name{};
   std::uint32_t bit_rate = 0;               ///< bit/s
   std::optional<HostAndPort> socketcand{};  ///< from serve = "socketcand:127.0.0.1:29536"
+  link::AllowList allowed{};                ///< who may connect there
   std::vector<FaultSection> faults{};
 };
 
@@ -144,6 +146,7 @@ struct PlcSection {
   Place store_place{};
   std::string name{};
   std::optional<HostAndPort> listen{};  ///< MC protocol
+  link::AllowList allowed{};            ///< who may connect there
   bool run = true;
   std::string store{};  ///< folder for what the modules save; empty = nothing survives the run
   std::optional<can::Duration> cpu_error{};  ///< when the CPU stops with an error

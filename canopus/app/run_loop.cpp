@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "canopus/app/client_ports.hpp"
+#include "canopus/app/client_reports.hpp"
 #include "canopus/app/event_printer.hpp"
 #include "canopus/app/live_table.hpp"
 #include "canopus/app/local_time.hpp"
@@ -151,7 +152,9 @@ bool Run::open_doors(RealTime& clock) {
   const auto opened = [&](const std::expected<void, std::string>& result, std::string_view protocol,
                           std::string_view of, const HostAndPort& place, std::uint16_t port) {
     if (result) {
-      door(protocol, of, fmt::format("{}:{}", place.host, port));
+      door(protocol, of,
+           place.host.find(':') == std::string::npos ? fmt::format("{}:{}", place.host, port)
+                                                     : fmt::format("[{}]:{}", place.host, port));
     } else {
       print_error("canopus: {}: {}", protocol, result.error());
     }
@@ -160,7 +163,9 @@ bool Run::open_doors(RealTime& clock) {
   for (std::size_t i = 0; i < plant_->plc_count(); ++i) {
     const PlcSection& section = plant_->plc_section(i);
     if (!section.listen) continue;
-    MelsecServer& server = *melsec_.emplace_back(std::make_unique<MelsecServer>(io_, plant_->rack(i), clock));
+    MelsecServer& server = *melsec_.emplace_back(std::make_unique<MelsecServer>(
+        io_, plant_->rack(i), clock, MelsecServerOptions{.allowed = section.allowed},
+        report_of(fmt::format("MC protocol {}", section.name))));
     const auto result = server.listen(section.listen->host, section.listen->port);
     if (!opened(result, "MC protocol", section.name, *section.listen, server.port())) return false;
   }
@@ -173,7 +178,7 @@ bool Run::open_doors(RealTime& clock) {
         *client_ports_.emplace_back(std::make_unique<ClientPorts>(plant_->bus(i), plant_->timeline()));
     const auto attach = [&ports](can::Participant& client) { return ports.attach(client); };
     link::SocketcandServer& server = *socketcand_.emplace_back(std::make_unique<link::SocketcandServer>(
-        io_, *where, section.name, attach, clock, link::SocketcandLimits{},
+        io_, *where, section.name, attach, clock, link::SocketcandLimits{.allowed = section.allowed},
         report_of(fmt::format("socketcand {}", section.name))));
     const auto result = server.listen();
     if (!opened(result, "socketcand", section.name, *section.socketcand, server.port())) return false;
@@ -183,9 +188,7 @@ bool Run::open_doors(RealTime& clock) {
 
 /// What a server has to say of its clients, as errors of this source.
 link::ClientReport Run::report_of(std::string source) {
-  return [this, source = std::move(source)](std::string_view sentence) {
-    observer().error(source, sentence, plant_->timeline().now());
-  };
+  return ClientReports(observer(), plant_->timeline(), std::move(source));
 }
 
 void Run::redraw(RealTime& clock) {

@@ -185,6 +185,12 @@ class TableReader {
   std::set<std::string, std::less<>> wrong_;
 };
 
+/// `allow` of a section whose server listens where its key `key` says; none: it has no server. A server that
+/// other machines can reach needs a list.
+[[nodiscard]] link::AllowList read_allowed(TableReader& table, std::string_view key,
+                                           std::string_view protocol,
+                                           const std::optional<HostAndPort>& place);
+
 /// A [[bus.fault]].
 [[nodiscard]] FaultSection read_fault(TableReader& table);
 

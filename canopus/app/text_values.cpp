@@ -79,12 +79,13 @@ std::expected<std::uint32_t, std::string> parse_buffer_address(std::string_view 
 std::expected<HostAndPort, std::string> parse_host_and_port(std::string_view text) {
   HostAndPort place;
   const std::size_t colon = text.rfind(':');
-  const std::string_view host = colon == std::string_view::npos ? std::string_view{} : text.substr(0, colon);
+  std::string_view host = colon == std::string_view::npos ? std::string_view{} : text.substr(0, colon);
   const auto port =
       parse_number<std::uint16_t>(colon == std::string_view::npos ? text : text.substr(colon + 1), 10);
   if (!port) {
     return std::unexpected(fmt::format("\"{}\" is not host:port; for example \"127.0.0.1:5007\"", text));
   }
+  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
   if (!host.empty()) place.host = host;
   place.port = *port;
   return place;

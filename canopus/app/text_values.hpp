@@ -27,7 +27,7 @@ struct ObjectName {
 /// "G13000": a buffer memory address, decimal.
 [[nodiscard]] std::expected<std::uint32_t, std::string> parse_buffer_address(std::string_view text);
 
-/// "127.0.0.1:5007", ":5007" (127.0.0.1) or "5007".
+/// "127.0.0.1:5007", "[::1]:5007", ":5007" (127.0.0.1) or "5007".
 struct HostAndPort {
   std::string host = "127.0.0.1";
   std::uint16_t port = 0;

@@ -29,14 +29,14 @@ struct SocketcandServer::Shared : std::enable_shared_from_this<Shared> {
         bus_name(std::move(name)),
         attach(std::move(attach_to_bus)),
         clock(loop),
-        limits(given),
+        limits(std::move(given)),
         report(std::move(to_report)),
         acceptor(context),
         pause(context) {}
 
   void accept();
   void admit(tcp::socket socket);
-  static void refuse(tcp::socket& socket);
+  void refuse(tcp::socket& socket, std::string_view answer, std::string_view why) const;
   void remove(const Client* client);
 
   asio::io_context& io;
@@ -73,12 +73,6 @@ void keep_little(tcp::acceptor& acceptor) {
   acceptor.set_option(MaximumSegment(segment), ignored);
 }
 
-std::string name_of(const tcp::socket& socket) {
-  error_code failure;
-  const tcp::endpoint peer = socket.remote_endpoint(failure);
-  return failure ? "a client" : peer.address().to_string() + ':' + std::to_string(peer.port());
-}
-
 }  // namespace
 
 /// One connection: a socket on one side, a place on the bus on the other, a session between them.
@@ -93,7 +87,7 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
   Client(Shared& server, tcp::socket socket)
       : server_(&server),
         socket_(std::move(socket)),
-        name_(name_of(socket_)),
+        name_(name_of_peer(socket_)),
         session_(server.bus_name, *this, *this),
         queue_(std::max(server.limits.queue, 2 * reserved_for_answers)) {}
 
@@ -433,19 +427,25 @@ void SocketcandServer::Shared::admit(tcp::socket socket) {
   socket.set_option(asio::socket_base::keep_alive(true), ignored);  // a machine that vanished is noticed
   // Frames that wait in the kernel are as late as those in the queue, but are not counted.
   socket.set_option(asio::socket_base::send_buffer_size(64 * 1024), ignored);
-  if (clients.size() >= limits.clients) return refuse(socket);
+  if (!is_allowed(socket, limits.allowed)) {
+    return refuse(socket, "< error not allowed >", "is not allowed to connect");
+  }
+  constexpr std::string_view too_many = "< error too many clients >";
+  if (clients.size() >= limits.clients) return refuse(socket, too_many, "was refused: too many clients");
   const auto client = std::make_shared<Client>(*this, std::move(socket));
   (void)clock.now();  // it joins now, not at the bus's last event
-  if (!client->attach()) return refuse(client->socket());
+  if (!client->attach()) return refuse(client->socket(), too_many, "was refused: the bus takes no more");
   clients.push_back(client);
   client->start();
   clock.touched();
 }
 
-void SocketcandServer::Shared::refuse(tcp::socket& socket) {
-  constexpr std::string_view text = "< error too many clients >";
+void SocketcandServer::Shared::refuse(tcp::socket& socket, std::string_view answer,
+                                      std::string_view why) const {
+  if (report) report(name_of_peer(socket) + ' ' + std::string(why));
   error_code ignored;
-  socket.write_some(asio::buffer(text), ignored);
+  socket.non_blocking(true, ignored);
+  socket.write_some(asio::buffer(answer), ignored);
   socket.close(ignored);
 }
 

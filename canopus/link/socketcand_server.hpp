@@ -25,7 +25,9 @@
 #include <boost/asio/ip/tcp.hpp>
 
 #include "canopus/can/controller.hpp"
+#include "canopus/link/allow_list.hpp"
 #include "canopus/link/loop_clock.hpp"
+#include "canopus/link/peer.hpp"
 
 namespace canopus::link {
 
@@ -42,6 +44,7 @@ class BusAttachment : public can::Sink {
 using AttachToBus = std::function<std::unique_ptr<BusAttachment>(can::Participant& client)>;
 
 struct SocketcandLimits {
+  AllowList allowed{};               ///< who may connect
   std::size_t clients = 32;          ///< connections at a time; one more is told so and closed
   std::size_t queue = 2048;          ///< messages that wait for one client's socket, at least 1024
   std::uint64_t lost_frames = 8192;  ///< frames in a row lost to a full queue until the client is closed
@@ -65,9 +68,6 @@ struct SocketcandStatistics {
   std::uint64_t frames_dropped = 0;       ///< sent by clients, and not taken by the bus in time
   std::uint64_t clients_too_slow = 0;     ///< closed for it
 };
-
-/// Hears what a person should know of the clients, as a sentence that begins with the client's address.
-using ClientReport = std::function<void(std::string_view sentence)>;
 
 class SocketcandServer {
  public:

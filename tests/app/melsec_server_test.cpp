@@ -11,6 +11,8 @@
 #include <boost/asio/write.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
 
 #include "plc/conversation.hpp"
 
@@ -21,6 +23,7 @@ using boost::asio::ip::tcp;
 using boost::system::error_code;
 using plc::testing::bytes;
 using plc::testing::shown;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using namespace std::chrono_literals;
 
@@ -47,7 +50,9 @@ class MelsecServerTest : public ::testing::Test {
   MelsecServerTest() { plc_.word(plc::Device::d, 100, 0x1234); }
 
   MelsecServer& start(MelsecServerOptions options = {}) {
-    server_ = std::make_unique<MelsecServer>(context_, plc_.rack, clock_, options);
+    server_ = std::make_unique<MelsecServer>(
+        context_, plc_.rack, clock_, std::move(options),
+        [this](std::string_view sentence) { reports_.emplace_back(sentence); });
     EXPECT_TRUE(server_->listen("127.0.0.1", 0));
     return *server_;
   }
@@ -58,6 +63,10 @@ class MelsecServerTest : public ::testing::Test {
     socket.non_blocking(true);
     context_.poll();
     return socket;
+  }
+
+  static std::string name_of(const tcp::socket& socket) {
+    return "127.0.0.1:" + std::to_string(socket.local_endpoint().port());
   }
 
   static void send(tcp::socket& socket, const std::string& data) {
@@ -84,6 +93,7 @@ class MelsecServerTest : public ::testing::Test {
   boost::asio::io_context client_context_;
   plc::testing::Plc plc_;
   TestClock clock_;
+  std::vector<std::string> reports_;
   std::unique_ptr<MelsecServer> server_;
 };
 
@@ -131,6 +141,7 @@ TEST_F(MelsecServerTest, HalfARequest_ThatStaysHalf_LosesItsConnection) {
   send(half, read_d100.substr(0, 10));
   EXPECT_EQ(receive(half), "closed");
   EXPECT_EQ(server_->clients(), 1U);
+  EXPECT_THAT(reports_, ElementsAre(name_of(half) + " left a request incomplete: its connection is closed"));
   send(idle, read_d100);
   EXPECT_EQ(receive(idle), read_d100_reply);
 }
@@ -154,6 +165,8 @@ TEST_F(MelsecServerTest, NoRequest_ClosesTheConnection) {
   auto client = connect();
   send(client, "GET / HTTP/1.1\r\n\r\n");
   EXPECT_EQ(receive(client), "closed");
+  EXPECT_THAT(reports_, ElementsAre(name_of(client) +
+                                    " sent what is no request of the MC protocol: its connection is closed"));
 }
 
 TEST_F(MelsecServerTest, TooLongRequest_GetsItsEndCodeThenTheEnd) {
@@ -184,6 +197,7 @@ TEST_F(MelsecServerTest, ClientThatTakesNoReplies_StopsNobodyElseAndLosesItsConn
   EXPECT_EQ(server_->clients(), 2U);
   context_.run_for(400ms);
   EXPECT_EQ(server_->clients(), 1U);
+  EXPECT_THAT(reports_, ElementsAre(name_of(deaf) + " does not take its replies: its connection is closed"));
 }
 
 TEST_F(MelsecServerTest, PipelinedRequests_AreAllAnswered) {
@@ -210,6 +224,7 @@ TEST_F(MelsecServerTest, MoreClientsThanAllowed_AreClosedAtOnce) {
   auto second = connect();
   auto third = connect();
   EXPECT_EQ(receive(third), "closed");
+  EXPECT_THAT(reports_, ElementsAre(name_of(third) + " was refused: all 2 connections are in use"));
   send(second, read_d100);
   EXPECT_EQ(receive(second), read_d100_reply);
   second.close();
@@ -217,6 +232,45 @@ TEST_F(MelsecServerTest, MoreClientsThanAllowed_AreClosedAtOnce) {
   auto fourth = connect();
   send(fourth, read_d100);
   EXPECT_EQ(receive(fourth), read_d100_reply);
+}
+
+TEST_F(MelsecServerTest, AllConnectionsTaken_TheOneThatIsSilentLongestGivesWay) {
+  start({.maximum_clients = 2, .gives_way_after = 0ms});
+  auto silent = connect();
+  auto asking = connect();
+  auto newcomer = connect();
+  EXPECT_EQ(receive(silent), "closed");
+  EXPECT_THAT(reports_,
+              ElementsAre(name_of(silent) + " has asked nothing for 0 s: its connection gives way to " +
+                          name_of(newcomer)));
+  send(asking, read_d100);
+  EXPECT_EQ(receive(asking), read_d100_reply);
+  auto later = connect();
+  EXPECT_EQ(receive(newcomer), "closed");
+  send(asking, read_d100);
+  EXPECT_EQ(receive(asking), read_d100_reply);
+  send(later, read_d100);
+  EXPECT_EQ(receive(later), read_d100_reply);
+}
+
+TEST_F(MelsecServerTest, SilentClient_IsCheckedAsByACpu) {
+  start();
+  auto client = connect();
+  const auto option = [&](int name) {
+    int value = 0;
+    socklen_t size = sizeof value;
+    // The server's end is the only other socket of this process that is connected to the client's port.
+    for (int descriptor = 3; descriptor < 1024; ++descriptor) {
+      sockaddr_in peer{};
+      socklen_t peer_size = sizeof peer;
+      if (::getpeername(descriptor, reinterpret_cast<sockaddr*>(&peer), &peer_size) != 0) continue;
+      if (ntohs(peer.sin_port) != client.local_endpoint().port()) continue;
+      ::getsockopt(descriptor, name == SO_KEEPALIVE ? SOL_SOCKET : IPPROTO_TCP, name, &value, &size);
+    }
+    return value;
+  };
+  EXPECT_NE(option(SO_KEEPALIVE), 0);
+  EXPECT_EQ(option(TCP_KEEPIDLE) + option(TCP_KEEPINTVL) * option(TCP_KEEPCNT), 45);
 }
 
 TEST_F(MelsecServerTest, Stop_ClosesEverythingAndLeavesTheLoopWithoutWork) {

@@ -187,7 +187,8 @@ TEST(PlantFile, AMisspeltKeyIsAMistakeWithTheKeysThatExist) {
   const auto errors = errors_of("[[bus]]\nname = \"a\"\nbit_rate = 250000\nbitrate = 1\n");
   EXPECT_THAT(
       errors,
-      ElementsAre("plant.toml:4:1: bus: unknown key bitrate; expected one of bit_rate, fault, name, serve"));
+      ElementsAre(
+          "plant.toml:4:1: bus: unknown key bitrate; expected one of allow, bit_rate, fault, name, serve"));
 }
 
 TEST(PlantFile, AllMistakesAreFoundAtOnceInTheOrderOfTheFile) {
@@ -317,6 +318,64 @@ TEST(PlantFile, Recover_IsAboutTheBuiltInProgram) {
   const PlantReading reading = read_plant(std::string(head) + "exchange = \"10ms\"\n", "plant.toml");
   EXPECT_THAT(reading.errors, IsEmpty());
   EXPECT_FALSE(reading.plant.plcs[0].modules[0].recover);
+}
+
+constexpr std::string_view bus_that_serves = "[[bus]]\nname = \"line1\"\nbit_rate = 250_000\n";
+
+/// Errors of this text and a bus behind it.
+std::vector<std::string> errors_with_bus(std::string_view text) {
+  return errors_of(std::string(text) + std::string(bus_that_serves));
+}
+
+TEST(PlantFile, ServerBeyondThisMachineWithoutAllow_IsRefusedWithASentence) {
+  EXPECT_THAT(
+      errors_with_bus("[[plc]]\nlisten = \"0.0.0.0:5007\"\n"),
+      ElementsAre("plant.toml:2:10: listen: other machines can reach 0.0.0.0, and the MC protocol has no "
+                  "password here; say which may connect, for example allow = [\"192.168.1.0/24\"], or listen "
+                  "on 127.0.0.1"));
+  EXPECT_THAT(errors_of(std::string(bus_that_serves) + "serve = \"socketcand:[::]:29536\"\n"),
+              ElementsAre(HasSubstr(
+                  "plant.toml:4:9: serve: other machines can reach ::, and the socketcand protocol")));
+}
+
+TEST(PlantFile, ServerOfThisMachine_NeedsNoAllow) {
+  for (const std::string_view place :
+       {"127.0.0.1:5007", "localhost:5007", "[::1]:5007", ":5007", "5007", "127.9.9.9:0"}) {
+    SCOPED_TRACE(place);
+    EXPECT_THAT(errors_with_bus("[[plc]]\nlisten = \"" + std::string(place) + "\"\n"), IsEmpty());
+  }
+}
+
+TEST(PlantFile, Allow_SaysWhoMayConnect) {
+  const PlantReading reading = read_plant(
+      "[[plc]]\nlisten = \"0.0.0.0:5007\"\nallow = [\"192.168.1.0/24\", \"fd00::7\"]\n" +
+          std::string(bus_that_serves) + "serve = \"socketcand:192.168.1.5:29536\"\nallow = \"10.0.0.7\"\n",
+      "plant.toml");
+  ASSERT_THAT(reading.errors, IsEmpty());
+  const auto plc_allows = [&](std::string_view address) {
+    return reading.plant.plcs[0].allowed.allows(link::parse_internet_address(address).value());
+  };
+  EXPECT_TRUE(plc_allows("192.168.1.7"));
+  EXPECT_TRUE(plc_allows("fd00::7"));
+  EXPECT_FALSE(plc_allows("192.168.2.7"));
+  EXPECT_TRUE(reading.plant.buses[0].allowed.allows(link::parse_internet_address("10.0.0.7").value()));
+  EXPECT_FALSE(reading.plant.buses[0].allowed.allows(link::parse_internet_address("10.0.0.8").value()));
+}
+
+TEST(PlantFile, WrongAllow_IsAnErrorAtTheNetwork) {
+  EXPECT_THAT(
+      errors_with_bus("[[plc]]\nlisten = \"0.0.0.0:5007\"\nallow = [\"10.0.0.7/8\",\n  7]\n"),
+      ElementsAre(
+          HasSubstr("plant.toml:3:10: allow: \"10.0.0.7/8\" has bits behind its prefix; expected 10.0.0.0/8"),
+          "plant.toml:4:3: allow: 7: expected networks such as \"192.168.1.0/24\""));
+  EXPECT_THAT(
+      errors_with_bus("[[plc]]\nlisten = \"off\"\nallow = \"10.0.0.7\"\n"),
+      ElementsAre("plant.toml:3:9: allow = \"10.0.0.7\": nobody can connect; listen says where it listens"));
+}
+
+TEST(PlantFile, PlaceToListenThatIsNoAddress_IsAnError) {
+  EXPECT_THAT(errors_with_bus("[[plc]]\nlisten = \"plc.local:5007\"\n"),
+              ElementsAre(HasSubstr("plant.toml:2:10: listen: \"plc.local\" is not an address")));
 }
 
 }  // namespace

@@ -128,3 +128,29 @@ def the_cpus_clock_shows_local_time():
     shown = calendar.timegm((*words[:6], 0, 0, 0))
     ahead = shown - time.time()
     require(abs(ahead - 9.5 * 3600) < PATIENCE, f"{words}: {ahead / 3600:.2f} h ahead of UTC, expected 9.5")
+
+
+@check
+def idle_plc_clients_give_way_and_it_is_said():
+    with empty_plant(has_plc=True) as plant:
+        address = host_port(plant.mc)
+        idle = [socket.create_connection(address, timeout=PATIENCE) for _ in range(16)]
+        time.sleep(11)
+        done = command(program, "plc", "read", "D0", "--host", address[0], "--port", address[1])
+        require(done.stdout.startswith("D0"), done.stdout)
+        event = plant.wait(lambda e: e["event"] == "error" and "its connection gives way to" in e["message"])
+        require("has asked nothing for" in event["message"], event["message"])
+        for client in idle:
+            client.close()
+
+
+@check
+def a_server_for_other_machines_needs_an_allow_list():
+    path = scratch / "open-plant.toml"
+    text = '[[bus]]\nname = "line1"\nbit_rate = 250_000\nserve = "socketcand:0.0.0.0:0"\n'
+    path.write_text(text)
+    for words in (["check", path], ["run", path]):
+        done = command(program, *words, expect=2)
+        require(f"{path}:4:9: serve: other machines can reach 0.0.0.0" in done.stderr, done.stderr)
+    path.write_text(text + 'allow = "192.0.2.0/24"\n')
+    command(program, "check", path)

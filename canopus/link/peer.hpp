@@ -1,0 +1,43 @@
+#pragma once
+// The other end of a connection, for servers.
+
+#include <algorithm>
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include <boost/asio/ip/tcp.hpp>
+
+#include "canopus/link/allow_list.hpp"
+
+namespace canopus::link {
+
+/// Hears what a person should know of the clients, as a sentence that begins with the client's address.
+using ClientReport = std::function<void(std::string_view sentence)>;
+
+[[nodiscard]] inline InternetAddress internet_address(const boost::asio::ip::address& address) {
+  const auto bytes = address.is_v4()
+                         ? boost::asio::ip::make_address_v6(boost::asio::ip::v4_mapped, address.to_v4())
+                         : address.to_v6();
+  InternetAddress result;
+  std::ranges::copy(bytes.to_bytes(), result.begin());
+  return result;
+}
+
+/// "192.168.1.7:50123"; "a client" when it is gone already.
+[[nodiscard]] inline std::string name_of_peer(const boost::asio::ip::tcp::socket& socket) {
+  boost::system::error_code failure;
+  const auto peer = socket.remote_endpoint(failure);
+  if (failure) return "a client";
+  const std::string address = peer.address().to_string();
+  return (peer.address().is_v6() ? "[" + address + "]" : address) + ":" + std::to_string(peer.port());
+}
+
+/// Whether the list allows the other end; not when it is gone already.
+[[nodiscard]] inline bool is_allowed(const boost::asio::ip::tcp::socket& socket, const AllowList& allowed) {
+  boost::system::error_code failure;
+  const auto peer = socket.remote_endpoint(failure);
+  return !failure && allowed.allows(internet_address(peer.address()));
+}
+
+}  // namespace canopus::link
