@@ -263,6 +263,8 @@ class Run final : can::Sink, canopen::NodeListener {
     o.guarding_emergency_names_node = (high & 8) != 0;
     if ((high & 16) != 0) o.sdo_server_time_out = 0s;
     if ((high & 32) != 0) o.sdo_maximum_download = 20;
+    o.save_before_restored = (high & 64) != 0;
+    if ((high & 128) != 0) o.stored_length = canopen::StoredLength::two_bytes;
     return o;
   }
 

@@ -104,13 +104,14 @@ void Node::Services::stop() {
 void Node::Services::initialise(NmtCommand which, can::Time now) {
   stop();
   node_id = next_node_id;
-  if (which == NmtCommand::reset_node) {
+  const bool whole = which == NmtCommand::reset_node;
+  if (whole) {
     dictionary.reset(node_id);
-    stored_parameters.apply(0x0000, 0xFFFF);
   } else {
     dictionary.reset_communication(node_id);
-    stored_parameters.apply(0x0000, 0x1FFF);
   }
+  if (listener != nullptr) listener->defaults_loaded(which, now);
+  stored_parameters.apply(0x0000, whole ? 0xFFFF : 0x1FFF);
   if (listener != nullptr) listener->reset_done(which, now);
   if (node_id < 1 || node_id > 127) return;  // not configured: stays in Initialisation
   sink.send(can::data_frame(cob_id::error_control + node_id, {0x00}));

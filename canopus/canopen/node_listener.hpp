@@ -31,8 +31,11 @@ class NodeListener {
   virtual void nmt_state_changed(NmtState /*state*/, can::Time) {}
   /// Reset node or reset communication was asked for and is about to begin (values still the old ones).
   virtual void reset_requested(NmtCommand /*which*/, can::Time) {}
+  /// The dictionary has its defaults again, all of them (reset node) or 0000H-1FFFH (reset communication);
+  /// the stored values follow. Values put in here are defaults, too.
+  virtual void defaults_loaded(NmtCommand /*which*/, can::Time) {}
   /// The dictionary has its power-on or stored values again; the boot-up message follows. Values put in here
-  /// (stored parameters) are what the services start with.
+  /// are what the services start with.
   virtual void reset_done(NmtCommand /*which*/, can::Time) {}
   /// May an NMT start command be obeyed now? [ME3CAN1-Q 4.7: not while the CPU is in STOP]
   virtual bool may_become_operational() { return true; }

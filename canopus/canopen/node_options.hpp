@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "canopus/can/time.hpp"
+#include "canopus/canopen/stored_values.hpp"
 
 namespace canopus::canopen {
 
@@ -53,6 +54,13 @@ struct NodeOptions {
   /// Emergency code of a SYNC of the wrong length; modules that do not know 8240H say 8200H
   /// [ME3CAN1-Q 8.2.1].
   std::uint16_t sync_length_error = 0x8240;
+
+  // --- Stored parameters
+  /// 1010H saves also between "load" at 1011H and the reset that restores: the present values count again.
+  /// Else 08000022H. [ME3CAN1-Q 4.6.11 knows no such refusal]
+  bool save_before_restored = false;
+  /// How the stored values lie in the ParameterStore.
+  StoredLength stored_length = StoredLength::four_bytes;
 
   // --- SDO server
   /// A transfer whose client is silent for so long is aborted with 05040000H; 0 = never.

@@ -17,6 +17,9 @@ class ParameterStore {
   /// Replaces all that is kept. 06060000H (hardware_error) if the memory fails: the old image is then still
   /// there.
   virtual AbortCode save(std::span<const std::uint8_t> image) = 0;
+  /// What load() has returned does not decode, and the defaults hold; or values that do not fit their objects
+  /// were left out.
+  virtual void found_damaged() {}
 
  protected:
   ~ParameterStore() = default;

@@ -6,9 +6,11 @@
 // if its default has (then every write to a stored object saves it, too); 1011H:n has bit 0 set.
 //
 // Stored are the entries that the dictionary marks as such; in a dictionary that marks none, every one that
-// can be read and written, but 1003H, 1010H, 1011H, DOMAINs and process data (what can be mapped).
+// can be read and written, but 1003H, 1010H, 1011H, DOMAINs and process data (what can be mapped). How they
+// lie in the store: stored_values.hpp. Of an image that does not decode nothing is used.
 //
-// Checks: another signature 08000020H; save between "load" and the reset 08000022H.
+// Checks: another signature 08000020H; save between "load" and the reset 08000022H, if the node's options do
+// not allow it; a value too long to be stored 08000020H.
 
 #include <vector>
 
@@ -35,6 +37,7 @@ class StoredParameters final : public ObjectHandler {
  private:
   using Image = std::vector<std::uint8_t>;
   [[nodiscard]] Image load();
+  [[nodiscard]] Image load_others(std::uint8_t group);
   AbortCode keep(Image image);
   AbortCode save(std::uint8_t group);
   AbortCode restore(std::uint8_t group);

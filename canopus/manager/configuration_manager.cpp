@@ -76,13 +76,19 @@ void ConfigurationManager::after_write(canopen::ObjectDictionary& dictionary, co
   if (entry.index != request_index) dictionary.assign(entry, {});
 }
 
+bool ConfigurationManager::is_deletion(std::span<const std::uint8_t> file) const noexcept {
+  constexpr std::array<std::uint8_t, 4> no_entries{};
+  return file.empty() || (file.size() == 1 && file[0] == 0) ||
+         (options_.empty_file_deletes && std::ranges::equal(file, no_entries));
+}
+
 AbortCode ConfigurationManager::take_file(std::uint8_t node_id, std::span<const std::uint8_t> file,
                                           can::Time now) {
   if (node_id >= files_.size()) return AbortCode::no_sub_index;
   if (busy(now)) return options_.busy;
-  if (master_->configuring(node_id)) return AbortCode::device_state;
+  if (master_->configuring(node_id)) return options_.in_download;
   auto& place = files_[node_id];
-  if (is_empty_concise_dcf(file)) {
+  if (is_deletion(file)) {
     if (place.empty()) return AbortCode::none;
     if (store_ != nullptr && !store_->store(node_id, {})) return AbortCode::hardware_error;
     place.clear();
@@ -120,12 +126,14 @@ AbortCode ConfigurationManager::request(std::uint8_t sub, std::span<const std::u
   if (!std::ranges::equal(value, signature)) return AbortCode::cannot_store;
   if (sub != all) return master_->request_configuration(sub, now);
   if (!master_->active()) return master_->options().not_master;
-  if (files() == 0) return AbortCode::no_data;
-  // A slave that is being booted just now gets its file in the course of it, if it needs it.
+  const std::uint8_t own = master_->active_master();
+  bool any = false;
   for (std::uint8_t node_id = 1; node_id < files_.size(); ++node_id) {
-    if (!files_[node_id].empty()) static_cast<void>(master_->request_configuration(node_id, now));
+    if (node_id == own || files_[node_id].empty()) continue;
+    any = true;
+    static_cast<void>(master_->request_configuration(node_id, now));
   }
-  return AbortCode::none;
+  return any ? AbortCode::none : AbortCode::no_data;
 }
 
 }  // namespace canopus::manager

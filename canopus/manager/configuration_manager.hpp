@@ -4,6 +4,11 @@
 // have a file). It is the ConfigurationSource of its NmtMaster, which downloads the files while it boots
 // slaves.
 //
+// A request for the own node does nothing and is no error; one for a node without a file ends with no_data. A
+// request for all is refused by a node that is not the active master, and when no other node has a file. A
+// slave that is being booted meanwhile is left out: it gets its file in the course of the boot, if it needs
+// it.
+//
 // The files themselves must outlive the node's resets and, in a device, power cuts: a ConfigurationStore
 // keeps them. Flash needs its time; while it is busy, writes are refused.
 
@@ -35,15 +40,18 @@ struct ConfigurationOptions {
   unsigned maximum_files = 127;
   std::size_t maximum_size = 0;          ///< bytes of one file; 0 = no limit
   std::size_t maximum_program_size = 0;  ///< bytes of one program; 0 = no limit
-  /// A file must be deleted (one byte 00H, or a file without entries) before another is written in its place.
+  /// A file must be deleted before another is written in its place [ME3CAN1-Q 4.8.12].
   bool delete_first = false;
+  /// A file without entries, four bytes 00H, deletes the one in its place as one byte 00H does.
+  bool empty_file_deletes = true;
   /// A file must be a concise DCF through and through; else 06090030H. If not, the download to the slave
   /// finds out.
   bool check_files = true;
   can::Duration write_time{};  ///< the store is busy so long after a write
   can::Duration erase_time{};  ///< and after a deletion
   canopen::AbortCode busy = canopen::AbortCode::hardware_error;
-  canopen::AbortCode in_use = canopen::AbortCode::write_of_read_only;
+  canopen::AbortCode in_use = canopen::AbortCode::write_of_read_only;  ///< see delete_first
+  canopen::AbortCode in_download = canopen::AbortCode::device_state;   ///< the file is on its way to its node
   canopen::AbortCode too_long = canopen::AbortCode::length_mismatch;
   canopen::AbortCode no_room = canopen::AbortCode::out_of_memory;  ///< more than maximum_files
 };
@@ -75,6 +83,7 @@ class ConfigurationManager final : public ConfigurationSource, public canopen::O
                                   std::span<const std::uint8_t> value, can::Time now) override;
   void after_write(canopen::ObjectDictionary& dictionary, const canopen::Entry& entry,
                    can::Time now) override;
+  [[nodiscard]] bool is_deletion(std::span<const std::uint8_t> file) const noexcept;
   [[nodiscard]] canopen::AbortCode take_file(std::uint8_t node_id, std::span<const std::uint8_t> file,
                                              can::Time now);
   [[nodiscard]] canopen::AbortCode take_program(std::uint8_t node_id, std::span<const std::uint8_t> program,

@@ -101,8 +101,8 @@ class NmtMaster final : public can::Participant {
   canopen::AbortCode request_guarding(std::uint8_t node_id, std::uint8_t value, can::Time now);
   /// Guarding of this node is running (what 1F83H reads).
   [[nodiscard]] bool guarding(std::uint8_t node_id) const noexcept;
-  /// Downloads the concise DCF of this node now, as a write of "conf" to 1F25H. no_data without one,
-  /// MasterOptions::not_master, device_state while the slave is being booted.
+  /// Downloads the concise DCF of this node now, as a write of "conf" to 1F25H. Nothing is done for the own
+  /// node. no_data without one, MasterOptions::not_master, device_state while the slave is being booted.
   canopen::AbortCode request_configuration(std::uint8_t node_id, can::Time now);
   /// Reads an object of another node over its default SDO channel, as soon as those before it are done; the
   /// start-up and the requests take turns. `done` is called at the end, never from inside this call; it may

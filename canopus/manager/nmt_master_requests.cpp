@@ -86,8 +86,8 @@ void NmtMaster::Engine::perform_guarding_request(std::uint8_t node_id, std::uint
 
 AbortCode NmtMaster::Engine::request_configuration(std::uint8_t node_id, can::Time now) {
   if (node_id == 0 || node_id > 127) return AbortCode::no_sub_index;
+  if (node_id == node_->node_id()) return AbortCode::none;  // accepted, does nothing [ME3CAN1-Q 4.8.12]
   if (!active()) return options_.not_master;
-  if (node_id == node_->node_id()) return AbortCode::none;  // [ME3CAN1-Q 4.8.12]: accepted, does nothing
   if (is_empty_concise_dcf(concise_dcf(node_id))) return AbortCode::no_data;
   auto& boot = boots_[node_id];
   if (!boot) boot = std::make_unique<BootSlave>(node_id, *this, static_cast<can::Sink&>(*this));

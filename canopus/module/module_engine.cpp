@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "canopus/module/stored_settings.hpp"
+
 namespace canopus::module {
 
 namespace {
@@ -23,9 +25,17 @@ Layer2Rules layer2_rules(const ModuleModel& model, const Profile& profile) {
   return rules;
 }
 
+manager::ConfigurationOptions configuration_options(const ModuleModel& model, const Profile& profile) {
+  manager::ConfigurationOptions options;
+  if (model.configuration_options != nullptr) options = model.configuration_options();
+  options.erase_time = profile.erase_time;
+  return options;
+}
+
 canopen::NodeOptions node_options(const ModuleModel& model, const Profile& profile) {
   canopen::NodeOptions options = model.node_options();
   options.reset_time = profile.nmt_reset_time;
+  options.stored_length = stored_length;
   return options;
 }
 
@@ -52,14 +62,14 @@ ModuleEngine::ModuleEngine(const ModuleModel& model, can::Controller& controller
       time_stamp_(model.time_stamp, buffer_, node_),
       status_words_(model.status, buffer_, {state_, controller, node_, master_, layer2_}),
       concise_dcfs_(node_, master_, settings_.flash(), ModuleSettings::concise_dcfs_name,
-                    {.erase_time = profile_.erase_time}),
+                    configuration_options(model, profile_)),
       port_(model.request_port(*this)) {
   state_.mode = &model.function_modes.front();
   controller_.set_automatic_recovery(false);  // the way out of bus-off is a restart [ME3CAN1-Q 3.5.7]
   node_.set_listener(this);
   master_.set_listener(this);
   node_.dictionary().attach(0x0002, 0x0008, *this);
-  node_.dictionary().attach(0x1010, 0x1011, *this);
+  node_.set_parameter_store(&settings_.object_store());
   process_data_.attach(node_.dictionary());
   events_.reserve(most_events);
 }

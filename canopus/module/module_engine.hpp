@@ -151,6 +151,7 @@ class ModuleEngine : public CommunicationModule,
   // NodeListener
   void nmt_state_changed(canopen::NmtState state, can::Time now) override;
   void reset_requested(canopen::NmtCommand which, can::Time now) override;
+  void defaults_loaded(canopen::NmtCommand which, can::Time now) override;
   void reset_done(canopen::NmtCommand which, can::Time now) override;
   bool may_become_operational() override;
   void emergency_received(const canopen::Emergency& message, can::Time now) override;
@@ -161,13 +162,11 @@ class ModuleEngine : public CommunicationModule,
   void life_guarding_event(bool occurred, can::Time now) override;
   void object_written(const canopen::Entry& entry, can::Time now) override;
 
-  // ObjectHandler: 0002H-0008H, 1010H, 1011H
+  // ObjectHandler: 0002H-0008H
   canopen::AbortCode before_read(canopen::ObjectDictionary& dictionary, const canopen::Entry& entry,
                                  can::Time now) override;
   canopen::AbortCode before_write(canopen::ObjectDictionary& dictionary, const canopen::Entry& entry,
                                   std::span<const std::uint8_t> value, can::Time now) override;
-  void after_write(canopen::ObjectDictionary& dictionary, const canopen::Entry& entry,
-                   can::Time now) override;
 
   // MasterListener
   void boot_went_on(std::uint8_t node_id, const manager::BootRecord& record, can::Time now) override;

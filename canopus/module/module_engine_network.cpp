@@ -11,19 +11,8 @@ namespace canopus::module {
 
 namespace {
 
-constexpr std::uint32_t save_signature = 0x65766173;  // "save"
-constexpr std::uint32_t load_signature = 0x64616F6C;  // "load"
-
 // The inhibit time of EMCY counts in milliseconds [ME3CAN1-Q 4.6.12].
 constexpr can::Duration emergency_retry = std::chrono::milliseconds(1);
-
-std::uint32_t number(std::span<const std::uint8_t> value) {
-  std::uint32_t result = 0;
-  for (std::size_t i = 0; i < value.size() && i < 4; ++i) {
-    result |= static_cast<std::uint32_t>(value[i]) << (8 * i);
-  }
-  return result;
-}
 
 }  // namespace
 
@@ -99,11 +88,12 @@ void ModuleEngine::reset_requested(canopen::NmtCommand, can::Time now) {
   nmt_status_.set_state(node_.node_id(), manager::node_state::reset_communication);
 }
 
-// The node has its defaults again; what was stored goes on top.
+void ModuleEngine::defaults_loaded(canopen::NmtCommand, can::Time) {
+  if (model_.node_id_defaults != nullptr) model_.node_id_defaults(node_.dictionary(), node_.node_id());
+}
+
 void ModuleEngine::reset_done(canopen::NmtCommand, can::Time now) {
   if (!concise_dcfs_.load()) settings_.note_error();
-  if (model_.node_id_defaults != nullptr) model_.node_id_defaults(node_.dictionary(), node_.node_id());
-  settings_.load_objects(node_.dictionary());
   time_stamp_.show_role();
   nmt_status_.reset();
   if (std::exchange(state_.nmt_resetting, false)) status_words_.show_nmt_reset(true);
@@ -111,26 +101,13 @@ void ModuleEngine::reset_done(canopen::NmtCommand, can::Time now) {
 }
 
 // The data types 0002H-0008H are there for PDO mapping alone [ME3CAN1-Q 4.5].
-canopen::AbortCode ModuleEngine::before_read(canopen::ObjectDictionary&, const canopen::Entry& entry,
-                                             can::Time) {
-  return entry.index <= 0x0008 ? canopen::AbortCode::no_object : canopen::AbortCode::none;
+canopen::AbortCode ModuleEngine::before_read(canopen::ObjectDictionary&, const canopen::Entry&, can::Time) {
+  return canopen::AbortCode::no_object;
 }
 
-// 1010H and 1011H [ME3CAN1-Q 4.6.10, 4.6.11].
-canopen::AbortCode ModuleEngine::before_write(canopen::ObjectDictionary& dictionary,
-                                              const canopen::Entry& entry,
-                                              std::span<const std::uint8_t> value, can::Time) {
-  if (entry.index <= 0x0008) return canopen::AbortCode::no_object;
-  const bool storing = entry.index == 0x1010;
-  if (number(value) != (storing ? save_signature : load_signature)) return canopen::AbortCode::cannot_store;
-  const bool written = storing ? settings_.store_objects(dictionary) : settings_.restore_objects();
-  if (written && !storing) clear_concise_dcfs_ = true;
-  return written ? canopen::AbortCode::none : canopen::AbortCode::hardware_error;
-}
-
-void ModuleEngine::after_write(canopen::ObjectDictionary& dictionary, const canopen::Entry& entry,
-                               can::Time) {
-  dictionary.set<std::uint32_t>(entry, 1);  // saves, or restores, on command
+canopen::AbortCode ModuleEngine::before_write(canopen::ObjectDictionary&, const canopen::Entry&,
+                                              std::span<const std::uint8_t>, can::Time) {
+  return canopen::AbortCode::no_object;
 }
 
 void ModuleEngine::nmt_state_changed(canopen::NmtState state, can::Time now) {
@@ -168,6 +145,7 @@ void ModuleEngine::life_guarding_event(bool occurred, can::Time) {
 
 // Any change of the configuration makes its date and time invalid [ME3CAN1-Q 4.8.12].
 void ModuleEngine::object_written(const canopen::Entry& entry, can::Time) {
+  if (entry.index == 0x1011) clear_concise_dcfs_ = true;  // it took "load" [ME3CAN1-Q 4.6.11]
   if (entry.index == 0x1012) time_stamp_.show_role();
   if (!entry.description->stored || entry.index == 0x1020) return;
   node_.dictionary().set<std::uint32_t>(0x1020, 1, 0);

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "canopus/canopen/node.hpp"
+#include "canopus/manager/configuration_manager.hpp"
 #include "canopus/manager/master_options.hpp"
 #include "canopus/module/buffer_memory.hpp"
 #include "canopus/module/command_interface.hpp"
@@ -108,10 +109,12 @@ struct ModuleModel {
 
   /// In the CANopen function mode.
   std::shared_ptr<const canopen::DictionaryDescription> (*object_dictionary)() = nullptr;
-  /// Defaults that depend on the node-ID in a way of their own, after each reset of the dictionary.
+  /// Defaults that depend on the node-ID in a way of their own, at each reset of the dictionary.
   void (*node_id_defaults)(canopen::ObjectDictionary& objects, std::uint8_t node_id) = nullptr;
   canopen::NodeOptions (*node_options)() = nullptr;
   manager::MasterOptions (*master_options)() = nullptr;
+  /// Which concise DCFs 1F22H takes, if not any as CiA 302-3 allows; the times are the profile's.
+  manager::ConfigurationOptions (*configuration_options)() = nullptr;
 
   /// A stored PDO mapping that is faulty keeps the module in its initialization [ME3CAN1-Q 8.1.2].
   bool faulty_mapping_keeps_initializing = false;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "canopus/canopen/data_type.hpp"
+#include "canopus/canopen/stored_values.hpp"
 #include "canopus/module/stored_settings.hpp"
 
 namespace canopus::module {
@@ -148,23 +148,30 @@ std::optional<canopen::Entry> ModuleSettings::faulty_mapping(std::uint8_t node_i
   const NonVolatileMemory::Content content = flash_.read(objects_name);
   if (content.state != State::good) return std::nullopt;
   canopen::ObjectDictionary scratch(model_->object_dictionary(), node_id);
-  if (!apply_objects(content.bytes, scratch)) return std::nullopt;  // damaged, not faulty: the defaults hold
+  const auto stored = [](const canopen::Entry& entry) { return entry.description->stored; };
+  // Damaged is not faulty: the defaults hold.
+  if (!canopen::apply_stored_values(content.bytes, stored_length, scratch, stored)) return std::nullopt;
   return first_faulty_mapping(scratch);
 }
 
-void ModuleSettings::load_objects(canopen::ObjectDictionary& objects) {
-  const NonVolatileMemory::Content content = flash_.read(objects_name);
+std::vector<std::uint8_t> ModuleSettings::ObjectStore::load() {
+  NonVolatileMemory::Content content = settings_->flash_.read(objects_name);
   switch (content.state) {
-    case State::missing:
-      for (const auto& [place, value] : factory_objects_) {
-        objects.assign(objects.description().find(place.first, place.second), value);
-      }
-      break;
-    case State::good:
-      if (!apply_objects(content.bytes, objects)) error_ = true;
-      break;
-    case State::damaged: error_ = true; break;
+    case State::good: return std::move(content.bytes);
+    case State::damaged: found_damaged(); return {};
+    case State::missing: break;
   }
+  std::vector<std::uint8_t> image;
+  for (const auto& [place, value] : settings_->factory_objects_) {
+    canopen::append_stored_value(image, stored_length, place.first, place.second, value);
+  }
+  return image;
+}
+
+// Restored settings are factory defaults, not presets: an empty content, not a missing one.
+canopen::AbortCode ModuleSettings::ObjectStore::save(std::span<const std::uint8_t> image) {
+  return settings_->flash_.write(objects_name, image) ? canopen::AbortCode::none
+                                                      : canopen::AbortCode::hardware_error;
 }
 
 void ModuleSettings::begin_save(can::Time end) {
@@ -194,12 +201,5 @@ bool ModuleSettings::has_worn_out() noexcept {
   known_writes_ = flash_.writes();
   return known_writes_ > lasts && !worn_before;
 }
-
-bool ModuleSettings::store_objects(const canopen::ObjectDictionary& objects) {
-  return flash_.write(objects_name, encode_objects(objects));
-}
-
-// Restored settings are factory defaults, not presets: an empty content, not a missing one.
-bool ModuleSettings::restore_objects() { return flash_.write(objects_name, {}); }
 
 }  // namespace canopus::module

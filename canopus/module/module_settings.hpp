@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "canopus/canopen/object_dictionary.hpp"
+#include "canopus/canopen/parameter_store.hpp"
 #include "canopus/module/flash_memory.hpp"
 #include "canopus/module/module_model.hpp"
 
@@ -44,8 +45,6 @@ class ModuleSettings {
   const FunctionModeRow& load();
   /// The first mapping of the stored object dictionary that the module cannot work with.
   [[nodiscard]] std::optional<canopen::Entry> faulty_mapping(std::uint8_t node_id);
-  /// Puts stored objects on top of the defaults.
-  void load_objects(canopen::ObjectDictionary& objects);
 
   // --- in force from the next start on
   [[nodiscard]] std::uint16_t bit_rate() const;  ///< kbit/s
@@ -62,9 +61,8 @@ class ModuleSettings {
   bool end_save();
   /// The request that is being carried out, or was last, restores.
   [[nodiscard]] bool restores() const noexcept { return (request_ & model_->settings.restore) != 0; }
-  /// 1010H and 1011H. False when the flash memory could not be written.
-  bool store_objects(const canopen::ObjectDictionary& objects);
-  bool restore_objects();
+  /// Where the node's 1010H and 1011H keep what is stored of the object dictionary.
+  [[nodiscard]] canopen::ParameterStore& object_store() noexcept { return object_store_; }
 
   [[nodiscard]] FlashMemory& flash() noexcept { return flash_; }
   [[nodiscard]] const FlashMemory& flash() const noexcept { return flash_; }
@@ -75,6 +73,17 @@ class ModuleSettings {
   void note_error() noexcept { error_ = true; }
 
  private:
+  class ObjectStore final : public canopen::ParameterStore {
+   public:
+    explicit ObjectStore(ModuleSettings& settings) : settings_(&settings) {}
+    [[nodiscard]] std::vector<std::uint8_t> load() override;
+    canopen::AbortCode save(std::span<const std::uint8_t> image) override;
+    void found_damaged() override { settings_->note_error(); }
+
+   private:
+    ModuleSettings* settings_;
+  };
+
   bool has_worn_out() noexcept;
   const FunctionModeRow& preset_mode() const;
   const FunctionModeRow* use_words();
@@ -83,6 +92,7 @@ class ModuleSettings {
   NonVolatileMemory* memory_;
   BufferMemory* buffer_;
   FlashMemory flash_;  // the settings; the mark of a running save is in memory_ itself
+  ObjectStore object_store_{*this};
   StoredWords factory_words_;
   std::map<std::pair<std::uint16_t, std::uint8_t>, std::vector<std::uint8_t>> factory_objects_;
   StoredWords words_;               // as stored, of all function modes

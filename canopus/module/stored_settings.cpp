@@ -34,60 +34,6 @@ std::optional<StoredWords> decode_words(std::span<const std::uint8_t> bytes) {
   return words;
 }
 
-std::vector<std::uint8_t> encode_objects(const canopen::ObjectDictionary& dictionary) {
-  std::vector<std::uint8_t> bytes;
-  const canopen::DictionaryDescription& description = dictionary.description();
-  for (const canopen::ObjectDescription& object : description.objects()) {
-    for (unsigned sub = 0; sub <= object.highest_sub; ++sub) {
-      const canopen::Entry entry = description.find(object, static_cast<std::uint8_t>(sub));
-      if (!entry || !entry.description->stored) continue;
-      append_object(bytes, object.index, static_cast<std::uint8_t>(sub), dictionary.bytes(entry));
-    }
-  }
-  return bytes;
-}
-
-void append_object(std::vector<std::uint8_t>& bytes, std::uint16_t index, std::uint8_t sub,
-                   std::span<const std::uint8_t> value) {
-  put16(bytes, index);
-  bytes.push_back(sub);
-  put16(bytes, value.size());
-  bytes.insert(bytes.end(), value.begin(), value.end());
-}
-
-namespace {
-
-// Calls use(entry, value) for every stored object that exists. False at the first that cannot be what
-// encode_objects() makes.
-template <typename Use>
-bool for_each_object(std::span<const std::uint8_t> bytes, const canopen::DictionaryDescription& description,
-                     Use use) {
-  while (!bytes.empty()) {
-    if (bytes.size() < 5) return false;
-    const std::uint16_t index = get16(bytes);
-    const std::uint8_t sub = bytes[2];
-    const std::size_t length = get16(bytes.subspan(3));
-    bytes = bytes.subspan(5);
-    if (bytes.size() < length) return false;
-    if (const canopen::Entry entry = description.find(index, sub)) {
-      const std::uint8_t fixed = entry.description->length;
-      if (fixed != 0 && fixed != length) return false;
-      use(entry, bytes.first(length));
-    }
-    bytes = bytes.subspan(length);
-  }
-  return true;
-}
-
-}  // namespace
-
-bool apply_objects(std::span<const std::uint8_t> bytes, canopen::ObjectDictionary& dictionary) {
-  const canopen::DictionaryDescription& description = dictionary.description();
-  if (!for_each_object(bytes, description, [](const auto&, const auto&) {})) return false;
-  return for_each_object(bytes, description,
-                         [&](const canopen::Entry& entry, auto value) { dictionary.assign(entry, value); });
-}
-
 namespace {
 
 // The first wrong entry of a mapping that is switched on.

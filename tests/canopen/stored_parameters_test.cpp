@@ -23,7 +23,9 @@ struct Memory : ParameterStore {
     ++saves;
     return AbortCode::none;
   }
+  void found_damaged() override { ++damages; }
   std::vector<std::uint8_t> image;
+  int damages = 0;
   bool fails = false;
   int saves = 0;
 };
@@ -104,6 +106,78 @@ TEST_F(StoredParametersTest, DamagedImage_DoesNoHarm) {
   memory.image.assign(100, 0xFF);
   EXPECT_EQ(hear("000 81 05"), "705 00");
   EXPECT_EQ(heartbeat(), 0);
+}
+
+TEST_F(StoredParametersTest, DamagedImage_IsReported_AndNothingOfItUsed) {
+  set_values(500);
+  hear("605 23 10 10 01 73 61 76 65");
+  hear("000 81 05");
+  EXPECT_EQ(memory.damages, 0);
+  memory.image.pop_back();
+  hear("000 81 05");
+  EXPECT_EQ(memory.damages, 1);
+  EXPECT_EQ(heartbeat(), 0);
+  EXPECT_EQ(manufacturer(), 0);
+  hear("605 23 10 10 02 73 61 76 65");  // 1000H to 1FFFH; of the rest nothing is left
+  hear("000 81 05");
+  EXPECT_EQ(memory.damages, 1);
+}
+
+// Index, sub-index, length and value, little-endian, in the order of the indices.
+TEST(StoredParameters, Image_HasTheMarkedEntries) {
+  DictionaryBuilder b = with_store();
+  b.variable(0x2005, {.type = DataType::unsigned16, .stored = true});
+  b.variable(0x2006, {.type = DataType::unsigned32, .stored = true});
+  Conversation c(b);
+  Memory memory;
+  c.node.set_parameter_store(&memory);
+  c.write(0x2005, 0, 1000, 2);
+  c.write(0x2006, 0, 7, 4);
+  c.write(0x1010, 1, 0x65766173, 4);
+  EXPECT_EQ(memory.image,
+            (std::vector<std::uint8_t>{0x05, 0x20, 0x00, 0x02, 0x00, 0x00, 0x00, 0xE8, 0x03,  //
+                                       0x06, 0x20, 0x00, 0x04, 0x00, 0x00, 0x00, 7,    0,    0, 0}));
+}
+
+TEST(StoredParameters, ValueTooLongToBeStored_IsRefused_AndNothingSaved) {
+  DictionaryBuilder b = with_store();
+  b.variable(0x2007, {.type = DataType::octet_string});
+  NodeOptions options;
+  options.stored_length = StoredLength::two_bytes;
+  Conversation c(b, options);
+  Memory memory;
+  c.node.set_parameter_store(&memory);
+  const auto text = c.node.dictionary().description().find(0x2007, 0);
+  c.node.dictionary().assign(text, std::vector<std::uint8_t>(65536, 1));
+  EXPECT_EQ(c.hear("605 23 10 10 01 73 61 76 65"), "585 80 10 10 01 20 00 00 08");
+  EXPECT_EQ(memory.saves, 0);
+  c.node.dictionary().assign(text, std::vector<std::uint8_t>(65535, 1));
+  EXPECT_EQ(c.hear("605 23 10 10 01 73 61 76 65"), "585 60 10 10 01 00 00 00 00");
+}
+
+// A device file was edited: the others count.
+TEST(StoredParameters, ValueWhoseLengthHasChanged_IsLeftOut_AndReported) {
+  Conversation c(with_store());
+  Memory memory;
+  c.node.set_parameter_store(&memory);
+  memory.image = {0x17, 0x10, 0x00, 0x01, 0x00, 0x00, 0x00, 0xE8,  //
+                  0x05, 0x20, 0x00, 0x02, 0x00, 0x00, 0x00, 0x07, 0x00};
+  c.hear("000 81 05");
+  EXPECT_EQ(c.node.dictionary().get<std::uint16_t>(0x1017, 0), 0);
+  EXPECT_EQ(c.node.dictionary().get<std::uint16_t>(0x2005, 0), 7);
+  EXPECT_EQ(memory.damages, 1);
+}
+
+TEST(StoredParameters, SaveBeforeTheReset_WhereTheOptionsAllowIt_TakesTheRestoreBack) {
+  NodeOptions options;
+  options.save_before_restored = true;
+  Conversation c(with_store(), options);
+  c.write(0x2005, 0, 7, 2);
+  c.hear("605 23 10 10 01 73 61 76 65");
+  EXPECT_EQ(c.hear("605 23 11 10 01 6C 6F 61 64"), "585 60 11 10 01 00 00 00 00");
+  EXPECT_EQ(c.hear("605 23 10 10 01 73 61 76 65"), "585 60 10 10 01 00 00 00 00");
+  c.hear("000 81 05");
+  EXPECT_EQ(c.node.dictionary().get<std::uint16_t>(0x2005, 0), 7);
 }
 
 TEST(StoredParameters, WithoutAStore_TheNodeRemembersOverResets) {

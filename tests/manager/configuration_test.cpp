@@ -457,6 +457,52 @@ TEST_F(Manager, RequestToAll_ConfiguresEachNodeThatHasAFile) {
   EXPECT_EQ(fourth.written.size(), 2U);
 }
 
+TEST_F(Manager, RequestToAll_OfTheOwnFileAlone_HasNoData) {
+  configurations.load(1, two_entries);
+  switch_on();
+  EXPECT_EQ(conf(0x80), AbortCode::no_data);
+}
+
+// A slave that is not there is asked for 1000H without end; that must not keep the others from their files.
+TEST_F(Manager, RequestToAll_WhileASlaveIsBooted_ConfiguresTheOthers) {
+  object(0x1F81, 2, 0x05);
+  ScriptedSlave& third = slave(3);
+  configurations.load(2, two_entries);
+  configurations.load(3, two_entries);
+  switch_on();
+  run_for(5s);
+  EXPECT_EQ(conf(2), AbortCode::device_state);
+  EXPECT_EQ(conf(0x80), AbortCode::none);
+  run_for(1s);
+  EXPECT_EQ(third.written.size(), 2U);
+}
+
+TEST_F(Manager, RequestForTheOwnNode_DoesNothing_AlsoAsSlave) {
+  object(0x1F80, 0, 0);
+  switch_on();
+  put(1, two_entries);
+  EXPECT_EQ(conf(1), AbortCode::none);
+}
+
+TEST_F(Manager, EmptyFile_Deletes) {
+  switch_on();
+  put(2, two_entries);
+  run_for(1s);
+  EXPECT_EQ(put(2, {0, 0, 0, 0}), AbortCode::none);
+  EXPECT_EQ(configurations.files(), 0U);
+}
+
+TEST_F(Manager, EmptyFile_IsAFileLikeOthers_WhereTheOptionsSaySo) {
+  configurations.options().empty_file_deletes = false;
+  switch_on();
+  put(2, two_entries);
+  run_for(1s);
+  EXPECT_EQ(put(2, {0, 0, 0, 0}), AbortCode::write_of_read_only);
+  EXPECT_EQ(put(3, {0, 0, 0, 0}), AbortCode::none);
+  EXPECT_EQ(configurations.files(), 2U);
+  EXPECT_EQ(conf(3), AbortCode::no_data);
+}
+
 TEST_F(Manager, FileInUse_CannotBeReplacedMeanwhile) {
   configurations.options().delete_first = false;
   slave(2).answer_delay = 50ms;
@@ -465,6 +511,8 @@ TEST_F(Manager, FileInUse_CannotBeReplacedMeanwhile) {
   run_for(200ms);
   EXPECT_EQ(conf(2), AbortCode::none);
   EXPECT_EQ(put(2, {0}), AbortCode::device_state);
+  configurations.options().in_download = AbortCode::hardware_error;
+  EXPECT_EQ(put(2, {0}), AbortCode::hardware_error);
   run_for(1s);
   EXPECT_EQ(put(2, {0}), AbortCode::none);
 }

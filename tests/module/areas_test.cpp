@@ -212,30 +212,7 @@ RC_GTEST_PROP(StoredSettings, Words_ComeBack, (const std::map<std::uint16_t, std
 
 // Whatever the bytes are: an answer, never a crash.
 RC_GTEST_PROP(StoredSettings, AnyBytes_AreAnswered, (const std::vector<std::uint8_t>& bytes)) {
-  canopen::DictionaryBuilder builder;
-  builder.variable(
-      0x1017, {.name = "Producer heartbeat time", .type = canopen::DataType::unsigned16, .stored = true});
-  canopen::ObjectDictionary dictionary(builder.build(), 1);
-  static_cast<void>(apply_objects(bytes, dictionary));
   RC_ASSERT(decode_words(bytes).has_value() == (bytes.size() % 4 == 0));
-}
-
-TEST(StoredSettings, Objects_AreIndexSubLengthAndValue) {
-  canopen::DictionaryBuilder builder;
-  builder.variable(0x1017, {.name = "stored", .type = canopen::DataType::unsigned16, .stored = true});
-  builder.variable(0x1006, {.name = "not stored", .type = canopen::DataType::unsigned32});
-  const auto description = builder.build();
-  canopen::ObjectDictionary dictionary(description, 1);
-  dictionary.set<std::uint16_t>(0x1017, 0, 1000);
-  dictionary.set<std::uint32_t>(0x1006, 0, 7);
-  const std::vector<std::uint8_t> bytes = encode_objects(dictionary);
-  EXPECT_EQ(bytes, (std::vector<std::uint8_t>{0x17, 0x10, 0x00, 0x02, 0x00, 0xE8, 0x03}));
-  canopen::ObjectDictionary other(description, 1);
-  EXPECT_TRUE(apply_objects(bytes, other));
-  EXPECT_EQ(other.get<std::uint16_t>(0x1017, 0), 1000);
-  EXPECT_FALSE(apply_objects(std::span(bytes).first(6), other));
-  EXPECT_FALSE(apply_objects(std::vector<std::uint8_t>{0x17, 0x10, 0x00, 0x01, 0x00, 0xE8}, other));
-  EXPECT_TRUE(apply_objects(std::vector<std::uint8_t>{0x99, 0x10, 0x00, 0x01, 0x00, 0xE8}, other));
 }
 
 }  // namespace

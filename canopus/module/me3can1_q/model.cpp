@@ -118,6 +118,7 @@ canopen::NodeOptions node_options() {
       .empty_history_reads_zero = true,
       .guarding_emergency_names_node = true,
       .sync_length_error = 0x8200,
+      .save_before_restored = true,
   };
 }
 
@@ -127,6 +128,17 @@ manager::MasterOptions master_options() {
   options.assignment_bits = 0x1D;
   options.block_from = 0;
   return options;
+}
+
+// [ME3CAN1-Q 4.8.12]
+manager::ConfigurationOptions configuration_options() {
+  return {.maximum_files = 60,
+          .maximum_size = 65531,
+          .delete_first = true,
+          .empty_file_deletes = false,
+          .check_files = false,
+          .in_download = canopen::AbortCode::hardware_error,
+          .no_room = canopen::AbortCode::cannot_store};
 }
 
 // [ME3CAN1-Q 4.8.10]
@@ -196,6 +208,7 @@ constinit const ModuleModel model{
     .node_id_defaults = set_detect_cycle,
     .node_options = node_options,
     .master_options = master_options,
+    .configuration_options = configuration_options,
     .faulty_mapping_keeps_initializing = true,
     .layer2_deletes_objects = true,
 };

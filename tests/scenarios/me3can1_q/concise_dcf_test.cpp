@@ -159,14 +159,26 @@ TEST(Me3ConciseDcf, SixtyFilesOfTheGreatestLength) {
     download_whole(sub);
   }
   expect_abort(s, download(61), 0x08000020);
+  const auto upload_whole = [&](std::uint8_t sub) {
+    s.rx(0x67F, {0x40, 0x22, 0x1F, sub, 0, 0, 0, 0})
+        .tx(0x5FF, {0x41, 0x22, 0x1F, sub, 0xFB, 0xFF, 0x00, 0x00});
+    Bytes received;
+    for (std::uint8_t toggle = 0;; toggle ^= 0x10) {
+      s.rx(0x67F, {static_cast<std::uint8_t>(0x60 | toggle), 0, 0, 0, 0, 0, 0, 0});
+      const can::Frame& frame = s.controller().sent.back();
+      received.insert(received.end(), frame.data.begin() + 1, frame.data.end() - (frame.data[0] >> 1 & 7));
+      if ((frame.data[0] & 0xE1) != 0) break;  // the last segment, or an abort
+      s.ignore_tx();
+    }
+    s.ignore_tx();
+    return received;
+  };
   s.supply_off();
   s.power_on();
-  s.expect(29, 0);
-  const auto& objects = s.plug_in().node().dictionary();
+  s.expect(29, 0).ignore_tx();
   for (std::uint8_t sub = 1; sub <= 60; ++sub) {
-    const auto stored = objects.bytes(objects.description().find(0x1F22, sub));
     content[4] = sub;
-    EXPECT_TRUE(std::ranges::equal(stored, content)) << int{sub};
+    EXPECT_TRUE(upload_whole(sub) == content) << int{sub};
   }
 }
 
@@ -288,6 +300,45 @@ TEST(Me3ConciseDcf, S79_RequestToAll_IsForEveryNodeWithData_FirstAndLast) {
   const Bytes write_1017{0x2B, 0x17, 0x10, 0x00, 0xE8, 0x03, 0, 0};
   s.tx(0x601, write_1017).tx(0x67F, write_1017).no_tx();
   s.rx(0x581, {0x60, 0x17, 0x10, 0x00, 0, 0, 0, 0}).rx(0x5FF, {0x60, 0x17, 0x10, 0x00, 0, 0, 0, 0}).no_tx();
+}
+
+// A slave that does not answer is asked for 1000H without end: that keeps no other from its file.
+TEST(Me3ConciseDcf, RequestToAll_LeavesOutASlaveThatIsBeingBooted) {
+  RecordProperty("spec", "ME3-CFG-012");
+  Me3Scenario s;
+  s.power_on_as(1);
+  s.set_object(0x1F80, 0, 0x0000000D, 4);
+  s.set_object(0x1F81, 2, 0x05, 4);
+  s.store_objects().restart();
+  s.cif(download(2));
+  s.cif(download(3));
+  s.advance(5s).ignore_tx();
+  s.cif({0x0002, 0, 0x1F25, 0x80, 4, 0x6F63, 0x666E});
+  s.expect(1000, 0x0003);
+  s.tx(0x603, {0x2B, 0x17, 0x10, 0x00, 0xE8, 0x03, 0, 0}).no_tx();
+}
+
+// A file for the module itself is never downloaded.
+TEST(Me3ConciseDcf, RequestToAll_WithAFileForTheOwnNodeAlone_HasNoData) {
+  RecordProperty("spec", "ME3-CFG-013 ME3-CFG-014");
+  Me3Scenario s;
+  become_master(s);
+  s.cif(download(1));
+  expect_abort(s, {0x0002, 0, 0x1F25, 0x80, 4, 0x6F63, 0x666E}, 0x08000024);
+}
+
+// Four bytes 00H are no deletion; in an unused place they are a file.
+TEST(Me3ConciseDcf, FileWithoutEntries_IsAFileLikeOthers) {
+  RecordProperty("spec", "ME3-CFG-004 ME3-CFG-005");
+  Me3Scenario s;
+  s.power_on();
+  s.cif(download(2));
+  s.expect(1000, 0x0003);
+  expect_abort(s, {0x0002, 0, 0x1F22, 2, 4, 0, 0}, 0x06010002);
+  s.cif({0x0002, 0, 0x1F22, 3, 4, 0, 0});
+  s.expect(1000, 0x0003);
+  s.cif({0x0004, 0, 0x1F22, 3});
+  s.expect(1000, 0x0005).expect(1004, 4);
 }
 
 TEST(Me3ConciseDcf, ConfigurationRequest_NeedsTheActiveMaster) {

@@ -1,7 +1,7 @@
 // spec/me3can1-q/scenarios.md, section 2: start-up procedures.
 
+#include "canopus/canopen/stored_values.hpp"
 #include "canopus/module/flash_memory.hpp"
-#include "canopus/module/stored_settings.hpp"
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
@@ -113,7 +113,7 @@ void store_besides(RamMemory& memory, std::uint16_t index, std::uint8_t sub, con
   module::FlashMemory flash(memory, {"object-dictionary"});
   flash.load();
   auto content = flash.read("object-dictionary").bytes;
-  module::append_object(content, index, sub, value);
+  canopen::append_stored_value(content, canopen::StoredLength::two_bytes, index, sub, value);
   flash.write("object-dictionary", content);
 }
 
