@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "canopus/can/little_endian.hpp"
+
 namespace canopus::app {
 namespace {
 
@@ -96,9 +98,7 @@ class BusScan::Questioning final : public canopen::SdoClientUser {
       node.name = text_of(bytes);
       return;
     }
-    std::uint32_t value = 0;
-    for (std::size_t i = std::min<std::size_t>(bytes.size(), 4); i-- > 0;) value = value << 8 | bytes[i];
-    node.*questions[question_].answer = value;
+    node.*questions[question_].answer = can::load_u32(bytes);
   }
 
   BusScan& scan_;

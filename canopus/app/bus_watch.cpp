@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "canopus/can/little_endian.hpp"
+
 namespace canopus::app {
 
 void BusWatch::know(NodeStatus& status) {
@@ -54,7 +56,7 @@ void BusWatch::error_control(std::uint8_t node_id, std::uint8_t state, can::Time
 
 void BusWatch::emergency(std::uint8_t node_id, const can::Frame& frame, can::Time now) {
   canopen::Emergency message{.node_id = node_id};
-  message.code = static_cast<std::uint16_t>(frame.data[0] | frame.data[1] << 8);
+  message.code = can::load_as<std::uint16_t>(&frame.data[0]);
   message.error_register = frame.data[2];
   std::copy_n(frame.data.begin() + 3, 5, message.manufacturer.begin());
   if (NodeStatus* status = known_[node_id]) {

@@ -16,6 +16,7 @@
 #include "canopus/app/option_checks.hpp"
 #include "canopus/app/sdo_value.hpp"
 #include "canopus/app/text_values.hpp"
+#include "canopus/can/little_endian.hpp"
 
 namespace canopus::app {
 namespace {
@@ -101,9 +102,7 @@ std::expected<std::optional<std::uint32_t>, std::string> u32(const std::string& 
   if (word.empty()) return std::nullopt;
   const auto bytes = encode_value(word, canopen::DataType::unsigned32);
   if (!bytes) return std::unexpected(fmt::format("--{}: {}", name, bytes.error()));
-  std::uint32_t value = 0;
-  for (std::size_t i = bytes->size(); i-- > 0;) value = value << 8 | (*bytes)[i];
-  return value;
+  return can::load_u32(*bytes);
 }
 
 std::expected<std::optional<LssAddress>, std::string> address_of(const Arguments& arguments) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "canopus/canopen/dictionary_description.hpp"
+#include "canopus/manager/start_up_bits.hpp"
 #include "canopus/module/network_variables.hpp"
 
 namespace canopus::app {
@@ -76,10 +77,8 @@ void ModuleNetwork::preset(std::uint16_t index, std::uint8_t sub, std::uint32_t 
 
 std::vector<PlantError> ModuleNetwork::add_slave(const SlaveSection& slave, const eds::DeviceFile& file,
                                                  std::string_view name, bool every_link) {
-  constexpr std::uint32_t assigned = 0x01;
-  constexpr std::uint32_t boot_slave = 0x04;
-  constexpr std::uint32_t mandatory = 0x08;
-  preset(0x1F81, slave.node, assigned | boot_slave | (slave.mandatory ? mandatory : 0), 4);
+  namespace bit = manager::assignment_bit;
+  preset(0x1F81, slave.node, bit::slave | bit::boot_slave | (slave.mandatory ? bit::mandatory : 0), 4);
   const eds::Identity identity = eds::identity(file);
   const std::optional<std::uint32_t> expected[] = {identity.device_type, identity.vendor_id,
                                                    identity.product_code, identity.revision};
@@ -180,6 +179,6 @@ std::string ModuleNetwork::connect(const Direction& direction, const SlaveSectio
   return {};
 }
 
-void ModuleNetwork::become_master() { preset(0x1F80, 0, 1, 4); }
+void ModuleNetwork::become_master() { preset(0x1F80, 0, manager::start_up_bit::nmt_master, 4); }
 
 }  // namespace canopus::app

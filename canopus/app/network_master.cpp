@@ -7,9 +7,11 @@
 
 #include "canopus/app/dcf_download.hpp"
 #include "canopus/app/file_text.hpp"
+#include "canopus/can/little_endian.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/manager/concise_dcf.hpp"
 #include "canopus/manager/master_dictionary.hpp"
+#include "canopus/manager/start_up_bits.hpp"
 
 namespace canopus::app {
 namespace {
@@ -22,12 +24,13 @@ std::uint32_t whole_milliseconds(can::Duration duration) {
 }
 
 std::uint32_t start_up_of(const NetworkFile& file) {
-  std::uint32_t bits = 0x01;  // NMT master
-  if (file.start_together) bits |= 0x02;
-  if (!file.start_slaves) bits |= 0x08;
-  if (file.on_error == ErrorReaction::reset_all) bits |= 0x10;
-  if (file.flying) bits |= 0x20;
-  if (file.on_error == ErrorReaction::stop_all) bits |= 0x40;
+  using namespace manager::start_up_bit;
+  std::uint32_t bits = nmt_master;
+  if (file.start_together) bits |= start_all_nodes;
+  if (!file.start_slaves) bits |= do_not_start_slaves;
+  if (file.on_error == ErrorReaction::reset_all) bits |= reset_all_nodes;
+  if (file.flying) bits |= flying_master;
+  if (file.on_error == ErrorReaction::stop_all) bits |= stop_all_nodes;
   return bits;
 }
 
@@ -73,18 +76,16 @@ void NetworkMaster::store_flying(const manager::FlyingMasterTiming& timing) {
 }
 
 std::vector<PlantError> NetworkMaster::prepare(const NetworkSlave& slave) {
-  constexpr std::uint32_t assigned_and_booted = 0x05;
-  constexpr std::uint32_t mandatory = 0x08;
-  constexpr std::uint32_t keep_alive = 0x10;
-  constexpr std::uint32_t check_software = 0x20;
-  constexpr std::uint32_t update_software = 0x40;
-  constexpr std::uint32_t restore = 0x80;
+  namespace bit = manager::assignment_bit;
   const std::uint32_t guard_time = whole_milliseconds(slave.guard_time);
-  store(0x1F81, slave.node,
-        assigned_and_booted | (slave.mandatory ? mandatory : 0) | (slave.keep_alive ? keep_alive : 0) |
-            (slave.software_version ? check_software : 0) | (slave.program.empty() ? 0 : update_software) |
-            (slave.restore != 0 ? restore : 0) |
-            (guard_time != 0 ? std::uint32_t{slave.retry_factor} << 8 | guard_time << 16 : 0));
+  std::uint32_t assignment = bit::slave | bit::boot_slave;
+  if (slave.mandatory) assignment |= bit::mandatory;
+  if (slave.keep_alive) assignment |= bit::keep_alive;
+  if (slave.software_version) assignment |= bit::check_software;
+  if (!slave.program.empty()) assignment |= bit::update_software;
+  if (slave.restore != 0) assignment |= bit::restore;
+  if (guard_time != 0) assignment |= manager::guarding_bits(guard_time, slave.retry_factor);
+  store(0x1F81, slave.node, assignment);
   if (slave.consumer_heartbeat_time != can::Duration{}) {
     store(0x1016, static_cast<std::uint8_t>(++watched_),
           std::uint32_t{slave.node} << 16 | whole_milliseconds(slave.consumer_heartbeat_time));
@@ -149,9 +150,7 @@ void NetworkMaster::expect_configuration(std::uint8_t node_id) {
   manager::ConciseDcfReader reader(files_[node_id]);
   while (const auto entry = reader.next()) {
     if (entry->index != 0x1020 || entry->data.size() != 4 || entry->sub < 1 || entry->sub > 2) continue;
-    std::uint32_t value = 0;
-    for (std::size_t i = 4; i > 0; --i) value = value << 8 | entry->data[i - 1];
-    store(static_cast<std::uint16_t>(0x1F25 + entry->sub), node_id, value);
+    store(static_cast<std::uint16_t>(0x1F25 + entry->sub), node_id, can::load_u32(entry->data));
   }
 }
 

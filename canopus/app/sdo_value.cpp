@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/dictionary_description.hpp"
 
 namespace canopus::app {
@@ -51,20 +52,14 @@ bool is_number(DataType type) {
          type != DataType::real64;
 }
 
-std::uint64_t number_of(std::span<const std::uint8_t> bytes) {
-  std::uint64_t value = 0;
-  for (std::size_t i = bytes.size(); i-- > 0;) value = value << 8 | bytes[i];
-  return value;
-}
-
 std::int64_t signed_number_of(std::span<const std::uint8_t> bytes) {
   const unsigned unused = 64U - 8U * static_cast<unsigned>(bytes.size());
-  return std::bit_cast<std::int64_t>(number_of(bytes) << unused) >> unused;
+  return std::bit_cast<std::int64_t>(can::load_value(bytes) << unused) >> unused;
 }
 
 double real_of(std::span<const std::uint8_t> bytes) {
-  if (bytes.size() == 4) return std::bit_cast<float>(static_cast<std::uint32_t>(number_of(bytes)));
-  return std::bit_cast<double>(number_of(bytes));
+  if (bytes.size() == 4) return std::bit_cast<float>(static_cast<std::uint32_t>(can::load_value(bytes)));
+  return std::bit_cast<double>(can::load_value(bytes));
 }
 
 std::expected<std::vector<std::uint8_t>, std::string> encode_number(std::string_view text, DataType type) {
@@ -144,8 +139,7 @@ std::vector<std::uint8_t> encode_unicode(std::string_view text) {
       code = code << 6 | (byte(i + k) & 0x3FU);
     }
     if (!good || code > 0xFFFF) code = 0xFFFD;
-    bytes.push_back(static_cast<std::uint8_t>(code));
-    bytes.push_back(static_cast<std::uint8_t>(code >> 8));
+    can::append_value(bytes, code, 2);
     i += good ? length : 1;
   }
   return bytes;
@@ -154,7 +148,7 @@ std::vector<std::uint8_t> encode_unicode(std::string_view text) {
 std::string decode_unicode(std::span<const std::uint8_t> bytes) {
   std::string text;
   for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) {
-    const unsigned code = bytes[i] | static_cast<unsigned>(bytes[i + 1]) << 8;
+    const unsigned code = can::load_as<std::uint16_t>(&bytes[i]);
     if (code == 0) break;
     if (code < 0x80) {
       text += static_cast<char>(code);
@@ -245,9 +239,9 @@ std::expected<std::string, std::string> show_value(std::span<const std::uint8_t>
     case DataType::domain: return hexadecimal(bytes);
     default: break;
   }
-  const std::string pattern = fmt::format("{:0{}X}H", number_of(bytes), 2 * bytes.size());
+  const std::string pattern = fmt::format("{:0{}X}H", can::load_value(bytes), 2 * bytes.size());
   if (canopen::is_signed(type)) return fmt::format("{}  {}", signed_number_of(bytes), pattern);
-  return fmt::format("{}  {}", number_of(bytes), pattern);
+  return fmt::format("{}  {}", can::load_value(bytes), pattern);
 }
 
 std::string show_bytes(std::span<const std::uint8_t> bytes) {
@@ -275,7 +269,7 @@ nlohmann::ordered_json json_value(std::span<const std::uint8_t> bytes, DataType 
   if (type == DataType::unicode_string) return decode_unicode(bytes);
   if (!is_number(type)) return hexadecimal(bytes, "");
   if (canopen::is_signed(type)) return signed_number_of(bytes);
-  return number_of(bytes);
+  return can::load_value(bytes);
 }
 
 std::string hexadecimal(std::span<const std::uint8_t> bytes, std::string_view between) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/abort_code.hpp"
 
 namespace canopus::canopen {
@@ -18,10 +19,8 @@ struct CobId {
   std::uint32_t raw = invalid_bit;
 
   /// From a value as an SDO carries it, whatever its length.
-  [[nodiscard]] static constexpr CobId from(std::span<const std::uint8_t> value) noexcept {
-    CobId id{0};
-    for (std::size_t i = 0; i < value.size() && i < 4; ++i) id.raw |= std::uint32_t{value[i]} << (8 * i);
-    return id;
+  [[nodiscard]] static CobId from(std::span<const std::uint8_t> value) noexcept {
+    return {can::load_u32(value)};
   }
   [[nodiscard]] constexpr bool is_valid() const noexcept { return (raw & invalid_bit) == 0; }
   [[nodiscard]] constexpr bool has_bit_30() const noexcept { return (raw & bit_30) != 0; }

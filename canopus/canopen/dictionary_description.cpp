@@ -191,12 +191,6 @@ std::shared_ptr<const DictionaryDescription> DictionaryBuilder::build() const {
   return description;
 }
 
-std::vector<std::uint8_t> little_endian(std::uint64_t value, unsigned length) {
-  std::vector<std::uint8_t> bytes(length);
-  for (unsigned i = 0; i < length; ++i) bytes[i] = static_cast<std::uint8_t>(value >> (8 * i));
-  return bytes;
-}
-
 std::vector<std::uint8_t> text(std::string_view value) { return {value.begin(), value.end()}; }
 
 }  // namespace canopus::canopen

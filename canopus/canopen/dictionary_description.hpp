@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/data_type.hpp"
 
 namespace canopus::canopen {
@@ -184,7 +185,7 @@ class DictionaryBuilder {
 };
 
 /// Defaults as bytes: little_endian(0x195, 4) = 95 01 00 00.
-[[nodiscard]] std::vector<std::uint8_t> little_endian(std::uint64_t value, unsigned length);
+using can::little_endian;
 /// A string's default.
 [[nodiscard]] std::vector<std::uint8_t> text(std::string_view value);
 

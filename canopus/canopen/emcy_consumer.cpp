@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/cob_id.hpp"
 
 namespace canopus::canopen {
@@ -13,7 +14,7 @@ void EmcyConsumer::receive(std::uint8_t sub, const can::Frame& frame, can::Time 
   if (!node_.communicates() || frame.length() != 8 || node_.listener == nullptr) return;
   Emergency emergency;
   emergency.node_id = sub;
-  emergency.code = static_cast<std::uint16_t>(frame.data[0] | frame.data[1] << 8);
+  emergency.code = can::load_as<std::uint16_t>(&frame.data[0]);
   emergency.error_register = frame.data[2];
   std::copy_n(frame.data.begin() + 3, 5, emergency.manufacturer.begin());
   node_.listener->emergency_received(emergency, now);

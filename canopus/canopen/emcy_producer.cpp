@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "canopus/can/little_endian.hpp"
+
 namespace canopus::canopen {
 
 EmcyProducer::EmcyProducer(NodeContext& node) : node_(node), timer_(node.timers.add()) {
@@ -59,7 +61,7 @@ bool EmcyProducer::raise(std::uint16_t code, std::uint8_t error_register,
   if (code >= 0x0100) error_register |= generic_error;
   error_register |= node_.dictionary.get<std::uint8_t>(0x1001, 0);
   node_.dictionary.set(0x1001, 0, error_register);
-  if (code != 0) remember(code, static_cast<std::uint16_t>(manufacturer[0] | manufacturer[1] << 8));
+  if (code != 0) remember(code, can::load_as<std::uint16_t>(manufacturer.data()));
   Message message{static_cast<std::uint8_t>(code), static_cast<std::uint8_t>(code >> 8), error_register};
   std::ranges::copy(manufacturer, message.begin() + 3);
   send(message, now);

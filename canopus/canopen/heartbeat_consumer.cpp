@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "canopus/can/little_endian.hpp"
+#include "canopus/canopen/emcy_code.hpp"
+
 namespace canopus::canopen {
 namespace {
 
@@ -59,7 +62,7 @@ void HeartbeatConsumer::receive(std::uint16_t number, const can::Frame& frame, c
     node_.timers.set(timer, now + std::chrono::milliseconds(watch.milliseconds));
   }
   const std::uint8_t node_id = watch.node_id;
-  if (was_lost) node_.error_ended({0x8130, node_id}, now);
+  if (was_lost) node_.error_ended({emcy_code::life_guard_or_heartbeat, node_id}, now);
   if (node_.listener != nullptr) node_.listener->heartbeat_received(node_id, state, now);
 }
 
@@ -69,7 +72,8 @@ void HeartbeatConsumer::tick(std::uint16_t number, can::Time now) {
   watch.state = State::lost;
   const std::uint8_t node_id = watch.node_id;
   const bool named = node_.options.guarding_emergency_names_node;
-  const auto code = static_cast<std::uint16_t>(named ? 0x8F00U + node_id : 0x8130U);
+  const auto code =
+      static_cast<std::uint16_t>(named ? emcy_code::node_lost + node_id : emcy_code::life_guard_or_heartbeat);
   node_.error_began({code, named ? std::uint8_t{0} : node_id}, now);
   if (node_.listener != nullptr) node_.listener->heartbeat_lost(node_id, now);
   if (!node_.active_master) node_.communication_error(now);
@@ -87,7 +91,7 @@ AbortCode HeartbeatConsumer::before_write(ObjectDictionary& dictionary, const En
                                           std::span<const std::uint8_t> value, can::Time) {
   if (entry.sub == 0 || value.size() != 4) return AbortCode::write_of_read_only;
   if (value[3] != 0) return AbortCode::invalid_value;
-  const ConsumerEntry wanted{value[2], static_cast<std::uint16_t>(value[0] | value[1] << 8)};
+  const ConsumerEntry wanted{value[2], can::load_as<std::uint16_t>(&value[0])};
   if (!wanted.is_used()) return AbortCode::none;
   for (std::size_t i = 0; i < watches_.size(); ++i) {
     const auto sub = static_cast<std::uint8_t>(i + 1);
@@ -102,7 +106,8 @@ void HeartbeatConsumer::after_write(ObjectDictionary&, const Entry& entry, can::
   const std::size_t number = entry.sub - 1U;
   const Watch before = watches_[number];
   read(number);
-  if (before.state == State::lost) node_.error_ended({0x8130, before.node_id}, now);
+  if (before.state == State::lost)
+    node_.error_ended({emcy_code::life_guard_or_heartbeat, before.node_id}, now);
 }
 
 }  // namespace canopus::canopen

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "canopus/can/little_endian.hpp"
+#include "canopus/canopen/emcy_code.hpp"
+
 namespace canopus::canopen {
 namespace {
 
@@ -65,7 +68,7 @@ bool MpdoConsumer::receive(const can::Frame& frame, std::uint8_t addressing, can
   if (frame.length() != 8) return false;
   const bool has_destination = (frame.data[0] & 0x80) != 0;
   const std::uint8_t node_id = frame.data[0] & 0x7F;
-  const auto index = static_cast<std::uint16_t>(frame.data[1] | frame.data[2] << 8);
+  const auto index = can::load_as<std::uint16_t>(&frame.data[1]);
   const std::uint8_t sub = frame.data[3];
   if (has_destination != (addressing == destination_addressing)) return false;
   if (has_destination) {
@@ -74,7 +77,8 @@ bool MpdoConsumer::receive(const can::Frame& frame, std::uint8_t addressing, can
     const bool is_missing = code == AbortCode::no_object || code == AbortCode::no_sub_index;
     if (is_missing != destination_missing_) {
       destination_missing_ = is_missing;
-      is_missing ? node_.error_began({0x8230, 0}, now) : node_.error_ended({0x8230, 0}, now);
+      const CommunicationError error{emcy_code::mpdo_destination, 0};
+      is_missing ? node_.error_began(error, now) : node_.error_ended(error, now);
     }
     return code == AbortCode::none;
   }

@@ -1,5 +1,7 @@
 #include "canopus/canopen/node_guarding.hpp"
 
+#include "canopus/canopen/emcy_code.hpp"
+
 namespace canopus::canopen {
 
 NodeGuarding::NodeGuarding(NodeContext& node) : node_(node), timer_(node.timers.add()) {
@@ -30,7 +32,7 @@ void NodeGuarding::receive(bool heartbeat, can::Time now) {
   restart(now);
   if (!occurred_) return;
   occurred_ = false;
-  node_.error_ended({0x8130, node_.node_id}, now);
+  node_.error_ended({emcy_code::life_guard_or_heartbeat, node_.node_id}, now);
   if (node_.listener != nullptr) node_.listener->life_guarding_event(false, now);
 }
 
@@ -41,7 +43,8 @@ void NodeGuarding::tick(bool heartbeat, can::Time now) {
   }
   occurred_ = true;
   const bool named = node_.options.guarding_emergency_names_node;
-  const auto code = static_cast<std::uint16_t>(named ? 0x8F00U + node_.node_id : 0x8130U);
+  const auto code = static_cast<std::uint16_t>(named ? emcy_code::node_lost + node_.node_id
+                                                     : emcy_code::life_guard_or_heartbeat);
   node_.error_began({code, named ? std::uint8_t{0} : node_.node_id}, now);
   if (node_.listener != nullptr) node_.listener->life_guarding_event(true, now);
   node_.communication_error(now);

@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "canopus/can/time.hpp"
+#include "canopus/canopen/emcy_code.hpp"
 #include "canopus/canopen/stored_values.hpp"
 
 namespace canopus::canopen {
@@ -53,7 +54,7 @@ struct NodeOptions {
   bool guarding_emergency_names_node = false;
   /// Emergency code of a SYNC of the wrong length; modules that do not know 8240H say 8200H
   /// [ME3CAN1-Q 8.2.1].
-  std::uint16_t sync_length_error = 0x8240;
+  std::uint16_t sync_length_error = emcy_code::sync_length;
 
   // --- Stored parameters
   /// 1010H saves also between "load" at 1011H and the reset that restores: the present values count again.

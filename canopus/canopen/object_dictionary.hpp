@@ -16,15 +16,13 @@
 #include <type_traits>
 #include <vector>
 
+#include "canopus/can/little_endian.hpp"
 #include "canopus/can/time.hpp"
 #include "canopus/canopen/abort_code.hpp"
 #include "canopus/canopen/dictionary_description.hpp"
 #include "canopus/canopen/object_stream.hpp"
-#include "canopus/canopen/value_bytes.hpp"
 
 namespace canopus::canopen {
-
-static_assert(std::endian::native == std::endian::little, "values lie in the block as they go over the bus");
 
 class ObjectDictionary;
 
@@ -82,7 +80,7 @@ class ObjectDictionary {
   /// `multiplexer`: bits 8-23 index, bits 24-31 sub-index, as an SDO has them.
   [[nodiscard]] ShortValue read_short(std::uint32_t multiplexer) noexcept {
     if (multiplexer != last_short_.multiplexer) return find_short(multiplexer);
-    const auto number = load_value(block_.data() + last_short_.offset, last_short_.length);
+    const auto number = can::load_value(block_.data() + last_short_.offset, last_short_.length);
     return {static_cast<std::uint32_t>(number), last_short_.length};
   }
   /// The stream of a value that has one.
@@ -103,7 +101,7 @@ class ObjectDictionary {
       std::memcpy(&value, &block_[entry.offset], std::min<std::size_t>(sizeof(T), entry.description->length));
       return value;
     } else {
-      std::uint64_t raw = load_value(&block_[entry.offset], entry.description->length);
+      std::uint64_t raw = can::load_value(&block_[entry.offset], entry.description->length);
       if constexpr (std::is_signed_v<T>) {
         const unsigned unused = 64U - 8U * entry.description->length;
         raw = static_cast<std::uint64_t>(static_cast<std::int64_t>(raw << unused) >> unused);
@@ -124,7 +122,7 @@ class ObjectDictionary {
     if constexpr (std::is_floating_point_v<T>) {
       std::memcpy(&block_[entry.offset], &value, std::min<std::size_t>(sizeof(T), entry.description->length));
     } else {
-      store_value(&block_[entry.offset], static_cast<std::uint64_t>(value), entry.description->length);
+      can::store_value(&block_[entry.offset], static_cast<std::uint64_t>(value), entry.description->length);
     }
   }
   /// The same by number. False when there is no such sub-index or it is of variable length.

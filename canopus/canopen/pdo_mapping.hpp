@@ -13,9 +13,9 @@
 #include <span>
 #include <vector>
 
+#include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/abort_code.hpp"
 #include "canopus/canopen/object_dictionary.hpp"
-#include "canopus/canopen/value_bytes.hpp"
 
 namespace canopus::canopen {
 
@@ -48,9 +48,9 @@ class CopyPlan {
   /// The data bytes of a frame, little endian; those beyond length() are 0.
   [[nodiscard]] std::uint64_t gather(const std::uint8_t* block) const noexcept {
     switch (word_) {
-      case 8: return load_as<std::uint64_t>(block + first_.offset);
-      case 4: return load_as<std::uint32_t>(block + first_.offset);
-      case 2: return load_as<std::uint16_t>(block + first_.offset);
+      case 8: return can::load_as<std::uint64_t>(block + first_.offset);
+      case 4: return can::load_as<std::uint32_t>(block + first_.offset);
+      case 2: return can::load_as<std::uint16_t>(block + first_.offset);
       default: return gather_steps(block);
     }
   }
@@ -78,10 +78,10 @@ class CopyPlan {
   // Frames and values stay in registers on the way: a frame written in pieces and then read as a whole would
   // make the processor wait.
   static std::uint64_t gather(const Step& step, const std::uint8_t* block) noexcept {
-    return (load_value(block + step.offset, step.bytes) & mask(step.bits)) << step.bit;
+    return (can::load_value(block + step.offset, step.bytes) & mask(step.bits)) << step.bit;
   }
   static void scatter(const Step& step, std::uint64_t frame, std::uint8_t* block) noexcept {
-    store_value(block + step.offset, frame >> step.bit & mask(step.bits), step.bytes);
+    can::store_value(block + step.offset, frame >> step.bit & mask(step.bits), step.bytes);
   }
   /// `bits`: 1..64.
   [[nodiscard]] static constexpr std::uint64_t mask(unsigned bits) noexcept {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "canopus/canopen/emcy_code.hpp"
+
 namespace canopus::canopen {
 namespace {
 
@@ -112,13 +114,13 @@ void Rpdos::receive_unusual(Rpdo& pdo, const can::Frame& frame, can::Time window
     if (pdo.timed_out) {
       pdo.timed_out = false;
       --pdo.error_count;
-      node_.error_ended({0x8250, 0}, now);
+      node_.error_ended({emcy_code::rpdo_time_out, 0}, now);
     }
   }
   if (fits == pdo.length_error) {
     pdo.length_error = !fits;
     fits ? --pdo.error_count : ++pdo.error_count;
-    const CommunicationError error{static_cast<std::uint16_t>(too_short ? 0x8210 : 0x8220), 0};
+    const CommunicationError error{too_short ? emcy_code::pdo_too_short : emcy_code::pdo_too_long, 0};
     fits ? node_.error_ended(error, now) : node_.error_began(error, now);
   }
   classify(pdo);
@@ -142,7 +144,7 @@ void Rpdos::tick(std::uint16_t position, can::Time now) {
   ++pdo.error_count;
   classify(pdo);
   const std::uint16_t number = pdo.number;
-  node_.error_began({0x8250, 0}, now);
+  node_.error_began({emcy_code::rpdo_time_out, 0}, now);
   if (node_.listener != nullptr) node_.listener->rpdo_timed_out(number, now);
 }
 
@@ -170,7 +172,7 @@ AbortCode Rpdos::before_write(ObjectDictionary& dictionary, const Entry& entry,
     case 0: return AbortCode::write_of_read_only;
     case 1: return check_change(cob_id, CobId::from(value), node_.options.extended_identifiers);
     case 2: {
-      const std::uint32_t type = CobId::from(value).raw;
+      const std::uint32_t type = can::load_u32(value);
       if (type == 0xFF && !node_.options.profile_event_transmission_type) return AbortCode::invalid_value;
       return type > 0xF0 && type < 0xFE ? AbortCode::invalid_value : AbortCode::none;
     }

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/sdo_crc.hpp"
 #include "canopus/canopen/sdo_frame.hpp"
 
@@ -107,7 +108,7 @@ bool BlockReceiver::is_to_be_answered(const can::Frame& segment) noexcept {
 
 AbortCode BlockReceiver::finish(const can::Frame& end, SegmentCollector& collector) const {
   const AbortCode code = collector.finish(end.data[0] >> 2 & 7U);
-  const auto crc = static_cast<std::uint16_t>(end.data[1] | end.data[2] << 8);
+  const auto crc = can::load_as<std::uint16_t>(&end.data[1]);
   return code == AbortCode::none && with_crc_ && crc != collector.crc() ? AbortCode::crc : code;
 }
 

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "canopus/can/frame.hpp"
+#include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/abort_code.hpp"
 #include "canopus/canopen/frame_of.hpp"
 
@@ -74,7 +75,7 @@ inline constexpr std::uint32_t multiplexer_mask = 0xFFFF'FF00;
   return static_cast<std::uint32_t>(data_word(f)) & multiplexer_mask;
 }
 [[nodiscard]] inline std::uint16_t index(const can::Frame& f) noexcept {
-  return static_cast<std::uint16_t>(f.data[1] | f.data[2] << 8);
+  return can::load_as<std::uint16_t>(&f.data[1]);
 }
 /// Bytes 4-7 as a number.
 [[nodiscard]] inline std::uint32_t value(const can::Frame& f) noexcept {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "canopus/canopen/cob_id.hpp"
+#include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/stored_values.hpp"
 
 namespace canopus::canopen {
@@ -118,7 +118,7 @@ AbortCode StoredParameters::before_write(ObjectDictionary& dictionary, const Ent
                                          std::span<const std::uint8_t> value, can::Time) {
   if (entry.sub == 0) return AbortCode::write_of_read_only;
   const bool saves = entry.index == 0x1010;
-  if (CobId::from(value).raw != (saves ? save_signature : load_signature)) return AbortCode::cannot_store;
+  if (can::load_u32(value) != (saves ? save_signature : load_signature)) return AbortCode::cannot_store;
   if (saves && restore_pending_ && !node_.options.save_before_restored) return AbortCode::device_state;
   value_before_ = dictionary.get<std::uint32_t>(entry);
   return saves ? save(entry.sub) : restore(entry.sub);

@@ -1,6 +1,6 @@
 #include "canopus/canopen/stored_values.hpp"
 
-#include "canopus/canopen/value_bytes.hpp"
+#include "canopus/can/little_endian.hpp"
 
 namespace canopus::canopen {
 
@@ -12,22 +12,22 @@ constexpr std::size_t head_length(StoredLength form) { return 3 + static_cast<st
 
 void append_stored_value(std::vector<std::uint8_t>& image, StoredLength form, std::uint16_t index,
                          std::uint8_t sub, std::span<const std::uint8_t> value) {
-  for (const std::uint8_t byte : little_endian(index, 2)) image.push_back(byte);
+  can::append_value(image, index, 2);
   image.push_back(sub);
-  for (const std::uint8_t byte : little_endian(value.size(), static_cast<unsigned>(form)))
-    image.push_back(byte);
+  can::append_value(image, value.size(), static_cast<unsigned>(form));
   image.insert(image.end(), value.begin(), value.end());
 }
 
 std::optional<StoredValue> StoredValueReader::next() noexcept {
   if (rest_.empty() || !intact_) return std::nullopt;
   const std::size_t head = head_length(form_);
-  const std::uint64_t length = rest_.size() < head ? 0 : load_value(&rest_[3], static_cast<unsigned>(form_));
+  const std::uint64_t length =
+      rest_.size() < head ? 0 : can::load_value(&rest_[3], static_cast<unsigned>(form_));
   if (rest_.size() < head + length) {
     intact_ = false;
     return std::nullopt;
   }
-  const StoredValue value{load_as<std::uint16_t>(&rest_[0]), rest_[2], rest_.subspan(head, length)};
+  const StoredValue value{can::load_as<std::uint16_t>(&rest_[0]), rest_[2], rest_.subspan(head, length)};
   rest_ = rest_.subspan(head + length);
   return value;
 }

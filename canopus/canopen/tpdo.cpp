@@ -308,7 +308,7 @@ AbortCode Tpdos::before_write(ObjectDictionary& dictionary, const Entry& entry,
     }
     return check_mapping_write(dictionary, entry, value, cob_id.is_valid(), PdoDirection::transmit);
   }
-  const std::uint32_t number = CobId::from(value).raw;
+  const std::uint32_t number = can::load_u32(value);
   const bool changes = number != dictionary.get<std::uint32_t>(entry);
   const auto allowed_if = [](bool condition) {
     return condition ? AbortCode::none : AbortCode::invalid_value;

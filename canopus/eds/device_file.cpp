@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "canopus/can/little_endian.hpp"
 #include "canopus/eds/communication_defaults.hpp"
 #include "canopus/eds/device_sections.hpp"
 #include "canopus/eds/modules.hpp"
@@ -280,11 +281,7 @@ std::optional<std::uint64_t> default_value(const canopen::DictionaryDescription&
   if (!entry || entry.description->length == 0) return std::nullopt;
   std::vector<std::uint8_t> block(dictionary.block_size());
   dictionary.load_defaults(block, node_id);
-  std::uint64_t value = 0;
-  for (unsigned i = 0; i < entry.description->length; ++i) {
-    value |= std::uint64_t{block[entry.offset + i]} << (8 * i);
-  }
-  return value;
+  return can::load_value(&block[entry.offset], entry.description->length);
 }
 
 Identity identity(const DeviceFile& file) {

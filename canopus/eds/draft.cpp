@@ -4,6 +4,7 @@
 #include <charconv>
 #include <utility>
 
+#include "canopus/can/little_endian.hpp"
 #include "canopus/eds/value.hpp"
 
 namespace canopus::eds {
@@ -11,10 +12,8 @@ namespace canopus::eds {
 using canopen::ObjectCode;
 
 std::uint64_t EntryDraft::number() const noexcept {
-  std::uint64_t raw = 0;
   const std::size_t length = std::min<std::size_t>(spec.value.size(), canopen::byte_length(spec.type));
-  for (std::size_t i = 0; i < length; ++i) raw |= std::uint64_t{spec.value[i]} << (8 * i);
-  return raw;
+  return can::load_value(std::span(spec.value).first(length));
 }
 
 void EntryDraft::set_number(std::uint64_t value) {

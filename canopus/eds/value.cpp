@@ -5,6 +5,7 @@
 #include <limits>
 #include <string>
 
+#include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/dictionary_description.hpp"
 #include "canopus/eds/number.hpp"
 #include "canopus/eds/words.hpp"
@@ -155,10 +156,7 @@ Value octets(const Place& place) {
 Value utf16_text(const Place& place) {
   const std::string text = to_utf8(without_quotes(place));
   Value value;
-  const auto push = [&](std::uint32_t unit) {
-    value.bytes.push_back(static_cast<std::uint8_t>(unit));
-    value.bytes.push_back(static_cast<std::uint8_t>(unit >> 8));
-  };
+  const auto push = [&](std::uint32_t unit) { can::append_value(value.bytes, unit, 2); };
   for (std::size_t i = 0; i < text.size();) {
     const auto first = static_cast<unsigned char>(text[i]);
     const std::size_t length = first < 0x80 ? 1 : first < 0xE0 ? 2 : first < 0xF0 ? 3 : 4;
@@ -286,8 +284,7 @@ bool less(DataType type, std::uint64_t a, std::uint64_t b) noexcept {
 }
 
 std::uint64_t pattern(DataType type, const std::vector<std::uint8_t>& bytes) noexcept {
-  std::uint64_t raw = 0;
-  for (std::size_t i = 0; i < bytes.size() && i < 8; ++i) raw |= std::uint64_t{bytes[i]} << (8 * i);
+  const std::uint64_t raw = can::load_value(bytes);
   if (type == DataType::real32) {
     return std::bit_cast<std::uint64_t>(
         static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(raw))));

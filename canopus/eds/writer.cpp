@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <vector>
 
+#include "canopus/can/little_endian.hpp"
+
 namespace canopus::eds {
 
 namespace {
@@ -129,9 +131,7 @@ class Writer {
   }
 
   static std::uint64_t number(const std::vector<std::uint8_t>& block, const Entry& entry) {
-    std::uint64_t value = 0;
-    for (unsigned i = entry.description->length; i-- > 0;) value = value << 8 | block[entry.offset + i];
-    return value;
+    return can::load_value(&block[entry.offset], entry.description->length);
   }
 
   const DictionaryDescription& dictionary_;

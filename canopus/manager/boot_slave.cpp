@@ -1,13 +1,11 @@
 #include "canopus/manager/boot_slave.hpp"
 
+#include "canopus/can/little_endian.hpp"
+#include "canopus/manager/start_up_bits.hpp"
+
 namespace canopus::manager {
 
 namespace {
-
-// Configuration byte of 1F81H [CiA 302-2].
-constexpr std::uint32_t assigned = 0x01;
-constexpr std::uint32_t boot_slave = 0x04;
-constexpr std::uint32_t keep_alive = 0x10;
 
 constexpr BootError identity_error(std::uint8_t sub) noexcept {
   switch (sub) {
@@ -77,8 +75,8 @@ void BootSlave::abandon() {
 
 void BootSlave::begin(can::Time now) {
   const std::uint32_t assignment = host_->assignment(node_id_);
-  if ((assignment & assigned) == 0) return fail(BootError::not_assigned, now);
-  if ((assignment & boot_slave) == 0) return start_error_control(now);
+  if ((assignment & assignment_bit::slave) == 0) return fail(BootError::not_assigned, now);
+  if ((assignment & assignment_bit::boot_slave) == 0) return start_error_control(now);
   ask_presence(now);
 }
 
@@ -217,7 +215,7 @@ void BootSlave::identity_answered(can::Time now) {
 
 // Keep alive: a node that is Operational must not be disturbed.
 void BootSlave::check_state(can::Time now) {
-  if ((host_->assignment(node_id_) & keep_alive) == 0) return check_software(now);
+  if ((host_->assignment(node_id_) & assignment_bit::keep_alive) == 0) return check_software(now);
   const can::Duration heartbeat = host_->heartbeat_time(node_id_);
   if (heartbeat > can::Duration{}) return enter(BootStep::state_by_heartbeat, now, heartbeat);
   enter(BootStep::state_by_guarding, now, host_->boot_options().guarding_probe);
@@ -357,11 +355,6 @@ void BootSlave::sdo_finished(canopen::SdoClient& client, can::Time now) {
   }
 }
 
-std::uint32_t BootSlave::received_value() const noexcept {
-  std::uint32_t value = 0;
-  const auto data = client_.data();
-  for (std::size_t i = std::min<std::size_t>(data.size(), 4); i > 0; --i) value = value << 8 | data[i - 1];
-  return value;
-}
+std::uint32_t BootSlave::received_value() const noexcept { return can::load_u32(client_.data()); }
 
 }  // namespace canopus::manager

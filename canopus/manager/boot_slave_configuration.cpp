@@ -4,19 +4,20 @@
 #include <array>
 
 #include "canopus/manager/boot_slave.hpp"
+#include "canopus/manager/start_up_bits.hpp"
 
 namespace canopus::manager {
 
 namespace {
 
-constexpr std::uint32_t restore_first = 0x80;                                  // 1F81H
 constexpr std::array<std::uint8_t, 4> load_signature{0x6C, 0x6F, 0x61, 0x64};  // "load"
 
 }  // namespace
 
 void BootSlave::restore(can::Time now) {
   const auto sub = host_->dictionary().get<std::uint8_t>(0x1F8A, node_id_);
-  if ((host_->assignment(node_id_) & restore_first) == 0 || sub == 0) return check_configuration(now);
+  if ((host_->assignment(node_id_) & assignment_bit::restore) == 0 || sub == 0)
+    return check_configuration(now);
   enter(BootStep::restore, now);
   download(0x1011, sub, load_signature, now);
 }

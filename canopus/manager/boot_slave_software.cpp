@@ -5,17 +5,13 @@
 // cleared or written: there, no answer is no failure.
 
 #include "canopus/manager/boot_slave.hpp"
+#include "canopus/manager/start_up_bits.hpp"
 
 namespace canopus::manager {
 
 using canopen::AbortCode;
 
 namespace {
-
-// Configuration byte of 1F81H [CiA 302-2].
-constexpr std::uint32_t keep_alive = 0x10;
-constexpr std::uint32_t check_version = 0x20;
-constexpr std::uint32_t update_allowed = 0x40;
 
 constexpr std::uint16_t program_data = 0x1F50;
 constexpr std::uint16_t program_control = 0x1F51;
@@ -32,7 +28,7 @@ constexpr std::uint8_t clear = 3;
 }  // namespace
 
 void BootSlave::check_software(can::Time now) {
-  if ((host_->assignment(node_id_) & check_version) == 0) return restore(now);
+  if ((host_->assignment(node_id_) & assignment_bit::check_software) == 0) return restore(now);
   record_.expected = host_->dictionary().get<std::uint32_t>(0x1F55, node_id_);
   if (record_.expected == 0) {
     enter(BootStep::software_version, now);
@@ -47,7 +43,7 @@ void BootSlave::software_version_answered(can::Time now) {
   record_.received = received_value();
   if (record_.received == record_.expected) return restore(now);
   const std::uint32_t bits = host_->assignment(node_id_);
-  if ((bits & update_allowed) == 0 || (bits & keep_alive) != 0) {
+  if ((bits & assignment_bit::update_software) == 0 || (bits & assignment_bit::keep_alive) != 0) {
     return fail(BootError::software_not_allowed, now);
   }
   if (updated_ || updates_ >= host_->boot_options().program_attempts) {

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "canopus/can/frame.hpp"
+#include "canopus/can/little_endian.hpp"
 
 namespace canopus::manager {
 
@@ -69,17 +70,16 @@ inline constexpr std::array<std::uint32_t, 9> bit_rates{1'000'000, 800'000, 500'
 }
 
 /// A number in bytes 1..4.
-[[nodiscard]] constexpr std::uint32_t number(const can::Frame& frame) noexcept {
-  return static_cast<std::uint32_t>(frame.data[1]) | static_cast<std::uint32_t>(frame.data[2]) << 8 |
-         static_cast<std::uint32_t>(frame.data[3]) << 16 | static_cast<std::uint32_t>(frame.data[4]) << 24;
+[[nodiscard]] inline std::uint32_t number(const can::Frame& frame) noexcept {
+  return can::load_as<std::uint32_t>(&frame.data[1]);
 }
 
 /// A frame of 8 bytes: command specifier, and a number in bytes 1..4.
-[[nodiscard]] constexpr can::Frame frame(std::uint32_t identifier, std::uint8_t command,
-                                         std::uint32_t value = 0) noexcept {
-  return can::data_frame(
-      identifier, {command, static_cast<std::uint8_t>(value), static_cast<std::uint8_t>(value >> 8),
-                   static_cast<std::uint8_t>(value >> 16), static_cast<std::uint8_t>(value >> 24), 0, 0, 0});
+[[nodiscard]] inline can::Frame frame(std::uint32_t identifier, std::uint8_t command,
+                                      std::uint32_t value = 0) noexcept {
+  can::Frame frame = can::data_frame(identifier, {command, 0, 0, 0, 0, 0, 0, 0});
+  can::store_value(&frame.data[1], value, 4);
+  return frame;
 }
 
 }  // namespace lss

@@ -2,6 +2,8 @@
 
 #include <chrono>
 
+#include "canopus/can/little_endian.hpp"
+
 namespace canopus::manager {
 
 namespace {
@@ -129,7 +131,7 @@ void LssSlave::configure(const can::Frame& frame, can::Time now) {
       return answer(command, known ? ok : out_of_range);
     }
     case lss::command::activate_bit_timing:
-      switch_delay_ = std::chrono::milliseconds(frame.data[1] | frame.data[2] << 8);
+      switch_delay_ = std::chrono::milliseconds(can::load_as<std::uint16_t>(&frame.data[1]));
       switching_ = Switching::before;
       deadline_ = can::later(now, switch_delay_);
       return;

@@ -12,6 +12,7 @@
 #include "canopus/canopen/nmt.hpp"
 #include "canopus/canopen/object_stream.hpp"
 #include "canopus/manager/boot_record.hpp"
+#include "canopus/manager/start_up_bits.hpp"
 
 namespace canopus::manager {
 
@@ -64,8 +65,8 @@ struct MasterOptions {
   std::uint32_t bit_rate = 0;
   RevisionRule revision_rule = RevisionRule::equal;
   /// Bits of 1F80H and of the configuration byte of 1F81H that exist; others are refused with 06090030H.
-  std::uint32_t start_up_bits = 0x7F;
-  std::uint8_t assignment_bits = 0xFD;
+  std::uint32_t start_up_bits = start_up_bit::all;
+  std::uint8_t assignment_bits = assignment_bit::all;
   /// 1F82H or 1F83H written while this node is not the active master.
   canopen::AbortCode not_master = canopen::AbortCode::device_state;
   /// A flying master without 1017H sends its heartbeat so often [ME3CAN1-Q 4.8.10].

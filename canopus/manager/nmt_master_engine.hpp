@@ -17,27 +17,9 @@
 #include "canopus/manager/node_timers.hpp"
 #include "canopus/manager/sdo_line.hpp"
 #include "canopus/manager/sdo_requests.hpp"
+#include "canopus/manager/start_up_bits.hpp"
 
 namespace canopus::manager {
-
-/// Bits of 1F80H [CiA 302-2; ME3CAN1-Q 4.8.5].
-namespace start_up_bit {
-inline constexpr std::uint32_t nmt_master = 0x01;
-inline constexpr std::uint32_t start_all_nodes = 0x02;
-inline constexpr std::uint32_t wait_for_application = 0x04;  // own node does not become Operational by itself
-inline constexpr std::uint32_t do_not_start_slaves = 0x08;
-inline constexpr std::uint32_t reset_all_nodes = 0x10;
-inline constexpr std::uint32_t flying_master = 0x20;
-inline constexpr std::uint32_t stop_all_nodes = 0x40;
-}  // namespace start_up_bit
-
-/// Bits of the configuration byte of 1F81H [CiA 302-2; ME3CAN1-Q 4.8.6].
-namespace assignment_bit {
-inline constexpr std::uint32_t slave = 0x01;
-inline constexpr std::uint32_t boot_slave = 0x04;
-inline constexpr std::uint32_t mandatory = 0x08;
-inline constexpr std::uint32_t keep_alive = 0x10;
-}  // namespace assignment_bit
 
 class NmtMaster::Engine final : public BootHost,
                                 public canopen::ObjectHandler,

@@ -14,12 +14,6 @@ constexpr std::uint8_t all_nodes = 0;
 constexpr std::uint32_t base_function = 0x780;
 constexpr can::Duration send_retry = std::chrono::milliseconds(1);
 
-// The guarding part of 1F81H.
-constexpr can::Duration guard_time(std::uint32_t assignment) noexcept {
-  return std::chrono::milliseconds(assignment >> 16);
-}
-constexpr unsigned retry_factor(std::uint32_t assignment) noexcept { return assignment >> 8 & 0xFF; }
-
 // What a slave says of itself, as 1F82H shows it: a reserved value is no state.
 constexpr std::uint8_t told_state(std::uint8_t state) noexcept {
   switch (static_cast<NmtState>(state)) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "canopus/can/little_endian.hpp"
 #include "canopus/manager/nmt_master_engine.hpp"
 
 namespace canopus::manager {
@@ -140,9 +141,7 @@ AbortCode NmtMaster::Engine::before_read(canopen::ObjectDictionary& dictionary, 
 
 AbortCode NmtMaster::Engine::before_write(canopen::ObjectDictionary&, const canopen::Entry& entry,
                                           std::span<const std::uint8_t> value, can::Time) {
-  std::uint32_t number = 0;
-  for (std::size_t i = std::min<std::size_t>(value.size(), 4); i > 0; --i)
-    number = number << 8 | value[i - 1];
+  const std::uint32_t number = can::load_u32(value);
   const auto byte = static_cast<std::uint8_t>(number);
   switch (entry.index) {
     case 0x1F80: return (number & ~options_.start_up_bits) == 0 ? AbortCode::none : AbortCode::invalid_value;

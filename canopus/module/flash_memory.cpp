@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "canopus/can/little_endian.hpp"
+
 namespace canopus::module {
 
 namespace {
@@ -14,9 +16,7 @@ constexpr std::size_t header_size = 5;
 
 std::optional<std::uint32_t> count_of(const Content& stored) {
   if (stored.state != Content::State::good || stored.bytes.size() < header_size) return std::nullopt;
-  std::uint32_t count = 0;
-  for (std::size_t i = header_size - 1; i > 0; --i) count = count << 8 | stored.bytes[i];
-  return count;
+  return can::load_as<std::uint32_t>(&stored.bytes[1]);
 }
 
 }  // namespace
@@ -53,9 +53,7 @@ bool FlashMemory::put(Kind kind, std::string_view name, std::span<const std::uin
   const std::uint32_t count = writes_ + 1;
   std::vector<std::uint8_t> stored{static_cast<std::uint8_t>(kind)};
   stored.reserve(header_size + bytes.size());
-  for (unsigned shift = 0; shift < 32; shift += 8) {
-    stored.push_back(static_cast<std::uint8_t>(count >> shift & 0xFF));
-  }
+  can::append_value(stored, count, 4);
   stored.insert(stored.end(), bytes.begin(), bytes.end());
   if (!medium_->write(name, stored)) return false;
   writes_ = count;

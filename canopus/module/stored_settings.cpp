@@ -1,28 +1,16 @@
 #include "canopus/module/stored_settings.hpp"
 
+#include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/pdo_mapping.hpp"
 
 namespace canopus::module {
-
-namespace {
-
-void put16(std::vector<std::uint8_t>& bytes, std::size_t value) {
-  bytes.push_back(static_cast<std::uint8_t>(value & 0xFF));
-  bytes.push_back(static_cast<std::uint8_t>(value >> 8 & 0xFF));
-}
-
-std::uint16_t get16(std::span<const std::uint8_t> bytes) {
-  return static_cast<std::uint16_t>(bytes[0] | bytes[1] << 8);
-}
-
-}  // namespace
 
 std::vector<std::uint8_t> encode_words(const StoredWords& words) {
   std::vector<std::uint8_t> bytes;
   bytes.reserve(words.size() * 4);
   for (const auto& [address, value] : words) {
-    put16(bytes, address);
-    put16(bytes, value);
+    can::append_value(bytes, address, 2);
+    can::append_value(bytes, value, 2);
   }
   return bytes;
 }
@@ -30,7 +18,9 @@ std::vector<std::uint8_t> encode_words(const StoredWords& words) {
 std::optional<StoredWords> decode_words(std::span<const std::uint8_t> bytes) {
   if (bytes.size() % 4 != 0) return std::nullopt;
   StoredWords words;
-  for (; !bytes.empty(); bytes = bytes.subspan(4)) words[get16(bytes)] = get16(bytes.subspan(2));
+  for (; !bytes.empty(); bytes = bytes.subspan(4)) {
+    words[can::load_as<std::uint16_t>(&bytes[0])] = can::load_as<std::uint16_t>(&bytes[2]);
+  }
   return words;
 }
 

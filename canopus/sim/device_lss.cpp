@@ -4,6 +4,8 @@
 #include <optional>
 #include <span>
 
+#include "canopus/can/little_endian.hpp"
+
 namespace canopus::sim {
 
 namespace {
@@ -15,16 +17,13 @@ constexpr std::size_t image_size = 5;
 
 std::vector<std::uint8_t> encode(const Settings& settings) {
   std::vector<std::uint8_t> image{settings.node_id};
-  for (unsigned shift = 0; shift < 32; shift += 8) {
-    image.push_back(static_cast<std::uint8_t>(settings.bit_rate >> shift));
-  }
+  can::append_value(image, settings.bit_rate, 4);
   return image;
 }
 
 std::optional<Settings> decode(std::span<const std::uint8_t> image) {
   if (image.size() != image_size) return std::nullopt;
-  Settings settings{.node_id = image[0]};
-  for (unsigned i = 0; i < 4; ++i) settings.bit_rate |= std::uint32_t{image[1 + i]} << 8 * i;
+  const Settings settings{.node_id = image[0], .bit_rate = can::load_as<std::uint32_t>(&image[1])};
   const bool is_node_id =
       (settings.node_id >= 1 && settings.node_id <= 127) || settings.node_id == manager::lss::unconfigured;
   if (!is_node_id || std::ranges::find(can::bit_rates, settings.bit_rate) == std::end(can::bit_rates)) {

@@ -4,6 +4,8 @@
 #include <array>
 #include <cerrno>
 
+#include "canopus/can/little_endian.hpp"
+
 namespace canopus::store {
 
 namespace {
@@ -46,31 +48,21 @@ class OpenFile {
   int number_;
 };
 
-std::uint64_t get(std::span<const std::uint8_t> bytes) {
-  std::uint64_t value = 0;
-  for (std::size_t i = bytes.size(); i-- > 0;) value = value << 8 | bytes[i];
-  return value;
-}
-
-void put(std::vector<std::uint8_t>& bytes, std::uint64_t value, unsigned length) {
-  for (unsigned i = 0; i < length; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> (8 * i) & 0xFF));
-}
-
 // The whole file.
 std::vector<std::uint8_t> file_of(std::string_view owner, std::span<const std::uint8_t> bytes) {
   std::vector<std::uint8_t> content;
   content.reserve(2 + owner.size() + bytes.size());
   if (!owner.empty()) {
     owner = owner.substr(0, longest_owner);
-    put(content, owner.size(), 2);
+    can::append_value(content, owner.size(), 2);
     content.insert(content.end(), owner.begin(), owner.end());
   }
   content.insert(content.end(), bytes.begin(), bytes.end());
   const Head& head = owner.empty() ? without_owner : with_owner;
   std::vector<std::uint8_t> file(head.begin(), head.end());
   file.reserve(header_size + content.size());
-  put(file, content.size(), 8);
-  put(file, crc32(content), 4);
+  can::append_value(file, content.size(), 8);
+  can::append_value(file, crc32(content), 4);
   file.insert(file.end(), content.begin(), content.end());
   return file;
 }
@@ -119,10 +111,11 @@ FileMemory::Stored FileMemory::load(std::string_view name) {
     return damaged("is damaged, or not a file that Canopus has stored");
   }
   const std::span<const std::uint8_t> content = all.subspan(header_size);
-  const bool is_whole = get(all.subspan(sizeof(Head), 8)) == content.size() &&
-                        get(all.subspan(sizeof(Head) + 8, 4)) == crc32(content);
+  const bool is_whole = can::load_value(all.subspan(sizeof(Head), 8)) == content.size() &&
+                        can::load_value(all.subspan(sizeof(Head) + 8, 4)) == crc32(content);
   std::size_t owner_size = 0;
-  if (has_owner && content.size() >= 2) owner_size = 2 + static_cast<std::size_t>(get(content.first(2)));
+  if (has_owner && content.size() >= 2)
+    owner_size = 2 + static_cast<std::size_t>(can::load_value(content.first(2)));
   if (!is_whole || owner_size > content.size() || (has_owner && owner_size == 0)) {
     return damaged("is damaged (length or checksum)");
   }

@@ -3,6 +3,7 @@
 #include <array>
 #include <chrono>
 
+#include "canopus/canopen/emcy_code.hpp"
 #include "canopus/module/me3can1_q/buffer_table.hpp"
 #include "canopus/module/me3can1_q/data_sheet.hpp"
 #include "canopus/module/me3can1_q/object_table.hpp"
@@ -11,6 +12,9 @@
 namespace canopus::module::me3can1_q {
 
 namespace {
+
+namespace assignment_bit = manager::assignment_bit;
+namespace emcy_code = canopen::emcy_code;
 
 constexpr std::array function_modes_of_g21 = std::to_array<FunctionModeRow>({
     {405, canopen_405, FunctionModeRow::Kind::canopen},
@@ -93,12 +97,12 @@ constexpr std::array errors = std::to_array<ErrorRow>({
 
 /// What the module sends by itself [ME3CAN1-Q 8.2.1, 8.2.2].
 constexpr EmergencyRows emergencies{
-    .cpu_error = {0xFF00, 0x81, {'M', 'E', '0', '0', '1'}},
-    .cpu_stopped = {0xFF00, 0x81, {'M', 'E', '0', '0', '2'}},
-    .restart = {0x6200, 0x01, {'M', 'E', '0', '0', '4'}},
-    .queue_overflow = {0x8110, 0x11},
-    .error_passive = {0x8120, 0x11},
-    .node_lost = {0x8F00, 0x11},
+    .cpu_error = {emcy_code::device_specific, 0x81, {'M', 'E', '0', '0', '1'}},
+    .cpu_stopped = {emcy_code::device_specific, 0x81, {'M', 'E', '0', '0', '2'}},
+    .restart = {emcy_code::user_software, 0x01, {'M', 'E', '0', '0', '4'}},
+    .queue_overflow = {emcy_code::can_overrun, 0x11},
+    .error_passive = {emcy_code::error_passive, 0x11},
+    .node_lost = {emcy_code::node_lost, 0x11},
 };
 
 canopen::NodeOptions node_options() {
@@ -117,7 +121,7 @@ canopen::NodeOptions node_options() {
       .history_clears_error_register = true,
       .empty_history_reads_zero = true,
       .guarding_emergency_names_node = true,
-      .sync_length_error = 0x8200,
+      .sync_length_error = emcy_code::protocol_error,
       .save_before_restored = true,
   };
 }
@@ -125,7 +129,8 @@ canopen::NodeOptions node_options() {
 // No software check, no restore [ME3CAN1-Q Tab. 4-30]; the manual knows no SDO block transfer.
 manager::MasterOptions master_options() {
   manager::MasterOptions options;
-  options.assignment_bits = 0x1D;
+  options.assignment_bits = assignment_bit::slave | assignment_bit::boot_slave | assignment_bit::mandatory |
+                            assignment_bit::keep_alive;
   options.block_from = 0;
   return options;
 }

@@ -10,6 +10,8 @@
 #include <span>
 #include <string_view>
 
+#include "canopus/can/little_endian.hpp"
+
 namespace canopus::plc::melsec {
 
 enum class DataCode : std::uint8_t { binary, ascii };
@@ -83,13 +85,7 @@ class FieldReader {
 
   std::uint32_t number(std::size_t size) noexcept {
     if (code_ == DataCode::ascii) return digits(2 * size, 16);
-    std::uint32_t value = 0;
-    unsigned shift = 0;
-    for (const std::uint8_t byte : raw(size)) {
-      value |= static_cast<std::uint32_t>(byte) << shift;
-      shift += 8;
-    }
-    return value;
+    return can::load_u32(raw(size));
   }
 
   std::span<const std::uint8_t> bytes_;
@@ -132,7 +128,8 @@ class FieldWriter {
   void put(std::uint8_t byte) noexcept { memory_[size_++] = byte; }
   void number(std::uint32_t value, std::size_t size) noexcept {
     if (code_ == DataCode::binary) {
-      for (std::size_t i = 0; i < size; ++i) put(static_cast<std::uint8_t>(value >> (8 * i)));
+      can::store_value(&memory_[size_], value, static_cast<unsigned>(size));
+      size_ += size;
       return;
     }
     constexpr std::string_view hexadecimal = "0123456789ABCDEF";
