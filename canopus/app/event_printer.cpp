@@ -35,26 +35,37 @@ std::string hexadecimal(const canopen::Emergency& message) {
 
 }  // namespace
 
+void JsonPrinter::print(const Json& line, can::Time now) {
+  latest_ = now;
+  out_.json(line);
+}
+
+std::string JsonPrinter::lost_line(std::uint64_t lines) const {
+  Json line = event(latest_, "lost");
+  line["lines"] = lines;
+  return line.dump() + '\n';
+}
+
 void JsonPrinter::listening(std::string_view protocol, std::string_view of, std::string_view address) {
   Json line = event(can::Time{}, "listen");
   line["protocol"] = protocol;
   line["of"] = of;
   line["address"] = address;
-  out_.json(line);
+  print(line, can::Time{});
 }
 
-void JsonPrinter::booted(const NodePlate& node, can::Time now) { out_.json(node_event(now, "boot", node)); }
+void JsonPrinter::booted(const NodePlate& node, can::Time now) { print(node_event(now, "boot", node), now); }
 
 void JsonPrinter::nmt_state_changed(const NodePlate& node, canopen::NmtState state, can::Time now) {
   Json line = node_event(now, "nmt", node);
   line["state"] = canopen::name(state);
-  out_.json(line);
+  print(line, now);
 }
 
 void JsonPrinter::lss_configured(const NodePlate& node, std::uint32_t bit_rate, can::Time now) {
   Json line = node_event(now, "lss", node);
   line["bit_rate"] = bit_rate;
-  out_.json(line);
+  print(line, now);
 }
 
 void JsonPrinter::emergency(const NodePlate& node, const canopen::Emergency& message, can::Time now) {
@@ -62,7 +73,7 @@ void JsonPrinter::emergency(const NodePlate& node, const canopen::Emergency& mes
   line["code"] = fmt::format("{:04X}", message.code);
   line["register"] = message.error_register;
   line["data"] = hexadecimal(message);
-  out_.json(line);
+  print(line, now);
 }
 
 void JsonPrinter::slave_boot_went_on(const NodePlate& slave, const NodePlate& master,
@@ -70,7 +81,7 @@ void JsonPrinter::slave_boot_went_on(const NodePlate& slave, const NodePlate& ma
   Json line = node_event(now, "boot slave", slave);
   line["master"] = master.node_id;
   add_boot(line, record, now);
-  out_.json(line);
+  print(line, now);
 }
 
 void JsonPrinter::signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) {
@@ -78,7 +89,7 @@ void JsonPrinter::signal_changed(std::string_view plc, char kind, unsigned numbe
   line["plc"] = plc;
   line["signal"] = fmt::format("{}{:02X}", kind, number);
   line["on"] = on;
-  out_.json(line);
+  print(line, now);
 }
 
 void JsonPrinter::buffer_changed(std::string_view plc, unsigned head, std::uint32_t address,
@@ -89,7 +100,7 @@ void JsonPrinter::buffer_changed(std::string_view plc, unsigned head, std::uint3
   line["address"] = address;
   line["value"] = value;
   line["by"] = by_cpu ? "cpu" : "module";
-  out_.json(line);
+  print(line, now);
 }
 
 void JsonPrinter::load(std::string_view bus, const sim::BusLoad& load, can::Time now) {
@@ -99,21 +110,21 @@ void JsonPrinter::load(std::string_view bus, const sim::BusLoad& load, can::Time
   line["peak"] = load.peak;
   line["frames"] = load.frames;
   line["error_frames"] = load.error_frames;
-  out_.json(line);
+  print(line, now);
 }
 
 void JsonPrinter::warning(std::string_view source, std::string_view message, can::Time now) {
   Json line = event(now, "warning");
   line["source"] = source;
   line["message"] = message;
-  out_.json(line);
+  print(line, now);
 }
 
 void JsonPrinter::error(std::string_view source, std::string_view message, can::Time now) {
   Json line = event(now, "error");
   line["source"] = source;
   line["message"] = message;
-  out_.json(line);
+  print(line, now);
 }
 
 void JsonPrinter::summary(const RunSummary& summary) {
@@ -154,7 +165,7 @@ void JsonPrinter::summary(const RunSummary& summary) {
                                 {"name", trouble.module.name},
                                 {"message", trouble.text}});
   }
-  out_.json(line);
+  print(line, summary.end);
 }
 
 std::string describe_trouble(const SlaveBoot& boot, can::Time now) {
@@ -231,7 +242,14 @@ std::vector<std::string> describe(const RunSummary& summary) {
   return lines;
 }
 
+std::string LinePrinter::lost_line(std::uint64_t lines) const {
+  return Line("{:>12.6f}  {} line{} lost: the output was not read\n", rounded_seconds(latest_), lines,
+              lines == 1 ? "" : "s")
+      .text();
+}
+
 void LinePrinter::line(can::Time now, std::string_view text) {
+  latest_ = now;
   out_.line("{:>12.6f}  {}", rounded_seconds(now), text);
 }
 
@@ -281,6 +299,7 @@ void LinePrinter::warning(std::string_view source, std::string_view message, can
 }
 
 void LinePrinter::error(std::string_view source, std::string_view message, can::Time now) {
+  latest_ = now;
   errors_.line("{:>12.6f}  {}: {}", rounded_seconds(now), source, message);
 }
 

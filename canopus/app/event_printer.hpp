@@ -2,9 +2,13 @@
 // What happens in a plant, as lines: JSON for programs (one object per line, docs/events.md), or plain text
 // for people and pipes. Each line goes out whole.
 
+#include <atomic>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include <nlohmann/json_fwd.hpp>
 
 #include "canopus/app/plant.hpp"
 #include "canopus/app/print.hpp"
@@ -33,6 +37,8 @@ class JsonPrinter final : public PlantObserver {
   explicit JsonPrinter(Output& out) : out_(out) {}
   void listening(std::string_view protocol, std::string_view of, std::string_view address);
   void summary(const RunSummary& summary);
+  /// The line that says how many of the lines up to now were lost. Any thread may ask.
+  [[nodiscard]] std::string lost_line(std::uint64_t lines) const;
 
   void booted(const NodePlate& node, can::Time now) override;
   void nmt_state_changed(const NodePlate& node, canopen::NmtState state, can::Time now) override;
@@ -48,7 +54,9 @@ class JsonPrinter final : public PlantObserver {
   void error(std::string_view source, std::string_view message, can::Time now) override;
 
  private:
+  void print(const nlohmann::ordered_json& line, can::Time now);
   Output& out_;
+  std::atomic<can::Time> latest_{};
 };
 
 /// Lines for people: everything but the load.
@@ -57,6 +65,8 @@ class LinePrinter final : public PlantObserver {
   /// `quiet`: errors alone.
   LinePrinter(Output& out, Output& errors, bool quiet) : out_(out), errors_(errors), quiet_(quiet) {}
   void summary(const RunSummary& summary);
+  /// The line that says how many of the lines up to now were lost. Any thread may ask.
+  [[nodiscard]] std::string lost_line(std::uint64_t lines) const;
 
   void booted(const NodePlate& node, can::Time now) override;
   void nmt_state_changed(const NodePlate& node, canopen::NmtState state, can::Time now) override;
@@ -75,6 +85,7 @@ class LinePrinter final : public PlantObserver {
   Output& out_;
   Output& errors_;
   bool quiet_;
+  std::atomic<can::Time> latest_{};
 };
 
 /// "operational", "off", "layer 2 online"

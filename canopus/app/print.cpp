@@ -4,7 +4,9 @@
 #include <cstdlib>
 #include <system_error>
 
+#include <fcntl.h>
 #include <nlohmann/json.hpp>
+#include <poll.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -15,22 +17,38 @@ namespace {
 class StandardStream final : public Output {
  public:
   explicit StandardStream(int descriptor) : descriptor_(descriptor) {}
+  void divert(Output* to) { diverted_ = to; }
 
  private:
   void write(std::string_view text) override {
+    if (diverted_ != nullptr) return diverted_->content(text);
     end_progress();
     while (!text.empty()) {
       const ssize_t written = ::write(descriptor_, text.data(), text.size());
-      if (written < 0) {
+      if (written >= 0) {
+        text.remove_prefix(static_cast<std::size_t>(written));
+      } else if (errno != EAGAIN || !wait_for_reader()) {
         if (descriptor_ == STDERR_FILENO) return;
         throw OutputFailed(errno);
       }
-      text.remove_prefix(static_cast<std::size_t>(written));
     }
   }
 
+  /// Another process may have set O_NONBLOCK on the description it shares with this one.
+  [[nodiscard]] bool wait_for_reader() const {
+    pollfd state{.fd = descriptor_, .events = POLLOUT, .revents = 0};
+    return ::poll(&state, 1, -1) > 0;
+  }
+
   int descriptor_;
+  Output* diverted_ = nullptr;
 };
+
+StandardStream& stream(int descriptor) {
+  static StandardStream out(STDOUT_FILENO);
+  static StandardStream error(STDERR_FILENO);
+  return descriptor == STDOUT_FILENO ? out : error;
+}
 
 bool progress_is_shown = false;
 
@@ -67,14 +85,26 @@ OutputFailed::OutputFailed(int error)
                              ? "interrupted"
                              : "cannot write the output: " + std::generic_category().message(error)) {}
 
-Output& standard_output() {
-  static StandardStream stream(STDOUT_FILENO);
-  return stream;
+void reserve_standard_descriptors() {
+  for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(descriptor, F_GETFD) >= 0 || errno != EBADF) continue;
+    // The lowest free number, so this one; for the wrong direction, so that its use fails as before.
+    (void)::open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+  }
 }
 
-Output& standard_error() {
-  static StandardStream stream(STDERR_FILENO);
-  return stream;
+Output& standard_output() { return stream(STDOUT_FILENO); }
+
+Output& standard_error() { return stream(STDERR_FILENO); }
+
+Diversion::Diversion(Output& out, Output& error) {
+  stream(STDOUT_FILENO).divert(&out);
+  stream(STDERR_FILENO).divert(&error);
+}
+
+Diversion::~Diversion() {
+  stream(STDOUT_FILENO).divert(nullptr);
+  stream(STDERR_FILENO).divert(nullptr);
 }
 
 void print_json(const nlohmann::ordered_json& object) { standard_output().json(object); }

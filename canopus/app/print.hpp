@@ -112,8 +112,20 @@ class OutputFailed : public std::runtime_error {
   explicit OutputFailed(int error);
 };
 
+/// Where the program was started without a standard stream (`>&-`), no file it opens becomes that stream.
+void reserve_standard_descriptors();
+
 [[nodiscard]] Output& standard_output();
 [[nodiscard]] Output& standard_error();
+
+/// As long as it lives, what is printed on the standard output and the standard error goes there.
+class Diversion {
+ public:
+  Diversion(Output& out, Output& error);
+  ~Diversion();
+  Diversion(const Diversion&) = delete;
+  Diversion& operator=(const Diversion&) = delete;
+};
 
 /// One line on the standard output.
 template <typename... T>

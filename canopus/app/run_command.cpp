@@ -67,9 +67,9 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command->add_flag("-q,--quiet", words->options.quiet, "Print errors alone")->excludes(json);
   command->footer(
       "Without --json and --quiet a terminal shows a live table, a pipe gets one line per event.\n"
-      "Exit codes: 0 ended as asked, 1 could not start or write a file, or an error in Canopus stopped a "
-      "part of\n"
-      "the plant, 2 wrong plant file or usage, 3 not operational as expected.\n"
+      "Exit codes: 0 ended as asked, 1 could not start, could not write a file or the output, or an error "
+      "in\n"
+      "Canopus stopped a part of the plant, 2 wrong plant file or usage, 3 not operational as expected.\n"
       "Example: canopus run plant.toml --virtual --expect-operational=30s");
   command->callback([words, &exit_code] {
     if (!words->duration.empty()) words->options.duration = *parse_duration(words->duration);

@@ -1,6 +1,7 @@
 #include "canopus/app/run_loop.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <memory>
@@ -10,7 +11,6 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <fmt/format.h>
 #include <unistd.h>
@@ -26,8 +26,10 @@
 #include "canopus/app/plant_loading.hpp"
 #include "canopus/app/print.hpp"
 #include "canopus/app/real_time.hpp"
+#include "canopus/app/run_output.hpp"
 #include "canopus/app/run_recording.hpp"
 #include "canopus/app/screen.hpp"
+#include "canopus/app/stop_signals.hpp"
 #include "canopus/app/text_values.hpp"
 #include "canopus/link/socketcand_server.hpp"
 #include "canopus/link/trace_file.hpp"
@@ -38,6 +40,24 @@ namespace {
 namespace asio = boost::asio;
 using WallClock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
+
+/// How long the end of a run waits for who reads what it prints. Another signal ends the waiting.
+class EndPatience {
+ public:
+  /// `limited`: no longer than a second for a reader that takes nothing.
+  explicit EndPatience(bool limited) : limited_(limited) {}
+  bool operator()(WallClock::duration since_reader_took_something) {
+    io_.poll();
+    if (again_.came()) return false;
+    return !limited_ || std::min(since_reader_took_something, WallClock::now() - start_) < 1s;
+  }
+
+ private:
+  asio::io_context io_{1};
+  StopSignals again_{io_, {}};
+  bool limited_;
+  WallClock::time_point start_ = WallClock::now();
+};
 
 /// One run from build to summary.
 class Run {
@@ -65,6 +85,9 @@ class Run {
   void set_cpu_clocks();
   bool run_in_real_time();
   void run_in_virtual_time();
+  void start_output();
+  [[nodiscard]] bool is_to_end() const { return stop_signals_->came() || output_failed_; }
+  bool close_recordings(const OutputQueue::Patience& patience);
   void redraw(RealTime& clock);
   void door(std::string_view protocol, std::string_view of, const std::string& address);
   bool expectation_over();
@@ -79,10 +102,14 @@ class Run {
   LiveTable table_;
   bool has_table_;
   std::unique_ptr<Plant> plant_;
+  std::unique_ptr<RecordingStream> trace_stream_;
   std::optional<link::TraceFile> trace_;
   std::vector<std::unique_ptr<TraceWriter>> trace_writers_;
   std::vector<std::unique_ptr<VcdFile>> vcd_;
   asio::io_context io_{1};
+  std::optional<StopSignals> stop_signals_;
+  std::atomic<bool> output_failed_{false};
+  std::optional<RunOutput> output_;
   std::vector<std::unique_ptr<ClientPorts>> client_ports_;  // outlive the servers
   std::vector<std::unique_ptr<link::SocketcandServer>> socketcand_;
   std::vector<std::unique_ptr<MelsecServer>> melsec_;
@@ -100,12 +127,24 @@ bool Run::open_trace() {
     print_error("canopus: {}", format.error());
     return false;
   }
-  auto file = link::TraceFile::create(options_.trace, *format);
-  if (!file) {
-    print_error("canopus: {}", file.error());
+  auto stream = RecordingStream::open(options_.trace);
+  if (!stream) {
+    print_error("canopus: {}", stream.error());
     return false;
   }
-  trace_.emplace(std::move(*file));
+  trace_stream_ = std::move(*stream);
+  if (trace_stream_ != nullptr) {
+    trace_.emplace(link::TraceFile::to(options_.trace, *format, [this](const void* bytes, std::size_t size) {
+      return trace_stream_->write({static_cast<const char*>(bytes), size});
+    }));
+  } else {
+    auto file = link::TraceFile::create(options_.trace, *format);
+    if (!file) {
+      print_error("canopus: {}", file.error());
+      return false;
+    }
+    trace_.emplace(std::move(*file));
+  }
   for (std::size_t i = 0; i < plant_->bus_count(); ++i) {
     trace_writers_.push_back(std::make_unique<TraceWriter>(*trace_, plant_->bus(i).name()));
     plant_->bus(i).add_observer(*trace_writers_.back());
@@ -192,7 +231,8 @@ link::ClientReport Run::report_of(std::string source) {
 }
 
 void Run::redraw(RealTime& clock) {
-  screen_.show(table_.draw(clock.now(), clock.lag(), Screen::size()));
+  // A terminal that is stopped gets the latest picture when it goes on, not all of them.
+  if (output_->out().is_idle()) screen_.show(table_.draw(clock.now(), clock.lag(), Screen::size()));
   redraw_timer_->expires_after(250ms);
   redraw_timer_->async_wait([this, &clock](const boost::system::error_code& error) {
     if (!error) redraw(clock);
@@ -214,10 +254,6 @@ bool Run::run_in_real_time() {
   if (!options_.json && !options_.quiet && !has_table_) {
     for (const std::string& line : plant_->connections()) print_line("{}", line);
   }
-  asio::signal_set stop(io_, SIGINT, SIGTERM, SIGHUP);
-  stop.async_wait([this](const boost::system::error_code& error, int) {
-    if (!error) io_.stop();
-  });
   set_cpu_clocks();
   clock.set_resumed_handler([this] { set_cpu_clocks(); });
   plant_->power_on();
@@ -241,14 +277,17 @@ bool Run::run_in_real_time() {
 
 void Run::run_in_virtual_time() {
   const can::Time end = options_.duration ? can::Time{} + *options_.duration : can::never;
-  bool stopped = false;
-  asio::signal_set stop(io_, SIGINT, SIGTERM, SIGHUP);
-  stop.async_wait([&](const boost::system::error_code& error, int) { stopped = !error; });
+  const auto goes_on = [this](auto) {
+    io_.poll();
+    return !is_to_end();
+  };
+  output_->set_patience(goes_on);
+  if (trace_stream_ != nullptr) trace_stream_->set_patience(goes_on);
+  for (const auto& vcd : vcd_) vcd->set_patience(goes_on);
   plant_->power_on();
   can::Timeline& timeline = plant_->timeline();
-  while (timeline.now() < end && !stopped && !expectation_over()) {
+  while (timeline.now() < end && goes_on(0) && !expectation_over()) {
     timeline.run_until(std::min(can::later(timeline.now(), 100ms), end));
-    io_.poll();
   }
 }
 
@@ -277,6 +316,35 @@ bool Run::came_up() {
                 describe(*options_.operational_within));
   }
   return false;
+}
+
+/// From now on nothing that is printed makes the plant wait, and a signal ends the run.
+void Run::start_output() {
+  stop_signals_.emplace(io_, [this] { io_.stop(); });
+  output_.emplace(
+      RunOutput::Use{.lost_line =
+                         [this](std::uint64_t lines) {
+                           return options_.json ? json_.lost_line(lines) : lines_.lost_line(lines);
+                         },
+                     .lost_error_line = [this](std::uint64_t lines) { return lines_.lost_line(lines); },
+                     .failed =
+                         [this] {
+                           output_failed_ = true;
+                           io_.stop();
+                         }});
+}
+
+bool Run::close_recordings(const OutputQueue::Patience& patience) {
+  std::vector<std::string> problems;
+  for (const auto& vcd : vcd_) problems.push_back(vcd->close(plant_->timeline().now(), patience));
+  if (trace_) {
+    const auto closed = trace_->close();
+    if (!closed) problems.push_back(closed.error());
+    if (closed && trace_stream_ != nullptr) problems.push_back(trace_stream_->close(patience));
+  }
+  std::erase(problems, "");
+  for (const std::string& problem : problems) print_error("canopus: {}", problem);
+  return problems.empty();
 }
 
 void Run::summarise(can::Duration wall) {
@@ -315,40 +383,42 @@ int Run::operator()() {
   }
   warn();
   if (!open_trace() || !open_vcd()) return 1;
+  start_output();
   if (options_.expect_operational) {
     expected_.emplace(options_.operational_within, options_.duration.has_value());
   }
   const auto started = WallClock::now();
+  bool good = true;
   if (options_.virtual_time) {
     run_in_virtual_time();
-  } else if (!run_in_real_time()) {
-    return 1;
+  } else {
+    good = run_in_real_time();
   }
-  summarise(WallClock::now() - started);
-  bool written = true;
-  for (const auto& vcd : vcd_) {
-    const std::string problem = vcd->close(plant_->timeline().now());
-    if (problem.empty()) continue;
-    print_error("canopus: {}", problem);
-    written = false;
+  const can::Duration wall = WallClock::now() - started;
+  // In virtual time whoever reads has all the time there is.
+  EndPatience patience(!options_.virtual_time || is_to_end());
+  const auto waits = [&patience](WallClock::duration since) { return patience(since); };
+  output_->set_patience(waits);
+  if (good) {
+    good = close_recordings(waits) && !plant_->has_stalled();
+    summarise(wall);
   }
-  if (trace_) {
-    if (const auto closed = trace_->close(); !closed) {
-      print_error("canopus: {}", closed.error());
-      written = false;
-    }
-  }
-  const bool operational = came_up();
-  if (!written || plant_->has_stalled()) return 1;
+  const bool came = !good || came_up();
+  const int printed = output_->finish(waits);
+  if (printed != RunOutput::written) return printed;
   constexpr int not_as_expected = 3;
-  return operational ? 0 : not_as_expected;
+  return !good ? 1 : came ? 0 : not_as_expected;
 }
 
 }  // namespace
 
 int run_plant(const RunOptions& options) {
-  std::signal(SIGPIPE, SIG_IGN);  // a reader that goes away ends the output, not the plant
-  return Run(options)();
+  // A reader that goes away ends the run in good order, and then the program as it ends every other one.
+  const auto before = std::signal(SIGPIPE, SIG_IGN);
+  const int code = Run(options)();
+  (void)std::signal(SIGPIPE, before);
+  if (code == RunOutput::reader_gone && before == SIG_DFL) (void)std::raise(SIGPIPE);
+  return code;
 }
 
 }  // namespace canopus::app

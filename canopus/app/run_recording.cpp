@@ -4,37 +4,86 @@
 #include <cstring>
 #include <utility>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 namespace canopus::app {
+
+std::expected<std::unique_ptr<RecordingStream>, std::string> RecordingStream::open(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0 || S_ISREG(status.st_mode)) return nullptr;
+  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  if (descriptor < 0) return std::unexpected(fmt::format("cannot write {}: {}", path, std::strerror(errno)));
+  return std::unique_ptr<RecordingStream>(new RecordingStream(path, descriptor));
+}
+
+RecordingStream::RecordingStream(std::string path, int descriptor)
+    : path_(std::move(path)), descriptor_(descriptor), queue_(descriptor, {}) {}
+
+RecordingStream::~RecordingStream() { (void)close({}); }
+
+int RecordingStream::write(std::string_view bytes) {
+  queue_.content(bytes);
+  return queue_.error();
+}
+
+std::string RecordingStream::close(const OutputQueue::Patience& patience) {
+  if (descriptor_ < 0) return {};
+  const bool is_complete = queue_.finish(patience) == 0 && !is_incomplete();
+  (void)::close(std::exchange(descriptor_, -1));
+  if (const int error = queue_.error(); error != 0) {
+    return fmt::format("{}: the recording is not complete: {}", path_, std::strerror(error));
+  }
+  return is_complete ? "" : fmt::format("{}: the recording is not complete: its reader was too slow", path_);
+}
 
 void TraceWriter::frame_completed(const can::Frame& frame, can::Time /*start*/, can::Time end) {
   file_.write(bus_, frame, end);
 }
 
-VcdFile::VcdFile(std::string path, sim::Bus& bus)
-    : path_(std::move(path)), file_(std::fopen(path_.c_str(), "w")) {
-  if (file_ == nullptr) {
-    error_ = errno;
+VcdFile::VcdFile(std::string path, sim::Bus& bus) : path_(std::move(path)) {
+  auto stream = RecordingStream::open(path_);
+  if (!stream) {
+    error_ = stream.error();
     return;
   }
-  waveform_.emplace(bus, can::Time{}, [this](std::string_view text) {
-    if (std::fwrite(text.data(), 1, text.size(), file_) != text.size() && error_ == 0) error_ = errno;
-  });
+  stream_ = std::move(*stream);
+  if (stream_ == nullptr) file_ = std::fopen(path_.c_str(), "w");
+  if (stream_ == nullptr && file_ == nullptr) {
+    fail(errno);
+    return;
+  }
+  waveform_.emplace(bus, can::Time{}, [this](std::string_view text) { write(text); });
 }
 
-VcdFile::~VcdFile() { (void)close({}); }
+VcdFile::~VcdFile() { (void)close({}, {}); }
 
-std::string VcdFile::error() const {
-  return error_ == 0 ? std::string() : fmt::format("cannot write {}: {}", path_, std::strerror(error_));
+void VcdFile::set_patience(const OutputQueue::Patience& patience) {
+  if (stream_ != nullptr) stream_->set_patience(patience);
 }
 
-std::string VcdFile::close(can::Time now) {
+void VcdFile::fail(int reason) {
+  if (error_.empty()) error_ = fmt::format("cannot write {}: {}", path_, std::strerror(reason));
+}
+
+void VcdFile::write(std::string_view text) {
+  if (stream_ == nullptr) {
+    if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail(errno);
+  } else if (!stream_->is_incomplete()) {  // a waveform with a hole would show edges that never were
+    (void)stream_->write(text);
+  }
+}
+
+std::string VcdFile::close(can::Time now, const OutputQueue::Patience& patience) {
   if (waveform_) waveform_->flush(now);
   waveform_.reset();
-  if (file_ != nullptr && std::fclose(file_) != 0 && error_ == 0) error_ = errno;
+  if (file_ != nullptr && std::fclose(file_) != 0) fail(errno);
   file_ = nullptr;
-  return error();
+  if (stream_ != nullptr && error_.empty()) error_ = stream_->close(patience);
+  stream_.reset();
+  return error_;
 }
 
 }  // namespace canopus::app

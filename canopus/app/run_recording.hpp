@@ -1,17 +1,47 @@
 #pragma once
 // What a run records beside its output: every frame of its buses in one trace file, and the wire of each bus
-// as a waveform.
+// as a waveform. Regular files are written at once. What has a reader (a FIFO, a pipe, /dev/stdout) gets its
+// own queue: in real time the plant does not wait for it.
 
 #include <cstdio>
+#include <expected>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
+#include "canopus/app/output_queue.hpp"
 #include "canopus/link/trace_file.hpp"
 #include "canopus/sim/bus.hpp"
 #include "canopus/sim/waveform.hpp"
 
 namespace canopus::app {
+
+/// A target of a recording that is no regular file, so that its reader may be slow or gone.
+class RecordingStream {
+ public:
+  /// Nothing if `path` is, or will be, a regular file. Waits for the reader of a FIFO.
+  [[nodiscard]] static std::expected<std::unique_ptr<RecordingStream>, std::string> open(
+      const std::string& path);
+  ~RecordingStream();
+  RecordingStream(const RecordingStream&) = delete;
+  RecordingStream& operator=(const RecordingStream&) = delete;
+
+  /// Without a patience what the reader does not take in time is left out.
+  void set_patience(const OutputQueue::Patience& patience) { queue_.set_patience(patience); }
+  /// 0, or the errno of an earlier write.
+  int write(std::string_view bytes);
+  /// Something was left out.
+  [[nodiscard]] bool is_incomplete() const { return queue_.lost() != 0; }
+  /// Empty, or what went wrong since the start.
+  [[nodiscard]] std::string close(const OutputQueue::Patience& patience);
+
+ private:
+  RecordingStream(std::string path, int descriptor);
+  std::string path_;
+  int descriptor_;
+  OutputQueue queue_;
+};
 
 /// Every frame of a bus into the trace file.
 class TraceWriter final : public sim::BusObserver {
@@ -32,14 +62,19 @@ class VcdFile {
   VcdFile(const VcdFile&) = delete;
   VcdFile& operator=(const VcdFile&) = delete;
 
-  [[nodiscard]] std::string error() const;
+  void set_patience(const OutputQueue::Patience& patience);
+  [[nodiscard]] std::string error() const { return error_; }
   /// Empty, or what went wrong since the start.
-  std::string close(can::Time now);
+  std::string close(can::Time now, const OutputQueue::Patience& patience);
 
  private:
+  void write(std::string_view text);
+  void fail(int reason);
+
   std::string path_;
-  std::FILE* file_;
-  int error_ = 0;
+  std::unique_ptr<RecordingStream> stream_;  // or a file
+  std::FILE* file_ = nullptr;
+  std::string error_;
   std::optional<sim::Waveform> waveform_;
 };
 

@@ -1,9 +1,9 @@
 #include "canopus/app/screen.hpp"
 
-#include <cstdio>
-
 #include <sys/ioctl.h>
 #include <unistd.h>
+
+#include "canopus/app/print.hpp"
 
 namespace canopus::app {
 
@@ -13,14 +13,12 @@ void Screen::show(const std::string& picture) {
   std::string out = shown_ ? "\x1b[H" : "\x1b[?1049h\x1b[?25l\x1b[2J\x1b[H";
   shown_ = true;
   out += picture + "\x1b[J";
-  std::fwrite(out.data(), 1, out.size(), stdout);
-  std::fflush(stdout);
+  standard_output().content(out);
 }
 
 void Screen::leave() {
-  if (shown_) std::fputs("\x1b[?25h\x1b[?1049l", stdout);
+  if (shown_) standard_output().content("\x1b[?25h\x1b[?1049l");
   shown_ = false;
-  std::fflush(stdout);
 }
 
 TableSize Screen::size() {

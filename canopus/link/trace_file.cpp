@@ -85,12 +85,19 @@ std::expected<TraceFile, std::string> TraceFile::create(const std::string& path,
   if (file == nullptr) {
     return std::unexpected(path + ": cannot create the trace: " + std::generic_category().message(errno));
   }
-  return TraceFile(path, format, file);
+  return TraceFile(path, format, file, {});
 }
 
-TraceFile::TraceFile(std::string path, TraceFormat format, std::FILE* file)
-    : path_(std::move(path)), format_(format), buffer_(std::make_unique<char[]>(buffer_size)), file_(file) {
-  (void)std::setvbuf(file, buffer_.get(), _IOFBF, buffer_size);
+TraceFile TraceFile::to(std::string path, TraceFormat format, Writer writer) {
+  return {std::move(path), format, nullptr, std::move(writer)};
+}
+
+TraceFile::TraceFile(std::string path, TraceFormat format, std::FILE* file, Writer writer)
+    : path_(std::move(path)), format_(format), file_(file), writer_(std::move(writer)) {
+  if (file != nullptr) {
+    buffer_ = std::make_unique<char[]>(buffer_size);
+    (void)std::setvbuf(file, buffer_.get(), _IOFBF, buffer_size);
+  }
   if (format_ == TraceFormat::pcap) {
     const auto header = pcap_header();
     put(header.data(), header.size());
@@ -100,7 +107,12 @@ TraceFile::TraceFile(std::string path, TraceFormat format, std::FILE* file)
 TraceFile::~TraceFile() = default;
 
 void TraceFile::put(const void* bytes, std::size_t size) noexcept {
-  if (error_ != 0 || file_ == nullptr) return;
+  if (error_ != 0) return;
+  if (writer_) {
+    error_ = writer_(bytes, size);
+    return;
+  }
+  if (file_ == nullptr) return;
   if (std::fwrite(bytes, 1, size, file_.get()) != size) error_ = errno != 0 ? errno : EIO;
 }
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <expected>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -38,6 +39,9 @@ class TraceFile {
   /// Creates or empties the file. The error names it and says what the system said.
   [[nodiscard]] static std::expected<TraceFile, std::string> create(const std::string& path,
                                                                     TraceFormat format);
+  /// Hands the header and each record, whole, to `writer`, which returns 0 or an errno. `path` is for errors.
+  using Writer = std::function<int(const void* bytes, std::size_t size)>;
+  [[nodiscard]] static TraceFile to(std::string path, TraceFormat format, Writer writer);
   TraceFile(TraceFile&&) noexcept = default;
   TraceFile& operator=(TraceFile&&) = delete;
   ~TraceFile();
@@ -52,13 +56,14 @@ class TraceFile {
   struct Closer {
     void operator()(std::FILE* file) const noexcept { (void)std::fclose(file); }
   };
-  TraceFile(std::string path, TraceFormat format, std::FILE* file);
+  TraceFile(std::string path, TraceFormat format, std::FILE* file, Writer writer);
   void put(const void* bytes, std::size_t size) noexcept;
 
   std::string path_;
   TraceFormat format_;
   std::unique_ptr<char[]> buffer_;  // of file_, so it is declared before it
   std::unique_ptr<std::FILE, Closer> file_;
+  Writer writer_;  // in place of a file
   int error_ = 0;  // errno of the first failure
 };
 

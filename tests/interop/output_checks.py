@@ -1,0 +1,290 @@
+"""Checks of what the real process prints: into pipes that nobody reads, that end, that are full; and what names may do to it."""
+import contextlib
+import json
+import os
+import re
+import select
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+
+from kit import (PATIENCE, ROOT, check, first_plant_file, host_port, program, require, scratch)
+from module_checks import recorded
+
+sys.path.append(str(ROOT / "examples/me3can1-q"))
+import mc  # noqa: E402
+
+
+class LineReader:
+    """Reads a pipe only when it is asked to, and only as far as it must."""
+
+    def __init__(self, pipe):
+        self.descriptor = pipe.fileno()
+        self.rest = b""
+
+    def line(self):
+        """The next line, or nothing at the end."""
+        while b"\n" not in self.rest:
+            require(select.select([self.descriptor], [], [], PATIENCE)[0], "an expected line did not come")
+            piece = os.read(self.descriptor, 4096)
+            if not piece:
+                return None
+            self.rest += piece
+        line, self.rest = self.rest.split(b"\n", 1)
+        return line.decode()
+
+    def all_lines(self):
+        while (line := self.line()) is not None:
+            yield line
+
+
+@contextlib.contextmanager
+def started(*words, **options):
+    """The program with a pipe for its standard output that is not read by itself."""
+    options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "bufsize": 0, **options}
+    process = subprocess.Popen([program, *map(str, words)], **options)
+    try:
+        yield process, LineReader(process.stdout)
+    finally:
+        if process.poll() is None:
+            process.kill()
+        process.wait()
+
+
+def ends(process, how, within=30):
+    """Sends the signal; the exit code. `within` fits a busy machine; what is meant is a second."""
+    process.send_signal(how)
+    try:
+        return process.wait(timeout=within)
+    except subprocess.TimeoutExpired:
+        raise AssertionError(f"{signal.Signals(how).name} did not end the run") from None
+
+
+def mc_address(lines):
+    for line in lines.all_lines():
+        event = json.loads(line)
+        if event["event"] == "listen" and event["protocol"] == "MC protocol":
+            return host_port(event["address"])
+    raise AssertionError("the run ended before it opened its port")
+
+
+def write_many(plc, first, requests):
+    """Each request writes 480 other values: 480 events of about 100 octets. Each is answered."""
+    for number in range(first, first + requests):
+        plc.write(r"U0\G13000", [(number * 7 + i) & 0xFFFF for i in range(480)])
+    plc.write("D100", [first])
+    require(plc.read("D100") == [first], "the PLC does not answer any more")
+
+
+# --- nobody reads
+
+
+@check
+def an_unread_output_does_not_stop_the_plant():
+    """MC requests are answered, what is lost is counted in a JSON line, and a signal ends the run with its files complete."""
+    trace = scratch / "unread.pcap"
+    with started("run", first_plant_file(), "--json", "--trace", trace) as (process, lines):
+        host, port = mc_address(lines)
+        with mc.McClient(host, int(port), timeout=PATIENCE) as plc:
+            write_many(plc, 0, 100)
+            events, lost = [], None
+            for line in lines.all_lines():
+                events.append(json.loads(line))
+                if events[-1]["event"] == "lost":
+                    lost = events[-1]["lines"]
+                    break
+            require(lost and lost > 1000, f"lost: {lost}; last events {events[-3:]}")
+            shown = sum(event["event"] in ("buffer", "error") for event in events)  # an error: not to be written yet
+            require(shown + lost >= 100 * 480, f"{shown} shown and {lost} lost of {100 * 480}")
+            times = [event["t"] for event in events]
+            require(times == sorted(times), "the number of lost lines is not at its place")
+            require(json.loads(lines.line())["t"] >= events[-1]["t"], "the line after the lost ones is older")
+            write_many(plc, 200, 100)
+        begun = time.monotonic()
+        require(ends(process, signal.SIGTERM) == 0, "exit code")
+        print(f"    ended after {time.monotonic() - begun:.1f} s")
+        errors = process.stderr.read().decode()
+        require(re.fullmatch(r"canopus: \d+ lines lost: the output was not read\n", errors), errors)
+        for line in list(lines.all_lines())[:-1]:
+            json.loads(line)
+    require(len(recorded(trace)) > 50, "the trace is not complete")
+
+
+@check
+def every_signal_ends_a_run_that_nobody_reads():
+    for how in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        with started("run", first_plant_file(), "--json") as (process, lines):
+            host, port = mc_address(lines)
+            with mc.McClient(host, int(port), timeout=PATIENCE) as plc:
+                write_many(plc, 0, 60)
+            require(ends(process, how) == 0, f"exit code after {how}")
+
+
+@check
+def an_unread_standard_error_does_not_stop_the_plant():
+    """Invalid writes are errors, which people get on standard error."""
+    reader, writer = os.pipe()
+    try:
+        with started("run", first_plant_file(), stderr=writer) as (process, lines):
+            port = next(m[1] for m in (re.match(r"MC protocol.*:(\d+)$", line) for line in lines.all_lines()) if m)
+            with mc.McClient("127.0.0.1", int(port), timeout=PATIENCE) as plc:
+                for _ in range(12000):
+                    plc.write(r"U0\G24", [300])
+                plc.write("D100", [4711])
+                require(plc.read("D100") == [4711], "the PLC does not answer any more")
+            require(ends(process, signal.SIGTERM) == 0, "exit code")
+    finally:
+        os.close(reader)
+        os.close(writer)
+
+
+@check
+def in_virtual_time_the_plant_waits_for_the_reader():
+    with started("run", first_plant_file(), "--virtual", "--for", "20min", "--json") as (process, lines):
+        time.sleep(1)  # long enough to fill every queue; if not, the check proves less, but does not fail
+        events = [json.loads(line)["event"] for line in lines.all_lines()]
+        require(process.wait(timeout=PATIENCE) == 0, "exit code")
+    require(events[-1] == "summary" and "lost" not in events, f"{events[-3:]}")
+    require(events.count("load") == 1200, f"{events.count('load')} load events in 20 minutes")
+
+
+@check
+def a_signal_ends_a_run_in_virtual_time_that_waits_for_its_reader():
+    with started("run", first_plant_file(), "--virtual", "--json") as (process, lines):
+        lines.line()
+        time.sleep(1)
+        require(ends(process, signal.SIGTERM) == 0, "exit code")
+
+
+@check
+def a_trace_that_nobody_reads_does_not_stop_the_plant():
+    """A FIFO, as for Wireshark."""
+    fifo = scratch / "trace-fifo.pcap"
+    os.mkfifo(fifo)
+    with started("run", first_plant_file(), "--json", "--trace", fifo) as (process, lines):
+        reader = os.open(fifo, os.O_RDONLY)
+        try:
+            host, port = mc_address(lines)
+            with mc.McClient(host, int(port), timeout=PATIENCE) as plc:
+                plc.write("D100", [4711])
+                require(plc.read("D100", 1) == [4711], "the PLC does not answer")
+            require(os.read(reader, 4) == (0xA1B23C4D).to_bytes(4, sys.byteorder), "no pcap header")
+            ends(process, signal.SIGTERM)
+        finally:
+            os.close(reader)
+
+
+@check
+def a_signal_ends_a_run_whose_trace_has_no_reader():
+    fifo = scratch / "trace-without-reader.pcap"
+    os.mkfifo(fifo)
+    with started("run", first_plant_file(), "--json", "--trace", fifo) as (process, _):
+        time.sleep(0.5)  # until it waits for a reader; before that a signal ends it, too
+        ends(process, signal.SIGTERM)
+
+
+# --- the reader goes, the disk is full
+
+
+@check
+def the_run_ends_with_its_reader():
+    """`canopus run ... | head -5`"""
+    for words in (["--json"], [], ["--virtual", "--json"], ["--virtual"]):
+        with started("run", first_plant_file(), *words) as (process, lines):
+            for _ in range(5):
+                lines.line()
+            process.stdout.close()
+            require(process.wait(timeout=PATIENCE) == -signal.SIGPIPE, f"{words}: ended with {process.returncode}")
+            require(process.stderr.read() == b"", "it says something")
+
+
+@check
+def a_full_disk_is_an_error_of_every_command():
+    plant = first_plant_file()
+    eds = ROOT / "examples/devices/encoder.eds"
+    with started("run", plant, "--json") as (_, lines):
+        host, port = mc_address(lines)
+        commands = [["--help"], ["--version"], ["run", "--help"], ["check", plant], ["eds", "check", eds],
+                    ["eds", "check", "--json", eds], ["module", "list"], ["module", "info", "me3can1-q"],
+                    ["module", "eds", "me3can1-q"], ["plc", "read", "D100", "--port", port], ["plc", "type", "--port", port],
+                    ["plc", "watch", "D100", "--port", port], ["run", plant], ["run", plant, "--json"],
+                    ["run", plant, "--virtual", "--for", "2s"], ["run", plant, "--virtual", "--for", "2s", "--json"]]
+        for words in commands:
+            with open("/dev/full", "wb") as full:
+                done = subprocess.run([program, *map(str, words)], stdout=full, stderr=subprocess.PIPE, text=True, timeout=PATIENCE)
+            require(done.returncode == 1, f"{words}: exit code {done.returncode}")
+            require(done.stderr == "canopus: cannot write the output: No space left on device\n", f"{words}: {done.stderr}")
+
+
+@check
+def a_closed_output_is_no_file_of_the_run():
+    """Without the care for it the trace would get the number of the standard output, and the lines."""
+    trace = scratch / "closed-output.log"
+    done = subprocess.run(["sh", "-c", f"exec '{program}' run '{first_plant_file()}' --virtual --for 2s --trace '{trace}' >&-"],
+                          stderr=subprocess.PIPE, text=True, timeout=PATIENCE)
+    require(done.returncode == 1 and "cannot write the output: Bad file descriptor" in done.stderr, done.stderr)
+    for line in trace.read_text().splitlines():
+        require(re.fullmatch(r"\(\d+\.\d+\) line1 [0-9A-F]{3}#[0-9A-FR]*", line), f"a line of the trace: {line}")
+
+
+# --- names from outside
+
+HOSTILE = "x\x1b]0;owned\x07\x1b[2J\ncanopus: forged\x9b\u202e\u2028"
+
+
+def require_harmless(text, where):
+    wrong = re.search("[\x00-\x09\x0b-\x1f\x7f-\x9f\u2028\u2029\u202a-\u202e\u2066-\u2069]", text)
+    require(not wrong, f"{where}: {wrong and ascii(text[max(0, wrong.start() - 40):wrong.end() + 10])}")
+    require(not re.search("(?m)^canopus: forged", text), f"{where}: a forged line:\n{text}")
+
+
+def every_word_of(words, **options):
+    done = subprocess.run([program, *map(str, words)], capture_output=True, timeout=PATIENCE, **options)
+    return (done.stdout + done.stderr).decode("utf-8", "strict")
+
+
+@check
+def names_from_outside_control_no_terminal():
+    escaped = json.dumps(HOSTILE)
+    text = first_plant_file().read_text()
+    plant = scratch / "hostile.toml"
+    plant.write_text(text.replace('name = "encoder"', f"name = {escaped}"))
+    require("owned" in plant.read_text(), "the plant has no device named encoder")
+    eds = scratch / "hostile.eds"
+    content = (ROOT / "examples/devices/encoder.eds").read_bytes()
+    eds.write_bytes(re.sub(rb"(?m)^(ParameterName)=.*$", b"\\1=bad\x1b[31m\xc2\x9b2Jname\x85 \xe2\x80\xae", content, count=3) + b"\n[\x1b[2J]\n\x1b]0;t\x07=1\n1000=\x1b[2J\n")
+    wrong = scratch / "wrong-name.toml"
+    wrong.write_text(f"[[bus]]\nname = {escaped}\nbit_rate = 250000\n[[device]]\nname = {escaped}\nbus = {escaped}\nnode = 200\n"
+                     f"eds = {escaped}\n")
+    shown = every_word_of(["run", plant, "--virtual", "--for", "3s"])
+    require("x\\x1B]0;owned\\x07\\x1B[2J\\ncanopus: forged\\u009B\\u202E\\u2028" in shown, ascii(shown))
+    require_harmless(shown, "run")
+    lines = every_word_of(["run", plant, "--virtual", "--for", "3s", "--json"])
+    require_harmless(lines, "run --json")
+    names = {json.loads(line).get("name") for line in lines.splitlines()}
+    require(HOSTILE in names, f"the JSON says another name: {names}")
+    for words in (["check", plant], ["check", wrong], ["run", wrong], ["eds", "check", eds], ["eds", "check", "--json", eds],
+                  ["check", HOSTILE], ["eds", "check", HOSTILE], ["nonsense" + HOSTILE], ["plc", "read", HOSTILE],
+                  ["module", "info", HOSTILE], ["sdo", "read", HOSTILE, "1000"], ["scan", "--bus", HOSTILE]):
+        require_harmless(every_word_of(words), words)
+
+
+@check
+def answers_of_a_socketcand_server_control_no_terminal():
+    server = socket.create_server(("127.0.0.1", 0))
+
+    def serve():
+        peer, _ = server.accept()
+        with peer:
+            peer.sendall(b"< hi >")
+            peer.recv(100)
+            peer.sendall(b"< error \x1b[2J\x1b]0;owned\x07 \xc2\x9b31m >")
+            peer.recv(100)
+
+    threading.Thread(target=serve, daemon=True).start()
+    shown = every_word_of(["scan", "--bus", f"socketcand:127.0.0.1:{server.getsockname()[1]}/can0"])
+    require("error" in shown or "refuse" in shown, shown)
+    require_harmless(shown, "scan")
