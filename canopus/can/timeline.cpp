@@ -71,6 +71,11 @@ Time Timeline::next() const noexcept { return heap_.empty() ? never : heap_.fron
 void Timeline::run_until(Time end) {
   std::uint32_t ticks = 0;                  // of all, at now_
   std::vector<std::uint32_t> ticks_by_one;  // of each, once there are too many of all
+  const struct Running {
+    explicit Running(bool& flag) : running(flag) { running = true; }
+    ~Running() { running = false; }
+    bool& running;
+  } running(running_);
   while (!heap_.empty()) {
     const Handle handle = heap_.front().handle();
     const Time deadline = heap_.front().deadline;

@@ -53,6 +53,8 @@ class Timeline {
   [[nodiscard]] Time next() const noexcept;
   /// What now is: the time of the last tick, or what run_until() was given.
   [[nodiscard]] Time now() const noexcept { return now_; }
+  /// Inside run_until(); outside, whatever was due up to now() has had its tick.
+  [[nodiscard]] bool is_running() const noexcept { return running_; }
   /// Ticks everything whose deadline is <= end, in order of time; then now() == end.
   void run_until(Time end);
 
@@ -87,6 +89,7 @@ class Timeline {
   std::vector<std::string> names_;  // by handle: apart from what every tick needs
   std::function<void(const Stall&)> stall_handler_;
   Time now_{};
+  bool running_ = false;
 };
 
 }  // namespace canopus::can
