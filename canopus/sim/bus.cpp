@@ -10,12 +10,14 @@ namespace canopus::sim {
 
 struct Bus::Inside {
   Inside(std::string name, std::uint32_t bit_rate, can::Timeline& timeline)
-      : core(std::move(name), bit_rate, timeline), near(core), far(core) {}
+      : core(std::move(name), bit_rate, timeline), near(core, true), far(core, false) {}
 
   void run_spells(can::Time now);
   void begin(FaultPlan::Spell& spell, can::Time now);
   void end(FaultPlan::Spell& spell, can::Time now);
   void babble(FaultPlan::Spell& spell, can::Time now);
+  void set_babble(BusPort& port, const FaultPlan::Spell& spell);
+  [[nodiscard]] const FaultPlan::Spell* other_spell(FaultKind kind, const BusPort& port);
   void move(BusPort& port, Segment& to);
   void release_delayed(can::Time now);
 
@@ -100,6 +102,7 @@ void Bus::tick(can::Time now) {
   inside_->near.tick(now);
   inside_->far.tick(now);
   inside_->core.ticking = false;
+  inside_->core.ticked = now;
 }
 
 can::Time Bus::deadline() const noexcept {
@@ -133,11 +136,7 @@ void Bus::Inside::begin(FaultPlan::Spell& spell, can::Time now) {
   spell.active = true;
   switch (spell.fault.kind) {
     case FaultKind::babble:
-      for (BusPort* port : spell.ports) {
-        port->babbling = true;
-        port->babble_always = spell.fault.interval == can::Duration{};
-        port->babble = spell.fault.frame;
-      }
+      for (BusPort* port : spell.ports) set_babble(*port, spell);
       babble(spell, now);
       break;
     case FaultKind::jam:
@@ -161,12 +160,33 @@ void Bus::Inside::begin(FaultPlan::Spell& spell, can::Time now) {
   }
 }
 
+void Bus::Inside::set_babble(BusPort& port, const FaultPlan::Spell& spell) {
+  port.segment->keep_offer(port);
+  port.babbling = true;
+  port.babble_always = spell.fault.interval == can::Duration{};
+  port.babble = spell.fault.frame;
+}
+
+/// A fault of this kind that the port has at this time.
+const FaultPlan::Spell* Bus::Inside::other_spell(FaultKind kind, const BusPort& port) {
+  for (const FaultPlan::Spell& spell : core.plan.spells()) {
+    const bool has_port = std::find(spell.ports.begin(), spell.ports.end(), &port) != spell.ports.end();
+    if (spell.active && spell.fault.kind == kind && has_port) return &spell;
+  }
+  return nullptr;
+}
+
 void Bus::Inside::end(FaultPlan::Spell& spell, can::Time now) {
   spell.active = false;
   spell.fault.from = can::never;
   for (BusPort* port : spell.ports) {
+    if (const FaultPlan::Spell* other = other_spell(spell.fault.kind, *port)) {
+      if (spell.fault.kind == FaultKind::babble) set_babble(*port, *other);
+      continue;
+    }
     switch (spell.fault.kind) {
       case FaultKind::babble:
+        port->segment->keep_offer(*port);
         port->babbling = port->babble_due = false;
         port->segment->offer_changed(*port);
         break;
@@ -190,6 +210,7 @@ void Bus::Inside::end(FaultPlan::Spell& spell, can::Time now) {
 
 void Bus::Inside::babble(FaultPlan::Spell& spell, can::Time now) {
   for (BusPort* port : spell.ports) {
+    set_babble(*port, spell);
     port->babble_due = true;
     port->segment->offer_changed(*port);
   }
@@ -204,7 +225,7 @@ void Bus::Inside::move(BusPort& port, Segment& to) {
   from.before_change();
   to.before_change();
   port.segment = &to;
-  to.follow(from);
+  to.arrive(port, from);
   from.after_change();
   to.after_change();
 }

@@ -35,18 +35,25 @@ struct BusCore {
     if (!ticking) timeline.refresh(handle);
   }
 
+  /// The bus has done what it does at the timeline's now.
+  [[nodiscard]] bool has_ticked() const noexcept {
+    return !timeline.is_running() || (!ticking && ticked == timeline.now());
+  }
+
   std::string name;
   std::uint32_t bit_rate;
   can::Time created{};
   can::Timeline& timeline;
   can::Timeline::Handle handle = 0;
   bool ticking = false;
+  can::Time ticked = can::never;  // the last tick's moment
   std::vector<std::unique_ptr<BusPort>> ports;
   std::vector<BusObserver*> observers;
   std::vector<WireObserver*> wire_observers;
   BusStatistics statistics;
   AcceptanceTable acceptance;
   FaultPlan plan;
+  std::uint64_t frame_number = 0;  // of frames that were computed as a whole
 
   /// A frame that a fault keeps in its controller.
   struct Delayed {
@@ -112,6 +119,25 @@ class BusPort final : public Port {
     sending = true;
     last_attempt = false;
   }
+  /// Keeps what it offers now, which is what it offered when the frame with this number began.
+  void keep_offer(std::uint64_t frame_number) noexcept {
+    kept = {.frame_number = frame_number, .offered = offer() != Arbiter::none};
+    if (!kept.offered) return;
+    kept.is_babble = babble_goes_first();
+    kept.frame = kept.is_babble ? babble : queue.front();
+  }
+  /// It is on the wire with what it offered then.
+  void take_kept() noexcept {
+    sends_babble = kept.is_babble;
+    current = kept.frame;
+    sending = true;
+    last_attempt = kept.is_aborted;
+    if (sends_babble) {
+      babble_due = false;
+    } else if (!kept.is_aborted) {
+      queue.remove(current);
+    }
+  }
   /// What was on the wire has failed or lost and waits again.
   void give_back() noexcept {
     if (sends_babble) {
@@ -169,7 +195,7 @@ class BusPort final : public Port {
   bool last_attempt = false;  // `current` was aborted: it does not wait again
   can::Frame current;
   TransmitQueue queue;
-  can::Time last_queued{};
+  bool confirm = false;  // `current` is complete, its participant has to be told
   can::FaultConfinement faults;
   std::uint32_t refused = 0;
   std::uint32_t overrun = 0;
@@ -184,6 +210,16 @@ class BusPort final : public Port {
   bool sends_babble = false;  // `current` is one
   can::Frame babble;
 
+  // What it offered when a frame of others began that was computed as a whole, if that has changed since.
+  struct Kept {
+    std::uint64_t frame_number = 0;
+    bool offered = false;
+    bool is_babble = false;
+    bool is_aborted = false;
+    can::Frame frame{};
+  };
+  Kept kept;
+
   // For the segment, while it works bit by bit.
   struct Tap {
     can::Time bit_start{};
@@ -194,13 +230,16 @@ class BusPort final : public Port {
     bool arbitrating = false;     // likewise
     bool received = false;        // complete at the end of this bit
     bool transmitted = false;     // likewise
+    bool counted = false;         // `received` or `transmitted` came to this wire from one that reports it
     bool changed = false;         // error state or warning
-    can::Time frame_start{};
+    can::Time frame_start{};      // of the present or last frame
   };
   BitController bits{faults};
   Tap tap;
 
  private:
+  void forget_queue();
+
   std::string port_name_;
 };
 

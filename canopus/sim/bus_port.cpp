@@ -32,11 +32,11 @@ bool BusPort::send(const can::Frame& frame) {
 }
 
 bool BusPort::enqueue(const can::Frame& frame) {
+  segment->keep_offer(*this);
   if (listen_only || !queue.push(frame, sending ? 1 : 0)) {
     ++refused;
     return false;
   }
-  last_queued = core.timeline.now();
   segment->offer_changed(*this);
   return true;
 }
@@ -56,9 +56,16 @@ void BusPort::restart(std::uint32_t bit_rate) {
 
 void BusPort::abort_transmissions() {
   std::erase_if(core.delayed, [&](const BusCore::Delayed& waiting) { return waiting.port == this; });
+  forget_queue();
   queue.clear();
-  last_attempt = sending && !sends_babble;
   segment->offer_changed(*this);
+}
+
+/// Of what waits nothing is sent again, not even what is in arbitration.
+void BusPort::forget_queue() {
+  segment->keep_offer(*this);
+  kept.is_aborted = true;
+  last_attempt = sending && !sends_babble;
 }
 
 void BusPort::connect(can::Participant& new_participant, can::Timeline::Handle new_handle) {
@@ -108,6 +115,7 @@ void BusPort::accept(const Acceptance& acceptance) {
 }
 
 void BusPort::set_transmit_queue(TransmitOrder order, std::size_t capacity) {
+  forget_queue();
   queue.configure(order == TransmitOrder::identifier, std::min(capacity, max_queue_capacity));
   segment->offer_changed(*this);
 }

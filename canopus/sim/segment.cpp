@@ -54,21 +54,24 @@ void Segment::reconsider() {
   const std::uint32_t rate = rate_of_most(members_);
   std::erase_if(members_, [&](BusPort* port) {
     const bool was_deaf = port->deaf;
-    port->deaf = rate != 0 && port->rate != rate &&
+    const bool speaks_otherwise = rate == 0 ? was_deaf && port->listen_only : port->rate != rate;
+    port->deaf = speaks_otherwise && port->bits.quiet() &&
                  (port->listen_only || (port->faults.state() == can::ErrorState::error_passive &&
-                                        port->queue.empty() && !port->sending));
+                                        port->offer() == Arbiter::none && !port->sending));
     if (was_deaf && !port->deaf) restart(*port);
     return port->deaf;
   });
 
   const bool computable = core_.wire_observers.empty() && !forced_;
   healthy_ = computable;
+  mixed_rates_ = false;
   std::size_t acknowledging = 0;
   std::fill(hearing_.begin(), hearing_.end(), 0);
   for (const BusPort* port : members_) {
     hearing_[port->index / 64] |= std::uint64_t{1} << (port->index % 64);
     if (!port->listen_only) ++acknowledging;
     if (port->rate != rate || !port->bits.idle()) healthy_ = false;
+    if (port->rate != members_.front()->rate) mixed_rates_ = true;
   }
   lone_ = members_.size() == 1 && acknowledging == 1 && members_[0]->bits.idle() && computable;
   healthy_ = healthy_ && acknowledging >= 2;
@@ -90,9 +93,10 @@ void Segment::offer_changed(BusPort& port) {
   }
   arbiter_.set(port.index, port.offer());
   if (state_ == State::frame || state_ == State::lone_frame) return;
-  if (arbiter_.lowest() == Arbiter::none) return;
-  const can::Time possible = std::max(core_.timeline.now(), free_from_);
-  if (possible >= deadline_ || active_) return;
+  if (state_ == State::bits ? !ready(port, core_.timeline.now()) : arbiter_.lowest() == Arbiter::none) return;
+  const can::Time possible =
+      state_ == State::bits ? core_.timeline.now() : std::max(core_.timeline.now(), free_from_);
+  if (possible >= deadline_) return;
   deadline_ = possible;
   core_.refresh();
 }
@@ -106,10 +110,20 @@ void Segment::after_change() {
     active_ = true;
     activity_start_ = now;
   }
-  settle(now);
-  schedule(now);
-  if (active_ && !dominant_ && quiet(now)) deadline_ = now;  // whoever was busy has gone
+  // The bus's tick at this moment does the rest: what ends or begins now may be part of it.
+  given_up_ = changed_ = true;
+  deadline_ = now;
   core_.refresh();
+}
+
+void Segment::arrive(BusPort& port, const Segment& from) {
+  if (port.tap.received || port.tap.transmitted) {
+    completing_ = true;
+    port.tap.counted = std::any_of(from.members_.begin(), from.members_.end(), [&](const BusPort* other) {
+      return other->segment == &from && (other->tap.received || other->tap.transmitted);
+    });
+  }
+  if (dominant_) wake(port, core_.timeline.now());
 }
 
 void Segment::restart(BusPort& port) {
@@ -129,6 +143,11 @@ void Segment::take_off(BusPort& port) {
       observer->transmit_changed(port, false, core_.timeline.now());
     }
   }
+  if (port.tap.flagging || port.tap.arbitrating) {
+    for (WireObserver* observer : core_.wire_observers) {
+      observer->activity_changed(port, false, false, core_.timeline.now());
+    }
+  }
   port.tap = {};
 }
 
@@ -145,7 +164,8 @@ void Segment::start(can::Time now) {
   if (suspended_ != nullptr && now >= suspended_until_) end_suspension();
   const std::uint64_t winner = arbiter_.lowest();
   if (winner == Arbiter::none) {
-    deadline_ = can::never;
+    const bool waits = suspended_ != nullptr && suspended_->offer() != Arbiter::none;
+    deadline_ = waits ? suspended_until_ : can::never;
     return;
   }
   if (!healthy_ && !lone_) return begin_bits(now);
@@ -165,6 +185,7 @@ void Segment::start(can::Time now) {
   sat_out_ = suspended_;
   if (suspended_ != nullptr) end_suspension();  // it has become a receiver
   transmitter_ = &port;
+  frame_number_ = ++core_.frame_number;
   start_ = now;
   bits_ = can::frame_bits(port.current);
   if (healthy_) {
@@ -214,7 +235,7 @@ void Segment::finish(can::Time now) {
   if (own) port.tell([&](can::Participant& participant) { participant.transmitted(frame, now); });
   if (state_ == State::idle && port.segment == this && &port != suspended_) {
     arbiter_.set(port.index, port.offer());
-    if (arbiter_.lowest() == Arbiter::none) deadline_ = can::never;
+    deadline_ = arbiter_.lowest() == Arbiter::none ? can::never : next;
   }
   if (changes_) tell_changes(now);
 }

@@ -23,7 +23,8 @@ namespace canopus::sim {
 
 class Segment {
  public:
-  explicit Segment(BusCore& core) : core_(core) {}
+  /// `shows_level`: wire observers are told the level of this segment.
+  Segment(BusCore& core, bool shows_level) : core_(core), shows_level_(shows_level) {}
 
   /// A port was added to the bus, whether to this segment or not.
   void resize();
@@ -34,7 +35,12 @@ class Segment {
     return state_ == State::frame || state_ == State::lone_frame || active_ ||
            free_from_ > core_.timeline.now();
   }
-  /// What the port offers changed.
+  /// What the port offers is going to change, without before_change(): a frame on the wire that comes to be
+  /// replayed has to know what it was.
+  void keep_offer(BusPort& port) noexcept {
+    if (state_ == State::frame && port.kept.frame_number != frame_number_) port.keep_offer(frame_number_);
+  }
+  /// It has changed.
   void offer_changed(BusPort& port);
   /// Something about the port is going to change now that both ways of working have to know.
   void before_change();
@@ -52,8 +58,8 @@ class Segment {
     faults_ = {};
     faults_ready_ = false;
   }
-  /// Goes on where another segment is, which a port comes from.
-  void follow(const Segment& other) noexcept { free_from_ = std::max(free_from_, other.free_from_); }
+  /// Between before_change() and after_change(): a port has come from another segment.
+  void arrive(BusPort& port, const Segment& from);
   [[nodiscard]] can::Time deadline() const noexcept { return deadline_; }
 
  private:
@@ -88,12 +94,16 @@ class Segment {
   void replay_intermission(can::Time until);
   void bits_tick(can::Time now, bool may_leave = true);
   void complete_frames(can::Time now);
+  void count_activity(can::Time now);
+  void forget_given_up();
   bool leave_bits_if_healthy(can::Time now);
-  [[nodiscard]] static bool ready(const BusPort& port, can::Time now) noexcept;
+  [[nodiscard]] static bool between_bits(const BusPort& port, can::Time now) noexcept;
+  [[nodiscard]] bool ready(const BusPort& port, can::Time now) const noexcept;
   void start_waiting(can::Time now);
   [[nodiscard]] bool inverted(const BusPort* at, can::Time now) const noexcept;
   void begin_bits(can::Time now);
   void settle(can::Time now);
+  void wake(BusPort& port, can::Time now);
   void synchronise(BusPort& port, can::Time now);
   void sample(can::Time now);
   void sample_port(BusPort& port, can::Time now);
@@ -103,17 +113,20 @@ class Segment {
   [[nodiscard]] bool quiet(can::Time now) const noexcept;
 
   BusCore& core_;
+  const bool shows_level_;
   State state_ = State::idle;
   can::Time deadline_ = can::never;
-  can::Time free_from_{};  // end of the last intermission
-  can::Time start_{};      // of the frame on the wire
-  unsigned bits_ = 0;      // of the frame on the wire
+  can::Time free_from_{};           // frame by frame: end of the last intermission
+  can::Time start_{};               // of the frame on the wire
+  unsigned bits_ = 0;               // of the frame on the wire
+  std::uint64_t frame_number_ = 0;  // of the frame on the wire
   BusPort* transmitter_ = nullptr;
   Arbiter arbiter_;                     // while a frame is on the wire, its port may still be there with it
   std::vector<BusPort*> members_;       // whoever can do anything to the wire or hear it
   std::vector<std::uint64_t> hearing_;  // set of members, as in AcceptanceTable
   bool healthy_ = false;                // frames can be computed as a whole
   bool lone_ = false;                   // so can the failures of the only member
+  bool mixed_rates_ = false;            // not all members have one bit rate
 
   bool failed_ = false;                  // transmitter_ was alone with its last frame
   can::FaultConfinement faults_before_;  // its counters before that
@@ -134,6 +147,8 @@ class Segment {
   bool active_ = false;    // from the first dominant bit to idle
   bool replaying_ = false;
   bool completing_ = false;   // some frame ends with the present bit
+  bool given_up_ = false;     // somebody found an error, or left the wire
+  bool changed_ = false;      // by after_change(), since the last tick
   bool error_frame_ = false;  // one is counted since the last frame began
   can::Time activity_start_{};
 };

@@ -26,39 +26,43 @@ void Segment::enter_bits() {
   const can::Time now = core_.timeline.now();
   const bool suspended = suspended_ != nullptr && now < suspended_until_;
   if (suspended_ != nullptr) end_suspension();
+  // What is sampled or begins at this moment is part of the past once the bus has had its tick.
+  const can::Time until = core_.has_ticked() ? now + can::Duration(1) : now;
   if (on_wire) {
-    replay(now);
+    replay(until);
   } else if (failed_ && now < free_from_) {
     // In the error frame of a lone transmitter, which has been counted already.
     transmitter_->faults = faults_before_;
-    replay(now);
+    replay(until);
     activity_start_ = free_from_ = now;
     failed_ = false;
     error_frame_ = true;
   } else if (now < free_from_ || suspended) {
-    replay_intermission(now);
+    replay_intermission(until);
   } else {
     deadline_ = arbiter_.lowest() == Arbiter::none ? can::never : std::max(now, free_from_);
   }
 }
 
-/// Brings the controllers to where the frame on the wire has them before `until`.
+/// Brings the controllers to where the frame on the wire has them just before `until`.
 void Segment::replay(can::Time until) {
   BusPort& port = *transmitter_;
   replaying_ = true;
   port.bits.transmit(port.current);
   port.tap.frame_start = start_;
   port.tap.next = start_;
-  for (BusPort* loser : members_) {
-    // Whoever has queued nothing since was in the arbitration with what it offers now.
-    if (loser == &port || loser == sat_out_ || loser->offer() == Arbiter::none || loser->last_queued > start_)
-      continue;
-    loser->take_next();
-    loser->bits.transmit(loser->current);
-    loser->tap.next = loser->tap.frame_start = start_;
+  for (BusPort* contender : members_) {
+    if (contender == &port || contender == sat_out_) continue;
+    if (contender->kept.frame_number != frame_number_) contender->keep_offer(frame_number_);
+    if (!contender->kept.offered) continue;
+    contender->bits.transmit(contender->kept.frame);
+    contender->tap.next = contender->tap.frame_start = start_;
   }
   deadline_ = start_;
   while (deadline_ < until) bits_tick(deadline_);
+  for (BusPort* contender : members_) {
+    if (contender != &port && contender->bits.transmitting()) contender->take_kept();
+  }
   replaying_ = false;
 }
 
@@ -71,7 +75,7 @@ void Segment::replay_intermission(can::Time until) {
   }
   active_ = true;
   activity_start_ = free_from_;  // up to there it has been counted
-  free_from_ = until;
+  free_from_ = core_.timeline.now();
   replaying_ = true;
   deadline_ = begin;
   while (deadline_ < until) bits_tick(deadline_);
@@ -88,35 +92,46 @@ void Segment::begin_bits(can::Time now) {
   bits_tick(now, false);
 }
 
-/// Nothing of a frame is left, and whoever is idle is at the end of its bit.
+/// Nothing of a frame is left, for nobody, and whoever is idle is at the end of its bit.
 bool Segment::quiet(can::Time now) const noexcept {
   return std::all_of(members_.begin(), members_.end(), [now](const BusPort* port) {
-    return port->bits.quiet() &&
-           (!port->bits.idle() || port->tap.next == can::never || port->tap.next <= now);
+    return port->bits.quiet() && (!port->bits.idle() || between_bits(*port, now));
   });
 }
 
 void Segment::bits_tick(can::Time now, bool may_leave) {
+  changed_ = false;
   complete_frames(now);
   if (!dominant_ && quiet(now)) {
     if (active_) {
       active_ = false;
       error_frame_ = false;
       if (!faults_ready_) clear_faults();
-      const can::Duration bit = can::bit_time(1, core_.bit_rate);
-      activity_start_ = std::min(activity_start_, now);
-      core_.statistics.busy(activity_start_, now, static_cast<std::uint64_t>((now - activity_start_) / bit));
+      count_activity(now);
     }
     if (may_leave && leave_bits_if_healthy(now)) return;
   }
-  // Somebody else may be in the middle of a bit that only it sees: it has just integrated, say. Whoever is
-  // ready does not wait for that.
-  if (!active_) start_waiting(now);
+  start_waiting(now);
   settle(now);
   sample(now);
-  if (error_frame_) faults_.corruptions = 0;  // they were about the frame that has just been given up
+  if (given_up_) forget_given_up();
   tell_changes(now);
   schedule(now);
+}
+
+/// The wire was busy from activity_start_ on.
+void Segment::count_activity(can::Time now) {
+  const can::Duration bit = can::bit_time(1, core_.bit_rate);
+  activity_start_ = std::min(activity_start_, now);
+  core_.statistics.busy(activity_start_, now, static_cast<std::uint64_t>((now - activity_start_) / bit));
+}
+
+/// What was to happen to a frame that nobody sends any more does not happen to the next one.
+void Segment::forget_given_up() {
+  given_up_ = false;
+  const bool is_sent = std::any_of(members_.begin(), members_.end(),
+                                   [](const BusPort* port) { return port->bits.transmitting(); });
+  if (!is_sent) faults_.corruptions = 0;
 }
 
 /// Frames whose last bit ends now.
@@ -124,33 +139,37 @@ void Segment::complete_frames(can::Time now) {
   if (!completing_) return;
   const BusPort* told = nullptr;
   for (BusPort* port : members_) {
-    if (!port->tap.transmitted && !port->tap.received) continue;
-    if (port->tap.next > now) continue;
-    // Everybody has the same frame, or the transmitter alone knows when it began.
-    if (told == nullptr || (port->tap.transmitted && !told->tap.transmitted)) told = port;
+    const BusPort::Tap& tap = port->tap;
+    if ((!tap.transmitted && !tap.received) || tap.next > now || tap.counted) continue;
+    if (told == nullptr || (tap.transmitted && !told->tap.transmitted)) told = port;
   }
-  if (told == nullptr) return;
-  const can::Frame frame = told->tap.transmitted ? told->current : told->bits.frame();
-  const can::Time start = told->tap.transmitted ? told->tap.frame_start : activity_start_;
-  core_.statistics.frame(frame);
-  for (BusObserver* observer : core_.observers) observer->frame_completed(frame, start, now);
+  if (told != nullptr) {  // everybody has the same frame
+    const can::Frame frame = told->tap.transmitted ? told->current : told->bits.frame();
+    core_.statistics.frame(frame);
+    for (BusObserver* observer : core_.observers) {
+      observer->frame_completed(frame, told->tap.frame_start, now);
+    }
+  }
+  for (BusPort* port : members_) {
+    if (!port->tap.transmitted || port->tap.next > now) continue;
+    port->tap.transmitted = port->tap.counted = false;
+    port->confirm = port->complete();
+    arbiter_.set(port->index, port->offer());
+  }
   // By number: who is told may plug, unplug and add ports.
   for (std::size_t number = 0; number < core_.ports.size(); ++number) {
     BusPort& port = *core_.ports[number];
     if (port.segment != this || !port.tap.received || port.tap.next > now) continue;
-    port.tap.received = false;
+    port.tap.received = port.tap.counted = false;
     const can::Frame heard = port.bits.frame();
     const std::uint64_t wanted = core_.acceptance.ports_for(heard)[port.index / 64];
     if ((wanted >> (port.index % 64) & 1U) != 0 && !dropped(port)) port.hear(heard, now);
   }
   for (std::size_t number = 0; number < core_.ports.size(); ++number) {
     BusPort& port = *core_.ports[number];
-    if (port.segment != this || !port.tap.transmitted || port.tap.next > now) continue;
-    port.tap.transmitted = false;
+    if (!port.confirm) continue;
+    port.confirm = false;
     const can::Frame sent = port.current;
-    const bool own = port.complete();
-    arbiter_.set(port.index, port.offer());
-    if (!own) continue;
     port.tell([&](can::Participant& participant) { participant.transmitted(sent, now); });
   }
   completing_ = std::any_of(members_.begin(), members_.end(),
@@ -162,10 +181,9 @@ bool Segment::leave_bits_if_healthy(can::Time now) {
   reconsider();
   if (!healthy_ && !lone_) return false;
   for (BusPort* port : members_) {
-    if (port->tap.next != can::never && port->tap.next > now) return false;
+    port->tap = {};
     counting_ = counting_ || !port->faults.clean();
   }
-  for (BusPort* port : members_) port->tap = {};
   state_ = State::idle;
   free_from_ = std::max(free_from_, now);
   deadline_ = arbiter_.lowest() == Arbiter::none ? can::never : free_from_;
@@ -173,14 +191,23 @@ bool Segment::leave_bits_if_healthy(can::Time now) {
   return true;
 }
 
-/// It may begin its frame: the bus is idle for it, and it is not within a bit.
-bool Segment::ready(const BusPort& port, can::Time now) noexcept {
-  return port.bits.idle() && !port.tap.sampling && (port.tap.next == can::never || port.tap.next <= now) &&
-         port.offer() != Arbiter::none;
+/// It is asleep, or its bit ends now.
+bool Segment::between_bits(const BusPort& port, can::Time now) noexcept {
+  return !port.tap.sampling && (port.tap.next == can::never || port.tap.next <= now);
 }
 
+/// It may begin its frame: the bus is idle for it, and it is not within a bit. With two bit rates on one wire it
+/// also waits until nobody is in a frame or an error frame: perfect clocks, unlike real ones, could repeat one
+/// and the same collision for ever.
+bool Segment::ready(const BusPort& port, can::Time now) const noexcept {
+  return port.bits.idle() && between_bits(port, now) && port.offer() != Arbiter::none &&
+         !(mixed_rates_ && active_);
+}
+
+/// Each controller begins by its own bits, whatever the others are still doing: those that are not idle yet see
+/// the SOF where they are.
 void Segment::start_waiting(can::Time now) {
-  if (replaying_ || now < free_from_) return;
+  if (replaying_) return;
   const BusPort* first = nullptr;
   for (BusPort* port : members_) {
     if (!ready(*port, now)) continue;
@@ -192,10 +219,15 @@ void Segment::start_waiting(can::Time now) {
     if (first == nullptr || arbitration(port->current) < arbitration(first->current)) first = port;
   }
   if (first == nullptr) return;
+  if (active_) {  // somebody is still in its error frame: what belongs to the last frame ends here all the same
+    count_activity(now);
+    activity_start_ = now;
+  }
   if (!faults_ready_) {
     faults_ = core_.plan.hits_frames() ? core_.plan.on_frame(*first, first->current, now) : FrameFaults{};
   }
   faults_ready_ = false;
+  given_up_ = false;
   error_frame_ = false;
   faults_origin_ = now;
   faults_bit_ = first->bit();
@@ -216,12 +248,14 @@ bool Segment::inverted(const BusPort* at, can::Time now) const noexcept {
 void Segment::settle(can::Time now) {
   if (state_ != State::bits) return;
   bool dominant = forced_;
+  bool asleep = false;  // somebody since now
   for (BusPort* port : members_) {
     BusPort::Tap& tap = port->tap;
     if (tap.next == now && !tap.sampling) {
       tap.bit_start = now;
       if (port->bits.idle()) {
-        tap.next = can::never;  // asleep until an edge
+        tap.next = can::never;  // asleep until the wire is dominant
+        asleep = true;
       } else {
         tap.next = now + sample_offset(port->bit());
         tap.sampling = true;
@@ -236,15 +270,30 @@ void Segment::settle(can::Time now) {
     dominant = dominant || tap.driving;
   }
   dominant = dominant != inverted(nullptr, now);
+  if (asleep || faults_.corruptions > 0) {  // there is no edge for those who see a dominant bit from here on
+    for (BusPort* port : members_) {
+      if (dominant != inverted(port, now)) wake(*port, now);
+    }
+  }
   if (dominant == dominant_) return;
   dominant_ = dominant;
-  for (WireObserver* observer : core_.wire_observers) observer->level_changed(dominant, now);
+  if (shows_level_) {
+    for (WireObserver* observer : core_.wire_observers) observer->level_changed(dominant, now);
+  }
   if (!dominant) return;
   if (!active_) {
     active_ = true;
     activity_start_ = now;
   }
   for (BusPort* port : members_) synchronise(*port, now);
+}
+
+/// Whoever is asleep begins to sample.
+void Segment::wake(BusPort& port, can::Time now) {
+  if (!port.bits.idle() || port.tap.next != can::never) return;
+  port.tap.bit_start = now;
+  port.tap.next = now + sample_offset(port.bit());
+  port.tap.sampling = true;
 }
 
 /// An edge from recessive to dominant.
@@ -280,9 +329,12 @@ void Segment::sample_port(BusPort& port, can::Time now) {
   BusPort::Tap& tap = port.tap;
   const can::ErrorState state = port.faults.state();
   const bool warned = port.faults.warning();
+  const bool in_frame = port.bits.state() == BitController::State::frame;
   const BitController::Events events = port.bits.sample(dominant_ != inverted(&port, now));
+  if (!in_frame && port.bits.state() == BitController::State::frame) tap.frame_start = tap.bit_start;
   tap.sampling = false;
   tap.next = tap.bit_start + port.bit();
+  if (events.error != BusError::none) given_up_ = true;
   if (port.sending && (events.lost || events.error != BusError::none)) {
     port.give_back();
     arbiter_.set(port.index, port.offer());
@@ -292,10 +344,14 @@ void Segment::sample_port(BusPort& port, can::Time now) {
   tap.transmitted = tap.transmitted || events.transmitted;
   if (events.early_start && port.offer() != Arbiter::none) {
     port.take_next();
+    arbiter_.set(port.index, port.offer());
     port.bits.join(port.current);
-    tap.frame_start = tap.bit_start;
   }
-  if (replaying_) return;  // counted and told when it was computed
+  if (replaying_) {  // an error frame was counted and told when it was computed
+    const bool has_changed = port.faults.state() != state || port.faults.warning() != warned;
+    if (has_changed && !failed_) tap.changed = changes_ = true;
+    return;
+  }
   if (events.error != BusError::none) {
     ++port.counted.errors;
     if (!error_frame_) core_.statistics.error_frame();
@@ -338,7 +394,7 @@ void Segment::tell_activity(BusPort& port, can::Time now) {
 /// When the segment has to act next.
 void Segment::schedule(can::Time now) {
   if (state_ != State::bits) return;
-  deadline_ = can::never;
+  deadline_ = changed_ ? now : can::never;
   for (std::size_t number = 0; number < faults_.corruptions; ++number) {
     const can::Time begin = faults_origin_ + faults_bit_ * faults_.corruption[number].bit;
     if (begin > now) {
@@ -349,9 +405,7 @@ void Segment::schedule(can::Time now) {
   }
   for (const BusPort* port : members_) {
     deadline_ = std::min(deadline_, port->tap.next);
-    if (!active_ && ready(*port, now)) {
-      deadline_ = std::min(deadline_, std::max(now, free_from_));
-    }
+    if (!replaying_ && ready(*port, now)) deadline_ = std::min(deadline_, now);
   }
 }
 

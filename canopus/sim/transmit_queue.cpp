@@ -39,6 +39,15 @@ void TransmitQueue::push_back_again(const can::Frame& frame) noexcept {
   insert(position, frame);
 }
 
+void TransmitQueue::remove(const can::Frame& frame) noexcept {
+  const auto begin = frames_.begin() + static_cast<std::ptrdiff_t>(begin_);
+  const auto end = frames_.begin() + static_cast<std::ptrdiff_t>(end_);
+  const auto found = std::find(begin, end, frame);
+  if (found == end) return;
+  std::copy(found + 1, end, found);
+  --end_;
+}
+
 void TransmitQueue::insert(std::size_t position, const can::Frame& frame) noexcept {
   const auto at = [this](std::size_t slot) { return frames_.begin() + static_cast<std::ptrdiff_t>(slot); };
   if (begin_ > 0 && position == begin_) {

@@ -36,6 +36,8 @@ class TransmitQueue {
   }
   /// Gives a frame back that was taken by pop(): it is the oldest of its kind again. Its place must be free.
   void push_back_again(const can::Frame& frame) noexcept;
+  /// Takes the oldest one that equals this frame out, if there is one.
+  void remove(const can::Frame& frame) noexcept;
   [[nodiscard]] bool empty() const noexcept { return begin_ == end_; }
   [[nodiscard]] std::size_t size() const noexcept { return end_ - begin_; }
   [[nodiscard]] std::size_t capacity() const noexcept { return capacity_; }

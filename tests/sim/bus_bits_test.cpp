@@ -290,6 +290,51 @@ TEST(BusBits, LoneTransmitter_IsTheSameFrameByFrameAndBitByBit) {
   }
 }
 
+TEST(BusBits, WinnerUnpluggedInArbitration_LeavesTheContenderWithWhatItOfferedAtTheStart) {
+  for (const bool bit_by_bit : {false, true}) {
+    can::Timeline timeline;
+    Bus bus("bus", 1'000'000, timeline);
+    Station a(bus, timeline, "a");
+    Station b(bus, timeline, "b");
+    Station c(bus, timeline, "c");
+    Wire wire;
+    if (bit_by_bit) bus.add_observer(wire);
+    a.send_at(Time(100us), can::data_frame(0x122, {0x55}));
+    b.send_at(Time(100us), can::data_frame(0x123, {0x55}));
+    timeline.run_until(Time(104us));
+    b.port.send(can::data_frame(0x050));  // it waits; 123H stays in the arbitration
+    a.port.plug(false);
+    timeline.run_until(Time(1ms));
+    EXPECT_EQ(c.frames(), (std::vector<Frame>{can::data_frame(0x123, {0x55}), can::data_frame(0x050)}));
+    EXPECT_EQ(c.heard.at(0).at, Time(153us));
+    EXPECT_EQ(b.sent.size(), 2U);
+    EXPECT_EQ(b.port.transmit_error_counter(), 0);
+    if (bit_by_bit) bus.remove_observer(wire);
+  }
+}
+
+TEST(BusBits, FrameQueuedAtTheMomentAnotherHasBegun_TakesNoPartInItsArbitration) {
+  for (const bool bit_by_bit : {false, true}) {
+    can::Timeline timeline;
+    Bus bus("bus", 1'000'000, timeline);
+    Station a(bus, timeline, "a");
+    Station b(bus, timeline, "b");
+    Station c(bus, timeline, "c");
+    Wire wire;
+    if (bit_by_bit) bus.add_observer(wire);
+    a.send_at(Time(100us), can::data_frame(0x123, {0x55}));
+    timeline.run_until(Time(100us));
+    b.port.send(can::data_frame(0x050));
+    timeline.run_until(Time(120us));
+    c.port.plug(false);
+    timeline.run_until(Time(1ms));
+    EXPECT_EQ(b.heard, (std::vector<Heard>{{can::data_frame(0x123, {0x55}), Time(153us)}}));
+    EXPECT_EQ(a.frames(), (std::vector<Frame>{can::data_frame(0x050)}));
+    EXPECT_EQ(a.port.transmit_error_counter() + b.port.transmit_error_counter(), 0);
+    if (bit_by_bit) bus.remove_observer(wire);
+  }
+}
+
 TEST(BusBits, ChangeInTheMiddleOfAFrame_LeavesTheFrameAsItIs) {
   for (int at = 1; at < 60; ++at) {
     can::Timeline timeline;
