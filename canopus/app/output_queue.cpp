@@ -179,6 +179,7 @@ void OutputQueue::write(std::string_view text) {
     if (shared_->is_open()) ++shared_->unsaid;
     return;
   }
+  if (shared_->idle()) shared_->moved_at = Clock::now();  // its reader had nothing to take until now
   shared_->waiting += text;
   shared_->work.notify_one();
 }

@@ -130,6 +130,20 @@ TEST(OutputQueue, PatienceEndsTheWaitForAReaderWhoDoesNotRead) {
   EXPECT_EQ(queue.finish(not_at_all), 3U) << "what is left of the first line, the second, and the lost one";
 }
 
+TEST(OutputQueue, PatienceCountsFromTheLineThatWaits) {
+  Pipe pipe;
+  OutputQueue queue(pipe.writer(), {});
+  queue.line("one");
+  ASSERT_EQ(pipe.read_until("\n"), "one\n");
+  ASSERT_TRUE(queue.flush(forever));
+  const auto begun = std::chrono::steady_clock::now();
+  queue.line("{}", std::string(20'000, 'x'));
+  queue.flush([&](auto since) {
+    EXPECT_LE(since, std::chrono::steady_clock::now() - begun);
+    return false;
+  });
+}
+
 TEST(OutputQueue, ALineLongerThanTheQueueGoesThroughAlone) {
   Pipe pipe;
   OutputQueue queue(pipe.writer(), {.capacity = 100});
