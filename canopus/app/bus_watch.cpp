@@ -6,8 +6,8 @@
 
 namespace canopus::app {
 
-void BusWatch::know(NodeStatus& status) {
-  occupants_.push_back(&status);
+void BusWatch::know(NodeStatus& status, const sim::Port& port) {
+  occupants_.push_back({&status, &port});
   know_number(status);
 }
 
@@ -22,6 +22,7 @@ NodePlate BusWatch::plate(std::uint8_t node_id) const {
 }
 
 void BusWatch::frame_completed(const can::Frame& frame, can::Time /*start*/, can::Time end) {
+  unacknowledged_.frame_completed();
   if (frame.extended || frame.remote) return;
   const auto node_id = static_cast<std::uint8_t>(frame.identifier & 0x7F);
   if (node_id == 0) return;
@@ -35,6 +36,13 @@ void BusWatch::frame_completed(const can::Frame& frame, can::Time /*start*/, can
   }
 }
 
+void BusWatch::error_detected(const sim::Port& port, sim::BusError error, can::Time now) {
+  if (!unacknowledged_.error_detected(port, error)) return;
+  const auto sender = std::ranges::find(occupants_, &port, &Occupant::port);
+  if (sender != occupants_.end()) return observer_.unacknowledged(sender->status->plate, now);
+  observer_.unacknowledged({bus_, port.name(), 0}, now);  // a client
+}
+
 void BusWatch::know_number(NodeStatus& status) {
   const std::uint8_t node_id = status.plate.node_id;
   if (node_id >= 1 && node_id <= 127) known_[node_id] = &status;
@@ -42,8 +50,8 @@ void BusWatch::know_number(NodeStatus& status) {
 
 /// Everybody of the plant is in a Layer 2 mode: identifiers mean nothing.
 bool BusWatch::is_plain_can() const {
-  return !occupants_.empty() && std::ranges::none_of(occupants_, [](const NodeStatus* status) {
-    return status->layer2 == module::Layer2State::inactive;
+  return !occupants_.empty() && std::ranges::none_of(occupants_, [](const Occupant& occupant) {
+    return occupant.status->layer2 == module::Layer2State::inactive;
   });
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "canopus/app/plant.hpp"
+#include "canopus/app/unacknowledged.hpp"
 #include "canopus/sim/bus.hpp"
 
 namespace canopus::app {
@@ -21,13 +22,14 @@ class BusWatch final : public sim::BusObserver {
  public:
   BusWatch(std::string_view bus, PlantObserver& observer) : bus_(bus), observer_(observer) {}
   /// Somebody of the plant on this bus.
-  void know(NodeStatus& status);
+  void know(NodeStatus& status, const sim::Port& port);
   /// The node has this node-ID from now on (FFH: none).
   void renumber(NodeStatus& status, std::uint8_t node_id);
   /// Who has this node-ID (1..127) on the bus.
   [[nodiscard]] NodePlate plate(std::uint8_t node_id) const;
 
   void frame_completed(const can::Frame& frame, can::Time start, can::Time end) override;
+  void error_detected(const sim::Port& port, sim::BusError error, can::Time now) override;
 
  private:
   void know_number(NodeStatus& status);
@@ -37,7 +39,12 @@ class BusWatch final : public sim::BusObserver {
 
   std::string_view bus_;
   PlantObserver& observer_;
-  std::vector<const NodeStatus*> occupants_;
+  struct Occupant {
+    const NodeStatus* status;
+    const sim::Port* port;
+  };
+  std::vector<Occupant> occupants_;
+  Unacknowledged unacknowledged_;
   std::array<NodeStatus*, 128> known_{};
   std::array<std::uint8_t, 128> foreign_states_{};
 };

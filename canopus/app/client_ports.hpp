@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "canopus/app/unacknowledged.hpp"
 #include "canopus/can/timeline.hpp"
 #include "canopus/link/socketcand_server.hpp"
 #include "canopus/sim/bus.hpp"
@@ -12,22 +13,26 @@ namespace canopus::app {
 
 /// A port of a simulated bus for one socketcand client after the other. A bus keeps its ports and a timeline
 /// its places, so those of clients that left are used again.
-class ClientPort final : public can::Participant {
+class ClientPort final : public can::Participant, private sim::BusObserver {
  public:
   ClientPort(sim::Bus& bus, can::Timeline& timeline)
-      : timeline_(timeline),
+      : bus_(bus),
+        timeline_(timeline),
         handle_(timeline.add(*this, "socketcand client")),
         port_(bus.add_port("socketcand")) {
     port_.connect(*this, handle_);
+    bus_.add_observer(*this);
   }
   ~ClientPort() override {
+    bus_.remove_observer(*this);
     port_.disconnect();
     timeline_.remove(handle_);
   }
   ClientPort(const ClientPort&) = delete;
   ClientPort& operator=(const ClientPort&) = delete;
 
-  void join(can::Participant& client) {
+  void join(link::AttachedClient& client) {
+    unacknowledged_ = {};
     client_ = &client;
     port_.set_transmit_queue(sim::TransmitOrder::fifo,
                              queued_frames);  // as sent, and nothing of an earlier client
@@ -60,8 +65,19 @@ class ClientPort final : public can::Participant {
   }
 
  private:
+  // sim::BusObserver
+  void frame_completed(const can::Frame&, can::Time, can::Time) override {
+    unacknowledged_.frame_completed();
+  }
+  void error_detected(const sim::Port& port, sim::BusError error, can::Time now) override {
+    if (&port != &port_ || client_ == nullptr) return;
+    if (unacknowledged_.error_detected(port, error)) client_->unacknowledged(now);
+  }
+
   static constexpr std::size_t queued_frames = 128;
-  can::Participant* client_ = nullptr;  // before what adds this to the timeline
+  link::AttachedClient* client_ = nullptr;  // before what adds this to the timeline
+  Unacknowledged unacknowledged_;
+  sim::Bus& bus_;
   can::Timeline& timeline_;
   can::Timeline::Handle handle_;
   sim::Port& port_;
@@ -73,7 +89,7 @@ class ClientPorts {
   ClientPorts(sim::Bus& bus, can::Timeline& timeline) : bus_(bus), timeline_(timeline) {}
 
   /// A client's place until it is destroyed.
-  [[nodiscard]] std::unique_ptr<link::BusAttachment> attach(can::Participant& client) {
+  [[nodiscard]] std::unique_ptr<link::BusAttachment> attach(link::AttachedClient& client) {
     if (free_.empty()) free_.push_back(std::make_unique<ClientPort>(bus_, timeline_));
     auto port = std::move(free_.back());
     free_.pop_back();

@@ -76,6 +76,10 @@ void JsonPrinter::emergency(const NodePlate& node, const canopen::Emergency& mes
   print(line, now);
 }
 
+void JsonPrinter::unacknowledged(const NodePlate& node, can::Time now) {
+  out_.json(node_event(now, "unacknowledged", node));
+}
+
 void JsonPrinter::slave_boot_went_on(const NodePlate& slave, const NodePlate& master,
                                      const manager::BootRecord& record, can::Time now) {
   Json line = node_event(now, "boot slave", slave);
@@ -202,6 +206,10 @@ std::string describe_lss(const NodePlate& node, std::uint32_t bit_rate) {
   return fmt::format("{}: LSS: {}, {:g} kbit/s", describe(node), number, bit_rate / 1000.0);
 }
 
+std::string describe_unacknowledged(const NodePlate& node) {
+  return describe(node) + ": nobody acknowledges: no other node on this bus";
+}
+
 std::vector<std::string> describe(const RunSummary& summary) {
   std::vector<std::string> lines;
   std::string time = fmt::format("ran {} of plant time in {}", describe(summary.end.time_since_epoch()),
@@ -269,6 +277,10 @@ void LinePrinter::emergency(const NodePlate& node, const canopen::Emergency& mes
   if (quiet_) return;
   line(now, fmt::format("{}: EMCY {:04X}H, error register {:02X}H, {}", describe(node), message.code,
                         message.error_register, hexadecimal(message)));
+}
+
+void LinePrinter::unacknowledged(const NodePlate& node, can::Time now) {
+  if (!quiet_) line(now, describe_unacknowledged(node));
 }
 
 void LinePrinter::slave_boot_went_on(const NodePlate& slave, const NodePlate&,

@@ -44,6 +44,7 @@ class JsonPrinter final : public PlantObserver {
   void nmt_state_changed(const NodePlate& node, canopen::NmtState state, can::Time now) override;
   void lss_configured(const NodePlate& node, std::uint32_t bit_rate, can::Time now) override;
   void emergency(const NodePlate& node, const canopen::Emergency& message, can::Time now) override;
+  void unacknowledged(const NodePlate& node, can::Time now) override;
   void slave_boot_went_on(const NodePlate& slave, const NodePlate& master, const manager::BootRecord& record,
                           can::Time now) override;
   void signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) override;
@@ -72,6 +73,7 @@ class LinePrinter final : public PlantObserver {
   void nmt_state_changed(const NodePlate& node, canopen::NmtState state, can::Time now) override;
   void lss_configured(const NodePlate& node, std::uint32_t bit_rate, can::Time now) override;
   void emergency(const NodePlate& node, const canopen::Emergency& message, can::Time now) override;
+  void unacknowledged(const NodePlate& node, can::Time now) override;
   void slave_boot_went_on(const NodePlate& slave, const NodePlate& master, const manager::BootRecord& record,
                           can::Time now) override;
   void signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) override;
@@ -97,6 +99,7 @@ class LinePrinter final : public PlantObserver {
 /// "line1 node 9: not booted: no answer to 1000H, ...": empty when it is booted.
 [[nodiscard]] std::string describe_trouble(const SlaveBoot& boot, can::Time now);
 /// "line1 node 3 (encoder): LSS: node-ID 3, 125 kbit/s": what LSS has set.
+[[nodiscard]] std::string describe_unacknowledged(const NodePlate& node);
 [[nodiscard]] std::string describe_lss(const NodePlate& node, std::uint32_t bit_rate);
 /// The summary's lines.
 [[nodiscard]] std::vector<std::string> describe(const RunSummary& summary);

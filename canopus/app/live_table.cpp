@@ -65,6 +65,10 @@ void LiveTable::emergency(const NodePlate& node, const canopen::Emergency& messa
                         message.error_register));
 }
 
+void LiveTable::unacknowledged(const NodePlate& node, can::Time now) {
+  note(now, describe_unacknowledged(node));
+}
+
 void LiveTable::nmt_state_changed(const NodePlate& node, canopen::NmtState state, can::Time now) {
   note(now, fmt::format("{}: {}", describe(node), canopen::name(state)));
 }

@@ -29,6 +29,7 @@ class LiveTable final : public PlantObserver {
 
   void lss_configured(const NodePlate& node, std::uint32_t bit_rate, can::Time now) override;
   void emergency(const NodePlate& node, const canopen::Emergency& message, can::Time now) override;
+  void unacknowledged(const NodePlate& node, can::Time now) override;
   void nmt_state_changed(const NodePlate& node, canopen::NmtState state, can::Time now) override;
   void slave_boot_went_on(const NodePlate& slave, const NodePlate& master, const manager::BootRecord& record,
                           can::Time now) override;

@@ -38,6 +38,8 @@ class PlantObserver {
   /// (bit/s), or it came up with what it had stored.
   virtual void lss_configured(const NodePlate&, std::uint32_t /*bit_rate*/, can::Time) {}
   virtual void emergency(const NodePlate&, const canopen::Emergency&, can::Time) {}
+  /// Nobody acknowledges what this node sends: it is alone on its bus. Once, until somebody completed a frame.
+  virtual void unacknowledged(const NodePlate&, can::Time) {}
   /// A module of the plant boots this slave as its NMT master and came to another step, or asks it once more.
   virtual void slave_boot_went_on(const NodePlate& /*slave*/, const NodePlate& /*master*/,
                                   const manager::BootRecord&, can::Time) {}

@@ -226,7 +226,7 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
   move_values(section, number, *seat);
   parts_.device_handles.push_back(parts_.timeline.add(*seat));
   port.connect(*seat, parts_.device_handles.back());
-  watch(bus).know(seat->status());
+  watch(bus).know(seat->status(), port);
   seat->set_watch(watch(bus));
   parts_.devices.push_back(std::move(seat));
 }
@@ -273,7 +273,7 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
     errors_.add(section.place, "module: head {:03X}H overlaps another module's points", section.head);
   }
   seat->status().plate.node_id = section.node;
-  watch(bus).know(seat->status());
+  watch(bus).know(seat->status(), port);
   parts_.modules.push_back(std::move(seat));
 }
 

@@ -215,7 +215,7 @@ bool Run::open_doors(RealTime& clock) {
     if (!where) return false;
     ClientPorts& ports =
         *client_ports_.emplace_back(std::make_unique<ClientPorts>(plant_->bus(i), plant_->timeline()));
-    const auto attach = [&ports](can::Participant& client) { return ports.attach(client); };
+    const auto attach = [&ports](link::AttachedClient& client) { return ports.attach(client); };
     link::SocketcandServer& server = *socketcand_.emplace_back(std::make_unique<link::SocketcandServer>(
         io_, *where, section.name, attach, clock, link::SocketcandLimits{.allowed = section.allowed},
         report_of(fmt::format("socketcand {}", section.name))));

@@ -9,6 +9,7 @@
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <linux/can.h>
+#include <linux/can/error.h>
 #include <linux/can/raw.h>
 #include <net/if.h>
 #include <sys/ioctl.h>
@@ -16,6 +17,7 @@
 #include <unistd.h>
 
 #include "canopus/link/bus_client.hpp"
+#include "canopus/link/can_error.hpp"
 
 namespace canopus::link {
 namespace {
@@ -74,10 +76,23 @@ class Interface final : public std::enable_shared_from_this<Interface> {
       if (size < 0 && errno == EINTR) continue;
       if (size < 0 && errno == EAGAIN) break;
       if (size < 0) return end(std::strerror(errno));
-      if (size != sizeof raw || (raw.can_id & CAN_ERR_FLAG) != 0) continue;
+      if (size != sizeof raw) continue;
+      if ((raw.can_id & CAN_ERR_FLAG) != 0) {
+        error_frame(raw);
+        continue;
+      }
+      reported_error_ = {};
       if (user_ != nullptr) user_->frame_received(frame_of(raw));
     }
     if (!ended_) read();
+  }
+  /// Said once, until a frame comes.
+  void error_frame(const can_frame& raw) {
+    const std::string_view sentence =
+        describe_error_frame(raw.can_id & CAN_ERR_MASK, {raw.data, std::min<std::size_t>(raw.can_dlc, 8)});
+    if (sentence.empty() || sentence == reported_error_) return;
+    reported_error_ = sentence;
+    if (user_ != nullptr) user_->bus_complains(sentence);
   }
   void write() {
     if (waiting_) return;
@@ -110,6 +125,7 @@ class Interface final : public std::enable_shared_from_this<Interface> {
   asio::steady_timer pause_;
   BusClientUser* user_ = nullptr;
   std::deque<can_frame> queue_;
+  std::string_view reported_error_;
   bool waiting_ = false;
   bool ended_ = false;
 };
@@ -166,6 +182,8 @@ std::expected<std::unique_ptr<BusClient>, std::string> open_socketcan(asio::io_c
     ::close(socket);
     return std::unexpected("the interface is down; ip link set " + address.bus + " up");
   }
+  const can_err_mask_t errors = CAN_ERR_ACK | CAN_ERR_PROT | CAN_ERR_CRTL | CAN_ERR_BUSOFF;
+  (void)::setsockopt(socket, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors);
   sockaddr_can place{};
   place.can_family = AF_CAN;
   place.can_ifindex = number;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "canopus/link/can_error.hpp"
 #include "canopus/link/socketcand_words.hpp"
 
 namespace canopus::link {
@@ -103,7 +104,7 @@ void SocketcandDialogue::element(std::string_view text) {
       return;
     case State::raw:
       if (word == "frame") return frame(rest);
-      if (word == "error") return peer_.complaint(trimmed(rest));
+      if (word == "error") return error_element(trimmed(rest));
       return;  // answers to nothing we asked
     case State::failed: return;
   }
@@ -126,7 +127,24 @@ void SocketcandDialogue::frame(std::string_view arguments) {
   }
   if (!good) return peer_.complaint("a frame that cannot be read");
   frame.identifier = *identifier;
+  reported_error_ = {};
   peer_.frame_received(frame);
+}
+
+// Words, or an error frame of the server's CAN interface: `020 12.000345`.
+void SocketcandDialogue::error_element(std::string_view arguments) {
+  std::string_view rest = arguments;
+  const std::string_view class_word = take_word(rest);
+  const auto error_class = number(class_word, 16);
+  const std::string_view time = take_word(rest);
+  const bool is_error_frame = error_class && class_word.size() >= 3 && rest.empty() &&
+                              time.find('.') != std::string_view::npos &&
+                              time.find_first_not_of("0123456789.") == std::string_view::npos;
+  if (!is_error_frame) return peer_.complaint(arguments);
+  const std::string_view sentence = describe_error_frame(*error_class, {});
+  if (sentence.empty() || sentence == reported_error_) return;
+  reported_error_ = sentence;
+  peer_.complaint(sentence);
 }
 
 void SocketcandDialogue::fail(std::string text) {

@@ -54,6 +54,7 @@ class SocketcandDialogue {
  private:
   void element(std::string_view text);
   void frame(std::string_view arguments);
+  void error_element(std::string_view arguments);
   void fail(std::string text);
 
   std::string bus_name_;
@@ -61,6 +62,7 @@ class SocketcandDialogue {
   State state_ = State::greeting;
   std::string input_;  // not yet understood
   std::string error_;
+  std::string_view reported_error_;  // of an error frame; not again until a frame comes
 };
 
 }  // namespace canopus::link

@@ -13,6 +13,7 @@
 #include <netinet/tcp.h>
 #include <poll.h>
 
+#include "canopus/link/can_error.hpp"
 #include "canopus/link/socketcand_session.hpp"
 
 namespace canopus::link {
@@ -80,7 +81,7 @@ void keep_little(tcp::acceptor& acceptor) {
 /// Bus callbacks only queue messages and start socket operations; what takes the client off the bus happens
 /// in handlers of the io_context, never inside the bus.
 class SocketcandServer::Client final : public std::enable_shared_from_this<Client>,
-                                       public can::Participant,
+                                       public AttachedClient,
                                        private can::Sink,
                                        private SocketcandSession::Peer {
  public:
@@ -106,7 +107,8 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
   /// Ends the connection and leaves the bus at once.
   void leave();
 
-  // can::Participant
+  // AttachedClient
+  void unacknowledged(can::Time now) override;
   void receive(const can::Frame& frame, can::Time now) override;
   void transmitted(const can::Frame& /*frame*/, can::Time now) override {
     if (on_the_way_ > 0) --on_the_way_;
@@ -261,6 +263,12 @@ void SocketcandServer::Client::receive(const can::Frame& frame, can::Time now) {
   slot->length = static_cast<std::uint8_t>(write_socketcand_frame(slot->text, frame, now));
   slot->frame = true;
   write_next();
+}
+
+void SocketcandServer::Client::unacknowledged(can::Time now) {
+  if (server_ == nullptr || ending() || session_.state() != SocketcandSession::State::raw) return;
+  std::array<char, socketcand_max_message> text;
+  message({text.data(), write_socketcand_error(text, error_class_acknowledgement, now)});
 }
 
 void SocketcandServer::Client::tick(can::Time now) {

@@ -40,8 +40,16 @@ class BusAttachment : public can::Sink {
   virtual void refresh() = 0;
 };
 
-/// Puts a participant on the bus. It lives until its attachment is destroyed. Null: the bus takes no more.
-using AttachToBus = std::function<std::unique_ptr<BusAttachment>(can::Participant& client)>;
+/// A client as the bus has it.
+class AttachedClient : public can::Participant {
+ public:
+  /// Nobody acknowledges what the client sends: no other node is on the bus. Called once for as long as that
+  /// lasts.
+  virtual void unacknowledged(can::Time now) = 0;
+};
+
+/// Puts a client on the bus. It lives until its attachment is destroyed. Null: the bus takes no more.
+using AttachToBus = std::function<std::unique_ptr<BusAttachment>(AttachedClient& client)>;
 
 struct SocketcandLimits {
   AllowList allowed{};               ///< who may connect

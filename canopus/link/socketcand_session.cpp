@@ -9,22 +9,45 @@
 #include "canopus/link/socketcand_words.hpp"
 
 namespace canopus::link {
-std::size_t write_socketcand_frame(std::span<char, socketcand_max_message> out, const can::Frame& frame,
-                                   can::Time time) noexcept {
-  constexpr char hex_digits[] = "0123456789ABCDEF";
+namespace {
+
+constexpr char hex_digits[] = "0123456789ABCDEF";
+
+/// Seconds with six decimals, cut.
+char* write_time(char* p, can::Time time) noexcept {
   const auto microseconds = static_cast<std::uint64_t>(std::max<std::int64_t>(
       0, std::chrono::floor<std::chrono::microseconds>(time.time_since_epoch()).count()));
+  p = std::to_chars(p, p + 20, microseconds / 1'000'000).ptr;
+  *p++ = '.';
+  for (std::uint64_t unit = 100'000, rest = microseconds % 1'000'000; unit > 0; unit /= 10) {
+    *p++ = static_cast<char>('0' + rest / unit % 10);
+  }
+  return p;
+}
+
+}  // namespace
+
+std::size_t write_socketcand_error(std::span<char, socketcand_max_message> out, std::uint32_t error_class,
+                                   can::Time time) noexcept {
+  constexpr std::string_view start = "< error ";
+  char* p = std::ranges::copy(start, out.data()).out;
+  for (const unsigned digit : {2U, 1U, 0U}) *p++ = hex_digits[error_class >> (4 * digit) & 0xFU];
+  *p++ = ' ';
+  p = write_time(p, time);
+  *p++ = ' ';
+  *p++ = '>';
+  return static_cast<std::size_t>(p - out.data());
+}
+
+std::size_t write_socketcand_frame(std::span<char, socketcand_max_message> out, const can::Frame& frame,
+                                   can::Time time) noexcept {
   constexpr std::string_view start = "< frame ";
   char* p = std::ranges::copy(start, out.data()).out;
   for (int digit = frame.extended ? 7 : 2; digit >= 0; --digit) {
     *p++ = hex_digits[frame.identifier >> (4 * digit) & 0xFU];
   }
   *p++ = ' ';
-  p = std::to_chars(p, p + 20, microseconds / 1'000'000).ptr;
-  *p++ = '.';
-  for (std::uint64_t unit = 100'000, rest = microseconds % 1'000'000; unit > 0; unit /= 10) {
-    *p++ = static_cast<char>('0' + rest / unit % 10);
-  }
+  p = write_time(p, time);
   *p++ = ' ';
   for (const std::uint8_t byte : frame.bytes()) {
     *p++ = hex_digits[byte >> 4];

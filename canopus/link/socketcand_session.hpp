@@ -11,6 +11,8 @@
 //                     < sendrtr 705 1 >                                 a remote frame
 //                     < echo >                                < echo >
 //                     < bcmmode >                             < ok >    frames stop
+//   < error 020 12.000345 >                                             nobody acknowledges this client's
+//                                                                       frames: once for as long as it lasts
 //
 // `< open >` without a name opens the bus as well: a server has only one. Other servers refuse that.
 //
@@ -40,6 +42,11 @@ inline constexpr std::size_t socketcand_max_element = 128;
 
 /// Writes `< frame ... >` and returns its length. Time is written in seconds with six decimals, cut.
 std::size_t write_socketcand_frame(std::span<char, socketcand_max_message> out, const can::Frame& frame,
+                                   can::Time time) noexcept;
+
+/// Writes `< error 020 12.000345 >`, as socketcand passes on the error frames of a CAN interface (can_error.hpp),
+/// and returns its length.
+std::size_t write_socketcand_error(std::span<char, socketcand_max_message> out, std::uint32_t error_class,
                                    can::Time time) noexcept;
 
 class SocketcandSession {

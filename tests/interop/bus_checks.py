@@ -152,6 +152,19 @@ def a_bus_that_cannot_be_joined_is_told_with_its_address():
 
 
 @check
+def a_bus_without_another_node_is_told():
+    """The only device of the plant listens and drives nothing: nobody acknowledges what the commands send. Each has a plant of
+    its own: a client that left with frames unsent is still on the bus for a second, and acknowledges."""
+    for words in (("scan", "--nodes", "1-16", "--timeout", "200ms"), ("sdo", "read", "5", "1000", "--timeout", "500ms"),
+                  ("nmt", "start", "5", "--wait", "--timeout", "500ms"), ("lss", "identify", "--timeout", "500ms"),
+                  ("master", "--dcf", network_file("node = 5"), "--for", "2s")):
+        with device_plant((5, DEVICE, "listen_only = true")) as plant:
+            done = on_bus(plant, *words, expect=1)
+            require(done.stderr.count("nobody acknowledges: no other node on this bus") == 1, f"{words}: {done.stderr}")
+            plant.wait(lambda e: e["event"] == "unacknowledged" and e["name"] == "socketcand")
+
+
+@check
 def nmt_command_moves_a_node_through_its_states():
     with device_plant((5, DEVICE, "")) as plant:
         for word, shown in (("start", "node 5 is operational"), ("stop", "node 5 is stopped"),

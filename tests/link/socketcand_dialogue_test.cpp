@@ -157,6 +157,15 @@ TEST_F(SocketcandDialogueTest, ErrorOfTheServer_IsPassedOnAndFramesGoOn) {
   EXPECT_EQ(ends.frames.size(), 1U);
 }
 
+TEST_F(SocketcandDialogueTest, ErrorFrame_IsSaidInWordsOnceUntilAFrameComes) {
+  join();
+  dialogue.receive("< error 020 1.000345 >< error 020 1.100345 >");
+  EXPECT_THAT(ends.complaints, ElementsAre("nobody acknowledges: no other node on this bus"));
+  dialogue.receive("< frame 080 2.0  >< error 020 3.0 >< error 100 3.5 >");
+  EXPECT_EQ(ends.complaints.size(), 2U);
+  EXPECT_EQ(ends.complaints.back(), ends.complaints.front());
+}
+
 class SocketcandWrongFrame : public SocketcandDialogueTest,
                              public testing::WithParamInterface<const char*> {};
 

@@ -137,6 +137,12 @@ class SocketcandServerTest : public testing::Test {
   std::unique_ptr<SocketcandServer> server;
 };
 
+TEST_F(SocketcandServerTest, MissingAcknowledgement_IsAnErrorFrameToTheClient) {
+  const auto client = connect_raw();
+  bus.newest->unacknowledged(can::Time(12s + 345us));
+  until([&] { return client->all().ends_with("< error 020 12.000345 >"); });
+}
+
 TEST_F(SocketcandServerTest, Connect_IsGreetedInASegmentOfItsOwn) {
   const auto client = connect();
   EXPECT_THAT(client->received, ElementsAre("< hi >"));

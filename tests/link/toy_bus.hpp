@@ -24,15 +24,17 @@ class ToyBus final : public LoopClock {
   /// The present: now() brings the bus up to it.
   can::Time wall{};
   can::Time joined{};  ///< when somebody joined last
-  can::Time left{};    ///< when somebody left last
+  AttachedClient* newest = nullptr;
+  can::Time left{};  ///< when somebody left last
   int touches = 0;
   std::vector<can::Frame> delivered;
 
   AttachToBus attach() {
-    return [this](can::Participant& participant) -> std::unique_ptr<BusAttachment> {
+    return [this](AttachedClient& participant) -> std::unique_ptr<BusAttachment> {
       if (participants_.size() >= places) return nullptr;
       participants_.push_back(&participant);
       joined = time;
+      newest = &participant;
       return std::make_unique<Place>(*this, participant);
     };
   }
