@@ -88,6 +88,7 @@ def an_unread_output_does_not_stop_the_plant():
     trace = scratch / "unread.pcap"
     with started("run", first_plant_file(), "--json", "--trace", trace) as (process, lines):
         host, port = mc_address(lines)
+        traffic_enough = time.monotonic() + 3  # the nodes are up after a second, then there are 150 frames a second
         with mc.McClient(host, int(port), timeout=PATIENCE) as plc:
             write_many(plc, 0, 100)
             events, lost = [], None
@@ -103,6 +104,7 @@ def an_unread_output_does_not_stop_the_plant():
             require(times == sorted(times), "the number of lost lines is not at its place")
             require(json.loads(lines.line())["t"] >= events[-1]["t"], "the line after the lost ones is older")
             write_many(plc, 200, 100)
+        time.sleep(max(0.0, traffic_enough - time.monotonic()))
         begun = time.monotonic()
         require(ends(process, signal.SIGTERM) == 0, "exit code")
         print(f"    ended after {time.monotonic() - begun:.1f} s")
