@@ -13,6 +13,8 @@ DeviceSeat::DeviceSeat(std::shared_ptr<const eds::DeviceFile> file, const Device
   const std::string& product = device_.file().device.product_name;
   name_ = !section.name.empty() ? section.name : product;
   status_.plate = {section.bus, name_, node_id};
+  device_.node().set_listener(this);
+  if (section.start > can::Duration{}) port.set_power(false);
 }
 
 void DeviceSeat::set_store(std::unique_ptr<store::ParameterFile> store) {
@@ -28,6 +30,7 @@ void DeviceSeat::enable_lss(std::unique_ptr<store::ParameterFile> store) {
 void DeviceSeat::power_on(can::Time now) {
   if (now < start_) return;
   status_.is_on = true;
+  port_.set_power(true);
   bit_rate_ = port_.bit_rate();
   device_.power_on(now);
   look(now);
@@ -54,6 +57,9 @@ void DeviceSeat::tick(can::Time now) {
   device_.tick(now);
   look(now);
 }
+
+// The controller is set up anew, too: nothing from before follows.
+void DeviceSeat::reset_requested(canopen::NmtCommand, can::Time) { port_.abort_transmissions(); }
 
 void DeviceSeat::look(can::Time now) {
   if (device_.lss() != nullptr) look_at_lss(now);

@@ -13,7 +13,7 @@
 
 namespace canopus::app {
 
-class DeviceSeat final : public can::Participant {
+class DeviceSeat final : public can::Participant, private canopen::NodeListener {
  public:
   DeviceSeat(std::shared_ptr<const eds::DeviceFile> file, const DeviceSection& section, std::uint8_t node_id,
              sim::Port& port, PlantObserver& observer);
@@ -37,6 +37,9 @@ class DeviceSeat final : public can::Participant {
   can::Time deadline() const noexcept override { return status_.is_on ? device_.deadline() : start_; }
 
  private:
+  // NodeListener, unless the device is an LSS slave, which does this by itself.
+  void reset_requested(canopen::NmtCommand which, can::Time now) override;
+
   void look(can::Time now);
   void look_at_lss(can::Time now);
   void accept();

@@ -43,6 +43,9 @@ class Controller : public Sink {
   virtual void set_automatic_recovery(bool /*automatic*/) {}
   /// Changes the bit rate and starts the controller anew: counters 0, error active, transmit queue empty.
   virtual void restart(std::uint32_t bit_rate) = 0;
+  /// Off: as if it had no supply. It hears nothing, acknowledges nothing, what waits is lost, send() refuses.
+  /// On: as after restart() with the bit rate it has. A controller whose supply nobody can switch ignores it.
+  virtual void set_power(bool /*on*/) {}
   /// Frames that send() refused since the last restart().
   [[nodiscard]] virtual std::uint32_t transmit_overflows() const = 0;
   /// Received frames lost because nobody took them in time, since the last restart().

@@ -65,6 +65,7 @@ ModuleEngine::ModuleEngine(const ModuleModel& model, can::Controller& controller
                     configuration_options(model, profile_)),
       port_(model.request_port(*this)) {
   state_.mode = &model.function_modes.front();
+  controller_.set_power(false);
   controller_.set_automatic_recovery(false);  // the way out of bus-off is a restart [ME3CAN1-Q 3.5.7]
   node_.set_listener(this);
   master_.set_listener(this);
@@ -123,6 +124,8 @@ void ModuleEngine::power_on(can::Time now) {
 void ModuleEngine::power_off(can::Time now) {
   if (state_.phase == Phase::off) return;
   state_.phase = Phase::off;
+  controller_sends_last_ = false;
+  controller_.set_power(false);
   state_.hardware_fault = false;
   master_.stop(now);
   node_.power_off();
@@ -153,10 +156,11 @@ void ModuleEngine::inject(ModuleFault fault, can::Time now) {
   }
 }
 
-// [ME3CAN1-Q 3.3.2, 3.5.5] From the start of a restart on the module is off the bus; what it holds is what
-// its flash memory holds.
+// [ME3CAN1-Q 3.3.2, 3.5.5] From the start of a restart on the module is off the bus, but for the message that
+// says so; what it holds is what its flash memory holds.
 void ModuleEngine::begin_initialization(can::Duration duration, can::Time now) {
   state_.phase = Phase::initializing;
+  if (!controller_sends_last_) controller_.set_power(false);
   initialized_at_ = can::later(now, duration);
   settings_.cancel_save();
   state_.nmt_resetting = false;
@@ -190,7 +194,9 @@ void ModuleEngine::end_due_initialization(can::Time now) {
   state_.phase = Phase::running;
   state_.bit_rate = settings_.bit_rate();
   master_.options().bit_rate = state_.bit_rate * 1000U;
+  controller_sends_last_ = false;
   controller_.restart(state_.bit_rate * 1000U);
+  controller_.set_power(true);
   overflows_ = 0;
   if (state_.canopen_mode()) {
     node_.set_node_id(settings_.node_id());
@@ -218,11 +224,10 @@ bool ModuleEngine::configuration_is_faulty(can::Time now) {
 void ModuleEngine::begin_restart(can::Time now) {
   // A restart is no cut of the supply: what was asked for is saved.
   if (settings_.save_deadline() != can::never) end_save(now);
-  // The frame is in the controller's queue before the node goes off; the controller starts anew only at the
-  // end of the initialization, so it leaves.
+  // The frame is in the controller's queue before the node goes off; the controller goes off after it.
   if (state_.running() && state_.canopen_mode()) {
     const EmergencyRow& row = model_.emergencies.restart;
-    node_.emergency(row.code, row.error_register, row.manufacturer, now);
+    controller_sends_last_ = node_.emergency(row.code, row.error_register, row.manufacturer, now);
   }
   restarting_ = true;
   begin_initialization(profile_.restart_time, now);

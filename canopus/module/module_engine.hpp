@@ -184,6 +184,7 @@ class ModuleEngine : public CommunicationModule,
   void begin_initialization(can::Duration duration, can::Time now);
   [[nodiscard]] bool configuration_is_faulty(can::Time now);
   void end_save(can::Time now);
+  void end_sending(const can::Frame& frame);
 
   // Status.
   [[nodiscard]] LedPattern network_state_pattern() const;
@@ -222,8 +223,9 @@ class ModuleEngine : public CommunicationModule,
 
   bool cpu_failed_ = false;  // the STOP that comes is an error's
   bool restarting_ = false;
-  bool clear_concise_dcfs_ = false;  // 1011H was written: at the next restart
-  can::Time last_frame_{};           // sent or received
+  bool controller_sends_last_ = false;  // off the bus after the message that says that the module restarts
+  bool clear_concise_dcfs_ = false;     // 1011H was written: at the next restart
+  can::Time last_frame_{};              // sent or received
   std::uint32_t overflows_ = 0;
   static constexpr std::size_t most_events = 8;
   std::vector<Event> events_;  // of the module's own finding, sent after what caused them is dealt with

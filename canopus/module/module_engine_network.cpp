@@ -31,6 +31,7 @@ void ModuleEngine::receive(const can::Frame& frame, can::Time now) {
 
 void ModuleEngine::transmitted(const can::Frame& frame, can::Time now) {
   last_frame_ = now;
+  if (controller_sends_last_) return end_sending(frame);
   if (!state_.running()) return;
   if (state_.canopen_mode()) {
     node_.transmitted(frame, now);
@@ -38,6 +39,15 @@ void ModuleEngine::transmitted(const can::Frame& frame, can::Time now) {
   }
   layer2_.transmitted(frame);
   update(now);
+}
+
+void ModuleEngine::end_sending(const can::Frame& frame) {
+  const EmergencyRow& row = model_.emergencies.restart;
+  const bool is_last = frame.dlc == 8 && (frame.data[0] | frame.data[1] << 8) == row.code &&
+                       std::equal(row.manufacturer.begin(), row.manufacturer.end(), &frame.data[3]);
+  if (!is_last) return;
+  controller_sends_last_ = false;
+  controller_.set_power(false);
 }
 
 void ModuleEngine::controller_changed(can::Time now) {

@@ -84,9 +84,11 @@ class Port : public can::Controller {
   virtual void connect(can::Participant& participant, can::Timeline::Handle handle) = 0;
   /// Nobody hears this port any more; the controller stays on the bus.
   virtual void disconnect() = 0;
-  /// Unplugged: hears nothing, its frames wait. A controller that is plugged, restarted or added to a running
-  /// bus takes part after 11 recessive bits.
+  /// Unplugged: hears nothing, its frames wait. A controller that is plugged, switched on, restarted or added
+  /// to a running bus takes part after 11 recessive bits.
   virtual void plug(bool plugged) = 0;
+  /// Unplugged is not off: what waits is kept, and is sent when it is plugged again.
+  void set_power(bool on) override = 0;
   [[nodiscard]] virtual bool plugged() const = 0;
   [[nodiscard]] virtual const std::string& name() const = 0;
   /// Default: everything.

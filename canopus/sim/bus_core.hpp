@@ -79,14 +79,15 @@ class BusPort final : public Port {
   [[nodiscard]] std::uint32_t transmit_overflows() const override { return refused; }
   [[nodiscard]] std::uint32_t receive_overflows() const override { return overrun; }
   [[nodiscard]] bool has_room() const override {
-    return !listen_only && queue.size() + (sending ? 1 : 0) < queue.capacity();
+    return powered && !listen_only && queue.size() + (sending ? 1 : 0) < queue.capacity();
   }
   void abort_transmissions() override;
 
   void connect(can::Participant& new_participant, can::Timeline::Handle new_handle) override;
   void disconnect() override { participant = nullptr; }
   void plug(bool plugged) override;
-  [[nodiscard]] bool plugged() const override { return on_wire; }
+  [[nodiscard]] bool plugged() const override { return is_plugged; }
+  void set_power(bool on) override;
   [[nodiscard]] const std::string& name() const override { return port_name_; }
   void accept(const Acceptance& acceptance) override;
   void set_transmit_queue(TransmitOrder order, std::size_t capacity) override;
@@ -186,7 +187,9 @@ class BusPort final : public Port {
   Segment* segment;
   std::size_t index;
   std::uint32_t rate;
-  bool on_wire = true;
+  bool is_plugged = true;
+  bool powered = true;
+  bool on_wire = true;  // both
   bool listen_only = false;
   bool automatic_recovery = true;
   bool recovering = false;
@@ -239,6 +242,8 @@ class BusPort final : public Port {
 
  private:
   void forget_queue();
+  void start_anew();
+  void be_on_wire();
 
   std::string port_name_;
 };

@@ -20,7 +20,7 @@ BusPort::BusPort(BusCore& bus_core, Segment& port_segment, std::size_t port_inde
 }
 
 bool BusPort::send(const can::Frame& frame) {
-  if (core.plan.delays_frames()) {
+  if (powered && core.plan.delays_frames()) {
     const can::Duration delay = core.plan.on_send(*this, frame, core.timeline.now());
     if (delay > can::Duration{}) {
       core.delayed.push_back({can::later(core.timeline.now(), delay), this, frame});
@@ -33,7 +33,7 @@ bool BusPort::send(const can::Frame& frame) {
 
 bool BusPort::enqueue(const can::Frame& frame) {
   segment->keep_offer(*this);
-  if (listen_only || !queue.push(frame, sending ? 1 : 0)) {
+  if (!powered || listen_only || !queue.push(frame, sending ? 1 : 0)) {
     ++refused;
     return false;
   }
@@ -45,13 +45,17 @@ void BusPort::restart(std::uint32_t bit_rate) {
   segment->before_change();
   segment->take_off(*this);
   rate = bit_rate;
+  start_anew();
+  segment->restart(*this);
+  segment->after_change();
+}
+
+void BusPort::start_anew() {
   faults.reset();
   recovering = false;
   queue.clear();
   refused = 0;
   overrun = 0;
-  segment->restart(*this);
-  segment->after_change();
 }
 
 void BusPort::abort_transmissions() {
@@ -74,10 +78,28 @@ void BusPort::connect(can::Participant& new_participant, can::Timeline::Handle n
 }
 
 void BusPort::plug(bool plugged) {
-  if (on_wire == plugged) return;
+  is_plugged = plugged;
+  be_on_wire();
+}
+
+void BusPort::set_power(bool on) {
+  if (powered == on) return;
   segment->before_change();
-  on_wire = plugged;
-  if (plugged) {
+  powered = on;
+  if (!on) {
+    std::erase_if(core.delayed, [&](const BusCore::Delayed& waiting) { return waiting.port == this; });
+    segment->take_off(*this);
+    start_anew();
+  }
+  be_on_wire();
+  segment->after_change();
+}
+
+void BusPort::be_on_wire() {
+  if (on_wire == (is_plugged && powered)) return;
+  segment->before_change();
+  on_wire = !on_wire;
+  if (on_wire) {
     segment->restart(*this);
   } else {
     segment->take_off(*this);

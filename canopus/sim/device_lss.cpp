@@ -96,8 +96,10 @@ manager::LssSlaveUser::Stored DeviceLss::store(std::uint8_t node_id, std::uint32
   return Stored::done;
 }
 
-// What is pending is in force after a reset [CiA 305].
+// What is pending is in force after a reset [CiA 305]. The controller is set up anew, too: nothing from before
+// follows.
 void DeviceLss::reset_requested(canopen::NmtCommand, can::Time now) {
+  controller_.abort_transmissions();
   node_.set_node_id(slave_.pending_node_id());
   change_bit_rate(slave_.pending_bit_rate(), now);
 }

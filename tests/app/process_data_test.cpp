@@ -297,5 +297,37 @@ TEST_F(ProcessDataTest, RequestOfAClientWhileTheModuleInitializes_IsReported) {
   EXPECT_THAT(plant_->troubles()[0].text, HasSubstr("the CPU is in STOP")) << "and no more than that";
 }
 
+// A device without supply is not on the wire; with it, its boot-up message waits for 11 recessive bits.
+TEST_F(ProcessDataTest, ADeviceThatStartsLater_IsSilentAndAcknowledgesNothingBefore) {
+  const std::string path = CANOPUS_SOURCE_DIR "/examples/first-plant/plant.toml";
+  const std::string device = R"(
+    [[device]]
+    eds = "../devices/io-block.eds"
+    node = )";
+  const std::string text = "[[bus]]\nname = \"one\"\nbit_rate = 250_000\n" + device +
+                           "5\nname = \"early\"\n" + device + "6\nname = \"late\"\nstart = \"2s\"\n";
+  const PlantReading reading = read_plant(text, path);
+  ASSERT_THAT(reading.errors, IsEmpty());
+  auto built = Plant::build(reading.plant, *this);
+  ASSERT_TRUE(built.has_value()) << describe(built.error()[0], path);
+  plant_ = std::move(*built);
+  struct Frames final : sim::BusObserver {
+    void frame_completed(const can::Frame& frame, can::Time start, can::Time) override {
+      all.push_back(fmt::format("{:X} {:.6f}", frame.identifier, can::seconds(start)));
+    }
+    std::vector<std::string> all;
+  } frames;
+  plant_->bus(0).add_observer(frames);
+  plant_->power_on();
+  run(1999ms);
+  EXPECT_THAT(frames.all, IsEmpty());
+  run(10ms);
+  // 11 bits of 4 us, if the wire is recessive; early's attempts come between them.
+  ASSERT_THAT(frames.all, ::testing::SizeIs(2));
+  EXPECT_THAT(frames.all, Contains(::testing::StartsWith("705 2.000")));
+  EXPECT_THAT(frames.all, Contains(::testing::StartsWith("706 2.000")));
+  plant_->bus(0).remove_observer(frames);
+}
+
 }  // namespace
 }  // namespace canopus::app

@@ -24,6 +24,7 @@ class Plant {
     RamMemory memory;
     sim::Port* port = nullptr;
     std::unique_ptr<Me3can1Q> module;
+    can::Timeline::Handle handle = 0;
     std::uint16_t head = 0;
   };
 
@@ -39,14 +40,23 @@ class Plant {
     for (const auto& [index, sub, value] : objects) {
       EXPECT_EQ(slot.module->preset_object(index, sub, value), canopen::AbortCode::none) << std::hex << index;
     }
-    const auto handle = timeline_.add(*slot.module);
-    slot.port->connect(*slot.module, handle);
+    slot.handle = timeline_.add(*slot.module);
+    slot.port->connect(*slot.module, slot.handle);
     if (in_rack) {
-      EXPECT_TRUE(rack_.insert(head, *slot.module, handle));
+      EXPECT_TRUE(rack_.insert(head, *slot.module, slot.handle));
     }
     return slot;
   }
   void power_on() { rack_.power_on(timeline_.now()); }
+  /// One in a rack of its own.
+  void power_on(Slot& slot) {
+    slot.module->power_on(timeline_.now());
+    timeline_.refresh(slot.handle);
+  }
+  void power_off(Slot& slot) {
+    slot.module->power_off(timeline_.now());
+    timeline_.refresh(slot.handle);
+  }
   void run(can::Duration duration) { timeline_.run_until(timeline_.now() + duration); }
 
   std::uint16_t g(const Slot& slot, module::BufferAddress address) {
@@ -211,7 +221,7 @@ TEST(Me3OnABus, AloneOnTheBus_CountsUpByEightToErrorPassive_AndDownByOnePerGoodF
   EXPECT_EQ(plant.g(one, 35), 128);  // nobody acknowledges: not bus-off
 
   Plant::Slot& two = plant.add(0x20, {{27, 2}}, {}, false);  // in a rack of its own
-  two.module->power_on(plant.now());
+  plant.power_on(two);
   plant.run(1500ms);
   before = plant.g(one, 35);
   EXPECT_LT(before, 128);
@@ -222,6 +232,48 @@ TEST(Me3OnABus, AloneOnTheBus_CountsUpByEightToErrorPassive_AndDownByOnePerGoodF
   EXPECT_EQ(plant.g(one, 35), before - 11);
   plant.run(60s);
   EXPECT_EQ(plant.g(one, 35), 0);
+}
+
+// Off, in its start and in a restart it is as if it were not on the wire: nobody else is there who could acknowledge.
+// The frame that one's controller keeps sending until somebody does is its heartbeat.
+TEST(Me3OnABus, WithoutSupplyAndWhileItStarts_ItAcknowledgesNothing) {
+  Plant plant;
+  Plant::Slot& one = plant.add(0x00, {{27, 1}}, {{0x1017, 0, Bytes{100, 0}}});
+  Plant::Slot& two = plant.add(0x20, {{27, 2}}, {}, false);
+  const auto nobody_acknowledges = [&](can::Duration duration) {
+    const std::uint64_t before = one.port->counters().transmitted;
+    plant.run(duration);
+    return one.port->counters().transmitted == before;
+  };
+  plant.power_on();
+  EXPECT_TRUE(nobody_acknowledges(3s));  // it is off
+  EXPECT_EQ(one.port->error_state(), can::ErrorState::error_passive);
+  plant.power_on(two);
+  EXPECT_TRUE(nobody_acknowledges(999ms));  // it starts
+  EXPECT_FALSE(nobody_acknowledges(5ms));
+  plant.power_off(two);
+  plant.run(1ms);  // a frame that has been acknowledged may end
+  EXPECT_TRUE(nobody_acknowledges(1s));
+}
+
+TEST(Me3OnABus, InARestart_ItSaysSoAndIsSilent) {
+  Plant plant;
+  Plant::Slot& one = plant.add(0x00, {{27, 1}});
+  Plant::Slot& two = plant.add(0x20, {{27, 2}}, {{0x1017, 0, Bytes{100, 0}}}, false);
+  plant.power_on();
+  plant.power_on(two);
+  plant.run(2s);
+  ASSERT_EQ(plant.g(one, 29), 0);
+  plant.y(0x02, true);  // one restarts
+  plant.run(1ms);
+  EXPECT_NE(two.module->signals()->inputs() >> 0x11 & 1U, 0U);  // its emergency message
+  const std::uint64_t sent = two.port->counters().transmitted;
+  plant.y(0x02, false);
+  plant.run(5990ms);
+  EXPECT_EQ(two.port->counters().transmitted, sent);
+  EXPECT_EQ(two.port->error_state(), can::ErrorState::error_passive);
+  plant.run(20ms);
+  EXPECT_GT(two.port->counters().transmitted, sent);
 }
 
 TEST(Me3OnABus, WrongBaudRate_DrivesTheCountersUp) {
