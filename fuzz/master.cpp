@@ -13,59 +13,14 @@
 #include "canopus/manager/nmt_master.hpp"
 
 #include "input.hpp"
+#include "master_network.hpp"
 
 namespace {
 
 using namespace canopus;
 using namespace std::chrono_literals;
-using canopen::Access;
-using canopen::DataType;
+using namespace canopus::fuzz;
 using canopen::NmtState;
-using canopen::ObjectCode;
-using fuzz::expect;
-using fuzz::Input;
-
-constexpr std::uint8_t own_id = 1;
-constexpr std::uint8_t slave_ids[] = {2, 3, 127};
-constexpr std::uint32_t new_version = 9;  // of the program; the slaves begin with version 4
-
-std::shared_ptr<const canopen::DictionaryDescription> description() {
-  static const auto built = [] {
-    canopen::DictionaryBuilder b;
-    const auto u32 = [] { return canopen::EntrySpec{}; };
-    const auto u8 = [] { return canopen::EntrySpec{.type = DataType::unsigned8}; };
-    b.variable(0x1000, {.access = Access::read_only});
-    b.variable(0x1001, {.type = DataType::unsigned8, .access = Access::read_only});
-    b.variable(0x1014, {.value = canopen::little_endian(0x81, 4)});
-    b.uniform(0x1016, ObjectCode::array, "Consumers", 127, u32());
-    b.variable(0x1017, {.type = DataType::unsigned16});
-    b.uniform(0x1018, ObjectCode::record, "Identity", 4, {.access = Access::read_only});
-    b.uniform(0x1029, ObjectCode::array, "Error behaviour", 1, u8());
-    b.variable(0x102A, {.type = DataType::unsigned16});
-    b.uniform(0x1F22, ObjectCode::array, "Concise DCF", 127, {.type = DataType::domain});
-    b.uniform(0x1F25, ObjectCode::array, "Configuration request", 128, {.access = Access::write_only});
-    b.uniform(0x1F26, ObjectCode::array, "Configuration date", 127, u32());
-    b.uniform(0x1F27, ObjectCode::array, "Configuration time", 127, u32());
-    b.uniform(0x1F55, ObjectCode::array, "Software version", 127, u32());
-    b.uniform(0x1F58, ObjectCode::array, "Program", 127, {.type = DataType::domain});
-    b.variable(0x1F80, u32());
-    b.uniform(0x1F81, ObjectCode::array, "Slave assignment", 127, u32());
-    b.uniform(0x1F82, ObjectCode::array, "Request NMT", 128, u8());
-    b.uniform(0x1F83, ObjectCode::array, "Request guarding", 128, u8());
-    for (std::uint16_t index = 0x1F84; index <= 0x1F88; ++index) {
-      b.uniform(index, ObjectCode::array, "Expected identity", 127, u32());
-    }
-    b.variable(0x1F89, u32());
-    b.uniform(0x1F8A, ObjectCode::array, "Restore", 127, u8());
-    b.object(0x1F90, ObjectCode::record, "Flying master timing");
-    constexpr std::uint16_t timing[] = {100, 500, 1, 1500, 10, 4010};
-    for (std::uint8_t sub = 1; sub <= 6; ++sub) {
-      b.sub(0x1F90, sub, {.type = DataType::unsigned16, .value = canopen::little_endian(timing[sub - 1], 2)});
-    }
-    return b.build();
-  }();
-  return built;
-}
 
 struct Store final : manager::ConfigurationStore {
   bool store(std::uint8_t node_id, std::span<const std::uint8_t>) override {
@@ -79,7 +34,7 @@ class Run final : canopen::NodeListener, manager::MasterListener, can::Participa
  public:
   explicit Run(Input& input)
       : input_(input),
-        node_(description(), own_id, node_sink_),
+        node_(master_objects(), own_id, node_sink_),
         master_(node_, master_sink_, options(input.byte())),
         configurations_(node_.dictionary(), master_, &store_, configuration_options(input.byte())) {
     node_.set_listener(this);
@@ -95,7 +50,7 @@ class Run final : canopen::NodeListener, manager::MasterListener, can::Participa
     configurations_.load(3, file.file());
     configurations_.load_program(2, table);
     configurations_.load_program(127, value);
-    slave_version_.fill(4);
+    slaves_.version.fill(4);
     configurations_.load(127, std::span(file.file()).first(file.file().size() - 3));  // damaged
     node_.power_on(now_);
     check();
@@ -133,7 +88,7 @@ class Run final : canopen::NodeListener, manager::MasterListener, can::Participa
     } else {
       expect(!frame.remote);
     }
-    answer(frame);
+    slaves_.hear(frame);
     return !full_;
   }
 
@@ -284,77 +239,6 @@ class Run final : canopen::NodeListener, manager::MasterListener, can::Participa
     if (code != canopen::AbortCode::none) --requests_;
   }
 
-  // --- the slaves
-  void answer(const can::Frame& frame) {
-    if (frame.extended || answers_.size() > 64) return;
-    if (frame.identifier == 0x000) {
-      for (const std::uint8_t id : slave_ids) {
-        if (frame.data[1] != 0 && frame.data[1] != id) continue;
-        if (frame.data[0] >= 0x81) answers_.push_back(can::data_frame(0x700U + id, {0x00}));
-        slave_state_[id] = frame.data[0] == 1 ? 5 : frame.data[0] == 2 ? 4 : 0x7F;
-        if (frame.data[0] >= 0x81) toggle_[id] = 0;
-      }
-      return;
-    }
-    const auto id = static_cast<std::uint8_t>(frame.identifier & 0x7F);
-    if (frame.identifier > 0x700 && frame.remote) {
-      answers_.push_back(
-          can::data_frame(frame.identifier, {static_cast<std::uint8_t>(slave_state_[id] | toggle_[id])}));
-      toggle_[id] ^= 0x80;
-      return;
-    }
-    if (frame.identifier < 0x601 || frame.identifier > 0x67F) return;
-    can::Frame response = frame;
-    response.identifier -= 0x80;
-    if (block_sequence_[id] != 0) {  // segments of a block download, 1 is due first
-      if (frame.data[0] == 0x80) {
-        block_sequence_[id] = 0;
-        return;
-      }
-      if ((frame.data[0] & 0x7F) != block_sequence_[id]) return;
-      const bool last = (frame.data[0] & 0x80) != 0;
-      if (!last && block_sequence_[id]++ != 127) return;
-      response.data = {0xA2, static_cast<std::uint8_t>(frame.data[0] & 0x7F), 127};
-      block_sequence_[id] = last ? 0 : 1;
-      answers_.push_back(response);
-      return;
-    }
-    const auto index = static_cast<std::uint16_t>(frame.data[1] | frame.data[2] << 8);
-    switch (frame.data[0] >> 5) {
-      case 0: response.data = {static_cast<std::uint8_t>(0x20 | (frame.data[0] & 0x10))}; break;
-      case 6:  // no CRC
-        if (!knows_blocks_) {
-          response.data = {0x80, frame.data[1], frame.data[2], frame.data[3], 0x01, 0x00, 0x04, 0x05};
-        } else if ((frame.data[0] & 1) != 0) {
-          response.data = {0xA1};
-          slave_version_[id] = new_version;
-        } else {
-          response.data = {0xA0, frame.data[1], frame.data[2], frame.data[3], 127};
-          block_sequence_[id] = 1;
-        }
-        break;
-      case 1:
-        if (index == 0x1F51) program_state_[id] = frame.data[4] == 3 ? 2 : frame.data[4];
-        if (index == 0x1F50) slave_version_[id] = new_version;
-        response.data[0] = 0x60;
-        for (unsigned i = 4; i < 8; ++i) response.data[i] = 0;
-        break;
-      case 2:
-        response.data[0] = 0x43;
-        response.data[4] = index == 0x1000   ? 0x91
-                           : index == 0x1020 ? static_cast<std::uint8_t>(4 + frame.data[3])
-                           : index == 0x1F51 ? program_state_[id]
-                           : index == 0x1F56 ? static_cast<std::uint8_t>(slave_version_[id])
-                           : index == 0x1F57 ? flash_status_
-                                             : 2;
-        response.data[5] = index == 0x1000 ? 0x01 : 0;
-        response.data[6] = index == 0x1018 ? 1 : 0;
-        break;
-      default: return;
-    }
-    answers_.push_back(response);
-  }
-
   // --- what happens
   void step() {
     switch (input_.choice(17)) {
@@ -391,7 +275,7 @@ class Run final : canopen::NodeListener, manager::MasterListener, can::Participa
                        now_);
       }
       case 12: return write();
-      case 13: return answers_.clear();  // all lost
+      case 13: return slaves_.answers.clear();  // all lost
       case 14: return surroundings();
       default: {
         constexpr std::uint8_t commands[] = {0x01, 0x02, 0x80, 0x81, 0x82};
@@ -409,9 +293,9 @@ class Run final : canopen::NodeListener, manager::MasterListener, can::Participa
   }
 
   void deliver(unsigned count) {
-    for (unsigned i = 0; i < count && !answers_.empty(); ++i) {
-      const can::Frame frame = answers_.front();
-      answers_.pop_front();
+    for (unsigned i = 0; i < count && !slaves_.answers.empty(); ++i) {
+      const can::Frame frame = slaves_.answers.front();
+      slaves_.answers.pop_front();
       now_ += 200us;
       receive(frame, now_);
       for (unsigned ticks = 0; deadline() <= now_; ++ticks) {
@@ -440,9 +324,9 @@ class Run final : canopen::NodeListener, manager::MasterListener, can::Participa
 
   void surroundings() {
     switch (input_.choice(12)) {
-      case 8: knows_blocks_ = input_.flag(); return;
-      case 9: flash_status_ = input_.byte(); return;
-      case 10: slave_version_[input_.one_of(slave_ids)] = input_.byte(); return;
+      case 8: slaves_.knows_blocks = input_.flag(); return;
+      case 9: slaves_.flash_status = input_.byte(); return;
+      case 10: slaves_.version[input_.one_of(slave_ids)] = input_.byte(); return;
       case 11: master_.cancel_requests(input_.flag() ? 0 : input_.one_of(slave_ids), now_); return;
       case 0: full_ = input_.flag(); return;
       case 1: may_start_ = input_.flag(); return;
@@ -462,7 +346,7 @@ class Run final : canopen::NodeListener, manager::MasterListener, can::Participa
           const Silence silence(silent_);
           master_.stop(now_);
         }
-        answers_.clear();
+        slaves_.answers.clear();
         if (input_.flag()) start_up_ = input_.byte() & 0x7F;
         node_.power_on(now_);
     }
@@ -478,16 +362,9 @@ class Run final : canopen::NodeListener, manager::MasterListener, can::Participa
   manager::ConfigurationManager configurations_;
   std::uint32_t start_up_ = 0;
   std::array<std::uint8_t, 4> settings_{};
-  std::array<std::uint8_t, 128> slave_state_{};
-  std::array<std::uint8_t, 128> toggle_{};
-  std::array<std::uint8_t, 128> block_sequence_{};
-  std::array<std::uint8_t, 128> program_state_{};
-  std::array<std::uint32_t, 128> slave_version_{};
-  std::uint8_t flash_status_ = 0;
-  bool knows_blocks_ = true;
+  Slaves slaves_;
   unsigned requests_ = 0;
   bool asked_ = false;  // SDO requests were made
-  std::deque<can::Frame> answers_;
   unsigned frames_ = 0;
   bool was_master_ = false;  // 1F80H had bit 0 set
   bool silent_ = false;
