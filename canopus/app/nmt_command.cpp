@@ -39,7 +39,7 @@ struct Arguments {
 };
 
 /// Waits for a node to show its state.
-class StateWatch final : public can::Participant {
+class StateWatch final : public can::Listener {
  public:
   StateWatch(std::uint8_t node_id, NmtState wanted) : node_id_(node_id), wanted_(wanted) {}
   [[nodiscard]] bool seen() const noexcept { return seen_; }
@@ -49,8 +49,6 @@ class StateWatch final : public can::Participant {
     if (frame.identifier != canopen::cob_id::error_control + node_id_) return;
     if ((frame.data[0] & 0x7FU) == static_cast<unsigned>(wanted_)) seen_ = true;  // bit 7: guarding's toggle
   }
-  void tick(can::Time) override {}
-  [[nodiscard]] can::Time deadline() const noexcept override { return can::never; }
 
  private:
   std::uint8_t node_id_;
@@ -68,12 +66,12 @@ int command_node(const Arguments& arguments, const Service& service) {
   if (all && arguments.wait) return complain(exit_code::usage, "--wait needs a single node");
   return with_bus(arguments.bus, [&](BusLoop& bus, can::Duration time_out) {
     StateWatch watch(node, service.state);
-    bus.add(watch);
+    bus.add_listener(watch);
     const bool sent =
         bus.send(can::data_frame(canopen::cob_id::nmt, {static_cast<std::uint8_t>(service.command), node}));
     auto end = BusLoop::End::done;
     if (sent && arguments.wait) end = bus.run([&] { return watch.seen(); }, bus.now() + time_out);
-    bus.remove(watch);
+    bus.remove_listener(watch);
     if (!sent) return complain(exit_code::failed, "the bus takes no frame");
     if (end != BusLoop::End::done) {
       const bool boots = service.state == NmtState::initialising;

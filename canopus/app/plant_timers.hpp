@@ -12,13 +12,12 @@
 namespace canopus::app {
 
 /// Stops a PLC's CPU with an error, once.
-class CpuErrorTimer final : public can::Participant {
+class CpuErrorTimer final : public can::Ticker {
  public:
   CpuErrorTimer(plc::Rack& rack, can::Duration after) : rack_(rack), after_(after) {}
 
   /// The rack has been switched on.
   void powered(can::Time now) { at_ = can::later(now, after_); }
-  void receive(const can::Frame&, can::Time) override {}
   void tick(can::Time now) override {
     at_ = can::never;
     rack_.fail_cpu(now);
@@ -32,11 +31,10 @@ class CpuErrorTimer final : public can::Participant {
 };
 
 /// Reports the load of every bus once a second.
-class LoadReport final : public can::Participant {
+class LoadReport final : public can::Ticker {
  public:
   LoadReport(std::vector<std::unique_ptr<sim::Bus>>& buses, PlantObserver& observer)
       : buses_(buses), observer_(observer) {}
-  void receive(const can::Frame&, can::Time) override {}
   void tick(can::Time now) override {
     for (const auto& bus : buses_) observer_.load(bus->name(), bus->load(now), now);
     next_ += std::chrono::seconds(1);

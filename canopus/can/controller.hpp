@@ -1,6 +1,7 @@
 #pragma once
 // What stands between a protocol object and a bus: where frames go (Sink), what a CAN controller tells of
-// itself (Controller), and what whoever sits on a bus must be able to take (Participant).
+// itself (Controller), who hears what happens on the bus (Listener), who lives in time (Ticker), and who does
+// both, as most do (Participant).
 
 #include <cstdint>
 
@@ -60,22 +61,30 @@ class Controller : public Sink {
   ~Controller() = default;
 };
 
-/// Anything that lives in time and may hear frames: it is told what happened and when, and says what it wants
-/// next.
-class Participant {
+/// Hears what happens at its place on a bus, and when.
+class Listener {
  public:
-  virtual ~Participant() = default;
+  virtual ~Listener() = default;
   /// A frame of another node was received without error; `now` is the end of the frame.
   virtual void receive(const Frame& frame, Time now) = 0;
   /// A frame this participant sent was acknowledged and is complete on the bus.
   virtual void transmitted(const Frame& /*frame*/, Time /*now*/) {}
   /// The error state of this participant's controller, or a counter's way over the warning limit, changed.
   virtual void controller_changed(Time /*now*/) {}
+};
+
+/// Lives in time: says when it wants its next tick, and gets it.
+class Ticker {
+ public:
+  virtual ~Ticker() = default;
   /// The deadline has come (now >= deadline()).
   virtual void tick(Time now) = 0;
   /// Earliest moment at which tick() is wanted; never = not at all. Valid until the next call of any other
   /// member.
   [[nodiscard]] virtual Time deadline() const noexcept = 0;
 };
+
+/// Hears a bus and lives in time.
+class Participant : public Listener, public Ticker {};
 
 }  // namespace canopus::can

@@ -31,7 +31,7 @@ void Timeline::sift_down(std::size_t position) noexcept {
   put(position, moving);
 }
 
-Timeline::Handle Timeline::add(Participant& participant, std::string name, Rank rank) {
+Timeline::Handle Timeline::add(Ticker& participant, std::string name, Rank rank) {
   const Handle handle = slots_.size();
   const auto position = static_cast<std::uint32_t>(heap_.size());
   slots_.push_back({&participant, participant.deadline(), position});

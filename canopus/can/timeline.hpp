@@ -26,7 +26,7 @@ class Timeline {
 
   /// Adds a participant, which must outlive the timeline or be removed. Returns its handle. `name` is for
   /// people, in errors; empty: its number.
-  Handle add(Participant& participant, std::string name = {}, Rank rank = Rank::node);
+  Handle add(Ticker& participant, std::string name = {}, Rank rank = Rank::node);
   /// Takes a participant out for good; its handle is not used again.
   void remove(Handle handle);
 
@@ -60,7 +60,7 @@ class Timeline {
 
  private:
   struct Slot {
-    Participant* participant = nullptr;
+    Ticker* participant = nullptr;
     Time deadline = never;
     std::uint32_t position = 0;  // in heap_
   };

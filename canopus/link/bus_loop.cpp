@@ -40,20 +40,26 @@ void BusLoop::add(can::Participant& participant) {
   seats_.push_back({&participant, timeline_.add(participant)});
 }
 
-void BusLoop::remove(can::Participant& participant) {
-  const auto seat = std::ranges::find(seats_, &participant, &Seat::participant);
+void BusLoop::remove(can::Participant& participant) { remove_listener(participant); }
+
+void BusLoop::add_listener(can::Listener& listener) { seats_.push_back({&listener, std::nullopt}); }
+
+void BusLoop::remove_listener(can::Listener& listener) {
+  const auto seat = std::ranges::find(seats_, &listener, &Seat::listener);
   if (seat == seats_.end()) return;
-  timeline_.remove(seat->handle);
+  if (seat->handle) timeline_.remove(*seat->handle);
   seats_.erase(seat);
 }
 
 void BusLoop::refresh() {
-  for (const Seat& seat : seats_) timeline_.refresh(seat.handle);
+  for (const Seat& seat : seats_) {
+    if (seat.handle) timeline_.refresh(*seat.handle);
+  }
 }
 
 void BusLoop::frame_received(const can::Frame& frame) {
   const can::Time time = now();
-  for (std::size_t i = 0; i < seats_.size(); ++i) seats_[i].participant->receive(frame, time);
+  for (std::size_t i = 0; i < seats_.size(); ++i) seats_[i].listener->receive(frame, time);
 }
 
 void BusLoop::bus_lost(const std::string& reason) {

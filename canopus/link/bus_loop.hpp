@@ -6,6 +6,7 @@
 #include <expected>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,9 @@ class BusLoop final : public can::Sink, private BusClientUser {
   /// The participant hears the bus and gets its ticks from now on. It outlives the loop or is removed.
   void add(can::Participant& participant);
   void remove(can::Participant& participant);
+  /// The same for one that only hears.
+  void add_listener(can::Listener& listener);
+  void remove_listener(can::Listener& listener);
   /// Since the bus was joined.
   [[nodiscard]] can::Time now() const;
 
@@ -56,8 +60,8 @@ class BusLoop final : public can::Sink, private BusClientUser {
   void refresh();
 
   struct Seat {
-    can::Participant* participant;
-    can::Timeline::Handle handle;
+    can::Listener* listener;
+    std::optional<can::Timeline::Handle> handle;  // none: it has no deadlines
   };
 
   boost::asio::io_context io_;

@@ -1,7 +1,7 @@
 #pragma once
 // The simulated CAN bus: frames occupy it for their exact number of bits, the lowest identifier wins
 // arbitration, and every controller on it has its own bit rate, queues and error counters. Time is virtual:
-// the bus is a Participant of the timeline that its nodes live on, so the same code runs as fast as possible
+// the bus is on the timeline that its nodes live on, so the same code runs as fast as possible
 // or in step with a clock.
 //
 // Frames of one moment are arbitrated together: a node that queues a frame in its tick at a moment takes part
@@ -81,7 +81,7 @@ struct PortCounters {
 class Port : public can::Controller {
  public:
   /// The participant that hears this port. Its deadline is refreshed in the timeline after every call.
-  virtual void connect(can::Participant& participant, can::Timeline::Handle handle) = 0;
+  virtual void connect(can::Listener& participant, can::Timeline::Handle handle) = 0;
   /// Nobody hears this port any more; the controller stays on the bus.
   virtual void disconnect() = 0;
   /// Unplugged: hears nothing, its frames wait. A controller that is plugged, switched on, restarted or added
@@ -116,7 +116,7 @@ struct BusLoad {
   double peak = 0;         ///< highest `now` so far
 };
 
-class Bus final : public can::Participant {
+class Bus final : public can::Ticker {
  public:
   /// bit_rate in bit/s. Adds itself to the timeline, which must outlive the bus.
   Bus(std::string name, std::uint32_t bit_rate, can::Timeline& timeline);
@@ -145,7 +145,6 @@ class Bus final : public can::Participant {
   /// Frames completed with this identifier. Extended identifiers beyond the first 1024 seen are not counted.
   [[nodiscard]] std::uint64_t frames_of(std::uint32_t identifier, bool extended = false) const;
 
-  void receive(const can::Frame&, can::Time) override {}
   void tick(can::Time now) override;
   [[nodiscard]] can::Time deadline() const noexcept override;
 

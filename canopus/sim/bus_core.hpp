@@ -83,7 +83,7 @@ class BusPort final : public Port {
   }
   void abort_transmissions() override;
 
-  void connect(can::Participant& new_participant, can::Timeline::Handle new_handle) override;
+  void connect(can::Listener& new_participant, can::Timeline::Handle new_handle) override;
   void disconnect() override { participant = nullptr; }
   void plug(bool plugged) override;
   [[nodiscard]] bool plugged() const override { return is_plugged; }
@@ -173,13 +173,13 @@ class BusPort final : public Port {
       return;
     }
     ++counted.received;
-    tell([&](can::Participant& hearer) { hearer.receive(frame, now); });
+    tell([&](can::Listener& hearer) { hearer.receive(frame, now); });
   }
   [[nodiscard]] can::Duration bit() const noexcept { return can::bit_time(1, rate); }
 
   // What a received frame needs lies together.
   BusCore& core;
-  can::Participant* participant = nullptr;
+  can::Listener* participant = nullptr;
   can::Timeline::Handle handle = 0;
   PortCounters counted;
   bool jammed = false;  // by a fault: received frames are held

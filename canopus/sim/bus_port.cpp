@@ -72,7 +72,7 @@ void BusPort::forget_queue() {
   last_attempt = sending && !sends_babble;
 }
 
-void BusPort::connect(can::Participant& new_participant, can::Timeline::Handle new_handle) {
+void BusPort::connect(can::Listener& new_participant, can::Timeline::Handle new_handle) {
   participant = &new_participant;
   handle = new_handle;
 }

@@ -170,7 +170,7 @@ void Segment::complete_frames(can::Time now) {
     if (!port.confirm) continue;
     port.confirm = false;
     const can::Frame sent = port.current;
-    port.tell([&](can::Participant& participant) { participant.transmitted(sent, now); });
+    port.tell([&](can::Listener& participant) { participant.transmitted(sent, now); });
   }
   completing_ = std::any_of(members_.begin(), members_.end(),
                             [](const BusPort* port) { return port->tap.received || port->tap.transmitted; });
@@ -376,7 +376,7 @@ void Segment::tell_changes(can::Time now) {
   for (const auto& port : core_.ports) {
     if (port->segment != this || !port->tap.changed) continue;
     port->tap.changed = false;
-    port->tell([now](can::Participant& participant) { participant.controller_changed(now); });
+    port->tell([now](can::Listener& participant) { participant.controller_changed(now); });
   }
 }
 

@@ -16,10 +16,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-struct Alarm : Participant {
+struct Alarm : Ticker {
   Alarm(std::string alarm_name, std::vector<Time> alarm_moments, std::vector<std::string>& alarm_log)
       : name(std::move(alarm_name)), moments(std::move(alarm_moments)), log(alarm_log) {}
-  void receive(const Frame&, Time) override {}
   void tick(Time now) override {
     log.push_back(name + "@" + std::to_string(now.time_since_epoch() / 1ms));
     moments.erase(moments.begin());
@@ -141,9 +140,8 @@ TEST(Timeline, RandomAlarms_TickAsASortedListHasThem) {
 }
 
 /// Asks for each moment so often.
-struct Insistent : Participant {
+struct Insistent : Ticker {
   explicit Insistent(std::uint64_t how_often, Time first = Time(1ms)) : times(how_often), at(first) {}
-  void receive(const Frame&, Time) override {}
   void tick(Time) override {
     ++ticks;
     if (times != for_ever && ticks % times == 0) at += 1ms;
