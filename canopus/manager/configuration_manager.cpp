@@ -16,6 +16,14 @@ constexpr std::uint16_t program_index = 0x1F58;
 constexpr std::uint8_t all = 0x80;
 constexpr std::array<std::uint8_t, 4> signature{0x63, 0x6F, 0x6E, 0x66};  // "conf"
 
+/// "Write 0 to this sub-index" [ME3CAN1-Q 4.8.12]: one byte; or a concise DCF of no entries, four bytes, which
+/// says that the node has no configuration [CiA 302-3]. Announced entries, or bytes after the count, make it a
+/// file.
+bool is_deletion(std::span<const std::uint8_t> file) noexcept {
+  constexpr std::array<std::uint8_t, 4> no_entries{};
+  return file.empty() || (file.size() == 1 && file[0] == 0) || std::ranges::equal(file, no_entries);
+}
+
 }  // namespace
 
 ConfigurationManager::ConfigurationManager(canopen::ObjectDictionary& dictionary, NmtMaster& master,
@@ -74,12 +82,6 @@ void ConfigurationManager::after_write(canopen::ObjectDictionary& dictionary, co
                                        can::Time) {
   // The file is kept here; a second copy in the dictionary would only take room.
   if (entry.index != request_index) dictionary.assign(entry, {});
-}
-
-bool ConfigurationManager::is_deletion(std::span<const std::uint8_t> file) const noexcept {
-  constexpr std::array<std::uint8_t, 4> no_entries{};
-  return file.empty() || (file.size() == 1 && file[0] == 0) ||
-         (options_.empty_file_deletes && std::ranges::equal(file, no_entries));
 }
 
 AbortCode ConfigurationManager::take_file(std::uint8_t node_id, std::span<const std::uint8_t> file,

@@ -42,8 +42,6 @@ struct ConfigurationOptions {
   std::size_t maximum_program_size = 0;  ///< bytes of one program; 0 = no limit
   /// A file must be deleted before another is written in its place [ME3CAN1-Q 4.8.12].
   bool delete_first = false;
-  /// A file without entries, four bytes 00H, deletes the one in its place as one byte 00H does.
-  bool empty_file_deletes = true;
   /// A file must be a concise DCF through and through; else 06090030H. If not, the download to the slave
   /// finds out.
   bool check_files = true;
@@ -83,7 +81,6 @@ class ConfigurationManager final : public ConfigurationSource, public canopen::O
                                   std::span<const std::uint8_t> value, can::Time now) override;
   void after_write(canopen::ObjectDictionary& dictionary, const canopen::Entry& entry,
                    can::Time now) override;
-  [[nodiscard]] bool is_deletion(std::span<const std::uint8_t> file) const noexcept;
   [[nodiscard]] canopen::AbortCode take_file(std::uint8_t node_id, std::span<const std::uint8_t> file,
                                              can::Time now);
   [[nodiscard]] canopen::AbortCode take_program(std::uint8_t node_id, std::span<const std::uint8_t> program,

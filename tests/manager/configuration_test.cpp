@@ -492,17 +492,6 @@ TEST_F(Manager, EmptyFile_Deletes) {
   EXPECT_EQ(configurations.files(), 0U);
 }
 
-TEST_F(Manager, EmptyFile_IsAFileLikeOthers_WhereTheOptionsSaySo) {
-  configurations.options().empty_file_deletes = false;
-  switch_on();
-  put(2, two_entries);
-  run_for(1s);
-  EXPECT_EQ(put(2, {0, 0, 0, 0}), AbortCode::write_of_read_only);
-  EXPECT_EQ(put(3, {0, 0, 0, 0}), AbortCode::none);
-  EXPECT_EQ(configurations.files(), 2U);
-  EXPECT_EQ(conf(3), AbortCode::no_data);
-}
-
 TEST_F(Manager, FileInUse_CannotBeReplacedMeanwhile) {
   configurations.options().delete_first = false;
   slave(2).answer_delay = 50ms;

@@ -140,7 +140,6 @@ manager::ConfigurationOptions configuration_options() {
   return {.maximum_files = 60,
           .maximum_size = 65531,
           .delete_first = true,
-          .empty_file_deletes = false,
           .check_files = false,
           .in_download = canopen::AbortCode::hardware_error,
           .no_room = canopen::AbortCode::cannot_store};

@@ -86,6 +86,44 @@ TEST(Me3ConciseDcf, S77_Download_Delete_Limits) {
   s.expect_object(0x1015, 0, 0, 2);
 }
 
+// A concise DCF of no entries, a count of 0 and nothing else, says that the node has no configuration
+// [CiA 302-3]; "write 0 to this sub-index" deletes an entry, of whatever length the 0 is [ME3CAN1-Q 4.8.12].
+TEST(Me3ConciseDcf, EmptyConciseDcf_IsTakenAndMeansNoConfiguration) {
+  RecordProperty("spec", "ME3-CFG-002 ME3-CFG-004 ME3-CFG-006");
+  Me3Scenario s;
+  s.power_on();
+  const Words empty{0x0002, 0, 0x1F22, 2, 4, 0, 0};
+  s.cif(empty);
+  s.expect(1000, 0x0003);
+  s.cif({0x0004, 0, 0x1F22, 2});
+  s.expect(1000, 0x0005).expect(1004, 0);
+  s.cif(download(2));  // at once: there was nothing to erase
+  s.expect(1000, 0x0003);
+  s.cif(empty);
+  s.expect(1000, 0x0003);
+  s.cif({0x0004, 0, 0x1F22, 2});
+  s.expect(1000, 0x0005).expect(1004, 0);
+  expect_abort(s, download(2), 0x06060000);  // the erase runs
+  s.advance(2s);
+  s.supply_off();
+  s.power_on();
+  s.cif({0x0004, 0, 0x1F22, 2});
+  s.expect(1000, 0x0005).expect(1004, 0);
+  // An announced entry is none of that; nor are bytes after the count.
+  s.cif(download(3));
+  s.expect(1000, 0x0003);
+  expect_abort(s, {0x0002, 0, 0x1F22, 3, 4, 1, 0}, 0x06010002);
+  expect_abort(s, {0x0002, 0, 0x1F22, 3, 5, 0, 0, 0}, 0x06010002);
+  // With sixty files, an empty one is no sixty-first.
+  for (std::uint16_t sub = 10; sub < 69; ++sub) {
+    s.cif(download(sub));
+    s.expect(1000, 0x0003);
+  }
+  expect_abort(s, download(100), 0x08000020);
+  s.cif({0x0002, 0, 0x1F22, 100, 4, 0, 0});
+  s.expect(1000, 0x0003);
+}
+
 // Each of the three groups has a way of its own to be saved, which saves nothing of the others.
 TEST(Me3ConciseDcf, ThreeGroupsOfData_AreSavedSeparately) {
   RecordProperty("spec", "ME3-SYS-013 ME3-STO-003");
@@ -325,20 +363,6 @@ TEST(Me3ConciseDcf, RequestToAll_WithAFileForTheOwnNodeAlone_HasNoData) {
   become_master(s);
   s.cif(download(1));
   expect_abort(s, {0x0002, 0, 0x1F25, 0x80, 4, 0x6F63, 0x666E}, 0x08000024);
-}
-
-// Four bytes 00H are no deletion; in an unused place they are a file.
-TEST(Me3ConciseDcf, FileWithoutEntries_IsAFileLikeOthers) {
-  RecordProperty("spec", "ME3-CFG-004 ME3-CFG-005");
-  Me3Scenario s;
-  s.power_on();
-  s.cif(download(2));
-  s.expect(1000, 0x0003);
-  expect_abort(s, {0x0002, 0, 0x1F22, 2, 4, 0, 0}, 0x06010002);
-  s.cif({0x0002, 0, 0x1F22, 3, 4, 0, 0});
-  s.expect(1000, 0x0003);
-  s.cif({0x0004, 0, 0x1F22, 3});
-  s.expect(1000, 0x0005).expect(1004, 4);
 }
 
 TEST(Me3ConciseDcf, ConfigurationRequest_NeedsTheActiveMaster) {
