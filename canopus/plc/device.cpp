@@ -27,7 +27,8 @@ constexpr CpuModel model_r04 = {
      0, 512, 512, 18 * kilo,                     // STC CS CC D
      8 * kilo, 2 * kilo, 4096, 32 * kilo,        // W SW SD R
      32 * kilo, 20, kilo, 0,                     // ZR Z TN STN
-     512}};                                      // CN
+     512},                                       // CN
+    40 * kilo, 160 * kilo, 2 * kilo};
 
 constexpr CpuModel model_q03udv = {
     "Q03UDVCPU", 0x0366, false, true,
@@ -37,7 +38,8 @@ constexpr CpuModel model_q03udv = {
      0, kilo, kilo, 12 * kilo,                   // STC CS CC D
      8 * kilo, 2 * kilo, 2048, 32 * kilo,        // W SW SD R
      32 * kilo, 20, 2 * kilo, 0,                 // ZR Z TN STN
-     kilo}};                                     // CN
+     kilo},                                      // CN
+    29 * kilo, 96 * kilo, 0};
 // clang-format on
 
 }  // namespace

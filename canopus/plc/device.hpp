@@ -59,6 +59,9 @@ struct CpuModel {
   bool iqr = false;        ///< understands the subcommands of the iQ-R series (0002, 0003, 0082)
   bool bcd_clock = false;  ///< SD210.. hold the clock as BCD pairs (Q), not one binary number per word (iQ-R)
   std::array<std::uint32_t, device_count> points{};  ///< by Device; 0: the CPU does not have it
+  std::uint32_t device_words = 0;                    ///< memory for all devices but the file register
+  std::uint32_t most_file_registers = 0;             ///< points of ZR at most
+  std::uint32_t buffer_words = 0;                    ///< buffer memory of its own (0613); 0: the CPU has none
 
   [[nodiscard]] std::uint32_t points_of(Device device) const noexcept {
     return points[static_cast<std::size_t>(device)];

@@ -40,6 +40,7 @@ Rack::Rack(can::Timeline& timeline, const CpuModel& model)
     const std::uint32_t points = model.points[device];
     memory_[device].resize(is_bit(static_cast<Device>(device)) ? (points + 15) / 16 : points);
   }
+  own_buffer_.resize(model.buffer_words);
   outputs_before_stop_.resize(memory_[index(Device::y)].size());
 }
 
@@ -71,6 +72,7 @@ std::vector<Rack::ProductListRow> Rack::product_list() const {
 
 void Rack::power_on(can::Time now, CpuState state) {
   for (auto& words : memory_) std::ranges::fill(words, std::uint16_t{0});
+  std::ranges::fill(own_buffer_, std::uint16_t{0});
   std::ranges::fill(outputs_before_stop_, std::uint16_t{0});
   on_ = true;
   state_ = state;

@@ -72,7 +72,7 @@ class Rack {
   };
   [[nodiscard]] std::vector<ProductListRow> product_list() const;
 
-  /// Supply on: devices cleared, modules started, then told the CPU's state.
+  /// Supply on: devices and the CPU's own buffer memory cleared, modules started, then told the CPU's state.
   void power_on(can::Time now, module::CpuState state = module::CpuState::run);
   void power_off(can::Time now);
 
@@ -110,6 +110,9 @@ class Rack {
   Access write_buffer(std::uint16_t head_address, module::BufferAddress first,
                       std::span<const std::uint16_t> words, can::Time now);
 
+  /// The CPU's own buffer memory; empty when it has none.
+  [[nodiscard]] std::span<std::uint16_t> own_buffer() noexcept { return own_buffer_; }
+
   /// Whether an access to `count` points (words of a word device, else bits) would be refused, without doing
   /// it.
   [[nodiscard]] Access check(Device device, std::uint32_t first, std::uint32_t count) const noexcept;
@@ -144,6 +147,7 @@ class Rack {
   std::vector<RackListener*> listeners_;
   std::array<std::uint8_t, block_count> slot_of_block_{};        // number in slots_, or empty
   std::array<std::vector<std::uint16_t>, device_count> memory_;  // bit devices: 16 points per word
+  std::vector<std::uint16_t> own_buffer_;
   std::vector<std::uint16_t> outputs_before_stop_;
   module::CpuState state_ = module::CpuState::run;
   bool stopped_remotely_ = false;

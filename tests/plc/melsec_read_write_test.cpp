@@ -247,6 +247,37 @@ TEST(Melsec, Loopback_SendsItsTextBack) {
             "D00000FF03FF00000D00000005ABCDE");
 }
 
+TEST(Melsec, OwnBufferMemory_IsReadAndWrittenByWordAddress) {
+  Plc plc;
+  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 10 00 10 00 13 16 00 00 | fe 07 00 00 02 00 34 12 cd ab"),
+            "d0 00 00 ff ff 03 00 02 00 00 00");
+  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0c 00 10 00 13 06 00 00 | fd 07 00 00 03 00"),
+            "d0 00 00 ff ff 03 00 08 00 00 00 00 00 34 12 cd ab");
+  plc.rack.power_on(plc.now);
+  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0c 00 10 00 13 06 00 00 | fe 07 00 00 01 00"),
+            "d0 00 00 ff ff 03 00 04 00 00 00 00 00");
+}
+
+TEST(Melsec, OwnBufferMemoryInAscii_HasTheHighDigitsFirst) {
+  Plc plc;
+  EXPECT_EQ(plc.raw("500000FF03FF00001C001016130000"
+                    "00000010"
+                    "00011234"),
+            "D00000FF03FF0000040000");
+  EXPECT_EQ(plc.raw("500000FF03FF000018001006130000"
+                    "00000010"
+                    "0001"),
+            "D00000FF03FF00000800001234");
+}
+
+TEST(Melsec, Loopback_TakesAnyBytes) {
+  EXPECT_EQ(Plc{}.ask("50 00 00 ff ff 03 00 0c 00 10 00 19 06 00 00 | 04 00 00 67 ff 20"),
+            "d0 00 00 ff ff 03 00 08 00 00 00 04 00 00 67 ff 20");
+  EXPECT_EQ(Plc{}.raw("500000FF03FF000015001006190000"
+                      "0005Hello"),
+            "D00000FF03FF00000D00000005Hello");
+}
+
 TEST(Melsec, RemoteStopAndRun_ChangeTheCpuState) {
   Plc plc;
   EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 08 00 10 00 02 10 00 00 | 01 00"),

@@ -205,9 +205,9 @@ TEST(MelsecRefusal, OtherNetworkStationOrCpu_IsC05F) {
   EXPECT_EQ(end_code("50 00 00 ff e0 03 00 06 00 10 00 01 01 00 00"), "0000");
 }
 
-TEST(MelsecRefusal, LoopbackOfOtherCharacters_IsC05C) {
-  EXPECT_EQ(end_code("50 00 00 ff ff 03 00 0a 00 10 00 19 06 00 00 | 02 00 41 47"), "c05c");
+TEST(MelsecRefusal, LoopbackOfNothingOrOfTooMuch_IsC05C) {
   EXPECT_EQ(end_code("50 00 00 ff ff 03 00 08 00 10 00 19 06 00 00 | 00 00"), "c05c");
+  EXPECT_EQ(end_code("50 00 00 ff ff 03 00 08 00 10 00 19 06 00 00 | c1 03"), "c05c");
 }
 
 TEST(MelsecRefusal, LatchClearWhileRunning_Is4013_AndResetIs408B) {
@@ -217,6 +217,33 @@ TEST(MelsecRefusal, LatchClearWhileRunning_Is4013_AndResetIs408B) {
 
 TEST(MelsecRefusal, RemotePause_IsNotOfThisCpu) {
   EXPECT_EQ(end_code("50 00 00 ff ff 03 00 08 00 10 00 03 10 00 00 | 01 00"), "c059");
+}
+
+TEST(MelsecRefusal, OwnBufferMemory_BeyondItsEnd_Is4041_AndNothingIsWritten) {
+  Plc plc;
+  const auto code = [&](std::string_view request) { return plc.ask(request).substr(27, 5); };
+  EXPECT_EQ(code("50 00 00 ff ff 03 00 0c 00 10 00 13 06 00 00 | 00 08 00 00 01 00"), "41 40");
+  EXPECT_EQ(code("50 00 00 ff ff 03 00 0c 00 10 00 13 06 00 00 | ff ff ff ff 02 00"), "41 40");
+  EXPECT_EQ(code("50 00 00 ff ff 03 00 10 00 10 00 13 16 00 00 | ff 07 00 00 02 00 34 12 cd ab"), "41 40");
+  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0c 00 10 00 13 06 00 00 | ff 07 00 00 01 00"),
+            "d0 00 00 ff ff 03 00 04 00 00 00 00 00");
+}
+
+TEST(MelsecRefusal, OwnBufferMemory_OutsideOf1To480Words_IsC052) {
+  EXPECT_EQ(end_code("50 00 00 ff ff 03 00 0c 00 10 00 13 06 00 00 | 00 00 00 00 00 00"), "c052");
+  EXPECT_EQ(end_code("50 00 00 ff ff 03 00 0c 00 10 00 13 06 00 00 | 00 00 00 00 e1 01"), "c052");
+  EXPECT_EQ(end_code("50 00 00 ff ff 03 00 0c 00 10 00 13 06 00 00 | 00 00 00 00 e0 01"), "0000");
+  EXPECT_EQ(end_code("50 00 00 ff ff 03 00 0c 00 10 00 13 16 00 00 | 00 00 00 00 00 00"), "c052");
+  EXPECT_EQ(end_code("50 00 00 ff ff 03 00 0c 00 10 00 13 16 00 00 | 00 00 00 00 01 00"), "c061");
+  EXPECT_EQ(end_code("50 00 00 ff ff 03 00 0a 00 10 00 13 06 00 00 | 00 00 00 00"), "c061");
+}
+
+TEST(MelsecRefusal, OwnBufferMemory_OfAQCpu_IsC059) {
+  Plc plc(q03udvcpu());
+  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0c 00 10 00 13 06 00 00 | 00 00 00 00 01 00").substr(27, 5),
+            "59 c0");
+  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0e 00 10 00 13 16 00 00 | 00 00 00 00 01 00 34 12").substr(27, 5),
+            "59 c0");
 }
 
 TEST(MelsecRefusal, RequestAfterARefusedOne_IsAnsweredAsUsual) {

@@ -59,6 +59,8 @@ EndCode Commands::execute(const Command& command, FieldReader& data, FieldWriter
     case 0x0802: return read_monitor(data, out, now);
     case 0x0601: return read_module_buffer(data, out, now);
     case 0x1601: return write_module_buffer(data, now);
+    case 0x0613: return read_own_buffer(data, out);
+    case 0x1613: return write_own_buffer(data);
     case 0x0101: return read_model(data, out);
     case 0x0619: return loopback(data, out);
     case 0x1001: return remote_run(data, now);
@@ -106,6 +108,33 @@ EndCode Commands::write_module_buffer(FieldReader& data, can::Time now) {
   return end_code_of(rack_.write_buffer(head_address, start / 2, words, now));
 }
 
+EndCode Commands::read_own_buffer(FieldReader& data, FieldWriter& out) {
+  const std::span<const std::uint16_t> buffer = rack_.own_buffer();
+  if (buffer.empty()) return EndCode::unknown_command;
+  const std::uint32_t start = data.u32();
+  const std::uint16_t count = data.u16();
+  if (const EndCode end_code = verdict(data); end_code != EndCode::completed) return end_code;
+  if (count < 1 || count > maximum_own_buffer_words) return EndCode::word_points;
+  if (start >= buffer.size() || count > buffer.size() - start) return EndCode::beyond_buffer_memory;
+  for (const std::uint16_t word : buffer.subspan(start, count)) out.u16(word);
+  return EndCode::completed;
+}
+
+EndCode Commands::write_own_buffer(FieldReader& data) {
+  const std::span<std::uint16_t> buffer = rack_.own_buffer();
+  if (buffer.empty()) return EndCode::unknown_command;
+  const std::uint32_t start = data.u32();
+  const std::uint16_t count = data.u16();
+  if (data.fault() != FieldReader::Fault::none) return verdict(data);
+  if (count < 1 || count > maximum_own_buffer_words) return EndCode::word_points;
+  const auto words = std::span(words_).first(count);
+  for (std::uint16_t& word : words) word = data.u16();
+  if (const EndCode end_code = verdict(data); end_code != EndCode::completed) return end_code;
+  if (start >= buffer.size() || count > buffer.size() - start) return EndCode::beyond_buffer_memory;
+  std::ranges::copy(words, buffer.subspan(start).begin());
+  return EndCode::completed;
+}
+
 EndCode Commands::read_model(FieldReader& data, FieldWriter& out) {
   if (const EndCode end_code = verdict(data); end_code != EndCode::completed) return end_code;
   constexpr std::size_t name_size = 16;
@@ -122,10 +151,6 @@ EndCode Commands::loopback(FieldReader& data, FieldWriter& out) {
   if (count == 0 || count > maximum_loopback) return EndCode::wrong_contents;
   const auto text = data.raw(count);
   if (const EndCode end_code = verdict(data); end_code != EndCode::completed) return end_code;
-  const bool is_text = std::ranges::all_of(text, [](std::uint8_t character) {
-    return (character >= '0' && character <= '9') || (character >= 'A' && character <= 'F');
-  });
-  if (!is_text) return EndCode::wrong_contents;
   out.u16(count);
   out.raw(text);
   return EndCode::completed;

@@ -25,6 +25,7 @@ inline constexpr std::size_t maximum_words = 960;
 inline constexpr std::size_t maximum_bits_binary = 7168;
 inline constexpr std::size_t maximum_bits_ascii = 3584;
 inline constexpr std::size_t maximum_buffer_bytes = 0x780;
+inline constexpr std::size_t maximum_own_buffer_words = 480;
 inline constexpr std::size_t maximum_loopback = 960;
 inline constexpr std::size_t maximum_random_points = 192;  // 0403, 0801; iQ-R and extended: half
 inline constexpr std::size_t maximum_random_bits = 188;    // 1402; iQ-R and extended: half
@@ -66,6 +67,8 @@ class Commands {
   EndCode read_monitor(FieldReader& data, FieldWriter& out, can::Time now);
   EndCode read_module_buffer(FieldReader& data, FieldWriter& out, can::Time now);
   EndCode write_module_buffer(FieldReader& data, can::Time now);
+  EndCode read_own_buffer(FieldReader& data, FieldWriter& out);
+  EndCode write_own_buffer(FieldReader& data);
   EndCode read_model(FieldReader& data, FieldWriter& out);
   EndCode loopback(FieldReader& data, FieldWriter& out);
   EndCode remote_run(FieldReader& data, can::Time now);
