@@ -1,0 +1,165 @@
+#pragma once
+// The inside of the socketcand server: its connections. Only the sources of the server include this.
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <boost/asio/steady_timer.hpp>
+
+#include "canopus/link/socketcand_server.hpp"
+#include "canopus/link/socketcand_session.hpp"
+
+namespace canopus::link {
+
+/// What the server and the handlers under way have in common.
+struct SocketcandServer::Shared : std::enable_shared_from_this<Shared> {
+  Shared(boost::asio::io_context& context, boost::asio::ip::tcp::endpoint local, std::string name,
+         AttachToBus attach_to_bus, LoopClock& loop, SocketcandLimits given, ClientReport to_report)
+      : io(context),
+        endpoint(std::move(local)),
+        bus_name(std::move(name)),
+        attach(std::move(attach_to_bus)),
+        clock(loop),
+        limits(std::move(given)),
+        report(std::move(to_report)),
+        acceptor(context),
+        pause(context) {}
+
+  void accept();
+  void admit(boost::asio::ip::tcp::socket socket);
+  void refuse(boost::asio::ip::tcp::socket& socket, std::string_view answer, std::string_view why) const;
+  void remove(const Client* client);
+
+  boost::asio::io_context& io;
+  boost::asio::ip::tcp::endpoint endpoint;
+  std::string bus_name;
+  AttachToBus attach;
+  LoopClock& clock;
+  SocketcandLimits limits;
+  ClientReport report;
+  boost::asio::ip::tcp::acceptor acceptor;
+  boost::asio::steady_timer pause;
+  std::vector<std::shared_ptr<Client>> clients;
+  SocketcandStatistics statistics;
+};
+
+/// One connection: a socket on one side, a place on the bus on the other, a session between them.
+///
+/// Bus callbacks only queue messages and start socket operations; what takes the client off the bus happens
+/// in handlers of the io_context, never inside the bus.
+class SocketcandServer::Client final : public std::enable_shared_from_this<Client>,
+                                       public AttachedClient,
+                                       private can::Sink,
+                                       private SocketcandSession::Peer {
+ public:
+  Client(Shared& server, boost::asio::ip::tcp::socket socket)
+      : server_(&server),
+        socket_(std::move(socket)),
+        name_(name_of_peer(socket_)),
+        session_(server.bus_name, *this, *this),
+        queue_(std::max(server.limits.queue, 2 * reserved_for_answers)) {}
+
+  [[nodiscard]] bool attach() {
+    attachment_ = server_->attach(*this);
+    return attachment_ != nullptr;
+  }
+
+  [[nodiscard]] boost::asio::ip::tcp::socket& socket() { return socket_; }
+
+  void start() {
+    session_.start();
+    read();
+  }
+
+  /// Ends the connection and leaves the bus at once.
+  void leave();
+
+  // AttachedClient
+  void unacknowledged(can::Time now) override;
+  void receive(const can::Frame& frame, can::Time now) override;
+  void transmitted(const can::Frame& /*frame*/, can::Time now) override {
+    if (on_the_way_ > 0) --on_the_way_;
+    progress_at_ = now;
+    gave_up_ = false;
+    bus_has_room(now);
+  }
+  void controller_changed(can::Time now) override { bus_has_room(now); }
+  void tick(can::Time now) override;
+  [[nodiscard]] can::Time deadline() const noexcept override {
+    return std::min({hold_until_, close_at_, look_at_});
+  }
+
+ private:
+  /// Queued text. Frames can be lost to a full queue and be held back; answers cannot.
+  struct Message {
+    std::array<char, socketcand_max_message> text;
+    std::uint8_t length = 0;
+    bool frame = false;
+  };
+  /// Bytes read at a time. An element of 3 characters has an answer, so they make less than
+  /// most_answers messages, what the session kept of the last ones included.
+  static constexpr std::size_t read_size = 1024;
+  static constexpr std::size_t most_answers = (read_size + socketcand_max_element) / 3 + 1;
+  /// Slots that frames leave free, so that answers always find one; input is only read while most_answers of
+  /// them are free, so a client that asks and never reads is slowed down by TCP.
+  static constexpr std::size_t reserved_for_answers = 512;
+  static_assert(most_answers < reserved_for_answers);
+  /// How often a client that is not read, because the bus is full, is looked at.
+  static constexpr can::Duration look_interval = std::chrono::milliseconds(20);
+  /// What is read at most of the input that a client left behind, to count its frames.
+  static constexpr std::size_t most_counted = 256 * 1024;
+
+  // can::Sink, for the session
+  bool send(const can::Frame& frame) override;
+  // SocketcandSession::Peer
+  void message(std::string_view text) override;
+
+  void read();
+  void on_read(const boost::system::error_code& failure, std::size_t size);
+  void on_written(const boost::system::error_code& failure);
+  void write_next();
+  Message* claim_slot(std::size_t reserve);
+  void report_lost();
+  void bus_has_room(can::Time now);
+  void after_input(SocketcandSession::State before, can::Time now);
+  void client_is_gone(can::Time now);
+  void look(can::Time now);
+  [[nodiscard]] std::uint64_t drop_input();
+  void end_soon();
+  void leave_later();
+  /// The client hears nothing any more.
+  [[nodiscard]] bool ending() const {
+    return gone_ || leaving_ || session_.state() == SocketcandSession::State::closed;
+  }
+
+  Shared* server_;  // null once the client has left
+  boost::asio::ip::tcp::socket socket_;
+  std::string name_;
+  SocketcandSession session_;
+  std::unique_ptr<BusAttachment> attachment_;
+  std::array<char, read_size> input_;
+  std::vector<Message> queue_;  // ring
+  std::size_t front_ = 0;
+  std::size_t queued_ = 0;
+  bool writing_ = false;
+  bool reading_ = false;
+  bool gone_ = false;                  // the client has closed; its last frames are still to go out
+  bool read_all_ = false;              // to the end of the connection
+  bool gave_up_ = false;               // frames are dropped until the bus takes one again
+  bool too_slow_ = false;              // read nothing for so long that its connection ends
+  bool leaving_ = false;               // leave() is about to come
+  std::uint64_t lost_ = 0;             // frames since there was room last
+  std::uint32_t on_the_way_ = 0;       // frames given to the bus and not yet transmitted
+  can::Time hold_until_ = can::never;  // frames wait for this moment when it is not never
+  can::Time close_at_ = can::never;    // when to close whatever is still unsent
+  can::Time look_at_ = can::never;     // when to look after a client that waits for the bus
+  can::Time progress_at_{};            // when the bus took a frame last, or waiting began
+};
+
+}  // namespace canopus::link
