@@ -18,7 +18,9 @@ void BusWatch::renumber(NodeStatus& status, std::uint8_t node_id) {
 }
 
 NodePlate BusWatch::plate(std::uint8_t node_id) const {
-  return known_[node_id] != nullptr ? known_[node_id]->plate : NodePlate{bus_, {}, node_id};
+  NodePlate plate = known_[node_id] != nullptr ? known_[node_id]->plate : NodePlate{bus_, {}, node_id};
+  plate.node_id = node_id;  // a module has another one until its initialization is over
+  return plate;
 }
 
 void BusWatch::frame_completed(const can::Frame& frame, can::Time /*start*/, can::Time end) {

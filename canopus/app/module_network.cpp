@@ -1,10 +1,12 @@
 #include "canopus/app/module_network.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/dictionary_description.hpp"
 #include "canopus/manager/start_up_bits.hpp"
 #include "canopus/module/network_variables.hpp"
@@ -38,6 +40,30 @@ std::expected<std::vector<std::uint8_t>, std::string> whole_number(Number number
   if (!fits) return std::unexpected(fmt::format("{} does not fit {}", number, eds::name(type)));
   return canopen::little_endian(static_cast<std::uint64_t>(static_cast<std::int64_t>(number)),
                                 canopen::byte_length(type));
+}
+
+/// "G10000-G10003"
+std::string words_text(std::uint32_t first, std::uint32_t count) {
+  return count == 1 ? fmt::format("G{}", first) : fmt::format("G{}-G{}", first, first + count - 1);
+}
+
+/// ", its G13000-G13003": the words of the slave's own buffer memory behind these mapping entries, if they are
+/// process data of it.
+std::string own_words(const module::CommunicationModule& slave, const std::vector<std::uint32_t>& mapped) {
+  const module::DataExchangeLayout& layout = slave.program_interface().process_data;
+  std::uint32_t first = UINT32_MAX;
+  std::uint32_t last = 0;
+  for (const std::uint32_t entry : mapped) {
+    const auto place =
+        module::variable_place(static_cast<std::uint16_t>(entry >> 16), static_cast<std::uint8_t>(entry >> 8),
+                               std::size_t{layout.words} * 2);
+    if (!place) return {};
+    const std::uint32_t base =
+        place->direction == module::VariableDirection::input ? layout.transmit_first : layout.receive_first;
+    first = std::min(first, base + place->offset / 2U);
+    last = std::max(last, base + (place->offset + place->size - 1U) / 2U);
+  }
+  return first > last ? std::string{} : ", its " + words_text(first, last - first + 1);
 }
 
 }  // namespace
@@ -75,11 +101,42 @@ void ModuleNetwork::preset(std::uint16_t index, std::uint8_t sub, std::uint32_t 
       fmt::format("{:04X}H:{:02X}H = {:X}H is refused: {}", index, sub, value, canopen::describe(code)));
 }
 
-std::vector<PlantError> ModuleNetwork::add_slave(const SlaveSection& slave, const eds::DeviceFile& file,
-                                                 std::string_view name, bool every_link) {
+SlaveDescription SlaveDescription::of(const eds::DeviceFile& file, std::uint8_t node_id,
+                                      std::string_view name) {
+  SlaveDescription description{.name = name, .identity = eds::identity(file)};
+  description.value = [dictionary = file.dictionary, node_id](std::uint16_t index, std::uint8_t sub) {
+    return eds::default_value(*dictionary, index, sub, node_id);
+  };
+  return description;
+}
+
+SlaveDescription SlaveDescription::of(const module::CommunicationModule& module, std::uint8_t node_id,
+                                      std::string_view name) {
+  SlaveDescription description{.name = name, .module = &module};
+  description.value = [&module, node_id](std::uint16_t index,
+                                         std::uint8_t sub) -> std::optional<std::uint64_t> {
+    const auto preset = module.object_preset(index, sub);
+    if (!preset.empty() && preset.size() <= 8)
+      return can::load_value(preset.data(), static_cast<unsigned>(preset.size()));
+    return eds::default_value(module.node().dictionary().description(), index, sub, node_id);
+  };
+  const auto number = [&](std::uint16_t index, std::uint8_t sub) -> std::optional<std::uint32_t> {
+    const auto value = description.value(index, sub);
+    return value ? std::optional(static_cast<std::uint32_t>(*value)) : std::nullopt;
+  };
+  description.identity = {.device_type = number(0x1000, 0),
+                          .vendor_id = number(0x1018, 1),
+                          .product_code = number(0x1018, 2),
+                          .revision = number(0x1018, 3),
+                          .serial_number = number(0x1018, 4)};
+  return description;
+}
+
+std::vector<PlantError> ModuleNetwork::add_slave(const SlaveSection& slave,
+                                                 const SlaveDescription& description, bool every_link) {
   namespace bit = manager::assignment_bit;
   preset(0x1F81, slave.node, bit::slave | bit::boot_slave | (slave.mandatory ? bit::mandatory : 0), 4);
-  const eds::Identity identity = eds::identity(file);
+  const eds::Identity& identity = description.identity;
   const std::optional<std::uint32_t> expected[] = {identity.device_type, identity.vendor_id,
                                                    identity.product_code, identity.revision};
   for (std::size_t i = 0; i < std::size(expected); ++i) {
@@ -110,7 +167,7 @@ std::vector<PlantError> ModuleNetwork::add_slave(const SlaveSection& slave, cons
   std::vector<PlantError> errors;
   for (const Direction* direction : {&receive, &send}) {
     for (const SlaveSection::Link& link : direction->receive ? slave.receive : slave.send) {
-      const std::string problem = connect(*direction, slave, link, file, name);
+      const std::string problem = connect(*direction, slave, link, description);
       if (!problem.empty() && every_link) {
         errors.push_back({link.place, fmt::format("{}{} of node {}: {}", direction->slave_pdo, link.pdo,
                                                   slave.node, problem)});
@@ -123,11 +180,10 @@ std::vector<PlantError> ModuleNetwork::add_slave(const SlaveSection& slave, cons
 }
 
 std::string ModuleNetwork::connect(const Direction& direction, const SlaveSection& slave,
-                                   const SlaveSection::Link& link, const eds::DeviceFile& file,
-                                   std::string_view name) {
+                                   const SlaveSection::Link& link, const SlaveDescription& description) {
+  if (!description.value) return "nothing is known of the node's PDOs; expected eds = its EDS or DCF file";
   const auto slave_value = [&](std::uint16_t base, std::uint8_t sub) {
-    return eds::default_value(*file.dictionary, static_cast<std::uint16_t>(base + link.pdo - 1), sub,
-                              slave.node);
+    return description.value(static_cast<std::uint16_t>(base + link.pdo - 1), sub);
   };
   const auto cob_id = slave_value(direction.slave_communication, 1);
   if (!cob_id) return "the device has no such PDO";
@@ -136,8 +192,10 @@ std::string ModuleNetwork::connect(const Direction& direction, const SlaveSectio
   const auto entries = slave_value(direction.slave_mapping, 0).value_or(0);
   if (entries > 64) return "the PDO is a multiplex PDO";
   unsigned bits = 0;
+  std::vector<std::uint32_t> mapped;
   for (std::uint8_t i = 1; i <= entries; ++i) {
-    bits += static_cast<unsigned>(slave_value(direction.slave_mapping, i).value_or(0) & 0xFF);
+    mapped.push_back(static_cast<std::uint32_t>(slave_value(direction.slave_mapping, i).value_or(0)));
+    bits += mapped.back() & 0xFF;
   }
   const unsigned length = (bits + 7) / 8;
   if (length == 0) return "nothing is mapped into the PDO";
@@ -171,11 +229,12 @@ std::string ModuleNetwork::connect(const Direction& direction, const SlaveSectio
     preset(mapping, ++count, variable_mapping(direction.bytes, 2 * std::size_t{first + length / 2}), 4);
   preset(mapping, 0, count, 1);
   preset(communication, 1, direction.module_cob_id_bits | identifier, 4);
-  connections_.push_back(fmt::format("{}\\G{}{} {} {}{} of node {}{}, {:03X}H, {} byte{}", slot_, address,
-                                     words == 1 ? "" : fmt::format("-G{}", address + words - 1),
-                                     direction.receive ? "<-" : "->", direction.slave_pdo, link.pdo,
-                                     slave.node, name.empty() ? "" : fmt::format(" ({})", name), identifier,
-                                     length, length == 1 ? "" : "s"));
+  std::string name(description.name);
+  if (description.module != nullptr) name += own_words(*description.module, mapped);
+  connections_.push_back(fmt::format(
+      "{}\\{} {} {}{} of node {}{}, {:03X}H, {} byte{}", slot_, words_text(address, words),
+      direction.receive ? "<-" : "->", direction.slave_pdo, link.pdo, slave.node,
+      name.empty() ? "" : fmt::format(" ({})", name), identifier, length, length == 1 ? "" : "s"));
   return {};
 }
 

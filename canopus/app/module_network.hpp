@@ -5,6 +5,8 @@
 
 #include <cstdint>
 #include <expected>
+#include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,15 +24,36 @@ namespace canopus::app {
 [[nodiscard]] std::expected<std::vector<std::uint8_t>, std::string> encode(const Scalar& value,
                                                                            canopen::DataType type);
 
+/// A slave as its master's engineer knows it: from its device file, or from the settings of another module.
+struct SlaveDescription {
+  std::string_view name{};
+  eds::Identity identity{};
+  /// The value of a sub-index of fixed length that the slave starts with; empty: it does not exist, or nothing
+  /// is known of the slave.
+  std::function<std::optional<std::uint64_t>(std::uint16_t index, std::uint8_t sub)> value{};
+  const module::CommunicationModule* module = nullptr;  ///< it is this one
+
+  [[nodiscard]] static SlaveDescription of(const eds::DeviceFile& file, std::uint8_t node_id,
+                                           std::string_view name);
+  /// What was preset for the module so far counts. It must outlive the description.
+  [[nodiscard]] static SlaveDescription of(const module::CommunicationModule& module, std::uint8_t node_id,
+                                           std::string_view name);
+};
+
 class ModuleNetwork {
  public:
   ModuleNetwork(module::CommunicationModule& module, std::string slot)
       : module_(module), slot_(std::move(slot)) {}
 
-  /// Assigns a slave and connects its PDOs. `file` is the slave's, as configured. Without `every_link` a PDO
-  /// that the slave does not have, or has switched off, is passed over in silence.
+  /// Assigns a slave and connects its PDOs. Without `every_link` a PDO that the slave does not have, or has
+  /// switched off, is passed over in silence.
+  [[nodiscard]] std::vector<PlantError> add_slave(const SlaveSection& slave,
+                                                  const SlaveDescription& description, bool every_link);
+  /// The same; `file` is the slave's, as configured.
   [[nodiscard]] std::vector<PlantError> add_slave(const SlaveSection& slave, const eds::DeviceFile& file,
-                                                  std::string_view name, bool every_link);
+                                                  std::string_view name, bool every_link) {
+    return add_slave(slave, SlaveDescription::of(file, slave.node, name), every_link);
+  }
   /// 1F80H bit 0: the module is the NMT master. To be called last.
   void become_master();
   /// What was connected, a line each.
@@ -40,7 +63,7 @@ class ModuleNetwork {
   struct Direction;
   /// What is wrong with it, or nothing.
   std::string connect(const Direction& direction, const SlaveSection& slave, const SlaveSection::Link& link,
-                      const eds::DeviceFile& file, std::string_view name);
+                      const SlaveDescription& description);
   void preset(std::uint16_t index, std::uint8_t sub, std::uint32_t value, unsigned length);
 
   module::CommunicationModule& module_;

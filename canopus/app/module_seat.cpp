@@ -30,7 +30,7 @@ ModuleSeat::ModuleSeat(const ModuleSection& section, std::string_view plc, plc::
     : section_(section),
       plc_(plc),
       watch_(watch),
-      name_(fmt::format("{} U{:X}", section.model, section.head / 16)),
+      name_(shown_name(section)),
       memory_(std::move(memory)),
       module_(std::move(module)),
       rack_(rack),

@@ -30,6 +30,7 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver,
              PlantObserver& observer);
 
   module::CommunicationModule& module() noexcept { return *module_; }
+  [[nodiscard]] const ModuleSection& section() const noexcept { return section_; }
   NodeStatus& status() noexcept { return status_; }
   const NodeStatus& status() const noexcept { return status_; }
 

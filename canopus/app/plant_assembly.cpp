@@ -40,7 +40,7 @@ class Assembly {
  private:
   using File = std::shared_ptr<const eds::DeviceFile>;
 
-  File load(const DeviceSection& section);
+  File load(const std::string& eds, Place place);
   File configured(const File& file, const DeviceSection& section);
   void add_device(const DeviceSection& section, std::size_t number);
   std::uint8_t node_id(const DeviceSection& section, const eds::DeviceFile& file);
@@ -48,7 +48,14 @@ class Assembly {
   void give_memory(const DeviceSection& section, std::uint8_t node_id, DeviceSeat& seat);
   void move_values(const DeviceSection& section, std::size_t number, DeviceSeat& seat);
   void add_module(const PlcSection& plc, std::size_t plc_number, const ModuleSection& section);
+  /// A slave of a master, as written in the plant file, or by slaves = "all".
+  struct WantedSlave {
+    SlaveSection slave{};
+    const SlaveSection* written = nullptr;  // nullptr: by slaves = "all"
+  };
+  static std::optional<WantedSlave> wanted_slave(const ModuleSection& master, const NodePlate& node);
   void configure_network(const ModuleSection& section, module::CommunicationModule& module);
+  void add_outside_slave(const ModuleSection& master, const SlaveSection& slave, ModuleNetwork& network);
   void set_faults(const BusSection& section, sim::Bus& bus);
   BusWatch& watch(const sim::Bus& bus);
 
@@ -86,6 +93,9 @@ std::vector<PlantError> Assembly::run() {
           parts_.timeline.add(*parts_.cpu_errors.back(), "CPU of " + parts_.file.plcs[i].name));
     }
   }
+  for (const auto& master : parts_.modules) {
+    if (master->section().master) configure_network(master->section(), master->module());
+  }
   stores_.review(errors_, parts_.warnings);
   for (std::size_t i = 0; i < parts_.buses.size(); ++i) set_faults(parts_.file.buses[i], *parts_.buses[i]);
   parts_.load_report = std::make_unique<LoadReport>(parts_.buses, observer_);
@@ -98,19 +108,19 @@ std::vector<PlantError> Assembly::run() {
   return errors_.take();
 }
 
-Assembly::File Assembly::load(const DeviceSection& section) {
-  const std::string path = (folder_ / section.eds).lexically_normal().string();
+Assembly::File Assembly::load(const std::string& eds, Place place) {
+  const std::string path = (folder_ / eds).lexically_normal().string();
   if (const auto known = files_.find(path); known != files_.end()) return known->second;
   const auto text = read_file(path);
   if (!text) {
-    errors_.add(section.eds_place, "eds = \"{}\": {}", section.eds, text.error());
+    errors_.add(place, "eds = \"{}\": {}", eds, text.error());
     return files_[path] = nullptr;
   }
   const eds::ReadResult result = eds::read_device_file(*text);
   if (!result.file) {
     const eds::Problem& problem = result.problems.front();
-    errors_.add(section.eds_place, "eds = \"{}\": no device can be made of it: {}:{}: {}", section.eds, path,
-                problem.line, problem.message);
+    errors_.add(place, "eds = \"{}\": no device can be made of it: {}:{}: {}", eds, path, problem.line,
+                problem.message);
   }
   return files_[path] = result.file;
 }
@@ -214,7 +224,7 @@ void Assembly::move_values(const DeviceSection& section, std::size_t number, Dev
 }
 
 void Assembly::add_device(const DeviceSection& section, std::size_t number) {
-  File file = load(section);
+  File file = load(section.eds, section.eds_place);
   if (!file) return;
   const std::uint8_t node = node_id(section, *file);
   if (node == 0) return;
@@ -249,7 +259,7 @@ void Assembly::set_faults(const BusSection& section, sim::Bus& bus) {
 
 void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const ModuleSection& section) {
   sim::Bus& bus = parts_.bus(section.bus);
-  sim::Port& port = bus.add_port(fmt::format("{} U{:X}", section.model, section.head / 16));
+  sim::Port& port = bus.add_port(shown_name(section));
   const CatalogueEntry& entry = *find_module(section.model);
   std::unique_ptr<module::NonVolatileMemory> memory;
   if (plc.store.empty()) {
@@ -264,7 +274,6 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
   module::CommunicationModule& module = seat->module();
   const auto bus_section = std::ranges::find(parts_.file.buses, section.bus, &BusSection::name);
   errors_.add(preset_words(module, *entry.data_sheet, section, *bus_section));
-  if (section.master) configure_network(section, module);
   errors_.add(preset_objects(module, section));
   parts_.module_handles.push_back(
       parts_.timeline.add(*seat, fmt::format("{} on {}", port.name(), bus.name())));
@@ -277,28 +286,84 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
   parts_.modules.push_back(std::move(seat));
 }
 
+/// The slave that a node of the plant is for this master.
+std::optional<Assembly::WantedSlave> Assembly::wanted_slave(const ModuleSection& master,
+                                                            const NodePlate& node) {
+  if (node.bus != master.bus || node.node_id == 0 || node.node_id == manager::lss::unconfigured)
+    return std::nullopt;
+  const auto written = std::ranges::find_if(master.slaves, [&](const SlaveSection& slave) {
+    return slave.node != 0 ? slave.node == node.node_id : slave.name == node.name;
+  });
+  if (written != master.slaves.end()) {
+    WantedSlave wanted{.slave = *written, .written = &*written};
+    wanted.slave.node = node.node_id;
+    return wanted;
+  }
+  if (!master.all_slaves) return std::nullopt;
+  WantedSlave wanted{.slave = {.place = master.place, .node = node.node_id}};
+  wanted.slave.receive.push_back({.place = master.place, .pdo = 1});
+  wanted.slave.send.push_back({.place = master.place, .pdo = 1});
+  return wanted;
+}
+
+/// In the plant file's order, devices first, so that the words come in this order too.
 void Assembly::configure_network(const ModuleSection& section, module::CommunicationModule& module) {
-  ModuleNetwork network(module, fmt::format("U{:X}", section.head / 16));
-  const auto add_slave = [&](const SlaveSection& wanted, DeviceSeat& seat, bool every_link) {
-    const NodeStatus& status = seat.status();
-    errors_.add(network.add_slave(wanted, seat.device().file(), status.plate.name, every_link));
+  const std::string slot = fmt::format("U{:X}", section.head / 16);
+  ModuleNetwork network(module, section.name.empty() ? slot : section.name + ' ' + slot);
+  std::set<const SlaveSection*> found;
+  const auto add = [&](const WantedSlave& wanted, const SlaveDescription& description) {
+    found.insert(wanted.written);
+    if (!wanted.slave.usable) return;
+    errors_.add(network.add_slave(wanted.slave, description, wanted.written != nullptr));
   };
-  for (const auto& seat :
-       parts_.devices) {  // in the plant file's order, so that the words come in this order too
+  for (const auto& seat : parts_.devices) {
     const NodePlate& plate = seat->status().plate;
-    if (plate.bus != section.bus || plate.node_id == manager::lss::unconfigured) continue;
-    const auto written = std::ranges::find(section.slaves, plate.node_id, &SlaveSection::node);
-    if (written != section.slaves.end()) {
-      add_slave(*written, *seat, true);
-    } else if (section.all_slaves) {
-      SlaveSection slave{.place = section.place, .node = plate.node_id};
-      slave.receive.push_back({.place = section.place, .pdo = 1});
-      slave.send.push_back({.place = section.place, .pdo = 1});
-      add_slave(slave, *seat, false);
+    if (const auto wanted = wanted_slave(section, plate)) {
+      add(*wanted, SlaveDescription::of(seat->device().file(), plate.node_id, plate.name));
     }
   }
+  for (const auto& seat : parts_.modules) {
+    const NodePlate& plate = seat->status().plate;
+    const auto wanted = wanted_slave(section, plate);
+    if (!wanted || &seat->module() == &module) continue;
+    const bool is_node = seat->module().presets_canopen_mode();
+    if (wanted->written == nullptr && (!is_node || seat->section().master)) continue;
+    if (!is_node) {
+      errors_.add(wanted->slave.place,
+                  "slave: the module with node {} (line {}) is in a Layer 2 mode; expected a CANopen node",
+                  plate.node_id, seat->section().place.line);
+    }
+    add(*wanted, SlaveDescription::of(seat->module(), plate.node_id, plate.name));
+  }
+  for (const SlaveSection& slave : section.slaves) {
+    if (complete_ && slave.usable && !found.contains(&slave)) add_outside_slave(section, slave, network);
+  }
   network.become_master();
+  (void)preset_objects(module, section);  // what the plant file says of an object wins
   for (const std::string& line : network.connections()) parts_.connections.push_back(line);
+}
+
+/// A node that joins the bus from outside, or gets its node-ID by LSS.
+void Assembly::add_outside_slave(const ModuleSection& master, const SlaveSection& slave,
+                                 ModuleNetwork& network) {
+  const auto bus = std::ranges::find(parts_.file.buses, master.bus, &BusSection::name);
+  const bool may_come = bus->socketcand || std::ranges::any_of(parts_.devices, [&](const auto& seat) {
+                          const NodePlate& plate = seat->status().plate;
+                          return plate.bus == master.bus && plate.node_id == manager::lss::unconfigured;
+                        });
+  if (!may_come) {
+    return errors_.add(slave.place,
+                       "slave: there is no device or module with node = {} on bus \"{}\"; for a node outside "
+                       "of the plant the bus needs serve",
+                       slave.node, master.bus);
+  }
+  SlaveDescription description;
+  if (!slave.eds.empty()) {
+    const File file = load(slave.eds, slave.eds_place);
+    if (!file) return;
+    description = SlaveDescription::of(*file, slave.node, "outside of the plant");
+  }
+  errors_.add(network.add_slave(slave, description, true));
 }
 
 }  // namespace

@@ -190,8 +190,13 @@ std::vector<SlaveSection::Link> read_links(TableReader& table, std::string_view 
 }
 
 SlaveSection read_slave(TableReader& table) {
-  SlaveSection slave{.place = table.place()};
-  slave.node = static_cast<std::uint8_t>(table.integer("node", 1, 127, node_id_expected, true).value_or(0));
+  const bool by_name = table.find("name") != nullptr;
+  SlaveSection slave{.place = table.place(by_name ? "name" : "node"), .eds_place = table.place("eds")};
+  if (by_name) slave.name = table.text("name", true).value_or("");
+  constexpr std::string_view expected = "a node-ID is 1 to 127; or name = the name of a device or module";
+  slave.node = static_cast<std::uint8_t>(table.integer("node", 1, 127, expected, !by_name).value_or(0));
+  if (by_name && slave.node != 0) table.error("name", "expected node or name, not both");
+  slave.eds = table.text("eds").value_or("");
   slave.mandatory = table.boolean("mandatory").value_or(true);
   slave.receive = read_links(table, "receive");
   slave.send = read_links(table, "send");
@@ -199,7 +204,8 @@ SlaveSection read_slave(TableReader& table) {
 }
 
 ModuleSection read_module(TableReader& table) {
-  ModuleSection module{.place = table.place()};
+  ModuleSection module{.place = table.place(), .name_place = table.place("name")};
+  module.name = table.text("name").value_or("");
   module.model = table.text("model", true).value_or("");
   if (const CatalogueEntry* entry = find_module(module.model)) {
     module.model = entry->data_sheet->model;  // as its maker writes it
@@ -306,6 +312,10 @@ PlantReading read_plant(std::string_view text, std::string path) {
   check_references(plant, reading.errors);
   std::ranges::stable_sort(reading.errors, {}, &PlantError::place);
   return reading;
+}
+
+std::string shown_name(const ModuleSection& module) {
+  return !module.name.empty() ? module.name : fmt::format("{} U{:X}", module.model, module.head / 16);
 }
 
 std::string describe(Place place, std::string_view path) {

@@ -68,6 +68,29 @@ struct BehaviourSection {
   std::optional<std::uint64_t> seed{};
 };
 
+/// Something that happens to a device's values once or by a condition; whether the device has the objects, the
+/// plant's assembly says. Objects are written as an index and sub-index, or by their names.
+struct ScriptSection {
+  Place place{};
+  std::optional<can::Duration> at{};  ///< plant time; none: `when`
+  std::string when{};                 ///< "6000:01 >= 3"
+  Place when_place{};
+  std::string set{};  ///< object that is forced
+  Place set_place{};
+  Scalar value{};
+  std::optional<can::Duration> hold{};  ///< `for`; none: until it is released
+  std::string release{};                ///< object, or "all"
+  Place release_place{};
+};
+
+/// Values of a device that come from a CSV file.
+struct PlaybackSection {
+  Place place{};
+  Place file_place{};
+  std::string file{};  ///< path, relative to the plant file
+  bool repeat = false;
+};
+
 /// A fault of a bus. Fields that its kind does not use are refused.
 struct FaultSection {
   Place place{};
@@ -102,12 +125,19 @@ struct DeviceSection {
   std::size_t transmit_queue = 128;  ///< frames that may wait in it
   std::vector<ObjectSetting> objects{};
   std::vector<BehaviourSection> behaviours{};
+  std::vector<ScriptSection> scripts{};
+  std::vector<PlaybackSection> playbacks{};
 };
 
-/// A slave of a master module, and the PDOs that connect the two.
+/// A slave of a master module, and the PDOs that connect the two: a device or another module of the plant, or
+/// a node outside of it.
 struct SlaveSection {
+  bool usable = true;  ///< false: a mistake is reported
   Place place{};
-  std::uint8_t node = 0;
+  Place eds_place{};
+  std::uint8_t node = 0;  ///< 0: by `name`, of a device that has it from its DCF
+  std::string name{};     ///< of a device or module, instead of `node`
+  std::string eds{};      ///< of a node outside of the plant: path, relative to the plant file
   bool mandatory = true;
   struct Link {
     Place place{};
@@ -121,12 +151,15 @@ struct SlaveSection {
 struct ModuleSection {
   bool usable = true;  ///< false: a mistake is reported that leaves nothing to build
   Place place{};
+  Place name_place{};
+  std::string name{};  ///< for people; empty: model and slot
   std::string model{};
   std::uint16_t head = 0;  ///< head I/O number, in points
   std::string bus{};
   std::uint8_t node = 0;
   bool master = false;
-  bool all_slaves = false;  ///< slaves = "all": every device of the bus, first TPDO and RPDO of each
+  /// slaves = "all": every device and every other module of the bus, first TPDO and RPDO of each
+  bool all_slaves = false;
   std::vector<SlaveSection> slaves{};
   std::optional<can::Duration> exchange{};      ///< the built-in program asks for a data exchange this often
   bool recover = true;                          ///< it does what keeps process data going
@@ -157,6 +190,9 @@ struct PlantFile {
   std::string path{};  ///< as given
   std::string name{};
   std::uint64_t seed = 1;
+  Place control_place{};
+  std::optional<HostAndPort> control{};  ///< where the control server listens
+  link::AllowList control_allowed{};     ///< who may connect there
   std::vector<BusSection> buses{};
   std::vector<DeviceSection> devices{};
   std::vector<PlcSection> plcs{};
@@ -169,6 +205,9 @@ struct PlantReading {
   std::vector<PlantError> errors{};
 };
 [[nodiscard]] PlantReading read_plant(std::string_view text, std::string path);
+
+/// "ME3CAN1-Q U0", or the name it has in the plant file.
+[[nodiscard]] std::string shown_name(const ModuleSection& module);
 
 /// "plant.toml:14:9"; the path alone for nowhere.
 [[nodiscard]] std::string describe(Place place, std::string_view path);

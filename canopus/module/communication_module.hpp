@@ -43,6 +43,13 @@ class CommunicationModule : public Module {
   /// not store.
   virtual canopen::AbortCode preset_object(std::uint16_t index, std::uint8_t sub,
                                            std::span<const std::uint8_t> value) = 0;
+  /// What preset_object() gave an object; empty: nothing, its default counts.
+  [[nodiscard]] virtual std::span<const std::uint8_t> object_preset(std::uint16_t /*index*/,
+                                                                    std::uint8_t /*sub*/) const {
+    return {};
+  }
+  /// The preset words select a function mode in which it is a CANopen node.
+  [[nodiscard]] virtual bool presets_canopen_mode() const { return true; }
   /// The first of the preset words that would keep the module from going online in the Layer 2 mode they
   /// select.
   [[nodiscard]] virtual std::optional<BufferAddress> layer2_preset_error() const { return std::nullopt; }

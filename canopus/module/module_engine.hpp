@@ -55,6 +55,11 @@ class ModuleEngine : public CommunicationModule,
   bool preset_node_id(std::uint8_t node_id) override;
   canopen::AbortCode preset_object(std::uint16_t index, std::uint8_t sub,
                                    std::span<const std::uint8_t> value) override;
+  [[nodiscard]] std::span<const std::uint8_t> object_preset(std::uint16_t index,
+                                                            std::uint8_t sub) const override {
+    return settings_.object_preset(index, sub);
+  }
+  [[nodiscard]] bool presets_canopen_mode() const override { return settings_.presets_canopen_mode(); }
   [[nodiscard]] std::optional<BufferAddress> layer2_preset_error() const override;
   [[nodiscard]] bool takes_word(BufferAddress address, std::uint16_t value) const override;
   [[nodiscard]] const ProgramInterface& program_interface() const noexcept override;

@@ -102,6 +102,16 @@ canopen::AbortCode ModuleSettings::preset_object(std::uint16_t index, std::uint8
   return canopen::AbortCode::none;
 }
 
+std::span<const std::uint8_t> ModuleSettings::object_preset(std::uint16_t index, std::uint8_t sub) const {
+  const auto preset = factory_objects_.find({index, sub});
+  if (preset == factory_objects_.end()) return {};
+  return preset->second;
+}
+
+bool ModuleSettings::presets_canopen_mode() const {
+  return preset_mode().kind == FunctionModeRow::Kind::canopen;
+}
+
 const FunctionModeRow& ModuleSettings::load() {
   error_ = false;
   flash_.load();

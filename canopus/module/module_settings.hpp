@@ -36,6 +36,8 @@ class ModuleSettings {
   bool preset_node_id(std::uint8_t node_id);
   canopen::AbortCode preset_object(std::uint16_t index, std::uint8_t sub,
                                    std::span<const std::uint8_t> value);
+  [[nodiscard]] std::span<const std::uint8_t> object_preset(std::uint16_t index, std::uint8_t sub) const;
+  [[nodiscard]] bool presets_canopen_mode() const;
   [[nodiscard]] std::optional<BufferAddress> layer2_preset_error(const Layer2Rules& rules) const;
   [[nodiscard]] bool takes_word(BufferAddress address, std::uint16_t value) const;
 

@@ -174,8 +174,8 @@ INSTANTIATE_TEST_SUITE_P(
         WrongLine{
             "send = 1", "send = 513",
             "plant.toml:45:8: send = 513: expected a PDO number 1 to 512, or { pdo = 1, at = \"G10000\" }"},
-        WrongLine{"node = 3\nmandatory", "node = 4\nmandatory",
-                  "plant.toml:41:1: slave: there is no device with node = 4 on bus \"line1\""},
+        WrongLine{"node = 3\nmandatory", "node = 1\nmandatory",
+                  "plant.toml:42:8: slave: node 1 is the module itself; expected another node"},
         WrongLine{"master = true", "master = false", "plant.toml:30:1: slaves need master = true"},
         WrongLine{"serve = \"socketcand:", "serve = \"udp:",
                   "plant.toml:8:9: serve = \"udp:127.0.0.1:29536\" is not a way to serve a bus; expected "

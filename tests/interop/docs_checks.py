@@ -7,7 +7,7 @@ import subprocess
 import time
 
 from bus_checks import lss_example
-from kit import PATIENCE, PYTHON, ROOT, Skip, check, first_plant, host_port, program, require, running, scratch, silence
+from kit import PATIENCE, PYTHON, ROOT, Skip, check, covers, first_plant, host_port, program, require, running, scratch, silence
 
 
 def blocks(page, language=""):
@@ -127,6 +127,27 @@ def the_page_of_commands_shows_what_they_print():
                 on = lss if " lss " in command else plant
                 words = words_of(command.replace("--timeout 20ms", f"--timeout {silence(100)}"), on)
                 require_shown(page, words, shown, (r" *\d+\.\d{6}  ",))
+
+
+@check
+@covers("ME3-IO-003")
+def words_go_from_rack_to_rack_as_the_example_shows():
+    text = (ROOT / "examples/two-racks/plant.toml").read_text()
+    for port in ("29536", "5007", "5008"):
+        text = text.replace(f"127.0.0.1:{port}", "127.0.0.1:0")
+    (scratch / "two-racks.toml").write_text(text)
+    page = "examples/two-racks/README.md"
+    with running(scratch / "two-racks.toml") as plant:
+        plant.wait_operational([1, 2])
+        second = plant.wait(lambda e: e["event"] == "listen" and e["of"] == "plc2")["address"]
+        for commands in transcripts(page):
+            for command, shown in commands:
+                for written, address in (("5007", plant.mc), ("5008", second)):
+                    command = command.replace(f"--port {written}", f"--port {host_port(address)[1]}")
+                words = [program, *shlex.split(command)[1:]]
+                if words[1] == "scan":
+                    words += ["--bus", f"socketcand:{plant.socketcand}"]
+                require_shown(page, words, shown)
 
 
 @check
