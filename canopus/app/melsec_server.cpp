@@ -1,6 +1,7 @@
 #include "canopus/app/melsec_server.hpp"
 
 #include <algorithm>
+#include <ctime>
 #include <utility>
 #include <vector>
 
@@ -18,7 +19,16 @@ namespace canopus::app {
 namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
-using WallClock = std::chrono::steady_clock;
+
+/// Seconds of the machine's clock, cheaply: to a few milliseconds.
+struct CoarseClock {
+  using time_point = std::chrono::steady_clock::time_point;
+  [[nodiscard]] static time_point now() noexcept {
+    timespec time{};
+    ::clock_gettime(CLOCK_MONOTONIC_COARSE, &time);
+    return time_point(std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec));
+  }
+};
 
 struct MelsecServer::Parts : std::enable_shared_from_this<Parts> {
   Parts(asio::io_context& io, plc::Rack& the_rack, link::LoopClock& the_clock,
@@ -48,6 +58,7 @@ struct MelsecServer::Parts : std::enable_shared_from_this<Parts> {
   asio::steady_timer accept_pause;
   std::vector<std::shared_ptr<Connection>> connections;
   std::uint64_t requests = 0;
+  std::uint64_t heard = 0;  // messages from clients and connections, so far
 };
 
 /// One client. Handlers hold it; it forgets the server when the server is gone.
@@ -57,6 +68,7 @@ class MelsecServer::Connection : public std::enable_shared_from_this<Connection>
       : parts_(&parts),
         socket_(std::move(socket)),
         name_(link::name_of_peer(socket_)),
+        heard_number_(++parts.heard),
         timer_(parts.context),
         session_(parts.rack) {}
 
@@ -70,7 +82,9 @@ class MelsecServer::Connection : public std::enable_shared_from_this<Connection>
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
   /// When something came from the client last.
-  [[nodiscard]] WallClock::time_point heard_at() const noexcept { return heard_at_; }
+  [[nodiscard]] CoarseClock::time_point heard_at() const noexcept { return heard_at_; }
+  /// The same as a number: later is higher, and no two are equal.
+  [[nodiscard]] std::uint64_t heard_number() const noexcept { return heard_number_; }
 
   void close() noexcept {
     parts_ = nullptr;
@@ -90,7 +104,8 @@ class MelsecServer::Connection : public std::enable_shared_from_this<Connection>
                                 return self->end("does not answer the alive check any more");
                               }
                               if (error) return self->end();
-                              self->heard_at_ = WallClock::now();
+                              self->heard_at_ = CoarseClock::now();
+                              self->heard_number_ = ++self->parts_->heard;
                               self->session_.received(count);
                               self->work();
                             });
@@ -193,7 +208,8 @@ class MelsecServer::Connection : public std::enable_shared_from_this<Connection>
   Parts* parts_;
   tcp::socket socket_;
   std::string name_;
-  WallClock::time_point heard_at_ = WallClock::now();
+  std::uint64_t heard_number_;
+  CoarseClock::time_point heard_at_ = CoarseClock::now();
   asio::steady_timer timer_;
   bool timed_ = false;
   std::uint64_t timer_turn_ = 0;
@@ -227,8 +243,8 @@ void MelsecServer::Parts::admit(tcp::socket socket) {
 /// Closes the connection from which nothing has come for the longest time, if that is long enough.
 bool MelsecServer::Parts::make_room(const std::string& newcomer) {
   const auto idlest =
-      std::ranges::min_element(connections, {}, [](const auto& other) { return other->heard_at(); });
-  const auto idle = WallClock::now() - (*idlest)->heard_at();
+      std::ranges::min_element(connections, {}, [](const auto& other) { return other->heard_number(); });
+  const auto idle = CoarseClock::now() - (*idlest)->heard_at();
   if (idle < options.gives_way_after) {
     say(newcomer, "was refused: all " + std::to_string(options.maximum_clients) + " connections are in use");
     return false;

@@ -33,7 +33,7 @@ class RealTime final : public link::LoopClock {
  private:
   using WallClock = std::chrono::steady_clock;
 
-  [[nodiscard]] Pace::Reading read_clocks() const;
+  [[nodiscard]] Pace::Reading read_clocks();
   void arm();
   void wake();
   void advance();
@@ -48,6 +48,8 @@ class RealTime final : public link::LoopClock {
   std::function<void()> resumed_;
   WallClock::time_point started_{};
   can::Duration asleep_before_{};
+  can::Duration asleep_{};          // since the start, as read last
+  can::Duration look_for_sleep_{};  // elapsed time from which on it is read again
   can::Time armed_for_ = can::never;
   can::Duration lag_{};
   can::Duration largest_lag_{};
