@@ -75,10 +75,18 @@ void ModuleSeat::cpu_changed(module::CpuState state, can::Time now) {
   look(now);
 }
 
+void ModuleSeat::cpu_paused(bool paused, can::Time now) {
+  if (paused) exchange_watch_.forget();
+  program_.cpu_paused(paused, now);
+  look(now);
+}
+
 std::optional<ModuleTrouble> ModuleSeat::trouble(can::Time now) const {
   std::string text = exchange_watch_.trouble(now);
   if (rack_.cpu_state() == module::CpuState::stop && status_.is_on) {
     text = "no process data are exchanged: the CPU is in STOP";
+  } else if (rack_.is_paused() && section_.exchange) {
+    text = "the built-in PLC program stands still: the CPU is in PAUSE";
   } else if (after_stop_ == AfterStop::reported) {
     text = not_started();
   }

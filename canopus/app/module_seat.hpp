@@ -42,6 +42,7 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver,
 
   void supply_changed(bool on, can::Time now) override;
   void cpu_changed(module::CpuState state, can::Time now) override;
+  void cpu_paused(bool paused, can::Time now) override;
 
   void receive(const can::Frame& frame, can::Time now) override;
   void transmitted(const can::Frame& frame, can::Time now) override;

@@ -295,6 +295,12 @@ PlcClient::Result<void> PlcClient::remote_stop() {
   return {};
 }
 
+PlcClient::Result<void> PlcClient::remote_pause() {
+  auto data = parts_->request(0x1003, 0, [](FieldWriter& out) { out.u16(3); });
+  if (!data) return std::unexpected(data.error());
+  return {};
+}
+
 PlcClient::Result<PlcClient::Type> PlcClient::read_type() {
   constexpr std::size_t name_size = 16;
   auto data = parts_->request(0x0101, 0, [](FieldWriter& /*out*/) {});

@@ -44,6 +44,8 @@ class PlcClient {
   /// Remote RUN, forced when another client stopped the CPU; nothing is cleared.
   Result<void> remote_run();
   Result<void> remote_stop();
+  /// Remote PAUSE, forced when another client stopped the CPU.
+  Result<void> remote_pause();
 
   struct Type {
     std::string name;

@@ -216,6 +216,14 @@ int watch(const Target& target, const Arguments& arguments) {
   });
 }
 
+/// A CPU in STOP answers 0000H, too, and stays in STOP [SH-080931 11.2].
+int pause(PlcClient& client) {
+  if (const auto paused = client.remote_pause(); !paused) return complain(refused, paused.error());
+  const auto stopped = client.read_bits({.device = plc::Device::sm, .number = 203}, 1);
+  if (!stopped || stopped->front() == 0) return done;
+  return complain(refused, "the CPU is in STOP and stays there: PAUSE is reached from RUN alone");
+}
+
 int type(PlcClient& client) {
   const auto found = client.read_type();
   if (!found) return complain(refused, found.error());
@@ -323,6 +331,8 @@ void add_plc_command(CLI::App& app, int& exit_code) {
       return result ? done : complain(refused, result.error());
     });
   });
+  add("pause", "Remote PAUSE: the program stops, outputs stay as they are",
+      [arguments] { return with_client(*arguments, pause); });
   add("type", "Show the CPU's name and code",
       [arguments] { return with_client(*arguments, [](PlcClient& client) { return type(client); }); });
 }

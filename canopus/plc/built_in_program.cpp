@@ -52,6 +52,17 @@ void BuiltInProgram::cpu_changed(module::CpuState state, can::Time now) {
   begin(now);
 }
 
+void BuiltInProgram::cpu_paused(bool paused, can::Time now) {
+  if (paused) {
+    is_running_ = false;
+    next_request_ = answer_due_ = next_scan_ = can::never;
+  } else if (!is_running_) {
+    const bool was_ready = was_ready_;
+    begin(now);
+    was_ready_ = was_ready;  // a module that did not restart is not set up again
+  }
+}
+
 void BuiltInProgram::begin(can::Time now) {
   is_running_ = true;
   if (!interface_.ready) was_ready_ = false;  // nobody told of restarts in STOP

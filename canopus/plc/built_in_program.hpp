@@ -48,6 +48,8 @@ class BuiltInProgram {
   void supply_changed(bool on, can::Time now);
   /// STOP: it stands still; RUN: it goes on.
   void cpu_changed(module::CpuState state, can::Time now);
+  /// PAUSE: the program stands still, Y stay; afterwards it goes on where it was.
+  void cpu_paused(bool paused, can::Time now);
   /// To be called whenever something may have happened to the module.
   void look(can::Time now);
   /// What is due; look() is to follow.

@@ -76,7 +76,8 @@ void Rack::power_on(can::Time now, CpuState state) {
   std::ranges::fill(outputs_before_stop_, std::uint16_t{0});
   on_ = true;
   state_ = state;
-  stopped_remotely_ = false;
+  stop_cause_ = StopCause::by_switch;
+  paused_ = false;
   for (const Slot& slot : slots_) {
     slot.module->power_on(now);
     timeline_.refresh(slot.handle);
@@ -87,7 +88,7 @@ void Rack::power_on(can::Time now, CpuState state) {
 }
 
 void Rack::power_off(can::Time now) {
-  on_ = false;
+  on_ = paused_ = false;
   for (const Slot& slot : slots_) slot.module->power_off(now);
   for (RackListener* listener : listeners_) listener->supply_changed(false, now);
   refresh_modules();
@@ -99,9 +100,13 @@ void Rack::refresh_modules() {
 }
 
 void Rack::set_cpu_state(CpuState state, can::Time now) {
+  if (std::exchange(paused_, false) && state == CpuState::run) {
+    for (RackListener* listener : listeners_) listener->cpu_paused(false, now);
+    refresh_modules();
+  }
   if (state == state_) return;
   state_ = state;
-  stopped_remotely_ = state == CpuState::stop;
+  stop_cause_ = StopCause::remote;
   auto& outputs = memory_[index(Device::y)];
   if (state == CpuState::stop) {
     outputs_before_stop_ = outputs;
@@ -117,6 +122,12 @@ void Rack::set_cpu_state(CpuState state, can::Time now) {
   refresh_modules();
 }
 
+void Rack::pause(can::Time now) {
+  if (!on_ || state_ == CpuState::stop || std::exchange(paused_, true)) return;
+  for (RackListener* listener : listeners_) listener->cpu_paused(true, now);
+  refresh_modules();
+}
+
 void Rack::fail_cpu(can::Time now) {
   if (!on_) return;
   for (const Slot& slot : slots_) {
@@ -124,7 +135,7 @@ void Rack::fail_cpu(can::Time now) {
     timeline_.refresh(slot.handle);
   }
   set_cpu_state(CpuState::stop, now);
-  stopped_remotely_ = false;
+  stop_cause_ = StopCause::error;
 }
 
 void Rack::reset_cpu(can::Time now) {
@@ -308,7 +319,8 @@ std::uint16_t Rack::special_relays(std::uint32_t block, can::Time now) const noe
   };
   using std::chrono::milliseconds;
   if (block == 203 / 16) {
-    word = with_bit(word, 203 % 16, !run);  // SM203 CPU in STOP
+    word = with_bit(word, 203 % 16, !run);     // SM203 CPU in STOP
+    word = with_bit(word, 204 % 16, paused_);  // SM204 CPU in PAUSE
   } else if (block == 400 / 16) {
     word = with_bit(word, 0, true);                                  // SM400 always ON
     word = with_bit(word, 1, false);                                 // SM401 always OFF
@@ -323,11 +335,12 @@ std::uint16_t Rack::special_relays(std::uint32_t block, can::Time now) const noe
 }
 
 std::uint16_t Rack::special_register(std::uint32_t number, can::Time now) const noexcept {
-  constexpr std::uint16_t stopped = 2;
-  constexpr std::uint16_t by_remote_operation = 2U << 4U;
-  if (number == 203) {  // CPU state; in STOP with its cause
+  if (number == 203) {  // CPU state; in STOP and PAUSE with its cause
+    constexpr unsigned in_stop = 2;
+    constexpr unsigned in_pause = 3;
+    if (paused_) return static_cast<std::uint16_t>(in_pause | static_cast<unsigned>(StopCause::remote) << 4U);
     if (state_ == CpuState::run) return 0;
-    return static_cast<std::uint16_t>(stopped | (stopped_remotely_ ? by_remote_operation : 0U));
+    return static_cast<std::uint16_t>(in_stop | static_cast<unsigned>(stop_cause_) << 4U);
   }
   if (number < 210 || number > 216) return memory_[index(Device::sd)][number];
 

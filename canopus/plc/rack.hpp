@@ -40,6 +40,8 @@ class RackListener {
   virtual void supply_changed(bool on, can::Time now) = 0;
   /// The CPU went to RUN, Y as before the STOP, or to STOP, Y OFF. Modules know already.
   virtual void cpu_changed(module::CpuState state, can::Time now) = 0;
+  /// The CPU, in RUN, went to PAUSE or came back from it: no program runs, Y stay. Modules do not know.
+  virtual void cpu_paused(bool /*paused*/, can::Time /*now*/) {}
 
  protected:
   ~RackListener() = default;
@@ -80,6 +82,10 @@ class Rack {
   /// Remote RUN/STOP. RUN to STOP turns all Y off, STOP to RUN restores them as they were before the STOP
   /// ("previous state", the default of the CPU parameter). Every module is told.
   void set_cpu_state(module::CpuState state, can::Time now);
+  /// Remote PAUSE: no program runs, while Y and everything else stay as they are, so modules see no change.
+  /// set_cpu_state(), the supply and reset end it. In STOP nothing happens.
+  void pause(can::Time now);
+  [[nodiscard]] bool is_paused() const noexcept { return paused_; }
   /// The CPU finds an error and stops: every module is told, then as RUN to STOP. RUN again is possible at
   /// once.
   void fail_cpu(can::Time now);
@@ -150,7 +156,10 @@ class Rack {
   std::vector<std::uint16_t> own_buffer_;
   std::vector<std::uint16_t> outputs_before_stop_;
   module::CpuState state_ = module::CpuState::run;
-  bool stopped_remotely_ = false;
+  /// As SD203 counts.
+  enum class StopCause : std::uint8_t { by_switch = 0, remote = 2, error = 4 };
+  StopCause stop_cause_ = StopCause::by_switch;
+  bool paused_ = false;
   bool on_ = false;
   std::chrono::local_seconds clock_{};  // the CPU's clock at clock_set_
   can::Time clock_set_{};

@@ -168,5 +168,28 @@ TEST(ModuleSeat, OfAModuleWithoutSignals_LetsTheBuiltInProgramWork) {
   EXPECT_EQ(watcher.events.back(), "19ms 20 G41=1 cpu") << "a client's is";
 }
 
+TEST(ModuleSeat, InPause_SaysThatTheBuiltInProgramStandsStill) {
+  struct Observer final : PlantObserver {
+  } observer;
+  const BusWatch bus("line1", observer);
+  for (const bool has_program : {true, false}) {
+    ModuleSection section{.model = "FAKE", .head = 0x20};
+    if (has_program) section.exchange = 10ms;
+    can::Timeline timeline;
+    plc::Rack rack(timeline);
+    ModuleSeat seat(section, "plc1", rack, nullptr, std::make_unique<FakeCommunicationModule>(), bus,
+                    observer);
+    (void)timeline.add(seat);
+    rack.power_on(timeline.now());
+    EXPECT_FALSE(seat.trouble(timeline.now()));
+    rack.pause(timeline.now());
+    const auto trouble = seat.trouble(timeline.now());
+    EXPECT_EQ(trouble ? trouble->text : "",
+              has_program ? "the built-in PLC program stands still: the CPU is in PAUSE" : "");
+    rack.set_cpu_state(module::CpuState::run, timeline.now());
+    EXPECT_FALSE(seat.trouble(timeline.now()));
+  }
+}
+
 }  // namespace
 }  // namespace canopus::app

@@ -188,6 +188,24 @@ TEST_F(PlcCommandTest, StopAndRun_ChangeTheCpu) {
   EXPECT_EQ(run({"read", "SM203"}).out, "SM203  OFF\n");
 }
 
+TEST_F(PlcCommandTest, Pause_KeepsTheOutputsUntilRun) {
+  EXPECT_EQ(run({"set", "Y1F"}).exit_code, 0);
+  EXPECT_EQ(run({"pause"}).exit_code, 0);
+  EXPECT_EQ(run({"read", "SM203", "--count", "2"}).out, "SM203  OFF\nSM204  ON\n");
+  EXPECT_EQ(run({"read", "SD203", "--format", "hex"}).out, "SD203  0023H\n");
+  EXPECT_EQ(run({"read", "Y1F"}).out, "Y1F  ON\n");
+  EXPECT_EQ(run({"run"}).exit_code, 0);
+  EXPECT_EQ(run({"read", "SM204"}).out, "SM204  OFF\n");
+}
+
+TEST_F(PlcCommandTest, PauseInStop_IsSaidToHaveNoEffect) {
+  EXPECT_EQ(run({"stop"}).exit_code, 0);
+  const Outcome outcome = run({"pause"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.err,
+            "canopus plc: the CPU is in STOP and stays there: PAUSE is reached from RUN alone\n");
+}
+
 TEST_F(PlcCommandTest, Type_ShowsNameAndCode) { EXPECT_EQ(run({"type"}).out, "R04CPU  4800H\n"); }
 
 TEST(PlcAddress, Devices_HaveTheirOwnBase) {

@@ -135,6 +135,10 @@ class Slot final : public can::Participant, public RackListener {
     program.cpu_changed(state, now);
     program.look(now);
   }
+  void cpu_paused(bool paused, can::Time now) override {
+    program.cpu_paused(paused, now);
+    program.look(now);
+  }
   void run_until(can::Duration end) {
     timeline.refresh(handle_);
     timeline.run_until(can::Time{} + end);
@@ -373,6 +377,41 @@ TEST(BuiltInProgram, StopInTheMiddleOfARequest_GoesOnWithRun) {
       slot.module.take_notes();
       EXPECT_FALSE(slot.notes_until(130ms).empty());
     }
+  }
+}
+
+TEST(BuiltInProgram, InPause_StandsStill) {
+  Slot slot(signals, {.exchange = 20ms});
+  slot.power();
+  EXPECT_THAT(slot.notes_until(30ms), ElementsAre("20ms Y5 on", "23ms Y5 off"));
+  slot.rack.pause(slot.timeline.now());
+  EXPECT_EQ(slot.program.deadline(), can::never);
+  EXPECT_THAT(slot.notes_until(100ms), IsEmpty());
+  slot.rack.set_cpu_state(module::CpuState::run, slot.timeline.now());
+  EXPECT_THAT(slot.notes_until(130ms), ElementsAre("120ms Y5 on", "123ms Y5 off"));
+}
+
+// Y stays ON, so the module answers, and the program finds that when it goes on.
+TEST(BuiltInProgram, PauseInTheMiddleOfARequest_GoesOnWhereItWas) {
+  Slot slot(signals, {.exchange = 20ms});
+  slot.power();
+  EXPECT_THAT(slot.notes_until(21ms), ElementsAre("20ms Y5 on"));
+  slot.rack.pause(slot.timeline.now());
+  EXPECT_THAT(slot.notes_until(100ms), IsEmpty());
+  EXPECT_EQ(slot.module.x >> exchange & 1U, 1U);
+  slot.rack.set_cpu_state(module::CpuState::run, slot.timeline.now());
+  EXPECT_THAT(slot.notes_until(125ms), ElementsAre("100ms Y5 off", "120ms Y5 on", "123ms Y5 off"));
+}
+
+TEST(BuiltInProgram, AfterPause_DoesNotSetUpAgain) {
+  for (const ProgramInterface* interface : {&signals, &bits}) {
+    Slot slot(*interface, {.words = {{100, 7}}, .online = true});
+    slot.power();
+    EXPECT_FALSE(slot.notes_until(50ms).empty());
+    slot.rack.pause(slot.timeline.now());
+    EXPECT_THAT(slot.notes_until(100ms), IsEmpty());
+    slot.rack.set_cpu_state(module::CpuState::run, slot.timeline.now());
+    EXPECT_THAT(slot.notes_until(150ms), IsEmpty());
   }
 }
 

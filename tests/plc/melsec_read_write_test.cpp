@@ -278,6 +278,41 @@ TEST(Melsec, Loopback_TakesAnyBytes) {
             "D00000FF03FF00000D00000005Hello");
 }
 
+TEST(Melsec, RemotePause_HoldsYAndShowsItself) {
+  Plc plc;
+  plc.bit(Device::y, 0x30, true);
+  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 08 00 10 00 03 10 00 00 | 01 00"),
+            "d0 00 00 ff ff 03 00 02 00 00 00");
+  EXPECT_TRUE(plc.bit(Device::y, 0x30));
+  EXPECT_TRUE(plc.bit(Device::sm, 204));
+  EXPECT_FALSE(plc.bit(Device::sm, 203));
+  EXPECT_EQ(plc.word(Device::sd, 203), 0x0023);
+  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 0a 00 10 00 01 10 00 00 | 01 00 00 00"),
+            "d0 00 00 ff ff 03 00 02 00 00 00");
+  EXPECT_FALSE(plc.bit(Device::sm, 204));
+  EXPECT_EQ(plc.word(Device::sd, 203), 0x0000);
+}
+
+TEST(Melsec, RemotePause_EndsWithStop) {
+  Plc plc;
+  plc.bit(Device::y, 0x30, true);
+  (void)plc.ask("50 00 00 ff ff 03 00 08 00 10 00 03 10 00 00 | 03 00");
+  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 08 00 10 00 02 10 00 00 | 01 00"),
+            "d0 00 00 ff ff 03 00 02 00 00 00");
+  EXPECT_FALSE(plc.bit(Device::y, 0x30));
+  EXPECT_FALSE(plc.bit(Device::sm, 204));
+  EXPECT_EQ(plc.word(Device::sd, 203), 0x0022);
+}
+
+TEST(Melsec, RemotePauseInStop_IsCompletedAndStaysStop) {
+  Plc plc;
+  plc.rack.set_cpu_state(module::CpuState::stop, plc.now);
+  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 08 00 10 00 03 10 00 00 | 03 00"),
+            "d0 00 00 ff ff 03 00 02 00 00 00");
+  EXPECT_EQ(plc.word(Device::sd, 203), 0x0022);
+  EXPECT_FALSE(plc.bit(Device::sm, 204));
+}
+
 TEST(Melsec, RemoteStopAndRun_ChangeTheCpuState) {
   Plc plc;
   EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 08 00 10 00 02 10 00 00 | 01 00"),

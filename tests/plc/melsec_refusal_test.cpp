@@ -215,8 +215,14 @@ TEST(MelsecRefusal, LatchClearWhileRunning_Is4013_AndResetIs408B) {
   EXPECT_EQ(end_code("50 00 00 ff ff 03 00 08 00 10 00 06 10 00 00 | 01 00"), "408b");
 }
 
-TEST(MelsecRefusal, RemotePause_IsNotOfThisCpu) {
-  EXPECT_EQ(end_code("50 00 00 ff ff 03 00 08 00 10 00 03 10 00 00 | 01 00"), "c059");
+TEST(MelsecRefusal, RemotePauseInAnUnknownMode_IsC05C) {
+  EXPECT_EQ(end_code("50 00 00 ff ff 03 00 08 00 10 00 03 10 00 00 | 02 00"), "c05c");
+}
+
+TEST(MelsecRefusal, LatchClearInPause_Is4013) {
+  Plc plc;
+  (void)plc.ask("50 00 00 ff ff 03 00 08 00 10 00 03 10 00 00 | 01 00");
+  EXPECT_EQ(plc.ask("50 00 00 ff ff 03 00 08 00 10 00 05 10 00 00 | 01 00").substr(27, 5), "13 40");
 }
 
 TEST(MelsecRefusal, OwnBufferMemory_BeyondItsEnd_Is4041_AndNothingIsWritten) {

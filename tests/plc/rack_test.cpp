@@ -14,6 +14,7 @@ namespace {
 using module::CpuState;
 using ::testing::ElementsAre;
 using testing::FakeModule;
+using ::testing::IsEmpty;
 using ::testing::Pair;
 using testing::Plc;
 using namespace std::chrono_literals;
@@ -177,6 +178,54 @@ TEST(Rack, Sd203_ShowsRemoteStop) {
   EXPECT_EQ(plc.word(Device::sd, 203), 0x0022);
 }
 
+TEST(Rack, Pause_LeavesModulesAndYAlone_AndListenersHearOfIt) {
+  struct Listener final : RackListener {
+    void supply_changed(bool on, can::Time) override { heard.push_back(on ? "on" : "off"); }
+    void cpu_changed(CpuState state, can::Time) override {
+      heard.push_back(state == CpuState::run ? "run" : "stop");
+    }
+    void cpu_paused(bool paused, can::Time) override { heard.push_back(paused ? "pause" : "goes on"); }
+    std::vector<std::string> heard;
+  } listener;
+  Plc plc;
+  plc.rack.add_listener(listener);
+  plc.bit(Device::y, 0x30, true);
+  plc.other_module.edges.clear();
+  plc.rack.pause(plc.now);
+  plc.rack.pause(plc.now);
+  EXPECT_TRUE(plc.rack.is_paused());
+  EXPECT_EQ(plc.rack.cpu_state(), CpuState::run);
+  plc.rack.set_cpu_state(CpuState::run, plc.now);
+  plc.rack.set_cpu_state(CpuState::run, plc.now);
+  EXPECT_FALSE(plc.rack.is_paused());
+  EXPECT_THAT(listener.heard, ElementsAre("pause", "goes on"));
+  EXPECT_THAT(plc.other_module.states, ElementsAre(CpuState::run));
+  EXPECT_THAT(plc.other_module.edges, IsEmpty());
+  plc.rack.pause(plc.now);
+  plc.rack.set_cpu_state(CpuState::stop, plc.now);
+  plc.rack.pause(plc.now);
+  EXPECT_FALSE(plc.rack.is_paused());
+  plc.rack.set_cpu_state(CpuState::run, plc.now);
+  EXPECT_THAT(listener.heard, ElementsAre("pause", "goes on", "pause", "stop", "run"));
+  plc.rack.pause(plc.now);
+  plc.rack.reset_cpu(plc.now);
+  EXPECT_FALSE(plc.rack.is_paused());
+  plc.rack.power_off(plc.now);
+  plc.rack.pause(plc.now);
+  EXPECT_FALSE(plc.rack.is_paused());
+  EXPECT_THAT(listener.heard,
+              ElementsAre("pause", "goes on", "pause", "stop", "run", "pause", "off", "on", "off"));
+}
+
+TEST(Rack, Sd203_ShowsWhyTheCpuStopped) {
+  Plc plc;
+  plc.rack.fail_cpu(plc.now);
+  EXPECT_EQ(plc.word(Device::sd, 203), 0x0042);  // by an error
+  plc.rack.power_on(plc.now, CpuState::stop);
+  EXPECT_EQ(plc.word(Device::sd, 203), 0x0002);  // by the switch
+}
+
+// A CPU takes the points of a new project, and those that fill its memory to the last word.
 TEST(Rack, Clock_OfAnR04Cpu_RunsInBinaryWords) {
   Plc plc;
   using std::chrono::local_days;

@@ -65,6 +65,7 @@ EndCode Commands::execute(const Command& command, FieldReader& data, FieldWriter
     case 0x0619: return loopback(data, out);
     case 0x1001: return remote_run(data, now);
     case 0x1002: return remote_stop(data, now);
+    case 0x1003: return remote_pause(data, now);
     case 0x1005: return remote_latch_clear(data);
     case 0x1006: return remote_reset(data);
     case 0x1617: return verdict(data);  // there is no error to clear
@@ -176,6 +177,14 @@ EndCode Commands::remote_stop(FieldReader& data, can::Time now) {
   if (const EndCode end_code = verdict(data); end_code != EndCode::completed) return end_code;
   if (mode != normal_operation && mode != forced_operation) return EndCode::wrong_contents;
   rack_.set_cpu_state(module::CpuState::stop, now);
+  return EndCode::completed;
+}
+
+EndCode Commands::remote_pause(FieldReader& data, can::Time now) {
+  const std::uint16_t mode = data.u16();
+  if (const EndCode end_code = verdict(data); end_code != EndCode::completed) return end_code;
+  if (mode != normal_operation && mode != forced_operation) return EndCode::wrong_contents;
+  rack_.pause(now);  // in STOP completed as well, without a PAUSE [SH-080931 11.2]
   return EndCode::completed;
 }
 

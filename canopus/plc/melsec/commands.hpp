@@ -4,9 +4,9 @@
 // request has changed nothing.
 //
 //   0401 1401  batch read, write           0403 1402  random read, write      0406 1406  several blocks
-//   0801 0802  register and read monitor   0601 1601  module buffer memory    0101  CPU model
-//   0619  loopback                         1001 1002 1005 1006  remote RUN, STOP, latch clear, reset
-//   1617  clear error
+//   0801 0802  register and read monitor   0601 1601  module buffer memory    0613 1613  own buffer memory
+//   0101  CPU model                        0619  loopback                     1617  clear error
+//   1001 1002 1003 1005 1006  remote RUN, STOP, PAUSE, latch clear, reset
 //
 // One object per connection: it remembers what 0801 registered.
 
@@ -73,6 +73,7 @@ class Commands {
   EndCode loopback(FieldReader& data, FieldWriter& out);
   EndCode remote_run(FieldReader& data, can::Time now);
   EndCode remote_stop(FieldReader& data, can::Time now);
+  EndCode remote_pause(FieldReader& data, can::Time now);
   EndCode remote_latch_clear(FieldReader& data);
   EndCode remote_reset(FieldReader& data);
 
