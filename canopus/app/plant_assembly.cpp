@@ -82,7 +82,7 @@ std::vector<PlantError> Assembly::run() {
     complete_ = complete_ && parts_.devices.size() > before;
   }
   for (std::size_t i = 0; i < parts_.file.plcs.size(); ++i) {
-    parts_.racks.push_back(std::make_unique<plc::Rack>(parts_.timeline));
+    parts_.racks.push_back(std::make_unique<plc::Rack>(parts_.timeline, parts_.file.plcs[i].cpu_model));
     for (const ModuleSection& module : parts_.file.plcs[i].modules) {
       complete_ = complete_ && module.usable;
       if (module.usable) add_module(parts_.file.plcs[i], i, module);

@@ -275,6 +275,7 @@ PlcSection read_plc(TableReader& table) {
     plc.listen = table.parsed("listen", parse_host_and_port);
   }
   plc.allowed = read_allowed(table, "listen", "MC protocol", plc.listen);
+  plc.cpu_model = read_cpu_model(table);
   if (const auto cpu = table.text("cpu")) {
     if (*cpu != "run" && *cpu != "stop") table.error("cpu", "expected \"run\" or \"stop\"");
     plc.run = *cpu != "stop";

@@ -14,6 +14,7 @@
 #include "canopus/app/text_values.hpp"
 #include "canopus/link/allow_list.hpp"
 #include "canopus/module/module.hpp"
+#include "canopus/plc/device.hpp"
 #include "canopus/sim/fault.hpp"
 
 namespace canopus::app {
@@ -178,8 +179,9 @@ struct PlcSection {
   Place listen_place{};
   Place store_place{};
   std::string name{};
-  std::optional<HostAndPort> listen{};  ///< MC protocol
-  link::AllowList allowed{};            ///< who may connect there
+  std::optional<HostAndPort> listen{};      ///< MC protocol
+  link::AllowList allowed{};                ///< who may connect there
+  plc::CpuModel cpu_model = plc::r04cpu();  ///< with the points of the devices that the file sets
   bool run = true;
   std::string store{};  ///< folder for what the modules save; empty = nothing survives the run
   std::optional<can::Duration> cpu_error{};  ///< when the CPU stops with an error

@@ -158,11 +158,12 @@ class TableReader {
   }
   /// Every key and value of a table whose keys are not known beforehand.
   void entries(std::string_view key,
-               const std::function<void(std::string_view, const toml::node&, Place)>& read) {
+               const std::function<void(std::string_view, const toml::node&, Place)>& read,
+               std::string_view example = "{ \"1017:00\" = 1000 }") {
     const toml::node* node = find(key);
     if (node == nullptr) return;
     const auto* table = node->as_table();
-    if (table == nullptr) return error(key, "expected a table, for example { \"1017:00\" = 1000 }");
+    if (table == nullptr) return error(key, fmt::format("expected a table, for example {}", example));
     for (const auto& [name, value] : *table) read(name.str(), value, place_of(name.source()));
   }
   /// Reports every key that nobody asked for.
@@ -190,6 +191,9 @@ class TableReader {
 [[nodiscard]] link::AllowList read_allowed(TableReader& table, std::string_view key,
                                            std::string_view protocol,
                                            const std::optional<HostAndPort>& place);
+
+/// `cpu_model` and `devices` of a [[plc]].
+[[nodiscard]] plc::CpuModel read_cpu_model(TableReader& table);
 
 /// A [[bus.fault]].
 [[nodiscard]] FaultSection read_fault(TableReader& table);

@@ -1,6 +1,9 @@
 #include "canopus/plc/rack.hpp"
 
 #include <algorithm>
+#include <utility>
+
+#include "canopus/plc/device_points.hpp"
 
 namespace canopus::plc {
 
@@ -32,7 +35,7 @@ std::uint16_t bcd_pair(unsigned high, unsigned low) {
 
 Rack::Rack(can::Timeline& timeline, const CpuModel& model)
     : timeline_(timeline),
-      model_(&model),
+      model_(model),
       clock_(std::chrono::local_days{std::chrono::year{2000} / std::chrono::January / 1}) {
   slot_of_block_.fill(empty);
   for (std::size_t device = 0; device < device_count; ++device) {
@@ -111,11 +114,11 @@ void Rack::set_cpu_state(CpuState state, can::Time now) {
   if (state == CpuState::stop) {
     outputs_before_stop_ = outputs;
     tell_cpu_state(now);
-    for (std::uint32_t number = 0; number < model_->points_of(Device::y); ++number)
+    for (std::uint32_t number = 0; number < model_.points_of(Device::y); ++number)
       if ((outputs[number / 16] >> (number % 16) & 1U) != 0) write_bit(Device::y, number, false, now);
   } else {
     tell_cpu_state(now);
-    for (std::uint32_t number = 0; number < model_->points_of(Device::y); ++number)
+    for (std::uint32_t number = 0; number < model_.points_of(Device::y); ++number)
       write_bit(Device::y, number, (outputs_before_stop_[number / 16] >> (number % 16) & 1U) != 0, now);
   }
   for (RackListener* listener : listeners_) listener->cpu_changed(state, now);
@@ -153,7 +156,7 @@ void Rack::tell_cpu_state(can::Time now) {
 }
 
 void Rack::clear_devices(bool latched, can::Time now) {
-  for (std::uint32_t number = 0; number < model_->points_of(Device::y); ++number)
+  for (std::uint32_t number = 0; number < model_.points_of(Device::y); ++number)
     write_bit(Device::y, number, false, now);
   std::ranges::fill(outputs_before_stop_, std::uint16_t{0});
   for (std::size_t number = 0; number < device_count; ++number) {
@@ -172,7 +175,7 @@ void Rack::set_clock(std::chrono::local_seconds clock, can::Time now) noexcept {
 }
 
 Rack::Access Rack::check(Device device, std::uint32_t first, std::uint32_t count) const noexcept {
-  const std::uint32_t points = model_->points_of(device);
+  const std::uint32_t points = model_.points_of(device);
   if (points == 0) return std::unexpected(AccessError::no_device);
   if (first >= points || count > points - first) return std::unexpected(AccessError::out_of_range);
   return {};
@@ -342,6 +345,7 @@ std::uint16_t Rack::special_register(std::uint32_t number, can::Time now) const 
     if (state_ == CpuState::run) return 0;
     return static_cast<std::uint16_t>(in_stop | static_cast<unsigned>(stop_cause_) << 4U);
   }
+  if (const auto points = device_points_register(model_, number)) return *points;
   if (number < 210 || number > 216) return memory_[index(Device::sd)][number];
 
   const auto at = clock_ + std::chrono::floor<std::chrono::seconds>(now - clock_set_);
@@ -355,7 +359,7 @@ std::uint16_t Rack::special_register(std::uint32_t number, can::Time now) const 
   const auto minute = static_cast<unsigned>(time.minutes().count());
   const auto second = static_cast<unsigned>(time.seconds().count());
   const unsigned weekday = std::chrono::weekday{midnight}.c_encoding();  // 0 is Sunday, as the CPU counts
-  if (model_->bcd_clock) {
+  if (model_.bcd_clock) {
     switch (number) {
       case 210: return bcd_pair(year % 100, month);
       case 211: return bcd_pair(day, hour);

@@ -64,7 +64,7 @@ class Rack {
   /// The module whose points begin at head_address, or nullptr.
   [[nodiscard]] module::Module* module_at(std::uint16_t head_address) const noexcept;
 
-  [[nodiscard]] const CpuModel& model() const noexcept { return *model_; }
+  [[nodiscard]] const CpuModel& model() const noexcept { return model_; }
 
   /// What the programming tool's product list says of a slot.
   struct ProductListRow {
@@ -148,7 +148,7 @@ class Rack {
   void refresh_modules();
 
   can::Timeline& timeline_;
-  const CpuModel* model_;
+  CpuModel model_;
   std::vector<Slot> slots_;
   std::vector<RackListener*> listeners_;
   std::array<std::uint8_t, block_count> slot_of_block_{};        // number in slots_, or empty

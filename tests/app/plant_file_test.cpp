@@ -373,6 +373,59 @@ TEST(PlantFile, WrongAllow_IsAnErrorAtTheNetwork) {
       ElementsAre("plant.toml:3:9: allow = \"10.0.0.7\": nobody can connect; listen says where it listens"));
 }
 
+TEST(PlantFile, CpuModelAndDevices_AreTheCpus) {
+  const PlantReading reading = read_plant(
+      "[[plc]]\ncpu_model = \"Q03UDVCPU\"\ndevices = { D = 8192, M = 16384, T = 512, ZR = 98304 }\n" +
+          std::string(bus_that_serves),
+      "plant.toml");
+  ASSERT_THAT(reading.errors, IsEmpty());
+  const plc::CpuModel& model = reading.plant.plcs[0].cpu_model;
+  EXPECT_EQ(model.name, "Q03UDVCPU");
+  EXPECT_EQ(model.points_of(plc::Device::d), 8192U);
+  EXPECT_EQ(model.points_of(plc::Device::m), 16384U);
+  EXPECT_EQ(model.points_of(plc::Device::ts), 512U);
+  EXPECT_EQ(model.points_of(plc::Device::tn), 512U);
+  EXPECT_EQ(model.points_of(plc::Device::zr), 98304U);
+  EXPECT_EQ(model.points_of(plc::Device::r), 32768U);
+}
+
+TEST(PlantFile, DevicesACpuCannotHave_AreErrorsWithTheirLimits) {
+  EXPECT_THAT(errors_with_bus("[[plc]]\ncpu_model = \"R08\"\n"),
+              ElementsAre("plant.toml:2:13: cpu_model = \"R08\": expected \"R04CPU\" or \"Q03UDVCPU\""));
+  EXPECT_THAT(
+      errors_with_bus("[[plc]]\ndevices = 5\n"),
+      ElementsAre("plant.toml:2:11: devices = 5: expected a table, for example { D = 20480, M = 16384 "
+                  "}"));
+  EXPECT_THAT(
+      errors_with_bus("[[plc]]\ndevices = { D = 20481 }\n"),
+      ElementsAre("plant.toml:2:13: devices: D = 20481: expected 0 to 40960 points (R04CPU), a multiple of "
+                  "4"));
+  EXPECT_THAT(errors_with_bus("[[plc]]\ncpu_model = \"Q03UDVCPU\"\n[plc.devices]\nZR = 99328\nM = -16\n"),
+              ElementsAre("plant.toml:4:1: devices: ZR = 99328: expected 0 to 98304 points (Q03UDVCPU), a "
+                          "multiple of 1024",
+                          "plant.toml:5:1: devices: M = -16: expected 0 to 61440 points (Q03UDVCPU), a "
+                          "multiple of 16"));
+  EXPECT_THAT(
+      errors_with_bus("[[plc]]\ndevices = { X = 64 }\n"),
+      ElementsAre("plant.toml:2:13: devices: X = 64: expected a device whose points can be set: M, L, F, V, "
+                  "B, SB, T, ST, C, D, W, SW, ZR"));
+  EXPECT_THAT(errors_with_bus("[[plc]]\ncpu_model = \"Q03UDVCPU\"\ndevices = { D = 20480 }\n"),
+              ElementsAre("plant.toml:3:11: devices: with those that are not set here they need 37120 words; "
+                          "expected at most 29696 (Q03UDVCPU, ZR not counted)"));
+  EXPECT_THAT(errors_with_bus("[[plc]]\ndevices = { D = 20480, M = 16384 }\n"), IsEmpty());
+}
+
+TEST(PlantFile, MistakesOfTheCpu_AreFoundTogetherAndWithOthers) {
+  EXPECT_THAT(
+      errors_with_bus("[[plc]]\ncpu_model = 4\ndevices = { D = \"1K\", M = 7, q = 16 }\ncpu = \"off\"\n"),
+      ElementsAre("plant.toml:2:13: cpu_model = 4: expected a string",
+                  "plant.toml:3:13: devices: D = \"1K\": expected a number of points",
+                  "plant.toml:3:30: devices: q = 16: expected a device whose points can be set: M, L, "
+                  "F, V, B, SB, T, ST, C, D, W, SW, ZR",
+                  "plant.toml:4:7: cpu = \"off\": expected \"run\" or \"stop\""))
+      << "M = 7 may be right or wrong: nobody knows of which CPU";
+}
+
 TEST(PlantFile, PlaceToListenThatIsNoAddress_IsAnError) {
   EXPECT_THAT(errors_with_bus("[[plc]]\nlisten = \"plc.local:5007\"\n"),
               ElementsAre(HasSubstr("plant.toml:2:10: listen: \"plc.local\" is not an address")));

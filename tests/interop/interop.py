@@ -136,7 +136,7 @@ def saved_settings_survive_a_killed_program():
 @check
 def python_speaks_mc_protocol_byte_by_byte():
     with first_plant() as plant:
-        command(sys.executable, HERE / "mc_raw.py", *host_port(plant.mc))
+        command(sys.executable, HERE / "mc_raw.py", *host_port(plant.mc), "--remote")
 
 
 # --- CANopen peers on socketcand

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 r"""Talks MC protocol to a PLC over plain TCP, with every byte written by hand.
 
-    mc_raw.py HOST PORT
+    mc_raw.py HOST PORT [--remote]
 
 Works on any rack with a module at start I/O 0 whose U0\\G25 can be read. D900 to D902 are written and restored,
-M900 to M902 written and left OFF. Prints what it checks; exit code 0 when everything held, 1 otherwise.
+M900 to M902 written and left OFF. --remote also pauses and runs the CPU. Prints what it checks; exit code 0 when everything held, 1 otherwise.
 """
 import argparse
 import socket
@@ -91,6 +91,71 @@ def binary_3e(plc):
     check("SM400 is ON, SM401 OFF", reply == h("d00000ffff030003000000 10".replace(" ", "")), reply)
     reply = exchange(plc, h("500000ffff03000d00100019060000 0500 4142433132".replace(" ", "")))
     check("0619 sends ABC12 back", reply == h("d00000ffff030009000000 0500 4142433132".replace(" ", "")), reply)
+    reply = exchange(plc, h("500000ffff03000d00100019060000 0500 00ff0d0a67".replace(" ", "")))
+    check("0619 sends any bytes back", reply == h("d00000ffff030009000000 0500 00ff0d0a67".replace(" ", "")), reply)
+
+
+def own_buffer(plc):
+    reply = exchange(plc, h("500000ffff03000c00100013060000 10000000 0200".replace(" ", "")))
+    if reply[9:11] == h("59c0"):
+        print("      0613: this CPU has no buffer memory of its own")
+        return
+    check("0613 reads two words", len(reply) == 15 and reply[:11] == h("d00000ffff030006000000"), reply)
+    before = reply[11:]
+    written = exchange(plc, h("500000ffff03001000100013160000 10000000 0200 3412cdab".replace(" ", "")))
+    check("1613 writes them", written == h("d00000ffff030002000000"), written)
+    reply = exchange(plc, h("500000ffff03000c00100013060000 10000000 0200".replace(" ", "")))
+    check("they read back", reply[11:] == h("3412cdab"), reply)
+    exchange(plc, h("500000ffff0300100010001316000010000000 0200".replace(" ", "")) + before)
+
+
+def device_points(plc):
+    """What a client does that looks for the devices of an unknown CPU: each one's last point can be read, the next not."""
+    reply = exchange(plc, h("500000ffff03000600100001010000"))
+    iqr = reply[11:12] == b"R"
+    first, count = (260, 50) if iqr else (286, 26)
+    request = bytearray(h("500000ffff03000c00100001040000 000000 a9 0000".replace(" ", "")))
+    request[15:18] = first.to_bytes(3, "little")
+    request[19:21] = count.to_bytes(2, "little")
+    reply = exchange(plc, bytes(request))
+    words = [int.from_bytes(reply[at:at + 2], "little") for at in range(11, len(reply), 2)]
+    check(f"SD{first} to SD{first + count - 1} are read", len(words) == count, reply)
+    if len(words) != count:
+        return
+
+    def points(number, double):
+        return words[number - first] | (words[number + 1 - first] << 16 if double else 0)
+
+    devices = ({"X": (260, 0x9C), "Y": (262, 0x9D), "M": (264, 0x90), "B": (266, 0xA0), "L": (274, 0x92), "D": (280, 0xA8),
+                "W": (282, 0xB4), "TN": (288, 0xC2), "CN": (292, 0xC5), "ZR": (306, 0xB0)} if iqr else
+               {"X": (290, 0x9C), "Y": (291, 0x9D), "M": (286, 0x90), "B": (288, 0xA0), "L": (293, 0x92), "D": (308, 0xA8),
+                "W": (310, 0xB4), "TN": (299, 0xC2), "CN": (301, 0xC5), "ZR": (306, 0xB0)})
+    for name, (number, code) in devices.items():
+        found = points(number, iqr or number in (286, 288, 306, 308, 310))
+        if found == 0:
+            continue
+        is_bit = name in ("X", "Y", "M", "B", "L")
+        ends = []
+        for last in (found - 1, found):
+            subcommand = b"\x01\x00" if is_bit else b"\x00\x00"
+            reply = exchange(plc, h("500000ffff03000c0010000104") + subcommand + last.to_bytes(3, "little") + bytes([code])
+                             + b"\x01\x00")
+            ends.append(reply[9:11])
+        check(f"SD{number} says {found} points of {name}: the last one is read, the next is 4031", ends == [h("0000"), h("3140")],
+              b"".join(ends))
+
+
+def remote_pause(plc):
+    def status():
+        return exchange(plc, h("500000ffff03000c00100001040000cb0000a90100"))[11:13]
+
+    reply = exchange(plc, h("500000ffff03000800100003100000 0100".replace(" ", "")))
+    check("1003 is completed", reply == h("d00000ffff030002000000"), reply)
+    check("SD203 says PAUSE by remote operation", status() == h("2300"), status())
+    reply = exchange(plc, h("500000ffff03000800100005100000 0100".replace(" ", "")))
+    check("latch clear is refused in PAUSE", reply[9:11] == h("1340"), reply)
+    reply = exchange(plc, h("500000ffff03000a00100001100000 0100 0000".replace(" ", "")))
+    check("1001 ends it", reply == h("d00000ffff030002000000") and status() == h("0000"), reply)
 
 
 def binary_errors(plc):
@@ -161,9 +226,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("host")
     parser.add_argument("port", type=int)
+    parser.add_argument("--remote", action="store_true", help="pause the CPU and let it run again")
     arguments = parser.parse_args()
     try:
-        for conversation in (binary_3e, binary_errors, binary_4e, ascii_3e):
+        for conversation in (binary_3e, own_buffer, device_points, binary_errors, binary_4e, ascii_3e,
+                             *([remote_pause] if arguments.remote else [])):
             with connect(arguments.host, arguments.port) as plc:
                 conversation(plc)
         separate_clients(arguments.host, arguments.port)

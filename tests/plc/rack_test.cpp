@@ -6,6 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "canopus/plc/device_points.hpp"
+
 #include "plc/conversation.hpp"
 
 namespace canopus::plc {
@@ -225,7 +227,86 @@ TEST(Rack, Sd203_ShowsWhyTheCpuStopped) {
   EXPECT_EQ(plc.word(Device::sd, 203), 0x0002);  // by the switch
 }
 
+TEST(Rack, DevicePoints_OfAnR04Cpu_AreDoubleWordsFromSd260On) {
+  Plc plc;
+  std::array<std::uint16_t, 50> words{};
+  ASSERT_TRUE(plc.rack.read_words(Device::sd, 260, words, plc.now));
+  const auto points = [&](unsigned number) { return words[number - 260] | words[number - 259] << 16; };
+  EXPECT_EQ(points(260), 12288);  // X
+  EXPECT_EQ(points(262), 12288);  // Y
+  EXPECT_EQ(points(264), 12288);  // M
+  EXPECT_EQ(points(266), 8192);   // B
+  EXPECT_EQ(points(268), 2048);   // SB
+  EXPECT_EQ(points(270), 2048);   // F
+  EXPECT_EQ(points(272), 2048);   // V
+  EXPECT_EQ(points(274), 8192);   // L
+  EXPECT_EQ(points(276), 0);      // S
+  EXPECT_EQ(points(280), 18432);  // D
+  EXPECT_EQ(points(282), 8192);   // W
+  EXPECT_EQ(points(284), 2048);   // SW
+  EXPECT_EQ(points(288), 1024);   // T
+  EXPECT_EQ(points(290), 0);      // ST
+  EXPECT_EQ(points(292), 512);    // C
+  EXPECT_EQ(words[40], 20);       // Z, one word: SD300
+  EXPECT_EQ(points(306), 32768);  // ZR
+}
+
+TEST(Rack, DevicePoints_OfAQ03Udv_AreWordsFromSd290OnAndDoubleWordsAround) {
+  Plc plc(q03udvcpu());
+  std::array<std::uint16_t, 26> words{};
+  ASSERT_TRUE(plc.rack.read_words(Device::sd, 286, words, plc.now));
+  EXPECT_THAT(words, ElementsAre(8192, 0, 8192, 0,                     // M, B
+                                 8192, 8192, 8192, 8192, 8192,         // X Y M L B
+                                 2048, 2048, 2048, 0,                  // F SB V S
+                                 2048, 0, 1024, 12288, 8192, 2048, 0,  // T ST C D W SW
+                                 32768, 0, 12288, 0, 8192, 0));        // ZR, D, W
+}
+
+TEST(Rack, DevicePoints_ThatAProjectSets_ShowAndHold) {
+  CpuModel model = q03udvcpu();
+  ASSERT_TRUE(set_device_points(model, "M", 61440));
+  ASSERT_TRUE(set_device_points(model, "L", 0));
+  ASSERT_TRUE(set_device_points(model, "ZR", 98304));
+  Plc plc(model);
+  EXPECT_EQ(plc.word(Device::sd, 286), 61440);
+  EXPECT_EQ(plc.word(Device::sd, 292), 32768);  // all that this word can show
+  EXPECT_EQ(plc.word(Device::sd, 293), 0);
+  EXPECT_EQ(plc.word(Device::sd, 306), 0x8000);
+  EXPECT_EQ(plc.word(Device::sd, 307), 1);
+  plc.bit(Device::m, 61439, true);
+  EXPECT_TRUE(plc.bit(Device::m, 61439));
+  plc.word(Device::zr, 98303, 7);
+  EXPECT_EQ(plc.word(Device::zr, 98303), 7);
+  std::array<std::uint16_t, 1> word{};
+  EXPECT_EQ(plc.rack.read_words(Device::l, 0, word, plc.now).error(), AccessError::no_device);
+  EXPECT_EQ(plc.rack.read_words(Device::zr, 98304, word, plc.now).error(), AccessError::out_of_range);
+  EXPECT_EQ(plc.rack.read_words(Device::r, 32768, word, plc.now).error(), AccessError::out_of_range);
+}
+
 // A CPU takes the points of a new project, and those that fill its memory to the last word.
+TEST(DevicePoints, FitIntoTheCpu_ToTheLastWord) {
+  for (const CpuModel* cpu : {&r04cpu(), &q03udvcpu()}) {
+    CpuModel model = *cpu;
+    EXPECT_TRUE(check_device_points(model));
+    for (const std::string_view device : {"M", "L", "F", "V", "B", "SB", "T", "ST", "C", "D", "W", "SW"}) {
+      EXPECT_TRUE(set_device_points(model, device, 0)) << device;
+    }
+    const std::uint32_t inputs_and_outputs = 2 * model.points_of(Device::x) / 16;
+    const std::uint32_t left = model.device_words - inputs_and_outputs;
+    EXPECT_TRUE(set_device_points(model, "ST", 128));
+    ASSERT_TRUE(set_device_points(model, "D", left - 144));  // 128 values, contacts and coils
+    EXPECT_TRUE(check_device_points(model));
+    ASSERT_TRUE(set_device_points(model, "D", left - 128));
+    EXPECT_FALSE(check_device_points(model));
+  }
+}
+
+TEST(Rack, DevicePoints_WrittenByAClient_StayTheCpus) {
+  Plc plc;
+  plc.word(Device::sd, 260, 7);
+  EXPECT_EQ(plc.word(Device::sd, 260), 12288);
+}
+
 TEST(Rack, Clock_OfAnR04Cpu_RunsInBinaryWords) {
   Plc plc;
   using std::chrono::local_days;
