@@ -81,6 +81,23 @@ void ModuleSeat::cpu_paused(bool paused, can::Time now) {
   look(now);
 }
 
+ModuleStatus ModuleSeat::module_status(can::Time now) const {
+  ModuleStatus status{.plate = status_.plate,
+                      .plc = plc_,
+                      .head = section_.head,
+                      .is_on = status_.is_on,
+                      .cpu = rack_.cpu_state(),
+                      .leds = module_->leds(now)};
+  if (const module::SignalAccess* signals = module_->signals()) {
+    status.inputs = signals->inputs() & ~own_inputs_;
+    status.outputs = signals->outputs() & ~own_outputs_;
+  }
+  for (std::size_t i = 0; i < watched_.size(); ++i) {
+    status.words.push_back({section_.watch[i], watched_[i]});
+  }
+  return status;
+}
+
 std::optional<ModuleTrouble> ModuleSeat::trouble(can::Time now) const {
   std::string text = exchange_watch_.trouble(now);
   if (rack_.cpu_state() == module::CpuState::stop && status_.is_on) {
@@ -144,6 +161,9 @@ can::Time ModuleSeat::deadline() const noexcept {
 void ModuleSeat::signal_changed(module::SignalKind kind, unsigned number, bool on, can::Time now) {
   const bool is_own = program_.signal_changed(kind, number, on, now);
   exchange_watch_.signal_changed(kind, number, on, is_own, now);
+  std::uint32_t& own = kind == module::SignalKind::input ? own_inputs_ : own_outputs_;
+  const std::uint32_t bit = std::uint32_t{1} << number;
+  own = is_own && on ? own | bit : own & ~bit;
   if (is_own) return;  // its data exchanges are not news
   const char device = kind == module::SignalKind::input ? 'X' : 'Y';
   observer_.signal_changed(plc_, device, section_.head + number, on, now);

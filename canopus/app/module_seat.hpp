@@ -37,6 +37,9 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver,
   /// Adds the slaves that this module boots as the active NMT master.
   void collect_boots(std::vector<SlaveBoot>& all) const;
 
+  /// As a PLC program sees it.
+  [[nodiscard]] ModuleStatus module_status(can::Time now) const;
+
   /// What keeps the module's process data from being exchanged, if anything.
   [[nodiscard]] std::optional<ModuleTrouble> trouble(can::Time now) const;
 
@@ -87,6 +90,9 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver,
   PlantObserver& observer_;
   NodeStatus status_;
   std::vector<std::uint16_t> watched_;
+  // Signals that are ON for the built-in program's data exchange.
+  std::uint32_t own_inputs_ = 0;
+  std::uint32_t own_outputs_ = 0;
   std::array<BootSeen, 128> boots_seen_{};
   can::Time next_fault_ = can::never;
   AfterStop after_stop_ = AfterStop::nothing;

@@ -57,8 +57,24 @@ bool Plant::has_stalled() const noexcept { return parts_->has_stalled; }
 
 std::vector<NodeStatus> Plant::nodes() const {
   std::vector<NodeStatus> all;
-  for (const auto& seat : parts_->modules) all.push_back(seat->status());
-  for (const auto& seat : parts_->devices) all.push_back(seat->status());
+  const auto add = [&all](const NodeStatus& status, const sim::Port& port) {
+    NodeStatus& node = all.emplace_back(status);
+    node.error_state = port.error_state();
+    node.transmit_errors = port.transmit_error_counter();
+    node.receive_errors = port.receive_error_counter();
+  };
+  for (std::size_t i = 0; i < parts_->modules.size(); ++i) {
+    add(parts_->modules[i]->status(), *parts_->module_ports[i]);
+  }
+  for (std::size_t i = 0; i < parts_->devices.size(); ++i) {
+    add(parts_->devices[i]->status(), *parts_->device_ports[i]);
+  }
+  return all;
+}
+
+std::vector<ModuleStatus> Plant::modules() const {
+  std::vector<ModuleStatus> all;
+  for (const auto& seat : parts_->modules) all.push_back(seat->module_status(parts_->timeline.now()));
   return all;
 }
 

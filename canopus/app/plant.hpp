@@ -67,6 +67,27 @@ struct NodeStatus {
   std::uint16_t last_emergency = 0;  ///< code
   bool is_module = false;
   bool is_on = false;
+  can::ErrorState error_state = can::ErrorState::error_active;  ///< of its controller
+  std::uint16_t transmit_errors = 0;                            ///< TEC
+  std::uint16_t receive_errors = 0;                             ///< REC
+};
+
+/// A module as a PLC program sees it.
+struct ModuleStatus {
+  struct Word {
+    std::uint32_t address = 0;
+    std::uint16_t value = 0;
+  };
+  NodePlate plate;
+  std::string_view plc;
+  std::uint16_t head = 0;  ///< head I/O number, in points
+  bool is_on = false;
+  module::CpuState cpu = module::CpuState::stop;
+  /// X and Y that are ON, bit n = X(head+n), without those of the built-in program's data exchange.
+  std::uint32_t inputs = 0;
+  std::uint32_t outputs = 0;
+  std::vector<Word> words{};  ///< watched, in the order of the plant file
+  std::vector<module::Led> leds{};
 };
 
 /// How far a module of the plant is with the boot of a slave, which may be a node outside of the plant, or
@@ -115,6 +136,8 @@ class Plant {
   [[nodiscard]] const PlcSection& plc_section(std::size_t number) const noexcept;
   /// All nodes, in the order of the plant file, modules first.
   [[nodiscard]] std::vector<NodeStatus> nodes() const;
+  /// All modules, in the order of the plant file.
+  [[nodiscard]] std::vector<ModuleStatus> modules() const;
   /// Every slave that an active NMT master of the plant boots or has booted, by master and node-ID.
   [[nodiscard]] std::vector<SlaveBoot> boots() const;
   /// A part of the plant asked for one moment without end and was stopped (can::Timeline::Stall): what the

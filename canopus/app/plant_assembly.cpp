@@ -239,6 +239,7 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
   watch(bus).know(seat->status(), port);
   seat->set_watch(watch(bus));
   parts_.devices.push_back(std::move(seat));
+  parts_.device_ports.push_back(&port);
 }
 
 BusWatch& Assembly::watch(const sim::Bus& bus) {
@@ -284,6 +285,7 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
   seat->status().plate.node_id = section.node;
   watch(bus).know(seat->status(), port);
   parts_.modules.push_back(std::move(seat));
+  parts_.module_ports.push_back(&port);
 }
 
 /// The slave that a node of the plant is for this master.

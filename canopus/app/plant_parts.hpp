@@ -25,8 +25,10 @@ struct Plant::Parts {
   std::vector<std::unique_ptr<BusWatch>> watches;
   std::vector<std::unique_ptr<DeviceSeat>> devices;
   std::vector<can::Timeline::Handle> device_handles;
+  std::vector<const sim::Port*> device_ports;  // of each device
   std::vector<std::unique_ptr<ModuleSeat>> modules;
   std::vector<can::Timeline::Handle> module_handles;
+  std::vector<const sim::Port*> module_ports;  // of each module
   std::vector<std::unique_ptr<plc::Rack>> racks;
   std::vector<std::unique_ptr<CpuErrorTimer>> cpu_errors;
   std::vector<can::Timeline::Handle> cpu_error_handles;

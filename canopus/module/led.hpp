@@ -21,6 +21,7 @@ struct Led {
   std::string_view name{};  ///< as printed on the module
   LedPattern pattern = LedPattern::off;
   bool opposite = false;  ///< dark when the pattern is lit: two LEDs that alternate
+  bool error = false;     ///< lit, it shows an error
 };
 
 [[nodiscard]] constexpr std::string_view name(LedPattern pattern) noexcept {

@@ -106,7 +106,10 @@ std::vector<Led> ModuleEngine::leds(can::Time now) const {
     const auto light = [&](bool on) { led.pattern = on ? LedPattern::on : LedPattern::off; };
     switch (row.use) {
       case LedUse::supply: light(true); break;
-      case LedUse::error: light(errors_.any()); break;
+      case LedUse::error:
+        light(errors_.any());
+        led.error = true;
+        break;
       case LedUse::network_state: led.pattern = network_state_pattern(); break;
       case LedUse::traffic:
         light(state_.running() && last_frame_ != can::Time{} && now - last_frame_ < traffic_afterglow);
@@ -115,6 +118,7 @@ std::vector<Led> ModuleEngine::leds(can::Time now) const {
         led.pattern = network_error_pattern();
         // Flickers in turn with the one for the state.
         led.opposite = led.pattern == LedPattern::flickering;
+        led.error = !led.opposite;
         break;
     }
   }
