@@ -69,6 +69,7 @@ Pace::Reading RealTime::read_clocks() {
   reading.asleep = asleep_;
   if (was_continued.load(std::memory_order_relaxed)) {
     reading.continued = was_continued.exchange(false);
+    continuations_ += reading.continued ? 1 : 0;
     // The process may have been stopped after the clock was read.
     reading.elapsed = std::chrono::duration_cast<can::Duration>(WallClock::now() - started_);
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 
 #include <boost/asio/io_context.hpp>
@@ -29,6 +30,8 @@ class RealTime final : public link::LoopClock {
   void touched() override;
   [[nodiscard]] can::Duration largest_lag() const noexcept { return largest_lag_; }
   [[nodiscard]] can::Duration lag() const noexcept { return lag_; }
+  /// So often the process was stopped and continued.
+  [[nodiscard]] std::uint64_t continuations() const noexcept { return continuations_; }
 
  private:
   using WallClock = std::chrono::steady_clock;
@@ -53,6 +56,7 @@ class RealTime final : public link::LoopClock {
   can::Time armed_for_ = can::never;
   can::Duration lag_{};
   can::Duration largest_lag_{};
+  std::uint64_t continuations_ = 0;
   can::Duration report_again_{};  // elapsed time from which on lag is reported again
 };
 

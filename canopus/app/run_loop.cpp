@@ -28,11 +28,10 @@
 #include "canopus/app/real_time.hpp"
 #include "canopus/app/run_output.hpp"
 #include "canopus/app/run_recording.hpp"
-#include "canopus/app/screen.hpp"
+#include "canopus/app/run_screen.hpp"
 #include "canopus/app/stop_signals.hpp"
 #include "canopus/app/text_values.hpp"
 #include "canopus/link/socketcand_server.hpp"
-#include "canopus/link/trace_file.hpp"
 
 namespace canopus::app {
 namespace {
@@ -66,7 +65,8 @@ class Run {
       : options_(options),
         json_(standard_output()),
         lines_(standard_output(), standard_error(), options.quiet),
-        table_(raw_plant_, wants_colour(STDOUT_FILENO)),
+        // Where errors go elsewhere than to the terminal, they go there as they come.
+        table_(raw_plant_, ::isatty(STDERR_FILENO) != 0 ? nullptr : &standard_error()),
         has_table_(!options.json && !options.quiet && !options.virtual_time && is_terminal(STDOUT_FILENO)) {}
 
   int operator()();
@@ -78,8 +78,7 @@ class Run {
     return lines_;
   }
   void warn();
-  bool open_trace();
-  bool open_vcd();
+  bool open_recordings();
   bool open_doors(RealTime& clock);
   link::ClientReport report_of(std::string source);
   void set_cpu_clocks();
@@ -88,7 +87,8 @@ class Run {
   void start_output();
   [[nodiscard]] bool is_to_end() const { return stop_signals_->came() || output_failed_; }
   bool close_recordings(const OutputQueue::Patience& patience);
-  void redraw(RealTime& clock);
+  void start_table(RealTime& clock);
+  void end_table();
   void door(std::string_view protocol, std::string_view of, const std::string& address);
   bool expectation_over();
   bool came_up();
@@ -102,10 +102,7 @@ class Run {
   LiveTable table_;
   bool has_table_;
   std::unique_ptr<Plant> plant_;
-  std::unique_ptr<RecordingStream> trace_stream_;
-  std::optional<link::TraceFile> trace_;
-  std::vector<std::unique_ptr<TraceWriter>> trace_writers_;
-  std::vector<std::unique_ptr<VcdFile>> vcd_;
+  RunRecording recording_;
   asio::io_context io_{1};
   std::optional<StopSignals> stop_signals_;
   std::atomic<bool> output_failed_{false};
@@ -113,67 +110,24 @@ class Run {
   std::vector<std::unique_ptr<ClientPorts>> client_ports_;  // outlive the servers
   std::vector<std::unique_ptr<link::SocketcandServer>> socketcand_;
   std::vector<std::unique_ptr<MelsecServer>> melsec_;
-  std::optional<asio::steady_timer> redraw_timer_;
   std::optional<OperationalCheck> expected_;
   std::optional<asio::steady_timer> end_timer_;
-  Screen screen_;
+  std::optional<RunScreen> screen_;
   can::Duration largest_lag_{};
 };
 
-bool Run::open_trace() {
-  if (options_.trace.empty()) return true;
-  const auto format = link::trace_format_of(options_.trace);
-  if (!format) {
-    print_error("canopus: {}", format.error());
-    return false;
-  }
-  auto stream = RecordingStream::open(options_.trace);
-  if (!stream) {
-    print_error("canopus: {}", stream.error());
-    return false;
-  }
-  trace_stream_ = std::move(*stream);
-  if (trace_stream_ != nullptr) {
-    trace_.emplace(link::TraceFile::to(options_.trace, *format, [this](const void* bytes, std::size_t size) {
-      return trace_stream_->write({static_cast<const char*>(bytes), size});
-    }));
-  } else {
-    auto file = link::TraceFile::create(options_.trace, *format);
-    if (!file) {
-      print_error("canopus: {}", file.error());
-      return false;
-    }
-    trace_.emplace(std::move(*file));
-  }
-  for (std::size_t i = 0; i < plant_->bus_count(); ++i) {
-    trace_writers_.push_back(std::make_unique<TraceWriter>(*trace_, plant_->bus(i).name()));
-    plant_->bus(i).add_observer(*trace_writers_.back());
-  }
-  return true;
-}
-
-bool Run::open_vcd() {
-  if (options_.vcd.empty()) return true;
-  const std::string_view suffix = options_.vcd.ends_with(".vcd") ? ".vcd" : "";
-  const std::string stem = options_.vcd.substr(0, options_.vcd.size() - suffix.size());
-  for (std::size_t i = 0; i < plant_->bus_count(); ++i) {
-    sim::Bus& bus = plant_->bus(i);
-    const std::string path =
-        plant_->bus_count() == 1 ? options_.vcd : fmt::format("{}-{}{}", stem, bus.name(), suffix);
-    vcd_.push_back(std::make_unique<VcdFile>(path, bus));
-    if (const std::string problem = vcd_.back()->error(); !problem.empty()) {
-      print_error("canopus: {}", problem);
-      return false;
-    }
-  }
-  return true;
+bool Run::open_recordings() {
+  auto opened = recording_.open_trace(options_.trace, *plant_);
+  if (opened) opened = recording_.open_vcd(options_.vcd, *plant_);
+  if (!opened) print_error("canopus: {}", opened.error());
+  return opened.has_value();
 }
 
 void Run::door(std::string_view protocol, std::string_view of, const std::string& address) {
   if (options_.json) {
     json_.listening(protocol, of, address);
   } else if (has_table_) {
-    table_.add_door(fmt::format("{} {}", protocol, address));
+    table_.add_server(fmt::format("{} {}", protocol, address));
   } else if (!options_.quiet) {
     print_line("{}{} on {}", protocol, of.empty() ? "" : fmt::format(" of {}", of), address);
   }
@@ -230,13 +184,19 @@ link::ClientReport Run::report_of(std::string source) {
   return ClientReports(observer(), plant_->timeline(), std::move(source));
 }
 
-void Run::redraw(RealTime& clock) {
-  // A terminal that is stopped gets the latest picture when it goes on, not all of them.
-  if (output_->out().is_idle()) screen_.show(table_.draw(clock.now(), clock.lag(), Screen::size()));
-  redraw_timer_->expires_after(250ms);
-  redraw_timer_->async_wait([this, &clock](const boost::system::error_code& error) {
-    if (!error) redraw(clock);
-  });
+void Run::start_table(RealTime& clock) {
+  screen_.emplace(io_, output_->out(),
+                  RunScreen::Use{.look = [this, &clock] { return table_.look(clock.now(), clock.lag()); },
+                                 .quit = [this] { io_.stop(); },
+                                 .continuations = [&clock] { return clock.continuations(); },
+                                 .colour = wants_colour(STDOUT_FILENO)});
+  screen_->start();
+}
+
+/// What a person has to read stays on the terminal when the table has gone.
+void Run::end_table() {
+  screen_.reset();
+  table_.messages().print(standard_error());
 }
 
 /// As a programming tool sets them: to the time of day where the machine is.
@@ -258,10 +218,7 @@ bool Run::run_in_real_time() {
   clock.set_resumed_handler([this] { set_cpu_clocks(); });
   plant_->power_on();
   clock.start();
-  if (has_table_) {
-    redraw_timer_.emplace(io_);
-    redraw(clock);
-  }
+  if (has_table_) start_table(clock);
   if (options_.operational_within) {
     end_timer_.emplace(io_);
     look_for_end();
@@ -270,7 +227,7 @@ bool Run::run_in_real_time() {
   (void)clock.now();  // up to the moment it was stopped
   for (const auto& server : socketcand_) server->close();
   for (const auto& server : melsec_) server->stop();
-  screen_.leave();
+  if (has_table_) end_table();
   largest_lag_ = clock.largest_lag();
   return true;
 }
@@ -282,8 +239,7 @@ void Run::run_in_virtual_time() {
     return !is_to_end();
   };
   output_->set_patience(goes_on);
-  if (trace_stream_ != nullptr) trace_stream_->set_patience(goes_on);
-  for (const auto& vcd : vcd_) vcd->set_patience(goes_on);
+  recording_.set_patience(goes_on);
   plant_->power_on();
   can::Timeline& timeline = plant_->timeline();
   while (timeline.now() < end && goes_on(0) && !expectation_over()) {
@@ -335,14 +291,7 @@ void Run::start_output() {
 }
 
 bool Run::close_recordings(const OutputQueue::Patience& patience) {
-  std::vector<std::string> problems;
-  for (const auto& vcd : vcd_) problems.push_back(vcd->close(plant_->timeline().now(), patience));
-  if (trace_) {
-    const auto closed = trace_->close();
-    if (!closed) problems.push_back(closed.error());
-    if (closed && trace_stream_ != nullptr) problems.push_back(trace_stream_->close(patience));
-  }
-  std::erase(problems, "");
+  const std::vector<std::string> problems = recording_.close(plant_->timeline().now(), patience);
   for (const std::string& problem : problems) print_error("canopus: {}", problem);
   return problems.empty();
 }
@@ -382,7 +331,7 @@ int Run::operator()() {
     return 1;
   }
   warn();
-  if (!open_trace() || !open_vcd()) return 1;
+  if (!open_recordings()) return 1;
   start_output();
   if (options_.expect_operational) {
     expected_.emplace(options_.operational_within, options_.duration.has_value());

@@ -86,4 +86,60 @@ std::string VcdFile::close(can::Time now, const OutputQueue::Patience& patience)
   return error_;
 }
 
+std::expected<void, std::string> RunRecording::open_trace(const std::string& path, Plant& plant) {
+  if (path.empty()) return {};
+  const auto format = link::trace_format_of(path);
+  if (!format) return std::unexpected(format.error());
+  auto stream = RecordingStream::open(path);
+  if (!stream) return std::unexpected(stream.error());
+  trace_stream_ = std::move(*stream);
+  if (trace_stream_ != nullptr) {
+    trace_.emplace(link::TraceFile::to(path, *format, [this](const void* bytes, std::size_t size) {
+      return trace_stream_->write({static_cast<const char*>(bytes), size});
+    }));
+  } else {
+    auto file = link::TraceFile::create(path, *format);
+    if (!file) return std::unexpected(file.error());
+    trace_.emplace(std::move(*file));
+  }
+  for (std::size_t i = 0; i < plant.bus_count(); ++i) {
+    trace_writers_.push_back(std::make_unique<TraceWriter>(*trace_, plant.bus(i).name()));
+    plant.bus(i).add_observer(*trace_writers_.back());
+  }
+  return {};
+}
+
+std::expected<void, std::string> RunRecording::open_vcd(const std::string& path, Plant& plant) {
+  if (path.empty()) return {};
+  const std::string_view suffix = path.ends_with(".vcd") ? ".vcd" : "";
+  const std::string stem = path.substr(0, path.size() - suffix.size());
+  for (std::size_t i = 0; i < plant.bus_count(); ++i) {
+    sim::Bus& bus = plant.bus(i);
+    const std::string of_bus =
+        plant.bus_count() == 1 ? path : fmt::format("{}-{}{}", stem, bus.name(), suffix);
+    vcd_.push_back(std::make_unique<VcdFile>(of_bus, bus));
+    if (std::string problem = vcd_.back()->error(); !problem.empty()) {
+      return std::unexpected(std::move(problem));
+    }
+  }
+  return {};
+}
+
+void RunRecording::set_patience(const OutputQueue::Patience& patience) {
+  if (trace_stream_ != nullptr) trace_stream_->set_patience(patience);
+  for (const auto& vcd : vcd_) vcd->set_patience(patience);
+}
+
+std::vector<std::string> RunRecording::close(can::Time now, const OutputQueue::Patience& patience) {
+  std::vector<std::string> problems;
+  for (const auto& vcd : vcd_) problems.push_back(vcd->close(now, patience));
+  if (trace_) {
+    const auto closed = trace_->close();
+    if (!closed) problems.push_back(closed.error());
+    if (closed && trace_stream_ != nullptr) problems.push_back(trace_stream_->close(patience));
+  }
+  std::erase(problems, "");
+  return problems;
+}
+
 }  // namespace canopus::app

@@ -9,8 +9,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "canopus/app/output_queue.hpp"
+#include "canopus/app/plant.hpp"
 #include "canopus/link/trace_file.hpp"
 #include "canopus/sim/bus.hpp"
 #include "canopus/sim/waveform.hpp"
@@ -76,6 +78,24 @@ class VcdFile {
   std::FILE* file_ = nullptr;
   std::string error_;
   std::optional<sim::Waveform> waveform_;
+};
+
+/// All that one run records.
+class RunRecording {
+ public:
+  /// Every frame of the plant's buses in this file; no path: none. The error is a sentence.
+  [[nodiscard]] std::expected<void, std::string> open_trace(const std::string& path, Plant& plant);
+  /// The wire of each bus, with several buses in one file each.
+  [[nodiscard]] std::expected<void, std::string> open_vcd(const std::string& path, Plant& plant);
+  void set_patience(const OutputQueue::Patience& patience);
+  /// What went wrong since the start, a sentence each.
+  [[nodiscard]] std::vector<std::string> close(can::Time now, const OutputQueue::Patience& patience);
+
+ private:
+  std::unique_ptr<RecordingStream> trace_stream_;  // before the trace, if it is no regular file
+  std::optional<link::TraceFile> trace_;
+  std::vector<std::unique_ptr<TraceWriter>> trace_writers_;
+  std::vector<std::unique_ptr<VcdFile>> vcd_;
 };
 
 }  // namespace canopus::app

@@ -7,6 +7,8 @@
 #include "canopus/app/event_printer.hpp"
 #include "canopus/app/live_table.hpp"
 
+#include "app/table_picture.hpp"
+
 namespace canopus::app {
 namespace {
 
@@ -88,7 +90,7 @@ class Layer2Plant : public testing::Test, public PlantObserver, public can::Part
   std::unique_ptr<Plant> plant;
   Plant* raw_plant = nullptr;
   sim::Port* peer = nullptr;
-  LiveTable table{raw_plant, false};
+  LiveTable table{raw_plant};
   std::vector<can::Frame> heard;
   std::vector<std::string> events;
 };
@@ -111,8 +113,8 @@ TEST_F(Layer2Plant, TheBuiltInProgramSetsTheModuleUp_AndItTalksToAPeer) {
 TEST_F(Layer2Plant, TableAndSummary_TellItsState_AndCountItsFrames) {
   build(std::string(frame_of_the_plant) + std::string(partner));
   run(2050ms);
-  EXPECT_THAT(table.draw(plant->timeline().now(), {}, {.rows = 40, .columns = 80}),
-              HasSubstr("   -  ME3CAN1-Q U2                  layer 2 online"));
+  EXPECT_THAT(shown(table, plant->timeline().now(), {.rows = 40, .columns = 80}),
+              HasSubstr("   -  ME3CAN1-Q U2  layer 2 online "));
   RunSummary summary{.end = plant->timeline().now(), .wall = 1s, .nodes = plant->nodes()};
   EXPECT_THAT(describe(summary), ElementsAre(_, "line1 (ME3CAN1-Q U2): layer 2 online, 10 frames sent",
                                              "all 1 nodes operational"));

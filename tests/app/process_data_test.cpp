@@ -14,6 +14,8 @@
 #include "canopus/app/live_table.hpp"
 #include "canopus/app/plant.hpp"
 
+#include "app/table_picture.hpp"
+
 namespace canopus::app {
 namespace {
 
@@ -241,10 +243,9 @@ TEST_F(ProcessDataTest, WithoutRecover_AfterStopAndRunTheWayBackIsSaid) {
       "restart";
   EXPECT_THAT(events, ElementsAre(HasSubstr(way_back)));
   Plant* plant = plant_.get();
-  LiveTable table(plant, false);
-  const std::string picture = table.draw(now(), {}, {40, 200});
-  EXPECT_THAT(picture,
-              HasSubstr("line1 node 1 (ME3CAN1-Q U0): no process data are exchanged: pre-operational "));
+  LiveTable table(plant);
+  EXPECT_THAT(shown(table, now(), {40, 200}),
+              HasSubstr("\n      no process data are exchanged: pre-operational "));
   const auto lines = describe(RunSummary{.end = now(), .troubles = plant_->troubles()});
   EXPECT_THAT(lines, Contains(HasSubstr(way_back)));
   ASSERT_EQ(plant_->troubles().size(), 1U);
@@ -257,6 +258,38 @@ TEST_F(ProcessDataTest, WithoutRecover_AfterStopAndRunTheWayBackIsSaid) {
   set(plc::Device::y, 0x17, false);
   EXPECT_THAT(plant_->troubles(), IsEmpty());
   EXPECT_TRUE(process_data_flow());
+}
+
+TEST_F(ProcessDataTest, AModuleIsShownAsAProgramSeesIt_WithoutTheBuiltInProgramsExchange) {
+  build("watch = [\"G25\"]");
+  unsigned exchanges = 0;
+  for (int i = 0; i < 200; ++i) {
+    run(1ms);
+    exchanges += bit(plc::Device::y, 0x01) ? 1 : 0;
+    const ModuleStatus module = plant_->modules().at(0);
+    EXPECT_EQ(module.inputs, 0x1U);
+    EXPECT_EQ(module.outputs, 0U);
+  }
+  EXPECT_GT(exchanges, 0U);
+  const auto error_leds = [&] {
+    std::vector<std::string_view> lit;
+    for (const module::Led& led : plant_->modules()[0].leds) {
+      if (led.error && led.pattern != module::LedPattern::off) lit.push_back(led.name);
+    }
+    return lit;
+  };
+  EXPECT_THAT(error_leds(), IsEmpty());
+  const std::uint16_t no_bit_rate = 301;
+  EXPECT_TRUE(rack().write_buffer(0, 24, {&no_bit_rate, 1}, now()));
+  set(plc::Device::y, 0x17, true);
+  run(100ms);
+  const ModuleStatus module = plant_->modules()[0];
+  EXPECT_TRUE(module.outputs >> 0x17 & 1U);
+  EXPECT_EQ(module.plc, "plc1");
+  ASSERT_EQ(module.words.size(), 1U);
+  EXPECT_EQ(module.words[0].address, 25U);
+  EXPECT_EQ(module.words[0].value, word(25));
+  EXPECT_THAT(error_leds(), ElementsAre("ERR.", "CAN ERR"));
 }
 
 // The CPU in STOP holds the start-up up; RUN lets it go on.
