@@ -73,7 +73,7 @@ TEST(Me3CommandInterface, RequestNmt_ReservedValues_AreRefused) {
     if (std::find(good.begin(), good.end(), value) != good.end()) continue;
     for (const std::uint16_t sub : Words{1, 2, 127, 0x80}) {
       s.cif({0x0002, 0, 0x1F82, sub, 1, value});
-      s.expect(1000, {0x000F, 0x0003, 0, 0x0030, 0x0609});
+      s.expect_abort(0x06090030);
     }
   }
   s.no_tx().expect_bit(25, 8, true);  // nor is the own state changed
@@ -84,9 +84,9 @@ TEST(Me3CommandInterface, RequestNmt_AsSlave_SendsNothing) {
   Me3Scenario s;
   s.power_on();
   s.cif({0x0002, 0, 0x1F82, 2, 1, 5});
-  s.expect(1000, {0x000F, 0x0003, 0, 0x0022, 0x0800}).no_tx();
+  s.expect_abort(0x08000022).no_tx();
   s.cif({0x0002, 0, 0x1F82, 0x80, 1, 5});
-  s.expect(1000, {0x000F, 0x0003, 0, 0x0022, 0x0800}).no_tx();
+  s.expect_abort(0x08000022).no_tx();
 }
 
 TEST(Me3CommandInterface, S25_SdoRead_LocalAndRemote) {
@@ -206,7 +206,7 @@ TEST(Me3CommandInterface, SdoWriteAndRead_124Bytes_LowByteFirst) {
   for (const std::uint16_t node : Words{0, 2}) {
     for (const std::uint16_t length : Words{0, 125, 0xFFFF}) {
       s.cif({0x0002, node, 0x1017, 0, length, 1});
-      s.expect(1000, {0x000F, 0x0003, node, 0x0010, 0x0607}).no_tx();
+      s.expect_abort(0x06070010, node).no_tx();
     }
   }
 }
@@ -220,7 +220,8 @@ TEST(Me3CommandInterface, SdoRead_MoreThan124Bytes_FailsAtTheStart) {
   s.advance(1ms);
   s.tx(0x602, {0x40, 0x00, 0x20, 0x01, 0, 0, 0, 0});
   s.rx(0x582, {0x41, 0x00, 0x20, 0x01, 125, 0, 0, 0});
-  s.expect_x(0x17, true).expect(1000, {0x000F, 0x0003, 2, 0x0000, 0x6060});
+  s.expect_x(0x17, true);
+  s.expect_abort(0x60600000, 2);
   s.tx(0x602, {0x80, 0x00, 0x20, 0x01, 0x05, 0x00, 0x04, 0x05}).no_tx();  // no segment was asked for
   s.y(0x17, false);
   // The own dictionary: a concise DCF of 131 bytes comes over the bus, and is too long to be read.
@@ -233,7 +234,7 @@ TEST(Me3CommandInterface, SdoRead_MoreThan124Bytes_FailsAtTheStart) {
     s.tx(0x5FF, {static_cast<std::uint8_t>(0x20 | segment % 2 * 0x10), 0, 0, 0, 0, 0, 0, 0});
   }
   s.cif({0x0004, 0, 0x1F22, 5});
-  s.expect(1000, {0x000F, 0x0003, 0, 0x0000, 0x6060}).no_tx();
+  s.expect_abort(0x60600000).no_tx();
 }
 
 TEST(Me3CommandInterface, S27_SdoFailures_ShowClassNodeAndAbortCode) {
@@ -264,7 +265,8 @@ TEST(Me3CommandInterface, S27_SdoFailures_ShowClassNodeAndAbortCode) {
     s.advance(std::chrono::milliseconds(time_out - 1));
     s.expect(1000, 0xFFFF).expect_x(0x17, false);
     s.advance(1ms);
-    s.expect_x(0x17, true).expect(1000, {0x000F, 0x0003, 2, 0x0000, 0x0504});
+    s.expect_x(0x17, true);
+    s.expect_abort(0x05040000, 2);
     s.tx(0x602, {0x80, 0x17, 0x10, 0x00, 0x00, 0x00, 0x04, 0x05}).no_tx();
     s.y(0x17, false);
   }
@@ -379,10 +381,10 @@ TEST(Me3CommandInterface, S29_MultiWrite) {
   s.expect_object(0x1F89, 0, 77, 4);
   // Reading what can only be written.
   s.cif({0x0004, 0, 0x1F82, 0x80});
-  s.expect(1000, {0x000F, 0x0003, 0, 0x0001, 0x0601});
+  s.expect_abort(0x06010001);
   for (const std::uint16_t sub : Words{1, 0x80}) {
     s.cif({0x0004, 0, 0x1F25, sub});
-    s.expect(1000, {0x000F, 0x0003, 0, 0x0001, 0x0601});
+    s.expect_abort(0x06010001);
   }
 }
 

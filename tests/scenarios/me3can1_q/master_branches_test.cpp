@@ -71,7 +71,7 @@ TEST(Me3MasterRole, Bit0Clear_AllOtherSettingsAreIgnored_AndItIsTheDefault) {
   s.expect(25, 0x0140 & ~0x40).expect(402, 0).expect_x(0x10, false);
   s.rx(0x000, {0x01, 0x00}).expect(25, 0x0201);  // a slave like any other
   s.cif({0x0002, 0, 0x1F82, 2, 1, 5});
-  s.expect(1000, {0x000F, 0x0003, 0, 0x0022, 0x0800}).no_tx();
+  s.expect_abort(0x08000022).no_tx();
 }
 
 TEST(Me3MasterRole, Bit0_TakesEffectAfterStoreAndRestart_OrResetNode) {
@@ -297,7 +297,7 @@ TEST(Me3SdoChannel, FirstStart_OccupiesAllNodes_LaterOnlyTheOneThatFailed) {
   }
   for (const std::uint16_t node : Words{2, 64, 127}) {
     s.cif({0x0004, node, 0x1018, 1});
-    s.expect(1000, {0x000F, 0x0003, node, 0x0023, 0x060A}).expect_bit(25, 14, true).no_tx();
+    s.expect_abort(0x060A0023, node).expect_bit(25, 14, true).no_tx();
   }
   for (std::uint8_t node = 2; node <= 127; ++node) {
     s.rx(0x580U + node, is_0191);
@@ -317,7 +317,7 @@ TEST(Me3SdoChannel, FirstStart_OccupiesAllNodes_LaterOnlyTheOneThatFailed) {
   s.rx(0x702, {0x00}).ignore_tx();
   s.expect_bit(25, 14, true);
   s.cif({0x0004, 2, 0x1018, 1});
-  s.expect(1000, {0x000F, 0x0003, 2, 0x0023, 0x060A});
+  s.expect_abort(0x060A0023, 2);
   reads(64);
   s.ignore_tx();
 }

@@ -325,7 +325,7 @@ TEST(Me3NmtMaster, Nmt102ah_Reads0_IsReadOnly_AndCommandsFollowEachOtherAtOnce) 
   s.ignore_tx();
   s.expect_object(0x102A, 0, 0, 2);
   s.cif({0x0002, 0, 0x102A, 0, 2, 10});
-  s.expect(1000, {0x000F, 0x0003, 0, 0x0002, 0x0601});
+  s.expect_abort(0x06010002);
   s.ignore_tx();
 }
 
@@ -338,7 +338,7 @@ TEST(Me3NmtMaster, ReservedConfigurationBits_AreRefused) {
   s.ignore_tx();
   for (const std::uint16_t bit : Words{0x02, 0x20, 0x40, 0x80}) {
     s.cif({0x0002, 0, 0x1F81, 2, 4, bit, 0});
-    s.expect(1000, {0x000F, 0x0003, 0, 0x0030, 0x0609});
+    s.expect_abort(0x06090030);
     s.expect_object(0x1F81, 2, 0, 4);
   }
   s.set_object(0x1F81, 2, 0x0000001D, 4);
@@ -631,7 +631,7 @@ TEST(Me3NmtMaster, S63_ReadingRequestNmt_GivesTheWordsOfTheStateArea) {
   s.expect_object(0x1F82, 1, 0x7F, 1);
   s.ignore_tx();
   s.cif({0x0004, 0, 0x1F82, 0x80});
-  s.expect(1000, {0x000F, 0x0003, 0, 0x0001, 0x0601});  // write only
+  s.expect_abort(0x06010001);  // write only
   s.set_object(0x1F82, 1, 0x07, 1);
   s.expect(601, 0x07);  // in the middle of its own reset
   s.wait_bit(25, 7, false).expect(601, 0x7F).ignore_tx();
@@ -782,14 +782,14 @@ TEST(Me3NmtMaster, S66_RequestGuarding_StopsAndStartsIt) {
   s.expect_object(0x1F83, 4, 0, 1);
   for (const std::uint16_t reserved : Words{0x02, 0x7F, 0xFF}) {
     s.cif({0x0002, 0, 0x1F83, 2, 1, reserved});
-    s.expect(1000, {0x000F, 0x0003, 0, 0x0030, 0x0609});
+    s.expect_abort(0x06090030);
   }
   s.ignore_tx();
 
   Me3Scenario slave;
   boot_master(slave, {{0x1F81, 2, 0x00640301}});
   slave.cif({0x0002, 0, 0x1F83, 2, 1, 1});
-  slave.expect(1000, {0x000F, 0x0003, 0, 0x0022, 0x0800}).no_tx();
+  slave.expect_abort(0x08000022).no_tx();
 }
 
 TEST(Me3NmtMaster, S66_HeartbeatEntry_OverridesTheGuardingSettings) {

@@ -6,11 +6,7 @@ namespace canopus::scenario {
 namespace {
 
 void expect_abort(Me3Scenario& s, const Words& command, std::uint32_t code, Where where = Where::current()) {
-  s.cif(command, where);
-  s.expect(
-      1000,
-      {0x000F, 0x0003, 0, static_cast<std::uint16_t>(code & 0xFFFF), static_cast<std::uint16_t>(code >> 16)},
-      where);
+  s.cif(command, where).expect_abort(code, 0, where);
 }
 
 TEST(Me3Objects, Identity) {

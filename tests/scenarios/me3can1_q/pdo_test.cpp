@@ -19,12 +19,12 @@ TEST(Me3Pdo, S30_RpdoMappingExample) {
   s.power_on_as(1);
   // Out of order it is refused: the PDO is valid, or entries are mapped.
   s.cif({0x0002, 0, 0x1600, 0, 1, 0});
-  s.expect(1000, {0x000F, 0x0003, 0, 0x0022, 0x0800});
+  s.expect_abort(0x08000022);
   s.cif({0x0002, 0, 0x1600, 1, 4, 0x0110, 0xA580});
-  s.expect(1000, {0x000F, 0x0003, 0, 0x0022, 0x0800});
+  s.expect_abort(0x08000022);
   s.set_object(0x1400, 1, 0x80000201, 4);
   s.cif({0x0002, 0, 0x1600, 1, 4, 0x0110, 0xA580});
-  s.expect(1000, {0x000F, 0x0003, 0, 0x0000, 0x0601});
+  s.expect_abort(0x06010000);
   s.expect_object(0x1600, 0, 4, 1);
   s.expect_object(0x1600, 1, 0xA5800110, 4);
   s.set_object(0x1600, 0, 0, 1);
@@ -43,7 +43,7 @@ TEST(Me3Pdo, S31_TpdoMappingExample) {
   Me3Scenario s;
   s.power_on_as(1);
   s.cif({0x0002, 0, 0x1A00, 0, 1, 0});
-  s.expect(1000, {0x000F, 0x0003, 0, 0x0022, 0x0800});
+  s.expect_abort(0x08000022);
   s.set_object(0x1800, 1, 0xC0000181, 4);
   s.set_object(0x1A00, 0, 0, 1);
   s.set_object(0x1A00, 1, 0xA1000110, 4);
@@ -324,7 +324,7 @@ TEST(Me3Pdo, S43_SynchronousTypes) {
     if (reserved == 0xFE) continue;
     for (const std::uint16_t index : Words{0x1804, 0x1404}) {  // not valid, as they come
       s.cif({0x0002, 0, index, 2, 1, reserved});
-      s.expect(1000, {0x000F, 0x0003, 0, 0x0030, 0x0609});
+      s.expect_abort(0x06090030);
       s.expect_object(index, 2, 0xFE, 1);
     }
   }
@@ -399,10 +399,10 @@ TEST(Me3Pdo, S43a_DummyMapping_SkipsAByte) {
     t.set_object(0x1404, 1, 0x80000000, 4);
     t.set_object(0x1604, 0, 0, 1);
     t.cif({0x0002, 0, 0x1604, 1, 4, static_cast<std::uint16_t>(bits + 8), static_cast<std::uint16_t>(dummy)});
-    t.expect(1000, {0x000F, 0x0003, 0, 0x0041, 0x0604});  // not its length
+    t.expect_abort(0x06040041);  // not its length
     for (const std::uint16_t reserved : Words{1, 9}) {
       t.cif({0x0002, 0, 0x1604, 1, 4, 1, reserved});
-      t.expect(1000, {0x000F, 0x0003, 0, 0x0000, 0x0602});
+      t.expect_abort(0x06020000);
     }
   }
 }
@@ -642,31 +642,31 @@ TEST(Me3Pdo, MappingIsChecked_LengthAndMappability) {
   s.set_object(0x1600, 0, 0, 1);
   s.set_object(0x1600, 8, 0xA5800110, 4);
   s.cif({0x0002, 0, 0x1600, 0, 1, 8});  // 72 bits
-  s.expect(1000, {0x000F, 0x0003, 0, 0x0042, 0x0604});
+  s.expect_abort(0x06040042);
   for (const std::uint32_t entry : {0x10000020U, 0xA1000110U, 0x10170010U}) {
     s.cif({0x0002, 0, 0x1600, 1, 4, static_cast<std::uint16_t>(entry & 0xFFFF),
            static_cast<std::uint16_t>(entry >> 16)});
-    s.expect(1000, {0x000F, 0x0003, 0, 0x0041, 0x0604});
+    s.expect_abort(0x06040041);
   }
   s.set_object(0x1800, 1, 0xC0000181, 4);
   s.set_object(0x1A00, 0, 0, 1);
   for (const std::uint32_t entry : {0xA5800110U, 0x00050008U, 0x10170010U}) {  // an output, a dummy, others
     s.cif({0x0002, 0, 0x1A00, 1, 4, static_cast<std::uint16_t>(entry & 0xFFFF),
            static_cast<std::uint16_t>(entry >> 16)});
-    s.expect(1000, {0x000F, 0x0003, 0, 0x0041, 0x0604});
+    s.expect_abort(0x06040041);
   }
   for (std::uint8_t i = 1; i <= 8; ++i)
     s.set_object(0x1A00, i, (i == 8 ? 0xA1000010U : 0xA0400008U) | static_cast<std::uint32_t>(i) << 8, 4);
   s.cif({0x0002, 0, 0x1A00, 0, 1, 8});  // 72 bits
-  s.expect(1000, {0x000F, 0x0003, 0, 0x0042, 0x0604});
+  s.expect_abort(0x06040042);
   s.set_object(0x1A00, 8, 0xA0400808, 4);
   s.set_object(0x1A00, 0, 8, 1);
   s.set_object(0x1A00, 0, 0, 1);
   for (const std::uint16_t mapping : Words{0x1600, 0x1A00}) {
     s.cif({0x0002, 0, mapping, 0, 1, 9});
-    s.expect(1000, {0x000F, 0x0003, 0, 0x0042, 0x0604});
+    s.expect_abort(0x06040042);
     s.cif({0x0002, 0, mapping, 9, 4, 0x0110, 0xA580});
-    s.expect(1000, {0x000F, 0x0003, 0, 0x0011, 0x0609});
+    s.expect_abort(0x06090011);
   }
 }
 
@@ -882,14 +882,14 @@ TEST(Me3ProcessData, NetworkVariables_Exist_AsTheProfileSays) {
       s.expect_object(first, 0xFE, 0, length);
       s.expect_object(last, static_cast<std::uint8_t>(count), 0, length);
       s.cif({0x0004, 0, last, static_cast<std::uint16_t>(count + 1)});
-      s.expect(1000, {0x000F, 0x0003, 0, 0x0011, 0x0609});
+      s.expect_abort(0x06090011);
       s.cif({0x0004, 0, static_cast<std::uint16_t>(last + 1), 0});
-      s.expect(1000, {0x000F, 0x0003, 0, 0x0000, 0x0602});
+      s.expect_abort(0x06020000);
       s.cif({0x0002, 0, first, 1, static_cast<std::uint16_t>(length), 1});
       if (writable) {
         s.expect(1000, 0x0003);
       } else {
-        s.expect(1000, {0x000F, 0x0003, 0, 0x0002, 0x0601});
+        s.expect_abort(0x06010002);
       }
     }
   };
@@ -898,7 +898,7 @@ TEST(Me3ProcessData, NetworkVariables_Exist_AsTheProfileSays) {
   for (const std::uint16_t missing :
        Words{0xA080, 0xA140, 0xA180, 0xA280, 0xA400, 0xA500, 0xA5C0, 0xA600, 0xA700}) {
     s.cif({0x0004, 0, missing, 0});
-    s.expect(1000, {0x000F, 0x0003, 0, 0x0000, 0x0602});
+    s.expect_abort(0x06020000);
   }
 }
 

@@ -126,16 +126,16 @@ TEST(Me3Save, S12_ObjectDictionary_StoreAndRestore) {
   s.set_object(0x1017, 0, 1000, 2);
   s.ignore_tx();
   s.cif({0x0002, 0, 0x1010, 1, 4, 0x6173, 0x6577});  // not "save"
-  s.expect(1000, {0x000F, 0x0003, 0, 0x0020, 0x0800});
+  s.expect_abort(0x08000020);
   for (const std::uint16_t length : Words{1, 2, 3}) {
     s.cif({0x0002, 0, 0x1010, 1, length, 0x6173, 0x6576});
-    s.expect(1000, {0x000F, 0x0003, 0, 0x0013, 0x0607});
+    s.expect_abort(0x06070013);
   }
   for (const std::uint16_t object : Words{0x1010, 0x1011}) {
     for (const auto& [low, high] : std::vector<std::pair<std::uint16_t, std::uint16_t>>{
              {object == 0x1011 ? 0x6173 : 0x6F6C, object == 0x1011 ? 0x6576 : 0x6461}, {0, 0}, {1, 0}}) {
       s.cif({0x0002, 0, object, 1, 4, low, high});
-      s.expect(1000, {0x000F, 0x0003, 0, 0x0020, 0x0800});
+      s.expect_abort(0x08000020);
     }
   }
   EXPECT_EQ(s.flash().writes, 0U);

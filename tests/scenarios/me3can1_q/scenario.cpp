@@ -61,6 +61,12 @@ Me3Scenario& Me3Scenario::cif(const Words& command, Where where) {
   return request(0x17, where);
 }
 
+Me3Scenario& Me3Scenario::expect_abort(std::uint32_t code, std::uint16_t node, Where where) {
+  const auto low = static_cast<std::uint16_t>(code), high = static_cast<std::uint16_t>(code >> 16);
+  expect(1000, {0x000F, 0x0003, node, low, high}, where);
+  return *this;
+}
+
 Me3Scenario& Me3Scenario::exchange(Where where) { return request(0x01, where); }
 
 Me3Scenario& Me3Scenario::set_object(std::uint16_t index, std::uint8_t sub, std::uint32_t value,

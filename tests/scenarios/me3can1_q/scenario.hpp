@@ -38,6 +38,8 @@ class Me3Scenario : private Me3can1QBench, public ModuleScenario {
   Me3Scenario& restart(Where where = Where::current());
   /// Command words to G1000 on, then `cif`: Y17=1; wait X17 -> 1; Y17=0; X17 -> 0.
   Me3Scenario& cif(const Words& command, Where where = Where::current());
+  /// The command at G1000 failed with this SDO abort code: error 000FH, class 0003H (SDO), the node, the code.
+  Me3Scenario& expect_abort(std::uint32_t code, std::uint16_t node = 0, Where where = Where::current());
   /// Y01=1; wait X01 -> 1; Y01=0; X01 -> 0.
   Me3Scenario& exchange(Where where = Where::current());
   /// Writes an object of the module itself through the CIF (node 0), which must succeed.
