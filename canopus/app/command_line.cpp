@@ -10,6 +10,7 @@
 
 #include "canopus/app/bus_command.hpp"
 #include "canopus/app/check_command.hpp"
+#include "canopus/app/device_command.hpp"
 #include "canopus/app/eds_command.hpp"
 #include "canopus/app/lss_command.hpp"
 #include "canopus/app/master_command.hpp"
@@ -144,6 +145,7 @@ int run_command_line(std::span<const std::string> words) {
   add_run_command(app, code);
   add_check_command(app, code);
   add_plc_command(app, code);
+  add_device_command(app, code);
   add_eds_command(app, code);
   add_module_command(app, code);
   add_scan_command(app, code);

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "canopus/app/process_value.hpp"
+
 namespace canopus::app {
 
 DeviceSeat::DeviceSeat(std::shared_ptr<const eds::DeviceFile> file, const DeviceSection& section,
@@ -13,7 +15,8 @@ DeviceSeat::DeviceSeat(std::shared_ptr<const eds::DeviceFile> file, const Device
   const std::string& product = device_.file().device.product_name;
   name_ = !section.name.empty() ? section.name : product;
   status_.plate = {section.bus, name_, node_id};
-  device_.node().set_listener(this);
+  device_.set_listener(this);
+  device_.set_force_listener(this);
   if (section.start > can::Duration{}) port.set_power(false);
 }
 
@@ -53,9 +56,26 @@ void DeviceSeat::controller_changed(can::Time now) {
 }
 
 void DeviceSeat::tick(can::Time now) {
-  if (!status_.is_on) return power_on(now);
+  if (!status_.is_on && start_ <= now) return power_on(now);
   device_.tick(now);
-  look(now);
+  if (status_.is_on) look(now);
+}
+
+ForcedObject DeviceSeat::forced_object(const canopen::Entry& entry, can::Time until) const {
+  return {.device = status_.plate,
+          .object = shown_object(entry),
+          .name = device_.file().dictionary->name(entry),
+          .type = entry.description->type,
+          .value = device_.node().dictionary().get<std::uint64_t>(entry),
+          .until = until};
+}
+
+void DeviceSeat::value_forced(const sim::Forcing::Force& force, can::Time now) {
+  observer_.object_forced(forced_object(force.entry, force.until), now);
+}
+
+void DeviceSeat::value_released(const canopen::Entry& entry, can::Time now) {
+  observer_.object_released(forced_object(entry), now);
 }
 
 // The controller is set up anew, too: nothing from before follows.

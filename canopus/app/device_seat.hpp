@@ -2,6 +2,7 @@
 // A simulated device in its place on a bus: what happens to it is passed on, and what changes is reported to
 // the plant's observer.
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -13,12 +14,14 @@
 
 namespace canopus::app {
 
-class DeviceSeat final : public can::Participant, private canopen::NodeListener {
+class DeviceSeat final : public can::Participant, private canopen::NodeListener, private sim::ForceListener {
  public:
   DeviceSeat(std::shared_ptr<const eds::DeviceFile> file, const DeviceSection& section, std::uint8_t node_id,
              sim::Port& port, PlantObserver& observer);
 
   sim::Device& device() noexcept { return device_; }
+  /// What there is to say of a value that is or was forced.
+  [[nodiscard]] ForcedObject forced_object(const canopen::Entry& entry, can::Time until = can::never) const;
   /// Where the device keeps what 1010H saves. To be called before power_on().
   void set_store(std::unique_ptr<store::ParameterFile> store);
   /// LSS slave, what it is told to store goes there (nullptr: does not survive the run). To be called before
@@ -34,11 +37,16 @@ class DeviceSeat final : public can::Participant, private canopen::NodeListener 
   void transmitted(const can::Frame& frame, can::Time now) override;
   void controller_changed(can::Time now) override;
   void tick(can::Time now) override;
-  can::Time deadline() const noexcept override { return status_.is_on ? device_.deadline() : start_; }
+  can::Time deadline() const noexcept override {
+    return status_.is_on ? device_.deadline() : std::min(start_, device_.deadline());
+  }
 
  private:
   // NodeListener, unless the device is an LSS slave, which does this by itself.
   void reset_requested(canopen::NmtCommand which, can::Time now) override;
+  // sim::ForceListener
+  void value_forced(const sim::Forcing::Force& force, can::Time now) override;
+  void value_released(const canopen::Entry& entry, can::Time now) override;
 
   void look(can::Time now);
   void look_at_lss(can::Time now);

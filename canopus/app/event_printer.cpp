@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "canopus/app/boot_report.hpp"
+#include "canopus/app/process_value.hpp"
 
 namespace canopus::app {
 namespace {
@@ -24,6 +25,14 @@ Json node_event(can::Time now, std::string_view kind, const NodePlate& node) {
   line["bus"] = node.bus;
   line["node"] = node.node_id;
   if (!node.name.empty()) line["name"] = node.name;
+  return line;
+}
+
+Json object_event(can::Time now, std::string_view kind, const ForcedObject& object) {
+  Json line = node_event(now, kind, object.device);
+  line["object"] = object.object;
+  line["parameter"] = object.name;
+  line["value"] = json_value(object.type, object.value);
   return line;
 }
 
@@ -107,6 +116,16 @@ void JsonPrinter::buffer_changed(std::string_view plc, unsigned head, std::uint3
   print(line, now);
 }
 
+void JsonPrinter::object_forced(const ForcedObject& forced, can::Time now) {
+  Json line = object_event(now, "forced", forced);
+  if (forced.until != can::never) line["until"] = rounded_seconds(forced.until);
+  print(line, now);
+}
+
+void JsonPrinter::object_released(const ForcedObject& released, can::Time now) {
+  print(object_event(now, "released", released), now);
+}
+
 void JsonPrinter::load(std::string_view bus, const sim::BusLoad& load, can::Time now) {
   Json line = event(now, "load");
   line["bus"] = bus;
@@ -169,6 +188,14 @@ void JsonPrinter::summary(const RunSummary& summary) {
                                 {"name", trouble.module.name},
                                 {"message", trouble.text}});
   }
+  line["forced"] = Json::array();
+  for (const ForcedObject& forced : summary.forced) {
+    line["forced"].push_back({{"bus", forced.device.bus},
+                              {"node", forced.device.node_id},
+                              {"name", forced.device.name},
+                              {"object", forced.object},
+                              {"value", json_value(forced.type, forced.value)}});
+  }
   print(line, summary.end);
 }
 
@@ -210,6 +237,13 @@ std::string describe_unacknowledged(const NodePlate& node) {
   return describe(node) + ": nobody acknowledges: no other node on this bus";
 }
 
+std::string describe(const ForcedObject& forced) {
+  return fmt::format(
+      "{}: {} ({}) forced to {}{}", describe(forced.device), forced.object, forced.name,
+      show_value(forced.type, forced.value),
+      forced.until == can::never ? "" : fmt::format(" until {}", describe(forced.until.time_since_epoch())));
+}
+
 std::vector<std::string> describe(const RunSummary& summary) {
   std::vector<std::string> lines;
   std::string time = fmt::format("ran {} of plant time in {}", describe(summary.end.time_since_epoch()),
@@ -244,6 +278,7 @@ std::vector<std::string> describe(const RunSummary& summary) {
   for (const ModuleTrouble& trouble : summary.troubles) {
     lines.push_back(fmt::format("{}: {}", describe(trouble.module), trouble.text));
   }
+  for (const ForcedObject& forced : summary.forced) lines.push_back(describe(forced));
   lines.push_back(operational == summary.nodes.size()
                       ? fmt::format("all {} nodes operational", operational)
                       : fmt::format("{} of {} nodes operational", operational, summary.nodes.size()));
@@ -304,6 +339,16 @@ void LinePrinter::buffer_changed(std::string_view plc, unsigned head, std::uint3
   if (quiet_) return;
   line(now, fmt::format("{} U{:X}\\G{} = {} ({:04X}H){}", plc, head / 16, address, value, value,
                         by_cpu ? " written by the CPU" : ""));
+}
+
+void LinePrinter::object_forced(const ForcedObject& forced, can::Time now) {
+  if (!quiet_) line(now, describe(forced));
+}
+
+void LinePrinter::object_released(const ForcedObject& released, can::Time now) {
+  if (quiet_) return;
+  line(now, fmt::format("{}: {} ({}) released, now {}", describe(released.device), released.object,
+                        released.name, show_value(released.type, released.value)));
 }
 
 void LinePrinter::warning(std::string_view source, std::string_view message, can::Time) {

@@ -29,6 +29,7 @@ struct RunSummary {
   std::vector<NodeStatus> nodes{};
   std::vector<SlaveBoot> boots{};
   std::vector<ModuleTrouble> troubles{};
+  std::vector<ForcedObject> forced{};
 };
 
 /// Lines for programs.
@@ -50,6 +51,8 @@ class JsonPrinter final : public PlantObserver {
   void signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) override;
   void buffer_changed(std::string_view plc, unsigned head, std::uint32_t address, std::uint16_t value,
                       bool by_cpu, can::Time now) override;
+  void object_forced(const ForcedObject& forced, can::Time now) override;
+  void object_released(const ForcedObject& released, can::Time now) override;
   void load(std::string_view bus, const sim::BusLoad& load, can::Time now) override;
   void warning(std::string_view source, std::string_view message, can::Time now) override;
   void error(std::string_view source, std::string_view message, can::Time now) override;
@@ -79,6 +82,8 @@ class LinePrinter final : public PlantObserver {
   void signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) override;
   void buffer_changed(std::string_view plc, unsigned head, std::uint32_t address, std::uint16_t value,
                       bool by_cpu, can::Time now) override;
+  void object_forced(const ForcedObject& forced, can::Time now) override;
+  void object_released(const ForcedObject& released, can::Time now) override;
   void warning(std::string_view source, std::string_view message, can::Time now) override;
   void error(std::string_view source, std::string_view message, can::Time now) override;
 
@@ -101,6 +106,8 @@ class LinePrinter final : public PlantObserver {
 /// "line1 node 3 (encoder): LSS: node-ID 3, 125 kbit/s": what LSS has set.
 [[nodiscard]] std::string describe_unacknowledged(const NodePlate& node);
 [[nodiscard]] std::string describe_lss(const NodePlate& node, std::uint32_t bit_rate);
+/// "line1 node 2 (io-block): 6000:01 (Digital inputs 1 to 8) forced to 3 until 5.2 s"
+[[nodiscard]] std::string describe(const ForcedObject& forced);
 /// The summary's lines.
 [[nodiscard]] std::vector<std::string> describe(const RunSummary& summary);
 

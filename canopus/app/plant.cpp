@@ -53,6 +53,20 @@ plc::Rack& Plant::rack(std::size_t number) noexcept { return *parts_->racks[numb
 const PlcSection& Plant::plc_section(std::size_t number) const noexcept { return parts_->file.plcs[number]; }
 const std::vector<std::string>& Plant::connections() const noexcept { return parts_->connections; }
 
+std::size_t Plant::device_count() const noexcept { return parts_->devices.size(); }
+DeviceSeat& Plant::device(std::size_t number) noexcept { return *parts_->devices[number]; }
+void Plant::device_touched(std::size_t number) { parts_->timeline.refresh(parts_->device_handles[number]); }
+
+std::vector<ForcedObject> Plant::forced() const {
+  std::vector<ForcedObject> all;
+  for (const auto& seat : parts_->devices) {
+    for (const sim::Forcing::Force& force : seat->device().forced()) {
+      all.push_back(seat->forced_object(force.entry, force.until));
+    }
+  }
+  return all;
+}
+
 bool Plant::has_stalled() const noexcept { return parts_->has_stalled; }
 
 std::vector<NodeStatus> Plant::nodes() const {

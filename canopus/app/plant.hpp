@@ -29,6 +29,16 @@ struct NodePlate {
   std::uint8_t node_id = 0;
 };
 
+/// A value of a device that somebody forces.
+struct ForcedObject {
+  NodePlate device;
+  std::string object;     ///< "6000:01"
+  std::string_view name;  ///< of the parameter, from the device file
+  canopen::DataType type = canopen::DataType::none;
+  std::uint64_t value = 0;       ///< bit pattern that everybody sees
+  can::Time until = can::never;  ///< released then; never: not by itself
+};
+
 /// What happens in a plant, as it happens. docs/events.md describes the lines made of it.
 class PlantObserver {
  public:
@@ -48,6 +58,10 @@ class PlantObserver {
   /// A buffer memory word got another value: written by the CPU, or a watched one changed by the module.
   virtual void buffer_changed(std::string_view /*plc*/, unsigned /*head*/, std::uint32_t /*address*/,
                               std::uint16_t /*value*/, bool /*by_cpu*/, can::Time) {}
+  /// A value of a device is forced from now on, or with another value or end than before.
+  virtual void object_forced(const ForcedObject&, can::Time) {}
+  /// It is not forced any more, and shows its own value again.
+  virtual void object_released(const ForcedObject&, can::Time) {}
   virtual void load(std::string_view /*bus*/, const sim::BusLoad&, can::Time) {}
   /// At the start: something a person should know of the plant file. `source` is its place in it.
   virtual void warning(std::string_view /*source*/, std::string_view /*message*/, can::Time) {}
@@ -105,6 +119,8 @@ struct ModuleTrouble {
   std::string text;  ///< what is wrong, since when, and the way back; for a person
 };
 
+class DeviceSeat;
+
 class Plant {
  public:
   /// Opens the device files and builds everything that is usable, switched off. Errors name the line of the
@@ -134,6 +150,13 @@ class Plant {
   [[nodiscard]] std::size_t plc_count() const noexcept;
   [[nodiscard]] plc::Rack& rack(std::size_t number) noexcept;
   [[nodiscard]] const PlcSection& plc_section(std::size_t number) const noexcept;
+  /// The simulated devices, in the plant file's order.
+  [[nodiscard]] std::size_t device_count() const noexcept;
+  [[nodiscard]] DeviceSeat& device(std::size_t number) noexcept;
+  /// A device was accessed: its deadline may be another one.
+  void device_touched(std::size_t number);
+  /// Every value that is forced now, device by device.
+  [[nodiscard]] std::vector<ForcedObject> forced() const;
   /// All nodes, in the order of the plant file, modules first.
   [[nodiscard]] std::vector<NodeStatus> nodes() const;
   /// All modules, in the order of the plant file.

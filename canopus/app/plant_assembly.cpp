@@ -2,10 +2,12 @@
 #include <filesystem>
 #include <map>
 #include <set>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "canopus/app/device_script.hpp"
 #include "canopus/app/file_text.hpp"
 #include "canopus/app/module_catalogue.hpp"
 #include "canopus/app/module_network.hpp"
@@ -47,6 +49,7 @@ class Assembly {
   sim::Port& add_port(const DeviceSection& section, std::uint8_t node_id, std::size_t number);
   void give_memory(const DeviceSection& section, std::uint8_t node_id, DeviceSeat& seat);
   void move_values(const DeviceSection& section, std::size_t number, DeviceSeat& seat);
+  void play_back(const PlaybackSection& section, sim::Device& device);
   void add_module(const PlcSection& plc, std::size_t plc_number, const ModuleSection& section);
   /// A slave of a master, as written in the plant file, or by slaves = "all".
   struct WantedSlave {
@@ -223,6 +226,29 @@ void Assembly::move_values(const DeviceSection& section, std::size_t number, Dev
   }
 }
 
+void Assembly::play_back(const PlaybackSection& section, sim::Device& device) {
+  const std::string path = (folder_ / section.file).lexically_normal().string();
+  const auto wrong = [&](std::string_view what) {
+    errors_.add(section.file_place, "playback: file = \"{}\": {}", section.file, what);
+  };
+  const CsvLimits limits;
+  std::error_code unknown;
+  if (const auto size = std::filesystem::file_size(path, unknown); !unknown && size > limits.bytes) {
+    return wrong(fmt::format("the file has {} bytes; expected at most {}", size, limits.bytes));
+  }
+  const auto text = read_file_or_reason(path);
+  if (!text) return wrong(text.error());
+  auto playback = read_playback_csv(*text, device, limits);
+  if (!playback) {
+    const CsvProblem& problem = playback.error();
+    return wrong(fmt::format("{}:{}:{}: {}", path, problem.line, problem.column, problem.message));
+  }
+  if (section.repeat && playback->rows() < 2)
+    return wrong("repeat = true needs two rows, which give it a length");
+  if (section.repeat) playback->repeat();
+  if (const auto problem = device.add_playback(std::move(*playback))) wrong(*problem);
+}
+
 void Assembly::add_device(const DeviceSection& section, std::size_t number) {
   File file = load(section.eds, section.eds_place);
   if (!file) return;
@@ -234,6 +260,8 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
   auto seat = std::make_unique<DeviceSeat>(file, section, node, port, observer_);
   give_memory(section, node, *seat);
   move_values(section, number, *seat);
+  for (const PlaybackSection& playback : section.playbacks) play_back(playback, seat->device());
+  errors_.add(add_scripts(seat->device(), section.scripts));
   parts_.device_handles.push_back(parts_.timeline.add(*seat));
   port.connect(*seat, parts_.device_handles.back());
   watch(bus).know(seat->status(), port);

@@ -162,6 +162,8 @@ DeviceSection read_device(TableReader& table) {
       table.integer("transmit_queue", 1, 65535, "a transmit queue holds 1 to 65535 frames").value_or(128));
   device.objects = read_objects(table, "objects");
   device.behaviours = read_good<BehaviourSection>(table, "behaviour", "device.behaviour", read_behaviour);
+  device.scripts = read_good<ScriptSection>(table, "script", "device.script", read_script);
+  device.playbacks = read_good<PlaybackSection>(table, "playback", "device.playback", read_playback);
   device.usable = !table.is_wrong("eds") && !table.is_wrong("node") && !table.is_wrong("bus");
   return device;
 }
@@ -305,6 +307,9 @@ PlantReading read_plant(std::string_view text, std::string path) {
     plant.name = head.text("name").value_or("");
     plant.seed =
         static_cast<std::uint64_t>(head.integer("seed", 0, INT64_MAX, "a seed is 0 or more").value_or(1));
+    plant.control_place = head.place("control");
+    plant.control = head.parsed("control", parse_host_and_port);
+    plant.control_allowed = read_allowed(head, "control", "control server", plant.control);
   });
   top.tables("bus", "bus", [&](TableReader& table) { plant.buses.push_back(read_bus(table)); });
   top.tables("device", "device", [&](TableReader& table) { plant.devices.push_back(read_device(table)); });

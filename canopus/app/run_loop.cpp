@@ -17,6 +17,8 @@
 
 #include "canopus/app/client_ports.hpp"
 #include "canopus/app/client_reports.hpp"
+#include "canopus/app/control_server.hpp"
+#include "canopus/app/device_control.hpp"
 #include "canopus/app/event_printer.hpp"
 #include "canopus/app/live_table.hpp"
 #include "canopus/app/local_time.hpp"
@@ -110,6 +112,7 @@ class Run {
   std::vector<std::unique_ptr<ClientPorts>> client_ports_;  // outlive the servers
   std::vector<std::unique_ptr<link::SocketcandServer>> socketcand_;
   std::vector<std::unique_ptr<MelsecServer>> melsec_;
+  std::optional<ControlServer> control_;
   std::optional<OperationalCheck> expected_;
   std::optional<asio::steady_timer> end_timer_;
   std::optional<RunScreen> screen_;
@@ -161,6 +164,13 @@ bool Run::open_doors(RealTime& clock) {
         report_of(fmt::format("MC protocol {}", section.name))));
     const auto result = server.listen(section.listen->host, section.listen->port);
     if (!opened(result, "MC protocol", section.name, *section.listen, server.port())) return false;
+  }
+  if (const PlantFile& file = plant_->file(); file.control) {
+    control_.emplace(
+        io_, clock, [this](std::string_view line) { return DeviceControl(*plant_).answer(line); },
+        ControlServerOptions{.allowed = file.control_allowed}, report_of("control"));
+    const auto result = control_->listen(file.control->host, file.control->port);
+    if (!opened(result, "control", file.name, *file.control, control_->port())) return false;
   }
   for (std::size_t i = 0; i < plant_->bus_count(); ++i) {
     const BusSection& section = plant_->bus_section(i);
@@ -227,6 +237,7 @@ bool Run::run_in_real_time() {
   (void)clock.now();  // up to the moment it was stopped
   for (const auto& server : socketcand_) server->close();
   for (const auto& server : melsec_) server->stop();
+  if (control_) control_->stop();
   if (has_table_) end_table();
   largest_lag_ = clock.largest_lag();
   return true;
@@ -303,7 +314,8 @@ void Run::summarise(can::Duration wall) {
                      .largest_lag = largest_lag_,
                      .nodes = plant_->nodes(),
                      .boots = plant_->boots(),
-                     .troubles = plant_->troubles()};
+                     .troubles = plant_->troubles(),
+                     .forced = plant_->forced()};
   for (std::size_t i = 0; i < plant_->bus_count(); ++i) {
     summary.buses.push_back({plant_->bus(i).name(), plant_->bus(i).load(summary.end)});
   }

@@ -197,5 +197,9 @@ class TableReader {
 
 /// A [[bus.fault]].
 [[nodiscard]] FaultSection read_fault(TableReader& table);
+/// A [[device.script]].
+[[nodiscard]] ScriptSection read_script(TableReader& table);
+/// A [[device.playback]].
+[[nodiscard]] PlaybackSection read_playback(TableReader& table);
 
 }  // namespace canopus::app

@@ -50,9 +50,7 @@ DeviceLss::DeviceLss(canopen::Node& node, can::Gate& gate, can::Controller& cont
       bit_rates_(std::move(bit_rates)),
       store_(store),
       stored_(shelf),
-      slave_(controller, *this, address_of(node)) {
-  node_.set_listener(this);
-}
+      slave_(controller, *this, address_of(node)) {}
 
 void DeviceLss::power_on(can::Time) {
   is_on_ = true;

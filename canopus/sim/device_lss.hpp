@@ -19,7 +19,7 @@ class DeviceLss final : private manager::LssSlaveUser, private canopen::NodeList
     friend bool operator==(const Settings&, const Settings&) = default;
   };
 
-  /// Becomes the node's listener. The LSS address is the node's 1018H. `gate` is closed while the device must
+  /// listener() must hear of the node. The LSS address is the node's 1018H. `gate` is closed while the device must
   /// be silent; `bit_rates` (bit/s) is what it can be set to, empty: all; `store` keeps what it is told to
   /// store, nullptr: kept for as long as this object lives. All must outlive it.
   DeviceLss(canopen::Node& node, can::Gate& gate, can::Controller& controller, Settings shelf,
@@ -29,6 +29,7 @@ class DeviceLss final : private manager::LssSlaveUser, private canopen::NodeList
   void power_on(can::Time now);
   void power_off() noexcept;
 
+  [[nodiscard]] canopen::NodeListener& listener() noexcept { return *this; }
   [[nodiscard]] const manager::LssSlave& slave() const noexcept { return slave_; }
 
   void receive(const can::Frame& frame, can::Time now);

@@ -1,8 +1,10 @@
 """Checks of what the documentation shows: its commands are run as they are written, their output must be what is printed there."""
+import contextlib
 import pathlib
 import re
 import shlex
 import shutil
+import socket
 import subprocess
 import time
 
@@ -13,7 +15,7 @@ from kit import PATIENCE, PYTHON, ROOT, Skip, check, covers, first_plant, host_p
 def blocks(page, language=""):
     """The code blocks of a page that are in this language, as lists of lines."""
     text = (ROOT / page).read_text()
-    return [found.splitlines() for found in re.findall(rf"(?ms)^```{language}\n(.*?)^```$", text)]
+    return [found.splitlines() for kind, found in re.findall(r"(?ms)^```(\w*)\n(.*?)^```$", text) if kind == language]
 
 
 def transcripts(page):
@@ -148,6 +150,53 @@ def words_go_from_rack_to_rack_as_the_example_shows():
                 if words[1] == "scan":
                     words += ["--bus", f"socketcand:{plant.socketcand}"]
                 require_shown(page, words, shown)
+
+
+@contextlib.contextmanager
+def forced_inputs():
+    """The example with its control server, on ports of the system's choice; the plant and the server's address."""
+    text = (ROOT / "examples/forced-inputs/plant.toml").read_text()
+    for port in ("29540", "29536", "5007"):
+        text = text.replace(f"127.0.0.1:{port}", "127.0.0.1:0")
+    shutil.copy(ROOT / "examples/forced-inputs/light-barrier.csv", scratch)
+    (scratch / "forced-inputs.toml").write_text(text.replace('"../devices/', f'"{ROOT}/examples/devices/'))
+    with running(scratch / "forced-inputs.toml") as plant:
+        plant.wait_operational([1, 2])
+        yield plant, plant.wait(lambda e: e["event"] == "listen" and e["protocol"] == "control")["address"]
+
+
+@check
+def a_forced_input_arrives_in_the_plc_as_the_page_shows():
+    page = "docs/control.md"
+    with forced_inputs() as (plant, control):
+        for commands in transcripts(page):
+            for command, shown in commands:
+                words = words_of(command, plant)
+                if words[1] == "device":
+                    words += ["--at", control]
+                require_shown(page, words, shown)
+        plant.wait(lambda e: e["event"] == "released" and e["object"] == "6401:01")
+        (snippet,) = blocks(page, "python")
+        text = "\n".join(snippet)
+        require("29540" in text, "the snippet names another port than the page")
+        require_shown(page, [PYTHON, "-c", text.replace("29540", host_port(control)[1])], ["3"])
+        exchange = next(b for b in blocks(page) if b[0].startswith("> "))
+        with socket.create_connection(("127.0.0.1", int(host_port(control)[1]))) as client:
+            lines = client.makefile("rw")
+            for line in exchange:
+                if line.startswith("> "):
+                    print(line[2:], file=lines, flush=True)
+                else:
+                    said = lines.readline().rstrip("\n")
+                    different = differs([line[2:]], [said], (r'"t":[0-9.]+',))
+                    require(different is None, f"{page} shows {line!r}, the plant says {said!r}")
+        plant.wait(lambda e: e["event"] == "forced" and e["object"] == "6000:01" and e["value"] == 1)  # the script's
+
+
+@check
+def a_plant_without_the_key_cannot_be_controlled():
+    with first_plant() as plant:
+        require(not [e for e in plant.events if e["event"] == "listen" and e["protocol"] == "control"], "it listens")
 
 
 @check
