@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "canopus/app/eds_show.hpp"
 #include "canopus/app/file_text.hpp"
 #include "canopus/eds/device_file.hpp"
 
@@ -143,6 +144,26 @@ void add_eds_command(CLI::App& app, int& exit_code) {
       "Colour goes to terminals only; NO_COLOR switches it off.\n"
       "\n"
       "Example: canopus eds check devices/*.eds");
+  struct ShowOptions {
+    std::string file;
+    bool json = false;
+  };
+  const auto shown = std::make_shared<ShowOptions>();
+  CLI::App* show =
+      eds->add_subcommand("show", "List a device's identity, objects, and PDOs with their mapping");
+  show->add_option("FILE", shown->file, "EDS or DCF file; - is the standard input")->required();
+  show->add_flag("--json", shown->json, "Print one JSON object instead");
+  show->footer(
+      "PDO: in which the object may be mapped. +node: the node-ID is added. Longer names are cut at 80 "
+      "columns.\n"
+      "\n"
+      "Exit status: 0 shown, 1 no device can be made of the file, 2 wrong usage or a file that cannot be "
+      "read.\n"
+      "\n"
+      "Example: canopus eds show examples/devices/io-block.eds");
+  show->callback([shown, &exit_code] {
+    exit_code = eds_show(shown->file, shown->json, standard_output(), standard_error());
+  });
   check->callback([options, &exit_code] {
     options->colour = !options->json && wants_colour(STDOUT_FILENO);
     exit_code = eds_check(*options, standard_output(), standard_error());
