@@ -1,6 +1,8 @@
 #include "canopus/app/plant_file.hpp"
 
 #include <algorithm>
+#include <map>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -39,6 +41,7 @@ std::optional<Scalar> scalar(const toml::node& node) {
 
 std::vector<ObjectSetting> read_objects(TableReader& table, std::string_view key) {
   std::vector<ObjectSetting> settings;
+  std::map<std::pair<unsigned, unsigned>, Place> seen;  // the table is in the order of its keys
   table.entries(key, [&](std::string_view name, const toml::node& node, Place place) {
     const auto object = parse_object(name);
     if (!object) return table.error(place, object.error());
@@ -48,6 +51,12 @@ std::vector<ObjectSetting> read_objects(TableReader& table, std::string_view key
           place_of(node.source()),
           fmt::format("{} = {}: expected a number, a string, true or false", name, describe_found(node)));
     }
+    const auto [other, is_new] = seen.try_emplace({object->index, object->sub}, place);
+    if (!is_new) {
+      const auto [first, second] = std::minmax(place, other->second);
+      return table.error(second, fmt::format("{}: {:04X}H:{:02X}H is there already, in line {}", key,
+                                             object->index, object->sub, first.line));
+    }
     settings.push_back({place, *object, *value});
   });
   return settings;
@@ -55,6 +64,7 @@ std::vector<ObjectSetting> read_objects(TableReader& table, std::string_view key
 
 std::vector<BufferSetting> read_words(TableReader& table, std::string_view key) {
   std::vector<BufferSetting> settings;
+  std::map<std::uint32_t, Place> seen;
   table.entries(key, [&](std::string_view name, const toml::node& node, Place place) {
     const auto address = parse_buffer_address(name);
     if (!address) return table.error(place, address.error());
@@ -62,6 +72,12 @@ std::vector<BufferSetting> read_words(TableReader& table, std::string_view key) 
     if (value == nullptr || value->get() < -32768 || value->get() > 65535) {
       return table.error(place_of(node.source()),
                          fmt::format("{} = {}: a word is -32768 to 65535", name, describe_found(node)));
+    }
+    const auto [other, is_new] = seen.try_emplace(*address, place);
+    if (!is_new) {
+      const auto [first, second] = std::minmax(place, other->second);
+      return table.error(second,
+                         fmt::format("{}: G{} is there already, in line {}", key, *address, first.line));
     }
     settings.push_back({place, *address, static_cast<std::uint16_t>(value->get())});
   });

@@ -37,6 +37,7 @@ class References {
     for (PlcSection& plc : plant_.plcs) {
       for (ModuleSection& module : plc.modules) check_slaves(module);
     }
+    for (const DeviceSection& device : plant_.devices) check_behaviours(device);
   }
 
  private:
@@ -197,6 +198,17 @@ class References {
     }
   }
 
+  void check_behaviours(const DeviceSection& device) {
+    std::map<std::pair<unsigned, unsigned>, std::uint32_t> moved;  // object, line
+    for (const BehaviourSection& behaviour : device.behaviours) {
+      const auto [index, sub] = behaviour.object;
+      const auto [other, is_new] = moved.try_emplace({index, sub}, behaviour.place.line);
+      if (is_new) continue;
+      error(behaviour.place, "behaviour: {:04X}H:{:02X}H moves already, by the one in line {}", index, sub,
+            other->second);
+    }
+  }
+
   void check_slave_name(SlaveSection& slave, const ModuleSection& master) {
     const auto found = by_name_.find(slave.name);
     if (found == by_name_.end()) {
@@ -281,6 +293,7 @@ class References {
 
 void check_references(PlantFile& plant, std::vector<PlantError>& errors) {
   References(plant, errors).check();
+  check_servers(plant, errors);
 }
 
 }  // namespace canopus::app

@@ -77,17 +77,19 @@ std::expected<std::uint32_t, std::string> parse_buffer_address(std::string_view 
 }
 
 std::expected<HostAndPort, std::string> parse_host_and_port(std::string_view text) {
+  const auto refuse = [text](std::string_view why) {
+    return std::unexpected(fmt::format("\"{}\" {}; expected for example \"127.0.0.1:5007\"", text, why));
+  };
   HostAndPort place;
   const std::size_t colon = text.rfind(':');
   std::string_view host = colon == std::string_view::npos ? std::string_view{} : text.substr(0, colon);
-  const auto port =
-      parse_number<std::uint16_t>(colon == std::string_view::npos ? text : text.substr(colon + 1), 10);
-  if (!port) {
-    return std::unexpected(fmt::format("\"{}\" is not host:port; for example \"127.0.0.1:5007\"", text));
-  }
+  const std::string_view number = colon == std::string_view::npos ? text : text.substr(colon + 1);
+  const auto port = parse_number<std::uint32_t>(number, 10);
+  if (!port) return refuse("is not host:port");
+  if (*port > 65535) return refuse(fmt::format("has port {}, and the highest port is 65535", *port));
   if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
   if (!host.empty()) place.host = host;
-  place.port = *port;
+  place.port = static_cast<std::uint16_t>(*port);
   return place;
 }
 

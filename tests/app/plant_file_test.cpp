@@ -180,6 +180,16 @@ INSTANTIATE_TEST_SUITE_P(
         WrongLine{"serve = \"socketcand:", "serve = \"udp:",
                   "plant.toml:8:9: serve = \"udp:127.0.0.1:29536\" is not a way to serve a bus; expected "
                   "\"socketcand:127.0.0.1:29536\""},
+        WrongLine{"listen = \":5008\"", "listen = \"127.0.0.300:80\"",
+                  "plant.toml:26:10: listen: \"127.0.0.300\" is not an address; expected numbers such as "
+                  "192.168.1.7 or fd00::7, or localhost"},
+        WrongLine{
+            "listen = \":5008\"", "listen = \"127.0.0.1:70000\"",
+            "plant.toml:26:10: listen = \"127.0.0.1:70000\" has port 70000, and the highest port is 65535; "
+            "expected for example \"127.0.0.1:5007\""},
+        WrongLine{"listen = \":5008\"", "listen = \"here\"",
+                  "plant.toml:26:10: listen = \"here\" is not host:port; expected for example "
+                  "\"127.0.0.1:5007\""},
         WrongLine{"node = 1\nmaster", "node = 3\nmaster",
                   "plant.toml:30:1: module: node 3 of bus \"line1\" is taken already, in line 10"}));
 
@@ -245,6 +255,66 @@ TEST(PlantFile, AModelInSmallLettersIsTheSameModel) {
       "plant.toml");
   ASSERT_THAT(reading.errors, IsEmpty());
   EXPECT_EQ(reading.plant.plcs[0].modules[0].model, "ME3CAN1-Q") << "as the store's folder is named";
+}
+
+TEST(PlantFile, OneObjectTwice_IsAMistakeHoweverItIsWritten) {
+  const std::string head = "[[bus]]\nname = \"a\"\nbit_rate = 250_000\n";
+  const std::string device = head + "[[device]]\nnode = 1\neds = \"x.eds\"\n";
+  EXPECT_THAT(errors_of(device + "[device.objects]\n\"1017:00\" = 1\n\"0x1017\" = 2\n"),
+              ElementsAre("plant.toml:9:1: objects: 1017H:00H is there already, in line 8"));
+  EXPECT_THAT(errors_of(device + "[[device.behaviour]]\nobject = \"6000:01\"\nkind = \"sine\"\n"
+                                 "[[device.behaviour]]\nobject = \"6000H:1\"\nkind = \"ramp\"\n"),
+              ElementsAre("plant.toml:10:1: behaviour: 6000H:01H moves already, by the one in line 7"));
+  EXPECT_THAT(errors_of(head + "[[plc]]\n[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nhead = 0\n"
+                               "buffer = { G70 = 1, g070 = 2 }\n"),
+              ElementsAre("plant.toml:8:21: buffer: G70 is there already, in line 8"));
+}
+
+TEST(PlantFile, OneSlaveTwice_IsAMistake) {
+  EXPECT_THAT(
+      errors_of("[[bus]]\nname = \"a\"\nbit_rate = 250_000\n[[device]]\nnode = 3\neds = \"x.eds\"\n"
+                "[[plc]]\n[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nhead = 0\nmaster = true\n"
+                "[[plc.module.slave]]\nnode = 3\n[[plc.module.slave]]\nnode = 3\n"),
+      ElementsAre("plant.toml:15:8: slave: node 3 is assigned already, in another [[plc.module.slave]]"));
+}
+
+struct Servers {
+  std::string_view bus;
+  std::string_view plc;
+  bool clash;
+};
+class PlantFileWithTwoServers : public testing::TestWithParam<Servers> {};
+
+TEST_P(PlantFileWithTwoServers, OnOnePort_IsAMistake) {
+  const auto errors = errors_of(
+      "[[bus]]\nname = \"a\"\nbit_rate = 250_000\nserve = \"socketcand:" + std::string(GetParam().bus) +
+      "\"\nallow = \"10.0.0.0/8\"\n[[plc]]\nname = \"p\"\nallow = \"10.0.0.0/8\"\nlisten = \"" +
+      std::string(GetParam().plc) + "\"\n");
+  if (!GetParam().clash) {
+    EXPECT_THAT(errors, IsEmpty());
+  } else {
+    EXPECT_THAT(errors, ElementsAre("plant.toml:4:9: serve: port 5007 is taken already, by PLC \"p\" in line "
+                                    "9; give each server its own"));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Addresses, PlantFileWithTwoServers,
+    testing::Values(
+        Servers{"127.0.0.1:5007", "127.0.0.1:5007", true}, Servers{"localhost:5007", "5007", true},
+        Servers{"0.0.0.0:5007", "127.0.0.1:5007", true}, Servers{"127.0.0.1:5007", "0.0.0.0:5007", true},
+        Servers{"[::]:5007", "127.0.0.1:5007", true}, Servers{"0.0.0.0:5007", "[::]:5007", true},
+        Servers{"[::1]:5007", "[0:0::1]:5007", true},
+        Servers{"[::ffff:127.0.0.1]:5007", "127.0.0.1:5007", true},
+        Servers{"[::1]:5007", "0.0.0.0:5007", false}, Servers{"0.0.0.0:5007", "[::1]:5007", false},
+        Servers{"[::1]:5007", "127.0.0.1:5007", false}, Servers{"127.0.0.1:5007", "127.0.0.1:5008", false},
+        Servers{"127.0.0.1:5007", "127.0.0.2:5007", false}, Servers{"127.0.0.1:0", "127.0.0.1:0", false}));
+
+TEST(PlantFile, TwoPlcsWithoutAnAddress_ListenOnOnePort) {
+  EXPECT_THAT(
+      errors_of("[[bus]]\nname = \"a\"\nbit_rate = 250_000\n[[plc]]\n[[plc]]\n"),
+      ElementsAre("plant.toml:5:1: listen: port 5007 is taken already, by a PLC without a name in line "
+                  "4; give each server its own"));
 }
 
 TEST(PlantFile, FaultsOfABusAreRead) {
