@@ -9,6 +9,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "canopus/app/file_name.hpp"
+
 namespace canopus::app {
 
 std::expected<std::unique_ptr<RecordingStream>, std::string> RecordingStream::open(const std::string& path) {
@@ -41,6 +43,12 @@ std::string RecordingStream::close(const OutputQueue::Patience& patience) {
 
 void TraceWriter::frame_completed(const can::Frame& frame, can::Time /*start*/, can::Time end) {
   file_.write(bus_, frame, end);
+}
+
+std::string vcd_path_of(std::string_view path, std::string_view bus) {
+  const std::string_view suffix = path.ends_with(".vcd") ? ".vcd" : "";
+  const std::string_view stem = path.substr(0, path.size() - suffix.size());
+  return fmt::format("{}-{}{}", stem, file_name_of(bus), suffix);
 }
 
 VcdFile::VcdFile(std::string path, sim::Bus& bus) : path_(std::move(path)) {
@@ -111,12 +119,9 @@ std::expected<void, std::string> RunRecording::open_trace(const std::string& pat
 
 std::expected<void, std::string> RunRecording::open_vcd(const std::string& path, Plant& plant) {
   if (path.empty()) return {};
-  const std::string_view suffix = path.ends_with(".vcd") ? ".vcd" : "";
-  const std::string stem = path.substr(0, path.size() - suffix.size());
   for (std::size_t i = 0; i < plant.bus_count(); ++i) {
     sim::Bus& bus = plant.bus(i);
-    const std::string of_bus =
-        plant.bus_count() == 1 ? path : fmt::format("{}-{}{}", stem, bus.name(), suffix);
+    const std::string of_bus = plant.bus_count() == 1 ? path : vcd_path_of(path, bus.name());
     vcd_.push_back(std::make_unique<VcdFile>(of_bus, bus));
     if (std::string problem = vcd_.back()->error(); !problem.empty()) {
       return std::unexpected(std::move(problem));

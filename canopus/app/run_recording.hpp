@@ -56,6 +56,10 @@ class TraceWriter final : public sim::BusObserver {
   const std::string& bus_;
 };
 
+/// Where the wire of one of several buses goes: "wire.vcd" becomes "wire-line1.vcd". A name that is no name of a
+/// file is written as file_name_of() says, and never leads out of the folder.
+[[nodiscard]] std::string vcd_path_of(std::string_view path, std::string_view bus);
+
 /// The wire of one bus as a VCD file. The first error is kept and told by close().
 class VcdFile {
  public:
