@@ -1,5 +1,6 @@
 #include "canopus/app/device_seat.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "canopus/app/process_value.hpp"
@@ -28,6 +29,25 @@ void DeviceSeat::set_store(std::unique_ptr<store::ParameterFile> store) {
 void DeviceSeat::enable_lss(std::unique_ptr<store::ParameterFile> store) {
   lss_store_ = std::move(store);
   device_.enable_lss(port_, lss_store_.get());
+}
+
+DeviceSeat::InitialNode DeviceSeat::initial_node() {
+  std::uint8_t node_id = status_.plate.node_id;
+  if (lss_store_) {
+    if (const auto stored = sim::DeviceLss::stored(*lss_store_)) node_id = stored->node_id;
+  }
+  const auto& description = device_.file().dictionary;
+  InitialNode node{.node_id = node_id, .objects = canopen::ObjectDictionary(description, node_id)};
+  if (store_ == nullptr) return node;
+  // What of the store counts is the node's to say: one that nobody hears.
+  struct Nowhere final : can::Sink {
+    bool send(const can::Frame&) override { return true; }
+  } nowhere;
+  canopen::Node scratch(description, node_id, nowhere);
+  scratch.set_parameter_store(store_.get());
+  scratch.power_on({});
+  std::ranges::copy(scratch.dictionary().block(), node.objects.block().begin());
+  return node;
 }
 
 void DeviceSeat::power_on(can::Time now) {

@@ -32,6 +32,14 @@ class DeviceSeat final : public can::Participant, private canopen::NodeListener,
   NodeStatus& status() noexcept { return status_; }
   const NodeStatus& status() const noexcept { return status_; }
 
+  /// The node that power_on() makes, of the file's values and what was saved.
+  struct InitialNode {
+    std::uint8_t node_id = 0;  ///< FFH: none
+    canopen::ObjectDictionary objects;
+  };
+  /// Changes nothing. To be called before power_on().
+  [[nodiscard]] InitialNode initial_node();
+
   void power_on(can::Time now);
   void receive(const can::Frame& frame, can::Time now) override;
   void transmitted(const can::Frame& frame, can::Time now) override;

@@ -58,6 +58,17 @@ class CommunicationModule : public Module {
     return false;
   }
 
+  /// The CANopen node that the next power-on makes, of factory settings or of what was saved.
+  struct InitialNode {
+    std::uint8_t node_id = 0;
+    canopen::ObjectDictionary objects;
+    bool produces_sync = false;
+    std::vector<std::uint8_t> configures{};  ///< slaves that it configures when it boots them (1F22H)
+  };
+  /// Nothing when it makes none, as in a Layer 2 mode. Changes nothing, whatever it finds in the memory. To be
+  /// called while the module is off.
+  [[nodiscard]] virtual std::optional<InitialNode> initial_node() { return std::nullopt; }
+
   /// What a PLC program has to know.
   [[nodiscard]] virtual const ProgramInterface& program_interface() const noexcept = 0;
 

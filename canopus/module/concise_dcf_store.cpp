@@ -33,6 +33,17 @@ bool ConciseDcfStore::load() {
   return true;
 }
 
+std::vector<std::uint8_t> ConciseDcfStore::stored_nodes() {
+  std::vector<std::uint8_t> found;
+  const NonVolatileMemory::Content content = memory_->read(name_);
+  if (!canopen::are_stored_values(content.bytes, stored_length)) return found;
+  canopen::StoredValueReader reader(content.bytes, stored_length);
+  while (const auto value = reader.next()) {
+    if (value->index == files_index) found.push_back(value->sub);
+  }
+  return found;
+}
+
 void ConciseDcfStore::clear() {
   memory_->erase(name_);
   forget_all();

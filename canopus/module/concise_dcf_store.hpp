@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "canopus/canopen/node.hpp"
 #include "canopus/manager/configuration_manager.hpp"
@@ -22,6 +23,8 @@ class ConciseDcfStore final : private manager::ConfigurationStore {
   /// The files become what is stored: after each reset of the node. False when it is damaged; there are no
   /// files then.
   bool load();
+  /// The nodes that the next load() finds a file of. Changes nothing.
+  [[nodiscard]] std::vector<std::uint8_t> stored_nodes();
   /// Deletes all of them.
   void clear();
 

@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "canopus/canopen/cob_id.hpp"
+#include "canopus/manager/start_up_bits.hpp"
 #include "canopus/module/stored_settings.hpp"
 
 namespace canopus::module {
@@ -89,6 +91,24 @@ std::optional<BufferAddress> ModuleEngine::layer2_preset_error() const {
 }
 bool ModuleEngine::takes_word(BufferAddress address, std::uint16_t value) const {
   return settings_.takes_word(address, value);
+}
+
+std::optional<CommunicationModule::InitialNode> ModuleEngine::initial_node() {
+  const ModuleSettings::Found stored = settings_.look();
+  if (stored.mode->kind != FunctionModeRow::Kind::canopen) return std::nullopt;
+  InitialNode node{.node_id = stored.node_id,
+                   .objects = canopen::ObjectDictionary(model_.object_dictionary(), stored.node_id),
+                   .configures = concise_dcfs_.stored_nodes()};
+  canopen::ObjectDictionary& objects = node.objects;
+  if (model_.node_id_defaults != nullptr) model_.node_id_defaults(objects, stored.node_id);
+  const auto is_stored = [](const canopen::Entry& entry) { return entry.description->stored; };
+  canopen::apply_stored_values(stored.objects, stored_length, objects, is_stored);
+  const canopen::CobId sync{objects.get<std::uint32_t>(0x1005, 0)};
+  const bool is_master = (objects.get<std::uint32_t>(0x1F80, 0) & manager::start_up_bit::nmt_master) != 0;
+  node.produces_sync = sync.has_bit_30() && !is_restricted(sync) &&
+                       objects.get<std::uint32_t>(0x1006, 0) != 0 &&
+                       (is_master || !model_.node_options().sync_needs_active_master);
+  return node;
 }
 
 const ProgramInterface& ModuleEngine::program_interface() const noexcept { return model_.program_interface; }

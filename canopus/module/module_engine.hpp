@@ -62,6 +62,7 @@ class ModuleEngine : public CommunicationModule,
   [[nodiscard]] bool presets_canopen_mode() const override { return settings_.presets_canopen_mode(); }
   [[nodiscard]] std::optional<BufferAddress> layer2_preset_error() const override;
   [[nodiscard]] bool takes_word(BufferAddress address, std::uint16_t value) const override;
+  [[nodiscard]] std::optional<InitialNode> initial_node() override;
   [[nodiscard]] const ProgramInterface& program_interface() const noexcept override;
   [[nodiscard]] const canopen::Node& node() const noexcept override { return node_; }
   [[nodiscard]] Layer2State layer2_state() const noexcept override;

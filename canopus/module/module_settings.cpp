@@ -64,9 +64,11 @@ std::uint16_t ModuleSettings::bit_rate() const {
   return factory_bit_rate_.value_or(model_->factory.bit_rate);
 }
 
-std::uint8_t ModuleSettings::node_id() const {
+std::uint8_t ModuleSettings::node_id() const { return node_id(*buffer_); }
+
+std::uint8_t ModuleSettings::node_id(const BufferMemory& buffer) const {
   if (model_->settings.node_address) {
-    return static_cast<std::uint8_t>(buffer_->word(*model_->settings.node_address));
+    return static_cast<std::uint8_t>(buffer.word(*model_->settings.node_address));
   }
   return factory_node_id_.value_or(model_->factory.node_id);
 }
@@ -120,38 +122,45 @@ const FunctionModeRow& ModuleSettings::load() {
     error_ = true;
     memory_->erase(saving_name);
   }
-  words_.clear();
-  const NonVolatileMemory::Content content = flash_.read(words_name);
-  if (content.state == State::missing) {
-    words_ = factory_words_;
-  } else if (auto words = content.state == State::good ? decode_words(content.bytes) : std::nullopt) {
-    words_ = std::move(*words);
-  } else {
-    error_ = true;
-  }
-  const FunctionModeRow* mode = use_words();
+  auto words = stored_words();
+  const FunctionModeRow* mode = words ? use_words(*words, *buffer_) : nullptr;
   if (mode == nullptr) {  // answered with the factory's defaults, all of them
     error_ = true;
-    words_.clear();
-    mode = use_words();
+    words.emplace();
+    mode = use_words(*words, *buffer_);
   }
+  words_ = std::move(*words);
   const bool deletes = mode->kind != FunctionModeRow::Kind::canopen && model_->layer2_deletes_objects;
   if (deletes && flash_.read(objects_name).state != State::missing) flash_.write(objects_name, {});
   return *mode;
 }
 
+std::optional<StoredWords> ModuleSettings::stored_words() {
+  const NonVolatileMemory::Content content = flash_.read(words_name);
+  if (content.state == State::missing) return factory_words_;
+  return content.state == State::good ? decode_words(content.bytes) : std::nullopt;
+}
+
 // Selects the function mode and puts the words in. nullptr when they are not all what a module can have
 // stored.
-const FunctionModeRow* ModuleSettings::use_words() {
+const FunctionModeRow* ModuleSettings::use_words(const StoredWords& words, BufferMemory& buffer) const {
   const auto& address = model_->settings.function_mode;
-  const auto word = address ? words_.find(*address) : words_.end();
+  const auto word = address ? words.find(*address) : words.end();
   auto mode = model_->function_modes.begin();
-  if (word != words_.end()) {
+  if (word != words.end()) {
     const auto stored = std::ranges::find(model_->function_modes, word->second, &FunctionModeRow::value);
     if (stored != model_->function_modes.end()) mode = stored;
   }
-  buffer_->select_mode(mode->bit);
-  return buffer_->apply_stored(words_) ? &*mode : nullptr;
+  buffer.select_mode(mode->bit);
+  return buffer.apply_stored(words) ? &*mode : nullptr;
+}
+
+ModuleSettings::Found ModuleSettings::look() {
+  BufferMemory buffer(model_->buffer_memory);
+  const auto words = stored_words();
+  const FunctionModeRow* mode = words ? use_words(*words, buffer) : nullptr;
+  if (mode == nullptr) mode = use_words({}, buffer);
+  return {.mode = mode, .node_id = node_id(buffer), .objects = stored_objects().bytes};
 }
 
 std::optional<canopen::Entry> ModuleSettings::faulty_mapping(std::uint8_t node_id) {
@@ -164,18 +173,20 @@ std::optional<canopen::Entry> ModuleSettings::faulty_mapping(std::uint8_t node_i
   return first_faulty_mapping(scratch);
 }
 
+NonVolatileMemory::Content ModuleSettings::stored_objects() {
+  NonVolatileMemory::Content content = flash_.read(objects_name);
+  if (content.state == State::damaged) content.bytes.clear();
+  if (content.state != State::missing) return content;
+  for (const auto& [place, value] : factory_objects_) {
+    canopen::append_stored_value(content.bytes, stored_length, place.first, place.second, value);
+  }
+  return content;
+}
+
 std::vector<std::uint8_t> ModuleSettings::ObjectStore::load() {
-  NonVolatileMemory::Content content = settings_->flash_.read(objects_name);
-  switch (content.state) {
-    case State::good: return std::move(content.bytes);
-    case State::damaged: found_damaged(); return {};
-    case State::missing: break;
-  }
-  std::vector<std::uint8_t> image;
-  for (const auto& [place, value] : settings_->factory_objects_) {
-    canopen::append_stored_value(image, stored_length, place.first, place.second, value);
-  }
-  return image;
+  NonVolatileMemory::Content content = settings_->stored_objects();
+  if (content.state == State::damaged) found_damaged();
+  return std::move(content.bytes);
 }
 
 // Restored settings are factory defaults, not presets: an empty content, not a missing one.

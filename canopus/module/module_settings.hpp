@@ -45,6 +45,14 @@ class ModuleSettings {
   /// Selects the stored function mode and puts its stored words into the buffer memory. What is damaged is
   /// answered with the factory's defaults.
   const FunctionModeRow& load();
+  /// What load() would select, and the image of the stored objects (canopen/stored_values.hpp).
+  struct Found {
+    const FunctionModeRow* mode = nullptr;
+    std::uint8_t node_id = 0;
+    std::vector<std::uint8_t> objects{};
+  };
+  /// Looks at what a start would find, and changes nothing: no mark of an interrupted save is taken away.
+  [[nodiscard]] Found look();
   /// The first mapping of the stored object dictionary that the module cannot work with.
   [[nodiscard]] std::optional<canopen::Entry> faulty_mapping(std::uint8_t node_id);
 
@@ -88,7 +96,12 @@ class ModuleSettings {
 
   bool has_worn_out() noexcept;
   const FunctionModeRow& preset_mode() const;
-  const FunctionModeRow* use_words();
+  /// The stored words of all modes; nothing when they are damaged.
+  [[nodiscard]] std::optional<StoredWords> stored_words();
+  /// The stored objects, or the factory's.
+  [[nodiscard]] NonVolatileMemory::Content stored_objects();
+  const FunctionModeRow* use_words(const StoredWords& words, BufferMemory& buffer) const;
+  [[nodiscard]] std::uint8_t node_id(const BufferMemory& buffer) const;
 
   const ModuleModel* model_;
   NonVolatileMemory* memory_;

@@ -42,6 +42,8 @@ manager::LssAddress address_of(const canopen::Node& node) {
 
 }  // namespace
 
+std::optional<Settings> DeviceLss::stored(canopen::ParameterStore& store) { return decode(store.load()); }
+
 DeviceLss::DeviceLss(canopen::Node& node, can::Gate& gate, can::Controller& controller, Settings shelf,
                      std::vector<std::uint32_t> bit_rates, canopen::ParameterStore* store)
     : node_(node),
@@ -55,7 +57,7 @@ DeviceLss::DeviceLss(canopen::Node& node, can::Gate& gate, can::Controller& cont
 void DeviceLss::power_on(can::Time) {
   is_on_ = true;
   gate_.open(true);
-  if (store_ != nullptr) stored_ = decode(store_->load()).value_or(stored_);
+  if (store_ != nullptr) stored_ = stored(*store_).value_or(stored_);
   node_.set_node_id(stored_.node_id);
   slave_.start(stored_.node_id, stored_.bit_rate);
   if (controller_.bit_rate() != stored_.bit_rate) controller_.restart(stored_.bit_rate);

@@ -3,6 +3,7 @@
 // own memory for that, which holds through power cuts.
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "canopus/can/gate.hpp"
@@ -18,6 +19,9 @@ class DeviceLss final : private manager::LssSlaveUser, private canopen::NodeList
     std::uint32_t bit_rate = 0;  ///< bit/s
     friend bool operator==(const Settings&, const Settings&) = default;
   };
+
+  /// What the store holds, or nothing.
+  [[nodiscard]] static std::optional<Settings> stored(canopen::ParameterStore& store);
 
   /// listener() must hear of the node. The LSS address is the node's 1018H. `gate` is closed while the device must
   /// be silent; `bit_rates` (bit/s) is what it can be set to, empty: all; `store` keeps what it is told to
