@@ -5,8 +5,10 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "canopus/can/little_endian.hpp"
+#include "canopus/canopen/cob_id.hpp"
 #include "canopus/canopen/dictionary_description.hpp"
 #include "canopus/manager/start_up_bits.hpp"
 #include "canopus/module/network_variables.hpp"
@@ -94,6 +96,35 @@ std::expected<std::vector<std::uint8_t>, std::string> encode(const Scalar& value
   return whole_number(number, type);
 }
 
+namespace {
+
+/// The first PDOs with other numbers that a node uses, as a [[plc.module.slave]] names them.
+std::string others_of(const SlaveDescription& description, std::uint8_t node_id) {
+  constexpr std::uint64_t unused = canopen::CobId::invalid_bit | canopen::CobId::extended_bit;
+  constexpr unsigned pdos = 0x200;
+  constexpr std::size_t enough = 4;
+  if (!description.value) return {};
+  const auto used = [&](unsigned first) {
+    std::vector<unsigned> numbers;
+    for (unsigned pdo = 1; pdo < pdos && numbers.size() < enough; ++pdo) {
+      const auto index = static_cast<std::uint16_t>(first + pdo);
+      const auto mapped = description.value(static_cast<std::uint16_t>(index + 0x200), 0).value_or(0);
+      if ((description.value(index, 1).value_or(unused) & unused) != 0 || mapped == 0 || mapped > 64)
+        continue;
+      numbers.push_back(pdo + 1);
+    }
+    return numbers;
+  };
+  const auto receive = used(0x1800);
+  const auto send = used(0x1400);
+  if (receive.empty() && send.empty()) return {};
+  return fmt::format("; [[plc.module.slave]] with node = {}{}{} connects others", node_id,
+                     receive.empty() ? "" : fmt::format(", receive = [{}]", fmt::join(receive, ", ")),
+                     send.empty() ? "" : fmt::format(", send = [{}]", fmt::join(send, ", ")));
+}
+
+}  // namespace
+
 void ModuleNetwork::preset(std::uint16_t index, std::uint8_t sub, std::uint32_t value, unsigned length) {
   const auto code = module_.preset_object(index, sub, canopen::little_endian(value, length));
   if (code == canopen::AbortCode::none) return;
@@ -165,32 +196,59 @@ std::vector<PlantError> ModuleNetwork::add_slave(const SlaveSection& slave,
                        .words = variable_area(canopen::DataType::unsigned16, VariableDirection::input),
                        .bytes = variable_area(canopen::DataType::unsigned8, VariableDirection::input)};
   std::vector<PlantError> errors;
+  std::string unconnected;
+  bool any_connected = false;
+  bool any_without_place = false;
   for (const Direction* direction : {&receive, &send}) {
     for (const SlaveSection::Link& link : direction->receive ? slave.receive : slave.send) {
-      const std::string problem = connect(*direction, slave, link, description);
-      if (!problem.empty() && every_link) {
+      const auto refusal = connect(*direction, slave, link, description);
+      any_connected = any_connected || !refusal;
+      if (!refusal) continue;
+      if (every_link) {
         errors.push_back({link.place, fmt::format("{}{} of node {}: {}", direction->slave_pdo, link.pdo,
-                                                  slave.node, problem)});
+                                                  slave.node, refusal->why)});
+        continue;
       }
+      any_without_place = any_without_place || !refusal->by_file;
+      unconnected += fmt::format("{}{}{}: {}", unconnected.empty() ? "" : "; ", direction->slave_pdo,
+                                 link.pdo, refusal->why);
     }
+  }
+  // An input device without outputs, and the like, is no news.
+  if (!unconnected.empty() && (!any_connected || any_without_place)) {
+    left_out_.push_back(fmt::format("connects {} of node {}{}: {}{}", any_connected ? "not all" : "nothing",
+                                    slave.node,
+                                    description.name.empty() ? "" : fmt::format(" ({})", description.name),
+                                    unconnected, any_connected ? "" : others_of(description, slave.node)));
   }
   for (const std::string& refusal : refusals_) errors.push_back({slave.place, refusal});
   refusals_.clear();
   return errors;
 }
 
-std::string ModuleNetwork::connect(const Direction& direction, const SlaveSection& slave,
-                                   const SlaveSection::Link& link, const SlaveDescription& description) {
-  if (!description.value) return "nothing is known of the node's PDOs; expected eds = its EDS or DCF file";
+std::optional<ModuleNetwork::Refusal> ModuleNetwork::connect(const Direction& direction,
+                                                             const SlaveSection& slave,
+                                                             const SlaveSection::Link& link,
+                                                             const SlaveDescription& description) {
+  if (!description.value) {
+    return Refusal{"nothing is known of the node's PDOs; expected eds = its EDS or DCF file"};
+  }
   const auto slave_value = [&](std::uint16_t base, std::uint8_t sub) {
     return description.value(static_cast<std::uint16_t>(base + link.pdo - 1), sub);
   };
   const auto cob_id = slave_value(direction.slave_communication, 1);
-  if (!cob_id) return "the device has no such PDO";
-  if ((*cob_id & 0x8000'0000) != 0) return "the device's file leaves this PDO switched off (COB-ID bit 31)";
-  if ((*cob_id & 0x2000'0000) != 0) return "the PDO has a 29-bit identifier, which the module does not take";
+  if (!cob_id) return Refusal{"the device has no such PDO", true};
+  if ((*cob_id & 0x8000'0000) != 0) {
+    return Refusal{"the device's file leaves this PDO switched off (COB-ID bit 31)", true};
+  }
+  if ((*cob_id & 0x2000'0000) != 0) {
+    return Refusal{"the PDO has a 29-bit identifier, which the module does not take"};
+  }
+  if (canopen::is_restricted(canopen::CobId{static_cast<std::uint32_t>(*cob_id)})) {
+    return Refusal{fmt::format("CiA 301 restricts its CAN-ID {:03X}H", *cob_id & 0x7FF), true};
+  }
   const auto entries = slave_value(direction.slave_mapping, 0).value_or(0);
-  if (entries > 64) return "the PDO is a multiplex PDO";
+  if (entries > 64) return Refusal{"the PDO is a multiplex PDO"};
   unsigned bits = 0;
   std::vector<std::uint32_t> mapped;
   for (std::uint8_t i = 1; i <= entries; ++i) {
@@ -198,8 +256,8 @@ std::string ModuleNetwork::connect(const Direction& direction, const SlaveSectio
     bits += mapped.back() & 0xFF;
   }
   const unsigned length = (bits + 7) / 8;
-  if (length == 0) return "nothing is mapped into the PDO";
-  if (length > 8) return "more than 8 bytes are mapped into the PDO";
+  if (length == 0) return Refusal{"nothing is mapped into the PDO", true};
+  if (length > 8) return Refusal{"more than 8 bytes are mapped into the PDO", true};
   const std::uint32_t words = (length + 1) / 2;
 
   const module::DataExchangeLayout& layout = module_.program_interface().process_data;
@@ -208,10 +266,10 @@ std::string ModuleNetwork::connect(const Direction& direction, const SlaveSectio
   unsigned& used = direction.receive ? receive_pdos_ : send_pdos_;
   const std::uint32_t address = link.address.value_or(direction.first_word + next_word);
   if (address < direction.first_word || address + words > end_word) {
-    return fmt::format("G{} is no place for {} words; expected G{} to G{}", address, words,
-                       direction.first_word, end_word - words);
+    return Refusal{fmt::format("G{} is no place for {} words; expected G{} to G{}", address, words,
+                               direction.first_word, end_word - words)};
   }
-  if (used == layout.pdos) return fmt::format("the module has no more than {} PDOs", layout.pdos);
+  if (used == layout.pdos) return Refusal{fmt::format("the module has no more than {} PDOs", layout.pdos)};
   const std::uint32_t first = address - direction.first_word;
   next_word = std::max(next_word, first + 4);  // PDOs of up to 8 bytes line up on four words
   const auto communication = static_cast<std::uint16_t>(direction.module_communication + used);
@@ -235,7 +293,7 @@ std::string ModuleNetwork::connect(const Direction& direction, const SlaveSectio
       "{}\\{} {} {}{} of node {}{}, {:03X}H, {} byte{}", slot_, words_text(address, words),
       direction.receive ? "<-" : "->", direction.slave_pdo, link.pdo, slave.node,
       name.empty() ? "" : fmt::format(" ({})", name), identifier, length, length == 1 ? "" : "s"));
-  return {};
+  return std::nullopt;
 }
 
 void ModuleNetwork::become_master() { preset(0x1F80, 0, manager::start_up_bit::nmt_master, 4); }

@@ -45,8 +45,8 @@ class ModuleNetwork {
   ModuleNetwork(module::CommunicationModule& module, std::string slot)
       : module_(module), slot_(std::move(slot)) {}
 
-  /// Assigns a slave and connects its PDOs. Without `every_link` a PDO that the slave does not have, or has
-  /// switched off, is passed over in silence.
+  /// Assigns a slave and connects its PDOs. Without `every_link` what cannot be connected is no error;
+  /// left_out() has it.
   [[nodiscard]] std::vector<PlantError> add_slave(const SlaveSection& slave,
                                                   const SlaveDescription& description, bool every_link);
   /// The same; `file` is the slave's, as configured.
@@ -58,17 +58,24 @@ class ModuleNetwork {
   void become_master();
   /// What was connected, a line each.
   [[nodiscard]] const std::vector<std::string>& connections() const noexcept { return connections_; }
+  /// Slaves of which nothing was connected, and PDOs that the module has no place for, with the reason.
+  [[nodiscard]] const std::vector<std::string>& left_out() const noexcept { return left_out_; }
 
  private:
   struct Direction;
-  /// What is wrong with it, or nothing.
-  std::string connect(const Direction& direction, const SlaveSection& slave, const SlaveSection::Link& link,
-                      const SlaveDescription& description);
+  /// Why a PDO cannot be connected.
+  struct Refusal {
+    std::string why;
+    bool by_file = false;  ///< the slave has no such PDO, or none in use
+  };
+  std::optional<Refusal> connect(const Direction& direction, const SlaveSection& slave,
+                                 const SlaveSection::Link& link, const SlaveDescription& description);
   void preset(std::uint16_t index, std::uint8_t sub, std::uint32_t value, unsigned length);
 
   module::CommunicationModule& module_;
   std::string slot_;
   std::vector<std::string> connections_;
+  std::vector<std::string> left_out_;
   std::vector<std::string> refusals_;
   unsigned receive_pdos_ = 0;  // used so far
   unsigned send_pdos_ = 0;

@@ -14,6 +14,7 @@
 #include "canopus/app/module_presets.hpp"
 #include "canopus/app/plant_errors.hpp"
 #include "canopus/app/plant_parts.hpp"
+#include "canopus/app/plant_review.hpp"
 #include "canopus/app/run_memory.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/store/file_memory.hpp"
@@ -26,6 +27,18 @@ constexpr std::string_view stall_text =
     "asks for this moment without end and is stopped from here on. This is an error in Canopus: please "
     "report "
     "it with the plant file";
+
+/// 1010H can be told to save, or the device saves by itself (bit 1) [CiA 301 7.5.2.13].
+bool can_save(const canopen::DictionaryDescription& dictionary) {
+  const canopen::ObjectDescription* save = dictionary.find(0x1010);
+  if (save == nullptr) return false;
+  for (unsigned sub = 1; sub <= save->highest_sub; ++sub) {
+    const canopen::Entry entry = dictionary.find(*save, static_cast<std::uint8_t>(sub));
+    if (entry && canopen::is_writable(entry.description->access)) return true;
+  }
+  constexpr std::uint64_t autonomously = 2;
+  return (eds::default_value(dictionary, 0x1010, 1, 1).value_or(0) & autonomously) != 0;
+}
 
 /// Builds a plant's parts, collecting every error on the way.
 class Assembly {
@@ -60,7 +73,12 @@ class Assembly {
   void configure_network(const ModuleSection& section, module::CommunicationModule& module);
   void add_outside_slave(const ModuleSection& master, const SlaveSection& slave, ModuleNetwork& network);
   void set_faults(const BusSection& section, sim::Bus& bus);
+  void review_buses();
   BusWatch& watch(const sim::Bus& bus);
+  template <typename... T>
+  void warn(Place place, fmt::format_string<T...> text, T&&... arguments) {
+    parts_.warnings.push_back({place, fmt::format(text, std::forward<T>(arguments)...)});
+  }
 
   Plant::Parts& parts_;
   PlantObserver& observer_;
@@ -69,7 +87,9 @@ class Assembly {
   PlantStores& stores_;
   std::map<std::string, File> files_;
   std::set<std::pair<std::string, std::uint8_t>> nodes_;  // bus, node-ID
-  bool complete_ = true;                                  // nothing had to be left out
+  std::vector<std::pair<const DeviceSection*, DeviceSeat*>> device_sections_;
+  std::vector<std::pair<const ModuleSection*, ModuleSeat*>> module_sections_;
+  bool complete_ = true;  // nothing had to be left out
   PlantErrors errors_;
 };
 
@@ -86,6 +106,9 @@ std::vector<PlantError> Assembly::run() {
   }
   for (std::size_t i = 0; i < parts_.file.plcs.size(); ++i) {
     parts_.racks.push_back(std::make_unique<plc::Rack>(parts_.timeline, parts_.file.plcs[i].cpu_model));
+    if (const PlcSection& plc = parts_.file.plcs[i]; !plc.store.empty() && plc.modules.empty()) {
+      warn(plc.store_place, "store = \"{}\": the PLC has no module that could store anything", plc.store);
+    }
     for (const ModuleSection& module : parts_.file.plcs[i].modules) {
       complete_ = complete_ && module.usable;
       if (module.usable) add_module(parts_.file.plcs[i], i, module);
@@ -100,6 +123,7 @@ std::vector<PlantError> Assembly::run() {
     if (master->section().master) configure_network(master->section(), master->module());
   }
   stores_.review(errors_, parts_.warnings);
+  if (complete_ && errors_.empty()) review_buses();
   for (std::size_t i = 0; i < parts_.buses.size(); ++i) set_faults(parts_.file.buses[i], *parts_.buses[i]);
   parts_.load_report = std::make_unique<LoadReport>(parts_.buses, observer_);
   parts_.timeline.add(*parts_.load_report, "load report");
@@ -190,6 +214,12 @@ void Assembly::give_memory(const DeviceSection& section, std::uint8_t node_id, D
     if (is_lss_slave) seat.enable_lss(nullptr);
     return;
   }
+  if (!is_lss_slave && !can_save(*file.dictionary)) {
+    warn(section.store_place,
+         "store = \"{}\": {} has no 1010H that can be written, and is no LSS slave: the device never stores "
+         "anything",
+         section.store, section.eds);
+  }
   std::string unit = fmt::format("node-{:03}", node_id);
   if (is_unconfigured) {
     const eds::Identity identity = eds::identity(file);
@@ -266,8 +296,31 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
   port.connect(*seat, parts_.device_handles.back());
   watch(bus).know(seat->status(), port);
   seat->set_watch(watch(bus));
+  device_sections_.emplace_back(&section, seat.get());
   parts_.devices.push_back(std::move(seat));
   parts_.device_ports.push_back(&port);
+}
+
+/// How the nodes of each bus fit together.
+void Assembly::review_buses() {
+  std::map<std::string_view, ReviewedBus> buses;
+  for (const BusSection& section : parts_.file.buses) {
+    buses.emplace(section.name,
+                  ReviewedBus{.name = section.name, .is_served = section.socketcand.has_value()});
+  }
+  for (const auto& [section, seat] : module_sections_) {
+    ReviewedBus& bus = buses.at(section->bus);
+    if (auto node = seat->module().initial_node()) {
+      bus.configured.insert(node->configures.begin(), node->configures.end());
+      bus.nodes.push_back(reviewed(*section, seat->status().plate.name, std::move(*node)));
+    } else {
+      bus.has_plain_can = true;
+    }
+  }
+  for (const auto& [section, seat] : device_sections_) {
+    buses.at(section->bus).nodes.push_back(reviewed(*section, *seat));
+  }
+  for (const BusSection& section : parts_.file.buses) review(buses.at(section.name), parts_.warnings);
 }
 
 BusWatch& Assembly::watch(const sim::Bus& bus) {
@@ -312,6 +365,7 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
   }
   seat->status().plate.node_id = section.node;
   watch(bus).know(seat->status(), port);
+  module_sections_.emplace_back(&section, seat.get());
   parts_.modules.push_back(std::move(seat));
   parts_.module_ports.push_back(&port);
 }
@@ -348,6 +402,10 @@ void Assembly::configure_network(const ModuleSection& section, module::Communica
   };
   for (const auto& seat : parts_.devices) {
     const NodePlate& plate = seat->status().plate;
+    if (plate.bus == section.bus && plate.node_id == manager::lss::unconfigured && section.all_slaves) {
+      warn(section.slaves_place, "slaves = \"all\" leaves out {}, which has no node-ID yet",
+           plate.name.empty() ? "a device" : fmt::format("\"{}\"", plate.name));
+    }
     if (const auto wanted = wanted_slave(section, plate)) {
       add(*wanted, SlaveDescription::of(seat->device().file(), plate.node_id, plate.name));
     }
@@ -371,6 +429,9 @@ void Assembly::configure_network(const ModuleSection& section, module::Communica
   network.become_master();
   (void)preset_objects(module, section);  // what the plant file says of an object wins
   for (const std::string& line : network.connections()) parts_.connections.push_back(line);
+  for (const std::string& line : network.left_out()) {
+    warn(section.slaves_place, "slaves = \"all\" {}", line);
+  }
 }
 
 /// A node that joins the bus from outside, or gets its node-ID by LSS.

@@ -19,6 +19,7 @@ class PlantErrors {
   void add(const std::vector<PlantError>& others) {
     errors_.insert(errors_.end(), others.begin(), others.end());
   }
+  [[nodiscard]] bool empty() const noexcept { return errors_.empty(); }
   [[nodiscard]] std::vector<PlantError> take() { return std::exchange(errors_, {}); }
 
  private:

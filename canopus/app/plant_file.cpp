@@ -222,7 +222,8 @@ SlaveSection read_slave(TableReader& table) {
 }
 
 ModuleSection read_module(TableReader& table) {
-  ModuleSection module{.place = table.place(), .name_place = table.place("name")};
+  ModuleSection module{
+      .place = table.place(), .name_place = table.place("name"), .slaves_place = table.place("slaves")};
   module.name = table.text("name").value_or("");
   module.model = table.text("model", true).value_or("");
   if (const CatalogueEntry* entry = find_module(module.model)) {

@@ -159,6 +159,7 @@ struct ModuleSection {
   std::string bus{};
   std::uint8_t node = 0;
   bool master = false;
+  Place slaves_place{};
   /// slaves = "all": every device and every other module of the bus, first TPDO and RPDO of each
   bool all_slaves = false;
   std::vector<SlaveSection> slaves{};

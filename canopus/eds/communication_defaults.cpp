@@ -59,23 +59,6 @@ std::string entry_name(const EntryFacts& facts) {
   return is_record ? object_name(facts.index, facts.sub) : object_name(facts.index);
 }
 
-/// What becomes of the service whose COB-ID cannot be used.
-std::string consequence(CobIdUse use, std::uint16_t index) {
-  const std::string number = std::to_string((index & 0x1FF) + 1);
-  switch (use) {
-    case CobIdUse::sync: return "SYNC is neither sent nor heard";
-    case CobIdUse::time: return "TIME is neither sent nor heard";
-    case CobIdUse::emcy: return "EMCY is not sent";
-    case CobIdUse::emcy_consumer: return "that EMCY is not heard";
-    case CobIdUse::sdo_server: return "the SDO server does not exist";
-    case CobIdUse::sdo_client: return "the SDO client does not exist";
-    case CobIdUse::rpdo: return "RPDO" + number + " is not heard";
-    case CobIdUse::tpdo: return "TPDO" + number + " is not sent";
-    case CobIdUse::none: break;
-  }
-  return {};
-}
-
 void review(const EntryDraft& entry, Problems& problems) {
   const EntryFacts& facts = entry.facts;
   const CobIdUse use = canopen::cob_id_use(facts.index, facts.sub);
@@ -90,10 +73,26 @@ void review(const EntryDraft& entry, Problems& problems) {
       adds ? std::string("such a CAN-ID") : "CAN-ID " + hexadecimal(CobId{raw}.identifier(), 3);
   problems.repeated(Severity::warning, "restricted", entry.value_line,
                     entry_name(facts) + " is " + shown(raw, adds, entry.spec.type) + ": CiA 301 restricts " +
-                        which + ", " + consequence(use, facts.index));
+                        which + ", " + consequence_of_refusal(use, facts.index));
 }
 
 }  // namespace
+
+std::string consequence_of_refusal(CobIdUse use, std::uint16_t index) {
+  const std::string number = std::to_string((index & 0x1FF) + 1);
+  switch (use) {
+    case CobIdUse::sync: return "SYNC is neither sent nor heard";
+    case CobIdUse::time: return "TIME is neither sent nor heard";
+    case CobIdUse::emcy: return "EMCY is not sent";
+    case CobIdUse::emcy_consumer: return "that EMCY is not heard";
+    case CobIdUse::sdo_server: return "the SDO server does not exist";
+    case CobIdUse::sdo_client: return "the SDO client does not exist";
+    case CobIdUse::rpdo: return "RPDO" + number + " is not heard";
+    case CobIdUse::tpdo: return "TPDO" + number + " is not sent";
+    case CobIdUse::none: break;
+  }
+  return {};
+}
 
 void set_missing_defaults(Draft& draft, Problems& problems) {
   const auto end = draft.upper_bound(0x1FFF);

@@ -2,6 +2,9 @@
 // The communication profile of a file against CiA 301: objects that it describes without a value get the
 // standard's default, COB-IDs with a restricted CAN-ID are reported.
 
+#include <string>
+
+#include "canopus/canopen/cob_id.hpp"
 #include "canopus/eds/draft.hpp"
 #include "canopus/eds/problems.hpp"
 
@@ -14,5 +17,8 @@ void set_missing_defaults(Draft& draft, Problems& problems);
 
 /// COB-IDs that no node uses, because CiA 301 restricts their CAN-ID [CiA 301 7.3.5]. The values stay.
 void review_restricted_identifiers(const Draft& draft, Problems& problems);
+
+/// What becomes of the service whose COB-ID is refused: "TPDO1 is not sent".
+[[nodiscard]] std::string consequence_of_refusal(canopen::CobIdUse use, std::uint16_t index);
 
 }  // namespace canopus::eds
