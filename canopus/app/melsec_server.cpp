@@ -12,6 +12,7 @@
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 
+#include "canopus/link/spare_descriptor.hpp"
 #include "canopus/plc/melsec/session.hpp"
 
 namespace canopus::app {
@@ -55,6 +56,7 @@ struct MelsecServer::Parts : std::enable_shared_from_this<Parts> {
   MelsecServerOptions options;
   link::ClientReport report;
   tcp::acceptor acceptor;
+  link::SpareDescriptor spare;
   asio::steady_timer accept_pause;
   std::vector<std::shared_ptr<Connection>> connections;
   std::uint64_t requests = 0;
@@ -220,7 +222,11 @@ void MelsecServer::Parts::accept() {
   acceptor.async_accept([this, self = shared_from_this()](error_code error, tcp::socket socket) {
     if (error == asio::error::operation_aborted || !acceptor.is_open()) return;
     if (error) {
-      // Out of file descriptors or the like: the port stays open for later.
+      const auto refuse = [this](tcp::socket& turned_away) {
+        say(link::name_of_peer(turned_away), link::no_descriptor_left);
+      };
+      if (error == asio::error::no_descriptors && spare.refuse_next(acceptor, refuse)) return accept();
+      // Trying again at once would only burn the processor; the port stays open for later.
       accept_pause.expires_after(std::chrono::milliseconds(100));
       accept_pause.async_wait([this, self](error_code stopped) {
         if (!stopped && acceptor.is_open()) accept();
@@ -286,6 +292,8 @@ std::expected<void, std::string> MelsecServer::listen(const std::string& host, s
   acceptor.bind(endpoint, error);
   if (error) return failed(error);
   acceptor.listen(asio::socket_base::max_listen_connections, error);
+  if (error) return failed(error);
+  acceptor.non_blocking(true, error);
   if (error) return failed(error);
   parts_->accept();
   return {};

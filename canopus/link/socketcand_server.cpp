@@ -37,7 +37,9 @@ void SocketcandServer::Shared::accept() {
       self->admit(std::move(socket));
       return self->accept();
     }
-    // Most likely no file descriptor is left: trying again at once would only burn the processor.
+    if (failure == asio::error::no_descriptors && self->refuse_for_want_of_descriptors())
+      return self->accept();
+    // Trying again at once would only burn the processor.
     self->pause.expires_after(std::chrono::milliseconds(100));
     self->pause.async_wait([self](const error_code&) {
       if (self->acceptor.is_open()) self->accept();
@@ -63,6 +65,12 @@ void SocketcandServer::Shared::admit(tcp::socket socket) {
   clients.push_back(client);
   client->start();
   clock.touched();
+}
+
+bool SocketcandServer::Shared::refuse_for_want_of_descriptors() {
+  return spare.refuse_next(acceptor, [this](tcp::socket& socket) {
+    refuse(socket, "< error too many open files >", no_descriptor_left);
+  });
 }
 
 void SocketcandServer::Shared::refuse(tcp::socket& socket, std::string_view answer,
@@ -94,6 +102,7 @@ std::expected<void, std::string> SocketcandServer::listen() {
   if (!failure) keep_little(acceptor);
   if (!failure) acceptor.bind(shared_->endpoint, failure);
   if (!failure) acceptor.listen(tcp::acceptor::max_listen_connections, failure);
+  if (!failure) acceptor.non_blocking(true, failure);
   if (failure) {
     error_code ignored;
     acceptor.close(ignored);

@@ -283,7 +283,7 @@ TEST_F(PlantReviewTest, TwoMasters_AreAWarning) {
            "2\n" +
            more;
   };
-  EXPECT_THAT(check(bus + master("") + second("master = true\n")),
+  EXPECT_THAT(check(bus + master("") + second("objects = { \"1F80:00\" = 1 }\n")),
               ElementsAre(HasSubstr("is NMT master of bus \"line1\", and node 1 (")));
   EXPECT_THAT(check(bus + master("") + second("")), IsEmpty());
   const std::string flying = "objects = { \"1F80:00\" = 0x21 }\n";

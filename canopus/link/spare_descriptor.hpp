@@ -1,0 +1,48 @@
+#pragma once
+// A file descriptor kept in reserve. When the process has none left, a connection can still be taken, to tell its
+// client so, instead of leaving it to wait without an answer.
+
+#include <boost/asio/ip/tcp.hpp>
+#include <fcntl.h>
+#include <unistd.h>
+
+namespace canopus::link {
+
+class SpareDescriptor {
+ public:
+  SpareDescriptor() { take(); }
+  ~SpareDescriptor() { give_up(); }
+  SpareDescriptor(const SpareDescriptor&) = delete;
+  SpareDescriptor& operator=(const SpareDescriptor&) = delete;
+
+  /// Takes the next connection that waits, with the reserve, and hands its socket to `refuse`, which does not keep
+  /// it. False when none could be taken; the acceptor must not block.
+  template <typename Refuse>
+  bool refuse_next(boost::asio::ip::tcp::acceptor& acceptor, Refuse refuse) {
+    if (file_ < 0) take();
+    if (file_ < 0) return false;
+    give_up();
+    boost::system::error_code error;
+    {
+      boost::asio::ip::tcp::socket socket(acceptor.get_executor());
+      acceptor.accept(socket, error);
+      if (!error) refuse(socket);
+    }
+    take();
+    return !error;
+  }
+
+ private:
+  void take() { file_ = ::open("/dev/null", O_RDONLY | O_CLOEXEC); }
+  void give_up() {
+    if (file_ >= 0) ::close(file_);
+    file_ = -1;
+  }
+  int file_ = -1;
+};
+
+/// Why a client is turned away then.
+inline constexpr const char* no_descriptor_left =
+    "was refused: the process has no file descriptor left (ulimit -n)";
+
+}  // namespace canopus::link
