@@ -1,17 +1,23 @@
 """Checks of what the real process prints: into pipes that nobody reads, that end, that are full; and what names may do to it."""
 import contextlib
+import fcntl
 import json
 import os
+import pathlib
+import pty
 import re
+import resource
 import select
 import signal
 import socket
+import struct
 import subprocess
 import sys
+import termios
 import threading
 import time
 
-from kit import (PATIENCE, ROOT, check, first_plant_file, host_port, program, require, scratch)
+from kit import (PATIENCE, ROOT, check, first_plant_file, host_port, program, require, scratch, until)
 from module_checks import recorded
 
 sys.path.append(str(ROOT / "examples/me3can1-q"))
@@ -43,11 +49,11 @@ class LineReader:
 
 @contextlib.contextmanager
 def started(*words, **options):
-    """The program with a pipe for its standard output that is not read by itself."""
+    """The program and its standard output: a pipe that is not read by itself, or what the options say (and no reader)."""
     options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "bufsize": 0, **options}
     process = subprocess.Popen([program, *map(str, words)], **options)
     try:
-        yield process, LineReader(process.stdout)
+        yield process, LineReader(process.stdout) if process.stdout else None
     finally:
         if process.poll() is None:
             process.kill()
@@ -186,6 +192,171 @@ def a_signal_ends_a_run_whose_trace_has_no_reader():
     with started("run", first_plant_file(), "--json", "--trace", fifo) as (process, _):
         time.sleep(0.5)  # until it waits for a reader; before that a signal ends it, too
         ends(process, signal.SIGTERM)
+
+
+@check
+def a_reader_that_begins_late_gets_what_was_kept_and_the_number_of_the_lost():
+    """`canopus run --json | (sleep 60; cat)`, with a reader that wakes when enough has been lost."""
+    with started("run", first_plant_file(), "--json") as (process, lines):
+        host, port = mc_address(lines)
+        pipe = process.stdout.fileno()
+        reader = subprocess.Popen(["sh", "-c", f"read wake; exec cat <&{pipe}"], stdin=subprocess.PIPE,
+                                  stdout=subprocess.PIPE, pass_fds=[pipe])
+        try:
+            process.stdout.close()  # the reader has it
+            with mc.McClient(host, int(port), timeout=PATIENCE) as plc:
+                write_many(plc, 0, 100)
+                reader.stdin.write(b"\n")
+                reader.stdin.close()
+                events = []
+                for line in LineReader(reader.stdout).all_lines():
+                    events.append(json.loads(line))
+                    if events[-1]["event"] == "lost":
+                        break
+                require(events and events[-1]["event"] == "lost", f"the lost lines are not counted: {events[-3:]}")
+                shown = sum(event["event"] in ("buffer", "error") for event in events)
+                require(shown + events[-1]["lines"] >= 100 * 480, f"{shown} shown, {events[-1]} of {100 * 480}")
+                plc.write("D100", [4711])
+                require(plc.read("D100") == [4711], "the PLC does not answer any more")
+            require(ends(process, signal.SIGTERM) == 0, "exit code")
+        finally:
+            reader.kill()
+            reader.wait()
+
+
+class Terminal:
+    """A terminal of 100 columns and 30 lines, whose output can be stopped as by Ctrl-S."""
+
+    def __init__(self):
+        self.screen, self.program_side = pty.openpty()
+        fcntl.ioctl(self.program_side, termios.TIOCSWINSZ, struct.pack("HHHH", 30, 100, 0, 0))
+        self.shown = b""
+
+    def stop(self):
+        termios.tcflow(self.program_side, termios.TCOOFF)
+
+    def go_on(self):
+        termios.tcflow(self.program_side, termios.TCOON)
+
+    def read(self, seconds):
+        """What comes within the time; nothing if nothing comes."""
+        if not select.select([self.screen], [], [], seconds)[0]:
+            return b""
+        piece = os.read(self.screen, 65536)
+        self.shown += piece
+        return piece
+
+    def close(self):
+        os.close(self.screen)
+        os.close(self.program_side)
+
+
+@check
+def a_stopped_terminal_does_not_stop_the_plant():
+    """Ctrl-S: clients are answered; Ctrl-Q: the table goes on; a signal ends the run while the terminal is stopped."""
+    terminal = Terminal()
+    try:
+        with started("run", first_plant_file(), stdout=terminal.program_side, env={**os.environ, "TERM": "xterm"}) as (process, _):
+            address = re.compile(rb"MC protocol\D*127\.0\.0\.1:(\d+)")
+            until(lambda: terminal.read(1) is not None and address.search(terminal.shown), "the table does not name the port")
+            port = int(address.search(terminal.shown)[1])
+            terminal.stop()
+            while terminal.read(1):
+                pass  # what was under way
+            with mc.McClient("127.0.0.1", port, timeout=PATIENCE) as plc:
+                write_many(plc, 0, 20)
+                require(not terminal.read(1), "the terminal is not stopped")
+                terminal.go_on()
+                require(terminal.read(PATIENCE), "the table does not go on")
+                terminal.stop()
+                write_many(plc, 100, 20)
+            require(ends(process, signal.SIGTERM) == 0, "exit code")
+    finally:
+        terminal.close()
+
+
+# --- the system has no more of it
+
+
+def processor_time(process):
+    """Seconds that the process has used."""
+    fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+@check
+def more_clients_than_file_descriptors_are_refused_in_words():
+    """`ulimit -n 32`: eight clients of the bus join; whoever is too many is told so, and the run goes on without burning time."""
+    limit = lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (32, 32))
+    with started("run", first_plant_file(), "--json", preexec_fn=limit) as (process, lines):
+        ports, events = {}, []
+        while len(ports) < 2:
+            events.append(json.loads(lines.line()))
+            if events[-1]["event"] == "listen":
+                ports[events[-1]["protocol"]] = int(host_port(events[-1]["address"])[1])
+        stop = threading.Event()
+
+        def read():
+            while not stop.is_set():
+                if select.select([lines.descriptor], [], [], 0.1)[0]:
+                    if (line := lines.line()) is None:
+                        return
+                    events.append(json.loads(line))
+
+        reader = threading.Thread(target=read, daemon=True)
+        reader.start()
+        with contextlib.ExitStack() as stack:
+            def connect(port):
+                return stack.enter_context(socket.create_connection(("127.0.0.1", port), PATIENCE))
+
+            for _ in range(8):
+                client = connect(ports["socketcand"])
+                require(client.recv(100) == b"< hi >", "a client is not greeted")
+                client.sendall(b"< open line1 >")
+                require(client.recv(100) == b"< ok >", "a client does not join")
+            plc = stack.enter_context(mc.McClient("127.0.0.1", ports["MC protocol"], timeout=PATIENCE))
+            too_many = [connect(ports["socketcand"]) for _ in range(30)]
+            answers = {client.recv(100) for client in too_many}
+            require(b"< error too many open files >" in answers, f"answers: {answers}")
+            refused = connect(ports["MC protocol"])
+            require(refused.recv(100) == b"", "a PLC client that is too many is not turned away")
+            before = processor_time(process)
+            time.sleep(2)
+            used = processor_time(process) - before
+            require(used < 0.5, f"it used {used} s of 2 s")
+            plc.write("D100", [4711])
+            require(plc.read("D100") == [4711], "the PLC does not answer any more")
+            until(lambda: any(e["event"] == "error" and "was refused: the process has no file descriptor left" in e["message"]
+                              for e in list(events)), f"no error says so: {events[-5:]}")
+
+        def greeted():
+            with socket.create_connection(("127.0.0.1", ports["socketcand"]), PATIENCE) as client:
+                return client.recv(100) == b"< hi >"
+
+        until(greeted, "nobody can join after the others left")
+        stop.set()
+        reader.join()
+        require(ends(process, signal.SIGTERM) == 0, "exit code")
+
+
+@check
+def a_store_folder_belongs_to_one_run_at_a_time():
+    """The second run says who has it, and ends; after kill -9 of the first the next one starts."""
+    plant = scratch / "one-store.toml"
+    plant.write_text(first_plant_file().read_text().replace('listen = "127.0.0.1:0"', 'listen = "127.0.0.1:0"\nstore = "one-store"'))
+    with started("run", plant, "--json") as (first, lines):
+        mc_address(lines)
+        second = subprocess.run([program, "run", str(plant), "--json"], capture_output=True, text=True, timeout=PATIENCE)
+        require(second.returncode == 1, f"exit code {second.returncode}: {second.stderr}")
+        require(re.search(rf"one-store\.toml:\d+:\d+: .*another process \({first.pid}\) uses it", second.stderr), second.stderr)
+        require(second.stdout == "", f"it printed {second.stdout[:200]}")
+        looked = subprocess.run([program, "check", str(plant)], capture_output=True, text=True, timeout=PATIENCE)
+        require(looked.returncode == 0, f"a check needs the folder: {looked.stderr}")
+        first.kill()
+        first.wait()
+    with started("run", plant, "--json") as (third, lines):
+        mc_address(lines)
+        require(ends(third, signal.SIGTERM) == 0, "exit code")
 
 
 # --- the reader goes, the disk is full
