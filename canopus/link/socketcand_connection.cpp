@@ -85,11 +85,7 @@ void SocketcandServer::Client::receive(const can::Frame& frame, can::Time now) {
   Message* slot = lost_ == 0 ? claim_slot(reserved_for_answers) : nullptr;
   if (slot == nullptr) {
     ++server_->statistics.frames_lost;
-    if (++lost_ == server_->limits.lost_frames) {
-      ++server_->statistics.clients_too_slow;
-      too_slow_ = true;
-      leave_later();
-    }
+    if (++lost_ == server_->limits.lost_frames) judge_reading();
     return;
   }
   ++server_->statistics.frames_to_clients;
@@ -157,6 +153,19 @@ void SocketcandServer::Client::report_lost() {
   message(text);
 }
 
+/// Ends a client whose socket takes nothing. Real time decides, not frames: a plant that was late catches up with
+/// thousands of them at once, and no client can read them in between.
+void SocketcandServer::Client::judge_reading() {
+  stall_.expires_after(server_->limits.stall);
+  stall_.async_wait([self = shared_from_this(), before = written_](const error_code& failure) {
+    if (failure || self->server_ == nullptr || self->lost_ < self->server_->limits.lost_frames) return;
+    if (self->written_ != before) return self->judge_reading();
+    ++self->server_->statistics.clients_too_slow;
+    self->too_slow_ = true;
+    self->leave();
+  });
+}
+
 void SocketcandServer::Client::message(std::string_view text) {
   if (gone_) return;
   Message* slot = claim_slot(0);
@@ -185,6 +194,7 @@ void SocketcandServer::Client::on_written(const error_code& failure) {
   if (server_ == nullptr) return;
   front_ = (front_ + 1) % queue_.size();
   --queued_;
+  ++written_;
   if (failure) {
     client_is_gone(server_->clock.now());
     if (server_ == nullptr) return;
@@ -221,6 +231,7 @@ void SocketcandServer::Client::leave() {
   const std::uint64_t dropped = gone_ ? on_the_way_ + drop_input() : 0;
   error_code ignored;
   socket_.close(ignored);
+  stall_.cancel();
   attachment_.reset();
   server.clock.touched();
   server.remove(this);

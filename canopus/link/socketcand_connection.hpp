@@ -67,7 +67,8 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
         socket_(std::move(socket)),
         name_(name_of_peer(socket_)),
         session_(server.bus_name, *this, *this),
-        queue_(std::max(server.limits.queue, 2 * reserved_for_answers)) {}
+        queue_(std::max(server.limits.queue, 2 * reserved_for_answers)),
+        stall_(server.io) {}
 
   [[nodiscard]] bool attach() {
     attachment_ = server_->attach(*this);
@@ -130,6 +131,7 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
   void write_next();
   Message* claim_slot(std::size_t reserve);
   void report_lost();
+  void judge_reading();
   void bus_has_room(can::Time now);
   void after_input(SocketcandSession::State before, can::Time now);
   void client_is_gone(can::Time now);
@@ -159,6 +161,8 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
   bool too_slow_ = false;              // read nothing for so long that its connection ends
   bool leaving_ = false;               // leave() is about to come
   std::uint64_t lost_ = 0;             // frames since there was room last
+  std::uint64_t written_ = 0;          // messages that its socket took
+  boost::asio::steady_timer stall_;    // runs while it is judged whether the client reads at all
   std::uint32_t on_the_way_ = 0;       // frames given to the bus and not yet transmitted
   can::Time hold_until_ = can::never;  // frames wait for this moment when it is not never
   can::Time close_at_ = can::never;    // when to close whatever is still unsent

@@ -52,10 +52,12 @@ class AttachedClient : public can::Participant {
 using AttachToBus = std::function<std::unique_ptr<BusAttachment>(AttachedClient& client)>;
 
 struct SocketcandLimits {
-  AllowList allowed{};               ///< who may connect
-  std::size_t clients = 32;          ///< connections at a time; one more is told so and closed
-  std::size_t queue = 2048;          ///< messages that wait for one client's socket, at least 1024
-  std::uint64_t lost_frames = 8192;  ///< frames in a row lost to a full queue until the client is closed
+  AllowList allowed{};       ///< who may connect
+  std::size_t clients = 32;  ///< connections at a time; one more is told so and closed
+  std::size_t queue = 2048;  ///< messages that wait for one client's socket, at least 1024
+  /// Frames in a row lost to a full queue from which on a client is closed that takes nothing for `stall`.
+  std::uint64_t lost_frames = 8192;
+  std::chrono::milliseconds stall{2000};  ///< real time
   /// Run time between the answer to `rawmode` and the first frame: the python-can client takes whatever one
   /// recv() returns for the answer, so nothing may follow it closely.
   can::Duration settle = std::chrono::milliseconds(20);

@@ -469,12 +469,24 @@ TEST_F(SlowSocketcandClient, ThatReadsAgain_IsToldHowMuchItMissed) {
 }
 
 TEST_F(SlowSocketcandClient, ThatLosesTooMuch_IsClosed) {
-  start({.queue = 1024, .lost_frames = 1000});
+  start({.queue = 1024, .lost_frames = 1000, .stall = 0ms});
   DeafClient deaf(io, server->port());
   flood_until([&] { return server->statistics().clients_too_slow > 0; });
   until([&] { return bus.participants() == 0; });
   EXPECT_GE(server->statistics().frames_lost, 1000U);
   EXPECT_EQ(server->statistics().clients_too_slow, 1U);
+}
+
+// A plant that was late brings all frames of that time at once.
+TEST_F(SlowSocketcandClient, ThatLosesTooMuchAtOnceButReads_StaysAndIsTold) {
+  start({.queue = 1024, .lost_frames = 1000, .stall = 0ms});
+  const auto reader = connect_raw();
+  bus.advance(30ms);
+  for (int i = 0; i < 20'000; ++i) bus.inject(can::data_frame(0x181, {1, 2, 3, 4, 5, 6, 7, 8}));
+  EXPECT_GE(server->statistics().frames_lost, 18'000U);
+  flood_until([&] { return reader->all().find("frames, read faster >") != std::string::npos; });
+  EXPECT_EQ(server->statistics().clients, 1U);
+  EXPECT_EQ(server->statistics().clients_too_slow, 0U);
 }
 
 TEST_F(SlowSocketcandClient, ThatOnlyAsks_IsNotReadAnyFurtherAndOthersAreServed) {
