@@ -27,7 +27,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const auto lines = static_cast<std::size_t>(std::ranges::count(text, '\n')) + 1;
   const app::NetworkReading reading = app::read_network(text, "network.toml");
-  for (const app::PlantError& error : reading.errors) {
+  for (const app::FileError& error : reading.errors) {
     expect(!error.message.empty() && error.place.line <= lines);
     expect(app::describe(error, "network.toml").starts_with("network.toml:"));
   }

@@ -22,7 +22,7 @@ int check_plant(const CheckOptions& options, Output& out, Output& err) {
   const std::string& path = options.plant;
   const auto plant = load_plant(path, nobody, err);
   if (!plant) return 2;
-  for (const PlantWarning& warning : plant->warnings()) err.line("{}", describe(warning, path));
+  for (const FileWarning& warning : plant->warnings()) err.line("{}", describe(warning, path));
   for (const std::string& line : plant->connections()) out.line("{}", line);
   const PlantFile& file = plant->file();
   const std::size_t warnings = plant->warnings().size();

@@ -55,7 +55,7 @@ std::expected<void, std::string> Connection::open() {
   if (error) return failed(error.message());
   error = asio::error::would_block;
   asio::async_connect(socket_, found, [&error](error_code result, const tcp::endpoint&) { error = result; });
-  if (!finish()) return failed("no connection within " + describe(to_.timeout));
+  if (!finish()) return failed("no connection within " + describe_duration(to_.timeout));
   if (error == asio::error::connection_refused) {
     return failed(
         error.message() +
@@ -76,7 +76,7 @@ std::expected<std::string, std::string> Connection::exchange(std::string request
     asio::async_read_until(socket_, asio::dynamic_buffer(answer, longest_answer), '\n',
                            [&](error_code end, std::size_t) { error = end; });
   });
-  if (!finish()) return failed("no answer within " + describe(to_.timeout));
+  if (!finish()) return failed("no answer within " + describe_duration(to_.timeout));
   if (error == asio::error::eof) return failed("the plant closed the connection");
   if (error) return failed(error.message());
   return answer;

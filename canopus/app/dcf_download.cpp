@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "canopus/app/module_network.hpp"
 #include "canopus/manager/concise_dcf.hpp"
 
 namespace canopus::app {
@@ -51,8 +50,8 @@ class Download {
       }
     }
   }
-  std::vector<PlantError> take(std::span<const ObjectSetting> settings) {
-    std::vector<PlantError> errors;
+  std::vector<FileError> take(std::span<const ObjectSetting> settings) {
+    std::vector<FileError> errors;
     for (const ObjectSetting& setting : settings) {
       const auto [index, sub] = setting.object;
       const std::string name = fmt::format("{:04X}:{:02X}", index, sub);
@@ -144,7 +143,7 @@ class Download {
 
 }  // namespace
 
-std::expected<std::vector<std::uint8_t>, std::vector<PlantError>> concise_dcf_of(
+std::expected<std::vector<std::uint8_t>, std::vector<FileError>> concise_dcf_of(
     const eds::DeviceFile& file, std::span<const ObjectSetting> settings, std::uint8_t node_id) {
   Download download(*file.dictionary, node_id);
   download.take_configured(file);

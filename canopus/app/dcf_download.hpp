@@ -10,14 +10,15 @@
 #include <span>
 #include <vector>
 
-#include "canopus/app/plant_file.hpp"
+#include "canopus/app/file_error.hpp"
+#include "canopus/app/object_value.hpp"
 #include "canopus/eds/device_file.hpp"
 
 namespace canopus::app {
 
 /// The concise DCF; no bytes when nothing is to be written. Errors are about `settings`: an object that the
 /// file does not have or that cannot be written, a value that does not fit.
-[[nodiscard]] std::expected<std::vector<std::uint8_t>, std::vector<PlantError>> concise_dcf_of(
+[[nodiscard]] std::expected<std::vector<std::uint8_t>, std::vector<FileError>> concise_dcf_of(
     const eds::DeviceFile& file, std::span<const ObjectSetting> settings, std::uint8_t node_id);
 
 }  // namespace canopus::app

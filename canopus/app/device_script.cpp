@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "canopus/app/plant_errors.hpp"
+#include "canopus/app/file_error.hpp"
 #include "canopus/app/process_value.hpp"
 
 namespace canopus::app {
@@ -26,7 +26,7 @@ std::string_view trimmed(std::string_view text) {
 }
 
 std::optional<sim::ScriptStep> step_of(const sim::Device& device, const ScriptSection& script,
-                                       PlantErrors& errors) {
+                                       FileErrors& errors) {
   sim::ScriptStep step;
   bool good = true;
   const auto wrong = [&](Place place, std::string_view key, const std::string& why) {
@@ -250,8 +250,8 @@ std::expected<sim::Condition, std::string> parse_condition(const sim::Device& de
   return sim::Condition{*entry, *comparison, *value};
 }
 
-std::vector<PlantError> add_scripts(sim::Device& device, const std::vector<ScriptSection>& scripts) {
-  PlantErrors errors;
+std::vector<FileError> add_scripts(sim::Device& device, const std::vector<ScriptSection>& scripts) {
+  FileErrors errors;
   for (const ScriptSection& script : scripts) {
     if (const auto step = step_of(device, script, errors)) device.add_script_step(*step);
   }

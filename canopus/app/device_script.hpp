@@ -17,8 +17,8 @@ namespace canopus::app {
                                                                          std::string_view text);
 
 /// Gives the device the scripts that are good; the others are errors.
-[[nodiscard]] std::vector<PlantError> add_scripts(sim::Device& device,
-                                                  const std::vector<ScriptSection>& scripts);
+[[nodiscard]] std::vector<FileError> add_scripts(sim::Device& device,
+                                                 const std::vector<ScriptSection>& scripts);
 
 /// What is wrong with a CSV text, and where.
 struct CsvProblem {

@@ -246,14 +246,15 @@ std::string describe(const ForcedObject& forced) {
 
 std::vector<std::string> describe(const RunSummary& summary) {
   std::vector<std::string> lines;
-  std::string time = fmt::format("ran {} of plant time in {}", describe(summary.end.time_since_epoch()),
-                                 describe(summary.wall));
+  std::string time =
+      fmt::format("ran {} of plant time in {}", describe_duration(summary.end.time_since_epoch()),
+                  describe_duration(summary.wall));
   if (summary.virtual_time) {
     const double ratio =
         can::seconds(summary.end) / std::max(1e-9, std::chrono::duration<double>(summary.wall).count());
     time += fmt::format(", {:.0f} times as fast as real time", ratio);
   } else {
-    time += fmt::format(", at most {} late", describe(summary.largest_lag));
+    time += fmt::format(", at most {} late", describe_duration(summary.largest_lag));
   }
   lines.push_back(std::move(time));
   for (const auto& bus : summary.buses) {

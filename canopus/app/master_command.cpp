@@ -186,7 +186,7 @@ std::optional<NetworkFile> read_network_file(const std::string& path) {
     return std::nullopt;
   }
   NetworkReading reading = read_network(*text, path);
-  for (const PlantError& error : reading.errors) print_error("{}", describe(error, path));
+  for (const FileError& error : reading.errors) print_error("{}", describe(error, path));
   if (!reading.errors.empty()) return std::nullopt;
   return std::move(reading.network);
 }
@@ -213,7 +213,7 @@ int boot(const Arguments& arguments) {
   Printer printer(arguments.bus.json, arguments.quiet, !arguments.bus.json && wants_colour(STDOUT_FILENO));
   NoBus no_bus;
   if (const auto trial = NetworkMaster::build(*file, no_bus, printer); !trial) {
-    for (const PlantError& error : trial.error()) print_error("{}", describe(error, file->path));
+    for (const FileError& error : trial.error()) print_error("{}", describe(error, file->path));
     return exit_code::usage;
   }
   return with_bus(arguments.bus, [&](BusLoop& bus, can::Duration time_out) {

@@ -19,11 +19,6 @@
 
 namespace canopus::app {
 
-/// The bytes of a plant file's value as an object of this type holds it, or what is wrong with it: "300 does
-/// not fit UNSIGNED8".
-[[nodiscard]] std::expected<std::vector<std::uint8_t>, std::string> encode(const Scalar& value,
-                                                                           canopen::DataType type);
-
 /// A slave as its master's engineer knows it: from its device file, or from the settings of another module.
 struct SlaveDescription {
   std::string_view name{};
@@ -47,11 +42,11 @@ class ModuleNetwork {
 
   /// Assigns a slave and connects its PDOs. Without `every_link` what cannot be connected is no error;
   /// left_out() has it.
-  [[nodiscard]] std::vector<PlantError> add_slave(const SlaveSection& slave,
-                                                  const SlaveDescription& description, bool every_link);
+  [[nodiscard]] std::vector<FileError> add_slave(const SlaveSection& slave,
+                                                 const SlaveDescription& description, bool every_link);
   /// The same; `file` is the slave's, as configured.
-  [[nodiscard]] std::vector<PlantError> add_slave(const SlaveSection& slave, const eds::DeviceFile& file,
-                                                  std::string_view name, bool every_link) {
+  [[nodiscard]] std::vector<FileError> add_slave(const SlaveSection& slave, const eds::DeviceFile& file,
+                                                 std::string_view name, bool every_link) {
     return add_slave(slave, SlaveDescription::of(file, slave.node, name), every_link);
   }
   /// 1F80H bit 0: the module is the NMT master. To be called last.

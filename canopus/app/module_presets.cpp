@@ -4,8 +4,8 @@
 
 #include <fmt/ranges.h>
 
+#include "canopus/app/file_error.hpp"
 #include "canopus/app/module_network.hpp"
-#include "canopus/app/plant_errors.hpp"
 
 namespace canopus::app {
 
@@ -20,9 +20,9 @@ std::vector<unsigned> bit_rates(const module::DataSheet& data_sheet) {
 
 }  // namespace
 
-std::vector<PlantError> preset_words(module::CommunicationModule& module, const module::DataSheet& data_sheet,
-                                     const ModuleSection& section, const BusSection& bus) {
-  PlantErrors errors;
+std::vector<FileError> preset_words(module::CommunicationModule& module, const module::DataSheet& data_sheet,
+                                    const ModuleSection& section, const BusSection& bus) {
+  FileErrors errors;
   const std::string_view model = section.model;
   if (!module.preset_bit_rate(bus.bit_rate)) {
     errors.add(section.place,
@@ -60,8 +60,8 @@ std::vector<PlantError> preset_words(module::CommunicationModule& module, const 
   return errors.take();
 }
 
-std::vector<PlantError> preset_objects(module::CommunicationModule& module, const ModuleSection& section) {
-  PlantErrors errors;
+std::vector<FileError> preset_objects(module::CommunicationModule& module, const ModuleSection& section) {
+  FileErrors errors;
   for (const ObjectSetting& setting : section.objects) {
     const auto [index, sub] = setting.object;
     const canopen::Entry entry = module.node().dictionary().description().find(index, sub);

@@ -11,11 +11,11 @@
 namespace canopus::app {
 
 /// Bit rate of the bus, node-ID and words; and whether the built-in PLC program can do what it is asked for.
-[[nodiscard]] std::vector<PlantError> preset_words(module::CommunicationModule& module,
-                                                   const module::DataSheet& data_sheet,
-                                                   const ModuleSection& section, const BusSection& bus);
+[[nodiscard]] std::vector<FileError> preset_words(module::CommunicationModule& module,
+                                                  const module::DataSheet& data_sheet,
+                                                  const ModuleSection& section, const BusSection& bus);
 /// Its objects, over whatever set some of them before.
-[[nodiscard]] std::vector<PlantError> preset_objects(module::CommunicationModule& module,
-                                                     const ModuleSection& section);
+[[nodiscard]] std::vector<FileError> preset_objects(module::CommunicationModule& module,
+                                                    const ModuleSection& section);
 
 }  // namespace canopus::app

@@ -9,7 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "canopus/app/plant_file.hpp"
+#include "canopus/app/file_error.hpp"
+#include "canopus/app/object_value.hpp"
 #include "canopus/manager/flying_master.hpp"
 #include "canopus/manager/master_options.hpp"
 
@@ -64,7 +65,7 @@ struct NetworkFile {
 
 struct NetworkReading {
   NetworkFile network;
-  std::vector<PlantError> errors{};
+  std::vector<FileError> errors{};
 };
 [[nodiscard]] NetworkReading read_network(std::string_view text, std::string path);
 

@@ -49,7 +49,7 @@ NetworkMaster::NetworkMaster(const NetworkFile& file, can::Sink& sink, NetworkOb
   master().set_configuration_source(this);
 }
 
-std::expected<std::unique_ptr<NetworkMaster>, std::vector<PlantError>> NetworkMaster::build(
+std::expected<std::unique_ptr<NetworkMaster>, std::vector<FileError>> NetworkMaster::build(
     const NetworkFile& file, can::Sink& sink, NetworkObserver& observer) {
   std::unique_ptr<NetworkMaster> network(new NetworkMaster(file, sink, observer));
   network->store(0x1F80, 0, start_up_of(file));
@@ -58,7 +58,7 @@ std::expected<std::unique_ptr<NetworkMaster>, std::vector<PlantError>> NetworkMa
                  static_cast<std::uint32_t>(file.nmt_inhibit_time / std::chrono::microseconds(100)));
   if (file.flying) network->store_flying(*file.flying);
   if (file.boot_time) network->store(0x1F89, 0, whole_milliseconds(*file.boot_time));
-  std::vector<PlantError> errors;
+  std::vector<FileError> errors;
   for (const NetworkSlave& slave : network->file_.slaves) {
     std::ranges::move(network->prepare(slave), std::back_inserter(errors));
   }
@@ -75,7 +75,7 @@ void NetworkMaster::store_flying(const manager::FlyingMasterTiming& timing) {
   store(0x1F90, 6, whole_milliseconds(timing.detect_cycle));
 }
 
-std::vector<PlantError> NetworkMaster::prepare(const NetworkSlave& slave) {
+std::vector<FileError> NetworkMaster::prepare(const NetworkSlave& slave) {
   namespace bit = manager::assignment_bit;
   const std::uint32_t guard_time = whole_milliseconds(slave.guard_time);
   std::uint32_t assignment = bit::slave | bit::boot_slave;
@@ -114,11 +114,11 @@ std::vector<PlantError> NetworkMaster::prepare(const NetworkSlave& slave) {
   return {};
 }
 
-std::expected<eds::Identity, std::vector<PlantError>> NetworkMaster::prepare_device(
+std::expected<eds::Identity, std::vector<FileError>> NetworkMaster::prepare_device(
     const NetworkSlave& slave) {
   const auto refuse = [&](std::string_view what) {
     return std::unexpected(
-        std::vector<PlantError>{{slave.eds_place, fmt::format("eds = \"{}\": {}", slave.eds, what)}});
+        std::vector<FileError>{{slave.eds_place, fmt::format("eds = \"{}\": {}", slave.eds, what)}});
   };
   const auto text = read_beside(slave.eds);
   if (!text) return refuse(text.error());

@@ -41,7 +41,7 @@ class NetworkMaster final : public manager::MasterNode,
  public:
   /// Opens the device files and programs. Errors name the line of the network file. `sink` and `observer`
   /// outlive it.
-  [[nodiscard]] static std::expected<std::unique_ptr<NetworkMaster>, std::vector<PlantError>> build(
+  [[nodiscard]] static std::expected<std::unique_ptr<NetworkMaster>, std::vector<FileError>> build(
       const NetworkFile& file, can::Sink& sink, NetworkObserver& observer);
   ~NetworkMaster() override = default;
   NetworkMaster(const NetworkMaster&) = delete;
@@ -73,11 +73,11 @@ class NetworkMaster final : public manager::MasterNode,
  private:
   NetworkMaster(const NetworkFile& file, can::Sink& sink, NetworkObserver& observer);
   void store_flying(const manager::FlyingMasterTiming& timing);
-  std::vector<PlantError> prepare(const NetworkSlave& slave);
+  std::vector<FileError> prepare(const NetworkSlave& slave);
   /// A file whose name is relative to the network file. The error is a sentence.
   [[nodiscard]] std::expected<std::string, std::string> read_beside(const std::string& name) const;
   /// The device file's identity and configuration.
-  std::expected<eds::Identity, std::vector<PlantError>> prepare_device(const NetworkSlave& slave);
+  std::expected<eds::Identity, std::vector<FileError>> prepare_device(const NetworkSlave& slave);
   void expect_configuration(std::uint8_t node_id);
   void look_for_master(can::Time now);
   void store(std::uint16_t index, std::uint8_t sub, std::uint32_t value) {

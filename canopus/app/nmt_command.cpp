@@ -75,10 +75,10 @@ int command_node(const Arguments& arguments, const Service& service) {
     if (!sent) return complain(exit_code::failed, "the bus takes no frame");
     if (end != BusLoop::End::done) {
       const bool boots = service.state == NmtState::initialising;
-      return complain_of(
-          end, bus,
-          fmt::format("node {} does not show {} within {}", node,
-                      boots ? "its boot-up message" : canopen::name(service.state), describe(time_out)));
+      return complain_of(end, bus,
+                         fmt::format("node {} does not show {} within {}", node,
+                                     boots ? "its boot-up message" : canopen::name(service.state),
+                                     describe_duration(time_out)));
     }
     const std::string whom = all ? "all nodes" : fmt::format("node {}", node);
     if (arguments.bus.json) {

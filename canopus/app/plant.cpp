@@ -10,20 +10,20 @@ namespace canopus::app {
 Plant::Plant() : parts_(std::make_unique<Parts>()) {}
 Plant::~Plant() = default;
 
-std::expected<std::unique_ptr<Plant>, std::vector<PlantError>> Plant::build(
+std::expected<std::unique_ptr<Plant>, std::vector<FileError>> Plant::build(
     const PlantFile& file, PlantObserver& observer, std::optional<std::uint64_t> seed) {
   std::unique_ptr<Plant> plant(new Plant);
   plant->parts_->file = file;
   auto errors = assemble(*plant->parts_, observer, seed.value_or(file.seed));
   if (!errors.empty()) {
-    std::ranges::stable_sort(errors, {}, &PlantError::place);
+    std::ranges::stable_sort(errors, {}, &FileError::place);
     return std::unexpected(std::move(errors));
   }
-  std::ranges::stable_sort(plant->parts_->warnings, {}, &PlantWarning::place);
+  std::ranges::stable_sort(plant->parts_->warnings, {}, &FileWarning::place);
   return plant;
 }
 
-std::vector<PlantError> Plant::open_stores() { return parts_->stores->open(); }
+std::vector<FileError> Plant::open_stores() { return parts_->stores->open(); }
 
 void Plant::power_on() {
   const can::Time now = parts_->timeline.now();
@@ -44,7 +44,7 @@ void Plant::power_on() {
 can::Timeline& Plant::timeline() noexcept { return parts_->timeline; }
 const std::string& Plant::name() const noexcept { return parts_->file.name; }
 const PlantFile& Plant::file() const noexcept { return parts_->file; }
-const std::vector<PlantWarning>& Plant::warnings() const noexcept { return parts_->warnings; }
+const std::vector<FileWarning>& Plant::warnings() const noexcept { return parts_->warnings; }
 std::size_t Plant::bus_count() const noexcept { return parts_->buses.size(); }
 sim::Bus& Plant::bus(std::size_t number) noexcept { return *parts_->buses[number]; }
 const BusSection& Plant::bus_section(std::size_t number) const noexcept { return parts_->file.buses[number]; }

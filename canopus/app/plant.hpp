@@ -126,7 +126,7 @@ class Plant {
   /// Opens the device files and builds everything that is usable, switched off. Errors name the line of the
   /// plant file; notes of device files that were repaired are not among them (`canopus eds check` shows
   /// those). `seed` replaces the file's.
-  [[nodiscard]] static std::expected<std::unique_ptr<Plant>, std::vector<PlantError>> build(
+  [[nodiscard]] static std::expected<std::unique_ptr<Plant>, std::vector<FileError>> build(
       const PlantFile& file, PlantObserver& observer, std::optional<std::uint64_t> seed = std::nullopt);
   ~Plant();
   Plant(const Plant&) = delete;
@@ -134,7 +134,7 @@ class Plant {
 
   /// Takes the `store` folders for this plant alone, until it ends. To be called before power_on() by whoever
   /// runs a plant; who only looks at one leaves them alone. Errors name the line of the plant file.
-  [[nodiscard]] std::vector<PlantError> open_stores();
+  [[nodiscard]] std::vector<FileError> open_stores();
 
   /// Switches everything on at the timeline's now; devices with a later start follow by themselves.
   void power_on();
@@ -143,7 +143,7 @@ class Plant {
   [[nodiscard]] const std::string& name() const noexcept;
   [[nodiscard]] const PlantFile& file() const noexcept;
   /// What a person should know of the plant file, in its order.
-  [[nodiscard]] const std::vector<PlantWarning>& warnings() const noexcept;
+  [[nodiscard]] const std::vector<FileWarning>& warnings() const noexcept;
   [[nodiscard]] std::size_t bus_count() const noexcept;
   [[nodiscard]] sim::Bus& bus(std::size_t number) noexcept;
   [[nodiscard]] const BusSection& bus_section(std::size_t number) const noexcept;

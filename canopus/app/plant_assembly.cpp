@@ -8,11 +8,11 @@
 #include <fmt/format.h>
 
 #include "canopus/app/device_script.hpp"
+#include "canopus/app/file_error.hpp"
 #include "canopus/app/file_text.hpp"
 #include "canopus/app/module_catalogue.hpp"
 #include "canopus/app/module_network.hpp"
 #include "canopus/app/module_presets.hpp"
-#include "canopus/app/plant_errors.hpp"
 #include "canopus/app/plant_parts.hpp"
 #include "canopus/app/plant_review.hpp"
 #include "canopus/app/run_memory.hpp"
@@ -50,7 +50,7 @@ class Assembly {
         folder_(std::filesystem::path(parts.file.path).parent_path()),
         stores_(parts.stores.emplace(folder_)) {}
 
-  std::vector<PlantError> run();
+  std::vector<FileError> run();
 
  private:
   using File = std::shared_ptr<const eds::DeviceFile>;
@@ -90,10 +90,10 @@ class Assembly {
   std::vector<std::pair<const DeviceSection*, DeviceSeat*>> device_sections_;
   std::vector<std::pair<const ModuleSection*, ModuleSeat*>> module_sections_;
   bool complete_ = true;  // nothing had to be left out
-  PlantErrors errors_;
+  FileErrors errors_;
 };
 
-std::vector<PlantError> Assembly::run() {
+std::vector<FileError> Assembly::run() {
   for (const BusSection& section : parts_.file.buses) {
     parts_.buses.push_back(std::make_unique<sim::Bus>(section.name, section.bit_rate, parts_.timeline));
     parts_.watches.push_back(std::make_unique<BusWatch>(section.name, observer_));
@@ -459,7 +459,7 @@ void Assembly::add_outside_slave(const ModuleSection& master, const SlaveSection
 
 }  // namespace
 
-std::vector<PlantError> assemble(Plant::Parts& parts, PlantObserver& observer, std::uint64_t seed) {
+std::vector<FileError> assemble(Plant::Parts& parts, PlantObserver& observer, std::uint64_t seed) {
   return Assembly(parts, observer, seed).run();
 }
 

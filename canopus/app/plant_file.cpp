@@ -9,6 +9,7 @@
 
 #include "canopus/app/module_catalogue.hpp"
 #include "canopus/app/plant_references.hpp"
+#include "canopus/app/plant_sections.hpp"
 #include "canopus/app/table_reader.hpp"
 #include "canopus/can/controller.hpp"
 
@@ -333,24 +334,12 @@ PlantReading read_plant(std::string_view text, std::string path) {
   top.tables("plc", "plc", [&](TableReader& table) { plant.plcs.push_back(read_plc(table)); });
   top.finish();
   check_references(plant, reading.errors);
-  std::ranges::stable_sort(reading.errors, {}, &PlantError::place);
+  std::ranges::stable_sort(reading.errors, {}, &FileError::place);
   return reading;
 }
 
 std::string shown_name(const ModuleSection& module) {
   return !module.name.empty() ? module.name : fmt::format("{} U{:X}", module.model, module.head / 16);
-}
-
-std::string describe(Place place, std::string_view path) {
-  return place.line == 0 ? std::string(path) : fmt::format("{}:{}:{}", path, place.line, place.column);
-}
-
-std::string describe(const PlantError& error, std::string_view path) {
-  return fmt::format("{}: {}", describe(error.place, path), error.message);
-}
-
-std::string describe(const PlantWarning& warning, std::string_view path) {
-  return fmt::format("{}: warning: {}", describe(warning.place, path), warning.message);
 }
 
 }  // namespace canopus::app

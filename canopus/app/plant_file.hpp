@@ -8,9 +8,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
+#include "canopus/app/file_error.hpp"
+#include "canopus/app/object_value.hpp"
 #include "canopus/app/text_values.hpp"
 #include "canopus/link/allow_list.hpp"
 #include "canopus/module/module.hpp"
@@ -18,36 +19,6 @@
 #include "canopus/sim/fault.hpp"
 
 namespace canopus::app {
-
-/// Where something stands in the plant file; line 0 = nowhere (made up by a default).
-struct Place {
-  std::uint32_t line = 0;
-  std::uint32_t column = 0;
-  friend auto operator<=>(const Place&, const Place&) = default;
-};
-
-/// A mistake in the plant file, or in something it names: the plant does not start.
-struct PlantError {
-  Place place{};
-  std::string message{};
-  friend bool operator==(const PlantError&, const PlantError&) = default;
-};
-
-/// Something that a person should know: the plant starts, but probably not as it was meant.
-struct PlantWarning {
-  Place place{};
-  std::string message{};
-  friend bool operator==(const PlantWarning&, const PlantWarning&) = default;
-};
-
-using Scalar = std::variant<bool, std::int64_t, double, std::string>;
-
-/// An entry of a device's or module's object dictionary and the value it gets before power-on.
-struct ObjectSetting {
-  Place place{};
-  ObjectName object{};
-  Scalar value;
-};
 
 /// A buffer memory word and the value it gets before power-on.
 struct BufferSetting {
@@ -205,18 +176,11 @@ struct PlantFile {
 /// else is wrong, and must not be started.
 struct PlantReading {
   PlantFile plant;
-  std::vector<PlantError> errors{};
+  std::vector<FileError> errors{};
 };
 [[nodiscard]] PlantReading read_plant(std::string_view text, std::string path);
 
 /// "ME3CAN1-Q U0", or the name it has in the plant file.
 [[nodiscard]] std::string shown_name(const ModuleSection& module);
-
-/// "plant.toml:14:9"; the path alone for nowhere.
-[[nodiscard]] std::string describe(Place place, std::string_view path);
-/// "plant.toml:14:9: node = 128: a node-ID is 1 to 127"
-[[nodiscard]] std::string describe(const PlantError& error, std::string_view path);
-/// "plant.toml:14:9: warning: node 3 waits for SYNC, but nobody on bus \"line1\" produces it"
-[[nodiscard]] std::string describe(const PlantWarning& warning, std::string_view path);
 
 }  // namespace canopus::app

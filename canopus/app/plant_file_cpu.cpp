@@ -1,5 +1,6 @@
 // The CPU of a PLC in a plant file: its type, and how many points its devices have.
 
+#include "canopus/app/plant_sections.hpp"
 #include "canopus/app/table_reader.hpp"
 #include "canopus/plc/device_points.hpp"
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "canopus/app/plant_sections.hpp"
 #include "canopus/app/table_reader.hpp"
 #include "canopus/can/frame.hpp"
 

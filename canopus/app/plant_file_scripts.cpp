@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "canopus/app/plant_sections.hpp"
 #include "canopus/app/table_reader.hpp"
 
 namespace canopus::app {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "canopus/app/plant_references.hpp"
+#include "canopus/app/plant_sections.hpp"
 #include "canopus/app/table_reader.hpp"
 #include "canopus/link/allow_list.hpp"
 
@@ -18,7 +19,7 @@ namespace {
 /// Two servers cannot have one port of one address.
 class Ports {
  public:
-  Ports(const PlantFile& plant, std::vector<PlantError>& errors) : plant_(plant), errors_(errors) {}
+  Ports(const PlantFile& plant, std::vector<FileError>& errors) : plant_(plant), errors_(errors) {}
 
   void check() {
     for (const PlcSection& plc : plant_.plcs) {
@@ -68,7 +69,7 @@ class Ports {
   }
 
   const PlantFile& plant_;
-  std::vector<PlantError>& errors_;
+  std::vector<FileError>& errors_;
   std::map<std::uint16_t, Addresses> ports_;
 };
 
@@ -103,6 +104,6 @@ link::AllowList read_allowed(TableReader& table, std::string_view key, std::stri
   return link::AllowList(std::move(networks));
 }
 
-void check_servers(const PlantFile& plant, std::vector<PlantError>& errors) { Ports(plant, errors).check(); }
+void check_servers(const PlantFile& plant, std::vector<FileError>& errors) { Ports(plant, errors).check(); }
 
 }  // namespace canopus::app

@@ -22,7 +22,7 @@ std::unique_ptr<Plant> load_plant(const std::string& path, PlantObserver& observ
     return nullptr;
   }
   PlantReading reading = read_plant(*text, path);
-  std::vector<PlantError> errors = std::move(reading.errors);
+  std::vector<FileError> errors = std::move(reading.errors);
   if (errors.size() < enough_errors) {  // also with some, to find the others
     auto plant = Plant::build(reading.plant, observer, seed);
     if (!plant) errors.insert(errors.end(), plant.error().begin(), plant.error().end());
@@ -32,8 +32,8 @@ std::unique_ptr<Plant> load_plant(const std::string& path, PlantObserver& observ
   return nullptr;
 }
 
-void print_errors(std::vector<PlantError> errors, const std::string& path, Output& err) {
-  std::ranges::stable_sort(errors, {}, &PlantError::place);
+void print_errors(std::vector<FileError> errors, const std::string& path, Output& err) {
+  std::ranges::stable_sort(errors, {}, &FileError::place);
   for (std::size_t i = 0; i < errors.size() && i < enough_errors; ++i)
     err.line("{}", describe(errors[i], path));
   if (errors.size() > enough_errors) {

@@ -18,6 +18,6 @@ namespace canopus::app {
                                                 std::optional<std::uint64_t> seed = std::nullopt);
 
 /// The first hundred in the order of the file, and how many more there are.
-void print_errors(std::vector<PlantError> errors, const std::string& path, Output& err);
+void print_errors(std::vector<FileError> errors, const std::string& path, Output& err);
 
 }  // namespace canopus::app

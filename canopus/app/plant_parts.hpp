@@ -34,7 +34,7 @@ struct Plant::Parts {
   std::vector<can::Timeline::Handle> cpu_error_handles;
   std::unique_ptr<LoadReport> load_report;
   std::vector<std::string> connections;
-  std::vector<PlantWarning> warnings;
+  std::vector<FileWarning> warnings;
   std::optional<PlantStores> stores;
   bool has_stalled = false;
 
@@ -44,7 +44,7 @@ struct Plant::Parts {
 };
 
 /// Opens the device files and fills `parts` from parts.file. All errors are found at once.
-[[nodiscard]] std::vector<PlantError> assemble(Plant::Parts& parts, PlantObserver& observer,
-                                               std::uint64_t seed);
+[[nodiscard]] std::vector<FileError> assemble(Plant::Parts& parts, PlantObserver& observer,
+                                              std::uint64_t seed);
 
 }  // namespace canopus::app

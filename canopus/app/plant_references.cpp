@@ -24,7 +24,7 @@ unsigned points(const ModuleSection& module) {
 /// Looks at a plant in one pass, whatever its size: every question is a look-up.
 class References {
  public:
-  References(PlantFile& plant, std::vector<PlantError>& errors) : plant_(plant), errors_(errors) {}
+  References(PlantFile& plant, std::vector<FileError>& errors) : plant_(plant), errors_(errors) {}
 
   void check() {
     check_buses();
@@ -283,7 +283,7 @@ class References {
   }
 
   PlantFile& plant_;
-  std::vector<PlantError>& errors_;
+  std::vector<FileError>& errors_;
   std::map<std::string, Bus> buses_;
   std::map<std::pair<std::string, unsigned>, Member> by_node_;  // bus and node-ID
   std::map<std::string, std::vector<Member>> by_name_;
@@ -291,7 +291,7 @@ class References {
 
 }  // namespace
 
-void check_references(PlantFile& plant, std::vector<PlantError>& errors) {
+void check_references(PlantFile& plant, std::vector<FileError>& errors) {
   References(plant, errors).check();
   check_servers(plant, errors);
 }

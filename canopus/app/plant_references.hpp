@@ -9,9 +9,9 @@
 namespace canopus::app {
 
 /// Finds them, names the bus of everything that leaves it out, and marks as not usable what cannot be built.
-void check_references(PlantFile& plant, std::vector<PlantError>& errors);
+void check_references(PlantFile& plant, std::vector<FileError>& errors);
 
 /// Adds the mistake of every server that would have the port of another one. In plant_file_servers.cpp.
-void check_servers(const PlantFile& plant, std::vector<PlantError>& errors);
+void check_servers(const PlantFile& plant, std::vector<FileError>& errors);
 
 }  // namespace canopus::app

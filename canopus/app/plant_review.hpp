@@ -74,7 +74,7 @@ struct ReviewedPdo {
 /// Where the plant file sets the object; else where the node begins.
 [[nodiscard]] Place place_of(const ReviewedNode& node, std::uint16_t index, std::uint8_t sub) noexcept;
 
-using Warnings = std::vector<PlantWarning>;
+using Warnings = std::vector<FileWarning>;
 
 // --- one finding each
 

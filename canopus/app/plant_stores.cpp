@@ -78,7 +78,7 @@ std::string owner_of(const DeviceSection& device, std::string_view unit) {
 
 }  // namespace
 
-const PlantStores::Folder* PlantStores::folder(const std::string& store, Place place, PlantErrors& errors) {
+const PlantStores::Folder* PlantStores::folder(const std::string& store, Place place, FileErrors& errors) {
   if (store.find('\0') != std::string::npos) {
     errors.add(place, "store: a path cannot hold the character NUL");
     return nullptr;
@@ -107,7 +107,7 @@ bool PlantStores::is_old(const fs::path& folder, const Claim& claim) const {
   return false;
 }
 
-void PlantStores::claim(const Folder& folder, const Claim& claim, const Files& files, PlantErrors& errors) {
+void PlantStores::claim(const Folder& folder, const Claim& claim, const Files& files, FileErrors& errors) {
   std::error_code unknown;
   fs::path key = fs::weakly_canonical(folder.path, unknown);
   if (unknown) key = folder.path;
@@ -127,7 +127,7 @@ void PlantStores::claim(const Folder& folder, const Claim& claim, const Files& f
   }
 }
 
-StoredAs PlantStores::claim(const DeviceSection& device, const std::string& unit, PlantErrors& errors) {
+StoredAs PlantStores::claim(const DeviceSection& device, const std::string& unit, FileErrors& errors) {
   const Folder* found = folder(device.store, device.store_place, errors);
   if (found == nullptr) return {};
   Claim mine{.place = device.store_place, .owner = owner_of(device, unit), .name = {}, .old_name = unit};
@@ -139,7 +139,7 @@ StoredAs PlantStores::claim(const DeviceSection& device, const std::string& unit
 }
 
 StoredAs PlantStores::claim(const PlcSection& plc, const ModuleSection& module,
-                            std::span<const std::string_view> names, PlantErrors& errors) {
+                            std::span<const std::string_view> names, FileErrors& errors) {
   const Folder* found = folder(plc.store, plc.store_place, errors);
   if (found == nullptr) return {};
   Claim mine{.place = plc.store_place,
@@ -153,7 +153,7 @@ StoredAs PlantStores::claim(const PlcSection& plc, const ModuleSection& module,
   return {found->path / mine.name, {}, mine.owner};
 }
 
-void PlantStores::review(PlantErrors& errors, std::vector<PlantWarning>& warnings) const {
+void PlantStores::review(FileErrors& errors, std::vector<FileWarning>& warnings) const {
   for (const auto& [key, found] : folders_) {
     const auto claimed = claims_.find(key);
     if (claimed == claims_.end()) continue;
@@ -201,8 +201,8 @@ void PlantStores::review(PlantErrors& errors, std::vector<PlantWarning>& warning
   }
 }
 
-std::vector<PlantError> PlantStores::open() {
-  PlantErrors errors;
+std::vector<FileError> PlantStores::open() {
+  FileErrors errors;
   for (const auto& [key, found] : folders_) {
     auto lock = store::FolderLock::take(found.path);
     if (!lock) {

@@ -21,7 +21,7 @@
 #include <utility>
 #include <vector>
 
-#include "canopus/app/plant_errors.hpp"
+#include "canopus/app/file_error.hpp"
 #include "canopus/app/plant_file.hpp"
 #include "canopus/store/folder_lock.hpp"
 
@@ -40,16 +40,16 @@ class PlantStores {
   explicit PlantStores(std::filesystem::path plant_folder) : plant_folder_(std::move(plant_folder)) {}
 
   /// Of a device with a `store`. `unit` is "node-003", or its LSS address while it has no node-ID.
-  [[nodiscard]] StoredAs claim(const DeviceSection& device, const std::string& unit, PlantErrors& errors);
+  [[nodiscard]] StoredAs claim(const DeviceSection& device, const std::string& unit, FileErrors& errors);
   /// Of a module of a PLC with a `store`; `names` are the files in its folder.
   [[nodiscard]] StoredAs claim(const PlcSection& plc, const ModuleSection& module,
-                               std::span<const std::string_view> names, PlantErrors& errors);
+                               std::span<const std::string_view> names, FileErrors& errors);
   /// To be called when everybody has claimed: what two could mean, and what nobody does.
-  void review(PlantErrors& errors, std::vector<PlantWarning>& warnings) const;
+  void review(FileErrors& errors, std::vector<FileWarning>& warnings) const;
 
   /// Locks the folders for as long as this object lives, and gives files of earlier versions their names.
   /// To be called before anything is switched on.
-  [[nodiscard]] std::vector<PlantError> open();
+  [[nodiscard]] std::vector<FileError> open();
 
  private:
   struct Folder {
@@ -65,8 +65,8 @@ class PlantStores {
   };
   struct Files;
   /// The folder of `store`, or nullptr after an error.
-  const Folder* folder(const std::string& store, Place place, PlantErrors& errors);
-  void claim(const Folder& folder, const Claim& claim, const Files& files, PlantErrors& errors);
+  const Folder* folder(const std::string& store, Place place, FileErrors& errors);
+  void claim(const Folder& folder, const Claim& claim, const Files& files, FileErrors& errors);
   [[nodiscard]] bool is_old(const std::filesystem::path& folder, const Claim& claim) const;
 
   std::filesystem::path plant_folder_;

@@ -84,7 +84,7 @@ struct PlcClient::Parts {
     return fmt::format("{}:{}: {}", connection.host, connection.port, what);
   }
 
-  [[nodiscard]] std::string within() const { return " within " + describe(connection.timeout); }
+  [[nodiscard]] std::string within() const { return " within " + describe_duration(connection.timeout); }
 
   /// Runs the operation that was started, at most for the time-out.
   bool finish() {

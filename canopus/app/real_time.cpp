@@ -104,16 +104,17 @@ void RealTime::advance() {
 void RealTime::report(const Pace::Step& step, can::Duration elapsed) {
   constexpr can::Duration worth_reporting = 50ms;
   if (step.suspended >= worth_reporting) {
-    observer_.error(
-        "real time",
-        fmt::format("the process was suspended for {}: plant time stood still", describe(step.suspended)),
-        timeline_.now());
+    observer_.error("real time",
+                    fmt::format("the process was suspended for {}: plant time stood still",
+                                describe_duration(step.suspended)),
+                    timeline_.now());
     if (resumed_) resumed_();
   }
   if (step.lag >= worth_reporting && elapsed >= report_again_) {
-    observer_.error("real time",
-                    fmt::format("the plant is {} late: this machine is too slow for it", describe(step.lag)),
-                    timeline_.now());
+    observer_.error(
+        "real time",
+        fmt::format("the plant is {} late: this machine is too slow for it", describe_duration(step.lag)),
+        timeline_.now());
     report_again_ = elapsed + 1s;
   }
 }

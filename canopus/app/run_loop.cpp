@@ -280,7 +280,7 @@ bool Run::came_up() {
   for (const std::string& line : lines) print_error("canopus: {}", line);
   if (lines.empty()) {
     print_error("canopus: all nodes are operational, but not within {}",
-                describe(*options_.operational_within));
+                describe_duration(*options_.operational_within));
   }
   return false;
 }
@@ -328,7 +328,7 @@ void Run::summarise(can::Duration wall) {
 
 /// A table leaves no room for warnings: they stand above it when it has gone.
 void Run::warn() {
-  for (const PlantWarning& warning : plant_->warnings()) {
+  for (const FileWarning& warning : plant_->warnings()) {
     if (has_table_) print_error("{}", describe(warning, options_.plant));
     observer().warning(describe(warning.place, options_.plant), warning.message, {});
   }

@@ -48,7 +48,7 @@ class Giver final : public canopen::ByteSource {
 
 std::string describe_abort(AbortCode code, bool aborted_by_server, can::Duration time_out) {
   if (code == AbortCode::timed_out && !aborted_by_server) {
-    return fmt::format("no answer within {}", describe(time_out));
+    return fmt::format("no answer within {}", describe_duration(time_out));
   }
   return fmt::format("{}abort {:08X}H: {}", aborted_by_server ? "" : "given up with ",
                      static_cast<std::uint32_t>(code), canopen::describe(code));

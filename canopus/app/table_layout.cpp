@@ -45,7 +45,7 @@ TableLine title(const TableState& state, std::size_t columns) {
                     up == all ? TableStyle::good : TableStyle::warning});
   fields.push_back({fmt::format("{:>8.1f} s", can::seconds(state.now)), 1});
   const std::string_view late = !is_late ? "late by" : columns < 60 ? "LATE" : "LATE by";
-  fields.push_back({fmt::format("{} {}", late, describe(state.lag)), is_late ? 0U : 2U,
+  fields.push_back({fmt::format("{} {}", late, describe_duration(state.lag)), is_late ? 0U : 2U,
                     is_late ? TableStyle::error : TableStyle::plain});
   const std::size_t name = std::max<std::size_t>(columns / 3, columns_of(printable(state.plant)));
   return line_of_fields(state.plant, name, std::move(fields), columns, TableStyle::bold);

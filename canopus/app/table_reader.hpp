@@ -17,7 +17,7 @@
 #include <fmt/ranges.h>
 #include <toml++/toml.h>
 
-#include "canopus/app/plant_file.hpp"
+#include "canopus/app/file_error.hpp"
 
 namespace canopus::app {
 
@@ -41,7 +41,7 @@ namespace canopus::app {
 
 class TableReader {
  public:
-  TableReader(const toml::table& table, std::string what, std::vector<PlantError>& errors)
+  TableReader(const toml::table& table, std::string what, std::vector<FileError>& errors)
       : table_(table), what_(std::move(what)), errors_(errors) {}
 
   [[nodiscard]] Place place() const { return place_of(table_.source()); }
@@ -176,30 +176,14 @@ class TableReader {
   }
   /// A mistake was found in the value of this key, or it is missing.
   [[nodiscard]] bool is_wrong(std::string_view key) const { return wrong_.contains(key); }
-  std::vector<PlantError>& errors() { return errors_; }
+  std::vector<FileError>& errors() { return errors_; }
 
  private:
   const toml::table& table_;
   std::string what_;
-  std::vector<PlantError>& errors_;
+  std::vector<FileError>& errors_;
   std::set<std::string, std::less<>> known_;
   std::set<std::string, std::less<>> wrong_;
 };
-
-/// `allow` of a section whose server listens where its key `key` says; none: it has no server. A server that
-/// other machines can reach needs a list.
-[[nodiscard]] link::AllowList read_allowed(TableReader& table, std::string_view key,
-                                           std::string_view protocol,
-                                           const std::optional<HostAndPort>& place);
-
-/// `cpu_model` and `devices` of a [[plc]].
-[[nodiscard]] plc::CpuModel read_cpu_model(TableReader& table);
-
-/// A [[bus.fault]].
-[[nodiscard]] FaultSection read_fault(TableReader& table);
-/// A [[device.script]].
-[[nodiscard]] ScriptSection read_script(TableReader& table);
-/// A [[device.playback]].
-[[nodiscard]] PlaybackSection read_playback(TableReader& table);
 
 }  // namespace canopus::app

@@ -93,7 +93,7 @@ std::expected<HostAndPort, std::string> parse_host_and_port(std::string_view tex
   return place;
 }
 
-std::string describe(can::Duration duration) {
+std::string describe_duration(can::Duration duration) {
   const double ns = static_cast<double>(duration.count());
   if (std::abs(ns) >= 1e9) return fmt::format("{:.3f} s", ns / 1e9);
   if (std::abs(ns) >= 1e6) return fmt::format("{:.1f} ms", ns / 1e6);

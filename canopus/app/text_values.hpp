@@ -35,6 +35,6 @@ struct HostAndPort {
 [[nodiscard]] std::expected<HostAndPort, std::string> parse_host_and_port(std::string_view text);
 
 /// "12.345 s", "250 ms", "40 us": for people.
-[[nodiscard]] std::string describe(can::Duration duration);
+[[nodiscard]] std::string describe_duration(can::Duration duration);
 
 }  // namespace canopus::app

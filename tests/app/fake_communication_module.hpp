@@ -14,7 +14,7 @@
 #include "canopus/canopen/dictionary_description.hpp"
 #include "canopus/module/communication_module.hpp"
 
-namespace canopus::app::testing {
+namespace canopus::app {
 
 class FakeCommunicationModule final : public module::CommunicationModule,
                                       public module::BufferMemoryAccess,
@@ -100,4 +100,4 @@ class FakeCommunicationModule final : public module::CommunicationModule,
   can::Time exchanged_at_ = can::never;
 };
 
-}  // namespace canopus::app::testing
+}  // namespace canopus::app

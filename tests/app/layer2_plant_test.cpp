@@ -43,12 +43,12 @@ std::vector<std::string> mistakes(const std::string& text) {
   struct Nobody final : PlantObserver {
   } nobody;
   const PlantReading reading = read_plant(text, "plant.toml");
-  std::vector<PlantError> errors = reading.errors;
+  std::vector<FileError> errors = reading.errors;
   if (errors.empty()) {
     if (auto built = Plant::build(reading.plant, nobody); !built) errors = built.error();
   }
   std::vector<std::string> lines;
-  for (const PlantError& error : errors) lines.push_back(describe(error, "plant.toml"));
+  for (const FileError& error : errors) lines.push_back(describe(error, "plant.toml"));
   return lines;
 }
 

@@ -15,15 +15,14 @@ namespace canopus::app {
 namespace {
 
 using ::testing::ElementsAre;
-using testing::FakeCommunicationModule;
 using ::testing::IsEmpty;
 using namespace std::chrono_literals;
 
 constexpr BusSection fast_bus() { return {.name = "line1", .bit_rate = 500'000}; }
 
-std::vector<std::string> described(const std::vector<PlantError>& errors) {
+std::vector<std::string> described(const std::vector<FileError>& errors) {
   std::vector<std::string> lines;
-  for (const PlantError& error : errors) lines.push_back(describe(error, "plant.toml"));
+  for (const FileError& error : errors) lines.push_back(describe(error, "plant.toml"));
   return lines;
 }
 

@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 
 std::vector<std::string> errors_of(std::string_view text) {
   std::vector<std::string> lines;
-  for (const PlantError& error : read_network(text, "n.toml").errors)
+  for (const FileError& error : read_network(text, "n.toml").errors)
     lines.push_back(describe(error, "n.toml"));
   return lines;
 }

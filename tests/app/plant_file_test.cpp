@@ -61,7 +61,7 @@ send = 1
 
 std::vector<std::string> errors_of(std::string_view text) {
   std::vector<std::string> lines;
-  for (const PlantError& error : read_plant(text, "plant.toml").errors)
+  for (const FileError& error : read_plant(text, "plant.toml").errors)
     lines.push_back(describe(error, "plant.toml"));
   return lines;
 }
@@ -375,7 +375,7 @@ RC_GTEST_PROP(PlantFile, EveryErrorOfADamagedFileHasALine, ()) {
     const auto place = *rc::gen::inRange<std::size_t>(0, text.size());
     text[place] = *rc::gen::arbitrary<char>();
   }
-  for (const PlantError& error : read_plant(text, "plant.toml").errors) RC_ASSERT(error.place.line >= 1U);
+  for (const FileError& error : read_plant(text, "plant.toml").errors) RC_ASSERT(error.place.line >= 1U);
 }
 
 TEST(PlantFile, Recover_IsAboutTheBuiltInProgram) {

@@ -17,7 +17,7 @@ TEST(PlantStall, APartThatAsksForOneMomentWithoutEnd_IsReportedByNameAndTheOther
       "[[bus]]\nname = \"line1\"\nbit_rate = 250_000\n[[device]]\nnode = 5\neds = \"" CANOPUS_SOURCE_DIR
       "/examples/devices/io-block.eds\"\n",
       "test.toml");
-  for (const PlantError& error : reading.errors) ADD_FAILURE() << describe(error, "test.toml");
+  for (const FileError& error : reading.errors) ADD_FAILURE() << describe(error, "test.toml");
   struct Watcher final : PlantObserver {
     void error(std::string_view source, std::string_view message, can::Time now) override {
       errors.push_back(std::string(source) + ": " + std::string(message));

@@ -83,7 +83,7 @@ class PlantStoresTest : public PlantFolder {
   std::unique_ptr<Plant> start(std::string_view text) {
     auto plant = load(text, nobody_);
     if (plant == nullptr) return nullptr;
-    for (const PlantError& error : plant->open_stores()) ADD_FAILURE() << error.message;
+    for (const FileError& error : plant->open_stores()) ADD_FAILURE() << error.message;
     plant->power_on();
     plant->timeline().run_until(can::Time{10ms});
     return plant;

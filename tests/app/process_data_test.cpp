@@ -38,7 +38,7 @@ class ProcessDataTest : public ::testing::Test, public PlantObserver, public can
     const std::string key = "exchange = \"20ms\"";
     text.replace(text.find(key), key.size(), key + "\n" + keys);
     const PlantReading reading = read_plant(text, path);
-    for (const PlantError& error : reading.errors) ADD_FAILURE() << describe(error, path);
+    for (const FileError& error : reading.errors) ADD_FAILURE() << describe(error, path);
     auto built = Plant::build(reading.plant, *this);
     ASSERT_TRUE(built.has_value()) << describe(built.error()[0], path);
     plant_ = std::move(*built);
