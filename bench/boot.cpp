@@ -7,7 +7,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "canopus/manager/master_node.hpp"
+#include "canopus/manager/nmt/master_node.hpp"
 
 #include "measure.hpp"
 #include "network.hpp"

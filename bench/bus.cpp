@@ -1,6 +1,6 @@
 // How long a frame's exact length takes, and how long a frame takes on a full simulated bus.
 
-#include "canopus/sim/bus.hpp"
+#include "canopus/sim/bus/bus.hpp"
 
 #include <array>
 #include <cstdint>
@@ -13,7 +13,7 @@
 
 #include "canopus/can/frame_bits.hpp"
 #include "canopus/can/timeline.hpp"
-#include "canopus/canopen/frame_of.hpp"
+#include "canopus/canopen/service/frame_of.hpp"
 
 #include "measure.hpp"
 #include "network.hpp"

@@ -21,7 +21,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "canopus/app/run_loop.hpp"
+#include "canopus/cli/run/run_loop.hpp"
 
 #include "measure.hpp"
 
@@ -62,7 +62,7 @@ class RunningPlant {
     }
     file.close();
     child_ = ::fork();
-    if (child_ == 0) std::_Exit(canopus::app::run_plant({.plant = path_, .quiet = true}));
+    if (child_ == 0) std::_Exit(canopus::cli::run_plant({.plant = path_, .quiet = true}));
     for (int attempt = 0; attempt < 500; ++attempt) {
       boost::system::error_code error;
       tcp::socket next(context_);

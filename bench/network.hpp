@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-#include "canopus/canopen/node.hpp"
+#include "canopus/canopen/node/node.hpp"
 
 namespace canopus::bench {
 

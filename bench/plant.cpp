@@ -1,7 +1,7 @@
 // A whole plant: twenty devices under one ME3CAN1-Q at 1 Mbit/s, in virtual time, built from the example
 // device files.
 
-#include "canopus/app/plant.hpp"
+#include "canopus/plant/plant.hpp"
 
 #include <fstream>
 #include <sstream>
@@ -10,7 +10,7 @@
 #include <malloc.h>
 
 #include "canopus/eds/device_file.hpp"
-#include "canopus/sim/device.hpp"
+#include "canopus/sim/device/device.hpp"
 
 #include "measure.hpp"
 
@@ -41,18 +41,18 @@ std::string plant_text(unsigned devices = 20, unsigned buses = 1, const std::str
   return text + modules;
 }
 
-struct Nobody final : app::PlantObserver {};
+struct Nobody final : plant::PlantObserver {};
 
 /// A second of plant time; per item: a frame on a bus.
 void simulated_seconds(benchmark::State& state, const std::string& text, unsigned buses) {
-  const app::PlantReading reading = app::read_plant(text, "bench.toml");
+  const plant::PlantReading reading = plant::read_plant(text, "bench.toml");
   Nobody nobody;
-  auto plant = app::Plant::build(reading.plant, nobody);
+  auto plant = plant::Plant::build(reading.plant, nobody);
   if (!reading.errors.empty() || !plant) return state.SkipWithError("the plant cannot be built");
   (*plant)->power_on();
   can::Timeline& timeline = (*plant)->timeline();
   timeline.run_until(can::Time{} + std::chrono::seconds(10));
-  for (const app::NodeStatus& node : (*plant)->nodes()) {
+  for (const plant::NodeStatus& node : (*plant)->nodes()) {
     if (node.state != canopen::NmtState::operational) return state.SkipWithError("a node is not operational");
   }
   const auto all_frames = [&] {
@@ -79,9 +79,9 @@ BENCHMARK(simulated_seconds_by_nodes)->Apply(bench::nodes_and_buses)->Unit(bench
 /// From the text of the plant file and the files of the devices to the first frame on the bus.
 void twenty_devices_start(benchmark::State& state) {
   for (auto _ : state) {
-    const app::PlantReading reading = app::read_plant(plant_text(), "bench.toml");
+    const plant::PlantReading reading = plant::read_plant(plant_text(), "bench.toml");
     Nobody nobody;
-    auto plant = app::Plant::build(reading.plant, nobody);
+    auto plant = plant::Plant::build(reading.plant, nobody);
     if (!plant) return state.SkipWithError("the plant cannot be built");
     (*plant)->power_on();
     can::Timeline& timeline = (*plant)->timeline();

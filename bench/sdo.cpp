@@ -8,7 +8,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "canopus/canopen/sdo_client.hpp"
+#include "canopus/canopen/sdo/sdo_client.hpp"
 
 #include "measure.hpp"
 #include "network.hpp"

@@ -1,15 +1,16 @@
 # canopus_room(NAME [ROOMS room...] [LIBRARIES target...])
 #
-# One static library per room, from canopus/NAME/**.cpp. Includes read "canopus/NAME/thing.hpp"; a room's headers are
+# One static library per room, from canopus/NAME/**.cpp (a main.cpp is a program's, so that tests reach the rest). Includes read "canopus/NAME/thing.hpp"; a room's headers are
 # reached through a folder of its own that holds nothing but a link to them, so a room that does not name another in
 # ROOMS (directly or through one it names) cannot include its headers.
 function(canopus_room name)
   cmake_parse_arguments(ARG "" "" "ROOMS;LIBRARIES" ${ARGN})
   set(root ${CMAKE_CURRENT_SOURCE_DIR}/canopus/${name})
-  set(door ${CMAKE_BINARY_DIR}/rooms/${name})
-  file(MAKE_DIRECTORY ${door}/canopus)
-  file(CREATE_LINK ${root} ${door}/canopus/${name} SYMBOLIC)
+  set(headers ${CMAKE_BINARY_DIR}/rooms/${name})
+  file(MAKE_DIRECTORY ${headers}/canopus)
+  file(CREATE_LINK ${root} ${headers}/canopus/${name} SYMBOLIC)
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${root}/*.cpp)
+  list(REMOVE_ITEM sources ${root}/main.cpp)
   if(sources)
     add_library(canopus_${name} STATIC ${sources})
     set(scope PUBLIC)
@@ -19,34 +20,7 @@ function(canopus_room name)
     set(scope INTERFACE)
   endif()
   add_library(canopus::${name} ALIAS canopus_${name})  # for projects that add_subdirectory() this one
-  target_include_directories(canopus_${name} ${scope} ${door})
+  target_include_directories(canopus_${name} ${scope} ${headers})
   list(TRANSFORM ARG_ROOMS PREPEND canopus_)
   target_link_libraries(canopus_${name} ${scope} ${ARG_ROOMS} ${ARG_LIBRARIES})
 endfunction()
-
-# The program: everything in canopus/app except main.cpp is a library, so that tests reach it.
-macro(canopus_app)
-  find_package(CLI11 REQUIRED)
-  find_package(nlohmann_json REQUIRED)
-  find_package(tomlplusplus REQUIRED)
-  set(root ${CMAKE_CURRENT_SOURCE_DIR}/canopus/app)
-  set(door ${CMAKE_BINARY_DIR}/rooms/app)
-  file(MAKE_DIRECTORY ${door}/canopus)
-  file(CREATE_LINK ${root} ${door}/canopus/app SYMBOLIC)
-  file(GLOB_RECURSE app_sources CONFIGURE_DEPENDS ${root}/*.cpp)
-  list(REMOVE_ITEM app_sources ${root}/main.cpp)
-  if(app_sources)
-    add_library(canopus_app STATIC ${app_sources})
-    target_include_directories(canopus_app PUBLIC ${door})
-    target_compile_definitions(canopus_app PRIVATE CANOPUS_VERSION="${CANOPUS_VERSION}")
-    target_link_libraries(canopus_app PUBLIC canopus_plc canopus_sim canopus_link canopus_store canopus_eds
-                                             CLI11::CLI11 nlohmann_json::nlohmann_json PRIVATE tomlplusplus::tomlplusplus canopus_options)
-    # toml++ 3.3 asserts that a key begins where a wrong file need not have one ("[[}"), before it reports just that.
-    target_compile_options(canopus_app PUBLIC "-DTOML_ASSERT(condition)=static_assert(true)")
-    if(EXISTS ${root}/main.cpp)
-      add_executable(canopus ${root}/main.cpp)
-      target_link_libraries(canopus PRIVATE canopus_app canopus_options)
-      set_target_properties(canopus PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR})
-    endif()
-  endif()
-endmacro()

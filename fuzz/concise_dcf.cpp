@@ -1,6 +1,6 @@
 // Any bytes as a concise DCF: read without leaving them, checked, and written again.
 
-#include "canopus/manager/concise_dcf.hpp"
+#include "canopus/manager/boot/concise_dcf.hpp"
 
 #include <string>
 #include <vector>

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "canopus/canopen/object_dictionary.hpp"
+#include "canopus/canopen/dictionary/object_dictionary.hpp"
 #include "canopus/eds/device_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

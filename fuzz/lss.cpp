@@ -4,8 +4,8 @@
 
 #include <deque>
 
-#include "canopus/manager/lss_search.hpp"
-#include "canopus/manager/lss_slave.hpp"
+#include "canopus/lss/lss_search.hpp"
+#include "canopus/lss/lss_slave.hpp"
 
 #include "input.hpp"
 
@@ -15,9 +15,9 @@ using namespace canopus;
 using namespace std::chrono_literals;
 using fuzz::expect;
 using fuzz::Input;
-using manager::LssAddress;
-using manager::LssMaster;
-using manager::LssResult;
+using lss::LssAddress;
+using lss::LssMaster;
+using lss::LssResult;
 
 constexpr LssAddress addresses[] = {{0x1D0, 0x11223344, 0x00010002, 7},
                                     {0x1D0, 0x11223344, 0x00010002, 0x80000008}};
@@ -31,7 +31,7 @@ struct Sender final : can::Sink {
   Network* to;
 };
 
-class Device final : manager::LssSlaveUser {
+class Device final : lss::LssSlaveUser {
  public:
   Device(Network& network, const LssAddress& address) : sender_(network), slave(sender_, *this, address) {}
   void node_id_assigned(std::uint8_t node_id, can::Time) override { expect(node_id >= 1 && node_id <= 127); }
@@ -52,20 +52,20 @@ class Device final : manager::LssSlaveUser {
   Sender sender_;
 
  public:
-  manager::LssSlave slave;
+  lss::LssSlave slave;
   std::uint32_t bit_rate = network_bit_rate;
   Stored stored = Stored::done;
 };
 
-class Network final : manager::LssMasterUser, manager::LssSearchUser {
+class Network final : lss::LssMasterUser, lss::LssSearchUser {
  public:
   explicit Network(Input& input) : input_(input) {
     for (unsigned i = 0; i < 2; ++i) {
       const std::uint8_t shape = input_.byte();
       Device& device = *devices_[i];
       if ((shape & 1) == 0) device.bit_rate = 125'000;
-      device.stored = static_cast<manager::LssSlaveUser::Stored>(shape % 3);
-      device.slave.start((shape & 8) != 0 ? static_cast<std::uint8_t>(10 + i) : manager::lss::unconfigured,
+      device.stored = static_cast<lss::LssSlaveUser::Stored>(shape % 3);
+      device.slave.start((shape & 8) != 0 ? static_cast<std::uint8_t>(10 + i) : lss::unconfigured,
                          device.bit_rate);
     }
   }
@@ -120,7 +120,7 @@ class Network final : manager::LssMasterUser, manager::LssSearchUser {
     expect(master.address() == addresses[0] || master.address() == addresses[1]);
   }
   void change_bit_rate(std::uint32_t rate, can::Time) override {
-    expect(manager::lss::bit_rate_index(rate).has_value());
+    expect(lss::bit_rate_index(rate).has_value());
     own_bit_rate_ = rate;
   }
   void lss_search_finished(std::uint8_t node_id, bool, can::Time) override {
@@ -129,7 +129,7 @@ class Network final : manager::LssMasterUser, manager::LssSearchUser {
 
   void step() {
     switch (input_.choice(8)) {
-      case 0: return hear(input_.frame(input_.flag() ? manager::lss::from_master : manager::lss::from_slave));
+      case 0: return hear(input_.frame(input_.flag() ? lss::from_master : lss::from_slave));
       case 1: return begin_service();
       case 2:
         if (!master_.busy() && !search_.running())
@@ -144,8 +144,8 @@ class Network final : manager::LssMasterUser, manager::LssSearchUser {
                                              0x51, 0x5A, 0x5D, 0x5E, 0x44, 0x4F, 0x50};
         const std::uint8_t command = input_.one_of(commands);
         const std::uint32_t part = addresses[0].part(command);
-        return hear(manager::lss::frame(manager::lss::from_master, command,
-                                        input_.flag() ? part : static_cast<std::uint32_t>(input_.number(3))));
+        return hear(lss::frame(lss::from_master, command,
+                               input_.flag() ? part : static_cast<std::uint32_t>(input_.number(3))));
       }
       default:
         if (search_.running()) {
@@ -213,7 +213,7 @@ class Network final : manager::LssMasterUser, manager::LssSearchUser {
     while (!wire_.empty()) {
       const can::Frame frame = wire_.front();
       wire_.pop_front();
-      if (frame.identifier == manager::lss::from_slave) {
+      if (frame.identifier == lss::from_slave) {
         master_.receive(frame, now_);
         search_.receive(frame, now_);
         continue;
@@ -229,7 +229,7 @@ class Network final : manager::LssMasterUser, manager::LssSearchUser {
   std::deque<can::Frame> wire_;
   Sender sender_{*this};
   LssMaster master_{sender_, *this};
-  manager::LssSearch search_{sender_, *this};
+  lss::LssSearch search_{sender_, *this};
   Device first_{*this, addresses[0]};
   Device second_{*this, addresses[1]};
   Device* devices_[2] = {&first_, &second_};

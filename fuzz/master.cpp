@@ -7,10 +7,10 @@
 #include <deque>
 #include <vector>
 
-#include "canopus/canopen/node.hpp"
-#include "canopus/manager/concise_dcf.hpp"
-#include "canopus/manager/configuration_manager.hpp"
-#include "canopus/manager/nmt_master.hpp"
+#include "canopus/canopen/node/node.hpp"
+#include "canopus/manager/boot/concise_dcf.hpp"
+#include "canopus/manager/configuration/configuration_manager.hpp"
+#include "canopus/manager/nmt/nmt_master.hpp"
 
 #include "input.hpp"
 #include "master_network.hpp"

@@ -7,7 +7,7 @@
 #include <deque>
 #include <memory>
 
-#include "canopus/canopen/object_dictionary.hpp"
+#include "canopus/canopen/dictionary/object_dictionary.hpp"
 
 #include "input.hpp"
 

@@ -10,9 +10,9 @@
 #include <span>
 
 #include "canopus/can/timeline.hpp"
-#include "canopus/module/module.hpp"
+#include "canopus/module/interface/module.hpp"
 #include "canopus/plc/melsec/session.hpp"
-#include "canopus/plc/rack.hpp"
+#include "canopus/plc/rack/rack.hpp"
 
 namespace {
 

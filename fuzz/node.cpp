@@ -3,7 +3,7 @@
 // state forbids, hears nothing it says it does not want, its deadlines lead somewhere, and streams are closed
 // as often as opened.
 
-#include "canopus/canopen/node.hpp"
+#include "canopus/canopen/node/node.hpp"
 
 #include <vector>
 

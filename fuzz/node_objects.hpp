@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "canopus/canopen/object_dictionary.hpp"
-#include "canopus/canopen/parameter_store.hpp"
+#include "canopus/canopen/dictionary/object_dictionary.hpp"
+#include "canopus/canopen/dictionary/parameter_store.hpp"
 
 #include "input.hpp"
 

@@ -6,8 +6,8 @@
 #include <deque>
 #include <vector>
 
-#include "canopus/canopen/node.hpp"
-#include "canopus/canopen/sdo_client.hpp"
+#include "canopus/canopen/node/node.hpp"
+#include "canopus/canopen/sdo/sdo_client.hpp"
 
 #include "input.hpp"
 

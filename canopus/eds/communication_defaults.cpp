@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "canopus/canopen/cob_id.hpp"
+#include "canopus/canopen/service/cob_id.hpp"
 
 namespace canopus::eds {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "canopus/canopen/cob_id.hpp"
+#include "canopus/canopen/service/cob_id.hpp"
 #include "canopus/eds/draft.hpp"
 #include "canopus/eds/problems.hpp"
 

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "canopus/canopen/dictionary_description.hpp"
+#include "canopus/canopen/dictionary/dictionary_description.hpp"
 
 namespace canopus::eds {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "canopus/canopen/dictionary_description.hpp"
+#include "canopus/canopen/dictionary/dictionary_description.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/eds/ini.hpp"
 

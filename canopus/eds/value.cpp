@@ -6,7 +6,7 @@
 #include <string>
 
 #include "canopus/can/little_endian.hpp"
-#include "canopus/canopen/dictionary_description.hpp"
+#include "canopus/canopen/dictionary/dictionary_description.hpp"
 #include "canopus/eds/number.hpp"
 #include "canopus/eds/words.hpp"
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "canopus/canopen/data_type.hpp"
+#include "canopus/canopen/dictionary/data_type.hpp"
 #include "canopus/eds/ini.hpp"
 
 namespace canopus::eds {

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "canopus/canopen/data_type.hpp"
+#include "canopus/canopen/dictionary/data_type.hpp"
 
 namespace canopus::eds {
 

@@ -12,7 +12,7 @@
 #include <filesystem>
 #include <string>
 
-#include "canopus/module/non_volatile_memory.hpp"
+#include "canopus/module/interface/non_volatile_memory.hpp"
 #include "canopus/store/files.hpp"
 
 namespace canopus::store {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "canopus/canopen/parameter_store.hpp"
+#include "canopus/canopen/dictionary/parameter_store.hpp"
 #include "canopus/store/file_memory.hpp"
 
 namespace canopus::store {

@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "canopus/canopen/sdo_client.hpp"
+#include "canopus/canopen/sdo/sdo_client.hpp"
 #include "canopus/link/bus_loop.hpp"
-#include "canopus/manager/master_dictionary.hpp"
-#include "canopus/manager/master_node.hpp"
+#include "canopus/manager/configuration/master_dictionary.hpp"
+#include "canopus/manager/nmt/master_node.hpp"
 
 namespace {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "canopus/canopen/node.hpp"
+#include "canopus/canopen/node/node.hpp"
 
 namespace canopus::canopen {
 

@@ -1,11 +1,11 @@
-#include "canopus/canopen/object_dictionary.hpp"
+#include "canopus/canopen/dictionary/object_dictionary.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "canopus/canopen/cob_id.hpp"
-#include "canopus/canopen/identifier_table.hpp"
-#include "canopus/canopen/timer_queue.hpp"
+#include "canopus/canopen/service/cob_id.hpp"
+#include "canopus/canopen/service/identifier_table.hpp"
+#include "canopus/canopen/service/timer_queue.hpp"
 
 namespace canopus::canopen {
 namespace {

@@ -1,4 +1,4 @@
-#include "canopus/canopen/pdo_mapping.hpp"
+#include "canopus/canopen/pdo/pdo_mapping.hpp"
 
 #include <gtest/gtest.h>
 

@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "canopus/canopen/sdo_client.hpp"
+#include "canopus/canopen/sdo/sdo_client.hpp"
 
 #include "canopen/conversation.hpp"
 

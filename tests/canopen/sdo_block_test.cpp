@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "canopus/canopen/sdo_client.hpp"
-#include "canopus/canopen/sdo_crc.hpp"
+#include "canopus/canopen/sdo/sdo_client.hpp"
+#include "canopus/canopen/sdo/sdo_crc.hpp"
 
 #include "canopen/conversation.hpp"
 

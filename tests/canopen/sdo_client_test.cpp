@@ -1,4 +1,4 @@
-#include "canopus/canopen/sdo_client.hpp"
+#include "canopus/canopen/sdo/sdo_client.hpp"
 
 #include <gtest/gtest.h>
 

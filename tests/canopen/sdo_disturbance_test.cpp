@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "canopus/canopen/sdo_client.hpp"
+#include "canopus/canopen/sdo/sdo_client.hpp"
 
 #include "canopen/conversation.hpp"
 

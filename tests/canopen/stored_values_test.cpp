@@ -1,6 +1,6 @@
 // The bytes of stored values, written by hand: index, sub-index, length and value, little-endian.
 
-#include "canopus/canopen/stored_values.hpp"
+#include "canopus/canopen/dictionary/stored_values.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "canopus/canopen/object_dictionary.hpp"
+#include "canopus/canopen/dictionary/object_dictionary.hpp"
 #include "canopus/eds/device_file.hpp"
 
 namespace canopus::eds::test {

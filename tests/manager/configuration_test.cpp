@@ -2,8 +2,8 @@
 
 #include <gmock/gmock.h>
 
-#include "canopus/manager/concise_dcf.hpp"
-#include "canopus/manager/configuration_manager.hpp"
+#include "canopus/manager/boot/concise_dcf.hpp"
+#include "canopus/manager/configuration/configuration_manager.hpp"
 
 #include "master_bench.hpp"
 

@@ -11,7 +11,7 @@
 #include <list>
 #include <random>
 
-#include "canopus/sim/bus.hpp"
+#include "canopus/sim/bus/bus.hpp"
 
 #include "master_bench.hpp"
 

@@ -1,6 +1,6 @@
 // Flying master [CiA 302-2; ME3CAN1-Q 4.8.10]: one node's frames, and whole networks of masters.
 
-#include "canopus/manager/flying_master.hpp"
+#include "canopus/manager/nmt/flying_master.hpp"
 
 #include <cstdlib>
 #include <iostream>

@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "canopus/manager/concise_dcf.hpp"
+#include "canopus/manager/boot/concise_dcf.hpp"
 
 #include "master_bench.hpp"
 

@@ -1,6 +1,6 @@
 // Looking for a device by its LSS address at every bit rate [CiA 305; ME3CAN1-Q 4.8.11].
 
-#include "canopus/manager/lss_search.hpp"
+#include "canopus/lss/lss_search.hpp"
 
 #include <gmock/gmock.h>
 
@@ -11,9 +11,9 @@ namespace {
 
 using ::testing::ElementsAre;
 
-constexpr LssAddress address{0x71, 0xED63, 0x10000, 7};
+constexpr lss::LssAddress address{0x71, 0xED63, 0x10000, 7};
 
-class Search : public ::testing::Test, public can::Sink, public LssSearchUser {
+class Search : public ::testing::Test, public can::Sink, public lss::LssSearchUser {
  public:
   virtual ~Search() = default;
   bool send(const can::Frame& frame) override {
@@ -61,7 +61,7 @@ class Search : public ::testing::Test, public can::Sink, public LssSearchUser {
   std::uint32_t device_rate = 250'000;
   bool present = true;
   std::uint8_t refused = 0;
-  LssSearch search{*this, *this};
+  lss::LssSearch search{*this, *this};
 };
 
 TEST_F(Search, AtTheOwnRate_NodeIdBitRateStoreWaiting) {

@@ -7,8 +7,8 @@
 
 #include <gmock/gmock.h>
 
-#include "canopus/manager/lss_master.hpp"
-#include "canopus/manager/lss_slave.hpp"
+#include "canopus/lss/lss_master.hpp"
+#include "canopus/lss/lss_slave.hpp"
 
 #include "master_bench.hpp"
 
@@ -18,9 +18,9 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr LssAddress address{0x00000071, 0x0000ED63, 0x00010000, 0x12345678};
+constexpr lss::LssAddress address{0x00000071, 0x0000ED63, 0x00010000, 0x12345678};
 
-class LssSlaveTest : public ::testing::Test, public can::Sink, public LssSlaveUser {
+class LssSlaveTest : public ::testing::Test, public can::Sink, public lss::LssSlaveUser {
  public:
   LssSlaveTest() { slave.start(lss::unconfigured, 250'000); }
   virtual ~LssSlaveTest() = default;
@@ -48,7 +48,7 @@ class LssSlaveTest : public ::testing::Test, public can::Sink, public LssSlaveUs
   void configuration() { ask({0x04, 0x01}); }
 
   std::vector<std::string> lines;
-  LssSlave slave{*this, *this, address};
+  lss::LssSlave slave{*this, *this, address};
   can::Time now{};
   std::uint8_t assigned = 0;
   std::uint8_t stored_id = 0;
@@ -60,11 +60,11 @@ class LssSlaveTest : public ::testing::Test, public can::Sink, public LssSlaveUs
 
 TEST_F(LssSlaveTest, SwitchGlobal_IsNotAnswered) {
   EXPECT_THAT(ask({0x04, 0x01}), IsEmpty());
-  EXPECT_EQ(slave.state(), LssSlave::State::configuration);
+  EXPECT_EQ(slave.state(), lss::LssSlave::State::configuration);
   EXPECT_THAT(ask({0x04, 0x00}), IsEmpty());
-  EXPECT_EQ(slave.state(), LssSlave::State::waiting);
+  EXPECT_EQ(slave.state(), lss::LssSlave::State::waiting);
   ask({0x04, 0x02});
-  EXPECT_EQ(slave.state(), LssSlave::State::waiting);
+  EXPECT_EQ(slave.state(), lss::LssSlave::State::waiting);
 }
 
 TEST_F(LssSlaveTest, SwitchSelective_AllFourPartsMatch_IsAnswered) {
@@ -72,7 +72,7 @@ TEST_F(LssSlaveTest, SwitchSelective_AllFourPartsMatch_IsAnswered) {
   EXPECT_THAT(ask({0x41, 0x63, 0xED, 0x00, 0x00}), IsEmpty());
   EXPECT_THAT(ask({0x42, 0x00, 0x00, 0x01, 0x00}), IsEmpty());
   EXPECT_THAT(ask({0x43, 0x78, 0x56, 0x34, 0x12}), ElementsAre("7E4 44 00 00 00 00 00 00 00"));
-  EXPECT_EQ(slave.state(), LssSlave::State::configuration);
+  EXPECT_EQ(slave.state(), lss::LssSlave::State::configuration);
 }
 
 TEST_F(LssSlaveTest, SwitchSelective_OnePartDiffers_StaysWaiting) {
@@ -80,7 +80,7 @@ TEST_F(LssSlaveTest, SwitchSelective_OnePartDiffers_StaysWaiting) {
   ask({0x41, 0x64, 0xED, 0x00, 0x00});
   ask({0x42, 0x00, 0x00, 0x01, 0x00});
   EXPECT_THAT(ask({0x43, 0x78, 0x56, 0x34, 0x12}), IsEmpty());
-  EXPECT_EQ(slave.state(), LssSlave::State::waiting);
+  EXPECT_EQ(slave.state(), lss::LssSlave::State::waiting);
 }
 
 TEST_F(LssSlaveTest, SwitchSelective_OutOfOrder_StaysWaiting) {
@@ -210,9 +210,9 @@ TEST_F(LssSlaveTest, Fastscan_AnswersMatchingBits_AndEndsInConfigurationState) {
   EXPECT_THAT(scan(0x71, 0, 0, 1), heard);
   EXPECT_THAT(scan(0xED63, 0, 1, 2), heard);
   EXPECT_THAT(scan(0x00010000, 0, 2, 3), heard);
-  EXPECT_EQ(slave.state(), LssSlave::State::waiting);
+  EXPECT_EQ(slave.state(), lss::LssSlave::State::waiting);
   EXPECT_THAT(scan(0x12345678, 0, 3, 0), heard);
-  EXPECT_EQ(slave.state(), LssSlave::State::configuration);
+  EXPECT_EQ(slave.state(), lss::LssSlave::State::configuration);
 }
 
 TEST_F(LssSlaveTest, Fastscan_ConfiguredDevice_DoesNotAnswer) {
@@ -224,19 +224,19 @@ TEST_F(LssSlaveTest, ForeignFrames_AreIgnored) {
   slave.receive(can::data_frame(0x7E5, {0x04, 0x01}), now);  // too short
   slave.receive(can::data_frame(0x7E4, {0x04, 0x01, 0, 0, 0, 0, 0, 0}), now);
   slave.receive(can::remote_frame(0x7E5, 8), now);
-  EXPECT_EQ(slave.state(), LssSlave::State::waiting);
+  EXPECT_EQ(slave.state(), lss::LssSlave::State::waiting);
 }
 
 // --- master
 
-class LssMasterTest : public ::testing::Test, public can::Sink, public LssMasterUser {
+class LssMasterTest : public ::testing::Test, public can::Sink, public lss::LssMasterUser {
  public:
   virtual ~LssMasterTest() = default;
   bool send(const can::Frame& frame) override {
     lines.push_back(text(frame));
     return true;
   }
-  void lss_finished(LssMaster&, LssResult result, can::Time) override { results.push_back(result); }
+  void lss_finished(lss::LssMaster&, lss::LssResult result, can::Time) override { results.push_back(result); }
   void wait(can::Duration duration) {
     const can::Time end = now + duration;
     while (master.deadline() <= end) {
@@ -252,9 +252,9 @@ class LssMasterTest : public ::testing::Test, public can::Sink, public LssMaster
   }
 
   std::vector<std::string> lines;
-  std::vector<LssResult> results;
+  std::vector<lss::LssResult> results;
   can::Time now{};
-  LssMaster master{*this, *this};
+  lss::LssMaster master{*this, *this};
 };
 
 TEST_F(LssMasterTest, Select_SendsTheFourParts_AndIsDoneWithTheAnswer) {
@@ -265,7 +265,7 @@ TEST_F(LssMasterTest, Select_SendsTheFourParts_AndIsDoneWithTheAnswer) {
                                  "7E5 42 00 00 01 00 00 00 00", "7E5 43 78 56 34 12 00 00 00"));
   EXPECT_THAT(results, IsEmpty());
   hear({0x44});
-  EXPECT_THAT(results, ElementsAre(LssResult::done));
+  EXPECT_THAT(results, ElementsAre(lss::LssResult::done));
   EXPECT_FALSE(master.busy());
 }
 
@@ -274,7 +274,7 @@ TEST_F(LssMasterTest, Select_NoAnswerIn100Ms_IsSilence) {
   wait(102ms);
   EXPECT_THAT(results, IsEmpty());
   wait(1ms);
-  EXPECT_THAT(results, ElementsAre(LssResult::silence));
+  EXPECT_THAT(results, ElementsAre(lss::LssResult::silence));
 }
 
 TEST_F(LssMasterTest, ConfigureNodeId_DoneOrRefused) {
@@ -283,7 +283,7 @@ TEST_F(LssMasterTest, ConfigureNodeId_DoneOrRefused) {
   hear({0x11, 0x00});
   master.configure_node_id(5, now);
   hear({0x11, 0xFF, 0x07});
-  EXPECT_THAT(results, ElementsAre(LssResult::done, LssResult::refused));
+  EXPECT_THAT(results, ElementsAre(lss::LssResult::done, lss::LssResult::refused));
   EXPECT_EQ(master.error(), 0xFF);
   EXPECT_EQ(master.specific_error(), 0x07);
 }
@@ -311,7 +311,7 @@ TEST_F(LssMasterTest, OtherServices_InLiteralFrames) {
                                  "7E5 13 00 02 00 00 00 00 00", "7E5 15 E8 03 00 00 00 00 00",
                                  "7E5 17 00 00 00 00 00 00 00", "7E5 5D 00 00 00 00 00 00 00",
                                  "7E5 5E 00 00 00 00 00 00 00", "7E5 4C 00 00 00 00 00 00 00"));
-  EXPECT_THAT(results, ::testing::Each(LssResult::done));
+  EXPECT_THAT(results, ::testing::Each(lss::LssResult::done));
   EXPECT_EQ(results.size(), 8U);
 }
 
@@ -322,7 +322,7 @@ TEST_F(LssMasterTest, Identify_SendsTheRanges) {
                                  "7E5 48 03 00 00 00 00 00 00", "7E5 49 04 00 00 00 00 00 00",
                                  "7E5 4A 05 00 00 00 00 00 00", "7E5 4B 06 00 00 00 00 00 00"));
   hear({0x4F});
-  EXPECT_THAT(results, ElementsAre(LssResult::done));
+  EXPECT_THAT(results, ElementsAre(lss::LssResult::done));
 }
 
 TEST_F(LssMasterTest, Busy_RefusesTheNextService) {
@@ -337,7 +337,7 @@ TEST_F(LssMasterTest, Fastscan_NobodyThere_IsSilence) {
   master.fastscan(now);
   wait(100ms);
   EXPECT_THAT(lines, ElementsAre("7E5 51 00 00 00 00 80 00 00"));
-  EXPECT_THAT(results, ElementsAre(LssResult::silence));
+  EXPECT_THAT(results, ElementsAre(lss::LssResult::silence));
 }
 
 TEST_F(LssMasterTest, SlowScan_HalvesRevisionThenSerial_AndSelects) {
@@ -372,21 +372,21 @@ TEST_F(LssMasterTest, SlowScan_HalvesRevisionThenSerial_AndSelects) {
                                  "7E5 42 06 00 00 00 00 00 00", "7E5 43 01 00 00 00 00 00 00"));
   EXPECT_THAT(results, IsEmpty());
   hear({0x44});
-  EXPECT_THAT(results, ElementsAre(LssResult::done));
-  EXPECT_EQ(master.address(), (LssAddress{0x71, 0xED63, 6, 1}));
+  EXPECT_THAT(results, ElementsAre(lss::LssResult::done));
+  EXPECT_EQ(master.address(), (lss::LssAddress{0x71, 0xED63, 6, 1}));
 }
 
 TEST_F(LssMasterTest, SlowScan_NobodyThere_IsSilence_GoneInTheMiddle_IsLost) {
   master.slow_scan({1, 2, 0, 0}, {1, 2, 0xFFFFFFFF, 0xFFFFFFFF}, now);
   wait(106ms);
   EXPECT_EQ(lines.size(), 6U);
-  EXPECT_THAT(results, ElementsAre(LssResult::silence));
+  EXPECT_THAT(results, ElementsAre(lss::LssResult::silence));
   results.clear();
   master.slow_scan({1, 2, 0, 0}, {1, 2, 0xFFFFFFFF, 0xFFFFFFFF}, now);
   wait(6ms);
   hear({0x4F});
   wait(100s);
-  EXPECT_THAT(results, ElementsAre(LssResult::lost));
+  EXPECT_THAT(results, ElementsAre(lss::LssResult::lost));
 }
 
 TEST_F(LssMasterTest, AnswersToNothing_AreIgnored) {
@@ -399,8 +399,8 @@ TEST_F(LssMasterTest, AnswersToNothing_AreIgnored) {
 // --- both
 
 TEST(Lss, Fastscan_Finds32UnconfiguredDevices_AndGivesEachANodeId) {
-  struct Device : LssSlaveUser {
-    Device(can::Sink& sink, const LssAddress& own) : address(own), slave(sink, *this, own) {
+  struct Device : lss::LssSlaveUser {
+    Device(can::Sink& sink, const lss::LssAddress& own) : address(own), slave(sink, *this, own) {
       slave.start(lss::unconfigured, 250'000);
     }
     void node_id_assigned(std::uint8_t id, can::Time) override { node_id = id; }
@@ -408,12 +408,12 @@ TEST(Lss, Fastscan_Finds32UnconfiguredDevices_AndGivesEachANodeId) {
       stored = id;
       return Stored::done;
     }
-    LssAddress address;
-    LssSlave slave;
+    lss::LssAddress address;
+    lss::LssSlave slave;
     std::uint8_t node_id = 0;
     std::uint8_t stored = 0;
   };
-  struct Bus : can::Sink, LssMasterUser {
+  struct Bus : can::Sink, lss::LssMasterUser {
     struct Answers : can::Sink {
       explicit Answers(Bus& bus) : owner(bus) {}
       bool send(const can::Frame& frame) override {
@@ -427,8 +427,8 @@ TEST(Lss, Fastscan_Finds32UnconfiguredDevices_AndGivesEachANodeId) {
       for (Device& device : devices) device.slave.receive(frame, now);
       return true;
     }
-    void lss_finished(LssMaster&, LssResult result, can::Time) override { last = result; }
-    LssResult run() {
+    void lss_finished(lss::LssMaster&, lss::LssResult result, can::Time) override { last = result; }
+    lss::LssResult run() {
       while (master.busy()) {
         while (!answers.empty()) {
           master.receive(answers.front(), now);
@@ -443,32 +443,32 @@ TEST(Lss, Fastscan_Finds32UnconfiguredDevices_AndGivesEachANodeId) {
     Answers answering{*this};
     std::list<Device> devices;
     std::deque<can::Frame> answers;
-    LssMaster master{*this, *this};
-    LssResult last = LssResult::done;
+    lss::LssMaster master{*this, *this};
+    lss::LssResult last = lss::LssResult::done;
     can::Time now{};
     unsigned frames = 0;
   } bus;
   std::mt19937 random(32);
   for (int i = 0; i < 32; ++i) {
-    const LssAddress own{0x71U + static_cast<std::uint32_t>(i % 2), static_cast<std::uint32_t>(random()),
-                         i % 3 == 0 ? 0U : static_cast<std::uint32_t>(random()),
-                         static_cast<std::uint32_t>(random())};
+    const lss::LssAddress own{0x71U + static_cast<std::uint32_t>(i % 2), static_cast<std::uint32_t>(random()),
+                              i % 3 == 0 ? 0U : static_cast<std::uint32_t>(random()),
+                              static_cast<std::uint32_t>(random())};
     bus.devices.emplace_back(bus.answering, own);
   }
   std::uint8_t next = 1;
   for (;;) {
     bus.master.fastscan(bus.now);
-    if (bus.run() == LssResult::silence) break;
-    ASSERT_EQ(bus.last, LssResult::done);
+    if (bus.run() == lss::LssResult::silence) break;
+    ASSERT_EQ(bus.last, lss::LssResult::done);
     ASSERT_LE(next, 32);
     const auto found = std::find_if(bus.devices.begin(), bus.devices.end(), [&](const Device& device) {
       return device.address == bus.master.address();
     });
     ASSERT_NE(found, bus.devices.end());
     bus.master.configure_node_id(next, bus.now);
-    ASSERT_EQ(bus.run(), LssResult::done);
+    ASSERT_EQ(bus.run(), lss::LssResult::done);
     bus.master.store(bus.now);
-    ASSERT_EQ(bus.run(), LssResult::done);
+    ASSERT_EQ(bus.run(), lss::LssResult::done);
     bus.master.switch_global(false, bus.now);
     bus.run();
     EXPECT_EQ(found->node_id, next);

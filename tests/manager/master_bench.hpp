@@ -12,8 +12,8 @@
 
 #include <gtest/gtest.h>
 
-#include "canopus/canopen/node.hpp"
-#include "canopus/manager/master_node.hpp"
+#include "canopus/canopen/node/node.hpp"
+#include "canopus/manager/nmt/master_node.hpp"
 
 #include "scripted_slave.hpp"
 

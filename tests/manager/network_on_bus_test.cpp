@@ -5,8 +5,8 @@
 #include <gmock/gmock.h>
 
 #include "canopus/can/frame_bits.hpp"
-#include "canopus/manager/concise_dcf.hpp"
-#include "canopus/sim/bus.hpp"
+#include "canopus/manager/boot/concise_dcf.hpp"
+#include "canopus/sim/bus/bus.hpp"
 
 #include "master_bench.hpp"
 

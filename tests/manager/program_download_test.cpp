@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "canopus/manager/configuration_manager.hpp"
+#include "canopus/manager/configuration/configuration_manager.hpp"
 
 #include "master_bench.hpp"
 

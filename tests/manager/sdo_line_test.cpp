@@ -1,4 +1,4 @@
-#include "canopus/manager/sdo_line.hpp"
+#include "canopus/manager/sdo/sdo_line.hpp"
 
 #include <algorithm>
 #include <vector>

@@ -6,12 +6,12 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "canopus/module/emergency_buffer.hpp"
-#include "canopus/module/error_status.hpp"
+#include "canopus/module/areas/emergency_buffer.hpp"
+#include "canopus/module/areas/error_status.hpp"
+#include "canopus/module/areas/network_variables.hpp"
+#include "canopus/module/areas/nmt_status.hpp"
 #include "canopus/module/me3can1_q/model.hpp"
-#include "canopus/module/network_variables.hpp"
-#include "canopus/module/nmt_status.hpp"
-#include "canopus/module/stored_settings.hpp"
+#include "canopus/module/storage/stored_settings.hpp"
 
 namespace canopus::module {
 namespace {

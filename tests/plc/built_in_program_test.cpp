@@ -1,4 +1,4 @@
-#include "canopus/plc/built_in_program.hpp"
+#include "canopus/plc/program/built_in_program.hpp"
 
 #include <string>
 #include <vector>

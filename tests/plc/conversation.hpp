@@ -11,7 +11,7 @@
 
 #include "canopus/can/timeline.hpp"
 #include "canopus/plc/melsec/session.hpp"
-#include "canopus/plc/rack.hpp"
+#include "canopus/plc/rack/rack.hpp"
 
 #include "plc/fake_module.hpp"
 

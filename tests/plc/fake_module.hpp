@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "canopus/module/module.hpp"
+#include "canopus/module/interface/module.hpp"
 
 namespace canopus::plc::testing {
 

@@ -1,4 +1,4 @@
-#include "canopus/plc/rack.hpp"
+#include "canopus/plc/rack/rack.hpp"
 
 #include <array>
 #include <vector>
@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canopus/plc/device_points.hpp"
+#include "canopus/plc/cpu/device_points.hpp"
 
 #include "plc/conversation.hpp"
 

@@ -26,8 +26,8 @@
 #include <gtest/gtest.h>
 
 #include "canopus/can/controller.hpp"
-#include "canopus/module/module.hpp"
-#include "canopus/module/non_volatile_memory.hpp"
+#include "canopus/module/interface/module.hpp"
+#include "canopus/module/interface/non_volatile_memory.hpp"
 
 namespace canopus::scenario {
 

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "canopus/sim/bus.hpp"
+#include "canopus/sim/bus/bus.hpp"
 
 #include "can/random_frame.hpp"
 #include "can/slow_frame.hpp"

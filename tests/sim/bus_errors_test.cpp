@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "canopus/sim/bus.hpp"
+#include "canopus/sim/bus/bus.hpp"
 
 #include "sim/bus_station.hpp"
 

@@ -20,7 +20,7 @@
 #include <rapidcheck.h>
 
 #include "canopus/can/frame_bits.hpp"
-#include "canopus/sim/bus.hpp"
+#include "canopus/sim/bus/bus.hpp"
 
 #include "sim/bus_station.hpp"
 

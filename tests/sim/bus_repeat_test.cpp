@@ -19,7 +19,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
-#include "canopus/sim/bus.hpp"
+#include "canopus/sim/bus/bus.hpp"
 
 #include "sim/bus_station.hpp"
 #include "sim/slow_bus.hpp"

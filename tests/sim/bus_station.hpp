@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "canopus/can/timeline.hpp"
-#include "canopus/sim/bus.hpp"
+#include "canopus/sim/bus/bus.hpp"
 
 namespace canopus::sim {
 

@@ -1,4 +1,4 @@
-#include "canopus/sim/bus.hpp"
+#include "canopus/sim/bus/bus.hpp"
 
 #include <memory>
 #include <string>

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "canopus/sim/waveform.hpp"
+#include "canopus/sim/bus/waveform.hpp"
 
 #include "can/random_frame.hpp"
 #include "can/slow_frame.hpp"

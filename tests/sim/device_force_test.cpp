@@ -7,7 +7,7 @@
 
 #include <gmock/gmock.h>
 
-#include "canopus/sim/device.hpp"
+#include "canopus/sim/device/device.hpp"
 
 namespace {
 

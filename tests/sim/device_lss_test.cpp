@@ -9,9 +9,9 @@
 
 #include <gmock/gmock.h>
 
-#include "canopus/manager/lss_master.hpp"
-#include "canopus/sim/bus.hpp"
-#include "canopus/sim/device.hpp"
+#include "canopus/lss/lss_master.hpp"
+#include "canopus/sim/bus/bus.hpp"
+#include "canopus/sim/device/device.hpp"
 
 #include "bus_station.hpp"
 
@@ -19,10 +19,10 @@ namespace canopus::sim {
 namespace {
 
 using namespace std::chrono_literals;
-using manager::LssAddress;
-using manager::LssMaster;
-using manager::LssResult;
-using manager::LssSlave;
+using lss::LssAddress;
+using lss::LssMaster;
+using lss::LssResult;
+using lss::LssSlave;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::Not;
@@ -60,7 +60,7 @@ struct Store final : canopen::ParameterStore {
 constexpr LssAddress address{0x00000071, 0x0000ED63, 0x00010000, 0x12345678};
 
 /// Devices on a bus, and an LSS master that is a station of it and writes down what is on the wire.
-class LssOnBus : public testing::Test, public manager::LssMasterUser {
+class LssOnBus : public testing::Test, public lss::LssMasterUser {
  protected:
   struct Seat {
     Seat(Bus& bus, can::Timeline& timeline, const LssAddress& own, std::uint8_t node_id, std::uint32_t rate,
@@ -276,8 +276,8 @@ TEST_F(LssOnBus, BitRateThatTheFileDoesNotName_IsRefused) {
                                 seat.device->file().device.bit_rates.end());
   ASSERT_FALSE(named.empty());
   select(address);
-  for (std::uint8_t index = 0; index < manager::lss::bit_rates.size(); ++index) {
-    const bool known = named.contains(manager::lss::bit_rates[index]);
+  for (std::uint8_t index = 0; index < lss::bit_rates.size(); ++index) {
+    const bool known = named.contains(lss::bit_rates[index]);
     EXPECT_EQ(set_bit_rate(index), known ? LssResult::done : LssResult::refused) << unsigned{index};
     if (!known) {
       EXPECT_EQ(master.error(), 1);

@@ -1,6 +1,6 @@
 // Simulated devices: slaves made from EDS files, and values that move.
 
-#include "canopus/sim/device.hpp"
+#include "canopus/sim/device/device.hpp"
 
 #include <bit>
 #include <fstream>

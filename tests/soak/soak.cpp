@@ -19,10 +19,10 @@
 #include <malloc.h>
 
 #include "canopus/can/timeline.hpp"
-#include "canopus/canopen/node.hpp"
-#include "canopus/canopen/sdo_client.hpp"
-#include "canopus/manager/master_node.hpp"
-#include "canopus/sim/bus.hpp"
+#include "canopus/canopen/node/node.hpp"
+#include "canopus/canopen/sdo/sdo_client.hpp"
+#include "canopus/manager/nmt/master_node.hpp"
+#include "canopus/sim/bus/bus.hpp"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canopus/canopen/node.hpp"
+#include "canopus/canopen/node/node.hpp"
 
 namespace canopus::store {
 namespace {

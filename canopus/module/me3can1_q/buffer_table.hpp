@@ -5,8 +5,8 @@
 
 #include <array>
 
-#include "canopus/module/buffer_memory.hpp"
-#include "canopus/module/program_interface.hpp"
+#include "canopus/module/areas/buffer_memory.hpp"
+#include "canopus/module/interface/program_interface.hpp"
 
 namespace canopus::module::me3can1_q {
 

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "canopus/module/data_sheet.hpp"
+#include "canopus/module/interface/data_sheet.hpp"
 
 namespace canopus::module::me3can1_q {
 

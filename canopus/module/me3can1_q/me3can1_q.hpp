@@ -4,8 +4,8 @@
 //
 // All of it is facts: model.cpp and the tables beside it. What they do is in canopus/module.
 
+#include "canopus/module/engine/module_engine.hpp"
 #include "canopus/module/me3can1_q/model.hpp"
-#include "canopus/module/module_engine.hpp"
 
 namespace canopus::module::me3can1_q {
 

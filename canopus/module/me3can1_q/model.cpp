@@ -3,11 +3,11 @@
 #include <array>
 #include <chrono>
 
-#include "canopus/canopen/emcy_code.hpp"
+#include "canopus/canopen/service/emcy_code.hpp"
+#include "canopus/module/engine/signal_port.hpp"
 #include "canopus/module/me3can1_q/buffer_table.hpp"
 #include "canopus/module/me3can1_q/data_sheet.hpp"
 #include "canopus/module/me3can1_q/object_table.hpp"
-#include "canopus/module/signal_port.hpp"
 
 namespace canopus::module::me3can1_q {
 

@@ -2,7 +2,7 @@
 // The ME3CAN1-Q as the engine reads it: signals, bits, commands, emergency messages, LEDs, and the tables
 // beside this file.
 
-#include "canopus/module/module_model.hpp"
+#include "canopus/module/engine/module_model.hpp"
 
 namespace canopus::module::me3can1_q {
 

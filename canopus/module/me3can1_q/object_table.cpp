@@ -2,8 +2,8 @@
 
 #include <array>
 
+#include "canopus/module/areas/object_rows.hpp"
 #include "canopus/module/me3can1_q/buffer_table.hpp"
-#include "canopus/module/object_rows.hpp"
 
 namespace canopus::module::me3can1_q {
 

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "canopus/canopen/dictionary_description.hpp"
+#include "canopus/canopen/dictionary/dictionary_description.hpp"
 
 namespace canopus::module::me3can1_q {
 

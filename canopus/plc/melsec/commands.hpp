@@ -16,7 +16,7 @@
 #include "canopus/can/time.hpp"
 #include "canopus/plc/melsec/frame.hpp"
 #include "canopus/plc/melsec/target.hpp"
-#include "canopus/plc/rack.hpp"
+#include "canopus/plc/rack/rack.hpp"
 
 namespace canopus::plc::melsec {
 

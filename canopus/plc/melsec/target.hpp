@@ -17,7 +17,7 @@
 #include <cstdint>
 #include <expected>
 
-#include "canopus/plc/device.hpp"
+#include "canopus/plc/cpu/device.hpp"
 #include "canopus/plc/melsec/end_code.hpp"
 #include "canopus/plc/melsec/field.hpp"
 

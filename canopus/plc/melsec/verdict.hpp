@@ -3,7 +3,7 @@
 
 #include "canopus/plc/melsec/end_code.hpp"
 #include "canopus/plc/melsec/field.hpp"
-#include "canopus/plc/rack.hpp"
+#include "canopus/plc/rack/rack.hpp"
 
 namespace canopus::plc::melsec {
 

@@ -1,6 +1,6 @@
 // The built-in PLC program with a module that is asked by bits of words, on the real engine.
 
-#include "canopus/plc/built_in_program.hpp"
+#include "canopus/plc/program/built_in_program.hpp"
 
 #include "scenarios/engine/other_models.hpp"
 

@@ -1,7 +1,7 @@
 #include "scenarios/engine/other_models.hpp"
 
-#include "canopus/module/object_rows.hpp"
-#include "canopus/module/signal_port.hpp"
+#include "canopus/module/areas/object_rows.hpp"
+#include "canopus/module/engine/signal_port.hpp"
 
 namespace canopus::scenario {
 

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "canopus/module/module_engine.hpp"
+#include "canopus/module/engine/module_engine.hpp"
 
 #include "scenarios/scenario.hpp"
 

@@ -1,6 +1,6 @@
 // ME3CAN1-Q modules in a rack and on the simulated bus: addressing, two modules with each other, bus errors.
 
-#include "canopus/sim/bus.hpp"
+#include "canopus/sim/bus/bus.hpp"
 
 #include <algorithm>
 
@@ -8,7 +8,7 @@
 
 #include "canopus/module/me3can1_q/me3can1_q.hpp"
 #include "canopus/plc/melsec/session.hpp"
-#include "canopus/plc/rack.hpp"
+#include "canopus/plc/rack/rack.hpp"
 
 #include "scenarios/scenario.hpp"
 

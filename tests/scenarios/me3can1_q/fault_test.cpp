@@ -7,8 +7,8 @@
 
 #include "canopus/module/me3can1_q/buffer_table.hpp"
 #include "canopus/plc/melsec/session.hpp"
-#include "canopus/plc/rack.hpp"
-#include "canopus/sim/bus.hpp"
+#include "canopus/plc/rack/rack.hpp"
+#include "canopus/sim/bus/bus.hpp"
 
 #include "scenarios/me3can1_q/scenario.hpp"
 #include "sim/bus_station.hpp"

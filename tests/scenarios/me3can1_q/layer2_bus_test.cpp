@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "canopus/module/me3can1_q/me3can1_q.hpp"
-#include "canopus/plc/rack.hpp"
-#include "canopus/sim/bus.hpp"
+#include "canopus/plc/rack/rack.hpp"
+#include "canopus/sim/bus/bus.hpp"
 
 #include "scenarios/scenario.hpp"
 

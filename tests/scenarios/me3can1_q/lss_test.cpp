@@ -3,8 +3,8 @@
 #include <fstream>
 #include <iterator>
 
-#include "canopus/sim/bus.hpp"
-#include "canopus/sim/device.hpp"
+#include "canopus/sim/bus/bus.hpp"
+#include "canopus/sim/device/device.hpp"
 
 #include "scenarios/me3can1_q/scenario.hpp"
 

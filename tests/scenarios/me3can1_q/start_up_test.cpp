@@ -1,7 +1,7 @@
 // spec/me3can1-q/scenarios.md, section 2: start-up procedures.
 
-#include "canopus/canopen/stored_values.hpp"
-#include "canopus/module/flash_memory.hpp"
+#include "canopus/canopen/dictionary/stored_values.hpp"
+#include "canopus/module/storage/flash_memory.hpp"
 
 #include "scenarios/me3can1_q/scenario.hpp"
 

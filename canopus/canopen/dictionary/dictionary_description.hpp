@@ -1,0 +1,192 @@
+#pragma once
+// What is common to all nodes of one kind: which objects there are, their types, access rights, limits, names
+// and defaults. Built once (from an EDS file, from a module's table, or in code) and shared; a node owns only
+// its values (object_dictionary.hpp). Looking up an object is two array accesses, whatever its index.
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/can/little_endian.hpp"
+#include "canopus/canopen/dictionary/data_type.hpp"
+
+namespace canopus::canopen {
+
+/// One sub-index. `offset` and `length` say where its value lies in a node's value block; for types of
+/// variable length `offset` is the number of its slot instead and `length` is 0.
+struct EntryDescription {
+  std::uint32_t offset = 0;
+  std::uint32_t name = 0;          ///< in DictionaryDescription::name()
+  std::uint16_t limits = 0;        ///< 0 = none, else DictionaryDescription::limits(limits)
+  DataType type = DataType::none;  ///< none: this sub-index does not exist
+  Access access = Access::read_only;
+  std::uint8_t length = 0;  ///< bytes
+  bool rpdo_mappable = false;
+  bool tpdo_mappable = false;
+  bool stored = false;  ///< saved by 1010H
+};
+
+/// Lowest and highest value, as the 64-bit pattern of the entry's type (sign-extended, or an IEEE double for
+/// reals).
+struct Limits {
+  std::optional<std::uint64_t> low;
+  std::optional<std::uint64_t> high;
+};
+
+/// One index. A uniform object (CompactSubObj, or an array of alikes) has one description for all of its
+/// sub-indexes from 01H on; their values follow each other.
+struct ObjectDescription {
+  std::uint16_t index = 0;
+  ObjectCode code = ObjectCode::variable;
+  std::uint8_t highest_sub = 0;
+  bool uniform = false;
+  std::uint32_t first_entry = 0;
+  std::uint32_t name = 0;
+};
+
+/// A sub-index found: its description, and where its value lies.
+struct Entry {
+  const EntryDescription* description = nullptr;
+  std::uint32_t offset = 0;  ///< in the value block, or slot number for types of variable length
+  std::uint16_t index = 0;
+  std::uint8_t sub = 0;
+  std::uint8_t unused = 0;  // no padding at the end: an Entry is copied as two words
+
+  explicit operator bool() const noexcept { return description != nullptr; }
+};
+
+/// What DictionaryBuilder needs to know of one sub-index.
+struct EntrySpec {
+  std::string name{};
+  DataType type = DataType::unsigned32;
+  Access access = Access::read_write;
+  std::vector<std::uint8_t>
+      value{};                ///< default, as an SDO carries it; a fixed type's is filled up with zeros
+  bool adds_node_id = false;  ///< the node-ID is added to the default ($NODEID+...)
+  bool rpdo_mappable = false;
+  bool tpdo_mappable = false;
+  bool stored = false;
+  Limits limits{};
+};
+
+class DictionaryDescription {
+ public:
+  /// The object of this index, or nullptr.
+  [[nodiscard]] const ObjectDescription* find(std::uint16_t index) const noexcept {
+    const auto& page = pages_[index >> 8];
+    if (!page) return nullptr;
+    const std::uint16_t position = (*page)[index & 0xFF];
+    return position == no_position ? nullptr : &objects_[position];
+  }
+  /// The sub-index, or an empty Entry.
+  [[nodiscard]] Entry find(std::uint16_t index, std::uint8_t sub) const noexcept;
+  [[nodiscard]] Entry find(const ObjectDescription& object, std::uint8_t sub) const noexcept {
+    if (sub > object.highest_sub) return {};
+    if (!object.uniform || sub == 0) {
+      const EntryDescription& entry = entries_[object.first_entry + sub];
+      if (entry.type == DataType::none) return {};
+      return {&entry, entry.offset, object.index, sub};
+    }
+    const EntryDescription& entry = entries_[object.first_entry + 1];
+    const std::uint32_t step = entry.length == 0 ? 1U : entry.length;
+    return {&entry, entry.offset + (sub - 1U) * step, object.index, sub};
+  }
+  /// Position of the object among all (0, 1, 2 ... in order of index); the object must be one of this
+  /// description's.
+  [[nodiscard]] std::size_t position(const ObjectDescription& object) const noexcept {
+    return static_cast<std::size_t>(&object - objects_.data());
+  }
+
+  /// All objects in order of index.
+  [[nodiscard]] std::span<const ObjectDescription> objects() const noexcept { return objects_; }
+  [[nodiscard]] std::string_view name(const ObjectDescription& object) const noexcept {
+    return names_[object.name];
+  }
+  [[nodiscard]] std::string_view name(const Entry& entry) const noexcept {
+    return names_[entry.description->name];
+  }
+  [[nodiscard]] const Limits& limits(const Entry& entry) const noexcept {
+    return limits_[entry.description->limits];
+  }
+  /// Size of a node's value block, and of the part of it that holds 0000H-1FFFH (it comes first).
+  [[nodiscard]] std::size_t block_size() const noexcept { return image_.size(); }
+  [[nodiscard]] std::size_t communication_block_size() const noexcept { return communication_block_size_; }
+  /// Number of values of variable length, and of those in 0000H-1FFFH (they come first).
+  [[nodiscard]] std::size_t slot_count() const noexcept { return slots_.size(); }
+  [[nodiscard]] std::size_t communication_slot_count() const noexcept { return communication_slot_count_; }
+  [[nodiscard]] const std::vector<std::uint8_t>& default_slot(std::uint32_t slot) const noexcept {
+    return slots_[slot];
+  }
+  /// Writes the defaults for this node-ID over the first `size` bytes of `block` (block_size(), or
+  /// communication_block_size() for those of the communication profile alone).
+  void load_defaults(std::span<std::uint8_t> block, std::uint8_t node_id) const noexcept;
+
+  /// A default of one sub-index in place of the described one.
+  struct Change {
+    Entry entry;  ///< of this description
+    std::vector<std::uint8_t> value;
+  };
+  /// The same description with other defaults: one device of a kind that was configured before it is switched
+  /// on.
+  [[nodiscard]] std::shared_ptr<const DictionaryDescription> with(std::span<const Change> changes) const;
+
+ private:
+  friend class DictionaryBuilder;
+  static constexpr std::uint16_t no_position = 0xFFFF;
+  struct NodeIdDefault {
+    std::uint32_t offset;
+    std::uint8_t length;
+  };
+  std::array<std::unique_ptr<std::array<std::uint16_t, 256>>, 256> pages_;
+  std::vector<ObjectDescription> objects_;
+  std::vector<EntryDescription> entries_;
+  std::vector<std::string> names_;
+  std::vector<Limits> limits_;
+  std::vector<std::uint8_t> image_;
+  std::vector<std::vector<std::uint8_t>> slots_;
+  std::vector<NodeIdDefault> node_id_defaults_;
+  std::size_t communication_block_size_ = 0;
+  std::size_t communication_slot_count_ = 0;
+};
+
+/// Collects objects in any order and lays them out. A later add of the same sub-index replaces the earlier
+/// one.
+class DictionaryBuilder {
+ public:
+  /// A VAR (or DOMAIN): one value at sub-index 00H.
+  DictionaryBuilder& variable(std::uint16_t index, EntrySpec spec);
+  /// Names an ARRAY or RECORD; its sub-indexes follow with sub(). Sub-index 00H is made if nobody adds it:
+  /// U8, constant, the highest sub-index.
+  DictionaryBuilder& object(std::uint16_t index, ObjectCode code, std::string name);
+  /// Adds a sub-index to an object() named before (or, unnamed, to a new RECORD).
+  DictionaryBuilder& sub(std::uint16_t index, std::uint8_t sub, EntrySpec spec);
+  /// An object whose sub-indexes 01H..count (1..254) are all alike, described once.
+  DictionaryBuilder& uniform(std::uint16_t index, ObjectCode code, std::string name, std::uint8_t count,
+                             EntrySpec spec);
+  /// True when an object of this index was added.
+  [[nodiscard]] bool contains(std::uint16_t index) const { return objects_.contains(index); }
+  /// Lays everything out. The builder may be used on; what was built stays as it is.
+  [[nodiscard]] std::shared_ptr<const DictionaryDescription> build() const;
+
+ private:
+  struct ObjectSpec {
+    ObjectCode code = ObjectCode::record;
+    std::string name;
+    std::uint8_t uniform_count = 0;  // 0 = not uniform
+    std::map<std::uint8_t, EntrySpec> subs;
+  };
+  std::map<std::uint16_t, ObjectSpec> objects_;
+};
+
+/// Defaults as bytes: little_endian(0x195, 4) = 95 01 00 00.
+using can::little_endian;
+/// A string's default.
+[[nodiscard]] std::vector<std::uint8_t> text(std::string_view value);
+
+}  // namespace canopus::canopen

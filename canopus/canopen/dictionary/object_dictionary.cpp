@@ -1,0 +1,162 @@
+#include "canopus/canopen/dictionary/object_dictionary.hpp"
+
+#include <algorithm>
+
+namespace canopus::canopen {
+
+ObjectDictionary::ObjectDictionary(std::shared_ptr<const DictionaryDescription> description,
+                                   std::uint8_t node_id)
+    : description_(std::move(description)),
+      block_(description_->block_size()),
+      slots_(description_->slot_count()),
+      handler_numbers_(description_->objects().size()),
+      handlers_{nullptr} {
+  description_->load_defaults(block_, node_id);
+}
+
+std::expected<Entry, AbortCode> ObjectDictionary::find(std::uint16_t index, std::uint8_t sub) const noexcept {
+  const ObjectDescription* object = description_->find(index);
+  if (object == nullptr) return std::unexpected(AbortCode::no_object);
+  const Entry entry = description_->find(*object, sub);
+  if (!entry) return std::unexpected(AbortCode::no_sub_index);
+  return entry;
+}
+
+AbortCode ObjectDictionary::prepare_read(std::uint16_t index, std::uint8_t sub, can::Time now, Entry& found) {
+  const ObjectDescription* object = description_->find(index);
+  if (object == nullptr) return AbortCode::no_object;
+  found = description_->find(*object, sub);
+  if (!found) return AbortCode::no_sub_index;
+  if (!is_readable(found.description->access)) return AbortCode::read_of_write_only;
+  ObjectHandler* behaviour = handler(*object);
+  return behaviour != nullptr ? behaviour->before_read(*this, found, now) : AbortCode::none;
+}
+
+ObjectDictionary::ShortValue ObjectDictionary::find_short(std::uint32_t multiplexer) noexcept {
+  const ObjectDescription* object = description_->find(static_cast<std::uint16_t>(multiplexer >> 8));
+  if (object == nullptr || handler(*object) != nullptr) return {};
+  const Entry entry = description_->find(*object, static_cast<std::uint8_t>(multiplexer >> 24));
+  if (!entry || !is_readable(entry.description->access)) return {};
+  const std::uint8_t length = entry.description->length;
+  if (length == 0 || length > 4) return {};
+  last_short_ = {multiplexer, entry.offset, length};
+  return {get<std::uint32_t>(entry), length};
+}
+
+std::expected<std::span<const std::uint8_t>, AbortCode> ObjectDictionary::read(std::uint16_t index,
+                                                                               std::uint8_t sub,
+                                                                               can::Time now) {
+  Entry entry;
+  if (const AbortCode code = prepare_read(index, sub, now, entry); code != AbortCode::none) {
+    return std::unexpected(code);
+  }
+  return bytes(entry);
+}
+
+ObjectStream* ObjectDictionary::stream(const Entry& entry) const {
+  if (entry.description->length != 0) return nullptr;
+  ObjectHandler* behaviour = handler(*description_->find(entry.index));
+  return behaviour != nullptr ? behaviour->stream(entry) : nullptr;
+}
+
+AbortCode ObjectDictionary::check_write(const Entry& entry, std::size_t length) const noexcept {
+  if (!is_writable(entry.description->access)) return AbortCode::write_of_read_only;
+  if (entry.description->length == 0) return AbortCode::none;
+  if (length > entry.description->length) return AbortCode::length_too_high;
+  if (length < entry.description->length) return AbortCode::length_too_low;
+  return AbortCode::none;
+}
+
+AbortCode ObjectDictionary::check_limits(const Entry& entry,
+                                         std::span<const std::uint8_t> value) const noexcept {
+  const EntryDescription& d = *entry.description;
+  if (d.type == DataType::boolean && value[0] > 1) return AbortCode::value_too_high;
+  if (d.limits == 0) return AbortCode::none;
+  const Limits& limits = description_->limits(entry);
+  std::uint64_t raw = 0;
+  std::memcpy(&raw, value.data(), d.length);
+  const auto outside = [&](auto convert) {
+    const auto number = convert(raw);
+    if (limits.high && number > convert(*limits.high)) return AbortCode::value_too_high;
+    if (limits.low && number < convert(*limits.low)) return AbortCode::value_too_low;
+    return AbortCode::none;
+  };
+  if (d.type == DataType::real32) {
+    raw = std::bit_cast<std::uint64_t>(
+        static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(raw))));
+  }
+  if (d.type == DataType::real32 || d.type == DataType::real64) {
+    return outside([](std::uint64_t bits) { return std::bit_cast<double>(bits); });
+  }
+  if (is_signed(d.type)) {
+    const unsigned unused = 64U - 8U * d.length;
+    raw = static_cast<std::uint64_t>(static_cast<std::int64_t>(raw << unused) >> unused);
+    return outside([](std::uint64_t bits) { return static_cast<std::int64_t>(bits); });
+  }
+  return outside([](std::uint64_t bits) { return bits; });
+}
+
+AbortCode ObjectDictionary::write(std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> value,
+                                  can::Time now) {
+  const ObjectDescription* object = description_->find(index);
+  if (object == nullptr) return AbortCode::no_object;
+  const Entry entry = description_->find(*object, sub);
+  if (!entry) return AbortCode::no_sub_index;
+  if (const AbortCode code = check_write(entry, value.size()); code != AbortCode::none) return code;
+  if (entry.description->length != 0) {
+    if (const AbortCode code = check_limits(entry, value); code != AbortCode::none) return code;
+  }
+  ObjectHandler* behaviour = handler(*object);
+  if (behaviour != nullptr) {
+    if (const AbortCode code = behaviour->before_write(*this, entry, value, now); code != AbortCode::none) {
+      return code;
+    }
+  }
+  assign(entry, value);
+  if (behaviour != nullptr) behaviour->after_write(*this, entry, now);
+  if (write_observer_ != nullptr) write_observer_->object_written(entry, now);
+  return AbortCode::none;
+}
+
+std::span<const std::uint8_t> ObjectDictionary::bytes(const Entry& entry) const noexcept {
+  if (entry.description->length != 0) return {&block_[entry.offset], entry.description->length};
+  const auto& slot = slots_[entry.offset];
+  return slot ? *slot : description_->default_slot(entry.offset);
+}
+
+void ObjectDictionary::assign(const Entry& entry, std::span<const std::uint8_t> value) {
+  if (entry.description->length != 0) {
+    std::copy_n(value.begin(), std::min<std::size_t>(value.size(), entry.description->length),
+                block_.begin() + entry.offset);
+    return;
+  }
+  auto& slot = slots_[entry.offset];
+  if (!slot) {
+    slot = std::make_unique<std::vector<std::uint8_t>>(value.begin(), value.end());
+  } else {
+    slot->assign(value.begin(), value.end());
+  }
+}
+
+void ObjectDictionary::attach(std::uint16_t first, std::uint16_t last, ObjectHandler& handler) {
+  last_short_ = {};
+  auto known = std::find(handlers_.begin(), handlers_.end(), &handler);
+  if (known == handlers_.end()) known = handlers_.insert(handlers_.end(), &handler);
+  const auto number = static_cast<std::uint8_t>(known - handlers_.begin());
+  for (const ObjectDescription& object : description_->objects()) {
+    if (object.index >= first && object.index <= last)
+      handler_numbers_[description_->position(object)] = number;
+  }
+}
+
+void ObjectDictionary::reset(std::uint8_t node_id) {
+  description_->load_defaults(block_, node_id);
+  for (auto& slot : slots_) slot.reset();
+}
+
+void ObjectDictionary::reset_communication(std::uint8_t node_id) {
+  description_->load_defaults(std::span(block_).first(description_->communication_block_size()), node_id);
+  for (std::size_t i = 0; i < description_->communication_slot_count(); ++i) slots_[i].reset();
+}
+
+}  // namespace canopus::canopen

@@ -1,0 +1,339 @@
+#include "canopus/canopen/node/node.hpp"
+
+#include <utility>
+
+#include "canopus/canopen/messages/emcy_consumer.hpp"
+#include "canopus/canopen/messages/emcy_producer.hpp"
+#include "canopus/canopen/messages/sync.hpp"
+#include "canopus/canopen/messages/time_stamp.hpp"
+#include "canopus/canopen/nmt/error_behaviour.hpp"
+#include "canopus/canopen/nmt/heartbeat_consumer.hpp"
+#include "canopus/canopen/nmt/heartbeat_producer.hpp"
+#include "canopus/canopen/nmt/nmt_slave.hpp"
+#include "canopus/canopen/nmt/node_guarding.hpp"
+#include "canopus/canopen/node/stored_parameters.hpp"
+#include "canopus/canopen/pdo/rpdo.hpp"
+#include "canopus/canopen/pdo/tpdo.hpp"
+#include "canopus/canopen/sdo/sdo_channels.hpp"
+#include "canopus/canopen/service/identifier_table.hpp"
+#include "canopus/canopen/service/node_context.hpp"
+
+namespace canopus::canopen {
+
+struct Node::Services final : NodeContext, WriteObserver {
+  Services(std::shared_ptr<const DictionaryDescription> description, std::uint8_t id, can::Sink& frames,
+           const NodeOptions& node_options)
+      : NodeContext(std::move(description), id, frames, node_options), next_node_id(id) {
+    dictionary.set_write_observer(this);
+  }
+
+  void error_began(const CommunicationError& error, can::Time now) override {
+    emcy_producer.error_began(error, now);
+  }
+  void error_ended(const CommunicationError& error, can::Time now) override {
+    emcy_producer.error_ended(error, now);
+  }
+  void communication_error(can::Time now) override { enter(error_behaviour.after_error(state), now); }
+  void object_written(const Entry& entry, can::Time now) override {
+    if (options.sdo_write_is_event && entry.index >= 0x2000) tpdos.object_written(entry, now);
+    stored_parameters.object_written(entry);
+    if (listener != nullptr) listener->object_written(entry, now);
+  }
+
+  void enter(NmtState wanted, can::Time now);
+  void command(NmtCommand command, can::Time now);
+  void reset(NmtCommand which, can::Time now);
+  void initialise(NmtCommand which, can::Time now);
+  void stop();
+  void settle() {
+    if (identifiers_changed) build_table();
+  }
+  void build_table();
+  /// The services that most frames are for are looked at first.
+  void dispatch(ServiceKind kind, std::uint16_t number, const can::Frame& frame, can::Time now) {
+    if (kind == ServiceKind::rpdo) return rpdos.receive(number, frame, sync_service.window_end(), now);
+    if (kind == ServiceKind::sdo_server) {
+      if (communicates()) sdo_channels.receive(number, frame, now);
+      return;
+    }
+    dispatch_others(kind, number, frame, now);
+  }
+  void dispatch_others(ServiceKind kind, std::uint16_t number, const can::Frame& frame, can::Time now);
+  /// Any frame, to every service that listens to it.
+  void receive(const can::Frame& frame, can::Time now);
+  void sync(std::uint8_t counter, can::Time now);
+  void tick(TimerQueue::Number number, can::Time now);
+
+  HeartbeatProducer heartbeat_producer{*this};
+  NodeGuarding node_guarding{*this};
+  Sync sync_service{*this};
+  EmcyProducer emcy_producer{*this};
+  TimeStamp time_stamp{*this};
+  EmcyConsumer emcy_consumer{*this};
+  ErrorBehaviour error_behaviour{*this};
+  HeartbeatConsumer heartbeat_consumer{*this};
+  Rpdos rpdos{*this};
+  Tpdos tpdos{*this};
+  SdoChannels sdo_channels{*this};
+  StoredParameters stored_parameters{*this};
+  TimerQueue::Number reset_timer = timers.add();
+  NmtCommand pending_reset = NmtCommand::reset_communication;  // while reset_timer runs
+  IdentifierTable table;
+  std::uint32_t revision = 0;
+  std::uint8_t next_node_id = 0;
+  bool powered = false;
+  bool hears_extended = false;
+};
+
+void Node::Services::stop() {
+  state = NmtState::initialising;
+  heartbeat_producer.stop();
+  node_guarding.stop();
+  sync_service.stop();
+  time_stamp.stop();
+  emcy_producer.stop();
+  heartbeat_consumer.stop();
+  rpdos.stop();
+  tpdos.stop();
+  sdo_channels.stop();
+  timers.stop_all();
+  identifiers_changed = true;
+}
+
+// Initialisation: new values, then the services read them, then the boot-up message ends it.
+void Node::Services::initialise(NmtCommand which, can::Time now) {
+  stop();
+  node_id = next_node_id;
+  const bool whole = which == NmtCommand::reset_node;
+  if (whole) {
+    dictionary.reset(node_id);
+  } else {
+    dictionary.reset_communication(node_id);
+  }
+  if (listener != nullptr) listener->defaults_loaded(which, now);
+  stored_parameters.apply(0x0000, whole ? 0xFFFF : 0x1FFF);
+  if (listener != nullptr) listener->reset_done(which, now);
+  if (node_id < 1 || node_id > 127) return;  // not configured: stays in Initialisation
+  sink.send(can::data_frame(cob_id::error_control + node_id, {0x00}));
+  state = NmtState::pre_operational;
+  sdo_channels.start();
+  heartbeat_producer.start(now);
+  node_guarding.start();
+  sync_service.start(now);
+  time_stamp.start();
+  emcy_producer.start();
+  heartbeat_consumer.start();
+  rpdos.start();
+  tpdos.start(now);
+  if (listener != nullptr) listener->nmt_state_changed(state, now);
+}
+
+void Node::Services::reset(NmtCommand which, can::Time now) {
+  if (options.reset_time == can::Duration{}) return initialise(which, now);
+  const bool is_second = timers.runs(reset_timer);
+  stop();
+  if (!is_second || which == NmtCommand::reset_node) pending_reset = which;
+  timers.set(reset_timer, can::later(now, options.reset_time));
+}
+
+void Node::Services::enter(NmtState wanted, can::Time now) {
+  if (wanted == state || state == NmtState::initialising) return;
+  const bool was_operational = is_operational();
+  state = wanted;
+  if (was_operational) {
+    rpdos.leave_operational();
+    tpdos.leave_operational();
+  }
+  if (state == NmtState::stopped) sdo_channels.stop();
+  sync_service.state_changed(now);
+  if (listener != nullptr) listener->nmt_state_changed(state, now);
+  if (is_operational()) tpdos.enter_operational(now);
+}
+
+void Node::Services::command(NmtCommand command, can::Time now) {
+  if (!powered) return;
+  switch (command) {
+    case NmtCommand::reset_node:
+    case NmtCommand::reset_communication:
+      if (listener != nullptr) listener->reset_requested(command, now);
+      reset(command, now);
+      return;
+    case NmtCommand::start:
+      if (listener != nullptr && !listener->may_become_operational()) return;
+      break;
+    case NmtCommand::stop:
+    case NmtCommand::enter_pre_operational: break;
+  }
+  enter(state_after(command, state), now);
+}
+
+void Node::Services::build_table() {
+  identifiers_changed = false;
+  ++revision;
+  std::vector<IdentifierTable::Route> routes;
+  if (state != NmtState::initialising) {
+    routes.push_back({cob_id::nmt, ServiceKind::nmt, 0});
+    routes.push_back({IdentifierTable::key(cob_id::error_control + node_id, false, true),
+                      ServiceKind::node_guard_request, 0});
+    sdo_channels.list_identifiers(routes);
+    sync_service.list_identifiers(routes);
+    time_stamp.list_identifiers(routes);
+    rpdos.list_identifiers(routes);
+    tpdos.list_identifiers(routes);
+    emcy_consumer.list_identifiers(routes);
+    heartbeat_consumer.list_identifiers(routes);
+  }
+  table.build(routes);
+  hears_extended = false;
+  for (const auto& route : routes) hears_extended = hears_extended || (route.key >> 29 & 1) != 0;
+}
+
+void Node::Services::receive(const can::Frame& frame, can::Time now) {
+  settle();
+  table.for_each(IdentifierTable::key(frame),
+                 [&](ServiceKind kind, std::uint16_t number) { dispatch(kind, number, frame, now); });
+}
+
+void Node::Services::sync(std::uint8_t counter, can::Time now) {
+  tpdos.sync(counter, now);  // first, so that the values of the cycle before go out
+  if (is_operational()) rpdos.sync(now);
+  if (listener != nullptr) listener->sync_received(counter, now);
+}
+
+void Node::Services::dispatch_others(ServiceKind kind, std::uint16_t number, const can::Frame& frame,
+                                     can::Time now) {
+  switch (kind) {
+    case ServiceKind::sync:
+      if (sync_service.receive(frame, now)) sync(sync_service.counter(), now);
+      return;
+    case ServiceKind::heartbeat: return heartbeat_consumer.receive(number, frame, now);
+    case ServiceKind::nmt:
+      if (const auto wanted = nmt_command_for(frame, node_id, active_master)) command(*wanted, now);
+      return;
+    case ServiceKind::node_guard_request: return node_guarding.receive(heartbeat_producer.is_active(), now);
+    case ServiceKind::emcy: return emcy_consumer.receive(static_cast<std::uint8_t>(number), frame, now);
+    case ServiceKind::time_stamp: return time_stamp.receive(frame, now);
+    case ServiceKind::tpdo_request: return tpdos.requested(number, now);
+    case ServiceKind::rpdo:
+    case ServiceKind::sdo_server:
+    case ServiceKind::sam_mpdo: return;
+  }
+}
+
+void Node::Services::tick(TimerQueue::Number number, can::Time now) {
+  const auto is_one_of = [number](TimerQueue::Number first, std::size_t count) {
+    return number >= first && number < first + count;
+  };
+  if (is_one_of(tpdos.first_timer(), tpdos.size())) {
+    tpdos.tick(static_cast<std::uint16_t>(number - tpdos.first_timer()), now);
+  } else if (number == heartbeat_producer.timer()) {
+    heartbeat_producer.tick(now);
+  } else if (number == sync_service.timer()) {
+    if (sync_service.tick(now)) sync(sync_service.counter(), now);
+  } else if (number == node_guarding.timer()) {
+    node_guarding.tick(heartbeat_producer.is_active(), now);
+  } else if (number == emcy_producer.timer()) {
+    emcy_producer.tick(now);
+  } else if (is_one_of(sdo_channels.first_timer(), sdo_channels.size())) {
+    sdo_channels.tick(static_cast<std::uint16_t>(number - sdo_channels.first_timer()), now);
+  } else if (number == reset_timer) {
+    initialise(pending_reset, now);
+  } else if (is_one_of(rpdos.first_timer(), rpdos.size())) {
+    rpdos.tick(static_cast<std::uint16_t>(number - rpdos.first_timer()), now);
+  } else {
+    heartbeat_consumer.tick(static_cast<std::uint16_t>(number - heartbeat_consumer.first_timer()), now);
+  }
+}
+
+Node::Node(std::shared_ptr<const DictionaryDescription> description, std::uint8_t node_id, can::Sink& sink,
+           NodeOptions options)
+    : services_(std::make_unique<Services>(std::move(description), node_id, sink, options)) {}
+
+Node::~Node() = default;
+
+void Node::set_listener(NodeListener* listener) noexcept { services_->listener = listener; }
+
+void Node::power_on(can::Time now) {
+  services_->powered = true;
+  services_->initialise(NmtCommand::reset_node, now);
+}
+
+void Node::power_off() {
+  services_->powered = false;
+  services_->stop();
+}
+
+void Node::set_node_id(std::uint8_t node_id) noexcept { services_->next_node_id = node_id; }
+std::uint8_t Node::node_id() const noexcept { return services_->node_id; }
+NmtState Node::state() const noexcept { return services_->state; }
+ObjectDictionary& Node::dictionary() noexcept { return services_->dictionary; }
+const ObjectDictionary& Node::dictionary() const noexcept { return services_->dictionary; }
+
+void Node::command(NmtCommand command, can::Time now) { services_->command(command, now); }
+void Node::communication_error(can::Time now) { services_->communication_error(now); }
+
+void Node::set_active_master(bool active, can::Time now) {
+  services_->active_master = active;
+  services_->sync_service.state_changed(now);
+}
+
+bool Node::emergency(std::uint16_t code, std::uint8_t error_register,
+                     std::span<const std::uint8_t, 5> manufacturer, can::Time now) {
+  return services_->emcy_producer.raise(code, error_register, manufacturer, now);
+}
+bool Node::emergency_reset(can::Time now) { return services_->emcy_producer.reset(now); }
+
+unsigned Node::values_changed(can::Time now) { return services_->tpdos.values_changed(now); }
+bool Node::tpdo_event(std::uint16_t number, can::Time now) { return services_->tpdos.event(number, now); }
+bool Node::send_destination_mpdo(std::uint16_t number, std::uint8_t node_id, std::uint16_t index,
+                                 std::uint8_t sub, std::span<const std::uint8_t> value, can::Time now) {
+  return services_->tpdos.send_to(number, node_id, index, sub, value, now);
+}
+bool Node::send_source_mpdo(std::uint16_t index, std::uint8_t sub, can::Time now) {
+  return services_->tpdos.send_from(index, sub, now);
+}
+void Node::set_parameter_store(ParameterStore* store) noexcept {
+  services_->stored_parameters.set_store(store);
+}
+bool Node::send_time(const TimeOfDay& time, can::Time) { return services_->time_stamp.send(time); }
+
+std::optional<SdoClientChannel> Node::sdo_client_channel(std::uint8_t number) const {
+  return services_->sdo_channels.client(number);
+}
+
+bool Node::wants(std::uint32_t base_identifier) const {
+  services_->settle();
+  return services_->table.contains(IdentifierTable::key(base_identifier, false, false)) ||
+         services_->table.contains(IdentifierTable::key(base_identifier, false, true));
+}
+bool Node::wants_extended() const {
+  services_->settle();
+  return services_->hears_extended;
+}
+std::uint32_t Node::identifiers_revision() const {
+  services_->settle();
+  return services_->revision;
+}
+
+// What nearly all frames are comes first, and every call is the last thing that is done: nothing has to be
+// kept.
+void Node::receive(const can::Frame& frame, can::Time now) {
+  Services& services = *services_;
+  if (services.identifiers_changed || frame.extended || frame.remote) return services.receive(frame, now);
+  const IdentifierTable::Slot* slot = services.table.first(frame.identifier);
+  if (slot == nullptr) return;
+  if (slot->more) return services.receive(frame, now);
+  services.dispatch(slot->kind, slot->number, frame, now);
+}
+
+void Node::tick(can::Time now) {
+  Services& services = *services_;
+  // What a timer starts anew for this very moment waits for the next call: no endless loop.
+  for (std::size_t left = services.timers.size(); left != 0 && services.timers.next() <= now; --left) {
+    services.tick(services.timers.pop(), now);
+  }
+}
+
+can::Time Node::deadline() const noexcept { return services_->timers.next(); }
+
+}  // namespace canopus::canopen

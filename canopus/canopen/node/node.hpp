@@ -1,0 +1,102 @@
+#pragma once
+// One CANopen node: its object dictionary and the services that live on it (NMT slave, SDO server, PDOs,
+// SYNC, TIME, EMCY, heartbeat, node guarding), each configured by the dictionary's own objects [CiA 301].
+//
+// A node is passive: it is told what came in and what time it is, sends through the Sink it was given, and
+// says when it wants the next tick. A service whose objects are missing from the dictionary is simply not
+// there.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "canopus/can/controller.hpp"
+#include "canopus/canopen/dictionary/object_dictionary.hpp"
+#include "canopus/canopen/dictionary/parameter_store.hpp"
+#include "canopus/canopen/sdo/sdo_channel.hpp"
+#include "canopus/canopen/service/nmt.hpp"
+#include "canopus/canopen/service/node_listener.hpp"
+#include "canopus/canopen/service/node_options.hpp"
+
+namespace canopus::canopen {
+
+class Node final : public can::Participant {
+ public:
+  /// The node is off until power_on(). `sink` and the listener must outlive it. node_id 1..127; with FFH (not
+  /// configured) it stays in Initialisation, silent and deaf, until it has another one and is reset.
+  Node(std::shared_ptr<const DictionaryDescription> description, std::uint8_t node_id, can::Sink& sink,
+       NodeOptions options = {});
+  ~Node() override;
+  Node(const Node&) = delete;
+  Node& operator=(const Node&) = delete;
+
+  void set_listener(NodeListener* listener) noexcept;
+
+  /// Initialisation: defaults (then NodeListener::reset_done, where stored values are put in), boot-up
+  /// message, Pre-operational.
+  void power_on(can::Time now);
+  /// Silent until power_on().
+  void power_off();
+  /// Takes effect at the next power_on() or reset.
+  void set_node_id(std::uint8_t node_id) noexcept;
+
+  [[nodiscard]] std::uint8_t node_id() const noexcept;
+  [[nodiscard]] NmtState state() const noexcept;
+  [[nodiscard]] ObjectDictionary& dictionary() noexcept;
+  [[nodiscard]] const ObjectDictionary& dictionary() const noexcept;
+
+  /// Obeys an NMT command as if it had come from the bus, addressed to this node.
+  void command(NmtCommand command, can::Time now);
+  /// A communication error of the application's own finding: 1029H:01 decides (only bus-off and the like;
+  /// heartbeat and life guarding events are seen to by the node unless it is the active NMT master).
+  void communication_error(can::Time now);
+  /// The active NMT master ignores broadcast NMT frames, produces SYNC and TIME if configured, and does not
+  /// react to heartbeat losses with 1029H [ME3CAN1-Q 4.7, 4.8.3].
+  void set_active_master(bool active, can::Time now);
+
+  /// Emergency: sets 1001H, puts the code on top of 1003H, sends. `error_register` bits are OR-ed into 1001H.
+  /// False when 1015H has not elapsed or the state does not allow it (nothing is changed then).
+  bool emergency(std::uint16_t code, std::uint8_t error_register,
+                 std::span<const std::uint8_t, 5> manufacturer, can::Time now);
+  /// All errors are gone: clears 1001H and sends code 0000H.
+  bool emergency_reset(can::Time now);
+
+  /// The application changed process values: every event-driven TPDO (and acyclic synchronous one) whose
+  /// content differs from what it last sent has its event. Returns how many had.
+  unsigned values_changed(can::Time now);
+  /// The application event of one TPDO, changed or not. False when it is not valid, or was dismissed.
+  bool tpdo_event(std::uint16_t number, can::Time now);
+  /// Sends `value` (up to 4 bytes) to an object of node `node_id` (0 = all nodes) through the MPDO in TPDO
+  /// `number`. False: that TPDO is not a valid MPDO in destination addressing mode, or its inhibit time runs.
+  bool send_destination_mpdo(std::uint16_t number, std::uint8_t node_id, std::uint16_t index,
+                             std::uint8_t sub, std::span<const std::uint8_t> value, can::Time now);
+  /// Sends an object of the scanner list 1FA0H-1FCFH through the MPDO in source addressing mode. Values
+  /// written through SDO do so by themselves (NodeOptions::sdo_write_is_event).
+  bool send_source_mpdo(std::uint16_t index, std::uint8_t sub, can::Time now);
+  /// Where 1010H keeps values; nullptr: in the node's own memory, over resets only. Must outlive the node.
+  void set_parameter_store(ParameterStore* store) noexcept;
+  /// Sends TIME once, if 1012H produces and the state allows.
+  bool send_time(const TimeOfDay& time, can::Time now);
+
+  /// SDO client channel 1280H + `number` (0..127) as the dictionary has it, if it is valid.
+  [[nodiscard]] std::optional<SdoClientChannel> sdo_client_channel(std::uint8_t number) const;
+
+  /// True when the node would do something with a data or remote frame of this base identifier: whoever
+  /// delivers frames may leave out the others.
+  [[nodiscard]] bool wants(std::uint32_t base_identifier) const;
+  /// True when it listens to any 29-bit identifier.
+  [[nodiscard]] bool wants_extended() const;
+  /// Changes whenever wants() may answer differently than before.
+  [[nodiscard]] std::uint32_t identifiers_revision() const;
+
+  void receive(const can::Frame& frame, can::Time now) override;
+  void tick(can::Time now) override;
+  [[nodiscard]] can::Time deadline() const noexcept override;
+
+ private:
+  struct Services;
+  std::unique_ptr<Services> services_;
+};
+
+}  // namespace canopus::canopen

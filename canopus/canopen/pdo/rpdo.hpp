@@ -1,0 +1,84 @@
+#pragma once
+// Receive PDOs [CiA 301 7.2.2]. 14xxH: 01H COB-ID (bit 31: not valid), 02H transmission type, 05H event timer
+// in ms; 16xxH: the mapping. In Operational a frame of at least the mapped length is put into the dictionary:
+// at once with types FEH and FFH, at the next SYNC with 00H-F0H. A shorter one is dropped (EMCY 8210H), a
+// longer one is taken as far as mapped (EMCY 8220H). The event timer watches for the next frame from the
+// first one on; its end is EMCY 8250H and NodeListener::rpdo_timed_out().
+//
+// Checks: COB-ID rules; reserved transmission types 06090030H; changing the mapping: check_mapping_write().
+
+#include <bit>
+#include <vector>
+
+#include "canopus/canopen/pdo/mpdo.hpp"
+#include "canopus/canopen/pdo/pdo_mapping.hpp"
+#include "canopus/canopen/service/cob_id.hpp"
+#include "canopus/canopen/service/identifier_table.hpp"
+#include "canopus/canopen/service/node_context.hpp"
+
+namespace canopus::canopen {
+
+class Rpdos final : public ObjectHandler {
+ public:
+  /// Only the RPDOs that the dictionary has exist.
+  explicit Rpdos(NodeContext& node);
+
+  /// Reads all parameters.
+  void start();
+  void stop();
+  /// Operational was left: forgets what waits for SYNC and stops watching.
+  void leave_operational();
+  /// A frame of the RPDO at this position came.
+  void receive(std::uint16_t position, const can::Frame& frame, can::Time window_end, can::Time now) {
+    if (!node_.is_operational()) return;
+    Rpdo& pdo = rpdos_[position];
+    if (!pdo.is_plain || frame.dlc != pdo.plan.length()) return receive_other(pdo, frame, window_end, now);
+    pdo.plan.scatter_word(std::bit_cast<std::uint64_t>(frame.data), node_.dictionary.block().data());
+    if (node_.listener != nullptr) node_.listener->rpdo_received(pdo.number, now);
+  }
+  void sync(can::Time now);
+  void tick(std::uint16_t position, can::Time now);
+  void list_identifiers(std::vector<IdentifierTable::Route>& routes) const;
+  [[nodiscard]] std::size_t size() const noexcept { return rpdos_.size(); }
+  [[nodiscard]] TimerQueue::Number first_timer() const noexcept { return first_timer_; }
+
+  AbortCode before_write(ObjectDictionary&, const Entry&, std::span<const std::uint8_t>, can::Time) override;
+  void after_write(ObjectDictionary&, const Entry&, can::Time) override;
+
+ private:
+  struct Rpdo {
+    std::uint64_t waiting_data = 0;  // for the next SYNC
+    CopyPlan plan;
+    CobId cob_id;
+    std::uint16_t number = 0;
+    std::uint16_t event_timer = 0;  // ms
+    std::uint8_t transmission_type = 0xFF;
+    std::uint8_t addressing = 0;   // of an MPDO, else 0
+    std::uint8_t error_count = 0;  // EMCYs that wait for their end: length, deadline
+    bool watched = false;          // has an event timer, or is an MPDO
+    bool is_plain = false;         // a frame is one copy, at once: nothing waits, is watched or was wrong
+    bool is_waiting = false;
+    bool length_error = false;
+    bool timed_out = false;
+  };
+  void take(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now);
+  void receive_other(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now);
+  void receive_unusual(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now);
+  void read(Rpdo& pdo);
+  static void classify(Rpdo& pdo) noexcept {
+    pdo.is_plain = pdo.plan.is_word() && pdo.transmission_type > 240 && !pdo.watched && pdo.error_count == 0;
+  }
+  void forget_errors(Rpdo& pdo, can::Time now);
+  [[nodiscard]] Rpdo* find(std::uint16_t index) noexcept;
+  [[nodiscard]] TimerQueue::Number timer(const Rpdo& pdo) const noexcept {
+    return static_cast<TimerQueue::Number>(first_timer_ + (&pdo - rpdos_.data()));
+  }
+
+  NodeContext& node_;
+  MpdoConsumer mpdo_consumer_{node_};
+  std::vector<Rpdo> rpdos_;  // in order of number
+  TimerQueue::Number first_timer_ = 0;
+  bool any_waiting_ = false;
+};
+
+}  // namespace canopus::canopen

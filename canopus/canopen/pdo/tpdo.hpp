@@ -1,0 +1,115 @@
+#pragma once
+// Transmit PDOs [CiA 301 7.2.2]. 18xxH: 01H COB-ID (bit 31: not valid, bit 30: no RTR), 02H transmission
+// type, 03H inhibit time in 100 us, 05H event timer in ms, 06H SYNC start value; 1AxxH: the mapping. In
+// Operational:
+//
+//   00H       after the next SYNC, if an event happened before it
+//   01H-F0H   after every n-th SYNC; with a counter in SYNC, counted from the SYNC of the start value on
+//   FCH, FDH  asked for by a remote frame; FCH sends the values of the last SYNC
+//   FEH, FFH  on an event, at most once in an inhibit time, and when the event timer ends, which starts
+//             anew with each transmission. An event during the inhibit time waits for its end, or is
+//             forgotten (option).
+//
+// A remote frame is answered in every type if bit 30 is 0. A PDO with nothing mapped is never sent. Values
+// are those before the RPDOs of the same SYNC.
+//
+// Checks: COB-ID rules; reserved types, FCH/FDH with bit 30 set and a SYNC start value above 240 06090030H;
+// inhibit time and SYNC start value cannot be changed while valid (06090030H); changing the mapping:
+// check_mapping_write().
+
+#include <vector>
+
+#include "canopus/canopen/pdo/mpdo.hpp"
+#include "canopus/canopen/pdo/pdo_mapping.hpp"
+#include "canopus/canopen/service/cob_id.hpp"
+#include "canopus/canopen/service/frame_of.hpp"
+#include "canopus/canopen/service/identifier_table.hpp"
+#include "canopus/canopen/service/node_context.hpp"
+
+namespace canopus::canopen {
+
+class Tpdos final : public ObjectHandler {
+ public:
+  /// Only the TPDOs that the dictionary has exist.
+  explicit Tpdos(NodeContext& node);
+
+  /// Reads all parameters.
+  void start(can::Time now);
+  void stop();
+  void enter_operational(can::Time now);
+  void leave_operational();
+
+  /// Every event-driven or acyclic TPDO whose values differ from what it last sent has its event. How many
+  /// had.
+  unsigned values_changed(can::Time now);
+  /// The event of TPDO `number`. False: it does not exist, is not valid or event-driven, or was dismissed.
+  bool event(std::uint16_t number, can::Time now);
+  /// A mapped value was written: its TPDOs have their events.
+  void object_written(const Entry& entry, can::Time now);
+  /// Sends `value` (up to 4 bytes) to an object of another node (0 = all) through the MPDO in TPDO `number`.
+  /// False: that is none in destination addressing mode, it is not valid, or its inhibit time runs.
+  bool send_to(std::uint16_t number, std::uint8_t node_id, std::uint16_t index, std::uint8_t sub,
+               std::span<const std::uint8_t> value, can::Time now);
+  /// Sends an object of the scanner list through the MPDO in source addressing mode, if there is one.
+  bool send_from(std::uint16_t index, std::uint8_t sub, can::Time now);
+  void sync(std::uint8_t counter, can::Time now);
+  /// A remote frame came for the TPDO at this position.
+  void requested(std::uint16_t position, can::Time now);
+  void tick(std::uint16_t position, can::Time now);
+
+  void list_identifiers(std::vector<IdentifierTable::Route>& routes) const;
+  [[nodiscard]] std::size_t size() const noexcept { return tpdos_.size(); }
+  [[nodiscard]] TimerQueue::Number first_timer() const noexcept { return first_timer_; }
+
+  AbortCode before_write(ObjectDictionary&, const Entry&, std::span<const std::uint8_t>, can::Time) override;
+  void after_write(ObjectDictionary&, const Entry&, can::Time now) override;
+
+ private:
+  struct Tpdo {
+    std::uint64_t last_data = 0;  // as sent; of type FCH as sampled
+    can::Time inhibited_until{};
+    can::Time event_due = can::never;
+    CopyPlan plan;
+    FrameHead head;
+    CobId cob_id;  // not valid, too, when there is nothing mapped
+    std::uint16_t number = 0;
+    std::uint16_t inhibit_time = 0;  // 100 us
+    std::uint16_t event_timer = 0;   // ms
+    std::uint8_t transmission_type = 0xFF;
+    std::uint8_t addressing = 0;  // of an MPDO, else 0
+    std::uint8_t sync_start = 0;
+    std::uint8_t syncs_left = 0;   // of type 01H-F0H, until the next transmission
+    bool waits_for_start = false;  // for the SYNC whose counter is sync_start
+    bool has_event = false;        // waits for SYNC or for the end of the inhibit time
+    bool was_sent = false;         // last_data is what the receivers have
+
+    [[nodiscard]] bool is_event_driven() const noexcept {
+      return transmission_type >= 0xFE && addressing == 0;
+    }
+    [[nodiscard]] bool is_synchronous() const noexcept { return transmission_type <= 0xF0; }
+  };
+  void read(Tpdo& pdo);
+  void activate(Tpdo& pdo, can::Time now);
+  bool event(Tpdo& pdo, can::Time now);
+  bool send(Tpdo& pdo, std::uint64_t data, can::Time now);
+  void send_on_sync(Tpdo& pdo, can::Time now);
+  void sync_unusual(Tpdo& pdo, std::uint8_t counter, can::Time now);
+  bool send_mpdo(Tpdo& pdo, std::uint64_t data, can::Time now);
+  [[nodiscard]] std::uint64_t gather(const Tpdo& pdo) const noexcept {
+    return pdo.plan.gather(node_.dictionary.block().data());
+  }
+  void schedule(const Tpdo& pdo);
+  void list_synchronous();
+  [[nodiscard]] Tpdo* find(std::uint16_t index) noexcept;
+  [[nodiscard]] TimerQueue::Number timer(const Tpdo& pdo) const noexcept {
+    return static_cast<TimerQueue::Number>(first_timer_ + (&pdo - tpdos_.data()));
+  }
+
+  NodeContext& node_;
+  MpdoScanner scanner_{node_};
+  std::vector<Tpdo> tpdos_;                 // in order of number
+  std::vector<std::uint16_t> synchronous_;  // positions of the valid ones that SYNC concerns
+  TimerQueue::Number first_timer_ = 0;
+};
+
+}  // namespace canopus::canopen

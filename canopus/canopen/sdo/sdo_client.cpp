@@ -1,0 +1,265 @@
+#include "canopus/canopen/sdo/sdo_client.hpp"
+
+#include <algorithm>
+#include <cstdint>
+
+#include "canopus/canopen/sdo/sdo_frame.hpp"
+#include "canopus/canopen/service/nmt.hpp"
+
+namespace canopus::canopen {
+
+using sdo::ServerCommand;
+
+void SdoClient::set_server(std::uint8_t node_id) {
+  set_channel(cob_id::sdo_request + node_id, cob_id::sdo_response + node_id);
+  server_ = node_id;
+}
+
+void SdoClient::set_channel(std::uint32_t request, std::uint32_t response) {
+  if (busy()) return;
+  constexpr std::uint32_t identifier_and_format = 0x3FFF'FFFF;
+  request_ = sdo::head(request & identifier_and_format);
+  response_cob_id_ = response & identifier_and_format;
+  server_ = 0;
+}
+
+// Everything is set before a frame goes out: on a bus that is a function call, the answer comes from inside
+// send().
+bool SdoClient::start(State state, const can::Frame& request, SdoClientUser& user, can::Time now,
+                      can::Duration time_out) {
+  state_ = state;
+  user_ = &user;
+  multiplexer_ = sdo::multiplexer(request);
+  toggle_ = 0;
+  abort_code_ = AbortCode::none;
+  collector_.clear();
+  time_out_ = time_out;
+  restart_time_out(now);
+  if (sink_->send(request)) return true;
+  state_ = State::idle;
+  deadline_ = can::never;
+  return false;
+}
+
+bool SdoClient::upload(std::uint16_t index, std::uint8_t sub, SdoClientUser& user, can::Time now,
+                       can::Duration time_out, Mode mode, ByteSink* into) {
+  if (busy()) return false;
+  into_ = into;
+  if (mode == Mode::segmented) {
+    return start(State::initiate_upload, sdo::frame(request_, 0x40, sdo::multiplexer(index, sub)), user, now,
+                 time_out);
+  }
+  const std::uint32_t block_size_and_threshold = own_block_size | std::uint32_t{switch_threshold_} << 8;
+  return start(
+      State::initiate_block_upload,
+      sdo::frame(request_, 0xA0U | sdo::crc_bit, sdo::multiplexer(index, sub), block_size_and_threshold),
+      user, now, time_out);
+}
+
+bool SdoClient::start_download(State state, std::uint16_t index, std::uint8_t sub,
+                               std::optional<std::uint32_t> size, SdoClientUser& user, can::Time now,
+                               can::Duration time_out) {
+  expedited_ = false;
+  all_sent_ = false;
+  const bool in_blocks = state == State::initiate_block_download;
+  const unsigned size_bit = !size ? 0U : in_blocks ? 2U : 1U;
+  const unsigned command = in_blocks ? 0xC0U | sdo::crc_bit : 0x20U;
+  return start(state,
+               sdo::frame(request_, command | size_bit, sdo::multiplexer(index, sub), size.value_or(0)), user,
+               now, time_out);
+}
+
+bool SdoClient::download(std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> data,
+                         SdoClientUser& user, can::Time now, can::Duration time_out, Mode mode) {
+  if (busy()) return false;
+  if (!data.empty() && data.size() <= 4) {
+    std::uint32_t value = 0;
+    std::copy_n(data.begin(), data.size(), reinterpret_cast<std::uint8_t*>(&value));
+    const unsigned command = 0x23U | static_cast<unsigned>(4 - data.size()) << 2;
+    expedited_ = true;
+    return start(State::initiate_download, sdo::frame(request_, command, sdo::multiplexer(index, sub), value),
+                 user, now, time_out);
+  }
+  source_.begin(data);
+  return start_download(mode == Mode::block ? State::initiate_block_download : State::initiate_download,
+                        index, sub, static_cast<std::uint32_t>(data.size()), user, now, time_out);
+}
+
+bool SdoClient::download(std::uint16_t index, std::uint8_t sub, ByteSource& source,
+                         std::optional<std::uint32_t> size, SdoClientUser& user, can::Time now,
+                         can::Duration time_out, Mode mode) {
+  if (busy()) return false;
+  source_.begin(source);
+  return start_download(mode == Mode::block ? State::initiate_block_download : State::initiate_download,
+                        index, sub, size, user, now, time_out);
+}
+
+void SdoClient::cancel(AbortCode code) {
+  if (!busy()) return;
+  drop(code);
+  sink_->send(sdo::abort_frame(request_, multiplexer_, code));
+}
+
+void SdoClient::drop(AbortCode code) noexcept {
+  state_ = State::idle;
+  block_sender_.stop();
+  deadline_ = can::never;
+  abort_code_ = code;
+}
+
+void SdoClient::finish(AbortCode code, can::Time now) {
+  state_ = State::idle;
+  block_sender_.stop();
+  deadline_ = can::never;
+  abort_code_ = code;
+  user_->sdo_finished(*this, now);  // may start the next transfer
+}
+
+void SdoClient::give_up(AbortCode code, can::Time now) {
+  sink_->send(sdo::abort_frame(request_, multiplexer_, code));
+  finish(code, now);
+}
+
+// What cannot be taken: the server hears of a full memory where the user hears of too small a buffer.
+void SdoClient::refuse(AbortCode code, can::Time now) {
+  if (code != buffer_too_small) return give_up(code, now);
+  sink_->send(sdo::abort_frame(request_, multiplexer_, AbortCode::out_of_memory));
+  finish(buffer_too_small, now);
+}
+
+/// An answer on this channel while a transfer runs.
+void SdoClient::take(const can::Frame& frame, can::Time now) {
+  const auto command = static_cast<ServerCommand>(frame.data[0] >> 5);
+  // Among the segments of a block, 81H.. is the last segment, also when it comes twice.
+  const bool among_segments = state_ == State::block_upload || state_ == State::block_upload_end;
+  if (command == ServerCommand::abort && (!among_segments || frame.data[0] == 0x80)) {
+    const auto code = static_cast<AbortCode>(sdo::value(frame));
+    // An abort without a reason is one, too.
+    return finish(code != AbortCode::none ? code : AbortCode::general, now);
+  }
+  switch (state_) {
+    case State::idle: return;
+    case State::initiate_upload: return upload_initiated(frame, now);
+    case State::upload_segment: return segment_uploaded(frame, now);
+    case State::initiate_download: return download_initiated(frame, now);
+    case State::download_segment: return segment_downloaded(frame, now);
+    default: return receive_in_block(frame, now);
+  }
+}
+
+bool SdoClient::is_about_this_object(const can::Frame& frame) const noexcept {
+  return sdo::multiplexer(frame) == multiplexer_;
+}
+
+void SdoClient::upload_initiated(const can::Frame& frame, can::Time now) {
+  if (static_cast<ServerCommand>(frame.data[0] >> 5) != ServerCommand::initiate_upload) {
+    return give_up(AbortCode::command_specifier, now);
+  }
+  if (!is_about_this_object(frame)) return;  // a late answer to a transfer given up
+  if ((frame.data[0] & sdo::expedited_bit) == 0) return long_upload_initiated(frame, now);
+  if (into_ != nullptr || maximum_size_ != 0) return take_expedited(frame, now);
+  collector_.take(sdo::value(frame), sdo::expedited_data(frame).size());
+  finish(AbortCode::none, now);
+}
+
+void SdoClient::take_expedited(const can::Frame& frame, can::Time now) {
+  const auto data = sdo::expedited_data(frame);
+  if (maximum_size_ != 0 && data.size() > maximum_size_) return refuse(buffer_too_small, now);
+  if (into_ == nullptr) {
+    collector_.take(sdo::value(frame), data.size());
+  } else if (const AbortCode code = into_->write(data); code != AbortCode::none) {
+    return give_up(code, now);
+  }
+  finish(AbortCode::none, now);
+}
+
+void SdoClient::long_upload_initiated(const can::Frame& frame, can::Time now) {
+  const std::size_t maximum = maximum_size_ != 0 ? maximum_size_ : SIZE_MAX / 2;
+  std::optional<std::size_t> announced;
+  if ((frame.data[0] & sdo::size_bit) != 0) announced = sdo::value(frame);
+  if (announced && *announced > maximum) return refuse(buffer_too_small, now);
+  collector_.begin(into_, maximum, buffer_too_small, announced, 0);
+  state_ = State::upload_segment;
+  request_segment(now);
+}
+
+void SdoClient::request_segment(can::Time now) {
+  restart_time_out(now);
+  sink_->send(sdo::frame(request_, 0x60U | toggle_));
+}
+
+void SdoClient::segment_uploaded(const can::Frame& frame, can::Time now) {
+  if (static_cast<ServerCommand>(frame.data[0] >> 5) != ServerCommand::upload_segment) {
+    return give_up(AbortCode::command_specifier, now);
+  }
+  if ((frame.data[0] & sdo::toggle_bit) != toggle_) return give_up(AbortCode::toggle_bit, now);
+  AbortCode code = collector_.add(frame, sdo::segment_length(frame));
+  const bool last = (frame.data[0] & sdo::last_bit) != 0;
+  if (last && code == AbortCode::none) code = collector_.finish(0);
+  if (code != AbortCode::none) return refuse(code, now);
+  if (last) return finish(AbortCode::none, now);
+  toggle_ ^= sdo::toggle_bit;
+  request_segment(now);
+}
+
+void SdoClient::download_initiated(const can::Frame& frame, can::Time now) {
+  if (static_cast<ServerCommand>(frame.data[0] >> 5) != ServerCommand::initiate_download) {
+    return give_up(AbortCode::command_specifier, now);
+  }
+  if (!is_about_this_object(frame)) return;
+  if (expedited_) return finish(AbortCode::none, now);
+  state_ = State::download_segment;
+  send_segment(now);
+}
+
+void SdoClient::send_segment(can::Time now) {
+  const auto rest = source_.window();
+  if (rest.size() <= sdo::segment_size) return send_last_segment(now);
+  const can::Frame segment = sdo::block_segment(request_, toggle_, rest);
+  all_sent_ = false;
+  source_.advance(sdo::segment_size);
+  restart_time_out(now);
+  sink_->send(segment);
+}
+
+/// The last one at hand: perhaps of all.
+void SdoClient::send_last_segment(can::Time now) {
+  if (const AbortCode code = source_.prepare(sdo::segment_size); code != AbortCode::none) {
+    return give_up(code, now);
+  }
+  const auto window = source_.window();
+  const std::size_t count = std::min(window.size(), sdo::segment_size);
+  all_sent_ = count == window.size() && source_.ends_in_window();
+  const can::Frame segment = sdo::segment(request_, toggle_, window, all_sent_);
+  source_.advance(count);
+  restart_time_out(now);
+  sink_->send(segment);
+}
+
+void SdoClient::segment_downloaded(const can::Frame& frame, can::Time now) {
+  if (static_cast<ServerCommand>(frame.data[0] >> 5) != ServerCommand::download_segment) {
+    return give_up(AbortCode::command_specifier, now);
+  }
+  if ((frame.data[0] & sdo::toggle_bit) != toggle_) return give_up(AbortCode::toggle_bit, now);
+  if (all_sent_) return finish(AbortCode::none, now);
+  toggle_ ^= sdo::toggle_bit;
+  send_segment(now);
+}
+
+void SdoClient::tick(can::Time now) {
+  if (!busy() || now < deadline_) return;
+  const can::Time end = can::later(last_heard_, time_out_);
+  if (now >= end) return give_up(AbortCode::timed_out, now);
+  if (state_ == State::block_download && block_sender_.is_sending())
+    return send_block(now);  // the transmit queue was full
+  deadline_ = end;
+  if (state_ != State::block_upload) return;
+  const can::Duration pause = time_out_ / 4;
+  const bool is_silent = now >= can::later(last_heard_, pause);
+  deadline_ = std::min(end, can::later(is_silent ? now : last_heard_, pause));
+  if (is_silent && block_receiver_.may_confirm_early()) {
+    sink_->send(block_receiver_.early_confirmation(request_));
+  }
+}
+
+}  // namespace canopus::canopen

@@ -1,0 +1,69 @@
+#pragma once
+// What the services of one node share: the dictionary that configures them, where frames go, the node's
+// timers and NMT state, and the two things they ask of the node as a whole (an emergency, 1029H).
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+#include "canopus/can/controller.hpp"
+#include "canopus/canopen/dictionary/object_dictionary.hpp"
+#include "canopus/canopen/service/node_listener.hpp"
+#include "canopus/canopen/service/node_options.hpp"
+#include "canopus/canopen/service/timer_queue.hpp"
+
+namespace canopus::canopen {
+
+/// Errors that a service of the node itself finds, and takes back when they are over.
+struct CommunicationError {
+  std::uint16_t code = 0;               ///< emergency error code
+  std::uint8_t first_manufacturer = 0;  ///< first manufacturer-specific byte
+};
+
+class NodeContext {
+ public:
+  NodeContext(std::shared_ptr<const DictionaryDescription> description, std::uint8_t id, can::Sink& frames,
+              const NodeOptions& node_options)
+      : dictionary(std::move(description), id), sink(frames), options(node_options), node_id(id) {}
+
+  /// A communication error began: 1001H, 1003H and an EMCY message; sent later if 1015H forbids it now.
+  virtual void error_began(const CommunicationError& error, can::Time now) = 0;
+  /// One that had begun is over: when it was the last one, 1001H and an EMCY message with code 0000H.
+  virtual void error_ended(const CommunicationError& error, can::Time now) = 0;
+  /// 1029H:01 decides about the NMT state.
+  virtual void communication_error(can::Time now) = 0;
+
+  /// Pre-operational or Operational: everything but PDOs may go.
+  [[nodiscard]] bool communicates() const noexcept {
+    return state == NmtState::operational || state == NmtState::pre_operational;
+  }
+  [[nodiscard]] bool is_operational() const noexcept { return state == NmtState::operational; }
+  /// May SYNC and TIME be produced?
+  [[nodiscard]] bool may_produce_time() const noexcept {
+    return communicates() && (active_master || !options.sync_needs_active_master);
+  }
+
+  ObjectDictionary dictionary;
+  can::Sink& sink;
+  NodeOptions options;
+  NodeListener* listener = nullptr;
+  TimerQueue timers;
+  std::uint8_t node_id = 0;
+  NmtState state = NmtState::initialising;
+  bool active_master = false;
+  /// Set by a service whose identifiers are no longer what the node's IdentifierTable says.
+  bool identifiers_changed = true;
+
+ protected:
+  ~NodeContext() = default;
+};
+
+/// `value` steps of `unit`, in whole steps of `resolution` but at least one; 0 stays 0.
+[[nodiscard]] constexpr can::Duration in_steps(std::uint64_t value, can::Duration unit,
+                                               can::Duration resolution) noexcept {
+  if (value == 0) return {};
+  const can::Duration exact = unit * static_cast<can::Duration::rep>(value);
+  return exact < resolution ? resolution : exact / resolution * resolution;
+}
+
+}  // namespace canopus::canopen

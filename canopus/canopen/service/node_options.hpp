@@ -1,0 +1,73 @@
+#pragma once
+// How a node behaves where CiA 301 leaves a choice or a device's manual differs from it.
+
+#include <chrono>
+#include <cstddef>
+
+#include "canopus/can/time.hpp"
+#include "canopus/canopen/dictionary/stored_values.hpp"
+#include "canopus/canopen/service/emcy_code.hpp"
+
+namespace canopus::canopen {
+
+struct NodeOptions {
+  // --- NMT
+  /// From an NMT reset to the boot-up message; meanwhile the node hears and says nothing.
+  can::Duration reset_time{};
+
+  // --- PDO
+  /// An event of an event-driven TPDO during its inhibit time (its event timer's end included): sent when the
+  /// inhibit time ends (CiA 301) or forgotten [ME3CAN1-Q 4.6.5 cases 2 and 5].
+  bool dismiss_events_during_inhibit = false;
+  /// Values count as changed until a TPDO has sent them once; else only against what they were when the TPDO
+  /// became valid or the node entered Operational [ME3CAN1-Q 4.6.5 case 1].
+  bool unsent_values_are_changed = true;
+  /// Send all valid event-driven TPDOs once on entering Operational.
+  bool send_tpdos_on_start = true;
+  /// Values written through SDO to mapped objects cause events of the TPDOs that hold them.
+  bool sdo_write_is_event = true;
+  /// Bit 30 of a TPDO's COB-ID always reads 1 (no RTR); writing 0 has no effect [ME3CAN1-Q 4.6.5].
+  bool tpdo_rtr_bit_is_constant = false;
+  /// Transmission types FCH and FDH of TPDOs exist; else they are refused with 06090030H.
+  bool rtr_transmission_types = true;
+  /// Transmission type FFH exists; else it is refused with 06090030H [ME3CAN1-Q 4.6.5].
+  bool profile_event_transmission_type = true;
+  /// Inhibit times (PDO and EMCY) count in steps of this: a value other than 0 that is shorter acts as one
+  /// step, a fraction is dropped [ME3CAN1-Q 4.6.5: 1 ms].
+  can::Duration inhibit_time_resolution = std::chrono::microseconds(100);
+  /// Configurable COB-IDs may have 29-bit identifiers (bit 29); else 06090030H.
+  bool extended_identifiers = true;
+
+  // --- SYNC, TIME
+  /// Produce SYNC and TIME only while Node::set_active_master(true) [ME3CAN1-Q 4.6.6, 4.6.9].
+  bool sync_needs_active_master = false;
+  /// 1006H counts in steps of this, as inhibit_time_resolution [ME3CAN1-Q 4.6.6: 1 ms].
+  can::Duration sync_period_resolution = std::chrono::microseconds(1);
+
+  // --- EMCY
+  /// Writing 0 to 1003H:00 clears 1001H, too [ME3CAN1-Q 4.6.3].
+  bool history_clears_error_register = false;
+  /// Reading a sub-index of 1003H above the number of entries gives 0, instead of abort code 08000024H.
+  bool empty_history_reads_zero = false;
+  /// A lost heartbeat is told with 8F00H + node-ID of the lost node, a life guarding event with 8F00H + own
+  /// node-ID, instead of 8130H [ME3CAN1-Q 8.2.1].
+  bool guarding_emergency_names_node = false;
+  /// Emergency code of a SYNC of the wrong length; modules that do not know 8240H say 8200H
+  /// [ME3CAN1-Q 8.2.1].
+  std::uint16_t sync_length_error = emcy_code::sync_length;
+
+  // --- Stored parameters
+  /// 1010H saves also between "load" at 1011H and the reset that restores: the present values count again.
+  /// Else 08000022H. [ME3CAN1-Q 4.6.11 knows no such refusal]
+  bool save_before_restored = false;
+  /// How the stored values lie in the ParameterStore.
+  StoredLength stored_length = StoredLength::four_bytes;
+
+  // --- SDO server
+  /// A transfer whose client is silent for so long is aborted with 05040000H; 0 = never.
+  can::Duration sdo_server_time_out = std::chrono::seconds(1);
+  /// Longest value of variable length that a download may bring, in bytes; more: 05040005H.
+  std::size_t sdo_maximum_download = 1U << 20;
+};
+
+}  // namespace canopus::canopen

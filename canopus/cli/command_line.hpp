@@ -1,0 +1,13 @@
+#pragma once
+// The command line of the program: all commands there are, and words for somebody who mistyped one.
+
+#include <span>
+#include <string>
+
+namespace canopus::cli {
+
+/// Runs the command that the words behind the program's name ask for. The exit code is the command's; 2 when
+/// the words make no command.
+int run_command_line(std::span<const std::string> words);
+
+}  // namespace canopus::cli

@@ -1,0 +1,49 @@
+#pragma once
+// What the commands that join a bus (sdo, nmt, scan, lss, master) have in common: their options, their exit
+// codes, and how they complain.
+
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "canopus/cli/terminal/print.hpp"
+#include "canopus/link/bus_loop.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace canopus::cli {
+
+using link::BusLoop;
+
+/// Exit codes of these commands.
+namespace exit_code {
+inline constexpr int done = 0;
+inline constexpr int failed = 1;  ///< the bus or a node refused, or does not answer
+inline constexpr int usage = 2;   ///< wrong command line or file
+}  // namespace exit_code
+
+struct BusOptions {
+  std::string bus = "socketcand:127.0.0.1:29536";
+  std::string time_out = "500ms";
+  bool json = false;
+};
+
+/// --bus and --timeout (whose meaning `time_out` tells), and --json where `with_json`.
+void add_bus_options(CLI::App& command, BusOptions& options, const char* time_out, bool with_json = true);
+
+/// "canopus: ..." on stderr; returns `code`.
+int complain(int code, std::string_view message);
+
+/// Joins the bus, calls the action with it and the time-out; its result is the exit code. Complains itself
+/// about what is wrong with the options or the bus.
+int with_bus(const BusOptions& options, const std::function<int(BusLoop&, can::Duration)>& action);
+
+/// Complains about an end of BusLoop::run() other than done; `time_over` is what to say of that.
+int complain_of(BusLoop::End end, const BusLoop& bus, std::string_view time_over);
+
+/// A node-ID, 1..127, decimal or 0x..; 0 when it is none.
+[[nodiscard]] unsigned parse_node(std::string_view text);
+
+}  // namespace canopus::cli

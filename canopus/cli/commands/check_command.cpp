@@ -1,0 +1,51 @@
+#include "canopus/cli/commands/check_command.hpp"
+
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+#include "canopus/cli/terminal/plant_loading.hpp"
+
+namespace canopus::cli {
+
+namespace {
+
+std::string counted(std::size_t count, std::string_view what, std::string_view plural_ending) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : plural_ending);
+}
+
+}  // namespace
+
+int check_plant(const CheckOptions& options, Output& out, Output& err) {
+  class Nobody final : public plant::PlantObserver {
+  } nobody;
+  const std::string& path = options.plant;
+  const auto plant = load_plant(path, nobody, err);
+  if (!plant) return 2;
+  for (const text::FileWarning& warning : plant->warnings()) err.line("{}", describe(warning, path));
+  for (const std::string& line : plant->connections()) out.line("{}", line);
+  const plant::PlantFile& file = plant->file();
+  const std::size_t warnings = plant->warnings().size();
+  const bool good = warnings == 0 || !options.strict;
+  out.line("{}: {}: {}, {}, {}{}", path, good ? "good" : "not good", counted(file.buses.size(), "bus", "es"),
+           counted(file.devices.size(), "device", "s"), counted(file.plcs.size(), "PLC", "s"),
+           warnings == 0 ? "" : ", " + counted(warnings, "warning", "s"));
+  return good ? 0 : 2;
+}
+
+void add_check_command(CLI::App& app, int& exit_code) {
+  auto options = std::make_shared<CheckOptions>();
+  CLI::App* command =
+      app.add_subcommand("check", "Check a plant file, and the device files it names, without running it");
+  command->add_option("PLANT", options->plant, "Plant file (TOML, see docs/plant-file.md)")->required();
+  command->add_flag("--strict", options->strict, "A warning is a mistake, too");
+  command->footer(
+      "A mistake is printed as FILE:LINE:COLUMN: what was found and what was expected; the plant does not\n"
+      "start with one. A warning, FILE:LINE:COLUMN: warning: ..., is something that was probably not meant;\n"
+      "a run says it, too.\n"
+      "Exit codes: 0 good, 2 wrong (with --strict: or a warning).");
+  command->callback(
+      [options, &exit_code] { exit_code = check_plant(*options, standard_output(), standard_error()); });
+}
+
+}  // namespace canopus::cli

@@ -1,0 +1,173 @@
+#include "canopus/cli/commands/eds_command.hpp"
+
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "canopus/cli/commands/eds_show.hpp"
+#include "canopus/eds/device_file.hpp"
+#include "canopus/text/file_text.hpp"
+
+namespace canopus::cli {
+namespace {
+
+using Severity = eds::Problem::Severity;
+
+/// The text, or nothing after a word on `err`.
+std::optional<std::string> read_text(const std::string& file, Output& err) {
+  const auto text = file == "-" ? text::read_standard_input() : text::read_file_or_reason(file);
+  if (text) return *text;
+  err.line("canopus: {}: {}", file, text.error());
+  return std::nullopt;
+}
+
+std::string counted(std::size_t count, const std::string& what) {
+  return std::to_string(count) + ' ' + what + (count == 1 ? "" : "s");
+}
+
+struct Counts {
+  std::size_t warnings = 0;
+  std::size_t notes = 0;
+};
+
+Counts count(const std::vector<eds::Problem>& problems) {
+  Counts counts;
+  for (const eds::Problem& problem : problems) {
+    if (problem.severity == Severity::warning) ++counts.warnings;
+    if (problem.severity == Severity::note) ++counts.notes;
+  }
+  return counts;
+}
+
+void print_problem(Output& out, const std::string& file, const eds::Problem& problem, bool colour) {
+  const std::string_view severity_colour = problem.severity == Severity::error     ? "1;31"
+                                           : problem.severity == Severity::warning ? "1;35"
+                                                                                   : "1;36";
+  const std::string place = problem.column == 0
+                                ? fmt::format("{}:{}:", file, problem.line)
+                                : fmt::format("{}:{}:{}:", file, problem.line, problem.column);
+  out.line("{} {} {}", paint(place, "1", colour),
+           paint(fmt::format("{}:", eds::name(problem.severity)), severity_colour, colour), problem.message);
+}
+
+void print_text(Output& out, const std::string& file, const eds::ReadResult& result,
+                const EdsCheckOptions& options) {
+  for (const eds::Problem& problem : result.problems) {
+    if (!options.quiet || problem.severity == Severity::error) {
+      print_problem(out, file, problem, options.colour);
+    }
+  }
+  if (result.file == nullptr) {
+    out.line("{}: refused", file);
+    return;
+  }
+  if (options.quiet) return;
+  const Counts counts = count(result.problems);
+  const eds::PdoCount pdos = eds::count_pdos(*result.file->dictionary);
+  Line line("{}: accepted, {}", file, counted(counts.warnings, "warning"));
+  if (counts.notes != 0) line.add(", {}", counted(counts.notes, "note"));
+  line.add(": {}, {}, {}", counted(result.file->dictionary->objects().size(), "object"),
+           counted(pdos.rpdos, "RPDO"), counted(pdos.tpdos, "TPDO"));
+  if (const auto type = identity(*result.file).device_type) line.add(", device type {:08X}H", *type);
+  out.line(line);
+}
+
+void print_json(Output& out, const std::string& file, const eds::ReadResult& result) {
+  nlohmann::ordered_json line;
+  line["file"] = file;
+  line["accepted"] = result.file != nullptr;
+  if (result.file != nullptr) {
+    const eds::PdoCount pdos = eds::count_pdos(*result.file->dictionary);
+    const eds::Identity identity = eds::identity(*result.file);
+    line["vendor"] = result.file->device.vendor_name;
+    line["product"] = result.file->device.product_name;
+    line["objects"] = result.file->dictionary->objects().size();
+    line["rpdos"] = pdos.rpdos;
+    line["tpdos"] = pdos.tpdos;
+    if (identity.device_type) line["device_type"] = *identity.device_type;
+    if (identity.vendor_id) line["vendor_id"] = *identity.vendor_id;
+    if (identity.product_code) line["product_code"] = *identity.product_code;
+    if (identity.revision) line["revision"] = *identity.revision;
+  }
+  line["problems"] = nlohmann::ordered_json::array();
+  for (const eds::Problem& problem : result.problems) {
+    nlohmann::ordered_json entry;
+    entry["line"] = problem.line;
+    if (problem.column != 0) entry["column"] = problem.column;
+    entry["severity"] = eds::name(problem.severity);
+    entry["message"] = problem.message;
+    line["problems"].push_back(std::move(entry));
+  }
+  out.json(line);
+}
+
+}  // namespace
+
+int eds_check(const EdsCheckOptions& options, Output& out, Output& err) {
+  int exit_code = 0;
+  for (const std::string& file : options.files) {
+    const auto text = read_text(file, err);
+    if (!text) {
+      exit_code = 2;
+      continue;
+    }
+    const eds::ReadResult result = eds::read_device_file(*text);
+    const std::string shown = file == "-" ? "<stdin>" : file;
+    if (options.json) {
+      print_json(out, shown, result);
+    } else {
+      print_text(out, shown, result, options);
+    }
+    if (result.file == nullptr && exit_code == 0) exit_code = 1;
+  }
+  return exit_code;
+}
+
+void add_eds_command(CLI::App& app, int& exit_code) {
+  CLI::App* eds = app.add_subcommand("eds", "Look into device description files (EDS, DCF)");
+  eds->require_subcommand(1);
+  CLI::App* check = eds->add_subcommand("check", "Say what is wrong with EDS and DCF files, worst first");
+  const auto options = std::make_shared<EdsCheckOptions>();
+  check->add_option("FILE", options->files, "EDS or DCF files; - is the standard input")->required();
+  check->add_flag("-q,--quiet", options->quiet, "Print refused files only, with their errors");
+  check->add_flag("--json", options->json, "Print one JSON object per file instead");
+  check->footer(
+      "Each problem is a line FILE:LINE: SEVERITY: MESSAGE. A warning is something the reader repaired,\n"
+      "a note something unusual; neither keeps a file from being used.\n"
+      "\n"
+      "Exit status: 0 all files accepted, 1 a file refused, 2 wrong usage or a file that cannot be read.\n"
+      "Colour goes to terminals only; NO_COLOR switches it off.\n"
+      "\n"
+      "Example: canopus eds check devices/*.eds");
+  struct ShowOptions {
+    std::string file;
+    bool json = false;
+  };
+  const auto shown = std::make_shared<ShowOptions>();
+  CLI::App* show =
+      eds->add_subcommand("show", "List a device's identity, objects, and PDOs with their mapping");
+  show->add_option("FILE", shown->file, "EDS or DCF file; - is the standard input")->required();
+  show->add_flag("--json", shown->json, "Print one JSON object instead");
+  show->footer(
+      "PDO: in which the object may be mapped. +node: the node-ID is added. Longer names are cut at 80 "
+      "columns.\n"
+      "\n"
+      "Exit status: 0 shown, 1 no device can be made of the file, 2 wrong usage or a file that cannot be "
+      "read.\n"
+      "\n"
+      "Example: canopus eds show examples/devices/io-block.eds");
+  show->callback([shown, &exit_code] {
+    exit_code = eds_show(shown->file, shown->json, standard_output(), standard_error());
+  });
+  check->callback([options, &exit_code] {
+    options->colour = !options->json && wants_colour(STDOUT_FILENO);
+    exit_code = eds_check(*options, standard_output(), standard_error());
+  });
+}
+
+}  // namespace canopus::cli

@@ -1,0 +1,30 @@
+#pragma once
+// `canopus eds check FILE...`: what is wrong with device description files, in the form compilers use.
+
+#include <string>
+#include <vector>
+
+#include "canopus/cli/terminal/print.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace canopus::cli {
+
+struct EdsCheckOptions {
+  std::vector<std::string> files;
+  bool quiet = false;   ///< only refused files' errors, no summary of accepted ones
+  bool json = false;    ///< one JSON object per line instead of text
+  bool colour = false;  ///< severities in colour
+};
+
+/// Checks the files, prints to `out` (what cannot be opened: to `err`). Returns the exit code: 0 all files
+/// accepted, 1 at least one refused, 2 at least one could not be read.
+int eds_check(const EdsCheckOptions& options, Output& out, Output& err);
+
+/// Adds the subcommand `eds` with its own subcommand `check` to the program. When the user asks for it,
+/// parsing runs it and puts the exit code into `exit_code`.
+void add_eds_command(CLI::App& app, int& exit_code);
+
+}  // namespace canopus::cli

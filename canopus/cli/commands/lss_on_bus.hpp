@@ -1,0 +1,60 @@
+#pragma once
+// LSS services on a bus of the command line: one at a time, waited for.
+
+#include <functional>
+#include <optional>
+#include <utility>
+
+#include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/lss/lss_master.hpp"
+
+namespace canopus::cli {
+
+class LssOnBus final : public can::Participant, private lss::LssMasterUser, private can::Sink {
+ public:
+  LssOnBus(BusLoop& bus, can::Duration time_out) : bus_(bus), master_(*this, *this, {.time_out = time_out}) {
+    bus_.add(*this);
+  }
+  ~LssOnBus() override { bus_.remove(*this); }
+  LssOnBus(const LssOnBus&) = delete;
+  LssOnBus& operator=(const LssOnBus&) = delete;
+
+  /// Begins a service and waits for its end; nothing when the bus or the person ended it.
+  template <typename Service>
+  std::optional<lss::LssResult> service(Service begin) {
+    result_.reset();
+    frames_ = 0;
+    if (!begin(master_, bus_.now())) return std::nullopt;
+    end_ = BusLoop::End::time_over;
+    while (end_ == BusLoop::End::time_over) {
+      end_ = bus_.run([this] { return result_.has_value(); },
+                      progress_ ? bus_.now() + std::chrono::milliseconds(100) : can::never);
+      if (progress_) progress_(frames_);
+    }
+    return result_;
+  }
+  void set_progress(std::function<void(unsigned frames)> progress) { progress_ = std::move(progress); }
+  [[nodiscard]] const lss::LssMaster& master() const noexcept { return master_; }
+  /// Why service() gave nothing.
+  [[nodiscard]] BusLoop::End end() const noexcept { return end_; }
+
+  void receive(const can::Frame& frame, can::Time now) override { master_.receive(frame, now); }
+  void tick(can::Time now) override { master_.tick(now); }
+  [[nodiscard]] can::Time deadline() const noexcept override { return master_.deadline(); }
+
+ private:
+  void lss_finished(lss::LssMaster&, lss::LssResult result, can::Time) override { result_ = result; }
+  bool send(const can::Frame& frame) override {
+    ++frames_;
+    return bus_.send(frame);
+  }
+
+  BusLoop& bus_;
+  lss::LssMaster master_;
+  std::function<void(unsigned)> progress_;
+  std::optional<lss::LssResult> result_;
+  unsigned frames_ = 0;
+  BusLoop::End end_ = BusLoop::End::done;
+};
+
+}  // namespace canopus::cli

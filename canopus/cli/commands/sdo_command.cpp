@@ -1,0 +1,243 @@
+#include "canopus/cli/commands/sdo_command.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/client/sdo_transfer_on_bus.hpp"
+#include "canopus/client/sdo_value.hpp"
+#include "canopus/text/file_text.hpp"
+#include "canopus/text/nearest_word.hpp"
+
+namespace canopus::cli {
+namespace {
+
+struct Arguments {
+  BusOptions bus;
+  std::string node;
+  std::string object;
+  std::string type;
+  std::string value;
+  std::string file;
+  bool raw = false;
+  bool block = false;
+};
+
+/// What both commands need before they join the bus.
+struct Target {
+  std::uint8_t node = 0;
+  text::ObjectName object;
+  std::optional<canopen::DataType> type;
+
+  [[nodiscard]] std::string object_text() const {
+    return fmt::format("{:04X}:{:02X}", object.index, object.sub);
+  }
+};
+
+std::expected<Target, std::string> target_of(const Arguments& arguments) {
+  Target target;
+  target.node = static_cast<std::uint8_t>(parse_node(arguments.node));
+  if (target.node == 0) {
+    return std::unexpected(fmt::format("\"{}\" is not a node; expected a node-ID 1 to 127", arguments.node));
+  }
+  const auto object = text::parse_object(arguments.object);
+  if (!object) return std::unexpected(object.error());
+  target.object = *object;
+  if (!arguments.type.empty()) {
+    target.type = client::parse_type(arguments.type);
+    if (!target.type) {
+      return std::unexpected(fmt::format("--type: \"{}\" is not a type{}", arguments.type,
+                                         text::suggestion(arguments.type, client::type_names())));
+    }
+  }
+  return target;
+}
+
+/// Bytes passed so far, on a terminal's stderr, once a transfer takes longer than a moment.
+class ProgressLine {
+ public:
+  explicit ProgressLine(const BusLoop& bus) : bus_(bus), next_(bus.now() + std::chrono::milliseconds(500)) {}
+  ~ProgressLine() {
+    if (shown_) end_progress();
+  }
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  void show(std::size_t bytes, std::size_t of) {
+    if (bus_.now() < next_ || !is_terminal(STDERR_FILENO)) return;
+    next_ = bus_.now() + std::chrono::milliseconds(100);
+    shown_ = true;
+    show_progress(of == 0 ? Line("{} bytes", bytes)
+                          : Line("{} of {} bytes, {} %", bytes, of, bytes * 100 / of));
+  }
+
+ private:
+  const BusLoop& bus_;
+  can::Time next_;
+  bool shown_ = false;
+};
+
+int failed(const Arguments& arguments, const Target& target, const client::SdoFailure& failure) {
+  if (arguments.bus.json) {
+    nlohmann::ordered_json line;
+    line["node"] = target.node;
+    line["object"] = target.object_text();
+    if (failure.code != canopen::AbortCode::none) {
+      line["abort"] = fmt::format("{:08X}", static_cast<std::uint32_t>(failure.code));
+    }
+    line["reason"] = failure.reason;
+    print_json(line);
+    return exit_code::failed;
+  }
+  return complain(exit_code::failed,
+                  fmt::format("node {}, {}: {}", target.node, target.object_text(), failure.reason));
+}
+
+int print_value(const Arguments& arguments, const Target& target, std::span<const std::uint8_t> bytes) {
+  if (arguments.raw) {
+    standard_output().content({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    return exit_code::done;
+  }
+  if (!arguments.file.empty()) {
+    std::FILE* out = std::fopen(arguments.file.c_str(), "wb");
+    const bool written = out != nullptr && std::fwrite(bytes.data(), 1, bytes.size(), out) == bytes.size();
+    int reason = errno;
+    const bool closed = out == nullptr || std::fclose(out) == 0;
+    if (written && !closed) reason = errno;
+    if (!written || !closed) {
+      return complain(exit_code::failed,
+                      fmt::format("cannot write {}: {}", arguments.file, std::strerror(reason)));
+    }
+    print_line("{}  {} bytes in {}", target.object_text(), bytes.size(), arguments.file);
+    return exit_code::done;
+  }
+  if (arguments.bus.json) {
+    nlohmann::ordered_json line;
+    line["node"] = target.node;
+    line["object"] = target.object_text();
+    line["bytes"] = client::hexadecimal(bytes, "");
+    if (target.type) {
+      line["type"] = arguments.type;
+      line["value"] = client::json_value(bytes, *target.type);
+    }
+    print_json(line);
+    return exit_code::done;
+  }
+  if (!target.type) {
+    print_line("{}  {}", target.object_text(), client::show_bytes(bytes));
+    return exit_code::done;
+  }
+  const auto shown = client::show_value(bytes, *target.type);
+  if (!shown) {
+    return complain(exit_code::failed,
+                    fmt::format("node {}, {}: {}", target.node, target.object_text(), shown.error()));
+  }
+  print_line("{}  {}", target.object_text(), *shown);
+  return exit_code::done;
+}
+
+int read(const Arguments& arguments) {
+  const auto target = target_of(arguments);
+  if (!target) return complain(exit_code::usage, target.error());
+  return with_bus(arguments.bus, [&](BusLoop& bus, can::Duration time_out) {
+    client::SdoOnBus sdo(bus, target->node, time_out, arguments.block);
+    std::expected<std::vector<std::uint8_t>, client::SdoFailure> bytes;
+    {
+      ProgressLine progress(bus);
+      sdo.set_progress([&progress](std::size_t done, std::size_t of) { progress.show(done, of); });
+      bytes = sdo.read(target->object);
+    }
+    return bytes ? print_value(arguments, *target, *bytes) : failed(arguments, *target, bytes.error());
+  });
+}
+
+std::expected<std::vector<std::uint8_t>, std::string> file_content(const std::string& name) {
+  const auto text = text::read_file_or_pipe(name);
+  if (!text) return std::unexpected(text.error());
+  return std::vector<std::uint8_t>(text->begin(), text->end());
+}
+
+std::expected<std::vector<std::uint8_t>, std::string> bytes_to_write(const Arguments& arguments,
+                                                                     const Target& target) {
+  if (!arguments.file.empty()) {
+    if (!arguments.value.empty()) return std::unexpected("either a VALUE or --file, not both");
+    return file_content(arguments.file);
+  }
+  if (arguments.value.empty() && target.type != canopen::DataType::visible_string) {
+    return std::unexpected("what is to be written? Give a VALUE, or --file");
+  }
+  if (target.type) return client::encode_value(arguments.value, *target.type);
+  if (arguments.raw) return client::encode_value(arguments.value, canopen::DataType::octet_string);
+  return std::unexpected(
+      fmt::format("which type has the value? Give --type {}, or --raw for bytes in hexadecimal",
+                  text::one_of(client::type_names())));
+}
+
+int write(const Arguments& arguments) {
+  const auto target = target_of(arguments);
+  if (!target) return complain(exit_code::usage, target.error());
+  const auto bytes = bytes_to_write(arguments, *target);
+  if (!bytes) return complain(exit_code::usage, bytes.error());
+  return with_bus(arguments.bus, [&](BusLoop& bus, can::Duration time_out) {
+    client::SdoOnBus sdo(bus, target->node, time_out, arguments.block);
+    std::expected<void, client::SdoFailure> result;
+    {
+      ProgressLine progress(bus);
+      sdo.set_progress([&progress](std::size_t done, std::size_t of) { progress.show(done, of); });
+      result = sdo.write(target->object, *bytes);
+    }
+    if (!result) return failed(arguments, *target, result.error());
+    if (arguments.bus.json) return print_value(arguments, *target, *bytes);
+    if (bytes->size() > 16) {
+      print_line("{}  {} bytes written", target->object_text(), bytes->size());
+    } else {
+      print_line("{}  {} written", target->object_text(), client::hexadecimal(*bytes));
+    }
+    return exit_code::done;
+  });
+}
+
+}  // namespace
+
+void add_sdo_command(CLI::App& app, int& exit_code) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* sdo = app.add_subcommand("sdo", "Read and write objects of a node on a bus");
+  sdo->require_subcommand(1);
+  sdo->footer(
+      "Objects are written as in CiA documents, in hexadecimal: 1018:01, 1008 (sub-index 00H).\n"
+      "Exit code: 0 done, 1 the node aborted or does not answer, 2 wrong command line.");
+  const auto add_common = [&](CLI::App& command) {
+    command.add_option("NODE", arguments->node, "node-ID, 1 to 127")->required();
+    command.add_option("OBJECT", arguments->object, "INDEX[:SUB] in hexadecimal")->required();
+    command.add_option("--type", arguments->type, "type of the value: " + text::one_of(client::type_names()))
+        ->type_name("TYPE");
+    command.add_flag("--block", arguments->block,
+                     "block transfer, whatever the size; a node that answers otherwise is a failure");
+    add_bus_options(command, arguments->bus, "for each answer of the node");
+  };
+
+  CLI::App* reading = sdo->add_subcommand("read", "Show an object (SDO upload)");
+  add_common(*reading);
+  reading->add_option("--file", arguments->file, "put the bytes into this file")->type_name("FILE");
+  reading->add_flag("--raw", arguments->raw, "put the bytes on the output as they are");
+  reading->footer("Example: canopus sdo read 2 1018:01 --type u32");
+  reading->callback([arguments, &exit_code] { exit_code = read(*arguments); });
+
+  CLI::App* writing = sdo->add_subcommand("write", "Write an object (SDO download)");
+  add_common(*writing);
+  writing->add_option("VALUE", arguments->value, "1234, -5, 0x4D2, 4D2H, 1.5, true, text, bytes as 01A0FF");
+  writing->add_option("--file", arguments->file, "write the bytes of this file")->type_name("FILE");
+  writing->add_flag("--raw", arguments->raw, "VALUE is bytes in hexadecimal");
+  writing->footer("Example: canopus sdo write 2 1017 500 --type u16");
+  writing->callback([arguments, &exit_code] { exit_code = write(*arguments); });
+}
+
+}  // namespace canopus::cli

@@ -1,0 +1,16 @@
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "canopus/cli/command_line.hpp"
+#include "canopus/cli/terminal/print.hpp"
+
+int main(int argc, char** argv) {
+  canopus::cli::reserve_standard_descriptors();
+  try {
+    return canopus::cli::run_command_line(std::vector<std::string>(argv + 1, argv + argc));
+  } catch (const std::exception& error) {
+    canopus::cli::print_error("canopus: {}", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,371 @@
+#include "canopus/cli/run/event_printer.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "canopus/cli/terminal/boot_report.hpp"
+#include "canopus/plant/process_value.hpp"
+
+namespace canopus::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::uint8_t no_node_id = 0xFF;
+
+/// Microseconds are what a trace has; more digits would only be noise.
+double rounded_seconds(can::Time time) {
+  return static_cast<double>(time.time_since_epoch() / std::chrono::microseconds(1)) / 1e6;
+}
+
+Json event(can::Time now, std::string_view kind) { return {{"t", rounded_seconds(now)}, {"event", kind}}; }
+
+Json node_event(can::Time now, std::string_view kind, const plant::NodePlate& node) {
+  Json line = event(now, kind);
+  line["bus"] = node.bus;
+  line["node"] = node.node_id;
+  if (!node.name.empty()) line["name"] = node.name;
+  return line;
+}
+
+Json object_event(can::Time now, std::string_view kind, const plant::ForcedObject& object) {
+  Json line = node_event(now, kind, object.device);
+  line["object"] = object.object;
+  line["parameter"] = object.name;
+  line["value"] = plant::json_value(object.type, object.value);
+  return line;
+}
+
+std::string hexadecimal(const canopen::Emergency& message) {
+  std::string text;
+  for (const std::uint8_t byte : message.manufacturer) text += fmt::format("{:02X}", byte);
+  return text;
+}
+
+}  // namespace
+
+void JsonPrinter::print(const Json& line, can::Time now) {
+  latest_ = now;
+  out_.json(line);
+}
+
+std::string JsonPrinter::lost_line(std::uint64_t lines) const {
+  Json line = event(latest_, "lost");
+  line["lines"] = lines;
+  return line.dump() + '\n';
+}
+
+void JsonPrinter::listening(std::string_view protocol, std::string_view of, std::string_view address) {
+  Json line = event(can::Time{}, "listen");
+  line["protocol"] = protocol;
+  line["of"] = of;
+  line["address"] = address;
+  print(line, can::Time{});
+}
+
+void JsonPrinter::booted(const plant::NodePlate& node, can::Time now) {
+  print(node_event(now, "boot", node), now);
+}
+
+void JsonPrinter::nmt_state_changed(const plant::NodePlate& node, canopen::NmtState state, can::Time now) {
+  Json line = node_event(now, "nmt", node);
+  line["state"] = canopen::name(state);
+  print(line, now);
+}
+
+void JsonPrinter::lss_configured(const plant::NodePlate& node, std::uint32_t bit_rate, can::Time now) {
+  Json line = node_event(now, "lss", node);
+  line["bit_rate"] = bit_rate;
+  print(line, now);
+}
+
+void JsonPrinter::emergency(const plant::NodePlate& node, const canopen::Emergency& message, can::Time now) {
+  Json line = node_event(now, "emcy", node);
+  line["code"] = fmt::format("{:04X}", message.code);
+  line["register"] = message.error_register;
+  line["data"] = hexadecimal(message);
+  print(line, now);
+}
+
+void JsonPrinter::unacknowledged(const plant::NodePlate& node, can::Time now) {
+  out_.json(node_event(now, "unacknowledged", node));
+}
+
+void JsonPrinter::slave_boot_went_on(const plant::NodePlate& slave, const plant::NodePlate& master,
+                                     const manager::BootRecord& record, can::Time now) {
+  Json line = node_event(now, "boot slave", slave);
+  line["master"] = master.node_id;
+  add_boot(line, record, now);
+  print(line, now);
+}
+
+void JsonPrinter::signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) {
+  Json line = event(now, "signal");
+  line["plc"] = plc;
+  line["signal"] = fmt::format("{}{:02X}", kind, number);
+  line["on"] = on;
+  print(line, now);
+}
+
+void JsonPrinter::buffer_changed(std::string_view plc, unsigned head, std::uint32_t address,
+                                 std::uint16_t value, bool by_cpu, can::Time now) {
+  Json line = event(now, "buffer");
+  line["plc"] = plc;
+  line["module"] = fmt::format("U{:X}", head / 16);
+  line["address"] = address;
+  line["value"] = value;
+  line["by"] = by_cpu ? "cpu" : "module";
+  print(line, now);
+}
+
+void JsonPrinter::object_forced(const plant::ForcedObject& forced, can::Time now) {
+  Json line = object_event(now, "forced", forced);
+  if (forced.until != can::never) line["until"] = rounded_seconds(forced.until);
+  print(line, now);
+}
+
+void JsonPrinter::object_released(const plant::ForcedObject& released, can::Time now) {
+  print(object_event(now, "released", released), now);
+}
+
+void JsonPrinter::load(std::string_view bus, const sim::BusLoad& load, can::Time now) {
+  Json line = event(now, "load");
+  line["bus"] = bus;
+  line["now"] = load.now;
+  line["peak"] = load.peak;
+  line["frames"] = load.frames;
+  line["error_frames"] = load.error_frames;
+  print(line, now);
+}
+
+void JsonPrinter::warning(std::string_view source, std::string_view message, can::Time now) {
+  Json line = event(now, "warning");
+  line["source"] = source;
+  line["message"] = message;
+  print(line, now);
+}
+
+void JsonPrinter::error(std::string_view source, std::string_view message, can::Time now) {
+  Json line = event(now, "error");
+  line["source"] = source;
+  line["message"] = message;
+  print(line, now);
+}
+
+void JsonPrinter::summary(const RunSummary& summary) {
+  Json line = event(summary.end, "summary");
+  line["virtual"] = summary.virtual_time;
+  line["wall"] = static_cast<double>(summary.wall / std::chrono::microseconds(1)) / 1e6;
+  if (!summary.virtual_time) {
+    line["lag"] = static_cast<double>(summary.largest_lag / std::chrono::microseconds(1)) / 1e6;
+  }
+  line["buses"] = Json::array();
+  for (const auto& bus : summary.buses) {
+    line["buses"].push_back({{"bus", bus.name},
+                             {"frames", bus.load.frames},
+                             {"error_frames", bus.load.error_frames},
+                             {"peak", bus.load.peak}});
+  }
+  line["nodes"] = Json::array();
+  for (const plant::NodeStatus& node : summary.nodes) {
+    line["nodes"].push_back({{"bus", node.plate.bus},
+                             {"node", node.plate.node_id},
+                             {"name", node.plate.name},
+                             {"state", state_name(node)},
+                             {"pdos", node.pdos},
+                             {"emcy", node.emergencies}});
+  }
+  line["slaves"] = Json::array();
+  for (const plant::SlaveBoot& boot : summary.boots) {
+    Json slave{{"bus", boot.slave.bus}, {"node", boot.slave.node_id}};
+    if (!boot.slave.name.empty()) slave["name"] = boot.slave.name;
+    slave["master"] = boot.master.node_id;
+    add_boot(slave, boot.record, summary.end);
+    line["slaves"].push_back(std::move(slave));
+  }
+  line["troubles"] = Json::array();
+  for (const plant::ModuleTrouble& trouble : summary.troubles) {
+    line["troubles"].push_back({{"bus", trouble.module.bus},
+                                {"node", trouble.module.node_id},
+                                {"name", trouble.module.name},
+                                {"message", trouble.text}});
+  }
+  line["forced"] = Json::array();
+  for (const plant::ForcedObject& forced : summary.forced) {
+    line["forced"].push_back({{"bus", forced.device.bus},
+                              {"node", forced.device.node_id},
+                              {"name", forced.device.name},
+                              {"object", forced.object},
+                              {"value", plant::json_value(forced.type, forced.value)}});
+  }
+  print(line, summary.end);
+}
+
+std::string describe_trouble(const plant::SlaveBoot& boot, can::Time now) {
+  if (boot.record.step == manager::BootStep::booted) return {};
+  return fmt::format("{}: {}", describe(boot.slave), manager::explain(boot.record, now));
+}
+
+std::string_view state_name(const plant::NodeStatus& node) {
+  if (!node.is_on) return "off";
+  switch (node.layer2) {
+    case module::Layer2State::offline: return "layer 2 offline";
+    case module::Layer2State::online: return "layer 2 online";
+    case module::Layer2State::inactive: break;
+  }
+  return canopen::name(node.state);
+}
+
+bool in_operation(const plant::NodeStatus& node) {
+  if (!node.is_on) return false;
+  return node.layer2 == module::Layer2State::inactive ? node.state == canopen::NmtState::operational
+                                                      : node.layer2 == module::Layer2State::online;
+}
+
+std::string describe(const plant::NodePlate& node) {
+  if (node.node_id == 0) return fmt::format("{} ({})", node.bus, node.name);
+  if (node.node_id == no_node_id) return fmt::format("{} unconfigured ({})", node.bus, node.name);
+  return node.name.empty() ? fmt::format("{} node {}", node.bus, node.node_id)
+                           : fmt::format("{} node {} ({})", node.bus, node.node_id, node.name);
+}
+
+std::string describe_lss(const plant::NodePlate& node, std::uint32_t bit_rate) {
+  const std::string number =
+      node.node_id == no_node_id ? "no node-ID" : fmt::format("node-ID {}", node.node_id);
+  return fmt::format("{}: LSS: {}, {:g} kbit/s", describe(node), number, bit_rate / 1000.0);
+}
+
+std::string describe_unacknowledged(const plant::NodePlate& node) {
+  return describe(node) + ": nobody acknowledges: no other node on this bus";
+}
+
+std::string describe(const plant::ForcedObject& forced) {
+  return fmt::format(
+      "{}: {} ({}) forced to {}{}", describe(forced.device), forced.object, forced.name,
+      plant::show_value(forced.type, forced.value),
+      forced.until == can::never ? "" : fmt::format(" until {}", describe(forced.until.time_since_epoch())));
+}
+
+std::vector<std::string> describe(const RunSummary& summary) {
+  std::vector<std::string> lines;
+  std::string time =
+      fmt::format("ran {} of plant time in {}", text::describe_duration(summary.end.time_since_epoch()),
+                  text::describe_duration(summary.wall));
+  if (summary.virtual_time) {
+    const double ratio =
+        can::seconds(summary.end) / std::max(1e-9, std::chrono::duration<double>(summary.wall).count());
+    time += fmt::format(", {:.0f} times as fast as real time", ratio);
+  } else {
+    time += fmt::format(", at most {} late", text::describe_duration(summary.largest_lag));
+  }
+  lines.push_back(std::move(time));
+  for (const auto& bus : summary.buses) {
+    lines.push_back(fmt::format("bus {}: {} frames, {} error frames, load at most {:.1f} %", bus.name,
+                                bus.load.frames, bus.load.error_frames, bus.load.peak * 100));
+  }
+  std::size_t operational = 0;
+  for (const plant::NodeStatus& node : summary.nodes) {
+    operational += in_operation(node) ? 1 : 0;
+    const bool plain = node.layer2 != module::Layer2State::inactive;
+    lines.push_back(fmt::format(
+        "{}: {}, {} {} sent{}", describe(node.plate), state_name(node), node.pdos, plain ? "frames" : "PDOs",
+        node.emergencies == 0
+            ? ""
+            : fmt::format(", {} EMCY, last {:04X}H", node.emergencies, node.last_emergency)));
+  }
+  for (const plant::SlaveBoot& boot : summary.boots) {
+    if (std::string trouble = describe_trouble(boot, summary.end); !trouble.empty()) {
+      lines.push_back(std::move(trouble));
+    }
+  }
+  for (const plant::ModuleTrouble& trouble : summary.troubles) {
+    lines.push_back(fmt::format("{}: {}", describe(trouble.module), trouble.text));
+  }
+  for (const plant::ForcedObject& forced : summary.forced) lines.push_back(describe(forced));
+  lines.push_back(operational == summary.nodes.size()
+                      ? fmt::format("all {} nodes operational", operational)
+                      : fmt::format("{} of {} nodes operational", operational, summary.nodes.size()));
+  return lines;
+}
+
+std::string LinePrinter::lost_line(std::uint64_t lines) const {
+  return Line("{:>12.6f}  {} line{} lost: the output was not read\n", rounded_seconds(latest_), lines,
+              lines == 1 ? "" : "s")
+      .text();
+}
+
+void LinePrinter::line(can::Time now, std::string_view text) {
+  latest_ = now;
+  out_.line("{:>12.6f}  {}", rounded_seconds(now), text);
+}
+
+void LinePrinter::booted(const plant::NodePlate& node, can::Time now) {
+  if (!quiet_) line(now, fmt::format("{}: boot-up", describe(node)));
+}
+
+void LinePrinter::nmt_state_changed(const plant::NodePlate& node, canopen::NmtState state, can::Time now) {
+  if (!quiet_) line(now, fmt::format("{}: {}", describe(node), canopen::name(state)));
+}
+
+void LinePrinter::lss_configured(const plant::NodePlate& node, std::uint32_t bit_rate, can::Time now) {
+  if (!quiet_) line(now, describe_lss(node, bit_rate));
+}
+
+void LinePrinter::emergency(const plant::NodePlate& node, const canopen::Emergency& message, can::Time now) {
+  if (quiet_) return;
+  line(now, fmt::format("{}: EMCY {:04X}H, error register {:02X}H, {}", describe(node), message.code,
+                        message.error_register, hexadecimal(message)));
+}
+
+void LinePrinter::unacknowledged(const plant::NodePlate& node, can::Time now) {
+  if (!quiet_) line(now, describe_unacknowledged(node));
+}
+
+void LinePrinter::slave_boot_went_on(const plant::NodePlate& slave, const plant::NodePlate&,
+                                     const manager::BootRecord& record, can::Time now) {
+  using manager::BootStep;
+  if (record.step == BootStep::failed) return error(describe(slave), manager::explain(record, now), now);
+  const bool again = record.step == BootStep::presence && record.attempts > 1;
+  const bool still = record.step == BootStep::presence_pause && record.attempts > 1;
+  if (quiet_ || again || still) return;  // a missing slave is asked for ever: told once
+  const std::string words =
+      record.step == BootStep::presence_pause ? manager::explain(record, now) : manager::describe(record);
+  line(now, fmt::format("{}: {}{}", describe(slave), record.step == BootStep::booted ? "" : "boot: ", words));
+}
+
+void LinePrinter::signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) {
+  if (!quiet_) line(now, fmt::format("{} {}{:02X} {}", plc, kind, number, on ? "ON" : "OFF"));
+}
+
+void LinePrinter::buffer_changed(std::string_view plc, unsigned head, std::uint32_t address,
+                                 std::uint16_t value, bool by_cpu, can::Time now) {
+  if (quiet_) return;
+  line(now, fmt::format("{} U{:X}\\G{} = {} ({:04X}H){}", plc, head / 16, address, value, value,
+                        by_cpu ? " written by the CPU" : ""));
+}
+
+void LinePrinter::object_forced(const plant::ForcedObject& forced, can::Time now) {
+  if (!quiet_) line(now, describe(forced));
+}
+
+void LinePrinter::object_released(const plant::ForcedObject& released, can::Time now) {
+  if (quiet_) return;
+  line(now, fmt::format("{}: {} ({}) released, now {}", describe(released.device), released.object,
+                        released.name, plant::show_value(released.type, released.value)));
+}
+
+void LinePrinter::warning(std::string_view source, std::string_view message, can::Time) {
+  if (!quiet_) errors_.line("{}: warning: {}", source, message);
+}
+
+void LinePrinter::error(std::string_view source, std::string_view message, can::Time now) {
+  latest_ = now;
+  errors_.line("{:>12.6f}  {}: {}", rounded_seconds(now), source, message);
+}
+
+void LinePrinter::summary(const RunSummary& summary) {
+  if (quiet_) return;
+  for (const std::string& text : describe(summary)) out_.line("{}", text);
+}
+
+}  // namespace canopus::cli

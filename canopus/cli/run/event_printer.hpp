@@ -1,0 +1,114 @@
+#pragma once
+// What happens in a plant, as lines: JSON for programs (one object per line, docs/events.md), or plain text
+// for people and pipes. Each line goes out whole.
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "canopus/cli/terminal/print.hpp"
+#include "canopus/plant/plant.hpp"
+
+namespace canopus::cli {
+
+/// How the run ended and how it went.
+struct RunSummary {
+  can::Time end{};       ///< how far the plant's time got
+  can::Duration wall{};  ///< how long that took
+  bool virtual_time = false;
+  can::Duration largest_lag{};  ///< real time only: how late the plant was at worst
+  struct BusCount {
+    std::string_view name;
+    sim::BusLoad load;
+  };
+  std::vector<BusCount> buses{};
+  std::vector<plant::NodeStatus> nodes{};
+  std::vector<plant::SlaveBoot> boots{};
+  std::vector<plant::ModuleTrouble> troubles{};
+  std::vector<plant::ForcedObject> forced{};
+};
+
+/// Lines for programs.
+class JsonPrinter final : public plant::PlantObserver {
+ public:
+  explicit JsonPrinter(Output& out) : out_(out) {}
+  void listening(std::string_view protocol, std::string_view of, std::string_view address);
+  void summary(const RunSummary& summary);
+  /// The line that says how many of the lines up to now were lost. Any thread may ask.
+  [[nodiscard]] std::string lost_line(std::uint64_t lines) const;
+
+  void booted(const plant::NodePlate& node, can::Time now) override;
+  void nmt_state_changed(const plant::NodePlate& node, canopen::NmtState state, can::Time now) override;
+  void lss_configured(const plant::NodePlate& node, std::uint32_t bit_rate, can::Time now) override;
+  void emergency(const plant::NodePlate& node, const canopen::Emergency& message, can::Time now) override;
+  void unacknowledged(const plant::NodePlate& node, can::Time now) override;
+  void slave_boot_went_on(const plant::NodePlate& slave, const plant::NodePlate& master,
+                          const manager::BootRecord& record, can::Time now) override;
+  void signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) override;
+  void buffer_changed(std::string_view plc, unsigned head, std::uint32_t address, std::uint16_t value,
+                      bool by_cpu, can::Time now) override;
+  void object_forced(const plant::ForcedObject& forced, can::Time now) override;
+  void object_released(const plant::ForcedObject& released, can::Time now) override;
+  void load(std::string_view bus, const sim::BusLoad& load, can::Time now) override;
+  void warning(std::string_view source, std::string_view message, can::Time now) override;
+  void error(std::string_view source, std::string_view message, can::Time now) override;
+
+ private:
+  void print(const nlohmann::ordered_json& line, can::Time now);
+  Output& out_;
+  std::atomic<can::Time> latest_{};
+};
+
+/// Lines for people: everything but the load.
+class LinePrinter final : public plant::PlantObserver {
+ public:
+  /// `quiet`: errors alone.
+  LinePrinter(Output& out, Output& errors, bool quiet) : out_(out), errors_(errors), quiet_(quiet) {}
+  void summary(const RunSummary& summary);
+  /// The line that says how many of the lines up to now were lost. Any thread may ask.
+  [[nodiscard]] std::string lost_line(std::uint64_t lines) const;
+
+  void booted(const plant::NodePlate& node, can::Time now) override;
+  void nmt_state_changed(const plant::NodePlate& node, canopen::NmtState state, can::Time now) override;
+  void lss_configured(const plant::NodePlate& node, std::uint32_t bit_rate, can::Time now) override;
+  void emergency(const plant::NodePlate& node, const canopen::Emergency& message, can::Time now) override;
+  void unacknowledged(const plant::NodePlate& node, can::Time now) override;
+  void slave_boot_went_on(const plant::NodePlate& slave, const plant::NodePlate& master,
+                          const manager::BootRecord& record, can::Time now) override;
+  void signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) override;
+  void buffer_changed(std::string_view plc, unsigned head, std::uint32_t address, std::uint16_t value,
+                      bool by_cpu, can::Time now) override;
+  void object_forced(const plant::ForcedObject& forced, can::Time now) override;
+  void object_released(const plant::ForcedObject& released, can::Time now) override;
+  void warning(std::string_view source, std::string_view message, can::Time now) override;
+  void error(std::string_view source, std::string_view message, can::Time now) override;
+
+ private:
+  void line(can::Time now, std::string_view text);
+  Output& out_;
+  Output& errors_;
+  bool quiet_;
+  std::atomic<can::Time> latest_{};
+};
+
+/// "operational", "off", "layer 2 online"
+[[nodiscard]] std::string_view state_name(const plant::NodeStatus& node);
+/// Operational, or online in a Layer 2 mode.
+[[nodiscard]] bool in_operation(const plant::NodeStatus& node);
+/// "line1 node 3 (encoder)", "line1 unconfigured (encoder)"; without a node-ID "line1 (ME3CAN1-Q U0)"
+[[nodiscard]] std::string describe(const plant::NodePlate& node);
+/// "line1 node 9: not booted: no answer to 1000H, ...": empty when it is booted.
+[[nodiscard]] std::string describe_trouble(const plant::SlaveBoot& boot, can::Time now);
+/// "line1 node 3 (encoder): LSS: node-ID 3, 125 kbit/s": what LSS has set.
+[[nodiscard]] std::string describe_unacknowledged(const plant::NodePlate& node);
+[[nodiscard]] std::string describe_lss(const plant::NodePlate& node, std::uint32_t bit_rate);
+/// "line1 node 2 (io-block): 6000:01 (Digital inputs 1 to 8) forced to 3 until 5.2 s"
+[[nodiscard]] std::string describe(const plant::ForcedObject& forced);
+/// The summary's lines.
+[[nodiscard]] std::vector<std::string> describe(const RunSummary& summary);
+
+}  // namespace canopus::cli

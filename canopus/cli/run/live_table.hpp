@@ -1,0 +1,56 @@
+#pragma once
+// What a plant and its events give the live table to show. table_layout.hpp makes lines of it, run_screen.hpp
+// brings them on the terminal.
+
+#include <deque>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/cli/run/run_messages.hpp"
+#include "canopus/cli/run/table_state.hpp"
+#include "canopus/cli/terminal/print.hpp"
+#include "canopus/plant/plant.hpp"
+
+namespace canopus::cli {
+
+class LiveTable final : public plant::PlantObserver {
+ public:
+  /// `plant` is set once the plant is built. `errors`: errors and warnings are printed there as they come, as
+  /// well; nullptr: they are only kept.
+  explicit LiveTable(plant::Plant*& plant, Output* errors = nullptr) : plant_(plant), error_output_(errors) {}
+  /// "MC protocol 127.0.0.1:5007": where clients connect.
+  void add_server(std::string text) { servers_.push_back(std::move(text)); }
+
+  /// What there is to show now.
+  [[nodiscard]] TableState look(can::Time now, can::Duration lag);
+  /// All errors and warnings since the start.
+  [[nodiscard]] const RunMessages& messages() const noexcept { return messages_; }
+
+  void lss_configured(const plant::NodePlate& node, std::uint32_t bit_rate, can::Time now) override;
+  void emergency(const plant::NodePlate& node, const canopen::Emergency& message, can::Time now) override;
+  void unacknowledged(const plant::NodePlate& node, can::Time now) override;
+  void nmt_state_changed(const plant::NodePlate& node, canopen::NmtState state, can::Time now) override;
+  void slave_boot_went_on(const plant::NodePlate& slave, const plant::NodePlate& master,
+                          const manager::BootRecord& record, can::Time now) override;
+  void warning(std::string_view source, std::string_view message, can::Time now) override;
+  void error(std::string_view source, std::string_view message, can::Time now) override;
+
+ private:
+  void note(can::Time now, std::string_view text);
+  void keep(RunMessage message);
+
+  plant::Plant*& plant_;
+  Output* error_output_;
+  std::vector<std::string> servers_;
+  std::deque<std::string> events_;  // the latest ones, newest last
+  RunMessages messages_;
+  struct Count {
+    std::uint64_t pdos = 0;
+    double rate = 0;
+  };
+  std::vector<Count> counts_;
+  can::Time counted_at_{};
+};
+
+}  // namespace canopus::cli

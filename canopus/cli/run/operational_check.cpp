@@ -1,0 +1,60 @@
+#include "canopus/cli/run/operational_check.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "canopus/cli/run/event_printer.hpp"
+
+namespace canopus::cli {
+namespace {
+
+bool same_node(const plant::NodePlate& a, const plant::NodePlate& b) {
+  return a.bus == b.bus && a.node_id == b.node_id;
+}
+
+}  // namespace
+
+bool all_operational(const std::vector<plant::NodeStatus>& nodes) {
+  return std::ranges::all_of(nodes, in_operation);
+}
+
+std::vector<std::string> not_operational(const std::vector<plant::NodeStatus>& nodes,
+                                         const std::vector<plant::SlaveBoot>& boots, can::Time now) {
+  std::vector<std::string> lines;
+  const auto booting = [](const plant::SlaveBoot& boot) {
+    return boot.record.step != manager::BootStep::booted && boot.record.step != manager::BootStep::idle;
+  };
+  for (const plant::NodeStatus& node : nodes) {
+    if (in_operation(node)) continue;
+    std::string text = fmt::format("{} is {}", describe(node.plate), state_name(node));
+    for (const plant::SlaveBoot& boot : boots) {
+      if (same_node(boot.slave, node.plate) && booting(boot))
+        text += ": " + manager::explain(boot.record, now);
+    }
+    lines.push_back(std::move(text));
+  }
+  for (const plant::SlaveBoot& boot : boots) {
+    const auto is_slave = [&](const plant::NodeStatus& node) { return same_node(node.plate, boot.slave); };
+    if (booting(boot) && std::ranges::none_of(nodes, is_slave)) lines.push_back(describe_trouble(boot, now));
+  }
+  return lines;
+}
+
+void OperationalCheck::look(const std::vector<plant::NodeStatus>& nodes, can::Time now) {
+  const bool in_time = !within_ || now.time_since_epoch() <= *within_;
+  came_up_ = came_up_ || (in_time && all_operational(nodes));
+}
+
+bool OperationalCheck::over(const std::vector<plant::NodeStatus>& nodes, can::Time now) {
+  if (!within_) return false;
+  look(nodes, now);
+  return came_up_ ? !goes_on_ : now.time_since_epoch() >= *within_;
+}
+
+bool OperationalCheck::met(const std::vector<plant::NodeStatus>& nodes, can::Time now) {
+  look(nodes, now);
+  return came_up_ && all_operational(nodes);
+}
+
+}  // namespace canopus::cli

@@ -1,0 +1,84 @@
+#include "canopus/cli/run/run_command.hpp"
+
+#include <limits>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include <CLI/CLI.hpp>
+
+#include "canopus/cli/run/run_loop.hpp"
+#include "canopus/cli/terminal/option_checks.hpp"
+#include "canopus/link/trace_file.hpp"
+#include "canopus/text/text_values.hpp"
+
+namespace canopus::cli {
+
+namespace {
+constexpr std::string_view without_time = "true";  // what CLI11 gives for a flag without a value
+}
+
+void add_run_command(CLI::App& app, int& exit_code) {
+  struct Words {
+    RunOptions options;
+    std::string duration;
+    std::string operational;
+  };
+  auto words = std::make_shared<Words>();
+  CLI::App* command = app.add_subcommand("run", "Start everything a plant file describes, until Ctrl-C");
+  command->add_option("PLANT", words->options.plant, "Plant file (TOML, see docs/plant-file.md)")->required();
+  command
+      ->add_option("--for", words->duration, "Stop after this much plant time, for example 10s, 500ms, 2min")
+      ->type_name("TIME")
+      ->check([](const std::string& text) {
+        const auto duration = text::parse_duration(text);
+        return duration ? std::string() : duration.error();
+      });
+  command->add_flag("--virtual", words->options.virtual_time,
+                    "Virtual time: as fast as possible, the same every time, takes no clients");
+  command->add_option("--seed", words->options.seed, "Seed of everything random, instead of the plant file's")
+      ->check(number_from(0, std::numeric_limits<std::uint64_t>::max()))
+      ->type_name("N");
+  command
+      ->add_option("--trace", words->options.trace,
+                   "Record every frame: as pcap for *.pcap, as candump log for *.log or no extension")
+      ->type_name("FILE")
+      ->check([](const std::string& path) {
+        const auto format = link::trace_format_of(path);
+        return format ? std::string() : format.error();
+      });
+  command
+      ->add_option(
+          "--vcd", words->options.vcd,
+          "Record the wire bit by bit as a waveform (VCD, for PulseView, GTKWave, sigrok-cli); slower")
+      ->type_name("FILE");
+  command
+      ->add_flag(
+          "--expect-operational", words->operational,
+          "Exit code 3 unless all nodes are operational at the end; =TIME: unless they were within this "
+          "plant time, and without --for the run ends as soon as they are")
+      ->check([](const std::string& text) {
+        if (text == without_time) return std::string();
+        const auto duration = text::parse_duration(text);
+        return duration ? std::string() : duration.error();
+      });
+  auto* json =
+      command->add_flag("--json", words->options.json, "One JSON object per line (see docs/events.md)");
+  command->add_flag("-q,--quiet", words->options.quiet, "Print errors alone")->excludes(json);
+  command->footer(
+      "Without --json and --quiet a terminal shows a live table, a pipe gets one line per event.\n"
+      "Exit codes: 0 ended as asked, 1 could not start, could not write a file or the output, or an error "
+      "in\n"
+      "Canopus stopped a part of the plant, 2 wrong plant file or usage, 3 not operational as expected.\n"
+      "Example: canopus run plant.toml --virtual --expect-operational=30s");
+  command->callback([words, &exit_code] {
+    if (!words->duration.empty()) words->options.duration = *text::parse_duration(words->duration);
+    words->options.expect_operational = !words->operational.empty();
+    if (words->options.expect_operational && words->operational != without_time) {
+      words->options.operational_within = *text::parse_duration(words->operational);
+    }
+    exit_code = run_plant(words->options);
+  });
+}
+
+}  // namespace canopus::cli

@@ -1,0 +1,385 @@
+#include "canopus/cli/run/run_loop.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "canopus/cli/run/event_printer.hpp"
+#include "canopus/cli/run/live_table.hpp"
+#include "canopus/cli/run/operational_check.hpp"
+#include "canopus/cli/run/run_output.hpp"
+#include "canopus/cli/run/run_recording.hpp"
+#include "canopus/cli/run/run_screen.hpp"
+#include "canopus/cli/run/stop_signals.hpp"
+#include "canopus/cli/terminal/plant_loading.hpp"
+#include "canopus/cli/terminal/print.hpp"
+#include "canopus/link/socketcand_server.hpp"
+#include "canopus/plant/plant.hpp"
+#include "canopus/serve/client_ports.hpp"
+#include "canopus/serve/client_reports.hpp"
+#include "canopus/serve/control_server.hpp"
+#include "canopus/serve/device_control.hpp"
+#include "canopus/serve/melsec_server.hpp"
+#include "canopus/serve/real_time.hpp"
+#include "canopus/text/local_time.hpp"
+#include "canopus/text/text_values.hpp"
+
+namespace canopus::cli {
+namespace {
+
+namespace asio = boost::asio;
+using WallClock = std::chrono::steady_clock;
+using namespace std::chrono_literals;
+
+/// How long the end of a run waits for who reads what it prints. Another signal ends the waiting.
+class EndPatience {
+ public:
+  /// `limited`: no longer than a second for a reader that takes nothing.
+  explicit EndPatience(bool limited) : limited_(limited) {}
+  bool operator()(WallClock::duration since_reader_took_something) {
+    io_.poll();
+    if (again_.came()) return false;
+    return !limited_ || std::min(since_reader_took_something, WallClock::now() - start_) < 1s;
+  }
+
+ private:
+  asio::io_context io_{1};
+  StopSignals again_{io_, {}};
+  bool limited_;
+  WallClock::time_point start_ = WallClock::now();
+};
+
+/// One run from build to summary.
+class Run {
+ public:
+  explicit Run(const RunOptions& options)
+      : options_(options),
+        json_(standard_output()),
+        lines_(standard_output(), standard_error(), options.quiet),
+        // Where errors go elsewhere than to the terminal, they go there as they come.
+        table_(raw_plant_, ::isatty(STDERR_FILENO) != 0 ? nullptr : &standard_error()),
+        has_table_(!options.json && !options.quiet && !options.virtual_time && is_terminal(STDOUT_FILENO)) {}
+
+  int operator()();
+
+ private:
+  plant::PlantObserver& observer() {
+    if (options_.json) return json_;
+    if (has_table_) return table_;
+    return lines_;
+  }
+  void warn();
+  bool open_recordings();
+  bool open_doors(serve::RealTime& clock);
+  link::ClientReport report_of(std::string source);
+  void set_cpu_clocks();
+  bool run_in_real_time();
+  void run_in_virtual_time();
+  void start_output();
+  [[nodiscard]] bool is_to_end() const { return stop_signals_->came() || output_failed_; }
+  bool close_recordings(const OutputQueue::Patience& patience);
+  void start_table(serve::RealTime& clock);
+  void end_table();
+  void door(std::string_view protocol, std::string_view of, const std::string& address);
+  bool expectation_over();
+  bool came_up();
+  void look_for_end();
+  void summarise(can::Duration wall);
+
+  const RunOptions& options_;
+  JsonPrinter json_;
+  LinePrinter lines_;
+  plant::Plant* raw_plant_ = nullptr;
+  LiveTable table_;
+  bool has_table_;
+  std::unique_ptr<plant::Plant> plant_;
+  RunRecording recording_;
+  asio::io_context io_{1};
+  std::optional<StopSignals> stop_signals_;
+  std::atomic<bool> output_failed_{false};
+  std::optional<RunOutput> output_;
+  std::vector<std::unique_ptr<serve::ClientPorts>> client_ports_;  // outlive the servers
+  std::vector<std::unique_ptr<link::SocketcandServer>> socketcand_;
+  std::vector<std::unique_ptr<serve::MelsecServer>> melsec_;
+  std::optional<serve::ControlServer> control_;
+  std::optional<OperationalCheck> expected_;
+  std::optional<asio::steady_timer> end_timer_;
+  std::optional<RunScreen> screen_;
+  can::Duration largest_lag_{};
+};
+
+bool Run::open_recordings() {
+  auto opened = recording_.open_trace(options_.trace, *plant_);
+  if (opened) opened = recording_.open_vcd(options_.vcd, *plant_);
+  if (!opened) print_error("canopus: {}", opened.error());
+  return opened.has_value();
+}
+
+void Run::door(std::string_view protocol, std::string_view of, const std::string& address) {
+  if (options_.json) {
+    json_.listening(protocol, of, address);
+  } else if (has_table_) {
+    table_.add_server(fmt::format("{} {}", protocol, address));
+  } else if (!options_.quiet) {
+    print_line("{}{} on {}", protocol, of.empty() ? "" : fmt::format(" of {}", of), address);
+  }
+}
+
+bool Run::open_doors(serve::RealTime& clock) {
+  const auto endpoint = [](const text::HostAndPort& place) -> std::optional<asio::ip::tcp::endpoint> {
+    boost::system::error_code error;
+    const auto address = asio::ip::make_address(place.host == "localhost" ? "127.0.0.1" : place.host, error);
+    if (!error) return asio::ip::tcp::endpoint(address, place.port);
+    print_error("canopus: \"{}\" is not an address to listen on; expected numbers such as 127.0.0.1",
+                place.host);
+    return std::nullopt;
+  };
+  const auto opened = [&](const std::expected<void, std::string>& result, std::string_view protocol,
+                          std::string_view of, const text::HostAndPort& place, std::uint16_t port) {
+    if (result) {
+      door(protocol, of,
+           place.host.find(':') == std::string::npos ? fmt::format("{}:{}", place.host, port)
+                                                     : fmt::format("[{}]:{}", place.host, port));
+    } else {
+      print_error("canopus: {}: {}", protocol, result.error());
+    }
+    return result.has_value();
+  };
+  for (std::size_t i = 0; i < plant_->plc_count(); ++i) {
+    const plant::PlcSection& section = plant_->plc_section(i);
+    if (!section.listen) continue;
+    serve::MelsecServer& server = *melsec_.emplace_back(std::make_unique<serve::MelsecServer>(
+        io_, plant_->rack(i), clock, serve::MelsecServerOptions{.allowed = section.allowed},
+        report_of(fmt::format("MC protocol {}", section.name))));
+    const auto result = server.listen(section.listen->host, section.listen->port);
+    if (!opened(result, "MC protocol", section.name, *section.listen, server.port())) return false;
+  }
+  if (const plant::PlantFile& file = plant_->file(); file.control) {
+    control_.emplace(
+        io_, clock, [this](std::string_view line) { return serve::DeviceControl(*plant_).answer(line); },
+        serve::ControlServerOptions{.allowed = file.control_allowed}, report_of("control"));
+    const auto result = control_->listen(file.control->host, file.control->port);
+    if (!opened(result, "control", file.name, *file.control, control_->port())) return false;
+  }
+  for (std::size_t i = 0; i < plant_->bus_count(); ++i) {
+    const plant::BusSection& section = plant_->bus_section(i);
+    if (!section.socketcand) continue;
+    const auto where = endpoint(*section.socketcand);
+    if (!where) return false;
+    serve::ClientPorts& ports =
+        *client_ports_.emplace_back(std::make_unique<serve::ClientPorts>(plant_->bus(i), plant_->timeline()));
+    const auto attach = [&ports](link::AttachedClient& client) { return ports.attach(client); };
+    link::SocketcandServer& server = *socketcand_.emplace_back(std::make_unique<link::SocketcandServer>(
+        io_, *where, section.name, attach, clock, link::SocketcandLimits{.allowed = section.allowed},
+        report_of(fmt::format("socketcand {}", section.name))));
+    const auto result = server.listen();
+    if (!opened(result, "socketcand", section.name, *section.socketcand, server.port())) return false;
+  }
+  return true;
+}
+
+/// What a server has to say of its clients, as errors of this source.
+link::ClientReport Run::report_of(std::string source) {
+  return serve::ClientReports(observer(), plant_->timeline(), std::move(source));
+}
+
+void Run::start_table(serve::RealTime& clock) {
+  screen_.emplace(io_, output_->out(),
+                  RunScreen::Use{.look = [this, &clock] { return table_.look(clock.now(), clock.lag()); },
+                                 .quit = [this] { io_.stop(); },
+                                 .continuations = [&clock] { return clock.continuations(); },
+                                 .colour = wants_colour(STDOUT_FILENO)});
+  screen_->start();
+}
+
+/// What a person has to read stays on the terminal when the table has gone.
+void Run::end_table() {
+  screen_.reset();
+  table_.messages().print(standard_error());
+}
+
+/// As a programming tool sets them: to the time of day where the machine is.
+void Run::set_cpu_clocks() {
+  const auto moment = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+  for (std::size_t i = 0; i < plant_->plc_count(); ++i) {
+    plant_->rack(i).set_clock(text::local_time(moment), plant_->timeline().now());
+  }
+}
+
+bool Run::run_in_real_time() {
+  const can::Time end = options_.duration ? can::Time{} + *options_.duration : can::never;
+  serve::RealTime clock(io_, *plant_, observer(), end);
+  if (!open_doors(clock)) return false;
+  if (!options_.json && !options_.quiet && !has_table_) {
+    for (const std::string& line : plant_->connections()) print_line("{}", line);
+  }
+  set_cpu_clocks();
+  clock.set_resumed_handler([this] { set_cpu_clocks(); });
+  plant_->power_on();
+  clock.start();
+  if (has_table_) start_table(clock);
+  if (options_.operational_within) {
+    end_timer_.emplace(io_);
+    look_for_end();
+  }
+  io_.run();
+  (void)clock.now();  // up to the moment it was stopped
+  for (const auto& server : socketcand_) server->close();
+  for (const auto& server : melsec_) server->stop();
+  if (control_) control_->stop();
+  if (has_table_) end_table();
+  largest_lag_ = clock.largest_lag();
+  return true;
+}
+
+void Run::run_in_virtual_time() {
+  const can::Time end = options_.duration ? can::Time{} + *options_.duration : can::never;
+  const auto goes_on = [this](auto) {
+    io_.poll();
+    return !is_to_end();
+  };
+  output_->set_patience(goes_on);
+  recording_.set_patience(goes_on);
+  plant_->power_on();
+  can::Timeline& timeline = plant_->timeline();
+  while (timeline.now() < end && goes_on(0) && !expectation_over()) {
+    timeline.run_until(std::min(can::later(timeline.now(), 100ms), end));
+  }
+}
+
+/// The nodes are all operational, or it is too late for them.
+bool Run::expectation_over() {
+  return expected_ && expected_->over(plant_->nodes(), plant_->timeline().now());
+}
+
+/// In real time the expectation is looked at every now and then.
+void Run::look_for_end() {
+  if (expectation_over()) return io_.stop();
+  end_timer_->expires_after(20ms);
+  end_timer_->async_wait([this](const boost::system::error_code& error) {
+    if (!error) look_for_end();
+  });
+}
+
+/// Whether the nodes are operational as expected; says which are not, and why.
+bool Run::came_up() {
+  const can::Time now = plant_->timeline().now();
+  if (!expected_ || expected_->met(plant_->nodes(), now)) return true;
+  const auto lines = not_operational(plant_->nodes(), plant_->boots(), now);
+  for (const std::string& line : lines) print_error("canopus: {}", line);
+  if (lines.empty()) {
+    print_error("canopus: all nodes are operational, but not within {}",
+                text::describe_duration(*options_.operational_within));
+  }
+  return false;
+}
+
+/// From now on nothing that is printed makes the plant wait, and a signal ends the run.
+void Run::start_output() {
+  stop_signals_.emplace(io_, [this] { io_.stop(); });
+  output_.emplace(
+      RunOutput::Use{.lost_line =
+                         [this](std::uint64_t lines) {
+                           return options_.json ? json_.lost_line(lines) : lines_.lost_line(lines);
+                         },
+                     .lost_error_line = [this](std::uint64_t lines) { return lines_.lost_line(lines); },
+                     .failed =
+                         [this] {
+                           output_failed_ = true;
+                           io_.stop();
+                         }});
+}
+
+bool Run::close_recordings(const OutputQueue::Patience& patience) {
+  const std::vector<std::string> problems = recording_.close(plant_->timeline().now(), patience);
+  for (const std::string& problem : problems) print_error("canopus: {}", problem);
+  return problems.empty();
+}
+
+void Run::summarise(can::Duration wall) {
+  RunSummary summary{.end = plant_->timeline().now(),
+                     .wall = wall,
+                     .virtual_time = options_.virtual_time,
+                     .largest_lag = largest_lag_,
+                     .nodes = plant_->nodes(),
+                     .boots = plant_->boots(),
+                     .troubles = plant_->troubles(),
+                     .forced = plant_->forced()};
+  for (std::size_t i = 0; i < plant_->bus_count(); ++i) {
+    summary.buses.push_back({plant_->bus(i).name(), plant_->bus(i).load(summary.end)});
+  }
+  if (options_.json) {
+    json_.summary(summary);
+  } else {
+    lines_.summary(summary);
+  }
+}
+
+/// A table leaves no room for warnings: they stand above it when it has gone.
+void Run::warn() {
+  for (const text::FileWarning& warning : plant_->warnings()) {
+    if (has_table_) print_error("{}", describe(warning, options_.plant));
+    observer().warning(describe(warning.place, options_.plant), warning.message, {});
+  }
+}
+
+int Run::operator()() {
+  plant_ = load_plant(options_.plant, observer(), standard_error(), options_.seed);
+  if (!plant_) return 2;
+  raw_plant_ = plant_.get();
+  if (auto errors = plant_->open_stores(); !errors.empty()) {
+    print_errors(std::move(errors), options_.plant, standard_error());
+    return 1;
+  }
+  warn();
+  if (!open_recordings()) return 1;
+  start_output();
+  if (options_.expect_operational) {
+    expected_.emplace(options_.operational_within, options_.duration.has_value());
+  }
+  const auto started = WallClock::now();
+  bool good = true;
+  if (options_.virtual_time) {
+    run_in_virtual_time();
+  } else {
+    good = run_in_real_time();
+  }
+  const can::Duration wall = WallClock::now() - started;
+  // In virtual time whoever reads has all the time there is.
+  EndPatience patience(!options_.virtual_time || is_to_end());
+  const auto waits = [&patience](WallClock::duration since) { return patience(since); };
+  output_->set_patience(waits);
+  if (good) {
+    good = close_recordings(waits) && !plant_->has_stalled();
+    summarise(wall);
+  }
+  const bool came = !good || came_up();
+  const int printed = output_->finish(waits);
+  if (printed != RunOutput::written) return printed;
+  constexpr int not_as_expected = 3;
+  return !good ? 1 : came ? 0 : not_as_expected;
+}
+
+}  // namespace
+
+int run_plant(const RunOptions& options) {
+  // A reader that goes away ends the run in good order, and then the program as it ends every other one.
+  const auto before = std::signal(SIGPIPE, SIG_IGN);
+  const int code = Run(options)();
+  (void)std::signal(SIGPIPE, before);
+  if (code == RunOutput::reader_gone && before == SIG_DFL) (void)std::raise(SIGPIPE);
+  return code;
+}
+
+}  // namespace canopus::cli

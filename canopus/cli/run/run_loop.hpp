@@ -1,0 +1,34 @@
+#pragma once
+// Runs a plant: in real time, in step with the machine's clock, with its doors (MC protocol, socketcand)
+// open; or in virtual time, as fast as it goes, with the doors shut. Ends after a duration, or when it is
+// told to.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "canopus/can/time.hpp"
+
+namespace canopus::cli {
+
+struct RunOptions {
+  std::string plant;                        ///< path of the plant file
+  std::optional<can::Duration> duration{};  ///< plant time; without it until SIGINT or SIGTERM
+  bool virtual_time = false;
+  std::optional<std::uint64_t> seed{};
+  std::string trace{};  ///< file for all frames: candump log, or pcap if it ends so; empty = none
+  std::string
+      vcd{};  ///< file for the wire as a waveform, with several buses one each (-BUS.vcd); empty = none
+  bool expect_operational = false;  ///< exit code 3 when not all nodes are Operational at the end
+  /// With it: by when they have to be; the run ends as soon as they are, unless it has a duration.
+  std::optional<can::Duration> operational_within{};
+  bool quiet = false;  ///< errors alone
+  bool json = false;   ///< one JSON object per line
+};
+
+/// Runs to the end. Exit code: 0 ended as asked (Ctrl-C included), 1 the plant could not be started, an
+/// output file failed or a part of the plant stalled, 2 the plant file is wrong, 3 the nodes are not Operational
+/// as expected.
+int run_plant(const RunOptions& options);
+
+}  // namespace canopus::cli

@@ -1,0 +1,150 @@
+#include "canopus/cli/run/run_recording.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "canopus/text/file_name.hpp"
+
+namespace canopus::cli {
+
+std::expected<std::unique_ptr<RecordingStream>, std::string> RecordingStream::open(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0 || S_ISREG(status.st_mode)) return nullptr;
+  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
+  if (descriptor < 0) return std::unexpected(fmt::format("cannot write {}: {}", path, std::strerror(errno)));
+  return std::unique_ptr<RecordingStream>(new RecordingStream(path, descriptor));
+}
+
+RecordingStream::RecordingStream(std::string path, int descriptor)
+    : path_(std::move(path)), descriptor_(descriptor), queue_(descriptor, {}) {}
+
+RecordingStream::~RecordingStream() { (void)close({}); }
+
+int RecordingStream::write(std::string_view bytes) {
+  queue_.content(bytes);
+  return queue_.error();
+}
+
+std::string RecordingStream::close(const OutputQueue::Patience& patience) {
+  if (descriptor_ < 0) return {};
+  const bool is_complete = queue_.finish(patience) == 0 && !is_incomplete();
+  (void)::close(std::exchange(descriptor_, -1));
+  if (const int error = queue_.error(); error != 0) {
+    return fmt::format("{}: the recording is not complete: {}", path_, std::strerror(error));
+  }
+  return is_complete ? "" : fmt::format("{}: the recording is not complete: its reader was too slow", path_);
+}
+
+void TraceWriter::frame_completed(const can::Frame& frame, can::Time /*start*/, can::Time end) {
+  file_.write(bus_, frame, end);
+}
+
+std::string vcd_path_of(std::string_view path, std::string_view bus) {
+  const std::string_view suffix = path.ends_with(".vcd") ? ".vcd" : "";
+  const std::string_view stem = path.substr(0, path.size() - suffix.size());
+  return fmt::format("{}-{}{}", stem, text::file_name_of(bus), suffix);
+}
+
+VcdFile::VcdFile(std::string path, sim::Bus& bus) : path_(std::move(path)) {
+  auto stream = RecordingStream::open(path_);
+  if (!stream) {
+    error_ = stream.error();
+    return;
+  }
+  stream_ = std::move(*stream);
+  if (stream_ == nullptr) file_ = std::fopen(path_.c_str(), "w");
+  if (stream_ == nullptr && file_ == nullptr) {
+    fail(errno);
+    return;
+  }
+  waveform_.emplace(bus, can::Time{}, [this](std::string_view text) { write(text); });
+}
+
+VcdFile::~VcdFile() { (void)close({}, {}); }
+
+void VcdFile::set_patience(const OutputQueue::Patience& patience) {
+  if (stream_ != nullptr) stream_->set_patience(patience);
+}
+
+void VcdFile::fail(int reason) {
+  if (error_.empty()) error_ = fmt::format("cannot write {}: {}", path_, std::strerror(reason));
+}
+
+void VcdFile::write(std::string_view text) {
+  if (stream_ == nullptr) {
+    if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail(errno);
+  } else if (!stream_->is_incomplete()) {  // a waveform with a hole would show edges that never were
+    (void)stream_->write(text);
+  }
+}
+
+std::string VcdFile::close(can::Time now, const OutputQueue::Patience& patience) {
+  if (waveform_) waveform_->flush(now);
+  waveform_.reset();
+  if (file_ != nullptr && std::fclose(file_) != 0) fail(errno);
+  file_ = nullptr;
+  if (stream_ != nullptr && error_.empty()) error_ = stream_->close(patience);
+  stream_.reset();
+  return error_;
+}
+
+std::expected<void, std::string> RunRecording::open_trace(const std::string& path, plant::Plant& plant) {
+  if (path.empty()) return {};
+  const auto format = link::trace_format_of(path);
+  if (!format) return std::unexpected(format.error());
+  auto stream = RecordingStream::open(path);
+  if (!stream) return std::unexpected(stream.error());
+  trace_stream_ = std::move(*stream);
+  if (trace_stream_ != nullptr) {
+    trace_.emplace(link::TraceFile::to(path, *format, [this](const void* bytes, std::size_t size) {
+      return trace_stream_->write({static_cast<const char*>(bytes), size});
+    }));
+  } else {
+    auto file = link::TraceFile::create(path, *format);
+    if (!file) return std::unexpected(file.error());
+    trace_.emplace(std::move(*file));
+  }
+  for (std::size_t i = 0; i < plant.bus_count(); ++i) {
+    trace_writers_.push_back(std::make_unique<TraceWriter>(*trace_, plant.bus(i).name()));
+    plant.bus(i).add_observer(*trace_writers_.back());
+  }
+  return {};
+}
+
+std::expected<void, std::string> RunRecording::open_vcd(const std::string& path, plant::Plant& plant) {
+  if (path.empty()) return {};
+  for (std::size_t i = 0; i < plant.bus_count(); ++i) {
+    sim::Bus& bus = plant.bus(i);
+    const std::string of_bus = plant.bus_count() == 1 ? path : vcd_path_of(path, bus.name());
+    vcd_.push_back(std::make_unique<VcdFile>(of_bus, bus));
+    if (std::string problem = vcd_.back()->error(); !problem.empty()) {
+      return std::unexpected(std::move(problem));
+    }
+  }
+  return {};
+}
+
+void RunRecording::set_patience(const OutputQueue::Patience& patience) {
+  if (trace_stream_ != nullptr) trace_stream_->set_patience(patience);
+  for (const auto& vcd : vcd_) vcd->set_patience(patience);
+}
+
+std::vector<std::string> RunRecording::close(can::Time now, const OutputQueue::Patience& patience) {
+  std::vector<std::string> problems;
+  for (const auto& vcd : vcd_) problems.push_back(vcd->close(now, patience));
+  if (trace_) {
+    const auto closed = trace_->close();
+    if (!closed) problems.push_back(closed.error());
+    if (closed && trace_stream_ != nullptr) problems.push_back(trace_stream_->close(patience));
+  }
+  std::erase(problems, "");
+  return problems;
+}
+
+}  // namespace canopus::cli

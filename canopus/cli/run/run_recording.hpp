@@ -1,0 +1,105 @@
+#pragma once
+// What a run records beside its output: every frame of its buses in one trace file, and the wire of each bus
+// as a waveform. Regular files are written at once. What has a reader (a FIFO, a pipe, /dev/stdout) gets its
+// own queue: in real time the plant does not wait for it.
+
+#include <cstdio>
+#include <expected>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/cli/terminal/output_queue.hpp"
+#include "canopus/link/trace_file.hpp"
+#include "canopus/plant/plant.hpp"
+#include "canopus/sim/bus/bus.hpp"
+#include "canopus/sim/bus/waveform.hpp"
+
+namespace canopus::cli {
+
+/// A target of a recording that is no regular file, so that its reader may be slow or gone.
+class RecordingStream {
+ public:
+  /// Nothing if `path` is, or will be, a regular file. Waits for the reader of a FIFO.
+  [[nodiscard]] static std::expected<std::unique_ptr<RecordingStream>, std::string> open(
+      const std::string& path);
+  ~RecordingStream();
+  RecordingStream(const RecordingStream&) = delete;
+  RecordingStream& operator=(const RecordingStream&) = delete;
+
+  /// Without a patience what the reader does not take in time is left out.
+  void set_patience(const OutputQueue::Patience& patience) { queue_.set_patience(patience); }
+  /// 0, or the errno of an earlier write.
+  int write(std::string_view bytes);
+  /// Something was left out.
+  [[nodiscard]] bool is_incomplete() const { return queue_.lost() != 0; }
+  /// Empty, or what went wrong since the start.
+  [[nodiscard]] std::string close(const OutputQueue::Patience& patience);
+
+ private:
+  RecordingStream(std::string path, int descriptor);
+  std::string path_;
+  int descriptor_;
+  OutputQueue queue_;
+};
+
+/// Every frame of a bus into the trace file.
+class TraceWriter final : public sim::BusObserver {
+ public:
+  TraceWriter(link::TraceFile& file, const std::string& bus) : file_(file), bus_(bus) {}
+  void frame_completed(const can::Frame& frame, can::Time start, can::Time end) override;
+
+ private:
+  link::TraceFile& file_;
+  const std::string& bus_;
+};
+
+/// Where the wire of one of several buses goes: "wire.vcd" becomes "wire-line1.vcd". A name that is no name of a
+/// file is written as file_name_of() says, and never leads out of the folder.
+[[nodiscard]] std::string vcd_path_of(std::string_view path, std::string_view bus);
+
+/// The wire of one bus as a VCD file. The first error is kept and told by close().
+class VcdFile {
+ public:
+  VcdFile(std::string path, sim::Bus& bus);
+  ~VcdFile();
+  VcdFile(const VcdFile&) = delete;
+  VcdFile& operator=(const VcdFile&) = delete;
+
+  void set_patience(const OutputQueue::Patience& patience);
+  [[nodiscard]] std::string error() const { return error_; }
+  /// Empty, or what went wrong since the start.
+  std::string close(can::Time now, const OutputQueue::Patience& patience);
+
+ private:
+  void write(std::string_view text);
+  void fail(int reason);
+
+  std::string path_;
+  std::unique_ptr<RecordingStream> stream_;  // or a file
+  std::FILE* file_ = nullptr;
+  std::string error_;
+  std::optional<sim::Waveform> waveform_;
+};
+
+/// All that one run records.
+class RunRecording {
+ public:
+  /// Every frame of the plant's buses in this file; no path: none. The error is a sentence.
+  [[nodiscard]] std::expected<void, std::string> open_trace(const std::string& path, plant::Plant& plant);
+  /// The wire of each bus, with several buses in one file each.
+  [[nodiscard]] std::expected<void, std::string> open_vcd(const std::string& path, plant::Plant& plant);
+  void set_patience(const OutputQueue::Patience& patience);
+  /// What went wrong since the start, a sentence each.
+  [[nodiscard]] std::vector<std::string> close(can::Time now, const OutputQueue::Patience& patience);
+
+ private:
+  std::unique_ptr<RecordingStream> trace_stream_;  // before the trace, if it is no regular file
+  std::optional<link::TraceFile> trace_;
+  std::vector<std::unique_ptr<TraceWriter>> trace_writers_;
+  std::vector<std::unique_ptr<VcdFile>> vcd_;
+};
+
+}  // namespace canopus::cli

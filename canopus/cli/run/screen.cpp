@@ -1,0 +1,136 @@
+#include "canopus/cli/run/screen.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include "canopus/cli/terminal/print.hpp"
+#include "canopus/text/printable.hpp"
+
+namespace canopus::cli {
+namespace {
+
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+/// The other screen, no cursor, no wrapping; and back, with what follows below the table on a terminal that has
+/// one screen only.
+constexpr const char* enter_sequence = "\x1b[?1049h\x1b[?25l\x1b[?7l\x1b[2J";
+constexpr const char* leave_sequence = "\x1b[0m\x1b[999;1H\n\x1b[?7h\x1b[?25h\x1b[?1049l";
+
+std::string_view code(TableStyle style) {
+  switch (style) {
+    case TableStyle::plain: return "";
+    case TableStyle::bold: return "1";
+    case TableStyle::faint: return "2";
+    case TableStyle::good: return "32";
+    case TableStyle::warning: return "33";
+    case TableStyle::error: return "31";
+  }
+  return "";
+}
+
+// --- signals that end the program at once
+
+constexpr int fatal_signals[] = {SIGQUIT, SIGILL, SIGABRT, SIGBUS, SIGFPE, SIGSEGV};
+
+std::atomic<const Terminal*> shown_terminal{nullptr};
+static_assert(std::atomic<const Terminal*>::is_always_lock_free);
+
+/// The handler is in force once: what it raises ends the program.
+void restore_and_end(int signal) {
+  if (const Terminal* terminal = shown_terminal.exchange(nullptr); terminal != nullptr) {
+    terminal->restart_output();
+    [[maybe_unused]] const ssize_t written =
+        ::write(STDOUT_FILENO, leave_sequence, std::strlen(leave_sequence));
+    terminal->give_back();
+  }
+  (void)::raise(signal);
+}
+
+/// Where nobody else has a handler (a sanitizer, for instance).
+void set_handlers() {
+  for (const int signal : fatal_signals) {
+    struct sigaction now {};
+    if (::sigaction(signal, nullptr, &now) != 0 || now.sa_handler != SIG_DFL) continue;
+    struct sigaction ours {};
+    ours.sa_handler = restore_and_end;
+    ours.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER);
+    ::sigaction(signal, &ours, nullptr);
+  }
+}
+
+void take_handlers_back() {
+  for (const int signal : fatal_signals) {
+    struct sigaction now {};
+    if (::sigaction(signal, nullptr, &now) == 0 && now.sa_handler == restore_and_end) {
+      (void)std::signal(signal, SIG_DFL);
+    }
+  }
+}
+
+}  // namespace
+
+std::string drawn(const std::vector<TableLine>& lines, TableSize size, bool colour) {
+  std::string text;
+  for (std::size_t row = 0; row < lines.size(); ++row) {
+    text += fmt::format("\x1b[{};1H", row + 1);
+    std::size_t columns = 0;
+    for (const TableSpan& span : lines[row]) {
+      const std::string safe = text::printable(span.text);
+      columns += text::columns_of(safe);
+      const bool plain = !colour || span.style == TableStyle::plain;
+      text += plain ? safe : fmt::format("\x1b[{}m{}\x1b[0m", code(span.style), safe);
+    }
+    // At the end of a full line the cursor stands on its last character.
+    if (columns < size.columns) text += "\x1b[K";
+  }
+  if (lines.size() < size.rows) text += fmt::format("\x1b[{};1H\x1b[J", lines.size() + 1);
+  return text;
+}
+
+Screen::Screen(OutputQueue& out, bool colour) : out_(out), colour_(colour) { set_handlers(); }
+
+Screen::~Screen() {
+  leave();
+  take_handlers_back();
+}
+
+bool Screen::show(const std::vector<TableLine>& lines, TableSize size) {
+  // A terminal that is stopped gets the latest picture when it goes on, not all of them.
+  if (!terminal_.is_foreground() || !out_.is_idle()) return false;
+  std::string text;
+  if (!shown_) {
+    terminal_.take_keys();
+    shown_terminal = &terminal_;
+    shown_ = true;
+    text = enter_sequence;
+  }
+  out_.content(text += drawn(lines, size, colour_));
+  return true;
+}
+
+void Screen::leave() {
+  if (!shown_) return;
+  shown_ = false;
+  if (terminal_.is_foreground()) {
+    if (!out_.is_idle()) terminal_.restart_output();
+    out_.content(leave_sequence);
+    (void)out_.flush([start = Clock::now()](auto) { return Clock::now() - start < 1s; });
+  }
+  terminal_.give_back();
+  shown_terminal = nullptr;
+}
+
+TableSize Screen::size() {
+  winsize window{};
+  if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &window) != 0 || window.ws_row == 0 || window.ws_col == 0) return {};
+  return {window.ws_row, window.ws_col};
+}
+
+}  // namespace canopus::cli

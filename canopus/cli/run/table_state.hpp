@@ -1,0 +1,46 @@
+#pragma once
+// What the live table shows, at one moment: plain data, so that its layout is a function of it.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "canopus/cli/run/run_messages.hpp"
+#include "canopus/plant/plant.hpp"
+
+namespace canopus::cli {
+
+/// Of a terminal.
+struct TableSize {
+  unsigned rows = 24;
+  unsigned columns = 80;
+};
+
+struct TableState {
+  struct Bus {
+    std::string name{};
+    std::uint32_t bit_rate = 0;  ///< bit/s
+    sim::BusLoad load{};
+  };
+  struct Node {
+    plant::NodeStatus status{};
+    double pdo_rate = 0;  ///< PDOs (in a Layer 2 mode frames) sent per second
+  };
+
+  std::string plant{};
+  can::Time now{};
+  can::Duration lag{};
+  std::vector<Bus> buses{};
+  std::vector<Node> nodes{};                     ///< in the order of the plant file, modules first
+  std::vector<plant::SlaveBoot> boots{};         ///< booted ones, too
+  std::vector<plant::ModuleTrouble> troubles{};  ///< modules whose process data stand still
+  std::vector<plant::ModuleStatus> modules{};    ///< signals and watched words
+  std::vector<RunMessage> messages{};            ///< the latest errors and warnings, newest last
+  std::uint64_t errors = 0;                      ///< so many came in all
+  std::uint64_t warnings = 0;
+  std::vector<std::string> events{};   ///< the latest other events, newest last
+  std::vector<std::string> servers{};  ///< "MC protocol 127.0.0.1:5007": where clients connect
+  bool has_keys = false;               ///< the table can be scrolled
+};
+
+}  // namespace canopus::cli

@@ -1,0 +1,127 @@
+#include "canopus/cli/terminal/print.hpp"
+
+#include <cerrno>
+#include <cstdlib>
+#include <system_error>
+
+#include <fcntl.h>
+#include <nlohmann/json.hpp>
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+namespace canopus::cli {
+namespace {
+
+/// The standard output or standard error. Nothing is kept back: the two stay in order on a terminal.
+class StandardStream final : public Output {
+ public:
+  explicit StandardStream(int descriptor) : descriptor_(descriptor) {}
+  void divert(Output* to) { diverted_ = to; }
+
+ private:
+  void write(std::string_view text) override {
+    if (diverted_ != nullptr) return diverted_->content(text);
+    end_progress();
+    while (!text.empty()) {
+      const ssize_t written = ::write(descriptor_, text.data(), text.size());
+      if (written >= 0) {
+        text.remove_prefix(static_cast<std::size_t>(written));
+      } else if (errno != EAGAIN || !wait_for_reader()) {
+        if (descriptor_ == STDERR_FILENO) return;
+        throw OutputFailed(errno);
+      }
+    }
+  }
+
+  /// Another process may have set O_NONBLOCK on the description it shares with this one.
+  [[nodiscard]] bool wait_for_reader() const {
+    pollfd state{.fd = descriptor_, .events = POLLOUT, .revents = 0};
+    return ::poll(&state, 1, -1) > 0;
+  }
+
+  int descriptor_;
+  Output* diverted_ = nullptr;
+};
+
+StandardStream& stream(int descriptor) {
+  static StandardStream out(STDOUT_FILENO);
+  static StandardStream error(STDERR_FILENO);
+  return descriptor == STDOUT_FILENO ? out : error;
+}
+
+bool progress_is_shown = false;
+
+void write_to_terminal(std::string_view text) {
+  [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, text.data(), text.size());
+}
+
+}  // namespace
+
+Line paint(std::string_view text, std::string_view code, bool colour) {
+  Line line;
+  line.text_ = colour ? fmt::format("\x1b[{}m{}\x1b[0m", code, text::printable(text)) : text::printable(text);
+  return line;
+}
+
+bool is_terminal(int descriptor) {
+  const char* terminal = std::getenv("TERM");
+  return isatty(descriptor) != 0 && terminal != nullptr && std::string_view(terminal) != "dumb";
+}
+
+bool wants_colour(int descriptor) {
+  const char* refused = std::getenv("NO_COLOR");  // no-color.org: set and not empty
+  return (refused == nullptr || *refused == '\0') && is_terminal(descriptor);
+}
+
+void Output::line(const Line& line) { write(line.text() + '\n'); }
+
+void Output::json(const nlohmann::ordered_json& object) {
+  write(text::printable_json(object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)) + '\n');
+}
+
+OutputFailed::OutputFailed(int error)
+    : std::runtime_error(error == EINTR
+                             ? "interrupted"
+                             : "cannot write the output: " + std::generic_category().message(error)) {}
+
+void reserve_standard_descriptors() {
+  for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(descriptor, F_GETFD) >= 0 || errno != EBADF) continue;
+    // The lowest free number, so this one; for the wrong direction, so that its use fails as before.
+    (void)::open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+  }
+}
+
+Output& standard_output() { return stream(STDOUT_FILENO); }
+
+Output& standard_error() { return stream(STDERR_FILENO); }
+
+Diversion::Diversion(Output& out, Output& error) {
+  stream(STDOUT_FILENO).divert(&out);
+  stream(STDERR_FILENO).divert(&error);
+}
+
+Diversion::~Diversion() {
+  stream(STDOUT_FILENO).divert(nullptr);
+  stream(STDERR_FILENO).divert(nullptr);
+}
+
+void print_json(const nlohmann::ordered_json& object) { standard_output().json(object); }
+
+void show_progress(const Line& line) {
+  if (!is_terminal(STDERR_FILENO)) return;
+  winsize window{};
+  const bool known = ::ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 1;
+  const std::string_view text = text::clipped(line.text(), known ? window.ws_col - 1U : 79U);
+  write_to_terminal(fmt::format("\r{}\x1b[K", text));
+  progress_is_shown = true;
+}
+
+void end_progress() {
+  if (!progress_is_shown) return;
+  progress_is_shown = false;
+  write_to_terminal("\r\x1b[K");
+}
+
+}  // namespace canopus::cli

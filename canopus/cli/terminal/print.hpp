@@ -1,0 +1,155 @@
+#pragma once
+// Everything the program prints goes through here, line by line, and every text in a line is made printable:
+// a name in a device file cannot clear the screen or forge a line. JSON lines likewise.
+//
+//   print_line("{}: {} objects", file, count);
+//   print_error("canopus: {}", reason);
+//
+// Each line goes out whole, in one piece. A standard output that cannot be written throws OutputFailed, which
+// ends the program with a sentence and an exit code; a standard error that cannot be written has nobody to
+// hear about it.
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+#include <fmt/format.h>
+#include <nlohmann/json_fwd.hpp>
+
+#include "canopus/text/printable.hpp"
+
+namespace canopus::cli {
+
+class Line;
+
+namespace detail {
+
+/// An argument of a line as it is formatted: text is made printable, numbers and lines stay.
+template <typename T>
+auto printable_argument(const T& value) {
+  if constexpr (std::is_same_v<T, Line>) {
+    return std::string_view(value.text());
+  } else if constexpr (std::is_same_v<T, char>) {
+    return text::printable({&value, 1});
+  } else if constexpr (std::is_convertible_v<const T&, std::string_view>) {
+    return text::printable(value);
+  } else {
+    static_assert(std::is_arithmetic_v<T>, "a line is made of text, numbers and other lines");
+    return value;
+  }
+}
+
+}  // namespace detail
+
+/// A line, or a part of one, that is safe to print: no text in it controls the terminal. Colours come from
+/// paint() alone.
+class Line {
+ public:
+  Line() = default;
+  template <typename... T>
+  explicit Line(fmt::format_string<const T&...> format, const T&... arguments) {
+    add(format, arguments...);
+  }
+  template <typename... T>
+  Line& add(fmt::format_string<const T&...> format, const T&... arguments) {
+    fmt::vformat_to(std::back_inserter(text_), fmt::string_view(format),
+                    fmt::make_format_args(detail::printable_argument(arguments)...));
+    return *this;
+  }
+  [[nodiscard]] const std::string& text() const noexcept { return text_; }
+
+ private:
+  friend Line paint(std::string_view text, std::string_view code, bool colour);
+  std::string text_;
+};
+
+/// The text between the escape sequence "\x1b[<code>m" and its end, or the text alone.
+[[nodiscard]] Line paint(std::string_view text, std::string_view code, bool colour);
+
+/// Whether a stream gets colour and progress: a terminal, TERM not dumb; colour also NO_COLOR not set.
+[[nodiscard]] bool is_terminal(int descriptor);
+[[nodiscard]] bool wants_colour(int descriptor);
+
+/// Somewhere lines go.
+class Output {
+ public:
+  Output() = default;
+  virtual ~Output() = default;
+  Output(const Output&) = delete;
+  Output& operator=(const Output&) = delete;
+
+  void line(const Line& line);
+  template <typename... T>
+  void line(fmt::format_string<const T&...> format, const T&... arguments) {
+    line(Line(format, arguments...));
+  }
+  /// The object in one line.
+  void json(const nlohmann::ordered_json& object);
+  /// A file's content as it is. Not for what people read.
+  void content(std::string_view bytes) { write(bytes); }
+
+ protected:
+  virtual void write(std::string_view text) = 0;
+};
+
+/// Keeps what is printed.
+class TextOutput final : public Output {
+ public:
+  [[nodiscard]] const std::string& text() const noexcept { return text_; }
+  void clear() { text_.clear(); }
+
+ private:
+  void write(std::string_view text) override { text_ += text; }
+  std::string text_;
+};
+
+/// The standard output could not be written.
+class OutputFailed : public std::runtime_error {
+ public:
+  /// `error`: errno. EINTR: a signal ended the wait for the reader.
+  explicit OutputFailed(int error);
+};
+
+/// Where the program was started without a standard stream (`>&-`), no file it opens becomes that stream.
+void reserve_standard_descriptors();
+
+[[nodiscard]] Output& standard_output();
+[[nodiscard]] Output& standard_error();
+
+/// As long as it lives, what is printed on the standard output and the standard error goes there.
+class Diversion {
+ public:
+  Diversion(Output& out, Output& error);
+  ~Diversion();
+  Diversion(const Diversion&) = delete;
+  Diversion& operator=(const Diversion&) = delete;
+};
+
+/// One line on the standard output.
+template <typename... T>
+void print_line(fmt::format_string<const T&...> format, const T&... arguments) {
+  standard_output().line(Line(format, arguments...));
+}
+/// One line on the standard error.
+template <typename... T>
+void print_error(fmt::format_string<const T&...> format, const T&... arguments) {
+  standard_error().line(Line(format, arguments...));
+}
+/// One JSON object on the standard output, in a line.
+void print_json(const nlohmann::ordered_json& object);
+
+/// The last line of the terminal of the standard error says how far something is, redrawn in place; the next
+/// line printed takes its place. Nothing unless is_terminal(STDERR_FILENO).
+void show_progress(const Line& line);
+void end_progress();
+
+}  // namespace canopus::cli
+
+template <>
+struct fmt::formatter<canopus::cli::Line> : fmt::formatter<std::string_view> {
+  auto format(const canopus::cli::Line& line, format_context& context) const {
+    return formatter<std::string_view>::format(line.text(), context);
+  }
+};

@@ -1,0 +1,24 @@
+#pragma once
+// A client of a plant's control server over one blocking TCP connection, for the command line.
+
+#include <chrono>
+#include <cstdint>
+#include <expected>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+namespace canopus::client {
+
+struct ControlConnection {
+  std::string host = "127.0.0.1";
+  std::uint16_t port = 29540;
+  std::chrono::milliseconds timeout{3000};  ///< to connect, and for the answer
+};
+
+/// Sends one request and gives its answer, a JSON object whose "ok" is true. The error is a sentence: what
+/// could not be done, or what the plant says is wrong.
+[[nodiscard]] std::expected<nlohmann::ordered_json, std::string> ask_control(
+    const ControlConnection& connection, const nlohmann::ordered_json& request);
+
+}  // namespace canopus::client

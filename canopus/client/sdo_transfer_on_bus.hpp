@@ -1,0 +1,65 @@
+#pragma once
+// One SDO transfer at a time over a bus of the command line, waited for.
+
+#include <cstdint>
+#include <expected>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "canopus/canopen/sdo/sdo_client.hpp"
+#include "canopus/link/bus_loop.hpp"
+#include "canopus/text/text_values.hpp"
+
+namespace canopus::client {
+
+using link::BusLoop;
+
+/// Why a transfer failed.
+struct SdoFailure {
+  canopen::AbortCode code = canopen::AbortCode::none;  ///< none: the bus, `reason` says what
+  std::string reason;  ///< "abort 06020000H: object does not exist", "no answer within 500.0 ms"
+};
+
+class SdoOnBus final : public can::Participant, private canopen::SdoClientUser {
+ public:
+  /// Told how many bytes have passed, of how many (0 = not known), every now and then.
+  using Progress = std::function<void(std::size_t bytes, std::size_t of)>;
+
+  /// `block`: block transfers, also of values that would fit into one frame; a server that does otherwise is
+  /// a failure.
+  SdoOnBus(BusLoop& bus, std::uint8_t node_id, can::Duration time_out, bool block);
+  ~SdoOnBus() override;
+  SdoOnBus(const SdoOnBus&) = delete;
+  SdoOnBus& operator=(const SdoOnBus&) = delete;
+
+  void set_progress(Progress progress) { progress_ = std::move(progress); }
+  std::expected<std::vector<std::uint8_t>, SdoFailure> read(text::ObjectName object);
+  std::expected<void, SdoFailure> write(text::ObjectName object, std::span<const std::uint8_t> value);
+
+  // can::Participant
+  void receive(const can::Frame& frame, can::Time now) override;
+  void tick(can::Time now) override { client_.tick(now); }
+  [[nodiscard]] can::Time deadline() const noexcept override { return client_.deadline(); }
+
+ private:
+  void sdo_finished(canopen::SdoClient& client, can::Time now) override;
+  std::expected<void, SdoFailure> wait(bool started);
+  [[nodiscard]] canopen::SdoClient::Mode mode() const;
+
+  BusLoop& bus_;
+  can::Duration time_out_;
+  bool block_;
+  Progress progress_;
+  canopen::SdoClient client_;
+  bool finished_ = false;
+  bool aborted_by_server_ = false;
+  bool switched_ = false;  // asked for blocks, the server answered an upload expedited or in segments
+};
+
+/// The words for an abort code; `aborted_by_server`: it came over the bus.
+[[nodiscard]] std::string describe_abort(canopen::AbortCode code, bool aborted_by_server,
+                                         can::Duration time_out);
+
+}  // namespace canopus::client

@@ -1,0 +1,121 @@
+#pragma once
+// What is known of one slave's way through "boot slave": the step it is at, what was asked, what came back.
+// Enough to answer "why is my slave stuck?" without a bus trace.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "canopus/can/time.hpp"
+#include "canopus/canopen/dictionary/abort_code.hpp"
+
+namespace canopus::manager {
+
+/// Result of a slave's boot, with the letter CiA 302-2 gives it.
+enum class BootError : char {
+  none = 0,
+  not_assigned = 'A',            ///< 1F81H bit 0 is 0
+  no_answer = 'B',               ///< 1000H was not answered, or with an abort
+  device_type = 'C',             ///< 1000H differs from 1F84H
+  vendor = 'D',                  ///< 1018H:01 differs from 1F85H, or could not be read
+  no_heartbeat_state = 'E',      ///< keep alive: no heartbeat told the state
+  no_guarding_state = 'F',       ///< keep alive: the guarding remote frame was not answered
+  software_not_described = 'G',  ///< 1F55H is 0, or 1F56H could not be read
+  software_not_allowed = 'H',    ///< an update is needed but not allowed
+  software_download = 'I',       ///< the program download failed, or the new program is not the expected one
+  configuration = 'J',           ///< the configuration download failed
+  no_error_control = 'K',        ///< no heartbeat (or guarding answer) at the start of error control
+  already_operational = 'L',     ///< found Operational and left so: no failure
+  product = 'M',                 ///< 1018H:02 differs from 1F86H
+  revision = 'N',                ///< 1018H:03 differs from 1F87H
+  serial = 'O',                  ///< 1018H:04 differs from 1F88H
+};
+
+/// 'A'..'O', or '-' for none.
+[[nodiscard]] constexpr char letter(BootError error) noexcept {
+  return error == BootError::none ? '-' : static_cast<char>(error);
+}
+/// True for none and already_operational.
+[[nodiscard]] constexpr bool is_success(BootError error) noexcept {
+  return error == BootError::none || error == BootError::already_operational;
+}
+/// "device type differs from 1F84H", ...
+[[nodiscard]] std::string_view describe(BootError error) noexcept;
+
+/// Where a slave's boot is [CiA 302-2 boot slave; ME3CAN1-Q 4.8.6].
+enum class BootStep : std::uint8_t {
+  idle,                   ///< never started, or given up because the start-up was stopped
+  wait_after_reset,       ///< the slave was reset: its boot-up message or the end of the wait
+  presence,               ///< 1000H is asked
+  presence_pause,         ///< not answered: asked again after a pause
+  identity,               ///< 1018H:01..04 are asked
+  state_by_heartbeat,     ///< keep alive: its heartbeat is awaited
+  state_by_guarding,      ///< keep alive: its guarding answer is awaited
+  boot_up_after_reset,    ///< keep alive, but not Operational: reset, its boot-up message is awaited
+  software_version,       ///< 1F56H:01 is asked
+  program_state,          ///< an update is due: 1F51H:01 is asked
+  program_stop,           ///< 1F51H:01 = 0 is written
+  program_clear,          ///< 1F51H:01 = 3 is written
+  program_download,       ///< 1F50H:01 is being written
+  program_flash,          ///< 1F57H:01 is asked until the flash memory is not busy
+  program_verify,         ///< 1F56H:01 is asked again
+  program_start,          ///< 1F51H:01 = 1 is written
+  program_started,        ///< 1F51H:01 is asked until it reads 1
+  restore,                ///< 1011H is written
+  boot_up_after_restore,  ///< its boot-up message after the restore is awaited
+  configuration_date,     ///< 1020H:01 is asked
+  configuration_time,     ///< 1020H:02 is asked
+  configuration,          ///< the concise DCF is being written
+  heartbeat_start,        ///< error control: its heartbeat is awaited
+  guarding_start,         ///< error control: its guarding answer is awaited
+  booted,                 ///< done
+  failed,                 ///< ended with an error; begins again with the slave's next boot-up message
+};
+/// The step is one SDO transfer, or several.
+[[nodiscard]] constexpr bool asks_object(BootStep step) noexcept {
+  switch (step) {
+    case BootStep::presence:
+    case BootStep::identity:
+    case BootStep::software_version:
+    case BootStep::program_state:
+    case BootStep::program_stop:
+    case BootStep::program_clear:
+    case BootStep::program_download:
+    case BootStep::program_flash:
+    case BootStep::program_verify:
+    case BootStep::program_start:
+    case BootStep::program_started:
+    case BootStep::restore:
+    case BootStep::configuration_date:
+    case BootStep::configuration_time:
+    case BootStep::configuration: return true;
+    default: return false;
+  }
+}
+/// "reading 1000H", ...
+[[nodiscard]] std::string_view describe(BootStep step) noexcept;
+
+struct BootRecord {
+  BootStep step = BootStep::idle;
+  BootStep failed_step = BootStep::idle;  ///< the step that led to `error`
+  BootError error = BootError::none;      ///< result, or the latest reason for another attempt
+  std::uint16_t index = 0;                ///< object asked or written last, 0 = none
+  std::uint8_t sub = 0;
+  std::uint32_t expected = 0;  ///< of a comparison that failed
+  std::uint32_t received = 0;
+  std::uint32_t attempts = 0;  ///< requests for 1000H since the boot of this slave began
+  std::uint32_t bytes = 0;     ///< program_download: handed to the SDO transfer so far
+  std::uint32_t size = 0;      ///< program_download: bytes of the program, 0 = not known
+  can::Time since{};           ///< when the present step began
+  canopen::AbortCode abort_code = canopen::AbortCode::none;  ///< of the last SDO; timed_out: no answer
+};
+
+/// Where the boot is, in a few words: "checking its identity, 1018H:02", "failed (D, vendor-ID differs from
+/// 1F85H)".
+[[nodiscard]] std::string describe(const BootRecord& record);
+/// One or two sentences: where the boot is, and what to check when it does not go on.
+[[nodiscard]] std::string explain(const BootRecord& record, can::Time now);
+/// The same, after "Node 5: ".
+[[nodiscard]] std::string explain(const BootRecord& record, std::uint8_t node_id, can::Time now);
+
+}  // namespace canopus::manager

@@ -1,0 +1,150 @@
+#include "canopus/manager/nmt/flying_master.hpp"
+
+#include <utility>
+
+namespace canopus::manager {
+
+namespace {
+
+constexpr std::uint32_t nmt = 0x000;
+constexpr std::uint32_t active_master_answer = 0x071;
+constexpr std::uint32_t negotiation_request = 0x072;
+constexpr std::uint32_t detect_active_master = 0x073;
+constexpr std::uint32_t master_capable_answer = 0x074;
+constexpr std::uint32_t detect_master_capable = 0x075;
+constexpr std::uint32_t force_negotiation = 0x076;
+constexpr std::uint32_t error_control = 0x700;
+
+}  // namespace
+
+void FlyingMaster::start(std::uint8_t node_id, const FlyingMasterTiming& timing, can::Time now) {
+  node_id_ = node_id;
+  timing_ = timing;
+  active_master_ = 0;
+  enter(State::delay, can::later(now, timing_.negotiation_delay));
+}
+
+void FlyingMaster::stop() noexcept {
+  active_master_ = 0;
+  enter(State::off, can::never);
+}
+
+void FlyingMaster::enter(State state, can::Time until) {
+  state_ = state;
+  deadline_ = until;
+}
+
+can::Duration FlyingMaster::whole_negotiation() const noexcept {
+  return timing_.negotiation_delay + timing_.time_out + 2 * timing_.priority_slot + 127 * timing_.device_slot;
+}
+
+void FlyingMaster::receive(const can::Frame& frame, can::Time now) {
+  if (frame.extended || frame.remote) return;
+  if (frame.identifier == nmt && frame.length() == 2 && frame.data[1] == 0 &&
+      (frame.data[0] == 0x81 || frame.data[0] == 0x82)) {
+    reset_seen_ = true;
+    last_reset_ = now;
+  }
+  if (state_ == State::off) return;
+  switch (frame.identifier) {
+    case active_master_answer:
+      if (frame.length() >= 2) claimed(frame.data[0], frame.data[1], now);
+      return;
+    case negotiation_request: return negotiate(false, now);
+    case detect_active_master:
+      if (state_ == State::active) send_claim();
+      return;
+    case detect_master_capable: sink_->send(can::data_frame(master_capable_answer)); return;
+    case force_negotiation:
+      if (state_ == State::active) negotiate(true, now);
+      return;
+    default: break;
+  }
+  // Standby: the active master's sign of life.
+  if (state_ == State::standby && frame.identifier == error_control + active_master_ && frame.length() == 1 &&
+      frame.data[0] != 0) {
+    deadline_ = can::later(now, heartbeat_time_);
+  }
+}
+
+void FlyingMaster::tick(can::Time now) {
+  if (deadline_ > now) return;
+  switch (state_) {
+    case State::off: deadline_ = can::never; return;
+    case State::delay:
+      sink_->send(can::data_frame(detect_active_master));
+      return enter(State::detecting, can::later(now, timing_.time_out));
+    case State::detecting:
+      // Whoever comes first finds a network in an unknown state. It is reset once and not by everybody who
+      // comes back from that very reset, or the resets would never end.
+      if (!reset_seen_ || can::later(last_reset_, whole_negotiation()) < now) {
+        reset_seen_ = true;
+        last_reset_ = now;
+        user_->reset_all_nodes(now);
+      }
+      return negotiate(true, now);
+    case State::negotiating: return become_active(now);
+    case State::standby:
+      reset_seen_ = true;
+      last_reset_ = now;
+      active_master_ = 0;
+      user_->reset_all_nodes(now);
+      return enter(State::delay, can::later(now, timing_.negotiation_delay));
+    case State::active:
+      sink_->send(can::data_frame(force_negotiation));
+      deadline_ = can::later(now, timing_.detect_cycle);
+      return;
+  }
+}
+
+void FlyingMaster::negotiate(bool request, can::Time now) {
+  resign(now);
+  if (request) sink_->send(can::data_frame(negotiation_request));
+  active_master_ = 0;
+  enter(State::negotiating, can::later(now, waiting_time()));
+}
+
+void FlyingMaster::claimed(std::uint8_t level, std::uint8_t node_id, can::Time now) {
+  if (node_id == 0 || node_id > 127 || node_id == node_id_) return;
+  if (std::pair(level, node_id) < std::pair(timing_.level, node_id_)) {
+    resign(now);
+    return become_standby(node_id, now);
+  }
+  switch (state_) {
+    case State::off:
+    case State::delay: return;  // this node asks in a moment
+    case State::standby:
+      // Not ours: another master claims the network, although ours is better. Let them settle it.
+      if (node_id == active_master_) return;
+      sink_->send(can::data_frame(force_negotiation));
+      return;
+    case State::detecting:
+    case State::negotiating:
+    case State::active: sink_->send(can::data_frame(force_negotiation)); return negotiate(true, now);
+  }
+}
+
+void FlyingMaster::become_standby(std::uint8_t master, can::Time now) {
+  active_master_ = master;
+  heartbeat_time_ = user_->standby_for(master, now);
+  enter(State::standby, can::later(now, heartbeat_time_));
+}
+
+void FlyingMaster::become_active(can::Time now) {
+  active_master_ = node_id_;
+  enter(State::active, can::later(now, timing_.detect_cycle));
+  send_claim();
+  user_->mastership_won(now);
+}
+
+void FlyingMaster::resign(can::Time now) {
+  if (state_ != State::active) return;
+  enter(State::negotiating, can::never);
+  user_->mastership_lost(now);
+}
+
+void FlyingMaster::send_claim() {
+  sink_->send(can::data_frame(active_master_answer, {timing_.level, node_id_}));
+}
+
+}  // namespace canopus::manager

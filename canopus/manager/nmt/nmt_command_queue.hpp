@@ -1,0 +1,41 @@
+#pragma once
+// The NMT commands of a master, in the order in which they were given, no two within the NMT inhibit time
+// [CiA 302-2 102AH, in 100 us].
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "canopus/manager/nmt/master_context.hpp"
+
+namespace canopus::manager {
+
+class NmtCommandQueue {
+ public:
+  explicit NmtCommandQueue(MasterContext& master) : master_(master) {}
+
+  /// Sends it now, or when it may go. node_id 0: to all. Lost when 256 wait.
+  void push(canopen::NmtCommand command, std::uint8_t node_id, can::Time now);
+  /// Sends what may go now; MasterContext::command_sent() for each.
+  void flush(can::Time now);
+  void clear() noexcept { first_ = count_ = 0; }
+  [[nodiscard]] can::Time deadline() const noexcept { return count_ > 0 ? next_ : can::never; }
+
+ private:
+  struct Command {
+    canopen::NmtCommand command;
+    std::uint8_t node_id;
+  };
+  static constexpr std::size_t places = 256;
+  /// A full transmit queue is tried again after this.
+  static constexpr can::Duration retry = std::chrono::milliseconds(1);
+
+  MasterContext& master_;
+  std::array<Command, places> commands_{};
+  std::size_t first_ = 0;
+  std::size_t count_ = 0;
+  bool is_flushing_ = false;
+  can::Time next_{};  // not before this
+};
+
+}  // namespace canopus::manager

@@ -1,0 +1,168 @@
+#pragma once
+// Command interface (CIF): the PLC writes a command code and its parameters into a block of 67 words, has it
+// executed, and reads result code and data in the same words: SDO read and write (local and remote, single
+// and multiple), sending an emergency message, and what else the module has [ME3CAN1-Q 3.5.18, 5].
+//
+// The block has two planes. Writes go to the request plane. After a command reads show the result plane; the
+// next write (or the display command: as the last command found it) brings the request plane back. While a
+// command runs the first word reads FFFFH; a write then locks the interface until command FFFFH is executed.
+//
+//   idle --execute--> busy --done--> idle (result shown)
+//                     busy --write--> locked --execute FFFFH--> idle
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "canopus/canopen/dictionary/object_dictionary.hpp"
+#include "canopus/canopen/sdo/sdo_client.hpp"
+#include "canopus/module/areas/buffer_memory.hpp"
+
+namespace canopus::module {
+
+/// What a command does.
+enum class CommandKind : std::uint8_t {
+  display,   ///< show the request plane
+  sdo_read,  ///< one object of up to 124 bytes
+  sdo_write,
+  multi_read,  ///< up to eight objects of up to 8 bytes
+  multi_write,
+  emergency,   ///< send an emergency message
+  send_frame,  ///< send a plain CAN frame
+  clear,       ///< end the locked state
+};
+
+/// One row of a module's command table.
+struct CommandRow {
+  std::uint16_t code = 0;
+  CommandKind kind = CommandKind::display;
+  Modes modes = every_mode;
+  std::uint16_t success = 0;  ///< result code
+  std::uint16_t partial = 0;  ///< result code when some, or the special condition of the command, failed
+};
+
+struct CommandLayout {
+  BufferAddress first = 0;  ///< of the command code; 66 more words follow
+  std::span<const CommandRow> commands{};
+};
+
+/// Classes of the general error result 000FH [ME3CAN1-Q 5.4].
+namespace command_error {
+inline constexpr std::uint16_t result = 0x000F;
+inline constexpr std::uint16_t sdo = 0x0003;
+inline constexpr std::uint16_t unknown_command = 0x0064;
+inline constexpr std::uint16_t wrong_state = 0x0F0F;
+inline constexpr std::uint16_t bus_off = 0xB0FF;
+inline constexpr std::uint16_t queue_full = 0x8FFF;  // [FX3U-CAN 10.9]
+inline constexpr std::uint16_t was_busy = 0xFFFF;
+}  // namespace command_error
+
+/// Local abort codes beyond CiA 301 [ME3CAN1-Q 8.2.3].
+inline constexpr auto abort_no_channel = static_cast<canopen::AbortCode>(0x50000000);
+inline constexpr auto abort_buffer_too_small = static_cast<canopen::AbortCode>(0x60600000);
+
+/// What the command interface needs of the module around it.
+class CommandHost {
+ public:
+  enum class EmergencyAnswer : std::uint16_t { sent = 0, inhibited = 1, wrong_state = 2 };
+
+  /// 0 when a command may use the bus now, else the error class to report.
+  [[nodiscard]] virtual std::uint16_t bus_obstacle() const = 0;
+  [[nodiscard]] virtual std::uint8_t own_node_id() const = 0;
+  [[nodiscard]] virtual canopen::ObjectDictionary& dictionary() = 0;
+  [[nodiscard]] virtual can::Duration sdo_time_out() const = 0;
+  /// False while somebody else in the module uses the default SDO channel of this node.
+  [[nodiscard]] virtual bool sdo_channel_free(std::uint8_t node_id) const = 0;
+  virtual EmergencyAnswer send_emergency(std::uint16_t code, std::uint8_t error_register,
+                                         std::span<const std::uint8_t, 5> manufacturer, can::Time now) = 0;
+  enum class FrameAnswer : std::uint8_t { queued, setting_error, no_room };
+  /// Queues a plain frame. `parameters` are the words after the command code; `faults` gets a value other
+  /// than 0 at each parameter that is wrong.
+  virtual FrameAnswer send_plain_frame(std::span<const std::uint16_t> parameters,
+                                       std::span<std::uint16_t> faults) = 0;
+  /// The command is finished and its result can be read.
+  virtual void command_finished(can::Time now) = 0;
+
+ protected:
+  ~CommandHost() = default;
+};
+
+class CommandInterface final : public BufferArea, public canopen::SdoClientUser {
+ public:
+  static constexpr std::size_t word_count = 67;
+  static constexpr std::size_t data_bytes = 124;
+
+  /// Everything must outlive the interface. Without a layout there are no words and no commands.
+  CommandInterface(const std::optional<CommandLayout>& layout, BufferMemory& memory, CommandHost& host,
+                   can::Sink& sink);
+
+  /// As from power-on; a running transfer is given up.
+  void reset();
+  /// Starts the command in the request plane; it runs at least `duration`. Nothing happens while busy.
+  void execute(Modes mode, can::Time now, can::Duration duration);
+  [[nodiscard]] bool busy() const noexcept { return running_; }
+  /// The address is one of its words.
+  [[nodiscard]] bool owns(BufferAddress address) const noexcept {
+    return layout_ && address - layout_->first < word_count;
+  }
+  /// The bus may not be used any more: a command that waits for another node ends with this error class, and
+  /// sends nothing.
+  void bus_lost(std::uint16_t error_class, can::Time now);
+  /// The node whose default SDO channel is in use, or 0.
+  [[nodiscard]] std::uint8_t remote_node() const noexcept { return client_.busy() ? client_.server() : 0; }
+
+  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
+  WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
+
+  /// True when the frame was for the running transfer.
+  bool receive(const can::Frame& frame, can::Time now) { return client_.receive(frame, now); }
+  void tick(can::Time now);
+  [[nodiscard]] can::Time deadline() const noexcept;
+  void sdo_finished(canopen::SdoClient& client, can::Time now) override;
+
+ private:
+  using Plane = std::array<std::uint16_t, word_count>;
+  struct Record {  // one SDO access: where it lies in the planes
+    std::size_t word = 1;
+    std::size_t maximum = data_bytes;
+  };
+
+  void begin(can::Time now);
+  void start_access(can::Time now);
+  void access_done(canopen::AbortCode code, std::span<const std::uint8_t> data, can::Time now);
+  void next_access(can::Time now);
+  void send_emergency(can::Time now);
+  void send_frame(can::Time now);
+  void finish(std::uint16_t result, can::Time now);
+  void fail(std::uint16_t error_class, can::Time now);
+  [[nodiscard]] bool is_multiple() const noexcept {
+    return command_->kind == CommandKind::multi_read || command_->kind == CommandKind::multi_write;
+  }
+  [[nodiscard]] bool is_read() const noexcept {
+    return command_->kind == CommandKind::sdo_read || command_->kind == CommandKind::multi_read;
+  }
+  [[nodiscard]] bool needs_bus() const noexcept;
+  [[nodiscard]] bool is_local(std::uint16_t node) const noexcept {
+    return node == 0 || node == host_->own_node_id();
+  }
+
+  std::optional<CommandLayout> layout_;
+  CommandHost* host_;
+  canopen::SdoClient client_;
+  Plane request_{};
+  Plane result_{};
+  Plane running_request_{};
+  Plane last_issued_{};  // of the commands that have parameters
+  bool show_result_ = false;
+  bool running_ = false;  // between execute() and the end of the command
+  bool locked_ = false;   // written to while running
+  Modes mode_ = 0;
+  const CommandRow* command_ = nullptr;
+  can::Time begin_at_ = can::never;
+  std::size_t record_ = 0;
+  bool any_failed_ = false;
+  std::array<std::uint8_t, data_bytes> download_{};
+};
+
+}  // namespace canopus::module

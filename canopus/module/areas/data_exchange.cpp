@@ -1,0 +1,97 @@
+#include "canopus/module/areas/data_exchange.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace canopus::module {
+
+namespace {
+
+constexpr std::uint16_t rpdo_mapping = 0x1600;
+constexpr std::uint16_t tpdo_mapping = 0x1A00;
+constexpr std::uint8_t most_entries = 64;
+
+void copy(std::uint8_t* to, const std::uint8_t* from, std::size_t bytes) noexcept {
+  if (bytes == 8) {
+    std::memcpy(to, from, 8);
+  } else {
+    std::memcpy(to, from, bytes);
+  }
+}
+
+}  // namespace
+
+// Adds copies for what this PDO maps; neighbours on both sides join the one before, back to copy `first`.
+void DataExchange::add_copies(const canopen::ObjectDictionary& dictionary, std::uint16_t mapping_index,
+                              VariableDirection direction, std::size_t first,
+                              std::vector<Copy>& copies) const {
+  const std::uint8_t count = std::min(dictionary.get<std::uint8_t>(mapping_index, 0), most_entries);
+  for (std::uint8_t number = 1; number <= count; ++number) {
+    const auto mapped = dictionary.get<std::uint32_t>(mapping_index, number);
+    const auto index = static_cast<std::uint16_t>(mapped >> 16);
+    const auto sub = static_cast<std::uint8_t>(mapped >> 8 & 0xFF);
+    const auto place = variable_place(index, sub, received_.size());
+    if (!place || place->direction != direction) continue;
+    const canopen::Entry entry = dictionary.description().find(index, sub);
+    if (!entry) continue;
+    if (copies.size() > first && copies.back().offset + copies.back().bytes == entry.offset &&
+        copies.back().place + copies.back().bytes == place->offset) {
+      copies.back().bytes = static_cast<std::uint16_t>(copies.back().bytes + place->size);
+    } else {
+      copies.push_back({entry.offset, place->offset, place->size});
+    }
+  }
+}
+
+void DataExchange::follow(const canopen::Node& node) {
+  const std::uint32_t revision = node.identifiers_revision();
+  if (revision == revision_ && !receive_first_.empty()) return;
+  revision_ = revision;
+  receive_.clear();
+  receive_first_.clear();
+  transmit_.clear();
+  for (std::uint16_t number = 0; number < layout_.pdos; ++number) {
+    receive_first_.push_back(static_cast<std::uint32_t>(receive_.size()));
+    add_copies(node.dictionary(), static_cast<std::uint16_t>(rpdo_mapping + number),
+               VariableDirection::output, receive_first_.back(), receive_);
+    add_copies(node.dictionary(), static_cast<std::uint16_t>(tpdo_mapping + number), VariableDirection::input,
+               0, transmit_);
+  }
+  receive_first_.push_back(static_cast<std::uint32_t>(receive_.size()));
+}
+
+void DataExchange::rpdo_received(const canopen::Node& node, std::uint16_t number) {
+  if (number >= layout_.pdos) return;
+  follow(node);
+  const std::uint8_t* const block = node.dictionary().block().data();
+  const auto last = receive_.begin() + receive_first_[number + 1U];
+  for (auto step = receive_.begin() + receive_first_[number]; step != last; ++step) {
+    copy(&received_[step->place], block + step->offset, step->bytes);
+  }
+}
+
+void DataExchange::after_write(canopen::ObjectDictionary& dictionary, const canopen::Entry& entry,
+                               can::Time) {
+  const auto place = variable_place(entry.index, entry.sub, received_.size());
+  if (!place || place->direction != VariableDirection::output) return;
+  std::ranges::copy(dictionary.bytes(entry), received_.begin() + place->offset);
+}
+
+void DataExchange::snapshot() {
+  const auto words = memory_->written(layout_.transmit_first, layout_.words);
+  std::memcpy(to_send_.data(), words.data(), words.size_bytes());
+}
+
+void DataExchange::exchange(canopen::Node& node) {
+  follow(node);
+  std::uint8_t* const block = node.dictionary().block().data();
+  for (const Copy& step : transmit_) copy(block + step.offset, &to_send_[step.place], step.bytes);
+  memory_->set_words(layout_.receive_first, received_);
+}
+
+void DataExchange::reset() {
+  std::ranges::fill(received_, std::uint8_t{0});
+  std::ranges::fill(to_send_, std::uint8_t{0});
+}
+
+}  // namespace canopus::module

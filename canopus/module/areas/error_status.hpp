@@ -1,0 +1,108 @@
+#pragma once
+// What is wrong with a module, and the words that show it: one of bits, some latched until the program clears
+// them, some following their cause; and those that hold the address of the first bad write. Which error is
+// which bit is the model's layout. A module without such words still knows its errors.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "canopus/module/areas/buffer_memory.hpp"
+
+namespace canopus::module {
+
+enum class ModuleError : std::uint8_t {
+  hardware,
+  bus_off,
+  flash,           ///< stored settings are damaged, or could not be written
+  refused_write,   ///< a write at a forbidden time
+  invalid_value,   ///< a write of a value out of range
+  queue_overflow,  ///< frames were lost
+  node_failure,    ///< error control of some node (NmtStatus::any_failure)
+  error_passive,
+  message_slot,  ///< messages of a Layer 2 slot were lost
+};
+
+/// One bit of the error status word.
+struct ErrorRow {
+  ModuleError error{};
+  std::uint8_t bit = 0;
+  bool latched = false;  ///< stays after its cause has gone, until it is cleared
+  bool signal = false;   ///< makes the error signal
+};
+
+struct ErrorStatusLayout {
+  BufferAddress status = 0;                         ///< the word of bits
+  std::optional<BufferAddress> invalid_address{};   ///< first address an invalid value was written to
+  std::optional<BufferAddress> refused_address{};   ///< first address whose write was refused
+  std::span<const ErrorRow> errors{};               ///< each error once at most
+  std::optional<std::uint8_t> general_error_bit{};  ///< ON while any error of the signal is there
+};
+
+class ErrorStatus final : public BufferArea {
+ public:
+  ErrorStatus(const std::optional<ErrorStatusLayout>& layout, BufferMemory& memory);
+
+  [[nodiscard]] bool has(ModuleError error) const noexcept { return (errors_ & mask(error)) != 0; }
+  /// The error signal.
+  [[nodiscard]] bool any() const noexcept { return (errors_ & signal_) != 0; }
+
+  /// A latched error happened. False when it was there already or is cleared at once.
+  bool raise(ModuleError error) noexcept {
+    if (has(error) || (hold_clear_ && (latched_ & mask(error)) != 0)) return false;
+    set(static_cast<std::uint16_t>(errors_ | mask(error)));
+    return true;
+  }
+  /// An error that follows its cause. True when it changed.
+  bool follow(ModuleError error, bool on) noexcept {
+    if (has(error) == on) return false;
+    set(static_cast<std::uint16_t>(errors_ ^ mask(error)));
+    return true;
+  }
+  /// Records what became of a PLC write.
+  void record(WriteResult result, BufferAddress address) noexcept {
+    if (hold_clear_) return;
+    if (result == WriteResult::invalid) note(ModuleError::invalid_value, invalid_address_, address);
+    if (result == WriteResult::refused) note(ModuleError::refused_write, refused_address_, address);
+  }
+
+  /// Latched errors go, and the addresses with them.
+  void clear() noexcept { clear(latched_); }
+  /// While held, latched errors and bad writes are not even recorded.
+  void hold_clear(bool held) noexcept {
+    hold_clear_ = held;
+    if (held) clear();
+  }
+  /// As from power-on.
+  void reset() noexcept {
+    set(0);
+    invalid_address_ = refused_address_ = 0;
+  }
+
+  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
+  /// A 0 in a latched bit clears it.
+  WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
+
+ private:
+  using Errors = std::uint16_t;  // a bit each, by ModuleError
+  [[nodiscard]] static constexpr Errors mask(ModuleError error) noexcept {
+    return static_cast<Errors>(1U << static_cast<unsigned>(error));
+  }
+  void set(Errors errors) noexcept;
+  void clear(Errors errors) noexcept;
+  void note(ModuleError error, BufferAddress& first, BufferAddress address) noexcept {
+    if (raise(error)) first = address;
+  }
+
+  std::optional<ErrorStatusLayout> layout_;
+  Errors latched_ = 0;
+  Errors signal_ = 0;
+  Errors errors_ = 0;
+  std::uint16_t word_ = 0;  // errors_ as the program sees them
+  bool hold_clear_ = false;
+  BufferAddress invalid_address_ = 0;
+  BufferAddress refused_address_ = 0;
+};
+
+}  // namespace canopus::module

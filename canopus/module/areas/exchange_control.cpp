@@ -1,0 +1,55 @@
+#include "canopus/module/areas/exchange_control.hpp"
+
+#include <utility>
+
+namespace canopus::module {
+
+ExchangeControl::ExchangeControl(const std::optional<ExchangeControlLayout>& layout, BufferMemory& memory,
+                                 const Data& data)
+    : layout_(layout), memory_(&memory), data_(data) {
+  if (layout) memory.attach(layout->address, layout->address, *this);
+}
+
+void ExchangeControl::begin(bool canopen_mode, can::Time end) {
+  end_ = end;
+  canopen_mode_ = canopen_mode;
+  if (!canopen_mode) return data_.layer2.snapshot();
+  const unsigned bits = layout_ ? memory_->written(layout_->address) : 0U;
+  const bool process_data = layout_ && (bits & layout_->process_data) != 0;
+  const bool emergencies = layout_ && (bits & layout_->emergencies) != 0;
+  emergencies_ = emergencies || !process_data;
+  if (!process_data && emergencies) return;
+  running_ = true;
+  data_.process_data.snapshot();
+}
+
+bool ExchangeControl::end_if_due(can::Time now) {
+  if (now < end_) return false;
+  end_ = can::never;
+  if (std::exchange(emergencies_, false)) data_.emergencies.refresh();
+  if (!canopen_mode_) data_.layer2.exchange();
+  waiting_ = running_;
+  return true;
+}
+
+void ExchangeControl::exchange_process_data(can::Time now) {
+  waiting_ = running_ = false;
+  data_.process_data.exchange(data_.node);
+  data_.node.values_changed(now);
+}
+
+void ExchangeControl::reset() noexcept {
+  running_ = waiting_ = emergencies_ = false;
+  end_ = can::never;
+}
+
+std::uint16_t ExchangeControl::read_word(BufferAddress, can::Time) {
+  return running_ ? layout_->running : std::uint16_t{0};
+}
+
+WriteResult ExchangeControl::write_word(BufferAddress address, std::uint16_t value, can::Time) {
+  memory_->set_word(address, value);
+  return WriteResult::done;
+}
+
+}  // namespace canopus::module

@@ -1,0 +1,70 @@
+#pragma once
+// Data exchange as the program asks for it: what is to be exchanged, that it runs, and its end. Process data
+// wait for Operational; the exchange is reported as done all the same [ME3CAN1-Q 3.3.2, 3.5.1; FX3U-CAN 6.4].
+//
+//   idle --begin()--> running --its time is over--> done
+//                                process data: --Operational--> exchanged
+
+#include <cstdint>
+#include <optional>
+
+#include "canopus/canopen/node/node.hpp"
+#include "canopus/module/areas/buffer_memory.hpp"
+#include "canopus/module/areas/data_exchange.hpp"
+#include "canopus/module/areas/emergency_buffer.hpp"
+#include "canopus/module/areas/layer2.hpp"
+
+namespace canopus::module {
+
+/// The data exchange control word. A choice that names neither of the two asks for both.
+struct ExchangeControlLayout {
+  BufferAddress address = 0;
+  std::uint16_t process_data = 0;  ///< any of these bits: process data are exchanged
+  std::uint16_t emergencies = 0;   ///< any of these bits: received EMCYs are shown
+  std::uint16_t running = 0;       ///< what it reads while process data wait for their exchange
+};
+
+class ExchangeControl final : public BufferArea {
+ public:
+  /// What is exchanged.
+  struct Data {
+    DataExchange& process_data;
+    EmergencyBuffer& emergencies;
+    Layer2& layer2;
+    canopen::Node& node;
+  };
+  /// Everything must outlive it. A module without the control word always exchanges everything.
+  ExchangeControl(const std::optional<ExchangeControlLayout>& layout, BufferMemory& memory, const Data& data);
+
+  /// What the program has written goes out as it is now; the exchange ends at `end`.
+  void begin(bool canopen_mode, can::Time end);
+  /// True when the exchange's time has come: it is done.
+  [[nodiscard]] bool end_if_due(can::Time now);
+  /// Exchanges process data that wait, if the node is Operational.
+  void exchange_if_operational(can::Time now) {
+    if (waiting_ && data_.node.state() == canopen::NmtState::operational) exchange_process_data(now);
+  }
+  /// As from power-on.
+  void reset() noexcept;
+  /// Process data run, or wait for Operational.
+  [[nodiscard]] bool running() const noexcept { return running_; }
+  [[nodiscard]] can::Time deadline() const noexcept { return end_; }
+
+  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
+  /// What was chosen is not what is read.
+  WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
+
+ private:
+  void exchange_process_data(can::Time now);
+
+  std::optional<ExchangeControlLayout> layout_;
+  BufferMemory* memory_;
+  Data data_;
+  bool canopen_mode_ = false;
+  bool running_ = false;      // process data, until they are exchanged
+  bool waiting_ = false;      // process data, for Operational
+  bool emergencies_ = false;  // are shown at the end
+  can::Time end_ = can::never;
+};
+
+}  // namespace canopus::module

@@ -1,0 +1,86 @@
+#pragma once
+// What the PLC sees of the other nodes' error control and NMT states [ME3CAN1-Q 3.5.15, 3.5.16; FX3U-CAN 6.24]:
+// error control bits and a state for each node 1..127. The bits are those of the NMT master
+// (manager/nmt_master.hpp), the life guarding of this node as a slave comes on top. A module without such words
+// still knows them.
+
+#include <array>
+#include <bitset>
+#include <cstdint>
+#include <optional>
+
+#include "canopus/manager/boot/master_options.hpp"
+#include "canopus/module/areas/buffer_memory.hpp"
+
+namespace canopus::module {
+
+struct NmtStatusLayout {
+  /// Error control bits of node 1; the other nodes follow.
+  std::optional<BufferAddress> error_control{};
+  /// 1; or 2: an odd node in the low byte, the next one in the high byte.
+  unsigned error_control_nodes_per_word = 1;
+  /// NMT state of node 1; one word per node.
+  std::optional<BufferAddress> state{};
+  /// The node that a clear request means, 0 = all. Without the word all are meant.
+  std::optional<BufferAddress> clear_node{};
+};
+
+class NmtStatus final : public BufferArea {
+ public:
+  NmtStatus(const std::optional<NmtStatusLayout>& layout, BufferMemory& memory);
+
+  /// The master's bits of a node (manager::error_control).
+  void set_status(std::uint8_t node, std::uint16_t bits) noexcept {
+    status_[node] = bits;
+    note(node);
+  }
+  /// The master of this node, which is a slave, was not heard in time; shown at `node`.
+  void set_life_guarding(std::uint8_t node) noexcept {
+    life_guarding_.set(node);
+    note(node);
+  }
+  /// State as 1F82H shows it (manager::node_state).
+  void set_state(std::uint8_t node, std::uint8_t state) noexcept { state_[node] = state; }
+  [[nodiscard]] std::uint16_t status(std::uint8_t node) const noexcept {
+    return static_cast<std::uint16_t>(
+        status_[node] | (life_guarding_.test(node) ? manager::error_control::life_guarding : 0U));
+  }
+  [[nodiscard]] std::uint16_t state(std::uint8_t node) const noexcept { return state_[node]; }
+  /// The failure signal: at least one node's failure is not cleared.
+  [[nodiscard]] bool any_failure() const noexcept { return failing_.any(); }
+
+  /// The node that a clear request means now, 0 = all.
+  [[nodiscard]] std::uint8_t node_to_clear() const noexcept {
+    return layout_.clear_node ? static_cast<std::uint8_t>(memory_->word(*layout_.clear_node))
+                              : std::uint8_t{0};
+  }
+  /// Forgets the life guarding failure of one node, or of all (0). The master's own bits go with the
+  /// master's.
+  void clear_life_guarding(std::uint8_t node) noexcept;
+  /// While held, failures of the node to clear are cleared as they come.
+  void hold_clear(bool held) noexcept { hold_clear_ = held; }
+  [[nodiscard]] bool held_clear(std::uint8_t node) const noexcept {
+    return hold_clear_ && (node_to_clear() == 0 || node_to_clear() == node);
+  }
+  /// As from power-on; what is held clear stays so.
+  void reset() noexcept;
+
+  [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
+  WriteResult write_word(BufferAddress, std::uint16_t, can::Time) override { return WriteResult::ignored; }
+
+ private:
+  static constexpr std::uint8_t last_node = 127;
+  void note(std::uint8_t node) noexcept {
+    failing_.set(node, (status(node) & manager::error_control::errors) != 0);
+  }
+
+  NmtStatusLayout layout_;
+  BufferMemory* memory_;
+  bool hold_clear_ = false;
+  std::array<std::uint16_t, 128> status_{};
+  std::array<std::uint16_t, 128> state_{};
+  std::bitset<128> life_guarding_;
+  std::bitset<128> failing_;
+};
+
+}  // namespace canopus::module

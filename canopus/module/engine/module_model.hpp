@@ -1,0 +1,125 @@
+#pragma once
+// What the manual of one model says, as the engine (module_engine.hpp) reads it: which word, bit, signal,
+// command, object or emergency message is which. One constant of this type per model, in the model's folder.
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+
+#include "canopus/canopen/node/node.hpp"
+#include "canopus/manager/boot/master_options.hpp"
+#include "canopus/manager/configuration/configuration_manager.hpp"
+#include "canopus/module/areas/buffer_memory.hpp"
+#include "canopus/module/areas/command_interface.hpp"
+#include "canopus/module/areas/emergency_buffer.hpp"
+#include "canopus/module/areas/error_status.hpp"
+#include "canopus/module/areas/exchange_control.hpp"
+#include "canopus/module/areas/function_mode.hpp"
+#include "canopus/module/areas/layer2_settings.hpp"
+#include "canopus/module/areas/network_settings.hpp"
+#include "canopus/module/areas/nmt_status.hpp"
+#include "canopus/module/areas/status_words.hpp"
+#include "canopus/module/areas/time_stamp.hpp"
+#include "canopus/module/engine/request_port.hpp"
+#include "canopus/module/engine/signals.hpp"
+#include "canopus/module/engine/word_port.hpp"
+#include "canopus/module/interface/data_sheet.hpp"
+#include "canopus/module/interface/led.hpp"
+#include "canopus/module/interface/program_interface.hpp"
+
+namespace canopus::module {
+
+class ModuleEngine;
+
+/// The words of a module's settings, as far as words hold them.
+struct SettingsLayout {
+  std::optional<BufferAddress> function_mode{};
+  std::optional<BufferAddress> baud_rate{};  ///< kbit/s
+  std::optional<BufferAddress> node_address{};
+  std::optional<BufferAddress> save_restore{};
+  std::uint16_t save = 0;     ///< bit of the save/restore word
+  std::uint16_t restore = 0;  ///< likewise
+};
+
+/// Factory settings that no word holds.
+struct FactorySettings {
+  std::uint16_t bit_rate = 250;  ///< kbit/s
+  std::uint8_t node_id = 127;
+};
+
+/// An emergency message that a module sends by itself.
+struct EmergencyRow {
+  std::uint16_t code = 0;
+  std::uint8_t error_register = 0;
+  std::array<std::uint8_t, 5> manufacturer{};
+};
+struct EmergencyRows {
+  EmergencyRow cpu_error{};    ///< an error stopped the CPU
+  EmergencyRow cpu_stopped{};  ///< the CPU went from RUN to STOP
+  EmergencyRow restart{};      ///< the module is restarted
+  EmergencyRow queue_overflow{};
+  EmergencyRow error_passive{};
+  EmergencyRow node_lost{};  ///< guarding: code + node-ID
+};
+
+/// What an LED shows.
+enum class LedUse : std::uint8_t {
+  supply,         ///< lit while the module works
+  error,          ///< the error signal
+  network_state,  ///< NMT state, LSS, Layer 2 online
+  traffic,        ///< frames sent or received
+  network_error,  ///< bus-off, error control, LSS, error counters
+};
+struct LedRow {
+  std::string_view name{};
+  LedUse use = LedUse::supply;
+};
+
+struct ModuleModel {
+  const DataSheet* data_sheet = nullptr;
+  /// What stands before an address in messages: "G".
+  std::string_view word_prefix{};
+  BufferAddress buffer_memory_size = 0;
+  std::span<const BufferRow> buffer_memory{};
+  std::span<const FunctionModeRow> function_modes{};
+  /// How a program asks: requests_by_signals with `signals`, requests_by_words with `request_words`, or a port of
+  /// the model's own. Made once per module.
+  std::unique_ptr<RequestPort> (*request_port)(ModuleEngine& engine) = nullptr;
+  std::span<const SignalRow> signals{};
+  std::span<const RequestWordRow> request_words{};
+  std::span<const LedRow> leds{};
+  EmergencyRows emergencies{};
+  FactorySettings factory{};
+
+  // The areas, as far as the model has them.
+  SettingsLayout settings{};
+  std::optional<StatusWordsLayout> status{};
+  std::optional<ErrorStatusLayout> error_status{};
+  std::optional<ExchangeControlLayout> exchange_control{};
+  std::optional<EmergencyBufferLayout> emergency_buffer{};
+  std::optional<NmtStatusLayout> nmt_status{};
+  std::optional<NetworkSettingsLayout> network_settings{};
+  std::optional<TimeStampLayout> time_stamp{};
+  std::optional<CommandLayout> command{};
+  std::optional<Layer2Layout> layer2{};
+  Layer2Rules layer2_rules{};
+  ProgramInterface program_interface{};
+
+  /// In the CANopen function mode.
+  std::shared_ptr<const canopen::DictionaryDescription> (*object_dictionary)() = nullptr;
+  /// Defaults that depend on the node-ID in a way of their own, at each reset of the dictionary.
+  void (*node_id_defaults)(canopen::ObjectDictionary& objects, std::uint8_t node_id) = nullptr;
+  canopen::NodeOptions (*node_options)() = nullptr;
+  manager::MasterOptions (*master_options)() = nullptr;
+  /// Which concise DCFs 1F22H takes, if not any as CiA 302-3 allows; the times are the profile's.
+  manager::ConfigurationOptions (*configuration_options)() = nullptr;
+
+  /// A stored PDO mapping that is faulty keeps the module in its initialization [ME3CAN1-Q 8.1.2].
+  bool faulty_mapping_keeps_initializing = false;
+  /// A start in a Layer 2 mode deletes what 1010H has stored [ME3CAN1-Q 3.5.2].
+  bool layer2_deletes_objects = false;
+};
+
+}  // namespace canopus::module

@@ -1,0 +1,226 @@
+#include "canopus/module/engine/module_settings.hpp"
+
+#include <algorithm>
+
+#include "canopus/canopen/dictionary/stored_values.hpp"
+#include "canopus/module/storage/stored_settings.hpp"
+
+namespace canopus::module {
+
+namespace {
+
+using State = NonVolatileMemory::Content::State;
+
+// There while a save runs: found at a start, the supply went off in the middle of one.
+constexpr std::string_view saving_name = "saving";
+
+}  // namespace
+
+ModuleSettings::ModuleSettings(const ModuleModel& model, NonVolatileMemory& memory, BufferMemory& buffer)
+    : model_(&model),
+      memory_(&memory),
+      buffer_(&buffer),
+      flash_(memory, {words_name, objects_name, concise_dcfs_name}) {}
+
+const FunctionModeRow& ModuleSettings::preset_mode() const {
+  const auto& address = model_->settings.function_mode;
+  const auto word = address ? factory_words_.find(*address) : factory_words_.end();
+  if (word == factory_words_.end()) return model_->function_modes.front();
+  return *std::ranges::find(model_->function_modes, word->second, &FunctionModeRow::value);
+}
+
+bool ModuleSettings::preset_word(BufferAddress address, std::uint16_t value) {
+  const bool is_stored = std::ranges::any_of(model_->buffer_memory, [&](const BufferRow& row) {
+    return row.stored == Stored::yes && row.covers(address);
+  });
+  if (!is_stored) return false;
+  // Until the function mode is known, of any mode.
+  const auto& mode_word = model_->settings.function_mode;
+  const bool any = mode_word && (address == *mode_word || !factory_words_.contains(*mode_word));
+  if (buffer_->check(address, value, any ? every_mode : preset_mode().bit) != WriteResult::done) return false;
+  factory_words_[address] = value;
+  return true;
+}
+
+bool ModuleSettings::preset_bit_rate(std::uint32_t bit_rate) {
+  if (bit_rate % 1000 != 0 || bit_rate > 1'000'000) return false;
+  const auto kbit = static_cast<std::uint16_t>(bit_rate / 1000);
+  if (model_->settings.baud_rate) return preset_word(*model_->settings.baud_rate, kbit);
+  const auto& rates = model_->data_sheet->bus_lengths;
+  if (std::ranges::find(rates, kbit, &BusLength::kbps) == rates.end()) return false;
+  factory_bit_rate_ = kbit;
+  return true;
+}
+
+bool ModuleSettings::preset_node_id(std::uint8_t node_id) {
+  if (model_->settings.node_address) return preset_word(*model_->settings.node_address, node_id);
+  if (node_id < 1 || node_id > 127) return false;
+  factory_node_id_ = node_id;
+  return true;
+}
+
+std::uint16_t ModuleSettings::bit_rate() const {
+  if (model_->settings.baud_rate) return buffer_->word(*model_->settings.baud_rate);
+  return factory_bit_rate_.value_or(model_->factory.bit_rate);
+}
+
+std::uint8_t ModuleSettings::node_id() const { return node_id(*buffer_); }
+
+std::uint8_t ModuleSettings::node_id(const BufferMemory& buffer) const {
+  if (model_->settings.node_address) {
+    return static_cast<std::uint8_t>(buffer.word(*model_->settings.node_address));
+  }
+  return factory_node_id_.value_or(model_->factory.node_id);
+}
+
+bool ModuleSettings::takes_word(BufferAddress address, std::uint16_t value) const {
+  return buffer_->check(address, value, preset_mode().bit) == WriteResult::done;
+}
+
+std::optional<BufferAddress> ModuleSettings::layer2_preset_error(const Layer2Rules& rules) const {
+  const FunctionModeRow& mode = preset_mode();
+  if (mode.kind == FunctionModeRow::Kind::canopen) return std::nullopt;
+  BufferMemory words(model_->buffer_memory);
+  words.select_mode(mode.bit);
+  words.apply_stored(factory_words_);
+  Layer2Settings settings(*model_->layer2, rules, words);
+  settings.select(mode.kind == FunctionModeRow::Kind::layer2_extended);
+  return settings.first_error();
+}
+
+canopen::AbortCode ModuleSettings::preset_object(std::uint16_t index, std::uint8_t sub,
+                                                 std::span<const std::uint8_t> value) {
+  // A dictionary of its own, without the services' handlers: the order of the presets must not matter.
+  canopen::ObjectDictionary scratch(model_->object_dictionary(), 127);
+  const auto entry = scratch.find(index, sub);
+  if (!entry) return entry.error();
+  if (const auto code = scratch.write(index, sub, value, {}); code != canopen::AbortCode::none) return code;
+  if (!entry->description->stored) return canopen::AbortCode::cannot_store;
+  const manager::MasterOptions rules = model_->master_options();
+  const bool bad_role = index == 0x1F80 && (scratch.get<std::uint32_t>(index, 0) & ~rules.start_up_bits) != 0;
+  const bool bad_assignment = index == 0x1F81 && (value[0] & ~rules.assignment_bits) != 0;
+  if (bad_role || bad_assignment) return canopen::AbortCode::invalid_value;
+  factory_objects_[{index, sub}] = {value.begin(), value.end()};
+  return canopen::AbortCode::none;
+}
+
+std::span<const std::uint8_t> ModuleSettings::object_preset(std::uint16_t index, std::uint8_t sub) const {
+  const auto preset = factory_objects_.find({index, sub});
+  if (preset == factory_objects_.end()) return {};
+  return preset->second;
+}
+
+bool ModuleSettings::presets_canopen_mode() const {
+  return preset_mode().kind == FunctionModeRow::Kind::canopen;
+}
+
+const FunctionModeRow& ModuleSettings::load() {
+  error_ = false;
+  flash_.load();
+  known_writes_ = flash_.writes();
+  if (memory_->read(saving_name).state != State::missing) {
+    error_ = true;
+    memory_->erase(saving_name);
+  }
+  auto words = stored_words();
+  const FunctionModeRow* mode = words ? use_words(*words, *buffer_) : nullptr;
+  if (mode == nullptr) {  // answered with the factory's defaults, all of them
+    error_ = true;
+    words.emplace();
+    mode = use_words(*words, *buffer_);
+  }
+  words_ = std::move(*words);
+  const bool deletes = mode->kind != FunctionModeRow::Kind::canopen && model_->layer2_deletes_objects;
+  if (deletes && flash_.read(objects_name).state != State::missing) flash_.write(objects_name, {});
+  return *mode;
+}
+
+std::optional<StoredWords> ModuleSettings::stored_words() {
+  const NonVolatileMemory::Content content = flash_.read(words_name);
+  if (content.state == State::missing) return factory_words_;
+  return content.state == State::good ? decode_words(content.bytes) : std::nullopt;
+}
+
+// Selects the function mode and puts the words in. nullptr when they are not all what a module can have
+// stored.
+const FunctionModeRow* ModuleSettings::use_words(const StoredWords& words, BufferMemory& buffer) const {
+  const auto& address = model_->settings.function_mode;
+  const auto word = address ? words.find(*address) : words.end();
+  auto mode = model_->function_modes.begin();
+  if (word != words.end()) {
+    const auto stored = std::ranges::find(model_->function_modes, word->second, &FunctionModeRow::value);
+    if (stored != model_->function_modes.end()) mode = stored;
+  }
+  buffer.select_mode(mode->bit);
+  return buffer.apply_stored(words) ? &*mode : nullptr;
+}
+
+ModuleSettings::Found ModuleSettings::look() {
+  BufferMemory buffer(model_->buffer_memory);
+  const auto words = stored_words();
+  const FunctionModeRow* mode = words ? use_words(*words, buffer) : nullptr;
+  if (mode == nullptr) mode = use_words({}, buffer);
+  return {.mode = mode, .node_id = node_id(buffer), .objects = stored_objects().bytes};
+}
+
+std::optional<canopen::Entry> ModuleSettings::faulty_mapping(std::uint8_t node_id) {
+  const NonVolatileMemory::Content content = flash_.read(objects_name);
+  if (content.state != State::good) return std::nullopt;
+  canopen::ObjectDictionary scratch(model_->object_dictionary(), node_id);
+  const auto stored = [](const canopen::Entry& entry) { return entry.description->stored; };
+  // Damaged is not faulty: the defaults hold.
+  if (!canopen::apply_stored_values(content.bytes, stored_length, scratch, stored)) return std::nullopt;
+  return first_faulty_mapping(scratch);
+}
+
+NonVolatileMemory::Content ModuleSettings::stored_objects() {
+  NonVolatileMemory::Content content = flash_.read(objects_name);
+  if (content.state == State::damaged) content.bytes.clear();
+  if (content.state != State::missing) return content;
+  for (const auto& [place, value] : factory_objects_) {
+    canopen::append_stored_value(content.bytes, stored_length, place.first, place.second, value);
+  }
+  return content;
+}
+
+std::vector<std::uint8_t> ModuleSettings::ObjectStore::load() {
+  NonVolatileMemory::Content content = settings_->stored_objects();
+  if (content.state == State::damaged) found_damaged();
+  return std::move(content.bytes);
+}
+
+// Restored settings are factory defaults, not presets: an empty content, not a missing one.
+canopen::AbortCode ModuleSettings::ObjectStore::save(std::span<const std::uint8_t> image) {
+  return settings_->flash_.write(objects_name, image) ? canopen::AbortCode::none
+                                                      : canopen::AbortCode::hardware_error;
+}
+
+void ModuleSettings::begin_save(can::Time end) {
+  const SettingsLayout& layout = model_->settings;
+  request_ = layout.save_restore ? buffer_->written(*layout.save_restore) : std::uint16_t{0};
+  if ((request_ & layout.save) != 0) memory_->write(saving_name, {});
+  save_end_ = end;
+}
+
+bool ModuleSettings::end_save() {
+  save_end_ = can::never;
+  const SettingsLayout& layout = model_->settings;
+  if (restores()) buffer_->restore_initial();
+  if (layout.save_restore) buffer_->set_word(*layout.save_restore, 0);
+  if ((request_ & layout.save) == 0) return true;
+  if (restores()) words_.clear();  // of all modes
+  buffer_->collect_stored(words_);
+  const bool written = flash_.write(words_name, encode_words(words_));
+  memory_->erase(saving_name);
+  if (!written) error_ = true;
+  return written;
+}
+
+bool ModuleSettings::has_worn_out() noexcept {
+  const std::uint32_t lasts = model_->data_sheet->flash_writes;
+  const bool worn_before = known_writes_ > lasts;
+  known_writes_ = flash_.writes();
+  return known_writes_ > lasts && !worn_before;
+}
+
+}  // namespace canopus::module

@@ -1,0 +1,90 @@
+#pragma once
+// A CANopen communication module of any make, as a plant sees it: beside what the PLC does to it (Module),
+// its factory settings, what a PLC program has to know to work with it, and what there is to look at.
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "canopus/canopen/node/node.hpp"
+#include "canopus/manager/boot/boot_record.hpp"
+#include "canopus/module/interface/led.hpp"
+#include "canopus/module/interface/module.hpp"
+#include "canopus/module/interface/program_interface.hpp"
+
+namespace canopus::module {
+
+/// A module's plain CAN function as seen from outside.
+enum class Layer2State : std::uint8_t {
+  inactive,  ///< another function mode, or the module has none
+  offline,
+  online,
+};
+
+/// How the boot of one slave went or where it is.
+struct SlaveBootRecord {
+  std::uint8_t node_id = 0;
+  manager::BootRecord record{};
+};
+
+class CommunicationModule : public Module {
+ public:
+  // --- factory settings; to be called before power_on()
+
+  /// A setting in place of the factory default, until the module saves its own. Only words that it saves,
+  /// checked as a write is; false otherwise.
+  virtual bool preset_word(BufferAddress /*address*/, std::uint16_t /*value*/) { return false; }
+  /// The bit rate, bit/s, and the node-ID, 1..127, wherever the module keeps them. False: not one of its own.
+  virtual bool preset_bit_rate(std::uint32_t bit_rate) = 0;
+  virtual bool preset_node_id(std::uint8_t node_id) = 0;
+  /// The same for an object that 1010H stores, until 1010H stores for the first time. The answer of a write:
+  /// no_object, no_sub_index, length_too_low, invalid_value ..., cannot_store for an object that 1010H does
+  /// not store.
+  virtual canopen::AbortCode preset_object(std::uint16_t index, std::uint8_t sub,
+                                           std::span<const std::uint8_t> value) = 0;
+  /// What preset_object() gave an object; empty: nothing, its default counts.
+  [[nodiscard]] virtual std::span<const std::uint8_t> object_preset(std::uint16_t /*index*/,
+                                                                    std::uint8_t /*sub*/) const {
+    return {};
+  }
+  /// The preset words select a function mode in which it is a CANopen node.
+  [[nodiscard]] virtual bool presets_canopen_mode() const { return true; }
+  /// The first of the preset words that would keep the module from going online in the Layer 2 mode they
+  /// select.
+  [[nodiscard]] virtual std::optional<BufferAddress> layer2_preset_error() const { return std::nullopt; }
+  /// A program may write this value to this word in the preset function mode.
+  [[nodiscard]] virtual bool takes_word(BufferAddress /*address*/, std::uint16_t /*value*/) const {
+    return false;
+  }
+
+  /// The CANopen node that the next power-on makes, of factory settings or of what was saved.
+  struct InitialNode {
+    std::uint8_t node_id = 0;
+    canopen::ObjectDictionary objects;
+    bool produces_sync = false;
+    std::vector<std::uint8_t> configures{};  ///< slaves that it configures when it boots them (1F22H)
+  };
+  /// Nothing when it makes none, as in a Layer 2 mode. Changes nothing, whatever it finds in the memory. To be
+  /// called while the module is off.
+  [[nodiscard]] virtual std::optional<InitialNode> initial_node() { return std::nullopt; }
+
+  /// What a PLC program has to know.
+  [[nodiscard]] virtual const ProgramInterface& program_interface() const noexcept = 0;
+
+  // --- for display
+
+  /// The CANopen node inside: state, node-ID, objects.
+  [[nodiscard]] virtual const canopen::Node& node() const noexcept = 0;
+  /// The slaves that it boots, or has booted, as the active NMT master, by node-ID. manager::explain() says in
+  /// words where a boot is.
+  [[nodiscard]] virtual std::vector<SlaveBootRecord> boots() const { return {}; }
+  /// Whether it is in a Layer 2 mode, and online.
+  [[nodiscard]] virtual Layer2State layer2_state() const noexcept { return Layer2State::inactive; }
+  /// Its LEDs, from the top.
+  [[nodiscard]] virtual std::vector<Led> leds(can::Time now) const = 0;
+  /// Writes of the flash memory over all runs, as it would wear.
+  [[nodiscard]] virtual std::uint32_t flash_writes() const noexcept = 0;
+};
+
+}  // namespace canopus::module

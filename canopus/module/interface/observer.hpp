@@ -1,0 +1,35 @@
+#pragma once
+// Who watches a module from outside: the live table, the JSON lines, a trace. Everything is told as it
+// happens, on the loop the module lives on; nothing is asked back.
+
+#include <cstdint>
+#include <string_view>
+
+#include "canopus/can/time.hpp"
+#include "canopus/manager/boot/boot_record.hpp"
+
+namespace canopus::module {
+
+/// Direction of a signal, as the CPU names it.
+enum class SignalKind : std::uint8_t {
+  input,   ///< X: module to CPU
+  output,  ///< Y: CPU to module
+};
+
+class ModuleObserver {
+ public:
+  /// A signal changed. `number` is the offset from the head address.
+  virtual void signal_changed(SignalKind /*kind*/, unsigned /*number*/, bool /*on*/, can::Time) {}
+  /// The CPU's write reached the buffer memory (a refused one does not).
+  virtual void buffer_written(std::uint32_t /*address*/, std::uint16_t /*value*/, can::Time) {}
+  /// The module is the active NMT master, and the boot of this slave is at another step, or at another object
+  /// of the same one (manager::explain() says it in words).
+  virtual void slave_boot_went_on(std::uint8_t /*node_id*/, const manager::BootRecord&, can::Time) {}
+  /// The module found something wrong: one line for a person ("G24 = 300: not a baud rate").
+  virtual void error_raised(std::string_view /*what*/, can::Time) {}
+
+ protected:
+  ~ModuleObserver() = default;
+};
+
+}  // namespace canopus::module

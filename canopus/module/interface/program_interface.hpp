@@ -1,0 +1,62 @@
+#pragma once
+// What a PLC program has to know of a module: which signals or bits ask for what, and where the process data
+// lie. Facts of a model, in its folder.
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "canopus/module/interface/module.hpp"
+
+namespace canopus::module {
+
+/// A request of the program, and where the answer is.
+struct ProgramRequest {
+  enum class Kind : std::uint8_t {
+    none,    ///< the module has no such request
+    signal,  ///< Yn ON; Xn is ON when it is done, and OFF once Yn is
+    bits,    ///< the bits are written as 1; the module takes them back to 0 when it is done
+    write,   ///< the bits are written as 1 and that is all: read, they say something else [FX2N-32CAN 4.2.2]
+  };
+  Kind kind = Kind::none;
+  unsigned signal = 0;
+  BufferAddress word = 0;
+  std::uint16_t bits = 0;
+};
+
+/// Where the process data lie in the buffer memory, and how much of them there is.
+struct DataExchangeLayout {
+  BufferAddress receive_first = 0;   ///< RPDO data
+  BufferAddress transmit_first = 0;  ///< TPDO data
+  std::size_t words = 0;             ///< each way
+  std::uint16_t pdos = 0;            ///< RPDOs, and TPDOs
+};
+
+/// SDO write to the module's own object dictionary by its command interface: code, node (0 = own), index,
+/// sub-index, length in bytes and data into the words from `first` on, then `execute`; the code's word reads
+/// FFFFH while a command runs, then `success`.
+struct ProgramCommand {
+  BufferAddress first = 0;
+  std::uint16_t sdo_write = 0;  ///< code; 0: the module has no command interface
+  std::uint16_t success = 0;
+  ProgramRequest execute{};
+};
+
+struct ProgramInterface {
+  /// Data exchange.
+  ProgramRequest exchange{};
+  /// Layer 2 online: as long as the signal, or the bits, are 1. The word's other bits are requests of their
+  /// own, written as 0.
+  ProgramRequest online{};
+  /// X signal that is ON while the module can be worked with; modules without signals have none.
+  std::optional<unsigned> ready{};
+  /// The bits of this word are 1 while the module initializes and takes no words; no bits: nothing tells.
+  BufferAddress status = 0;
+  std::uint16_t initializing = 0;
+  DataExchangeLayout process_data{};
+  ProgramCommand command{};
+  /// Word of the node-ID.
+  BufferAddress node_address = 0;
+};
+
+}  // namespace canopus::module

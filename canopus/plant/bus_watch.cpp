@@ -1,0 +1,79 @@
+#include "canopus/plant/bus_watch.hpp"
+
+#include <algorithm>
+
+#include "canopus/can/little_endian.hpp"
+
+namespace canopus::plant {
+
+void BusWatch::know(NodeStatus& status, const sim::Port& port) {
+  occupants_.push_back({&status, &port});
+  know_number(status);
+}
+
+void BusWatch::renumber(NodeStatus& status, std::uint8_t node_id) {
+  std::ranges::replace(known_, &status, static_cast<NodeStatus*>(nullptr));
+  status.plate.node_id = node_id;
+  know_number(status);
+}
+
+NodePlate BusWatch::plate(std::uint8_t node_id) const {
+  NodePlate plate = known_[node_id] != nullptr ? known_[node_id]->plate : NodePlate{bus_, {}, node_id};
+  plate.node_id = node_id;  // a module has another one until its initialization is over
+  return plate;
+}
+
+void BusWatch::frame_completed(const can::Frame& frame, can::Time /*start*/, can::Time end) {
+  unacknowledged_.frame_completed();
+  if (frame.extended || frame.remote) return;
+  const auto node_id = static_cast<std::uint8_t>(frame.identifier & 0x7F);
+  if (node_id == 0) return;
+  const std::uint32_t function = frame.identifier & 0x780;
+  if (function != canopen::cob_id::error_control && function != canopen::cob_id::emcy) return;
+  if (is_plain_can()) return;
+  if (function == canopen::cob_id::error_control && frame.dlc == 1) {
+    error_control(node_id, static_cast<std::uint8_t>(frame.data[0] & 0x7F), end);
+  } else if (function == canopen::cob_id::emcy && frame.dlc == 8) {
+    emergency(node_id, frame, end);
+  }
+}
+
+void BusWatch::error_detected(const sim::Port& port, sim::BusError error, can::Time now) {
+  if (!unacknowledged_.error_detected(port, error)) return;
+  const auto sender = std::ranges::find(occupants_, &port, &Occupant::port);
+  if (sender != occupants_.end()) return observer_.unacknowledged(sender->status->plate, now);
+  observer_.unacknowledged({bus_, port.name(), 0}, now);  // a client
+}
+
+void BusWatch::know_number(NodeStatus& status) {
+  const std::uint8_t node_id = status.plate.node_id;
+  if (node_id >= 1 && node_id <= 127) known_[node_id] = &status;
+}
+
+/// Everybody of the plant is in a Layer 2 mode: identifiers mean nothing.
+bool BusWatch::is_plain_can() const {
+  return !occupants_.empty() && std::ranges::none_of(occupants_, [](const Occupant& occupant) {
+    return occupant.status->layer2 == module::Layer2State::inactive;
+  });
+}
+
+void BusWatch::error_control(std::uint8_t node_id, std::uint8_t state, can::Time now) {
+  if (state == 0) observer_.booted(plate(node_id), now);
+  if (known_[node_id] != nullptr || foreign_states_[node_id] == state) return;
+  foreign_states_[node_id] = state;
+  if (state != 0) observer_.nmt_state_changed(plate(node_id), static_cast<canopen::NmtState>(state), now);
+}
+
+void BusWatch::emergency(std::uint8_t node_id, const can::Frame& frame, can::Time now) {
+  canopen::Emergency message{.node_id = node_id};
+  message.code = can::load_as<std::uint16_t>(&frame.data[0]);
+  message.error_register = frame.data[2];
+  std::copy_n(frame.data.begin() + 3, 5, message.manufacturer.begin());
+  if (NodeStatus* status = known_[node_id]) {
+    ++status->emergencies;
+    status->last_emergency = message.code;
+  }
+  observer_.emergency(plate(node_id), message, now);
+}
+
+}  // namespace canopus::plant

@@ -1,0 +1,132 @@
+#include "canopus/plant/device_seat.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "canopus/plant/process_value.hpp"
+
+namespace canopus::plant {
+
+DeviceSeat::DeviceSeat(std::shared_ptr<const eds::DeviceFile> file, const DeviceSection& section,
+                       std::uint8_t node_id, sim::Port& port, PlantObserver& observer)
+    : device_(std::move(file), node_id, port),
+      port_(port),
+      start_(can::Time{} + section.start),
+      observer_(observer) {
+  const std::string& product = device_.file().device.product_name;
+  name_ = !section.name.empty() ? section.name : product;
+  status_.plate = {section.bus, name_, node_id};
+  device_.set_listener(this);
+  device_.set_force_listener(this);
+  if (section.start > can::Duration{}) port.set_power(false);
+}
+
+void DeviceSeat::set_store(std::unique_ptr<store::ParameterFile> store) {
+  store_ = std::move(store);
+  device_.node().set_parameter_store(store_.get());
+}
+
+void DeviceSeat::enable_lss(std::unique_ptr<store::ParameterFile> store) {
+  lss_store_ = std::move(store);
+  device_.enable_lss(port_, lss_store_.get());
+}
+
+DeviceSeat::InitialNode DeviceSeat::initial_node() {
+  std::uint8_t node_id = status_.plate.node_id;
+  if (lss_store_) {
+    if (const auto stored = sim::DeviceLss::stored(*lss_store_)) node_id = stored->node_id;
+  }
+  const auto& description = device_.file().dictionary;
+  InitialNode node{.node_id = node_id, .objects = canopen::ObjectDictionary(description, node_id)};
+  if (store_ == nullptr) return node;
+  // What of the store counts is the node's to say: one that nobody hears.
+  struct Nowhere final : can::Sink {
+    bool send(const can::Frame&) override { return true; }
+  } nowhere;
+  canopen::Node scratch(description, node_id, nowhere);
+  scratch.set_parameter_store(store_.get());
+  scratch.power_on({});
+  std::ranges::copy(scratch.dictionary().block(), node.objects.block().begin());
+  return node;
+}
+
+void DeviceSeat::power_on(can::Time now) {
+  if (now < start_) return;
+  status_.is_on = true;
+  port_.set_power(true);
+  bit_rate_ = port_.bit_rate();
+  device_.power_on(now);
+  look(now);
+}
+
+void DeviceSeat::receive(const can::Frame& frame, can::Time now) {
+  if (!status_.is_on) return;
+  device_.receive(frame, now);
+  look(now);
+}
+
+void DeviceSeat::transmitted(const can::Frame& frame, can::Time now) {
+  if (is_pdo(frame)) ++status_.pdos;
+  device_.transmitted(frame, now);
+}
+
+void DeviceSeat::controller_changed(can::Time now) {
+  device_.controller_changed(now);
+  look(now);
+}
+
+void DeviceSeat::tick(can::Time now) {
+  if (!status_.is_on && start_ <= now) return power_on(now);
+  device_.tick(now);
+  if (status_.is_on) look(now);
+}
+
+ForcedObject DeviceSeat::forced_object(const canopen::Entry& entry, can::Time until) const {
+  return {.device = status_.plate,
+          .object = shown_object(entry),
+          .name = device_.file().dictionary->name(entry),
+          .type = entry.description->type,
+          .value = device_.node().dictionary().get<std::uint64_t>(entry),
+          .until = until};
+}
+
+void DeviceSeat::value_forced(const sim::Forcing::Force& force, can::Time now) {
+  observer_.object_forced(forced_object(force.entry, force.until), now);
+}
+
+void DeviceSeat::value_released(const canopen::Entry& entry, can::Time now) {
+  observer_.object_released(forced_object(entry), now);
+}
+
+// The controller is set up anew, too: nothing from before follows.
+void DeviceSeat::reset_requested(canopen::NmtCommand, can::Time) { port_.abort_transmissions(); }
+
+void DeviceSeat::look(can::Time now) {
+  if (device_.lss() != nullptr) look_at_lss(now);
+  if (device_.node().identifiers_revision() != accepted_revision_) accept();
+  if (device_.node().state() == status_.state) return;
+  status_.state = device_.node().state();
+  observer_.nmt_state_changed(status_.plate, status_.state, now);
+}
+
+void DeviceSeat::look_at_lss(can::Time now) {
+  const std::uint8_t node_id = device_.node().node_id();
+  if (node_id == status_.plate.node_id && port_.bit_rate() == bit_rate_) return;
+  bit_rate_ = port_.bit_rate();
+  if (node_id != status_.plate.node_id) watch_->renumber(status_, node_id);
+  observer_.lss_configured(status_.plate, bit_rate_, now);
+}
+
+/// Tells the controller which identifiers the node does something with: the bus then leaves out the others.
+void DeviceSeat::accept() {
+  const canopen::Node& node = device_.node();
+  accepted_revision_ = node.identifiers_revision();
+  sim::Acceptance acceptance;
+  for (std::uint32_t identifier = 0; identifier <= can::max_base_identifier; ++identifier) {
+    acceptance.base[identifier] = device_.wants(identifier);
+  }
+  acceptance.extended = node.wants_extended();
+  port_.accept(acceptance);
+}
+
+}  // namespace canopus::plant

@@ -1,0 +1,76 @@
+#pragma once
+// A simulated device in its place on a bus: what happens to it is passed on, and what changes is reported to
+// the plant's observer.
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "canopus/plant/bus_watch.hpp"
+#include "canopus/plant/plant.hpp"
+#include "canopus/sim/device/device.hpp"
+#include "canopus/store/parameter_file.hpp"
+
+namespace canopus::plant {
+
+class DeviceSeat final : public can::Participant, private canopen::NodeListener, private sim::ForceListener {
+ public:
+  DeviceSeat(std::shared_ptr<const eds::DeviceFile> file, const DeviceSection& section, std::uint8_t node_id,
+             sim::Port& port, PlantObserver& observer);
+
+  sim::Device& device() noexcept { return device_; }
+  /// What there is to say of a value that is or was forced.
+  [[nodiscard]] ForcedObject forced_object(const canopen::Entry& entry, can::Time until = can::never) const;
+  /// Where the device keeps what 1010H saves. To be called before power_on().
+  void set_store(std::unique_ptr<store::ParameterFile> store);
+  /// LSS slave, what it is told to store goes there (nullptr: does not survive the run). To be called before
+  /// power_on().
+  void enable_lss(std::unique_ptr<store::ParameterFile> store);
+  /// To be told when the node-ID changes.
+  void set_watch(BusWatch& watch) noexcept { watch_ = &watch; }
+  NodeStatus& status() noexcept { return status_; }
+  const NodeStatus& status() const noexcept { return status_; }
+
+  /// The node that power_on() makes, of the file's values and what was saved.
+  struct InitialNode {
+    std::uint8_t node_id = 0;  ///< FFH: none
+    canopen::ObjectDictionary objects;
+  };
+  /// Changes nothing. To be called before power_on().
+  [[nodiscard]] InitialNode initial_node();
+
+  void power_on(can::Time now);
+  void receive(const can::Frame& frame, can::Time now) override;
+  void transmitted(const can::Frame& frame, can::Time now) override;
+  void controller_changed(can::Time now) override;
+  void tick(can::Time now) override;
+  can::Time deadline() const noexcept override {
+    return status_.is_on ? device_.deadline() : std::min(start_, device_.deadline());
+  }
+
+ private:
+  // NodeListener, unless the device is an LSS slave, which does this by itself.
+  void reset_requested(canopen::NmtCommand which, can::Time now) override;
+  // sim::ForceListener
+  void value_forced(const sim::Forcing::Force& force, can::Time now) override;
+  void value_released(const canopen::Entry& entry, can::Time now) override;
+
+  void look(can::Time now);
+  void look_at_lss(can::Time now);
+  void accept();
+
+  std::unique_ptr<store::ParameterFile> store_;
+  std::unique_ptr<store::ParameterFile> lss_store_;
+  BusWatch* watch_ = nullptr;
+  std::uint32_t bit_rate_ = 0;
+  sim::Device device_;
+  sim::Port& port_;
+  std::uint32_t accepted_revision_ = 0;
+  std::string name_;
+  NodeStatus status_;
+  can::Time start_;
+  PlantObserver& observer_;
+};
+
+}  // namespace canopus::plant

@@ -1,0 +1,96 @@
+#include "canopus/plant/module_catalogue.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+
+#include <fmt/format.h>
+
+#include "canopus/canopen/dictionary/object_dictionary.hpp"
+#include "canopus/eds/writer.hpp"
+#include "canopus/module/me3can1_q/data_sheet.hpp"
+#include "canopus/module/me3can1_q/me3can1_q.hpp"
+#include "canopus/module/me3can1_q/object_table.hpp"
+
+namespace canopus::plant {
+
+namespace {
+
+template <typename Module>
+std::unique_ptr<module::CommunicationModule> make(can::Controller& controller,
+                                                  module::NonVolatileMemory& memory,
+                                                  const ModuleTuning& tuning) {
+  module::Profile profile;
+  profile.restart_time = tuning.restart_time.value_or(profile.restart_time);
+  return std::make_unique<Module>(controller, memory, profile);
+}
+
+const std::array catalogue = std::to_array<CatalogueEntry>({
+    {&module::me3can1_q::data_sheet, module::me3can1_q::object_dictionary,
+     module::ModuleSettings::stored_names, make<module::me3can1_q::Me3can1Q>},
+});
+
+bool same_letter(char a, char b) {
+  return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+}
+
+std::string lower(std::string_view text) {
+  std::string result(text);
+  std::ranges::transform(result, result.begin(), [](char c) {
+    return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  });
+  return result;
+}
+
+std::uint16_t count_objects(const canopen::DictionaryDescription& objects, unsigned first, unsigned last) {
+  return static_cast<std::uint16_t>(
+      std::ranges::count_if(objects.objects(), [&](const canopen::ObjectDescription& object) {
+        return object.index >= first && object.index <= last;
+      }));
+}
+
+}  // namespace
+
+std::span<const CatalogueEntry> module_catalogue() noexcept { return catalogue; }
+
+const CatalogueEntry* find_module(std::string_view model) noexcept {
+  const auto found = std::ranges::find_if(catalogue, [&](const CatalogueEntry& e) {
+    return std::ranges::equal(e.data_sheet->model, model, same_letter);
+  });
+  return found == catalogue.end() ? nullptr : &*found;
+}
+
+std::string quoted_models() {
+  std::string models;
+  for (const CatalogueEntry& entry : catalogue) {
+    models += fmt::format("{}\"{}\"", models.empty() ? "" : ", ", entry.data_sheet->model);
+  }
+  return models;
+}
+
+std::string module_eds(const CatalogueEntry& entry) {
+  const module::DataSheet& sheet = *entry.data_sheet;
+  const auto objects = entry.objects();
+  canopen::ObjectDictionary values(objects, 1);
+  eds::FileInfo file;
+  file.file_name = lower(sheet.model) + ".eds";
+  file.version = file.revision = 1;
+  file.eds_version = "4.0";
+  file.description = std::string(sheet.model) + " as the soft module of Canopus is; not the maker's file";
+  file.creation_time = file.modification_time = "09:00AM";
+  file.creation_date = file.modification_date = "11-21-2026";
+  file.created_by = file.modified_by = "Canopus";
+  eds::DeviceInfo device;
+  device.vendor_name = sheet.maker;
+  device.product_name = device.order_code = sheet.model;
+  device.vendor_number = values.get<std::uint32_t>(0x1018, 1);
+  device.product_number = values.get<std::uint32_t>(0x1018, 2);
+  device.revision_number = values.get<std::uint32_t>(0x1018, 3);
+  for (const module::BusLength& rate : sheet.bus_lengths) device.bit_rates.push_back(rate.kbps * 1000);
+  device.simple_boot_up_master = device.simple_boot_up_slave = true;
+  device.rpdos = count_objects(*objects, 0x1400, 0x15FF);
+  device.tpdos = count_objects(*objects, 0x1800, 0x19FF);
+  return eds::write_device_file(file, device, *objects);
+}
+
+}  // namespace canopus::plant

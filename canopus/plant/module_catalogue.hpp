@@ -1,0 +1,43 @@
+#pragma once
+// The soft modules there are, with what there is to say of each.
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "canopus/canopen/dictionary/dictionary_description.hpp"
+#include "canopus/module/interface/communication_module.hpp"
+#include "canopus/module/interface/data_sheet.hpp"
+#include "canopus/module/interface/non_volatile_memory.hpp"
+
+namespace canopus::plant {
+
+/// What a plant may have otherwise than the module's own.
+struct ModuleTuning {
+  std::optional<can::Duration> restart_time{};
+};
+
+struct CatalogueEntry {
+  const module::DataSheet* data_sheet;
+  /// Its object dictionary; nullptr for a module that has none.
+  std::shared_ptr<const canopen::DictionaryDescription> (*objects)();
+  /// Names of what it stores, as files of its folder in a plant's store.
+  std::span<const std::string_view> stored;
+  /// One as it leaves the shelf. Controller and memory must outlive it.
+  std::unique_ptr<module::CommunicationModule> (*make)(can::Controller& controller,
+                                                       module::NonVolatileMemory& memory,
+                                                       const ModuleTuning& tuning);
+};
+
+[[nodiscard]] std::span<const CatalogueEntry> module_catalogue() noexcept;
+/// By model name in any case; nullptr when there is no such module.
+[[nodiscard]] const CatalogueEntry* find_module(std::string_view model) noexcept;
+/// The models there are, each between quotes: "A", "B".
+[[nodiscard]] std::string quoted_models();
+
+/// The text of an EDS file that describes the module.
+[[nodiscard]] std::string module_eds(const CatalogueEntry& entry);
+
+}  // namespace canopus::plant

@@ -1,0 +1,109 @@
+#include "canopus/plant/plant.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "canopus/plant/plant_parts.hpp"
+
+namespace canopus::plant {
+
+Plant::Plant() : parts_(std::make_unique<Parts>()) {}
+Plant::~Plant() = default;
+
+std::expected<std::unique_ptr<Plant>, std::vector<text::FileError>> Plant::build(
+    const PlantFile& file, PlantObserver& observer, std::optional<std::uint64_t> seed) {
+  std::unique_ptr<Plant> plant(new Plant);
+  plant->parts_->file = file;
+  auto errors = assemble(*plant->parts_, observer, seed.value_or(file.seed));
+  if (!errors.empty()) {
+    std::ranges::stable_sort(errors, {}, &text::FileError::place);
+    return std::unexpected(std::move(errors));
+  }
+  std::ranges::stable_sort(plant->parts_->warnings, {}, &text::FileWarning::place);
+  return plant;
+}
+
+std::vector<text::FileError> Plant::open_stores() { return parts_->stores->open(); }
+
+void Plant::power_on() {
+  const can::Time now = parts_->timeline.now();
+  for (std::size_t i = 0; i < parts_->devices.size(); ++i) {
+    parts_->devices[i]->power_on(now);
+    parts_->timeline.refresh(parts_->device_handles[i]);
+  }
+  for (std::size_t i = 0; i < parts_->racks.size(); ++i) {
+    parts_->racks[i]->power_on(now,
+                               parts_->file.plcs[i].run ? module::CpuState::run : module::CpuState::stop);
+  }
+  for (std::size_t i = 0; i < parts_->cpu_errors.size(); ++i) {
+    parts_->cpu_errors[i]->powered(now);
+    parts_->timeline.refresh(parts_->cpu_error_handles[i]);
+  }
+}
+
+can::Timeline& Plant::timeline() noexcept { return parts_->timeline; }
+const std::string& Plant::name() const noexcept { return parts_->file.name; }
+const PlantFile& Plant::file() const noexcept { return parts_->file; }
+const std::vector<text::FileWarning>& Plant::warnings() const noexcept { return parts_->warnings; }
+std::size_t Plant::bus_count() const noexcept { return parts_->buses.size(); }
+sim::Bus& Plant::bus(std::size_t number) noexcept { return *parts_->buses[number]; }
+const BusSection& Plant::bus_section(std::size_t number) const noexcept { return parts_->file.buses[number]; }
+std::size_t Plant::plc_count() const noexcept { return parts_->racks.size(); }
+plc::Rack& Plant::rack(std::size_t number) noexcept { return *parts_->racks[number]; }
+const PlcSection& Plant::plc_section(std::size_t number) const noexcept { return parts_->file.plcs[number]; }
+const std::vector<std::string>& Plant::connections() const noexcept { return parts_->connections; }
+
+std::size_t Plant::device_count() const noexcept { return parts_->devices.size(); }
+DeviceSeat& Plant::device(std::size_t number) noexcept { return *parts_->devices[number]; }
+void Plant::device_touched(std::size_t number) { parts_->timeline.refresh(parts_->device_handles[number]); }
+
+std::vector<ForcedObject> Plant::forced() const {
+  std::vector<ForcedObject> all;
+  for (const auto& seat : parts_->devices) {
+    for (const sim::Forcing::Force& force : seat->device().forced()) {
+      all.push_back(seat->forced_object(force.entry, force.until));
+    }
+  }
+  return all;
+}
+
+bool Plant::has_stalled() const noexcept { return parts_->has_stalled; }
+
+std::vector<NodeStatus> Plant::nodes() const {
+  std::vector<NodeStatus> all;
+  const auto add = [&all](const NodeStatus& status, const sim::Port& port) {
+    NodeStatus& node = all.emplace_back(status);
+    node.error_state = port.error_state();
+    node.transmit_errors = port.transmit_error_counter();
+    node.receive_errors = port.receive_error_counter();
+  };
+  for (std::size_t i = 0; i < parts_->modules.size(); ++i) {
+    add(parts_->modules[i]->status(), *parts_->module_ports[i]);
+  }
+  for (std::size_t i = 0; i < parts_->devices.size(); ++i) {
+    add(parts_->devices[i]->status(), *parts_->device_ports[i]);
+  }
+  return all;
+}
+
+std::vector<ModuleStatus> Plant::modules() const {
+  std::vector<ModuleStatus> all;
+  for (const auto& seat : parts_->modules) all.push_back(seat->module_status(parts_->timeline.now()));
+  return all;
+}
+
+std::vector<SlaveBoot> Plant::boots() const {
+  std::vector<SlaveBoot> all;
+  for (const auto& seat : parts_->modules) seat->collect_boots(all);
+  return all;
+}
+
+std::vector<ModuleTrouble> Plant::troubles() const {
+  std::vector<ModuleTrouble> all;
+  for (const auto& seat : parts_->modules) {
+    if (auto trouble = seat->trouble(parts_->timeline.now())) all.push_back(std::move(*trouble));
+  }
+  return all;
+}
+
+}  // namespace canopus::plant

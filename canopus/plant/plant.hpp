@@ -1,0 +1,181 @@
+#pragma once
+// A plant that runs: the buses, devices, racks and modules of a plant file, on one timeline. Whoever drives
+// the timeline (run_loop.hpp) decides whether time is virtual or real; the plant neither knows nor cares.
+
+#include <cstdint>
+#include <expected>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/can/timeline.hpp"
+#include "canopus/canopen/node/node.hpp"
+#include "canopus/manager/boot/boot_record.hpp"
+#include "canopus/module/interface/communication_module.hpp"
+#include "canopus/module/interface/observer.hpp"
+#include "canopus/plant/plant_file.hpp"
+#include "canopus/plc/rack/rack.hpp"
+#include "canopus/sim/bus/bus.hpp"
+
+namespace canopus::plant {
+
+/// Who a node is, for people.
+struct NodePlate {
+  std::string_view bus;
+  std::string_view name;  ///< from the plant file, or the product's; empty for a node outside of the plant
+  /// 0: has none (a module in a Layer 2 mode). FFH: has none yet (an LSS slave that waits for one).
+  std::uint8_t node_id = 0;
+};
+
+/// A value of a device that somebody forces.
+struct ForcedObject {
+  NodePlate device;
+  std::string object;     ///< "6000:01"
+  std::string_view name;  ///< of the parameter, from the device file
+  canopen::DataType type = canopen::DataType::none;
+  std::uint64_t value = 0;       ///< bit pattern that everybody sees
+  can::Time until = can::never;  ///< released then; never: not by itself
+};
+
+/// What happens in a plant, as it happens. docs/events.md describes the lines made of it.
+class PlantObserver {
+ public:
+  virtual void booted(const NodePlate&, can::Time) {}
+  virtual void nmt_state_changed(const NodePlate&, canopen::NmtState, can::Time) {}
+  /// LSS gave a device of the plant its node-ID (the plate has it already; FFH: took it away) or bit rate
+  /// (bit/s), or it came up with what it had stored.
+  virtual void lss_configured(const NodePlate&, std::uint32_t /*bit_rate*/, can::Time) {}
+  virtual void emergency(const NodePlate&, const canopen::Emergency&, can::Time) {}
+  /// Nobody acknowledges what this node sends: it is alone on its bus. Once, until somebody completed a frame.
+  virtual void unacknowledged(const NodePlate&, can::Time) {}
+  /// A module of the plant boots this slave as its NMT master and came to another step, or asks it once more.
+  virtual void slave_boot_went_on(const NodePlate& /*slave*/, const NodePlate& /*master*/,
+                                  const manager::BootRecord&, can::Time) {}
+  virtual void signal_changed(std::string_view /*plc*/, char /*'X' or 'Y'*/, unsigned /*number*/, bool /*on*/,
+                              can::Time) {}
+  /// A buffer memory word got another value: written by the CPU, or a watched one changed by the module.
+  virtual void buffer_changed(std::string_view /*plc*/, unsigned /*head*/, std::uint32_t /*address*/,
+                              std::uint16_t /*value*/, bool /*by_cpu*/, can::Time) {}
+  /// A value of a device is forced from now on, or with another value or end than before.
+  virtual void object_forced(const ForcedObject&, can::Time) {}
+  /// It is not forced any more, and shows its own value again.
+  virtual void object_released(const ForcedObject&, can::Time) {}
+  virtual void load(std::string_view /*bus*/, const sim::BusLoad&, can::Time) {}
+  /// At the start: something a person should know of the plant file. `source` is its place in it.
+  virtual void warning(std::string_view /*source*/, std::string_view /*message*/, can::Time) {}
+  virtual void error(std::string_view /*source*/, std::string_view /*message*/, can::Time) {}
+
+ protected:
+  ~PlantObserver() = default;
+};
+
+/// A node as the live table and the summary show it.
+struct NodeStatus {
+  NodePlate plate;
+  canopen::NmtState state = canopen::NmtState::initialising;
+  module::Layer2State layer2 = module::Layer2State::inactive;
+  std::uint64_t pdos = 0;  ///< sent so far; in a Layer 2 mode every frame counts
+  std::uint64_t emergencies = 0;
+  std::uint16_t last_emergency = 0;  ///< code
+  bool is_module = false;
+  bool is_on = false;
+  can::ErrorState error_state = can::ErrorState::error_active;  ///< of its controller
+  std::uint16_t transmit_errors = 0;                            ///< TEC
+  std::uint16_t receive_errors = 0;                             ///< REC
+};
+
+/// A module as a PLC program sees it.
+struct ModuleStatus {
+  struct Word {
+    std::uint32_t address = 0;
+    std::uint16_t value = 0;
+  };
+  NodePlate plate;
+  std::string_view plc;
+  std::uint16_t head = 0;  ///< head I/O number, in points
+  bool is_on = false;
+  module::CpuState cpu = module::CpuState::stop;
+  /// X and Y that are ON, bit n = X(head+n), without those of the built-in program's data exchange.
+  std::uint32_t inputs = 0;
+  std::uint32_t outputs = 0;
+  std::vector<Word> words{};  ///< watched, in the order of the plant file
+  std::vector<module::Led> leds{};
+};
+
+/// How far a module of the plant is with the boot of a slave, which may be a node outside of the plant, or
+/// missing.
+struct SlaveBoot {
+  NodePlate slave;
+  NodePlate master;
+  manager::BootRecord record;
+};
+
+/// What keeps the process data of a module of the plant from being exchanged, while its NMT state may look
+/// well.
+struct ModuleTrouble {
+  NodePlate module;
+  std::string text;  ///< what is wrong, since when, and the way back; for a person
+};
+
+class DeviceSeat;
+
+class Plant {
+ public:
+  /// Opens the device files and builds everything that is usable, switched off. Errors name the line of the
+  /// plant file; notes of device files that were repaired are not among them (`canopus eds check` shows
+  /// those). `seed` replaces the file's.
+  [[nodiscard]] static std::expected<std::unique_ptr<Plant>, std::vector<text::FileError>> build(
+      const PlantFile& file, PlantObserver& observer, std::optional<std::uint64_t> seed = std::nullopt);
+  ~Plant();
+  Plant(const Plant&) = delete;
+  Plant& operator=(const Plant&) = delete;
+
+  /// Takes the `store` folders for this plant alone, until it ends. To be called before power_on() by whoever
+  /// runs a plant; who only looks at one leaves them alone. Errors name the line of the plant file.
+  [[nodiscard]] std::vector<text::FileError> open_stores();
+
+  /// Switches everything on at the timeline's now; devices with a later start follow by themselves.
+  void power_on();
+
+  [[nodiscard]] can::Timeline& timeline() noexcept;
+  [[nodiscard]] const std::string& name() const noexcept;
+  [[nodiscard]] const PlantFile& file() const noexcept;
+  /// What a person should know of the plant file, in its order.
+  [[nodiscard]] const std::vector<text::FileWarning>& warnings() const noexcept;
+  [[nodiscard]] std::size_t bus_count() const noexcept;
+  [[nodiscard]] sim::Bus& bus(std::size_t number) noexcept;
+  [[nodiscard]] const BusSection& bus_section(std::size_t number) const noexcept;
+  [[nodiscard]] std::size_t plc_count() const noexcept;
+  [[nodiscard]] plc::Rack& rack(std::size_t number) noexcept;
+  [[nodiscard]] const PlcSection& plc_section(std::size_t number) const noexcept;
+  /// The simulated devices, in the plant file's order.
+  [[nodiscard]] std::size_t device_count() const noexcept;
+  [[nodiscard]] DeviceSeat& device(std::size_t number) noexcept;
+  /// A device was accessed: its deadline may be another one.
+  void device_touched(std::size_t number);
+  /// Every value that is forced now, device by device.
+  [[nodiscard]] std::vector<ForcedObject> forced() const;
+  /// All nodes, in the order of the plant file, modules first.
+  [[nodiscard]] std::vector<NodeStatus> nodes() const;
+  /// All modules, in the order of the plant file.
+  [[nodiscard]] std::vector<ModuleStatus> modules() const;
+  /// Every slave that an active NMT master of the plant boots or has booted, by master and node-ID.
+  [[nodiscard]] std::vector<SlaveBoot> boots() const;
+  /// A part of the plant asked for one moment without end and was stopped (can::Timeline::Stall): what the
+  /// run shows from there on is not to be trusted. The observer has been told by error().
+  [[nodiscard]] bool has_stalled() const noexcept;
+  /// Modules whose process data stand still.
+  [[nodiscard]] std::vector<ModuleTrouble> troubles() const;
+  /// "U0\G10000 <- node 3 (encoder) TPDO1, 2 words": how process data are connected.
+  [[nodiscard]] const std::vector<std::string>& connections() const noexcept;
+
+  struct Parts;  // known to plant.cpp alone
+
+ private:
+  Plant();
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace canopus::plant

@@ -1,0 +1,465 @@
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "canopus/eds/device_file.hpp"
+#include "canopus/plant/device_script.hpp"
+#include "canopus/plant/module_catalogue.hpp"
+#include "canopus/plant/module_network.hpp"
+#include "canopus/plant/module_presets.hpp"
+#include "canopus/plant/plant_parts.hpp"
+#include "canopus/plant/plant_review.hpp"
+#include "canopus/plant/run_memory.hpp"
+#include "canopus/store/file_memory.hpp"
+#include "canopus/text/file_error.hpp"
+#include "canopus/text/file_text.hpp"
+
+namespace canopus::plant {
+
+namespace {
+
+constexpr std::string_view stall_text =
+    "asks for this moment without end and is stopped from here on. This is an error in Canopus: please "
+    "report "
+    "it with the plant file";
+
+/// 1010H can be told to save, or the device saves by itself (bit 1) [CiA 301 7.5.2.13].
+bool can_save(const canopen::DictionaryDescription& dictionary) {
+  const canopen::ObjectDescription* save = dictionary.find(0x1010);
+  if (save == nullptr) return false;
+  for (unsigned sub = 1; sub <= save->highest_sub; ++sub) {
+    const canopen::Entry entry = dictionary.find(*save, static_cast<std::uint8_t>(sub));
+    if (entry && canopen::is_writable(entry.description->access)) return true;
+  }
+  constexpr std::uint64_t autonomously = 2;
+  return (eds::default_value(dictionary, 0x1010, 1, 1).value_or(0) & autonomously) != 0;
+}
+
+/// Builds a plant's parts, collecting every error on the way.
+class Assembly {
+ public:
+  Assembly(Plant::Parts& parts, PlantObserver& observer, std::uint64_t seed)
+      : parts_(parts),
+        observer_(observer),
+        seed_(seed),
+        folder_(std::filesystem::path(parts.file.path).parent_path()),
+        stores_(parts.stores.emplace(folder_)) {}
+
+  std::vector<text::FileError> run();
+
+ private:
+  using File = std::shared_ptr<const eds::DeviceFile>;
+
+  File load(const std::string& eds, text::Place place);
+  File configured(const File& file, const DeviceSection& section);
+  void add_device(const DeviceSection& section, std::size_t number);
+  std::uint8_t node_id(const DeviceSection& section, const eds::DeviceFile& file);
+  sim::Port& add_port(const DeviceSection& section, std::uint8_t node_id, std::size_t number);
+  void give_memory(const DeviceSection& section, std::uint8_t node_id, DeviceSeat& seat);
+  void move_values(const DeviceSection& section, std::size_t number, DeviceSeat& seat);
+  void play_back(const PlaybackSection& section, sim::Device& device);
+  void add_module(const PlcSection& plc, std::size_t plc_number, const ModuleSection& section);
+  /// A slave of a master, as written in the plant file, or by slaves = "all".
+  struct WantedSlave {
+    SlaveSection slave{};
+    const SlaveSection* written = nullptr;  // nullptr: by slaves = "all"
+  };
+  static std::optional<WantedSlave> wanted_slave(const ModuleSection& master, const NodePlate& node);
+  void configure_network(const ModuleSection& section, module::CommunicationModule& module);
+  void add_outside_slave(const ModuleSection& master, const SlaveSection& slave, ModuleNetwork& network);
+  void set_faults(const BusSection& section, sim::Bus& bus);
+  void review_buses();
+  BusWatch& watch(const sim::Bus& bus);
+  template <typename... T>
+  void warn(text::Place place, fmt::format_string<T...> text, T&&... arguments) {
+    parts_.warnings.push_back({place, fmt::format(text, std::forward<T>(arguments)...)});
+  }
+
+  Plant::Parts& parts_;
+  PlantObserver& observer_;
+  std::uint64_t seed_;
+  std::filesystem::path folder_;
+  PlantStores& stores_;
+  std::map<std::string, File> files_;
+  std::set<std::pair<std::string, std::uint8_t>> nodes_;  // bus, node-ID
+  std::vector<std::pair<const DeviceSection*, DeviceSeat*>> device_sections_;
+  std::vector<std::pair<const ModuleSection*, ModuleSeat*>> module_sections_;
+  bool complete_ = true;  // nothing had to be left out
+  text::FileErrors errors_;
+};
+
+std::vector<text::FileError> Assembly::run() {
+  for (const BusSection& section : parts_.file.buses) {
+    parts_.buses.push_back(std::make_unique<sim::Bus>(section.name, section.bit_rate, parts_.timeline));
+    parts_.watches.push_back(std::make_unique<BusWatch>(section.name, observer_));
+    parts_.buses.back()->add_observer(*parts_.watches.back());
+  }
+  for (std::size_t i = 0; i < parts_.file.devices.size(); ++i) {
+    const std::size_t before = parts_.devices.size();
+    if (parts_.file.devices[i].usable) add_device(parts_.file.devices[i], i);
+    complete_ = complete_ && parts_.devices.size() > before;
+  }
+  for (std::size_t i = 0; i < parts_.file.plcs.size(); ++i) {
+    parts_.racks.push_back(std::make_unique<plc::Rack>(parts_.timeline, parts_.file.plcs[i].cpu_model));
+    if (const PlcSection& plc = parts_.file.plcs[i]; !plc.store.empty() && plc.modules.empty()) {
+      warn(plc.store_place, "store = \"{}\": the PLC has no module that could store anything", plc.store);
+    }
+    for (const ModuleSection& module : parts_.file.plcs[i].modules) {
+      complete_ = complete_ && module.usable;
+      if (module.usable) add_module(parts_.file.plcs[i], i, module);
+    }
+    if (const auto after = parts_.file.plcs[i].cpu_error) {
+      parts_.cpu_errors.push_back(std::make_unique<CpuErrorTimer>(*parts_.racks[i], *after));
+      parts_.cpu_error_handles.push_back(
+          parts_.timeline.add(*parts_.cpu_errors.back(), "CPU of " + parts_.file.plcs[i].name));
+    }
+  }
+  for (const auto& master : parts_.modules) {
+    if (master->section().master) configure_network(master->section(), master->module());
+  }
+  stores_.review(errors_, parts_.warnings);
+  if (complete_ && errors_.empty()) review_buses();
+  for (std::size_t i = 0; i < parts_.buses.size(); ++i) set_faults(parts_.file.buses[i], *parts_.buses[i]);
+  parts_.load_report = std::make_unique<LoadReport>(parts_.buses, observer_);
+  parts_.timeline.add(*parts_.load_report, "load report");
+  parts_.timeline.set_stall_handler(
+      [parts = &parts_, observer = &observer_](const can::Timeline::Stall& stall) {
+        parts->has_stalled = true;
+        observer->error(stall.name, stall_text, stall.now);
+      });
+  return errors_.take();
+}
+
+Assembly::File Assembly::load(const std::string& eds, text::Place place) {
+  const std::string path = (folder_ / eds).lexically_normal().string();
+  if (const auto known = files_.find(path); known != files_.end()) return known->second;
+  const auto text = text::read_file(path);
+  if (!text) {
+    errors_.add(place, "eds = \"{}\": {}", eds, text.error());
+    return files_[path] = nullptr;
+  }
+  const eds::ReadResult result = eds::read_device_file(*text);
+  if (!result.file) {
+    const eds::Problem& problem = result.problems.front();
+    errors_.add(place, "eds = \"{}\": no device can be made of it: {}:{}: {}", eds, path, problem.line,
+                problem.message);
+  }
+  return files_[path] = result.file;
+}
+
+Assembly::File Assembly::configured(const File& file, const DeviceSection& section) {
+  std::vector<canopen::DictionaryDescription::Change> changes;
+  for (const text::ObjectSetting& setting : section.objects) {
+    const canopen::Entry entry = file->dictionary->find(setting.object.index, setting.object.sub);
+    if (!entry) {
+      errors_.add(setting.place, "{} has no object {:04X}H:{:02X}H", section.eds, setting.object.index,
+                  setting.object.sub);
+      continue;
+    }
+    auto bytes = text::encode(setting.value, entry.description->type);
+    if (!bytes) {
+      errors_.add(setting.place, "{:04X}H:{:02X}H: {}", setting.object.index, setting.object.sub,
+                  bytes.error());
+      continue;
+    }
+    changes.push_back({entry, std::move(*bytes)});
+  }
+  if (changes.empty()) return file;
+  auto copy = std::make_shared<eds::DeviceFile>(*file);
+  copy->dictionary = file->dictionary->with(changes);
+  return copy;
+}
+
+/// 0 after an error.
+std::uint8_t Assembly::node_id(const DeviceSection& section, const eds::DeviceFile& file) {
+  std::uint8_t node_id = section.node;
+  if (node_id == 0 && file.commissioning) node_id = file.commissioning->node_id.value_or(0);
+  if (node_id == 0) {
+    errors_.add(section.place,
+                "device: node is missing; {} names no node-ID either. A device that gets it by LSS: node = "
+                "\"unconfigured\"",
+                section.eds);
+  } else if (node_id != lss::unconfigured && !nodes_.emplace(section.bus, node_id).second) {
+    errors_.add(section.place, "device: node {} of bus \"{}\" is taken already", node_id, section.bus);
+    return 0;
+  }
+  return node_id;
+}
+
+sim::Port& Assembly::add_port(const DeviceSection& section, std::uint8_t node_id, std::size_t number) {
+  const bool is_unconfigured = node_id == lss::unconfigured;
+  sim::Port& port = parts_.bus(section.bus)
+                        .add_port(!section.name.empty() ? section.name
+                                  : is_unconfigured     ? fmt::format("device{}", number + 1)
+                                                        : fmt::format("node{}", node_id));
+  port.set_transmit_queue(section.transmit_fifo ? sim::TransmitOrder::fifo : sim::TransmitOrder::identifier,
+                          section.transmit_queue);
+  if (section.bit_rate != 0) port.restart(section.bit_rate);
+  port.set_listen_only(section.listen_only);
+  return port;
+}
+
+/// What the device saves, and what LSS stores, by the node-ID it has from the shelf, or if that is none, by its
+/// LSS address.
+void Assembly::give_memory(const DeviceSection& section, std::uint8_t node_id, DeviceSeat& seat) {
+  const eds::DeviceFile& file = seat.device().file();
+  const bool is_unconfigured = node_id == lss::unconfigured;
+  const bool is_lss_slave = section.lss.value_or(is_unconfigured || file.device.lss);
+  if (section.store.empty()) {
+    if (is_lss_slave) seat.enable_lss(nullptr);
+    return;
+  }
+  if (!is_lss_slave && !can_save(*file.dictionary)) {
+    warn(section.store_place,
+         "store = \"{}\": {} has no 1010H that can be written, and is no LSS slave: the device never stores "
+         "anything",
+         section.store, section.eds);
+  }
+  std::string unit = fmt::format("node-{:03}", node_id);
+  if (is_unconfigured) {
+    const eds::Identity identity = eds::identity(file);
+    unit = fmt::format("{:08X}-{:08X}-{:08X}-{:08X}", identity.vendor_id.value_or(0),
+                       identity.product_code.value_or(0), identity.revision.value_or(0),
+                       identity.serial_number.value_or(0));
+  }
+  const StoredAs stored = stores_.claim(section, unit, errors_);
+  const auto file_named = [&](const std::string& name) {
+    return std::make_unique<store::ParameterFile>(stored.folder, name, stored.owner);
+  };
+  if (is_lss_slave) seat.enable_lss(file_named(stored.name + ".lss"));
+  seat.set_store(file_named(stored.name));
+}
+
+void Assembly::move_values(const DeviceSection& section, std::size_t number, DeviceSeat& seat) {
+  for (std::size_t i = 0; i < section.behaviours.size(); ++i) {
+    const BehaviourSection& wanted = section.behaviours[i];
+    sim::Behaviour behaviour;
+    behaviour.kind = sim::behaviour_kind(wanted.kind).value_or(sim::Behaviour::Kind::constant);
+    behaviour.index = wanted.object.index;
+    behaviour.sub = wanted.object.sub;
+    behaviour.low = wanted.low.value_or(0);
+    behaviour.high = wanted.high.value_or(behaviour.low + 100);
+    behaviour.period = wanted.period.value_or(behaviour.period);
+    behaviour.step = wanted.step.value_or(1);
+    behaviour.seed = wanted.seed.value_or(seed_ * 1'000'003 + number * 1009 + i);
+    if (wanted.source) {
+      behaviour.source_index = wanted.source->index;
+      behaviour.source_sub = wanted.source->sub;
+    }
+    if (const auto problem = seat.device().add_behaviour(behaviour))
+      errors_.add(wanted.place, "behaviour: {}", *problem);
+  }
+}
+
+void Assembly::play_back(const PlaybackSection& section, sim::Device& device) {
+  const std::string path = (folder_ / section.file).lexically_normal().string();
+  const auto wrong = [&](std::string_view what) {
+    errors_.add(section.file_place, "playback: file = \"{}\": {}", section.file, what);
+  };
+  const CsvLimits limits;
+  std::error_code unknown;
+  if (const auto size = std::filesystem::file_size(path, unknown); !unknown && size > limits.bytes) {
+    return wrong(fmt::format("the file has {} bytes; expected at most {}", size, limits.bytes));
+  }
+  const auto text = text::read_file_or_reason(path);
+  if (!text) return wrong(text.error());
+  auto playback = read_playback_csv(*text, device, limits);
+  if (!playback) {
+    const CsvProblem& problem = playback.error();
+    return wrong(fmt::format("{}:{}:{}: {}", path, problem.line, problem.column, problem.message));
+  }
+  if (section.repeat && playback->rows() < 2)
+    return wrong("repeat = true needs two rows, which give it a length");
+  if (section.repeat) playback->repeat();
+  if (const auto problem = device.add_playback(std::move(*playback))) wrong(*problem);
+}
+
+void Assembly::add_device(const DeviceSection& section, std::size_t number) {
+  File file = load(section.eds, section.eds_place);
+  if (!file) return;
+  const std::uint8_t node = node_id(section, *file);
+  if (node == 0) return;
+  file = configured(file, section);
+  sim::Bus& bus = parts_.bus(section.bus);
+  sim::Port& port = add_port(section, node, number);
+  auto seat = std::make_unique<DeviceSeat>(file, section, node, port, observer_);
+  give_memory(section, node, *seat);
+  move_values(section, number, *seat);
+  for (const PlaybackSection& playback : section.playbacks) play_back(playback, seat->device());
+  errors_.add(add_scripts(seat->device(), section.scripts));
+  parts_.device_handles.push_back(parts_.timeline.add(*seat));
+  port.connect(*seat, parts_.device_handles.back());
+  watch(bus).know(seat->status(), port);
+  seat->set_watch(watch(bus));
+  device_sections_.emplace_back(&section, seat.get());
+  parts_.devices.push_back(std::move(seat));
+  parts_.device_ports.push_back(&port);
+}
+
+/// How the nodes of each bus fit together.
+void Assembly::review_buses() {
+  std::map<std::string_view, ReviewedBus> buses;
+  for (const BusSection& section : parts_.file.buses) {
+    buses.emplace(section.name,
+                  ReviewedBus{.name = section.name, .is_served = section.socketcand.has_value()});
+  }
+  for (const auto& [section, seat] : module_sections_) {
+    ReviewedBus& bus = buses.at(section->bus);
+    if (auto node = seat->module().initial_node()) {
+      bus.configured.insert(node->configures.begin(), node->configures.end());
+      bus.nodes.push_back(reviewed(*section, seat->status().plate.name, std::move(*node)));
+    } else {
+      bus.has_plain_can = true;
+    }
+  }
+  for (const auto& [section, seat] : device_sections_) {
+    buses.at(section->bus).nodes.push_back(reviewed(*section, *seat));
+  }
+  for (const BusSection& section : parts_.file.buses) review(buses.at(section.name), parts_.warnings);
+}
+
+BusWatch& Assembly::watch(const sim::Bus& bus) {
+  const auto found = std::ranges::find(parts_.buses, &bus, [](const auto& owned) { return owned.get(); });
+  return *parts_.watches[static_cast<std::size_t>(found - parts_.buses.begin())];
+}
+
+void Assembly::set_faults(const BusSection& section, sim::Bus& bus) {
+  if (!complete_) return;  // a port may be missing
+  std::vector<sim::Fault> faults;
+  for (const FaultSection& fault : section.faults) {
+    if (const auto good = bus.set_faults({fault.fault}, seed_); !good)
+      errors_.add(fault.place, "fault: {}", good.error());
+    faults.push_back(fault.fault);
+  }
+  (void)bus.set_faults(faults, seed_);
+}
+
+void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const ModuleSection& section) {
+  sim::Bus& bus = parts_.bus(section.bus);
+  sim::Port& port = bus.add_port(shown_name(section));
+  const CatalogueEntry& entry = *find_module(section.model);
+  std::unique_ptr<module::NonVolatileMemory> memory;
+  if (plc.store.empty()) {
+    memory = std::make_unique<RunMemory>();
+  } else {
+    const StoredAs stored = stores_.claim(plc, section, entry.stored, errors_);
+    memory = std::make_unique<store::FileMemory>(stored.folder, stored.owner);
+  }
+  auto made = entry.make(port, *memory, {.restart_time = section.restart_time});
+  auto seat = std::make_unique<ModuleSeat>(section, plc.name, *parts_.racks[plc_number], std::move(memory),
+                                           std::move(made), watch(bus), observer_);
+  module::CommunicationModule& module = seat->module();
+  const auto bus_section = std::ranges::find(parts_.file.buses, section.bus, &BusSection::name);
+  errors_.add(preset_words(module, *entry.data_sheet, section, *bus_section));
+  errors_.add(preset_objects(module, section));
+  parts_.module_handles.push_back(
+      parts_.timeline.add(*seat, fmt::format("{} on {}", port.name(), bus.name())));
+  port.connect(*seat, parts_.module_handles.back());
+  if (!parts_.racks[plc_number]->insert(section.head, module, parts_.module_handles.back())) {
+    errors_.add(section.place, "module: head {:03X}H overlaps another module's points", section.head);
+  }
+  seat->status().plate.node_id = section.node;
+  watch(bus).know(seat->status(), port);
+  module_sections_.emplace_back(&section, seat.get());
+  parts_.modules.push_back(std::move(seat));
+  parts_.module_ports.push_back(&port);
+}
+
+/// The slave that a node of the plant is for this master.
+std::optional<Assembly::WantedSlave> Assembly::wanted_slave(const ModuleSection& master,
+                                                            const NodePlate& node) {
+  if (node.bus != master.bus || node.node_id == 0 || node.node_id == lss::unconfigured) return std::nullopt;
+  const auto written = std::ranges::find_if(master.slaves, [&](const SlaveSection& slave) {
+    return slave.node != 0 ? slave.node == node.node_id : slave.name == node.name;
+  });
+  if (written != master.slaves.end()) {
+    WantedSlave wanted{.slave = *written, .written = &*written};
+    wanted.slave.node = node.node_id;
+    return wanted;
+  }
+  if (!master.all_slaves) return std::nullopt;
+  WantedSlave wanted{.slave = {.place = master.place, .node = node.node_id}};
+  wanted.slave.receive.push_back({.place = master.place, .pdo = 1});
+  wanted.slave.send.push_back({.place = master.place, .pdo = 1});
+  return wanted;
+}
+
+/// In the plant file's order, devices first, so that the words come in this order too.
+void Assembly::configure_network(const ModuleSection& section, module::CommunicationModule& module) {
+  const std::string slot = fmt::format("U{:X}", section.head / 16);
+  ModuleNetwork network(module, section.name.empty() ? slot : section.name + ' ' + slot);
+  std::set<const SlaveSection*> found;
+  const auto add = [&](const WantedSlave& wanted, const SlaveDescription& description) {
+    found.insert(wanted.written);
+    if (!wanted.slave.usable) return;
+    errors_.add(network.add_slave(wanted.slave, description, wanted.written != nullptr));
+  };
+  for (const auto& seat : parts_.devices) {
+    const NodePlate& plate = seat->status().plate;
+    if (plate.bus == section.bus && plate.node_id == lss::unconfigured && section.all_slaves) {
+      warn(section.slaves_place, "slaves = \"all\" leaves out {}, which has no node-ID yet",
+           plate.name.empty() ? "a device" : fmt::format("\"{}\"", plate.name));
+    }
+    if (const auto wanted = wanted_slave(section, plate)) {
+      add(*wanted, SlaveDescription::of(seat->device().file(), plate.node_id, plate.name));
+    }
+  }
+  for (const auto& seat : parts_.modules) {
+    const NodePlate& plate = seat->status().plate;
+    const auto wanted = wanted_slave(section, plate);
+    if (!wanted || &seat->module() == &module) continue;
+    const bool is_node = seat->module().presets_canopen_mode();
+    if (wanted->written == nullptr && (!is_node || seat->section().master)) continue;
+    if (!is_node) {
+      errors_.add(wanted->slave.place,
+                  "slave: the module with node {} (line {}) is in a Layer 2 mode; expected a CANopen node",
+                  plate.node_id, seat->section().place.line);
+    }
+    add(*wanted, SlaveDescription::of(seat->module(), plate.node_id, plate.name));
+  }
+  for (const SlaveSection& slave : section.slaves) {
+    if (complete_ && slave.usable && !found.contains(&slave)) add_outside_slave(section, slave, network);
+  }
+  network.become_master();
+  (void)preset_objects(module, section);  // what the plant file says of an object wins
+  for (const std::string& line : network.connections()) parts_.connections.push_back(line);
+  for (const std::string& line : network.left_out()) {
+    warn(section.slaves_place, "slaves = \"all\" {}", line);
+  }
+}
+
+/// A node that joins the bus from outside, or gets its node-ID by LSS.
+void Assembly::add_outside_slave(const ModuleSection& master, const SlaveSection& slave,
+                                 ModuleNetwork& network) {
+  const auto bus = std::ranges::find(parts_.file.buses, master.bus, &BusSection::name);
+  const bool may_come = bus->socketcand || std::ranges::any_of(parts_.devices, [&](const auto& seat) {
+                          const NodePlate& plate = seat->status().plate;
+                          return plate.bus == master.bus && plate.node_id == lss::unconfigured;
+                        });
+  if (!may_come) {
+    return errors_.add(slave.place,
+                       "slave: there is no device or module with node = {} on bus \"{}\"; for a node outside "
+                       "of the plant the bus needs serve",
+                       slave.node, master.bus);
+  }
+  SlaveDescription description;
+  if (!slave.eds.empty()) {
+    const File file = load(slave.eds, slave.eds_place);
+    if (!file) return;
+    description = SlaveDescription::of(*file, slave.node, "outside of the plant");
+  }
+  errors_.add(network.add_slave(slave, description, true));
+}
+
+}  // namespace
+
+std::vector<text::FileError> assemble(Plant::Parts& parts, PlantObserver& observer, std::uint64_t seed) {
+  return Assembly(parts, observer, seed).run();
+}
+
+}  // namespace canopus::plant

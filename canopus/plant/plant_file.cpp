@@ -1,0 +1,348 @@
+#include "canopus/plant/plant_file.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "canopus/can/controller.hpp"
+#include "canopus/plant/module_catalogue.hpp"
+#include "canopus/plant/plant_references.hpp"
+#include "canopus/plant/plant_sections.hpp"
+#include "canopus/text/table_reader.hpp"
+
+namespace canopus::plant {
+namespace {
+
+/// Every table of an array of tables in which there is no mistake; unknown keys do not count.
+template <typename Section>
+std::vector<Section> read_good(text::TableReader& table, std::string_view key, const std::string& what,
+                               Section (*read)(text::TableReader&)) {
+  std::vector<Section> sections;
+  table.tables(key, what, [&](text::TableReader& inner) {
+    const std::size_t before = inner.errors().size();
+    Section section = read(inner);
+    if (inner.errors().size() == before) sections.push_back(std::move(section));
+  });
+  return sections;
+}
+
+constexpr std::string_view node_id_expected = "a node-ID is 1 to 127";
+constexpr std::uint8_t no_node_id = 0xFF;
+
+std::optional<text::Scalar> scalar(const toml::node& node) {
+  if (const auto* value = node.as_boolean()) return value->get();
+  if (const auto* value = node.as_integer()) return value->get();
+  if (const auto* value = node.as_floating_point()) return value->get();
+  if (const auto* value = node.as_string()) return value->get();
+  return std::nullopt;
+}
+
+std::vector<text::ObjectSetting> read_objects(text::TableReader& table, std::string_view key) {
+  std::vector<text::ObjectSetting> settings;
+  std::map<std::pair<unsigned, unsigned>, text::Place> seen;  // the table is in the order of its keys
+  table.entries(key, [&](std::string_view name, const toml::node& node, text::Place place) {
+    const auto object = text::parse_object(name);
+    if (!object) return table.error(place, object.error());
+    const auto value = scalar(node);
+    if (!value) {
+      return table.error(text::place_of(node.source()),
+                         fmt::format("{} = {}: expected a number, a string, true or false", name,
+                                     text::describe_found(node)));
+    }
+    const auto [other, is_new] = seen.try_emplace({object->index, object->sub}, place);
+    if (!is_new) {
+      const auto [first, second] = std::minmax(place, other->second);
+      return table.error(second, fmt::format("{}: {:04X}H:{:02X}H is there already, in line {}", key,
+                                             object->index, object->sub, first.line));
+    }
+    settings.push_back({place, *object, *value});
+  });
+  return settings;
+}
+
+std::vector<BufferSetting> read_words(text::TableReader& table, std::string_view key) {
+  std::vector<BufferSetting> settings;
+  std::map<std::uint32_t, text::Place> seen;
+  table.entries(key, [&](std::string_view name, const toml::node& node, text::Place place) {
+    const auto address = text::parse_buffer_address(name);
+    if (!address) return table.error(place, address.error());
+    const auto* value = node.as_integer();
+    if (value == nullptr || value->get() < -32768 || value->get() > 65535) {
+      return table.error(text::place_of(node.source()),
+                         fmt::format("{} = {}: a word is -32768 to 65535", name, text::describe_found(node)));
+    }
+    const auto [other, is_new] = seen.try_emplace(*address, place);
+    if (!is_new) {
+      const auto [first, second] = std::minmax(place, other->second);
+      return table.error(second,
+                         fmt::format("{}: G{} is there already, in line {}", key, *address, first.line));
+    }
+    settings.push_back({place, *address, static_cast<std::uint16_t>(value->get())});
+  });
+  std::ranges::sort(settings, {}, &BufferSetting::address);
+  return settings;
+}
+
+BehaviourSection read_behaviour(text::TableReader& table) {
+  static constexpr std::string_view kinds[] = {"sine", "ramp", "counter", "echo", "noise"};
+  BehaviourSection behaviour{.place = table.place()};
+  behaviour.object = table.parsed("object", text::parse_object, true).value_or(text::ObjectName{});
+  behaviour.kind = table.text("kind", true).value_or("");
+  if (!behaviour.kind.empty() && std::ranges::find(kinds, behaviour.kind) == std::end(kinds)) {
+    table.error("kind", fmt::format("expected one of {}", fmt::join(kinds, ", ")));
+  }
+  behaviour.low = table.number("low");
+  behaviour.high = table.number("high");
+  if (behaviour.low && behaviour.high && *behaviour.low > *behaviour.high) {
+    table.error("high", fmt::format("must not be below low = {}", *behaviour.low));
+  }
+  behaviour.step = table.number("step");
+  behaviour.period = table.parsed("period", text::parse_duration);
+  if (behaviour.period && *behaviour.period < std::chrono::milliseconds(1)) {
+    table.error("period", "expected at least 1ms");
+  }
+  behaviour.source = table.parsed("source", text::parse_object, behaviour.kind == "echo");
+  if (const auto seed = table.integer("seed", 0, INT64_MAX, "a seed is 0 or more")) {
+    behaviour.seed = static_cast<std::uint64_t>(*seed);
+  }
+  return behaviour;
+}
+
+std::uint32_t read_bit_rate(text::TableReader& table, bool required) {
+  constexpr std::string_view expected = "expected a bit rate in bit/s, for example 250_000";
+  const auto rate = table.integer("bit_rate", 0, INT64_MAX, expected, required);
+  if (!rate) return 0;
+  if (std::ranges::find(can::bit_rates, static_cast<std::uint64_t>(*rate)) == std::end(can::bit_rates)) {
+    table.error("bit_rate", fmt::format("expected one of {} bit/s", fmt::join(can::bit_rates, ", ")));
+    return 0;
+  }
+  return static_cast<std::uint32_t>(*rate);
+}
+
+BusSection read_bus(text::TableReader& table) {
+  BusSection bus{.place = table.place(), .serve_place = table.place("serve")};
+  bus.name = table.text("name", true).value_or("");
+  bus.bit_rate = read_bit_rate(table, true);
+  if (bus.bit_rate == 0) bus.bit_rate = 250'000;  // so that what is on it can be looked at
+  bus.socketcand =
+      table.parsed("serve", [](std::string_view text) -> std::expected<text::HostAndPort, std::string> {
+        constexpr std::string_view protocol = "socketcand:";
+        if (!text.starts_with(protocol)) {
+          return std::unexpected(fmt::format(
+              "\"{}\" is not a way to serve a bus; expected \"socketcand:127.0.0.1:29536\"", text));
+        }
+        return text::parse_host_and_port(text.substr(protocol.size()));
+      });
+  bus.allowed = read_allowed(table, "serve", "socketcand protocol", bus.socketcand);
+  bus.faults = read_good<FaultSection>(table, "fault", "bus.fault", read_fault);
+  return bus;
+}
+
+/// 1 to 127, "unconfigured", or 0 when there is none.
+std::uint8_t read_device_node(text::TableReader& table) {
+  constexpr std::string_view expected =
+      "a node-ID is 1 to 127, or \"unconfigured\" for a device that gets it by LSS";
+  const toml::node* node = table.find("node");
+  if (node != nullptr && node->as_integer() == nullptr) {
+    const auto* word = node->as_string();
+    if (word != nullptr && word->get() == "unconfigured") return no_node_id;
+    table.error("node", expected);
+    return 0;
+  }
+  return static_cast<std::uint8_t>(table.integer("node", 1, 127, node_id_expected).value_or(0));
+}
+
+DeviceSection read_device(text::TableReader& table) {
+  DeviceSection device{
+      .place = table.place(), .eds_place = table.place("eds"), .store_place = table.place("store")};
+  device.bus = table.text("bus").value_or("");
+  device.name = table.text("name").value_or("");
+  device.eds = table.text("eds", true).value_or("");
+  device.node = read_device_node(table);
+  device.lss = table.boolean("lss");
+  if (device.node == no_node_id && device.lss == false) {
+    table.error("lss", "a device without a node-ID gets one by LSS: true, or left out");
+  }
+  device.start = table.parsed("start", text::parse_duration).value_or(can::Duration{});
+  device.store = table.text("store").value_or("");
+  device.bit_rate = read_bit_rate(table, false);
+  device.listen_only = table.boolean("listen_only").value_or(false);
+  if (const auto order = table.text("transmit_order")) {
+    if (*order != "identifier" && *order != "fifo")
+      table.error("transmit_order", "expected \"identifier\" or \"fifo\"");
+    device.transmit_fifo = *order == "fifo";
+  }
+  device.transmit_queue = static_cast<std::size_t>(
+      table.integer("transmit_queue", 1, 65535, "a transmit queue holds 1 to 65535 frames").value_or(128));
+  device.objects = read_objects(table, "objects");
+  device.behaviours = read_good<BehaviourSection>(table, "behaviour", "device.behaviour", read_behaviour);
+  device.scripts = read_good<ScriptSection>(table, "script", "device.script", read_script);
+  device.playbacks = read_good<PlaybackSection>(table, "playback", "device.playback", read_playback);
+  device.usable = !table.is_wrong("eds") && !table.is_wrong("node") && !table.is_wrong("bus");
+  return device;
+}
+
+/// receive = [1, 2], or [{ pdo = 1, at = "G10000" }, ...]
+std::vector<SlaveSection::Link> read_links(text::TableReader& table, std::string_view key) {
+  std::vector<SlaveSection::Link> links;
+  table.elements(key, [&](const toml::node& element) {
+    SlaveSection::Link link{.place = text::place_of(element.source())};
+    const auto valid_number = [](std::int64_t number) { return number >= 1 && number <= 512; };
+    constexpr std::string_view expected = "expected a PDO number 1 to 512, or { pdo = 1, at = \"G10000\" }";
+    if (const auto* number = element.as_integer(); number != nullptr && valid_number(number->get())) {
+      link.pdo = static_cast<std::uint16_t>(number->get());
+    } else if (const auto* inner_table = element.as_table()) {
+      text::TableReader inner(*inner_table, std::string(key), table.errors());
+      link.pdo = static_cast<std::uint16_t>(
+          inner.integer("pdo", 1, 512, "a PDO number is 1 to 512", true).value_or(1));
+      link.address = inner.parsed("at", text::parse_buffer_address);
+      inner.finish();
+    } else {
+      return table.error(link.place,
+                         fmt::format("{} = {}: {}", key, text::describe_found(element), expected));
+    }
+    links.push_back(link);
+  });
+  return links;
+}
+
+SlaveSection read_slave(text::TableReader& table) {
+  const bool by_name = table.find("name") != nullptr;
+  SlaveSection slave{.place = table.place(by_name ? "name" : "node"), .eds_place = table.place("eds")};
+  if (by_name) slave.name = table.text("name", true).value_or("");
+  constexpr std::string_view expected = "a node-ID is 1 to 127; or name = the name of a device or module";
+  slave.node = static_cast<std::uint8_t>(table.integer("node", 1, 127, expected, !by_name).value_or(0));
+  if (by_name && slave.node != 0) table.error("name", "expected node or name, not both");
+  slave.eds = table.text("eds").value_or("");
+  slave.mandatory = table.boolean("mandatory").value_or(true);
+  slave.receive = read_links(table, "receive");
+  slave.send = read_links(table, "send");
+  return slave;
+}
+
+ModuleSection read_module(text::TableReader& table) {
+  ModuleSection module{
+      .place = table.place(), .name_place = table.place("name"), .slaves_place = table.place("slaves")};
+  module.name = table.text("name").value_or("");
+  module.model = table.text("model", true).value_or("");
+  if (const CatalogueEntry* entry = find_module(module.model)) {
+    module.model = entry->data_sheet->model;  // as its maker writes it
+  } else if (!module.model.empty()) {
+    const std::string_view one_of = module_catalogue().size() > 1 ? "one of " : "";
+    table.error("model", fmt::format("expected {}{}", one_of, quoted_models()));
+  }
+  constexpr std::string_view head_expected = "a head I/O number is a multiple of 10H from 0 to 0FF0H";
+  const auto head = table.integer("head", 0, 0xFF0, head_expected);
+  module.head = static_cast<std::uint16_t>(head.value_or(0));
+  if (module.head % 16 != 0) table.error("head", head_expected);
+  module.bus = table.text("bus").value_or("");
+  module.node = static_cast<std::uint8_t>(table.integer("node", 1, 127, node_id_expected).value_or(0));
+  module.master = table.boolean("master").value_or(false);
+  if (const toml::node* all = table.find("slaves")) {
+    if (all->as_string() == nullptr || all->as_string()->get() != "all") {
+      table.error("slaves", "expected \"all\"; single slaves are written as [[plc.module.slave]]");
+    }
+    module.all_slaves = true;
+  }
+  module.slaves = read_good<SlaveSection>(table, "slave", "plc.module.slave", read_slave);
+  module.exchange = table.parsed("exchange", text::parse_duration);
+  if (module.exchange && *module.exchange < std::chrono::milliseconds(1)) {
+    table.error("exchange", "expected at least 1ms");
+  }
+  const auto recover = table.boolean("recover");
+  module.recover = recover.value_or(true);
+  if (recover && !module.exchange) {
+    table.error("recover",
+                "is about the built-in PLC program, which runs with exchange = \"20ms\" or the like");
+  }
+  module.restart_time = table.parsed("restart_time", text::parse_duration);
+  if (const auto fault = table.text("fault")) {
+    if (*fault == "watchdog error") module.fault = module::ModuleFault::watchdog_error;
+    if (*fault != "watchdog error" && *fault != "hardware error") {
+      table.error("fault", "expected \"hardware error\" or \"watchdog error\"");
+    }
+    module.fault_at = table.parsed("fault_at", text::parse_duration).value_or(can::Duration{});
+  } else if (table.find("fault_at") != nullptr) {
+    table.error("fault_at", "expected a fault, too");
+  }
+  module.objects = read_objects(table, "objects");
+  module.buffer = read_words(table, "buffer");
+  module.online = table.boolean("online").value_or(false);
+  module.writes = read_words(table, "write");
+  table.elements("watch", [&](const toml::node& element) {
+    const auto* text = element.as_string();
+    const auto address = text == nullptr ? std::unexpected(std::string("expected words such as \"G10000\""))
+                                         : text::parse_buffer_address(text->get());
+    if (!address)
+      return table.error(text::place_of(element.source()), fmt::format("watch: {}", address.error()));
+    module.watch.push_back(*address);
+  });
+  for (const std::string_view key : {"model", "head", "bus", "node"}) {
+    module.usable = module.usable && !table.is_wrong(key);
+  }
+  return module;
+}
+
+PlcSection read_plc(text::TableReader& table) {
+  PlcSection plc{
+      .place = table.place(), .listen_place = table.place("listen"), .store_place = table.place("store")};
+  plc.name = table.text("name").value_or("");
+  const auto listen = table.text("listen");
+  if (!listen) {
+    plc.listen = text::HostAndPort{.port = 5007};
+  } else if (*listen != "off") {
+    plc.listen = table.parsed("listen", text::parse_host_and_port);
+  }
+  plc.allowed = read_allowed(table, "listen", "MC protocol", plc.listen);
+  plc.cpu_model = read_cpu_model(table);
+  if (const auto cpu = table.text("cpu")) {
+    if (*cpu != "run" && *cpu != "stop") table.error("cpu", "expected \"run\" or \"stop\"");
+    plc.run = *cpu != "stop";
+  }
+  plc.store = table.text("store").value_or("");
+  plc.cpu_error = table.parsed("cpu_error", text::parse_duration);
+  table.tables("module", "plc.module",
+               [&](text::TableReader& inner) { plc.modules.push_back(read_module(inner)); });
+  return plc;
+}
+
+}  // namespace
+
+PlantReading read_plant(std::string_view text, std::string path) {
+  PlantReading reading;
+  reading.plant.path = std::move(path);
+  toml::table root;
+  try {
+    root = toml::parse(text, reading.plant.path);
+  } catch (const toml::parse_error& problem) {
+    reading.errors.push_back({text::place_of(problem.source()), std::string(problem.description())});
+    return reading;
+  }
+  PlantFile& plant = reading.plant;
+  text::TableReader top(root, "plant file", reading.errors);
+  top.table("plant", "plant", "expected a table, written as [plant]", [&](text::TableReader& head) {
+    plant.name = head.text("name").value_or("");
+    plant.seed =
+        static_cast<std::uint64_t>(head.integer("seed", 0, INT64_MAX, "a seed is 0 or more").value_or(1));
+    plant.control_place = head.place("control");
+    plant.control = head.parsed("control", text::parse_host_and_port);
+    plant.control_allowed = read_allowed(head, "control", "control server", plant.control);
+  });
+  top.tables("bus", "bus", [&](text::TableReader& table) { plant.buses.push_back(read_bus(table)); });
+  top.tables("device", "device",
+             [&](text::TableReader& table) { plant.devices.push_back(read_device(table)); });
+  top.tables("plc", "plc", [&](text::TableReader& table) { plant.plcs.push_back(read_plc(table)); });
+  top.finish();
+  check_references(plant, reading.errors);
+  std::ranges::stable_sort(reading.errors, {}, &text::FileError::place);
+  return reading;
+}
+
+std::string shown_name(const ModuleSection& module) {
+  return !module.name.empty() ? module.name : fmt::format("{} U{:X}", module.model, module.head / 16);
+}
+
+}  // namespace canopus::plant

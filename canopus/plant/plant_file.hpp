@@ -1,0 +1,186 @@
+#pragma once
+// The plant file: what there is on which bus, in TOML. Reading it finds every mistake at once, each with line
+// and column, what was found and what was expected; it opens no device file and starts nothing.
+// docs/plant-file.md is the reference for people.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/link/allow_list.hpp"
+#include "canopus/module/interface/module.hpp"
+#include "canopus/plc/cpu/device.hpp"
+#include "canopus/sim/bus/fault.hpp"
+#include "canopus/text/file_error.hpp"
+#include "canopus/text/object_value.hpp"
+#include "canopus/text/text_values.hpp"
+
+namespace canopus::plant {
+
+/// A buffer memory word and the value it gets before power-on.
+struct BufferSetting {
+  text::Place place{};
+  std::uint32_t address = 0;
+  std::uint16_t value = 0;
+};
+
+/// A value that moves by itself.
+struct BehaviourSection {
+  text::Place place{};
+  text::ObjectName object{};
+  std::string kind{};  ///< sine ramp counter echo noise
+  std::optional<double> low{};
+  std::optional<double> high{};
+  std::optional<double> step{};
+  std::optional<can::Duration> period{};
+  std::optional<text::ObjectName> source{};  ///< of an echo
+  std::optional<std::uint64_t> seed{};
+};
+
+/// Something that happens to a device's values once or by a condition; whether the device has the objects, the
+/// plant's assembly says. Objects are written as an index and sub-index, or by their names.
+struct ScriptSection {
+  text::Place place{};
+  std::optional<can::Duration> at{};  ///< plant time; none: `when`
+  std::string when{};                 ///< "6000:01 >= 3"
+  text::Place when_place{};
+  std::string set{};  ///< object that is forced
+  text::Place set_place{};
+  text::Scalar value{};
+  std::optional<can::Duration> hold{};  ///< `for`; none: until it is released
+  std::string release{};                ///< object, or "all"
+  text::Place release_place{};
+};
+
+/// Values of a device that come from a CSV file.
+struct PlaybackSection {
+  text::Place place{};
+  text::Place file_place{};
+  std::string file{};  ///< path, relative to the plant file
+  bool repeat = false;
+};
+
+/// A fault of a bus. Fields that its kind does not use are refused.
+struct FaultSection {
+  text::Place place{};
+  sim::Fault fault{};
+};
+
+struct BusSection {
+  text::Place place{};
+  text::Place serve_place{};
+  std::string name{};
+  std::uint32_t bit_rate = 0;                     ///< bit/s
+  std::optional<text::HostAndPort> socketcand{};  ///< from serve = "socketcand:127.0.0.1:29536"
+  link::AllowList allowed{};                      ///< who may connect there
+  std::vector<FaultSection> faults{};
+};
+
+struct DeviceSection {
+  bool usable = true;  ///< false: a mistake is reported that leaves nothing to build
+  text::Place place{};
+  text::Place eds_place{};
+  text::Place store_place{};
+  std::string bus{};
+  std::string name{};
+  std::string eds{};                 ///< path, relative to the plant file
+  std::uint8_t node = 0;             ///< 1..127; 0 = from the DCF; FFH = none until LSS gives it one
+  std::optional<bool> lss{};         ///< is an LSS slave; without it, if the device file says so
+  can::Duration start{};             ///< powers up this long after the run's start
+  std::string store{};               ///< folder for what 1010H saves; empty = it does not survive the run
+  std::uint32_t bit_rate = 0;        ///< bit/s; 0 = the bus's. Another one than the bus's destroys frames
+  bool listen_only = false;          ///< its controller hears, but drives nothing
+  bool transmit_fifo = false;        ///< its controller sends in the order of queueing, not of identifiers
+  std::size_t transmit_queue = 128;  ///< frames that may wait in it
+  std::vector<text::ObjectSetting> objects{};
+  std::vector<BehaviourSection> behaviours{};
+  std::vector<ScriptSection> scripts{};
+  std::vector<PlaybackSection> playbacks{};
+};
+
+/// A slave of a master module, and the PDOs that connect the two: a device or another module of the plant, or
+/// a node outside of it.
+struct SlaveSection {
+  bool usable = true;  ///< false: a mistake is reported
+  text::Place place{};
+  text::Place eds_place{};
+  std::uint8_t node = 0;  ///< 0: by `name`, of a device that has it from its DCF
+  std::string name{};     ///< of a device or module, instead of `node`
+  std::string eds{};      ///< of a node outside of the plant: path, relative to the plant file
+  bool mandatory = true;
+  struct Link {
+    text::Place place{};
+    std::uint16_t pdo = 1;                   ///< PDO number of the slave, from 1
+    std::optional<std::uint32_t> address{};  ///< first buffer memory word; none = the next free one
+  };
+  std::vector<Link> receive{};  ///< TPDOs of the slave into the module's receive words
+  std::vector<Link> send{};     ///< RPDOs of the slave from the module's transmit words
+};
+
+struct ModuleSection {
+  bool usable = true;  ///< false: a mistake is reported that leaves nothing to build
+  text::Place place{};
+  text::Place name_place{};
+  std::string name{};  ///< for people; empty: model and slot
+  std::string model{};
+  std::uint16_t head = 0;  ///< head I/O number, in points
+  std::string bus{};
+  std::uint8_t node = 0;
+  bool master = false;
+  text::Place slaves_place{};
+  /// slaves = "all": every device and every other module of the bus, first TPDO and RPDO of each
+  bool all_slaves = false;
+  std::vector<SlaveSection> slaves{};
+  std::optional<can::Duration> exchange{};      ///< the built-in program asks for a data exchange this often
+  bool recover = true;                          ///< it does what keeps process data going
+  std::optional<can::Duration> restart_time{};  ///< instead of the module's own 6 s
+  std::vector<text::ObjectSetting> objects{};
+  std::vector<BufferSetting> buffer{};
+  bool online = false;  ///< the built-in program takes the module online whenever it has started (Layer 2)
+  std::vector<BufferSetting> writes{};  ///< and writes these words before, by address
+  module::ModuleFault fault = module::ModuleFault::hardware_error;
+  std::optional<can::Duration> fault_at{};  ///< when the module gets this fault
+  std::vector<std::uint32_t> watch{};       ///< buffer memory words whose changes are reported
+};
+
+struct PlcSection {
+  text::Place place{};
+  text::Place listen_place{};
+  text::Place store_place{};
+  std::string name{};
+  std::optional<text::HostAndPort> listen{};  ///< MC protocol
+  link::AllowList allowed{};                  ///< who may connect there
+  plc::CpuModel cpu_model = plc::r04cpu();    ///< with the points of the devices that the file sets
+  bool run = true;
+  std::string store{};  ///< folder for what the modules save; empty = nothing survives the run
+  std::optional<can::Duration> cpu_error{};  ///< when the CPU stops with an error
+  std::vector<ModuleSection> modules{};
+};
+
+struct PlantFile {
+  std::string path{};  ///< as given
+  std::string name{};
+  std::uint64_t seed = 1;
+  text::Place control_place{};
+  std::optional<text::HostAndPort> control{};  ///< where the control server listens
+  link::AllowList control_allowed{};           ///< who may connect there
+  std::vector<BusSection> buses{};
+  std::vector<DeviceSection> devices{};
+  std::vector<PlcSection> plcs{};
+};
+
+/// Reads a plant file's text. With errors, `plant` holds what could be read: it may be built, to find what
+/// else is wrong, and must not be started.
+struct PlantReading {
+  PlantFile plant;
+  std::vector<text::FileError> errors{};
+};
+[[nodiscard]] PlantReading read_plant(std::string_view text, std::string path);
+
+/// "ME3CAN1-Q U0", or the name it has in the plant file.
+[[nodiscard]] std::string shown_name(const ModuleSection& module);
+
+}  // namespace canopus::plant

@@ -1,0 +1,128 @@
+#include <algorithm>
+
+#include "canopus/can/frame.hpp"
+#include "canopus/plant/plant_sections.hpp"
+#include "canopus/text/table_reader.hpp"
+
+namespace canopus::plant {
+namespace {
+
+constexpr std::string_view identifier_expected =
+    "an identifier is 0 to 7FFH, or to 1FFFFFFFH with extended = true";
+
+/// { identifier = 0x123, data = [1, 2], extended = false, remote = false, dlc = 0 }
+can::Frame read_frame(text::TableReader& table) {
+  can::Frame frame;
+  frame.extended = table.boolean("extended").value_or(false);
+  frame.remote = table.boolean("remote").value_or(false);
+  const auto highest = frame.extended ? can::max_extended_identifier : can::max_base_identifier;
+  frame.identifier = static_cast<std::uint32_t>(
+      table.integer("identifier", 0, highest, identifier_expected, true).value_or(0));
+  table.elements("data", [&](const toml::node& element) {
+    const auto* byte = element.as_integer();
+    if (byte == nullptr || byte->get() < 0 || byte->get() > 255 || frame.dlc == 8) {
+      return table.error(text::place_of(element.source()), "data: expected at most 8 numbers from 0 to 255");
+    }
+    frame.data[frame.dlc++] = static_cast<std::uint8_t>(byte->get());
+  });
+  if (const auto dlc = table.integer("dlc", 0, 15, "a DLC is 0 to 15"))
+    frame.dlc = static_cast<std::uint8_t>(*dlc);
+  std::fill(frame.data.begin() + static_cast<std::ptrdiff_t>(frame.length()), frame.data.end(),
+            std::uint8_t{0});
+  return frame;
+}
+
+struct FaultName {
+  std::string_view name;
+  sim::FaultKind kind;
+};
+constexpr FaultName fault_names[] = {
+    {"drop", sim::FaultKind::drop},
+    {"corrupt", sim::FaultKind::corrupt},
+    {"duplicate", sim::FaultKind::duplicate},
+    {"delay", sim::FaultKind::delay},
+    {"babble", sim::FaultKind::babble},
+    {"stuck dominant", sim::FaultKind::stuck_dominant},
+    {"jam", sim::FaultKind::jam},
+    {"cut", sim::FaultKind::cut},
+};
+
+sim::FaultKind read_fault_kind(text::TableReader& table) {
+  const std::string kind = table.text("kind", true).value_or("drop");
+  const auto* known = std::ranges::find(fault_names, kind, &FaultName::name);
+  if (known != std::end(fault_names)) return known->kind;
+  std::vector<std::string_view> names;
+  for (const FaultName& name : fault_names) names.push_back(name.name);
+  table.error("kind", fmt::format("expected one of {}", fmt::join(names, ", ")));
+  return sim::FaultKind::drop;
+}
+
+/// Which frames a fault hits.
+void read_frames_hit(text::TableReader& table, sim::Fault& fault) {
+  fault.extended = table.boolean("extended").value_or(false);
+  const auto highest = fault.extended ? can::max_extended_identifier : can::max_base_identifier;
+  if (const auto identifier = table.integer("identifier", 0, highest, identifier_expected)) {
+    fault.identifier = static_cast<std::uint32_t>(*identifier);
+  }
+  fault.sender = table.text("sender").value_or("");
+  const auto count = [&](std::string_view key, std::uint64_t otherwise) {
+    const auto number = table.integer(key, 1, INT64_MAX, "expected 1 or more");
+    return number ? static_cast<std::uint64_t>(*number) : otherwise;
+  };
+  fault.first = count("first", fault.first);
+  fault.every = count("every", fault.every);
+  fault.count = count("count", fault.count);
+  fault.probability = table.number("probability").value_or(1.0);
+  if (fault.probability < 0 || fault.probability > 1) table.error("probability", "expected 0 to 1");
+}
+
+}  // namespace
+
+FaultSection read_fault(text::TableReader& table) {
+  FaultSection section{.place = table.place()};
+  sim::Fault& fault = section.fault;
+  fault.kind = read_fault_kind(table);
+  fault.from = can::Time{} + table.parsed("from", text::parse_duration).value_or(can::Duration{});
+  if (const auto until = table.parsed("until", text::parse_duration)) fault.until = can::Time{} + *until;
+  if (fault.until <= fault.from) table.error("until", "must be later than from");
+
+  using enum sim::FaultKind;
+  if (fault.kind == drop || fault.kind == corrupt || fault.kind == duplicate || fault.kind == delay) {
+    read_frames_hit(table, fault);
+  } else {
+    table.elements("ports", [&](const toml::node& element) {
+      const auto* name = element.as_string();
+      if (name == nullptr) {
+        return table.error(text::place_of(element.source()),
+                           "ports: expected names of devices, for example [\"encoder\"]");
+      }
+      fault.ports.push_back(name->get());
+    });
+  }
+  if (fault.kind == drop || fault.kind == corrupt) fault.receiver = table.text("receiver").value_or("");
+  if (fault.kind == corrupt) {
+    if (const auto bit = table.integer("bit", 0, 200, "a bit of a frame is 0 (SOF) to 200")) {
+      fault.bit = static_cast<unsigned>(*bit);
+    }
+  }
+  if (fault.kind == delay)
+    fault.delay = table.parsed("delay", text::parse_duration, true).value_or(can::Duration{1});
+  if (fault.kind == babble) {
+    const toml::node* frame = table.find("frame");
+    if (frame == nullptr || frame->as_table() == nullptr) {
+      table.error("frame", "expected a frame, for example { identifier = 0x001, data = [0] }");
+    } else {
+      text::TableReader inner(*frame->as_table(), "frame", table.errors());
+      fault.frame = read_frame(inner);
+      inner.finish();
+    }
+    fault.interval = table.parsed("interval", text::parse_duration).value_or(can::Duration{});
+  }
+  if (fault.kind == jam) {
+    const auto capacity = table.integer("capacity", 1, 65535, "expected 1 to 65535 frames");
+    fault.capacity = static_cast<std::size_t>(capacity.value_or(16));
+  }
+  return section;
+}
+
+}  // namespace canopus::plant

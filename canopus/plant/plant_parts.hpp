@@ -1,0 +1,50 @@
+#pragma once
+// What a plant consists of, and how it is put together from its file.
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/plant/bus_watch.hpp"
+#include "canopus/plant/device_seat.hpp"
+#include "canopus/plant/module_seat.hpp"
+#include "canopus/plant/plant.hpp"
+#include "canopus/plant/plant_stores.hpp"
+#include "canopus/plant/plant_timers.hpp"
+
+namespace canopus::plant {
+
+struct Plant::Parts {
+  PlantFile file;
+  can::Timeline timeline;
+  std::vector<std::unique_ptr<sim::Bus>> buses;
+  std::vector<std::unique_ptr<BusWatch>> watches;
+  std::vector<std::unique_ptr<DeviceSeat>> devices;
+  std::vector<can::Timeline::Handle> device_handles;
+  std::vector<const sim::Port*> device_ports;  // of each device
+  std::vector<std::unique_ptr<ModuleSeat>> modules;
+  std::vector<can::Timeline::Handle> module_handles;
+  std::vector<const sim::Port*> module_ports;  // of each module
+  std::vector<std::unique_ptr<plc::Rack>> racks;
+  std::vector<std::unique_ptr<CpuErrorTimer>> cpu_errors;
+  std::vector<can::Timeline::Handle> cpu_error_handles;
+  std::unique_ptr<LoadReport> load_report;
+  std::vector<std::string> connections;
+  std::vector<text::FileWarning> warnings;
+  std::optional<PlantStores> stores;
+  bool has_stalled = false;
+
+  sim::Bus& bus(std::string_view name) {
+    return **std::ranges::find_if(buses, [&](const auto& bus) { return bus->name() == name; });
+  }
+};
+
+/// Opens the device files and fills `parts` from parts.file. All errors are found at once.
+[[nodiscard]] std::vector<text::FileError> assemble(Plant::Parts& parts, PlantObserver& observer,
+                                                    std::uint64_t seed);
+
+}  // namespace canopus::plant

@@ -1,0 +1,17 @@
+#pragma once
+// What no single table of a plant file can see: names that must be there once, buses and slaves that must
+// exist, node-IDs and I/O points that only one can have.
+
+#include <vector>
+
+#include "canopus/plant/plant_file.hpp"
+
+namespace canopus::plant {
+
+/// Finds them, names the bus of everything that leaves it out, and marks as not usable what cannot be built.
+void check_references(PlantFile& plant, std::vector<text::FileError>& errors);
+
+/// Adds the mistake of every server that would have the port of another one. In plant_file_servers.cpp.
+void check_servers(const PlantFile& plant, std::vector<text::FileError>& errors);
+
+}  // namespace canopus::plant

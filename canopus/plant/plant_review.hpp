@@ -1,0 +1,101 @@
+#pragma once
+// What no section of a plant file can see of itself: how the nodes of a bus fit together when they are switched
+// on, as their device files, the plant file and their stores say. Nothing here keeps a plant from starting;
+// each finding is true for the plant at hand, and says what will not happen, and why.
+
+#include <cstdint>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/canopen/dictionary/object_dictionary.hpp"
+#include "canopus/canopen/service/cob_id.hpp"
+#include "canopus/eds/device_file.hpp"
+#include "canopus/module/interface/communication_module.hpp"
+#include "canopus/plant/device_seat.hpp"
+#include "canopus/plant/plant_file.hpp"
+
+namespace canopus::plant {
+
+/// A node as it will be when it is switched on.
+struct ReviewedNode {
+  text::Place place{};
+  std::string name;                   ///< "node 3 (encoder)"
+  std::uint8_t node_id = 0;           ///< FFH: none yet
+  canopen::ObjectDictionary objects;  ///< its values
+  bool produces_sync = false;
+  bool drives = true;                                          ///< false: it only listens
+  const std::vector<text::ObjectSetting>* settings = nullptr;  ///< `objects` of its section
+  const DeviceSection* device = nullptr;                       ///< of a device: its section,
+  const eds::DeviceFile* file = nullptr;                       ///< its file,
+  bool is_lss_slave = false;                                   ///< and whether LSS can set it
+};
+[[nodiscard]] ReviewedNode reviewed(const DeviceSection& section, DeviceSeat& seat);
+[[nodiscard]] ReviewedNode reviewed(const ModuleSection& section, std::string_view name,
+                                    module::CommunicationModule::InitialNode node);
+
+/// The nodes of a bus that speak CANopen.
+struct ReviewedBus {
+  std::string_view name;
+  std::vector<ReviewedNode> nodes{};
+  bool is_served = false;               ///< other programs can be nodes of it, too
+  bool has_plain_can = false;           ///< a module in a Layer 2 mode sends what its program wants
+  std::set<std::uint8_t> configured{};  ///< nodes whose objects a master writes before they start
+};
+
+/// The PDO with this communication record (1400H or 1800H on) carries something.
+[[nodiscard]] bool maps_something(const ReviewedNode& node, std::uint16_t communication) noexcept;
+/// A PDO that a node sends or takes: valid, with a CAN-ID it may have, and something mapped.
+struct ReviewedPdo {
+  bool transmit = false;
+  std::uint16_t index = 0;  ///< of its communication record, 1400H or 1800H on
+  unsigned number = 0;      ///< from 1
+  canopen::CobId cob_id{};
+  std::uint8_t transmission_type = 0;
+};
+[[nodiscard]] std::vector<ReviewedPdo> active_pdos(const ReviewedNode& node);
+/// "TPDO3"
+[[nodiscard]] std::string name(const ReviewedPdo& pdo);
+/// The node with this node-ID, or nullptr.
+[[nodiscard]] const ReviewedNode* find(const ReviewedBus& bus, std::uint8_t node_id) noexcept;
+/// A device waits for its node-ID, which may be any.
+[[nodiscard]] bool has_unconfigured(const ReviewedBus& bus) noexcept;
+/// A program outside of the plant is probably the NMT master here, or a module's program sends frames: what they
+/// send and configure cannot be known.
+[[nodiscard]] bool has_unknown_senders(const ReviewedBus& bus) noexcept;
+/// 1F80H. A device's is 0: as a slave it does what its file says, only modules become masters.
+[[nodiscard]] std::uint32_t start_up_of(const ReviewedNode& node) noexcept;
+/// `objects` of its section has this one.
+[[nodiscard]] bool is_set_by_plant_file(const ReviewedNode& node, std::uint16_t index,
+                                        std::uint8_t sub) noexcept;
+/// Its file is a DCF that was made for its node-ID.
+[[nodiscard]] bool is_dcf_for(const ReviewedNode& node) noexcept;
+/// Where the plant file sets the object; else where the node begins.
+[[nodiscard]] text::Place place_of(const ReviewedNode& node, std::uint16_t index, std::uint8_t sub) noexcept;
+
+using Warnings = std::vector<text::FileWarning>;
+
+// --- one finding each
+
+/// COB-IDs that no node uses, because CiA 301 restricts their CAN-ID.
+void find_restricted_identifiers(const ReviewedBus& bus, Warnings& warnings);
+/// Synchronous PDOs of a node that hears no SYNC: nobody produces it, or the node has no 1005H.
+void find_missing_sync(const ReviewedBus& bus, Warnings& warnings);
+/// Two nodes that send one CAN-ID.
+void find_two_senders(const ReviewedBus& bus, Warnings& warnings);
+/// COB-IDs of the pre-defined connection set that a device file has for another node-ID than the device's.
+void find_cob_ids_of_another_node(const ReviewedBus& bus, Warnings& warnings);
+/// Heartbeat consumers (1016H) whose node is not there, sends none, or too seldom.
+void find_missing_heartbeats(const ReviewedBus& bus, Warnings& warnings);
+/// Slaves of a master (1F81H) that are not on the bus.
+void find_missing_slaves(const ReviewedBus& bus, Warnings& warnings);
+/// Two NMT masters that do not compete as flying masters.
+void find_two_masters(const ReviewedBus& bus, Warnings& warnings);
+/// LSS slaves that LSS cannot tell apart.
+void find_equal_lss_addresses(const ReviewedBus& bus, Warnings& warnings);
+
+/// All of them.
+void review(const ReviewedBus& bus, Warnings& warnings);
+
+}  // namespace canopus::plant

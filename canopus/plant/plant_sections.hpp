@@ -1,0 +1,29 @@
+#pragma once
+// Sections of a plant file that have a source of their own.
+
+#include <optional>
+#include <string_view>
+
+#include "canopus/link/allow_list.hpp"
+#include "canopus/plant/plant_file.hpp"
+#include "canopus/text/table_reader.hpp"
+
+namespace canopus::plant {
+
+/// `allow` of a section whose server listens where its key `key` says; none: it has no server. A server that
+/// other machines can reach needs a list.
+[[nodiscard]] link::AllowList read_allowed(text::TableReader& table, std::string_view key,
+                                           std::string_view protocol,
+                                           const std::optional<text::HostAndPort>& place);
+
+/// `cpu_model` and `devices` of a [[plc]].
+[[nodiscard]] plc::CpuModel read_cpu_model(text::TableReader& table);
+
+/// A [[bus.fault]].
+[[nodiscard]] FaultSection read_fault(text::TableReader& table);
+/// A [[device.script]].
+[[nodiscard]] ScriptSection read_script(text::TableReader& table);
+/// A [[device.playback]].
+[[nodiscard]] PlaybackSection read_playback(text::TableReader& table);
+
+}  // namespace canopus::plant

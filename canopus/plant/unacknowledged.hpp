@@ -1,0 +1,35 @@
+#pragma once
+
+#include "canopus/sim/bus/bus.hpp"
+
+namespace canopus::plant {
+
+/// Notices on a bus that nobody acknowledges a controller's frames: it is alone there.
+class Unacknowledged {
+ public:
+  /// As BusObserver::error_detected(). True once, when the frames of one port stayed without acknowledgement
+  /// for so many attempts in a row; then again only after somebody completed a frame.
+  bool error_detected(const sim::Port& port, sim::BusError error) noexcept {
+    const bool unacknowledged = error == sim::BusError::acknowledgement;
+    // What a listener makes of it says nothing of the sender.
+    if (reported_ || (!unacknowledged && &port != port_)) return false;
+    attempts_ = !unacknowledged ? 0 : &port == port_ ? attempts_ + 1 : 1;
+    port_ = &port;
+    reported_ = attempts_ == attempts_that_count;
+    return reported_;
+  }
+  /// As BusObserver::frame_completed().
+  void frame_completed() noexcept {
+    attempts_ = 0;
+    reported_ = false;
+  }
+
+ private:
+  /// One may be a disturbed acknowledgement slot.
+  static constexpr unsigned attempts_that_count = 8;
+  const sim::Port* port_ = nullptr;
+  unsigned attempts_ = 0;
+  bool reported_ = false;
+};
+
+}  // namespace canopus::plant

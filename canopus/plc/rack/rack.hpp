@@ -1,0 +1,168 @@
+#pragma once
+// The PLC around the modules: a rack with slots, the CPU's devices (X Y M D W R SM SD ...) and its RUN/STOP
+// state. One Rack lives on one event loop; every access is a direct call.
+//
+// There is no PLC program and no scan: whoever accesses the rack plays it. X is therefore what the modules
+// say at this moment, a written Y is a signal edge at once, and everything else is memory. A device number or
+// buffer memory address outside of the range is refused as a whole, before anything is written.
+//
+// Modules hear of the CPU's state (cpu_changed), and after every access that a module may react to, its
+// deadline in the timeline is read again.
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <expected>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "canopus/can/timeline.hpp"
+#include "canopus/module/interface/module.hpp"
+#include "canopus/plc/cpu/device.hpp"
+
+namespace canopus::plc {
+
+/// Why an access was refused; nothing has happened then.
+enum class AccessError : std::uint8_t {
+  no_device,     ///< the CPU has no such device (0 points)
+  wrong_unit,    ///< single bits of a word device
+  out_of_range,  ///< device numbers beyond the CPU's last one
+  no_module,     ///< no module at this head address
+  beyond_buffer  ///< buffer memory addresses beyond the module's last one
+};
+
+/// Who goes with the CPU: the built-in PLC program.
+class RackListener {
+ public:
+  /// The supply came on, with the CPU in cpu_state(), or went off. Modules know already.
+  virtual void supply_changed(bool on, can::Time now) = 0;
+  /// The CPU went to RUN, Y as before the STOP, or to STOP, Y OFF. Modules know already.
+  virtual void cpu_changed(module::CpuState state, can::Time now) = 0;
+  /// The CPU, in RUN, went to PAUSE or came back from it: no program runs, Y stay. Modules do not know.
+  virtual void cpu_paused(bool /*paused*/, can::Time /*now*/) {}
+
+ protected:
+  ~RackListener() = default;
+};
+
+class Rack {
+ public:
+  using Access = std::expected<void, AccessError>;
+
+  /// Off, empty, the CPU's switch at RUN.
+  explicit Rack(can::Timeline& timeline, const CpuModel& model = r04cpu());
+
+  /// Puts a module at a head I/O number (0, 10H, 20H ... FF0H, in points; a multiple of 16). `handle` is what
+  /// the timeline's add() gave for it; the module must outlive the rack. False when the head address is not
+  /// one, or the points overlap another module's or reach beyond X/Y FFFH, or the rack has supply: modules
+  /// are not changed online.
+  bool insert(std::uint16_t head_address, module::Module& module, can::Timeline::Handle handle);
+  /// Hears of supply and CPU from now on; it must outlive the rack.
+  void add_listener(RackListener& listener) { listeners_.push_back(&listener); }
+  /// The module whose points begin at head_address, or nullptr.
+  [[nodiscard]] module::Module* module_at(std::uint16_t head_address) const noexcept;
+
+  [[nodiscard]] const CpuModel& model() const noexcept { return model_; }
+
+  /// What the programming tool's product list says of a slot.
+  struct ProductListRow {
+    unsigned slot = 0;            ///< in the order of insertion
+    std::uint16_t io_number = 0;  ///< head address
+    module::ProductInformation product;
+  };
+  [[nodiscard]] std::vector<ProductListRow> product_list() const;
+
+  /// Supply on: devices and the CPU's own buffer memory cleared, modules started, then told the CPU's state.
+  void power_on(can::Time now, module::CpuState state = module::CpuState::run);
+  void power_off(can::Time now);
+
+  [[nodiscard]] module::CpuState cpu_state() const noexcept { return state_; }
+  /// Remote RUN/STOP. RUN to STOP turns all Y off, STOP to RUN restores them as they were before the STOP
+  /// ("previous state", the default of the CPU parameter). Every module is told.
+  void set_cpu_state(module::CpuState state, can::Time now);
+  /// Remote PAUSE: no program runs, while Y and everything else stay as they are, so modules see no change.
+  /// set_cpu_state(), the supply and reset end it. In STOP nothing happens.
+  void pause(can::Time now);
+  [[nodiscard]] bool is_paused() const noexcept { return paused_; }
+  /// The CPU finds an error and stops: every module is told, then as RUN to STOP. RUN again is possible at
+  /// once.
+  void fail_cpu(can::Time now);
+  /// As the RESET switch: devices are cleared and all modules start anew.
+  void reset_cpu(can::Time now);
+  /// What remote RUN clears when asked: all devices but L (`latched` = false) or with L. SM SD R ZR stay, and
+  /// so does Z; Y of modules go off.
+  void clear_devices(bool latched, can::Time now);
+  /// L only: remote latch clear.
+  void clear_latched() noexcept;
+
+  /// Sets the CPU's clock (SD210...). A new rack's clock starts at 2000-01-01 00:00:00.
+  void set_clock(std::chrono::local_seconds clock, can::Time now) noexcept;
+
+  /// Word devices: one word per point. Bit devices: 16 points per word, the first in bit 0; `first` may be
+  /// any number.
+  Access read_words(Device device, std::uint32_t first, std::span<std::uint16_t> words, can::Time now);
+  /// X of a module's points keeps what the module says; SM and SD that the system sets likewise.
+  Access write_words(Device device, std::uint32_t first, std::span<const std::uint16_t> words, can::Time now);
+  /// Bit devices only: 0 or 1 per point.
+  Access read_bits(Device device, std::uint32_t first, std::span<std::uint8_t> bits, can::Time now);
+  /// Bit devices only: 0 is OFF, anything else ON. Y act at once, in the order of their numbers.
+  Access write_bits(Device device, std::uint32_t first, std::span<const std::uint8_t> bits, can::Time now);
+
+  /// FROM and TO, U\G: words of the module whose points include `head_address`.
+  Access read_buffer(std::uint16_t head_address, module::BufferAddress first, std::span<std::uint16_t> words,
+                     can::Time now);
+  Access write_buffer(std::uint16_t head_address, module::BufferAddress first,
+                      std::span<const std::uint16_t> words, can::Time now);
+
+  /// The CPU's own buffer memory; empty when it has none.
+  [[nodiscard]] std::span<std::uint16_t> own_buffer() noexcept { return own_buffer_; }
+
+  /// Whether an access to `count` points (words of a word device, else bits) would be refused, without doing
+  /// it.
+  [[nodiscard]] Access check(Device device, std::uint32_t first, std::uint32_t count) const noexcept;
+  [[nodiscard]] Access check_buffer(std::uint16_t head_address, module::BufferAddress first,
+                                    std::uint32_t count) const noexcept;
+
+ private:
+  struct Slot {
+    std::uint16_t head = 0;
+    module::Module* module = nullptr;
+    module::BufferMemoryAccess* buffer = nullptr;  // nullptr: the module has none; likewise
+    module::SignalAccess* signals = nullptr;
+    can::Timeline::Handle handle = 0;
+  };
+  static constexpr std::size_t block_count = 256;  // of 16 points: X/Y 000H to FFFH
+  static constexpr std::uint8_t empty = 0xFF;
+
+  [[nodiscard]] const Slot* slot_of_point(std::uint32_t point) const noexcept;
+  [[nodiscard]] std::span<std::uint16_t> memory(Device device) noexcept;
+  /// 16 points from number 16 * block on, as they read.
+  [[nodiscard]] std::uint16_t bit_block(Device device, std::uint32_t block, can::Time now);
+  [[nodiscard]] std::uint16_t special_relays(std::uint32_t block, can::Time now) const noexcept;
+  [[nodiscard]] std::uint16_t special_register(std::uint32_t number, can::Time now) const noexcept;
+  void write_bit(Device device, std::uint32_t number, bool on, can::Time now);
+  void output_to_module(std::uint32_t number, bool on, can::Time now);
+  void tell_cpu_state(can::Time now);
+  void refresh_modules();
+
+  can::Timeline& timeline_;
+  CpuModel model_;
+  std::vector<Slot> slots_;
+  std::vector<RackListener*> listeners_;
+  std::array<std::uint8_t, block_count> slot_of_block_{};        // number in slots_, or empty
+  std::array<std::vector<std::uint16_t>, device_count> memory_;  // bit devices: 16 points per word
+  std::vector<std::uint16_t> own_buffer_;
+  std::vector<std::uint16_t> outputs_before_stop_;
+  module::CpuState state_ = module::CpuState::run;
+  /// As SD203 counts.
+  enum class StopCause : std::uint8_t { by_switch = 0, remote = 2, error = 4 };
+  StopCause stop_cause_ = StopCause::by_switch;
+  bool paused_ = false;
+  bool on_ = false;
+  std::chrono::local_seconds clock_{};  // the CPU's clock at clock_set_
+  can::Time clock_set_{};
+};
+
+}  // namespace canopus::plc

@@ -1,0 +1,126 @@
+#pragma once
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "canopus/can/timeline.hpp"
+#include "canopus/link/socketcand_server.hpp"
+#include "canopus/plant/unacknowledged.hpp"
+#include "canopus/sim/bus/bus.hpp"
+
+namespace canopus::serve {
+
+/// A port of a simulated bus for one socketcand client after the other. A bus keeps its ports and a timeline
+/// its places, so those of clients that left are used again.
+class ClientPort final : public can::Participant, private sim::BusObserver {
+ public:
+  ClientPort(sim::Bus& bus, can::Timeline& timeline)
+      : bus_(bus),
+        timeline_(timeline),
+        handle_(timeline.add(*this, "socketcand client")),
+        port_(bus.add_port("socketcand")) {
+    port_.connect(*this, handle_);
+    bus_.add_observer(*this);
+  }
+  ~ClientPort() override {
+    bus_.remove_observer(*this);
+    port_.disconnect();
+    timeline_.remove(handle_);
+  }
+  ClientPort(const ClientPort&) = delete;
+  ClientPort& operator=(const ClientPort&) = delete;
+
+  void join(link::AttachedClient& client) {
+    unacknowledged_ = {};
+    client_ = &client;
+    port_.set_transmit_queue(sim::TransmitOrder::fifo,
+                             queued_frames);  // as sent, and nothing of an earlier client
+    port_.plug(true);
+    refresh();
+  }
+  void leave() {
+    port_.abort_transmissions();
+    port_.plug(false);
+    client_ = nullptr;
+    refresh();
+  }
+  bool send(const can::Frame& frame) { return port_.send(frame); }
+  void refresh() { timeline_.refresh(handle_); }
+
+  void receive(const can::Frame& frame, can::Time now) override {
+    if (client_ != nullptr) client_->receive(frame, now);
+  }
+  void transmitted(const can::Frame& frame, can::Time now) override {
+    if (client_ != nullptr) client_->transmitted(frame, now);
+  }
+  void controller_changed(can::Time now) override {
+    if (client_ != nullptr) client_->controller_changed(now);
+  }
+  void tick(can::Time now) override {
+    if (client_ != nullptr) client_->tick(now);
+  }
+  [[nodiscard]] can::Time deadline() const noexcept override {
+    return client_ == nullptr ? can::never : client_->deadline();
+  }
+
+ private:
+  // sim::BusObserver
+  void frame_completed(const can::Frame&, can::Time, can::Time) override {
+    unacknowledged_.frame_completed();
+  }
+  void error_detected(const sim::Port& port, sim::BusError error, can::Time now) override {
+    if (&port != &port_ || client_ == nullptr) return;
+    if (unacknowledged_.error_detected(port, error)) client_->unacknowledged(now);
+  }
+
+  static constexpr std::size_t queued_frames = 128;
+  link::AttachedClient* client_ = nullptr;  // before what adds this to the timeline
+  plant::Unacknowledged unacknowledged_;
+  sim::Bus& bus_;
+  can::Timeline& timeline_;
+  can::Timeline::Handle handle_;
+  sim::Port& port_;
+};
+
+/// The ports that socketcand clients of one bus have or had.
+class ClientPorts {
+ public:
+  ClientPorts(sim::Bus& bus, can::Timeline& timeline) : bus_(bus), timeline_(timeline) {}
+
+  /// A client's place until it is destroyed.
+  [[nodiscard]] std::unique_ptr<link::BusAttachment> attach(link::AttachedClient& client) {
+    if (free_.empty()) free_.push_back(std::make_unique<ClientPort>(bus_, timeline_));
+    auto port = std::move(free_.back());
+    free_.pop_back();
+    port->join(client);
+    return std::make_unique<Attachment>(free_, std::move(port));
+  }
+
+ private:
+  using Free = std::vector<std::unique_ptr<ClientPort>>;
+
+  class Attachment final : public link::BusAttachment {
+   public:
+    Attachment(Free& free, std::unique_ptr<ClientPort> port) : free_(free), port_(std::move(port)) {}
+    ~Attachment() override {
+      port_->leave();
+      free_.push_back(std::move(port_));
+    }
+    Attachment(const Attachment&) = delete;
+    Attachment& operator=(const Attachment&) = delete;
+
+    bool send(const can::Frame& frame) override { return port_->send(frame); }
+    void refresh() override { port_->refresh(); }
+
+   private:
+    Free& free_;
+    std::unique_ptr<ClientPort> port_;
+  };
+
+  sim::Bus& bus_;
+  can::Timeline& timeline_;
+  Free free_;
+};
+
+}  // namespace canopus::serve

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "canopus/can/timeline.hpp"
+#include "canopus/plant/plant.hpp"
+
+namespace canopus::serve {
+
+/// What a server has to say of its clients, as errors of one source. Whoever connects again and again must
+/// not fill the events: at most so many lines a second of plant time; how many were left out is said with the
+/// next one.
+class ClientReports {
+ public:
+  static constexpr unsigned most_lines = 5;
+
+  /// Observer and timeline must outlive the reports.
+  ClientReports(plant::PlantObserver& observer, const can::Timeline& timeline, std::string source)
+      : observer_(observer), timeline_(timeline), source_(std::move(source)) {}
+
+  void operator()(std::string_view sentence) {
+    const can::Time now = timeline_.now();
+    if (now >= next_second_) {
+      next_second_ = can::later(now, std::chrono::seconds(1));
+      lines_ = 0;
+    }
+    if (++lines_ > most_lines) {
+      ++left_out_;
+      return;
+    }
+    if (const auto left_out = std::exchange(left_out_, 0); left_out != 0) {
+      observer_.error(source_, fmt::format("{} reports of clients were left out", left_out), now);
+    }
+    observer_.error(source_, sentence, now);
+  }
+
+ private:
+  plant::PlantObserver& observer_;
+  const can::Timeline& timeline_;
+  std::string source_;
+  can::Time next_second_{};
+  unsigned lines_ = 0;
+  std::uint64_t left_out_ = 0;
+};
+
+}  // namespace canopus::serve

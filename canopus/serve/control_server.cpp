@@ -1,0 +1,262 @@
+#include "canopus/serve/control_server.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+#include <vector>
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/write.hpp>
+
+namespace canopus::serve {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using boost::system::error_code;
+using WallClock = std::chrono::steady_clock;
+
+struct ControlServer::Parts : std::enable_shared_from_this<Parts> {
+  Parts(asio::io_context& io, link::LoopClock& the_clock, Answer the_answer, ControlServerOptions the_options,
+        link::ClientReport the_report)
+      : context(io),
+        clock(the_clock),
+        answer(std::move(the_answer)),
+        options(std::move(the_options)),
+        report(std::move(the_report)),
+        acceptor(io),
+        accept_pause(io) {}
+
+  void accept();
+  void admit(tcp::socket socket);
+  [[nodiscard]] bool make_room(const std::string& newcomer);
+  void remove(const Connection& connection);
+  void say(const std::string& client, const std::string& what) const {
+    if (report) report(client + ' ' + what);
+  }
+
+  asio::io_context& context;
+  link::LoopClock& clock;
+  Answer answer;
+  ControlServerOptions options;
+  link::ClientReport report;
+  tcp::acceptor acceptor;
+  asio::steady_timer accept_pause;
+  std::vector<std::shared_ptr<Connection>> connections;
+};
+
+/// One client: reads a line, answers it, and reads on when the answer is gone. Handlers hold it; it forgets the
+/// server when the server is gone.
+class ControlServer::Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  Connection(Parts& parts, tcp::socket socket)
+      : parts_(&parts),
+        socket_(std::move(socket)),
+        name_(link::name_of_peer(socket_)),
+        timer_(parts.context) {}
+
+  void start() {
+    error_code ignored;
+    socket_.set_option(tcp::no_delay(true), ignored);
+    socket_.set_option(asio::socket_base::keep_alive(true), ignored);
+    receive();
+  }
+
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  /// When something came from the client last.
+  [[nodiscard]] WallClock::time_point heard_at() const noexcept { return heard_at_; }
+
+  void close() noexcept {
+    parts_ = nullptr;
+    error_code ignored;
+    socket_.shutdown(tcp::socket::shutdown_both, ignored);
+    socket_.close(ignored);
+    timer_.cancel(ignored);
+  }
+
+ private:
+  void receive() {
+    socket_.async_read_some(asio::buffer(buffer_),
+                            [self = shared_from_this()](error_code error, std::size_t count) {
+                              if (self->parts_ == nullptr) return;
+                              if (error) return self->end();
+                              self->heard_at_ = WallClock::now();
+                              self->input_.append(self->buffer_.data(), count);
+                              self->work();
+                            });
+  }
+
+  /// Answers the first line that is complete.
+  void work() {
+    const std::size_t end = input_.find('\n');
+    const std::size_t length = std::min(end, input_.size());
+    if (length > parts_->options.longest_line) {
+      const std::string limit = std::to_string(parts_->options.longest_line);
+      parts_->say(name_, "sent a line of more than " + limit + " bytes: its connection is closed");
+      ends_ = true;
+      return send(R"({"ok":false,"error":"a request has at most )" + limit + " bytes\"}\n");
+    }
+    if (end == std::string::npos) {
+      if (input_.empty()) {
+        stop_timer();
+      } else if (!timed_) {
+        set_timer(parts_->options.half_line_timeout, "left a request incomplete");
+      }
+      return receive();
+    }
+    stop_timer();
+    (void)parts_->clock.now();
+    if (parts_ == nullptr) return;  // the run ended on the way there
+    std::string answer = parts_->answer(std::string_view(input_).substr(0, end));
+    input_.erase(0, end + 1);
+    parts_->clock.touched();
+    if (parts_ == nullptr) return;
+    send(std::move(answer));
+  }
+
+  void send(std::string answer) {
+    output_ = std::move(answer);
+    set_timer(parts_->options.send_timeout, "does not take its answers");
+    asio::async_write(socket_, asio::buffer(output_),
+                      [self = shared_from_this()](error_code error, std::size_t) {
+                        if (self->parts_ == nullptr) return;
+                        if (error || self->ends_) return self->end();
+                        self->stop_timer();
+                        self->work();
+                      });
+  }
+
+  void set_timer(std::chrono::milliseconds timeout, const char* reason) {
+    timed_ = true;
+    const std::uint64_t turn = ++timer_turn_;
+    timer_.expires_after(timeout);
+    timer_.async_wait([self = shared_from_this(), turn, reason](error_code error) {
+      // A timer that was set again after it had expired is not meant any more.
+      if (error || self->parts_ == nullptr || turn != self->timer_turn_) return;
+      self->end(reason);
+    });
+  }
+
+  void stop_timer() {
+    if (!std::exchange(timed_, false)) return;
+    ++timer_turn_;
+    error_code ignored;
+    timer_.cancel(ignored);
+  }
+
+  /// `reason`: what the client did, when it was not its client that ended the connection.
+  void end(const char* reason = nullptr) {
+    Parts& parts = *parts_;
+    if (reason != nullptr) parts.say(name_, std::string(reason) + ": its connection is closed");
+    close();
+    parts.remove(*this);
+  }
+
+  Parts* parts_;
+  tcp::socket socket_;
+  std::string name_;
+  WallClock::time_point heard_at_ = WallClock::now();
+  asio::steady_timer timer_;
+  bool timed_ = false;
+  std::uint64_t timer_turn_ = 0;
+  std::array<char, 1024> buffer_{};
+  std::string input_;
+  std::string output_;
+  bool ends_ = false;  // with the answer that is being sent
+};
+
+void ControlServer::Parts::accept() {
+  acceptor.async_accept([this, self = shared_from_this()](error_code error, tcp::socket socket) {
+    if (error == asio::error::operation_aborted || !acceptor.is_open()) return;
+    if (error) {
+      // Out of file descriptors or the like: the port stays open for later.
+      accept_pause.expires_after(std::chrono::milliseconds(100));
+      accept_pause.async_wait([this, self](error_code stopped) {
+        if (!stopped && acceptor.is_open()) accept();
+      });
+      return;
+    }
+    admit(std::move(socket));
+    accept();
+  });
+}
+
+void ControlServer::Parts::admit(tcp::socket socket) {
+  const std::string name = link::name_of_peer(socket);
+  if (!link::is_allowed(socket, options.allowed)) return say(name, "is not allowed to connect");
+  if (connections.size() >= options.maximum_clients && !make_room(name)) return;
+  connections.push_back(std::make_shared<Connection>(*this, std::move(socket)));
+  connections.back()->start();
+}
+
+/// Closes the connection from which nothing has come for the longest time, if that is long enough.
+bool ControlServer::Parts::make_room(const std::string& newcomer) {
+  const auto idlest =
+      std::ranges::min_element(connections, {}, [](const auto& other) { return other->heard_at(); });
+  const auto idle = WallClock::now() - (*idlest)->heard_at();
+  if (idle < options.gives_way_after) {
+    say(newcomer, "was refused: all " + std::to_string(options.maximum_clients) + " connections are in use");
+    return false;
+  }
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(idle).count();
+  say((*idlest)->name(),
+      "has asked nothing for " + std::to_string(seconds) + " s: its connection gives way to " + newcomer);
+  (*idlest)->close();
+  connections.erase(idlest);
+  return true;
+}
+
+void ControlServer::Parts::remove(const Connection& connection) {
+  std::erase_if(connections, [&](const auto& other) { return other.get() == &connection; });
+}
+
+ControlServer::ControlServer(asio::io_context& context, link::LoopClock& clock, Answer answer,
+                             ControlServerOptions options, link::ClientReport report)
+    : parts_(std::make_shared<Parts>(context, clock, std::move(answer), std::move(options),
+                                     std::move(report))) {}
+
+ControlServer::~ControlServer() { stop(); }
+
+std::expected<void, std::string> ControlServer::listen(const std::string& host, std::uint16_t port) {
+  const auto failed = [&](const error_code& error) {
+    error_code ignored;
+    parts_->acceptor.close(ignored);
+    return std::unexpected(host + ":" + std::to_string(port) + ": " + error.message());
+  };
+  error_code error;
+  tcp::resolver resolver(parts_->context);
+  const auto found = resolver.resolve(host, std::to_string(port),
+                                      tcp::resolver::passive | tcp::resolver::numeric_service, error);
+  if (error) return failed(error);
+  const tcp::endpoint endpoint = found.begin()->endpoint();
+  tcp::acceptor& acceptor = parts_->acceptor;
+  acceptor.open(endpoint.protocol(), error);
+  if (error) return failed(error);
+  acceptor.set_option(tcp::acceptor::reuse_address(true), error);
+  acceptor.bind(endpoint, error);
+  if (error) return failed(error);
+  acceptor.listen(asio::socket_base::max_listen_connections, error);
+  if (error) return failed(error);
+  parts_->accept();
+  return {};
+}
+
+std::uint16_t ControlServer::port() const noexcept {
+  error_code error;
+  const tcp::endpoint endpoint = parts_->acceptor.local_endpoint(error);
+  return error ? std::uint16_t{0} : endpoint.port();
+}
+
+std::size_t ControlServer::clients() const noexcept { return parts_->connections.size(); }
+
+void ControlServer::stop() noexcept {
+  error_code ignored;
+  parts_->acceptor.close(ignored);
+  parts_->accept_pause.cancel(ignored);
+  for (const auto& connection : parts_->connections) connection->close();
+  parts_->connections.clear();
+}
+
+}  // namespace canopus::serve

@@ -1,0 +1,66 @@
+#pragma once
+// The control server of a plant: a TCP server that answers lines of JSON (device_control.hpp, docs/control.md).
+// It runs on the event loop that owns the plant, in its thread.
+//
+// Clients cannot disturb each other or the plant: lines have a greatest length, a client that does not take its
+// answers is asked nothing more and loses its connection after a while, and one that has been silent gives way
+// when all connections are taken. Whatever ends a connection but its client is reported.
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "canopus/link/allow_list.hpp"
+#include "canopus/link/loop_clock.hpp"
+#include "canopus/link/peer.hpp"
+
+namespace canopus::serve {
+
+struct ControlServerOptions {
+  link::AllowList allowed{};  ///< who may connect
+  /// A further client takes the place of the one from which nothing has come for the longest time; when that
+  /// is shorter than `gives_way_after`, it is closed at once.
+  std::size_t maximum_clients = 16;
+  std::chrono::milliseconds gives_way_after{10000};
+  /// Of a request, without its line feed. A longer one is answered with an error and ends the connection.
+  std::size_t longest_line = 4096;
+  /// From the beginning of a request to its line feed.
+  std::chrono::milliseconds half_line_timeout{5000};
+  /// From an answer that the client does not take to the end of its connection.
+  std::chrono::milliseconds send_timeout{30000};
+};
+
+class ControlServer {
+ public:
+  /// The answer to a line, with its line feed.
+  using Answer = std::function<std::string(std::string_view line)>;
+
+  /// `context` and `clock` must outlive the server. `answer` is called with the plant's time at now.
+  ControlServer(boost::asio::io_context& context, link::LoopClock& clock, Answer answer,
+                ControlServerOptions options = {}, link::ClientReport report = {});
+  /// Stops.
+  ~ControlServer();
+  ControlServer(const ControlServer&) = delete;
+  ControlServer& operator=(const ControlServer&) = delete;
+
+  /// Starts to accept. `host` is an address or a name; port 0 takes a free one. The error is a sentence.
+  [[nodiscard]] std::expected<void, std::string> listen(const std::string& host, std::uint16_t port);
+  /// The port it listens on, 0 before listen().
+  [[nodiscard]] std::uint16_t port() const noexcept;
+  /// Clients connected now.
+  [[nodiscard]] std::size_t clients() const noexcept;
+  /// Closes the port and all connections.
+  void stop() noexcept;
+
+ private:
+  struct Parts;
+  class Connection;
+  std::shared_ptr<Parts> parts_;  // also held by handlers that wait in the context
+};
+
+}  // namespace canopus::serve

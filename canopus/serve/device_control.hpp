@@ -1,0 +1,25 @@
+#pragma once
+// What the control server of a plant can be asked: which devices there are, their values, and to force and
+// release them. One JSON object in a line is a request, one is its answer. docs/control.md describes them.
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+#include "canopus/plant/plant.hpp"
+
+namespace canopus::serve {
+
+class DeviceControl {
+ public:
+  explicit DeviceControl(plant::Plant& plant) : plant_(plant) {}
+
+  /// The answer to a request, one line with its line feed, whatever came in. The plant's timeline stands at
+  /// now.
+  [[nodiscard]] std::string answer(std::string_view request);
+
+ private:
+  plant::Plant& plant_;
+};
+
+}  // namespace canopus::serve

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+
+#include "canopus/link/loop_clock.hpp"
+#include "canopus/plant/plant.hpp"
+#include "canopus/serve/pace.hpp"
+
+namespace canopus::serve {
+
+/// Keeps a plant in step with the machine's clock. One at a time in a process: it watches SIGCONT.
+class RealTime final : public link::LoopClock {
+ public:
+  /// `io` is stopped when the plant's time has come to `end`; `observer` hears when the plant is late, or the
+  /// process had been suspended.
+  RealTime(boost::asio::io_context& io, plant::Plant& plant, plant::PlantObserver& observer, can::Time end);
+  ~RealTime();
+  RealTime(const RealTime&) = delete;
+  RealTime& operator=(const RealTime&) = delete;
+
+  void start();
+  /// Called after each suspension: plant time stood still, so what shows the time of day is behind.
+  void set_resumed_handler(std::function<void()> handler) { resumed_ = std::move(handler); }
+  can::Time now() override;
+  void touched() override;
+  [[nodiscard]] can::Duration largest_lag() const noexcept { return largest_lag_; }
+  [[nodiscard]] can::Duration lag() const noexcept { return lag_; }
+  /// So often the process was stopped and continued.
+  [[nodiscard]] std::uint64_t continuations() const noexcept { return continuations_; }
+
+ private:
+  using WallClock = std::chrono::steady_clock;
+
+  [[nodiscard]] Pace::Reading read_clocks();
+  void arm();
+  void wake();
+  void advance();
+  void report(const Pace::Step& step, can::Duration elapsed);
+
+  can::Timeline& timeline_;
+  plant::PlantObserver& observer_;
+  boost::asio::steady_timer timer_;
+  boost::asio::io_context& io_;
+  can::Time end_;
+  Pace pace_;
+  std::function<void()> resumed_;
+  WallClock::time_point started_{};
+  can::Duration asleep_before_{};
+  can::Duration asleep_{};          // since the start, as read last
+  can::Duration look_for_sleep_{};  // elapsed time from which on it is read again
+  can::Time armed_for_ = can::never;
+  can::Duration lag_{};
+  can::Duration largest_lag_{};
+  std::uint64_t continuations_ = 0;
+  can::Duration report_again_{};  // elapsed time from which on lag is reported again
+};
+
+}  // namespace canopus::serve

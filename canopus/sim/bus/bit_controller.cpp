@@ -1,0 +1,311 @@
+#include "canopus/sim/bus/bit_controller.hpp"
+
+namespace canopus::sim {
+namespace {
+
+constexpr unsigned integration_bits = 11;
+constexpr unsigned recovery_sequences = 128;
+constexpr unsigned flag_bits = 6;
+constexpr unsigned delimiter_bits = 8;
+constexpr unsigned intermission_bits = 3;
+constexpr unsigned suspend_bits = 8;
+constexpr unsigned eof_bits = 7;
+constexpr unsigned crc_bits = 15;
+constexpr unsigned unknown = 1'000;  // crc_begin_ before the DLC is read
+
+}  // namespace
+
+void BitController::restart(bool integrated) noexcept {
+  transmitting_ = false;
+  sequences_ = 0;
+  if (faults_.state() == can::ErrorState::bus_off) {
+    enter(State::bus_off);
+  } else {
+    enter(integrated ? State::idle : State::integrating);
+  }
+}
+
+void BitController::begin_frame() noexcept {
+  enter(State::frame);
+  transmitting_ = false;
+  overload_ = false;
+  ack_error_open_ = false;
+  position_ = 0;
+  field_ = Field::stuffed;
+  last_dominant_ = false;  // the bus was recessive
+  row_ = 0;
+  payload_ = 0;
+  crc_begin_ = unknown;
+  crc_ = 0;
+  crc_seen_ = 0;
+  field_bits_ = 0;
+  incoming_ = {};
+}
+
+void BitController::transmit(const can::Frame& frame) noexcept {
+  begin_frame();
+  stream_ = BitStream(frame);
+  transmitting_ = true;
+}
+
+void BitController::join(const can::Frame& frame) noexcept {
+  stream_ = BitStream(frame);
+  transmitting_ = true;
+}
+
+bool BitController::drives_dominant() const noexcept {
+  if (listen_only_) return false;
+  switch (state_) {
+    case State::frame:
+      if (transmitting_) return stream_.bits[position_].dominant;
+      return field_ == Field::ack_slot && crc_ == crc_seen_;
+    case State::active_flag:
+    case State::overload_flag: return true;
+    default: return false;
+  }
+}
+
+BitController::Events BitController::sample(bool dominant) noexcept {
+  Events events;
+  switch (state_) {
+    case State::integrating:
+      count_ = dominant ? 0 : count_ + 1;
+      if (count_ == integration_bits) enter(State::idle);
+      break;
+    case State::bus_off:
+      if (!recovering_) break;
+      count_ = dominant ? 0 : count_ + 1;
+      if (count_ == integration_bits) {
+        count_ = 0;
+        if (++sequences_ == recovery_sequences) {
+          faults_.reset();
+          restart(true);
+          events.recovered = true;
+        }
+      }
+      break;
+    case State::idle:
+    case State::suspend:
+      if (dominant) {
+        begin_frame();
+        sample_frame(true, events);
+      } else if (state_ == State::suspend && ++count_ == suspend_bits) {
+        enter(State::idle);
+      }
+      break;
+    case State::frame: sample_frame(dominant, events); break;
+    case State::active_flag:
+    case State::overload_flag:
+      if (!dominant && !listen_only_) {
+        flag_overwritten(events);
+      } else if (++count_ == flag_bits) {
+        enter(State::superposition);
+      }
+      break;
+    case State::passive_flag:
+      if (dominant && ack_error_open_) {
+        ack_error_open_ = false;
+        faults_.transmitter_error();
+      }
+      count_ = count_ > 0 && dominant == flag_last_dominant_ ? count_ + 1 : 1;
+      flag_last_dominant_ = dominant;
+      if (count_ == flag_bits) enter(State::superposition);
+      go_bus_off_if_due();
+      break;
+    case State::superposition:
+      if (!dominant) {
+        enter(State::delimiter);
+        count_ = 1;
+        break;
+      }
+      ++count_;
+      // Rule b: somebody else found the error later than this receiver, which means it may be its own fault.
+      if (count_ == 1 && !overload_ && !transmitting_ && !listen_only_) faults_.receiver_severe_error();
+      if (count_ % 8 == 0) severe();  // rule f
+      break;
+    case State::delimiter:
+      if (!dominant) {
+        if (++count_ == delimiter_bits) enter(State::intermission);
+      } else if (count_ + 1 < delimiter_bits) {
+        fail(BusError::form, events);
+      } else {
+        overload_ = true;
+        enter(State::overload_flag);
+      }
+      break;
+    case State::intermission:
+      ++count_;
+      if (!dominant) {
+        if (count_ == intermission_bits) after_intermission();
+      } else if (count_ < intermission_bits) {
+        overload_ = true;
+        enter(State::overload_flag);
+      } else {
+        const bool may_join = !(transmitting_ && faults_.state() == can::ErrorState::error_passive);
+        begin_frame();
+        sample_frame(true, events);
+        events.early_start = may_join;
+      }
+      break;
+  }
+  return events;
+}
+
+void BitController::after_intermission() noexcept {
+  const bool suspended = transmitting_ && faults_.state() == can::ErrorState::error_passive;
+  enter(suspended ? State::suspend : State::idle);
+}
+
+void BitController::sample_frame(bool dominant, Events& events) noexcept {
+  if (transmitting_) {
+    const BitStream::Bit sent = stream_.bits[position_];
+    if (sent.dominant && !dominant) return fail(BusError::bit, events);
+    if (position_ == stream_.ack_slot) {
+      if (!dominant) return fail(BusError::acknowledgement, events);
+    } else if (!sent.dominant && dominant) {
+      if (position_ >= stream_.arbitration_end) return fail(BusError::bit, events);
+      // Rule c, exception 2.
+      if (sent.stuff) return fail(BusError::stuff, events, false);
+      transmitting_ = false;
+      events.lost = true;
+    }
+  }
+  const BusError error = parse(dominant, events);
+  ++position_;
+  if (error != BusError::none) fail(error, events);
+}
+
+BusError BitController::parse(bool dominant, Events& events) noexcept {
+  switch (field_) {
+    case Field::stuffed: {
+      const bool stuff_bit = row_ == 5;
+      if (stuff_bit && dominant == last_dominant_) return BusError::stuff;
+      row_ = dominant == last_dominant_ ? row_ + 1 : 1;
+      last_dominant_ = dominant;
+      if (!stuff_bit) parse_payload(!dominant);
+      // A fifth equal bit at the end of the CRC has its stuff bit too.
+      if (payload_ == crc_begin_ + crc_bits && row_ < 5) field_ = Field::crc_delimiter;
+      return BusError::none;
+    }
+    case Field::crc_delimiter: field_ = Field::ack_slot; return dominant ? BusError::form : BusError::none;
+    case Field::ack_slot:
+      if (!transmitting_ && !listen_only_ && crc_ == crc_seen_) {
+        if (!dominant) return BusError::bit;
+        faults_.received();
+      }
+      field_ = Field::ack_delimiter;
+      return BusError::none;
+    case Field::ack_delimiter:
+      field_ = Field::eof;
+      field_bits_ = 0;
+      if (crc_ != crc_seen_) return BusError::crc;
+      return dominant ? BusError::form : BusError::none;
+    case Field::eof:
+      ++field_bits_;
+      if (field_bits_ < eof_bits) return dominant ? BusError::form : BusError::none;
+      break;
+  }
+  // The last bit of EOF. For a receiver the frame was valid one bit ago.
+  if (transmitting_) {
+    events.transmitted = true;
+    faults_.transmitted();
+  } else {
+    events.received = true;
+    frame_ = incoming_;
+  }
+  if (dominant) {
+    overload_ = true;
+    enter(State::overload_flag);
+  } else {
+    enter(State::intermission);
+  }
+  return BusError::none;
+}
+
+void BitController::parse_payload(bool recessive) noexcept {
+  const unsigned bit = payload_++;
+  if (bit >= crc_begin_) {
+    crc_seen_ = static_cast<std::uint16_t>(crc_seen_ << 1 | (recessive ? 1 : 0));
+    return;
+  }
+  crc_ = crc_step(crc_, recessive);
+  // SOF 0, identifier 1-11, RTR or SRR 12, IDE 13, then
+  //   base:     r0 14, DLC 15-18, data from 19
+  //   extended: identifier 14-31, RTR 32, r1 33, r0 34, DLC 35-38, data from 39
+  const std::uint32_t value = recessive ? 1 : 0;
+  if (bit == 0) return;
+  if (bit <= 11) {
+    incoming_.identifier = incoming_.identifier << 1 | value;
+    return;
+  }
+  if (bit == 12) {
+    incoming_.remote = recessive;
+    return;
+  }
+  if (bit == 13) {
+    incoming_.extended = recessive;
+    return;
+  }
+  const unsigned dlc_begin = incoming_.extended ? 35 : 15;
+  if (bit < dlc_begin) {
+    if (incoming_.extended && bit <= 31) incoming_.identifier = incoming_.identifier << 1 | value;
+    if (incoming_.extended && bit == 32) incoming_.remote = recessive;
+    return;
+  }
+  if (bit < dlc_begin + 4) {
+    incoming_.dlc = static_cast<std::uint8_t>(incoming_.dlc << 1 | value);
+    if (bit == dlc_begin + 3) crc_begin_ = bit + 1 + 8 * static_cast<unsigned>(incoming_.length());
+    return;
+  }
+  std::uint8_t& byte = incoming_.data[(bit - dlc_begin - 4) / 8];
+  byte = static_cast<std::uint8_t>(byte << 1 | value);
+}
+
+void BitController::begin_flag(bool passive) noexcept {
+  overload_ = false;
+  enter(passive ? State::passive_flag : State::active_flag);
+}
+
+void BitController::fail(BusError error, Events& events, bool counts) noexcept {
+  events.error = error;
+  // An error that makes the controller passive is still signalled with an active flag.
+  const bool passive = listen_only_ || faults_.state() == can::ErrorState::error_passive;
+  ack_error_open_ = false;
+  if (!listen_only_ && counts) {
+    if (!transmitting_) {
+      faults_.receiver_error();  // rule a
+    } else if (passive && error == BusError::acknowledgement) {
+      ack_error_open_ = true;  // rule c, exception 1
+    } else {
+      faults_.transmitter_error();  // rule c
+    }
+  }
+  begin_flag(passive);
+  go_bus_off_if_due();
+}
+
+void BitController::flag_overwritten(Events& events) noexcept {
+  events.error = BusError::bit;
+  const bool passive = faults_.state() == can::ErrorState::error_passive;
+  begin_flag(passive);
+  severe();  // rules d, e
+}
+
+void BitController::severe() noexcept {
+  if (listen_only_) return;
+  if (transmitting_) {
+    faults_.transmitter_error();
+  } else {
+    faults_.receiver_severe_error();
+  }
+  go_bus_off_if_due();
+}
+
+void BitController::go_bus_off_if_due() noexcept {
+  if (faults_.state() != can::ErrorState::bus_off || state_ == State::bus_off) return;
+  transmitting_ = false;
+  sequences_ = 0;
+  enter(State::bus_off);
+}
+
+}  // namespace canopus::sim

@@ -1,0 +1,139 @@
+#pragma once
+// One CAN controller, bit by bit [ISO 11898-1]: at the start of a bit it says what it drives, at the sample
+// point it is told what is on the wire. Reception, transmission, arbitration, error and overload frames,
+// fault confinement, integration and bus-off recovery all happen here; bit timing, queues and delivery do
+// not.
+//
+//   integrating -> idle -> frame -> intermission -> (suspend ->) idle
+//                            | error                     ^
+//                            v                           |
+//            active/passive/overload flag -> superposition -> delimiter
+//                            | TEC 256
+//                            v
+//                         bus_off -> idle
+
+#include <cstdint>
+
+#include "canopus/can/fault_confinement.hpp"
+#include "canopus/can/frame.hpp"
+#include "canopus/sim/bus/bit_stream.hpp"
+#include "canopus/sim/bus/bus.hpp"
+
+namespace canopus::sim {
+
+class BitController {
+ public:
+  enum class State : std::uint8_t {
+    integrating,    // started: waits for 11 recessive bits
+    idle,           // waits for a SOF or for something to send
+    frame,          // SOF to the last bit of EOF
+    active_flag,    // six dominant bits
+    passive_flag,   // recessive, until six equal bits were seen
+    overload_flag,  // six dominant bits
+    superposition,  // after a flag: until the others' flags end
+    delimiter,      // eight recessive bits
+    intermission,
+    suspend,  // a passive transmitter lets others go first
+    bus_off,
+  };
+
+  /// What happened at a sample point.
+  struct Events {
+    BusError error = BusError::none;  ///< an error was detected; a frame being sent has failed
+    bool received = false;            ///< frame() is complete and valid
+    bool transmitted = false;         ///< what was sent is complete
+    bool lost = false;                ///< arbitration lost: receiver from here on
+    bool early_start = false;         ///< SOF seen in the last bit of the intermission: join() is allowed
+    bool recovered = false;           ///< from bus-off
+  };
+
+  explicit BitController(can::FaultConfinement& faults) : faults_(faults) {}
+
+  /// Starts anew, in bus_off when the counters say so. `integrated`: as if 11 recessive bits had been seen.
+  void restart(bool integrated) noexcept;
+  /// In bus_off: whether the 128 times 11 recessive bits are counted that end it.
+  void set_recovering(bool recovering) noexcept { recovering_ = recovering; }
+  /// Monitors only: drives nothing, counts nothing.
+  void set_listen_only(bool listen_only) noexcept { listen_only_ = listen_only; }
+
+  /// Begins to send; only when idle(), at the start of a bit.
+  void transmit(const can::Frame& frame) noexcept;
+  /// Begins to send after early_start: the SOF of another counts as its own.
+  void join(const can::Frame& frame) noexcept;
+
+  /// At the end of a frame that somebody else has computed: the intermission begins.
+  void begin_intermission(bool transmitter) noexcept {
+    transmitting_ = transmitter;
+    enter(State::intermission);
+  }
+
+  /// Whether it drives the bit that begins now dominant.
+  [[nodiscard]] bool drives_dominant() const noexcept;
+  /// The sample point of the bit.
+  Events sample(bool dominant) noexcept;
+
+  [[nodiscard]] State state() const noexcept { return state_; }
+  [[nodiscard]] bool idle() const noexcept { return state_ == State::idle; }
+  /// Neither in a frame nor in anything that belongs to one.
+  [[nodiscard]] bool quiet() const noexcept {
+    return state_ == State::idle || state_ == State::suspend || state_ == State::integrating ||
+           state_ == State::bus_off;
+  }
+  [[nodiscard]] bool transmitting() const noexcept { return transmitting_ && state_ == State::frame; }
+  [[nodiscard]] bool arbitrating() const noexcept {
+    return transmitting() && position_ < stream_.arbitration_end;
+  }
+  [[nodiscard]] bool flagging() const noexcept {
+    return state_ == State::active_flag || state_ == State::passive_flag || state_ == State::overload_flag;
+  }
+  /// The frame last received.
+  [[nodiscard]] const can::Frame& frame() const noexcept { return frame_; }
+
+ private:
+  enum class Field : std::uint8_t { stuffed, crc_delimiter, ack_slot, ack_delimiter, eof };
+
+  void begin_frame() noexcept;
+  void sample_frame(bool dominant, Events& events) noexcept;
+  /// Returns what a receiver finds wrong with the bit.
+  BusError parse(bool dominant, Events& events) noexcept;
+  void parse_payload(bool recessive) noexcept;
+  void fail(BusError error, Events& events, bool counts = true) noexcept;
+  void flag_overwritten(Events& events) noexcept;
+  void begin_flag(bool passive) noexcept;
+  void enter(State state) noexcept {
+    state_ = state;
+    count_ = 0;
+  }
+  void after_intermission() noexcept;
+  void go_bus_off_if_due() noexcept;
+  void severe() noexcept;
+
+  can::FaultConfinement& faults_;
+  State state_ = State::idle;
+  bool listen_only_ = false;
+  bool recovering_ = false;
+  unsigned count_ = 0;      // bits in the present state
+  unsigned sequences_ = 0;  // of 11 recessive bits, in bus_off
+
+  // The present or last frame.
+  bool transmitting_ = false;
+  bool overload_ = false;        // the present flag is an overload flag
+  bool ack_error_open_ = false;  // passive: counts only if the flag sees a dominant bit
+  bool flag_last_dominant_ = false;
+  BitStream stream_;
+  std::size_t position_ = 0;  // on the wire, from SOF
+
+  // Reception.
+  Field field_ = Field::stuffed;
+  bool last_dominant_ = false;
+  unsigned row_ = 0;
+  unsigned payload_ = 0;  // destuffed bits so far
+  unsigned crc_begin_ = 0;
+  std::uint16_t crc_ = 0;
+  std::uint16_t crc_seen_ = 0;
+  unsigned field_bits_ = 0;
+  can::Frame incoming_;
+  can::Frame frame_;
+};
+
+}  // namespace canopus::sim

@@ -1,0 +1,258 @@
+#pragma once
+// The inside of the bus: its controllers (BusPort) and what they share (BusCore). Only the sources of the bus
+// include this.
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "canopus/can/fault_confinement.hpp"
+#include "canopus/can/frame_bits.hpp"
+#include "canopus/sim/bus/bit_controller.hpp"
+#include "canopus/sim/bus/bus.hpp"
+#include "canopus/sim/bus/bus_statistics.hpp"
+#include "canopus/sim/bus/fault_plan.hpp"
+#include "canopus/sim/bus/port_table.hpp"
+#include "canopus/sim/bus/transmit_queue.hpp"
+
+namespace canopus::sim {
+
+class BusPort;
+class Segment;
+
+/// What all controllers of a bus share.
+struct BusCore {
+  BusCore(std::string bus_name, std::uint32_t bus_bit_rate, can::Timeline& bus_timeline);
+  ~BusCore();
+  BusCore(const BusCore&) = delete;
+  BusCore& operator=(const BusCore&) = delete;
+
+  /// Somebody outside the bus's own tick changed when the bus has to act.
+  void refresh() {
+    if (!ticking) timeline.refresh(handle);
+  }
+
+  /// The bus has done what it does at the timeline's now.
+  [[nodiscard]] bool has_ticked() const noexcept {
+    return !timeline.is_running() || (!ticking && ticked == timeline.now());
+  }
+
+  std::string name;
+  std::uint32_t bit_rate;
+  can::Time created{};
+  can::Timeline& timeline;
+  can::Timeline::Handle handle = 0;
+  bool ticking = false;
+  can::Time ticked = can::never;  // the last tick's moment
+  std::vector<std::unique_ptr<BusPort>> ports;
+  std::vector<BusObserver*> observers;
+  std::vector<WireObserver*> wire_observers;
+  BusStatistics statistics;
+  AcceptanceTable acceptance;
+  FaultPlan plan;
+  std::uint64_t frame_number = 0;  // of frames that were computed as a whole
+
+  /// A frame that a fault keeps in its controller.
+  struct Delayed {
+    can::Time until;
+    BusPort* port;
+    can::Frame frame;
+  };
+  std::vector<Delayed> delayed;  // in the order of send()
+};
+
+class BusPort final : public Port {
+ public:
+  BusPort(BusCore& bus_core, Segment& port_segment, std::size_t port_index, std::string port_name);
+
+  bool send(const can::Frame& frame) override;
+  /// send() without faults that delay.
+  bool enqueue(const can::Frame& frame);
+  [[nodiscard]] std::uint16_t transmit_error_counter() const override { return faults.transmit_errors(); }
+  [[nodiscard]] std::uint16_t receive_error_counter() const override { return faults.receive_errors(); }
+  [[nodiscard]] can::ErrorState error_state() const override { return faults.state(); }
+  [[nodiscard]] std::uint32_t bit_rate() const override { return rate; }
+  void restart(std::uint32_t bit_rate) override;
+  [[nodiscard]] std::uint32_t transmit_overflows() const override { return refused; }
+  [[nodiscard]] std::uint32_t receive_overflows() const override { return overrun; }
+  [[nodiscard]] bool has_room() const override {
+    return powered && !listen_only && queue.size() + (sending ? 1 : 0) < queue.capacity();
+  }
+  void abort_transmissions() override;
+
+  void connect(can::Listener& new_participant, can::Timeline::Handle new_handle) override;
+  void disconnect() override { participant = nullptr; }
+  void plug(bool plugged) override;
+  [[nodiscard]] bool plugged() const override { return is_plugged; }
+  void set_power(bool on) override;
+  [[nodiscard]] const std::string& name() const override { return port_name_; }
+  void accept(const Acceptance& acceptance) override;
+  void set_transmit_queue(TransmitOrder order, std::size_t capacity) override;
+  [[nodiscard]] const PortCounters& counters() const override { return counted; }
+  void set_listen_only(bool new_listen_only) override;
+  void set_automatic_recovery(bool automatic) override;
+  void recover() override;
+
+  /// What it offers in arbitration, for Arbiter.
+  [[nodiscard]] std::uint64_t offer() const noexcept {
+    if (!may_transmit()) return Arbiter::none;
+    if (babble_goes_first()) return Arbiter::key(arbitration(babble), index);
+    return queue.empty() ? Arbiter::none : Arbiter::key(arbitration(queue.front()), index);
+  }
+  [[nodiscard]] bool babble_goes_first() const noexcept {
+    return babble_due && (queue.empty() || arbitration(babble) < arbitration(queue.front()));
+  }
+  [[nodiscard]] bool may_transmit() const noexcept {
+    return on_wire && !listen_only && faults.state() != can::ErrorState::bus_off;
+  }
+  /// On the wire, and not switched off for good.
+  [[nodiscard]] bool present() const noexcept {
+    return on_wire && (faults.state() != can::ErrorState::bus_off || recovering);
+  }
+  /// The next waiting frame goes onto the wire.
+  void take_next() noexcept {
+    sends_babble = babble_goes_first();
+    current = sends_babble ? babble : queue.pop();
+    babble_due = babble_due && !sends_babble;
+    sending = true;
+    last_attempt = false;
+  }
+  /// Keeps what it offers now, which is what it offered when the frame with this number began.
+  void keep_offer(std::uint64_t frame_number) noexcept {
+    kept = {.frame_number = frame_number, .offered = offer() != Arbiter::none};
+    if (!kept.offered) return;
+    kept.is_babble = babble_goes_first();
+    kept.frame = kept.is_babble ? babble : queue.front();
+  }
+  /// It is on the wire with what it offered then.
+  void take_kept() noexcept {
+    sends_babble = kept.is_babble;
+    current = kept.frame;
+    sending = true;
+    last_attempt = kept.is_aborted;
+    if (sends_babble) {
+      babble_due = false;
+    } else if (!kept.is_aborted) {
+      queue.remove(current);
+    }
+  }
+  /// What was on the wire has failed or lost and waits again.
+  void give_back() noexcept {
+    if (sends_babble) {
+      babble_due = babbling;
+    } else if (!last_attempt) {
+      queue.push_back_again(current);
+    }
+    sending = false;
+  }
+  /// What was on the wire is complete. False: the participant has not sent it.
+  bool complete() noexcept {
+    ++counted.transmitted;
+    sending = false;
+    if (sends_babble) babble_due = babbling && babble_always;
+    return !sends_babble;
+  }
+  /// Tells the participant and reads its deadline again.
+  template <typename Call>
+  void tell(Call call) {
+    if (participant == nullptr) return;
+    call(*participant);
+    core.timeline.refresh(handle);
+  }
+  void hear(const can::Frame& frame, can::Time now) {
+    if (jammed) {
+      if (held.size() < held_capacity) {
+        held.push_back(frame);
+      } else {
+        ++overrun;
+        ++counted.receive_overflows;
+      }
+      return;
+    }
+    ++counted.received;
+    tell([&](can::Listener& hearer) { hearer.receive(frame, now); });
+  }
+  [[nodiscard]] can::Duration bit() const noexcept { return can::bit_time(1, rate); }
+
+  // What a received frame needs lies together.
+  BusCore& core;
+  can::Listener* participant = nullptr;
+  can::Timeline::Handle handle = 0;
+  PortCounters counted;
+  bool jammed = false;  // by a fault: received frames are held
+
+  Segment* segment;
+  std::size_t index;
+  std::uint32_t rate;
+  bool is_plugged = true;
+  bool powered = true;
+  bool on_wire = true;  // both
+  bool listen_only = false;
+  bool automatic_recovery = true;
+  bool recovering = false;
+  bool deaf = false;          // see Segment::reconsider()
+  bool sending = false;       // `current` is on the wire; it counts as waiting
+  bool last_attempt = false;  // `current` was aborted: it does not wait again
+  can::Frame current;
+  TransmitQueue queue;
+  bool confirm = false;  // `current` is complete, its participant has to be told
+  can::FaultConfinement faults;
+  std::uint32_t refused = 0;
+  std::uint32_t overrun = 0;
+
+  // Faults at work.
+  bool stuck = false;  // dominant
+  std::size_t held_capacity = 0;
+  std::vector<can::Frame> held;  // received while jammed
+  bool babbling = false;
+  bool babble_always = false;
+  bool babble_due = false;
+  bool sends_babble = false;  // `current` is one
+  can::Frame babble;
+
+  // What it offered when a frame of others began that was computed as a whole, if that has changed since.
+  struct Kept {
+    std::uint64_t frame_number = 0;
+    bool offered = false;
+    bool is_babble = false;
+    bool is_aborted = false;
+    can::Frame frame{};
+  };
+  Kept kept;
+
+  // For the segment, while it works bit by bit.
+  struct Tap {
+    can::Time bit_start{};
+    can::Time next = can::never;  // sample point or start of the next bit
+    bool sampling = false;        // `next` is a sample point
+    bool driving = false;         // dominant
+    bool flagging = false;        // as last told to observers
+    bool arbitrating = false;     // likewise
+    bool received = false;        // complete at the end of this bit
+    bool transmitted = false;     // likewise
+    bool counted = false;         // `received` or `transmitted` came to this wire from one that reports it
+    bool changed = false;         // error state or warning
+    can::Time frame_start{};      // of the present or last frame
+  };
+  BitController bits{faults};
+  Tap tap;
+
+ private:
+  void forget_queue();
+  void start_anew();
+  void be_on_wire();
+
+  std::string port_name_;
+};
+
+inline BusCore::BusCore(std::string bus_name, std::uint32_t bus_bit_rate, can::Timeline& bus_timeline)
+    : name(std::move(bus_name)),
+      bit_rate(bus_bit_rate),
+      created(bus_timeline.now()),
+      timeline(bus_timeline) {}
+inline BusCore::~BusCore() = default;
+
+}  // namespace canopus::sim

@@ -1,0 +1,145 @@
+#include "canopus/sim/bus/bus_core.hpp"
+#include "canopus/sim/bus/segment.hpp"
+
+namespace canopus::sim {
+namespace {
+
+constexpr std::size_t default_queue_capacity = 128;
+constexpr std::size_t max_queue_capacity = 65'535;
+
+}  // namespace
+
+BusPort::BusPort(BusCore& bus_core, Segment& port_segment, std::size_t port_index, std::string port_name)
+    : core(bus_core),
+      segment(&port_segment),
+      index(port_index),
+      rate(bus_core.bit_rate),
+      port_name_(std::move(port_name)) {
+  queue.configure(true, default_queue_capacity);
+  accept(Acceptance{});
+}
+
+bool BusPort::send(const can::Frame& frame) {
+  if (powered && core.plan.delays_frames()) {
+    const can::Duration delay = core.plan.on_send(*this, frame, core.timeline.now());
+    if (delay > can::Duration{}) {
+      core.delayed.push_back({can::later(core.timeline.now(), delay), this, frame});
+      core.refresh();
+      return true;
+    }
+  }
+  return enqueue(frame);
+}
+
+bool BusPort::enqueue(const can::Frame& frame) {
+  segment->keep_offer(*this);
+  if (!powered || listen_only || !queue.push(frame, sending ? 1 : 0)) {
+    ++refused;
+    return false;
+  }
+  segment->offer_changed(*this);
+  return true;
+}
+
+void BusPort::restart(std::uint32_t bit_rate) {
+  segment->before_change();
+  segment->take_off(*this);
+  rate = bit_rate;
+  start_anew();
+  segment->restart(*this);
+  segment->after_change();
+}
+
+void BusPort::start_anew() {
+  faults.reset();
+  recovering = false;
+  queue.clear();
+  refused = 0;
+  overrun = 0;
+}
+
+void BusPort::abort_transmissions() {
+  std::erase_if(core.delayed, [&](const BusCore::Delayed& waiting) { return waiting.port == this; });
+  forget_queue();
+  queue.clear();
+  segment->offer_changed(*this);
+}
+
+/// Of what waits nothing is sent again, not even what is in arbitration.
+void BusPort::forget_queue() {
+  segment->keep_offer(*this);
+  kept.is_aborted = true;
+  last_attempt = sending && !sends_babble;
+}
+
+void BusPort::connect(can::Listener& new_participant, can::Timeline::Handle new_handle) {
+  participant = &new_participant;
+  handle = new_handle;
+}
+
+void BusPort::plug(bool plugged) {
+  is_plugged = plugged;
+  be_on_wire();
+}
+
+void BusPort::set_power(bool on) {
+  if (powered == on) return;
+  segment->before_change();
+  powered = on;
+  if (!on) {
+    std::erase_if(core.delayed, [&](const BusCore::Delayed& waiting) { return waiting.port == this; });
+    segment->take_off(*this);
+    start_anew();
+  }
+  be_on_wire();
+  segment->after_change();
+}
+
+void BusPort::be_on_wire() {
+  if (on_wire == (is_plugged && powered)) return;
+  segment->before_change();
+  on_wire = !on_wire;
+  if (on_wire) {
+    segment->restart(*this);
+  } else {
+    segment->take_off(*this);
+  }
+  segment->after_change();
+}
+
+void BusPort::set_listen_only(bool new_listen_only) {
+  if (listen_only == new_listen_only) return;
+  segment->before_change();
+  listen_only = new_listen_only;
+  bits.set_listen_only(new_listen_only);
+  segment->restart(*this);
+  segment->after_change();
+}
+
+void BusPort::set_automatic_recovery(bool automatic) {
+  automatic_recovery = automatic;
+  if (automatic) recover();
+}
+
+void BusPort::recover() {
+  if (faults.state() != can::ErrorState::bus_off || recovering) return;
+  segment->before_change();
+  recovering = true;
+  segment->restart(*this);
+  segment->after_change();
+}
+
+void BusPort::accept(const Acceptance& acceptance) {
+  for (std::size_t identifier = 0; identifier < acceptance.base.size(); ++identifier) {
+    core.acceptance.set(index, identifier, acceptance.base[identifier]);
+  }
+  core.acceptance.set(index, AcceptanceTable::extended_row, acceptance.extended);
+}
+
+void BusPort::set_transmit_queue(TransmitOrder order, std::size_t capacity) {
+  forget_queue();
+  queue.configure(order == TransmitOrder::identifier, std::min(capacity, max_queue_capacity));
+  segment->offer_changed(*this);
+}
+
+}  // namespace canopus::sim

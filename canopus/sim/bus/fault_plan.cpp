@@ -1,0 +1,151 @@
+#include "canopus/sim/bus/fault_plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "canopus/sim/bus/bus_core.hpp"
+
+namespace canopus::sim {
+namespace {
+
+const char* name_of(FaultKind kind) {
+  switch (kind) {
+    case FaultKind::drop: return "drop";
+    case FaultKind::corrupt: return "corrupt";
+    case FaultKind::duplicate: return "duplicate";
+    case FaultKind::delay: return "delay";
+    case FaultKind::babble: return "babble";
+    case FaultKind::stuck_dominant: return "stuck dominant";
+    case FaultKind::jam: return "jam";
+    case FaultKind::cut: return "cut";
+  }
+  return "?";
+}
+
+BusPort* port_named(const BusCore& core, const std::string& name) {
+  for (const auto& port : core.ports) {
+    if (port->name() == name) return port.get();
+  }
+  return nullptr;
+}
+
+bool about_ports(FaultKind kind) {
+  return kind == FaultKind::babble || kind == FaultKind::stuck_dominant || kind == FaultKind::jam ||
+         kind == FaultKind::cut;
+}
+
+/// What is wrong with the numbers of the fault; empty: nothing.
+std::string wrong_value(const Fault& fault) {
+  if (fault.until < fault.from) return "until is before from";
+  if (about_ports(fault.kind) && fault.ports.empty()) return "it names no port";
+  if (fault.kind == FaultKind::babble) {
+    if (fault.interval < can::Duration{}) return "interval is negative";
+    if (fault.frame.identifier >
+        (fault.frame.extended ? can::max_extended_identifier : can::max_base_identifier)) {
+      return "identifier is above " + std::string(fault.frame.extended ? "1FFFFFFFH" : "7FFH");
+    }
+  }
+  if (about_ports(fault.kind)) return {};
+  if (fault.first == 0) return "first = 0: frames are numbered from 1";
+  if (fault.every == 0) return "every = 0: 1 means every frame";
+  if (!(fault.probability >= 0 && fault.probability <= 1)) return "probability is not 0 to 1";
+  if (fault.kind == FaultKind::delay && fault.delay <= can::Duration{}) return "delay is not longer than 0";
+  if (fault.bit && *fault.bit >= BitStream::max_bits) return "bit is not 0 to 159";
+  return {};
+}
+
+}  // namespace
+
+std::expected<FaultPlan, std::string> FaultPlan::make(const std::vector<Fault>& faults, std::uint64_t seed,
+                                                      const BusCore& core) {
+  FaultPlan plan;
+  plan.random_.seed(seed);
+  for (std::size_t number = 0; number < faults.size(); ++number) {
+    const Fault& fault = faults[number];
+    const std::string where = "fault " + std::to_string(number + 1) + " (" + name_of(fault.kind) + "): ";
+    if (const std::string wrong = wrong_value(fault); !wrong.empty()) return std::unexpected(where + wrong);
+    const auto unknown = [&](const std::string& name) {
+      return std::unexpected(where + "no port \"" + name + "\" on bus \"" + core.name + "\"");
+    };
+    if (about_ports(fault.kind)) {
+      Spell spell{.fault = fault, .ports = {}};
+      for (const std::string& name : fault.ports) {
+        spell.ports.push_back(port_named(core, name));
+        if (spell.ports.back() == nullptr) return unknown(name);
+      }
+      plan.spells_.push_back(std::move(spell));
+      continue;
+    }
+    Rule rule{.fault = fault};
+    if (!fault.sender.empty() && (rule.sender = port_named(core, fault.sender)) == nullptr) {
+      return unknown(fault.sender);
+    }
+    if (!fault.receiver.empty() && (rule.receiver = port_named(core, fault.receiver)) == nullptr) {
+      return unknown(fault.receiver);
+    }
+    (fault.kind == FaultKind::delay ? plan.delays_ : plan.frames_).push_back(std::move(rule));
+  }
+  return plan;
+}
+
+bool FaultPlan::hits(Rule& rule, const BusPort& sender, const can::Frame& frame, can::Time now) {
+  const Fault& fault = rule.fault;
+  if (now < fault.from || now >= fault.until) return false;
+  if (rule.sender != nullptr && rule.sender != &sender) return false;
+  if (fault.identifier && (*fault.identifier != frame.identifier || fault.extended != frame.extended)) {
+    return false;
+  }
+  const std::uint64_t number = ++rule.seen;
+  if (number < fault.first || (number - fault.first) % fault.every != 0 || rule.hit >= fault.count)
+    return false;
+  if (fault.probability < 1.0 && std::ldexp(static_cast<double>(random_() >> 11), -53) >= fault.probability) {
+    return false;
+  }
+  ++rule.hit;
+  return true;
+}
+
+FrameFaults FaultPlan::on_frame(const BusPort& sender, const can::Frame& frame, can::Time now) {
+  FrameFaults faults;
+  for (Rule& rule : frames_) {
+    if (!hits(rule, sender, frame, now)) continue;
+    if (rule.fault.kind == FaultKind::drop) {
+      if (rule.receiver == nullptr) {
+        faults.drop_everywhere = true;
+      } else {
+        faults.drop_at = rule.receiver;
+      }
+      continue;
+    }
+    if (faults.corruptions == FrameFaults::max_corruptions) continue;
+    const unsigned bits = can::frame_bits(frame);
+    FrameFaults::Corruption& corruption = faults.corruption[faults.corruptions++];
+    if (rule.fault.kind == FaultKind::duplicate) {
+      corruption = {.bit = bits - 1, .at = nullptr};
+    } else {
+      corruption = {.bit = rule.fault.bit ? *rule.fault.bit : static_cast<unsigned>(random_() % bits),
+                    .at = rule.receiver};
+    }
+  }
+  return faults;
+}
+
+can::Duration FaultPlan::on_send(const BusPort& sender, const can::Frame& frame, can::Time now) {
+  for (Rule& rule : delays_) {
+    if (hits(rule, sender, frame, now)) return rule.fault.delay;
+  }
+  return {};
+}
+
+can::Time FaultPlan::Spell::next() const noexcept {
+  if (!active) return fault.from;
+  return std::min(fault.until, next_babble);
+}
+
+can::Time FaultPlan::next_spell() const noexcept {
+  can::Time next = can::never;
+  for (const Spell& spell : spells_) next = std::min(next, spell.next());
+  return next;
+}
+
+}  // namespace canopus::sim

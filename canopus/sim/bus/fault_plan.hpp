@@ -1,0 +1,74 @@
+#pragma once
+// A checked list of faults at work on one bus. Only the sources of the bus include this.
+
+#include <cstdint>
+#include <expected>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "canopus/can/frame.hpp"
+#include "canopus/can/time.hpp"
+#include "canopus/sim/bus/fault.hpp"
+
+namespace canopus::sim {
+
+class BusPort;
+struct BusCore;
+
+/// What happens to one frame on the wire.
+struct FrameFaults {
+  static constexpr std::size_t max_corruptions = 4;
+  struct Corruption {
+    unsigned bit = 0;
+    const BusPort* at = nullptr;  // null: everywhere
+  };
+  bool drop_everywhere = false;
+  const BusPort* drop_at = nullptr;
+  std::size_t corruptions = 0;
+  Corruption corruption[max_corruptions]{};
+};
+
+class FaultPlan {
+ public:
+  /// Checks the faults against the ports of the bus. Error: which fault, what is wrong.
+  static std::expected<FaultPlan, std::string> make(const std::vector<Fault>& faults, std::uint64_t seed,
+                                                    const BusCore& core);
+
+  /// There are rules about frames on the wire.
+  [[nodiscard]] bool hits_frames() const noexcept { return !frames_.empty(); }
+  [[nodiscard]] bool delays_frames() const noexcept { return !delays_.empty(); }
+  [[nodiscard]] FrameFaults on_frame(const BusPort& sender, const can::Frame& frame, can::Time now);
+  /// How long the frame has to wait, usually 0.
+  [[nodiscard]] can::Duration on_send(const BusPort& sender, const can::Frame& frame, can::Time now);
+
+  /// A fault that a port has for some time.
+  struct Spell {
+    Fault fault;
+    std::vector<BusPort*> ports;
+    bool active = false;
+    can::Time next_babble = can::never;
+    [[nodiscard]] can::Time next() const noexcept;
+  };
+  [[nodiscard]] std::vector<Spell>& spells() noexcept { return spells_; }
+  /// When a spell begins, ends or babbles next.
+  [[nodiscard]] can::Time next() const noexcept { return spells_.empty() ? can::never : next_spell(); }
+
+ private:
+  [[nodiscard]] can::Time next_spell() const noexcept;
+  struct Rule {
+    Fault fault;
+    const BusPort* sender = nullptr;
+    const BusPort* receiver = nullptr;
+    std::uint64_t seen = 0;
+    std::uint64_t hit = 0;
+  };
+  [[nodiscard]] bool hits(Rule& rule, const BusPort& sender, const can::Frame& frame, can::Time now);
+
+  std::vector<Rule> frames_;
+  std::vector<Rule> delays_;
+  std::vector<Spell> spells_;
+  std::mt19937_64 random_;
+};
+
+}  // namespace canopus::sim

@@ -1,0 +1,302 @@
+// A segment frame by frame.
+
+#include "canopus/sim/bus/segment.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace canopus::sim {
+namespace {
+
+// Bits of a frame after its ACK slot: ACK delimiter and EOF.
+constexpr unsigned after_ack_slot = 1 + 7;
+constexpr unsigned error_flag_bits = 6;
+constexpr unsigned error_delimiter_bits = 8;
+constexpr unsigned suspend_bits = 8;
+
+/// The bit rate of most error active controllers, 0 if there is none.
+std::uint32_t rate_of_most(const std::vector<BusPort*>& ports) {
+  std::uint32_t best = 0;
+  std::ptrdiff_t best_count = 0;
+  for (const BusPort* port : ports) {
+    const auto speaks_alike = [port](const BusPort* other) {
+      return other->rate == port->rate && !other->listen_only &&
+             other->faults.state() == can::ErrorState::error_active;
+    };
+    if (port->rate == best) continue;
+    const std::ptrdiff_t count = std::count_if(ports.begin(), ports.end(), speaks_alike);
+    if (count > best_count) {
+      best = port->rate;
+      best_count = count;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+void Segment::resize() {
+  arbiter_.resize(core_.ports.size());
+  hearing_.resize(core_.acceptance.words());
+}
+
+void Segment::reconsider() {
+  members_.clear();
+  forced_ = false;
+  for (const auto& port : core_.ports) {
+    forced_ = forced_ || (port->segment == this && port->on_wire && port->stuck);
+    arbiter_.set(port->index, port->segment == this ? port->offer() : Arbiter::none);
+    if (port->segment == this && port->present()) members_.push_back(port.get());
+  }
+  // A controller with another bit rate hears nothing but errors. Once it is passive and has nothing to send
+  // it can do nothing to the others either: it is left out, and its counters stay as they are. Back among
+  // them, because they have come to its rate, it has to find the end of what is on the wire.
+  const std::uint32_t rate = rate_of_most(members_);
+  std::erase_if(members_, [&](BusPort* port) {
+    const bool was_deaf = port->deaf;
+    const bool speaks_otherwise = rate == 0 ? was_deaf && port->listen_only : port->rate != rate;
+    port->deaf = speaks_otherwise && port->bits.quiet() &&
+                 (port->listen_only || (port->faults.state() == can::ErrorState::error_passive &&
+                                        port->offer() == Arbiter::none && !port->sending));
+    if (was_deaf && !port->deaf) restart(*port);
+    return port->deaf;
+  });
+
+  const bool computable = core_.wire_observers.empty() && !forced_;
+  healthy_ = computable;
+  mixed_rates_ = false;
+  std::size_t acknowledging = 0;
+  std::fill(hearing_.begin(), hearing_.end(), 0);
+  for (const BusPort* port : members_) {
+    hearing_[port->index / 64] |= std::uint64_t{1} << (port->index % 64);
+    if (!port->listen_only) ++acknowledging;
+    if (port->rate != rate || !port->bits.idle()) healthy_ = false;
+    if (port->rate != members_.front()->rate) mixed_rates_ = true;
+  }
+  lone_ = members_.size() == 1 && acknowledging == 1 && members_[0]->bits.idle() && computable;
+  healthy_ = healthy_ && acknowledging >= 2;
+}
+
+void Segment::offer_changed(BusPort& port) {
+  if (port.deaf) {
+    before_change();
+    restart(port);
+    after_change();
+    return;
+  }
+  if (&port == suspended_) {
+    if (state_ == State::idle && port.offer() != Arbiter::none && suspended_until_ < deadline_) {
+      deadline_ = std::max(core_.timeline.now(), suspended_until_);
+      core_.refresh();
+    }
+    return;
+  }
+  arbiter_.set(port.index, port.offer());
+  if (state_ == State::frame || state_ == State::lone_frame) return;
+  if (state_ == State::bits ? !ready(port, core_.timeline.now()) : arbiter_.lowest() == Arbiter::none) return;
+  const can::Time possible =
+      state_ == State::bits ? core_.timeline.now() : std::max(core_.timeline.now(), free_from_);
+  if (possible >= deadline_) return;
+  deadline_ = possible;
+  core_.refresh();
+}
+
+void Segment::before_change() { enter_bits(); }
+
+void Segment::after_change() {
+  const can::Time now = core_.timeline.now();
+  reconsider();
+  if (!active_ && !quiet(now)) {
+    active_ = true;
+    activity_start_ = now;
+  }
+  // The bus's tick at this moment does the rest: what ends or begins now may be part of it.
+  given_up_ = changed_ = true;
+  deadline_ = now;
+  core_.refresh();
+}
+
+void Segment::arrive(BusPort& port, const Segment& from) {
+  if (port.tap.received || port.tap.transmitted) {
+    completing_ = true;
+    port.tap.counted = std::any_of(from.members_.begin(), from.members_.end(), [&](const BusPort* other) {
+      return other->segment == &from && (other->tap.received || other->tap.transmitted);
+    });
+  }
+  if (dominant_) wake(port, core_.timeline.now());
+}
+
+void Segment::restart(BusPort& port) {
+  take_off(port);
+  port.bits.set_recovering(port.recovering);
+  port.bits.restart(false);
+  port.tap.bit_start = core_.timeline.now();
+  port.tap.next = port.tap.bit_start;
+}
+
+void Segment::take_off(BusPort& port) {
+  if (port.sending && !port.tap.transmitted) port.give_back();
+  port.sending = false;
+  port.bits.restart(true);
+  if (port.tap.driving) {
+    for (WireObserver* observer : core_.wire_observers) {
+      observer->transmit_changed(port, false, core_.timeline.now());
+    }
+  }
+  if (port.tap.flagging || port.tap.arbitrating) {
+    for (WireObserver* observer : core_.wire_observers) {
+      observer->activity_changed(port, false, false, core_.timeline.now());
+    }
+  }
+  port.tap = {};
+}
+
+void Segment::act(can::Time now) {
+  switch (state_) {
+    case State::idle: start(now); break;
+    case State::frame: finish(now); break;
+    case State::lone_frame: fail_lone(now); break;
+    case State::bits: bits_tick(now); break;
+  }
+}
+
+void Segment::start(can::Time now) {
+  if (suspended_ != nullptr && now >= suspended_until_) end_suspension();
+  const std::uint64_t winner = arbiter_.lowest();
+  if (winner == Arbiter::none) {
+    const bool waits = suspended_ != nullptr && suspended_->offer() != Arbiter::none;
+    deadline_ = waits ? suspended_until_ : can::never;
+    return;
+  }
+  if (!healthy_ && !lone_) return begin_bits(now);
+  BusPort& port = *core_.ports[Arbiter::port_of(winner)];
+  port.take_next();  // it stays in the arbiter: most often it will offer the same identifier again
+  if (core_.plan.hits_frames()) {
+    faults_ = core_.plan.on_frame(port, port.current, now);
+    faults_ready_ = true;
+  }
+  if (faults_.corruptions > 0 || another_offers(winner)) {
+    port.give_back();
+    arbiter_.set(port.index, port.offer());
+    return begin_bits(now);
+  }
+  faults_ready_ = false;
+  failed_ = false;
+  sat_out_ = suspended_;
+  if (suspended_ != nullptr) end_suspension();  // it has become a receiver
+  transmitter_ = &port;
+  frame_number_ = ++core_.frame_number;
+  start_ = now;
+  bits_ = can::frame_bits(port.current);
+  if (healthy_) {
+    state_ = State::frame;
+    deadline_ = now + can::bit_time(bits_, port.rate);
+  } else {
+    state_ = State::lone_frame;
+    deadline_ = now + can::bit_time(bits_ - after_ack_slot, port.rate) - after_sample_point(port.bit());
+  }
+}
+
+/// Ready for the next frame at `from`.
+void Segment::become_idle(can::Time from) {
+  state_ = State::idle;
+  free_from_ = from;
+  deadline_ = arbiter_.lowest() == Arbiter::none ? can::never : from;
+}
+
+/// A passive transmitter lets the others go first.
+void Segment::suspend(BusPort& port, can::Time until) {
+  suspended_ = &port;
+  suspended_until_ = until;
+  arbiter_.set(port.index, Arbiter::none);
+  if (arbiter_.lowest() != Arbiter::none) return;
+  deadline_ = port.offer() == Arbiter::none ? can::never : until;
+}
+
+void Segment::end_suspension() {
+  arbiter_.set(suspended_->index, suspended_->offer());
+  suspended_ = nullptr;
+}
+
+void Segment::finish(can::Time now) {
+  BusPort& port = *transmitter_;
+  const can::Frame frame = port.current;
+  const bool own = port.complete();
+  const can::Time next = now + can::bit_time(can::intermission_bits, port.rate);
+  core_.statistics.frame(frame);
+  core_.statistics.busy(start_, next, bits_ + can::intermission_bits);
+  if (counting_) count_success(port);
+  become_idle(next);
+  if (port.faults.state() == can::ErrorState::error_passive) {
+    suspend(port, next + can::bit_time(suspend_bits, port.rate));
+  }
+  for (BusObserver* observer : core_.observers) observer->frame_completed(frame, start_, now);
+  deliver(frame, port, now);
+  if (own) port.tell([&](can::Listener& participant) { participant.transmitted(frame, now); });
+  if (state_ == State::idle && port.segment == this && &port != suspended_) {
+    arbiter_.set(port.index, port.offer());
+    deadline_ = arbiter_.lowest() == Arbiter::none ? can::never : next;
+  }
+  if (changes_) tell_changes(now);
+}
+
+void Segment::deliver(const can::Frame& frame, const BusPort& from, can::Time now) {
+  const std::uint64_t* wanted = core_.acceptance.ports_for(frame);
+  for (std::size_t word = 0; word < hearing_.size(); ++word) {
+    std::uint64_t ports = wanted[word] & hearing_[word];
+    while (ports != 0) {
+      BusPort& port = *core_.ports[64 * word + static_cast<std::size_t>(std::countr_zero(ports))];
+      ports &= ports - 1;
+      if (&port != &from && !dropped(port)) port.hear(frame, now);
+    }
+  }
+}
+
+/// Success takes errors back, rules g and h.
+void Segment::count_success(BusPort& transmitter) {
+  counting_ = false;
+  for (BusPort* port : members_) {
+    if (port->listen_only || port->faults.clean()) continue;
+    const bool warned = port->faults.warning();
+    const can::ErrorState state = port->faults.state();
+    if (port == &transmitter) {
+      port->faults.transmitted();
+    } else {
+      port->faults.received();
+    }
+    if (port->faults.warning() != warned || port->faults.state() != state)
+      port->tap.changed = changes_ = true;
+    counting_ = counting_ || !port->faults.clean();
+  }
+}
+
+void Segment::fail_lone(can::Time now) {
+  BusPort& port = *transmitter_;
+  // A passive transmitter that sees no dominant bit in its error flag counts no acknowledgement error: alone
+  // on the bus it stays passive for ever and is never bus-off.
+  const bool was_passive = port.faults.state() == can::ErrorState::error_passive;
+  const bool was_warned = port.faults.warning();
+  failed_ = true;
+  faults_before_ = port.faults;
+  if (!was_passive) port.faults.transmitter_error();
+  counting_ = true;
+  ++port.counted.errors;
+  core_.statistics.error_frame();
+  const bool passive = port.faults.state() == can::ErrorState::error_passive;
+  const unsigned bits = error_flag_bits + error_delimiter_bits + can::intermission_bits;
+  const can::Time end = now + after_sample_point(port.bit()) + can::bit_time(bits, port.rate);
+  const can::Time next = passive ? end + can::bit_time(suspend_bits, port.rate) : end;
+  port.give_back();
+  arbiter_.set(port.index, port.offer());
+  core_.statistics.busy(start_, end, bits_ - after_ack_slot + bits);
+  become_idle(next);
+  for (BusObserver* observer : core_.observers) {
+    observer->error_detected(port, BusError::acknowledgement, now);
+  }
+  if (passive != was_passive || port.faults.warning() != was_warned) {
+    port.tap.changed = changes_ = true;
+    tell_changes(now);
+  }
+}
+
+}  // namespace canopus::sim

@@ -1,0 +1,156 @@
+#pragma once
+// One electrically connected piece of wire and the controllers on it. Only the sources of the bus include
+// this.
+//
+// While nothing is wrong a frame costs two steps: its start, where arbitration and its length are computed,
+// and its end, where it is delivered. As soon as anything could go another way (an error, an integrating or
+// passive controller, two equal identifiers, another bit rate, somebody who looks at the wire) the segment
+// works bit by bit, with a BitController per port, until the bus is idle and healthy again. A change in the
+// middle of a frame replays the frame's bits up to now, so that both ways of working can follow each other at
+// any moment and give the same times.
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "canopus/sim/bus/bus_core.hpp"
+
+namespace canopus::sim {
+
+/// What of a bit follows its sample point: CiA recommends the sample point at 87.5 % of the bit.
+[[nodiscard]] constexpr can::Duration after_sample_point(can::Duration bit) noexcept { return bit / 8; }
+
+class Segment {
+ public:
+  /// `shows_level`: wire observers are told the level of this segment.
+  Segment(BusCore& core, bool shows_level) : core_(core), shows_level_(shows_level) {}
+
+  /// A port was added to the bus, whether to this segment or not.
+  void resize();
+  /// Looks at all ports again: who is a member, and whether frames can be computed as a whole.
+  void reconsider();
+  /// A frame is on the wire, or something of one.
+  [[nodiscard]] bool busy() const noexcept {
+    return state_ == State::frame || state_ == State::lone_frame || active_ ||
+           free_from_ > core_.timeline.now();
+  }
+  /// What the port offers is going to change, without before_change(): a frame on the wire that comes to be
+  /// replayed has to know what it was.
+  void keep_offer(BusPort& port) noexcept {
+    if (state_ == State::frame && port.kept.frame_number != frame_number_) port.keep_offer(frame_number_);
+  }
+  /// It has changed.
+  void offer_changed(BusPort& port);
+  /// Something about the port is going to change now that both ways of working have to know.
+  void before_change();
+  /// It has changed.
+  void after_change();
+  /// Between the two: the controller starts anew and has to integrate.
+  void restart(BusPort& port);
+  /// Between the two: the controller leaves the wire.
+  void take_off(BusPort& port);
+  void tick(can::Time now) {
+    if (now >= deadline_) act(now);
+  }
+  /// Forgets what is to happen to the frame on the wire.
+  void clear_faults() noexcept {
+    faults_ = {};
+    faults_ready_ = false;
+  }
+  /// Between before_change() and after_change(): a port has come from another segment.
+  void arrive(BusPort& port, const Segment& from);
+  [[nodiscard]] can::Time deadline() const noexcept { return deadline_; }
+
+ private:
+  enum class State : std::uint8_t {
+    idle,        // nothing on the wire; deadline_ is the next start, or never
+    frame,       // deadline_ is the end of EOF
+    lone_frame,  // nobody acknowledges; deadline_ is the sample point of the ACK slot
+    bits,        // bit by bit; deadline_ is the next sample point or start of a bit
+  };
+
+  // segment.cpp: frame by frame
+  void act(can::Time now);
+  void start(can::Time now);
+  void finish(can::Time now);
+  void fail_lone(can::Time now);
+  void count_success(BusPort& transmitter);
+  void deliver(const can::Frame& frame, const BusPort& from, can::Time now);
+  [[nodiscard]] bool dropped(const BusPort& port) const noexcept {
+    return faults_.drop_everywhere || faults_.drop_at == &port;
+  }
+  void become_idle(can::Time from);
+  void suspend(BusPort& port, can::Time until);
+  void end_suspension();
+  /// Whether a second port offers what arbitration cannot tell from what the winner sends.
+  [[nodiscard]] bool another_offers(std::uint64_t winner) const noexcept {
+    const std::uint64_t next = arbiter_.lowest_but(Arbiter::port_of(winner));
+    return next != Arbiter::none && Arbiter::value_of(next) == Arbiter::value_of(winner);
+  }
+  // segment_bits.cpp: bit by bit
+  void enter_bits();
+  void replay(can::Time until);
+  void replay_intermission(can::Time until);
+  void bits_tick(can::Time now, bool may_leave = true);
+  void complete_frames(can::Time now);
+  void count_activity(can::Time now);
+  void forget_given_up();
+  bool leave_bits_if_healthy(can::Time now);
+  [[nodiscard]] static bool between_bits(const BusPort& port, can::Time now) noexcept;
+  [[nodiscard]] bool ready(const BusPort& port, can::Time now) const noexcept;
+  void start_waiting(can::Time now);
+  [[nodiscard]] bool inverted(const BusPort* at, can::Time now) const noexcept;
+  void begin_bits(can::Time now);
+  void settle(can::Time now);
+  void wake(BusPort& port, can::Time now);
+  void synchronise(BusPort& port, can::Time now);
+  void sample(can::Time now);
+  void sample_port(BusPort& port, can::Time now);
+  void tell_changes(can::Time now);
+  void tell_activity(BusPort& port, can::Time now);
+  void schedule(can::Time now);
+  [[nodiscard]] bool quiet(can::Time now) const noexcept;
+
+  BusCore& core_;
+  const bool shows_level_;
+  State state_ = State::idle;
+  can::Time deadline_ = can::never;
+  can::Time free_from_{};           // frame by frame: end of the last intermission
+  can::Time start_{};               // of the frame on the wire
+  unsigned bits_ = 0;               // of the frame on the wire
+  std::uint64_t frame_number_ = 0;  // of the frame on the wire
+  BusPort* transmitter_ = nullptr;
+  Arbiter arbiter_;                     // while a frame is on the wire, its port may still be there with it
+  std::vector<BusPort*> members_;       // whoever can do anything to the wire or hear it
+  std::vector<std::uint64_t> hearing_;  // set of members, as in AcceptanceTable
+  bool healthy_ = false;                // frames can be computed as a whole
+  bool lone_ = false;                   // so can the failures of the only member
+  bool mixed_rates_ = false;            // not all members have one bit rate
+
+  bool failed_ = false;                  // transmitter_ was alone with its last frame
+  can::FaultConfinement faults_before_;  // its counters before that
+  BusPort* suspended_ = nullptr;         // passive, and the last to send: not offered to the arbiter ...
+  can::Time suspended_until_{};          // ... before this
+  BusPort* sat_out_ = nullptr;           // was suspended when the frame on the wire began
+  bool counting_ = false;                // some error counter is not 0
+  bool changes_ = false;                 // some port has to be told of its controller
+
+  FrameFaults faults_;         // of the frame on the wire
+  bool faults_ready_ = false;  // known before the frame began
+  can::Time faults_origin_{};  // its SOF
+  can::Duration faults_bit_{};
+
+  // bit by bit
+  bool forced_ = false;    // somebody is stuck dominant
+  bool dominant_ = false;  // level of the wire
+  bool active_ = false;    // from the first dominant bit to idle
+  bool replaying_ = false;
+  bool completing_ = false;   // some frame ends with the present bit
+  bool given_up_ = false;     // somebody found an error, or left the wire
+  bool changed_ = false;      // by after_change(), since the last tick
+  bool error_frame_ = false;  // one is counted since the last frame began
+  can::Time activity_start_{};
+};
+
+}  // namespace canopus::sim

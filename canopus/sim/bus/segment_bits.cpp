@@ -1,0 +1,343 @@
+// A segment bit by bit.
+
+#include <algorithm>
+
+#include "canopus/sim/bus/segment.hpp"
+
+namespace canopus::sim {
+namespace {
+
+// CiA recommends the sample point at 87.5 % of the bit; one eighth of a bit is also the most that one edge
+// may move it.
+can::Duration sample_offset(can::Duration bit) { return bit - bit / 8; }
+can::Duration jump_width(can::Duration bit) { return bit / 8; }
+
+}  // namespace
+
+void Segment::begin_bits(can::Time now) {
+  const FrameFaults faults = faults_;  // of the frame that begins
+  const bool ready = faults_ready_;
+  enter_bits();
+  faults_ = faults;
+  faults_ready_ = ready;
+  bits_tick(now, false);
+}
+
+/// Nothing of a frame is left, for nobody, and whoever is idle is at the end of its bit.
+bool Segment::quiet(can::Time now) const noexcept {
+  return std::all_of(members_.begin(), members_.end(), [now](const BusPort* port) {
+    return port->bits.quiet() && (!port->bits.idle() || between_bits(*port, now));
+  });
+}
+
+void Segment::bits_tick(can::Time now, bool may_leave) {
+  changed_ = false;
+  complete_frames(now);
+  if (!dominant_ && quiet(now)) {
+    if (active_) {
+      active_ = false;
+      error_frame_ = false;
+      if (!faults_ready_) clear_faults();
+      count_activity(now);
+    }
+    if (may_leave && leave_bits_if_healthy(now)) return;
+  }
+  start_waiting(now);
+  settle(now);
+  sample(now);
+  if (given_up_) forget_given_up();
+  tell_changes(now);
+  schedule(now);
+}
+
+/// The wire was busy from activity_start_ on.
+void Segment::count_activity(can::Time now) {
+  const can::Duration bit = can::bit_time(1, core_.bit_rate);
+  activity_start_ = std::min(activity_start_, now);
+  core_.statistics.busy(activity_start_, now, static_cast<std::uint64_t>((now - activity_start_) / bit));
+}
+
+/// What was to happen to a frame that nobody sends any more does not happen to the next one.
+void Segment::forget_given_up() {
+  given_up_ = false;
+  const bool is_sent = std::any_of(members_.begin(), members_.end(),
+                                   [](const BusPort* port) { return port->bits.transmitting(); });
+  if (!is_sent) faults_.corruptions = 0;
+}
+
+/// Frames whose last bit ends now.
+void Segment::complete_frames(can::Time now) {
+  if (!completing_) return;
+  const BusPort* told = nullptr;
+  for (BusPort* port : members_) {
+    const BusPort::Tap& tap = port->tap;
+    if ((!tap.transmitted && !tap.received) || tap.next > now || tap.counted) continue;
+    if (told == nullptr || (tap.transmitted && !told->tap.transmitted)) told = port;
+  }
+  if (told != nullptr) {  // everybody has the same frame
+    const can::Frame frame = told->tap.transmitted ? told->current : told->bits.frame();
+    core_.statistics.frame(frame);
+    for (BusObserver* observer : core_.observers) {
+      observer->frame_completed(frame, told->tap.frame_start, now);
+    }
+  }
+  for (BusPort* port : members_) {
+    if (!port->tap.transmitted || port->tap.next > now) continue;
+    port->tap.transmitted = port->tap.counted = false;
+    port->confirm = port->complete();
+    arbiter_.set(port->index, port->offer());
+  }
+  // By number: who is told may plug, unplug and add ports.
+  for (std::size_t number = 0; number < core_.ports.size(); ++number) {
+    BusPort& port = *core_.ports[number];
+    if (port.segment != this || !port.tap.received || port.tap.next > now) continue;
+    port.tap.received = port.tap.counted = false;
+    const can::Frame heard = port.bits.frame();
+    const std::uint64_t wanted = core_.acceptance.ports_for(heard)[port.index / 64];
+    if ((wanted >> (port.index % 64) & 1U) != 0 && !dropped(port)) port.hear(heard, now);
+  }
+  for (std::size_t number = 0; number < core_.ports.size(); ++number) {
+    BusPort& port = *core_.ports[number];
+    if (!port.confirm) continue;
+    port.confirm = false;
+    const can::Frame sent = port.current;
+    port.tell([&](can::Listener& participant) { participant.transmitted(sent, now); });
+  }
+  completing_ = std::any_of(members_.begin(), members_.end(),
+                            [](const BusPort* port) { return port->tap.received || port->tap.transmitted; });
+}
+
+bool Segment::leave_bits_if_healthy(can::Time now) {
+  if (replaying_) return false;
+  reconsider();
+  if (!healthy_ && !lone_) return false;
+  for (BusPort* port : members_) {
+    port->tap = {};
+    counting_ = counting_ || !port->faults.clean();
+  }
+  state_ = State::idle;
+  free_from_ = std::max(free_from_, now);
+  deadline_ = arbiter_.lowest() == Arbiter::none ? can::never : free_from_;
+  if (deadline_ == now) start(now);
+  return true;
+}
+
+/// It is asleep, or its bit ends now.
+bool Segment::between_bits(const BusPort& port, can::Time now) noexcept {
+  return !port.tap.sampling && (port.tap.next == can::never || port.tap.next <= now);
+}
+
+/// It may begin its frame: the bus is idle for it, and it is not within a bit. With two bit rates on one wire it
+/// also waits until nobody is in a frame or an error frame: perfect clocks, unlike real ones, could repeat one
+/// and the same collision for ever.
+bool Segment::ready(const BusPort& port, can::Time now) const noexcept {
+  return port.bits.idle() && between_bits(port, now) && port.offer() != Arbiter::none &&
+         !(mixed_rates_ && active_);
+}
+
+/// Each controller begins by its own bits, whatever the others are still doing: those that are not idle yet see
+/// the SOF where they are.
+void Segment::start_waiting(can::Time now) {
+  if (replaying_) return;
+  const BusPort* first = nullptr;
+  for (BusPort* port : members_) {
+    if (!ready(*port, now)) continue;
+    port->take_next();
+    arbiter_.set(port->index, port->offer());
+    port->bits.transmit(port->current);
+    port->tap.frame_start = now;
+    port->tap.next = now;
+    if (first == nullptr || arbitration(port->current) < arbitration(first->current)) first = port;
+  }
+  if (first == nullptr) return;
+  if (active_) {  // somebody is still in its error frame: what belongs to the last frame ends here all the same
+    count_activity(now);
+    activity_start_ = now;
+  }
+  if (!faults_ready_) {
+    faults_ = core_.plan.hits_frames() ? core_.plan.on_frame(*first, first->current, now) : FrameFaults{};
+  }
+  faults_ready_ = false;
+  given_up_ = false;
+  error_frame_ = false;
+  faults_origin_ = now;
+  faults_bit_ = first->bit();
+}
+
+/// Whether a fault inverts what there is on the wire, or what one port sees of it.
+bool Segment::inverted(const BusPort* at, can::Time now) const noexcept {
+  bool inverts = false;
+  for (std::size_t number = 0; number < faults_.corruptions; ++number) {
+    const FrameFaults::Corruption& corruption = faults_.corruption[number];
+    const can::Time begin = faults_origin_ + faults_bit_ * corruption.bit;
+    if (corruption.at == at && now >= begin && now < begin + faults_bit_) inverts = !inverts;
+  }
+  return inverts;
+}
+
+/// Lets bits begin that begin now and finds the level of the wire.
+void Segment::settle(can::Time now) {
+  if (state_ != State::bits) return;
+  bool dominant = forced_;
+  bool asleep = false;  // somebody since now
+  for (BusPort* port : members_) {
+    BusPort::Tap& tap = port->tap;
+    if (tap.next == now && !tap.sampling) {
+      tap.bit_start = now;
+      if (port->bits.idle()) {
+        tap.next = can::never;  // asleep until the wire is dominant
+        asleep = true;
+      } else {
+        tap.next = now + sample_offset(port->bit());
+        tap.sampling = true;
+      }
+      const bool driving = port->bits.drives_dominant();
+      if (driving != tap.driving) {
+        tap.driving = driving;
+        for (WireObserver* observer : core_.wire_observers) observer->transmit_changed(*port, driving, now);
+      }
+      if (!core_.wire_observers.empty()) tell_activity(*port, now);
+    }
+    dominant = dominant || tap.driving;
+  }
+  dominant = dominant != inverted(nullptr, now);
+  if (asleep || faults_.corruptions > 0) {  // there is no edge for those who see a dominant bit from here on
+    for (BusPort* port : members_) {
+      if (dominant != inverted(port, now)) wake(*port, now);
+    }
+  }
+  if (dominant == dominant_) return;
+  dominant_ = dominant;
+  if (shows_level_) {
+    for (WireObserver* observer : core_.wire_observers) observer->level_changed(dominant, now);
+  }
+  if (!dominant) return;
+  if (!active_) {
+    active_ = true;
+    activity_start_ = now;
+  }
+  for (BusPort* port : members_) synchronise(*port, now);
+}
+
+/// Whoever is asleep begins to sample.
+void Segment::wake(BusPort& port, can::Time now) {
+  if (!port.bits.idle() || port.tap.next != can::never) return;
+  port.tap.bit_start = now;
+  port.tap.next = now + sample_offset(port.bit());
+  port.tap.sampling = true;
+}
+
+/// An edge from recessive to dominant.
+void Segment::synchronise(BusPort& port, can::Time now) {
+  BusPort::Tap& tap = port.tap;
+  if (tap.next != can::never && tap.bit_start == now) return;
+  const can::Duration bit = port.bit();
+  if (port.bits.quiet() || port.bits.state() == BitController::State::intermission) {
+    if (port.bits.state() == BitController::State::bus_off && !port.recovering) return;
+    tap.bit_start = now;  // hard synchronisation
+    tap.next = now + sample_offset(bit);
+    tap.sampling = true;
+    return;
+  }
+  if (tap.sampling) {
+    if (tap.driving) return;
+    const can::Duration late = std::min(now - tap.bit_start, jump_width(bit));
+    tap.bit_start += late;
+    tap.next += late;
+  } else {
+    const can::Duration early = std::min(tap.next - now, jump_width(bit));
+    tap.next -= early;
+  }
+}
+
+void Segment::sample(can::Time now) {
+  for (BusPort* port : members_) {
+    if (port->tap.next == now && port->tap.sampling) sample_port(*port, now);
+  }
+}
+
+void Segment::sample_port(BusPort& port, can::Time now) {
+  BusPort::Tap& tap = port.tap;
+  const can::ErrorState state = port.faults.state();
+  const bool warned = port.faults.warning();
+  const bool in_frame = port.bits.state() == BitController::State::frame;
+  const BitController::Events events = port.bits.sample(dominant_ != inverted(&port, now));
+  if (!in_frame && port.bits.state() == BitController::State::frame) tap.frame_start = tap.bit_start;
+  tap.sampling = false;
+  tap.next = tap.bit_start + port.bit();
+  if (events.error != BusError::none) given_up_ = true;
+  if (port.sending && (events.lost || events.error != BusError::none)) {
+    port.give_back();
+    arbiter_.set(port.index, port.offer());
+  }
+  completing_ = completing_ || events.received || events.transmitted;
+  tap.received = tap.received || events.received;
+  tap.transmitted = tap.transmitted || events.transmitted;
+  if (events.early_start && port.offer() != Arbiter::none) {
+    port.take_next();
+    arbiter_.set(port.index, port.offer());
+    port.bits.join(port.current);
+  }
+  if (replaying_) {  // an error frame was counted and told when it was computed
+    const bool has_changed = port.faults.state() != state || port.faults.warning() != warned;
+    if (has_changed && !failed_) tap.changed = changes_ = true;
+    return;
+  }
+  if (events.error != BusError::none) {
+    ++port.counted.errors;
+    if (!error_frame_) core_.statistics.error_frame();
+    error_frame_ = true;
+    for (BusObserver* observer : core_.observers) observer->error_detected(port, events.error, now);
+  }
+  if (events.recovered) port.recovering = false;
+  if (port.faults.state() != state || port.faults.warning() != warned) {
+    tap.changed = changes_ = true;
+    if (port.faults.state() == can::ErrorState::bus_off) {
+      ++port.counted.bus_offs;
+      if (port.automatic_recovery) port.recovering = true;
+      port.bits.set_recovering(port.recovering);
+    }
+    arbiter_.set(port.index, port.offer());
+  }
+}
+
+void Segment::tell_changes(can::Time now) {
+  if (!changes_) return;
+  changes_ = false;
+  for (const auto& port : core_.ports) {
+    if (port->segment != this || !port->tap.changed) continue;
+    port->tap.changed = false;
+    port->tell([now](can::Listener& participant) { participant.controller_changed(now); });
+  }
+}
+
+void Segment::tell_activity(BusPort& port, can::Time now) {
+  const bool flagging = port.bits.flagging();
+  const bool arbitrating = port.bits.arbitrating();
+  if (flagging == port.tap.flagging && arbitrating == port.tap.arbitrating) return;
+  port.tap.flagging = flagging;
+  port.tap.arbitrating = arbitrating;
+  for (WireObserver* observer : core_.wire_observers) {
+    observer->activity_changed(port, flagging, arbitrating, now);
+  }
+}
+
+/// When the segment has to act next.
+void Segment::schedule(can::Time now) {
+  if (state_ != State::bits) return;
+  deadline_ = changed_ ? now : can::never;
+  for (std::size_t number = 0; number < faults_.corruptions; ++number) {
+    const can::Time begin = faults_origin_ + faults_bit_ * faults_.corruption[number].bit;
+    if (begin > now) {
+      deadline_ = std::min(deadline_, begin);
+    } else if (begin + faults_bit_ > now) {
+      deadline_ = std::min(deadline_, begin + faults_bit_);
+    }
+  }
+  for (const BusPort* port : members_) {
+    deadline_ = std::min(deadline_, port->tap.next);
+    if (!replaying_ && ready(*port, now)) deadline_ = std::min(deadline_, now);
+  }
+}
+
+}  // namespace canopus::sim

@@ -1,0 +1,142 @@
+#include "canopus/sim/bus/waveform.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <initializer_list>
+#include <utility>
+
+#include "canopus/can/frame_bits.hpp"
+
+namespace canopus::sim {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::size_t flush_size = 64 * 1024;
+
+can::Duration resolution_for(std::uint32_t bit_rate) {
+  can::Duration resolution = 1ns;
+  while (resolution * 100 <= can::bit_time(1, bit_rate) && resolution < 1us) resolution *= 10;
+  return resolution;
+}
+
+std::string word(std::string name) {
+  for (char& c : name) {
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+  }
+  return name.empty() ? "_" : name;
+}
+
+}  // namespace
+
+Waveform::Waveform(Bus& bus, can::Time now, Sink sink)
+    : bus_(bus),
+      sink_(std::move(sink)),
+      ports_(bus.ports()),
+      high_(1 + signals_per_port * ports_.size()),
+      resolution_(resolution_for(bus.bit_rate())) {
+  write_head();
+  write_time(now);
+  text_ += "$dumpvars\n";
+  for (std::size_t signal = 0; signal < high_.size(); ++signal) {
+    // The wire and what is driven are recessive, nobody sends a flag.
+    high_[signal] = signal == 0 || (signal - 1) % signals_per_port == tx;
+    text_ += high_[signal] ? '1' : '0';
+    text_ += code(signal);
+    text_ += '\n';
+  }
+  text_ += "$end\n";
+  bus_.add_observer(*this);
+}
+
+Waveform::~Waveform() {
+  bus_.remove_observer(static_cast<WireObserver&>(*this));
+  if (!text_.empty()) sink_(text_);
+}
+
+void Waveform::write_head() {
+  const auto nanoseconds = resolution_.count();
+  // Piece by piece: gcc 12 warns of its own std::string where literals are added to strings.
+  const auto write = [this](std::initializer_list<std::string_view> pieces) {
+    for (const std::string_view piece : pieces) text_ += piece;
+  };
+  write({"$version Canopus $end\n$timescale ",
+         nanoseconds == 1000  ? "1 us"
+         : nanoseconds == 100 ? "100 ns"
+         : nanoseconds == 10  ? "10 ns"
+                              : "1 ns",
+         " $end\n$scope module ", word(bus_.name()), " $end\n$var wire 1 ", code(0), " can $end\n"});
+  std::vector<std::string> names;
+  for (std::size_t number = 0; number < ports_.size(); ++number) {
+    std::string name = word(ports_[number]->name());
+    if (std::find(names.begin(), names.end(), name) != names.end()) {
+      name += '_';
+      name += std::to_string(number);
+    }
+    const std::size_t signal = 1 + signals_per_port * number;
+    write({"$var wire 1 ", code(signal + tx), " ", name, "_tx $end\n"});
+    write({"$var wire 1 ", code(signal + flag), " ", name, "_flag $end\n"});
+    write({"$var wire 1 ", code(signal + arbitration_part), " ", name, "_arb $end\n"});
+    names.push_back(std::move(name));
+  }
+  write({"$upscope $end\n$enddefinitions $end\n"});
+}
+
+std::string Waveform::code(std::size_t signal) {
+  constexpr std::size_t digits = '~' - '!' + 1;
+  std::string code;
+  do {
+    code += static_cast<char>('!' + signal % digits);
+    signal /= digits;
+  } while (signal > 0);
+  return code;
+}
+
+std::size_t Waveform::first_signal(const Port& port) const noexcept {
+  const auto found = std::find(ports_.begin(), ports_.end(), &port);
+  if (found == ports_.end()) return 0;
+  return 1 + signals_per_port * static_cast<std::size_t>(found - ports_.begin());
+}
+
+void Waveform::write_time(can::Time now) {
+  const std::int64_t time = now.time_since_epoch() / resolution_;
+  if (time <= written_time_) return;
+  written_time_ = time;
+  text_ += '#';
+  text_ += std::to_string(time);
+  text_ += '\n';
+}
+
+void Waveform::change(std::size_t signal, bool high, can::Time now) {
+  if (high_[signal] == high) return;
+  high_[signal] = high;
+  write_time(now);
+  text_ += high ? '1' : '0';
+  text_ += code(signal);
+  text_ += '\n';
+  if (text_.size() >= flush_size) {
+    sink_(text_);
+    text_.clear();
+  }
+}
+
+void Waveform::flush(can::Time now) {
+  write_time(now);
+  sink_(text_);
+  text_.clear();
+}
+
+void Waveform::level_changed(bool dominant, can::Time now) { change(0, !dominant, now); }
+
+void Waveform::transmit_changed(const Port& port, bool dominant, can::Time now) {
+  if (const std::size_t signal = first_signal(port); signal != 0) change(signal + tx, !dominant, now);
+}
+
+void Waveform::activity_changed(const Port& port, bool flagging, bool arbitrating, can::Time now) {
+  const std::size_t signal = first_signal(port);
+  if (signal == 0) return;
+  change(signal + flag, flagging, now);
+  change(signal + arbitration_part, arbitrating, now);
+}
+
+}  // namespace canopus::sim

@@ -1,0 +1,62 @@
+#pragma once
+// The wire as a waveform: a Value Change Dump (IEEE 1364) that PulseView, GTKWave and sigrok-cli open. One
+// scope with the name of the bus; in it
+//
+//   can           the level of the wire, 1 = recessive
+//   NAME_tx       what the controller NAME drives, 1 = recessive
+//   NAME_flag     1 while it sends an error or overload flag
+//   NAME_arb      1 while its frame takes part in arbitration
+//
+// Characters of NAME other than letters, digits and _ become _, a second port of a name gets its number.
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/sim/bus/bus.hpp"
+
+namespace canopus::sim {
+
+class Waveform final : public WireObserver {
+ public:
+  using Sink = std::function<void(std::string_view)>;
+
+  /// Writes the head, with the ports the bus has now, and begins to watch: the bus works bit by bit from here
+  /// on. `sink` takes text in pieces of any length; bus and sink must outlive this.
+  Waveform(Bus& bus, can::Time now, Sink sink);
+  /// Flushes, and lets the bus go.
+  ~Waveform();
+  Waveform(const Waveform&) = delete;
+  Waveform& operator=(const Waveform&) = delete;
+
+  /// Unit of the times in the dump: at least ten to a bit.
+  [[nodiscard]] can::Duration resolution() const noexcept { return resolution_; }
+  /// Hands everything up to `now` to the sink.
+  void flush(can::Time now);
+
+  void level_changed(bool dominant, can::Time now) override;
+  void transmit_changed(const Port& port, bool dominant, can::Time now) override;
+  void activity_changed(const Port& port, bool flagging, bool arbitrating, can::Time now) override;
+
+ private:
+  enum Signal : std::size_t { tx, flag, arbitration_part, signals_per_port };
+
+  void write_head();
+  /// Number of the port's first signal; 0 (that of the wire): the port is not in the dump.
+  [[nodiscard]] std::size_t first_signal(const Port& port) const noexcept;
+  void change(std::size_t signal, bool high, can::Time now);
+  void write_time(can::Time now);
+  [[nodiscard]] static std::string code(std::size_t signal);
+
+  Bus& bus_;
+  Sink sink_;
+  std::vector<const Port*> ports_;
+  std::vector<bool> high_;  // per signal
+  can::Duration resolution_;
+  std::int64_t written_time_ = -1;
+  std::string text_;
+};
+
+}  // namespace canopus::sim

@@ -1,0 +1,102 @@
+#include "canopus/sim/device/behaviour.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "canopus/eds/value.hpp"
+
+namespace canopus::sim {
+namespace {
+
+using canopen::DataType;
+
+constexpr std::pair<Behaviour::Kind, std::string_view> kind_names[] = {
+    {Behaviour::Kind::constant, "constant"}, {Behaviour::Kind::sine, "sine"},
+    {Behaviour::Kind::ramp, "ramp"},         {Behaviour::Kind::counter, "counter"},
+    {Behaviour::Kind::noise, "noise"},       {Behaviour::Kind::echo, "echo"}};
+
+/// A well mixed number for every input: Steele, Lea and Flood's splitmix64.
+constexpr std::uint64_t mixed(std::uint64_t x) noexcept {
+  x += 0x9E37'79B9'7F4A'7C15;
+  x = (x ^ (x >> 30)) * 0xBF58'476D'1CE4'E5B9;
+  x = (x ^ (x >> 27)) * 0x94D0'49BB'1331'11EB;
+  return x ^ (x >> 31);
+}
+
+double real_limit(std::uint64_t pattern, DataType type) noexcept {
+  if (type == DataType::real32 || type == DataType::real64) return std::bit_cast<double>(pattern);
+  return canopen::is_signed(type) ? static_cast<double>(static_cast<std::int64_t>(pattern))
+                                  : static_cast<double>(pattern);
+}
+
+/// A whole number within low..high, which are the type's own bounds: no rounding beyond them.
+template <typename T>
+std::uint64_t whole(double value, std::uint64_t low, std::uint64_t high) noexcept {
+  const auto lowest = static_cast<T>(low);
+  const auto highest = static_cast<T>(high);
+  if (!(value > static_cast<double>(lowest))) return low;
+  if (!(value < static_cast<double>(highest))) return high;
+  return static_cast<std::uint64_t>(std::clamp(static_cast<T>(std::nearbyint(value)), lowest, highest));
+}
+
+}  // namespace
+
+std::optional<Behaviour::Kind> behaviour_kind(std::string_view name) noexcept {
+  for (const auto& [kind, known] : kind_names) {
+    if (known == name) return kind;
+  }
+  return std::nullopt;
+}
+
+std::string_view name(Behaviour::Kind kind) noexcept {
+  for (const auto& [known, word] : kind_names) {
+    if (known == kind) return word;
+  }
+  return "unknown";
+}
+
+double value_at(const Behaviour& behaviour, can::Time now) noexcept {
+  const auto elapsed = now.time_since_epoch();
+  const double span = behaviour.high - behaviour.low;
+  const auto period = std::max(behaviour.period, can::Duration{1});
+  const double phase = static_cast<double>((elapsed % period).count()) / static_cast<double>(period.count());
+  const auto step_number = static_cast<std::uint64_t>(elapsed / period);
+  switch (behaviour.kind) {
+    case Behaviour::Kind::constant: return behaviour.low;
+    case Behaviour::Kind::sine:
+      return behaviour.low + span * (0.5 + 0.5 * std::sin(2 * std::numbers::pi * phase));
+    case Behaviour::Kind::ramp: return behaviour.low + span * phase;
+    case Behaviour::Kind::counter: {
+      if (!(behaviour.step > 0)) return behaviour.low;
+      const double steps = std::floor(span / behaviour.step) + 1;
+      return behaviour.low + std::fmod(static_cast<double>(step_number), steps) * behaviour.step;
+    }
+    case Behaviour::Kind::noise: {
+      const std::uint64_t random = mixed(mixed(behaviour.seed) ^ step_number);
+      return behaviour.low + span * (static_cast<double>(random >> 11) / 0x1FFFFFFFFFFFFFp0);
+    }
+    case Behaviour::Kind::echo: return 0;
+  }
+  return 0;
+}
+
+std::uint64_t fitted(double value, DataType type, const canopen::Limits& limits) noexcept {
+  if (std::isnan(value)) value = 0;
+  if (type == DataType::boolean) return value >= 0.5 ? 1 : 0;
+  if (type == DataType::real32 || type == DataType::real64) {
+    if (limits.low) value = std::max(value, real_limit(*limits.low, type));
+    if (limits.high) value = std::min(value, real_limit(*limits.high, type));
+    if (type == DataType::real64) return std::bit_cast<std::uint64_t>(value);
+    return std::bit_cast<std::uint32_t>(static_cast<float>(value));
+  }
+  const eds::Range type_range = eds::range(type);
+  const std::uint64_t low = limits.low.value_or(type_range.low);
+  const std::uint64_t high = limits.high.value_or(type_range.high);
+  return canopen::is_signed(type) ? whole<std::int64_t>(value, low, high)
+                                  : whole<std::uint64_t>(value, low, high);
+}
+
+}  // namespace canopus::sim

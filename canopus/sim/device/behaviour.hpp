@@ -1,0 +1,49 @@
+#pragma once
+// Values that move by themselves in a simulated device: what stands for the machine around it.
+//
+// A value is a pure function of the time and the seed, so two runs with one seed are byte-identical, however
+// often a device is looked at, and no state has to be saved.
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "canopus/can/time.hpp"
+#include "canopus/canopen/dictionary/dictionary_description.hpp"
+
+namespace canopus::sim {
+
+/// One moving value, named by its object.
+struct Behaviour {
+  enum class Kind : std::uint8_t {
+    constant,  ///< `low`, always
+    sine,      ///< from low to high and back in one period, starting at the middle, rising
+    ramp,      ///< from low to high in one period, then low again
+    counter,   ///< low, low + step, ... up to high, then low again; one step per period
+    noise,     ///< evenly spread over low..high, a new value every period
+    echo,      ///< what the source object holds (times 1; `low`..`high` do not apply)
+  };
+  Kind kind = Kind::constant;
+  std::uint16_t index = 0;
+  std::uint8_t sub = 0;
+  double low = 0;                                  ///< in the object's own units
+  double high = 0;                                 ///< in the object's own units, >= low
+  can::Duration period = std::chrono::seconds(1);  ///< > 0
+  double step = 1;                                 ///< counter
+  std::uint64_t seed = 0;                          ///< noise
+  std::uint16_t source_index = 0;                  ///< echo
+  std::uint8_t source_sub = 0;                     ///< echo
+};
+
+/// The kind of this name ("sine"), or nothing.
+[[nodiscard]] std::optional<Behaviour::Kind> behaviour_kind(std::string_view name) noexcept;
+[[nodiscard]] std::string_view name(Behaviour::Kind kind) noexcept;
+
+/// The value at this moment, before it is fitted into an object's type. 0 for echo.
+[[nodiscard]] double value_at(const Behaviour& behaviour, can::Time now) noexcept;
+
+/// `value`, rounded and limited to what the type and the object's limits can hold, as the type's bit pattern.
+[[nodiscard]] std::uint64_t fitted(double value, canopen::DataType type,
+                                   const canopen::Limits& limits) noexcept;
+
+}  // namespace canopus::sim

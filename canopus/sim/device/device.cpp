@@ -1,0 +1,309 @@
+#include "canopus/sim/device/device.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "canopus/eds/problems.hpp"
+#include "canopus/eds/value.hpp"
+
+namespace canopus::sim {
+
+using canopen::Entry;
+using canopen::NmtState;
+
+namespace {
+
+bool same(const Entry& a, const Entry& b) noexcept { return a.index == b.index && a.sub == b.sub; }
+
+}  // namespace
+
+Device::Device(std::shared_ptr<const eds::DeviceFile> file, std::uint8_t node_id, can::Sink& sink,
+               DeviceOptions options)
+    : file_(std::move(file)),
+      gate_(sink),
+      node_(file_->dictionary, node_id, gate_, options.node),
+      options_(options) {
+  node_.set_listener(this);
+  options_.sample_interval = std::max<can::Duration>(options_.sample_interval, std::chrono::microseconds(1));
+}
+
+std::optional<std::string> Device::add_behaviour(const Behaviour& behaviour) {
+  const canopen::DictionaryDescription& description = *file_->dictionary;
+  const auto find = [&](std::uint16_t index, std::uint8_t sub, Entry& entry) -> std::optional<std::string> {
+    const std::string shown = eds::object_name(index, sub);
+    entry = description.find(index, sub);
+    if (!entry) return "the device has no object " + shown;
+    if (!eds::is_number(entry.description->type)) {
+      return shown + " is of type " + std::string(eds::name(entry.description->type)) + ", not a number";
+    }
+    return std::nullopt;
+  };
+  Motion motion{behaviour, {}, {}};
+  if (auto problem = find(behaviour.index, behaviour.sub, motion.target)) return problem;
+  for (const Playback& playback : playbacks_) {
+    if (std::ranges::any_of(playback.entries(),
+                            [&](const Entry& entry) { return same(entry, motion.target); }))
+      return eds::object_name(behaviour.index, behaviour.sub) + " is played back from a file already";
+  }
+  const std::string shown = eds::object_name(behaviour.index, behaviour.sub);
+  switch (behaviour.kind) {
+    case Behaviour::Kind::echo:
+      if (auto problem = find(behaviour.source_index, behaviour.source_sub, motion.source)) return problem;
+      if (motion.source.description->type != motion.target.description->type) {
+        return shown + " is of type " + std::string(eds::name(motion.target.description->type)) +
+               ", its source " + eds::object_name(behaviour.source_index, behaviour.source_sub) +
+               " of type " + std::string(eds::name(motion.source.description->type)) +
+               ": an echo needs equal types";
+      }
+      break;
+    case Behaviour::Kind::counter:
+      if (!(behaviour.step > 0) || !std::isfinite(behaviour.step)) return "step must be greater than 0";
+      [[fallthrough]];
+    case Behaviour::Kind::sine:
+    case Behaviour::Kind::ramp:
+    case Behaviour::Kind::noise:
+      if (behaviour.period <= can::Duration::zero()) return "period must be greater than 0";
+      if (!(behaviour.low <= behaviour.high)) return "low must not be greater than high";
+      [[fallthrough]];
+    case Behaviour::Kind::constant:
+      if (!std::isfinite(behaviour.low) || !std::isfinite(behaviour.high))
+        return "low and high must be finite";
+      break;
+  }
+  samples_ =
+      samples_ || (behaviour.kind != Behaviour::Kind::echo && behaviour.kind != Behaviour::Kind::constant);
+  motions_.push_back(motion);
+  return std::nullopt;
+}
+
+std::expected<Entry, std::string> Device::process_value(std::uint16_t index, std::uint8_t sub) const {
+  const std::string shown = eds::object_name(index, sub);
+  const Entry entry = file_->dictionary->find(index, sub);
+  if (!entry) return std::unexpected("the device has no object " + shown);
+  if (index < 0x2000) {
+    return std::unexpected(shown + " configures the node; expected a process value, 2000H to FFFFH");
+  }
+  if (sub == 0 && file_->dictionary->find(index)->highest_sub != 0) {
+    return std::unexpected(shown + " is the number of sub-indexes; expected one of them");
+  }
+  if (!eds::is_number(entry.description->type)) {
+    return std::unexpected(shown + " is of type " + std::string(eds::name(entry.description->type)) +
+                           ", not a number");
+  }
+  return entry;
+}
+
+std::optional<std::string> Device::add_playback(Playback playback) {
+  const auto moves = [&](const Entry& entry) {
+    return std::ranges::any_of(motions_, [&](const Motion& motion) { return same(motion.target, entry); }) ||
+           std::ranges::any_of(playbacks_, [&](const Playback& other) {
+             return std::ranges::any_of(other.entries(), [&](const Entry& its) { return same(its, entry); });
+           });
+  };
+  for (const Entry& entry : playback.entries()) {
+    const std::string shown = eds::object_name(entry.index, entry.sub);
+    if (const auto value = process_value(entry.index, entry.sub); !value) return value.error();
+    if (moves(entry)) return shown + " moves already, by a behaviour or another file";
+  }
+  playbacks_.push_back(std::move(playback));
+  return std::nullopt;
+}
+
+void Device::enable_lss(can::Controller& controller, canopen::ParameterStore* store) {
+  lss_ = std::make_unique<DeviceLss>(node_, gate_, controller,
+                                     DeviceLss::Settings{node_.node_id(), controller.bit_rate()},
+                                     file_->device.bit_rates, store);
+}
+
+void Device::power_on(can::Time now) {
+  is_on_ = true;
+  script_.restart();
+  if (lss_) lss_->power_on(now);
+  node_.power_on(now);
+  play(now);
+  move_values(now);
+  settle(now, false);
+}
+
+void Device::power_off() {
+  is_on_ = false;
+  next_sample_ = can::never;
+  next_row_ = can::never;
+  node_.power_off();
+  if (lss_) lss_->power_off();
+}
+
+void Device::force(const Entry& entry, std::uint64_t value, can::Time until, can::Time now) {
+  settle(now, force_value(entry, value, until, now));
+}
+
+bool Device::release(const Entry& entry, can::Time now) {
+  if (!forcing_.is_forced(entry)) return false;
+  settle(now, release_value(entry, now));
+  return true;
+}
+
+bool Device::force_value(const Entry& entry, std::uint64_t value, can::Time until, can::Time now) {
+  const bool changed = forcing_.force(entry, value, until);
+  if (force_listener_ == nullptr) return changed;
+  for (const Forcing::Force& force : forcing_.all()) {
+    if (same(force.entry, entry)) force_listener_->value_forced(force, now);
+  }
+  return changed;
+}
+
+bool Device::release_value(const Entry& entry, can::Time now) {
+  if (!forcing_.is_forced(entry)) return false;
+  const bool changed = forcing_.release(entry);
+  if (force_listener_ != nullptr) force_listener_->value_released(entry, now);
+  // Outside Operational nobody samples: what is beneath may be old.
+  return (is_on_ && move_values(now)) || changed;
+}
+
+bool Device::release_due(can::Time now) {
+  bool changed = false;
+  while (forcing_.deadline() <= now) {
+    const auto due =
+        std::ranges::find_if(forcing_.all(), [&](const auto& force) { return force.until <= now; });
+    const Entry entry = due->entry;  // which goes with the force
+    changed = release_value(entry, now) || changed;
+  }
+  return changed;
+}
+
+bool Device::carry_out(const ScriptStep& step, can::Time now) {
+  switch (step.action) {
+    case ScriptStep::Action::force:
+      return force_value(step.entry, step.value, step.hold ? can::later(now, *step.hold) : can::never, now);
+    case ScriptStep::Action::release: return release_value(step.entry, now);
+    case ScriptStep::Action::release_all: break;
+  }
+  bool changed = false;
+  while (!forcing_.all().empty()) {
+    const Entry first = forcing_.all().front().entry;
+    changed = release_value(first, now) || changed;
+  }
+  return changed;
+}
+
+bool Device::look_at_conditions(can::Time now) {
+  if (script_.empty()) return false;
+  bool changed = false;
+  script_.begin_look();
+  while (const ScriptStep* step = script_.next_true(node_.dictionary())) {
+    changed = carry_out(*step, now) || changed;
+    changed = echo_values() || changed;
+  }
+  return changed;
+}
+
+bool Device::play(can::Time now) {
+  next_row_ = can::never;
+  bool moved = false;
+  for (const Playback& playback : playbacks_) {
+    const auto row = playback.at(now);
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      if (row[i]) moved = forcing_.put(playback.entries()[i], *row[i]) || moved;
+    }
+    next_row_ = std::min(next_row_, playback.next_after(now));
+  }
+  return moved;
+}
+
+void Device::reset_requested(canopen::NmtCommand which, can::Time now) {
+  if (lss_) {
+    lss_->listener().reset_requested(which, now);
+  } else if (listener_ != nullptr) {
+    listener_->reset_requested(which, now);
+  }
+}
+
+void Device::reset_done(canopen::NmtCommand which, can::Time now) {
+  if (lss_) lss_->listener().reset_done(which, now);
+  if (which != canopen::NmtCommand::reset_node) return;
+  forcing_.values_loaded();
+  if (!playbacks_.empty()) play(now);
+}
+
+void Device::rpdo_received(std::uint16_t number, can::Time) { forcing_.rpdo_received(number); }
+
+bool Device::emergency(std::uint16_t code, std::uint8_t error_register,
+                       const std::array<std::uint8_t, 5>& manufacturer, can::Time now) {
+  return node_.emergency(code, error_register, manufacturer, now);
+}
+
+bool Device::emergency_reset(can::Time now) { return node_.emergency_reset(now); }
+
+bool Device::move_values(can::Time now) {
+  const canopen::ObjectDictionary& dictionary = node_.dictionary();
+  bool moved = false;
+  for (const Motion& motion : motions_) {
+    if (motion.behaviour.kind == Behaviour::Kind::echo) continue;
+    const std::uint64_t value = fitted(value_at(motion.behaviour, now), motion.target.description->type,
+                                       dictionary.description().limits(motion.target));
+    moved = forcing_.put(motion.target, value) || moved;
+  }
+  return echo_values() || moved;
+}
+
+bool Device::echo_values() {
+  const canopen::ObjectDictionary& dictionary = node_.dictionary();
+  bool moved = false;
+  for (const Motion& motion : motions_) {
+    if (motion.behaviour.kind != Behaviour::Kind::echo) continue;
+    const auto value = dictionary.get<std::uint64_t>(motion.source);
+    moved = forcing_.put(motion.target, value) || moved;
+  }
+  return moved;
+}
+
+/// After everything that happens to it.
+void Device::settle(can::Time now, bool moved) {
+  if (is_on_) {
+    moved = echo_values() || moved;
+    moved = look_at_conditions(now) || moved;
+  }
+  after_event(now, moved);
+}
+
+void Device::after_event(can::Time now, bool moved) {
+  const bool is_operational = is_on_ && node_.state() == NmtState::operational;
+  if (moved && is_operational) node_.values_changed(now);
+  if (!is_operational || !samples_) {
+    next_sample_ = can::never;
+  } else if (next_sample_ <= now || next_sample_ == can::never) {
+    next_sample_ = can::later(now, options_.sample_interval);
+  }
+}
+
+void Device::receive(const can::Frame& frame, can::Time now) {
+  if (lss_ && frame.identifier == lss::from_master && !frame.extended) return lss_->receive(frame, now);
+  if (is_plain()) return node_.receive(frame, now);
+  // Nobody samples outside Operational: an SDO read, or the first TPDOs after start, see the values of now.
+  if (is_on_ && next_sample_ == can::never) move_values(now);
+  node_.receive(frame, now);
+  settle(now, false);
+}
+
+void Device::transmitted(const can::Frame& frame, can::Time now) { node_.transmitted(frame, now); }
+
+void Device::controller_changed(can::Time now) { node_.controller_changed(now); }
+
+void Device::tick(can::Time now) {
+  if (lss_ && lss_->deadline() <= now) lss_->tick(now);
+  bool moved = release_due(now);
+  if (next_row_ <= now) moved = play(now) || moved;
+  if (next_sample_ <= now) moved = move_values(now) || moved;
+  while (const ScriptStep* step = script_.next_due(now)) moved = carry_out(*step, now) || moved;
+  if (node_.deadline() <= now) node_.tick(now);
+  if (moved || !is_plain()) settle(now, moved);
+}
+
+can::Time Device::deadline() const noexcept {
+  const can::Time next =
+      std::min({node_.deadline(), next_sample_, next_row_, forcing_.deadline(), script_.deadline()});
+  return lss_ ? std::min(next, lss_->deadline()) : next;
+}
+
+}  // namespace canopus::sim

@@ -1,0 +1,150 @@
+#pragma once
+// A simulated slave: behaves as the CANopen device its EDS or DCF describes, and moves the values it was told
+// to move.
+
+#include <array>
+#include <cstdint>
+#include <expected>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "canopus/can/controller.hpp"
+#include "canopus/canopen/node/node.hpp"
+#include "canopus/eds/device_file.hpp"
+#include "canopus/sim/device/behaviour.hpp"
+#include "canopus/sim/device/device_lss.hpp"
+#include "canopus/sim/device/forcing.hpp"
+#include "canopus/sim/device/playback.hpp"
+#include "canopus/sim/device/script.hpp"
+
+namespace canopus::sim {
+
+struct DeviceOptions {
+  /// How often moving values are looked at while the device is Operational.
+  can::Duration sample_interval = std::chrono::milliseconds(10);
+  canopen::NodeOptions node{};
+};
+
+/// Who wants to know which values are forced.
+class ForceListener {
+ public:
+  virtual void value_forced(const Forcing::Force&, can::Time) {}
+  virtual void value_released(const canopen::Entry&, can::Time) {}
+
+ protected:
+  ~ForceListener() = default;
+};
+
+class Device final : public can::Participant, private canopen::NodeListener {
+ public:
+  /// Off until power_on(). `sink` must outlive the device. node_id 1..127, or FFH: none until an LSS master
+  /// gives it one.
+  Device(std::shared_ptr<const eds::DeviceFile> file, std::uint8_t node_id, can::Sink& sink,
+         DeviceOptions options = {});
+
+  /// Lets an object move from now on. Returns what is wrong with it instead, in words for the plant file's
+  /// author: no such object, a string, high below low, a period of 0, an echo of another type.
+  [[nodiscard]] std::optional<std::string> add_behaviour(const Behaviour& behaviour);
+
+  /// Plays these values from now on. Returns what is wrong instead: an object that moves already, or is no
+  /// process value.
+  [[nodiscard]] std::optional<std::string> add_playback(Playback playback);
+  /// To be called before power_on(); the entries are those of process_value().
+  void add_script_step(const ScriptStep& step) { script_.add(step); }
+
+  /// A number from 2000H on, which may be forced and played back; or what it is instead, in words.
+  [[nodiscard]] std::expected<canopen::Entry, std::string> process_value(std::uint16_t index,
+                                                                         std::uint8_t sub) const;
+  /// Whatever the device, an RPDO or an SDO puts into an entry of process_value(), everybody sees this value
+  /// (bit pattern, as wide as the entry) until it is released: at `until`, or never by itself. It outlives
+  /// resets and power_off().
+  void force(const canopen::Entry& entry, std::uint64_t value, can::Time until, can::Time now);
+  /// False: it was not forced.
+  bool release(const canopen::Entry& entry, can::Time now);
+  /// In order of index and sub-index.
+  [[nodiscard]] std::span<const Forcing::Force> forced() const noexcept { return forcing_.all(); }
+  void set_force_listener(ForceListener* listener) noexcept { force_listener_ = listener; }
+
+  /// Hears that a reset was asked for, unless the device is an LSS slave, which sees to its controller by
+  /// itself.
+  void set_listener(canopen::NodeListener* listener) noexcept { listener_ = listener; }
+
+  /// Makes it an LSS slave, whose LSS address is its 1018H and which can be set to the bit rates that its
+  /// file names. To be called once, before power_on(). `controller` is the one that `sink` belongs to; its
+  /// bit rate now is the one from the shelf. `store`: see DeviceLss.
+  void enable_lss(can::Controller& controller, canopen::ParameterStore* store = nullptr);
+  /// nullptr: it is no LSS slave.
+  [[nodiscard]] const lss::LssSlave* lss() const noexcept { return lss_ ? &lss_->slave() : nullptr; }
+
+  void power_on(can::Time now);
+  void power_off();
+
+  /// True when it would do something with a frame of this base identifier (see Node::wants).
+  [[nodiscard]] bool wants(std::uint32_t base_identifier) const {
+    return node_.wants(base_identifier) || (lss_ && base_identifier == lss::from_master);
+  }
+
+  [[nodiscard]] canopen::Node& node() noexcept { return node_; }
+  [[nodiscard]] const canopen::Node& node() const noexcept { return node_; }
+  [[nodiscard]] const eds::DeviceFile& file() const noexcept { return *file_; }
+
+  /// Sends an emergency, as an error inside the device would. False when the node may not send now.
+  bool emergency(std::uint16_t code, std::uint8_t error_register,
+                 const std::array<std::uint8_t, 5>& manufacturer, can::Time now);
+  /// The error is gone.
+  bool emergency_reset(can::Time now);
+
+  void receive(const can::Frame& frame, can::Time now) override;
+  void transmitted(const can::Frame& frame, can::Time now) override;
+  void controller_changed(can::Time now) override;
+  void tick(can::Time now) override;
+  [[nodiscard]] can::Time deadline() const noexcept override;
+
+ private:
+  struct Motion {
+    Behaviour behaviour;
+    canopen::Entry target;
+    canopen::Entry source;  // echo
+  };
+  // NodeListener
+  void reset_requested(canopen::NmtCommand which, can::Time now) override;
+  void reset_done(canopen::NmtCommand which, can::Time now) override;
+  void rpdo_received(std::uint16_t number, can::Time now) override;
+
+  [[nodiscard]] bool is_plain() const noexcept {
+    return motions_.empty() && playbacks_.empty() && script_.empty() && forcing_.all().empty();
+  }
+  // What changes values. True: somebody sees another value than before.
+  bool move_values(can::Time now);
+  bool echo_values();
+  bool play(can::Time now);
+  bool force_value(const canopen::Entry& entry, std::uint64_t value, can::Time until, can::Time now);
+  bool release_value(const canopen::Entry& entry, can::Time now);
+  bool release_due(can::Time now);
+  bool carry_out(const ScriptStep& step, can::Time now);
+  bool look_at_conditions(can::Time now);
+
+  void settle(can::Time now, bool moved);
+  void after_event(can::Time now, bool moved);
+
+  std::shared_ptr<const eds::DeviceFile> file_;
+  can::Gate gate_;  // between the node and the sink
+  canopen::Node node_;
+  std::unique_ptr<DeviceLss> lss_;
+  DeviceOptions options_;
+  std::vector<Motion> motions_;
+  std::vector<Playback> playbacks_;
+  Script script_;
+  Forcing forcing_{node_.dictionary()};
+  ForceListener* force_listener_ = nullptr;
+  canopen::NodeListener* listener_ = nullptr;
+  can::Time next_row_ = can::never;  // of the playbacks
+  can::Time next_sample_ = can::never;
+  bool samples_ = false;  // something else than constants and echoes
+  bool is_on_ = false;
+};
+
+}  // namespace canopus::sim

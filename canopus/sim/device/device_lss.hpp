@@ -1,0 +1,63 @@
+#pragma once
+// The LSS slave of a simulated device [CiA 305]: what an LSS master sets of it (node-ID, bit rate), and its
+// own memory for that, which holds through power cuts.
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "canopus/can/gate.hpp"
+#include "canopus/canopen/node/node.hpp"
+#include "canopus/lss/lss_slave.hpp"
+
+namespace canopus::sim {
+
+class DeviceLss final : private lss::LssSlaveUser, private canopen::NodeListener {
+ public:
+  struct Settings {
+    std::uint8_t node_id = lss::unconfigured;
+    std::uint32_t bit_rate = 0;  ///< bit/s
+    friend bool operator==(const Settings&, const Settings&) = default;
+  };
+
+  /// What the store holds, or nothing.
+  [[nodiscard]] static std::optional<Settings> stored(canopen::ParameterStore& store);
+
+  /// listener() must hear of the node. The LSS address is the node's 1018H. `gate` is closed while the device must
+  /// be silent; `bit_rates` (bit/s) is what it can be set to, empty: all; `store` keeps what it is told to
+  /// store, nullptr: kept for as long as this object lives. All must outlive it.
+  DeviceLss(canopen::Node& node, can::Gate& gate, can::Controller& controller, Settings shelf,
+            std::vector<std::uint32_t> bit_rates, canopen::ParameterStore* store);
+
+  /// Node-ID and bit rate are what was stored, or those of the shelf; the node is to be switched on next.
+  void power_on(can::Time now);
+  void power_off() noexcept;
+
+  [[nodiscard]] canopen::NodeListener& listener() noexcept { return *this; }
+  [[nodiscard]] const lss::LssSlave& slave() const noexcept { return slave_; }
+
+  void receive(const can::Frame& frame, can::Time now);
+  void tick(can::Time now);
+  [[nodiscard]] can::Time deadline() const noexcept { return is_on_ ? slave_.deadline() : can::never; }
+
+ private:
+  // LssSlaveUser
+  void node_id_assigned(std::uint8_t node_id, can::Time now) override;
+  bool supports_bit_rate(std::uint32_t bit_rate) override;
+  void change_bit_rate(std::uint32_t bit_rate, can::Time now) override;
+  Stored store(std::uint8_t node_id, std::uint32_t bit_rate) override;
+  // NodeListener
+  void reset_requested(canopen::NmtCommand which, can::Time now) override;
+  void reset_done(canopen::NmtCommand which, can::Time now) override;
+
+  canopen::Node& node_;
+  can::Gate& gate_;
+  can::Controller& controller_;
+  std::vector<std::uint32_t> bit_rates_;
+  canopen::ParameterStore* store_;
+  Settings stored_;
+  lss::LssSlave slave_;
+  bool is_on_ = false;
+};
+
+}  // namespace canopus::sim

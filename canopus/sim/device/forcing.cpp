@@ -1,0 +1,95 @@
+#include "canopus/sim/device/forcing.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace canopus::sim {
+
+using canopen::Entry;
+
+namespace {
+
+std::pair<std::uint16_t, std::uint8_t> key(const Entry& entry) noexcept { return {entry.index, entry.sub}; }
+
+}  // namespace
+
+std::vector<Forcing::Force>::iterator Forcing::find(const Entry& entry) noexcept {
+  return std::ranges::find(forces_, key(entry), [](const Force& force) { return key(force.entry); });
+}
+
+bool Forcing::is_forced(const Entry& entry) const noexcept {
+  return std::ranges::any_of(forces_, [&](const Force& force) { return key(force.entry) == key(entry); });
+}
+
+bool Forcing::force(const Entry& entry, std::uint64_t value, can::Time until) {
+  const auto before = dictionary_.get<std::uint64_t>(entry);
+  auto known = find(entry);
+  if (known == forces_.end()) {
+    dictionary_.attach(entry.index, entry.index, *this);
+    const auto place = std::ranges::lower_bound(forces_, key(entry), {},
+                                                [](const Force& force) { return key(force.entry); });
+    known = forces_.insert(place, {.entry = entry, .beneath = before});
+  }
+  dictionary_.set(entry, value);
+  known->value = dictionary_.get<std::uint64_t>(entry);
+  known->until = until;
+  find_deadline();
+  return known->value != before;
+}
+
+bool Forcing::release(const Entry& entry) {
+  const auto known = find(entry);
+  if (known == forces_.end()) return false;
+  const bool changes = known->value != known->beneath;
+  dictionary_.set(entry, known->beneath);
+  forces_.erase(known);
+  find_deadline();
+  return changes;
+}
+
+bool Forcing::put(const Entry& entry, std::uint64_t value) {
+  if (!forces_.empty()) {
+    if (const auto known = find(entry); known != forces_.end()) {
+      dictionary_.set(entry, value);
+      take(*known);
+      return false;
+    }
+  }
+  const auto before = dictionary_.get<std::uint64_t>(entry);
+  dictionary_.set(entry, value);
+  return dictionary_.get<std::uint64_t>(entry) != before;
+}
+
+/// What is in the dictionary now goes beneath.
+void Forcing::take(Force& force) {
+  force.beneath = dictionary_.get<std::uint64_t>(force.entry);
+  dictionary_.set(force.entry, force.value);
+}
+
+void Forcing::rpdo_received(std::uint16_t number) {
+  if (forces_.empty()) return;
+  const auto mapping = static_cast<std::uint16_t>(0x1600 + number);
+  const auto count = dictionary_.get<std::uint8_t>(mapping, 0);
+  for (std::uint8_t i = 1; i <= count && i <= 64; ++i) {
+    const auto mapped = dictionary_.get<std::uint32_t>(mapping, i);
+    for (Force& force : forces_) {
+      if ((mapped >> 8) == (std::uint32_t{force.entry.index} << 8 | force.entry.sub)) take(force);
+    }
+  }
+}
+
+void Forcing::values_loaded() {
+  for (Force& force : forces_) take(force);
+}
+
+// An SDO, or an MPDO. Before anybody else hears of the write, so that no TPDO leaves with the value beneath.
+void Forcing::after_write(canopen::ObjectDictionary&, const Entry& entry, can::Time) {
+  if (const auto known = find(entry); known != forces_.end()) take(*known);
+}
+
+void Forcing::find_deadline() noexcept {
+  deadline_ = can::never;
+  for (const Force& force : forces_) deadline_ = std::min(deadline_, force.until);
+}
+
+}  // namespace canopus::sim

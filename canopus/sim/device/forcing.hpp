@@ -1,0 +1,57 @@
+#pragma once
+// Values of a device that somebody forces: a person, a test or a script. What the device itself, its master or
+// a client writes there while they are forced lies beneath, and comes up when they are released.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "canopus/canopen/dictionary/object_dictionary.hpp"
+
+namespace canopus::sim {
+
+class Forcing final : public canopen::ObjectHandler {
+ public:
+  struct Force {
+    canopen::Entry entry{};
+    std::uint64_t value = 0;    ///< bit pattern, as wide as the entry
+    std::uint64_t beneath = 0;  ///< what it would hold
+    can::Time until = can::never;
+  };
+
+  /// The dictionary must outlive it.
+  explicit Forcing(canopen::ObjectDictionary& dictionary) : dictionary_(dictionary) {}
+
+  /// An entry of fixed length. Again for one that is forced: the new value and end count. True when the value
+  /// that everybody sees has changed.
+  bool force(const canopen::Entry& entry, std::uint64_t value, can::Time until);
+  /// What is beneath comes up. True when the value that everybody sees has changed. Nothing, when it is not
+  /// forced.
+  bool release(const canopen::Entry& entry);
+
+  /// The device's own writing. True when the value that everybody sees has changed.
+  bool put(const canopen::Entry& entry, std::uint64_t value);
+  /// RPDO `number` (0..511) has put its values into the dictionary.
+  void rpdo_received(std::uint16_t number);
+  /// The dictionary has other values of 2000H and above: their defaults, or stored ones.
+  void values_loaded();
+
+  /// In order of index and sub-index.
+  [[nodiscard]] std::span<const Force> all() const noexcept { return forces_; }
+  [[nodiscard]] bool is_forced(const canopen::Entry& entry) const noexcept;
+  /// When the next one ends by itself.
+  [[nodiscard]] can::Time deadline() const noexcept { return deadline_; }
+
+ private:
+  void after_write(canopen::ObjectDictionary& dictionary, const canopen::Entry& entry,
+                   can::Time now) override;
+  std::vector<Force>::iterator find(const canopen::Entry& entry) noexcept;
+  void take(Force& force);
+  void find_deadline() noexcept;
+
+  canopen::ObjectDictionary& dictionary_;
+  std::vector<Force> forces_;
+  can::Time deadline_ = can::never;
+};
+
+}  // namespace canopus::sim

@@ -1,0 +1,70 @@
+#pragma once
+// What a person would do to the values of a device, written down: at a moment, or whenever a condition becomes
+// true, an object is forced, for a while or until it is released. A script is deterministic: its moments are
+// exact, and its conditions are looked at after everything that happens to the device.
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "canopus/can/time.hpp"
+#include "canopus/canopen/dictionary/object_dictionary.hpp"
+
+namespace canopus::sim {
+
+enum class Comparison : std::uint8_t { equal, not_equal, less, less_or_equal, greater, greater_or_equal };
+
+/// "==", "!=", "<", "<=", ">", ">="
+[[nodiscard]] std::string_view name(Comparison comparison) noexcept;
+
+/// A number of a device compared with a constant.
+struct Condition {
+  canopen::Entry entry{};
+  Comparison comparison = Comparison::equal;
+  std::uint64_t value = 0;  ///< bit pattern, as wide as the entry
+
+  [[nodiscard]] bool holds(const canopen::ObjectDictionary& dictionary) const noexcept;
+};
+
+struct ScriptStep {
+  can::Time at = can::never;        ///< once, then
+  std::optional<Condition> when{};  ///< or each time this becomes true
+  enum class Action : std::uint8_t { force, release, release_all };
+  Action action = Action::force;
+  canopen::Entry entry{};               ///< of force and release
+  std::uint64_t value = 0;              ///< of force: bit pattern, as wide as the entry
+  std::optional<can::Duration> hold{};  ///< of force: released so long afterwards
+};
+
+/// The steps of one device, and which of them are due.
+class Script {
+ public:
+  void add(const ScriptStep& step);
+  [[nodiscard]] bool empty() const noexcept { return states_.empty(); }
+
+  /// Steps with a moment that has come, in the order of their moments and of add().
+  [[nodiscard]] const ScriptStep* next_due(can::Time now);
+  [[nodiscard]] can::Time deadline() const noexcept;
+
+  /// Conditions are looked at from the beginning again: one that holds already becomes true at the next look.
+  void restart() noexcept;
+  /// A look begins: each step comes at most once until the next one.
+  void begin_look() noexcept;
+  /// The next step of this look whose condition was false when it was looked at last and holds now; nullptr:
+  /// there is none, the look is over. What a step does may make further conditions true.
+  [[nodiscard]] const ScriptStep* next_true(const canopen::ObjectDictionary& dictionary);
+
+ private:
+  struct State {
+    ScriptStep step;
+    bool held = false;  // when it was looked at last
+    bool came = false;  // in this look
+  };
+  std::vector<State> states_;
+  std::vector<std::size_t> timed_;        // steps with a moment, in its order
+  std::vector<std::size_t> conditional_;  // steps with a condition
+  std::size_t next_timed_ = 0;
+};
+
+}  // namespace canopus::sim

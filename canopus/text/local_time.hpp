@@ -1,0 +1,19 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+
+namespace canopus::text {
+
+/// How far the local time is ahead of UTC at a moment, daylight saving time included; by the machine's zone
+/// (TZ, /etc/localtime).
+[[nodiscard]] std::chrono::seconds zone_offset(std::chrono::sys_seconds moment);
+
+/// What a clock on the wall shows at a moment.
+[[nodiscard]] inline std::chrono::local_seconds local_time(
+    std::chrono::sys_seconds moment,
+    const std::function<std::chrono::seconds(std::chrono::sys_seconds)>& offset = zone_offset) {
+  return std::chrono::local_seconds(moment.time_since_epoch() + offset(moment));
+}
+
+}  // namespace canopus::text

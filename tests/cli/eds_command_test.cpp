@@ -1,0 +1,111 @@
+// `canopus eds check`
+
+#include "canopus/cli/commands/eds_command.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <CLI/CLI.hpp>
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+namespace {
+
+using canopus::cli::EdsCheckOptions;
+using testing::EndsWith;
+using testing::HasSubstr;
+
+class EdsCheck : public testing::Test {
+ protected:
+  std::string write(const std::string& name, const std::string& text) {
+    const auto path = folder_ / name;
+    std::ofstream(path, std::ios::binary) << text;
+    return path.string();
+  }
+  int check(EdsCheckOptions options) { return canopus::cli::eds_check(options, out_, err_); }
+
+  void SetUp() override {
+    folder_ = std::filesystem::path(testing::TempDir()) /
+              ("eds_check_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path folder_;
+  canopus::cli::TextOutput out_;
+  canopus::cli::TextOutput err_;
+};
+
+const std::string small =
+    "[DeviceInfo]\nVendorNumber=1\nBaudRate_250=1\n[1000]\nParameterName=T\nDataType=7\nAccessType=ro\n"
+    "DefaultValue=0x20192\n";
+
+TEST_F(EdsCheck, AcceptedFile_GetsItsProblemsAndOneSummaryLine) {
+  const std::string file = write("a.eds", small);
+  EXPECT_EQ(check({.files = {file}}), 0);
+  EXPECT_THAT(
+      out_.text(),
+      HasSubstr(file + ":4: warning: there are no object lists: every object described is taken in\n"));
+  EXPECT_THAT(out_.text(),
+              EndsWith(file + ": accepted, 3 warnings, 1 note: 3 objects, 0 RPDOs, 0 TPDOs, device type "
+                              "00020192H\n"));
+}
+
+TEST_F(EdsCheck, RefusedFile_MakesTheExitCodeOne) {
+  const std::string file = write("b.eds", "\nhello\n");
+  EXPECT_EQ(check({.files = {file, write("a.eds", small)}}), 1);
+  EXPECT_THAT(out_.text(),
+              HasSubstr(file + ":2: error: this is not an EDS or DCF: there is not one [section]\n"));
+  EXPECT_THAT(out_.text(), HasSubstr(file + ": refused\n"));
+}
+
+TEST_F(EdsCheck, FileThatIsNotThere_MakesTheExitCodeTwo) {
+  EXPECT_EQ(check({.files = {"/nowhere/a.eds", write("b.eds", "x")}}), 2);
+  EXPECT_EQ(err_.text(), "canopus: /nowhere/a.eds: No such file or directory\n");
+}
+
+TEST_F(EdsCheck, Folder_IsNotReadAsAFile) {
+  EXPECT_EQ(check({.files = {folder_.string()}}), 2);
+  EXPECT_EQ(err_.text(), "canopus: " + folder_.string() + ": Is a directory\n");
+}
+
+TEST_F(EdsCheck, Quiet_PrintsRefusedFilesOnly) {
+  EXPECT_EQ(check({.files = {write("a.eds", small)}, .quiet = true}), 0);
+  EXPECT_EQ(out_.text(), "");
+}
+
+TEST_F(EdsCheck, Colour_IsOnlyWhereAskedFor) {
+  const std::string file = write("a.eds", small);
+  check({.files = {file}});
+  EXPECT_EQ(out_.text().find('\x1b'), std::string::npos);
+  check({.files = {file}, .colour = true});
+  EXPECT_THAT(out_.text(), HasSubstr("\x1b[1;35mwarning:\x1b[0m"));
+}
+
+TEST_F(EdsCheck, Json_IsOneObjectPerFile) {
+  const std::string file = write("a.eds", small);
+  EXPECT_EQ(check({.files = {file}, .json = true}), 0);
+  const auto line = nlohmann::json::parse(out_.text());
+  EXPECT_EQ(line["file"], file);
+  EXPECT_EQ(line["accepted"], true);
+  EXPECT_EQ(line["device_type"], 0x20192);
+  EXPECT_EQ(line["problems"][0]["severity"], "warning");
+}
+
+TEST_F(EdsCheck, CommandLine_RunsTheCheck) {
+  CLI::App app("canopus");
+  int exit_code = 0;
+  canopus::cli::add_eds_command(app, exit_code);
+  app.parse("eds check --quiet " + write("a.eds", "nothing"), false);
+  EXPECT_EQ(exit_code, 1);
+}
+
+TEST_F(EdsCheck, CommandLineWithoutFiles_IsAUsageError) {
+  CLI::App app("canopus");
+  int exit_code = 0;
+  canopus::cli::add_eds_command(app, exit_code);
+  EXPECT_THROW(app.parse("eds check", false), CLI::ParseError);
+}
+
+}  // namespace

@@ -1,0 +1,84 @@
+#include "canopus/cli/run/event_printer.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace canopus::cli {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr plant::NodePlate encoder{"line1", "encoder", 3};
+constexpr plant::NodePlate stranger{"line1", "", 77};
+constexpr can::Time at{1'250'000us};
+
+TEST(JsonPrinter, EachEventIsOneLineAsDocumented) {
+  TextOutput printed;
+  JsonPrinter json(printed);
+  json.booted(encoder, at);
+  json.nmt_state_changed(stranger, canopen::NmtState::operational, at);
+  json.emergency(encoder,
+                 {.node_id = 3, .code = 0x8130, .error_register = 0x11, .manufacturer = {1, 2, 3, 4, 0xFF}},
+                 at);
+  json.signal_changed("plc1", 'X', 0x10, true, at);
+  json.buffer_changed("plc1", 0x30, 10000, 513, false, at);
+  json.error("real time", "a \"quote\"", at);
+  EXPECT_EQ(
+      printed.text(),
+      R"({"t":1.25,"event":"boot","bus":"line1","node":3,"name":"encoder"})"
+      "\n"
+      R"({"t":1.25,"event":"nmt","bus":"line1","node":77,"state":"operational"})"
+      "\n"
+      R"({"t":1.25,"event":"emcy","bus":"line1","node":3,"name":"encoder","code":"8130","register":17,)"
+      R"("data":"01020304FF"})"
+      "\n"
+      R"({"t":1.25,"event":"signal","plc":"plc1","signal":"X10","on":true})"
+      "\n"
+      R"({"t":1.25,"event":"buffer","plc":"plc1","module":"U3","address":10000,"value":513,"by":"module"})"
+      "\n"
+      R"({"t":1.25,"event":"error","source":"real time","message":"a \"quote\""})"
+      "\n");
+}
+
+TEST(JsonPrinter, ANameThatIsNotUtf8DoesNotBreakTheLine) {
+  TextOutput printed;
+  JsonPrinter json(printed);
+  json.booted({"line1", "Ger\xE4t", 3}, at);
+  EXPECT_EQ(printed.text(),
+            "{\"t\":1.25,\"event\":\"boot\",\"bus\":\"line1\",\"node\":3,\"name\":\"Ger\xEF\xBF\xBDt\"}\n");
+}
+
+TEST(LinePrinter, LinesAreForPeople) {
+  TextOutput printed;
+  LinePrinter lines(printed, printed, false);
+  lines.booted(encoder, at);
+  lines.signal_changed("plc1", 'Y', 0x02, false, at);
+  lines.buffer_changed("plc1", 0, 13000, 65535, true, at);
+  EXPECT_EQ(printed.text(),
+            "    1.250000  line1 node 3 (encoder): boot-up\n"
+            "    1.250000  plc1 Y02 OFF\n"
+            "    1.250000  plc1 U0\\G13000 = 65535 (FFFFH) written by the CPU\n");
+}
+
+TEST(LinePrinter, QuietMeansNothing) {
+  TextOutput printed;
+  LinePrinter lines(printed, printed, true);
+  lines.booted(encoder, at);
+  lines.nmt_state_changed(encoder, canopen::NmtState::stopped, at);
+  lines.summary({});
+  EXPECT_EQ(printed.text(), "");
+}
+
+TEST(Summary, SaysWhoIsNotOperational) {
+  RunSummary summary{.end = can::Time{10s}, .wall = 100ms, .virtual_time = true};
+  summary.nodes.push_back(
+      {.plate = encoder, .state = canopen::NmtState::operational, .pdos = 5, .is_on = true});
+  summary.nodes.push_back({.plate = stranger, .state = canopen::NmtState::stopped, .is_on = true});
+  EXPECT_THAT(describe(summary),
+              testing::ElementsAre("ran 10.000 s of plant time in 100.0 ms, 100 times as fast as real time",
+                                   "line1 node 3 (encoder): operational, 5 PDOs sent",
+                                   "line1 node 77: stopped, 0 PDOs sent", "1 of 2 nodes operational"));
+}
+
+}  // namespace
+}  // namespace canopus::cli

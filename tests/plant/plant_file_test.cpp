@@ -1,0 +1,506 @@
+#include "canopus/plant/plant_file.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+namespace canopus::plant {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using namespace std::chrono_literals;
+
+constexpr std::string_view good_plant = R"([plant]
+name = "press line"
+seed = 7
+
+[[bus]]
+name = "line1"
+bit_rate = 250_000
+serve = "socketcand:127.0.0.1:29536"
+
+[[device]]
+node = 3
+name = "encoder"
+eds = "encoder.eds"
+start = "1.5s"
+objects = { "1017:00" = 500, "2000:0A" = "text" }
+
+[[device.behaviour]]
+object = "6004:00"
+kind = "ramp"
+low = -10
+high = 4095.5
+period = "4s"
+
+[[plc]]
+name = "plc1"
+listen = ":5008"
+cpu = "stop"
+store = "state"
+
+[[plc.module]]
+model = "ME3CAN1-Q"
+head = 0x30
+node = 1
+master = true
+exchange = "20ms"
+restart_time = "100ms"
+buffer = { G70 = 1000 }
+objects = { "1F89:00" = 10000 }
+watch = ["G25", "G10000"]
+
+[[plc.module.slave]]
+node = 3
+mandatory = false
+receive = [1, { pdo = 2, at = "G10020" }]
+send = 1
+)";
+
+std::vector<std::string> errors_of(std::string_view text) {
+  std::vector<std::string> lines;
+  for (const text::FileError& error : read_plant(text, "plant.toml").errors)
+    lines.push_back(describe(error, "plant.toml"));
+  return lines;
+}
+
+TEST(PlantFile, EverythingThatIsWrittenIsRead) {
+  const PlantReading reading = read_plant(good_plant, "plant.toml");
+  ASSERT_THAT(reading.errors, IsEmpty());
+  const PlantFile& plant = reading.plant;
+  EXPECT_EQ(plant.name, "press line");
+  EXPECT_EQ(plant.seed, 7U);
+  ASSERT_EQ(plant.buses.size(), 1U);
+  EXPECT_EQ(plant.buses[0].bit_rate, 250'000U);
+  EXPECT_EQ(plant.buses[0].socketcand->port, 29536);
+
+  ASSERT_EQ(plant.devices.size(), 1U);
+  const DeviceSection& device = plant.devices[0];
+  EXPECT_EQ(device.bus, "line1") << "the only bus is meant where none is named";
+  EXPECT_EQ(device.start, 1500ms);
+  ASSERT_EQ(device.objects.size(), 2U);
+  EXPECT_EQ(device.objects[0].object, (text::ObjectName{0x1017, 0}));
+  EXPECT_EQ(std::get<std::int64_t>(device.objects[0].value), 500);
+  EXPECT_EQ(device.objects[1].object, (text::ObjectName{0x2000, 0x0A}));
+  EXPECT_EQ(std::get<std::string>(device.objects[1].value), "text");
+  ASSERT_EQ(device.behaviours.size(), 1U);
+  EXPECT_EQ(device.behaviours[0].low, -10);
+  EXPECT_EQ(device.behaviours[0].high, 4095.5);
+  EXPECT_EQ(device.behaviours[0].period, 4s);
+
+  ASSERT_EQ(plant.plcs.size(), 1U);
+  EXPECT_EQ(plant.plcs[0].listen->host, "127.0.0.1");
+  EXPECT_EQ(plant.plcs[0].listen->port, 5008);
+  EXPECT_FALSE(plant.plcs[0].run);
+  const ModuleSection& module = plant.plcs[0].modules.at(0);
+  EXPECT_EQ(module.head, 0x30);
+  EXPECT_TRUE(module.master);
+  EXPECT_EQ(module.exchange, 20ms);
+  EXPECT_TRUE(module.recover);
+  EXPECT_EQ(module.restart_time, 100ms);
+  EXPECT_EQ(module.buffer.at(0).address, 70U);
+  EXPECT_EQ(module.buffer.at(0).value, 1000);
+  EXPECT_THAT(module.watch, ElementsAre(25U, 10000U));
+  const SlaveSection& slave = module.slaves.at(0);
+  EXPECT_FALSE(slave.mandatory);
+  ASSERT_EQ(slave.receive.size(), 2U);
+  EXPECT_EQ(slave.receive[1].pdo, 2);
+  EXPECT_EQ(slave.receive[1].address, 10020U);
+  EXPECT_EQ(slave.send.size(), 1U);
+}
+
+TEST(PlantFile, AnErrorOfSyntaxHasItsLineAndColumn) {
+  const auto errors = errors_of("[plant]\nname = \n");
+  ASSERT_EQ(errors.size(), 1U);
+  EXPECT_THAT(errors[0], HasSubstr("plant.toml:2:8: "));
+}
+
+struct WrongLine {
+  std::string_view from;
+  std::string_view to;
+  std::string_view error;
+};
+
+class PlantFileWithOneMistake : public testing::TestWithParam<WrongLine> {};
+
+TEST_P(PlantFileWithOneMistake, NamesPlaceFindingAndExpectation) {
+  std::string text(good_plant);
+  const std::size_t place = text.find(GetParam().from);
+  ASSERT_NE(place, std::string::npos);
+  text.replace(place, GetParam().from.size(), GetParam().to);
+  EXPECT_THAT(errors_of(text), ElementsAre(std::string(GetParam().error)));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Mistakes, PlantFileWithOneMistake,
+    testing::Values(
+        WrongLine{"node = 3\nname", "node = 128\nname", "plant.toml:11:8: node = 128: a node-ID is 1 to 127"},
+        WrongLine{
+            "node = 3\nname", "node = \"none\"\nname",
+            "plant.toml:11:8: node = \"none\": a node-ID is 1 to 127, or \"unconfigured\" for a device that "
+            "gets it by LSS"},
+        WrongLine{"node = 3\nname", "node = 3\nlss = 1\nname",
+                  "plant.toml:12:7: lss = 1: expected true or false"},
+        WrongLine{"bit_rate = 250_000", "bit_rate = 300_000",
+                  "plant.toml:7:12: bit_rate = 300000: expected one of 10000, 20000, 50000, 100000, 125000, "
+                  "250000, "
+                  "500000, 800000, 1000000 bit/s"},
+        WrongLine{"bit_rate = 250_000", "bit_rate = \"fast\"",
+                  "plant.toml:7:12: bit_rate = \"fast\": expected a bit rate in bit/s, for example 250_000"},
+        WrongLine{"kind = \"ramp\"", "kind = \"rampe\"",
+                  "plant.toml:19:8: kind = \"rampe\": expected one of sine, ramp, counter, echo, noise"},
+        WrongLine{"object = \"6004:00\"", "object = \"60040:00\"",
+                  "plant.toml:18:10: object = \"60040:00\" is not an object; expected index:sub-index in "
+                  "hexadecimal, "
+                  "for example \"6000:01\""},
+        WrongLine{"period = \"4s\"", "period = \"4\"",
+                  "plant.toml:22:10: period = \"4\" is not a duration; expected a number and a unit (us, ms, "
+                  "s, min, "
+                  "h), for example \"10ms\""},
+        WrongLine{"high = 4095.5", "high = -11", "plant.toml:21:8: high = -11: must not be below low = -10"},
+        WrongLine{"low = -10", "low = nan", "plant.toml:20:7: low = nan: expected a number"},
+        WrongLine{"high = 4095.5", "high = inf", "plant.toml:21:8: high = inf: expected a number"},
+        WrongLine{"cpu = \"stop\"", "cpu = \"halt\"",
+                  "plant.toml:27:7: cpu = \"halt\": expected \"run\" or \"stop\""},
+        WrongLine{"head = 0x30", "head = 0x31",
+                  "plant.toml:32:8: head = 49: a head I/O number is a multiple of 10H from 0 to 0FF0H"},
+        WrongLine{"model = \"ME3CAN1-Q\"", "model = \"ME3CAN2\"",
+                  "plant.toml:31:9: model = \"ME3CAN2\": expected \"ME3CAN1-Q\""},
+        WrongLine{"G70 = 1000", "G70 = 65536", "plant.toml:37:18: G70 = 65536: a word is -32768 to 65535"},
+        WrongLine{"G70 = 1000", "X70 = 1000",
+                  "plant.toml:37:12: \"X70\" is not a buffer memory address; expected G0 to G65535"},
+        WrongLine{
+            "send = 1", "send = 513",
+            "plant.toml:45:8: send = 513: expected a PDO number 1 to 512, or { pdo = 1, at = \"G10000\" }"},
+        WrongLine{"node = 3\nmandatory", "node = 1\nmandatory",
+                  "plant.toml:42:8: slave: node 1 is the module itself; expected another node"},
+        WrongLine{"master = true", "master = false", "plant.toml:30:1: slaves need master = true"},
+        WrongLine{"serve = \"socketcand:", "serve = \"udp:",
+                  "plant.toml:8:9: serve = \"udp:127.0.0.1:29536\" is not a way to serve a bus; expected "
+                  "\"socketcand:127.0.0.1:29536\""},
+        WrongLine{"listen = \":5008\"", "listen = \"127.0.0.300:80\"",
+                  "plant.toml:26:10: listen: \"127.0.0.300\" is not an address; expected numbers such as "
+                  "192.168.1.7 or fd00::7, or localhost"},
+        WrongLine{
+            "listen = \":5008\"", "listen = \"127.0.0.1:70000\"",
+            "plant.toml:26:10: listen = \"127.0.0.1:70000\" has port 70000, and the highest port is 65535; "
+            "expected for example \"127.0.0.1:5007\""},
+        WrongLine{"listen = \":5008\"", "listen = \"here\"",
+                  "plant.toml:26:10: listen = \"here\" is not host:port; expected for example "
+                  "\"127.0.0.1:5007\""},
+        WrongLine{"node = 1\nmaster", "node = 3\nmaster",
+                  "plant.toml:30:1: module: node 3 of bus \"line1\" is taken already, in line 10"}));
+
+TEST(PlantFile, AMisspeltKeyIsAMistakeWithTheKeysThatExist) {
+  const auto errors = errors_of("[[bus]]\nname = \"a\"\nbit_rate = 250000\nbitrate = 1\n");
+  EXPECT_THAT(
+      errors,
+      ElementsAre(
+          "plant.toml:4:1: bus: unknown key bitrate; expected one of allow, bit_rate, fault, name, serve"));
+}
+
+TEST(PlantFile, AllMistakesAreFoundAtOnceInTheOrderOfTheFile) {
+  const auto errors = errors_of("[[bus]]\nname = \"a\"\nbit_rate = 1\n[[device]]\nnode = 0\n");
+  ASSERT_EQ(errors.size(), 3U);
+  EXPECT_THAT(errors[0], HasSubstr("plant.toml:3:12: bit_rate"));
+  EXPECT_THAT(errors[1], HasSubstr("plant.toml:4:1: device: eds is missing"));
+  EXPECT_THAT(errors[2], HasSubstr("plant.toml:5:8: node = 0"));
+}
+
+TEST(PlantFile, DevicesThatGetTheirNodeIdByLss) {
+  constexpr std::string_view bus = "[[bus]]\nname = \"a\"\nbit_rate = 250_000\n";
+  const std::string two = std::string(bus) +
+                          "[[device]]\neds = \"x.eds\"\nnode = \"unconfigured\"\n"
+                          "[[device]]\neds = \"x.eds\"\nnode = \"unconfigured\"\nlss = true\n"
+                          "[[device]]\neds = \"x.eds\"\nnode = 5\nlss = false\n";
+  const PlantReading reading = read_plant(two, "plant.toml");
+  ASSERT_THAT(reading.errors, IsEmpty());
+  EXPECT_EQ(reading.plant.devices[0].node, 0xFF);
+  EXPECT_EQ(reading.plant.devices[0].lss, std::nullopt);
+  EXPECT_EQ(reading.plant.devices[1].lss, true);
+  EXPECT_EQ(reading.plant.devices[2].lss, false);
+  EXPECT_THAT(
+      errors_of(std::string(bus) + "[[device]]\neds = \"x.eds\"\nnode = \"unconfigured\"\nlss = false\n"),
+      ElementsAre(
+          "plant.toml:7:7: lss = false: a device without a node-ID gets one by LSS: true, or left out"));
+}
+
+TEST(PlantFile, WithSeveralBusesADeviceMustNameItsOwn) {
+  const auto errors = errors_of(
+      "[[bus]]\nname = \"a\"\nbit_rate = 250000\n[[bus]]\nname = \"b\"\nbit_rate = 250000\n"
+      "[[device]]\nnode = 1\neds = \"x.eds\"\n");
+  EXPECT_THAT(errors, ElementsAre("plant.toml:7:1: device: bus is missing; expected one of a, b"));
+}
+
+TEST(PlantFile, ModulesMustNotShareTheirPoints) {
+  const auto errors = errors_of(
+      "[[bus]]\nname = \"a\"\nbit_rate = 250000\n[[plc]]\n[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nhead = "
+      "0x00\n"
+      "[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nhead = 0x10\n");
+  EXPECT_THAT(errors, ElementsAre("plant.toml:8:1: the module at head 010H overlaps the one in line 5"));
+}
+
+TEST(PlantFile, ModulesSideBySideAreNoMistake) {
+  EXPECT_THAT(errors_of("[[bus]]\nname = \"a\"\nbit_rate = 250000\n[[plc]]\n"
+                        "[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nhead = 0x20\n"
+                        "[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nhead = 0x00\n"),
+              IsEmpty());
+}
+
+TEST(PlantFile, AModelInSmallLettersIsTheSameModel) {
+  const PlantReading reading = read_plant(
+      "[[bus]]\nname = \"a\"\nbit_rate = 250000\n[[plc]]\n[[plc.module]]\nmodel = \"me3can1-q\"\nhead = 0\n",
+      "plant.toml");
+  ASSERT_THAT(reading.errors, IsEmpty());
+  EXPECT_EQ(reading.plant.plcs[0].modules[0].model, "ME3CAN1-Q") << "as the store's folder is named";
+}
+
+TEST(PlantFile, OneObjectTwice_IsAMistakeHoweverItIsWritten) {
+  const std::string head = "[[bus]]\nname = \"a\"\nbit_rate = 250_000\n";
+  const std::string device = head + "[[device]]\nnode = 1\neds = \"x.eds\"\n";
+  EXPECT_THAT(errors_of(device + "[device.objects]\n\"1017:00\" = 1\n\"0x1017\" = 2\n"),
+              ElementsAre("plant.toml:9:1: objects: 1017H:00H is there already, in line 8"));
+  EXPECT_THAT(errors_of(device + "[[device.behaviour]]\nobject = \"6000:01\"\nkind = \"sine\"\n"
+                                 "[[device.behaviour]]\nobject = \"6000H:1\"\nkind = \"ramp\"\n"),
+              ElementsAre("plant.toml:10:1: behaviour: 6000H:01H moves already, by the one in line 7"));
+  EXPECT_THAT(errors_of(head + "[[plc]]\n[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nhead = 0\n"
+                               "buffer = { G70 = 1, g070 = 2 }\n"),
+              ElementsAre("plant.toml:8:21: buffer: G70 is there already, in line 8"));
+}
+
+TEST(PlantFile, OneSlaveTwice_IsAMistake) {
+  EXPECT_THAT(
+      errors_of("[[bus]]\nname = \"a\"\nbit_rate = 250_000\n[[device]]\nnode = 3\neds = \"x.eds\"\n"
+                "[[plc]]\n[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nhead = 0\nmaster = true\n"
+                "[[plc.module.slave]]\nnode = 3\n[[plc.module.slave]]\nnode = 3\n"),
+      ElementsAre("plant.toml:15:8: slave: node 3 is assigned already, in another [[plc.module.slave]]"));
+}
+
+struct Servers {
+  std::string_view bus;
+  std::string_view plc;
+  bool clash;
+};
+class PlantFileWithTwoServers : public testing::TestWithParam<Servers> {};
+
+TEST_P(PlantFileWithTwoServers, OnOnePort_IsAMistake) {
+  const auto errors = errors_of(
+      "[[bus]]\nname = \"a\"\nbit_rate = 250_000\nserve = \"socketcand:" + std::string(GetParam().bus) +
+      "\"\nallow = \"10.0.0.0/8\"\n[[plc]]\nname = \"p\"\nallow = \"10.0.0.0/8\"\nlisten = \"" +
+      std::string(GetParam().plc) + "\"\n");
+  if (!GetParam().clash) {
+    EXPECT_THAT(errors, IsEmpty());
+  } else {
+    EXPECT_THAT(errors, ElementsAre("plant.toml:4:9: serve: port 5007 is taken already, by PLC \"p\" in line "
+                                    "9; give each server its own"));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Addresses, PlantFileWithTwoServers,
+    testing::Values(
+        Servers{"127.0.0.1:5007", "127.0.0.1:5007", true}, Servers{"localhost:5007", "5007", true},
+        Servers{"0.0.0.0:5007", "127.0.0.1:5007", true}, Servers{"127.0.0.1:5007", "0.0.0.0:5007", true},
+        Servers{"[::]:5007", "127.0.0.1:5007", true}, Servers{"0.0.0.0:5007", "[::]:5007", true},
+        Servers{"[::1]:5007", "[0:0::1]:5007", true},
+        Servers{"[::ffff:127.0.0.1]:5007", "127.0.0.1:5007", true},
+        Servers{"[::1]:5007", "0.0.0.0:5007", false}, Servers{"0.0.0.0:5007", "[::1]:5007", false},
+        Servers{"[::1]:5007", "127.0.0.1:5007", false}, Servers{"127.0.0.1:5007", "127.0.0.1:5008", false},
+        Servers{"127.0.0.1:5007", "127.0.0.2:5007", false}, Servers{"127.0.0.1:0", "127.0.0.1:0", false}));
+
+TEST(PlantFile, TwoPlcsWithoutAnAddress_ListenOnOnePort) {
+  EXPECT_THAT(
+      errors_of("[[bus]]\nname = \"a\"\nbit_rate = 250_000\n[[plc]]\n[[plc]]\n"),
+      ElementsAre("plant.toml:5:1: listen: port 5007 is taken already, by a PLC without a name in line "
+                  "4; give each server its own"));
+}
+
+TEST(PlantFile, FaultsOfABusAreRead) {
+  const PlantReading reading = read_plant(
+      "[[bus]]\nname = \"a\"\nbit_rate = 250000\n"
+      "[[bus.fault]]\nkind = \"corrupt\"\nidentifier = 0x183\nbit = 20\nevery = 10\nfrom = \"1s\"\nuntil = "
+      "\"2s\"\n"
+      "[[bus.fault]]\nkind = \"babble\"\nports = [\"drive\"]\nframe = { identifier = 1, data = [1, 255] "
+      "}\ninterval = \"1ms\"\n",
+      "plant.toml");
+  ASSERT_THAT(reading.errors, IsEmpty());
+  ASSERT_EQ(reading.plant.buses.at(0).faults.size(), 2U);
+  const sim::Fault& corrupt = reading.plant.buses[0].faults[0].fault;
+  EXPECT_EQ(corrupt.kind, sim::FaultKind::corrupt);
+  EXPECT_EQ(corrupt.identifier, 0x183U);
+  EXPECT_EQ(corrupt.bit, 20U);
+  EXPECT_EQ(corrupt.every, 10U);
+  EXPECT_EQ(corrupt.from, can::Time{1s});
+  EXPECT_EQ(corrupt.until, can::Time{2s});
+  const sim::Fault& babble = reading.plant.buses[0].faults[1].fault;
+  EXPECT_THAT(babble.ports, ElementsAre("drive"));
+  EXPECT_EQ(babble.frame, can::data_frame(0x001, {1, 255}));
+  EXPECT_EQ(babble.interval, 1ms);
+}
+
+TEST(PlantFile, ABabbledFrameKeepsOnlyTheBytesThatItsDlcSends) {
+  const PlantReading reading = read_plant(
+      "[[bus]]\nname = \"line1\"\nbit_rate = 250_000\n[[bus.fault]]\nkind = \"babble\"\nports = [\"drive\"]\n"
+      "frame = { identifier = 1, data = [1, 2, 3], dlc = 1 }\n",
+      "plant.toml");
+  ASSERT_THAT(reading.errors, IsEmpty());
+  EXPECT_EQ(reading.plant.buses[0].faults[0].fault.frame, can::data_frame(0x001, {1}));
+}
+
+TEST(PlantFile, AFaultTakesOnlyTheKeysOfItsKind) {
+  const std::string bus = "[[bus]]\nname = \"a\"\nbit_rate = 250000\n[[bus.fault]]\n";
+  EXPECT_THAT(
+      errors_of(bus + "kind = \"jam\"\nports = [\"a\"]\nbit = 3\n"),
+      ElementsAre(
+          "plant.toml:7:1: bus.fault: unknown key bit; expected one of capacity, from, kind, ports, until"));
+  EXPECT_THAT(
+      errors_of(bus + "kind = \"break\"\n"),
+      ElementsAre(
+          "plant.toml:5:8: kind = \"break\": expected one of drop, corrupt, duplicate, delay, babble, "
+          "stuck dominant, jam, cut"));
+  EXPECT_THAT(errors_of(bus + "kind = \"drop\"\nfrom = \"2s\"\nuntil = \"1s\"\n"),
+              ElementsAre("plant.toml:7:9: until = \"1s\": must be later than from"));
+}
+
+RC_GTEST_PROP(PlantFile, NoTextWhateverMakesItFail, (const std::string& text)) {
+  (void)read_plant(text, "plant.toml");
+}
+
+RC_GTEST_PROP(PlantFile, EveryErrorOfADamagedFileHasALine, ()) {
+  std::string text(good_plant);
+  const auto changes = *rc::gen::inRange(1, 6);
+  for (int i = 0; i < changes; ++i) {
+    const auto place = *rc::gen::inRange<std::size_t>(0, text.size());
+    text[place] = *rc::gen::arbitrary<char>();
+  }
+  for (const text::FileError& error : read_plant(text, "plant.toml").errors)
+    RC_ASSERT(error.place.line >= 1U);
+}
+
+TEST(PlantFile, Recover_IsAboutTheBuiltInProgram) {
+  constexpr std::string_view head =
+      "[[bus]]\nname = \"a\"\nbit_rate = 250000\n[[plc]]\n[[plc.module]]\n"
+      "model = \"ME3CAN1-Q\"\nrecover = false\n";
+  EXPECT_THAT(errors_of(head),
+              ElementsAre("plant.toml:7:11: recover = false: is about the built-in PLC program, "
+                          "which runs with exchange = \"20ms\" or the like"));
+  const PlantReading reading = read_plant(std::string(head) + "exchange = \"10ms\"\n", "plant.toml");
+  EXPECT_THAT(reading.errors, IsEmpty());
+  EXPECT_FALSE(reading.plant.plcs[0].modules[0].recover);
+}
+
+constexpr std::string_view bus_that_serves = "[[bus]]\nname = \"line1\"\nbit_rate = 250_000\n";
+
+/// Errors of this text and a bus behind it.
+std::vector<std::string> errors_with_bus(std::string_view text) {
+  return errors_of(std::string(text) + std::string(bus_that_serves));
+}
+
+TEST(PlantFile, ServerBeyondThisMachineWithoutAllow_IsRefusedWithASentence) {
+  EXPECT_THAT(
+      errors_with_bus("[[plc]]\nlisten = \"0.0.0.0:5007\"\n"),
+      ElementsAre("plant.toml:2:10: listen: other machines can reach 0.0.0.0, and the MC protocol has no "
+                  "password here; say which may connect, for example allow = [\"192.168.1.0/24\"], or listen "
+                  "on 127.0.0.1"));
+  EXPECT_THAT(errors_of(std::string(bus_that_serves) + "serve = \"socketcand:[::]:29536\"\n"),
+              ElementsAre(HasSubstr(
+                  "plant.toml:4:9: serve: other machines can reach ::, and the socketcand protocol")));
+}
+
+TEST(PlantFile, ServerOfThisMachine_NeedsNoAllow) {
+  for (const std::string_view place :
+       {"127.0.0.1:5007", "localhost:5007", "[::1]:5007", ":5007", "5007", "127.9.9.9:0"}) {
+    SCOPED_TRACE(place);
+    EXPECT_THAT(errors_with_bus("[[plc]]\nlisten = \"" + std::string(place) + "\"\n"), IsEmpty());
+  }
+}
+
+TEST(PlantFile, Allow_SaysWhoMayConnect) {
+  const PlantReading reading = read_plant(
+      "[[plc]]\nlisten = \"0.0.0.0:5007\"\nallow = [\"192.168.1.0/24\", \"fd00::7\"]\n" +
+          std::string(bus_that_serves) + "serve = \"socketcand:192.168.1.5:29536\"\nallow = \"10.0.0.7\"\n",
+      "plant.toml");
+  ASSERT_THAT(reading.errors, IsEmpty());
+  const auto plc_allows = [&](std::string_view address) {
+    return reading.plant.plcs[0].allowed.allows(link::parse_internet_address(address).value());
+  };
+  EXPECT_TRUE(plc_allows("192.168.1.7"));
+  EXPECT_TRUE(plc_allows("fd00::7"));
+  EXPECT_FALSE(plc_allows("192.168.2.7"));
+  EXPECT_TRUE(reading.plant.buses[0].allowed.allows(link::parse_internet_address("10.0.0.7").value()));
+  EXPECT_FALSE(reading.plant.buses[0].allowed.allows(link::parse_internet_address("10.0.0.8").value()));
+}
+
+TEST(PlantFile, WrongAllow_IsAnErrorAtTheNetwork) {
+  EXPECT_THAT(
+      errors_with_bus("[[plc]]\nlisten = \"0.0.0.0:5007\"\nallow = [\"10.0.0.7/8\",\n  7]\n"),
+      ElementsAre(
+          HasSubstr("plant.toml:3:10: allow: \"10.0.0.7/8\" has bits behind its prefix; expected 10.0.0.0/8"),
+          "plant.toml:4:3: allow: 7: expected networks such as \"192.168.1.0/24\""));
+  EXPECT_THAT(
+      errors_with_bus("[[plc]]\nlisten = \"off\"\nallow = \"10.0.0.7\"\n"),
+      ElementsAre("plant.toml:3:9: allow = \"10.0.0.7\": nobody can connect; listen says where it listens"));
+}
+
+TEST(PlantFile, CpuModelAndDevices_AreTheCpus) {
+  const PlantReading reading = read_plant(
+      "[[plc]]\ncpu_model = \"Q03UDVCPU\"\ndevices = { D = 8192, M = 16384, T = 512, ZR = 98304 }\n" +
+          std::string(bus_that_serves),
+      "plant.toml");
+  ASSERT_THAT(reading.errors, IsEmpty());
+  const plc::CpuModel& model = reading.plant.plcs[0].cpu_model;
+  EXPECT_EQ(model.name, "Q03UDVCPU");
+  EXPECT_EQ(model.points_of(plc::Device::d), 8192U);
+  EXPECT_EQ(model.points_of(plc::Device::m), 16384U);
+  EXPECT_EQ(model.points_of(plc::Device::ts), 512U);
+  EXPECT_EQ(model.points_of(plc::Device::tn), 512U);
+  EXPECT_EQ(model.points_of(plc::Device::zr), 98304U);
+  EXPECT_EQ(model.points_of(plc::Device::r), 32768U);
+}
+
+TEST(PlantFile, DevicesACpuCannotHave_AreErrorsWithTheirLimits) {
+  EXPECT_THAT(errors_with_bus("[[plc]]\ncpu_model = \"R08\"\n"),
+              ElementsAre("plant.toml:2:13: cpu_model = \"R08\": expected \"R04CPU\" or \"Q03UDVCPU\""));
+  EXPECT_THAT(
+      errors_with_bus("[[plc]]\ndevices = 5\n"),
+      ElementsAre("plant.toml:2:11: devices = 5: expected a table, for example { D = 20480, M = 16384 "
+                  "}"));
+  EXPECT_THAT(
+      errors_with_bus("[[plc]]\ndevices = { D = 20481 }\n"),
+      ElementsAre("plant.toml:2:13: devices: D = 20481: expected 0 to 40960 points (R04CPU), a multiple of "
+                  "4"));
+  EXPECT_THAT(errors_with_bus("[[plc]]\ncpu_model = \"Q03UDVCPU\"\n[plc.devices]\nZR = 99328\nM = -16\n"),
+              ElementsAre("plant.toml:4:1: devices: ZR = 99328: expected 0 to 98304 points (Q03UDVCPU), a "
+                          "multiple of 1024",
+                          "plant.toml:5:1: devices: M = -16: expected 0 to 61440 points (Q03UDVCPU), a "
+                          "multiple of 16"));
+  EXPECT_THAT(
+      errors_with_bus("[[plc]]\ndevices = { X = 64 }\n"),
+      ElementsAre("plant.toml:2:13: devices: X = 64: expected a device whose points can be set: M, L, F, V, "
+                  "B, SB, T, ST, C, D, W, SW, ZR"));
+  EXPECT_THAT(errors_with_bus("[[plc]]\ncpu_model = \"Q03UDVCPU\"\ndevices = { D = 20480 }\n"),
+              ElementsAre("plant.toml:3:11: devices: with those that are not set here they need 37120 words; "
+                          "expected at most 29696 (Q03UDVCPU, ZR not counted)"));
+  EXPECT_THAT(errors_with_bus("[[plc]]\ndevices = { D = 20480, M = 16384 }\n"), IsEmpty());
+}
+
+TEST(PlantFile, MistakesOfTheCpu_AreFoundTogetherAndWithOthers) {
+  EXPECT_THAT(
+      errors_with_bus("[[plc]]\ncpu_model = 4\ndevices = { D = \"1K\", M = 7, q = 16 }\ncpu = \"off\"\n"),
+      ElementsAre("plant.toml:2:13: cpu_model = 4: expected a string",
+                  "plant.toml:3:13: devices: D = \"1K\": expected a number of points",
+                  "plant.toml:3:30: devices: q = 16: expected a device whose points can be set: M, L, "
+                  "F, V, B, SB, T, ST, C, D, W, SW, ZR",
+                  "plant.toml:4:7: cpu = \"off\": expected \"run\" or \"stop\""))
+      << "M = 7 may be right or wrong: nobody knows of which CPU";
+}
+
+TEST(PlantFile, PlaceToListenThatIsNoAddress_IsAnError) {
+  EXPECT_THAT(errors_with_bus("[[plc]]\nlisten = \"plc.local:5007\"\n"),
+              ElementsAre(HasSubstr("plant.toml:2:10: listen: \"plc.local\" is not an address")));
+}
+
+}  // namespace
+}  // namespace canopus::plant

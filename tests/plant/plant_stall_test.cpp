@@ -1,0 +1,60 @@
+// A part of a plant that would stop time for all others.
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "canopus/plant/plant.hpp"
+
+namespace canopus::plant {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(PlantStall, APartThatAsksForOneMomentWithoutEnd_IsReportedByNameAndTheOthersGoOn) {
+  const PlantReading reading = read_plant(
+      "[[bus]]\nname = \"line1\"\nbit_rate = 250_000\n[[device]]\nnode = 5\neds = \"" CANOPUS_SOURCE_DIR
+      "/examples/devices/io-block.eds\"\n",
+      "test.toml");
+  for (const text::FileError& error : reading.errors) ADD_FAILURE() << describe(error, "test.toml");
+  struct Watcher final : PlantObserver {
+    void error(std::string_view source, std::string_view message, can::Time now) override {
+      errors.push_back(std::string(source) + ": " + std::string(message));
+      at = now;
+    }
+    void booted(const NodePlate& node, can::Time) override { booted_nodes.push_back(node.node_id); }
+    std::vector<std::string> errors;
+    std::vector<unsigned> booted_nodes;
+    can::Time at{};
+  } watcher;
+  auto plant = Plant::build(reading.plant, watcher);
+  ASSERT_TRUE(plant);
+  struct Spinner final : can::Participant {
+    void receive(const can::Frame&, can::Time) override {}
+    void tick(can::Time) override {}
+    [[nodiscard]] can::Time deadline() const noexcept override { return can::Time(10ms); }
+  } spinner;
+  struct Listener final : can::Participant {  // acknowledges
+    void receive(const can::Frame&, can::Time) override {}
+    void tick(can::Time) override {}
+    [[nodiscard]] can::Time deadline() const noexcept override { return can::never; }
+  } listener;
+  can::Timeline& timeline = (*plant)->timeline();
+  (*plant)->bus(0).add_port("tool").connect(listener, timeline.add(listener));
+  timeline.add(spinner, "spinner");
+  (*plant)->power_on();
+  timeline.run_until(can::Time(9ms));
+  EXPECT_FALSE((*plant)->has_stalled());
+  timeline.run_until(can::Time(5s));
+  EXPECT_TRUE((*plant)->has_stalled());
+  EXPECT_EQ(watcher.errors,
+            (std::vector<std::string>{
+                "spinner: asks for this moment without end and is stopped from here on. This is an error in "
+                "Canopus: please report it with the plant file"}));
+  EXPECT_EQ(watcher.at, can::Time(10ms));
+  EXPECT_EQ(watcher.booted_nodes, (std::vector<unsigned>{5}));
+}
+
+}  // namespace
+}  // namespace canopus::plant

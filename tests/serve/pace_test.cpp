@@ -1,0 +1,114 @@
+#include "canopus/serve/pace.hpp"
+
+#include <gtest/gtest.h>
+
+namespace canopus::serve {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr can::Time at(can::Duration moment) { return can::Time{} + moment; }
+
+TEST(Pace, WokenInTime_RunsUpToNowWithoutLag) {
+  Pace pace;
+  const Pace::Step step = pace.step({.elapsed = 100ms}, at(0ms), at(100ms));
+  EXPECT_EQ(step.run_until, at(100ms));
+  EXPECT_EQ(step.lag, 0ms);
+  EXPECT_EQ(step.suspended, 0ms);
+}
+
+TEST(Pace, WokenBeforeTheDeadline_HasNoLag) {
+  Pace pace;
+  const Pace::Step step = pace.step({.elapsed = 100ms}, at(0ms), at(900ms));
+  EXPECT_EQ(step.run_until, at(100ms));
+  EXPECT_EQ(step.lag, 0ms);
+}
+
+TEST(Pace, NothingDueForLong_IsNoLagAndNoSuspension) {
+  Pace pace;
+  const Pace::Step step = pace.step({.elapsed = 1h}, at(0ms), can::never);
+  EXPECT_EQ(step.run_until, at(1h));
+  EXPECT_EQ(step.lag, 0ms);
+  EXPECT_EQ(step.suspended, 0ms);
+}
+
+TEST(Pace, LateForADeadline_IsLagAndCatchesUpInSlices) {
+  Pace pace;
+  Pace::Step step = pace.step({.elapsed = 150ms}, at(0ms), at(100ms));
+  EXPECT_EQ(step.lag, 50ms);
+  EXPECT_EQ(step.run_until, at(120ms));
+  step = pace.step({.elapsed = 151ms}, at(120ms), at(121ms));
+  EXPECT_EQ(step.lag, 30ms);
+  EXPECT_EQ(step.run_until, at(141ms));
+  step = pace.step({.elapsed = 152ms}, at(141ms), at(152ms));
+  EXPECT_EQ(step.lag, 0ms);
+  EXPECT_EQ(step.run_until, at(152ms));
+}
+
+TEST(Pace, PlantThatIsAlwaysTooSlow_LagsMoreAndMore) {
+  Pace pace;
+  can::Time now{};
+  can::Duration lag{};
+  for (can::Duration elapsed{}; elapsed < 60s; elapsed += 40ms) {  // a slice of 20 ms takes 40 ms
+    const Pace::Step step = pace.step({.elapsed = elapsed}, now, now);
+    EXPECT_EQ(step.suspended, 0ms);
+    EXPECT_GE(step.lag, lag);
+    lag = step.lag;
+    now = step.run_until;
+  }
+  EXPECT_GT(lag, 29s);
+}
+
+TEST(Pace, StoppedBySignal_PlantTimeStandsStillAndNothingIsLate) {
+  Pace pace;
+  (void)pace.step({.elapsed = 1s}, at(0s), at(1s));
+  Pace::Step step = pace.step({.elapsed = 3s, .continued = true}, at(1s), at(1100ms));
+  EXPECT_EQ(step.suspended, 1900ms);
+  EXPECT_EQ(step.lag, 0ms);
+  EXPECT_EQ(step.run_until, at(1100ms));
+  EXPECT_EQ(pace.elapsed_at(at(1200ms)), 3100ms);
+  step = pace.step({.elapsed = 3100ms}, at(1100ms), at(1200ms));
+  EXPECT_EQ(step.suspended, 0ms);
+  EXPECT_EQ(step.lag, 0ms);
+  EXPECT_EQ(step.run_until, at(1200ms));
+}
+
+TEST(Pace, StoppedWhileNothingWasDue_HasLostNothing) {
+  Pace pace;
+  const Pace::Step step = pace.step({.elapsed = 3s, .continued = true}, at(0s), at(4s));
+  EXPECT_EQ(step.suspended, 0ms);
+  EXPECT_EQ(step.run_until, at(3s));
+}
+
+TEST(Pace, StoppedWhileBehind_LagsNoMoreThanBefore) {
+  Pace pace;
+  (void)pace.step({.elapsed = 200ms}, at(0s), at(100ms));  // runs to 120 ms
+  const Pace::Step step = pace.step({.elapsed = 10'200ms, .continued = true}, at(120ms), at(121ms));
+  EXPECT_EQ(step.suspended, 10s);
+  EXPECT_EQ(step.lag, 79ms);
+}
+
+TEST(Pace, GapLongerThanAnyScheduling_IsASuspensionWithoutItsSignalToo) {
+  Pace pace;
+  Pace::Step step = pace.step({.elapsed = 4'999ms}, at(0s), at(0s));
+  EXPECT_EQ(step.suspended, 0ms);
+  EXPECT_EQ(step.lag, 4'999ms);
+  Pace frozen;
+  step = frozen.step({.elapsed = 12s}, at(0s), at(0s));
+  EXPECT_EQ(step.suspended, 12s);
+  EXPECT_EQ(step.lag, 0ms);
+}
+
+TEST(Pace, MachineThatSlept_IsReportedAndItsClockStoodStillAnyway) {
+  Pace pace;
+  (void)pace.step({.elapsed = 1s}, at(0s), at(1s));
+  Pace::Step step = pace.step({.elapsed = 1100ms, .asleep = 1h}, at(1s), at(1100ms));
+  EXPECT_EQ(step.suspended, 1h);
+  EXPECT_EQ(step.lag, 0ms);
+  EXPECT_EQ(step.run_until, at(1100ms));
+  step = pace.step({.elapsed = 1200ms, .asleep = 1h + 3ms}, at(1100ms), at(1200ms));
+  EXPECT_EQ(step.suspended, 0ms);
+}
+
+}  // namespace
+}  // namespace canopus::serve
