@@ -158,7 +158,9 @@ void SocketcandServer::Client::report_lost() {
 void SocketcandServer::Client::judge_reading() {
   stall_.expires_after(server_->limits.stall);
   stall_.async_wait([self = shared_from_this(), before = written_](const error_code& failure) {
-    if (failure || self->server_ == nullptr || self->lost_ < self->server_->limits.lost_frames) return;
+    if (failure || self->server_ == nullptr) return;
+    self->report_lost();
+    if (self->lost_ < self->server_->limits.lost_frames) return;
     if (self->written_ != before) return self->judge_reading();
     ++self->server_->statistics.clients_too_slow;
     self->too_slow_ = true;
