@@ -1,8 +1,8 @@
 # canopus_room(NAME [ROOMS room...] [LIBRARIES target...])
 #
-# One static library per room, from canopus/NAME/**.cpp (a main.cpp is a program's, so that tests reach the rest). Includes read "canopus/NAME/thing.hpp"; a room's headers are
-# reached through a folder of its own that holds nothing but a link to them, so a room that does not name another in
-# ROOMS (directly or through one it names) cannot include its headers.
+# One static library per room, from canopus/NAME/**.cpp (a main.cpp is a program's, so that tests reach the rest). Includes
+# read "canopus/NAME/thing.hpp"; a room's headers are reached through a folder of its own that holds nothing but a link to
+# them, so a room that does not name another in ROOMS (directly or through one it names) cannot include its headers.
 function(canopus_room name)
   cmake_parse_arguments(ARG "" "" "ROOMS;LIBRARIES" ${ARGN})
   set(root ${CMAKE_CURRENT_SOURCE_DIR}/canopus/${name})

@@ -1,22 +1,17 @@
+#include "canopus/plant/plant_assembly.hpp"
+
 #include <algorithm>
 #include <filesystem>
-#include <map>
-#include <set>
 #include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "canopus/eds/device_file.hpp"
 #include "canopus/plant/device_script.hpp"
 #include "canopus/plant/module_catalogue.hpp"
-#include "canopus/plant/module_network.hpp"
 #include "canopus/plant/module_presets.hpp"
-#include "canopus/plant/plant_parts.hpp"
-#include "canopus/plant/plant_review.hpp"
 #include "canopus/plant/run_memory.hpp"
 #include "canopus/store/file_memory.hpp"
-#include "canopus/text/file_error.hpp"
 #include "canopus/text/file_text.hpp"
 
 namespace canopus::plant {
@@ -40,58 +35,7 @@ bool can_save(const canopen::DictionaryDescription& dictionary) {
   return (eds::default_value(dictionary, 0x1010, 1, 1).value_or(0) & autonomously) != 0;
 }
 
-/// Builds a plant's parts, collecting every error on the way.
-class Assembly {
- public:
-  Assembly(Plant::Parts& parts, PlantObserver& observer, std::uint64_t seed)
-      : parts_(parts),
-        observer_(observer),
-        seed_(seed),
-        folder_(std::filesystem::path(parts.file.path).parent_path()),
-        stores_(parts.stores.emplace(folder_)) {}
-
-  std::vector<text::FileError> run();
-
- private:
-  using File = std::shared_ptr<const eds::DeviceFile>;
-
-  File load(const std::string& eds, text::Place place);
-  File configured(const File& file, const DeviceSection& section);
-  void add_device(const DeviceSection& section, std::size_t number);
-  std::uint8_t node_id(const DeviceSection& section, const eds::DeviceFile& file);
-  sim::Port& add_port(const DeviceSection& section, std::uint8_t node_id, std::size_t number);
-  void give_memory(const DeviceSection& section, std::uint8_t node_id, DeviceSeat& seat);
-  void move_values(const DeviceSection& section, std::size_t number, DeviceSeat& seat);
-  void play_back(const PlaybackSection& section, sim::Device& device);
-  void add_module(const PlcSection& plc, std::size_t plc_number, const ModuleSection& section);
-  /// A slave of a master, as written in the plant file, or by slaves = "all".
-  struct WantedSlave {
-    SlaveSection slave{};
-    const SlaveSection* written = nullptr;  // nullptr: by slaves = "all"
-  };
-  static std::optional<WantedSlave> wanted_slave(const ModuleSection& master, const NodePlate& node);
-  void configure_network(const ModuleSection& section, module::CommunicationModule& module);
-  void add_outside_slave(const ModuleSection& master, const SlaveSection& slave, ModuleNetwork& network);
-  void set_faults(const BusSection& section, sim::Bus& bus);
-  void review_buses();
-  BusWatch& watch(const sim::Bus& bus);
-  template <typename... T>
-  void warn(text::Place place, fmt::format_string<T...> text, T&&... arguments) {
-    parts_.warnings.push_back({place, fmt::format(text, std::forward<T>(arguments)...)});
-  }
-
-  Plant::Parts& parts_;
-  PlantObserver& observer_;
-  std::uint64_t seed_;
-  std::filesystem::path folder_;
-  PlantStores& stores_;
-  std::map<std::string, File> files_;
-  std::set<std::pair<std::string, std::uint8_t>> nodes_;  // bus, node-ID
-  std::vector<std::pair<const DeviceSection*, DeviceSeat*>> device_sections_;
-  std::vector<std::pair<const ModuleSection*, ModuleSeat*>> module_sections_;
-  bool complete_ = true;  // nothing had to be left out
-  text::FileErrors errors_;
-};
+}  // namespace
 
 std::vector<text::FileError> Assembly::run() {
   for (const BusSection& section : parts_.file.buses) {
@@ -301,28 +245,6 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
   parts_.device_ports.push_back(&port);
 }
 
-/// How the nodes of each bus fit together.
-void Assembly::review_buses() {
-  std::map<std::string_view, ReviewedBus> buses;
-  for (const BusSection& section : parts_.file.buses) {
-    buses.emplace(section.name,
-                  ReviewedBus{.name = section.name, .is_served = section.socketcand.has_value()});
-  }
-  for (const auto& [section, seat] : module_sections_) {
-    ReviewedBus& bus = buses.at(section->bus);
-    if (auto node = seat->module().initial_node()) {
-      bus.configured.insert(node->configures.begin(), node->configures.end());
-      bus.nodes.push_back(reviewed(*section, seat->status().plate.name, std::move(*node)));
-    } else {
-      bus.has_plain_can = true;
-    }
-  }
-  for (const auto& [section, seat] : device_sections_) {
-    buses.at(section->bus).nodes.push_back(reviewed(*section, *seat));
-  }
-  for (const BusSection& section : parts_.file.buses) review(buses.at(section.name), parts_.warnings);
-}
-
 BusWatch& Assembly::watch(const sim::Bus& bus) {
   const auto found = std::ranges::find(parts_.buses, &bus, [](const auto& owned) { return owned.get(); });
   return *parts_.watches[static_cast<std::size_t>(found - parts_.buses.begin())];
@@ -369,94 +291,6 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
   parts_.modules.push_back(std::move(seat));
   parts_.module_ports.push_back(&port);
 }
-
-/// The slave that a node of the plant is for this master.
-std::optional<Assembly::WantedSlave> Assembly::wanted_slave(const ModuleSection& master,
-                                                            const NodePlate& node) {
-  if (node.bus != master.bus || node.node_id == 0 || node.node_id == lss::unconfigured) return std::nullopt;
-  const auto written = std::ranges::find_if(master.slaves, [&](const SlaveSection& slave) {
-    return slave.node != 0 ? slave.node == node.node_id : slave.name == node.name;
-  });
-  if (written != master.slaves.end()) {
-    WantedSlave wanted{.slave = *written, .written = &*written};
-    wanted.slave.node = node.node_id;
-    return wanted;
-  }
-  if (!master.all_slaves) return std::nullopt;
-  WantedSlave wanted{.slave = {.place = master.place, .node = node.node_id}};
-  wanted.slave.receive.push_back({.place = master.place, .pdo = 1});
-  wanted.slave.send.push_back({.place = master.place, .pdo = 1});
-  return wanted;
-}
-
-/// In the plant file's order, devices first, so that the words come in this order too.
-void Assembly::configure_network(const ModuleSection& section, module::CommunicationModule& module) {
-  const std::string slot = fmt::format("U{:X}", section.head / 16);
-  ModuleNetwork network(module, section.name.empty() ? slot : section.name + ' ' + slot);
-  std::set<const SlaveSection*> found;
-  const auto add = [&](const WantedSlave& wanted, const SlaveDescription& description) {
-    found.insert(wanted.written);
-    if (!wanted.slave.usable) return;
-    errors_.add(network.add_slave(wanted.slave, description, wanted.written != nullptr));
-  };
-  for (const auto& seat : parts_.devices) {
-    const NodePlate& plate = seat->status().plate;
-    if (plate.bus == section.bus && plate.node_id == lss::unconfigured && section.all_slaves) {
-      warn(section.slaves_place, "slaves = \"all\" leaves out {}, which has no node-ID yet",
-           plate.name.empty() ? "a device" : fmt::format("\"{}\"", plate.name));
-    }
-    if (const auto wanted = wanted_slave(section, plate)) {
-      add(*wanted, SlaveDescription::of(seat->device().file(), plate.node_id, plate.name));
-    }
-  }
-  for (const auto& seat : parts_.modules) {
-    const NodePlate& plate = seat->status().plate;
-    const auto wanted = wanted_slave(section, plate);
-    if (!wanted || &seat->module() == &module) continue;
-    const bool is_node = seat->module().presets_canopen_mode();
-    if (wanted->written == nullptr && (!is_node || seat->section().master)) continue;
-    if (!is_node) {
-      errors_.add(wanted->slave.place,
-                  "slave: the module with node {} (line {}) is in a Layer 2 mode; expected a CANopen node",
-                  plate.node_id, seat->section().place.line);
-    }
-    add(*wanted, SlaveDescription::of(seat->module(), plate.node_id, plate.name));
-  }
-  for (const SlaveSection& slave : section.slaves) {
-    if (complete_ && slave.usable && !found.contains(&slave)) add_outside_slave(section, slave, network);
-  }
-  network.become_master();
-  (void)preset_objects(module, section);  // what the plant file says of an object wins
-  for (const std::string& line : network.connections()) parts_.connections.push_back(line);
-  for (const std::string& line : network.left_out()) {
-    warn(section.slaves_place, "slaves = \"all\" {}", line);
-  }
-}
-
-/// A node that joins the bus from outside, or gets its node-ID by LSS.
-void Assembly::add_outside_slave(const ModuleSection& master, const SlaveSection& slave,
-                                 ModuleNetwork& network) {
-  const auto bus = std::ranges::find(parts_.file.buses, master.bus, &BusSection::name);
-  const bool may_come = bus->socketcand || std::ranges::any_of(parts_.devices, [&](const auto& seat) {
-                          const NodePlate& plate = seat->status().plate;
-                          return plate.bus == master.bus && plate.node_id == lss::unconfigured;
-                        });
-  if (!may_come) {
-    return errors_.add(slave.place,
-                       "slave: there is no device or module with node = {} on bus \"{}\"; for a node outside "
-                       "of the plant the bus needs serve",
-                       slave.node, master.bus);
-  }
-  SlaveDescription description;
-  if (!slave.eds.empty()) {
-    const File file = load(slave.eds, slave.eds_place);
-    if (!file) return;
-    description = SlaveDescription::of(*file, slave.node, "outside of the plant");
-  }
-  errors_.add(network.add_slave(slave, description, true));
-}
-
-}  // namespace
 
 std::vector<text::FileError> assemble(Plant::Parts& parts, PlantObserver& observer, std::uint64_t seed) {
   return Assembly(parts, observer, seed).run();

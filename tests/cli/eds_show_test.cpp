@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "plant_folder.hpp"
+#include "support/plant_folder.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -32,7 +32,7 @@ const std::string sections =
     "DataType=3\nAccessType=ro\nPDOMapping=1\nDefaultValue=-5\n"
     "[2002]\nParameterName=Text\nDataType=9\nAccessType=const\nDefaultValue=abc\n";
 
-class EdsShow : public PlantFolder {
+class EdsShow : public support::PlantFolder {
  protected:
   std::vector<std::string> show(std::string_view text, bool json = false) {
     write("x.eds", text);
@@ -51,7 +51,7 @@ class EdsShow : public PlantFolder {
 };
 
 TEST_F(EdsShow, ObjectsAndPdosInLinesOf80Columns) {
-  const auto lines = show(device_file(sections));
+  const auto lines = show(support::device_file(sections));
   EXPECT_EQ(exit_code_, 0) << errors_;
   EXPECT_THAT(lines, Contains("1018H      vendor-ID 00000001H, product 00000002H, revision 00000003H"));
   EXPECT_THAT(lines, Contains("1800:01    UNSIGNED32     rw     180H+node      -         T 1"));
@@ -66,7 +66,7 @@ TEST_F(EdsShow, ObjectsAndPdosInLinesOf80Columns) {
 }
 
 TEST_F(EdsShow, AsJsonNothingIsCut) {
-  const auto lines = show(device_file(sections), true);
+  const auto lines = show(support::device_file(sections), true);
   ASSERT_EQ(lines.size(), 1U);
   const auto sheet = nlohmann::json::parse(lines[0]);
   EXPECT_EQ(sheet["product_code"], 2);

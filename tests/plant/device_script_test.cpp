@@ -9,7 +9,7 @@
 #include "canopus/plant/process_value.hpp"
 #include "canopus/serve/device_control.hpp"
 
-#include "plant_folder.hpp"
+#include "support/plant_folder.hpp"
 
 namespace canopus::plant {
 namespace {
@@ -32,17 +32,17 @@ const std::string sections =
     "[2005]\nParameterName=Twin\nDataType=5\nAccessType=ro\n"
     "[2006]\nParameterName=Label\nDataType=9\nAccessType=ro\nDefaultValue=x\n";
 
-class DeviceScript : public PlantFolder, public PlantObserver {
+class DeviceScript : public support::PlantFolder, public PlantObserver {
  protected:
-  DeviceScript() { PlantFolder::write("io.eds", device_file(sections)); }
+  DeviceScript() { support::PlantFolder::write("io.eds", support::device_file(sections)); }
   void start(std::string_view text) {
-    plant_ = PlantFolder::load(text, *this);
+    plant_ = support::PlantFolder::load(text, *this);
     ASSERT_NE(plant_, nullptr);
     plant_->power_on();
   }
   void run_until(can::Duration time) { plant_->timeline().run_until(can::Time{time}); }
   void object_forced(const ForcedObject& forced, can::Time now) override {
-    events_.push_back(fmt::format("{} {}", now.time_since_epoch() / 1us, describe(forced)));
+    events_.push_back(fmt::format("{} {}", now.time_since_epoch() / 1us, cli::describe(forced)));
   }
   void object_released(const ForcedObject& released, can::Time now) override {
     events_.push_back(fmt::format("{} {} released, {}", now.time_since_epoch() / 1us, released.object,
@@ -51,7 +51,7 @@ class DeviceScript : public PlantFolder, public PlantObserver {
   std::string script(std::string_view keys) const { return head + "[[device.script]]\n" + std::string(keys); }
   /// What `check` says of a CSV file with this text.
   std::vector<std::string> csv(std::string_view text, std::string_view keys = "") {
-    PlantFolder::write("x.csv", text);
+    support::PlantFolder::write("x.csv", text);
     return check(head + "[[device.playback]]\nfile = \"x.csv\"\n" + std::string(keys));
   }
 
@@ -126,9 +126,10 @@ TEST_F(DeviceScript, EachMistakeIsSaidWithItsPlace) {
 }
 
 TEST_F(DeviceScript, AFileIsPlayedBack) {
-  PlantFolder::write("x.csv",
-                     "\xEF\xBB\xBFtime;2000:00;\"Offset, signed\";Ratio;switch\r\n0;1;-5;0.5;true\r\n\r\n"
-                     "0.0000015;0xC8;;1e3;0\r\n2.5;0;7;-1;1\r\n");
+  support::PlantFolder::write(
+      "x.csv",
+      "\xEF\xBB\xBFtime;2000:00;\"Offset, signed\";Ratio;switch\r\n0;1;-5;0.5;true\r\n\r\n"
+      "0.0000015;0xC8;;1e3;0\r\n2.5;0;7;-1;1\r\n");
   start(head + "[[device.playback]]\nfile = \"x.csv\"\n");
   const auto values = [&] {
     const canopen::ObjectDictionary& dictionary = plant_->device(0).device().node().dictionary();
@@ -173,7 +174,7 @@ TEST_F(DeviceScript, ABadFileIsSaidWithLineAndColumn) {
 }
 
 TEST_F(DeviceScript, AFileHasALimit) {
-  const auto device = PlantFolder::load(head, *this);
+  const auto device = support::PlantFolder::load(head, *this);
   const auto problem = [&](std::string_view text, const CsvLimits& limits) {
     const auto read = read_playback_csv(text, device->device(0).device(), limits);
     return read ? std::string("taken") : fmt::format("{}: {}", read.error().line, read.error().message);

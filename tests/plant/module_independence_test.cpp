@@ -19,18 +19,18 @@ using ::testing::Not;
 namespace fs = std::filesystem;
 
 const fs::path sources = fs::path(CANOPUS_SOURCE_DIR) / "canopus";
-const fs::path catalogue = sources / "app" / "module_catalogue.cpp";
+const fs::path catalogue = sources / "plant" / "module_catalogue.cpp";
 
 std::string text_of(const fs::path& path) {
   std::ifstream file(path);
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// The folders of canopus/module: one per module, named as its namespace.
+/// The folders of canopus/module that hold a module (its model), named as its namespace.
 std::vector<fs::path> module_folders() {
   std::vector<fs::path> folders;
   for (const auto& entry : fs::directory_iterator(sources / "module")) {
-    if (entry.is_directory()) folders.push_back(entry.path());
+    if (fs::exists(entry.path() / "model.hpp")) folders.push_back(entry.path());
   }
   return folders;
 }

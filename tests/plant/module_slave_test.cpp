@@ -7,7 +7,7 @@
 
 #include "canopus/cli/run/event_printer.hpp"
 
-#include "plant_folder.hpp"
+#include "support/plant_folder.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -35,10 +35,10 @@ std::string master(std::string_view slave) {
 }
 std::string slave(std::string_view keys) { return fmt::format("[[plc.module.slave]]\n{}", keys); }
 
-class ModuleSlave : public PlantFolder, public plant::PlantObserver {
+class ModuleSlave : public support::PlantFolder, public plant::PlantObserver {
  protected:
   void start(std::string_view text) {
-    plant_ = PlantFolder::load(text, *this);
+    plant_ = support::PlantFolder::load(text, *this);
     ASSERT_NE(plant_, nullptr);
     plant_->power_on();
   }
@@ -113,13 +113,14 @@ TEST_F(ModuleSlave, SlavesAll_LeavesPlainCanModulesAlone) {
 }
 
 TEST_F(ModuleSlave, OutsideOfThePlant_IsAssignedAndWithAFileConnected) {
-  write("io.eds", device_file("[1800]\nParameterName=T\nObjectType=9\n"
-                              "[1800sub0]\nDataType=5\nAccessType=ro\nDefaultValue=1\n"
-                              "[1800sub1]\nDataType=7\nAccessType=rw\nDefaultValue=$NODEID+0x180\n"
-                              "[1A00]\nParameterName=M\nObjectType=9\n"
-                              "[1A00sub0]\nDataType=5\nAccessType=rw\nDefaultValue=1\n"
-                              "[1A00sub1]\nDataType=7\nAccessType=rw\nDefaultValue=0x60000010\n"
-                              "[6000]\nParameterName=In\nDataType=6\nAccessType=ro\nPDOMapping=1\n"));
+  write("io.eds",
+        support::device_file("[1800]\nParameterName=T\nObjectType=9\n"
+                             "[1800sub0]\nDataType=5\nAccessType=ro\nDefaultValue=1\n"
+                             "[1800sub1]\nDataType=7\nAccessType=rw\nDefaultValue=$NODEID+0x180\n"
+                             "[1A00]\nParameterName=M\nObjectType=9\n"
+                             "[1A00sub0]\nDataType=5\nAccessType=rw\nDefaultValue=1\n"
+                             "[1A00sub1]\nDataType=7\nAccessType=rw\nDefaultValue=0x60000010\n"
+                             "[6000]\nParameterName=In\nDataType=6\nAccessType=ro\nPDOMapping=1\n"));
   EXPECT_THAT(check(std::string(served) + master(slave("node = 9\n"))), IsEmpty())
       << "nothing is known of it";
   start(std::string(served) + master(slave("node = 9\neds = \"io.eds\"\nreceive = [1]\n")));

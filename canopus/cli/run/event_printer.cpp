@@ -243,7 +243,9 @@ std::string describe(const plant::ForcedObject& forced) {
   return fmt::format(
       "{}: {} ({}) forced to {}{}", describe(forced.device), forced.object, forced.name,
       plant::show_value(forced.type, forced.value),
-      forced.until == can::never ? "" : fmt::format(" until {}", describe(forced.until.time_since_epoch())));
+      forced.until == can::never
+          ? ""
+          : fmt::format(" until {}", text::describe_duration(forced.until.time_since_epoch())));
 }
 
 std::vector<std::string> describe(const RunSummary& summary) {

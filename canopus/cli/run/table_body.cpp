@@ -263,7 +263,7 @@ struct TableBody::Inside {
   }
 
   static constexpr std::size_t is_row = static_cast<std::size_t>(-1);
-  struct text::Place {
+  struct Place {
     std::size_t entry;
     std::size_t reason;  ///< is_row, or a number in `reasons` (in full) or of the entry's own reasons
   };
@@ -285,7 +285,7 @@ struct TableBody::Inside {
   Entries entries;
   std::size_t columns;
   Columns table;
-  std::vector<text::Place> lines;
+  std::vector<Place> lines;
   bool in_full = false;
   std::vector<TableSpan> reasons;
   std::vector<TableLine> appended;
@@ -296,7 +296,7 @@ TableBody::TableBody(const TableState& state, std::size_t columns, std::size_t r
 
 TableBody::~TableBody() = default;
 
-TableLine TableBody::titles() const { return app::titles(inside_->table); }
+TableLine TableBody::titles() const { return cli::titles(inside_->table); }
 
 std::size_t TableBody::size() const noexcept { return inside_->lines.size() + inside_->appended.size(); }
 

@@ -1,7 +1,7 @@
 #pragma once
 // What the PLC sees of the other nodes' error control and NMT states [ME3CAN1-Q 3.5.15, 3.5.16; FX3U-CAN 6.24]:
 // error control bits and a state for each node 1..127. The bits are those of the NMT master
-// (manager/nmt_master.hpp), the life guarding of this node as a slave comes on top. A module without such words
+// (manager/nmt/nmt_master.hpp), the life guarding of this node as a slave comes on top. A module without such words
 // still knows them.
 
 #include <array>

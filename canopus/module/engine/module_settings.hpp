@@ -45,7 +45,7 @@ class ModuleSettings {
   /// Selects the stored function mode and puts its stored words into the buffer memory. What is damaged is
   /// answered with the factory's defaults.
   const FunctionModeRow& load();
-  /// What load() would select, and the image of the stored objects (canopen/stored_values.hpp).
+  /// What load() would select, and the image of the stored objects (canopen/dictionary/stored_values.hpp).
   struct Found {
     const FunctionModeRow* mode = nullptr;
     std::uint8_t node_id = 0;

@@ -1,6 +1,6 @@
 #pragma once
 // How a module's settings lie in the non-volatile memory: buffer memory words as pairs of address and value,
-// little-endian; objects as canopen/stored_values.hpp says, lengths in two bytes. Damage is the memory's to
+// little-endian; objects as canopen/dictionary/stored_values.hpp says, lengths in two bytes. Damage is the memory's to
 // notice (NonVolatileMemory); what does not decode here is damaged all the same.
 
 #include <cstdint>

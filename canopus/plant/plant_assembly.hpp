@@ -1,0 +1,77 @@
+#pragma once
+// The inside of assemble(): what makes the parts of a plant from its file. Only its sources include this.
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "canopus/eds/device_file.hpp"
+#include "canopus/plant/module_network.hpp"
+#include "canopus/plant/plant_parts.hpp"
+#include "canopus/text/file_error.hpp"
+
+namespace canopus::plant {
+
+/// Builds a plant's parts, collecting every error on the way.
+class Assembly {
+ public:
+  Assembly(Plant::Parts& parts, PlantObserver& observer, std::uint64_t seed)
+      : parts_(parts),
+        observer_(observer),
+        seed_(seed),
+        folder_(std::filesystem::path(parts.file.path).parent_path()),
+        stores_(parts.stores.emplace(folder_)) {}
+
+  std::vector<text::FileError> run();
+
+ private:
+  using File = std::shared_ptr<const eds::DeviceFile>;
+
+  File load(const std::string& eds, text::Place place);
+  File configured(const File& file, const DeviceSection& section);
+  void add_device(const DeviceSection& section, std::size_t number);
+  std::uint8_t node_id(const DeviceSection& section, const eds::DeviceFile& file);
+  sim::Port& add_port(const DeviceSection& section, std::uint8_t node_id, std::size_t number);
+  void give_memory(const DeviceSection& section, std::uint8_t node_id, DeviceSeat& seat);
+  void move_values(const DeviceSection& section, std::size_t number, DeviceSeat& seat);
+  void play_back(const PlaybackSection& section, sim::Device& device);
+  void add_module(const PlcSection& plc, std::size_t plc_number, const ModuleSection& section);
+  /// A slave of a master, as written in the plant file, or by slaves = "all".
+  struct WantedSlave {
+    SlaveSection slave{};
+    const SlaveSection* written = nullptr;  // nullptr: by slaves = "all"
+  };
+  static std::optional<WantedSlave> wanted_slave(const ModuleSection& master, const NodePlate& node);
+  void configure_network(const ModuleSection& section, module::CommunicationModule& module);
+  void add_outside_slave(const ModuleSection& master, const SlaveSection& slave, ModuleNetwork& network);
+  void set_faults(const BusSection& section, sim::Bus& bus);
+  void review_buses();
+  BusWatch& watch(const sim::Bus& bus);
+  template <typename... T>
+  void warn(text::Place place, fmt::format_string<T...> text, T&&... arguments) {
+    parts_.warnings.push_back({place, fmt::format(text, std::forward<T>(arguments)...)});
+  }
+
+  Plant::Parts& parts_;
+  PlantObserver& observer_;
+  std::uint64_t seed_;
+  std::filesystem::path folder_;
+  PlantStores& stores_;
+  std::map<std::string, File> files_;
+  std::set<std::pair<std::string, std::uint8_t>> nodes_;  // bus, node-ID
+  std::vector<std::pair<const DeviceSection*, DeviceSeat*>> device_sections_;
+  std::vector<std::pair<const ModuleSection*, ModuleSeat*>> module_sections_;
+  bool complete_ = true;  // nothing had to be left out
+  text::FileErrors errors_;
+};
+
+}  // namespace canopus::plant

@@ -1,0 +1,125 @@
+// What nodes of one bus have to do with each other: slaves of a module, and how they all fit together.
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "canopus/plant/plant_assembly.hpp"
+#include "canopus/plant/module_presets.hpp"
+#include "canopus/plant/plant_review.hpp"
+
+namespace canopus::plant {
+
+/// How the nodes of each bus fit together.
+void Assembly::review_buses() {
+  std::map<std::string_view, ReviewedBus> buses;
+  for (const BusSection& section : parts_.file.buses) {
+    buses.emplace(section.name,
+                  ReviewedBus{.name = section.name, .is_served = section.socketcand.has_value()});
+  }
+  for (const auto& [section, seat] : module_sections_) {
+    ReviewedBus& bus = buses.at(section->bus);
+    if (auto node = seat->module().initial_node()) {
+      bus.configured.insert(node->configures.begin(), node->configures.end());
+      bus.nodes.push_back(reviewed(*section, seat->status().plate.name, std::move(*node)));
+    } else {
+      bus.has_plain_can = true;
+    }
+  }
+  for (const auto& [section, seat] : device_sections_) {
+    buses.at(section->bus).nodes.push_back(reviewed(*section, *seat));
+  }
+  for (const BusSection& section : parts_.file.buses) review(buses.at(section.name), parts_.warnings);
+}
+
+/// The slave that a node of the plant is for this master.
+std::optional<Assembly::WantedSlave> Assembly::wanted_slave(const ModuleSection& master,
+                                                            const NodePlate& node) {
+  if (node.bus != master.bus || node.node_id == 0 || node.node_id == lss::unconfigured) return std::nullopt;
+  const auto written = std::ranges::find_if(master.slaves, [&](const SlaveSection& slave) {
+    return slave.node != 0 ? slave.node == node.node_id : slave.name == node.name;
+  });
+  if (written != master.slaves.end()) {
+    WantedSlave wanted{.slave = *written, .written = &*written};
+    wanted.slave.node = node.node_id;
+    return wanted;
+  }
+  if (!master.all_slaves) return std::nullopt;
+  WantedSlave wanted{.slave = {.place = master.place, .node = node.node_id}};
+  wanted.slave.receive.push_back({.place = master.place, .pdo = 1});
+  wanted.slave.send.push_back({.place = master.place, .pdo = 1});
+  return wanted;
+}
+
+/// In the plant file's order, devices first, so that the words come in this order too.
+void Assembly::configure_network(const ModuleSection& section, module::CommunicationModule& module) {
+  const std::string slot = fmt::format("U{:X}", section.head / 16);
+  ModuleNetwork network(module, section.name.empty() ? slot : section.name + ' ' + slot);
+  std::set<const SlaveSection*> found;
+  const auto add = [&](const WantedSlave& wanted, const SlaveDescription& description) {
+    found.insert(wanted.written);
+    if (!wanted.slave.usable) return;
+    errors_.add(network.add_slave(wanted.slave, description, wanted.written != nullptr));
+  };
+  for (const auto& seat : parts_.devices) {
+    const NodePlate& plate = seat->status().plate;
+    if (plate.bus == section.bus && plate.node_id == lss::unconfigured && section.all_slaves) {
+      warn(section.slaves_place, "slaves = \"all\" leaves out {}, which has no node-ID yet",
+           plate.name.empty() ? "a device" : fmt::format("\"{}\"", plate.name));
+    }
+    if (const auto wanted = wanted_slave(section, plate)) {
+      add(*wanted, SlaveDescription::of(seat->device().file(), plate.node_id, plate.name));
+    }
+  }
+  for (const auto& seat : parts_.modules) {
+    const NodePlate& plate = seat->status().plate;
+    const auto wanted = wanted_slave(section, plate);
+    if (!wanted || &seat->module() == &module) continue;
+    const bool is_node = seat->module().presets_canopen_mode();
+    if (wanted->written == nullptr && (!is_node || seat->section().master)) continue;
+    if (!is_node) {
+      errors_.add(wanted->slave.place,
+                  "slave: the module with node {} (line {}) is in a Layer 2 mode; expected a CANopen node",
+                  plate.node_id, seat->section().place.line);
+    }
+    add(*wanted, SlaveDescription::of(seat->module(), plate.node_id, plate.name));
+  }
+  for (const SlaveSection& slave : section.slaves) {
+    if (complete_ && slave.usable && !found.contains(&slave)) add_outside_slave(section, slave, network);
+  }
+  network.become_master();
+  (void)preset_objects(module, section);  // what the plant file says of an object wins
+  for (const std::string& line : network.connections()) parts_.connections.push_back(line);
+  for (const std::string& line : network.left_out()) {
+    warn(section.slaves_place, "slaves = \"all\" {}", line);
+  }
+}
+
+/// A node that joins the bus from outside, or gets its node-ID by LSS.
+void Assembly::add_outside_slave(const ModuleSection& master, const SlaveSection& slave,
+                                 ModuleNetwork& network) {
+  const auto bus = std::ranges::find(parts_.file.buses, master.bus, &BusSection::name);
+  const bool may_come = bus->socketcand || std::ranges::any_of(parts_.devices, [&](const auto& seat) {
+                          const NodePlate& plate = seat->status().plate;
+                          return plate.bus == master.bus && plate.node_id == lss::unconfigured;
+                        });
+  if (!may_come) {
+    return errors_.add(slave.place,
+                       "slave: there is no device or module with node = {} on bus \"{}\"; for a node outside "
+                       "of the plant the bus needs serve",
+                       slave.node, master.bus);
+  }
+  SlaveDescription description;
+  if (!slave.eds.empty()) {
+    const File file = load(slave.eds, slave.eds_place);
+    if (!file) return;
+    description = SlaveDescription::of(*file, slave.node, "outside of the plant");
+  }
+  errors_.add(network.add_slave(slave, description, true));
+}
+
+}  // namespace canopus::plant
