@@ -1,5 +1,5 @@
 // The MC protocol over loopback TCP against the program itself: a child process runs a plant in real time (a
-// bus, an ME3CAN1-Q, and the PLC's door), this one is the client.
+// bus, an ME3CAN1-Q, and the PLC's server), this one is the client.
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 #pragma once
-// What stands between a protocol object and a bus: where frames go (Sink), what a CAN controller tells of
+// What stands between a protocol object and a bus: where frames go (Sink), what a CAN controller reports of
 // itself (Controller), who hears what happens on the bus (Listener), who lives in time (Ticker), and who does
 // both, as most do (Participant).
 
@@ -54,7 +54,7 @@ class Controller : public Sink {
   /// True when send() would take a frame now.
   [[nodiscard]] virtual bool has_room() const { return true; }
   /// Takes back every frame that waits. One that is on the wire is completed, but not repeated when it fails
-  /// or loses arbitration. Nothing is told of frames taken back.
+  /// or loses arbitration. Frames taken back are not reported.
   virtual void abort_transmissions() {}
 
  protected:

@@ -1,5 +1,5 @@
 #pragma once
-// A door between a protocol object and its sink: while it is closed, what is sent is lost, as with a
+// Stands between a protocol object and its sink: while it is closed, what is sent is lost, as with a
 // controller that is off.
 
 #include "canopus/can/controller.hpp"

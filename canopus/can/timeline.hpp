@@ -39,7 +39,7 @@ class Timeline {
   };
   /// So many ticks of one participant at one moment are an error. The busiest ones need a few hundred.
   static constexpr std::uint32_t most_ticks = 10'000;
-  /// Who is told of a stall, inside run_until(), which then goes on. Without a handler run_until() throws
+  /// Called at a stall, inside run_until(), which then goes on. Without a handler run_until() throws
   /// std::logic_error with the text.
   void set_stall_handler(std::function<void(const Stall&)> handler) { stall_handler_ = std::move(handler); }
   /// Reads the participant's deadline again. To be called after anything but its tick() happened to it.

@@ -141,7 +141,7 @@ int run_command_line(std::span<const std::string> words) {
                "canopus"};
   app.set_version_flag("-V,--version", std::string("canopus ") + version());
   app.require_subcommand(1);
-  app.footer("`canopus COMMAND --help` tells more about a command.");
+  app.footer("`canopus COMMAND --help` says more about a command.");
   int code = exit_code::done;
   add_run_command(app, code);
   add_check_command(app, code);

@@ -53,9 +53,9 @@ std::optional<NmtState> state_of(std::uint8_t byte) {
 }  // namespace
 
 /// All questions to one node after the other, then the next node.
-class BusScan::Questioning final : public canopen::SdoClientUser {
+class BusScan::NodeQuery final : public canopen::SdoClientUser {
  public:
-  Questioning(BusScan& scan, can::Sink& sink) : client(sink), scan_(scan) {
+  NodeQuery(BusScan& scan, can::Sink& sink) : client(sink), scan_(scan) {
     constexpr std::size_t longest_name = 1024;
     client.set_maximum_size(longest_name);
   }
@@ -115,16 +115,16 @@ BusScan::~BusScan() = default;
 
 void BusScan::start(can::Time now) {
   phase_ = Phase::asking;
-  while (questionings_.size() < nodes_at_a_time && next_ <= last_) {
-    questionings_.push_back(std::make_unique<Questioning>(*this, *sink_));
-    next_node(*questionings_.back(), now);
+  while (queries_.size() < nodes_at_a_time && next_ <= last_) {
+    queries_.push_back(std::make_unique<NodeQuery>(*this, *sink_));
+    next_node(*queries_.back(), now);
   }
 }
 
-void BusScan::next_node(Questioning& questioning, can::Time now) {
-  if (next_ <= last_) return questioning.begin(static_cast<std::uint8_t>(next_++), now);
-  questioning.working = false;
-  if (std::ranges::none_of(questionings_, &Questioning::working)) asked_all(now);
+void BusScan::next_node(NodeQuery& query, can::Time now) {
+  if (next_ <= last_) return query.begin(static_cast<std::uint8_t>(next_++), now);
+  query.working = false;
+  if (std::ranges::none_of(queries_, &NodeQuery::working)) asked_all(now);
 }
 
 // Who is guarded by a master is heard within its guard time; a question of our own would spoil that master's
@@ -172,14 +172,14 @@ void BusScan::receive(const can::Frame& frame, can::Time now) {
     if ((phase_ == Phase::listening || phase_ == Phase::guarding) && states_are_known()) phase_end_ = now;
     return;
   }
-  for (const auto& questioning : questionings_) {
-    if (questioning->client.receive(frame, now)) return;
+  for (const auto& query : queries_) {
+    if (query->client.receive(frame, now)) return;
   }
 }
 
 void BusScan::tick(can::Time now) {
-  for (const auto& questioning : questionings_) {
-    if (questioning->client.deadline() <= now) questioning->client.tick(now);
+  for (const auto& query : queries_) {
+    if (query->client.deadline() <= now) query->client.tick(now);
   }
   if (now < phase_end_) return;
   if (phase_ == Phase::listening) {
@@ -192,8 +192,8 @@ void BusScan::tick(can::Time now) {
 
 can::Time BusScan::deadline() const noexcept {
   can::Time earliest = phase_end_;
-  for (const auto& questioning : questionings_) {
-    earliest = std::min(earliest, questioning->client.deadline());
+  for (const auto& query : queries_) {
+    earliest = std::min(earliest, query->client.deadline());
   }
   return earliest;
 }

@@ -57,10 +57,10 @@ class BusScan final : public can::Participant {
   [[nodiscard]] can::Time deadline() const noexcept override;
 
  private:
-  class Questioning;
+  class NodeQuery;
   enum class Phase : std::uint8_t { idle, asking, listening, guarding, finished };
 
-  void next_node(Questioning& questioning, can::Time now);
+  void next_node(NodeQuery& query, can::Time now);
   void asked_all(can::Time now);
   void listened(can::Time now);
   [[nodiscard]] bool states_are_known() const;
@@ -74,7 +74,7 @@ class BusScan final : public can::Participant {
   Phase phase_ = Phase::idle;
   can::Time phase_end_ = can::never;
   std::array<FoundNode, 128> nodes_{};
-  std::vector<std::unique_ptr<Questioning>> questionings_;
+  std::vector<std::unique_ptr<NodeQuery>> queries_;
 };
 
 }  // namespace canopus::client

@@ -24,7 +24,7 @@ struct SdoFailure {
 
 class SdoOnBus final : public can::Participant, private canopen::SdoClientUser {
  public:
-  /// Told how many bytes have passed, of how many (0 = not known), every now and then.
+  /// Gets how many bytes have passed, of how many (0 = not known), every now and then.
   using Progress = std::function<void(std::size_t bytes, std::size_t of)>;
 
   /// `block`: block transfers, also of values that would fit into one frame; a server that does otherwise is

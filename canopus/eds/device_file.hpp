@@ -146,7 +146,7 @@ struct PdoCount {
 };
 [[nodiscard]] PdoCount count_pdos(const canopen::DictionaryDescription& dictionary) noexcept;
 
-/// Name of a data type as CiA 301 spells it: "UNSIGNED8"; "unknown" for others.
+/// Name of a data type as in CiA 301: "UNSIGNED8"; "unknown" for others.
 [[nodiscard]] std::string_view name(canopen::DataType type) noexcept;
 
 }  // namespace canopus::eds

@@ -110,7 +110,7 @@ std::optional<Number> read_number(std::string_view text) {
       return std::nullopt;
     }
     if (!bare.starts_with("$NODEID") || bare.find_first_of(" \t") != std::string_view::npos) {
-      overlooked = "not spelled $NODEID+number";
+      overlooked = "not written as $NODEID+number";
     }
     break;
   }

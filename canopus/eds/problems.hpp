@@ -20,7 +20,7 @@ class Problems {
   void error(unsigned line, std::string message) { report(Severity::error, line, std::move(message)); }
   void warning(unsigned line, std::string message) { report(Severity::warning, line, std::move(message)); }
   void note(unsigned line, std::string message) { report(Severity::note, line, std::move(message)); }
-  /// For what files do in hundreds of places: the first of its `kind` is told, the others are counted.
+  /// For what files do in hundreds of places: the first of its `kind` is reported, the others are counted.
   void repeated(Severity severity, const std::string& kind, unsigned line, std::string message,
                 unsigned column = 0);
 

@@ -21,7 +21,7 @@ struct Place {
   /// "DefaultValue=0x1FF of 1018H:01".
   [[nodiscard]] std::string quoted() const;
   void warning(std::string_view message) const;
-  /// A note that is told once for all places of its kind.
+  /// A note that is reported once for all places of its kind.
   void note(std::string_view kind) const;
 };
 

@@ -36,7 +36,7 @@ std::string_view word(Access access) {
   return "ro";
 }
 
-// Below it are the data types, which the format tells by [DummyUsage] alone.
+// Below it are the data types, which the format has in [DummyUsage] alone.
 constexpr std::uint16_t first_object = 0x1000;
 bool is_data_type(std::uint16_t index) { return index < first_object; }
 

@@ -103,7 +103,7 @@ class Interface final : public std::enable_shared_from_this<Interface> {
         continue;
       }
       if (errno == EINTR) continue;
-      // ENOBUFS: the interface's queue is full, which poll() does not tell; so it is tried again a little
+      // ENOBUFS: the interface's queue is full, which poll() does not show; so it is tried again a little
       // later.
       if (errno != EAGAIN && errno != ENOBUFS) return end(std::strerror(errno));
       waiting_ = true;

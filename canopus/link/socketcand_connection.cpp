@@ -145,7 +145,7 @@ SocketcandServer::Client::Message* SocketcandServer::Client::claim_slot(std::siz
   return &queue_[(front_ + queued_++) % queue_.size()];
 }
 
-/// Tells a client that was too slow what it missed, once it has read half of what waits for it.
+/// Reports to a client that was too slow what it missed, once it has read half of what waits for it.
 void SocketcandServer::Client::report_lost() {
   if (lost_ == 0 || queued_ > queue_.size() / 2) return;
   const std::string text = "< error lost " + std::to_string(lost_) + " frames, read faster >";

@@ -4,11 +4,11 @@
 // the other clients' frames but not its own.
 //
 // A client that does not read cannot hold up the bus: its messages wait in a queue of fixed size, frames that
-// find it full are lost and counted, the client is told how many when there is room again, and too many cost
+// find it full are lost and counted, the client gets their number when there is room again, and too many cost
 // it the connection. A client that sends faster than the bus is not read until the bus has room, and the
 // system keeps little for it, so it feels soon that the bus is slower. What a client leaves behind when its
 // connection ends is still sent for `linger`; then it is dropped, and a report says how many frames. Frames
-// are dropped as well while the bus takes none at all for `patience`, and the client is told.
+// are dropped as well while the bus takes none at all for `patience`, and the client gets a message.
 //
 // Everything runs on the thread of the io_context, which is the thread of the bus.
 
@@ -53,7 +53,7 @@ using AttachToBus = std::function<std::unique_ptr<BusAttachment>(AttachedClient&
 
 struct SocketcandLimits {
   AllowList allowed{};       ///< who may connect
-  std::size_t clients = 32;  ///< connections at a time; one more is told so and closed
+  std::size_t clients = 32;  ///< connections at a time; one more gets a message and is closed
   std::size_t queue = 2048;  ///< messages that wait for one client's socket, at least 1024
   /// Frames in a row lost to a full queue from which on a client is closed that takes nothing for `stall`.
   std::uint64_t lost_frames = 8192;

@@ -1,5 +1,5 @@
 #pragma once
-// A file descriptor kept in reserve. When the process has none left, a connection can still be taken, to tell its
+// A file descriptor kept in reserve. When the process has none left, a connection can still be taken, to send its
 // client so, instead of leaving it to wait without an answer.
 
 #include <boost/asio/ip/tcp.hpp>

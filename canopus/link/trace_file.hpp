@@ -1,7 +1,7 @@
 #pragma once
 // A file that records the frames of a run: as candump log, or as pcap (link type 227, CAN over SocketCAN)
 // with nanosecond time stamps. Writing never fails in the middle of a run: the first error is kept, the rest
-// is dropped, and close() tells it.
+// is dropped, and close() returns it.
 
 #include <array>
 #include <cstdint>

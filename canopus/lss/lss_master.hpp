@@ -70,7 +70,7 @@ class LssMaster {
   /// slaves without fastscan: halves the ranges by identify remote slave, 65 times at most; slaves that have
   /// a node-ID answer as well. silence: there is none.
   bool slow_scan(const LssAddress& low, const LssAddress& high, can::Time now);
-  /// Gives the running service up; the user is not told.
+  /// Gives the running service up; the user is not notified.
   void cancel() noexcept;
 
   [[nodiscard]] bool busy() const noexcept { return service_ != Service::none; }

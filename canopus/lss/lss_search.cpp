@@ -70,7 +70,7 @@ void LssSearch::lss_finished(LssMaster&, LssResult result, can::Time now) {
       master_.configure_bit_timing(*index_of(own_bit_rate_), now);
       return;
     case State::setting_bit_rate:
-      // A device that cannot be told its rate will do, if it has the right one already.
+      // A device whose rate cannot be set will do, if it has the right one already.
       if (!done && other_rate) return leave(false, now);
       state_ = State::storing;
       master_.store(now);

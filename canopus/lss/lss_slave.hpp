@@ -16,7 +16,7 @@ namespace canopus::lss {
 
 class LssSlaveUser {
  public:
-  /// An unconfigured device has got its node-ID: it is to initialise itself with it.
+  /// An unconfigured device has got its node-ID: it is to initialize itself with it.
   virtual void node_id_assigned(std::uint8_t node_id, can::Time now) = 0;
   /// Can the device run at this bit rate (bit/s)?
   virtual bool supports_bit_rate(std::uint32_t bit_rate) { return bit_rate != 0; }

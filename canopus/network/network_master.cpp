@@ -204,7 +204,7 @@ void NetworkMaster::configure(canopen::ObjectDictionary& objects) {
 void NetworkMaster::start_up_finished(can::Time) { finished_ = true; }
 
 void NetworkMaster::boot_went_on(std::uint8_t node_id, const BootRecord& record, can::Time now) {
-  if (record.step == BootStep::booted || record.step == BootStep::failed) return;  // told on their own
+  if (record.step == BootStep::booted || record.step == BootStep::failed) return;  // reported on their own
   if (const NetworkSlave* slave = find(node_id)) observer_.boot_went_on(*slave, record, now);
 }
 

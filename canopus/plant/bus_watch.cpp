@@ -13,14 +13,14 @@ void BusWatch::know(NodeStatus& status, const sim::Port& port) {
 
 void BusWatch::renumber(NodeStatus& status, std::uint8_t node_id) {
   std::ranges::replace(known_, &status, static_cast<NodeStatus*>(nullptr));
-  status.plate.node_id = node_id;
+  status.label.node_id = node_id;
   know_number(status);
 }
 
-NodePlate BusWatch::plate(std::uint8_t node_id) const {
-  NodePlate plate = known_[node_id] != nullptr ? known_[node_id]->plate : NodePlate{bus_, {}, node_id};
-  plate.node_id = node_id;  // a module has another one until its initialization is over
-  return plate;
+NodeLabel BusWatch::label(std::uint8_t node_id) const {
+  NodeLabel label = known_[node_id] != nullptr ? known_[node_id]->label : NodeLabel{bus_, {}, node_id};
+  label.node_id = node_id;  // a module has another one until its initialization is over
+  return label;
 }
 
 void BusWatch::frame_completed(const can::Frame& frame, can::Time /*start*/, can::Time end) {
@@ -41,12 +41,12 @@ void BusWatch::frame_completed(const can::Frame& frame, can::Time /*start*/, can
 void BusWatch::error_detected(const sim::Port& port, sim::BusError error, can::Time now) {
   if (!unacknowledged_.error_detected(port, error)) return;
   const auto sender = std::ranges::find(occupants_, &port, &Occupant::port);
-  if (sender != occupants_.end()) return observer_.unacknowledged(sender->status->plate, now);
+  if (sender != occupants_.end()) return observer_.unacknowledged(sender->status->label, now);
   observer_.unacknowledged({bus_, port.name(), 0}, now);  // a client
 }
 
 void BusWatch::know_number(NodeStatus& status) {
-  const std::uint8_t node_id = status.plate.node_id;
+  const std::uint8_t node_id = status.label.node_id;
   if (node_id >= 1 && node_id <= 127) known_[node_id] = &status;
 }
 
@@ -58,10 +58,10 @@ bool BusWatch::is_plain_can() const {
 }
 
 void BusWatch::error_control(std::uint8_t node_id, std::uint8_t state, can::Time now) {
-  if (state == 0) observer_.booted(plate(node_id), now);
+  if (state == 0) observer_.booted(label(node_id), now);
   if (known_[node_id] != nullptr || foreign_states_[node_id] == state) return;
   foreign_states_[node_id] = state;
-  if (state != 0) observer_.nmt_state_changed(plate(node_id), static_cast<canopen::NmtState>(state), now);
+  if (state != 0) observer_.nmt_state_changed(label(node_id), static_cast<canopen::NmtState>(state), now);
 }
 
 void BusWatch::emergency(std::uint8_t node_id, const can::Frame& frame, can::Time now) {
@@ -73,7 +73,7 @@ void BusWatch::emergency(std::uint8_t node_id, const can::Frame& frame, can::Tim
     ++status->emergencies;
     status->last_emergency = message.code;
   }
-  observer_.emergency(plate(node_id), message, now);
+  observer_.emergency(label(node_id), message, now);
 }
 
 }  // namespace canopus::plant

@@ -26,7 +26,7 @@ class BusWatch final : public sim::BusObserver {
   /// The node has this node-ID from now on (FFH: none).
   void renumber(NodeStatus& status, std::uint8_t node_id);
   /// Who has this node-ID (1..127) on the bus.
-  [[nodiscard]] NodePlate plate(std::uint8_t node_id) const;
+  [[nodiscard]] NodeLabel label(std::uint8_t node_id) const;
 
   void frame_completed(const can::Frame& frame, can::Time start, can::Time end) override;
   void error_detected(const sim::Port& port, sim::BusError error, can::Time now) override;

@@ -15,7 +15,7 @@ DeviceSeat::DeviceSeat(std::shared_ptr<const eds::DeviceFile> file, const Device
       observer_(observer) {
   const std::string& product = device_.file().device.product_name;
   name_ = !section.name.empty() ? section.name : product;
-  status_.plate = {section.bus, name_, node_id};
+  status_.label = {section.bus, name_, node_id};
   device_.set_listener(this);
   device_.set_force_listener(this);
   if (section.start > can::Duration{}) port.set_power(false);
@@ -32,7 +32,7 @@ void DeviceSeat::enable_lss(std::unique_ptr<store::ParameterFile> store) {
 }
 
 DeviceSeat::InitialNode DeviceSeat::initial_node() {
-  std::uint8_t node_id = status_.plate.node_id;
+  std::uint8_t node_id = status_.label.node_id;
   if (lss_store_) {
     if (const auto stored = sim::DeviceLss::stored(*lss_store_)) node_id = stored->node_id;
   }
@@ -82,7 +82,7 @@ void DeviceSeat::tick(can::Time now) {
 }
 
 ForcedObject DeviceSeat::forced_object(const canopen::Entry& entry, can::Time until) const {
-  return {.device = status_.plate,
+  return {.device = status_.label,
           .object = shown_object(entry),
           .name = device_.file().dictionary->name(entry),
           .type = entry.description->type,
@@ -106,18 +106,18 @@ void DeviceSeat::look(can::Time now) {
   if (device_.node().identifiers_revision() != accepted_revision_) accept();
   if (device_.node().state() == status_.state) return;
   status_.state = device_.node().state();
-  observer_.nmt_state_changed(status_.plate, status_.state, now);
+  observer_.nmt_state_changed(status_.label, status_.state, now);
 }
 
 void DeviceSeat::look_at_lss(can::Time now) {
   const std::uint8_t node_id = device_.node().node_id();
-  if (node_id == status_.plate.node_id && port_.bit_rate() == bit_rate_) return;
+  if (node_id == status_.label.node_id && port_.bit_rate() == bit_rate_) return;
   bit_rate_ = port_.bit_rate();
-  if (node_id != status_.plate.node_id) watch_->renumber(status_, node_id);
-  observer_.lss_configured(status_.plate, bit_rate_, now);
+  if (node_id != status_.label.node_id) watch_->renumber(status_, node_id);
+  observer_.lss_configured(status_.label, bit_rate_, now);
 }
 
-/// Tells the controller which identifiers the node does something with: the bus then leaves out the others.
+/// Shows the controller which identifiers the node does something with: the bus then leaves out the others.
 void DeviceSeat::accept() {
   const canopen::Node& node = device_.node();
   accepted_revision_ = node.identifiers_revision();

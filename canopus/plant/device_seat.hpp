@@ -24,10 +24,10 @@ class DeviceSeat final : public can::Participant, private canopen::NodeListener,
   [[nodiscard]] ForcedObject forced_object(const canopen::Entry& entry, can::Time until = can::never) const;
   /// Where the device keeps what 1010H saves. To be called before power_on().
   void set_store(std::unique_ptr<store::ParameterFile> store);
-  /// LSS slave, what it is told to store goes there (nullptr: does not survive the run). To be called before
+  /// LSS slave, what it has to store goes there (nullptr: does not survive the run). To be called before
   /// power_on().
   void enable_lss(std::unique_ptr<store::ParameterFile> store);
-  /// To be told when the node-ID changes.
+  /// To be notified when the node-ID changes.
   void set_watch(BusWatch& watch) noexcept { watch_ = &watch; }
   NodeStatus& status() noexcept { return status_; }
   const NodeStatus& status() const noexcept { return status_; }

@@ -25,7 +25,7 @@ struct CatalogueEntry {
   std::shared_ptr<const canopen::DictionaryDescription> (*objects)();
   /// Names of what it stores, as files of its folder in a plant's store.
   std::span<const std::string_view> stored;
-  /// One as it leaves the shelf. Controller and memory must outlive it.
+  /// One with factory settings. Controller and memory must outlive it.
   std::unique_ptr<module::CommunicationModule> (*make)(can::Controller& controller,
                                                        module::NonVolatileMemory& memory,
                                                        const ModuleTuning& tuning);

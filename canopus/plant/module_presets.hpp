@@ -1,6 +1,6 @@
 #pragma once
-// Gives a module the settings that its section of the plant file names, as it leaves the shelf. What it does
-// not take is told with the place in the file; the module's rules are its own.
+// Gives a module the settings that its section of the plant file names, as factory settings. What it does
+// not take is reported with its place in the file; the module's rules are its own.
 
 #include <vector>
 

@@ -38,7 +38,7 @@ ModuleSeat::ModuleSeat(const ModuleSection& section, std::string_view plc, plc::
       exchange_watch_(*module_, module_->program_interface(), section.head),
       observer_(observer) {
   status_.is_module = true;
-  status_.plate = {section.bus, name_, section.node};
+  status_.label = {section.bus, name_, section.node};
   watched_.resize(section.watch.size());
   module_->set_observer(this);
   rack_.add_listener(*this);
@@ -46,7 +46,7 @@ ModuleSeat::ModuleSeat(const ModuleSection& section, std::string_view plc, plc::
 
 void ModuleSeat::collect_boots(std::vector<SlaveBoot>& all) const {
   for (const module::SlaveBootRecord& boot : module_->boots()) {
-    all.push_back({watch_.plate(boot.node_id), status_.plate, boot.record});
+    all.push_back({watch_.label(boot.node_id), status_.label, boot.record});
   }
 }
 
@@ -82,7 +82,7 @@ void ModuleSeat::cpu_paused(bool paused, can::Time now) {
 }
 
 ModuleStatus ModuleSeat::module_status(can::Time now) const {
-  ModuleStatus status{.plate = status_.plate,
+  ModuleStatus status{.label = status_.label,
                       .plc = plc_,
                       .head = section_.head,
                       .is_on = status_.is_on,
@@ -108,7 +108,7 @@ std::optional<ModuleTrouble> ModuleSeat::trouble(can::Time now) const {
     text = not_started();
   }
   if (text.empty()) return std::nullopt;
-  return ModuleTrouble{status_.plate, std::move(text)};
+  return ModuleTrouble{status_.label, std::move(text)};
 }
 
 // [ME3CAN1-Q 4.7, 4.8.8]
@@ -123,7 +123,7 @@ std::string ModuleSeat::not_started() const {
   return fmt::format(
       "no process data are exchanged: {} since the CPU's STOP, and RUN alone does not change that. The way "
       "back: 05H to 1F82H:{:02X} of the module (request NMT, Start remote node to itself), or a restart",
-      state, status_.plate.node_id);
+      state, status_.label.node_id);
 }
 
 void ModuleSeat::receive(const can::Frame& frame, can::Time now) {
@@ -182,8 +182,8 @@ void ModuleSeat::slave_boot_went_on(std::uint8_t node_id, const manager::BootRec
   BootSeen& seen = boots_seen_[node_id & 0x7F];
   const bool is_news = seen.step != record.step || seen.attempts != record.attempts;
   seen = {record.step, record.attempts};
-  status_.plate.node_id = module_->node().node_id();
-  if (is_news) observer_.slave_boot_went_on(watch_.plate(node_id), status_.plate, record, now);
+  status_.label.node_id = module_->node().node_id();
+  if (is_news) observer_.slave_boot_went_on(watch_.label(node_id), status_.label, record, now);
 }
 
 void ModuleSeat::error_raised(std::string_view what, can::Time now) { observer_.error(name_, what, now); }
@@ -204,10 +204,10 @@ void ModuleSeat::look(can::Time now) {
 void ModuleSeat::look_at_state(can::Time now) {
   status_.layer2 = module_->layer2_state();
   const bool canopen_mode = status_.layer2 == module::Layer2State::inactive;
-  status_.plate.node_id = canopen_mode ? module_->node().node_id() : std::uint8_t{0};
+  status_.label.node_id = canopen_mode ? module_->node().node_id() : std::uint8_t{0};
   if (!canopen_mode || module_->node().state() == status_.state) return;
   status_.state = module_->node().state();
-  observer_.nmt_state_changed(status_.plate, status_.state, now);
+  observer_.nmt_state_changed(status_.label, status_.state, now);
   // An initialization in RUN is followed by a start-up; one in STOP is held up by it.
   if (status_.state == canopen::NmtState::operational ||
       (status_.state == canopen::NmtState::initialising && rack_.cpu_state() == module::CpuState::run)) {

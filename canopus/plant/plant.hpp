@@ -22,7 +22,7 @@
 namespace canopus::plant {
 
 /// Who a node is, for people.
-struct NodePlate {
+struct NodeLabel {
   std::string_view bus;
   std::string_view name;  ///< from the plant file, or the product's; empty for a node outside of the plant
   /// 0: has none (a module in a Layer 2 mode). FFH: has none yet (an LSS slave that waits for one).
@@ -31,7 +31,7 @@ struct NodePlate {
 
 /// A value of a device that somebody forces.
 struct ForcedObject {
-  NodePlate device;
+  NodeLabel device;
   std::string object;     ///< "6000:01"
   std::string_view name;  ///< of the parameter, from the device file
   canopen::DataType type = canopen::DataType::none;
@@ -42,16 +42,16 @@ struct ForcedObject {
 /// What happens in a plant, as it happens. docs/events.md describes the lines made of it.
 class PlantObserver {
  public:
-  virtual void booted(const NodePlate&, can::Time) {}
-  virtual void nmt_state_changed(const NodePlate&, canopen::NmtState, can::Time) {}
-  /// LSS gave a device of the plant its node-ID (the plate has it already; FFH: took it away) or bit rate
+  virtual void booted(const NodeLabel&, can::Time) {}
+  virtual void nmt_state_changed(const NodeLabel&, canopen::NmtState, can::Time) {}
+  /// LSS gave a device of the plant its node-ID (the label has it already; FFH: took it away) or bit rate
   /// (bit/s), or it came up with what it had stored.
-  virtual void lss_configured(const NodePlate&, std::uint32_t /*bit_rate*/, can::Time) {}
-  virtual void emergency(const NodePlate&, const canopen::Emergency&, can::Time) {}
+  virtual void lss_configured(const NodeLabel&, std::uint32_t /*bit_rate*/, can::Time) {}
+  virtual void emergency(const NodeLabel&, const canopen::Emergency&, can::Time) {}
   /// Nobody acknowledges what this node sends: it is alone on its bus. Once, until somebody completed a frame.
-  virtual void unacknowledged(const NodePlate&, can::Time) {}
+  virtual void unacknowledged(const NodeLabel&, can::Time) {}
   /// A module of the plant boots this slave as its NMT master and came to another step, or asks it once more.
-  virtual void slave_boot_went_on(const NodePlate& /*slave*/, const NodePlate& /*master*/,
+  virtual void slave_boot_went_on(const NodeLabel& /*slave*/, const NodeLabel& /*master*/,
                                   const manager::BootRecord&, can::Time) {}
   virtual void signal_changed(std::string_view /*plc*/, char /*'X' or 'Y'*/, unsigned /*number*/, bool /*on*/,
                               can::Time) {}
@@ -73,7 +73,7 @@ class PlantObserver {
 
 /// A node as the live table and the summary show it.
 struct NodeStatus {
-  NodePlate plate;
+  NodeLabel label;
   canopen::NmtState state = canopen::NmtState::initialising;
   module::Layer2State layer2 = module::Layer2State::inactive;
   std::uint64_t pdos = 0;  ///< sent so far; in a Layer 2 mode every frame counts
@@ -92,7 +92,7 @@ struct ModuleStatus {
     std::uint32_t address = 0;
     std::uint16_t value = 0;
   };
-  NodePlate plate;
+  NodeLabel label;
   std::string_view plc;
   std::uint16_t head = 0;  ///< head I/O number, in points
   bool is_on = false;
@@ -107,15 +107,15 @@ struct ModuleStatus {
 /// How far a module of the plant is with the boot of a slave, which may be a node outside of the plant, or
 /// missing.
 struct SlaveBoot {
-  NodePlate slave;
-  NodePlate master;
+  NodeLabel slave;
+  NodeLabel master;
   manager::BootRecord record;
 };
 
 /// What keeps the process data of a module of the plant from being exchanged, while its NMT state may look
 /// well.
 struct ModuleTrouble {
-  NodePlate module;
+  NodeLabel module;
   std::string text;  ///< what is wrong, since when, and the way back; for a person
 };
 
@@ -164,7 +164,7 @@ class Plant {
   /// Every slave that an active NMT master of the plant boots or has booted, by master and node-ID.
   [[nodiscard]] std::vector<SlaveBoot> boots() const;
   /// A part of the plant asked for one moment without end and was stopped (can::Timeline::Stall): what the
-  /// run shows from there on is not to be trusted. The observer has been told by error().
+  /// run shows from there on is not to be trusted. The observer has had its error().
   [[nodiscard]] bool has_stalled() const noexcept;
   /// Modules whose process data stand still.
   [[nodiscard]] std::vector<ModuleTrouble> troubles() const;

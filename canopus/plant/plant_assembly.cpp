@@ -23,7 +23,7 @@ constexpr std::string_view stall_text =
     "report "
     "it with the plant file";
 
-/// 1010H can be told to save, or the device saves by itself (bit 1) [CiA 301 7.5.2.13].
+/// 1010H takes the command to save, or the device saves by itself (bit 1) [CiA 301 7.5.2.13].
 bool can_save(const canopen::DictionaryDescription& dictionary) {
   const canopen::ObjectDescription* save = dictionary.find(0x1010);
   if (save == nullptr) return false;
@@ -148,7 +148,7 @@ sim::Port& Assembly::add_port(const DeviceSection& section, std::uint8_t node_id
   return port;
 }
 
-/// What the device saves, and what LSS stores, by the node-ID it has from the shelf, or if that is none, by its
+/// What the device saves, and what LSS stores, by the node-ID it has by its factory settings, or if that is none, by its
 /// LSS address.
 void Assembly::give_memory(const DeviceSection& section, std::uint8_t node_id, DeviceSeat& seat) {
   const eds::DeviceFile& file = seat.device().file();
@@ -285,7 +285,7 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
   if (!parts_.racks[plc_number]->insert(section.head, module, parts_.module_handles.back())) {
     errors_.add(section.place, "module: head {:03X}H overlaps another module's points", section.head);
   }
-  seat->status().plate.node_id = section.node;
+  seat->status().label.node_id = section.node;
   watch(bus).know(seat->status(), port);
   module_sections_.emplace_back(&section, seat.get());
   parts_.modules.push_back(std::move(seat));

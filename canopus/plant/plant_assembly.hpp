@@ -50,7 +50,7 @@ class Assembly {
     SlaveSection slave{};
     const SlaveSection* written = nullptr;  // nullptr: by slaves = "all"
   };
-  static std::optional<WantedSlave> wanted_slave(const ModuleSection& master, const NodePlate& node);
+  static std::optional<WantedSlave> wanted_slave(const ModuleSection& master, const NodeLabel& node);
   void configure_network(const ModuleSection& section, module::CommunicationModule& module);
   void add_outside_slave(const ModuleSection& master, const SlaveSection& slave, ModuleNetwork& network);
   void set_faults(const BusSection& section, sim::Bus& bus);

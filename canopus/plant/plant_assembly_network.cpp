@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "canopus/plant/plant_assembly.hpp"
 #include "canopus/plant/module_presets.hpp"
+#include "canopus/plant/plant_assembly.hpp"
 #include "canopus/plant/plant_review.hpp"
 
 namespace canopus::plant {
@@ -25,7 +25,7 @@ void Assembly::review_buses() {
     ReviewedBus& bus = buses.at(section->bus);
     if (auto node = seat->module().initial_node()) {
       bus.configured.insert(node->configures.begin(), node->configures.end());
-      bus.nodes.push_back(reviewed(*section, seat->status().plate.name, std::move(*node)));
+      bus.nodes.push_back(reviewed(*section, seat->status().label.name, std::move(*node)));
     } else {
       bus.has_plain_can = true;
     }
@@ -38,7 +38,7 @@ void Assembly::review_buses() {
 
 /// The slave that a node of the plant is for this master.
 std::optional<Assembly::WantedSlave> Assembly::wanted_slave(const ModuleSection& master,
-                                                            const NodePlate& node) {
+                                                            const NodeLabel& node) {
   if (node.bus != master.bus || node.node_id == 0 || node.node_id == lss::unconfigured) return std::nullopt;
   const auto written = std::ranges::find_if(master.slaves, [&](const SlaveSection& slave) {
     return slave.node != 0 ? slave.node == node.node_id : slave.name == node.name;
@@ -66,27 +66,27 @@ void Assembly::configure_network(const ModuleSection& section, module::Communica
     errors_.add(network.add_slave(wanted.slave, description, wanted.written != nullptr));
   };
   for (const auto& seat : parts_.devices) {
-    const NodePlate& plate = seat->status().plate;
-    if (plate.bus == section.bus && plate.node_id == lss::unconfigured && section.all_slaves) {
+    const NodeLabel& label = seat->status().label;
+    if (label.bus == section.bus && label.node_id == lss::unconfigured && section.all_slaves) {
       warn(section.slaves_place, "slaves = \"all\" leaves out {}, which has no node-ID yet",
-           plate.name.empty() ? "a device" : fmt::format("\"{}\"", plate.name));
+           label.name.empty() ? "a device" : fmt::format("\"{}\"", label.name));
     }
-    if (const auto wanted = wanted_slave(section, plate)) {
-      add(*wanted, SlaveDescription::of(seat->device().file(), plate.node_id, plate.name));
+    if (const auto wanted = wanted_slave(section, label)) {
+      add(*wanted, SlaveDescription::of(seat->device().file(), label.node_id, label.name));
     }
   }
   for (const auto& seat : parts_.modules) {
-    const NodePlate& plate = seat->status().plate;
-    const auto wanted = wanted_slave(section, plate);
+    const NodeLabel& label = seat->status().label;
+    const auto wanted = wanted_slave(section, label);
     if (!wanted || &seat->module() == &module) continue;
     const bool is_node = seat->module().presets_canopen_mode();
     if (wanted->written == nullptr && (!is_node || seat->section().master)) continue;
     if (!is_node) {
       errors_.add(wanted->slave.place,
                   "slave: the module with node {} (line {}) is in a Layer 2 mode; expected a CANopen node",
-                  plate.node_id, seat->section().place.line);
+                  label.node_id, seat->section().place.line);
     }
-    add(*wanted, SlaveDescription::of(seat->module(), plate.node_id, plate.name));
+    add(*wanted, SlaveDescription::of(seat->module(), label.node_id, label.name));
   }
   for (const SlaveSection& slave : section.slaves) {
     if (complete_ && slave.usable && !found.contains(&slave)) add_outside_slave(section, slave, network);
@@ -104,8 +104,8 @@ void Assembly::add_outside_slave(const ModuleSection& master, const SlaveSection
                                  ModuleNetwork& network) {
   const auto bus = std::ranges::find(parts_.file.buses, master.bus, &BusSection::name);
   const bool may_come = bus->socketcand || std::ranges::any_of(parts_.devices, [&](const auto& seat) {
-                          const NodePlate& plate = seat->status().plate;
-                          return plate.bus == master.bus && plate.node_id == lss::unconfigured;
+                          const NodeLabel& label = seat->status().label;
+                          return label.bus == master.bus && label.node_id == lss::unconfigured;
                         });
   if (!may_come) {
     return errors_.add(slave.place,

@@ -25,7 +25,7 @@ constexpr Finding findings[] = {
 
 ReviewedNode reviewed(const DeviceSection& section, DeviceSeat& seat) {
   DeviceSeat::InitialNode begin = seat.initial_node();
-  std::string name(seat.status().plate.name);
+  std::string name(seat.status().label.name);
   if (name.empty()) name = std::filesystem::path(section.eds).filename().string();
   if (begin.node_id != lss::unconfigured) name = fmt::format("node {} ({})", begin.node_id, name);
   ReviewedNode node{.place = section.place,

@@ -92,7 +92,7 @@ void find_missing_heartbeats(const ReviewedBus& bus, Warnings& warnings);
 void find_missing_slaves(const ReviewedBus& bus, Warnings& warnings);
 /// Two NMT masters that do not compete as flying masters.
 void find_two_masters(const ReviewedBus& bus, Warnings& warnings);
-/// LSS slaves that LSS cannot tell apart.
+/// LSS slaves that LSS cannot distinguish.
 void find_equal_lss_addresses(const ReviewedBus& bus, Warnings& warnings);
 
 /// All of them.

@@ -118,7 +118,7 @@ void find_equal_lss_addresses(const ReviewedBus& bus, Warnings& warnings) {
         {node.place,
          fmt::format(
              "{} has the LSS address of {} in line {} (1018H: {:08X}H {:08X}H {:08X}H {:08X}H): LSS "
-             "cannot tell them apart; give each its serial number, for example objects = {{ \"1018:04\" "
+             "cannot distinguish them; give each its serial number, for example objects = {{ \"1018:04\" "
              "= 7 }}",
              node.name, first->second->name, first->second->place.line, address[0], address[1], address[2],
              address[3])});

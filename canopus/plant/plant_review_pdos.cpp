@@ -178,7 +178,7 @@ void find_two_senders(const ReviewedBus& bus, Warnings& warnings) {
       const std::string_view consequence =
           both_sync
               ? "the others hear it twice; clear bit 30 of one 1005H"
-              : "receivers cannot tell them apart, and frames at one moment destroy each other; give each "
+              : "receivers cannot distinguish them, and frames at one moment destroy each other; give each "
                 "a CAN-ID of its own";
       warnings.push_back(
           {place_of(node, sent.index, sent.sub),

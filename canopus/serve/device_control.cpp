@@ -50,11 +50,11 @@ class Request {
   const Json& fields_;
 };
 
-Json plate_of(const plant::NodePlate& plate) {
-  return {{"bus", plate.bus}, {"node", plate.node_id}, {"name", plate.name}};
+Json plate_of(const plant::NodeLabel& label) {
+  return {{"bus", label.bus}, {"node", label.node_id}, {"name", label.name}};
 }
 
-std::string where(const plant::NodePlate& plate) { return fmt::format("{}:{}", plate.bus, plate.node_id); }
+std::string where(const plant::NodeLabel& label) { return fmt::format("{}:{}", label.bus, label.node_id); }
 
 Result<void> Request::check_fields(std::initializer_list<std::string_view> known) const {
   for (const auto& [key, value] : fields_.items()) {
@@ -82,25 +82,25 @@ Result<std::size_t> Request::device() const {
   std::vector<std::size_t> found;
   std::vector<std::string_view> names;
   for (std::size_t i = 0; i < plant_.device_count(); ++i) {
-    const plant::NodePlate& plate = plant_.device(i).status().plate;
-    names.push_back(plate.name);
-    if (plate.name == *wanted) found.push_back(i);
+    const plant::NodeLabel& label = plant_.device(i).status().label;
+    names.push_back(label.name);
+    if (label.name == *wanted) found.push_back(i);
   }
   for (std::size_t i = 0; found.empty() && i < plant_.device_count(); ++i) {
-    if (where(plant_.device(i).status().plate) == *wanted) found.push_back(i);
+    if (where(plant_.device(i).status().label) == *wanted) found.push_back(i);
   }
   for (std::size_t i = 0, before = found.size(); before == 0 && i < plant_.device_count(); ++i) {
-    if (std::to_string(plant_.device(i).status().plate.node_id) == *wanted) found.push_back(i);
+    if (std::to_string(plant_.device(i).status().label.node_id) == *wanted) found.push_back(i);
   }
   if (found.size() == 1) return found.front();
   if (found.size() > 1) {
     std::vector<std::string> places;
-    for (const std::size_t i : found) places.push_back(where(plant_.device(i).status().plate));
+    for (const std::size_t i : found) places.push_back(where(plant_.device(i).status().label));
     return std::unexpected(fmt::format("there is more than one device \"{}\"; expected one of {}", *wanted,
                                        fmt::join(places, ", ")));
   }
   for (const plant::NodeStatus& node : plant_.nodes()) {
-    if (!node.is_module || (node.plate.name != *wanted && where(node.plate) != *wanted)) continue;
+    if (!node.is_module || (node.label.name != *wanted && where(node.label) != *wanted)) continue;
     return std::unexpected(fmt::format(
         "\"{}\" is a module: its values are words of its buffer memory (canopus plc write)", *wanted));
   }
@@ -130,7 +130,7 @@ Result<Json> Request::list() const {
   Json devices = Json::array();
   for (std::size_t i = 0; i < plant_.device_count(); ++i) {
     plant::DeviceSeat& seat = plant_.device(i);
-    Json device = plate_of(seat.status().plate);
+    Json device = plate_of(seat.status().label);
     device["state"] = seat.status().is_on ? canopen::name(seat.status().state) : "off";
     device["forced"] = Json::array();
     for (const sim::Forcing::Force& force : seat.device().forced()) {
@@ -146,7 +146,7 @@ Result<Json> Request::get() const {
   const auto number = device();
   if (!number) return std::unexpected(number.error());
   const sim::Device& device = plant_.device(*number).device();
-  Json answer = plate_of(plant_.device(*number).status().plate);
+  Json answer = plate_of(plant_.device(*number).status().label);
   answer["objects"] = Json::array();
   if (fields_.contains("object")) {
     const auto object = text("object");
@@ -187,7 +187,7 @@ Result<Json> Request::set() {
   }
   seat.device().force(*entry, *bits, until, now());
   plant_.device_touched(*number);
-  Json answer = plate_of(seat.status().plate);
+  Json answer = plate_of(seat.status().label);
   answer["objects"] = Json::array({shown(seat.device(), *entry)});
   return answer;
 }
@@ -207,7 +207,7 @@ Result<Json> Request::release() {
   } else {
     for (const sim::Forcing::Force& force : seat.device().forced()) entries.push_back(force.entry);
   }
-  Json answer = plate_of(seat.status().plate);
+  Json answer = plate_of(seat.status().label);
   answer["objects"] = Json::array();
   for (const Entry& entry : entries) {
     if (!seat.device().release(entry, now())) {

@@ -2,7 +2,7 @@
 // Non-volatile memory of modules in a folder: one file per blob. A write goes to a temporary file, is flushed
 // to the medium, and then takes the old file's place in one step, so that whatever moment the power goes off
 // at, the old or the new content is there; when write() or erase() has returned, it is the new one. A
-// checksum tells damage that came from elsewhere.
+// checksum shows damage that came from elsewhere.
 //
 // File: "CNPS", version (1 byte), three zero bytes, length of the content (8 bytes), CRC-32 of the content
 // (4 bytes), the content. In version 2 the content begins with the owner's name: its length (2 bytes), and UTF-8.

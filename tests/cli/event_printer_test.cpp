@@ -8,8 +8,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr plant::NodePlate encoder{"line1", "encoder", 3};
-constexpr plant::NodePlate stranger{"line1", "", 77};
+constexpr plant::NodeLabel encoder{"line1", "encoder", 3};
+constexpr plant::NodeLabel stranger{"line1", "", 77};
 constexpr can::Time at{1'250'000us};
 
 TEST(JsonPrinter, EachEventIsOneLineAsDocumented) {
@@ -72,8 +72,8 @@ TEST(LinePrinter, QuietMeansNothing) {
 TEST(Summary, SaysWhoIsNotOperational) {
   RunSummary summary{.end = can::Time{10s}, .wall = 100ms, .virtual_time = true};
   summary.nodes.push_back(
-      {.plate = encoder, .state = canopen::NmtState::operational, .pdos = 5, .is_on = true});
-  summary.nodes.push_back({.plate = stranger, .state = canopen::NmtState::stopped, .is_on = true});
+      {.label = encoder, .state = canopen::NmtState::operational, .pdos = 5, .is_on = true});
+  summary.nodes.push_back({.label = stranger, .state = canopen::NmtState::stopped, .is_on = true});
   EXPECT_THAT(describe(summary),
               testing::ElementsAre("ran 10.000 s of plant time in 100.0 ms, 100 times as fast as real time",
                                    "line1 node 3 (encoder): operational, 5 PDOs sent",

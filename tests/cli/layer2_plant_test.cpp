@@ -71,13 +71,13 @@ class Layer2Plant : public testing::Test, public plant::PlantObserver, public ca
   void tick(can::Time) override {}
   [[nodiscard]] can::Time deadline() const noexcept override { return can::never; }
 
-  void booted(const plant::NodePlate& node, can::Time) override {
+  void booted(const plant::NodeLabel& node, can::Time) override {
     events.push_back(describe(node) + " boot");
   }
-  void emergency(const plant::NodePlate& node, const canopen::Emergency&, can::Time) override {
+  void emergency(const plant::NodeLabel& node, const canopen::Emergency&, can::Time) override {
     events.push_back(describe(node) + " emcy");
   }
-  void nmt_state_changed(const plant::NodePlate& node, canopen::NmtState state, can::Time) override {
+  void nmt_state_changed(const plant::NodeLabel& node, canopen::NmtState state, can::Time) override {
     events.push_back(fmt::format("{} {}", describe(node), canopen::name(state)));
   }
   void signal_changed(std::string_view, char kind, unsigned number, bool on, can::Time) override {

@@ -23,7 +23,7 @@ constexpr can::Time at(can::Duration time) { return can::Time{} + time; }
 
 plant::NodeStatus node(std::uint8_t node_id, NmtState state, bool is_on = true) {
   plant::NodeStatus status;
-  status.plate = {"line1", "device", node_id};
+  status.label = {"line1", "device", node_id};
   status.state = state;
   status.is_on = is_on;
   return status;

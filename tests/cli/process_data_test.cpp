@@ -83,7 +83,7 @@ class ProcessDataTest : public ::testing::Test, public plant::PlantObserver, pub
   void tick(can::Time) override {}
   [[nodiscard]] can::Time deadline() const noexcept override { return can::never; }
 
-  void nmt_state_changed(const plant::NodePlate& node, canopen::NmtState state, can::Time) override {
+  void nmt_state_changed(const plant::NodeLabel& node, canopen::NmtState state, can::Time) override {
     if (node.node_id == 1) module_state_ = state;
   }
   void error(std::string_view source, std::string_view message, can::Time now) override {

@@ -54,7 +54,7 @@ objects = {)" + objects + "}\n";
     plant->power_on();
     plant->timeline().run_until(can::Time(duration));
   }
-  void slave_boot_went_on(const plant::NodePlate& slave, const plant::NodePlate& master,
+  void slave_boot_went_on(const plant::NodeLabel& slave, const plant::NodeLabel& master,
                           const manager::BootRecord& record, can::Time now) override {
     events.push_back(fmt::format("{:.3f} {} {} by {}", can::seconds(now), slave.node_id,
                                  manager::describe(record), master.node_id));

@@ -34,12 +34,12 @@ struct Plant130 {
     for (unsigned i = 1; i <= nodes; ++i) {
       names.push_back(fmt::format("device {}", i));
       plant::NodeStatus node;
-      node.plate = {"line1", names.back(), static_cast<std::uint8_t>(i)};
+      node.label = {"line1", names.back(), static_cast<std::uint8_t>(i)};
       node.state = canopen::NmtState::operational;
       node.is_on = true;
       state.nodes.push_back({node, 50});
     }
-    state.modules.push_back({.plate = state.nodes[0].status.plate,
+    state.modules.push_back({.label = state.nodes[0].status.label,
                              .plc = "plc1",
                              .head = 0x30,
                              .is_on = true,
@@ -56,7 +56,7 @@ struct Plant130 {
                                .error = manager::BootError::no_answer,
                                .attempts = 2,
                                .since = can::Time{12s}};
-    state.boots.push_back({{"line1", {}, node_id}, node(1).plate, record});
+    state.boots.push_back({{"line1", {}, node_id}, node(1).label, record});
   }
   void message(can::Time at, std::string text, bool is_error = true) {
     state.messages.push_back({at, std::move(text), is_error});
@@ -132,9 +132,9 @@ TEST(TableLayout, WideCombiningAndHostileNames_TakeTheirColumns) {
   Plant130 plant(3);
   plant.state.plant = "工場の名前がとても長いプラントです";
   plant.state.buses[0].name = "線路一番の長い名前";
-  plant.node(1).plate.name = "エンコーダエンコーダエンコーダエンコーダ";
-  plant.node(2).plate.name = "e\u0301e\u0301e\u0301";
-  plant.node(3).plate.name = "x\x1b[2J\nforged\xE4";
+  plant.node(1).label.name = "エンコーダエンコーダエンコーダエンコーダ";
+  plant.node(2).label.name = "e\u0301e\u0301e\u0301";
+  plant.node(3).label.name = "x\x1b[2J\nforged\xE4";
   for (const TableSize size : sizes) expect_no_wrap(plant, size);
   const auto lines = plant.lines({24, 80});
   EXPECT_THAT(lines,
@@ -153,8 +153,8 @@ TEST(TableLayout, TroubleComesFirst_WorstFirst) {
   plant.node(40).error_state = can::ErrorState::error_passive;
   plant.node(40).receive_errors = 130;
   plant.missing(125);
-  plant.state.boots.push_back({plant.node(60).plate,
-                               plant.node(1).plate,
+  plant.state.boots.push_back({plant.node(60).label,
+                               plant.node(1).label,
                                {.step = manager::BootStep::failed,
                                 .failed_step = manager::BootStep::identity,
                                 .error = manager::BootError::product,
@@ -162,7 +162,7 @@ TEST(TableLayout, TroubleComesFirst_WorstFirst) {
                                 .sub = 2,
                                 .expected = 0x1234,
                                 .received = 0x406}});
-  plant.state.troubles.push_back({plant.node(1).plate, "no process data are exchanged: the CPU is in STOP"});
+  plant.state.troubles.push_back({plant.node(1).label, "no process data are exchanged: the CPU is in STOP"});
   plant.node(80).error_state = can::ErrorState::bus_off;
   std::vector<std::string> rows;
   for (const std::string& line : plant.lines({60, 80})) {
@@ -184,7 +184,7 @@ TEST(TableLayout, TroubleComesFirst_WorstFirst) {
 
 TEST(TableLayout, AModulesErrorLed_IsTrouble) {
   Plant130 plant(3);
-  plant.state.modules[0].plate = plant.node(3).plate;
+  plant.state.modules[0].label = plant.node(3).label;
   plant.state.modules[0].leds = {{.name = "RUN", .pattern = module::LedPattern::on},
                                  {.name = "ERR.", .pattern = module::LedPattern::on, .error = true}};
   const auto lines = plant.lines({24, 80});
@@ -246,7 +246,7 @@ TEST(TableLayout, SignalsAndBusesWithoutRoomAbove_AreAtTheEnd) {
 TEST(TableLayout, SeveralBuses_HaveAColumn) {
   Plant130 plant(2);
   plant.state.buses.push_back({"line2", 1'000'000, {}});
-  plant.node(2).plate.bus = "line2";
+  plant.node(2).label.bus = "line2";
   const auto lines = plant.lines({24, 80});
   EXPECT_THAT(lines, Contains(StartsWith("Node  Bus    Name      NMT state")));
   EXPECT_THAT(lines, Contains(StartsWith("   2  line2  device 2  operational")));

@@ -33,7 +33,7 @@ class UnacknowledgedTest : public testing::Test, public plant::PlantObserver {
     plant->power_on();
   }
   void run_until(can::Duration time) { plant->timeline().run_until(can::Time(time)); }
-  void unacknowledged(const plant::NodePlate& node, can::Time now) override {
+  void unacknowledged(const plant::NodeLabel& node, can::Time now) override {
     EXPECT_LT(now, can::Time(100ms));
     heard.push_back(describe(node));
   }
@@ -63,7 +63,7 @@ TEST_F(UnacknowledgedTest, ListenersDoNotAcknowledge) {
 
 TEST(UnacknowledgedEvent, IsALineAndJson) {
   TextOutput text, errors;
-  const plant::NodePlate node{"line1", "encoder", 3};
+  const plant::NodeLabel node{"line1", "encoder", 3};
   LinePrinter(text, errors, false).unacknowledged(node, can::Time(1500us));
   EXPECT_EQ(text.text(),
             "    0.001500  line1 node 3 (encoder): nobody acknowledges: no other node on this bus\n");

@@ -39,11 +39,11 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"\"5\"", 5, false, "quotes round the number"}, Case{"0x12 34", 0x1234, false, "blanks inside"},
         Case{"5.0", 5, false, "a fraction where a whole number belongs"}, Case{"$NODEID", 0, true, ""},
         Case{"$NODEID+0x180", 0x180, true, ""}, Case{"$NODEID+384", 384, true, ""},
-        Case{"$NodeID+0x80", 0x80, true, "not spelled $NODEID+number"},
-        Case{"$NODEID + 0x600", 0x600, true, "not spelled $NODEID+number"},
-        Case{"$NODEID +0x80", 0x80, true, "not spelled $NODEID+number"},
-        Case{"1280+$NODEID", 1280, true, "not spelled $NODEID+number"},
-        Case{"NODEID+1", 1, true, "not spelled $NODEID+number"}));
+        Case{"$NodeID+0x80", 0x80, true, "not written as $NODEID+number"},
+        Case{"$NODEID + 0x600", 0x600, true, "not written as $NODEID+number"},
+        Case{"$NODEID +0x80", 0x80, true, "not written as $NODEID+number"},
+        Case{"1280+$NODEID", 1280, true, "not written as $NODEID+number"},
+        Case{"NODEID+1", 1, true, "not written as $NODEID+number"}));
 
 class NoNumber : public testing::TestWithParam<const char*> {};
 

@@ -138,13 +138,13 @@ INSTANTIATE_TEST_SUITE_P(
               "(and in 3 "
               "more places)"},
         Quirk{"schunk_lwa4p-erb-0-63.dcf", 277,
-              "note: DefaultValue=$NodeID + 0x80 of 1014H:00: not spelled $NODEID+number (and in 8 more "
+              "note: DefaultValue=$NodeID + 0x80 of 1014H:00: not written as $NODEID+number (and in 8 more "
               "places)"},
         Quirk{"schunk_lwa4p-erb-0-63.dcf", 53, "warning: 1000H (Device type) has no value: taken as 0"},
         Quirk{"pilz_prbt-joint.dcf", 2006, "note: 20A0H has SubNumber=8, but 1 sub-index described"},
         Quirk{"lely_pilz-master.dcf", 1, "note: there is no [FileInfo]"},
         Quirk{"technosoft_isd860.eds", 281,
-              "note: DefaultValue=$NODEID +0x80 of 1014H:00: not spelled $NODEID+number (and in 10 more "
+              "note: DefaultValue=$NODEID +0x80 of 1014H:00: not written as $NODEID+number (and in 10 more "
               "places)"},
         Quirk{"delta_asda-a3.eds", 716,
               "note: AccessType=RO of 1000H:00 is in capitals (and in 751 more places)"},
@@ -164,7 +164,7 @@ INSTANTIATE_TEST_SUITE_P(
               "warning: 104=0x6505 in [OptionalObjects]: there is no section [6505]: left out"},
         Quirk{"example_e35-drive.eds", 6662, "warning: 2FFFH is in no object list: taken in all the same"},
         Quirk{"python-canopen_sample.eds", 314,
-              "note: DefaultValue=1280+$NODEID of 1403H:01: not spelled $NODEID+number"},
+              "note: DefaultValue=1280+$NODEID of 1403H:01: not written as $NODEID+number"},
         Quirk{"python-canopen_sample.eds", 835,
               "warning: [ManufacturerObjects] SupportedObjects=0, but 1 entry follows"},
         Quirk{"python-canopen_sample.eds", 194,

@@ -76,7 +76,7 @@ def help_and_version_are_where_a_user_looks():
     command(program, "nonsense", expect=2)
 
 
-# --- the PLC's Ethernet door
+# --- the PLC's Ethernet port
 
 
 @check

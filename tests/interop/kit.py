@@ -82,7 +82,7 @@ def until(condition, message, timeout=PATIENCE):
 
 
 class RunningPlant:
-    """`canopus run --json` in real time, with the doors on ports of the system's choice."""
+    """`canopus run --json` in real time, with its servers on ports of the system's choice."""
 
     runs = 0
 

@@ -17,7 +17,7 @@ import me3can1q  # noqa: E402
 
 
 def example_plant(name, changes=()):
-    """An example's plant file with doors on free ports."""
+    """An example's plant file with servers on free ports."""
     text = (EXAMPLES / f"{name}.toml").read_text()
     devices = [('"../devices/', f'"{ROOT}/examples/devices/')] if '"../devices/' in text else []
     for old, new in [("127.0.0.1:5007", "127.0.0.1:0"), ("127.0.0.1:29536", "127.0.0.1:0"), *devices, *changes]:
@@ -109,7 +109,7 @@ def example_starts_an_me3can1_q_up_in_layer_2_mode():
                  "321 [01 02 03] is sent: G1000 = 000DH"):
         require(line in printed, f"{line!r} is missing in:\n{printed}")
     in_order(frames, [
-        (0x77F, "00"), (0x0FF, "00 62 01 4D 45 30 30 34"),  # from the shelf a CANopen node, until the restart of step 3
+        (0x77F, "00"), (0x0FF, "00 62 01 4D 45 30 30 34"),  # by factory settings a CANopen node, until the restart of step 3
         (0x123, "11 22 33 44"), (0x222, "A3 B3"), (0x321, "01 02 03")])
     require((0x182, bytes.fromhex("A2 B2")) in frames, "the partner did not send")
     require(all(identifier in (0x77F, 0x0FF, 0x123, 0x182, 0x222, 0x321) for identifier, _ in frames), "other frames came")

@@ -352,7 +352,7 @@ TEST_F(ProgramDownload, StillAnotherVersionOnceItRuns_IsNotUpdatedWithoutEnd) {
   run_for(30s);
   EXPECT_EQ(started, 1);
   EXPECT_EQ(letter(record().error), 'I');
-  EXPECT_THAT(words(), HasSubstr("It was updated and started, and yet tells another version"));
+  EXPECT_THAT(words(), HasSubstr("It was updated and started, and yet reports another version"));
 }
 
 TEST_F(ProgramDownload, BootTimeOver_EndsWithI) {

@@ -46,7 +46,7 @@ TEST(Encode, WhatDoesNotFitIsRefusedInWords) {
 }
 
 /// A module with nothing around it.
-struct Shelf {
+struct NewModule {
   struct Controller final : can::Controller {
     bool send(const can::Frame&) override { return true; }
     std::uint16_t transmit_error_counter() const override { return 0; }
@@ -120,36 +120,36 @@ SlaveSection slave(std::optional<std::uint32_t> address = std::nullopt) {
 }
 
 TEST(ModuleNetwork, AssignsIdentifiesAndConnectsASlave) {
-  Shelf shelf;
-  ModuleNetwork network(shelf.module, "U0");
+  NewModule fresh;
+  ModuleNetwork network(fresh.module, "U0");
   EXPECT_THAT(network.add_slave(slave(10020), device(), "io", true), IsEmpty());
   network.become_master();
-  shelf.start();
-  EXPECT_EQ(shelf.object(0x1F80, 0), 1U);
-  EXPECT_EQ(shelf.object(0x1F81, 5), 0x0DU) << "slave, boot slave, mandatory";
-  EXPECT_EQ(shelf.object(0x1F84, 5), 0x30191U);
-  EXPECT_EQ(shelf.object(0x1F85, 5), 0x71U);
-  EXPECT_EQ(shelf.object(0x1F86, 5), 0U) << "the file names no product code";
-  EXPECT_EQ(shelf.object(0x1400, 1), 0x185U);
-  EXPECT_EQ(shelf.object(0x1600, 0), 2U);
-  EXPECT_EQ(shelf.object(0x1600, 1), 0xA580'1510U) << "G10020 is the 21st word";
-  EXPECT_EQ(shelf.object(0x1600, 2), 0xA580'1610U);
+  fresh.start();
+  EXPECT_EQ(fresh.object(0x1F80, 0), 1U);
+  EXPECT_EQ(fresh.object(0x1F81, 5), 0x0DU) << "slave, boot slave, mandatory";
+  EXPECT_EQ(fresh.object(0x1F84, 5), 0x30191U);
+  EXPECT_EQ(fresh.object(0x1F85, 5), 0x71U);
+  EXPECT_EQ(fresh.object(0x1F86, 5), 0U) << "the file names no product code";
+  EXPECT_EQ(fresh.object(0x1400, 1), 0x185U);
+  EXPECT_EQ(fresh.object(0x1600, 0), 2U);
+  EXPECT_EQ(fresh.object(0x1600, 1), 0xA580'1510U) << "G10020 is the 21st word";
+  EXPECT_EQ(fresh.object(0x1600, 2), 0xA580'1610U);
   EXPECT_THAT(network.connections(), ElementsAre("U0\\G10020-G10021 <- TPDO1 of node 5 (io), 185H, 4 bytes"));
 }
 
 TEST(ModuleNetwork, AnOddByteIsMappedAsAByte) {
-  Shelf shelf;
-  ModuleNetwork network(shelf.module, "U0");
+  NewModule fresh;
+  ModuleNetwork network(fresh.module, "U0");
   EXPECT_THAT(network.add_slave(slave(), device("$NODEID+0x180", 8, 3), "io", true), IsEmpty());
-  shelf.start();
-  EXPECT_EQ(shelf.object(0x1600, 0), 2U);
-  EXPECT_EQ(shelf.object(0x1600, 1), 0xA580'0110U) << "G10000, two bytes";
-  EXPECT_EQ(shelf.object(0x1600, 2), 0xA4C0'0308U) << "low byte of G10001";
+  fresh.start();
+  EXPECT_EQ(fresh.object(0x1600, 0), 2U);
+  EXPECT_EQ(fresh.object(0x1600, 1), 0xA580'0110U) << "G10000, two bytes";
+  EXPECT_EQ(fresh.object(0x1600, 2), 0xA4C0'0308U) << "low byte of G10001";
 }
 
 TEST(ModuleNetwork, WhatCannotBeConnectedIsToldWithItsReason) {
-  Shelf shelf;
-  ModuleNetwork network(shelf.module, "U0");
+  NewModule fresh;
+  ModuleNetwork network(fresh.module, "U0");
   const auto off = network.add_slave(slave(), device("$NODEID+0x80000180"), "io", true);
   ASSERT_EQ(off.size(), 1U);
   EXPECT_THAT(off[0].message, HasSubstr("TPDO1 of node 5: the device's file leaves this PDO switched off"));

@@ -51,7 +51,7 @@ class ModuleSlave : public support::PlantFolder, public plant::PlantObserver {
   void write_word(std::size_t rack_number, module::BufferAddress address, std::uint16_t value) {
     EXPECT_TRUE(plant_->rack(rack_number).write_buffer(0, address, {&value, 1}, plant_->timeline().now()));
   }
-  void nmt_state_changed(const plant::NodePlate& node, canopen::NmtState state, can::Time) override {
+  void nmt_state_changed(const plant::NodeLabel& node, canopen::NmtState state, can::Time) override {
     if (state == canopen::NmtState::operational) operational_.push_back(cli::describe(node));
   }
 

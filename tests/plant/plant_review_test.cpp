@@ -190,7 +190,7 @@ TEST_F(PlantReviewTest, TwoSendersOfOneCanId_AreAWarning) {
   EXPECT_THAT(
       check(bus + device(3, "t.eds") + device(4, "t.eds", "objects = { \"1800:01\" = 0x183 }\n")),
       ElementsAre("plant.toml:12:13: warning: node 4 (t4): TPDO1 (1800H:01) has CAN-ID 183H, and TPDO1 of "
-                  "node 3 (t3) (line 4) has it, too: receivers cannot tell them apart, and frames at one "
+                  "node 3 (t3) (line 4) has it, too: receivers cannot distinguish them, and frames at one "
                   "moment destroy each other; give each a CAN-ID of its own"));
   EXPECT_THAT(check(bus + device(3, "t.eds") +
                     device(4, "t.eds", "objects = { \"1800:01\" = 0x183 }\nlisten_only = true\n")),

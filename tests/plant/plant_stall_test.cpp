@@ -23,7 +23,7 @@ TEST(PlantStall, APartThatAsksForOneMomentWithoutEnd_IsReportedByNameAndTheOther
       errors.push_back(std::string(source) + ": " + std::string(message));
       at = now;
     }
-    void booted(const NodePlate& node, can::Time) override { booted_nodes.push_back(node.node_id); }
+    void booted(const NodeLabel& node, can::Time) override { booted_nodes.push_back(node.node_id); }
     std::vector<std::string> errors;
     std::vector<unsigned> booted_nodes;
     can::Time at{};

@@ -253,8 +253,8 @@ rc::Gen<Script> script() {
     });
     const auto bit = rc::gen::weightedOneOf<unsigned>(
         {{4, rc::gen::inRange(0U, 60U)}, {1, rc::gen::inRange(0U, 90U)}, {2, rc::gen::inRange(40U, 60U)}});
-    const unsigned spells = *rc::gen::inRange(0U, 5U);  // at most four meet in one frame
-    for (unsigned spell = 0; spell < spells; ++spell) {
+    const unsigned timed_faults = *rc::gen::inRange(0U, 5U);  // at most four meet in one frame
+    for (unsigned timed = 0; timed < timed_faults; ++timed) {
       // Often enough in a row to make somebody passive.
       const unsigned first = *rc::gen::inRange(1U, 40U);
       const unsigned count = *rc::gen::element(1U, 1U, 2U, 5U, 17U, 20U);

@@ -1,7 +1,7 @@
 #pragma once
 // The object dictionary of one node: its values, in one contiguous block, over a shared description.
 //
-// Two doors: read() and write() are what an SDO (or a local access that must obey the same rules) goes
+// Two ways in: read() and write() are what an SDO (or a local access that must obey the same rules) goes
 // through; they check existence, access, length and limits, and call the object's handler. get() and set()
 // are the device's own access: no checks, no handler. PDOs copy bytes straight into and out of block().
 
@@ -26,7 +26,7 @@ namespace canopus::canopen {
 
 class ObjectDictionary;
 
-/// Behaviour of an object or a range of them: asked before a read and before a write, told after a write.
+/// Behaviour of an object or a range of them: asked before a read and before a write, notified after a write.
 /// All functions are called from read() and write() only.
 class ObjectHandler {
  public:
@@ -47,7 +47,7 @@ class ObjectHandler {
   ~ObjectHandler() = default;
 };
 
-/// Told of every value that came in through write(), after its handler.
+/// Notified of every value that came in through write(), after its handler.
 class WriteObserver {
  public:
   virtual void object_written(const Entry& entry, can::Time now) = 0;

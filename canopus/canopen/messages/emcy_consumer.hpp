@@ -1,6 +1,6 @@
 #pragma once
 // EMCY consumer [CiA 301 7.2.7]: 1028H lists the COB-IDs to listen to, sub-index = node-ID of the producer,
-// bit 31 = not this one. Messages are told to the application in Pre-operational and Operational; shorter
+// bit 31 = not this one. Messages are reported to the application in Pre-operational and Operational; shorter
 // ones than eight bytes are ignored.
 //
 // Checks of 1028H: identifier rules; the identifier cannot be changed while valid (06090030H).

@@ -3,7 +3,7 @@
 // node-ID, bits 0-15 consumer time in ms; an entry with time 0 or a node-ID outside 1..127 is unused.
 // Watching begins with the first heartbeat (700H + node-ID, one byte, the state) and each one starts the time
 // anew; when it ends, the heartbeat event has occurred: EMCY 8130H, 1029H, NodeListener::heartbeat_lost();
-// the next heartbeat ends it. A boot-up message (state 00H) says that the node was reset: it is told to the
+// the next heartbeat ends it. A boot-up message (state 00H) says that the node was reset: it is reported to the
 // application, and watching begins again with the first heartbeat after it.
 //
 // Checks: a node-ID in two used entries 06040043H; bits 24-31 not 0 06090030H.

@@ -43,7 +43,7 @@ struct Node::Services final : NodeContext, WriteObserver {
   void enter(NmtState wanted, can::Time now);
   void command(NmtCommand command, can::Time now);
   void reset(NmtCommand which, can::Time now);
-  void initialise(NmtCommand which, can::Time now);
+  void initialize(NmtCommand which, can::Time now);
   void stop();
   void settle() {
     if (identifiers_changed) build_table();
@@ -101,7 +101,7 @@ void Node::Services::stop() {
 }
 
 // Initialisation: new values, then the services read them, then the boot-up message ends it.
-void Node::Services::initialise(NmtCommand which, can::Time now) {
+void Node::Services::initialize(NmtCommand which, can::Time now) {
   stop();
   node_id = next_node_id;
   const bool whole = which == NmtCommand::reset_node;
@@ -129,7 +129,7 @@ void Node::Services::initialise(NmtCommand which, can::Time now) {
 }
 
 void Node::Services::reset(NmtCommand which, can::Time now) {
-  if (options.reset_time == can::Duration{}) return initialise(which, now);
+  if (options.reset_time == can::Duration{}) return initialize(which, now);
   const bool is_second = timers.runs(reset_timer);
   stop();
   if (!is_second || which == NmtCommand::reset_node) pending_reset = which;
@@ -237,7 +237,7 @@ void Node::Services::tick(TimerQueue::Number number, can::Time now) {
   } else if (is_one_of(sdo_channels.first_timer(), sdo_channels.size())) {
     sdo_channels.tick(static_cast<std::uint16_t>(number - sdo_channels.first_timer()), now);
   } else if (number == reset_timer) {
-    initialise(pending_reset, now);
+    initialize(pending_reset, now);
   } else if (is_one_of(rpdos.first_timer(), rpdos.size())) {
     rpdos.tick(static_cast<std::uint16_t>(number - rpdos.first_timer()), now);
   } else {
@@ -255,7 +255,7 @@ void Node::set_listener(NodeListener* listener) noexcept { services_->listener =
 
 void Node::power_on(can::Time now) {
   services_->powered = true;
-  services_->initialise(NmtCommand::reset_node, now);
+  services_->initialize(NmtCommand::reset_node, now);
 }
 
 void Node::power_off() {

@@ -2,7 +2,7 @@
 // One CANopen node: its object dictionary and the services that live on it (NMT slave, SDO server, PDOs,
 // SYNC, TIME, EMCY, heartbeat, node guarding), each configured by the dictionary's own objects [CiA 301].
 //
-// A node is passive: it is told what came in and what time it is, sends through the Sink it was given, and
+// A node is passive: it gets what came in and what time it is, sends through the Sink it was given, and
 // says when it wants the next tick. A service whose objects are missing from the dictionary is simply not
 // there.
 

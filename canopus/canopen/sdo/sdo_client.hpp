@@ -24,7 +24,7 @@ namespace canopus::canopen {
 
 class SdoClient;
 
-/// Told when a transfer ended, well or not; may start the next one on the same client from inside the call.
+/// Notified when a transfer ended, well or not; may start the next one on the same client from inside the call.
 class SdoClientUser {
  public:
   virtual void sdo_finished(SdoClient& client, can::Time now) = 0;

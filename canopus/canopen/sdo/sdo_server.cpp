@@ -27,7 +27,7 @@ void SdoServer::stop() {
   close(false);
 }
 
-/// Silence within a sub-block after which the sender is told how far it came.
+/// Silence within a sub-block after which the sender gets the number of the last good segment.
 can::Duration SdoServer::pause() const noexcept {
   return time_out_ != can::Duration{} ? time_out_ / 4 : can::Duration(std::chrono::milliseconds(250));
 }

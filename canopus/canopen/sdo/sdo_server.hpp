@@ -11,7 +11,7 @@
 //
 // A value of up to 4 bytes goes in the initiate frame (expedited), a longer one in segments whose toggle bit
 // alternates from 0. A download is collected and written when it is complete, so an aborted one changes
-// nothing (an object that streams is told that it was incomplete). What does not fit the state is aborted
+// nothing (an object that streams is notified that it was incomplete). What does not fit the state is aborted
 // with 05040001H and ends the transfer; a client that is silent for the time-out ends it with 05040000H.
 //
 // Lost segments of a block: see sdo_block.hpp.

@@ -1,5 +1,5 @@
 #pragma once
-// What the application around a node hears of it, and the values that it is told.
+// What the application around a node hears of it, and the values that are reported to it.
 
 #include <array>
 #include <cstdint>
@@ -56,7 +56,7 @@ class NodeListener {
   virtual void heartbeat_lost(std::uint8_t /*node_id*/, can::Time) {}
   /// Life guarding (this node as NMT slave): the master's remote frame did not come in time; or it is back.
   virtual void life_guarding_event(bool /*occurred*/, can::Time) {}
-  /// A value was written through an SDO or ObjectDictionary::write(); its own handler has been told.
+  /// A value was written through an SDO or ObjectDictionary::write(); its own handler has been notified.
   virtual void object_written(const Entry&, can::Time) {}
 
  protected:

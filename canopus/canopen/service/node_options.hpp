@@ -49,7 +49,7 @@ struct NodeOptions {
   bool history_clears_error_register = false;
   /// Reading a sub-index of 1003H above the number of entries gives 0, instead of abort code 08000024H.
   bool empty_history_reads_zero = false;
-  /// A lost heartbeat is told with 8F00H + node-ID of the lost node, a life guarding event with 8F00H + own
+  /// A lost heartbeat is reported with 8F00H + node-ID of the lost node, a life guarding event with 8F00H + own
   /// node-ID, instead of 8130H [ME3CAN1-Q 8.2.1].
   bool guarding_emergency_names_node = false;
   /// Emergency code of a SYNC of the wrong length; modules that do not know 8240H say 8200H

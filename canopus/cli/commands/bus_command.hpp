@@ -30,7 +30,7 @@ struct BusOptions {
   bool json = false;
 };
 
-/// --bus and --timeout (whose meaning `time_out` tells), and --json where `with_json`.
+/// --bus and --timeout (`time_out` says what it means), and --json where `with_json`.
 void add_bus_options(CLI::App& command, BusOptions& options, const char* time_out, bool with_json = true);
 
 /// "canopus: ..." on stderr; returns `code`.

@@ -197,7 +197,7 @@ std::optional<network::NetworkFile> read_network_file(const std::string& path) {
   return std::move(reading.network);
 }
 
-/// A bus that takes nothing: the network is built once before the bus is joined, so that a wrong file is told
+/// A bus that takes nothing: the network is built once before the bus is joined, so that a wrong file is reported
 /// without one.
 class NoBus final : public can::Sink {
  public:

@@ -20,7 +20,7 @@ double rounded_seconds(can::Time time) {
 
 Json event(can::Time now, std::string_view kind) { return {{"t", rounded_seconds(now)}, {"event", kind}}; }
 
-Json node_event(can::Time now, std::string_view kind, const plant::NodePlate& node) {
+Json node_event(can::Time now, std::string_view kind, const plant::NodeLabel& node) {
   Json line = event(now, kind);
   line["bus"] = node.bus;
   line["node"] = node.node_id;
@@ -63,23 +63,23 @@ void JsonPrinter::listening(std::string_view protocol, std::string_view of, std:
   print(line, can::Time{});
 }
 
-void JsonPrinter::booted(const plant::NodePlate& node, can::Time now) {
+void JsonPrinter::booted(const plant::NodeLabel& node, can::Time now) {
   print(node_event(now, "boot", node), now);
 }
 
-void JsonPrinter::nmt_state_changed(const plant::NodePlate& node, canopen::NmtState state, can::Time now) {
+void JsonPrinter::nmt_state_changed(const plant::NodeLabel& node, canopen::NmtState state, can::Time now) {
   Json line = node_event(now, "nmt", node);
   line["state"] = canopen::name(state);
   print(line, now);
 }
 
-void JsonPrinter::lss_configured(const plant::NodePlate& node, std::uint32_t bit_rate, can::Time now) {
+void JsonPrinter::lss_configured(const plant::NodeLabel& node, std::uint32_t bit_rate, can::Time now) {
   Json line = node_event(now, "lss", node);
   line["bit_rate"] = bit_rate;
   print(line, now);
 }
 
-void JsonPrinter::emergency(const plant::NodePlate& node, const canopen::Emergency& message, can::Time now) {
+void JsonPrinter::emergency(const plant::NodeLabel& node, const canopen::Emergency& message, can::Time now) {
   Json line = node_event(now, "emcy", node);
   line["code"] = fmt::format("{:04X}", message.code);
   line["register"] = message.error_register;
@@ -87,11 +87,11 @@ void JsonPrinter::emergency(const plant::NodePlate& node, const canopen::Emergen
   print(line, now);
 }
 
-void JsonPrinter::unacknowledged(const plant::NodePlate& node, can::Time now) {
+void JsonPrinter::unacknowledged(const plant::NodeLabel& node, can::Time now) {
   out_.json(node_event(now, "unacknowledged", node));
 }
 
-void JsonPrinter::slave_boot_went_on(const plant::NodePlate& slave, const plant::NodePlate& master,
+void JsonPrinter::slave_boot_went_on(const plant::NodeLabel& slave, const plant::NodeLabel& master,
                                      const manager::BootRecord& record, can::Time now) {
   Json line = node_event(now, "boot slave", slave);
   line["master"] = master.node_id;
@@ -168,9 +168,9 @@ void JsonPrinter::summary(const RunSummary& summary) {
   }
   line["nodes"] = Json::array();
   for (const plant::NodeStatus& node : summary.nodes) {
-    line["nodes"].push_back({{"bus", node.plate.bus},
-                             {"node", node.plate.node_id},
-                             {"name", node.plate.name},
+    line["nodes"].push_back({{"bus", node.label.bus},
+                             {"node", node.label.node_id},
+                             {"name", node.label.name},
                              {"state", state_name(node)},
                              {"pdos", node.pdos},
                              {"emcy", node.emergencies}});
@@ -222,20 +222,20 @@ bool in_operation(const plant::NodeStatus& node) {
                                                       : node.layer2 == module::Layer2State::online;
 }
 
-std::string describe(const plant::NodePlate& node) {
+std::string describe(const plant::NodeLabel& node) {
   if (node.node_id == 0) return fmt::format("{} ({})", node.bus, node.name);
   if (node.node_id == no_node_id) return fmt::format("{} unconfigured ({})", node.bus, node.name);
   return node.name.empty() ? fmt::format("{} node {}", node.bus, node.node_id)
                            : fmt::format("{} node {} ({})", node.bus, node.node_id, node.name);
 }
 
-std::string describe_lss(const plant::NodePlate& node, std::uint32_t bit_rate) {
+std::string describe_lss(const plant::NodeLabel& node, std::uint32_t bit_rate) {
   const std::string number =
       node.node_id == no_node_id ? "no node-ID" : fmt::format("node-ID {}", node.node_id);
   return fmt::format("{}: LSS: {}, {:g} kbit/s", describe(node), number, bit_rate / 1000.0);
 }
 
-std::string describe_unacknowledged(const plant::NodePlate& node) {
+std::string describe_unacknowledged(const plant::NodeLabel& node) {
   return describe(node) + ": nobody acknowledges: no other node on this bus";
 }
 
@@ -270,7 +270,7 @@ std::vector<std::string> describe(const RunSummary& summary) {
     operational += in_operation(node) ? 1 : 0;
     const bool plain = node.layer2 != module::Layer2State::inactive;
     lines.push_back(fmt::format(
-        "{}: {}, {} {} sent{}", describe(node.plate), state_name(node), node.pdos, plain ? "frames" : "PDOs",
+        "{}: {}, {} {} sent{}", describe(node.label), state_name(node), node.pdos, plain ? "frames" : "PDOs",
         node.emergencies == 0
             ? ""
             : fmt::format(", {} EMCY, last {:04X}H", node.emergencies, node.last_emergency)));
@@ -301,35 +301,35 @@ void LinePrinter::line(can::Time now, std::string_view text) {
   out_.line("{:>12.6f}  {}", rounded_seconds(now), text);
 }
 
-void LinePrinter::booted(const plant::NodePlate& node, can::Time now) {
+void LinePrinter::booted(const plant::NodeLabel& node, can::Time now) {
   if (!quiet_) line(now, fmt::format("{}: boot-up", describe(node)));
 }
 
-void LinePrinter::nmt_state_changed(const plant::NodePlate& node, canopen::NmtState state, can::Time now) {
+void LinePrinter::nmt_state_changed(const plant::NodeLabel& node, canopen::NmtState state, can::Time now) {
   if (!quiet_) line(now, fmt::format("{}: {}", describe(node), canopen::name(state)));
 }
 
-void LinePrinter::lss_configured(const plant::NodePlate& node, std::uint32_t bit_rate, can::Time now) {
+void LinePrinter::lss_configured(const plant::NodeLabel& node, std::uint32_t bit_rate, can::Time now) {
   if (!quiet_) line(now, describe_lss(node, bit_rate));
 }
 
-void LinePrinter::emergency(const plant::NodePlate& node, const canopen::Emergency& message, can::Time now) {
+void LinePrinter::emergency(const plant::NodeLabel& node, const canopen::Emergency& message, can::Time now) {
   if (quiet_) return;
   line(now, fmt::format("{}: EMCY {:04X}H, error register {:02X}H, {}", describe(node), message.code,
                         message.error_register, hexadecimal(message)));
 }
 
-void LinePrinter::unacknowledged(const plant::NodePlate& node, can::Time now) {
+void LinePrinter::unacknowledged(const plant::NodeLabel& node, can::Time now) {
   if (!quiet_) line(now, describe_unacknowledged(node));
 }
 
-void LinePrinter::slave_boot_went_on(const plant::NodePlate& slave, const plant::NodePlate&,
+void LinePrinter::slave_boot_went_on(const plant::NodeLabel& slave, const plant::NodeLabel&,
                                      const manager::BootRecord& record, can::Time now) {
   using manager::BootStep;
   if (record.step == BootStep::failed) return error(describe(slave), manager::explain(record, now), now);
   const bool again = record.step == BootStep::presence && record.attempts > 1;
   const bool still = record.step == BootStep::presence_pause && record.attempts > 1;
-  if (quiet_ || again || still) return;  // a missing slave is asked for ever: told once
+  if (quiet_ || again || still) return;  // a missing slave is asked for ever: reported once
   const std::string words =
       record.step == BootStep::presence_pause ? manager::explain(record, now) : manager::describe(record);
   line(now, fmt::format("{}: {}{}", describe(slave), record.step == BootStep::booted ? "" : "boot: ", words));

@@ -41,12 +41,12 @@ class JsonPrinter final : public plant::PlantObserver {
   /// The line that says how many of the lines up to now were lost. Any thread may ask.
   [[nodiscard]] std::string lost_line(std::uint64_t lines) const;
 
-  void booted(const plant::NodePlate& node, can::Time now) override;
-  void nmt_state_changed(const plant::NodePlate& node, canopen::NmtState state, can::Time now) override;
-  void lss_configured(const plant::NodePlate& node, std::uint32_t bit_rate, can::Time now) override;
-  void emergency(const plant::NodePlate& node, const canopen::Emergency& message, can::Time now) override;
-  void unacknowledged(const plant::NodePlate& node, can::Time now) override;
-  void slave_boot_went_on(const plant::NodePlate& slave, const plant::NodePlate& master,
+  void booted(const plant::NodeLabel& node, can::Time now) override;
+  void nmt_state_changed(const plant::NodeLabel& node, canopen::NmtState state, can::Time now) override;
+  void lss_configured(const plant::NodeLabel& node, std::uint32_t bit_rate, can::Time now) override;
+  void emergency(const plant::NodeLabel& node, const canopen::Emergency& message, can::Time now) override;
+  void unacknowledged(const plant::NodeLabel& node, can::Time now) override;
+  void slave_boot_went_on(const plant::NodeLabel& slave, const plant::NodeLabel& master,
                           const manager::BootRecord& record, can::Time now) override;
   void signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) override;
   void buffer_changed(std::string_view plc, unsigned head, std::uint32_t address, std::uint16_t value,
@@ -72,12 +72,12 @@ class LinePrinter final : public plant::PlantObserver {
   /// The line that says how many of the lines up to now were lost. Any thread may ask.
   [[nodiscard]] std::string lost_line(std::uint64_t lines) const;
 
-  void booted(const plant::NodePlate& node, can::Time now) override;
-  void nmt_state_changed(const plant::NodePlate& node, canopen::NmtState state, can::Time now) override;
-  void lss_configured(const plant::NodePlate& node, std::uint32_t bit_rate, can::Time now) override;
-  void emergency(const plant::NodePlate& node, const canopen::Emergency& message, can::Time now) override;
-  void unacknowledged(const plant::NodePlate& node, can::Time now) override;
-  void slave_boot_went_on(const plant::NodePlate& slave, const plant::NodePlate& master,
+  void booted(const plant::NodeLabel& node, can::Time now) override;
+  void nmt_state_changed(const plant::NodeLabel& node, canopen::NmtState state, can::Time now) override;
+  void lss_configured(const plant::NodeLabel& node, std::uint32_t bit_rate, can::Time now) override;
+  void emergency(const plant::NodeLabel& node, const canopen::Emergency& message, can::Time now) override;
+  void unacknowledged(const plant::NodeLabel& node, can::Time now) override;
+  void slave_boot_went_on(const plant::NodeLabel& slave, const plant::NodeLabel& master,
                           const manager::BootRecord& record, can::Time now) override;
   void signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) override;
   void buffer_changed(std::string_view plc, unsigned head, std::uint32_t address, std::uint16_t value,
@@ -100,12 +100,12 @@ class LinePrinter final : public plant::PlantObserver {
 /// Operational, or online in a Layer 2 mode.
 [[nodiscard]] bool in_operation(const plant::NodeStatus& node);
 /// "line1 node 3 (encoder)", "line1 unconfigured (encoder)"; without a node-ID "line1 (ME3CAN1-Q U0)"
-[[nodiscard]] std::string describe(const plant::NodePlate& node);
+[[nodiscard]] std::string describe(const plant::NodeLabel& node);
 /// "line1 node 9: not booted: no answer to 1000H, ...": empty when it is booted.
 [[nodiscard]] std::string describe_trouble(const plant::SlaveBoot& boot, can::Time now);
 /// "line1 node 3 (encoder): LSS: node-ID 3, 125 kbit/s": what LSS has set.
-[[nodiscard]] std::string describe_unacknowledged(const plant::NodePlate& node);
-[[nodiscard]] std::string describe_lss(const plant::NodePlate& node, std::uint32_t bit_rate);
+[[nodiscard]] std::string describe_unacknowledged(const plant::NodeLabel& node);
+[[nodiscard]] std::string describe_lss(const plant::NodeLabel& node, std::uint32_t bit_rate);
 /// "line1 node 2 (io-block): 6000:01 (Digital inputs 1 to 8) forced to 3 until 5.2 s"
 [[nodiscard]] std::string describe(const plant::ForcedObject& forced);
 /// The summary's lines.

@@ -28,24 +28,24 @@ void LiveTable::keep(RunMessage message) {
   messages_.add(std::move(message));
 }
 
-void LiveTable::lss_configured(const plant::NodePlate& node, std::uint32_t bit_rate, can::Time now) {
+void LiveTable::lss_configured(const plant::NodeLabel& node, std::uint32_t bit_rate, can::Time now) {
   note(now, describe_lss(node, bit_rate));
 }
 
-void LiveTable::emergency(const plant::NodePlate& node, const canopen::Emergency& message, can::Time now) {
+void LiveTable::emergency(const plant::NodeLabel& node, const canopen::Emergency& message, can::Time now) {
   note(now, fmt::format("{}: EMCY {:04X}H, error register {:02X}H", describe(node), message.code,
                         message.error_register));
 }
 
-void LiveTable::unacknowledged(const plant::NodePlate& node, can::Time now) {
+void LiveTable::unacknowledged(const plant::NodeLabel& node, can::Time now) {
   keep({now, describe_unacknowledged(node), false});
 }
 
-void LiveTable::nmt_state_changed(const plant::NodePlate& node, canopen::NmtState state, can::Time now) {
+void LiveTable::nmt_state_changed(const plant::NodeLabel& node, canopen::NmtState state, can::Time now) {
   note(now, fmt::format("{}: {}", describe(node), canopen::name(state)));
 }
 
-void LiveTable::slave_boot_went_on(const plant::NodePlate& slave, const plant::NodePlate&,
+void LiveTable::slave_boot_went_on(const plant::NodeLabel& slave, const plant::NodeLabel&,
                                    const manager::BootRecord& record, can::Time now) {
   if (record.step == manager::BootStep::booted) {
     note(now, fmt::format("{}: {}", describe(slave), manager::describe(record)));

@@ -27,11 +27,11 @@ class LiveTable final : public plant::PlantObserver {
   /// All errors and warnings since the start.
   [[nodiscard]] const RunMessages& messages() const noexcept { return messages_; }
 
-  void lss_configured(const plant::NodePlate& node, std::uint32_t bit_rate, can::Time now) override;
-  void emergency(const plant::NodePlate& node, const canopen::Emergency& message, can::Time now) override;
-  void unacknowledged(const plant::NodePlate& node, can::Time now) override;
-  void nmt_state_changed(const plant::NodePlate& node, canopen::NmtState state, can::Time now) override;
-  void slave_boot_went_on(const plant::NodePlate& slave, const plant::NodePlate& master,
+  void lss_configured(const plant::NodeLabel& node, std::uint32_t bit_rate, can::Time now) override;
+  void emergency(const plant::NodeLabel& node, const canopen::Emergency& message, can::Time now) override;
+  void unacknowledged(const plant::NodeLabel& node, can::Time now) override;
+  void nmt_state_changed(const plant::NodeLabel& node, canopen::NmtState state, can::Time now) override;
+  void slave_boot_went_on(const plant::NodeLabel& slave, const plant::NodeLabel& master,
                           const manager::BootRecord& record, can::Time now) override;
   void warning(std::string_view source, std::string_view message, can::Time now) override;
   void error(std::string_view source, std::string_view message, can::Time now) override;

@@ -9,7 +9,7 @@
 namespace canopus::cli {
 namespace {
 
-bool same_node(const plant::NodePlate& a, const plant::NodePlate& b) {
+bool same_node(const plant::NodeLabel& a, const plant::NodeLabel& b) {
   return a.bus == b.bus && a.node_id == b.node_id;
 }
 
@@ -27,15 +27,15 @@ std::vector<std::string> not_operational(const std::vector<plant::NodeStatus>& n
   };
   for (const plant::NodeStatus& node : nodes) {
     if (in_operation(node)) continue;
-    std::string text = fmt::format("{} is {}", describe(node.plate), state_name(node));
+    std::string text = fmt::format("{} is {}", describe(node.label), state_name(node));
     for (const plant::SlaveBoot& boot : boots) {
-      if (same_node(boot.slave, node.plate) && booting(boot))
+      if (same_node(boot.slave, node.label) && booting(boot))
         text += ": " + manager::explain(boot.record, now);
     }
     lines.push_back(std::move(text));
   }
   for (const plant::SlaveBoot& boot : boots) {
-    const auto is_slave = [&](const plant::NodeStatus& node) { return same_node(node.plate, boot.slave); };
+    const auto is_slave = [&](const plant::NodeStatus& node) { return same_node(node.label, boot.slave); };
     if (booting(boot) && std::ranges::none_of(nodes, is_slave)) lines.push_back(describe_trouble(boot, now));
   }
   return lines;

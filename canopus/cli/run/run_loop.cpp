@@ -81,7 +81,7 @@ class Run {
   }
   void warn();
   bool open_recordings();
-  bool open_doors(serve::RealTime& clock);
+  bool open_servers(serve::RealTime& clock);
   link::ClientReport report_of(std::string source);
   void set_cpu_clocks();
   bool run_in_real_time();
@@ -91,7 +91,7 @@ class Run {
   bool close_recordings(const OutputQueue::Patience& patience);
   void start_table(serve::RealTime& clock);
   void end_table();
-  void door(std::string_view protocol, std::string_view of, const std::string& address);
+  void show_server(std::string_view protocol, std::string_view of, const std::string& address);
   bool expectation_over();
   bool came_up();
   void look_for_end();
@@ -126,7 +126,7 @@ bool Run::open_recordings() {
   return opened.has_value();
 }
 
-void Run::door(std::string_view protocol, std::string_view of, const std::string& address) {
+void Run::show_server(std::string_view protocol, std::string_view of, const std::string& address) {
   if (options_.json) {
     json_.listening(protocol, of, address);
   } else if (has_table_) {
@@ -136,7 +136,7 @@ void Run::door(std::string_view protocol, std::string_view of, const std::string
   }
 }
 
-bool Run::open_doors(serve::RealTime& clock) {
+bool Run::open_servers(serve::RealTime& clock) {
   const auto endpoint = [](const text::HostAndPort& place) -> std::optional<asio::ip::tcp::endpoint> {
     boost::system::error_code error;
     const auto address = asio::ip::make_address(place.host == "localhost" ? "127.0.0.1" : place.host, error);
@@ -148,9 +148,9 @@ bool Run::open_doors(serve::RealTime& clock) {
   const auto opened = [&](const std::expected<void, std::string>& result, std::string_view protocol,
                           std::string_view of, const text::HostAndPort& place, std::uint16_t port) {
     if (result) {
-      door(protocol, of,
-           place.host.find(':') == std::string::npos ? fmt::format("{}:{}", place.host, port)
-                                                     : fmt::format("[{}]:{}", place.host, port));
+      show_server(protocol, of,
+                  place.host.find(':') == std::string::npos ? fmt::format("{}:{}", place.host, port)
+                                                            : fmt::format("[{}]:{}", place.host, port));
     } else {
       print_error("canopus: {}: {}", protocol, result.error());
     }
@@ -220,7 +220,7 @@ void Run::set_cpu_clocks() {
 bool Run::run_in_real_time() {
   const can::Time end = options_.duration ? can::Time{} + *options_.duration : can::never;
   serve::RealTime clock(io_, *plant_, observer(), end);
-  if (!open_doors(clock)) return false;
+  if (!open_servers(clock)) return false;
   if (!options_.json && !options_.quiet && !has_table_) {
     for (const std::string& line : plant_->connections()) print_line("{}", line);
   }

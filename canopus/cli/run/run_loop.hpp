@@ -1,6 +1,6 @@
 #pragma once
-// Runs a plant: in real time, in step with the machine's clock, with its doors (MC protocol, socketcand)
-// open; or in virtual time, as fast as it goes, with the doors shut. Ends after a duration, or when it is
+// Runs a plant: in real time, in step with the machine's clock, with its servers (MC protocol, socketcand)
+// open; or in virtual time, as fast as it goes, without servers. Ends after a duration, or when it is
 // told to.
 
 #include <cstdint>

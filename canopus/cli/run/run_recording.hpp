@@ -60,7 +60,7 @@ class TraceWriter final : public sim::BusObserver {
 /// file is written as file_name_of() says, and never leads out of the folder.
 [[nodiscard]] std::string vcd_path_of(std::string_view path, std::string_view bus);
 
-/// The wire of one bus as a VCD file. The first error is kept and told by close().
+/// The wire of one bus as a VCD file. The first error is kept and returned by close().
 class VcdFile {
  public:
   VcdFile(std::string path, sim::Bus& bus);

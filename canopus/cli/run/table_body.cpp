@@ -27,7 +27,7 @@ enum class Severity : std::uint8_t {
 
 struct Entry {
   const plant::NodeStatus* status = nullptr;  ///< none: a slave that is no node of the plant
-  plant::NodePlate plate{};
+  plant::NodeLabel label{};
   double pdo_rate = 0;
   Severity severity = Severity::none;
   std::vector<TableSpan> reasons{};
@@ -51,7 +51,7 @@ Columns columns_for(const TableState& state, const std::vector<Entry>& entries, 
   std::size_t name = 4;
   std::size_t bus = 3;
   for (const Entry& entry : entries)
-    name = std::max(name, text::columns_of(text::printable(entry.plate.name)));
+    name = std::max(name, text::columns_of(text::printable(entry.label.name)));
   for (const TableState::Bus& one : state.buses)
     bus = std::max(bus, text::columns_of(text::printable(one.name)));
   name = std::min<std::size_t>(name, columns < 120 ? 28 : 60);
@@ -104,11 +104,11 @@ std::string_view state_text(const Entry& entry, const Columns& columns) {
 
 TableLine row(const Entry& entry, const Columns& columns) {
   const auto gap = std::string(Columns::gap, ' ');
-  const bool has_number = entry.plate.node_id >= 1 && entry.plate.node_id <= 127;
-  TableLine line{{fmt::format("{:>4}  ", has_number ? fmt::format("{}", entry.plate.node_id) : "-")}};
-  if (columns.bus != 0) line.push_back({padded(entry.plate.bus, columns.bus) + gap});
+  const bool has_number = entry.label.node_id >= 1 && entry.label.node_id <= 127;
+  TableLine line{{fmt::format("{:>4}  ", has_number ? fmt::format("{}", entry.label.node_id) : "-")}};
+  if (columns.bus != 0) line.push_back({padded(entry.label.bus, columns.bus) + gap});
   if (columns.name != 0) {
-    line.push_back({padded(entry.plate.name.empty() ? "-" : entry.plate.name, columns.name) + gap});
+    line.push_back({padded(entry.label.name.empty() ? "-" : entry.label.name, columns.name) + gap});
   }
   line.push_back({padded(state_text(entry, columns), Columns::state), state_style(entry)});
   const plant::NodeStatus* status = entry.status;
@@ -187,9 +187,9 @@ class Entries {
  public:
   explicit Entries(const TableState& state) : state_(state) {
     for (const TableState::Node& node : state.nodes) {
-      places_.emplace(std::pair(node.status.plate.bus, node.status.plate.node_id), all_.size());
+      places_.emplace(std::pair(node.status.label.bus, node.status.label.node_id), all_.size());
       all_.push_back(
-          {.status = &node.status, .plate = node.status.plate, .pdo_rate = node.pdo_rate, .reasons = {}});
+          {.status = &node.status, .label = node.status.label, .pdo_rate = node.pdo_rate, .reasons = {}});
       look_at(all_.back());
     }
     for (const plant::ModuleTrouble& trouble : state.troubles) {
@@ -198,7 +198,7 @@ class Entries {
       }
     }
     for (const plant::ModuleStatus& status : state.modules) {
-      if (Entry* entry = module(status.plate)) add_leds(*entry, status);
+      if (Entry* entry = module(status.label)) add_leds(*entry, status);
     }
     for (const plant::SlaveBoot& boot : state.boots) add_boot(boot);
     std::ranges::stable_sort(all_, {}, &Entry::severity);
@@ -206,10 +206,10 @@ class Entries {
   [[nodiscard]] const std::vector<Entry>& all() const { return all_; }
 
  private:
-  Entry* module(const plant::NodePlate& plate) {
+  Entry* module(const plant::NodeLabel& label) {
     const auto found = std::ranges::find_if(all_, [&](const Entry& entry) {
-      return entry.plate.bus == plate.bus && entry.plate.name == plate.name &&
-             entry.plate.node_id == plate.node_id;
+      return entry.label.bus == label.bus && entry.label.name == label.name &&
+             entry.label.node_id == label.node_id;
     });
     return found == all_.end() ? nullptr : &*found;
   }
@@ -217,7 +217,7 @@ class Entries {
     if (boot.record.step == manager::BootStep::booted) return;
     const auto key = std::pair(boot.slave.bus, boot.slave.node_id);
     const auto [place, is_new] = places_.emplace(key, all_.size());
-    if (is_new) all_.push_back({.plate = boot.slave, .reasons = {}});
+    if (is_new) all_.push_back({.label = boot.slave, .reasons = {}});
     const bool failed = boot.record.step == manager::BootStep::failed;
     add(all_[place->second], failed ? Severity::failed : Severity::lost,
         manager::explain(boot.record, state_.now), failed ? TableStyle::error : TableStyle::warning);
@@ -245,8 +245,8 @@ std::vector<TableSpan> reason_lines(const Entry& entry, std::size_t columns) {
 
 }  // namespace
 
-struct TableBody::Inside {
-  Inside(const TableState& state, std::size_t all_columns, std::size_t room)
+struct TableBody::Impl {
+  Impl(const TableState& state, std::size_t all_columns, std::size_t room)
       : entries(state), columns(all_columns), table(columns_for(state, entries.all(), all_columns)) {
     const auto& all = entries.all();
     const auto well = std::ranges::find(all, Severity::none, &Entry::severity);
@@ -292,33 +292,33 @@ struct TableBody::Inside {
 };
 
 TableBody::TableBody(const TableState& state, std::size_t columns, std::size_t room)
-    : inside_(std::make_unique<Inside>(state, columns, room)) {}
+    : impl_(std::make_unique<Impl>(state, columns, room)) {}
 
 TableBody::~TableBody() = default;
 
-TableLine TableBody::titles() const { return cli::titles(inside_->table); }
+TableLine TableBody::titles() const { return cli::titles(impl_->table); }
 
-std::size_t TableBody::size() const noexcept { return inside_->lines.size() + inside_->appended.size(); }
+std::size_t TableBody::size() const noexcept { return impl_->lines.size() + impl_->appended.size(); }
 
 TableLine TableBody::line(std::size_t number) const {
-  if (number >= inside_->lines.size()) return inside_->appended[number - inside_->lines.size()];
-  const Inside::Place place = inside_->lines[number];
-  const Entry& entry = inside_->entries.all()[place.entry];
-  if (place.reason == Inside::is_row) return row(entry, inside_->table);
-  if (inside_->in_full) return {inside_->reasons[place.reason]};
+  if (number >= impl_->lines.size()) return impl_->appended[number - impl_->lines.size()];
+  const Impl::Place place = impl_->lines[number];
+  const Entry& entry = impl_->entries.all()[place.entry];
+  if (place.reason == Impl::is_row) return row(entry, impl_->table);
+  if (impl_->in_full) return {impl_->reasons[place.reason]};
   const TableSpan& worst = entry.reasons[place.reason];
-  return {{std::string(indent, ' ') + fitted(worst.text, inside_->columns - indent), worst.style}};
+  return {{std::string(indent, ' ') + fitted(worst.text, impl_->columns - indent), worst.style}};
 }
 
 std::size_t TableBody::nodes(std::size_t first, std::size_t end) const {
   std::size_t count = 0;
-  for (std::size_t i = first; i < std::min(end, inside_->lines.size()); ++i) {
-    count += inside_->lines[i].reason == Inside::is_row ? 1 : 0;
+  for (std::size_t i = first; i < std::min(end, impl_->lines.size()); ++i) {
+    count += impl_->lines[i].reason == Impl::is_row ? 1 : 0;
   }
   return count;
 }
 
-void TableBody::append(TableLine line) { inside_->appended.push_back(std::move(line)); }
+void TableBody::append(TableLine line) { impl_->appended.push_back(std::move(line)); }
 
 std::size_t in_operation(const TableState& state) {
   return static_cast<std::size_t>(

@@ -28,8 +28,8 @@ class TableBody {
   void append(TableLine line);
 
  private:
-  struct Inside;
-  std::unique_ptr<Inside> inside_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 /// How many of the plant's nodes are in operation: "3 of 4 operational".

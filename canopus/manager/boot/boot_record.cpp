@@ -102,7 +102,7 @@ std::string download_advice(const BootRecord& record) {
   const bool aborted = record.abort_code != canopen::AbortCode::none;
   switch (record.failed_step) {
     case BootStep::software_version:
-      return comparison(record) + " It was updated and started, and yet tells another version.";
+      return comparison(record) + " It was updated and started, and yet reports another version.";
     case BootStep::program_download:
       if (record.index == 0) return "There is no program for it in 1F58H.";
       return object(record) + ": " + abort_text(record) + ", after " + std::to_string(record.bytes) +

@@ -18,7 +18,7 @@ enum class BootError : char {
   no_answer = 'B',               ///< 1000H was not answered, or with an abort
   device_type = 'C',             ///< 1000H differs from 1F84H
   vendor = 'D',                  ///< 1018H:01 differs from 1F85H, or could not be read
-  no_heartbeat_state = 'E',      ///< keep alive: no heartbeat told the state
+  no_heartbeat_state = 'E',      ///< keep alive: no heartbeat with the state
   no_guarding_state = 'F',       ///< keep alive: the guarding remote frame was not answered
   software_not_described = 'G',  ///< 1F55H is 0, or 1F56H could not be read
   software_not_allowed = 'H',    ///< an update is needed but not allowed

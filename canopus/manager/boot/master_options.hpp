@@ -1,5 +1,5 @@
 #pragma once
-// How a master behaves where CiA 302 leaves a choice or a product's manual differs, and what it tells of
+// How a master behaves where CiA 302 leaves a choice or a product's manual differs, and what it reports of
 // itself. Every time has the manual's or the standard's default.
 
 #include <chrono>

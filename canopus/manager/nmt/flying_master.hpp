@@ -56,7 +56,7 @@ class FlyingMaster {
 
   /// Begins after a power-on or reset communication.
   void start(std::uint8_t node_id, const FlyingMasterTiming& timing, can::Time now);
-  /// Silent from now on; the user is not told.
+  /// Silent from now on; the user is not notified.
   void stop() noexcept;
   void receive(const can::Frame& frame, can::Time now);
   void tick(can::Time now);

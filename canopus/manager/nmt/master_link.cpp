@@ -8,7 +8,7 @@ constexpr std::uint32_t base_function = 0x780;
 
 }  // namespace
 
-// A Stopped node sends no SDO and takes none, and nobody is told so [CiA 301 7.3.2.2.4; ME3CAN1-Q 4.8.1]: the
+// A Stopped node sends no SDO and takes none, and nobody is notified [CiA 301 7.3.2.2.4; ME3CAN1-Q 4.8.1]: the
 // start-up finds no answer and goes on asking.
 bool MasterLink::send(const can::Frame& frame) {
   if (muted_) return true;

@@ -11,7 +11,7 @@
 
 namespace canopus::manager {
 
-/// Overrides of its functions call it first.
+/// An override calls the function of the base class first.
 class MasterNode : public can::Participant, protected canopen::NodeListener {
  public:
   /// `sink` must outlive it.

@@ -75,7 +75,7 @@ class StartUp {
   void withdraw(can::Time now);
   void turn_off() noexcept { phase_ = Phase::off; }
   void forget() noexcept;
-  /// Tells the node and the application of it.
+  /// Notifies the node and the application of it.
   void show_active(bool active, can::Time now);
   void show_starting(can::Time now);
 

@@ -33,7 +33,7 @@ bool SdoLine::waits(std::uint32_t identifier, can::Time now) const noexcept {
 }
 
 bool SdoLine::hand_over(const can::Frame& request, can::Sink& sink, can::Time now) {
-  // Noted first: on a bus that is a function call, the transmission is told from inside.
+  // Noted first: on a bus that is a function call, the transmission is reported before it returns.
   with_controller_ = request.identifier;
   last_ = now;
   if (sink.send(request)) return true;

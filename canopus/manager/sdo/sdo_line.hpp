@@ -3,7 +3,7 @@
 // to it, low node-IDs would go first for as long as they have something to ask, and the transfers with high
 // ones would time out in the middle, here or in the slave.
 //
-// Needs to be told what was transmitted; until it is for the first time, requests go straight through.
+// Needs a report of what was transmitted; until it is for the first time, requests go straight through.
 
 #include <array>
 #include <cstddef>

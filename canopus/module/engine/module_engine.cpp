@@ -166,13 +166,13 @@ void ModuleEngine::inject(ModuleFault fault, can::Time now) {
     case ModuleFault::hardware_error:
       state_.hardware_fault = true;
       port_->fault_found(now);
-      tell("hardware error", now);
+      report("hardware error", now);
       // A severe error that the device causes itself acts as a communication error does [ME3CAN1-Q 4.7].
       if (state_.running() && state_.canopen_mode()) node_.communication_error(now);
       return update(now);
     case ModuleFault::watchdog_error:
       power_off(now);  // until the supply has been off
-      return tell("watchdog error", now);
+      return report("watchdog error", now);
   }
 }
 
@@ -237,7 +237,7 @@ bool ModuleEngine::configuration_is_faulty(can::Time now) {
                     "stays in initialization: the stored object dictionary is faulty at %04XH:%02X; "
                     "write 1011H:01 by the CIF and restart",
                     faulty->index, faulty->sub);
-  tell({text.data(), static_cast<std::size_t>(length)}, now);
+  report({text.data(), static_cast<std::size_t>(length)}, now);
   return true;
 }
 
@@ -262,7 +262,7 @@ void ModuleEngine::cpu_changed(CpuState state, can::Time now) {
   if (!state_.canopen_mode()) {
     if (stopped) layer2_.cpu_stopped();
   } else if (stopped) {
-    // One error, one message: a CPU error's STOP is not told as RUN to STOP besides [ME3CAN1-Q 8.2.2].
+    // One error, one message: a CPU error's STOP is not reported as RUN to STOP besides [ME3CAN1-Q 8.2.2].
     raise_event(failed ? model_.emergencies.cpu_error : model_.emergencies.cpu_stopped);
     // [ME3CAN1-Q 4.7] 1 means no change on communication errors, yet STOP still leads to Pre-operational.
     const auto behaviour = node_.dictionary().get<std::uint8_t>(0x1029, 1);
@@ -317,21 +317,21 @@ void ModuleEngine::update(can::Time now) {
     } else {
       events_.clear();
       if (layer2_.any_slot_error() && errors_.raise(ModuleError::message_slot)) {
-        tell("messages of a slot were lost: they come faster than the module takes them", now);
+        report("messages of a slot were lost: they come faster than the module takes them", now);
       }
     }
   }
   if (settings_.wore_out()) {  // the real flash memory; this one goes on
-    tell("the flash memory has been written more often than the real one lasts for (" +
-             std::to_string(model_.data_sheet->flash_writes) + " times)",
-         now);
+    report("the flash memory has been written more often than the real one lasts for (" +
+               std::to_string(model_.data_sheet->flash_writes) + " times)",
+           now);
   }
   errors_.follow(ModuleError::hardware, state_.hardware_fault);
   errors_.follow(ModuleError::flash, settings_.error());
   port_->show(now);
 }
 
-void ModuleEngine::tell(std::string_view what, can::Time now) {
+void ModuleEngine::report(std::string_view what, can::Time now) {
   if (observer_ != nullptr) observer_->error_raised(what, now);
 }
 

@@ -200,7 +200,7 @@ class ModuleEngine : public CommunicationModule,
   }
   void send_events(can::Time now);
   void look_at_overflows(can::Time now);
-  void tell(std::string_view what, can::Time now);
+  void report(std::string_view what, can::Time now);
   void tell_of_word(BufferAddress address, std::uint16_t value, std::string_view what, can::Time now);
 
   const ModuleModel& model_;

@@ -60,7 +60,7 @@ void ModuleEngine::controller_changed(can::Time now) {
     raise_event(model_.emergencies.error_passive);
   }
   if (!was_off && errors_.has(ModuleError::bus_off)) {
-    tell("the CAN controller is bus-off", now);
+    report("the CAN controller is bus-off", now);
     command_.bus_lost(command_error::bus_off, now);
     if (state_.canopen_mode()) node_.communication_error(now);
   }
@@ -73,7 +73,7 @@ void ModuleEngine::look_at_overflows(can::Time now) {
   overflows_ = overflows;
   if (!errors_.raise(ModuleError::queue_overflow)) return;
   raise_event(model_.emergencies.queue_overflow);
-  tell("a queue has overflown: frames were lost", now);
+  report("a queue has overflown: frames were lost", now);
 }
 
 void ModuleEngine::send_events(can::Time now) {
@@ -168,13 +168,13 @@ void ModuleEngine::boot_went_on(std::uint8_t node_id, const manager::BootRecord&
 }
 
 void ModuleEngine::start_up_halted(std::uint8_t node_id, manager::BootError, can::Time now) {
-  tell("the start-up of the network has ended: node " + std::to_string(node_id) +
-           " is mandatory (1F81H bit 3) and was not booted",
-       now);
+  report("the start-up of the network has ended: node " + std::to_string(node_id) +
+             " is mandatory (1F81H bit 3) and was not booted",
+         now);
 }
 
 void ModuleEngine::error_control_event(std::uint8_t node_id, manager::ErrorControlEvent event, can::Time) {
-  // A lost heartbeat is the node's own to tell; guarding is the master's.
+  // The node reports a lost heartbeat itself; guarding is the master's.
   if (event == manager::ErrorControlEvent::heartbeat_lost) return;
   raise_event(model_.emergencies.node_lost, node_id);
 }
@@ -182,7 +182,7 @@ void ModuleEngine::error_control_event(std::uint8_t node_id, manager::ErrorContr
 void ModuleEngine::lss_active_changed(bool active, can::Time now) {
   // A slave at another bit rate, which the search is for, can drive the module bus-off: that must not end it.
   controller_.set_automatic_recovery(active);
-  if (active) tell("the boot time is over: missing slaves are looked for by LSS", now);
+  if (active) report("the boot time is over: missing slaves are looked for by LSS", now);
 }
 
 void ModuleEngine::change_bit_rate(std::uint32_t bit_rate, can::Time now) {
@@ -197,7 +197,7 @@ void ModuleEngine::change_bit_rate(std::uint32_t bit_rate, can::Time now) {
 void ModuleEngine::lss_search_ended(std::uint8_t node_id, bool found, can::Time now) {
   std::string text = "LSS: the slave for node-ID " + std::to_string(node_id);
   text += found ? " was found and has its node-ID and bit rate" : " was not found at any bit rate";
-  tell(text, now);
+  report(text, now);
 }
 
 void ModuleEngine::node_state_changed(std::uint8_t node_id, std::uint8_t state, can::Time) {

@@ -41,7 +41,7 @@ void ModuleEngine::tell_of_word(BufferAddress address, std::uint16_t value, std:
   std::string text(model_.word_prefix);
   text += std::to_string(address) + " = " + std::to_string(value);
   text += what;
-  tell(text, now);
+  report(text, now);
 }
 
 // A value out of range changes nothing; the request is answered all the same, so that the program can look at
@@ -49,7 +49,7 @@ void ModuleEngine::tell_of_word(BufferAddress address, std::uint16_t value, std:
 void ModuleEngine::set_clock(can::Time now) {
   if (const auto wrong = time_stamp_.set_from_words(now)) {
     errors_.record(WriteResult::invalid, *wrong);
-    tell("the time stamp words are not a date and time", now);
+    report("the time stamp words are not a date and time", now);
   }
   port_->done(Request::set_clock, now);
 }
@@ -90,7 +90,7 @@ void ModuleEngine::execute_command(can::Time now) {
 void ModuleEngine::begin_save(can::Time now) { settings_.begin_save(can::later(now, profile_.save_time)); }
 
 void ModuleEngine::end_save(can::Time now) {
-  if (!settings_.end_save()) tell("the flash memory could not be written", now);
+  if (!settings_.end_save()) report("the flash memory could not be written", now);
   if (settings_.restores()) {
     network_settings_.apply();
     time_stamp_.correction_changed(now);

@@ -1,5 +1,5 @@
 #pragma once
-// Who watches a module from outside: the live table, the JSON lines, a trace. Everything is told as it
+// Who watches a module from outside: the live table, the JSON lines, a trace. Everything is reported as it
 // happens, on the loop the module lives on; nothing is asked back.
 
 #include <cstdint>

@@ -50,7 +50,7 @@ struct ProgramInterface {
   ProgramRequest online{};
   /// X signal that is ON while the module can be worked with; modules without signals have none.
   std::optional<unsigned> ready{};
-  /// The bits of this word are 1 while the module initializes and takes no words; no bits: nothing tells.
+  /// The bits of this word are 1 while the module initializes and takes no words; no bits: nothing shows it.
   BufferAddress status = 0;
   std::uint16_t initializing = 0;
   DataExchangeLayout process_data{};

@@ -65,7 +65,7 @@ void BuiltInProgram::cpu_paused(bool paused, can::Time now) {
 
 void BuiltInProgram::begin(can::Time now) {
   is_running_ = true;
-  if (!interface_.ready) was_ready_ = false;  // nobody told of restarts in STOP
+  if (!interface_.ready) was_ready_ = false;  // nobody reported restarts in STOP
   if (node_start_ != NodeStart::none || (has_set_up() && !interface_.ready)) next_scan_ = now + scan_time;
   const module::ProgramRequest& exchange = interface_.exchange;
   if (!task_.exchange || exchange.kind == Kind::none) return;

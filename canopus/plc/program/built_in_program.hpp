@@ -97,7 +97,7 @@ class BuiltInProgram {
   can::Duration interval_;               // of data exchanges
   can::Time next_request_ = can::never;  // or the end of one by signals
   can::Time answer_due_ = can::never;
-  can::Time next_scan_ = can::never;  // for what no signal tells of
+  can::Time next_scan_ = can::never;  // for what no signal shows
   can::Time requested_at_{};
   can::Time node_start_due_ = can::never;
   Exchange exchange_ = Exchange::idle;

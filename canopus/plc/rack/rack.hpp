@@ -74,19 +74,19 @@ class Rack {
   };
   [[nodiscard]] std::vector<ProductListRow> product_list() const;
 
-  /// Supply on: devices and the CPU's own buffer memory cleared, modules started, then told the CPU's state.
+  /// Supply on: devices and the CPU's own buffer memory cleared, modules started, then notified of the CPU's state.
   void power_on(can::Time now, module::CpuState state = module::CpuState::run);
   void power_off(can::Time now);
 
   [[nodiscard]] module::CpuState cpu_state() const noexcept { return state_; }
   /// Remote RUN/STOP. RUN to STOP turns all Y off, STOP to RUN restores them as they were before the STOP
-  /// ("previous state", the default of the CPU parameter). Every module is told.
+  /// ("previous state", the default of the CPU parameter). Every module is notified.
   void set_cpu_state(module::CpuState state, can::Time now);
   /// Remote PAUSE: no program runs, while Y and everything else stay as they are, so modules see no change.
   /// set_cpu_state(), the supply and reset end it. In STOP nothing happens.
   void pause(can::Time now);
   [[nodiscard]] bool is_paused() const noexcept { return paused_; }
-  /// The CPU finds an error and stops: every module is told, then as RUN to STOP. RUN again is possible at
+  /// The CPU finds an error and stops: every module is notified, then as RUN to STOP. RUN again is possible at
   /// once.
   void fail_cpu(can::Time now);
   /// As the RESET switch: devices are cleared and all modules start anew.

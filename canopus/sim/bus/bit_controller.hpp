@@ -1,6 +1,6 @@
 #pragma once
 // One CAN controller, bit by bit [ISO 11898-1]: at the start of a bit it says what it drives, at the sample
-// point it is told what is on the wire. Reception, transmission, arbitration, error and overload frames,
+// point it gets what is on the wire. Reception, transmission, arbitration, error and overload frames,
 // fault confinement, integration and bus-off recovery all happen here; bit timing, queues and delivery do
 // not.
 //

@@ -33,7 +33,7 @@ enum class BusError : std::uint8_t { none, bit, stuff, crc, form, acknowledgemen
 class BusObserver {
  public:
   /// A frame was completed on the bus: from the start of its SOF to the end of its EOF. Called before anybody
-  /// on the bus is told.
+  /// on the bus is notified.
   virtual void frame_completed(const can::Frame& frame, can::Time start, can::Time end) = 0;
   /// A controller found an error at the sample point of a bit; its error flag follows.
   virtual void error_detected(const Port& /*port*/, BusError /*error*/, can::Time /*now*/) {}
@@ -47,7 +47,7 @@ class WireObserver {
  public:
   /// The level of the wire as the first segment has it.
   virtual void level_changed(bool dominant, can::Time now) = 0;
-  /// What a controller drives; not told for a port that hangs on no wire.
+  /// What a controller drives; not reported for a port that hangs on no wire.
   virtual void transmit_changed(const Port& port, bool dominant, can::Time now) = 0;
   /// A controller sends its error or overload flag, or its frame takes part in arbitration.
   virtual void activity_changed(const Port& port, bool flagging, bool arbitrating, can::Time now) = 0;
@@ -149,8 +149,8 @@ class Bus final : public can::Ticker {
   [[nodiscard]] can::Time deadline() const noexcept override;
 
  private:
-  struct Inside;
-  std::unique_ptr<Inside> inside_;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 }  // namespace canopus::sim

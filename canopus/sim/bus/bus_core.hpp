@@ -155,9 +155,9 @@ class BusPort final : public Port {
     if (sends_babble) babble_due = babbling && babble_always;
     return !sends_babble;
   }
-  /// Tells the participant and reads its deadline again.
+  /// Notifies the participant and reads its deadline again.
   template <typename Call>
-  void tell(Call call) {
+  void notify(Call call) {
     if (participant == nullptr) return;
     call(*participant);
     core.timeline.refresh(handle);
@@ -173,7 +173,7 @@ class BusPort final : public Port {
       return;
     }
     ++counted.received;
-    tell([&](can::Listener& hearer) { hearer.receive(frame, now); });
+    notify([&](can::Listener& hearer) { hearer.receive(frame, now); });
   }
   [[nodiscard]] can::Duration bit() const noexcept { return can::bit_time(1, rate); }
 
@@ -198,7 +198,7 @@ class BusPort final : public Port {
   bool last_attempt = false;  // `current` was aborted: it does not wait again
   can::Frame current;
   TransmitQueue queue;
-  bool confirm = false;  // `current` is complete, its participant has to be told
+  bool confirm = false;  // `current` is complete, its participant has to be notified
   can::FaultConfinement faults;
   std::uint32_t refused = 0;
   std::uint32_t overrun = 0;
@@ -229,7 +229,7 @@ class BusPort final : public Port {
     can::Time next = can::never;  // sample point or start of the next bit
     bool sampling = false;        // `next` is a sample point
     bool driving = false;         // dominant
-    bool flagging = false;        // as last told to observers
+    bool flagging = false;        // as last reported to observers
     bool arbitrating = false;     // likewise
     bool received = false;        // complete at the end of this bit
     bool transmitted = false;     // likewise

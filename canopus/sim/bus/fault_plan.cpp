@@ -68,12 +68,12 @@ std::expected<FaultPlan, std::string> FaultPlan::make(const std::vector<Fault>& 
       return std::unexpected(where + "no port \"" + name + "\" on bus \"" + core.name + "\"");
     };
     if (about_ports(fault.kind)) {
-      Spell spell{.fault = fault, .ports = {}};
+      TimedFault timed{.fault = fault, .ports = {}};
       for (const std::string& name : fault.ports) {
-        spell.ports.push_back(port_named(core, name));
-        if (spell.ports.back() == nullptr) return unknown(name);
+        timed.ports.push_back(port_named(core, name));
+        if (timed.ports.back() == nullptr) return unknown(name);
       }
-      plan.spells_.push_back(std::move(spell));
+      plan.timed_faults_.push_back(std::move(timed));
       continue;
     }
     Rule rule{.fault = fault};
@@ -137,14 +137,14 @@ can::Duration FaultPlan::on_send(const BusPort& sender, const can::Frame& frame,
   return {};
 }
 
-can::Time FaultPlan::Spell::next() const noexcept {
+can::Time FaultPlan::TimedFault::next() const noexcept {
   if (!active) return fault.from;
   return std::min(fault.until, next_babble);
 }
 
-can::Time FaultPlan::next_spell() const noexcept {
+can::Time FaultPlan::next_change() const noexcept {
   can::Time next = can::never;
-  for (const Spell& spell : spells_) next = std::min(next, spell.next());
+  for (const TimedFault& timed : timed_faults_) next = std::min(next, timed.next());
   return next;
 }
 

@@ -43,19 +43,19 @@ class FaultPlan {
   [[nodiscard]] can::Duration on_send(const BusPort& sender, const can::Frame& frame, can::Time now);
 
   /// A fault that a port has for some time.
-  struct Spell {
+  struct TimedFault {
     Fault fault;
     std::vector<BusPort*> ports;
     bool active = false;
     can::Time next_babble = can::never;
     [[nodiscard]] can::Time next() const noexcept;
   };
-  [[nodiscard]] std::vector<Spell>& spells() noexcept { return spells_; }
-  /// When a spell begins, ends or babbles next.
-  [[nodiscard]] can::Time next() const noexcept { return spells_.empty() ? can::never : next_spell(); }
+  [[nodiscard]] std::vector<TimedFault>& timed_faults() noexcept { return timed_faults_; }
+  /// When a fault begins, ends or babbles next.
+  [[nodiscard]] can::Time next() const noexcept { return timed_faults_.empty() ? can::never : next_change(); }
 
  private:
-  [[nodiscard]] can::Time next_spell() const noexcept;
+  [[nodiscard]] can::Time next_change() const noexcept;
   struct Rule {
     Fault fault;
     const BusPort* sender = nullptr;
@@ -67,7 +67,7 @@ class FaultPlan {
 
   std::vector<Rule> frames_;
   std::vector<Rule> delays_;
-  std::vector<Spell> spells_;
+  std::vector<TimedFault> timed_faults_;
   std::mt19937_64 random_;
 };
 

@@ -23,7 +23,7 @@ namespace canopus::sim {
 
 class Segment {
  public:
-  /// `shows_level`: wire observers are told the level of this segment.
+  /// `shows_level`: wire observers get the level of this segment.
   Segment(BusCore& core, bool shows_level) : core_(core), shows_level_(shows_level) {}
 
   /// A port was added to the bus, whether to this segment or not.
@@ -134,7 +134,7 @@ class Segment {
   can::Time suspended_until_{};          // ... before this
   BusPort* sat_out_ = nullptr;           // was suspended when the frame on the wire began
   bool counting_ = false;                // some error counter is not 0
-  bool changes_ = false;                 // some port has to be told of its controller
+  bool changes_ = false;                 // some port has to be notified of its controller
 
   FrameFaults faults_;         // of the frame on the wire
   bool faults_ready_ = false;  // known before the frame began

@@ -68,17 +68,17 @@ void Segment::forget_given_up() {
 /// Frames whose last bit ends now.
 void Segment::complete_frames(can::Time now) {
   if (!completing_) return;
-  const BusPort* told = nullptr;
+  const BusPort* reporter = nullptr;
   for (BusPort* port : members_) {
     const BusPort::Tap& tap = port->tap;
     if ((!tap.transmitted && !tap.received) || tap.next > now || tap.counted) continue;
-    if (told == nullptr || (tap.transmitted && !told->tap.transmitted)) told = port;
+    if (reporter == nullptr || (tap.transmitted && !reporter->tap.transmitted)) reporter = port;
   }
-  if (told != nullptr) {  // everybody has the same frame
-    const can::Frame frame = told->tap.transmitted ? told->current : told->bits.frame();
+  if (reporter != nullptr) {  // everybody has the same frame
+    const can::Frame frame = reporter->tap.transmitted ? reporter->current : reporter->bits.frame();
     core_.statistics.frame(frame);
     for (BusObserver* observer : core_.observers) {
-      observer->frame_completed(frame, told->tap.frame_start, now);
+      observer->frame_completed(frame, reporter->tap.frame_start, now);
     }
   }
   for (BusPort* port : members_) {
@@ -87,7 +87,7 @@ void Segment::complete_frames(can::Time now) {
     port->confirm = port->complete();
     arbiter_.set(port->index, port->offer());
   }
-  // By number: who is told may plug, unplug and add ports.
+  // By number: who is notified may plug, unplug and add ports.
   for (std::size_t number = 0; number < core_.ports.size(); ++number) {
     BusPort& port = *core_.ports[number];
     if (port.segment != this || !port.tap.received || port.tap.next > now) continue;
@@ -101,7 +101,7 @@ void Segment::complete_frames(can::Time now) {
     if (!port.confirm) continue;
     port.confirm = false;
     const can::Frame sent = port.current;
-    port.tell([&](can::Listener& participant) { participant.transmitted(sent, now); });
+    port.notify([&](can::Listener& participant) { participant.transmitted(sent, now); });
   }
   completing_ = std::any_of(members_.begin(), members_.end(),
                             [](const BusPort* port) { return port->tap.received || port->tap.transmitted; });
@@ -278,7 +278,7 @@ void Segment::sample_port(BusPort& port, can::Time now) {
     arbiter_.set(port.index, port.offer());
     port.bits.join(port.current);
   }
-  if (replaying_) {  // an error frame was counted and told when it was computed
+  if (replaying_) {  // an error frame was counted and reported when it was computed
     const bool has_changed = port.faults.state() != state || port.faults.warning() != warned;
     if (has_changed && !failed_) tap.changed = changes_ = true;
     return;
@@ -307,7 +307,7 @@ void Segment::tell_changes(can::Time now) {
   for (const auto& port : core_.ports) {
     if (port->segment != this || !port->tap.changed) continue;
     port->tap.changed = false;
-    port->tell([now](can::Listener& participant) { participant.controller_changed(now); });
+    port->notify([now](can::Listener& participant) { participant.controller_changed(now); });
   }
 }
 

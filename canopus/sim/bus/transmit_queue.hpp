@@ -12,7 +12,7 @@ namespace canopus::sim {
 enum class TransmitOrder : std::uint8_t;
 
 /// The bits that decide arbitration as one number, first bit on the wire highest: the frame with the lower
-/// one wins. Equal only for frames that cannot be told apart before the control field.
+/// one wins. Equal only for frames that are the same before the control field.
 [[nodiscard]] constexpr std::uint32_t arbitration(const can::Frame& frame) noexcept {
   const std::uint32_t remote = frame.remote ? 1 : 0;
   if (!frame.extended) return (frame.identifier & can::max_base_identifier) << 21 | remote << 20;

@@ -1,5 +1,5 @@
 #pragma once
-// A simulated slave: behaves as the CANopen device its EDS or DCF describes, and moves the values it was told
+// A simulated slave: behaves as the CANopen device its EDS or DCF describes, and moves the values that it has
 // to move.
 
 #include <array>
@@ -74,7 +74,7 @@ class Device final : public can::Participant, private canopen::NodeListener {
 
   /// Makes it an LSS slave, whose LSS address is its 1018H and which can be set to the bit rates that its
   /// file names. To be called once, before power_on(). `controller` is the one that `sink` belongs to; its
-  /// bit rate now is the one from the shelf. `store`: see DeviceLss.
+  /// bit rate now is the one of the factory settings. `store`: see DeviceLss.
   void enable_lss(can::Controller& controller, canopen::ParameterStore* store = nullptr);
   /// nullptr: it is no LSS slave.
   [[nodiscard]] const lss::LssSlave* lss() const noexcept { return lss_ ? &lss_->slave() : nullptr; }

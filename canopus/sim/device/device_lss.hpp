@@ -24,12 +24,12 @@ class DeviceLss final : private lss::LssSlaveUser, private canopen::NodeListener
   [[nodiscard]] static std::optional<Settings> stored(canopen::ParameterStore& store);
 
   /// listener() must hear of the node. The LSS address is the node's 1018H. `gate` is closed while the device must
-  /// be silent; `bit_rates` (bit/s) is what it can be set to, empty: all; `store` keeps what it is told to
+  /// be silent; `bit_rates` (bit/s) is what it can be set to, empty: all; `store` keeps what it has to
   /// store, nullptr: kept for as long as this object lives. All must outlive it.
-  DeviceLss(canopen::Node& node, can::Gate& gate, can::Controller& controller, Settings shelf,
+  DeviceLss(canopen::Node& node, can::Gate& gate, can::Controller& controller, Settings factory,
             std::vector<std::uint32_t> bit_rates, canopen::ParameterStore* store);
 
-  /// Node-ID and bit rate are what was stored, or those of the shelf; the node is to be switched on next.
+  /// Node-ID and bit rate are what was stored, or the factory settings; the node is to be switched on next.
   void power_on(can::Time now);
   void power_off() noexcept;
 
