@@ -49,7 +49,8 @@ std::vector<text::FileError> Assembly::run() {
     complete_ = complete_ && parts_.devices.size() > before;
   }
   for (std::size_t i = 0; i < parts_.file.plcs.size(); ++i) {
-    parts_.racks.push_back(std::make_unique<plc::Rack>(parts_.timeline, parts_.file.plcs[i].cpu_model));
+    parts_.racks.push_back(std::make_unique<plc::Rack>(parts_.timeline, parts_.file.plcs[i].cpu_model,
+                                                       parts_.file.plcs[i].scan));
     if (const PlcSection& plc = parts_.file.plcs[i]; !plc.store.empty() && plc.modules.empty()) {
       warn(plc.store_place, "store = \"{}\": the PLC has no module that could store anything", plc.store);
     }

@@ -11,6 +11,7 @@
 #include "canopus/plant/module_catalogue.hpp"
 #include "canopus/plant/plant_references.hpp"
 #include "canopus/plant/plant_sections.hpp"
+#include "canopus/plc/rack/scan.hpp"
 #include "canopus/text/table_reader.hpp"
 
 namespace canopus::plant {
@@ -298,6 +299,11 @@ PlcSection read_plc(text::TableReader& table) {
   }
   plc.allowed = read_allowed(table, "listen", "MC protocol", plc.listen);
   plc.cpu_model = read_cpu_model(table);
+  plc.scan = table.parsed("scan", text::parse_duration);
+  if (plc.scan && (*plc.scan < plc::Scan::shortest_period || *plc.scan > plc::Scan::longest_period)) {
+    table.error("scan", "a scan takes 100us to 2s");
+    plc.scan.reset();
+  }
   if (const auto cpu = table.text("cpu")) {
     if (*cpu != "run" && *cpu != "stop") table.error("cpu", "expected \"run\" or \"stop\"");
     plc.run = *cpu != "stop";

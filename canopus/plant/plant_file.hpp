@@ -154,6 +154,7 @@ struct PlcSection {
   std::optional<text::HostAndPort> listen{};  ///< MC protocol
   link::AllowList allowed{};                  ///< who may connect there
   plc::CpuModel cpu_model = plc::r04cpu();    ///< with the points of the devices that the file sets
+  std::optional<can::Duration> scan{};  ///< X and Y are refreshed once a scan of this length; none: at once
   bool run = true;
   std::string store{};  ///< folder for what the modules save; empty = nothing survives the run
   std::optional<can::Duration> cpu_error{};  ///< when the CPU stops with an error

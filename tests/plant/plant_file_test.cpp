@@ -460,6 +460,22 @@ TEST(PlantFile, CpuModelAndDevices_AreTheCpus) {
   EXPECT_EQ(model.points_of(plc::Device::r), 32768U);
 }
 
+TEST(PlantFile, AScan_IsATimeThatACpuTakes) {
+  const PlantReading good = read_plant(
+      "[[bus]]\nname = \"a\"\nbit_rate = 250_000\n[[plc]]\nscan = \"2500us\"\n[[plc]]\nlisten = \"off\"\n",
+      "plant.toml");
+  ASSERT_THAT(good.errors, IsEmpty());
+  EXPECT_EQ(good.plant.plcs[0].scan, 2500us);
+  EXPECT_EQ(good.plant.plcs[1].scan, std::nullopt);
+  EXPECT_THAT(errors_with_bus("[[plc]]\nscan = \"0s\"\n"),
+              ElementsAre("plant.toml:2:8: scan = \"0s\": a scan takes 100us to 2s"));
+  EXPECT_THAT(errors_with_bus("[[plc]]\nscan = \"2001ms\"\n"),
+              ElementsAre(HasSubstr("a scan takes 100us to 2s")));
+  EXPECT_THAT(errors_with_bus("[[plc]]\nscan = 10\n"),
+              ElementsAre("plant.toml:2:8: scan = 10: expected a string"));
+  EXPECT_THAT(errors_with_bus("[[plc]]\nscan = \"10\"\n"), ElementsAre(HasSubstr("plant.toml:2:8: scan = ")));
+}
+
 TEST(PlantFile, DevicesACpuCannotHave_AreErrorsWithTheirLimits) {
   EXPECT_THAT(errors_with_bus("[[plc]]\ncpu_model = \"R08\"\n"),
               ElementsAre("plant.toml:2:13: cpu_model = \"R08\": expected \"R04CPU\" or \"Q03UDVCPU\""));

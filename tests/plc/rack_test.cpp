@@ -162,6 +162,7 @@ TEST(Rack, Stop_WhenAlreadyStopped_IsToldOnce) {
 
 TEST(Rack, SpecialRelays_ShowStateAndClocks) {
   Plc plc;
+  plc.now += 10ms;  // the first scan is over
   EXPECT_EQ(plc.word(Device::sm, 400) & 0x000F, 0b1001);
   EXPECT_FALSE(plc.bit(Device::sm, 203));
   plc.bit(Device::sm, 400, false);

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "canopus/plc/cpu/device_points.hpp"
-
 namespace canopus::plc {
 
 namespace {
@@ -23,20 +21,12 @@ std::uint16_t with_bit(std::uint16_t word, unsigned bit, bool on) {
   return static_cast<std::uint16_t>(on ? word | mask : word & ~mask);
 }
 
-std::uint16_t bcd(unsigned two_digits) {
-  return static_cast<std::uint16_t>((two_digits / 10 % 10) << 4U | two_digits % 10);
-}
-
-std::uint16_t bcd_pair(unsigned high, unsigned low) {
-  return static_cast<std::uint16_t>(bcd(high) << 8U | bcd(low));
-}
-
 }  // namespace
 
-Rack::Rack(can::Timeline& timeline, const CpuModel& model)
-    : timeline_(timeline),
-      model_(model),
-      clock_(std::chrono::local_days{std::chrono::year{2000} / std::chrono::January / 1}) {
+Rack::Rack(can::Timeline& timeline, const CpuModel& model, std::optional<can::Duration> scan)
+    : timeline_(timeline), model_(model) {
+  condition_.scan = Scan(scan.value_or(Scan::usual_period));
+  condition_.clock = std::chrono::local_days{std::chrono::year{2000} / std::chrono::January / 1};
   slot_of_block_.fill(empty);
   for (std::size_t device = 0; device < device_count; ++device) {
     if (device == index(Device::r)) continue;
@@ -45,6 +35,11 @@ Rack::Rack(can::Timeline& timeline, const CpuModel& model)
   }
   own_buffer_.resize(model.buffer_words);
   outputs_before_stop_.resize(memory_[index(Device::y)].size());
+  if (scan) scan_handle_ = timeline_.add(*this, "scans of a CPU");
+}
+
+Rack::~Rack() {
+  if (scan_handle_) timeline_.remove(*scan_handle_);
 }
 
 bool Rack::insert(std::uint16_t head_address, module::Module& module, can::Timeline::Handle handle) {
@@ -78,20 +73,26 @@ void Rack::power_on(can::Time now, CpuState state) {
   std::ranges::fill(own_buffer_, std::uint16_t{0});
   std::ranges::fill(outputs_before_stop_, std::uint16_t{0});
   on_ = true;
-  state_ = state;
-  stop_cause_ = StopCause::by_switch;
-  paused_ = false;
+  condition_.state = state;
+  condition_.stop_cause = StopCause::by_switch;
+  condition_.is_paused = false;
+  condition_.scan.start(now);
+  if (state == CpuState::run) condition_.scan.run(now);
+  next_refresh_ = scan_handle_ ? condition_.scan.end_of(1, now) : can::never;
   for (const Slot& slot : slots_) {
     slot.module->power_on(now);
     timeline_.refresh(slot.handle);
   }
   tell_cpu_state(now);
   for (RackListener* listener : listeners_) listener->supply_changed(true, now);
+  for (Slot& slot : slots_) slot.inputs = inputs_of(slot);
   refresh_modules();
 }
 
 void Rack::power_off(can::Time now) {
-  on_ = paused_ = false;
+  on_ = condition_.is_paused = false;
+  condition_.scan.stop(now);
+  next_refresh_ = can::never;
   for (const Slot& slot : slots_) slot.module->power_off(now);
   for (RackListener* listener : listeners_) listener->supply_changed(false, now);
   refresh_modules();
@@ -100,33 +101,65 @@ void Rack::power_off(can::Time now) {
 // A listener may be the one whose deadline the timeline knows for a module.
 void Rack::refresh_modules() {
   for (const Slot& slot : slots_) timeline_.refresh(slot.handle);
+  if (scan_handle_) timeline_.refresh(*scan_handle_);
+}
+
+// X first: what a module answers to a Y shows in the next scan, as behind the filters of a real one.
+void Rack::tick(can::Time now) {
+  if (next_refresh_ > now) return;
+  next_refresh_ = condition_.scan.end_of(1, now);
+  for (Slot& slot : slots_) slot.inputs = inputs_of(slot);
+  for (const Slot& slot : slots_) {
+    if (slot.signals == nullptr) continue;
+    for (std::uint32_t signal = 0; signal < std::min(slot.module->points(), 32U); ++signal) {
+      const std::uint32_t number = slot.head + signal;
+      if (number < model_.points_of(Device::y)) output_to_module(number, output(number), now);
+    }
+  }
+}
+
+std::uint32_t Rack::inputs_of(const Slot& slot) const noexcept {
+  return on_ && slot.signals != nullptr ? slot.signals->inputs() : 0;
+}
+
+bool Rack::output(std::uint32_t number) const noexcept {
+  return (memory_[index(Device::y)][number / 16] >> (number % 16) & 1U) != 0;
+}
+
+void Rack::set_output(std::uint32_t number, bool on, can::Time now) {
+  std::uint16_t& block = memory_[index(Device::y)][number / 16];
+  block = with_bit(block, number % 16, on);
+  output_to_module(number, on, now);
 }
 
 void Rack::set_cpu_state(CpuState state, can::Time now) {
-  if (std::exchange(paused_, false) && state == CpuState::run) {
+  if (std::exchange(condition_.is_paused, false) && state == CpuState::run) {
+    condition_.scan.go_on(now);
     for (RackListener* listener : listeners_) listener->cpu_paused(false, now);
     refresh_modules();
   }
-  if (state == state_) return;
-  state_ = state;
-  stop_cause_ = StopCause::remote;
-  auto& outputs = memory_[index(Device::y)];
+  if (state == condition_.state) return;
+  condition_.state = state;
+  condition_.stop_cause = StopCause::remote;
   if (state == CpuState::stop) {
-    outputs_before_stop_ = outputs;
+    condition_.scan.stop(now);
+    outputs_before_stop_ = memory_[index(Device::y)];
     tell_cpu_state(now);
     for (std::uint32_t number = 0; number < model_.points_of(Device::y); ++number)
-      if ((outputs[number / 16] >> (number % 16) & 1U) != 0) write_bit(Device::y, number, false, now);
+      if (output(number)) set_output(number, false, now);
   } else {
+    condition_.scan.run(now);
     tell_cpu_state(now);
     for (std::uint32_t number = 0; number < model_.points_of(Device::y); ++number)
-      write_bit(Device::y, number, (outputs_before_stop_[number / 16] >> (number % 16) & 1U) != 0, now);
+      set_output(number, (outputs_before_stop_[number / 16] >> (number % 16) & 1U) != 0, now);
   }
   for (RackListener* listener : listeners_) listener->cpu_changed(state, now);
   refresh_modules();
 }
 
 void Rack::pause(can::Time now) {
-  if (!on_ || state_ == CpuState::stop || std::exchange(paused_, true)) return;
+  if (!on_ || condition_.state == CpuState::stop || std::exchange(condition_.is_paused, true)) return;
+  condition_.scan.stop(now);
   for (RackListener* listener : listeners_) listener->cpu_paused(true, now);
   refresh_modules();
 }
@@ -138,26 +171,26 @@ void Rack::fail_cpu(can::Time now) {
     timeline_.refresh(slot.handle);
   }
   set_cpu_state(CpuState::stop, now);
-  stop_cause_ = StopCause::error;
+  condition_.stop_cause = StopCause::error;
 }
 
 void Rack::reset_cpu(can::Time now) {
   if (!on_) return;
-  const CpuState state = state_;
+  const CpuState state = condition_.state;
   power_off(now);
   power_on(now, state);
 }
 
 void Rack::tell_cpu_state(can::Time now) {
   for (const Slot& slot : slots_) {
-    slot.module->cpu_changed(state_, now);
+    slot.module->cpu_changed(condition_.state, now);
     timeline_.refresh(slot.handle);
   }
 }
 
 void Rack::clear_devices(bool latched, can::Time now) {
   for (std::uint32_t number = 0; number < model_.points_of(Device::y); ++number)
-    write_bit(Device::y, number, false, now);
+    set_output(number, false, now);
   std::ranges::fill(outputs_before_stop_, std::uint16_t{0});
   for (std::size_t number = 0; number < device_count; ++number) {
     const auto device = static_cast<Device>(number);
@@ -170,8 +203,8 @@ void Rack::clear_devices(bool latched, can::Time now) {
 void Rack::clear_latched() noexcept { std::ranges::fill(memory_[index(Device::l)], std::uint16_t{0}); }
 
 void Rack::set_clock(std::chrono::local_seconds clock, can::Time now) noexcept {
-  clock_ = clock;
-  clock_set_ = now;
+  condition_.clock = clock;
+  condition_.clock_set = now;
 }
 
 Rack::Access Rack::check(Device device, std::uint32_t first, std::uint32_t count) const noexcept {
@@ -195,10 +228,10 @@ Rack::Access Rack::read_words(Device device, std::uint32_t first, std::span<std:
   const auto count = static_cast<std::uint32_t>(words.size());
   if (!is_bit(device)) {
     if (Access access = check(device, first, count); !access) return access;
+    std::ranges::copy(memory(device).subspan(first, count), words.begin());
     if (device == Device::sd) {
-      for (std::uint32_t i = 0; i < count; ++i) words[i] = special_register(first + i, now);
-    } else {
-      std::ranges::copy(memory(device).subspan(first, count), words.begin());
+      for (std::uint32_t i = 0; i < count; ++i)
+        words[i] = special_register(model_, condition_, first + i, now).value_or(words[i]);
     }
     return {};
   }
@@ -289,18 +322,18 @@ std::uint16_t Rack::bit_block(Device device, std::uint32_t block, can::Time now)
   if (device == Device::x) {
     if (const Slot* slot = slot_of_point(16 * block); slot != nullptr) {
       const std::uint32_t shift = 16 * block - slot->head;  // a module has at most 32 signals
-      if (!on_ || shift >= 32 || slot->signals == nullptr) return 0;
-      return static_cast<std::uint16_t>(slot->signals->inputs() >> shift);
+      if (shift >= 32) return 0;
+      return static_cast<std::uint16_t>((scan_handle_ ? slot->inputs : inputs_of(*slot)) >> shift);
     }
   }
-  if (device == Device::sm) return special_relays(block, now);
-  return memory_[index(device)][block];
+  const std::uint16_t word = memory_[index(device)][block];
+  return device == Device::sm ? special_relays(condition_, block, word, now) : word;
 }
 
 void Rack::write_bit(Device device, std::uint32_t number, bool on, can::Time now) {
   std::uint16_t& block = memory_[index(device)][number / 16];
   block = with_bit(block, number % 16, on);
-  if (device == Device::y) output_to_module(number, on, now);
+  if (device == Device::y && !scan_handle_) output_to_module(number, on, now);
 }
 
 void Rack::output_to_module(std::uint32_t number, bool on, can::Time now) {
@@ -312,71 +345,6 @@ void Rack::output_to_module(std::uint32_t number, bool on, can::Time now) {
     return;
   slot->signals->set_output(signal, on, now);
   timeline_.refresh(slot->handle);
-}
-
-std::uint16_t Rack::special_relays(std::uint32_t block, can::Time now) const noexcept {
-  std::uint16_t word = memory_[index(Device::sm)][block];
-  const bool run = state_ == CpuState::run;
-  const auto half_period_odd = [now](std::chrono::milliseconds half) {
-    return now.time_since_epoch() / half % 2 != 0;
-  };
-  using std::chrono::milliseconds;
-  if (block == 203 / 16) {
-    word = with_bit(word, 203 % 16, !run);     // SM203 CPU in STOP
-    word = with_bit(word, 204 % 16, paused_);  // SM204 CPU in PAUSE
-  } else if (block == 400 / 16) {
-    word = with_bit(word, 0, true);                                  // SM400 always ON
-    word = with_bit(word, 1, false);                                 // SM401 always OFF
-    word = with_bit(word, 2, false);                                 // SM402 ON for the first scan: over
-    word = with_bit(word, 3, run);                                   // SM403 ON after the first scan
-    word = with_bit(word, 10, half_period_odd(milliseconds(50)));    // SM410 0.1 s clock
-    word = with_bit(word, 11, half_period_odd(milliseconds(100)));   // SM411 0.2 s clock
-    word = with_bit(word, 12, half_period_odd(milliseconds(500)));   // SM412 1 s clock
-    word = with_bit(word, 13, half_period_odd(milliseconds(1000)));  // SM413 2 s clock
-  }
-  return word;
-}
-
-std::uint16_t Rack::special_register(std::uint32_t number, can::Time now) const noexcept {
-  if (number == 203) {  // CPU state; in STOP and PAUSE with its cause
-    constexpr unsigned in_stop = 2;
-    constexpr unsigned in_pause = 3;
-    if (paused_) return static_cast<std::uint16_t>(in_pause | static_cast<unsigned>(StopCause::remote) << 4U);
-    if (state_ == CpuState::run) return 0;
-    return static_cast<std::uint16_t>(in_stop | static_cast<unsigned>(stop_cause_) << 4U);
-  }
-  if (const auto points = device_points_register(model_, number)) return *points;
-  if (number < 210 || number > 216) return memory_[index(Device::sd)][number];
-
-  const auto at = clock_ + std::chrono::floor<std::chrono::seconds>(now - clock_set_);
-  const auto midnight = std::chrono::floor<std::chrono::days>(at);
-  const std::chrono::year_month_day date{midnight};
-  const std::chrono::hh_mm_ss time{at - midnight};
-  const auto year = static_cast<unsigned>(static_cast<int>(date.year()));
-  const auto month = static_cast<unsigned>(date.month());
-  const auto day = static_cast<unsigned>(date.day());
-  const auto hour = static_cast<unsigned>(time.hours().count());
-  const auto minute = static_cast<unsigned>(time.minutes().count());
-  const auto second = static_cast<unsigned>(time.seconds().count());
-  const unsigned weekday = std::chrono::weekday{midnight}.c_encoding();  // 0 is Sunday, as the CPU counts
-  if (model_.bcd_clock) {
-    switch (number) {
-      case 210: return bcd_pair(year % 100, month);
-      case 211: return bcd_pair(day, hour);
-      case 212: return bcd_pair(minute, second);
-      case 213: return bcd_pair(year / 100, weekday);
-      default: return memory_[index(Device::sd)][number];
-    }
-  }
-  switch (number) {
-    case 210: return static_cast<std::uint16_t>(year);
-    case 211: return static_cast<std::uint16_t>(month);
-    case 212: return static_cast<std::uint16_t>(day);
-    case 213: return static_cast<std::uint16_t>(hour);
-    case 214: return static_cast<std::uint16_t>(minute);
-    case 215: return static_cast<std::uint16_t>(second);
-    default: return static_cast<std::uint16_t>(weekday);
-  }
 }
 
 }  // namespace canopus::plc

@@ -2,9 +2,11 @@
 // The PLC around the modules: a rack with slots, the CPU's devices (X Y M D W R SM SD ...) and its RUN/STOP
 // state. One Rack lives on one event loop; every access is a direct call.
 //
-// There is no PLC program and no scan: whoever accesses the rack plays it. X is therefore what the modules
-// say at this moment, a written Y is a signal edge at once, and everything else is memory. A device number or
-// buffer memory address outside of the range is refused as a whole, before anything is written.
+// There is no PLC program: whoever accesses the rack plays it. X is what the modules say at this moment, a
+// written Y is a signal edge at once, and everything else is memory. With a scan of its own, X and Y are
+// refreshed between two scans, as by a CPU: X stays what it was then, and a written Y reaches its module then.
+// A device number or buffer memory address outside of the range is refused as a whole, before anything is
+// written.
 //
 // Modules hear of the CPU's state (cpu_changed), and after every access that a module may react to, its
 // deadline in the timeline is read again.
@@ -14,6 +16,7 @@
 #include <cstdint>
 #include <expected>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -21,6 +24,7 @@
 #include "canopus/can/timeline.hpp"
 #include "canopus/module/interface/module.hpp"
 #include "canopus/plc/cpu/device.hpp"
+#include "canopus/plc/rack/special_devices.hpp"
 
 namespace canopus::plc {
 
@@ -47,12 +51,17 @@ class RackListener {
   ~RackListener() = default;
 };
 
-class Rack {
+class Rack final : private can::Ticker {
  public:
   using Access = std::expected<void, AccessError>;
 
-  /// Off, empty, the CPU's switch at RUN.
-  explicit Rack(can::Timeline& timeline, const CpuModel& model = r04cpu());
+  /// Off, empty, the CPU's switch at RUN. `scan`: X and Y are refreshed once a scan; without it at once, and scans
+  /// of the usual length are only counted.
+  explicit Rack(can::Timeline& timeline, const CpuModel& model = r04cpu(),
+                std::optional<can::Duration> scan = std::nullopt);
+  ~Rack() override;
+  Rack(const Rack&) = delete;
+  Rack& operator=(const Rack&) = delete;
 
   /// Puts a module at a head I/O number (0, 10H, 20H ... FF0H, in points; a multiple of 16). `handle` is what
   /// the timeline's add() gave for it; the module must outlive the rack. False when the head address is not
@@ -78,14 +87,16 @@ class Rack {
   void power_on(can::Time now, module::CpuState state = module::CpuState::run);
   void power_off(can::Time now);
 
-  [[nodiscard]] module::CpuState cpu_state() const noexcept { return state_; }
+  [[nodiscard]] module::CpuState cpu_state() const noexcept { return condition_.state; }
   /// Remote RUN/STOP. RUN to STOP turns all Y off, STOP to RUN restores them as they were before the STOP
   /// ("previous state", the default of the CPU parameter). Every module is notified.
   void set_cpu_state(module::CpuState state, can::Time now);
   /// Remote PAUSE: no program runs, while Y and everything else stay as they are, so modules see no change.
   /// set_cpu_state(), the supply and reset end it. In STOP nothing happens.
   void pause(can::Time now);
-  [[nodiscard]] bool is_paused() const noexcept { return paused_; }
+  [[nodiscard]] bool is_paused() const noexcept { return condition_.is_paused; }
+  /// The CPU's scans.
+  [[nodiscard]] const Scan& scan() const noexcept { return condition_.scan; }
   /// The CPU finds an error and stops: every module is notified, then as RUN to STOP. RUN again is possible at
   /// once.
   void fail_cpu(can::Time now);
@@ -107,7 +118,7 @@ class Rack {
   Access write_words(Device device, std::uint32_t first, std::span<const std::uint16_t> words, can::Time now);
   /// Bit devices only: 0 or 1 per point.
   Access read_bits(Device device, std::uint32_t first, std::span<std::uint8_t> bits, can::Time now);
-  /// Bit devices only: 0 is OFF, anything else ON. Y act at once, in the order of their numbers.
+  /// Bit devices only: 0 is OFF, anything else ON. Y act in the order of their numbers.
   Access write_bits(Device device, std::uint32_t first, std::span<const std::uint8_t> bits, can::Time now);
 
   /// FROM and TO, U\G: words of the module whose points include `head_address`.
@@ -132,16 +143,23 @@ class Rack {
     module::BufferMemoryAccess* buffer = nullptr;  // nullptr: the module has none; likewise
     module::SignalAccess* signals = nullptr;
     can::Timeline::Handle handle = 0;
+    std::uint32_t inputs = 0;  // X of the present scan
   };
   static constexpr std::size_t block_count = 256;  // of 16 points: X/Y 000H to FFFH
   static constexpr std::uint8_t empty = 0xFF;
+
+  // can::Ticker: between two scans.
+  void tick(can::Time now) override;
+  [[nodiscard]] can::Time deadline() const noexcept override { return next_refresh_; }
 
   [[nodiscard]] const Slot* slot_of_point(std::uint32_t point) const noexcept;
   [[nodiscard]] std::span<std::uint16_t> memory(Device device) noexcept;
   /// 16 points from number 16 * block on, as they read.
   [[nodiscard]] std::uint16_t bit_block(Device device, std::uint32_t block, can::Time now);
-  [[nodiscard]] std::uint16_t special_relays(std::uint32_t block, can::Time now) const noexcept;
-  [[nodiscard]] std::uint16_t special_register(std::uint32_t number, can::Time now) const noexcept;
+  [[nodiscard]] std::uint32_t inputs_of(const Slot& slot) const noexcept;
+  [[nodiscard]] bool output(std::uint32_t number) const noexcept;
+  /// Y of the memory and of the module, whatever the scan.
+  void set_output(std::uint32_t number, bool on, can::Time now);
   void write_bit(Device device, std::uint32_t number, bool on, can::Time now);
   void output_to_module(std::uint32_t number, bool on, can::Time now);
   void tell_cpu_state(can::Time now);
@@ -155,14 +173,10 @@ class Rack {
   std::array<std::vector<std::uint16_t>, device_count> memory_;  // bit devices: 16 points per word
   std::vector<std::uint16_t> own_buffer_;
   std::vector<std::uint16_t> outputs_before_stop_;
-  module::CpuState state_ = module::CpuState::run;
-  /// As SD203 counts.
-  enum class StopCause : std::uint8_t { by_switch = 0, remote = 2, error = 4 };
-  StopCause stop_cause_ = StopCause::by_switch;
-  bool paused_ = false;
+  CpuCondition condition_;
   bool on_ = false;
-  std::chrono::local_seconds clock_{};  // the CPU's clock at clock_set_
-  can::Time clock_set_{};
+  std::optional<can::Timeline::Handle> scan_handle_;  // X and Y are refreshed once a scan
+  can::Time next_refresh_ = can::never;
 };
 
 }  // namespace canopus::plc

@@ -1,0 +1,38 @@
+#pragma once
+// Special relays and registers that the CPU itself sets: its state, its clock, its scans, how many devices it
+// has. What a program or a client writes to them is not seen.
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+#include "canopus/can/time.hpp"
+#include "canopus/module/interface/module.hpp"
+#include "canopus/plc/cpu/device.hpp"
+#include "canopus/plc/rack/scan.hpp"
+
+namespace canopus::plc {
+
+/// Why the CPU stands still, as SD203 counts.
+enum class StopCause : std::uint8_t { by_switch = 0, remote = 2, error = 4 };
+
+/// What the special devices show.
+struct CpuCondition {
+  module::CpuState state = module::CpuState::run;
+  StopCause stop_cause = StopCause::by_switch;
+  bool is_paused = false;
+  Scan scan{Scan::usual_period};
+  std::chrono::local_seconds clock{};  ///< at clock_set
+  can::Time clock_set{};
+};
+
+/// 16 special relays, from number 16 * block on; `memory` is what was written to them.
+[[nodiscard]] std::uint16_t special_relays(const CpuCondition& condition, std::uint32_t block,
+                                           std::uint16_t memory, can::Time now) noexcept;
+
+/// A special register; none: it is memory.
+[[nodiscard]] std::optional<std::uint16_t> special_register(const CpuModel& model,
+                                                            const CpuCondition& condition,
+                                                            std::uint32_t number, can::Time now) noexcept;
+
+}  // namespace canopus::plc
