@@ -47,8 +47,8 @@ struct ControlServer::Parts : std::enable_shared_from_this<Parts> {
   std::vector<std::shared_ptr<Connection>> connections;
 };
 
-/// One client: reads a line, answers it, and reads on when the answer is gone. Handlers hold it; it forgets the
-/// server when the server is gone.
+/// One client: reads a line, waits for its answer and sends it, and goes on with the next line. Handlers hold it;
+/// it forgets the server when the server is gone.
 class ControlServer::Connection : public std::enable_shared_from_this<Connection> {
  public:
   Connection(Parts& parts, tcp::socket socket)
@@ -68,8 +68,12 @@ class ControlServer::Connection : public std::enable_shared_from_this<Connection
   /// When something came from the client last.
   [[nodiscard]] WallClock::time_point heard_at() const noexcept { return heard_at_; }
 
+  /// Its answer is not there yet.
+  [[nodiscard]] bool waits() const noexcept { return state_ == State::waits; }
+
   void close() noexcept {
     parts_ = nullptr;
+    call_off();
     error_code ignored;
     socket_.shutdown(tcp::socket::shutdown_both, ignored);
     socket_.close(ignored);
@@ -77,15 +81,33 @@ class ControlServer::Connection : public std::enable_shared_from_this<Connection
   }
 
  private:
+  enum class State : std::uint8_t {
+    reads,  // up to the end of a line
+    waits,  // for the answer; it reads on, to see its client leave
+    sends,
+    ends,  // with the answer that is being sent
+  };
+
   void receive() {
+    if (receiving_ || input_.size() > parts_->options.most_waiting) return;
+    receiving_ = true;
     socket_.async_read_some(asio::buffer(buffer_),
                             [self = shared_from_this()](error_code error, std::size_t count) {
-                              if (self->parts_ == nullptr) return;
-                              if (error) return self->end();
-                              self->heard_at_ = WallClock::now();
-                              self->input_.append(self->buffer_.data(), count);
-                              self->work();
+                              self->receiving_ = false;
+                              if (self->parts_ != nullptr) self->received(error, count);
                             });
+  }
+
+  void received(const error_code& error, std::size_t count) {
+    if (error) {
+      if (state_ != State::sends) return end();
+      state_ = State::ends;  // who has closed its side may still read
+      return;
+    }
+    heard_at_ = WallClock::now();
+    input_.append(buffer_.data(), count);
+    if (state_ == State::reads) return work();
+    if (state_ == State::waits) receive();
   }
 
   /// Answers the first line that is complete.
@@ -95,8 +117,8 @@ class ControlServer::Connection : public std::enable_shared_from_this<Connection
     if (length > parts_->options.longest_line) {
       const std::string limit = std::to_string(parts_->options.longest_line);
       parts_->say(name_, "sent a line of more than " + limit + " bytes: its connection is closed");
-      ends_ = true;
-      return send(R"({"ok":false,"error":"a request has at most )" + limit + " bytes\"}\n");
+      send(R"({"ok":false,"error":"a request has at most )" + limit + " bytes\"}\n", State::ends);
+      return;
     }
     if (end == std::string::npos) {
       if (input_.empty()) {
@@ -109,23 +131,42 @@ class ControlServer::Connection : public std::enable_shared_from_this<Connection
     stop_timer();
     (void)parts_->clock.now();
     if (parts_ == nullptr) return;  // the run ended on the way there
-    std::string answer = parts_->answer(std::string_view(input_).substr(0, end));
+    const std::string line = input_.substr(0, end);
     input_.erase(0, end + 1);
+    state_ = State::waits;
+    const auto reply = [weak = weak_from_this()](std::string answer) {
+      if (const auto self = weak.lock()) self->answered(std::move(answer));
+    };
+    CallOff call_off = parts_->answer(line, reply);
+    if (parts_ == nullptr || state_ != State::waits) return;
+    call_off_ = std::move(call_off);
     parts_->clock.touched();
-    if (parts_ == nullptr) return;
-    send(std::move(answer));
+    if (parts_ != nullptr) receive();
   }
 
-  void send(std::string answer) {
+  void answered(std::string answer) {
+    if (parts_ == nullptr || state_ != State::waits) return;
+    call_off_ = nullptr;
+    parts_->clock.touched();
+    if (parts_ != nullptr) send(std::move(answer), State::sends);
+  }
+
+  void send(std::string answer, State state) {
+    state_ = state;
     output_ = std::move(answer);
     set_timer(parts_->options.send_timeout, "does not take its answers");
     asio::async_write(socket_, asio::buffer(output_),
                       [self = shared_from_this()](error_code error, std::size_t) {
                         if (self->parts_ == nullptr) return;
-                        if (error || self->ends_) return self->end();
+                        if (error || self->state_ == State::ends) return self->end();
                         self->stop_timer();
+                        self->state_ = State::reads;
                         self->work();
                       });
+  }
+
+  void call_off() noexcept {
+    if (const CallOff wanted = std::exchange(call_off_, nullptr)) wanted();
   }
 
   void set_timer(std::chrono::milliseconds timeout, const char* reason) {
@@ -164,7 +205,9 @@ class ControlServer::Connection : public std::enable_shared_from_this<Connection
   std::array<char, 1024> buffer_{};
   std::string input_;
   std::string output_;
-  bool ends_ = false;  // with the answer that is being sent
+  State state_ = State::reads;
+  bool receiving_ = false;
+  CallOff call_off_;
 };
 
 void ControlServer::Parts::accept() {
@@ -191,12 +234,15 @@ void ControlServer::Parts::admit(tcp::socket socket) {
   connections.back()->start();
 }
 
-/// Closes the connection from which nothing has come for the longest time, if that is long enough.
+/// Closes the connection from which nothing has come for the longest time, if that is long enough. Those that
+/// wait for an answer have a reason to be silent.
 bool ControlServer::Parts::make_room(const std::string& newcomer) {
-  const auto idlest =
-      std::ranges::min_element(connections, {}, [](const auto& other) { return other->heard_at(); });
+  const auto silent_since = [](const auto& other) {
+    return other->waits() ? WallClock::time_point::max() : other->heard_at();
+  };
+  const auto idlest = std::ranges::min_element(connections, {}, silent_since);
   const auto idle = WallClock::now() - (*idlest)->heard_at();
-  if (idle < options.gives_way_after) {
+  if ((*idlest)->waits() || idle < options.gives_way_after) {
     say(newcomer, "was refused: all " + std::to_string(options.maximum_clients) + " connections are in use");
     return false;
   }

@@ -23,8 +23,8 @@ namespace canopus::serve {
 
 struct ControlServerOptions {
   link::AllowList allowed{};  ///< who may connect
-  /// A further client takes the place of the one from which nothing has come for the longest time; when that
-  /// is shorter than `gives_way_after`, it is closed at once.
+  /// A further client takes the place of the one from which nothing has come for the longest time, and which
+  /// waits for no answer; when that is shorter than `gives_way_after`, it is closed at once.
   std::size_t maximum_clients = 16;
   std::chrono::milliseconds gives_way_after{10000};
   /// Of a request, without its line feed. A longer one is answered with an error and ends the connection.
@@ -33,14 +33,20 @@ struct ControlServerOptions {
   std::chrono::milliseconds half_line_timeout{5000};
   /// From an answer that the client does not take to the end of its connection.
   std::chrono::milliseconds send_timeout{30000};
+  /// So many bytes of further lines are read while a client waits for an answer.
+  std::size_t most_waiting = 65536;
 };
 
 class ControlServer {
  public:
-  /// The answer to a line, with its line feed.
-  using Answer = std::function<std::string(std::string_view line)>;
+  /// Takes the answer to a line, with its line feed, once: at once or later, on the loop's thread.
+  using Reply = std::function<void(std::string answer)>;
+  /// Called when the client has left before its answer came. Empty: there is nothing to call off.
+  using CallOff = std::function<void()>;
+  using Answer = std::function<CallOff(std::string_view line, Reply reply)>;
 
-  /// `context` and `clock` must outlive the server. `answer` is called with the plant's time at now.
+  /// `context` and `clock` must outlive the server. `answer` is called with the plant's time at now. Further
+  /// lines of the client wait until the reply has come.
   ControlServer(boost::asio::io_context& context, link::LoopClock& clock, Answer answer,
                 ControlServerOptions options = {}, link::ClientReport report = {});
   /// Stops.

@@ -1,28 +1,23 @@
 #include "canopus/serve/device_control.hpp"
 
 #include <algorithm>
-#include <expected>
 #include <optional>
 #include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/eds/value.hpp"
 #include "canopus/plant/device_seat.hpp"
 #include "canopus/plant/process_value.hpp"
+#include "canopus/serve/control_message.hpp"
 #include "canopus/text/nearest_word.hpp"
-#include "canopus/text/printable.hpp"
 
 namespace canopus::serve {
 
 namespace {
 
 using canopen::Entry;
-using Json = nlohmann::ordered_json;
-template <typename Value>
-using Result = std::expected<Value, std::string>;
 
 /// One request and the plant it is for.
 class Request {
@@ -32,8 +27,6 @@ class Request {
   Result<Json> carry_out();
 
  private:
-  Result<void> check_fields(std::initializer_list<std::string_view> known) const;
-  [[nodiscard]] Result<std::string> text(std::string_view key) const;
   [[nodiscard]] Result<std::size_t> device() const;
   Result<Json> list() const;
   Result<Json> get() const;
@@ -42,12 +35,9 @@ class Request {
 
   [[nodiscard]] can::Time now() const { return plant_.timeline().now(); }
   [[nodiscard]] Json shown(const sim::Device& device, const Entry& entry) const;
-  [[nodiscard]] static double seconds(can::Time time) {
-    return static_cast<double>(time.time_since_epoch() / std::chrono::microseconds(1)) / 1e6;
-  }
 
   plant::Plant& plant_;
-  const Json& fields_;
+  ControlFields fields_;
 };
 
 Json plate_of(const plant::NodeLabel& label) {
@@ -56,28 +46,9 @@ Json plate_of(const plant::NodeLabel& label) {
 
 std::string where(const plant::NodeLabel& label) { return fmt::format("{}:{}", label.bus, label.node_id); }
 
-Result<void> Request::check_fields(std::initializer_list<std::string_view> known) const {
-  for (const auto& [key, value] : fields_.items()) {
-    if (key == "request" || key == "id") continue;
-    if (std::ranges::find(known, key) != known.end()) continue;
-    std::vector<std::string_view> expected{"request", "id"};
-    expected.insert(expected.end(), known.begin(), known.end());
-    return std::unexpected(
-        fmt::format("\"{}\" is no field of this request; expected {}", key, text::one_of(expected)));
-  }
-  return {};
-}
-
-Result<std::string> Request::text(std::string_view key) const {
-  const auto found = fields_.find(key);
-  if (found == fields_.end()) return std::unexpected(fmt::format("{} is missing; expected a string", key));
-  if (!found->is_string()) return std::unexpected(fmt::format("{}: expected a string", key));
-  return found->get<std::string>();
-}
-
 /// By its name, node-ID, or bus and node-ID.
 Result<std::size_t> Request::device() const {
-  const auto wanted = text("device");
+  const auto wanted = fields_.text("device");
   if (!wanted) return std::unexpected(wanted.error());
   std::vector<std::size_t> found;
   std::vector<std::string_view> names;
@@ -118,7 +89,7 @@ Json Request::shown(const sim::Device& device, const Entry& entry) const {
     if (force.entry.index != entry.index || force.entry.sub != entry.sub) continue;
     object["forced"] = true;
     object["beneath"] = plant::json_value(type, force.beneath);
-    if (force.until != can::never) object["until"] = seconds(force.until);
+    if (force.until != can::never) object["until"] = plant_seconds(force.until);
     return object;
   }
   object["forced"] = false;
@@ -126,7 +97,7 @@ Json Request::shown(const sim::Device& device, const Entry& entry) const {
 }
 
 Result<Json> Request::list() const {
-  if (auto good = check_fields({}); !good) return std::unexpected(good.error());
+  if (auto good = fields_.check({}); !good) return std::unexpected(good.error());
   Json devices = Json::array();
   for (std::size_t i = 0; i < plant_.device_count(); ++i) {
     plant::DeviceSeat& seat = plant_.device(i);
@@ -138,18 +109,30 @@ Result<Json> Request::list() const {
     }
     devices.push_back(std::move(device));
   }
-  return Json{{"devices", std::move(devices)}};
+  Json plcs = Json::array();
+  for (std::size_t i = 0; i < plant_.plc_count(); ++i) {
+    const plc::Rack& rack = plant_.rack(i);
+    const bool run = rack.cpu_state() == module::CpuState::run;
+    plcs.push_back({{"name", plant_.plc_section(i).name},
+                    {"cpu", rack.model().name},
+                    {"state", rack.is_paused() ? "pause"
+                              : run            ? "run"
+                                               : "stop"},
+                    {"scan", std::chrono::duration<double>(rack.scan().period()).count()},
+                    {"scans", rack.scan().count(now())}});
+  }
+  return Json{{"devices", std::move(devices)}, {"plcs", std::move(plcs)}};
 }
 
 Result<Json> Request::get() const {
-  if (auto good = check_fields({"device", "object"}); !good) return std::unexpected(good.error());
+  if (auto good = fields_.check({"device", "object"}); !good) return std::unexpected(good.error());
   const auto number = device();
   if (!number) return std::unexpected(number.error());
   const sim::Device& device = plant_.device(*number).device();
   Json answer = plate_of(plant_.device(*number).status().label);
   answer["objects"] = Json::array();
-  if (fields_.contains("object")) {
-    const auto object = text("object");
+  if (fields_.has("object")) {
+    const auto object = fields_.text("object");
     if (!object) return std::unexpected(object.error());
     const auto entry = plant::find_process_value(device, *object);
     if (!entry) return std::unexpected(entry.error());
@@ -161,28 +144,26 @@ Result<Json> Request::get() const {
 }
 
 Result<Json> Request::set() {
-  if (auto good = check_fields({"device", "object", "value", "for"}); !good)
+  if (auto good = fields_.check({"device", "object", "value", "for"}); !good)
     return std::unexpected(good.error());
   const auto number = device();
   if (!number) return std::unexpected(number.error());
   plant::DeviceSeat& seat = plant_.device(*number);
-  const auto object = text("object");
+  const auto object = fields_.text("object");
   if (!object) return std::unexpected(object.error());
   const auto entry = plant::find_process_value(seat.device(), *object);
   if (!entry) return std::unexpected(entry.error());
-  const auto value = fields_.find("value");
-  if (value == fields_.end() || !(value->is_number() || value->is_boolean() || value->is_string())) {
+  const Json* value = fields_.find("value");
+  if (value == nullptr || !(value->is_number() || value->is_boolean() || value->is_string())) {
     return std::unexpected("value: expected a number, true or false, or a string that holds one");
   }
   const std::string written = value->is_string() ? value->get<std::string>() : value->dump();
   const auto bits = plant::parse_value(written, *entry, *seat.device().file().dictionary);
   if (!bits) return std::unexpected("value: " + bits.error());
   can::Time until = can::never;
-  if (fields_.contains("for")) {
-    const auto hold = text("for");
-    const auto duration = hold ? text::parse_duration(*hold) : std::unexpected(hold.error());
-    if (!duration) return std::unexpected("for: " + duration.error());
-    if (*duration == can::Duration::zero()) return std::unexpected("for: expected more than 0");
+  if (fields_.has("for")) {
+    const auto duration = fields_.duration("for");
+    if (!duration) return std::unexpected(duration.error());
     until = can::later(now(), *duration);
   }
   seat.device().force(*entry, *bits, until, now());
@@ -193,13 +174,13 @@ Result<Json> Request::set() {
 }
 
 Result<Json> Request::release() {
-  if (auto good = check_fields({"device", "object"}); !good) return std::unexpected(good.error());
+  if (auto good = fields_.check({"device", "object"}); !good) return std::unexpected(good.error());
   const auto number = device();
   if (!number) return std::unexpected(number.error());
   plant::DeviceSeat& seat = plant_.device(*number);
   std::vector<Entry> entries;
-  if (fields_.contains("object")) {
-    const auto object = text("object");
+  if (fields_.has("object")) {
+    const auto object = fields_.text("object");
     if (!object) return std::unexpected(object.error());
     const auto entry = plant::find_process_value(seat.device(), *object);
     if (!entry) return std::unexpected(entry.error());
@@ -220,13 +201,13 @@ Result<Json> Request::release() {
 }
 
 Result<Json> Request::carry_out() {
-  const auto wanted = text("request");
+  const auto wanted = fields_.text("request");
   if (!wanted) return std::unexpected(wanted.error());
   if (*wanted == "list") return list();
   if (*wanted == "get") return get();
   if (*wanted == "set") return set();
   if (*wanted == "release") return release();
-  static constexpr std::string_view known[] = {"list", "get", "set", "release"};
+  static constexpr std::string_view known[] = {"list", "get", "set", "release", "run"};
   return std::unexpected(
       fmt::format("request: \"{}\" is unknown{}", *wanted, text::suggestion(*wanted, known)));
 }
@@ -234,21 +215,11 @@ Result<Json> Request::carry_out() {
 }  // namespace
 
 std::string DeviceControl::answer(std::string_view request) {
-  Json answer;
-  const Json fields = Json::parse(request, nullptr, false);
-  if (fields.is_object() && fields.contains("id") && fields["id"].is_primitive()) answer["id"] = fields["id"];
+  const Json fields = control_request(request);
   Result<Json> result =
       std::unexpected(std::string("this is no JSON object; expected a line such as {\"request\": \"list\"}"));
   if (fields.is_object()) result = Request(plant_, fields).carry_out();
-  answer["ok"] = result.has_value();
-  answer["t"] =
-      static_cast<double>(plant_.timeline().now().time_since_epoch() / std::chrono::microseconds(1)) / 1e6;
-  if (result) {
-    answer.update(*result);
-  } else {
-    answer["error"] = result.error();
-  }
-  return text::printable_json(answer.dump(-1, ' ', false, Json::error_handler_t::replace)) + '\n';
+  return control_answer(fields, result, plant_.timeline().now());
 }
 
 }  // namespace canopus::serve

@@ -180,7 +180,7 @@ def a_forced_input_arrives_in_the_plc_as_the_page_shows():
         text = "\n".join(snippet)
         require("29540" in text, "the snippet names another port than the page")
         require_shown(page, [PYTHON, "-c", text.replace("29540", host_port(control)[1])], ["3"])
-        exchange = next(b for b in blocks(page) if b[0].startswith("> "))
+        exchange = next(b for b in blocks(page) if b[0].startswith("> ") and '"set"' in b[0])
         with socket.create_connection(("127.0.0.1", int(host_port(control)[1]))) as client:
             lines = client.makefile("rw")
             for line in exchange:

@@ -40,9 +40,14 @@ class TestClock final : public link::LoopClock {
 class ControlServerTest : public ::testing::Test {
  protected:
   ControlServer& start(ControlServerOptions options = {}) {
-    const auto answer = [this](std::string_view line) {
+    const auto answer = [this](std::string_view line, ControlServer::Reply reply) -> ControlServer::CallOff {
       lines_.emplace_back(line);
-      return std::to_string(line.size()) + '\n';
+      if (line == "later") {
+        later_.push_back(std::move(reply));
+        return [this] { ++called_off_; };
+      }
+      reply(std::to_string(line.size()) + '\n');
+      return {};
     };
     server_ = std::make_unique<ControlServer>(
         context_, clock_, answer, std::move(options),
@@ -81,6 +86,8 @@ class ControlServerTest : public ::testing::Test {
   TestClock clock_;
   std::vector<std::string> reports_;
   std::vector<std::string> lines_;
+  std::vector<ControlServer::Reply> later_;
+  int called_off_ = 0;
   std::unique_ptr<ControlServer> server_;
 };
 
@@ -153,6 +160,73 @@ TEST_F(ControlServerTest, WhoHasAskedJustNow_DoesNotGiveWay) {
   auto second = connect();
   EXPECT_EQ(receive(second), "closed");
   EXPECT_THAT(reports_, ElementsAre(HasSubstr("was refused: all 1 connections are in use")));
+}
+
+TEST_F(ControlServerTest, ALateAnswer_ComesBeforeThoseOfLinesSentMeanwhile) {
+  start();
+  auto client = connect();
+  auto other = connect();
+  send(client, "later\nabc\n");
+  EXPECT_EQ(receive(client), "nothing");
+  EXPECT_THAT(lines_, ElementsAre("later"));
+  send(other, "ab\n");
+  EXPECT_EQ(receive(other), "2\n") << "nobody else waits";
+  later_.front()("now\n");
+  EXPECT_EQ(receive(client, "3\n"), "now\n3\n");
+  EXPECT_EQ(called_off_, 0);
+}
+
+TEST_F(ControlServerTest, WhoLeavesBeforeTheAnswer_CallsItOff) {
+  start();
+  auto client = connect();
+  send(client, "later\n");
+  EXPECT_EQ(receive(client), "nothing");
+  client.close();
+  for (int turn = 0; turn < 100 && server_->clients() != 0; ++turn) context_.run_one_for(10ms);
+  EXPECT_EQ(server_->clients(), 0U);
+  EXPECT_EQ(called_off_, 1);
+  later_.front()("too late\n");
+}
+
+TEST_F(ControlServerTest, AServerThatStops_CallsOffWhatIsNotAnswered) {
+  start();
+  auto client = connect();
+  send(client, "later\n");
+  EXPECT_EQ(receive(client), "nothing");
+  server_->stop();
+  EXPECT_EQ(called_off_, 1);
+}
+
+TEST_F(ControlServerTest, WhoWaitsForAnAnswer_DoesNotGiveWay) {
+  start({.maximum_clients = 2, .gives_way_after = 0ms});
+  auto waiting = connect();
+  send(waiting, "later\n");
+  EXPECT_EQ(receive(waiting), "nothing");
+  auto idle = connect();
+  auto third = connect();
+  EXPECT_EQ(receive(idle), "closed");
+  send(third, "later\n");
+  EXPECT_EQ(receive(third), "nothing");
+  auto fourth = connect();
+  EXPECT_EQ(receive(fourth), "closed") << "all of them wait";
+  later_.front()("now\n");
+  EXPECT_EQ(receive(waiting), "now\n");
+}
+
+TEST_F(ControlServerTest, WhoSendsOnWhileItWaits_IsReadNoFurtherThanALimit) {
+  start({.most_waiting = 2000});
+  auto client = connect();
+  send(client, "later\n");
+  EXPECT_EQ(receive(client), "nothing");
+  const std::string lines(500000, '\n');
+  error_code full;
+  std::size_t sent = 0;
+  for (int turn = 0; turn < 200 && !full; ++turn) {
+    sent += client.write_some(boost::asio::buffer(lines), full);
+    context_.poll();
+  }
+  EXPECT_TRUE(full) << sent << " bytes were read while the client waits";
+  server_->stop();
 }
 
 TEST_F(ControlServerTest, TheRunMayEndWhileARequestIsLookedAt) {

@@ -34,8 +34,17 @@ void add_run_command(CLI::App& app, int& exit_code) {
         const auto duration = text::parse_duration(text);
         return duration ? std::string() : duration.error();
       });
-  command->add_flag("--virtual", words->options.virtual_time,
-                    "Virtual time: as fast as possible, the same every time, takes no clients");
+  auto* virtual_time = command->add_flag(
+      "--virtual", words->options.virtual_time,
+      "Virtual time: as fast as possible, the same every time, without --step without clients");
+  command
+      ->add_flag(
+          "--step", words->options.step,
+          "Drive the plant from outside: its time moves only when a client of the control server asks for "
+          "scans or time (docs/control.md); without `control` in the plant file on a free port")
+      ->needs(virtual_time);
+  command->add_flag("--free-ports", words->options.free_ports,
+                    "Every server takes a free port instead of the plant file's, and says which");
   command->add_option("--seed", words->options.seed, "Seed of everything random, instead of the plant file's")
       ->check(number_from(0, std::numeric_limits<std::uint64_t>::max()))
       ->type_name("N");

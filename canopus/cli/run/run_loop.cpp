@@ -10,7 +10,6 @@
 #include <vector>
 
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <fmt/format.h>
 #include <unistd.h>
@@ -18,20 +17,17 @@
 #include "canopus/cli/run/event_printer.hpp"
 #include "canopus/cli/run/live_table.hpp"
 #include "canopus/cli/run/operational_check.hpp"
+#include "canopus/cli/run/plant_servers.hpp"
 #include "canopus/cli/run/run_output.hpp"
 #include "canopus/cli/run/run_recording.hpp"
 #include "canopus/cli/run/run_screen.hpp"
 #include "canopus/cli/run/stop_signals.hpp"
 #include "canopus/cli/terminal/plant_loading.hpp"
 #include "canopus/cli/terminal/print.hpp"
-#include "canopus/link/socketcand_server.hpp"
 #include "canopus/plant/plant.hpp"
-#include "canopus/serve/client_ports.hpp"
 #include "canopus/serve/client_reports.hpp"
-#include "canopus/serve/control_server.hpp"
-#include "canopus/serve/device_control.hpp"
-#include "canopus/serve/melsec_server.hpp"
 #include "canopus/serve/real_time.hpp"
+#include "canopus/serve/step_clock.hpp"
 #include "canopus/text/local_time.hpp"
 #include "canopus/text/text_values.hpp"
 
@@ -81,10 +77,12 @@ class Run {
   }
   void warn();
   bool open_recordings();
-  bool open_servers(serve::RealTime& clock);
+  [[nodiscard]] PlantServers::Use server_use(serve::PlantRuns::Order order);
   link::ClientReport report_of(std::string source);
+  void show_connections();
   void set_cpu_clocks();
   bool run_in_real_time();
+  bool run_in_step();
   void run_in_virtual_time();
   void start_output();
   [[nodiscard]] bool is_to_end() const { return stop_signals_->came() || output_failed_; }
@@ -109,10 +107,6 @@ class Run {
   std::optional<StopSignals> stop_signals_;
   std::atomic<bool> output_failed_{false};
   std::optional<RunOutput> output_;
-  std::vector<std::unique_ptr<serve::ClientPorts>> client_ports_;  // outlive the servers
-  std::vector<std::unique_ptr<link::SocketcandServer>> socketcand_;
-  std::vector<std::unique_ptr<serve::MelsecServer>> melsec_;
-  std::optional<serve::ControlServer> control_;
   std::optional<OperationalCheck> expected_;
   std::optional<asio::steady_timer> end_timer_;
   std::optional<RunScreen> screen_;
@@ -136,57 +130,13 @@ void Run::show_server(std::string_view protocol, std::string_view of, const std:
   }
 }
 
-bool Run::open_servers(serve::RealTime& clock) {
-  const auto endpoint = [](const text::HostAndPort& place) -> std::optional<asio::ip::tcp::endpoint> {
-    boost::system::error_code error;
-    const auto address = asio::ip::make_address(place.host == "localhost" ? "127.0.0.1" : place.host, error);
-    if (!error) return asio::ip::tcp::endpoint(address, place.port);
-    print_error("canopus: \"{}\" is not an address to listen on; expected numbers such as 127.0.0.1",
-                place.host);
-    return std::nullopt;
-  };
-  const auto opened = [&](const std::expected<void, std::string>& result, std::string_view protocol,
-                          std::string_view of, const text::HostAndPort& place, std::uint16_t port) {
-    if (result) {
-      show_server(protocol, of,
-                  place.host.find(':') == std::string::npos ? fmt::format("{}:{}", place.host, port)
-                                                            : fmt::format("[{}]:{}", place.host, port));
-    } else {
-      print_error("canopus: {}: {}", protocol, result.error());
-    }
-    return result.has_value();
-  };
-  for (std::size_t i = 0; i < plant_->plc_count(); ++i) {
-    const plant::PlcSection& section = plant_->plc_section(i);
-    if (!section.listen) continue;
-    serve::MelsecServer& server = *melsec_.emplace_back(std::make_unique<serve::MelsecServer>(
-        io_, plant_->rack(i), clock, serve::MelsecServerOptions{.allowed = section.allowed},
-        report_of(fmt::format("MC protocol {}", section.name))));
-    const auto result = server.listen(section.listen->host, section.listen->port);
-    if (!opened(result, "MC protocol", section.name, *section.listen, server.port())) return false;
-  }
-  if (const plant::PlantFile& file = plant_->file(); file.control) {
-    control_.emplace(
-        io_, clock, [this](std::string_view line) { return serve::DeviceControl(*plant_).answer(line); },
-        serve::ControlServerOptions{.allowed = file.control_allowed}, report_of("control"));
-    const auto result = control_->listen(file.control->host, file.control->port);
-    if (!opened(result, "control", file.name, *file.control, control_->port())) return false;
-  }
-  for (std::size_t i = 0; i < plant_->bus_count(); ++i) {
-    const plant::BusSection& section = plant_->bus_section(i);
-    if (!section.socketcand) continue;
-    const auto where = endpoint(*section.socketcand);
-    if (!where) return false;
-    serve::ClientPorts& ports =
-        *client_ports_.emplace_back(std::make_unique<serve::ClientPorts>(plant_->bus(i), plant_->timeline()));
-    const auto attach = [&ports](link::AttachedClient& client) { return ports.attach(client); };
-    link::SocketcandServer& server = *socketcand_.emplace_back(std::make_unique<link::SocketcandServer>(
-        io_, *where, section.name, attach, clock, link::SocketcandLimits{.allowed = section.allowed},
-        report_of(fmt::format("socketcand {}", section.name))));
-    const auto result = server.listen();
-    if (!opened(result, "socketcand", section.name, *section.socketcand, server.port())) return false;
-  }
-  return true;
+PlantServers::Use Run::server_use(serve::PlantRuns::Order order) {
+  return {.opened = [this](std::string_view protocol, std::string_view of,
+                           const std::string& address) { show_server(protocol, of, address); },
+          .report = [this](std::string source) { return report_of(std::move(source)); },
+          .free_ports = options_.free_ports,
+          .control = options_.step,
+          .order = order};
 }
 
 /// What a server has to say of its clients, as errors of this source.
@@ -209,6 +159,11 @@ void Run::end_table() {
   table_.messages().print(standard_error());
 }
 
+void Run::show_connections() {
+  if (options_.json || options_.quiet) return;
+  for (const std::string& line : plant_->connections()) print_line("{}", line);
+}
+
 /// As a programming tool sets them: to the time of day where the machine is.
 void Run::set_cpu_clocks() {
   const auto moment = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
@@ -220,10 +175,9 @@ void Run::set_cpu_clocks() {
 bool Run::run_in_real_time() {
   const can::Time end = options_.duration ? can::Time{} + *options_.duration : can::never;
   serve::RealTime clock(io_, *plant_, observer(), end);
-  if (!open_servers(clock)) return false;
-  if (!options_.json && !options_.quiet && !has_table_) {
-    for (const std::string& line : plant_->connections()) print_line("{}", line);
-  }
+  PlantServers servers(io_, *plant_, clock, server_use(serve::PlantRuns::Order::side_by_side));
+  if (!servers.open()) return false;
+  if (!has_table_) show_connections();
   set_cpu_clocks();
   clock.set_resumed_handler([this] { set_cpu_clocks(); });
   plant_->power_on();
@@ -235,11 +189,43 @@ bool Run::run_in_real_time() {
   }
   io_.run();
   (void)clock.now();  // up to the moment it was stopped
-  for (const auto& server : socketcand_) server->close();
-  for (const auto& server : melsec_) server->stop();
-  if (control_) control_->stop();
+  servers.close();
   if (has_table_) end_table();
   largest_lag_ = clock.largest_lag();
+  return true;
+}
+
+/// Plant time moves only as long as a client of the control server waits for it.
+bool Run::run_in_step() {
+  constexpr auto turn = 10ms;  // of the machine's time, until clients are heard again
+  const can::Time end = options_.duration ? can::Time{} + *options_.duration : can::never;
+  can::Timeline& timeline = plant_->timeline();
+  serve::StepClock clock(timeline);
+  PlantServers servers(io_, *plant_, clock, server_use(serve::PlantRuns::Order::in_turn));
+  if (!servers.open()) return false;
+  show_connections();
+  // The plant waits for who reads its output, inside of which no client may access it: signals come elsewhere.
+  asio::io_context signals{1};
+  StopSignals stop(signals, {});
+  const auto goes_on = [&](auto) {
+    signals.poll();
+    return !stop.came() && !output_failed_;
+  };
+  output_->set_patience(goes_on);
+  recording_.set_patience(goes_on);
+  plant_->power_on();
+  while (!is_to_end() && timeline.now() < end && !expectation_over()) {
+    if (!servers.runs().wants_time()) {
+      if (io_.run_one() == 0) break;
+      continue;
+    }
+    io_.poll();  // what clients have sent before comes first
+    const auto turn_ends = WallClock::now() + turn;
+    while (servers.runs().wants_time() && timeline.now() < end && WallClock::now() < turn_ends) {
+      timeline.run_until(std::min({servers.runs().next(), can::later(timeline.now(), 100ms), end}));
+    }
+  }
+  servers.close();
   return true;
 }
 
@@ -350,7 +336,9 @@ int Run::operator()() {
   }
   const auto started = WallClock::now();
   bool good = true;
-  if (options_.virtual_time) {
+  if (options_.step) {
+    good = run_in_step();
+  } else if (options_.virtual_time) {
     run_in_virtual_time();
   } else {
     good = run_in_real_time();

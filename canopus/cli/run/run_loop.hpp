@@ -1,7 +1,7 @@
 #pragma once
 // Runs a plant: in real time, in step with the machine's clock, with its servers (MC protocol, socketcand)
-// open; or in virtual time, as fast as it goes, without servers. Ends after a duration, or when it is
-// told to.
+// open; or in virtual time, as fast as it goes, without servers or driven in step by a client. Ends after a
+// duration, or when it is told to.
 
 #include <cstdint>
 #include <optional>
@@ -15,6 +15,8 @@ struct RunOptions {
   std::string plant;                        ///< path of the plant file
   std::optional<can::Duration> duration{};  ///< plant time; without it until SIGINT or SIGTERM
   bool virtual_time = false;
+  bool step = false;        ///< in virtual time: with servers, and time moves only when a client wants it to
+  bool free_ports = false;  ///< every server takes a free port instead of the plant file's
   std::optional<std::uint64_t> seed{};
   std::string trace{};  ///< file for all frames: candump log, or pcap if it ends so; empty = none
   std::string

@@ -1,0 +1,108 @@
+#include "canopus/cli/run/plant_servers.hpp"
+
+#include <utility>
+
+#include <boost/asio/ip/address.hpp>
+#include <boost/asio/post.hpp>
+#include <fmt/format.h>
+
+#include "canopus/cli/terminal/print.hpp"
+
+namespace canopus::cli {
+
+namespace asio = boost::asio;
+
+PlantServers::PlantServers(asio::io_context& io, plant::Plant& plant, link::LoopClock& clock, Use use)
+    : io_(io),
+      plant_(plant),
+      clock_(clock),
+      use_(std::move(use)),
+      runs_(plant, use_.order, [this] { asio::post(io_, [this] { runs_.report(); }); }),
+      run_control_(plant, runs_) {}
+
+PlantServers::~PlantServers() { close(); }
+
+bool PlantServers::open() {
+  for (std::size_t i = 0; i < plant_.plc_count(); ++i) {
+    if (!open_melsec(i)) return false;
+  }
+  if (!open_control()) return false;
+  for (std::size_t i = 0; i < plant_.bus_count(); ++i) {
+    if (!open_socketcand(i)) return false;
+  }
+  return true;
+}
+
+void PlantServers::close() {
+  runs_.end_all();
+  runs_.report();
+  for (const auto& server : socketcand_) server->close();
+  for (const auto& server : melsec_) server->stop();
+  if (control_) control_->stop();
+}
+
+text::HostAndPort PlantServers::place_of(text::HostAndPort place) const {
+  if (use_.free_ports) place.port = 0;
+  return place;
+}
+
+bool PlantServers::opened(const std::expected<void, std::string>& result, std::string_view protocol,
+                          std::string_view of, const text::HostAndPort& place, std::uint16_t port) {
+  if (result) {
+    use_.opened(protocol, of,
+                place.host.find(':') == std::string::npos ? fmt::format("{}:{}", place.host, port)
+                                                          : fmt::format("[{}]:{}", place.host, port));
+  } else {
+    print_error("canopus: {}: {}", protocol, result.error());
+  }
+  return result.has_value();
+}
+
+bool PlantServers::open_melsec(std::size_t plc) {
+  const plant::PlcSection& section = plant_.plc_section(plc);
+  if (!section.listen) return true;
+  const text::HostAndPort place = place_of(*section.listen);
+  serve::MelsecServer& server = *melsec_.emplace_back(std::make_unique<serve::MelsecServer>(
+      io_, plant_.rack(plc), clock_, serve::MelsecServerOptions{.allowed = section.allowed},
+      use_.report(fmt::format("MC protocol {}", section.name))));
+  const auto result = server.listen(place.host, place.port);
+  return opened(result, "MC protocol", section.name, place, server.port());
+}
+
+bool PlantServers::open_control() {
+  const plant::PlantFile& file = plant_.file();
+  if (!file.control && !use_.control) return true;
+  const text::HostAndPort place =
+      file.control ? place_of(*file.control) : text::HostAndPort{.host = "127.0.0.1", .port = 0};
+  const auto answer = [this](std::string_view line, serve::ControlServer::Reply reply) {
+    return run_control_.answer(line, std::move(reply));
+  };
+  control_.emplace(io_, clock_, answer, serve::ControlServerOptions{.allowed = file.control_allowed},
+                   use_.report("control"));
+  const auto result = control_->listen(place.host, place.port);
+  return opened(result, "control", file.name, place, control_->port());
+}
+
+bool PlantServers::open_socketcand(std::size_t bus) {
+  const plant::BusSection& section = plant_.bus_section(bus);
+  if (!section.socketcand) return true;
+  const text::HostAndPort place = place_of(*section.socketcand);
+  boost::system::error_code error;
+  const auto address = asio::ip::make_address(place.host == "localhost" ? "127.0.0.1" : place.host, error);
+  if (error) {
+    print_error("canopus: \"{}\" is not an address to listen on; expected numbers such as 127.0.0.1",
+                place.host);
+    return false;
+  }
+  serve::ClientPorts& ports =
+      *client_ports_.emplace_back(std::make_unique<serve::ClientPorts>(plant_.bus(bus), plant_.timeline()));
+  const auto attach = [&ports](link::AttachedClient& client) { return ports.attach(client); };
+  link::SocketcandServer& server = *socketcand_.emplace_back(std::make_unique<link::SocketcandServer>(
+      io_, asio::ip::tcp::endpoint(address, place.port), section.name, attach, clock_,
+      link::SocketcandLimits{.allowed = section.allowed},
+      use_.report(fmt::format("socketcand {}", section.name))));
+  const auto result = server.listen();
+  return opened(result, "socketcand", section.name, place, server.port());
+}
+
+}  // namespace canopus::cli

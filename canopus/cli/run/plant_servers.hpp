@@ -1,0 +1,70 @@
+#pragma once
+// The servers of a run: MC protocol of each PLC, socketcand of each bus, control of the plant.
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <boost/asio/io_context.hpp>
+
+#include "canopus/link/loop_clock.hpp"
+#include "canopus/link/peer.hpp"
+#include "canopus/link/socketcand_server.hpp"
+#include "canopus/plant/plant.hpp"
+#include "canopus/serve/client_ports.hpp"
+#include "canopus/serve/control_server.hpp"
+#include "canopus/serve/melsec_server.hpp"
+#include "canopus/serve/plant_runs.hpp"
+#include "canopus/serve/run_control.hpp"
+
+namespace canopus::cli {
+
+class PlantServers {
+ public:
+  struct Use {
+    /// A server listens: protocol, what it belongs to, its address.
+    std::function<void(std::string_view protocol, std::string_view of, const std::string& address)> opened{};
+    /// Who hears what this source has to say of its clients.
+    std::function<link::ClientReport(std::string source)> report{};
+    bool free_ports = false;  ///< each on a free port instead of the plant file's
+    bool control = false;     ///< control also without the plant file's key, on a free port of this machine
+    serve::PlantRuns::Order order = serve::PlantRuns::Order::side_by_side;
+  };
+
+  /// All must outlive the servers; `clock` is that of the plant's timeline.
+  PlantServers(boost::asio::io_context& io, plant::Plant& plant, link::LoopClock& clock, Use use);
+  ~PlantServers();
+  PlantServers(const PlantServers&) = delete;
+  PlantServers& operator=(const PlantServers&) = delete;
+
+  /// False after an error, which is printed.
+  [[nodiscard]] bool open();
+  /// What clients of the control server wait for.
+  [[nodiscard]] serve::PlantRuns& runs() noexcept { return runs_; }
+  /// Answers who still waits, and closes.
+  void close();
+
+ private:
+  bool open_melsec(std::size_t plc);
+  bool open_control();
+  bool open_socketcand(std::size_t bus);
+  bool opened(const std::expected<void, std::string>& result, std::string_view protocol, std::string_view of,
+              const text::HostAndPort& place, std::uint16_t port);
+  [[nodiscard]] text::HostAndPort place_of(text::HostAndPort place) const;
+
+  boost::asio::io_context& io_;
+  plant::Plant& plant_;
+  link::LoopClock& clock_;
+  Use use_;
+  serve::PlantRuns runs_;
+  serve::RunControl run_control_;
+  std::vector<std::unique_ptr<serve::ClientPorts>> client_ports_;  // outlive the servers
+  std::vector<std::unique_ptr<link::SocketcandServer>> socketcand_;
+  std::vector<std::unique_ptr<serve::MelsecServer>> melsec_;
+  std::optional<serve::ControlServer> control_;
+};
+
+}  // namespace canopus::cli

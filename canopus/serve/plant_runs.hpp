@@ -1,0 +1,90 @@
+#pragma once
+// "So many scans, then say so": what clients wait for, in plant time. In step with the clock the plant goes on
+// by itself, and everybody waits beside the others. In a plant that is driven in step (run --step) its time
+// moves only as long as somebody waits, for one after the other.
+
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <optional>
+
+#include "canopus/can/timeline.hpp"
+#include "canopus/plant/plant.hpp"
+#include "canopus/serve/plc_condition.hpp"
+
+namespace canopus::serve {
+
+class PlantRuns final : private can::Ticker {
+ public:
+  enum class Order : std::uint8_t {
+    side_by_side,  ///< all of them begin at once
+    in_turn,       ///< each begins when the one before it is over
+  };
+  /// Ends with the first of them that comes. Without any: never.
+  struct Goal {
+    std::optional<std::size_t> plc{};      ///< whose scans and devices; none: the plant has no PLC
+    std::optional<std::uint64_t> scans{};  ///< so many scans have ended
+    std::optional<can::Duration> duration{};
+    std::optional<PlcCondition> until{};  ///< looked at when it begins and at the end of each scan
+  };
+  struct Outcome {
+    std::uint64_t scans = 0;   ///< that have ended meanwhile
+    bool is_met = false;       ///< `until` holds
+    bool plant_ended = false;  ///< the run of the plant ended before
+  };
+  using Done = std::function<void(const Outcome&)>;
+  using Number = std::uint64_t;
+
+  /// `over` is called when report() has something to report, also inside the timeline. The plant must outlive
+  /// this.
+  PlantRuns(plant::Plant& plant, Order order, std::function<void()> over);
+  ~PlantRuns() override;
+  PlantRuns(const PlantRuns&) = delete;
+  PlantRuns& operator=(const PlantRuns&) = delete;
+
+  /// Begins at the plant's present moment, or in its turn. `done` comes by report(), or never after cancel().
+  Number start(Goal goal, Done done);
+  /// Whoever waited is gone.
+  void cancel(Number number);
+
+  /// Somebody waits for plant time to pass.
+  [[nodiscard]] bool wants_time() const noexcept;
+  /// How far the plant may run before somebody's run may be over.
+  [[nodiscard]] can::Time next() const noexcept { return deadline(); }
+  /// Calls `done` of what is over, and lets the next ones begin. Not to be called inside the timeline.
+  void report();
+  /// The run of the plant ends: so does all that is waited for. report() is to follow.
+  void end_all();
+
+ private:
+  struct Run {
+    Number number = 0;
+    Goal goal{};
+    Done done{};
+    bool has_begun = false;
+    bool is_over = false;
+    std::uint64_t scans_before = 0;
+    can::Time end = can::never;
+    can::Time look_at = can::never;
+    Outcome outcome{};
+  };
+
+  // can::Ticker
+  void tick(can::Time now) override;
+  [[nodiscard]] can::Time deadline() const noexcept override;
+
+  void begin_next();
+  void begin(Run& run, can::Time now);
+  void look(Run& run, can::Time now);
+  void finish(Run& run, can::Time now);
+  [[nodiscard]] plc::Rack* rack(const Run& run) const;
+
+  plant::Plant& plant_;
+  Order order_;
+  std::function<void()> over_;
+  std::list<Run> runs_;
+  Number last_number_ = 0;
+  can::Timeline::Handle handle_;
+};
+
+}  // namespace canopus::serve
