@@ -117,6 +117,8 @@ class BufferMemory {
 
   /// Uses the rows of this mode from now on; every word goes to its initial value.
   void select_mode(Modes mode);
+  /// The selected mode; 0 before the first selection.
+  [[nodiscard]] Modes mode() const noexcept { return mode_; }
   /// While online, writes to offline_only rows are refused.
   void set_online(bool online) noexcept { online_ = online; }
   /// Gives first..last, as far as they are in the table, to an area.

@@ -50,6 +50,7 @@ ModuleEngine::ModuleEngine(const ModuleModel& model, can::Controller& controller
       network_(controller),
       profile_(profile),
       buffer_(model.buffer_memory),
+      registers_(model.registers, *this),
       settings_(model, memory, buffer_),
       errors_(model.error_status, buffer_),
       emergencies_(model.emergency_buffer, buffer_),
@@ -60,6 +61,7 @@ ModuleEngine::ModuleEngine(const ModuleModel& model, can::Controller& controller
       network_settings_(model.network_settings, buffer_, master_),
       process_data_(model.program_interface.process_data, buffer_),
       layer2_(model.layer2, layer2_rules(model, profile_), buffer_, controller),
+      windows_(model.process_data_windows, model.program_interface.process_data, buffer_),
       exchange_(model.exchange_control, buffer_, {process_data_, emergencies_, layer2_, node_}),
       time_stamp_(model.time_stamp, buffer_, node_),
       status_words_(model.status, buffer_, {state_, controller, node_, master_, layer2_}),
@@ -328,6 +330,7 @@ void ModuleEngine::update(can::Time now) {
   }
   errors_.follow(ModuleError::hardware, state_.hardware_fault);
   errors_.follow(ModuleError::flash, settings_.error());
+  if (any_nmt_error()) errors_.raise(ModuleError::node_failure);
   port_->show(now);
 }
 

@@ -30,6 +30,7 @@
 #include "canopus/module/engine/module_model.hpp"
 #include "canopus/module/engine/module_settings.hpp"
 #include "canopus/module/engine/profile.hpp"
+#include "canopus/module/engine/register_words.hpp"
 #include "canopus/module/engine/request_port.hpp"
 #include "canopus/module/interface/communication_module.hpp"
 #include "canopus/module/storage/concise_dcf_store.hpp"
@@ -75,7 +76,12 @@ class ModuleEngine : public CommunicationModule,
   [[nodiscard]] unsigned points() const noexcept override { return model_.data_sheet->points; }
   [[nodiscard]] ProductInformation product() const noexcept override;
   [[nodiscard]] StartUp start_up() const noexcept override;
-  [[nodiscard]] BufferMemoryAccess* buffer_memory() noexcept override { return this; }
+  [[nodiscard]] BufferMemoryAccess* buffer_memory() noexcept override {
+    return model_.buffer_memory_size == 0 ? nullptr : this;
+  }
+  [[nodiscard]] RegisterAccess* registers() noexcept override {
+    return model_.registers.empty() ? nullptr : &registers_;
+  }
   [[nodiscard]] SignalAccess* signals() noexcept override { return port_->signals(); }
   void power_on(can::Time now) override;
   void power_off(can::Time now) override;
@@ -211,6 +217,7 @@ class ModuleEngine : public CommunicationModule,
   ModuleState state_;
 
   BufferMemory buffer_;
+  RegisterWords registers_;
   ModuleSettings settings_;
   ErrorStatus errors_;
   EmergencyBuffer emergencies_;
@@ -221,6 +228,7 @@ class ModuleEngine : public CommunicationModule,
   NetworkSettings network_settings_;
   DataExchange process_data_;
   Layer2 layer2_;
+  ProcessDataWindows windows_;
   ExchangeControl exchange_;
   TimeStamp time_stamp_;
   StatusWords status_words_;

@@ -20,6 +20,7 @@
 #include "canopus/module/areas/layer2_settings.hpp"
 #include "canopus/module/areas/network_settings.hpp"
 #include "canopus/module/areas/nmt_status.hpp"
+#include "canopus/module/areas/process_data_windows.hpp"
 #include "canopus/module/areas/status_words.hpp"
 #include "canopus/module/areas/time_stamp.hpp"
 #include "canopus/module/engine/request_port.hpp"
@@ -81,8 +82,13 @@ struct ModuleModel {
   const DataSheet* data_sheet = nullptr;
   /// What stands before an address in messages: "G".
   std::string_view word_prefix{};
+  /// 0: the module has no buffer memory; its words are registers of the CPU.
   BufferAddress buffer_memory_size = 0;
   std::span<const BufferRow> buffer_memory{};
+  /// In the order of their addresses.
+  std::span<const ProcessDataWindow> process_data_windows{};
+  /// Registers of the CPU that are the module's; their numbers are addresses of `buffer_memory`.
+  std::span<const RegisterRange> registers{};
   std::span<const FunctionModeRow> function_modes{};
   /// How a program asks: requests_by_signals with `signals`, requests_by_words with `request_words`, or a port of
   /// the model's own. Made once per module.

@@ -131,79 +131,65 @@ std::shared_ptr<const canopen::DictionaryDescription> dictionary() {
 
 constexpr DataSheet sheet{.model = "ELSEWHERE", .series = "X", .points = 32, .flash_writes = 3};
 
-constexpr std::array request_words = std::to_array<RequestWordRow>({
-    {120, RequestUse::data_exchange, 1U << 0},
-    {122, RequestUse::save_restore, 1U << 0 | 1U << 1},
-    {125, RequestUse::restart, 1U << 0},
-    {125, RequestUse::online, 1U << 4, layer2_mode},
-    {1100, RequestUse::command},
-});
-
-constexpr ModuleModel make(std::unique_ptr<RequestPort> (*request_port)(ModuleEngine&)) {
-  return {
-      .data_sheet = &sheet,
-      .word_prefix = "W",
-      .buffer_memory_size = 5000,
-      .buffer_memory = buffer_rows,
-      .function_modes = function_modes,
-      .request_port = request_port,
-      .signals = signals,
-      .request_words = request_words,
-      .leds = leds,
-      .emergencies = {.cpu_error = {0xFF01, 0x80, {'X', '1'}},
-                      .cpu_stopped = {0xFF02, 0x82, {'X', '2'}},
-                      .restart = {0x6201, 0x04, {'X', '4'}},
-                      .queue_overflow = {0x8111, 0x12},
-                      .error_passive = {0x8121, 0x13},
-                      .node_lost = {0x8E00, 0x14}},
-      .settings = {.function_mode = 121,
-                   .baud_rate = 124,
-                   .node_address = 127,
-                   .save_restore = 122,
-                   .save = 1U << 0,
-                   .restore = 1U << 1},
-      // No bit for a seen NMT reset.
-      .status = StatusWordsLayout{.communication_status = 125,
-                                  .bits = {.operational = 1U << 15,
-                                           .warning_level = 1U << 14,
-                                           .initialization = 1U << 13,
-                                           .pre_operational_state = 1U << 12,
-                                           .operational_state = 1U << 11,
-                                           .lss_active = 1U << 10,
-                                           .time_seen = 1U << 9,
-                                           .slave_start_up = 1U << 8,
-                                           .nmt_master = 1U << 7},
-                                  .transmit_errors = 135,
-                                  .receive_errors = 136,
-                                  .active_bit_rate = 137},
-      .error_status =
-          ErrorStatusLayout{
-              .status = 129, .invalid_address = 139, .refused_address = 140, .errors = error_rows},
-      .exchange_control =
-          ExchangeControlLayout{
-              .address = 120, .process_data = 1U << 1, .emergencies = 1U << 2, .running = 0x0101},
-      .emergency_buffer = EmergencyBufferLayout{.first = 950, .stack = 3, .ring = 1},
-      .nmt_status = NmtStatusLayout{.error_control = 501, .state = 801, .clear_node = 500},
-      .network_settings = NetworkSettingsLayout{.start_all_delay = 170, .sdo_time_out = 171},
-      .time_stamp = TimeStampLayout{.first = 150},
-      .command = CommandLayout{.first = 1100, .commands = commands},
-      .layer2 = Layer2Layout{.error_codes = 2300,
-                             .parameters = 2400,
-                             .rtr_flags = 2600,
-                             .trigger_flags = 2603,
-                             .stop_messages = 2700,
-                             .process_data = 2000},
-      .program_interface =
-          {.process_data = {.receive_first = 3000, .transmit_first = 4000, .words = 8, .pdos = 2}},
-      .object_dictionary = dictionary,
-      .node_options = [] { return canopen::NodeOptions{.send_tpdos_on_start = false}; },
-      .master_options = [] { return manager::MasterOptions{}; },
-  };
-}
-
 }  // namespace
 
-constinit const ModuleModel elsewhere = make(requests_by_signals);
-constinit const ModuleModel without_signals = make(requests_by_words);
+constinit const ModuleModel elsewhere{
+    .data_sheet = &sheet,
+    .word_prefix = "W",
+    .buffer_memory_size = 5000,
+    .buffer_memory = buffer_rows,
+    .function_modes = function_modes,
+    .request_port = requests_by_signals,
+    .signals = signals,
+    .leds = leds,
+    .emergencies = {.cpu_error = {0xFF01, 0x80, {'X', '1'}},
+                    .cpu_stopped = {0xFF02, 0x82, {'X', '2'}},
+                    .restart = {0x6201, 0x04, {'X', '4'}},
+                    .queue_overflow = {0x8111, 0x12},
+                    .error_passive = {0x8121, 0x13},
+                    .node_lost = {0x8E00, 0x14}},
+    .settings = {.function_mode = 121,
+                 .baud_rate = 124,
+                 .node_address = 127,
+                 .save_restore = 122,
+                 .save = 1U << 0,
+                 .restore = 1U << 1},
+    // No bit for a seen NMT reset.
+    .status = StatusWordsLayout{.communication_status = 125,
+                                .bits = {.operational = 1U << 15,
+                                         .warning_level = 1U << 14,
+                                         .initialization = 1U << 13,
+                                         .pre_operational_state = 1U << 12,
+                                         .operational_state = 1U << 11,
+                                         .lss_active = 1U << 10,
+                                         .time_seen = 1U << 9,
+                                         .slave_start_up = 1U << 8,
+                                         .nmt_master = 1U << 7},
+                                .transmit_errors = 135,
+                                .receive_errors = 136,
+                                .active_bit_rate = 137},
+    .error_status =
+        ErrorStatusLayout{
+            .status = 129, .invalid_address = 139, .refused_address = 140, .errors = error_rows},
+    .exchange_control =
+        ExchangeControlLayout{
+            .address = 120, .process_data = 1U << 1, .emergencies = 1U << 2, .running = 0x0101},
+    .emergency_buffer = EmergencyBufferLayout{.first = 950, .stack = 3, .ring = 1},
+    .nmt_status = NmtStatusLayout{.error_control = 501, .state = 801, .clear_node = 500},
+    .network_settings = NetworkSettingsLayout{.start_all_delay = 170, .sdo_time_out = 171},
+    .time_stamp = TimeStampLayout{.first = 150},
+    .command = CommandLayout{.first = 1100, .commands = commands},
+    .layer2 = Layer2Layout{.error_codes = 2300,
+                           .parameters = 2400,
+                           .rtr_flags = 2600,
+                           .trigger_flags = 2603,
+                           .stop_messages = 2700,
+                           .process_data = 2000},
+    .program_interface =
+        {.process_data = {.receive_first = 3000, .transmit_first = 4000, .words = 8, .pdos = 2}},
+    .object_dictionary = dictionary,
+    .node_options = [] { return canopen::NodeOptions{.send_tpdos_on_start = false}; },
+    .master_options = [] { return manager::MasterOptions{}; },
+};
 
 }  // namespace canopus::scenario

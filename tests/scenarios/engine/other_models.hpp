@@ -1,6 +1,6 @@
 #pragma once
-// Two made-up models for the engine, neither of them the ME3CAN1-Q: one whose every word, bit and signal is
-// elsewhere, and one without signals that is asked by bits of words, as the FX modules are.
+// A made-up model for the engine whose every word, bit and signal is elsewhere than the ME3CAN1-Q's, and what a
+// scenario of any model needs.
 
 #include <utility>
 
@@ -12,8 +12,6 @@ namespace canopus::scenario {
 
 /// All addresses, bits and signals differ from the ME3CAN1-Q's; 8 words and 2 PDOs each way, four-digit year.
 extern const module::ModuleModel elsewhere;
-/// The same words, no signals.
-extern const module::ModuleModel without_signals;
 
 /// Signals: 1C ready, 1B data exchange, 1A restart, 19 error, 18 NMT error, 17 emergency, 16 set clock, 15
 /// read clock, 14 command, 13 save/restore, 12 online (Layer 2), 11 transmit trigger (Layer 2).
@@ -21,14 +19,6 @@ class ElsewhereModule final : public module::ModuleEngine {
  public:
   ElsewhereModule(can::Controller& controller, module::NonVolatileMemory& memory)
       : ModuleEngine(elsewhere, controller, memory, {}) {}
-};
-
-/// Asked by words: 120 bit 0 data exchange, 122 bits 0 and 1 save and restore, 125 bit 0 restart and bit 4
-/// online, 1100 a command's code.
-class WordModule final : public module::ModuleEngine {
- public:
-  WordModule(can::Controller& controller, module::NonVolatileMemory& memory)
-      : ModuleEngine(without_signals, controller, memory, {}) {}
 };
 
 template <typename Model>

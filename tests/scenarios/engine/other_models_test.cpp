@@ -6,7 +6,6 @@ namespace canopus::scenario {
 namespace {
 
 using Elsewhere = OtherScenario<ElsewhereModule>;
-using ByWords = OtherScenario<WordModule>;
 
 constexpr unsigned ready = 0x1C;
 constexpr unsigned exchange = 0x1B;
@@ -154,32 +153,6 @@ TEST(OtherModel, ASaveThatIsTakenBack_IsDone_AndNotAnswered) {
   s.write(127, 9).write(122, 1).y(save, true).advance(50ms).y(save, false).advance(60ms);
   s.expect(122, 0).expect_x(save, false);
   s.supply_off().supply_on().advance(1s).tx(0x709, {0x00});
-}
-
-TEST(ModelWithoutSignals, IsAskedByBitsOfWords) {
-  ByWords s;
-  start(s);
-  s.rx(0x000, {0x01, 0x00}).rx(0x203, {0x34, 0x12});
-  s.write(4001, 0x5678).write(120, 1).expect(120, 0x0101).advance(1ms).expect(120, 0).expect(3001, 0x1234);
-  s.tx(0x183, {0x78, 0x56});
-  s.write(1101, {0, 0x1014, 0}).write(1100, 0x4001).expect(1100, 0xFFFF).advance(1ms);
-  s.expect(1100, {0x4002, 0, 0x1014, 0, 4, 0x0083, 0});
-  s.write(127, 7).write(122, 1).expect(122, 1).advance(100ms).expect(122, 0);
-  s.write(125, 1).tx(0x083, {0x01, 0x62, 0x05, 'X', '4', 0, 0, 0}).expect_bit(125, 13, true);
-  s.wait_bit(125, 13, false).tx(0x707, {0x00});
-  EXPECT_EQ(s.plug_in().signals(), nullptr);
-}
-
-TEST(ModelWithoutSignals, GoesOnlineByABit) {
-  ByWords s;
-  start(s);
-  s.write(121, 7).write(122, 1).advance(100ms).write(125, 1).ignore_tx().wait_bit(125, 13, false);
-  s.write(2400, {0xFFFF, 0x5FFF, 0, 0}).write(2000, {0x5678, 0x1234, 2, 0xBBAA, 0, 0, 0});
-  EXPECT_EQ(s.plug_in().layer2_state(), module::Layer2State::offline);
-  s.write(125, 1U << 4);
-  EXPECT_EQ(s.plug_in().layer2_state(), module::Layer2State::online);
-  s.ignore_tx().write(125, 0);
-  EXPECT_EQ(s.plug_in().layer2_state(), module::Layer2State::offline);
 }
 
 }  // namespace
