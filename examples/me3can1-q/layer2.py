@@ -9,8 +9,7 @@ of the ME3CAN1-Q User's Manual.
 """
 import sys
 
-from mc import McClient
-from me3can1q import Me3Can1Q
+from me3can1q import Me3Can1Q, Plc
 
 # Parameter B of a transmit slot: what a remote frame with its CAN-ID does (3.6.2)
 AUTOMATIC_RTR, MANUAL_RTR, NO_RTR = 0x7FFF, 0x6FFF, 0x5FFF
@@ -21,7 +20,7 @@ NEW_DATA, NEW_FRAME, OVERFLOW = 0x0100, 0x0200, 0x0400
 
 
 def main(host="127.0.0.1", port="5007"):
-    with McClient(host, int(port)) as plc:
+    with Plc(host, int(port)) as plc:
         module = Me3Can1Q(plc, head=0x40)
         module.wait_ready()
 

@@ -1,6 +1,6 @@
 """The ME3CAN1-Q over MC protocol: what the function blocks of its manual's chapter 7 do, as Python functions.
 
-    module = Me3Can1Q(McClient("127.0.0.1", 5007), head=0x00)
+    module = Me3Can1Q(Plc("127.0.0.1", 5007), head=0x00)
     module.sdo_read(2, 0x1000)                             # 4 bytes of node 2's device type
     module.sdo_write(2, 0x1017, 0, u16(500))               # its heartbeat
     module.nmt_request(ALL_NODES, START)
@@ -19,10 +19,17 @@
 | NMTStatus               | nmt_states()                                    |
 | HeartbeatStatus         | error_control(), clear_error_control()          |
 
-Numbers in parentheses are sections of the ME3CAN1-Q User's Manual. Standard library only; copy it together with mc.py.
+Numbers in parentheses are sections of the ME3CAN1-Q User's Manual. The package canopus_plc (docs/python.md) speaks the MC protocol.
 """
+import pathlib
 import struct
-import time
+import sys
+
+try:
+    from canopus_plc import Plc
+except ImportError:  # it is not installed: that of this source tree
+    sys.path.append(str(pathlib.Path(__file__).resolve().parents[2] / "python"))
+    from canopus_plc import Plc
 
 OWN_NODE = 0      # node number of the module's own object dictionary (5.1)
 ALL_NODES = 0x80  # sub-index of 1F82H and 1F83H that means all nodes (4.8.8)
@@ -80,35 +87,32 @@ class CommandError(Exception):
 
 class Me3Can1Q:
     def __init__(self, plc, head=0x00):
-        """`plc` is an McClient; `head` the module's head I/O number, a multiple of 10H."""
-        self.plc, self.head = plc, head
+        """`plc` is a Plc; `head` the module's head I/O number, a multiple of 10H."""
+        self.plc, self.head, self.memory = plc, head, plc.g[head >> 4]
 
     # --- words and signals
 
     def g(self, address):
-        return self.plc.read(self._word(address))[0]
+        return self.memory[address]
 
     def words(self, address, count):
-        return self.plc.read(self._word(address), count)
+        return self.memory[address:address + count]
 
     def set_g(self, address, *values):
-        self.plc.write(self._word(address), list(values))
+        self.memory[address:address + len(values)] = values
 
     def x(self, signal):
-        return self.plc.read_bits(f"X{self.head + signal:X}")[0]
+        return self.plc.x[self.head + signal]
 
     def y(self, signal, on):
-        self.plc.write_bits(f"Y{self.head + signal:X}", [on])
-
-    def _word(self, address):
-        return rf"U{self.head >> 4:X}\G{address}"
+        self.plc.y[self.head + signal] = on
 
     def wait(self, condition, what, timeout):
-        end = time.monotonic() + timeout
-        while not condition():
-            if time.monotonic() > end:
-                raise ModuleError(f"{what} did not come within {timeout} s; G25 = {self.g(25):04X}H, G29 = {self.g(29):04X}H")
-            time.sleep(0.002)
+        try:
+            self.plc.wait(condition, timeout)
+        except TimeoutError:
+            raise ModuleError(f"{what} did not come within {timeout} s; G25 = {self.g(25):04X}H, "
+                              f"G29 = {self.g(29):04X}H") from None
 
     def handshake(self, signal, timeout):
         """Request Y on, wait for X, request off (3.3.2)."""

@@ -9,15 +9,14 @@ the station, starts the network and exchanges process data while it watches stat
 import sys
 import time
 
-from mc import McClient
-from me3can1q import (ALL_NODES, OWN_NODE, PRE_OPERATIONAL, START, STATES, STOP, CommandError, Me3Can1Q, number,
+from me3can1q import (ALL_NODES, OWN_NODE, PRE_OPERATIONAL, START, STATES, STOP, CommandError, Me3Can1Q, Plc, number,
                       receive_word, transmit_word, u16)
 
 STATION = 2  # the I/O station's node-ID (TargetSlaveNumber)
 
 
 def main(host="127.0.0.1", port="5007"):
-    with McClient(host, int(port)) as plc:
+    with Plc(host, int(port)) as plc:
         module = Me3Can1Q(plc, head=0x00)
 
         module.initialize(node=1, kbps=250)                       # CANopenInit

@@ -8,12 +8,11 @@ slaves. At the end the network is Operational, and an output of the I/O block is
 """
 import sys
 
-from mc import McClient
-from me3can1q import OWN_NODE, Me3Can1Q, number, receive_word, transmit_word, u32
+from me3can1q import OWN_NODE, Me3Can1Q, Plc, number, receive_word, transmit_word, u32
 
 
 def main(host="127.0.0.1", port="5007"):
-    with McClient(host, int(port)) as plc:
+    with Plc(host, int(port)) as plc:
         module = Me3Can1Q(plc, head=0x40)
 
         step("1 to 3", "function mode 405, save, restart")

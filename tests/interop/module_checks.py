@@ -11,8 +11,8 @@ from kit import (HERE, PATIENCE, ROOT, check, command, covers, first_plant_file,
                  running, scratch, talking)
 
 EXAMPLES = ROOT / "examples/me3can1-q"
-sys.path.append(str(EXAMPLES))
-import mc  # noqa: E402
+sys.path += [str(EXAMPLES), str(ROOT / "python")]
+from canopus_plc import Plc, PlcError  # noqa: E402
 import me3can1q  # noqa: E402
 
 
@@ -140,7 +140,7 @@ def layer_2_module_talks_to_a_raw_socketcand_peer():
             peer.sendall(b"< send 123 2 5A A5 >")
             plant.wait(lambda e: e["event"] == "buffer" and e["address"] == 10003 and e["value"] == 0xA55A)
             mc_host, mc_port = host_port(plant.mc)
-            with mc.McClient(mc_host, int(mc_port)) as plc:
+            with Plc(mc_host, int(mc_port)) as plc:
                 module = me3can1q.Me3Can1Q(plc, head=0x60)
                 require(module.words(10000, 4) == [0x123, 0, 0x0302, 0xA55A], f"slot 1 has {module.words(10000, 4)}")
                 require(module.g(29) == 0, f"G29 = {module.g(29):04X}H")
@@ -166,7 +166,7 @@ def npm_canopen_configures_the_module_as_its_slave():
         plant.wait(lambda e: e["event"] == "signal" and e["signal"] == "X00" and e["on"])
         command("node", HERE / "module_slave_peer.mjs", *host_port(plant.socketcand), "line1", "127", eds)
         host, port = host_port(plant.mc)
-        with mc.McClient(host, int(port)) as plc:
+        with Plc(host, int(port)) as plc:
             module = me3can1q.Me3Can1Q(plc)
             require(module.g(25) & 0x0301 == 0x0201, f"G25 = {module.g(25):04X}H after the peer started the node")
             module.set_g(13000, 0xBEEF)
@@ -230,7 +230,7 @@ def killed_while_saving_leaves_old_or_new_settings():
         with running(path) as plant:
             plant.wait(lambda e: e["event"] == "signal" and e["signal"] == "X00" and e["on"])
             host, port = host_port(plant.mc)
-            with mc.McClient(host, int(port)) as plc:
+            with Plc(host, int(port)) as plc:
                 module = me3can1q.Me3Can1Q(plc)
                 module.wait_ready()
                 found = tuple(module.words(70, 2))
@@ -261,7 +261,7 @@ def killed_while_saving_leaves_old_or_new_settings():
                         objects.add(new)
                         module.store_objects()
                         objects = {new}
-                except OSError:
+                except PlcError:
                     pass  # killed
                 killer.join()
                 plant.process.wait()

@@ -20,8 +20,8 @@ import time
 from kit import (PATIENCE, ROOT, check, first_plant_file, host_port, program, require, scratch, until)
 from module_checks import recorded
 
-sys.path.append(str(ROOT / "examples/me3can1-q"))
-import mc  # noqa: E402
+sys.path.append(str(ROOT / "python"))
+from canopus_plc import Plc  # noqa: E402
 
 
 class LineReader:
@@ -80,9 +80,9 @@ def mc_address(lines):
 def write_many(plc, first, requests):
     """Each request writes 480 other values: 480 events of about 100 octets. Each is answered."""
     for number in range(first, first + requests):
-        plc.write(r"U0\G13000", [(number * 7 + i) & 0xFFFF for i in range(480)])
-    plc.write("D100", [first])
-    require(plc.read("D100") == [first], "the PLC does not answer any more")
+        plc.g[0][13000:13480] = [(number * 7 + i) & 0xFFFF for i in range(480)]
+    plc.d[100] = first
+    require(plc.d[100] == first, "the PLC does not answer any more")
 
 
 # --- nobody reads
@@ -95,7 +95,7 @@ def an_unread_output_does_not_stop_the_plant():
     with started("run", first_plant_file(), "--json", "--trace", trace) as (process, lines):
         host, port = mc_address(lines)
         traffic_enough = time.monotonic() + 3  # the nodes are up after a second, then there are 150 frames a second
-        with mc.McClient(host, int(port), timeout=PATIENCE) as plc:
+        with Plc(host, int(port), timeout=PATIENCE) as plc:
             write_many(plc, 0, 100)
             events, lost = [], None
             for line in lines.all_lines():
@@ -126,7 +126,7 @@ def every_signal_ends_a_run_that_nobody_reads():
     for how in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         with started("run", first_plant_file(), "--json") as (process, lines):
             host, port = mc_address(lines)
-            with mc.McClient(host, int(port), timeout=PATIENCE) as plc:
+            with Plc(host, int(port), timeout=PATIENCE) as plc:
                 write_many(plc, 0, 60)
             require(ends(process, how) == 0, f"exit code after {how}")
 
@@ -138,11 +138,11 @@ def an_unread_standard_error_does_not_stop_the_plant():
     try:
         with started("run", first_plant_file(), stderr=writer) as (process, lines):
             port = next(m[1] for m in (re.match(r"MC protocol.*:(\d+)$", line) for line in lines.all_lines()) if m)
-            with mc.McClient("127.0.0.1", int(port), timeout=PATIENCE) as plc:
+            with Plc("127.0.0.1", int(port), timeout=PATIENCE) as plc:
                 for _ in range(12000):
-                    plc.write(r"U0\G24", [300])
-                plc.write("D100", [4711])
-                require(plc.read("D100") == [4711], "the PLC does not answer any more")
+                    plc.g[0][24] = 300
+                plc.d[100] = 4711
+                require(plc.d[100] == 4711, "the PLC does not answer any more")
             require(ends(process, signal.SIGTERM) == 0, "exit code")
     finally:
         os.close(reader)
@@ -176,9 +176,9 @@ def a_trace_that_nobody_reads_does_not_stop_the_plant():
         reader = os.open(fifo, os.O_RDONLY)
         try:
             host, port = mc_address(lines)
-            with mc.McClient(host, int(port), timeout=PATIENCE) as plc:
-                plc.write("D100", [4711])
-                require(plc.read("D100", 1) == [4711], "the PLC does not answer")
+            with Plc(host, int(port), timeout=PATIENCE) as plc:
+                plc.d[100] = 4711
+                require(plc.d[100] == 4711, "the PLC does not answer")
             require(os.read(reader, 4) == (0xA1B23C4D).to_bytes(4, sys.byteorder), "no pcap header")
             ends(process, signal.SIGTERM)
         finally:
@@ -204,7 +204,7 @@ def a_reader_that_begins_late_gets_what_was_kept_and_the_number_of_the_lost():
                                   stdout=subprocess.PIPE, pass_fds=[pipe])
         try:
             process.stdout.close()  # the reader has it
-            with mc.McClient(host, int(port), timeout=PATIENCE) as plc:
+            with Plc(host, int(port), timeout=PATIENCE) as plc:
                 write_many(plc, 0, 100)
                 reader.stdin.write(b"\n")
                 reader.stdin.close()
@@ -216,8 +216,8 @@ def a_reader_that_begins_late_gets_what_was_kept_and_the_number_of_the_lost():
                 require(events and events[-1]["event"] == "lost", f"the lost lines are not counted: {events[-3:]}")
                 shown = sum(event["event"] in ("buffer", "error") for event in events)
                 require(shown + events[-1]["lines"] >= 100 * 480, f"{shown} shown, {events[-1]} of {100 * 480}")
-                plc.write("D100", [4711])
-                require(plc.read("D100") == [4711], "the PLC does not answer any more")
+                plc.d[100] = 4711
+                require(plc.d[100] == 4711, "the PLC does not answer any more")
             require(ends(process, signal.SIGTERM) == 0, "exit code")
         finally:
             reader.kill()
@@ -263,7 +263,7 @@ def a_stopped_terminal_does_not_stop_the_plant():
             terminal.stop()
             while terminal.read(1):
                 pass  # what was under way
-            with mc.McClient("127.0.0.1", port, timeout=PATIENCE) as plc:
+            with Plc("127.0.0.1", port, timeout=PATIENCE) as plc:
                 write_many(plc, 0, 20)
                 require(not terminal.read(1), "the terminal is not stopped")
                 terminal.go_on()
@@ -314,7 +314,7 @@ def more_clients_than_file_descriptors_are_refused_in_words():
                 require(client.recv(100) == b"< hi >", "a client is not greeted")
                 client.sendall(b"< open line1 >")
                 require(client.recv(100) == b"< ok >", "a client does not join")
-            plc = stack.enter_context(mc.McClient("127.0.0.1", ports["MC protocol"], timeout=PATIENCE))
+            plc = stack.enter_context(Plc("127.0.0.1", ports["MC protocol"], timeout=PATIENCE))
             too_many = [connect(ports["socketcand"]) for _ in range(30)]
             answers = {client.recv(100) for client in too_many}
             require(b"< error too many open files >" in answers, f"answers: {answers}")
@@ -324,8 +324,8 @@ def more_clients_than_file_descriptors_are_refused_in_words():
             time.sleep(2)
             used = processor_time(process) - before
             require(used < 0.5, f"it used {used} s of 2 s")
-            plc.write("D100", [4711])
-            require(plc.read("D100") == [4711], "the PLC does not answer any more")
+            plc.d[100] = 4711
+            require(plc.d[100] == 4711, "the PLC does not answer any more")
             until(lambda: any(e["event"] == "error" and "was refused: the process has no file descriptor left" in e["message"]
                               for e in list(events)), f"no error says so: {events[-5:]}")
 

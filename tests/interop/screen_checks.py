@@ -13,8 +13,8 @@ import time
 
 from kit import PATIENCE, ROOT, check, first_plant_file, program, require, until
 
-sys.path.append(str(ROOT / "examples/me3can1-q"))
-import mc  # noqa: E402
+sys.path.append(str(ROOT / "python"))
+from canopus_plc import Plc  # noqa: E402
 
 ENTER, LEAVE = b"\x1b[?1049h", b"\x1b[?1049l"
 
@@ -199,7 +199,7 @@ class Session:
     def plc(self):
         self.wait_shown("MC protocol")
         port = re.search(r"MC protocol 127\.0\.0\.1:(\d+)", "\n".join(self.screen.text()))[1]
-        return mc.McClient("127.0.0.1", int(port), timeout=PATIENCE)
+        return Plc("127.0.0.1", int(port), timeout=PATIENCE)
 
 
 @contextlib.contextmanager
@@ -220,9 +220,9 @@ def on_terminal(*words, rows=24, columns=80, **environment):
 def wrong_write(session):
     """An error that a person should know."""
     with session.plc() as plc:
-        plc.write(r"U0\G24", [301])
-        plc.write("D100", [4711])
-        require(plc.read("D100") == [4711], "the PLC does not answer")
+        plc.g[0][24] = 301
+        plc.d[100] = 4711
+        require(plc.d[100] == 4711, "the PLC does not answer")
 
 
 @check
@@ -306,8 +306,8 @@ def a_stopped_terminal_does_not_stop_the_plant():
         size = len(session.output)
         with plc:
             for number in range(100):
-                plc.write("D100", [number])
-                require(plc.read("D100") == [number], "the PLC does not answer")
+                plc.d[100] = number
+                require(plc.d[100] == number, "the PLC does not answer")
         session.pump(1)
         require(len(session.output) == size, "Ctrl-S does not stop the output")
         session.type(b"\x11")

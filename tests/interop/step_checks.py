@@ -1,14 +1,17 @@
 """Checks of a plant that is driven in step: `canopus run --virtual --step`."""
 import contextlib
 import json
+import os
+import pathlib
 import re
+import shutil
 import signal
 import socket
 import subprocess
 import threading
 
 from docs_checks import blocks, differs
-from kit import PATIENCE, ROOT, check, command, first_plant_file, host_port, program, require, scratch
+from kit import PATIENCE, PYTHON, ROOT, Skip, check, command, first_plant_file, host_port, program, require, scratch
 
 
 class SteppedPlant:
@@ -222,6 +225,47 @@ def a_driven_plant_says_what_its_page_shows():
             else:
                 said = plant.lines.readline().rstrip("\n")
                 require(differs([line[2:]], [said], ()) is None, f"the page shows {line!r}, the plant says {said!r}")
+
+
+def python(*words):
+    """Debian's Python with the package of this source tree and the program under test; the examples lie where the page has them."""
+    folder = scratch / "python-page"
+    folder.mkdir(exist_ok=True)
+    if not (folder / "examples").exists():
+        (folder / "examples").symlink_to(ROOT / "examples")
+    environment = os.environ | {"PYTHONPATH": str(ROOT / "python"), "CANOPUS_PROGRAM": program, "PYTHONDONTWRITEBYTECODE": "1"}
+    return command(PYTHON, *words, cwd=folder, env=environment).stdout
+
+
+@check
+def the_python_of_its_page_does_what_the_page_says():
+    first, second, test = ("\n".join(block) for block in blocks("docs/python.md", "python"))
+    said = python("-c", first).splitlines()
+    require(said == ["operational after 1.51 s", "the echo is 5AH"], said)
+    page = (ROOT / "docs/python.md").read_text()
+    require(all(f"`{line}`" in page for line in said), "the page says something else")
+    require(python("-c", second) == "True 2 0\n", python("-c", second))
+    if subprocess.run([PYTHON, "-c", "import pytest"], capture_output=True).returncode != 0:
+        print("    python3-pytest is absent: the test of the page is not run")
+        return
+    folder = scratch / "python-page"
+    (folder / "conftest.py").write_text('pytest_plugins = ["canopus_plc.pytest_plugin"]\n')
+    (folder / "test_page.py").write_text(test)
+    require("1 passed" in python("-m", "pytest", "-q", "-p", "no:cacheprovider", "test_page.py"), "the test of the page")
+
+
+@check
+def the_python_package_is_installed_with_the_program():
+    build = pathlib.Path(program).parent
+    if not shutil.which("cmake") or not (build / "cmake_install.cmake").is_file():
+        raise Skip("no cmake, or the program lies in no build folder")
+    there = scratch / "installed"
+    command("cmake", "--install", build, "--prefix", there)
+    package = there / "share/canopus/python"
+    require((there / "bin/canopus").is_file() and (package / "canopus_plc/py.typed").is_file(), "it is not complete")
+    words = "import canopus_plc; print(canopus_plc.__file__)"
+    environment = {"PYTHONPATH": str(package), "PYTHONDONTWRITEBYTECODE": "1"}
+    require(str(package) in command(PYTHON, "-c", words, env=environment, cwd=scratch).stdout, "another one is imported")
 
 
 @check
