@@ -62,6 +62,9 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
                                        private can::Sink,
                                        private SocketcandSession::Peer {
  public:
+  /// Messages that wait for its socket.
+  [[nodiscard]] std::size_t waiting_messages() const noexcept { return queued_; }
+
   Client(Shared& server, boost::asio::ip::tcp::socket socket)
       : server_(&server),
         socket_(std::move(socket)),

@@ -1,5 +1,6 @@
 #include "canopus/link/socketcand_server.hpp"
 
+#include <algorithm>
 #include <string_view>
 #include <utility>
 
@@ -123,6 +124,12 @@ SocketcandStatistics SocketcandServer::statistics() const noexcept {
   SocketcandStatistics statistics = shared_->statistics;
   statistics.clients = shared_->clients.size();
   return statistics;
+}
+
+std::size_t SocketcandServer::waiting_messages() const noexcept {
+  std::size_t most = 0;
+  for (const auto& client : shared_->clients) most = std::max(most, client->waiting_messages());
+  return most;
 }
 
 void SocketcandServer::close() {

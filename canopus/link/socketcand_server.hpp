@@ -96,6 +96,9 @@ class SocketcandServer {
   /// The port it listens on (the one the system chose when the endpoint's is 0); 0 before listen().
   [[nodiscard]] std::uint16_t port() const noexcept;
   [[nodiscard]] SocketcandStatistics statistics() const noexcept;
+  /// Messages that wait for the slowest client's socket. When its queue is full (SocketcandLimits::queue), frames are
+  /// lost: a plant in virtual time can wait for its clients instead.
+  [[nodiscard]] std::size_t waiting_messages() const noexcept;
   /// Ends all connections and takes the clients off the bus. Not to be called from a bus callback.
   void close();
 

@@ -197,6 +197,41 @@ def a_stepped_plant_whose_output_nobody_reads_ends_by_a_signal():
 
 
 @check
+def a_client_of_the_bus_loses_nothing_however_fast_the_plant_runs():
+    with stepped() as plant, plant.connect("socketcand") as bus:
+        for said, expected in ((None, b"< hi >"), (b"< open line1 >", b"< ok >"), (b"< rawmode >", b"< ok >")):
+            if said:
+                bus.sendall(said)
+            require(bus.recv(len(expected)) == expected, "socketcand does not greet")
+        plant.run(**{"for": "1s"})
+        plant.send(request="run", **{"for": "120s"})
+        heard, text = 0, b""
+        bus.settimeout(PATIENCE)
+        while b"frame 701 120." not in text:  # the module's heartbeat of second 120
+            text = text[-40:] + (more := bus.recv(65536))
+            require(more, "the socketcand server closed the connection")
+            heard += more.count(b"frame ")
+            require(b"error" not in more, more)
+        require(plant.answer()["ok"], "no answer")
+        bus.settimeout(0.5)
+        with contextlib.suppress(TimeoutError):
+            while more := bus.recv(65536):
+                heard += more.count(b"frame ")
+        require(plant.stop() == (0, ""), "it does not end well")
+        frames = sum(float(line[1:line.index(")")]) > 0.02 for line in plant.trace.read_text().splitlines())
+        require(abs(frames - heard) <= 40 and frames > 10000, f"{heard} of {frames} frames were heard")
+
+
+@check
+def a_client_of_the_bus_that_does_not_read_does_not_stop_the_plant():
+    with stepped() as plant, plant.connect("socketcand") as bus:
+        bus.sendall(b"< open line1 >< rawmode >")
+        plant.run(**{"for": "1s"})
+        require(plant.run(**{"for": "300s"})["t"] == 301, "it stands still")
+        require(plant.stop()[0] == 0, "it does not end well")
+
+
+@check
 def in_real_time_a_client_waits_for_scans_too():
     text = first_plant_file().read_text().replace("seed = 1\n", 'seed = 1\ncontrol = "127.0.0.1:0"\n')
     path = scratch / "controlled-plant.toml"

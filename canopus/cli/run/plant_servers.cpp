@@ -1,5 +1,6 @@
 #include "canopus/cli/run/plant_servers.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include <boost/asio/ip/address.hpp>
@@ -39,6 +40,12 @@ void PlantServers::close() {
   for (const auto& server : socketcand_) server->close();
   for (const auto& server : melsec_) server->stop();
   if (control_) control_->stop();
+}
+
+std::size_t PlantServers::waiting_messages() const noexcept {
+  std::size_t most = 0;
+  for (const auto& server : socketcand_) most = std::max(most, server->waiting_messages());
+  return most;
 }
 
 text::HostAndPort PlantServers::place_of(text::HostAndPort place) const {

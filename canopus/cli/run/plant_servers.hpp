@@ -44,6 +44,8 @@ class PlantServers {
   [[nodiscard]] bool open();
   /// What clients of the control server wait for.
   [[nodiscard]] serve::PlantRuns& runs() noexcept { return runs_; }
+  /// Messages that wait for the slowest client of a bus.
+  [[nodiscard]] std::size_t waiting_messages() const noexcept;
   /// Answers who still waits, and closes.
   void close();
 

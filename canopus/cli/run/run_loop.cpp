@@ -18,6 +18,7 @@
 #include "canopus/cli/run/live_table.hpp"
 #include "canopus/cli/run/operational_check.hpp"
 #include "canopus/cli/run/plant_servers.hpp"
+#include "canopus/cli/run/reading_clients.hpp"
 #include "canopus/cli/run/run_output.hpp"
 #include "canopus/cli/run/run_recording.hpp"
 #include "canopus/cli/run/run_screen.hpp"
@@ -198,6 +199,7 @@ bool Run::run_in_real_time() {
 /// Plant time moves only as long as a client of the control server waits for it.
 bool Run::run_in_step() {
   constexpr auto turn = 10ms;  // of the machine's time, until clients are heard again
+  constexpr auto step = 5ms;   // of plant time: so many frames find room in the queues of clients
   const can::Time end = options_.duration ? can::Time{} + *options_.duration : can::never;
   can::Timeline& timeline = plant_->timeline();
   serve::StepClock clock(timeline);
@@ -214,15 +216,22 @@ bool Run::run_in_step() {
   output_->set_patience(goes_on);
   recording_.set_patience(goes_on);
   plant_->power_on();
+  ReadingClients readers;
   while (!is_to_end() && timeline.now() < end && !expectation_over()) {
     if (!servers.runs().wants_time()) {
       if (io_.run_one() == 0) break;
       continue;
     }
     io_.poll();  // what clients have sent before comes first
+    if (readers.are_behind(servers.waiting_messages(), WallClock::now())) {
+      io_.run_one_for(1ms);
+      continue;
+    }
+    const bool reads = servers.waiting_messages() < ReadingClients::enough_waiting;  // or nobody waits for it
     const auto turn_ends = WallClock::now() + turn;
-    while (servers.runs().wants_time() && timeline.now() < end && WallClock::now() < turn_ends) {
-      timeline.run_until(std::min({servers.runs().next(), can::later(timeline.now(), 100ms), end}));
+    while (servers.runs().wants_time() && timeline.now() < end && WallClock::now() < turn_ends &&
+           (!reads || servers.waiting_messages() < ReadingClients::enough_waiting)) {
+      timeline.run_until(std::min({servers.runs().next(), can::later(timeline.now(), step), end}));
     }
   }
   servers.close();
