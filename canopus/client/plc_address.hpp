@@ -10,12 +10,16 @@
 
 namespace canopus::client {
 
-/// "D100", "x1f", "U0\G25" (also with / for shells that eat the backslash). X Y B W SB SW and the unit number
-/// behind U are hexadecimal, everything else decimal. The error says what was expected.
-[[nodiscard]] std::expected<plc::melsec::Target, std::string> parse_plc_address(std::string_view text);
+/// "D100", "x1f", "U0\G25"; see plc::parse_rack_address().
+[[nodiscard]] inline std::expected<plc::melsec::Target, std::string> parse_plc_address(
+    std::string_view text) {
+  return plc::parse_rack_address(text);
+}
 
 /// The target, `offset` points further, as people write it: "U0\G26", "X20".
-[[nodiscard]] std::string plc_address(const plc::melsec::Target& target, std::uint32_t offset = 0);
+[[nodiscard]] inline std::string plc_address(const plc::melsec::Target& target, std::uint32_t offset = 0) {
+  return plc::to_text(target, offset);
+}
 
 /// A 16-bit value: 1234, -5, 0x4D2, 4D2H, K1234, H4D2; -32768 to 65535.
 [[nodiscard]] std::expected<std::uint16_t, std::string> parse_plc_word(std::string_view text);

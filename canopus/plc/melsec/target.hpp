@@ -20,6 +20,7 @@
 #include "canopus/plc/cpu/device.hpp"
 #include "canopus/plc/melsec/end_code.hpp"
 #include "canopus/plc/melsec/field.hpp"
+#include "canopus/plc/rack/rack_address.hpp"
 
 namespace canopus::plc::melsec {
 
@@ -29,12 +30,7 @@ struct Layout {
   bool extended = false;
 };
 
-struct Target {
-  bool is_buffer = false;
-  Device device = Device::d;       ///< when !is_buffer
-  std::uint16_t head_address = 0;  ///< when is_buffer
-  std::uint32_t number = 0;        ///< device number or buffer memory address
-};
+using Target = RackAddress;
 
 /// Reads one target. A missing byte or a wrong digit shows in the reader's fault, as for any field; the error
 /// is about what was read.

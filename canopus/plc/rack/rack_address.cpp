@@ -1,0 +1,81 @@
+#include "canopus/plc/rack/rack_address.hpp"
+
+#include <array>
+#include <charconv>
+#include <optional>
+
+namespace canopus::plc {
+
+namespace {
+
+/// Device numbers have 24 bits on the wire.
+constexpr std::uint32_t last_number = 0xFFFFFF;
+constexpr std::uint32_t last_unit = 0xFF;
+
+std::string upper(std::string_view text) {
+  std::string result(text);
+  for (char& character : result)
+    if (character >= 'a' && character <= 'z') character = static_cast<char>(character - 'a' + 'A');
+  return result;
+}
+
+std::optional<std::uint32_t> number(std::string_view digits, int base, std::uint32_t last) {
+  std::uint32_t value = 0;
+  const char* end = digits.data() + digits.size();
+  const auto [stop, error] = std::from_chars(digits.data(), end, value, base);
+  if (digits.empty() || error != std::errc{} || stop != end || value > last) return std::nullopt;
+  return value;
+}
+
+std::string in_base(std::uint32_t value, int base) {
+  std::array<char, 12> memory{};
+  const auto [end, error] = std::to_chars(memory.data(), memory.data() + memory.size(), value, base);
+  return upper({memory.data(), end});
+}
+
+std::unexpected<std::string> not_an_address(std::string_view text, std::string_view why) {
+  return std::unexpected("'" + std::string(text) + "' " + std::string(why) +
+                         "; expected a device (D100, M0, X1F, W2A) or buffer memory (U0\\G25)");
+}
+
+std::expected<RackAddress, std::string> parse_buffer(std::string_view text, std::string_view upper_text) {
+  const std::size_t slash = upper_text.find_first_of("\\/");
+  const auto unit = number(upper_text.substr(1, slash - 1), 16, last_unit);
+  if (!unit) return not_an_address(text, "has no unit number 0 to FF behind the U");
+  const std::string_view behind = upper_text.substr(slash + 1);
+  if (!behind.starts_with('G')) return not_an_address(text, "has no G behind the unit");
+  const auto address = number(behind.substr(1), 10, last_number);
+  if (!address) return not_an_address(text, "has no decimal buffer memory address behind the G");
+  return RackAddress{true, Device::d, static_cast<std::uint16_t>(16 * *unit), *address};
+}
+
+}  // namespace
+
+std::expected<RackAddress, std::string> parse_rack_address(std::string_view text) {
+  const std::string upper_text = upper(text);
+  if (upper_text.starts_with('U') && upper_text.find_first_of("\\/") != std::string::npos)
+    return parse_buffer(text, upper_text);
+  // The longest name that is a device: SB before S, ZR before Z. B in "XB" is a digit.
+  for (std::size_t length = 3; length > 0; --length) {
+    if (upper_text.size() <= length) continue;
+    const auto device = device_named(std::string_view(upper_text).substr(0, length));
+    if (!device) continue;
+    const bool hexadecimal = device_info(*device).hexadecimal;
+    const auto found =
+        number(std::string_view(upper_text).substr(length), hexadecimal ? 16 : 10, last_number);
+    if (found) return RackAddress{false, *device, 0, *found};
+    return not_an_address(text, hexadecimal ? "has no hexadecimal number" : "has no decimal number");
+  }
+  if (upper_text.starts_with('U') && upper_text.find('G') != std::string::npos)
+    return not_an_address(text, "lacks the backslash, which the shell eats unless it is quoted");
+  return not_an_address(text, "is no device");
+}
+
+std::string to_text(const RackAddress& address, std::uint32_t offset) {
+  const std::uint32_t at = address.number + offset;
+  if (address.is_buffer) return "U" + in_base(address.head_address / 16, 16) + "\\G" + in_base(at, 10);
+  const DeviceInfo& info = device_info(address.device);
+  return std::string(info.name) + in_base(at, info.hexadecimal ? 16 : 10);
+}
+
+}  // namespace canopus::plc
