@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "canopus/can/timeline.hpp"
 #include "canopus/plc/melsec/session.hpp"
@@ -48,7 +49,8 @@ inline std::string shown(std::string_view data) {
 }
 
 struct Plc {
-  explicit Plc(const CpuModel& model = r04cpu()) : rack(timeline, model) {
+  explicit Plc(const CpuModel& model = r04cpu(), melsec::PortSettings settings = {})
+      : rack(timeline, model), session(std::make_unique<melsec::Session>(rack, std::move(settings), &guard)) {
     rack.insert(0x00, module, timeline.add(module));
     rack.insert(0x30, other_module, timeline.add(other_module));
     rack.power_on(now);
@@ -72,6 +74,12 @@ struct Plc {
       if (session->over()) break;
     }
     return reply;
+  }
+  /// What the session answers to a datagram of these bytes, raw.
+  std::string datagram(std::string_view request) {
+    session->datagram({reinterpret_cast<const std::uint8_t*>(request.data()), request.size()}, now);
+    const auto output = session->output();
+    return {output.begin(), output.end()};
   }
   /// Binary, both ways as hexadecimal text.
   std::string ask(std::string_view request) { return shown(raw(bytes(request))); }
@@ -99,7 +107,8 @@ struct Plc {
   FakeModule module;
   FakeModule other_module{16, 512};
   Rack rack;
-  std::unique_ptr<melsec::Session> session = std::make_unique<melsec::Session>(rack);
+  melsec::PasswordGuard guard;
+  std::unique_ptr<melsec::Session> session;
 };
 
 }  // namespace canopus::plc::testing

@@ -26,6 +26,9 @@ constexpr std::uint16_t forced_operation = 3;
 
 EndCode Commands::execute(const Command& command, FieldReader& data, FieldWriter& out, can::Time now) {
   const auto [number, subcommand] = command;
+  if (number == 0x1630 && subcommand == 0) return unlock(data, now);
+  if (number == 0x1631 && subcommand == 0) return lock(data, now);
+  if (locked_) return EndCode::port_locked;
   switch (number) {
     case 0x0401:
     case 0x1401:
@@ -37,6 +40,8 @@ EndCode Commands::execute(const Command& command, FieldReader& data, FieldWriter
       const std::optional<unsigned> found = device_subcommand(subcommand, rack_.model());
       if (!found) return EndCode::unknown_command;
       const Kind kind{{(*found & 2U) != 0, (*found & 0x80U) != 0}, (*found & 1U) != 0};
+      const bool writes = number >= 0x1000;
+      if (writes && !may_write()) return EndCode::online_change_disabled;
       switch (number) {
         case 0x0401: return read_batch(kind, data, out, now);
         case 0x1401: return write_batch(kind, data, now);
@@ -55,6 +60,11 @@ EndCode Commands::execute(const Command& command, FieldReader& data, FieldWriter
     default: break;
   }
   if (subcommand != 0) return EndCode::unknown_command;
+  const bool writes_buffer = number == 0x1601 || number == 0x1613;
+  if (writes_buffer && !may_write()) return EndCode::online_change_disabled;
+  const bool is_remote_operation = number >= 0x1001 && number <= 0x1006;
+  if (is_remote_operation && settings_.write == WritePermission::never)
+    return EndCode::remote_request_refused;
   switch (number) {
     case 0x0802: return read_monitor(data, out, now);
     case 0x0601: return read_module_buffer(data, out, now);
@@ -202,6 +212,36 @@ EndCode Commands::remote_reset(FieldReader& data) {
   if (const EndCode end_code = verdict(data); end_code != EndCode::completed) return end_code;
   if (mode != normal_operation) return EndCode::wrong_contents;
   return EndCode::remote_request_refused;  // "allow the remote reset" is off in a new project
+}
+
+EndCode Commands::check_password(FieldReader& data, bool already_so, can::Time now) {
+  const std::uint16_t length = data.u16();
+  const auto password = data.raw(length);
+  if (const EndCode end_code = verdict(data); end_code != EndCode::completed) return end_code;
+  if (already_so) return EndCode::completed;  // the password is not looked at [SH-080008 11.3]
+  const bool iqr = rack_.model().iqr;
+  if (guard_ != nullptr && guard_->is_locked_out(now))
+    return iqr ? EndCode::password_locked_out : EndCode::wrong_password_q;
+  if (!std::ranges::equal(password, settings_.remote_password, {}, {},
+                          [](char character) { return static_cast<std::uint8_t>(character); })) {
+    if (guard_ != nullptr) guard_->failed(now);
+    return iqr ? EndCode::wrong_password_iqr : EndCode::wrong_password_q;
+  }
+  if (guard_ != nullptr) guard_->succeeded();
+  return EndCode::completed;
+}
+
+EndCode Commands::unlock(FieldReader& data, can::Time now) {
+  const EndCode end_code = check_password(data, !locked_, now);
+  if (end_code == EndCode::completed) locked_ = false;
+  return end_code;
+}
+
+EndCode Commands::lock(FieldReader& data, can::Time now) {
+  const bool has_password = !settings_.remote_password.empty();
+  const EndCode end_code = check_password(data, locked_ || !has_password, now);
+  if (end_code == EndCode::completed) locked_ = has_password;
+  return end_code;
 }
 
 }  // namespace canopus::plc::melsec

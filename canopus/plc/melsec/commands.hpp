@@ -6,15 +6,16 @@
 //   0401 1401  batch read, write           0403 1402  random read, write      0406 1406  several blocks
 //   0801 0802  register and read monitor   0601 1601  module buffer memory    0613 1613  own buffer memory
 //   0101  CPU model                        0619  loopback                     1617  clear error
-//   1001 1002 1003 1005 1006  remote RUN, STOP, PAUSE, latch clear, reset
+//   1001 1002 1003 1005 1006  remote RUN, STOP, PAUSE, latch clear, reset     1630 1631  remote password
 //
-// One object per connection: it remembers what 0801 registered.
+// One object per connection: it remembers what 0801 registered, and whether 1630 has unlocked it.
 
 #include <array>
 #include <cstdint>
 
 #include "canopus/can/time.hpp"
 #include "canopus/plc/melsec/frame.hpp"
+#include "canopus/plc/melsec/port_settings.hpp"
 #include "canopus/plc/melsec/target.hpp"
 #include "canopus/plc/rack/rack.hpp"
 
@@ -37,7 +38,9 @@ inline constexpr std::size_t maximum_reply_data = 4 * maximum_words;
 
 class Commands {
  public:
-  explicit Commands(Rack& rack) noexcept : rack_(rack) {}
+  /// All must outlive this. `guard` counts wrong passwords; a port without a password needs none.
+  Commands(Rack& rack, const PortSettings& settings, PasswordGuard* guard) noexcept
+      : rack_(rack), settings_(settings), guard_(guard), locked_(!settings.remote_password.empty()) {}
 
   /// `data` is what follows the subcommand; the reply's data go to `out`. With an end code other than
   /// completed, what is in `out` counts for nothing.
@@ -76,6 +79,11 @@ class Commands {
   EndCode remote_pause(FieldReader& data, can::Time now);
   EndCode remote_latch_clear(FieldReader& data);
   EndCode remote_reset(FieldReader& data);
+  EndCode unlock(FieldReader& data, can::Time now);
+  EndCode lock(FieldReader& data, can::Time now);
+  EndCode check_password(FieldReader& data, bool already_so, can::Time now);
+
+  [[nodiscard]] bool may_write() const noexcept { return plc::may_write(settings_.write, rack_); }
 
   /// The points of 0403 and 0801, into `blocks`.
   EndCode read_points(Kind kind, FieldReader& data, std::array<Block, maximum_random_points>& blocks,
@@ -90,6 +98,9 @@ class Commands {
   EndCode write(const Target& target, std::span<const std::uint16_t> words, can::Time now);
 
   Rack& rack_;
+  const PortSettings& settings_;
+  PasswordGuard* guard_;
+  bool locked_;
   std::array<std::uint16_t, maximum_words> words_{};
   std::array<std::uint8_t, maximum_bits_binary> bits_{};
   std::array<Block, maximum_random_points> blocks_{};

@@ -30,7 +30,10 @@ std::string_view end_code_text(std::uint16_t code) noexcept {
     case 0xC061: return "the length does not fit the request";
     case 0xC06F: return "binary request to an ASCII connection or the reverse";
     case 0xC070: return "this device extension is not possible here";
+    case 0xC200: return "wrong remote password";
     case 0xC201: return "locked by a remote password";
+    case 0xC810: return "wrong remote password";
+    case 0xC816: return "too many wrong remote passwords: locked out for a while";
     default: break;
   }
   if (code >= 0x4000 && code <= 0x4FFF) return "error detected by the CPU";

@@ -10,6 +10,7 @@ namespace canopus::plc::melsec {
 
 enum class EndCode : std::uint16_t {
   completed = 0x0000,
+  online_change_disabled = 0x0055,
   not_while_running = 0x4013,
   no_such_device = 0x4030,
   device_out_of_range = 0x4031,
@@ -31,6 +32,10 @@ enum class EndCode : std::uint16_t {
   wrong_bit_data = 0xC060,
   data_length = 0xC061,
   no_device_extension = 0xC070,
+  wrong_password_q = 0xC200,
+  port_locked = 0xC201,
+  wrong_password_iqr = 0xC810,
+  password_locked_out = 0xC816,
 };
 
 /// What an end code means, in a few words; for any number, known or not.

@@ -18,38 +18,99 @@ bool is_for_this_cpu(const Route& route) {
 
 }  // namespace
 
+Session::Frame Session::frame_of(std::uint8_t first_byte) {
+  if (settings_.takes_3e) {
+    if (!code_) code_ = data_code_of(first_byte);
+    if (code_ && data_code_of(first_byte) == code_) return Frame::is_3e;
+  }
+  if (!settings_.takes_1e) return Frame::none;
+  const bool may_be_ascii = first_byte >= '0' && first_byte <= '3';  // the first digit of 00 to 3C
+  if (!code_) code_ = may_be_ascii ? DataCode::ascii : DataCode::binary;
+  if (*code_ == DataCode::ascii) return may_be_ascii ? Frame::is_1e : Frame::none;
+  return first_byte <= last_subheader_1e ? Frame::is_1e : Frame::none;
+}
+
 std::size_t Session::process(can::Time now) {
   std::size_t answered = 0;
   std::size_t used = 0;
   while (!over_ && used < input_size_ && output_capacity - output_size_ >= maximum_reply) {
     const auto waiting = std::span<const std::uint8_t>(input_).subspan(used, input_size_ - used);
-    if (!code_) code_ = data_code_of(waiting[0]);
-    if (!code_) {
-      over_ = true;
-      break;
+    const std::size_t waiting_output = output_size_;
+    Step step;
+    switch (frame_of(waiting[0])) {
+      case Frame::is_3e: step = next_3e(waiting, now); break;
+      case Frame::is_1e: step = next_1e(waiting, now); break;
+      case Frame::none: step.state = Step::State::unreadable; break;
     }
-    const HeaderResult head = read_header(waiting, *code_);
-    if (head.state == HeaderResult::State::incomplete) break;
-    if (head.state == HeaderResult::State::malformed) {
-      over_ = true;
-      break;
-    }
-    const std::size_t length = head.header.length;
-    if (length > maximum_length) {
-      refuse(head.header, {}, *code_ == DataCode::ascii ? EndCode::text_length : EndCode::data_length);
-      ++answered;
-      over_ = true;
-      break;
-    }
-    if (waiting.size() < head.size + length) break;
-    answer(head.header, waiting.subspan(head.size, length), now);
-    ++answered;
-    used += head.size + length;
+    if (step.state == Step::State::incomplete) break;
+    if (output_size_ != waiting_output) ++answered;
+    over_ = step.state == Step::State::unreadable;
+    used += step.size;
   }
   if (over_) used = input_size_;
   if (used != 0) std::memmove(input_.data(), input_.data() + used, input_size_ - used);
   input_size_ -= used;
   return answered;
+}
+
+Session::Step Session::next_3e(std::span<const std::uint8_t> waiting, can::Time now) {
+  const HeaderResult head = read_header(waiting, *code_);
+  if (head.state == HeaderResult::State::incomplete) return {};
+  if (head.state == HeaderResult::State::malformed) return {Step::State::unreadable, 0};
+  const std::size_t length = head.header.length;
+  if (length > maximum_length) {
+    refuse(head.header, {}, *code_ == DataCode::ascii ? EndCode::text_length : EndCode::data_length);
+    return {Step::State::unreadable, 0};
+  }
+  if (waiting.size() < head.size + length) return {};
+  answer(head.header, waiting.subspan(head.size, length), now);
+  return {Step::State::answered, head.size + length};
+}
+
+Session::Step Session::next_1e(std::span<const std::uint8_t> waiting, can::Time now) {
+  const Request1e request = read_request_1e(waiting, *code_);
+  switch (request.state) {
+    case Request1e::State::incomplete: return {};
+    case Request1e::State::unknown: refuse_1e(request.subheader, EndCode1e::unknown_subheader); break;
+    case Request1e::State::not_a_number: refuse_1e(request.subheader, EndCode1e::not_convertible); break;
+    case Request1e::State::complete: {
+      FieldWriter out = writer();
+      commands_1e_.answer(waiting.first(request.size), out, settings_.write, now);
+      output_size_ += out.size();
+      return {Step::State::answered, request.size};
+    }
+  }
+  return {Step::State::answered, waiting.size()};
+}
+
+void Session::datagram(std::span<const std::uint8_t> request, can::Time now) {
+  code_ = settings_.code;
+  output_size_ = 0;
+  output_sent_ = 0;
+  if (request.empty()) return;
+  switch (frame_of(request[0])) {
+    case Frame::none: return;
+    case Frame::is_3e: {
+      const HeaderResult head = read_header(request, *code_);
+      if (head.state != HeaderResult::State::complete) return;
+      if (head.header.length > maximum_length || request.size() != head.size + head.header.length) {
+        refuse(head.header, {}, *code_ == DataCode::ascii ? EndCode::text_length : EndCode::data_length);
+        return;
+      }
+      answer(head.header, request.subspan(head.size), now);
+      return;
+    }
+    case Frame::is_1e: {
+      const Request1e found = read_request_1e(request, *code_);
+      const bool fits = found.state != Request1e::State::incomplete &&
+                        (found.state != Request1e::State::complete || found.size == request.size());
+      if (fits)
+        (void)next_1e(request, now);
+      else if (request.size() > 1)  // one character is not even a subheader
+        refuse_1e(found.subheader, EndCode1e::points);
+      return;
+    }
+  }
 }
 
 void Session::sent(std::size_t count) noexcept {
@@ -73,23 +134,29 @@ void Session::answer(const FrameHeader& header, std::span<const std::uint8_t> bo
     refuse(header, command, EndCode::other_target);
     return;
   }
-  FieldWriter writer{std::span{output_}.subspan(output_size_), *code_};
-  const std::size_t length_at = begin_reply(writer, header, EndCode::completed);
-  const EndCode end_code = commands_.execute(command, reader, writer, now);
+  FieldWriter out = writer();
+  const std::size_t length_at = begin_reply(out, header, EndCode::completed);
+  const EndCode end_code = commands_.execute(command, reader, out, now);
   if (end_code != EndCode::completed) {
     refuse(header, command, end_code);
     return;
   }
-  end_reply(writer, length_at);
-  output_size_ += writer.size();
+  end_reply(out, length_at);
+  output_size_ += out.size();
+}
+
+void Session::refuse_1e(std::uint8_t subheader, EndCode1e end_code) {
+  FieldWriter out = writer();
+  Commands1e::refuse(subheader, {end_code, AbnormalCode::none}, out);
+  output_size_ += out.size();
 }
 
 void Session::refuse(const FrameHeader& header, const Command& command, EndCode end_code) {
-  FieldWriter writer{std::span{output_}.subspan(output_size_), *code_};
-  const std::size_t length_at = begin_reply(writer, header, end_code);
-  write_error_information(writer, header.route, command);
-  end_reply(writer, length_at);
-  output_size_ += writer.size();
+  FieldWriter out = writer();
+  const std::size_t length_at = begin_reply(out, header, end_code);
+  write_error_information(out, header.route, command);
+  end_reply(out, length_at);
+  output_size_ += out.size();
 }
 
 }  // namespace canopus::plc::melsec

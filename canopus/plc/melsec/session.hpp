@@ -1,22 +1,31 @@
 #pragma once
-// One client's conversation: bytes in, bytes out. No socket, no clock, no thread; memory is fixed when it
+// One client's conversation, in 3E, 4E and 1E frames: bytes in, bytes out. No socket, no clock, no thread; memory is fixed when it
 // begins and nothing is allocated afterwards.
 //
 // The owner puts received bytes into space(), says how many with received(), and lets process() answer every
 // complete request. What is in output() is to be sent, then sent() says so. A client that does not take its
 // replies fills output() and is not answered further until it does: it blocks nobody else.
 //
-// The data code is that of the connection's first byte and stays. A request whose beginning is no request's,
-// or whose length no request can have, makes the rest of the stream unreadable: the session is over() then,
-// and the connection is to be closed when output() is sent. Any other mistake is answered with an end code.
+// The data code is the port's, or that of the connection's first byte, and stays. A request whose beginning is no
+// request's, or whose length no request can have, makes the rest of the stream unreadable: the session is over()
+// then, and the connection is to be closed when output() is sent. Any other mistake is answered with an end code.
+//
+// 1E frames have no length. Behind one that cannot be measured (an unknown subheader, ASCII that is no number) all
+// that has been received counts as its rest.
+//
+// UDP: a datagram is one request, and datagram() answers it. What has no header, or is of another frame or code than the
+// port takes, gets no answer.
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "canopus/plc/melsec/commands.hpp"
+#include "canopus/plc/melsec/commands_1e.hpp"
+#include "canopus/plc/melsec/port_settings.hpp"
 
 namespace canopus::plc::melsec {
 
@@ -26,7 +35,14 @@ class Session {
   /// ASCII with 5292 characters.
   static constexpr std::size_t maximum_length = 6144;
 
-  explicit Session(Rack& rack) noexcept : commands_(rack) {}
+  /// `rack` and `guard` must outlive the session; `settings` are those of the port, for this client.
+  explicit Session(Rack& rack, PortSettings settings = {}, PasswordGuard* guard = nullptr)
+      : settings_(std::move(settings)),
+        code_(settings_.code),
+        commands_(rack, settings_, guard),
+        commands_1e_(rack, rules_1e_of(rack.model())) {}
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
 
   /// Where the next bytes go; never empty after process() unless output() is waiting to be sent.
   [[nodiscard]] std::span<std::uint8_t> space() noexcept { return std::span(input_).subspan(input_size_); }
@@ -34,6 +50,9 @@ class Session {
 
   /// Answers complete requests, in order, while output has room. Returns how many it answered.
   std::size_t process(can::Time now);
+
+  /// Answers one datagram; output() is its reply, or empty. For sessions that receive nothing else.
+  void datagram(std::span<const std::uint8_t> request, can::Time now);
 
   [[nodiscard]] std::span<const std::uint8_t> output() const noexcept {
     return std::span(output_).subspan(output_sent_, output_size_ - output_sent_);
@@ -50,11 +69,26 @@ class Session {
   static constexpr std::size_t output_capacity = 65536;
   static constexpr std::size_t maximum_reply = maximum_reply_data + 64;  // with its header
 
+  /// What became of the bytes at the front of the input.
+  struct Step {
+    enum class State : std::uint8_t { incomplete, answered, unreadable } state = State::incomplete;
+    std::size_t size = 0;  // of the request
+  };
+  enum class Frame : std::uint8_t { none, is_3e, is_1e };
+
+  /// The frame that begins so on this port, and the data code, where that is still open.
+  [[nodiscard]] Frame frame_of(std::uint8_t first_byte);
+  Step next_3e(std::span<const std::uint8_t> waiting, can::Time now);
+  Step next_1e(std::span<const std::uint8_t> waiting, can::Time now);
   void answer(const FrameHeader& header, std::span<const std::uint8_t> body, can::Time now);
   void refuse(const FrameHeader& header, const Command& command, EndCode end_code);
+  void refuse_1e(std::uint8_t subheader, EndCode1e end_code);
+  [[nodiscard]] FieldWriter writer() noexcept { return {std::span(output_).subspan(output_size_), *code_}; }
 
-  Commands commands_;
+  PortSettings settings_;
   std::optional<DataCode> code_;
+  Commands commands_;
+  Commands1e commands_1e_;
   bool over_ = false;
   std::size_t input_size_ = 0;
   std::size_t output_size_ = 0;
