@@ -2,6 +2,7 @@
 // The other end of a connection, for servers.
 
 #include <algorithm>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -24,13 +25,25 @@ using ClientReport = std::function<void(std::string_view sentence)>;
   return result;
 }
 
+/// "192.168.1.7:50123", "[::1]:50123".
+[[nodiscard]] inline std::string name_of(const boost::asio::ip::address& address, std::uint16_t port) {
+  const std::string text = address.to_string();
+  return (address.is_v6() ? "[" + text + "]" : text) + ":" + std::to_string(port);
+}
+
 /// "192.168.1.7:50123"; "a client" when it is gone already.
 [[nodiscard]] inline std::string name_of_peer(const boost::asio::ip::tcp::socket& socket) {
   boost::system::error_code failure;
   const auto peer = socket.remote_endpoint(failure);
   if (failure) return "a client";
-  const std::string address = peer.address().to_string();
-  return (peer.address().is_v6() ? "[" + address + "]" : address) + ":" + std::to_string(peer.port());
+  return name_of(peer.address(), peer.port());
+}
+
+/// All zeros when it is gone already.
+[[nodiscard]] inline InternetAddress address_of_peer(const boost::asio::ip::tcp::socket& socket) {
+  boost::system::error_code failure;
+  const auto peer = socket.remote_endpoint(failure);
+  return failure ? InternetAddress{} : internet_address(peer.address());
 }
 
 /// Whether the list allows the other end; not when it is gone already.

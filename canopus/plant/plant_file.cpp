@@ -288,17 +288,10 @@ ModuleSection read_module(text::TableReader& table) {
 }
 
 PlcSection read_plc(text::TableReader& table) {
-  PlcSection plc{
-      .place = table.place(), .listen_place = table.place("listen"), .store_place = table.place("store")};
+  PlcSection plc{.place = table.place(), .store_place = table.place("store")};
   plc.name = table.text("name").value_or("");
-  const auto listen = table.text("listen");
-  if (!listen) {
-    plc.listen = text::HostAndPort{.port = 5007};
-  } else if (*listen != "off") {
-    plc.listen = table.parsed("listen", text::parse_host_and_port);
-  }
-  plc.allowed = read_allowed(table, "listen", "MC protocol", plc.listen);
   plc.cpu_model = read_cpu_model(table);
+  plc.ports = read_melsec_ports(table, plc.cpu_model);
   plc.scan = table.parsed("scan", text::parse_duration);
   if (plc.scan && (*plc.scan < plc::Scan::shortest_period || *plc.scan > plc::Scan::longest_period)) {
     table.error("scan", "a scan takes 100us to 2s");

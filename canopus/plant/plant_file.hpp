@@ -13,6 +13,7 @@
 #include "canopus/link/allow_list.hpp"
 #include "canopus/module/interface/module.hpp"
 #include "canopus/plc/cpu/device.hpp"
+#include "canopus/plc/melsec/port_settings.hpp"
 #include "canopus/sim/bus/fault.hpp"
 #include "canopus/text/file_error.hpp"
 #include "canopus/text/object_value.hpp"
@@ -146,14 +147,22 @@ struct ModuleSection {
   std::vector<std::uint32_t> watch{};       ///< buffer memory words whose changes are reported
 };
 
+/// A port of a PLC for the MC protocol: [[plc.port]], or the key listen of a [[plc]].
+struct MelsecPortSection {
+  text::Place place{};  ///< where its address is written
+  text::HostAndPort listen{};
+  link::AllowList allowed{};  ///< who may connect
+  bool udp = false;
+  plc::melsec::PortSettings settings{};
+  std::optional<link::AllowList> writers{};  ///< who may write; none: whoever may connect
+};
+
 struct PlcSection {
   text::Place place{};
-  text::Place listen_place{};
   text::Place store_place{};
   std::string name{};
-  std::optional<text::HostAndPort> listen{};  ///< MC protocol
-  link::AllowList allowed{};                  ///< who may connect there
-  plc::CpuModel cpu_model = plc::r04cpu();    ///< with the points of the devices that the file sets
+  std::vector<MelsecPortSection> ports{};
+  plc::CpuModel cpu_model = plc::r04cpu();  ///< with the points of the devices that the file sets
   std::optional<can::Duration> scan{};  ///< X and Y are refreshed once a scan of this length; none: at once
   bool run = true;
   std::string store{};  ///< folder for what the modules save; empty = nothing survives the run
@@ -172,6 +181,9 @@ struct PlantFile {
   std::vector<DeviceSection> devices{};
   std::vector<PlcSection> plcs{};
 };
+
+/// What a port speaks, for people: "MC protocol", "MC protocol 1E UDP".
+[[nodiscard]] std::string protocol_name(const MelsecPortSection& port);
 
 /// Reads a plant file's text. With errors, `plant` holds what could be read: it may be built, to find what
 /// else is wrong, and must not be started.

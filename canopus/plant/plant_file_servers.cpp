@@ -1,5 +1,6 @@
-// Where the servers of a plant listen, and to whom.
+// Where the servers of a plant listen, to whom, and what they are set to.
 
+#include <algorithm>
 #include <map>
 #include <string>
 #include <utility>
@@ -23,13 +24,15 @@ class Ports {
 
   void check() {
     for (const PlcSection& plc : plant_.plcs) {
-      if (!plc.listen) continue;
-      take_port(*plc.listen, plc.listen_place, "listen",
-                plc.name.empty() ? "a PLC without a name" : fmt::format("PLC \"{}\"", plc.name));
+      const std::string who = plc.name.empty() ? "a PLC without a name" : fmt::format("PLC \"{}\"", plc.name);
+      for (const MelsecPortSection& port : plc.ports) {
+        take_port(port.listen, port.udp ? Transport::udp : Transport::tcp, port.place, "listen", who);
+      }
     }
     for (const BusSection& bus : plant_.buses) {
       if (!bus.socketcand) continue;
-      take_port(*bus.socketcand, bus.serve_place, "serve", fmt::format("bus \"{}\"", bus.name));
+      take_port(*bus.socketcand, Transport::tcp, bus.serve_place, "serve",
+                fmt::format("bus \"{}\"", bus.name));
     }
   }
 
@@ -39,11 +42,13 @@ class Ports {
     std::uint32_t line = 0;
   };
   using Addresses = std::map<link::InternetAddress, Server>;
+  enum class Transport : std::uint8_t { tcp, udp };  // each has ports of its own
 
-  void take_port(const text::HostAndPort& where, text::Place place, std::string_view key, std::string who) {
+  void take_port(const text::HostAndPort& where, Transport transport, text::Place place, std::string_view key,
+                 std::string who) {
     const auto address = link::parse_internet_address(where.host);
     if (!address || where.port == 0) return;  // no address: reported already; port 0: a free one
-    Addresses& servers = ports_[where.port];
+    Addresses& servers = ports_[{transport, where.port}];
     if (const auto other = same_address(servers, *address); other != servers.end()) {
       errors_.push_back(
           {place, fmt::format("{}: port {} is taken already, by {} in line {}; give each server its own", key,
@@ -70,39 +75,137 @@ class Ports {
 
   const PlantFile& plant_;
   std::vector<text::FileError>& errors_;
-  std::map<std::uint16_t, Addresses> ports_;
+  std::map<std::pair<Transport, std::uint16_t>, Addresses> ports_;
 };
+
+using plc::melsec::DataCode;
+
+constexpr std::uint16_t usual_port = 5007;
+
+/// One of the words, or the default when the key is not there or wrong.
+template <typename Value, std::size_t count>
+Value read_word(text::TableReader& table, std::string_view key, std::string_view expected,
+                const std::pair<std::string_view, Value> (&words)[count]) {
+  const auto text = table.text(key);
+  if (!text) return words[0].second;
+  for (const auto& [word, value] : words)
+    if (*text == word) return value;
+  table.error(key, expected);
+  return words[0].second;
+}
+
+struct Frames {
+  bool takes_3e;
+  bool takes_1e;
+};
+
+bool is_printable(std::string_view text) {
+  return std::ranges::all_of(text, [](char character) { return character >= ' ' && character <= '~'; });
+}
+
+std::string read_password(text::TableReader& table, const plc::CpuModel& model) {
+  const std::string password = table.text("remote_password").value_or("");
+  if (table.find("remote_password") == nullptr) return {};
+  const std::size_t least = model.iqr ? 6 : 4;
+  const std::size_t most = model.iqr ? 32 : 4;
+  if (!table.is_wrong("remote_password") &&
+      (password.size() < least || password.size() > most || !is_printable(password))) {
+    // The password itself stays out of the message.
+    table.error(table.place("remote_password"),
+                least == most
+                    ? fmt::format("remote_password: expected {} characters of ASCII ({})", least, model.name)
+                    : fmt::format("remote_password: expected {} to {} characters of ASCII ({})", least, most,
+                                  model.name));
+  }
+  return password;
+}
+
+MelsecPortSection read_port(text::TableReader& table, const plc::CpuModel& model) {
+  MelsecPortSection port{.place = table.place("listen")};
+  const auto listen = table.parsed("listen", text::parse_host_and_port, true);
+  port.udp =
+      read_word<bool>(table, "transport", "expected \"tcp\" or \"udp\"", {{"tcp", false}, {"udp", true}});
+  const Frames frames = read_word<Frames>(
+      table, "frame", "expected \"3E/4E\", \"1E\" or \"any\"",
+      {{"3E/4E", Frames{true, false}}, {"1E", Frames{false, true}}, {"any", Frames{true, true}}});
+  port.settings.takes_3e = frames.takes_3e;
+  port.settings.takes_1e = frames.takes_1e;
+  port.settings.code = read_word<std::optional<DataCode>>(
+      table, "code", "expected \"binary\", \"ascii\" or \"any\"",
+      {{"any", std::nullopt}, {"binary", DataCode::binary}, {"ascii", DataCode::ascii}});
+  port.settings.remote_password = read_password(table, model);
+  if (frames.takes_1e && table.find("remote_password") != nullptr) {
+    table.error("frame", "1E frames cannot bring a remote password; expected \"3E/4E\"");
+  }
+  if (!table.boolean("write_in_run").value_or(true)) port.settings.write = plc::WritePermission::in_stop;
+  const bool has_password = table.find("remote_password") != nullptr;
+  port.allowed = read_allowed(table, "listen", "MC protocol", listen, has_password);
+  port.writers = read_networks(table, "allow_write");
+  port.listen = listen.value_or(text::HostAndPort{});
+  return port;
+}
 
 }  // namespace
 
-link::AllowList read_allowed(text::TableReader& table, std::string_view key, std::string_view protocol,
-                             const std::optional<text::HostAndPort>& place) {
+std::optional<link::AllowList> read_networks(text::TableReader& table, std::string_view key) {
   std::vector<link::Network> networks;
-  table.elements("allow", [&](const toml::node& element) {
+  table.elements(key, [&](const toml::node& element) {
     const auto* text = element.as_string();
     const auto network = text == nullptr
                              ? std::unexpected(fmt::format("{}: expected networks such as \"192.168.1.0/24\"",
                                                            text::describe_found(element)))
                              : link::parse_network(text->get());
     if (!network)
-      return table.error(text::place_of(element.source()), fmt::format("allow: {}", network.error()));
+      return table.error(text::place_of(element.source()), fmt::format("{}: {}", key, network.error()));
     networks.push_back(*network);
   });
-  const bool has_list = table.find("allow") != nullptr;
+  if (table.find(key) == nullptr) return std::nullopt;
+  return link::AllowList(std::move(networks));
+}
+
+link::AllowList read_allowed(text::TableReader& table, std::string_view key, std::string_view protocol,
+                             const std::optional<text::HostAndPort>& place, bool has_password) {
+  auto list = read_networks(table, "allow");
   if (!place) {
-    if (has_list) table.error("allow", fmt::format("nobody can connect; {} says where it listens", key));
+    if (list) table.error("allow", fmt::format("nobody can connect; {} says where it listens", key));
     return {};
   }
   const auto address = link::parse_internet_address(place->host);
   if (!address) {
     table.error(table.place(key), fmt::format("{}: {}, or localhost", key, address.error()));
-  } else if (!has_list && !link::is_loopback(*address)) {
+  } else if (!list && !has_password && !link::is_loopback(*address)) {
     table.error(table.place(key),
                 fmt::format("{}: other machines can reach {}, and the {} has no password here; say which may "
                             "connect, for example allow = [\"192.168.1.0/24\"], or listen on 127.0.0.1",
                             key, place->host, protocol));
   }
-  return link::AllowList(std::move(networks));
+  if (list) return *std::move(list);
+  // The password keeps strangers out.
+  if (has_password) return link::AllowList({{.address = {}, .prefix = 0}});
+  return {};
+}
+
+std::vector<MelsecPortSection> read_melsec_ports(text::TableReader& table, const plc::CpuModel& model) {
+  std::vector<MelsecPortSection> ports;
+  std::optional<text::HostAndPort> listen;
+  const auto text = table.text("listen");
+  if (!text) {
+    // A file that lists its ports means these.
+    if (table.find("port") == nullptr) listen = text::HostAndPort{.port = usual_port};
+  } else if (*text != "off") {
+    listen = table.parsed("listen", text::parse_host_and_port);
+  }
+  const link::AllowList allowed = read_allowed(table, "listen", "MC protocol", listen);
+  if (listen) {
+    ports.push_back({.place = table.place("listen"), .listen = *listen, .allowed = allowed});
+  }
+  table.tables("port", "plc.port",
+               [&](text::TableReader& inner) { ports.push_back(read_port(inner, model)); });
+  return ports;
+}
+
+std::string protocol_name(const MelsecPortSection& port) {
+  return fmt::format("MC protocol{}{}", port.settings.takes_3e ? "" : " 1E", port.udp ? " UDP" : "");
 }
 
 void check_servers(const PlantFile& plant, std::vector<text::FileError>& errors) {

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include "canopus/link/allow_list.hpp"
 #include "canopus/plant/plant_file.hpp"
@@ -11,10 +12,17 @@
 namespace canopus::plant {
 
 /// `allow` of a section whose server listens where its key `key` says; none: it has no server. A server that
-/// other machines can reach needs a list.
+/// other machines can reach needs a list, or a password; with a password alone everybody may connect.
 [[nodiscard]] link::AllowList read_allowed(text::TableReader& table, std::string_view key,
                                            std::string_view protocol,
-                                           const std::optional<text::HostAndPort>& place);
+                                           const std::optional<text::HostAndPort>& place,
+                                           bool has_password = false);
+/// A list of networks as `allow` is one; none: the key is not there.
+[[nodiscard]] std::optional<link::AllowList> read_networks(text::TableReader& table, std::string_view key);
+
+/// `listen` of a [[plc]] and its [[plc.port]]: what the MC protocol is served on.
+[[nodiscard]] std::vector<MelsecPortSection> read_melsec_ports(text::TableReader& table,
+                                                               const plc::CpuModel& model);
 
 /// `cpu_model` and `devices` of a [[plc]].
 [[nodiscard]] plc::CpuModel read_cpu_model(text::TableReader& table);

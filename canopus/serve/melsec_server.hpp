@@ -1,59 +1,41 @@
 #pragma once
-// The PLC's Ethernet port: a TCP server for the MELSEC communication protocol in front of a rack. It runs on
-// the event loop that owns the rack, in its thread, and answers a client as soon as its request is complete.
-//
-// Clients cannot disturb each other or the bus: each has fixed buffers, is answered no further while it does
-// not take its replies, and loses its connection when it stops in the middle of a request. One that is silent
-// is asked whether it is still there, as a CPU does, and gives way when all connections are taken. Whatever
-// ends a connection but its client is reported.
+// A port of the PLC's Ethernet module for the MELSEC communication protocol, over TCP or UDP.
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <expected>
-#include <memory>
+#include <optional>
 #include <string>
 
-#include "canopus/link/allow_list.hpp"
-#include "canopus/link/loop_clock.hpp"
-#include "canopus/link/peer.hpp"
+#include "canopus/plc/melsec/port_settings.hpp"
 #include "canopus/plc/rack/rack.hpp"
+#include "canopus/serve/tcp_server.hpp"
+#include "canopus/serve/udp_server.hpp"
 
 namespace canopus::serve {
 
-struct MelsecServerOptions {
-  link::AllowList allowed{};  ///< who may connect
-  /// A CPU has 16 connections. A further client takes the place of the one that has asked nothing for the
-  /// longest time; when that is shorter than `gives_way_after`, it is closed at once.
-  std::size_t maximum_clients = 16;
-  std::chrono::milliseconds gives_way_after{10000};
-  /// A client from which nothing came for `alive_check_start` gets TCP keep-alive messages, one per interval.
-  /// So many without an answer end the connection: after 45 s as with a Q03UDVCPU [SH-080811 3.6].
-  std::chrono::seconds alive_check_start{5};
-  std::chrono::seconds alive_check_interval{5};
-  int alive_checks = 8;
-  /// From the beginning of a request to its last byte.
-  std::chrono::milliseconds half_request_timeout{5000};
-  /// From a reply that the client does not take to the end of its connection.
-  std::chrono::milliseconds send_timeout{30000};
+using MelsecServerOptions = TcpServerOptions;
+
+/// What the port is set to.
+struct MelsecPort {
+  bool udp = false;
+  plc::melsec::PortSettings settings{};
+  /// Who may write, as the settings have it; everybody else never. None: all may.
+  std::optional<link::AllowList> writers{};
 };
 
 class MelsecServer {
  public:
   /// The first three must outlive the server.
   MelsecServer(boost::asio::io_context& context, plc::Rack& rack, link::LoopClock& clock,
-               MelsecServerOptions options = {}, link::ClientReport report = {});
-  /// Stops.
-  ~MelsecServer();
-  MelsecServer(const MelsecServer&) = delete;
-  MelsecServer& operator=(const MelsecServer&) = delete;
+               MelsecServerOptions options = {}, link::ClientReport report = {}, MelsecPort port = {});
 
   /// Starts to accept. `host` is an address or a name; port 0 takes a free one. The error is a sentence:
   /// "127.0.0.1:5007: Address already in use".
   [[nodiscard]] std::expected<void, std::string> listen(const std::string& host, std::uint16_t port);
   /// The port it listens on, 0 before listen().
   [[nodiscard]] std::uint16_t port() const noexcept;
-  /// Clients connected now.
+  /// Clients connected now; of UDP those that are remembered.
   [[nodiscard]] std::size_t clients() const noexcept;
   /// Requests answered since the start.
   [[nodiscard]] std::uint64_t requests() const noexcept;
@@ -61,9 +43,13 @@ class MelsecServer {
   void stop() noexcept;
 
  private:
-  struct Parts;
-  class Connection;
-  std::shared_ptr<Parts> parts_;  // also held by handlers that wait in the context
+  [[nodiscard]] plc::melsec::PortSettings settings_for(const link::InternetAddress& client) const;
+
+  plc::Rack& rack_;
+  MelsecPort port_;
+  plc::melsec::PasswordGuard guard_;
+  std::optional<TcpServer> tcp_;  // one of the two
+  std::optional<UdpServer> udp_;
 };
 
 }  // namespace canopus::serve

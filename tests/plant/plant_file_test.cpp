@@ -91,8 +91,8 @@ TEST(PlantFile, EverythingThatIsWrittenIsRead) {
   EXPECT_EQ(device.behaviours[0].period, 4s);
 
   ASSERT_EQ(plant.plcs.size(), 1U);
-  EXPECT_EQ(plant.plcs[0].listen->host, "127.0.0.1");
-  EXPECT_EQ(plant.plcs[0].listen->port, 5008);
+  EXPECT_EQ(plant.plcs[0].ports[0].listen.host, "127.0.0.1");
+  EXPECT_EQ(plant.plcs[0].ports[0].listen.port, 5008);
   EXPECT_FALSE(plant.plcs[0].run);
   const ModuleSection& module = plant.plcs[0].modules.at(0);
   EXPECT_EQ(module.head, 0x30);
@@ -424,7 +424,7 @@ TEST(PlantFile, Allow_SaysWhoMayConnect) {
       "plant.toml");
   ASSERT_THAT(reading.errors, IsEmpty());
   const auto plc_allows = [&](std::string_view address) {
-    return reading.plant.plcs[0].allowed.allows(link::parse_internet_address(address).value());
+    return reading.plant.plcs[0].ports[0].allowed.allows(link::parse_internet_address(address).value());
   };
   EXPECT_TRUE(plc_allows("192.168.1.7"));
   EXPECT_TRUE(plc_allows("fd00::7"));

@@ -67,13 +67,16 @@ bool PlantServers::opened(const std::expected<void, std::string>& result, std::s
 
 bool PlantServers::open_melsec(std::size_t plc) {
   const plant::PlcSection& section = plant_.plc_section(plc);
-  if (!section.listen) return true;
-  const text::HostAndPort place = place_of(*section.listen);
-  serve::MelsecServer& server = *melsec_.emplace_back(std::make_unique<serve::MelsecServer>(
-      io_, plant_.rack(plc), clock_, serve::MelsecServerOptions{.allowed = section.allowed},
-      use_.report(fmt::format("MC protocol {}", section.name))));
-  const auto result = server.listen(place.host, place.port);
-  return opened(result, "MC protocol", section.name, place, server.port());
+  for (const plant::MelsecPortSection& port : section.ports) {
+    const text::HostAndPort place = place_of(port.listen);
+    serve::MelsecServer& server = *melsec_.emplace_back(std::make_unique<serve::MelsecServer>(
+        io_, plant_.rack(plc), clock_, serve::MelsecServerOptions{.allowed = port.allowed},
+        use_.report(fmt::format("MC protocol {}", section.name)),
+        serve::MelsecPort{.udp = port.udp, .settings = port.settings, .writers = port.writers}));
+    const auto result = server.listen(place.host, place.port);
+    if (!opened(result, protocol_name(port), section.name, place, server.port())) return false;
+  }
+  return true;
 }
 
 bool PlantServers::open_control() {

@@ -1,0 +1,322 @@
+#include "canopus/serve/tcp_server.hpp"
+
+#include <algorithm>
+#include <ctime>
+#include <utility>
+#include <vector>
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+
+#include "canopus/link/spare_descriptor.hpp"
+
+namespace canopus::serve {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+/// Seconds of the machine's clock, cheaply: to a few milliseconds.
+struct CoarseClock {
+  using time_point = std::chrono::steady_clock::time_point;
+  [[nodiscard]] static time_point now() noexcept {
+    timespec time{};
+    ::clock_gettime(CLOCK_MONOTONIC_COARSE, &time);
+    return time_point(std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec));
+  }
+};
+
+struct TcpServer::Parts : std::enable_shared_from_this<Parts> {
+  Parts(asio::io_context& io, link::LoopClock& the_clock, std::string the_protocol, MakeConversation the_make,
+        TcpServerOptions the_options, link::ClientReport the_report)
+      : context(io),
+        clock(the_clock),
+        protocol(std::move(the_protocol)),
+        make(std::move(the_make)),
+        options(std::move(the_options)),
+        report(std::move(the_report)),
+        acceptor(io),
+        accept_pause(io) {}
+
+  void accept();
+  void admit(tcp::socket socket);
+  [[nodiscard]] bool make_room(const std::string& newcomer);
+  void remove(const Connection& connection);
+  void say(const std::string& client, const std::string& what) const {
+    if (report) report(client + ' ' + what);
+  }
+
+  asio::io_context& context;
+  link::LoopClock& clock;
+  std::string protocol;
+  MakeConversation make;
+  TcpServerOptions options;
+  link::ClientReport report;
+  tcp::acceptor acceptor;
+  link::SpareDescriptor spare;
+  asio::steady_timer accept_pause;
+  std::vector<std::shared_ptr<Connection>> connections;
+  std::uint64_t requests = 0;
+  std::uint64_t heard = 0;  // messages from clients and connections, so far
+};
+
+/// One client. Handlers hold it; it forgets the server when the server is gone.
+class TcpServer::Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  Connection(Parts& parts, tcp::socket socket)
+      : parts_(&parts),
+        socket_(std::move(socket)),
+        name_(link::name_of_peer(socket_)),
+        heard_number_(++parts.heard),
+        timer_(parts.context),
+        session_(parts.make(link::address_of_peer(socket_))) {}
+
+  void start() {
+    error_code ignored;
+    socket_.set_option(tcp::no_delay(true), ignored);
+    socket_.non_blocking(true, ignored);
+    check_alive();
+    receive();
+  }
+
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  /// When something came from the client last.
+  [[nodiscard]] CoarseClock::time_point heard_at() const noexcept { return heard_at_; }
+  /// The same as a number: later is higher, and no two are equal.
+  [[nodiscard]] std::uint64_t heard_number() const noexcept { return heard_number_; }
+
+  void close() noexcept {
+    parts_ = nullptr;
+    error_code ignored;
+    socket_.shutdown(tcp::socket::shutdown_both, ignored);
+    socket_.close(ignored);
+    timer_.cancel(ignored);
+  }
+
+ private:
+  void receive() {
+    const auto space = session_->space();
+    socket_.async_read_some(asio::buffer(space.data(), space.size()),
+                            [self = shared_from_this()](error_code error, std::size_t count) {
+                              if (self->parts_ == nullptr) return;
+                              if (error == asio::error::timed_out) {
+                                return self->end("does not answer the alive check any more");
+                              }
+                              if (error) return self->end();
+                              self->heard_at_ = CoarseClock::now();
+                              self->heard_number_ = ++self->parts_->heard;
+                              self->session_->received(count);
+                              self->work();
+                            });
+  }
+
+  void check_alive() {
+    const TcpServerOptions& options = parts_->options;
+    const auto set = [this](int name, int value) {
+      ::setsockopt(socket_.native_handle(), IPPROTO_TCP, name, &value, sizeof value);
+    };
+    error_code ignored;
+    socket_.set_option(asio::socket_base::keep_alive(true), ignored);
+    set(TCP_KEEPIDLE, static_cast<int>(options.alive_check_start.count()));
+    set(TCP_KEEPINTVL, static_cast<int>(options.alive_check_interval.count()));
+    set(TCP_KEEPCNT, options.alive_checks);
+  }
+
+  /// Answers what is complete and sends it, until there is nothing more to answer or the client does not take
+  /// more.
+  void work() {
+    while (true) {
+      const can::Time now = parts_->clock.now();
+      if (parts_ == nullptr) return;  // the run ended on the way there
+      const std::size_t answered = session_->process(now);
+      if (answered != 0) {
+        parts_->requests += answered;
+        parts_->clock.touched();
+        if (parts_ == nullptr) return;
+      }
+      watch_request(answered != 0);
+      if (session_->output().empty()) break;
+      if (!send()) return;
+      if (!session_->half_request()) break;  // nothing left to look at
+    }
+    if (session_->over()) return end(("sent what is no request of the " + parts_->protocol).c_str());
+    receive();
+  }
+
+  /// False when the rest has to wait, or the connection is at its end.
+  bool send() {
+    while (!session_->output().empty()) {
+      error_code error;
+      const auto output = session_->output();
+      const std::size_t count = socket_.write_some(asio::buffer(output.data(), output.size()), error);
+      if (error == asio::error::would_block) {
+        wait_to_send();
+        return false;
+      }
+      if (error) {
+        end();
+        return false;
+      }
+      session_->sent(count);
+    }
+    return true;
+  }
+
+  void wait_to_send() {
+    set_timer(parts_->options.send_timeout, "does not take its replies");
+    socket_.async_wait(tcp::socket::wait_write, [self = shared_from_this()](error_code error) {
+      if (self->parts_ == nullptr) return;
+      if (error) return self->end();
+      self->stop_timer();
+      if (self->send()) self->work();
+    });
+  }
+
+  /// A request that has begun has its time; one that is answered gives the next its own.
+  void watch_request(bool progress) {
+    if (!session_->half_request()) return stop_timer();
+    if (progress || !timed_) set_timer(parts_->options.half_request_timeout, "left a request incomplete");
+  }
+
+  void set_timer(std::chrono::milliseconds timeout, const char* reason) {
+    timed_ = true;
+    const std::uint64_t turn = ++timer_turn_;
+    timer_.expires_after(timeout);
+    timer_.async_wait([self = shared_from_this(), turn, reason](error_code error) {
+      // A timer that was set again after it had expired is not meant any more.
+      if (error || self->parts_ == nullptr || turn != self->timer_turn_) return;
+      self->end(reason);
+    });
+  }
+
+  void stop_timer() {
+    if (!std::exchange(timed_, false)) return;
+    ++timer_turn_;
+    error_code ignored;
+    timer_.cancel(ignored);
+  }
+
+  /// `reason`: what the client did, when it was not its client that ended the connection.
+  void end(const char* reason = nullptr) {
+    Parts& parts = *parts_;
+    if (reason != nullptr) parts.say(name_, std::string(reason) + ": its connection is closed");
+    close();
+    parts.remove(*this);
+  }
+
+  Parts* parts_;
+  tcp::socket socket_;
+  std::string name_;
+  std::uint64_t heard_number_;
+  CoarseClock::time_point heard_at_ = CoarseClock::now();
+  asio::steady_timer timer_;
+  bool timed_ = false;
+  std::uint64_t timer_turn_ = 0;
+  std::unique_ptr<Conversation> session_;
+};
+
+void TcpServer::Parts::accept() {
+  acceptor.async_accept([this, self = shared_from_this()](error_code error, tcp::socket socket) {
+    if (error == asio::error::operation_aborted || !acceptor.is_open()) return;
+    if (error) {
+      const auto refuse = [this](tcp::socket& turned_away) {
+        say(link::name_of_peer(turned_away), link::no_descriptor_left);
+      };
+      if (error == asio::error::no_descriptors && spare.refuse_next(acceptor, refuse)) return accept();
+      // Trying again at once would only burn the processor; the port stays open for later.
+      accept_pause.expires_after(std::chrono::milliseconds(100));
+      accept_pause.async_wait([this, self](error_code stopped) {
+        if (!stopped && acceptor.is_open()) accept();
+      });
+      return;
+    }
+    admit(std::move(socket));
+    accept();
+  });
+}
+
+void TcpServer::Parts::admit(tcp::socket socket) {
+  const std::string name = link::name_of_peer(socket);
+  if (!link::is_allowed(socket, options.allowed)) return say(name, "is not allowed to connect");
+  if (connections.size() >= options.maximum_clients && !make_room(name)) return;
+  connections.push_back(std::make_shared<Connection>(*this, std::move(socket)));
+  connections.back()->start();
+}
+
+/// Closes the connection from which nothing has come for the longest time, if that is long enough.
+bool TcpServer::Parts::make_room(const std::string& newcomer) {
+  const auto idlest =
+      std::ranges::min_element(connections, {}, [](const auto& other) { return other->heard_number(); });
+  const auto idle = CoarseClock::now() - (*idlest)->heard_at();
+  if (idle < options.gives_way_after) {
+    say(newcomer, "was refused: all " + std::to_string(options.maximum_clients) + " connections are in use");
+    return false;
+  }
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(idle).count();
+  say((*idlest)->name(),
+      "has asked nothing for " + std::to_string(seconds) + " s: its connection gives way to " + newcomer);
+  (*idlest)->close();
+  connections.erase(idlest);
+  return true;
+}
+
+void TcpServer::Parts::remove(const Connection& connection) {
+  std::erase_if(connections, [&](const auto& other) { return other.get() == &connection; });
+}
+
+TcpServer::TcpServer(asio::io_context& context, link::LoopClock& clock, std::string protocol,
+                     MakeConversation make, TcpServerOptions options, link::ClientReport report)
+    : parts_(std::make_shared<Parts>(context, clock, std::move(protocol), std::move(make), std::move(options),
+                                     std::move(report))) {}
+
+TcpServer::~TcpServer() { stop(); }
+
+std::expected<void, std::string> TcpServer::listen(const std::string& host, std::uint16_t port) {
+  const auto failed = [&](const error_code& error) {
+    error_code ignored;
+    parts_->acceptor.close(ignored);
+    return std::unexpected(host + ":" + std::to_string(port) + ": " + error.message());
+  };
+  error_code error;
+  tcp::resolver resolver(parts_->context);
+  const auto found = resolver.resolve(host, std::to_string(port),
+                                      tcp::resolver::passive | tcp::resolver::numeric_service, error);
+  if (error) return failed(error);
+  const tcp::endpoint endpoint = found.begin()->endpoint();
+  tcp::acceptor& acceptor = parts_->acceptor;
+  acceptor.open(endpoint.protocol(), error);
+  if (error) return failed(error);
+  acceptor.set_option(tcp::acceptor::reuse_address(true), error);
+  acceptor.bind(endpoint, error);
+  if (error) return failed(error);
+  acceptor.listen(asio::socket_base::max_listen_connections, error);
+  if (error) return failed(error);
+  acceptor.non_blocking(true, error);
+  if (error) return failed(error);
+  parts_->accept();
+  return {};
+}
+
+std::uint16_t TcpServer::port() const noexcept {
+  error_code error;
+  const tcp::endpoint endpoint = parts_->acceptor.local_endpoint(error);
+  return error ? std::uint16_t{0} : endpoint.port();
+}
+
+std::size_t TcpServer::clients() const noexcept { return parts_->connections.size(); }
+
+std::uint64_t TcpServer::requests() const noexcept { return parts_->requests; }
+
+void TcpServer::stop() noexcept {
+  error_code ignored;
+  parts_->acceptor.close(ignored);
+  parts_->accept_pause.cancel(ignored);
+  for (const auto& connection : parts_->connections) connection->close();
+  parts_->connections.clear();
+}
+
+}  // namespace canopus::serve
