@@ -192,6 +192,22 @@ TEST(TableLayout, AModulesErrorLed_IsTrouble) {
   EXPECT_EQ(lines[6], "      LED ERR.: on");
 }
 
+TEST(TableLayout, ForcedValues_StandBehindTroubleAndBeforeTheOthers) {
+  Plant130 plant(4);
+  plant.node(4).is_on = false;
+  plant.state.forced.push_back({.device = plant.node(3).label,
+                                .object = "6000:01",
+                                .name = "Digital inputs 1 to 8",
+                                .type = canopen::DataType::unsigned8,
+                                .value = 3,
+                                .until = can::Time{5200ms}});
+  const auto lines = plant.lines({24, 80});
+  EXPECT_THAT(lines[5], StartsWith("   4  device 4 ")) << "off";
+  EXPECT_THAT(lines[6], StartsWith("   3  device 3 "));
+  EXPECT_EQ(lines[7], "      6000:01 (Digital inputs 1 to 8) forced to 3 until 5.200 s");
+  EXPECT_THAT(lines[8], StartsWith("   1  device 1 "));
+}
+
 TEST(TableLayout, WhatDoesNotFit_IsCountedAndScrolled) {
   const Plant130 plant(130);
   const TableSize size{24, 80};

@@ -239,13 +239,17 @@ std::string describe_unacknowledged(const plant::NodeLabel& node) {
   return describe(node) + ": nobody acknowledges: no other node on this bus";
 }
 
+std::string describe_value(const plant::ForcedObject& forced) {
+  std::string text = fmt::format("{} ({}) forced to {}", forced.object, forced.name,
+                                 plant::show_value(forced.type, forced.value));
+  if (forced.until != can::never) {
+    text += fmt::format(" until {}", text::describe_duration(forced.until.time_since_epoch()));
+  }
+  return text;
+}
+
 std::string describe(const plant::ForcedObject& forced) {
-  return fmt::format(
-      "{}: {} ({}) forced to {}{}", describe(forced.device), forced.object, forced.name,
-      plant::show_value(forced.type, forced.value),
-      forced.until == can::never
-          ? ""
-          : fmt::format(" until {}", text::describe_duration(forced.until.time_since_epoch())));
+  return fmt::format("{}: {}", describe(forced.device), describe_value(forced));
 }
 
 std::vector<std::string> describe(const RunSummary& summary) {

@@ -106,6 +106,8 @@ class LinePrinter final : public plant::PlantObserver {
 /// "line1 node 3 (encoder): LSS: node-ID 3, 125 kbit/s": what LSS has set.
 [[nodiscard]] std::string describe_unacknowledged(const plant::NodeLabel& node);
 [[nodiscard]] std::string describe_lss(const plant::NodeLabel& node, std::uint32_t bit_rate);
+/// "6000:01 (Digital inputs 1 to 8) forced to 3 until 5.2 s"
+[[nodiscard]] std::string describe_value(const plant::ForcedObject& forced);
 /// "line1 node 2 (io-block): 6000:01 (Digital inputs 1 to 8) forced to 3 until 5.2 s"
 [[nodiscard]] std::string describe(const plant::ForcedObject& forced);
 /// The summary's lines.

@@ -83,6 +83,7 @@ TableState LiveTable::look(can::Time now, can::Duration lag) {
   if (span >= 1) counted_at_ = now;
   state.boots = plant_->boots();
   state.troubles = plant_->troubles();
+  state.forced = plant_->forced();
   state.modules = plant_->modules();
   state.messages = messages_.latest(shown_messages);
   state.errors = messages_.errors();

@@ -13,7 +13,7 @@
 namespace canopus::cli {
 namespace {
 
-/// What is wrong with a node, worst first.
+/// What is wrong with a node, worst first, or what somebody must not forget.
 enum class Severity : std::uint8_t {
   bus_off,
   failed,  ///< its boot, or the module has an error
@@ -22,6 +22,7 @@ enum class Severity : std::uint8_t {
   not_operational,
   emergency,  ///< its last EMCY is no "error reset"
   off,
+  forced,  ///< values of the device are not its own
   none,
 };
 
@@ -193,12 +194,17 @@ class Entries {
       look_at(all_.back());
     }
     for (const plant::ModuleTrouble& trouble : state.troubles) {
-      if (Entry* entry = module(trouble.module)) {
+      if (Entry* entry = find(trouble.module)) {
         add(*entry, Severity::failed, trouble.text, TableStyle::error);
       }
     }
     for (const plant::ModuleStatus& status : state.modules) {
-      if (Entry* entry = module(status.label)) add_leds(*entry, status);
+      if (Entry* entry = find(status.label)) add_leds(*entry, status);
+    }
+    for (const plant::ForcedObject& forced : state.forced) {
+      if (Entry* entry = find(forced.device)) {
+        add(*entry, Severity::forced, describe_value(forced), TableStyle::warning);
+      }
     }
     for (const plant::SlaveBoot& boot : state.boots) add_boot(boot);
     std::ranges::stable_sort(all_, {}, &Entry::severity);
@@ -206,7 +212,7 @@ class Entries {
   [[nodiscard]] const std::vector<Entry>& all() const { return all_; }
 
  private:
-  Entry* module(const plant::NodeLabel& label) {
+  Entry* find(const plant::NodeLabel& label) {
     const auto found = std::ranges::find_if(all_, [&](const Entry& entry) {
       return entry.label.bus == label.bus && entry.label.name == label.name &&
              entry.label.node_id == label.node_id;

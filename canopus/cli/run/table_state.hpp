@@ -34,6 +34,7 @@ struct TableState {
   std::vector<Node> nodes{};                     ///< in the order of the plant file, modules first
   std::vector<plant::SlaveBoot> boots{};         ///< booted ones, too
   std::vector<plant::ModuleTrouble> troubles{};  ///< modules whose process data stand still
+  std::vector<plant::ForcedObject> forced{};     ///< values of devices that somebody set
   std::vector<plant::ModuleStatus> modules{};    ///< signals and watched words
   std::vector<RunMessage> messages{};            ///< the latest errors and warnings, newest last
   std::uint64_t errors = 0;                      ///< so many came in all
