@@ -8,6 +8,7 @@
 
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
 #include "canopus/eds/writer.hpp"
+#include "canopus/module/me3can1_q/buffer_table.hpp"
 #include "canopus/module/me3can1_q/data_sheet.hpp"
 #include "canopus/module/me3can1_q/me3can1_q.hpp"
 #include "canopus/module/me3can1_q/object_table.hpp"
@@ -27,7 +28,8 @@ std::unique_ptr<module::CommunicationModule> make(can::Controller& controller,
 
 const std::array catalogue = std::to_array<CatalogueEntry>({
     {&module::me3can1_q::data_sheet, module::me3can1_q::object_dictionary,
-     module::ModuleSettings::stored_names, make<module::me3can1_q::Me3can1Q>},
+     module::ModuleSettings::stored_names, make<module::me3can1_q::Me3can1Q>,
+     module::me3can1_q::buffer_table},
 });
 
 bool same_letter(char a, char b) {

@@ -1,6 +1,7 @@
 #pragma once
 // The soft modules there are, with what there is to say of each.
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <span>
@@ -8,9 +9,11 @@
 #include <string_view>
 
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
+#include "canopus/module/areas/buffer_memory.hpp"
 #include "canopus/module/interface/communication_module.hpp"
 #include "canopus/module/interface/data_sheet.hpp"
 #include "canopus/module/interface/non_volatile_memory.hpp"
+#include "canopus/plc/cpu/device.hpp"
 
 namespace canopus::plant {
 
@@ -18,6 +21,8 @@ namespace canopus::plant {
 struct ModuleTuning {
   std::optional<can::Duration> restart_time{};
 };
+
+inline constexpr std::array racks_with_head_addresses = {plc::CpuFamily::q, plc::CpuFamily::iqr};
 
 struct CatalogueEntry {
   const module::DataSheet* data_sheet;
@@ -29,6 +34,10 @@ struct CatalogueEntry {
   std::unique_ptr<module::CommunicationModule> (*make)(can::Controller& controller,
                                                        module::NonVolatileMemory& memory,
                                                        const ModuleTuning& tuning);
+  /// Its buffer memory, as its manual names the words.
+  std::span<const module::BufferRow> buffer_rows{};
+  /// Racks that it fits into.
+  std::span<const plc::CpuFamily> families = racks_with_head_addresses;
 };
 
 [[nodiscard]] std::span<const CatalogueEntry> module_catalogue() noexcept;

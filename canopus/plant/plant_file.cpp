@@ -224,7 +224,7 @@ SlaveSection read_slave(text::TableReader& table) {
   return slave;
 }
 
-ModuleSection read_module(text::TableReader& table) {
+ModuleSection read_module(text::TableReader& table, const plc::CpuModel& cpu) {
   ModuleSection module{
       .place = table.place(), .name_place = table.place("name"), .slaves_place = table.place("slaves")};
   module.name = table.text("name").value_or("");
@@ -235,10 +235,7 @@ ModuleSection read_module(text::TableReader& table) {
     const std::string_view one_of = module_catalogue().size() > 1 ? "one of " : "";
     table.error("model", fmt::format("expected {}{}", one_of, quoted_models()));
   }
-  constexpr std::string_view head_expected = "a head I/O number is a multiple of 10H from 0 to 0FF0H";
-  const auto head = table.integer("head", 0, 0xFF0, head_expected);
-  module.head = static_cast<std::uint16_t>(head.value_or(0));
-  if (module.head % 16 != 0) table.error("head", head_expected);
+  read_place(table, cpu, module);
   module.bus = table.text("bus").value_or("");
   module.node = static_cast<std::uint8_t>(table.integer("node", 1, 127, node_id_expected).value_or(0));
   module.master = table.boolean("master").value_or(false);
@@ -281,7 +278,7 @@ ModuleSection read_module(text::TableReader& table) {
       return table.error(text::place_of(element.source()), fmt::format("watch: {}", address.error()));
     module.watch.push_back(*address);
   });
-  for (const std::string_view key : {"model", "head", "bus", "node"}) {
+  for (const std::string_view key : {"model", "bus", "node"}) {
     module.usable = module.usable && !table.is_wrong(key);
   }
   return module;
@@ -304,7 +301,7 @@ PlcSection read_plc(text::TableReader& table) {
   plc.store = table.text("store").value_or("");
   plc.cpu_error = table.parsed("cpu_error", text::parse_duration);
   table.tables("module", "plc.module",
-               [&](text::TableReader& inner) { plc.modules.push_back(read_module(inner)); });
+               [&](text::TableReader& inner) { plc.modules.push_back(read_module(inner, plc.cpu_model)); });
   return plc;
 }
 

@@ -127,7 +127,7 @@ struct ModuleSection {
   text::Place name_place{};
   std::string name{};  ///< for people; empty: model and slot
   std::string model{};
-  std::uint16_t head = 0;  ///< head I/O number, in points
+  std::uint16_t head = 0;  ///< head I/O number, in points; FX, AS300: 16 times the module's number
   std::string bus{};
   std::uint8_t node = 0;
   bool master = false;

@@ -1,18 +1,72 @@
 // The CPU of a PLC in a plant file: its type, and how many points its devices have.
 
+#include <algorithm>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "canopus/plant/module_catalogue.hpp"
 #include "canopus/plant/plant_sections.hpp"
 #include "canopus/plc/cpu/device_points.hpp"
 #include "canopus/text/table_reader.hpp"
 
 namespace canopus::plant {
 
+namespace {
+
+std::vector<std::string_view> family_names() {
+  std::vector<std::string_view> names;
+  for (std::size_t i = 0; i < plc::family_count; ++i) {
+    names.push_back(plc::family_info(static_cast<plc::CpuFamily>(i)).name);
+  }
+  return names;
+}
+
+std::string expected_one_of(std::span<const std::string_view> names) {
+  std::string text = "expected one of";
+  for (const std::string_view& name : names)
+    text += fmt::format("{} \"{}\"", &name == &names.front() ? "" : ",", name);
+  return text;
+}
+
+}  // namespace
+
+void read_place(text::TableReader& table, const plc::CpuModel& cpu, ModuleSection& module) {
+  const plc::FamilyInfo& family = plc::family_info(cpu.family);
+  const plc::ModulePlace& place = family.place;
+  const std::int64_t number =
+      table.integer(place.key, place.first, place.last, place.words).value_or(place.first);
+  if (number % place.step != 0) table.error(place.key, place.words);
+  module.head = static_cast<std::uint16_t>(family.modules_have_points ? number : 16 * number);
+  if (table.is_wrong(place.key)) module.usable = false;
+  const CatalogueEntry* entry = find_module(module.model);
+  if (entry == nullptr || std::ranges::find(entry->families, cpu.family) != entry->families.end()) return;
+  std::string fits;
+  for (const plc::CpuFamily each : entry->families) {
+    fits += fmt::format("{}{}", fits.empty() ? "" : " or ", plc::family_info(each).name);
+  }
+  table.error("model", fmt::format("fits into a rack of the family {}; this one is {}", fits, family.name));
+}
+
 plc::CpuModel read_cpu_model(text::TableReader& table) {
   plc::CpuModel model = plc::r04cpu();
+  std::optional<plc::CpuFamily> family;
+  if (const auto name = table.text("family")) {
+    family = plc::family_named(*name);
+    if (family) model = plc::usual_model(*family);
+    if (!family) table.error("family", expected_one_of(family_names()));
+  }
   if (const auto name = table.text("cpu_model")) {
-    if (const plc::CpuModel* known = plc::cpu_model_named(*name)) {
-      model = *known;
+    const plc::CpuModel* known = plc::cpu_model_named(*name);
+    if (known == nullptr) {
+      table.error("cpu_model", expected_one_of(plc::cpu_model_names()));
+    } else if (family && known->family != *family) {
+      table.error("cpu_model",
+                  fmt::format("is a CPU of the family {}, and family says {}",
+                              plc::family_info(known->family).name, plc::family_info(*family).name));
     } else {
-      table.error("cpu_model", "expected \"R04CPU\" or \"Q03UDVCPU\"");
+      model = *known;
     }
   }
   const bool is_known = !table.is_wrong("cpu_model");  // otherwise the limits are not

@@ -24,8 +24,10 @@ namespace canopus::plant {
 [[nodiscard]] std::vector<MelsecPortSection> read_melsec_ports(text::TableReader& table,
                                                                const plc::CpuModel& model);
 
-/// `cpu_model` and `devices` of a [[plc]].
+/// `family`, `cpu_model` and `devices` of a [[plc]].
 [[nodiscard]] plc::CpuModel read_cpu_model(text::TableReader& table);
+/// Where a module of a rack of this CPU's family is, and whether it fits into one; its model has been read.
+void read_place(text::TableReader& table, const plc::CpuModel& cpu, ModuleSection& module);
 
 /// A [[bus.fault]].
 [[nodiscard]] FaultSection read_fault(text::TableReader& table);

@@ -115,6 +115,7 @@ Result<Json> Request::list() const {
     const bool run = rack.cpu_state() == module::CpuState::run;
     plcs.push_back({{"name", plant_.plc_section(i).name},
                     {"cpu", rack.model().name},
+                    {"family", plc::family_info(rack.model().family).name},
                     {"state", rack.is_paused() ? "pause"
                               : run            ? "run"
                                                : "stop"},

@@ -21,8 +21,8 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-std::string why_refused(plc::AccessError error, const plc::melsec::Target& target) {
-  const std::string address = client::plc_address(target);
+std::string why_refused(plc::AccessError error, const plc::melsec::Target& target, unsigned io_base) {
+  const std::string address = client::plc_address(target, 0, io_base);
   switch (error) {
     case plc::AccessError::no_device: return fmt::format("the CPU has no {}", address);
     case plc::AccessError::no_module:
@@ -49,13 +49,14 @@ std::expected<PlcCondition, std::string> PlcCondition::parse(std::string_view te
   }};
   PlcCondition condition;
   const std::size_t at = text.find_first_of("=!<>");
-  const auto address = client::parse_plc_address(trimmed(text.substr(0, at)));
+  const unsigned io_base = rack.model().number_base(plc::Device::x);
+  const auto address = client::parse_plc_address(trimmed(text.substr(0, at)), io_base);
   if (!address) return std::unexpected(address.error());
   condition.target_ = *address;
   condition.is_bit_ = !address->is_buffer && plc::device_info(address->device).is_bit;
   const auto known = address->is_buffer ? rack.check_buffer(address->head_address, address->number, 1)
                                         : rack.check(address->device, address->number, 1);
-  if (!known) return std::unexpected(why_refused(known.error(), *address));
+  if (!known) return std::unexpected(why_refused(known.error(), *address, io_base));
   if (at == std::string_view::npos) {
     if (condition.is_bit_) return condition;
     return std::unexpected(

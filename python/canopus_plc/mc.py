@@ -181,7 +181,7 @@ class McClient:
 
 
 def _shown(device: Device, number: int) -> str:
-    return f"{number:X}" if device.base == 16 else str(number)
+    return f"{number:X}" if device.base == 16 else f"{number:o}" if device.base == 8 else str(number)
 
 
 def _number(number: int) -> bytes:

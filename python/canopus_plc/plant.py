@@ -80,10 +80,12 @@ class Plant:
         control = self._server("control")
         if control is not None:
             self._control = ControlClient(*_place(control["address"]))
+        cpus = {cpu["name"]: cpu for cpu in self._control.ask("list")["plcs"]} if self._control is not None else {}
         for event in list(self.events):
-            if event["event"] == "listen" and event["protocol"] == "MC protocol":
+            if event["event"] == "listen" and event["protocol"] == "MC protocol" and event["of"] not in self.plcs:
                 host, port = _place(event["address"])
-                self.plcs[event["of"]] = Plc(host, port, timeout=PATIENCE, control=self._control, name=event["of"])
+                octal = cpus.get(event["of"], {}).get("family") in ("FX3", "FX5")
+                self.plcs[event["of"]] = Plc(host, port, timeout=PATIENCE, octal=octal, control=self._control, name=event["of"])
 
     @property
     def plc(self) -> Plc:

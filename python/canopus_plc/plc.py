@@ -26,12 +26,14 @@ class Plc:
     """
 
     def __init__(self, host: str = "127.0.0.1", port: int = 5007, *, timeout: float = 5.0, frame: str = "3E",
-                 control: ControlClient | None = None, name: str | None = None) -> None:
-        """`timeout` in seconds, to connect and for each answer; `frame` is "3E" or "4E". `control` and `name`: the control server of
+                 octal: bool = False, control: ControlClient | None = None, name: str | None = None) -> None:
+        """`timeout` in seconds, to connect and for each answer; `frame` is "3E" or "4E"; `octal`: X and Y are counted in octal, as by
+        an FX, when an index is a string. `control` and `name`: the control server of
         the plant that this PLC is in, and its name there. They come from `Plant`."""
         self.mc = McClient(host, port, timeout=timeout, frame=frame)
         self.name = name
         self._control = control
+        self._octal = octal
         self.g = BufferMemories(self.mc)
         bits, words = self._bits, self._words
         self.x, self.y, self.m, self.l, self.f = bits("X"), bits("Y"), bits("M"), bits("L"), bits("F")  # noqa: E741
@@ -43,7 +45,8 @@ class Plc:
         self.tn, self.stn, self.cn = words("TN"), words("STN"), words("CN")
 
     def _bits(self, name: str) -> Bits:
-        return Bits(self.mc, DEVICES[name])
+        device = DEVICES[name]
+        return Bits(self.mc, device._replace(base=8) if self._octal and name in ("X", "Y") else device)
 
     def _words(self, name: str) -> Words:
         return Words(DeviceWords(self.mc, DEVICES[name]))

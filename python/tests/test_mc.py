@@ -65,6 +65,14 @@ def test_numbers_of_x_and_w_may_be_text_in_hexadecimal(script):
                                "50 00 00 ff ff 03 00 0c 00 10 00 01 04 00 00 2a 00 00 b4 01 00"]
 
 
+def test_an_fx_counts_x_and_y_in_octal(script):
+    plc, server = script("d0 00 00 ff ff 03 00 03 00 00 00 10", octal=True)
+    assert plc.x["17"] is True
+    assert server.requests[0].endswith("0f 00 00 9c 01 00")
+    with pytest.raises(IndexError, match="expected an int, or a string that is octal"):
+        plc.y["8"]
+
+
 def test_bits_are_two_in_a_byte(script):
     plc, server = script("d0 00 00 ff ff 03 00 04 00 00 00 10 10", DONE)
     assert plc.m[10:13] == [True, False, True]

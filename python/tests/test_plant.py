@@ -142,6 +142,16 @@ def test_several_plcs_have_names(tmp_path):
         assert plant.plcs["b"].d[0] == 0
 
 
+def test_a_plc_of_another_family(tmp_path):
+    (tmp_path / "plant.toml").write_text('[[bus]]\nname = "line1"\nbit_rate = 250_000\n[[plc]]\nfamily = "FX5"\nscan = "1ms"\n')
+    with Plant(tmp_path / "plant.toml") as plant:
+        plc = plant.plc
+        plc.run(scans=3)
+        assert (plc.sd[420], plc.sd[8010], plc.sm[8000]) == (3, 10, True)
+        plc.y["17"] = True
+        assert plc.y[0o17] and not plc.y[0o16]
+
+
 def test_without_a_plant_it_is_any_plc(canopus_plant):
     host, port = canopus_plant.plc.mc._place.rsplit(":", 1)
     with Plc(host, int(port), frame="4E") as plc:

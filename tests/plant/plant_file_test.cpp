@@ -460,6 +460,62 @@ TEST(PlantFile, CpuModelAndDevices_AreTheCpus) {
   EXPECT_EQ(model.points_of(plc::Device::r), 32768U);
 }
 
+TEST(PlantFile, AFamily_HasItsUsualCpu_AndItsOwnNamesForTheModulesPlace) {
+  const auto model = [](std::string_view keys) {
+    return read_plant("[[bus]]\nname = \"a\"\nbit_rate = 250_000\n[[plc]]\n" + std::string(keys), "p")
+        .plant.plcs[0]
+        .cpu_model;
+  };
+  EXPECT_EQ(model("family = \"Q\"\n").name, "Q03UDVCPU");
+  EXPECT_EQ(model("family = \"iQ-R\"\n").name, "R04CPU");
+  EXPECT_EQ(model("family = \"FX3\"\n").name, "FX3U");
+  EXPECT_EQ(model("family = \"FX5\"\n").name, "FX5U");
+  EXPECT_EQ(model("family = \"AS300\"\n").name, "AS300");
+  EXPECT_EQ(model("cpu_model = \"FX3U\"\n").family, plc::CpuFamily::fx3);
+  EXPECT_EQ(model("").name, "R04CPU");
+}
+
+TEST(PlantFile, AFamilyThatIsNone_OrThatOfAnotherCpu_IsAnError) {
+  EXPECT_THAT(
+      errors_with_bus("[[plc]]\nfamily = \"FX\"\n"),
+      ElementsAre(
+          "plant.toml:2:10: family = \"FX\": expected one of \"Q\", \"iQ-R\", \"FX3\", \"FX5\", \"AS300\""));
+  EXPECT_THAT(
+      errors_with_bus("[[plc]]\nfamily = \"FX3\"\ncpu_model = \"R04CPU\"\n"),
+      ElementsAre(
+          "plant.toml:3:13: cpu_model = \"R04CPU\": is a CPU of the family iQ-R, and family says FX3"));
+  EXPECT_THAT(
+      errors_with_bus("[[plc]]\nfamily = \"FX3\"\ndevices = { D = 4000 }\n"),
+      ElementsAre("plant.toml:3:13: devices: D = 4000: expected none: the devices of an FX3U are fixed"));
+}
+
+TEST(PlantFile, AModuleThatDoesNotFitIntoTheRack_AndAPlaceThatIsNone_AreErrors) {
+  const auto module = [](std::string_view family, std::string_view place) {
+    return errors_with_bus("[[plc]]\nfamily = \"" + std::string(family) +
+                           "\"\n[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nnode = 1\n" + std::string(place));
+  };
+  EXPECT_THAT(module("Q", "head = 0x30\n"), IsEmpty());
+  const std::string no_fit =
+      "plant.toml:4:9: model = \"ME3CAN1-Q\": fits into a rack of the family Q or iQ-R; this one is ";
+  EXPECT_THAT(module("FX3", "position = 7\n"), ElementsAre(no_fit + "FX3"));
+  EXPECT_THAT(module("AS300", "card = 2\n"), ElementsAre(no_fit + "AS300"));
+  EXPECT_THAT(
+      module("FX3", "position = 8\n"),
+      ElementsAre(
+          no_fit + "FX3",
+          "plant.toml:6:12: position = 8: special function blocks are number 0 to 7, from the main unit on"));
+  EXPECT_THAT(module("FX5", "unit = 0\n"),
+              ElementsAre(no_fit + "FX5",
+                          "plant.toml:6:8: unit = 0: unit numbers are 1 to 16, from the CPU module on"));
+  EXPECT_THAT(module("FX5", "head = 0\n"),
+              ElementsAre(no_fit + "FX5",
+                          HasSubstr("plant.toml:6:1: plc.module: unknown key head; expected one of")));
+  EXPECT_THAT(module("Q", "position = 0\n"), ElementsAre(HasSubstr("unknown key position; expected one of")));
+  EXPECT_THAT(
+      module("Q", "head = 8\n"),
+      ElementsAre("plant.toml:6:8: head = 8: a head I/O number is a multiple of 10H from 0 to 0FF0H"));
+}
+
 TEST(PlantFile, AScan_IsATimeThatACpuTakes) {
   const PlantReading good = read_plant(
       "[[bus]]\nname = \"a\"\nbit_rate = 250_000\n[[plc]]\nscan = \"2500us\"\n[[plc]]\nlisten = \"off\"\n",
@@ -478,7 +534,8 @@ TEST(PlantFile, AScan_IsATimeThatACpuTakes) {
 
 TEST(PlantFile, DevicesACpuCannotHave_AreErrorsWithTheirLimits) {
   EXPECT_THAT(errors_with_bus("[[plc]]\ncpu_model = \"R08\"\n"),
-              ElementsAre("plant.toml:2:13: cpu_model = \"R08\": expected \"R04CPU\" or \"Q03UDVCPU\""));
+              ElementsAre("plant.toml:2:13: cpu_model = \"R08\": expected one of \"R04CPU\", \"Q03UDVCPU\", "
+                          "\"FX3U\", \"FX5U\", \"AS300\""));
   EXPECT_THAT(
       errors_with_bus("[[plc]]\ndevices = 5\n"),
       ElementsAre("plant.toml:2:11: devices = 5: expected a table, for example { D = 20480, M = 16384 "

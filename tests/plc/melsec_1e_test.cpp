@@ -20,14 +20,6 @@ melsec::PortSettings port_1e(WritePermission write = WritePermission::always) {
   return {.takes_3e = false, .takes_1e = true, .write = write};
 }
 
-CpuModel fx3u() {
-  CpuModel model = r04cpu();
-  model.name = "FX3U";
-  model.code = 0x00F3;
-  model.iqr = false;
-  return model;
-}
-
 struct Plc1e : Plc {
   explicit Plc1e(const CpuModel& model = r04cpu(), melsec::PortSettings settings = port_1e())
       : Plc(model, std::move(settings)) {}
@@ -36,6 +28,14 @@ struct Plc1e : Plc {
 /// One request, binary, to a CPU of its own.
 std::string ask(const std::string& request) { return Plc1e{}.ask(request); }
 std::string ask_ascii(const std::string& request) { return Plc1e{}.raw(request); }
+
+TEST(Melsec1e, StepRelaysAndSpecialRelaysOfAnFx_AreReadAndWritten) {
+  Plc1e plc(fx3u());
+  EXPECT_EQ(plc.ask("02 ff 0a 00 | ff 0f 00 00 20 53 | 01 00 | 10"), "82 00");
+  EXPECT_TRUE(plc.bit(Device::s, 4095));
+  EXPECT_EQ(plc.ask("00 ff 0a 00 | fe 0f 00 00 20 53 | 02 00"), "80 00 01");
+  EXPECT_EQ(plc.ask("00 ff 0a 00 | 40 1f 00 00 20 4d | 02 00"), "80 00 10") << "M8000, M8001";
+}
 
 // --- what the manuals print ---
 

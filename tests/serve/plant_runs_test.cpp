@@ -204,7 +204,7 @@ TEST_F(PlantRunsTest, WrongRequests_AreAnsweredInWords) {
   EXPECT_THAT(wrong(",\"until\":\"D0 == 70000\""), HasSubstr("'70000' is no 16-bit value"));
   EXPECT_THAT(wrong(",\"until\":\"M0 == 2\""), HasSubstr("'2' is no bit"));
   EXPECT_THAT(wrong(",\"until\":\"D18432 == 1\""), HasSubstr("D18432 is beyond the CPU's last one"));
-  EXPECT_THAT(wrong(",\"until\":\"ST0 == 1\""), HasSubstr("is no device"));
+  EXPECT_THAT(wrong(",\"until\":\"ST0 == 1\""), HasSubstr("expected a device"));
   EXPECT_THAT(wrong(",\"until\":\"U2/G0 == 1\""), HasSubstr("there is no module at this head address"));
   EXPECT_FALSE(runs_->wants_time());
   EXPECT_THAT(answer(R"({"request":"walk"})"), HasSubstr("\\\"walk\\\" is unknown"));
@@ -229,8 +229,9 @@ TEST_F(PlantRunsTest, OfSeveralPlcs_OneIsNamed) {
   run_in_step();
   EXPECT_THAT(answers_, ElementsAre(HasSubstr("one or two"), HasSubstr("\"t\":0.003"),
                                     HasSubstr("\"t\":0.01,"), HasSubstr("\"t\":0.011}")));
-  EXPECT_THAT(answer(R"({"request":"list"})"),
-              HasSubstr(R"({"name":"two","cpu":"R04CPU","state":"run","scan":0.001,"scans":11})"));
+  EXPECT_THAT(
+      answer(R"({"request":"list"})"),
+      HasSubstr(R"({"name":"two","cpu":"R04CPU","family":"iQ-R","state":"run","scan":0.001,"scans":11})"));
 }
 
 }  // namespace

@@ -37,6 +37,10 @@ class BufferMemoryAccess {
   /// What TO writes. A write that the module refuses changes nothing but its error words; the PLC does not
   /// hear of it.
   virtual void write_word(BufferAddress address, std::uint16_t value, can::Time now) = 0;
+  /// A FROM or TO of the program, or an access that stands for one, is over: so many words from `first` on. Modules
+  /// that watch the program retrigger their watchdog [FX3U-CAN 6.9, FX2N-32CAN 4.2.5]; what others look at for
+  /// people is none.
+  virtual void accessed(BufferAddress /*first*/, std::uint32_t /*words*/, can::Time /*now*/) {}
 
  protected:
   ~BufferMemoryAccess() = default;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string_view>
 
 namespace canopus::plc {
@@ -38,9 +39,38 @@ enum class Device : std::uint8_t {
   tn,   ///< timer current value
   stn,  ///< retentive timer current value
   cn,   ///< counter current value
+  s,    ///< step relay
+  hcs,  ///< 32-bit counter contact (AS300)
+  hcn,  ///< 32-bit counter current value, two words each, the low one first (AS300)
 };
 
-inline constexpr std::size_t device_count = 25;
+inline constexpr std::size_t device_count = 28;
+
+/// Families of PLCs, as far as they differ for who looks at one from outside: which devices there are, how X and Y
+/// are counted, what a module is addressed by.
+enum class CpuFamily : std::uint8_t { q, iqr, fx3, fx5, as300 };
+
+inline constexpr std::size_t family_count = 5;
+
+/// What a module of a rack is addressed by.
+struct ModulePlace {
+  std::string_view key;    ///< as the plant file calls it
+  std::string_view words;  ///< what it is, for people
+  std::uint16_t first = 0;
+  std::uint16_t last = 0;
+  std::uint16_t step = 1;  ///< numbers are multiples of it
+};
+
+struct FamilyInfo {
+  std::string_view name;  ///< as people write it: "iQ-R"
+  ModulePlace place;
+  bool modules_have_points = false;  ///< a module occupies X and Y from its head I/O number on
+  bool counts_octal = false;         ///< X and Y
+};
+
+[[nodiscard]] const FamilyInfo& family_info(CpuFamily family) noexcept;
+/// "FX3" -> CpuFamily::fx3; small and capital letters differ. Empty for what is no family.
+[[nodiscard]] std::optional<CpuFamily> family_named(std::string_view name) noexcept;
 
 struct DeviceInfo {
   std::string_view name;     ///< as people write it: "X", "ZR"
@@ -62,10 +92,22 @@ struct CpuModel {
   std::uint32_t device_words = 0;                    ///< memory for all devices but the file register
   std::uint32_t most_file_registers = 0;             ///< points of ZR at most
   std::uint32_t buffer_words = 0;                    ///< buffer memory of its own (0613); 0: the CPU has none
+  CpuFamily family = CpuFamily::q;
 
   [[nodiscard]] std::uint32_t points_of(Device device) const noexcept {
     return points[static_cast<std::size_t>(device)];
   }
+  /// Points up to the last one, the gap below the special ones of an FX3 included: what memory there must be.
+  [[nodiscard]] std::uint32_t end_of(Device device) const noexcept;
+  /// The CPU has all these points: `count` from `first` on. FX3: M8000 to M8511 and D8000 to D8511 as well.
+  [[nodiscard]] bool has(Device device, std::uint32_t first, std::uint32_t count) const noexcept;
+  /// What the special relays and registers are: SM and SD; of an FX3 M and D from 8000 on.
+  [[nodiscard]] Device special_relay() const noexcept;
+  [[nodiscard]] Device special_register() const noexcept;
+  /// In which the numbers of a device are written: 8, 10 or 16.
+  [[nodiscard]] unsigned number_base(Device device) const noexcept;
+  /// As people of this family call it: SR of an AS300 is Device::sd.
+  [[nodiscard]] std::string_view name_of(Device device) const noexcept;
 };
 
 /// R04CPU with the points a new project has: X Y M 12K, L B W 8K, D 18K, SM SD 4096, file register 32K. Takes
@@ -73,6 +115,16 @@ struct CpuModel {
 [[nodiscard]] const CpuModel& r04cpu() noexcept;
 /// Q03UDVCPU with the points of a new project: X Y M L B W 8K, D 12K, SM SD 2048, file register 32K.
 [[nodiscard]] const CpuModel& q03udvcpu() noexcept;
+/// FX3U, FX3UC: X Y in octal to 367, M 7680 and M8000 to M8511, S 4096, D 8000 and D8000 to D8511, R 32768.
+[[nodiscard]] const CpuModel& fx3u() noexcept;
+/// FX5U, FX5UC with the points of a new project: X Y in octal to 1777, M L 7680, D 8000, SM 10000, SD 12000.
+[[nodiscard]] const CpuModel& fx5u() noexcept;
+/// AS300: X Y 1024 (X0.0 to X63.15 as 0 to 1023), M 8192, S 2048, T C 512, HC 256, D 30000, SR 2048.
+[[nodiscard]] const CpuModel& as300() noexcept;
+/// The model of a family when nothing else is said.
+[[nodiscard]] const CpuModel& usual_model(CpuFamily family) noexcept;
+/// The names of all models.
+[[nodiscard]] std::span<const std::string_view> cpu_model_names() noexcept;
 /// By the name of command 0101, or nullptr.
 [[nodiscard]] const CpuModel* cpu_model_named(std::string_view name) noexcept;
 

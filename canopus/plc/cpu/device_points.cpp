@@ -110,6 +110,9 @@ bool has_settable_points(std::string_view device) noexcept { return setting_name
 std::expected<void, std::string> set_device_points(CpuModel& model, std::string_view device,
                                                    std::int64_t points) {
   const Setting* const setting = setting_named(device);
+  if (model.device_words == 0) {
+    return std::unexpected("expected none: the devices of an " + std::string(model.name) + " are fixed");
+  }
   if (setting == nullptr) {
     return std::unexpected(
         "expected a device whose points can be set: M, L, F, V, B, SB, T, ST, C, D, W, SW, ZR");
@@ -138,13 +141,14 @@ std::expected<void, std::string> check_device_points(const CpuModel& model) {
       case Kind::file_registers: break;
     }
   }
-  if (words <= model.device_words) return {};
+  if (words <= model.device_words || model.device_words == 0) return {};
   return std::unexpected("with those that are not set here they need " + std::to_string(words) +
                          " words; expected at most " + std::to_string(model.device_words) + " (" +
                          std::string(model.name) + ", ZR not counted)");
 }
 
 std::optional<std::uint16_t> device_points_register(const CpuModel& model, std::uint32_t number) noexcept {
+  if (model.family != CpuFamily::q && model.family != CpuFamily::iqr) return std::nullopt;
   if (number < (model.iqr ? 260U : 286U) || number > (model.iqr ? 309U : 311U)) return std::nullopt;
   const std::span<const PointsRegister> registers = model.iqr ? std::span<const PointsRegister>(registers_iqr)
                                                               : std::span<const PointsRegister>(registers_q);

@@ -25,6 +25,7 @@ constexpr std::array codes = {
     DeviceCode{0x5453, Device::ts}, DeviceCode{0x5443, Device::tc}, DeviceCode{0x4353, Device::cs},
     DeviceCode{0x4343, Device::cc}, DeviceCode{0x4420, Device::d},  DeviceCode{0x5720, Device::w},
     DeviceCode{0x5220, Device::r},  DeviceCode{0x544E, Device::tn}, DeviceCode{0x434E, Device::cn},
+    DeviceCode{0x5320, Device::s},
 };
 
 bool is_bit(Device device) { return device_info(device).is_bit; }

@@ -14,13 +14,36 @@ struct DeviceCode {
   std::string_view ascii_iqr;
 };
 
-// By Device.
+// By Device; those of the AS300 alone have none.
 constexpr std::array<DeviceCode, device_count> codes = {{
-    {0x9C, "X", "X"},   {0x9D, "Y", "Y"},    {0x90, "M", "M"},    {0x92, "L", "L"},    {0x93, "F", "F"},
-    {0x94, "V", "V"},   {0xA0, "B", "B"},    {0xA1, "SB", "SB"},  {0x91, "SM", "SM"},  {0xC1, "TS", "TS"},
-    {0xC0, "TC", "TC"}, {0xC7, "SS", "STS"}, {0xC6, "SC", "STC"}, {0xC4, "CS", "CS"},  {0xC3, "CC", "CC"},
-    {0xA8, "D", "D"},   {0xB4, "W", "W"},    {0xB5, "SW", "SW"},  {0xA9, "SD", "SD"},  {0xAF, "R", "R"},
-    {0xB0, "ZR", "ZR"}, {0xCC, "Z", "Z"},    {0xC2, "TN", "TN"},  {0xC8, "SN", "STN"}, {0xC5, "CN", "CN"},
+    {0x9C, "X", "X"},
+    {0x9D, "Y", "Y"},
+    {0x90, "M", "M"},
+    {0x92, "L", "L"},
+    {0x93, "F", "F"},
+    {0x94, "V", "V"},
+    {0xA0, "B", "B"},
+    {0xA1, "SB", "SB"},
+    {0x91, "SM", "SM"},
+    {0xC1, "TS", "TS"},
+    {0xC0, "TC", "TC"},
+    {0xC7, "SS", "STS"},
+    {0xC6, "SC", "STC"},
+    {0xC4, "CS", "CS"},
+    {0xC3, "CC", "CC"},
+    {0xA8, "D", "D"},
+    {0xB4, "W", "W"},
+    {0xB5, "SW", "SW"},
+    {0xA9, "SD", "SD"},
+    {0xAF, "R", "R"},
+    {0xB0, "ZR", "ZR"},
+    {0xCC, "Z", "Z"},
+    {0xC2, "TN", "TN"},
+    {0xC8, "SN", "STN"},
+    {0xC5, "CN", "CN"},
+    {0x98, "S", "S"},
+    {},
+    {},
 }};
 
 constexpr std::uint8_t cpu_buffer = 0xFA;
@@ -30,7 +53,7 @@ enum class Extension : std::uint8_t { none, module, other };
 
 std::optional<Device> device_of(std::uint32_t code) {
   for (std::size_t i = 0; i < codes.size(); ++i)
-    if (codes[i].binary == code) return static_cast<Device>(i);
+    if (codes[i].binary == code && code != 0) return static_cast<Device>(i);
   return std::nullopt;
 }
 
@@ -44,7 +67,7 @@ std::string_view unpadded(std::span<const std::uint8_t> field, std::array<char, 
 
 std::optional<Device> device_of(std::string_view text, bool iqr) {
   for (std::size_t i = 0; i < codes.size(); ++i)
-    if ((iqr ? codes[i].ascii_iqr : codes[i].ascii_q) == text) return static_cast<Device>(i);
+    if ((iqr ? codes[i].ascii_iqr : codes[i].ascii_q) == text && !text.empty()) return static_cast<Device>(i);
   return std::nullopt;
 }
 

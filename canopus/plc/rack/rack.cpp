@@ -30,7 +30,8 @@ Rack::Rack(can::Timeline& timeline, const CpuModel& model, std::optional<can::Du
   slot_of_block_.fill(empty);
   for (std::size_t device = 0; device < device_count; ++device) {
     if (device == index(Device::r)) continue;
-    const std::uint32_t points = model.points[device];
+    std::uint32_t points = model.end_of(static_cast<Device>(device));
+    if (device == index(Device::zr)) points = std::max(points, model.points_of(Device::r));
     memory_[device].resize(is_bit(static_cast<Device>(device)) ? (points + 15) / 16 : points);
   }
   own_buffer_.resize(model.buffer_words);
@@ -44,14 +45,19 @@ Rack::~Rack() {
 
 bool Rack::insert(std::uint16_t head_address, module::Module& module, can::Timeline::Handle handle) {
   // A module without signals still needs an address of its own for U\G.
-  const std::size_t blocks = std::max(1U, (module.points() + 15) / 16);
+  const FamilyInfo& family = family_info(model_.family);
+  const std::size_t blocks = family.modules_have_points ? std::max(1U, (module.points() + 15) / 16) : 1;
   const std::size_t first = head_address / 16U;
-  if (on_ || head_address % 16 != 0 || first + blocks > block_count || slots_.size() >= empty) return false;
+  const std::size_t number = family.modules_have_points ? head_address : first;
+  if (on_ || head_address % 16 != 0 || number < family.place.first || number > family.place.last)
+    return false;
+  if (first + blocks > block_count || slots_.size() >= empty) return false;
   for (std::size_t block = first; block < first + blocks; ++block)
     if (slot_of_block_[block] != empty) return false;
   for (std::size_t block = first; block < first + blocks; ++block)
     slot_of_block_[block] = static_cast<std::uint8_t>(slots_.size());
-  slots_.push_back({head_address, &module, module.buffer_memory(), module.signals(), handle});
+  module::SignalAccess* const signals = family.modules_have_points ? module.signals() : nullptr;
+  slots_.push_back({head_address, &module, module.buffer_memory(), signals, module.registers(), handle});
   return true;
 }
 
@@ -196,7 +202,10 @@ void Rack::clear_devices(bool latched, can::Time now) {
     const auto device = static_cast<Device>(number);
     if (device == Device::sm || device == Device::sd || device == Device::zr || device == Device::z) continue;
     if (device == Device::l && !latched) continue;
-    std::ranges::fill(memory_[number], std::uint16_t{0});
+    const std::uint32_t points = model_.points_of(device);  // special ones stay
+    const std::size_t words = is_bit(device) ? (points + 15) / 16 : points;
+    std::ranges::fill(std::span(memory_[number]).first(std::min(words, memory_[number].size())),
+                      std::uint16_t{0});
   }
 }
 
@@ -208,18 +217,8 @@ void Rack::set_clock(std::chrono::local_seconds clock, can::Time now) noexcept {
 }
 
 Rack::Access Rack::check(Device device, std::uint32_t first, std::uint32_t count) const noexcept {
-  const std::uint32_t points = model_.points_of(device);
-  if (points == 0) return std::unexpected(AccessError::no_device);
-  if (first >= points || count > points - first) return std::unexpected(AccessError::out_of_range);
-  return {};
-}
-
-Rack::Access Rack::check_buffer(std::uint16_t head_address, module::BufferAddress first,
-                                std::uint32_t count) const noexcept {
-  const Slot* slot = slot_of_point(head_address);
-  if (slot == nullptr || !on_) return std::unexpected(AccessError::no_module);
-  const module::BufferAddress size = slot->buffer == nullptr ? 0 : slot->buffer->buffer_memory_size();
-  if (first >= size || count > size - first) return std::unexpected(AccessError::beyond_buffer);
+  if (model_.points_of(device) == 0) return std::unexpected(AccessError::no_device);
+  if (!model_.has(device, first, count)) return std::unexpected(AccessError::out_of_range);
   return {};
 }
 
@@ -229,10 +228,11 @@ Rack::Access Rack::read_words(Device device, std::uint32_t first, std::span<std:
   if (!is_bit(device)) {
     if (Access access = check(device, first, count); !access) return access;
     std::ranges::copy(memory(device).subspan(first, count), words.begin());
-    if (device == Device::sd) {
+    if (device == model_.special_register()) {
       for (std::uint32_t i = 0; i < count; ++i)
         words[i] = special_register(model_, condition_, first + i, now).value_or(words[i]);
     }
+    read_registers(device, first, words, now);
     return {};
   }
   if (Access access = check(device, first, 16 * count); !access) return access;
@@ -258,6 +258,7 @@ Rack::Access Rack::write_words(Device device, std::uint32_t first, std::span<con
   if (!is_bit(device)) {
     if (Access access = check(device, first, count); !access) return access;
     std::ranges::copy(words, memory(device).subspan(first, count).begin());
+    write_registers(device, first, words, now);
     return {};
   }
   if (Access access = check(device, first, 16 * count); !access) return access;
@@ -290,26 +291,6 @@ Rack::Access Rack::write_bits(Device device, std::uint32_t first, std::span<cons
   return {};
 }
 
-Rack::Access Rack::read_buffer(std::uint16_t head_address, module::BufferAddress first,
-                               std::span<std::uint16_t> words, can::Time now) {
-  const auto count = static_cast<std::uint32_t>(words.size());
-  if (Access access = check_buffer(head_address, first, count); !access) return access;
-  const Slot& slot = *slot_of_point(head_address);
-  for (std::uint32_t i = 0; i < count; ++i) words[i] = slot.buffer->read_word(first + i, now);
-  timeline_.refresh(slot.handle);  // some words act when they are read
-  return {};
-}
-
-Rack::Access Rack::write_buffer(std::uint16_t head_address, module::BufferAddress first,
-                                std::span<const std::uint16_t> words, can::Time now) {
-  const auto count = static_cast<std::uint32_t>(words.size());
-  if (Access access = check_buffer(head_address, first, count); !access) return access;
-  const Slot& slot = *slot_of_point(head_address);
-  for (std::uint32_t i = 0; i < count; ++i) slot.buffer->write_word(first + i, words[i], now);
-  timeline_.refresh(slot.handle);
-  return {};
-}
-
 const Rack::Slot* Rack::slot_of_point(std::uint32_t point) const noexcept {
   if (point / 16 >= block_count) return nullptr;
   const std::uint8_t number = slot_of_block_[point / 16];
@@ -319,7 +300,7 @@ const Rack::Slot* Rack::slot_of_point(std::uint32_t point) const noexcept {
 std::span<std::uint16_t> Rack::memory(Device device) noexcept { return memory_[index(stored_as(device))]; }
 
 std::uint16_t Rack::bit_block(Device device, std::uint32_t block, can::Time now) {
-  if (device == Device::x) {
+  if (device == Device::x && family_info(model_.family).modules_have_points) {
     if (const Slot* slot = slot_of_point(16 * block); slot != nullptr) {
       const std::uint32_t shift = 16 * block - slot->head;  // a module has at most 32 signals
       if (shift >= 32) return 0;
@@ -327,7 +308,7 @@ std::uint16_t Rack::bit_block(Device device, std::uint32_t block, can::Time now)
     }
   }
   const std::uint16_t word = memory_[index(device)][block];
-  return device == Device::sm ? special_relays(condition_, block, word, now) : word;
+  return device == model_.special_relay() ? special_relays(model_, condition_, block, word, now) : word;
 }
 
 void Rack::write_bit(Device device, std::uint32_t number, bool on, can::Time now) {

@@ -63,10 +63,10 @@ class Rack final : private can::Ticker {
   Rack(const Rack&) = delete;
   Rack& operator=(const Rack&) = delete;
 
-  /// Puts a module at a head I/O number (0, 10H, 20H ... FF0H, in points; a multiple of 16). `handle` is what
-  /// the timeline's add() gave for it; the module must outlive the rack. False when the head address is not
-  /// one, or the points overlap another module's or reach beyond X/Y FFFH, or the rack has supply: modules
-  /// are not changed online.
+  /// Puts a module at a head I/O number (0, 10H, 20H ... FF0H, in points; a multiple of 16), or at 16 times its
+  /// position, unit number or card slot (FX3 0 to 7, FX5 1 to 16, AS300 1 and 2). `handle` is what the timeline's
+  /// add() gave for it; the module must outlive the rack. False when there is no such place, or it is taken, or the
+  /// points reach beyond X/Y FFFH, or the rack has supply: modules are not changed online.
   bool insert(std::uint16_t head_address, module::Module& module, can::Timeline::Handle handle);
   /// Hears of supply and CPU from now on; it must outlive the rack.
   void add_listener(RackListener& listener) { listeners_.push_back(&listener); }
@@ -121,11 +121,17 @@ class Rack final : private can::Ticker {
   /// Bit devices only: 0 is OFF, anything else ON. Y act in the order of their numbers.
   Access write_bits(Device device, std::uint32_t first, std::span<const std::uint8_t> bits, can::Time now);
 
-  /// FROM and TO, U\G: words of the module whose points include `head_address`.
+  /// FROM and TO, U\G: words of the module whose points include `head_address`. Racks whose modules have no points
+  /// (FX, AS300) take 16 times the module's number. What FROM reads need not be what TO has written.
   Access read_buffer(std::uint16_t head_address, module::BufferAddress first, std::span<std::uint16_t> words,
                      can::Time now);
   Access write_buffer(std::uint16_t head_address, module::BufferAddress first,
                       std::span<const std::uint16_t> words, can::Time now);
+  /// DFROM and DTO: 32-bit values in two words each, the low one first, as one access.
+  Access read_double_words(std::uint16_t head_address, module::BufferAddress first,
+                           std::span<std::uint32_t> values, can::Time now);
+  Access write_double_words(std::uint16_t head_address, module::BufferAddress first,
+                            std::span<const std::uint32_t> values, can::Time now);
 
   /// The CPU's own buffer memory; empty when it has none.
   [[nodiscard]] std::span<std::uint16_t> own_buffer() noexcept { return own_buffer_; }
@@ -142,6 +148,7 @@ class Rack final : private can::Ticker {
     module::Module* module = nullptr;
     module::BufferMemoryAccess* buffer = nullptr;  // nullptr: the module has none; likewise
     module::SignalAccess* signals = nullptr;
+    module::RegisterAccess* registers = nullptr;
     can::Timeline::Handle handle = 0;
     std::uint32_t inputs = 0;  // X of the present scan
   };
@@ -160,6 +167,10 @@ class Rack final : private can::Ticker {
   [[nodiscard]] bool output(std::uint32_t number) const noexcept;
   /// Y of the memory and of the module, whatever the scan.
   void set_output(std::uint32_t number, bool on, can::Time now);
+  /// D and SR that are a module's, among `words`, which begin with number `first`.
+  void read_registers(Device device, std::uint32_t first, std::span<std::uint16_t> words, can::Time now);
+  void write_registers(Device device, std::uint32_t first, std::span<const std::uint16_t> words,
+                       can::Time now);
   void write_bit(Device device, std::uint32_t number, bool on, can::Time now);
   void output_to_module(std::uint32_t number, bool on, can::Time now);
   void tell_cpu_state(can::Time now);

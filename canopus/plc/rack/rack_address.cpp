@@ -33,6 +33,12 @@ std::string in_base(std::uint32_t value, int base) {
   return upper({memory.data(), end});
 }
 
+/// In which the numbers of a device are written.
+int base_of(Device device, unsigned io_base) {
+  if (device == Device::x || device == Device::y) return static_cast<int>(io_base);
+  return device_info(device).hexadecimal ? 16 : 10;
+}
+
 std::unexpected<std::string> not_an_address(std::string_view text, std::string_view why) {
   return std::unexpected("'" + std::string(text) + "' " + std::string(why) +
                          "; expected a device (D100, M0, X1F, W2A) or buffer memory (U0\\G25)");
@@ -51,7 +57,7 @@ std::expected<RackAddress, std::string> parse_buffer(std::string_view text, std:
 
 }  // namespace
 
-std::expected<RackAddress, std::string> parse_rack_address(std::string_view text) {
+std::expected<RackAddress, std::string> parse_rack_address(std::string_view text, unsigned io_base) {
   const std::string upper_text = upper(text);
   if (upper_text.starts_with('U') && upper_text.find_first_of("\\/") != std::string::npos)
     return parse_buffer(text, upper_text);
@@ -60,22 +66,23 @@ std::expected<RackAddress, std::string> parse_rack_address(std::string_view text
     if (upper_text.size() <= length) continue;
     const auto device = device_named(std::string_view(upper_text).substr(0, length));
     if (!device) continue;
-    const bool hexadecimal = device_info(*device).hexadecimal;
-    const auto found =
-        number(std::string_view(upper_text).substr(length), hexadecimal ? 16 : 10, last_number);
+    const int base = base_of(*device, io_base);
+    const auto found = number(std::string_view(upper_text).substr(length), base, last_number);
     if (found) return RackAddress{false, *device, 0, *found};
-    return not_an_address(text, hexadecimal ? "has no hexadecimal number" : "has no decimal number");
+    return not_an_address(text, base == 16  ? "has no hexadecimal number"
+                                : base == 8 ? "has no octal number"
+                                            : "has no decimal number");
   }
   if (upper_text.starts_with('U') && upper_text.find('G') != std::string::npos)
     return not_an_address(text, "lacks the backslash, which the shell eats unless it is quoted");
   return not_an_address(text, "is no device");
 }
 
-std::string to_text(const RackAddress& address, std::uint32_t offset) {
+std::string to_text(const RackAddress& address, std::uint32_t offset, unsigned io_base) {
   const std::uint32_t at = address.number + offset;
   if (address.is_buffer) return "U" + in_base(address.head_address / 16, 16) + "\\G" + in_base(at, 10);
-  const DeviceInfo& info = device_info(address.device);
-  return std::string(info.name) + in_base(at, info.hexadecimal ? 16 : 10);
+  const std::string_view name = device_info(address.device).name;
+  return std::string(name) + in_base(at, base_of(address.device, io_base));
 }
 
 }  // namespace canopus::plc

@@ -18,10 +18,13 @@ struct RackAddress {
 };
 
 /// "D100", "x1f", "U0\G25" (also with / instead of the backslash). The unit number behind U and the numbers of
-/// X Y B W SB SW are hexadecimal, everything else is decimal. The error says what was expected.
-[[nodiscard]] std::expected<RackAddress, std::string> parse_rack_address(std::string_view text);
+/// X Y B W SB SW are hexadecimal, everything else is decimal; `io_base` is what X and Y are written in, 8 with an FX
+/// (CpuModel::number_base). The error says what was expected.
+[[nodiscard]] std::expected<RackAddress, std::string> parse_rack_address(std::string_view text,
+                                                                         unsigned io_base = 16);
 
 /// The address `offset` points further, as people write it: "U0\G26", "X20".
-[[nodiscard]] std::string to_text(const RackAddress& address, std::uint32_t offset = 0);
+[[nodiscard]] std::string to_text(const RackAddress& address, std::uint32_t offset = 0,
+                                  unsigned io_base = 16);
 
 }  // namespace canopus::plc

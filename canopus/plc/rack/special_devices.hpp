@@ -26,9 +26,10 @@ struct CpuCondition {
   can::Time clock_set{};
 };
 
-/// 16 special relays, from number 16 * block on; `memory` is what was written to them.
-[[nodiscard]] std::uint16_t special_relays(const CpuCondition& condition, std::uint32_t block,
-                                           std::uint16_t memory, can::Time now) noexcept;
+/// 16 special relays, from number 16 * block on; `memory` is what was written to them. They are points of
+/// model.special_relay(), and the registers of model.special_register().
+[[nodiscard]] std::uint16_t special_relays(const CpuModel& model, const CpuCondition& condition,
+                                           std::uint32_t block, std::uint16_t memory, can::Time now) noexcept;
 
 /// A special register; none: it is memory.
 [[nodiscard]] std::optional<std::uint16_t> special_register(const CpuModel& model,
