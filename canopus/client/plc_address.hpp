@@ -12,13 +12,14 @@ namespace canopus::client {
 
 /// "D100", "x1f", "U0\G25"; see plc::parse_rack_address().
 [[nodiscard]] inline std::expected<plc::melsec::Target, std::string> parse_plc_address(
-    std::string_view text) {
-  return plc::parse_rack_address(text);
+    std::string_view text, unsigned io_base = 16) {
+  return plc::parse_rack_address(text, io_base);
 }
 
 /// The target, `offset` points further, as people write it: "U0\G26", "X20".
-[[nodiscard]] inline std::string plc_address(const plc::melsec::Target& target, std::uint32_t offset = 0) {
-  return plc::to_text(target, offset);
+[[nodiscard]] inline std::string plc_address(const plc::melsec::Target& target, std::uint32_t offset = 0,
+                                             unsigned io_base = 16) {
+  return plc::to_text(target, offset, io_base);
 }
 
 /// A 16-bit value: 1234, -5, 0x4D2, 4D2H, K1234, H4D2; -32768 to 65535.

@@ -19,6 +19,7 @@ import bus_checks  # noqa: F401  (registers its checks)
 import docs_checks  # noqa: F401
 import module_checks  # noqa: F401
 import output_checks  # noqa: F401
+import plc_checks  # noqa: F401
 import real_time_checks  # noqa: F401
 import screen_checks  # noqa: F401
 import step_checks  # noqa: F401

@@ -14,6 +14,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "canopus/cli/commands/plc_access.hpp"
 #include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/client/plc_address.hpp"
@@ -25,120 +26,17 @@ namespace canopus::cli {
 namespace {
 
 using plc::melsec::Target;
-
-constexpr int done = 0;
-constexpr int refused = 1;
-constexpr int usage = 2;
-
-struct Arguments {
-  client::PlcConnection connection;
-  bool frame_3e = false;
-  std::string timeout = "3s";
-  std::string address;
-  std::vector<std::string> values;
-  std::uint32_t count = 1;
-  std::string format = "both";
-  bool as_signed = false;
-  std::string interval = "200ms";
-  std::string duration;
-  bool no_verify = false;
-};
-
-int complain(int exit_code, const std::string& message) {
-  print_error("canopus plc: {}", message);
-  return exit_code;
-}
-
-bool is_bit(const Target& target) { return !target.is_buffer && plc::device_info(target.device).is_bit; }
-
-std::string shown(std::uint16_t word, const Arguments& arguments) {
-  const int decimal = arguments.as_signed ? static_cast<std::int16_t>(word) : static_cast<int>(word);
-  if (arguments.format == "dec") return fmt::format("{}", decimal);
-  if (arguments.format == "hex") return fmt::format("{:04X}H", word);
-  return fmt::format("{:>6}  {:04X}H", decimal, word);
-}
-
-std::string shown_bit(bool on) { return on ? "ON" : "OFF"; }
-
-/// Connects, then does it. Everything on the command line has been understood by then.
-int with_client(const Arguments& arguments, const std::function<int(client::PlcClient&)>& action) {
-  const auto timeout = text::parse_duration(arguments.timeout);
-  if (!timeout) return complain(usage, "--timeout: " + timeout.error());
-  if (*timeout < std::chrono::milliseconds(1)) return complain(usage, "--timeout: expected at least 1ms");
-  client::PlcConnection connection = arguments.connection;
-  connection.timeout = std::chrono::ceil<std::chrono::milliseconds>(*timeout);
-  auto client = client::PlcClient::connect(connection);
-  if (!client) return complain(refused, client.error());
-  return action(*client);
-}
-
-/// Values of the points, as text.
-client::PlcClient::Result<std::vector<std::string>> read_points(client::PlcClient& client,
-                                                                const Target& target,
-                                                                const Arguments& arguments) {
-  std::vector<std::string> texts;
-  if (is_bit(target)) {
-    const auto bits = client.read_bits(target, arguments.count);
-    if (!bits) return std::unexpected(bits.error());
-    for (const std::uint8_t bit : *bits) texts.push_back(shown_bit(bit != 0));
-  } else {
-    const auto words = client.read_words(target, arguments.count);
-    if (!words) return std::unexpected(words.error());
-    for (const std::uint16_t word : *words) texts.push_back(shown(word, arguments));
-  }
-  return texts;
-}
+using Arguments = PlcArguments;
 
 int read(const Target& target, const Arguments& arguments) {
   return with_client(arguments, [&](client::PlcClient& client) {
     const auto texts = read_points(client, target, arguments);
     if (!texts) return complain(refused, texts.error());
-    const std::size_t width = client::plc_address(target, arguments.count - 1).size();
+    const std::size_t width = shown_address(target, arguments, arguments.count - 1).size();
     for (std::uint32_t i = 0; i < texts->size(); ++i)
-      print_line("{:<{}}  {}", client::plc_address(target, i), width, (*texts)[i]);
+      print_line("{:<{}}  {}", shown_address(target, arguments, i), width, (*texts)[i]);
     return done;
   });
-}
-
-/// Why a point may show something else than what was written to it: a CPU answers 0000H all the same.
-std::string_view why_not_written(const Target& target) {
-  if (target.is_buffer) return "the module does not let it be written, or changes it as well";
-  if (target.device == plc::Device::x) return "an input shows what its module says";
-  return "the PLC does not let it be written, or writes it as well";
-}
-
-/// Reads back what was written, unless that is not wanted. Complains of the first point that shows something
-/// else; `same` compares, `shown` shows.
-template <typename Value, typename Read, typename Show>
-int verify(const Target& target, const Arguments& arguments, std::span<const Value> written, Read read,
-           Show show) {
-  if (arguments.no_verify) return done;
-  const auto found = read(static_cast<std::uint32_t>(written.size()));
-  if (!found) return complain(refused, "written, but it cannot be read back: " + found.error());
-  const auto [wanted, other] = std::ranges::mismatch(written, *found);
-  if (wanted == written.end()) return done;
-  const auto offset = static_cast<std::uint32_t>(wanted - written.begin());
-  return complain(refused,
-                  fmt::format("{} was written with {} and shows {}: {}", client::plc_address(target, offset),
-                              show(*wanted), show(*other), why_not_written(target)));
-}
-
-int write_and_verify(client::PlcClient& client, const Target& target, const Arguments& arguments,
-                     std::span<const std::uint8_t> bits) {
-  const auto written = client.write_bits(target, bits);
-  if (!written) return complain(refused, written.error());
-  return verify(
-      target, arguments, bits, [&](std::uint32_t count) { return client.read_bits(target, count); },
-      [](std::uint8_t bit) { return shown_bit(bit != 0); });
-}
-
-int write_and_verify(client::PlcClient& client, const Target& target, const Arguments& arguments,
-                     std::span<const std::uint16_t> words) {
-  const auto written = client.write_words(target, words);
-  if (!written) return complain(refused, written.error());
-  return verify(
-      target, arguments, words, [&](std::uint32_t count) { return client.read_words(target, count); },
-      [](std::uint16_t word) { return fmt::format("{} ({:04X}H)", word, word); });
 }
 
 int write_bits(const Target& target, const Arguments& arguments) {
@@ -171,51 +69,11 @@ int write(const Target& target, const Arguments& arguments) {
 
 int switch_bit(const Target& target, const Arguments& arguments, bool on) {
   if (!is_bit(target))
-    return complain(usage,
-                    client::plc_address(target) + " is a word; set and reset take bit devices (Y1, M100)");
+    return complain(
+        usage, shown_address(target, arguments) + " is a word; set and reset take bit devices (Y1, M100)");
   return with_client(arguments, [&](client::PlcClient& client) {
     const std::uint8_t bit = on ? 1 : 0;
     return write_and_verify(client, target, arguments, std::span<const std::uint8_t>(&bit, 1));
-  });
-}
-
-using WatchClock = std::chrono::steady_clock;
-
-/// The first values, then every change with its time.
-int watch_until(client::PlcClient& client, const Target& target, const Arguments& arguments,
-                WatchClock::duration interval, WatchClock::time_point start, WatchClock::time_point end) {
-  std::vector<std::string> before(arguments.count);
-  const std::size_t width = client::plc_address(target, arguments.count - 1).size();
-  WatchClock::time_point next = start;
-  while (true) {
-    const auto texts = read_points(client, target, arguments);
-    if (!texts) return complain(refused, texts.error());
-    const double seconds = std::chrono::duration<double>(WatchClock::now() - start).count();
-    for (std::uint32_t i = 0; i < texts->size(); ++i)
-      if ((*texts)[i] != before[i])
-        print_line("{:9.3f} s  {:<{}}  {}", seconds, client::plc_address(target, i), width, (*texts)[i]);
-    before = *texts;
-    next += interval;
-    if (next < WatchClock::now())
-      next = WatchClock::now();  // a slow PLC is asked again at once, not in a burst
-    if (next > end) return done;
-    std::this_thread::sleep_until(next);
-  }
-}
-
-int watch(const Target& target, const Arguments& arguments) {
-  const auto interval = text::parse_duration(arguments.interval);
-  if (!interval) return complain(usage, "--interval: " + interval.error());
-  if (*interval < std::chrono::milliseconds(1)) return complain(usage, "--interval: expected at least 1ms");
-  const WatchClock::time_point start = WatchClock::now();
-  WatchClock::time_point end = WatchClock::time_point::max();
-  if (!arguments.duration.empty()) {
-    const auto duration = text::parse_duration(arguments.duration);
-    if (!duration) return complain(usage, "--for: " + duration.error());
-    end = start + *duration;
-  }
-  return with_client(arguments, [&](client::PlcClient& client) {
-    return watch_until(client, target, arguments, *interval, start, end);
   });
 }
 
@@ -236,7 +94,7 @@ int type(client::PlcClient& client) {
 
 int with_target(const Arguments& arguments,
                 const std::function<int(const Target&, const Arguments&)>& action) {
-  const auto target = client::parse_plc_address(arguments.address);
+  const auto target = plc_target(arguments.address, arguments);
   return target ? action(*target, arguments) : complain(usage, target.error());
 }
 
@@ -251,6 +109,9 @@ void add_connection_options(CLI::App& command, Arguments& arguments) {
       ->excludes(frame_3e);
   command.add_flag("--ascii", arguments.connection.ascii, "ASCII instead of binary");
   command.add_option("--timeout", arguments.timeout, "to connect and for each answer")->capture_default_str();
+  command.add_flag("--octal", arguments.octal, "X and Y are counted in octal, as by an FX");
+  command.add_option("--module", arguments.module, "whose words a name as U0:error_status is about")
+      ->type_name("MODEL");
 }
 
 void add_address(CLI::App& command, Arguments& arguments, const char* help) {
@@ -282,6 +143,7 @@ void add_plc_command(CLI::App& app, int& exit_code) {
   plc.footer(
       "Addresses: D100, M0, X1F (X Y B W SB SW in hexadecimal), U3\\G256 for buffer memory; quote the "
       "backslash.\n"
+      "U3:error_status is buffer memory by the name of the module's manual (canopus plc names).\n"
       "What is written is read back: a CPU answers as if all were well when a word or an input cannot be "
       "written.\n"
       "Exit code: 0 done, 1 the PLC refused, shows something else than what was written, or could not be "
@@ -316,11 +178,31 @@ void add_plc_command(CLI::App& app, int& exit_code) {
   }
 
   auto* watching = add("watch", "Show values and then every change, with its time",
-                       [arguments] { return with_target(*arguments, watch); });
+                       [arguments] { return with_target(*arguments, watch_plc); });
   add_address(*watching, *arguments, "the first device or buffer memory address");
   add_reading_options(*watching, *arguments);
   watching->add_option("--interval", arguments->interval, "time between two readings")->capture_default_str();
   watching->add_option("--for", arguments->duration, "stop after this time instead of Ctrl-C");
+  auto* csv =
+      watching->add_flag("--csv", arguments->csv, "a row of all values for each change, for a spreadsheet");
+  watching->add_flag("--json", arguments->json, "one JSON object per line with what has changed")
+      ->excludes(csv);
+
+  auto* dumping = add("dump", "Write ranges as CSV, for load", [arguments] { return dump_plc(*arguments); });
+  dumping
+      ->add_option("RANGE", arguments->values, "D100..D199, Y0..Y1F, U0\\G13000..U0\\G13011, or one address")
+      ->required();
+  dumping->add_option("-o,--output", arguments->file, "instead of the standard output")->type_name("FILE");
+
+  auto* loading =
+      add("load", "Write what dump has written back", [arguments] { return load_plc(*arguments); });
+  loading->add_option("FILE", arguments->file, "CSV of addresses and values; - is the standard input")
+      ->required();
+  add_verify_option(*loading, *arguments);
+
+  plc.add_subcommand("names", "List the words that have names, for U0:NAME")->callback([&exit_code] {
+    exit_code = list_plc_names();
+  });
 
   add("run", "Remote RUN", [arguments] {
     return with_client(*arguments, [](client::PlcClient& client) {

@@ -1,0 +1,173 @@
+// canopus plc dump, load and names: ranges of a PLC as CSV, and the names of words.
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "canopus/cli/commands/module_words.hpp"
+#include "canopus/cli/commands/plc_access.hpp"
+#include "canopus/cli/terminal/print.hpp"
+#include "canopus/client/plc_address.hpp"
+#include "canopus/text/file_text.hpp"
+#include "canopus/text/printable.hpp"
+
+namespace canopus::cli {
+
+namespace {
+
+using plc::melsec::Target;
+
+constexpr std::string_view header = "address,value";
+constexpr std::uint32_t most_points = 1U << 20U;  // of one range
+
+struct Range {
+  Target first;
+  std::uint32_t count = 1;
+};
+
+bool same_kind(const Target& a, const Target& b) {
+  return a.is_buffer == b.is_buffer &&
+         (a.is_buffer ? a.head_address == b.head_address : a.device == b.device);
+}
+
+/// "D100..D199", or one address.
+std::expected<Range, std::string> parse_range(const std::string& text, const PlcArguments& arguments) {
+  const std::size_t dots = text.find("..");
+  const auto first = plc_target(text.substr(0, dots), arguments);
+  if (!first) return std::unexpected(first.error());
+  if (dots == std::string::npos) return Range{*first, 1};
+  const auto last = plc_target(text.substr(dots + 2), arguments);
+  if (!last) return std::unexpected(last.error());
+  if (!same_kind(*first, *last) || last->number < first->number) {
+    return std::unexpected(fmt::format("'{}' is no range; expected for example D100..D199", text));
+  }
+  if (last->number - first->number >= most_points) {
+    return std::unexpected(fmt::format("'{}' has more than {} points", text, most_points));
+  }
+  return Range{*first, last->number - first->number + 1};
+}
+
+/// Points that follow each other, to be written at once.
+struct Block {
+  Target first;
+  std::vector<std::uint16_t> values;
+};
+
+/// A line "D100,1234", added to the blocks. The error says what was expected.
+std::expected<void, std::string> read_line(std::string_view line, const PlcArguments& arguments,
+                                           std::vector<Block>& blocks) {
+  const std::size_t comma = line.find(',');
+  if (comma == std::string_view::npos) return std::unexpected(std::string("expected ADDRESS,VALUE"));
+  const auto target = plc_target(line.substr(0, comma), arguments);
+  if (!target) return std::unexpected(target.error());
+  const std::string_view text = line.substr(comma + 1);
+  std::uint16_t value = 0;
+  if (is_bit(*target)) {
+    const auto bit = client::parse_plc_bit(text);
+    if (!bit) return std::unexpected(bit.error());
+    value = *bit ? 1 : 0;
+  } else {
+    const auto word = client::parse_plc_word(text);
+    if (!word) return std::unexpected(word.error());
+    value = *word;
+  }
+  const bool follows = !blocks.empty() && same_kind(blocks.back().first, *target) &&
+                       blocks.back().first.number + blocks.back().values.size() == target->number;
+  if (!follows) blocks.push_back({*target, {}});
+  blocks.back().values.push_back(value);
+  return {};
+}
+
+std::expected<std::vector<Block>, std::string> read_blocks(const std::string& text, const std::string& name,
+                                                           const PlcArguments& arguments) {
+  std::vector<Block> blocks;
+  std::string_view rest = text;
+  for (unsigned number = 1; !rest.empty(); ++number) {
+    const std::size_t end = std::min(rest.find('\n'), rest.size());
+    std::string_view line = rest.substr(0, end);
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    if (line.empty() || (number == 1 && line == header)) continue;
+    if (const auto read = read_line(line, arguments, blocks); !read) {
+      return std::unexpected(fmt::format("{}:{}: {}", name, number, text::printable(read.error())));
+    }
+  }
+  return blocks;
+}
+
+}  // namespace
+
+int dump_plc(const PlcArguments& arguments) {
+  std::vector<Range> ranges;
+  for (const std::string& text : arguments.values) {
+    const auto range = parse_range(text, arguments);
+    if (!range) return complain(usage, range.error());
+    ranges.push_back(*range);
+  }
+  return with_client(arguments, [&](client::PlcClient& client) {
+    std::vector<std::string> lines{std::string(header)};
+    for (const Range& range : ranges) {
+      const auto values = read_values(client, range.first, range.count);
+      if (!values) return complain(refused, values.error());
+      for (std::uint32_t i = 0; i < range.count; ++i) {
+        const std::uint16_t value = (*values)[i];
+        const std::string text = !is_bit(range.first) ? std::to_string(value) : value != 0 ? "ON" : "OFF";
+        lines.push_back(shown_address(range.first, arguments, i) + ',' + text);
+      }
+    }
+    if (arguments.file.empty()) {
+      for (const std::string& line : lines) print_line("{}", line);
+      return done;
+    }
+    std::ofstream file(arguments.file, std::ios::binary);
+    for (const std::string& line : lines) file << line << '\n';
+    file.close();
+    return file ? done : complain(refused, arguments.file + ": cannot be written");
+  });
+}
+
+int load_plc(const PlcArguments& arguments) {
+  std::string text;
+  const std::string name = arguments.file == "-" ? "standard input" : arguments.file;
+  if (arguments.file == "-") {
+    text.assign(std::istreambuf_iterator<char>(std::cin), {});
+  } else {
+    auto read = text::read_file_or_reason(arguments.file);
+    if (!read) return complain(usage, fmt::format("{}: {}", name, read.error()));
+    text = std::move(*read);
+  }
+  const auto blocks = read_blocks(text, name, arguments);
+  if (!blocks) return complain(usage, blocks.error());
+  return with_client(arguments, [&](client::PlcClient& client) {
+    std::size_t points = 0;
+    for (const Block& block : *blocks) {
+      int code = done;
+      if (is_bit(block.first)) {
+        const std::vector<std::uint8_t> bits(block.values.begin(), block.values.end());
+        code = write_and_verify(client, block.first, arguments, std::span<const std::uint8_t>(bits));
+      } else {
+        code = write_and_verify(client, block.first, arguments, std::span<const std::uint16_t>(block.values));
+      }
+      if (code != done) return code;
+      points += block.values.size();
+    }
+    print_line("{} points written", points);
+    return done;
+  });
+}
+
+int list_plc_names() {
+  for (const plant::CatalogueEntry& entry : plant::module_catalogue()) {
+    for (const NamedWords& words : named_words(entry)) {
+      const std::string last = words.count() == 1 ? "" : fmt::format("..G{}", words.last);
+      print_line("{:<12} G{}{:<10}  {}", entry.data_sheet->model, words.first, last, words.name);
+    }
+  }
+  return done;
+}
+
+}  // namespace canopus::cli
