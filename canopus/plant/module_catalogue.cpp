@@ -12,6 +12,10 @@
 #include "canopus/module/me3can1_q/data_sheet.hpp"
 #include "canopus/module/me3can1_q/me3can1_q.hpp"
 #include "canopus/module/me3can1_q/object_table.hpp"
+#include "canopus/module/rj71cn91/buffer_table.hpp"
+#include "canopus/module/rj71cn91/data_sheet.hpp"
+#include "canopus/module/rj71cn91/object_table.hpp"
+#include "canopus/module/rj71cn91/rj71cn91.hpp"
 
 namespace canopus::plant {
 
@@ -30,6 +34,9 @@ const std::array catalogue = std::to_array<CatalogueEntry>({
     {&module::me3can1_q::data_sheet, module::me3can1_q::object_dictionary,
      module::ModuleSettings::stored_names, make<module::me3can1_q::Me3can1Q>,
      module::me3can1_q::buffer_table},
+    {&module::rj71cn91::data_sheet, module::rj71cn91::object_dictionary,
+     module::ModuleSettings::stored_names, make<module::rj71cn91::Rj71cn91>,
+     module::rj71cn91::buffer_table},
 });
 
 bool same_letter(char a, char b) {

@@ -82,6 +82,27 @@ bool EmcyProducer::reset(can::Time now) {
   return true;
 }
 
+void EmcyProducer::forget(std::uint16_t code, std::span<const std::uint8_t, 5> manufacturer, can::Time now) {
+  ObjectDictionary& d = node_.dictionary;
+  const auto entry = static_cast<std::uint32_t>(
+      code | std::uint32_t{can::load_as<std::uint16_t>(manufacturer.data())} << 16);
+  const auto count = d.get<std::uint8_t>(0x1003, 0);
+  std::uint8_t kept = 0;
+  for (std::uint8_t sub = 1; sub <= count; ++sub) {
+    const auto value = d.get<std::uint32_t>(0x1003, sub);
+    if (value != entry) d.set(0x1003, ++kept, value);
+  }
+  if (kept == count) return;
+  d.set(0x1003, 0, kept);
+  if (kept == 0) history_emptied(now);
+}
+
+void EmcyProducer::history_emptied(can::Time now) {
+  node_.dictionary.set(0x1001, 0, std::uint8_t{0});
+  active_errors_ = 0;
+  send_or_wait(0, 0, now);
+}
+
 void EmcyProducer::send_or_wait(std::uint16_t code, std::uint8_t first_manufacturer, can::Time now) {
   const auto error_register = node_.dictionary.get<std::uint8_t>(0x1001, 0);
   const Message message{static_cast<std::uint8_t>(code), static_cast<std::uint8_t>(code >> 8), error_register,
@@ -109,7 +130,7 @@ void EmcyProducer::error_began(const CommunicationError& error, can::Time now) {
 }
 
 void EmcyProducer::error_ended(const CommunicationError&, can::Time now) {
-  if (active_errors_ == 0 || --active_errors_ != 0) return;
+  if (active_errors_ == 0 || --active_errors_ != 0 || node_.options.errors_end_with_history) return;
   auto error_register =
       static_cast<std::uint8_t>(node_.dictionary.get<std::uint8_t>(0x1001, 0) & ~communication_error);
   if (error_register == generic_error) error_register = 0;
@@ -147,11 +168,12 @@ AbortCode EmcyProducer::before_write(ObjectDictionary& dictionary, const Entry& 
   return AbortCode::none;
 }
 
-void EmcyProducer::after_write(ObjectDictionary& dictionary, const Entry& entry, can::Time) {
+void EmcyProducer::after_write(ObjectDictionary& dictionary, const Entry& entry, can::Time now) {
   if (entry.index != 0x1003) {
     if (node_.state != NmtState::initialising) read();
     return;
   }
+  if (node_.options.errors_end_with_history) return history_emptied(now);
   if (node_.options.history_clears_error_register) dictionary.set(0x1001, 0, std::uint8_t{0});
 }
 

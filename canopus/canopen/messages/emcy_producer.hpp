@@ -32,6 +32,9 @@ class EmcyProducer final : public ObjectHandler {
   /// 1015H runs or in Stopped.
   bool raise(std::uint16_t code, std::uint8_t error_register, std::span<const std::uint8_t, 5> manufacturer,
              can::Time now);
+  /// Takes every entry with this code and these first two bytes out of 1003H. When that leaves none, 1001H is cleared
+  /// and code 0000H sent.
+  void forget(std::uint16_t code, std::span<const std::uint8_t, 5> manufacturer, can::Time now);
   /// Clears 1001H, sends code 0000H. False as above.
   bool reset(can::Time now);
 
@@ -51,6 +54,7 @@ class EmcyProducer final : public ObjectHandler {
 
   void read();
   void remember(std::uint16_t code, std::uint16_t information);
+  void history_emptied(can::Time now);
   void send(const Message& message, can::Time now);
   void send_or_wait(std::uint16_t code, std::uint8_t first_manufacturer, can::Time now);
   [[nodiscard]] bool inhibited(can::Time now) const noexcept { return now < inhibited_until_; }

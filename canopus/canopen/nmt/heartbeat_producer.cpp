@@ -8,9 +8,16 @@ HeartbeatProducer::HeartbeatProducer(NodeContext& node) : node_(node), timer_(no
 
 void HeartbeatProducer::start(can::Time now) {
   if (node_.state == NmtState::initialising) return;
-  period_ = std::chrono::milliseconds(node_.dictionary.get<std::uint16_t>(0x1017, 0));
+  const std::uint16_t milliseconds = paused_ ? 0 : node_.dictionary.get<std::uint16_t>(0x1017, 0);
+  period_ = std::chrono::milliseconds(milliseconds);
   next_ = is_active() ? can::later(now, period_) : can::never;
   node_.timers.set(timer_, next_);
+}
+
+void HeartbeatProducer::pause(bool paused, can::Time now) {
+  if (paused_ == paused) return;
+  paused_ = paused;
+  start(now);
 }
 
 void HeartbeatProducer::stop() {

@@ -14,6 +14,8 @@ class HeartbeatProducer final : public ObjectHandler {
   /// Reads 1017H and starts anew: the boot-up message has just been sent.
   void start(can::Time now);
   void stop();
+  /// No heartbeats while paused, whatever 1017H says.
+  void pause(bool paused, can::Time now);
   void tick(can::Time now);
   [[nodiscard]] bool is_active() const noexcept { return period_ != can::Duration{}; }
   [[nodiscard]] TimerQueue::Number timer() const noexcept { return timer_; }
@@ -25,6 +27,7 @@ class HeartbeatProducer final : public ObjectHandler {
   TimerQueue::Number timer_;
   can::Duration period_{};
   can::Time next_{};
+  bool paused_ = false;
 };
 
 }  // namespace canopus::canopen

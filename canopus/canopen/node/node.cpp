@@ -281,6 +281,10 @@ bool Node::emergency(std::uint16_t code, std::uint8_t error_register,
                      std::span<const std::uint8_t, 5> manufacturer, can::Time now) {
   return services_->emcy_producer.raise(code, error_register, manufacturer, now);
 }
+void Node::forget_error(std::uint16_t code, std::span<const std::uint8_t, 5> manufacturer, can::Time now) {
+  services_->emcy_producer.forget(code, manufacturer, now);
+}
+void Node::pause_heartbeat(bool paused, can::Time now) { services_->heartbeat_producer.pause(paused, now); }
 bool Node::emergency_reset(can::Time now) { return services_->emcy_producer.reset(now); }
 
 unsigned Node::values_changed(can::Time now) { return services_->tpdos.values_changed(now); }

@@ -62,6 +62,12 @@ class Node final : public can::Participant {
   /// All errors are gone: clears 1001H and sends code 0000H.
   bool emergency_reset(can::Time now);
 
+  /// An error that emergency() reported is gone: its entries go out of 1003H. When that leaves none, 1001H is cleared
+  /// and code 0000H sent [RJ71CN91 1.7].
+  void forget_error(std::uint16_t code, std::span<const std::uint8_t, 5> manufacturer, can::Time now);
+  /// Sends no heartbeats while paused, also over resets [RJ71CN91 App. 4].
+  void pause_heartbeat(bool paused, can::Time now);
+
   /// The application changed process values: every event-driven TPDO (and acyclic synchronous one) whose
   /// content differs from what it last sent has its event. Returns how many had.
   unsigned values_changed(can::Time now);

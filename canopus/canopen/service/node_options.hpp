@@ -47,6 +47,9 @@ struct NodeOptions {
   // --- EMCY
   /// Writing 0 to 1003H:00 clears 1001H, too [ME3CAN1-Q 4.6.3].
   bool history_clears_error_register = false;
+  /// Errors count as there until 1003H is emptied: that clears 1001H, too, and sends code 0000H [RJ71CN91 1.7]. Else code
+  /// 0000H is sent when what caused them is over.
+  bool errors_end_with_history = false;
   /// Reading a sub-index of 1003H above the number of entries gives 0, instead of abort code 08000024H.
   bool empty_history_reads_zero = false;
   /// A lost heartbeat is reported with 8F00H + node-ID of the lost node, a life guarding event with 8F00H + own

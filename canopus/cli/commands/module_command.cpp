@@ -59,8 +59,7 @@ void print_text(const DataSheet& sheet, std::optional<std::uint32_t> writes, Out
   out.line("");
   out.line("Function modes");
   for (const auto& mode : sheet.modes) out.line("  {:<6}{}", mode.value, mode.name);
-  out.line("");
-  out.line("Standards");
+  if (!sheet.standards.empty()) out.line("\nStandards");
   for (const auto& standard : sheet.standards) {
     out.line("  {:<10} V{:<5}{}", standard.name, standard.version, standard.about);
   }
@@ -71,7 +70,11 @@ void print_text(const DataSheet& sheet, std::optional<std::uint32_t> writes, Out
   }
   out.line("");
   out.line("Longest bus");
-  for (const auto& length : sheet.bus_lengths) out.line("  {:>4} kbps {:>5} m", length.kbps, length.metres);
+  for (const auto& length : sheet.bus_lengths) {
+    out.line("  {:>4} kbps {:>5}", length.kbps,
+             length.metres == 0 ? "-" : fmt::format("{} m", length.metres));
+  }
+  if (sheet.modules_per_cpu.empty()) return;
   out.line("");
   out.line("Modules per CPU, within its I/O points and the power supply's capacity");
   for (const auto& cpu : sheet.modules_per_cpu) {
@@ -104,7 +107,8 @@ Json as_json(const DataSheet& sheet, std::optional<std::uint32_t> writes) {
         {{"number", pin.number}, {"signal", pin.signal.empty() ? Json() : Json(pin.signal)}});
   }
   for (const auto& length : sheet.bus_lengths) {
-    json["bus_lengths"].push_back({{"kbps", length.kbps}, {"metres", length.metres}});
+    json["bus_lengths"].push_back(
+        {{"kbps", length.kbps}, {"metres", length.metres == 0 ? Json() : Json(length.metres)}});
   }
   for (const auto& cpu : sheet.modules_per_cpu) {
     json["modules_per_cpu"].push_back({{"kind", cpu.kind},

@@ -206,6 +206,17 @@ const BootRecord& NmtMaster::boot_record(std::uint8_t node_id) const noexcept {
   return is_known ? slaves[node_id].boot->record() : never_booted;
 }
 
+bool NmtMaster::optional_slave_failed() const noexcept {
+  if (!active()) return false;
+  for (std::uint8_t node_id = 1; node_id < slaves.size(); ++node_id) {
+    if (boot_record(node_id).step != BootStep::failed) continue;
+    const auto assignment = node.dictionary().get<std::uint32_t>(0x1F81, node_id, 0);
+    if ((assignment & assignment_bit::slave) != 0 && (assignment & assignment_bit::mandatory) == 0)
+      return true;
+  }
+  return false;
+}
+
 AbortCode NmtMaster::request_configuration(std::uint8_t node_id, can::Time now) {
   if (node_id == 0 || node_id > 127) return AbortCode::no_sub_index;
   if (node_id == node.node_id()) return AbortCode::none;  // accepted, does nothing [ME3CAN1-Q 4.8.12]

@@ -90,6 +90,8 @@ class NmtMaster final : public can::Participant, private MasterContext, private 
   /// The start-up ended with a failed mandatory slave, or 1F80H bit 6 stopped the network: no slave is booted
   /// until the next start().
   [[nodiscard]] bool halted() const noexcept { return start_up_.phase() == StartUp::Phase::halted; }
+  /// The boot of an assigned slave that is not mandatory has failed [RJ71CN91 G25.13].
+  [[nodiscard]] bool optional_slave_failed() const noexcept;
   /// The active master's own node is not Operational, and nothing else is missing: 1F80H bit 2, a CPU in STOP,
   /// or it has left Operational since. Request NMT to itself (1F82H) goes on from here.
   [[nodiscard]] bool waits_for_own_start() const noexcept { return start_up_.waits_for_own_start(); }

@@ -12,6 +12,7 @@ constexpr std::size_t record_bytes = 8;
 constexpr std::uint16_t end_of_list = 0xFFFF;
 constexpr std::uint16_t clear_code = 0xFFFF;
 constexpr std::uint16_t record_failed = 0x0F00;
+constexpr std::uint16_t frame_timeout = 0x2002;
 
 constexpr std::uint8_t low(std::uint16_t word) { return static_cast<std::uint8_t>(word & 0xFF); }
 constexpr std::uint8_t high(std::uint16_t word) { return static_cast<std::uint8_t>(word >> 8); }
@@ -44,7 +45,7 @@ void CommandInterface::reset() {
   last_issued_.fill(0);
   show_result_ = running_ = locked_ = false;
   command_ = nullptr;
-  begin_at_ = can::never;
+  begin_at_ = frame_due_ = can::never;
 }
 
 std::uint16_t CommandInterface::read_word(BufferAddress address, can::Time) {
@@ -79,6 +80,7 @@ void CommandInterface::execute(Modes mode, can::Time now, can::Duration duration
     return;
   }
   if (client_.busy()) client_.cancel(canopen::AbortCode::local_control);
+  frame_due_ = can::never;
   locked_ = false;  // by FFFFH; a write from now on locks anew
   mode_ = mode;
   running_request_ = request_;
@@ -87,8 +89,9 @@ void CommandInterface::execute(Modes mode, can::Time now, can::Duration duration
 }
 
 void CommandInterface::bus_lost(std::uint16_t error_class, can::Time now) {
-  if (!client_.busy()) return;
-  client_.drop(canopen::AbortCode::local_control);
+  if (!client_.busy() && frame_due_ == can::never) return;
+  if (client_.busy()) client_.drop(canopen::AbortCode::local_control);
+  frame_due_ = can::never;
   result_.fill(0);
   fail(error_class, now);
 }
@@ -98,10 +101,17 @@ void CommandInterface::tick(can::Time now) {
     begin_at_ = can::never;
     begin(now);
   }
+  if (now >= frame_due_) {
+    frame_due_ = can::never;
+    result_[2] = frame_timeout;
+    fail(command_error::slot_error, now);
+  }
   if (now >= client_.deadline()) client_.tick(now);
 }
 
-can::Time CommandInterface::deadline() const noexcept { return std::min(begin_at_, client_.deadline()); }
+can::Time CommandInterface::deadline() const noexcept {
+  return std::min({begin_at_, frame_due_, client_.deadline()});
+}
 
 void CommandInterface::begin(can::Time now) {
   result_.fill(0);
@@ -133,7 +143,7 @@ void CommandInterface::begin(can::Time now) {
     case CommandKind::multi_write:
       record_ = 0;
       any_failed_ = false;
-      if (is_multiple() && running_request_[1] == end_of_list) return finish(command_->success, now);
+      if (is_multiple() && !skip_empty_records()) return finish(command_->success, now);
       return start_access(now);
   }
 }
@@ -146,8 +156,8 @@ bool CommandInterface::needs_bus() const noexcept {
     case CommandKind::multi_write:
       for (std::size_t record = 0; record < records; ++record) {
         const std::uint16_t node = running_request_[1 + record * words_per_record];
-        if (node == end_of_list) return false;
-        if (!is_local(node)) return true;
+        if (node == end_of_list && !layout_->skips_empty_records) return false;
+        if (node != end_of_list && !is_local(node)) return true;
       }
       return false;
     default: return false;
@@ -165,7 +175,7 @@ void CommandInterface::start_access(can::Time now) {
   result_[word + 1] = index;
   result_[word + 2] = sub;
 
-  if (node > 127) return access_done(abort_no_channel, {}, now);
+  if (node > 127) return access_done(layout_->no_such_node, {}, now);
   if (!is_read()) {
     if (length == 0 || length > maximum) return access_done(canopen::AbortCode::length_mismatch, {}, now);
     take_bytes(std::span(running_request_).subspan(word + 4), std::span(download_).first(length));
@@ -221,10 +231,17 @@ void CommandInterface::access_done(canopen::AbortCode code, std::span<const std:
 
 void CommandInterface::next_access(can::Time now) {
   ++record_;
-  const bool more =
-      is_multiple() && record_ < records && running_request_[1 + record_ * words_per_record] != end_of_list;
-  if (more) return start_access(now);
+  if (is_multiple() && skip_empty_records()) return start_access(now);
   finish(any_failed_ ? command_->partial : command_->success, now);
+}
+
+// Goes on to the next record that has a node; false: there is none.
+bool CommandInterface::skip_empty_records() noexcept {
+  for (; record_ < records; ++record_) {
+    if (running_request_[1 + record_ * words_per_record] != end_of_list) return true;
+    if (!layout_->skips_empty_records) return false;
+  }
+  return false;
 }
 
 void CommandInterface::send_emergency(can::Time now) {
@@ -241,8 +258,23 @@ void CommandInterface::send_frame(can::Time now) {
   if (const std::uint16_t obstacle = host_->bus_obstacle(); obstacle != 0) return fail(obstacle, now);
   const auto answer =
       host_->send_plain_frame(std::span(running_request_).subspan(1), std::span(result_).subspan(1));
-  if (answer == CommandHost::FrameAnswer::no_room) return fail(command_error::queue_full, now);
+  const bool waits = layout_->frame_time_out != can::Duration{};
+  if (answer == CommandHost::FrameAnswer::no_room) {
+    if (!waits) return fail(command_error::queue_full, now);
+    result_[2] = frame_timeout;
+    return fail(command_error::slot_error, now);
+  }
+  if (answer == CommandHost::FrameAnswer::queued && waits) {
+    frame_due_ = can::later(now, layout_->frame_time_out);
+    return;
+  }
   finish(answer == CommandHost::FrameAnswer::queued ? command_->success : command_->partial, now);
+}
+
+void CommandInterface::frame_sent(can::Time now) {
+  if (frame_due_ == can::never) return;
+  frame_due_ = can::never;
+  finish(command_->success, now);
 }
 
 void CommandInterface::fail(std::uint16_t error_class, can::Time now) {

@@ -42,9 +42,20 @@ struct CommandRow {
   std::uint16_t partial = 0;  ///< result code when some, or the special condition of the command, failed
 };
 
+/// Local abort codes beyond CiA 301 [ME3CAN1-Q 8.2.3].
+inline constexpr auto abort_no_channel = static_cast<canopen::AbortCode>(0x50000000);
+inline constexpr auto abort_buffer_too_small = static_cast<canopen::AbortCode>(0x60600000);
+
 struct CommandLayout {
   BufferAddress first = 0;  ///< of the command code; 66 more words follow
   std::span<const CommandRow> commands{};
+  /// A multiple access leaves a record without a node (FFFFH) out; else such a record ends the list [RJ71CN91 1.3].
+  bool skips_empty_records = false;
+  /// Abort code of a node number above 127.
+  canopen::AbortCode no_such_node = abort_no_channel;
+  /// A frame is sent when it was on the wire: within this time, else class slot_error, timeout. 0: it is sent when it waits
+  /// in the controller [RJ71CN91 App. 2 CIF].
+  can::Duration frame_time_out{};
 };
 
 /// Classes of the general error result 000FH [ME3CAN1-Q 5.4].
@@ -55,12 +66,9 @@ inline constexpr std::uint16_t unknown_command = 0x0064;
 inline constexpr std::uint16_t wrong_state = 0x0F0F;
 inline constexpr std::uint16_t bus_off = 0xB0FF;
 inline constexpr std::uint16_t queue_full = 0x8FFF;  // [FX3U-CAN 10.9]
+inline constexpr std::uint16_t slot_error = 0x000F;
 inline constexpr std::uint16_t was_busy = 0xFFFF;
 }  // namespace command_error
-
-/// Local abort codes beyond CiA 301 [ME3CAN1-Q 8.2.3].
-inline constexpr auto abort_no_channel = static_cast<canopen::AbortCode>(0x50000000);
-inline constexpr auto abort_buffer_too_small = static_cast<canopen::AbortCode>(0x60600000);
 
 /// What the command interface needs of the module around it.
 class CommandHost {
@@ -115,6 +123,9 @@ class CommandInterface final : public BufferArea, public canopen::SdoClientUser 
   [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
   WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
 
+  /// The frame of CommandHost::send_plain_frame() is sent.
+  void frame_sent(can::Time now);
+
   /// True when the frame was for the running transfer.
   bool receive(const can::Frame& frame, can::Time now) { return client_.receive(frame, now); }
   void tick(can::Time now);
@@ -132,6 +143,7 @@ class CommandInterface final : public BufferArea, public canopen::SdoClientUser 
   void start_access(can::Time now);
   void access_done(canopen::AbortCode code, std::span<const std::uint8_t> data, can::Time now);
   void next_access(can::Time now);
+  [[nodiscard]] bool skip_empty_records() noexcept;
   void send_emergency(can::Time now);
   void send_frame(can::Time now);
   void finish(std::uint16_t result, can::Time now);
@@ -160,6 +172,7 @@ class CommandInterface final : public BufferArea, public canopen::SdoClientUser 
   Modes mode_ = 0;
   const CommandRow* command_ = nullptr;
   can::Time begin_at_ = can::never;
+  can::Time frame_due_ = can::never;  // the frame waits to be sent
   std::size_t record_ = 0;
   bool any_failed_ = false;
   std::array<std::uint8_t, data_bytes> download_{};

@@ -1,5 +1,7 @@
 #include "canopus/module/areas/error_status.hpp"
 
+#include <algorithm>
+
 namespace canopus::module {
 
 ErrorStatus::ErrorStatus(const std::optional<ErrorStatusLayout>& layout, BufferMemory& memory)
@@ -7,6 +9,7 @@ ErrorStatus::ErrorStatus(const std::optional<ErrorStatusLayout>& layout, BufferM
   if (!layout) return;
   for (const ErrorRow& row : layout->errors) {
     if (row.latched) latched_ = static_cast<Errors>(latched_ | mask(row.error));
+    if (row.masked) masked_ = static_cast<Errors>(masked_ | mask(row.error));
     if (row.signal) signal_ = static_cast<Errors>(signal_ | mask(row.error));
   }
   memory.attach(layout->status, layout->status, *this);
@@ -35,10 +38,32 @@ void ErrorStatus::set(Errors errors) noexcept {
   if (!layout_) return;
   unsigned word = 0;
   for (const ErrorRow& row : layout_->errors) {
-    if (has(row.error)) word |= 1U << row.bit;
+    if ((shown() & mask(row.error)) != 0) word |= 1U << row.bit;
   }
   if (layout_->general_error_bit && any()) word |= 1U << *layout_->general_error_bit;
   word_ = static_cast<std::uint16_t>(word);
+}
+
+void ErrorStatus::record(WriteResult result, BufferAddress address) {
+  if (layout_ && layout_->bad_words_are_causes) {
+    const auto known = std::ranges::find(bad_words_, address);
+    if (result == WriteResult::invalid && known == bad_words_.end()) bad_words_.push_back(address);
+    if (result == WriteResult::done && known != bad_words_.end()) {
+      bad_words_.erase(known);
+      // The address is shown until the program clears it [RJ71CN91 App. 2 G39].
+      if (bad_words_.empty()) follow(ModuleError::invalid_value, false);
+    }
+  }
+  if (hold_clear_) return;
+  if (result == WriteResult::invalid) note(ModuleError::invalid_value, invalid_address_, address);
+  if (result == WriteResult::refused) note(ModuleError::refused_write, refused_address_, address);
+}
+
+void ErrorStatus::hold_clear(bool held) {
+  hold_clear_ = held;
+  if (held) return clear();
+  set(errors_);
+  if (!bad_words_.empty()) note(ModuleError::invalid_value, invalid_address_, bad_words_.front());
 }
 
 void ErrorStatus::clear(Errors errors) noexcept {

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "canopus/module/areas/buffer_memory.hpp"
 
@@ -21,7 +22,8 @@ enum class ModuleError : std::uint8_t {
   queue_overflow,  ///< frames were lost
   node_failure,    ///< error control of some node (NmtStatus::any_failure)
   error_passive,
-  message_slot,  ///< messages of a Layer 2 slot were lost
+  message_slot,       ///< messages of a Layer 2 slot were lost
+  save_while_online,  ///< save or restore was asked for while Layer 2 is online
 };
 
 /// One bit of the error status word.
@@ -30,6 +32,9 @@ struct ErrorRow {
   std::uint8_t bit = 0;
   bool latched = false;  ///< stays after its cause has gone, until it is cleared
   bool signal = false;   ///< makes the error signal
+  /// Not shown while the clear request is held; afterwards it comes again if its cause is still there
+  /// [RJ71CN91 App. 1 YF].
+  bool masked = false;
 };
 
 struct ErrorStatusLayout {
@@ -38,6 +43,11 @@ struct ErrorStatusLayout {
   std::optional<BufferAddress> refused_address{};   ///< first address whose write was refused
   std::span<const ErrorRow> errors{};               ///< each error once at most
   std::optional<std::uint8_t> general_error_bit{};  ///< ON while any error of the signal is there
+  /// The cause of an invalid value is the word it was written to, until a good value is written there: then the error
+  /// goes, and as long as it is there the error comes again after a clear request [RJ71CN91 App. 1 YF, 5.3].
+  bool bad_words_are_causes = false;
+  /// Clearing errors clears the failures of error control, too [RJ71CN91 App. 1 YF].
+  bool clears_node_failures = false;
 };
 
 class ErrorStatus final : public BufferArea {
@@ -46,7 +56,7 @@ class ErrorStatus final : public BufferArea {
 
   [[nodiscard]] bool has(ModuleError error) const noexcept { return (errors_ & mask(error)) != 0; }
   /// The error signal.
-  [[nodiscard]] bool any() const noexcept { return (errors_ & signal_) != 0; }
+  [[nodiscard]] bool any() const noexcept { return (shown() & signal_) != 0; }
 
   /// A latched error happened. False when it was there already or is cleared at once.
   bool raise(ModuleError error) noexcept {
@@ -60,24 +70,26 @@ class ErrorStatus final : public BufferArea {
     set(static_cast<std::uint16_t>(errors_ ^ mask(error)));
     return true;
   }
-  /// Records what became of a PLC write.
-  void record(WriteResult result, BufferAddress address) noexcept {
-    if (hold_clear_) return;
-    if (result == WriteResult::invalid) note(ModuleError::invalid_value, invalid_address_, address);
-    if (result == WriteResult::refused) note(ModuleError::refused_write, refused_address_, address);
+  /// As the model's row says: latched, it is raised while its cause is there; else it follows its cause.
+  void track(ModuleError error, bool on) noexcept {
+    if ((latched_ & mask(error)) == 0) {
+      follow(error, on);
+    } else if (on) {
+      raise(error);
+    }
   }
+  /// Records what became of a PLC write.
+  void record(WriteResult result, BufferAddress address);
 
   /// Latched errors go, and the addresses with them.
   void clear() noexcept { clear(latched_); }
   /// While held, latched errors and bad writes are not even recorded.
-  void hold_clear(bool held) noexcept {
-    hold_clear_ = held;
-    if (held) clear();
-  }
+  void hold_clear(bool held);
   /// As from power-on.
   void reset() noexcept {
     set(0);
     invalid_address_ = refused_address_ = 0;
+    bad_words_.clear();
   }
 
   [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
@@ -90,19 +102,24 @@ class ErrorStatus final : public BufferArea {
     return static_cast<Errors>(1U << static_cast<unsigned>(error));
   }
   void set(Errors errors) noexcept;
+  [[nodiscard]] Errors shown() const noexcept {
+    return static_cast<Errors>(hold_clear_ ? errors_ & ~masked_ : errors_);
+  }
   void clear(Errors errors) noexcept;
   void note(ModuleError error, BufferAddress& first, BufferAddress address) noexcept {
-    if (raise(error)) first = address;
+    if (raise(error) && first == 0) first = address;
   }
 
   std::optional<ErrorStatusLayout> layout_;
   Errors latched_ = 0;
   Errors signal_ = 0;
+  Errors masked_ = 0;
   Errors errors_ = 0;
   std::uint16_t word_ = 0;  // errors_ as the program sees them
   bool hold_clear_ = false;
   BufferAddress invalid_address_ = 0;
   BufferAddress refused_address_ = 0;
+  std::vector<BufferAddress> bad_words_;  // in the order of their writes
 };
 
 }  // namespace canopus::module

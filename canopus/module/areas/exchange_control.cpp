@@ -29,6 +29,8 @@ bool ExchangeControl::end_if_due(can::Time now) {
   if (std::exchange(emergencies_, false)) data_.emergencies.refresh();
   if (!canopen_mode_) data_.layer2.exchange();
   waiting_ = running_;
+  const bool may_wait = !layout_ || layout_->waits_for_operational;
+  if (!may_wait && data_.node.state() != canopen::NmtState::operational) waiting_ = running_ = false;
   return true;
 }
 
@@ -43,12 +45,13 @@ void ExchangeControl::reset() noexcept {
   end_ = can::never;
 }
 
-std::uint16_t ExchangeControl::read_word(BufferAddress, can::Time) {
+std::uint16_t ExchangeControl::read_word(BufferAddress address, can::Time) {
+  if (layout_->reads_choice) return memory_->word(address);
   return running_ ? layout_->running : std::uint16_t{0};
 }
 
 WriteResult ExchangeControl::write_word(BufferAddress address, std::uint16_t value, can::Time) {
-  memory_->set_word(address, value);
+  memory_->store(address, value);
   return WriteResult::done;
 }
 

@@ -22,6 +22,9 @@ struct ExchangeControlLayout {
   std::uint16_t process_data = 0;  ///< any of these bits: process data are exchanged
   std::uint16_t emergencies = 0;   ///< any of these bits: received EMCYs are shown
   std::uint16_t running = 0;       ///< what it reads while process data wait for their exchange
+  bool reads_choice = false;       ///< it reads what was written instead [RJ71CN91 App. 2 G20]
+  /// Process data wait for Operational; else an exchange outside of it leaves them alone [RJ71CN91 App. 1 Y1].
+  bool waits_for_operational = true;
 };
 
 class ExchangeControl final : public BufferArea {

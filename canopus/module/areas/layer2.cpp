@@ -208,6 +208,7 @@ CommandHost::FrameAnswer Layer2::send(std::span<const std::uint16_t> parameters,
   for (std::size_t i = 0; i < frame.length(); ++i) {
     frame.data[i] = static_cast<std::uint8_t>(parameters[data + i / 2] >> (i % 2 * 8) & 0xFF);
   }
+  command_frame_ = frame;
   return controller_->send(frame) ? CommandHost::FrameAnswer::queued : CommandHost::FrameAnswer::no_room;
 }
 
@@ -236,7 +237,8 @@ bool Layer2::take_message(can::Time now) {
 }
 
 void Layer2::store(ReceiveSlot& slot, const can::Frame& frame) {
-  if (slot.flags != 0) slot.flags |= frame_word::overflow;
+  const std::uint16_t unread = rules_.overflow_is_of_new_data ? frame_word::new_data : frame_word::flags;
+  if ((slot.flags & unread) != 0) slot.flags |= frame_word::overflow;
   slot.flags |= frame_word::new_frame;
   if (!slot.any || frame != slot.stored) slot.flags |= frame_word::new_data;
   slot.any = true;
@@ -249,7 +251,8 @@ void Layer2::show(unsigned slot) {
   if (own.flags == 0) return;
   const BufferAddress block = settings_.block(slot);
   const auto unread = static_cast<std::uint16_t>(memory_->word(block + 2) & frame_word::flags);
-  if (unread != 0) own.flags |= frame_word::overflow;
+  const std::uint16_t lost = rules_.overflow_is_of_new_data ? frame_word::new_data : frame_word::flags;
+  if ((unread & lost) != 0) own.flags |= frame_word::overflow;
   memory_->set_word(block, static_cast<std::uint16_t>(own.stored.identifier & 0xFFFF));
   memory_->set_word(block + 1, static_cast<std::uint16_t>(own.stored.identifier >> 16));
   memory_->set_word(block + 2, static_cast<std::uint16_t>(unread | own.flags | own.stored.length()));

@@ -39,6 +39,14 @@ class Layer2 final : public BufferArea {
   /// Takes waiting frames back; RUN to STOP messages that are on their way still go.
   void go_offline();
   [[nodiscard]] bool online() const noexcept { return online_; }
+  /// It has frames on the wire: online, or RUN to STOP messages on their way.
+  [[nodiscard]] bool uses_bus() const noexcept { return online_ || stop_frame_.has_value(); }
+  /// RUN to STOP messages that are on their way go no more.
+  void drop_stop_messages() noexcept {
+    stop_message_ = layer2_stop_messages;
+    stop_frame_.reset();
+  }
+  [[nodiscard]] const Layer2Rules& rules() const noexcept { return rules_; }
 
   /// Takes what the PLC has written to the transmit slots; exchange() will use it.
   void snapshot();
@@ -54,6 +62,12 @@ class Layer2 final : public BufferArea {
   /// Sends one frame of the command interface: CAN-ID low, high, RTR, DLC, data in `parameters`. A parameter
   /// that is wrong is copied to its place in `faults`.
   CommandHost::FrameAnswer send(std::span<const std::uint16_t> parameters, std::span<std::uint16_t> faults);
+  /// This frame, which is sent now, is the last one of send().
+  [[nodiscard]] bool takes_command_frame(const can::Frame& frame) noexcept {
+    if (command_frame_ != frame) return false;
+    command_frame_.reset();
+    return true;
+  }
 
   void receive(const can::Frame& frame, can::Time now);
   void transmitted(const can::Frame& frame);
@@ -69,6 +83,7 @@ class Layer2 final : public BufferArea {
   WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
 
  private:
+  std::optional<can::Frame> command_frame_;
   struct TransmitSlot {
     bool active = false;
     Layer2Transmission transmission{};

@@ -49,6 +49,14 @@ struct Layer2Rules {
   bool unique_transmit_identifiers = false;
   /// Slots that send remote frames cannot have a transmission type that looks for changed data (1 and 3).
   bool remote_frames_have_no_changes = false;
+  /// The overflow flag says that new data were not taken away; else that a message was not.
+  bool overflow_is_of_new_data = false;
+  /// The bit rate word is taken over on going online, and bus-off is left then [RJ71CN91 App. 1 Y3, App. 2 G24].
+  bool online_applies_bit_rate = false;
+  /// Offline the module is not on the wire: it acknowledges nothing [RJ71CN91 5.4].
+  bool offline_is_silent = false;
+  /// Of the process data, only the words of transmit slots are saved [RJ71CN91 App. 2 G10000].
+  bool saves_transmit_slots = false;
   /// Receive processing: time per message, and messages that may wait for it. A message that finds no place
   /// is lost.
   can::Duration message_time = std::chrono::microseconds(100);
@@ -76,6 +84,9 @@ enum class SlotKind : std::uint8_t { disabled, transmit, receive };
 /// Reads and checks the settings in the buffer memory. Slots are numbered from 0.
 class Layer2Settings {
  public:
+  /// Words of a slot's block.
+  static constexpr BufferAddress block_words = 7;
+
   Layer2Settings(const Layer2Layout& layout, const Layer2Rules& rules, BufferMemory& memory)
       : layout_(layout), rules_(rules), memory_(&memory) {}
 

@@ -59,8 +59,10 @@ class NmtStatus final : public BufferArea {
   void clear_life_guarding(std::uint8_t node) noexcept;
   /// While held, failures of the node to clear are cleared as they come.
   void hold_clear(bool held) noexcept { hold_clear_ = held; }
+  /// The same for all nodes, whatever the word says.
+  void hold_clear_all(bool held) noexcept { hold_clear_all_ = held; }
   [[nodiscard]] bool held_clear(std::uint8_t node) const noexcept {
-    return hold_clear_ && (node_to_clear() == 0 || node_to_clear() == node);
+    return hold_clear_all_ || (hold_clear_ && (node_to_clear() == 0 || node_to_clear() == node));
   }
   /// As from power-on; what is held clear stays so.
   void reset() noexcept;
@@ -77,6 +79,7 @@ class NmtStatus final : public BufferArea {
   NmtStatusLayout layout_;
   BufferMemory* memory_;
   bool hold_clear_ = false;
+  bool hold_clear_all_ = false;
   std::array<std::uint16_t, 128> status_{};
   std::array<std::uint16_t, 128> state_{};
   std::bitset<128> life_guarding_;

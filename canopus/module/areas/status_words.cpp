@@ -28,6 +28,8 @@ StatusWords::StatusWords(const std::optional<StatusWordsLayout>& layout, BufferM
 std::uint16_t StatusWords::read_word(BufferAddress address, can::Time) {
   if (address == layout_.communication_status) return static_cast<std::uint16_t>(communication_status());
   if (address == layout_.active_bit_rate) {
+    const ModuleState& state = sources_.state;
+    if (layout_.no_bit_rate_offline && !state.canopen_mode() && !sources_.layer2.online()) return 0;
     return static_cast<std::uint16_t>(sources_.state.bit_rate * layout_.active_bit_rate_per_kbit);
   }
   const can::Controller& controller = sources_.controller;
@@ -68,6 +70,8 @@ unsigned StatusWords::communication_status() const {
   const manager::NmtMaster& master = sources_.master;
   if (master.lss_active()) status |= bits.lss_active;
   if (master.halted()) status |= bits.start_up_failed;
+  if (layout_.bits.optional_slave_failed != 0 && master.optional_slave_failed())
+    status |= bits.optional_slave_failed;
   if (master.starting()) status |= bits.slave_start_up;
   if (master.active()) status |= bits.nmt_master;
   return status;

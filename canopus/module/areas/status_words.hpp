@@ -24,8 +24,9 @@ struct CommunicationStatusBits {
   std::uint16_t pre_operational_state = 0;  ///< of the network state's two
   std::uint16_t operational_state = 0;
   std::uint16_t lss_active = 0;
-  std::uint16_t start_up_failed = 0;  ///< a mandatory slave is not booted: NmtMaster::halted()
-  std::uint16_t time_seen = 0;        ///< until a 0 is written
+  std::uint16_t start_up_failed = 0;        ///< a mandatory slave is not booted: NmtMaster::halted()
+  std::uint16_t time_seen = 0;              ///< until a 0 is written
+  std::uint16_t optional_slave_failed = 0;  ///< NmtMaster::optional_slave_failed()
   std::uint16_t slave_start_up = 0;
   std::uint16_t nmt_master = 0;
 };
@@ -38,6 +39,7 @@ struct StatusWordsLayout {
   std::optional<BufferAddress> receive_errors{};
   std::optional<BufferAddress> active_bit_rate{};
   unsigned active_bit_rate_per_kbit = 10;  ///< 10: in 0.1 kbit/s, 1: in kbit/s
+  bool no_bit_rate_offline = false;        ///< Layer 2 offline: the bit rate reads 0 [RJ71CN91 App. 2 G37]
 };
 
 class StatusWords final : public BufferArea {

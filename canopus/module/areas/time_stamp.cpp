@@ -21,8 +21,8 @@ constexpr std::int64_t clock_begin_in_time_of_day = (clock_begin - time_of_day_e
 constexpr std::uint16_t longest_interval = 1440;
 
 // 80..99 stand for 1980..1999.
-int full_year(std::uint16_t word) {
-  if (word >= 100) return word;
+int full_year(std::uint16_t word, bool two_digits) {
+  if (word >= 100 || !two_digits) return word;
   return word < 80 ? 2000 + word : 1900 + word;
 }
 
@@ -37,7 +37,8 @@ void TimeStamp::reset() {
   running_ = false;
   next_ = can::never;
   if (!layout_) return;
-  const std::chrono::sys_days date{std::chrono::year{full_year(word(year))} / word(month) / word(day)};
+  const std::chrono::sys_days date{std::chrono::year{full_year(word(year), layout_->two_digit_year)} /
+                                   word(month) / word(day)};
   base_ = (date - clock_begin).count() * seconds_per_day + seconds_of_day();
   since_ = {};
   correction_ = static_cast<std::int16_t>(word(correction));
@@ -64,7 +65,7 @@ void TimeStamp::change_role(std::uint16_t role_bits, can::Time now) {
 
 WriteResult TimeStamp::write_word(BufferAddress address, std::uint16_t value, can::Time now) {
   memory_->store(address, value);
-  if (address == layout_->first + role) change_role(value, now);
+  if (address == layout_->first + role && !layout_->role_with_clock) change_role(value, now);
   if (address == layout_->first + correction) correction_changed(now);
   return WriteResult::done;
 }
@@ -84,9 +85,11 @@ void TimeStamp::run_from(std::int64_t time, can::Time now) {
 }
 
 std::optional<BufferAddress> TimeStamp::set_from_words(can::Time now) {
-  if (!layout_ || !produces()) return std::nullopt;  // what a consumer writes is ignored
-  const int y = full_year(word(year));
-  if (y < 1980 || y > 2079) return layout_->first + year;
+  if (!layout_) return std::nullopt;
+  if (layout_->role_with_clock) change_role(word(role), now);
+  if (!produces()) return std::nullopt;  // what a consumer writes is ignored
+  const int y = full_year(word(year), layout_->two_digit_year);
+  if (y < layout_->first_year || y > 2079) return layout_->first + year;
   const std::chrono::year_month_day date{std::chrono::year{y}, std::chrono::month{word(month)},
                                          std::chrono::day{word(day)}};
   if (word(month) < 1 || word(month) > 12) return layout_->first + month;
@@ -105,6 +108,7 @@ std::optional<BufferAddress> TimeStamp::set_from_words(can::Time now) {
 
 void TimeStamp::show(can::Time now) {
   if (!layout_) return;
+  if (layout_->role_with_clock) show_role();
   const std::int64_t time = seconds(now);
   const std::int64_t days = (time >= 0 ? time : time - seconds_per_day + 1) / seconds_per_day;
   const std::int64_t in_day = time - days * seconds_per_day;
@@ -124,7 +128,8 @@ void TimeStamp::receive(const canopen::TimeOfDay& time, can::Time now) {
   if (!layout_) return;
   const std::int64_t days = time.days - clock_begin_in_time_of_day;
   const std::int64_t received = days * seconds_per_day + time.milliseconds / 1000;
-  run_from(days < 0 ? 0 : received % clock_span, now);
+  const bool is_late = received >= clock_span && layout_->late_time_is_first;
+  run_from(days < 0 || is_late ? 0 : received % clock_span, now);
 }
 
 canopen::TimeOfDay TimeStamp::time_of_day(can::Time now) const {

@@ -16,7 +16,13 @@ namespace canopus::module {
 
 struct TimeStampLayout {
   BufferAddress first = 0;      ///< of the ten words
-  bool two_digit_year = false;  ///< 14 for 2014; else 2014
+  bool two_digit_year = false;  ///< 14 for 2014, and either is taken; else 2014 only
+  int first_year = 1980;        ///< that is taken
+  /// Producer/consumer takes effect when the program sets the clock, not at once [RJ71CN91 App. 1 Y12].
+  bool role_with_clock = false;
+  /// A received time beyond 2079 counts as 2000-01-01, as one before 2000; else the clock begins anew from there
+  /// [RJ71CN91 1.6].
+  bool late_time_is_first = false;
 };
 
 class TimeStamp final : public BufferArea {
@@ -29,7 +35,7 @@ class TimeStamp final : public BufferArea {
   /// 1012H may have changed: the producer/consumer word shows its bits 31 and 30.
   void show_role();
 
-  /// Takes the words as the time, if the module is a producer. The address of a word that is out of range, or
+  /// Takes the role over, if that is its moment; then the words as the time, if the module is a producer. The address of a word that is out of range, or
   /// nothing; then the clock runs, and next_transmission() is now if a transmission interval is set.
   std::optional<BufferAddress> set_from_words(can::Time now);
   /// Puts the time into the words.

@@ -186,6 +186,8 @@ void ModuleEngine::begin_initialization(can::Duration duration, can::Time now) {
   initialized_at_ = can::later(now, duration);
   settings_.cancel_save();
   state_.nmt_resetting = false;
+  stop_is_due_ = false;
+  off_wire_at_ = can::never;
   events_.clear();
   events_due_ = can::never;
   master_.stop(now);
@@ -218,7 +220,9 @@ void ModuleEngine::end_due_initialization(can::Time now) {
   master_.options().bit_rate = state_.bit_rate * 1000U;
   controller_sends_last_ = false;
   controller_.restart(state_.bit_rate * 1000U);
-  controller_.set_power(true);
+  off_wire_at_ = can::never;
+  wire_left_ = true;
+  controller_.set_power(state_.canopen_mode() || !layer2_.rules().offline_is_silent);
   overflows_ = 0;
   if (state_.canopen_mode()) {
     node_.set_node_id(settings_.node_id());
@@ -265,16 +269,43 @@ void ModuleEngine::cpu_changed(CpuState state, can::Time now) {
     if (stopped) layer2_.cpu_stopped();
   } else if (stopped) {
     // One error, one message: a CPU error's STOP is not reported as RUN to STOP besides [ME3CAN1-Q 8.2.2].
-    raise_event(failed ? model_.emergencies.cpu_error : model_.emergencies.cpu_stopped);
-    // [ME3CAN1-Q 4.7] 1 means no change on communication errors, yet STOP still leads to Pre-operational.
-    const auto behaviour = node_.dictionary().get<std::uint8_t>(0x1029, 1);
-    if (behaviour == stopped_on_error) {
-      node_.command(canopen::NmtCommand::stop, now);
-    } else if (node_.state() == canopen::NmtState::operational) {
-      node_.command(canopen::NmtCommand::enter_pre_operational, now);
-    }
+    enter_stop(failed ? model_.emergencies.cpu_error : model_.emergencies.cpu_stopped, now);
+  } else if (before == CpuState::stop && state == CpuState::run) {
+    enter_run(now);
   }
   update(now);
+}
+
+bool ModuleEngine::is_master_by_role() const {
+  return (node_.dictionary().get<std::uint32_t>(0x1F80, 0, 0) & manager::start_up_bit::nmt_master) != 0;
+}
+
+void ModuleEngine::enter_stop(const EmergencyRow& row, can::Time now) {
+  stop_is_due_ = false;
+  raise_event(row);
+  send_events(now);  // before the state in which there are none
+  if (model_.cpu.stop_ends_master && is_master_by_role()) {
+    master_.stop(now);
+    node_.pause_heartbeat(true, now);
+  }
+  // [ME3CAN1-Q 4.7] 1 means no change on communication errors, yet STOP still leads to Pre-operational.
+  const auto behaviour = node_.dictionary().get<std::uint8_t>(0x1029, 1);
+  if (behaviour == stopped_on_error) {
+    node_.command(canopen::NmtCommand::stop, now);
+  } else if (node_.state() == canopen::NmtState::operational) {
+    node_.command(canopen::NmtCommand::enter_pre_operational, now);
+  }
+}
+
+void ModuleEngine::enter_run(can::Time now) {
+  stop_is_due_ = false;
+  if (model_.cpu.run_ends_error) {
+    const EmergencyRow& row = model_.emergencies.cpu_stopped;
+    node_.forget_error(row.code, row.manufacturer, now);
+  }
+  if (!model_.cpu.stop_ends_master || !is_master_by_role()) return;
+  node_.pause_heartbeat(false, now);
+  if (node_.state() != canopen::NmtState::initialising) master_.start(now);
 }
 
 void ModuleEngine::cpu_failed(can::Time now) {
@@ -302,8 +333,9 @@ void ModuleEngine::tick(can::Time now) {
 }
 
 can::Time ModuleEngine::deadline() const noexcept {
+  const can::Time wire_due = state_.running() && !layer2_.uses_bus() ? off_wire_at_ : can::never;
   const can::Time time_due = state_.running() ? time_stamp_.next_transmission() : can::never;
-  return std::min({port_->deadline(), events_due_, initialized_at_, exchange_.deadline(),
+  return std::min({port_->deadline(), wire_due, events_due_, initialized_at_, exchange_.deadline(),
                    settings_.save_deadline(), time_due, node_.deadline(), master_.deadline(),
                    command_.deadline(), layer2_.deadline()});
 }
@@ -312,12 +344,14 @@ can::Time ModuleEngine::deadline() const noexcept {
 void ModuleEngine::update(can::Time now) {
   if (state_.phase == Phase::off) return;
   if (state_.running()) {
+    if (stop_is_due_) enter_stop(model_.emergencies.cpu_stopped, now);
     look_at_overflows(now);
     if (state_.canopen_mode()) {
       send_events(now);
       exchange_.exchange_if_operational(now);
     } else {
       events_.clear();
+      leave_layer2_bus(now);
       if (layer2_.any_slot_error() && errors_.raise(ModuleError::message_slot)) {
         report("messages of a slot were lost: they come faster than the module takes them", now);
       }
@@ -330,7 +364,7 @@ void ModuleEngine::update(can::Time now) {
   }
   errors_.follow(ModuleError::hardware, state_.hardware_fault);
   errors_.follow(ModuleError::flash, settings_.error());
-  if (any_nmt_error()) errors_.raise(ModuleError::node_failure);
+  errors_.track(ModuleError::node_failure, any_nmt_error());
   port_->show(now);
 }
 

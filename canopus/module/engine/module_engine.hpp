@@ -116,10 +116,10 @@ class ModuleEngine : public CommunicationModule,
   void set_clock(can::Time now);
   void read_clock(can::Time now);
   void go_online(can::Time now);
-  void go_offline() { layer2_.go_offline(); }
+  void go_offline(can::Time now);
   void request_trigger(bool on) { layer2_.request_trigger(on); }
   /// Errors, failures and messages that come while these are held are cleared at once.
-  void hold_clear_errors(bool held) { errors_.hold_clear(held); }
+  void hold_clear_errors(bool held, can::Time now);
   void hold_clear_emergencies(bool held) { emergencies_.hold_clear(held); }
   void hold_clear_nmt_errors(bool held, can::Time now);
   /// Clears those that are there.
@@ -196,6 +196,13 @@ class ModuleEngine : public CommunicationModule,
   void begin_initialization(can::Duration duration, can::Time now);
   [[nodiscard]] bool configuration_is_faulty(can::Time now);
   void end_save(can::Time now);
+  /// CPU in STOP: 1029H:01, emergency message, and what the model's CpuRules say.
+  void enter_stop(const EmergencyRow& row, can::Time now);
+  void enter_run(can::Time now);
+  /// 1F80H makes the node an NMT master, active or not.
+  [[nodiscard]] bool is_master_by_role() const;
+  void join_layer2_bus(can::Time now);
+  void leave_layer2_bus(can::Time now);
   void end_sending(const can::Frame& frame);
 
   // Status.
@@ -235,7 +242,8 @@ class ModuleEngine : public CommunicationModule,
   ConciseDcfStore concise_dcfs_;
   std::unique_ptr<RequestPort> port_;
 
-  bool cpu_failed_ = false;  // the STOP that comes is an error's
+  bool cpu_failed_ = false;   // the STOP that comes is an error's
+  bool stop_is_due_ = false;  // the node has started with the CPU in STOP
   bool restarting_ = false;
   bool controller_sends_last_ = false;  // off the bus after the message that says that the module restarts
   bool clear_concise_dcfs_ = false;     // 1011H was written: at the next restart
@@ -246,6 +254,8 @@ class ModuleEngine : public CommunicationModule,
 
   can::Time events_due_ = can::never;  // the inhibit time 1015H held some back
   can::Time initialized_at_ = can::never;
+  bool wire_left_ = true;               // Layer 2 offline, where that means off the wire
+  can::Time off_wire_at_ = can::never;  // Layer 2 offline: when the last frame is over for certain
 };
 
 }  // namespace canopus::module

@@ -38,6 +38,7 @@ void ModuleEngine::transmitted(const can::Frame& frame, can::Time now) {
     return master_.transmitted(frame, now);
   }
   layer2_.transmitted(frame);
+  if (layer2_.takes_command_frame(frame)) command_.frame_sent(now);
   update(now);
 }
 
@@ -107,7 +108,11 @@ void ModuleEngine::reset_done(canopen::NmtCommand, can::Time now) {
   time_stamp_.show_role();
   nmt_status_.reset();
   if (std::exchange(state_.nmt_resetting, false)) status_words_.show_nmt_reset(true);
-  master_.start(now);
+  const bool stopped = state_.cpu == CpuState::stop;
+  const bool has_no_role = stopped && model_.cpu.stop_ends_master && is_master_by_role();
+  stop_is_due_ = stopped && model_.cpu.stop_at_start_counts;
+  node_.pause_heartbeat(has_no_role, now);
+  if (!has_no_role) master_.start(now);
 }
 
 // The data types 0002H-0008H are there for PDO mapping alone [ME3CAN1-Q 4.5].

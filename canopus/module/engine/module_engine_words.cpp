@@ -12,6 +12,9 @@ namespace {
 // A frame is too short to be seen.
 constexpr can::Duration traffic_afterglow = std::chrono::milliseconds(50);
 
+// With a 29-bit identifier, 8 bytes and every stuff bit, and the space after it.
+constexpr unsigned longest_frame_bits = 163;
+
 }  // namespace
 
 std::uint16_t ModuleEngine::read_word(BufferAddress address, can::Time now) {
@@ -65,11 +68,64 @@ void ModuleEngine::begin_exchange(can::Time now) {
 
 // Settings that make no sense keep the module offline.
 void ModuleEngine::go_online(can::Time now) {
+  join_layer2_bus(now);
   const auto wrong = layer2_.go_online(now);
   if (!wrong) return;
   errors_.record(WriteResult::invalid, *wrong);
   tell_of_word(*wrong, buffer_.word(*wrong),
                " does not go with the other Layer 2 settings: the module stays offline", now);
+}
+
+void ModuleEngine::go_offline(can::Time now) {
+  if (layer2_.online()) off_wire_at_ = can::never;
+  layer2_.go_offline();
+  leave_layer2_bus(now);
+}
+
+// [RJ71CN91 App. 1 Y3, App. 2 G24] The bit rate is what its word says now; bus-off is left.
+void ModuleEngine::join_layer2_bus(can::Time now) {
+  if (layer2_.online()) return;
+  off_wire_at_ = can::never;
+  if (layer2_.rules().online_applies_bit_rate) {
+    const std::uint16_t bit_rate = settings_.bit_rate();
+    if (bit_rate != state_.bit_rate || controller_.error_state() == can::ErrorState::bus_off) {
+      state_.bit_rate = bit_rate;
+      controller_.restart(bit_rate * 1000U);
+      overflows_ = 0;
+    }
+  }
+  if (layer2_.rules().offline_is_silent) controller_.set_power(true);
+  wire_left_ = false;
+  controller_changed(now);
+}
+
+// A frame that is on the wire is completed first.
+void ModuleEngine::leave_layer2_bus(can::Time now) {
+  if (!layer2_.rules().offline_is_silent) return;
+  if (controller_.error_state() == can::ErrorState::bus_off) layer2_.drop_stop_messages();
+  if (layer2_.uses_bus()) {
+    off_wire_at_ = can::never;
+    wire_left_ = false;
+    return;
+  }
+  if (wire_left_) return;
+  if (off_wire_at_ == can::never) {
+    off_wire_at_ = can::later(now, std::chrono::microseconds(longest_frame_bits * 1000 / state_.bit_rate));
+  } else if (now >= off_wire_at_) {
+    off_wire_at_ = can::never;
+    wire_left_ = true;
+    controller_.set_power(false);
+  }
+}
+
+// [RJ71CN91 App. 1 YF] Node errors are cleared with the others where the model says so: those of all nodes.
+void ModuleEngine::hold_clear_errors(bool held, can::Time now) {
+  errors_.hold_clear(held);
+  if (!model_.error_status || !model_.error_status->clears_node_failures) return;
+  nmt_status_.hold_clear_all(held);
+  if (!held || state_.phase == Phase::off || state_.initializing() || !state_.canopen_mode()) return;
+  nmt_status_.clear_life_guarding(0);
+  master_.clear_error_control(0, now);
 }
 
 void ModuleEngine::hold_clear_nmt_errors(bool held, can::Time now) {
@@ -87,7 +143,16 @@ void ModuleEngine::execute_command(can::Time now) {
   command_.execute(state_.mode->bit, now, profile_.command_time);
 }
 
-void ModuleEngine::begin_save(can::Time now) { settings_.begin_save(can::later(now, profile_.save_time)); }
+// [RJ71CN91 App. 1 Y1F] A request that is refused is not answered.
+void ModuleEngine::begin_save(can::Time now) {
+  if (model_.settings.saves_offline_only && layer2_.online()) {
+    if (errors_.raise(ModuleError::save_while_online)) {
+      report("nothing is saved or restored while Layer 2 is online", now);
+    }
+    return;
+  }
+  settings_.begin_save(can::later(now, profile_.save_time));
+}
 
 void ModuleEngine::end_save(can::Time now) {
   if (!settings_.end_save()) report("the flash memory could not be written", now);

@@ -42,6 +42,8 @@ struct SettingsLayout {
   std::optional<BufferAddress> save_restore{};
   std::uint16_t save = 0;     ///< bit of the save/restore word
   std::uint16_t restore = 0;  ///< likewise
+  /// Saving and restoring is refused while Layer 2 is online (ModuleError::save_while_online) [RJ71CN91 App. 1 Y1F].
+  bool saves_offline_only = false;
 };
 
 /// Factory settings that no word holds.
@@ -78,6 +80,17 @@ struct LedRow {
   LedUse use = LedUse::supply;
 };
 
+/// What the CPU's STOP and RUN do beyond the NMT state and its emergency message.
+struct CpuRules {
+  /// STOP ends the role as NMT master and the master's heartbeat, RUN begins them anew; in STOP they do not begin
+  /// [RJ71CN91 App. 4].
+  bool stop_ends_master = false;
+  /// A start, or an NMT reset, with the CPU in STOP counts as one from RUN to STOP [RJ71CN91 App. 4].
+  bool stop_at_start_counts = false;
+  /// RUN takes the emergency message of STOP out of 1003H [RJ71CN91 1.7].
+  bool run_ends_error = false;
+};
+
 struct ModuleModel {
   const DataSheet* data_sheet = nullptr;
   /// What stands before an address in messages: "G".
@@ -112,6 +125,8 @@ struct ModuleModel {
   std::optional<Layer2Layout> layer2{};
   Layer2Rules layer2_rules{};
   ProgramInterface program_interface{};
+
+  CpuRules cpu{};
 
   /// In the CANopen function mode.
   std::shared_ptr<const canopen::DictionaryDescription> (*object_dictionary)() = nullptr;

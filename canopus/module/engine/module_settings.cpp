@@ -130,6 +130,7 @@ const FunctionModeRow& ModuleSettings::load() {
     mode = use_words(*words, *buffer_);
   }
   words_ = std::move(*words);
+  mode_ = mode;
   const bool deletes = mode->kind != FunctionModeRow::Kind::canopen && model_->layer2_deletes_objects;
   if (deletes && flash_.read(objects_name).state != State::missing) flash_.write(objects_name, {});
   return *mode;
@@ -210,10 +211,22 @@ bool ModuleSettings::end_save() {
   if ((request_ & layout.save) == 0) return true;
   if (restores()) words_.clear();  // of all modes
   buffer_->collect_stored(words_);
+  leave_out_receive_slots();
   const bool written = flash_.write(words_name, encode_words(words_));
   memory_->erase(saving_name);
   if (!written) error_ = true;
   return written;
+}
+
+// [RJ71CN91 App. 2 G10000] Words of a slot that does not send are not saved.
+void ModuleSettings::leave_out_receive_slots() {
+  if (mode_->kind == FunctionModeRow::Kind::canopen || !model_->layer2_rules.saves_transmit_slots) return;
+  const Layer2Settings settings(*model_->layer2, model_->layer2_rules, *buffer_);
+  for (unsigned slot = 0; slot < layer2_slots; ++slot) {
+    if (settings.kind(slot) == SlotKind::transmit) continue;
+    const BufferAddress first = settings.block(slot);
+    words_.erase(words_.lower_bound(first), words_.lower_bound(first + Layer2Settings::block_words));
+  }
 }
 
 bool ModuleSettings::has_worn_out() noexcept {

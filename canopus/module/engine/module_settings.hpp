@@ -95,6 +95,7 @@ class ModuleSettings {
   };
 
   bool has_worn_out() noexcept;
+  void leave_out_receive_slots();
   const FunctionModeRow& preset_mode() const;
   /// The stored words of all modes; nothing when they are damaged.
   [[nodiscard]] std::optional<StoredWords> stored_words();
@@ -110,8 +111,9 @@ class ModuleSettings {
   ObjectStore object_store_{*this};
   StoredWords factory_words_;
   std::map<std::pair<std::uint16_t, std::uint8_t>, std::vector<std::uint8_t>> factory_objects_;
-  StoredWords words_;               // as stored, of all function modes
-  std::uint32_t known_writes_ = 0;  // when wore_out() looked last
+  StoredWords words_;                      // as stored, of all function modes
+  const FunctionModeRow* mode_ = nullptr;  // in use, from the first load() on
+  std::uint32_t known_writes_ = 0;         // when wore_out() looked last
   std::optional<std::uint16_t> factory_bit_rate_;
   std::optional<std::uint8_t> factory_node_id_;
   std::uint16_t request_ = 0;

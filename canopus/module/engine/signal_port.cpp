@@ -39,7 +39,7 @@ void SignalPort::set_output(unsigned signal, bool on, can::Time now) {
 
 void SignalPort::rising(const SignalRow& row, can::Time now) {
   switch (row.use) {  // as long as they are ON, at any time
-    case RequestUse::error: return engine_.hold_clear_errors(true);
+    case RequestUse::error: return engine_.hold_clear_errors(true, now);
     case RequestUse::nmt_error: return engine_.hold_clear_nmt_errors(true, now);
     default: break;
   }
@@ -71,9 +71,9 @@ void SignalPort::falling(const SignalRow& row, can::Time now) {
     case RequestUse::set_clock:
     case RequestUse::read_clock:
     case RequestUse::save_restore: return signals_.set_input(row.number, false, now);
-    case RequestUse::online: return engine_.go_offline();
+    case RequestUse::online: return engine_.go_offline(now);
     case RequestUse::transmit_trigger: return engine_.request_trigger(false);
-    case RequestUse::error: return engine_.hold_clear_errors(false);
+    case RequestUse::error: return engine_.hold_clear_errors(false, now);
     case RequestUse::nmt_error: return engine_.hold_clear_nmt_errors(false, now);
     case RequestUse::emergency: return engine_.hold_clear_emergencies(false);
     case RequestUse::ready:
@@ -98,7 +98,7 @@ void SignalPort::done(Request request, can::Time now) {
 // Everything the program had switched ON is OFF, and nothing is held clear.
 void SignalPort::power_on(can::Time now) {
   for (unsigned number = 0; number < row_of_.size(); ++number) signals_.set_output(number, false, now);
-  engine_.hold_clear_errors(false);
+  engine_.hold_clear_errors(false, now);
   engine_.hold_clear_nmt_errors(false, now);
   engine_.hold_clear_emergencies(false);
 }

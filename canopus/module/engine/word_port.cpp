@@ -71,7 +71,7 @@ void WordPort::act(const RequestWordRow& row, std::uint16_t value, can::Time now
   switch (row.use) {
     case RequestUse::online:
       online_wanted_ = asks;
-      return asks ? engine_.go_online(now) : engine_.go_offline();
+      return asks ? engine_.go_online(now) : engine_.go_offline(now);
     case RequestUse::nmt_error:
       if (row.bits && (value & *row.bits) != *row.bits) engine_.clear_nmt_errors(now);
       return;

@@ -17,7 +17,7 @@ struct ConnectorPin {
 
 struct BusLength {
   unsigned kbps = 0;
-  unsigned metres = 0;  ///< longest bus at this rate
+  unsigned metres = 0;  ///< longest bus at this rate; 0: the manual does not say
 };
 
 /// A standard the manual claims.

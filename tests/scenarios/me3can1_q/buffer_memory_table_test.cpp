@@ -57,7 +57,7 @@ std::vector<Row> bfm() {
   return rows;
 }
 
-void start(Me3Scenario& s, std::uint16_t mode) {
+void start(IntelligentScenario& s, std::uint16_t mode) {
   if (mode == 405) {
     s.power_on();
   } else {
@@ -78,7 +78,7 @@ TEST(Me3BufferTable, EveryRow_HasItsDefault) {
   const auto rows = bfm();
   std::set<std::string> compared;
   for (const std::uint16_t mode : Words{405, 11, 29}) {
-    Me3Scenario s;
+    IntelligentScenario s;
     start(s, mode);
     for (const Row& row : rows) {
       const auto value = row.access() == "none" ? 0 : spec_number(row["default"]);
@@ -108,7 +108,7 @@ TEST(Me3BufferTable, SystemAreas_AndWordsOfOtherModes_ReadZero_AndIgnoreWrites) 
   RecordProperty("spec", "ME3-SYS-006 ME3-MODE-007");
   const auto rows = bfm();
   for (const std::uint16_t mode : Words{405, 11, 29}) {
-    Me3Scenario s;
+    IntelligentScenario s;
     start(s, mode);
     std::vector<bool> is_the_plcs(65536, false);
     for (const Row& row : rows) {
@@ -135,7 +135,7 @@ TEST(Me3BufferTable, EveryReadOnlyWord_IgnoresWrites) {
   RecordProperty("spec", "ME3-PBUF-008");
   const auto rows = bfm();
   for (const std::uint16_t mode : Words{405, 11, 29}) {
-    Me3Scenario s;
+    IntelligentScenario s;
     start(s, mode);
     for (const Row& row : rows) {
       const bool read_only = row.access() == "R" && !row.is_record;
@@ -158,7 +158,7 @@ TEST(Me3BufferTable, EveryReservedBit_StaysZero) {
   const auto rows = bfm();
   unsigned seen = 0;
   for (const std::uint16_t mode : Words{405, 11, 29}) {
-    Me3Scenario s;
+    IntelligentScenario s;
     start(s, mode);
     for (const Row& row : rows) {
       if (!row.in(mode) || (row["field"] != "reserved" && row["field"] != "not used")) continue;
@@ -256,7 +256,7 @@ const std::map<std::pair<Address, std::string>, Check> checks{
 
 // Every value of 16 bits: what the range names is taken, all else leaves the word as it was, sets G29.6 and
 // shows the address in G39.
-void check_at_the_write(Me3Scenario& s, const Row& row, Address address) {
+void check_at_the_write(IntelligentScenario& s, const Row& row, Address address) {
   std::uint16_t last = s.read(address);
   for (unsigned word = 0; word <= 0xFFFF; ++word) {
     const auto value = static_cast<std::uint16_t>(word);
@@ -277,7 +277,7 @@ bool good_time_word(const Row& row, std::uint16_t value) {
   return within(row["range"], value) || (row.addresses.front() == 51 && value <= 99);
 }
 
-void check_at_y12(Me3Scenario& s, const Row& row) {
+void check_at_y12(IntelligentScenario& s, const Row& row) {
   const Address address = row.addresses.front();
   for (unsigned word = 0; word <= 0xFFFF; word += word < 2200 ? 1 : 97) {
     const auto value = static_cast<std::uint16_t>(word);
@@ -300,7 +300,7 @@ TEST(Me3BufferTable, EveryRange_IsTakenWhole_AndNothingBeyond) {
     ASSERT_NE(how, checks.end()) << row.place << ": no check for its range";
     ++checked;
     for (const std::uint16_t mode : row.modes) {
-      Me3Scenario s;
+      IntelligentScenario s;
       start(s, mode);
       const std::set<Address> ends{row.addresses.front(), row.addresses.back()};
       switch (how->second) {
@@ -373,7 +373,7 @@ TEST(Me3BufferTable, EveryRow_SurvivesARestartOrNot_AsItSays) {
   RecordProperty("spec", "ME3-SAVE-005 ME3-SAVE-006 ME3-SAVE-007");
   const auto rows = bfm();
   for (const std::uint16_t mode : Words{405, 11, 29}) {
-    Me3Scenario s;
+    IntelligentScenario s;
     start(s, mode);
     std::map<Address, std::uint16_t> defaults;
     std::map<Address, std::uint16_t> written;

@@ -5,9 +5,11 @@
 namespace canopus::scenario {
 namespace {
 
+CANOPUS_OF_BOTH_MODULES(ClearRequests);
+
 TEST(Me3ClearRequests, EndWithTheSupply) {
   RecordProperty("spec", "ME3-IO-013 ME3-IO-014 ME3-IO-020 ME3-IO-021 ME3-SYS-018");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on();
   s.y(0x0F, true).y(0x10, true).y(0x11, true);
   s.supply_off();
@@ -20,9 +22,9 @@ TEST(Me3ClearRequests, EndWithTheSupply) {
   s.expect(750, {5, 0x8130});
 }
 
-TEST(Me3ClearRequests, X1F_DoesNotComeOnceY1FIsOff) {
-  RecordProperty("spec", "ME3-IO-025");
-  Me3Scenario s;
+TEST_P(ClearRequests, X1F_DoesNotComeOnceY1FIsOff) {
+  spec("ME3-IO-025", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.write(70, 1000).write(22, 1);
   s.y(0x1F, true).advance(50ms).y(0x1F, false).advance(10s);
@@ -31,9 +33,9 @@ TEST(Me3ClearRequests, X1F_DoesNotComeOnceY1FIsOff) {
   s.expect(70, 1000);
 }
 
-TEST(Me3ClearRequests, LifeGuarding_IsHeldDownByY10OfItsNodeAlone) {
-  RecordProperty("spec", "ME3-IO-016 ME3-IO-017 ME3-NEC-009");
-  Me3Scenario s;
+TEST_P(ClearRequests, LifeGuarding_IsHeldDownByY10OfItsNodeAlone) {
+  spec("ME3-IO-016 ME3-IO-017 ME3-NEC-009", "");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.set_object(0x100C, 0, 100, 2);
   s.set_object(0x100D, 0, 2, 1);
@@ -46,10 +48,10 @@ TEST(Me3ClearRequests, LifeGuarding_IsHeldDownByY10OfItsNodeAlone) {
 }
 
 // It holds what comes once the module works.
-TEST(Me3ClearRequests, Y10_MayBeOnBeforeTheInitializationEnds) {
-  RecordProperty("spec", "ME3-IO-016 ME3-IO-017");
+TEST_P(ClearRequests, Y10_MayBeOnBeforeTheInitializationEnds) {
+  spec("ME3-IO-016 ME3-IO-017", "");
   for (const bool held : {true, false}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     s.plug_in().preset_node_id(1);
     s.plug_in().preset_object(0x100C, 0, Bytes{100, 0});
     s.plug_in().preset_object(0x100D, 0, Bytes{2});

@@ -5,8 +5,10 @@
 namespace canopus::scenario {
 namespace {
 
+CANOPUS_OF_BOTH_MODULES(CommandInterface);
+
 // Active NMT master, node 1, no slaves assigned, own state Pre-operational.
-void become_master(Me3Scenario& s) {
+void become_master(IntelligentScenario& s) {
   s.power_on_as(1);
   s.set_object(0x1F80, 0, 0x0000000D, 4);  // stays Pre-operational, starts no slave
   s.store_objects();
@@ -18,7 +20,7 @@ void become_master(Me3Scenario& s) {
 
 TEST(Me3CommandInterface, S24_RequestNmtToAllNodes_StartsTheNetwork) {
   RecordProperty("spec", "ME3-RQN-002");
-  Me3Scenario s;
+  IntelligentScenario s;
   become_master(s);
   s.write(1000, {0x0002, 0, 0x1F82, 0x0080, 1, 0x0005});
   s.y(0x17, true);
@@ -48,9 +50,11 @@ TEST(Me3CommandInterface, S24_RequestNmtToAllNodes_StartsTheNetwork) {
   }
 }
 
-TEST(Me3CommandInterface, RequestNmtToOneNode_SendsOneFrame) {
-  RecordProperty("spec", "ME3-RQN-001 ME3-NST-003");
-  Me3Scenario s;
+TEST_P(CommandInterface, RequestNmtToOneNode_SendsOneFrame) {
+  spec("ME3-RQN-001 ME3-NST-003",
+       "RJ71-NODECTL-001 RJ71-NODECTL-002 RJ71-NODECTL-003 RJ71-NODECTL-004 RJ71-NODECTL-005 "
+       "RJ71-NODECTL-011");
+  IntelligentScenario s(GetParam());
   become_master(s);
   s.expect(602, 0);
   const std::vector<std::pair<std::uint16_t, std::uint8_t>> services{
@@ -64,9 +68,9 @@ TEST(Me3CommandInterface, RequestNmtToOneNode_SendsOneFrame) {
   s.expect_bit(25, 8, true);  // the own state is untouched
 }
 
-TEST(Me3CommandInterface, RequestNmt_ReservedValues_AreRefused) {
-  RecordProperty("spec", "ME3-RQN-004");
-  Me3Scenario s;
+TEST_P(CommandInterface, RequestNmt_ReservedValues_AreRefused) {
+  spec("ME3-RQN-004", "");
+  IntelligentScenario s(GetParam());
   become_master(s);
   const std::vector<std::uint16_t> good{4, 5, 6, 7, 0x7F, 0x84, 0x85, 0x86, 0x87, 0x8F};
   for (std::uint16_t value = 0; value <= 0xFE; ++value) {
@@ -79,9 +83,9 @@ TEST(Me3CommandInterface, RequestNmt_ReservedValues_AreRefused) {
   s.no_tx().expect_bit(25, 8, true);  // nor is the own state changed
 }
 
-TEST(Me3CommandInterface, RequestNmt_AsSlave_SendsNothing) {
-  RecordProperty("spec", "ME3-NMT-010");
-  Me3Scenario s;
+TEST_P(CommandInterface, RequestNmt_AsSlave_SendsNothing) {
+  spec("ME3-NMT-010", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.cif({0x0002, 0, 0x1F82, 2, 1, 5});
   s.expect_abort(0x08000022).no_tx();
@@ -93,7 +97,7 @@ TEST(Me3CommandInterface, S25_SdoRead_LocalAndRemote) {
   RecordProperty(
       "spec",
       "ME3-CIF-011 ME3-CIF-002 ME3-CIF-003 ME3-CIF-015 ME3-IO-024 ME3-MODE-008 ME3-SDO-002 ME3-OD-007");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on();
   s.write(1000, {0x0004, 0, 0x1000, 0});
   s.advance(1s);
@@ -122,18 +126,18 @@ TEST(Me3CommandInterface, S25_SdoRead_LocalAndRemote) {
   s.expect(1000, {0x0005, 0, 0x100A, 0, 4, 0x2E31, 0x3030});
 }
 
-TEST(Me3CommandInterface, OwnNodeId_IsTheOwnDictionary_WithoutBusTraffic) {
-  RecordProperty("spec", "ME3-CIF-016");
-  Me3Scenario s;
+TEST_P(CommandInterface, OwnNodeId_IsTheOwnDictionary_WithoutBusTraffic) {
+  spec("ME3-CIF-016", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.cif({0x0004, 127, 0x1000, 0});
   s.expect(1000, {0x0005, 127, 0x1000, 0, 4, 0x0195, 0}).no_tx();
 }
 
-TEST(Me3CommandInterface, NodeZero_IsTheOwnDictionary_WhateverTheNodeId) {
-  RecordProperty("spec", "ME3-CIF-015 ME3-CIF-016");
+TEST_P(CommandInterface, NodeZero_IsTheOwnDictionary_WhateverTheNodeId) {
+  spec("ME3-CIF-015 ME3-CIF-016", "RJ71-SDO-008");
   for (const std::uint8_t node_id : Bytes{1, 5, 126}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     s.power_on_as(node_id);
     for (const std::uint16_t node : Words{0, node_id}) {
       s.cif({0x0004, node, 0x1014, 0});
@@ -148,8 +152,8 @@ TEST(Me3CommandInterface, NodeZero_IsTheOwnDictionary_WhateverTheNodeId) {
   }
 }
 
-TEST(Me3CommandInterface, S26_SdoWrite_Remote) {
-  Me3Scenario s;
+TEST_P(CommandInterface, S26_SdoWrite_Remote) {
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.write(1000, {0x0002, 2, 0x1017, 0, 2, 0x03E8});
   s.y(0x17, true);
@@ -160,9 +164,9 @@ TEST(Me3CommandInterface, S26_SdoWrite_Remote) {
 }
 
 // 124 bytes, segmented both ways, byte by byte in the order of the bus.
-TEST(Me3CommandInterface, SdoWriteAndRead_124Bytes_LowByteFirst) {
-  RecordProperty("spec", "ME3-CIF-011 ME3-CIF-013 ME3-CIF-014");
-  Me3Scenario s;
+TEST_P(CommandInterface, SdoWriteAndRead_124Bytes_LowByteFirst) {
+  spec("ME3-CIF-011 ME3-CIF-013 ME3-CIF-014", "RJ71-SDO-001 RJ71-SDO-002");
+  IntelligentScenario s(GetParam());
   s.power_on();
   Words command{0x0002, 2, 0x2000, 1, 124};
   for (unsigned i = 0; i < 124; i += 2) command.push_back(static_cast<std::uint16_t>((i + 2) << 8 | (i + 1)));
@@ -211,9 +215,9 @@ TEST(Me3CommandInterface, SdoWriteAndRead_124Bytes_LowByteFirst) {
   }
 }
 
-TEST(Me3CommandInterface, SdoRead_MoreThan124Bytes_FailsAtTheStart) {
-  RecordProperty("spec", "ME3-CIF-012");
-  Me3Scenario s;
+TEST_P(CommandInterface, SdoRead_MoreThan124Bytes_FailsAtTheStart) {
+  spec("ME3-CIF-012", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.write(1000, {0x0004, 2, 0x2000, 1});
   s.y(0x17, true);
@@ -237,9 +241,10 @@ TEST(Me3CommandInterface, SdoRead_MoreThan124Bytes_FailsAtTheStart) {
   s.expect_abort(0x60600000).no_tx();
 }
 
-TEST(Me3CommandInterface, S27_SdoFailures_ShowClassNodeAndAbortCode) {
-  RecordProperty("spec", "ME3-CIF-008 ME3-SDO-004 ME3-SDO-005 ME3-DLY-002");
-  Me3Scenario s;
+TEST_P(CommandInterface, S27_SdoFailures_ShowClassNodeAndAbortCode) {
+  spec("ME3-CIF-008 ME3-SDO-004 ME3-SDO-005 ME3-DLY-002",
+       "RJ71-CIF-010 RJ71-SDO-010 RJ71-SDO-012 RJ71-BM-022");
+  IntelligentScenario s(GetParam());
   s.power_on();
   const std::vector<std::pair<Bytes, Words>> aborts{
       {{0x30, 0x00, 0x09, 0x06}, {0x0030, 0x0609}},
@@ -275,7 +280,7 @@ TEST(Me3CommandInterface, S27_SdoFailures_ShowClassNodeAndAbortCode) {
   for (const std::uint16_t wrong : Words{0, 49, 32768, 65535}) {
     s.write(71, wrong);
     s.expect(29, 0x0040).expect(39, 71).expect(71, 32767);
-    s.write(29, 0);
+    s.clear_errors();
   }
   s.save();
   s.restart();
@@ -284,7 +289,7 @@ TEST(Me3CommandInterface, S27_SdoFailures_ShowClassNodeAndAbortCode) {
 
 TEST(Me3CommandInterface, S28_MultiRead) {
   RecordProperty("spec", "ME3-CIF-017 ME3-CIF-018 ME3-CIF-020 ME3-OD-003");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on();
   Words command(67, 0xAAAA);  // stale data everywhere
   command[0] = 0x0008;
@@ -325,7 +330,7 @@ TEST(Me3CommandInterface, S28_MultiRead) {
 
 TEST(Me3CommandInterface, MultiRead_EightRecords_OfUpToEightBytes) {
   RecordProperty("spec", "ME3-CIF-017 ME3-CIF-020");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on();
   Words command{0x0008};
   const auto add = [&](const Words& record) { command.insert(command.end(), record.begin(), record.end()); };
@@ -358,7 +363,7 @@ TEST(Me3CommandInterface, MultiRead_EightRecords_OfUpToEightBytes) {
 
 TEST(Me3CommandInterface, S29_MultiWrite) {
   RecordProperty("spec", "ME3-CIF-019 ME3-CIF-020 ME3-OD-004");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on();
   s.cif({0x0006, 0, 0x1015, 0, 2, 0x03E8, 0, 0, 0, 0, 0x1000, 0, 4, 1, 0, 0, 0, 0xFFFF});
   s.expect(1000, 0x00F7);
@@ -388,9 +393,9 @@ TEST(Me3CommandInterface, S29_MultiWrite) {
   }
 }
 
-TEST(Me3CommandInterface, MultiWrite_ToOtherNodes_OfUpToEightBytes) {
-  RecordProperty("spec", "ME3-CIF-019");
-  Me3Scenario s;
+TEST_P(CommandInterface, MultiWrite_ToOtherNodes_OfUpToEightBytes) {
+  spec("ME3-CIF-019", "RJ71-SDO-004 RJ71-SDO-007");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.write(1000, {0x0006, 2, 0x2000, 1, 8, 0x0201, 0x0403, 0x0605, 0x0807, 3, 0x1017, 0, 2,
                  0x03E8, 0, 0,      0, 4, 0x2001, 5,      1,      0x0099, 0, 0,      0, 0xFFFF});
@@ -409,9 +414,10 @@ TEST(Me3CommandInterface, MultiWrite_ToOtherNodes_OfUpToEightBytes) {
   s.expect(1017, {4, 0x2001, 5});
 }
 
-TEST(Me3CommandInterface, S32_SendEmergency) {
-  RecordProperty("spec", "ME3-CIF-021 ME3-CIF-022 ME3-CIF-023 ME3-EMCY-001 ME3-OD-008");
-  Me3Scenario s;
+TEST_P(CommandInterface, S32_SendEmergency) {
+  spec("ME3-CIF-021 ME3-CIF-022 ME3-CIF-023 ME3-EMCY-001 ME3-OD-008",
+       "RJ71-EMCY-009 RJ71-EMCY-010 RJ71-EMCY-011 RJ71-EMCY-001");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.cif({0x000A, 0x1000, 0xAA81, 0xCCBB, 0xEEDD});
   s.tx(0x081, {0x00, 0x10, 0x81, 0xAA, 0xBB, 0xCC, 0xDD, 0xEE}).no_tx();
@@ -450,9 +456,9 @@ TEST(Me3CommandInterface, S32_SendEmergency) {
 }
 
 // The generic bit hangs on the code, the others are the program's.
-TEST(Me3CommandInterface, SendEmergency_ErrorRegister) {
-  RecordProperty("spec", "ME3-OD-008");
-  Me3Scenario s;
+TEST_P(CommandInterface, SendEmergency_ErrorRegister) {
+  spec("ME3-OD-008", "");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.expect_object(0x1001, 0, 0x00, 1);
   s.cif({0x000A, 0x00FF, 0x0010, 0, 0});
@@ -472,9 +478,9 @@ TEST(Me3CommandInterface, SendEmergency_ErrorRegister) {
   s.expect_object(0x1001, 0, 0xFF, 1);
 }
 
-TEST(Me3CommandInterface, S33_Display_ShowsTheParametersOfTheLastCommand) {
-  RecordProperty("spec", "ME3-CIF-007");
-  Me3Scenario s;
+TEST_P(CommandInterface, S33_Display_ShowsTheParametersOfTheLastCommand) {
+  spec("ME3-CIF-007", "RJ71-CIF-009");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.cif({0x000A, 0x1000, 0xAA81, 0xCCBB, 0xEEDD});
   s.ignore_tx();
@@ -485,9 +491,9 @@ TEST(Me3CommandInterface, S33_Display_ShowsTheParametersOfTheLastCommand) {
   s.expect(1000, {0x0000, 0x1000, 0xAA81, 0xCCBB, 0xEEDD}).no_tx();
 }
 
-TEST(Me3CommandInterface, Display_AfterAnError_WholeBlock_InEveryMode) {
-  RecordProperty("spec", "ME3-CIF-007");
-  Me3Scenario s;
+TEST_P(CommandInterface, Display_AfterAnError_WholeBlock_InEveryMode) {
+  spec("ME3-CIF-007", "RJ71-CIF-009");
+  IntelligentScenario s(GetParam());
   s.power_on();
   Words parameters;
   for (std::uint16_t i = 1; i <= 66; ++i) parameters.push_back(static_cast<std::uint16_t>(0x4000 + i));
@@ -513,9 +519,9 @@ TEST(Me3CommandInterface, Display_AfterAnError_WholeBlock_InEveryMode) {
   }
 }
 
-TEST(Me3CommandInterface, S34_UnknownCommand) {
-  RecordProperty("spec", "ME3-CIF-006 ME3-CIF-026");
-  Me3Scenario s;
+TEST_P(CommandInterface, S34_UnknownCommand) {
+  spec("ME3-CIF-006 ME3-CIF-026", "RJ71-CIF-004 RJ71-CIF-003");
+  IntelligentScenario s(GetParam());
   s.power_on();
   for (const std::uint16_t code : Words{0x1234, 0x000C, 0x0001, 0x0003, 0x0005, 0x000F}) {
     s.cif({code});
@@ -540,9 +546,9 @@ TEST(Me3CommandInterface, S34_UnknownCommand) {
   s.expect(1000, 0x0000).no_tx();
 }
 
-TEST(Me3CommandInterface, S35_WriteWhileBusy_LocksUntilFfffh) {
-  RecordProperty("spec", "ME3-CIF-004 ME3-CIF-005");
-  Me3Scenario s;
+TEST_P(CommandInterface, S35_WriteWhileBusy_LocksUntilFfffh) {
+  spec("ME3-CIF-004 ME3-CIF-005", "RJ71-CIF-007 RJ71-CIF-008");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.write(1000, {0x0004, 2, 0x1000, 0, 0, 7});
   s.y(0x17, true);
@@ -565,12 +571,12 @@ TEST(Me3CommandInterface, S35_WriteWhileBusy_LocksUntilFfffh) {
   s.expect(1000, {0x0005, 0, 0x1000, 0, 4, 0x0195});
 }
 
-TEST(Me3CommandInterface, WriteWhileBusy_ToAnyWord_IsNotStored) {
-  RecordProperty("spec", "ME3-CIF-004 ME3-CIF-005");
+TEST_P(CommandInterface, WriteWhileBusy_ToAnyWord_IsNotStored) {
+  spec("ME3-CIF-004 ME3-CIF-005", "RJ71-CIF-007 RJ71-CIF-008");
   Words command{0x0004, 2, 0x1000, 0};
   for (std::uint16_t i = 4; i <= 66; ++i) command.push_back(static_cast<std::uint16_t>(0x100 + i));
   for (std::uint16_t word = 0; word <= 66; ++word) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     s.power_on();
     s.write(1000, command);
     s.y(0x17, true);
@@ -593,10 +599,10 @@ TEST(Me3CommandInterface, WriteWhileBusy_ToAnyWord_IsNotStored) {
 }
 
 // FFFFH counts as a clear command only at its place, and not as the write that does the harm.
-TEST(Me3CommandInterface, WriteWhileBusy_OfFfffh_IsNotStoredEither) {
-  RecordProperty("spec", "ME3-CIF-004 ME3-CIF-005");
+TEST_P(CommandInterface, WriteWhileBusy_OfFfffh_IsNotStoredEither) {
+  spec("ME3-CIF-004 ME3-CIF-005", "RJ71-CIF-007 RJ71-CIF-008");
   for (const module::BufferAddress word : {1000U, 1005U}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     s.power_on();
     s.write(1000, {0x0004, 2, 0x1000, 0});
     s.y(0x17, true).advance(1ms).ignore_tx();
@@ -610,9 +616,9 @@ TEST(Me3CommandInterface, WriteWhileBusy_OfFfffh_IsNotStoredEither) {
   }
 }
 
-TEST(Me3CommandInterface, WriteWhileBusy_ClearedBeforeTheTransferEnds_GivesItUp) {
-  RecordProperty("spec", "ME3-CIF-004 ME3-CIF-005");
-  Me3Scenario s;
+TEST_P(CommandInterface, WriteWhileBusy_ClearedBeforeTheTransferEnds_GivesItUp) {
+  spec("ME3-CIF-004 ME3-CIF-005", "RJ71-CIF-007 RJ71-CIF-008");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.write(1000, {0x0004, 2, 0x1000, 0});
   s.y(0x17, true);
@@ -641,7 +647,7 @@ TEST(Me3CommandInterface, WriteWhileBusy_ClearedBeforeTheTransferEnds_GivesItUp)
 
 TEST(Me3CommandInterface, S36_TwoPlanes) {
   RecordProperty("spec", "ME3-CIF-001");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on();
   s.cif({0x0004, 0, 0x1018, 2});
   s.expect(1000, {0x0005, 0, 0x1018, 2, 4, 0xED63});
@@ -679,7 +685,7 @@ TEST(Me3CommandInterface, OwnDictionary_IsReachedInStoppedAndAtBusOff) {
   RecordProperty("spec", "ME3-CIF-009 ME3-CIF-010 ME3-CIF-015");
   for (const bool bus_off : {true, false}) {
     const std::uint16_t obstacle = bus_off ? 0xB0FF : 0x0F0F;
-    Me3Scenario s;
+    IntelligentScenario s;
     s.power_on_as(5);
     if (bus_off) {
       s.error_counters(256, 0);
@@ -713,9 +719,9 @@ TEST(Me3CommandInterface, OwnDictionary_IsReachedInStoppedAndAtBusOff) {
   }
 }
 
-TEST(Me3CommandInterface, S37_BusOffAndWrongState) {
-  RecordProperty("spec", "ME3-CIF-009 ME3-CIF-010");
-  Me3Scenario s;
+TEST_P(CommandInterface, S37_BusOffAndWrongState) {
+  spec("ME3-CIF-009 ME3-CIF-010", "RJ71-CIF-006 RJ71-CIF-005");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.nmt(0x02);
   const std::vector<Words> commands{

@@ -26,7 +26,7 @@ std::set<std::uint16_t> commands_of(std::uint16_t mode) {
   return codes;
 }
 
-void start(Me3Scenario& s, std::uint16_t mode) {
+void start(IntelligentScenario& s, std::uint16_t mode) {
   if (mode == 405) {
     s.power_on_as(1);
   } else {
@@ -40,7 +40,7 @@ TEST(Me3CommandTable, OfAllCodes_OnlyThoseOfTheMode_AreCommands) {
   for (const std::uint16_t mode : Words{405, 11, 29}) {
     const auto commands = commands_of(mode);
     EXPECT_EQ(commands.size(), mode == 405 ? 7U : 3U);
-    Me3Scenario s;
+    IntelligentScenario s;
     start(s, mode);
     for (unsigned number = 0; number <= 0xFFFF; ++number) {
       if (mode != 405 && number > 0x100 && number < 0xFF00 && number % 16 != 0) continue;
@@ -82,8 +82,8 @@ std::vector<module::BufferAddress> addresses(const std::string& text) {
 
 struct Example {
   Words request;
-  Words result;                             ///< from G1000 on; further words are 0
-  std::function<void(Me3Scenario&)> first;  ///< what goes before
+  Words result;                                     ///< from G1000 on; further words are 0
+  std::function<void(IntelligentScenario&)> first;  ///< what goes before
 };
 
 Words times_eight(std::uint16_t code, const Words& record) {
@@ -97,7 +97,7 @@ const std::map<std::uint16_t, Example> examples{
     {0x0000,
      {{0x0000},
       {0x0000, 0x4321, 2, 3, 4, 5},
-      [](Me3Scenario& s) {
+      [](IntelligentScenario& s) {
         s.cif({0x1234, 0x4321, 2, 3, 4, 5});
       }}},
     {0x0002, {{0x0002, 0, 0x1015, 0, 2, 0x0005}, {0x0003, 0, 0x1015, 0}, {}}},
@@ -126,7 +126,7 @@ TEST(Me3CommandTable, EveryRow_ShowsItsWord_AfterSuccess) {
     ASSERT_NE(example, examples.end()) << row.place;
     for (const std::uint16_t mode : Words{405, 11, 29}) {
       if (!is_in(row, mode)) continue;
-      Me3Scenario s;
+      IntelligentScenario s;
       start(s, mode);
       if (example->second.first) example->second.first(s);
       s.write(1000, example->second.request);
@@ -164,14 +164,14 @@ TEST(Me3CommandTable, EveryErrorClass_OfEveryCommandThatCanHaveIt) {
   for (const auto& [code, example] : examples) {
     for (const std::uint16_t mode : Words{405, 11}) {
       if (!commands_of(mode).contains(code)) {
-        Me3Scenario s;
+        IntelligentScenario s;
         start(s, mode);
         s.cif(example.request);
         s.expect(1000, {error, 0x0064, 0, 0, 0});
         continue;
       }
       {  // any write while busy; only FFFFH brings it back
-        Me3Scenario s;
+        IntelligentScenario s;
         start(s, mode);
         s.write(1000, example.request).y(0x17, true).write(1066, 1).expect(1000, {error, 0xFFFF, 0, 0});
         s.wait_x(0x17, true).y(0x17, false).expect(1000, {error, 0xFFFF, 0, 0}).ignore_tx();
@@ -195,14 +195,14 @@ TEST(Me3CommandTable, EveryErrorClass_OfEveryCommandThatCanHaveIt) {
   for (const auto& [code, words] : remote) {
     const std::uint16_t mode = code == 0x000C ? 11 : 405;
     {
-      Me3Scenario s;
+      IntelligentScenario s;
       start(s, mode);
       s.error_counters(256, 0).ignore_tx();
       s.cif(words);
       s.expect(1000, {error, 0xB0FF, 0, 0, 0}).no_tx();
     }
     {
-      Me3Scenario s;
+      IntelligentScenario s;
       start(s, mode);
       if (mode == 405) {
         s.nmt(0x02, 1);
@@ -219,7 +219,7 @@ TEST(Me3CommandTable, EveryErrorClass_OfEveryCommandThatCanHaveIt) {
     }
     if (mode != 405 || code == 0x000A) continue;
     {  // the other node aborts: class 0003H, or the record's own place
-      Me3Scenario s;
+      IntelligentScenario s;
       start(s, mode);
       s.write(1000, words).y(0x17, true).advance(1ms).ignore_tx();
       const auto low = static_cast<std::uint8_t>(words[2] & 0xFF);
@@ -233,7 +233,7 @@ TEST(Me3CommandTable, EveryErrorClass_OfEveryCommandThatCanHaveIt) {
     }
     {  // bus-off, and Stopped, in the middle of it: it ends at once, and nothing more is sent
       for (const bool bus_off : {true, false}) {
-        Me3Scenario s;
+        IntelligentScenario s;
         start(s, mode);
         s.write(1000, words)
             .y(0x17, true)

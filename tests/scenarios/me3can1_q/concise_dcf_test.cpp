@@ -7,7 +7,12 @@
 namespace canopus::scenario {
 namespace {
 
-void expect_abort(Me3Scenario& s, const Words& command, std::uint32_t code, Where where = Where::current()) {
+CANOPUS_OF_BOTH_MODULES(ConciseDcf);
+CANOPUS_OF_BOTH_MODULES(EmergencyInhibitTime);
+CANOPUS_OF_BOTH_MODULES(SdoChannelInConciseDcf);
+
+void expect_abort(IntelligentScenario& s, const Words& command, std::uint32_t code,
+                  Where where = Where::current()) {
   s.cif(command, where);
   s.expect(
       1000,
@@ -24,7 +29,7 @@ Words download(std::uint16_t sub, std::uint16_t bytes = 13) {
   return command;
 }
 
-void become_master(Me3Scenario& s) {
+void become_master(IntelligentScenario& s) {
   s.power_on_as(1);
   s.set_object(0x1F80, 0, 0x0000000D, 4);
   s.store_objects();
@@ -33,10 +38,10 @@ void become_master(Me3Scenario& s) {
   s.ignore_tx();
 }
 
-TEST(Me3ConciseDcf, S77_Download_Delete_Limits) {
-  RecordProperty("spec",
-                 "ME3-CFG-003 ME3-CFG-004 ME3-CFG-005 ME3-CFG-006 ME3-CFG-007 ME3-STO-003 ME3-SYS-013");
-  Me3Scenario s;
+TEST_P(ConciseDcf, S77_Download_Delete_Limits) {
+  spec("ME3-CFG-003 ME3-CFG-004 ME3-CFG-005 ME3-CFG-006 ME3-CFG-007 ME3-STO-003 ME3-SYS-013",
+       "RJ71-CM-006 RJ71-CM-004 RJ71-CM-005 RJ71-CM-007");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.cif(download(2));
   s.expect(1000, 0x0003);
@@ -88,9 +93,9 @@ TEST(Me3ConciseDcf, S77_Download_Delete_Limits) {
 
 // A concise DCF of no entries, a count of 0 and nothing else, says that the node has no configuration
 // [CiA 302-3]; "write 0 to this sub-index" deletes an entry, of whatever length the 0 is [ME3CAN1-Q 4.8.12].
-TEST(Me3ConciseDcf, EmptyConciseDcf_IsTakenAndMeansNoConfiguration) {
-  RecordProperty("spec", "ME3-CFG-002 ME3-CFG-004 ME3-CFG-006");
-  Me3Scenario s;
+TEST_P(ConciseDcf, EmptyConciseDcf_IsTakenAndMeansNoConfiguration) {
+  spec("ME3-CFG-002 ME3-CFG-004 ME3-CFG-006", "RJ71-CM-004 RJ71-CM-006 RJ71-CM-005");
+  IntelligentScenario s(GetParam());
   s.power_on();
   const Words empty{0x0002, 0, 0x1F22, 2, 4, 0, 0};
   s.cif(empty);
@@ -125,10 +130,10 @@ TEST(Me3ConciseDcf, EmptyConciseDcf_IsTakenAndMeansNoConfiguration) {
 }
 
 // Each of the three groups has a way of its own to be saved, which saves nothing of the others.
-TEST(Me3ConciseDcf, ThreeGroupsOfData_AreSavedSeparately) {
-  RecordProperty("spec", "ME3-SYS-013 ME3-STO-003");
+TEST_P(ConciseDcf, ThreeGroupsOfData_AreSavedSeparately) {
+  spec("ME3-SYS-013 ME3-STO-003", "");
   for (const int way : {0, 1, 2, 3}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     s.power_on();
     s.write(70, 1000);
     s.set_object(0x1015, 0, 5, 2);
@@ -144,9 +149,9 @@ TEST(Me3ConciseDcf, ThreeGroupsOfData_AreSavedSeparately) {
   }
 }
 
-TEST(Me3ConciseDcf, SixtyFiles_AndNotOneMore) {
-  RecordProperty("spec", "ME3-CFG-002");
-  Me3Scenario s;
+TEST_P(ConciseDcf, SixtyFiles_AndNotOneMore) {
+  spec("ME3-CFG-002", "RJ71-CM-004");
+  IntelligentScenario s(GetParam());
   s.power_on();
   for (std::uint16_t sub = 68; sub <= 127; ++sub) {
     s.cif(download(sub));
@@ -173,9 +178,9 @@ TEST(Me3ConciseDcf, SixtyFiles_AndNotOneMore) {
 }
 
 // 1F22H:02 is written to the flash memory with the write, and 60 files of 65531 bytes have room.
-TEST(Me3ConciseDcf, SixtyFilesOfTheGreatestLength) {
-  RecordProperty("spec", "ME3-CFG-002 ME3-CFG-003 ME3-CFG-005");
-  Me3Scenario s;
+TEST_P(ConciseDcf, SixtyFilesOfTheGreatestLength) {
+  spec("ME3-CFG-002 ME3-CFG-003 ME3-CFG-005", "RJ71-CM-004");
+  IntelligentScenario s(GetParam());
   s.power_on();
   Bytes content(65531, 0xA5);
   content[0] = content[1] = content[2] = content[3] = 0;  // no entries
@@ -220,9 +225,9 @@ TEST(Me3ConciseDcf, SixtyFilesOfTheGreatestLength) {
   }
 }
 
-TEST(Me3ConciseDcf, RestoreDefaults_DeletesAllAtTheRestart) {
-  RecordProperty("spec", "ME3-STO-006");
-  Me3Scenario s;
+TEST_P(ConciseDcf, RestoreDefaults_DeletesAllAtTheRestart) {
+  spec("ME3-STO-006", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.cif(download(2));
   s.cif(download(3));
@@ -240,9 +245,9 @@ TEST(Me3ConciseDcf, RestoreDefaults_DeletesAllAtTheRestart) {
   s.expect(1004, 0);
 }
 
-TEST(Me3ConciseDcf, S79_ConfigurationRequest) {
-  RecordProperty("spec", "ME3-CFG-008 ME3-CFG-012 ME3-CFG-013 ME3-CFG-014");
-  Me3Scenario s;
+TEST_P(ConciseDcf, S79_ConfigurationRequest) {
+  spec("ME3-CFG-008 ME3-CFG-012 ME3-CFG-013 ME3-CFG-014", "RJ71-CM-003");
+  IntelligentScenario s(GetParam());
   become_master(s);
   s.cif(download(1));  // for the own node: never executed
   s.cif(download(2));
@@ -270,9 +275,9 @@ TEST(Me3ConciseDcf, S79_ConfigurationRequest) {
 }
 
 // Whatever its length, an object goes expedited or segmented: the manual knows no block transfer.
-TEST(Me3ConciseDcf, LongEntries_GoSegmented) {
-  RecordProperty("spec", "ME3-SDO-003 ME3-CFG-012");
-  Me3Scenario s;
+TEST_P(ConciseDcf, LongEntries_GoSegmented) {
+  spec("ME3-SDO-003 ME3-CFG-012", "RJ71-CM-003");
+  IntelligentScenario s(GetParam());
   become_master(s);
   Words command{0x0002, 0, 0x1F22, 2, 111, 0x0001, 0x0000, 0x2000, 0x6401, 0x0000, 0x0000};
   command.resize(5 + 56, 0x0000);
@@ -290,8 +295,8 @@ TEST(Me3ConciseDcf, LongEntries_GoSegmented) {
 }
 
 // Restored is what was written to the flash memory: nothing, when it could not be.
-TEST(Me3ConciseDcf, RestoreThatCannotBeWritten_DeletesNothing) {
-  Me3Scenario s;
+TEST_P(ConciseDcf, RestoreThatCannotBeWritten_DeletesNothing) {
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.cif(download(2));
   s.set_object(0x1015, 0, 5, 2);
@@ -306,9 +311,9 @@ TEST(Me3ConciseDcf, RestoreThatCannotBeWritten_DeletesNothing) {
 }
 
 // A file that is on its way to its node is not taken away under it.
-TEST(Me3ConciseDcf, FileInUse_IsNotDeleted) {
-  RecordProperty("spec", "ME3-CFG-006 ME3-CFG-007");
-  Me3Scenario s;
+TEST_P(ConciseDcf, FileInUse_IsNotDeleted) {
+  spec("ME3-CFG-006 ME3-CFG-007", "RJ71-CM-005 RJ71-CM-007");
+  IntelligentScenario s(GetParam());
   become_master(s);
   s.cif(download(2));
   s.cif(download(3));
@@ -322,9 +327,9 @@ TEST(Me3ConciseDcf, FileInUse_IsNotDeleted) {
   s.expect(1000, 0x0005).expect(1004, 0);
 }
 
-TEST(Me3ConciseDcf, S79_RequestToAll_IsForEveryNodeWithData_FirstAndLast) {
-  RecordProperty("spec", "ME3-CFG-012 ME3-CFG-008");
-  Me3Scenario s;
+TEST_P(ConciseDcf, S79_RequestToAll_IsForEveryNodeWithData_FirstAndLast) {
+  spec("ME3-CFG-012 ME3-CFG-008", "RJ71-CM-003");
+  IntelligentScenario s(GetParam());
   s.power_on_as(9);
   s.set_object(0x1F80, 0, 0x0000000D, 4);
   s.store_objects().restart();
@@ -341,9 +346,9 @@ TEST(Me3ConciseDcf, S79_RequestToAll_IsForEveryNodeWithData_FirstAndLast) {
 }
 
 // A slave that does not answer is asked for 1000H without end: that keeps no other from its file.
-TEST(Me3ConciseDcf, RequestToAll_LeavesOutASlaveThatIsBeingBooted) {
-  RecordProperty("spec", "ME3-CFG-012");
-  Me3Scenario s;
+TEST_P(ConciseDcf, RequestToAll_LeavesOutASlaveThatIsBeingBooted) {
+  spec("ME3-CFG-012", "RJ71-CM-003");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.set_object(0x1F80, 0, 0x0000000D, 4);
   s.set_object(0x1F81, 2, 0x05, 4);
@@ -357,17 +362,17 @@ TEST(Me3ConciseDcf, RequestToAll_LeavesOutASlaveThatIsBeingBooted) {
 }
 
 // A file for the module itself is never downloaded.
-TEST(Me3ConciseDcf, RequestToAll_WithAFileForTheOwnNodeAlone_HasNoData) {
-  RecordProperty("spec", "ME3-CFG-013 ME3-CFG-014");
-  Me3Scenario s;
+TEST_P(ConciseDcf, RequestToAll_WithAFileForTheOwnNodeAlone_HasNoData) {
+  spec("ME3-CFG-013 ME3-CFG-014", "RJ71-CM-003");
+  IntelligentScenario s(GetParam());
   become_master(s);
   s.cif(download(1));
   expect_abort(s, {0x0002, 0, 0x1F25, 0x80, 4, 0x6F63, 0x666E}, 0x08000024);
 }
 
-TEST(Me3ConciseDcf, ConfigurationRequest_NeedsTheActiveMaster) {
-  RecordProperty("spec", "ME3-CFG-001");
-  Me3Scenario s;
+TEST_P(ConciseDcf, ConfigurationRequest_NeedsTheActiveMaster) {
+  spec("ME3-CFG-001", "RJ71-CM-001");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.cif(download(2));
   for (const std::uint16_t sub : Words{2, 0x80}) {
@@ -376,9 +381,9 @@ TEST(Me3ConciseDcf, ConfigurationRequest_NeedsTheActiveMaster) {
   s.no_tx();
 }
 
-TEST(Me3SdoChannel, TakenByTheStartUp_FailsTheCommand) {
-  RecordProperty("spec", "ME3-CIF-024");
-  Me3Scenario s;
+TEST_P(SdoChannelInConciseDcf, TakenByTheStartUp_FailsTheCommand) {
+  spec("ME3-CIF-024", "");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.set_object(0x1F80, 0, 1, 4);
   s.set_object(0x1F81, 2, 0x05, 4);
@@ -399,10 +404,10 @@ TEST(Me3SdoChannel, TakenByTheStartUp_FailsTheCommand) {
   s.expect(1000, {0x0005, 2, 0x1018, 1, 4, 0x0071});
 }
 
-TEST(Me3EmergencyInhibitTime, CountsInWholeMilliseconds) {
-  RecordProperty("spec", "ME3-EMCY-004");
+TEST_P(EmergencyInhibitTime, CountsInWholeMilliseconds) {
+  spec("ME3-EMCY-004", "RJ71-EMCY-014");
   const auto messages_after = [](std::uint16_t inhibit_time, can::Duration pause) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     s.power_on_as(1);
     s.set_object(0x1015, 0, inhibit_time, 2);
     s.error_counters(130, 0);
@@ -423,9 +428,9 @@ TEST(Me3EmergencyInhibitTime, CountsInWholeMilliseconds) {
 }
 
 // An error within the inhibit time is told at its end, once, in the order of the errors; not in Stopped.
-TEST(Me3EmergencyInhibitTime, HoldsEmergenciesBack) {
-  RecordProperty("spec", "ME3-EMCY-004 ME3-EMCY-011");
-  Me3Scenario s;
+TEST_P(EmergencyInhibitTime, HoldsEmergenciesBack) {
+  spec("ME3-EMCY-004 ME3-EMCY-011", "RJ71-EMCY-014");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.set_object(0x1015, 0, 500, 2);
   s.error_counters(130, 0);

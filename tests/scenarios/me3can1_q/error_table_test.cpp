@@ -42,51 +42,53 @@ TEST(Me3ErrorTable, EveryKindOfRow_HasATest) {
 
 // --- G29, G25, G39, G40
 
-void overflow_a_slot(Me3Scenario& s) {
+void overflow_a_slot(IntelligentScenario& s) {
   for (int frame = 0; frame < 20; ++frame) s.rx(0x181, {1});
 }
 
 struct Cause {
   std::uint16_t mode;
-  std::function<void(Me3Scenario&)> come;
-  std::function<void(Me3Scenario&)> end;  ///< what ends it, for bits that follow their cause
+  std::function<void(IntelligentScenario&)> come;
+  std::function<void(IntelligentScenario&)> end;  ///< what ends it, for bits that follow their cause
 };
 
 const std::map<unsigned, Cause> causes{
     {1,
-     {405, [](Me3Scenario& s) { s.plug_in().inject(module::ModuleFault::hardware_error, s.now()); },
-      [](Me3Scenario& s) {
+     {405, [](IntelligentScenario& s) { s.plug_in().inject(module::ModuleFault::hardware_error, s.now()); },
+      [](IntelligentScenario& s) {
         s.supply_off();
         s.power_on();
       }}},
-    {3, {405, [](Me3Scenario& s) { s.error_counters(256, 0); }, [](Me3Scenario& s) { s.restart(); }}},
+    {3,
+     {405, [](IntelligentScenario& s) { s.error_counters(256, 0); },
+      [](IntelligentScenario& s) { s.restart(); }}},
     {4,
      {405,
-      [](Me3Scenario& s) {
+      [](IntelligentScenario& s) {
         s.save();
         s.flash().blobs["buffer-memory"].state = module::NonVolatileMemory::Content::State::damaged;
         s.restart();
       },
-      [](Me3Scenario& s) {
+      [](IntelligentScenario& s) {
         s.save();
         s.restart();
       }}},
-    {5, {11, [](Me3Scenario& s) { s.write(6000, 0x0123); }, {}}},
-    {6, {405, [](Me3Scenario& s) { s.write(24, 300); }, {}}},
+    {5, {11, [](IntelligentScenario& s) { s.write(6000, 0x0123); }, {}}},
+    {6, {405, [](IntelligentScenario& s) { s.write(24, 300); }, {}}},
     {8,
      {405,
-      [](Me3Scenario& s) {
+      [](IntelligentScenario& s) {
         ++s.controller().overflows;
         s.write(20, 0);
       },
       {}}},
     {14,
-     {405, [](Me3Scenario& s) { s.error_counters(128, 0); },
-      [](Me3Scenario& s) { s.error_counters(127, 0); }}},
+     {405, [](IntelligentScenario& s) { s.error_counters(128, 0); },
+      [](IntelligentScenario& s) { s.error_counters(127, 0); }}},
     {15, {11, overflow_a_slot, {}}},
 };
 
-void start(Me3Scenario& s, std::uint16_t mode) {
+void start(IntelligentScenario& s, std::uint16_t mode) {
   if (mode == 405) {
     s.power_on_as(1);
     return;
@@ -104,7 +106,7 @@ TEST(Me3ErrorTable, EveryBitOfG29_ComesWithItsCause_AndGoesAsItSays) {
     const unsigned bit = row.number("code");
     const auto cause = causes.find(bit);
     ASSERT_NE(cause, causes.end()) << row.place;
-    Me3Scenario s;
+    IntelligentScenario s;
     start(s, cause->second.mode);
     s.expect(29, 0).expect_x(0x0F, false);
     const auto value = static_cast<std::uint16_t>(1U << bit);
@@ -144,7 +146,7 @@ TEST(Me3ErrorTable, AddressesAndStatusBits) {
   for (const SpecRow& row : rows_of("Address display", 2)) {
     const bool setting = row["code"] == "G39";
     for (const bool by_y0f : {true, false}) {
-      Me3Scenario s;
+      IntelligentScenario s;
       start(s, 11);
       const module::BufferAddress display = setting ? 39 : 40;
       const auto wrong = [&](module::BufferAddress address) { s.write(address, setting ? 101 : 0x0123); };
@@ -162,7 +164,7 @@ TEST(Me3ErrorTable, AddressesAndStatusBits) {
     }
   }
   for (const SpecRow& row : rows_of("G25 bit", 2)) {
-    Me3Scenario s;
+    IntelligentScenario s;
     start(s, 405);
     const unsigned bit = row.number("code");
     s.expect_bit(25, bit, false);
@@ -186,7 +188,7 @@ TEST(Me3ErrorTable, EveryErrorControlBit_ComesWithItsCause_AndGoesWithY10) {
       "ME3-IO-016 ME3-IO-017");
   for (const SpecRow& row : rows_of("G401-G527 bit", 6)) {
     const unsigned bit = row.number("code");
-    Me3Scenario s;
+    IntelligentScenario s;
     s.power_on_as(1);
     module::BufferAddress word = 402;
     if (bit == 6) {  // as slave
@@ -220,7 +222,7 @@ TEST(Me3ErrorTable, EveryErrorControlBit_ComesWithItsCause_AndGoesWithY10) {
 TEST(Me3ErrorTable, SlotErrors) {
   RecordProperty("spec", "ME3-L2-039 ME3-ERR-008");
   for (const SpecRow& row : rows_of("L2 slot error", 2)) {
-    Me3Scenario s;
+    IntelligentScenario s;
     start(s, 11);
     const auto code = static_cast<std::uint16_t>(*spec_number(row["code"]));
     if (code != 0) overflow_a_slot(s);
@@ -250,7 +252,7 @@ TEST(Me3ErrorTable, EveryResultAndClassOfTheCommandInterface) {
   };
   for (const SpecRow& row : rows_of("CIF result", 13)) {
     const std::string& code = row["code"];
-    Me3Scenario s;
+    IntelligentScenario s;
     if (code == "FFFFH") {
       s.power_on();
       s.write(1000, {0x0004, 2, 0x1000, 0})
@@ -276,7 +278,7 @@ TEST(Me3ErrorTable, EveryResultAndClassOfTheCommandInterface) {
   }
   for (const SpecRow& row : rows_of("CIF error class", 5)) {
     const auto code = static_cast<std::uint16_t>(*spec_number(row["code"]));
-    Me3Scenario s;
+    IntelligentScenario s;
     s.power_on();
     switch (code) {
       case 0x0064: s.cif({0x1234}); break;
@@ -299,7 +301,7 @@ TEST(Me3ErrorTable, EveryResultAndClassOfTheCommandInterface) {
   }
   for (const SpecRow& row : rows_of("EMCY send status", 2)) {
     const auto code = static_cast<std::uint16_t>(*spec_number(row["code"]));
-    Me3Scenario s;
+    IntelligentScenario s;
     s.power_on();
     if (code == 1) s.set_object(0x1015, 0, 10000, 2);  // 1 s
     s.cif({0x000A, 0x1000, 1, 0, 0});
@@ -318,7 +320,7 @@ TEST(Me3ErrorTable, EveryResultAndClassOfTheCommandInterface) {
 // --- emergencies
 
 /// Codes of the emergencies sent since the last look.
-std::vector<std::uint16_t> emergencies_sent(Me3Scenario& s) {
+std::vector<std::uint16_t> emergencies_sent(IntelligentScenario& s) {
   std::vector<std::uint16_t> codes;
   for (const can::Frame& frame : s.controller().sent) {
     if (frame.identifier == 0x081)
@@ -328,29 +330,29 @@ std::vector<std::uint16_t> emergencies_sent(Me3Scenario& s) {
   return codes;
 }
 
-const std::map<std::uint16_t, std::function<void(Me3Scenario&)>> firmware_causes{
+const std::map<std::uint16_t, std::function<void(IntelligentScenario&)>> firmware_causes{
     {0x0000,
-     [](Me3Scenario& s) {
+     [](IntelligentScenario& s) {
        s.nmt(0x01, 1).rx(0x201, {1}).ignore_tx();
        s.rx(0x201, {1, 2, 3, 4, 5, 6, 7, 8});
      }},
-    {0x6200, [](Me3Scenario& s) { s.y(0x02, true); }},
-    {0x8110, [](Me3Scenario& s) { ++s.controller().overflows, s.write(20, 0); }},
-    {0x8120, [](Me3Scenario& s) { s.error_counters(128, 0); }},
-    {0x8200, [](Me3Scenario& s) { s.rx(0x080, {1}); }},
+    {0x6200, [](IntelligentScenario& s) { s.y(0x02, true); }},
+    {0x8110, [](IntelligentScenario& s) { ++s.controller().overflows, s.write(20, 0); }},
+    {0x8120, [](IntelligentScenario& s) { s.error_counters(128, 0); }},
+    {0x8200, [](IntelligentScenario& s) { s.rx(0x080, {1}); }},
     {0x8210,
-     [](Me3Scenario& s) {
+     [](IntelligentScenario& s) {
        s.nmt(0x01, 1).rx(0x201, {1, 2, 3, 4, 5, 6, 7});
      }},
     {0x8220,
-     [](Me3Scenario& s) {
+     [](IntelligentScenario& s) {
        s.set_object(0x1400, 1, 0x80000201, 4);
        s.set_object(0x1600, 0, 0, 1);
        s.set_object(0x1600, 0, 3, 1);
        s.set_object(0x1400, 1, 0x00000201, 4);
        s.nmt(0x01, 1).rx(0x201, {1, 2, 3, 4, 5, 6, 7});
      }},
-    {0xFF00, [](Me3Scenario& s) { s.cpu(module::CpuState::stop); }},
+    {0xFF00, [](IntelligentScenario& s) { s.cpu(module::CpuState::stop); }},
 };
 
 TEST(Me3ErrorTable, EveryEmergencyCode_ByItsCause_OrByTheCommandAlone) {
@@ -362,7 +364,7 @@ TEST(Me3ErrorTable, EveryEmergencyCode_ByItsCause_OrByTheCommandAlone) {
     by_firmware += firmware ? 1U : 0U;
     if (row["code"] == "8F01-8F7FH") {
       for (std::uint16_t node = 2; node <= 127; ++node) {
-        Me3Scenario s;
+        IntelligentScenario s;
         s.power_on_as(1);
         s.set_object(0x1016, 1, static_cast<std::uint32_t>(node) << 16 | 100, 4);
         s.rx(0x700U + node, {0x05}).advance(100ms);
@@ -373,14 +375,14 @@ TEST(Me3ErrorTable, EveryEmergencyCode_ByItsCause_OrByTheCommandAlone) {
     }
     const auto code = static_cast<std::uint16_t>(*spec_number(row["code"]));
     if (firmware && code != 0x8250) {  // 8250H: nothing causes it, see `canopus module info`
-      Me3Scenario s;
+      IntelligentScenario s;
       s.power_on_as(1);
       ASSERT_TRUE(firmware_causes.contains(code)) << row.place;
       firmware_causes.at(code)(s);
       EXPECT_EQ(emergencies_sent(s), Words{code}) << row.place;
     }
     // By command 000AH, any code; the history and the register go with 1003H:00 = 0.
-    Me3Scenario s;
+    IntelligentScenario s;
     s.power_on_as(1);
     s.cif({0x000A, code, 0x2211, 0x4433, 0x6655});
     s.expect(1000, {0x000B, 0});
@@ -396,7 +398,7 @@ TEST(Me3ErrorTable, EveryEmergencyCode_ByItsCause_OrByTheCommandAlone) {
   }
   EXPECT_EQ(by_firmware, 10U);
   for (const SpecRow& row : rows_of("EMCY manufacturer code", 3)) {
-    Me3Scenario s;
+    IntelligentScenario s;
     s.power_on_as(1);
     const std::string& text = row["code"];  // "FF00H + 4D45303031H"
     Bytes expected{static_cast<std::uint8_t>(std::stoul(text.substr(2, 2), nullptr, 16)),
@@ -423,7 +425,7 @@ TEST(Me3ErrorTable, EveryEmergencyCode_ByItsCause_OrByTheCommandAlone) {
 TEST(Me3ErrorTable, EveryErrorRegisterBit_IsSetByTheCommand_AndClearedWithTheHistory) {
   RecordProperty("spec", "ME3-OD-008");
   for (const SpecRow& row : rows_of("Error register bit", 8)) {
-    Me3Scenario s;
+    IntelligentScenario s;
     s.power_on_as(1);
     const auto bit = static_cast<std::uint16_t>(1U << row.number("code"));
     s.cif({0x000A, 0x1000, bit, 0, 0});
@@ -444,7 +446,7 @@ TEST(Me3ErrorTable, EverySdoAbortCode_OfAnotherNode_IsShownUnchanged) {
     const Words shown{
         0x000F, 0x0003, 2, static_cast<std::uint16_t>(code & 0xFFFF), static_cast<std::uint16_t>(code >> 16),
         0};
-    Me3Scenario s;
+    IntelligentScenario s;
     s.power_on_as(1);
     s.write(1000, {0x0004, 2, 0x1000, 0}).y(0x17, true).advance(1ms).ignore_tx();
     s.rx(0x582, {0x80, 0x00, 0x10, 0x00, static_cast<std::uint8_t>(code & 0xFF),
@@ -476,7 +478,7 @@ TEST(Me3ErrorTable, SdoAbortCodesOfItsOwn) {
       {0x50000000, {0x0004, 0xFFFF, 0x1000, 0}},  // the end of a list, but this is none
       {0x50000000, {0x0002, 0xFFFF, 0x1017, 0, 2, 1}},
   };
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_as(1);
   s.set_object(0x1604, 0, 0, 1);
   for (const auto& [code, words] : answers) {
@@ -518,17 +520,17 @@ TEST(Me3ErrorTable, SdoAbortCodesOfItsOwn) {
 
 TEST(Me3ErrorTable, EveryLedRow_IsSeen) {
   RecordProperty("spec", "ME3-LED-001 ME3-LED-003 ME3-LED-006 ME3-LED-009");
-  const std::map<std::string, std::function<void(Me3Scenario&)>> shown_by{
-      {"RUN ON", [](Me3Scenario& s) { s.power_on(); }},
+  const std::map<std::string, std::function<void(IntelligentScenario&)>> shown_by{
+      {"RUN ON", [](IntelligentScenario& s) { s.power_on(); }},
       {"RUN OFF",
-       [](Me3Scenario& s) {
+       [](IntelligentScenario& s) {
          s.power_on();
          s.plug_in().inject(module::ModuleFault::watchdog_error, s.now());
        }},
-      {"ERR. ON", [](Me3Scenario& s) { s.power_on(), s.write(24, 300); }},
-      {"CAN RUN ON", [](Me3Scenario& s) { s.power_on_layer2(11), s.online(); }},
+      {"ERR. ON", [](IntelligentScenario& s) { s.power_on(), s.write(24, 300); }},
+      {"CAN RUN ON", [](IntelligentScenario& s) { s.power_on_layer2(11), s.online(); }},
       {"CAN RUN flickering",
-       [](Me3Scenario& s) {
+       [](IntelligentScenario& s) {
          s.power_on_as(1);
          for (const std::uint16_t index : Words{0x1F84, 0x1F85, 0x1F86, 0x1F87, 0x1F88})
            s.set_object(index, 5, 7, 4);
@@ -538,24 +540,24 @@ TEST(Me3ErrorTable, EveryLedRow_IsSeen) {
          s.store_objects().restart();
          s.wait_bit(25, 10, true).ignore_tx();
        }},
-      {"CAN RUN blinking", [](Me3Scenario& s) { s.power_on(); }},
-      {"CAN RUN single flash", [](Me3Scenario& s) { s.power_on(), s.nmt(0x02); }},
-      {"CAN RUN OFF", [](Me3Scenario& s) { s.power_on_layer2(29); }},
-      {"TX/RX ON", [](Me3Scenario& s) { s.power_on(), s.rx(0x123, {1}); }},
-      {"CAN ERR ON", [](Me3Scenario& s) { s.power_on(), s.error_counters(256, 0); }},
-      {"CAN ERR blinking", [](Me3Scenario& s) { s.power_on(), s.write(24, 300); }},
+      {"CAN RUN blinking", [](IntelligentScenario& s) { s.power_on(); }},
+      {"CAN RUN single flash", [](IntelligentScenario& s) { s.power_on(), s.nmt(0x02); }},
+      {"CAN RUN OFF", [](IntelligentScenario& s) { s.power_on_layer2(29); }},
+      {"TX/RX ON", [](IntelligentScenario& s) { s.power_on(), s.rx(0x123, {1}); }},
+      {"CAN ERR ON", [](IntelligentScenario& s) { s.power_on(), s.error_counters(256, 0); }},
+      {"CAN ERR blinking", [](IntelligentScenario& s) { s.power_on(), s.write(24, 300); }},
       {"CAN ERR double flash",
-       [](Me3Scenario& s) {
+       [](IntelligentScenario& s) {
          s.power_on();
          s.set_object(0x1016, 1, 0x00020064, 4);
          s.rx(0x702, {0x05}).advance(100ms);
        }},
-      {"CAN ERR single flash", [](Me3Scenario& s) { s.power_on(), s.error_counters(96, 0); }},
-      {"CAN ERR OFF", [](Me3Scenario& s) { s.power_on(); }},
+      {"CAN ERR single flash", [](IntelligentScenario& s) { s.power_on(), s.error_counters(96, 0); }},
+      {"CAN ERR OFF", [](IntelligentScenario& s) { s.power_on(); }},
   };
   for (const SpecRow& row : rows_of("LED", 15)) {
     const std::string& text = row["code"];
-    Me3Scenario s;
+    IntelligentScenario s;
     const std::string key = text == "CAN ERR flickering" ? "CAN RUN flickering" : text;
     ASSERT_TRUE(shown_by.contains(key)) << row.place << ' ' << text;
     shown_by.at(key)(s);
@@ -578,28 +580,28 @@ TEST(Me3ErrorTable, EveryLedRow_IsSeen) {
 
 TEST(Me3ErrorTable, EveryErrorBehavior_OnEveryCause) {
   RecordProperty("spec", "ME3-EB-001 ME3-EB-002 ME3-EB-003 ME3-EB-005 ME3-EB-006");
-  const std::map<std::string, std::function<void(Me3Scenario&)>> failures{
-      {"bus-off", [](Me3Scenario& s) { s.error_counters(256, 0); }},
+  const std::map<std::string, std::function<void(IntelligentScenario&)>> failures{
+      {"bus-off", [](IntelligentScenario& s) { s.error_counters(256, 0); }},
       {"heartbeat",
-       [](Me3Scenario& s) {
+       [](IntelligentScenario& s) {
          s.set_object(0x1016, 1, 0x00020064, 4);
          s.rx(0x702, {0x05}).advance(100ms);
        }},
       {"life guarding",
-       [](Me3Scenario& s) {
+       [](IntelligentScenario& s) {
          s.set_object(0x100C, 0, 100, 2);
          s.set_object(0x100D, 0, 1, 1);
          s.rx_remote(0x701, 1).advance(100ms);
        }},
       {"internal failure",
-       [](Me3Scenario& s) { s.plug_in().inject(module::ModuleFault::hardware_error, s.now()); }},
-      {"CPU stop", [](Me3Scenario& s) { s.cpu(module::CpuState::stop); }},
+       [](IntelligentScenario& s) { s.plug_in().inject(module::ModuleFault::hardware_error, s.now()); }},
+      {"CPU stop", [](IntelligentScenario& s) { s.cpu(module::CpuState::stop); }},
   };
   for (const SpecRow& row : rows_of("Error behavior 1029H/01", 3)) {
     const auto value = static_cast<std::uint16_t>(row.number("code"));
     for (const auto& [name, fail] : failures) {
       for (const bool was_operational : {true, false}) {
-        Me3Scenario s;
+        IntelligentScenario s;
         s.power_on_as(1);
         s.set_object(0x1029, 1, value, 1);
         if (was_operational) s.nmt(0x01, 1).expect(25, 0x0201);

@@ -16,10 +16,12 @@
 namespace canopus::scenario {
 namespace {
 
+CANOPUS_OF_BOTH_MODULES(Fault);
+
 using module::LedPattern;
 using module::ModuleFault;
 
-LedPattern led(Me3Scenario& s, std::string_view name) {
+LedPattern led(IntelligentScenario& s, std::string_view name) {
   for (const module::Led& led : s.plug_in().leds(s.now())) {
     if (led.name == name) return led.pattern;
   }
@@ -29,7 +31,7 @@ LedPattern led(Me3Scenario& s, std::string_view name) {
 
 TEST(Me3Fault, HardwareError_IsShown_AndOnlyTheSupplyClearsIt) {
   RecordProperty("spec", "ME3-ERR-001 ME3-IO-001");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on();
   s.expect_x(0x00, true).expect_bit(29, 1, false);
   s.plug_in().inject(ModuleFault::hardware_error, s.now());
@@ -51,9 +53,9 @@ TEST(Me3Fault, HardwareError_IsShown_AndOnlyTheSupplyClearsIt) {
   s.expect(29, 0).expect_x(0x00, true).expect_x(0x0F, false);
 }
 
-TEST(Me3Fault, WatchdogError_StopsTheModule) {
-  RecordProperty("spec", "ME3-IO-001 ME3-LED-001");
-  Me3Scenario s;
+TEST_P(Fault, WatchdogError_StopsTheModule) {
+  spec("ME3-IO-001 ME3-LED-001", "RJ71-IO-001");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.set_object(0x1017, 0, 100, 2);
   s.wait_tx(0x77F, {0x7F});
@@ -70,9 +72,9 @@ TEST(Me3Fault, WatchdogError_StopsTheModule) {
   EXPECT_EQ(led(s, "RUN"), LedPattern::on);
 }
 
-TEST(Me3Fault, Ready_DoesNotFollowNmtState_BusOff_OrTheMode) {
-  RecordProperty("spec", "ME3-IO-001");
-  Me3Scenario s;
+TEST_P(Fault, Ready_DoesNotFollowNmtState_BusOff_OrTheMode) {
+  spec("ME3-IO-001", "RJ71-IO-001");
+  IntelligentScenario s(GetParam());
   s.supply_on();
   s.expect_x(0x00, false);
   s.wait_bit(25, 7, false);
@@ -93,7 +95,7 @@ TEST(Me3Fault, Ready_DoesNotFollowNmtState_BusOff_OrTheMode) {
 
 TEST(Me3Fault, CpuError_IsTold_InsteadOfRunToStop) {
   RecordProperty("spec", "ME3-EMCY-007");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on();
   s.nmt(0x01);
   s.ignore_tx();
@@ -118,9 +120,9 @@ struct Told final : module::ModuleObserver {
   std::vector<std::string> lines;
 };
 
-TEST(Me3Fault, BusOff_IsToldOnce) {
+TEST_P(Fault, BusOff_IsToldOnce) {
   Told told;
-  Me3Scenario s;
+  IntelligentScenario s(GetParam());
   s.plug_in().set_observer(&told);
   s.power_on();
   for (int i = 0; i < 3; ++i) s.error_counters(256, 0);
@@ -129,10 +131,10 @@ TEST(Me3Fault, BusOff_IsToldOnce) {
 }
 
 // Off is off: no signal does anything, and a restart that was to come again does not come.
-TEST(Me3Fault, SupplyOff_NothingAnswers) {
-  RecordProperty("spec", "ME3-IO-005 ME3-IO-001");
+TEST_P(Fault, SupplyOff_NothingAnswers) {
+  spec("ME3-IO-005 ME3-IO-001", "RJ71-IO-001");
   for (const std::uint16_t mode : Words{405, 11}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     if (mode == 405) {
       s.power_on();
     } else {
@@ -142,35 +144,35 @@ TEST(Me3Fault, SupplyOff_NothingAnswers) {
     s.supply_off();
     for (unsigned number = 0; number < 32; ++number) s.y(number, true);
     s.advance(20s).no_tx();
-    EXPECT_EQ(s.plug_in().inputs(), 0U);
+    EXPECT_EQ(s.inputs(), 0U);
     s.expect(25, 0).expect(21, 0);
     s.supply_on();  // all Y are OFF again
     s.advance(20s).ignore_tx();
-    EXPECT_EQ(s.plug_in().inputs(), 1U);
+    EXPECT_EQ(s.inputs(), 1U);
     s.expect(25, mode == 405 ? 0x0100 : 0).expect(29, 0);
   }
 }
 
-TEST(Me3Fault, SupplyOff_EndsEverything_AlsoCyclicMessages) {
-  RecordProperty("spec", "ME3-L2-009");
-  Me3Scenario s;
+TEST_P(Fault, SupplyOff_EndsEverything_AlsoCyclicMessages) {
+  spec("ME3-L2-009", "");
+  IntelligentScenario s(GetParam());
   s.power_on_layer2();
   s.write(6000, {0xFFFF, 0x5FFF, 2, 1}).write(10000, {0x0123, 0, 1, 0x0055});
   s.online();
   s.advance(10ms).tx(0x123, {0x55});
   s.write(8400, 1).y(0x04, true).tx(0x123, {0x55}).y(0x01, true).supply_off();
-  EXPECT_EQ(s.plug_in().inputs(), 0U);
+  EXPECT_EQ(s.inputs(), 0U);
   EXPECT_EQ(s.plug_in().layer2_state(), module::Layer2State::offline);
   s.advance(60s).no_tx();
-  EXPECT_EQ(s.plug_in().inputs(), 0U);
+  EXPECT_EQ(s.inputs(), 0U);
   EXPECT_EQ(s.plug_in().deadline(), can::never);
   s.rx(0x123, {1}).cpu(module::CpuState::stop).cpu(module::CpuState::run).no_tx();
 }
 
 // Requests that were not completed when the restart came are not completed after it; a save is done before.
-TEST(Me3Fault, Restart_DropsWhatWasUnderWay) {
-  RecordProperty("spec", "ME3-IO-004");
-  Me3Scenario s;
+TEST_P(Fault, Restart_DropsWhatWasUnderWay) {
+  spec("ME3-IO-004", "");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.nmt(0x82, 1);  // a reset by NMT, not finished
   s.advance(5ms).y(0x02, true).ignore_tx();
@@ -181,9 +183,9 @@ TEST(Me3Fault, Restart_DropsWhatWasUnderWay) {
   s.write(70, 1234).write(22, 1).write(1000, {0x0004, 2, 0x1000, 0});
   s.y(0x1F, true).y(0x01, true).y(0x17, true).y(0x02, true).ignore_tx();
   s.advance(5999ms).no_tx();
-  EXPECT_EQ(s.plug_in().inputs(), 1U);  // ready
+  EXPECT_EQ(s.inputs(), 1U);  // ready
   s.wait_x(0x02, true).advance(400ms);
-  EXPECT_EQ(s.plug_in().inputs() & ~0x8000U, 1U | 1U << 2);
+  EXPECT_EQ(s.inputs() & ~0x8000U, 1U | 1U << 2);
   s.expect(22, 0).expect(70, 1234).expect(1000, 0).expect(29, 0);
   s.y(0x02, false).y(0x1F, false).y(0x01, false).y(0x17, false).advance(1s).ignore_tx();
   // A second restart within the first one's repetition time.
@@ -197,7 +199,7 @@ TEST(Me3Fault, Restart_DropsWhatWasUnderWay) {
 TEST(Me3Fault, Restart_BringsSignalsStatusAndData_ToTheirDefaults) {
   RecordProperty("spec", "ME3-IO-004 ME3-STAT-001 ME3-SYS-018 ME3-SAVE-007");
   for (const bool by_supply : {false, true}) {
-    Me3Scenario s;
+    IntelligentScenario s;
     s.power_on_as(1);
     s.nmt(0x82, 1).wait_bit(25, 7, false).ignore_tx();
     s.nmt(0x01, 1);
@@ -210,22 +212,22 @@ TEST(Me3Fault, Restart_BringsSignalsStatusAndData_ToTheirDefaults) {
     s.y(0x12, true).y(0x13, true).ignore_tx();
     s.write(1000, {0x0004, 3, 0x1000, 0}).y(0x17, true).advance(1ms);
     s.tx(0x603, {0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0}).expect(1000, 0xFFFF);
-    EXPECT_EQ(s.plug_in().inputs(), 1U | 0x8000U | 0xFU << 16);  // X00 X0F X10 X11 X12 X13
+    EXPECT_EQ(s.inputs(), 1U | 0x8000U | 0xFU << 16);  // X00 X0F X10 X11 X12 X13
     if (by_supply) {
       s.supply_off().ignore_tx();
       s.advance(10s).no_tx();  // off is off
-      EXPECT_EQ(s.plug_in().inputs(), 0U);
+      EXPECT_EQ(s.inputs(), 0U);
       s.supply_on();
     } else {
       s.y(0x02, true).ignore_tx();
     }
-    EXPECT_EQ(s.plug_in().inputs(), by_supply ? 0U : 1U);
+    EXPECT_EQ(s.inputs(), by_supply ? 0U : 1U);
     s.expect(25, 0x0080).expect(29, 0).expect(39, {0, 0}).expect(402, 0).expect(602, 0).expect(1000, 0);
     s.advance(by_supply ? 999ms : 5999ms).no_tx();
     s.rx(0x583, {0x43, 0x00, 0x10, 0x00, 0x91, 0x01, 0x0F, 0x00}).advance(1ms);
     s.tx(0x701, {0x00}).no_tx();
     s.expect(25, 0x0100).expect(29, 0).expect(402, 0).expect(602, 0).expect(1000, {0, 0, 0, 0});
-    EXPECT_EQ(s.plug_in().inputs(), by_supply ? 1U : 5U);
+    EXPECT_EQ(s.inputs(), by_supply ? 1U : 5U);
     s.y(0x02, false);
     s.nmt(0x01, 1).y(0x01, true).wait_x(0x01, true).y(0x01, false);
     s.expect(750, {0, 0}).expect(10000, {0, 0}).no_tx();
@@ -234,10 +236,10 @@ TEST(Me3Fault, Restart_BringsSignalsStatusAndData_ToTheirDefaults) {
 }
 
 // What a master does on the bus, and what waits to be sent, ends with the restart, and with the supply.
-TEST(Me3Fault, Restart_AndSupplyOff_EndTheMastersFrames) {
-  RecordProperty("spec", "ME3-IO-004 ME3-EMCY-011");
+TEST_P(Fault, Restart_AndSupplyOff_EndTheMastersFrames) {
+  spec("ME3-IO-004 ME3-EMCY-011", "");
   for (const bool by_supply : {false, true}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     s.power_on_as(1);
     s.set_object(0x1F80, 0, 1, 4);
     s.set_object(0x1F81, 2, 0x05, 4);
@@ -262,24 +264,24 @@ TEST(Me3Fault, Restart_AndSupplyOff_EndTheMastersFrames) {
 }
 
 // An initialization, or a save, that the supply cuts short does not end without it.
-TEST(Me3Fault, SupplyOff_InTheMiddle_NothingIsFinished) {
-  RecordProperty("spec", "ME3-STAT-001 ME3-SAVE-009");
-  Me3Scenario s;
+TEST_P(Fault, SupplyOff_InTheMiddle_NothingIsFinished) {
+  spec("ME3-STAT-001 ME3-SAVE-009", "RJ71-NMT-001");
+  IntelligentScenario s(GetParam());
   s.supply_on().advance(500ms).supply_off();
   s.advance(60s).no_tx().expect(25, 0);
-  EXPECT_EQ(s.plug_in().inputs(), 0U);
+  EXPECT_EQ(s.inputs(), 0U);
   s.power_on();
   s.write(70, 1000).write(22, 1).y(0x01, true).y(0x1F, true).supply_off();
   s.advance(60s).no_tx();
-  EXPECT_EQ(s.plug_in().inputs(), 0U);
+  EXPECT_EQ(s.inputs(), 0U);
   s.power_on();
   s.expect(70, 500).expect(29, 0x0010).no_tx();
 }
 
 // A restart that the supply cut short is over: the next Y02 is a request of its own.
-TEST(Me3Fault, RestartCutByTheSupply_IsNotReportedAfterwards) {
-  RecordProperty("spec", "ME3-IO-004");
-  Me3Scenario s;
+TEST_P(Fault, RestartCutByTheSupply_IsNotReportedAfterwards) {
+  spec("ME3-IO-004", "");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.y(0x02, true).advance(3s).ignore_tx();
   s.supply_off().supply_on();
@@ -291,7 +293,7 @@ TEST(Me3Fault, RestartCutByTheSupply_IsNotReportedAfterwards) {
 
 TEST(Me3Fault, WornFlash_IsToldOnce_WithTheFirstWriteTooMany) {
   RecordProperty("spec", "ME3-SYS-014");
-  Me3Scenario s;
+  IntelligentScenario s;
   Told told;
   s.power_on();
   s.plug_in().set_observer(&told);
@@ -321,10 +323,10 @@ TEST(Me3Fault, WornFlash_IsToldOnce_WithTheFirstWriteTooMany) {
 
 // The emergency of a restart is one like any other: within the inhibit time 1015H it is not sent, and the
 // restart does not wait for it.
-TEST(Me3Fault, RestartWithinTheInhibitTime_SendsNoEmergency_AndDoesNotWait) {
-  RecordProperty("spec", "ME3-IO-008 ME3-EMCY-004");
+TEST_P(Fault, RestartWithinTheInhibitTime_SendsNoEmergency_AndDoesNotWait) {
+  spec("ME3-IO-008 ME3-EMCY-004", "RJ71-EMCY-005 RJ71-EMCY-014");
   for (const bool within : {true, false}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     s.power_on_as(1);
     s.set_object(0x1015, 0, 10000, 2);  // 1 s
     s.cif({0x000A, 0x1000, 1, 0, 0});
@@ -366,8 +368,8 @@ struct RackBench {
   void run(can::Duration duration) { timeline.run_until(timeline.now() + duration); }
 };
 
-TEST(Me3Fault, CpuErrorInARack_StopsTheCpu_AndIsToldByTheModule) {
-  RecordProperty("spec", "ME3-EMCY-007");
+TEST_P(Fault, CpuErrorInARack_StopsTheCpu_AndIsToldByTheModule) {
+  spec("ME3-EMCY-007", "");
   RackBench plc;
   plc.rack.fail_cpu(plc.timeline.now());
   EXPECT_EQ(plc.rack.cpu_state(), module::CpuState::stop);
@@ -378,8 +380,8 @@ TEST(Me3Fault, CpuErrorInARack_StopsTheCpu_AndIsToldByTheModule) {
 
 // Words that a program can write get other values; G70 is saved. A CPU reset brings every word back to its
 // default, or to what is saved.
-TEST(Me3Fault, CpuReset_BringsEveryWordToItsDefault_OrItsSavedValue) {
-  RecordProperty("spec", "ME3-SYS-018");
+TEST_P(Fault, CpuReset_BringsEveryWordToItsDefault_OrItsSavedValue) {
+  spec("ME3-SYS-018", "RJ71-BM-001");
   RackBench plc;
   std::map<module::BufferAddress, std::uint16_t> before;
   for (const auto& row : module::me3can1_q::buffer_table) {
@@ -408,8 +410,8 @@ TEST(Me3Fault, CpuReset_BringsEveryWordToItsDefault_OrItsSavedValue) {
 
 // MC protocol requests name the CPU they are for: 03FFH and 03E0H are the control CPU, 03E1H to 03E3H CPUs 2
 // to 4.
-TEST(Me3Fault, OnlyTheControlCpu_WritesTheModule) {
-  RecordProperty("spec", "ME3-SYS-008");
+TEST_P(Fault, OnlyTheControlCpu_WritesTheModule) {
+  spec("ME3-SYS-008", "");
   RackBench plc;
   // 1401/0080: G70 = `value` of the module in slot 0, through the CPU with this module I/O number.
   const auto write_g70 = [&](std::uint16_t cpu, std::uint8_t value) {
@@ -460,8 +462,8 @@ TEST(Me3Fault, OnlyTheControlCpu_WritesTheModule) {
 }
 
 // No way in or out while the rack has supply.
-TEST(Me3Fault, NoModuleChange_WhileTheRackIsOn) {
-  RecordProperty("spec", "ME3-SYS-007");
+TEST_P(Fault, NoModuleChange_WhileTheRackIsOn) {
+  spec("ME3-SYS-007", "");
   RackBench plc;
   RamMemory memory;
   FreeBus controller;
@@ -474,9 +476,9 @@ TEST(Me3Fault, NoModuleChange_WhileTheRackIsOn) {
 
 // --- error counters on a real bus, and where they are shown
 
-TEST(Me3Fault, S81_CountersAndTheirIndications) {
-  RecordProperty("spec", "ME3-CNT-003");
-  Me3Scenario s;
+TEST_P(Fault, S81_CountersAndTheirIndications) {
+  spec("ME3-CNT-003", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.error_counters(95, 0);
   s.expect(35, 95).expect_bit(25, 1, false);
@@ -530,8 +532,8 @@ struct FaultyReceiver {
   }
 };
 
-TEST(Me3Fault, ReceiveErrorCounter_GoesUpByEight_DownByOne_AndShowsAtMost128) {
-  RecordProperty("spec", "ME3-CNT-002");
+TEST_P(Fault, ReceiveErrorCounter_GoesUpByEight_DownByOne_AndShowsAtMost128) {
+  spec("ME3-CNT-002", "RJ71-BM-012");
   FaultyReceiver bench;
   EXPECT_EQ(bench.plc.g(36), 0);
   bench.disturb(1);
@@ -557,8 +559,8 @@ TEST(Me3Fault, ReceiveErrorCounter_GoesUpByEight_DownByOne_AndShowsAtMost128) {
 
 // Every frame of the module is disturbed until it is bus-off. The disturbance ends and the bus is free, but
 // only a restart brings the module back; the error counter and the bit go with it.
-TEST(Me3Fault, BusOffOnTheBus_IsLeftByARestartAlone) {
-  RecordProperty("spec", "ME3-ERR-002 ME3-CNT-001 ME3-EMCY-009");
+TEST_P(Fault, BusOffOnTheBus_IsLeftByARestartAlone) {
+  spec("ME3-ERR-002 ME3-CNT-001 ME3-EMCY-009", "RJ71-BM-012");
   RackBench plc;
   const Words heartbeat{0x0002, 0, 0x1017, 0, 2, 100};  // 1017H = 100 ms, by the CIF
   EXPECT_TRUE(plc.rack.write_buffer(0, 1000, heartbeat, plc.timeline.now()));
@@ -589,8 +591,8 @@ TEST(Me3Fault, BusOffOnTheBus_IsLeftByARestartAlone) {
   EXPECT_EQ(heard(), before + 1);  // the boot-up message
 }
 
-TEST(Me3Fault, ErrorActiveModule_DestroysAFaultyFrame_ErrorPassiveOneDoesNot) {
-  RecordProperty("spec", "ME3-CNT-004");
+TEST_P(Fault, ErrorActiveModule_DestroysAFaultyFrame_ErrorPassiveOneDoesNot) {
+  spec("ME3-CNT-004", "");
   FaultyReceiver bench;
   bench.disturb(1);
   bench.sender.port.send(bench.frame);
@@ -614,7 +616,7 @@ TEST(Me3Fault, ErrorActiveModule_DestroysAFaultyFrame_ErrorPassiveOneDoesNot) {
 
 TEST(Me3Fault, ErrorSearch_LedsThenG29ThenAddressesThenNodes) {
   RecordProperty("spec", "ME3-DIAG-001");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_as(1);
   EXPECT_EQ(led(s, "ERR."), LedPattern::off);
   s.write(27, 0);  // an invalid value
@@ -647,7 +649,7 @@ TEST(Me3Fault, EverySdoAbortCode_IsShownUnchanged) {
       0x06040047, 0x06060000, 0x06070010, 0x06070012, 0x06070013, 0x06090011, 0x06090030,
       0x06090031, 0x06090032, 0x06090036, 0x060A0023, 0x08000000, 0x08000020, 0x08000021,
       0x08000022, 0x08000023, 0x08000024, 0x12345678, 0xFFFFFFFF};
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_as(1);
   for (const std::uint32_t code : codes) {
     s.write(1000, {0x0004, 2, 0x1000, 0});

@@ -5,16 +5,18 @@
 namespace canopus::scenario {
 namespace {
 
-void switch_on(Me3Scenario& s, std::uint8_t node, std::uint16_t level = 1) {
+CANOPUS_OF_BOTH_MODULES(FlyingMaster);
+
+void switch_on(IntelligentScenario& s, std::uint8_t node, std::uint16_t level = 1) {
   s.plug_in().preset_word(27, node);
   s.plug_in().preset_object(0x1F80, 0, canopen::little_endian(0x21, 4));
   s.plug_in().preset_object(0x1F90, 3, canopen::little_endian(level, 2));
   s.supply_on().wait_tx(0x700U + node, {0x00});
 }
 
-TEST(Me3FlyingMaster, S72_NobodyThere_AsksResetsNegotiatesAndBecomesActive) {
-  RecordProperty("spec", "ME3-FLY-009 ME3-FLY-013 ME3-HB-006");
-  Me3Scenario s;
+TEST_P(FlyingMaster, S72_NobodyThere_AsksResetsNegotiatesAndBecomesActive) {
+  spec("ME3-FLY-009 ME3-FLY-013 ME3-HB-006", "RJ71-FLY-005");
+  IntelligentScenario s(GetParam());
   switch_on(s, 1);
   s.expect_object(0x1017, 0, 1000, 2);
   s.ignore_tx().wait_tx(0x073);
@@ -29,7 +31,7 @@ TEST(Me3FlyingMaster, S72_NobodyThere_AsksResetsNegotiatesAndBecomesActive) {
   s.tx(0x000, {0x82, 0x00}).expect_bit(25, 15, true);
   s.ignore_tx();
 
-  Me3Scenario loser;  // 1016H is set by itself: 1500 + 10 x own node-ID
+  IntelligentScenario loser(GetParam());  // 1016H is set by itself: 1500 + 10 x own node-ID
   switch_on(loser, 2);
   loser.ignore_tx().wait_tx(0x073).rx(0x071, {0x01, 0x01}).no_tx();
   loser.expect_bit(25, 15, false);
@@ -37,9 +39,9 @@ TEST(Me3FlyingMaster, S72_NobodyThere_AsksResetsNegotiatesAndBecomesActive) {
   loser.ignore_tx();
 }
 
-TEST(Me3FlyingMaster, S73_ActiveMasterLost_NegotiatesResetsAndBecomesActive) {
-  RecordProperty("spec", "ME3-FLY-007 ME3-FLY-010");
-  Me3Scenario s;
+TEST_P(FlyingMaster, S73_ActiveMasterLost_NegotiatesResetsAndBecomesActive) {
+  spec("ME3-FLY-007 ME3-FLY-010", "RJ71-FLY-003 RJ71-FLY-006");
+  IntelligentScenario s(GetParam());
   switch_on(s, 2);
   s.ignore_tx().wait_tx(0x073).rx(0x071, {0x01, 0x01});
   s.rx(0x701, {0x05});
@@ -52,9 +54,9 @@ TEST(Me3FlyingMaster, S73_ActiveMasterLost_NegotiatesResetsAndBecomesActive) {
 }
 
 // What the program has set stays: 1017H other than 0, a 1016H entry for the active master.
-TEST(Me3FlyingMaster, AutomaticTimes_OnlyWhereNothingIsSet) {
-  RecordProperty("spec", "ME3-FLY-009 ME3-FLY-010 ME3-HB-006");
-  Me3Scenario s;
+TEST_P(FlyingMaster, AutomaticTimes_OnlyWhereNothingIsSet) {
+  spec("ME3-FLY-009 ME3-FLY-010 ME3-HB-006", "RJ71-FLY-005 RJ71-FLY-006");
+  IntelligentScenario s(GetParam());
   s.plug_in().preset_object(0x1017, 0, canopen::little_endian(300, 2));
   s.plug_in().preset_object(0x1016, 7, canopen::little_endian(0x00010BB8, 4));
   switch_on(s, 2);
@@ -70,21 +72,21 @@ TEST(Me3FlyingMaster, AutomaticTimes_OnlyWhereNothingIsSet) {
   EXPECT_EQ(s.now() - heard, 3000ms);
   s.ignore_tx();
   // Not a flying master: neither.
-  Me3Scenario plain;
+  IntelligentScenario plain(GetParam());
   plain.power_on_as(2);
   plain.rx(0x071, {0x01, 0x01}).rx(0x701, {0x05}).advance(60s).no_tx().expect(401, 0);
   plain.expect_object(0x1017, 0, 0, 2).expect_object(0x1016, 1, 0, 4);
 }
 
-TEST(Me3FlyingMaster, S75_WaitingTimes) {
-  RecordProperty("spec", "ME3-FLY-004");
+TEST_P(FlyingMaster, S75_WaitingTimes) {
+  spec("ME3-FLY-004", "RJ71-FLY-004");
   struct Row {
     std::uint16_t level;
     std::uint8_t node;
     can::Duration wait;
   };
   for (const Row& row : {Row{0, 1, 10ms}, Row{1, 1, 1510ms}, Row{1, 127, 2770ms}, Row{2, 127, 4270ms}}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     switch_on(s, row.node, row.level);
     s.advance(600ms).ignore_tx().rx(0x072);
     const can::Time asked = s.now();
@@ -94,9 +96,9 @@ TEST(Me3FlyingMaster, S75_WaitingTimes) {
   }
 }
 
-TEST(Me3FlyingMaster, Bit5_TakesPart_AndTheLoserIsASlave) {
-  RecordProperty("spec", "ME3-MST-006");
-  Me3Scenario s;
+TEST_P(FlyingMaster, Bit5_TakesPart_AndTheLoserIsASlave) {
+  spec("ME3-MST-006", "RJ71-STARTUP-003");
+  IntelligentScenario s(GetParam());
   switch_on(s, 2);
   s.advance(499ms).no_tx().advance(1ms).tx(0x073).no_tx();  // no start-up before the negotiation
   s.rx(0x071, {0x01, 0x01}).no_tx().expect_bit(25, 15, false);
@@ -104,16 +106,16 @@ TEST(Me3FlyingMaster, Bit5_TakesPart_AndTheLoserIsASlave) {
   s.rx(0x000, {0x80, 0x02}).expect_bit(25, 0, false);
   s.ignore_tx();
 
-  Me3Scenario plain;  // bit 5 clear: master at once, and deaf to what flying masters say
+  IntelligentScenario plain(GetParam());  // bit 5 clear: master at once, and deaf to what flying masters say
   plain.plug_in().preset_word(27, 2);
   plain.plug_in().preset_object(0x1F80, 0, canopen::little_endian(0x01, 4));
   plain.supply_on().wait_tx(0x702, {0x00}).tx(0x000, {0x82, 0x00}).expect_bit(25, 15, true);
   plain.rx(0x071, {0x00, 0x01}).rx(0x076).rx(0x073).advance(1s).no_tx().expect_bit(25, 15, true);
 }
 
-TEST(Me3FlyingMaster, PriorityLevels_0To2_ReservedOnesAreRefused) {
-  RecordProperty("spec", "ME3-FLY-002");
-  Me3Scenario s;
+TEST_P(FlyingMaster, PriorityLevels_0To2_ReservedOnesAreRefused) {
+  spec("ME3-FLY-002", "");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.expect_object(0x1F90, 3, 1, 2);
   for (const std::uint16_t level : Words{0, 1, 2}) {
@@ -126,7 +128,7 @@ TEST(Me3FlyingMaster, PriorityLevels_0To2_ReservedOnesAreRefused) {
     s.expect_object(0x1F90, 3, 2, 2);
   }
   for (const std::uint16_t level : Words{0, 1, 2}) {  // 0 is the first to claim, 2 the last
-    Me3Scenario t;
+    IntelligentScenario t(GetParam());
     switch_on(t, 1, level);
     t.advance(600ms).ignore_tx().rx(0x072);
     const can::Time asked = t.now();
@@ -138,8 +140,8 @@ TEST(Me3FlyingMaster, PriorityLevels_0To2_ReservedOnesAreRefused) {
   }
 }
 
-TEST(Me3FlyingMaster, HigherLevelWins_ThenTheLowerNodeId) {
-  RecordProperty("spec", "ME3-FLY-003");
+TEST_P(FlyingMaster, HigherLevelWins_ThenTheLowerNodeId) {
+  spec("ME3-FLY-003", "RJ71-FLY-002");
   struct Row {
     std::uint16_t level;
     std::uint8_t node;
@@ -149,7 +151,7 @@ TEST(Me3FlyingMaster, HigherLevelWins_ThenTheLowerNodeId) {
   for (const Row& row :
        {Row{1, 5, 0, 127, true}, Row{1, 5, 2, 1, false}, Row{1, 5, 1, 4, true}, Row{1, 5, 1, 6, false},
         Row{0, 127, 1, 1, false}, Row{2, 1, 1, 127, true}, Row{0, 2, 0, 1, true}, Row{0, 1, 0, 2, false}}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     switch_on(s, row.node, row.level);
     s.ignore_tx().wait_tx(0x073).rx(0x071, {row.other_level, row.other_node});
     if (row.stands_by) {
@@ -160,14 +162,14 @@ TEST(Me3FlyingMaster, HigherLevelWins_ThenTheLowerNodeId) {
   }
 }
 
-TEST(Me3FlyingMaster, PrioritySlot_IsLongerThanAllDeviceSlotsTogether) {
-  RecordProperty("spec", "ME3-FLY-005");
-  Me3Scenario s;
+TEST_P(FlyingMaster, PrioritySlot_IsLongerThanAllDeviceSlotsTogether) {
+  spec("ME3-FLY-005", "RJ71-FLY-004");
+  IntelligentScenario s(GetParam());
   s.power_on_as(127);
   s.expect_object(0x1F90, 4, 1500, 2).expect_object(0x1F90, 5, 10, 2);
   s.ignore_tx();
   const auto waits = [](std::uint8_t node, std::uint16_t level, std::uint16_t slot) {
-    Me3Scenario t;
+    IntelligentScenario t(GetParam());
     t.plug_in().preset_object(0x1F90, 4, canopen::little_endian(slot, 2));
     switch_on(t, node, level);
     t.advance(600ms).ignore_tx().rx(0x072);
@@ -182,9 +184,9 @@ TEST(Me3FlyingMaster, PrioritySlot_IsLongerThanAllDeviceSlotsTogether) {
   EXPECT_EQ(waits(1, 1, 1000), 1010ms);
 }
 
-TEST(Me3FlyingMaster, Negotiation_ResetsAllNodes_AlsoThoseThatAreToBeKeptAlive) {
-  RecordProperty("spec", "ME3-FLY-006");
-  Me3Scenario s;
+TEST_P(FlyingMaster, Negotiation_ResetsAllNodes_AlsoThoseThatAreToBeKeptAlive) {
+  spec("ME3-FLY-006", "");
+  IntelligentScenario s(GetParam());
   s.plug_in().preset_object(0x1F81, 2, canopen::little_endian(0x1D, 4));
   switch_on(s, 1);
   s.ignore_tx().wait_tx(0x073).advance(100ms).tx(0x000, {0x82, 0x00}).tx(0x072).no_tx();
@@ -208,9 +210,9 @@ TEST(Me3FlyingMaster, Negotiation_ResetsAllNodes_AlsoThoseThatAreToBeKeptAlive) 
   s.ignore_tx();
 }
 
-TEST(Me3FlyingMaster, S74_BetterMasterJoins_NegotiatesAndWins) {
-  RecordProperty("spec", "ME3-FLY-008");
-  Me3Scenario joining;  // node 3, high
+TEST_P(FlyingMaster, S74_BetterMasterJoins_NegotiatesAndWins) {
+  spec("ME3-FLY-008", "");
+  IntelligentScenario joining(GetParam());  // node 3, high
   switch_on(joining, 3, 0);
   joining.advance(500ms).tx(0x073).rx(0x071, {0x01, 0x01}).tx(0x076).tx(0x072).no_tx();
   const can::Time asked = joining.now();
@@ -219,7 +221,7 @@ TEST(Me3FlyingMaster, S74_BetterMasterJoins_NegotiatesAndWins) {
   EXPECT_EQ(joining.now() - asked, 30ms);
   joining.tx(0x000, {0x82, 0x00}).expect_bit(25, 15, true).ignore_tx();
 
-  Me3Scenario active;  // node 1, medium, its opponent
+  IntelligentScenario active(GetParam());  // node 1, medium, its opponent
   switch_on(active, 1);
   active.wait_bit(25, 15, true).advance(1s).ignore_tx();
   active.rx(0x073).tx(0x071, {0x01, 0x01}).no_tx();
@@ -232,16 +234,16 @@ TEST(Me3FlyingMaster, S74_BetterMasterJoins_NegotiatesAndWins) {
   active.expect_object(0x1016, 1, 0x000305E6, 4);
   active.ignore_tx();
 
-  Me3Scenario worse;  // a low one that joins leaves the active master alone
+  IntelligentScenario worse(GetParam());  // a low one that joins leaves the active master alone
   switch_on(worse, 9, 2);
   worse.advance(500ms).tx(0x073).rx(0x071, {0x01, 0x01}).no_tx().advance(1s).expect_bit(25, 15, false);
   worse.ignore_tx();
 }
 
-TEST(Me3FlyingMaster, DifferentConsumerTimes_TheFirstResetsTheNetwork_TheSecondDoesNot) {
-  RecordProperty("spec", "ME3-FLY-011");
+TEST_P(FlyingMaster, DifferentConsumerTimes_TheFirstResetsTheNetwork_TheSecondDoesNot) {
+  spec("ME3-FLY-011", "");
   for (const std::uint8_t reset_by_other : Bytes{0x82, 0x81, 0}) {
-    Me3Scenario s;  // node 3, consumer time 1530 ms; node 2's is 1520 ms
+    IntelligentScenario s(GetParam());  // node 3, consumer time 1530 ms; node 2's is 1520 ms
     switch_on(s, 3);
     s.ignore_tx().wait_tx(0x073).rx(0x071, {0x01, 0x01}).rx(0x701, {0x05});
     const can::Time heard = s.now();
@@ -257,9 +259,9 @@ TEST(Me3FlyingMaster, DifferentConsumerTimes_TheFirstResetsTheNetwork_TheSecondD
   }
 }
 
-TEST(Me3FlyingMaster, ForeignMasterWithoutHeartbeat_LeadsToEndlessResets) {
-  RecordProperty("spec", "ME3-FLY-012");
-  Me3Scenario s;
+TEST_P(FlyingMaster, ForeignMasterWithoutHeartbeat_LeadsToEndlessResets) {
+  spec("ME3-FLY-012", "RJ71-FLY-007");
+  IntelligentScenario s(GetParam());
   switch_on(s, 2);
   s.ignore_tx().wait_tx(0x073);
   for (int again = 0; again < 20; ++again) {
@@ -279,7 +281,7 @@ TEST(Me3FlyingMaster, ForeignMasterWithoutHeartbeat_LeadsToEndlessResets) {
 
 TEST(Me3FlyingMaster, Standby_LeavesTheMastersServicesAlone_UntilItWins) {
   RecordProperty("spec", "ME3-FLY-014");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.plug_in().preset_object(0x1F81, 9, canopen::little_endian(0x00640301, 4));
   s.plug_in().preset_object(0x1005, 0, canopen::little_endian(0x40000080, 4));
   s.plug_in().preset_object(0x1006, 0, canopen::little_endian(10'000, 4));
@@ -320,9 +322,9 @@ TEST(Me3FlyingMaster, Standby_LeavesTheMastersServicesAlone_UntilItWins) {
   s.expect_bit(25, 15, false);
 }
 
-TEST(Me3FlyingMaster, ActiveMaster_LooksForASecondOne_EveryDetectCycle) {
-  RecordProperty("spec", "ME3-FLY-015");
-  Me3Scenario s;
+TEST_P(FlyingMaster, ActiveMaster_LooksForASecondOne_EveryDetectCycle) {
+  spec("ME3-FLY-015", "");
+  IntelligentScenario s(GetParam());
   switch_on(s, 7);
   s.wait_bit(25, 15, true, 60s).ignore_tx();
   const can::Time won = s.now();
@@ -340,9 +342,9 @@ TEST(Me3FlyingMaster, ActiveMaster_LooksForASecondOne_EveryDetectCycle) {
   s.wait_bit(25, 15, true).ignore_tx();
 }
 
-TEST(Me3FlyingMaster, ApplicationData_AreNotMirrored) {
-  RecordProperty("spec", "ME3-FLY-016");
-  Me3Scenario s;
+TEST_P(FlyingMaster, ApplicationData_AreNotMirrored) {
+  spec("ME3-FLY-016", "");
+  IntelligentScenario s(GetParam());
   switch_on(s, 2);
   s.ignore_tx().wait_tx(0x073).rx(0x071, {0x01, 0x01}).rx(0x701, {0x05}).ignore_tx();
   s.rx(0x000, {0x01, 0x02}).write(13000, 0x2222);

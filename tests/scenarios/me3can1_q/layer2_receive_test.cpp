@@ -5,22 +5,24 @@
 namespace canopus::scenario {
 namespace {
 
+CANOPUS_OF_BOTH_MODULES(Layer2Receive);
+
 // High byte of RTR/new/DLC of slot 1.
-void expect_flags(Me3Scenario& s, unsigned flags, Where where = Where::current()) {
+void expect_flags(IntelligentScenario& s, unsigned flags, Where where = Where::current()) {
   const auto high = static_cast<unsigned>(s.read(10002) >> 8);
   EXPECT_EQ(high, flags) << "line " << where.line();
 }
 
 // Slot 1 receives, with this identifier and mask; online.
-void one_slot(Me3Scenario& s, std::uint16_t identifier, std::uint16_t mask = 0) {
+void one_slot(IntelligentScenario& s, std::uint16_t identifier, std::uint16_t mask = 0) {
   s.power_on_layer2();
   s.write(6000, {identifier, 0, mask, 0});
   s.online();
 }
 
-TEST(Me3Layer2Receive, S49_FilterExample1) {
-  RecordProperty("spec", "ME3-L2-006 ME3-L2-027 ME3-L2-029 ME3-L2-030 ME3-L2-032 ME3-L2-033");
-  Me3Scenario s;
+TEST_P(Layer2Receive, S49_FilterExample1) {
+  spec("ME3-L2-006 ME3-L2-027 ME3-L2-029 ME3-L2-030 ME3-L2-032 ME3-L2-033", "RJ71-L2RX-001");
+  IntelligentScenario s(GetParam());
   one_slot(s, 0x0181);
   s.rx(0x181, {0x99});
   s.exchange();  // (1)
@@ -46,7 +48,7 @@ TEST(Me3Layer2Receive, S49_FilterExample1) {
 // A first message of nothing but zeros is new data; the other frame format is another message.
 TEST(Me3Layer2Receive, FirstMessage_IsNewData_WhateverItHolds) {
   RecordProperty("spec", "ME3-L2-029 ME3-L2-031 ME3-L2-044");
-  Me3Scenario s;
+  IntelligentScenario s;
   one_slot(s, 0x0000);
   s.rx(can::Frame{.identifier = 0x000, .extended = true, .dlc = 1, .data = {1}});
   s.exchange();
@@ -64,9 +66,9 @@ TEST(Me3Layer2Receive, FirstMessage_IsNewData_WhateverItHolds) {
   s.expect(10002, 0x0300);
 }
 
-TEST(Me3Layer2Receive, S50_FilterExample2) {
-  RecordProperty("spec", "ME3-L2-028 ME3-L2-030");
-  Me3Scenario s;
+TEST_P(Layer2Receive, S50_FilterExample2) {
+  spec("ME3-L2-028 ME3-L2-030", "RJ71-L2RX-002 RJ71-L2RX-006");
+  IntelligentScenario s(GetParam());
   s.power_on_layer2();
   s.write(6004, {0x0180, 0, 0x0006, 0});
   s.online();
@@ -88,9 +90,9 @@ TEST(Me3Layer2Receive, S50_FilterExample2) {
   s.expect(10000, {0xFFFF, 0xFFFF, 0, 0});  // no other slot
 }
 
-TEST(Me3Layer2Receive, Mask_CoversAll29Bits) {
-  RecordProperty("spec", "ME3-L2-028 ME3-L2-006");
-  Me3Scenario s;
+TEST_P(Layer2Receive, Mask_CoversAll29Bits) {
+  spec("ME3-L2-028 ME3-L2-006", "RJ71-L2RX-002 RJ71-L2RX-006");
+  IntelligentScenario s(GetParam());
   s.power_on_layer2(29);
   s.write(6000, {0x5678, 0x1234, 0x00FF, 0x0100});
   s.online();
@@ -108,9 +110,9 @@ TEST(Me3Layer2Receive, Mask_CoversAll29Bits) {
   EXPECT_FALSE(passes(0x678));
 }
 
-TEST(Me3Layer2Receive, S51_SameDataAgain) {
-  RecordProperty("spec", "ME3-L2-031");
-  Me3Scenario s;
+TEST_P(Layer2Receive, S51_SameDataAgain) {
+  spec("ME3-L2-031", "");
+  IntelligentScenario s(GetParam());
   one_slot(s, 0x0180, 0x0006);
   const auto next = [&](std::uint32_t identifier, const Bytes& data) {
     s.write(10002, 0);
@@ -130,7 +132,7 @@ TEST(Me3Layer2Receive, S51_SameDataAgain) {
 
 TEST(Me3Layer2Receive, FlagTable_Table3_38) {
   RecordProperty("spec", "ME3-L2-029 ME3-L2-030 ME3-L2-031 ME3-L2-032");
-  Me3Scenario s;
+  IntelligentScenario s;
   one_slot(s, 0x0181);
   const auto flags_after = [&](const std::vector<std::uint8_t>& messages) {
     s.write(10002, 0);
@@ -148,9 +150,9 @@ TEST(Me3Layer2Receive, FlagTable_Table3_38) {
   EXPECT_EQ(flags_after({3}), 3);
 }
 
-TEST(Me3Layer2Receive, FlagsAreTheProgramsToClear) {
-  RecordProperty("spec", "ME3-L2-032 ME3-L2-033 ME3-L2-030");
-  Me3Scenario s;
+TEST_P(Layer2Receive, FlagsAreTheProgramsToClear) {
+  spec("ME3-L2-032 ME3-L2-033 ME3-L2-030", "");
+  IntelligentScenario s(GetParam());
   one_slot(s, 0x0181);
   s.rx(0x181, {1});
   s.exchange();
@@ -169,9 +171,9 @@ TEST(Me3Layer2Receive, FlagsAreTheProgramsToClear) {
   expect_flags(s, 3);
 }
 
-TEST(Me3Layer2Receive, ShortFrames_LeaveZeros) {
-  RecordProperty("spec", "ME3-L2-034 ME3-L2-029");
-  Me3Scenario s;
+TEST_P(Layer2Receive, ShortFrames_LeaveZeros) {
+  spec("ME3-L2-034 ME3-L2-029", "RJ71-L2RX-007");
+  IntelligentScenario s(GetParam());
   one_slot(s, 0x0181);
   const Bytes all{1, 2, 3, 4, 5, 6, 7, 8};
   const std::vector<unsigned> words{0x0201, 0x0403, 0x0605, 0x0807};
@@ -192,7 +194,7 @@ TEST(Me3Layer2Receive, ShortFrames_LeaveZeros) {
 
 TEST(Me3Layer2Receive, RemoteFrames_AreNotStored) {
   RecordProperty("spec", "ME3-L2-035");
-  Me3Scenario s;
+  IntelligentScenario s;
   one_slot(s, 0x0181);
   s.rx_remote(0x181, 4);
   s.exchange();
@@ -205,7 +207,7 @@ TEST(Me3Layer2Receive, RemoteFrames_AreNotStored) {
 // Each slot has an error code of its own.
 TEST(Me3Layer2Receive, EverySlotsOverflow_IsShownAtItsErrorCode) {
   RecordProperty("spec", "ME3-L2-002 ME3-L2-004 ME3-L2-039");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_layer2();
   for (module::BufferAddress slot = 0; slot < 42; ++slot)
     s.write(6000 + 4 * slot, {static_cast<std::uint16_t>(0x100 + slot), 0, 0, 0});
@@ -227,9 +229,9 @@ TEST(Me3Layer2Receive, EverySlotsOverflow_IsShownAtItsErrorCode) {
   s.expect(5001, 0x2000).expect(5002, Words(41, 0)).expect(29, 0x8000);
 }
 
-TEST(Me3Layer2Receive, OneMessage_InEverySlotThatLetsItPass) {
-  RecordProperty("spec", "ME3-L2-006 ME3-L2-002");
-  Me3Scenario s;
+TEST_P(Layer2Receive, OneMessage_InEverySlotThatLetsItPass) {
+  spec("ME3-L2-006 ME3-L2-002", "RJ71-L2-001");
+  IntelligentScenario s(GetParam());
   s.power_on_layer2();
   for (module::BufferAddress slot = 0; slot < 42; ++slot) s.write(6000 + 4 * slot, {0x0181, 0, 0, 0});
   s.online();
@@ -243,7 +245,7 @@ TEST(Me3Layer2Receive, OneMessage_InEverySlotThatLetsItPass) {
 
 TEST(Me3Layer2Receive, S55_ReceiveOverflow) {
   RecordProperty("spec", "ME3-L2-039 ME3-ERR-008 ME3-ERR-009 ME3-IO-012 ME3-IO-013");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_layer2();
   s.write(6000, {0x0181, 0, 0, 0}).write(6164, {0x0182, 0, 0, 0});
   s.online();

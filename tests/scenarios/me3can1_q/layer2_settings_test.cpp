@@ -5,6 +5,8 @@
 namespace canopus::scenario {
 namespace {
 
+CANOPUS_OF_BOTH_MODULES(Layer2Settings);
+
 using module::LedPattern;
 constexpr std::size_t can_run_led = 2;
 
@@ -17,7 +19,7 @@ can::Frame extended(std::uint32_t identifier, const Bytes& bytes) {
 
 TEST(Me3Layer2Settings, S06_StartUp_InTheOrderOfTable6_5) {
   RecordProperty("spec", "ME3-L2-001 ME3-PRG-003 ME3-L2-009 ME3-MODE-003");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on();
   s.write(21, 11);
   s.save();
@@ -50,9 +52,9 @@ TEST(Me3Layer2Settings, S06_StartUp_InTheOrderOfTable6_5) {
   s.expect(8450, {0x0100, 0, 0x0001, 0x0055, 0, 0, 0});
 }
 
-TEST(Me3Layer2Settings, FunctionMode_TakesEffectWithTheRestart_UnsavedItIsLost) {
-  RecordProperty("spec", "ME3-MODE-001 ME3-MODE-003 ME3-L2-001");
-  Me3Scenario s;
+TEST_P(Layer2Settings, FunctionMode_TakesEffectWithTheRestart_UnsavedItIsLost) {
+  spec("ME3-MODE-001 ME3-MODE-003 ME3-L2-001", "RJ71-MODE-001");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.expect(21, 405);
   s.write(21, 29);
@@ -69,16 +71,16 @@ TEST(Me3Layer2Settings, FunctionMode_TakesEffectWithTheRestart_UnsavedItIsLost) 
   s.expect(21, 11).expect(25, 0);
   s.write(21, 12);
   s.expect(21, 11).expect(29, 0x0040).expect(39, 21);
-  s.write(29, 0);
+  s.clear_errors();
   s.write(21, 405);
   s.save();
   s.restart();
   s.expect(21, 405).expect_bit(25, 8, true);
 }
 
-TEST(Me3Layer2Settings, Defaults_DisableEverySlotAndStopMessage) {
-  RecordProperty("spec", "ME3-L2-002 ME3-L2-003 ME3-L2-041 ME3-L2-045");
-  Me3Scenario s;
+TEST_P(Layer2Settings, Defaults_DisableEverySlotAndStopMessage) {
+  spec("ME3-L2-002 ME3-L2-003 ME3-L2-041 ME3-L2-045", "RJ71-L2-001 RJ71-STOPMSG-001");
+  IntelligentScenario s(GetParam());
   s.power_on_layer2();
   for (module::BufferAddress slot = 0; slot < 42; ++slot) {
     s.expect(6000 + 4 * slot, {0xFFFF, 0xFFFF, 0, 0});
@@ -104,7 +106,7 @@ TEST(Me3Layer2Settings, Defaults_DisableEverySlotAndStopMessage) {
 
 TEST(Me3Layer2Settings, CanopenIsOff_ItsWordsReadZero) {
   RecordProperty("spec", "ME3-MODE-005 ME3-MODE-007 ME3-SYS-012");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_layer2();
   s.online();
   s.rx(0x081, {0x30, 0x81, 0x11, 0, 0, 0, 0, 0});
@@ -128,7 +130,7 @@ TEST(Me3Layer2Settings, CanopenIsOff_ItsWordsReadZero) {
 
 TEST(Me3Layer2Settings, CommonWordsAndTheCommandInterface_KeepTheirFunction) {
   RecordProperty("spec", "ME3-MODE-006 ME3-IO-027");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_layer2();
   s.expect(24, 250).expect(37, 2500).expect(25, 0);
   s.write(24, 123);
@@ -162,9 +164,9 @@ TEST(Me3Layer2Settings, CommonWordsAndTheCommandInterface_KeepTheirFunction) {
   s.expect(25, 0).expect(29, 0).no_tx();
 }
 
-TEST(Me3Layer2Settings, SignalsOfLayer2_DoNothingIn405Mode) {
-  RecordProperty("spec", "ME3-IO-027 ME3-IO-009");
-  Me3Scenario s;
+TEST_P(Layer2Settings, SignalsOfLayer2_DoNothingIn405Mode) {
+  spec("ME3-IO-027 ME3-IO-009", "RJ71-IO-008");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.y(0x03, true).y(0x04, true).advance(1s);
   s.expect_x(0x03, false).expect_x(0x04, false);
@@ -183,9 +185,9 @@ TEST(Me3Layer2Settings, SignalsOfLayer2_DoNothingIn405Mode) {
   s.expect_x(0x11, false);
 }
 
-TEST(Me3Layer2Settings, Y03_OnlineAndOffline) {
-  RecordProperty("spec", "ME3-IO-009 ME3-L2-009");
-  Me3Scenario s;
+TEST_P(Layer2Settings, Y03_OnlineAndOffline) {
+  spec("ME3-IO-009 ME3-L2-009", "");
+  IntelligentScenario s(GetParam());
   s.power_on_layer2();
   s.write(6000, {0xFFFF, 0x7FFF, 0, 0}).write(10000, {0x0123, 0, 1, 0x55});
   s.write(6004, {0x0181, 0, 0, 0});
@@ -217,9 +219,9 @@ TEST(Me3Layer2Settings, Y03_OnlineAndOffline) {
 }
 
 // A data exchange that is under way when the module goes offline, or online, neither sends nor stores.
-TEST(Me3Layer2Settings, Y03_DuringADataExchange) {
-  RecordProperty("spec", "ME3-IO-009 ME3-L2-009");
-  Me3Scenario s;
+TEST_P(Layer2Settings, Y03_DuringADataExchange) {
+  spec("ME3-IO-009 ME3-L2-009", "");
+  IntelligentScenario s(GetParam());
   s.power_on_layer2();
   s.write(6000, {0xFFFF, 0x5FFF, 0, 0}).write(10000, {0x0123, 0, 1, 0x55});
   s.write(6004, {0x0181, 0, 0, 0});
@@ -236,9 +238,9 @@ TEST(Me3Layer2Settings, Y03_DuringADataExchange) {
   s.tx(0x123, {0x55}).no_tx();
 }
 
-TEST(Me3Layer2Settings, Y03_LeftOn_GoesOnlineAgainAfterARestart) {
-  RecordProperty("spec", "ME3-IO-009");
-  Me3Scenario s;
+TEST_P(Layer2Settings, Y03_LeftOn_GoesOnlineAgainAfterARestart) {
+  spec("ME3-IO-009", "");
+  IntelligentScenario s(GetParam());
   s.power_on_layer2();
   s.online();
   s.y(0x02, true);
@@ -250,7 +252,7 @@ TEST(Me3Layer2Settings, Y03_LeftOn_GoesOnlineAgainAfterARestart) {
 
 TEST(Me3Layer2Settings, S54_ConfigurationWhileOnline_IsRefused) {
   RecordProperty("spec", "ME3-IO-010 ME3-L2-008 ME3-IO-012 ME3-IO-013 ME3-ERR-009");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_layer2();
   s.write(6000, {0x0181, 0, 0, 0});
   s.online();
@@ -291,13 +293,13 @@ TEST(Me3Layer2Settings, S54_ConfigurationWhileOnline_IsRefused) {
 }
 
 // Slot 1 sends 123H, slot 2 receives 181H; online.
-void two_slots(Me3Scenario& s) {
+void two_slots(IntelligentScenario& s) {
   s.write(6000, {0xFFFF, 0x5FFF, 0, 0}).write(10000, {0x0123, 0, 1});
   s.write(6004, {0x0181, 0, 0, 0});
   s.online();
 }
 
-void make_error(Me3Scenario& s, unsigned bit) {
+void make_error(IntelligentScenario& s, unsigned bit) {
   switch (bit) {
     case 5: s.write(6000, 1); break;
     case 6: s.write(24, 1); break;
@@ -316,7 +318,7 @@ void make_error(Me3Scenario& s, unsigned bit) {
 TEST(Me3Layer2Settings, LatchedBits_StayUntilCleared_ByY0FOrBy0) {
   RecordProperty("spec", "ME3-ERR-009 ME3-IO-012 ME3-IO-013 ME3-ERR-008");
   for (const unsigned bit : {5U, 6U, 8U, 15U}) {
-    Me3Scenario s;
+    IntelligentScenario s;
     s.power_on_layer2();
     two_slots(s);
     for (const bool by_signal : {true, false}) {
@@ -342,7 +344,7 @@ TEST(Me3Layer2Settings, LatchedBits_StayUntilCleared_ByY0FOrBy0) {
 
 TEST(Me3Layer2Settings, OtherBits_FollowTheirCause_AndNotEachRaisesX0F) {
   RecordProperty("spec", "ME3-ERR-009 ME3-IO-012 ME3-IO-013");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_layer2();
   s.error_counters(256, 0);
   s.expect(29, 0x0008).expect_x(0x0F, true);
@@ -369,7 +371,7 @@ TEST(Me3Layer2Settings, OtherBits_FollowTheirCause_AndNotEachRaisesX0F) {
 
 TEST(Me3Layer2Settings, TriggersDataAndFlags_AreWrittenOnline) {
   RecordProperty("spec", "ME3-IO-010 ME3-L2-033");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_layer2();
   s.write(6000, {0xFFFF, 0x5FFF, 4, 0}).write(10000, {0x0123, 0, 1});
   s.write(6004, {0x0181, 0, 0, 0});
@@ -403,7 +405,7 @@ class Me3Layer2BadValue : public testing::TestWithParam<BadValue> {};
 TEST_P(Me3Layer2BadValue, SetsG29Bit6_AndLeavesTheWord) {
   RecordProperty("spec", "ME3-L2-006 ME3-L2-007 ME3-L2-038 ME3-L2-036 ME3-L2-037 ME3-L2-042");
   const BadValue bad = GetParam();
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_layer2(bad.mode);
   s.write(6000, {0xFFFF, 0x5FFF, 4, 0}).write(10000, {0x0123, 0, 1});
   s.write(6004, {0x0181, 0, 6, 0});
@@ -430,9 +432,9 @@ INSTANTIATE_TEST_SUITE_P(
                     BadValue{11, 8451, 1}, BadValue{29, 8451, 0x2000}, BadValue{11, 8452, 9},
                     BadValue{11, 8452, 0x8001}, BadValue{11, 5001, 1}));
 
-TEST(Me3Layer2Settings, GoodValues_OfBothModes) {
-  RecordProperty("spec", "ME3-L2-006 ME3-L2-007 ME3-L2-044");
-  Me3Scenario s;
+TEST_P(Layer2Settings, GoodValues_OfBothModes) {
+  spec("ME3-L2-006 ME3-L2-007 ME3-L2-044", "");
+  IntelligentScenario s(GetParam());
   s.power_on_layer2(29);
   s.write(6000, {0xFFFF, 0x1FFF, 0xFFFF, 0xFFFF});  // a receive slot: 1FFFFFFFH, any
   s.write(6004, {0x0000, 0x0000, 5, 9});
@@ -456,7 +458,7 @@ class Me3Layer2BadSetting : public testing::TestWithParam<BadSetting> {};
 
 TEST_P(Me3Layer2BadSetting, KeepsTheModuleOffline_AndIsShown) {
   RecordProperty("spec", "ME3-L2-006 ME3-L2-007 ME3-IO-009");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_layer2();
   s.write(GetParam().first, GetParam().words);
   s.expect(29, 0);
@@ -479,7 +481,7 @@ INSTANTIATE_TEST_SUITE_P(
 // What was no error for the slot as it was then is one at Y03, and for every slot and message, first to last.
 TEST(Me3Layer2Settings, FirstWrongWord_IsShown_WhicheverOrderTheyWereWrittenIn) {
   RecordProperty("spec", "ME3-L2-007 ME3-IO-009");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_layer2();
   const auto refused = [&](std::uint16_t address) {
     s.y(0x03, true).expect_x(0x03, false).expect(29, 0x0040).expect(39, address).y(0x03, false);
@@ -506,7 +508,7 @@ TEST(Me3Layer2Settings, FirstWrongWord_IsShown_WhicheverOrderTheyWereWrittenIn) 
 // RTR/new/DLC of a slot that is not used yet: only its DLC can be wrong; what goes with B is seen at Y03.
 TEST(Me3Layer2Settings, FrameWord_BeforeTheSlotIsSetUp) {
   RecordProperty("spec", "ME3-L2-036 ME3-L2-037 ME3-L2-038");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_layer2();
   for (const std::uint16_t good : Words{0x1002, 0x8002, 0x0008})
     s.write(10002, good).expect(10002, good).expect(29, 0);
@@ -517,9 +519,9 @@ TEST(Me3Layer2Settings, FrameWord_BeforeTheSlotIsSetUp) {
   s.write(6001, 0x6FFF).y(0x03, true).expect_x(0x03, true).expect(29, 0).no_tx();
 }
 
-TEST(Me3Layer2Settings, DisabledSlot_NeitherSendsNorReceives) {
-  RecordProperty("spec", "ME3-L2-004 ME3-L2-005 ME3-L2-006");
-  Me3Scenario s;
+TEST_P(Layer2Settings, DisabledSlot_NeitherSendsNorReceives) {
+  spec("ME3-L2-004 ME3-L2-005 ME3-L2-006", "RJ71-L2-001");
+  IntelligentScenario s(GetParam());
   s.power_on_layer2();
   for (const std::uint16_t b : Words{0x7FFF, 0x6FFF, 0x5FFF}) {
     s.write(6000, {0xFFFF, b, 0, 0}).write(10000, {0x0123, 0, 1, 0x44});
@@ -549,7 +551,7 @@ TEST(Me3Layer2Settings, DisabledSlot_NeitherSendsNorReceives) {
 
 TEST(Me3Layer2Settings, Save_KeepsModeRateParametersStopMessagesAndCanIds_NothingElse) {
   RecordProperty("spec", "ME3-SAVE-006 ME3-SAVE-007");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_layer2();
   s.write(24, 125);
   for (std::uint16_t slot = 0; slot < 42; ++slot) {
@@ -587,7 +589,7 @@ TEST(Me3Layer2Settings, Save_KeepsModeRateParametersStopMessagesAndCanIds_Nothin
 TEST(Me3Layer2Settings, RestoreWhileOnline_ActsOnTheWords_NotOnTheSlots) {
   RecordProperty("spec", "ME3-SAVE-002 ME3-SAVE-003 ME3-L2-008 ME3-L2-005 ME3-L2-040");
   for (const std::uint16_t bits : Words{2, 3}) {
-    Me3Scenario s;
+    IntelligentScenario s;
     s.power_on_layer2();
     s.write(6000, {0xFFFF, 0x7FFF, 0, 0}).write(10000, {0x0123, 0, 1, 0x55});
     s.write(6004, {0x0181, 0, 0, 0});
@@ -611,7 +613,7 @@ TEST(Me3Layer2Settings, RestoreWhileOnline_ActsOnTheWords_NotOnTheSlots) {
 
 TEST(Me3Layer2Settings, FlagsAndErrorCodes_AreNotSaved) {
   RecordProperty("spec", "ME3-SAVE-007");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_layer2();
   s.write(6000, {0xFFFF, 0x6FFF, 4, 0}).write(10000, {0x0123, 0, 1});
   s.write(6004, {0x0181, 0, 0, 0});
@@ -629,7 +631,7 @@ TEST(Me3Layer2Settings, FlagsAndErrorCodes_AreNotSaved) {
 
 TEST(Me3Layer2Settings, UnsavedWords_OfCanopenModeStartAtTheirDefault) {
   RecordProperty("spec", "ME3-SAVE-007");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_as(1);
   s.write(20, 0x1000).write(50, {2, 20, 5, 6, 7, 8, 9}).write(58, 5).write(400, 3).write(13000, {1, 2});
   s.write(1000, {0, 7, 8});
@@ -652,9 +654,9 @@ TEST(Me3Layer2Settings, UnsavedWords_OfCanopenModeStartAtTheirDefault) {
   s.expect(10000, {0, 0}).expect(13000, {0, 0});
 }
 
-TEST(Me3Layer2Settings, PowerDownMessages_DoNotExist) {
-  RecordProperty("spec", "ME3-L2-043");
-  Me3Scenario s;
+TEST_P(Layer2Settings, PowerDownMessages_DoNotExist) {
+  spec("ME3-L2-043", "");
+  IntelligentScenario s(GetParam());
   s.power_on_layer2();
   s.write(8450, {0x0100, 0, 1, 0x55});
   for (module::BufferAddress address = 8478; address < 8600; ++address) {

@@ -6,6 +6,8 @@
 namespace canopus::scenario {
 namespace {
 
+CANOPUS_OF_BOTH_MODULES(Layer2Transmit);
+
 can::Frame extended(std::uint32_t identifier, const Bytes& bytes) {
   can::Frame frame = can::data_frame(0, bytes);
   frame.identifier = identifier;
@@ -18,16 +20,16 @@ can::Frame remote(std::uint32_t identifier, std::uint8_t dlc, bool is_extended =
 }
 
 // Slot 1 sends 123H, as G6001 and G6002 (and D) say; online.
-void one_slot(Me3Scenario& s, std::uint16_t b, std::uint16_t type, std::uint16_t dlc_word,
+void one_slot(IntelligentScenario& s, std::uint16_t b, std::uint16_t type, std::uint16_t dlc_word,
               std::uint16_t cycle = 0) {
   s.power_on_layer2();
   s.write(6000, {0xFFFF, b, type, cycle}).write(10000, {0x0123, 0, dlc_word});
   s.online();
 }
 
-TEST(Me3Layer2Transmit, S17_S44_TriggerFlags) {
-  RecordProperty("spec", "ME3-IO-011 ME3-L2-018 ME3-L2-020 ME3-L2-022");
-  Me3Scenario s;
+TEST_P(Layer2Transmit, S17_S44_TriggerFlags) {
+  spec("ME3-IO-011 ME3-L2-018 ME3-L2-020 ME3-L2-022", "RJ71-L2TX-012 RJ71-L2TX-006");
+  IntelligentScenario s(GetParam());
   one_slot(s, 0x5FFF, 4, 0x0002);
   s.write(10003, 0xBBAA);
   s.exchange();
@@ -52,9 +54,9 @@ TEST(Me3Layer2Transmit, S17_S44_TriggerFlags) {
 }
 
 // Once X04 has come, Y04 has done its work, whatever else the module sends while it stays ON.
-TEST(Me3Layer2Transmit, Trigger_FlagsSetAfterX04_WaitForTheNextY04) {
-  RecordProperty("spec", "ME3-IO-011 ME3-L2-020");
-  Me3Scenario s;
+TEST_P(Layer2Transmit, Trigger_FlagsSetAfterX04_WaitForTheNextY04) {
+  spec("ME3-IO-011 ME3-L2-020", "RJ71-L2TX-012");
+  IntelligentScenario s(GetParam());
   s.power_on_layer2();
   s.write(6000, {0xFFFF, 0x5FFF, 4, 0}).write(10000, {0x0123, 0, 1, 0x11});
   s.write(6004, {0xFFFF, 0x5FFF, 0, 0}).write(10007, {0x0124, 0, 1, 0x22});
@@ -72,9 +74,9 @@ TEST(Me3Layer2Transmit, Trigger_FlagsSetAfterX04_WaitForTheNextY04) {
   s.wait_x(0x02, true).y(0x02, false).no_tx();
 }
 
-TEST(Me3Layer2Transmit, Trigger_SendsASlotOfAnyType) {
-  RecordProperty("spec", "ME3-L2-020 ME3-IO-011");
-  Me3Scenario s;
+TEST_P(Layer2Transmit, Trigger_SendsASlotOfAnyType) {
+  spec("ME3-L2-020 ME3-IO-011", "RJ71-L2TX-012");
+  IntelligentScenario s(GetParam());
   s.power_on_layer2();
   for (std::uint16_t type = 0; type <= 4; ++type) {
     s.write(6000 + 4U * type,
@@ -90,7 +92,7 @@ TEST(Me3Layer2Transmit, Trigger_SendsASlotOfAnyType) {
 // A request that is ON before the module is online is carried out when it is.
 TEST(Me3Layer2Transmit, Trigger_RequestedOffline_IsCarriedOutOnline) {
   RecordProperty("spec", "ME3-IO-011 ME3-L2-009");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_layer2();
   s.write(6000, {0xFFFF, 0x5FFF, 4, 0}).write(10000, {0x0123, 0, 1, 0x11});
   s.write(8400, 1).y(0x04, true).advance(1s).no_tx().expect(8400, 1).expect_x(0x04, false);
@@ -98,9 +100,9 @@ TEST(Me3Layer2Transmit, Trigger_RequestedOffline_IsCarriedOutOnline) {
   s.tx(0x123, {0x11}).no_tx().expect(8400, 0).expect_x(0x04, true);
 }
 
-TEST(Me3Layer2Transmit, Trigger_OfReceiveAndDisabledSlots_IsDiscarded) {
-  RecordProperty("spec", "ME3-L2-021 ME3-IO-011");
-  Me3Scenario s;
+TEST_P(Layer2Transmit, Trigger_OfReceiveAndDisabledSlots_IsDiscarded) {
+  spec("ME3-L2-021 ME3-IO-011", "RJ71-L2TX-012");
+  IntelligentScenario s(GetParam());
   s.power_on_layer2();
   s.write(6000, {0x0181, 0, 0, 0});
   s.online();
@@ -110,9 +112,9 @@ TEST(Me3Layer2Transmit, Trigger_OfReceiveAndDisabledSlots_IsDiscarded) {
   s.no_tx().expect(8400, {0, 0, 0}).expect_x(0x04, true).expect(29, 0);
 }
 
-TEST(Me3Layer2Transmit, Trigger_WaitsForATransmitBuffer) {
-  RecordProperty("spec", "ME3-IO-011");
-  Me3Scenario s;
+TEST_P(Layer2Transmit, Trigger_WaitsForATransmitBuffer) {
+  spec("ME3-IO-011", "RJ71-L2TX-012");
+  IntelligentScenario s(GetParam());
   s.power_on_layer2();
   s.write(6000, {0xFFFF, 0x5FFF, 4, 0}).write(10000, {0x0123, 0, 1, 1});
   s.write(6004, {0xFFFF, 0x5FFF, 4, 0}).write(10007, {0x0124, 0, 1, 2});
@@ -132,10 +134,10 @@ TEST(Me3Layer2Transmit, Trigger_WaitsForATransmitBuffer) {
   s.tx(0x123, {1}).tx(0x124, {2}).expect(8400, 0).expect_x(0x04, true);
 }
 
-TEST(Me3Layer2Transmit, TriggerAndRtrFlags_OneBitPerSlot) {
-  RecordProperty("spec", "ME3-L2-022 ME3-L2-023");
+TEST_P(Layer2Transmit, TriggerAndRtrFlags_OneBitPerSlot) {
+  spec("ME3-L2-022 ME3-L2-023", "");
   for (const std::uint16_t slot : Words{1, 2, 16, 17, 28, 32, 33, 41, 42}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     s.power_on_layer2();
     const auto index = static_cast<module::BufferAddress>(slot - 1);
     s.write(6000 + 4 * index, {0xFFFF, 0x6FFF, 4, 0}).write(10000 + 7 * index, {0x0123, 0, 1, slot});
@@ -150,9 +152,9 @@ TEST(Me3Layer2Transmit, TriggerAndRtrFlags_OneBitPerSlot) {
   }
 }
 
-TEST(Me3Layer2Transmit, S45_Type0_SendsWithEveryY01) {
-  RecordProperty("spec", "ME3-L2-014");
-  Me3Scenario s;
+TEST_P(Layer2Transmit, S45_Type0_SendsWithEveryY01) {
+  spec("ME3-L2-014", "RJ71-L2TX-002");
+  IntelligentScenario s(GetParam());
   one_slot(s, 0x5FFF, 0, 0x0003);
   s.write(10003, {0x2211, 0x9933});
   s.advance(1s);
@@ -168,7 +170,7 @@ TEST(Me3Layer2Transmit, S45_Type0_SendsWithEveryY01) {
 
 TEST(Me3Layer2Transmit, S45_Type1_SendsWithY01IfTheDataChanged) {
   RecordProperty("spec", "ME3-L2-015");
-  Me3Scenario s;
+  IntelligentScenario s;
   one_slot(s, 0x5FFF, 1, 0x0002);
   s.exchange();
   s.no_tx();  // nothing has changed since going online
@@ -213,9 +215,9 @@ TEST(Me3Layer2Transmit, S45_Type1_SendsWithY01IfTheDataChanged) {
   s.no_tx();
 }
 
-TEST(Me3Layer2Transmit, S46_Type2_SendsEveryCycle_WithTheDataOfTheLastY01) {
-  RecordProperty("spec", "ME3-L2-016 ME3-L2-019");
-  Me3Scenario s;
+TEST_P(Layer2Transmit, S46_Type2_SendsEveryCycle_WithTheDataOfTheLastY01) {
+  spec("ME3-L2-016 ME3-L2-019", "RJ71-L2TX-004");
+  IntelligentScenario s(GetParam());
   one_slot(s, 0x5FFF, 2, 0x0001, 10);  // 10 times 10 ms
   const can::Time start = s.now();
   s.advance(99ms);
@@ -236,9 +238,9 @@ TEST(Me3Layer2Transmit, S46_Type2_SendsEveryCycle_WithTheDataOfTheLastY01) {
   s.no_tx();
 }
 
-TEST(Me3Layer2Transmit, S46_Type3_SendsInTheCycleAfterAChange) {
-  RecordProperty("spec", "ME3-L2-017 ME3-L2-019");
-  Me3Scenario s;
+TEST_P(Layer2Transmit, S46_Type3_SendsInTheCycleAfterAChange) {
+  spec("ME3-L2-017 ME3-L2-019", "RJ71-L2TX-005");
+  IntelligentScenario s(GetParam());
   one_slot(s, 0x5FFF, 3, 0x0001, 10);
   const can::Time start = s.now();
   s.advance(250ms);
@@ -274,9 +276,10 @@ TEST(Me3Layer2Transmit, S46_Type3_SendsInTheCycleAfterAChange) {
 }
 
 // An answer to a remote frame is a transmission, too, and so is one that takes the RTR flag away.
-TEST(Me3Layer2Transmit, Type3_AnswersCountAsSent_AndCyclesClearTheRtrFlag) {
-  RecordProperty("spec", "ME3-L2-017 ME3-L2-016 ME3-L2-025 ME3-L2-010");
-  Me3Scenario s;
+TEST_P(Layer2Transmit, Type3_AnswersCountAsSent_AndCyclesClearTheRtrFlag) {
+  spec("ME3-L2-017 ME3-L2-016 ME3-L2-025 ME3-L2-010",
+       "RJ71-L2TX-005 RJ71-L2TX-004 RJ71-L2RTR-004 RJ71-L2RTR-003");
+  IntelligentScenario s(GetParam());
   s.power_on_layer2();
   s.write(6000, {0xFFFF, 0x7FFF, 3, 10}).write(10000, {0x0123, 0, 1, 0x11});
   s.write(6004, {0xFFFF, 0x6FFF, 2, 10}).write(10007, {0x0124, 0, 1, 0x22});
@@ -290,10 +293,10 @@ TEST(Me3Layer2Transmit, Type3_AnswersCountAsSent_AndCyclesClearTheRtrFlag) {
   s.tx(0x124, {0x22}).no_tx().expect(8350, 0);
 }
 
-TEST(Me3Layer2Transmit, CycleTime0_IsForcedTo1_ForTypes2And3) {
-  RecordProperty("spec", "ME3-L2-019");
+TEST_P(Layer2Transmit, CycleTime0_IsForcedTo1_ForTypes2And3) {
+  spec("ME3-L2-019", "");
   for (const std::uint16_t type : Words{2, 3}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     one_slot(s, 0x5FFF, type, 0x0001, 0);
     s.expect(6003, 1);
     s.write(10003, 0x0011);
@@ -307,21 +310,21 @@ TEST(Me3Layer2Transmit, CycleTime0_IsForcedTo1_ForTypes2And3) {
     s.no_tx();
   }
   for (const std::uint16_t type : Words{0, 1, 4}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     one_slot(s, 0x5FFF, type, 0x0001, 0);
     s.expect(6003, 0).advance(1s);
     s.no_tx();
   }
   for (const std::uint16_t type : Words{0, 1, 4}) {  // a cycle time means nothing to them
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     one_slot(s, 0x5FFF, type, 0x0001, 1);
     s.advance(1s);
     s.no_tx();
   }
 }
 
-TEST(Me3Layer2Transmit, CycleTimeInMilliseconds_IsAChoice) {
-  RecordProperty("spec", "ME3-L2-019");
+TEST_P(Layer2Transmit, CycleTimeInMilliseconds_IsAChoice) {
+  spec("ME3-L2-019", "");
   RamMemory memory;
   FreeBus bus;
   module::me3can1_q::Me3can1Q module(bus, memory, {.layer2_cycle_unit = 1ms});
@@ -335,9 +338,9 @@ TEST(Me3Layer2Transmit, CycleTimeInMilliseconds_IsAChoice) {
   s.tx(0x123).no_tx();
 }
 
-TEST(Me3Layer2Transmit, S47_AutomaticRtrResponse) {
-  RecordProperty("spec", "ME3-L2-010 ME3-SYS-012 ME3-L2-018");
-  Me3Scenario s;
+TEST_P(Layer2Transmit, S47_AutomaticRtrResponse) {
+  spec("ME3-L2-010 ME3-SYS-012 ME3-L2-018", "RJ71-L2RTR-003 RJ71-L2TX-006");
+  IntelligentScenario s(GetParam());
   one_slot(s, 0x7FFF, 4, 0x0002);
   s.write(10003, 0x2211);
   s.exchange();
@@ -356,10 +359,10 @@ TEST(Me3Layer2Transmit, S47_AutomaticRtrResponse) {
   s.no_tx().expect(8350, {0, 0, 0});
 }
 
-TEST(Me3Layer2Transmit, S47_ManualRtrResponse) {
-  RecordProperty("spec", "ME3-L2-011 ME3-L2-024 ME3-L2-025 ME3-L2-026");
+TEST_P(Layer2Transmit, S47_ManualRtrResponse) {
+  spec("ME3-L2-011 ME3-L2-024 ME3-L2-025 ME3-L2-026", "RJ71-L2RTR-004");
   for (const std::uint16_t type : Words{0, 1}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     one_slot(s, 0x6FFF, type, 0x0002);
     s.rx_remote(0x123, 2);
     s.no_tx().expect(8350, {0x0001, 0, 0});  // without Y01
@@ -384,9 +387,9 @@ TEST(Me3Layer2Transmit, S47_ManualRtrResponse) {
   }
 }
 
-TEST(Me3Layer2Transmit, S47_RtrHandlingDisabled) {
-  RecordProperty("spec", "ME3-L2-012");
-  Me3Scenario s;
+TEST_P(Layer2Transmit, S47_RtrHandlingDisabled) {
+  spec("ME3-L2-012", "RJ71-L2RTR-005");
+  IntelligentScenario s(GetParam());
   one_slot(s, 0x5FFF, 0, 0x0002);
   s.rx_remote(0x123, 2).advance(1s);
   s.no_tx().expect(8350, {0, 0, 0}).expect(10002, 2).expect(29, 0);
@@ -395,7 +398,7 @@ TEST(Me3Layer2Transmit, S47_RtrHandlingDisabled) {
 TEST(Me3Layer2Transmit, S47_StrictDlcCheck) {
   RecordProperty("spec", "ME3-L2-037");
   for (const std::uint16_t b : Words{0x7FFF, 0x6FFF}) {
-    Me3Scenario s;
+    IntelligentScenario s;
     one_slot(s, b, 4, 0x1002);
     s.rx_remote(0x123, 1).rx_remote(0x123, 3).rx_remote(0x123, 0);
     s.no_tx().expect(8350, 0);
@@ -422,7 +425,7 @@ TEST(Me3Layer2Transmit, S47_StrictDlcCheck) {
 
 TEST(Me3Layer2Transmit, S48_28SlotLimit) {
   RecordProperty("spec", "ME3-L2-013 ME3-L2-018");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_layer2();
   // Slot 1 without RTR does not count; slots 2 to 42 do, automatic and manual.
   s.write(6000, {0xFFFF, 0x5FFF, 4, 0}).write(10000, {0x0200, 0, 1});
@@ -449,9 +452,9 @@ TEST(Me3Layer2Transmit, S48_28SlotLimit) {
   s.expect(29, 0);
 }
 
-TEST(Me3Layer2Transmit, S48_AsPrinted_30Slots) {
-  RecordProperty("spec", "ME3-L2-013");
-  Me3Scenario s;
+TEST_P(Layer2Transmit, S48_AsPrinted_30Slots) {
+  spec("ME3-L2-013", "");
+  IntelligentScenario s(GetParam());
   s.power_on_layer2();
   for (std::uint16_t slot = 0; slot < 30; ++slot) {
     s.write(6000 + 4U * slot, {0xFFFF, 0x7FFF, 0, 0});
@@ -464,7 +467,7 @@ TEST(Me3Layer2Transmit, S48_AsPrinted_30Slots) {
 
 TEST(Me3Layer2Transmit, SendRtrFrame) {
   RecordProperty("spec", "ME3-L2-036 ME3-SYS-012");
-  Me3Scenario s;
+  IntelligentScenario s;
   one_slot(s, 0x5FFF, 0, 0x8005);
   s.write(10003, 0x2211);
   s.exchange();
@@ -480,7 +483,7 @@ TEST(Me3Layer2Transmit, SendRtrFrame) {
 TEST(Me3Layer2Transmit, SendRtrFrame_ByCycleAndTrigger_WithTheDlcOfTheLastY01) {
   RecordProperty("spec", "ME3-L2-036 ME3-L2-044");
   for (const std::uint16_t mode : Words{11, 29}) {
-    Me3Scenario s;
+    IntelligentScenario s;
     s.power_on_layer2(mode);
     s.write(6000, {0xFFFF, 0x5FFF, 2, 1}).write(10000, {0x0123, 0, 0x8000});
     s.write(6004, {0xFFFF, 0x5FFF, 4, 0}).write(10007, {0x0124, 0, 0x8008});
@@ -499,9 +502,9 @@ TEST(Me3Layer2Transmit, SendRtrFrame_ByCycleAndTrigger_WithTheDlcOfTheLastY01) {
   }
 }
 
-TEST(Me3Layer2Transmit, RemoteFrames_In405Mode_AreForNodeGuardingAlone) {
-  RecordProperty("spec", "ME3-SYS-012");
-  Me3Scenario s;
+TEST_P(Layer2Transmit, RemoteFrames_In405Mode_AreForNodeGuardingAlone) {
+  spec("ME3-SYS-012", "");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.nmt(0x01);
   s.write(13000, 0x1234);
@@ -527,7 +530,7 @@ TEST(Me3Layer2Transmit, RemoteFrames_In405Mode_AreForNodeGuardingAlone) {
 
 TEST(Me3Layer2Transmit, Dlc_0To8) {
   RecordProperty("spec", "ME3-L2-038");
-  Me3Scenario s;
+  IntelligentScenario s;
   one_slot(s, 0x5FFF, 0, 0);
   const Bytes all{1, 2, 3, 4, 5, 6, 7, 8};
   s.write(10003, {0x0201, 0x0403, 0x0605, 0x0807});
@@ -540,9 +543,9 @@ TEST(Me3Layer2Transmit, Dlc_0To8) {
   s.expect(10002, 8).expect(29, 0x0040).expect(39, 10002);
 }
 
-TEST(Me3Layer2Transmit, IdentifierWidth_FollowsTheMode) {
-  RecordProperty("spec", "ME3-L2-044 ME3-L2-005");
-  Me3Scenario s;
+TEST_P(Layer2Transmit, IdentifierWidth_FollowsTheMode) {
+  spec("ME3-L2-044 ME3-L2-005", "");
+  IntelligentScenario s(GetParam());
   s.power_on_layer2(29);
   s.write(6000, {0xFFFF, 0x7FFF, 0, 0}).write(10000, {0xF100, 0x18FE, 1, 0x44});
   s.write(6004, {0x0123, 0, 0, 0});
@@ -565,9 +568,9 @@ TEST(Me3Layer2Transmit, IdentifierWidth_FollowsTheMode) {
   s.tx(extended(0x10000001, {})).no_tx();
 }
 
-TEST(Me3Layer2Transmit, S52_RunToStopMessages) {
-  RecordProperty("spec", "ME3-L2-040 ME3-L2-041 ME3-L2-042");
-  Me3Scenario s;
+TEST_P(Layer2Transmit, S52_RunToStopMessages) {
+  spec("ME3-L2-040 ME3-L2-041 ME3-L2-042", "RJ71-STOPMSG-001");
+  IntelligentScenario s(GetParam());
   s.power_on_layer2();
   s.write(8450, {0x0100, 0, 0x0001, 0x0055});
   s.online();
@@ -583,7 +586,7 @@ TEST(Me3Layer2Transmit, S52_RunToStopMessages) {
   s.no_tx();
   s.write(8452, 0x8001);
   s.expect(8452, 1).expect(29, 0x0040).expect(39, 8452);
-  s.write(29, 0);
+  s.clear_errors();
   s.write(8450, {0x0400, 0, 8, 0x0201, 0x0403, 0x0605, 0x0807});
   s.write(8457, {0x0300, 0, 0});
   s.write(8471, {0x0001, 0, 2, 0x2211});
@@ -593,9 +596,9 @@ TEST(Me3Layer2Transmit, S52_RunToStopMessages) {
 }
 
 // One that waits for room when the module is restarted is gone.
-TEST(Me3Layer2Transmit, RunToStopMessages_AreEndedByARestart) {
-  RecordProperty("spec", "ME3-L2-040 ME3-IO-004");
-  Me3Scenario s;
+TEST_P(Layer2Transmit, RunToStopMessages_AreEndedByARestart) {
+  spec("ME3-L2-040 ME3-IO-004", "RJ71-STOPMSG-001");
+  IntelligentScenario s(GetParam());
   s.power_on_layer2();
   s.write(8450, {0x0100, 0, 0x0001, 0x0055, 0, 0, 0, 0x0200, 0, 0x0001, 0x0066});
   s.save();
@@ -611,7 +614,7 @@ TEST(Me3Layer2Transmit, RunToStopMessages_AreEndedByARestart) {
 
 TEST(Me3Layer2Transmit, S53_CifLayer2Send) {
   RecordProperty("spec", "ME3-CIF-027");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_layer2();
   s.online();
   s.cif({0x000C, 0x0321, 0, 0, 3, 0x0201, 0x0003});
@@ -636,18 +639,18 @@ TEST(Me3Layer2Transmit, S53_CifLayer2Send) {
   s.expect(1000, {0x000F, 0x8FFF}).expect(29, 0x0100);
 }
 
-TEST(Me3Layer2Transmit, S34_LayerTwoSendIn405Mode_IsUnknown) {
-  RecordProperty("spec", "ME3-CIF-027");
-  Me3Scenario s;
+TEST_P(Layer2Transmit, S34_LayerTwoSendIn405Mode_IsUnknown) {
+  spec("ME3-CIF-027", "RJ71-L2CIF-001");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.cif({0x000C, 0x0321, 0, 0, 0});
   s.expect(1000, {0x000F, 0x0064}).no_tx();
 }
 
-TEST(Me3Layer2Transmit, S53_CifSettingError) {
-  RecordProperty("spec", "ME3-CIF-028");
+TEST_P(Layer2Transmit, S53_CifSettingError) {
+  spec("ME3-CIF-028", "RJ71-L2CIF-002");
   const auto wrong = [](std::uint16_t mode, const Words& parameters, const std::vector<bool>& faults) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     s.power_on_layer2(mode);
     s.online();
     Words command{0x000C};
@@ -665,16 +668,16 @@ TEST(Me3Layer2Transmit, S53_CifSettingError) {
   wrong(29, {0xFFFF, 0x2000, 0, 0}, {false, true, false, false});
   wrong(29, {0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF}, {false, true, true, true});
   wrong(11, {0xFFFF, 0xFFFF, 0xFFFF, 0xFFFF}, {true, true, true, true});
-  Me3Scenario s;
+  IntelligentScenario s(GetParam());
   s.power_on_layer2(29);
   s.online();
   s.cif({0x000C, 0xFFFF, 0x1FFF, 0, 0});
   s.tx(extended(0x1FFFFFFF, {})).expect(1000, 0x000D);
 }
 
-TEST(Me3Layer2Transmit, TransmitQueueOverflow_SetsG29Bit8) {
-  RecordProperty("spec", "ME3-L2-014 ME3-IO-012");
-  Me3Scenario s;
+TEST_P(Layer2Transmit, TransmitQueueOverflow_SetsG29Bit8) {
+  spec("ME3-L2-014 ME3-IO-012", "RJ71-L2TX-002");
+  IntelligentScenario s(GetParam());
   one_slot(s, 0x5FFF, 0, 0x0000);
   s.controller().accepts = false;
   s.exchange();
@@ -686,7 +689,7 @@ TEST(Me3Layer2Transmit, TransmitQueueOverflow_SetsG29Bit8) {
 
 TEST(Me3Layer2Transmit, DataExchange_WithAnyG20) {
   RecordProperty("spec", "ME3-DX-010");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_layer2();
   s.write(6000, {0xFFFF, 0x5FFF, 0, 0}).write(10000, {0x0123, 0, 2});
   s.write(6164, {0x0181, 0, 0, 0});

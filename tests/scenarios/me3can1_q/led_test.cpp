@@ -7,16 +7,18 @@
 namespace canopus::scenario {
 namespace {
 
+CANOPUS_OF_BOTH_MODULES(Led);
+
 using module::LedPattern;
 
 enum Which : std::size_t { run, error, can_run, traffic, can_error };
 
-LedPattern led(Me3Scenario& s, Which which) { return s.plug_in().leds(s.now())[which].pattern; }
+LedPattern led(IntelligentScenario& s, Which which) { return s.plug_in().leds(s.now())[which].pattern; }
 
 /// What an eye sees of an LED from now on, in milliseconds: "200 dark, 200 lit, ...", each piece between two
 /// changes, as long as `duration` goes. The first and the last piece are cut off: the eye came and went in
 /// the middle of them. "dark" or "lit" when nothing changes.
-std::string seen(Me3Scenario& s, Which which, can::Duration duration = 5s) {
+std::string seen(IntelligentScenario& s, Which which, can::Duration duration = 5s) {
   std::vector<std::pair<bool, int>> pieces;
   for (can::Duration passed{}; passed < duration; passed += 10ms) {
     const bool lit = module::is_lit(s.plug_in().leds(s.now())[which], s.now());
@@ -42,9 +44,9 @@ constexpr auto blinks = "200 lit, 200 dark";
 constexpr auto flashes_once = "200 lit, 1000 dark";
 constexpr auto flashes_twice = "200 lit, 200 dark, 200 lit, 1000 dark";
 
-TEST(Me3Led, Run_IsOnInOperation_OffWithoutSupply) {
-  RecordProperty("spec", "ME3-LED-001");
-  Me3Scenario s;
+TEST_P(Led, Run_IsOnInOperation_OffWithoutSupply) {
+  spec("ME3-LED-001", "");
+  IntelligentScenario s(GetParam());
   EXPECT_EQ(led(s, run), LedPattern::off);
   s.power_on();
   EXPECT_EQ(led(s, run), LedPattern::on);
@@ -54,7 +56,7 @@ TEST(Me3Led, Run_IsOnInOperation_OffWithoutSupply) {
 
 TEST(Me3Led, CanRun_ShowsTheNmtState) {
   RecordProperty("spec", "ME3-LED-003 ME3-LED-004 ME3-LED-005");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.supply_on();
   EXPECT_EQ(seen(s, can_run, 900ms), "dark");  // initialization: 1 s
   s.power_on();
@@ -71,7 +73,7 @@ TEST(Me3Led, CanRun_ShowsTheNmtState) {
 TEST(Me3Led, CanRun_InTheLayer2Modes_IsDarkWhileX03IsOff) {
   RecordProperty("spec", "ME3-LED-006 ME3-LED-003");
   for (const std::uint16_t mode : Words{11, 29}) {
-    Me3Scenario s;
+    IntelligentScenario s;
     s.power_on_layer2(mode);
     s.expect_x(0x03, false);
     EXPECT_EQ(seen(s, can_run), "dark");
@@ -103,7 +105,7 @@ TEST(Me3Led, CanRun_InTheLayer2Modes_IsDarkWhileX03IsOff) {
 
 TEST(Me3Led, CanError_ShowsTheMostSevereCause) {
   RecordProperty("spec", "ME3-LED-002 ME3-LED-009 ME3-LED-010 ME3-LED-011 ME3-LED-012 ME3-LED-013");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_as(1);
   EXPECT_EQ(seen(s, can_error), "dark");
   EXPECT_EQ(seen(s, error), "dark");
@@ -131,7 +133,7 @@ TEST(Me3Led, CanError_ShowsTheMostSevereCause) {
 // Each cause by itself; when it ends, or is cleared, the LED is dark again.
 TEST(Me3Led, CanError_OneCauseAtATime) {
   RecordProperty("spec", "ME3-LED-002 ME3-LED-010 ME3-LED-011 ME3-LED-012 ME3-LED-013");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_as(1);
   s.error_counters(96, 0);
   EXPECT_EQ(seen(s, can_error), flashes_once);
@@ -180,7 +182,7 @@ TEST(Me3Led, CanError_OneCauseAtATime) {
 
 TEST(Me3Led, TxRx_IsOnWhileFramesGoByTheModule) {
   RecordProperty("spec", "ME3-LED-008");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on();
   s.advance(1s);
   EXPECT_EQ(led(s, traffic), LedPattern::off);
@@ -205,8 +207,8 @@ TEST(Me3Led, TxRx_IsOnWhileFramesGoByTheModule) {
 }
 
 // The patterns over time, in steps of 50 ms from the start of the time base.
-TEST(Me3Led, Patterns_OverTime) {
-  RecordProperty("spec", "ME3-LED-004 ME3-LED-005 ME3-LED-011");
+TEST_P(Led, Patterns_OverTime) {
+  spec("ME3-LED-004 ME3-LED-005 ME3-LED-011", "");
   const auto lit = [](LedPattern pattern, std::size_t steps) {
     std::string text;
     for (std::size_t i = 0; i < steps; ++i) {

@@ -11,6 +11,8 @@
 namespace canopus::scenario {
 namespace {
 
+CANOPUS_OF_BOTH_MODULES(Lss);
+
 using module::Led;
 using module::LedPattern;
 
@@ -32,7 +34,7 @@ const std::vector<Object> s76{{0x1F80, 0, 0x00000001}, {0x1F81, 5, mandatory},  
                               {0x1F85, 5, 0x00000071}, {0x1F86, 5, 0x0000ED63}, {0x1F87, 5, 0x00010000},
                               {0x1F88, 5, 0x12345678}, {0x1F89, 0, 10000}};
 
-void preset(module::me3can1_q::Me3can1Q& module, const std::vector<Object>& objects) {
+void preset(module::ModuleEngine& module, const std::vector<Object>& objects) {
   EXPECT_TRUE(module.preset_word(27, 1));
   for (const Object& object : objects) {
     EXPECT_EQ(module.preset_object(object.index, object.sub, canopen::little_endian(object.value, 4)),
@@ -41,7 +43,7 @@ void preset(module::me3can1_q::Me3can1Q& module, const std::vector<Object>& obje
 }
 
 /// Node 1 with these objects: switched on, the network reset.
-void boot(Me3Scenario& s, const std::vector<Object>& objects, Where where = Where::current()) {
+void boot(IntelligentScenario& s, const std::vector<Object>& objects, Where where = Where::current()) {
   preset(s.plug_in(), objects);
   s.supply_on().wait_tx(0x701, {0x00}, 20s, where).tx(0x000, {0x82, 0x00}, where);
 }
@@ -58,23 +60,23 @@ const Bytes serial{0x43, 0x78, 0x56, 0x34, 0x12, 0, 0, 0};
 const Bytes selected{0x44, 0, 0, 0, 0, 0, 0, 0};
 const Bytes waiting_state{0x04, 0, 0, 0, 0, 0, 0, 0};
 
-void asks_for_the_slave(Me3Scenario& s, Where where = Where::current()) {
+void asks_for_the_slave(IntelligentScenario& s, Where where = Where::current()) {
   s.wait_tx(0x7E5, vendor, 20s, where).wait_tx(0x7E5, product, 20s, where);
   s.wait_tx(0x7E5, revision, 20s, where).wait_tx(0x7E5, serial, 20s, where);
 }
 
 /// From the reset of the network to the first frame of the search.
-void boot_time_passes(Me3Scenario& s, can::Duration boot_time = 10s, Where where = Where::current()) {
+void boot_time_passes(IntelligentScenario& s, can::Duration boot_time = 10s, Where where = Where::current()) {
   s.advance(boot_time - 1ms).ignore_tx().expect_bit(25, lss_active, false, where);
   s.expect_bit(25, start_up, true, where);
   s.advance(1ms);
 }
 
-Led led(Me3Scenario& s, Which which) { return s.plug_in().leds(s.now())[which]; }
+Led led(IntelligentScenario& s, Which which) { return s.plug_in().leds(s.now())[which]; }
 
-TEST(Me3Lss, S76_MandatorySlaveMissing_IsSelectedByItsIdentity_AndGetsNodeIdAndBitRate) {
-  RecordProperty("spec", "ME3-LSS-002 ME3-LSS-003 ME3-LSS-004");
-  Me3Scenario s;
+TEST_P(Lss, S76_MandatorySlaveMissing_IsSelectedByItsIdentity_AndGetsNodeIdAndBitRate) {
+  spec("ME3-LSS-002 ME3-LSS-003 ME3-LSS-004", "RJ71-LSS-002 RJ71-LSS-003 RJ71-LSS-004");
+  IntelligentScenario s(GetParam());
   boot(s, s76);
   boot_time_passes(s);
   s.expect_bit(25, lss_active, true).expect_bit(25, nmt_master, true);
@@ -104,9 +106,9 @@ TEST(Me3Lss, S76_MandatorySlaveMissing_IsSelectedByItsIdentity_AndGetsNodeIdAndB
   s.tx(0x000, {0x01, 0x05}).expect_bit(25, 0, true).expect_bit(405, 4, false).no_tx();
 }
 
-TEST(Me3Lss, S76_NotFoundAtTheOwnRate_TheOthersAreTried_AndTheFoundSlaveChangesOver) {
-  RecordProperty("spec", "ME3-LSS-005 ME3-LSS-004");
-  Me3Scenario s;
+TEST_P(Lss, S76_NotFoundAtTheOwnRate_TheOthersAreTried_AndTheFoundSlaveChangesOver) {
+  spec("ME3-LSS-005 ME3-LSS-004", "RJ71-LSS-005 RJ71-LSS-004");
+  IntelligentScenario s(GetParam());
   boot(s, s76);
   const can::Time reset = s.now();
   s.set_object(0x1017, 0, 50, 2);  // its heartbeat
@@ -141,9 +143,9 @@ TEST(Me3Lss, S76_NotFoundAtTheOwnRate_TheOthersAreTried_AndTheFoundSlaveChangesO
   s.ignore_tx();
 }
 
-TEST(Me3Lss, S76_NowhereToBeFound_EveryOtherRateIsTriedOnce_AndTheOwnOneComesBack) {
-  RecordProperty("spec", "ME3-LSS-005 ME3-STAT-008");
-  Me3Scenario s;
+TEST_P(Lss, S76_NowhereToBeFound_EveryOtherRateIsTriedOnce_AndTheOwnOneComesBack) {
+  spec("ME3-LSS-005 ME3-STAT-008", "RJ71-LSS-005 RJ71-LSS-007");
+  IntelligentScenario s(GetParam());
   boot(s, s76);
   boot_time_passes(s);
   std::vector<std::uint32_t> rates;
@@ -168,7 +170,7 @@ TEST(Me3Lss, S76_NowhereToBeFound_EveryOtherRateIsTriedOnce_AndTheOwnOneComesBac
 
 TEST(Me3Lss, TheTwoLedsFlickerAlternately_AndG25_10_IsOn_OnlyWhileItSearches) {
   RecordProperty("spec", "ME3-LSS-006 ME3-STAT-008 ME3-LED-007");
-  Me3Scenario s;
+  IntelligentScenario s;
   boot(s, s76);
   boot_time_passes(s);
   s.expect(25, 0xC500);
@@ -188,11 +190,11 @@ TEST(Me3Lss, TheTwoLedsFlickerAlternately_AndG25_10_IsOn_OnlyWhileItSearches) {
   s.ignore_tx();
 }
 
-TEST(Me3Lss, OneConditionMissing_NoSearch_TheStartUpFailsAtOnce) {
-  RecordProperty("spec", "ME3-LSS-002 ME3-LSS-007 ME3-ID-003");
+TEST_P(Lss, OneConditionMissing_NoSearch_TheStartUpFailsAtOnce) {
+  spec("ME3-LSS-002 ME3-LSS-007 ME3-ID-003", "RJ71-LSS-002 RJ71-LSS-006");
   for (std::uint16_t index = 0x1F84; index <= 0x1F88; ++index) {
     SCOPED_TRACE(index);
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     boot(s, without(s76, index));
     s.advance(9999ms).ignore_tx().expect_bit(25, start_up, true).expect_bit(405, 4, false);
     s.advance(1ms).expect_bit(25, lss_active, false).expect_bit(25, start_up, false).expect_bit(405, 4, true);
@@ -206,7 +208,7 @@ TEST(Me3Lss, OneConditionMissing_NoSearch_TheStartUpFailsAtOnce) {
     SCOPED_TRACE(value);
     auto objects = without(s76, index);
     objects.push_back({index, sub, value});
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     boot(s, objects);
     for (int i = 0; i < 20; ++i) {
       s.advance(1s).expect_bit(25, lss_active, false);
@@ -216,16 +218,17 @@ TEST(Me3Lss, OneConditionMissing_NoSearch_TheStartUpFailsAtOnce) {
   }
 }
 
-TEST(Me3Lss, SerialNumberDeletedAfterwards_NoUnwantedStart) {
-  RecordProperty("spec", "ME3-LSS-007");
-  Me3Scenario s;
+TEST_P(Lss, SerialNumberDeletedAfterwards_NoUnwantedStart) {
+  spec("ME3-LSS-007", "RJ71-LSS-006");
+  IntelligentScenario s(GetParam());
   boot(s, s76);
   s.advance(1s).ignore_tx();
   s.set_object(0x1F88, 5, 0, 4);
   s.advance(9s).ignore_tx().expect_bit(25, start_up, false).expect_bit(405, 4, true);
   s.expect_bit(25, lss_active, false).advance(5s).no_tx();
 
-  Me3Scenario found;  // after a search that found it; stored, so that no later start searches
+  IntelligentScenario found(
+      GetParam());  // after a search that found it; stored, so that no later start searches
   boot(found, s76);
   boot_time_passes(found);
   asks_for_the_slave(found);
@@ -242,9 +245,9 @@ TEST(Me3Lss, SerialNumberDeletedAfterwards_NoUnwantedStart) {
   found.expect_bit(405, 4, true);
 }
 
-TEST(Me3Lss, SlaveThatAnswered_IsNotMissing) {
-  RecordProperty("spec", "ME3-LSS-003");
-  Me3Scenario s;
+TEST_P(Lss, SlaveThatAnswered_IsNotMissing) {
+  spec("ME3-LSS-003", "RJ71-LSS-003");
+  IntelligentScenario s(GetParam());
   auto objects = s76;
   objects.push_back({0x1016, 1, 0x000503E8});  // booted when its heartbeat comes: it does not
   boot(s, objects);
@@ -254,9 +257,9 @@ TEST(Me3Lss, SlaveThatAnswered_IsNotMissing) {
   s.expect_bit(25, lss_active, false).expect_bit(405, 4, true).ignore_tx();
 }
 
-TEST(Me3Lss, MasterOnly_NeverAnswersAsASlave_AndSearchesOnlyAsTheActiveMaster) {
-  RecordProperty("spec", "ME3-LSS-001");
-  const auto hear_a_master = [](Me3Scenario& s) {
+TEST_P(Lss, MasterOnly_NeverAnswersAsASlave_AndSearchesOnlyAsTheActiveMaster) {
+  spec("ME3-LSS-001", "RJ71-LSS-001");
+  const auto hear_a_master = [](IntelligentScenario& s) {
     s.rx(0x7E5, {0x04, 0x01, 0, 0, 0, 0, 0, 0});
     s.rx(0x7E5, {0x5A, 0, 0, 0, 0, 0, 0, 0}).rx(0x7E5, {0x5E, 0, 0, 0, 0, 0, 0, 0});
     s.rx(0x7E5, {0x11, 0x20, 0, 0, 0, 0, 0, 0}).rx(0x7E5, {0x17, 0, 0, 0, 0, 0, 0, 0});
@@ -264,22 +267,22 @@ TEST(Me3Lss, MasterOnly_NeverAnswersAsASlave_AndSearchesOnlyAsTheActiveMaster) {
     s.rx(0x7E5, {0x4C, 0, 0, 0, 0, 0, 0, 0}).rx(0x7E5, {0x51, 0, 0, 0, 0, 0x80, 0, 0});
     s.advance(1s).no_tx();
   };
-  Me3Scenario slave;
+  IntelligentScenario slave(GetParam());
   slave.power_on_as(1);
   hear_a_master(slave);
   EXPECT_EQ(slave.plug_in().node().node_id(), 1);
 
-  Me3Scenario not_active;  // all of S76, but 1F80H bit 0 is 0
+  IntelligentScenario not_active(GetParam());  // all of S76, but 1F80H bit 0 is 0
   preset(not_active.plug_in(), without(s76, 0x1F80));
   not_active.supply_on().wait_tx(0x701, {0x00});
   hear_a_master(not_active);
   not_active.advance(30s).no_tx().expect_bit(25, lss_active, false);
 }
 
-TEST(Me3Lss, NmtResetOrRestartInTheMiddle_TheOwnRateComesBack) {
-  RecordProperty("spec", "ME3-LSS-005");
+TEST_P(Lss, NmtResetOrRestartInTheMiddle_TheOwnRateComesBack) {
+  spec("ME3-LSS-005", "RJ71-LSS-005");
   for (const bool restart : {false, true}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     boot(s, s76);
     boot_time_passes(s);
     for (int i = 0; i < 1000 && s.controller().rate != 500'000; ++i) s.advance(1ms).ignore_tx();

@@ -6,6 +6,8 @@
 namespace canopus::scenario {
 namespace {
 
+CANOPUS_OF_BOTH_MODULES(MappingChange);
+
 struct Step {
   std::uint16_t index;
   std::uint8_t sub;
@@ -25,10 +27,10 @@ const Steps new_cob_ids{{0x1400, 1, 0x80000201, 4},
                         {0x1800, 1, 0xC0000181, 4},
                         {0x1800, 1, 0x400001B1, 4}};
 
-void by_command_interface(Me3Scenario& s, const Steps& steps) {
+void by_command_interface(IntelligentScenario& s, const Steps& steps) {
   for (const Step& step : steps) s.set_object(step.index, step.sub, step.value, step.length);
 }
-void by_sdo(Me3Scenario& s, const Steps& steps) {
+void by_sdo(IntelligentScenario& s, const Steps& steps) {
   for (const auto& [index, sub, value, length] : steps) {
     const auto low = static_cast<std::uint8_t>(index & 0xFF);
     const auto high = static_cast<std::uint8_t>(index >> 8);
@@ -44,7 +46,7 @@ void by_sdo(Me3Scenario& s, const Steps& steps) {
 unsigned turn = 0;  // other values each time
 
 // RPDO1 and TPDO1 as from the factory: four words each, from the first on.
-void expect_factory_mappings(Me3Scenario& s) {
+void expect_factory_mappings(IntelligentScenario& s) {
   const auto value = static_cast<std::uint8_t>(++turn);
   s.rx(0x201, {value, 1, value, 2, value, 3, value, 4});
   for (std::uint16_t word = 0; word < 4; ++word) {
@@ -58,7 +60,7 @@ void expect_factory_mappings(Me3Scenario& s) {
 }
 
 // One word each, on these identifiers; G10000 stays as it is.
-void expect_one_word(Me3Scenario& s, std::uint32_t rpdo, std::uint32_t tpdo) {
+void expect_one_word(IntelligentScenario& s, std::uint32_t rpdo, std::uint32_t tpdo) {
   const auto value = static_cast<std::uint8_t>(++turn);
   const std::uint16_t untouched = s.read(10000);
   s.rx(rpdo, {value, 0x77});
@@ -68,16 +70,16 @@ void expect_one_word(Me3Scenario& s, std::uint32_t rpdo, std::uint32_t tpdo) {
   s.tx(tpdo, {value, 0x55}).no_tx();
 }
 
-void operational_with_factory_mappings(Me3Scenario& s) {
+void operational_with_factory_mappings(IntelligentScenario& s) {
   s.power_on_as(1);
   s.nmt(0x01);
   s.ignore_tx();
   expect_factory_mappings(s);  // what the exchange works out once is worked out
 }
 
-TEST(Me3MappingChange, ByTheCommandInterface_CountsInTheNextExchange) {
-  RecordProperty("spec", "ME3-PDO-004");
-  Me3Scenario s;
+TEST_P(MappingChange, ByTheCommandInterface_CountsInTheNextExchange) {
+  spec("ME3-PDO-004", "RJ71-PDO-005 RJ71-PDO-006");
+  IntelligentScenario s(GetParam());
   operational_with_factory_mappings(s);
   by_command_interface(s, new_mappings);
   expect_one_word(s, 0x201, 0x181);
@@ -85,8 +87,8 @@ TEST(Me3MappingChange, ByTheCommandInterface_CountsInTheNextExchange) {
   expect_one_word(s, 0x231, 0x1B1);
 }
 
-TEST(Me3MappingChange, BySdo_AsAConfigurationManagerDoes_CountsInTheNextExchange) {
-  Me3Scenario s;
+TEST_P(MappingChange, BySdo_AsAConfigurationManagerDoes_CountsInTheNextExchange) {
+  IntelligentScenario s(GetParam());
   operational_with_factory_mappings(s);
   by_sdo(s, new_mappings);
   expect_one_word(s, 0x201, 0x181);
@@ -94,8 +96,8 @@ TEST(Me3MappingChange, BySdo_AsAConfigurationManagerDoes_CountsInTheNextExchange
   expect_one_word(s, 0x231, 0x1B1);
 }
 
-TEST(Me3MappingChange, ByResetCommunication_OldMappingsAreBack) {
-  Me3Scenario s;
+TEST_P(MappingChange, ByResetCommunication_OldMappingsAreBack) {
+  IntelligentScenario s(GetParam());
   operational_with_factory_mappings(s);
   by_sdo(s, new_mappings);
   by_sdo(s, new_cob_ids);
@@ -107,8 +109,8 @@ TEST(Me3MappingChange, ByResetCommunication_OldMappingsAreBack) {
   expect_factory_mappings(s);
 }
 
-TEST(Me3MappingChange, StoredAndRestored_CountsAfterEachRestart) {
-  Me3Scenario s;
+TEST_P(MappingChange, StoredAndRestored_CountsAfterEachRestart) {
+  IntelligentScenario s(GetParam());
   operational_with_factory_mappings(s);
   by_command_interface(s, new_mappings);
   by_command_interface(s, new_cob_ids);

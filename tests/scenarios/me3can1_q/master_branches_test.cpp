@@ -9,6 +9,13 @@
 namespace canopus::scenario {
 namespace {
 
+CANOPUS_OF_BOTH_MODULES(ErrorBehaviour);
+CANOPUS_OF_BOTH_MODULES(ErrorControl);
+CANOPUS_OF_BOTH_MODULES(KeepAlive);
+CANOPUS_OF_BOTH_MODULES(MasterRole);
+CANOPUS_OF_BOTH_MODULES(SdoChannelInMasterBranches);
+CANOPUS_OF_BOTH_MODULES(VerifyConfiguration);
+
 constexpr std::uint32_t only_watched = 0x01;  // 1F81H: assigned
 constexpr std::uint32_t optional = 0x05;      // and boot slave
 constexpr std::uint32_t mandatory = 0x0D;     // and mandatory
@@ -40,19 +47,20 @@ struct Object {
   std::uint32_t value;
 };
 
-void set(Me3Scenario& s, std::initializer_list<Object> objects, Where where = Where::current()) {
+void set(IntelligentScenario& s, std::initializer_list<Object> objects, Where where = Where::current()) {
   for (const Object& object : objects) s.set_object(object.index, object.sub, object.value, 4, where);
 }
 
 /// 1F22H/02: 1017H:00 = 1000, 1800H:01 = 80000181H.
-void store_concise_dcf(Me3Scenario& s, Where where = Where::current()) {
+void store_concise_dcf(IntelligentScenario& s, Where where = Where::current()) {
   s.cif({0x0002, 0, 0x1F22, 2, 24, 0x0002, 0x0000, 0x1017, 0x0200, 0x0000, 0xE800, 0x0003, 0x0118, 0x0004,
          0x0000, 0x0181, 0x8000},
         where);
 }
 
 /// Node 1 with these objects stored, after a restart: Reset communication was sent just now.
-void start_with(Me3Scenario& s, std::initializer_list<Object> objects, Where where = Where::current()) {
+void start_with(IntelligentScenario& s, std::initializer_list<Object> objects,
+                Where where = Where::current()) {
   set(s, objects, where);
   s.store_objects(where);
   s.y(0x02, true).wait_x(0x02, true, 60s, where).y(0x02, false);
@@ -60,9 +68,9 @@ void start_with(Me3Scenario& s, std::initializer_list<Object> objects, Where whe
 
 // --- 1F80H bit 0
 
-TEST(Me3MasterRole, Bit0Clear_AllOtherSettingsAreIgnored_AndItIsTheDefault) {
-  RecordProperty("spec", "ME3-MST-001");
-  Me3Scenario s;
+TEST_P(MasterRole, Bit0Clear_AllOtherSettingsAreIgnored_AndItIsTheDefault) {
+  spec("ME3-MST-001", "RJ71-STARTUP-002");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.expect_object(0x1F80, 0, 0, 4);
   start_with(s, {{0x1F80, 0, 0x0000007E}, {0x1F81, 2, 0x0064030D}, {0x1F89, 0, 1000}});
@@ -74,9 +82,9 @@ TEST(Me3MasterRole, Bit0Clear_AllOtherSettingsAreIgnored_AndItIsTheDefault) {
   s.expect_abort(0x08000022).no_tx();
 }
 
-TEST(Me3MasterRole, Bit0_TakesEffectAfterStoreAndRestart_OrResetNode) {
+TEST_P(MasterRole, Bit0_TakesEffectAfterStoreAndRestart_OrResetNode) {
   for (const bool by_restart : {true, false}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     s.power_on_as(1);
     s.set_object(0x1F80, 0, 0x00000001, 4);
     s.advance(10s).no_tx().expect_bit(25, 15, false);   // not yet
@@ -113,7 +121,7 @@ class Me3Configuration : public ::testing::Test {
     s.tx(0x602, write_1017, where).rx(0x582, written_1017);
     s.tx(0x602, write_1800, where).rx(0x582, written_1800);
   }
-  Me3Scenario s;
+  IntelligentScenario s;
   const std::uint32_t date =
       static_cast<std::uint32_t>((std::chrono::sys_days{std::chrono::year{2014} / 10 / 15} -
                                   std::chrono::sys_days{std::chrono::year{1984} / 1 / 1})
@@ -139,7 +147,7 @@ TEST_F(Me3Configuration, S78_AnyDifference_DownloadsEveryEntry_BeforeTheStart) {
   for (const Row& row :
        {Row{date, time, date + 1, time}, Row{date, time, date, time + 1}, Row{date, time, 0, 0}}) {
     Me3Configuration_S78_AnyDifference_DownloadsEveryEntry_BeforeTheStart_Test other;
-    Me3Scenario& t = other.s;
+    IntelligentScenario& t = other.s;
     start_with(t, {{0x1F80, 0, 1},
                    {0x1F81, 2, mandatory},
                    {0x1F26, 2, row.expected_date},
@@ -212,8 +220,8 @@ TEST_F(Me3Configuration, WithoutTheBootSlaveBit_NeitherAskedNorConfiguredNorStar
   s.rx(0x702, {0x00}).tx(0x081, {0, 0, 0, 0, 0, 0, 0, 0}).rx(0x702, {0x7F}).advance(1s).no_tx();
 }
 
-TEST(Me3VerifyConfiguration, S80_ChangeOf1017h_BothRead0) {
-  Me3Scenario s;
+TEST_P(VerifyConfiguration, S80_ChangeOf1017h_BothRead0) {
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   set(s, {{0x1020, 1, 5}, {0x1020, 2, 6}});
   s.expect_object(0x1020, 1, 5, 4).expect_object(0x1020, 2, 6, 4);
@@ -225,46 +233,46 @@ TEST(Me3VerifyConfiguration, S80_ChangeOf1017h_BothRead0) {
 
 // --- keep alive
 
-TEST(Me3KeepAlive, Bit4_OperationalSlaveIsNotReset_OthersAre) {
-  RecordProperty("spec", "ME3-SLV-005");
-  const auto start = [](Me3Scenario& s, std::uint32_t assignment) {
+TEST_P(KeepAlive, Bit4_OperationalSlaveIsNotReset_OthersAre) {
+  spec("ME3-SLV-005", "RJ71-STARTUP-005");
+  const auto start = [](IntelligentScenario& s, std::uint32_t assignment) {
     s.power_on_as(1);
     start_with(s, {{0x1F80, 0, 1}, {0x1F81, 2, assignment}});
     s.tx(0x081, {0x00, 0x62, 0x01, 0x4D, 0x45, 0x30, 0x30, 0x34}).tx(0x701, {0x00});
   };
-  const auto is_not_reset = [](Me3Scenario& s) {
+  const auto is_not_reset = [](IntelligentScenario& s) {
     for (std::uint8_t node = 3; node <= 127; ++node) s.tx(0x000, {0x82, node});
     s.tx(0x602, ask_1000).no_tx().rx(0x582, is_0191).tx_remote(0x702);
   };
   {  // Operational: neither reset nor started
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     start(s, kept_alive);
     is_not_reset(s);
     s.rx(0x702, {0x05}).no_tx().expect(25, 0x8201).expect(602, 5);
   }
   {  // Pre-operational: reset now
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     start(s, kept_alive);
     is_not_reset(s);
     s.rx(0x702, {0x7F}).tx(0x000, {0x82, 0x02}).no_tx().expect_bit(25, 0, false);
     s.rx(0x702, {0x00}).tx(0x000, {0x01, 0x02}).no_tx().expect(25, 0x8201);
   }
   {  // bit 4 clear: reset with all the others
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     start(s, mandatory);
     s.tx(0x000, {0x82, 0x00}).no_tx();
   }
 }
 
-TEST(Me3KeepAlive, SlaveThatGuardsItsMaster_MissesTheRemoteFrames_WhenTheMasterHasNoGuarding) {
-  RecordProperty("spec", "ME3-SLV-012");
-  Me3Scenario master;  // one remote frame to learn the slave's state, and no more
+TEST_P(KeepAlive, SlaveThatGuardsItsMaster_MissesTheRemoteFrames_WhenTheMasterHasNoGuarding) {
+  spec("ME3-SLV-012", "");
+  IntelligentScenario master(GetParam());  // one remote frame to learn the slave's state, and no more
   master.power_on_as(1);
   start_with(master, {{0x1F80, 0, 1}, {0x1F81, 2, kept_alive}});
   master.ignore_tx().rx(0x582, is_0191).tx_remote(0x702).rx(0x702, {0x05});
   master.advance(60s).no_tx().expect(402, 0).expect_x(0x10, false);
 
-  Me3Scenario slave;  // 100 ms, 3 times
+  IntelligentScenario slave(GetParam());  // 100 ms, 3 times
   slave.power_on_as(2);
   slave.set_object(0x100C, 0, 100, 2);
   slave.set_object(0x100D, 0, 3, 1);
@@ -272,7 +280,7 @@ TEST(Me3KeepAlive, SlaveThatGuardsItsMaster_MissesTheRemoteFrames_WhenTheMasterH
   slave.advance(299ms).no_tx().expect(25, 0x0201);
   slave.advance(1ms).tx(0x082, {0x02, 0x8F, 0x11, 0, 0, 0, 0, 0}).expect(25, 0x0100).expect(402, 0x0040);
 
-  Me3Scenario configured;  // on both sides: remote frames go on
+  IntelligentScenario configured(GetParam());  // on both sides: remote frames go on
   configured.power_on_as(1);
   start_with(configured, {{0x1F80, 0, 1}, {0x1F81, 2, 0x00640300 | kept_alive}});
   configured.ignore_tx().rx(0x582, is_0191).tx_remote(0x702).rx(0x702, {0x05});
@@ -281,9 +289,9 @@ TEST(Me3KeepAlive, SlaveThatGuardsItsMaster_MissesTheRemoteFrames_WhenTheMasterH
 
 // --- SDO connections
 
-TEST(Me3SdoChannel, FirstStart_OccupiesAllNodes_LaterOnlyTheOneThatFailed) {
-  RecordProperty("spec", "ME3-CIF-025");
-  Me3Scenario s;
+TEST_P(SdoChannelInMasterBranches, FirstStart_OccupiesAllNodes_LaterOnlyTheOneThatFailed) {
+  spec("ME3-CIF-025", "");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.set_object(0x1F80, 0, 1, 4);
   for (std::uint8_t node = 2; node <= 127; ++node) s.set_object(0x1F81, node, optional, 4);
@@ -324,9 +332,9 @@ TEST(Me3SdoChannel, FirstStart_OccupiesAllNodes_LaterOnlyTheOneThatFailed) {
 
 // --- error control
 
-TEST(Me3ErrorControl, NodesWord_IsThatOfItsNumber_HeartbeatAndGuarding) {
-  RecordProperty("spec", "ME3-NEC-002 ME3-NEC-003 ME3-NEC-004 ME3-NEC-011");
-  Me3Scenario s;
+TEST_P(ErrorControl, NodesWord_IsThatOfItsNumber_HeartbeatAndGuarding) {
+  spec("ME3-NEC-002 ME3-NEC-003 ME3-NEC-004 ME3-NEC-011", "");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.set_object(0x1F80, 0, 1, 4);
   for (std::uint8_t node = 2; node <= 127; ++node) {
@@ -357,9 +365,9 @@ TEST(Me3ErrorControl, NodesWord_IsThatOfItsNumber_HeartbeatAndGuarding) {
   for (std::uint16_t address = 401; address <= 527; ++address) s.expect(address, 0);
 }
 
-TEST(Me3ErrorControl, HeartbeatWinsOverGuarding_AtTheMasterAndAtTheSlave) {
-  RecordProperty("spec", "ME3-NG-008");
-  Me3Scenario s;  // 1016H watches node 2: no remote frame, not even on request
+TEST_P(ErrorControl, HeartbeatWinsOverGuarding_AtTheMasterAndAtTheSlave) {
+  spec("ME3-NG-008", "RJ71-NG-007 RJ71-NG-008");
+  IntelligentScenario s(GetParam());  // 1016H watches node 2: no remote frame, not even on request
   s.power_on_as(1);
   start_with(s, {{0x1F80, 0, 1}, {0x1F81, 2, 0x00640301}, {0x1016, 1, 0x000205DC}});
   s.ignore_tx();
@@ -369,7 +377,7 @@ TEST(Me3ErrorControl, HeartbeatWinsOverGuarding_AtTheMasterAndAtTheSlave) {
   s.expect_object(0x1F83, 2, 0, 1).expect(402, 0x0002);
   s.wait_bit(402, 7, true).expect(402, 0x0082).ignore_tx();  // the heartbeat's bit, none of guarding
 
-  Me3Scenario slave;  // 1017H: neither answered nor watched
+  IntelligentScenario slave(GetParam());  // 1017H: neither answered nor watched
   slave.power_on_as(2);
   slave.set_object(0x100C, 0, 100, 2);
   slave.set_object(0x100D, 0, 3, 1);
@@ -379,9 +387,9 @@ TEST(Me3ErrorControl, HeartbeatWinsOverGuarding_AtTheMasterAndAtTheSlave) {
   slave.advance(5s).no_tx().expect(402, 0).expect(25, 0x0201);
 }
 
-TEST(Me3ErrorControl, ConsumerTimeShorterThanTheProducers_IsTakenAndLosesEveryHeartbeat) {
-  RecordProperty("spec", "ME3-HB-005");
-  Me3Scenario s;
+TEST_P(ErrorControl, ConsumerTimeShorterThanTheProducers_IsTakenAndLosesEveryHeartbeat) {
+  spec("ME3-HB-005", "");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.set_object(0x1016, 1, 0x00020064, 4);  // 100 ms, and node 2 sends one every second
   s.expect_object(0x1016, 1, 0x00020064, 4).expect(29, 0);
@@ -397,17 +405,17 @@ TEST(Me3ErrorControl, ConsumerTimeShorterThanTheProducers_IsTakenAndLosesEveryHe
   for (int again = 0; again < 10; ++again) s.rx(0x702, {0x05}).ignore_tx().advance(1000ms).no_tx();
 }
 
-TEST(Me3ErrorBehaviour, Causes_AsSlaveHeartbeatAndLifeGuarding_AsMasterNeitherHeartbeatNorGuardingOfSlaves) {
-  RecordProperty("spec", "ME3-EB-005");
+TEST_P(ErrorBehaviour, Causes_AsSlaveHeartbeatAndLifeGuarding_AsMasterNeitherHeartbeatNorGuardingOfSlaves) {
+  spec("ME3-EB-005", "");
   {
-    Me3Scenario s;  // slave: heartbeat of node 2 missing
+    IntelligentScenario s(GetParam());  // slave: heartbeat of node 2 missing
     s.power_on_as(1);
     s.set_object(0x1016, 1, 0x000205DC, 4);
     s.nmt(0x01, 1).rx(0x702, {0x05}).expect(25, 0x0201);
     s.advance(1499ms).expect(25, 0x0201).advance(1ms).expect(25, 0x0100).ignore_tx();
   }
   {
-    Me3Scenario s;  // slave: life guarding
+    IntelligentScenario s(GetParam());  // slave: life guarding
     s.power_on_as(1);
     s.set_object(0x100C, 0, 100, 2);
     s.set_object(0x100D, 0, 3, 1);
@@ -415,18 +423,18 @@ TEST(Me3ErrorBehaviour, Causes_AsSlaveHeartbeatAndLifeGuarding_AsMasterNeitherHe
     s.ignore_tx();
   }
   {
-    Me3Scenario s;  // bus-off, in either role
+    IntelligentScenario s(GetParam());  // bus-off, in either role
     s.power_on_as(1);
     s.nmt(0x01, 1).expect(25, 0x0201).error_counters(256, 0).expect_bit(25, 0, false).ignore_tx();
     s.supply_off();
   }
   {
-    Me3Scenario s;  // CPU in STOP
+    IntelligentScenario s(GetParam());  // CPU in STOP
     s.power_on_as(1);
     s.nmt(0x01, 1).cpu(module::CpuState::stop).expect(25, 0x0100).ignore_tx();
   }
   {
-    Me3Scenario s;  // master: both kinds of losses, and Operational all the same
+    IntelligentScenario s(GetParam());  // master: both kinds of losses, and Operational all the same
     s.power_on_as(1);
     start_with(s, {{0x1F80, 0, 1}, {0x1016, 1, 0x000205DC}, {0x1F81, 3, 0x00640301}});
     s.ignore_tx().advance(1s).ignore_tx();
@@ -439,7 +447,7 @@ TEST(Me3ErrorBehaviour, Causes_AsSlaveHeartbeatAndLifeGuarding_AsMasterNeitherHe
 
 TEST(Me3Emergency, CodesTheModuleSendsByItself) {
   RecordProperty("spec", "ME3-EMCY-006");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_as(1);
   s.set_object(0x1016, 1, 0x007F03E8, 4);
   s.set_object(0x1400, 1, 0x00000201, 4);

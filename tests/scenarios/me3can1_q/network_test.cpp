@@ -5,9 +5,11 @@
 namespace canopus::scenario {
 namespace {
 
+CANOPUS_OF_BOTH_MODULES(Network);
+
 // Node 1 with these settings stored, just restarted: boot-up frame and the master's frames not looked at yet.
 void start_as_master(
-    Me3Scenario& s, std::uint32_t start_up,
+    IntelligentScenario& s, std::uint32_t start_up,
     const std::vector<std::pair<std::pair<std::uint16_t, std::uint8_t>, std::uint32_t>>& objects = {}) {
   s.power_on_as(1);
   for (const auto& [place, value] : objects) s.set_object(place.first, place.second, value, 4);
@@ -21,7 +23,7 @@ void start_as_master(
 
 TEST(Me3Network, S56_StateMachine_AsSlave) {
   RecordProperty("spec", "ME3-NMT-003 ME3-NMT-005 ME3-NMT-007 ME3-STAT-004 ME3-STAT-005 ME3-NST-002");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_as(1);
   s.nmt(0x01, 1);
   s.expect(25, 0x0201).expect(601, 5);
@@ -58,7 +60,7 @@ TEST(Me3Network, S56_StateMachine_AsSlave) {
 
 TEST(Me3Network, ResetNode_BringsStoredValuesBack) {
   RecordProperty("spec", "ME3-NMT-006");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_as(1);
   s.set_object(0x1015, 0, 33, 2);
   s.store_objects();
@@ -73,10 +75,10 @@ TEST(Me3Network, ResetNode_BringsStoredValuesBack) {
   s.expect_object(0xA580, 1, 0, 2);
 }
 
-TEST(Me3Network, S57_SimpleMasterStart_WaitsG70BetweenResetAndStart) {
-  RecordProperty("spec", "ME3-MST-009 ME3-MST-002 ME3-DLY-001 ME3-STAT-011");
+TEST_P(Network, S57_SimpleMasterStart_WaitsG70BetweenResetAndStart) {
+  spec("ME3-MST-009 ME3-MST-002 ME3-DLY-001 ME3-STAT-011", "RJ71-STARTUP-015 RJ71-BM-022");
   for (const std::uint16_t delay : Words{500, 2000}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     s.power_on_as(1);
     s.expect_bit(25, 15, false);
     s.write(70, delay);
@@ -98,9 +100,10 @@ TEST(Me3Network, S57_SimpleMasterStart_WaitsG70BetweenResetAndStart) {
   }
 }
 
-TEST(Me3Network, S58_MasterStart_BringsItsSlaveToOperational) {
-  RecordProperty("spec", "ME3-MST-008 ME3-MST-010 ME3-SLV-007 ME3-SLV-008 ME3-SLV-013 ME3-STAT-010");
-  Me3Scenario s;
+TEST_P(Network, S58_MasterStart_BringsItsSlaveToOperational) {
+  spec("ME3-MST-008 ME3-MST-010 ME3-SLV-007 ME3-SLV-008 ME3-SLV-013 ME3-STAT-010",
+       "RJ71-STARTUP-010 RJ71-STARTUP-013");
+  IntelligentScenario s(GetParam());
   start_as_master(s, 1, {{{0x1F81, 2}, 0x0D}, {{0x1F84, 2}, 0x000F0191}, {{0x1F89, 0}, 10000}});
   s.tx(0x701, {0x00});
   s.tx(0x000, {0x82, 0x00});
@@ -120,7 +123,7 @@ TEST(Me3Network, S58_MasterStart_BringsItsSlaveToOperational) {
 
 TEST(Me3Network, S59_MandatorySlaveMissing_StopsTheStartUp) {
   RecordProperty("spec", "ME3-MST-012 ME3-NEC-007 ME3-SLV-015");
-  Me3Scenario s;
+  IntelligentScenario s;
   start_as_master(s, 1, {{{0x1F81, 2}, 0x0D}, {{0x1F84, 2}, 0x000F0191}, {{0x1F89, 0}, 10000}});
   s.advance(9s);
   s.expect_bit(25, 14, true).expect_bit(402, 4, false).expect_x(0x10, false);
@@ -132,15 +135,15 @@ TEST(Me3Network, S59_MandatorySlaveMissing_StopsTheStartUp) {
   s.no_tx().expect(25, 0x8100);
 }
 
-TEST(Me3Network, S60_WrongIdentity_EndsTheStartUpOfTheSlave) {
-  RecordProperty("spec", "ME3-ID-001 ME3-ID-002");
+TEST_P(Network, S60_WrongIdentity_EndsTheStartUpOfTheSlave) {
+  spec("ME3-ID-001 ME3-ID-002", "RJ71-SLAVEID-001 RJ71-SLAVEID-002 RJ71-SLAVEID-003 RJ71-SLAVEID-004");
   const std::vector<std::array<std::uint32_t, 3>> identity{{0x1000, 0, 0x1F84},
                                                            {0x1018, 1, 0x1F85},
                                                            {0x1018, 2, 0x1F86},
                                                            {0x1018, 3, 0x1F87},
                                                            {0x1018, 4, 0x1F88}};
   for (std::size_t wrong = 0; wrong < identity.size(); ++wrong) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     std::vector<std::pair<std::pair<std::uint16_t, std::uint8_t>, std::uint32_t>> settings{
         {{0x1F81, 2}, 0x0D}};
     for (std::size_t i = 0; i < identity.size(); ++i) {
@@ -164,9 +167,9 @@ TEST(Me3Network, S60_WrongIdentity_EndsTheStartUpOfTheSlave) {
   }
 }
 
-TEST(Me3Network, S64_ActiveMaster_IgnoresBroadcasts) {
-  RecordProperty("spec", "ME3-NMT-009");
-  Me3Scenario s;
+TEST_P(Network, S64_ActiveMaster_IgnoresBroadcasts) {
+  spec("ME3-NMT-009", "RJ71-NODECTL-012");
+  IntelligentScenario s(GetParam());
   start_as_master(s, 1);
   s.advance(5s);
   s.ignore_tx();
@@ -177,10 +180,10 @@ TEST(Me3Network, S64_ActiveMaster_IgnoresBroadcasts) {
   }
 }
 
-TEST(Me3Network, S68_ErrorBehavior_OnCpuStop) {
-  RecordProperty("spec", "ME3-EB-001 ME3-EB-002 ME3-EB-003 ME3-EB-006");
+TEST_P(Network, S68_ErrorBehavior_OnCpuStop) {
+  spec("ME3-EB-001 ME3-EB-002 ME3-EB-003 ME3-EB-006", "RJ71-ERRB-001 RJ71-ERRB-003 RJ71-ERRB-004");
   for (const std::uint8_t behaviour : Bytes{0, 1, 2}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     s.power_on_as(1);
     s.expect_object(0x1029, 1, 0, 1);
     s.set_object(0x1029, 1, behaviour, 1);
@@ -216,9 +219,9 @@ TEST(Me3Network, S68_ErrorBehavior_OnCpuStop) {
   }
 }
 
-TEST(Me3Network, ErrorBehavior_OtherValues_AreRefused) {
-  RecordProperty("spec", "ME3-EB-004");
-  Me3Scenario s;
+TEST_P(Network, ErrorBehavior_OtherValues_AreRefused) {
+  spec("ME3-EB-004", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   for (std::uint16_t value = 3; value <= 0xFE; ++value) {
     s.cif({0x0002, 0, 0x1029, 1, 1, value});
@@ -227,9 +230,9 @@ TEST(Me3Network, ErrorBehavior_OtherValues_AreRefused) {
   s.expect_object(0x1029, 1, 0, 1);
 }
 
-TEST(Me3Network, S67_GuardedAsSlave_AnswersWithToggle_AndReportsTheMissingMaster) {
-  RecordProperty("spec", "ME3-NG-001 ME3-NG-002 ME3-NEC-009");
-  Me3Scenario s;
+TEST_P(Network, S67_GuardedAsSlave_AnswersWithToggle_AndReportsTheMissingMaster) {
+  spec("ME3-NG-001 ME3-NG-002 ME3-NEC-009", "RJ71-NG-006");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.set_object(0x100C, 0, 100, 2);
   s.set_object(0x100D, 0, 3, 1);
@@ -249,9 +252,9 @@ TEST(Me3Network, S67_GuardedAsSlave_AnswersWithToggle_AndReportsTheMissingMaster
   s.ignore_tx();
 }
 
-TEST(Me3Network, S65_HeartbeatProducer) {
-  RecordProperty("spec", "ME3-HB-001");
-  Me3Scenario s;
+TEST_P(Network, S65_HeartbeatProducer) {
+  spec("ME3-HB-001", "RJ71-HB-001");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.advance(5s);
   s.no_tx();
@@ -271,17 +274,17 @@ TEST(Me3Network, S65_HeartbeatProducer) {
   s.no_tx();
 }
 
-TEST(Me3Network, S69_SyncProducer_OnlyAsActiveMaster) {
-  RecordProperty("spec", "ME3-SYNC-001 ME3-SYNC-002 ME3-SYNC-003 ME3-SYNC-004");
+TEST_P(Network, S69_SyncProducer_OnlyAsActiveMaster) {
+  spec("ME3-SYNC-001 ME3-SYNC-002 ME3-SYNC-003 ME3-SYNC-004", "RJ71-SYNC-001 RJ71-SYNC-002");
   {
-    Me3Scenario s;  // a slave
+    IntelligentScenario s(GetParam());  // a slave
     s.power_on_as(1);
     s.set_object(0x1006, 0, 10000, 4);
     s.set_object(0x1005, 0, 0x40000080, 4);
     s.advance(1s);
     s.no_tx();
   }
-  Me3Scenario s;
+  IntelligentScenario s(GetParam());
   start_as_master(s, 1);
   s.advance(5s);
   s.ignore_tx();

@@ -5,6 +5,8 @@
 namespace canopus::scenario {
 namespace {
 
+CANOPUS_OF_BOTH_MODULES(NmtMaster);
+
 constexpr std::uint32_t optional = 0x05;   // 1F81H: assigned, boot slave
 constexpr std::uint32_t mandatory = 0x0D;  // and mandatory
 
@@ -15,7 +17,8 @@ struct Object {
 };
 
 /// Node 1 with these objects stored; supply on up to its boot-up frame.
-void boot_master(Me3Scenario& s, std::initializer_list<Object> objects, Where where = Where::current()) {
+void boot_master(IntelligentScenario& s, std::initializer_list<Object> objects,
+                 Where where = Where::current()) {
   s.plug_in().preset_word(27, 1);
   for (const Object& object : objects) {
     const unsigned length = object.index == 0x1017 || object.index == 0x100C ? 2
@@ -34,7 +37,7 @@ const Bytes is_0191{0x43, 0x00, 0x10, 0x00, 0x91, 0x01, 0x0F, 0x00};
 const Bytes time_out{0x80, 0x00, 0x10, 0x00, 0x00, 0x00, 0x04, 0x05};
 
 /// The next question for 1000H, after the end of the one that was just asked: G71, then 1 s.
-void asked_again(Me3Scenario& s, Where where = Where::current()) {
+void asked_again(IntelligentScenario& s, Where where = Where::current()) {
   const can::Time asked = s.now();
   s.wait_tx(0x602, time_out, 20s, where);
   EXPECT_EQ(s.now() - asked, 500ms);
@@ -43,19 +46,19 @@ void asked_again(Me3Scenario& s, Where where = Where::current()) {
 }
 
 /// Slave 2 comes after its reset, is identified, and is started.
-void slave_2_boots(Me3Scenario& s, Where where = Where::current()) {
+void slave_2_boots(IntelligentScenario& s, Where where = Where::current()) {
   s.rx(0x702, {0x00}).tx(0x602, ask_1000, where).rx(0x582, is_0191);
 }
 
 const Bytes no_error{0, 0, 0, 0, 0, 0, 0, 0};
 
 /// The same after its heartbeat was missing: the module takes its emergency message back.
-void slave_2_boots_again(Me3Scenario& s, Where where = Where::current()) {
+void slave_2_boots_again(IntelligentScenario& s, Where where = Where::current()) {
   s.rx(0x702, {0x00}).tx(0x081, no_error, where).tx(0x602, ask_1000, where).rx(0x582, is_0191);
 }
 
 /// Slave 2 (heartbeat watched, 1500 ms) was booted and started and is heard.
-void run_with_slave_2(Me3Scenario& s, std::uint32_t start_up, std::uint32_t assignment,
+void run_with_slave_2(IntelligentScenario& s, std::uint32_t start_up, std::uint32_t assignment,
                       Where where = Where::current()) {
   boot_master(s, {{0x1F80, 0, start_up}, {0x1F81, 2, assignment}, {0x1016, 1, 0x000205DC}}, where);
   s.tx(0x000, {0x82, 0x00}, where);
@@ -65,13 +68,13 @@ void run_with_slave_2(Me3Scenario& s, std::uint32_t start_up, std::uint32_t assi
   s.expect(602, 5, where).expect_bit(25, 0, true, where).expect_bit(25, 14, false, where);
 }
 
-can::Duration since(const Me3Scenario& s, can::Time from) { return s.now() - from; }
+can::Duration since(const IntelligentScenario& s, can::Time from) { return s.now() - from; }
 
 // --- S57
 
-TEST(Me3NmtMaster, S57_SimpleStart_ResetsAll_WaitsG70_BecomesOperational_StartsAll) {
-  RecordProperty("spec", "ME3-MST-009");
-  Me3Scenario s;
+TEST_P(NmtMaster, S57_SimpleStart_ResetsAll_WaitsG70_BecomesOperational_StartsAll) {
+  spec("ME3-MST-009", "");
+  IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F80, 0, 0x00000003}});
   s.tx(0x000, {0x82, 0x00}).no_tx();
   const can::Time reset = s.now();
@@ -82,10 +85,10 @@ TEST(Me3NmtMaster, S57_SimpleStart_ResetsAll_WaitsG70_BecomesOperational_StartsA
   s.expect(25, 0x8201).no_tx();
 }
 
-TEST(Me3NmtMaster, S57_G70_IsTheLeastPauseBetweenResetAllAndStartAll) {
-  RecordProperty("spec", "ME3-DLY-001");
+TEST_P(NmtMaster, S57_G70_IsTheLeastPauseBetweenResetAllAndStartAll) {
+  spec("ME3-DLY-001", "RJ71-BM-022");
   for (const unsigned g70 : {0U, 2000U, 65535U}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     boot_master(s, {{0x1F80, 0, 0x00000003}, {0x1F81, 2, mandatory}});
     s.expect(70, 500);  // the default
     s.write(70, static_cast<std::uint16_t>(g70)).expect(70, static_cast<std::uint16_t>(g70));
@@ -107,9 +110,9 @@ TEST(Me3NmtMaster, S57_G70_IsTheLeastPauseBetweenResetAllAndStartAll) {
 
 // --- S58
 
-TEST(Me3NmtMaster, S58_MandatorySlave_IsAskedUntilItAnswers_Started_AndThenTheMasterIsOperational) {
-  RecordProperty("spec", "ME3-MST-008 ME3-MST-010");
-  Me3Scenario s;
+TEST_P(NmtMaster, S58_MandatorySlave_IsAskedUntilItAnswers_Started_AndThenTheMasterIsOperational) {
+  spec("ME3-MST-008 ME3-MST-010", "");
+  IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, mandatory}, {0x1F84, 2, 0x000F0191}, {0x1F89, 0, 10000}});
   s.tx(0x000, {0x82, 0x00});
   s.expect_bit(25, 15, true).expect_bit(25, 14, true).expect_bit(25, 8, true);
@@ -121,10 +124,10 @@ TEST(Me3NmtMaster, S58_MandatorySlave_IsAskedUntilItAnswers_Started_AndThenTheMa
 }
 
 // G71 is the time-out of every SDO, the start-up's as well, from the write on.
-TEST(Me3NmtMaster, S58_SdoTimeOut_IsG71) {
-  RecordProperty("spec", "ME3-DLY-002");
+TEST_P(NmtMaster, S58_SdoTimeOut_IsG71) {
+  spec("ME3-DLY-002", "RJ71-BM-022");
   for (const bool at_run_time : {false, true}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     if (!at_run_time) s.plug_in().preset_word(71, 200);
     boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, optional}});
     if (at_run_time) s.write(71, 200);
@@ -144,9 +147,9 @@ TEST(Me3NmtMaster, S58_SdoTimeOut_IsG71) {
 }
 
 // G70 written while the module runs counts at the next start-up, saved or not.
-TEST(Me3NmtMaster, S57_G70_CountsFromTheWriteOn) {
-  RecordProperty("spec", "ME3-DLY-001");
-  Me3Scenario s;
+TEST_P(NmtMaster, S57_G70_CountsFromTheWriteOn) {
+  spec("ME3-DLY-001", "RJ71-BM-022");
+  IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F80, 0, 0x00000003}});
   s.tx(0x000, {0x82, 0x00}).wait_tx(0x000, {0x01, 0x00}).write(70, 1234);
   s.cif({0x0002, 0, 0x1F82, 0x80, 1, 7});
@@ -157,10 +160,10 @@ TEST(Me3NmtMaster, S57_G70_CountsFromTheWriteOn) {
   s.no_tx();
 }
 
-TEST(Me3NmtMaster, PresenceCheck_IsRepeatedOneSecondAfterEachTimeOut_UntilTheBootTimeOrWithoutEnd) {
-  RecordProperty("spec", "ME3-SLV-007");
+TEST_P(NmtMaster, PresenceCheck_IsRepeatedOneSecondAfterEachTimeOut_UntilTheBootTimeOrWithoutEnd) {
+  spec("ME3-SLV-007", "");
   for (const std::uint32_t assignment : {mandatory, optional}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, assignment}, {0x1F89, 0, 10000}});
     s.tx(0x000, {0x82, 0x00});
     const can::Time reset = s.now();
@@ -180,7 +183,7 @@ TEST(Me3NmtMaster, PresenceCheck_IsRepeatedOneSecondAfterEachTimeOut_UntilTheBoo
 
 TEST(Me3NmtMaster, S59_MandatorySlaveMissing_TheStartUpStopsAtTheBootTime_UntilARestart) {
   RecordProperty("spec", "ME3-MST-011 ME3-MST-012 ME3-NEC-007 ME3-SLV-015");
-  Me3Scenario s;
+  IntelligentScenario s;
   boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, mandatory}, {0x1F81, 3, optional}, {0x1F89, 0, 10000}});
   s.tx(0x000, {0x82, 0x00});
   const can::Time reset = s.now();
@@ -196,9 +199,9 @@ TEST(Me3NmtMaster, S59_MandatorySlaveMissing_TheStartUpStopsAtTheBootTime_UntilA
   s.wait_tx(0x602, ask_1000).ignore_tx();
 }
 
-TEST(Me3NmtMaster, MasterStoppedDuringTheStartUp_SendsAndTakesNoSdo) {
-  RecordProperty("spec", "ME3-SDO-006");
-  Me3Scenario s;
+TEST_P(NmtMaster, MasterStoppedDuringTheStartUp_SendsAndTakesNoSdo) {
+  spec("ME3-SDO-006", "");
+  IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, mandatory}});
   s.tx(0x000, {0x82, 0x00}).rx(0x702, {0x00}).tx(0x602, ask_1000);
   s.rx(0x000, {0x02, 0x01}).expect(25, 0xC000);
@@ -207,22 +210,22 @@ TEST(Me3NmtMaster, MasterStoppedDuringTheStartUp_SendsAndTakesNoSdo) {
   s.rx(0x582, is_0191).tx(0x000, {0x01, 0x02}).expect(25, 0x8201).no_tx();
 }
 
-TEST(Me3NmtMaster, BootTimeZero_IsNoLimit) {
-  Me3Scenario s;
+TEST_P(NmtMaster, BootTimeZero_IsNoLimit) {
+  IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, mandatory}});
   s.advance(3600s).ignore_tx().expect(402, 0).expect_bit(25, 14, true);
   slave_2_boots(s);
   s.tx(0x000, {0x01, 0x02}).expect(25, 0x8201);
 }
 
-TEST(Me3NmtMaster, MandatoryHoldsTheStartBack_OptionalDoesNot) {
-  RecordProperty("spec", "ME3-SLV-004");
-  Me3Scenario s;
+TEST_P(NmtMaster, MandatoryHoldsTheStartBack_OptionalDoesNot) {
+  spec("ME3-SLV-004", "");
+  IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, optional}, {0x1F81, 3, optional}});
   s.tx(0x000, {0x82, 0x00}).expect_bit(25, 0, true);
   s.supply_off().ignore_tx();
 
-  Me3Scenario t;
+  IntelligentScenario t(GetParam());
   boot_master(t, {{0x1F80, 0, 1}, {0x1F81, 2, mandatory}, {0x1F81, 3, optional}});
   t.tx(0x000, {0x82, 0x00}).advance(100700ms).expect_bit(25, 0, false).ignore_tx();
   slave_2_boots(t);
@@ -245,7 +248,7 @@ TEST(Me3NmtMaster, S60_WrongIdentity_EndsTheStartUp) {
                                    {0x1F88, 0x1018, 4}};
   for (const Entry& entry : entries) {
     for (const bool right : {true, false}) {
-      Me3Scenario s;
+      IntelligentScenario s;
       boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, mandatory}, {entry.expected, 2, 0x00020304}});
       s.tx(0x000, {0x82, 0x00}).rx(0x702, {0x00}).tx(0x602, ask_1000);
       const std::uint8_t lowest = right ? 0x04 : 0x05;
@@ -264,8 +267,8 @@ TEST(Me3NmtMaster, S60_WrongIdentity_EndsTheStartUp) {
   }
 }
 
-TEST(Me3NmtMaster, AllIdentityEntriesZero_OnlyThePresenceIsChecked) {
-  Me3Scenario s;
+TEST_P(NmtMaster, AllIdentityEntriesZero_OnlyThePresenceIsChecked) {
+  IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, mandatory}});
   s.tx(0x000, {0x82, 0x00});
   slave_2_boots(s);
@@ -274,16 +277,16 @@ TEST(Me3NmtMaster, AllIdentityEntriesZero_OnlyThePresenceIsChecked) {
 
 // --- 1F80H
 
-TEST(Me3NmtMaster, Bit1_StartsSinglyOrAllAtOnce) {
-  RecordProperty("spec", "ME3-MST-002");
-  Me3Scenario s;
+TEST_P(NmtMaster, Bit1_StartsSinglyOrAllAtOnce) {
+  spec("ME3-MST-002", "RJ71-STARTUP-015");
+  IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F80, 0, 0x01}, {0x1F81, 2, mandatory}, {0x1F81, 3, mandatory}});
   s.tx(0x000, {0x82, 0x00});
   slave_2_boots(s);
   s.tx(0x000, {0x01, 0x02});
   s.rx(0x703, {0x00}).tx(0x603, ask_1000).rx(0x583, is_0191).tx(0x000, {0x01, 0x03}).advance(5s).no_tx();
 
-  Me3Scenario t;
+  IntelligentScenario t(GetParam());
   boot_master(t, {{0x1F80, 0, 0x03}, {0x1F81, 2, mandatory}, {0x1F81, 3, mandatory}});
   t.tx(0x000, {0x82, 0x00});
   slave_2_boots(t);
@@ -291,9 +294,9 @@ TEST(Me3NmtMaster, Bit1_StartsSinglyOrAllAtOnce) {
   t.wait_tx(0x000, {0x01, 0x00}).advance(5s).no_tx();
 }
 
-TEST(Me3NmtMaster, Bit2_TheStartUpIsSuspendedUntil1f82hStartsTheMaster) {
-  RecordProperty("spec", "ME3-MST-003");
-  Me3Scenario s;
+TEST_P(NmtMaster, Bit2_TheStartUpIsSuspendedUntil1f82hStartsTheMaster) {
+  spec("ME3-MST-003", "RJ71-STARTUP-014");
+  IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F80, 0, 0x07}, {0x1F81, 2, mandatory}});
   s.tx(0x000, {0x82, 0x00});
   slave_2_boots(s);
@@ -302,10 +305,10 @@ TEST(Me3NmtMaster, Bit2_TheStartUpIsSuspendedUntil1f82hStartsTheMaster) {
   s.tx(0x000, {0x01, 0x00}).expect(25, 0x8201);
 }
 
-TEST(Me3NmtMaster, Bit3_TheMasterDoesNotStartTheSlaves) {
-  RecordProperty("spec", "ME3-MST-004");
+TEST_P(NmtMaster, Bit3_TheMasterDoesNotStartTheSlaves) {
+  spec("ME3-MST-004", "RJ71-STARTUP-016");
   for (const std::uint32_t start_up : {0x09U, 0x0BU}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     boot_master(s, {{0x1F80, 0, start_up}, {0x1F81, 2, mandatory}});
     s.tx(0x000, {0x82, 0x00});
     slave_2_boots(s);
@@ -315,9 +318,9 @@ TEST(Me3NmtMaster, Bit3_TheMasterDoesNotStartTheSlaves) {
   }
 }
 
-TEST(Me3NmtMaster, Nmt102ah_Reads0_IsReadOnly_AndCommandsFollowEachOtherAtOnce) {
-  RecordProperty("spec", "ME3-MST-014");
-  Me3Scenario s;
+TEST_P(NmtMaster, Nmt102ah_Reads0_IsReadOnly_AndCommandsFollowEachOtherAtOnce) {
+  spec("ME3-MST-014", "");
+  IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 3, 0x15}});
   for (std::uint8_t node = 2; node <= 127; ++node) {
     if (node != 3) s.tx(0x000, {0x82, node});
@@ -331,9 +334,9 @@ TEST(Me3NmtMaster, Nmt102ah_Reads0_IsReadOnly_AndCommandsFollowEachOtherAtOnce) 
 
 // --- 1F81H
 
-TEST(Me3NmtMaster, ReservedConfigurationBits_AreRefused) {
-  RecordProperty("spec", "ME3-SLV-006");
-  Me3Scenario s;
+TEST_P(NmtMaster, ReservedConfigurationBits_AreRefused) {
+  spec("ME3-SLV-006", "");
+  IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F80, 0, 0x0D}});
   s.ignore_tx();
   for (const std::uint16_t bit : Words{0x02, 0x20, 0x40, 0x80}) {
@@ -345,9 +348,9 @@ TEST(Me3NmtMaster, ReservedConfigurationBits_AreRefused) {
   s.expect_object(0x1F81, 2, 0x0000001D, 4);
 }
 
-TEST(Me3NmtMaster, Layout_ConfigurationRetryFactorGuardTime_OwnSubIndexIgnored_Stored) {
-  RecordProperty("spec", "ME3-SLV-001");
-  Me3Scenario s;
+TEST_P(NmtMaster, Layout_ConfigurationRetryFactorGuardTime_OwnSubIndexIgnored_Stored) {
+  spec("ME3-SLV-001", "");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.set_object(0x1F80, 0, 0x01, 4);
   s.set_object(0x1F81, 1, 0x00C8020D, 4);  // own node
@@ -364,15 +367,15 @@ TEST(Me3NmtMaster, Layout_ConfigurationRetryFactorGuardTime_OwnSubIndexIgnored_S
   s.expect_object(0x1F81, 1, 0x00C8020D, 4);
 }
 
-TEST(Me3NmtMaster, NotAssigned_IsNeitherBootedNorGuarded) {
-  RecordProperty("spec", "ME3-SLV-002");
-  Me3Scenario s;
+TEST_P(NmtMaster, NotAssigned_IsNeitherBootedNorGuarded) {
+  spec("ME3-SLV-002", "");
+  IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, 0x0064030C}});
   s.tx(0x000, {0x82, 0x00}).advance(1s).expect_bit(25, 0, true);
   s.rx(0x702, {0x00}).advance(60s).no_tx();
   s.supply_off();
 
-  Me3Scenario t;
+  IntelligentScenario t(GetParam());
   boot_master(t, {{0x1F80, 0, 1}, {0x1F81, 2, 0x0064030D}});
   t.tx(0x000, {0x82, 0x00}).rx(0x702, {0x00}).tx(0x602, ask_1000).rx(0x582, is_0191).tx_remote(0x702);
   t.rx(0x702, {0x7F}).tx(0x000, {0x01, 0x02});
@@ -381,7 +384,7 @@ TEST(Me3NmtMaster, NotAssigned_IsNeitherBootedNorGuarded) {
 TEST(Me3NmtMaster, StartOfErrorControl_HeartbeatInItsTime_OrGuardingAnswerIn100Ms) {
   RecordProperty("spec", "ME3-SLV-010");
   {  // the heartbeat comes
-    Me3Scenario s;
+    IntelligentScenario s;
     boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, 0x0064030D}, {0x1016, 1, 0x000205DC}});
     s.tx(0x000, {0x82, 0x00});
     slave_2_boots(s);
@@ -389,7 +392,7 @@ TEST(Me3NmtMaster, StartOfErrorControl_HeartbeatInItsTime_OrGuardingAnswerIn100M
     s.rx(0x702, {0x7F}).tx(0x000, {0x01, 0x02}).expect(25, 0x8201);
   }
   {  // it does not
-    Me3Scenario s;
+    IntelligentScenario s;
     boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, 0x0064030D}, {0x1016, 1, 0x000205DC}});
     s.tx(0x000, {0x82, 0x00});
     slave_2_boots(s);
@@ -397,7 +400,7 @@ TEST(Me3NmtMaster, StartOfErrorControl_HeartbeatInItsTime_OrGuardingAnswerIn100M
     s.advance(1ms).expect(402, 0x0010).expect(25, 0x8100).advance(60s).no_tx();
   }
   {  // guarding answered
-    Me3Scenario s;
+    IntelligentScenario s;
     boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, 0x03E8030D}});
     s.tx(0x000, {0x82, 0x00});
     slave_2_boots(s);
@@ -405,7 +408,7 @@ TEST(Me3NmtMaster, StartOfErrorControl_HeartbeatInItsTime_OrGuardingAnswerIn100M
     s.rx(0x702, {0x7F}).tx(0x000, {0x01, 0x02}).expect(25, 0x8201);
   }
   {  // not answered
-    Me3Scenario s;
+    IntelligentScenario s;
     boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, 0x03E8030D}});
     s.tx(0x000, {0x82, 0x00});
     slave_2_boots(s);
@@ -417,23 +420,23 @@ TEST(Me3NmtMaster, StartOfErrorControl_HeartbeatInItsTime_OrGuardingAnswerIn100M
 
 TEST(Me3NmtMaster, GuardingProbeWithoutSettings_OnlyForASlaveThatIsToBeKeptAlive) {
   RecordProperty("spec", "ME3-SLV-011");
-  Me3Scenario s;
+  IntelligentScenario s;
   boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, 0x1D}});
   for (std::uint8_t node = 3; node <= 127; ++node) s.tx(0x000, {0x82, node});
   s.tx(0x602, ask_1000).rx(0x582, is_0191).tx_remote(0x702);
   s.advance(99ms).expect(402, 0).advance(1ms).expect(402, 0x0010).expect(25, 0x8100).no_tx();
 
-  Me3Scenario t;
+  IntelligentScenario t;
   boot_master(t, {{0x1F80, 0, 1}, {0x1F81, 2, mandatory}});
   t.tx(0x000, {0x82, 0x00});
   slave_2_boots(t);
   t.tx(0x000, {0x01, 0x02}).no_tx();
 }
 
-TEST(Me3NmtMaster, StartStep_EachBootedSlaveSingly_UnlessBit1OrBit3) {
-  RecordProperty("spec", "ME3-SLV-013");
+TEST_P(NmtMaster, StartStep_EachBootedSlaveSingly_UnlessBit1OrBit3) {
+  spec("ME3-SLV-013", "RJ71-STARTUP-010");
   for (const std::uint32_t start_up : {0x01U, 0x03U, 0x09U}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     boot_master(s, {{0x1F80, 0, start_up}, {0x1F81, 2, mandatory}, {0x1F81, 3, optional}});
     s.tx(0x000, {0x82, 0x00});
     slave_2_boots(s);
@@ -455,7 +458,7 @@ TEST(Me3NmtMaster, StartStep_EachBootedSlaveSingly_UnlessBit1OrBit3) {
 TEST(Me3NmtMaster, S61_LostOptionalSlave_IsResetAndBootedAgain) {
   RecordProperty("spec", "ME3-ERH-001 ME3-STAT-010");
   for (const std::uint32_t start_up : {0x01U, 0x11U, 0x41U, 0x51U}) {
-    Me3Scenario s;
+    IntelligentScenario s;
     run_with_slave_2(s, start_up, optional);
     const can::Time heard = s.now();
     s.wait_tx(0x081, {0x02, 0x8F, 0x11, 0, 0, 0, 0, 0}).tx(0x000, {0x82, 0x02}).no_tx();
@@ -468,7 +471,7 @@ TEST(Me3NmtMaster, S61_LostOptionalSlave_IsResetAndBootedAgain) {
 
 TEST(Me3NmtMaster, S61_LostMandatorySlave_Bits6And4Clear_IsResetAndBootedAgain) {
   RecordProperty("spec", "ME3-ERH-002");
-  Me3Scenario s;
+  IntelligentScenario s;
   run_with_slave_2(s, 0x01, mandatory);
   s.wait_tx(0x081, {0x02, 0x8F, 0x11, 0, 0, 0, 0, 0}).tx(0x000, {0x82, 0x02}).no_tx();
   slave_2_boots_again(s);
@@ -477,7 +480,7 @@ TEST(Me3NmtMaster, S61_LostMandatorySlave_Bits6And4Clear_IsResetAndBootedAgain) 
 
 TEST(Me3NmtMaster, S61_LostMandatorySlave_Bit4_ResetsTheNetworkAndStartsItAnew) {
   RecordProperty("spec", "ME3-ERH-003 ME3-MST-005");
-  Me3Scenario s;
+  IntelligentScenario s;
   run_with_slave_2(s, 0x11, mandatory);
   s.wait_tx(0x081, {0x02, 0x8F, 0x11, 0, 0, 0, 0, 0}).tx(0x000, {0x82, 0x00}).no_tx();
   s.expect(25, 0xC101 & ~1U);  // Pre-operational again until the slave is booted
@@ -485,15 +488,15 @@ TEST(Me3NmtMaster, S61_LostMandatorySlave_Bit4_ResetsTheNetworkAndStartsItAnew) 
   s.expect_bit(25, 0, false);
   s.rx(0x702, {0x7F}).tx(0x000, {0x01, 0x02}).no_tx().expect(25, 0x8201);
 
-  Me3Scenario clear;  // 0: that node alone
+  IntelligentScenario clear;  // 0: that node alone
   run_with_slave_2(clear, 0x01, mandatory);
   clear.wait_tx(0x081, {0x02, 0x8F, 0x11, 0, 0, 0, 0, 0}).tx(0x000, {0x82, 0x02}).no_tx();
 
-  Me3Scenario both;  // bit 6 wins
+  IntelligentScenario both;  // bit 6 wins
   run_with_slave_2(both, 0x51, mandatory);
   both.wait_tx(0x081, {0x02, 0x8F, 0x11, 0, 0, 0, 0, 0}).tx(0x000, {0x02, 0x00}).no_tx();
 
-  Me3Scenario single;  // an optional slave always alone
+  IntelligentScenario single;  // an optional slave always alone
   run_with_slave_2(single, 0x11, optional);
   single.wait_tx(0x081, {0x02, 0x8F, 0x11, 0, 0, 0, 0, 0}).tx(0x000, {0x82, 0x02}).no_tx();
 }
@@ -502,7 +505,7 @@ TEST(Me3NmtMaster, S61_LostMandatorySlave_Bit6_StopsAllUntilARestart) {
   RecordProperty("spec", "ME3-ERH-004 ME3-MST-007");
   enum class Way : std::uint8_t { restart, reset_communication, reset_node };
   for (const Way way : {Way::restart, Way::reset_communication, Way::reset_node}) {
-    Me3Scenario s;
+    IntelligentScenario s;
     run_with_slave_2(s, 0x41, mandatory);
     s.wait_tx(0x081, {0x02, 0x8F, 0x11, 0, 0, 0, 0, 0}).tx(0x000, {0x02, 0x00}).no_tx();
     s.expect(25, 0x8000);  // Stopped, nothing in progress
@@ -526,15 +529,15 @@ TEST(Me3NmtMaster, S61_LostMandatorySlave_Bit6_StopsAllUntilARestart) {
   }
 }
 
-TEST(Me3NmtMaster, ErrorSources_HeartbeatGuardingAndUnexpectedState) {
-  RecordProperty("spec", "ME3-ERH-005 ME3-NG-006 ME3-NEC-008");
+TEST_P(NmtMaster, ErrorSources_HeartbeatGuardingAndUnexpectedState) {
+  spec("ME3-ERH-005 ME3-NG-006 ME3-NEC-008", "RJ71-ERREV-001 RJ71-NG-003");
   {  // heartbeat
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     run_with_slave_2(s, 0x01, mandatory);
     s.wait_tx(0x081, {0x02, 0x8F, 0x11, 0, 0, 0, 0, 0}).tx(0x000, {0x82, 0x02});
     s.expect_bit(402, 7, true).ignore_tx();
   }
-  const auto guarded = [](Me3Scenario& s) {
+  const auto guarded = [](IntelligentScenario& s) {
     boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, 0x0064030D}});
     s.tx(0x000, {0x82, 0x00});
     slave_2_boots(s);
@@ -542,7 +545,7 @@ TEST(Me3NmtMaster, ErrorSources_HeartbeatGuardingAndUnexpectedState) {
     s.advance(100ms).tx_remote(0x702).rx(0x702, {0x85}).no_tx().expect(402, 0x0001).expect(602, 5);
   };
   {  // no answer in the life time: bit 3
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     guarded(s);
     s.advance(200ms).ignore_tx().expect(402, 0x0005);
     s.advance(99ms).no_tx();
@@ -551,25 +554,25 @@ TEST(Me3NmtMaster, ErrorSources_HeartbeatGuardingAndUnexpectedState) {
     s.tx_remote(0x702).tx(0x000, {0x82, 0x02}).tx(0x081, {0x02, 0x8F, 0x11, 0, 0, 0, 0, 0}).no_tx();
   }
   {  // another state than the one commanded last: bit 5
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     guarded(s);
     s.advance(100ms).tx_remote(0x702).rx(0x702, {0x7F}).expect(402, 0x0021);
     s.tx(0x000, {0x82, 0x02}).tx(0x081, {0x02, 0x8F, 0x11, 0, 0, 0, 0, 0}).no_tx();
   }
   {  // a wrong toggle bit, one miss: bit 2 and no more
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     guarded(s);
     s.advance(100ms).tx_remote(0x702).rx(0x702, {0x85}).expect(402, 0x0005).no_tx();
     s.supply_off();
-    Me3Scenario t;
+    IntelligentScenario t(GetParam());
     guarded(t);
     t.advance(100ms).tx_remote(0x702).advance(100ms).tx_remote(0x702).expect(402, 0x0005).no_tx();
   }
 }
 
-TEST(Me3NmtMaster, UnassignedNodeLost_IsShownWithoutAnyCommand) {
-  RecordProperty("spec", "ME3-ERH-006");
-  Me3Scenario s;
+TEST_P(NmtMaster, UnassignedNodeLost_IsShownWithoutAnyCommand) {
+  spec("ME3-ERH-006", "RJ71-ERREV-002");
+  IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F80, 0, 0x51}, {0x1016, 1, 0x000205DC}});
   s.tx(0x000, {0x82, 0x00}).advance(1s).rx(0x702, {0x05}).no_tx();
   s.wait_tx(0x081, {0x02, 0x8F, 0x11, 0, 0, 0, 0, 0}).advance(60s).no_tx();
@@ -578,9 +581,9 @@ TEST(Me3NmtMaster, UnassignedNodeLost_IsShownWithoutAnyCommand) {
 
 // --- S62
 
-TEST(Me3NmtMaster, S62_LateBootUp_IsFollowedByTheSlavesStartUp) {
-  RecordProperty("spec", "ME3-SLV-014 ME3-MST-013");
-  Me3Scenario s;
+TEST_P(NmtMaster, S62_LateBootUp_IsFollowedByTheSlavesStartUp) {
+  spec("ME3-SLV-014 ME3-MST-013", "RJ71-BOOTUP-001 RJ71-BOOTUP-002");
+  IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, optional}});
   s.tx(0x000, {0x82, 0x00});
   slave_2_boots(s);
@@ -594,11 +597,11 @@ TEST(Me3NmtMaster, S62_LateBootUp_IsFollowedByTheSlavesStartUp) {
 
 // --- S63, S64
 
-TEST(Me3NmtMaster, S63_RequestsExcludingTheMaster_LeaveTheOwnStateAlone) {
-  RecordProperty("spec", "ME3-RQN-003");
+TEST_P(NmtMaster, S63_RequestsExcludingTheMaster_LeaveTheOwnStateAlone) {
+  spec("ME3-RQN-003", "RJ71-NODECTL-006");
   const std::vector<std::pair<std::uint16_t, std::uint8_t>> services{
       {0x84, 0x02}, {0x85, 0x01}, {0x86, 0x81}, {0x87, 0x82}, {0x8F, 0x80}};
-  Me3Scenario s;
+  IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F80, 0, 0x09}});
   s.tx(0x000, {0x82, 0x00}).advance(1s).expect(25, 0x8201);
   for (const auto& [value, command] : services) {
@@ -609,9 +612,9 @@ TEST(Me3NmtMaster, S63_RequestsExcludingTheMaster_LeaveTheOwnStateAlone) {
   }
 }
 
-TEST(Me3NmtMaster, S63_ReadingRequestNmt_GivesTheWordsOfTheStateArea) {
-  RecordProperty("spec", "ME3-RQN-005 ME3-NST-001");
-  Me3Scenario s;
+TEST_P(NmtMaster, S63_ReadingRequestNmt_GivesTheWordsOfTheStateArea) {
+  spec("ME3-RQN-005 ME3-NST-001", "RJ71-NODECTL-009 RJ71-NODECTL-010 RJ71-BM-018");
+  IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F80, 0, 0x0D}, {0x1F81, 3, optional}});
   s.tx(0x000, {0x82, 0x00}).advance(3s).ignore_tx();
   s.expect(602, 0x00);
@@ -637,10 +640,10 @@ TEST(Me3NmtMaster, S63_ReadingRequestNmt_GivesTheWordsOfTheStateArea) {
   s.wait_bit(25, 7, false).expect(601, 0x7F).ignore_tx();
 }
 
-TEST(Me3NmtMaster, SlaveStoppedByRequest_IsNotStartedAgainBeforeARestart) {
-  RecordProperty("spec", "ME3-RQN-006");
+TEST_P(NmtMaster, SlaveStoppedByRequest_IsNotStartedAgainBeforeARestart) {
+  spec("ME3-RQN-006", "");
   for (const std::uint16_t request : Words{0x04, 0x7F}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, optional}});
     s.tx(0x000, {0x82, 0x00});
     slave_2_boots(s);
@@ -655,9 +658,9 @@ TEST(Me3NmtMaster, SlaveStoppedByRequest_IsNotStartedAgainBeforeARestart) {
   }
 }
 
-TEST(Me3NmtMaster, S64_BroadcastCommandsAreIgnoredByTheActiveMaster) {
-  RecordProperty("spec", "ME3-NMT-009");
-  Me3Scenario s;
+TEST_P(NmtMaster, S64_BroadcastCommandsAreIgnoredByTheActiveMaster) {
+  spec("ME3-NMT-009", "RJ71-NODECTL-012");
+  IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F80, 0, 0x01}});
   s.tx(0x000, {0x82, 0x00}).advance(1s).expect(25, 0x8201);
   for (const std::uint8_t command : Bytes{0x02, 0x80, 0x81, 0x82, 0x01}) {
@@ -669,7 +672,7 @@ TEST(Me3NmtMaster, S64_BroadcastCommandsAreIgnoredByTheActiveMaster) {
 
 TEST(Me3NmtMaster, S65_HeartbeatConsumer_WatchesFromTheFirstHeartbeatOn) {
   RecordProperty("spec", "ME3-HB-003 ME3-HB-004 ME3-NEC-004 ME3-NST-004 ME3-NST-006");
-  Me3Scenario s;
+  IntelligentScenario s;
   boot_master(s, {{0x1F80, 0, 0x0D}, {0x1016, 1, 0x000205DC}});
   s.tx(0x000, {0x82, 0x00}).advance(60s).no_tx();
   s.expect(402, 0).expect_x(0x10, false);
@@ -686,8 +689,8 @@ TEST(Me3NmtMaster, S65_HeartbeatConsumer_WatchesFromTheFirstHeartbeatOn) {
   s.rx(0x702, {0x05}).expect(602, 5);
 }
 
-TEST(Me3NmtMaster, S65_HeartbeatsAreShownInAnyRole) {
-  Me3Scenario s;
+TEST_P(NmtMaster, S65_HeartbeatsAreShownInAnyRole) {
+  IntelligentScenario s(GetParam());
   boot_master(s, {{0x1016, 127, 0x006403E8}});
   s.rx(0x764, {0x04}).expect(700, 4).expect(500, 0x0002);
   s.advance(1s).expect(500, 0x0082).ignore_tx();
@@ -695,9 +698,9 @@ TEST(Me3NmtMaster, S65_HeartbeatsAreShownInAnyRole) {
 
 // --- S66
 
-TEST(Me3NmtMaster, S66_Guarding_AsksEveryGuardTime_AndFindsMissesLossAndReturn) {
-  RecordProperty("spec", "ME3-NG-004 ME3-NG-005 ME3-NEC-003 ME3-NEC-005 ME3-NEC-006 ME3-NG-007");
-  Me3Scenario s;
+TEST_P(NmtMaster, S66_Guarding_AsksEveryGuardTime_AndFindsMissesLossAndReturn) {
+  spec("ME3-NG-004 ME3-NG-005 ME3-NEC-003 ME3-NEC-005 ME3-NEC-006 ME3-NG-007", "RJ71-NG-001");
+  IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, 0x00640301}, {0x1F81, 1, 0x00640301}});
   s.tx(0x000, {0x82, 0x00}).no_tx();  // nothing for the own node
   s.rx(0x702, {0x00}).tx_remote(0x702).expect(402, 0x0001);
@@ -728,10 +731,10 @@ TEST(Me3NmtMaster, S66_Guarding_AsksEveryGuardTime_AndFindsMissesLossAndReturn) 
   s.ignore_tx();
 }
 
-TEST(Me3NmtMaster, S66_Guarding_NeedsAssignment_RetryFactorAndGuardTime) {
-  RecordProperty("spec", "ME3-NG-004");
+TEST_P(NmtMaster, S66_Guarding_NeedsAssignment_RetryFactorAndGuardTime) {
+  spec("ME3-NG-004", "RJ71-NG-001");
   for (const std::uint32_t assignment : {0x00640300U, 0x00640001U, 0x00000301U, 0x00000001U}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, assignment}});
     s.ignore_tx().rx(0x702, {0x00}).advance(500ms);
     for (const can::Frame& frame : s.controller().sent) EXPECT_FALSE(frame.remote) << std::hex << assignment;
@@ -739,24 +742,24 @@ TEST(Me3NmtMaster, S66_Guarding_NeedsAssignment_RetryFactorAndGuardTime) {
   }
 }
 
-TEST(Me3NmtMaster, S66_Guarding_OnlyOfTheActiveMaster_AndNotOfAHeartbeatNode) {
-  RecordProperty("spec", "ME3-NST-005");
-  Me3Scenario s;
+TEST_P(NmtMaster, S66_Guarding_OnlyOfTheActiveMaster_AndNotOfAHeartbeatNode) {
+  spec("ME3-NST-005", "RJ71-NODECTL-011");
+  IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F81, 2, 0x00640301}});
   s.rx(0x702, {0x00}).advance(5s).no_tx().rx(0x702, {0x05}).expect(602, 0).expect(402, 0);
 
-  Me3Scenario t;
+  IntelligentScenario t(GetParam());
   boot_master(t, {{0x1F80, 0, 1}, {0x1F81, 2, 0x00640301}});
   t.tx(0x000, {0x82, 0x00}).rx(0x702, {0x00}).tx_remote(0x702).rx(0x702, {0x05}).expect(602, 5).ignore_tx();
 
-  Me3Scenario u;  // heartbeat consuming in any role
+  IntelligentScenario u(GetParam());  // heartbeat consuming in any role
   boot_master(u, {{0x1016, 1, 0x000205DC}});
   u.rx(0x702, {0x05}).expect(602, 5).expect(402, 0x0002);
 }
 
-TEST(Me3NmtMaster, S66_RequestGuarding_StopsAndStartsIt) {
-  RecordProperty("spec", "ME3-NG-009");
-  Me3Scenario s;
+TEST_P(NmtMaster, S66_RequestGuarding_StopsAndStartsIt) {
+  spec("ME3-NG-009", "RJ71-NG-004 RJ71-NG-009");
+  IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, 0x00640301}, {0x1F81, 3, 0x00640301}, {0x1F81, 4, 0x00000001}});
   s.tx(0x000, {0x82, 0x00});
   s.rx(0x702, {0x00}).tx_remote(0x702).rx(0x702, {0x7F});
@@ -786,14 +789,14 @@ TEST(Me3NmtMaster, S66_RequestGuarding_StopsAndStartsIt) {
   }
   s.ignore_tx();
 
-  Me3Scenario slave;
+  IntelligentScenario slave(GetParam());
   boot_master(slave, {{0x1F81, 2, 0x00640301}});
   slave.cif({0x0002, 0, 0x1F83, 2, 1, 1});
   slave.expect_abort(0x08000022).no_tx();
 }
 
-TEST(Me3NmtMaster, S66_HeartbeatEntry_OverridesTheGuardingSettings) {
-  Me3Scenario s;
+TEST_P(NmtMaster, S66_HeartbeatEntry_OverridesTheGuardingSettings) {
+  IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, 0x00640301}, {0x1016, 1, 0x000205DC}});
   s.tx(0x000, {0x82, 0x00}).rx(0x702, {0x00}).rx(0x702, {0x7F}).advance(1s).no_tx();
   s.set_object(0x1F83, 2, 1, 1);
@@ -803,9 +806,9 @@ TEST(Me3NmtMaster, S66_HeartbeatEntry_OverridesTheGuardingSettings) {
 
 // --- clearing
 
-TEST(Me3NmtMaster, ClearingTheFailures_KeepsTheActivityBits) {
-  RecordProperty("spec", "ME3-NEC-012");
-  Me3Scenario s;
+TEST_P(NmtMaster, ClearingTheFailures_KeepsTheActivityBits) {
+  spec("ME3-NEC-012", "");
+  IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F80, 0, 0x0D}, {0x1F81, 3, 0x00640301}, {0x1016, 1, 0x000205DC}});
   s.tx(0x000, {0x82, 0x00}).rx(0x702, {0x05});
   s.rx(0x703, {0x00}).tx_remote(0x703).rx(0x703, {0x7F});

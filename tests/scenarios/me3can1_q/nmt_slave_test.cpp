@@ -6,14 +6,16 @@
 namespace canopus::scenario {
 namespace {
 
+CANOPUS_OF_BOTH_MODULES(NmtSlave);
+
 const Bytes read_1000{0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0};
 const Bytes is_0195{0x43, 0x00, 0x10, 0x00, 0x95, 0x01, 0x00, 0x00};
 
 // --- S56
 
-TEST(Me3NmtSlave, S56_StartStopPreOperational_FromEveryState_ToThisNodeOrAll) {
-  RecordProperty("spec", "ME3-NMT-004 ME3-NMT-005");
-  Me3Scenario s;
+TEST_P(NmtSlave, S56_StartStopPreOperational_FromEveryState_ToThisNodeOrAll) {
+  spec("ME3-NMT-004 ME3-NMT-005", "RJ71-NMT-008 RJ71-NMT-010");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.expect(25, 0x0100);
   for (const std::uint8_t node : Bytes{1, 0}) {
@@ -28,10 +30,10 @@ TEST(Me3NmtSlave, S56_StartStopPreOperational_FromEveryState_ToThisNodeOrAll) {
   s.nmt(0x01, 2).expect(25, 0x0100);  // somebody else
 }
 
-TEST(Me3NmtSlave, Start_NotWhileTheCpuIsInStop_Unless1029hSaysSo) {
-  RecordProperty("spec", "ME3-NMT-003");
+TEST_P(NmtSlave, Start_NotWhileTheCpuIsInStop_Unless1029hSaysSo) {
+  spec("ME3-NMT-003", "RJ71-NMT-009");
   for (const std::uint8_t behaviour : Bytes{0, 1, 2}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     s.power_on_as(1);
     s.nmt(0x01, 1).expect(25, 0x0201);
     s.nmt(0x80, 1);
@@ -54,7 +56,7 @@ TEST(Me3NmtSlave, S56_Resets_BringTheStoredObjectsBack_AndEndWithTheBootUpFrame)
   RecordProperty("spec", "ME3-NMT-006 ME3-NMT-007");
   for (const std::uint8_t command : Bytes{0x81, 0x82}) {
     for (const std::uint8_t node : Bytes{1, 0}) {
-      Me3Scenario s;
+      IntelligentScenario s;
       s.power_on_as(1);
       s.set_object(0x1017, 0, 5000, 2);
       s.store_objects();
@@ -74,7 +76,7 @@ TEST(Me3NmtSlave, S56_Resets_BringTheStoredObjectsBack_AndEndWithTheBootUpFrame)
 
 TEST(Me3NmtSlave, ServicesPerState) {
   RecordProperty("spec", "ME3-NMT-008");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_as(1);
   s.write(11000, 0);
   const auto exchange_sends_tpdo = [&](std::uint16_t value) {
@@ -128,9 +130,9 @@ TEST(Me3NmtSlave, ServicesPerState) {
 
 // --- S67
 
-TEST(Me3NmtSlave, S67_GuardingRequest_IsAnsweredWithToggleBitAndState) {
-  RecordProperty("spec", "ME3-NG-002");
-  Me3Scenario s;
+TEST_P(NmtSlave, S67_GuardingRequest_IsAnsweredWithToggleBitAndState) {
+  spec("ME3-NG-002", "");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.rx_remote(0x701, 1).tx(0x701, {0x7F}).rx_remote(0x701, 1).tx(0x701, {0xFF});
   s.nmt(0x01, 1).rx_remote(0x701, 1).tx(0x701, {0x05}).rx_remote(0x701, 1).tx(0x701, {0x85});
@@ -142,7 +144,7 @@ TEST(Me3NmtSlave, S67_GuardingRequest_IsAnsweredWithToggleBitAndState) {
 
 TEST(Me3NmtSlave, S67_LifeGuarding_EventAfterGuardTimeTimesLifeTimeFactor) {
   RecordProperty("spec", "ME3-NG-003 ME3-NEC-009");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_as(1);
   s.set_object(0x100C, 0, 100, 2);
   s.set_object(0x100D, 0, 3, 1);
@@ -156,11 +158,11 @@ TEST(Me3NmtSlave, S67_LifeGuarding_EventAfterGuardTimeTimesLifeTimeFactor) {
   EXPECT_EQ(s.plug_in().leds(s.now())[4].pattern, module::LedPattern::double_flash);
 }
 
-TEST(Me3NmtSlave, S67_LifeGuardingEvent_ChangesTheStateAs1029hSays) {
-  RecordProperty("spec", "ME3-NG-003");
+TEST_P(NmtSlave, S67_LifeGuardingEvent_ChangesTheStateAs1029hSays) {
+  spec("ME3-NG-003", "");
   for (const auto& [behaviour, status] :
        std::map<std::uint8_t, std::uint16_t>{{0, 0x0100}, {1, 0x0201}, {2, 0}}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     s.power_on_as(126);
     s.set_object(0x1029, 1, behaviour, 1);
     s.set_object(0x100C, 0, 50, 2);
@@ -171,10 +173,10 @@ TEST(Me3NmtSlave, S67_LifeGuardingEvent_ChangesTheStateAs1029hSays) {
   }
 }
 
-TEST(Me3NmtSlave, LifeGuarding_NeedsBothObjects_InAnyOrder) {
-  RecordProperty("spec", "ME3-NG-001");
+TEST_P(NmtSlave, LifeGuarding_NeedsBothObjects_InAnyOrder) {
+  spec("ME3-NG-001", "RJ71-NG-006");
   for (const int way : {0, 1, 2, 3, 4}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     s.power_on_as(1);
     s.expect_object(0x100C, 0, 0, 2);
     s.expect_object(0x100D, 0, 0, 1);
@@ -188,9 +190,9 @@ TEST(Me3NmtSlave, LifeGuarding_NeedsBothObjects_InAnyOrder) {
 }
 
 // The end of the failure changes no word; what is cleared stays cleared; Y10 for all nodes holds it down.
-TEST(Me3NmtSlave, LifeGuarding_HeardAgain_AndY10) {
-  RecordProperty("spec", "ME3-NEC-009 ME3-NG-003 ME3-IO-016 ME3-IO-018");
-  Me3Scenario s;
+TEST_P(NmtSlave, LifeGuarding_HeardAgain_AndY10) {
+  spec("ME3-NEC-009 ME3-NG-003 ME3-IO-016 ME3-IO-018", "");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.set_object(0x100C, 0, 100, 2);
   s.set_object(0x100D, 0, 2, 1);
@@ -203,10 +205,10 @@ TEST(Me3NmtSlave, LifeGuarding_HeardAgain_AndY10) {
 }
 
 // What is not stored is lost by a reset: nobody is watched any more, and no failure is left.
-TEST(Me3NmtSlave, Resets_EndTheErrorControl) {
-  RecordProperty("spec", "ME3-NMT-006 ME3-NMT-007 ME3-NEC-002");
+TEST_P(NmtSlave, Resets_EndTheErrorControl) {
+  spec("ME3-NMT-006 ME3-NMT-007 ME3-NEC-002", "RJ71-NMT-012");
   for (const std::uint8_t command : Bytes{0x81, 0x82}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     s.power_on_as(1);
     s.set_object(0x1016, 1, 0x00020064, 4);
     s.set_object(0x100C, 0, 100, 2);
@@ -227,11 +229,11 @@ struct ErrorBehaviour {
   std::uint16_t after_cpu_stop;
 };
 
-TEST(Me3NmtSlave, S68_CpuStopWhileOperational_ChangesTheStateAs1029hSays) {
-  RecordProperty("spec", "ME3-EB-001 ME3-EB-002 ME3-EB-003 ME3-EB-006");
+TEST_P(NmtSlave, S68_CpuStopWhileOperational_ChangesTheStateAs1029hSays) {
+  spec("ME3-EB-001 ME3-EB-002 ME3-EB-003 ME3-EB-006", "RJ71-ERRB-001 RJ71-ERRB-003 RJ71-ERRB-004");
   for (const ErrorBehaviour& row : {ErrorBehaviour{0, 0x0100, 0x0100}, ErrorBehaviour{1, 0x0201, 0x0100},
                                     ErrorBehaviour{2, 0x0000, 0x0000}}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     s.power_on_as(1);
     s.set_object(0x1029, 1, row.value, 1);
     s.nmt(0x01, 1).expect(25, 0x0201);
@@ -243,10 +245,10 @@ TEST(Me3NmtSlave, S68_CpuStopWhileOperational_ChangesTheStateAs1029hSays) {
 }
 
 // Counters that rise, up to error passive, are no communication error: nothing ends.
-TEST(Me3NmtSlave, CountersBelowBusOff_ChangeNoState_AndEndNoTransfer) {
-  RecordProperty("spec", "ME3-EB-005 ME3-CIF-009 ME3-ERR-007");
+TEST_P(NmtSlave, CountersBelowBusOff_ChangeNoState_AndEndNoTransfer) {
+  spec("ME3-EB-005 ME3-CIF-009 ME3-ERR-007", "RJ71-CIF-006");
   for (const std::uint8_t behaviour : Bytes{0, 1, 2}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     s.power_on_as(1);
     s.set_object(0x1029, 1, behaviour, 1);
     s.nmt(0x01, 1).write(1000, {0x0004, 2, 0x1000, 0}).y(0x17, true).advance(1ms);
@@ -260,11 +262,11 @@ TEST(Me3NmtSlave, CountersBelowBusOff_ChangeNoState_AndEndNoTransfer) {
   }
 }
 
-TEST(Me3NmtSlave, S68_BusOffWhileOperational_ChangesTheStateAs1029hSays) {
-  RecordProperty("spec", "ME3-EB-001 ME3-EB-002 ME3-EB-003 ME3-EB-005");
+TEST_P(NmtSlave, S68_BusOffWhileOperational_ChangesTheStateAs1029hSays) {
+  spec("ME3-EB-001 ME3-EB-002 ME3-EB-003 ME3-EB-005", "RJ71-ERRB-001 RJ71-ERRB-003");
   for (const ErrorBehaviour& row : {ErrorBehaviour{0, 0x0100, 0x0100}, ErrorBehaviour{1, 0x0201, 0x0100},
                                     ErrorBehaviour{2, 0x0000, 0x0000}}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     s.power_on_as(1);
     s.set_object(0x1029, 1, row.value, 1);
     s.nmt(0x01, 1).error_counters(256, 0);
@@ -275,9 +277,9 @@ TEST(Me3NmtSlave, S68_BusOffWhileOperational_ChangesTheStateAs1029hSays) {
 
 // --- heartbeat
 
-TEST(Me3NmtSlave, HeartbeatProducer_BootUpFirst_ThenTheStateEveryPeriod) {
-  RecordProperty("spec", "ME3-HB-001");
-  Me3Scenario s;
+TEST_P(NmtSlave, HeartbeatProducer_BootUpFirst_ThenTheStateEveryPeriod) {
+  spec("ME3-HB-001", "RJ71-HB-001");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.expect_object(0x1017, 0, 0, 2);
   s.advance(70s).no_tx();
@@ -296,9 +298,9 @@ TEST(Me3NmtSlave, HeartbeatProducer_BootUpFirst_ThenTheStateEveryPeriod) {
   s.wait_tx(0x701, {0x00}).advance(59999ms).no_tx().advance(1ms).tx(0x701, {0x7F}).no_tx();
 }
 
-TEST(Me3NmtSlave, HeartbeatConsumerEntries_NodeIdInBits16To23_TimeBelow_UnusedOnesWatchNobody) {
-  RecordProperty("spec", "ME3-HB-002");
-  Me3Scenario s;
+TEST_P(NmtSlave, HeartbeatConsumerEntries_NodeIdInBits16To23_TimeBelow_UnusedOnesWatchNobody) {
+  spec("ME3-HB-002", "RJ71-HB-002");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.expect_object(0x1016, 0, 127, 1);
   for (const std::uint16_t sub : Words{1, 2, 64, 127})
@@ -315,8 +317,8 @@ TEST(Me3NmtSlave, HeartbeatConsumerEntries_NodeIdInBits16To23_TimeBelow_UnusedOn
   s.ignore_tx();
 }
 
-TEST(Me3NmtSlave, HeartbeatProducing_SwitchesGuardingOff) {
-  Me3Scenario s;
+TEST_P(NmtSlave, HeartbeatProducing_SwitchesGuardingOff) {
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.set_object(0x1017, 0, 1000, 2);
   s.ignore_tx().rx_remote(0x701, 1).no_tx();

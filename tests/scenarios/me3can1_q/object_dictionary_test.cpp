@@ -5,13 +5,17 @@
 namespace canopus::scenario {
 namespace {
 
-void expect_abort(Me3Scenario& s, const Words& command, std::uint32_t code, Where where = Where::current()) {
+CANOPUS_OF_BOTH_MODULES(EmergencyInObjectDictionary);
+CANOPUS_OF_BOTH_MODULES(Objects);
+
+void expect_abort(IntelligentScenario& s, const Words& command, std::uint32_t code,
+                  Where where = Where::current()) {
   s.cif(command, where).expect_abort(code, 0, where);
 }
 
 TEST(Me3Objects, Identity) {
   RecordProperty("spec", "ME3-OD-006");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on();
   s.expect_object(0x1018, 0, 3, 1);
   s.expect_object(0x1018, 1, 0x00000071, 4);
@@ -20,9 +24,9 @@ TEST(Me3Objects, Identity) {
   expect_abort(s, {0x0004, 0, 0x1018, 4}, 0x06090011);
 }
 
-TEST(Me3Objects, ReservedIndexes_DoNotExist) {
-  RecordProperty("spec", "ME3-OD-001 ME3-OD-002");
-  Me3Scenario s;
+TEST_P(Objects, ReservedIndexes_DoNotExist) {
+  spec("ME3-OD-001 ME3-OD-002", "RJ71-OD-006");
+  IntelligentScenario s(GetParam());
   s.power_on();
   for (const std::uint16_t index : Words{
            0x0001, 0x0002, 0x0003, 0x0004, 0x0005, 0x0006, 0x0007, 0x0008, 0x0009, 0x009F, 0x1002, 0x1004,
@@ -34,9 +38,9 @@ TEST(Me3Objects, ReservedIndexes_DoNotExist) {
   }
 }
 
-TEST(Me3Objects, Length_MustFit) {
-  RecordProperty("spec", "ME3-OD-005");
-  Me3Scenario s;
+TEST_P(Objects, Length_MustFit) {
+  spec("ME3-OD-005", "RJ71-SDO-016");
+  IntelligentScenario s(GetParam());
   s.power_on();
   expect_abort(s, {0x0002, 0, 0x1017, 0, 4, 1, 0}, 0x06070012);
   expect_abort(s, {0x0002, 0, 0x1017, 0, 1, 1}, 0x06070013);
@@ -51,9 +55,9 @@ TEST(Me3Objects, Length_MustFit) {
   s.no_tx();
 }
 
-TEST(Me3Objects, Defaults_OfTheCommunicationArea) {
-  RecordProperty("spec", "ME3-FLY-001 ME3-MST-014");
-  Me3Scenario s;
+TEST_P(Objects, Defaults_OfTheCommunicationArea) {
+  spec("ME3-FLY-001 ME3-MST-014", "RJ71-FLY-009");
+  IntelligentScenario s(GetParam());
   s.power_on_as(9);
   s.expect_object(0x1005, 0, 0x80, 4);
   s.expect_object(0x1006, 0, 0, 4);
@@ -79,9 +83,9 @@ TEST(Me3Objects, Defaults_OfTheCommunicationArea) {
   s.expect_object(0x1F90, 6, 4090, 2);
 }
 
-TEST(Me3Objects, DefaultCobIds_FollowTheNodeId) {
-  RecordProperty("spec", "ME3-OD-012 ME3-EMCY-003");
-  Me3Scenario s;
+TEST_P(Objects, DefaultCobIds_FollowTheNodeId) {
+  spec("ME3-OD-012 ME3-EMCY-003", "RJ71-CANID-002 RJ71-OD-007");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.expect_object(0x1014, 0, 0xFF, 4);
   s.expect_object(0x1400, 1, 0x27F, 4);
@@ -112,9 +116,9 @@ TEST(Me3Objects, DefaultCobIds_FollowTheNodeId) {
   s.tx(0x705, {0x7F}).no_tx();
 }
 
-TEST(Me3Objects, RestrictedIdentifiers_AreRefused) {
-  RecordProperty("spec", "ME3-OD-011");
-  Me3Scenario s;
+TEST_P(Objects, RestrictedIdentifiers_AreRefused) {
+  spec("ME3-OD-011", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   const std::vector<std::uint16_t> restricted{0x000, 0x001, 0x07F, 0x101, 0x180, 0x581, 0x5FF, 0x601,
                                               0x67F, 0x6E0, 0x6FF, 0x701, 0x77F, 0x780, 0x7FF};
@@ -139,7 +143,7 @@ TEST(Me3Objects, RestrictedIdentifiers_AreRefused) {
 
 TEST(Me3Objects, SdoServer_AnswersInPreOperationalAndOperational_NotInStopped) {
   RecordProperty("spec", "ME3-SDO-001 ME3-SDO-006 ME3-NMT-004 ME3-STAT-007 ME3-STAT-002");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_as(1);
   const Bytes request{0x40, 0x18, 0x10, 0x01, 0, 0, 0, 0};
   const Bytes answer{0x43, 0x18, 0x10, 0x01, 0x71, 0, 0, 0};
@@ -167,10 +171,10 @@ TEST(Me3Objects, SdoServer_AnswersInPreOperationalAndOperational_NotInStopped) {
 }
 
 // A transfer that runs when the module is stopped ends there, without another frame.
-TEST(Me3Objects, SdoClient_StoppedInTheMiddle_SendsAndTakesNothingMore) {
-  RecordProperty("spec", "ME3-SDO-006 ME3-CIF-010");
+TEST_P(Objects, SdoClient_StoppedInTheMiddle_SendsAndTakesNothingMore) {
+  spec("ME3-SDO-006 ME3-CIF-010", "RJ71-CIF-005");
   for (const bool answered : {true, false}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     s.power_on_as(1);
     s.write(1000, {0x0004, 2, 0x2000, 1});
     s.y(0x17, true);
@@ -192,9 +196,9 @@ TEST(Me3Objects, SdoClient_StoppedInTheMiddle_SendsAndTakesNothingMore) {
   }
 }
 
-TEST(Me3Objects, SdoClient_UsesTheDefaultChannelOfEachNode) {
-  RecordProperty("spec", "ME3-SDO-002");
-  Me3Scenario s;
+TEST_P(Objects, SdoClient_UsesTheDefaultChannelOfEachNode) {
+  spec("ME3-SDO-002", "RJ71-SDO-009");
+  IntelligentScenario s(GetParam());
   s.power_on_as(9);
   for (const std::uint16_t node : Words{1, 8, 10, 127}) {
     s.write(1000, {0x0004, node, 0x1000, 0});
@@ -210,7 +214,7 @@ TEST(Me3Objects, SdoClient_UsesTheDefaultChannelOfEachNode) {
 
 TEST(Me3Objects, SdoServer_LongObjects_GoSegmented) {
   RecordProperty("spec", "ME3-SDO-003 ME3-OD-007");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_as(1);
   s.rx(0x601, {0x40, 0x08, 0x10, 0x00, 0, 0, 0, 0});
   s.tx(0x581, {0x41, 0x08, 0x10, 0x00, 9, 0, 0, 0});
@@ -224,7 +228,7 @@ TEST(Me3Objects, SdoServer_LongObjects_GoSegmented) {
 
 TEST(Me3Objects, S71_ErrorHistory_KeepsTheFifteenNewest) {
   RecordProperty("spec", "ME3-OD-009 ME3-OD-010");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_as(1);
   s.expect_object(0x1003, 0, 0, 1);
   for (std::uint16_t i = 1; i <= 16; ++i) {
@@ -248,9 +252,9 @@ TEST(Me3Objects, S71_ErrorHistory_KeepsTheFifteenNewest) {
   s.ignore_tx();
 }
 
-TEST(Me3Objects, VerifyConfiguration_IsZeroAfterAnyChange) {
-  RecordProperty("spec", "ME3-CFG-010");
-  Me3Scenario s;
+TEST_P(Objects, VerifyConfiguration_IsZeroAfterAnyChange) {
+  spec("ME3-CFG-010", "RJ71-CM-002 RJ71-OD-004");
+  IntelligentScenario s(GetParam());
   s.power_on();
   for (const auto& [index, sub, value, length] : std::vector<std::array<std::uint32_t, 4>>{
            {0x1015, 0, 5, 2}, {0x1F81, 2, 1, 4}, {0x1028, 3, 0x80000083, 4}}) {
@@ -276,9 +280,9 @@ TEST(Me3Objects, VerifyConfiguration_IsZeroAfterAnyChange) {
   s.expect_object(0x1020, 2, 0, 4).no_tx();
 }
 
-TEST(Me3Objects, AssignmentBitsThatDoNotExist_AreRefused) {
-  RecordProperty("spec", "ME3-SLV-006");
-  Me3Scenario s;
+TEST_P(Objects, AssignmentBitsThatDoNotExist_AreRefused) {
+  spec("ME3-SLV-006", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   for (const std::uint16_t bit : Words{0x02, 0x20, 0x40, 0x80}) {
     expect_abort(s, {0x0002, 0, 0x1F81, 2, 4, static_cast<std::uint16_t>(0x01 | bit), 0}, 0x06090030);
@@ -290,7 +294,7 @@ TEST(Me3Objects, AssignmentBitsThatDoNotExist_AreRefused) {
 
 TEST(Me3Emergency, CpuRunToStop_SendsMe002) {
   RecordProperty("spec", "ME3-EMCY-008 ME3-EMCY-002");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_as(1);
   s.cpu(module::CpuState::stop);
   s.tx(0x081, {0x00, 0xFF, 0x81, 0x4D, 0x45, 0x30, 0x30, 0x32}).no_tx();
@@ -306,7 +310,7 @@ TEST(Me3Emergency, CpuRunToStop_SendsMe002) {
 // Nor is what happens during the initialization told after it.
 TEST(Me3Emergency, NotInInitialization) {
   RecordProperty("spec", "ME3-EMCY-011");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.supply_on();
   s.plug_in().cpu_failed(s.now());
   s.cpu(module::CpuState::stop);
@@ -316,9 +320,9 @@ TEST(Me3Emergency, NotInInitialization) {
   s.expect_object(0x1003, 0, 0, 1).expect_object(0x1001, 0, 0, 1);
 }
 
-TEST(Me3Emergency, ErrorPassive_SendsOneMessagePerEvent) {
-  RecordProperty("spec", "ME3-EMCY-002 ME3-EMCY-009");
-  Me3Scenario s;
+TEST_P(EmergencyInObjectDictionary, ErrorPassive_SendsOneMessagePerEvent) {
+  spec("ME3-EMCY-002 ME3-EMCY-009", "RJ71-EMCY-001");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.error_counters(130, 0);
   s.tx(0x081, {0x20, 0x81, 0x11, 0, 0, 0, 0, 0}).no_tx();
@@ -330,9 +334,9 @@ TEST(Me3Emergency, ErrorPassive_SendsOneMessagePerEvent) {
   s.tx(0x081, {0x20, 0x81, 0x11, 0, 0, 0, 0, 0}).no_tx();
 }
 
-TEST(Me3Emergency, NotInStopped_NeitherSentNorReceived) {
-  RecordProperty("spec", "ME3-EMCY-011 ME3-IO-008");
-  Me3Scenario s;
+TEST_P(EmergencyInObjectDictionary, NotInStopped_NeitherSentNorReceived) {
+  spec("ME3-EMCY-011 ME3-IO-008", "RJ71-EMCY-005");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.nmt(0x02, 1);
   s.error_counters(130, 0);
@@ -360,7 +364,7 @@ TEST(Me3Emergency, NotInStopped_NeitherSentNorReceived) {
 
 TEST(Me3Emergency, LostHeartbeat_NamesTheNode) {
   RecordProperty("spec", "ME3-HB-002 ME3-HB-003 ME3-HB-004 ME3-NEC-004 ME3-NST-004 ME3-NST-006");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_as(1);
   s.set_object(0x1016, 0x7F, 0x000205DC, 4);
   s.set_object(0x1016, 1, 0x00800064, 4);  // node 128: unused

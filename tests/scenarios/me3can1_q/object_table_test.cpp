@@ -38,7 +38,7 @@ struct Answer {
 // SDO as CiA 301 draws it, frame by frame.
 class Client {
  public:
-  explicit Client(Me3Scenario& s) : s_(&s) {}
+  explicit Client(IntelligentScenario& s) : s_(&s) {}
 
   Answer upload(std::uint16_t index, std::uint8_t sub) {
     const Bytes begin = ask({0x40, low(index), high(index), sub, 0, 0, 0, 0});
@@ -79,7 +79,7 @@ class Client {
     return {0x80, 0, 0, 0, 0xFF, 0xFF, 0xFF, 0xFF};
   }
 
-  Me3Scenario* s_;
+  IntelligentScenario* s_;
 };
 
 struct Row : SpecRow {
@@ -160,7 +160,7 @@ TEST(Me3ObjectTable, EveryRow_HasItsDefault_ItsLength_AndItsReadAccess) {
       "spec", "ME3-OD-001 ME3-OD-003 ME3-OD-012 ME3-PDO-001 ME3-PDO-002 ME3-PDO-003 ME3-PRO-001 ME3-PRO-002");
   const auto rows = od();
   const auto highest = highest_subs(rows);
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_as(node_id);
   Client client(s);
   for (const Row& row : rows) {
@@ -226,7 +226,7 @@ std::uint32_t answer_to_default(const Row& row, std::uint16_t index, std::uint8_
 TEST(Me3ObjectTable, EveryRow_TakesWritesOfItsLength_OrIsReadOnly) {
   RecordProperty("spec", "ME3-OD-004 ME3-OD-005");
   const auto rows = od();
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_as(node_id);
   Client client(s);
   for (const Row& row : rows) {
@@ -286,7 +286,7 @@ std::uint32_t another_value(std::uint16_t index, std::uint8_t sub) {
 TEST(Me3ObjectTable, EveryRow_IsStoredOrNot_AsItSays) {
   RecordProperty("spec", "ME3-STO-001 ME3-STO-008 ME3-STO-003 ME3-ID-001");
   const auto rows = od();
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_as(node_id);
   Client client(s);
   std::map<std::pair<std::uint16_t, std::uint8_t>, std::uint32_t> written;
@@ -359,7 +359,7 @@ TEST(Me3ObjectTable, EveryRow_CanBeMappedOrNot_AsItSays) {
   RecordProperty("spec", "ME3-PDO-005 ME3-PDO-006 ME3-OD-002");
   const auto rows = od();
   const auto highest = highest_subs(rows);
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_as(node_id);
   Client client(s);
   ASSERT_EQ(client.download(0x16FF, 0, 0, 1), done);

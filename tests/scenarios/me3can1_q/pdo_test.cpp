@@ -5,17 +5,20 @@
 namespace canopus::scenario {
 namespace {
 
+CANOPUS_OF_BOTH_MODULES(Pdo);
+CANOPUS_OF_BOTH_MODULES(ProcessData);
+
 // Node 1, Operational.
-void operational(Me3Scenario& s) {
+void operational(IntelligentScenario& s) {
   s.power_on_as(1);
   s.nmt(0x01);
   s.expect_bit(25, 0, true);
   s.ignore_tx();
 }
 
-TEST(Me3Pdo, S30_RpdoMappingExample) {
-  RecordProperty("spec", "ME3-PDO-004");
-  Me3Scenario s;
+TEST_P(Pdo, S30_RpdoMappingExample) {
+  spec("ME3-PDO-004", "RJ71-PDO-005 RJ71-PDO-006");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   // Out of order it is refused: the PDO is valid, or entries are mapped.
   s.cif({0x0002, 0, 0x1600, 0, 1, 0});
@@ -38,9 +41,9 @@ TEST(Me3Pdo, S30_RpdoMappingExample) {
   s.no_tx();
 }
 
-TEST(Me3Pdo, S31_TpdoMappingExample) {
-  RecordProperty("spec", "ME3-PDO-004 ME3-PDO-007");
-  Me3Scenario s;
+TEST_P(Pdo, S31_TpdoMappingExample) {
+  spec("ME3-PDO-004 ME3-PDO-007", "RJ71-PDO-005 RJ71-PDO-006 RJ71-TPDO-009");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.cif({0x0002, 0, 0x1A00, 0, 1, 0});
   s.expect_abort(0x08000022);
@@ -59,7 +62,7 @@ TEST(Me3Pdo, S31_TpdoMappingExample) {
   s.expect_object(0x1800, 1, 0x40000181, 4);
   s.rx_remote(0x181, 2).advance(1s).no_tx();
 
-  Me3Scenario preset;  // configured without the bit before the first power-on
+  IntelligentScenario preset(GetParam());  // configured without the bit before the first power-on
   EXPECT_EQ(preset.plug_in().preset_object(0x1800, 1, Bytes{0xFF, 0x01, 0x00, 0x00}),
             canopen::AbortCode::none);
   preset.power_on();
@@ -68,9 +71,9 @@ TEST(Me3Pdo, S31_TpdoMappingExample) {
   preset.rx_remote(0x1FF, 8).advance(1s).no_tx();
 }
 
-TEST(Me3Pdo, Defaults_CommunicationParameters) {
-  RecordProperty("spec", "ME3-PDO-001 ME3-PDO-002");
-  Me3Scenario s;
+TEST_P(Pdo, Defaults_CommunicationParameters) {
+  spec("ME3-PDO-001 ME3-PDO-002", "RJ71-PDO-002");
+  IntelligentScenario s(GetParam());
   s.power_on_as(5);
   const canopen::ObjectDictionary& objects = s.plug_in().node().dictionary();
   for (unsigned n = 0; n < 256; ++n) {
@@ -90,9 +93,9 @@ TEST(Me3Pdo, Defaults_CommunicationParameters) {
   EXPECT_FALSE(objects.find(0x1900, 0));
 }
 
-TEST(Me3Pdo, Defaults_Mapping) {
-  RecordProperty("spec", "ME3-PDO-003 ME3-SYS-010");
-  Me3Scenario s;
+TEST_P(Pdo, Defaults_Mapping) {
+  spec("ME3-PDO-003 ME3-SYS-010", "RJ71-TPDO-010 RJ71-RPDO-009");
+  IntelligentScenario s(GetParam());
   s.power_on();
   const canopen::ObjectDictionary& objects = s.plug_in().node().dictionary();
   const auto entry = [&](unsigned index, unsigned sub) {
@@ -132,9 +135,9 @@ TEST(Me3Pdo, Defaults_Mapping) {
   }
 }
 
-TEST(Me3Pdo, S38_Case1_NoTimers) {
-  RecordProperty("spec", "ME3-PDO-013 ME3-DX-006 ME3-IO-002");
-  Me3Scenario s;
+TEST_P(Pdo, S38_Case1_NoTimers) {
+  spec("ME3-PDO-013 ME3-DX-006 ME3-IO-002", "RJ71-IO-002");
+  IntelligentScenario s(GetParam());
   operational(s);
   s.write(13000, 0x1111);
   s.advance(1s);
@@ -163,9 +166,9 @@ TEST(Me3Pdo, S38_Case1_NoTimers) {
   s.expect_object(0xA100, 17, 0x4444, 2);
 }
 
-TEST(Me3Pdo, S39_Case2_InhibitTime_DismissesTheRequest) {
-  RecordProperty("spec", "ME3-PDO-014");
-  Me3Scenario s;
+TEST_P(Pdo, S39_Case2_InhibitTime_DismissesTheRequest) {
+  spec("ME3-PDO-014", "RJ71-TPDO-005");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.set_object(0x1800, 1, 0xC0000181, 4);
   s.set_object(0x1800, 3, 1000, 2);
@@ -200,9 +203,9 @@ TEST(Me3Pdo, S39_Case2_InhibitTime_DismissesTheRequest) {
   s.tx(0x181, {0x44, 0x44, 0, 0, 0, 0, 0, 0}).tx(0x181, {0x44, 0x44, 0, 0, 0, 0, 0, 0}).no_tx();
 }
 
-TEST(Me3Pdo, S41_Case4_InhibitTimeShorterThanTheEventTimer) {
-  RecordProperty("spec", "ME3-PDO-016");
-  Me3Scenario s;
+TEST_P(Pdo, S41_Case4_InhibitTimeShorterThanTheEventTimer) {
+  spec("ME3-PDO-016", "");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.set_object(0x1800, 1, 0xC0000181, 4);
   s.set_object(0x1800, 3, 1000, 2);
@@ -232,9 +235,9 @@ TEST(Me3Pdo, S41_Case4_InhibitTimeShorterThanTheEventTimer) {
   s.tx(0x181, {0x33, 0x33, 0, 0, 0, 0, 0, 0}).no_tx();
 }
 
-TEST(Me3Pdo, S40_Case3_EventTimer_SendsUnchangedData_AndStartsAgainWithEachFrame) {
-  RecordProperty("spec", "ME3-PDO-015");
-  Me3Scenario s;
+TEST_P(Pdo, S40_Case3_EventTimer_SendsUnchangedData_AndStartsAgainWithEachFrame) {
+  spec("ME3-PDO-015", "RJ71-TPDO-006");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.set_object(0x1800, 1, 0xC0000181, 4);
   s.set_object(0x1800, 5, 200, 2);
@@ -259,9 +262,9 @@ TEST(Me3Pdo, S40_Case3_EventTimer_SendsUnchangedData_AndStartsAgainWithEachFrame
   s.tx(0x181, {0x22, 0x22, 0, 0, 0, 0, 0, 0}).no_tx();
 }
 
-TEST(Me3Pdo, S42_Case5_EventTimerWithinTheInhibitTime_SendsNothing) {
-  RecordProperty("spec", "ME3-PDO-017");
-  Me3Scenario s;
+TEST_P(Pdo, S42_Case5_EventTimerWithinTheInhibitTime_SendsNothing) {
+  spec("ME3-PDO-017", "RJ71-TPDO-008");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.set_object(0x1800, 1, 0xC0000181, 4);
   s.set_object(0x1800, 3, 3000, 2);
@@ -281,7 +284,7 @@ TEST(Me3Pdo, S42_Case5_EventTimerWithinTheInhibitTime_SendsNothing) {
 
 TEST(Me3Pdo, S43_SynchronousTypes) {
   RecordProperty("spec", "ME3-PDO-008 ME3-PDO-009 ME3-PDO-010 ME3-PDO-011 ME3-PDO-012");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_as(1);
   const auto types = [&](std::uint8_t tpdo, std::uint8_t rpdo) {
     s.set_object(0x1800, 1, 0xC0000181, 4);
@@ -331,9 +334,9 @@ TEST(Me3Pdo, S43_SynchronousTypes) {
   s.ignore_tx();
 }
 
-TEST(Me3Pdo, SynchronousTypes_EveryNthSync_OrAfterAnEvent) {
-  RecordProperty("spec", "ME3-PDO-010 ME3-PDO-011");
-  Me3Scenario s;
+TEST_P(Pdo, SynchronousTypes_EveryNthSync_OrAfterAnEvent) {
+  spec("ME3-PDO-010 ME3-PDO-011", "RJ71-TPDO-002 RJ71-TPDO-003");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   const auto type = [&](std::uint8_t value) {
     s.set_object(0x1800, 1, 0xC0000181, 4);
@@ -363,9 +366,9 @@ TEST(Me3Pdo, SynchronousTypes_EveryNthSync_OrAfterAnEvent) {
   s.rx(0x080).no_tx();
 }
 
-TEST(Me3Pdo, S43a_DummyMapping_SkipsAByte) {
-  RecordProperty("spec", "ME3-PDO-006");
-  Me3Scenario s;
+TEST_P(Pdo, S43a_DummyMapping_SkipsAByte) {
+  spec("ME3-PDO-006", "");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.set_object(0x1400, 1, 0x80000201, 4);
   s.set_object(0x1600, 0, 0, 1);
@@ -382,7 +385,7 @@ TEST(Me3Pdo, S43a_DummyMapping_SkipsAByte) {
   // Every dummy of table 4-5, with its own length.
   for (const auto& [dummy, bits] :
        std::map<std::uint32_t, unsigned>{{2, 8}, {3, 16}, {4, 32}, {5, 8}, {6, 16}, {7, 32}, {8, 32}}) {
-    Me3Scenario t;
+    IntelligentScenario t(GetParam());
     t.power_on_as(1);
     t.set_object(0x1400, 1, 0x80000201, 4);
     t.set_object(0x1600, 0, 0, 1);
@@ -407,9 +410,9 @@ TEST(Me3Pdo, S43a_DummyMapping_SkipsAByte) {
   }
 }
 
-TEST(Me3Pdo, S43b_OnlyMappedObjectsAreCopied) {
-  RecordProperty("spec", "ME3-PBUF-006");
-  Me3Scenario s;
+TEST_P(Pdo, S43b_OnlyMappedObjectsAreCopied) {
+  spec("ME3-PBUF-006", "RJ71-TPDO-001");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.set_object(0x1800, 1, 0xC0000181, 4);
   s.set_object(0x1A00, 0, 0, 1);
@@ -430,9 +433,9 @@ TEST(Me3Pdo, S43b_OnlyMappedObjectsAreCopied) {
 }
 
 // Neighbours in the dictionary that are none in the words: the last byte, then the first word.
-TEST(Me3ProcessData, FirstAndLastObject_InOnePdo) {
-  RecordProperty("spec", "ME3-PBUF-001 ME3-PBUF-004");
-  Me3Scenario s;
+TEST_P(ProcessData, FirstAndLastObject_InOnePdo) {
+  spec("ME3-PBUF-001 ME3-PBUF-004", "RJ71-RPDO-010 RJ71-TPDO-011");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.set_object(0x1400, 1, 0x80000201, 4);
   s.set_object(0x1600, 0, 0, 1);
@@ -453,9 +456,9 @@ TEST(Me3ProcessData, FirstAndLastObject_InOnePdo) {
 }
 
 // After a change of one RPDO's mapping each RPDO is still brought to its own words, and to no others.
-TEST(Me3ProcessData, EachRpdo_ComesToItsOwnWords_AfterAChange) {
-  RecordProperty("spec", "ME3-PBUF-002 ME3-PBUF-005 ME3-DX-008");
-  Me3Scenario s;
+TEST_P(ProcessData, EachRpdo_ComesToItsOwnWords_AfterAChange) {
+  spec("ME3-PBUF-002 ME3-PBUF-005 ME3-DX-008", "RJ71-RPDO-010 RJ71-RPDO-001");
+  IntelligentScenario s(GetParam());
   operational(s);
   s.rx(0x201, {1, 0, 2, 0, 3, 0, 4, 0}).rx(0x301, {5, 0, 6, 0, 7, 0, 8, 0});
   s.exchange();
@@ -478,7 +481,7 @@ TEST(Me3ProcessData, EachRpdo_ComesToItsOwnWords_AfterAChange) {
 
 TEST(Me3Pdo, S43c_NotOperational_TheProcessDataWait) {
   RecordProperty("spec", "ME3-DX-007 ME3-PBUF-007 ME3-PDO-018");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_as(1);
   s.rx(0x201, {0x34, 0x12, 0, 0, 0, 0, 0, 0});
   s.write(13000, 7);
@@ -519,9 +522,9 @@ TEST(Me3Pdo, S43c_NotOperational_TheProcessDataWait) {
   s.expect(10000, 0).ignore_tx();
 }
 
-TEST(Me3Pdo, S43d_Selection_OfProcessDataAndEmergencies) {
-  RecordProperty("spec", "ME3-DX-001 ME3-DX-002 ME3-DX-003 ME3-DX-004 ME3-IO-003");
-  Me3Scenario s;
+TEST_P(Pdo, S43d_Selection_OfProcessDataAndEmergencies) {
+  spec("ME3-DX-001 ME3-DX-002 ME3-DX-003 ME3-DX-004 ME3-IO-003", "RJ71-IO-002");
+  IntelligentScenario s(GetParam());
   operational(s);
   std::uint8_t n = 0;
   const auto change = [&] {
@@ -553,7 +556,7 @@ TEST(Me3Pdo, S43d_Selection_OfProcessDataAndEmergencies) {
 
 TEST(Me3Pdo, ExchangeStatus_ReadsInBit8WhileItRuns) {
   RecordProperty("spec", "ME3-DX-005");
-  Me3Scenario s;
+  IntelligentScenario s;
   operational(s);
   s.write(20, 0x1100);
   s.expect(20, 0);
@@ -570,9 +573,9 @@ TEST(Me3Pdo, ExchangeStatus_ReadsInBit8WhileItRuns) {
   s.expect(20, 0);
 }
 
-TEST(Me3Pdo, ReceivedData_StandStillBetweenExchanges_TheLatestFrameWins) {
-  RecordProperty("spec", "ME3-DX-008");
-  Me3Scenario s;
+TEST_P(Pdo, ReceivedData_StandStillBetweenExchanges_TheLatestFrameWins) {
+  spec("ME3-DX-008", "RJ71-RPDO-001");
+  IntelligentScenario s(GetParam());
   operational(s);
   s.rx(0x201, {1, 0, 2, 0, 3, 0, 4, 0});
   s.expect(10000, {0, 0, 0, 0});
@@ -586,9 +589,9 @@ TEST(Me3Pdo, ReceivedData_StandStillBetweenExchanges_TheLatestFrameWins) {
   s.expect(10000, {9, 10, 11, 12});
 }
 
-TEST(Me3Pdo, WordsWrittenBeforeTheRequest_LeaveTogether_LaterOnesWait) {
-  RecordProperty("spec", "ME3-DX-009");
-  Me3Scenario s;
+TEST_P(Pdo, WordsWrittenBeforeTheRequest_LeaveTogether_LaterOnesWait) {
+  spec("ME3-DX-009", "RJ71-PDO-004");
+  IntelligentScenario s(GetParam());
   operational(s);
   s.write(13000, {1, 2, 3, 4});
   s.y(0x01, true);
@@ -600,8 +603,8 @@ TEST(Me3Pdo, WordsWrittenBeforeTheRequest_LeaveTogether_LaterOnesWait) {
   s.tx(0x181, {1, 0, 2, 0, 30, 0, 40, 0}).no_tx();
 }
 
-TEST(Me3Pdo, RemoteRequestOfAPdo_IsNotAnswered) {
-  Me3Scenario s;
+TEST_P(Pdo, RemoteRequestOfAPdo_IsNotAnswered) {
+  IntelligentScenario s(GetParam());
   operational(s);
   s.write(13000, 1);
   s.exchange();
@@ -611,9 +614,9 @@ TEST(Me3Pdo, RemoteRequestOfAPdo_IsNotAnswered) {
   s.no_tx();
 }
 
-TEST(Me3Pdo, RpdoLengthErrors_SendEmergencies) {
-  RecordProperty("spec", "ME3-PDO-019");
-  Me3Scenario s;
+TEST_P(Pdo, RpdoLengthErrors_SendEmergencies) {
+  spec("ME3-PDO-019", "");
+  IntelligentScenario s(GetParam());
   operational(s);
   s.rx(0x201, {0x11, 0x22, 0x33});
   s.tx(0x081, {0x10, 0x82, 0x11, 0, 0, 0, 0, 0}).no_tx();
@@ -630,9 +633,9 @@ TEST(Me3Pdo, RpdoLengthErrors_SendEmergencies) {
   s.expect(10000, {0x2211, 0});
 }
 
-TEST(Me3Pdo, MappingIsChecked_LengthAndMappability) {
-  RecordProperty("spec", "ME3-PDO-005");
-  Me3Scenario s;
+TEST_P(Pdo, MappingIsChecked_LengthAndMappability) {
+  spec("ME3-PDO-005", "RJ71-PDO-001");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.set_object(0x1400, 1, 0x80000201, 4);
   s.set_object(0x1600, 0, 0, 1);
@@ -672,9 +675,9 @@ TEST(Me3Pdo, MappingIsChecked_LengthAndMappability) {
 
 // --- what lies where [3.5.19]
 
-TEST(Me3ProcessData, RpdoWords_ToNetworkVariables) {
-  RecordProperty("spec", "ME3-PBUF-001 ME3-PBUF-002 ME3-PBUF-003");
-  Me3Scenario s;
+TEST_P(ProcessData, RpdoWords_ToNetworkVariables) {
+  spec("ME3-PBUF-001 ME3-PBUF-002 ME3-PBUF-003", "RJ71-RPDO-010");
+  IntelligentScenario s(GetParam());
   operational(s);
   struct Row {
     std::uint16_t index;
@@ -741,11 +744,11 @@ Words words_of(const Area& area) {
   return words;
 }
 
-TEST(Me3ProcessData, EveryRpdoObject_LiesWhereTheRuleSays) {
-  RecordProperty("spec", "ME3-PBUF-001 ME3-PBUF-002 ME3-PBUF-003");
+TEST_P(ProcessData, EveryRpdoObject_LiesWhereTheRuleSays) {
+  spec("ME3-PBUF-001 ME3-PBUF-002 ME3-PBUF-003", "RJ71-RPDO-010");
   for (const Area& area : {Area{0xA480, 1}, Area{0xA4C0, 1}, Area{0xA540, 2}, Area{0xA580, 2},
                            Area{0xA640, 4}, Area{0xA680, 4}, Area{0xA6C0, 4}}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     operational(s);
     for (unsigned k = 0; k < 2048 / area.bytes; ++k)
       s.set_object(object_index(area, k), object_sub(k), pattern(k, area.bytes), area.bytes);
@@ -754,11 +757,11 @@ TEST(Me3ProcessData, EveryRpdoObject_LiesWhereTheRuleSays) {
   }
 }
 
-TEST(Me3ProcessData, EveryTpdoObject_LiesWhereTheRuleSays) {
-  RecordProperty("spec", "ME3-PBUF-004");
+TEST_P(ProcessData, EveryTpdoObject_LiesWhereTheRuleSays) {
+  spec("ME3-PBUF-004", "RJ71-TPDO-011");
   for (const Area& area : {Area{0xA000, 1}, Area{0xA040, 1}, Area{0xA0C0, 2}, Area{0xA100, 2},
                            Area{0xA1C0, 4}, Area{0xA200, 4}, Area{0xA240, 4}}) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     s.power_on_as(1);
     for (std::uint16_t n = 0; n < 4; ++n)
       s.set_object(static_cast<std::uint16_t>(0x1800 + n), 1, 0xC0000000, 4);
@@ -785,7 +788,7 @@ TEST(Me3ProcessData, EveryTpdoObject_LiesWhereTheRuleSays) {
 
 TEST(Me3ProcessData, OutputVariable_WrittenByAnotherNode) {
   RecordProperty("spec", "ME3-PRO-003");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on_as(1);
   const Bytes write{0x2B, 0x80, 0xA5, 0x01, 0x34, 0x12, 0, 0};
   const Bytes written{0x60, 0x80, 0xA5, 0x01, 0, 0, 0, 0};
@@ -805,8 +808,8 @@ TEST(Me3ProcessData, OutputVariable_WrittenByAnotherNode) {
   s.tx(0x581, {0x80, 0x00, 0xA1, 0x01, 0x02, 0x00, 0x01, 0x06}).no_tx();
 }
 
-TEST(Me3ProcessData, TpdoWords_ToNetworkVariables) {
-  RecordProperty("spec", "ME3-PBUF-004");
+TEST_P(ProcessData, TpdoWords_ToNetworkVariables) {
+  spec("ME3-PBUF-004", "RJ71-TPDO-011");
   struct Row {
     std::uint32_t mapping;
     module::BufferAddress word;
@@ -830,7 +833,7 @@ TEST(Me3ProcessData, TpdoWords_ToNetworkVariables) {
       {0xA2020420, 14022, {0xBEEF, 0xDEAD}, 0xDEADBEEF, 4},
   };
   for (const Row& row : rows) {
-    Me3Scenario s;
+    IntelligentScenario s(GetParam());
     s.power_on_as(1);
     s.set_object(0x1800, 1, 0xC0000181, 4);
     s.set_object(0x1A00, 0, 0, 1);
@@ -850,9 +853,9 @@ TEST(Me3ProcessData, TpdoWords_ToNetworkVariables) {
   }
 }
 
-TEST(Me3ProcessData, OverlappingObjects_AreNotKeptEqual) {
-  RecordProperty("spec", "ME3-PBUF-005");
-  Me3Scenario s;
+TEST_P(ProcessData, OverlappingObjects_AreNotKeptEqual) {
+  spec("ME3-PBUF-005", "");
+  IntelligentScenario s(GetParam());
   operational(s);
   s.set_object(0xA580, 1, 0x1234, 2);
   s.set_object(0xA4C0, 1, 0x99, 1);
@@ -863,9 +866,9 @@ TEST(Me3ProcessData, OverlappingObjects_AreNotKeptEqual) {
   s.expect_object(0xA4C0, 2, 0, 1);
 }
 
-TEST(Me3ProcessData, NetworkVariables_Exist_AsTheProfileSays) {
-  RecordProperty("spec", "ME3-PRO-001 ME3-PRO-002 ME3-PRO-004");
-  Me3Scenario s;
+TEST_P(ProcessData, NetworkVariables_Exist_AsTheProfileSays) {
+  spec("ME3-PRO-001 ME3-PRO-002 ME3-PRO-004", "RJ71-OD-005");
+  IntelligentScenario s(GetParam());
   s.power_on();
   // First index, last index, sub-indexes of the last one.
   const std::vector<std::array<std::uint16_t, 3>> inputs{

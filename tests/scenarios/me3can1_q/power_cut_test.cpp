@@ -310,20 +310,20 @@ TEST(Me3PowerCut, ImpossibleContent_IsReported_AndNothingOfItIsUsed) {
     return module::NonVolatileMemory::Content{module::NonVolatileMemory::Content::State::good, all};
   };
   {
-    Me3Scenario s;  // G70 = 1000 and G27 = 200
+    IntelligentScenario s;  // G70 = 1000 and G27 = 200
     s.flash().blobs["buffer-memory"] = with({70, 0, 0xE8, 0x03, 27, 0, 200, 0});
     s.power_on();
     s.expect(29, 0x0010).expect(70, 500).expect(27, 127);
   }
   {
-    Me3Scenario s;  // 1015H = 77, then half an object
+    IntelligentScenario s;  // 1015H = 77, then half an object
     s.flash().blobs["object-dictionary"] = with({0x15, 0x10, 0, 2, 0, 77, 0, 0x17, 0x10, 0, 2, 0, 1});
     s.power_on();
     s.expect(29, 0x0010);
     s.expect_object(0x1015, 0, 0, 2);
   }
   {
-    Me3Scenario s;  // neither content nor erased
+    IntelligentScenario s;  // neither content nor erased
     s.flash().blobs["buffer-memory"] = {module::NonVolatileMemory::Content::State::good, {9, 1, 0, 0, 0}};
     s.power_on();
     s.expect(29, 0x0010);
@@ -332,7 +332,7 @@ TEST(Me3PowerCut, ImpossibleContent_IsReported_AndNothingOfItIsUsed) {
 
 TEST(Me3PowerCut, RestoredDefaults_LeaveTheConciseDcfs_UntilARestart) {
   RecordProperty("spec", "ME3-STO-006");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on();
   s.cif({0x0002, 0, 0x1F22, 2, 5, 0x0001, 0x0000, 0x0055});
   s.expect(1000, 0x0003);
@@ -349,7 +349,7 @@ TEST(Me3PowerCut, RestoredDefaults_LeaveTheConciseDcfs_UntilARestart) {
 
 TEST(Me3PowerCut, FlashWrites_AreCounted_OverPowerCyclesAndStores) {
   RecordProperty("spec", "ME3-SYS-014");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on();
   EXPECT_EQ(s.plug_in().flash_writes(), 0U);
   s.save();

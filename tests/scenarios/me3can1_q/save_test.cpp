@@ -5,9 +5,11 @@
 namespace canopus::scenario {
 namespace {
 
-TEST(Me3Save, S09_Save_SurvivesRestartAndPowerCycle) {
-  RecordProperty("spec", "ME3-SAVE-001 ME3-IO-025");
-  Me3Scenario s;
+CANOPUS_OF_BOTH_MODULES(Save);
+
+TEST_P(Save, S09_Save_SurvivesRestartAndPowerCycle) {
+  spec("ME3-SAVE-001 ME3-IO-025", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.write(70, 1000);
   s.write(22, 1);
@@ -24,9 +26,9 @@ TEST(Me3Save, S09_Save_SurvivesRestartAndPowerCycle) {
   s.expect(70, 1000);
 }
 
-TEST(Me3Save, S10_RestoreAlone_ChangesTheMemory_NotTheFlash) {
-  RecordProperty("spec", "ME3-SAVE-002");
-  Me3Scenario s;
+TEST_P(Save, S10_RestoreAlone_ChangesTheMemory_NotTheFlash) {
+  spec("ME3-SAVE-002", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.write(24, 500);
   s.write(27, 5);
@@ -45,9 +47,9 @@ TEST(Me3Save, S10_RestoreAlone_ChangesTheMemory_NotTheFlash) {
   s.expect(21, 405).expect(24, 500).expect(27, 5).expect(59, 7).expect(70, {1000, 600});
 }
 
-TEST(Me3Save, S11_BothBits_ResetMemoryAndFlash) {
-  RecordProperty("spec", "ME3-SAVE-003");
-  Me3Scenario s;
+TEST_P(Save, S11_BothBits_ResetMemoryAndFlash) {
+  spec("ME3-SAVE-003", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.write(70, 1000);
   s.write(71, 600);
@@ -61,9 +63,9 @@ TEST(Me3Save, S11_BothBits_ResetMemoryAndFlash) {
   s.expect(70, {500, 500}).expect(27, 127).expect(21, 405).expect(24, 250).expect(37, 2500).expect(59, 0);
 }
 
-TEST(Me3Save, BothBits_ResetWhatTheOtherModesHaveStored_ASaveKeepsIt) {
-  RecordProperty("spec", "ME3-SAVE-003");
-  Me3Scenario s;
+TEST_P(Save, BothBits_ResetWhatTheOtherModesHaveStored_ASaveKeepsIt) {
+  spec("ME3-SAVE-003", "");
+  IntelligentScenario s(GetParam());
   s.power_on_layer2(11);
   s.write(6000, {0xFFFF, 0x5FFF, 4, 1}).write(10000, {0x0123, 0}).write(21, 405);
   s.save();
@@ -84,9 +86,9 @@ TEST(Me3Save, BothBits_ResetWhatTheOtherModesHaveStored_ASaveKeepsIt) {
   s.expect(6000, {0xFFFF, 0xFFFF, 0, 0}).expect(10000, {0xFFFF, 0xFFFF});
 }
 
-TEST(Me3Save, RequestWithoutABit_CompletesAndChangesNothing) {
-  RecordProperty("spec", "ME3-SAVE-004");
-  Me3Scenario s;
+TEST_P(Save, RequestWithoutABit_CompletesAndChangesNothing) {
+  spec("ME3-SAVE-004", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.write(70, 1000);
   s.save(0);
@@ -98,7 +100,7 @@ TEST(Me3Save, RequestWithoutABit_CompletesAndChangesNothing) {
 
 TEST(Me3Save, CanopenMode_SavesExactlyTheSixWords) {
   RecordProperty("spec", "ME3-SAVE-005");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on();
   s.write(20, 0x0100);
   s.write(24, 500);
@@ -117,9 +119,9 @@ TEST(Me3Save, CanopenMode_SavesExactlyTheSixWords) {
   s.expect(50, {1, 14, 8, 1, 0, 0, 0, 5, 0}).expect(400, 0).expect(13000, 0);
 }
 
-TEST(Me3Save, S12_ObjectDictionary_StoreAndRestore) {
-  RecordProperty("spec", "ME3-STO-001 ME3-STO-002 ME3-STO-004 ME3-STO-007");
-  Me3Scenario s;
+TEST_P(Save, S12_ObjectDictionary_StoreAndRestore) {
+  spec("ME3-STO-001 ME3-STO-002 ME3-STO-004 ME3-STO-007", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.expect_object(0x1010, 1, 1, 4);
   s.expect_object(0x1011, 1, 1, 4);
@@ -161,9 +163,9 @@ TEST(Me3Save, S12_ObjectDictionary_StoreAndRestore) {
   s.no_tx();
 }
 
-TEST(Me3Save, S12_StoreAfterRestore_PutsTheOldValuesBack) {
-  RecordProperty("spec", "ME3-STO-005");
-  Me3Scenario s;
+TEST_P(Save, S12_StoreAfterRestore_PutsTheOldValuesBack) {
+  spec("ME3-STO-005", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.set_object(0x1015, 0, 77, 2);
   s.store_objects();
@@ -173,9 +175,9 @@ TEST(Me3Save, S12_StoreAfterRestore_PutsTheOldValuesBack) {
   s.expect_object(0x1015, 0, 77, 2);
 }
 
-TEST(Me3Save, S13_BufferMemorySave_DoesNotCoverTheObjectDictionary) {
-  RecordProperty("spec", "ME3-SAVE-008");
-  Me3Scenario s;
+TEST_P(Save, S13_BufferMemorySave_DoesNotCoverTheObjectDictionary) {
+  spec("ME3-SAVE-008", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.set_object(0x1017, 0, 1000, 2);
   s.save();
@@ -184,8 +186,8 @@ TEST(Me3Save, S13_BufferMemorySave_DoesNotCoverTheObjectDictionary) {
 }
 
 // One value of each object that 1010H stores [Tab. 4-6].
-TEST(Me3Save, Store_KeepsEveryStorableObject) {
-  RecordProperty("spec", "ME3-STO-008");
+TEST_P(Save, Store_KeepsEveryStorableObject) {
+  spec("ME3-STO-008", "");
   struct Value {
     std::uint16_t index;
     std::uint8_t sub;
@@ -211,7 +213,7 @@ TEST(Me3Save, Store_KeepsEveryStorableObject) {
       {0x1401, 1, 0x80000301, 4}, {0x1801, 1, 0xC0000281, 4},
       {0x1020, 1, 5, 4},          {0x1020, 2, 6, 4},
   };
-  Me3Scenario s;
+  IntelligentScenario s(GetParam());
   s.power_on();
   for (const Value& v : values) s.set_object(v.index, v.sub, v.value, v.length);
   // A mapping of its own.
@@ -245,7 +247,7 @@ TEST(Me3Save, Store_KeepsEveryStorableObject) {
 
 TEST(Me3Save, SupplyCutDuringASave_IsReportedOnce_AndTheOldSettingsAreThere) {
   RecordProperty("spec", "ME3-SAVE-009 ME3-ERR-003");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on();
   s.write(70, 1000);
   s.save();
@@ -263,9 +265,9 @@ TEST(Me3Save, SupplyCutDuringASave_IsReportedOnce_AndTheOldSettingsAreThere) {
   s.expect(29, 0).expect_x(0x0F, false);
 }
 
-TEST(Me3Save, FlashThatCannotBeWritten_IsReported_AndTheOldSettingsAreThere) {
-  RecordProperty("spec", "ME3-ERR-003 ME3-IO-025");
-  Me3Scenario s;
+TEST_P(Save, FlashThatCannotBeWritten_IsReported_AndTheOldSettingsAreThere) {
+  spec("ME3-ERR-003 ME3-IO-025", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.write(70, 1000);
   s.save();
@@ -279,9 +281,9 @@ TEST(Me3Save, FlashThatCannotBeWritten_IsReported_AndTheOldSettingsAreThere) {
   s.expect(29, 0).expect(70, 1000).expect_x(0x0F, false);
 }
 
-TEST(Me3Save, DamagedFlash_IsReported_AndAnsweredWithDefaults) {
-  RecordProperty("spec", "ME3-ERR-003");
-  Me3Scenario s;
+TEST_P(Save, DamagedFlash_IsReported_AndAnsweredWithDefaults) {
+  spec("ME3-ERR-003", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.write(70, 1000);
   s.save();
@@ -293,8 +295,8 @@ TEST(Me3Save, DamagedFlash_IsReported_AndAnsweredWithDefaults) {
   s.expect(29, 0);
 }
 
-TEST(Me3Save, PresetSettings_HoldUntilTheModuleSavesItsOwn) {
-  Me3Scenario s;
+TEST_P(Save, PresetSettings_HoldUntilTheModuleSavesItsOwn) {
+  IntelligentScenario s(GetParam());
   EXPECT_TRUE(s.plug_in().preset_word(27, 1));
   EXPECT_FALSE(s.plug_in().preset_word(27, 128));
   EXPECT_FALSE(s.plug_in().preset_word(25, 0));

@@ -2,40 +2,57 @@
 
 namespace canopus::scenario {
 
-Me3Scenario& Me3Scenario::power_on(Where where) {
+std::unique_ptr<module::ModuleEngine> make_module(std::string_view model, can::Controller& controller,
+                                                  module::NonVolatileMemory& memory) {
+  if (model == rj71cn91) return std::make_unique<module::rj71cn91::Rj71cn91>(controller, memory);
+  return std::make_unique<module::me3can1_q::Me3can1Q>(controller, memory);
+}
+
+IntelligentScenario& IntelligentScenario::clear_errors() {
+  if (!is_rj71cn91()) {
+    write(29, 0);
+    return *this;
+  }
+  y(0x0F, true);
+  y(0x0F, false);
+  return *this;
+}
+
+IntelligentScenario& IntelligentScenario::power_on(Where where) {
   supply_on();
   wait_bit(25, 7, false, 20s, where);
   ignore_tx();
   return *this;
 }
 
-Me3Scenario& Me3Scenario::power_on_as(std::uint8_t node_id, Where where) {
+IntelligentScenario& IntelligentScenario::power_on_as(std::uint8_t node_id, Where where) {
   power_on(where);
   write(27, node_id);
   save(1, where);
   return restart(where);
 }
 
-Me3Scenario& Me3Scenario::power_on_layer2(std::uint16_t mode, Where where) {
+IntelligentScenario& IntelligentScenario::power_on_layer2(std::uint16_t mode, Where where) {
   power_on(where);
   write(21, mode);
   save(1, where);
   return restart(where);
 }
 
-Me3Scenario& Me3Scenario::online(Where where) {
+IntelligentScenario& IntelligentScenario::online(Where where) {
   y(0x03, true);
   expect_x(0x03, true, where);
+  if (is_rj71cn91()) ignore_tx();  // every transmit slot is sent once: shown in rj71cn91/layer2_test.cpp
   return *this;
 }
 
-Me3Scenario& Me3Scenario::offline(Where where) {
+IntelligentScenario& IntelligentScenario::offline(Where where) {
   y(0x03, false);
   expect_x(0x03, false, where);
   return *this;
 }
 
-Me3Scenario& Me3Scenario::request(unsigned number, Where where) {
+IntelligentScenario& IntelligentScenario::request(unsigned number, Where where) {
   y(number, true);
   wait_x(number, true, 60s, where);
   y(number, false);
@@ -43,34 +60,34 @@ Me3Scenario& Me3Scenario::request(unsigned number, Where where) {
   return *this;
 }
 
-Me3Scenario& Me3Scenario::save(std::uint16_t g22, Where where) {
+IntelligentScenario& IntelligentScenario::save(std::uint16_t g22, Where where) {
   write(22, g22);
   request(0x1F, where);
   expect(22, 0, where);
   return *this;
 }
 
-Me3Scenario& Me3Scenario::restart(Where where) {
+IntelligentScenario& IntelligentScenario::restart(Where where) {
   request(0x02, where);
   ignore_tx();
   return *this;
 }
 
-Me3Scenario& Me3Scenario::cif(const Words& command, Where where) {
+IntelligentScenario& IntelligentScenario::cif(const Words& command, Where where) {
   write(1000, command);
   return request(0x17, where);
 }
 
-Me3Scenario& Me3Scenario::expect_abort(std::uint32_t code, std::uint16_t node, Where where) {
+IntelligentScenario& IntelligentScenario::expect_abort(std::uint32_t code, std::uint16_t node, Where where) {
   const auto low = static_cast<std::uint16_t>(code), high = static_cast<std::uint16_t>(code >> 16);
   expect(1000, {0x000F, 0x0003, node, low, high}, where);
   return *this;
 }
 
-Me3Scenario& Me3Scenario::exchange(Where where) { return request(0x01, where); }
+IntelligentScenario& IntelligentScenario::exchange(Where where) { return request(0x01, where); }
 
-Me3Scenario& Me3Scenario::set_object(std::uint16_t index, std::uint8_t sub, std::uint32_t value,
-                                     unsigned length, Where where) {
+IntelligentScenario& IntelligentScenario::set_object(std::uint16_t index, std::uint8_t sub,
+                                                     std::uint32_t value, unsigned length, Where where) {
   cif({0x0002, 0, index, sub, static_cast<std::uint16_t>(length), static_cast<std::uint16_t>(value & 0xFFFF),
        static_cast<std::uint16_t>(value >> 16)},
       where);
@@ -78,8 +95,8 @@ Me3Scenario& Me3Scenario::set_object(std::uint16_t index, std::uint8_t sub, std:
   return *this;
 }
 
-Me3Scenario& Me3Scenario::expect_object(std::uint16_t index, std::uint8_t sub, std::uint32_t value,
-                                        unsigned length, Where where) {
+IntelligentScenario& IntelligentScenario::expect_object(std::uint16_t index, std::uint8_t sub,
+                                                        std::uint32_t value, unsigned length, Where where) {
   cif({0x0004, 0, index, sub}, where);
   expect(1000, 0x0005, where);
   expect(1004, static_cast<std::uint16_t>(length), where);
@@ -88,11 +105,13 @@ Me3Scenario& Me3Scenario::expect_object(std::uint16_t index, std::uint8_t sub, s
   return *this;
 }
 
-Me3Scenario& Me3Scenario::nmt(std::uint8_t command, std::uint8_t node) {
+IntelligentScenario& IntelligentScenario::nmt(std::uint8_t command, std::uint8_t node) {
   rx(0x000, {command, node});
   return *this;
 }
 
-Me3Scenario& Me3Scenario::store_objects(Where where) { return set_object(0x1010, 1, 0x65766173, 4, where); }
+IntelligentScenario& IntelligentScenario::store_objects(Where where) {
+  return set_object(0x1010, 1, 0x65766173, 4, where);
+}
 
 }  // namespace canopus::scenario

@@ -15,7 +15,7 @@ bool is_in(const SpecRow& row, std::uint16_t mode) {
   return modes == "all" || (modes == "405") == (mode == 405);
 }
 
-void start(Me3Scenario& s, std::uint16_t mode) {
+void start(IntelligentScenario& s, std::uint16_t mode) {
   if (mode == 405) {
     s.power_on_as(1);
   } else {
@@ -39,17 +39,17 @@ TEST(Me3SignalTable, EveryOutput_DoesWhatItsRowSays_InItsModesOnly) {
     EXPECT_EQ(prohibited, !handshakes.contains(number) && !clears.contains(number)) << row.place;
     ++outputs;
     for (const std::uint16_t mode : Words{405, 11, 29}) {
-      Me3Scenario s;
+      IntelligentScenario s;
       start(s, mode);
       if (number == 0x04 && mode != 405) s.online();
-      const std::uint32_t before = s.plug_in().inputs();
+      const std::uint32_t before = s.inputs();
       const bool answers = !prohibited && handshakes.contains(number) && is_in(row, mode);
       s.y(number, true).advance(6100ms).ignore_tx();
-      EXPECT_EQ(s.plug_in().inputs(), answers ? before | 1U << number : before) << row.place << ' ' << mode;
+      EXPECT_EQ(s.inputs(), answers ? before | 1U << number : before) << row.place << ' ' << mode;
       s.y(number, false);
-      EXPECT_EQ(s.plug_in().inputs(), before) << row.place << ' ' << mode;
+      EXPECT_EQ(s.inputs(), before) << row.place << ' ' << mode;
       s.expect(29, 0).advance(10s).ignore_tx();
-      EXPECT_EQ(s.plug_in().inputs(), before) << row.place << ' ' << mode;
+      EXPECT_EQ(s.inputs(), before) << row.place << ' ' << mode;
     }
   }
   EXPECT_EQ(outputs, 32U);
@@ -58,7 +58,7 @@ TEST(Me3SignalTable, EveryOutput_DoesWhatItsRowSays_InItsModesOnly) {
 // Each X: what sets it (the column set_when), in its modes; and never in the others.
 TEST(Me3SignalTable, EveryInput_ComesInItsModes_AndProhibitedOnesNever) {
   RecordProperty("spec", "ME3-IO-026 ME3-IO-027");
-  const auto cause = [](Me3Scenario& s, unsigned number, std::uint16_t mode) {
+  const auto cause = [](IntelligentScenario& s, unsigned number, std::uint16_t mode) {
     switch (number) {
       case 0x00: break;  // ready: from the end of the initialization on
       case 0x04:
@@ -83,7 +83,7 @@ TEST(Me3SignalTable, EveryInput_ComesInItsModes_AndProhibitedOnesNever) {
     ++inputs;
     for (const std::uint16_t mode : Words{405, 11, 29}) {
       if (number == 0x10 && mode != 405) continue;  // no command makes it there: next test
-      Me3Scenario s;
+      IntelligentScenario s;
       start(s, mode);
       cause(s, number, mode);
       EXPECT_EQ(s.x(number), !prohibited && is_in(row, mode)) << row.place << ' ' << mode;
@@ -97,7 +97,7 @@ TEST(Me3SignalTable, EveryInput_ComesInItsModes_AndProhibitedOnesNever) {
 TEST(Me3SignalTable, SignalsOfTheOtherMode_StayOff) {
   RecordProperty("spec", "ME3-IO-027");
   for (const std::uint16_t mode : Words{11, 29}) {
-    Me3Scenario s;
+    IntelligentScenario s;
     start(s, mode);
     s.online();
     for (unsigned node = 1; node < 128; ++node)

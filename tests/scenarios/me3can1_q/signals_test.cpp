@@ -5,9 +5,11 @@
 namespace canopus::scenario {
 namespace {
 
+CANOPUS_OF_BOTH_MODULES(Signals);
+
 TEST(Me3Signals, S14_ErrorClear_ClearsLatchedErrors_AndHoldsThemDownWhileOn) {
   RecordProperty("spec", "ME3-IO-014 ME3-ERR-010 ME3-ERR-011");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on();
   s.write(21, 100);
   s.expect(29, 0x0040).expect(39, 21).expect_x(0x0F, true);
@@ -59,9 +61,9 @@ TEST(Me3Signals, S14_ErrorClear_ClearsLatchedErrors_AndHoldsThemDownWhileOn) {
   s.expect(29, 0).expect(40, 0).expect_x(0x0F, false);
 }
 
-TEST(Me3Signals, LatchedErrors_StayAfterTheirCause_OthersFollowIt) {
-  RecordProperty("spec", "ME3-ERR-006 ME3-ERR-007 ME3-STAT-003");
-  Me3Scenario s;
+TEST_P(Signals, LatchedErrors_StayAfterTheirCause_OthersFollowIt) {
+  spec("ME3-ERR-006 ME3-ERR-007 ME3-STAT-003", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.error_counters(95, 0);
   s.expect(35, 95).expect_bit(25, 1, false);
@@ -98,7 +100,7 @@ TEST(Me3Signals, LatchedErrors_StayAfterTheirCause_OthersFollowIt) {
 
 TEST(Me3Signals, BusOff_ShowsInStatusAndCounters_AndEndsWithARestart) {
   RecordProperty("spec", "ME3-ERR-002");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on();
   s.error_counters(256, 0);
   s.expect(35, 256).expect(36, 256).expect_bit(25, 1, false).expect(29, 0x0008).expect_x(0x0F, true);
@@ -116,9 +118,9 @@ TEST(Me3Signals, BusOff_ShowsInStatusAndCounters_AndEndsWithARestart) {
   s.expect(29, 0).expect_x(0x0F, false).ignore_tx();
 }
 
-TEST(Me3Signals, QueueOverflow_SendsEmergency8110) {
-  RecordProperty("spec", "ME3-EMCY-010");
-  Me3Scenario s;
+TEST_P(Signals, QueueOverflow_SendsEmergency8110) {
+  spec("ME3-EMCY-010", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.controller().overflows = 1;
   s.advance(0ms);
@@ -129,9 +131,9 @@ TEST(Me3Signals, QueueOverflow_SendsEmergency8110) {
   s.no_tx();  // not again before the bit was cleared
 }
 
-TEST(Me3Signals, S15_NmtErrorClear_OneNodeThenAll) {
-  RecordProperty("spec", "ME3-IO-015 ME3-IO-016 ME3-IO-017 ME3-IO-018 ME3-NEC-010 ME3-NEC-012");
-  Me3Scenario s;
+TEST_P(Signals, S15_NmtErrorClear_OneNodeThenAll) {
+  spec("ME3-IO-015 ME3-IO-016 ME3-IO-017 ME3-IO-018 ME3-NEC-010 ME3-NEC-012", "");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.set_object(0x1016, 1, 0x000205DC, 4);
   s.set_object(0x1016, 2, 0x000305DC, 4);
@@ -174,9 +176,9 @@ TEST(Me3Signals, S15_NmtErrorClear_OneNodeThenAll) {
 }
 
 // Y10 held for one node holds that node's failures down, and no other's.
-TEST(Me3Signals, NmtErrorClear_HeldForOneNode) {
-  RecordProperty("spec", "ME3-IO-016 ME3-IO-017 ME3-IO-018");
-  Me3Scenario s;
+TEST_P(Signals, NmtErrorClear_HeldForOneNode) {
+  spec("ME3-IO-016 ME3-IO-017 ME3-IO-018", "");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.set_object(0x1016, 1, 0x00020064, 4);
   s.set_object(0x1016, 2, 0x000300C8, 4);
@@ -190,9 +192,9 @@ TEST(Me3Signals, NmtErrorClear_HeldForOneNode) {
   s.y(0x10, false).expect(403, 0x0082).expect_x(0x10, true);
 }
 
-TEST(Me3Signals, NmtErrorClearNode_Above127_IsASettingError) {
-  RecordProperty("spec", "ME3-NEC-001");
-  Me3Scenario s;
+TEST_P(Signals, NmtErrorClearNode_Above127_IsASettingError) {
+  spec("ME3-NEC-001", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.expect(400, 0);
   s.write(400, 127);
@@ -201,9 +203,10 @@ TEST(Me3Signals, NmtErrorClearNode_Above127_IsASettingError) {
   s.expect(400, 127).expect(29, 0x0040).expect(39, 400);
 }
 
-TEST(Me3Signals, S16_EmergencyClear_EmptiesTheArea_AndDropsWhatComesMeanwhile) {
-  RecordProperty("spec", "ME3-IO-019 ME3-IO-020 ME3-IO-021 ME3-EBUF-002 ME3-EBUF-005 ME3-EBUF-006");
-  Me3Scenario s;
+TEST_P(Signals, S16_EmergencyClear_EmptiesTheArea_AndDropsWhatComesMeanwhile) {
+  spec("ME3-IO-019 ME3-IO-020 ME3-IO-021 ME3-EBUF-002 ME3-EBUF-005 ME3-EBUF-006",
+       "RJ71-EMCY-019 RJ71-EMCY-016");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.expect_x(0x11, false);
   s.rx(0x085, {0x30, 0x81, 0x11, 0x01, 0x02, 0x03, 0x04, 0x05});
@@ -230,9 +233,9 @@ TEST(Me3Signals, S16_EmergencyClear_EmptiesTheArea_AndDropsWhatComesMeanwhile) {
   s.expect(750, {0, 0, 0}).expect_x(0x11, false);
 }
 
-TEST(Me3Signals, EmergencyOfANodeThatIsNotConsumed_IsNotStored) {
-  RecordProperty("spec", "ME3-EBUF-007 ME3-EMCY-005");
-  Me3Scenario s;
+TEST_P(Signals, EmergencyOfANodeThatIsNotConsumed_IsNotStored) {
+  spec("ME3-EBUF-007 ME3-EMCY-005", "RJ71-EMCY-021");
+  IntelligentScenario s(GetParam());
   s.power_on();
   for (std::uint8_t n = 1; n <= 127; ++n) s.expect_object(0x1028, n, 0x80U + n, 4);
   s.set_object(0x1028, 5, 0x80000085, 4);
@@ -254,9 +257,10 @@ TEST(Me3Signals, EmergencyOfANodeThatIsNotConsumed_IsNotStored) {
   s.expect(750, {5, 0x8130, 0x0011});
 }
 
-TEST(Me3Signals, S70_TwentyThreeEmergencies_StackKeepsTheFirstEleven_RingTheLastEleven) {
-  RecordProperty("spec", "ME3-EBUF-001 ME3-EBUF-003 ME3-EBUF-004 ME3-EBUF-005 ME3-EBUF-006");
-  Me3Scenario s;
+TEST_P(Signals, S70_TwentyThreeEmergencies_StackKeepsTheFirstEleven_RingTheLastEleven) {
+  spec("ME3-EBUF-001 ME3-EBUF-003 ME3-EBUF-004 ME3-EBUF-005 ME3-EBUF-006",
+       "RJ71-EMCY-017 RJ71-EMCY-018 RJ71-EMCY-016");
+  IntelligentScenario s(GetParam());
   s.power_on();
   for (std::uint8_t i = 1; i <= 11; ++i) s.rx(0x085, {i, 0x10, 0x01, 0, 0, 0, 0, 0});
   s.exchange();
@@ -300,24 +304,24 @@ TEST(Me3Signals, S70_TwentyThreeEmergencies_StackKeepsTheFirstEleven_RingTheLast
   s.expect(750, {6, 0x1077, 0x0001}).expect(755, Words(105, 0));  // the stack's turn again
 }
 
-TEST(Me3Signals, ProhibitedSignals_HaveNoEffect) {
-  RecordProperty("spec", "ME3-IO-026");
-  Me3Scenario s;
+TEST_P(Signals, ProhibitedSignals_HaveNoEffect) {
+  spec("ME3-IO-026", "RJ71-IO-008");
+  IntelligentScenario s(GetParam());
   s.power_on();
-  const std::uint32_t before = s.plug_in().inputs();
+  const std::uint32_t before = s.inputs();
   for (const unsigned number : {0x00U, 0x05U, 0x06U, 0x07U, 0x08U, 0x09U, 0x0AU, 0x0BU, 0x0CU, 0x0DU, 0x0EU,
                                 0x14U, 0x15U, 0x16U, 0x18U, 0x19U, 0x1AU, 0x1BU, 0x1CU, 0x1DU, 0x1EU}) {
     s.y(number, true);
     s.advance(10s);
     s.y(number, false);
-    EXPECT_EQ(s.plug_in().inputs(), before) << "Y" << std::hex << number;
+    EXPECT_EQ(s.inputs(), before) << "Y" << std::hex << number;
   }
   s.expect(25, 0x0100).expect(29, 0).no_tx();
 }
 
-TEST(Me3Signals, SystemAreas_IgnoreWrites) {
-  RecordProperty("spec", "ME3-SYS-006");
-  Me3Scenario s;
+TEST_P(Signals, SystemAreas_IgnoreWrites) {
+  spec("ME3-SYS-006", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   for (const module::BufferAddress a :
        {0U,   19U,  23U,  26U,  28U,  30U,  34U,   41U,   49U,    60U,    69U,    72U,   399U,
@@ -328,9 +332,9 @@ TEST(Me3Signals, SystemAreas_IgnoreWrites) {
   s.expect(29, 0);
 }
 
-TEST(Me3Signals, ReadOnlyWords_IgnoreWrites) {
-  RecordProperty("spec", "ME3-PBUF-008");
-  Me3Scenario s;
+TEST_P(Signals, ReadOnlyWords_IgnoreWrites) {
+  spec("ME3-PBUF-008", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   for (const module::BufferAddress a : {10000U, 11023U}) {
     s.write(a, 7);

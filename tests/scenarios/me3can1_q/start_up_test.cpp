@@ -8,9 +8,11 @@
 namespace canopus::scenario {
 namespace {
 
+CANOPUS_OF_BOTH_MODULES(StartUp);
+
 TEST(Me3StartUp, S04_PowerOn_InitializesFirst_ThenPreOperationalWithBootUpFrame) {
   RecordProperty("spec", "ME3-STAT-001 ME3-STAT-006 ME3-NMT-001 ME3-NMT-002 ME3-ERR-004 ME3-ERR-012");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.supply_on();
   s.expect(25, 0x0080).expect_x(0x00, false).no_tx();
   s.write(24, 125);
@@ -30,7 +32,7 @@ TEST(Me3StartUp, S04_PowerOn_InitializesFirst_ThenPreOperationalWithBootUpFrame)
 TEST(Me3StartUp, Initialization_TakesNothing) {
   RecordProperty("spec", "ME3-STAT-005 ME3-STAT-006 ME3-ERR-004 ME3-ERR-012");
   for (const bool by_restart : {false, true}) {
-    Me3Scenario s;
+    IntelligentScenario s;
     if (by_restart) {
       s.power_on();
       s.y(0x02, true).ignore_tx();
@@ -49,12 +51,12 @@ TEST(Me3StartUp, Initialization_TakesNothing) {
       if (address != 25 && address != 29) s.expect(address, before[address]);
     }
     s.expect(29, 0x0020).expect(40, 20);
-    const std::uint32_t inputs = s.plug_in().inputs();
+    const std::uint32_t inputs = s.inputs();
     for (const unsigned y : {0x01U, 0x03U, 0x04U, 0x10U, 0x11U, 0x12U, 0x13U, 0x17U, 0x1FU}) s.y(y, true);
     s.advance(500ms).expect(25, 0x0080).no_tx();
-    EXPECT_EQ(s.plug_in().inputs(), inputs);
+    EXPECT_EQ(s.inputs(), inputs);
     s.wait_bit(25, 7, false).ignore_tx().y(0x02, false).advance(1s);
-    EXPECT_EQ(s.plug_in().inputs(), 0x8001U);  // ready, and the error of the writes
+    EXPECT_EQ(s.inputs(), 0x8001U);  // ready, and the error of the writes
     EXPECT_EQ(s.flash().writes, 0U);
     s.expect(29, 0x0020).expect(40, 20).no_tx();
   }
@@ -63,13 +65,13 @@ TEST(Me3StartUp, Initialization_TakesNothing) {
 TEST(Me3StartUp, NmtReset_IsAnInitializationToo) {
   RecordProperty("spec", "ME3-STAT-005 ME3-STAT-006 ME3-ERR-004");
   for (const std::uint8_t command : Bytes{0x81, 0x82}) {
-    Me3Scenario s;
+    IntelligentScenario s;
     s.power_on_as(1);
     s.nmt(command, 1).expect_bit(25, 7, true);
     s.write(1000, 4).write(70, 1000).write(13000, 7).expect(29, 0x0020).expect(40, 1000);
     for (const unsigned y : {0x01U, 0x11U, 0x12U, 0x13U, 0x17U, 0x1FU}) s.y(y, true);
     s.wait_bit(25, 7, false).tx(0x701, {0x00}).advance(1s).no_tx().expect(25, 0x0140);
-    EXPECT_EQ(s.plug_in().inputs(), 0x8001U);
+    EXPECT_EQ(s.inputs(), 0x8001U);
     s.expect(1000, 0).expect(70, 500).expect(13000, 0);
   }
 }
@@ -78,7 +80,7 @@ TEST(Me3StartUp, NmtReset_IsAnInitializationToo) {
 TEST(Me3StartUp, NmtReset_SilentUntilTheBootUpMessageEndsIt) {
   RecordProperty("spec", "ME3-NMT-002 ME3-STAT-005");
   for (const std::uint8_t command : Bytes{0x81, 0x82}) {
-    Me3Scenario s;
+    IntelligentScenario s;
     s.power_on_as(1);
     s.nmt(1).expect(25, 0x0201);
     s.nmt(command, 1).expect(25, 0x0080).expect(601, 7).no_tx();
@@ -93,7 +95,7 @@ TEST(Me3StartUp, NmtReset_SilentUntilTheBootUpMessageEndsIt) {
 
 TEST(Me3StartUp, S04_FactoryState_EveryWordHasItsDefault) {
   RecordProperty("spec", "ME3-BAUD-005 ME3-NST-002");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on();
   s.expect(20, {0, 405, 0, 0, 250, 0x0100, 0, 127, 0, 0});
   s.expect(30, {0, 0, 0, 0, 0, 0, 0, 2500, 875, 0, 0});
@@ -119,7 +121,7 @@ void store_besides(RamMemory& memory, std::uint16_t index, std::uint8_t sub, con
 
 TEST(Me3StartUp, FaultyStoredConfiguration_KeepsInitializing_UntilTheObjectDictionaryIsReset) {
   RecordProperty("spec", "ME3-STAT-013");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on();
   s.set_object(0x1017, 0, 1000, 2).store_objects();
   store_besides(s.flash(), 0x1A00, 1, {0x10, 0x01, 0x99, 0x5F});  // maps 5F99H, which does not exist
@@ -133,7 +135,7 @@ TEST(Me3StartUp, FaultyStoredConfiguration_KeepsInitializing_UntilTheObjectDicti
   s.expect_bit(29, 5, true).expect(40, 24);
   for (const unsigned y : {0x01U, 0x03U, 0x04U, 0x11U, 0x12U, 0x13U, 0x1FU}) {
     s.y(y, true).advance(1s);
-    EXPECT_EQ(s.plug_in().inputs(), 0x8000U);  // the refused write; nothing else acts
+    EXPECT_EQ(s.inputs(), 0x8000U);  // the refused write; nothing else acts
     s.y(y, false);
   }
   s.set_object(0x1011, 1, 0x64616F6C, 4);  // by CIF, although it initializes
@@ -145,7 +147,7 @@ TEST(Me3StartUp, FaultyStoredConfiguration_KeepsInitializing_UntilTheObjectDicti
 
 TEST(Me3StartUp, FaultyStoredMapping_OfMoreThanEightBytes_KeepsInitializingToo) {
   RecordProperty("spec", "ME3-STAT-013");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on();
   s.store_objects();
   for (const std::uint8_t sub : Bytes{1, 2, 3})
@@ -157,9 +159,9 @@ TEST(Me3StartUp, FaultyStoredMapping_OfMoreThanEightBytes_KeepsInitializingToo) 
   s.expect(25, 0x0080).expect_x(0x00, false);
 }
 
-TEST(Me3StartUp, S05_MasterNode1_StepByStep) {
-  RecordProperty("spec", "ME3-PRG-002 ME3-NODE-002");
-  Me3Scenario s;
+TEST_P(StartUp, S05_MasterNode1_StepByStep) {
+  spec("ME3-PRG-002 ME3-NODE-002", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.write(21, 405);
   s.save();
@@ -209,9 +211,9 @@ TEST(Me3StartUp, S05_MasterNode1_StepByStep) {
 }
 
 // The order of chapter 7's program; the slave answers by hand. tests/interop runs the same over Ethernet.
-TEST(Me3StartUp, S84_ProgramExample_InItsOrder) {
-  RecordProperty("spec", "ME3-PRG-001");
-  Me3Scenario s;
+TEST_P(StartUp, S84_ProgramExample_InItsOrder) {
+  spec("ME3-PRG-001", "");
+  IntelligentScenario s(GetParam());
   const Bytes read_ok{0x43, 0x00, 0x10, 0x00, 0x91, 0x01, 0x0F, 0x00};
   // An SDO write to the slave through the CIF, two bytes.
   const auto sdo_write = [&](std::uint16_t index, std::uint8_t sub, std::uint16_t value) {
@@ -273,9 +275,9 @@ TEST(Me3StartUp, S84_ProgramExample_InItsOrder) {
   s.write(400, 2).y(0x10, true).expect_bit(402, 7, false).expect_x(0x10, false).y(0x10, false).ignore_tx();
 }
 
-TEST(Me3StartUp, S07_Restart_TakesSixSeconds_SendsEmergencyAndBootUp) {
-  RecordProperty("spec", "ME3-IO-004 ME3-IO-008 ME3-STAT-001");
-  Me3Scenario s;
+TEST_P(StartUp, S07_Restart_TakesSixSeconds_SendsEmergencyAndBootUp) {
+  spec("ME3-IO-004 ME3-IO-008 ME3-STAT-001", "RJ71-EMCY-005 RJ71-NMT-001");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.y(0x02, true);
   s.tx(0x0FF, {0x00, 0x62, 0x01, 0x4D, 0x45, 0x30, 0x30, 0x34}).no_tx();
@@ -291,9 +293,9 @@ TEST(Me3StartUp, S07_Restart_TakesSixSeconds_SendsEmergencyAndBootUp) {
   s.no_tx();
 }
 
-TEST(Me3StartUp, S07_RestartRequestLeftOn_RestartsAgainAndAgain) {
-  RecordProperty("spec", "ME3-IO-005");
-  Me3Scenario s;
+TEST_P(StartUp, S07_RestartRequestLeftOn_RestartsAgainAndAgain) {
+  spec("ME3-IO-005", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.y(0x02, true);
   for (int round = 0; round < 3; ++round) {
@@ -310,9 +312,9 @@ TEST(Me3StartUp, S07_RestartRequestLeftOn_RestartsAgainAndAgain) {
   s.expect_bit(25, 7, false);
 }
 
-TEST(Me3StartUp, S08_UnsavedSettings_AreLostAtTheRestart_SavedOnesComeIntoForce) {
-  RecordProperty("spec", "ME3-IO-006 ME3-BAUD-003 ME3-BAUD-004");
-  Me3Scenario s;
+TEST_P(StartUp, S08_UnsavedSettings_AreLostAtTheRestart_SavedOnesComeIntoForce) {
+  spec("ME3-IO-006 ME3-BAUD-003 ME3-BAUD-004", "");
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.write(24, 125);
   s.set_object(0x1015, 0, 77, 2);
@@ -332,9 +334,9 @@ TEST(Me3StartUp, S08_UnsavedSettings_AreLostAtTheRestart_SavedOnesComeIntoForce)
   s.expect(37, 10000);
 }
 
-TEST(Me3StartUp, NewSettings_TakeEffectOnlyAfterARestart) {
-  RecordProperty("spec", "ME3-IO-007");
-  Me3Scenario s;
+TEST_P(StartUp, NewSettings_TakeEffectOnlyAfterARestart) {
+  spec("ME3-IO-007", "");
+  IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.write(21, 11);
   s.save();
@@ -364,8 +366,8 @@ TEST(Me3StartUp, NewSettings_TakeEffectOnlyAfterARestart) {
   s.ignore_tx();
 }
 
-TEST(Me3StartUp, UnsavedObjectDictionary_IsLostAtTheRestart) {
-  Me3Scenario s;
+TEST_P(StartUp, UnsavedObjectDictionary_IsLostAtTheRestart) {
+  IntelligentScenario s(GetParam());
   s.power_on();
   s.set_object(0x1017, 0, 1000, 2);
   s.restart();
@@ -374,7 +376,7 @@ TEST(Me3StartUp, UnsavedObjectDictionary_IsLostAtTheRestart) {
 
 TEST(Me3StartUp, InvalidBaudRateAndModeAndNode_AreRefused_WithTheirAddress) {
   RecordProperty("spec", "ME3-BAUD-001 ME3-BAUD-002 ME3-MODE-002 ME3-NODE-001 ME3-SYS-011 ME3-ERR-005");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on();
   s.expect(21, 405).expect(24, 250).expect(27, 127);
   for (const std::uint16_t rate : Words{10, 20, 50, 100, 125, 250, 500, 800, 1000}) {
@@ -399,7 +401,7 @@ TEST(Me3StartUp, InvalidBaudRateAndModeAndNode_AreRefused_WithTheirAddress) {
 
 TEST(Me3StartUp, ModeChange_TakesEffectAfterSaveAndRestart_AndDeletesTheObjectDictionarySettings) {
   RecordProperty("spec", "ME3-MODE-004 ME3-MODE-005 ME3-NODE-003");
-  Me3Scenario s;
+  IntelligentScenario s;
   s.power_on();
   s.expect(21, 405);
   s.set_object(0x1017, 0, 1000, 2);
