@@ -186,6 +186,14 @@ void ModuleSeat::slave_boot_went_on(std::uint8_t node_id, const manager::BootRec
   if (is_news) observer_.slave_boot_went_on(watch_.label(node_id), status_.label, record, now);
 }
 
+void ModuleSeat::event_logged(const module::ModuleEventRecord& record) {
+  observer_.module_event(plc_, name_, record);
+}
+
+void ModuleSeat::module_error(const module::ModuleErrorRecord& record) {
+  observer_.module_error(plc_, name_, record);
+}
+
 void ModuleSeat::error_raised(std::string_view what, can::Time now) { observer_.error(name_, what, now); }
 
 void ModuleSeat::look(can::Time now) {

@@ -57,6 +57,8 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver,
   void buffer_written(std::uint32_t address, std::uint16_t value, can::Time now) override;
   void slave_boot_went_on(std::uint8_t node_id, const manager::BootRecord& record, can::Time now) override;
   void error_raised(std::string_view what, can::Time now) override;
+  void event_logged(const module::ModuleEventRecord& record) override;
+  void module_error(const module::ModuleErrorRecord& record) override;
 
  private:
   void look(can::Time now);

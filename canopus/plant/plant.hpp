@@ -65,6 +65,12 @@ class PlantObserver {
   virtual void load(std::string_view /*bus*/, const sim::BusLoad&, can::Time) {}
   /// At the start: something a person should know of the plant file. `source` is its place in it.
   virtual void warning(std::string_view /*source*/, std::string_view /*message*/, can::Time) {}
+  /// The module (`source`: "RJ71CN91 U0") reported to its CPU: an event of the event history, or an error that module
+  /// diagnostics show from now on.
+  virtual void module_event(std::string_view /*plc*/, std::string_view /*source*/,
+                            const module::ModuleEventRecord&) {}
+  virtual void module_error(std::string_view /*plc*/, std::string_view /*source*/,
+                            const module::ModuleErrorRecord&) {}
   virtual void error(std::string_view /*source*/, std::string_view /*message*/, can::Time) {}
 
  protected:

@@ -46,7 +46,7 @@ bool FreeBus::send(const can::Frame& frame) {
     return false;
   }
   sent.push_back(frame);
-  completing.push_back(frame);
+  if (completes) completing.push_back(frame);
   return true;
 }
 

@@ -67,6 +67,7 @@ class FreeBus final : public can::Controller {
   std::uint32_t overflows = 0;
   std::uint32_t lost = 0;              // received frames
   bool accepts = true;                 // false: every send() overflows
+  bool completes = true;               // false: frames wait for an acknowledgement for ever
   std::deque<can::Frame> sent;         // not yet looked at by the test
   std::vector<can::Frame> completing;  // transmitted() not yet told
 };

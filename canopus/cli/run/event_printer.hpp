@@ -55,6 +55,10 @@ class JsonPrinter final : public plant::PlantObserver {
   void object_released(const plant::ForcedObject& released, can::Time now) override;
   void load(std::string_view bus, const sim::BusLoad& load, can::Time now) override;
   void warning(std::string_view source, std::string_view message, can::Time now) override;
+  void module_event(std::string_view plc, std::string_view source,
+                    const module::ModuleEventRecord& record) override;
+  void module_error(std::string_view plc, std::string_view source,
+                    const module::ModuleErrorRecord& record) override;
   void error(std::string_view source, std::string_view message, can::Time now) override;
 
  private:
@@ -85,6 +89,8 @@ class LinePrinter final : public plant::PlantObserver {
   void object_forced(const plant::ForcedObject& forced, can::Time now) override;
   void object_released(const plant::ForcedObject& released, can::Time now) override;
   void warning(std::string_view source, std::string_view message, can::Time now) override;
+  void module_error(std::string_view plc, std::string_view source,
+                    const module::ModuleErrorRecord& record) override;
   void error(std::string_view source, std::string_view message, can::Time now) override;
 
  private:
@@ -95,6 +101,8 @@ class LinePrinter final : public plant::PlantObserver {
   std::atomic<can::Time> latest_{};
 };
 
+/// "error 1806H (minor): An error occurred during NMT slave start-up; Node ID 5, ... cause 66"
+[[nodiscard]] std::string describe(const module::ModuleErrorRecord& record);
 /// "operational", "off", "layer 2 online"
 [[nodiscard]] std::string_view state_name(const plant::NodeStatus& node);
 /// Operational, or online in a Layer 2 mode.

@@ -59,6 +59,11 @@ void LiveTable::warning(std::string_view source, std::string_view message, can::
   messages_.add({now, fmt::format("{}: warning: {}", source, message), false, true});
 }
 
+void LiveTable::module_error(std::string_view, std::string_view source,
+                             const module::ModuleErrorRecord& record) {
+  keep({record.at, fmt::format("{}: {}", source, describe(record)), true});
+}
+
 void LiveTable::error(std::string_view source, std::string_view message, can::Time now) {
   keep({now, fmt::format("{}: {}", source, message), true});
 }

@@ -34,6 +34,8 @@ class LiveTable final : public plant::PlantObserver {
   void slave_boot_went_on(const plant::NodeLabel& slave, const plant::NodeLabel& master,
                           const manager::BootRecord& record, can::Time now) override;
   void warning(std::string_view source, std::string_view message, can::Time now) override;
+  void module_error(std::string_view plc, std::string_view source,
+                    const module::ModuleErrorRecord& record) override;
   void error(std::string_view source, std::string_view message, can::Time now) override;
 
  private:

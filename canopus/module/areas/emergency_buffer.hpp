@@ -28,6 +28,7 @@ class EmergencyBuffer final : public BufferArea {
 
   [[nodiscard]] bool empty() const noexcept { return messages_.empty(); }
 
+  [[nodiscard]] bool held_clear() const noexcept { return hold_clear_; }
   /// A message came in. While clearing is held it is dropped.
   void record(const canopen::Emergency& message);
   /// Makes the words show what was received.

@@ -55,6 +55,9 @@ class ErrorStatus final : public BufferArea {
   ErrorStatus(const std::optional<ErrorStatusLayout>& layout, BufferMemory& memory);
 
   [[nodiscard]] bool has(ModuleError error) const noexcept { return (errors_ & mask(error)) != 0; }
+  /// The program sees it now.
+  [[nodiscard]] bool shows(ModuleError error) const noexcept { return (shown() & mask(error)) != 0; }
+  [[nodiscard]] BufferAddress invalid_address() const noexcept { return invalid_address_; }
   /// The error signal.
   [[nodiscard]] bool any() const noexcept { return (shown() & signal_) != 0; }
 

@@ -275,6 +275,13 @@ void Layer2::transmitted(const can::Frame& frame) {
   send_triggered();
 }
 
+unsigned Layer2::first_slot_error() const noexcept {
+  for (unsigned slot = 0; slot < layer2_slots; ++slot) {
+    if (memory_->word(layout_->error_codes + slot) != 0) return slot + 1;
+  }
+  return 0;
+}
+
 bool Layer2::any_slot_error() const noexcept {
   for (unsigned slot = 0; slot < layer2_slots; ++slot) {
     if (memory_->word(layout_->error_codes + slot) != 0) return true;

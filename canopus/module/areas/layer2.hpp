@@ -74,6 +74,8 @@ class Layer2 final : public BufferArea {
   void tick(can::Time now);
   [[nodiscard]] can::Time deadline() const noexcept { return next_cycle_; }
 
+  /// The first slot, from 1, whose error code is not 0; 0: none.
+  [[nodiscard]] unsigned first_slot_error() const noexcept;
   /// Some slot's error code is not 0.
   [[nodiscard]] bool any_slot_error() const noexcept;
 

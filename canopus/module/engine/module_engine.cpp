@@ -1,4 +1,4 @@
-// Life cycle: construction, supply, initialization, restart, CPU.
+// Life cycle: construction, supply, initialization, restart.
 
 #include "canopus/module/engine/module_engine.hpp"
 
@@ -14,10 +14,6 @@
 namespace canopus::module {
 
 namespace {
-
-// 1029H:01.
-constexpr std::uint8_t no_change_on_error = 1;
-constexpr std::uint8_t stopped_on_error = 2;
 
 Layer2Rules layer2_rules(const ModuleModel& model, const Profile& profile) {
   Layer2Rules rules = model.layer2_rules;
@@ -53,6 +49,7 @@ ModuleEngine::ModuleEngine(const ModuleModel& model, can::Controller& controller
       registers_(model.registers, *this),
       settings_(model, memory, buffer_),
       errors_(model.error_status, buffer_),
+      diagnostics_(model.diagnostics),
       emergencies_(model.emergency_buffer, buffer_),
       nmt_status_(model.nmt_status, buffer_),
       node_(model.object_dictionary(), 127, network_, node_options(model, profile_)),
@@ -132,6 +129,7 @@ Layer2State ModuleEngine::layer2_state() const noexcept {
 
 void ModuleEngine::set_observer(ModuleObserver* observer) {
   observer_ = observer;
+  diagnostics_.set_observer(observer);
   port_->set_observer(observer);
 }
 
@@ -159,6 +157,7 @@ void ModuleEngine::power_off(can::Time now) {
   initialized_at_ = can::never;
   events_.clear();
   events_due_ = can::never;
+  diagnostics_.reset();
   port_->power_off(now);
 }
 
@@ -169,11 +168,13 @@ void ModuleEngine::inject(ModuleFault fault, can::Time now) {
       state_.hardware_fault = true;
       port_->fault_found(now);
       report("hardware error", now);
+      diagnostics_.raise(Diagnosis::hardware, now);
       // A severe error that the device causes itself acts as a communication error does [ME3CAN1-Q 4.7].
       if (state_.running() && state_.canopen_mode()) node_.communication_error(now);
       return update(now);
     case ModuleFault::watchdog_error:
       power_off(now);  // until the supply has been off
+      diagnostics_.raise(Diagnosis::watchdog, now);
       return report("watchdog error", now);
   }
 }
@@ -194,6 +195,7 @@ void ModuleEngine::begin_initialization(can::Duration duration, can::Time now) {
   node_.power_off();
   layer2_.go_offline();
   errors_.reset();
+  if (!state_.hardware_fault) diagnostics_.reset();
   emergencies_.clear();
   nmt_status_.reset();
   command_.reset();
@@ -229,7 +231,16 @@ void ModuleEngine::end_due_initialization(can::Time now) {
     network_settings_.apply();
     node_.power_on(now);
   }
-  port_->initialized(std::exchange(restarting_, false), now);
+  const bool by_restart = std::exchange(restarting_, false);
+  if (by_restart) diagnostics_.log(ModuleEvent::restarted, now);
+  switch (state_.mode->kind) {
+    case FunctionModeRow::Kind::canopen: diagnostics_.log(ModuleEvent::canopen_start, now); break;
+    case FunctionModeRow::Kind::layer2_base: diagnostics_.log(ModuleEvent::layer2_base_start, now); break;
+    case FunctionModeRow::Kind::layer2_extended:
+      diagnostics_.log(ModuleEvent::layer2_extended_start, now);
+      break;
+  }
+  port_->initialized(by_restart, now);
   controller_changed(now);
 }
 
@@ -257,66 +268,6 @@ void ModuleEngine::begin_restart(can::Time now) {
   }
   restarting_ = true;
   begin_initialization(profile_.restart_time, now);
-}
-
-void ModuleEngine::cpu_changed(CpuState state, can::Time now) {
-  const CpuState before = state_.cpu;
-  state_.cpu = state;
-  const bool failed = std::exchange(cpu_failed_, false);
-  if (!state_.running()) return;
-  const bool stopped = before == CpuState::run && state == CpuState::stop;
-  if (!state_.canopen_mode()) {
-    if (stopped) layer2_.cpu_stopped();
-  } else if (stopped) {
-    // One error, one message: a CPU error's STOP is not reported as RUN to STOP besides [ME3CAN1-Q 8.2.2].
-    enter_stop(failed ? model_.emergencies.cpu_error : model_.emergencies.cpu_stopped, now);
-  } else if (before == CpuState::stop && state == CpuState::run) {
-    enter_run(now);
-  }
-  update(now);
-}
-
-bool ModuleEngine::is_master_by_role() const {
-  return (node_.dictionary().get<std::uint32_t>(0x1F80, 0, 0) & manager::start_up_bit::nmt_master) != 0;
-}
-
-void ModuleEngine::enter_stop(const EmergencyRow& row, can::Time now) {
-  stop_is_due_ = false;
-  raise_event(row);
-  send_events(now);  // before the state in which there are none
-  if (model_.cpu.stop_ends_master && is_master_by_role()) {
-    master_.stop(now);
-    node_.pause_heartbeat(true, now);
-  }
-  // [ME3CAN1-Q 4.7] 1 means no change on communication errors, yet STOP still leads to Pre-operational.
-  const auto behaviour = node_.dictionary().get<std::uint8_t>(0x1029, 1);
-  if (behaviour == stopped_on_error) {
-    node_.command(canopen::NmtCommand::stop, now);
-  } else if (node_.state() == canopen::NmtState::operational) {
-    node_.command(canopen::NmtCommand::enter_pre_operational, now);
-  }
-}
-
-void ModuleEngine::enter_run(can::Time now) {
-  stop_is_due_ = false;
-  if (model_.cpu.run_ends_error) {
-    const EmergencyRow& row = model_.emergencies.cpu_stopped;
-    node_.forget_error(row.code, row.manufacturer, now);
-  }
-  if (!model_.cpu.stop_ends_master || !is_master_by_role()) return;
-  node_.pause_heartbeat(false, now);
-  if (node_.state() != canopen::NmtState::initialising) master_.start(now);
-}
-
-void ModuleEngine::cpu_failed(can::Time now) {
-  cpu_failed_ = state_.cpu == CpuState::run;
-  if (cpu_failed_ || !state_.running() || !state_.canopen_mode()) return;
-  raise_event(model_.emergencies.cpu_error);  // it was in STOP already
-  update(now);
-}
-
-bool ModuleEngine::may_become_operational() {
-  return state_.cpu == CpuState::run || node_.dictionary().get<std::uint8_t>(0x1029, 1) == no_change_on_error;
 }
 
 void ModuleEngine::tick(can::Time now) {
@@ -354,6 +305,7 @@ void ModuleEngine::update(can::Time now) {
       leave_layer2_bus(now);
       if (layer2_.any_slot_error() && errors_.raise(ModuleError::message_slot)) {
         report("messages of a slot were lost: they come faster than the module takes them", now);
+        diagnostics_.raise(Diagnosis::message_slot, now, {layer2_.first_slot_error()});
       }
     }
   }
@@ -361,7 +313,9 @@ void ModuleEngine::update(can::Time now) {
     report("the flash memory has been written more often than the real one lasts for (" +
                std::to_string(model_.data_sheet->flash_writes) + " times)",
            now);
+    diagnostics_.raise(Diagnosis::flash_worn, now);
   }
+  log_changes(now);
   errors_.follow(ModuleError::hardware, state_.hardware_fault);
   errors_.follow(ModuleError::flash, settings_.error());
   errors_.track(ModuleError::node_failure, any_nmt_error());

@@ -18,6 +18,7 @@
 #include "canopus/manager/nmt/nmt_master.hpp"
 #include "canopus/module/areas/command_interface.hpp"
 #include "canopus/module/areas/data_exchange.hpp"
+#include "canopus/module/areas/diagnostics.hpp"
 #include "canopus/module/areas/emergency_buffer.hpp"
 #include "canopus/module/areas/error_status.hpp"
 #include "canopus/module/areas/exchange_control.hpp"
@@ -67,6 +68,13 @@ class ModuleEngine : public CommunicationModule,
   [[nodiscard]] const ProgramInterface& program_interface() const noexcept override;
   [[nodiscard]] const canopen::Node& node() const noexcept override { return node_; }
   [[nodiscard]] Layer2State layer2_state() const noexcept override;
+  [[nodiscard]] std::vector<ModuleEventRecord> event_history() const override {
+    return {diagnostics_.history().begin(), diagnostics_.history().end()};
+  }
+  [[nodiscard]] std::vector<ModuleErrorRecord> module_errors() const override {
+    return diagnostics_.errors();
+  }
+  bool clear_module_errors() override { return diagnostics_.clear_minor(); }
   [[nodiscard]] std::vector<Led> leds(can::Time now) const override;
   [[nodiscard]] std::vector<SlaveBootRecord> boots() const override;
   [[nodiscard]] std::uint32_t flash_writes() const noexcept override { return settings_.flash().writes(); }
@@ -120,7 +128,7 @@ class ModuleEngine : public CommunicationModule,
   void request_trigger(bool on) { layer2_.request_trigger(on); }
   /// Errors, failures and messages that come while these are held are cleared at once.
   void hold_clear_errors(bool held, can::Time now);
-  void hold_clear_emergencies(bool held) { emergencies_.hold_clear(held); }
+  void hold_clear_emergencies(bool held, can::Time now);
   void hold_clear_nmt_errors(bool held, can::Time now);
   /// Clears those that are there.
   void clear_nmt_errors(can::Time now);
@@ -167,6 +175,7 @@ class ModuleEngine : public CommunicationModule,
   void reset_done(canopen::NmtCommand which, can::Time now) override;
   bool may_become_operational() override;
   void emergency_received(const canopen::Emergency& message, can::Time now) override;
+  void emergency_raised(const canopen::Emergency& message, can::Time now) override;
   void rpdo_received(std::uint16_t number, can::Time now) override;
   void time_received(const canopen::TimeOfDay& time, can::Time now) override;
   void heartbeat_received(std::uint8_t node_id, canopen::NmtState state, can::Time now) override;
@@ -182,6 +191,7 @@ class ModuleEngine : public CommunicationModule,
 
   // MasterListener
   void boot_went_on(std::uint8_t node_id, const manager::BootRecord& record, can::Time now) override;
+  void slave_failed(std::uint8_t node_id, manager::BootError error, can::Time now) override;
   void start_up_halted(std::uint8_t node_id, manager::BootError error, can::Time now) override;
   void error_control_event(std::uint8_t node_id, manager::ErrorControlEvent event, can::Time now) override;
   void lss_active_changed(bool active, can::Time now) override;
@@ -212,6 +222,7 @@ class ModuleEngine : public CommunicationModule,
     if (events_.size() < most_events) events_.push_back({&row, node_id});
   }
   void send_events(can::Time now);
+  void log_changes(can::Time now);
   void look_at_overflows(can::Time now);
   void report(std::string_view what, can::Time now);
   void tell_of_word(BufferAddress address, std::uint16_t value, std::string_view what, can::Time now);
@@ -227,6 +238,7 @@ class ModuleEngine : public CommunicationModule,
   RegisterWords registers_;
   ModuleSettings settings_;
   ErrorStatus errors_;
+  Diagnostics diagnostics_;
   EmergencyBuffer emergencies_;
   NmtStatus nmt_status_;
   canopen::Node node_;
@@ -245,6 +257,10 @@ class ModuleEngine : public CommunicationModule,
   bool cpu_failed_ = false;   // the STOP that comes is an error's
   bool stop_is_due_ = false;  // the node has started with the CPU in STOP
   bool restarting_ = false;
+  // What the event history has been told of.
+  bool logged_online_ = false;
+  bool logged_warning_ = false;
+  bool logged_active_ = false;
   bool controller_sends_last_ = false;  // off the bus after the message that says that the module restarts
   bool clear_concise_dcfs_ = false;     // 1011H was written: at the next restart
   can::Time last_frame_{};              // sent or received

@@ -59,9 +59,15 @@ void ModuleEngine::controller_changed(can::Time now) {
   if (errors_.follow(ModuleError::error_passive, state == can::ErrorState::error_passive) &&
       errors_.has(ModuleError::error_passive)) {
     raise_event(model_.emergencies.error_passive);
+    diagnostics_.log(ModuleEvent::error_passive, now);
   }
+  const bool warning =
+      state == can::ErrorState::error_active && error_counter(controller_) >= warning_counter;
+  if (warning && !logged_warning_) diagnostics_.log(ModuleEvent::warning_level, now);
+  logged_warning_ = warning;
   if (!was_off && errors_.has(ModuleError::bus_off)) {
     report("the CAN controller is bus-off", now);
+    diagnostics_.raise(Diagnosis::bus_off, now);
     command_.bus_lost(command_error::bus_off, now);
     if (state_.canopen_mode()) node_.communication_error(now);
   }
@@ -75,6 +81,7 @@ void ModuleEngine::look_at_overflows(can::Time now) {
   if (!errors_.raise(ModuleError::queue_overflow)) return;
   raise_event(model_.emergencies.queue_overflow);
   report("a queue has overflown: frames were lost", now);
+  diagnostics_.raise(Diagnosis::queue_overflow, now);
 }
 
 void ModuleEngine::send_events(can::Time now) {
@@ -91,6 +98,7 @@ void ModuleEngine::send_events(can::Time now) {
 }
 
 void ModuleEngine::reset_requested(canopen::NmtCommand, can::Time now) {
+  diagnostics_.log(ModuleEvent::nmt_reset, now);
   status_words_.show_nmt_reset(false);
   state_.nmt_resetting = true;
   master_.stop(now);
@@ -127,12 +135,14 @@ canopen::AbortCode ModuleEngine::before_write(canopen::ObjectDictionary&, const 
 
 void ModuleEngine::nmt_state_changed(canopen::NmtState state, can::Time now) {
   nmt_status_.set_state(node_.node_id(), static_cast<std::uint8_t>(state));
+  diagnostics_.log(ModuleEvent::nmt_state, now, static_cast<std::uint8_t>(state));
   master_.own_state_changed(state, now);
   if (state == canopen::NmtState::stopped) command_.bus_lost(command_error::wrong_state, now);
 }
 
 void ModuleEngine::emergency_received(const canopen::Emergency& message, can::Time now) {
   emergencies_.record(message);
+  if (!emergencies_.held_clear()) diagnostics_.log(ModuleEvent::emergency_received, now, message.node_id);
   port_->emergency_received(message, now);
 }
 
@@ -153,13 +163,16 @@ void ModuleEngine::heartbeat_lost(std::uint8_t node_id, can::Time now) {
   master_.heartbeat_lost(node_id, now);
 }
 
-void ModuleEngine::life_guarding_event(bool occurred, can::Time) {
+void ModuleEngine::life_guarding_event(bool occurred, can::Time now) {
+  if (occurred && !nmt_status_.held_clear(node_.node_id())) diagnostics_.log(ModuleEvent::life_guarding, now);
   // The master's own number is not known to a guarded slave, so the failure is shown at the own word.
   if (occurred && !nmt_status_.held_clear(node_.node_id())) nmt_status_.set_life_guarding(node_.node_id());
 }
 
 // Any change of the configuration makes its date and time invalid [ME3CAN1-Q 4.8.12].
-void ModuleEngine::object_written(const canopen::Entry& entry, can::Time) {
+void ModuleEngine::object_written(const canopen::Entry& entry, can::Time now) {
+  if (entry.index == 0x1010 || entry.index == 0x1F22) diagnostics_.log(ModuleEvent::saved, now);
+  if (entry.index == 0x1011) diagnostics_.log(ModuleEvent::restored, now);
   if (entry.index == 0x1011) clear_concise_dcfs_ = true;  // it took "load" [ME3CAN1-Q 4.6.11]
   if (entry.index == 0x1012) time_stamp_.show_role();
   if (!entry.description->stored || entry.index == 0x1020) return;
@@ -172,7 +185,25 @@ void ModuleEngine::boot_went_on(std::uint8_t node_id, const manager::BootRecord&
   if (observer_ != nullptr) observer_->slave_boot_went_on(node_id, record, now);
 }
 
-void ModuleEngine::start_up_halted(std::uint8_t node_id, manager::BootError, can::Time now) {
+void ModuleEngine::slave_failed(std::uint8_t node_id, manager::BootError error, can::Time now) {
+  const bool configuration = error == manager::BootError::configuration;
+  diagnostics_.raise(configuration ? Diagnosis::slave_configuration : Diagnosis::slave_boot, now,
+                     {node_id, static_cast<std::uint8_t>(error)});
+}
+
+// The emergency code says which rule a received frame broke.
+void ModuleEngine::emergency_raised(const canopen::Emergency& message, can::Time now) {
+  namespace code = canopen::emcy_code;
+  if (message.code == code::pdo_too_short || message.code == code::pdo_too_long) {
+    diagnostics_.raise(Diagnosis::rpdo_length, now, {message.manufacturer[0], message.code});
+  } else if (message.code == code::protocol_error) {
+    diagnostics_.raise(Diagnosis::invalid_object, now,
+                       {node_.dictionary().get<std::uint32_t>(0x1005, 0) & 0x7FFU, message.code});
+  }
+}
+
+void ModuleEngine::start_up_halted(std::uint8_t node_id, manager::BootError error, can::Time now) {
+  diagnostics_.raise(Diagnosis::start_up, now, {static_cast<std::uint8_t>(error)});
   report("the start-up of the network has ended: node " + std::to_string(node_id) +
              " is mandatory (1F81H bit 3) and was not booted",
          now);
@@ -211,6 +242,9 @@ void ModuleEngine::node_state_changed(std::uint8_t node_id, std::uint8_t state, 
 
 void ModuleEngine::error_control_changed(std::uint8_t node_id, std::uint16_t bits, can::Time now) {
   port_->error_control_changed(node_id, bits, now);
+  const unsigned news = bits & ~nmt_status_.status(node_id) & manager::error_control::errors;
+  if (news != 0 && !nmt_status_.held_clear(node_id))
+    diagnostics_.log(ModuleEvent::error_control, now, node_id);
   if (nmt_status_.held_clear(node_id) && (bits & manager::error_control::errors) != 0) {
     nmt_status_.set_status(node_id, bits & static_cast<std::uint16_t>(~manager::error_control::errors));
     master_.clear_error_control(node_id, now);
@@ -237,8 +271,9 @@ CommandHost::EmergencyAnswer ModuleEngine::send_emergency(std::uint16_t code, st
                                                           std::span<const std::uint8_t, 5> manufacturer,
                                                           can::Time now) {
   if (bus_obstacle() != 0) return EmergencyAnswer::wrong_state;
-  return node_.emergency(code, error_register, manufacturer, now) ? EmergencyAnswer::sent
-                                                                  : EmergencyAnswer::inhibited;
+  if (!node_.emergency(code, error_register, manufacturer, now)) return EmergencyAnswer::inhibited;
+  diagnostics_.log(ModuleEvent::emergency_sent, now);
+  return EmergencyAnswer::sent;
 }
 
 CommandHost::FrameAnswer ModuleEngine::send_plain_frame(std::span<const std::uint16_t> parameters,

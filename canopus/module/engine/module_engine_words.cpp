@@ -24,8 +24,12 @@ std::uint16_t ModuleEngine::read_word(BufferAddress address, can::Time now) {
 void ModuleEngine::write_word(BufferAddress address, std::uint16_t value, can::Time now) {
   if (state_.phase == Phase::off) return;
   const bool allowed = !state_.initializing() || (state_.phase == Phase::stuck && command_.owns(address));
+  const bool was_good = !errors_.has(ModuleError::invalid_value);
   const WriteResult result = allowed ? buffer_.write(address, value, now) : WriteResult::refused;
   errors_.record(result, address);
+  if (was_good && errors_.has(ModuleError::invalid_value)) {
+    diagnostics_.raise(Diagnosis::invalid_value, now, {errors_.invalid_address()});
+  }
   if (result == WriteResult::done) {
     if (observer_ != nullptr) observer_->buffer_written(address, value, now);
     port_->serve(now);
@@ -52,6 +56,7 @@ void ModuleEngine::tell_of_word(BufferAddress address, std::uint16_t value, std:
 void ModuleEngine::set_clock(can::Time now) {
   if (const auto wrong = time_stamp_.set_from_words(now)) {
     errors_.record(WriteResult::invalid, *wrong);
+    diagnostics_.raise(Diagnosis::invalid_value, now, {*wrong});
     report("the time stamp words are not a date and time", now);
   }
   port_->done(Request::set_clock, now);
@@ -72,6 +77,7 @@ void ModuleEngine::go_online(can::Time now) {
   const auto wrong = layer2_.go_online(now);
   if (!wrong) return;
   errors_.record(WriteResult::invalid, *wrong);
+  diagnostics_.raise(Diagnosis::invalid_value, now, {*wrong});
   tell_of_word(*wrong, buffer_.word(*wrong),
                " does not go with the other Layer 2 settings: the module stays offline", now);
 }
@@ -120,7 +126,14 @@ void ModuleEngine::leave_layer2_bus(can::Time now) {
 
 // [RJ71CN91 App. 1 YF] Node errors are cleared with the others where the model says so: those of all nodes.
 void ModuleEngine::hold_clear_errors(bool held, can::Time now) {
+  const bool had_bad_value = errors_.has(ModuleError::invalid_value);
   errors_.hold_clear(held);
+  diagnostics_.hold_clear(held);
+  if (held && state_.phase != Phase::off) diagnostics_.log(ModuleEvent::errors_cleared, now);
+  if (!held && !had_bad_value && errors_.has(ModuleError::invalid_value)) {
+    diagnostics_.raise(Diagnosis::invalid_value, now, {errors_.invalid_address()});
+  }
+  if (!held && errors_.has(ModuleError::bus_off)) diagnostics_.raise(Diagnosis::bus_off, now);
   if (!model_.error_status || !model_.error_status->clears_node_failures) return;
   nmt_status_.hold_clear_all(held);
   if (!held || state_.phase == Phase::off || state_.initializing() || !state_.canopen_mode()) return;
@@ -130,7 +143,13 @@ void ModuleEngine::hold_clear_errors(bool held, can::Time now) {
 
 void ModuleEngine::hold_clear_nmt_errors(bool held, can::Time now) {
   nmt_status_.hold_clear(held);
+  if (held && state_.phase != Phase::off) diagnostics_.log(ModuleEvent::node_failures_cleared, now);
   if (held && !state_.initializing() && state_.canopen_mode()) clear_nmt_errors(now);
+}
+
+void ModuleEngine::hold_clear_emergencies(bool held, can::Time now) {
+  emergencies_.hold_clear(held);
+  if (held) diagnostics_.log(ModuleEvent::emergencies_cleared, now);
 }
 
 void ModuleEngine::clear_nmt_errors(can::Time now) {
@@ -148,6 +167,7 @@ void ModuleEngine::begin_save(can::Time now) {
   if (model_.settings.saves_offline_only && layer2_.online()) {
     if (errors_.raise(ModuleError::save_while_online)) {
       report("nothing is saved or restored while Layer 2 is online", now);
+      diagnostics_.raise(Diagnosis::save_while_online, now);
     }
     return;
   }
@@ -156,7 +176,9 @@ void ModuleEngine::begin_save(can::Time now) {
 
 void ModuleEngine::end_save(can::Time now) {
   if (!settings_.end_save()) report("the flash memory could not be written", now);
+  if (settings_.saves()) diagnostics_.log(ModuleEvent::saved, now);
   if (settings_.restores()) {
+    diagnostics_.log(ModuleEvent::restored, now);
     network_settings_.apply();
     time_stamp_.correction_changed(now);
   }
@@ -170,9 +192,11 @@ std::vector<Led> ModuleEngine::leds(can::Time now) const {
     if (state_.phase == Phase::off) continue;
     const auto light = [&](bool on) { led.pattern = on ? LedPattern::on : LedPattern::off; };
     switch (row.use) {
-      case LedUse::supply: light(true); break;
+      case LedUse::supply: light(diagnostics_.worst() != ErrorClass::major); break;
       case LedUse::error:
-        light(errors_.any());
+        light(errors_.any() || diagnostics_.worst().has_value());
+        if (diagnostics_.worst() == ErrorClass::moderate) led.pattern = LedPattern::blinking;
+        if (diagnostics_.worst() == ErrorClass::major) led.pattern = LedPattern::off;
         led.error = true;
         break;
       case LedUse::network_state: led.pattern = network_state_pattern(); break;

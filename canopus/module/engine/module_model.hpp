@@ -13,6 +13,7 @@
 #include "canopus/manager/configuration/configuration_manager.hpp"
 #include "canopus/module/areas/buffer_memory.hpp"
 #include "canopus/module/areas/command_interface.hpp"
+#include "canopus/module/areas/diagnostics.hpp"
 #include "canopus/module/areas/emergency_buffer.hpp"
 #include "canopus/module/areas/error_status.hpp"
 #include "canopus/module/areas/exchange_control.hpp"
@@ -125,6 +126,7 @@ struct ModuleModel {
   std::optional<Layer2Layout> layer2{};
   Layer2Rules layer2_rules{};
   ProgramInterface program_interface{};
+  DiagnosticsTables diagnostics{};
 
   CpuRules cpu{};
 

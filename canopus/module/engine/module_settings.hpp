@@ -71,6 +71,8 @@ class ModuleSettings {
   bool end_save();
   /// The request that is being carried out, or was last, restores.
   [[nodiscard]] bool restores() const noexcept { return (request_ & model_->settings.restore) != 0; }
+  /// The request saves.
+  [[nodiscard]] bool saves() const noexcept { return (request_ & model_->settings.save) != 0; }
   /// Where the node's 1010H and 1011H keep what is stored of the object dictionary.
   [[nodiscard]] canopen::ParameterStore& object_store() noexcept { return object_store_; }
 

@@ -56,7 +56,7 @@ void SignalPort::rising(const SignalRow& row, can::Time now) {
     case RequestUse::transmit_trigger: return engine_.request_trigger(true);
     case RequestUse::command: return engine_.execute_command(now);
     case RequestUse::save_restore: return engine_.begin_save(now);
-    case RequestUse::emergency: return engine_.hold_clear_emergencies(true);
+    case RequestUse::emergency: return engine_.hold_clear_emergencies(true, now);
     case RequestUse::set_clock: return engine_.set_clock(now);
     case RequestUse::read_clock: return engine_.read_clock(now);
     default: return;
@@ -75,7 +75,7 @@ void SignalPort::falling(const SignalRow& row, can::Time now) {
     case RequestUse::transmit_trigger: return engine_.request_trigger(false);
     case RequestUse::error: return engine_.hold_clear_errors(false, now);
     case RequestUse::nmt_error: return engine_.hold_clear_nmt_errors(false, now);
-    case RequestUse::emergency: return engine_.hold_clear_emergencies(false);
+    case RequestUse::emergency: return engine_.hold_clear_emergencies(false, now);
     case RequestUse::ready:
     case RequestUse::none: return;
   }
@@ -100,7 +100,7 @@ void SignalPort::power_on(can::Time now) {
   for (unsigned number = 0; number < row_of_.size(); ++number) signals_.set_output(number, false, now);
   engine_.hold_clear_errors(false, now);
   engine_.hold_clear_nmt_errors(false, now);
-  engine_.hold_clear_emergencies(false);
+  engine_.hold_clear_emergencies(false, now);
 }
 
 void SignalPort::power_off(can::Time now) {

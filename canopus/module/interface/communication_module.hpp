@@ -81,6 +81,11 @@ class CommunicationModule : public Module {
   [[nodiscard]] virtual std::vector<SlaveBootRecord> boots() const { return {}; }
   /// Whether it is in a Layer 2 mode, and online.
   [[nodiscard]] virtual Layer2State layer2_state() const noexcept { return Layer2State::inactive; }
+  /// Its events in the CPU's event history, oldest first, and the errors that module diagnostics show now.
+  [[nodiscard]] virtual std::vector<ModuleEventRecord> event_history() const { return {}; }
+  [[nodiscard]] virtual std::vector<ModuleErrorRecord> module_errors() const { return {}; }
+  /// What "Clear Error" of the engineering tool does. False: there is an error that it cannot clear.
+  virtual bool clear_module_errors() { return true; }
   /// Its LEDs, from the top.
   [[nodiscard]] virtual std::vector<Led> leds(can::Time now) const = 0;
   /// Writes of the flash memory over all runs, as it would wear.

@@ -9,6 +9,7 @@
 #include "canopus/module/intelligent/program_side.hpp"
 #include "canopus/module/rj71cn91/buffer_table.hpp"
 #include "canopus/module/rj71cn91/data_sheet.hpp"
+#include "canopus/module/rj71cn91/event_table.hpp"
 #include "canopus/module/rj71cn91/object_table.hpp"
 
 namespace canopus::module::rj71cn91 {
@@ -75,6 +76,13 @@ canopen::NodeOptions node_options() {
   return options;
 }
 
+// [RJ71CN91 1.2 NMT slave identification]
+manager::MasterOptions master_options() {
+  manager::MasterOptions options = intelligent::master_options();
+  options.revision_rule = manager::RevisionRule::same_major_newer_minor;
+  return options;
+}
+
 }  // namespace
 
 constinit const ModuleModel model{
@@ -137,11 +145,12 @@ constinit const ModuleModel model{
                      .offline_is_silent = true,
                      .saves_transmit_slots = true},
     .program_interface = intelligent::program_interface,
+    .diagnostics = {.events = event_table, .errors = error_table},
     .cpu = {.stop_ends_master = true, .stop_at_start_counts = true, .run_ends_error = true},
     .object_dictionary = object_dictionary,
     .node_id_defaults = intelligent::set_detect_cycle,
     .node_options = node_options,
-    .master_options = intelligent::master_options,
+    .master_options = master_options,
     .configuration_options = intelligent::configuration_options,
 };
 

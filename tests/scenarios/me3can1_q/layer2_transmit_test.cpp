@@ -323,8 +323,8 @@ TEST_P(Layer2Transmit, CycleTime0_IsForcedTo1_ForTypes2And3) {
   }
 }
 
-TEST_P(Layer2Transmit, CycleTimeInMilliseconds_IsAChoice) {
-  spec("ME3-L2-019", "");
+TEST(Me3Layer2Transmit, CycleTimeInMilliseconds_IsAChoice) {
+  RecordProperty("spec", "ME3-L2-019");
   RamMemory memory;
   FreeBus bus;
   module::me3can1_q::Me3can1Q module(bus, memory, {.layer2_cycle_unit = 1ms});

@@ -69,7 +69,7 @@ void start_with(IntelligentScenario& s, std::initializer_list<Object> objects,
 // --- 1F80H bit 0
 
 TEST_P(MasterRole, Bit0Clear_AllOtherSettingsAreIgnored_AndItIsTheDefault) {
-  spec("ME3-MST-001", "RJ71-STARTUP-002");
+  spec("ME3-MST-001", "");
   IntelligentScenario s(GetParam());
   s.power_on_as(1);
   s.expect_object(0x1F80, 0, 0, 4);

@@ -278,7 +278,7 @@ TEST_P(NmtMaster, AllIdentityEntriesZero_OnlyThePresenceIsChecked) {
 // --- 1F80H
 
 TEST_P(NmtMaster, Bit1_StartsSinglyOrAllAtOnce) {
-  spec("ME3-MST-002", "RJ71-STARTUP-015");
+  spec("ME3-MST-002", "");
   IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F80, 0, 0x01}, {0x1F81, 2, mandatory}, {0x1F81, 3, mandatory}});
   s.tx(0x000, {0x82, 0x00});

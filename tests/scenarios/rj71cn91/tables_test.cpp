@@ -293,11 +293,15 @@ TEST(Rj71Tables, SystemAreas_AreNoObjects) {
   s.power_on();
   for (const std::uint16_t index : Words{0x0000, 0x0009, 0x1002, 0x1007, 0x1013, 0x1019, 0x1200, 0x1280,
                                          0x1F28, 0x2000, 0x5FFF, 0x6000, 0xB000}) {
-    s.cif({0x0004, 0, index, 0}).expect_abort(0x06020000);
-    s.cif({0x0002, 0, index, 0, 4, 1, 0}).expect_abort(0x06020000);
+    s.cif({0x0004, 0, index, 0});
+    s.expect_abort(0x06020000);
+    s.cif({0x0002, 0, index, 0, 4, 1, 0});
+    s.expect_abort(0x06020000);
   }
-  s.cif({0x0004, 0, 0x1018, 4}).expect_abort(0x06090011);
-  s.cif({0x0004, 0, 0x1000, 1}).expect_abort(0x06090011);
+  s.cif({0x0004, 0, 0x1018, 4});
+  s.expect_abort(0x06090011);
+  s.cif({0x0004, 0, 0x1000, 1});
+  s.expect_abort(0x06090011);
 }
 
 TEST(Rj71Tables, Identity_AndStrings) {
@@ -307,9 +311,12 @@ TEST(Rj71Tables, Identity_AndStrings) {
   s.cif({0x0004, 0, 0x1008, 0}).expect(1000, {0x0005, 0, 0x1008, 0, 8, 0x4A52, 0x3137, 0x4E43, 0x3139});
   s.cif({0x0004, 0, 0x1009, 0}).expect(1004, 2);
   s.cif({0x0004, 0, 0x100A, 0}).expect(1004, 2);
-  s.expect_object(0x1018, 0, 3, 1).expect_object(0x1018, 1, 0x01D0, 4).expect_object(0x1018, 2, 0x0100, 4);
+  s.expect_object(0x1018, 0, 3, 1);
+  s.expect_object(0x1018, 1, 0x01D0, 4);
+  s.expect_object(0x1018, 2, 0x0100, 4);
   s.cif({0x0004, 0, 0x1018, 3}).expect(1004, 4).expect(1006, 0x0001);  // major; the minor is the firmware's
-  s.cif({0x0004, 0, 0x1018, 4}).expect_abort(0x06090011);
+  s.cif({0x0004, 0, 0x1018, 4});
+  s.expect_abort(0x06090011);
 }
 
 // --- the page for the user
