@@ -145,31 +145,6 @@ void JsonPrinter::warning(std::string_view source, std::string_view message, can
   print(line, now);
 }
 
-void JsonPrinter::module_event(std::string_view plc, std::string_view source,
-                               const module::ModuleEventRecord& record) {
-  Json line = event(record.at, "module event");
-  line["plc"] = plc;
-  line["module"] = source;
-  line["code"] = fmt::format("{:05X}", record.code);
-  line["overview"] = record.overview;
-  if (record.detail) line["detail"] = *record.detail;
-  print(line, record.at);
-}
-
-void JsonPrinter::module_error(std::string_view plc, std::string_view source,
-                               const module::ModuleErrorRecord& record) {
-  Json line = event(record.at, "module error");
-  line["plc"] = plc;
-  line["module"] = source;
-  line["code"] = fmt::format("{:04X}", record.code);
-  line["class"] = module::name(record.error_class);
-  line["overview"] = record.overview;
-  for (const auto& detail : record.details) {
-    if (!detail.name.empty()) line["details"][std::string(detail.name)] = detail.value;
-  }
-  print(line, record.at);
-}
-
 void JsonPrinter::error(std::string_view source, std::string_view message, can::Time now) {
   Json line = event(now, "error");
   line["source"] = source;
