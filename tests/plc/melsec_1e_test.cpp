@@ -237,6 +237,19 @@ TEST(Melsec1e, AsciiThatIsNoNumber_Is54H) {
   EXPECT_EQ(ask_ascii("02FF000A4D200000003202002x"), "8254");
 }
 
+TEST(Melsec1e, AsciiInSmallLetters_IsTaken_AndALoopbackStaysAsItWas) {
+  Plc1e plc;
+  EXPECT_EQ(plc.raw("03ff000a4420000000640200"
+                    "1234abcd"),
+            "8300");
+  EXPECT_EQ(plc.word(Device::d, 101), 0xABCD);
+  EXPECT_EQ(plc.raw("16ff000a02abCd"), "960002abCd");
+  EXPECT_EQ(plc.raw("13ff000a16ff000a02abcd"), "9300960002abcd");
+  EXPECT_EQ(plc.raw("0eff000a000000020000"), "8E000000");
+  EXPECT_EQ(plc.datagram("01ff000a4420000000650100"), "8100ABCD");
+  EXPECT_EQ(plc.datagram("16ff000a02abCd"), "960002abCd");
+}
+
 TEST(Melsec1e, OnlineChange_WhereItIsNotEnabled_Is55HInRunOnly) {
   Plc1e plc(r04cpu(), port_1e(WritePermission::in_stop));
   const std::string requests[] = {

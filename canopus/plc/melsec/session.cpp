@@ -1,5 +1,6 @@
 #include "canopus/plc/melsec/session.hpp"
 
+#include <algorithm>
 #include <cstring>
 
 namespace canopus::plc::melsec {
@@ -14,6 +15,22 @@ constexpr std::uint16_t first_cpu = 0x03E0;
 bool is_for_this_cpu(const Route& route) {
   return route.network == own_network && route.pc == own_pc && route.station == 0 &&
          (route.module_io == control_cpu || route.module_io == first_cpu);
+}
+
+/// Clients of 1E frames were seen to send small letters, which FX modules take; 3E and 4E take capitals alone.
+void capitalize(std::span<std::uint8_t> text) {
+  for (std::uint8_t& character : text)
+    if (character >= 'a' && character <= 'f') character = static_cast<std::uint8_t>(character - 'a' + 'A');
+}
+
+/// Characters of a 1E request in ASCII up to its data, without those of the next request. What a loopback carries
+/// comes back as it was.
+std::size_t head_of_1e(std::span<const std::uint8_t> text) {
+  constexpr std::size_t header = 8;
+  if (text.size() < 2) return text.size();
+  if (text[0] == '1') return text[1] == '6' ? header + 2 : header;
+  const bool is_buffer_memory = text[1] == 'E' || text[1] == 'F' || text[1] == 'e' || text[1] == 'f';
+  return is_buffer_memory ? header + 12 : header + 16;
 }
 
 }  // namespace
@@ -34,7 +51,7 @@ std::size_t Session::process(can::Time now) {
   std::size_t answered = 0;
   std::size_t used = 0;
   while (!over_ && used < input_size_ && output_capacity - output_size_ >= maximum_reply) {
-    const auto waiting = std::span<const std::uint8_t>(input_).subspan(used, input_size_ - used);
+    const auto waiting = std::span(input_).subspan(used, input_size_ - used);
     const std::size_t waiting_output = output_size_;
     Step step;
     switch (frame_of(waiting[0])) {
@@ -67,13 +84,17 @@ Session::Step Session::next_3e(std::span<const std::uint8_t> waiting, can::Time 
   return {Step::State::answered, head.size + length};
 }
 
-Session::Step Session::next_1e(std::span<const std::uint8_t> waiting, can::Time now) {
+Session::Step Session::next_1e(std::span<std::uint8_t> waiting, can::Time now) {
+  const std::size_t head = *code_ == DataCode::ascii ? std::min(head_of_1e(waiting), waiting.size()) : 0;
+  capitalize(waiting.first(head));
   const Request1e request = read_request_1e(waiting, *code_);
   switch (request.state) {
     case Request1e::State::incomplete: return {};
     case Request1e::State::unknown: refuse_1e(request.subheader, EndCode1e::unknown_subheader); break;
     case Request1e::State::not_a_number: refuse_1e(request.subheader, EndCode1e::not_convertible); break;
     case Request1e::State::complete: {
+      const bool is_loopback = request.subheader == static_cast<std::uint8_t>(Command1e::loopback);
+      if (head != 0 && !is_loopback) capitalize(waiting.first(request.size));
       FieldWriter out = writer();
       commands_1e_.answer(waiting.first(request.size), out, settings_.write, now);
       output_size_ += out.size();
@@ -101,11 +122,15 @@ void Session::datagram(std::span<const std::uint8_t> request, can::Time now) {
       return;
     }
     case Frame::is_1e: {
-      const Request1e found = read_request_1e(request, *code_);
+      if (request.size() > input_capacity) return;
+      std::ranges::copy(request, input_.begin());
+      const auto copy = std::span(input_).first(request.size());
+      if (*code_ == DataCode::ascii) capitalize(copy.first(std::min(head_of_1e(copy), copy.size())));
+      const Request1e found = read_request_1e(copy, *code_);
       const bool fits = found.state != Request1e::State::incomplete &&
                         (found.state != Request1e::State::complete || found.size == request.size());
       if (fits)
-        (void)next_1e(request, now);
+        (void)next_1e(copy, now);
       else if (request.size() > 1)  // one character is not even a subheader
         refuse_1e(found.subheader, EndCode1e::points);
       return;

@@ -79,7 +79,7 @@ class Session {
   /// The frame that begins so on this port, and the data code, where that is still open.
   [[nodiscard]] Frame frame_of(std::uint8_t first_byte);
   Step next_3e(std::span<const std::uint8_t> waiting, can::Time now);
-  Step next_1e(std::span<const std::uint8_t> waiting, can::Time now);
+  Step next_1e(std::span<std::uint8_t> waiting, can::Time now);
   void answer(const FrameHeader& header, std::span<const std::uint8_t> body, can::Time now);
   void refuse(const FrameHeader& header, const Command& command, EndCode end_code);
   void refuse_1e(std::uint8_t subheader, EndCode1e end_code);
