@@ -289,6 +289,7 @@ PlcSection read_plc(text::TableReader& table) {
   plc.name = table.text("name").value_or("");
   plc.cpu_model = read_cpu_model(table);
   plc.ports = read_melsec_ports(table, plc.cpu_model);
+  plc.modbus_ports = read_modbus_ports(table, plc.cpu_model);
   plc.scan = table.parsed("scan", text::parse_duration);
   if (plc.scan && (*plc.scan < plc::Scan::shortest_period || *plc.scan > plc::Scan::longest_period)) {
     table.error("scan", "a scan takes 100us to 2s");
@@ -302,6 +303,7 @@ PlcSection read_plc(text::TableReader& table) {
   plc.cpu_error = table.parsed("cpu_error", text::parse_duration);
   table.tables("module", "plc.module",
                [&](text::TableReader& inner) { plc.modules.push_back(read_module(inner, plc.cpu_model)); });
+  check_modbus_modules(plc, table.errors());
   return plc;
 }
 

@@ -14,6 +14,7 @@
 #include "canopus/module/interface/module.hpp"
 #include "canopus/plc/cpu/device.hpp"
 #include "canopus/plc/melsec/port_settings.hpp"
+#include "canopus/plc/modbus/settings.hpp"
 #include "canopus/sim/bus/fault.hpp"
 #include "canopus/text/file_error.hpp"
 #include "canopus/text/object_value.hpp"
@@ -157,11 +158,26 @@ struct MelsecPortSection {
   std::optional<link::AllowList> writers{};  ///< who may write; none: whoever may connect
 };
 
+/// A port of a PLC for Modbus TCP: [[plc.modbus]].
+struct ModbusPortSection {
+  text::Place place{};  ///< where its address is written
+  text::HostAndPort listen{};
+  link::AllowList allowed{};  ///< who may connect
+  plc::modbus::Settings settings{};
+  std::optional<link::AllowList> writers{};  ///< who may write; none: whoever may connect
+  struct BufferRange {
+    text::Place place{};
+    std::uint16_t head = 0;
+  };
+  std::vector<BufferRange> buffer_ranges{};  ///< those of its ranges that need a module
+};
+
 struct PlcSection {
   text::Place place{};
   text::Place store_place{};
   std::string name{};
   std::vector<MelsecPortSection> ports{};
+  std::vector<ModbusPortSection> modbus_ports{};
   plc::CpuModel cpu_model = plc::r04cpu();  ///< with the points of the devices that the file sets
   std::optional<can::Duration> scan{};  ///< X and Y are refreshed once a scan of this length; none: at once
   bool run = true;

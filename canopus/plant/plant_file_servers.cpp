@@ -11,6 +11,7 @@
 #include "canopus/link/allow_list.hpp"
 #include "canopus/plant/plant_references.hpp"
 #include "canopus/plant/plant_sections.hpp"
+#include "canopus/plc/modbus/as300_map.hpp"
 #include "canopus/text/table_reader.hpp"
 
 namespace canopus::plant {
@@ -27,6 +28,9 @@ class Ports {
       const std::string who = plc.name.empty() ? "a PLC without a name" : fmt::format("PLC \"{}\"", plc.name);
       for (const MelsecPortSection& port : plc.ports) {
         take_port(port.listen, port.udp ? Transport::udp : Transport::tcp, port.place, "listen", who);
+      }
+      for (const ModbusPortSection& port : plc.modbus_ports) {
+        take_port(port.listen, Transport::tcp, port.place, "listen", who);
       }
     }
     for (const BusSection& bus : plant_.buses) {
@@ -145,6 +149,71 @@ MelsecPortSection read_port(text::TableReader& table, const plc::CpuModel& model
   return port;
 }
 
+/// `{ at = 0, count = 100, device = "D0" }`.
+void read_range(text::TableReader& table, plc::modbus::Table which, const plc::CpuModel& model,
+                ModbusPortSection& port) {
+  const auto at = table.integer("at", 0, 0xFFFF, "an address is 0 to 65535", true);
+  const auto count = table.integer("count", 1, 0x10000, "expected 1 to 65536 addresses", true);
+  const unsigned io_base = model.number_base(plc::Device::x);
+  const auto device = table.parsed(
+      "device", [io_base](std::string_view text) { return plc::parse_rack_address(text, io_base); }, true);
+  const bool read_only = table.boolean("read_only").value_or(false);
+  if (!at || !count || !device) return;
+  plc::modbus::Range range{.first = static_cast<std::uint16_t>(*at),
+                           .count = static_cast<std::uint32_t>(*count),
+                           .at = *device,
+                           .read_only = read_only};
+  if (device->is_buffer) {
+    port.buffer_ranges.push_back({table.place("device"), device->head_address});
+  } else {
+    const bool bits = plc::modbus::is_bit_table(which);
+    const bool is_bit = plc::device_info(device->device).is_bit;
+    const std::uint64_t points = bits == is_bit ? range.count
+                                 : is_bit       ? 16ULL * range.count
+                                                : (range.count + 15ULL) / 16;
+    const std::uint32_t there = model.points_of(device->device);
+    if (points > there || !model.has(device->device, device->number, static_cast<std::uint32_t>(points))) {
+      return table.error(table.place("device"),
+                         fmt::format("device: {} addresses from {} on end at {}; the {} has {} of it",
+                                     range.count, plc::to_text(*device, 0, io_base),
+                                     plc::to_text(*device, static_cast<std::uint32_t>(points - 1), io_base),
+                                     model.name, there));
+    }
+  }
+  if (const auto added = port.settings.map.add(which, range); !added) {
+    table.error(table.place("at"), fmt::format("at: {}", added.error()));
+  }
+}
+
+ModbusPortSection read_modbus_port(text::TableReader& table, const plc::CpuModel& model) {
+  using plc::modbus::Table;
+  ModbusPortSection port{.place = table.place("listen")};
+  const auto listen = table.parsed("listen", text::parse_host_and_port, true);
+  port.allowed = read_allowed(table, "listen", "Modbus protocol", listen);
+  port.writers = read_networks(table, "allow_write");
+  if (!table.boolean("write_in_run").value_or(true)) port.settings.write = plc::WritePermission::in_stop;
+  if (const auto unit = table.integer("unit", 1, 247, "a unit identifier is 1 to 247")) {
+    port.settings.unit = static_cast<std::uint8_t>(*unit);
+  }
+  bool has_map = false;
+  const auto read_ranges = [&](std::string_view key, Table which) {
+    has_map = has_map || table.find(key) != nullptr;
+    table.tables(key, std::string(key),
+                 [&](text::TableReader& inner) { read_range(inner, which, model, port); });
+  };
+  read_ranges("coils", Table::coils);
+  read_ranges("discrete_inputs", Table::discrete_inputs);
+  read_ranges("holding_registers", Table::holding_registers);
+  read_ranges("input_registers", Table::input_registers);
+  if (model.family == plc::CpuFamily::as300) port.settings.limits = plc::modbus::as300_limits();
+  if (!has_map) {
+    port.settings.map = model.family == plc::CpuFamily::as300 ? plc::modbus::as300_map(model)
+                                                              : plc::modbus::default_map(model);
+  }
+  port.listen = listen.value_or(text::HostAndPort{});
+  return port;
+}
+
 }  // namespace
 
 std::optional<link::AllowList> read_networks(text::TableReader& table, std::string_view key) {
@@ -202,6 +271,23 @@ std::vector<MelsecPortSection> read_melsec_ports(text::TableReader& table, const
   table.tables("port", "plc.port",
                [&](text::TableReader& inner) { ports.push_back(read_port(inner, model)); });
   return ports;
+}
+
+std::vector<ModbusPortSection> read_modbus_ports(text::TableReader& table, const plc::CpuModel& model) {
+  std::vector<ModbusPortSection> ports;
+  table.tables("modbus", "plc.modbus",
+               [&](text::TableReader& inner) { ports.push_back(read_modbus_port(inner, model)); });
+  return ports;
+}
+
+void check_modbus_modules(const PlcSection& plc, std::vector<text::FileError>& errors) {
+  for (const ModbusPortSection& port : plc.modbus_ports) {
+    for (const ModbusPortSection::BufferRange& range : port.buffer_ranges) {
+      if (std::ranges::find(plc.modules, range.head, &ModuleSection::head) != plc.modules.end()) continue;
+      errors.push_back(
+          {range.place, fmt::format("device: the PLC has no module at head = 0x{:X}", range.head)});
+    }
+  }
 }
 
 std::string protocol_name(const MelsecPortSection& port) {

@@ -24,6 +24,12 @@ namespace canopus::plant {
 [[nodiscard]] std::vector<MelsecPortSection> read_melsec_ports(text::TableReader& table,
                                                                const plc::CpuModel& model);
 
+/// [[plc.modbus]] of a [[plc]].
+[[nodiscard]] std::vector<ModbusPortSection> read_modbus_ports(text::TableReader& table,
+                                                               const plc::CpuModel& model);
+/// Whether what they map is there.
+void check_modbus_modules(const PlcSection& plc, std::vector<text::FileError>& errors);
+
 /// `family`, `cpu_model` and `devices` of a [[plc]].
 [[nodiscard]] plc::CpuModel read_cpu_model(text::TableReader& table);
 /// Where a module of a rack of this CPU's family is, and whether it fits into one; its model has been read.

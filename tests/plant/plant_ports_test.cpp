@@ -105,8 +105,8 @@ TEST(PlantPorts, WrongKeys_AreErrorsWithTheirPlace) {
           "plant.toml:6:8: code = 7: expected a string",
           "plant.toml:7:16: write_in_run = \"no\": expected true or false",
           "plant.toml:8:16: allow_write: \"here\" is not an address; expected numbers such as 192.168.1.7 or "
-                  "fd00::7, or a network such as 192.168.1.0/24",
-                  "plant.toml:9:1: plc.port: unknown key colour; expected one of allow, allow_write, code, frame, "
+          "fd00::7, or a network such as 192.168.1.0/24",
+          "plant.toml:9:1: plc.port: unknown key colour; expected one of allow, allow_write, code, frame, "
           "listen, remote_password, transport, write_in_run"));
 }
 
@@ -151,6 +151,74 @@ TEST(PlantPorts, TwoServersOnOnePort_AreAnError_TcpAndUdpOfOneNumberAreNot) {
       ElementsAre(
           "plant.toml:7:10: listen: port 5007 is taken already, by PLC \"press\" in line 4; give each "
           "server its own"));
+}
+
+TEST(PlantModbus, HasAMapOfItsOwn) {
+  const PlantReading reading = read(R"(
+[[plc]]
+[[plc.module]]
+model = "ME3CAN1-Q"
+head = 0x30
+bus = "line1"
+node = 1
+[[plc.modbus]]
+listen = "127.0.0.1:1502"
+unit = 1
+write_in_run = false
+coils = [{ at = 0, count = 64, device = "Y0" }, { at = 64, count = 16, device = "M100", read_only = true }]
+holding_registers = [{ at = 0, count = 1000, device = "D0" }, { at = 1000, count = 64, device = 'U3\G10000' }]
+[[plc.modbus]]
+listen = "0.0.0.0:1503"
+allow = "10.0.0.0/8"
+allow_write = "10.0.0.7"
+)");
+  ASSERT_THAT(reading.errors, IsEmpty());
+  const auto& ports = reading.plant.plcs[0].modbus_ports;
+  ASSERT_EQ(ports.size(), 2U);
+  EXPECT_EQ(reading.plant.plcs[0].ports.size(), 1U);  // the MC protocol stays
+  EXPECT_EQ(ports[0].settings.unit, 1);
+  EXPECT_EQ(ports[0].settings.write, WritePermission::in_stop);
+  using plc::modbus::Table;
+  ASSERT_EQ(ports[0].settings.map.ranges(Table::coils).size(), 2U);
+  EXPECT_TRUE(ports[0].settings.map.ranges(Table::coils)[1].read_only);
+  EXPECT_EQ(ports[0].settings.map.ranges(Table::holding_registers)[1].at.head_address, 0x30);
+  EXPECT_TRUE(ports[0].settings.map.ranges(Table::discrete_inputs).empty());
+  EXPECT_EQ(ports[1].settings.map.ranges(Table::discrete_inputs).size(), 1U);  // as the CPU has them
+  EXPECT_FALSE(ports[1].writers->allows(link::parse_internet_address("10.0.0.8").value()));
+}
+
+TEST(PlantModbus, WrongKeys_AreErrorsWithTheirPlace) {
+  EXPECT_THAT(
+      errors("[[plc]]\n[[plc.modbus]]\nlisten = \"1502\"\nunit = 255\n"
+             "coils = [{ at = 0, count = 10, device = \"Q1\" }, { at = 70000, count = 0 }]\n"
+             "holding_registers = [{ at = 0, count = 100, device = \"D18400\" },\n"
+             "  { at = 100, count = 10, device = 'U3\\G0' },\n"
+             "  { at = 105, count = 10, device = \"D0\" }]\n"
+             "input_registers = 7\n"),
+      ElementsAre(
+          "plant.toml:4:8: unit = 255: a unit identifier is 1 to 247",
+          "plant.toml:5:41: device = 'Q1' is no device; expected a device (D100, M0, X1F, W2A) or buffer "
+          "memory "
+          "(U0\\G25)",
+          "plant.toml:5:49: coils: device is missing; expected a string",
+          "plant.toml:5:56: at = 70000: an address is 0 to 65535",
+          "plant.toml:5:71: count = 0: expected 1 to 65536 addresses",
+          "plant.toml:6:54: device: 100 addresses from D18400 on end at D18499; the R04CPU has 18432 of it",
+          "plant.toml:7:36: device: the PLC has no module at head = 0x30",
+          "plant.toml:8:10: at: holding registers 100 to 109 are U3\\G0 already",
+          "plant.toml:9:19: input_registers = 7: expected tables, written as [[input_registers]]"));
+}
+
+TEST(PlantModbus, APublicAddressAndATakenPort_AreErrors) {
+  EXPECT_THAT(
+      errors("[[plc]]\n[[plc.modbus]]\nlisten = \"0.0.0.0:1502\"\n"),
+      ElementsAre(::testing::HasSubstr("plant.toml:3:10: listen: other machines can reach 0.0.0.0, and the "
+                                       "Modbus protocol has no password here")));
+  EXPECT_THAT(
+      errors("[[plc]]\nlisten = \"1502\"\n[[plc.modbus]]\nlisten = \"1502\"\n"),
+      ElementsAre(
+          "plant.toml:4:10: listen: port 1502 is taken already, by a PLC without a name in line 2; give "
+          "each server its own"));
 }
 
 }  // namespace

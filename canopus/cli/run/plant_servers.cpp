@@ -25,7 +25,7 @@ PlantServers::~PlantServers() { close(); }
 
 bool PlantServers::open() {
   for (std::size_t i = 0; i < plant_.plc_count(); ++i) {
-    if (!open_melsec(i)) return false;
+    if (!open_melsec(i) || !open_modbus(i)) return false;
   }
   if (!open_control()) return false;
   for (std::size_t i = 0; i < plant_.bus_count(); ++i) {
@@ -39,6 +39,7 @@ void PlantServers::close() {
   runs_.report();
   for (const auto& server : socketcand_) server->close();
   for (const auto& server : melsec_) server->stop();
+  for (const auto& server : modbus_) server->stop();
   if (control_) control_->stop();
 }
 
@@ -75,6 +76,23 @@ bool PlantServers::open_melsec(std::size_t plc) {
         serve::MelsecPort{.udp = port.udp, .settings = port.settings, .writers = port.writers}));
     const auto result = server.listen(place.host, place.port);
     if (!opened(result, protocol_name(port), section.name, place, server.port())) return false;
+  }
+  return true;
+}
+
+bool PlantServers::open_modbus(std::size_t plc) {
+  const plant::PlcSection& section = plant_.plc_section(plc);
+  for (const plant::ModbusPortSection& port : section.modbus_ports) {
+    const text::HostAndPort place = place_of(port.listen);
+    serve::ModbusPort settings{.settings = port.settings, .writers = port.writers};
+    const std::string model(plant_.rack(plc).model().name);
+    settings.settings.identification.objects = {"Canopus", model, CANOPUS_VERSION, "",
+                                                "Canopus", model, section.name};
+    serve::ModbusServer& server = *modbus_.emplace_back(std::make_unique<serve::ModbusServer>(
+        io_, plant_.rack(plc), clock_, std::move(settings), serve::TcpServerOptions{.allowed = port.allowed},
+        use_.report(fmt::format("Modbus TCP {}", section.name))));
+    const auto result = server.listen(place.host, place.port);
+    if (!opened(result, "Modbus TCP", section.name, place, server.port())) return false;
   }
   return true;
 }

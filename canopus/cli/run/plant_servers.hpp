@@ -1,5 +1,5 @@
 #pragma once
-// The servers of a run: MC protocol of each PLC, socketcand of each bus, control of the plant.
+// The servers of a run: MC protocol and Modbus TCP of each PLC, socketcand of each bus, control of the plant.
 
 #include <functional>
 #include <memory>
@@ -17,6 +17,7 @@
 #include "canopus/serve/client_ports.hpp"
 #include "canopus/serve/control_server.hpp"
 #include "canopus/serve/melsec_server.hpp"
+#include "canopus/serve/modbus_server.hpp"
 #include "canopus/serve/plant_runs.hpp"
 #include "canopus/serve/run_control.hpp"
 
@@ -51,6 +52,7 @@ class PlantServers {
 
  private:
   bool open_melsec(std::size_t plc);
+  bool open_modbus(std::size_t plc);
   bool open_control();
   bool open_socketcand(std::size_t bus);
   bool opened(const std::expected<void, std::string>& result, std::string_view protocol, std::string_view of,
@@ -66,6 +68,7 @@ class PlantServers {
   std::vector<std::unique_ptr<serve::ClientPorts>> client_ports_;  // outlive the servers
   std::vector<std::unique_ptr<link::SocketcandServer>> socketcand_;
   std::vector<std::unique_ptr<serve::MelsecServer>> melsec_;
+  std::vector<std::unique_ptr<serve::ModbusServer>> modbus_;
   std::optional<serve::ControlServer> control_;
 };
 

@@ -79,7 +79,8 @@ void add_run_command(CLI::App& app, int& exit_code) {
       "Exit codes: 0 ended as asked, 1 could not start, could not write a file or the output, or an error "
       "in\n"
       "Canopus stopped a part of the plant, 2 wrong plant file or usage, 3 not operational as expected.\n"
-      "Each MC protocol port takes 16 connections (the one that is silent longest gives way after 10 s), "
+      "Each MC protocol or Modbus port takes 16 connections (the one that is silent longest gives way after "
+      "10 s), "
       "waits 5 s\n"
       "for the rest of a request and 30 s for replies that a client does not take; docs/mc-protocol.md.\n"
       "Example: canopus run plant.toml --virtual --expect-operational=30s");

@@ -43,7 +43,7 @@ Outcome1e verdict(const FieldReader& data) {
 }  // namespace
 
 const Rules1e& rules_1e_of(const CpuModel& model) noexcept {
-  return model.name.starts_with("FX3") ? rules_1e_fx3 : rules_1e_q;
+  return model.family == CpuFamily::fx3 ? rules_1e_fx3 : rules_1e_q;
 }
 
 void Commands1e::refuse(std::uint8_t subheader, Outcome1e outcome, FieldWriter& out) {

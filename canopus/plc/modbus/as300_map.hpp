@@ -1,0 +1,32 @@
+#pragma once
+// The address map of Delta's AS300 PLCs: each device has fixed Modbus addresses. Rows of devices that a CPU does not have are
+// left out.
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "canopus/plc/modbus/settings.hpp"
+
+namespace canopus::plc::modbus {
+
+/// A run of points of one device. Words of X and Y have addresses of their own beside the bits.
+struct DeviceAddresses {
+  std::string_view device;  ///< as the AS300 calls it
+  bool words = false;       ///< registers, else single bits
+  std::uint16_t first = 0;  ///< Modbus address of point 0
+  std::uint16_t count = 0;  ///< addresses
+  bool inputs = false;      ///< read by functions 2 and 4, too, and not written
+};
+
+/// [AS series hardware and operation manual, appendix B]
+[[nodiscard]] std::span<const DeviceAddresses> as300_addresses() noexcept;
+
+/// The map of all devices that `model` has, with at most as many points as it has. Coils and discrete inputs are
+/// the same addresses (functions 1 and 2 read X, Y, M, SM, S, T, C, HC); input registers are X.
+[[nodiscard]] Map as300_map(const CpuModel& model);
+
+/// 100 words and 1600 bits a request; no functions 22 and 43.
+[[nodiscard]] Limits as300_limits() noexcept;
+
+}  // namespace canopus::plc::modbus

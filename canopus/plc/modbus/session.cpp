@@ -1,0 +1,68 @@
+#include "canopus/plc/modbus/session.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace canopus::plc::modbus {
+
+namespace {
+
+constexpr std::size_t fixed_size = 6;  // of the header, up to its length field
+constexpr std::size_t unit_at = 6;
+/// These two mean whoever has the port. [Modbus Messaging on TCP/IP V1.0b 4.4.2.1]
+constexpr std::uint8_t unit_none = 0xFF;
+constexpr std::uint8_t unit_broadcast = 0x00;
+
+unsigned u16(std::span<const std::uint8_t> bytes, std::size_t at) {
+  return static_cast<unsigned>(bytes[at]) << 8U | bytes[at + 1];
+}
+
+}  // namespace
+
+std::size_t Session::process(can::Time now) {
+  std::size_t answered = 0;
+  std::size_t used = 0;
+  while (!over_ && input_size_ - used >= fixed_size && output_capacity - output_size_ >= maximum_frame) {
+    const auto waiting = std::span<const std::uint8_t>(input_).subspan(used, input_size_ - used);
+    const unsigned protocol = u16(waiting, 2);
+    const std::size_t length = u16(waiting, 4);
+    if (protocol != 0 || length < 2 || length > 1 + maximum_pdu) {
+      over_ = true;
+      break;
+    }
+    if (waiting.size() < fixed_size + length) break;
+    answer(waiting.first(fixed_size + length), now);
+    ++answered;
+    used += fixed_size + length;
+  }
+  if (over_) used = input_size_;
+  if (used != 0) std::memmove(input_.data(), input_.data() + used, input_size_ - used);
+  input_size_ -= used;
+  return answered;
+}
+
+void Session::answer(std::span<const std::uint8_t> frame, can::Time now) {
+  const std::span<std::uint8_t> out = std::span(output_).subspan(output_size_, maximum_frame);
+  std::ranges::copy(frame.first(header_size), out.begin());
+  const auto pdu = out.subspan<header_size, maximum_pdu>();
+  const std::uint8_t unit = frame[unit_at];
+  std::size_t size = 2;
+  if (settings_.unit && unit != *settings_.unit && unit != unit_none && unit != unit_broadcast) {
+    pdu[0] = static_cast<std::uint8_t>(frame[header_size] | 0x80U);
+    pdu[1] = static_cast<std::uint8_t>(Exception::target_failed_to_respond);
+  } else {
+    size = functions_.execute(frame.subspan(header_size), pdu, permission_, now);
+  }
+  out[4] = static_cast<std::uint8_t>((size + 1) >> 8U);
+  out[5] = static_cast<std::uint8_t>(size + 1);
+  output_size_ += header_size + size;
+}
+
+void Session::sent(std::size_t count) noexcept {
+  output_sent_ += count;
+  if (output_sent_ != output_size_) return;
+  output_sent_ = 0;
+  output_size_ = 0;
+}
+
+}  // namespace canopus::plc::modbus

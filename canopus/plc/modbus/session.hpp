@@ -1,0 +1,63 @@
+#pragma once
+// One client's conversation in Modbus TCP: bytes in, bytes out. No socket, no clock, no thread; memory is fixed
+// when it begins and nothing is allocated afterwards.
+//
+//   transaction 2 | protocol 2 (0) | length 2, of what follows | unit identifier 1 | function 1 | data
+//
+// All numbers high byte first; the reply carries the request's transaction and unit. Requests may be sent one behind
+// the other, the replies come in order. A header that is none makes the rest of the stream unreadable: the
+// session is over() then. [Modbus Messaging on TCP/IP V1.0b 3.1]
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "canopus/plc/modbus/functions.hpp"
+
+namespace canopus::plc::modbus {
+
+class Session {
+ public:
+  /// Both must outlive the session. `permission`: of this client.
+  Session(Rack& rack, const Settings& settings, WritePermission permission) noexcept
+      : settings_(settings), permission_(permission), functions_(rack, settings) {}
+
+  /// Where the next bytes go; never empty after process() unless output() is waiting to be sent.
+  [[nodiscard]] std::span<std::uint8_t> space() noexcept { return std::span(input_).subspan(input_size_); }
+  void received(std::size_t count) noexcept { input_size_ += count; }
+
+  /// Answers complete requests, in order, while output has room. Returns how many it answered.
+  std::size_t process(can::Time now);
+
+  [[nodiscard]] std::span<const std::uint8_t> output() const noexcept {
+    return std::span(output_).subspan(output_sent_, output_size_ - output_sent_);
+  }
+  void sent(std::size_t count) noexcept;
+
+  /// The stream cannot be read any further.
+  [[nodiscard]] bool over() const noexcept { return over_; }
+  /// A request has begun but is not complete.
+  [[nodiscard]] bool half_request() const noexcept { return input_size_ != 0 && !over_; }
+
+ private:
+  static constexpr std::size_t header_size = 7;  // with the unit identifier
+  static constexpr std::size_t maximum_frame = header_size + maximum_pdu;
+  static constexpr std::size_t input_capacity = 16 * maximum_frame;
+  static constexpr std::size_t output_capacity = 64 * maximum_frame;
+
+  /// `frame`: a whole request. The reply goes behind what is in output_.
+  void answer(std::span<const std::uint8_t> frame, can::Time now);
+
+  const Settings& settings_;
+  WritePermission permission_;
+  Functions functions_;
+  bool over_ = false;
+  std::size_t input_size_ = 0;
+  std::size_t output_size_ = 0;
+  std::size_t output_sent_ = 0;
+  std::array<std::uint8_t, input_capacity> input_{};
+  std::array<std::uint8_t, output_capacity> output_{};
+};
+
+}  // namespace canopus::plc::modbus
