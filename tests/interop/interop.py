@@ -20,6 +20,7 @@ import docs_checks  # noqa: F401
 import module_checks  # noqa: F401
 import output_checks  # noqa: F401
 import plc_checks  # noqa: F401
+import port_checks  # noqa: F401
 import real_time_checks  # noqa: F401
 import screen_checks  # noqa: F401
 import step_checks  # noqa: F401
