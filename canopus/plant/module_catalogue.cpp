@@ -34,9 +34,8 @@ const std::array catalogue = std::to_array<CatalogueEntry>({
     {&module::me3can1_q::data_sheet, module::me3can1_q::object_dictionary,
      module::ModuleSettings::stored_names, make<module::me3can1_q::Me3can1Q>,
      module::me3can1_q::buffer_table},
-    {&module::rj71cn91::data_sheet, module::rj71cn91::object_dictionary,
-     module::ModuleSettings::stored_names, make<module::rj71cn91::Rj71cn91>,
-     module::rj71cn91::buffer_table},
+    {&module::rj71cn91::data_sheet, module::rj71cn91::object_dictionary, module::ModuleSettings::stored_names,
+     make<module::rj71cn91::Rj71cn91>, module::rj71cn91::buffer_table},
 });
 
 bool same_letter(char a, char b) {
