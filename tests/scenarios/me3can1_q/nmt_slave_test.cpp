@@ -206,7 +206,7 @@ TEST_P(NmtSlave, LifeGuarding_HeardAgain_AndY10) {
 
 // What is not stored is lost by a reset: nobody is watched any more, and no failure is left.
 TEST_P(NmtSlave, Resets_EndTheErrorControl) {
-  spec("ME3-NMT-006 ME3-NMT-007 ME3-NEC-002", "RJ71-NMT-012");
+  spec("ME3-NMT-006 ME3-NMT-007 ME3-NEC-002", "");
   for (const std::uint8_t command : Bytes{0x81, 0x82}) {
     IntelligentScenario s(GetParam());
     s.power_on_as(1);
