@@ -42,7 +42,7 @@ enum class EndCode1e : std::uint8_t {
   cpu_refuses = 0x5B,  ///< an abnormal code says why
 };
 
-/// Behind end code 5BH. [FX3U-ENET 11.4.3]
+/// Behind end code 5BH. 12H is not confirmed by a manual at hand.
 enum class AbnormalCode : std::uint8_t {
   none = 0x00,
   pc_number = 0x10,

@@ -19,7 +19,7 @@ struct DeviceAddresses {
   bool inputs = false;      ///< read by functions 2 and 4, too, and not written
 };
 
-/// [AS series hardware and operation manual, appendix B]
+/// The addresses are not confirmed by a manual at hand.
 [[nodiscard]] std::span<const DeviceAddresses> as300_addresses() noexcept;
 
 /// The map of all devices that `model` has, with at most as many points as it has. Coils and discrete inputs are
