@@ -71,7 +71,7 @@ void print_text(const DataSheet& sheet, std::optional<std::uint32_t> writes, Out
   out.line("");
   out.line("Longest bus");
   for (const auto& length : sheet.bus_lengths) {
-    out.line("  {:>4} kbps {:>5}", length.kbps,
+    out.line("  {:>4} kbps {:>7}", length.kbps,
              length.metres == 0 ? "-" : fmt::format("{} m", length.metres));
   }
   if (sheet.modules_per_cpu.empty()) return;
