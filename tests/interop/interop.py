@@ -309,6 +309,10 @@ def first_mapped_object(path):
 
 
 def main():
+    # A shell ignores them for what it starts in the background, and who is started here would inherit that.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    for number in (signal.SIGQUIT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_DFL)
     suite = ET.Element("testsuite", name="interop")
     failed = 0
     for function in checks:
