@@ -14,7 +14,7 @@
 
 #include "canopus/link/socketcand_server.hpp"
 #include "canopus/link/socketcand_session.hpp"
-#include "canopus/link/spare_descriptor.hpp"
+#include "canopus/link/tcp_port.hpp"
 
 namespace canopus::link {
 
@@ -29,14 +29,10 @@ struct SocketcandServer::Shared : std::enable_shared_from_this<Shared> {
         clock(loop),
         limits(std::move(given)),
         report(std::move(to_report)),
-        acceptor(context),
-        pause(context) {}
+        port(context) {}
 
-  void accept();
   void admit(boost::asio::ip::tcp::socket socket);
   void refuse(boost::asio::ip::tcp::socket& socket, std::string_view answer, std::string_view why) const;
-  /// Turns the next client away, which no descriptor is left for. False when none could be taken.
-  bool refuse_for_want_of_descriptors();
   void remove(const Client* client);
 
   boost::asio::io_context& io;
@@ -46,9 +42,7 @@ struct SocketcandServer::Shared : std::enable_shared_from_this<Shared> {
   LoopClock& clock;
   SocketcandLimits limits;
   ClientReport report;
-  boost::asio::ip::tcp::acceptor acceptor;
-  SpareDescriptor spare;
-  boost::asio::steady_timer pause;
+  TcpPort port;
   std::vector<std::shared_ptr<Client>> clients;
   SocketcandStatistics statistics;
 };

@@ -31,23 +31,6 @@ void keep_little(tcp::acceptor& acceptor) {
 
 }  // namespace
 
-void SocketcandServer::Shared::accept() {
-  acceptor.async_accept([self = shared_from_this()](const error_code& failure, tcp::socket socket) {
-    if (!self->acceptor.is_open()) return;
-    if (!failure) {
-      self->admit(std::move(socket));
-      return self->accept();
-    }
-    if (failure == asio::error::no_descriptors && self->refuse_for_want_of_descriptors())
-      return self->accept();
-    // Trying again at once would only burn the processor.
-    self->pause.expires_after(std::chrono::milliseconds(100));
-    self->pause.async_wait([self](const error_code&) {
-      if (self->acceptor.is_open()) self->accept();
-    });
-  });
-}
-
 void SocketcandServer::Shared::admit(tcp::socket socket) {
   ++statistics.connections;
   error_code ignored;
@@ -66,12 +49,6 @@ void SocketcandServer::Shared::admit(tcp::socket socket) {
   clients.push_back(client);
   client->start();
   clock.touched();
-}
-
-bool SocketcandServer::Shared::refuse_for_want_of_descriptors() {
-  return spare.refuse_next(acceptor, [this](tcp::socket& socket) {
-    refuse(socket, "< error too many open files >", no_descriptor_left);
-  });
 }
 
 void SocketcandServer::Shared::refuse(tcp::socket& socket, std::string_view answer,
@@ -96,29 +73,19 @@ SocketcandServer::SocketcandServer(asio::io_context& io, const tcp::endpoint& en
 SocketcandServer::~SocketcandServer() { close(); }
 
 std::expected<void, std::string> SocketcandServer::listen() {
-  tcp::acceptor& acceptor = shared_->acceptor;
-  error_code failure;
-  acceptor.open(shared_->endpoint.protocol(), failure);
-  if (!failure) acceptor.set_option(tcp::acceptor::reuse_address(true), failure);
-  if (!failure) keep_little(acceptor);
-  if (!failure) acceptor.bind(shared_->endpoint, failure);
-  if (!failure) acceptor.listen(tcp::acceptor::max_listen_connections, failure);
-  if (!failure) acceptor.non_blocking(true, failure);
-  if (failure) {
-    error_code ignored;
-    acceptor.close(ignored);
-    return std::unexpected("cannot listen on " + shared_->endpoint.address().to_string() + ':' +
-                           std::to_string(shared_->endpoint.port()) + ": " + failure.message());
-  }
-  shared_->accept();
-  return {};
+  TcpPort::Users users{.admit = [shared = shared_](tcp::socket socket) { shared->admit(std::move(socket)); },
+                       .refuse =
+                           [shared = shared_](tcp::socket& socket) {
+                             shared->refuse(socket, "< error too many open files >",
+                                            TcpPort::no_descriptor_left);
+                           }};
+  const error_code failure = shared_->port.listen(shared_->endpoint, std::move(users), keep_little);
+  if (!failure) return {};
+  return std::unexpected("cannot listen on " + shared_->endpoint.address().to_string() + ':' +
+                         std::to_string(shared_->endpoint.port()) + ": " + failure.message());
 }
 
-std::uint16_t SocketcandServer::port() const noexcept {
-  error_code failure;
-  const auto local = shared_->acceptor.local_endpoint(failure);
-  return failure ? std::uint16_t{0} : local.port();
-}
+std::uint16_t SocketcandServer::port() const noexcept { return shared_->port.port(); }
 
 SocketcandStatistics SocketcandServer::statistics() const noexcept {
   SocketcandStatistics statistics = shared_->statistics;
@@ -133,9 +100,7 @@ std::size_t SocketcandServer::waiting_messages() const noexcept {
 }
 
 void SocketcandServer::close() {
-  error_code ignored;
-  shared_->acceptor.close(ignored);
-  shared_->pause.cancel();
+  shared_->port.close();
   const auto clients = shared_->clients;  // leave() takes each off the list
   for (const auto& client : clients) client->leave();
 }

@@ -41,8 +41,4 @@ class SpareDescriptor {
   int file_ = -1;
 };
 
-/// Why a client is turned away then.
-inline constexpr const char* no_descriptor_left =
-    "was refused: the process has no file descriptor left (ulimit -n)";
-
 }  // namespace canopus::link

@@ -8,8 +8,10 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
+
+#include "canopus/link/tcp_port.hpp"
+#include "canopus/serve/connection_timer.hpp"
 
 namespace canopus::serve {
 
@@ -18,7 +20,7 @@ using asio::ip::tcp;
 using boost::system::error_code;
 using WallClock = std::chrono::steady_clock;
 
-struct ControlServer::Parts : std::enable_shared_from_this<Parts> {
+struct ControlServer::Parts {
   Parts(asio::io_context& io, link::LoopClock& the_clock, Answer the_answer, ControlServerOptions the_options,
         link::ClientReport the_report)
       : context(io),
@@ -26,10 +28,8 @@ struct ControlServer::Parts : std::enable_shared_from_this<Parts> {
         answer(std::move(the_answer)),
         options(std::move(the_options)),
         report(std::move(the_report)),
-        acceptor(io),
-        accept_pause(io) {}
+        port(io) {}
 
-  void accept();
   void admit(tcp::socket socket);
   [[nodiscard]] bool make_room(const std::string& newcomer);
   void remove(const Connection& connection);
@@ -42,8 +42,7 @@ struct ControlServer::Parts : std::enable_shared_from_this<Parts> {
   Answer answer;
   ControlServerOptions options;
   link::ClientReport report;
-  tcp::acceptor acceptor;
-  asio::steady_timer accept_pause;
+  link::TcpPort port;
   std::vector<std::shared_ptr<Connection>> connections;
 };
 
@@ -77,7 +76,7 @@ class ControlServer::Connection : public std::enable_shared_from_this<Connection
     error_code ignored;
     socket_.shutdown(tcp::socket::shutdown_both, ignored);
     socket_.close(ignored);
-    timer_.cancel(ignored);
+    timer_.stop();
   }
 
  private:
@@ -122,13 +121,13 @@ class ControlServer::Connection : public std::enable_shared_from_this<Connection
     }
     if (end == std::string::npos) {
       if (input_.empty()) {
-        stop_timer();
-      } else if (!timed_) {
+        timer_.stop();
+      } else if (!timer_.is_set()) {
         set_timer(parts_->options.half_line_timeout, "left a request incomplete");
       }
       return receive();
     }
-    stop_timer();
+    timer_.stop();
     (void)parts_->clock.now();
     if (parts_ == nullptr) return;  // the run ended on the way there
     const std::string line = input_.substr(0, end);
@@ -159,7 +158,7 @@ class ControlServer::Connection : public std::enable_shared_from_this<Connection
                       [self = shared_from_this()](error_code error, std::size_t) {
                         if (self->parts_ == nullptr) return;
                         if (error || self->state_ == State::ends) return self->end();
-                        self->stop_timer();
+                        self->timer_.stop();
                         self->state_ = State::reads;
                         self->work();
                       });
@@ -170,21 +169,9 @@ class ControlServer::Connection : public std::enable_shared_from_this<Connection
   }
 
   void set_timer(std::chrono::milliseconds timeout, const char* reason) {
-    timed_ = true;
-    const std::uint64_t turn = ++timer_turn_;
-    timer_.expires_after(timeout);
-    timer_.async_wait([self = shared_from_this(), turn, reason](error_code error) {
-      // A timer that was set again after it had expired is not meant any more.
-      if (error || self->parts_ == nullptr || turn != self->timer_turn_) return;
-      self->end(reason);
+    timer_.set(timeout, [self = shared_from_this(), reason] {
+      if (self->parts_ != nullptr) self->end(reason);
     });
-  }
-
-  void stop_timer() {
-    if (!std::exchange(timed_, false)) return;
-    ++timer_turn_;
-    error_code ignored;
-    timer_.cancel(ignored);
   }
 
   /// `reason`: what the client did, when it was not its client that ended the connection.
@@ -199,9 +186,7 @@ class ControlServer::Connection : public std::enable_shared_from_this<Connection
   tcp::socket socket_;
   std::string name_;
   WallClock::time_point heard_at_ = WallClock::now();
-  asio::steady_timer timer_;
-  bool timed_ = false;
-  std::uint64_t timer_turn_ = 0;
+  ConnectionTimer timer_;
   std::array<char, 1024> buffer_{};
   std::string input_;
   std::string output_;
@@ -209,22 +194,6 @@ class ControlServer::Connection : public std::enable_shared_from_this<Connection
   bool receiving_ = false;
   CallOff call_off_;
 };
-
-void ControlServer::Parts::accept() {
-  acceptor.async_accept([this, self = shared_from_this()](error_code error, tcp::socket socket) {
-    if (error == asio::error::operation_aborted || !acceptor.is_open()) return;
-    if (error) {
-      // Out of file descriptors or the like: the port stays open for later.
-      accept_pause.expires_after(std::chrono::milliseconds(100));
-      accept_pause.async_wait([this, self](error_code stopped) {
-        if (!stopped && acceptor.is_open()) accept();
-      });
-      return;
-    }
-    admit(std::move(socket));
-    accept();
-  });
-}
 
 void ControlServer::Parts::admit(tcp::socket socket) {
   const std::string name = link::name_of_peer(socket);
@@ -266,41 +235,21 @@ ControlServer::ControlServer(asio::io_context& context, link::LoopClock& clock, 
 ControlServer::~ControlServer() { stop(); }
 
 std::expected<void, std::string> ControlServer::listen(const std::string& host, std::uint16_t port) {
-  const auto failed = [&](const error_code& error) {
-    error_code ignored;
-    parts_->acceptor.close(ignored);
-    return std::unexpected(host + ":" + std::to_string(port) + ": " + error.message());
-  };
-  error_code error;
-  tcp::resolver resolver(parts_->context);
-  const auto found = resolver.resolve(host, std::to_string(port),
-                                      tcp::resolver::passive | tcp::resolver::numeric_service, error);
-  if (error) return failed(error);
-  const tcp::endpoint endpoint = found.begin()->endpoint();
-  tcp::acceptor& acceptor = parts_->acceptor;
-  acceptor.open(endpoint.protocol(), error);
-  if (error) return failed(error);
-  acceptor.set_option(tcp::acceptor::reuse_address(true), error);
-  acceptor.bind(endpoint, error);
-  if (error) return failed(error);
-  acceptor.listen(asio::socket_base::max_listen_connections, error);
-  if (error) return failed(error);
-  parts_->accept();
-  return {};
+  return parts_->port.listen(
+      host, port,
+      {.admit = [parts = parts_](tcp::socket socket) { parts->admit(std::move(socket)); },
+       .refuse =
+           [parts = parts_](tcp::socket& socket) {
+             parts->say(link::name_of_peer(socket), link::TcpPort::no_descriptor_left);
+           }});
 }
 
-std::uint16_t ControlServer::port() const noexcept {
-  error_code error;
-  const tcp::endpoint endpoint = parts_->acceptor.local_endpoint(error);
-  return error ? std::uint16_t{0} : endpoint.port();
-}
+std::uint16_t ControlServer::port() const noexcept { return parts_->port.port(); }
 
 std::size_t ControlServer::clients() const noexcept { return parts_->connections.size(); }
 
 void ControlServer::stop() noexcept {
-  error_code ignored;
-  parts_->acceptor.close(ignored);
-  parts_->accept_pause.cancel(ignored);
+  parts_->port.close();
   for (const auto& connection : parts_->connections) connection->close();
   parts_->connections.clear();
 }

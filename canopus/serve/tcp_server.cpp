@@ -8,11 +8,11 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 
-#include "canopus/link/spare_descriptor.hpp"
+#include "canopus/link/tcp_port.hpp"
+#include "canopus/serve/connection_timer.hpp"
 
 namespace canopus::serve {
 
@@ -30,7 +30,7 @@ struct CoarseClock {
   }
 };
 
-struct TcpServer::Parts : std::enable_shared_from_this<Parts> {
+struct TcpServer::Parts {
   Parts(asio::io_context& io, link::LoopClock& the_clock, std::string the_protocol, MakeConversation the_make,
         TcpServerOptions the_options, link::ClientReport the_report)
       : context(io),
@@ -39,10 +39,8 @@ struct TcpServer::Parts : std::enable_shared_from_this<Parts> {
         make(std::move(the_make)),
         options(std::move(the_options)),
         report(std::move(the_report)),
-        acceptor(io),
-        accept_pause(io) {}
+        port(io) {}
 
-  void accept();
   void admit(tcp::socket socket);
   [[nodiscard]] bool make_room(const std::string& newcomer);
   void remove(const Connection& connection);
@@ -56,9 +54,7 @@ struct TcpServer::Parts : std::enable_shared_from_this<Parts> {
   MakeConversation make;
   TcpServerOptions options;
   link::ClientReport report;
-  tcp::acceptor acceptor;
-  link::SpareDescriptor spare;
-  asio::steady_timer accept_pause;
+  link::TcpPort port;
   std::vector<std::shared_ptr<Connection>> connections;
   std::uint64_t requests = 0;
   std::uint64_t heard = 0;  // messages from clients and connections, so far
@@ -94,7 +90,7 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection> {
     error_code ignored;
     socket_.shutdown(tcp::socket::shutdown_both, ignored);
     socket_.close(ignored);
-    timer_.cancel(ignored);
+    timer_.stop();
   }
 
  private:
@@ -171,33 +167,22 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection> {
     socket_.async_wait(tcp::socket::wait_write, [self = shared_from_this()](error_code error) {
       if (self->parts_ == nullptr) return;
       if (error) return self->end();
-      self->stop_timer();
+      self->timer_.stop();
       if (self->send()) self->work();
     });
   }
 
   /// A request that has begun has its time; one that is answered gives the next its own.
   void watch_request(bool progress) {
-    if (!session_->half_request()) return stop_timer();
-    if (progress || !timed_) set_timer(parts_->options.half_request_timeout, "left a request incomplete");
+    if (!session_->half_request()) return timer_.stop();
+    if (progress || !timer_.is_set())
+      set_timer(parts_->options.half_request_timeout, "left a request incomplete");
   }
 
   void set_timer(std::chrono::milliseconds timeout, const char* reason) {
-    timed_ = true;
-    const std::uint64_t turn = ++timer_turn_;
-    timer_.expires_after(timeout);
-    timer_.async_wait([self = shared_from_this(), turn, reason](error_code error) {
-      // A timer that was set again after it had expired is not meant any more.
-      if (error || self->parts_ == nullptr || turn != self->timer_turn_) return;
-      self->end(reason);
+    timer_.set(timeout, [self = shared_from_this(), reason] {
+      if (self->parts_ != nullptr) self->end(reason);
     });
-  }
-
-  void stop_timer() {
-    if (!std::exchange(timed_, false)) return;
-    ++timer_turn_;
-    error_code ignored;
-    timer_.cancel(ignored);
   }
 
   /// `reason`: what the client did, when it was not its client that ended the connection.
@@ -213,31 +198,9 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection> {
   std::string name_;
   std::uint64_t heard_number_;
   CoarseClock::time_point heard_at_ = CoarseClock::now();
-  asio::steady_timer timer_;
-  bool timed_ = false;
-  std::uint64_t timer_turn_ = 0;
+  ConnectionTimer timer_;
   std::unique_ptr<Conversation> session_;
 };
-
-void TcpServer::Parts::accept() {
-  acceptor.async_accept([this, self = shared_from_this()](error_code error, tcp::socket socket) {
-    if (error == asio::error::operation_aborted || !acceptor.is_open()) return;
-    if (error) {
-      const auto refuse = [this](tcp::socket& turned_away) {
-        say(link::name_of_peer(turned_away), link::no_descriptor_left);
-      };
-      if (error == asio::error::no_descriptors && spare.refuse_next(acceptor, refuse)) return accept();
-      // Trying again at once would only burn the processor; the port stays open for later.
-      accept_pause.expires_after(std::chrono::milliseconds(100));
-      accept_pause.async_wait([this, self](error_code stopped) {
-        if (!stopped && acceptor.is_open()) accept();
-      });
-      return;
-    }
-    admit(std::move(socket));
-    accept();
-  });
-}
 
 void TcpServer::Parts::admit(tcp::socket socket) {
   const std::string name = link::name_of_peer(socket);
@@ -276,45 +239,23 @@ TcpServer::TcpServer(asio::io_context& context, link::LoopClock& clock, std::str
 TcpServer::~TcpServer() { stop(); }
 
 std::expected<void, std::string> TcpServer::listen(const std::string& host, std::uint16_t port) {
-  const auto failed = [&](const error_code& error) {
-    error_code ignored;
-    parts_->acceptor.close(ignored);
-    return std::unexpected(host + ":" + std::to_string(port) + ": " + error.message());
-  };
-  error_code error;
-  tcp::resolver resolver(parts_->context);
-  const auto found = resolver.resolve(host, std::to_string(port),
-                                      tcp::resolver::passive | tcp::resolver::numeric_service, error);
-  if (error) return failed(error);
-  const tcp::endpoint endpoint = found.begin()->endpoint();
-  tcp::acceptor& acceptor = parts_->acceptor;
-  acceptor.open(endpoint.protocol(), error);
-  if (error) return failed(error);
-  acceptor.set_option(tcp::acceptor::reuse_address(true), error);
-  acceptor.bind(endpoint, error);
-  if (error) return failed(error);
-  acceptor.listen(asio::socket_base::max_listen_connections, error);
-  if (error) return failed(error);
-  acceptor.non_blocking(true, error);
-  if (error) return failed(error);
-  parts_->accept();
-  return {};
+  return parts_->port.listen(
+      host, port,
+      {.admit = [parts = parts_](tcp::socket socket) { parts->admit(std::move(socket)); },
+       .refuse =
+           [parts = parts_](tcp::socket& socket) {
+             parts->say(link::name_of_peer(socket), link::TcpPort::no_descriptor_left);
+           }});
 }
 
-std::uint16_t TcpServer::port() const noexcept {
-  error_code error;
-  const tcp::endpoint endpoint = parts_->acceptor.local_endpoint(error);
-  return error ? std::uint16_t{0} : endpoint.port();
-}
+std::uint16_t TcpServer::port() const noexcept { return parts_->port.port(); }
 
 std::size_t TcpServer::clients() const noexcept { return parts_->connections.size(); }
 
 std::uint64_t TcpServer::requests() const noexcept { return parts_->requests; }
 
 void TcpServer::stop() noexcept {
-  error_code ignored;
-  parts_->acceptor.close(ignored);
-  parts_->accept_pause.cancel(ignored);
+  parts_->port.close();
   for (const auto& connection : parts_->connections) connection->close();
   parts_->connections.clear();
 }

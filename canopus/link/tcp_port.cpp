@@ -1,0 +1,94 @@
+#include "canopus/link/tcp_port.hpp"
+
+#include <chrono>
+#include <utility>
+
+#include <boost/asio/steady_timer.hpp>
+
+#include "canopus/link/spare_descriptor.hpp"
+
+namespace canopus::link {
+
+namespace asio = boost::asio;
+using boost::system::error_code;
+
+struct TcpPort::State : std::enable_shared_from_this<State> {
+  explicit State(asio::io_context& context) : acceptor(context), pause(context) {}
+
+  void accept();
+  /// False: none could be taken.
+  bool refuse_next() {
+    return spare.refuse_next(acceptor, [refuse = users.refuse](Socket& socket) { refuse(socket); });
+  }
+
+  Acceptor acceptor;
+  asio::steady_timer pause;
+  SpareDescriptor spare;
+  Users users{};
+};
+
+void TcpPort::State::accept() {
+  acceptor.async_accept([self = shared_from_this()](const error_code& failure, Socket socket) {
+    if (!self->acceptor.is_open()) return;
+    if (!failure) {
+      const auto admit = self->users.admit;  // it may close the port
+      admit(std::move(socket));
+      if (self->acceptor.is_open()) self->accept();
+      return;
+    }
+    if (failure == asio::error::no_descriptors && self->refuse_next()) return self->accept();
+    // Trying again at once would only burn the processor; the port stays open for later.
+    self->pause.expires_after(std::chrono::milliseconds(100));
+    self->pause.async_wait([self](const error_code&) {
+      if (self->acceptor.is_open()) self->accept();
+    });
+  });
+}
+
+TcpPort::TcpPort(asio::io_context& context) : state_(std::make_shared<State>(context)) {}
+
+TcpPort::~TcpPort() { close(); }
+
+error_code TcpPort::listen(const Endpoint& endpoint, Users users, void (*prepare)(Acceptor& acceptor)) {
+  Acceptor& acceptor = state_->acceptor;
+  error_code failure;
+  acceptor.open(endpoint.protocol(), failure);
+  if (!failure) acceptor.set_option(Acceptor::reuse_address(true), failure);
+  if (!failure && prepare != nullptr) prepare(acceptor);
+  if (!failure) acceptor.bind(endpoint, failure);
+  if (!failure) acceptor.listen(asio::socket_base::max_listen_connections, failure);
+  if (!failure) acceptor.non_blocking(true, failure);
+  if (failure) {
+    close();
+    return failure;
+  }
+  state_->users = std::move(users);
+  state_->accept();
+  return {};
+}
+
+std::expected<void, std::string> TcpPort::listen(const std::string& host, std::uint16_t port, Users users) {
+  using asio::ip::tcp;
+  error_code error;
+  tcp::resolver resolver(state_->acceptor.get_executor());
+  const auto found = resolver.resolve(host, std::to_string(port),
+                                      tcp::resolver::passive | tcp::resolver::numeric_service, error);
+  if (!error) error = listen(found.begin()->endpoint(), std::move(users));
+  if (error) return std::unexpected(host + ":" + std::to_string(port) + ": " + error.message());
+  return {};
+}
+
+std::uint16_t TcpPort::port() const noexcept {
+  error_code failure;
+  const Endpoint local = state_->acceptor.local_endpoint(failure);
+  return failure ? std::uint16_t{0} : local.port();
+}
+
+void TcpPort::close() noexcept {
+  error_code ignored;
+  state_->acceptor.close(ignored);
+  state_->pause.cancel(ignored);
+  state_->users = {};
+}
+
+}  // namespace canopus::link
