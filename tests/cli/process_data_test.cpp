@@ -273,7 +273,8 @@ TEST_F(ProcessDataTest, AModuleIsShownAsAProgramSeesIt_WithoutTheBuiltInPrograms
   EXPECT_GT(exchanges, 0U);
   const auto error_leds = [&] {
     std::vector<std::string_view> lit;
-    for (const module::Led& led : plant_->modules()[0].leds) {
+    const plant::ModuleStatus module = plant_->modules().at(0);
+    for (const module::Led& led : module.leds) {
       if (led.error && led.pattern != module::LedPattern::off) lit.push_back(led.name);
     }
     return lit;
