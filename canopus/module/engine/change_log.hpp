@@ -1,0 +1,20 @@
+#pragma once
+
+#include "canopus/module/engine/module_parts.hpp"
+
+namespace canopus::module {
+
+/// Brings into the event history, and to the module errors, what nobody reports: it is seen from one event to the next.
+class ChangeLog {
+ public:
+  explicit ChangeLog(ModuleParts& parts) : parts_(parts) {}
+  /// After every event.
+  void look(can::Time now);
+
+ private:
+  ModuleParts& parts_;
+  bool online_ = false;  // as logged last
+  bool active_ = false;
+};
+
+}  // namespace canopus::module

@@ -1,0 +1,42 @@
+#include "canopus/module/engine/command_bus.hpp"
+
+#include "canopus/module/engine/module_parts.hpp"
+
+namespace canopus::module {
+
+std::uint8_t CommandBus::own_node_id() const { return parts_.node.node_id(); }
+
+canopen::ObjectDictionary& CommandBus::dictionary() { return parts_.node.dictionary(); }
+
+can::Duration CommandBus::sdo_time_out() const { return parts_.network_settings.sdo_time_out(); }
+
+bool CommandBus::sdo_channel_free(std::uint8_t node_id) const {
+  return !parts_.master.sdo_channel_busy(node_id);
+}
+
+void CommandBus::command_finished(can::Time now) { parts_.port->done(Request::command, now); }
+
+std::uint16_t CommandBus::bus_obstacle() const {
+  if (parts_.controller.error_state() == can::ErrorState::bus_off) return command_error::bus_off;
+  if (!parts_.state.canopen_mode())
+    return parts_.layer2.online() ? std::uint16_t{0} : command_error::wrong_state;
+  const canopen::NmtState state = parts_.node.state();
+  const bool usable = state == canopen::NmtState::pre_operational || state == canopen::NmtState::operational;
+  return usable ? std::uint16_t{0} : command_error::wrong_state;
+}
+
+CommandHost::EmergencyAnswer CommandBus::send_emergency(std::uint16_t code, std::uint8_t error_register,
+                                                        std::span<const std::uint8_t, 5> manufacturer,
+                                                        can::Time now) {
+  if (bus_obstacle() != 0) return EmergencyAnswer::wrong_state;
+  if (!parts_.node.emergency(code, error_register, manufacturer, now)) return EmergencyAnswer::inhibited;
+  parts_.diagnostics.log(ModuleEvent::emergency_sent, now);
+  return EmergencyAnswer::sent;
+}
+
+CommandHost::FrameAnswer CommandBus::send_plain_frame(std::span<const std::uint16_t> parameters,
+                                                      std::span<std::uint16_t> faults) {
+  return parts_.layer2.send(parameters, faults);
+}
+
+}  // namespace canopus::module

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "canopus/module/areas/command_interface.hpp"
+
+namespace canopus::module {
+
+struct ModuleParts;
+
+/// What the commands of the command interface need of the module, and send.
+class CommandBus final : public CommandHost {
+ public:
+  /// `parts` may be under construction.
+  explicit CommandBus(ModuleParts& parts) : parts_(parts) {}
+  CommandBus(const CommandBus&) = delete;
+  CommandBus& operator=(const CommandBus&) = delete;
+
+ private:
+  // CommandHost
+  std::uint16_t bus_obstacle() const override;
+  std::uint8_t own_node_id() const override;
+  canopen::ObjectDictionary& dictionary() override;
+  can::Duration sdo_time_out() const override;
+  bool sdo_channel_free(std::uint8_t node_id) const override;
+  EmergencyAnswer send_emergency(std::uint16_t code, std::uint8_t error_register,
+                                 std::span<const std::uint8_t, 5> manufacturer, can::Time now) override;
+  FrameAnswer send_plain_frame(std::span<const std::uint16_t> parameters,
+                               std::span<std::uint16_t> faults) override;
+  void command_finished(can::Time now) override;
+
+  ModuleParts& parts_;
+};
+
+}  // namespace canopus::module

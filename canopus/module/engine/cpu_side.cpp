@@ -1,0 +1,83 @@
+#include "canopus/module/engine/cpu_side.hpp"
+
+#include <utility>
+
+namespace canopus::module {
+
+namespace {
+
+// 1029H:01.
+constexpr std::uint8_t no_change_on_error = 1;
+constexpr std::uint8_t stopped_on_error = 2;
+
+}  // namespace
+
+void CpuSide::changed(CpuState state, can::Time now) {
+  const CpuState before = std::exchange(parts_.state.cpu, state);
+  const bool failed = std::exchange(failed_, false);
+  if (!parts_.state.running()) return;
+  const bool stopped = before == CpuState::run && state == CpuState::stop;
+  if (!parts_.state.canopen_mode()) {
+    if (stopped) parts_.layer2.cpu_stopped();
+  } else if (stopped) {
+    // One error, one message: a CPU error's STOP is not reported as RUN to STOP besides [ME3CAN1-Q 8.2.2].
+    const EmergencyRows& rows = parts_.model.emergencies;
+    enter_stop(failed ? rows.cpu_error : rows.cpu_stopped, now);
+  } else if (before == CpuState::stop && state == CpuState::run) {
+    enter_run(now);
+  }
+}
+
+void CpuSide::failed(can::Time /*now*/) {
+  failed_ = parts_.state.cpu == CpuState::run;
+  if (failed_ || !parts_.state.running() || !parts_.state.canopen_mode()) return;
+  parts_.own_emergencies.raise(parts_.model.emergencies.cpu_error);  // it was in STOP already
+}
+
+void CpuSide::node_starts(can::Time now) {
+  const bool stopped = parts_.state.cpu == CpuState::stop;
+  const bool has_no_role = stopped && parts_.model.cpu.stop_ends_master && parts_.is_master_by_role();
+  stop_is_due_ = stopped && parts_.model.cpu.stop_at_start_counts;
+  parts_.node.pause_heartbeat(has_no_role, now);
+  if (!has_no_role) parts_.master.start(now);
+}
+
+void CpuSide::enter_due_stop(can::Time now) {
+  if (stop_is_due_) enter_stop(parts_.model.emergencies.cpu_stopped, now);
+}
+
+bool CpuSide::lets_operate() const {
+  return parts_.state.cpu == CpuState::run ||
+         parts_.node.dictionary().get<std::uint8_t>(0x1029, 1) == no_change_on_error;
+}
+
+void CpuSide::enter_stop(const EmergencyRow& row, can::Time now) {
+  stop_is_due_ = false;
+  canopen::Node& node = parts_.node;
+  parts_.own_emergencies.raise(row);
+  parts_.own_emergencies.send(now);  // before the state in which there are none
+  if (parts_.model.cpu.stop_ends_master && parts_.is_master_by_role()) {
+    parts_.master.stop(now);
+    node.pause_heartbeat(true, now);
+  }
+  // [ME3CAN1-Q 4.7] 1 means no change on communication errors, yet STOP still leads to Pre-operational.
+  const auto behaviour = node.dictionary().get<std::uint8_t>(0x1029, 1);
+  if (behaviour == stopped_on_error) {
+    node.command(canopen::NmtCommand::stop, now);
+  } else if (node.state() == canopen::NmtState::operational) {
+    node.command(canopen::NmtCommand::enter_pre_operational, now);
+  }
+}
+
+void CpuSide::enter_run(can::Time now) {
+  stop_is_due_ = false;
+  if (parts_.model.cpu.run_ends_error) {
+    const EmergencyRow& row = parts_.model.emergencies.cpu_stopped;
+    parts_.node.forget_error(row.code, row.manufacturer, now);
+  }
+  if (!parts_.model.cpu.stop_ends_master || !parts_.is_master_by_role()) return;
+  parts_.node.pause_heartbeat(false, now);
+  if (parts_.node.state() != canopen::NmtState::initialising) parts_.master.start(now);
+}
+
+}  // namespace canopus::module

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "canopus/module/engine/controller_side.hpp"
+
+namespace canopus::module {
+
+/// On the wire and off it, in the Layer 2 modes. What of this a model does are its Layer2Rules.
+class Layer2Bus {
+ public:
+  Layer2Bus(ModuleParts& parts, ControllerSide& controller) : parts_(parts), controller_(controller) {}
+
+  /// Goes online with the settings of the words, if they make sense; else an error says which does not.
+  void go_online(can::Time now);
+  void go_offline(can::Time now);
+  /// Offline: off the wire, once the frame on it is over.
+  void leave_when_silent(can::Time now);
+  void initialization_begins() noexcept { off_wire_at_ = can::never; }
+  /// The settings are in force: on the wire where offline does not mean off it.
+  void initialized();
+  /// When leave_when_silent() is to be called again.
+  [[nodiscard]] can::Time deadline() const noexcept {
+    return parts_.state.running() && !parts_.layer2.uses_bus() ? off_wire_at_ : can::never;
+  }
+
+ private:
+  void join(can::Time now);
+
+  ModuleParts& parts_;
+  ControllerSide& controller_;
+  bool wire_left_ = true;
+  can::Time off_wire_at_ = can::never;  // the last frame is over for certain
+};
+
+}  // namespace canopus::module

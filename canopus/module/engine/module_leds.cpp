@@ -1,0 +1,65 @@
+#include "canopus/module/engine/module_leds.hpp"
+
+namespace canopus::module {
+
+namespace {
+
+// A frame is too short to be seen.
+constexpr can::Duration traffic_afterglow = std::chrono::milliseconds(50);
+
+LedPattern network_state_pattern(const ModuleParts& parts) {
+  if (!parts.state.running()) return LedPattern::off;
+  if (parts.master.lss_active()) return LedPattern::flickering;
+  if (!parts.state.canopen_mode()) return parts.layer2.online() ? LedPattern::on : LedPattern::off;
+  switch (parts.node.state()) {
+    case canopen::NmtState::operational: return LedPattern::on;
+    case canopen::NmtState::pre_operational: return LedPattern::blinking;
+    case canopen::NmtState::stopped: return LedPattern::single_flash;
+    case canopen::NmtState::initialising: break;
+  }
+  return LedPattern::off;
+}
+
+// The most severe cause wins.
+LedPattern network_error_pattern(const ModuleParts& parts) {
+  if (!parts.state.running()) return LedPattern::off;
+  if (parts.errors.has(ModuleError::bus_off)) return LedPattern::on;
+  if (parts.master.lss_active()) return LedPattern::flickering;
+  if (parts.nmt_status.any_failure()) return LedPattern::double_flash;
+  if (error_counter(parts.controller) >= warning_counter) return LedPattern::single_flash;
+  if (parts.errors.any()) return LedPattern::blinking;
+  return LedPattern::off;
+}
+
+}  // namespace
+
+std::vector<Led> leds_of(const ModuleParts& parts, can::Time last_frame, can::Time now) {
+  std::vector<Led> leds;
+  for (const LedRow& row : parts.model.leds) {
+    Led& led = leds.emplace_back(row.name);
+    if (parts.state.phase == ModuleState::Phase::off) continue;
+    const auto light = [&](bool on) { led.pattern = on ? LedPattern::on : LedPattern::off; };
+    switch (row.use) {
+      case LedUse::supply: light(parts.diagnostics.worst() != ErrorClass::major); break;
+      case LedUse::error:
+        light(parts.errors.any() || parts.diagnostics.worst().has_value());
+        if (parts.diagnostics.worst() == ErrorClass::moderate) led.pattern = LedPattern::blinking;
+        if (parts.diagnostics.worst() == ErrorClass::major) led.pattern = LedPattern::off;
+        led.error = true;
+        break;
+      case LedUse::network_state: led.pattern = network_state_pattern(parts); break;
+      case LedUse::traffic:
+        light(parts.state.running() && last_frame != can::Time{} && now - last_frame < traffic_afterglow);
+        break;
+      case LedUse::network_error:
+        led.pattern = network_error_pattern(parts);
+        // Flickers in turn with the one for the state.
+        led.opposite = led.pattern == LedPattern::flickering;
+        led.error = !led.opposite;
+        break;
+    }
+  }
+  return leds;
+}
+
+}  // namespace canopus::module

@@ -1,0 +1,106 @@
+#include "canopus/module/engine/node_events.hpp"
+
+#include <utility>
+
+namespace canopus::module {
+
+NodeEvents::NodeEvents(ModuleParts& parts, CpuSide& cpu) : parts_(parts), cpu_(cpu) {
+  parts_.node.set_listener(this);
+  parts_.node.dictionary().attach(0x0002, 0x0008, *this);
+}
+
+void NodeEvents::reset_requested(canopen::NmtCommand, can::Time now) {
+  parts_.diagnostics.log(ModuleEvent::nmt_reset, now);
+  parts_.status_words.show_nmt_reset(false);
+  parts_.state.nmt_resetting = true;
+  parts_.master.stop(now);
+  // The own node is shown whether it is a master or not [ME3CAN1-Q 4.8.8].
+  parts_.nmt_status.reset();
+  parts_.nmt_status.set_state(parts_.node.node_id(), manager::node_state::reset_communication);
+}
+
+void NodeEvents::defaults_loaded(canopen::NmtCommand, can::Time) {
+  if (parts_.model.node_id_defaults != nullptr)
+    parts_.model.node_id_defaults(parts_.node.dictionary(), parts_.node.node_id());
+}
+
+void NodeEvents::reset_done(canopen::NmtCommand, can::Time now) {
+  if (!parts_.concise_dcfs.load()) parts_.settings.note_error();
+  parts_.time_stamp.show_role();
+  parts_.nmt_status.reset();
+  if (std::exchange(parts_.state.nmt_resetting, false)) parts_.status_words.show_nmt_reset(true);
+  cpu_.node_starts(now);
+}
+
+// The data types 0002H-0008H are there for PDO mapping alone [ME3CAN1-Q 4.5].
+canopen::AbortCode NodeEvents::before_read(canopen::ObjectDictionary&, const canopen::Entry&, can::Time) {
+  return canopen::AbortCode::no_object;
+}
+
+canopen::AbortCode NodeEvents::before_write(canopen::ObjectDictionary&, const canopen::Entry&,
+                                            std::span<const std::uint8_t>, can::Time) {
+  return canopen::AbortCode::no_object;
+}
+
+void NodeEvents::nmt_state_changed(canopen::NmtState state, can::Time now) {
+  parts_.nmt_status.set_state(parts_.node.node_id(), static_cast<std::uint8_t>(state));
+  parts_.diagnostics.log(ModuleEvent::nmt_state, now, static_cast<std::uint8_t>(state));
+  parts_.master.own_state_changed(state, now);
+  if (state == canopen::NmtState::stopped) parts_.command.bus_lost(command_error::wrong_state, now);
+}
+
+void NodeEvents::emergency_received(const canopen::Emergency& message, can::Time now) {
+  parts_.emergencies.record(message);
+  if (!parts_.emergencies.held_clear())
+    parts_.diagnostics.log(ModuleEvent::emergency_received, now, message.node_id);
+  parts_.port->emergency_received(message, now);
+}
+
+// The emergency code says which rule a received frame broke.
+void NodeEvents::emergency_raised(const canopen::Emergency& message, can::Time now) {
+  namespace code = canopen::emcy_code;
+  if (message.code == code::pdo_too_short || message.code == code::pdo_too_long) {
+    parts_.diagnostics.raise(Diagnosis::rpdo_length, now, {message.manufacturer[0], message.code});
+  } else if (message.code == code::protocol_error) {
+    parts_.diagnostics.raise(Diagnosis::invalid_object, now,
+                             {parts_.node.dictionary().get<std::uint32_t>(0x1005, 0) & 0x7FFU, message.code});
+  }
+}
+
+void NodeEvents::rpdo_received(std::uint16_t number, can::Time) {
+  parts_.process_data.rpdo_received(parts_.node, number);
+}
+
+void NodeEvents::time_received(const canopen::TimeOfDay& time, can::Time now) {
+  parts_.status_words.show_time();
+  parts_.time_stamp.receive(time, now);
+}
+
+void NodeEvents::heartbeat_received(std::uint8_t node_id, canopen::NmtState state, can::Time now) {
+  parts_.master.heartbeat_received(node_id, state, now);
+}
+
+void NodeEvents::heartbeat_lost(std::uint8_t node_id, can::Time now) {
+  parts_.master.heartbeat_lost(node_id, now);
+}
+
+void NodeEvents::life_guarding_event(bool occurred, can::Time now) {
+  const std::uint8_t own = parts_.node.node_id();
+  if (!occurred || parts_.nmt_status.held_clear(own)) return;
+  parts_.diagnostics.log(ModuleEvent::life_guarding, now);
+  // The master's number is not known to a guarded slave, so the failure is shown at the own word.
+  parts_.nmt_status.set_life_guarding(own);
+}
+
+// Any change of the configuration makes its date and time invalid [ME3CAN1-Q 4.8.12].
+void NodeEvents::object_written(const canopen::Entry& entry, can::Time now) {
+  if (entry.index == 0x1010 || entry.index == 0x1F22) parts_.diagnostics.log(ModuleEvent::saved, now);
+  if (entry.index == 0x1011) parts_.diagnostics.log(ModuleEvent::restored, now);
+  if (entry.index == 0x1011) clear_concise_dcfs_ = true;  // it took "load" [ME3CAN1-Q 4.6.11]
+  if (entry.index == 0x1012) parts_.time_stamp.show_role();
+  if (!entry.description->stored || entry.index == 0x1020) return;
+  parts_.node.dictionary().set<std::uint32_t>(0x1020, 1, 0);
+  parts_.node.dictionary().set<std::uint32_t>(0x1020, 2, 0);
+}
+
+}  // namespace canopus::module
