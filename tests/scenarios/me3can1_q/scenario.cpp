@@ -32,6 +32,25 @@ IntelligentScenario& IntelligentScenario::power_on_as(std::uint8_t node_id, Wher
   return restart(where);
 }
 
+IntelligentScenario& IntelligentScenario::power_on_operational(Where where) {
+  power_on_as(1, where);
+  nmt(0x01);
+  expect_bit(25, 0, true, where);
+  ignore_tx();
+  return *this;
+}
+
+IntelligentScenario& IntelligentScenario::power_on_as_master(Where where) {
+  power_on_as(1, where);
+  set_object(0x1F80, 0, 0x0000000D, 4, where);  // stays Pre-operational, starts no slave
+  store_objects(where);
+  restart(where);
+  advance(5s);
+  ignore_tx();
+  expect_bit(25, 15, true, where).expect_bit(25, 8, true, where);
+  return *this;
+}
+
 IntelligentScenario& IntelligentScenario::power_on_layer2(std::uint16_t mode, Where where) {
   power_on(where);
   write(21, mode);

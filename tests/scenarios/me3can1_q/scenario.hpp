@@ -50,6 +50,10 @@ class IntelligentScenario : private IntelligentBench, public ModuleScenario {
   IntelligentScenario& power_on(Where where = Where::current());
   /// As a node with another node-ID than the factory's 127, settings saved.
   IntelligentScenario& power_on_as(std::uint8_t node_id, Where where = Where::current());
+  /// As node 1, Operational, its frames gone by.
+  IntelligentScenario& power_on_operational(Where where = Where::current());
+  /// As node 1 and active NMT master, started anew: Pre-operational, no slaves, its frames gone by.
+  IntelligentScenario& power_on_as_master(Where where = Where::current());
   /// In a Layer 2 mode (11 or 29), saved, started anew, offline.
   IntelligentScenario& power_on_layer2(std::uint16_t mode = 11, Where where = Where::current());
   /// Y03=1 -> X03 1. What the RJ71CN91 sends then does not matter.
