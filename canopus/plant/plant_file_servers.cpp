@@ -24,6 +24,9 @@ class Ports {
   Ports(const PlantFile& plant, std::vector<text::FileError>& errors) : plant_(plant), errors_(errors) {}
 
   void check() {
+    if (plant_.control) {
+      take_port(*plant_.control, Transport::tcp, plant_.control_place, "control", "the control server");
+    }
     for (const PlcSection& plc : plant_.plcs) {
       const std::string who = plc.name.empty() ? "a PLC without a name" : fmt::format("PLC \"{}\"", plc.name);
       for (const MelsecPortSection& port : plc.ports) {

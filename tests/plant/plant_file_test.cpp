@@ -310,6 +310,22 @@ INSTANTIATE_TEST_SUITE_P(
         Servers{"[::1]:5007", "127.0.0.1:5007", false}, Servers{"127.0.0.1:5007", "127.0.0.1:5008", false},
         Servers{"127.0.0.1:5007", "127.0.0.2:5007", false}, Servers{"127.0.0.1:0", "127.0.0.1:0", false}));
 
+TEST(PlantFile, TheControlServerHasAPortOfItsOwn) {
+  const auto with_control = [](const std::string& control) {
+    return errors_of("[plant]\ncontrol = \"" + control + "\"\n[[bus]]\nname = \"a\"\nbit_rate = 250_000\n" +
+                     "serve = \"socketcand:127.0.0.1:5008\"\n[[plc]]\n");
+  };
+  EXPECT_THAT(with_control("127.0.0.1:29540"), IsEmpty());
+  EXPECT_THAT(
+      with_control("127.0.0.1:5007"),
+      ElementsAre("plant.toml:7:1: listen: port 5007 is taken already, by the control server in line 2; "
+                  "give each server its own"));
+  EXPECT_THAT(
+      with_control("localhost:5008"),
+      ElementsAre("plant.toml:6:9: serve: port 5008 is taken already, by the control server in line 2; "
+                  "give each server its own"));
+}
+
 TEST(PlantFile, TwoPlcsWithoutAnAddress_ListenOnOnePort) {
   EXPECT_THAT(
       errors_of("[[bus]]\nname = \"a\"\nbit_rate = 250_000\n[[plc]]\n[[plc]]\n"),
