@@ -122,13 +122,21 @@ TEST(MelsecRefusal, ModuleBuffer_OfMoreThan780HBytes_IsC052) {
   EXPECT_EQ(end_code("50 00 00 ff ff 03 00 0e 00 10 00 01 06 00 00 | 00 00 00 00 00 00 00 00"), "c052");
 }
 
-TEST(MelsecRefusal, LinkDirectAndIndexedTargets_AreC070) {
+// D100Z4 was refused here until index registers were there; it is read now (melsec_index_test.cpp).
+TEST(MelsecRefusal, LinkDirectTargets_LongIndexRegistersAndIndirectOnes_AreC070) {
   EXPECT_EQ(
       end_code("50 00 00 ff ff 03 00 13 00 10 00 01 04 80 00 | 00 00 00 01 00 b4 00 00 01 00 f9 | 01 00"),
       "c070");
   EXPECT_EQ(
-      end_code("50 00 00 ff ff 03 00 13 00 10 00 01 04 80 00 | 04 40 64 00 00 a8 00 00 00 00 00 | 01 00"),
+      end_code("50 00 00 ff ff 03 00 13 00 10 00 01 04 80 00 | 04 80 64 00 00 a8 00 00 00 00 00 | 01 00"),
       "c070");
+  EXPECT_EQ(
+      end_code("50 00 00 ff ff 03 00 13 00 10 00 01 04 80 00 | 00 08 00 00 00 a8 00 00 00 00 00 | 01 00"),
+      "c070");
+  EXPECT_EQ(ascii_end_code("500000FF03FF000024001004010080"
+                           "0@0000000D*000100000"
+                           "0001"),
+            "C070");
   EXPECT_EQ(ascii_end_code("500000FF03FF000024001004010080"
                            "00J001000W*000100000"
                            "0001"),

@@ -12,6 +12,7 @@
 
 #include <array>
 #include <cstdint>
+#include <expected>
 
 #include "canopus/can/time.hpp"
 #include "canopus/plc/melsec/frame.hpp"
@@ -83,6 +84,9 @@ class Commands {
   EndCode lock(FieldReader& data, can::Time now);
   EndCode check_password(FieldReader& data, bool already_so, can::Time now);
 
+  /// A target of the request; index registers have the values of this moment.
+  [[nodiscard]] std::expected<Target, EndCode> read_target(FieldReader& data, Layout layout);
+
   [[nodiscard]] bool may_write() const noexcept { return plc::may_write(settings_.write, rack_); }
 
   /// The points of 0403 and 0801, into `blocks`.
@@ -103,6 +107,7 @@ class Commands {
   bool locked_;
   std::array<std::uint16_t, maximum_words> words_{};
   std::array<std::uint8_t, maximum_bits_binary> bits_{};
+  std::array<std::uint16_t, 20> index_registers_{};
   std::array<Block, maximum_random_points> blocks_{};
   std::array<Block, maximum_random_points> monitored_{};
   std::size_t monitored_words_ = 0;

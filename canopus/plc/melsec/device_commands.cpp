@@ -20,6 +20,16 @@ bool half_limits(Layout layout) { return layout.iqr || layout.extended; }
 
 }  // namespace
 
+std::expected<Target, EndCode> Commands::read_target(FieldReader& data, Layout layout) {
+  std::span<std::uint16_t> index_registers;
+  if (layout.extended) {
+    const auto count = std::min<std::size_t>(index_registers_.size(), rack_.model().points_of(Device::z));
+    index_registers = std::span(index_registers_).first(count);
+    if (!rack_.read_words(Device::z, 0, index_registers, {})) index_registers = {};
+  }
+  return melsec::read_target(data, layout, index_registers);
+}
+
 EndCode Commands::check(const Target& target, std::uint32_t words) const {
   if (target.is_buffer) return end_code_of(rack_.check_buffer(target.head_address, target.number, words));
   return end_code_of(rack_.check(target.device, target.number, points(target, words)));

@@ -51,6 +51,44 @@ constexpr std::uint8_t cpu_buffer = 0xFA;
 /// What the extension of a target points at, before the device code is known.
 enum class Extension : std::uint8_t { none, module, other };
 
+/// What is added to a number: nothing, or an index register. Other kinds (LZ, indirect) are not there.
+struct Modification {
+  enum class Kind : std::uint8_t { none, z, other } kind = Kind::none;
+  std::uint32_t number = 0;
+};
+
+Modification modification_of(std::uint16_t field) {
+  constexpr unsigned z = 0x4000;
+  if (field == 0) return {};
+  if ((field & 0xFF00U) == z) return {Modification::Kind::z, field & 0xFFU};
+  return {Modification::Kind::other, 0};
+}
+
+/// "000", "Z04".
+Modification modification_of(std::span<const std::uint8_t> text) {
+  if (text.empty()) return {};
+  Modification result;
+  if (text[0] == 'Z') result.kind = Modification::Kind::z;
+  for (const std::uint8_t character : text.subspan(result.kind == Modification::Kind::z ? 1 : 0)) {
+    if (character < '0' || character > '9') return {Modification::Kind::other, 0};
+    result.number = 10 * result.number + (character - unsigned{'0'});
+  }
+  if (result.kind == Modification::Kind::none && result.number != 0) return {Modification::Kind::other, 0};
+  return result;
+}
+
+/// Adds it, as a signed value; an index register or a sum that does not exist is beyond the last number.
+std::expected<std::uint32_t, EndCode> modified(std::uint32_t number, const Modification& by,
+                                               std::span<const std::uint16_t> index_registers) {
+  if (by.kind == Modification::Kind::none) return number;
+  if (by.kind == Modification::Kind::other || index_registers.empty())
+    return std::unexpected(EndCode::no_device_extension);
+  if (by.number >= index_registers.size()) return std::unexpected(EndCode::device_out_of_range);
+  const std::int64_t sum = std::int64_t{number} + static_cast<std::int16_t>(index_registers[by.number]);
+  if (sum < 0 || sum > 0xFFFFFFFF) return std::unexpected(EndCode::device_out_of_range);
+  return static_cast<std::uint32_t>(sum);
+}
+
 std::optional<Device> device_of(std::uint32_t code) {
   for (std::size_t i = 0; i < codes.size(); ++i)
     if (codes[i].binary == code && code != 0) return static_cast<Device>(i);
@@ -86,64 +124,75 @@ std::expected<Target, EndCode> joined(std::optional<Device> device, bool is_g, E
   return Target{false, *device, 0, number};
 }
 
-std::expected<Target, EndCode> read_binary(FieldReader& reader, Layout layout) {
-  const std::uint16_t device_modification = layout.extended ? reader.u16() : std::uint16_t{0};
-  const std::uint32_t number = layout.iqr ? reader.u32() : reader.u24();
-  const std::uint16_t code = layout.iqr ? reader.u16() : reader.u8();
-  Extension extension = Extension::none;
-  std::uint16_t module_number = 0;
-  if (layout.extended) {
-    const std::uint16_t extension_modification = reader.u16();
-    module_number = reader.u16();
-    const std::uint8_t memory = reader.u8();
-    const bool modified = device_modification != 0 || extension_modification != 0;
-    const bool is_module = memory == module_access || memory == cpu_buffer;
-    const bool is_none = memory == 0 && module_number == 0;
-    if (modified || (!is_module && !is_none))  // also link direct, F9H
-      extension = Extension::other;
-    else if (is_module)
-      extension = Extension::module;
-  }
-  return joined(device_of(code), code == buffer_memory_code, extension, module_number, number);
-}
-
-std::expected<Target, EndCode> read_ascii(FieldReader& reader, Layout layout) {
-  std::array<char, 4> memory{};
+/// A target as it is written, before its index registers are added.
+struct Written {
+  std::optional<Device> device;
+  bool is_g = false;
   Extension extension = Extension::none;
   std::uint32_t module_number = 0;
+  std::uint32_t number = 0;
+  Modification of_device;
+  Modification of_extension;
+};
+
+Written read_binary(FieldReader& reader, Layout layout) {
+  Written written;
+  if (layout.extended) written.of_device = modification_of(reader.u16());
+  written.number = layout.iqr ? reader.u32() : reader.u24();
+  const std::uint16_t code = layout.iqr ? reader.u16() : reader.u8();
+  written.device = device_of(code);
+  written.is_g = code == buffer_memory_code;
+  if (!layout.extended) return written;
+  written.of_extension = modification_of(reader.u16());
+  written.module_number = reader.u16();
+  const std::uint8_t memory = reader.u8();
+  if (memory == module_access || memory == cpu_buffer)
+    written.extension = Extension::module;
+  else if (memory != 0 || written.module_number != 0)  // also link direct, F9H
+    written.extension = Extension::other;
+  return written;
+}
+
+Written read_ascii(FieldReader& reader, Layout layout) {
+  Written written;
+  std::array<char, 4> memory{};
   const std::size_t modification = layout.iqr ? 4 : 3;
-  const auto is_zero = [](std::span<const std::uint8_t> text) {
-    for (const std::uint8_t character : text)
-      if (character != '0') return false;
-    return true;
-  };
-  bool modified = false;
+  bool indirect = false;
   if (layout.extended) {
-    modified = !is_zero(reader.raw(2));
+    for (const std::uint8_t character : reader.raw(2)) indirect = indirect || character != '0';
     const auto letter = reader.raw(1);
-    module_number = reader.digits(3, 16);
+    written.module_number = reader.digits(3, 16);
     if (!letter.empty() && letter[0] == 'U')
-      extension = Extension::module;
-    else if (!is_zero(letter) || module_number != 0)
-      extension = Extension::other;
-    modified = !is_zero(reader.raw(modification)) || modified;
+      written.extension = Extension::module;
+    else if ((!letter.empty() && letter[0] != '0') || written.module_number != 0)
+      written.extension = Extension::other;
+    written.of_extension = modification_of(reader.raw(modification));
   }
   const std::string_view code = unpadded(reader.raw(layout.iqr ? 4 : 2), memory);
-  const std::optional<Device> device = device_of(code, layout.iqr);
-  const bool hexadecimal = device && device_info(*device).hexadecimal;
+  written.device = device_of(code, layout.iqr);
+  const bool hexadecimal = written.device && device_info(*written.device).hexadecimal;
   const std::size_t digits = !layout.iqr ? 6 : layout.extended ? 10 : 8;
-  const bool is_g = code == "G";
+  written.is_g = code == "G";
   // A device that is unknown has numbers of an unknown kind: take the wider one, the code decides below.
-  const std::uint32_t number = reader.digits(digits, hexadecimal || (!device && !is_g) ? 16 : 10);
-  if (layout.extended) modified = !is_zero(reader.raw(modification)) || modified;
-  if (modified) extension = Extension::other;
-  return joined(device, is_g, extension, module_number, number);
+  const bool octal = layout.octal_io && (written.device == Device::x || written.device == Device::y);
+  const bool wide = hexadecimal || (!written.device && !written.is_g);
+  written.number = reader.digits(digits, octal ? 8 : wide ? 16 : 10);
+  if (layout.extended) written.of_device = modification_of(reader.raw(modification));
+  if (indirect) written.of_device.kind = Modification::Kind::other;
+  return written;
 }
 
 }  // namespace
 
-std::expected<Target, EndCode> read_target(FieldReader& reader, Layout layout) noexcept {
-  return reader.code() == DataCode::ascii ? read_ascii(reader, layout) : read_binary(reader, layout);
+std::expected<Target, EndCode> read_target(FieldReader& reader, Layout layout,
+                                           std::span<const std::uint16_t> index_registers) noexcept {
+  const Written written =
+      reader.code() == DataCode::ascii ? read_ascii(reader, layout) : read_binary(reader, layout);
+  const auto module_number = modified(written.module_number, written.of_extension, index_registers);
+  if (!module_number) return std::unexpected(module_number.error());
+  const auto number = modified(written.number, written.of_device, index_registers);
+  if (!number) return std::unexpected(number.error());
+  return joined(written.device, written.is_g, written.extension, *module_number, *number);
 }
 
 std::uint8_t device_code(Device device) noexcept { return codes[static_cast<std::size_t>(device)].binary; }

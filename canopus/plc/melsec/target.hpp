@@ -11,11 +11,13 @@
 //   008x iQ-R    00 00 | number 4 | code 2 | 00 00 | ext 2 | memory   "00" | ext 4 | "0000" | code 4 |
 //                                                                     number 10 | "0000"
 //
-// `ext` is a module's start I/O number / 16 (ASCII: "U003"), `memory` F8H then; the zeros are the places of
-// index modification. [SH-080008 8.1, appendix 1]
+// `ext` is a module's start I/O number / 16 (ASCII: "U003"), `memory` F8H then. The zeros in front (in ASCII behind) are the
+// place of the device's index modification, those behind the code (in ASCII behind `ext`) of the extension's: 4000H + n
+// (ASCII: "Z04") adds index register Zn. [SH-080008 8.1, appendix 1]
 
 #include <cstdint>
 #include <expected>
+#include <span>
 
 #include "canopus/plc/cpu/device.hpp"
 #include "canopus/plc/melsec/end_code.hpp"
@@ -28,13 +30,15 @@ namespace canopus::plc::melsec {
 struct Layout {
   bool iqr = false;
   bool extended = false;
+  bool octal_io = false;  ///< ASCII: the CPU counts X and Y in octal (FX5)
 };
 
 using Target = RackAddress;
 
 /// Reads one target. A missing byte or a wrong digit shows in the reader's fault, as for any field; the error
-/// is about what was read.
-[[nodiscard]] std::expected<Target, EndCode> read_target(FieldReader& reader, Layout layout) noexcept;
+/// is about what was read. `index_registers`: the values of Z0, Z1 ...
+[[nodiscard]] std::expected<Target, EndCode> read_target(
+    FieldReader& reader, Layout layout, std::span<const std::uint16_t> index_registers) noexcept;
 
 /// Binary code of a device, the same for Q and iQ-R.
 [[nodiscard]] std::uint8_t device_code(Device device) noexcept;
