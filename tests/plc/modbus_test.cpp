@@ -39,8 +39,9 @@ modbus::Settings some_map() {
 
 struct ModbusPlc : testing::Plc {
   explicit ModbusPlc(modbus::Settings the_settings = some_map(),
-                     WritePermission permission = WritePermission::always)
-      : settings(std::move(the_settings)),
+                     WritePermission permission = WritePermission::always, const CpuModel& model = r04cpu())
+      : Plc(model),
+        settings(std::move(the_settings)),
         modbus(std::make_unique<modbus::Session>(rack, settings, permission)) {}
 
   std::string raw_modbus(std::string_view request) {
@@ -350,8 +351,34 @@ TEST(ModbusMap, As300_HasItsDevicesAtTheirAddresses) {
   EXPECT_EQ(at(Table::holding_registers, 0xF000), "CN0 x 512");
   const modbus::Map whole = modbus::as300_map(as300());
   EXPECT_EQ(whole.ranges(Table::coils).size(), 8U);              // M SM S X Y T C HC
-  EXPECT_EQ(whole.ranges(Table::holding_registers).size(), 6U);  // D X Y SR T C
+  EXPECT_EQ(whole.ranges(Table::holding_registers).size(), 7U);  // D X Y SR T C HC
   EXPECT_EQ(whole.ranges(Table::holding_registers)[0].count, 30000U);
+}
+
+TEST(ModbusMap, As300_AddressesByDevice) {
+  using modbus::as300_address;
+  EXPECT_EQ(as300_address(Device::d, true, 29999), 29999);
+  EXPECT_EQ(as300_address(Device::d, true, 30000), std::nullopt);
+  EXPECT_EQ(as300_address(Device::sd, true, 7), 0xC007) << "SR7";
+  EXPECT_EQ(as300_address(Device::x, false, 17), 0x6011) << "X1.1";
+  EXPECT_EQ(as300_address(Device::x, true, 1), 0x8001);
+  EXPECT_EQ(as300_address(Device::y, true, 63), 0xA03F);
+  EXPECT_EQ(as300_address(Device::zr, true, 0), std::nullopt);
+}
+
+TEST(ModbusMap, As300_ValuesOfHcAreTwoRegistersAtOneAddress) {
+  ModbusPlc plc({.map = modbus::as300_map(as300())}, WritePermission::always, as300());
+  EXPECT_EQ(plc.pdu("10 fc 01 00 02 04 56 78 12 34"), "10 fc 01 00 02");
+  EXPECT_EQ(plc.word(Device::hcn, 2), 0x5678);
+  EXPECT_EQ(plc.word(Device::hcn, 3), 0x1234);
+  EXPECT_EQ(plc.pdu("03 fc 00 00 04"), "03 08 00 00 00 00 56 78 12 34");
+  EXPECT_EQ(plc.pdu("03 fc ff 00 02"), "03 04 00 00 00 00") << "HC255";
+  EXPECT_EQ(plc.pdu("03 fc ff 00 04"), "83 02") << "HC256 is not there";
+  EXPECT_EQ(plc.pdu("03 fc 00 00 01"), "83 02") << "half a value";
+  EXPECT_EQ(plc.pdu("06 fc 00 00 01"), "86 02");
+  EXPECT_EQ(plc.pdu("03 f1 ff 00 02"), "83 02") << "from C511 on there is a gap";
+  EXPECT_EQ(plc.pdu("05 fc 01 ff 00"), "05 fc 01 ff 00");
+  EXPECT_TRUE(plc.bit(Device::hcs, 1));
 }
 
 TEST(ModbusMap, As300_TakesItsOwnNumbersOfPoints) {

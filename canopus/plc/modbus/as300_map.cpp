@@ -23,6 +23,7 @@ constexpr std::array table = {
     DeviceAddresses{"C",     false, 0xF000,   512, false},
     DeviceAddresses{"C",     true,  0xF000,   512, false},
     DeviceAddresses{"HC",    false, 0xFC00,   256, false},
+    DeviceAddresses{"HC",    true,  0xFC00,   256, false},  // current values of 32 bits
     DeviceAddresses{"D",     true,  0x0000, 30000, false},
     DeviceAddresses{"SR",    true,  0xC000,  2048, false},
 };
@@ -32,7 +33,7 @@ constexpr std::array table = {
 std::optional<Device> device_of(const DeviceAddresses& row) {
   if (row.device == "T") return row.words ? Device::tn : Device::ts;
   if (row.device == "C") return row.words ? Device::cn : Device::cs;
-  if (row.device == "HC") return Device::hcs;
+  if (row.device == "HC") return row.words ? Device::hcn : Device::hcs;
   if (row.device == "SR") return Device::sd;
   return device_named(row.device);
 }
@@ -41,6 +42,13 @@ std::optional<Device> device_of(const DeviceAddresses& row) {
 
 std::span<const DeviceAddresses> as300_addresses() noexcept { return table; }
 
+std::optional<std::uint16_t> as300_address(Device device, bool words, std::uint32_t number) noexcept {
+  for (const DeviceAddresses& row : table)
+    if (row.words == words && device_of(row) == device && number < row.count)
+      return static_cast<std::uint16_t>(row.first + number);
+  return std::nullopt;
+}
+
 Map as300_map(const CpuModel& model) {
   Map map;
   for (const DeviceAddresses& row : table) {
@@ -48,9 +56,11 @@ Map as300_map(const CpuModel& model) {
     if (!device) continue;
     const std::uint32_t points = model.points_of(*device);
     const bool words_of_bits = row.words && device_info(*device).is_bit;
-    const std::uint32_t count = std::min<std::uint32_t>(row.count, words_of_bits ? points / 16 : points);
+    const bool double_words = *device == Device::hcn;
+    const std::uint32_t there = words_of_bits ? points / 16 : double_words ? points / 2 : points;
+    const std::uint32_t count = std::min<std::uint32_t>(row.count, there);
     if (count == 0) continue;
-    const Range range{row.first, count, {false, *device, 0, 0}, row.inputs};
+    const Range range{row.first, count, {false, *device, 0, 0}, row.inputs, double_words};
     if (!row.words) {
       (void)map.add(Table::coils, range);
       (void)map.add(Table::discrete_inputs, range);

@@ -90,12 +90,19 @@ const Range* Map::find(Table table, std::uint32_t address) const noexcept {
   return address < range.first + range.count ? &range : nullptr;
 }
 
+Map::DoubleWords Map::double_words(Table table, std::uint32_t first, std::size_t words) const noexcept {
+  const Range* range = find(table, first);
+  if (range == nullptr || !range->double_words) return {};
+  const std::uint32_t offset = first - range->first;
+  return {range, further(range->at, 2 * offset), words % 2 == 0 && words / 2 <= range->count - offset};
+}
+
 template <typename Use>
 Exception Map::each_part(Table table, std::uint32_t first, std::size_t count, Use use) const {
   for (std::size_t done = 0; done < count;) {
     const auto address = static_cast<std::uint32_t>(first + done);
     const Range* range = find(table, address);
-    if (range == nullptr) return Exception::illegal_data_address;
+    if (range == nullptr || range->double_words) return Exception::illegal_data_address;
     const std::uint32_t offset = address - range->first;
     const std::size_t part = std::min<std::size_t>(count - done, range->count - offset);
     if (const Exception exception = use(*range, offset, done, part); exception != Exception::none)
@@ -107,6 +114,10 @@ Exception Map::each_part(Table table, std::uint32_t first, std::size_t count, Us
 
 Exception Map::check(const Rack& rack, Table table, std::uint32_t first, std::size_t count,
                      bool writes) const {
+  if (const DoubleWords found = double_words(table, first, count); found.range != nullptr) {
+    if (!found.fits || (writes && found.range->read_only)) return Exception::illegal_data_address;
+    return exception_of(check_points(rack, found.at, static_cast<std::uint32_t>(count)));
+  }
   return each_part(table, first, count,
                    [&](const Range& range, std::uint32_t offset, std::size_t /*done*/, std::size_t part) {
                      if (writes && range.read_only) return Exception::illegal_data_address;
@@ -184,6 +195,8 @@ Exception Map::read_words(Rack& rack, Table table, std::uint16_t first, std::spa
                           can::Time now) const {
   if (const Exception refused = check(rack, table, first, words.size(), false); refused != Exception::none)
     return refused;
+  if (const DoubleWords found = double_words(table, first, words.size()); found.range != nullptr)
+    return exception_of(read(rack, found.at, words, now));
   return each_part(
       table, first, words.size(),
       [&](const Range& range, std::uint32_t offset, std::size_t done, std::size_t part) {
@@ -197,6 +210,8 @@ Exception Map::write_words(Rack& rack, std::uint16_t first, std::span<const std:
   constexpr Table table = Table::holding_registers;
   if (const Exception refused = check(rack, table, first, words.size(), true); refused != Exception::none)
     return refused;
+  if (const DoubleWords found = double_words(table, first, words.size()); found.range != nullptr)
+    return exception_of(write(rack, found.at, words, now));
   return each_part(
       table, first, words.size(),
       [&](const Range& range, std::uint32_t offset, std::size_t done, std::size_t part) {

@@ -49,6 +49,8 @@ struct Range {
   std::uint32_t count = 0;  ///< 1 to 65536
   RackAddress at{};         ///< what the first address is
   bool read_only = false;   ///< for coils and holding registers; the other tables are
+  /// Registers: each address is a 32-bit value, two registers of a request, the low word first.
+  bool double_words = false;
 };
 
 class Map {
@@ -78,6 +80,13 @@ class Map {
  private:
   /// The range that has this address, or nullptr.
   [[nodiscard]] const Range* find(Table table, std::uint32_t address) const noexcept;
+  /// The range and first word of a request that begins in a range of 32-bit values, which it must not leave.
+  struct DoubleWords {
+    const Range* range = nullptr;  // nullptr: it does not begin in one
+    RackAddress at{};
+    bool fits = false;
+  };
+  [[nodiscard]] DoubleWords double_words(Table table, std::uint32_t first, std::size_t words) const noexcept;
   /// Calls use(range, offset in it, done so far, count) for each part of the addresses until one refuses.
   template <typename Use>
   Exception each_part(Table table, std::uint32_t first, std::size_t count, Use use) const;
