@@ -53,7 +53,7 @@ TEST(Families, HaveTheirDevices) {
            {sm, 0},
            {sd, 0},
            {zr, 0},
-           {hcn, 0}}},
+           {hcn, 56}}},  // the high words of C200 to C255
       Row{fx5u(),
           {{x, 1024},
            {y, 1024},

@@ -203,14 +203,14 @@ TEST(Melsec1e, Loopback) {
 // --- refusals ---
 
 TEST(Melsec1e, UnknownSubheader_Is50H) {
-  EXPECT_EQ(ask("06 ff 0a 00"), "86 50");
+  EXPECT_EQ(ask("0a ff 0a 00"), "8a 50");
   EXPECT_EQ(ask("3c ff 0a 00"), "bc 50");
   EXPECT_EQ(ask_ascii("17FF000A"), "9750");
 }
 
 TEST(Melsec1e, UnknownSubheader_TakesWhatCameWithItAndNothingElse) {
   Plc1e plc;
-  EXPECT_EQ(plc.ask("06 ff 0a 00 01 02 03 04 05 06 07 08"), "86 50");
+  EXPECT_EQ(plc.ask("0a ff 0a 00 01 02 03 04 05 06 07 08"), "8a 50");
   EXPECT_FALSE(plc.session->over());
   EXPECT_EQ(plc.ask("01 ff 0a 00 64 00 00 00 20 44 01 00"), "81 00 00 00");
 }
@@ -394,7 +394,7 @@ TEST(Melsec1e, Datagram_IsOneRequest) {
   EXPECT_EQ(plc.datagram("01FF000A4420000000640100"), "81001234");  // each with its own data code
   EXPECT_EQ(shown(plc.datagram(request.substr(0, 11))), "81 57");
   EXPECT_EQ(shown(plc.datagram(request + '\0')), "81 57");
-  EXPECT_EQ(shown(plc.datagram(bytes("06 ff 0a 00"))), "86 50");
+  EXPECT_EQ(shown(plc.datagram(bytes("0a ff 0a 00"))), "8a 50");
   EXPECT_EQ(plc.datagram("01FF"), "8157");
   EXPECT_EQ(plc.datagram(""), "");
   EXPECT_EQ(plc.datagram("GET / HTTP/1.1"), "");
@@ -434,6 +434,94 @@ RC_GTEST_PROP(Melsec1e, AnyWords_ComeBackAsTheyWereWritten, ()) {
   const std::string read = ascii ? "01" : "\x01";
   RC_ASSERT(plc.raw(write + head + device + data) == (ascii ? "8300" : bytes("83 00")));
   RC_ASSERT(plc.raw(read + head + device) == (ascii ? "8100" : bytes("81 00")) + data);
+}
+
+// --- monitoring ---
+
+TEST(Melsec1eMonitor, Words_AreReadAsTheyWereRegistered) {
+  Plc1e plc;
+  plc.word(Device::d, 100, 0x1234);
+  plc.word(Device::w, 0x1F, 0xABCD);
+  plc.word(Device::m, 32, 0x00FF);
+  EXPECT_EQ(plc.ask("07 ff 0a 00 | 03 00 | 64 00 00 00 20 44 | 1f 00 00 00 20 57 | 20 00 00 00 20 4d"),
+            "87 00");
+  EXPECT_EQ(plc.ask("09 ff 0a 00"), "89 00 34 12 cd ab ff 00");
+  plc.word(Device::d, 100, 0x4321);
+  EXPECT_EQ(plc.ask("09 ff 0a 00"), "89 00 21 43 cd ab ff 00") << "as often as one likes";
+  EXPECT_EQ(plc.ask("07 ff 0a 00 | 01 00 | 64 00 00 00 20 44"), "87 00");
+  EXPECT_EQ(plc.ask("09 ff 0a 00"), "89 00 21 43") << "another list takes its place";
+}
+
+TEST(Melsec1eMonitor, Bits_OfAnOddNumber_EndWithADummy) {
+  Plc1e plc;
+  plc.bit(Device::m, 7, true);
+  plc.bit(Device::y, 0x25, true);
+  EXPECT_EQ(plc.ask("06 ff 0a 00 | 03 00 | 07 00 00 00 20 4d | 08 00 00 00 20 4d | 25 00 00 00 20 59"),
+            "86 00");
+  EXPECT_EQ(plc.ask("08 ff 0a 00"), "88 00 10 10");
+}
+
+TEST(Melsec1eMonitor, InAscii) {
+  Plc1e plc;
+  plc.word(Device::d, 100, 0x1234);
+  plc.bit(Device::m, 7, true);
+  EXPECT_EQ(plc.raw("07FF000A0200442000000064442000000065"), "8700");
+  EXPECT_EQ(plc.raw("06FF000A01004D2000000007"), "8600");
+  EXPECT_EQ(plc.raw("09FF000A"), "890012340000");
+  EXPECT_EQ(plc.raw("08FF000A"), "880010");
+  EXPECT_EQ(plc.raw("09ff000a16FF000A02abcd"),
+            "8900123400009600"
+            "02abcd")
+      << "small letters of a loopback behind it stay small";
+}
+
+TEST(Melsec1eMonitor, WhatIsRefused_LeavesTheListAsItWas) {
+  Plc1e plc;
+  EXPECT_EQ(plc.ask("09 ff 0a 00"), "89 57") << "nothing is registered";
+  EXPECT_EQ(plc.ask("08 ff 0a 00"), "88 57");
+  EXPECT_EQ(plc.ask("07 ff 0a 00 | 01 00 | 64 00 00 00 20 44"), "87 00");
+  EXPECT_EQ(plc.ask("08 ff 0a 00"), "88 57") << "bits and words have a list each";
+  EXPECT_EQ(plc.ask("07 ff 0a 00 | 01 00 | ff ff 00 00 20 44"), "87 58");
+  EXPECT_EQ(plc.ask("07 ff 0a 00 | 01 00 | 00 00 00 00 20 51"), "87 56");
+  EXPECT_EQ(plc.ask("07 ff 0a 00 | 01 00 | 01 00 00 00 20 4d"), "87 58")
+      << "words of M from a multiple of 16 on";
+  EXPECT_EQ(plc.ask("06 ff 0a 00 | 01 00 | 64 00 00 00 20 44"), "86 58") << "D has no bits";
+  std::string points;
+  for (int i = 0; i < 21; ++i) points += "64 00 00 00 20 44 ";
+  EXPECT_EQ(plc.ask("07 ff 0a 00 | 15 00 | " + points), "87 57");
+  EXPECT_EQ(plc.ask("09 ff 0a 00"), "89 00 00 00");
+}
+
+TEST(Melsec1eMonitor, OfAnFx3_IsUnknown) {
+  Plc1e plc(fx3u());
+  EXPECT_EQ(plc.ask("07 ff 0a 00 | 01 00 | 64 00 00 00 20 44"), "87 50");
+  EXPECT_EQ(plc.ask("09 ff 0a 00"), "89 50");
+}
+
+// --- 32-bit counters of an FX3 ---
+
+TEST(Melsec1eFx3, ValuesOfC200AndFurther_AreFourBytesAPoint) {
+  Plc1e plc(fx3u());
+  EXPECT_EQ(plc.ask("03 ff 0a 00 | c8 00 00 00 4e 43 | 02 00 | 78 56 34 12 ff ff ff ff"), "83 00");
+  EXPECT_EQ(plc.ask("01 ff 0a 00 | c8 00 00 00 4e 43 | 02 00"), "81 00 78 56 34 12 ff ff ff ff");
+  EXPECT_EQ(plc.word(Device::cn, 200), 0x5678) << "where there is room for one word, the low one";
+  EXPECT_EQ(plc.ask("01 ff 0a 00 | ff 00 00 00 4e 43 | 01 00"), "81 00 00 00 00 00") << "C255";
+  EXPECT_EQ(plc.ask("01 ff 0a 00 | c7 00 00 00 4e 43 | 01 00"), "81 00 00 00") << "C199 has 16 bits";
+  Plc1e ascii(fx3u());
+  EXPECT_EQ(ascii.raw("03FF000A434E000000C8010012345678"), "8300");
+  EXPECT_EQ(ascii.raw("01FF000A434E000000C80100"), "810012345678");
+}
+
+TEST(Melsec1eFx3, ValuesOfTwoSizes_AreNotInOneRequest) {
+  Plc1e plc(fx3u());
+  EXPECT_EQ(plc.ask("01 ff 0a 00 | c7 00 00 00 4e 43 | 02 00"), "81 57");
+  EXPECT_EQ(plc.ask("03 ff 0a 00 | c7 00 00 00 4e 43 | 02 00 | 01 00 02 00"), "83 57");
+  EXPECT_EQ(plc.ask("01 ff 0a 00 | c8 00 00 00 4e 43 | 39 00"), "81 57") << "C256 is not there";
+  EXPECT_EQ(plc.ask("05 ff 0a 00 | 01 00 | c8 00 00 00 4e 43 01 00"), "85 56") << "two bytes cannot hold it";
+  EXPECT_EQ(plc.ask("00 ff 0a 00 | c7 00 00 00 53 43 | 02 00"), "80 00 00")
+      << "contacts are bits all the same";
+  EXPECT_EQ(Plc1e{}.ask("01 ff 0a 00 | c7 00 00 00 4e 43 | 02 00"), "81 00 00 00 00 00")
+      << "16 bits in a Q CPU";
 }
 
 RC_GTEST_PROP(Melsec1e, AnyBytes_LeaveASessionThatAnswersOrIsOver,

@@ -64,7 +64,7 @@ constexpr CpuModel model_fx3u = {
      0, 256, 256, 8000,        // STC CS CC D
      0, 0, 0, 32 * kilo,       // W SW SD R
      0, 0, 512, 0,             // ZR Z TN STN
-     256, 4096, 0, 0},         // CN S HCS HCN
+     256, 4096, 0, 56},        // CN S HCS HCN
     0, 0, 0, CpuFamily::fx3};
 
 constexpr CpuModel model_fx5u = {

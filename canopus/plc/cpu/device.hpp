@@ -41,7 +41,7 @@ enum class Device : std::uint8_t {
   cn,   ///< counter current value
   s,    ///< step relay
   hcs,  ///< 32-bit counter contact (AS300)
-  hcn,  ///< 32-bit counter current value, two words each, the low one first (AS300)
+  hcn,  ///< 32-bit counter current value (AS300), two words each, the low one first; of an FX3 the high words of C200...
 };
 
 inline constexpr std::size_t device_count = 28;

@@ -14,20 +14,6 @@ constexpr Outcome1e completed{};
 constexpr Outcome1e refused(EndCode1e end_code) { return {end_code, AbnormalCode::none}; }
 constexpr Outcome1e refused(AbnormalCode code) { return {EndCode1e::cpu_refuses, code}; }
 
-struct DeviceCode {
-  std::uint16_t code;  // two characters, the first in the high byte: "D " is 4420H
-  Device device;
-};
-// [FX3U-ENET 9.3.1, SH-080008 18.2]
-constexpr std::array codes = {
-    DeviceCode{0x5820, Device::x},  DeviceCode{0x5920, Device::y},  DeviceCode{0x4D20, Device::m},
-    DeviceCode{0x4C20, Device::l},  DeviceCode{0x4620, Device::f},  DeviceCode{0x4220, Device::b},
-    DeviceCode{0x5453, Device::ts}, DeviceCode{0x5443, Device::tc}, DeviceCode{0x4353, Device::cs},
-    DeviceCode{0x4343, Device::cc}, DeviceCode{0x4420, Device::d},  DeviceCode{0x5720, Device::w},
-    DeviceCode{0x5220, Device::r},  DeviceCode{0x544E, Device::tn}, DeviceCode{0x434E, Device::cn},
-    DeviceCode{0x5320, Device::s},
-};
-
 bool is_bit(Device device) { return device_info(device).is_bit; }
 
 /// 00H means 256.
@@ -88,6 +74,16 @@ Outcome1e Commands1e::execute(Command1e command, FieldReader& data, FieldWriter&
       rack_.set_cpu_state(command == Command1e::remote_run ? module::CpuState::run : module::CpuState::stop,
                           now);
       return completed;
+    case Command1e::register_bits:
+    case Command1e::monitor_bits:
+      if (rules_.monitored_bits == 0) break;
+      return command == Command1e::register_bits ? register_monitor(data, false)
+                                                 : monitor_bits(data, out, now);
+    case Command1e::register_words:
+    case Command1e::monitor_words:
+      if (rules_.monitored_words == 0) break;
+      return command == Command1e::register_words ? register_monitor(data, true)
+                                                  : monitor_words(data, out, now);
     case Command1e::read_buffer:
       if (!rules_.special_function_modules) break;
       return read_buffer(data, out, now);
@@ -116,10 +112,9 @@ bool Commands1e::read_device(FieldReader& data, Point& point) {
     point.number = data.u32();
     code = data.u16();
   }
-  const auto* found = std::ranges::find(codes, code, &DeviceCode::code);
-  if (found == codes.end()) return false;
-  point.device = found->device;
-  return true;
+  const auto device = device_of_1e(code);
+  point.device = device.value_or(Device::d);
+  return device.has_value();
 }
 
 Outcome1e Commands1e::check(const Point& point, std::uint32_t count, bool words) const {
@@ -127,6 +122,9 @@ Outcome1e Commands1e::check(const Point& point, std::uint32_t count, bool words)
   if (!words && !bits) return refused(EndCode1e::head_device);
   if (words && bits && point.number % 16 != 0) return refused(EndCode1e::head_device);
   const std::uint32_t points = words && bits ? 16 * count : count;
+  const bool reaches_wide = rules_.wide_counters && point.device == Device::cn && !is_wide(point) &&
+                            point.number + count > first_wide_counter;
+  if (reaches_wide) return refused(EndCode1e::points);  // values of another size
   const auto access = rack_.check(point.device, point.number, points);
   if (access) return completed;
   if (access.error() == AccessError::no_device) return refused(EndCode1e::wrong_device);
@@ -145,9 +143,14 @@ Outcome1e Commands1e::read_bits(FieldReader& data, FieldWriter& out, can::Time n
   if (const Outcome1e outcome = check(point, count, false); outcome != completed) return outcome;
   const auto bits = std::span(bits_).first(count);
   (void)rack_.read_bits(point.device, point.number, bits, now);  // checked above
-  out.bits(bits);
-  if (out.code() == DataCode::ascii && count % 2 != 0) out.text("0");  // the other half of the last byte
+  answer_bits(bits, out);
   return completed;
+}
+
+void Commands1e::answer_bits(std::span<const std::uint8_t> bits, FieldWriter& out) {
+  out.bits(bits);
+  if (out.code() == DataCode::ascii && bits.size() % 2 != 0)
+    out.text("0");  // the other half of the last byte
 }
 
 Outcome1e Commands1e::read_words(FieldReader& data, FieldWriter& out, can::Time now) {
@@ -160,6 +163,7 @@ Outcome1e Commands1e::read_words(FieldReader& data, FieldWriter& out, can::Time 
   if (count > (is_bit(point.device) ? rules_.read_bit_words : rules_.read_words))
     return refused(EndCode1e::points);
   if (const Outcome1e outcome = check(point, count, true); outcome != completed) return outcome;
+  if (is_wide(point)) return read_wide_counters(point, count, out, now);
   const auto words = std::span(words_).first(count);
   (void)rack_.read_words(point.device, point.number, words, now);
   for (const std::uint16_t word : words) out.u16(word);
@@ -188,14 +192,32 @@ Outcome1e Commands1e::write_words(FieldReader& data, can::Time now) {
   const bool known = read_device(data, point);
   const std::uint16_t count = points_of(data.u8());
   (void)data.u8();  // fixed to 00H
+  const bool wide = known && is_wide(point);
   const auto words = std::span(words_).first(count);
-  for (std::uint16_t& word : words) word = data.u16();
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::uint32_t value = wide ? data.u32() : data.u16();
+    words[i] = static_cast<std::uint16_t>(value);
+    high_words_[i] = static_cast<std::uint16_t>(value >> 16U);
+  }
   if (const Outcome1e outcome = verdict(data); outcome != completed) return outcome;
   if (!known) return refused(EndCode1e::wrong_device);
   if (count > (is_bit(point.device) ? rules_.write_bit_words : rules_.write_words))
     return refused(EndCode1e::points);
   if (const Outcome1e outcome = check(point, count, true); outcome != completed) return outcome;
   (void)rack_.write_words(point.device, point.number, words, now);
+  if (wide)
+    (void)rack_.write_words(Device::hcn, point.number - first_wide_counter,
+                            std::span(high_words_).first(count), now);
+  return completed;
+}
+
+Outcome1e Commands1e::read_wide_counters(const Point& first, std::uint16_t count, FieldWriter& out,
+                                         can::Time now) {
+  const auto low = std::span(words_).first(count);
+  const auto high = std::span(high_words_).first(count);
+  (void)rack_.read_words(Device::cn, first.number, low, now);
+  (void)rack_.read_words(Device::hcn, first.number - first_wide_counter, high, now);
+  for (std::size_t i = 0; i < count; ++i) out.u32(low[i] | std::uint32_t{high[i]} << 16U);
   return completed;
 }
 
@@ -228,7 +250,9 @@ Outcome1e Commands1e::test_words(FieldReader& data, can::Time now) {
   for (Point& point : std::span(points_).first(count)) {
     const bool known = read_device(data, point);
     point.value = data.u16();
-    const Outcome1e outcome = known ? check(point, 1, true) : refused(EndCode1e::wrong_device);
+    // Two bytes cannot hold the value of a 32-bit counter.
+    const Outcome1e outcome =
+        known && !is_wide(point) ? check(point, 1, true) : refused(EndCode1e::wrong_device);
     if (first_error == completed) first_error = outcome;
   }
   if (const Outcome1e outcome = verdict(data); outcome != completed) return outcome;
@@ -236,6 +260,51 @@ Outcome1e Commands1e::test_words(FieldReader& data, can::Time now) {
   if (first_error != completed) return first_error;
   for (const Point& point : std::span(points_).first(count))
     (void)rack_.write_words(point.device, point.number, {&point.value, 1}, now);
+  return completed;
+}
+
+Outcome1e Commands1e::register_monitor(FieldReader& data, bool words) {
+  const std::uint16_t count = points_of(data.u8());
+  (void)data.u8();  // fixed to 00H
+  Outcome1e first_error = completed;
+  for (Point& point : std::span(points_).first(count)) {
+    const bool known = read_device(data, point);
+    const Outcome1e outcome = known ? check(point, 1, words) : refused(EndCode1e::wrong_device);
+    if (first_error == completed) first_error = outcome;
+  }
+  if (const Outcome1e outcome = verdict(data); outcome != completed) return outcome;
+  if (count > (words ? rules_.monitored_words : rules_.monitored_bits)) return refused(EndCode1e::points);
+  if (first_error != completed) return first_error;
+  if (words) {
+    std::copy_n(points_.begin(), count, monitored_words_.begin());
+    monitored_word_count_ = count;
+  } else {
+    std::copy_n(points_.begin(), count, monitored_bits_.begin());
+    monitored_bit_count_ = count;
+  }
+  return completed;
+}
+
+Outcome1e Commands1e::monitor_bits(FieldReader& data, FieldWriter& out, can::Time now) {
+  if (const Outcome1e outcome = verdict(data); outcome != completed) return outcome;
+  if (monitored_bit_count_ == 0) return refused(EndCode1e::points);
+  const auto bits = std::span(bits_).first(monitored_bit_count_);
+  for (std::size_t i = 0; i < bits.size(); ++i) {
+    const Point& point = monitored_bits_[i];
+    (void)rack_.read_bits(point.device, point.number, bits.subspan(i, 1), now);
+  }
+  answer_bits(bits, out);
+  return completed;
+}
+
+Outcome1e Commands1e::monitor_words(FieldReader& data, FieldWriter& out, can::Time now) {
+  if (const Outcome1e outcome = verdict(data); outcome != completed) return outcome;
+  if (monitored_word_count_ == 0) return refused(EndCode1e::points);
+  for (const Point& point : std::span(monitored_words_).first(monitored_word_count_)) {
+    std::uint16_t word = 0;
+    (void)rack_.read_words(point.device, point.number, {&word, 1}, now);
+    out.u16(word);
+  }
   return completed;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
-// What the commands of 1E frames do: batch read and write (00 to 03), test (04, 05), buffer memory of special
-// function modules (0E, 0F), remote RUN and STOP (13, 14), CPU model (15), loopback (16).
+// What the commands of 1E frames do: batch read and write (00 to 03), test (04, 05), registering and reading what is
+// monitored (06 to 09), buffer memory of special function modules (0E, 0F), remote RUN and STOP (13, 14), CPU model
+// (15), loopback (16). One object per connection: it remembers what is monitored.
 //
 // A request is judged as a whole before anything is written: one that is refused has changed nothing.
 
@@ -26,7 +27,10 @@ struct Rules1e {
   std::uint16_t write_words = 256;
   std::uint16_t test_bits = 80;
   std::uint16_t test_words = 40;
+  std::uint16_t monitored_bits = 40;   ///< 0: 06 and 08 are not there
+  std::uint16_t monitored_words = 20;  ///< 07 and 09
   std::uint16_t loopback = 256;
+  bool wide_counters = false;            ///< CN from 200 on have 32 bits
   bool special_function_modules = true;  ///< 0E and 0F
 };
 /// An Ethernet module of the Q series, and of the A series. [SH-080811 5.1.2, SH-080008 18]
@@ -40,7 +44,10 @@ inline constexpr Rules1e rules_1e_fx3{.read_bits = 256,
                                       .write_words = 64,
                                       .test_bits = 80,
                                       .test_words = 10,
+                                      .monitored_bits = 0,
+                                      .monitored_words = 0,
                                       .loopback = 254,
+                                      .wide_counters = true,
                                       .special_function_modules = false};
 
 /// Those of the Ethernet module that goes with a CPU.
@@ -83,6 +90,9 @@ class Commands1e {
   Outcome1e write_words(FieldReader& data, can::Time now);
   Outcome1e test_bits(FieldReader& data, can::Time now);
   Outcome1e test_words(FieldReader& data, can::Time now);
+  Outcome1e register_monitor(FieldReader& data, bool words);
+  Outcome1e monitor_bits(FieldReader& data, FieldWriter& out, can::Time now);
+  Outcome1e monitor_words(FieldReader& data, FieldWriter& out, can::Time now);
   Outcome1e read_buffer(FieldReader& data, FieldWriter& out, can::Time now);
   Outcome1e write_buffer(FieldReader& data, can::Time now);
   Outcome1e read_model(FieldWriter& out) const;
@@ -90,6 +100,12 @@ class Commands1e {
 
   /// The device a request names; false: there is none with this code.
   static bool read_device(FieldReader& data, Point& point);
+  /// C200 and further of an FX3: the low words of their values are CN, the high ones HCN.
+  [[nodiscard]] bool is_wide(const Point& point) const noexcept {
+    return rules_.wide_counters && point.device == Device::cn && point.number >= first_wide_counter;
+  }
+  Outcome1e read_wide_counters(const Point& first, std::uint16_t count, FieldWriter& out, can::Time now);
+  static void answer_bits(std::span<const std::uint8_t> bits, FieldWriter& out);
   /// Whether `count` points (bit devices: single ones, or words of 16) can be accessed.
   [[nodiscard]] Outcome1e check(const Point& point, std::uint32_t count, bool words) const;
   [[nodiscard]] Outcome1e check_buffer(std::uint16_t head_address, std::uint32_t start,
@@ -98,8 +114,13 @@ class Commands1e {
   Rack& rack_;
   const Rules1e& rules_;
   std::array<std::uint16_t, 256> words_{};
+  std::array<std::uint16_t, 256> high_words_{};  // of 32-bit counters
   std::array<std::uint8_t, 256> bits_{};
   std::array<Point, 256> points_{};
+  std::array<Point, 40> monitored_bits_{};
+  std::array<Point, 20> monitored_words_{};
+  std::size_t monitored_bit_count_ = 0;
+  std::size_t monitored_word_count_ = 0;
 };
 
 }  // namespace canopus::plc::melsec

@@ -42,4 +42,40 @@ std::string_view end_code_text(std::uint16_t code) noexcept {
   return "unknown end code";
 }
 
+namespace {
+
+std::string_view end_code_1e_text(std::uint8_t code, std::uint8_t abnormal_code) {
+  switch (code) {
+    case 0x50: return "unknown command";
+    case 0x54: return "ASCII text that is no number";
+    case 0x55: return "writing while the CPU runs is not enabled";
+    case 0x56: return "the CPU does not have this device";
+    case 0x57: return "too many points, or beyond the CPU's last one";
+    case 0x58: return "device number beyond the CPU's last one, or a word device in bits";
+    case 0x5B: break;
+    case 0x60: return "no answer from the CPU";
+    default: return "unknown end code";
+  }
+  switch (abnormal_code) {
+    case 0x10: return "the request is for another PC number";
+    case 0x11: return "no communication between CPU and Ethernet module";
+    case 0x12: return "no module with this number";
+    case 0x18: return "remote RUN or STOP is not possible";
+    default: return "error detected by the CPU";
+  }
+}
+
+std::string hexadecimal(std::uint8_t value) {
+  constexpr std::string_view digits = "0123456789ABCDEF";
+  return {digits[value >> 4U], digits[value & 0xFU], 'H'};
+}
+
+}  // namespace
+
+std::string describe_end_code_1e(std::uint8_t end_code, std::uint8_t abnormal_code) {
+  std::string text = hexadecimal(end_code);
+  if (end_code == 0x5B) text += ' ' + hexadecimal(abnormal_code);
+  return (text += ": ") += end_code_1e_text(end_code, abnormal_code);
+}
+
 }  // namespace canopus::plc::melsec

@@ -4,6 +4,7 @@
 // them a real CPU was seen to answer in which case.
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 namespace canopus::plc::melsec {
@@ -40,5 +41,7 @@ enum class EndCode : std::uint16_t {
 
 /// What an end code means, in a few words; for any number, known or not.
 [[nodiscard]] std::string_view end_code_text(std::uint16_t code) noexcept;
+/// The same for 1E frames: "58H: ...", "5BH 10H: ..."; `abnormal_code` counts behind 5BH alone.
+[[nodiscard]] std::string describe_end_code_1e(std::uint8_t end_code, std::uint8_t abnormal_code);
 
 }  // namespace canopus::plc::melsec

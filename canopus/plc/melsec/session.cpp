@@ -29,6 +29,7 @@ std::size_t head_of_1e(std::span<const std::uint8_t> text) {
   constexpr std::size_t header = 8;
   if (text.size() < 2) return text.size();
   if (text[0] == '1') return text[1] == '6' ? header + 2 : header;
+  if (text[1] == '8' || text[1] == '9') return header;  // reading what is monitored
   const bool is_buffer_memory = text[1] == 'E' || text[1] == 'F' || text[1] == 'e' || text[1] == 'f';
   return is_buffer_memory ? header + 12 : header + 16;
 }
@@ -87,7 +88,7 @@ Session::Step Session::next_3e(std::span<const std::uint8_t> waiting, can::Time 
 Session::Step Session::next_1e(std::span<std::uint8_t> waiting, can::Time now) {
   const std::size_t head = *code_ == DataCode::ascii ? std::min(head_of_1e(waiting), waiting.size()) : 0;
   capitalize(waiting.first(head));
-  const Request1e request = read_request_1e(waiting, *code_);
+  const Request1e request = read_request_1e(waiting, *code_, rules_1e_.wide_counters);
   switch (request.state) {
     case Request1e::State::incomplete: return {};
     case Request1e::State::unknown: refuse_1e(request.subheader, EndCode1e::unknown_subheader); break;
@@ -126,7 +127,7 @@ void Session::datagram(std::span<const std::uint8_t> request, can::Time now) {
       std::ranges::copy(request, input_.begin());
       const auto copy = std::span(input_).first(request.size());
       if (*code_ == DataCode::ascii) capitalize(copy.first(std::min(head_of_1e(copy), copy.size())));
-      const Request1e found = read_request_1e(copy, *code_);
+      const Request1e found = read_request_1e(copy, *code_, rules_1e_.wide_counters);
       const bool fits = found.state != Request1e::State::incomplete &&
                         (found.state != Request1e::State::complete || found.size == request.size());
       if (fits)

@@ -40,7 +40,8 @@ class Session {
       : settings_(std::move(settings)),
         code_(settings_.code),
         commands_(rack, settings_, guard),
-        commands_1e_(rack, rules_1e_of(rack.model())) {}
+        rules_1e_(rules_1e_of(rack.model())),
+        commands_1e_(rack, rules_1e_) {}
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
@@ -88,6 +89,7 @@ class Session {
   PortSettings settings_;
   std::optional<DataCode> code_;
   Commands commands_;
+  const Rules1e& rules_1e_;
   Commands1e commands_1e_;
   bool over_ = false;
   std::size_t input_size_ = 0;
