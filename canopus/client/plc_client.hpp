@@ -1,7 +1,6 @@
 #pragma once
-// A client of the MELSEC communication protocol over one blocking TCP connection, for the command line.
+// A client of a PLC for the command line: the MC protocol in 1E, 3E and 4E frames over TCP and UDP, and Modbus TCP.
 
-#include <chrono>
 #include <cstdint>
 #include <expected>
 #include <memory>
@@ -9,55 +8,41 @@
 #include <string>
 #include <vector>
 
-#include "canopus/plc/melsec/field.hpp"
-#include "canopus/plc/melsec/target.hpp"
+#include "canopus/client/plc_link.hpp"
+#include "canopus/client/plc_point.hpp"
+#include "canopus/client/plc_protocol.hpp"
 
 namespace canopus::client {
 
-struct PlcConnection {
-  std::string host = "127.0.0.1";
-  std::uint16_t port = 5007;
-  bool frame_4e = false;
-  bool ascii = false;
-  std::chrono::milliseconds timeout{3000};  ///< to connect, and for each reply
-};
-
 class PlcClient {
  public:
-  /// What could not be done, as a sentence: "127.0.0.1:5007: Connection refused", or the PLC's end code in
-  /// hexadecimal and words.
   template <typename Value>
-  using Result = std::expected<Value, std::string>;
+  using Result = PlcProtocol::Result<Value>;
 
+  /// Connects, and unlocks the port when there is a remote password.
   [[nodiscard]] static Result<PlcClient> connect(const PlcConnection& connection);
-  PlcClient(PlcClient&&) noexcept;
-  PlcClient& operator=(PlcClient&&) noexcept;
-  ~PlcClient();
+  /// Locks a port of UDP again, which a TCP port does by itself when the connection ends.
+  Result<void> leave();
 
-  /// Any number of words from the target on; several requests when one cannot hold them.
-  Result<std::vector<std::uint16_t>> read_words(const plc::melsec::Target& target, std::uint32_t count);
-  Result<void> write_words(const plc::melsec::Target& target, std::span<const std::uint16_t> words);
-  /// Bit devices: 0 or 1 per point.
-  Result<std::vector<std::uint8_t>> read_bits(const plc::melsec::Target& target, std::uint32_t count);
-  Result<void> write_bits(const plc::melsec::Target& target, std::span<const std::uint8_t> bits);
+  /// Any number of words from the point on; several requests when one cannot hold them. Of a bit device 16 points
+  /// are a word.
+  Result<std::vector<std::uint16_t>> read_words(const PlcPoint& first, std::uint32_t count);
+  Result<void> write_words(const PlcPoint& first, std::span<const std::uint16_t> words);
+  /// 0 or 1 per point.
+  Result<std::vector<std::uint8_t>> read_bits(const PlcPoint& first, std::uint32_t count);
+  Result<void> write_bits(const PlcPoint& first, std::span<const std::uint8_t> bits);
 
-  /// Remote RUN, forced when another client stopped the CPU; nothing is cleared.
-  Result<void> remote_run();
-  Result<void> remote_stop();
-  /// Remote PAUSE, forced when another client stopped the CPU.
-  Result<void> remote_pause();
-
-  struct Type {
-    std::string name;
-    std::uint16_t code = 0;
-  };
-  Result<Type> read_type();
+  Result<void> operate(PlcOperation operation) { return protocol_->operate(operation); }
+  Result<PlcType> read_type() { return protocol_->read_type(); }
 
  private:
-  struct Parts;
-  explicit PlcClient(std::unique_ptr<Parts> parts) noexcept;
+  PlcClient(std::unique_ptr<PlcLink> link, std::unique_ptr<PlcProtocol> protocol) noexcept;
 
-  std::unique_ptr<Parts> parts_;
+  std::unique_ptr<PlcLink> link_;
+  std::unique_ptr<PlcProtocol> protocol_;
 };
+
+/// Why a point cannot be reached in this frame, as a sentence; empty: it can. `octal`: the PLC is an FX.
+[[nodiscard]] std::string why_not_reached(const PlcPoint& point, PlcConnection::Frame frame, bool octal);
 
 }  // namespace canopus::client

@@ -4,18 +4,25 @@
 #include <cstdint>
 #include <expected>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "canopus/client/plc_client.hpp"
+#include "canopus/client/plc_point.hpp"
 
 namespace canopus::cli {
 
 struct PlcArguments {
-  client::PlcConnection connection;
+  client::PlcConnection connection;  ///< frame and port: as the flags below say
+  std::optional<std::uint16_t> port{};
   bool frame_3e = false;
+  bool frame_4e = false;
+  bool frame_1e = false;
+  bool modbus = false;
+  std::optional<unsigned> unit{};  ///< of Modbus
   std::string timeout = "3s";
   bool octal = false;  ///< X and Y
   std::string module;  ///< whose names of words are meant
@@ -40,31 +47,35 @@ inline constexpr int usage = 2;
 /// Prints the message, and returns the code.
 int complain(int exit_code, const std::string& message);
 
+[[nodiscard]] client::PlcConnection::Frame frame_of(const PlcArguments& arguments) noexcept;
+[[nodiscard]] client::PlcNotation notation_of(const PlcArguments& arguments) noexcept;
+
 /// Connects, then does it. Everything else on the command line has been understood by then.
 int with_client(const PlcArguments& arguments, const std::function<int(client::PlcClient&)>& action);
 
-/// A device, U\G, or a name as U0:error_status.
-[[nodiscard]] std::expected<plc::melsec::Target, std::string> plc_target(std::string_view text,
-                                                                         const PlcArguments& arguments);
-[[nodiscard]] std::string shown_address(const plc::melsec::Target& target, const PlcArguments& arguments,
+/// A device, U\G, or a name as U0:error_status; with --modbus an AS300's device or an address.
+[[nodiscard]] std::expected<client::PlcPoint, std::string> plc_point(std::string_view text,
+                                                                     const PlcArguments& arguments);
+[[nodiscard]] std::string shown_address(const client::PlcPoint& point, const PlcArguments& arguments,
                                         std::uint32_t offset = 0);
-[[nodiscard]] bool is_bit(const plc::melsec::Target& target);
 
-/// Points from a target on, as numbers: 0 and 1 of a bit device.
-[[nodiscard]] client::PlcClient::Result<std::vector<std::uint16_t>> read_values(
-    client::PlcClient& client, const plc::melsec::Target& target, std::uint32_t count);
+/// Points from a point on, as numbers: 0 and 1 of a bit device.
+[[nodiscard]] client::PlcClient::Result<std::vector<std::uint16_t>> read_values(client::PlcClient& client,
+                                                                                const client::PlcPoint& point,
+                                                                                std::uint32_t count);
 /// The values of arguments.count points, as they are shown.
-[[nodiscard]] client::PlcClient::Result<std::vector<std::string>> read_points(
-    client::PlcClient& client, const plc::melsec::Target& target, const PlcArguments& arguments);
+[[nodiscard]] client::PlcClient::Result<std::vector<std::string>> read_points(client::PlcClient& client,
+                                                                              const client::PlcPoint& point,
+                                                                              const PlcArguments& arguments);
 
 /// Writes, and reads back unless that is not wanted.
-int write_and_verify(client::PlcClient& client, const plc::melsec::Target& target,
-                     const PlcArguments& arguments, std::span<const std::uint8_t> bits);
-int write_and_verify(client::PlcClient& client, const plc::melsec::Target& target,
-                     const PlcArguments& arguments, std::span<const std::uint16_t> words);
+int write_and_verify(client::PlcClient& client, const client::PlcPoint& point, const PlcArguments& arguments,
+                     std::span<const std::uint8_t> bits);
+int write_and_verify(client::PlcClient& client, const client::PlcPoint& point, const PlcArguments& arguments,
+                     std::span<const std::uint16_t> words);
 
 // Subcommands with a source of their own.
-int watch_plc(const plc::melsec::Target& target, const PlcArguments& arguments);
+int watch_plc(const client::PlcPoint& point, const PlcArguments& arguments);
 int dump_plc(const PlcArguments& arguments);
 int load_plc(const PlcArguments& arguments);
 int list_plc_names();

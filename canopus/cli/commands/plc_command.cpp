@@ -25,21 +25,23 @@ namespace canopus::cli {
 
 namespace {
 
-using plc::melsec::Target;
+using client::PlcPoint;
 using Arguments = PlcArguments;
 
-int read(const Target& target, const Arguments& arguments) {
+int read(const PlcPoint& point, const Arguments& arguments) {
   return with_client(arguments, [&](client::PlcClient& client) {
-    const auto texts = read_points(client, target, arguments);
+    const auto texts = read_points(client, point, arguments);
     if (!texts) return complain(refused, texts.error());
-    const std::size_t width = shown_address(target, arguments, arguments.count - 1).size();
+    std::size_t width = 0;  // X0.15 is longer than X1.0
     for (std::uint32_t i = 0; i < texts->size(); ++i)
-      print_line("{:<{}}  {}", shown_address(target, arguments, i), width, (*texts)[i]);
+      width = std::max(width, shown_address(point, arguments, i).size());
+    for (std::uint32_t i = 0; i < texts->size(); ++i)
+      print_line("{:<{}}  {}", shown_address(point, arguments, i), width, (*texts)[i]);
     return done;
   });
 }
 
-int write_bits(const Target& target, const Arguments& arguments) {
+int write_bits(const PlcPoint& point, const Arguments& arguments) {
   std::vector<std::uint8_t> bits;
   for (const std::string& text : arguments.values) {
     const auto bit = client::parse_plc_bit(text);
@@ -47,11 +49,11 @@ int write_bits(const Target& target, const Arguments& arguments) {
     bits.push_back(*bit ? 1 : 0);
   }
   return with_client(arguments, [&](client::PlcClient& client) {
-    return write_and_verify(client, target, arguments, std::span<const std::uint8_t>(bits));
+    return write_and_verify(client, point, arguments, std::span<const std::uint8_t>(bits));
   });
 }
 
-int write_words(const Target& target, const Arguments& arguments) {
+int write_words(const PlcPoint& point, const Arguments& arguments) {
   std::vector<std::uint16_t> words;
   for (const std::string& text : arguments.values) {
     const auto word = client::parse_plc_word(text);
@@ -59,55 +61,81 @@ int write_words(const Target& target, const Arguments& arguments) {
     words.push_back(*word);
   }
   return with_client(arguments, [&](client::PlcClient& client) {
-    return write_and_verify(client, target, arguments, std::span<const std::uint16_t>(words));
+    return write_and_verify(client, point, arguments, std::span<const std::uint16_t>(words));
   });
 }
 
-int write(const Target& target, const Arguments& arguments) {
-  return is_bit(target) ? write_bits(target, arguments) : write_words(target, arguments);
+int write(const PlcPoint& point, const Arguments& arguments) {
+  return point.is_bit() ? write_bits(point, arguments) : write_words(point, arguments);
 }
 
-int switch_bit(const Target& target, const Arguments& arguments, bool on) {
-  if (!is_bit(target))
+int switch_bit(const PlcPoint& point, const Arguments& arguments, bool on) {
+  if (!point.is_bit())
     return complain(
-        usage, shown_address(target, arguments) + " is a word; set and reset take bit devices (Y1, M100)");
+        usage, shown_address(point, arguments) + " is a word; set and reset take bit devices (Y1, M100)");
   return with_client(arguments, [&](client::PlcClient& client) {
     const std::uint8_t bit = on ? 1 : 0;
-    return write_and_verify(client, target, arguments, std::span<const std::uint8_t>(&bit, 1));
+    return write_and_verify(client, point, arguments, std::span<const std::uint8_t>(&bit, 1));
   });
 }
 
-/// A CPU in STOP answers 0000H, too, and stays in STOP [SH-080931 11.2].
-int pause(client::PlcClient& client) {
-  if (const auto paused = client.remote_pause(); !paused) return complain(refused, paused.error());
-  const auto stopped = client.read_bits({.device = plc::Device::sm, .number = 203}, 1);
+int operate(const Arguments& arguments, client::PlcOperation operation,
+            const std::function<int(client::PlcClient&)>& then) {
+  if (arguments.modbus) return complain(usage, "Modbus TCP has no remote operation of a CPU");
+  if (arguments.frame_1e && operation == client::PlcOperation::pause)
+    return complain(usage, "1E frames have no remote PAUSE; 3E frames do");
+  return with_client(arguments, [&](client::PlcClient& client) {
+    const auto result = client.operate(operation);
+    return result ? then(client) : complain(refused, result.error());
+  });
+}
+
+int no_more(client::PlcClient& /*client*/) { return done; }
+
+/// A CPU in STOP answers PAUSE with 0000H, too, and stays in STOP [SH-080931 11.2].
+int look_for_pause(client::PlcClient& client) {
+  const auto stopped = client.read_bits({.at = {.device = plc::Device::sm, .number = 203}}, 1);
   if (!stopped || stopped->front() == 0) return done;
   return complain(refused, "the CPU is in STOP and stays there: PAUSE is reached from RUN alone");
 }
 
-int type(client::PlcClient& client) {
+int type(client::PlcClient& client, const Arguments& arguments) {
   const auto found = client.read_type();
   if (!found) return complain(refused, found.error());
-  print_line("{}  {:04X}H", found->name, found->code);
+  if (arguments.modbus) {
+    print_line("{}", found->name);
+  } else {
+    print_line("{}  {:04X}H", found->name, found->code);
+  }
   return done;
 }
 
-int with_target(const Arguments& arguments,
-                const std::function<int(const Target&, const Arguments&)>& action) {
-  const auto target = plc_target(arguments.address, arguments);
-  return target ? action(*target, arguments) : complain(usage, target.error());
+int with_point(const Arguments& arguments,
+               const std::function<int(const PlcPoint&, const Arguments&)>& action) {
+  const auto point = plc_point(arguments.address, arguments);
+  return point ? action(*point, arguments) : complain(usage, point.error());
 }
 
 void add_connection_options(CLI::App& command, Arguments& arguments) {
   command.add_option("--host", arguments.connection.host, "the PLC's address")->capture_default_str();
-  command.add_option("--port", arguments.connection.port, "TCP port")
+  command.add_option("--port", arguments.port, "of the PLC [5007, with --modbus 502]")
       ->type_name("PORT")
-      ->check(number_from(1, 65535))
-      ->capture_default_str();
-  auto* frame_3e = command.add_flag("--3e", arguments.frame_3e, "3E frames (the default)");
-  command.add_flag("--4e", arguments.connection.frame_4e, "4E frames, with serial numbers")
-      ->excludes(frame_3e);
+      ->check(number_from(1, 65535));
+  command.add_flag("--3e", arguments.frame_3e, "3E frames (the default)");
+  command.add_flag("--4e", arguments.frame_4e, "4E frames, with serial numbers");
+  command.add_flag("--1e", arguments.frame_1e, "1E frames (A-compatible)");
+  command.add_flag("--modbus", arguments.modbus,
+                   "Modbus TCP: an AS300 by its devices, any other PLC by addresses");
   command.add_flag("--ascii", arguments.connection.ascii, "ASCII instead of binary");
+  command.add_flag("--udp", arguments.connection.udp, "UDP instead of TCP");
+  command
+      .add_option("--password", arguments.connection.remote_password,
+                  "remote password of the port; in the variable nobody sees it in the list of processes")
+      ->envname("CANOPUS_PLC_PASSWORD")
+      ->type_name("TEXT");
+  command.add_option("--unit", arguments.unit, "Modbus: unit identifier [255: whoever has the port]")
+      ->type_name("0-255")
+      ->check(number_from(0, 255));
   command.add_option("--timeout", arguments.timeout, "to connect and for each answer")->capture_default_str();
   command.add_flag("--octal", arguments.octal, "X and Y are counted in octal, as by an FX");
   command.add_option("--module", arguments.module, "whose words a name as U0:error_status is about")
@@ -138,12 +166,14 @@ void add_reading_options(CLI::App& command, Arguments& arguments) {
 
 void add_plc_command(CLI::App& app, int& exit_code) {
   const auto arguments = std::make_shared<Arguments>();
-  CLI::App& plc = *app.add_subcommand("plc", "Read and write a PLC over the MELSEC communication protocol");
+  CLI::App& plc =
+      *app.add_subcommand("plc", "Read and write a PLC over the MELSEC communication protocol or Modbus TCP");
   plc.require_subcommand(1);
   plc.footer(
       "Addresses: D100, M0, X1F (X Y B W SB SW in hexadecimal), U3\\G256 for buffer memory; quote the "
       "backslash.\n"
       "U3:error_status is buffer memory by the name of the module's manual (canopus plc names).\n"
+      "With --modbus: an AS300's D100, SR7, M0, X0.5, X0 (word), or coil:5 discrete:5 holding:5 input:5.\n"
       "What is written is read back: a CPU answers as if all were well when a word or an input cannot be "
       "written.\n"
       "Exit code: 0 done, 1 the PLC refused, shows something else than what was written, or could not be "
@@ -157,11 +187,11 @@ void add_plc_command(CLI::App& app, int& exit_code) {
     return &command;
   };
 
-  auto* reading = add("read", "Show words or bits", [arguments] { return with_target(*arguments, read); });
+  auto* reading = add("read", "Show words or bits", [arguments] { return with_point(*arguments, read); });
   add_address(*reading, *arguments, "the first device or buffer memory address");
   add_reading_options(*reading, *arguments);
 
-  auto* writing = add("write", "Write words or bits", [arguments] { return with_target(*arguments, write); });
+  auto* writing = add("write", "Write words or bits", [arguments] { return with_point(*arguments, write); });
   add_address(*writing, *arguments, "the first device or buffer memory address");
   writing->add_option("VALUE", arguments->values, "1234, -5, 0x4D2, 4D2H; ON or OFF for bits")->required();
   add_verify_option(*writing, *arguments);
@@ -169,8 +199,8 @@ void add_plc_command(CLI::App& app, int& exit_code) {
   for (const bool on : {true, false}) {
     auto* switching =
         add(on ? "set" : "reset", on ? "Turn a bit device ON" : "Turn a bit device OFF", [arguments, on] {
-          return with_target(*arguments, [on](const Target& target, const Arguments& all) {
-            return switch_bit(target, all, on);
+          return with_point(*arguments, [on](const PlcPoint& point, const Arguments& all) {
+            return switch_bit(point, all, on);
           });
         });
     add_address(*switching, *arguments, "Y1, M100");
@@ -178,7 +208,7 @@ void add_plc_command(CLI::App& app, int& exit_code) {
   }
 
   auto* watching = add("watch", "Show values and then every change, with its time",
-                       [arguments] { return with_target(*arguments, watch_plc); });
+                       [arguments] { return with_point(*arguments, watch_plc); });
   add_address(*watching, *arguments, "the first device or buffer memory address");
   add_reading_options(*watching, *arguments);
   watching->add_option("--interval", arguments->interval, "time between two readings")->capture_default_str();
@@ -204,22 +234,13 @@ void add_plc_command(CLI::App& app, int& exit_code) {
     exit_code = list_plc_names();
   });
 
-  add("run", "Remote RUN", [arguments] {
-    return with_client(*arguments, [](client::PlcClient& client) {
-      const auto result = client.remote_run();
-      return result ? done : complain(refused, result.error());
-    });
-  });
-  add("stop", "Remote STOP", [arguments] {
-    return with_client(*arguments, [](client::PlcClient& client) {
-      const auto result = client.remote_stop();
-      return result ? done : complain(refused, result.error());
-    });
-  });
+  using client::PlcOperation;
+  add("run", "Remote RUN", [arguments] { return operate(*arguments, PlcOperation::run, no_more); });
+  add("stop", "Remote STOP", [arguments] { return operate(*arguments, PlcOperation::stop, no_more); });
   add("pause", "Remote PAUSE: the program stops, outputs stay as they are",
-      [arguments] { return with_client(*arguments, pause); });
+      [arguments] { return operate(*arguments, PlcOperation::pause, look_for_pause); });
   add("type", "Show the CPU's name and code", [arguments] {
-    return with_client(*arguments, [](client::PlcClient& client) { return type(client); });
+    return with_client(*arguments, [&](client::PlcClient& client) { return type(client, *arguments); });
   });
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// `canopus plc ...`: reads and writes a PLC over the MELSEC communication protocol, our own or a real one.
+// `canopus plc ...`: reads and writes a PLC over the MELSEC communication protocol or Modbus TCP, our own or a real one.
 
 namespace CLI {
 class App;

@@ -12,6 +12,7 @@
 #include "canopus/cli/commands/plc_access.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/client/plc_address.hpp"
+#include "canopus/client/plc_point.hpp"
 #include "canopus/text/file_text.hpp"
 #include "canopus/text/printable.hpp"
 
@@ -19,41 +20,36 @@ namespace canopus::cli {
 
 namespace {
 
-using plc::melsec::Target;
+using client::PlcPoint;
 
 constexpr std::string_view header = "address,value";
 constexpr std::uint32_t most_points = 1U << 20U;  // of one range
 
 struct Range {
-  Target first;
+  PlcPoint first;
   std::uint32_t count = 1;
 };
-
-bool same_kind(const Target& a, const Target& b) {
-  return a.is_buffer == b.is_buffer &&
-         (a.is_buffer ? a.head_address == b.head_address : a.device == b.device);
-}
 
 /// "D100..D199", or one address.
 std::expected<Range, std::string> parse_range(const std::string& text, const PlcArguments& arguments) {
   const std::size_t dots = text.find("..");
-  const auto first = plc_target(text.substr(0, dots), arguments);
+  const auto first = plc_point(text.substr(0, dots), arguments);
   if (!first) return std::unexpected(first.error());
   if (dots == std::string::npos) return Range{*first, 1};
-  const auto last = plc_target(text.substr(dots + 2), arguments);
+  const auto last = plc_point(text.substr(dots + 2), arguments);
   if (!last) return std::unexpected(last.error());
-  if (!same_kind(*first, *last) || last->number < first->number) {
+  if (!first->is_in_one_row_with(*last) || last->at.number < first->at.number) {
     return std::unexpected(fmt::format("'{}' is no range; expected for example D100..D199", text));
   }
-  if (last->number - first->number >= most_points) {
+  if (last->at.number - first->at.number >= most_points) {
     return std::unexpected(fmt::format("'{}' has more than {} points", text, most_points));
   }
-  return Range{*first, last->number - first->number + 1};
+  return Range{*first, last->at.number - first->at.number + 1};
 }
 
 /// Points that follow each other, to be written at once.
 struct Block {
-  Target first;
+  PlcPoint first;
   std::vector<std::uint16_t> values;
 };
 
@@ -62,11 +58,11 @@ std::expected<void, std::string> read_line(std::string_view line, const PlcArgum
                                            std::vector<Block>& blocks) {
   const std::size_t comma = line.find(',');
   if (comma == std::string_view::npos) return std::unexpected(std::string("expected ADDRESS,VALUE"));
-  const auto target = plc_target(line.substr(0, comma), arguments);
-  if (!target) return std::unexpected(target.error());
+  const auto point = plc_point(line.substr(0, comma), arguments);
+  if (!point) return std::unexpected(point.error());
   const std::string_view text = line.substr(comma + 1);
   std::uint16_t value = 0;
-  if (is_bit(*target)) {
+  if (point->is_bit()) {
     const auto bit = client::parse_plc_bit(text);
     if (!bit) return std::unexpected(bit.error());
     value = *bit ? 1 : 0;
@@ -75,9 +71,9 @@ std::expected<void, std::string> read_line(std::string_view line, const PlcArgum
     if (!word) return std::unexpected(word.error());
     value = *word;
   }
-  const bool follows = !blocks.empty() && same_kind(blocks.back().first, *target) &&
-                       blocks.back().first.number + blocks.back().values.size() == target->number;
-  if (!follows) blocks.push_back({*target, {}});
+  const bool follows = !blocks.empty() && blocks.back().first.is_in_one_row_with(*point) &&
+                       blocks.back().first.at.number + blocks.back().values.size() == point->at.number;
+  if (!follows) blocks.push_back({*point, {}});
   blocks.back().values.push_back(value);
   return {};
 }
@@ -115,7 +111,7 @@ int dump_plc(const PlcArguments& arguments) {
       if (!values) return complain(refused, values.error());
       for (std::uint32_t i = 0; i < range.count; ++i) {
         const std::uint16_t value = (*values)[i];
-        const std::string text = !is_bit(range.first) ? std::to_string(value) : value != 0 ? "ON" : "OFF";
+        const std::string text = !range.first.is_bit() ? std::to_string(value) : value != 0 ? "ON" : "OFF";
         lines.push_back(shown_address(range.first, arguments, i) + ',' + text);
       }
     }
@@ -146,7 +142,7 @@ int load_plc(const PlcArguments& arguments) {
     std::size_t points = 0;
     for (const Block& block : *blocks) {
       int code = done;
-      if (is_bit(block.first)) {
+      if (block.first.is_bit()) {
         const std::vector<std::uint8_t> bits(block.values.begin(), block.values.end());
         code = write_and_verify(client, block.first, arguments, std::span<const std::uint8_t>(bits));
       } else {

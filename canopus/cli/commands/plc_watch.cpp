@@ -16,16 +16,17 @@ namespace canopus::cli {
 
 namespace {
 
-using plc::melsec::Target;
+using client::PlcPoint;
 using WatchClock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
 /// What a watch prints of one reading.
 class WatchPrinter {
  public:
-  WatchPrinter(const Target& target, const PlcArguments& arguments) : target_(target), arguments_(arguments) {
+  WatchPrinter(const PlcPoint& point, const PlcArguments& arguments) : point_(point), arguments_(arguments) {
     for (std::uint32_t i = 0; i < arguments.count; ++i)
-      addresses_.push_back(shown_address(target, arguments, i));
+      addresses_.push_back(shown_address(point, arguments, i));
+    for (const std::string& address : addresses_) width_ = std::max(width_, address.size());
     if (arguments.csv) print_line("{}", fmt::format("time,{}", fmt::join(addresses_, ",")));
   }
 
@@ -34,7 +35,7 @@ class WatchPrinter {
     texts_.resize(texts.size());
     for (std::size_t i = 0; i < texts.size(); ++i) {
       if (texts[i] == texts_[i]) continue;
-      print_line("{:9.3f} s  {:<{}}  {}", seconds, addresses_[i], addresses_.back().size(), texts[i]);
+      print_line("{:9.3f} s  {:<{}}  {}", seconds, addresses_[i], width_, texts[i]);
     }
     texts_ = texts;
   }
@@ -46,7 +47,7 @@ class WatchPrinter {
       shown.push_back(arguments_.as_signed ? static_cast<std::int16_t>(values[i])
                                            : static_cast<int>(values[i]));
       if (!values_.empty() && values[i] == values_[i]) continue;
-      json[addresses_[i]] = is_bit(target_) ? Json(values[i] != 0) : Json(shown.back());
+      json[addresses_[i]] = point_.is_bit() ? Json(values[i] != 0) : Json(shown.back());
     }
     if (arguments_.json) {
       print_line("{}", json.dump());
@@ -57,27 +58,28 @@ class WatchPrinter {
   }
 
  private:
-  const Target& target_;
+  const PlcPoint& point_;
   const PlcArguments& arguments_;
   std::vector<std::string> addresses_;
+  std::size_t width_ = 0;
   std::vector<std::string> texts_;
   std::vector<std::uint16_t> values_;
 };
 
-int watch_until(client::PlcClient& client, const Target& target, const PlcArguments& arguments,
+int watch_until(client::PlcClient& client, const PlcPoint& point, const PlcArguments& arguments,
                 WatchClock::duration interval, WatchClock::time_point start, WatchClock::time_point end) {
-  WatchPrinter printer(target, arguments);
+  WatchPrinter printer(point, arguments);
   WatchClock::time_point next = start;
   while (true) {
     const auto since_start = [start] {
       return std::chrono::duration<double>(WatchClock::now() - start).count();
     };
     if (arguments.csv || arguments.json) {
-      const auto values = read_values(client, target, arguments.count);
+      const auto values = read_values(client, point, arguments.count);
       if (!values) return complain(refused, values.error());
       printer.values(since_start(), *values);
     } else {
-      const auto texts = read_points(client, target, arguments);
+      const auto texts = read_points(client, point, arguments);
       if (!texts) return complain(refused, texts.error());
       printer.text(since_start(), *texts);
     }
@@ -91,7 +93,7 @@ int watch_until(client::PlcClient& client, const Target& target, const PlcArgume
 
 }  // namespace
 
-int watch_plc(const Target& target, const PlcArguments& arguments) {
+int watch_plc(const PlcPoint& point, const PlcArguments& arguments) {
   const auto interval = text::parse_duration(arguments.interval);
   if (!interval) return complain(usage, "--interval: " + interval.error());
   if (*interval < std::chrono::milliseconds(1)) return complain(usage, "--interval: expected at least 1ms");
@@ -103,7 +105,7 @@ int watch_plc(const Target& target, const PlcArguments& arguments) {
     end = start + *duration;
   }
   return with_client(arguments, [&](client::PlcClient& client) {
-    return watch_until(client, target, arguments, *interval, start, end);
+    return watch_until(client, point, arguments, *interval, start, end);
   });
 }
 

@@ -1,0 +1,66 @@
+#pragma once
+// A client's way to a PLC: one TCP connection, or UDP to one port; blocking, with a time-out.
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace canopus::client {
+
+/// What the PLC's port is set to.
+struct PlcConnection {
+  enum class Frame : std::uint8_t { frame_3e, frame_4e, frame_1e, modbus };
+
+  std::string host = "127.0.0.1";
+  std::uint16_t port = 5007;
+  Frame frame = Frame::frame_3e;
+  bool ascii = false;                       ///< not with Modbus
+  bool udp = false;                         ///< not with Modbus
+  bool octal = false;                       ///< 3E and 4E in ASCII write X and Y so, as an FX5 takes them
+  std::string remote_password{};            ///< 3E and 4E: unlocks the port first; empty: it has none
+  std::uint8_t unit = 255;                  ///< Modbus: unit identifier; 255: whoever has the port
+  std::chrono::milliseconds timeout{3000};  ///< to connect, and for each reply
+};
+
+class PlcLink {
+ public:
+  /// What could not be done, as a sentence that begins with the PLC's address.
+  template <typename Value>
+  using Result = std::expected<Value, std::string>;
+
+  explicit PlcLink(PlcConnection connection);
+  ~PlcLink();
+  PlcLink(const PlcLink&) = delete;
+  PlcLink& operator=(const PlcLink&) = delete;
+
+  [[nodiscard]] const PlcConnection& connection() const noexcept { return connection_; }
+  Result<void> open();
+  /// A whole request; over UDP one datagram.
+  Result<void> send(std::span<const std::uint8_t> request);
+  /// The next bytes of the reply, so many of them; over UDP out of its datagram.
+  Result<void> receive(std::span<std::uint8_t> into);
+  /// Nothing of the reply's datagram is left. A TCP connection has no such end.
+  [[nodiscard]] bool is_taken() const noexcept;
+
+  /// "127.0.0.1:5007: the answer is cut off"
+  [[nodiscard]] std::string failed(std::string_view what) const;
+  /// What came is no reply to the request.
+  [[nodiscard]] std::string not_a_reply() const;
+
+ private:
+  struct Parts;
+
+  [[nodiscard]] std::string nobody_there(std::string_view error) const;
+  [[nodiscard]] std::string no_answer() const;
+  bool finish();
+
+  PlcConnection connection_;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace canopus::client

@@ -1,0 +1,51 @@
+#pragma once
+// What a client reads and writes: devices and buffer memory of a MELSEC PLC, devices of an AS300, Modbus addresses.
+
+#include <cstdint>
+#include <expected>
+#include <string>
+#include <string_view>
+
+#include "canopus/plc/rack/rack_address.hpp"
+
+namespace canopus::client {
+
+struct PlcPoint {
+  enum class Kind : std::uint8_t {
+    rack,           ///< a device, or buffer memory
+    words_of_bits,  ///< X3 of an AS300: X3.0 to X3.15 as one word; the number counts words
+    coils,          ///< from here on the number is a Modbus address
+    discrete_inputs,
+    holding_registers,
+    input_registers,
+  };
+
+  Kind kind = Kind::rack;
+  plc::RackAddress at{};
+
+  /// One point is a bit, else a word.
+  [[nodiscard]] bool is_bit() const noexcept;
+  /// Both are points of one row, which their numbers tell apart.
+  [[nodiscard]] bool is_in_one_row_with(const PlcPoint& other) const noexcept;
+  [[nodiscard]] PlcPoint further(std::size_t points) const noexcept {
+    PlcPoint point = *this;
+    point.at.number += static_cast<std::uint32_t>(points);
+    return point;
+  }
+};
+
+/// How people write them.
+enum class PlcNotation : std::uint8_t {
+  melsec,
+  melsec_octal,  ///< X and Y are counted in octal
+  modbus         ///< an AS300's devices (D100, SR7, X0.5, X0), and coil:5 discrete:5 holding:5 input:5
+};
+
+/// "D100", "U0\G25"; the error says what was expected.
+[[nodiscard]] std::expected<PlcPoint, std::string> parse_plc_point(std::string_view text,
+                                                                   PlcNotation notation);
+
+/// The point `offset` further, as parse_plc_point() reads it.
+[[nodiscard]] std::string to_text(const PlcPoint& point, std::uint32_t offset, PlcNotation notation);
+
+}  // namespace canopus::client
