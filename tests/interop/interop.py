@@ -24,7 +24,7 @@ import port_checks  # noqa: F401
 import real_time_checks  # noqa: F401
 import screen_checks  # noqa: F401
 import step_checks  # noqa: F401
-from kit import (DEVICE_FILES, HERE, PATIENCE, PYTHON, ROOT, Skip, args, check, checks, command, first_plant, first_plant_file,
+from kit import (DEVICE_FILES, HERE, PATIENCE, PYTHON, ROOT, Skip, args, check, checks, command, covers, first_plant, first_plant_file,
                  host_port, node_modules, program, require, running, scratch, until)
 
 
@@ -210,8 +210,8 @@ def connections_of(plant):
     return found
 
 
-def many_devices_plant(moving=False):
-    """Every real device file on one bus under one ME3CAN1-Q, configured as a network tool would do it: heartbeat,
+def many_devices_plant(moving=False, model="ME3CAN1-Q"):
+    """Every real device file on one bus under one module as NMT master, configured as a network tool would do it: heartbeat,
     event-driven TPDO1 on the default COB-ID, as far as the device has these objects. With `moving` the first object of
     each TPDO1 that the file describes counts, and the words it arrives in are watched."""
     bus = '[plant]\nname = "many makers"\n[[bus]]\nname = "line1"\nbit_rate = 1_000_000\n'
@@ -239,9 +239,10 @@ def many_devices_plant(moving=False):
                 text += motion
         devices.append(text)
         used[node] = path.stem
-    module = ('[[plc]]\nname = "plc1"\nlisten = "off"\n[[plc.module]]\nmodel = "ME3CAN1-Q"\nhead = 0\nnode = 1\n'
-              'master = true\nexchange = "10ms"\nslaves = "all"\n')
-    path = scratch / f"many-makers{'-moving' if moving else ''}.toml"
+    family = "iQ-R" if model == "RJ71CN91" else "Q"
+    module = (f'[[plc]]\nname = "plc1"\nfamily = "{family}"\nlisten = "off"\n[[plc.module]]\nmodel = "{model}"\nhead = 0\n'
+              'node = 1\nmaster = true\nexchange = "10ms"\nslaves = "all"\n')
+    path = scratch / f"many-makers-{model}{'-moving' if moving else ''}.toml"
     path.write_text(bus + "".join(devices) + module)
     words = connections_of(path)
     watch = [600 + n for n in used] + [w for words_of, _ in words.values() for w in words_of]
@@ -272,6 +273,19 @@ def a_plant_of_real_device_files_boots():
     wrong = {name: values.get(600 + node) for node, name in used.items() if values.get(600 + node, [None])[-1] != 5}
     require(not wrong, f"NMT state words that do not end with 5: {wrong}")
     print(f"    {len(used)} real device files operational, TPDO1 of {len(words)} connected")
+
+
+@check
+@covers("RJ71-STARTUP-007")
+def an_rj71cn91_boots_a_plant_of_real_device_files():
+    path, used, words = many_devices_plant(model="RJ71CN91")
+    require(len(used) >= 20, f"only {len(used)} real device files can be used")
+    values, summary = run_and_collect(path, scratch / "many-makers-rj71cn91.log")
+    down = [n["name"] for n in summary["nodes"] if n["state"] != "operational"]
+    require(not down, f"not operational: {down}")
+    wrong = {name: values.get(600 + node) for node, name in used.items() if values.get(600 + node, [None])[-1] != 5}
+    require(not wrong, f"NMT state words that do not end with 5: {wrong}")
+    print(f"    {len(used)} real device files operational under an RJ71CN91, TPDO1 of {len(words)} connected")
 
 
 @check

@@ -16,14 +16,14 @@ from canopus_plc import Plc, PlcError  # noqa: E402
 import me3can1q  # noqa: E402
 
 
-def example_plant(name, changes=()):
+def example_plant(name, changes=(), folder=EXAMPLES):
     """An example's plant file with servers on free ports."""
-    text = (EXAMPLES / f"{name}.toml").read_text()
+    text = (folder / f"{name}.toml").read_text()
     devices = [('"../devices/', f'"{ROOT}/examples/devices/')] if '"../devices/' in text else []
     for old, new in [("127.0.0.1:5007", "127.0.0.1:0"), ("127.0.0.1:29536", "127.0.0.1:0"), *devices, *changes]:
         require(old in text, f"{name}.toml has no {old}")
         text = text.replace(old, new)
-    path = scratch / f"example-{name}.toml"
+    path = scratch / f"example-{folder.name}-{name}.toml"
     path.write_text(text)
     return path
 
@@ -52,10 +52,10 @@ def in_order(frames, expected):
         require(wanted in left, f"{identifier:03X} [{data}] did not come, or not in the expected order")
 
 
-def run_example(name):
+def run_example(name, folder=EXAMPLES):
     """(what the script printed, the frames of the bus)"""
-    with running(example_plant(name)) as plant:
-        done = command(sys.executable, EXAMPLES / f"{name}.py", *host_port(plant.mc))
+    with running(example_plant(name, folder=folder)) as plant:
+        done = command(sys.executable, folder / f"{name}.py", *host_port(plant.mc))
         code, errors = plant.stop()
         require(code == 0, f"exit code {code}: {errors}")
         return done.stdout, recorded(plant.trace)
@@ -115,6 +115,38 @@ def example_starts_an_me3can1_q_up_in_layer_2_mode():
     require(all(identifier in (0x77F, 0x0FF, 0x123, 0x182, 0x222, 0x321) for identifier, _ in frames), "other frames came")
 
 
+RJ71CN91_EXAMPLES = ROOT / "examples/rj71cn91"
+
+
+@check
+@covers("RJ71-PARAM-008 RJ71-CM-001")
+def example_starts_an_rj71cn91_up():
+    """Without the configuration tool: App. 5."""
+    printed, frames = run_example("startup", RJ71CN91_EXAMPLES)
+    for line in ("the network is Operational: nodes 1 and 2", "its inputs 5A", "node 2 has a heartbeat of 200 ms, G402 = 0002H"):
+        require(line in printed, f"{line!r} is missing in:\n{printed}")
+    in_order(frames, [
+        (0x77F, "00"), (0x0FF, "00 62 01 4D 45 30 30 34"), (0x701, "00"),
+        (0x081, "00 62 01 4D 45 30 30 34"), (0x000, "82 00"), (0x701, "00"),
+        (0x602, "40 00 10 00 00 00 00 00"), (0x582, "43 00 10 00 91 01 0F 00"),
+        (0x602, "2B 17 10 00 C8 00 00 00"), (0x582, "60 17 10 00 00 00 00 00"), (0x702, "7F"), (0x000, "01 02"),
+        (0x202, "5A 00")])
+
+
+@check
+@covers("RJ71-PARAM-007 RJ71-L2RTR-004")
+def example_of_the_rj71cn91s_layer_2_sample_system():
+    """S-107: chapter 4.1."""
+    printed, frames = run_example("layer2", RJ71CN91_EXAMPLES)
+    for line in ("both modules are online", "1 to 2: 501 11 22 33 44 55 66 77 88",
+                 "1 to 2: 601 EE DD CC BB AA 99 88 77, as it was asked for", "2 to 1: 581 11 22", "2 to 1: 681 EE DD"):
+        require(line in printed, f"{line!r} is missing in:\n{printed}")
+    sample = [frame for frame in frames if frame[0] in (0x501, 0x581, 0x601, 0x681)]
+    in_order(sample, [
+        (0x501, "11 22 33 44 55 66 77 88"), (0x601, "EE DD CC BB AA 99 88 77"),
+        (0x581, "11 22 33 44 55 66 77 88"), (0x681, "EE DD CC BB AA 99 88 77")])
+
+
 @check
 def layer_2_module_talks_to_a_raw_socketcand_peer():
     """The partner of the Layer 2 example, set up by the plant file alone: slot 1 receives 123H, 2 sends 182H, 3 answers."""
@@ -164,7 +196,7 @@ def npm_canopen_configures_the_module_as_its_slave():
     require("accepted, 0 warnings:" in checked and checked.count("\n") == 1, checked)
     with running(example_plant("program")) as plant:
         plant.wait(lambda e: e["event"] == "signal" and e["signal"] == "X00" and e["on"])
-        command("node", HERE / "module_slave_peer.mjs", *host_port(plant.socketcand), "line1", "127", eds)
+        command("node", HERE / "module_slave_peer.mjs", *host_port(plant.socketcand), "line1", "127", eds, "ME3CAN1-Q")
         host, port = host_port(plant.mc)
         with Plc(host, int(port)) as plc:
             module = me3can1q.Me3Can1Q(plc)
@@ -184,7 +216,37 @@ def npm_canopen_configures_the_module_as_its_slave():
         require(tpdo2[0] == "FF FF", f"TPDO2 after the first SYNC: {tpdo2[0]}")
 
 
-def exchange_with_npm_canopen(plant, module):
+@check
+@covers("RJ71-OD-003 RJ71-PDO-006")
+def npm_canopen_configures_an_rj71cn91_as_its_slave():
+    """And takes its EDS file."""
+    node_modules()
+    eds = scratch / "rj71cn91.eds"
+    command(program, "module", "eds", "rj71cn91", "-o", eds)
+    checked = command(program, "eds", "check", eds).stdout
+    require("accepted, 0 warnings:" in checked and checked.count("\n") == 1, checked)
+    path = scratch / "rj71cn91-slave.toml"
+    path.write_text('[[bus]]\nname = "line1"\nbit_rate = 250_000\nserve = "socketcand:127.0.0.1:0"\n'
+                    '[[plc]]\nfamily = "iQ-R"\nlisten = "127.0.0.1:0"\n'
+                    '[[plc.module]]\nmodel = "RJ71CN91"\nrestart_time = "100ms"\n')
+    with running(path) as plant:
+        plant.wait(lambda e: e["event"] == "signal" and e["signal"] == "X00" and e["on"])
+        command("node", HERE / "module_slave_peer.mjs", *host_port(plant.socketcand), "line1", "127", eds, "RJ71CN91")
+        host, port = host_port(plant.mc)
+        with Plc(host, int(port)) as plc:
+            module = me3can1q.Me3Can1Q(plc)  # its words and signals are the same
+            require(module.g(25) & 0x0301 == 0x0201, f"G25 = {module.g(25):04X}H after the peer started the node")
+            module.set_g(13000, 0xBEEF)
+            module.exchange()
+            module.set_g(13000, 0)
+            # Bit 4: the heartbeat of the configuring peer was lost, and that counts until 1003H is emptied.
+            exchange_with_npm_canopen(plant, module, error_register="93")
+        code, errors = plant.stop()
+        require(code == 0, errors)
+        require((0x1FF, bytes.fromhex("EF BE")) in recorded(plant.trace), "TPDO1 with the one word was not sent")
+
+
+def exchange_with_npm_canopen(plant, module, error_register="83"):
     """The peer sends PDOs, SYNC and emergencies; a PLC program answers: G13000 = G10000 + 1, G13004 = inverted G10004,
     an emergency while G10000 is 3584."""
     steps = ["wait-state,127,5",
@@ -192,7 +254,7 @@ def exchange_with_npm_canopen(plant, module):
              "pdo,27F,u16,65535", "wait-pdo,1FF,u16,0",
              "pdo,37F,u16,255", "pause,300", "sync-on,50",    # with SYNC, both ways
              "wait-pdo,2FF,u16,65280", "pdo,37F,u16,43690", "wait-pdo,2FF,u16,21845", "sync-off",
-             "pdo,27F,u16,3584", "wait-emcy,127,5000,83",     # an emergency of the module
+             "pdo,27F,u16,3584", f"wait-emcy,127,5000,{error_register}",     # an emergency of the module
              "pdo,27F,u16,1", "wait-pdo,1FF,u16,2",
              "emcy,8130,0102030405", "stay"]                  # one of the peer
     end = time.monotonic() + 2 * PATIENCE

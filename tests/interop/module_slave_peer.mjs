@@ -1,5 +1,5 @@
 #!/usr/bin/env node
-// A CANopen stack that is not ours configures an ME3CAN1-Q as its slave, over socketcand, as a configuration tool would:
+// A CANopen stack that is not ours configures an ME3CAN1-Q or RJ71CN91 as its slave, over socketcand, as a configuration tool would:
 // identity, heartbeat producer and consumer, two PDOs each way, store (1010H), reset; what was stored must be in force after
 // the reset, what was not must be gone. The node is left Operational with a heartbeat every 200 ms; RPDO1 and TPDO1 carry
 // the words G10000 and G13000 on events, RPDO2 and TPDO2 G10004 and G13004 with each SYNC. With an EDS file (of
@@ -9,7 +9,8 @@ import { abortCodeOf, canopen, deviceOn, useServer } from './npm_canopen.mjs';
 import { SocketcandBus } from './socketcand_bus.mjs';
 
 const { DataType, Eds, NmtState } = canopen;
-const [host, port, busName, nodeText, edsFile] = argumentsOrUsage(5, 'module_slave_peer.mjs HOST PORT BUS NODE EDS');
+const [host, port, busName, nodeText, edsFile, model] = argumentsOrUsage(6, 'module_slave_peer.mjs HOST PORT BUS NODE EDS MODEL');
+const [vendor, product] = { 'ME3CAN1-Q': [0x71, 0xED63], RJ71CN91: [0x1D0, 0x100] }[model];
 const node = Number(nodeText);
 const { UNSIGNED8: u8, UNSIGNED16: u16, UNSIGNED32: u32, VISIBLE_STRING: text } = DataType;
 
@@ -33,10 +34,10 @@ run(async () => {
   });
 
   check('1000H device type', await read(0x1000, 0, u32), 0x195);
-  check('1008H device name', await read(0x1008, 0, text), 'ME3CAN1-Q');
+  check('1008H device name', await read(0x1008, 0, text), model);
   check('1018H:00 entries', await read(0x1018, 0, u8), 3);
-  check('1018H:01 vendor', await read(0x1018, 1, u32), 0x71);
-  check('1018H:02 product code', await read(0x1018, 2, u32), 0xED63);
+  check('1018H:01 vendor', await read(0x1018, 1, u32), vendor);
+  check('1018H:02 product code', await read(0x1018, 2, u32), product);
   check('1018H:03 revision', await read(0x1018, 3, u32), 0x10000);
   check('1018H:04 serial number is refused', await abortCodeOf(read(0x1018, 4, u32)), 0x06090011);
 
