@@ -1,6 +1,5 @@
 """Checks of what the documentation shows: its commands are run as they are written, their output must be what is printed there."""
 import contextlib
-import pathlib
 import re
 import shlex
 import shutil

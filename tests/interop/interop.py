@@ -17,9 +17,11 @@ import xml.etree.ElementTree as ET
 
 import bus_checks  # noqa: F401  (registers its checks)
 import docs_checks  # noqa: F401
+import foreign_stack_checks  # noqa: F401
 import many_clients_checks  # noqa: F401
 import module_checks  # noqa: F401
 import output_checks  # noqa: F401
+import output_end_checks  # noqa: F401
 import plc_checks  # noqa: F401
 import port_checks  # noqa: F401
 import real_time_checks  # noqa: F401
