@@ -28,8 +28,10 @@ struct TcpPort::State : std::enable_shared_from_this<State> {
 };
 
 void TcpPort::State::accept() {
-  acceptor.async_accept([self = shared_from_this()](const error_code& failure, Socket socket) {
+  acceptor.async_accept([self = shared_from_this()](error_code failure, Socket socket) {
     if (!self->acceptor.is_open()) return;
+    // The system says so even when nobody waits; by now there may be descriptors again.
+    if (failure == asio::error::no_descriptors) self->acceptor.accept(socket, failure);
     if (!failure) {
       const auto admit = self->users.admit;  // it may close the port
       admit(std::move(socket));
