@@ -7,7 +7,7 @@ import socket
 import subprocess
 import time
 
-from bus_checks import lss_example
+from foreign_stack_checks import lss_example
 from kit import PATIENCE, PYTHON, ROOT, Skip, check, covers, first_plant, host_port, program, require, running, scratch, silence
 
 

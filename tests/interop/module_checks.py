@@ -1,4 +1,5 @@
 """Checks of the ME3CAN1-Q over its PLC's Ethernet port: the examples a user copies from, judged by the bus's recording."""
+import json
 import random
 import re
 import socket
@@ -7,8 +8,9 @@ import sys
 import threading
 import time
 
+from bus_checks import on_bus
 from kit import (HERE, PATIENCE, ROOT, check, command, covers, first_plant_file, host_port, node_modules, program, require,
-                 running, scratch, talking)
+                 running, scratch, silence, talking)
 
 EXAMPLES = ROOT / "examples/me3can1-q"
 sys.path += [str(EXAMPLES), str(ROOT / "python")]
@@ -216,6 +218,41 @@ def npm_canopen_configures_the_module_as_its_slave():
         require(tpdo2[0] == "FF FF", f"TPDO2 after the first SYNC: {tpdo2[0]}")
 
 
+def rj71cn91_plant():
+    """One with factory settings, in a rack of its own."""
+    path = scratch / "rj71cn91-slave.toml"
+    path.write_text('[[bus]]\nname = "line1"\nbit_rate = 250_000\nserve = "socketcand:127.0.0.1:0"\n'
+                    '[[plc]]\nfamily = "iQ-R"\nlisten = "127.0.0.1:0"\n'
+                    '[[plc.module]]\nmodel = "RJ71CN91"\nrestart_time = "100ms"\n')
+    return path
+
+
+@check
+@covers("RJ71-TOOL-006 RJ71-TOOL-007")
+def scan_and_sdo_do_what_the_configuration_tool_does_online():
+    """3.3: network scan of all nodes or a range, node-ID and product name, sooner with a shorter time-out; SDO send/receive."""
+    with running(rj71cn91_plant()) as plant:
+        plant.wait(lambda e: e["event"] == "signal" and e["signal"] == "X00" and e["on"])
+
+        def scan(*words, **options):
+            begun = time.monotonic()
+            said = on_bus(plant, "scan", "--json", *words, **options).stdout
+            return [json.loads(line) for line in said.splitlines()], time.monotonic() - begun
+
+        found, _ = scan("--nodes", "126-127", "--timeout", silence(200))
+        require([(node["node"], node["name"]) for node in found] == [(127, "RJ71CN91")], str(found))
+        found, _ = scan("--nodes", "1-3", "--timeout", "50ms", expect=1)
+        require(not found, str(found))
+        short = scan("--nodes", "1-20", "--timeout", "20ms", expect=1)[1]
+        long = scan("--nodes", "1-20", "--timeout", "500ms", expect=1)[1]
+        require(long - short > 0.3, f"{short} s and {long} s")  # the nodes are asked side by side
+        on_bus(plant, "sdo", "write", "127", "1017", "700", "--type", "u16")
+        require("700" in on_bus(plant, "sdo", "read", "127", "1017", "--type", "u16").stdout, "1017H")
+        refused = on_bus(plant, "sdo", "write", "127", "1000", "1", "--type", "u32", expect=1)
+        require("06010002" in refused.stdout + refused.stderr, refused.stdout + refused.stderr)
+        require(plant.stop()[0] == 0, "exit code")
+
+
 @check
 @covers("RJ71-OD-003 RJ71-PDO-006")
 def npm_canopen_configures_an_rj71cn91_as_its_slave():
@@ -225,11 +262,7 @@ def npm_canopen_configures_an_rj71cn91_as_its_slave():
     command(program, "module", "eds", "rj71cn91", "-o", eds)
     checked = command(program, "eds", "check", eds).stdout
     require("accepted, 0 warnings:" in checked and checked.count("\n") == 1, checked)
-    path = scratch / "rj71cn91-slave.toml"
-    path.write_text('[[bus]]\nname = "line1"\nbit_rate = 250_000\nserve = "socketcand:127.0.0.1:0"\n'
-                    '[[plc]]\nfamily = "iQ-R"\nlisten = "127.0.0.1:0"\n'
-                    '[[plc.module]]\nmodel = "RJ71CN91"\nrestart_time = "100ms"\n')
-    with running(path) as plant:
+    with running(rj71cn91_plant()) as plant:
         plant.wait(lambda e: e["event"] == "signal" and e["signal"] == "X00" and e["on"])
         command("node", HERE / "module_slave_peer.mjs", *host_port(plant.socketcand), "line1", "127", eds, "RJ71CN91")
         host, port = host_port(plant.mc)
