@@ -9,7 +9,6 @@
 
 #include "canopus/plant/device_script.hpp"
 #include "canopus/plant/module_catalogue.hpp"
-#include "canopus/plant/module_presets.hpp"
 #include "canopus/plant/run_memory.hpp"
 #include "canopus/store/file_memory.hpp"
 #include "canopus/text/file_text.hpp"
@@ -63,6 +62,10 @@ std::vector<text::FileError> Assembly::run() {
       parts_.cpu_error_handles.push_back(
           parts_.timeline.add(*parts_.cpu_errors.back(), "CPU of " + parts_.file.plcs[i].name));
     }
+  }
+  for (std::size_t i = 0; i < parts_.modules.size(); ++i) {
+    add_parameters(parts_.modules[i]->section(), module_plcs_[i], parts_.modules[i]->module(),
+                   parts_.module_handles[i]);
   }
   for (const auto& master : parts_.modules) {
     if (master->section().master) configure_network(master->section(), master->module());
@@ -280,6 +283,7 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
   const auto bus_section = std::ranges::find(parts_.file.buses, section.bus, &BusSection::name);
   errors_.add(preset_words(module, *entry.data_sheet, section, *bus_section));
   errors_.add(preset_objects(module, section));
+  errors_.add(give_parameters(module, section));
   parts_.module_handles.push_back(
       parts_.timeline.add(*seat, fmt::format("{} on {}", port.name(), bus.name())));
   port.connect(*seat, parts_.module_handles.back());
@@ -290,6 +294,7 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
   watch(bus).know(seat->status(), port);
   module_sections_.emplace_back(&section, seat.get());
   parts_.modules.push_back(std::move(seat));
+  module_plcs_.push_back(plc_number);
   parts_.module_ports.push_back(&port);
 }
 

@@ -21,6 +21,23 @@
 
 namespace canopus::plant {
 
+/// Gives a module the settings that its section of the plant file names, as factory settings. What it does not take is
+/// reported with its place in the file; the module's rules are its own. Bit rate of the bus, node-ID and words; and whether
+/// the built-in PLC program can do what it is asked for.
+[[nodiscard]] std::vector<text::FileError> preset_words(module::CommunicationModule& module,
+                                                        const module::DataSheet& data_sheet,
+                                                        const ModuleSection& section, const BusSection& bus);
+/// Its objects, over whatever set some of them before.
+[[nodiscard]] std::vector<text::FileError> preset_objects(module::CommunicationModule& module,
+                                                          const ModuleSection& section);
+/// Words and objects of the engineering tools' parameters, and whether refresh fits.
+[[nodiscard]] std::vector<text::FileError> give_parameters(module::CommunicationModule& module,
+                                                           const ModuleSection& section);
+/// The settings of another node as a concise DCF: PDOs are switched off first, their COB-IDs come last.
+[[nodiscard]] std::vector<std::uint8_t> concise_dcf_of(const ParametersSection::Node& node,
+                                                       const canopen::DictionaryDescription& dictionary,
+                                                       text::FileErrors& errors);
+
 /// Builds a plant's parts, collecting every error on the way.
 class Assembly {
  public:
@@ -51,6 +68,11 @@ class Assembly {
     const SlaveSection* written = nullptr;  // nullptr: by slaves = "all"
   };
   static std::optional<WantedSlave> wanted_slave(const ModuleSection& master, const NodeLabel& node);
+  /// Concise DCFs of the other nodes' settings, and the CPU's refresh.
+  void add_parameters(const ModuleSection& section, std::size_t plc_number,
+                      module::CommunicationModule& module, can::Timeline::Handle handle);
+  const canopen::DictionaryDescription* dictionary_of(const ModuleSection& section,
+                                                      const ParametersSection::Node& node);
   void configure_network(const ModuleSection& section, module::CommunicationModule& module);
   void add_outside_slave(const ModuleSection& master, const SlaveSection& slave, ModuleNetwork& network);
   void set_faults(const BusSection& section, sim::Bus& bus);
@@ -70,7 +92,8 @@ class Assembly {
   std::set<std::pair<std::string, std::uint8_t>> nodes_;  // bus, node-ID
   std::vector<std::pair<const DeviceSection*, DeviceSeat*>> device_sections_;
   std::vector<std::pair<const ModuleSection*, ModuleSeat*>> module_sections_;
-  bool complete_ = true;  // nothing had to be left out
+  std::vector<std::size_t> module_plcs_;  // of each module
+  bool complete_ = true;                  // nothing had to be left out
   text::FileErrors errors_;
 };
 

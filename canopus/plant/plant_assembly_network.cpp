@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "canopus/plant/module_presets.hpp"
 #include "canopus/plant/plant_assembly.hpp"
 #include "canopus/plant/plant_review.hpp"
 
@@ -97,6 +96,67 @@ void Assembly::configure_network(const ModuleSection& section, module::Communica
   for (const std::string& line : network.left_out()) {
     warn(section.slaves_place, "slaves = \"all\" {}", line);
   }
+}
+
+const canopen::DictionaryDescription* Assembly::dictionary_of(const ModuleSection& section,
+                                                              const ParametersSection::Node& node) {
+  if (!node.eds.empty()) {
+    const File file = load(node.eds, node.eds_place);
+    return file ? file->dictionary.get() : nullptr;
+  }
+  for (const auto& seat : parts_.devices) {
+    const NodeLabel& label = seat->status().label;
+    if (label.bus == section.bus && label.node_id == node.node) return seat->device().file().dictionary.get();
+  }
+  for (const auto& seat : parts_.modules) {
+    const NodeLabel& label = seat->status().label;
+    if (label.bus != section.bus || label.node_id != node.node) continue;
+    return &seat->module().node().dictionary().description();
+  }
+  errors_.add(
+      node.place,
+      "parameters: there is no device or module with node = {} on bus \"{}\"; expected eds = its file",
+      node.node, section.bus);
+  return nullptr;
+}
+
+void Assembly::add_parameters(const ModuleSection& section, std::size_t plc_number,
+                              module::CommunicationModule& module, can::Timeline::Handle handle) {
+  if (!section.parameters || !module.takes_parameters()) return;
+  for (const ParametersSection::Node& node : section.parameters->nodes) {
+    if (node.node == section.node) {
+      errors_.add(node.place,
+                  "parameters: node {} is the module itself; expected its objects in [plc.module.parameters]",
+                  node.node);
+      continue;
+    }
+    const auto* dictionary = dictionary_of(section, node);
+    if (!dictionary) continue;
+    if (module.parameter_concise_dcf(node.node, concise_dcf_of(node, *dictionary, errors_))) continue;
+    errors_.add(
+        node.place,
+        "parameters: node {}: the {} has no room for its settings: too many nodes, or too much of one",
+        node.node, section.model);
+  }
+  if (!section.parameters->refresh) return;
+  const module::DataExchangeLayout& words = module.program_interface().process_data;
+  std::vector<plc::ModuleRefresh::Block> blocks;
+  bool sends = false, receives = false;
+  for (const ParametersSection::Block& block : section.parameters->blocks) {
+    const bool to_module = block.address >= words.transmit_first;
+    sends = sends || to_module;
+    receives = receives || !to_module;
+    blocks.push_back({block.address, block.device, block.number, to_module});
+  }
+  if (!sends || !receives) {
+    warn(section.parameters->refresh_place,
+         "refresh has no block of {}: the module exchanges no process data at all without one in each "
+         "direction",
+         receives ? "the TPDOs" : "the RPDOs");
+  }
+  parts_.refreshes.push_back(
+      std::make_unique<plc::ModuleRefresh>(*parts_.racks[plc_number], parts_.timeline, section.head, module,
+                                           handle, std::move(blocks), "refresh of " + shown_name(section)));
 }
 
 /// A node that joins the bus from outside, or gets its node-ID by LSS.

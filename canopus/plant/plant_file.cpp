@@ -33,60 +33,6 @@ std::vector<Section> read_good(text::TableReader& table, std::string_view key, c
 constexpr std::string_view node_id_expected = "a node-ID is 1 to 127";
 constexpr std::uint8_t no_node_id = 0xFF;
 
-std::optional<text::Scalar> scalar(const toml::node& node) {
-  if (const auto* value = node.as_boolean()) return value->get();
-  if (const auto* value = node.as_integer()) return value->get();
-  if (const auto* value = node.as_floating_point()) return value->get();
-  if (const auto* value = node.as_string()) return value->get();
-  return std::nullopt;
-}
-
-std::vector<text::ObjectSetting> read_objects(text::TableReader& table, std::string_view key) {
-  std::vector<text::ObjectSetting> settings;
-  std::map<std::pair<unsigned, unsigned>, text::Place> seen;  // the table is in the order of its keys
-  table.entries(key, [&](std::string_view name, const toml::node& node, text::Place place) {
-    const auto object = text::parse_object(name);
-    if (!object) return table.error(place, object.error());
-    const auto value = scalar(node);
-    if (!value) {
-      return table.error(text::place_of(node.source()),
-                         fmt::format("{} = {}: expected a number, a string, true or false", name,
-                                     text::describe_found(node)));
-    }
-    const auto [other, is_new] = seen.try_emplace({object->index, object->sub}, place);
-    if (!is_new) {
-      const auto [first, second] = std::minmax(place, other->second);
-      return table.error(second, fmt::format("{}: {:04X}H:{:02X}H is there already, in line {}", key,
-                                             object->index, object->sub, first.line));
-    }
-    settings.push_back({place, *object, *value});
-  });
-  return settings;
-}
-
-std::vector<BufferSetting> read_words(text::TableReader& table, std::string_view key) {
-  std::vector<BufferSetting> settings;
-  std::map<std::uint32_t, text::Place> seen;
-  table.entries(key, [&](std::string_view name, const toml::node& node, text::Place place) {
-    const auto address = text::parse_buffer_address(name);
-    if (!address) return table.error(place, address.error());
-    const auto* value = node.as_integer();
-    if (value == nullptr || value->get() < -32768 || value->get() > 65535) {
-      return table.error(text::place_of(node.source()),
-                         fmt::format("{} = {}: a word is -32768 to 65535", name, text::describe_found(node)));
-    }
-    const auto [other, is_new] = seen.try_emplace(*address, place);
-    if (!is_new) {
-      const auto [first, second] = std::minmax(place, other->second);
-      return table.error(second,
-                         fmt::format("{}: G{} is there already, in line {}", key, *address, first.line));
-    }
-    settings.push_back({place, *address, static_cast<std::uint16_t>(value->get())});
-  });
-  std::ranges::sort(settings, {}, &BufferSetting::address);
-  return settings;
-}
-
 BehaviourSection read_behaviour(text::TableReader& table) {
   static constexpr std::string_view kinds[] = {"sine", "ramp", "counter", "echo", "noise"};
   BehaviourSection behaviour{.place = table.place()};
@@ -270,6 +216,8 @@ ModuleSection read_module(text::TableReader& table, const plc::CpuModel& cpu) {
   module.buffer = read_words(table, "buffer");
   module.online = table.boolean("online").value_or(false);
   module.writes = read_words(table, "write");
+  table.table("parameters", "plc.module.parameters", "expected a table, written as [plc.module.parameters]",
+              [&](text::TableReader& inner) { module.parameters = read_parameters(inner, cpu); });
   table.elements("watch", [&](const toml::node& element) {
     const auto* text = element.as_string();
     const auto address = text == nullptr ? std::unexpected(std::string("expected words such as \"G10000\""))

@@ -122,6 +122,32 @@ struct SlaveSection {
   std::vector<Link> send{};     ///< RPDOs of the slave from the module's transmit words
 };
 
+/// What the engineering tools have written to the CPU for a module: [plc.module.parameters].
+struct ParametersSection {
+  text::Place place{};
+  std::vector<BufferSetting> buffer{};
+  std::vector<text::ObjectSetting> objects{};
+  /// Settings of another node, which become its concise DCF: [[plc.module.parameters.node]].
+  struct Node {
+    text::Place place{};
+    std::uint8_t node = 0;
+    text::Place eds_place{};
+    std::string eds{};  ///< of a node outside of the plant
+    std::vector<text::ObjectSetting> objects{};
+  };
+  std::vector<Node> nodes{};
+  bool refresh = false;  ///< data_exchange = "refresh"
+  text::Place refresh_place{};
+  /// refresh = { G10000 = "D1000" }: 64 words each.
+  struct Block {
+    text::Place place{};
+    std::uint32_t address = 0;
+    plc::Device device = plc::Device::d;
+    std::uint32_t number = 0;
+  };
+  std::vector<Block> blocks{};
+};
+
 struct ModuleSection {
   bool usable = true;  ///< false: a mistake is reported that leaves nothing to build
   text::Place place{};
@@ -142,6 +168,7 @@ struct ModuleSection {
   std::vector<text::ObjectSetting> objects{};
   std::vector<BufferSetting> buffer{};
   bool online = false;  ///< the built-in program takes the module online whenever it has started (Layer 2)
+  std::optional<ParametersSection> parameters{};
   std::vector<BufferSetting> writes{};  ///< and writes these words before, by address
   module::ModuleFault fault = module::ModuleFault::hardware_error;
   std::optional<can::Duration> fault_at{};  ///< when the module gets this fault

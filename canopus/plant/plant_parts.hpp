@@ -15,6 +15,7 @@
 #include "canopus/plant/plant.hpp"
 #include "canopus/plant/plant_stores.hpp"
 #include "canopus/plant/plant_timers.hpp"
+#include "canopus/plc/rack/module_refresh.hpp"
 
 namespace canopus::plant {
 
@@ -30,6 +31,7 @@ struct Plant::Parts {
   std::vector<can::Timeline::Handle> module_handles;
   std::vector<const sim::Port*> module_ports;  // of each module
   std::vector<std::unique_ptr<plc::Rack>> racks;
+  std::vector<std::unique_ptr<plc::ModuleRefresh>> refreshes;
   std::vector<std::unique_ptr<CpuErrorTimer>> cpu_errors;
   std::vector<can::Timeline::Handle> cpu_error_handles;
   std::unique_ptr<LoadReport> load_report;

@@ -35,6 +35,12 @@ void check_modbus_modules(const PlcSection& plc, std::vector<text::FileError>& e
 /// Where a module of a rack of this CPU's family is, and whether it fits into one; its model has been read.
 void read_place(text::TableReader& table, const plc::CpuModel& cpu, ModuleSection& module);
 
+/// Objects { "1017:00" = 100 } and words { G70 = 1000 } of a section.
+[[nodiscard]] std::vector<text::ObjectSetting> read_objects(text::TableReader& table, std::string_view key);
+[[nodiscard]] std::vector<BufferSetting> read_words(text::TableReader& table, std::string_view key);
+/// [plc.module.parameters]; the module's model has been read.
+[[nodiscard]] ParametersSection read_parameters(text::TableReader& table, const plc::CpuModel& cpu);
+
 /// A [[bus.fault]].
 [[nodiscard]] FaultSection read_fault(text::TableReader& table);
 /// A [[device.script]].

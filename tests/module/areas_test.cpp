@@ -59,7 +59,7 @@ TEST(NmtStatus, EveryFailureBitOfEveryNode_IsAFailure_ActivityIsNot) {
 TEST(NmtStatus, LifeGuarding_ComesOnTop_AndIsClearedByItsOwnRequest) {
   BufferMemory memory(table);
   NmtStatus status(one_node_per_word, memory);
-  status.set_life_guarding(5);
+  status.set_guarding_master(5, manager::error_control::life_guarding);
   status.set_status(5, 0x02);
   EXPECT_EQ(status.status(5), 0x42);
   EXPECT_TRUE(status.any_failure());

@@ -7,7 +7,7 @@
 
 #include "canopus/eds/device_file.hpp"
 #include "canopus/plant/module_network.hpp"
-#include "canopus/plant/module_presets.hpp"
+#include "canopus/plant/plant_assembly.hpp"
 
 #include "support/fake_communication_module.hpp"
 

@@ -31,7 +31,14 @@ void EmcyProducer::stop() {
   node_.timers.stop(timer_);
 }
 
-void EmcyProducer::remember(std::uint16_t code, std::uint16_t information) {
+std::uint32_t EmcyProducer::history_field(std::uint16_t code, std::uint8_t first,
+                                          std::uint8_t second) const noexcept {
+  const bool first_high = node_.options.history_has_first_byte_high;
+  return code | std::uint32_t{first} << (first_high ? 24 : 16) |
+         std::uint32_t{second} << (first_high ? 16 : 24);
+}
+
+void EmcyProducer::remember(std::uint16_t code, std::uint8_t first, std::uint8_t second) {
   ObjectDictionary& d = node_.dictionary;
   const ObjectDescription* history = d.description().find(0x1003);
   if (history == nullptr || history->highest_sub == 0) return;
@@ -41,7 +48,7 @@ void EmcyProducer::remember(std::uint16_t code, std::uint16_t information) {
   for (std::uint8_t sub = new_count; sub > 1; --sub) {
     d.set(0x1003, sub, d.get<std::uint32_t>(0x1003, static_cast<std::uint8_t>(sub - 1)));
   }
-  d.set(0x1003, 1, static_cast<std::uint32_t>(code | std::uint32_t{information} << 16));
+  d.set(0x1003, 1, history_field(code, first, second));
   d.set(0x1003, 0, new_count);
 }
 
@@ -61,7 +68,7 @@ bool EmcyProducer::raise(std::uint16_t code, std::uint8_t error_register,
   if (code >= 0x0100) error_register |= generic_error;
   error_register |= node_.dictionary.get<std::uint8_t>(0x1001, 0);
   node_.dictionary.set(0x1001, 0, error_register);
-  if (code != 0) remember(code, can::load_as<std::uint16_t>(manufacturer.data()));
+  if (code != 0) remember(code, manufacturer[0], manufacturer[1]);
   Message message{static_cast<std::uint8_t>(code), static_cast<std::uint8_t>(code >> 8), error_register};
   std::ranges::copy(manufacturer, message.begin() + 3);
   send(message, now);
@@ -84,8 +91,7 @@ bool EmcyProducer::reset(can::Time now) {
 
 void EmcyProducer::forget(std::uint16_t code, std::span<const std::uint8_t, 5> manufacturer, can::Time now) {
   ObjectDictionary& d = node_.dictionary;
-  const auto entry = static_cast<std::uint32_t>(
-      code | std::uint32_t{can::load_as<std::uint16_t>(manufacturer.data())} << 16);
+  const std::uint32_t entry = history_field(code, manufacturer[0], manufacturer[1]);
   const auto count = d.get<std::uint8_t>(0x1003, 0);
   std::uint8_t kept = 0;
   for (std::uint8_t sub = 1; sub <= count; ++sub) {
@@ -125,7 +131,7 @@ void EmcyProducer::error_began(const CommunicationError& error, can::Time now) {
   const auto old_register = node_.dictionary.get<std::uint8_t>(0x1001, 0);
   node_.dictionary.set(0x1001, 0,
                        static_cast<std::uint8_t>(old_register | generic_error | communication_error));
-  remember(error.code, error.first_manufacturer);
+  remember(error.code, error.first_manufacturer, 0);
   send_or_wait(error.code, error.first_manufacturer, now);
 }
 

@@ -53,7 +53,10 @@ class EmcyProducer final : public ObjectHandler {
   static constexpr std::uint8_t communication_error = 0x10;
 
   void read();
-  void remember(std::uint16_t code, std::uint16_t information);
+  void remember(std::uint16_t code, std::uint8_t first, std::uint8_t second);
+  /// As 1003H shows an error with these first two manufacturer bytes.
+  [[nodiscard]] std::uint32_t history_field(std::uint16_t code, std::uint8_t first,
+                                            std::uint8_t second) const noexcept;
   void history_emptied(can::Time now);
   void send(const Message& message, can::Time now);
   void send_or_wait(std::uint16_t code, std::uint8_t first_manufacturer, can::Time now);

@@ -1,5 +1,7 @@
 #include "canopus/canopen/nmt/node_guarding.hpp"
 
+#include <utility>
+
 #include "canopus/canopen/service/emcy_code.hpp"
 
 namespace canopus::canopen {
@@ -13,14 +15,25 @@ void NodeGuarding::start() {
   toggle_ = false;
   guarded_ = false;
   occurred_ = false;
+  running_ = false;
 }
 
 void NodeGuarding::stop() { node_.timers.stop(timer_); }
 
+void NodeGuarding::set_running(bool running, can::Time now) {
+  if (running_ == running) return;
+  running_ = running;
+  if (node_.listener != nullptr) node_.listener->life_guarding_running(running, now);
+}
+
 void NodeGuarding::restart(can::Time now) {
   const auto guard_time = std::chrono::milliseconds(node_.dictionary.get<std::uint16_t>(0x100C, 0));
   const auto life_time = guard_time * node_.dictionary.get<std::uint8_t>(0x100D, 0);
-  node_.timers.set(timer_, life_time.count() != 0 ? can::later(now, life_time) : can::never);
+  const bool runs = life_time.count() != 0;
+  missed_ = false;
+  life_end_ = runs ? can::later(now, life_time) : can::never;
+  node_.timers.set(timer_, runs ? can::later(now, guard_time) : can::never);
+  set_running(runs, now);
 }
 
 void NodeGuarding::receive(bool heartbeat, can::Time now) {
@@ -36,11 +49,20 @@ void NodeGuarding::receive(bool heartbeat, can::Time now) {
   if (node_.listener != nullptr) node_.listener->life_guarding_event(false, now);
 }
 
+void NodeGuarding::miss(can::Time now) {
+  if (std::exchange(missed_, true)) return;
+  if (node_.listener != nullptr) node_.listener->life_guarding_missed(now);
+}
+
 void NodeGuarding::tick(bool heartbeat, can::Time now) {
   if (heartbeat) {
     guarded_ = false;
+    set_running(false, now);
     return stop();
   }
+  miss(now);
+  if (now < life_end_) return node_.timers.set(timer_, life_end_);
+  set_running(false, now);
   occurred_ = true;
   const bool named = node_.options.guarding_emergency_names_node;
   const auto code = static_cast<std::uint16_t>(named ? emcy_code::node_lost + node_.node_id

@@ -6,7 +6,8 @@
 //
 // Life guarding: 100CH (guard time, ms) times 100DH (life time factor), when not 0, is the time within which
 // the next remote frame has to come, counted from the first one on. If it does not, the life guarding event
-// has occurred: EMCY 8130H, 1029H, NodeListener::life_guarding_event(true); the next remote frame ends it.
+// has occurred: EMCY 8130H, 1029H, NodeListener::life_guarding_event(true); the next remote frame ends it. Before that, the
+// guard time alone is over: NodeListener::life_guarding_missed().
 
 #include "canopus/canopen/service/node_context.hpp"
 
@@ -21,6 +22,7 @@ class NodeGuarding final : public ObjectHandler {
   void stop();
   /// The master's remote frame came; `heartbeat`: this node produces one.
   void receive(bool heartbeat, can::Time now);
+  /// The guard time is over, or the life time.
   void tick(bool heartbeat, can::Time now);
   [[nodiscard]] TimerQueue::Number timer() const noexcept { return timer_; }
 
@@ -29,12 +31,17 @@ class NodeGuarding final : public ObjectHandler {
 
  private:
   void restart(can::Time now);
+  void set_running(bool running, can::Time now);
+  void miss(can::Time now);
 
   NodeContext& node_;
   TimerQueue::Number timer_;
+  can::Time life_end_ = can::never;
   bool toggle_ = false;
   bool guarded_ = false;   // a remote frame came since start()
   bool occurred_ = false;  // the life guarding event
+  bool running_ = false;   // a life time runs
+  bool missed_ = false;    // the guard time was over since the last remote frame
 };
 
 }  // namespace canopus::canopen

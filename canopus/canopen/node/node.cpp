@@ -208,6 +208,7 @@ void Node::Services::dispatch_others(ServiceKind kind, std::uint16_t number, con
       return;
     case ServiceKind::heartbeat: return heartbeat_consumer.receive(number, frame, now);
     case ServiceKind::nmt:
+      if (active_master && options.active_master_commands_itself) return;
       if (const auto wanted = nmt_command_for(frame, node_id, active_master)) command(*wanted, now);
       return;
     case ServiceKind::node_guard_request: return node_guarding.receive(heartbeat_producer.is_active(), now);

@@ -56,6 +56,10 @@ class NodeListener {
   virtual void heartbeat_lost(std::uint8_t /*node_id*/, can::Time) {}
   /// Life guarding (this node as NMT slave): the master's remote frame did not come in time; or it is back.
   virtual void life_guarding_event(bool /*occurred*/, can::Time) {}
+  /// Life guarding runs since the master's first remote frame; or it has ended, by its event or by this node's heartbeat.
+  virtual void life_guarding_running(bool /*running*/, can::Time) {}
+  /// No remote frame came within the guard time (100CH).
+  virtual void life_guarding_missed(can::Time) {}
   /// A value was written through an SDO or ObjectDictionary::write(); its own handler has been notified.
   virtual void object_written(const Entry&, can::Time) {}
 

@@ -38,6 +38,11 @@ struct NodeOptions {
   /// Configurable COB-IDs may have 29-bit identifiers (bit 29); else 06090030H.
   bool extended_identifiers = true;
 
+  // --- NMT
+  /// As the active NMT master the node takes no NMT command from the bus, not even one for itself [RJ71CN91 1.2 Node
+  /// control]; else none to all nodes.
+  bool active_master_commands_itself = false;
+
   // --- SYNC, TIME
   /// Produce SYNC and TIME only while Node::set_active_master(true) [ME3CAN1-Q 4.6.6, 4.6.9].
   bool sync_needs_active_master = false;
@@ -50,6 +55,9 @@ struct NodeOptions {
   /// Errors count as there until 1003H is emptied: that clears 1001H, too, and sends code 0000H [RJ71CN91 1.7]. Else code
   /// 0000H is sent when what caused them is over.
   bool errors_end_with_history = false;
+  /// The two manufacturer bytes that 1003H keeps stand there as they are printed, the first one high: 4D45H for "ME"
+  /// [RJ71CN91 App. 3 1003H].
+  bool history_has_first_byte_high = false;
   /// Reading a sub-index of 1003H above the number of entries gives 0, instead of abort code 08000024H.
   bool empty_history_reads_zero = false;
   /// A lost heartbeat is reported with 8F00H + node-ID of the lost node, a life guarding event with 8F00H + own

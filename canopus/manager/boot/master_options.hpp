@@ -67,6 +67,9 @@ struct MasterOptions {
   /// Bits of 1F80H and of the configuration byte of 1F81H that exist; others are refused with 06090030H.
   std::uint32_t start_up_bits = start_up_bit::all;
   std::uint8_t assignment_bits = assignment_bit::all;
+  /// 1F82H of a node that is a slave, or a flying master that stands by, works for other nodes, too, and for itself
+  /// [RJ71CN91 1.2 Node control]; else it is refused with not_master.
+  bool slaves_request_nmt = false;
   /// 1F82H or 1F83H written while this node is not the active master.
   canopen::AbortCode not_master = canopen::AbortCode::device_state;
   /// A flying master without 1017H sends its heartbeat so often [ME3CAN1-Q 4.8.10].
@@ -77,6 +80,12 @@ struct MasterOptions {
   /// A guarding answer that was sent before a state change could take effect is not held against the slave
   /// for this long after the NMT command.
   can::Duration state_change_grace = std::chrono::milliseconds(50);
+  /// error_control::guarding_active and heartbeat_active end with the time-out, until the node is heard again
+  /// [RJ71CN91 App. 2 G401].
+  bool time_out_ends_activity = false;
+  /// Heartbeats are compared with the state that this node has commanded, or with that of the first one:
+  /// error_control::unexpected_state, and no error control event [RJ71CN91 1.9].
+  bool heartbeat_state_is_checked = false;
 };
 
 /// Why an error control event happened.

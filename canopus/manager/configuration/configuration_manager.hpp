@@ -68,6 +68,8 @@ class ConfigurationManager final : public ConfigurationSource, public canopen::O
   void load_program(std::uint8_t node_id, std::span<const std::uint8_t> program);
   /// Number of files.
   [[nodiscard]] unsigned files() const noexcept;
+  /// The store is busy with something else until then.
+  void occupy_store(can::Time until) noexcept { busy_until_ = until; }
   /// The store is busy.
   [[nodiscard]] bool busy(can::Time now) const noexcept { return now < busy_until_; }
 

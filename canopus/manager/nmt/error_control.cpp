@@ -25,20 +25,28 @@ void ErrorControl::heartbeat_received(std::uint8_t node_id, NmtState state, can:
   Slave& slave = master_.slaves[node_id];
   if (state == NmtState::initialising) {
     slave.heartbeat_alive = false;  // reset: watched again from its first heartbeat on
+    slave.commanded = false;
     return master_.set_state(node_id, node_state::pre_operational, now);
   }
+  const bool begins = !slave.heartbeat_alive;
   slave.heartbeat_alive = true;
   heartbeat_is_not_lost(slave);
   master_.set_error_bits(node_id, error_control::heartbeat_active, 0, now);
   master_.set_state(node_id, shown_state(static_cast<std::uint8_t>(state)), now);
   resolve(node_id, now);
+  if (!master_.options.heartbeat_state_is_checked) return;
+  if (begins && !slave.commanded) slave.expected_state = static_cast<std::uint8_t>(state);
+  if (is_newly_wrong(node_id, static_cast<std::uint8_t>(state), now)) {
+    master_.set_error_bits(node_id, error_control::unexpected_state, 0, now);
+  }
 }
 
 void ErrorControl::heartbeat_lost(std::uint8_t node_id, can::Time now) {
   if (node_id == 0 || node_id > 127) return;
   Slave& slave = master_.slaves[node_id];
   slave.heartbeat_alive = false;
-  master_.set_error_bits(node_id, error_control::heartbeat_missing, 0, now);
+  master_.set_error_bits(node_id, error_control::heartbeat_missing,
+                         master_.options.time_out_ends_activity ? error_control::heartbeat_active : 0, now);
   if (!slave.heartbeat_lost) ++lost_heartbeats_;
   slave.heartbeat_lost = true;
   master_.wake(now);
@@ -66,7 +74,7 @@ void ErrorControl::tick(can::Time now) {
 void ErrorControl::boot_up(std::uint8_t node_id, can::Time now) {
   Slave& slave = master_.slaves[node_id];
   slave.guarding.boot_up();
-  slave.wrong_state = false;
+  slave.wrong_state = slave.commanded = false;
   slave.expected_state = node_state::pre_operational;
   slave.expected_since = now;
   master_.set_state(node_id, node_state::pre_operational, now);
@@ -82,6 +90,7 @@ bool ErrorControl::state_message(std::uint8_t node_id, std::uint8_t byte, can::T
     return false;
   }
   master_.set_state(node_id, shown_state(state), now);
+  if (slave.guarding.alive()) master_.set_error_bits(node_id, error_control::guarding_active, 0, now);
   if (answer.resolved) resolve(node_id, now);
   check_guarded_state(node_id, state, now);
   return true;
@@ -89,14 +98,19 @@ bool ErrorControl::state_message(std::uint8_t node_id, std::uint8_t byte, can::T
 
 // The command itself wins every arbitration, but an answer may have been on its way, and a slave needs its
 // time.
-void ErrorControl::check_guarded_state(std::uint8_t node_id, std::uint8_t state, can::Time now) {
+bool ErrorControl::is_newly_wrong(std::uint8_t node_id, std::uint8_t state, can::Time now) {
   Slave& slave = master_.slaves[node_id];
   if (slave.expected_state == 0 || slave.expected_state == state) {
     slave.wrong_state = false;
-    return;
+    return false;
   }
-  if (slave.wrong_state || now < later(slave.expected_since, master_.options.state_change_grace)) return;
-  slave.wrong_state = true;
+  if (slave.wrong_state) return false;
+  slave.wrong_state = now >= later(slave.expected_since, master_.options.state_change_grace);
+  return slave.wrong_state;
+}
+
+void ErrorControl::check_guarded_state(std::uint8_t node_id, std::uint8_t state, can::Time now) {
+  if (!is_newly_wrong(node_id, state, now)) return;
   master_.set_error_bits(node_id, error_control::unexpected_state, 0, now);
   event(node_id, ErrorControlEvent::unexpected_state, now);
 }
@@ -146,6 +160,7 @@ void ErrorControl::show_commanded(NmtCommand command, std::uint8_t node_id, can:
   slave.expected_state = state;
   slave.expected_since = now;
   slave.wrong_state = false;
+  slave.commanded = state != node_state::unknown;
   if (state == node_state::unknown || !slave.is_heard()) master_.set_state(node_id, state, now);
   master_.refresh(node_id);
 }
@@ -183,7 +198,8 @@ void ErrorControl::guarding_tick(std::uint8_t node_id, can::Time now) {
   if (due.request) ask_state(node_id);
   if (due.missed) master_.set_error_bits(node_id, error_control::guarding_miss, 0, now);
   if (due.lost) {
-    master_.set_error_bits(node_id, error_control::node_lost, 0, now);
+    master_.set_error_bits(node_id, error_control::node_lost,
+                           master_.options.time_out_ends_activity ? error_control::guarding_active : 0, now);
     event(node_id, ErrorControlEvent::node_lost, now);
   }
 }
@@ -193,7 +209,7 @@ void ErrorControl::guarding_tick(std::uint8_t node_id, can::Time now) {
 void ErrorControl::forget(can::Time now) {
   forget_lost_heartbeats();
   for (Slave& slave : master_.slaves) {
-    slave.heartbeat_alive = slave.in_error = slave.wrong_state = slave.held = false;
+    slave.heartbeat_alive = slave.in_error = slave.wrong_state = slave.held = slave.commanded = false;
     slave.expected_state = 0;
   }
   for (std::uint8_t n = 1; n < 128; ++n) {

@@ -52,6 +52,8 @@ class ErrorControl {
  private:
   void heartbeat_is_not_lost(Slave& slave) noexcept;
   void check_guarded_state(std::uint8_t node_id, std::uint8_t state, can::Time now);
+  /// True: it has begun to be in another state than expected.
+  bool is_newly_wrong(std::uint8_t node_id, std::uint8_t state, can::Time now);
   void show_commanded(canopen::NmtCommand command, std::uint8_t node_id, can::Time now);
   void resolve(std::uint8_t node_id, can::Time now);
   void event(std::uint8_t node_id, ErrorControlEvent event, can::Time now);

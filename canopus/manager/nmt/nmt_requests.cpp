@@ -71,12 +71,25 @@ std::uint8_t NmtRequests::node_state(std::uint8_t node_id) const noexcept {
 
 AbortCode NmtRequests::check_nmt(std::uint8_t node_id, std::uint8_t value) const noexcept {
   if (node_id == 0 || node_id > all) return AbortCode::no_sub_index;
-  if (!start_up_.active()) return master_.options.not_master;
+  const bool may = start_up_.active() ||
+                   (master_.options.slaves_request_nmt && start_up_.phase() == StartUp::Phase::slave);
+  if (!may) return master_.options.not_master;
   return is_request(value) ? AbortCode::none : AbortCode::invalid_value;
+}
+
+// Nothing is expected of the nodes: they are the active master's.
+void NmtRequests::perform_nmt_as_slave(std::uint8_t node_id, NmtCommand command, can::Time now) {
+  const std::uint8_t own = master_.node.node_id();
+  if (node_id != own) {
+    const std::uint8_t target = node_id == all ? all_nodes : node_id;
+    master_.send(can::data_frame(canopen::cob_id::nmt, {static_cast<std::uint8_t>(command), target}));
+  }
+  if (node_id == own || node_id == all) start_up_.command_own_node(command, now);
 }
 
 void NmtRequests::perform_nmt(std::uint8_t node_id, std::uint8_t value, can::Time now) {
   const NmtCommand command = command_of(value);
+  if (!start_up_.active()) return perform_nmt_as_slave(node_id, command, now);
   // What was stopped by hand stays so; any other command gives it back to the start-up [ME3CAN1-Q 4.8.8].
   const bool hold = command == NmtCommand::stop || command == NmtCommand::enter_pre_operational;
   for (std::uint8_t n = 1; n < 128; ++n) {

@@ -34,6 +34,8 @@ class NmtRequests final : public canopen::ObjectHandler {
   [[nodiscard]] canopen::AbortCode check_nmt(std::uint8_t node_id, std::uint8_t value) const noexcept;
   [[nodiscard]] canopen::AbortCode check_guarding(std::uint8_t node_id, std::uint8_t value) const noexcept;
   void perform_nmt(std::uint8_t node_id, std::uint8_t value, can::Time now);
+  /// MasterOptions::slaves_request_nmt.
+  void perform_nmt_as_slave(std::uint8_t node_id, canopen::NmtCommand command, can::Time now);
   void perform_guarding(std::uint8_t node_id, std::uint8_t value, can::Time now);
 
   MasterContext& master_;

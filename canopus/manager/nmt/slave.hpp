@@ -27,6 +27,7 @@ struct Slave {
   std::uint8_t state = node_state::unknown;  ///< node_state::..., as 1F82H shows it
   std::uint8_t expected_state = 0;           ///< what guarding should see; 0 = no opinion
   bool heartbeat_alive = false;
+  bool commanded = false;         ///< expected_state was commanded since its boot-up
   bool heartbeat_lost = false;    ///< to be dealt with in the next tick
   bool in_error = false;          ///< had an error control event, not heard since
   bool wrong_state = false;       ///< guarding does not see expected_state, and that is reported

@@ -18,7 +18,7 @@ void ExchangeControl::begin(bool canopen_mode, can::Time end) {
   const bool process_data = layout_ && (bits & layout_->process_data) != 0;
   const bool emergencies = layout_ && (bits & layout_->emergencies) != 0;
   emergencies_ = emergencies || !process_data;
-  if (!process_data && emergencies) return;
+  if (by_refresh_ || (!process_data && emergencies)) return;
   running_ = true;
   data_.process_data.snapshot();
 }
@@ -32,6 +32,12 @@ bool ExchangeControl::end_if_due(can::Time now) {
   const bool may_wait = !layout_ || layout_->waits_for_operational;
   if (!may_wait && data_.node.state() != canopen::NmtState::operational) waiting_ = running_ = false;
   return true;
+}
+
+void ExchangeControl::refresh(can::Time now) {
+  if (!by_refresh_ || data_.node.state() != canopen::NmtState::operational) return;
+  data_.process_data.snapshot();
+  exchange_process_data(now);
 }
 
 void ExchangeControl::exchange_process_data(can::Time now) {

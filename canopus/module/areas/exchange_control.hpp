@@ -43,6 +43,11 @@ class ExchangeControl final : public BufferArea {
   void begin(bool canopen_mode, can::Time end);
   /// True when the exchange's time has come: it is done.
   [[nodiscard]] bool end_if_due(can::Time now);
+  /// The CPU's refresh exchanges process data from now on, the program's request no more [RJ71CN91 2.2].
+  void use_refresh() noexcept { by_refresh_ = true; }
+  [[nodiscard]] bool by_refresh() const noexcept { return by_refresh_; }
+  /// The CPU's refresh: at once, if the node is Operational.
+  void refresh(can::Time now);
   /// Exchanges process data that wait, if the node is Operational.
   void exchange_if_operational(can::Time now) {
     if (waiting_ && data_.node.state() == canopen::NmtState::operational) exchange_process_data(now);
@@ -64,6 +69,7 @@ class ExchangeControl final : public BufferArea {
   BufferMemory* memory_;
   Data data_;
   bool canopen_mode_ = false;
+  bool by_refresh_ = false;
   bool running_ = false;      // process data, until they are exchanged
   bool waiting_ = false;      // process data, for Operational
   bool emergencies_ = false;  // are shown at the end

@@ -1,5 +1,7 @@
 #include "canopus/module/areas/layer2_settings.hpp"
 
+#include <algorithm>
+
 namespace canopus::module {
 
 namespace {
@@ -13,6 +15,16 @@ constexpr bool is_response(std::uint16_t value) {
   return value == static_cast<std::uint16_t>(RtrResponse::automatic) ||
          value == static_cast<std::uint16_t>(RtrResponse::manual) ||
          value == static_cast<std::uint16_t>(RtrResponse::none);
+}
+
+/// With every stuff bit, and the space after it [ISO 11898-1].
+constexpr unsigned longest_bits(const can::Frame& frame) {
+  const auto data = static_cast<unsigned>(8 * frame.length());
+  return frame.extended ? 67 + data + (53 + data) / 4 : 47 + data + (33 + data) / 4;
+}
+
+constexpr bool is_cyclic(Layer2Transmission type) {
+  return type == Layer2Transmission::cycle || type == Layer2Transmission::cycle_changed;
 }
 
 }  // namespace
@@ -125,6 +137,21 @@ std::optional<BufferAddress> Layer2Settings::first_error() const noexcept {
   for (unsigned message = 0; message < layer2_stop_messages; ++message) {
     if (const auto wrong = stop_message_error(message)) return wrong;
   }
+  return cycle_error();
+}
+
+std::optional<BufferAddress> Layer2Settings::cycle_error() const noexcept {
+  if (!rules_.rate_of_cycles) return std::nullopt;
+  constexpr std::int64_t whole = 1'000'000;
+  std::int64_t share = 0;  // of the bus, in millionths
+  for (unsigned slot = 0; slot < layer2_slots; ++slot) {
+    if (kind(slot) != SlotKind::transmit || !is_cyclic(transmission(slot))) continue;
+    const can::Duration time =
+        std::chrono::nanoseconds(whole * longest_bits(frame(slot)) / word(*rules_.rate_of_cycles));
+    const can::Duration period = std::max(cycle(slot), rules_.cycle_unit);
+    share += whole * time.count() / period.count();
+    if (share > whole) return parameters(slot) + 3;
+  }
   return std::nullopt;
 }
 
@@ -133,9 +160,8 @@ std::optional<BufferAddress> Layer2Settings::settle() noexcept {
   unsigned answering = 0;
   for (unsigned slot = 0; slot < layer2_slots; ++slot) {
     if (kind(slot) != SlotKind::transmit) continue;
-    const Layer2Transmission type = transmission(slot);
-    const bool cyclic = type == Layer2Transmission::cycle || type == Layer2Transmission::cycle_changed;
-    if (cyclic && word(parameters(slot) + 3) == 0) memory_->set_word(parameters(slot) + 3, 1);
+    if (is_cyclic(transmission(slot)) && word(parameters(slot) + 3) == 0)
+      memory_->set_word(parameters(slot) + 3, 1);
     if (response(slot) == RtrResponse::none || ++answering <= layer2_rtr_slots) continue;
     memory_->set_word(parameters(slot) + 1, static_cast<std::uint16_t>(RtrResponse::none));
     // Without an answer there is nothing to check a DLC for.

@@ -57,6 +57,9 @@ struct Layer2Rules {
   bool offline_is_silent = false;
   /// Of the process data, only the words of transmit slots are saved [RJ71CN91 App. 2 G10000].
   bool saves_transmit_slots = false;
+  /// Word of the bit rate, kbit/s, if what slots of cyclic types send together must find room at it [RJ71CN91 App. 2
+  /// parameter D]: with every stuff bit, each of them once in its cycle time.
+  std::optional<BufferAddress> rate_of_cycles{};
   /// Receive processing: time per message, and messages that may wait for it. A message that finds no place
   /// is lost.
   can::Duration message_time = std::chrono::microseconds(100);
@@ -133,6 +136,8 @@ class Layer2Settings {
   /// The first word of a slot, or a stop message, that does not go together with the others.
   [[nodiscard]] std::optional<BufferAddress> slot_error(unsigned slot) const noexcept;
   [[nodiscard]] std::optional<BufferAddress> stop_message_error(unsigned message) const noexcept;
+  /// Parameter D of the first slot whose cycle time is too short for the bit rate.
+  [[nodiscard]] std::optional<BufferAddress> cycle_error() const noexcept;
   /// Of all slots and stop messages.
   [[nodiscard]] std::optional<BufferAddress> first_error() const noexcept;
   /// What going online makes of the settings: parameter B of slots over the limit becomes 5FFFH, a cycle time

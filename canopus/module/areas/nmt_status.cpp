@@ -14,7 +14,7 @@ NmtStatus::NmtStatus(const std::optional<NmtStatusLayout>& layout, BufferMemory&
 void NmtStatus::clear_life_guarding(std::uint8_t node) noexcept {
   for (std::uint8_t n = 1; n <= last_node; ++n) {
     if (node != 0 && node != n) continue;
-    life_guarding_.reset(n);
+    guarding_master_[n] &= static_cast<std::uint16_t>(~manager::error_control::errors);
     note(n);
   }
 }
@@ -22,7 +22,7 @@ void NmtStatus::clear_life_guarding(std::uint8_t node) noexcept {
 void NmtStatus::reset() noexcept {
   status_.fill(0);
   state_.fill(0);
-  life_guarding_.reset();
+  guarding_master_.fill(0);
   failing_.reset();
 }
 

@@ -23,6 +23,9 @@ struct NmtStatusLayout {
   std::optional<BufferAddress> state{};
   /// The node that a clear request means, 0 = all. Without the word all are meant.
   std::optional<BufferAddress> clear_node{};
+  /// The own word as a slave's has, besides the missing life guarding, whether it runs and a missed guard time
+  /// [RJ71CN91 App. 2 G401].
+  bool shows_guarding_master = false;
 };
 
 class NmtStatus final : public BufferArea {
@@ -34,16 +37,17 @@ class NmtStatus final : public BufferArea {
     status_[node] = bits;
     note(node);
   }
-  /// The master of this node, which is a slave, was not heard in time; shown at `node`.
-  void set_life_guarding(std::uint8_t node) noexcept {
-    life_guarding_.set(node);
+  /// What this node, which is a slave, finds of its master's guarding (bits of manager::error_control), shown at `node`,
+  /// its own word.
+  void set_guarding_master(std::uint8_t node, std::uint16_t set, std::uint16_t clear = 0) noexcept {
+    if (!layout_.shows_guarding_master) set &= manager::error_control::life_guarding;
+    guarding_master_[node] = static_cast<std::uint16_t>((guarding_master_[node] & ~clear) | set);
     note(node);
   }
   /// State as 1F82H shows it (manager::node_state).
   void set_state(std::uint8_t node, std::uint8_t state) noexcept { state_[node] = state; }
   [[nodiscard]] std::uint16_t status(std::uint8_t node) const noexcept {
-    return static_cast<std::uint16_t>(
-        status_[node] | (life_guarding_.test(node) ? manager::error_control::life_guarding : 0U));
+    return static_cast<std::uint16_t>(status_[node] | guarding_master_[node]);
   }
   [[nodiscard]] std::uint16_t state(std::uint8_t node) const noexcept { return state_[node]; }
   /// The failure signal: at least one node's failure is not cleared.
@@ -54,7 +58,7 @@ class NmtStatus final : public BufferArea {
     return layout_.clear_node ? static_cast<std::uint8_t>(memory_->word(*layout_.clear_node))
                               : std::uint8_t{0};
   }
-  /// Forgets the life guarding failure of one node, or of all (0). The master's own bits go with the
+  /// Forgets the life guarding failures of one node, or of all (0). The master's own bits go with the
   /// master's.
   void clear_life_guarding(std::uint8_t node) noexcept;
   /// While held, failures of the node to clear are cleared as they come.
@@ -82,7 +86,7 @@ class NmtStatus final : public BufferArea {
   bool hold_clear_all_ = false;
   std::array<std::uint16_t, 128> status_{};
   std::array<std::uint16_t, 128> state_{};
-  std::bitset<128> life_guarding_;
+  std::array<std::uint16_t, 128> guarding_master_{};
   std::bitset<128> failing_;
 };
 

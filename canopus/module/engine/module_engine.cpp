@@ -80,6 +80,7 @@ void ModuleEngine::power_on(can::Time now) {
   parts_.port->power_on(now);
   restarting_ = false;
   (void)node_events_.take_clear_request();  // kept in RAM: only a restart carries it out
+  takes_files_ = true;
   begin_initialization(parts_.profile.power_on_time, now);
 }
 
@@ -109,13 +110,13 @@ void ModuleEngine::inject(ModuleFault fault, can::Time now) {
       parts_.state.hardware_fault = true;
       parts_.port->fault_found(now);
       parts_.report("hardware error", now);
-      parts_.diagnostics.raise(Diagnosis::hardware, now);
+      parts_.diagnostics.raise(Diagnosis::hardware, now, {1});
       // A severe error that the device causes itself acts as a communication error does [ME3CAN1-Q 4.7].
       if (parts_.state.running() && parts_.state.canopen_mode()) parts_.node.communication_error(now);
       return update(now);
     case ModuleFault::watchdog_error:
-      power_off(now);  // until the supply has been off
-      parts_.diagnostics.raise(Diagnosis::watchdog, now);
+      power_off(now);                                           // until the supply has been off
+      parts_.diagnostics.raise(Diagnosis::watchdog, now, {2});  // the cause codes are not printed
       return parts_.report("watchdog error", now);
   }
 }
@@ -145,6 +146,7 @@ void ModuleEngine::begin_initialization(can::Duration duration, can::Time now) {
   parts_.port->initialization_begins(now);
   if (node_events_.take_clear_request()) parts_.concise_dcfs.clear();
   parts_.state.mode = &parts_.settings.load();
+  take_parameters(now);
   if (parts_.state.canopen_mode()) parts_.time_stamp.reset();
   parts_.layer2.start(parts_.state.mode->kind == FunctionModeRow::Kind::layer2_extended);
   update(now);

@@ -48,6 +48,13 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   [[nodiscard]] bool presets_canopen_mode() const override { return parts_.settings.presets_canopen_mode(); }
   [[nodiscard]] std::optional<BufferAddress> layer2_preset_error() const override;
   [[nodiscard]] bool takes_word(BufferAddress address, std::uint16_t value) const override;
+  [[nodiscard]] bool takes_parameters() const noexcept override { return parts_.model.takes_parameters; }
+  bool parameter_word(BufferAddress address, std::uint16_t value) override;
+  canopen::AbortCode parameter_object(std::uint16_t index, std::uint8_t sub,
+                                      std::span<const std::uint8_t> value) override;
+  bool parameter_concise_dcf(std::uint8_t node_id, std::vector<std::uint8_t> file) override;
+  void use_refresh() override { parts_.exchange.use_refresh(); }
+  void refresh(can::Time now) override;
   [[nodiscard]] std::optional<InitialNode> initial_node() override;
   [[nodiscard]] const ProgramInterface& program_interface() const noexcept override {
     return parts_.model.program_interface;
@@ -142,6 +149,8 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   using Phase = ModuleState::Phase;
 
   void begin_initialization(can::Duration duration, can::Time now);
+  /// What the CPU has for the module, while it initializes.
+  void take_parameters(can::Time now);
   void end_due_initialization(can::Time now);
   [[nodiscard]] bool configuration_is_faulty(can::Time now);
   void end_save(can::Time now);
@@ -158,6 +167,7 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   ChangeLog change_log_{parts_};
 
   bool restarting_ = false;
+  bool takes_files_ = false;            // the supply came: concise DCFs of the CPU's parameters are stored
   bool controller_sends_last_ = false;  // off the bus after the message that says that the module restarts
   can::Time last_frame_{};              // sent or received
   can::Time initialized_at_ = can::never;

@@ -103,6 +103,7 @@ void ModuleEngine::begin_save(can::Time now) {
     return;
   }
   parts_.settings.begin_save(can::later(now, parts_.profile.save_time));
+  parts_.concise_dcfs.occupy(parts_.settings.save_deadline());
 }
 
 void ModuleEngine::end_save(can::Time now) {

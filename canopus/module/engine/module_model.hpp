@@ -139,6 +139,8 @@ struct ModuleModel {
   /// Which concise DCFs 1F22H takes, if not any as CiA 302-3 allows; the times are the profile's.
   manager::ConfigurationOptions (*configuration_options)() = nullptr;
 
+  /// Engineering tools write parameters for it, which the CPU gives it [RJ71CN91 2.4].
+  bool takes_parameters = false;
   /// A stored PDO mapping that is faulty keeps the module in its initialization [ME3CAN1-Q 8.1.2].
   bool faulty_mapping_keeps_initializing = false;
   /// A start in a Layer 2 mode deletes what 1010H has stored [ME3CAN1-Q 3.5.2].

@@ -29,7 +29,7 @@ const FunctionModeRow& ModuleSettings::preset_mode() const {
   return *std::ranges::find(model_->function_modes, word->second, &FunctionModeRow::value);
 }
 
-bool ModuleSettings::preset_word(BufferAddress address, std::uint16_t value) {
+bool ModuleSettings::may_preset(BufferAddress address, std::uint16_t value) const {
   const bool is_stored = std::ranges::any_of(model_->buffer_memory, [&](const BufferRow& row) {
     return row.stored == Stored::yes && row.covers(address);
   });
@@ -37,8 +37,19 @@ bool ModuleSettings::preset_word(BufferAddress address, std::uint16_t value) {
   // Until the function mode is known, of any mode.
   const auto& mode_word = model_->settings.function_mode;
   const bool any = mode_word && (address == *mode_word || !factory_words_.contains(*mode_word));
-  if (buffer_->check(address, value, any ? every_mode : preset_mode().bit) != WriteResult::done) return false;
+  return buffer_->check(address, value, any ? every_mode : preset_mode().bit) == WriteResult::done;
+}
+
+bool ModuleSettings::preset_word(BufferAddress address, std::uint16_t value) {
+  if (!may_preset(address, value)) return false;
   factory_words_[address] = value;
+  return true;
+}
+
+// The function mode is not among what the tools set [RJ71CN91 2.4].
+bool ModuleSettings::parameter_word(BufferAddress address, std::uint16_t value) {
+  if (address == model_->settings.function_mode || !may_preset(address, value)) return false;
+  parameters_.words[address] = value;
   return true;
 }
 
@@ -90,6 +101,20 @@ std::optional<BufferAddress> ModuleSettings::layer2_preset_error(const Layer2Rul
 
 canopen::AbortCode ModuleSettings::preset_object(std::uint16_t index, std::uint8_t sub,
                                                  std::span<const std::uint8_t> value) {
+  const canopen::AbortCode code = check_object(index, sub, value);
+  if (code == canopen::AbortCode::none) factory_objects_[{index, sub}] = {value.begin(), value.end()};
+  return code;
+}
+
+canopen::AbortCode ModuleSettings::parameter_object(std::uint16_t index, std::uint8_t sub,
+                                                    std::span<const std::uint8_t> value) {
+  const canopen::AbortCode code = check_object(index, sub, value);
+  if (code == canopen::AbortCode::none) parameters_.objects[{index, sub}] = {value.begin(), value.end()};
+  return code;
+}
+
+canopen::AbortCode ModuleSettings::check_object(std::uint16_t index, std::uint8_t sub,
+                                                std::span<const std::uint8_t> value) const {
   // A dictionary of its own, without the services' handlers: the order of the presets must not matter.
   canopen::ObjectDictionary scratch(model_->object_dictionary(), 127);
   const auto entry = scratch.find(index, sub);
@@ -99,9 +124,7 @@ canopen::AbortCode ModuleSettings::preset_object(std::uint16_t index, std::uint8
   const manager::MasterOptions rules = model_->master_options();
   const bool bad_role = index == 0x1F80 && (scratch.get<std::uint32_t>(index, 0) & ~rules.start_up_bits) != 0;
   const bool bad_assignment = index == 0x1F81 && (value[0] & ~rules.assignment_bits) != 0;
-  if (bad_role || bad_assignment) return canopen::AbortCode::invalid_value;
-  factory_objects_[{index, sub}] = {value.begin(), value.end()};
-  return canopen::AbortCode::none;
+  return bad_role || bad_assignment ? canopen::AbortCode::invalid_value : canopen::AbortCode::none;
 }
 
 std::span<const std::uint8_t> ModuleSettings::object_preset(std::uint16_t index, std::uint8_t sub) const {
@@ -131,6 +154,7 @@ const FunctionModeRow& ModuleSettings::load() {
   }
   words_ = std::move(*words);
   mode_ = mode;
+  if (mode->kind == FunctionModeRow::Kind::canopen) buffer_->apply_stored(parameters_.words);
   const bool deletes = mode->kind != FunctionModeRow::Kind::canopen && model_->layer2_deletes_objects;
   if (deletes && flash_.read(objects_name).state != State::missing) flash_.write(objects_name, {});
   return *mode;
@@ -161,6 +185,7 @@ ModuleSettings::Found ModuleSettings::look() {
   const auto words = stored_words();
   const FunctionModeRow* mode = words ? use_words(*words, buffer) : nullptr;
   if (mode == nullptr) mode = use_words({}, buffer);
+  if (mode->kind == FunctionModeRow::Kind::canopen) buffer.apply_stored(parameters_.words);
   return {.mode = mode, .node_id = node_id(buffer), .objects = stored_objects().bytes};
 }
 
@@ -177,10 +202,13 @@ std::optional<canopen::Entry> ModuleSettings::faulty_mapping(std::uint8_t node_i
 NonVolatileMemory::Content ModuleSettings::stored_objects() {
   NonVolatileMemory::Content content = flash_.read(objects_name);
   if (content.state == State::damaged) content.bytes.clear();
-  if (content.state != State::missing) return content;
-  for (const auto& [place, value] : factory_objects_) {
-    canopen::append_stored_value(content.bytes, stored_length, place.first, place.second, value);
-  }
+  const auto append = [&content](const auto& objects) {
+    for (const auto& [place, value] : objects) {
+      canopen::append_stored_value(content.bytes, stored_length, place.first, place.second, value);
+    }
+  };
+  if (content.state == State::missing) append(factory_objects_);
+  append(parameters_.objects);  // the last one counts
   return content;
 }
 

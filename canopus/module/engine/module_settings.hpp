@@ -15,6 +15,7 @@
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
 #include "canopus/canopen/dictionary/parameter_store.hpp"
 #include "canopus/module/engine/module_model.hpp"
+#include "canopus/module/interface/parameters.hpp"
 #include "canopus/module/storage/flash_memory.hpp"
 
 namespace canopus::module {
@@ -38,6 +39,11 @@ class ModuleSettings {
                                    std::span<const std::uint8_t> value);
   [[nodiscard]] std::span<const std::uint8_t> object_preset(std::uint16_t index, std::uint8_t sub) const;
   [[nodiscard]] bool presets_canopen_mode() const;
+  /// The CPU's parameters: words and objects count over what is stored, in the CANopen function mode.
+  bool parameter_word(BufferAddress address, std::uint16_t value);
+  canopen::AbortCode parameter_object(std::uint16_t index, std::uint8_t sub,
+                                      std::span<const std::uint8_t> value);
+  [[nodiscard]] ModuleParameters& parameters() noexcept { return parameters_; }
   [[nodiscard]] std::optional<BufferAddress> layer2_preset_error(const Layer2Rules& rules) const;
   [[nodiscard]] bool takes_word(BufferAddress address, std::uint16_t value) const;
 
@@ -96,6 +102,10 @@ class ModuleSettings {
     ModuleSettings* settings_;
   };
 
+  /// Whether the word or object can be set before a start.
+  bool may_preset(BufferAddress address, std::uint16_t value) const;
+  canopen::AbortCode check_object(std::uint16_t index, std::uint8_t sub,
+                                  std::span<const std::uint8_t> value) const;
   bool has_worn_out() noexcept;
   void leave_out_receive_slots();
   const FunctionModeRow& preset_mode() const;
@@ -113,6 +123,7 @@ class ModuleSettings {
   ObjectStore object_store_{*this};
   StoredWords factory_words_;
   std::map<std::pair<std::uint16_t, std::uint8_t>, std::vector<std::uint8_t>> factory_objects_;
+  ModuleParameters parameters_;
   StoredWords words_;                      // as stored, of all function modes
   const FunctionModeRow* mode_ = nullptr;  // in use, from the first load() on
   std::uint32_t known_writes_ = 0;         // when wore_out() looked last

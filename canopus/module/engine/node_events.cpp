@@ -89,7 +89,18 @@ void NodeEvents::life_guarding_event(bool occurred, can::Time now) {
   if (!occurred || parts_.nmt_status.held_clear(own)) return;
   parts_.diagnostics.log(ModuleEvent::life_guarding, now);
   // The master's number is not known to a guarded slave, so the failure is shown at the own word.
-  parts_.nmt_status.set_life_guarding(own);
+  parts_.nmt_status.set_guarding_master(own, manager::error_control::life_guarding);
+}
+
+void NodeEvents::life_guarding_running(bool running, can::Time) {
+  constexpr std::uint16_t active = manager::error_control::guarding_active;
+  parts_.nmt_status.set_guarding_master(parts_.node.node_id(), running ? active : 0, running ? 0 : active);
+}
+
+void NodeEvents::life_guarding_missed(can::Time) {
+  const std::uint8_t own = parts_.node.node_id();
+  if (parts_.nmt_status.held_clear(own)) return;
+  parts_.nmt_status.set_guarding_master(own, manager::error_control::guarding_miss);
 }
 
 // Any change of the configuration makes its date and time invalid [ME3CAN1-Q 4.8.12].

@@ -32,6 +32,8 @@ class NodeEvents final : public canopen::NodeListener, public canopen::ObjectHan
   void heartbeat_received(std::uint8_t node_id, canopen::NmtState state, can::Time now) override;
   void heartbeat_lost(std::uint8_t node_id, can::Time now) override;
   void life_guarding_event(bool occurred, can::Time now) override;
+  void life_guarding_running(bool running, can::Time now) override;
+  void life_guarding_missed(can::Time now) override;
   void object_written(const canopen::Entry& entry, can::Time now) override;
 
   // ObjectHandler: 0002H-0008H

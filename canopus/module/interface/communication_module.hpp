@@ -11,6 +11,7 @@
 #include "canopus/manager/boot/boot_record.hpp"
 #include "canopus/module/interface/led.hpp"
 #include "canopus/module/interface/module.hpp"
+#include "canopus/module/interface/parameters.hpp"
 #include "canopus/module/interface/program_interface.hpp"
 
 namespace canopus::module {
@@ -57,6 +58,26 @@ class CommunicationModule : public Module {
   [[nodiscard]] virtual bool takes_word(BufferAddress /*address*/, std::uint16_t /*value*/) const {
     return false;
   }
+
+  // --- parameters of the engineering tools, of a module that takes them; to be called before power_on()
+
+  /// The tools of its series write parameters for it.
+  [[nodiscard]] virtual bool takes_parameters() const noexcept { return false; }
+  /// As preset_word() and preset_object(), but over whatever the module saves.
+  virtual bool parameter_word(BufferAddress /*address*/, std::uint16_t /*value*/) { return false; }
+  virtual canopen::AbortCode parameter_object(std::uint16_t /*index*/, std::uint8_t /*sub*/,
+                                              std::span<const std::uint8_t> /*value*/) {
+    return canopen::AbortCode::cannot_store;
+  }
+  /// A concise DCF for a node, which need not be a good one. False: too many, or too long.
+  virtual bool parameter_concise_dcf(std::uint8_t /*node_id*/, std::vector<std::uint8_t> /*file*/) {
+    return false;
+  }
+  /// Process data are exchanged by refresh() alone, not by the program's request.
+  virtual void use_refresh() {}
+  /// The CPU's refresh [RJ71CN91 2.3]: what it has written to the transmit words goes out, what was received comes into the
+  /// receive words; nothing outside of Operational.
+  virtual void refresh(can::Time /*now*/) {}
 
   /// The CANopen node that the next power-on makes, of factory settings or of what was saved.
   struct InitialNode {

@@ -73,6 +73,8 @@ canopen::NodeOptions node_options() {
   options.profile_event_transmission_type = true;
   options.empty_history_reads_zero = false;
   options.errors_end_with_history = true;
+  options.history_has_first_byte_high = true;
+  options.active_master_commands_itself = true;
   return options;
 }
 
@@ -80,6 +82,9 @@ canopen::NodeOptions node_options() {
 manager::MasterOptions master_options() {
   manager::MasterOptions options = intelligent::master_options();
   options.revision_rule = manager::RevisionRule::same_major_newer_minor;
+  options.slaves_request_nmt = true;
+  options.time_out_ends_activity = true;
+  options.heartbeat_state_is_checked = true;
   return options;
 }
 
@@ -118,7 +123,12 @@ constinit const ModuleModel model{
                                               .reads_choice = true,
                                               .waits_for_operational = false},
     .emergency_buffer = intelligent::emergency_buffer,
-    .nmt_status = intelligent::nmt_status,
+    .nmt_status =
+        [] {
+          NmtStatusLayout layout = intelligent::nmt_status;
+          layout.shows_guarding_master = true;
+          return layout;
+        }(),
     .network_settings = intelligent::network_settings,
     .time_stamp =
         TimeStampLayout{
@@ -143,7 +153,8 @@ constinit const ModuleModel model{
                      .overflow_is_of_new_data = true,
                      .online_applies_bit_rate = true,
                      .offline_is_silent = true,
-                     .saves_transmit_slots = true},
+                     .saves_transmit_slots = true,
+                     .rate_of_cycles = g::baud_rate},
     .program_interface = intelligent::program_interface,
     .diagnostics = {.events = event_table, .errors = error_table},
     .cpu = {.stop_ends_master = true, .stop_at_start_counts = true, .run_ends_error = true},
@@ -152,6 +163,7 @@ constinit const ModuleModel model{
     .node_options = node_options,
     .master_options = master_options,
     .configuration_options = intelligent::configuration_options,
+    .takes_parameters = true,
 };
 
 }  // namespace canopus::module::rj71cn91

@@ -44,6 +44,31 @@ std::vector<std::uint8_t> ConciseDcfStore::stored_nodes() {
   return found;
 }
 
+bool ConciseDcfStore::merge(const std::map<std::uint8_t, std::vector<std::uint8_t>>& files, bool& changed) {
+  changed = false;
+  std::map<std::uint8_t, std::vector<std::uint8_t>> all;
+  const NonVolatileMemory::Content content = memory_->read(name_);
+  if (content.state == NonVolatileMemory::Content::State::good &&
+      canopen::are_stored_values(content.bytes, stored_length)) {
+    canopen::StoredValueReader reader(content.bytes, stored_length);
+    while (const auto value = reader.next()) {
+      if (value->index == files_index) all[value->sub].assign(value->bytes.begin(), value->bytes.end());
+    }
+  }
+  const auto before = all;
+  for (const auto& [node_id, file] : files) all[node_id] = file;
+  if (all == before) return true;
+  const manager::ConfigurationOptions& options = configurations_.options();
+  if (all.size() > options.maximum_files) return false;
+  std::vector<std::uint8_t> bytes;
+  for (const auto& [node_id, file] : all) {
+    if (options.maximum_size != 0 && file.size() > options.maximum_size) return false;
+    canopen::append_stored_value(bytes, stored_length, files_index, node_id, file);
+  }
+  changed = memory_->write(name_, bytes);
+  return changed;
+}
+
 void ConciseDcfStore::clear() {
   memory_->erase(name_);
   forget_all();

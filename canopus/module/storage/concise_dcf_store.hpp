@@ -3,6 +3,7 @@
 // content of the non-volatile memory. What is written to 1F22H goes there at once [ME3CAN1-Q 4.8.12].
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -25,6 +26,13 @@ class ConciseDcfStore final : private manager::ConfigurationStore {
   bool load();
   /// The nodes that the next load() finds a file of. Changes nothing.
   [[nodiscard]] std::vector<std::uint8_t> stored_nodes();
+  /// The flash memory is busy with something else until then: 1F22H is refused with 06060000H.
+  void occupy(can::Time until) noexcept { configurations_.occupy_store(until); }
+  /// Puts these files among what is stored: one for a node that has one takes its place, the others stay. At the next
+  /// load() they count. False: more than there is room for, one that is too long, or they could not be written; then
+  /// nothing has changed. `changed`: something was written.
+  [[nodiscard]] bool merge(const std::map<std::uint8_t, std::vector<std::uint8_t>>& files, bool& changed);
+  [[nodiscard]] const manager::ConfigurationOptions& limits() noexcept { return configurations_.options(); }
   /// Deletes all of them.
   void clear();
 

@@ -23,6 +23,7 @@ TEST_P(MasterRole, Bit0Clear_AllOtherSettingsAreIgnored_AndItIsTheDefault) {
   s.rx(0x702, {0x00}).advance(60s).no_tx();
   s.expect(25, 0x0140 & ~0x40).expect(402, 0).expect_x(0x10, false);
   s.rx(0x000, {0x01, 0x00}).expect(25, 0x0201);  // a slave like any other
+  if (is_rj71cn91()) return;  // which sends for a slave, too: rj71cn91/node_control_test.cpp
   s.cif({0x0002, 0, 0x1F82, 2, 1, 5});
   s.expect_abort(0x08000022).no_tx();
 }
@@ -223,7 +224,8 @@ TEST_P(KeepAlive, SlaveThatGuardsItsMaster_MissesTheRemoteFrames_WhenTheMasterHa
   slave.set_object(0x100D, 0, 3, 1);
   slave.nmt(0x01, 2).rx_remote(0x702, 1).tx(0x702, {0x05});
   slave.advance(299ms).no_tx().expect(25, 0x0201);
-  slave.advance(1ms).tx(0x082, {0x02, 0x8F, 0x11, 0, 0, 0, 0, 0}).expect(25, 0x0100).expect(402, 0x0040);
+  slave.advance(1ms).tx(0x082, {0x02, 0x8F, 0x11, 0, 0, 0, 0, 0}).expect(25, 0x0100);
+  slave.expect(402, either(0x0040, 0x0044));
 
   IntelligentScenario configured(GetParam());  // on both sides: remote frames go on
   configured.power_on_as(1);

@@ -141,9 +141,11 @@ TEST_P(NmtMasterStartUp, MasterStoppedDuringTheStartUp_SendsAndTakesNoSdo) {
   IntelligentScenario s(GetParam());
   boot_master(s, {{0x1F80, 0, 1}, {0x1F81, 2, mandatory}});
   s.tx(0x000, {0x82, 0x00}).rx(0x702, {0x00}).tx(0x602, ask_1000);
-  s.rx(0x000, {0x02, 0x01}).expect(25, 0xC000);
+  s.set_object(0x1F82, 1, 0x04, 1);
+  s.expect(25, 0xC000);
   s.rx(0x582, is_0191).advance(60s).no_tx().expect(25, 0xC000);
-  s.rx(0x000, {0x80, 0x01}).wait_tx(0x602, time_out).wait_tx(0x602, ask_1000);
+  s.set_object(0x1F82, 1, 0x7F, 1);
+  s.wait_tx(0x602, time_out).wait_tx(0x602, ask_1000);
   s.rx(0x582, is_0191).tx(0x000, {0x01, 0x02}).expect(25, 0x8201).no_tx();
 }
 

@@ -72,9 +72,9 @@ TEST_P(RequestNmt, RequestNmt_ReservedValues_AreRefused) {
   s.no_tx().expect_bit(25, 8, true);  // nor is the own state changed
 }
 
-TEST_P(RequestNmt, RequestNmt_AsSlave_SendsNothing) {
-  spec("ME3-NMT-010", "");
-  IntelligentScenario s(GetParam());
+TEST(Me3RequestNmt, AsSlave_SendsNothing) {
+  RecordProperty("spec", "ME3-NMT-010");
+  IntelligentScenario s;
   s.power_on();
   s.cif({0x0002, 0, 0x1F82, 2, 1, 5});
   s.expect_abort(0x08000022).no_tx();

@@ -94,6 +94,10 @@ class OfBothModules : public testing::TestWithParam<std::string_view> {
     RecordProperty("spec", is_rj71cn91() ? of_rj71cn91 : of_me3can1_q);
   }
   [[nodiscard]] static bool is_rj71cn91() { return GetParam() == rj71cn91; }
+  /// What the model at hand shows where the two differ.
+  [[nodiscard]] static std::uint16_t either(std::uint16_t of_me3can1_q, std::uint16_t of_rj71cn91) {
+    return is_rj71cn91() ? of_rj71cn91 : of_me3can1_q;
+  }
 };
 
 // NOLINTBEGIN(cppcoreguidelines-macro-usage): GoogleTest's own way

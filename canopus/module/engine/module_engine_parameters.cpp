@@ -1,0 +1,60 @@
+// What the CPU gives the module of the engineering tools: parameters when it starts, refresh while it runs.
+
+#include <utility>
+
+#include "canopus/module/engine/module_engine.hpp"
+
+namespace canopus::module {
+
+namespace {
+
+// Detail of Diagnosis::extension_parameter; the manual prints no values.
+constexpr std::uint32_t wrong_mode = 1;
+constexpr std::uint32_t no_room = 2;
+
+}  // namespace
+
+bool ModuleEngine::parameter_word(BufferAddress address, std::uint16_t value) {
+  return takes_parameters() && parts_.settings.parameter_word(address, value);
+}
+
+canopen::AbortCode ModuleEngine::parameter_object(std::uint16_t index, std::uint8_t sub,
+                                                  std::span<const std::uint8_t> value) {
+  if (!takes_parameters()) return canopen::AbortCode::cannot_store;
+  return parts_.settings.parameter_object(index, sub, value);
+}
+
+bool ModuleEngine::parameter_concise_dcf(std::uint8_t node_id, std::vector<std::uint8_t> file) {
+  const manager::ConfigurationOptions& limits = parts_.concise_dcfs.limits();
+  auto& files = parts_.settings.parameters().concise_dcfs;
+  if (!takes_parameters() || (limits.maximum_size != 0 && file.size() > limits.maximum_size)) return false;
+  if (!files.contains(node_id) && files.size() >= limits.maximum_files) return false;
+  files[node_id] = std::move(file);
+  return true;
+}
+
+// [RJ71CN91 2.4] The configuration tool has nothing for a module in a Layer 2 mode: what it has written is wrong there.
+void ModuleEngine::take_parameters(can::Time now) {
+  const ModuleParameters& parameters = parts_.settings.parameters();
+  const bool takes_files = std::exchange(takes_files_, false);
+  if (parameters.empty()) return;
+  if (!parts_.state.canopen_mode()) {
+    parts_.report("the CPU has parameters of the configuration tool, which are for the CANopen mode", now);
+    return parts_.diagnostics.raise(Diagnosis::extension_parameter, now, {wrong_mode});
+  }
+  if (!takes_files || parameters.concise_dcfs.empty()) return;
+  bool changed = false;
+  if (!parts_.concise_dcfs.merge(parameters.concise_dcfs, changed)) {
+    parts_.report("the concise DCFs of the CPU's parameters find no room beside those in 1F22H", now);
+    parts_.diagnostics.raise(Diagnosis::extension_parameter, now, {no_room});
+  }
+  if (changed) parts_.diagnostics.log(ModuleEvent::saved, now);
+}
+
+void ModuleEngine::refresh(can::Time now) {
+  if (!parts_.state.running() || !parts_.state.canopen_mode()) return;
+  parts_.exchange.refresh(now);
+  update(now);
+}
+
+}  // namespace canopus::module
