@@ -42,6 +42,28 @@ TEST(ModuleInfo, Identity_OccupiedPoints_NoOnlineChange_ControlCpuOnly) {
   EXPECT_EQ(sheet["modes"][2]["value"], "29");
 }
 
+TEST(ModuleInfo, Rj71cn91_WhatTheManualSaysOfCpusToolAndRefresh) {
+  RecordProperty("spec",
+                 "RJ71-VER-001 RJ71-PARAM-004 RJ71-PARAM-005 RJ71-TOOL-003 RJ71-TOOL-009 RJ71-TOOL-010");
+  const Json sheet = info("rj71cn91");
+  std::string text;
+  for (const auto& [name, value] : sheet["properties"].items())
+    text += name + ": " + std::string(value) + "\n";
+  for (const std::string_view line :
+       {"Safety, R00 to R02 CPU: from firmware version 02 on",
+        "100 kbit/s in the tool: from firmware version 02 on, tool version 1.01B or 1.04E",
+        "writes while the CPU is in STOP, to a Safety CPU with user authentication",
+        "project and export files of a newer version are not opened by older ones",
+        "while it writes nodes, no other program may write by SDO",
+        "RnCPU, RnENCPU up to firmware 27, RnPCPU up to 11, RnSFCPU up to 13 (error 2220H); C Controller",
+        "Refresh: for one module: RnCPU, RnENCPU firmware 28 to 34, RnPCPU 12 to 13",
+        "Refresh: no limit: RnCPU, RnENCPU from firmware 35 on, RnPCPU, RnSFCPU from 14 on",
+        "module label or RD: read 95.20 us, write 28.62 us, in all 123.82 us; device: see the CPU's "
+        "manual"}) {
+    EXPECT_THAT(text, HasSubstr(std::string(line)));
+  }
+}
+
 TEST(ModuleInfo, Connector) {
   RecordProperty("spec", "ME3-SYS-015");
   const Json pins = info("ME3CAN1-Q")["pins"];

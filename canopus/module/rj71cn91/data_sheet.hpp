@@ -22,13 +22,16 @@ inline constexpr std::array bus_length_facts = std::to_array<BusLength>({
 
 inline constexpr std::array property_facts = std::to_array<Property>({
     {"In GX Works3", "RJ71CN91; in a Layer 2 mode as a general intelligent module with 32 points"},
-    {"Configuration tool",    "CANopen 405 mode only; writes while the CPU is in STOP"},
+    {"Configuration tool",    "CANopen 405 mode only; writes while the CPU is in STOP, to a Safety CPU with user authentication"},
+    {"Configuration tool: projects",   "project and export files of a newer version are not opened by older ones"},
+    {"Configuration tool: one writer", "while it writes nodes, no other program may write by SDO"},
     {"Safety, R00 to R02 CPU", "from firmware version 02 on"},
     {"100 kbit/s in the tool",         "from firmware version 02 on, tool version 1.01B or 1.04E"},
     {"Refresh: not possible", "RnCPU, RnENCPU up to firmware 27, RnPCPU up to 11, RnSFCPU up to 13 (error 2220H); C Controller"},
     {"Refresh: for one module", "RnCPU, RnENCPU firmware 28 to 34, RnPCPU 12 to 13"},
     {"Refresh: no limit",              "RnCPU, RnENCPU from firmware 35 on, RnPCPU, RnSFCPU from 14 on"},
-    {"Refresh processing time",        "module label or RD: read 95.20 us, write 28.62 us, in all 123.82 us"},
+    {"Refresh processing time",        "module label or RD: read 95.20 us, write 28.62 us, in all 123.82 us; device: see the CPU's manual"},
+    {"Refresh timing",                 "at the END instruction, or at a program of refresh group 1 to 64"},
     {"Module restart by Y2",           "about 6 s"},
     {"Emergency codes",                "0000H 6200H 8110H 8120H 8200H 8210H 8220H 8250H 8F01H-8F7FH FF00H; others by command 000AH only"},
     {"Emergency code 8250H",           "never occurs: RPDO time-out, and 1400H-14FFH have no event timer"},
