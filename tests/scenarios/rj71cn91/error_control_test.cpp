@@ -151,6 +151,9 @@ TEST(Rj71Heartbeat, AnotherStateThanExpected_IsBit5) {
   master.set_object(0x1F82, 9, 0x04, 1);
   master.tx(0x000, {0x02, 0x09}).advance(100ms).rx(0x709, {0x05}).expect(409, 0x0022).expect_x(0x10, true);
   master.no_tx().expect(609, 5);
+  // Lost and heard again: what was instructed still counts.
+  master.y(0x10, true).y(0x10, false).rx(0x709, {0x04}).expect(409, 0x0002).advance(500ms).ignore_tx();
+  master.expect(409, 0x0080).rx(0x709, {0x05}).expect(409, 0x00A2).ignore_tx();
   // After its boot-up nothing is instructed: watching begins anew.
   master.y(0x10, true).y(0x10, false).rx(0x709, {0x00}).rx(0x709, {0x04}).expect(409, 0x0002);
 }
