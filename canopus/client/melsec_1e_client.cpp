@@ -72,8 +72,8 @@ class Melsec1eClient final : public PlcProtocol {
   }
 
   Result<void> operate(PlcOperation operation) override {
-    if (operation == PlcOperation::pause)
-      return std::unexpected(std::string("1E frames have no remote PAUSE; 3E frames do"));
+    if (operation == PlcOperation::pause || operation == PlcOperation::reset)
+      return std::unexpected(std::string("1E frames have no remote PAUSE and reset; 3E frames do"));
     const auto command = operation == PlcOperation::run ? Command1e::remote_run : Command1e::remote_stop;
     return completed(request(command, 0, [](FieldWriter& /*out*/) {}));
   }

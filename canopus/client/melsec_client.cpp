@@ -118,6 +118,11 @@ class MelsecClient final : public PlcProtocol {
         }));
       case PlcOperation::stop:
         return completed(request(0x1002, 0, [](FieldWriter& out) { out.u16(normal); }));
+      case PlcOperation::reset: {
+        const auto reply = completed(request(0x1006, 0, [](FieldWriter& out) { out.u16(normal); }));
+        if (!reply && link_.is_silent()) return {};
+        return reply;
+      }
       case PlcOperation::pause: break;
     }
     return completed(request(0x1003, 0, [](FieldWriter& out) { out.u16(forced); }));

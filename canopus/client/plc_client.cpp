@@ -39,7 +39,8 @@ PlcClient::Result<PlcClient> PlcClient::connect(const PlcConnection& connection)
 
 PlcClient::Result<void> PlcClient::leave() {
   const PlcConnection& connection = link_->connection();
-  return connection.udp && !connection.remote_password.empty() ? protocol_->lock() : Result<void>{};
+  if (!connection.udp || connection.remote_password.empty() || is_reset_) return {};
+  return protocol_->lock();
 }
 
 PlcClient::Result<std::vector<std::uint16_t>> PlcClient::read_words(const PlcPoint& first,

@@ -32,7 +32,10 @@ class PlcClient {
   Result<std::vector<std::uint8_t>> read_bits(const PlcPoint& first, std::uint32_t count);
   Result<void> write_bits(const PlcPoint& first, std::span<const std::uint8_t> bits);
 
-  Result<void> operate(PlcOperation operation) { return protocol_->operate(operation); }
+  Result<void> operate(PlcOperation operation) {
+    is_reset_ = operation == PlcOperation::reset;  // locks a port as well
+    return protocol_->operate(operation);
+  }
   Result<PlcType> read_type() { return protocol_->read_type(); }
 
  private:
@@ -40,6 +43,7 @@ class PlcClient {
 
   std::unique_ptr<PlcLink> link_;
   std::unique_ptr<PlcProtocol> protocol_;
+  bool is_reset_ = false;
 };
 
 /// Why a point cannot be reached in this frame, as a sentence; empty: it can. `octal`: the PLC is an FX.

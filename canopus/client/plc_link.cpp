@@ -123,7 +123,9 @@ PlcLink::Result<void> PlcLink::receive(std::span<std::uint8_t> into) {
   if (!connection_.udp) {
     asio::async_read(parts_->stream, asio::buffer(into.data(), into.size()),
                      [&error](error_code result, std::size_t /*count*/) { error = result; });
-    if (!finish()) return std::unexpected(no_answer());
+    silent_ = !finish();
+    if (silent_) return std::unexpected(no_answer());
+    silent_ = error == asio::error::eof || error == asio::error::connection_reset;
     if (error == asio::error::eof) return std::unexpected(failed("the PLC closed the connection"));
     if (error) return std::unexpected(failed(error.message()));
     return {};
@@ -134,7 +136,8 @@ PlcLink::Result<void> PlcLink::receive(std::span<std::uint8_t> into) {
                                       error = result;
                                       parts_->size = count;
                                     });
-    if (!finish()) return std::unexpected(no_answer());
+    silent_ = !finish();
+    if (silent_) return std::unexpected(no_answer());
     if (error == asio::error::connection_refused) return std::unexpected(nobody_there(error.message()));
     if (error) return std::unexpected(failed(error.message()));
   }

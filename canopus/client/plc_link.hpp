@@ -47,6 +47,9 @@ class PlcLink {
   /// Nothing of the reply's datagram is left. A TCP connection has no such end.
   [[nodiscard]] bool is_taken() const noexcept;
 
+  /// receive() found the end of the connection, or waited in vain.
+  [[nodiscard]] bool is_silent() const noexcept { return silent_; }
+
   /// "127.0.0.1:5007: the answer is cut off"
   [[nodiscard]] std::string failed(std::string_view what) const;
   /// What came is no reply to the request.
@@ -60,6 +63,7 @@ class PlcLink {
   bool finish();
 
   PlcConnection connection_;
+  bool silent_ = false;
   std::unique_ptr<Parts> parts_;
 };
 

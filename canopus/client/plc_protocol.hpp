@@ -19,7 +19,7 @@ struct PlcType {
   std::uint16_t code = 0;  ///< of the MC protocol
 };
 
-enum class PlcOperation : std::uint8_t { run, stop, pause };
+enum class PlcOperation : std::uint8_t { run, stop, pause, reset };
 
 class PlcProtocol {
  public:
@@ -39,7 +39,8 @@ class PlcProtocol {
   /// 0 or 1 per point.
   virtual Result<void> read_bits(const PlcPoint& first, std::span<std::uint8_t> bits) = 0;
   virtual Result<void> write_bits(const PlcPoint& first, std::span<const std::uint8_t> bits) = 0;
-  /// RUN and PAUSE are forced when another client stopped the CPU; nothing is cleared.
+  /// RUN and PAUSE are forced when another client stopped the CPU; nothing is cleared. A CPU that was reset answers
+  /// nothing, so silence is success then.
   virtual Result<void> operate(PlcOperation operation) = 0;
   virtual Result<PlcType> read_type() = 0;
   /// Brings the remote password of the connection; and takes the leave back.

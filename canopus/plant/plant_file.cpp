@@ -238,6 +238,8 @@ PlcSection read_plc(text::TableReader& table) {
   plc.cpu_model = read_cpu_model(table);
   plc.ports = read_melsec_ports(table, plc.cpu_model);
   plc.modbus_ports = read_modbus_ports(table, plc.cpu_model);
+  const bool remote_reset = table.boolean("remote_reset").value_or(false);
+  for (MelsecPortSection& port : plc.ports) port.settings.remote_reset = remote_reset;
   plc.scan = table.parsed("scan", text::parse_duration);
   if (plc.scan && (*plc.scan < plc::Scan::shortest_period || *plc.scan > plc::Scan::longest_period)) {
     table.error("scan", "a scan takes 100us to 2s");

@@ -47,7 +47,7 @@ TEST(CommandLine, ACommandThatIsNearNothingGetsTheListOfAll) {
   EXPECT_THAT(
       complaint({"plc", "frobnicate"}),
       StartsWith("canopus plc: unknown command \"frobnicate\"; expected read, write, set, reset, watch, "
-                 "dump, load, names, run, stop, pause or type\n"));
+                 "dump, load, names, run, stop, pause, reset-cpu or type\n"));
   EXPECT_THAT(
       complaint({"nmt"}),
       StartsWith("canopus nmt: a command is missing; expected start, stop, preop, reset or reset-comm\n"));

@@ -160,7 +160,25 @@ TEST(PlcPorts, In1e_WhatIsRefusedIsSaidInWords) {
   EXPECT_THAT(outcome.err, HasSubstr("1E frames cannot name ZR"));
   outcome = plc.run({"pause"}, {"--1e"});
   EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_EQ(outcome.err, "canopus plc: 1E frames have no remote PAUSE; 3E frames do\n");
+  EXPECT_EQ(outcome.err, "canopus plc: 1E frames have no remote PAUSE and reset; 3E frames do\n");
+  EXPECT_EQ(plc.run({"reset-cpu"}, {"--1e"}).exit_code, 2);
+}
+
+TEST(PlcPorts, ARemoteReset_IsDoneWhereItIsAllowed) {
+  const serve::MelsecPort allowed{.settings = {.remote_reset = true}};
+  for (const bool over_udp : {false, true}) {
+    const ServedPlc plc(over_udp ? udp(allowed) : allowed);
+    const Words options = over_udp ? Words{"--udp", "--timeout", "300ms"} : Words{};
+    EXPECT_EQ(plc.run({"write", "D100", "7"}, options).exit_code, 0);
+    EXPECT_THAT(plc.run({"reset-cpu"}, options).err,
+                HasSubstr("4013H: not possible while the CPU is in RUN"));
+    EXPECT_EQ(plc.run({"stop"}, options).exit_code, 0);
+    EXPECT_EQ(plc.run({"reset-cpu"}, options).exit_code, 0);
+    EXPECT_EQ(plc.run({"read", "D100", "--format", "dec"}, options).out, "D100  0\n");
+    EXPECT_EQ(plc.run({"read", "SM203"}, options).out, "SM203  OFF\n") << "it comes up as its switch says";
+  }
+  const ServedPlc refuses{serve::MelsecPort{}};
+  EXPECT_THAT(refuses.run({"reset-cpu"}, {}).err, HasSubstr("408BH"));
 }
 
 TEST(PlcPorts, AnFx3_IsKnownByItsCode_AndItsLongCountersAreNoWords) {

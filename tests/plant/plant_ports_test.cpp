@@ -39,6 +39,16 @@ TEST(PlantPorts, WithoutAnything_OneTcpPortFor3eAnd4e) {
   EXPECT_EQ(protocol_name(ports[0]), "MC protocol");
 }
 
+TEST(PlantPorts, RemoteResetIsAParameterOfTheCpu) {
+  const PlantReading reading =
+      read("[[plc]]\nremote_reset = true\nlisten = \"5007\"\n[[plc.port]]\nlisten = \"5010\"\n");
+  ASSERT_THAT(reading.errors, IsEmpty());
+  for (const auto& port : reading.plant.plcs[0].ports) EXPECT_TRUE(port.settings.remote_reset);
+  EXPECT_FALSE(read("[[plc]]\n").plant.plcs[0].ports[0].settings.remote_reset);
+  EXPECT_THAT(errors("[[plc]]\nremote_reset = 1\n"),
+              ElementsAre(::testing::HasSubstr("plant.toml:2:16: remote_reset")));
+}
+
 TEST(PlantPorts, EachHasItsOpenSettings) {
   const PlantReading reading = read(R"(
 [[plc]]

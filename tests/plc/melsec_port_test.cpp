@@ -165,5 +165,35 @@ TEST(MelsecPort, DatagramsRemember_WhatTheyRegistered) {
   EXPECT_EQ(ask("50 00 00 ff ff 03 00 06 00 10 00 02 08 00 00"), d100);
 }
 
+TEST(MelsecRemoteReset, InStop_ClearsTheDevicesAndEndsTheConversation) {
+  Plc plc(r04cpu(), {.remote_reset = true});
+  const std::string reset = "50 00 00 ff ff 03 00 08 00 10 00 06 10 00 00 01 00";
+  const auto refusal = [&](const std::string& code) {
+    return "d0 00 00 ff ff 03 00 0b 00 " + code + " 00 ff ff 03 00 06 10 00 00";
+  };
+  plc.word(Device::d, 100, 7);
+  EXPECT_EQ(plc.ask(reset), refusal("13 40")) << "in RUN";
+  plc.rack.pause(plc.now);
+  EXPECT_EQ(plc.ask(reset), refusal("13 40")) << "in PAUSE";
+  plc.rack.set_cpu_state(module::CpuState::stop, plc.now);
+  EXPECT_EQ(plc.word(Device::sd, 203), 0x0022);
+  EXPECT_EQ(plc.ask(reset + " 50 00 00 ff ff 03 00 06 00 10 00 01 01 00 00"), "")
+      << "nobody is left to answer";
+  EXPECT_TRUE(plc.session->over());
+  EXPECT_EQ(plc.word(Device::d, 100), 0);
+  EXPECT_EQ(plc.rack.cpu_state(), module::CpuState::run) << "where its switch is";
+  EXPECT_EQ(Plc{}.ask(reset), refusal("8b 40")) << "a new project does not allow it";
+}
+
+TEST(MelsecRemoteReset, WithTheSwitchAtStop_ComesUpInStop) {
+  Plc plc(r04cpu(), {.remote_reset = true});
+  plc.rack.power_off(plc.now);
+  plc.rack.power_on(plc.now, module::CpuState::stop);
+  EXPECT_EQ(plc.datagram(bytes("50 00 00 ff ff 03 00 08 00 10 00 06 10 00 00 01 00")), "");
+  EXPECT_FALSE(plc.session->over()) << "a datagram has no connection to end";
+  EXPECT_EQ(plc.rack.cpu_state(), module::CpuState::stop);
+  EXPECT_EQ(plc.word(Device::sd, 203), 0x0002);
+}
+
 }  // namespace
 }  // namespace canopus::plc

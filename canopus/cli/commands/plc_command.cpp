@@ -82,8 +82,10 @@ int switch_bit(const PlcPoint& point, const Arguments& arguments, bool on) {
 int operate(const Arguments& arguments, client::PlcOperation operation,
             const std::function<int(client::PlcClient&)>& then) {
   if (arguments.modbus) return complain(usage, "Modbus TCP has no remote operation of a CPU");
-  if (arguments.frame_1e && operation == client::PlcOperation::pause)
-    return complain(usage, "1E frames have no remote PAUSE; 3E frames do");
+  const bool is_run_or_stop =
+      operation == client::PlcOperation::run || operation == client::PlcOperation::stop;
+  if (arguments.frame_1e && !is_run_or_stop)
+    return complain(usage, "1E frames have no remote PAUSE and reset; 3E frames do");
   return with_client(arguments, [&](client::PlcClient& client) {
     const auto result = client.operate(operation);
     return result ? then(client) : complain(refused, result.error());
@@ -239,6 +241,9 @@ void add_plc_command(CLI::App& app, int& exit_code) {
   add("stop", "Remote STOP", [arguments] { return operate(*arguments, PlcOperation::stop, no_more); });
   add("pause", "Remote PAUSE: the program stops, outputs stay as they are",
       [arguments] { return operate(*arguments, PlcOperation::pause, look_for_pause); });
+  add("reset-cpu",
+      "Remote reset, in STOP and where the CPU allows it: devices are cleared, modules start anew",
+      [arguments] { return operate(*arguments, PlcOperation::reset, no_more); });
   add("type", "Show the CPU's name and code", [arguments] {
     return with_client(*arguments, [&](client::PlcClient& client) { return type(client, *arguments); });
   });

@@ -25,6 +25,7 @@ constexpr std::uint16_t forced_operation = 3;
 }  // namespace
 
 EndCode Commands::execute(const Command& command, FieldReader& data, FieldWriter& out, can::Time now) {
+  has_reset_ = false;
   const auto [number, subcommand] = command;
   if (number == 0x1630 && subcommand == 0) return unlock(data, now);
   if (number == 0x1631 && subcommand == 0) return lock(data, now);
@@ -78,7 +79,7 @@ EndCode Commands::execute(const Command& command, FieldReader& data, FieldWriter
     case 0x1002: return remote_stop(data, now);
     case 0x1003: return remote_pause(data, now);
     case 0x1005: return remote_latch_clear(data);
-    case 0x1006: return remote_reset(data);
+    case 0x1006: return remote_reset(data, now);
     case 0x1617: return verdict(data);  // there is no error to clear
     default: return EndCode::unknown_command;
   }
@@ -208,11 +209,17 @@ EndCode Commands::remote_latch_clear(FieldReader& data) {
   return EndCode::completed;
 }
 
-EndCode Commands::remote_reset(FieldReader& data) {
+EndCode Commands::remote_reset(FieldReader& data, can::Time now) {
   const std::uint16_t mode = data.u16();
   if (const EndCode end_code = verdict(data); end_code != EndCode::completed) return end_code;
   if (mode != normal_operation) return EndCode::wrong_contents;
-  return EndCode::remote_request_refused;  // "allow the remote reset" is off in a new project
+  if (!settings_.remote_reset) return EndCode::remote_request_refused;  // as in a new project
+  if (rack_.cpu_state() == module::CpuState::run) return EndCode::not_while_running;
+  rack_.reset_cpu(now);
+  locked_ = !settings_.remote_password.empty();
+  monitored_words_ = monitored_double_words_ = 0;
+  has_reset_ = true;
+  return EndCode::completed;
 }
 
 EndCode Commands::check_password(FieldReader& data, bool already_so, can::Time now) {

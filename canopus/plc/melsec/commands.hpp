@@ -46,6 +46,8 @@ class Commands {
   /// `data` is what follows the subcommand; the reply's data go to `out`. With an end code other than
   /// completed, what is in `out` counts for nothing.
   [[nodiscard]] EndCode execute(const Command& command, FieldReader& data, FieldWriter& out, can::Time now);
+  /// The last command was a remote reset that was done: nobody is left to answer it.
+  [[nodiscard]] bool has_reset() const noexcept { return has_reset_; }
 
  private:
   struct Kind {
@@ -79,7 +81,7 @@ class Commands {
   EndCode remote_stop(FieldReader& data, can::Time now);
   EndCode remote_pause(FieldReader& data, can::Time now);
   EndCode remote_latch_clear(FieldReader& data);
-  EndCode remote_reset(FieldReader& data);
+  EndCode remote_reset(FieldReader& data, can::Time now);
   EndCode unlock(FieldReader& data, can::Time now);
   EndCode lock(FieldReader& data, can::Time now);
   EndCode check_password(FieldReader& data, bool already_so, can::Time now);
@@ -105,6 +107,7 @@ class Commands {
   const PortSettings& settings_;
   PasswordGuard* guard_;
   bool locked_;
+  bool has_reset_ = false;
   std::array<std::uint16_t, maximum_words> words_{};
   std::array<std::uint8_t, maximum_bits_binary> bits_{};
   std::array<std::uint16_t, 20> index_registers_{};

@@ -19,6 +19,7 @@ struct PortSettings {
   WritePermission write = WritePermission::always;
   /// Without it every request but 1630 and 1631 is refused until 1630 brought it. Empty: none.
   std::string remote_password{};
+  bool remote_reset = false;  ///< 1006 is allowed, a parameter of the CPU
 };
 
 /// Who guesses the remote password of a port has few tries, whatever connections they use: all sessions of a

@@ -81,8 +81,9 @@ Session::Step Session::next_3e(std::span<const std::uint8_t> waiting, can::Time 
     return {Step::State::unreadable, 0};
   }
   if (waiting.size() < head.size + length) return {};
-  answer(head.header, waiting.subspan(head.size, length), now);
-  return {Step::State::answered, head.size + length};
+  Step step = answer(head.header, waiting.subspan(head.size, length), now);
+  step.size = head.size + length;
+  return step;
 }
 
 Session::Step Session::next_1e(std::span<std::uint8_t> waiting, can::Time now) {
@@ -119,7 +120,7 @@ void Session::datagram(std::span<const std::uint8_t> request, can::Time now) {
         refuse(head.header, {}, *code_ == DataCode::ascii ? EndCode::text_length : EndCode::data_length);
         return;
       }
-      answer(head.header, request.subspan(head.size), now);
+      (void)answer(head.header, request.subspan(head.size), now);
       return;
     }
     case Frame::is_1e: {
@@ -146,7 +147,8 @@ void Session::sent(std::size_t count) noexcept {
   output_size_ = 0;
 }
 
-void Session::answer(const FrameHeader& header, std::span<const std::uint8_t> body, can::Time now) {
+Session::Step Session::answer(const FrameHeader& header, std::span<const std::uint8_t> body, can::Time now) {
+  constexpr Step answered{Step::State::answered, 0};
   FieldReader reader(body, *code_);
   (void)reader.u16();  // monitoring timer: the answer is immediate
   const Command command{reader.u16(), reader.u16()};
@@ -154,21 +156,23 @@ void Session::answer(const FrameHeader& header, std::span<const std::uint8_t> bo
     const bool wrong_text = reader.fault() == FieldReader::Fault::not_a_number;
     const EndCode wrong_length = *code_ == DataCode::ascii ? EndCode::text_length : EndCode::data_length;
     refuse(header, {}, wrong_text ? EndCode::not_convertible : wrong_length);
-    return;
+    return answered;
   }
   if (!is_for_this_cpu(header.route)) {
     refuse(header, command, EndCode::other_target);
-    return;
+    return answered;
   }
   FieldWriter out = writer();
   const std::size_t length_at = begin_reply(out, header, EndCode::completed);
   const EndCode end_code = commands_.execute(command, reader, out, now);
   if (end_code != EndCode::completed) {
     refuse(header, command, end_code);
-    return;
+    return answered;
   }
+  if (commands_.has_reset()) return {Step::State::unreadable, 0};
   end_reply(out, length_at);
   output_size_ += out.size();
+  return answered;
 }
 
 void Session::refuse_1e(std::uint8_t subheader, EndCode1e end_code) {

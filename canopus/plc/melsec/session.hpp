@@ -7,8 +7,8 @@
 // replies fills output() and is not answered further until it does: it blocks nobody else.
 //
 // The data code is the port's, or that of the connection's first byte, and stays. A request whose beginning is no
-// request's, or whose length no request can have, makes the rest of the stream unreadable: the session is over()
-// then, and the connection is to be closed when output() is sent. Any other mistake is answered with an end code.
+// request's, or whose length no request can have, makes the rest of the stream unreadable, and a CPU that was reset
+// forgets it: the session is over() then, and the connection is to be closed when output() is sent. Any other mistake is answered with an end code.
 //
 // 1E frames have no length. Behind one that cannot be measured (an unknown subheader, ASCII that is no number) all
 // that has been received counts as its rest.
@@ -60,7 +60,7 @@ class Session {
   }
   void sent(std::size_t count) noexcept;
 
-  /// The stream cannot be read any further.
+  /// The stream cannot be read any further, or the CPU was reset.
   [[nodiscard]] bool over() const noexcept { return over_; }
   /// A request has begun but is not complete.
   [[nodiscard]] bool half_request() const noexcept { return input_size_ != 0 && !over_; }
@@ -81,7 +81,7 @@ class Session {
   [[nodiscard]] Frame frame_of(std::uint8_t first_byte);
   Step next_3e(std::span<const std::uint8_t> waiting, can::Time now);
   Step next_1e(std::span<std::uint8_t> waiting, can::Time now);
-  void answer(const FrameHeader& header, std::span<const std::uint8_t> body, can::Time now);
+  Step answer(const FrameHeader& header, std::span<const std::uint8_t> body, can::Time now);
   void refuse(const FrameHeader& header, const Command& command, EndCode end_code);
   void refuse_1e(std::uint8_t subheader, EndCode1e end_code);
   [[nodiscard]] FieldWriter writer() noexcept { return {std::span(output_).subspan(output_size_), *code_}; }

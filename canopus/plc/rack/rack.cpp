@@ -182,7 +182,10 @@ void Rack::fail_cpu(can::Time now) {
 
 void Rack::reset_cpu(can::Time now) {
   if (!on_) return;
-  const CpuState state = condition_.state;
+  // The switch says how it comes up; a remote STOP or an error is forgotten.
+  const bool is_switched_off =
+      condition_.state == CpuState::stop && condition_.stop_cause == StopCause::by_switch;
+  const CpuState state = is_switched_off ? CpuState::stop : CpuState::run;
   power_off(now);
   power_on(now, state);
 }
