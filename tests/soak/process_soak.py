@@ -16,6 +16,7 @@ import argparse
 import collections
 import contextlib
 import json
+import os
 import pathlib
 import random
 import re
@@ -67,7 +68,13 @@ def plant_text(dice, seconds):
     return head + "\n".join(faults) + "\n" + device + rest, len(faults)
 
 
-Sample = collections.namedtuple("Sample", "at running waiting")
+Sample = collections.namedtuple("Sample", "at running waiting stolen")  # seconds; stolen: from the machine, by its host
+
+
+def stolen_time():
+    with open("/proc/stat") as file:
+        return int(file.readline().split()[8]) / os.sysconf("SC_CLK_TCK")
+
 
 
 class Program:
@@ -110,18 +117,24 @@ class Program:
         """How much processor time the main thread had, and how long it waited for a processor."""
         with open(f"/proc/{self.process.pid}/schedstat") as file:
             running, waiting, _ = map(int, file.read().split())
-        self.samples.append(Sample(time.monotonic(), running * 1e-9, waiting * 1e-9))
+        self.samples.append(Sample(time.monotonic(), running * 1e-9, waiting * 1e-9, stolen_time()))
         judged = [late for late in self.pending if late[0] < self.samples[-1].at - 0.3]
         for late in judged:
             self.pending.remove(late)
             self.too_slow.append((late[2], self.was_busy(late[0], late[1])))
 
     def was_busy(self, at, lag):
-        """Whether the process ran or waited for a processor for at least half of the time by which it says it was late."""
+        """Whether for at least half of the time by which it says it was late the process ran, waited for a processor, or the
+        machine had none because its host gave it to another one. Otherwise the figures are kept for the report."""
         before = [s for s in self.samples if s.at <= at - lag - 0.2]
         first = before[-1] if before else self.samples[0]
         last = self.samples[-1]
-        return (last.running - first.running) + (last.waiting - first.waiting) >= 0.5 * lag
+        busy = [last.running - first.running, last.waiting - first.waiting, last.stolen - first.stolen]
+        if sum(busy) >= 0.5 * lag:
+            return True
+        print(f"    {(at - self.started) / 60:6.1f} min  {lag:.3f} s late, and in {last.at - first.at:.3f} s it ran {busy[0]:.3f}, "
+              f"waited {busy[1]:.3f}, the machine lost {busy[2]:.3f}", flush=True)
+        return False
 
     def suspend(self, seconds):
         """As Ctrl-Z and fg; how much of it the program reports within some seconds."""
