@@ -10,6 +10,8 @@
 
 #include "canopus/cli/command_line.hpp"
 
+#include "paths.hpp"
+
 namespace canopus::cli {
 namespace {
 

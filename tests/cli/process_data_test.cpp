@@ -15,6 +15,7 @@
 #include "canopus/text/file_text.hpp"
 
 #include "cli/table_picture.hpp"
+#include "paths.hpp"
 
 namespace canopus::cli {
 namespace {

@@ -10,6 +10,7 @@
 #include "canopus/cli/run/live_table.hpp"
 
 #include "cli/table_picture.hpp"
+#include "paths.hpp"
 
 namespace canopus::cli {
 namespace {

@@ -10,6 +10,8 @@
 #include "canopus/cli/run/event_printer.hpp"
 #include "canopus/plant/plant.hpp"
 
+#include "paths.hpp"
+
 namespace canopus::cli {
 namespace {
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "eds/reading.hpp"
+#include "paths.hpp"
 
 namespace {
 

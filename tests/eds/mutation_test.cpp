@@ -5,6 +5,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "eds/reading.hpp"
+#include "paths.hpp"
 
 namespace {
 

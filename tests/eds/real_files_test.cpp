@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "eds/reading.hpp"
+#include "paths.hpp"
 
 namespace {
 

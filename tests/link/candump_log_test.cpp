@@ -11,6 +11,8 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "paths.hpp"
+
 namespace canopus::link {
 namespace {
 

@@ -16,6 +16,8 @@
 #include "canopus/link/candump_log.hpp"
 #include "canopus/link/trace_file.hpp"
 
+#include "paths.hpp"
+
 namespace canopus::link {
 namespace {
 

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "manager/scripted_slave.hpp"
+#include "paths.hpp"
 #include "support/device_bus.hpp"
 
 namespace canopus::network {

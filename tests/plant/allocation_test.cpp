@@ -12,6 +12,8 @@
 #include "canopus/plant/plant.hpp"
 #include "canopus/plc/melsec/session.hpp"
 
+#include "paths.hpp"
+
 namespace {
 std::size_t allocations = 0;
 }  // namespace

@@ -1,5 +1,6 @@
 // What `canopus check` says of the slaves that a plant file assigns, and what a check leaves alone.
 
+#include "paths.hpp"
 #include "plant/plant_review.hpp"
 
 namespace canopus::plant {

@@ -7,6 +7,8 @@
 
 #include "canopus/plant/plant.hpp"
 
+#include "paths.hpp"
+
 namespace canopus::plant {
 namespace {
 

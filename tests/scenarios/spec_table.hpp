@@ -13,6 +13,8 @@
 
 #include <gtest/gtest.h>
 
+#include "paths.hpp"
+
 namespace canopus::scenario {
 
 struct SpecRow {

@@ -9,6 +9,8 @@
 
 #include "canopus/sim/device/device.hpp"
 
+#include "paths.hpp"
+
 namespace {
 
 using namespace canopus;

@@ -8,6 +8,8 @@
 
 #include <gmock/gmock.h>
 
+#include "paths.hpp"
+
 namespace {
 
 using namespace canopus;

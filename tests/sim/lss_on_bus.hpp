@@ -15,6 +15,7 @@
 #include "canopus/sim/device/device.hpp"
 
 #include "bus_station.hpp"
+#include "paths.hpp"
 
 namespace canopus::sim {
 

@@ -16,6 +16,8 @@
 #include "canopus/sim/bus/bus.hpp"
 #include "canopus/sim/device/device.hpp"
 
+#include "paths.hpp"
+
 namespace canopus::support {
 
 inline std::shared_ptr<const eds::DeviceFile> interop_device_file() {

@@ -1,5 +1,6 @@
 // Every row of spec/me3can1-q/bfm.csv: what survives a restart; and its line on the module's page.
 
+#include "paths.hpp"
 #include "scenarios/me3can1_q/buffer_memory_table.hpp"
 
 namespace canopus::scenario {

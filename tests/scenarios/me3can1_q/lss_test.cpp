@@ -6,6 +6,7 @@
 #include "canopus/sim/bus/bus.hpp"
 #include "canopus/sim/device/device.hpp"
 
+#include "paths.hpp"
 #include "scenarios/me3can1_q/scenario.hpp"
 
 namespace canopus::scenario {
