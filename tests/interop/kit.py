@@ -34,8 +34,9 @@ PATIENCE = 120
 
 def silence(milliseconds):
     """A time-out that is waited for in full when nobody answers (an LSS scan is mostly silence), as `--timeout` takes it: the
-    time given, on a machine with more to do than cores up to four times that, and what the machine oversleeps at present (a
-    virtual one may get no processor for a while). A late answer would pass for the next one's."""
+    time given, on a machine with more to do than cores up to four times that, and what the machine oversleeps at present; 250 ms
+    at least (a virtual machine may get no processor for 200 ms, seldom enough not to be seen here). A late answer would pass for
+    the next one's."""
     minute, _, _, running, _ = pathlib.Path("/proc/loadavg").read_text().split()
     wanted = max(float(minute), int(running.split("/")[0])) / os.cpu_count()
     late = 0.0
@@ -43,7 +44,7 @@ def silence(milliseconds):
     while (start := time.monotonic()) < end:
         time.sleep(0.001)
         late = max(late, time.monotonic() - start)
-    return f"{round(milliseconds * min(max(wanted, 1), 4) + 1000 * min(2 * late, 0.25))}ms"
+    return f"{round(max(250, milliseconds * min(max(wanted, 1), 4) + 1000 * min(2 * late, 0.25)))}ms"
 
 
 checks = []

@@ -30,7 +30,7 @@ printf '[master]\nnode = 1\n[[slave]]\nnode = 5\nvendor = 0x196\n' > /tmp/networ
 expect 1 '1018H:01 reads 00000195H, expected 00000196H' master --dcf /tmp/network.toml --timeout 5s
 
 node 255
-expect 0 'serial 0000004D  is node 9 now' lss scan --assign 9 --store --timeout 150ms
+expect 0 'serial 0000004D  is node 9 now' lss scan --assign 9 --store --timeout 600ms
 expect 0 '1018:04  77  0000004DH' sdo read 9 1018:4 --type u32 --timeout 5s
 # Last, because the controllers of the virtual machine lose their place in the receive buffer at a remote frame.
 expect 0 '   5  unknown          000F0191' scan --nodes 5 --timeout 2s
