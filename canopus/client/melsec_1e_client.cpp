@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/client/melsec_reply.hpp"
 #include "canopus/client/plc_protocol.hpp"
 #include "canopus/plc/melsec/end_code.hpp"
 #include "canopus/plc/melsec/field.hpp"
@@ -36,7 +37,7 @@ class Melsec1eClient final : public PlcProtocol {
     });
     if (!data) return std::unexpected(data.error());
     for (std::uint16_t& word : words) word = first.at.is_buffer ? low_byte_first(*data) : data->u16();
-    return whole(*data);
+    return whole(*data, link_);
   }
 
   Result<void> write_words(const PlcPoint& first, std::span<const std::uint16_t> words) override {
@@ -60,7 +61,7 @@ class Melsec1eClient final : public PlcProtocol {
                         [&](FieldWriter& out) { write_device(out, first.at, bits.size()); });
     if (!data) return std::unexpected(data.error());
     if (!data->bits(bits)) return std::unexpected(link_.not_a_reply());
-    return whole(*data);
+    return whole(*data, link_);
   }
 
   Result<void> write_bits(const PlcPoint& first, std::span<const std::uint8_t> bits) override {
@@ -87,7 +88,7 @@ class Melsec1eClient final : public PlcProtocol {
     for (const std::string_view name : plc::cpu_model_names())
       if (const auto* model = plc::cpu_model_named(name); model->code == type.code && type.code != 0)
         type.name = name;
-    if (auto complete = whole(*data); !complete) return std::unexpected(complete.error());
+    if (auto complete = whole(*data, link_); !complete) return std::unexpected(complete.error());
     return type;
   }
 
@@ -121,15 +122,6 @@ class Melsec1eClient final : public PlcProtocol {
   static std::uint16_t low_byte_first(FieldReader& data) {
     const unsigned low = data.u8();
     return static_cast<std::uint16_t>(low | static_cast<unsigned>(data.u8()) << 8U);
-  }
-
-  static Result<void> completed(const Result<FieldReader>& reply) {
-    if (!reply) return std::unexpected(reply.error());
-    return {};
-  }
-  [[nodiscard]] Result<void> whole(const FieldReader& data) const {
-    if (data.fault() != FieldReader::Fault::none) return std::unexpected(link_.not_a_reply());
-    return {};
   }
 
   /// `bytes`: of the reply's data, in ASCII two characters each. 1E frames have no length.

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/client/melsec_reply.hpp"
 #include "canopus/client/plc_protocol.hpp"
 #include "canopus/plc/melsec/end_code.hpp"
 #include "canopus/plc/melsec/field.hpp"
@@ -77,7 +78,7 @@ class MelsecClient final : public PlcProtocol {
     });
     if (!data) return std::unexpected(data.error());
     for (std::uint16_t& word : words) word = data->u16();
-    return whole(*data);
+    return whole(*data, link_);
   }
 
   Result<void> write_words(const PlcPoint& first, std::span<const std::uint16_t> words) override {
@@ -95,7 +96,7 @@ class MelsecClient final : public PlcProtocol {
     });
     if (!data) return std::unexpected(data.error());
     if (!data->bits(bits)) return std::unexpected(link_.not_a_reply());
-    return whole(*data);
+    return whole(*data, link_);
   }
 
   Result<void> write_bits(const PlcPoint& first, std::span<const std::uint8_t> bits) override {
@@ -135,7 +136,7 @@ class MelsecClient final : public PlcProtocol {
     PlcType type;
     for (const std::uint8_t character : data->raw(name_size)) type.name += static_cast<char>(character);
     type.code = data->u16();
-    if (auto complete = whole(*data); !complete) return std::unexpected(complete.error());
+    if (auto complete = whole(*data, link_); !complete) return std::unexpected(complete.error());
     type.name.erase(type.name.find_last_not_of(' ') + 1);
     return type;
   }
@@ -152,15 +153,6 @@ class MelsecClient final : public PlcProtocol {
       out.u16(static_cast<std::uint16_t>(password.size()));
       out.text(password);
     }));
-  }
-
-  static Result<void> completed(const Result<FieldReader>& reply) {
-    if (!reply) return std::unexpected(reply.error());
-    return {};
-  }
-  [[nodiscard]] Result<void> whole(const FieldReader& data) const {
-    if (data.fault() != FieldReader::Fault::none) return std::unexpected(link_.not_a_reply());
-    return {};
   }
 
   /// Sends a request whose data `write` writes; gives the reply's data.
