@@ -28,7 +28,7 @@ void CpuSide::changed(CpuState state, can::Time now) {
   }
 }
 
-void CpuSide::failed(can::Time /*now*/) {
+void CpuSide::failed() {
   failed_ = parts_.state.cpu == CpuState::run;
   if (failed_ || !parts_.state.running() || !parts_.state.canopen_mode()) return;
   parts_.own_emergencies.raise(parts_.model.emergencies.cpu_error);  // it was in STOP already

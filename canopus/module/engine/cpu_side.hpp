@@ -12,7 +12,7 @@ class CpuSide {
 
   void changed(CpuState state, can::Time now);
   /// An error: STOP follows when the CPU was in RUN.
-  void failed(can::Time now);
+  void failed();
   /// The node begins its work, or does so after an NMT reset. A STOP from before may count only now.
   void node_starts(can::Time now);
   /// After every event: the STOP that counts at the start of the node.

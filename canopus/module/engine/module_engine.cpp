@@ -35,7 +35,7 @@ canopen::AbortCode ModuleEngine::preset_object(std::uint16_t index, std::uint8_t
   return parts_.settings.preset_object(index, sub, value);
 }
 std::optional<BufferAddress> ModuleEngine::layer2_preset_error() const {
-  return parts_.settings.layer2_preset_error(parts_.layer2_rules());
+  return parts_.settings.layer2_preset_error(parts_.layer2.rules());
 }
 bool ModuleEngine::takes_word(BufferAddress address, std::uint16_t value) const {
   return parts_.settings.takes_word(address, value);
@@ -265,7 +265,7 @@ void ModuleEngine::cpu_changed(CpuState state, can::Time now) {
 }
 
 void ModuleEngine::cpu_failed(can::Time now) {
-  cpu_side_.failed(now);
+  cpu_side_.failed();
   if (parts_.state.running()) update(now);
 }
 

@@ -9,7 +9,7 @@ namespace canopus::module {
 
 namespace {
 
-Layer2Rules rules_of(const ModuleModel& model, const Profile& profile) {
+Layer2Rules layer2_rules(const ModuleModel& model, const Profile& profile) {
   Layer2Rules rules = model.layer2_rules;
   rules.cycle_unit = profile.layer2_cycle_unit;
   rules.message_time = profile.layer2_message_time;
@@ -50,7 +50,7 @@ ModuleParts::ModuleParts(const ModuleModel& the_model, can::Controller& the_cont
       command(model.command, buffer, host, network),
       network_settings(model.network_settings, buffer, master),
       process_data(model.program_interface.process_data, buffer),
-      layer2(model.layer2, rules_of(model, profile), buffer, controller),
+      layer2(model.layer2, layer2_rules(model, profile), buffer, controller),
       windows(model.process_data_windows, model.program_interface.process_data, buffer),
       exchange(model.exchange_control, buffer, {process_data, emergencies, layer2, node}),
       time_stamp(model.time_stamp, buffer, node),
@@ -60,8 +60,6 @@ ModuleParts::ModuleParts(const ModuleModel& the_model, can::Controller& the_cont
       own_emergencies(node) {
   state.mode = &model.function_modes.front();
 }
-
-Layer2Rules ModuleParts::layer2_rules() const { return rules_of(model, profile); }
 
 bool ModuleParts::is_master_by_role() const {
   return (node.dictionary().get<std::uint32_t>(0x1F80, 0, 0) & manager::start_up_bit::nmt_master) != 0;

@@ -42,8 +42,6 @@ struct ModuleParts {
   ModuleParts(const ModuleModel& the_model, can::Controller& the_controller, NonVolatileMemory& memory,
               const Profile& the_profile, CommandHost& host);
 
-  /// The rules of the model with the times of the profile.
-  [[nodiscard]] Layer2Rules layer2_rules() const;
   /// 1F80H makes the node an NMT master, active or not.
   [[nodiscard]] bool is_master_by_role() const;
   [[nodiscard]] Layer2State layer2_state() const noexcept;
