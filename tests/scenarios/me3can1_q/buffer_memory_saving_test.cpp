@@ -1,7 +1,7 @@
 // Every row of spec/me3can1-q/bfm.csv: what survives a restart; and its line on the module's page.
 
-#include "paths.hpp"
 #include "scenarios/me3can1_q/buffer_memory_table.hpp"
+#include "scenarios/module_page.hpp"
 
 namespace canopus::scenario {
 namespace {
@@ -82,47 +82,12 @@ TEST(Me3BufferTable, EveryRow_SurvivesARestartOrNot_AsItSays) {
 
 // --- the page for the user
 
-// docs/modules/me3can1-q.md has a line for every row of the module's own table, and none besides: range,
-// access, default, whether it is saved, modes.
 TEST(Me3BufferTable, TheModulesPage_HasEveryRow) {
   using namespace module::me3can1_q;
-  std::ifstream in(CANOPUS_SOURCE_DIR "/docs/modules/me3can1-q.md");
-  std::multimap<std::string, std::vector<std::string>> lines;  // by "first-last modes"
-  for (std::string line; std::getline(in, line);) {
-    if (!line.starts_with("| G") || line.starts_with("| G25 bit") || line.starts_with("| G29 bit")) continue;
-    std::vector<std::string> cells;
-    for (std::size_t at = 1; at < line.size();) {
-      const std::size_t end = line.find(" |", at);
-      if (end == std::string::npos) break;
-      cells.push_back(line.substr(at + 1, end > at ? end - at - 1 : 0));
-      at = end + 2;
-    }
-    if (cells.size() != 7) continue;  // another table
-    lines.emplace(cells[0] + ' ' + cells[6], cells);
-  }
-  for (const module::BufferRow& row : buffer_table) {
-    if (row.first == 27 && row.modes == layer2) continue;  // said in words
-    std::string key = 'G' + std::to_string(row.first);
-    if (row.first != row.last) key += "-G" + std::to_string(row.last);
-    key += row.modes == all_modes ? " all" : row.modes == layer2 ? " Layer 2" : " 405";
-    const auto line = lines.find(key);
-    ASSERT_NE(line, lines.end()) << key;
-    const std::vector<std::string>& cells = line->second;
-    const bool writes = row.access != module::WordAccess::read;
-    EXPECT_EQ(cells[2], writes ? row.offline_only ? "R/W offline" : "R/W" : "R") << key;
-    EXPECT_EQ(spec_number(cells[3]), row.initial) << key;
-    EXPECT_EQ(cells[5], row.stored == module::Stored::yes ? "yes" : "no") << key;
-    using Kind = module::ValueRange::Kind;
-    if (row.range.kind == Kind::between || row.range.kind == Kind::between_signed) {
-      EXPECT_EQ(cells[4], row.range.low == row.range.high
-                              ? std::to_string(row.range.low)
-                              : std::to_string(row.range.low) + (row.range.low < 0 ? " to " : "-") +
-                                    std::to_string(row.range.high))
-          << key;
-    }
-    lines.erase(line);
-  }
-  for (const auto& [key, cells] : lines) ADD_FAILURE() << "no such row: " << key;
+  expect_page_has_rows("me3can1-q.md", buffer_table, [](const module::BufferRow& row) -> std::string {
+    if (row.first == 27 && row.modes == layer2) return "";  // said in words
+    return row.modes == all_modes ? "all" : row.modes == layer2 ? "Layer 2" : "405";
+  });
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // Corners of rows that other files show the middle of, for both modules: the last bytes of a message, 29 bits, requests that
 // meet each other, two errors at once.
 
-#include "scenarios/me3can1_q/scenario.hpp"
+#include "scenarios/me3can1_q/layer2_forms.hpp"
 
 namespace canopus::scenario {
 namespace {
@@ -9,37 +9,9 @@ namespace {
 CANOPUS_OF_BOTH_MODULES(CornersOfLayer2);
 CANOPUS_OF_BOTH_MODULES(CornersOfCanopen);
 
-struct Form {
-  std::uint16_t mode;
-  std::uint32_t highest;
-};
-constexpr std::array forms{Form{11, 0x7FF}, Form{29, 0x1FFF'FFFF}};
-
-can::Frame frame(const Form& form, std::uint32_t identifier, const Bytes& bytes) {
-  can::Frame result = can::data_frame(identifier, bytes);
-  result.extended = form.mode == 29;
-  return result;
-}
-can::Frame remote(const Form& form, std::uint32_t identifier, std::uint8_t dlc) {
-  can::Frame result = can::remote_frame(identifier, dlc);
-  result.extended = form.mode == 29;
-  return result;
-}
-
-/// Slots are numbered from 1.
-constexpr module::BufferAddress parameters(unsigned slot) { return 6000 + 4 * (slot - 1); }
-constexpr module::BufferAddress block(unsigned slot) { return 10000 + 7 * (slot - 1); }
-
-void set_transmit(IntelligentScenario& s, unsigned slot, std::uint32_t identifier, std::uint16_t b,
-                  std::uint16_t c, std::uint16_t form, std::uint16_t d = 1) {
-  s.write(parameters(slot), {0xFFFF, b, c, d});
-  s.write(block(slot),
-          {static_cast<std::uint16_t>(identifier), static_cast<std::uint16_t>(identifier >> 16), form});
-}
-
 TEST_P(CornersOfLayer2, Changes_OfEveryByte_UpToTheEighth) {
   spec("ME3-L2-015 ME3-L2-017", "RJ71-L2TX-003 RJ71-L2TX-005");
-  for (const Form& form : forms) {
+  for (const Layer2Form& form : layer2_forms) {
     for (const std::uint16_t type : Words{1, 3}) {
       IntelligentScenario s(GetParam());
       s.power_on_layer2(form.mode);
@@ -64,7 +36,7 @@ TEST_P(CornersOfLayer2, Changes_OfEveryByte_UpToTheEighth) {
 
 TEST_P(CornersOfLayer2, TwentyEightSlotsAnswerRemoteFrames_In29BitModeToo) {
   spec("ME3-L2-013", "RJ71-L2RTR-008");
-  for (const Form& form : forms) {
+  for (const Layer2Form& form : layer2_forms) {
     IntelligentScenario s(GetParam());
     s.power_on_layer2(form.mode);
     for (unsigned slot = 1; slot <= 42; ++slot) {
@@ -83,7 +55,7 @@ TEST_P(CornersOfLayer2, TwentyEightSlotsAnswerRemoteFrames_In29BitModeToo) {
 
 TEST_P(CornersOfLayer2, CommandInterface_SendsRemoteFrames_AndAllBytes_InBothModes) {
   spec("ME3-CIF-027", "RJ71-L2CIF-001");
-  for (const Form& form : forms) {
+  for (const Layer2Form& form : layer2_forms) {
     IntelligentScenario s(GetParam());
     s.power_on_layer2(form.mode);
     s.online();
@@ -105,7 +77,7 @@ TEST_P(CornersOfLayer2, CommandInterface_SendsRemoteFrames_AndAllBytes_InBothMod
 // RTR flags come at once, also between Y01 and X01, and no exchange takes them away.
 TEST_P(CornersOfLayer2, RemoteFrame_WhileAnExchangeRuns) {
   spec("ME3-L2-024", "RJ71-L2RTR-004");
-  for (const Form& form : forms) {
+  for (const Layer2Form& form : layer2_forms) {
     IntelligentScenario s(GetParam());
     s.power_on_layer2(form.mode);
     set_transmit(s, 17, 0x123, 0x6FFF, 4, 1);
@@ -122,7 +94,7 @@ TEST_P(CornersOfLayer2, RemoteFrame_WhileAnExchangeRuns) {
 // Only the way from RUN to STOP sends them.
 TEST_P(CornersOfLayer2, StopMessages_NotWhenGoingOnlineInStop) {
   spec("ME3-L2-040", "RJ71-STOPMSG-001");
-  for (const Form& form : forms) {
+  for (const Layer2Form& form : layer2_forms) {
     IntelligentScenario s(GetParam());
     s.power_on_layer2(form.mode);
     s.write(8471, {0x124, 0, 1, 0x77});  // the fourth
@@ -136,7 +108,7 @@ TEST_P(CornersOfLayer2, StopMessages_NotWhenGoingOnlineInStop) {
 
 TEST_P(CornersOfLayer2, FactorySettings_InMemoryAndFlash) {
   spec("ME3-SAVE-003", "RJ71-BM-004");
-  for (const Form& form : forms) {
+  for (const Layer2Form& form : layer2_forms) {
     for (const std::uint16_t g22 : Words{2, 3}) {
       IntelligentScenario s(GetParam());
       s.power_on_layer2(form.mode);

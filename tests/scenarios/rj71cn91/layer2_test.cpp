@@ -1,37 +1,11 @@
 // What the RJ71CN91 does otherwise than the ME3CAN1-Q in its Layer 2 modes [RJ71CN91 1.11, 1.12, App. 1 Y3, App. 2, App. 4].
 
-#include "scenarios/me3can1_q/scenario.hpp"
+#include "scenarios/me3can1_q/layer2_forms.hpp"
 
 namespace canopus::scenario {
 namespace {
 
 using Address = module::BufferAddress;
-
-struct Form {
-  std::uint16_t mode;
-  std::uint32_t highest;
-};
-constexpr std::array forms{Form{11, 0x7FF}, Form{29, 0x1FFF'FFFF}};
-
-can::Frame frame(const Form& form, std::uint32_t identifier, const Bytes& bytes) {
-  can::Frame result = can::data_frame(identifier, bytes);
-  result.extended = form.mode == 29;
-  return result;
-}
-
-can::Frame remote(const Form& form, std::uint32_t identifier, std::uint8_t dlc) {
-  can::Frame result = can::remote_frame(identifier, dlc);
-  result.extended = form.mode == 29;
-  return result;
-}
-
-/// Slots are numbered from 1, as in the manual.
-void set_transmit(IntelligentScenario& s, unsigned slot, std::uint32_t identifier, std::uint16_t b = 0x5FFF,
-                  std::uint16_t c = 4, std::uint16_t form = 2) {
-  s.write(6000 + 4 * (slot - 1), {0xFFFF, b, c, 1});
-  s.write(10000 + 7 * (slot - 1),
-          {static_cast<std::uint16_t>(identifier), static_cast<std::uint16_t>(identifier >> 16), form});
-}
 
 void set_receive(IntelligentScenario& s, unsigned slot, std::uint32_t identifier, std::uint32_t mask = 0) {
   s.write(6000 + 4 * (slot - 1),
@@ -47,7 +21,7 @@ void expect_stays_offline(IntelligentScenario& s, std::uint16_t address) {
 
 TEST(Rj71Layer2, GoingOnline_SendsEveryTransmitSlotOnce_AndEmptiesReceiveSlots) {
   RecordProperty("spec", "RJ71-L2-003 RJ71-L2TX-007 RJ71-L2RX-009");
-  for (const Form& form : forms) {
+  for (const Layer2Form& form : layer2_forms) {
     IntelligentScenario s(rj71cn91);
     s.power_on_layer2(form.mode);
     for (std::uint16_t type = 0; type <= 4; ++type) {
@@ -75,7 +49,7 @@ TEST(Rj71Layer2, GoingOnline_SendsEveryTransmitSlotOnce_AndEmptiesReceiveSlots) 
 
 TEST(Rj71Layer2, Offline_NothingIsSentOrTaken_AndG37Is0) {
   RecordProperty("spec", "RJ71-L2-004 RJ71-BM-008");
-  for (const Form& form : forms) {
+  for (const Layer2Form& form : layer2_forms) {
     IntelligentScenario s(rj71cn91);
     s.power_on_layer2(form.mode);
     set_transmit(s, 1, 0x111, 0x7FFF, 2);
@@ -128,7 +102,7 @@ TEST(Rj71Layer2, BusOff_IsLeftByY3) {
 
 TEST(Rj71Layer2, Online_SettingsAreLocked_AndWritesIgnored) {
   RecordProperty("spec", "RJ71-L2-006");
-  for (const Form& form : forms) {
+  for (const Layer2Form& form : layer2_forms) {
     IntelligentScenario s(rj71cn91);
     s.power_on_layer2(form.mode);
     set_transmit(s, 1, 0x111);
@@ -169,7 +143,7 @@ TEST(Rj71Layer2, SaveWhileOnline_IsRefused) {
 
 TEST(Rj71Layer2, Save_KeepsTheFirstThreeWords_OfTransmitSlotsOnly) {
   RecordProperty("spec", "RJ71-STOPMSG-003");
-  for (const Form& form : forms) {
+  for (const Layer2Form& form : layer2_forms) {
     IntelligentScenario s(rj71cn91);
     s.power_on_layer2(form.mode);
     set_transmit(s, 1, form.highest, 0x6FFF, 4, 0x1007);
@@ -195,7 +169,7 @@ TEST(Rj71Layer2, Save_KeepsTheFirstThreeWords_OfTransmitSlotsOnly) {
 
 TEST(Rj71Layer2, TwoTransmitSlots_WithOneCanId) {
   RecordProperty("spec", "RJ71-L2TX-011 RJ71-CANID-006");
-  for (const Form& form : forms) {
+  for (const Layer2Form& form : layer2_forms) {
     IntelligentScenario s(rj71cn91);
     s.power_on_layer2(form.mode);
     for (const std::uint32_t identifier : {0U, 1U, form.highest - 1, form.highest}) {
@@ -216,7 +190,7 @@ TEST(Rj71Layer2, TwoTransmitSlots_WithOneCanId) {
 
 TEST(Rj71Layer2, RemoteFrames_NeedB5FFFH_NoBit12_AndTypes0_2_4) {
   RecordProperty("spec", "RJ71-L2RTR-001 RJ71-L2RTR-002");
-  for (const Form& form : forms) {
+  for (const Layer2Form& form : layer2_forms) {
     for (std::uint16_t type = 0; type <= 4; ++type) {
       IntelligentScenario s(rj71cn91);
       s.power_on_layer2(form.mode);
@@ -251,7 +225,7 @@ TEST(Rj71Layer2, RemoteFrames_NeedB5FFFH_NoBit12_AndTypes0_2_4) {
 
 TEST(Rj71Layer2, The29thSlotThatAnswersRemoteFrames_LosesIt_AndIsReported) {
   RecordProperty("spec", "RJ71-L2RTR-008");
-  for (const Form& form : forms) {
+  for (const Layer2Form& form : layer2_forms) {
     IntelligentScenario s(rj71cn91);
     s.power_on_layer2(form.mode);
     for (unsigned slot = 1; slot <= 30; ++slot)
@@ -272,7 +246,7 @@ TEST(Rj71Layer2, The29thSlotThatAnswersRemoteFrames_LosesIt_AndIsReported) {
 
 TEST(Rj71Layer2, AutomaticResponse_DoesNotKeepASlotFromItsType) {
   RecordProperty("spec", "RJ71-L2RTR-010 RJ71-L2TX-008");
-  for (const Form& form : forms) {
+  for (const Layer2Form& form : layer2_forms) {
     IntelligentScenario s(rj71cn91);
     s.power_on_layer2(form.mode);
     set_transmit(s, 7, 0x501, 0x7FFF, 2);
@@ -295,7 +269,7 @@ TEST(Rj71Layer2, AutomaticResponse_DoesNotKeepASlotFromItsType) {
 
 TEST(Rj71Layer2, Flags_OfReceivedMessages) {
   RecordProperty("spec", "RJ71-L2RX-003 RJ71-L2RX-004 RJ71-L2RX-005");
-  for (const Form& form : forms) {
+  for (const Layer2Form& form : layer2_forms) {
     IntelligentScenario s(rj71cn91);
     s.power_on_layer2(form.mode);
     set_receive(s, 42, 0x181);
@@ -335,7 +309,7 @@ TEST(Rj71Layer2, Flags_OfReceivedMessages) {
 
 TEST(Rj71Layer2, StopMessages_ThenOffline_IfTheCpuClearsY3) {
   RecordProperty("spec", "RJ71-STOPMSG-002 RJ71-CPU-006");
-  for (const Form& form : forms) {
+  for (const Layer2Form& form : layer2_forms) {
     for (const bool clears : {true, false}) {
       IntelligentScenario s(rj71cn91);
       s.power_on_layer2(form.mode);

@@ -3,42 +3,15 @@
 
 #include "canopus/sim/bus/bus.hpp"
 
+#include "scenarios/me3can1_q/layer2_forms.hpp"
 #include "scenarios/rj71cn91/presets.hpp"
 
 namespace canopus::scenario {
 namespace {
 
-struct Form {
-  std::uint16_t mode;
-  std::uint32_t highest;
-};
-constexpr std::array forms{Form{11, 0x7FF}, Form{29, 0x1FFF'FFFF}};
-
-can::Frame frame(const Form& form, std::uint32_t identifier, const Bytes& bytes) {
-  can::Frame result = can::data_frame(identifier, bytes);
-  result.extended = form.mode == 29;
-  return result;
-}
-can::Frame remote(const Form& form, std::uint32_t identifier, std::uint8_t dlc) {
-  can::Frame result = can::remote_frame(identifier, dlc);
-  result.extended = form.mode == 29;
-  return result;
-}
-
-/// Slots are numbered from 1.
-constexpr module::BufferAddress parameters(unsigned slot) { return 6000 + 4 * (slot - 1); }
-constexpr module::BufferAddress block(unsigned slot) { return 10000 + 7 * (slot - 1); }
-
-void set_transmit(IntelligentScenario& s, unsigned slot, std::uint32_t identifier, std::uint16_t b,
-                  std::uint16_t c, std::uint16_t form, std::uint16_t d = 1) {
-  s.write(parameters(slot), {0xFFFF, b, c, d});
-  s.write(block(slot),
-          {static_cast<std::uint16_t>(identifier), static_cast<std::uint16_t>(identifier >> 16), form});
-}
-
 TEST(Rj71Slots, Kind_ByParametersAAndB) {
   RecordProperty("spec", "RJ71-L2-002");
-  for (const Form& form : forms) {
+  for (const Layer2Form& form : layer2_forms) {
     for (const unsigned slot : {1U, 42U}) {
       for (const std::uint16_t b : Words{0x7FFF, 0x6FFF, 0x5FFF}) {  // sends
         IntelligentScenario s(rj71cn91);
@@ -137,7 +110,7 @@ TEST(Rj71Slots, Offline_TheModuleAcknowledgesNothing) {
 
 TEST(Rj71Slots, Exchange_LoadsTheBuffer_TheTypeSends) {
   RecordProperty("spec", "RJ71-L2TX-001 RJ71-L2TX-003 RJ71-L2TX-008");
-  for (const Form& form : forms) {
+  for (const Layer2Form& form : layer2_forms) {
     for (const unsigned slot : {1U, 42U}) {
       IntelligentScenario s(rj71cn91);
       s.power_on_layer2(form.mode);
@@ -164,7 +137,7 @@ TEST(Rj71Slots, Exchange_LoadsTheBuffer_TheTypeSends) {
 
 TEST(Rj71Slots, CycleOfChanges_SeesEveryByte) {
   RecordProperty("spec", "RJ71-L2TX-005");
-  for (const Form& form : forms) {
+  for (const Layer2Form& form : layer2_forms) {
     IntelligentScenario s(rj71cn91);
     s.power_on_layer2(form.mode);
     set_transmit(s, 42, 0x123, 0x5FFF, 3, 8, 5);  // every 50 ms
@@ -217,7 +190,7 @@ TEST(Rj71Slots, CycleTooShortForTheBitRate_IsAParameterError) {
 
 TEST(Rj71Slots, Trigger_WaitsWhileTheBufferIsFull_OfflineToo) {
   RecordProperty("spec", "RJ71-L2TX-013");
-  for (const Form& form : forms) {
+  for (const Layer2Form& form : layer2_forms) {
     IntelligentScenario s(rj71cn91);
     s.power_on_layer2(form.mode);
     set_transmit(s, 1, 0x101, 0x5FFF, 4, 1);
@@ -262,7 +235,7 @@ TEST(Rj71Slots, SendBufferOverflow_IsG29_8_And1800H) {
 
 TEST(Rj71Slots, RemoteFrames_MatchByIdentifier_OrWithTheDlc) {
   RecordProperty("spec", "RJ71-L2RTR-006 RJ71-L2RTR-007");
-  for (const Form& form : forms) {
+  for (const Layer2Form& form : layer2_forms) {
     for (const unsigned slot : {1U, 42U}) {
       const auto flag_word = static_cast<module::BufferAddress>(8350 + (slot - 1) / 16);
       const auto flag = static_cast<std::uint16_t>(1U << (slot - 1) % 16);
@@ -299,7 +272,7 @@ TEST(Rj71Slots, RemoteFrames_MatchByIdentifier_OrWithTheDlc) {
 
 TEST(Rj71Slots, ReceiveSlots_TakeDataFramesOnly) {
   RecordProperty("spec", "RJ71-L2RTR-009");
-  for (const Form& form : forms) {
+  for (const Layer2Form& form : layer2_forms) {
     IntelligentScenario s(rj71cn91);
     s.power_on_layer2(form.mode);
     s.write(6000, {0x181, 0, 0, 0}).write(6164, {0, 0, 0xFFFF, 0x1FFF}).y(0x03, true).no_tx();
@@ -312,7 +285,7 @@ TEST(Rj71Slots, ReceiveSlots_TakeDataFramesOnly) {
 
 TEST(Rj71Slots, ReceiveOverflow_IsItsErrorCode_G29_15_And1803H) {
   RecordProperty("spec", "RJ71-L2RX-008");
-  for (const Form& form : forms) {
+  for (const Layer2Form& form : layer2_forms) {
     for (const std::uint16_t slot : Words{1, 17, 42}) {
       IntelligentScenario s(rj71cn91);
       s.power_on_layer2(form.mode);
