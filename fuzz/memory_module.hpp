@@ -65,7 +65,11 @@ void converse(Session& session, std::span<const std::uint8_t> stream, std::size_
     std::memcpy(space.data(), stream.data(), count);
     session.received(count);
     stream = stream.subspan(count);
-    (void)session.process(now);
+    const bool has_room = session.output().empty();
+    const bool has_request = session.has_request();
+    const bool has_answered = session.process(now) != 0;
+    expect(has_request || (!has_answered && !session.over()));
+    expect(!has_request || !has_room || has_answered || session.over());
     expect(session.output().size() <= 65536);
     if (const std::size_t waiting = session.output().size(); waiting != 0)
       session.sent(count % 3 == 0 ? waiting : (waiting + 1) / 2);

@@ -32,7 +32,7 @@ MelsecServer::MelsecServer(boost::asio::io_context& context, plc::Rack& rack, li
     : rack_(rack), port_(std::move(port)) {
   if (port_.udp) {
     udp_.emplace(
-        context, clock,
+        context, rack, clock,
         [this](const link::InternetAddress& client) {
           return std::make_unique<MelsecDatagrams>(rack_, settings_for(client), guard_);
         },
@@ -41,7 +41,7 @@ MelsecServer::MelsecServer(boost::asio::io_context& context, plc::Rack& rack, li
     return;
   }
   tcp_.emplace(
-      context, clock, "MC protocol",
+      context, rack, clock, "MC protocol",
       [this](const link::InternetAddress& client) {
         return std::make_unique<ConversationOf<Session>>(rack_, settings_for(client), &guard_);
       },

@@ -11,7 +11,7 @@ ModbusServer::ModbusServer(boost::asio::io_context& context, plc::Rack& rack, li
                            ModbusPort port, TcpServerOptions options, link::ClientReport report)
     : port_(std::move(port)),
       server_(
-          context, clock, "Modbus protocol",
+          context, rack, clock, "Modbus protocol",
           [this, &rack](const link::InternetAddress& client) {
             const bool may_write = !port_.writers || port_.writers->allows(client);
             return std::make_unique<ConversationOf<plc::modbus::Session>>(

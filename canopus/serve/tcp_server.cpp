@@ -8,6 +8,7 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 
@@ -31,9 +32,10 @@ struct CoarseClock {
 };
 
 struct TcpServer::Parts {
-  Parts(asio::io_context& io, link::LoopClock& the_clock, std::string the_protocol, MakeConversation the_make,
-        TcpServerOptions the_options, link::ClientReport the_report)
+  Parts(asio::io_context& io, plc::Rack& the_rack, link::LoopClock& the_clock, std::string the_protocol,
+        MakeConversation the_make, TcpServerOptions the_options, link::ClientReport the_report)
       : context(io),
+        rack(the_rack),
         clock(the_clock),
         protocol(std::move(the_protocol)),
         make(std::move(the_make)),
@@ -49,6 +51,7 @@ struct TcpServer::Parts {
   }
 
   asio::io_context& context;
+  plc::Rack& rack;
   link::LoopClock& clock;
   std::string protocol;
   MakeConversation make;
@@ -61,7 +64,8 @@ struct TcpServer::Parts {
 };
 
 /// One client. Handlers hold it; it forgets the server when the server is gone.
-class TcpServer::Connection : public std::enable_shared_from_this<Connection> {
+class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
+                              private plc::EndProcessing::Requests {
  public:
   Connection(Parts& parts, tcp::socket socket)
       : parts_(&parts),
@@ -86,6 +90,7 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection> {
   [[nodiscard]] std::uint64_t heard_number() const noexcept { return heard_number_; }
 
   void close() noexcept {
+    if (parts_ != nullptr) parts_->rack.end_processing().leave(*this);
     parts_ = nullptr;
     error_code ignored;
     socket_.shutdown(tcp::socket::shutdown_both, ignored);
@@ -94,20 +99,33 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection> {
   }
 
  private:
+  /// Waits for bytes; they are read when they are there, as an END may have moved those before them.
   void receive() {
+    if (is_receiving_ || is_sending_ || input_ended_ || session_->space().empty()) return;
+    is_receiving_ = true;
+    socket_.async_wait(tcp::socket::wait_read, [self = shared_from_this()](error_code error) {
+      if (self->parts_ == nullptr) return;
+      self->is_receiving_ = false;
+      if (error) return self->end();
+      if (!self->is_sending_) self->read();
+    });
+  }
+
+  void read() {
     const auto space = session_->space();
-    socket_.async_read_some(asio::buffer(space.data(), space.size()),
-                            [self = shared_from_this()](error_code error, std::size_t count) {
-                              if (self->parts_ == nullptr) return;
-                              if (error == asio::error::timed_out) {
-                                return self->end("does not answer the alive check any more");
-                              }
-                              if (error) return self->end();
-                              self->heard_at_ = CoarseClock::now();
-                              self->heard_number_ = ++self->parts_->heard;
-                              self->session_->received(count);
-                              self->work();
-                            });
+    error_code error;
+    const std::size_t count = socket_.read_some(asio::buffer(space.data(), space.size()), error);
+    if (error == asio::error::would_block) return receive();
+    if (error) {
+      input_ended_ = true;
+      // What it has asked is still done and answered.
+      if (is_waiting_ || !session_->output().empty()) return;
+      return end(error == asio::error::timed_out ? "does not answer the alive check any more" : nullptr);
+    }
+    heard_at_ = CoarseClock::now();
+    heard_number_ = ++parts_->heard;
+    session_->received(count);
+    work();
   }
 
   void check_alive() {
@@ -122,25 +140,47 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection> {
     set(TCP_KEEPCNT, options.alive_checks);
   }
 
-  /// Answers what is complete and sends it, until there is nothing more to answer or the client does not take
-  /// more.
-  void work() {
+  /// Sends what is answered, and answers what is complete, until there is nothing more, the client does not take
+  /// more, or the rest has to wait for the END of the scan. `progress`: something has just been answered.
+  void work(bool progress = false) {
     while (true) {
+      if (!send()) return;
+      if (session_->over()) return end(("sent what is no request of the " + parts_->protocol).c_str());
+      if (!session_->has_request()) break;
+      if (parts_->rack.answers_at_end()) {
+        is_waiting_ = true;
+        parts_->rack.end_processing().wait(*this);
+        break;
+      }
       const can::Time now = parts_->clock.now();
       if (parts_ == nullptr) return;  // the run ended on the way there
-      const std::size_t answered = session_->process(now);
-      if (answered != 0) {
-        parts_->requests += answered;
+      if (answer(now)) {
+        progress = true;
         parts_->clock.touched();
         if (parts_ == nullptr) return;
       }
-      watch_request(answered != 0);
-      if (session_->output().empty()) break;
-      if (!send()) return;
-      if (!session_->half_request()) break;  // nothing left to look at
     }
-    if (session_->over()) return end(("sent what is no request of the " + parts_->protocol).c_str());
+    watch_request(progress);
+    if (input_ended_ && !is_waiting_) return end();
     receive();
+  }
+
+  /// Whether something was answered.
+  bool answer(can::Time now) {
+    const std::size_t answered = session_->process(now);
+    parts_->requests += answered;
+    return answered != 0;
+  }
+
+  // plc::EndProcessing::Requests: inside the timeline, so what is answered is sent afterwards.
+  void answer_requests(can::Time now) override {
+    is_waiting_ = false;
+    const bool progress = answer(now);
+    asio::post(parts_->context, [self = shared_from_this(), progress] {
+      if (self->parts_ == nullptr) return;
+      self->parts_->clock.touched();
+      if (self->parts_ != nullptr && !self->is_sending_) self->work(progress);
+    });
   }
 
   /// False when the rest has to wait, or the connection is at its end.
@@ -163,18 +203,20 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection> {
   }
 
   void wait_to_send() {
+    is_sending_ = true;
     set_timer(parts_->options.send_timeout, "does not take its replies");
     socket_.async_wait(tcp::socket::wait_write, [self = shared_from_this()](error_code error) {
       if (self->parts_ == nullptr) return;
       if (error) return self->end();
       self->timer_.stop();
-      if (self->send()) self->work();
+      self->is_sending_ = false;
+      self->work();
     });
   }
 
   /// A request that has begun has its time; one that is answered gives the next its own.
   void watch_request(bool progress) {
-    if (!session_->half_request()) return timer_.stop();
+    if (is_waiting_ || !session_->half_request()) return timer_.stop();
     if (progress || !timer_.is_set())
       set_timer(parts_->options.half_request_timeout, "left a request incomplete");
   }
@@ -199,6 +241,10 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection> {
   std::uint64_t heard_number_;
   CoarseClock::time_point heard_at_ = CoarseClock::now();
   ConnectionTimer timer_;
+  bool is_receiving_ = false;  // waits for bytes
+  bool is_sending_ = false;    // waits for room to send
+  bool is_waiting_ = false;    // for the END of the scan
+  bool input_ended_ = false;   // nothing more comes
   std::unique_ptr<Conversation> session_;
 };
 
@@ -231,10 +277,10 @@ void TcpServer::Parts::remove(const Connection& connection) {
   std::erase_if(connections, [&](const auto& other) { return other.get() == &connection; });
 }
 
-TcpServer::TcpServer(asio::io_context& context, link::LoopClock& clock, std::string protocol,
+TcpServer::TcpServer(asio::io_context& context, plc::Rack& rack, link::LoopClock& clock, std::string protocol,
                      MakeConversation make, TcpServerOptions options, link::ClientReport report)
-    : parts_(std::make_shared<Parts>(context, clock, std::move(protocol), std::move(make), std::move(options),
-                                     std::move(report))) {}
+    : parts_(std::make_shared<Parts>(context, rack, clock, std::move(protocol), std::move(make),
+                                     std::move(options), std::move(report))) {}
 
 TcpServer::~TcpServer() { stop(); }
 

@@ -1,6 +1,8 @@
 #pragma once
 // A TCP server in front of a rack: one conversation per client, in whatever protocol its factory makes. It runs on the
-// event loop that owns the rack, in its thread, and answers a client as soon as its request is complete.
+// event loop that owns the rack, in its thread, and answers a client as soon as its request is complete; of a rack with
+// a scan of its own at the END of the scan (plc/rack/end_processing.hpp). What a connection has received whole is done
+// then, whatever has become of its client.
 //
 // Clients cannot disturb each other or the bus: each has fixed buffers, is answered no further while it does
 // not take its replies, and loses its connection when it stops in the middle of a request. One that is silent
@@ -23,6 +25,7 @@
 #include "canopus/link/allow_list.hpp"
 #include "canopus/link/loop_clock.hpp"
 #include "canopus/link/peer.hpp"
+#include "canopus/plc/rack/rack.hpp"
 
 namespace canopus::serve {
 
@@ -32,6 +35,7 @@ class Conversation {
   virtual ~Conversation() = default;
   [[nodiscard]] virtual std::span<std::uint8_t> space() = 0;
   virtual void received(std::size_t count) = 0;
+  [[nodiscard]] virtual bool has_request() = 0;
   virtual std::size_t process(can::Time now) = 0;
   [[nodiscard]] virtual std::span<const std::uint8_t> output() const = 0;
   virtual void sent(std::size_t count) = 0;
@@ -48,6 +52,7 @@ class ConversationOf final : public Conversation {
 
   [[nodiscard]] std::span<std::uint8_t> space() override { return session_.space(); }
   void received(std::size_t count) override { session_.received(count); }
+  [[nodiscard]] bool has_request() override { return session_.has_request(); }
   std::size_t process(can::Time now) override { return session_.process(now); }
   [[nodiscard]] std::span<const std::uint8_t> output() const override { return session_.output(); }
   void sent(std::size_t count) override { session_.sent(count); }
@@ -80,8 +85,9 @@ struct TcpServerOptions {
 
 class TcpServer {
  public:
-  /// `context`, `clock` and what `make` needs must outlive the server. `protocol` is for reports: "MC protocol".
-  TcpServer(boost::asio::io_context& context, link::LoopClock& clock, std::string protocol,
+  /// `context`, `rack`, `clock` and what `make` needs must outlive the server. `protocol` is for reports: "MC
+  /// protocol".
+  TcpServer(boost::asio::io_context& context, plc::Rack& rack, link::LoopClock& clock, std::string protocol,
             MakeConversation make, TcpServerOptions options = {}, link::ClientReport report = {});
   /// Stops.
   ~TcpServer();

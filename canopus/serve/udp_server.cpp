@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -14,16 +15,17 @@ namespace asio = boost::asio;
 using asio::ip::udp;
 using boost::system::error_code;
 
-struct UdpServer::Parts : std::enable_shared_from_this<Parts> {
+struct UdpServer::Parts : std::enable_shared_from_this<Parts>, plc::EndProcessing::Requests {
   struct Client {
     udp::endpoint endpoint;
     std::uint64_t heard_number = 0;  // later is higher
     std::unique_ptr<DatagramConversation> conversation;
   };
 
-  Parts(asio::io_context& io, link::LoopClock& the_clock, MakeDatagramConversation the_make,
-        UdpServerOptions the_options, link::ClientReport the_report)
-      : clock(the_clock),
+  Parts(asio::io_context& io, plc::Rack& the_rack, link::LoopClock& the_clock,
+        MakeDatagramConversation the_make, UdpServerOptions the_options, link::ClientReport the_report)
+      : rack(the_rack),
+        clock(the_clock),
         make(std::move(the_make)),
         options(std::move(the_options)),
         report(std::move(the_report)),
@@ -31,9 +33,15 @@ struct UdpServer::Parts : std::enable_shared_from_this<Parts> {
 
   void wait();
   void receive();
-  void answer(std::span<const std::uint8_t> request, const udp::endpoint& from);
+  /// The next datagram is in memory. Empty: there is none.
+  [[nodiscard]] std::optional<std::size_t> take(udp::endpoint& from);
+  [[nodiscard]] bool is_allowed(const udp::endpoint& from) const;
+  bool answer(std::span<const std::uint8_t> request, const udp::endpoint& from, can::Time now);
+  // plc::EndProcessing::Requests
+  void answer_requests(can::Time now) override;
   [[nodiscard]] DatagramConversation& conversation_of(const udp::endpoint& from);
 
+  plc::Rack& rack;
   link::LoopClock& clock;
   MakeDatagramConversation make;
   UdpServerOptions options;
@@ -48,36 +56,62 @@ struct UdpServer::Parts : std::enable_shared_from_this<Parts> {
 void UdpServer::Parts::wait() {
   socket.async_wait(udp::socket::wait_read, [self = shared_from_this()](error_code error) {
     if (error || !self->socket.is_open()) return;
+    // What waits for the END of the scan does so where the system keeps it.
+    if (self->rack.answers_at_end()) return self->rack.end_processing().wait(*self);
     self->receive();
     if (self->socket.is_open()) self->wait();
   });
 }
 
 void UdpServer::Parts::receive() {
-  for (std::size_t i = 0; i < options.turn && socket.is_open(); ++i) {
+  for (std::size_t i = 0; i < options.turn; ++i) {
     udp::endpoint from;
-    error_code error;
-    const std::size_t size = socket.receive_from(asio::buffer(memory), from, 0, error);
-    if (error == asio::error::would_block) return;
-    if (error) continue;  // what became of an earlier reply
-    answer(std::span(memory).first(size), from);
+    const auto size = take(from);
+    if (!size) return;
+    if (!is_allowed(from)) continue;
+    const can::Time now = clock.now();
+    if (!socket.is_open()) return;  // the run ended on the way there
+    if (!answer(std::span(memory).first(*size), from, now)) continue;
+    clock.touched();
+    if (!socket.is_open()) return;
   }
 }
 
-void UdpServer::Parts::answer(std::span<const std::uint8_t> request, const udp::endpoint& from) {
-  if (!options.allowed.allows(link::internet_address(from.address()))) {
-    if (report) report(link::name_of(from.address(), from.port()) + " is not allowed to connect");
-    return;
+void UdpServer::Parts::answer_requests(can::Time now) {
+  for (std::size_t i = 0; i < options.turn_at_end; ++i) {
+    udp::endpoint from;
+    const auto size = take(from);
+    if (!size) break;
+    if (is_allowed(from)) (void)answer(std::span(memory).first(*size), from, now);
   }
-  const can::Time now = clock.now();
-  if (!socket.is_open()) return;  // the run ended on the way there
+  wait();
+}
+
+std::optional<std::size_t> UdpServer::Parts::take(udp::endpoint& from) {
+  constexpr int most_errors = 32;  // what became of earlier replies
+  for (int errors = 0; errors < most_errors && socket.is_open(); ++errors) {
+    error_code error;
+    const std::size_t size = socket.receive_from(asio::buffer(memory), from, 0, error);
+    if (!error) return size;
+    if (error == asio::error::would_block) break;
+  }
+  return std::nullopt;
+}
+
+bool UdpServer::Parts::is_allowed(const udp::endpoint& from) const {
+  if (options.allowed.allows(link::internet_address(from.address()))) return true;
+  if (report) report(link::name_of(from.address(), from.port()) + " is not allowed to connect");
+  return false;
+}
+
+bool UdpServer::Parts::answer(std::span<const std::uint8_t> request, const udp::endpoint& from,
+                              can::Time now) {
   const auto reply = conversation_of(from).answer(request, now);
-  if (reply.empty()) return;
+  if (reply.empty()) return false;
   ++requests;
-  clock.touched();
-  if (!socket.is_open()) return;
   error_code lost;  // as a datagram may be
   socket.send_to(asio::buffer(reply.data(), reply.size()), from, 0, lost);
+  return true;
 }
 
 DatagramConversation& UdpServer::Parts::conversation_of(const udp::endpoint& from) {
@@ -92,10 +126,10 @@ DatagramConversation& UdpServer::Parts::conversation_of(const udp::endpoint& fro
   return *client->conversation;
 }
 
-UdpServer::UdpServer(asio::io_context& context, link::LoopClock& clock, MakeDatagramConversation make,
-                     UdpServerOptions options, link::ClientReport report)
-    : parts_(
-          std::make_shared<Parts>(context, clock, std::move(make), std::move(options), std::move(report))) {}
+UdpServer::UdpServer(asio::io_context& context, plc::Rack& rack, link::LoopClock& clock,
+                     MakeDatagramConversation make, UdpServerOptions options, link::ClientReport report)
+    : parts_(std::make_shared<Parts>(context, rack, clock, std::move(make), std::move(options),
+                                     std::move(report))) {}
 
 UdpServer::~UdpServer() { stop(); }
 
@@ -134,6 +168,7 @@ std::uint64_t UdpServer::requests() const noexcept { return parts_->requests; }
 
 void UdpServer::stop() noexcept {
   error_code ignored;
+  parts_->rack.end_processing().leave(*parts_);
   parts_->socket.close(ignored);
   parts_->clients.clear();
 }

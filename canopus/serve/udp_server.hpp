@@ -1,6 +1,7 @@
 #pragma once
 // A UDP server in front of a rack: each datagram is a request, and its reply goes back to where it came from. It runs on the
-// event loop that owns the rack, in its thread.
+// event loop that owns the rack, in its thread. Of a rack with a scan of its own datagrams are read and answered at the END of
+// the scan (plc/rack/end_processing.hpp).
 //
 // A client is an address and port. What a conversation remembers of it (a monitor list, that it is unlocked) is kept for as
 // many clients as there are connections of TCP; one more takes the place of the one that has asked nothing for the
@@ -21,6 +22,7 @@
 #include "canopus/link/allow_list.hpp"
 #include "canopus/link/loop_clock.hpp"
 #include "canopus/link/peer.hpp"
+#include "canopus/plc/rack/rack.hpp"
 
 namespace canopus::serve {
 
@@ -38,13 +40,14 @@ struct UdpServerOptions {
   link::AllowList allowed{};         ///< who is answered
   std::size_t maximum_clients = 16;  ///< that are remembered
   std::size_t turn = 32;             ///< datagrams read before others have their turn
+  std::size_t turn_at_end = 256;     ///< likewise at the END of a scan; further ones wait for the next
 };
 
 class UdpServer {
  public:
-  /// `context`, `clock` and what `make` needs must outlive the server.
-  UdpServer(boost::asio::io_context& context, link::LoopClock& clock, MakeDatagramConversation make,
-            UdpServerOptions options = {}, link::ClientReport report = {});
+  /// `context`, `rack`, `clock` and what `make` needs must outlive the server.
+  UdpServer(boost::asio::io_context& context, plc::Rack& rack, link::LoopClock& clock,
+            MakeDatagramConversation make, UdpServerOptions options = {}, link::ClientReport report = {});
   /// Stops.
   ~UdpServer();
   UdpServer(const UdpServer&) = delete;

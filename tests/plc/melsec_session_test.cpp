@@ -38,6 +38,34 @@ TEST(MelsecSession, HalfAnAsciiRequest_WaitsForTheRest) {
   EXPECT_EQ(plc.raw("1"), "D00000FF03FF00000800000000");
 }
 
+TEST(MelsecSession, HasRequest_FromTheLastByteOfARequestOn) {
+  for (const std::string& request :
+       {read_d100, std::string("500000FF03FF000018000404010000D*0001000001"),
+        bytes("01 ff 0a 00 64 00 00 00 20 44 01 00"), std::string("01ff000A4420000000640100")}) {
+    Plc plc(r04cpu(), {.takes_1e = true});
+    for (std::size_t i = 0; i < request.size(); ++i) {
+      EXPECT_FALSE(plc.session->has_request()) << i << " bytes of " << shown(request);
+      plc.session->space()[0] = static_cast<std::uint8_t>(request[i]);
+      plc.session->received(1);
+    }
+    EXPECT_TRUE(plc.session->has_request()) << shown(request);
+    EXPECT_EQ(plc.session->process(plc.now), 1U);
+    EXPECT_FALSE(plc.session->has_request()) << shown(request);
+  }
+}
+
+TEST(MelsecSession, HasRequest_WhereWhatHasComeIsNone_UntilTheSessionIsOver) {
+  for (const std::string& request :
+       {std::string("X"), bytes("50 01"), bytes("50 00 00 ff ff 03 00 ff ff"), bytes("0b")}) {
+    Plc plc(r04cpu(), {.takes_1e = request[0] == 0x0b});
+    std::ranges::copy(request, plc.session->space().begin());
+    plc.session->received(request.size());
+    EXPECT_TRUE(plc.session->has_request()) << shown(request);
+    plc.session->process(plc.now);
+    EXPECT_FALSE(plc.session->has_request()) << shown(request);
+  }
+}
+
 TEST(MelsecSession, RequestsInOneSegment_AreAnsweredInOneOutput) {
   Plc plc;
   std::string requests;

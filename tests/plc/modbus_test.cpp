@@ -12,6 +12,25 @@ TEST(Modbus, Header_IsThatOfTheRequest) {
             "ab cd 00 00 00 05 07 03 02 12 34");
 }
 
+TEST(Modbus, HasRequest_FromTheLastByteOfARequestOn_OrWhereThereIsNoHeader) {
+  const auto take = [](ModbusPlc& plc, const std::string& received) {
+    std::ranges::copy(received, plc.modbus->space().begin());
+    plc.modbus->received(received.size());
+  };
+  ModbusPlc plc;
+  for (const char byte : bytes("ab cd 00 00 00 06 07 03 00 00 00 01")) {
+    EXPECT_FALSE(plc.modbus->has_request());
+    take(plc, std::string(1, byte));
+  }
+  EXPECT_TRUE(plc.modbus->has_request());
+  EXPECT_EQ(plc.modbus->process(plc.now), 1U);
+  EXPECT_FALSE(plc.modbus->has_request());
+  take(plc, bytes("ab cd 00 01 00 06"));
+  EXPECT_TRUE(plc.modbus->has_request());
+  EXPECT_EQ(plc.modbus->process(plc.now), 0U);
+  EXPECT_FALSE(plc.modbus->has_request()) << "it is over";
+}
+
 TEST(Modbus, F1_ReadsCoils) {
   ModbusPlc plc;
   plc.bit(Device::y, 0, true);

@@ -2,6 +2,10 @@
 
 #include "canopus/plc/rack/scan.hpp"
 
+#include <functional>
+#include <string>
+#include <vector>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -105,6 +109,93 @@ TEST(ScannedRack, StopAndRun_SwitchYAtOnce) {
   EXPECT_THAT(plc.module.edges, ElementsAre(Pair(0, true), Pair(0, false)));
   plc.rack.set_cpu_state(CpuState::run, plc.timeline.now());
   EXPECT_EQ(plc.module.edges.back(), std::make_pair(0U, true));
+}
+
+/// Notes what it is asked for, and what the rack is like then.
+struct NotedRequests final : EndProcessing::Requests {
+  NotedRequests(ScannedRack& the_plc, std::string the_name, std::vector<std::string>& the_notes)
+      : plc(the_plc), name(std::move(the_name)), notes(the_notes) {}
+  void answer_requests(can::Time now) override {
+    notes.push_back(name);
+    EXPECT_EQ(now, plc.timeline.now());
+    if (act) act();
+  }
+  ScannedRack& plc;
+  std::string name;
+  std::vector<std::string>& notes;
+  std::function<void()> act;
+};
+
+TEST(ScannedRack, AtTheEnd_ModulesAreRefreshed_ThenX_ThenRequestsAnswered_ThenYGoOut) {
+  struct Refresh final : RackListener {
+    explicit Refresh(ScannedRack& the_plc, std::vector<std::string>& the_notes)
+        : plc(the_plc), notes(the_notes) {}
+    void supply_changed(bool /*on*/, can::Time /*now*/) override {}
+    void cpu_changed(CpuState /*state*/, can::Time /*now*/) override {}
+    void scan_ended(can::Time now) override {
+      if (now != can::Time{1005ms}) return;
+      notes.push_back("refresh");
+      EXPECT_FALSE(plc.bit(Device::x, 0x20));
+      plc.module.x = 1;
+    }
+    ScannedRack& plc;
+    std::vector<std::string>& notes;
+  };
+  ScannedRack plc;
+  std::vector<std::string> notes;
+  Refresh refresh(plc, notes);
+  plc.rack.add_listener(refresh);
+  NotedRequests requests(plc, "asked", notes);
+  requests.act = [&plc] {
+    EXPECT_TRUE(plc.bit(Device::x, 0x20));
+    EXPECT_THAT(plc.module.edges, IsEmpty());
+    plc.bit(Device::y, 0x21, true);
+  };
+  EXPECT_TRUE(plc.rack.answers_at_end());
+  plc.rack.end_processing().wait(requests);
+  plc.rack.end_processing().wait(requests);
+  plc.run(4999us);
+  EXPECT_THAT(notes, IsEmpty());
+  plc.run(1us);
+  EXPECT_THAT(notes, ElementsAre("refresh", "asked"));
+  EXPECT_THAT(plc.module.edges, ElementsAre(Pair(1, true)));
+  plc.run(1s);
+  EXPECT_EQ(notes.size(), 2U) << "each END is waited for";
+}
+
+TEST(ScannedRack, AnEnd_TakesTheRequestsInOrder_WithoutThoseThatHaveLeft_AndNotThoseThatWaitAgain) {
+  ScannedRack plc;
+  std::vector<std::string> notes;
+  NotedRequests first(plc, "first", notes);
+  NotedRequests second(plc, "second", notes);
+  NotedRequests third(plc, "third", notes);
+  NotedRequests fourth(plc, "fourth", notes);
+  EndProcessing& end = plc.rack.end_processing();
+  for (NotedRequests* each : {&first, &second, &third, &fourth}) end.wait(*each);
+  first.act = [&] {
+    end.wait(first);
+    end.leave(third);
+    plc.rack.reset_cpu(plc.timeline.now());  // no END of its own
+  };
+  end.leave(second);
+  plc.run(5ms);
+  EXPECT_THAT(notes, ElementsAre("first", "fourth"));
+  first.act = {};
+  plc.run(5ms);
+  EXPECT_THAT(notes, ElementsAre("first", "fourth", "first"));
+}
+
+TEST(ScannedRack, WithoutSupplyOrScan_NobodyHasToWait) {
+  ScannedRack plc;
+  std::vector<std::string> notes;
+  NotedRequests requests(plc, "asked", notes);
+  plc.rack.end_processing().wait(requests);
+  plc.rack.power_off(plc.timeline.now());
+  EXPECT_THAT(notes, ElementsAre("asked"));
+  EXPECT_FALSE(plc.rack.answers_at_end());
+  plc.rack.power_on(plc.timeline.now());
+  EXPECT_TRUE(plc.rack.answers_at_end());
+  EXPECT_FALSE(Plc().rack.answers_at_end());
 }
 
 TEST(ScannedRack, WithoutSupply_NothingIsRefreshed) {

@@ -43,6 +43,12 @@ void PlantServers::close() {
   if (control_) control_->stop();
 }
 
+void PlantServers::set_standing_still(bool standing_still) {
+  for (std::size_t i = 0; i < plant_.plc_count(); ++i) {
+    plant_.rack(i).end_processing().stay_open(standing_still, plant_.timeline().now());
+  }
+}
+
 std::size_t PlantServers::waiting_messages() const noexcept {
   std::size_t most = 0;
   for (const auto& server : socketcand_) most = std::max(most, server->waiting_messages());

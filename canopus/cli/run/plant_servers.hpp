@@ -45,6 +45,9 @@ class PlantServers {
   [[nodiscard]] bool open();
   /// What clients of the control server wait for.
   [[nodiscard]] serve::PlantRuns& runs() noexcept { return runs_; }
+  /// Plant time stands still: requests to racks with a scan of their own are answered at once. Or it moves, and they wait
+  /// for the END of the scan.
+  void set_standing_still(bool standing_still);
   /// Messages that wait for the slowest client of a bus.
   [[nodiscard]] std::size_t waiting_messages() const noexcept;
   /// Answers who still waits, and closes.

@@ -219,6 +219,7 @@ bool Run::run_in_step() {
   ReadingClients readers;
   while (!is_to_end() && timeline.now() < end && !expectation_over()) {
     if (!servers.runs().wants_time()) {
+      servers.set_standing_still(true);
       if (io_.run_one() == 0) break;
       continue;
     }
@@ -227,6 +228,7 @@ bool Run::run_in_step() {
       io_.run_one_for(1ms);
       continue;
     }
+    servers.set_standing_still(false);
     const bool reads = servers.waiting_messages() < ReadingClients::enough_waiting;  // or nobody waits for it
     const auto turn_ends = WallClock::now() + turn;
     while (servers.runs().wants_time() && timeline.now() < end && WallClock::now() < turn_ends &&

@@ -48,6 +48,21 @@ Session::Frame Session::frame_of(std::uint8_t first_byte) {
   return first_byte <= last_subheader_1e ? Frame::is_1e : Frame::none;
 }
 
+bool Session::has_request() {
+  if (over_ || input_size_ == 0) return false;
+  const auto waiting = std::span(input_).first(input_size_);
+  switch (frame_of(waiting[0])) {
+    case Frame::is_3e: {
+      const HeaderResult head = read_header(waiting, *code_);
+      if (head.state != HeaderResult::State::complete) return head.state == HeaderResult::State::malformed;
+      return head.header.length > maximum_length || waiting.size() >= head.size + head.header.length;
+    }
+    case Frame::is_1e: return measure_1e(waiting).state != Request1e::State::incomplete;
+    case Frame::none: break;
+  }
+  return true;
+}
+
 std::size_t Session::process(can::Time now) {
   std::size_t answered = 0;
   std::size_t used = 0;
@@ -86,17 +101,20 @@ Session::Step Session::next_3e(std::span<const std::uint8_t> waiting, can::Time 
   return step;
 }
 
+Request1e Session::measure_1e(std::span<std::uint8_t> waiting) {
+  if (*code_ == DataCode::ascii) capitalize(waiting.first(std::min(head_of_1e(waiting), waiting.size())));
+  return read_request_1e(waiting, *code_, rules_1e_.wide_counters);
+}
+
 Session::Step Session::next_1e(std::span<std::uint8_t> waiting, can::Time now) {
-  const std::size_t head = *code_ == DataCode::ascii ? std::min(head_of_1e(waiting), waiting.size()) : 0;
-  capitalize(waiting.first(head));
-  const Request1e request = read_request_1e(waiting, *code_, rules_1e_.wide_counters);
+  const Request1e request = measure_1e(waiting);
   switch (request.state) {
     case Request1e::State::incomplete: return {};
     case Request1e::State::unknown: refuse_1e(request.subheader, EndCode1e::unknown_subheader); break;
     case Request1e::State::not_a_number: refuse_1e(request.subheader, EndCode1e::not_convertible); break;
     case Request1e::State::complete: {
       const bool is_loopback = request.subheader == static_cast<std::uint8_t>(Command1e::loopback);
-      if (head != 0 && !is_loopback) capitalize(waiting.first(request.size));
+      if (*code_ == DataCode::ascii && !is_loopback) capitalize(waiting.first(request.size));
       FieldWriter out = writer();
       commands_1e_.answer(waiting.first(request.size), out, settings_.write, now);
       output_size_ += out.size();
@@ -127,8 +145,7 @@ void Session::datagram(std::span<const std::uint8_t> request, can::Time now) {
       if (request.size() > input_capacity) return;
       std::ranges::copy(request, input_.begin());
       const auto copy = std::span(input_).first(request.size());
-      if (*code_ == DataCode::ascii) capitalize(copy.first(std::min(head_of_1e(copy), copy.size())));
-      const Request1e found = read_request_1e(copy, *code_, rules_1e_.wide_counters);
+      const Request1e found = measure_1e(copy);
       const bool fits = found.state != Request1e::State::incomplete &&
                         (found.state != Request1e::State::complete || found.size == request.size());
       if (fits)

@@ -49,6 +49,8 @@ class Session {
   [[nodiscard]] std::span<std::uint8_t> space() noexcept { return std::span(input_).subspan(input_size_); }
   void received(std::size_t count) noexcept { input_size_ += count; }
 
+  /// process() has something to do: a request is complete, or what has come is none.
+  [[nodiscard]] bool has_request();
   /// Answers complete requests, in order, while output has room. Returns how many it answered.
   std::size_t process(can::Time now);
 
@@ -79,6 +81,8 @@ class Session {
 
   /// The frame that begins so on this port, and the data code, where that is still open.
   [[nodiscard]] Frame frame_of(std::uint8_t first_byte);
+  /// How long the 1E request in front is. In ASCII its letters are capitals from then on.
+  [[nodiscard]] Request1e measure_1e(std::span<std::uint8_t> waiting);
   Step next_3e(std::span<const std::uint8_t> waiting, can::Time now);
   Step next_1e(std::span<std::uint8_t> waiting, can::Time now);
   Step answer(const FrameHeader& header, std::span<const std::uint8_t> body, can::Time now);

@@ -19,21 +19,32 @@ unsigned u16(std::span<const std::uint8_t> bytes, std::size_t at) {
 
 }  // namespace
 
+Session::Head Session::head_of(std::span<const std::uint8_t> waiting) noexcept {
+  if (waiting.size() < fixed_size) return {};
+  const unsigned protocol = u16(waiting, 2);
+  const std::size_t length = u16(waiting, 4);
+  if (protocol != 0 || length < 2 || length > 1 + maximum_pdu) return {.is_complete = true, .size = 0};
+  return {.is_complete = waiting.size() >= fixed_size + length, .size = fixed_size + length};
+}
+
+bool Session::has_request() const noexcept {
+  return !over_ && head_of(std::span(input_).first(input_size_)).is_complete;
+}
+
 std::size_t Session::process(can::Time now) {
   std::size_t answered = 0;
   std::size_t used = 0;
-  while (!over_ && input_size_ - used >= fixed_size && output_capacity - output_size_ >= maximum_frame) {
+  while (!over_ && output_capacity - output_size_ >= maximum_frame) {
     const auto waiting = std::span<const std::uint8_t>(input_).subspan(used, input_size_ - used);
-    const unsigned protocol = u16(waiting, 2);
-    const std::size_t length = u16(waiting, 4);
-    if (protocol != 0 || length < 2 || length > 1 + maximum_pdu) {
+    const Head head = head_of(waiting);
+    if (!head.is_complete) break;
+    if (head.size == 0) {
       over_ = true;
       break;
     }
-    if (waiting.size() < fixed_size + length) break;
-    answer(waiting.first(fixed_size + length), now);
+    answer(waiting.first(head.size), now);
     ++answered;
-    used += fixed_size + length;
+    used += head.size;
   }
   if (over_) used = input_size_;
   if (used != 0) std::memmove(input_.data(), input_.data() + used, input_size_ - used);

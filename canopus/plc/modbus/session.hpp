@@ -27,6 +27,8 @@ class Session {
   [[nodiscard]] std::span<std::uint8_t> space() noexcept { return std::span(input_).subspan(input_size_); }
   void received(std::size_t count) noexcept { input_size_ += count; }
 
+  /// process() has something to do: a request is complete, or what has come is none.
+  [[nodiscard]] bool has_request() const noexcept;
   /// Answers complete requests, in order, while output has room. Returns how many it answered.
   std::size_t process(can::Time now);
 
@@ -46,6 +48,12 @@ class Session {
   static constexpr std::size_t input_capacity = 16 * maximum_frame;
   static constexpr std::size_t output_capacity = 64 * maximum_frame;
 
+  /// What stands at the front of the input: `size` bytes of a request, or 0 where there is no header of one.
+  struct Head {
+    bool is_complete = false;
+    std::size_t size = 0;
+  };
+  [[nodiscard]] static Head head_of(std::span<const std::uint8_t> waiting) noexcept;
   /// `frame`: a whole request. The reply goes behind what is in output_.
   void answer(std::span<const std::uint8_t> frame, can::Time now);
 

@@ -23,7 +23,8 @@ ModuleRefresh::~ModuleRefresh() { timeline_.remove(handle_); }
 void ModuleRefresh::supply_changed(bool on, can::Time now) {
   const auto sends = [](const Block& block) { return block.to_module; };
   const bool both = std::ranges::any_of(blocks_, sends) && !std::ranges::all_of(blocks_, sends);
-  next_ = on && both ? rack_.scan().end_of(1, now) : can::never;
+  is_on_ = on && both;
+  next_ = is_on_ && !rack_.has_own_scan() ? rack_.scan().end_of(1, now) : can::never;
   timeline_.refresh(handle_);
 }
 
@@ -36,9 +37,17 @@ void ModuleRefresh::copy_to_module(const Block& block, can::Time now) {
   }
 }
 
+void ModuleRefresh::scan_ended(can::Time now) {
+  if (is_on_) exchange(now);
+}
+
 void ModuleRefresh::tick(can::Time now) {
   if (next_ > now) return;
   next_ = rack_.scan().end_of(1, now);
+  exchange(now);
+}
+
+void ModuleRefresh::exchange(can::Time now) {
   for (const Block& block : blocks_) {
     if (block.to_module) copy_to_module(block, now);
   }

@@ -37,6 +37,8 @@ class ModuleRefresh final : private can::Ticker, private RackListener {
   [[nodiscard]] can::Time deadline() const noexcept override { return next_; }
   void supply_changed(bool on, can::Time now) override;
   void cpu_changed(module::CpuState, can::Time) override {}
+  void scan_ended(can::Time now) override;
+  void exchange(can::Time now);
   /// Writes what differs.
   void copy_to_module(const Block& block, can::Time now);
 
@@ -47,7 +49,8 @@ class ModuleRefresh final : private can::Ticker, private RackListener {
   can::Timeline::Handle module_handle_;
   std::vector<Block> blocks_;
   can::Timeline::Handle handle_;
-  can::Time next_ = can::never;
+  bool is_on_ = false;           // there is something to exchange, and supply
+  can::Time next_ = can::never;  // of a rack without a scan of its own
 };
 
 }  // namespace canopus::plc

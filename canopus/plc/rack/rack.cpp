@@ -102,6 +102,7 @@ void Rack::power_off(can::Time now) {
   for (const Slot& slot : slots_) slot.module->power_off(now);
   for (RackListener* listener : listeners_) listener->supply_changed(false, now);
   refresh_modules();
+  end_processing_.answer(now);  // there is no END any more
 }
 
 // A listener may be the one whose deadline the timeline knows for a module.
@@ -110,11 +111,14 @@ void Rack::refresh_modules() {
   if (scan_handle_) timeline_.refresh(*scan_handle_);
 }
 
-// X first: what a module answers to a Y shows in the next scan, as behind the filters of a real one.
+// X first: what a module answers to a Y shows in the next scan, as behind the filters of a real one. Clients read and write
+// between the two, so their X and buffer memory are of one moment, and so are their Y and what they write there.
 void Rack::tick(can::Time now) {
   if (next_refresh_ > now) return;
   next_refresh_ = condition_.scan.end_of(1, now);
+  for (RackListener* listener : listeners_) listener->scan_ended(now);
   for (Slot& slot : slots_) slot.inputs = inputs_of(slot);
+  end_processing_.answer(now);
   for (const Slot& slot : slots_) {
     if (slot.signals == nullptr) continue;
     for (std::uint32_t signal = 0; signal < std::min(slot.module->points(), 32U); ++signal) {

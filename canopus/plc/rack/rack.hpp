@@ -5,6 +5,7 @@
 // There is no PLC program: whoever accesses the rack plays it. X is what the modules say at this moment, a
 // written Y is a signal edge at once, and everything else is memory. With a scan of its own, X and Y are
 // refreshed between two scans, as by a CPU: X stays what it was then, and a written Y reaches its module then.
+// Clients are answered between the two (end_processing.hpp), so all that they see is of that moment.
 // A device number or buffer memory address outside of the range is refused as a whole, before anything is
 // written.
 //
@@ -24,6 +25,7 @@
 #include "canopus/can/timeline.hpp"
 #include "canopus/module/interface/module.hpp"
 #include "canopus/plc/cpu/device.hpp"
+#include "canopus/plc/rack/end_processing.hpp"
 #include "canopus/plc/rack/special_devices.hpp"
 
 namespace canopus::plc {
@@ -46,6 +48,8 @@ class RackListener {
   virtual void cpu_changed(module::CpuState state, can::Time now) = 0;
   /// The CPU, in RUN, went to PAUSE or came back from it: no program runs, Y stay. Modules do not know.
   virtual void cpu_paused(bool /*paused*/, can::Time /*now*/) {}
+  /// A scan of the rack's own ends, in STOP, too: X are not yet refreshed, clients not yet answered.
+  virtual void scan_ended(can::Time /*now*/) {}
 
  protected:
   ~RackListener() = default;
@@ -97,6 +101,14 @@ class Rack final : private can::Ticker {
   [[nodiscard]] bool is_paused() const noexcept { return condition_.is_paused; }
   /// The CPU's scans.
   [[nodiscard]] const Scan& scan() const noexcept { return condition_.scan; }
+  /// X and Y are refreshed once a scan.
+  [[nodiscard]] bool has_own_scan() const noexcept { return scan_handle_.has_value(); }
+  /// Requests of clients have to wait() in end_processing(): the rack has a scan of its own, and supply. Without
+  /// supply there is no END, and they are answered at once.
+  [[nodiscard]] bool answers_at_end() const noexcept {
+    return has_own_scan() && on_ && !end_processing_.is_open();
+  }
+  [[nodiscard]] EndProcessing& end_processing() noexcept { return end_processing_; }
   /// The CPU finds an error and stops: every module is notified, then as RUN to STOP. RUN again is possible at
   /// once.
   void fail_cpu(can::Time now);
@@ -188,6 +200,7 @@ class Rack final : private can::Ticker {
   bool on_ = false;
   std::optional<can::Timeline::Handle> scan_handle_;  // X and Y are refreshed once a scan
   can::Time next_refresh_ = can::never;
+  EndProcessing end_processing_;
 };
 
 }  // namespace canopus::plc
