@@ -123,6 +123,10 @@ void Rpdos::receive_unusual(Rpdo& pdo, const can::Frame& frame, can::Time window
     const CommunicationError error{too_short ? emcy_code::pdo_too_short : emcy_code::pdo_too_long, 0};
     fits ? node_.error_ended(error, now) : node_.error_began(error, now);
   }
+  if (!fits && node_.listener != nullptr) {
+    node_.listener->rpdo_length_wrong(pdo.number,
+                                      too_short ? emcy_code::pdo_too_short : emcy_code::pdo_too_long, now);
+  }
   classify(pdo);
   if (!too_short) take(pdo, frame, window_end, now);
 }

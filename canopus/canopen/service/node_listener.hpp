@@ -47,6 +47,9 @@ class NodeListener {
   virtual void emergency_raised(const Emergency&, can::Time) {}
   /// RPDO `number` (0..511) put new values into the dictionary.
   virtual void rpdo_received(std::uint16_t /*number*/, can::Time) {}
+  /// A frame of RPDO `number` was shorter than its mapping (`code` 8210H; not taken), or longer (8220H). Every time; the
+  /// emergency message comes with the first one only.
+  virtual void rpdo_length_wrong(std::uint16_t /*number*/, std::uint16_t /*code*/, can::Time) {}
   /// RPDO `number` did not come within its event timer (sub-index 05H) after the last time.
   virtual void rpdo_timed_out(std::uint16_t /*number*/, can::Time) {}
   /// TPDO `number` (0..511) was handed to the sink.

@@ -53,7 +53,7 @@ struct EventRow {
 enum class Diagnosis : std::uint8_t {
   flash_worn,
   queue_overflow,
-  rpdo_length,     ///< details: PDO number, emergency code
+  rpdo_length,     ///< details: PDO number from 1 on, emergency code
   invalid_object,  ///< details: COB-ID, emergency code
   message_slot,    ///< detail: slot
   bus_off,

@@ -56,15 +56,14 @@ void NodeEvents::emergency_received(const canopen::Emergency& message, can::Time
   parts_.port->emergency_received(message, now);
 }
 
-// The emergency code says which rule a received frame broke.
 void NodeEvents::emergency_raised(const canopen::Emergency& message, can::Time now) {
-  namespace code = canopen::emcy_code;
-  if (message.code == code::pdo_too_short || message.code == code::pdo_too_long) {
-    parts_.diagnostics.raise(Diagnosis::rpdo_length, now, {message.manufacturer[0], message.code});
-  } else if (message.code == code::protocol_error) {
-    parts_.diagnostics.raise(Diagnosis::invalid_object, now,
-                             {parts_.node.dictionary().get<std::uint32_t>(0x1005, 0) & 0x7FFU, message.code});
-  }
+  if (message.code != canopen::emcy_code::protocol_error) return;
+  parts_.diagnostics.raise(Diagnosis::invalid_object, now,
+                           {parts_.node.dictionary().get<std::uint32_t>(0x1005, 0) & 0x7FFU, message.code});
+}
+
+void NodeEvents::rpdo_length_wrong(std::uint16_t number, std::uint16_t code, can::Time now) {
+  parts_.diagnostics.raise(Diagnosis::rpdo_length, now, {number + 1U, code});
 }
 
 void NodeEvents::rpdo_received(std::uint16_t number, can::Time) {

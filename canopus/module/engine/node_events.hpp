@@ -28,6 +28,7 @@ class NodeEvents final : public canopen::NodeListener, public canopen::ObjectHan
   void emergency_received(const canopen::Emergency& message, can::Time now) override;
   void emergency_raised(const canopen::Emergency& message, can::Time now) override;
   void rpdo_received(std::uint16_t number, can::Time now) override;
+  void rpdo_length_wrong(std::uint16_t number, std::uint16_t code, can::Time now) override;
   void time_received(const canopen::TimeOfDay& time, can::Time now) override;
   void heartbeat_received(std::uint8_t node_id, canopen::NmtState state, can::Time now) override;
   void heartbeat_lost(std::uint8_t node_id, can::Time now) override;

@@ -115,7 +115,7 @@ TEST(Rj71Rpdo, OutputVariables_WrittenBySdo_AreInTheWords_NotTheOtherWayRound) {
 }
 
 TEST(Rj71Rpdo, ShortFrame_IsNotTaken_LongOneIs_BothAreReported) {
-  RecordProperty("spec", "RJ71-RPDO-007");
+  RecordProperty("spec", "RJ71-RPDO-006 RJ71-RPDO-007");
   for (const std::uint16_t number : Words{1, 4, 256}) {
     for (Bytes data{1, 2, 3, 4, 5, 6, 7}; !data.empty(); data.pop_back()) {
       IntelligentScenario s(rj71cn91);
@@ -128,6 +128,7 @@ TEST(Rj71Rpdo, ShortFrame_IsNotTaken_LongOneIs_BothAreReported) {
       ASSERT_EQ(error_codes(s), (std::vector<std::uint16_t>{0x1801}));
       const auto error = s.plug_in().module_errors()[0];
       EXPECT_EQ(error.details[0].name, "PDO number");
+      EXPECT_EQ(error.details[0].value, number);
       EXPECT_EQ(error.details[1].name, "PDO error cause");
       EXPECT_EQ(error.details[1].value, 0x8210U);
     }
@@ -139,7 +140,32 @@ TEST(Rj71Rpdo, ShortFrame_IsNotTaken_LongOneIs_BothAreReported) {
   s.rx(0x203, {1, 2, 3, 4, 5, 6, 7, 8}).tx(0x083, {0x20, 0x82, 0x11, 0, 0, 0, 0, 0}).no_tx();
   s.exchange().expect(10000, {0x0201, 0x0403, 0x0605, 0});
   ASSERT_EQ(error_codes(s), (std::vector<std::uint16_t>{0x1801}));
+  EXPECT_EQ(s.plug_in().module_errors()[0].details[0].value, 1U);
   EXPECT_EQ(s.plug_in().module_errors()[0].details[1].value, 0x8220U);
+}
+
+// The EMCY goes once for as long as the error stays; the error of module diagnostics comes again after YF.
+TEST(Rj71Rpdo, WrongLength_IsFoundAgain_AfterTheErrorsWereCleared) {
+  RecordProperty("spec", "RJ71-RPDO-006");
+  IntelligentScenario s(rj71cn91);
+  operational(s, 3);
+  s.rx(0x203, {1, 2}).tx(0x083, {0x10, 0x82, 0x11, 0, 0, 0, 0, 0}).no_tx();
+  s.y(0x0F, true);
+  s.rx(0x203, {1, 2}).no_tx();
+  ASSERT_TRUE(error_codes(s).empty());  // none while YF is ON
+  s.y(0x0F, false);
+  s.rx(0x403, {1, 2, 3}).tx(0x083, {0x10, 0x82, 0x11, 0, 0, 0, 0, 0}).no_tx();
+  ASSERT_EQ(error_codes(s), (std::vector<std::uint16_t>{0x1801}));
+  EXPECT_EQ(s.plug_in().module_errors()[0].details[0].value, 3U);
+  s.rx(0x203, {1, 2}).no_tx();  // there already: what was found first stays
+  EXPECT_EQ(s.plug_in().module_errors()[0].details[0].value, 3U);
+  s.y(0x0F, true).y(0x0F, false);
+  s.rx(0x203, {1, 2}).no_tx();
+  ASSERT_EQ(error_codes(s), (std::vector<std::uint16_t>{0x1801}));
+  EXPECT_EQ(s.plug_in().module_errors()[0].details[0].value, 1U);
+  s.y(0x0F, true).y(0x0F, false);
+  s.rx(0x203, {1, 2, 3, 4, 5, 6, 7, 8}).rx(0x403, {1, 2, 3, 4, 5, 6, 7, 8}).no_tx();
+  ASSERT_TRUE(error_codes(s).empty());
 }
 
 // 8250H is in the table of what is sent, yet no object sets such a time.
