@@ -29,7 +29,7 @@ DEVICES = {
         Device("CC", 0xC3, True, 10), Device("D", 0xA8, False, 10), Device("W", 0xB4, False, 16),
         Device("SW", 0xB5, False, 16), Device("SD", 0xA9, False, 10), Device("R", 0xAF, False, 10),
         Device("ZR", 0xB0, False, 10), Device("Z", 0xCC, False, 10), Device("TN", 0xC2, False, 10),
-        Device("STN", 0xC8, False, 10), Device("CN", 0xC5, False, 10),
+        Device("STN", 0xC8, False, 10), Device("CN", 0xC5, False, 10), Device("RD", 0x2C, False, 10),
     )
 }
 

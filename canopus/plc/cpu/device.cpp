@@ -14,6 +14,7 @@ constexpr std::array<DeviceInfo, device_count> infos = {{
     {"W", false, true},   {"SW", false, true}, {"SD", false, false}, {"R", false, false},
     {"ZR", false, false}, {"Z", false, false}, {"TN", false, false}, {"STN", false, false},
     {"CN", false, false}, {"S", true, false},  {"HCS", true, false}, {"HCN", false, false},
+    {"RD", false, false},
 }};
 
 constexpr std::array<FamilyInfo, family_count> families = {{
@@ -42,7 +43,7 @@ constexpr CpuModel model_r04 = {
      0, 512, 512, 18 * kilo,                     // STC CS CC D
      8 * kilo, 2 * kilo, 4096, 32 * kilo,        // W SW SD R
      32 * kilo, 20, kilo, 0,                     // ZR Z TN STN
-     512, 0, 0, 0},                              // CN S HCS HCN
+     512, 0, 0, 0, 512 * kilo},                  // CN S HCS HCN RD
     40 * kilo, 160 * kilo, 2 * kilo, CpuFamily::iqr};
 
 constexpr CpuModel model_q03udv = {
@@ -53,7 +54,7 @@ constexpr CpuModel model_q03udv = {
      0, kilo, kilo, 12 * kilo,                   // STC CS CC D
      8 * kilo, 2 * kilo, 2048, 32 * kilo,        // W SW SD R
      32 * kilo, 20, 2 * kilo, 0,                 // ZR Z TN STN
-     kilo, 0, 0, 0},                             // CN S HCS HCN
+     kilo, 0, 0, 0, 0},                          // CN S HCS HCN RD
     29 * kilo, 96 * kilo, 0, CpuFamily::q};
 
 constexpr CpuModel model_fx3u = {
@@ -64,7 +65,7 @@ constexpr CpuModel model_fx3u = {
      0, 256, 256, 8000,        // STC CS CC D
      0, 0, 0, 32 * kilo,       // W SW SD R
      0, 0, 512, 0,             // ZR Z TN STN
-     256, 4096, 0, 56},        // CN S HCS HCN
+     256, 4096, 0, 56, 0},     // CN S HCS HCN RD
     0, 0, 0, CpuFamily::fx3};
 
 constexpr CpuModel model_fx5u = {
@@ -75,7 +76,7 @@ constexpr CpuModel model_fx5u = {
      16, 256, 256, 8000,       // STC CS CC D
      512, 512, 12000, 32 * kilo,  // W SW SD R
      0, 20, 512, 16,           // ZR Z TN STN
-     256, 4096, 0, 0},         // CN S HCS HCN
+     256, 4096, 0, 0, 0},      // CN S HCS HCN RD
     0, 0, 0, CpuFamily::fx5};
 
 constexpr CpuModel model_as300 = {
@@ -86,7 +87,7 @@ constexpr CpuModel model_as300 = {
      0, 512, 512, 30000,       // STC CS CC D
      0, 0, 2048, 0,            // W SW SD (SR) R
      0, 0, 512, 0,             // ZR Z TN STN
-     512, 2048, 256, 512},     // CN S HCS HCN
+     512, 2048, 256, 512, 0},  // CN S HCS HCN RD
     0, 0, 0, CpuFamily::as300};
 
 constexpr std::array models = {&model_r04, &model_q03udv, &model_fx3u, &model_fx5u, &model_as300};

@@ -42,9 +42,10 @@ enum class Device : std::uint8_t {
   s,    ///< step relay
   hcs,  ///< 32-bit counter contact (AS300)
   hcn,  ///< 32-bit counter current value (AS300), two words each, the low one first; of an FX3 the high words of C200...
+  rd,   ///< refresh data register (iQ-R)
 };
 
-inline constexpr std::size_t device_count = 28;
+inline constexpr std::size_t device_count = 29;
 
 /// Families of PLCs, as far as they differ for who looks at one from outside: which devices there are, how X and Y
 /// are counted, what a module is addressed by.

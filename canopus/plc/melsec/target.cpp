@@ -44,6 +44,7 @@ constexpr std::array<DeviceCode, device_count> codes = {{
     {0x98, "S", "S"},
     {},
     {},
+    {0x2C, "RD", "RD"},
 }};
 
 constexpr std::uint8_t cpu_buffer = 0xFA;
