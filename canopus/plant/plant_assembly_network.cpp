@@ -147,6 +147,12 @@ void Assembly::add_parameters(const ModuleSection& section, std::size_t plc_numb
     sends = sends || to_module;
     receives = receives || !to_module;
     blocks.push_back({block.address, block.device, block.number, to_module});
+    if (!block.device && to_module) {
+      warn(block.place,
+           "refresh: G{} = \"label\": programs alone can write a module label, and here is none: these words "
+           "of the TPDOs stay 0",
+           block.address);
+    }
   }
   if (!sends || !receives) {
     warn(section.parameters->refresh_place,
@@ -154,9 +160,25 @@ void Assembly::add_parameters(const ModuleSection& section, std::size_t plc_numb
          "direction",
          receives ? "the TPDOs" : "the RPDOs");
   }
-  parts_.refreshes.push_back(
-      std::make_unique<plc::ModuleRefresh>(*parts_.racks[plc_number], parts_.timeline, section.head, module,
-                                           handle, std::move(blocks), "refresh of " + shown_name(section)));
+  plc::ModuleRefresh::Timing timing;
+  if (const auto group = section.parameters->refresh_group) {
+    timing.at_end = false;
+    for (const ProgramSection& program : parts_.file.plcs[plc_number].programs) {
+      if (program.refresh_group != *group) continue;
+      if (program.interval) timing.intervals.push_back(*program.interval);
+      timing.each_scan = timing.each_scan || !program.interval;
+    }
+    if (!timing.each_scan && timing.intervals.empty()) {
+      warn(section.parameters->refresh_group_place,
+           "refresh_group = {}: no [[plc.program]] of this PLC has it: the module exchanges no process data "
+           "at "
+           "all",
+           *group);
+    }
+  }
+  parts_.refreshes.push_back(std::make_unique<plc::ModuleRefresh>(
+      *parts_.racks[plc_number], parts_.timeline, section.head, module, handle, std::move(blocks),
+      std::move(timing), "refresh of " + shown_name(section)));
 }
 
 /// A node that joins the bus from outside, or gets its node-ID by LSS.

@@ -251,6 +251,7 @@ PlcSection read_plc(text::TableReader& table) {
   }
   plc.store = table.text("store").value_or("");
   plc.cpu_error = table.parsed("cpu_error", text::parse_duration);
+  plc.programs = read_programs(table, plc.cpu_model);
   table.tables("module", "plc.module",
                [&](text::TableReader& inner) { plc.modules.push_back(read_module(inner, plc.cpu_model)); });
   check_modbus_modules(plc, table.errors());

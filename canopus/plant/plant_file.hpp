@@ -142,9 +142,12 @@ struct ParametersSection {
   struct Block {
     text::Place place{};
     std::uint32_t address = 0;
-    plc::Device device = plc::Device::d;
+    std::optional<plc::Device> device{};  ///< none: a module label
     std::uint32_t number = 0;
   };
+  /// 1 to 64: when the programs of this group are executed; none: at the END of each scan.
+  std::optional<std::uint8_t> refresh_group{};
+  text::Place refresh_group_place{};
   std::vector<Block> blocks{};
 };
 
@@ -199,6 +202,14 @@ struct ModbusPortSection {
   std::vector<BufferRange> buffer_ranges{};  ///< those of its ranges that need a module
 };
 
+/// A program of the CPU, as its parameters have it: [[plc.program]]. It does nothing but refresh the modules of its group.
+struct ProgramSection {
+  text::Place place{};
+  std::string name{};
+  std::uint8_t refresh_group = 0;           ///< 1 to 64
+  std::optional<can::Duration> interval{};  ///< fixed scan execution type; none: executed once a scan
+};
+
 struct PlcSection {
   text::Place place{};
   text::Place store_place{};
@@ -210,6 +221,7 @@ struct PlcSection {
   bool run = true;
   std::string store{};  ///< folder for what the modules save; empty = nothing survives the run
   std::optional<can::Duration> cpu_error{};  ///< when the CPU stops with an error
+  std::vector<ProgramSection> programs{};
   std::vector<ModuleSection> modules{};
 };
 

@@ -31,7 +31,7 @@ std::expected<std::pair<plc::Device, std::uint32_t>, std::string> parse_refresh_
   const auto device = plc::device_named(text.substr(0, digits));
   const auto wrong = [text](std::string_view why) {
     return std::unexpected(
-        fmt::format("\"{}\": {}; expected a device of the CPU such as \"D1000\"", text, why));
+        fmt::format("\"{}\": {}; expected a device of the CPU such as \"D1000\", or \"label\"", text, why));
   };
   if (!device) return wrong("there is no such device");
   const plc::DeviceInfo& info = plc::device_info(*device);
@@ -44,6 +44,12 @@ std::expected<std::pair<plc::Device, std::uint32_t>, std::string> parse_refresh_
   if (!cpu.has(*device, number, points))
     return wrong(fmt::format("the CPU's last one is nearer than {} more", points));
   return std::pair{*device, number};
+}
+
+std::optional<std::uint8_t> read_refresh_group(text::TableReader& table, bool required) {
+  const auto group = table.integer("refresh_group", 1, 64, "a refresh group is 1 to 64", required);
+  if (!group) return std::nullopt;
+  return static_cast<std::uint8_t>(*group);
 }
 
 ParametersSection::Node read_parameter_node(text::TableReader& table) {
@@ -104,7 +110,9 @@ std::vector<BufferSetting> read_words(text::TableReader& table, std::string_view
 }
 
 ParametersSection read_parameters(text::TableReader& table, const plc::CpuModel& cpu) {
-  ParametersSection parameters{.place = table.place(), .refresh_place = table.place("refresh")};
+  ParametersSection parameters{.place = table.place(),
+                               .refresh_place = table.place("refresh"),
+                               .refresh_group_place = table.place("refresh_group")};
   parameters.buffer = read_words(table, "buffer");
   parameters.objects = read_objects(table, "objects");
   if (const auto way = table.text("data_exchange")) {
@@ -116,9 +124,13 @@ ParametersSection read_parameters(text::TableReader& table, const plc::CpuModel&
     const auto address = text::parse_buffer_address(name);
     if (!address) return table.error(place, address.error());
     const auto* target = node.as_string();
+    if (target != nullptr && target->get() == "label") {
+      parameters.blocks.push_back({.place = place, .address = *address});
+      return;
+    }
     const auto device = target == nullptr
                             ? std::unexpected(fmt::format("{}: expected a device of the CPU such as "
-                                                          "\"D1000\"",
+                                                          "\"D1000\", or \"label\"",
                                                           text::describe_found(node)))
                             : parse_refresh_device(target->get(), cpu);
     if (!device)
@@ -128,6 +140,10 @@ ParametersSection read_parameters(text::TableReader& table, const plc::CpuModel&
   });
   if (!parameters.blocks.empty() && !parameters.refresh) {
     table.error("refresh", "is for data_exchange = \"refresh\"");
+  }
+  if (const auto group = read_refresh_group(table, false)) {
+    parameters.refresh_group = *group;
+    if (!parameters.refresh) table.error("refresh_group", "is for data_exchange = \"refresh\"");
   }
   std::map<unsigned, text::Place> seen;
   table.tables("node", "plc.module.parameters.node", [&](text::TableReader& inner) {
@@ -140,6 +156,30 @@ ParametersSection read_parameters(text::TableReader& table, const plc::CpuModel&
     parameters.nodes.push_back(std::move(node));
   });
   return parameters;
+}
+
+std::vector<ProgramSection> read_programs(text::TableReader& table, const plc::CpuModel& cpu) {
+  std::vector<ProgramSection> programs;
+  std::map<std::string, text::Place> seen;
+  table.tables("program", "plc.program", [&](text::TableReader& inner) {
+    ProgramSection program{.place = inner.place(), .name = inner.text("name", true).value_or("")};
+    program.refresh_group = read_refresh_group(inner, true).value_or(0);
+    program.interval = inner.parsed("interval", text::parse_duration);
+    if (program.interval && *program.interval < plc::Scan::shortest_period) {
+      inner.error("interval", "a program is executed every 100us or less often");
+      program.interval.reset();
+    }
+    if (cpu.family != plc::CpuFamily::iqr) {
+      inner.error(inner.place(), "programs with a refresh group are a CPU's of the family iQ-R");
+    }
+    if (const auto [other, is_new] = seen.try_emplace(program.name, inner.place("name"));
+        !is_new && !program.name.empty()) {
+      inner.error("name", fmt::format("another program is \"{}\" already, in line {}", program.name,
+                                      other->second.line));
+    }
+    programs.push_back(std::move(program));
+  });
+  return programs;
 }
 
 }  // namespace canopus::plant

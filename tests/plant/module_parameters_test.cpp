@@ -147,6 +147,142 @@ TEST_F(ModuleParametersFile, Refresh_WithoutABlockInEachDirection_ExchangesNothi
   EXPECT_EQ(g(1, 10001), 0);
 }
 
+constexpr std::string_view linked =
+    "objects = { \"1401:01\" = 0x182, \"1410:01\" = 0x183 }\n[[plc.module.slave]]\nnode = 2\nreceive = "
+    "[1]\nsend = [1]\n";
+
+/// [[plc.program]] sections stand before the second rack.
+std::string with_programs(std::string_view parameters, std::string_view programs) {
+  const std::string text = with(parameters, linked);
+  const std::size_t place = text.size() - second.size();
+  return text.substr(0, place) + std::string(programs) + text.substr(place);
+}
+
+constexpr std::string_view of_group_3 =
+    "data_exchange = \"refresh\"\nrefresh_group = 3\nrefresh = { G10000 = \"RD0\", G13000 = \"RD524224\" }\n";
+
+TEST_F(ModuleParametersFile, Refresh_AtAProgramOfTheGroup_OnceAScan_InRunAlone) {
+  RecordProperty("spec", "RJ71-PARAM-003");
+  const std::string text = with_programs(of_group_3,
+                                         "[[plc.program]]\nname = \"MAIN\"\nrefresh_group = "
+                                         "3\n[[plc.program]]\nname = \"B\"\nrefresh_group = 4\n");
+  EXPECT_THAT(check(text), IsEmpty());
+  start(text);
+  run(4s);
+  const auto rd = [&](std::uint32_t number) {
+    std::uint16_t value = 0;
+    EXPECT_TRUE(plant_->rack(0).read_words(plc::Device::rd, number, {&value, 1}, plant_->timeline().now()));
+    return value;
+  };
+  const auto set_rd = [&](std::uint32_t number, std::uint16_t value) {
+    EXPECT_TRUE(plant_->rack(0).write_words(plc::Device::rd, number, {&value, 1}, plant_->timeline().now()));
+  };
+  set_rd(524224 + 1, 0x1234);
+  g(1, 13002, 0x5678);
+  run(50ms);
+  EXPECT_EQ(g(1, 10001), 0x1234);
+  EXPECT_EQ(rd(2), 0x5678);
+  EXPECT_EQ(d(2), 0);
+  // A scan is 10 ms; with END it would be the same moment. No program is executed in PAUSE and STOP.
+  set_rd(524225, 0x0001);
+  run(9ms);
+  EXPECT_EQ(g(0, 13001), 0x1234);
+  run(1ms);
+  EXPECT_EQ(g(0, 13001), 0x0001);
+  plant_->rack(0).pause(plant_->timeline().now());
+  set_rd(524225, 0x0002);
+  run(100ms);
+  EXPECT_EQ(g(0, 13001), 0x0001);
+  plant_->rack(0).set_cpu_state(module::CpuState::run, plant_->timeline().now());
+  run(10ms);
+  EXPECT_EQ(g(0, 13001), 0x0002);
+  plant_->rack(0).set_cpu_state(module::CpuState::stop, plant_->timeline().now());
+  set_rd(524225, 0x0003);
+  run(100ms);
+  EXPECT_EQ(g(0, 13001), 0x0002);
+  plant_->rack(0).set_cpu_state(module::CpuState::run, plant_->timeline().now());
+  run(10ms);
+  EXPECT_EQ(g(0, 13001), 0x0003);
+}
+
+TEST_F(ModuleParametersFile, Refresh_AtAProgramInFixedIntervals) {
+  RecordProperty("spec", "RJ71-PARAM-003");
+  const std::string text =
+      with_programs(of_group_3,
+                    "[[plc.program]]\nname = \"SLOW\"\nrefresh_group = 3\ninterval = \"35ms\"\n"
+                    "[[plc.program]]\nname = \"SLOWER\"\nrefresh_group = 3\ninterval = \"50ms\"\n");
+  start(text);
+  run(4s);
+  plant_->rack(0).set_cpu_state(module::CpuState::stop, plant_->timeline().now());
+  run(3ms);
+  plant_->rack(0).set_cpu_state(module::CpuState::run, plant_->timeline().now());  // at 4.003 s
+  std::vector<int> executions;
+  for (std::uint16_t ms = 1; ms <= 105; ++ms) {
+    const std::uint16_t before = g(0, 13000);
+    EXPECT_TRUE(plant_->rack(0).write_words(plc::Device::rd, 524224, {&ms, 1}, plant_->timeline().now()));
+    run(1ms);
+    if (g(0, 13000) != before) executions.push_back(ms);
+  }
+  EXPECT_THAT(executions, ElementsAre(35, 50, 70, 100, 105));
+}
+
+TEST_F(ModuleParametersFile, Refresh_AtTheEndOfEachScan_DoesNotNeedAProgram_AndAGroupDoes) {
+  RecordProperty("spec", "RJ71-PARAM-003");
+  EXPECT_THAT(check(with_programs(of_group_3, "[[plc.program]]\nname = \"B\"\nrefresh_group = 4\n")),
+              ElementsAre(HasSubstr("plant.toml:21:17: warning: refresh_group = 3: no [[plc.program]]")));
+  start(with_programs(of_group_3, ""));
+  run(4s);
+  std::uint16_t word = 7;
+  EXPECT_TRUE(plant_->rack(0).write_words(plc::Device::rd, 524225, {&word, 1}, plant_->timeline().now()));
+  run(100ms);
+  EXPECT_EQ(g(0, 13001), 0);
+}
+
+// Nobody but a program can write a label: the words of the TPDOs stay 0, those of the RPDOs come into G10000 as ever.
+TEST_F(ModuleParametersFile, Refresh_IntoModuleLabels) {
+  RecordProperty("spec", "RJ71-PARAM-003");
+  const std::string text = with(
+      "data_exchange = \"refresh\"\nrefresh = { G10000 = \"label\", G13000 = \"label\", G13064 = \"R0\" }\n",
+      linked);
+  EXPECT_THAT(check(text), ElementsAre(HasSubstr("plant.toml:21:31: warning: refresh: G13000 = \"label\"")));
+  start(text);
+  run(4s);
+  g(1, 13002, 0x5678);
+  g(0, 13001, 0x1234);
+  run(50ms);
+  EXPECT_EQ(g(0, 10002), 0x5678);
+  EXPECT_EQ(g(0, 13001), 0);
+  EXPECT_EQ(g(1, 10001), 0);
+}
+
+TEST_F(ModuleParametersFile, MistakesOfRefreshGroupsAndPrograms_HaveTheirPlace) {
+  const auto says = [&](const std::string& text, std::string_view error) {
+    EXPECT_THAT(check(text), ::testing::Contains(HasSubstr(std::string(error)))) << text;
+  };
+  for (const std::string_view group : {"0", "65", "-1", "\"3\""}) {
+    says(with(fmt::format("data_exchange = \"refresh\"\nrefresh_group = {}\n", group)),
+         "a refresh group is 1 to 64");
+    says(with_programs("", fmt::format("[[plc.program]]\nname = \"A\"\nrefresh_group = {}\n", group)),
+         "a refresh group is 1 to 64");
+  }
+  says(with("refresh_group = 1\n"), "is for data_exchange = \"refresh\"");
+  says(with_programs("", "[[plc.program]]\nname = \"A\"\n"), "refresh_group is missing");
+  says(with_programs("", "[[plc.program]]\nrefresh_group = 1\n"), "name is missing");
+  says(with_programs("", "[[plc.program]]\nname = \"A\"\nrefresh_group = 1\ninterval = \"1us\"\n"),
+       "a program is executed every 100us or less often");
+  says(with_programs("",
+                     "[[plc.program]]\nname = \"A\"\nrefresh_group = 1\n[[plc.program]]\nname = \"A\"\n"
+                     "refresh_group = 2\n"),
+       "another program is \"A\" already");
+  says(
+      "[[bus]]\nname = \"line\"\nbit_rate = 250_000\n[[plc]]\nlisten = \"off\"\nfamily = "
+      "\"Q\"\n[[plc.program]]\n"
+      "name = \"A\"\nrefresh_group = 1\n",
+      "programs with a refresh group are a CPU's of the family iQ-R");
+  says(with("data_exchange = \"refresh\"\nrefresh = { G10000 = \"RD524225\" }\n"),
+       "the CPU's last one is nearer");
+}
+
 TEST_F(ModuleParametersFile, AnotherWayOfExchange_IsAMistake) {
   EXPECT_THAT(check(with("data_exchange = \"Y1\"\n")),
               ElementsAre(::testing::AllOf(HasSubstr("plant.toml:15:17: "),

@@ -1,9 +1,11 @@
 #pragma once
-// Module refresh, as a parameter of the engineering tool sets it up: at the END of each scan the CPU copies blocks of its own
+// Module refresh, as a parameter of the engineering tool sets it up: at a moment of the scan the CPU copies blocks of its own
 // devices into a module's transmit words, has the module exchange its process data, and copies blocks of the receive words
-// into its devices [RJ71CN91 2.2, 2.3]. It goes on in STOP. What the buffer memory held is overwritten each time.
+// into its devices [RJ71CN91 2.2, 2.3]. What the buffer memory held is overwritten each time.
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,15 +21,24 @@ class ModuleRefresh final : private can::Ticker, private RackListener {
 
   struct Block {
     module::BufferAddress words = 0;  ///< the first of 64
-    Device device = Device::d;        ///< a bit device: 16 points for each word
+    std::optional<Device> device{};   ///< a bit device: 16 points for each word; none: a module label
     std::uint32_t number = 0;
     bool to_module = false;
+  };
+
+  /// When: at the END of each scan, in STOP, too; or whenever a program of the module's refresh group is executed, in RUN
+  /// alone. A program takes no time here, so what comes in before it and what goes out after it are one moment.
+  struct Timing {
+    bool at_end = true;
+    bool each_scan = false;                  ///< the group has a program of the scan execution type
+    std::vector<can::Duration> intervals{};  ///< of its programs of the fixed scan execution type
   };
 
   /// Listens to the rack, which must hold the module at `head`; all must outlive it. Nothing is exchanged without a block in
   /// each direction.
   ModuleRefresh(Rack& rack, can::Timeline& timeline, std::uint16_t head, module::CommunicationModule& module,
-                can::Timeline::Handle module_handle, std::vector<Block> blocks, const std::string& name);
+                can::Timeline::Handle module_handle, std::vector<Block> blocks, Timing timing,
+                const std::string& name);
   ~ModuleRefresh();
   ModuleRefresh(const ModuleRefresh&) = delete;
   ModuleRefresh& operator=(const ModuleRefresh&) = delete;
@@ -36,11 +47,14 @@ class ModuleRefresh final : private can::Ticker, private RackListener {
   void tick(can::Time now) override;
   [[nodiscard]] can::Time deadline() const noexcept override { return next_; }
   void supply_changed(bool on, can::Time now) override;
-  void cpu_changed(module::CpuState, can::Time) override {}
+  void cpu_changed(module::CpuState state, can::Time now) override;
+  void cpu_paused(bool paused, can::Time now) override;
   void scan_ended(can::Time now) override;
+  void programs_run(bool run, can::Time now);
+  [[nodiscard]] can::Time next_after(can::Time now) const;
   void exchange(can::Time now);
   /// Writes what differs.
-  void copy_to_module(const Block& block, can::Time now);
+  void copy_to_module(std::size_t block, can::Time now);
 
   Rack& rack_;
   can::Timeline& timeline_;
@@ -48,9 +62,13 @@ class ModuleRefresh final : private can::Ticker, private RackListener {
   module::CommunicationModule& module_;
   can::Timeline::Handle module_handle_;
   std::vector<Block> blocks_;
+  std::vector<std::array<std::uint16_t, block_words>> labels_;  // of the blocks
+  Timing timing_;
+  bool exchanges_ = false;  // the supply is on, and there is a block in each direction
+  bool programs_run_ = false;
+  can::Time run_since_{};  // fixed scan execution counts from here
   can::Timeline::Handle handle_;
-  bool is_on_ = false;           // there is something to exchange, and supply
-  can::Time next_ = can::never;  // of a rack without a scan of its own
+  can::Time next_ = can::never;  // never: a rack with a scan of its own says when it ends
 };
 
 }  // namespace canopus::plc
