@@ -87,7 +87,8 @@ ModuleStatus ModuleSeat::module_status(can::Time now) const {
                       .head = section_.head,
                       .is_on = status_.is_on,
                       .cpu = rack_.cpu_state(),
-                      .leds = module_->leds(now)};
+                      .leds = module_->leds(now),
+                      .information = module_->information()};
   if (const module::SignalAccess* signals = module_->signals()) {
     status.inputs = signals->inputs() & ~own_inputs_;
     status.outputs = signals->outputs() & ~own_outputs_;

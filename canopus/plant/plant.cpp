@@ -92,6 +92,10 @@ std::vector<ModuleStatus> Plant::modules() const {
   return all;
 }
 
+std::vector<module::ModuleErrorRecord> Plant::module_errors(std::size_t module) const {
+  return parts_->modules[module]->module().module_errors();
+}
+
 std::vector<SlaveBoot> Plant::boots() const {
   std::vector<SlaveBoot> all;
   for (const auto& seat : parts_->modules) seat->collect_boots(all);

@@ -108,6 +108,7 @@ struct ModuleStatus {
   std::uint32_t outputs = 0;
   std::vector<Word> words{};  ///< watched, in the order of the plant file
   std::vector<module::Led> leds{};
+  module::ModuleInformation information{};
 };
 
 /// How far a module of the plant is with the boot of a slave, which may be a node outside of the plant, or
@@ -167,6 +168,8 @@ class Plant {
   [[nodiscard]] std::vector<NodeStatus> nodes() const;
   /// All modules, in the order of the plant file.
   [[nodiscard]] std::vector<ModuleStatus> modules() const;
+  /// What module diagnostics show of the module of that number.
+  [[nodiscard]] std::vector<module::ModuleErrorRecord> module_errors(std::size_t module) const;
   /// Every slave that an active NMT master of the plant boots or has booted, by master and node-ID.
   [[nodiscard]] std::vector<SlaveBoot> boots() const;
   /// A part of the plant asked for one moment without end and was stopped (can::Timeline::Stall): what the

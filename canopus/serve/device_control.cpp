@@ -32,6 +32,7 @@ class Request {
   Result<Json> get() const;
   Result<Json> set();
   Result<Json> release();
+  Result<Json> modules() const;
 
   [[nodiscard]] can::Time now() const { return plant_.timeline().now(); }
   [[nodiscard]] Json shown(const sim::Device& device, const Entry& entry) const;
@@ -42,6 +43,36 @@ class Request {
 
 Json plate_of(const plant::NodeLabel& label) {
   return {{"bus", label.bus}, {"node", label.node_id}, {"name", label.name}};
+}
+
+/// As the engineering tool's module diagnostics show it.
+Json module_json(const plant::ModuleStatus& status, const std::vector<module::ModuleErrorRecord>& errors) {
+  const module::ModuleInformation& information = status.information;
+  Json leds = Json::array();
+  for (const module::Led& led : status.leds) {
+    leds.push_back({{"name", led.name}, {"pattern", module::name(led.pattern)}});
+  }
+  Json shown_errors = Json::array();
+  for (const module::ModuleErrorRecord& error : errors) {
+    Json details = Json::object();
+    for (const auto& [name, value] : error.details) {
+      if (!name.empty()) details[std::string(name)] = value;
+    }
+    shown_errors.push_back({{"code", fmt::format("{:04X}", error.code)},
+                            {"class", module::name(error.error_class)},
+                            {"overview", error.overview},
+                            {"details", std::move(details)}});
+  }
+  return {{"module", status.label.name},
+          {"plc", status.plc},
+          {"bus", status.label.bus},
+          {"on", status.is_on},
+          {"leds", std::move(leds)},
+          {"function_mode", status.is_on ? Json(information.function_mode) : Json()},
+          {"function_mode_name", information.function_mode_name},
+          {"bit_rate", information.bit_rate ? Json(*information.bit_rate) : Json()},
+          {"node", information.node_id ? Json(*information.node_id) : Json()},
+          {"errors", std::move(shown_errors)}};
 }
 
 std::string where(const plant::NodeLabel& label) { return fmt::format("{}:{}", label.bus, label.node_id); }
@@ -201,6 +232,29 @@ Result<Json> Request::release() {
   return answer;
 }
 
+Result<Json> Request::modules() const {
+  if (auto good = fields_.check({"module"}); !good) return std::unexpected(good.error());
+  std::string wanted;
+  if (fields_.has("module")) {
+    const auto text = fields_.text("module");
+    if (!text) return std::unexpected(text.error());
+    wanted = *text;
+  }
+  Json list = Json::array();
+  std::vector<std::string_view> names;
+  const std::vector<plant::ModuleStatus> all = plant_.modules();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    names.push_back(all[i].label.name);
+    if (fields_.has("module") && wanted != all[i].label.name) continue;
+    list.push_back(module_json(all[i], plant_.module_errors(i)));
+  }
+  if (list.empty() && fields_.has("module")) {
+    return std::unexpected(fmt::format("the plant has no module \"{}\"{}", wanted,
+                                       names.empty() ? "" : text::suggestion(wanted, names)));
+  }
+  return Json{{"modules", std::move(list)}};
+}
+
 Result<Json> Request::carry_out() {
   const auto wanted = fields_.text("request");
   if (!wanted) return std::unexpected(wanted.error());
@@ -208,7 +262,8 @@ Result<Json> Request::carry_out() {
   if (*wanted == "get") return get();
   if (*wanted == "set") return set();
   if (*wanted == "release") return release();
-  static constexpr std::string_view known[] = {"list", "get", "set", "release", "run"};
+  if (*wanted == "modules") return modules();
+  static constexpr std::string_view known[] = {"list", "get", "set", "release", "modules", "run"};
   return std::unexpected(
       fmt::format("request: \"{}\" is unknown{}", *wanted, text::suggestion(*wanted, known)));
 }

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
+#include "canopus/cli/commands/module_status.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/module/me3can1_q/object_table.hpp"
 #include "canopus/module/storage/flash_memory.hpp"
@@ -64,6 +65,38 @@ TEST(ModuleInfo, Rj71cn91_WhatTheManualSaysOfCpusToolAndRefresh) {
   }
 }
 
+TEST(ModuleStatus, LinesOfARunningPlant_WhateverTheServerSends) {
+  RecordProperty("spec", "RJ71-DIAG-002");
+  const auto shown = [](std::string_view answer) {
+    TextOutput out;
+    print_modules(nlohmann::ordered_json::parse(answer), out);
+    return out.text();
+  };
+  EXPECT_EQ(
+      shown(R"({"ok":true,"t":1.0,"modules":[
+    {"module":"RJ71CN91 U0","plc":"a","on":true,"leds":[{"name":"RUN","pattern":"on"},{"name":"ERR","pattern":"off"}],
+     "function_mode":405,"function_mode_name":"CANopen, CiA 405","bit_rate":250000,"node":7,"errors":[]},
+    {"module":"plain","plc":"","on":true,"leds":[],"function_mode":29,"function_mode_name":"Layer 2, 29-bit identifiers",
+     "bit_rate":null,"node":null,"errors":[{"code":"1801","class":"minor","overview":"Wrong length",
+     "details":{"PDO number":3,"PDO error cause":33296}}]}]})"),
+      "RJ71CN91 U0, PLC a\n"
+      "  LED information  RUN on, ERR off\n"
+      "  Function mode    405 (CANopen, CiA 405)\n"
+      "  Baud rate        250 kbit/s\n"
+      "  Node ID          7\n"
+      "\n"
+      "plain\n"
+      "  LED information  -\n"
+      "  Function mode    29 (Layer 2, 29-bit identifiers)\n"
+      "  Baud rate        -\n"
+      "  Node ID          -\n"
+      "  Error            1801H minor: Wrong length; PDO number 3 (3H), PDO error cause 33296 (8210H)\n");
+  EXPECT_EQ(shown(R"({"ok":true,"modules":[]})"), "the plant has no module\n");
+  EXPECT_EQ(shown("{}"), "the plant has no module\n");
+  EXPECT_THAT(shown(R"({"modules":[7,{"leds":[1],"errors":[2,{"details":[]}],"bit_rate":"x","on":0}]})"),
+              HasSubstr("Baud rate        -"));
+}
+
 TEST(ModuleInfo, Connector) {
   RecordProperty("spec", "ME3-SYS-015");
   const Json pins = info("ME3CAN1-Q")["pins"];
@@ -105,29 +138,44 @@ TEST(ModuleInfo, EmergencyCodesOfItsOwn_AndTheOneThatNothingCauses) {
 TEST(ModuleInfo, ModulesPerCpu) {
   RecordProperty("spec", "ME3-SYS-009");
   const Json sheet = info("ME3CAN1-Q");
-  const auto modules = [&](std::string_view kind, std::string_view cpu) {
-    for (const Json& row : sheet["modules_per_cpu"]) {
-      const std::string models = " " + std::string(row["models"]) + " ";
-      if (std::string(row["kind"]).starts_with(kind) &&
-          models.find(" " + std::string(cpu) + " ") != std::string::npos) {
-        return row["modules"];
-      }
-    }
-    return Json("no row");
+  struct Row {
+    std::string_view kind, models;
+    Json modules;
   };
-  for (const char* cpu : {"Q00J"}) EXPECT_EQ(modules("Basic", cpu), 16) << cpu;
-  for (const char* cpu : {"Q00", "Q01"}) EXPECT_EQ(modules("Basic", cpu), 24) << cpu;
-  EXPECT_EQ(modules("Universal", "Q00UJ"), 16);
-  for (const char* cpu : {"Q00U", "Q01U"}) EXPECT_EQ(modules("Universal", cpu), 24) << cpu;
-  EXPECT_EQ(modules("Universal", "Q02U"), 36);
-  EXPECT_EQ(modules("Universal", "QnUD(E)"), 64);
-  for (const char* cpu : {"Q02", "Q02H", "Q06H", "Q12H"})
-    EXPECT_EQ(modules("High performance", cpu), 64) << cpu;
-  for (const char* cpu : {"Q02PH", "Q25PH"}) EXPECT_EQ(modules("Process", cpu), 64) << cpu;
-  EXPECT_EQ(modules("C Controller", "Q12DCCPU-V"), 64);
-  EXPECT_EQ(modules("Redundant", "Q12PRH"), nullptr);
-  EXPECT_EQ(modules("Safety", "QS001"), nullptr);
-  EXPECT_EQ(modules("MELSECNET/H", "QJ72LP25"), 64);
+  // Tables 2-1 and 2-2, whole. "QnUD(E)" is the manual's "Q[]UD(E)CPU"; the models of the others stand without "CPU".
+  const std::vector<Row> rows{
+      {"Basic model QCPU", "Q00J", 16},
+      {"Basic model QCPU", "Q00 Q01", 24},
+      {"High performance model QCPU", "Q02 Q02H Q06H Q12H", 64},
+      {"Process CPU", "Q02PH Q06PH Q12PH Q25PH", 64},
+      {"Redundant CPU", "Q12PRH Q25PRH", nullptr},
+      {"Universal model QCPU", "Q00UJ", 16},
+      {"Universal model QCPU", "Q00U Q01U", 24},
+      {"Universal model QCPU", "Q02U", 36},
+      {"Universal model QCPU", "QnUD(E) Q50UDEH Q100UDEH", 64},
+      {"Safety CPU", "QS001", nullptr},
+      {"C Controller module", "Q06CCPU-V-H01 Q06CCPU-V Q06CCPU-V-B Q12DCCPU-V", 64},
+      {"MELSECNET/H remote I/O head", "QJ72LP25-25 QJ72LP25G QJ72LP25GE QJ72BR15", 64}};
+  ASSERT_EQ(sheet["modules_per_cpu"].size(), rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Json& row = sheet["modules_per_cpu"][i];
+    EXPECT_EQ(row["kind"], rows[i].kind);
+    EXPECT_EQ(row["models"], rows[i].models);
+    EXPECT_EQ(row["modules"], rows[i].modules) << rows[i].models;
+  }
+  EXPECT_EQ(sheet["properties"]["MELSECNET/H remote I/O"],
+            "not with a Basic model QCPU or a C Controller module");
+}
+
+// [ME3CAN1-Q Tab. 6-3]
+TEST(ModuleInfo, CableByLength) {
+  RecordProperty("spec", "ME3-SYS-020");
+  const Json properties = info("ME3CAN1-Q")["properties"];
+  EXPECT_EQ(properties["Cable cross section"],
+            "to 40 m 0.3 to 0.34 mm2, to 300 m 0.34 to 0.60 mm2, to 600 m 0.50 to 0.60 mm2, to 1000 m 0.75 "
+            "to 0.80 mm2");
+  EXPECT_EQ(properties["Cable resistance"],
+            "to 40 m 70 mOhm/m, to 300 m below 60, to 600 m below 40, to 1000 m below 26");
 }
 
 TEST(ModuleInfo, Standards) {
@@ -150,7 +198,8 @@ TEST(ModuleInfo, Text_SaysTheSame) {
        {"Model                     ME3CAN1-Q, Mitsubishi Electric\n",
         "Online module change      not supported\n", "Flash memory              10000 writes\n",
         "  7  CAN_H     dominant high\n", "  1000 kbps    25 m\n", "  CiA 303-3  V1.4  LEDs\n",
-        "  Safety CPU                    QS001                       not applicable\n"}) {
+        "  Safety CPU                    QS001                                             not "
+        "applicable\n"}) {
     EXPECT_THAT(out.text(), HasSubstr(line));
   }
 }

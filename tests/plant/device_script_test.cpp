@@ -3,6 +3,7 @@
 #include "canopus/plant/device_script.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "canopus/cli/run/event_printer.hpp"
 #include "canopus/plant/device_seat.hpp"
@@ -254,6 +255,61 @@ TEST_F(DeviceControlTest, EveryWrongRequestIsAnswered) {
   says(R"({"request":"release","device":"3","object":"2000"})", "2000:00 is not forced");
   EXPECT_THAT(plant_->forced(), IsEmpty());
   EXPECT_EQ(ask(R"({"request":"get","device":"x\u001b"})").find('\x1B'), std::string::npos);
+}
+
+// [RJ71CN91 5.2] Module Information List: LEDs, function mode, baud rate ("-" while Layer 2 is offline), node-ID.
+TEST_F(DeviceControlTest, ModulesAreShownAsModuleDiagnosticsShowThem) {
+  RecordProperty("spec", "RJ71-DIAG-002");
+  start(
+      head +
+      "[[plc]]\nname = \"a\"\nfamily = \"iQ-R\"\nlisten = \"off\"\n"
+      "[[plc.module]]\nmodel = \"RJ71CN91\"\nnode = 7\nrestart_time = \"1s\"\n"
+      "[[plc.module]]\nname = \"plain\"\nhead = 0x20\nmodel = \"RJ71CN91\"\nnode = 9\nrestart_time = \"1s\"\n"
+      "buffer = { G21 = 29 }\n");
+  run_until(2s);
+  using Json = nlohmann::json;
+  const auto modules = [&](std::string_view request = R"({"request":"modules"})") {
+    return Json::parse(ask(request))["modules"];
+  };
+  Json all = modules();
+  ASSERT_EQ(all.size(), 2U);
+  EXPECT_EQ(all[0], Json::parse(R"({"module":"RJ71CN91 U0","plc":"a","bus":"line1","on":true,
+    "leds":[{"name":"RUN","pattern":"on"},{"name":"ERR","pattern":"off"},{"name":"CAN ERR","pattern":"off"}],
+    "function_mode":405,"function_mode_name":"CANopen, CiA 405","bit_rate":250000,"node":7,"errors":[]})"));
+  EXPECT_EQ(all[1]["module"], "plain");
+  EXPECT_EQ(all[1]["function_mode"], 29);
+  EXPECT_EQ(all[1]["function_mode_name"], "Layer 2, 29-bit identifiers");
+  EXPECT_EQ(all[1]["bit_rate"], nullptr);  // offline
+  EXPECT_EQ(all[1]["node"], nullptr);
+  const auto write = [&](std::uint16_t place, std::uint32_t address, std::uint16_t value) {
+    EXPECT_TRUE(plant_->rack(0).write_buffer(place, address, {&value, 1}, plant_->timeline().now()));
+  };
+  const auto y = [&](std::uint32_t number, std::uint8_t on) {
+    EXPECT_TRUE(plant_->rack(0).write_bits(plc::Device::y, number, {&on, 1}, plant_->timeline().now()));
+  };
+  write(0x20, 24, 125);
+  y(0x23, 1);
+  write(0, 71, 1);
+  run_until(2100ms);
+  all = modules();
+  EXPECT_EQ(all[1]["bit_rate"], 125000);
+  EXPECT_EQ(all[0]["leds"][1], Json::parse(R"({"name":"ERR","pattern":"blinking"})"));
+  EXPECT_EQ(all[0]["errors"], Json::parse(R"([{"code":"3000","class":"moderate",
+    "overview":"The set parameter value is invalid","details":{"Buffer memory address":71}}])"));
+  y(0x23, 0);
+  run_until(2200ms);
+  EXPECT_EQ(modules(R"({"request":"modules","module":"plain"})")[0]["bit_rate"], nullptr);
+  EXPECT_EQ(modules(R"({"request":"modules","module":"plain"})").size(), 1U);
+  plant_->rack(0).power_off(plant_->timeline().now());
+  for (const Json& module : modules()) {
+    EXPECT_EQ(module.at("on"), false);
+    for (const char* key : {"function_mode", "bit_rate", "node"}) EXPECT_EQ(module.at(key), nullptr) << key;
+    for (const Json& led : module.at("leds")) EXPECT_EQ(led.at("pattern"), "off");
+  }
+  EXPECT_THAT(ask(R"({"request":"modules","module":"plane"})"),
+              HasSubstr(R"(the plant has no module \"plane\"; did you mean \"plain\"?)"));
+  EXPECT_THAT(ask(R"({"request":"modules","module":3})"), HasSubstr("module: expected a string"));
+  EXPECT_THAT(ask(R"({"request":"modules","node":3})"), HasSubstr("is no field of this request"));
 }
 
 TEST_F(DeviceControlTest, TheKeyOfThePlantFileSaysWhereItListens) {

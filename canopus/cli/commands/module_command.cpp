@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "canopus/cli/commands/module_status.hpp"
 #include "canopus/cli/terminal/plant_loading.hpp"
 #include "canopus/module/storage/flash_memory.hpp"
 #include "canopus/plant/module_catalogue.hpp"
@@ -78,7 +79,7 @@ void print_text(const DataSheet& sheet, std::optional<std::uint32_t> writes, Out
   out.line("");
   out.line("Modules per CPU, within its I/O points and the power supply's capacity");
   for (const auto& cpu : sheet.modules_per_cpu) {
-    out.line("  {:<30}{:<28}{}", cpu.kind, cpu.models,
+    out.line("  {:<30}{:<50}{}", cpu.kind, cpu.models,
              cpu.modules == 0 ? "not applicable" : fmt::format("up to {}", cpu.modules));
   }
 }
@@ -245,8 +246,10 @@ void add_module_command(CLI::App& app, int& exit_code) {
   eds->callback([words, &exit_code] {
     exit_code = module_eds_file(words->model, words->output, standard_output(), standard_error());
   });
+  add_module_status(*command, exit_code);
   command->footer(
-      "Exit codes: 0 done, 2 no such module, or a file that cannot be read or written.\n"
+      "Exit codes: 0 done, 1 a running plant refused or could not be reached, 2 no such module, or a file "
+      "that cannot be read or written.\n"
       "Example: canopus module eds me3can1-q -o me3can1-q.eds");
 }
 

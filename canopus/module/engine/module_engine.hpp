@@ -68,6 +68,7 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
     return parts_.diagnostics.errors();
   }
   bool clear_module_errors() override { return parts_.diagnostics.clear_minor(); }
+  [[nodiscard]] ModuleInformation information() const override;
   [[nodiscard]] std::vector<Led> leds(can::Time now) const override {
     return leds_of(parts_, last_frame_, now);
   }

@@ -1,5 +1,8 @@
-// What the CPU gives the module of the engineering tools: parameters when it starts, refresh while it runs.
+// The engineering tools' side: what the CPU gives the module of theirs (parameters when it starts, refresh while it runs), and
+// what they show of it.
 
+#include <algorithm>
+#include <string>
 #include <utility>
 
 #include "canopus/module/engine/module_engine.hpp"
@@ -55,6 +58,18 @@ void ModuleEngine::refresh(can::Time now) {
   if (!parts_.state.running() || !parts_.state.canopen_mode()) return;
   parts_.exchange.refresh(now);
   update(now);
+}
+
+ModuleInformation ModuleEngine::information() const {
+  const ModuleState& state = parts_.state;
+  if (state.phase == Phase::off) return {};
+  ModuleInformation shown{.function_mode = state.mode->value};
+  const auto modes = parts_.model.data_sheet->modes;
+  const auto mode = std::ranges::find(modes, std::to_string(state.mode->value), &FunctionMode::value);
+  if (mode != modes.end()) shown.function_mode_name = mode->name;
+  if (state.canopen_mode()) shown.node_id = parts_.node.node_id();
+  if (layer2_state() != Layer2State::offline) shown.bit_rate = state.bit_rate * 1000U;
+  return shown;
 }
 
 }  // namespace canopus::module

@@ -29,6 +29,14 @@ struct SlaveBootRecord {
   manager::BootRecord record{};
 };
 
+/// What the engineering tool shows of a module beside its LEDs [RJ71CN91 5.2].
+struct ModuleInformation {
+  std::uint16_t function_mode = 0;  ///< as selected, 405; 0: none, the module is off
+  std::string_view function_mode_name{};
+  std::optional<std::uint32_t> bit_rate{};  ///< bit/s; none: off, or offline in a Layer 2 mode
+  std::optional<std::uint8_t> node_id{};    ///< none: off, or in a Layer 2 mode
+};
+
 class CommunicationModule : public Module {
  public:
   // --- factory settings; to be called before power_on()
@@ -107,6 +115,7 @@ class CommunicationModule : public Module {
   [[nodiscard]] virtual std::vector<ModuleErrorRecord> module_errors() const { return {}; }
   /// What "Clear Error" of the engineering tool does. False: there is an error that it cannot clear.
   virtual bool clear_module_errors() { return true; }
+  [[nodiscard]] virtual ModuleInformation information() const { return {}; }
   /// Its LEDs, from the top.
   [[nodiscard]] virtual std::vector<Led> leds(can::Time now) const = 0;
   /// Writes of the flash memory over all runs, as it would wear.

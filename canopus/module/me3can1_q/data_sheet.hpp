@@ -54,14 +54,18 @@ inline constexpr std::array cpu_facts = std::to_array<ModulesPerCpu>({
     {"Universal model QCPU",         "Q02U",                     36},
     {"Universal model QCPU",         "QnUD(E) Q50UDEH Q100UDEH", 64},
     {"Safety CPU",                   "QS001",                     0},
-    {"C Controller module",          "Q06CCPU-V Q12DCCPU-V",     64},
-    {"MELSECNET/H remote I/O head",  "QJ72LP25 QJ72BR15",        64},
+    {"C Controller module",          "Q06CCPU-V-H01 Q06CCPU-V Q06CCPU-V-B Q12DCCPU-V", 64},
+    {"MELSECNET/H remote I/O head",  "QJ72LP25-25 QJ72LP25G QJ72LP25GE QJ72BR15", 64},
 });
 
 inline constexpr std::array property_facts = std::to_array<Property>({
     {"Base units",                "any I/O slot of main and extension base units"},
+    {"MELSECNET/H remote I/O",    "not with a Basic model QCPU or a C Controller module"},
     {"Transmission",              "CAN bus network (RS-485, CSMA/CR)"},
     {"Cable",                     "ISO 11898, shielded, 2 x 2 twisted, about 120 ohm"},
+    // [6.4.2, Tab. 6-3]
+    {"Cable cross section",       "to 40 m 0.3 to 0.34 mm2, to 300 m 0.34 to 0.60 mm2, to 600 m 0.50 to 0.60 mm2, to 1000 m 0.75 to 0.80 mm2"},
+    {"Cable resistance",          "to 40 m 70 mOhm/m, to 300 m below 60, to 600 m below 40, to 1000 m below 26"},
     {"Terminating resistors",     "120 ohm at both ends, not built in"},
     {"Insulation",                "photocouplers and DC/DC converter between CAN and PLC"},
     {"Current consumption (5 V)", "0.34 A"},

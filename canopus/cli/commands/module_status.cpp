@@ -1,0 +1,130 @@
+#include "canopus/cli/commands/module_status.hpp"
+
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "canopus/client/control_client.hpp"
+#include "canopus/text/text_values.hpp"
+
+namespace canopus::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Arguments {
+  std::string module;
+  std::string at = "127.0.0.1:29540";
+  std::string timeout = "3s";
+  bool json = false;
+};
+
+/// Empty where there is none, or null.
+std::string text(const Json& object, const char* key) {
+  const auto found = object.is_object() ? object.find(key) : object.end();
+  if (!object.is_object() || found == object.end() || found->is_null()) return "";
+  return found->is_string() ? found->get<std::string>()
+                            : found->dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+const Json& list_of(const Json& object, const char* key) {
+  static const Json none = Json::array();
+  if (!object.is_object()) return none;
+  const auto found = object.find(key);
+  return found != object.end() && found->is_array() ? *found : none;
+}
+
+std::string or_dash(std::string value) { return value.empty() ? "-" : std::move(value); }
+
+std::string bit_rate_of(const Json& module) {
+  const auto rate = module.is_object() ? module.find("bit_rate") : module.end();
+  if (!module.is_object() || rate == module.end() || !rate->is_number_unsigned()) return "-";
+  return fmt::format("{} kbit/s", rate->get<std::uint64_t>() / 1000);
+}
+
+std::string details_of(const Json& error) {
+  std::string shown;
+  const auto details = error.is_object() ? error.find("details") : error.end();
+  if (!error.is_object() || details == error.end() || !details->is_object()) return shown;
+  for (const auto& [name, value] : details->items()) {
+    shown +=
+        fmt::format("{}{} {}", shown.empty() ? "; " : ", ", name,
+                    value.is_number_unsigned() ? fmt::format("{0} ({0:X}H)", value.get<std::uint64_t>())
+                                               : value.dump(-1, ' ', false, Json::error_handler_t::replace));
+  }
+  return shown;
+}
+
+int ask(const Arguments& arguments) {
+  const auto complain = [](int code, const std::string& what) {
+    print_error("canopus: {}", what);
+    return code;
+  };
+  const auto place = text::parse_host_and_port(arguments.at);
+  if (!place) return complain(2, "--at: " + place.error());
+  const auto timeout = text::parse_duration(arguments.timeout);
+  if (!timeout) return complain(2, "--timeout: " + timeout.error());
+  Json request{{"request", "modules"}};
+  if (!arguments.module.empty()) request["module"] = arguments.module;
+  const auto answer = client::ask_control({.host = place->host,
+                                           .port = place->port,
+                                           .timeout = std::chrono::ceil<std::chrono::milliseconds>(*timeout)},
+                                          request);
+  if (!answer) return complain(1, answer.error());
+  if (arguments.json) {
+    print_json(*answer);
+  } else {
+    print_modules(*answer, standard_output());
+  }
+  return 0;
+}
+
+}  // namespace
+
+void print_modules(const Json& answer, Output& out) {
+  bool is_first = true;
+  for (const Json& module : list_of(answer, "modules")) {
+    if (!std::exchange(is_first, false)) out.line("");
+    const std::string plc = text(module, "plc");
+    out.line("{}{}{}", text(module, "module"), plc.empty() ? "" : ", PLC " + plc,
+             text(module, "on") == "true" ? "" : ": off");
+    std::string leds;
+    for (const Json& led : list_of(module, "leds")) {
+      leds += fmt::format("{}{} {}", leds.empty() ? "" : ", ", text(led, "name"), text(led, "pattern"));
+    }
+    out.line("  LED information  {}", or_dash(leds));
+    const std::string mode = text(module, "function_mode");
+    const std::string name = text(module, "function_mode_name");
+    out.line("  Function mode    {}{}", or_dash(mode), name.empty() ? "" : " (" + name + ")");
+    out.line("  Baud rate        {}", bit_rate_of(module));
+    out.line("  Node ID          {}", or_dash(text(module, "node")));
+    for (const Json& error : list_of(module, "errors")) {
+      out.line("  Error            {}H {}: {}{}", text(error, "code"), text(error, "class"),
+               text(error, "overview"), details_of(error));
+    }
+  }
+  if (is_first) out.line("the plant has no module");
+}
+
+void add_module_status(CLI::App& module_command, int& exit_code) {
+  const auto arguments = std::make_shared<Arguments>();
+  CLI::App* status = module_command.add_subcommand(
+      "status", "The modules of a running plant: LEDs, function mode, baud rate, node-ID, errors");
+  status->add_option("NAME", arguments->module, "one module, as the plant file calls it, or \"RJ71CN91 U0\"");
+  status->add_option("--at", arguments->at, "where the plant can be controlled")
+      ->type_name("HOST:PORT")
+      ->capture_default_str();
+  status->add_option("--timeout", arguments->timeout, "to connect, and for the answer")
+      ->capture_default_str();
+  status->add_flag("--json", arguments->json, "The answer as one JSON object");
+  status->footer(
+      "The plant file opens a plant to this command: [plant] control = \"127.0.0.1:29540\".\n"
+      "A module that is offline in a Layer 2 mode has no baud rate, and in a Layer 2 mode none has a "
+      "node-ID.\n"
+      "Exit code: 0 done, 1 the plant refused or could not be reached, 2 wrong command line.");
+  // The shared pointer keeps the arguments as long as the command.
+  status->callback([arguments, &exit_code] { exit_code = ask(*arguments); });
+}
+
+}  // namespace canopus::cli

@@ -1,0 +1,22 @@
+#pragma once
+// `canopus module status`: the modules of a running plant, as the engineering tool's module diagnostics show them.
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "canopus/cli/terminal/print.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace canopus::cli {
+
+/// Prints the control server's answer to the request "modules". Nothing of it is trusted.
+void print_modules(const nlohmann::ordered_json& answer, Output& out);
+
+/// Adds `status` to `canopus module`. Exit code: 0 done, 1 the plant refused or could not be reached, 2 wrong command line.
+void add_module_status(CLI::App& module_command, int& exit_code);
+
+}  // namespace canopus::cli
