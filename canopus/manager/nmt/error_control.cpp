@@ -83,6 +83,7 @@ void ErrorControl::boot_up(std::uint8_t node_id, can::Time now) {
 bool ErrorControl::state_message(std::uint8_t node_id, std::uint8_t byte, can::Time now) {
   Slave& slave = master_.slaves[node_id];
   const auto state = static_cast<std::uint8_t>(byte & 0x7F);
+  const bool begins = !slave.guarding.alive();
   const NodeGuarding::Answer answer = slave.guarding.answer(byte, now);
   if (!slave.guarding.running()) return true;
   if (!answer.accepted) {
@@ -92,6 +93,8 @@ bool ErrorControl::state_message(std::uint8_t node_id, std::uint8_t byte, can::T
   master_.set_state(node_id, shown_state(state), now);
   if (slave.guarding.alive()) master_.set_error_bits(node_id, error_control::guarding_active, 0, now);
   if (answer.resolved) resolve(node_id, now);
+  // The option's other half: who nobody has commanded is expected in its first state [RJ71CN91 1.8 note 1].
+  if (begins && !slave.commanded && master_.options.heartbeat_state_is_checked) slave.expected_state = state;
   check_guarded_state(node_id, state, now);
   return true;
 }
