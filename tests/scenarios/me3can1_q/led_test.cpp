@@ -70,6 +70,19 @@ TEST(Me3Led, CanRun_ShowsTheNmtState) {
   s.ignore_tx();
 }
 
+TEST(Me3Led, CanRun_OfTheActiveMaster) {
+  RecordProperty("spec", "ME3-LED-003 ME3-LED-004 ME3-LED-005");
+  IntelligentScenario s;
+  s.power_on_as_master();
+  s.expect_bit(25, 15, true);
+  EXPECT_EQ(seen(s, can_run), blinks);
+  for (const auto& [request, pattern] : {std::pair{0x05, "lit"}, std::pair{0x7F, blinks},
+                                         std::pair{0x04, flashes_once}, std::pair{0x05, "lit"}}) {
+    s.set_object(0x1F82, 1, static_cast<std::uint32_t>(request), 1).ignore_tx();
+    EXPECT_EQ(seen(s, can_run), pattern) << request;
+  }
+}
+
 TEST(Me3Led, CanRun_InTheLayer2Modes_IsDarkWhileX03IsOff) {
   RecordProperty("spec", "ME3-LED-006 ME3-LED-003");
   for (const std::uint16_t mode : Words{11, 29}) {
@@ -178,6 +191,62 @@ TEST(Me3Led, CanError_OneCauseAtATime) {
   s.wait_bit(403, 2, true);  // one missed answer
   EXPECT_EQ(seen(s, can_error), flashes_twice);
   s.ignore_tx();
+}
+
+// The bits of G29 that are no error of the bus or of another node.
+TEST(Me3Led, CanError_BlinksForEachGeneralError) {
+  RecordProperty("spec", "ME3-LED-010 ME3-LED-013 ME3-LED-002");
+  struct Cause {
+    std::uint16_t bits;
+    std::uint16_t mode;
+    void (*occurs)(IntelligentScenario&);
+  };
+  const std::vector<Cause> causes{
+      {0x0002, 405,
+       [](IntelligentScenario& s) { s.plug_in().inject(module::ModuleFault::hardware_error, s.now()); }},
+      {0x0010, 405,
+       [](IntelligentScenario& s) {
+         s.write(70, 1000).write(22, 1).y(0x1F, true).supply_off();
+         s.power_on();
+       }},
+      {0x0020, 405,
+       [](IntelligentScenario& s) {
+         s.y(0x02, true).advance(1s).write(70, 1).wait_x(0x02, true).y(0x02, false);
+       }},
+      {0x0040, 405, [](IntelligentScenario& s) { s.write(71, 1); }},
+      {0x0040, 11, [](IntelligentScenario& s) { s.write(24, 1); }},
+      {0x0100, 405,
+       [](IntelligentScenario& s) {
+         s.controller().overflows = 1;
+         s.write(20, 0);
+       }},
+      {0x8000, 11,
+       [](IntelligentScenario& s) {
+         s.write(6000, {0x0181, 0, 0, 0});
+         s.online();
+         for (int i = 0; i < 20; ++i) s.rx(0x181, {1});
+       }},
+  };
+  for (const Cause& cause : causes) {
+    SCOPED_TRACE(cause.bits);
+    IntelligentScenario s;
+    if (cause.mode == 405) {
+      s.power_on();
+    } else {
+      s.power_on_layer2(cause.mode);
+    }
+    EXPECT_EQ(seen(s, can_error), "dark");
+    cause.occurs(s);
+    s.ignore_tx().expect(29, cause.bits);
+    EXPECT_EQ(seen(s, can_error), blinks);
+    if (cause.bits == 0x0002) continue;  // until the supply goes off
+    if (cause.bits == 0x8000) s.write(5001, 0);
+    if (cause.bits == 0x0010) s.save().restart();  // until good data are found
+    s.y(0x0F, true).y(0x0F, false).ignore_tx();
+    s.expect(29, 0);
+    EXPECT_EQ(seen(s, can_error), "dark");
+    EXPECT_EQ(seen(s, error), "dark");
+  }
 }
 
 TEST(Me3Led, TxRx_IsOnWhileFramesGoByTheModule) {
