@@ -10,7 +10,7 @@ import time
 
 from bus_checks import on_bus
 from kit import (HERE, PATIENCE, ROOT, check, command, covers, first_plant_file, host_port, node_modules, program, require,
-                 running, scratch, silence, talking)
+                 running, scratch, silence, talking, until)
 
 EXAMPLES = ROOT / "examples/me3can1-q"
 sys.path += [str(EXAMPLES), str(ROOT / "python")]
@@ -277,6 +277,110 @@ def npm_canopen_configures_an_rj71cn91_as_its_slave():
         code, errors = plant.stop()
         require(code == 0, errors)
         require((0x1FF, bytes.fromhex("EF BE")) in recorded(plant.trace), "TPDO1 with the one word was not sent")
+
+
+SLAVE_EDS = """[FileInfo]
+FileName=npm.eds
+[DeviceInfo]
+VendorName=npm canopen
+BaudRate_250=1
+[MandatoryObjects]
+SupportedObjects=3
+1=0x1000
+2=0x1001
+3=0x1018
+[1000]
+ParameterName=Device type
+DataType=7
+AccessType=ro
+DefaultValue=0
+[1001]
+ParameterName=Error register
+DataType=5
+AccessType=ro
+[1018]
+ParameterName=Identity
+ObjectType=9
+SubNumber=2
+[1018sub0]
+ParameterName=Entries
+DataType=5
+AccessType=const
+DefaultValue=1
+[1018sub1]
+ParameterName=Vendor-ID
+DataType=7
+AccessType=ro
+DefaultValue=0x319
+[OptionalObjects]
+SupportedObjects=0
+[ManufacturerObjects]
+SupportedObjects=1
+1=0x2003
+[2003]
+ParameterName=Configured
+DataType=6
+AccessType=rw
+DefaultValue=0
+"""
+
+
+@check
+@covers("RJ71-STARTUP-007 RJ71-CM-001 RJ71-BOOTUP-001 RJ71-HB-002 RJ71-HB-004")
+def npm_canopen_is_a_slave_of_the_rj71cn91():
+    """Identity, concise DCF, start, PDOs each way, an emergency; killed, it is lost, and booted again when it comes back."""
+    node_modules()
+    (scratch / "npm.eds").write_text(SLAVE_EDS)
+    path = scratch / "rj71cn91-master.toml"
+    path.write_text('[[bus]]\nname = "line1"\nbit_rate = 250_000\nserve = "socketcand:127.0.0.1:0"\n'
+                    '[[plc]]\nfamily = "iQ-R"\nlisten = "127.0.0.1:0"\n'
+                    '[[plc.module]]\nmodel = "RJ71CN91"\nnode = 1\nrestart_time = "100ms"\nobjects = { "1F80:00" = 1, '
+                    '"1F81:05" = 0x0D, "1F85:05" = 0x319, "1F86:05" = 0x1234, "1F87:05" = 0x10002, "1F88:05" = 42, '
+                    '"1016:01" = 0x0005_1388, "1400:01" = 0x185, "1800:01" = 0x4000_0205 }\n'
+                    '[[plc.module.parameters.node]]\nnode = 5\neds = "npm.eds"\nobjects = { "2003:00" = 777 }\n')
+    with running(path) as plant:
+        plant.wait(lambda e: e["event"] == "signal" and e["signal"] == "X00" and e["on"])
+        host, port = host_port(plant.mc)
+        slave = lambda: talking("node", HERE / "nmt_slave_peer.mjs", *host_port(plant.socketcand), "line1", "5")
+        with Plc(host, int(port)) as plc:
+            module = me3can1q.Me3Can1Q(plc)  # its words and signals are the same
+
+            def booted(peer):
+                peer.wait_line(lambda line: line.startswith("ready"))
+                peer.wait_line(lambda line: line == "written 2003 777")
+                peer.wait_line(lambda line: line == "state OPERATIONAL")
+                until(lambda: module.g(605) == 5 and module.g(25) & 0xC301 == 0x8201, "the network is not Operational")
+
+            def exchanged(peer, words):
+                module.set_g(13000, *words)
+                module.exchange()
+                peer.wait_line(lambda line: line == "received " + " ".join(map(str, words)))
+                inverted = [word ^ 0xFFFF for word in words]
+
+                def arrived():
+                    module.exchange()
+                    return module.words(10000, 4) == inverted
+                until(arrived, f"G10000 to G10003 are not {inverted}")
+
+            with slave() as peer:
+                booted(peer)
+                exchanged(peer, [1, 2, 3, 4])
+                exchanged(peer, [0xFFFF, 0x1234, 0, 0x8000])
+                exchanged(peer, [3584, 0, 0, 0])
+                until(lambda: module.x(0x11), "X11 is OFF: the peer's emergency did not come")
+                module.exchange()
+                require(module.words(750, 2) == [5, 0x5000], f"G750 has {module.words(750, 5)}")
+                require(not module.x(0x10) and module.g(405) == 2, f"G405 = {module.g(405):04X}H")
+                peer.process.kill()
+                until(lambda: module.g(405) & 0x80 != 0, "G405 bit 7 is 0 after the peer was killed")
+                require(module.x(0x10), "X10 is OFF after the peer was killed")
+            with slave() as peer:
+                booted(peer)
+                exchanged(peer, [5, 6, 7, 8])
+        code, errors = plant.stop()
+        require(code == 0, errors)
+        frames = recorded(plant.trace)
+        require(any(identifier == 0x081 and data[:2] == b"\x05\x8F" for identifier, data in frames), "no EMCY 8F05H")
 
 
 def exchange_with_npm_canopen(plant, module, error_register="83"):
