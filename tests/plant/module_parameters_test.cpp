@@ -205,6 +205,38 @@ TEST_F(ModuleParametersFile, Refresh_AtAProgramOfTheGroup_OnceAScan_InRunAlone) 
   EXPECT_EQ(g(0, 13001), 0x0003);
 }
 
+// With `scan` the rack says when its scans end: END goes on in STOP, programs do not.
+TEST_F(ModuleParametersFile, Refresh_OfARackWithItsOwnScans) {
+  RecordProperty("spec", "RJ71-PARAM-003");
+  for (const bool at_end : {true, false}) {
+    std::string text = with_programs(
+        at_end ? "data_exchange = \"refresh\"\nrefresh = { G10000 = \"RD0\", G13000 = \"RD524224\" }\n"
+               : of_group_3,
+        "[[plc.program]]\nname = \"MAIN\"\nrefresh_group = 3\n");
+    text.replace(text.find("listen"), 0, "scan = \"20ms\"\n");
+    start(text);
+    run(4s);
+    const auto comes_after = [&](std::uint16_t value, int most) {
+      EXPECT_TRUE(
+          plant_->rack(0).write_words(plc::Device::rd, 524224, {&value, 1}, plant_->timeline().now()));
+      for (int ms = 1; ms <= most; ++ms) {
+        run(1ms);
+        if (g(0, 13000) == value) return ms;
+      }
+      return 0;
+    };
+    EXPECT_EQ(comes_after(1, 50), 20);
+    EXPECT_EQ(comes_after(2, 50), 20);
+    plant_->rack(0).set_cpu_state(module::CpuState::stop, plant_->timeline().now());
+    EXPECT_EQ(comes_after(3, 50), at_end ? 20 : 0);
+    plant_->rack(0).power_off(plant_->timeline().now());
+    run(1s);
+    plant_->rack(0).power_on(plant_->timeline().now());
+    run(4s);
+    EXPECT_EQ(comes_after(4, 50), 20);
+  }
+}
+
 TEST_F(ModuleParametersFile, Refresh_AtAProgramInFixedIntervals) {
   RecordProperty("spec", "RJ71-PARAM-003");
   const std::string text =
