@@ -213,7 +213,7 @@ TEST_P(NmtCorners, GuardingOfANodeWithoutASetUp_IsNotStarted) {
     IntelligentScenario s(GetParam());
     start_as(s, 1, {{0x1F80, 0, 1}, {0x1F81, 4, assignment}});
     s.tx(0x000, {0x82, 0x00}).rx(0x704, {0x00}).rx(0x704, {0x7F}).ignore_tx();
-    s.cif({0x0002, 0, 0x1F83, 4, 1, 1}).advance(1s);
+    s.cif({0x0002, 0, 0x1F83, 4, 1, 1}).expect(1000, 0x0003).advance(1s);
     for (const can::Frame& frame : s.controller().sent) EXPECT_FALSE(frame.remote) << std::hex << assignment;
     s.expect_object(0x1F83, 4, 0, 1).expect_bit(404, 0, false).ignore_tx();
   }
