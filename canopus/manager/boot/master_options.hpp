@@ -83,8 +83,8 @@ struct MasterOptions {
   /// error_control::guarding_active and heartbeat_active end with the time-out, until the node is heard again
   /// [RJ71CN91 App. 2 G401].
   bool time_out_ends_activity = false;
-  /// Heartbeats are compared with the state that this node has commanded, or with that of the first one:
-  /// error_control::unexpected_state, and no error control event [RJ71CN91 1.9].
+  /// Heartbeats are compared with the state that this node has commanded, or with the first one: error_control::unexpected_state,
+  /// and no error control event [RJ71CN91 1.9]. Without a command the first guarding answer is expected, too [RJ71CN91 1.8].
   bool heartbeat_state_is_checked = false;
 };
 

@@ -207,6 +207,16 @@ TEST(Rj71NmtCorners, GuardedNode_ThatNobodyHasCommanded_IsExpectedInItsFirstStat
   }
 }
 
+TEST(Rj71NmtCorners, GuardedNode_CommandedBefore_IsExpectedInTheCommandedState) {
+  RecordProperty("spec", "RJ71-NG-003");
+  IntelligentScenario s(rj71cn91);
+  start_as(s, 1, {{0x1F80, 0, 9}});
+  s.tx(0x000, {0x82, 0x00}).rx(0x702, {0x00}).advance(1s).no_tx();
+  s.set_object(0x1F82, 2, 0x04, 1).tx(0x000, {0x02, 0x02}).advance(1s).no_tx();
+  s.set_object(0x1F81, 2, 0x00640301, 4);
+  s.tx_remote(0x702).rx(0x702, {0x05}).expect_bit(402, 5, true).expect_x(0x10, true).ignore_tx();
+}
+
 TEST_P(NmtCorners, GuardingOfANodeWithoutASetUp_IsNotStarted) {
   spec("ME3-NG-009", "RJ71-NG-004");
   for (const std::uint32_t assignment : {0x00000001U, 0x00640001U, 0x00000301U, 0x00640300U}) {
