@@ -157,6 +157,8 @@ def test_without_a_plant_it_is_any_plc(canopus_plant):
     with Plc(host, int(port), frame="4E") as plc:
         plc.d[0:3] = [1, 2, 3]
         assert canopus_plant.plc.d[0:3] == [1, 2, 3]
+        plc.rd[524286:524288] = [7, 8]
+        assert canopus_plant.plc.rd[524286:524288] == [7, 8]
 
 
 def test_the_fixtures_as_somebody_else_uses_them(pytester):

@@ -215,6 +215,8 @@ TEST(PlcAddress, Devices_HaveTheirOwnBase) {
   EXPECT_EQ(client::parse_plc_address("D10")->number, 10U);
   EXPECT_EQ(client::parse_plc_address("SB1A")->device, plc::Device::sb);
   EXPECT_EQ(client::parse_plc_address("ZR7")->device, plc::Device::zr);
+  EXPECT_EQ(client::parse_plc_address("RD524287")->device, plc::Device::rd);
+  EXPECT_EQ(client::parse_plc_address("RD524287")->number, 524287U);
   EXPECT_EQ(client::parse_plc_address("U3/G256")->head_address, 0x30);
   EXPECT_EQ(client::parse_plc_address("UFF\\G0")->head_address, 0xFF0);
 }

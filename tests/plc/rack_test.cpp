@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "canopus/plc/cpu/device_points.hpp"
+#include "canopus/plc/melsec/target.hpp"
 
 #include "plc/conversation.hpp"
 
@@ -90,6 +91,18 @@ TEST(Rack, R_AndZr_AreTheSameWords) {
   Plc plc;
   plc.word(Device::r, 100, 0x1234);
   EXPECT_EQ(plc.word(Device::zr, 100), 0x1234);
+}
+
+TEST(Rack, RefreshDataRegisters_AreAnIqRsAlone) {
+  Plc plc;
+  plc.word(Device::rd, 524287, 0x1234);
+  EXPECT_EQ(plc.word(Device::rd, 524287), 0x1234);
+  EXPECT_EQ(plc.word(Device::rd, 0), 0);
+  EXPECT_FALSE(plc.rack.check(Device::rd, 524288, 1));
+  EXPECT_EQ(melsec::device_code(Device::rd), 0x2C);
+  for (const CpuModel* model : {&q03udvcpu(), &fx3u(), &fx5u(), &as300()}) {
+    EXPECT_EQ(model->points_of(Device::rd), 0U) << model->name;
+  }
 }
 
 TEST(Rack, X_OfAModule_IsWhatTheModuleSaysWhateverIsWritten) {
