@@ -27,23 +27,28 @@ constexpr std::uint16_t extended = 0x0080;
 constexpr std::uint16_t single_bits = 0x0001;
 constexpr std::size_t request_capacity = 8192;
 
+/// U\G and U3E0\HG go with the extended device specification alone.
+bool is_extended(const plc::RackAddress& target) {
+  return target.is_buffer || target.device == plc::Device::hg;
+}
+
 void write_target(FieldWriter& out, const plc::RackAddress& target, bool octal) {
   const bool ascii = out.code() == DataCode::ascii;
   const auto number_24 = [&out](std::uint32_t number) {
     out.u16(static_cast<std::uint16_t>(number));
     out.u8(static_cast<std::uint8_t>(number >> 16U));
   };
-  if (target.is_buffer) {
-    const unsigned unit = target.head_address / 16U;
+  if (is_extended(target)) {
+    const unsigned unit = target.is_buffer ? target.head_address / 16U : plc::melsec::own_cpu;
     if (ascii) {
-      out.text(fmt::format("00U{:03X}000G*{:06}000", unit, target.number));
+      out.text(fmt::format("00U{:03X}000{}{:06}000", unit, target.is_buffer ? "G*" : "HG", target.number));
     } else {
       out.u16(0);
       number_24(target.number);
-      out.u8(plc::melsec::buffer_memory_code);
+      out.u8(target.is_buffer ? plc::melsec::buffer_memory_code : plc::melsec::device_code(target.device));
       out.u16(0);
       out.u16(static_cast<std::uint16_t>(unit));
-      out.u8(plc::melsec::module_access);
+      out.u8(target.is_buffer ? plc::melsec::module_access : plc::melsec::cpu_buffer);
     }
     return;
   }
@@ -145,7 +150,7 @@ class MelsecClient final : public PlcProtocol {
   Result<void> lock() override { return send_password(0x1631); }
 
  private:
-  static std::uint16_t subcommand(const PlcPoint& point) { return point.at.is_buffer ? extended : 0; }
+  static std::uint16_t subcommand(const PlcPoint& point) { return is_extended(point.at) ? extended : 0; }
 
   Result<void> send_password(std::uint16_t command) {
     const std::string& password = link_.connection().remote_password;

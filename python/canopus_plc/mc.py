@@ -30,6 +30,7 @@ DEVICES = {
         Device("SW", 0xB5, False, 16), Device("SD", 0xA9, False, 10), Device("R", 0xAF, False, 10),
         Device("ZR", 0xB0, False, 10), Device("Z", 0xCC, False, 10), Device("TN", 0xC2, False, 10),
         Device("STN", 0xC8, False, 10), Device("CN", 0xC5, False, 10), Device("RD", 0x2C, False, 10),
+        Device("U3E0\\HG", 0x2E, False, 10),
     )
 }
 
@@ -66,11 +67,11 @@ class McClient:
 
     def read_words(self, device: Device, first: int, count: int) -> list[int]:
         """Words 0 to 65535; of a bit device 16 points each."""
-        return self._read_words(0x0000, _device(device, first), device.name, first, count, 16 if device.is_bit else 1)
+        return self._read_words(*_words(device, first), device.name, first, count, 16 if device.is_bit else 1)
 
     def write_words(self, device: Device, first: int, words: Sequence[int]) -> None:
         """Numbers from -32768 to 65535."""
-        self._write_words(0x0000, _device(device, first), device.name, first, words, 16 if device.is_bit else 1)
+        self._write_words(*_words(device, first), device.name, first, words, 16 if device.is_bit else 1)
 
     def read_buffer(self, unit: int, first: int, count: int) -> list[int]:
         """Buffer memory of the module whose head I/O number is 16 * unit: U1\\G0 is unit 1."""
@@ -192,6 +193,13 @@ def _number(number: int) -> bytes:
 
 def _device(device: Device, number: int) -> bytes:
     return _number(number) + bytes((device.code,))
+
+
+def _words(device: Device, number: int) -> tuple[int, bytes]:
+    """Subcommand and place; CPU buffer memory has the extended device specification alone."""
+    if device.code != 0x2E:
+        return 0x0000, _device(device, number)
+    return 0x0080, bytes(2) + _device(device, number) + bytes(2) + b"\xE0\x03\xFA"
 
 
 def _bit_device(device: Device, number: int) -> bytes:

@@ -43,7 +43,7 @@ class Plc:
         self.d, self.w, self.sw, self.sd = words("D"), words("W"), words("SW"), words("SD")
         self.r, self.zr, self.z = words("R"), words("ZR"), words("Z")
         self.tn, self.stn, self.cn = words("TN"), words("STN"), words("CN")
-        self.rd = words("RD")
+        self.rd, self.hg = words("RD"), words("U3E0\\HG")
 
     def _bits(self, name: str) -> Bits:
         device = DEVICES[name]

@@ -3,7 +3,7 @@ import pathlib
 
 import pytest
 
-from canopus_plc import Plant, PlantError, Plc
+from canopus_plc import EndCodeError, Plant, PlantError, Plc
 
 HERE = pathlib.Path(__file__).resolve().parent
 
@@ -140,6 +140,15 @@ def test_several_plcs_have_names(tmp_path):
         assert plant.time == 0.005
         plant.plcs["a"].d[0] = 1
         assert plant.plcs["b"].d[0] == 0
+
+
+def test_devices_of_the_iqr_series(canopus_plant, plc):
+    plc.rd[524280:524288] = range(8)
+    assert plc.rd[524286:524288] == [6, 7]
+    plc.hg[10:1010] = range(1000)  # two requests
+    assert plc.hg[10:1010] == list(range(1000))
+    with pytest.raises(EndCodeError, match=r"U3E0\\HG12288.*4031H"):
+        plc.hg[12288]
 
 
 def test_a_plc_of_another_family(tmp_path):

@@ -206,6 +206,16 @@ TEST_F(PlcCommandTest, PauseInStop_IsSaidToHaveNoEffect) {
             "canopus plc: the CPU is in STOP and stays there: PAUSE is reached from RUN alone\n");
 }
 
+TEST_F(PlcCommandTest, DevicesOfTheIqrSeries_AreReadAndWritten) {
+  EXPECT_EQ(run({"write", "RD524286", "1", "2"}).exit_code, 0);
+  EXPECT_EQ(plc_.word(plc::Device::rd, 524287), 2);
+  EXPECT_EQ(run({"write", "u3e0/hg10", "3", "4"}).exit_code, 0);
+  EXPECT_EQ(plc_.word(plc::Device::hg, 11), 4);
+  EXPECT_THAT(run({"read", "U3E0\\HG11", "--ascii"}).out, HasSubstr("U3E0\\HG11"));
+  EXPECT_THAT(run({"read", "U3E0\\HG11", "--ascii"}).out, HasSubstr("0004H"));
+  EXPECT_THAT(run({"read", "U3E0\\HG12288"}).err, HasSubstr("4031H"));
+}
+
 TEST_F(PlcCommandTest, Type_ShowsNameAndCode) { EXPECT_EQ(run({"type"}).out, "R04CPU  4800H\n"); }
 
 TEST(PlcAddress, Devices_HaveTheirOwnBase) {
@@ -217,6 +227,10 @@ TEST(PlcAddress, Devices_HaveTheirOwnBase) {
   EXPECT_EQ(client::parse_plc_address("ZR7")->device, plc::Device::zr);
   EXPECT_EQ(client::parse_plc_address("RD524287")->device, plc::Device::rd);
   EXPECT_EQ(client::parse_plc_address("RD524287")->number, 524287U);
+  EXPECT_EQ(client::parse_plc_address("rd7")->device, plc::Device::rd);
+  EXPECT_EQ(client::parse_plc_address("U3E0\\HG12")->device, plc::Device::hg);
+  EXPECT_EQ(client::parse_plc_address("U3E0\\HG12")->number, 12U);
+  EXPECT_FALSE(client::parse_plc_address("U3E0\\HG12")->is_buffer);
   EXPECT_EQ(client::parse_plc_address("U3/G256")->head_address, 0x30);
   EXPECT_EQ(client::parse_plc_address("UFF\\G0")->head_address, 0xFF0);
 }
@@ -226,6 +240,11 @@ TEST(PlcAddress, WhatIsNone_SaysWhatWasExpected) {
   EXPECT_THAT(client::parse_plc_address("D1F").error(), HasSubstr("'D1F' has no decimal number"));
   EXPECT_THAT(client::parse_plc_address("XG").error(), HasSubstr("has no hexadecimal number"));
   EXPECT_THAT(client::parse_plc_address("U100\\G0").error(), HasSubstr("unit number 0 to FF"));
+  EXPECT_THAT(client::parse_plc_address("U3E0\\G0").error(), HasSubstr("unit number 0 to FF"));
+  EXPECT_THAT(client::parse_plc_address("U3E1\\HG0").error(), HasSubstr("(U3E0\\HG0)"));
+  EXPECT_THAT(client::parse_plc_address("U0\\HG0").error(), HasSubstr("(U3E0\\HG0)"));
+  EXPECT_THAT(client::parse_plc_address("U3E0\\HG").error(), HasSubstr("behind the HG"));
+  EXPECT_THAT(client::parse_plc_address("HG0").error(), HasSubstr("is no device"));
   EXPECT_FALSE(client::parse_plc_address(""));
   EXPECT_FALSE(client::parse_plc_address("D"));
   EXPECT_FALSE(client::parse_plc_address("D-1"));
@@ -234,6 +253,7 @@ TEST(PlcAddress, WhatIsNone_SaysWhatWasExpected) {
 
 TEST(PlcAddress, IsWrittenAsItIsRead) {
   EXPECT_EQ(client::plc_address(*client::parse_plc_address("u0\\g25"), 1), "U0\\G26");
+  EXPECT_EQ(client::plc_address(*client::parse_plc_address("u3e0/hg9"), 1), "U3E0\\HG10");
   EXPECT_EQ(client::plc_address(*client::parse_plc_address("X1F"), 1), "X20");
   EXPECT_EQ(client::plc_address(*client::parse_plc_address("D9"), 1), "D10");
 }

@@ -333,7 +333,10 @@ TEST_F(ModuleParametersFile, MistakesOfTheModule_HaveTheirPlace) {
   EXPECT_THAT(
       check(with("data_exchange = \"refresh\"\nrefresh = { G10000 = \"D1000\", G13001 = \"D2000\" }\n")),
       ElementsAre(HasSubstr("plant.toml:16:31: refresh: G13001: expected the first of 64 words")));
-  for (const std::string_view device : {"D99999999", "Q5", "D", "1000", "D10x"}) {
+  EXPECT_THAT(
+      check(with("data_exchange = \"refresh\"\nrefresh = { G10000 = \"RD0\", G13000 = \"RD524224\" }\n")),
+      IsEmpty());
+  for (const std::string_view device : {"D99999999", "Q5", "D", "1000", "D10x", "RD524225"}) {
     EXPECT_THAT(
         check(with(fmt::format("data_exchange = \"refresh\"\nrefresh = {{ G10000 = \"{}\" }}\n", device))),
         ElementsAre(HasSubstr("plant.toml:16:22: refresh: G10000 = \"" + std::string(device) + "\"")))

@@ -246,23 +246,24 @@ TEST(Rack, DevicePoints_OfAnR04Cpu_AreDoubleWordsFromSd260On) {
   std::array<std::uint16_t, 50> words{};
   ASSERT_TRUE(plc.rack.read_words(Device::sd, 260, words, plc.now));
   const auto points = [&](unsigned number) { return words[number - 260] | words[number - 259] << 16; };
-  EXPECT_EQ(points(260), 12288);  // X
-  EXPECT_EQ(points(262), 12288);  // Y
-  EXPECT_EQ(points(264), 12288);  // M
-  EXPECT_EQ(points(266), 8192);   // B
-  EXPECT_EQ(points(268), 2048);   // SB
-  EXPECT_EQ(points(270), 2048);   // F
-  EXPECT_EQ(points(272), 2048);   // V
-  EXPECT_EQ(points(274), 8192);   // L
-  EXPECT_EQ(points(276), 0);      // S
-  EXPECT_EQ(points(280), 18432);  // D
-  EXPECT_EQ(points(282), 8192);   // W
-  EXPECT_EQ(points(284), 2048);   // SW
-  EXPECT_EQ(points(288), 1024);   // T
-  EXPECT_EQ(points(290), 0);      // ST
-  EXPECT_EQ(points(292), 512);    // C
-  EXPECT_EQ(words[40], 20);       // Z, one word: SD300
-  EXPECT_EQ(points(306), 32768);  // ZR
+  EXPECT_EQ(points(260), 12288);   // X
+  EXPECT_EQ(points(262), 12288);   // Y
+  EXPECT_EQ(points(264), 12288);   // M
+  EXPECT_EQ(points(266), 8192);    // B
+  EXPECT_EQ(points(268), 2048);    // SB
+  EXPECT_EQ(points(270), 2048);    // F
+  EXPECT_EQ(points(272), 2048);    // V
+  EXPECT_EQ(points(274), 8192);    // L
+  EXPECT_EQ(points(276), 0);       // S
+  EXPECT_EQ(points(280), 18432);   // D
+  EXPECT_EQ(points(282), 8192);    // W
+  EXPECT_EQ(points(284), 2048);    // SW
+  EXPECT_EQ(points(288), 1024);    // T
+  EXPECT_EQ(points(290), 0);       // ST
+  EXPECT_EQ(points(292), 512);     // C
+  EXPECT_EQ(words[40], 20);        // Z, one word: SD300
+  EXPECT_EQ(points(306), 32768);   // ZR
+  EXPECT_EQ(points(308), 524288);  // RD
 }
 
 TEST(Rack, DevicePoints_OfAQ03Udv_AreWordsFromSd290OnAndDoubleWordsAround) {

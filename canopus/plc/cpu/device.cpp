@@ -7,14 +7,14 @@ namespace canopus::plc {
 namespace {
 
 constexpr std::array<DeviceInfo, device_count> infos = {{
-    {"X", true, true},    {"Y", true, true},   {"M", true, false},   {"L", true, false},
-    {"F", true, false},   {"V", true, false},  {"B", true, true},    {"SB", true, true},
-    {"SM", true, false},  {"TS", true, false}, {"TC", true, false},  {"STS", true, false},
-    {"STC", true, false}, {"CS", true, false}, {"CC", true, false},  {"D", false, false},
-    {"W", false, true},   {"SW", false, true}, {"SD", false, false}, {"R", false, false},
-    {"ZR", false, false}, {"Z", false, false}, {"TN", false, false}, {"STN", false, false},
-    {"CN", false, false}, {"S", true, false},  {"HCS", true, false}, {"HCN", false, false},
-    {"RD", false, false},
+    {"X", true, true},    {"Y", true, true},          {"M", true, false},   {"L", true, false},
+    {"F", true, false},   {"V", true, false},         {"B", true, true},    {"SB", true, true},
+    {"SM", true, false},  {"TS", true, false},        {"TC", true, false},  {"STS", true, false},
+    {"STC", true, false}, {"CS", true, false},        {"CC", true, false},  {"D", false, false},
+    {"W", false, true},   {"SW", false, true},        {"SD", false, false}, {"R", false, false},
+    {"ZR", false, false}, {"Z", false, false},        {"TN", false, false}, {"STN", false, false},
+    {"CN", false, false}, {"S", true, false},         {"HCS", true, false}, {"HCN", false, false},
+    {"RD", false, false}, {"U3E0\\HG", false, false},
 }};
 
 constexpr std::array<FamilyInfo, family_count> families = {{
@@ -43,7 +43,8 @@ constexpr CpuModel model_r04 = {
      0, 512, 512, 18 * kilo,                     // STC CS CC D
      8 * kilo, 2 * kilo, 4096, 32 * kilo,        // W SW SD R
      32 * kilo, 20, kilo, 0,                     // ZR Z TN STN
-     512, 0, 0, 0, 512 * kilo},                  // CN S HCS HCN RD
+     512, 0, 0, 0,                               // CN S HCS HCN
+     512 * kilo, 12 * kilo},                     // RD HG
     40 * kilo, 160 * kilo, 2 * kilo, CpuFamily::iqr};
 
 constexpr CpuModel model_q03udv = {

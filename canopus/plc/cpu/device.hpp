@@ -42,10 +42,11 @@ enum class Device : std::uint8_t {
   s,    ///< step relay
   hcs,  ///< 32-bit counter contact (AS300)
   hcn,  ///< 32-bit counter current value (AS300), two words each, the low one first; of an FX3 the high words of C200...
-  rd,   ///< refresh data register (iQ-R)
+  rd,   ///< refresh data register (iQ-R): what modules are refreshed with
+  hg,   ///< fixed scan communication area of the CPU buffer memory (iQ-R), U3E0\HG: not a device by itself
 };
 
-inline constexpr std::size_t device_count = 29;
+inline constexpr std::size_t device_count = 30;
 
 /// Families of PLCs, as far as they differ for who looks at one from outside: which devices there are, how X and Y
 /// are counted, what a module is addressed by.
@@ -111,7 +112,7 @@ struct CpuModel {
   [[nodiscard]] std::string_view name_of(Device device) const noexcept;
 };
 
-/// R04CPU with the points a new project has: X Y M 12K, L B W 8K, D 18K, SM SD 4096, file register 32K. Takes
+/// R04CPU with the points a new project has: X Y M 12K, L B W 8K, D 18K, SM SD 4096, file register 32K, RD 512K. Takes
 /// MELSEC-Q modules through an extension base unit and both kinds of subcommands, so it is the default.
 [[nodiscard]] const CpuModel& r04cpu() noexcept;
 /// Q03UDVCPU with the points of a new project: X Y M L B W 8K, D 12K, SM SD 2048, file register 32K.

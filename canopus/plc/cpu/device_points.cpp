@@ -89,6 +89,7 @@ constexpr std::array registers_iqr = {
     PointsRegister{284, Device::sw, true},  PointsRegister{288, Device::tn, true},
     PointsRegister{290, Device::stn, true}, PointsRegister{292, Device::cn, true},
     PointsRegister{300, Device::z},         PointsRegister{306, Device::zr, true},
+    PointsRegister{308, Device::rd, true},
 };
 constexpr std::array registers_q = {
     PointsRegister{286, Device::m, true},  PointsRegister{288, Device::b, true},

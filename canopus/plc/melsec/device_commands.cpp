@@ -27,7 +27,14 @@ std::expected<Target, EndCode> Commands::read_target(FieldReader& data, Layout l
     index_registers = std::span(index_registers_).first(count);
     if (!rack_.read_words(Device::z, 0, index_registers, {})) index_registers = {};
   }
-  return melsec::read_target(data, layout, index_registers);
+  auto target = melsec::read_target(data, layout, index_registers);
+  if (!target || target->is_buffer || rack_.model().points_of(target->device) != 0) return target;
+  // Devices of the iQ-R series alone have no code elsewhere; an FX5 was seen to know RD, and to refuse it otherwise.
+  if (target->device == Device::rd && rack_.model().family == CpuFamily::fx5)
+    return std::unexpected(EndCode::wrong_contents);
+  if (target->device == Device::rd || target->device == Device::hg)
+    return std::unexpected(EndCode::device_not_accessible);
+  return target;
 }
 
 EndCode Commands::check(const Target& target, std::uint32_t words) const {

@@ -45,9 +45,8 @@ constexpr std::array<DeviceCode, device_count> codes = {{
     {},
     {},
     {0x2C, "RD", "RD"},
+    {0x2E, "HG", "HG"},
 }};
-
-constexpr std::uint8_t cpu_buffer = 0xFA;
 
 /// What the extension of a target points at, before the device code is known.
 enum class Extension : std::uint8_t { none, module, other };
@@ -121,6 +120,11 @@ std::expected<Target, EndCode> joined(std::optional<Device> device, bool is_g, E
     return Target{true, Device::d, static_cast<std::uint16_t>(16 * module_number), number};
   }
   if (!device) return std::unexpected(EndCode::device_not_accessible);
+  if (*device == Device::hg) {
+    if (extension == Extension::none) return std::unexpected(EndCode::device_not_accessible);
+    if (module_number != own_cpu) return std::unexpected(EndCode::no_module);
+    return Target{false, Device::hg, 0, number};
+  }
   if (extension == Extension::module) return std::unexpected(EndCode::no_device_extension);
   return Target{false, *device, 0, number};
 }

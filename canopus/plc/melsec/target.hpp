@@ -11,7 +11,8 @@
 //   008x iQ-R    00 00 | number 4 | code 2 | 00 00 | ext 2 | memory   "00" | ext 4 | "0000" | code 4 |
 //                                                                     number 10 | "0000"
 //
-// `ext` is a module's start I/O number / 16 (ASCII: "U003"), `memory` F8H then. The zeros in front (in ASCII behind) are the
+// `ext` is a module's start I/O number / 16 (ASCII: "U003"), `memory` F8H then; 3E0H (ASCII: "U3E0") and FAH of the CPU
+// buffer memory. The zeros in front (in ASCII behind) are the
 // place of the device's index modification, those behind the code (in ASCII behind `ext`) of the extension's: 4000H + n
 // (ASCII: "Z04") adds index register Zn. [SH-080008 8.1, appendix 1]
 
@@ -49,5 +50,8 @@ using Target = RackAddress;
 inline constexpr std::uint8_t buffer_memory_code = 0xAB;
 /// What stands where a CPU's or module's memory is chosen: U\G.
 inline constexpr std::uint8_t module_access = 0xF8;
+/// Likewise, the CPU buffer memory: U3E0\HG. `ext` is 3E0H then, CPU No. 1 of a multiple CPU system.
+inline constexpr std::uint8_t cpu_buffer = 0xFA;
+inline constexpr std::uint16_t own_cpu = 0x03E0;
 
 }  // namespace canopus::plc::melsec

@@ -208,6 +208,7 @@ void Rack::clear_devices(bool latched, can::Time now) {
   for (std::size_t number = 0; number < device_count; ++number) {
     const auto device = static_cast<Device>(number);
     if (device == Device::sm || device == Device::sd || device == Device::zr || device == Device::z) continue;
+    if (device == Device::hg) continue;  // buffer memory
     if (device == Device::l && !latched) continue;
     const std::uint32_t points = model_.points_of(device);  // special ones stay
     const std::size_t words = is_bit(device) ? (points + 15) / 16 : points;

@@ -115,7 +115,7 @@ class Rack final : private can::Ticker {
   /// As the RESET switch: devices are cleared and all modules start anew.
   void reset_cpu(can::Time now);
   /// What remote RUN clears when asked: all devices but L (`latched` = false) or with L. SM SD R ZR stay, and
-  /// so does Z; Y of modules go off.
+  /// so do Z and the CPU buffer memory; Y of modules go off.
   void clear_devices(bool latched, can::Time now);
   /// L only: remote latch clear.
   void clear_latched() noexcept;

@@ -11,6 +11,7 @@ namespace {
 /// Device numbers have 24 bits on the wire.
 constexpr std::uint32_t last_number = 0xFFFFFF;
 constexpr std::uint32_t last_unit = 0xFF;
+constexpr std::uint32_t own_cpu = 0x3E0;
 
 std::string upper(std::string_view text) {
   std::string result(text);
@@ -46,9 +47,15 @@ std::unexpected<std::string> not_an_address(std::string_view text, std::string_v
 
 std::expected<RackAddress, std::string> parse_buffer(std::string_view text, std::string_view upper_text) {
   const std::size_t slash = upper_text.find_first_of("\\/");
-  const auto unit = number(upper_text.substr(1, slash - 1), 16, last_unit);
-  if (!unit) return not_an_address(text, "has no unit number 0 to FF behind the U");
+  const auto unit = number(upper_text.substr(1, slash - 1), 16, own_cpu);
   const std::string_view behind = upper_text.substr(slash + 1);
+  if (behind.starts_with("HG")) {
+    if (unit != own_cpu) return not_an_address(text, "has HG, which is the CPU's alone (U3E0\\HG0)");
+    const auto address = number(behind.substr(2), 10, last_number);
+    if (!address) return not_an_address(text, "has no decimal buffer memory address behind the HG");
+    return RackAddress{false, Device::hg, 0, *address};
+  }
+  if (!unit || *unit > last_unit) return not_an_address(text, "has no unit number 0 to FF behind the U");
   if (!behind.starts_with('G')) return not_an_address(text, "has no G behind the unit");
   const auto address = number(behind.substr(1), 10, last_number);
   if (!address) return not_an_address(text, "has no decimal buffer memory address behind the G");

@@ -17,7 +17,7 @@ struct RackAddress {
   std::uint32_t number = 0;        ///< device number or buffer memory address
 };
 
-/// "D100", "x1f", "U0\G25" (also with / instead of the backslash). The unit number behind U and the numbers of
+/// "D100", "x1f", "U0\G25", "U3E0\HG0" (also with / instead of the backslash). The unit number behind U and the numbers of
 /// X Y B W SB SW are hexadecimal, everything else is decimal; `io_base` is what X and Y are written in, 8 with an FX
 /// (CpuModel::number_base). The error says what was expected.
 [[nodiscard]] std::expected<RackAddress, std::string> parse_rack_address(std::string_view text,
