@@ -15,6 +15,7 @@ BufferMemory::BufferMemory(std::span<const BufferRow> table) : table_(table) {
   to_.resize(size);
   from_row_.resize(size);
   to_row_.resize(size);
+  one_word_.resize(size, every_bit);
   area_of_.resize(size);
 }
 
@@ -42,6 +43,10 @@ void BufferMemory::select_mode(Modes mode) {
         to_[address] = row.initial;
       }
     }
+  }
+  for (std::size_t address = 0; address < one_word_.size(); ++address) {
+    const bool is_one = to_row_[address] == 0 || to_row_[address] == from_row_[address];
+    one_word_[address] = is_one ? every_bit : std::uint16_t{0};
   }
 }
 
@@ -96,15 +101,17 @@ const BufferRow* BufferMemory::row(BufferAddress address, WordAccess direction) 
 
 void BufferMemory::set_word(BufferAddress address, std::uint16_t value) noexcept {
   from_[address] = value;
-  if (to_row_[address] == 0 || to_row_[address] == from_row_[address]) to_[address] = value;
+  if (one_word_[address] != 0) to_[address] = value;
 }
 
 void BufferMemory::set_words(BufferAddress first, std::span<const std::uint8_t> bytes) noexcept {
   static_assert(std::endian::native == std::endian::little);
   const std::size_t words = bytes.size() / 2;
   std::memcpy(&from_[first], bytes.data(), 2 * words);
+  // Without branches: words of a PDO at once.
   for (std::size_t address = first; address < first + words; ++address) {
-    if (to_row_[address] == 0 || to_row_[address] == from_row_[address]) to_[address] = from_[address];
+    const unsigned one_word = one_word_[address];
+    to_[address] = static_cast<std::uint16_t>((from_[address] & one_word) | (to_[address] & ~one_word));
   }
 }
 

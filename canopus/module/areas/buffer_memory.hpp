@@ -174,7 +174,9 @@ class BufferMemory {
   std::vector<std::uint16_t> to_;
   std::vector<std::uint8_t> from_row_;  // number of the row + 1, 0 = none
   std::vector<std::uint8_t> to_row_;
-  std::vector<std::uint8_t> area_of_;  // number of the area + 1, 0 = none
+  static constexpr std::uint16_t every_bit = 0xFFFF;
+  std::vector<std::uint16_t> one_word_;  // every_bit where FROM and TO mean the same word, else 0
+  std::vector<std::uint8_t> area_of_;    // number of the area + 1, 0 = none
   std::vector<BufferArea*> areas_;
 };
 

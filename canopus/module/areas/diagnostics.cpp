@@ -34,7 +34,7 @@ void Diagnostics::raise(Diagnosis diagnosis, can::Time now, std::initializer_lis
   if (observer_ != nullptr) observer_->module_error(record);
 }
 
-void Diagnostics::end(Diagnosis diagnosis) {
+void Diagnostics::remove(Diagnosis diagnosis) {
   const DiagnosisRow* row = error_[std::to_underlying(diagnosis)];
   if (row != nullptr) std::erase_if(errors_, [row](const auto& record) { return record.code == row->code; });
 }

@@ -93,7 +93,9 @@ class Diagnostics {
   /// The error is there from now on. One that is there already stays as it was found first.
   void raise(Diagnosis diagnosis, can::Time now, std::initializer_list<std::uint32_t> details = {});
   /// Its cause is gone.
-  void end(Diagnosis diagnosis);
+  void end(Diagnosis diagnosis) {
+    if (!errors_.empty()) remove(diagnosis);
+  }
   /// While held, what comes is not noted and what is there goes, but for major errors [RJ71CN91 App. 1 YF].
   void hold_clear(bool held);
   /// The engineering tool's: minor errors go, unless there is a worse one. False: there is, and nothing was cleared
@@ -104,6 +106,8 @@ class Diagnostics {
 
   /// The worst class of what is there.
   [[nodiscard]] std::optional<ErrorClass> worst() const noexcept;
+  /// False: nothing is ever logged or raised.
+  [[nodiscard]] bool reports() const noexcept { return has_tables() || !tables_.events.empty(); }
   [[nodiscard]] bool has_tables() const noexcept { return !tables_.errors.empty(); }
   [[nodiscard]] const std::vector<ModuleErrorRecord>& errors() const noexcept { return errors_; }
   /// The last 128, oldest first.
@@ -111,6 +115,8 @@ class Diagnostics {
 
  private:
   static constexpr std::size_t most_events = 128;
+
+  void remove(Diagnosis diagnosis);
 
   DiagnosticsTables tables_;
   std::array<const EventRow*, module_events> event_{};

@@ -44,7 +44,7 @@ void ErrorStatus::set(Errors errors) noexcept {
   word_ = static_cast<std::uint16_t>(word);
 }
 
-void ErrorStatus::record(WriteResult result, BufferAddress address) {
+void ErrorStatus::note_write(WriteResult result, BufferAddress address) {
   if (layout_ && layout_->bad_words_are_causes) {
     const auto known = std::ranges::find(bad_words_, address);
     if (result == WriteResult::invalid && known == bad_words_.end()) bad_words_.push_back(address);

@@ -82,7 +82,9 @@ class ErrorStatus final : public BufferArea {
     }
   }
   /// Records what became of a PLC write.
-  void record(WriteResult result, BufferAddress address);
+  void record(WriteResult result, BufferAddress address) {
+    if (result != WriteResult::done || !bad_words_.empty()) note_write(result, address);
+  }
 
   /// Latched errors go, and the addresses with them.
   void clear() noexcept { clear(latched_); }
@@ -109,6 +111,7 @@ class ErrorStatus final : public BufferArea {
     return static_cast<Errors>(hold_clear_ ? errors_ & ~masked_ : errors_);
   }
   void clear(Errors errors) noexcept;
+  void note_write(WriteResult result, BufferAddress address);
   void note(ModuleError error, BufferAddress& first, BufferAddress address) noexcept {
     if (raise(error) && first == 0) first = address;
   }

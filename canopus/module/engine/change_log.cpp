@@ -6,7 +6,7 @@
 
 namespace canopus::module {
 
-void ChangeLog::look(can::Time now) {
+void ChangeLog::look_at_parts(can::Time now) {
   const bool online = parts_.layer2_state() == Layer2State::online;
   if (std::exchange(online_, online) != online) {
     parts_.diagnostics.log(online ? ModuleEvent::online : ModuleEvent::offline, now);

@@ -9,9 +9,13 @@ class ChangeLog {
  public:
   explicit ChangeLog(ModuleParts& parts) : parts_(parts) {}
   /// After every event.
-  void look(can::Time now);
+  void look(can::Time now) {
+    if (parts_.diagnostics.reports()) look_at_parts(now);
+  }
 
  private:
+  void look_at_parts(can::Time now);
+
   ModuleParts& parts_;
   bool online_ = false;  // as logged last
   bool active_ = false;

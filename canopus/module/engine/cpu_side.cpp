@@ -42,10 +42,6 @@ void CpuSide::node_starts(can::Time now) {
   if (!has_no_role) parts_.master.start(now);
 }
 
-void CpuSide::enter_due_stop(can::Time now) {
-  if (stop_is_due_) enter_stop(parts_.model.emergencies.cpu_stopped, now);
-}
-
 bool CpuSide::lets_operate() const {
   return parts_.state.cpu == CpuState::run ||
          parts_.node.dictionary().get<std::uint8_t>(0x1029, 1) == no_change_on_error;

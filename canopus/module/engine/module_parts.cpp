@@ -65,11 +65,6 @@ bool ModuleParts::is_master_by_role() const {
   return (node.dictionary().get<std::uint32_t>(0x1F80, 0, 0) & manager::start_up_bit::nmt_master) != 0;
 }
 
-Layer2State ModuleParts::layer2_state() const noexcept {
-  if (state.canopen_mode()) return Layer2State::inactive;
-  return layer2.online() ? Layer2State::online : Layer2State::offline;
-}
-
 void ModuleParts::report_word(BufferAddress address, std::uint16_t value, std::string_view what,
                               can::Time now) const {
   if (observer == nullptr) return;

@@ -44,7 +44,10 @@ struct ModuleParts {
 
   /// 1F80H makes the node an NMT master, active or not.
   [[nodiscard]] bool is_master_by_role() const;
-  [[nodiscard]] Layer2State layer2_state() const noexcept;
+  [[nodiscard]] Layer2State layer2_state() const noexcept {
+    if (state.canopen_mode()) return Layer2State::inactive;
+    return layer2.online() ? Layer2State::online : Layer2State::offline;
+  }
   [[nodiscard]] bool any_nmt_error() const noexcept {
     return state.canopen_mode() && nmt_status.any_failure();
   }

@@ -17,7 +17,7 @@ void OwnEmergencies::raise(const EmergencyRow& row, std::uint8_t node_id) {
   if (messages_.size() < most_messages) messages_.push_back({&row, node_id});
 }
 
-void OwnEmergencies::send(can::Time now) {
+void OwnEmergencies::send_waiting(can::Time now) {
   const canopen::NmtState state = node_->state();
   if (state != canopen::NmtState::pre_operational && state != canopen::NmtState::operational) {
     messages_.clear();

@@ -18,7 +18,9 @@ class OwnEmergencies {
   /// `node_id` is added to the code. Eight can wait; more are lost.
   void raise(const EmergencyRow& row, std::uint8_t node_id = 0);
   /// Sends what can go now. In a state without emergency messages all that wait are dropped.
-  void send(can::Time now);
+  void send(can::Time now) {
+    if (!messages_.empty()) send_waiting(now);
+  }
   void clear() noexcept;
   /// When send() is to be called again.
   [[nodiscard]] can::Time deadline() const noexcept { return due_; }
@@ -29,6 +31,8 @@ class OwnEmergencies {
     std::uint8_t node_id = 0;
   };
   static constexpr std::size_t most_messages = 8;
+
+  void send_waiting(can::Time now);
 
   canopen::Node* node_;
   std::vector<Message> messages_;

@@ -139,12 +139,13 @@ void SignalPort::show(can::Time now) {
                          std::pair{RequestUse::error, engine_.any_error()},
                          std::pair{RequestUse::nmt_error, engine_.any_nmt_error()},
                          std::pair{RequestUse::emergency, engine_.any_emergency()}};
-  std::uint32_t changed = 0;
+  std::uint32_t bits = 0, on_bits = 0;
   for (const auto& [use, on] : shown) {
     const std::uint32_t bit = bit_of_[std::to_underlying(use)];
-    changed |= (signals_.inputs() ^ (on ? bit : 0U)) & bit;
+    bits |= bit;
+    if (on) on_bits |= bit;
   }
-  if (changed == 0) return;
+  if ((signals_.inputs() & bits) == on_bits) return;
   for (const auto& [use, on] : shown) set_input(use, on, now);
 }
 
