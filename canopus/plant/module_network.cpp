@@ -43,7 +43,7 @@ std::string own_words(const module::CommunicationModule& slave, const std::vecto
   for (const std::uint32_t entry : mapped) {
     const auto place =
         module::variable_place(static_cast<std::uint16_t>(entry >> 16), static_cast<std::uint8_t>(entry >> 8),
-                               std::size_t{layout.words} * 2);
+                               std::size_t{layout.words} * 2, layout.variables);
     if (!place) return {};
     const std::uint32_t base =
         place->direction == module::VariableDirection::input ? layout.transmit_first : layout.receive_first;
@@ -240,10 +240,11 @@ std::optional<ModuleNetwork::Refusal> ModuleNetwork::connect(const Direction& di
   preset(mapping, 0, 0, 1);
   std::uint8_t count = 0;
   for (std::uint32_t i = 0; i < length / 2; ++i) {
-    preset(mapping, ++count, variable_mapping(direction.words, first + i), 4);
+    preset(mapping, ++count, variable_mapping(direction.words, first + i, layout.variables), 4);
   }
   if (length % 2 != 0)
-    preset(mapping, ++count, variable_mapping(direction.bytes, 2 * std::size_t{first + length / 2}), 4);
+    preset(mapping, ++count,
+           variable_mapping(direction.bytes, 2 * std::size_t{first + length / 2}, layout.variables), 4);
   preset(mapping, 0, count, 1);
   preset(communication, 1, direction.module_cob_id_bits | identifier, 4);
   std::string name(description.name);

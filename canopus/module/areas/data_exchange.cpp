@@ -30,7 +30,7 @@ void DataExchange::add_copies(const canopen::ObjectDictionary& dictionary, std::
     const auto mapped = dictionary.get<std::uint32_t>(mapping_index, number);
     const auto index = static_cast<std::uint16_t>(mapped >> 16);
     const auto sub = static_cast<std::uint8_t>(mapped >> 8 & 0xFF);
-    const auto place = variable_place(index, sub, received_.size());
+    const auto place = variable_place(index, sub, received_.size(), layout_.variables);
     if (!place || place->direction != direction) continue;
     const canopen::Entry entry = dictionary.description().find(index, sub);
     if (!entry) continue;
@@ -72,7 +72,7 @@ void DataExchange::rpdo_received(const canopen::Node& node, std::uint16_t number
 
 void DataExchange::after_write(canopen::ObjectDictionary& dictionary, const canopen::Entry& entry,
                                can::Time) {
-  const auto place = variable_place(entry.index, entry.sub, received_.size());
+  const auto place = variable_place(entry.index, entry.sub, received_.size(), layout_.variables);
   if (!place || place->direction != VariableDirection::output) return;
   std::ranges::copy(dictionary.bytes(entry), received_.begin() + place->offset);
 }
@@ -87,6 +87,12 @@ void DataExchange::exchange(canopen::Node& node) {
   std::uint8_t* const block = node.dictionary().block().data();
   for (const Copy& step : transmit_) copy(block + step.offset, &to_send_[step.place], step.bytes);
   memory_->set_words(layout_.receive_first, received_);
+}
+
+void DataExchange::clear() {
+  reset();
+  memory_->set_words(layout_.receive_first, received_);
+  memory_->set_words(layout_.transmit_first, to_send_);
 }
 
 void DataExchange::reset() {

@@ -33,6 +33,8 @@ class DataExchange final : public canopen::ObjectHandler {
   void exchange(canopen::Node& node);
   /// As from power-on.
   void reset();
+  /// The same, and the program's words both ways are 0.
+  void clear();
 
   // Output variables written by SDO.
   void after_write(canopen::ObjectDictionary& dictionary, const canopen::Entry& entry,

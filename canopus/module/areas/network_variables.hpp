@@ -1,7 +1,7 @@
 #pragma once
-// Network variables of a programmable device [CiA 405]: areas of alike objects, 254 to an index, that show
-// one block of process data as 8-, 16- and 32-bit values. Object number m of an area (0, 1, 2 ...) is index
-// first + m / 254, sub-index m % 254 + 1.
+// Network variables of a programmable device [CiA 405]: areas of alike objects, n to an index (254, or what the
+// device says), that show one block of process data as 8-, 16- and 32-bit values. Object number m of an area (0, 1,
+// 2 ...) is index first + m / n, sub-index m % n + 1.
 
 #include <array>
 #include <cstdint>
@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "canopus/canopen/dictionary/data_type.hpp"
+#include "canopus/module/interface/program_interface.hpp"
 
 namespace canopus::module {
 
@@ -26,8 +27,6 @@ struct VariableArea {
 
   [[nodiscard]] constexpr std::size_t size() const noexcept { return canopen::byte_length(type); }
 };
-
-inline constexpr std::size_t variables_per_index = 254;
 
 inline constexpr std::array<VariableArea, 14> variable_areas{{
     {0xA000, canopen::DataType::integer8, VariableDirection::input, "Input network variable signed 8"},
@@ -55,10 +54,11 @@ inline constexpr std::array<VariableArea, 14> variable_areas{{
 }
 
 /// Object number `number` of an area as a PDO mapping parameter names it.
-[[nodiscard]] constexpr std::uint32_t variable_mapping(const VariableArea& area,
-                                                       std::size_t number) noexcept {
-  const auto index = static_cast<std::uint32_t>(area.first_index + number / variables_per_index);
-  const auto sub = static_cast<std::uint32_t>(number % variables_per_index + 1);
+[[nodiscard]] constexpr std::uint32_t variable_mapping(const VariableArea& area, std::size_t number,
+                                                       const VariablesPerIndex& per_index = {}) noexcept {
+  const std::size_t in_index = per_index.of_bytes(area.size());
+  const auto index = static_cast<std::uint32_t>(area.first_index + number / in_index);
+  const auto sub = static_cast<std::uint32_t>(number % in_index + 1);
   return index << 16U | sub << 8U | static_cast<std::uint32_t>(8 * area.size());
 }
 
@@ -70,12 +70,15 @@ struct VariablePlace {
 };
 
 /// The place of an object within a block of `block_bytes`, if it is a network variable of that block.
-[[nodiscard]] constexpr std::optional<VariablePlace> variable_place(std::uint16_t index, std::uint8_t sub,
-                                                                    std::size_t block_bytes) noexcept {
-  if (index < 0xA000 || index > 0xA6FF || sub == 0 || sub > variables_per_index) return std::nullopt;
+[[nodiscard]] constexpr std::optional<VariablePlace> variable_place(
+    std::uint16_t index, std::uint8_t sub, std::size_t block_bytes,
+    const VariablesPerIndex& per_index = {}) noexcept {
+  if (index < 0xA000 || index > 0xA6FF || sub == 0) return std::nullopt;
   for (const VariableArea& area : variable_areas) {
     if (index < area.first_index || index >= area.first_index + 0x40) continue;
-    const std::size_t number = (index - area.first_index) * variables_per_index + sub - 1U;
+    const std::size_t in_index = per_index.of_bytes(area.size());
+    if (sub > in_index) return std::nullopt;
+    const std::size_t number = (index - area.first_index) * in_index + sub - 1U;
     const std::size_t offset = number * area.size();
     if (offset + area.size() > block_bytes) return std::nullopt;
     return VariablePlace{area.direction, static_cast<std::uint16_t>(offset),

@@ -42,7 +42,8 @@ void add_rows(canopen::DictionaryBuilder& builder, std::span<const ObjectRow> ro
   }
 }
 
-void add_network_variables(canopen::DictionaryBuilder& builder, std::size_t block_bytes) {
+void add_network_variables(canopen::DictionaryBuilder& builder, std::size_t block_bytes,
+                           const VariablesPerIndex& per_index) {
   for (const VariableArea& area : variable_areas) {
     const bool input = area.direction == VariableDirection::input;
     const canopen::EntrySpec spec{
@@ -54,7 +55,7 @@ void add_network_variables(canopen::DictionaryBuilder& builder, std::size_t bloc
     };
     std::size_t left = area.size() == 0 ? 0 : block_bytes / area.size();
     for (std::uint16_t index = area.first_index; left > 0; ++index) {
-      const std::size_t count = std::min(left, variables_per_index);
+      const std::size_t count = std::min(left, per_index.of_bytes(area.size()));
       builder.uniform(index, canopen::ObjectCode::array, std::string(area.name),
                       static_cast<std::uint8_t>(count), spec);
       left -= count;
@@ -62,7 +63,8 @@ void add_network_variables(canopen::DictionaryBuilder& builder, std::size_t bloc
   }
 }
 
-void add_default_mappings(canopen::DictionaryBuilder& builder, unsigned pdos) {
+void add_default_mappings(canopen::DictionaryBuilder& builder, unsigned pdos,
+                          const VariablesPerIndex& per_index) {
   struct Mapping {
     std::uint16_t first;
     std::string_view name;
@@ -82,7 +84,7 @@ void add_default_mappings(canopen::DictionaryBuilder& builder, unsigned pdos) {
                           .sub_last = sub,
                           .name = mapping.name,
                           .access = canopen::Access::read_write,
-                          .value = variable_mapping(words, number),
+                          .value = variable_mapping(words, number, per_index),
                           .flags = ObjectRow::stored};
       add_rows(builder, {&row, 1});
     }

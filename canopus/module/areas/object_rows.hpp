@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
+#include "canopus/module/interface/program_interface.hpp"
 
 namespace canopus::module {
 
@@ -43,9 +44,11 @@ struct ObjectRow {
 void add_rows(canopen::DictionaryBuilder& builder, std::span<const ObjectRow> rows);
 
 /// Adds the network variables that fill a block of `block_bytes` each way.
-void add_network_variables(canopen::DictionaryBuilder& builder, std::size_t block_bytes);
+void add_network_variables(canopen::DictionaryBuilder& builder, std::size_t block_bytes,
+                           const VariablesPerIndex& per_index = {});
 
 /// Adds the mappings 1600H on and 1A00H on: PDO n (from 0) has the unsigned 16-bit variables 4n .. 4n + 3.
-void add_default_mappings(canopen::DictionaryBuilder& builder, unsigned pdos);
+void add_default_mappings(canopen::DictionaryBuilder& builder, unsigned pdos,
+                          const VariablesPerIndex& per_index = {});
 
 }  // namespace canopus::module

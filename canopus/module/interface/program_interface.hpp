@@ -24,12 +24,24 @@ struct ProgramRequest {
   std::uint16_t bits = 0;
 };
 
+/// How many network variables of a size an index of the object dictionary has [CiA 405; FX3U-CAN 5.9].
+struct VariablesPerIndex {
+  std::uint8_t of_8_bits = 254;
+  std::uint8_t of_16_bits = 254;
+  std::uint8_t of_32_bits = 254;
+
+  [[nodiscard]] constexpr std::size_t of_bytes(std::size_t bytes) const noexcept {
+    return bytes == 1 ? of_8_bits : bytes == 2 ? of_16_bits : of_32_bits;
+  }
+};
+
 /// Where the process data lie in the buffer memory, and how much of them there is.
 struct DataExchangeLayout {
   BufferAddress receive_first = 0;   ///< RPDO data
   BufferAddress transmit_first = 0;  ///< TPDO data
   std::size_t words = 0;             ///< each way
   std::uint16_t pdos = 0;            ///< RPDOs, and TPDOs
+  VariablesPerIndex variables{};     ///< that show them in the object dictionary
 };
 
 /// SDO write to the module's own object dictionary by its command interface: code, node (0 = own), index,
