@@ -24,6 +24,14 @@ void put_bytes(std::span<const std::uint8_t> bytes, std::span<std::uint16_t> wor
   }
 }
 
+/// Of up to four bytes, low byte first.
+std::uint32_t number_of(std::span<const std::uint8_t> bytes) {
+  std::uint32_t number = 0;
+  for (std::size_t i = 0; i < std::min<std::size_t>(bytes.size(), 4); ++i)
+    number |= std::uint32_t{bytes[i]} << (8 * i);
+  return number;
+}
+
 void take_bytes(std::span<const std::uint16_t> words, std::span<std::uint8_t> bytes) {
   for (std::size_t i = 0; i < bytes.size(); ++i)
     bytes[i] = i % 2 == 0 ? low(words[i / 2]) : high(words[i / 2]);
@@ -61,7 +69,8 @@ std::uint16_t CommandInterface::read_word(BufferAddress address, can::Time) {
 WriteResult CommandInterface::write_word(BufferAddress address, std::uint16_t value, can::Time) {
   if (running_) {
     // Not stored [ME3CAN1-Q 5.4.2], but for the command that ends the locked state.
-    if (locked_ && address == layout_->first && value == clear_code) request_[0] = value;
+    const bool may_clear = locked_ || layout_->clear_code_stops;
+    if (may_clear && address == layout_->first && value == clear_code) request_[0] = value;
     locked_ = true;
     return WriteResult::done;
   }
@@ -137,6 +146,8 @@ void CommandInterface::begin(can::Time now) {
     case CommandKind::clear: return finish(command_->success, now);
     case CommandKind::emergency: return send_emergency(now);
     case CommandKind::send_frame: return send_frame(now);
+    case CommandKind::set_up: return set_up(now);
+    case CommandKind::map_pdos: return map_pdos(now);
     case CommandKind::sdo_read:
     case CommandKind::sdo_write:
     case CommandKind::multi_read:
@@ -198,6 +209,12 @@ void CommandInterface::start_access(can::Time now) {
 }
 
 void CommandInterface::sdo_finished(canopen::SdoClient& client, can::Time now) {
+  if (command_->kind == CommandKind::set_up) {
+    const std::span<const std::uint8_t> data =
+        set_up_reads_ ? client.data() : std::span<const std::uint8_t>{};
+    set_up_.done(client.abort_code(), number_of(data));
+    return continue_set_up(now);
+  }
   access_done(client.abort_code(), is_read() ? client.data() : std::span<const std::uint8_t>{}, now);
 }
 
@@ -242,6 +259,67 @@ bool CommandInterface::skip_empty_records() noexcept {
     if (!layout_->skips_empty_records) return false;
   }
   return false;
+}
+
+void CommandInterface::set_up(can::Time now) {
+  if (command_->set_up == SetUpKind::slave_assignment && !host_->is_nmt_master())
+    return fail(command_error::wrong_state, now);
+  set_up_.begin(command_->set_up, std::span(running_request_).subspan<1, command_parameters>(),
+                std::span(result_).subspan<1, command_parameters>(), host_->own_node_id(), host_->pdos());
+  continue_set_up(now);
+}
+
+// Accesses of the local node end at once; one of another node goes on with sdo_finished().
+void CommandInterface::continue_set_up(can::Time now) {
+  for (;;) {
+    const auto access = set_up_.next();
+    if (set_up_.takes_reset()) {
+      host_->map_pdos(PdoMapping::mode_b, now);
+      continue;
+    }
+    if (!access) return finish(set_up_.failed() ? command_->partial : command_->success, now);
+    std::array<std::uint8_t, 4> bytes{};
+    for (std::size_t i = 0; i < bytes.size(); ++i)
+      bytes[i] = static_cast<std::uint8_t>(access->value >> (8 * i));
+    const auto value = std::span<const std::uint8_t>(bytes).first(access->length);
+    if (is_local(access->node)) {
+      if (!access->reads) {
+        set_up_.done(host_->dictionary().write(access->index, access->sub, value, now), 0);
+      } else if (const auto read = host_->dictionary().read(access->index, access->sub, now)) {
+        set_up_.done(canopen::AbortCode::none, number_of(*read));
+      } else {
+        set_up_.done(read.error(), 0);
+      }
+      continue;
+    }
+    if (const std::uint16_t obstacle = host_->bus_obstacle(); obstacle != 0) {
+      result_.fill(0);
+      return fail(obstacle, now);
+    }
+    if (!host_->sdo_channel_free(access->node)) {
+      set_up_.done(canopen::AbortCode::no_sdo_connection, 0);
+      continue;
+    }
+    set_up_reads_ = access->reads;
+    client_.set_server(access->node);
+    client_.set_maximum_size(bytes.size());
+    std::ranges::copy(value, download_.begin());
+    const auto download = std::span<const std::uint8_t>(download_).first(access->length);
+    const bool started =
+        access->reads
+            ? client_.upload(access->index, access->sub, *this, now, host_->sdo_time_out())
+            : client_.download(access->index, access->sub, download, *this, now, host_->sdo_time_out());
+    if (started) return;
+    set_up_.done(abort_no_channel, 0);
+  }
+}
+
+void CommandInterface::map_pdos(can::Time now) {
+  constexpr std::uint8_t mode_a_nodes = 8;
+  if (command_->mapping == PdoMapping::mode_a && host_->own_node_id() > mode_a_nodes)
+    return finish(command_->partial, now);
+  host_->map_pdos(command_->mapping, now);
+  finish(command_->success, now);
 }
 
 void CommandInterface::send_emergency(can::Time now) {

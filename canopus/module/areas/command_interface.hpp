@@ -18,6 +18,7 @@
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
 #include "canopus/canopen/sdo/sdo_client.hpp"
 #include "canopus/module/areas/buffer_memory.hpp"
+#include "canopus/module/areas/set_up_command.hpp"
 
 namespace canopus::module {
 
@@ -31,6 +32,15 @@ enum class CommandKind : std::uint8_t {
   emergency,   ///< send an emergency message
   send_frame,  ///< send a plain CAN frame
   clear,       ///< end the locked state
+  set_up,      ///< nodes, by SDO: CommandRow::set_up
+  map_pdos,    ///< a PDO mapping mode: CommandRow::mapping
+};
+
+/// Where all PDOs of the module stand afterwards, and the process data words are 0 [FX3U-CAN 7.2].
+enum class PdoMapping : std::uint8_t {
+  mode_0,  ///< the factory's
+  mode_a,  ///< RPDOs 1 to 32 receive TPDOs 1 to 4 of the nodes 1 to 8
+  mode_b,  ///< all RPDOs are disabled
 };
 
 /// One row of a module's command table.
@@ -40,6 +50,8 @@ struct CommandRow {
   Modes modes = every_mode;
   std::uint16_t success = 0;  ///< result code
   std::uint16_t partial = 0;  ///< result code when some, or the special condition of the command, failed
+  SetUpKind set_up{};
+  PdoMapping mapping{};
 };
 
 /// Local abort codes beyond CiA 301 [ME3CAN1-Q 8.2.3].
@@ -56,6 +68,8 @@ struct CommandLayout {
   /// A frame is sent when it was on the wire: within this time, else class slot_error, timeout. 0: it is sent when it waits
   /// in the controller [RJ71CN91 App. 2 CIF].
   can::Duration frame_time_out{};
+  /// FFFFH ends a running command at once, not only a locked interface [FX3U-CAN 10.9.2].
+  bool clear_code_stops = false;
 };
 
 /// Classes of the general error result 000FH [ME3CAN1-Q 5.4].
@@ -89,6 +103,11 @@ class CommandHost {
   /// than 0 at each parameter that is wrong.
   virtual FrameAnswer send_plain_frame(std::span<const std::uint16_t> parameters,
                                        std::span<std::uint16_t> faults) = 0;
+  /// 1F80H makes this node an NMT master.
+  [[nodiscard]] virtual bool is_nmt_master() const = 0;
+  /// PDOs of the module, each way.
+  [[nodiscard]] virtual std::uint16_t pdos() const = 0;
+  virtual void map_pdos(PdoMapping mapping, can::Time now) = 0;
   /// The command is finished and its result can be read.
   virtual void command_finished(can::Time now) = 0;
 
@@ -146,6 +165,9 @@ class CommandInterface final : public BufferArea, public canopen::SdoClientUser 
   [[nodiscard]] bool skip_empty_records() noexcept;
   void send_emergency(can::Time now);
   void send_frame(can::Time now);
+  void set_up(can::Time now);
+  void continue_set_up(can::Time now);
+  void map_pdos(can::Time now);
   void finish(std::uint16_t result, can::Time now);
   void fail(std::uint16_t error_class, can::Time now);
   [[nodiscard]] bool is_multiple() const noexcept {
@@ -176,6 +198,8 @@ class CommandInterface final : public BufferArea, public canopen::SdoClientUser 
   std::size_t record_ = 0;
   bool any_failed_ = false;
   std::array<std::uint8_t, data_bytes> download_{};
+  SetUpCommand set_up_;
+  bool set_up_reads_ = false;  // its access under way
 };
 
 }  // namespace canopus::module

@@ -1,5 +1,6 @@
 #include "canopus/module/engine/command_bus.hpp"
 
+#include "canopus/module/areas/pdo_mapping.hpp"
 #include "canopus/module/engine/module_parts.hpp"
 
 namespace canopus::module {
@@ -15,6 +16,16 @@ bool CommandBus::sdo_channel_free(std::uint8_t node_id) const {
 }
 
 void CommandBus::command_finished(can::Time now) { parts_.port->done(Request::command, now); }
+
+bool CommandBus::is_nmt_master() const { return parts_.is_master_by_role(); }
+
+std::uint16_t CommandBus::pdos() const { return parts_.model.program_interface.process_data.pdos; }
+
+void CommandBus::map_pdos(PdoMapping mapping, can::Time now) {
+  const canopen::ObjectDictionary factory(parts_.model.object_dictionary(), parts_.node.node_id());
+  set_pdo_mapping(parts_.node.dictionary(), factory, pdos(), mapping, now);
+  parts_.process_data.clear();
+}
 
 std::uint16_t CommandBus::bus_obstacle() const {
   if (parts_.controller.error_state() == can::ErrorState::bus_off) return command_error::bus_off;

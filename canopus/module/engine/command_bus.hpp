@@ -28,6 +28,9 @@ class CommandBus final : public CommandHost {
                                  std::span<const std::uint8_t, 5> manufacturer, can::Time now) override;
   FrameAnswer send_plain_frame(std::span<const std::uint16_t> parameters,
                                std::span<std::uint16_t> faults) override;
+  bool is_nmt_master() const override;
+  std::uint16_t pdos() const override;
+  void map_pdos(PdoMapping mapping, can::Time now) override;
   void command_finished(can::Time now) override;
 
   ModuleParts& parts_;
