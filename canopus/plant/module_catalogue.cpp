@@ -8,6 +8,10 @@
 
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
 #include "canopus/eds/writer.hpp"
+#include "canopus/module/fx3u_can/buffer_table.hpp"
+#include "canopus/module/fx3u_can/data_sheet.hpp"
+#include "canopus/module/fx3u_can/fx3u_can.hpp"
+#include "canopus/module/fx3u_can/object_table.hpp"
 #include "canopus/module/me3can1_q/buffer_table.hpp"
 #include "canopus/module/me3can1_q/data_sheet.hpp"
 #include "canopus/module/me3can1_q/me3can1_q.hpp"
@@ -30,12 +34,16 @@ std::unique_ptr<module::CommunicationModule> make(can::Controller& controller,
   return std::make_unique<Module>(controller, memory, profile);
 }
 
+constexpr std::array racks_of_blocks = {plc::CpuFamily::fx3, plc::CpuFamily::fx5};
+
 const std::array catalogue = std::to_array<CatalogueEntry>({
     {&module::me3can1_q::data_sheet, module::me3can1_q::object_dictionary,
      module::ModuleSettings::stored_names, make<module::me3can1_q::Me3can1Q>,
      module::me3can1_q::buffer_table},
     {&module::rj71cn91::data_sheet, module::rj71cn91::object_dictionary, module::ModuleSettings::stored_names,
      make<module::rj71cn91::Rj71cn91>, module::rj71cn91::buffer_table},
+    {&module::fx3u_can::data_sheet, module::fx3u_can::object_dictionary, module::ModuleSettings::stored_names,
+     make<module::fx3u_can::Fx3uCan>, module::fx3u_can::buffer_table, racks_of_blocks},
 });
 
 bool same_letter(char a, char b) {

@@ -86,6 +86,8 @@ struct MasterOptions {
   /// Heartbeats are compared with the state that this node has commanded, or with the first one: error_control::unexpected_state,
   /// and no error control event [RJ71CN91 1.9]. Without a command the first guarding answer is expected, too [RJ71CN91 1.8].
   bool heartbeat_state_is_checked = false;
+  /// A command to all nodes is shown at those that were never seen, too [FX3U-CAN 6.22].
+  bool commands_show_all_nodes = false;
 };
 
 /// Why an error control event happened.

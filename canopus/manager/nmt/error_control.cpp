@@ -143,8 +143,10 @@ void ErrorControl::presence_known(std::uint8_t node_id, bool present, can::Time 
 void ErrorControl::commanded(NmtCommand command, std::uint8_t node_id, can::Time now) {
   if (node_id != all_nodes) return show_commanded(command, node_id, now);
   for (std::uint8_t n = 1; n < 128; ++n) {
-    // A command to all says nothing of nodes that were never seen.
-    if (n != master_.node.node_id() && master_.slaves[n].state > node_state::missing) {
+    // A command to all says nothing of nodes that were never seen, but where a manual has it so.
+    const bool is_shown =
+        master_.options.commands_show_all_nodes || master_.slaves[n].state > node_state::missing;
+    if (n != master_.node.node_id() && is_shown) {
       show_commanded(command, n, now);
     }
   }

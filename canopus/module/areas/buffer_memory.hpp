@@ -121,6 +121,7 @@ class BufferMemory {
   [[nodiscard]] Modes mode() const noexcept { return mode_; }
   /// While online, writes to offline_only rows are refused.
   void set_online(bool online) noexcept { online_ = online; }
+  [[nodiscard]] bool online() const noexcept { return online_; }
   /// Gives first..last, as far as they are in the table, to an area.
   void attach(BufferAddress first, BufferAddress last, BufferArea& area);
   /// Who owns the word; nullptr: nobody, it is a plain one.

@@ -5,7 +5,7 @@
 namespace canopus::module {
 
 ErrorStatus::ErrorStatus(const std::optional<ErrorStatusLayout>& layout, BufferMemory& memory)
-    : layout_(layout) {
+    : layout_(layout), memory_(&memory) {
   if (!layout) return;
   for (const ErrorRow& row : layout->errors) {
     if (row.latched) latched_ = static_cast<Errors>(latched_ | mask(row.error));
@@ -29,6 +29,8 @@ WriteResult ErrorStatus::write_word(BufferAddress, std::uint16_t value, can::Tim
   for (const ErrorRow& row : layout_->errors) {
     if (row.latched && (value >> row.bit & 1U) == 0) cleared = static_cast<Errors>(cleared | mask(row.error));
   }
+  if (layout_->keeps_invalid_value_online && memory_->online())
+    cleared = static_cast<Errors>(cleared & ~mask(ModuleError::invalid_value));
   clear(cleared);
   return WriteResult::done;
 }
@@ -44,7 +46,18 @@ void ErrorStatus::set(Errors errors) noexcept {
   word_ = static_cast<std::uint16_t>(word);
 }
 
+bool ErrorStatus::note_word_error(WriteResult result, BufferAddress address) {
+  const auto row = std::ranges::find(layout_->word_errors, address, &WordErrorRow::word);
+  if (row == layout_->word_errors.end()) return true;
+  if (result != WriteResult::invalid && result != WriteResult::done) return true;
+  follow(row->error, result == WriteResult::invalid);
+  any_word_error_ = std::ranges::any_of(layout_->word_errors,
+                                        [this](const WordErrorRow& other) { return has(other.error); });
+  return row->is_invalid_value;
+}
+
 void ErrorStatus::note_write(WriteResult result, BufferAddress address) {
+  if (layout_ && !note_word_error(result, address)) return;
   if (layout_ && layout_->bad_words_are_causes) {
     const auto known = std::ranges::find(bad_words_, address);
     if (result == WriteResult::invalid && known == bad_words_.end()) bad_words_.push_back(address);

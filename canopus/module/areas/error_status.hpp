@@ -24,6 +24,10 @@ enum class ModuleError : std::uint8_t {
   error_passive,
   message_slot,       ///< messages of a Layer 2 slot were lost
   save_while_online,  ///< save or restore was asked for while Layer 2 is online
+  access_watchdog,    ///< the program has not used the data words for too long
+  baud_rate_change,   ///< the last value written as bit rate is none
+  node_address_change,
+  slave_emergency,  ///< an assigned slave has sent an emergency message
 };
 
 /// One bit of the error status word.
@@ -37,6 +41,13 @@ struct ErrorRow {
   bool masked = false;
 };
 
+/// A word with an error of its own for values out of range; the next good value ends it [FX3U-CAN 14.2].
+struct WordErrorRow {
+  BufferAddress word = 0;
+  ModuleError error{};
+  bool is_invalid_value = false;  ///< it is ModuleError::invalid_value besides
+};
+
 struct ErrorStatusLayout {
   BufferAddress status = 0;                         ///< the word of bits
   std::optional<BufferAddress> invalid_address{};   ///< first address an invalid value was written to
@@ -48,6 +59,9 @@ struct ErrorStatusLayout {
   bool bad_words_are_causes = false;
   /// Clearing errors clears the failures of error control, too [RJ71CN91 App. 1 YF].
   bool clears_node_failures = false;
+  std::span<const WordErrorRow> word_errors{};
+  /// While Layer 2 is online invalid_value cannot be cleared [FX3U-CAN 14.2].
+  bool keeps_invalid_value_online = false;
 };
 
 class ErrorStatus final : public BufferArea {
@@ -83,7 +97,7 @@ class ErrorStatus final : public BufferArea {
   }
   /// Records what became of a PLC write.
   void record(WriteResult result, BufferAddress address) {
-    if (result != WriteResult::done || !bad_words_.empty()) note_write(result, address);
+    if (result != WriteResult::done || !bad_words_.empty() || any_word_error_) note_write(result, address);
   }
 
   /// Latched errors go, and the addresses with them.
@@ -95,6 +109,7 @@ class ErrorStatus final : public BufferArea {
     set(0);
     invalid_address_ = refused_address_ = 0;
     bad_words_.clear();
+    any_word_error_ = false;
   }
 
   [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
@@ -111,18 +126,22 @@ class ErrorStatus final : public BufferArea {
     return static_cast<Errors>(hold_clear_ ? errors_ & ~masked_ : errors_);
   }
   void clear(Errors errors) noexcept;
+  /// False: nothing else is to be noted of the write.
+  bool note_word_error(WriteResult result, BufferAddress address);
   void note_write(WriteResult result, BufferAddress address);
   void note(ModuleError error, BufferAddress& first, BufferAddress address) noexcept {
     if (raise(error) && first == 0) first = address;
   }
 
   std::optional<ErrorStatusLayout> layout_;
+  const BufferMemory* memory_;
   Errors latched_ = 0;
   Errors signal_ = 0;
   Errors masked_ = 0;
   Errors errors_ = 0;
   std::uint16_t word_ = 0;  // errors_ as the program sees them
   bool hold_clear_ = false;
+  bool any_word_error_ = false;
   BufferAddress invalid_address_ = 0;
   BufferAddress refused_address_ = 0;
   std::vector<BufferAddress> bad_words_;  // in the order of their writes

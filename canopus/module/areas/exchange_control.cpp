@@ -53,6 +53,7 @@ void ExchangeControl::reset() noexcept {
 
 std::uint16_t ExchangeControl::read_word(BufferAddress address, can::Time) {
   if (layout_->reads_choice) return memory_->word(address);
+  if (runs_in_layer2()) return layout_->layer2_running;
   return running_ ? layout_->running : std::uint16_t{0};
 }
 

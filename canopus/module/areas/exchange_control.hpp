@@ -19,10 +19,11 @@ namespace canopus::module {
 /// The data exchange control word. A choice that names neither of the two asks for both.
 struct ExchangeControlLayout {
   BufferAddress address = 0;
-  std::uint16_t process_data = 0;  ///< any of these bits: process data are exchanged
-  std::uint16_t emergencies = 0;   ///< any of these bits: received EMCYs are shown
-  std::uint16_t running = 0;       ///< what it reads while process data wait for their exchange
-  bool reads_choice = false;       ///< it reads what was written instead [RJ71CN91 App. 2 G20]
+  std::uint16_t process_data = 0;    ///< any of these bits: process data are exchanged
+  std::uint16_t emergencies = 0;     ///< any of these bits: received EMCYs are shown
+  std::uint16_t running = 0;         ///< what it reads while process data wait for their exchange
+  std::uint16_t layer2_running = 0;  ///< what it reads while an exchange of Layer 2 runs
+  bool reads_choice = false;         ///< it reads what was written instead [RJ71CN91 App. 2 G20]
   /// Process data wait for Operational; else an exchange outside of it leaves them alone [RJ71CN91 App. 1 Y1].
   bool waits_for_operational = true;
 };
@@ -54,8 +55,10 @@ class ExchangeControl final : public BufferArea {
   }
   /// As from power-on.
   void reset() noexcept;
-  /// Process data run, or wait for Operational.
-  [[nodiscard]] bool running() const noexcept { return running_; }
+  /// Process data run, or wait for Operational; in Layer 2 as far as the word shows it.
+  [[nodiscard]] bool running() const noexcept {
+    return running_ || (layout_ && layout_->layer2_running != 0 && runs_in_layer2());
+  }
   [[nodiscard]] can::Time deadline() const noexcept { return end_; }
 
   [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
@@ -64,6 +67,7 @@ class ExchangeControl final : public BufferArea {
 
  private:
   void exchange_process_data(can::Time now);
+  [[nodiscard]] bool runs_in_layer2() const noexcept { return !canopen_mode_ && end_ != can::never; }
 
   std::optional<ExchangeControlLayout> layout_;
   BufferMemory* memory_;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "canopus/can/time.hpp"
 #include "canopus/module/areas/function_mode.hpp"
 #include "canopus/module/interface/module.hpp"
 
@@ -23,6 +24,8 @@ struct ModuleState {
   CpuState cpu = CpuState::run;
   bool nmt_resetting = false;   ///< the node is in an NMT reset
   bool hardware_fault = false;  ///< until the supply goes off
+  bool cpu_fault = false;       ///< an error of the CPU, until its next RUN
+  can::Time last_access{};      ///< of the program to a word
 
   [[nodiscard]] bool running() const noexcept { return phase == Phase::running; }
   /// No program may use the module: settings are being put in force.

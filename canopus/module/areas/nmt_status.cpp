@@ -37,4 +37,18 @@ std::uint16_t NmtStatus::read_word(BufferAddress address, can::Time) {
   return static_cast<std::uint16_t>(high << 8U | (status(low) & 0xFFU));
 }
 
+WriteResult NmtStatus::write_word(BufferAddress address, std::uint16_t value, can::Time) {
+  if (!layout_.cleared_by_write || (layout_.state && address - *layout_.state < last_node))
+    return WriteResult::ignored;
+  const unsigned per_word = layout_.error_control_nodes_per_word;
+  for (unsigned i = 0; i < per_word; ++i) {
+    const unsigned node = per_word * (address - *layout_.error_control) + i + 1;
+    if (node > last_node) break;
+    const unsigned failures = status(static_cast<std::uint8_t>(node)) & manager::error_control::errors;
+    const unsigned written = per_word == 1 ? value : value >> (8 * i) & 0xFFU;
+    if ((failures & ~written) != 0) cleared_.set(node);
+  }
+  return WriteResult::done;
+}
+
 }  // namespace canopus::module

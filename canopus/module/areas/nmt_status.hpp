@@ -8,6 +8,7 @@
 #include <bitset>
 #include <cstdint>
 #include <optional>
+#include <utility>
 
 #include "canopus/manager/boot/master_options.hpp"
 #include "canopus/module/areas/buffer_memory.hpp"
@@ -26,6 +27,8 @@ struct NmtStatusLayout {
   /// The own word as a slave's has, besides the missing life guarding, whether it runs and a missed guard time
   /// [RJ71CN91 App. 2 G401].
   bool shows_guarding_master = false;
+  /// A failure bit that is written as 0 clears the failures of its node [FX3U-CAN 6.24].
+  bool cleared_by_write = false;
 };
 
 class NmtStatus final : public BufferArea {
@@ -72,7 +75,9 @@ class NmtStatus final : public BufferArea {
   void reset() noexcept;
 
   [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
-  WriteResult write_word(BufferAddress, std::uint16_t, can::Time) override { return WriteResult::ignored; }
+  WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
+  /// Nodes whose failures the program has cleared by writing, since the last call.
+  [[nodiscard]] std::bitset<128> take_cleared() noexcept { return std::exchange(cleared_, {}); }
 
  private:
   static constexpr std::uint8_t last_node = 127;
@@ -88,6 +93,7 @@ class NmtStatus final : public BufferArea {
   std::array<std::uint16_t, 128> state_{};
   std::array<std::uint16_t, 128> guarding_master_{};
   std::bitset<128> failing_;
+  std::bitset<128> cleared_;
 };
 
 }  // namespace canopus::module

@@ -14,15 +14,14 @@ constexpr BufferAddress word_count = correction + 1;
 
 constexpr std::int64_t seconds_per_day = 86'400;
 constexpr std::chrono::sys_days clock_begin{std::chrono::year{2000} / 1 / 1};
-constexpr std::chrono::sys_days clock_end{std::chrono::year{2080} / 1 / 1};
 constexpr std::chrono::sys_days time_of_day_epoch{std::chrono::year{1984} / 1 / 1};
-constexpr std::int64_t clock_span = (clock_end - clock_begin).count() * seconds_per_day;
 constexpr std::int64_t clock_begin_in_time_of_day = (clock_begin - time_of_day_epoch).count();
 constexpr std::uint16_t longest_interval = 1440;
 
-// 80..99 stand for 1980..1999.
-int full_year(std::uint16_t word, bool two_digits) {
-  if (word >= 100 || !two_digits) return word;
+// 80..99 stand for 1980..1999, where the century is not fixed.
+int full_year(std::uint16_t word, const TimeStampLayout& layout) {
+  if (layout.year_of_century) return 2000 + word % 100;
+  if (word >= 100 || !layout.two_digit_year) return word;
   return word < 80 ? 2000 + word : 1900 + word;
 }
 
@@ -37,8 +36,8 @@ void TimeStamp::reset() {
   running_ = false;
   next_ = can::never;
   if (!layout_) return;
-  const std::chrono::sys_days date{std::chrono::year{full_year(word(year), layout_->two_digit_year)} /
-                                   word(month) / word(day)};
+  const std::chrono::sys_days date{std::chrono::year{full_year(word(year), *layout_)} / word(month) /
+                                   word(day)};
   base_ = (date - clock_begin).count() * seconds_per_day + seconds_of_day();
   since_ = {};
   correction_ = static_cast<std::int16_t>(word(correction));
@@ -64,10 +63,24 @@ void TimeStamp::change_role(std::uint16_t role_bits, can::Time now) {
 }
 
 WriteResult TimeStamp::write_word(BufferAddress address, std::uint16_t value, can::Time now) {
+  constexpr std::uint16_t consumer = 1;
+  if (layout_->consumer_words_fixed && address != layout_->first && word(role) == consumer)
+    return WriteResult::ignored;
   memory_->store(address, value);
+  if (address == layout_->first + interval && layout_->interval_starts && produces()) start_interval(now);
   if (address == layout_->first + role && !layout_->role_with_clock) change_role(value, now);
   if (address == layout_->first + correction) correction_changed(now);
   return WriteResult::done;
+}
+
+void TimeStamp::start_interval(can::Time now) {
+  interval_ = std::chrono::minutes(word(interval));
+  next_ = interval_ == can::Duration{} ? can::never : now;
+}
+
+std::int64_t TimeStamp::span() const {
+  const std::chrono::sys_days end{std::chrono::year{layout_->last_year + 1} / 1 / 1};
+  return (end - clock_begin).count() * seconds_per_day;
 }
 
 std::int64_t TimeStamp::seconds(can::Time now) const {
@@ -75,7 +88,7 @@ std::int64_t TimeStamp::seconds(can::Time now) const {
   // The correction is spread over the day.
   const auto elapsed = std::chrono::duration_cast<std::chrono::milliseconds>(now - since_).count();
   const std::int64_t total = base_ + elapsed * (seconds_per_day + correction_) / seconds_per_day / 1000;
-  return total >= clock_span ? (total - clock_span) % clock_span : total;
+  return total >= span() ? (total - span()) % span() : total;
 }
 
 void TimeStamp::run_from(std::int64_t time, can::Time now) {
@@ -88,8 +101,8 @@ std::optional<BufferAddress> TimeStamp::set_from_words(can::Time now) {
   if (!layout_) return std::nullopt;
   if (layout_->role_with_clock) change_role(word(role), now);
   if (!produces()) return std::nullopt;  // what a consumer writes is ignored
-  const int y = full_year(word(year), layout_->two_digit_year);
-  if (y < layout_->first_year || y > 2079) return layout_->first + year;
+  const int y = full_year(word(year), *layout_);
+  if (y < layout_->first_year || y > layout_->last_year) return layout_->first + year;
   const std::chrono::year_month_day date{std::chrono::year{y}, std::chrono::month{word(month)},
                                          std::chrono::day{word(day)}};
   if (word(month) < 1 || word(month) > 12) return layout_->first + month;
@@ -100,8 +113,7 @@ std::optional<BufferAddress> TimeStamp::set_from_words(can::Time now) {
   if (word(interval) > longest_interval) return layout_->first + interval;
   const std::int64_t days = (std::chrono::sys_days{date} - clock_begin).count();
   run_from(days * seconds_per_day + seconds_of_day(), now);
-  interval_ = std::chrono::minutes(word(interval));
-  next_ = interval_ == can::Duration{} ? can::never : now;
+  if (!layout_->interval_starts) start_interval(now);
   show(now);
   return std::nullopt;
 }
@@ -128,8 +140,8 @@ void TimeStamp::receive(const canopen::TimeOfDay& time, can::Time now) {
   if (!layout_) return;
   const std::int64_t days = time.days - clock_begin_in_time_of_day;
   const std::int64_t received = days * seconds_per_day + time.milliseconds / 1000;
-  const bool is_late = received >= clock_span && layout_->late_time_is_first;
-  run_from(days < 0 || is_late ? 0 : received % clock_span, now);
+  const bool is_late = received >= span() && layout_->late_time_is_first;
+  run_from(days < 0 || is_late ? 0 : received % span(), now);
 }
 
 canopen::TimeOfDay TimeStamp::time_of_day(can::Time now) const {

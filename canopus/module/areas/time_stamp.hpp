@@ -23,6 +23,14 @@ struct TimeStampLayout {
   /// A received time beyond 2079 counts as 2000-01-01, as one before 2000; else the clock begins anew from there
   /// [RJ71CN91 1.6].
   bool late_time_is_first = false;
+  int last_year = 2079;  ///< that is taken; the clock begins anew after it
+  /// The last two digits of a year count, in the century from 2000 on, whatever stands before them [FX3U-CAN 6.19].
+  bool year_of_century = false;
+  /// A write of the transmission interval sends the time, and then every interval; setting the clock does not
+  /// [FX3U-CAN 6.19].
+  bool interval_starts = false;
+  /// What a consumer alone writes is not even stored [FX3U-CAN 6.19].
+  bool consumer_words_fixed = false;
 };
 
 class TimeStamp final : public BufferArea {
@@ -65,6 +73,9 @@ class TimeStamp final : public BufferArea {
   [[nodiscard]] std::int64_t seconds(can::Time now) const;
   [[nodiscard]] std::int64_t seconds_of_day() const;  ///< as the words say
   void run_from(std::int64_t seconds, can::Time now);
+  /// The first TIME object is due now, if there is an interval.
+  void start_interval(can::Time now);
+  [[nodiscard]] std::int64_t span() const;  ///< seconds until the clock begins anew
   [[nodiscard]] std::uint16_t word(BufferAddress offset) const {
     return memory_->written(layout_->first + offset);
   }

@@ -15,10 +15,15 @@ constexpr std::uint8_t stopped_on_error = 2;
 void CpuSide::changed(CpuState state, can::Time now) {
   const CpuState before = std::exchange(parts_.state.cpu, state);
   const bool failed = std::exchange(failed_, false);
+  if (state == CpuState::run) parts_.state.cpu_fault = false;
   if (!parts_.state.running()) return;
   const bool stopped = before == CpuState::run && state == CpuState::stop;
   if (!parts_.state.canopen_mode()) {
     if (stopped) parts_.layer2.cpu_stopped();
+    if (stopped && parts_.model.cpu.stop_ends_layer2) {
+      parts_.layer2.go_offline();
+      parts_.port->went_offline();
+    }
   } else if (stopped) {
     // One error, one message: a CPU error's STOP is not reported as RUN to STOP besides [ME3CAN1-Q 8.2.2].
     const EmergencyRows& rows = parts_.model.emergencies;
@@ -30,8 +35,17 @@ void CpuSide::changed(CpuState state, can::Time now) {
 
 void CpuSide::failed() {
   failed_ = parts_.state.cpu == CpuState::run;
+  parts_.state.cpu_fault = true;
   if (failed_ || !parts_.state.running() || !parts_.state.canopen_mode()) return;
   parts_.own_emergencies.raise(parts_.model.emergencies.cpu_error);  // it was in STOP already
+}
+
+void CpuSide::watchdog_expired(can::Time now) {
+  parts_.report("the program has not used the data words for too long", now);
+  if (!parts_.state.canopen_mode()) return parts_.layer2.cpu_stopped();
+  parts_.own_emergencies.raise(parts_.model.emergencies.access_watchdog);
+  parts_.own_emergencies.send(now);  // before the state in which there are none
+  leave_operational(now);
 }
 
 void CpuSide::node_starts(can::Time now) {
@@ -43,7 +57,7 @@ void CpuSide::node_starts(can::Time now) {
 }
 
 bool CpuSide::lets_operate() const {
-  return parts_.state.cpu == CpuState::run ||
+  return (parts_.state.cpu == CpuState::run && !parts_.watchdog.expired()) ||
          parts_.node.dictionary().get<std::uint8_t>(0x1029, 1) == no_change_on_error;
 }
 
@@ -56,6 +70,11 @@ void CpuSide::enter_stop(const EmergencyRow& row, can::Time now) {
     parts_.master.stop(now);
     node.pause_heartbeat(true, now);
   }
+  leave_operational(now);
+}
+
+void CpuSide::leave_operational(can::Time now) {
+  canopen::Node& node = parts_.node;
   // [ME3CAN1-Q 4.7] 1 means no change on communication errors, yet STOP still leads to Pre-operational.
   const auto behaviour = node.dictionary().get<std::uint8_t>(0x1029, 1);
   if (behaviour == stopped_on_error) {

@@ -13,6 +13,8 @@ class CpuSide {
   void changed(CpuState state, can::Time now);
   /// An error: STOP follows when the CPU was in RUN.
   void failed();
+  /// The program does not use the data words any more [FX3U-CAN 6.9].
+  void watchdog_expired(can::Time now);
   /// The node begins its work, or does so after an NMT reset. A STOP from before may count only now.
   void node_starts(can::Time now);
   /// After every event: the STOP that counts at the start of the node.
@@ -26,6 +28,7 @@ class CpuSide {
  private:
   void enter_stop(const EmergencyRow& row, can::Time now);
   void enter_run(can::Time now);
+  void leave_operational(can::Time now);
 
   ModuleParts& parts_;
   bool failed_ = false;       // the STOP that comes is an error's

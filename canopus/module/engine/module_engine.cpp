@@ -96,6 +96,7 @@ void ModuleEngine::power_off(can::Time now) {
   parts_.command.reset();
   parts_.state.nmt_resetting = false;
   parts_.exchange.reset();
+  parts_.watchdog.reset();
   parts_.settings.cancel_save();
   initialized_at_ = can::never;
   parts_.own_emergencies.clear();
@@ -141,6 +142,7 @@ void ModuleEngine::begin_initialization(can::Duration duration, can::Time now) {
   parts_.nmt_status.reset();
   parts_.command.reset();
   parts_.exchange.reset();
+  parts_.watchdog.reset();
   parts_.process_data.reset();
   parts_.status_words.reset();
   parts_.port->initialization_begins(now);
@@ -272,6 +274,7 @@ void ModuleEngine::cpu_failed(can::Time now) {
 void ModuleEngine::tick(can::Time now) {
   end_due_initialization(now);
   parts_.port->tick(now);
+  if (parts_.watchdog.expires(is_online(), now)) cpu_side_.watchdog_expired(now);
   if (parts_.exchange.end_if_due(now)) parts_.port->done(Request::data_exchange, now);
   if (now >= parts_.settings.save_deadline()) end_save(now);
   if (parts_.state.running() && now >= parts_.time_stamp.next_transmission()) parts_.time_stamp.tick(now);
@@ -284,10 +287,10 @@ void ModuleEngine::tick(can::Time now) {
 
 can::Time ModuleEngine::deadline() const noexcept {
   const can::Time time_due = parts_.state.running() ? parts_.time_stamp.next_transmission() : can::never;
-  return std::min({parts_.port->deadline(), layer2_bus_.deadline(), parts_.own_emergencies.deadline(),
-                   initialized_at_, parts_.exchange.deadline(), parts_.settings.save_deadline(), time_due,
-                   parts_.node.deadline(), parts_.master.deadline(), parts_.command.deadline(),
-                   parts_.layer2.deadline()});
+  return std::min({parts_.port->deadline(), parts_.watchdog.deadline(), layer2_bus_.deadline(),
+                   parts_.own_emergencies.deadline(), initialized_at_, parts_.exchange.deadline(),
+                   parts_.settings.save_deadline(), time_due, parts_.node.deadline(),
+                   parts_.master.deadline(), parts_.command.deadline(), parts_.layer2.deadline()});
 }
 
 // After every event: what hangs on several causes.
@@ -317,6 +320,7 @@ void ModuleEngine::update(can::Time now) {
   change_log_.look(now);
   parts_.errors.follow(ModuleError::hardware, parts_.state.hardware_fault);
   parts_.errors.follow(ModuleError::flash, parts_.settings.error());
+  parts_.errors.follow(ModuleError::access_watchdog, parts_.watchdog.expired());
   parts_.errors.track(ModuleError::node_failure, parts_.any_nmt_error());
   parts_.port->show(now);
 }

@@ -130,6 +130,8 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   void hold_clear_nmt_errors(bool held, can::Time now);
   /// Clears those that are there.
   void clear_nmt_errors(can::Time now);
+  /// Those whose bits the program has written as 0.
+  void clear_written_nmt_errors(can::Time now);
   /// After every event: what hangs on several causes.
   void update(can::Time now);
 
@@ -155,6 +157,16 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   void end_due_initialization(can::Time now);
   [[nodiscard]] bool configuration_is_faulty(can::Time now);
   void end_save(can::Time now);
+  /// Operational, or Layer 2 online.
+  [[nodiscard]] bool is_online() const noexcept {
+    if (!parts_.state.running()) return false;
+    return parts_.state.canopen_mode() ? parts_.node.state() == canopen::NmtState::operational
+                                       : parts_.layer2.online();
+  }
+  void note_access(BufferAddress address, can::Time now) {
+    parts_.state.last_access = now;
+    parts_.watchdog.accessed(address, is_online(), now);
+  }
   void end_sending(const can::Frame& frame);
 
   CommandBus command_bus_{parts_};

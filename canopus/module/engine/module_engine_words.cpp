@@ -8,11 +8,14 @@
 namespace canopus::module {
 
 std::uint16_t ModuleEngine::read_word(BufferAddress address, can::Time now) {
-  return parts_.state.phase == Phase::off ? std::uint16_t{0} : parts_.buffer.read(address, now);
+  if (parts_.state.phase == Phase::off) return 0;
+  note_access(address, now);
+  return parts_.buffer.read(address, now);
 }
 
 void ModuleEngine::write_word(BufferAddress address, std::uint16_t value, can::Time now) {
   if (parts_.state.phase == Phase::off) return;
+  note_access(address, now);
   const bool allowed =
       !parts_.state.initializing() || (parts_.state.phase == Phase::stuck && parts_.command.owns(address));
   const bool was_good = !parts_.errors.has(ModuleError::invalid_value);
@@ -87,6 +90,16 @@ void ModuleEngine::clear_nmt_errors(can::Time now) {
   const std::uint8_t node = parts_.nmt_status.node_to_clear();
   parts_.nmt_status.clear_life_guarding(node);
   parts_.master.clear_error_control(node, now);
+}
+
+void ModuleEngine::clear_written_nmt_errors(can::Time now) {
+  const std::bitset<128> nodes = parts_.nmt_status.take_cleared();
+  if (nodes.none()) return;
+  for (std::uint8_t node = 1; node < nodes.size(); ++node) {
+    if (!nodes.test(node)) continue;
+    parts_.nmt_status.clear_life_guarding(node);
+    parts_.master.clear_error_control(node, now);
+  }
 }
 
 void ModuleEngine::execute_command(can::Time now) {

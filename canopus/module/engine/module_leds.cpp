@@ -31,6 +31,17 @@ LedPattern network_error_pattern(const ModuleParts& parts) {
   return LedPattern::off;
 }
 
+// [FX3U-CAN 1.2.2, 14.1]
+LedPattern module_error_pattern(const ModuleParts& parts) {
+  if (!parts.state.running()) return LedPattern::off;
+  if (parts.errors.has(ModuleError::bus_off) || parts.state.cpu_fault || parts.watchdog.expired())
+    return LedPattern::on;
+  if (parts.master.lss_active()) return LedPattern::flickering;
+  if (parts.nmt_status.any_failure()) return LedPattern::double_flash;
+  if (parts.errors.has(ModuleError::error_passive)) return LedPattern::single_flash;
+  return parts.errors.any() ? LedPattern::blinking : LedPattern::off;
+}
+
 }  // namespace
 
 std::vector<Led> leds_of(const ModuleParts& parts, can::Time last_frame, can::Time now) {
@@ -51,8 +62,13 @@ std::vector<Led> leds_of(const ModuleParts& parts, can::Time last_frame, can::Ti
       case LedUse::traffic:
         light(parts.state.running() && last_frame != can::Time{} && now - last_frame < traffic_afterglow);
         break;
+      case LedUse::access:
+        light(parts.state.last_access != can::Time{} && now - parts.state.last_access < traffic_afterglow);
+        break;
       case LedUse::network_error:
-        led.pattern = network_error_pattern(parts);
+      case LedUse::module_error:
+        led.pattern =
+            row.use == LedUse::network_error ? network_error_pattern(parts) : module_error_pattern(parts);
         // Flickers in turn with the one for the state.
         led.opposite = led.pattern == LedPattern::flickering;
         led.error = !led.opposite;

@@ -11,6 +11,7 @@
 #include "canopus/canopen/node/node.hpp"
 #include "canopus/manager/boot/master_options.hpp"
 #include "canopus/manager/configuration/configuration_manager.hpp"
+#include "canopus/module/areas/access_watchdog.hpp"
 #include "canopus/module/areas/buffer_memory.hpp"
 #include "canopus/module/areas/command_interface.hpp"
 #include "canopus/module/areas/diagnostics.hpp"
@@ -66,6 +67,7 @@ struct EmergencyRows {
   EmergencyRow queue_overflow{};
   EmergencyRow error_passive{};
   EmergencyRow node_lost{};  ///< guarding: code + node-ID
+  EmergencyRow access_watchdog{};
 };
 
 /// What an LED shows.
@@ -75,6 +77,8 @@ enum class LedUse : std::uint8_t {
   network_state,  ///< NMT state, LSS, Layer 2 online
   traffic,        ///< frames sent or received
   network_error,  ///< bus-off, error control, LSS, error counters
+  module_error,   ///< the same, and errors of the CPU and of the program [FX3U-CAN 1.2.2]
+  access,         ///< the program uses words
 };
 struct LedRow {
   std::string_view name{};
@@ -90,12 +94,12 @@ struct CpuRules {
   bool stop_at_start_counts = false;
   /// RUN takes the emergency message of STOP out of 1003H [RJ71CN91 1.7].
   bool run_ends_error = false;
+  /// STOP takes Layer 2 offline, after its messages [FX3U-CAN 11].
+  bool stop_ends_layer2 = false;
 };
 
 struct ModuleModel {
   const DataSheet* data_sheet = nullptr;
-  /// What stands before an address in messages: "G".
-  std::string_view word_prefix{};
   /// 0: the module has no buffer memory; its words are registers of the CPU.
   BufferAddress buffer_memory_size = 0;
   std::span<const BufferRow> buffer_memory{};
@@ -122,6 +126,7 @@ struct ModuleModel {
   std::optional<NmtStatusLayout> nmt_status{};
   std::optional<NetworkSettingsLayout> network_settings{};
   std::optional<TimeStampLayout> time_stamp{};
+  std::optional<AccessWatchdogLayout> access_watchdog{};
   std::optional<CommandLayout> command{};
   std::optional<Layer2Layout> layer2{};
   Layer2Rules layer2_rules{};
@@ -143,6 +148,8 @@ struct ModuleModel {
   bool takes_parameters = false;
   /// A stored PDO mapping that is faulty keeps the module in its initialization [ME3CAN1-Q 8.1.2].
   bool faulty_mapping_keeps_initializing = false;
+  /// "load" at 1011H clears the concise DCFs at once, not at the restart [FX3U-CAN 5.6.12].
+  bool restore_clears_files_at_once = false;
   /// A start in a Layer 2 mode deletes what 1010H has stored [ME3CAN1-Q 3.5.2].
   bool layer2_deletes_objects = false;
 };

@@ -54,6 +54,7 @@ ModuleParts::ModuleParts(const ModuleModel& the_model, can::Controller& the_cont
       windows(model.process_data_windows, model.program_interface.process_data, buffer),
       exchange(model.exchange_control, buffer, {process_data, emergencies, layer2, node}),
       time_stamp(model.time_stamp, buffer, node),
+      watchdog(model.access_watchdog, buffer),
       status_words(model.status, buffer, {state, controller, node, master, layer2}),
       concise_dcfs(node, master, settings.flash(), ModuleSettings::concise_dcfs_name,
                    configuration_options(model, profile)),
@@ -68,7 +69,7 @@ bool ModuleParts::is_master_by_role() const {
 void ModuleParts::report_word(BufferAddress address, std::uint16_t value, std::string_view what,
                               can::Time now) const {
   if (observer == nullptr) return;
-  std::string text(model.word_prefix);
+  std::string text(model.data_sheet->word_prefix);
   text += std::to_string(address) + " = " + std::to_string(value);
   text += what;
   report(text, now);

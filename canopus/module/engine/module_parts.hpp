@@ -15,6 +15,7 @@
 
 #include "canopus/can/gate.hpp"
 #include "canopus/manager/nmt/nmt_master.hpp"
+#include "canopus/module/areas/access_watchdog.hpp"
 #include "canopus/module/areas/command_interface.hpp"
 #include "canopus/module/areas/data_exchange.hpp"
 #include "canopus/module/areas/diagnostics.hpp"
@@ -80,6 +81,7 @@ struct ModuleParts {
   ProcessDataWindows windows;
   ExchangeControl exchange;
   TimeStamp time_stamp;
+  AccessWatchdog watchdog;
   StatusWords status_words;
   ConciseDcfStore concise_dcfs;
   OwnEmergencies own_emergencies;

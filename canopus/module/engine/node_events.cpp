@@ -53,6 +53,9 @@ void NodeEvents::emergency_received(const canopen::Emergency& message, can::Time
   parts_.emergencies.record(message);
   if (!parts_.emergencies.held_clear())
     parts_.diagnostics.log(ModuleEvent::emergency_received, now, message.node_id);
+  constexpr std::uint32_t is_slave = 1;
+  if ((parts_.node.dictionary().get<std::uint32_t>(0x1F81, message.node_id, 0) & is_slave) != 0)
+    parts_.errors.raise(ModuleError::slave_emergency);
   parts_.port->emergency_received(message, now);
 }
 
@@ -107,6 +110,7 @@ void NodeEvents::object_written(const canopen::Entry& entry, can::Time now) {
   if (entry.index == 0x1010 || entry.index == 0x1F22) parts_.diagnostics.log(ModuleEvent::saved, now);
   if (entry.index == 0x1011) parts_.diagnostics.log(ModuleEvent::restored, now);
   if (entry.index == 0x1011) clear_concise_dcfs_ = true;  // it took "load" [ME3CAN1-Q 4.6.11]
+  if (entry.index == 0x1011 && parts_.model.restore_clears_files_at_once) parts_.concise_dcfs.clear();
   if (entry.index == 0x1012) parts_.time_stamp.show_role();
   if (!entry.description->stored || entry.index == 0x1020) return;
   parts_.node.dictionary().set<std::uint32_t>(0x1020, 1, 0);

@@ -65,6 +65,8 @@ class RequestPort {
   virtual void initialization_begins(can::Time /*now*/) {}
   /// It has ended, the module works. `by_restart`: it was ModuleEngine::begin_restart()'s.
   virtual void initialized(bool /*by_restart*/, can::Time /*now*/) {}
+  /// Layer 2 is offline without the program's request.
+  virtual void went_offline() {}
   /// A hardware fault was found.
   virtual void fault_found(can::Time /*now*/) {}
   /// After every event: something may have changed that the program sees.

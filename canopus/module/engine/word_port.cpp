@@ -60,6 +60,7 @@ WriteResult WordPort::write_word(BufferAddress address, std::uint16_t value, can
 }
 
 void WordPort::serve(can::Time now) {
+  engine_.clear_written_nmt_errors(now);
   if (!std::exchange(written_, false)) return;
   for (const Entry& entry : entries_) {
     if (entry.row->word == word_ && means_something(*entry.row)) act(*entry.row, value_, now);

@@ -35,6 +35,7 @@ class WordPort final : public RequestPort, public BufferArea {
 
   void serve(can::Time now) override;
   void initialization_begins(can::Time now) override;
+  void went_offline() override { online_wanted_ = false; }
 
   [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
   /// Ignored while the data exchange runs that this word asked for [FX3U-CAN 6.4].

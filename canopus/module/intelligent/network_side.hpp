@@ -11,6 +11,7 @@
 #include "canopus/canopen/service/node_options.hpp"
 #include "canopus/manager/boot/master_options.hpp"
 #include "canopus/manager/configuration/configuration_manager.hpp"
+#include "canopus/module/intelligent/words.hpp"
 
 namespace canopus::module::intelligent {
 
@@ -31,7 +32,13 @@ struct Identity {
   std::uint32_t product = 0;            ///< 1018H:02
   std::uint32_t revision = 0;           ///< 1018H:03
 };
-/// The object dictionary in CANopen 405 mode [ME3CAN1-Q Tab. 4-6 to 4-10, 4.9; RJ71CN91 App. 3].
-[[nodiscard]] std::shared_ptr<const canopen::DictionaryDescription> make_dictionary(const Identity& identity);
+/// PDOs and network variables of a dictionary.
+struct DictionaryShape {
+  DataExchangeLayout exchange = exchange_layout;
+  bool rpdo_timers = false;  ///< RPDOs have an inhibit time and an event timer
+};
+/// The object dictionary in CANopen 405 mode [ME3CAN1-Q Tab. 4-6 to 4-10, 4.9; RJ71CN91 App. 3; FX3U-CAN 5.6].
+[[nodiscard]] std::shared_ptr<const canopen::DictionaryDescription> make_dictionary(
+    const Identity& identity, const DictionaryShape& shape = {});
 
 }  // namespace canopus::module::intelligent

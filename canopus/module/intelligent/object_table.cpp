@@ -46,16 +46,6 @@ constexpr std::array rows = std::to_array<ObjectRow>({
     {0x1028, 0x1028, sub,      0x01, 0x7F, "Emergency consumer",                 u32,    rw,          0x80, stored | adds_sub_index},
     {0x1029, 0x1029, array,    0x01, 0x01, "Error behavior",                     u8,     rw,             0, stored},
     {0x102A, 0x102A, variable, 0x00, 0x00, "NMT inhibit time",                   u16,    ro,             0, plain},
-    {0x1400, 0x14FF, sub,      0x01, 0x01, "RPDO communication: COB-ID",         u32,    rw,    0x80000000, stored},
-    {0x1400, 0x14FF, sub,      0x02, 0x02, "RPDO communication: type",           u8,     rw,          0xFE, stored},
-    {0x1600, 0x16FF, sub,      0x00, 0x00, "RPDO mapping",                       u8,     rw,             4, stored},
-    {0x1600, 0x16FF, sub,      0x01, 0x08, "RPDO mapping",                       u32,    rw,             0, stored},
-    {0x1800, 0x18FF, sub,      0x01, 0x01, "TPDO communication: COB-ID",         u32,    rw,    0xC0000000, stored},
-    {0x1800, 0x18FF, sub,      0x02, 0x02, "TPDO communication: type",           u8,     rw,          0xFE, stored},
-    {0x1800, 0x18FF, sub,      0x03, 0x03, "TPDO communication: inhibit time",   u16,    rw,             0, stored},
-    {0x1800, 0x18FF, sub,      0x05, 0x05, "TPDO communication: event timer",    u16,    rw,             0, stored},
-    {0x1A00, 0x1AFF, sub,      0x00, 0x00, "TPDO mapping",                       u8,     rw,             4, stored},
-    {0x1A00, 0x1AFF, sub,      0x01, 0x08, "TPDO mapping",                       u32,    rw,             0, stored},
     {0x1F22, 0x1F22, array,    0x01, 0x7F, "Concise DCF",                        domain, rw,             0, plain},
     {0x1F25, 0x1F25, array,    0x01, 0x80, "Configuration request",              u32,    wo,             0, plain},
     {0x1F26, 0x1F26, array,    0x01, 0x7F, "Expected configuration date",        u32,    rw,             0, stored},
@@ -80,6 +70,25 @@ constexpr std::array rows = std::to_array<ObjectRow>({
     {0x1F90, 0x1F90, sub,      0x06, 0x06, "Multiple NMT master detect cycle",   u16,    rw,          4000, stored},
 });
 
+// Of the first PDO; the others have the same.
+constexpr std::array pdo_rows = std::to_array<ObjectRow>({
+    {0x1400, 0x1400, sub,      0x01, 0x01, "RPDO communication: COB-ID",         u32,    rw,    0x80000000, stored},
+    {0x1400, 0x1400, sub,      0x02, 0x02, "RPDO communication: type",           u8,     rw,          0xFE, stored},
+    {0x1600, 0x1600, sub,      0x00, 0x00, "RPDO mapping",                       u8,     rw,             4, stored},
+    {0x1600, 0x1600, sub,      0x01, 0x08, "RPDO mapping",                       u32,    rw,             0, stored},
+    {0x1800, 0x1800, sub,      0x01, 0x01, "TPDO communication: COB-ID",         u32,    rw,    0xC0000000, stored},
+    {0x1800, 0x1800, sub,      0x02, 0x02, "TPDO communication: type",           u8,     rw,          0xFE, stored},
+    {0x1800, 0x1800, sub,      0x03, 0x03, "TPDO communication: inhibit time",   u16,    rw,             0, stored},
+    {0x1800, 0x1800, sub,      0x05, 0x05, "TPDO communication: event timer",    u16,    rw,             0, stored},
+    {0x1A00, 0x1A00, sub,      0x00, 0x00, "TPDO mapping",                       u8,     rw,             4, stored},
+    {0x1A00, 0x1A00, sub,      0x01, 0x08, "TPDO mapping",                       u32,    rw,             0, stored},
+});
+// Where RPDOs have them [FX3U-CAN 5.6.5].
+constexpr std::array rpdo_timer_rows = std::to_array<ObjectRow>({
+    {0x1400, 0x1400, sub,      0x03, 0x03, "RPDO communication: inhibit time",   u16,    rw,             0, stored},
+    {0x1400, 0x1400, sub,      0x05, 0x05, "RPDO communication: event timer",    u16,    rw,             0, stored},
+});
+
 // PDOs 1 to 4 use the pre-defined connection set [ME3CAN1-Q Tab. 4-7, 4-9].
 constexpr std::array default_pdos = std::to_array<ObjectRow>({
     {0x1400, 0x1400, sub, 0x01, 0x01, "RPDO communication: COB-ID", u32, rw, 0x00000200, stored | adds_node_id},
@@ -93,9 +102,17 @@ constexpr std::array default_pdos = std::to_array<ObjectRow>({
 });
 // clang-format on
 
+void add_pdo_rows(canopen::DictionaryBuilder& builder, std::span<const ObjectRow> of_first, unsigned pdos) {
+  for (ObjectRow row : of_first) {
+    row.last = static_cast<std::uint16_t>(row.first + pdos - 1);
+    add_rows(builder, {&row, 1});
+  }
+}
+
 }  // namespace
 
-std::shared_ptr<const canopen::DictionaryDescription> make_dictionary(const Identity& identity) {
+std::shared_ptr<const canopen::DictionaryDescription> make_dictionary(const Identity& identity,
+                                                                      const DictionaryShape& shape) {
   // clang-format off
   const std::array own_rows = std::to_array<ObjectRow>({
       {0x1008, 0x1008, variable, 0x00, 0x00, "Device name",               string, ro, 0,                 plain, identity.device_name},
@@ -108,10 +125,14 @@ std::shared_ptr<const canopen::DictionaryDescription> make_dictionary(const Iden
   // clang-format on
   canopen::DictionaryBuilder builder;
   add_rows(builder, own_rows);
+  const DataExchangeLayout& exchange = shape.exchange;
   add_rows(builder, rows);
+  add_pdo_rows(builder, pdo_rows, exchange.pdos);
+  if (shape.rpdo_timers) add_pdo_rows(builder, rpdo_timer_rows, exchange.pdos);
   add_rows(builder, default_pdos);
-  add_default_mappings(builder, exchange_layout.pdos);  // [ME3CAN1-Q Tab. 4-8, 4-10; RJ71CN91 App. 3]
-  add_network_variables(builder, exchange_layout.words * 2);
+  // [ME3CAN1-Q Tab. 4-8, 4-10; RJ71CN91 App. 3; FX3U-CAN Tab. 5.2, 5.4]
+  add_default_mappings(builder, exchange.pdos, exchange.variables);
+  add_network_variables(builder, exchange.words * 2, exchange.variables);
   return builder.build();
 }
 

@@ -54,6 +54,7 @@ struct DataSheet {
   std::string_view function_version{};
   unsigned points = 0;  ///< occupied I/O points
   std::string_view io_assignment{};
+  std::string_view word_prefix = "G";  ///< what stands before the address of a word
   bool online_module_change = false;
   std::string_view multiple_cpu{};
   std::uint32_t flash_writes = 0;  ///< tolerated

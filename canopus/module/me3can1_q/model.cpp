@@ -70,7 +70,6 @@ constexpr EmergencyRows emergencies{
 
 constinit const ModuleModel model{
     .data_sheet = &data_sheet,
-    .word_prefix = "G",
     .buffer_memory_size = 65536,
     .buffer_memory = buffer_table,
     .function_modes = function_modes_of_g21,

@@ -92,7 +92,6 @@ manager::MasterOptions master_options() {
 
 constinit const ModuleModel model{
     .data_sheet = &data_sheet,
-    .word_prefix = "G",
     .buffer_memory_size = 32768,
     .buffer_memory = buffer_table,
     .function_modes = function_modes_of_g21,

@@ -229,14 +229,18 @@ void BuiltInProgram::start_own_node(can::Time now) {
         case module::StartUp::booting: return;
         case module::StartUp::waits_for_own_start: break;
       }
-      const bool is_free = words_->read_word(command.first, now) != command_busy &&
-                           !is_on(signals_->outputs(), signal) && !is_on(signals_->inputs(), signal);
+      const bool by_signal = command.execute.kind == Kind::signal;
+      const bool is_idle =
+          !by_signal || (!is_on(signals_->outputs(), signal) && !is_on(signals_->inputs(), signal));
+      const bool is_free = is_idle && words_->read_word(command.first, now) != command_busy;
       if (!is_free || (node_start_due_ != can::never && node_start_due_ > now)) return;
       const std::array<std::uint16_t, 6> words{
           command.sdo_write, 0, request_nmt, words_->read_word(interface_.node_address, now), 1,
           start_remote_node};
-      for (std::uint32_t i = 0; i < words.size(); ++i) words_->write_word(command.first + i, words[i], now);
-      if (command.execute.kind == Kind::signal) set_output(signal, true, now);
+      // The code last: where there is no signal, it executes the command.
+      for (std::uint32_t i = 1; i < words.size(); ++i) words_->write_word(command.first + i, words[i], now);
+      words_->write_word(command.first, words[0], now);
+      if (by_signal) set_output(signal, true, now);
       node_start_ = NodeStart::requested;
       node_start_due_ = now + answer_time;
       return;
