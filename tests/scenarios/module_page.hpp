@@ -37,19 +37,19 @@ inline std::vector<std::vector<std::string>> page_lines(const std::string& page)
 }
 
 /// Range, access, default, whether it is saved, modes of every row. `mode_text` names the modes of a row as the page does;
-/// empty: the row is said in words.
+/// empty: the row is said in words. `prefix` stands before an address.
 template <typename ModeText>
 void expect_page_has_rows(const std::string& page, std::span<const module::BufferRow> table,
-                          ModeText mode_text) {
+                          ModeText mode_text, const std::string& prefix = "G") {
   std::multimap<std::string, std::vector<std::string>> lines;  // by "first-last modes"
   for (const auto& cells : page_lines(page)) {
-    if (cells.size() == 7 && cells[0].starts_with("G")) lines.emplace(cells[0] + ' ' + cells[6], cells);
+    if (cells.size() == 7 && cells[0].starts_with(prefix)) lines.emplace(cells[0] + ' ' + cells[6], cells);
   }
   for (const module::BufferRow& row : table) {
     const std::string mode = mode_text(row);
     if (mode.empty()) continue;
-    std::string key = 'G' + std::to_string(row.first);
-    if (row.first != row.last) key += "-G" + std::to_string(row.last);
+    std::string key = prefix + std::to_string(row.first);
+    if (row.first != row.last) key += "-" + prefix + std::to_string(row.last);
     key += ' ' + mode;
     const auto line = lines.find(key);
     ASSERT_NE(line, lines.end()) << key;

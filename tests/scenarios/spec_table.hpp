@@ -75,11 +75,14 @@ inline std::vector<SpecRow> spec_rows(const std::string& module, const std::stri
   return rows;
 }
 
-/// "0195H" = 0195H, "-60" = -60, "FEH (405)" = FEH; nothing when it does not begin with a number.
+/// "0195H" and "0195h" = 0195H, "-60" = -60, "FEH (405)" = FEH; nothing when it does not begin with a number.
 inline std::optional<std::int64_t> spec_number(std::string_view text) {
   const std::string word(text.substr(0, text.find(' ')));
   if (word.empty() || (std::isxdigit(static_cast<unsigned char>(word[0])) == 0 && word[0] != '-')) return {};
-  const bool hex = word.back() == 'H';
+  const bool hex = word.back() == 'H' || word.back() == 'h';
+  if (!hex && std::isxdigit(static_cast<unsigned char>(word[0])) != 0 &&
+      std::isdigit(static_cast<unsigned char>(word[0])) == 0)
+    return {};
   std::size_t used = 0;
   const std::int64_t value = std::stoll(word, &used, hex ? 16 : 10);
   if (used + (hex ? 1 : 0) != word.size()) return {};

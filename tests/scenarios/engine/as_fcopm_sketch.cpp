@@ -178,7 +178,6 @@ constexpr DataSheet sheet{.model = "AS-FCOPM"};
 
 constinit const ModuleModel as_fcopm_sketch{
     .data_sheet = &sheet,
-    .word_prefix = "D",
     .buffer_memory = register_rows,
     .registers = registers,
     .function_modes = mode_rows,

@@ -2,13 +2,13 @@
 
 #include "canopus/plc/program/built_in_program.hpp"
 
-#include "scenarios/engine/fx3u_can_sketch.hpp"
 #include "scenarios/engine/other_models.hpp"
+#include "scenarios/fx3u_can/scenario.hpp"
 
 namespace canopus::scenario {
 namespace {
 
-class WithProgram : public OtherScenario<Fx3uCanSketch> {
+class WithProgram : public OtherScenario<module::fx3u_can::Fx3uCan> {
  public:
   explicit WithProgram(plc::BuiltInProgram::Task task)
       : rack_(timeline_), program_(rack_, 0, plug_in(), plug_in().program_interface(), std::move(task)) {}

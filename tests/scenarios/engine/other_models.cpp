@@ -135,7 +135,6 @@ constexpr DataSheet sheet{.model = "ELSEWHERE", .series = "X", .points = 32, .fl
 
 constinit const ModuleModel elsewhere{
     .data_sheet = &sheet,
-    .word_prefix = "W",
     .buffer_memory_size = 5000,
     .buffer_memory = buffer_rows,
     .function_modes = function_modes,
