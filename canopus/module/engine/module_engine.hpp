@@ -101,6 +101,9 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
     return parts_.model.buffer_memory_size;
   }
   [[nodiscard]] std::uint16_t read_word(BufferAddress address, can::Time now) override;
+  [[nodiscard]] std::uint16_t look_at_word(BufferAddress address, can::Time now) override {
+    return parts_.state.phase == Phase::off ? std::uint16_t{0} : parts_.buffer.read(address, now);
+  }
   void write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
 
   // can::Participant
@@ -164,6 +167,7 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
                                        : parts_.layer2.online();
   }
   void note_access(BufferAddress address, can::Time now) {
+    if (parts_.state.phase == Phase::off) return;
     parts_.state.last_access = now;
     parts_.watchdog.accessed(address, is_online(), now);
   }

@@ -8,9 +8,8 @@
 namespace canopus::module {
 
 std::uint16_t ModuleEngine::read_word(BufferAddress address, can::Time now) {
-  if (parts_.state.phase == Phase::off) return 0;
   note_access(address, now);
-  return parts_.buffer.read(address, now);
+  return look_at_word(address, now);
 }
 
 void ModuleEngine::write_word(BufferAddress address, std::uint16_t value, can::Time now) {

@@ -34,6 +34,10 @@ class BufferMemoryAccess {
   [[nodiscard]] virtual BufferAddress buffer_memory_size() const noexcept = 0;
   /// What FROM reads. `address` < buffer_memory_size().
   [[nodiscard]] virtual std::uint16_t read_word(BufferAddress address, can::Time now) = 0;
+  /// The same for somebody who looks on: it is no access of the program [FX3U-CAN 6.9].
+  [[nodiscard]] virtual std::uint16_t look_at_word(BufferAddress address, can::Time now) {
+    return read_word(address, now);
+  }
   /// What TO writes. A write that the module refuses changes nothing but its error words; the PLC does not
   /// hear of it.
   virtual void write_word(BufferAddress address, std::uint16_t value, can::Time now) = 0;

@@ -85,7 +85,7 @@ void ExchangeWatch::answered(can::Time now) {
 void ExchangeWatch::look(can::Time now) {
   const module::ProgramRequest& exchange = interface_.exchange;
   if (!is_open_ || exchange.kind != Kind::bits || is_initializing(now)) return;
-  if ((words_->read_word(exchange.word, now) & exchange.bits) == 0) answered(now);
+  if ((words_->look_at_word(exchange.word, now) & exchange.bits) == 0) answered(now);
 }
 
 void ExchangeWatch::tick(can::Time now) {
@@ -119,7 +119,7 @@ std::string ExchangeWatch::described(can::Time now) const {
 
 bool ExchangeWatch::is_initializing(can::Time now) const {
   return interface_.initializing != 0 &&
-         (words_->read_word(interface_.status, now) & interface_.initializing) != 0;
+         (words_->look_at_word(interface_.status, now) & interface_.initializing) != 0;
 }
 
 }  // namespace canopus::plc
