@@ -172,7 +172,7 @@ std::unique_ptr<RequestPort> requests_by_registers(ModuleEngine& engine) {
   return std::make_unique<RegisterPort>(engine, engine.memory());
 }
 
-constexpr DataSheet sheet{.model = "AS-FCOPM"};
+constexpr DataSheet sheet{.model = "AS-FCOPM", .word_prefix = "D"};
 
 }  // namespace
 

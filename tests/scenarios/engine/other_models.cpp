@@ -129,7 +129,8 @@ std::shared_ptr<const canopen::DictionaryDescription> dictionary() {
   return builder.build();
 }
 
-constexpr DataSheet sheet{.model = "ELSEWHERE", .series = "X", .points = 32, .flash_writes = 3};
+constexpr DataSheet sheet{
+    .model = "ELSEWHERE", .series = "X", .points = 32, .word_prefix = "W", .flash_writes = 3};
 
 }  // namespace
 

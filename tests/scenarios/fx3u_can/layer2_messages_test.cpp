@@ -19,7 +19,7 @@ TEST(FxLayer2, RemoteFrames_AreAnswered_Noted_OrIgnored) {
     send_slot(s, 5, 0x105, 0x5FFF, 4, 2);
     send_slot(s, 6, 0x106, 0x7FFF, 4, 0x1002);
     send_slot(s, 7, 0x107, 0x6FFF, 4, 0x1002);
-    s.online().ignore_tx().write(block(1) + 3, 0xBBAA).exchange().ignore_tx();
+    s.online().ignore_tx().write(bfm_block(1) + 3, 0xBBAA).exchange().ignore_tx();
     for (const std::uint8_t dlc : Bytes{2, 0, 8})
       s.rx(remote(form, 0x101, dlc)).tx(data(form, 0x101, {0xAA, 0xBB})).expect(1270, {0, 0, 0});
     s.rx(remote(form, 0x111, 1))
@@ -35,7 +35,7 @@ TEST(FxLayer2, RemoteFrames_AreAnswered_Noted_OrIgnored) {
         .expect(1270, {0, 1, 1U << 9});
     s.rx(remote(form, 0x106, 1)).no_tx().rx(remote(form, 0x106, 2)).tx(data(form, 0x106, {0, 0}));
     s.rx(remote(form, 0x107, 1)).expect(1270, 0).rx(remote(form, 0x107, 2)).expect(1270, 1U << 6);
-    s.write(block(17) + 3, 0x0021)
+    s.write(bfm_block(17) + 3, 0x0021)
         .write(1281, 1)
         .tx(data(form, 0x111, {0, 0}))
         .expect(1271, 0);  // the words were not exchanged
@@ -51,7 +51,8 @@ TEST(FxLayer2, TwentyEightSlots_AnswerRemoteFrames) {
   for (unsigned slot = 1; slot <= 30; ++slot) send_slot(s, slot, 0x1000 + slot, 0x7FFF, 4, 1);
   s.online().ignore_tx();
   for (unsigned slot = 1; slot <= 30; ++slot) {
-    s.expect(parameters(slot) + 1, slot <= 28 ? 0x7FFF : 0x5FFF).rx(remote(block_forms[1], 0x1000 + slot, 1));
+    s.expect(bfm_parameters(slot) + 1, slot <= 28 ? 0x7FFF : 0x5FFF)
+        .rx(remote(block_forms[1], 0x1000 + slot, 1));
     if (slot <= 28) s.tx(data(block_forms[1], 0x1000 + slot, {0}));
     s.no_tx();
   }
@@ -70,7 +71,7 @@ TEST(FxLayer2, TriggerFlags) {
     send_slot(s, 17, 0x117, 0x5FFF, 4, 1);
     send_slot(s, 42, 0x142, 0x5FFF, 4, 1);
     receive_slot(s, 10, 0x222);
-    s.online().advance(10ms).ignore_tx().write(block(16) + 3, 9);
+    s.online().advance(10ms).ignore_tx().write(bfm_block(16) + 3, 9);
     s.write(1280, {0xFFFF, 1}).write(1282, 0xFFFF).expect(1280, {0, 0, 0});
     for (std::uint16_t type = 0; type <= 4; ++type) s.tx(data(form, 0x105U - type, {0}));
     s.tx(data(form, 0x116, {0}))
@@ -95,31 +96,35 @@ TEST(FxLayer2, ReceivesByFilterAndMask_AndShowsWhatIsNew) {
     receive_slot(s, 2, 0x280, 6);
     s.online().ignore_tx();
     s.rx(data(form, 0x181, {1, 2, 3}))
-        .expect(block(1), {0xFFFF, 0xFFFF, 0, 0})
+        .expect(bfm_block(1), {0xFFFF, 0xFFFF, 0, 0})
         .exchange()
-        .expect(block(1), {0x181, 0, 0x0303, 0x0201, 0x0003, 0, 0});
-    s.exchange().expect(block(1) + 2, 0x0303);  // the module takes no flag away
-    s.write(block(1) + 2, 0x0003).exchange().expect(block(1) + 2, 0x0003);
-    s.rx(data(form, 0x181, {1, 2, 3})).exchange().expect(block(1) + 2, 0x0203).write(block(1) + 2, 3);
+        .expect(bfm_block(1), {0x181, 0, 0x0303, 0x0201, 0x0003, 0, 0});
+    s.exchange().expect(bfm_block(1) + 2, 0x0303);  // the module takes no flag away
+    s.write(bfm_block(1) + 2, 0x0003).exchange().expect(bfm_block(1) + 2, 0x0003);
+    s.rx(data(form, 0x181, {1, 2, 3})).exchange().expect(bfm_block(1) + 2, 0x0203).write(bfm_block(1) + 2, 3);
     s.rx(data(form, 0x181, {1, 2, 3}))
         .rx(data(form, 0x181, {1, 2, 3}))
         .exchange()
-        .expect(block(1) + 2, 0x0603)
-        .write(block(1) + 2, 3);
+        .expect(bfm_block(1) + 2, 0x0603)
+        .write(bfm_block(1) + 2, 3);
     s.rx(data(form, 0x181, {1, 2, 3}))
         .rx(data(form, 0x181, {9}))
         .exchange()
-        .expect(block(1) + 2, {0x0701, 0x0009, 0, 0, 0})
-        .write(block(1) + 2, 1);
+        .expect(bfm_block(1) + 2, {0x0701, 0x0009, 0, 0, 0})
+        .write(bfm_block(1) + 2, 1);
     for (const std::uint32_t other : {0x180U, 0x182U, 0x581U})
-      s.rx(data(form, other, {5})).exchange().expect(block(1) + 2, 1);
-    s.rx(remote(form, 0x181, 1)).exchange().expect(block(1) + 2, 1);
+      s.rx(data(form, other, {5})).exchange().expect(bfm_block(1) + 2, 1);
+    s.rx(remote(form, 0x181, 1)).exchange().expect(bfm_block(1) + 2, 1);
     can::Frame of_other_form = data(form, 0x181, {5});
     of_other_form.extended = !of_other_form.extended;
-    s.rx(of_other_form).exchange().expect(block(1) + 2, 1);
+    s.rx(of_other_form).exchange().expect(bfm_block(1) + 2, 1);
     for (const std::uint32_t hit : {0x280U, 0x282U, 0x284U, 0x286U})
-      s.rx(data(form, hit, {1})).exchange().expect(block(2), {static_cast<std::uint16_t>(hit), 0});
-    s.rx(data(form, 0x281, {1})).rx(data(form, 0x288, {1})).exchange().expect(block(2), 0x286).ignore_tx();
+      s.rx(data(form, hit, {1})).exchange().expect(bfm_block(2), {static_cast<std::uint16_t>(hit), 0});
+    s.rx(data(form, 0x281, {1}))
+        .rx(data(form, 0x288, {1}))
+        .exchange()
+        .expect(bfm_block(2), 0x286)
+        .ignore_tx();
   }
 }
 

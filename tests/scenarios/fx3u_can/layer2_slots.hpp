@@ -22,17 +22,17 @@ inline can::Frame remote(const BlockForm& form, std::uint32_t identifier, std::u
 }
 
 /// Slots are numbered from 1.
-constexpr module::BufferAddress parameters(unsigned slot) { return 1100 + 4 * (slot - 1); }
-constexpr module::BufferAddress block(unsigned slot) { return 100 + 7 * (slot - 1); }
+constexpr module::BufferAddress bfm_parameters(unsigned slot) { return 1100 + 4 * (slot - 1); }
+constexpr module::BufferAddress bfm_block(unsigned slot) { return 100 + 7 * (slot - 1); }
 
 inline void send_slot(BlockScenario& s, unsigned slot, std::uint32_t identifier, std::uint16_t b,
                       std::uint16_t type, std::uint16_t length, std::uint16_t cycle = 0) {
-  s.write(parameters(slot), {0xFFFF, b, type, cycle});
-  s.write(block(slot),
+  s.write(bfm_parameters(slot), {0xFFFF, b, type, cycle});
+  s.write(bfm_block(slot),
           {static_cast<std::uint16_t>(identifier), static_cast<std::uint16_t>(identifier >> 16), length});
 }
 inline void receive_slot(BlockScenario& s, unsigned slot, std::uint32_t identifier, std::uint32_t mask = 0) {
-  s.write(parameters(slot),
+  s.write(bfm_parameters(slot),
           {static_cast<std::uint16_t>(identifier), static_cast<std::uint16_t>(identifier >> 16),
            static_cast<std::uint16_t>(mask), static_cast<std::uint16_t>(mask >> 16)});
 }

@@ -14,7 +14,8 @@ TEST(FxLayer2, StartsOffline_AndNothingOfCanopenIsThere) {
     s.power_on_layer2(form.mode).expect(25, 0).expect(29, 0).expect(37, 2500).expect(38, 875).expect(35,
                                                                                                      {0, 0});
     for (unsigned slot = 1; slot <= 42; ++slot)
-      s.expect(parameters(slot), {0xFFFF, 0xFFFF, 0, 0}).expect(block(slot), {0xFFFF, 0xFFFF, 0, 0, 0, 0, 0});
+      s.expect(bfm_parameters(slot), {0xFFFF, 0xFFFF, 0, 0})
+          .expect(bfm_block(slot), {0xFFFF, 0xFFFF, 0, 0, 0, 0, 0});
     for (unsigned k = 0; k < 4; ++k) s.expect(1900 + 7 * k, {0xFFFF, 0xFFFF, 0, 0, 0, 0, 0});
     for (const bool online : {false, true}) {
       s.write(25, online ? 0x0010 : 0).expect(25, online ? 0x0011 : 0);
@@ -76,8 +77,8 @@ TEST(FxLayer2, BytesLieLowByteFirst_InAllFortyTwoSlots) {
     for (unsigned slot = 1; slot <= 42; ++slot) send_slot(s, slot, form.highest - slot, 0x5FFF, 0, 8);
     s.online().ignore_tx();
     for (unsigned slot = 1; slot <= 42; ++slot)
-      s.write(block(slot) + 3, {static_cast<std::uint16_t>(0x0200 + slot), 0x0403, 0x0605, 0x0807});
-    s.expect(block(42) + 3, {0x022A, 0x0403, 0x0605, 0x0807})
+      s.write(bfm_block(slot) + 3, {static_cast<std::uint16_t>(0x0200 + slot), 0x0403, 0x0605, 0x0807});
+    s.expect(bfm_block(42) + 3, {0x022A, 0x0403, 0x0605, 0x0807})
         .advance(1s)
         .no_tx()
         .write(20, 1)
@@ -114,13 +115,13 @@ TEST(FxLayer2, TransmissionTypes) {
           .tx(frame(0))
           .exchange()
           .tx(frame(0))
-          .write(block(3) + 3, 5)
+          .write(bfm_block(3) + 3, 5)
           .advance(1s)
           .no_tx()
           .exchange()
           .tx(frame(5));
       s.write(20, 1)
-          .write(block(3) + 3, 6)
+          .write(bfm_block(3) + 3, 6)
           .write(20, 1)
           .advance(1ms)
           .tx(frame(5))
@@ -130,12 +131,12 @@ TEST(FxLayer2, TransmissionTypes) {
     {
       BlockScenario s;
       start(s, 1, 1);
-      s.write(block(3) + 3, 5)
+      s.write(bfm_block(3) + 3, 5)
           .exchange()
           .tx(frame(5))
           .exchange()
           .no_tx()
-          .write(block(3) + 3, 6)
+          .write(bfm_block(3) + 3, 6)
           .exchange()
           .tx(frame(6))
           .advance(1s)
@@ -144,9 +145,9 @@ TEST(FxLayer2, TransmissionTypes) {
     {
       BlockScenario s;
       start(s, 2, 5);  // 50 ms
-      s.write(block(3) + 3, 5).exchange().ignore_tx().advance(100ms).ignore_tx();
+      s.write(bfm_block(3) + 3, 5).exchange().ignore_tx().advance(100ms).ignore_tx();
       for (int i = 0; i < 5; ++i) s.advance(50ms).tx(frame(5)).no_tx();
-      s.write(block(3) + 3, 6)
+      s.write(bfm_block(3) + 3, 6)
           .exchange()
           .ignore_tx()
           .advance(100ms)
@@ -162,7 +163,7 @@ TEST(FxLayer2, TransmissionTypes) {
           .ignore_tx()
           .advance(1s)
           .no_tx()
-          .write(block(3) + 3, 5)
+          .write(bfm_block(3) + 3, 5)
           .exchange()
           .advance(50ms)
           .tx(frame(5))
@@ -173,7 +174,7 @@ TEST(FxLayer2, TransmissionTypes) {
     {
       BlockScenario s;
       start(s, 4, 1);
-      s.write(block(3) + 3, 5)
+      s.write(bfm_block(3) + 3, 5)
           .exchange()
           .advance(1s)
           .no_tx()
@@ -203,7 +204,7 @@ TEST(FxLayer2, LengthsAndRemoteFrames_OfASlot) {
       s.rx(data(form, 0, Bytes(dlc, 7)))
           .exchange()
           .ignore_tx()
-          .expect(block(3) + 2, static_cast<std::uint16_t>(0x0300 | dlc));
+          .expect(bfm_block(3) + 2, static_cast<std::uint16_t>(0x0300 | dlc));
     }
     BlockScenario s;
     s.power_on_layer2(form.mode);
@@ -215,7 +216,7 @@ TEST(FxLayer2, LengthsAndRemoteFrames_OfASlot) {
         .rx(data(form, 0xFF, {1}))
         .exchange()
         .ignore_tx()
-        .expect(block(5), {0xFFFF, 0xFFFF, 0, 0});
+        .expect(bfm_block(5), {0xFFFF, 0xFFFF, 0, 0});
   }
 }
 
