@@ -6,6 +6,16 @@
 
 namespace canopus::module {
 
+namespace {
+
+// At every start of a module, for all its words.
+template <typename Number>
+void fill(std::vector<Number>& numbers, int byte) noexcept {
+  if (!numbers.empty()) std::memset(numbers.data(), byte, numbers.size() * sizeof(Number));
+}
+
+}  // namespace
+
 BufferMemory::BufferMemory(std::span<const BufferRow> table) : table_(table) {
   BufferAddress size = 0;
   for (const BufferRow& row : table_) {
@@ -22,10 +32,11 @@ BufferMemory::BufferMemory(std::span<const BufferRow> table) : table_(table) {
 void BufferMemory::select_mode(Modes mode) {
   mode_ = mode;
   online_ = false;
-  std::ranges::fill(from_, std::uint16_t{0});
-  std::ranges::fill(to_, std::uint16_t{0});
-  std::ranges::fill(from_row_, std::uint8_t{0});
-  std::ranges::fill(to_row_, std::uint8_t{0});
+  fill(from_, 0);
+  fill(to_, 0);
+  fill(from_row_, 0);
+  fill(to_row_, 0);
+  fill(one_word_, 0xFF);
   std::uint8_t number = 0;
   for (const BufferRow& row : table_) {
     ++number;
@@ -42,11 +53,9 @@ void BufferMemory::select_mode(Modes mode) {
         to_row_[address] = number;
         to_[address] = row.initial;
       }
+      const bool is_one = to_row_[address] == 0 || to_row_[address] == from_row_[address];
+      one_word_[address] = is_one ? every_bit : std::uint16_t{0};
     }
-  }
-  for (std::size_t address = 0; address < one_word_.size(); ++address) {
-    const bool is_one = to_row_[address] == 0 || to_row_[address] == from_row_[address];
-    one_word_[address] = is_one ? every_bit : std::uint16_t{0};
   }
 }
 
