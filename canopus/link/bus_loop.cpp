@@ -30,8 +30,15 @@ std::expected<std::unique_ptr<BusLoop>, std::string> BusLoop::open(const BusAddr
   return loop;
 }
 
-can::Time BusLoop::now() const {
-  return can::Time{} + std::chrono::duration_cast<can::Duration>(WallClock::now() - started_);
+can::Duration BusLoop::elapsed() const {
+  return std::chrono::duration_cast<can::Duration>(WallClock::now() - started_);
+}
+
+can::Time BusLoop::now() const { return can::Time{} + (patient_ ? patient_->at(elapsed()) : elapsed()); }
+
+void BusLoop::be_patient() {
+  patient_.emplace();
+  patient_->start(elapsed());
 }
 
 bool BusLoop::send(const can::Frame& frame) { return !lost_ && bus_->send(frame); }
@@ -75,6 +82,7 @@ BusLoop::End BusLoop::run(const std::function<bool()>& done, can::Time end) {
   while (true) {
     // What has arrived is heard before anybody's time is said to be over: this process may have slept long.
     const can::Time time = now();
+    if (patient_) patient_->look(elapsed());
     if (io_.stopped()) io_.restart();
     io_.poll();
     refresh();
@@ -87,7 +95,9 @@ BusLoop::End BusLoop::run(const std::function<bool()>& done, can::Time end) {
     const can::Time next = std::min(timeline_.next(), end);
     if (next <= now()) continue;
     if (io_.stopped()) io_.restart();
-    if (next == can::never) {
+    if (patient_) {
+      io_.run_one_until(WallClock::now() + std::min<can::Duration>(next - now(), PatientClock::most / 2));
+    } else if (next == can::never) {
       io_.run_one();
     } else {
       io_.run_one_until(started_ + next.time_since_epoch());

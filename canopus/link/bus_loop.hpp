@@ -16,6 +16,7 @@
 #include "canopus/can/controller.hpp"
 #include "canopus/can/timeline.hpp"
 #include "canopus/link/bus_client.hpp"
+#include "canopus/link/patient_clock.hpp"
 
 namespace canopus::link {
 
@@ -38,6 +39,9 @@ class BusLoop final : public can::Sink, private BusClientUser {
   void remove_listener(can::Listener& listener);
   /// Since the bus was joined.
   [[nodiscard]] can::Time now() const;
+  /// From now on time in which this process stood still does not count (PatientClock): for those who ask and
+  /// take silence for an answer. Others need the real time.
+  void be_patient();
 
   enum class End : std::uint8_t {
     done,
@@ -58,6 +62,7 @@ class BusLoop final : public can::Sink, private BusClientUser {
   void bus_lost(const std::string& reason) override;
   void bus_complains(std::string_view text) override;
   void refresh();
+  [[nodiscard]] can::Duration elapsed() const;
 
   struct Seat {
     can::Listener* listener;
@@ -70,6 +75,7 @@ class BusLoop final : public can::Sink, private BusClientUser {
   can::Timeline timeline_;
   std::vector<Seat> seats_;
   std::chrono::steady_clock::time_point started_;
+  std::optional<PatientClock> patient_;
   bool interrupted_ = false;
   bool lost_ = false;
   std::string failure_;

@@ -43,6 +43,9 @@ class LssMaster {
   LssMaster(can::Sink& sink, LssMasterUser& user, Options options)
       : sink_(&sink), user_(&user), options_(options) {}
 
+  /// For an answer, from the next service on.
+  void set_time_out(can::Duration time_out) noexcept { options_.time_out = time_out; }
+
   // All return false while busy().
   /// All slaves to configuration state (true) or waiting.
   bool switch_global(bool configuration, can::Time now);

@@ -171,7 +171,7 @@ def a_forced_input_arrives_in_the_plc_as_the_page_shows():
         for commands in transcripts(page):
             for command, shown in commands:
                 words = words_of(command, plant)
-                if words[1] == "device":
+                if words[1] in ("device", "module"):
                     words += ["--at", control]
                 require_shown(page, words, shown)
         plant.wait(lambda e: e["event"] == "released" and e["object"] == "6401:01")

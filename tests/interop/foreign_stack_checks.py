@@ -123,6 +123,16 @@ def lss_command_finds_and_numbers_foreign_devices():
         on_bus(plant, "lss", "scan", "--timeout", "5ms", expect=1)
 
 
+@check
+def a_late_answer_to_a_scan_begins_it_again():
+    node_modules()
+    with device_plant((5, DEVICE, "")) as plant:
+        with peer(plant, "lss_peer.mjs", "late:20:1500", "0x319:0x1234:0x10002:7"):
+            done = on_bus(plant, "lss", "scan", "--assign", "10", "--timeout", silence(50), "--json")
+            require([(d["serial"], d["node"]) for d in json_lines(done)] == [(7, 10)], done.stdout)
+            require("fastscan: an answer came too late; again from the start" in done.stderr, done.stderr)
+
+
 # --- devices of a plant as LSS slaves
 
 

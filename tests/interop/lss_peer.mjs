@@ -2,7 +2,7 @@
 // Devices without a node-ID, made of a stack that is not ours, on one bus over socketcand: LSS slaves.
 //
 // Each IDENTITY is VENDOR:PRODUCT:REVISION:SERIAL. Prints "ready", then each node-ID as it is given, until its standard input
-// ends; by then every device must have one.
+// ends; by then every device must have one. `late:N:MS` makes the Nth answer of each device MS ms late.
 //
 // Two things the stack leaves to the application are done here: fastscan is for devices in waiting state that have no node-ID
 // yet, and a device selected by its address says so (44H).
@@ -11,8 +11,10 @@ import { canopen } from './npm_canopen.mjs';
 import { SocketcandBus } from './socketcand_bus.mjs';
 
 const { Device, LssMode } = canopen;
-const [host, port, busName, ...identities] =
-  argumentsOrUsage(4, 'lss_peer.mjs HOST PORT BUS VENDOR:PRODUCT:REVISION:SERIAL...');
+const [host, port, busName, ...words] =
+  argumentsOrUsage(4, 'lss_peer.mjs HOST PORT BUS [late:N:MS] VENDOR:PRODUCT:REVISION:SERIAL...');
+const identities = words.filter((word) => !word.startsWith('late:'));
+const [, lateAnswer, delay] = (words.find((word) => word.startsWith('late:')) ?? 'late:0:0').split(':').map(Number);
 const fastscan = 0x51;
 const lastOfAddress = 0x43;
 
@@ -24,7 +26,11 @@ run(async () => {
     const device = new Device({ enableLss: true });
     device.eds.setIdentity({ vendorId, productCode, revisionNumber, serialNumber });
     let nodeId;
-    device.on('message', (message) => bus.send(message));
+    let answers = 0;
+    device.on('message', (message) => {
+      if (++answers === lateAnswer) return setTimeout(() => bus.send(message), delay);
+      bus.send(message);
+    });
     device.lss.on('changeDeviceId', (id) => {
       if (nodeId === undefined) --missing;
       nodeId = id;

@@ -23,7 +23,8 @@ int complain(int code, std::string_view message) {
   return code;
 }
 
-int with_bus(const BusOptions& options, const std::function<int(BusLoop&, can::Duration)>& action) {
+int with_bus(const BusOptions& options, const std::function<int(BusLoop&, can::Duration)>& action,
+             BusTime time) {
   const auto address = link::parse_bus_address(options.bus);
   if (!address) return complain(exit_code::usage, "--bus: " + address.error());
   const auto time_out = text::parse_duration(options.time_out);
@@ -34,6 +35,7 @@ int with_bus(const BusOptions& options, const std::function<int(BusLoop&, can::D
   // To join takes a server a moment, however short the answers of the nodes may be.
   auto bus = BusLoop::open(*address, std::max<can::Duration>(*time_out, std::chrono::seconds(3)));
   if (!bus) return complain(exit_code::failed, bus.error());
+  if (time == BusTime::of_this_process) (*bus)->be_patient();
   (*bus)->set_complaint([](std::string_view text) { print_error("canopus: the bus: {}", text); });
   return action(**bus, *time_out);
 }

@@ -2,6 +2,7 @@
 // What the commands that join a bus (sdo, nmt, scan, lss, master) have in common: their options, their exit
 // codes, and how they complain.
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -36,9 +37,15 @@ void add_bus_options(CLI::App& command, BusOptions& options, const char* time_ou
 /// "canopus: ..." on stderr; returns `code`.
 int complain(int code, std::string_view message);
 
+enum class BusTime : std::uint8_t {
+  of_this_process,  ///< while it stands still no time passes: nobody's answer is late (BusLoop::be_patient)
+  real,             ///< for who sends by the clock
+};
+
 /// Joins the bus, calls the action with it and the time-out; its result is the exit code. Complains itself
 /// about what is wrong with the options or the bus.
-int with_bus(const BusOptions& options, const std::function<int(BusLoop&, can::Duration)>& action);
+int with_bus(const BusOptions& options, const std::function<int(BusLoop&, can::Duration)>& action,
+             BusTime time = BusTime::of_this_process);
 
 /// Complains about an end of BusLoop::run() other than done; `time_over` is what to say of that.
 int complain_of(BusLoop::End end, const BusLoop& bus, std::string_view time_over);

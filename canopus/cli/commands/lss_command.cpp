@@ -66,13 +66,13 @@ int inquire(const LssArguments& arguments) {
     LssAddress address;
     for (unsigned part = 0; part < 4; ++part) {
       const auto asked =
-          on_bus.service([&](auto& master, can::Time now) { return master.inquire(part, now); });
+          on_bus.service_of_found([&](auto& master, can::Time now) { return master.inquire(part, now); });
       if (const int code = judge(on_bus, bus, asked, "asking for the identity"); code != exit_code::done)
         return code;
       address.set_part(part, on_bus.master().value());
     }
     const auto asked =
-        on_bus.service([](auto& master, can::Time now) { return master.inquire_node_id(now); });
+        on_bus.service_of_found([](auto& master, can::Time now) { return master.inquire_node_id(now); });
     if (const int code = judge(on_bus, bus, asked, "asking for the node-ID"); code != exit_code::done)
       return code;
     const auto node = static_cast<std::uint8_t>(on_bus.master().value());
@@ -152,7 +152,7 @@ int set_rate(const LssArguments& arguments) {
     delay = *parsed;
   }
   const auto action = [&](LssOnBus& on_bus, BusLoop& bus) {
-    const auto set = on_bus.service([&](auto& master, can::Time now) {
+    const auto set = on_bus.service_of_found([&](auto& master, can::Time now) {
       return master.configure_bit_timing(*lss::bit_rate_index(*rate), now);
     });
     int code = judge(on_bus, bus, set, fmt::format("setting {:g} kbit/s", *rate / 1000.0));

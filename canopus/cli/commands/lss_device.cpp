@@ -53,13 +53,13 @@ void all_to_waiting(LssOnBus& on_bus) {
 }
 
 int store(LssOnBus& on_bus, const BusLoop& bus) {
-  const auto stored = on_bus.service([](auto& master, can::Time now) { return master.store(now); });
+  const auto stored = on_bus.service_of_found([](auto& master, can::Time now) { return master.store(now); });
   return judge(on_bus, bus, stored, "storing");
 }
 
 int set_node_id(LssOnBus& on_bus, const BusLoop& bus, std::uint8_t node, bool stored) {
-  const auto set =
-      on_bus.service([&](auto& master, can::Time now) { return master.configure_node_id(node, now); });
+  const auto set = on_bus.service_of_found(
+      [&](auto& master, can::Time now) { return master.configure_node_id(node, now); });
   const int code = judge(on_bus, bus, set, fmt::format("setting node-ID {}", node));
   return code == exit_code::done && stored ? store(on_bus, bus) : code;
 }

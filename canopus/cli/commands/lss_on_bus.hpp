@@ -1,6 +1,7 @@
 #pragma once
 // LSS services on a bus of the command line: one at a time, waited for.
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <utility>
@@ -12,7 +13,9 @@ namespace canopus::cli {
 
 class LssOnBus final : public can::Participant, private lss::LssMasterUser, private can::Sink {
  public:
-  LssOnBus(BusLoop& bus, can::Duration time_out) : bus_(bus), master_(*this, *this, {.time_out = time_out}) {
+  /// `time_out`: after which silence is the answer "nobody".
+  LssOnBus(BusLoop& bus, can::Duration time_out)
+      : bus_(bus), time_out_(time_out), master_(*this, *this, {.time_out = time_out}) {
     bus_.add(*this);
   }
   ~LssOnBus() override { bus_.remove(*this); }
@@ -33,6 +36,20 @@ class LssOnBus final : public can::Participant, private lss::LssMasterUser, priv
     }
     return result_;
   }
+  /// The same for a service that a device has to answer which is known to be there: it may be busy with its
+  /// flash memory, and nothing is gained by giving it up soon.
+  template <typename Service>
+  std::optional<lss::LssResult> service_of_found(Service begin) {
+    master_.set_time_out(std::max<can::Duration>(time_out_, std::chrono::seconds(1)));
+    const auto result = service(begin);
+    master_.set_time_out(time_out_);
+    return result;
+  }
+  [[nodiscard]] can::Duration time_out() const noexcept { return time_out_; }
+  void set_time_out(can::Duration time_out) {
+    time_out_ = time_out;
+    master_.set_time_out(time_out);
+  }
   void set_progress(std::function<void(unsigned frames)> progress) { progress_ = std::move(progress); }
   [[nodiscard]] const lss::LssMaster& master() const noexcept { return master_; }
   /// Why service() gave nothing.
@@ -50,6 +67,7 @@ class LssOnBus final : public can::Participant, private lss::LssMasterUser, priv
   }
 
   BusLoop& bus_;
+  can::Duration time_out_;
   lss::LssMaster master_;
   std::function<void(unsigned)> progress_;
   std::optional<lss::LssResult> result_;

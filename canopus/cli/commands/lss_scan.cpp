@@ -1,6 +1,7 @@
 #include "canopus/cli/commands/lss_scan.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,6 +43,7 @@ class Scan {
 
  private:
   int found(std::optional<std::uint8_t> has);
+  bool once_more(std::optional<LssResult> result, std::string_view what);
   void draw_bar(unsigned frames) const {
     constexpr unsigned width = 30;
     const unsigned filled = std::min(width, frames * width / questions_);
@@ -63,12 +65,29 @@ class Scan {
   unsigned next_node_;  // 0: they are not numbered
   unsigned count_ = 0;
   unsigned questions_ = 0;
+  unsigned attempts_ = 1;
+  std::vector<LssAddress> shown_;
 };
+
+/// An answer that came too late passes for silence, and then for the answer to the next question: the search
+/// leads to a device that does not exist, or past one that does. All that still answer are searched again.
+bool Scan::once_more(std::optional<LssResult> result, std::string_view what) {
+  constexpr unsigned most_attempts = 3;
+  if (result != LssResult::lost || attempts_ == most_attempts) return false;
+  ++attempts_;
+  on_bus_.set_time_out(2 * on_bus_.time_out());
+  print_error("canopus: {}: an answer came too late; again from the start, with {:g} ms for each answer", what,
+              std::chrono::duration<double, std::milli>(on_bus_.time_out()).count());
+  all_to_waiting(on_bus_);
+  return true;
+}
 
 /// The device that has just been found is in configuration state. `has`: its node-ID, FFH for none; nothing
 /// if it is known to have none.
 int Scan::found(std::optional<std::uint8_t> has) {
   const LssAddress address = on_bus_.master().address();
+  if (std::ranges::find(shown_, address) != shown_.end()) return exit_code::done;  // by a search before
+  shown_.push_back(address);
   const bool without = has.value_or(lss::unconfigured) == lss::unconfigured;
   const bool number = without && next_node_ != 0;
   if (number && next_node_ > 127) {
@@ -100,6 +119,7 @@ int Scan::fast() {
     const auto result =
         with_bar(fastscan_questions, [](auto& master, can::Time now) { return master.fastscan(now); });
     if (result == LssResult::silence) return exit_code::done;
+    if (once_more(result, "fastscan")) continue;
     int code = judge(on_bus_, bus_, result, "fastscan");
     if (code == exit_code::done) code = found(std::nullopt);
     if (code != exit_code::done) return code;
@@ -118,7 +138,8 @@ int Scan::slow(std::uint32_t vendor, std::uint32_t product) {
   struct Ranges {
     LssAddress low, high;
   };
-  std::vector<Ranges> left{{{vendor, product, 0, 0}, {vendor, product, most, most}}};
+  const Ranges everything{{vendor, product, 0, 0}, {vendor, product, most, most}};
+  std::vector<Ranges> left{everything};
   while (!left.empty()) {
     const Ranges ranges = left.back();
     left.pop_back();
@@ -127,10 +148,14 @@ int Scan::slow(std::uint32_t vendor, std::uint32_t product) {
       return master.slow_scan(ranges.low, ranges.high, now);
     });
     if (result == LssResult::silence) continue;
+    if (once_more(result, "slow scan")) {
+      left.assign(1, everything);
+      continue;
+    }
     if (const int code = judge(on_bus_, bus_, result, "slow scan"); code != exit_code::done) return code;
     const LssAddress address = on_bus_.master().address();
     const auto inquired =
-        on_bus_.service([](auto& master, can::Time now) { return master.inquire_node_id(now); });
+        on_bus_.service_of_found([](auto& master, can::Time now) { return master.inquire_node_id(now); });
     int code = judge(on_bus_, bus_, inquired, "asking for the node-ID");
     if (code == exit_code::done) code = found(static_cast<std::uint8_t>(on_bus_.master().value()));
     if (code != exit_code::done) return code;

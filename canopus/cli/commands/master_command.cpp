@@ -222,7 +222,7 @@ int boot(const Arguments& arguments) {
     for (const text::FileError& error : trial.error()) print_error("{}", describe(error, file->path));
     return exit_code::usage;
   }
-  return with_bus(arguments.bus, [&](BusLoop& bus, can::Duration time_out) {
+  const auto boot_on = [&](BusLoop& bus, can::Duration time_out) -> int {
     auto network = network::NetworkMaster::build(*file, bus, printer);
     if (!network) return complain(exit_code::failed, "a device file changed meanwhile");
     network::NetworkMaster& master = **network;
@@ -239,7 +239,8 @@ int boot(const Arguments& arguments) {
       return complain(exit_code::failed, "interrupted");
     }
     return good ? exit_code::done : exit_code::failed;
-  });
+  };
+  return with_bus(arguments.bus, boot_on, BusTime::real);
 }
 
 }  // namespace
