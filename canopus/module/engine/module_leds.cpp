@@ -53,7 +53,8 @@ std::vector<Led> leds_of(const ModuleParts& parts, can::Time last_frame, can::Ti
     switch (row.use) {
       case LedUse::supply: light(parts.diagnostics.worst() != ErrorClass::major); break;
       case LedUse::error:
-        light(parts.errors.any() || parts.diagnostics.worst().has_value());
+        // Where module diagnostics show errors, their Clear Error puts it out; the error words stay [RJ71CN91 5.2].
+        light(parts.diagnostics.has_tables() ? parts.diagnostics.worst().has_value() : parts.errors.any());
         if (parts.diagnostics.worst() == ErrorClass::moderate) led.pattern = LedPattern::blinking;
         if (parts.diagnostics.worst() == ErrorClass::major) led.pattern = LedPattern::off;
         led.error = true;

@@ -215,7 +215,7 @@ TEST_P(ConciseDcf, RestoreDefaults_DeletesAllAtTheRestart) {
 }
 
 TEST_P(ConciseDcf, S79_ConfigurationRequest) {
-  spec("ME3-CFG-008 ME3-CFG-012 ME3-CFG-013 ME3-CFG-014", "RJ71-CM-003");
+  spec("ME3-CFG-008 ME3-CFG-012 ME3-CFG-013 ME3-CFG-014", "RJ71-CM-003 RJ71-CM-008");
   IntelligentScenario s(GetParam());
   s.power_on_as_master();
   s.cif(download(1));  // for the own node: never executed

@@ -188,6 +188,8 @@ TEST(Rj71Events, ErrorCounters) {
       .tx(0x081, {0x20, 0x81, 0x11, 0, 0, 0, 0, 0});
   EXPECT_EQ(events(s, seen), (Codes{0x040E, 0x040F, 0x040E, 0x040F}));
   s.error_counters(0, 95).expect_bit(25, 1, false).expect(29, 0).no_tx();
+  s.error_counters(256, 0).expect(29, 0x0008).ignore_tx();
+  s.error_counters(0, 0).expect(29, 0).no_tx();  // the return from bus-off is no message
 }
 
 TEST(Rj71Events, Emergencies) {
@@ -327,7 +329,9 @@ TEST(Rj71Diagnostics, ClearError_TakesMinorErrorsOnly) {
   s.controller().overflows = 1;
   s.write(20, 0).ignore_tx();
   const std::size_t seen = count(s);
+  EXPECT_EQ(led(s, "ERR"), LedPattern::on);
   EXPECT_TRUE(s.plug_in().clear_module_errors());
+  EXPECT_EQ(led(s, "ERR"), LedPattern::off);
   EXPECT_EQ(errors(s), Codes{});
   EXPECT_EQ(count(s), seen);
   s.expect(29, 0x0100).expect_x(0x0F, true);  // the words stay

@@ -155,6 +155,34 @@ unsigned seeds() {
   return std::min(wanted != nullptr ? static_cast<unsigned>(std::atoi(wanted)) : 1000U, 1000U);
 }
 
+TEST(MixedNetwork, FlyingMasterWhoseCpuStops_LeavesItsPlace_AndTakesItBackAsTheBest) {
+  RecordProperty("spec", "RJ71-FLY-010 RJ71-CPU-005");
+  Network network;
+  Network::Member& best = network.add(rj71cn91, 2);
+  network.add(me3can1_q, 5);
+  Network::Member& last = network.add(rj71cn91, 9);
+  for (Network::Member& member : network.members) {
+    Network::preset(member, 0x1F80, 0, 0x21, 4);
+    Network::preset(member, 0x1F90, 3, 1, 2);
+    network.power(member, true);
+  }
+  network.run(30s);
+  EXPECT_EQ(network.active(), (std::vector<unsigned>{2}));
+  network.cpu(best, false);
+  EXPECT_EQ(network.active(), (std::vector<unsigned>{}));
+  network.run(30s);
+  EXPECT_EQ(network.active(), (std::vector<unsigned>{5}));
+  // In RUN again one takes part; only the best becomes active by it.
+  network.cpu(last, false);
+  network.run(10s);
+  network.cpu(last, true);
+  network.run(30s);
+  EXPECT_EQ(network.active(), (std::vector<unsigned>{5}));
+  network.cpu(best, true);
+  network.run(30s);
+  EXPECT_EQ(network.active(), (std::vector<unsigned>{2}));
+}
+
 TEST(MixedNetwork, FlyingMasters_InTheEndOneIsActive_TheBest) {
   RecordProperty("spec", "RJ71-FLY-001 RJ71-FLY-002 RJ71-FLY-003");
   const unsigned networks =
