@@ -96,7 +96,7 @@ BusLoop::End BusLoop::run(const std::function<bool()>& done, can::Time end) {
     if (next <= now()) continue;
     if (io_.stopped()) io_.restart();
     if (patient_) {
-      io_.run_one_until(WallClock::now() + std::min<can::Duration>(next - now(), PatientClock::most / 2));
+      io_.run_one_until(WallClock::now() + std::min<can::Duration>(next - now(), PatientClock::often));
     } else if (next == can::never) {
       io_.run_one();
     } else {

@@ -10,8 +10,10 @@ namespace canopus::link {
 
 class PatientClock {
  public:
-  /// Between two looks no more than this is counted. It has to be looked at more often than that.
-  static constexpr can::Duration most = std::chrono::milliseconds(20);
+  /// Between two looks no more than this is counted.
+  static constexpr can::Duration most = std::chrono::milliseconds(50);
+  /// How often it is to be looked at.
+  static constexpr can::Duration often = std::chrono::milliseconds(10);
 
   /// What is counted when the real clock has come to `real` since the start. Looks forward only.
   [[nodiscard]] can::Duration at(can::Duration real) const noexcept {

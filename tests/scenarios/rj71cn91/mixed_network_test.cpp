@@ -155,6 +155,33 @@ unsigned seeds() {
   return std::min(wanted != nullptr ? static_cast<unsigned>(std::atoi(wanted)) : 1000U, 1000U);
 }
 
+// [4.8.10] The one with the higher priority waits 10 s, the other 1.5 s.
+TEST(MixedNetwork, ResponseWaitsInTheWrongOrder_TheNegotiationDoesNotEnd) {
+  RecordProperty("spec", "ME3-FLY-017 RJ71-FLY-004");
+  for (const Pair& pair : pairs) {
+    Network network;
+    Network::Member& high = network.add(pair.master, 100);
+    Network::preset(high, 0x1F90, 3, 0, 2);
+    Network::preset(high, 0x1F90, 5, 100, 2);
+    Network::Member& low = network.add(pair.slave, 1);
+    Network::preset(low, 0x1F90, 3, 1, 2);
+    for (Network::Member* member : {&high, &low}) {
+      Network::preset(*member, 0x1F80, 0, 0x21, 4);
+      network.power(*member, true);
+    }
+    network.run(60s);
+    unsigned changes = 0;
+    std::vector<unsigned> before = network.active();
+    for (int tenth = 0; tenth < 1200; ++tenth) {
+      network.run(100ms);
+      const std::vector<unsigned> now = network.active();
+      changes += now != before ? 1U : 0U;
+      before = now;
+    }
+    EXPECT_GE(changes, 10U) << pair.master << ' ' << pair.slave;
+  }
+}
+
 TEST(MixedNetwork, FlyingMasterWhoseCpuStops_LeavesItsPlace_AndTakesItBackAsTheBest) {
   RecordProperty("spec", "RJ71-FLY-010 RJ71-CPU-005");
   Network network;
