@@ -106,13 +106,14 @@ void EmcyProducer::forget(std::uint16_t code, std::span<const std::uint8_t, 5> m
 void EmcyProducer::history_emptied(can::Time now) {
   node_.dictionary.set(0x1001, 0, std::uint8_t{0});
   active_errors_ = 0;
-  send_or_wait(0, 0, now);
+  send_or_wait({}, now);
 }
 
-void EmcyProducer::send_or_wait(std::uint16_t code, std::uint8_t first_manufacturer, can::Time now) {
+void EmcyProducer::send_or_wait(const CommunicationError& error, can::Time now) {
   const auto error_register = node_.dictionary.get<std::uint8_t>(0x1001, 0);
-  const Message message{static_cast<std::uint8_t>(code), static_cast<std::uint8_t>(code >> 8), error_register,
-                        first_manufacturer};
+  Message message{static_cast<std::uint8_t>(error.code), static_cast<std::uint8_t>(error.code >> 8),
+                  error_register};
+  std::ranges::copy(error.manufacturer, message.begin() + 3);
   if (node_.communicates()) {
     if (!inhibited(now) && waiting_count_ == 0) {
       send(message, now);
@@ -121,9 +122,8 @@ void EmcyProducer::send_or_wait(std::uint16_t code, std::uint8_t first_manufactu
       node_.timers.set(timer_, inhibited_until_);
     }
   }
-  if (node_.listener != nullptr) {
-    node_.listener->emergency_raised({node_.node_id, code, error_register, {first_manufacturer}}, now);
-  }
+  if (node_.listener != nullptr)
+    node_.listener->emergency_raised({node_.node_id, error.code, error_register, error.manufacturer}, now);
 }
 
 void EmcyProducer::error_began(const CommunicationError& error, can::Time now) {
@@ -131,8 +131,8 @@ void EmcyProducer::error_began(const CommunicationError& error, can::Time now) {
   const auto old_register = node_.dictionary.get<std::uint8_t>(0x1001, 0);
   node_.dictionary.set(0x1001, 0,
                        static_cast<std::uint8_t>(old_register | generic_error | communication_error));
-  remember(error.code, error.first_manufacturer, 0);
-  send_or_wait(error.code, error.first_manufacturer, now);
+  remember(error.code, error.manufacturer[0], error.manufacturer[1]);
+  send_or_wait(error, now);
 }
 
 void EmcyProducer::error_ended(const CommunicationError&, can::Time now) {
@@ -141,7 +141,7 @@ void EmcyProducer::error_ended(const CommunicationError&, can::Time now) {
       static_cast<std::uint8_t>(node_.dictionary.get<std::uint8_t>(0x1001, 0) & ~communication_error);
   if (error_register == generic_error) error_register = 0;
   node_.dictionary.set(0x1001, 0, error_register);
-  send_or_wait(0, 0, now);
+  send_or_wait({}, now);
 }
 
 void EmcyProducer::tick(can::Time now) {

@@ -59,7 +59,7 @@ class EmcyProducer final : public ObjectHandler {
                                             std::uint8_t second) const noexcept;
   void history_emptied(can::Time now);
   void send(const Message& message, can::Time now);
-  void send_or_wait(std::uint16_t code, std::uint8_t first_manufacturer, can::Time now);
+  void send_or_wait(const CommunicationError& error, can::Time now);
   [[nodiscard]] bool inhibited(can::Time now) const noexcept { return now < inhibited_until_; }
 
   NodeContext& node_;

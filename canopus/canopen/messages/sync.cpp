@@ -53,7 +53,7 @@ bool Sync::receive(const can::Frame& frame, can::Time now) {
   const bool fits = frame.dlc == (overflow_ != 0 ? 1 : 0);
   if (fits == length_error_) {
     length_error_ = !fits;
-    const CommunicationError error{node_.options.sync_length_error, 0};
+    const CommunicationError error{.code = node_.options.sync_length_error};
     fits ? node_.error_ended(error, now) : node_.error_began(error, now);
   }
   if (!fits) return false;

@@ -62,7 +62,7 @@ void HeartbeatConsumer::receive(std::uint16_t number, const can::Frame& frame, c
     node_.timers.set(timer, now + std::chrono::milliseconds(watch.milliseconds));
   }
   const std::uint8_t node_id = watch.node_id;
-  if (was_lost) node_.error_ended({emcy_code::life_guard_or_heartbeat, node_id}, now);
+  if (was_lost) node_.error_ended({emcy_code::life_guard_or_heartbeat, {node_id}}, now);
   if (node_.listener != nullptr) node_.listener->heartbeat_received(node_id, state, now);
 }
 
@@ -74,7 +74,7 @@ void HeartbeatConsumer::tick(std::uint16_t number, can::Time now) {
   const bool named = node_.options.guarding_emergency_names_node;
   const auto code =
       static_cast<std::uint16_t>(named ? emcy_code::node_lost + node_id : emcy_code::life_guard_or_heartbeat);
-  node_.error_began({code, named ? std::uint8_t{0} : node_id}, now);
+  node_.error_began({code, {named ? std::uint8_t{0} : node_id}}, now);
   if (node_.listener != nullptr) node_.listener->heartbeat_lost(node_id, now);
   if (!node_.active_master) node_.communication_error(now);
 }
@@ -107,7 +107,7 @@ void HeartbeatConsumer::after_write(ObjectDictionary&, const Entry& entry, can::
   const Watch before = watches_[number];
   read(number);
   if (before.state == State::lost)
-    node_.error_ended({emcy_code::life_guard_or_heartbeat, before.node_id}, now);
+    node_.error_ended({emcy_code::life_guard_or_heartbeat, {before.node_id}}, now);
 }
 
 }  // namespace canopus::canopen

@@ -45,7 +45,7 @@ void NodeGuarding::receive(bool heartbeat, can::Time now) {
   restart(now);
   if (!occurred_) return;
   occurred_ = false;
-  node_.error_ended({emcy_code::life_guard_or_heartbeat, node_.node_id}, now);
+  node_.error_ended({emcy_code::life_guard_or_heartbeat, {node_.node_id}}, now);
   if (node_.listener != nullptr) node_.listener->life_guarding_event(false, now);
 }
 
@@ -67,7 +67,7 @@ void NodeGuarding::tick(bool heartbeat, can::Time now) {
   const bool named = node_.options.guarding_emergency_names_node;
   const auto code = static_cast<std::uint16_t>(named ? emcy_code::node_lost + node_.node_id
                                                      : emcy_code::life_guard_or_heartbeat);
-  node_.error_began({code, named ? std::uint8_t{0} : node_.node_id}, now);
+  node_.error_began({code, {named ? std::uint8_t{0} : node_.node_id}}, now);
   if (node_.listener != nullptr) node_.listener->life_guarding_event(true, now);
   node_.communication_error(now);
 }

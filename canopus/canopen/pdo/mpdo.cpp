@@ -77,7 +77,7 @@ bool MpdoConsumer::receive(const can::Frame& frame, std::uint8_t addressing, can
     const bool is_missing = code == AbortCode::no_object || code == AbortCode::no_sub_index;
     if (is_missing != destination_missing_) {
       destination_missing_ = is_missing;
-      const CommunicationError error{emcy_code::mpdo_destination, 0};
+      const CommunicationError error{.code = emcy_code::mpdo_destination};
       is_missing ? node_.error_began(error, now) : node_.error_ended(error, now);
     }
     return code == AbortCode::none;

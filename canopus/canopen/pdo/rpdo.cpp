@@ -37,7 +37,8 @@ void Rpdos::read(Rpdo& pdo) {
   const auto index = static_cast<std::uint16_t>(first_communication + pdo.number);
   pdo.cob_id = usable(CobId{d.get<std::uint32_t>(index, 1, CobId::invalid_bit)});
   pdo.transmission_type = d.get<std::uint8_t>(index, 2, 0xFF);
-  pdo.event_timer = d.get<std::uint16_t>(index, 5);
+  const bool has_timer = pdo.transmission_type > 240 || !node_.options.rpdo_timer_for_events_alone;
+  pdo.event_timer = has_timer ? d.get<std::uint16_t>(index, 5) : std::uint16_t{0};
   pdo.is_waiting = false;
   const auto mapping = static_cast<std::uint16_t>(first_mapping + pdo.number);
   const auto count = d.get<std::uint8_t>(mapping, 0);
@@ -114,13 +115,13 @@ void Rpdos::receive_unusual(Rpdo& pdo, const can::Frame& frame, can::Time window
     if (pdo.timed_out) {
       pdo.timed_out = false;
       --pdo.error_count;
-      node_.error_ended({emcy_code::rpdo_time_out, 0}, now);
+      node_.error_ended(time_out_of(pdo), now);
     }
   }
   if (fits == pdo.length_error) {
     pdo.length_error = !fits;
     fits ? --pdo.error_count : ++pdo.error_count;
-    const CommunicationError error{too_short ? emcy_code::pdo_too_short : emcy_code::pdo_too_long, 0};
+    const CommunicationError error{.code = too_short ? emcy_code::pdo_too_short : emcy_code::pdo_too_long};
     fits ? node_.error_ended(error, now) : node_.error_began(error, now);
   }
   if (!fits && node_.listener != nullptr) {
@@ -142,13 +143,22 @@ void Rpdos::sync(can::Time now) {
   }
 }
 
+CommunicationError Rpdos::time_out_of(const Rpdo& pdo) const noexcept {
+  CommunicationError error{.code = emcy_code::rpdo_time_out};
+  if (!node_.options.rpdo_time_out_names_pdo) return error;
+  const unsigned number = pdo.number + 1U;
+  error.manufacturer = {static_cast<std::uint8_t>(number), static_cast<std::uint8_t>(number >> 8), 'O', 'D',
+                        'P'};
+  return error;
+}
+
 void Rpdos::tick(std::uint16_t position, can::Time now) {
   Rpdo& pdo = rpdos_[position];
   pdo.timed_out = true;
   ++pdo.error_count;
   classify(pdo);
   const std::uint16_t number = pdo.number;
-  node_.error_began({emcy_code::rpdo_time_out, 0}, now);
+  node_.error_began(time_out_of(pdo), now);
   if (node_.listener != nullptr) node_.listener->rpdo_timed_out(number, now);
 }
 
@@ -185,7 +195,7 @@ AbortCode Rpdos::before_write(ObjectDictionary& dictionary, const Entry& entry,
 }
 
 void Rpdos::forget_errors(Rpdo& pdo, can::Time now) {
-  for (; pdo.error_count != 0; --pdo.error_count) node_.error_ended({0, 0}, now);
+  for (; pdo.error_count != 0; --pdo.error_count) node_.error_ended({}, now);
   pdo.length_error = false;
   pdo.timed_out = false;
   classify(pdo);

@@ -65,6 +65,7 @@ class Rpdos final : public ObjectHandler {
   void receive_other(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now);
   void receive_unusual(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now);
   void read(Rpdo& pdo);
+  [[nodiscard]] CommunicationError time_out_of(const Rpdo& pdo) const noexcept;
   static void classify(Rpdo& pdo) noexcept {
     pdo.is_plain = pdo.plan.is_word() && pdo.transmission_type > 240 && !pdo.watched && pdo.error_count == 0;
   }

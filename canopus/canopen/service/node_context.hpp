@@ -2,6 +2,7 @@
 // What the services of one node share: the dictionary that configures them, where frames go, the node's
 // timers and NMT state, and the two things they ask of the node as a whole (an emergency, 1029H).
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <utility>
@@ -16,8 +17,8 @@ namespace canopus::canopen {
 
 /// Errors that a service of the node itself finds, and takes back when they are over.
 struct CommunicationError {
-  std::uint16_t code = 0;               ///< emergency error code
-  std::uint8_t first_manufacturer = 0;  ///< first manufacturer-specific byte
+  std::uint16_t code = 0;                      ///< emergency error code
+  std::array<std::uint8_t, 5> manufacturer{};  ///< manufacturer-specific bytes
 };
 
 class NodeContext {

@@ -35,6 +35,8 @@ struct NodeOptions {
   /// Inhibit times (PDO and EMCY) count in steps of this: a value other than 0 that is shorter acts as one
   /// step, a fraction is dropped [ME3CAN1-Q 4.6.5: 1 ms].
   can::Duration inhibit_time_resolution = std::chrono::microseconds(100);
+  /// The event timer of an RPDO watches one that is event-driven (FEH, FFH), and no synchronous one [FX3U-CAN 5.6.5].
+  bool rpdo_timer_for_events_alone = false;
   /// Configurable COB-IDs may have 29-bit identifiers (bit 29); else 06090030H.
   bool extended_identifiers = true;
 
@@ -63,6 +65,9 @@ struct NodeOptions {
   /// A lost heartbeat is reported with 8F00H + node-ID of the lost node, a life guarding event with 8F00H + own
   /// node-ID, instead of 8130H [ME3CAN1-Q 8.2.1].
   bool guarding_emergency_names_node = false;
+  /// Emergency code 8250H carries the RPDO's number, counted from 1, low byte first, and the text "PDO", last letter first
+  /// [FX3U-CAN 6.23]; else zeros.
+  bool rpdo_time_out_names_pdo = false;
   /// Emergency code of a SYNC of the wrong length; modules that do not know 8240H say 8200H
   /// [ME3CAN1-Q 8.2.1].
   std::uint16_t sync_length_error = emcy_code::sync_length;

@@ -133,7 +133,11 @@ void ErrorControl::resolve(std::uint8_t node_id, can::Time now) {
 void ErrorControl::presence_known(std::uint8_t node_id, bool present, can::Time now) {
   const Slave& slave = master_.slaves[node_id];
   if (!present) {
-    if (!slave.is_heard()) master_.set_state(node_id, node_state::missing, now);
+    // An FX3U-CAN shows a node as missing only where it is mandatory and the boot time is limited [FX3U-CAN 6.22].
+    const bool is_expected = (master_.assignment(node_id) & assignment_bit::mandatory) != 0 &&
+                             master_.dictionary().get<std::uint32_t>(0x1F89, 0) != 0;
+    const bool is_shown = is_expected || !master_.options.commands_show_all_nodes;
+    if (is_shown && !slave.is_heard()) master_.set_state(node_id, node_state::missing, now);
   } else if (slave.state <= node_state::missing &&
              (master_.assignment(node_id) & assignment_bit::keep_alive) == 0) {
     master_.set_state(node_id, node_state::pre_operational, now);

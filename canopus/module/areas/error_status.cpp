@@ -48,7 +48,7 @@ void ErrorStatus::set(Errors errors) noexcept {
 
 bool ErrorStatus::note_word_error(WriteResult result, BufferAddress address) {
   const auto row = std::ranges::find(layout_->word_errors, address, &WordErrorRow::word);
-  if (row == layout_->word_errors.end()) return true;
+  if (row == layout_->word_errors.end() || (row->modes & memory_->mode()) == 0) return true;
   if (result != WriteResult::invalid && result != WriteResult::done) return true;
   follow(row->error, result == WriteResult::invalid);
   any_word_error_ = std::ranges::any_of(layout_->word_errors,

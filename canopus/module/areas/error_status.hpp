@@ -46,6 +46,8 @@ struct WordErrorRow {
   BufferAddress word = 0;
   ModuleError error{};
   bool is_invalid_value = false;  ///< it is ModuleError::invalid_value besides
+  Modes modes =
+      every_mode;  ///< of these function modes; in others a bad value is ModuleError::invalid_value alone
 };
 
 struct ErrorStatusLayout {

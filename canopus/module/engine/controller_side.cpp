@@ -37,6 +37,9 @@ void ControllerSide::look_at_overflows(can::Time now) {
   if (std::exchange(overflows_, overflows) == overflows) return;
   if (!parts_.errors.raise(ModuleError::queue_overflow)) return;
   parts_.own_emergencies.raise(parts_.model.emergencies.queue_overflow);
+  parts_.own_emergencies.send(now);
+  // It may have found no room itself: that is the same overflow.
+  overflows_ = parts_.controller.transmit_overflows() + parts_.controller.receive_overflows();
   parts_.report("a queue has overflown: frames were lost", now);
   parts_.diagnostics.raise(Diagnosis::queue_overflow, now);
 }

@@ -298,7 +298,6 @@ void ModuleEngine::update(can::Time now) {
   if (parts_.state.phase == Phase::off) return;
   if (parts_.state.running()) {
     cpu_side_.enter_due_stop(now);
-    controller_side_.look_at_overflows(now);
     if (parts_.state.canopen_mode()) {
       parts_.own_emergencies.send(now);
       parts_.exchange.exchange_if_operational(now);
@@ -310,6 +309,7 @@ void ModuleEngine::update(can::Time now) {
         parts_.diagnostics.raise(Diagnosis::message_slot, now, {parts_.layer2.first_slot_error()});
       }
     }
+    controller_side_.look_at_overflows(now);  // of what was sent just now, too
   }
   if (parts_.settings.wore_out()) {  // the real flash memory; this one goes on
     parts_.report("the flash memory has been written more often than the real one lasts for (" +

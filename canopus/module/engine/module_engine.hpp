@@ -166,6 +166,8 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
     return parts_.state.canopen_mode() ? parts_.node.state() == canopen::NmtState::operational
                                        : parts_.layer2.online();
   }
+  /// A word that a module with a faulty stored object dictionary takes.
+  [[nodiscard]] bool leads_out_of_stuck(BufferAddress address) const noexcept;
   void note_access(BufferAddress address, can::Time now) {
     if (parts_.state.phase == Phase::off) return;
     parts_.state.last_access = now;

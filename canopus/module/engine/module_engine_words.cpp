@@ -12,11 +12,19 @@ std::uint16_t ModuleEngine::read_word(BufferAddress address, can::Time now) {
   return look_at_word(address, now);
 }
 
+// A module that stays in its initialization takes commands, which reset the object dictionary, and the restart.
+bool ModuleEngine::leads_out_of_stuck(BufferAddress address) const noexcept {
+  const auto restarts = [address](const RequestWordRow& row) {
+    return row.word == address && row.use == RequestUse::restart;
+  };
+  return parts_.command.owns(address) || std::ranges::any_of(parts_.model.request_words, restarts);
+}
+
 void ModuleEngine::write_word(BufferAddress address, std::uint16_t value, can::Time now) {
   if (parts_.state.phase == Phase::off) return;
   note_access(address, now);
   const bool allowed =
-      !parts_.state.initializing() || (parts_.state.phase == Phase::stuck && parts_.command.owns(address));
+      !parts_.state.initializing() || (parts_.state.phase == Phase::stuck && leads_out_of_stuck(address));
   const bool was_good = !parts_.errors.has(ModuleError::invalid_value);
   const WriteResult result = allowed ? parts_.buffer.write(address, value, now) : WriteResult::refused;
   parts_.errors.record(result, address);

@@ -27,8 +27,9 @@ BufferArea* WordPort::behind(BufferAddress address) const noexcept {
 
 bool WordPort::means_something(const RequestWordRow& row) const noexcept {
   const ModuleState& state = engine_.state();
-  const bool may_command = row.use == RequestUse::command && state.phase == ModuleState::Phase::stuck;
-  return (!state.initializing() || may_command) && (row.modes & state.mode->bit) != 0;
+  const bool is_way_out = row.use == RequestUse::command || row.use == RequestUse::restart;
+  const bool is_stuck = state.phase == ModuleState::Phase::stuck;
+  return (!state.initializing() || (is_stuck && is_way_out)) && (row.modes & state.mode->bit) != 0;
 }
 
 std::uint16_t WordPort::read_word(BufferAddress address, can::Time now) {

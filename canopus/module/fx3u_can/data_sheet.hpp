@@ -20,6 +20,7 @@ inline constexpr std::array standard_facts = std::to_array<Standard>({
     {"CiA 302",   "4.1", "additional application layer functions"},
     {"CiA 305",   "2.2", "layer setting services (master)"},
     {"CiA 405",   "2.0", "IEC 61131-3 programmable devices"},
+    {"CiA 417",   "2.1", "lift control systems (function mode 417)"},
 });
 
 // [FX3U-CAN 1.2.3] A row of five terminals.
@@ -46,8 +47,13 @@ inline constexpr std::array cpu_facts = std::to_array<ModulesPerCpu>({
 });
 
 inline constexpr std::array property_facts = std::to_array<Property>({
-    {"Place",                 "right side of the main unit; special function block No. 0 to 7 (FX5: No. 1 to 16)"},
+    {"Place",                 "right side of the main unit; special function block No. 0 to 7, 1 to 7 behind an FX3UC-32MT-LT, 2 to 16 behind an FX5U or FX5UC (1 to 16 in the configuration tool)"},
     {"Firmware",              "as 1.12"},
+    {"Since firmware 1.10",   "100CH, 100DH, 1020H, 102AH; #70, #71, #10000 to #13539; #20 bits 8, 9, 12; EMCY 3111H, 3121H, 8F01H to 8F7FH"},
+    {"Since firmware 1.12",   "FX5U, FX5UC"},
+    {"Version of the PLC",    "last three digits of D8001 or D8101"},
+    {"Values of 32 bits",     "two words: read and write them by 32-bit instructions, else old and new may mix; no error shows it"},
+    {"RUN>STOP messages",     "sent some time after STOP that depends on the PLC and its extension blocks; here at once"},
     {"Transmission",          "CAN bus network (ISO 11898, CSMA/CR)"},
     {"Cable",                 "ISO 11898, shielded twisted pair, 120 ohm"},
     {"Terminating resistors", "120 ohm at both ends, not built in"},

@@ -80,7 +80,7 @@ constexpr std::array error_rows = std::to_array<ErrorRow>({
 // #27: 14.2 says bit 12, 6.10 says bit 6.
 constexpr std::array word_errors = std::to_array<WordErrorRow>({
     {24, ModuleError::baud_rate_change,    false},
-    {27, ModuleError::node_address_change, true},
+    {27, ModuleError::node_address_change, true, mode_405},
 });
 
 constexpr std::array watched_words = std::to_array<WatchedWords>({
@@ -134,6 +134,8 @@ constexpr EmergencyRows emergencies{
 
 canopen::NodeOptions node_options() {
   canopen::NodeOptions options = intelligent::node_options();
+  options.rpdo_timer_for_events_alone = true;
+  options.rpdo_time_out_names_pdo = true;
   options.sync_length_error = emcy_code::sync_length;
   return options;
 }
@@ -217,6 +219,7 @@ constinit const ModuleModel model{
     .node_options = node_options,
     .master_options = master_options,
     .configuration_options = intelligent::configuration_options,
+    .faulty_mapping_keeps_initializing = true,
     .restore_clears_files_at_once = true,
     .layer2_deletes_objects = true,
 };

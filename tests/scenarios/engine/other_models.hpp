@@ -34,6 +34,7 @@ class OtherScenario : private OtherBench<Model>, public ModuleScenario {
   OtherScenario() : ModuleScenario(OtherBench<Model>::module, OtherBench<Model>::bus) {}
   [[nodiscard]] Model& plug_in() { return OtherBench<Model>::module; }
   [[nodiscard]] FreeBus& controller() { return OtherBench<Model>::bus; }
+  [[nodiscard]] RamMemory& flash() { return OtherBench<Model>::memory; }
 };
 
 }  // namespace canopus::scenario

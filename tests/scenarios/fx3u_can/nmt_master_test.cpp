@@ -1,39 +1,9 @@
 // NMT: the module as slave, as master, as flying master; LSS; configuration manager [FX3U-CAN 5.8].
 
-#include "scenarios/fx3u_can/scenario.hpp"
+#include "scenarios/fx3u_can/master_steps.hpp"
 
 namespace canopus::scenario {
 namespace {
-
-/// A master as node 127 whose objects are stored; the restart is still to come.
-void prepare(BlockScenario& s,
-             const std::vector<std::tuple<std::uint16_t, std::uint8_t, std::uint32_t, unsigned>>& objects) {
-  s.power_on().write(26, 0);
-  for (const auto& [index, sub, value, length] : objects) s.set_object(index, sub, value, length);
-  s.store_objects().save().ignore_tx().write(25, 1).ignore_tx().wait_bit(25, 7, false).tx(0x77F, {0x00});
-}
-/// A slave is asked for its device type, and says this.
-void identify(BlockScenario& s, std::uint8_t node, std::uint32_t type, Where where = Where::current()) {
-  s.wait_tx(0x600U + node, {0x40, 0x00, 0x10, 0, 0, 0, 0, 0}, 20s, where);
-  s.rx(0x580U + node, {0x43, 0x00, 0x10, 0, static_cast<std::uint8_t>(type),
-                       static_cast<std::uint8_t>(type >> 8), static_cast<std::uint8_t>(type >> 16), 0});
-}
-/// Lets time pass until the module sends this, whatever else it sends. Returns when it did.
-can::Time when_sent(BlockScenario& s, std::uint32_t identifier, const Bytes& bytes,
-                    can::Duration at_most = 20s) {
-  const std::string wanted = text(can::data_frame(identifier, bytes));
-  for (const can::Time end = s.now() + at_most; s.now() < end;) {
-    for (const can::Frame& frame : s.controller().sent) {
-      if (text(frame) != wanted) continue;
-      s.ignore_tx();
-      return s.now();
-    }
-    s.ignore_tx().advance(1ms);
-  }
-  ADD_FAILURE() << wanted << " was not sent";
-  return s.now();
-}
-constexpr std::uint32_t type_of_slave = 0x000F'0191;
 
 // S070
 TEST(FxNmt, ASlave_FollowsItsCommands) {
@@ -105,13 +75,13 @@ TEST(FxNmt, SimpleStartUp_WaitsForTheDelay) {
 TEST(FxNmt, EachSlave_IsIdentified_AndStarted) {
   RecordProperty("spec", "FX3U-BOOT-002 FX3U-BOOT-008 FX3U-COM-009 FX3U-IDENT-001");
   BlockScenario s;
-  prepare(s, {{0x1F80, 0, 1, 4},
-              {0x1F81, 3, 0x0D, 4},
-              {0x1F84, 3, type_of_slave, 4},
-              {0x1F85, 3, 0x71, 4},
-              {0x1F89, 0, 10000, 4}});
+  prepare_master(s, {{0x1F80, 0, 1, 4},
+                     {0x1F81, 3, 0x0D, 4},
+                     {0x1F84, 3, type_of_slave, 4},
+                     {0x1F85, 3, 0x71, 4},
+                     {0x1F89, 0, 10000, 4}});
   s.tx(0x000, {0x82, 0}).expect_bit(25, 14, true).rx(0x703, {0x00});
-  identify(s, 3, type_of_slave);
+  identify_slave(s, 3, type_of_slave);
   s.tx(0x603, {0x40, 0x18, 0x10, 1, 0, 0, 0, 0}).rx(0x583, {0x43, 0x18, 0x10, 1, 0x71, 0, 0, 0});
   s.wait_tx(0x000, {0x01, 3})
       .advance(100ms)
@@ -124,7 +94,7 @@ TEST(FxNmt, EachSlave_IsIdentified_AndStarted) {
 TEST(FxNmt, AMissingMandatorySlave_EndsTheStartUp_AndAnOptionalOneIsSought) {
   RecordProperty("spec", "FX3U-BOOT-008 FX3U-BOOT-009 FX3U-COM-010 FX3U-COM-011 FX3U-NMT-015");
   BlockScenario s;
-  prepare(s, {{0x1F80, 0, 1, 4}, {0x1F81, 3, 0x0D, 4}, {0x1F89, 0, 5000, 4}});
+  prepare_master(s, {{0x1F80, 0, 1, 4}, {0x1F81, 3, 0x0D, 4}, {0x1F89, 0, 5000, 4}});
   s.tx(0x000, {0x82, 0});
   unsigned asked = 0;
   for (int i = 0; i < 49; ++i) {
@@ -143,12 +113,12 @@ TEST(FxNmt, AMissingMandatorySlave_EndsTheStartUp_AndAnOptionalOneIsSought) {
       .advance(1min)
       .no_tx();
   BlockScenario optional;
-  prepare(optional, {{0x1F80, 0, 1, 4}, {0x1F81, 3, 0x05, 4}, {0x1F89, 0, 5000, 4}});
+  prepare_master(optional, {{0x1F80, 0, 1, 4}, {0x1F81, 3, 0x05, 4}, {0x1F89, 0, 5000, 4}});
   optional.advance(10s).expect_bit(25, 11, false).expect_bit(25, 0, true).ignore_tx();
   for (int i = 0; i < 5; ++i) {
-    const can::Time before = when_sent(optional, 0x603, {0x40, 0, 0x10, 0, 0, 0, 0, 0});
+    const can::Time before = when_first_sent(optional, 0x603, {0x40, 0, 0x10, 0, 0, 0, 0, 0});
     optional.advance(1ms);
-    EXPECT_LE(when_sent(optional, 0x603, {0x40, 0, 0x10, 0, 0, 0, 0, 0}) - before, 1600ms);
+    EXPECT_LE(when_first_sent(optional, 0x603, {0x40, 0, 0x10, 0, 0, 0, 0, 0}) - before, 1600ms);
     optional.advance(1ms);
   }
 }
@@ -156,14 +126,14 @@ TEST(FxNmt, AMissingMandatorySlave_EndsTheStartUp_AndAnOptionalOneIsSought) {
 TEST(FxNmt, AWrongIdentity_StopsTheStartUp) {
   RecordProperty("spec", "FX3U-IDENT-002 FX3U-COM-010 FX3U-COM-011");
   BlockScenario s;
-  prepare(s, {{0x1F80, 0, 1, 4}, {0x1F81, 3, 0x0D, 4}, {0x1F84, 3, type_of_slave, 4}});
+  prepare_master(s, {{0x1F80, 0, 1, 4}, {0x1F81, 3, 0x0D, 4}, {0x1F84, 3, type_of_slave, 4}});
   s.tx(0x000, {0x82, 0});
-  identify(s, 3, 0x12345);
+  identify_slave(s, 3, 0x12345);
   s.advance(5s).expect_bit(25, 11, true).no_tx();
   BlockScenario optional;
-  prepare(optional, {{0x1F80, 0, 1, 4}, {0x1F81, 3, 0x05, 4}, {0x1F84, 3, type_of_slave, 4}});
+  prepare_master(optional, {{0x1F80, 0, 1, 4}, {0x1F81, 3, 0x05, 4}, {0x1F84, 3, type_of_slave, 4}});
   optional.tx(0x000, {0x82, 0});
-  identify(optional, 3, 0x12345);
+  identify_slave(optional, 3, 0x12345);
   optional.advance(1s).expect_bit(25, 13, true).expect_bit(25, 11, false).ignore_tx();
 }
 
@@ -171,7 +141,7 @@ TEST(FxNmt, AWrongIdentity_StopsTheStartUp) {
 TEST(FxNmt, StartUpBits2And3) {
   RecordProperty("spec", "FX3U-BOOT-004 FX3U-BOOT-005 FX3U-CIF-011");
   BlockScenario s;
-  prepare(s, {{0x1F80, 0, 5, 4}});
+  prepare_master(s, {{0x1F80, 0, 5, 4}});
   s.advance(5s)
       .expect(25, 0x8100 | 1U << 14)
       .ignore_tx()
@@ -180,9 +150,9 @@ TEST(FxNmt, StartUpBits2And3) {
       .expect_bit(25, 0, true)
       .ignore_tx();
   BlockScenario quiet;
-  prepare(quiet, {{0x1F80, 0, 9, 4}, {0x1F81, 3, 0x05, 4}});
+  prepare_master(quiet, {{0x1F80, 0, 9, 4}, {0x1F81, 3, 0x05, 4}});
   quiet.tx(0x000, {0x82, 0}).rx(0x703, {0x00});
-  identify(quiet, 3, 1);
+  identify_slave(quiet, 3, 1);
   quiet.advance(5s).expect_bit(25, 0, true).no_tx();
   // The program starts them all.
   quiet.cif({0x0002, 0, 0x1F82, 0x80, 1, 5})
@@ -195,7 +165,7 @@ TEST(FxNmt, StartUpBits2And3) {
 TEST(FxNmt, RequestsOfTheProgram) {
   RecordProperty("spec", "FX3U-NMT-009 FX3U-NMT-010 FX3U-NMT-011 FX3U-NMT-012 FX3U-NMT-014 FX3U-CIF-011");
   BlockScenario s;
-  prepare(s, {{0x1F80, 0, 1, 4}});
+  prepare_master(s, {{0x1F80, 0, 1, 4}});
   s.advance(2s).ignore_tx().expect_bit(25, 0, true);
   for (const auto& [value, command, state] :
        std::vector<std::tuple<std::uint32_t, std::uint8_t, std::uint16_t>>{
@@ -239,9 +209,10 @@ TEST(FxNmt, ALostSlave_IsDealtWithAsTheStartUpBitsSay) {
        {Row{0x01, 0x05, {0x82, 3}}, Row{0x41, 0x05, {0x82, 3}}, Row{0x01, 0x0D, {0x82, 3}},
         Row{0x11, 0x0D, {0x82, 0}}, Row{0x41, 0x0D, {0x02, 0}}, Row{0x51, 0x0D, {0x02, 0}}}) {
     BlockScenario s;
-    prepare(s, {{0x1F80, 0, row.start_up, 4}, {0x1F81, 3, row.assignment, 4}, {0x1016, 1, 0x0003'0064, 4}});
+    prepare_master(
+        s, {{0x1F80, 0, row.start_up, 4}, {0x1F81, 3, row.assignment, 4}, {0x1016, 1, 0x0003'0064, 4}});
     s.tx(0x000, {0x82, 0}).rx(0x703, {0x00});
-    identify(s, 3, 1);
+    identify_slave(s, 3, 1);
     s.advance(10ms)
         .rx(0x703, {0x7F})
         .advance(50ms)
@@ -257,11 +228,11 @@ TEST(FxNmt, ALostSlave_IsDealtWithAsTheStartUpBitsSay) {
     s.ignore_tx();
     if (row.command[0] != 0x82 || row.command[1] != 3) continue;
     s.rx(0x703, {0x00}).tx(0x0FF, {0, 0, 0, 0, 0, 0, 0, 0});  // the error is over
-    identify(s, 3, 1);                                        // booted again
+    identify_slave(s, 3, 1);                                  // booted again
     s.ignore_tx();
   }
   BlockScenario off;
-  prepare(off, {{0x1F80, 0, 1, 4}, {0x1F81, 3, 0x01, 4}});
+  prepare_master(off, {{0x1F80, 0, 1, 4}, {0x1F81, 3, 0x01, 4}});
   off.advance(2s).ignore_tx().rx(0x703, {0x00}).advance(5s).no_tx();
 }
 
@@ -272,9 +243,9 @@ TEST(FxNmt, FlyingMasters_ByPriorityAndNodeId) {
                  "FX3U-FM-011 FX3U-RS-005");
   BlockScenario s;
   s.power_on_as(5).write(26, 0).set_object(0x1F80, 0, 0x21, 4).store_objects().save().restart();
-  when_sent(s, 0x073, {});
-  const can::Time requested = when_sent(s, 0x072, {});
-  const can::Duration answered = when_sent(s, 0x071, {1, 5}) - requested;
+  when_first_sent(s, 0x073, {});
+  const can::Time requested = when_first_sent(s, 0x072, {});
+  const can::Duration answered = when_first_sent(s, 0x071, {1, 5}) - requested;
   EXPECT_GE(answered, 1550ms);  // 1 x 1500 + 5 x 10
   EXPECT_LE(answered, 1555ms);
   s.advance(10ms).expect_bit(25, 15, true).ignore_tx();
@@ -312,20 +283,21 @@ TEST(FxNmt, AMissingSlave_IsSoughtByLss) {
   RecordProperty("spec", "FX3U-LSS-001 FX3U-LSS-002 FX3U-LSS-004 FX3U-COM-012 FX3U-LSS-005");
   for (const bool complete : {true, false}) {
     BlockScenario s;
-    prepare(s, {{0x1F80, 0, 1, 4},
-                {0x1F81, 10, 0x0D, 4},
-                {0x1F89, 0, 2000, 4},
-                {0x1F84, 10, 1, 4},
-                {0x1F85, 10, 2, 4},
-                {0x1F86, 10, 3, 4},
-                {0x1F87, 10, 4, 4},
-                {0x1F88, 10, complete ? 5U : 0U, 4}});
+    prepare_master(s, {{0x1F80, 0, 1, 4},
+                       {0x1F81, 10, 0x0D, 4},
+                       {0x1F89, 0, 2000, 4},
+                       {0x1F84, 10, 1, 4},
+                       {0x1F85, 10, 2, 4},
+                       {0x1F86, 10, 3, 4},
+                       {0x1F87, 10, 4, 4},
+                       {0x1F88, 10, complete ? 5U : 0U, 4}});
     s.advance(2100ms).expect_bit(25, 10, complete).ignore_tx();
     if (!complete) s.expect_bit(25, 11, true).advance(10s).no_tx();
-    bool is_flickering = false;
+    unsigned flickering = 0;
     for (const module::Led& led : s.plug_in().leds(s.now()))
-      is_flickering = is_flickering || (led.name == "RUN" && led.pattern == module::LedPattern::flickering);
-    EXPECT_EQ(is_flickering, complete);
+      flickering +=
+          (led.name == "RUN" || led.name == "ERROR") && led.pattern == module::LedPattern::flickering ? 1 : 0;
+    EXPECT_EQ(flickering, complete ? 2U : 0U);
     s.advance(10min).expect_bit(25, 10, false).ignore_tx();
   }
   BlockScenario slave;
@@ -360,7 +332,7 @@ TEST(FxNmt, ConciseDcfs_ConfigureSlaves) {
       .wait_bit(25, 7, false)
       .ignore_tx();
   s.rx(0x703, {0x00});
-  identify(s, 3, 1);
+  identify_slave(s, 3, 1);
   s.wait_tx(0x603, {0x2B, 0x17, 0x10, 0, 0xF4, 0x01, 0, 0})
       .rx(0x583, {0x60, 0x17, 0x10, 0, 0, 0, 0, 0})
       .wait_tx(0x000, {0x01, 3})

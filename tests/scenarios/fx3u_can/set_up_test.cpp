@@ -205,7 +205,7 @@ TEST(FxMapping, ModeB_TakesThirtyThreePairs) {
 
 // S117
 TEST(FxSetUp, HeartbeatProducing_OfManyNodes) {
-  RecordProperty("spec", "FX3U-HB-006 FX3U-SDO-004");
+  RecordProperty("spec", "FX3U-HB-006");
   BlockScenario s;
   s.power_on().cif({0x7410, 5, 1000, 0, 300, 127, 301, 0xFFFF}).expect(1000, 0xFFFF);
   accept(s, 5, {0x2B, 0x17, 0x10, 0, 0xE8, 0x03, 0, 0});

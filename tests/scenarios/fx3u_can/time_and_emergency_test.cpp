@@ -253,14 +253,6 @@ TEST(FxEmergency, OfAnAssignedSlave_SetsItsBit) {
   s.write(29, 0xFFFF).expect(29, 1U << 13).write(29, 0xDFFF).expect(29, 0);
 }
 
-// S035. The text "PDO" and the number are missing still.
-TEST(FxEmergency, AnRpdoThatStaysAway_IsReported) {
-  BlockScenario s;
-  s.power_on().set_object(0x1400, 5, 100, 2).nmt(1).ignore_tx().advance(1s).no_tx();
-  s.rx(0x27F, {1, 2, 3, 4, 5, 6, 7, 8}).advance(99ms).no_tx().advance(1ms);
-  s.tx(0x0FF, {0x50, 0x82, 0x11, 0, 0, 0, 0, 0});
-}
-
 // S050 to S055
 TEST(FxErrorControl, HeartbeatsOfOthers) {
   RecordProperty(
