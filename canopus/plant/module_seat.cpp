@@ -11,10 +11,22 @@ namespace {
 
 using module::StartUp;
 
-plc::BuiltInProgram::Task program_task(const ModuleSection& section) {
+constexpr module::BufferAddress command_words = 67;
+
+plc::BuiltInProgram::Task program_task(const ModuleSection& section,
+                                       const module::ProgramInterface& interface) {
   plc::BuiltInProgram::Task task{
       .exchange = section.exchange, .online = section.online, .recover = section.recover};
   for (const BufferSetting& word : section.writes) task.words.push_back({word.address, word.value});
+  // Of a command's words the code is the last one where it is what executes the command.
+  const module::ProgramCommand& command = interface.command;
+  if (command.execute.kind == module::ProgramRequest::Kind::write) {
+    const auto code = std::ranges::find(task.words, command.first, &plc::BuiltInProgram::Word::address);
+    const auto behind = std::ranges::find_if(code, task.words.end(), [&](const auto& word) {
+      return word.address >= command.first + command_words;
+    });
+    if (code != task.words.end()) std::rotate(code, code + 1, behind);
+  }
   return task;
 }
 
@@ -34,7 +46,8 @@ ModuleSeat::ModuleSeat(const ModuleSection& section, std::string_view plc, plc::
       memory_(std::move(memory)),
       module_(std::move(module)),
       rack_(rack),
-      program_(rack, section.head, *module_, module_->program_interface(), program_task(section)),
+      program_(rack, section.head, *module_, module_->program_interface(),
+               program_task(section, module_->program_interface())),
       exchange_watch_(*module_, module_->program_interface(), section.head),
       observer_(observer) {
   status_.is_module = true;

@@ -132,6 +132,21 @@ TEST(BuiltInProgram, SetUp_OfAModuleWithoutSignals_SeesARestartThatNobodyTellsOf
   EXPECT_THAT(slot.notes_until(200ms), ElementsAre("75ms 100=7"));
 }
 
+TEST(BuiltInProgram, SetUp_ByACommand_WaitsForItsEndBeforeTheNextWord) {
+  ProgramInterface by_word = bits;
+  by_word.command = {.first = 60, .execute = {.kind = ProgramRequest::Kind::write, .word = 60, .bits = 2}};
+  Slot slot(by_word, {.words = {{61, 1}, {60, 0xFFFF}, {100, 7}}, .online = true});  // FFFFH: it runs
+  slot.power();
+  EXPECT_THAT(slot.notes_until(95ms), ElementsAre("0ms 61=1", "0ms 60=65535"));
+  slot.module.words[60] = 0x8201;
+  EXPECT_THAT(slot.notes_until(200ms), ElementsAre("100ms 100=7", "100ms 43=16")) << "seen by the next scan";
+  // It starts anew in the middle of the command: so does the program.
+  slot.module.initialize(slot.timeline.now(), can::Time{} + 225ms);
+  EXPECT_THAT(slot.notes_until(240ms), ElementsAre("225ms 61=1", "225ms 60=65535"));
+  slot.module.initialize(slot.timeline.now(), can::Time{} + 265ms);
+  EXPECT_THAT(slot.notes_until(280ms), ElementsAre("265ms 61=1", "265ms 60=65535"));
+}
+
 TEST(BuiltInProgram, SetUp_WithoutWordsAndOnline_LeavesTheModuleAlone) {
   for (const ProgramInterface* interface : {&signals, &bits}) {
     Slot slot(*interface, {});

@@ -34,7 +34,7 @@ void BuiltInProgram::supply_changed(bool on, can::Time now) {
   exchange_ = Exchange::idle;
   node_start_ = NodeStart::none;
   next_request_ = answer_due_ = next_scan_ = node_start_due_ = can::never;
-  was_ready_ = owns_signal_ = is_running_ = false;
+  was_ready_ = owns_signal_ = is_running_ = is_setting_up_ = false;
   if (on && rack_.cpu_state() == module::CpuState::run) begin(now);
 }
 
@@ -202,9 +202,22 @@ void BuiltInProgram::set_online(bool on, can::Time now) {
 
 void BuiltInProgram::set_up(can::Time now) {
   const bool is_started = !is_initializing(now);
-  if (std::exchange(was_ready_, is_started) || !is_started) return;
-  if (task_.online) set_online(false, now);
-  for (const Word& word : task_.words) words_->write_word(word.address, word.value, now);
+  if (!is_started) is_setting_up_ = false;
+  if (!std::exchange(was_ready_, is_started) && is_started) {
+    is_setting_up_ = true;
+    next_word_ = 0;
+    if (task_.online) set_online(false, now);
+  }
+  if (!is_setting_up_) return;
+  // A command that a word executes comes to its end before the next word.
+  const module::ProgramCommand& command = interface_.command;
+  const bool words_execute = command.execute.kind == Kind::write;
+  for (; next_word_ < task_.words.size(); ++next_word_) {
+    const bool follows_command = next_word_ != 0 && task_.words[next_word_ - 1].address == command.first;
+    if (words_execute && follows_command && words_->read_word(command.first, now) == command_busy) return;
+    words_->write_word(task_.words[next_word_].address, task_.words[next_word_].value, now);
+  }
+  is_setting_up_ = false;
   if (task_.online) set_online(true, now);
 }
 

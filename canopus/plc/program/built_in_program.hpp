@@ -34,8 +34,9 @@ class BuiltInProgram {
   };
   struct Task {
     std::optional<can::Duration> exchange{};  ///< how often to ask for a data exchange
-    std::vector<Word> words{};                ///< written in this order after each start of the module
-    bool online = false;                      ///< Layer 2 online after that
+    /// Written in this order after each start of the module; a command that a word executes ends before the next one.
+    std::vector<Word> words{};
+    bool online = false;  ///< Layer 2 online after that
     bool recover = true;
   };
 
@@ -100,10 +101,12 @@ class BuiltInProgram {
   can::Time next_scan_ = can::never;  // for what no signal shows
   can::Time requested_at_{};
   can::Time node_start_due_ = can::never;
+  std::size_t next_word_ = 0;  // of the task, while is_setting_up_
   Exchange exchange_ = Exchange::idle;
   NodeStart node_start_ = NodeStart::none;
   bool is_running_ = false;
-  bool was_ready_ = false;    // as set_up() saw it last
+  bool was_ready_ = false;  // as set_up() saw it last
+  bool is_setting_up_ = false;
   bool owns_signal_ = false;  // until X of the data exchange is OFF again
   bool is_writing_ = false;   // the request's bits
 };
