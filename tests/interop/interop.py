@@ -18,6 +18,7 @@ import xml.etree.ElementTree as ET
 import bus_checks  # noqa: F401  (registers its checks)
 import docs_checks  # noqa: F401
 import foreign_stack_checks  # noqa: F401
+import fx3u_can_checks  # noqa: F401
 import many_clients_checks  # noqa: F401
 import module_checks  # noqa: F401
 import output_checks  # noqa: F401

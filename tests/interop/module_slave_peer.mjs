@@ -1,16 +1,17 @@
 #!/usr/bin/env node
-// A CANopen stack that is not ours configures an ME3CAN1-Q or RJ71CN91 as its slave, over socketcand, as a configuration tool would:
-// identity, heartbeat producer and consumer, two PDOs each way, store (1010H), reset; what was stored must be in force after
+// A CANopen stack that is not ours configures an ME3CAN1-Q, RJ71CN91 or FX3U-CAN as its slave, over socketcand, as a
+// configuration tool would: identity, heartbeat producer and consumer, two PDOs each way, store (1010H), reset; what was stored must be in force after
 // the reset, what was not must be gone. The node is left Operational with a heartbeat every 200 ms; RPDO1 and TPDO1 carry
-// the words G10000 and G13000 on events, RPDO2 and TPDO2 G10004 and G13004 with each SYNC. With an EDS file (of
-// `canopus module eds`), the stack reads that, too, and the module must be what the file says.
+// the words G10000 and G13000 (FX3U-CAN: #10000 and #11000) on events, RPDO2 and TPDO2 the words four further with each SYNC.
+// With an EDS file (of `canopus module eds`), the stack reads that, too, and the module must be what the file says.
 import { argumentsOrUsage, check, patience, run } from './interop_report.mjs';
 import { abortCodeOf, canopen, deviceOn, useServer } from './npm_canopen.mjs';
 import { SocketcandBus } from './socketcand_bus.mjs';
 
 const { DataType, Eds, NmtState } = canopen;
 const [host, port, busName, nodeText, edsFile, model] = argumentsOrUsage(6, 'module_slave_peer.mjs HOST PORT BUS NODE EDS MODEL');
-const [vendor, product] = { 'ME3CAN1-Q': [0x71, 0xED63], RJ71CN91: [0x1D0, 0x100] }[model];
+const [vendor, product, revision, pdos] =
+  { 'ME3CAN1-Q': [0x71, 0xED63, 0x10000, 256], RJ71CN91: [0x1D0, 0x100, 0x10000, 256], 'FX3U-CAN': [0x71, 7170, 0x1000C, 80] }[model];
 const node = Number(nodeText);
 const { UNSIGNED8: u8, UNSIGNED16: u16, UNSIGNED32: u32, VISIBLE_STRING: text } = DataType;
 
@@ -38,7 +39,7 @@ run(async () => {
   check('1018H:00 entries', await read(0x1018, 0, u8), 3);
   check('1018H:01 vendor', await read(0x1018, 1, u32), vendor);
   check('1018H:02 product code', await read(0x1018, 2, u32), product);
-  check('1018H:03 revision', await read(0x1018, 3, u32), 0x10000);
+  check('1018H:03 revision', await read(0x1018, 3, u32), revision);
   check('1018H:04 serial number is refused', await abortCodeOf(read(0x1018, 4, u32)), 0x06090011);
 
   const eds = Eds.fromFile(edsFile);
@@ -46,7 +47,7 @@ run(async () => {
   for (const sub of [1, 2, 3]) {
     check(`EDS: 1018H:0${sub}`, eds.getSubEntry(0x1018, sub).value, await read(0x1018, sub, u32));
   }
-  check('EDS: RPDOs', Array.from({ length: 256 }, (_, i) => eds.getEntry(0x1400 + i)).filter(Boolean).length, 256);
+  check('EDS: RPDOs', Array.from({ length: 256 }, (_, i) => eds.getEntry(0x1400 + i)).filter(Boolean).length, pdos);
   check('EDS: 1A05H:03', eds.getSubEntry(0x1A05, 3).value, await read(0x1A05, 3, u32));
 
   await write(0x1017, 0, 200, u16);
