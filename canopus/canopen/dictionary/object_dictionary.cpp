@@ -149,6 +149,14 @@ void ObjectDictionary::attach(std::uint16_t first, std::uint16_t last, ObjectHan
   }
 }
 
+std::vector<ObjectDictionary::Attachment> ObjectDictionary::attachments() const {
+  std::vector<Attachment> attached;
+  for (const ObjectDescription& object : description_->objects()) {
+    if (ObjectHandler* known = handler(object); known != nullptr) attached.push_back({object.index, known});
+  }
+  return attached;
+}
+
 void ObjectDictionary::reset(std::uint8_t node_id) {
   description_->load_defaults(block_, node_id);
   for (auto& slot : slots_) slot.reset();

@@ -145,6 +145,13 @@ class ObjectDictionary {
   /// Calls `handler` for the objects first..last (those that exist) from now on; it replaces an earlier one.
   void attach(std::uint16_t first, std::uint16_t last, ObjectHandler& handler);
 
+  /// An object and who is attached to it.
+  struct Attachment {
+    std::uint16_t index = 0;
+    ObjectHandler* handler = nullptr;
+  };
+  [[nodiscard]] std::vector<Attachment> attachments() const;
+
   void set_write_observer(WriteObserver* observer) noexcept { write_observer_ = observer; }
 
   /// Everything at its default for this node-ID: reset node.

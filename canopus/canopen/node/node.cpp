@@ -1,6 +1,8 @@
 #include "canopus/canopen/node/node.hpp"
 
+#include <memory>
 #include <utility>
+#include <vector>
 
 #include "canopus/canopen/messages/emcy_consumer.hpp"
 #include "canopus/canopen/messages/emcy_producer.hpp"
@@ -262,6 +264,30 @@ void Node::power_on(can::Time now) {
 void Node::power_off() {
   services_->powered = false;
   services_->stop();
+}
+
+// The services read the dictionary when they are made. They are made anew in their place: whoever has the dictionary's
+// address, or is attached to it, need not know.
+void Node::describe(std::shared_ptr<const DictionaryDescription> description, const NodeOptions& options) {
+  Services& services = *services_;
+  const auto is_service = [&services](const ObjectHandler* handler) {
+    const auto place = reinterpret_cast<std::uintptr_t>(handler);
+    const auto first = reinterpret_cast<std::uintptr_t>(&services);
+    return place >= first && place < first + sizeof(Services);
+  };
+  auto attached = services.dictionary.attachments();
+  std::erase_if(attached, [&](const auto& attachment) { return is_service(attachment.handler); });
+  NodeListener* const listener = services.listener;
+  ParameterStore* const store = services.stored_parameters.store();
+  can::Sink& sink = services.sink;
+  const std::uint8_t node_id = services.next_node_id;
+  const std::uint32_t revision = services.revision;
+  std::destroy_at(&services);
+  std::construct_at(&services, std::move(description), node_id, sink, options);
+  services.listener = listener;
+  services.stored_parameters.set_store(store);
+  services.revision = revision + 1;
+  for (const auto& [index, handler] : attached) services.dictionary.attach(index, index, *handler);
 }
 
 void Node::set_node_id(std::uint8_t node_id) noexcept { services_->next_node_id = node_id; }

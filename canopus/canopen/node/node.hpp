@@ -38,6 +38,9 @@ class Node final : public can::Participant {
   void power_on(can::Time now);
   /// Silent until power_on().
   void power_off();
+  /// Another object dictionary and behaviour, in the place of those there are, while the node is off. Who is attached to objects that
+  /// both have stays so; for others attach again. An active master, or a paused heartbeat, is one no more.
+  void describe(std::shared_ptr<const DictionaryDescription> description, const NodeOptions& options);
   /// Takes effect at the next power_on() or reset.
   void set_node_id(std::uint8_t node_id) noexcept;
 

@@ -25,6 +25,7 @@ class StoredParameters final : public ObjectHandler {
 
   /// nullptr: kept in this object's own memory, for as long as it lives.
   void set_store(ParameterStore* store) noexcept { store_ = store; }
+  [[nodiscard]] ParameterStore* store() const noexcept { return store_; }
   /// Puts the stored values of first..last into the dictionary.
   void apply(std::uint16_t first, std::uint16_t last);
   /// A value was written: saves it if 1010H:01 says "autonomously".

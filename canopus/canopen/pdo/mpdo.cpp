@@ -74,7 +74,8 @@ bool MpdoConsumer::receive(const can::Frame& frame, std::uint8_t addressing, can
   if (has_destination) {
     if (node_id != 0 && node_id != node_.node_id) return false;
     const AbortCode code = put(index, sub, frame, now);
-    const bool is_missing = code == AbortCode::no_object || code == AbortCode::no_sub_index;
+    const bool is_missing = code == AbortCode::no_object || code == AbortCode::no_sub_index ||
+                            code == AbortCode::write_of_read_only;
     if (is_missing != destination_missing_) {
       destination_missing_ = is_missing;
       const CommunicationError error{.code = emcy_code::mpdo_destination};

@@ -35,7 +35,8 @@ Rpdos::Rpdo* Rpdos::find(std::uint16_t index) noexcept {
 void Rpdos::read(Rpdo& pdo) {
   const ObjectDictionary& d = node_.dictionary;
   const auto index = static_cast<std::uint16_t>(first_communication + pdo.number);
-  pdo.cob_id = usable(CobId{d.get<std::uint32_t>(index, 1, CobId::invalid_bit)});
+  pdo.cob_id = usable(CobId{d.get<std::uint32_t>(index, 1, CobId::invalid_bit)},
+                      node_.options.permitted_pdo_identifier);
   pdo.transmission_type = d.get<std::uint8_t>(index, 2, 0xFF);
   const bool has_timer = pdo.transmission_type > 240 || !node_.options.rpdo_timer_for_events_alone;
   pdo.event_timer = has_timer ? d.get<std::uint16_t>(index, 5) : std::uint16_t{0};
@@ -174,7 +175,8 @@ void Rpdos::list_identifiers(std::vector<IdentifierTable::Route>& routes) const 
 AbortCode Rpdos::before_write(ObjectDictionary& dictionary, const Entry& entry,
                               std::span<const std::uint8_t> value, can::Time) {
   const auto communication = static_cast<std::uint16_t>(first_communication + (entry.index & number_mask));
-  const CobId cob_id = usable(CobId{dictionary.get<std::uint32_t>(communication, 1, CobId::invalid_bit)});
+  const CobId cob_id = usable(CobId{dictionary.get<std::uint32_t>(communication, 1, CobId::invalid_bit)},
+                              node_.options.permitted_pdo_identifier);
   if (entry.index >= first_mapping) {
     const auto type = dictionary.get<std::uint8_t>(communication, 2, 0xFF);
     if (entry.sub == 0 && !value.empty() && value[0] >= source_addressing) {
@@ -184,7 +186,9 @@ AbortCode Rpdos::before_write(ObjectDictionary& dictionary, const Entry& entry,
   }
   switch (entry.sub) {
     case 0: return AbortCode::write_of_read_only;
-    case 1: return check_change(cob_id, CobId::from(value), node_.options.extended_identifiers);
+    case 1:
+      return check_change(cob_id, CobId::from(value), node_.options.extended_identifiers,
+                          node_.options.permitted_pdo_identifier);
     case 2: {
       const std::uint32_t type = can::load_u32(value);
       if (type == 0xFF && !node_.options.profile_event_transmission_type) return AbortCode::invalid_value;

@@ -36,7 +36,8 @@ Tpdos::Tpdo* Tpdos::find(std::uint16_t index) noexcept {
 void Tpdos::read(Tpdo& pdo) {
   const ObjectDictionary& d = node_.dictionary;
   const auto index = static_cast<std::uint16_t>(first_communication + pdo.number);
-  pdo.cob_id = usable(CobId{d.get<std::uint32_t>(index, 1, CobId::invalid_bit)});
+  pdo.cob_id = usable(CobId{d.get<std::uint32_t>(index, 1, CobId::invalid_bit)},
+                      node_.options.permitted_pdo_identifier);
   if (node_.options.tpdo_rtr_bit_is_constant) pdo.cob_id.raw |= CobId::bit_30;
   pdo.transmission_type = d.get<std::uint8_t>(index, 2, 0xFF);
   pdo.inhibit_time = d.get<std::uint16_t>(index, 3);
@@ -295,7 +296,8 @@ void Tpdos::list_identifiers(std::vector<IdentifierTable::Route>& routes) const 
 AbortCode Tpdos::before_write(ObjectDictionary& dictionary, const Entry& entry,
                               std::span<const std::uint8_t> value, can::Time) {
   const auto communication = static_cast<std::uint16_t>(first_communication + (entry.index & number_mask));
-  const CobId cob_id = usable(CobId{dictionary.get<std::uint32_t>(communication, 1, CobId::invalid_bit)});
+  const CobId cob_id = usable(CobId{dictionary.get<std::uint32_t>(communication, 1, CobId::invalid_bit)},
+                              node_.options.permitted_pdo_identifier);
   if (entry.index >= first_mapping) {
     if (entry.sub == 0 && !value.empty() && value[0] >= source_addressing) {
       const Tpdo* self = find(entry.index);
@@ -321,7 +323,8 @@ AbortCode Tpdos::before_write(ObjectDictionary& dictionary, const Entry& entry,
           CobId{number}.is_valid()) {
         return AbortCode::invalid_value;
       }
-      return check_change(cob_id, CobId{number}, node_.options.extended_identifiers);
+      return check_change(cob_id, CobId{number}, node_.options.extended_identifiers,
+                          node_.options.permitted_pdo_identifier);
     }
     case 2:
       if (number == rtr_synchronous || number == rtr_event) {

@@ -24,8 +24,9 @@ bool is_restricted(CobId value) noexcept {
   return !value.is_extended() && is_restricted_identifier(value.identifier());
 }
 
-CobId usable(CobId value) noexcept {
-  return is_restricted(value) ? CobId{value.raw | CobId::invalid_bit} : value;
+CobId usable(CobId value, std::uint32_t permitted) noexcept {
+  return is_restricted(value) && value.identifier() != permitted ? CobId{value.raw | CobId::invalid_bit}
+                                                                 : value;
 }
 
 CobIdUse cob_id_use(std::uint16_t index, std::uint8_t sub) noexcept {
@@ -49,20 +50,22 @@ bool is_refused(CobIdUse use, CobId value) noexcept {
   return use != CobIdUse::sdo_client || !is_default_sdo_identifier(value);
 }
 
-AbortCode check_identifier(CobId value, bool in_use, bool extended_allowed) noexcept {
+AbortCode check_identifier(CobId value, bool in_use, bool extended_allowed,
+                           std::uint32_t permitted) noexcept {
   if (value.is_extended()) return extended_allowed ? AbortCode::none : AbortCode::invalid_value;
   if ((value.raw & 0x1FFF'F800) != 0) return AbortCode::invalid_value;
-  if (in_use && is_restricted(value)) return AbortCode::invalid_value;
+  if (in_use && is_restricted(value) && value.identifier() != permitted) return AbortCode::invalid_value;
   return AbortCode::none;
 }
 
-AbortCode check_change(CobId old_value, CobId new_value, bool extended_allowed) noexcept {
+AbortCode check_change(CobId old_value, CobId new_value, bool extended_allowed,
+                       std::uint32_t permitted) noexcept {
   constexpr std::uint32_t identity = 0x3FFF'FFFF;
-  if (usable(old_value).is_valid() && new_value.is_valid() &&
+  if (usable(old_value, permitted).is_valid() && new_value.is_valid() &&
       ((old_value.raw ^ new_value.raw) & identity) != 0) {
     return AbortCode::invalid_value;
   }
-  return check_identifier(new_value, new_value.is_valid(), extended_allowed);
+  return check_identifier(new_value, new_value.is_valid(), extended_allowed, permitted);
 }
 
 }  // namespace canopus::canopen

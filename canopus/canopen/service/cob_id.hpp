@@ -39,9 +39,12 @@ struct CobId {
 /// Its identifier is a base identifier and a restricted one.
 [[nodiscard]] bool is_restricted(CobId value) noexcept;
 
-/// An entry with a "valid" bit 31 as its service uses it: not valid when its identifier is a restricted one,
-/// whatever brought that into the dictionary (a device file, a stored value).
-[[nodiscard]] CobId usable(CobId value) noexcept;
+/// For `permitted` below: none.
+inline constexpr std::uint32_t no_identifier = 0xFFFF'FFFF;
+
+/// An entry with a "valid" bit 31 as its service uses it: not valid when its identifier is a restricted one, but for
+/// `permitted`, whatever brought that into the dictionary (a device file, a stored value).
+[[nodiscard]] CobId usable(CobId value, std::uint32_t permitted = no_identifier) noexcept;
 
 /// The service that an entry's COB-ID is for. The default SDO server (1200H) has none that could be another.
 enum class CobIdUse : std::uint8_t {
@@ -61,11 +64,13 @@ enum class CobIdUse : std::uint8_t {
 [[nodiscard]] bool is_refused(CobIdUse use, CobId value) noexcept;
 
 /// The identifier part of a new value: bits 11-28 must be 0 in a base identifier; a base identifier in use
-/// must not be a restricted one. 06090030H if it is not so.
-[[nodiscard]] AbortCode check_identifier(CobId value, bool in_use, bool extended_allowed) noexcept;
+/// must not be a restricted one, but for `permitted`. 06090030H if it is not so.
+[[nodiscard]] AbortCode check_identifier(CobId value, bool in_use, bool extended_allowed,
+                                         std::uint32_t permitted = no_identifier) noexcept;
 
 /// An entry with a "valid" bit 31: check_identifier(), and bits 0-29 stay as they are while it is valid (and
 /// usable()) and stays so.
-[[nodiscard]] AbortCode check_change(CobId old_value, CobId new_value, bool extended_allowed) noexcept;
+[[nodiscard]] AbortCode check_change(CobId old_value, CobId new_value, bool extended_allowed,
+                                     std::uint32_t permitted = no_identifier) noexcept;
 
 }  // namespace canopus::canopen

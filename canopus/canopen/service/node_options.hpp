@@ -3,9 +3,11 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 
 #include "canopus/can/time.hpp"
 #include "canopus/canopen/dictionary/stored_values.hpp"
+#include "canopus/canopen/service/cob_id.hpp"
 #include "canopus/canopen/service/emcy_code.hpp"
 
 namespace canopus::canopen {
@@ -28,6 +30,8 @@ struct NodeOptions {
   bool sdo_write_is_event = true;
   /// Bit 30 of a TPDO's COB-ID always reads 1 (no RTR); writing 0 has no effect [ME3CAN1-Q 4.6.5].
   bool tpdo_rtr_bit_is_constant = false;
+  /// A restricted identifier that PDOs may have all the same [FX3U-CAN Tab. 5.8: 180H].
+  std::uint32_t permitted_pdo_identifier = no_identifier;
   /// Transmission types FCH and FDH of TPDOs exist; else they are refused with 06090030H.
   bool rtr_transmission_types = true;
   /// Transmission type FFH exists; else it is refused with 06090030H [ME3CAN1-Q 4.6.5].

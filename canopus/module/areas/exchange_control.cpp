@@ -17,10 +17,13 @@ void ExchangeControl::begin(bool canopen_mode, can::Time end) {
   const unsigned bits = layout_ ? memory_->written(layout_->address) : 0U;
   const bool process_data = layout_ && (bits & layout_->process_data) != 0;
   const bool emergencies = layout_ && (bits & layout_->emergencies) != 0;
-  emergencies_ = emergencies || !process_data;
-  if (by_refresh_ || (!process_data && emergencies)) return;
+  const bool input = layout_ && (bits & layout_->inputs) != 0 && data_.lift.active();
+  const bool names_none = !process_data && !emergencies && !input;
+  emergencies_ = emergencies || names_none;
+  if (input) data_.lift.exchange_input();
+  if (by_refresh_ || (!process_data && !names_none)) return;
   running_ = true;
-  data_.process_data.snapshot();
+  take_what_is_to_send();
 }
 
 bool ExchangeControl::end_if_due(can::Time now) {
@@ -36,13 +39,19 @@ bool ExchangeControl::end_if_due(can::Time now) {
 
 void ExchangeControl::refresh(can::Time now) {
   if (!by_refresh_ || data_.node.state() != canopen::NmtState::operational) return;
-  data_.process_data.snapshot();
+  take_what_is_to_send();
   exchange_process_data(now);
+}
+
+void ExchangeControl::take_what_is_to_send() {
+  data_.process_data.snapshot();
+  if (data_.lift.active()) data_.lift.snapshot();
 }
 
 void ExchangeControl::exchange_process_data(can::Time now) {
   waiting_ = running_ = false;
   data_.process_data.exchange(data_.node);
+  if (data_.lift.active()) data_.lift.exchange();
   data_.node.values_changed(now);
 }
 

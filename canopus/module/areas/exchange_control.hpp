@@ -13,15 +13,17 @@
 #include "canopus/module/areas/data_exchange.hpp"
 #include "canopus/module/areas/emergency_buffer.hpp"
 #include "canopus/module/areas/layer2.hpp"
+#include "canopus/module/areas/lift.hpp"
 
 namespace canopus::module {
 
-/// The data exchange control word. A choice that names neither of the two asks for both.
+/// The data exchange control word. A choice that names nothing asks for process data and EMCYs.
 struct ExchangeControlLayout {
   BufferAddress address = 0;
-  std::uint16_t process_data = 0;    ///< any of these bits: process data are exchanged
-  std::uint16_t emergencies = 0;     ///< any of these bits: received EMCYs are shown
-  std::uint16_t running = 0;         ///< what it reads while process data wait for their exchange
+  std::uint16_t process_data = 0;  ///< any of these bits: process data are exchanged
+  std::uint16_t emergencies = 0;   ///< any of these bits: received EMCYs are shown
+  std::uint16_t inputs = 0;        ///< any of these bits: the next virtual input of a lift is shown, at once
+  std::uint16_t running = 0;       ///< what it reads while process data wait for their exchange
   std::uint16_t layer2_running = 0;  ///< what it reads while an exchange of Layer 2 runs
   bool reads_choice = false;         ///< it reads what was written instead [RJ71CN91 App. 2 G20]
   /// Process data wait for Operational; else an exchange outside of it leaves them alone [RJ71CN91 App. 1 Y1].
@@ -33,6 +35,7 @@ class ExchangeControl final : public BufferArea {
   /// What is exchanged.
   struct Data {
     DataExchange& process_data;
+    LiftData& lift;
     EmergencyBuffer& emergencies;
     Layer2& layer2;
     canopen::Node& node;
@@ -66,6 +69,7 @@ class ExchangeControl final : public BufferArea {
   WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
 
  private:
+  void take_what_is_to_send();
   void exchange_process_data(can::Time now);
   [[nodiscard]] bool runs_in_layer2() const noexcept { return !canopen_mode_ && end_ != can::never; }
 

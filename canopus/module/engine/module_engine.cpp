@@ -23,6 +23,16 @@ ModuleEngine::ModuleEngine(const ModuleModel& model, can::Controller& controller
   parts_.process_data.attach(parts_.node.dictionary());
 }
 
+// Function modes may have object dictionaries of their own [FX3U-CAN 6.5].
+void ModuleEngine::describe_node() {
+  if (!parts_.state.canopen_mode()) return;
+  const auto description = parts_.model.dictionary_of(*parts_.state.mode);
+  if (description.get() != &parts_.node.dictionary().description()) {
+    parts_.node.describe(description, parts_.node_options(*parts_.state.mode));
+    parts_.process_data.attach(parts_.node.dictionary());
+  }
+}
+
 bool ModuleEngine::preset_word(BufferAddress address, std::uint16_t value) {
   return parts_.settings.preset_word(address, value);
 }
@@ -44,9 +54,10 @@ bool ModuleEngine::takes_word(BufferAddress address, std::uint16_t value) const 
 std::optional<CommunicationModule::InitialNode> ModuleEngine::initial_node() {
   const ModuleSettings::Found stored = parts_.settings.look();
   if (stored.mode->kind != FunctionModeRow::Kind::canopen) return std::nullopt;
-  InitialNode node{.node_id = stored.node_id,
-                   .objects = canopen::ObjectDictionary(parts_.model.object_dictionary(), stored.node_id),
-                   .configures = parts_.concise_dcfs.stored_nodes()};
+  InitialNode node{
+      .node_id = stored.node_id,
+      .objects = canopen::ObjectDictionary(parts_.model.dictionary_of(*stored.mode), stored.node_id),
+      .configures = parts_.concise_dcfs.stored_nodes()};
   canopen::ObjectDictionary& objects = node.objects;
   if (parts_.model.node_id_defaults != nullptr) parts_.model.node_id_defaults(objects, stored.node_id);
   const auto is_stored = [](const canopen::Entry& entry) { return entry.description->stored; };
@@ -148,6 +159,8 @@ void ModuleEngine::begin_initialization(can::Duration duration, can::Time now) {
   parts_.port->initialization_begins(now);
   if (node_events_.take_clear_request()) parts_.concise_dcfs.clear();
   parts_.state.mode = &parts_.settings.load();
+  describe_node();
+  parts_.lift.start();
   take_parameters(now);
   if (parts_.state.canopen_mode()) parts_.time_stamp.reset();
   parts_.layer2.start(parts_.state.mode->kind == FunctionModeRow::Kind::layer2_extended);

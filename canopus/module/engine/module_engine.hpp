@@ -155,6 +155,8 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   using Phase = ModuleState::Phase;
 
   void begin_initialization(can::Duration duration, can::Time now);
+  /// Gives the node the dictionary of the function mode.
+  void describe_node();
   /// What the CPU has for the module, while it initializes.
   void take_parameters(can::Time now);
   void end_due_initialization(can::Time now);

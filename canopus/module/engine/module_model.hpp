@@ -20,6 +20,7 @@
 #include "canopus/module/areas/exchange_control.hpp"
 #include "canopus/module/areas/function_mode.hpp"
 #include "canopus/module/areas/layer2_settings.hpp"
+#include "canopus/module/areas/lift.hpp"
 #include "canopus/module/areas/network_settings.hpp"
 #include "canopus/module/areas/nmt_status.hpp"
 #include "canopus/module/areas/process_data_windows.hpp"
@@ -128,6 +129,7 @@ struct ModuleModel {
   std::optional<TimeStampLayout> time_stamp{};
   std::optional<AccessWatchdogLayout> access_watchdog{};
   std::optional<CommandLayout> command{};
+  std::optional<LiftLayout> lift{};
   std::optional<Layer2Layout> layer2{};
   Layer2Rules layer2_rules{};
   ProgramInterface program_interface{};
@@ -137,6 +139,10 @@ struct ModuleModel {
 
   /// In the CANopen function mode.
   std::shared_ptr<const canopen::DictionaryDescription> (*object_dictionary)() = nullptr;
+  [[nodiscard]] std::shared_ptr<const canopen::DictionaryDescription> dictionary_of(
+      const FunctionModeRow& mode) const {
+    return mode.object_dictionary != nullptr ? mode.object_dictionary() : object_dictionary();
+  }
   /// Defaults that depend on the node-ID in a way of their own, at each reset of the dictionary.
   void (*node_id_defaults)(canopen::ObjectDictionary& objects, std::uint8_t node_id) = nullptr;
   canopen::NodeOptions (*node_options)() = nullptr;

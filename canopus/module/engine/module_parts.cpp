@@ -24,13 +24,6 @@ manager::ConfigurationOptions configuration_options(const ModuleModel& model, co
   return options;
 }
 
-canopen::NodeOptions node_options(const ModuleModel& model, const Profile& profile) {
-  canopen::NodeOptions options = model.node_options();
-  options.reset_time = profile.nmt_reset_time;
-  options.stored_length = stored_length;
-  return options;
-}
-
 }  // namespace
 
 ModuleParts::ModuleParts(const ModuleModel& the_model, can::Controller& the_controller,
@@ -45,14 +38,15 @@ ModuleParts::ModuleParts(const ModuleModel& the_model, can::Controller& the_cont
       diagnostics(model.diagnostics),
       emergencies(model.emergency_buffer, buffer),
       nmt_status(model.nmt_status, buffer),
-      node(model.object_dictionary(), 127, network, node_options(model, profile)),
+      node(model.object_dictionary(), 127, network, node_options(model.function_modes.front())),
       master(node, controller, model.master_options()),
       command(model.command, buffer, host, network),
       network_settings(model.network_settings, buffer, master),
       process_data(model.program_interface.process_data, buffer),
+      lift(model.lift, buffer, node),
       layer2(model.layer2, layer2_rules(model, profile), buffer, controller),
       windows(model.process_data_windows, model.program_interface.process_data, buffer),
-      exchange(model.exchange_control, buffer, {process_data, emergencies, layer2, node}),
+      exchange(model.exchange_control, buffer, {process_data, lift, emergencies, layer2, node}),
       time_stamp(model.time_stamp, buffer, node),
       watchdog(model.access_watchdog, buffer),
       status_words(model.status, buffer, {state, controller, node, master, layer2}),
@@ -60,6 +54,13 @@ ModuleParts::ModuleParts(const ModuleModel& the_model, can::Controller& the_cont
                    configuration_options(model, profile)),
       own_emergencies(node) {
   state.mode = &model.function_modes.front();
+}
+
+canopen::NodeOptions ModuleParts::node_options(const FunctionModeRow& mode) const {
+  canopen::NodeOptions options = mode.node_options != nullptr ? mode.node_options() : model.node_options();
+  options.reset_time = profile.nmt_reset_time;
+  options.stored_length = stored_length;
+  return options;
 }
 
 bool ModuleParts::is_master_by_role() const {

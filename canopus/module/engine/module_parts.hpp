@@ -23,6 +23,7 @@
 #include "canopus/module/areas/error_status.hpp"
 #include "canopus/module/areas/exchange_control.hpp"
 #include "canopus/module/areas/layer2.hpp"
+#include "canopus/module/areas/lift.hpp"
 #include "canopus/module/areas/module_state.hpp"
 #include "canopus/module/areas/network_settings.hpp"
 #include "canopus/module/areas/nmt_status.hpp"
@@ -43,6 +44,8 @@ struct ModuleParts {
   ModuleParts(const ModuleModel& the_model, can::Controller& the_controller, NonVolatileMemory& memory,
               const Profile& the_profile, CommandHost& host);
 
+  /// Of the node in a CANopen mode.
+  [[nodiscard]] canopen::NodeOptions node_options(const FunctionModeRow& mode) const;
   /// 1F80H makes the node an NMT master, active or not.
   [[nodiscard]] bool is_master_by_role() const;
   [[nodiscard]] Layer2State layer2_state() const noexcept {
@@ -77,6 +80,7 @@ struct ModuleParts {
   CommandInterface command;
   NetworkSettings network_settings;
   DataExchange process_data;
+  LiftData lift;
   Layer2 layer2;
   ProcessDataWindows windows;
   ExchangeControl exchange;

@@ -14,6 +14,8 @@ using State = NonVolatileMemory::Content::State;
 // There while a save runs: found at a start, the supply went off in the middle of one.
 constexpr std::string_view saving_name = "saving";
 
+constexpr std::uint16_t device_type = 0x1000;
+
 }  // namespace
 
 ModuleSettings::ModuleSettings(const ModuleModel& model, NonVolatileMemory& memory, BufferMemory& buffer)
@@ -116,7 +118,7 @@ canopen::AbortCode ModuleSettings::parameter_object(std::uint16_t index, std::ui
 canopen::AbortCode ModuleSettings::check_object(std::uint16_t index, std::uint8_t sub,
                                                 std::span<const std::uint8_t> value) const {
   // A dictionary of its own, without the services' handlers: the order of the presets must not matter.
-  canopen::ObjectDictionary scratch(model_->object_dictionary(), 127);
+  canopen::ObjectDictionary scratch(model_->dictionary_of(preset_mode()), 127);
   const auto entry = scratch.find(index, sub);
   if (!entry) return entry.error();
   if (const auto code = scratch.write(index, sub, value, {}); code != canopen::AbortCode::none) return code;
@@ -155,7 +157,9 @@ const FunctionModeRow& ModuleSettings::load() {
   words_ = std::move(*words);
   mode_ = mode;
   if (mode->kind == FunctionModeRow::Kind::canopen) buffer_->apply_stored(parameters_.words);
-  const bool deletes = mode->kind != FunctionModeRow::Kind::canopen && model_->layer2_deletes_objects;
+  const bool is_canopen = mode->kind == FunctionModeRow::Kind::canopen;
+  const bool deletes =
+      is_canopen ? !are_of(*mode, flash_.read(objects_name).bytes) : model_->layer2_deletes_objects;
   if (deletes && flash_.read(objects_name).state != State::missing) flash_.write(objects_name, {});
   return *mode;
 }
@@ -192,7 +196,7 @@ ModuleSettings::Found ModuleSettings::look() {
 std::optional<canopen::Entry> ModuleSettings::faulty_mapping(std::uint8_t node_id) {
   const NonVolatileMemory::Content content = flash_.read(objects_name);
   if (content.state != State::good) return std::nullopt;
-  canopen::ObjectDictionary scratch(model_->object_dictionary(), node_id);
+  canopen::ObjectDictionary scratch(model_->dictionary_of(*mode_), node_id);
   const auto stored = [](const canopen::Entry& entry) { return entry.description->stored; };
   // Damaged is not faulty: the defaults hold.
   if (!canopen::apply_stored_values(content.bytes, stored_length, scratch, stored)) return std::nullopt;
@@ -220,8 +224,30 @@ std::vector<std::uint8_t> ModuleSettings::ObjectStore::load() {
 
 // Restored settings are factory defaults, not presets: an empty content, not a missing one.
 canopen::AbortCode ModuleSettings::ObjectStore::save(std::span<const std::uint8_t> image) {
-  return settings_->flash_.write(objects_name, image) ? canopen::AbortCode::none
-                                                      : canopen::AbortCode::hardware_error;
+  std::vector<std::uint8_t> content(image.begin(), image.end());
+  settings_->mark(content);
+  return settings_->flash_.write(objects_name, content) ? canopen::AbortCode::none
+                                                        : canopen::AbortCode::hardware_error;
+}
+
+// The objects of a dictionary of its own are told by the device type before them; it is no stored object, so no start puts
+// it in.
+void ModuleSettings::mark(std::vector<std::uint8_t>& objects) const {
+  if (mode_ == nullptr || mode_->object_dictionary == nullptr) return;
+  const canopen::ObjectDictionary scratch(mode_->object_dictionary(), 127);
+  std::vector<std::uint8_t> marked;
+  canopen::append_stored_value(marked, stored_length, device_type, 0,
+                               scratch.bytes(scratch.description().find(device_type, 0)));
+  objects.insert(objects.begin(), marked.begin(), marked.end());
+}
+
+bool ModuleSettings::are_of(const FunctionModeRow& mode, std::span<const std::uint8_t> objects) const {
+  if (objects.empty()) return true;
+  const canopen::ObjectDictionary scratch(model_->dictionary_of(mode), 127);
+  canopen::StoredValueReader reader(objects, stored_length);
+  const auto first = reader.next();
+  if (!first || first->index != device_type) return mode.object_dictionary == nullptr;
+  return std::ranges::equal(first->bytes, scratch.bytes(scratch.description().find(device_type, 0)));
 }
 
 void ModuleSettings::begin_save(can::Time end) {

@@ -107,6 +107,9 @@ class ModuleSettings {
   canopen::AbortCode check_object(std::uint16_t index, std::uint8_t sub,
                                   std::span<const std::uint8_t> value) const;
   bool has_worn_out() noexcept;
+  /// Says of which dictionary stored objects are, where a mode has its own.
+  void mark(std::vector<std::uint8_t>& objects) const;
+  [[nodiscard]] bool are_of(const FunctionModeRow& mode, std::span<const std::uint8_t> objects) const;
   void leave_out_receive_slots();
   const FunctionModeRow& preset_mode() const;
   /// The stored words of all modes; nothing when they are damaged.

@@ -71,6 +71,7 @@ void NodeEvents::rpdo_length_wrong(std::uint16_t number, std::uint16_t code, can
 
 void NodeEvents::rpdo_received(std::uint16_t number, can::Time) {
   parts_.process_data.rpdo_received(parts_.node, number);
+  if (parts_.lift.active()) parts_.lift.rpdo_received(number);
 }
 
 void NodeEvents::time_received(const canopen::TimeOfDay& time, can::Time now) {

@@ -12,6 +12,7 @@ inline constexpr std::array mode_facts = std::to_array<FunctionMode>({
     {"405", "CANopen, CiA 405"},
     {"11",  "Layer 2, 11-bit identifiers"},
     {"29",  "Layer 2, 29-bit identifiers"},
+    {"417", "CANopen, CiA 417 (lifts)"},
 });
 
 // [FX3U-CAN 2.3]

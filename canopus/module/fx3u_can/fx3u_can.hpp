@@ -1,6 +1,6 @@
 #pragma once
 // The FX3U-CAN: a special function block with BFM #0..., one CAN port, and requests by bits of words instead of signals.
-// Three function modes: CANopen (CiA 405) and plain CAN with 11- or 29-bit identifiers. CiA 417 is missing.
+// Four function modes: CANopen (CiA 405), CANopen for lifts (CiA 417), and plain CAN with 11- or 29-bit identifiers.
 //
 // All of it is facts: model.cpp and the tables beside it. What they do is in canopus/module.
 

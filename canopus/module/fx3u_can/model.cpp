@@ -5,6 +5,7 @@
 #include "canopus/canopen/service/emcy_code.hpp"
 #include "canopus/module/fx3u_can/buffer_table.hpp"
 #include "canopus/module/fx3u_can/data_sheet.hpp"
+#include "canopus/module/fx3u_can/lift_table.hpp"
 #include "canopus/module/fx3u_can/object_table.hpp"
 #include "canopus/module/intelligent/network_side.hpp"
 
@@ -14,29 +15,47 @@ namespace {
 
 namespace emcy_code = canopen::emcy_code;
 
+canopen::NodeOptions node_options() {
+  canopen::NodeOptions options = intelligent::node_options();
+  options.rpdo_timer_for_events_alone = true;
+  options.rpdo_time_out_names_pdo = true;
+  options.sync_length_error = emcy_code::sync_length;
+  return options;
+}
+
+/// Event-driven PDOs have type FFH, those of a drive the CAN-ID 180H [FX3U-CAN 5.6.5, Tab. 5.8].
+canopen::NodeOptions lift_node_options() {
+  canopen::NodeOptions options = node_options();
+  options.profile_event_transmission_type = true;
+  options.permitted_pdo_identifier = 0x180;
+  return options;
+}
+
 // clang-format off
 constexpr std::array mode_rows = std::to_array<FunctionModeRow>({
     {405, mode_405,  FunctionModeRow::Kind::canopen},
     {11,  layer2_11, FunctionModeRow::Kind::layer2_base},
     {29,  layer2_29, FunctionModeRow::Kind::layer2_extended},
+    {417, mode_417,  FunctionModeRow::Kind::canopen, lift_dictionary, lift_node_options},
 });
 
 /// The same process data at the numbers of older programs [FX3U-CAN 6.1, 7.1].
 constexpr std::array windows = std::to_array<ProcessDataWindow>({
-    {  0,  19,  0, mode_405},
+    {  0,  19,  0, canopen_modes},
     {100, 399, 20, mode_405},
 });
 
 /// Requests by bits, and what else asks by being written, or read [FX3U-CAN 6.4, 6.6, 6.8, 6.11, 6.19, 9.5, 10.1].
 constexpr std::array request_words = std::to_array<RequestWordRow>({
     {  20, RequestUse::data_exchange,    1U << 0 | 1U << 8 | 1U << 12, mode_405},
+    {  20, RequestUse::data_exchange,    1U << 0 | 1U << 8 | 1U << 9 | 1U << 12, mode_417},
     {  20, RequestUse::data_exchange,    1U << 0, layer2},
     {  22, RequestUse::save_restore,     1U << 0 | 1U << 1},
     {  25, RequestUse::restart,          1U << 0},
     {  25, RequestUse::online,           1U << 4, layer2},
-    {  29, RequestUse::nmt_error,        1U << 10, mode_405},
-    {  51, RequestUse::read_clock,       {}, mode_405},
-    {  56, RequestUse::set_clock,        {}, mode_405},
+    {  29, RequestUse::nmt_error,        1U << 10, canopen_modes},
+    {  51, RequestUse::read_clock,       {}, canopen_modes},
+    {  56, RequestUse::set_clock,        {}, canopen_modes},
     {1000, RequestUse::command},
     {1280, RequestUse::transmit_trigger, {}, layer2},
     {1281, RequestUse::transmit_trigger, {}, layer2},
@@ -84,26 +103,26 @@ constexpr std::array word_errors = std::to_array<WordErrorRow>({
 });
 
 constexpr std::array watched_words = std::to_array<WatchedWords>({
-    {0, 19}, {100, 399}, {10000, 10319}, {11000, 11319},
+    {0, 19}, {100, 399}, {3000, 3539}, {10000, 10319}, {11000, 11319}, {12000, 12539}, {13000, 13539},
 });
 
 /// [FX3U-CAN 7.2, 9.7, 10]
 constexpr std::array commands = std::to_array<CommandRow>({
     // code   what it does                modes      success  partly failed
     {0x0000, CommandKind::display,       all_modes, 0x0000,  0x0000},
-    {0x0002, CommandKind::sdo_write,     mode_405,  0x0003,  0x000F},
-    {0x0004, CommandKind::sdo_read,      mode_405,  0x0005,  0x000F},
-    {0x0006, CommandKind::multi_write,   mode_405,  0x0007,  0x00F7},
-    {0x0008, CommandKind::multi_read,    mode_405,  0x0009,  0x00F9},
-    {0x000A, CommandKind::emergency,     mode_405,  0x000B,  0x000C},
+    {0x0002, CommandKind::sdo_write,     canopen_modes, 0x0003,  0x000F},
+    {0x0004, CommandKind::sdo_read,      canopen_modes, 0x0005,  0x000F},
+    {0x0006, CommandKind::multi_write,   canopen_modes, 0x0007,  0x00F7},
+    {0x0008, CommandKind::multi_read,    canopen_modes, 0x0009,  0x00F9},
+    {0x000A, CommandKind::emergency,     canopen_modes, 0x000B,  0x000C},
     {0x000C, CommandKind::send_frame,    layer2,    0x000D,  0xF00C},
-    {0x6000, CommandKind::set_up,        mode_405,  0x6001,  0x600F, SetUpKind::store},
-    {0x6010, CommandKind::set_up,        mode_405,  0x6011,  0x601F, SetUpKind::restore},
-    {0x7400, CommandKind::set_up,        mode_405,  0x7401,  0x740F, SetUpKind::heartbeat_consuming},
-    {0x7410, CommandKind::set_up,        mode_405,  0x7411,  0x741F, SetUpKind::heartbeat_producing},
+    {0x6000, CommandKind::set_up,        canopen_modes, 0x6001,  0x600F, SetUpKind::store},
+    {0x6010, CommandKind::set_up,        canopen_modes, 0x6011,  0x601F, SetUpKind::restore},
+    {0x7400, CommandKind::set_up,        canopen_modes, 0x7401,  0x740F, SetUpKind::heartbeat_consuming},
+    {0x7410, CommandKind::set_up,        canopen_modes, 0x7411,  0x741F, SetUpKind::heartbeat_producing},
     {0x8200, CommandKind::map_pdos,      mode_405,  0x8201,  0x82FF, {}, PdoMapping::mode_a},
     {0x8300, CommandKind::set_up,        mode_405,  0x8301,  0x83FF, SetUpKind::bind_pdos},
-    {0x8400, CommandKind::set_up,        mode_405,  0x8401,  0x84FF, SetUpKind::slave_assignment},
+    {0x8400, CommandKind::set_up,        canopen_modes, 0x8401,  0x84FF, SetUpKind::slave_assignment},
     {0x8900, CommandKind::map_pdos,      mode_405,  0x8901,  0x000F, {}, PdoMapping::mode_0},
     {0xFFFF, CommandKind::clear,         all_modes, 0x0000,  0x0000},
 });
@@ -131,14 +150,6 @@ constexpr EmergencyRows emergencies{
     .node_lost = {emcy_code::node_lost, 0x11},
     .access_watchdog = text_message(emcy_code::user_software, 0x01, '3'),
 };
-
-canopen::NodeOptions node_options() {
-  canopen::NodeOptions options = intelligent::node_options();
-  options.rpdo_timer_for_events_alone = true;
-  options.rpdo_time_out_names_pdo = true;
-  options.sync_length_error = emcy_code::sync_length;
-  return options;
-}
 
 manager::MasterOptions master_options() {
   manager::MasterOptions options = intelligent::master_options();
@@ -179,6 +190,7 @@ constinit const ModuleModel model{
     .exchange_control = ExchangeControlLayout{.address = 20,
                                               .process_data = 1U << 0 | 1U << 8,
                                               .emergencies = 1U << 0 | 1U << 12,
+                                              .inputs = 1U << 0 | 1U << 9,
                                               .running = 1U << 0 | 1U << 8,
                                               .layer2_running = 1U << 0},
     .emergency_buffer = EmergencyBufferLayout{.first = 750, .stack = 11, .ring = 11},
@@ -195,6 +207,7 @@ constinit const ModuleModel model{
                                   .consumer_words_fixed = true},
     .access_watchdog = AccessWatchdogLayout{.time = 26, .words = watched_words},
     .command = CommandLayout{.first = 1000, .commands = commands, .clear_code_stops = true},
+    .lift = lift_layout,
     .layer2 = Layer2Layout{.error_codes = 401,
                            .parameters = 1100,
                            .rtr_flags = 1270,

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string_view>
 
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
@@ -11,6 +12,7 @@
 #include "canopus/canopen/service/node_options.hpp"
 #include "canopus/manager/boot/master_options.hpp"
 #include "canopus/manager/configuration/configuration_manager.hpp"
+#include "canopus/module/areas/object_rows.hpp"
 #include "canopus/module/intelligent/words.hpp"
 
 namespace canopus::module::intelligent {
@@ -36,6 +38,10 @@ struct Identity {
 struct DictionaryShape {
   DataExchangeLayout exchange = exchange_layout;
   bool rpdo_timers = false;  ///< RPDOs have an inhibit time and an event timer
+  /// PDOs 1 to 4 are those of the pre-defined connection set; else they are not valid.
+  bool predefined_pdos = true;
+  /// Added last: other defaults of what is there, and more.
+  std::span<const ObjectRow> more{};
 };
 /// The object dictionary in CANopen 405 mode [ME3CAN1-Q Tab. 4-6 to 4-10, 4.9; RJ71CN91 App. 3; FX3U-CAN 5.6].
 [[nodiscard]] std::shared_ptr<const canopen::DictionaryDescription> make_dictionary(

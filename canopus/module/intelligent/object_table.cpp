@@ -129,10 +129,11 @@ std::shared_ptr<const canopen::DictionaryDescription> make_dictionary(const Iden
   add_rows(builder, rows);
   add_pdo_rows(builder, pdo_rows, exchange.pdos);
   if (shape.rpdo_timers) add_pdo_rows(builder, rpdo_timer_rows, exchange.pdos);
-  add_rows(builder, default_pdos);
+  if (shape.predefined_pdos) add_rows(builder, default_pdos);
   // [ME3CAN1-Q Tab. 4-8, 4-10; RJ71CN91 App. 3; FX3U-CAN Tab. 5.2, 5.4]
   add_default_mappings(builder, exchange.pdos, exchange.variables);
   add_network_variables(builder, exchange.words * 2, exchange.variables);
+  add_rows(builder, shape.more);
   return builder.build();
 }
 

@@ -64,7 +64,7 @@ TEST(FxTables, EveryRange_IsTakenWhole_AndNothingBeyond) {
     }
     if (address == 27) s.write(27, 127);
   }
-  const std::set<std::uint16_t> rates{10, 20, 50, 100, 125, 250, 500, 800, 1000}, modes{405, 11, 29};
+  const std::set<std::uint16_t> rates{10, 20, 50, 100, 125, 250, 500, 800, 1000}, modes{405, 11, 29, 417};
   for (unsigned word = 0; word <= 0xFFFF; ++word) {
     const auto value = static_cast<std::uint16_t>(word);
     s.plug_in().write_word(24, value, s.now());
@@ -135,7 +135,9 @@ TEST(FxTables, TheModulesPage_HasEveryRow) {
       "fx3u-can.md", buffer_table,
       [](const module::BufferRow& row) -> std::string {
         if (row.first == 27 && row.modes == layer2) return "";  // said in words
-        return row.modes == all_modes ? "all" : row.modes == layer2 ? "Layer 2" : "405";
+        if (row.modes == all_modes) return "all";
+        if (row.modes == layer2) return "Layer 2";
+        return row.modes == canopen_modes ? "405, 417" : row.modes == mode_417 ? "417" : "405";
       },
       "#");
 }
