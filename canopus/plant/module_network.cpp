@@ -189,6 +189,10 @@ std::optional<ModuleNetwork::Refusal> ModuleNetwork::connect(const Direction& di
                                                              const SlaveSection& slave,
                                                              const SlaveSection::Link& link,
                                                              const SlaveDescription& description) {
+  if (!module_.presets_free_pdos()) {
+    return Refusal{
+        "in the module's function mode its PDOs are those of a device profile, with their own COB-IDs"};
+  }
   if (!description.value) {
     return Refusal{"nothing is known of the node's PDOs; expected eds = its EDS or DCF file"};
   }

@@ -40,6 +40,21 @@ TEST_F(PlantReviewTest, SlavesAll_SaysWhatTheModuleHasNoPlaceFor) {
                             "identifier, which the module does not take")));
 }
 
+TEST_F(PlantReviewTest, SlavesAll_ConnectsNoPdos_InAFunctionModeOfADeviceProfile) {
+  write("t.eds", support::device_file(input + pdo("1800", "1A00", "$NODEID+0x180", "255")));
+  const auto with_mode = [](const std::string& mode) {
+    return "[[plc]]\nfamily = \"FX3\"\nlisten = \"off\"\n[[plc.module]]\nmodel = \"FX3U-CAN\"\nposition = "
+           "0\nnode = 1\n"
+           "master = true\nslaves = \"all\"\nbuffer = { G21 = " +
+           mode + " }\n";
+  };
+  EXPECT_THAT(check(bus + device(3, "t.eds") + with_mode("417")),
+              ElementsAre(HasSubstr(
+                  "connects nothing of node 3 (t3): TPDO1: in the module's function mode its PDOs are "
+                  "those of a device profile")));
+  EXPECT_THAT(check(bus + device(3, "t.eds") + with_mode("405")), IsEmpty());
+}
+
 TEST_F(PlantReviewTest, StoreThatNeverStores_IsAWarning) {
   write("a.eds", support::device_file(support::variable("1017", 6)));
   write("s.eds", support::device_file(support::array_of_one("1010")));

@@ -46,6 +46,7 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
     return parts_.settings.object_preset(index, sub);
   }
   [[nodiscard]] bool presets_canopen_mode() const override { return parts_.settings.presets_canopen_mode(); }
+  [[nodiscard]] bool presets_free_pdos() const override { return parts_.settings.presets_free_pdos(); }
   [[nodiscard]] std::optional<BufferAddress> layer2_preset_error() const override;
   [[nodiscard]] bool takes_word(BufferAddress address, std::uint16_t value) const override;
   [[nodiscard]] bool takes_parameters() const noexcept override { return parts_.model.takes_parameters; }

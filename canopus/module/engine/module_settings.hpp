@@ -39,6 +39,7 @@ class ModuleSettings {
                                    std::span<const std::uint8_t> value);
   [[nodiscard]] std::span<const std::uint8_t> object_preset(std::uint16_t index, std::uint8_t sub) const;
   [[nodiscard]] bool presets_canopen_mode() const;
+  [[nodiscard]] bool presets_free_pdos() const { return preset_mode().object_dictionary == nullptr; }
   /// The CPU's parameters: words and objects count over what is stored, in the CANopen function mode.
   bool parameter_word(BufferAddress address, std::uint16_t value);
   canopen::AbortCode parameter_object(std::uint16_t index, std::uint8_t sub,

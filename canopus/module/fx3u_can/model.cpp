@@ -99,7 +99,7 @@ constexpr std::array error_rows = std::to_array<ErrorRow>({
 // #27: 14.2 says bit 12, 6.10 says bit 6.
 constexpr std::array word_errors = std::to_array<WordErrorRow>({
     {24, ModuleError::baud_rate_change,    false},
-    {27, ModuleError::node_address_change, true, mode_405},
+    {27, ModuleError::node_address_change, true, canopen_modes},
 });
 
 constexpr std::array watched_words = std::to_array<WatchedWords>({

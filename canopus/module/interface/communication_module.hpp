@@ -59,6 +59,8 @@ class CommunicationModule : public Module {
   }
   /// The preset words select a function mode in which it is a CANopen node.
   [[nodiscard]] virtual bool presets_canopen_mode() const { return true; }
+  /// In that mode its PDOs can be mapped to the process data words; else they are those of a device profile.
+  [[nodiscard]] virtual bool presets_free_pdos() const { return true; }
   /// The first of the preset words that would keep the module from going online in the Layer 2 mode they
   /// select.
   [[nodiscard]] virtual std::optional<BufferAddress> layer2_preset_error() const { return std::nullopt; }
