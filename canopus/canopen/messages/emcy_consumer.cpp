@@ -23,6 +23,13 @@ void EmcyConsumer::receive(std::uint8_t sub, const can::Frame& frame, can::Time 
 void EmcyConsumer::list_identifiers(std::vector<IdentifierTable::Route>& routes) const {
   const DictionaryDescription& description = node_.dictionary.description();
   const ObjectDescription* object = description.find(0x1028);
+  if (object == nullptr && node_.options.predefined_emergency) {
+    for (std::uint16_t sender = 1; sender <= 127; ++sender) {
+      if (sender == node_.node_id) continue;
+      routes.push_back(
+          {IdentifierTable::key(cob_id::emcy + sender, false, false), ServiceKind::emcy, sender});
+    }
+  }
   if (object == nullptr) return;
   const unsigned highest = std::min<unsigned>(object->highest_sub, 127);
   for (unsigned sub = 1; sub <= highest; ++sub) {

@@ -13,7 +13,9 @@ EmcyProducer::EmcyProducer(NodeContext& node) : node_(node), timer_(node.timers.
 }
 
 void EmcyProducer::read() {
-  cob_id_ = usable(CobId{node_.dictionary.get<std::uint32_t>(0x1014, 0, CobId::invalid_bit)});
+  const std::uint32_t otherwise =
+      node_.options.predefined_emergency ? cob_id::emcy + node_.node_id : CobId::invalid_bit;
+  cob_id_ = usable(CobId{node_.dictionary.get<std::uint32_t>(0x1014, 0, otherwise)});
   inhibit_time_ = in_steps(node_.dictionary.get<std::uint16_t>(0x1015, 0), std::chrono::microseconds(100),
                            node_.options.inhibit_time_resolution);
 }

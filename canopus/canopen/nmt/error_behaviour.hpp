@@ -14,7 +14,7 @@ class ErrorBehaviour final : public ObjectHandler {
   /// The state that a communication error in `state` leads to.
   [[nodiscard]] NmtState after_error(NmtState state) const noexcept {
     if (state == NmtState::initialising) return state;
-    switch (node_.dictionary.get<std::uint8_t>(0x1029, 1)) {
+    switch (node_.dictionary.get<std::uint8_t>(0x1029, 1, node_.options.error_behaviour)) {
       case 0: return state == NmtState::operational ? NmtState::pre_operational : state;
       case 2: return NmtState::stopped;
       default: return state;

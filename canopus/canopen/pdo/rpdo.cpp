@@ -186,9 +186,11 @@ AbortCode Rpdos::before_write(ObjectDictionary& dictionary, const Entry& entry,
   }
   switch (entry.sub) {
     case 0: return AbortCode::write_of_read_only;
-    case 1:
-      return check_change(cob_id, CobId::from(value), node_.options.extended_identifiers,
+    case 1: {
+      const CobId before = node_.options.pdo_identifiers_may_change ? CobId{} : cob_id;
+      return check_change(before, CobId::from(value), node_.options.extended_identifiers,
                           node_.options.permitted_pdo_identifier);
+    }
     case 2: {
       const std::uint32_t type = can::load_u32(value);
       if (type == 0xFF && !node_.options.profile_event_transmission_type) return AbortCode::invalid_value;

@@ -323,7 +323,8 @@ AbortCode Tpdos::before_write(ObjectDictionary& dictionary, const Entry& entry,
           CobId{number}.is_valid()) {
         return AbortCode::invalid_value;
       }
-      return check_change(cob_id, CobId{number}, node_.options.extended_identifiers,
+      const CobId before = node_.options.pdo_identifiers_may_change ? CobId{} : cob_id;
+      return check_change(before, CobId{number}, node_.options.extended_identifiers,
                           node_.options.permitted_pdo_identifier);
     }
     case 2:

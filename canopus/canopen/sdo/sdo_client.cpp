@@ -32,6 +32,7 @@ bool SdoClient::start(State state, const can::Frame& request, SdoClientUser& use
   multiplexer_ = sdo::multiplexer(request);
   toggle_ = 0;
   abort_code_ = AbortCode::none;
+  gave_up_ = false;
   collector_.clear();
   time_out_ = time_out;
   restart_time_out(now);
@@ -117,6 +118,7 @@ void SdoClient::finish(AbortCode code, can::Time now) {
 
 void SdoClient::give_up(AbortCode code, can::Time now) {
   sink_->send(sdo::abort_frame(request_, multiplexer_, code));
+  gave_up_ = true;
   finish(code, now);
 }
 

@@ -81,6 +81,8 @@ class SdoClient {
 
   // The last transfer, from sdo_finished() on until the next one starts.
   [[nodiscard]] AbortCode abort_code() const noexcept { return abort_code_; }  ///< none = success
+  /// The code is this client's own finding, a time-out for one, not the server's abort.
+  [[nodiscard]] bool gave_up() const noexcept { return gave_up_; }
   [[nodiscard]] std::span<const std::uint8_t> data() const noexcept {
     return collector_.bytes();
   }  ///< of an upload
@@ -163,6 +165,7 @@ class SdoClient {
   bool expedited_ = false;   // of a download
   bool all_sent_ = false;    // of a segmented download
   AbortCode abort_code_ = AbortCode::none;
+  bool gave_up_ = false;
   std::size_t maximum_size_ = 0;
   ByteSink* into_ = nullptr;
   SegmentSource source_;

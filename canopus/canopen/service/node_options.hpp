@@ -41,6 +41,8 @@ struct NodeOptions {
   can::Duration inhibit_time_resolution = std::chrono::microseconds(100);
   /// The event timer of an RPDO watches one that is event-driven (FEH, FFH), and no synchronous one [FX3U-CAN 5.6.5].
   bool rpdo_timer_for_events_alone = false;
+  /// The identifier of a PDO may change while it is valid [CiA DS-301 V3; FX2N-32CAN 7.3.3].
+  bool pdo_identifiers_may_change = false;
   /// Configurable COB-IDs may have 29-bit identifiers (bit 29); else 06090030H.
   bool extended_identifiers = true;
 
@@ -75,6 +77,12 @@ struct NodeOptions {
   /// Emergency code of a SYNC of the wrong length; modules that do not know 8240H say 8200H
   /// [ME3CAN1-Q 8.2.1].
   std::uint16_t sync_length_error = emcy_code::sync_length;
+
+  /// A dictionary without 1014H sends EMCY with the pre-defined COB-ID, one without 1028H hears those of all nodes [CiA
+  /// DS-301 V3; FX2N-32CAN 5.3.2].
+  bool predefined_emergency = false;
+  /// What 1029H:01 counts as where it is missing [CiA 301 7.5.2.32].
+  std::uint8_t error_behaviour = 0;
 
   // --- Stored parameters
   /// 1010H saves also between "load" at 1011H and the reset that restores: the present values count again.
