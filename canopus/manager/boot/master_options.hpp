@@ -86,6 +86,11 @@ struct MasterOptions {
   /// Heartbeats are compared with the state that this node has commanded, or with the first one: error_control::unexpected_state,
   /// and no error control event [RJ71CN91 1.9]. Without a command the first guarding answer is expected, too [RJ71CN91 1.8].
   bool heartbeat_state_is_checked = false;
+  /// Bit 2 of 1F81H is about slaves that are lost or restart alone: without it nothing is done for them. The start-up starts
+  /// every slave, and so does its assignment [CiA DS-302 V2; FX2N-32CAN 8.2.2].
+  bool boot_bit_is_for_recovery = false;
+  /// A guarding answer with the wrong toggle bit is error_control::toggle_error; else a missing one [FX2N-32CAN 8.2.7].
+  bool toggle_error_is_shown = false;
   /// A command to all nodes is shown at those that were never seen, too [FX3U-CAN 6.22].
   bool commands_show_all_nodes = false;
 };
@@ -108,7 +113,8 @@ inline constexpr std::uint16_t start_up_failed = 0x10;
 inline constexpr std::uint16_t unexpected_state = 0x20;
 inline constexpr std::uint16_t life_guarding = 0x40;  ///< this node as slave misses its master's remote frame
 inline constexpr std::uint16_t heartbeat_missing = 0x80;
-inline constexpr std::uint16_t errors = 0xFC;  ///< all but the two that say what is running
+inline constexpr std::uint16_t toggle_error = 0x100;  ///< MasterOptions::toggle_error_is_shown
+inline constexpr std::uint16_t errors = 0x1FC;        ///< all but the two that say what is running
 }  // namespace error_control
 
 /// NMT state of a node as 1F82H reads it.

@@ -87,7 +87,9 @@ bool ErrorControl::state_message(std::uint8_t node_id, std::uint8_t byte, can::T
   const NodeGuarding::Answer answer = slave.guarding.answer(byte, now);
   if (!slave.guarding.running()) return true;
   if (!answer.accepted) {
-    master_.set_error_bits(node_id, error_control::guarding_miss, 0, now);
+    const bool shown = master_.options.toggle_error_is_shown;
+    master_.set_error_bits(node_id, shown ? error_control::toggle_error : error_control::guarding_miss, 0,
+                           now);
     return false;
   }
   master_.set_state(node_id, shown_state(state), now);

@@ -49,7 +49,17 @@ void StartUp::obey(can::Time now) {
   }
 }
 
+void StartUp::boot_assigned(can::Time now) {
+  for (std::uint8_t n = 1; n < 128; ++n) {
+    if (!assigned_.test(n) || !master_.listener->sdo_channel_free(n)) continue;
+    assigned_.reset(n);
+    if (may_boot() && (master_.assignment(n) & assignment_bit::slave) != 0) start_boot(n, false, now);
+  }
+  assigned_due_ = assigned_.any() ? later(now, master_.options.busy_retry) : can::never;
+}
+
 void StartUp::tick(can::Time now) {
+  if (assigned_due_ <= now) boot_assigned(now);
   if (boot_end_ <= now) boot_time_elapsed(now);
   if (search_.deadline() <= now) search_.tick(now);
   if (phase_end_ > now) return;
@@ -63,7 +73,7 @@ void StartUp::tick(can::Time now) {
 
 can::Time StartUp::deadline(can::Time now) const noexcept {
   if (begin_pending_ || own_state_changed_ || own_command_ != 0) return now;
-  return std::min({boot_end_, phase_end_, search_.deadline()});
+  return std::min({assigned_due_, boot_end_, phase_end_, search_.deadline()});
 }
 
 // Steps 1 and 2.
@@ -175,8 +185,8 @@ void StartUp::boot_ended(std::uint8_t node_id, BootError error, can::Time now) {
   if (error == BootError::already_operational) {
     slave.expected_state = node_state::operational;
     if (!slave.is_heard()) master_.set_state(node_id, node_state::operational, now);
-  } else if ((bits & assignment_bit::boot_slave) != 0 && !slave.held &&
-             (bits_ & start_up_bit::do_not_start_slaves) == 0 &&
+  } else if (((bits & assignment_bit::boot_slave) != 0 || master_.options.boot_bit_is_for_recovery) &&
+             !slave.held && (bits_ & start_up_bit::do_not_start_slaves) == 0 &&
              ((bits_ & start_up_bit::start_all_nodes) == 0 || phase_ == Phase::running)) {
     master_.send_nmt(NmtCommand::start, node_id, now);
   }
@@ -253,7 +263,9 @@ void StartUp::start_slaves(can::Time now) {
   if (none_held && all_booted(assignment_bit::slave)) {
     master_.send_nmt(NmtCommand::start, all_nodes, now);
   } else {
-    constexpr std::uint32_t startable = assignment_bit::slave | assignment_bit::boot_slave;
+    const std::uint32_t startable =
+        assignment_bit::slave |
+        (master_.options.boot_bit_is_for_recovery ? 0U : std::uint32_t{assignment_bit::boot_slave});
     for (std::uint8_t n = 1; n < 128; ++n) {
       const Slave& slave = master_.slaves[n];
       if ((master_.assignment(n) & startable) == startable && slave.is_booted() && !slave.held &&
@@ -306,6 +318,7 @@ bool StartUp::is_late_boot_up(std::uint8_t node_id, can::Time now) {
 
 void StartUp::boot_up(std::uint8_t node_id, can::Time now) {
   if ((master_.assignment(node_id) & assignment_bit::slave) == 0 || !may_boot()) return;
+  if (leaves_alone(node_id)) return;
   const Slave& slave = master_.slaves[node_id];
   if (slave.is_booting()) {
     slave.boot->boot_up(now);
@@ -323,6 +336,7 @@ void StartUp::state_seen(std::uint8_t node_id, NmtState state, can::Time now) {
 void StartUp::slave_lost(std::uint8_t node_id, can::Time now) {
   const std::uint32_t bits = master_.assignment(node_id);
   if ((bits & assignment_bit::slave) == 0 || !may_boot() || begin_pending_) return;
+  if (leaves_alone(node_id)) return;
   if (master_.slaves[node_id].is_booting()) return;  // it is being brought back already
   if ((bits & assignment_bit::mandatory) != 0) {
     if ((bits_ & start_up_bit::stop_all_nodes) != 0) {
@@ -366,6 +380,8 @@ void StartUp::forget() noexcept {
   phase_end_ = boot_end_ = can::never;
   begin_pending_ = network_was_reset_ = own_state_changed_ = false;
   own_command_ = 0;
+  assigned_.reset();
+  assigned_due_ = can::never;
 }
 
 void StartUp::show_active(bool active, can::Time now) {

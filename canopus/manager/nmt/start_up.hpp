@@ -13,6 +13,7 @@
 //
 // A slave's own way through step 5 is in boot_slave.hpp.
 
+#include <bitset>
 #include <cstdint>
 
 #include "canopus/manager/nmt/master_context.hpp"
@@ -63,6 +64,12 @@ class StartUp {
   void state_seen(std::uint8_t node_id, canopen::NmtState state, can::Time now);
   void boot_ended(std::uint8_t node_id, BootError error, can::Time now);
   void slave_lost(std::uint8_t node_id, can::Time now);
+  /// 1F81H was written while the network runs: the slave is booted in the next tick in which its SDO channel is free.
+  void slave_assigned(std::uint8_t node_id, can::Time now) {
+    assigned_.set(node_id);
+    assigned_due_ = now;
+    master_.wake(now);
+  }
   /// The slave's boot, which is made if there is none yet.
   BootSlave& boot_of(std::uint8_t node_id);
   /// No mandatory slave was found in time, nor by LSS.
@@ -93,11 +100,18 @@ class StartUp {
   bool reset_network(can::Time now);
   void boot_all(bool all_were_reset, can::Time now);
   void start_boot(std::uint8_t node_id, bool after_reset, can::Time now);
+  void boot_assigned(can::Time now);
   void boot_time_elapsed(can::Time now);
   void mandatory_done(can::Time now);
   void become_operational(can::Time now);
   void own_node_is_operational(can::Time now);
   void start_slaves(can::Time now);
+  /// A slave that comes back by itself, or is lost, is left alone.
+  [[nodiscard]] bool leaves_alone(std::uint8_t node_id) const {
+    return master_.options.boot_bit_is_for_recovery &&
+           (master_.assignment(node_id) & assignment_bit::boot_slave) == 0 &&
+           !master_.slaves[node_id].is_booting();
+  }
   void finish(can::Time now);
   void halt(can::Time now);
   [[nodiscard]] bool all_booted(std::uint32_t assignment_bits) const;
@@ -116,6 +130,8 @@ class StartUp {
   bool giving_up_ = false;          // the boot time is over
   bool was_starting_ = false;
   bool own_state_changed_ = false;
+  std::bitset<128> assigned_;  // to be booted
+  can::Time assigned_due_ = can::never;
   std::uint8_t own_command_ = 0;  // NmtCommand for the own node; 0 = none
 };
 
