@@ -1,6 +1,7 @@
 #pragma once
-// FROM/TO watchdog: the program has to use the data words again and again. The first access starts it, each further one
-// starts it anew; when it expires, that stays until its word is written [FX3U-CAN 6.9].
+// FROM/TO watchdog: the program has to use the data words, or any word, again and again. The first access starts it, or the
+// module's start; each further one starts it anew; when it expires, that stays until its word is written [FX3U-CAN 6.9;
+// FX2N-32CAN 4.2.5].
 
 #include <chrono>
 #include <optional>
@@ -20,6 +21,8 @@ struct WatchedWords {
 struct AccessWatchdogLayout {
   BufferAddress time = 0;  ///< word of its time, in steps of 10 ms; 0: off
   std::span<const WatchedWords> words{};
+  /// It runs from the module's start on, in every state of the network [FX2N-32CAN 4.2.5].
+  bool runs_always = false;
 };
 
 class AccessWatchdog final : public BufferArea {
@@ -32,7 +35,12 @@ class AccessWatchdog final : public BufferArea {
 
   /// The program has used a word. `online`: the network works, the watchdog may run.
   void accessed(BufferAddress address, bool online, can::Time now) {
-    if (layout_ && online && is_watched(address)) start(now);
+    if (layout_ && (online || (layout_->runs_always && due_ != can::never)) && is_watched(address))
+      start(now);
+  }
+  /// The module works from now on.
+  void module_started(can::Time now) {
+    if (layout_ && layout_->runs_always) start(now);
   }
   /// As from power-on.
   void reset() noexcept {
@@ -43,8 +51,8 @@ class AccessWatchdog final : public BufferArea {
   [[nodiscard]] bool expires(bool online, can::Time now) noexcept {
     if (now < due_) return false;
     due_ = can::never;
-    expired_ = online;
-    return online;
+    expired_ = online || layout_->runs_always;
+    return expired_;
   }
   [[nodiscard]] bool expired() const noexcept { return expired_; }
   [[nodiscard]] can::Time deadline() const noexcept { return due_; }
@@ -57,7 +65,7 @@ class AccessWatchdog final : public BufferArea {
     memory_->store(address, value);
     const bool ran = expired_ || due_ != can::never;
     reset();
-    if (ran) start(now);
+    if (ran || layout_->runs_always) start(now);
     return WriteResult::done;
   }
 

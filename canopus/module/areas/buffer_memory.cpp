@@ -144,13 +144,13 @@ bool BufferMemory::apply_stored(const StoredWords& words) {
   });
   if (!good) return false;
   for_each_stored([&](const BufferRow&, BufferAddress address) {
-    if (const auto found = words.find(address); found != words.end()) set_word(address, found->second);
+    if (const auto found = words.find(address); found != words.end()) put_stored(address, found->second);
   });
   return true;
 }
 
 void BufferMemory::restore_initial() {
-  for_each_stored([&](const BufferRow& row, BufferAddress address) { set_word(address, row.initial); });
+  for_each_stored([&](const BufferRow& row, BufferAddress address) { put_stored(address, row.initial); });
 }
 
 }  // namespace canopus::module

@@ -167,6 +167,10 @@ class BufferMemory {
  private:
   template <typename Use>
   void for_each_stored(Use use) const;
+  /// Both sides, where FROM and TO are two words.
+  void put_stored(BufferAddress address, std::uint16_t value) noexcept {
+    from_[address] = to_[address] = value;
+  }
 
   std::span<const BufferRow> table_;
   Modes mode_ = 0;

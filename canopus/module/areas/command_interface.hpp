@@ -18,6 +18,8 @@
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
 #include "canopus/canopen/sdo/sdo_client.hpp"
 #include "canopus/module/areas/buffer_memory.hpp"
+#include "canopus/module/areas/emergency_buffer.hpp"
+#include "canopus/module/areas/nmt_status.hpp"
 #include "canopus/module/areas/set_up_command.hpp"
 
 namespace canopus::module {
@@ -34,6 +36,13 @@ enum class CommandKind : std::uint8_t {
   clear,       ///< end the locked state
   set_up,      ///< nodes, by SDO: CommandRow::set_up
   map_pdos,    ///< a PDO mapping mode: CommandRow::mapping
+  // The FX2N-32CAN's own.
+  emergency_bytes,  ///< send an emergency message of these eight bytes
+  plain_frame,      ///< send a CAN frame, in any NMT state
+  request_pdos,     ///< remote frames of one RPDO, or of all
+  guarding_status,  ///< of a node, of the next failing one (success + 1), of all (success + 2)
+  clear_guarding,   ///< failures of a node, or of all
+  read_emergencies,  ///< received messages: of the stack, of the ring (success + 1), the next unread one (success + 2)
 };
 
 /// Where all PDOs of the module stand afterwards, and the process data words are 0 [FX3U-CAN 7.2].
@@ -70,6 +79,21 @@ struct CommandLayout {
   can::Duration frame_time_out{};
   /// FFFFH ends a running command at once, not only a locked interface [FX3U-CAN 10.9.2].
   bool clear_code_stops = false;
+  SetUpRules set_up{};
+  /// Of SDO read and write.
+  std::size_t data_bytes = 124;
+  /// What is written is never read: reads show results alone [FX2N-32CAN 6.4.6].
+  bool reads_results_only = false;
+  /// Wrong state and bus-off have classes of their own; else an SDO access fails with abort_no_channel, and what is sent
+  /// finds no queue [FX2N-32CAN 6.4.1].
+  bool has_state_classes = true;
+  /// Abort codes of a node that does not answer, and of a channel that is in use.
+  canopen::AbortCode silent_node = canopen::AbortCode::timed_out;
+  canopen::AbortCode channel_in_use = canopen::AbortCode::no_sdo_connection;
+  /// Of a value that turns out too long only while it comes.
+  canopen::AbortCode too_long_at_last = abort_buffer_too_small;
+  /// The result of an SDO write has its length [FX2N-32CAN Tab. 6.1].
+  bool shows_written_length = false;
 };
 
 /// Classes of the general error result 000FH [ME3CAN1-Q 5.4].
@@ -77,6 +101,7 @@ namespace command_error {
 inline constexpr std::uint16_t result = 0x000F;
 inline constexpr std::uint16_t sdo = 0x0003;
 inline constexpr std::uint16_t unknown_command = 0x0064;
+inline constexpr std::uint16_t internal = 0x00C8;  // [FX2N-32CAN 6.4.8]
 inline constexpr std::uint16_t wrong_state = 0x0F0F;
 inline constexpr std::uint16_t bus_off = 0xB0FF;
 inline constexpr std::uint16_t queue_full = 0x8FFF;  // [FX3U-CAN 10.9]
@@ -108,6 +133,14 @@ class CommandHost {
   /// PDOs of the module, each way.
   [[nodiscard]] virtual std::uint16_t pdos() const = 0;
   virtual void map_pdos(PdoMapping mapping, can::Time now) = 0;
+  /// Nothing is executed now: what is asked for begins with CommandInterface::release() [FX2N-32CAN 6.4.7].
+  [[nodiscard]] virtual bool holds_commands() const = 0;
+  /// False: no queue has room for it.
+  virtual bool send_now(const can::Frame& frame) = 0;
+  virtual EmergencyBuffer& emergencies() = 0;
+  virtual const NmtStatus& nmt_status() const = 0;
+  /// Failures of one node's error control are over, or of all (0).
+  virtual void clear_error_control(std::uint8_t node_id, can::Time now) = 0;
   /// The command is finished and its result can be read.
   virtual void command_finished(can::Time now) = 0;
 
@@ -118,7 +151,7 @@ class CommandHost {
 class CommandInterface final : public BufferArea, public canopen::SdoClientUser {
  public:
   static constexpr std::size_t word_count = 67;
-  static constexpr std::size_t data_bytes = 124;
+  static constexpr std::size_t most_data_bytes = 124;
 
   /// Everything must outlive the interface. Without a layout there are no words and no commands.
   CommandInterface(const std::optional<CommandLayout>& layout, BufferMemory& memory, CommandHost& host,
@@ -144,6 +177,14 @@ class CommandInterface final : public BufferArea, public canopen::SdoClientUser 
 
   /// The frame of CommandHost::send_plain_frame() is sent.
   void frame_sent(can::Time now);
+  /// A frame is on the wire: the next remote frame of `request_pdos` may follow.
+  void transmitted(const can::Frame& frame, can::Time now) {
+    if (pdo_requested_ && frame == *pdo_requested_) request_next_pdo(now);
+  }
+  /// CommandHost::holds_commands() is over.
+  void release(can::Time now) {
+    if (held_) begin(now);
+  }
 
   /// True when the frame was for the running transfer.
   bool receive(const can::Frame& frame, can::Time now) { return client_.receive(frame, now); }
@@ -153,11 +194,6 @@ class CommandInterface final : public BufferArea, public canopen::SdoClientUser 
 
  private:
   using Plane = std::array<std::uint16_t, word_count>;
-  struct Record {  // one SDO access: where it lies in the planes
-    std::size_t word = 1;
-    std::size_t maximum = data_bytes;
-  };
-
   void begin(can::Time now);
   void start_access(can::Time now);
   void access_done(canopen::AbortCode code, std::span<const std::uint8_t> data, can::Time now);
@@ -165,9 +201,23 @@ class CommandInterface final : public BufferArea, public canopen::SdoClientUser 
   [[nodiscard]] bool skip_empty_records() noexcept;
   void send_emergency(can::Time now);
   void send_frame(can::Time now);
+  void connection_lost(can::Time now);
   void set_up(can::Time now);
+  void refuse_slaves(can::Time now);
   void continue_set_up(can::Time now);
   void map_pdos(can::Time now);
+  void send_emergency_bytes(can::Time now);
+  void send_any_frame(can::Time now);
+  void request_pdos(can::Time now);
+  void request_next_pdo(can::Time now);
+  [[nodiscard]] std::uint16_t shown_guarding(std::uint8_t node_id) const;
+  void show_guarding(can::Time now);
+  void clear_guarding(can::Time now);
+  void show_emergencies(can::Time now);
+  void put_emergency(const EmergencyBuffer::Received& received, std::size_t word);
+  /// A parameter that is none, which no error class is for.
+  void fail_internally(can::Time now);
+  void give_up_sending(can::Time now);
   void finish(std::uint16_t result, can::Time now);
   void fail(std::uint16_t error_class, can::Time now);
   [[nodiscard]] bool is_multiple() const noexcept {
@@ -177,6 +227,10 @@ class CommandInterface final : public BufferArea, public canopen::SdoClientUser 
     return command_->kind == CommandKind::sdo_read || command_->kind == CommandKind::multi_read;
   }
   [[nodiscard]] bool needs_bus() const noexcept;
+  /// The abort code of the last transfer as this module shows it.
+  [[nodiscard]] canopen::AbortCode shown_code() const noexcept;
+  /// 0 when `command_` may use the bus; what has no class for it fails in its own way.
+  [[nodiscard]] std::uint16_t bus_obstacle_class() const;
   [[nodiscard]] bool is_local(std::uint16_t node) const noexcept {
     return node == 0 || node == host_->own_node_id();
   }
@@ -197,9 +251,13 @@ class CommandInterface final : public BufferArea, public canopen::SdoClientUser 
   can::Time frame_due_ = can::never;  // the frame waits to be sent
   std::size_t record_ = 0;
   bool any_failed_ = false;
-  std::array<std::uint8_t, data_bytes> download_{};
+  std::array<std::uint8_t, most_data_bytes> download_{};
   SetUpCommand set_up_;
-  bool set_up_reads_ = false;  // its access under way
+  bool set_up_reads_ = false;                // its access under way
+  bool held_ = false;                        // by CommandHost::holds_commands()
+  std::uint16_t next_pdo_ = 0;               // of request_pdos
+  std::optional<can::Frame> pdo_requested_;  // waits to be on the wire
+  std::uint8_t shown_failing_ = 0;           // by guarding_status
 };
 
 }  // namespace canopus::module

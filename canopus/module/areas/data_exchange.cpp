@@ -50,23 +50,44 @@ void DataExchange::follow(const canopen::Node& node) {
   receive_.clear();
   receive_first_.clear();
   transmit_.clear();
+  if (layout_.all_variables) find_areas(node.dictionary().description());
   for (std::uint16_t number = 0; number < layout_.pdos; ++number) {
     receive_first_.push_back(static_cast<std::uint32_t>(receive_.size()));
     add_copies(node.dictionary(), static_cast<std::uint16_t>(rpdo_mapping + number),
                VariableDirection::output, receive_first_.back(), receive_);
+    if (layout_.all_variables) continue;
     add_copies(node.dictionary(), static_cast<std::uint16_t>(tpdo_mapping + number), VariableDirection::input,
                0, transmit_);
   }
+  for (const std::uint32_t area : input_areas_)
+    transmit_.push_back({area, 0, static_cast<std::uint16_t>(to_send_.size())});
   receive_first_.push_back(static_cast<std::uint32_t>(receive_.size()));
 }
 
-void DataExchange::rpdo_received(const canopen::Node& node, std::uint16_t number) {
+// One index each: the words of such a device are no more than that.
+void DataExchange::find_areas(const canopen::DictionaryDescription& description) {
+  input_areas_.clear();
+  output_areas_.clear();
+  for (const VariableArea& area : variable_areas) {
+    const canopen::Entry entry = description.find(area.first_index, 1);
+    if (!entry) continue;
+    (area.direction == VariableDirection::input ? input_areas_ : output_areas_).push_back(entry.offset);
+  }
+}
+
+void DataExchange::show_in_all(std::span<std::uint8_t> block, std::size_t place,
+                               std::size_t bytes) const noexcept {
+  for (const std::uint32_t area : output_areas_) copy(&block[area + place], &received_[place], bytes);
+}
+
+void DataExchange::rpdo_received(canopen::Node& node, std::uint16_t number) {
   if (number >= layout_.pdos) return;
   follow(node);
-  const std::uint8_t* const block = node.dictionary().block().data();
+  const auto block = node.dictionary().block();
   const auto last = receive_.begin() + receive_first_[number + 1U];
   for (auto step = receive_.begin() + receive_first_[number]; step != last; ++step) {
-    copy(&received_[step->place], block + step->offset, step->bytes);
+    copy(&received_[step->place], block.data() + step->offset, step->bytes);
+    show_in_all(block, step->place, step->bytes);
   }
 }
 
@@ -75,24 +96,37 @@ void DataExchange::after_write(canopen::ObjectDictionary& dictionary, const cano
   const auto place = variable_place(entry.index, entry.sub, received_.size(), layout_.variables);
   if (!place || place->direction != VariableDirection::output) return;
   std::ranges::copy(dictionary.bytes(entry), received_.begin() + place->offset);
+  if (!layout_.all_variables) return;
+  if (output_areas_.empty()) find_areas(dictionary.description());
+  show_in_all(dictionary.block(), place->offset, place->size);
 }
 
 void DataExchange::snapshot() {
-  const auto words = memory_->written(layout_.transmit_first, layout_.words);
+  const std::size_t run = layout_.first_part == 0 ? layout_.words : layout_.first_part;
+  const auto words = memory_->written(layout_.transmit_first, run);
   std::memcpy(to_send_.data(), words.data(), words.size_bytes());
+  if (run == layout_.words) return;
+  const auto rest = memory_->written(layout_.rest_first, layout_.words - run);
+  std::memcpy(&to_send_[2 * run], rest.data(), rest.size_bytes());
+}
+
+void DataExchange::put_words(BufferAddress first, std::span<const std::uint8_t> bytes) {
+  const std::size_t run = layout_.first_part == 0 ? layout_.words : layout_.first_part;
+  memory_->set_words(first, bytes.first(2 * run));
+  if (run != layout_.words) memory_->set_words(layout_.rest_first, bytes.subspan(2 * run));
 }
 
 void DataExchange::exchange(canopen::Node& node) {
   follow(node);
   std::uint8_t* const block = node.dictionary().block().data();
   for (const Copy& step : transmit_) copy(block + step.offset, &to_send_[step.place], step.bytes);
-  memory_->set_words(layout_.receive_first, received_);
+  put_words(layout_.receive_first, received_);
 }
 
 void DataExchange::clear() {
   reset();
-  memory_->set_words(layout_.receive_first, received_);
-  memory_->set_words(layout_.transmit_first, to_send_);
+  put_words(layout_.receive_first, received_);
+  put_words(layout_.transmit_first, to_send_);
 }
 
 void DataExchange::reset() {

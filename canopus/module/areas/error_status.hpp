@@ -28,6 +28,9 @@ enum class ModuleError : std::uint8_t {
   baud_rate_change,   ///< the last value written as bit rate is none
   node_address_change,
   slave_emergency,  ///< an assigned slave has sent an emergency message
+  power_supply,
+  command_overflow,  ///< a queue had no room for what a command, or the module itself, was to send
+  emergency,         ///< some node has sent an emergency message, and not yet that its errors are over
 };
 
 /// One bit of the error status word.
@@ -74,19 +77,21 @@ class ErrorStatus final : public BufferArea {
   /// The program sees it now.
   [[nodiscard]] bool shows(ModuleError error) const noexcept { return (shown() & mask(error)) != 0; }
   [[nodiscard]] BufferAddress invalid_address() const noexcept { return invalid_address_; }
+  /// The word of bits, as the program sees it.
+  [[nodiscard]] std::uint16_t word() const noexcept { return word_; }
   /// The error signal.
   [[nodiscard]] bool any() const noexcept { return (shown() & signal_) != 0; }
 
   /// A latched error happened. False when it was there already or is cleared at once.
   bool raise(ModuleError error) noexcept {
     if (has(error) || (hold_clear_ && (latched_ & mask(error)) != 0)) return false;
-    set(static_cast<std::uint16_t>(errors_ | mask(error)));
+    set(errors_ | mask(error));
     return true;
   }
   /// An error that follows its cause. True when it changed.
   bool follow(ModuleError error, bool on) noexcept {
     if (has(error) == on) return false;
-    set(static_cast<std::uint16_t>(errors_ ^ mask(error)));
+    set(errors_ ^ mask(error));
     return true;
   }
   /// As the model's row says: latched, it is raised while its cause is there; else it follows its cause.
@@ -119,7 +124,7 @@ class ErrorStatus final : public BufferArea {
   WriteResult write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
 
  private:
-  using Errors = std::uint16_t;  // a bit each, by ModuleError
+  using Errors = std::uint32_t;  // a bit each, by ModuleError
   [[nodiscard]] static constexpr Errors mask(ModuleError error) noexcept {
     return static_cast<Errors>(1U << static_cast<unsigned>(error));
   }

@@ -10,9 +10,14 @@ ExchangeControl::ExchangeControl(const std::optional<ExchangeControlLayout>& lay
   if (layout) memory.attach(layout->address, layout->address, *this);
 }
 
-void ExchangeControl::begin(bool canopen_mode, can::Time end) {
-  end_ = end;
+void ExchangeControl::begin(bool canopen_mode, can::Time now, can::Duration duration) {
   canopen_mode_ = canopen_mode;
+  if (layout_ && layout_->at_once) {
+    data_.process_data.snapshot();
+    waiting_ = true;
+    return exchange_if_operational(now);
+  }
+  end_ = can::later(now, duration);
   if (!canopen_mode) return data_.layer2.snapshot();
   const unsigned bits = layout_ ? memory_->written(layout_->address) : 0U;
   const bool process_data = layout_ && (bits & layout_->process_data) != 0;
@@ -62,6 +67,11 @@ void ExchangeControl::reset() noexcept {
 
 std::uint16_t ExchangeControl::read_word(BufferAddress address, can::Time) {
   if (layout_->reads_choice) return memory_->word(address);
+  if (layout_->at_once) {
+    const bool valid = data_.node.state() == canopen::NmtState::operational &&
+                       data_.controller.error_state() != can::ErrorState::bus_off;
+    return valid ? layout_->exchanging : std::uint16_t{0};
+  }
   if (runs_in_layer2()) return layout_->layer2_running;
   return running_ ? layout_->running : std::uint16_t{0};
 }

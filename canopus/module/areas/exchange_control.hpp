@@ -28,6 +28,11 @@ struct ExchangeControlLayout {
   bool reads_choice = false;         ///< it reads what was written instead [RJ71CN91 App. 2 G20]
   /// Process data wait for Operational; else an exchange outside of it leaves them alone [RJ71CN91 App. 1 Y1].
   bool waits_for_operational = true;
+  /// The write itself exchanges; outside of Operational what was written waits, and a later write takes its place
+  /// [FX2N-32CAN 4.2.2].
+  bool at_once = false;
+  /// With `at_once`: what it reads while Operational, and not bus-off.
+  std::uint16_t exchanging = 0;
 };
 
 class ExchangeControl final : public BufferArea {
@@ -39,12 +44,13 @@ class ExchangeControl final : public BufferArea {
     EmergencyBuffer& emergencies;
     Layer2& layer2;
     canopen::Node& node;
+    const can::Controller& controller;
   };
   /// Everything must outlive it. A module without the control word always exchanges everything.
   ExchangeControl(const std::optional<ExchangeControlLayout>& layout, BufferMemory& memory, const Data& data);
 
-  /// What the program has written goes out as it is now; the exchange ends at `end`.
-  void begin(bool canopen_mode, can::Time end);
+  /// What the program has written goes out as it is now; the exchange takes `duration`, but for one that is done at once.
+  void begin(bool canopen_mode, can::Time now, can::Duration duration);
   /// True when the exchange's time has come: it is done.
   [[nodiscard]] bool end_if_due(can::Time now);
   /// The CPU's refresh exchanges process data from now on, the program's request no more [RJ71CN91 2.2].
@@ -60,6 +66,7 @@ class ExchangeControl final : public BufferArea {
   void reset() noexcept;
   /// Process data run, or wait for Operational; in Layer 2 as far as the word shows it.
   [[nodiscard]] bool running() const noexcept {
+    if (layout_ && layout_->at_once) return false;  // nobody has to wait
     return running_ || (layout_ && layout_->layer2_running != 0 && runs_in_layer2());
   }
   [[nodiscard]] can::Time deadline() const noexcept { return end_; }

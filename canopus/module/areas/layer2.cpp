@@ -188,28 +188,32 @@ void Layer2::send_stop_message() {
   }
 }
 
-CommandHost::FrameAnswer Layer2::send(std::span<const std::uint16_t> parameters,
-                                      std::span<std::uint16_t> faults) {
+std::optional<can::Frame> plain_frame(std::span<const std::uint16_t> parameters,
+                                      std::span<std::uint16_t> faults, bool extended) {
   enum Parameter : std::size_t { id_low, id_high, rtr, dlc, data };
-  const std::uint32_t highest =
-      settings_.extended() ? can::max_extended_identifier : can::max_base_identifier;
-  const std::uint32_t identifier = parameters[id_low] | static_cast<std::uint32_t>(parameters[id_high]) << 16;
+  const std::uint32_t highest = extended ? can::max_extended_identifier : can::max_base_identifier;
   if (parameters[id_low] > (highest & 0xFFFF)) faults[id_low] = parameters[id_low];
   if (parameters[id_high] > highest >> 16) faults[id_high] = parameters[id_high];
   if (parameters[rtr] > 1) faults[rtr] = parameters[rtr];
   if (parameters[dlc] > 8) faults[dlc] = parameters[dlc];
-  if (std::ranges::any_of(faults.first(data), [](std::uint16_t fault) { return fault != 0; })) {
-    return CommandHost::FrameAnswer::setting_error;
-  }
-  can::Frame frame{.identifier = identifier,
-                   .extended = settings_.extended(),
+  const auto checked = faults.first(plain_frame_parameters);
+  if (std::ranges::any_of(checked, [](std::uint16_t fault) { return fault != 0; })) return std::nullopt;
+  can::Frame frame{.identifier = parameters[id_low] | static_cast<std::uint32_t>(parameters[id_high]) << 16,
+                   .extended = extended,
                    .remote = parameters[rtr] == 1,
                    .dlc = static_cast<std::uint8_t>(parameters[dlc])};
   for (std::size_t i = 0; i < frame.length(); ++i) {
     frame.data[i] = static_cast<std::uint8_t>(parameters[data + i / 2] >> (i % 2 * 8) & 0xFF);
   }
-  command_frame_ = frame;
-  return controller_->send(frame) ? CommandHost::FrameAnswer::queued : CommandHost::FrameAnswer::no_room;
+  return frame;
+}
+
+CommandHost::FrameAnswer Layer2::send(std::span<const std::uint16_t> parameters,
+                                      std::span<std::uint16_t> faults) {
+  const auto frame = plain_frame(parameters, faults, settings_.extended());
+  if (!frame) return CommandHost::FrameAnswer::setting_error;
+  command_frame_ = *frame;
+  return controller_->send(*frame) ? CommandHost::FrameAnswer::queued : CommandHost::FrameAnswer::no_room;
 }
 
 void Layer2::receive(const can::Frame& frame, can::Time now) {

@@ -25,6 +25,14 @@ namespace slot_error {
 inline constexpr std::uint16_t receive_overflow = 0x2000;
 }
 
+/// Words of plain_frame() that are checked: identifier (low word, high word), RTR, DLC. Four words of data follow.
+inline constexpr std::size_t plain_frame_parameters = 4;
+
+/// A CAN frame as a command has it [ME3CAN1-Q 5; FX3U-CAN 9.7; FX2N-32CAN 6.3]; nothing when one of the four words is wrong,
+/// which `faults` then shows at its place.
+[[nodiscard]] std::optional<can::Frame> plain_frame(std::span<const std::uint16_t> parameters,
+                                                    std::span<std::uint16_t> faults, bool extended);
+
 class Layer2 final : public BufferArea {
  public:
   /// Everything must outlive it. A module without Layer 2 modes has no layout, and stays offline.

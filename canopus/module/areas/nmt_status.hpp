@@ -29,6 +29,8 @@ struct NmtStatusLayout {
   bool shows_guarding_master = false;
   /// A failure bit that is written as 0 clears the failures of its node [FX3U-CAN 6.24].
   bool cleared_by_write = false;
+  /// Bits of manager::error_control that are failures.
+  std::uint16_t failures = manager::error_control::errors;
 };
 
 class NmtStatus final : public BufferArea {
@@ -55,6 +57,7 @@ class NmtStatus final : public BufferArea {
   [[nodiscard]] std::uint16_t state(std::uint8_t node) const noexcept { return state_[node]; }
   /// The failure signal: at least one node's failure is not cleared.
   [[nodiscard]] bool any_failure() const noexcept { return failing_.any(); }
+  [[nodiscard]] bool fails(std::uint8_t node) const noexcept { return failing_.test(node); }
 
   /// The node that a clear request means now, 0 = all.
   [[nodiscard]] std::uint8_t node_to_clear() const noexcept {
@@ -81,9 +84,7 @@ class NmtStatus final : public BufferArea {
 
  private:
   static constexpr std::uint8_t last_node = 127;
-  void note(std::uint8_t node) noexcept {
-    failing_.set(node, (status(node) & manager::error_control::errors) != 0);
-  }
+  void note(std::uint8_t node) noexcept { failing_.set(node, (status(node) & layout_.failures) != 0); }
 
   NmtStatusLayout layout_;
   BufferMemory* memory_;

@@ -17,7 +17,6 @@ constexpr std::uint32_t load_signature = 0x6461'6F6CU;
 constexpr std::uint16_t first_rpdo = 0x1400;
 constexpr std::uint16_t first_tpdo = 0x1800;
 constexpr std::uint32_t invalid_bit = 0x8000'0000U;
-constexpr std::uint32_t no_rtr_bit = 0x4000'0000U;
 constexpr std::uint32_t identifier_bits = 0x1FFF'FFFFU;
 constexpr std::uint16_t local_tpdo = 0x80;  // in place of a destination node: a further TPDO of the local one
 constexpr unsigned default_tpdos = 4;
@@ -34,9 +33,10 @@ bool no_response(canopen::AbortCode code) {
 
 }  // namespace
 
-void SetUpCommand::begin(SetUpKind kind, Words words, Answers answers, std::uint8_t local,
-                         std::uint16_t pdos) noexcept {
+void SetUpCommand::begin(SetUpKind kind, const SetUpRules& rules, Words words, Answers answers,
+                         std::uint8_t local, std::uint16_t pdos) noexcept {
   kind_ = kind;
+  rules_ = rules;
   words_.emplace(words);
   answers_.emplace(answers);
   local_ = local;
@@ -126,11 +126,22 @@ std::optional<SetUpAccess> SetUpCommand::heartbeat_access() noexcept {
                      .value = std::uint32_t{word()} << 16 | word(1)};
 }
 
-std::optional<SetUpAccess> SetUpCommand::assignment_access() noexcept {
+// A wrong parameter is answered with itself.
+bool SetUpCommand::has_wrong_assignment() noexcept {
+  constexpr std::uint16_t highest_factor = 0xFF;
   const bool bad_slave = word() == 0 || word() > last_node;
+  const bool bad_factor = word(3) > highest_factor;
+  if (!bad_slave && !bad_factor) return false;
+  if (rules_.marks_skipped_words) {
+    for (const std::size_t i : {1U, 2U, 3U}) answer(i, bad);
+  }
   if (bad_slave) answer(0, word() == 0 ? bad : word());
-  if (word(3) > 0xFF) answer(3, word(3));
-  if (bad_slave || word(3) > 0xFF) {
+  if (bad_factor) answer(3, word(3));
+  return true;
+}
+
+std::optional<SetUpAccess> SetUpCommand::assignment_access() noexcept {
+  if (has_wrong_assignment()) {
     go_on();
     return std::nullopt;
   }
@@ -142,7 +153,8 @@ std::optional<SetUpAccess> SetUpCommand::assignment_access() noexcept {
                          .index = 0x1F81,
                          .sub = slave,
                          .length = 4,
-                         .value = std::uint32_t{word(2)} << 16 | std::uint32_t{word(3)} << 8 | low(word(1))};
+                         .value = std::uint32_t{word(2)} << 16 | std::uint32_t{word(3)} << 8 |
+                                  (word(1) & rules_.assignment_bits)};
     case 1:
       return SetUpAccess{
           .node = slave, .reads = false, .index = 0x100C, .sub = 0, .length = 2, .value = word(2)};
@@ -178,7 +190,11 @@ SetUpAccess SetUpCommand::cob_id_access(std::uint16_t parameter, std::uint16_t f
 // another one [CiA 301 7.5.2.35].
 std::optional<SetUpAccess> SetUpCommand::binding_access() noexcept {
   if (word() == 0 && word(1) == 0) {
-    reset_due_ = true;
+    reset_due_ = at_ == 0 || !rules_.default_mapping_first;
+    if (!reset_due_) {
+      answer(0, bad);
+      answer(1, bad);
+    }
     go_on();
     return std::nullopt;
   }
@@ -215,8 +231,8 @@ std::optional<SetUpAccess> SetUpCommand::binding_access() noexcept {
 
 std::optional<SetUpAccess> SetUpCommand::extra_tpdo_access() noexcept {
   const std::uint8_t node = high(word()), tpdo = low(word()), own = low(word(1));
-  const bool bad_source =
-      node == 0 || node > last_node || node == local_ || tpdo == 0 || tpdo > default_tpdos;
+  const bool bad_source = node == 0 || node > last_node || (node == local_ && !rules_.takes_own_cob_ids) ||
+                          tpdo == 0 || tpdo > default_tpdos;
   const bool bad_own = own <= default_tpdos || own > pdos_;
   if (bad_source || bad_own) {
     if (bad_source) answer(0, word());
@@ -225,7 +241,7 @@ std::optional<SetUpAccess> SetUpCommand::extra_tpdo_access() noexcept {
     return std::nullopt;
   }
   const auto index = static_cast<std::uint16_t>(first_tpdo + own - 1);
-  const std::uint32_t cob_id = no_rtr_bit | (0x80U + 0x100U * tpdo + node);
+  const std::uint32_t cob_id = 0x80U + 0x100U * tpdo + node;
   return SetUpAccess{.node = 0,
                      .reads = false,
                      .index = index,
@@ -300,7 +316,7 @@ void SetUpCommand::binding_done(canopen::AbortCode code, std::uint32_t value) no
       return;
     case 1:
       was_disabled_ = (value & invalid_bit) != 0;
-      if (was_disabled_) ++step_;  // it can be changed as it is
+      if (was_disabled_ || rules_.writes_over_cob_ids) ++step_;  // it can be changed as it is
       return;
     case 2: return;
     default:

@@ -26,6 +26,20 @@ enum class SetUpKind : std::uint8_t {
   bind_pdos,            ///< pairs of source TPDO and destination RPDO (Mode B)
 };
 
+/// What the manuals say otherwise of the same command.
+struct SetUpRules {
+  /// Bits of the configuration of a slave; others are ignored.
+  std::uint8_t assignment_bits = 0xFF;
+  /// Of a record of slave assignment with a wrong parameter the words that are not wrong read FFFFH [FX2N-32CAN 8.2.6].
+  bool marks_skipped_words = false;
+  /// Mode B's default mapping may be asked for by the first pair alone [FX2N-32CAN 7.4.6].
+  bool default_mapping_first = false;
+  /// The COB-ID of a destination that is valid is written over; else it is switched off before [CiA 301 7.5.2.35].
+  bool writes_over_cob_ids = false;
+  /// A further TPDO of the local node may take a default COB-ID of the local node.
+  bool takes_own_cob_ids = false;
+};
+
 /// An SDO access; a node of 0 is the local one.
 struct SetUpAccess {
   std::uint8_t node = 0;
@@ -43,7 +57,8 @@ class SetUpCommand {
 
   /// `local`: the own node-ID; `pdos`: how many the module has each way. Both spans are used until the command is over;
   /// the answers are 0.
-  void begin(SetUpKind kind, Words words, Answers answers, std::uint8_t local, std::uint16_t pdos) noexcept;
+  void begin(SetUpKind kind, const SetUpRules& rules, Words words, Answers answers, std::uint8_t local,
+             std::uint16_t pdos) noexcept;
   /// The next access. Nothing: the command is over.
   [[nodiscard]] std::optional<SetUpAccess> next() noexcept;
   /// How the last access ended; `value`: what was read.
@@ -62,6 +77,7 @@ class SetUpCommand {
   [[nodiscard]] std::optional<SetUpAccess> first_access() noexcept;
   [[nodiscard]] std::optional<SetUpAccess> heartbeat_access() noexcept;
   [[nodiscard]] std::optional<SetUpAccess> assignment_access() noexcept;
+  [[nodiscard]] bool has_wrong_assignment() noexcept;
   [[nodiscard]] std::optional<SetUpAccess> storing_access() noexcept;
   [[nodiscard]] std::optional<SetUpAccess> binding_access() noexcept;
   [[nodiscard]] std::optional<SetUpAccess> extra_tpdo_access() noexcept;
@@ -71,6 +87,7 @@ class SetUpCommand {
   [[nodiscard]] SetUpAccess cob_id_access(std::uint16_t parameter, std::uint16_t first_index) const noexcept;
 
   SetUpKind kind_ = SetUpKind::store;
+  SetUpRules rules_;
   std::optional<Words> words_;
   std::optional<Answers> answers_;
   std::uint8_t local_ = 0;

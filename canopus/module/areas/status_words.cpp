@@ -61,6 +61,7 @@ unsigned StatusWords::communication_status() const {
     if (sources_.layer2.online()) status |= bits.layer2_online;
     return status;
   }
+  if (!state.nmt_resetting) status |= bits.online;
   switch (sources_.node.state()) {
     case canopen::NmtState::operational: status |= bits.operational | bits.operational_state; break;
     case canopen::NmtState::pre_operational: status |= bits.pre_operational_state; break;

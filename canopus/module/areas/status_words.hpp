@@ -16,6 +16,7 @@ namespace canopus::module {
 
 /// Bits of the communication status word; 0: the model has no such bit.
 struct CommunicationStatusBits {
+  std::uint16_t online = 0;  ///< the CANopen node works, in whatever state [FX2N-32CAN 4.2.4]
   std::uint16_t operational = 0;
   std::uint16_t layer2_online = 0;
   std::uint16_t warning_level = 0;

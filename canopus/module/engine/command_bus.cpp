@@ -23,8 +23,28 @@ std::uint16_t CommandBus::pdos() const { return parts_.model.program_interface.p
 
 void CommandBus::map_pdos(PdoMapping mapping, can::Time now) {
   const canopen::ObjectDictionary factory(parts_.model.object_dictionary(), parts_.node.node_id());
-  set_pdo_mapping(parts_.node.dictionary(), factory, pdos(), mapping, now);
-  parts_.process_data.clear();
+  set_pdo_mapping(parts_.node.dictionary(), factory, own_node_id(), pdos(), mapping, now);
+  if (parts_.model.mapping_clears_words) parts_.process_data.clear();
+}
+
+bool CommandBus::holds_commands() const {
+  return parts_.model.cpu.watchdog_holds_commands && parts_.watchdog.expired();
+}
+
+bool CommandBus::send_now(const can::Frame& frame) {
+  const bool sends = parts_.controller.error_state() != can::ErrorState::bus_off &&
+                     parts_.controller.has_room() && parts_.controller.send(frame);
+  if (!sends) parts_.errors.raise(ModuleError::command_overflow);
+  return sends;
+}
+
+EmergencyBuffer& CommandBus::emergencies() { return parts_.emergencies; }
+
+const NmtStatus& CommandBus::nmt_status() const { return parts_.nmt_status; }
+
+void CommandBus::clear_error_control(std::uint8_t node_id, can::Time now) {
+  parts_.nmt_status.clear_life_guarding(node_id);
+  parts_.master.clear_error_control(node_id, now);
 }
 
 std::uint16_t CommandBus::bus_obstacle() const {

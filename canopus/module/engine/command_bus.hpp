@@ -31,6 +31,11 @@ class CommandBus final : public CommandHost {
   bool is_nmt_master() const override;
   std::uint16_t pdos() const override;
   void map_pdos(PdoMapping mapping, can::Time now) override;
+  bool holds_commands() const override;
+  bool send_now(const can::Frame& frame) override;
+  EmergencyBuffer& emergencies() override;
+  const NmtStatus& nmt_status() const override;
+  void clear_error_control(std::uint8_t node_id, can::Time now) override;
   void command_finished(can::Time now) override;
 
   ModuleParts& parts_;

@@ -14,8 +14,9 @@ void ControllerSide::changed(can::Time now) {
   ErrorStatus& errors = parts_.errors;
   const bool was_off = errors.has(ModuleError::bus_off);
   errors.follow(ModuleError::bus_off, state == can::ErrorState::bus_off);
-  if (errors.follow(ModuleError::error_passive, state == can::ErrorState::error_passive) &&
-      errors.has(ModuleError::error_passive)) {
+  const bool was_passive = errors.has(ModuleError::error_passive);
+  errors.track(ModuleError::error_passive, state == can::ErrorState::error_passive);
+  if (!was_passive && errors.has(ModuleError::error_passive)) {
     parts_.own_emergencies.raise(parts_.model.emergencies.error_passive);
     parts_.diagnostics.log(ModuleEvent::error_passive, now);
   }

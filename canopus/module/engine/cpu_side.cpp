@@ -15,6 +15,7 @@ constexpr std::uint8_t stopped_on_error = 2;
 void CpuSide::changed(CpuState state, can::Time now) {
   const CpuState before = std::exchange(parts_.state.cpu, state);
   const bool failed = std::exchange(failed_, false);
+  if (parts_.model.cpu.is_unknown) return;
   if (state == CpuState::run) parts_.state.cpu_fault = false;
   if (!parts_.state.running()) return;
   const bool stopped = before == CpuState::run && state == CpuState::stop;
@@ -34,6 +35,7 @@ void CpuSide::changed(CpuState state, can::Time now) {
 }
 
 void CpuSide::failed() {
+  if (parts_.model.cpu.is_unknown) return;
   failed_ = parts_.state.cpu == CpuState::run;
   parts_.state.cpu_fault = true;
   if (failed_ || !parts_.state.running() || !parts_.state.canopen_mode()) return;
@@ -43,13 +45,15 @@ void CpuSide::failed() {
 void CpuSide::watchdog_expired(can::Time now) {
   parts_.report("the program has not used the data words for too long", now);
   if (!parts_.state.canopen_mode()) return parts_.layer2.cpu_stopped();
+  const bool keeps_state = parts_.model.cpu.watchdog_keeps_state;
+  if (keeps_state && parts_.node.state() != canopen::NmtState::operational) return;
   parts_.own_emergencies.raise(parts_.model.emergencies.access_watchdog);
   parts_.own_emergencies.send(now);  // before the state in which there are none
-  leave_operational(now);
+  if (!keeps_state) leave_operational(now);
 }
 
 void CpuSide::node_starts(can::Time now) {
-  const bool stopped = parts_.state.cpu == CpuState::stop;
+  const bool stopped = parts_.state.cpu == CpuState::stop && !parts_.model.cpu.is_unknown;
   const bool has_no_role = stopped && parts_.model.cpu.stop_ends_master && parts_.is_master_by_role();
   stop_is_due_ = stopped && parts_.model.cpu.stop_at_start_counts;
   parts_.node.pause_heartbeat(has_no_role, now);
@@ -57,6 +61,7 @@ void CpuSide::node_starts(can::Time now) {
 }
 
 bool CpuSide::lets_operate() const {
+  if (parts_.model.cpu.is_unknown) return true;
   return (parts_.state.cpu == CpuState::run && !parts_.watchdog.expired()) ||
          parts_.node.dictionary().get<std::uint8_t>(0x1029, 1) == no_change_on_error;
 }

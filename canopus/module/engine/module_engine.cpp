@@ -126,6 +126,10 @@ void ModuleEngine::inject(ModuleFault fault, can::Time now) {
       // A severe error that the device causes itself acts as a communication error does [ME3CAN1-Q 4.7].
       if (parts_.state.running() && parts_.state.canopen_mode()) parts_.node.communication_error(now);
       return update(now);
+    case ModuleFault::power_error:
+      parts_.errors.raise(ModuleError::power_supply);
+      parts_.report("the supply was out of range", now);
+      return update(now);
     case ModuleFault::watchdog_error:
       power_off(now);                                           // until the supply has been off
       parts_.diagnostics.raise(Diagnosis::watchdog, now, {2});  // the cause codes are not printed
@@ -186,6 +190,7 @@ void ModuleEngine::end_due_initialization(can::Time now) {
     parts_.network_settings.apply();
     parts_.node.power_on(now);
   }
+  parts_.watchdog.module_started(now);
   const bool by_restart = std::exchange(restarting_, false);
   if (by_restart) parts_.diagnostics.log(ModuleEvent::restarted, now);
   switch (parts_.state.mode->kind) {
@@ -221,7 +226,8 @@ void ModuleEngine::begin_restart(can::Time now) {
   // The frame is in the controller's queue before the node goes off; the controller goes off after it.
   if (parts_.state.running() && parts_.state.canopen_mode()) {
     const EmergencyRow& row = parts_.model.emergencies.restart;
-    controller_sends_last_ = parts_.node.emergency(row.code, row.error_register, row.manufacturer, now);
+    controller_sends_last_ =
+        row.code != 0 && parts_.node.emergency(row.code, row.error_register, row.manufacturer, now);
   }
   restarting_ = true;
   begin_initialization(parts_.profile.restart_time, now);
@@ -246,7 +252,8 @@ void ModuleEngine::transmitted(const can::Frame& frame, can::Time now) {
   if (!parts_.state.running()) return;
   if (parts_.state.canopen_mode()) {
     parts_.node.transmitted(frame, now);
-    return parts_.master.transmitted(frame, now);
+    parts_.master.transmitted(frame, now);
+    return parts_.command.transmitted(frame, now);
   }
   parts_.layer2.transmitted(frame);
   if (parts_.layer2.takes_command_frame(frame)) parts_.command.frame_sent(now);
@@ -334,6 +341,7 @@ void ModuleEngine::update(can::Time now) {
   parts_.errors.follow(ModuleError::hardware, parts_.state.hardware_fault);
   parts_.errors.follow(ModuleError::flash, parts_.settings.error());
   parts_.errors.follow(ModuleError::access_watchdog, parts_.watchdog.expired());
+  parts_.errors.follow(ModuleError::emergency, parts_.emergencies.any_active());
   parts_.errors.track(ModuleError::node_failure, parts_.any_nmt_error());
   parts_.port->show(now);
 }

@@ -32,8 +32,13 @@ void ModuleEngine::write_word(BufferAddress address, std::uint16_t value, can::T
     parts_.diagnostics.raise(Diagnosis::invalid_value, now, {parts_.errors.invalid_address()});
   }
   if (result == WriteResult::done) {
+    if (!parts_.settings.word_written(address))
+      parts_.report("the memory of settings could not be written", now);
+    if (!parts_.watchdog.expired()) parts_.command.release(now);
     if (parts_.observer != nullptr) parts_.observer->buffer_written(address, value, now);
     parts_.port->serve(now);
+    // An error whose cause is still there comes again when it is cleared [FX2N-32CAN 4.2.7].
+    if (parts_.model.error_status && address == parts_.model.error_status->status) controller_changed(now);
   } else if (result != WriteResult::ignored) {
     parts_.report_word(
         address, value,
@@ -59,7 +64,7 @@ void ModuleEngine::read_clock(can::Time now) {
 }
 
 void ModuleEngine::begin_exchange(can::Time now) {
-  parts_.exchange.begin(parts_.state.canopen_mode(), can::later(now, parts_.profile.exchange_time));
+  parts_.exchange.begin(parts_.state.canopen_mode(), now, parts_.profile.exchange_time);
 }
 
 // [RJ71CN91 App. 1 YF] Node errors are cleared with the others where the model says so: those of all nodes.

@@ -66,6 +66,14 @@ std::vector<Led> leds_of(const ModuleParts& parts, can::Time last_frame, can::Ti
       case LedUse::access:
         light(parts.state.last_access != can::Time{} && now - parts.state.last_access < traffic_afterglow);
         break;
+      case LedUse::operational:
+        light(parts.state.running() && parts.node.state() == canopen::NmtState::operational);
+        break;
+      case LedUse::interface: light(parts.state.running() && !parts.errors.has(ModuleError::bus_off)); break;
+      case LedUse::error_bits:
+        light((parts.errors.word() & row.bits) != 0);
+        led.error = true;
+        break;
       case LedUse::network_error:
       case LedUse::module_error:
         led.pattern =

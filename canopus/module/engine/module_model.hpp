@@ -47,6 +47,8 @@ struct SettingsLayout {
   std::uint16_t restore = 0;  ///< likewise
   /// Saving and restoring is refused while Layer 2 is online (ModuleError::save_while_online) [RJ71CN91 App. 1 Y1F].
   bool saves_offline_only = false;
+  /// The words are saved as they are written, without a request [FX2N-32CAN 4.2.8].
+  bool saves_at_once = false;
 };
 
 /// Factory settings that no word holds.
@@ -55,7 +57,7 @@ struct FactorySettings {
   std::uint8_t node_id = 127;
 };
 
-/// An emergency message that a module sends by itself.
+/// An emergency message that a module sends by itself; code 0: it does not.
 struct EmergencyRow {
   std::uint16_t code = 0;
   std::uint8_t error_register = 0;
@@ -80,10 +82,14 @@ enum class LedUse : std::uint8_t {
   network_error,  ///< bus-off, error control, LSS, error counters
   module_error,   ///< the same, and errors of the CPU and of the program [FX3U-CAN 1.2.2]
   access,         ///< the program uses words
+  operational,    ///< lit in Operational
+  interface,      ///< lit while the CAN controller works and is not bus-off
+  error_bits,     ///< lit while some of LedRow::bits of the error status word are 1
 };
 struct LedRow {
   std::string_view name{};
   LedUse use = LedUse::supply;
+  std::uint16_t bits = 0;
 };
 
 /// What the CPU's STOP and RUN do beyond the NMT state and its emergency message.
@@ -97,6 +103,12 @@ struct CpuRules {
   bool run_ends_error = false;
   /// STOP takes Layer 2 offline, after its messages [FX3U-CAN 11].
   bool stop_ends_layer2 = false;
+  /// The module does not know whether the CPU runs: a program that has stopped uses no words [FX2N-32CAN 4.2.5].
+  bool is_unknown = false;
+  /// The access watchdog leaves the NMT state alone, and its emergency message is for Operational [FX2N-32CAN 4.2.7].
+  bool watchdog_keeps_state = false;
+  /// While the access watchdog has expired no command begins [FX2N-32CAN 6.4.7].
+  bool watchdog_holds_commands = false;
 };
 
 struct ModuleModel {
@@ -150,6 +162,8 @@ struct ModuleModel {
   /// Which concise DCFs 1F22H takes, if not any as CiA 302-3 allows; the times are the profile's.
   manager::ConfigurationOptions (*configuration_options)() = nullptr;
 
+  /// A command that sets a PDO mapping mode clears the process data words [FX3U-CAN 7.2].
+  bool mapping_clears_words = true;
   /// Engineering tools write parameters for it, which the CPU gives it [RJ71CN91 2.4].
   bool takes_parameters = false;
   /// A stored PDO mapping that is faulty keeps the module in its initialization [ME3CAN1-Q 8.1.2].

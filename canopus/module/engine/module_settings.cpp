@@ -272,6 +272,18 @@ bool ModuleSettings::end_save() {
   return written;
 }
 
+bool ModuleSettings::word_written(BufferAddress address) {
+  if (!model_->settings.saves_at_once) return true;
+  const BufferRow* row = buffer_->row(address, WordAccess::write);
+  if (row == nullptr || row->stored == Stored::no) return true;
+  const StoredWords before = words_;
+  buffer_->collect_stored(words_);
+  if (words_ == before) return true;  // no need to wear the memory
+  const bool written = flash_.write(words_name, encode_words(words_));
+  if (!written) error_ = true;
+  return written;
+}
+
 // [RJ71CN91 App. 2 G10000] Words of a slot that does not send are not saved.
 void ModuleSettings::leave_out_receive_slots() {
   if (mode_->kind == FunctionModeRow::Kind::canopen || !model_->layer2_rules.saves_transmit_slots) return;
@@ -287,7 +299,7 @@ bool ModuleSettings::has_worn_out() noexcept {
   const std::uint32_t lasts = model_->data_sheet->flash_writes;
   const bool worn_before = known_writes_ > lasts;
   known_writes_ = flash_.writes();
-  return known_writes_ > lasts && !worn_before;
+  return lasts != 0 && known_writes_ > lasts && !worn_before;
 }
 
 }  // namespace canopus::module

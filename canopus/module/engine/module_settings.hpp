@@ -76,6 +76,8 @@ class ModuleSettings {
   void cancel_save() noexcept { save_end_ = can::never; }
   /// False when the flash memory could not be written.
   bool end_save();
+  /// The program has written this word: where that saves it, it is saved. False as above.
+  bool word_written(BufferAddress address);
   /// The request that is being carried out, or was last, restores.
   [[nodiscard]] bool restores() const noexcept { return (request_ & model_->settings.restore) != 0; }
   /// The request saves.

@@ -14,7 +14,7 @@ constexpr can::Duration retry_after = std::chrono::milliseconds(1);
 OwnEmergencies::OwnEmergencies(canopen::Node& node) : node_(&node) { messages_.reserve(most_messages); }
 
 void OwnEmergencies::raise(const EmergencyRow& row, std::uint8_t node_id) {
-  if (messages_.size() < most_messages) messages_.push_back({&row, node_id});
+  if (row.code != 0 && messages_.size() < most_messages) messages_.push_back({&row, node_id});
 }
 
 void OwnEmergencies::send_waiting(can::Time now) {

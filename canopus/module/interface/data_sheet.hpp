@@ -57,7 +57,7 @@ struct DataSheet {
   std::string_view word_prefix = "G";  ///< what stands before the address of a word
   bool online_module_change = false;
   std::string_view multiple_cpu{};
-  std::uint32_t flash_writes = 0;  ///< tolerated
+  std::uint32_t flash_writes = 0;  ///< tolerated; 0: the manual does not say
   std::string_view connector{};
   std::span<const FunctionMode> modes{};
   std::span<const Standard> standards{};

@@ -25,6 +25,7 @@ enum class CpuState : std::uint8_t { stop, run };
 enum class ModuleFault : std::uint8_t {
   hardware_error,  ///< the module finds its hardware faulty
   watchdog_error,  ///< its firmware hangs: it does nothing any more
+  power_error,     ///< its supply was out of range for a moment [FX2N-32CAN 4.2.7]
 };
 
 /// Buffer memory as a program reaches it.

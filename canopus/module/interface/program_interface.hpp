@@ -42,6 +42,25 @@ struct DataExchangeLayout {
   std::size_t words = 0;             ///< each way
   std::uint16_t pdos = 0;            ///< RPDOs, and TPDOs
   VariablesPerIndex variables{};     ///< that show them in the object dictionary
+  /// So many of the words lie there; the rest of both ways begins at `rest_first` [FX2N-32CAN 4.1, 4.3]. 0: all lie there.
+  std::size_t first_part = 0;
+  BufferAddress rest_first = 0;
+  /// Every network variable shows the words; else those that a PDO maps [FX2N-32CAN 5.1, 5.2].
+  bool all_variables = false;
+
+  /// Address of word `word` of the way that begins at `first`.
+  [[nodiscard]] constexpr BufferAddress address(BufferAddress first, std::size_t word) const noexcept {
+    const bool is_rest = first_part != 0 && word >= first_part;
+    return static_cast<BufferAddress>(is_rest ? rest_first + (word - first_part) : first + word);
+  }
+  /// The word that lies at `at`, if one does.
+  [[nodiscard]] constexpr std::optional<std::size_t> word(BufferAddress first,
+                                                          BufferAddress at) const noexcept {
+    const std::size_t run = first_part == 0 ? words : first_part;
+    if (at >= first && at - first < run) return at - first;
+    if (first_part != 0 && at >= rest_first && at - rest_first < words - run) return at - rest_first + run;
+    return std::nullopt;
+  }
 };
 
 /// SDO write to the module's own object dictionary by its command interface: code, node (0 = own), index,
@@ -65,6 +84,8 @@ struct ProgramInterface {
   /// The bits of this word are 1 while the module initializes and takes no words; no bits: nothing shows it.
   BufferAddress status = 0;
   std::uint16_t initializing = 0;
+  /// The bits are 0 then, instead [FX2N-32CAN 4.2.4].
+  bool initializing_is_0 = false;
   DataExchangeLayout process_data{};
   ProgramCommand command{};
   /// Word of the node-ID.

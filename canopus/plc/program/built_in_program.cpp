@@ -134,8 +134,9 @@ bool BuiltInProgram::buffer_written(module::BufferAddress address) const noexcep
 }
 
 bool BuiltInProgram::is_initializing(can::Time now) {
-  return interface_.initializing != 0 &&
-         (words_->read_word(interface_.status, now) & interface_.initializing) != 0;
+  if (interface_.initializing == 0) return false;
+  const bool is_set = (words_->read_word(interface_.status, now) & interface_.initializing) != 0;
+  return is_set != interface_.initializing_is_0;
 }
 
 // The ready signal stays ON in an NMT reset and in a restart [ME3CAN1-Q 3.3.2].

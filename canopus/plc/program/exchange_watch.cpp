@@ -118,8 +118,9 @@ std::string ExchangeWatch::described(can::Time now) const {
 }
 
 bool ExchangeWatch::is_initializing(can::Time now) const {
-  return interface_.initializing != 0 &&
-         (words_->look_at_word(interface_.status, now) & interface_.initializing) != 0;
+  if (interface_.initializing == 0) return false;
+  const bool is_set = (words_->look_at_word(interface_.status, now) & interface_.initializing) != 0;
+  return is_set != interface_.initializing_is_0;
 }
 
 }  // namespace canopus::plc
