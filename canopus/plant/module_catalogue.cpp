@@ -8,6 +8,10 @@
 
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
 #include "canopus/eds/writer.hpp"
+#include "canopus/module/fx2n_32can/buffer_table.hpp"
+#include "canopus/module/fx2n_32can/data_sheet.hpp"
+#include "canopus/module/fx2n_32can/fx2n_32can.hpp"
+#include "canopus/module/fx2n_32can/object_table.hpp"
 #include "canopus/module/fx3u_can/buffer_table.hpp"
 #include "canopus/module/fx3u_can/data_sheet.hpp"
 #include "canopus/module/fx3u_can/fx3u_can.hpp"
@@ -35,6 +39,7 @@ std::unique_ptr<module::CommunicationModule> make(can::Controller& controller,
 }
 
 constexpr std::array racks_of_blocks = {plc::CpuFamily::fx3, plc::CpuFamily::fx5};
+constexpr std::array racks_of_fx3 = {plc::CpuFamily::fx3};
 
 const std::array catalogue = std::to_array<CatalogueEntry>({
     {&module::me3can1_q::data_sheet, module::me3can1_q::object_dictionary,
@@ -44,6 +49,9 @@ const std::array catalogue = std::to_array<CatalogueEntry>({
      make<module::rj71cn91::Rj71cn91>, module::rj71cn91::buffer_table},
     {&module::fx3u_can::data_sheet, module::fx3u_can::object_dictionary, module::ModuleSettings::stored_names,
      make<module::fx3u_can::Fx3uCan>, module::fx3u_can::buffer_table, racks_of_blocks},
+    {&module::fx2n_32can::data_sheet, module::fx2n_32can::object_dictionary,
+     module::ModuleSettings::stored_names, make<module::fx2n_32can::Fx2n32Can>,
+     module::fx2n_32can::buffer_table, racks_of_fx3},
 });
 
 bool same_letter(char a, char b) {
@@ -99,9 +107,9 @@ std::string module_eds(const CatalogueEntry& entry) {
   eds::DeviceInfo device;
   device.vendor_name = sheet.maker;
   device.product_name = device.order_code = sheet.model;
-  device.vendor_number = values.get<std::uint32_t>(0x1018, 1);
-  device.product_number = values.get<std::uint32_t>(0x1018, 2);
-  device.revision_number = values.get<std::uint32_t>(0x1018, 3);
+  device.vendor_number = values.get<std::uint32_t>(0x1018, 1, 0);
+  device.product_number = values.get<std::uint32_t>(0x1018, 2, 0);
+  device.revision_number = values.get<std::uint32_t>(0x1018, 3, 0);
   for (const module::BusLength& rate : sheet.bus_lengths) device.bit_rates.push_back(rate.kbps * 1000);
   device.simple_boot_up_master = device.simple_boot_up_slave = true;
   device.rpdos = count_objects(*objects, 0x1400, 0x15FF);

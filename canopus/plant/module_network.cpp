@@ -29,9 +29,16 @@ struct ModuleNetwork::Direction {
 
 namespace {
 
-/// "G10000-G10003"
-std::string words_text(std::uint32_t first, std::uint32_t count) {
-  return count == 1 ? fmt::format("G{}", first) : fmt::format("G{}-G{}", first, first + count - 1);
+/// "G10000-G10003", of `count` words from number `word` on; "G18-G19, G100-G101" where they do not lie together.
+std::string words_text(const module::DataExchangeLayout& layout, module::BufferAddress base,
+                       std::uint32_t word, std::uint32_t count) {
+  const module::BufferAddress first = layout.address(base, word);
+  const module::BufferAddress last = layout.address(base, word + count - 1);
+  if (count == 1) return fmt::format("G{}", first);
+  if (last - first == count - 1) return fmt::format("G{}-G{}", first, last);
+  const std::uint32_t before = static_cast<std::uint32_t>(layout.first_part) - word;
+  return words_text(layout, base, word, before) + ", " +
+         words_text(layout, base, word + before, count - before);
 }
 
 /// ", its G13000-G13003": the words of the slave's own buffer memory behind these mapping entries, if they are
@@ -40,17 +47,18 @@ std::string own_words(const module::CommunicationModule& slave, const std::vecto
   const module::DataExchangeLayout& layout = slave.program_interface().process_data;
   std::uint32_t first = UINT32_MAX;
   std::uint32_t last = 0;
+  module::BufferAddress base = 0;
   for (const std::uint32_t entry : mapped) {
     const auto place =
         module::variable_place(static_cast<std::uint16_t>(entry >> 16), static_cast<std::uint8_t>(entry >> 8),
                                std::size_t{layout.words} * 2, layout.variables);
     if (!place) return {};
-    const std::uint32_t base =
+    base =
         place->direction == module::VariableDirection::input ? layout.transmit_first : layout.receive_first;
-    first = std::min(first, base + place->offset / 2U);
-    last = std::max(last, base + (place->offset + place->size - 1U) / 2U);
+    first = std::min(first, std::uint32_t{place->offset} / 2U);
+    last = std::max(last, (place->offset + place->size - 1U) / 2U);
   }
-  return first > last ? std::string{} : ", its " + words_text(first, last - first + 1);
+  return first > last ? std::string{} : ", its " + words_text(layout, base, first, last - first + 1);
 }
 
 }  // namespace
@@ -125,12 +133,23 @@ SlaveDescription SlaveDescription::of(const module::CommunicationModule& module,
 std::vector<text::FileError> ModuleNetwork::add_slave(const SlaveSection& slave,
                                                       const SlaveDescription& description, bool every_link) {
   namespace bit = manager::assignment_bit;
-  preset(0x1F81, slave.node, bit::slave | bit::boot_slave | (slave.mandatory ? bit::mandatory : 0), 4);
+  constexpr std::uint32_t assigned = bit::slave | bit::boot_slave;
+  const auto try_preset = [this](std::uint16_t index, std::uint8_t sub, std::uint32_t value) {
+    return module_.preset_object(index, sub, canopen::little_endian(value, 4));
+  };
+  // Where slaves are not mandatory or optional, none is [FX2N-32CAN 8.2.2].
+  const std::uint32_t mandatory = slave.mandatory ? bit::mandatory : 0;
+  if (try_preset(0x1F81, slave.node, assigned | mandatory) != canopen::AbortCode::none)
+    preset(0x1F81, slave.node, assigned, 4);
   const eds::Identity& identity = description.identity;
   const std::optional<std::uint32_t> expected[] = {identity.device_type, identity.vendor_id,
                                                    identity.product_code, identity.revision};
   for (std::size_t i = 0; i < std::size(expected); ++i) {
-    if (expected[i]) preset(static_cast<std::uint16_t>(0x1F84 + i), slave.node, *expected[i], 4);
+    const auto index = static_cast<std::uint16_t>(0x1F84 + i);
+    if (!expected[i]) continue;
+    const auto code = try_preset(index, slave.node, *expected[i]);
+    const bool is_done = code == canopen::AbortCode::none || code == canopen::AbortCode::no_object;
+    if (!is_done) preset(index, slave.node, *expected[i], 4);
   }
   using module::VariableDirection;
   const module::DataExchangeLayout& layout = module_.program_interface().process_data;
@@ -224,16 +243,17 @@ std::optional<ModuleNetwork::Refusal> ModuleNetwork::connect(const Direction& di
   const std::uint32_t words = (length + 1) / 2;
 
   const module::DataExchangeLayout& layout = module_.program_interface().process_data;
-  const auto end_word = static_cast<module::BufferAddress>(direction.first_word + layout.words);
   std::uint32_t& next_word = direction.receive ? next_receive_word_ : next_send_word_;
   unsigned& used = direction.receive ? receive_pdos_ : send_pdos_;
-  const std::uint32_t address = link.address.value_or(direction.first_word + next_word);
-  if (address < direction.first_word || address + words > end_word) {
-    return Refusal{fmt::format("G{} is no place for {} words; expected G{} to G{}", address, words,
-                               direction.first_word, end_word - words)};
+  const auto wanted = link.address ? layout.word(direction.first_word, *link.address) : next_word;
+  if (!wanted || *wanted + words > layout.words) {
+    return Refusal{fmt::format("G{} is no place for {} words; expected G{} to G{}",
+                               link.address.value_or(layout.address(direction.first_word, next_word)), words,
+                               direction.first_word,
+                               layout.address(direction.first_word, layout.words - words))};
   }
   if (used == layout.pdos) return Refusal{fmt::format("the module has no more than {} PDOs", layout.pdos)};
-  const std::uint32_t first = address - direction.first_word;
+  const auto first = static_cast<std::uint32_t>(*wanted);
   next_word = std::max(next_word, first + 4);  // PDOs of up to 8 bytes line up on four words
   const auto communication = static_cast<std::uint16_t>(direction.module_communication + used);
   const auto mapping = static_cast<std::uint16_t>(direction.module_mapping + used);
@@ -253,10 +273,11 @@ std::optional<ModuleNetwork::Refusal> ModuleNetwork::connect(const Direction& di
   preset(communication, 1, direction.module_cob_id_bits | identifier, 4);
   std::string name(description.name);
   if (description.module != nullptr) name += own_words(*description.module, mapped);
-  connections_.push_back(fmt::format(
-      "{}\\{} {} {}{} of node {}{}, {:03X}H, {} byte{}", slot_, words_text(address, words),
-      direction.receive ? "<-" : "->", direction.slave_pdo, link.pdo, slave.node,
-      name.empty() ? "" : fmt::format(" ({})", name), identifier, length, length == 1 ? "" : "s"));
+  connections_.push_back(fmt::format("{}\\{} {} {}{} of node {}{}, {:03X}H, {} byte{}", slot_,
+                                     words_text(layout, direction.first_word, first, words),
+                                     direction.receive ? "<-" : "->", direction.slave_pdo, link.pdo,
+                                     slave.node, name.empty() ? "" : fmt::format(" ({})", name), identifier,
+                                     length, length == 1 ? "" : "s"));
   return std::nullopt;
 }
 

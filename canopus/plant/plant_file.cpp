@@ -205,8 +205,9 @@ ModuleSection read_module(text::TableReader& table, const plc::CpuModel& cpu) {
   module.restart_time = table.parsed("restart_time", text::parse_duration);
   if (const auto fault = table.text("fault")) {
     if (*fault == "watchdog error") module.fault = module::ModuleFault::watchdog_error;
-    if (*fault != "watchdog error" && *fault != "hardware error") {
-      table.error("fault", "expected \"hardware error\" or \"watchdog error\"");
+    if (*fault == "power error") module.fault = module::ModuleFault::power_error;
+    if (*fault != "watchdog error" && *fault != "hardware error" && *fault != "power error") {
+      table.error("fault", "expected \"hardware error\", \"watchdog error\" or \"power error\"");
     }
     module.fault_at = table.parsed("fault_at", text::parse_duration).value_or(can::Duration{});
   } else if (table.find("fault_at") != nullptr) {

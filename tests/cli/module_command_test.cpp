@@ -210,7 +210,8 @@ TEST(ModuleInfo, UnknownModel_NamesThoseThereAre) {
   EXPECT_EQ(err.text(), "canopus: me3can2-q: no such module; did you mean \"ME3CAN1-Q\"?\n");
   err.clear();
   EXPECT_EQ(module_eds_file("nothing", "", out, err), 2);
-  EXPECT_EQ(err.text(), "canopus: nothing: no such module; expected ME3CAN1-Q, RJ71CN91 or FX3U-CAN\n");
+  EXPECT_EQ(err.text(),
+            "canopus: nothing: no such module; expected ME3CAN1-Q, RJ71CN91, FX3U-CAN or FX2N-32CAN\n");
   EXPECT_EQ(out.text(), "");
 }
 

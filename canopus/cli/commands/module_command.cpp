@@ -54,8 +54,12 @@ void print_text(const DataSheet& sheet, std::optional<std::uint32_t> writes, Out
   row("I/O points", fmt::format("{} ({})", sheet.points, sheet.io_assignment));
   row("Online module change", sheet.online_module_change ? "supported" : "not supported");
   row("Multiple CPU system", sheet.multiple_cpu);
-  row("Flash memory", writes ? fmt::format("{} of {} writes used", *writes, sheet.flash_writes)
-                             : fmt::format("{} writes", sheet.flash_writes));
+  // A manual need not say how often it may be written.
+  const std::string endurance =
+      sheet.flash_writes == 0 ? "not stated" : fmt::format("{} writes", sheet.flash_writes);
+  row("Flash memory", !writes                   ? endurance
+                      : sheet.flash_writes == 0 ? fmt::format("{} writes used", *writes)
+                                                : fmt::format("{} of {} used", *writes, endurance));
   for (const module::Property& property : sheet.properties) row(property.name, property.value);
   out.line("");
   out.line("Function modes");
@@ -95,7 +99,7 @@ Json as_json(const DataSheet& sheet, std::optional<std::uint32_t> writes) {
   json["io_assignment"] = sheet.io_assignment;
   json["online_module_change"] = sheet.online_module_change;
   json["multiple_cpu"] = sheet.multiple_cpu;
-  json["flash_endurance"] = sheet.flash_writes;
+  json["flash_endurance"] = sheet.flash_writes == 0 ? Json() : Json(sheet.flash_writes);
   if (writes) json["flash_writes"] = *writes;
   for (const auto& mode : sheet.modes) json["modes"].push_back({{"value", mode.value}, {"name", mode.name}});
   for (const auto& standard : sheet.standards) {
