@@ -11,11 +11,11 @@
 
 #include "canopus/module/fx3u_can/fx3u_can.hpp"
 
-#include "scenarios/engine/other_models.hpp"
+#include "scenarios/engine/fluent_scenario.hpp"
 
 namespace canopus::scenario {
 
-class BlockScenario : public OtherScenario<module::fx3u_can::Fx3uCan> {
+class BlockScenario : public FluentScenario<BlockScenario, module::fx3u_can::Fx3uCan> {
  public:
   /// FACTORY: supply on, initialized, boot-up gone by.
   BlockScenario& power_on(Where where = Where::current());
@@ -48,57 +48,6 @@ class BlockScenario : public OtherScenario<module::fx3u_can::Fx3uCan> {
   BlockScenario& nmt(std::uint8_t command, std::uint8_t node = 0);
   /// CIF 6000H at the own node.
   BlockScenario& store_objects(Where where = Where::current());
-
-  // Every module's steps, to be followed by those above.
-  using Base = ModuleScenario;
-  using Address = module::BufferAddress;
-  BlockScenario& write(Address address, std::uint16_t value) { return step(Base::write(address, value)); }
-  BlockScenario& write(Address first, const Words& values) { return step(Base::write(first, values)); }
-  BlockScenario& expect(Address address, std::uint16_t value, Where where = Where::current()) {
-    return step(Base::expect(address, value, where));
-  }
-  BlockScenario& expect(Address first, const Words& values, Where where = Where::current()) {
-    return step(Base::expect(first, values, where));
-  }
-  BlockScenario& expect_bit(Address address, unsigned bit, bool on, Where where = Where::current()) {
-    return step(Base::expect_bit(address, bit, on, where));
-  }
-  BlockScenario& wait_bit(Address address, unsigned bit, bool on, can::Duration at_most = 20s,
-                          Where where = Where::current()) {
-    return step(Base::wait_bit(address, bit, on, at_most, where));
-  }
-  BlockScenario& rx(std::uint32_t identifier, const Bytes& bytes = {}) {
-    return step(Base::rx(identifier, bytes));
-  }
-  BlockScenario& rx(const can::Frame& frame) { return step(Base::rx(frame)); }
-  BlockScenario& rx_remote(std::uint32_t identifier, std::uint8_t dlc = 0) {
-    return step(Base::rx_remote(identifier, dlc));
-  }
-  BlockScenario& tx(std::uint32_t identifier, const Bytes& bytes = {}, Where where = Where::current()) {
-    return step(Base::tx(identifier, bytes, where));
-  }
-  BlockScenario& tx(const can::Frame& frame, Where where = Where::current()) {
-    return step(Base::tx(frame, where));
-  }
-  BlockScenario& tx_remote(std::uint32_t identifier, Where where = Where::current()) {
-    return step(Base::tx_remote(identifier, where));
-  }
-  BlockScenario& wait_tx(std::uint32_t identifier, const Bytes& bytes = {}, can::Duration at_most = 20s,
-                         Where where = Where::current()) {
-    return step(Base::wait_tx(identifier, bytes, at_most, where));
-  }
-  BlockScenario& no_tx(Where where = Where::current()) { return step(Base::no_tx(where)); }
-  BlockScenario& ignore_tx() { return step(Base::ignore_tx()); }
-  BlockScenario& error_counters(std::uint16_t transmit, std::uint16_t receive) {
-    return step(Base::error_counters(transmit, receive));
-  }
-  BlockScenario& advance(can::Duration duration) { return step(Base::advance(duration)); }
-  BlockScenario& supply_on() { return step(Base::supply_on()); }
-  BlockScenario& supply_off() { return step(Base::supply_off()); }
-  BlockScenario& cpu(module::CpuState state) { return step(Base::cpu(state)); }
-
- private:
-  BlockScenario& step(ModuleScenario&) { return *this; }
 };
 
 }  // namespace canopus::scenario
