@@ -116,6 +116,12 @@ TEST(FxErrors, AQueueThatOverflows_IsReportedOnce_UntilItIsCleared) {
     (received ? s.controller().lost : s.controller().overflows) += 1;
     s.advance(10s).no_tx().write(29, 0xFFFF).expect(29, 0x0101).write(29, 0xFEFF).expect(29, 0);
   }
+  // That its report finds no room either is the same overflow.
+  s.controller().overflows += 1;
+  s.controller().accepts = false;
+  s.write(20, 0).expect(29, 0x0101);
+  s.controller().accepts = true;
+  s.advance(10s).write(29, 0).expect(29, 0).write(20, 0).expect(29, 0).no_tx();
   BlockScenario layer2;
   layer2.power_on_layer2().online();
   layer2.controller().lost = 1;
@@ -250,6 +256,17 @@ TEST(FxLayer2, ItsSave_LeavesTheOtherModesSettings_ButTheFactorysAreAll) {
         .expect(26, factory ? 20 : 33)
         .expect(27, factory ? 127 : 9);
     s.expect(70, factory ? Words{500, 500} : Words{701, 601}).expect(59, factory ? 0 : 5);
+  }
+}
+
+// 6.5: what 1010H has stored is deleted by the restart of a mode change; a Layer 2 mode has no objects to keep.
+TEST(FxLayer2, AModeChange_DeletesTheStoredObjects) {
+  RecordProperty("spec", "FX3U-MODE-003");
+  for (const bool changes : {false, true}) {
+    BlockScenario s;
+    s.power_on().set_object(0x1017, 0, 200, 2).store_objects().write(21, 11);
+    if (changes) s.save();
+    s.restart().write(21, 405).save().restart().expect_object(0x1017, 0, changes ? 0 : 200, 2).ignore_tx();
   }
 }
 
