@@ -39,6 +39,7 @@ std::unique_ptr<module::CommunicationModule> make(can::Controller& controller,
 }
 
 constexpr std::array racks_of_blocks = {plc::CpuFamily::fx3, plc::CpuFamily::fx5};
+constexpr std::array lift_mode = std::to_array<ModeObjects>({{417, module::fx3u_can::lift_dictionary}});
 constexpr std::array racks_of_fx3 = {plc::CpuFamily::fx3};
 
 const std::array catalogue = std::to_array<CatalogueEntry>({
@@ -48,7 +49,7 @@ const std::array catalogue = std::to_array<CatalogueEntry>({
     {&module::rj71cn91::data_sheet, module::rj71cn91::object_dictionary, module::ModuleSettings::stored_names,
      make<module::rj71cn91::Rj71cn91>, module::rj71cn91::buffer_table},
     {&module::fx3u_can::data_sheet, module::fx3u_can::object_dictionary, module::ModuleSettings::stored_names,
-     make<module::fx3u_can::Fx3uCan>, module::fx3u_can::buffer_table, racks_of_blocks},
+     make<module::fx3u_can::Fx3uCan>, module::fx3u_can::buffer_table, racks_of_blocks, lift_mode},
     {&module::fx2n_32can::data_sheet, module::fx2n_32can::object_dictionary,
      module::ModuleSettings::stored_names, make<module::fx2n_32can::Fx2n32Can>,
      module::fx2n_32can::buffer_table, racks_of_fx3},
@@ -92,12 +93,12 @@ std::string quoted_models() {
   return models;
 }
 
-std::string module_eds(const CatalogueEntry& entry) {
+std::string module_eds(const CatalogueEntry& entry, const ModeObjects* mode) {
   const module::DataSheet& sheet = *entry.data_sheet;
-  const auto objects = entry.objects();
+  const auto objects = mode != nullptr ? mode->objects() : entry.objects();
   canopen::ObjectDictionary values(objects, 1);
   eds::FileInfo file;
-  file.file_name = lower(sheet.model) + ".eds";
+  file.file_name = lower(sheet.model) + (mode != nullptr ? fmt::format("-{}", mode->mode) : "") + ".eds";
   file.version = file.revision = 1;
   file.eds_version = "4.0";
   file.description = std::string(sheet.model) + " as the soft module of Canopus is; not the maker's file";

@@ -24,6 +24,12 @@ struct ModuleTuning {
 
 inline constexpr std::array racks_with_head_addresses = {plc::CpuFamily::q, plc::CpuFamily::iqr};
 
+/// The object dictionary of a function mode.
+struct ModeObjects {
+  std::uint16_t mode = 0;
+  std::shared_ptr<const canopen::DictionaryDescription> (*objects)() = nullptr;
+};
+
 struct CatalogueEntry {
   const module::DataSheet* data_sheet;
   /// Its object dictionary; nullptr for a module that has none.
@@ -38,6 +44,8 @@ struct CatalogueEntry {
   std::span<const module::BufferRow> buffer_rows{};
   /// Racks that it fits into.
   std::span<const plc::CpuFamily> families = racks_with_head_addresses;
+  /// Function modes whose objects are not those above.
+  std::span<const ModeObjects> more_modes{};
 };
 
 [[nodiscard]] std::span<const CatalogueEntry> module_catalogue() noexcept;
@@ -46,7 +54,7 @@ struct CatalogueEntry {
 /// The models there are, each between quotes: "A", "B".
 [[nodiscard]] std::string quoted_models();
 
-/// The text of an EDS file that describes the module.
-[[nodiscard]] std::string module_eds(const CatalogueEntry& entry);
+/// The text of an EDS file that describes the module in its first CANopen function mode, or in another one.
+[[nodiscard]] std::string module_eds(const CatalogueEntry& entry, const ModeObjects* mode = nullptr);
 
 }  // namespace canopus::plant

@@ -261,6 +261,27 @@ TEST(ModuleList, S03_OfAPlant_IsTheProductListOfItsPlcs) {
   EXPECT_EQ(module_list("/no/such/plant.toml", false, out, err), 2);
 }
 
+TEST(ModuleEds, OfEachCanopenMode) {
+  RecordProperty("spec", "FX3U-SPEC-016");
+  for (const unsigned mode : {405U, 417U}) {
+    TextOutput out, err;
+    ASSERT_EQ(module_eds_file("fx3u-can", "", out, err, mode), 0);
+    const eds::ReadResult read = eds::read_device_file(out.text());
+    ASSERT_NE(read.file, nullptr);
+    for (const eds::Problem& problem : read.problems)
+      ADD_FAILURE() << problem.line << ": " << problem.message;
+    const canopen::ObjectDictionary objects(read.file->dictionary, 5);
+    EXPECT_EQ(objects.get<std::uint32_t>(0x1000, 0), mode == 405 ? 0x195U : 0x1A1U);
+    EXPECT_EQ(objects.get<std::uint32_t>(0x1902, 1), mode == 405 ? 0U : 0xC0000182U);
+    EXPECT_EQ(read.file->device.rpdos, mode == 405 ? 80 : 1 + 127 + 64 + 8 * 13);
+    EXPECT_EQ(read.file->device.tpdos, mode == 405 ? 80 : 2 + 1 + 8 * 3);
+  }
+  TextOutput out, err;
+  EXPECT_EQ(module_eds_file("fx3u-can", "", out, err, 11U), 2);
+  EXPECT_EQ(err.text(), "canopus: the FX3U-CAN has no objects in a function mode 11; expected 405, 417\n");
+  EXPECT_EQ(out.text(), "");
+}
+
 // The file says of every object what the module's own dictionary says.
 TEST(ModuleEds, DescribesTheObjectDictionary) {
   RecordProperty("spec", "ME3-SYS-017");

@@ -196,10 +196,24 @@ int module_info(const std::string& model, const std::optional<std::filesystem::p
   return 0;
 }
 
-int module_eds_file(const std::string& model, const std::string& path, Output& out, Output& err) {
+int module_eds_file(const std::string& model, const std::string& path, Output& out, Output& err,
+                    std::optional<unsigned> mode) {
   const plant::CatalogueEntry* entry = known_module(model, err);
   if (entry == nullptr) return 2;
-  const std::string text = plant::module_eds(*entry);
+  const plant::ModeObjects* objects = nullptr;
+  constexpr unsigned first_mode = 405;
+  if (mode && *mode != first_mode) {
+    const auto found = std::ranges::find(entry->more_modes, *mode, &plant::ModeObjects::mode);
+    if (found == entry->more_modes.end()) {
+      std::string modes = std::to_string(first_mode);
+      for (const plant::ModeObjects& more : entry->more_modes) modes += fmt::format(", {}", more.mode);
+      err.line("canopus: the {} has no objects in a function mode {}; expected {}", entry->data_sheet->model,
+               *mode, modes);
+      return 2;
+    }
+    objects = &*found;
+  }
+  const std::string text = plant::module_eds(*entry, objects);
   if (path.empty()) {
     out.content(text);
     return 0;
@@ -218,6 +232,7 @@ void add_module_command(CLI::App& app, int& exit_code) {
   command->require_subcommand(1);
   struct Words {
     std::string model, plant, store, output;
+    std::optional<unsigned> mode;
     bool json = false;
   };
   const auto words = std::make_shared<Words>();
@@ -246,9 +261,11 @@ void add_module_command(CLI::App& app, int& exit_code) {
 
   CLI::App* eds = command->add_subcommand("eds", "An EDS file of the module, for configuration tools");
   eds->add_option("MODEL", words->model, "for example me3can1-q")->required();
+  eds->add_option("--mode", words->mode, "Function mode of another object dictionary: 417 of an FX3U-CAN");
   eds->add_option("-o,--output", words->output, "Write it into this file")->type_name("FILE");
   eds->callback([words, &exit_code] {
-    exit_code = module_eds_file(words->model, words->output, standard_output(), standard_error());
+    exit_code =
+        module_eds_file(words->model, words->output, standard_output(), standard_error(), words->mode);
   });
   add_module_status(*command, exit_code);
   command->footer(

@@ -19,8 +19,9 @@ int module_list(const std::optional<std::string>& plant, bool json, Output& out,
 /// What the manual says of a module; `store`: how often the flash memory of one was written, too.
 int module_info(const std::string& model, const std::optional<std::filesystem::path>& store, bool json,
                 Output& out, Output& err);
-/// Its EDS file, to `out` or, when it is not empty, to the file `path`.
-int module_eds_file(const std::string& model, const std::string& path, Output& out, Output& err);
+/// Its EDS file, to `out` or, when it is not empty, to the file `path`. `mode`: of this function mode.
+int module_eds_file(const std::string& model, const std::string& path, Output& out, Output& err,
+                    std::optional<unsigned> mode = {});
 
 /// Adds the subcommand `module` to the program. Exit code: 0 done, 2 no such module or file.
 void add_module_command(CLI::App& app, int& exit_code);

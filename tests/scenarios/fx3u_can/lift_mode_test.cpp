@@ -7,7 +7,8 @@ namespace {
 
 // T417-01, T417-02
 TEST(FxLiftMode, IsEntered_BySaveAndRestart_AndNotOtherwise) {
-  RecordProperty("spec", "FX3U-LIFT-001 FX3U-LIFT-002 FX3U-LIFT-004 FX3U-LIFT-005");
+  RecordProperty("spec",
+                 "FX3U-LIFT-001 FX3U-LIFT-002 FX3U-LIFT-004 FX3U-LIFT-005 FX3U-MODE-006 FX3U-MODE-007");
   BlockScenario s;
   s.power_on().write(21, 417).write(24, 250).write(27, 1).expect(29, 0);
   s.restart().expect(21, 405).expect_object(0x1000, 0, 0x195, 4).expect(13000, 0).expect(12050, 0);
@@ -25,9 +26,16 @@ TEST(FxLiftMode, IsEntered_BySaveAndRestart_AndNotOtherwise) {
 }
 
 // T417-03
-TEST(FxLiftMode, AnotherValueIsNoMode) {
-  RecordProperty("spec", "FX3U-LIFT-001");
+TEST(FxLiftMode, FourModes_AndNoOthers) {
+  RecordProperty("spec", "FX3U-LIFT-001 FX3U-MODE-002");
   BlockScenario s;
+  for (const std::uint16_t mode : Words{11, 29, 417, 405}) {
+    s.supply_off().supply_on().wait_bit(25, 7, false).ignore_tx();
+    s.write(21, mode).expect(29, 0).save().restart().expect(21, mode);
+    EXPECT_EQ(s.plug_in().layer2_state(),
+              mode < 405 ? module::Layer2State::offline : module::Layer2State::inactive);
+    s.expect(12050, mode == 417 ? 0xFFFF : 0).ignore_tx();
+  }
   for (const std::uint16_t value : Words{0, 1, 404, 406, 416, 418, 0xFFFF}) {
     s.supply_off().power_on().write(21, value).expect(29, 0x0041).expect(39, 21).expect(21, 405);
     s.write(29, 0).expect(29, 0).expect(39, 0);
@@ -36,7 +44,7 @@ TEST(FxLiftMode, AnotherValueIsNoMode) {
 
 // T417-04
 TEST(FxLiftMode, StoredObjects_GoWithTheMode) {
-  RecordProperty("spec", "FX3U-LIFT-003 FX3U-OD417-006");
+  RecordProperty("spec", "FX3U-LIFT-003 FX3U-OD417-006 FX3U-MODE-005");
   BlockScenario s;
   s.power_on_as(1).set_object(0x1017, 0, 500, 2).set_object(0x1015, 0, 70, 2).store_objects();
   s.restart().expect_object(0x1017, 0, 500, 2).ignore_tx();
@@ -187,7 +195,7 @@ TEST(FxLiftMode, OnlyAssignedLifts_AreUpdatedAndSent) {
 
 // T417-13 and the bits of #20
 TEST(FxLiftMode, Exchange_AsItsBitsSay) {
-  RecordProperty("spec", "FX3U-LIFT-019 FX3U-LIFT-020 FX3U-LIFT-021 FX3U-LIFT-022");
+  RecordProperty("spec", "FX3U-LIFT-019 FX3U-LIFT-020 FX3U-LIFT-021 FX3U-LIFT-022 FX3U-DX-008");
   const Bytes call{2, 1, 1, 3, 1, 1}, door{0xFF, 0x1F, 0, 0}, emergency{0x01, 0xFF, 0x81, 0, 0, 0, 0, 0};
   for (const std::uint16_t bits : Words{0x0001, 0x0100, 0x0200, 0x1000, 0x0300, 0x0000}) {
     BlockScenario s;
@@ -278,7 +286,7 @@ TEST(FxLiftMode, FromToWatchdog_CoversTheLiftWords) {
 
 // T417-62
 TEST(FxLiftMode, OneFreePdoEachWay) {
-  RecordProperty("spec", "FX3U-LIFT-030 FX3U-OD417-002");
+  RecordProperty("spec", "FX3U-LIFT-030 FX3U-OD417-002 FX3U-MODE-009");
   BlockScenario s;
   start_lift_operational(s);
   s.expect_object(0x1400, 1, 0x80000000, 4).expect_object(0x1800, 1, 0xC0000000, 4);

@@ -15,8 +15,9 @@ namespace {
 
 // T417-50, T417-51
 TEST(FxMpdo, ToThisNode_OrToAll_WritesItsObject) {
-  RecordProperty("spec",
-                 "FX3U-MPDO-001 FX3U-MPDO-002 FX3U-MPDO-003 FX3U-MPDO-004 FX3U-MPDO-005 FX3U-DRV-013");
+  RecordProperty(
+      "spec",
+      "FX3U-MPDO-001 FX3U-MPDO-002 FX3U-MPDO-003 FX3U-MPDO-004 FX3U-MPDO-005 FX3U-DRV-013 FX3U-PDO-019");
   BlockScenario s;
   start_lift_operational(s, 1, 5);
   s.rx(0x507, {0x85, 0x01, 0x63, 4, 0xFF, 0x1F, 0, 0})
