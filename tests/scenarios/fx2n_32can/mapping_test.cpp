@@ -59,6 +59,8 @@ TEST(Fx2nMapping, TheFactorys_AndMode0) {
       .tx(0x48A, {0, 0, 0, 0, 0, 0, 1, 0})
       .no_tx();
   s.rx(0x50A, {1, 0, 2, 0, 3, 0, 4, 0}).write(20, 1).expect(12, {1, 2, 3, 4}).expect(16, {0, 0, 0, 0});
+  // The command leaves the words alone.
+  s.nmt(0x80).cif({0x8900}).expect(1000, 0x8901).expect(12, {1, 2, 3, 4});
   // The base of bindings.
   s.nmt(0x80).cif({0x8300, 0x0301, 0x0005, 0xFFFF}).says(3, 0x1800, 1, 0x183).expect(1000, 0x8301);
   s.expect_object(0x1404, 1, 0x183, 4).expect_object(0x1403, 1, 0x50A, 4);

@@ -159,6 +159,8 @@ TEST(Fx2nProcessData, EveryPdo_HasItsFourWords) {
     s.write(first, {n, static_cast<std::uint16_t>(n + 256), 3, 4});
     s.rx(0x300U + n, {b, 1, b, 2, b, 3, b, 4}).write(20, 1);
     s.tx(0x200U + n, {b, 0, b, 1, 3, 0, 4, 0}).no_tx();
+    const canopen::ObjectDictionary& objects = s.plug_in().node().dictionary();
+    EXPECT_EQ(objects.get<std::uint8_t>(0xA4C0, static_cast<std::uint8_t>(8 * (n - 1) + 1)), b);
     const auto word = [&](unsigned high) { return static_cast<std::uint16_t>(high << 8 | n); };
     s.expect(first, {word(1), word(2), word(3), word(4)});
   }
