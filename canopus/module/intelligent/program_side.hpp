@@ -6,8 +6,8 @@
 
 #include "canopus/module/areas/command_interface.hpp"
 #include "canopus/module/areas/emergency_buffer.hpp"
-#include "canopus/module/areas/function_mode.hpp"
 #include "canopus/module/areas/layer2_settings.hpp"
+#include "canopus/module/areas/module_state.hpp"
 #include "canopus/module/areas/network_settings.hpp"
 #include "canopus/module/areas/nmt_status.hpp"
 #include "canopus/module/engine/module_model.hpp"
