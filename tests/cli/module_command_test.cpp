@@ -257,7 +257,8 @@ TEST(ModuleList, S03_OfAPlant_IsTheProductListOfItsPlcs) {
   EXPECT_EQ(out.text(),
             "ME3CAN1-Q    Mitsubishi Electric, series Q, 32 points\n"
             "RJ71CN91     Mitsubishi Electric, series R, 32 points\n"
-            "FX3U-CAN     Mitsubishi Electric, series FX, 8 points\n");
+            "FX3U-CAN     Mitsubishi Electric, series FX, 8 points\n"
+            "FX2N-32CAN   Mitsubishi Electric, series FX, 8 points\n");
   EXPECT_EQ(module_list("/no/such/plant.toml", false, out, err), 2);
 }
 

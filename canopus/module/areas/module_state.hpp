@@ -8,7 +8,7 @@
 
 #include "canopus/can/time.hpp"
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
-#include "canopus/canopen/service/node_options.hpp"
+#include "canopus/canopen/node/node.hpp"
 #include "canopus/module/areas/buffer_memory.hpp"
 #include "canopus/module/interface/module.hpp"
 

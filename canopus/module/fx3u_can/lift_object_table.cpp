@@ -48,7 +48,7 @@ constexpr std::array common_rows = std::to_array<ObjectRow>({
     {0x6010, 0x6010, variable, 0x00, 0x00, "Virtual input mapping",             u48, rw,               0, rpdo},
     {0x6011, 0x6011, variable, 0x00, 0x00, "Virtual output mapping",            u48, ro,               0, tpdo},
     // A byte that fills a PDO; an SDO access ends as if there were nothing.
-    {0x67FE, 0x67FE, variable, 0x00, 0x00, "Filler",                            u8,  rw,               0, plain},
+    {0x67FE, 0x67FE, variable, 0x00, 0x00, "Filler",                            u8,  rw,               0, tpdo},
 });
 
 // Of lift 1.

@@ -26,10 +26,12 @@ std::optional<StoredWords> decode_words(std::span<const std::uint8_t> bytes) {
 
 namespace {
 
-// The first wrong entry of a mapping that is switched on.
+// The first wrong entry of a mapping that is switched on. One that cannot be changed, as those of a device profile, is right.
 std::optional<canopen::Entry> faulty_mapping(const canopen::ObjectDictionary& dictionary, std::uint16_t index,
                                              canopen::PdoDirection direction) {
-  const auto count = dictionary.get<std::uint8_t>(index, 0);
+  const canopen::Entry entries = dictionary.description().find(index, 0);
+  if (!entries || !entries.description->stored) return std::nullopt;
+  const auto count = dictionary.get<std::uint8_t>(entries);
   unsigned bits = 0;
   for (unsigned sub = 1; sub <= count; ++sub) {
     const canopen::Entry entry = dictionary.description().find(index, static_cast<std::uint8_t>(sub));
