@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plant/plant.hpp"
-#include "canopus/plant/plant_file.hpp"
 #include "canopus/serve/control_message.hpp"
 #include "canopus/serve/plant_runs.hpp"
 #include "canopus/serve/run_control.hpp"

@@ -1,7 +1,7 @@
 // Any text as a plant file: every mistake has a message and a place inside the text, and what is read without
 // a mistake is within its ranges.
 
-#include "canopus/plant/plant_file.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 
 #include <algorithm>
 #include <cmath>

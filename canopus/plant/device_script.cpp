@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "canopus/plant/process_value.hpp"
+#include "canopus/plant/file/process_value.hpp"
 #include "canopus/text/file_error.hpp"
 
 namespace canopus::plant {

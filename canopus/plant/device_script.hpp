@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "canopus/plant/plant_file.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/sim/device/device.hpp"
 
 namespace canopus::plant {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "canopus/plant/process_value.hpp"
+#include "canopus/plant/file/process_value.hpp"
 
 namespace canopus::plant {
 

@@ -15,7 +15,7 @@
 #include "canopus/canopen/dictionary/data_type.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/module/interface/communication_module.hpp"
-#include "canopus/plant/plant_file.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 
 namespace canopus::plant {
 

@@ -15,7 +15,7 @@
 #include "canopus/manager/boot/boot_record.hpp"
 #include "canopus/module/interface/communication_module.hpp"
 #include "canopus/module/interface/observer.hpp"
-#include "canopus/plant/plant_file.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plc/rack/rack.hpp"
 #include "canopus/sim/bus/bus.hpp"
 

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/plant/device_script.hpp"
-#include "canopus/plant/module_catalogue.hpp"
 #include "canopus/plant/run_memory.hpp"
 #include "canopus/store/file_memory.hpp"
 #include "canopus/text/file_text.hpp"

@@ -14,7 +14,7 @@
 #include "canopus/eds/device_file.hpp"
 #include "canopus/module/interface/communication_module.hpp"
 #include "canopus/plant/device_seat.hpp"
-#include "canopus/plant/plant_file.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 
 namespace canopus::plant {
 

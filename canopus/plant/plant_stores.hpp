@@ -21,7 +21,7 @@
 #include <utility>
 #include <vector>
 
-#include "canopus/plant/plant_file.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/store/folder_lock.hpp"
 #include "canopus/text/file_error.hpp"
 

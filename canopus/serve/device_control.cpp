@@ -9,7 +9,7 @@
 
 #include "canopus/eds/value.hpp"
 #include "canopus/plant/device_seat.hpp"
-#include "canopus/plant/process_value.hpp"
+#include "canopus/plant/file/process_value.hpp"
 #include "canopus/serve/control_message.hpp"
 #include "canopus/text/nearest_word.hpp"
 

@@ -13,7 +13,7 @@
 #include "canopus/eds/device_file.hpp"
 #include "canopus/module/me3can1_q/object_table.hpp"
 #include "canopus/module/storage/flash_memory.hpp"
-#include "canopus/plant/module_catalogue.hpp"
+#include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/store/file_memory.hpp"
 
 namespace canopus::cli {

@@ -7,7 +7,7 @@
 
 #include "canopus/cli/run/event_printer.hpp"
 #include "canopus/plant/device_seat.hpp"
-#include "canopus/plant/process_value.hpp"
+#include "canopus/plant/file/process_value.hpp"
 #include "canopus/serve/device_control.hpp"
 
 #include "support/plant_folder.hpp"

@@ -21,7 +21,7 @@ using ::testing::Not;
 namespace fs = std::filesystem;
 
 const fs::path sources = fs::path(CANOPUS_SOURCE_DIR) / "canopus";
-const fs::path catalogue = sources / "plant" / "module_catalogue.cpp";
+const fs::path catalogue = sources / "plant" / "catalogue" / "module_catalogue.cpp";
 
 std::string text_of(const fs::path& path) {
   std::ifstream file(path);

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canopus/plant/plant_file.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 
 namespace canopus::plant {
 namespace {

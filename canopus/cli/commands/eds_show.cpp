@@ -9,7 +9,7 @@
 
 #include "canopus/eds/device_file.hpp"
 #include "canopus/eds/value.hpp"
-#include "canopus/plant/process_value.hpp"
+#include "canopus/plant/file/process_value.hpp"
 #include "canopus/text/file_text.hpp"
 
 namespace canopus::cli {

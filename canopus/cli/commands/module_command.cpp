@@ -12,7 +12,7 @@
 #include "canopus/cli/commands/module_status.hpp"
 #include "canopus/cli/terminal/plant_loading.hpp"
 #include "canopus/module/storage/flash_memory.hpp"
-#include "canopus/plant/module_catalogue.hpp"
+#include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/store/file_memory.hpp"
 #include "canopus/text/nearest_word.hpp"

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "canopus/plant/module_catalogue.hpp"
+#include "canopus/plant/catalogue/module_catalogue.hpp"
 
 namespace canopus::cli {
 

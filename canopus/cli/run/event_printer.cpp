@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "canopus/cli/terminal/boot_report.hpp"
-#include "canopus/plant/process_value.hpp"
+#include "canopus/plant/file/process_value.hpp"
 
 namespace canopus::cli {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "canopus/plant/plant_file.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/text/file_text.hpp"
 
 namespace canopus::cli {

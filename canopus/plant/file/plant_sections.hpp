@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "canopus/link/allow_list.hpp"
-#include "canopus/plant/plant_file.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/text/table_reader.hpp"
 
 namespace canopus::plant {

@@ -1,4 +1,4 @@
-#include "canopus/plant/plant_references.hpp"
+#include "canopus/plant/file/plant_references.hpp"
 
 #include <algorithm>
 #include <map>
@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "canopus/plant/module_catalogue.hpp"
+#include "canopus/plant/catalogue/module_catalogue.hpp"
 
 namespace canopus::plant {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "canopus/plant/plant_sections.hpp"
+#include "canopus/plant/file/plant_sections.hpp"
 #include "canopus/plc/rack/module_refresh.hpp"
 #include "canopus/text/table_reader.hpp"
 

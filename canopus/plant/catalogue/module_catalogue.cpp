@@ -1,4 +1,4 @@
-#include "canopus/plant/module_catalogue.hpp"
+#include "canopus/plant/catalogue/module_catalogue.hpp"
 
 #include <algorithm>
 #include <array>

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "canopus/plant/plant_file.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 
 namespace canopus::plant {
 

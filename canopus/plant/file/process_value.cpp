@@ -1,4 +1,4 @@
-#include "canopus/plant/process_value.hpp"
+#include "canopus/plant/file/process_value.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "canopus/can/frame.hpp"
-#include "canopus/plant/plant_sections.hpp"
+#include "canopus/plant/file/plant_sections.hpp"
 #include "canopus/text/table_reader.hpp"
 
 namespace canopus::plant {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "canopus/plant/module_catalogue.hpp"
-#include "canopus/plant/plant_sections.hpp"
+#include "canopus/plant/catalogue/module_catalogue.hpp"
+#include "canopus/plant/file/plant_sections.hpp"
 #include "canopus/plc/cpu/device_points.hpp"
 #include "canopus/text/table_reader.hpp"
 

@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "canopus/plant/plant_sections.hpp"
+#include "canopus/plant/file/plant_sections.hpp"
 #include "canopus/text/table_reader.hpp"
 
 namespace canopus::plant {

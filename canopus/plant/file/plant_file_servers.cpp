@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "canopus/link/allow_list.hpp"
-#include "canopus/plant/plant_references.hpp"
-#include "canopus/plant/plant_sections.hpp"
+#include "canopus/plant/file/plant_references.hpp"
+#include "canopus/plant/file/plant_sections.hpp"
 #include "canopus/plc/modbus/as300_map.hpp"
 #include "canopus/text/table_reader.hpp"
 

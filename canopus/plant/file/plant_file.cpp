@@ -1,4 +1,4 @@
-#include "canopus/plant/plant_file.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 
 #include <algorithm>
 #include <map>
@@ -8,9 +8,9 @@
 #include <fmt/ranges.h>
 
 #include "canopus/can/controller.hpp"
-#include "canopus/plant/module_catalogue.hpp"
-#include "canopus/plant/plant_references.hpp"
-#include "canopus/plant/plant_sections.hpp"
+#include "canopus/plant/catalogue/module_catalogue.hpp"
+#include "canopus/plant/file/plant_references.hpp"
+#include "canopus/plant/file/plant_sections.hpp"
 #include "canopus/plc/rack/scan.hpp"
 #include "canopus/text/table_reader.hpp"
 

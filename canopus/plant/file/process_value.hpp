@@ -11,7 +11,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
-#include "canopus/plant/plant_file.hpp"
+#include "canopus/plant/file/plant_file.hpp"
 #include "canopus/sim/device/device.hpp"
 
 namespace canopus::plant {
