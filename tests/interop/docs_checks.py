@@ -220,7 +220,7 @@ def module_status_is_what_its_page_shows():
     with running(path) as plant:
         control = plant.wait(lambda e: e["event"] == "listen" and e["protocol"] == "control")["address"]
         plant.wait(lambda e: e["event"] == "boot" and e["node"] == 1)
-        command(program, "plc", "write", "U0\\G71", "10", "--port", host_port(plant.mc)[1])
+        command(program, "plc", "write", "U0\\G71", "10", "--port", host_port(plant.mc)[1], expect=1)
         shown = [lines for commands in transcripts(page) for words, lines in commands if words == "canopus module status"]
         require(len(shown) == 1, f"{page} shows module status {len(shown)} times")
         require_shown(page, [program, "module", "status", "--at", control], shown[0])
