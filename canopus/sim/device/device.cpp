@@ -123,6 +123,7 @@ void Device::power_on(can::Time now) {
   node_.power_on(now);
   play(now);
   move_values(now);
+  if (application_) application_->start(*this, now);
   settle(now, false);
 }
 
@@ -224,6 +225,7 @@ void Device::reset_done(canopen::NmtCommand which, can::Time now) {
   if (which != canopen::NmtCommand::reset_node) return;
   forcing_.values_loaded();
   if (!playbacks_.empty()) play(now);
+  if (application_ && is_on_) application_->start(*this, now);
 }
 
 void Device::rpdo_received(std::uint16_t number, can::Time) { forcing_.rpdo_received(number); }
@@ -261,8 +263,11 @@ bool Device::echo_values() {
 /// After everything that happens to it.
 void Device::settle(can::Time now, bool moved) {
   if (is_on_) {
+    moved = act(now) || moved;
     moved = echo_values() || moved;
     moved = look_at_conditions(now) || moved;
+    // What a condition forces, the application sees, too.
+    if (!script_.empty()) moved = act(now) || moved;
   }
   after_event(now, moved);
 }
@@ -282,8 +287,9 @@ void Device::receive(const can::Frame& frame, can::Time now) {
   if (is_plain()) return node_.receive(frame, now);
   // Nobody samples outside Operational: an SDO read, or the first TPDOs after start, see the values of now.
   if (is_on_ && next_sample_ == can::never) move_values(now);
+  const bool moved = is_on_ && act(now);
   node_.receive(frame, now);
-  settle(now, false);
+  settle(now, moved);
 }
 
 void Device::transmitted(const can::Frame& frame, can::Time now) { node_.transmitted(frame, now); }
@@ -296,13 +302,15 @@ void Device::tick(can::Time now) {
   if (next_row_ <= now) moved = play(now) || moved;
   if (next_sample_ <= now) moved = move_values(now) || moved;
   while (const ScriptStep* step = script_.next_due(now)) moved = carry_out(*step, now) || moved;
+  if (is_on_) moved = act(now) || moved;
   if (node_.deadline() <= now) node_.tick(now);
   if (moved || !is_plain()) settle(now, moved);
 }
 
 can::Time Device::deadline() const noexcept {
-  const can::Time next =
+  can::Time next =
       std::min({node_.deadline(), next_sample_, next_row_, forcing_.deadline(), script_.deadline()});
+  if (application_ && is_on_) next = std::min(next, application_->deadline());
   return lss_ ? std::min(next, lss_->deadline()) : next;
 }
 

@@ -9,11 +9,13 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "canopus/can/controller.hpp"
 #include "canopus/canopen/node/node.hpp"
 #include "canopus/eds/device_file.hpp"
+#include "canopus/sim/device/application.hpp"
 #include "canopus/sim/device/behaviour.hpp"
 #include "canopus/sim/device/device_lss.hpp"
 #include "canopus/sim/device/forcing.hpp"
@@ -54,6 +56,14 @@ class Device final : public can::Participant, private canopen::NodeListener {
   [[nodiscard]] std::optional<std::string> add_playback(Playback playback);
   /// To be called before power_on(); the entries are those of process_value().
   void add_script_step(const ScriptStep& step) { script_.add(step); }
+
+  /// What the device does, too. To be called once, before power_on().
+  void set_application(std::unique_ptr<DeviceApplication> application) noexcept {
+    application_ = std::move(application);
+  }
+  /// The application's own writing, as a bit pattern as wide as the entry; beneath, while the entry is forced. True when
+  /// the value that everybody sees has changed.
+  bool put(const canopen::Entry& entry, std::uint64_t value) { return forcing_.put(entry, value); }
 
   /// A number from 2000H on, which may be forced and played back; or what it is instead, in words.
   [[nodiscard]] std::expected<canopen::Entry, std::string> process_value(std::uint16_t index,
@@ -115,11 +125,13 @@ class Device final : public can::Participant, private canopen::NodeListener {
   void rpdo_received(std::uint16_t number, can::Time now) override;
 
   [[nodiscard]] bool is_plain() const noexcept {
-    return motions_.empty() && playbacks_.empty() && script_.empty() && forcing_.all().empty();
+    return !application_ && motions_.empty() && playbacks_.empty() && script_.empty() &&
+           forcing_.all().empty();
   }
   // What changes values. True: somebody sees another value than before.
   bool move_values(can::Time now);
   bool echo_values();
+  bool act(can::Time now) { return application_ && application_->act(*this, now); }
   bool play(can::Time now);
   bool force_value(const canopen::Entry& entry, std::uint64_t value, can::Time until, can::Time now);
   bool release_value(const canopen::Entry& entry, can::Time now);
@@ -135,6 +147,7 @@ class Device final : public can::Participant, private canopen::NodeListener {
   canopen::Node node_;
   std::unique_ptr<DeviceLss> lss_;
   DeviceOptions options_;
+  std::unique_ptr<DeviceApplication> application_;
   std::vector<Motion> motions_;
   std::vector<Playback> playbacks_;
   Script script_;
