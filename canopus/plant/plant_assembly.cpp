@@ -10,6 +10,7 @@
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/plant/device_script.hpp"
 #include "canopus/plant/run_memory.hpp"
+#include "canopus/sim/drive/servo.hpp"
 #include "canopus/store/file_memory.hpp"
 #include "canopus/text/file_text.hpp"
 
@@ -183,6 +184,20 @@ void Assembly::give_memory(const DeviceSection& section, std::uint8_t node_id, D
   seat.set_store(file_named(stored.name));
 }
 
+void Assembly::give_drive(const DriveSection& section, sim::Device& device) {
+  sim::ServoSettings settings{.start = section.start,
+                              .low_switch = section.low_switch,
+                              .high_switch = section.high_switch,
+                              .revolution = section.revolution,
+                              .faults = {}};
+  for (const DriveSection::Fault& fault : section.faults) {
+    settings.faults.push_back({can::Time{} + fault.at, fault.code});
+  }
+  auto servo = sim::Servo::make(*device.file().dictionary, std::move(settings));
+  if (!servo) return errors_.add(section.place, "drive: {}", servo.error());
+  device.set_application(std::move(*servo));
+}
+
 void Assembly::move_values(const DeviceSection& section, std::size_t number, DeviceSeat& seat) {
   for (std::size_t i = 0; i < section.behaviours.size(); ++i) {
     const BehaviourSection& wanted = section.behaviours[i];
@@ -237,6 +252,7 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
   sim::Port& port = add_port(section, node, number);
   auto seat = std::make_unique<DeviceSeat>(file, section, node, port, observer_);
   give_memory(section, node, *seat);
+  if (section.drive) give_drive(*section.drive, seat->device());
   move_values(section, number, *seat);
   for (const PlaybackSection& playback : section.playbacks) play_back(playback, seat->device());
   errors_.add(add_scripts(seat->device(), section.scripts));

@@ -59,6 +59,7 @@ class Assembly {
   std::uint8_t node_id(const DeviceSection& section, const eds::DeviceFile& file);
   sim::Port& add_port(const DeviceSection& section, std::uint8_t node_id, std::size_t number);
   void give_memory(const DeviceSection& section, std::uint8_t node_id, DeviceSeat& seat);
+  void give_drive(const DriveSection& section, sim::Device& device);
   void move_values(const DeviceSection& section, std::size_t number, DeviceSeat& seat);
   void play_back(const PlaybackSection& section, sim::Device& device);
   void add_module(const PlcSection& plc, std::size_t plc_number, const ModuleSection& section);

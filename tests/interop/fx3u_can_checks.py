@@ -224,7 +224,9 @@ def words_of_an_fx3u_can_by_1e_frames_byte_by_byte():
             require(ask(0x0E, 70, 2) == b"\x8e\x00" + struct.pack("<2H", 700, 600), "#70 and #71")
             require(module.words(70, 2) == [700, 600], "U2\\G70 is another word")
             require(ask(0x0F, 21, 1, b"\x01\x00") == b"\x8f\x00", "0F of a bad value")
-            require(module.words(21, 1) == [405] and module.g(29) == 0x0041 and module.g(39) == 21, "#21 = 1 was taken")
+            # Alone on its bus it is error passive sooner or later, bit 14.
+            shown = (module.words(21, 1), module.g(29) & ~0x4000, module.g(39))
+            require(shown == ([405], 0x0041, 21), f"#21 = 1: #21, #29, #39 are {shown}")
             # A command: an SDO read of the own 1018H:02.
             ask(0x0F, 1001, 3, struct.pack("<3H", 0, 0x1018, 2))
             ask(0x0F, 1000, 1, struct.pack("<H", 4))

@@ -128,6 +128,8 @@ DeviceSection read_device(text::TableReader& table) {
   device.behaviours = read_good<BehaviourSection>(table, "behaviour", "device.behaviour", read_behaviour);
   device.scripts = read_good<ScriptSection>(table, "script", "device.script", read_script);
   device.playbacks = read_good<PlaybackSection>(table, "playback", "device.playback", read_playback);
+  table.table("drive", "device.drive", "expected a table, written as [device.drive]",
+              [&](text::TableReader& inner) { device.drive = read_drive(inner); });
   device.usable = !table.is_wrong("eds") && !table.is_wrong("node") && !table.is_wrong("bus");
   return device;
 }

@@ -65,6 +65,20 @@ struct PlaybackSection {
   bool repeat = false;
 };
 
+/// The drive that a device is: [device.drive].
+struct DriveSection {
+  text::Place place{};
+  double start = 0;                     ///< where its axis stands
+  std::optional<double> low_switch{};   ///< where its limit switches act; none: it has none
+  std::optional<double> high_switch{};
+  double revolution = 10'000;           ///< between two index pulses
+  struct Fault {
+    can::Duration at{};
+    std::uint16_t code = 0;  ///< of 603FH and EMCY
+  };
+  std::vector<Fault> faults{};
+};
+
 /// A fault of a bus. Fields that its kind does not use are refused.
 struct FaultSection {
   text::Place place{};
@@ -101,6 +115,7 @@ struct DeviceSection {
   std::vector<BehaviourSection> behaviours{};
   std::vector<ScriptSection> scripts{};
   std::vector<PlaybackSection> playbacks{};
+  std::optional<DriveSection> drive{};
 };
 
 /// A slave of a master module, and the PDOs that connect the two: a device or another module of the plant, or

@@ -47,6 +47,8 @@ void read_place(text::TableReader& table, const plc::CpuModel& cpu, ModuleSectio
 [[nodiscard]] FaultSection read_fault(text::TableReader& table);
 /// A [[device.script]].
 [[nodiscard]] ScriptSection read_script(text::TableReader& table);
+/// [device.drive].
+[[nodiscard]] DriveSection read_drive(text::TableReader& table);
 /// A [[device.playback]].
 [[nodiscard]] PlaybackSection read_playback(text::TableReader& table);
 

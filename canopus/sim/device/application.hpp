@@ -16,6 +16,11 @@ class DeviceApplication {
  public:
   virtual ~DeviceApplication() = default;
 
+  /// It puts this object: no behaviour and no file may move it.
+  [[nodiscard]] virtual bool puts(std::uint16_t /*index*/, std::uint8_t /*sub*/) const noexcept {
+    return false;
+  }
+
   /// The supply came, or the node was reset: objects hold their defaults, or what is stored.
   virtual void start(Device& device, can::Time now) = 0;
   /// Before a frame is served, after everything that happens to the device, and at deadline(): looks at the objects and
