@@ -9,12 +9,14 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "canopus/eds/device_file.hpp"
+#include "canopus/module/as_fcopm/configuration.hpp"
 #include "canopus/plant/module_network.hpp"
 #include "canopus/plant/plant_parts.hpp"
 #include "canopus/text/file_error.hpp"
@@ -37,6 +39,10 @@ namespace canopus::plant {
 [[nodiscard]] std::vector<std::uint8_t> concise_dcf_of(const ParametersSection::Node& node,
                                                        const canopen::DictionaryDescription& dictionary,
                                                        text::FileErrors& errors);
+
+/// The card's own parameters of CANopen Builder, without the node list.
+[[nodiscard]] module::as_fcopm::Configuration card_parameters(const ModuleSection& section,
+                                                              const BusSection& bus);
 
 /// Builds a plant's parts, collecting every error on the way.
 class Assembly {
@@ -72,8 +78,17 @@ class Assembly {
   /// Concise DCFs of the other nodes' settings, and the CPU's refresh.
   void add_parameters(const ModuleSection& section, std::size_t plc_number,
                       module::CommunicationModule& module, can::Timeline::Handle handle);
-  const canopen::DictionaryDescription* dictionary_of(const ModuleSection& section,
-                                                      const ParametersSection::Node& node);
+  /// A node that a section of the plant file is about.
+  struct WantedNode {
+    text::Place place{};
+    std::uint8_t node = 0;
+    std::string eds{};  ///< of one outside of the plant
+    text::Place eds_place{};
+    std::string_view what{};  ///< the section
+  };
+  const canopen::DictionaryDescription* dictionary_of(const ModuleSection& section, const WantedNode& node);
+  /// The node list that CANopen Builder has downloaded.
+  void add_download(const ModuleSection& section, module::CommunicationModule& module);
   void configure_network(const ModuleSection& section, module::CommunicationModule& module);
   void add_outside_slave(const ModuleSection& master, const SlaveSection& slave, ModuleNetwork& network);
   void set_faults(const BusSection& section, sim::Bus& bus);

@@ -99,7 +99,7 @@ void Assembly::configure_network(const ModuleSection& section, module::Communica
 }
 
 const canopen::DictionaryDescription* Assembly::dictionary_of(const ModuleSection& section,
-                                                              const ParametersSection::Node& node) {
+                                                              const WantedNode& node) {
   if (!node.eds.empty()) {
     const File file = load(node.eds, node.eds_place);
     return file ? file->dictionary.get() : nullptr;
@@ -113,10 +113,9 @@ const canopen::DictionaryDescription* Assembly::dictionary_of(const ModuleSectio
     if (label.bus != section.bus || label.node_id != node.node) continue;
     return &seat->module().node().dictionary().description();
   }
-  errors_.add(
-      node.place,
-      "parameters: there is no device or module with node = {} on bus \"{}\"; expected eds = its file",
-      node.node, section.bus);
+  errors_.add(node.place,
+              "{}: there is no device or module with node = {} on bus \"{}\"; expected eds = its file",
+              node.what, node.node, section.bus);
   return nullptr;
 }
 
@@ -130,7 +129,8 @@ void Assembly::add_parameters(const ModuleSection& section, std::size_t plc_numb
                   node.node);
       continue;
     }
-    const auto* dictionary = dictionary_of(section, node);
+    const auto* dictionary =
+        dictionary_of(section, {node.place, node.node, node.eds, node.eds_place, "parameters"});
     if (!dictionary) continue;
     if (module.parameter_concise_dcf(node.node, concise_dcf_of(node, *dictionary, errors_))) continue;
     errors_.add(

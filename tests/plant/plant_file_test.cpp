@@ -107,7 +107,7 @@ INSTANTIATE_TEST_SUITE_P(
                   "plant.toml:32:8: head = 49: a head I/O number is a multiple of 10H from 0 to 0FF0H"},
         WrongLine{"model = \"ME3CAN1-Q\"", "model = \"ME3CAN2\"",
                   "plant.toml:31:9: model = \"ME3CAN2\": expected one of \"ME3CAN1-Q\", \"RJ71CN91\", "
-                  "\"FX3U-CAN\", \"FX2N-32CAN\""},
+                  "\"FX3U-CAN\", \"FX2N-32CAN\", \"AS-FCOPM\""},
         WrongLine{"G70 = 1000", "G70 = 65536", "plant.toml:37:18: G70 = 65536: a word is -32768 to 65535"},
         WrongLine{"G70 = 1000", "X70 = 1000",
                   "plant.toml:37:12: \"X70\" is not a buffer memory address; expected G0 to G65535"},

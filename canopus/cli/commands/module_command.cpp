@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "canopus/cli/commands/module_compare.hpp"
 #include "canopus/cli/commands/module_status.hpp"
 #include "canopus/cli/terminal/plant_loading.hpp"
 #include "canopus/module/storage/flash_memory.hpp"
@@ -267,6 +268,8 @@ void add_module_command(CLI::App& app, int& exit_code) {
     exit_code =
         module_eds_file(words->model, words->output, standard_output(), standard_error(), words->mode);
   });
+  command->add_subcommand("compare", "A table that compares the modules, in Markdown")
+      ->callback([&exit_code] { exit_code = module_compare(standard_output()); });
   add_module_status(*command, exit_code);
   command->footer(
       "Exit codes: 0 done, 1 a running plant refused or could not be reached, 2 no such module, or a file "

@@ -1,5 +1,5 @@
 #pragma once
-// `canopus module list|info|eds|status`: which soft modules there are, what their manuals say of them, their EDS
+// `canopus module list|info|eds|compare|status`: which soft modules there are, what their manuals say of them, their EDS
 // files.
 
 #include <filesystem>

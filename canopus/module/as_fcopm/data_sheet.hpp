@@ -13,10 +13,9 @@ inline constexpr std::array mode_facts = std::to_array<FunctionMode>({
     {"2", "CANopen DS301, slave"},
 });
 
-// [AS-FCOPM 10.1.1, 10.3.1]
+// [AS-FCOPM 10.1.1]
 inline constexpr std::array standard_facts = std::to_array<Standard>({
     {"CiA DS-301", "4.02", "application layer and communication profile, as master and as slave"},
-    {"CiA DS-302", "",     "framework for programmable devices"},
 });
 
 // [AS-FCOPM 10.2.4.3]

@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
 #include "canopus/eds/writer.hpp"
+#include "canopus/module/as_fcopm/as_fcopm.hpp"
+#include "canopus/module/as_fcopm/data_sheet.hpp"
+#include "canopus/module/as_fcopm/object_table.hpp"
 #include "canopus/module/fx2n_32can/buffer_table.hpp"
 #include "canopus/module/fx2n_32can/data_sheet.hpp"
 #include "canopus/module/fx2n_32can/fx2n_32can.hpp"
@@ -42,6 +46,13 @@ constexpr std::array racks_of_blocks = {plc::CpuFamily::fx3, plc::CpuFamily::fx5
 constexpr std::array lift_mode = std::to_array<ModeObjects>({{417, module::fx3u_can::lift_dictionary}});
 constexpr std::array racks_of_fx3 = {plc::CpuFamily::fx3};
 
+constexpr std::array racks_of_as300 = {plc::CpuFamily::as300};
+
+/// Of a module that this catalogue has made.
+void download_to_card(module::CommunicationModule& card, module::as_fcopm::Configuration configuration) {
+  static_cast<module::as_fcopm::AsFcopm&>(card).download(std::move(configuration));
+}
+
 const std::array catalogue = std::to_array<CatalogueEntry>({
     {&module::me3can1_q::data_sheet, module::me3can1_q::object_dictionary,
      module::ModuleSettings::stored_names, make<module::me3can1_q::Me3can1Q>,
@@ -53,6 +64,13 @@ const std::array catalogue = std::to_array<CatalogueEntry>({
     {&module::fx2n_32can::data_sheet, module::fx2n_32can::object_dictionary,
      module::ModuleSettings::stored_names, make<module::fx2n_32can::Fx2n32Can>,
      module::fx2n_32can::buffer_table, racks_of_fx3},
+    {.data_sheet = &module::as_fcopm::data_sheet,
+     .objects = module::as_fcopm::object_dictionary,
+     .stored = {},
+     .make = make<module::as_fcopm::AsFcopm>,
+     .families = racks_of_as300,
+     .download = download_to_card,
+     .only_place = 2},
 });
 
 bool same_letter(char a, char b) {

@@ -10,6 +10,7 @@
 
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
 #include "canopus/module/areas/buffer_memory.hpp"
+#include "canopus/module/as_fcopm/configuration.hpp"
 #include "canopus/module/interface/communication_module.hpp"
 #include "canopus/module/interface/data_sheet.hpp"
 #include "canopus/module/interface/non_volatile_memory.hpp"
@@ -46,6 +47,11 @@ struct CatalogueEntry {
   std::span<const plc::CpuFamily> families = racks_with_head_addresses;
   /// Function modes whose objects are not those above.
   std::span<const ModeObjects> more_modes{};
+  /// Of a card that CANopen Builder configures: its download. nullptr: it is another module.
+  void (*download)(module::CommunicationModule& module,
+                   module::as_fcopm::Configuration configuration) = nullptr;
+  /// The one place of the rack that it fits into; 0: any.
+  std::uint16_t only_place = 0;
 };
 
 [[nodiscard]] std::span<const CatalogueEntry> module_catalogue() noexcept;

@@ -172,6 +172,25 @@ SlaveSection read_slave(text::TableReader& table) {
   return slave;
 }
 
+/// Who is configured by CANopen Builder is configured by it alone.
+void check_download(text::TableReader& table, const ModuleSection& module) {
+  const CatalogueEntry* entry = find_module(module.model);
+  if (entry == nullptr) return;
+  if (entry->download == nullptr) {
+    if (module.download) table.error("download", fmt::format("the {} takes none", module.model));
+    return;
+  }
+  if (module.master || module.all_slaves || !module.slaves.empty()) {
+    table.error(module.master       ? "master"
+                : module.all_slaves ? "slaves"
+                                    : "slave",
+                fmt::format("the {} has its node list in [plc.module.download]", module.model));
+  }
+  if (module.exchange) {
+    table.error("exchange", fmt::format("the {} exchanges process data by itself", module.model));
+  }
+}
+
 ModuleSection read_module(text::TableReader& table, const plc::CpuModel& cpu) {
   ModuleSection module{
       .place = table.place(), .name_place = table.place("name"), .slaves_place = table.place("slaves")};
@@ -221,6 +240,9 @@ ModuleSection read_module(text::TableReader& table, const plc::CpuModel& cpu) {
   module.writes = read_words(table, "write");
   table.table("parameters", "plc.module.parameters", "expected a table, written as [plc.module.parameters]",
               [&](text::TableReader& inner) { module.parameters = read_parameters(inner, cpu); });
+  table.table("download", "plc.module.download", "expected a table, written as [plc.module.download]",
+              [&](text::TableReader& inner) { module.download = read_download(inner); });
+  check_download(table, module);
   table.elements("watch", [&](const toml::node& element) {
     const auto* text = element.as_string();
     const auto address = text == nullptr ? std::unexpected(std::string("expected words such as \"G10000\""))

@@ -12,6 +12,7 @@
 
 #include "canopus/link/allow_list.hpp"
 #include "canopus/module/interface/module.hpp"
+#include "canopus/plant/file/download_section.hpp"
 #include "canopus/plc/cpu/device.hpp"
 #include "canopus/plc/melsec/port_settings.hpp"
 #include "canopus/plc/modbus/settings.hpp"
@@ -187,6 +188,7 @@ struct ModuleSection {
   std::vector<BufferSetting> buffer{};
   bool online = false;  ///< the built-in program takes the module online whenever it has started (Layer 2)
   std::optional<ParametersSection> parameters{};
+  std::optional<DownloadSection> download{};
   std::vector<BufferSetting> writes{};  ///< and writes these words before, by address
   module::ModuleFault fault = module::ModuleFault::hardware_error;
   std::optional<can::Duration> fault_at{};  ///< when the module gets this fault

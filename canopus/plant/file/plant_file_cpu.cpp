@@ -35,18 +35,25 @@ std::string expected_one_of(std::span<const std::string_view> names) {
 void read_place(text::TableReader& table, const plc::CpuModel& cpu, ModuleSection& module) {
   const plc::FamilyInfo& family = plc::family_info(cpu.family);
   const plc::ModulePlace& place = family.place;
-  const std::int64_t number =
-      table.integer(place.key, place.first, place.last, place.words).value_or(place.first);
+  const CatalogueEntry* entry = find_module(module.model);
+  const bool fits =
+      entry != nullptr && std::ranges::find(entry->families, cpu.family) != entry->families.end();
+  const std::uint16_t only_place = fits ? entry->only_place : std::uint16_t{0};
+  const std::int64_t number = table.integer(place.key, place.first, place.last, place.words)
+                                  .value_or(only_place != 0 ? only_place : place.first);
   if (number % place.step != 0) table.error(place.key, place.words);
+  if (only_place != 0 && number != only_place) {
+    table.error(place.key, fmt::format("the {} fits into {} {} alone", module.model, place.key, only_place));
+  }
   module.head = static_cast<std::uint16_t>(family.modules_have_points ? number : 16 * number);
   if (table.is_wrong(place.key)) module.usable = false;
-  const CatalogueEntry* entry = find_module(module.model);
-  if (entry == nullptr || std::ranges::find(entry->families, cpu.family) != entry->families.end()) return;
-  std::string fits;
+  if (entry == nullptr || fits) return;
+  std::string families;
   for (const plc::CpuFamily each : entry->families) {
-    fits += fmt::format("{}{}", fits.empty() ? "" : " or ", plc::family_info(each).name);
+    families += fmt::format("{}{}", families.empty() ? "" : " or ", plc::family_info(each).name);
   }
-  table.error("model", fmt::format("fits into a rack of the family {}; this one is {}", fits, family.name));
+  table.error("model",
+              fmt::format("fits into a rack of the family {}; this one is {}", families, family.name));
 }
 
 plc::CpuModel read_cpu_model(text::TableReader& table) {

@@ -40,6 +40,8 @@ void read_place(text::TableReader& table, const plc::CpuModel& cpu, ModuleSectio
 [[nodiscard]] std::vector<BufferSetting> read_words(text::TableReader& table, std::string_view key);
 /// [plc.module.parameters]; the module's model has been read.
 [[nodiscard]] ParametersSection read_parameters(text::TableReader& table, const plc::CpuModel& cpu);
+/// [plc.module.download].
+[[nodiscard]] DownloadSection read_download(text::TableReader& table);
 /// [[plc.program]] of a [[plc]].
 [[nodiscard]] std::vector<ProgramSection> read_programs(text::TableReader& table, const plc::CpuModel& cpu);
 

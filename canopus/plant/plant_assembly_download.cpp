@@ -1,0 +1,136 @@
+// What CANopen Builder has downloaded for a card: the node list, as EDS files describe the slaves.
+
+#include <algorithm>
+#include <utility>
+
+#include "canopus/eds/device_file.hpp"
+#include "canopus/module/as_fcopm/register_table.hpp"
+#include "canopus/plant/catalogue/module_catalogue.hpp"
+#include "canopus/plant/plant_assembly.hpp"
+
+namespace canopus::plant {
+
+namespace {
+
+namespace fcopm = module::as_fcopm;
+
+/// 0: the same as no expectation.
+std::optional<std::uint32_t> expected(const canopen::DictionaryDescription& dictionary, std::uint16_t index,
+                                      std::uint8_t sub, std::uint8_t node) {
+  const auto value = eds::default_value(dictionary, index, sub, node);
+  if (!value || *value == 0) return std::nullopt;
+  return static_cast<std::uint32_t>(*value);
+}
+
+class SlaveCompiler {
+ public:
+  SlaveCompiler(const DownloadSection::Slave& section, const canopen::DictionaryDescription& dictionary,
+                text::FileErrors& errors)
+      : section_(section), dictionary_(dictionary), errors_(errors) {}
+
+  fcopm::SlaveSetting run() {
+    fcopm::SlaveSetting slave{.node_id = section_.node};
+    slave.device_type = expected(dictionary_, 0x1000, 0, section_.node);
+    slave.vendor = expected(dictionary_, 0x1018, 1, section_.node);
+    slave.product = expected(dictionary_, 0x1018, 2, section_.node);
+    slave.heartbeat = section_.heartbeat.value_or(0);
+    slave.heartbeat_time_out = section_.heartbeat_time_out.value_or(
+        static_cast<std::uint16_t>(std::min(65535, 2 * slave.heartbeat)));
+    for (const DownloadSection::Pdo& pdo : section_.rx_pdos) slave.rx_pdos.push_back(compile(pdo, false));
+    for (const DownloadSection::Pdo& pdo : section_.tx_pdos) slave.tx_pdos.push_back(compile(pdo, true));
+    for (const text::ObjectSetting& setting : section_.auto_sdos) compile(setting, slave);
+    return slave;
+  }
+
+ private:
+  fcopm::SlavePdo compile(const DownloadSection::Pdo& section, bool transmit) {
+    const auto parameters = static_cast<std::uint16_t>((transmit ? 0x1800 : 0x1400) + section.number - 1);
+    const auto mapping = static_cast<std::uint16_t>(parameters + 0x200);
+    fcopm::SlavePdo pdo{.number = section.number,
+                        .cob_id = section.cob_id,
+                        .type = section.type,
+                        .inhibit_time = section.inhibit_time,
+                        .event_timer = section.event_timer};
+    const auto name = fmt::format("{}PDO{}", transmit ? "Tx" : "Rx", section.number);
+    if (dictionary_.find(parameters) == nullptr)
+      errors_.add(section.place, "node {} has no {} ({:04X}H)", section_.node, name, parameters);
+    const canopen::Entry count = dictionary_.find(mapping, 0);
+    pdo.writes_mapping = count && canopen::is_writable(count.description->access);
+    for (const DownloadSection::Object& mapped : section.objects) {
+      const auto [index, sub] = mapped.object;
+      const canopen::Entry entry = dictionary_.find(index, sub);
+      if (!entry) {
+        errors_.add(mapped.place, "node {} has no object {:04X}H:{:02X}H", section_.node, index, sub);
+        continue;
+      }
+      if (!(transmit ? entry.description->tpdo_mappable : entry.description->rpdo_mappable)) {
+        errors_.add(mapped.place, "{:04X}H:{:02X}H of node {} cannot be mapped into {}", index, sub,
+                    section_.node, transmit ? "a TxPDO" : "an RxPDO");
+        continue;
+      }
+      pdo.objects.push_back({index, sub, static_cast<std::uint8_t>(8 * entry.description->length)});
+    }
+    return pdo;
+  }
+
+  void compile(const text::ObjectSetting& setting, fcopm::SlaveSetting& slave) {
+    const auto [index, sub] = setting.object;
+    const canopen::Entry entry = dictionary_.find(index, sub);
+    if (!entry) {
+      errors_.add(setting.place, "auto_sdo: node {} has no object {:04X}H:{:02X}H", section_.node, index,
+                  sub);
+      return;
+    }
+    auto bytes = text::encode(setting.value, entry.description->type);
+    if (!bytes) {
+      errors_.add(setting.place, "auto_sdo: {:04X}H:{:02X}H: {}", index, sub, bytes.error());
+    } else {
+      slave.auto_sdos.push_back({index, sub, std::move(*bytes)});
+    }
+  }
+
+  const DownloadSection::Slave& section_;
+  const canopen::DictionaryDescription& dictionary_;
+  text::FileErrors& errors_;
+};
+
+}  // namespace
+
+fcopm::Configuration card_parameters(const ModuleSection& section, const BusSection& bus) {
+  fcopm::Configuration configuration;
+  if (section.node != 0) configuration.node_id = section.node;
+  const auto rate =
+      std::ranges::find(fcopm::bit_rates, bus.bit_rate / 1000);  // preset_words() reports another
+  if (rate != fcopm::bit_rates.end()) configuration.bit_rate = *rate;
+  if (!section.download) return configuration;
+  const DownloadSection& download = *section.download;
+  if (download.is_slave) configuration.work_mode = fcopm::WorkMode::slave;
+  configuration.cycle_period = download.cycle_period.value_or(configuration.cycle_period);
+  configuration.master_heartbeat = download.master_heartbeat.value_or(configuration.master_heartbeat);
+  return configuration;
+}
+
+void Assembly::add_download(const ModuleSection& section, module::CommunicationModule& module) {
+  const CatalogueEntry& entry = *find_module(section.model);
+  if (!section.download || entry.download == nullptr) return;
+  const auto bus = std::ranges::find(parts_.file.buses, section.bus, &BusSection::name);
+  fcopm::Configuration configuration = card_parameters(section, *bus);
+  text::FileErrors found;
+  bool complete = true;
+  for (const DownloadSection::Slave& slave : section.download->slaves) {
+    const auto* dictionary =
+        dictionary_of(section, {slave.place, slave.node, slave.eds, slave.eds_place, "download"});
+    const auto is_empty = [](const DownloadSection::Pdo& pdo) { return pdo.objects.empty(); };  // reported
+    complete = complete && dictionary != nullptr && std::ranges::none_of(slave.rx_pdos, is_empty) &&
+               std::ranges::none_of(slave.tx_pdos, is_empty);
+    if (dictionary != nullptr) configuration.slaves.push_back(SlaveCompiler(slave, *dictionary, found).run());
+  }
+  if (complete && found.empty()) {
+    for (const std::string& error : fcopm::check(configuration))
+      found.add(section.download->place, "download: {}", error);
+    if (found.empty()) entry.download(module, std::move(configuration));
+  }
+  errors_.add(found.take());
+}
+
+}  // namespace canopus::plant
