@@ -211,7 +211,7 @@ TEST(ModuleInfo, UnknownModel_NamesThoseThereAre) {
   err.clear();
   EXPECT_EQ(module_eds_file("nothing", "", out, err), 2);
   EXPECT_EQ(err.text(),
-            "canopus: nothing: no such module; expected ME3CAN1-Q, RJ71CN91, FX3U-CAN or FX2N-32CAN\n");
+            "canopus: nothing: no such module; expected ME3CAN1-Q, RJ71CN91, FX3U-CAN, FX2N-32CAN or AS-FCOPM\n");
   EXPECT_EQ(out.text(), "");
 }
 
@@ -258,7 +258,8 @@ TEST(ModuleList, S03_OfAPlant_IsTheProductListOfItsPlcs) {
             "ME3CAN1-Q    Mitsubishi Electric, series Q, 32 points\n"
             "RJ71CN91     Mitsubishi Electric, series R, 32 points\n"
             "FX3U-CAN     Mitsubishi Electric, series FX, 8 points\n"
-            "FX2N-32CAN   Mitsubishi Electric, series FX, 8 points\n");
+            "FX2N-32CAN   Mitsubishi Electric, series FX, 8 points\n"
+            "AS-FCOPM     Delta Electronics, series AS, 0 points\n");
   EXPECT_EQ(module_list("/no/such/plant.toml", false, out, err), 2);
 }
 

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include "canopus/eds/device_file.hpp"
+#include "canopus/plant/catalogue/module_catalogue.hpp"
+
 #include "paths.hpp"
 #include "support/plant_folder.hpp"
 
@@ -183,6 +186,40 @@ TEST_F(AsFcopmPlant, ABitRateThatTheCardDoesNotHave) {
   EXPECT_THAT(
       check(text),
       ElementsAre(HasSubstr("800000 bit/s, which the AS-FCOPM does not have; expected one of 20000, ")));
+}
+
+TEST(AsFcopmEds, DescribesTheSlave) {
+  RecordProperty("spec", "ASF-OD-001 ASF-OD-002 ASF-OD-003 ASF-OD-004 ASF-OD-005 ASF-GEN-008");
+  const eds::ReadResult read = eds::read_device_file(module_eds(*find_module("as-fcopm")));
+  ASSERT_NE(read.file, nullptr);
+  for (const eds::Problem& problem : read.problems) ADD_FAILURE() << problem.line << ": " << problem.message;
+  EXPECT_EQ(read.file->device.vendor_number, 0x1DDU);
+  EXPECT_EQ(read.file->device.product_number, 0x55U);
+  EXPECT_EQ(read.file->device.revision_number, 0x10002U);
+  EXPECT_EQ(read.file->device.rpdos, 8);
+  EXPECT_EQ(read.file->device.tpdos, 8);
+  const canopen::ObjectDictionary objects(read.file->dictionary, 7);
+  EXPECT_EQ(objects.get<std::uint32_t>(0x1800, 1), 0x187U);
+  EXPECT_EQ(objects.get<std::uint32_t>(0x1A00, 4), 0x20010410U);
+}
+
+// Five racks, three buses.
+TEST_F(AsFcopmPlant, AllFiveModulesInOnePlant) {
+  RecordProperty("spec", "ASF-GEN-001 ASF-GEN-010");
+  cli::TextOutput out, err;
+  const std::string path = CANOPUS_SOURCE_DIR "/examples/five-modules/plant.toml";
+  EXPECT_EQ(cli::check_plant({.plant = path, .strict = true}, out, err), 0) << err.text();
+  plant_ = cli::load_plant(path, *this, err);
+  ASSERT_NE(plant_, nullptr) << err.text();
+  plant_->power_on();
+  run(15s);
+  EXPECT_EQ(plant_->plc_count(), module_catalogue().size());
+  const auto operational = [&] {
+    std::size_t count = 0;
+    for (const auto& node : plant_->nodes()) count += node.state == canopen::NmtState::operational ? 1U : 0U;
+    return count;
+  };
+  EXPECT_EQ(operational(), 9U);
 }
 
 TEST_F(AsFcopmPlant, TheExampleRuns) {

@@ -204,9 +204,7 @@ std::uint16_t AsFcopm::read_register(RegisterKind kind, std::uint32_t number, ca
 }
 
 void AsFcopm::write_register(RegisterKind kind, std::uint32_t number, std::uint16_t value, can::Time now) {
-  if (phase_ == Phase::off || kind != RegisterKind::data) return;
-  role_->write(number, value, now);
-  if (observer_ != nullptr) observer_->buffer_written(number, value, now);
+  if (has_role() && kind == RegisterKind::data) role_->write(number, value, now);
 }
 
 // --- the network
@@ -246,13 +244,12 @@ void AsFcopm::tick(can::Time now) {
     controller_.restart(in_use_.bit_rate * 1000U);
     role_->start(now);
   }
-  if (phase_ == Phase::off || phase_ == Phase::fault) return;
-  if (now >= role_->deadline()) role_->tick(now);
+  if (has_role() && now >= role_->deadline()) role_->tick(now);
   if (phase_ == Phase::running) look_at_queues();
 }
 
 can::Time AsFcopm::deadline() const noexcept {
-  return std::min({downloaded_at_, initialized_at_, phase_ == Phase::off ? can::never : role_->deadline()});
+  return std::min({downloaded_at_, initialized_at_, has_role() ? role_->deadline() : can::never});
 }
 
 }  // namespace canopus::module::as_fcopm

@@ -81,6 +81,9 @@ class AsFcopm final : public CommunicationModule, public RegisterAccess {
   void make_role();
   [[nodiscard]] std::shared_ptr<const canopen::DictionaryDescription> slave_objects() const;
   [[nodiscard]] bool is_master() const noexcept { return in_use_.work_mode == WorkMode::master; }
+  [[nodiscard]] bool has_role() const noexcept {
+    return phase_ == Phase::initializing || phase_ == Phase::running;
+  }
   [[nodiscard]] OwnCode own_code() const noexcept;
   void look_at_queues();
   void report(std::string_view what, can::Time now) const {

@@ -131,6 +131,8 @@ TEST_F(FcopmOwnState, AnErrorOfTheInternalMemory) {
   card.inject(module::ModuleFault::hardware_error, now);
   EXPECT_EQ(sr(825), 0xF8U);
   forget();
+  set_d(25032, 1);
+  EXPECT_EQ(card.deadline(), can::never) << "it does nothing any more";
   run(5s);
   EXPECT_TRUE(frames.empty());
   card.power_off(now);
