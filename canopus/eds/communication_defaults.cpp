@@ -5,6 +5,7 @@
 #include <string>
 
 #include "canopus/canopen/service/cob_id.hpp"
+#include "canopus/canopen/service/device_profile.hpp"
 
 namespace canopus::eds {
 namespace {
@@ -59,12 +60,14 @@ std::string entry_name(const EntryFacts& facts) {
   return is_record ? object_name(facts.index, facts.sub) : object_name(facts.index);
 }
 
-void review(const EntryDraft& entry, Problems& problems) {
+void review(const EntryDraft& entry, std::uint32_t permitted, Problems& problems) {
   const EntryFacts& facts = entry.facts;
   const CobIdUse use = canopen::cob_id_use(facts.index, facts.sub);
   if (use == CobIdUse::none || canopen::byte_length(entry.spec.type) != 4) return;
   const auto raw = static_cast<std::uint32_t>(entry.number());
   const bool adds = entry.spec.adds_node_id;
+  const bool is_pdo = use == CobIdUse::rpdo || use == CobIdUse::tpdo;
+  if (is_pdo && CobId{raw}.identifier() == permitted) return;
   // With a node-ID added, wrong for the lowest and the highest one is wrong for all.
   const bool is_wrong =
       is_refused(use, CobId{raw + (adds ? 1U : 0U)}) && is_refused(use, CobId{raw + (adds ? 127U : 0U)});
@@ -115,8 +118,14 @@ void set_missing_defaults(Draft& draft, Problems& problems) {
 }
 
 void review_restricted_identifiers(const Draft& draft, Problems& problems) {
+  std::uint32_t device_type = 0;
+  if (const auto type = draft.find(0x1000); type != draft.end()) {
+    if (const auto value = type->second.subs.find(0); value != type->second.subs.end())
+      device_type = static_cast<std::uint32_t>(value->second.number());
+  }
+  const std::uint32_t permitted = canopen::permitted_pdo_identifier(device_type);
   for (const auto& [index, object] : draft) {
-    for (const auto& [sub, entry] : object.subs) review(entry, problems);
+    for (const auto& [sub, entry] : object.subs) review(entry, permitted, problems);
   }
 }
 

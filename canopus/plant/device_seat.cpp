@@ -3,13 +3,25 @@
 #include <algorithm>
 #include <utility>
 
+#include "canopus/canopen/service/device_profile.hpp"
 #include "canopus/plant/file/process_value.hpp"
 
 namespace canopus::plant {
 
+namespace {
+
+sim::DeviceOptions options_of(const eds::DeviceFile& file) {
+  sim::DeviceOptions options;
+  options.node.permitted_pdo_identifier =
+      canopen::permitted_pdo_identifier(eds::identity(file).device_type.value_or(0));
+  return options;
+}
+
+}  // namespace
+
 DeviceSeat::DeviceSeat(std::shared_ptr<const eds::DeviceFile> file, const DeviceSection& section,
                        std::uint8_t node_id, sim::Port& port, PlantObserver& observer)
-    : device_(std::move(file), node_id, port),
+    : device_(file, node_id, port, options_of(*file)),
       port_(port),
       start_(can::Time{} + section.start),
       observer_(observer) {
@@ -51,12 +63,25 @@ DeviceSeat::InitialNode DeviceSeat::initial_node() {
 }
 
 void DeviceSeat::power_on(can::Time now) {
-  if (now < start_) return;
+  if (now < start_ || is_unplugged_) return;
   status_.is_on = true;
   port_.set_power(true);
   bit_rate_ = port_.bit_rate();
   device_.power_on(now);
   look(now);
+}
+
+void DeviceSeat::unplug() {
+  is_unplugged_ = true;
+  device_.power_off();
+  port_.set_power(false);
+  status_.is_on = false;
+  status_.state = canopen::NmtState::initialising;
+}
+
+void DeviceSeat::plug_in(can::Time now) {
+  is_unplugged_ = false;
+  power_on(now);
 }
 
 void DeviceSeat::receive(const can::Frame& frame, can::Time now) {

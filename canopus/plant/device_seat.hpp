@@ -41,11 +41,15 @@ class DeviceSeat final : public can::Participant, private canopen::NodeListener,
   [[nodiscard]] InitialNode initial_node();
 
   void power_on(can::Time now);
+  /// Its plug is pulled, without supply and off the bus; or in again.
+  void unplug();
+  void plug_in(can::Time now);
   void receive(const can::Frame& frame, can::Time now) override;
   void transmitted(const can::Frame& frame, can::Time now) override;
   void controller_changed(can::Time now) override;
   void tick(can::Time now) override;
   can::Time deadline() const noexcept override {
+    if (is_unplugged_) return can::never;
     return status_.is_on ? device_.deadline() : std::min(start_, device_.deadline());
   }
 
@@ -70,6 +74,7 @@ class DeviceSeat final : public can::Participant, private canopen::NodeListener,
   std::string name_;
   NodeStatus status_;
   can::Time start_;
+  bool is_unplugged_ = false;
   PlantObserver& observer_;
 };
 

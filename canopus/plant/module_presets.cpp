@@ -65,9 +65,13 @@ std::vector<text::FileError> preset_words(module::CommunicationModule& module,
 std::vector<text::FileError> preset_objects(module::CommunicationModule& module,
                                             const ModuleSection& section) {
   text::FileErrors errors;
+  // Function modes may have dictionaries of their own: the one that it starts in counts.
+  const auto initial = module.initial_node();
+  const canopen::DictionaryDescription& objects =
+      initial ? initial->objects.description() : module.node().dictionary().description();
   for (const text::ObjectSetting& setting : section.objects) {
     const auto [index, sub] = setting.object;
-    const canopen::Entry entry = module.node().dictionary().description().find(index, sub);
+    const canopen::Entry entry = objects.find(index, sub);
     if (!entry) {
       errors.add(setting.place, "the {} has no object {:04X}H:{:02X}H", section.model, index, sub);
       continue;

@@ -57,6 +57,9 @@ std::size_t Plant::device_count() const noexcept { return parts_->devices.size()
 DeviceSeat& Plant::device(std::size_t number) noexcept { return *parts_->devices[number]; }
 void Plant::device_touched(std::size_t number) { parts_->timeline.refresh(parts_->device_handles[number]); }
 
+std::size_t Plant::lift_count() const noexcept { return parts_->lifts.size(); }
+LiftSeat& Plant::lift(std::size_t number) noexcept { return *parts_->lifts[number]; }
+
 std::vector<ForcedObject> Plant::forced() const {
   std::vector<ForcedObject> all;
   for (const auto& seat : parts_->devices) {

@@ -18,6 +18,7 @@
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plc/rack/rack.hpp"
 #include "canopus/sim/bus/bus.hpp"
+#include "canopus/sim/lift/lift_report.hpp"
 
 namespace canopus::plant {
 
@@ -62,6 +63,8 @@ class PlantObserver {
   virtual void object_forced(const ForcedObject&, can::Time) {}
   /// It is not forced any more, and shows its own value again.
   virtual void object_released(const ForcedObject&, can::Time) {}
+  /// In a lift of this bus.
+  virtual void lift_event(std::string_view /*bus*/, const sim::lift::LiftEvent&) {}
   virtual void load(std::string_view /*bus*/, const sim::BusLoad&, can::Time) {}
   /// At the start: something a person should know of the plant file. `source` is its place in it.
   virtual void warning(std::string_view /*source*/, std::string_view /*message*/, can::Time) {}
@@ -127,6 +130,7 @@ struct ModuleTrouble {
 };
 
 class DeviceSeat;
+class LiftSeat;
 
 class Plant {
  public:
@@ -162,6 +166,9 @@ class Plant {
   [[nodiscard]] DeviceSeat& device(std::size_t number) noexcept;
   /// A device was accessed: its deadline may be another one.
   void device_touched(std::size_t number);
+  /// The lifts, in the plant file's order.
+  [[nodiscard]] std::size_t lift_count() const noexcept;
+  [[nodiscard]] LiftSeat& lift(std::size_t number) noexcept;
   /// Every value that is forced now, device by device.
   [[nodiscard]] std::vector<ForcedObject> forced() const;
   /// All nodes, in the order of the plant file, modules first.

@@ -43,6 +43,12 @@ std::vector<text::FileError> Assembly::run() {
     parts_.watches.push_back(std::make_unique<BusWatch>(section.name, observer_));
     parts_.buses.back()->add_observer(*parts_.watches.back());
   }
+  for (std::size_t i = 0; i < parts_.file.lifts.size(); ++i) {
+    sim::lift::BuildingSettings settings = parts_.file.lifts[i].building;
+    if (!parts_.file.lifts[i].own_seed) settings.passengers.seed = seed_ * 1'000'003 + i;
+    parts_.lifts.push_back(
+        std::make_unique<LiftSeat>(parts_.file.lifts[i], std::move(settings), parts_.timeline, observer_));
+  }
   for (std::size_t i = 0; i < parts_.file.devices.size(); ++i) {
     const std::size_t before = parts_.devices.size();
     if (parts_.file.devices[i].usable) add_device(parts_.file.devices[i], i);
@@ -244,7 +250,8 @@ void Assembly::play_back(const PlaybackSection& section, sim::Device& device) {
 }
 
 void Assembly::add_device(const DeviceSection& section, std::size_t number) {
-  File file = load(section.eds, section.eds_place);
+  File file = section.lift ? parts_.lifts[section.lift->lift]->device_file(section.lift->unit)
+                           : load(section.eds, section.eds_place);
   if (!file) return;
   const std::uint8_t node = node_id(section, *file);
   if (node == 0) return;
@@ -258,6 +265,7 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
   for (const PlaybackSection& playback : section.playbacks) play_back(playback, seat->device());
   errors_.add(add_scripts(seat->device(), section.scripts));
   parts_.device_handles.push_back(parts_.timeline.add(*seat));
+  if (section.lift) parts_.lifts[section.lift->lift]->add_unit(*seat, parts_.device_handles.back());
   port.connect(*seat, parts_.device_handles.back());
   watch(bus).know(seat->status(), port);
   seat->set_watch(watch(bus));

@@ -11,6 +11,7 @@
 
 #include "canopus/plant/bus_watch.hpp"
 #include "canopus/plant/device_seat.hpp"
+#include "canopus/plant/lift_seat.hpp"
 #include "canopus/plant/module_seat.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/plant/plant_stores.hpp"
@@ -24,6 +25,7 @@ struct Plant::Parts {
   can::Timeline timeline;
   std::vector<std::unique_ptr<sim::Bus>> buses;
   std::vector<std::unique_ptr<BusWatch>> watches;
+  std::vector<std::unique_ptr<LiftSeat>> lifts;
   std::vector<std::unique_ptr<DeviceSeat>> devices;
   std::vector<can::Timeline::Handle> device_handles;
   std::vector<const sim::Port*> device_ports;  // of each device

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/canopen/service/device_profile.hpp"
 #include "canopus/lss/lss.hpp"
 #include "canopus/manager/boot/start_up_bits.hpp"
 
@@ -65,12 +66,14 @@ bool maps_something(const ReviewedNode& node, std::uint16_t communication) noexc
 
 std::vector<ReviewedPdo> active_pdos(const ReviewedNode& node) {
   std::vector<ReviewedPdo> pdos;
+  const std::uint32_t permitted =
+      canopen::permitted_pdo_identifier(node.objects.get<std::uint32_t>(0x1000, 0));
   for (const canopen::ObjectDescription& object : node.objects.description().objects()) {
     const bool transmit = object.index >= 0x1800 && object.index <= 0x19FF;
     if (!transmit && (object.index < 0x1400 || object.index > 0x15FF)) continue;
     if (transmit && !node.drives) continue;
     const auto raw = node.objects.get<std::uint32_t>(object.index, 1, canopen::CobId::invalid_bit);
-    const canopen::CobId cob_id = canopen::usable(canopen::CobId{raw});
+    const canopen::CobId cob_id = canopen::usable(canopen::CobId{raw}, permitted);
     if (!cob_id.is_valid() || !maps_something(node, object.index)) continue;
     pdos.push_back({.transmit = transmit,
                     .index = object.index,

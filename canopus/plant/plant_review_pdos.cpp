@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "canopus/canopen/service/device_profile.hpp"
 #include "canopus/canopen/service/nmt.hpp"
 #include "canopus/eds/communication_defaults.hpp"
 #include "canopus/eds/problems.hpp"
@@ -107,7 +108,11 @@ std::string listed(const std::vector<std::string>& names) {
 void find_restricted_identifiers(const ReviewedBus& bus, Warnings& warnings) {
   for (const ReviewedNode& node : bus.nodes) {
     if (is_configured(bus, node)) continue;
+    const std::uint32_t permitted =
+        canopen::permitted_pdo_identifier(node.objects.get<std::uint32_t>(0x1000, 0));
     for_each_cob_id(node, [&](std::uint16_t index, std::uint8_t sub, CobIdUse use, CobId value) {
+      const bool is_pdo = use == CobIdUse::rpdo || use == CobIdUse::tpdo;
+      if (is_pdo && value.identifier() == permitted) return;
       if (!canopen::is_refused(use, value) || !is_wanted(node, index, use, value)) return;
       warnings.push_back(
           {place_of(node, index, sub),

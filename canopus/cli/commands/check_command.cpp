@@ -3,8 +3,10 @@
 #include <memory>
 
 #include <CLI/CLI.hpp>
+#include <fmt/ranges.h>
 
 #include "canopus/cli/terminal/plant_loading.hpp"
+#include "canopus/sim/lift/units.hpp"
 
 namespace canopus::cli {
 
@@ -12,6 +14,17 @@ namespace {
 
 std::string counted(std::size_t count, std::string_view what, std::string_view plural_ending) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : plural_ending);
+}
+
+/// "lift 1+2 on hoist: 8 floors, 40 passengers", and its devices.
+void print_lift(const plant::LiftSection& lift, Output& out) {
+  out.line("lift {} on {}: {}, {}", fmt::format("{}", fmt::join(lift.building.lifts, "+")), lift.bus,
+           counted(lift.building.floors.size(), "floor", "s"),
+           counted(lift.building.passengers.count, "passenger", "s"));
+  const auto units = sim::lift::units_of(lift.building.lifts, lift.building.floor_doors);
+  for (std::size_t i = 0; i < units.size(); ++i) {
+    out.line("  node {}: {}", lift.first_node + i, sim::lift::name(units[i]));
+  }
 }
 
 }  // namespace
@@ -25,6 +38,7 @@ int check_plant(const CheckOptions& options, Output& out, Output& err) {
   for (const text::FileWarning& warning : plant->warnings()) err.line("{}", describe(warning, path));
   for (const std::string& line : plant->connections()) out.line("{}", line);
   const plant::PlantFile& file = plant->file();
+  for (const plant::LiftSection& lift : file.lifts) print_lift(lift, out);
   const std::size_t warnings = plant->warnings().size();
   const bool good = warnings == 0 || !options.strict;
   out.line("{}: {}: {}, {}, {}{}", path, good ? "good" : "not good", counted(file.buses.size(), "bus", "es"),

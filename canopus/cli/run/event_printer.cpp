@@ -198,6 +198,7 @@ void JsonPrinter::summary(const RunSummary& summary) {
                               {"object", forced.object},
                               {"value", plant::json_value(forced.type, forced.value)}});
   }
+  add_lifts(line, summary.lifts);
   print(line, summary.end);
 }
 
@@ -288,6 +289,7 @@ std::vector<std::string> describe(const RunSummary& summary) {
     lines.push_back(fmt::format("{}: {}", describe(trouble.module), trouble.text));
   }
   for (const plant::ForcedObject& forced : summary.forced) lines.push_back(describe(forced));
+  for (const RunSummary::LiftCount& lift : summary.lifts) lines.push_back(describe(lift));
   lines.push_back(operational == summary.nodes.size()
                       ? fmt::format("all {} nodes operational", operational)
                       : fmt::format("{} of {} nodes operational", operational, summary.nodes.size()));

@@ -30,6 +30,11 @@ struct RunSummary {
   std::vector<plant::SlaveBoot> boots{};
   std::vector<plant::ModuleTrouble> troubles{};
   std::vector<plant::ForcedObject> forced{};
+  struct LiftCount {
+    std::string_view bus;
+    sim::lift::LiftReport report;
+  };
+  std::vector<LiftCount> lifts{};
 };
 
 /// Lines for programs.
@@ -53,6 +58,7 @@ class JsonPrinter final : public plant::PlantObserver {
                       bool by_cpu, can::Time now) override;
   void object_forced(const plant::ForcedObject& forced, can::Time now) override;
   void object_released(const plant::ForcedObject& released, can::Time now) override;
+  void lift_event(std::string_view bus, const sim::lift::LiftEvent& event) override;
   void load(std::string_view bus, const sim::BusLoad& load, can::Time now) override;
   void warning(std::string_view source, std::string_view message, can::Time now) override;
   void module_event(std::string_view plc, std::string_view source,
@@ -63,6 +69,7 @@ class JsonPrinter final : public plant::PlantObserver {
 
  private:
   void print(const nlohmann::ordered_json& line, can::Time now);
+  static void add_lifts(nlohmann::ordered_json& summary, const std::vector<RunSummary::LiftCount>& lifts);
   Output& out_;
   std::atomic<can::Time> latest_{};
 };
@@ -88,6 +95,7 @@ class LinePrinter final : public plant::PlantObserver {
                       bool by_cpu, can::Time now) override;
   void object_forced(const plant::ForcedObject& forced, can::Time now) override;
   void object_released(const plant::ForcedObject& released, can::Time now) override;
+  void lift_event(std::string_view bus, const sim::lift::LiftEvent& event) override;
   void warning(std::string_view source, std::string_view message, can::Time now) override;
   void module_error(std::string_view plc, std::string_view source,
                     const module::ModuleErrorRecord& record) override;
@@ -118,6 +126,8 @@ class LinePrinter final : public plant::PlantObserver {
 [[nodiscard]] std::string describe_value(const plant::ForcedObject& forced);
 /// "line1 node 2 (io-block): 6000:01 (Digital inputs 1 to 8) forced to 3 until 5.2 s"
 [[nodiscard]] std::string describe(const plant::ForcedObject& forced);
+/// "hoist lift 1+2: 40 of 40 passengers arrived; ..."
+[[nodiscard]] std::string describe(const RunSummary::LiftCount& lift);
 /// The summary's lines.
 [[nodiscard]] std::vector<std::string> describe(const RunSummary& summary);
 

@@ -62,6 +62,10 @@ void add_run_command(CLI::App& app, int& exit_code) {
           "Record the wire bit by bit as a waveform (VCD, for PulseView, GTKWave, sigrok-cli); slower")
       ->type_name("FILE");
   command
+      ->add_option("--svg", words->options.svg,
+                   "At the end, draw the lifts: position, doors and calls over time (docs/lift.md)")
+      ->type_name("FILE");
+  command
       ->add_flag(
           "--expect-operational", words->operational,
           "Exit code 3 unless all nodes are operational at the end; =TIME: unless they were within this "

@@ -25,6 +25,7 @@
 #include "canopus/cli/run/stop_signals.hpp"
 #include "canopus/cli/terminal/plant_loading.hpp"
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/plant/lift_seat.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/serve/client_reports.hpp"
 #include "canopus/serve/real_time.hpp"
@@ -117,6 +118,7 @@ class Run {
 bool Run::open_recordings() {
   auto opened = recording_.open_trace(options_.trace, *plant_);
   if (opened) opened = recording_.open_vcd(options_.vcd, *plant_);
+  if (opened) opened = recording_.open_svg(options_.svg, *plant_);
   if (!opened) print_error("canopus: {}", opened.error());
   return opened.has_value();
 }
@@ -315,6 +317,9 @@ void Run::summarise(can::Duration wall) {
                      .forced = plant_->forced()};
   for (std::size_t i = 0; i < plant_->bus_count(); ++i) {
     summary.buses.push_back({plant_->bus(i).name(), plant_->bus(i).load(summary.end)});
+  }
+  for (std::size_t i = 0; i < plant_->lift_count(); ++i) {
+    summary.lifts.push_back({plant_->lift(i).bus(), plant_->lift(i).building().report()});
   }
   if (options_.json) {
     json_.summary(summary);

@@ -21,6 +21,7 @@ struct RunOptions {
   std::string trace{};  ///< file for all frames: candump log, or pcap if it ends so; empty = none
   std::string
       vcd{};  ///< file for the wire as a waveform, with several buses one each (-BUS.vcd); empty = none
+  std::string svg{};                ///< file for a picture of the lifts; empty = none
   bool expect_operational = false;  ///< exit code 3 when not all nodes are Operational at the end
   /// With it: by when they have to be; the run ends as soon as they are, unless it has a duration.
   std::optional<can::Duration> operational_within{};

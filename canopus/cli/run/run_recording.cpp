@@ -130,6 +130,14 @@ std::expected<void, std::string> RunRecording::open_vcd(const std::string& path,
   return {};
 }
 
+std::expected<void, std::string> RunRecording::open_svg(const std::string& path, plant::Plant& plant) {
+  if (path.empty()) return {};
+  auto picture = LiftPictureFile::open(path, plant);
+  if (!picture) return std::unexpected(picture.error());
+  picture_ = std::move(*picture);
+  return {};
+}
+
 void RunRecording::set_patience(const OutputQueue::Patience& patience) {
   if (trace_stream_ != nullptr) trace_stream_->set_patience(patience);
   for (const auto& vcd : vcd_) vcd->set_patience(patience);
@@ -143,6 +151,7 @@ std::vector<std::string> RunRecording::close(can::Time now, const OutputQueue::P
     if (!closed) problems.push_back(closed.error());
     if (closed && trace_stream_ != nullptr) problems.push_back(trace_stream_->close(patience));
   }
+  if (picture_) problems.push_back(picture_->close(now));
   std::erase(problems, "");
   return problems;
 }

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "canopus/cli/run/lift_picture.hpp"
 #include "canopus/cli/terminal/output_queue.hpp"
 #include "canopus/link/trace_file.hpp"
 #include "canopus/plant/plant.hpp"
@@ -91,6 +92,8 @@ class RunRecording {
   [[nodiscard]] std::expected<void, std::string> open_trace(const std::string& path, plant::Plant& plant);
   /// The wire of each bus, with several buses in one file each.
   [[nodiscard]] std::expected<void, std::string> open_vcd(const std::string& path, plant::Plant& plant);
+  /// A picture of the lifts, written at the end; no path: none.
+  [[nodiscard]] std::expected<void, std::string> open_svg(const std::string& path, plant::Plant& plant);
   void set_patience(const OutputQueue::Patience& patience);
   /// What went wrong since the start, a sentence each.
   [[nodiscard]] std::vector<std::string> close(can::Time now, const OutputQueue::Patience& patience);
@@ -100,6 +103,7 @@ class RunRecording {
   std::optional<link::TraceFile> trace_;
   std::vector<std::unique_ptr<TraceWriter>> trace_writers_;
   std::vector<std::unique_ptr<VcdFile>> vcd_;
+  std::unique_ptr<LiftPictureFile> picture_;
 };
 
 }  // namespace canopus::cli

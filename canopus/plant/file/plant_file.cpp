@@ -308,6 +308,11 @@ PlantReading read_plant(std::string_view text, std::string path) {
   top.tables("bus", "bus", [&](text::TableReader& table) { plant.buses.push_back(read_bus(table)); });
   top.tables("device", "device",
              [&](text::TableReader& table) { plant.devices.push_back(read_device(table)); });
+  top.tables("lift", "lift", [&](text::TableReader& table) {
+    const std::size_t before = reading.errors.size();
+    LiftSection lift = read_lift(table);
+    if (reading.errors.size() == before) add_lift(plant, std::move(lift));
+  });
   top.tables("plc", "plc", [&](text::TableReader& table) { plant.plcs.push_back(read_plc(table)); });
   top.finish();
   check_references(plant, reading.errors);

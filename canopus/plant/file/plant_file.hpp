@@ -13,6 +13,7 @@
 #include "canopus/link/allow_list.hpp"
 #include "canopus/module/interface/module.hpp"
 #include "canopus/plant/file/download_section.hpp"
+#include "canopus/plant/file/lift_section.hpp"
 #include "canopus/plc/cpu/device.hpp"
 #include "canopus/plc/melsec/port_settings.hpp"
 #include "canopus/plc/modbus/settings.hpp"
@@ -117,6 +118,7 @@ struct DeviceSection {
   std::vector<ScriptSection> scripts{};
   std::vector<PlaybackSection> playbacks{};
   std::optional<DriveSection> drive{};
+  std::optional<LiftUnitSection> lift{};  ///< it is a device of a [[lift]], and has no file
 };
 
 /// A slave of a master module, and the PDOs that connect the two: a device or another module of the plant, or
@@ -252,6 +254,7 @@ struct PlantFile {
   std::vector<BusSection> buses{};
   std::vector<DeviceSection> devices{};
   std::vector<PlcSection> plcs{};
+  std::vector<LiftSection> lifts{};  ///< their devices are among the others, behind them
 };
 
 /// What a port speaks, for people: "MC protocol", "MC protocol 1E UDP".

@@ -29,8 +29,10 @@ class References {
   void check() {
     check_buses();
     for (DeviceSection& device : plant_.devices) {
-      settle(device.bus, device.node, device.place, "device", device.usable);
+      settle(device.bus, device.node, device.place, device.lift ? device.name : "device", device.usable);
+      if (device.lift) plant_.lifts[device.lift->lift].bus = device.bus;
     }
+    check_lifts();
     for (PlcSection& plc : plant_.plcs) check_modules(plc);
     check_names();
     check_masters();
@@ -95,6 +97,18 @@ class References {
     usable = false;
     if (on.nodes > most_nodes + 1) return;  // said once
     error(place, "{}: bus \"{}\" has {} nodes already, as many as there are node-IDs", what, bus, most_nodes);
+  }
+
+  void check_lifts() {
+    std::map<std::pair<std::string_view, unsigned>, std::uint32_t> lines;
+    for (const LiftSection& lift : plant_.lifts) {
+      for (const std::uint8_t number : lift.building.lifts) {
+        const auto [other, is_free] = lines.try_emplace({lift.bus, number}, lift.place.line);
+        if (is_free) continue;
+        error(lift.place, "lift: bus \"{}\" has a lift {} already, in line {}", lift.bus, number,
+              other->second);
+      }
+    }
   }
 
   void check_modules(PlcSection& plc) {

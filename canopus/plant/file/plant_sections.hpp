@@ -45,6 +45,11 @@ void read_place(text::TableReader& table, const plc::CpuModel& cpu, ModuleSectio
 /// [[plc.program]] of a [[plc]].
 [[nodiscard]] std::vector<ProgramSection> read_programs(text::TableReader& table, const plc::CpuModel& cpu);
 
+/// A [[lift]].
+[[nodiscard]] LiftSection read_lift(text::TableReader& table);
+/// Puts a lift without mistakes, and its devices, into the plant.
+void add_lift(PlantFile& plant, LiftSection lift);
+
 /// A [[bus.fault]].
 [[nodiscard]] FaultSection read_fault(text::TableReader& table);
 /// A [[device.script]].

@@ -1,0 +1,42 @@
+#include "canopus/plant/lift_seat.hpp"
+
+#include <utility>
+
+namespace canopus::plant {
+
+LiftSeat::LiftSeat(const LiftSection& section, sim::lift::BuildingSettings settings, can::Timeline& timeline,
+                   PlantObserver& observer)
+    : section_(&section), timeline_(&timeline), observer_(&observer), building_(std::move(settings)) {
+  building_.connect(this, this);
+  timeline.add(building_, "lift on " + section.bus);
+}
+
+void LiftSeat::add_unit(DeviceSeat& seat, can::Timeline::Handle handle) {
+  seat.device().set_application(building_.application(units_.size()));
+  units_.push_back({&seat, handle});
+}
+
+// With a mistake elsewhere a plant may lack devices; it is not started then.
+void LiftSeat::unit_touched(std::size_t unit) {
+  if (unit < units_.size()) timeline_->refresh(units_[unit].handle);
+}
+
+void LiftSeat::unit_plugged(std::size_t unit, bool plugged, can::Time now) {
+  if (plugged) {
+    units_[unit].seat->plug_in(now);
+  } else {
+    units_[unit].seat->unplug();
+  }
+  timeline_->refresh(units_[unit].handle);
+}
+
+void LiftSeat::lift_event(const sim::lift::LiftEvent& event) {
+  observer_->lift_event(section_->bus, event);
+  if (listener_ != nullptr) listener_->lift_event(event);
+}
+
+void LiftSeat::car_moved(std::uint8_t lift, double position, double door, can::Time now) {
+  if (listener_ != nullptr) listener_->car_moved(lift, position, door, now);
+}
+
+}  // namespace canopus::plant
