@@ -19,14 +19,34 @@ class LiftControl {
   LiftControl(Plant& plant, unsigned lifts, std::vector<std::uint32_t> levels, std::uint32_t speed)
       : plant_(plant), levels_(std::move(levels)), speed_(speed), cars_(lifts) {}
 
-  /// One scan of the PLC.
+  /// One scan of the PLC. Without levels nothing is controlled.
   void scan() {
     exchange();
+    if (levels_.empty()) return;
     take_input();
     for (unsigned lift = 0; lift < cars_.size(); ++lift) control(lift);
   }
   void run_until(can::Time end) {
     while (plant_.timeline().now() < end) scan();
+  }
+
+  [[nodiscard]] can::Time now() const { return plant_.timeline().now(); }
+
+  /// By hand.
+  void enable(unsigned lift) {
+    write(13436 + lift, 1);
+    for (const std::uint16_t word : std::array<std::uint16_t, 3>{0x06, 0x07, 0x0F}) command(lift, word);
+  }
+  void command(unsigned lift, std::uint16_t word) {
+    write(13428 + lift, word);
+    for (int i = 0; i < 3; ++i) exchange();
+  }
+  void travel(unsigned lift, std::uint32_t position, std::uint32_t speed) {
+    write_long(13460 + 2 * lift, position);
+    write_long(13476 + 2 * lift, speed);
+    exchange();
+    command(lift, 0x1F);
+    command(lift, 0x0F);
   }
 
   [[nodiscard]] std::uint16_t read(std::uint32_t address) const {

@@ -1,13 +1,16 @@
 // Lifts of a plant and an FX3U-CAN in 417 mode as their controller: both sides together.
 
+#include "plant/lift_run.hpp"
+
+#include <algorithm>
 #include <cstdlib>
+#include <iostream>
 
 #include <fmt/format.h>
 
-#include "canopus/plant/lift_seat.hpp"
+#include "canopus/cli/run/lift_picture.hpp"
 
-#include "plant/lift_control.hpp"
-#include "support/plant_folder.hpp"
+#include "paths.hpp"
 
 namespace canopus::plant {
 namespace {
@@ -15,46 +18,6 @@ namespace {
 using namespace std::chrono_literals;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-constexpr std::string_view controller = R"(
-[[bus]]
-name = "hoist"
-bit_rate = 250_000
-
-[[plc]]
-name = "plc"
-family = "FX3"
-listen = "off"
-
-[[plc.module]]
-model = "FX3U-CAN"
-position = 0
-node = 1
-buffer = { G21 = 417, G26 = 0 }
-[plc.module.objects]
-"1F80:00" = 0x03
-"6001:00" = 0x03
-"1902:01" = 0x40000182
-"1904:01" = 0x40000180
-"1908:01" = 0x40000200
-"1912:01" = 0x40000192
-"1914:01" = 0x40000190
-"1918:01" = 0x40000210
-
-)";
-
-class LiftRun : public support::PlantFolder, public PlantObserver {
- protected:
-  void start(std::string_view lift) {
-    plant_ = support::PlantFolder::load(std::string(controller) + std::string(lift), *this);
-    ASSERT_NE(plant_, nullptr);
-    plant_->power_on();
-  }
-  [[nodiscard]] const sim::lift::Building& building() { return plant_->lift(0).building(); }
-  [[nodiscard]] sim::lift::LiftReport report() { return building().report(); }
-
-  std::unique_ptr<Plant> plant_;
-};
 
 std::string one_lift(unsigned seed, std::string_view more = "") {
   return fmt::format(
@@ -64,7 +27,7 @@ std::string one_lift(unsigned seed, std::string_view more = "") {
 }
 
 TEST_F(LiftRun, Check_NamesItsDevices_AndHasNothingToSay) {
-  EXPECT_THAT(check(std::string(controller) + one_lift(1)), IsEmpty());
+  EXPECT_THAT(check(std::string(lift_controller) + one_lift(1)), IsEmpty());
   EXPECT_THAT(summary_, HasSubstr("lift 1 on hoist: 5 floors, 15 passengers\n  node 2: lift 1 floor 1\n"));
   EXPECT_THAT(summary_, HasSubstr("  node 11: lift 1 door 1\n"));
 }
@@ -80,6 +43,127 @@ TEST_F(LiftRun, EverybodyArrives_WithOneLift) {
     EXPECT_GT(end.cars[0].starts, 5U);
     EXPECT_GT(end.cars[0].door_cycles, 5U);
   }
+}
+
+// Two lifts in eight floors share their hall calls. CANOPUS_SEEDS: how many seeds; CANOPUS_WRITE_EXAMPLES: the picture of
+// docs/lift.md is that of seed 1.
+TEST_F(LiftRun, EverybodyArrives_WithTwoLifts_FromEverySeed) {
+  const char* wanted = std::getenv("CANOPUS_SEEDS");
+  const unsigned seeds = wanted != nullptr ? static_cast<unsigned>(std::stoul(wanted)) : 10;
+  can::Duration longest{};
+  std::uint32_t overloads = 0, reversals = 0;
+  for (unsigned seed = 1; seed <= seeds; ++seed) {
+    start(fmt::format(R"([[lift]]
+number = [1, 2]
+floors = 8
+floor_height = 3.2
+speed = 1.6
+[lift.doors]
+close_time = "2.5s"
+[lift.passengers]
+count = 40
+from = "10s"
+until = "8min"
+seed = {}
+)",
+                      seed));
+    std::unique_ptr<cli::LiftPictureFile> picture;
+    if (seed == 1 && std::getenv("CANOPUS_WRITE_EXAMPLES") != nullptr)
+      picture = cli::LiftPictureFile::open(CANOPUS_SOURCE_DIR "/docs/lift.svg", *plant_).value();
+    std::vector<std::uint32_t> levels;
+    for (std::uint32_t floor = 0; floor < 8; ++floor) levels.push_back(3200 * floor);
+    LiftControl control(*plant_, 2, levels, 1600);
+    while (plant_->timeline().now() < can::Time{20min} && report().arrived < 40) control.scan();
+    const sim::lift::LiftReport end = report();
+    ASSERT_EQ(end.arrived, 40U) << "seed " << seed;
+    ASSERT_EQ(end.unsafe(), 0U) << "seed " << seed;
+    ASSERT_LT(end.longest_waiting, 5min) << "seed " << seed;
+    longest = std::max(longest, end.longest_waiting);
+    for (const sim::lift::CarCounts& car : end.cars) {
+      EXPECT_GT(car.starts, 0U) << "seed " << seed;
+      overloads += car.overloads;
+      reversals += car.reversals;
+    }
+    if (picture) {
+      EXPECT_EQ(picture->close(plant_->timeline().now()), "");
+    }
+  }
+  std::cout << seeds << " seeds, longest waiting " << longest / 1s << " s, " << reversals << " reversals, "
+            << overloads << " overloads\n";
+}
+
+// Rush hour in a small car: some have to step back out of it, and no overloaded car moves.
+TEST_F(LiftRun, AnOverloadedCar_WaitsUntilTheLastOnesHaveLeft) {
+  start(R"([[lift]]
+floors = 4
+rated_load = 200
+[lift.passengers]
+count = 30
+from = "8s"
+until = "40s"
+main_floor = 1
+seed = 3
+)");
+  LiftControl control(*plant_, 1, {0, 3000, 6000, 9000}, 1000);
+  while (plant_->timeline().now() < can::Time{30min} && report().arrived < 30) control.scan();
+  EXPECT_EQ(report().arrived, 30U);
+  EXPECT_GT(report().cars[0].overloads, 3U);
+  EXPECT_EQ(report().unsafe(), 0U);
+}
+
+// A floor on the other side of the car.
+TEST_F(LiftRun, DoorAtAWall_AndTravelWithOpenDoor_AreUnsafe) {
+  start("[[lift]]\nfloors = [0, 3, 6.5]\n[lift.doors]\nrear_floors = [1]\n");
+  LiftControl control(*plant_, 1, {}, 0);
+  control.run_until(can::Time{10s});
+  control.write(13050, 0x4FFF);  // door 1; floor 1 is reached by door 2
+  control.run_until(can::Time{13s});
+  EXPECT_EQ(control.read(12050), 0x3000);
+  EXPECT_EQ(report().cars[0].door_open_between_floors, 1U);
+  control.write(13050, 0x1FFF);
+  control.run_until(can::Time{17s});
+  EXPECT_EQ(control.read(12050), 0x0011);
+  control.write(13051, 0x4FFF);
+  control.run_until(can::Time{20s});
+  EXPECT_EQ(control.read(12051), 0x3000);
+  EXPECT_EQ(control.read(12083), 900);
+  EXPECT_EQ(report().unsafe(), 1U);
+  // It goes all the same: the safety circuit brakes it, and the drive is in the state Fault.
+  control.enable(0);
+  control.travel(0, 6500, 1000);
+  control.run_until(control.now() + 4s);
+  EXPECT_EQ(report().cars[0].door_open_while_moving, 1U);
+  EXPECT_EQ(control.read(12428) & 0x4F, 0x08);
+  EXPECT_LT(control.read(12300), 400);
+  EXPECT_EQ(control.read(12492), 0);
+}
+
+// Behind the older numbers are the same words.
+TEST_F(LiftRun, TravelInBothModes) {
+  start("[[lift]]\nfloors = 8\nspeed = 2.5\nacceleration = 1\njerk = 1.5\n");
+  LiftControl control(*plant_, 1, {}, 0);
+  control.run_until(can::Time{10s});
+  EXPECT_EQ(control.read(12428), 0x0240);
+  EXPECT_EQ(control.read(12300), 0);
+  EXPECT_EQ(control.read(12508), 0);
+  EXPECT_EQ(control.read(12524), 1);
+  control.enable(0);
+  control.travel(0, 21'000, 2500);
+  control.run_until(control.now() + 3s);
+  EXPECT_GT(control.read(12492), 1000);
+  EXPECT_NE(control.read(12444), 0);
+  control.run_until(control.now() + 15s);
+  EXPECT_EQ(control.read(12428) & 0x1400, 0x0400);
+  EXPECT_EQ(control.read(12300), 21'000);
+  EXPECT_EQ(control.read(3300), 21'000);
+  EXPECT_EQ(control.read(12492), 0);
+  control.write(13436, 3);
+  control.write_long(13492, static_cast<std::uint32_t>(-500));
+  control.run_until(control.now() + 4s);
+  EXPECT_EQ(control.read(12436), 3);
+  EXPECT_EQ(control.read(12492), 0xFE0C);
+  EXPECT_EQ(control.read(12493), 0xFFFF);
+  EXPECT_LT(control.read(12300), 20'500);
 }
 
 }  // namespace

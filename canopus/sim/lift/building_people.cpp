@@ -77,14 +77,13 @@ void Building::board_and_leave(std::size_t number, can::Time now) {
   if (car.transfer && car.transfer->end <= now) end_transfer(number, now);
   if (car.transfer) return;
   const auto floor = floor_of(car, now);
-  if (!floor || !car.doors[settings_.floor_doors[*floor - 1U]].is_passable()) {
-    // Whoever stepped back out of it presses again when it has gone.
-    for (std::size_t i = present_; i < coming_; ++i) {
-      if (passengers_[i].state == Passenger::State::waiting && passengers_[i].car == number)
-        passengers_[i].steps_back = false;
-    }
-    return;
+  // Whoever stepped back out of it presses again when it has gone.
+  for (std::size_t i = present_; i < coming_; ++i) {
+    Passenger& passenger = passengers_[i];
+    if (passenger.state == Passenger::State::waiting && passenger.car == number && floor != passenger.from)
+      passenger.steps_back = false;
   }
+  if (!floor || !car.doors[settings_.floor_doors[*floor - 1U]].is_passable()) return;
   const auto pass = [&](std::size_t index, bool enters) {
     car.transfer =
         Transfer{index, enters, now + transfer_time + (enters ? passengers_[index].holds : can::Duration{})};
