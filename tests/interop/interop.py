@@ -19,6 +19,7 @@ import bus_checks  # noqa: F401  (registers its checks)
 import docs_checks  # noqa: F401
 import foreign_stack_checks  # noqa: F401
 import fx3u_can_checks  # noqa: F401
+import lift_checks  # noqa: F401
 import many_clients_checks  # noqa: F401
 import module_checks  # noqa: F401
 import output_checks  # noqa: F401

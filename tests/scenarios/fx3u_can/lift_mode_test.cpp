@@ -220,6 +220,9 @@ TEST(FxLiftMode, Exchange_AsItsBitsSay) {
   // While bit 0 is 1, writes are ignored.
   s.write(13001, 1).write(20, 1).expect(20, 0x0101).write(20, 0x0200).expect(20, 0x0101);
   s.advance(1ms).expect(20, 0).ignore_tx();
+  // What is sent is what stood there at the request.
+  s.write(13001, {0x0102, 0x0401, 0x8101}).write(20, 1).write(13001, 0x0103).advance(1ms);
+  s.tx(0x400, {2, 1, 1, 4, 1, 0x81}).no_tx().exchange(0x0100).tx(0x400, {3, 1, 1, 4, 1, 0x81});
 }
 
 // T417-19
