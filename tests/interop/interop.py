@@ -15,7 +15,8 @@ import sys
 import time
 import xml.etree.ElementTree as ET
 
-import bus_checks  # noqa: F401  (registers its checks)
+import as_fcopm_checks  # noqa: F401  (registers its checks)
+import bus_checks  # noqa: F401
 import docs_checks  # noqa: F401
 import foreign_stack_checks  # noqa: F401
 import fx3u_can_checks  # noqa: F401
