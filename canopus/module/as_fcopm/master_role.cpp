@@ -151,13 +151,13 @@ can::Time MasterRole::deadline() const noexcept {
 // --- process data
 
 // [10.6] RxPDOs of type 0, 254 and 255 go out when their data have changed, to a slave that is Operational; the others
-// with the SYNC, by themselves. A slave that was booted has zeros.
+// with the SYNC, by themselves. A slave that was booted has zeros; one that is started again gets its values once more.
 void MasterRole::send_changes(can::Time now) {
   canopen::ObjectDictionary& objects = node_.dictionary();
   for (std::size_t number = 0; number < sent_.size(); ++number) {
     Sent& pdo = sent_[number];
     const auto bytes = bytes_of(pdo.place, outputs_);
-    if (bytes == pdo.there) continue;
+    if (bytes == pdo.there && !pdo.is_due) continue;
     const auto index = static_cast<std::uint16_t>(sent_bytes_index + number);
     for (std::uint8_t i = 0; i < pdo.place.bytes; ++i)
       objects.set(index, static_cast<std::uint8_t>(i + 1), bytes[i]);
@@ -166,6 +166,8 @@ void MasterRole::send_changes(can::Time now) {
     } else if (operates(pdo.place.node_id)) {
       if (node_.tpdo_event(static_cast<std::uint16_t>(number), now)) {
         pdo.there = bytes;
+        pdo.was_sent = true;
+        pdo.is_due = false;
       } else {
         next_scan_ = std::min(next_scan_, can::later(now, send_again));
       }
@@ -246,6 +248,9 @@ void MasterRole::node_state_changed(std::uint8_t node_id, std::uint8_t state, ca
   if (state != manager::node_state::operational) return end_watch(node_id);
   for (Received& pdo : received_)
     if (pdo.place.node_id == node_id) watch(pdo, now);
+  // A watched slave is known to be Stopped only by its next heartbeat: what was sent meanwhile did not reach it.
+  for (Sent& pdo : sent_)
+    if (pdo.place.node_id == node_id) pdo.is_due = pdo.was_sent;
   next_scan_ = std::min(next_scan_, can::later(now, scan));
 }
 
@@ -271,7 +276,7 @@ void MasterRole::boot_went_on(std::uint8_t node_id, const manager::BootRecord& r
                                    NodeCode::not_there, NodeCode::error_control})
         states_.set(node_id, cause, false);
       for (Sent& pdo : sent_)
-        if (pdo.place.node_id == node_id) pdo.there = {};
+        if (pdo.place.node_id == node_id) pdo = {.place = pdo.place};
       next_scan_ = std::min(next_scan_, can::later(now, scan));
       break;
     case identity: states_.set(node_id, NodeCode::not_there, false); break;

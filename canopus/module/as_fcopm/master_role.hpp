@@ -52,6 +52,8 @@ class MasterRole final : public Role,
   struct Sent {
     PdoPlace place;
     std::array<std::uint8_t, 8> there{};  // what the slave has
+    bool was_sent = false;                // since the slave was booted
+    bool is_due = false;                  // the slave may have missed it
   };
 
   // NodeListener

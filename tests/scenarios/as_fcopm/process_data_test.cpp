@@ -161,6 +161,27 @@ TEST_F(FcopmProcessData, ASlaveThatRestartsGetsItsValuesAgain) {
   EXPECT_TRUE(sent(0x303).empty()) << "zeros are what it has";
 }
 
+TEST_F(FcopmProcessData, WhatAWatchedSlaveMissedWhileItWasStopped_ComesWithItsStart) {
+  RecordProperty("spec", "ASF-PDO-005 ASF-PDO-009");
+  for (const std::uint16_t value : std::vector<std::uint16_t>{7, 0}) {
+    FcopmCard other;
+    auto& slave = other.list(3);
+    slave.rx_pdos = {fcopm_pdo(1, 255, {16}), fcopm_pdo(2, 255, {16})};
+    slave.heartbeat = 200;
+    slave.heartbeat_time_out = 500;
+    other.start();
+    other.set_d(25032, 5);
+    other.run(100ms);
+    other.ask({0x0101, 4, 0x0303, 2, 3});
+    other.set_d(25032, value);  // the next heartbeat is still to come
+    other.run(1s);
+    other.forget();
+    other.ask({0x0201, 4, 0x0303, 1, 3}, 300ms);
+    EXPECT_EQ(other.sent(0x203), (std::vector<Bytes>{{static_cast<std::uint8_t>(value), 0}}));
+    EXPECT_TRUE(other.sent(0x303).empty()) << "never written";
+  }
+}
+
 TEST_F(FcopmProcessData, EachPdoBeginsWithAWord_InTheOrderOfTheNodeList) {
   RecordProperty("spec", "ASF-PDO-016 ASF-GEN-009 ASF-PDO-010");
   auto& second = list(20);
