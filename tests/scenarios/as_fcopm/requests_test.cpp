@@ -110,10 +110,15 @@ TEST_F(FcopmRequests, A06_AnAbortIsAnErrorMessageOfTheSlave) {
 }
 
 TEST_F(FcopmRequests, A07_ASilentNodeTimesOut) {
-  RecordProperty("spec", "ASF-REQ-012 ASF-REQ-011");
+  RecordProperty("spec", "ASF-REQ-012 ASF-REQ-011 ASF-SDO-001");
   ask({0x0701, 4, 0x0109, 0x2009, 0});  // nobody is node 9
   EXPECT_EQ(d(24000), 0x0702U);
-  run(10s);
+  run(490ms);
+  EXPECT_EQ(d(24000), 0x0702U);
+  run(20ms);
+  const auto requests = sent(0x609);
+  ASSERT_EQ(requests.size(), 2U);
+  EXPECT_EQ(requests[1], (Bytes{0x80, 0x09, 0x20, 0x00, 0x00, 0x00, 0x04, 0x05})) << "the master stops it";
   EXPECT_EQ(response(7), (Words{0x0703, 0, 0x0009, 0, 0, 0, 0}));
 }
 

@@ -85,9 +85,16 @@ TEST_F(FcopmAsSlave, EachStateHasItsServices) {
   receive(0x000, {0x02, 0x05});
   EXPECT_TRUE(upload(0x1000, 0).empty()) << "Stopped";
   receive(0x205, {9, 0, 9, 0, 9, 0, 9, 0});
+  card.cpu_failed(now);
   run(1s);
   EXPECT_EQ(d(24032), 1U);
-  EXPECT_TRUE(frames.empty());
+  EXPECT_TRUE(frames.empty()) << "no emergency message either";
+  card.cpu_changed(module::CpuState::run, now);
+  receive(0x000, {0x80, 0x05});
+  forget();
+  card.cpu_failed(now);
+  settle_now();
+  EXPECT_EQ(sent(0x085).size(), 1U) << "Pre-operational";
 }
 
 TEST_F(FcopmAsSlave, F04_WordsAndPdosByDefault) {
