@@ -114,7 +114,8 @@ ModuleStatus ModuleSeat::module_status(can::Time now) const {
 
 std::optional<ModuleTrouble> ModuleSeat::trouble(can::Time now) const {
   std::string text = exchange_watch_.trouble(now);
-  if (rack_.cpu_state() == module::CpuState::stop && status_.is_on) {
+  const bool works_by_registers = module_->registers() != nullptr;  // whatever the CPU does
+  if (rack_.cpu_state() == module::CpuState::stop && status_.is_on && !works_by_registers) {
     text = "no process data are exchanged: the CPU is in STOP";
   } else if (rack_.is_paused() && section_.exchange) {
     text = "the built-in PLC program stands still: the CPU is in PAUSE";

@@ -90,6 +90,12 @@ TEST_F(AsFcopmPlant, TheNodeListIsDownloaded_AndTheSlaveDriven) {
   EXPECT_EQ(word(plc::Device::d, 24000), 0x0101U);
   EXPECT_EQ(word(plc::Device::d, 24002), 0x4303U);
   EXPECT_EQ(word(plc::Device::d, 24005), 2000U) << "the auto SDO";
+  // STOP changes nothing for it.
+  plant_->rack(0).set_cpu_state(module::CpuState::stop, plant_->timeline().now());
+  write_d(25033, {0x0042});
+  run(200ms);
+  EXPECT_EQ(word(plc::Device::d, 24033), 0x0042U);
+  EXPECT_THAT(plant_->troubles(), IsEmpty());
 }
 
 TEST_F(AsFcopmPlant, TheRestOfTheRegistersIsTheCpus) {

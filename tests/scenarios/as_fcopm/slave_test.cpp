@@ -184,6 +184,10 @@ TEST_F(FcopmAsSlave, TxPdosOfTypes254And255) {
     other.set_d(25036, 3);  // not mapped
     other.run(1s);
     EXPECT_EQ(other.sent(0x185), (std::vector<Bytes>{{0, 0, 3, 0, 0, 0, 0, 0}}));
+    for (const std::uint8_t command : std::vector<std::uint8_t>{0x80, 0x01})
+      other.receive(0x000, {command, 0x05});
+    other.run(1s);
+    EXPECT_EQ(other.sent(0x185).size(), 2U) << "it begins with zeros each time";
   }
   // With an event timer it alone sends.
   start_operational();
