@@ -1,4 +1,4 @@
-// Faults of lifts, and what the words of an FX3U-CAN show of them [FX3U-CAN 5.10.5, 5.10.6, 5.10.12, 8.6, 8.7, 6.12, 6.13].
+// Faults of lifts, and what the words of an FX3U-CAN show of them [FX3U-CAN 5.10.5, 5.10.6, 5.10.12, 6.24, 8.6, 8.7].
 
 #include <algorithm>
 #include <optional>
@@ -147,19 +147,30 @@ TEST_F(LiftFaults, Overload) {
   EXPECT_EQ(word(12524), 0x0001);
 }
 
-// The hall panel of floor 2 is node 3.
-TEST_F(LiftFaults, PanelUnplugged) {
-  start_with("panel unplugged", "floor = 2\n");
-  const auto state = [&] {
+// The hall panel of floor 2 is node 3, whose heartbeat the module consumes here.
+TEST_F(LiftFaults, PanelUnplugged_ItsHeartbeatIsMissing) {
+  start(
+      "\"1016:01\" = 0x000307D0\n[[lift]]\nfloors = 5\n[[lift.fault]]\nkind = \"panel unplugged\"\nfloor = "
+      "2\n"
+      "at = \"20s\"\nfor = \"10s\"\n");
+  control_.emplace(*plant_, 1, std::vector<std::uint32_t>{}, 0);
+  plant_->timeline().run_until(can::Time{10s});  // no words while the module starts
+  until(19s);
+  const auto is_on = [&] {
     const std::vector<NodeStatus> nodes = plant_->nodes();
     return std::ranges::find_if(nodes, [](const NodeStatus& node) { return node.label.node_id == 3; })->is_on;
   };
-  EXPECT_TRUE(state());
+  EXPECT_TRUE(is_on());
   EXPECT_EQ(word(603), 5);
+  EXPECT_EQ(word(901), 0x0002);  // by heartbeat
+  EXPECT_EQ(word(29), 0);
   until(25s);
-  EXPECT_FALSE(state());
+  EXPECT_FALSE(is_on());
+  EXPECT_EQ(word(901) & 0x0080, 0x0080);  // missing
+  EXPECT_EQ(word(29), 0x0401);
   until(35s);
-  EXPECT_TRUE(state());
+  EXPECT_TRUE(is_on());
+  EXPECT_EQ(word(603), 127);  // Pre-operational: somebody has to start it
 }
 
 TEST_F(LiftFaults, PlantFile_NamesEachMistake) {
@@ -206,11 +217,11 @@ number = 2
 TEST_F(LiftFaults, TwoLifts_NeedNumbersAndNodesOfTheirOwn) {
   const auto lines =
       check(std::string(lift_controller) + "[[lift]]\nfloors = 2\n[[lift]]\nfloors = 2\nfirst_node = 20\n");
-  EXPECT_THAT(lines, ElementsAre(HasSubstr("lift: bus \"hoist\" has a lift 1 already, in line 26")));
+  EXPECT_THAT(lines, ElementsAre(HasSubstr("lift: bus \"hoist\" has a lift 1 already, in line 25")));
   const auto nodes = check(std::string(lift_controller) +
                            "[[lift]]\nfloors = 2\n[[lift]]\nnumber = 2\nfloors = 2\nfirst_node = 8\n");
   EXPECT_THAT(nodes,
-              ElementsAre(HasSubstr("lift 2 floor 1: node 8 of bus \"hoist\" is taken already, in line 26")));
+              ElementsAre(HasSubstr("lift 2 floor 1: node 8 of bus \"hoist\" is taken already, in line 25")));
 }
 
 }  // namespace

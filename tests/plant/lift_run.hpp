@@ -37,7 +37,6 @@ buffer = { G21 = 417, G26 = 0 }
 "1912:01" = 0x40000192
 "1914:01" = 0x40000190
 "1918:01" = 0x40000210
-
 )";
 
 class LiftRun : public support::PlantFolder, public PlantObserver {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <fstream>
 #include <iostream>
 
 #include <fmt/format.h>
@@ -164,6 +165,33 @@ TEST_F(LiftRun, TravelInBothModes) {
   EXPECT_EQ(control.read(12492), 0xFE0C);
   EXPECT_EQ(control.read(12493), 0xFFFF);
   EXPECT_LT(control.read(12300), 20'500);
+}
+
+TEST_F(LiftRun, Picture) {
+  start(one_lift(2, "[[lift.fault]]\nkind = \"light barrier blocked\"\nat = \"70s\"\nfor = \"5s\"\n"));
+  const std::string path = (folder_ / "lift.svg").string();
+  auto picture = cli::LiftPictureFile::open(path, *plant_);
+  ASSERT_TRUE(picture);
+  LiftControl control(*plant_, 1, {0, 3000, 6000, 9000, 12000}, 1600);
+  control.run_until(can::Time{2min});
+  EXPECT_EQ((*picture)->close(control.now()), "");
+  std::ifstream file(path);
+  const std::string svg((std::istreambuf_iterator<char>(file)), {});
+  EXPECT_THAT(svg, ::testing::StartsWith("<svg xmlns="));
+  EXPECT_THAT(svg, ::testing::EndsWith("</svg>\n"));
+  EXPECT_THAT(svg, HasSubstr(">hoist lift 1</text>"));
+  EXPECT_THAT(svg, HasSubstr("<polyline class=\"car\" points=\"70.0,"));
+  EXPECT_THAT(svg, HasSubstr("<path class=\"door\""));
+  EXPECT_THAT(svg, HasSubstr("<path class=\"hallcall\""));
+  EXPECT_THAT(svg, HasSubstr("<circle class=\"carmark\""));
+  EXPECT_THAT(svg, HasSubstr(">light barrier blocked</text>"));
+  EXPECT_THAT(svg, HasSubstr(">2 min</text>"));
+  // Not without a lift, nor where nobody may write.
+  EXPECT_THAT(cli::LiftPictureFile::open("/nowhere/lift.svg", *plant_).error(),
+              HasSubstr("cannot write /nowhere/lift.svg"));
+  start("");
+  EXPECT_EQ(cli::LiftPictureFile::open(path, *plant_).error(),
+            "--svg: the plant has no [[lift]] to be drawn");
 }
 
 }  // namespace

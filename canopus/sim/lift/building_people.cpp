@@ -118,7 +118,8 @@ void Building::press_buttons(std::size_t index, can::Time now) {
   if (passenger.next_press > now) return;
   if (passenger.state == Passenger::State::riding) {
     const Car& car = cars_[passenger.car];
-    if (floor_of(car, now) == passenger.to) return;
+    const DoorUnit& door = car.doors[settings_.floor_doors[passenger.to - 1U]];
+    if (floor_of(car, now) == passenger.to && (door.is_passable() || door.moves())) return;
     Panel& panel = panels_[panel_number(0, passenger.car)];
     if (!panel.is_lit(passenger.to)) panel.press(car_call, passenger.to, now);
     passenger.next_press = now + patience;
