@@ -11,8 +11,6 @@
 
 #include "canopus/cli/run/lift_picture.hpp"
 
-#include "paths.hpp"
-
 namespace canopus::plant {
 namespace {
 
@@ -46,8 +44,7 @@ TEST_F(LiftRun, EverybodyArrives_WithOneLift) {
   }
 }
 
-// Two lifts in eight floors share their hall calls. CANOPUS_SEEDS: how many seeds; CANOPUS_WRITE_EXAMPLES: the picture of
-// docs/lift.md is that of seed 1.
+// Two lifts in eight floors share their hall calls. CANOPUS_SEEDS: how many seeds.
 TEST_F(LiftRun, EverybodyArrives_WithTwoLifts_FromEverySeed) {
   const char* wanted = std::getenv("CANOPUS_SEEDS");
   const unsigned seeds = wanted != nullptr ? static_cast<unsigned>(std::stoul(wanted)) : 10;
@@ -68,9 +65,6 @@ until = "8min"
 seed = {}
 )",
                       seed));
-    std::unique_ptr<cli::LiftPictureFile> picture;
-    if (seed == 1 && std::getenv("CANOPUS_WRITE_EXAMPLES") != nullptr)
-      picture = cli::LiftPictureFile::open(CANOPUS_SOURCE_DIR "/docs/lift.svg", *plant_).value();
     std::vector<std::uint32_t> levels;
     for (std::uint32_t floor = 0; floor < 8; ++floor) levels.push_back(3200 * floor);
     LiftControl control(*plant_, 2, levels, 1600);
@@ -84,9 +78,6 @@ seed = {}
       EXPECT_GT(car.starts, 0U) << "seed " << seed;
       overloads += car.overloads;
       reversals += car.reversals;
-    }
-    if (picture) {
-      EXPECT_EQ(picture->close(plant_->timeline().now()), "");
     }
   }
   std::cout << seeds << " seeds, longest waiting " << longest / 1s << " s, " << reversals << " reversals, "
