@@ -198,12 +198,17 @@ class LiftControl {
         answered(car, lift);
         command_door(0xFFFF);
         if (blocked || overload) car.until = now + 1500ms;
-        if (now >= car.until) car.step = Step::closing;
+        if (now >= car.until) {
+          car.step = Step::closing;
+          car.until = now + 1s;
+        }
         break;
       case Step::closing:
         command_door(0x1FFF);
         if (door <= 1) car.step = Step::standing;
-        if (door == 6 || overload || car.hall[0].contains(car.floor) || car.hall[1].contains(car.floor)) {
+        // Reopened, perhaps so soon that no status said it.
+        if (door == 6 || ((door == 3 || door == 4) && now >= car.until) || overload ||
+            car.hall[0].contains(car.floor) || car.hall[1].contains(car.floor)) {
           command_door(0xFFFF);
           car.step = Step::opening;
         }
