@@ -210,8 +210,9 @@ TEST(ModuleInfo, UnknownModel_NamesThoseThereAre) {
   EXPECT_EQ(err.text(), "canopus: me3can2-q: no such module; did you mean \"ME3CAN1-Q\"?\n");
   err.clear();
   EXPECT_EQ(module_eds_file("nothing", "", out, err), 2);
-  EXPECT_EQ(err.text(),
-            "canopus: nothing: no such module; expected ME3CAN1-Q, RJ71CN91, FX3U-CAN, FX2N-32CAN or AS-FCOPM\n");
+  EXPECT_EQ(
+      err.text(),
+      "canopus: nothing: no such module; expected ME3CAN1-Q, RJ71CN91, FX3U-CAN, FX2N-32CAN or AS-FCOPM\n");
   EXPECT_EQ(out.text(), "");
 }
 

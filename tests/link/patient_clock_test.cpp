@@ -35,7 +35,8 @@ RC_GTEST_PROP(PatientClock, NeverGoesBackAndNeverAhead, ()) {
   clock.start(0s);
   can::Duration real{0};
   can::Duration counted{0};
-  for (const auto step : *rc::gen::container<std::vector<std::uint16_t>>(rc::gen::arbitrary<std::uint16_t>())) {
+  for (const auto step :
+       *rc::gen::container<std::vector<std::uint16_t>>(rc::gen::arbitrary<std::uint16_t>())) {
     real += std::chrono::microseconds(step);
     const can::Duration now = clock.at(real);
     RC_ASSERT(now >= counted);

@@ -76,8 +76,8 @@ bool Scan::once_more(std::optional<LssResult> result, std::string_view what) {
   if (result != LssResult::lost || attempts_ == most_attempts) return false;
   ++attempts_;
   on_bus_.set_time_out(2 * on_bus_.time_out());
-  print_error("canopus: {}: an answer came too late; again from the start, with {:g} ms for each answer", what,
-              std::chrono::duration<double, std::milli>(on_bus_.time_out()).count());
+  print_error("canopus: {}: an answer came too late; again from the start, with {:g} ms for each answer",
+              what, std::chrono::duration<double, std::milli>(on_bus_.time_out()).count());
   all_to_waiting(on_bus_);
   return true;
 }

@@ -70,10 +70,10 @@ struct PlaybackSection {
 /// The drive that a device is: [device.drive].
 struct DriveSection {
   text::Place place{};
-  double start = 0;                     ///< where its axis stands
-  std::optional<double> low_switch{};   ///< where its limit switches act; none: it has none
+  double start = 0;                    ///< where its axis stands
+  std::optional<double> low_switch{};  ///< where its limit switches act; none: it has none
   std::optional<double> high_switch{};
-  double revolution = 10'000;           ///< between two index pulses
+  double revolution = 10'000;  ///< between two index pulses
   struct Fault {
     can::Duration at{};
     std::uint16_t code = 0;  ///< of 603FH and EMCY

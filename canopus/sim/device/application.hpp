@@ -16,8 +16,8 @@ class DeviceApplication {
  public:
   virtual ~DeviceApplication() = default;
 
-  /// It puts this object: no behaviour and no file may move it.
-  [[nodiscard]] virtual bool puts(std::uint16_t /*index*/, std::uint8_t /*sub*/) const noexcept {
+  /// It alone puts this object: no behaviour and no file may move it.
+  [[nodiscard]] virtual bool owns(std::uint16_t /*index*/, std::uint8_t /*sub*/) const noexcept {
     return false;
   }
 

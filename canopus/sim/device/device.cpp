@@ -47,7 +47,8 @@ std::optional<std::string> Device::add_behaviour(const Behaviour& behaviour) {
       return eds::object_name(behaviour.index, behaviour.sub) + " is played back from a file already";
   }
   const std::string shown = eds::object_name(behaviour.index, behaviour.sub);
-  if (application_ && application_->puts(behaviour.index, behaviour.sub)) return shown + " is moved by the device itself";
+  if (application_ && application_->owns(behaviour.index, behaviour.sub))
+    return shown + " is moved by the device itself";
   switch (behaviour.kind) {
     case Behaviour::Kind::echo:
       if (auto problem = find(behaviour.source_index, behaviour.source_sub, motion.source)) return problem;
@@ -106,7 +107,8 @@ std::optional<std::string> Device::add_playback(Playback playback) {
     const std::string shown = eds::object_name(entry.index, entry.sub);
     if (const auto value = process_value(entry.index, entry.sub); !value) return value.error();
     if (moves(entry)) return shown + " moves already, by a behaviour or another file";
-    if (application_ && application_->puts(entry.index, entry.sub)) return shown + " is moved by the device itself";
+    if (application_ && application_->owns(entry.index, entry.sub))
+      return shown + " is moved by the device itself";
   }
   playbacks_.push_back(std::move(playback));
   return std::nullopt;

@@ -57,7 +57,7 @@ class Device final : public can::Participant, private canopen::NodeListener {
   /// To be called before power_on(); the entries are those of process_value().
   void add_script_step(const ScriptStep& step) { script_.add(step); }
 
-  /// What the device does, too. To be called once, before what it puts is given another motion, and before power_on().
+  /// What the device does, too. To be called once, before what it owns is given another motion, and before power_on().
   void set_application(std::unique_ptr<DeviceApplication> application) noexcept {
     application_ = std::move(application);
   }

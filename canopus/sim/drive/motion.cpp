@@ -51,8 +51,7 @@ void Motion::finish(double position) noexcept {
   double seconds = 0;
   for (std::size_t i = 0; i < count_; ++i) seconds += stretches_[i].seconds;
   // More than a hundred years are for ever.
-  end_ = seconds < 3e9 ? can::later(start_, can::Duration(std::llround(seconds * nanoseconds)))
-                       : can::never;
+  end_ = seconds < 3e9 ? can::later(start_, can::Duration(std::llround(seconds * nanoseconds))) : can::never;
 }
 
 void Motion::move_to(double target, const MotionLimits& limits, can::Time now) noexcept {

@@ -81,7 +81,7 @@ Servo::Servo(const Objects& objects, ServoSettings settings)
   motion_.stand(settings_.start);
 }
 
-bool Servo::puts(std::uint16_t index, std::uint8_t sub) const noexcept {
+bool Servo::owns(std::uint16_t index, std::uint8_t sub) const noexcept {
   const std::array shown{objects_.error_code,      objects_.statusword,      objects_.mode_display,
                          objects_.position_demand, objects_.position_actual, objects_.velocity_demand,
                          objects_.velocity_actual, objects_.torque_actual,   objects_.digital_inputs};

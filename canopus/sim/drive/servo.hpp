@@ -42,7 +42,7 @@ class Servo final : public DeviceApplication {
       const canopen::DictionaryDescription& description, ServoSettings settings);
 
   // DeviceApplication
-  [[nodiscard]] bool puts(std::uint16_t index, std::uint8_t sub) const noexcept override;
+  [[nodiscard]] bool owns(std::uint16_t index, std::uint8_t sub) const noexcept override;
   void start(Device& device, can::Time now) override;
   bool act(Device& device, can::Time now) override;
   [[nodiscard]] can::Time deadline() const noexcept override;
