@@ -1,10 +1,12 @@
 """Checks of the FX3U-CAN: a stack that is not ours as its master, tshark, 1E frames, and the example a user copies from."""
+import json
 import socket
 import struct
 import sys
 import time
 
-from kit import (HERE, PATIENCE, ROOT, check, command, covers, host_port, node_modules, program, require, running, scratch,
+from bus_checks import on_bus
+from kit import (HERE, PATIENCE, ROOT, check, command, covers, host_port, node_modules, program, require, running, scratch, silence,
                  talking, tshark_agrees, until)
 from module_checks import Plc, example_plant, in_order, recorded
 
@@ -188,6 +190,19 @@ def example_program_of_the_fx3u_can_does_what_the_function_blocks_do():
         (0x603, "2B 17 10 00 00 00 00 00"), (0x081, "03 8F 11 00 00 00 00 00")])  # heartbeat lost
     outputs = [data[0] for identifier, data in frames if identifier == 0x203]
     require(outputs == list(range(0x80, 0xA8)), f"TPDO1 carried {outputs}")
+
+
+@check
+@covers("FX3U-TOOL-006")
+def scan_finds_an_fx3u_can_as_the_configuration_tool_does():
+    """15.3.1: all node-IDs, from one on, or a range; node-ID and product name."""
+    with running(fx3_plant("fx3u-can-scan", 'node = 5')) as plant:
+        wait_started(plant, 5)
+        for words, wanted in (([], [5]), (["--nodes", "5-127"], [5]), (["--nodes", "6-127"], []), (["--nodes", "4-6"], [5]), (["--nodes", "1-4"], [])):
+            done = on_bus(plant, "scan", "--json", "--timeout", silence(50), *words, expect=0 if wanted else 1)
+            found = [json.loads(line) for line in done.stdout.splitlines()]
+            require([(node["node"], node["name"]) for node in found] == [(node, "FX3U-CAN") for node in wanted], f"{words}: {found}")
+        require(plant.stop()[0] == 0, "exit code")
 
 
 @check
