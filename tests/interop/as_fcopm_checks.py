@@ -1,5 +1,5 @@
-"""Checks of the AS-FCOPM: Modbus clients that are not ours run its requests, a stack that is not ours is its slave and its
-master, and the example a user copies from. Expected words and frames are written out, from chapter 10 of the manual and CiA 301."""
+"""Checks of the AS-FCOPM: Modbus clients that are not ours run its requests, and the example a user copies from. Expected words and
+frames are written out, from chapter 10 of the manual and CiA 301."""
 import contextlib
 import itertools
 import pathlib
@@ -7,8 +7,8 @@ import shutil
 import subprocess
 
 from docs_checks import transcripts
-from kit import (HERE, PATIENCE, PYTHON, ROOT, RawClient, Skip, check, command, covers, host_port, node_modules, program, require,
-                 running, scratch, talking, tshark_agrees, until)
+from kit import (HERE, PATIENCE, PYTHON, ROOT, RawClient, Skip, check, command, covers, node_modules, require, running,
+                 scratch, talking, tshark_agrees, until)
 from module_checks import in_order, recorded
 from port_checks import port_of
 
@@ -28,7 +28,7 @@ def example(name):
 
 
 def card_plant(name, download, devices="", card=""):
-    """An AS300 with the card on a bus of 1 Mbit/s; 125 kbit/s and the default ports are other checks' matter."""
+    """An AS300 with the card on a bus of 1 Mbit/s."""
     path = scratch / f"as-fcopm-{name}.toml"
     path.write_text('[[bus]]\nname = "line1"\nbit_rate = 1_000_000\nserve = "socketcand:127.0.0.1:0"\n' + devices
                     + '[[plc]]\nfamily = "AS300"\nlisten = "off"\n[[plc.modbus]]\nlisten = "127.0.0.1:0"\n'
@@ -216,9 +216,9 @@ def requests_of_an_as_fcopm(client):
             "1000H was read by a request that was none")  # the two boots read it
 
 
-REQUESTS = ("ASF-REQ-001 ASF-REQ-002 ASF-REQ-003 ASF-REQ-005 ASF-REQ-008 ASF-REQ-009 ASF-REQ-010 ASF-REQ-012 ASF-REQ-013 ASF-REQ-014 "
-            "ASF-REQ-015 ASF-REQ-017 ASF-REQ-018 ASF-REQ-019 ASF-SDOREQ-001 ASF-SDOREQ-002 ASF-SDOREQ-003 ASF-SDOREQ-004 "
-            "ASF-SDOREQ-005 ASF-SDOREQ-006 ASF-NMTREQ-001 ASF-NMTREQ-003 ASF-NMTREQ-004 ASF-NMTREQ-005 ASF-EMCYREQ-001 "
+REQUESTS = ("ASF-REQ-001 ASF-REQ-002 ASF-REQ-003 ASF-REQ-005 ASF-REQ-008 ASF-REQ-009 ASF-REQ-010 ASF-REQ-012 ASF-REQ-013 "
+            "ASF-REQ-014 ASF-REQ-015 ASF-REQ-017 ASF-REQ-018 ASF-REQ-019 ASF-SDOREQ-001 ASF-SDOREQ-002 ASF-SDOREQ-003 "
+            "ASF-SDOREQ-004 ASF-SDOREQ-005 ASF-SDOREQ-006 ASF-NMTREQ-001 ASF-NMTREQ-003 ASF-NMTREQ-004 ASF-NMTREQ-005 ASF-EMCYREQ-001 "
             "ASF-EMCYREQ-002 ASF-EMCYREQ-004 ASF-EMCYREQ-006")
 
 

@@ -17,6 +17,7 @@ import xml.etree.ElementTree as ET
 
 import as_fcopm_checks  # noqa: F401  (registers its checks)
 import as_fcopm_example_checks  # noqa: F401
+import as_fcopm_network_checks  # noqa: F401
 import bus_checks  # noqa: F401
 import docs_checks  # noqa: F401
 import foreign_stack_checks  # noqa: F401

@@ -22,6 +22,9 @@ run(async () => {
   const setUp = () => {
     eds.setIdentity({ vendorId: 0x319, productCode: 0x1234, revisionNumber: 0x10002, serialNumber: 42 });
     eds.setDeviceName('npm canopen');
+    if (!eds.getEntry(0x1017)) {  // UNSIGNED16, which the stack would make an UNSIGNED32: it fails when a master writes two bytes
+      eds.addEntry(0x1017, { parameterName: 'Producer heartbeat time', dataType: DataType.UNSIGNED16 });
+    }
     eds.setHeartbeatProducerTime(200);
     eds.setEmcyCobId(0x80 + node);
   };

@@ -13,8 +13,9 @@
 //   abort-download,OBJECT,TYPE,VALUE,CODE
 //   abort-block-upload,OBJECT,CODE
 //   abort-block-download,OBJECT,TYPE,VALUE,CODE
+//   eds,FILE,OBJECT                      the stack reads an EDS file: its default value of OBJECT is what the server has
 import { argumentsOrUsage, check, patience, run } from './interop_report.mjs';
-import { abortCodeOf, canTransferBlocks, deviceOn, objectOf, types, useServer, valueOf } from './npm_canopen.mjs';
+import { abortCodeOf, canopen, canTransferBlocks, deviceOn, objectOf, types, useServer, valueOf } from './npm_canopen.mjs';
 import { SocketcandBus } from './socketcand_bus.mjs';
 
 const [host, port, busName, nodeText, ...steps] = argumentsOrUsage(5, 'sdo_client_peer.mjs HOST PORT BUS NODE STEP...');
@@ -59,6 +60,13 @@ run(async () => {
       check(`block download ${object} read back by blocks`, await upload(object, type, true), valueOf(type, value));
     },
     'block-download-size': (object, size) => actions['block-download'](object, 'domain', pattern(size)),
+    async eds(file, object) {
+      const { index, subIndex } = objectOf(object);
+      const eds = canopen.Eds.fromFile(file);
+      const entry = eds.getEntry(index).subNumber > 0 ? eds.getSubEntry(index, subIndex) : eds.getEntry(index);
+      const read = await device.sdo.upload({ ...transfer, index, subIndex, dataType: entry.dataType });
+      check(`EDS file: ${object}`, typeof read === 'number' ? Number(entry.defaultValue) : entry.defaultValue, read);
+    },
     'abort-upload': (object, code) => expectAbort(`upload ${object} is aborted`, upload(object, 'domain'), code),
     'abort-download': (object, type, value, code) =>
       expectAbort(`download ${object} is aborted`, download(object, type, value), code),
