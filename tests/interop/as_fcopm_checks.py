@@ -112,6 +112,11 @@ def ended(plant):
     return recorded(plant.trace)
 
 
+def await_frame(bus, wanted):
+    while bus.frame() != wanted:
+        pass
+
+
 # --- requests by registers
 
 
@@ -173,11 +178,11 @@ def run_the_requests(plc, plant):
     with bus.socket:
         plc.ask("2801 0004 0303 0082 0003 0000 0000", "2801 0000 0003 0000 0000")
         for wanted in ((0x703, b"\x00"), (0x000, b"\x01\x03")):
-            while bus.frame() != wanted:
-                pass
-    plc.write(25032, "0006")
-    plc.become(24032, "0231")
-    plc.write(25033, "1234 0001")
+            await_frame(bus, wanted)
+        plc.write(25032, "0006")
+        plc.become(24032, "0231")
+        plc.write(25033, "1234 0001")
+        await_frame(bus, (0x303, bytes.fromhex("34 12 01 00")))
     require(plc.read(25032, 3) == "0006 1234 0001", plc.read(25032, 3))
     require(plc.read(65000) == "exception 2", "65000 is no address of an AS300")
 
