@@ -52,8 +52,10 @@ TEST_F(DeviceDrive, EachMistakeIsSaidWithItsPlace) {
         << keys;
   };
   says("low_switch = 5\nhigh_switch = 5\n", ":9:14: low_switch = 5: expected less than high_switch");
+  says("high_switch = 2147483648\n",
+       ":9:15: high_switch = 2147483648: a position is -2147483648 to 2147483647");
   says("start = \"here\"\n", ":9:9: start = \"here\": expected a number");
-  says("revolution = 0\n", ":9:14: revolution = 0: expected more than 0");
+  says("revolution = 0\n", ":9:14: revolution = 0: a revolution is 1 to 2147483647");
   says("[[device.drive.fault]]\nat = \"1s\"\n",
        "device.drive.fault: code is missing; an error code is 0x0001 to 0xFFFF");
   says("[[device.drive.fault]]\nat = \"1s\"\ncode = 0x10000\n",
