@@ -313,6 +313,33 @@ def process_data_of_real_devices_arrive_in_the_buffer_memory():
         print("    tshark is absent: the trace is not decoded")
 
 
+@check
+def mode_b_binds_pdos_of_real_devices_to_an_fx3u_can():
+    """8300H reads the COB-ID of each device's TPDO1 by SDO; the module's RPDO takes it [FX3U-CAN 7.2.5, 7.2.6]."""
+    source, used, words = many_devices_plant(moving=True)
+    bound = dict(zip(sorted(words)[:30], range(1, 31)))  # node: RPDO
+    parameters = [0x8300] + [word for node, rpdo in bound.items() for word in (node << 8 | 1, rpdo)] + [0xFFFF]
+    values = ", ".join(f"G{1000 + i} = {value}" for i, value in enumerate(parameters))
+    devices = source.read_text().split("[[plc]]")[0]
+    slaves = "".join(f"[[plc.module.slave]]\nnode = {node}\n" for node in bound)
+    watched = [1000] + [10000 + 4 * (rpdo - 1) + i for rpdo in bound.values() for i in range(4)]
+    shown = ", ".join(f'"G{word}"' for word in watched)
+    # A PDO that is shorter than the RPDO's mapping is refused with 8210H: as many words as it brings.
+    mapping = ", ".join(f'"{0x15FF + rpdo:04X}:00" = {len(words[node][0])}' for node, rpdo in bound.items())
+    path = scratch / "many-makers-mode-b.toml"
+    path.write_text(f'{devices}[[plc]]\nname = "plc1"\nfamily = "FX3"\nlisten = "off"\n[[plc.module]]\nmodel = "FX3U-CAN"\n'
+                    f'position = 0\nnode = 1\nmaster = true\nexchange = "10ms"\nbuffer = {{ G26 = 0 }}\nwrite = {{ {values} }}\n'
+                    f'objects = {{ {mapping} }}\n'
+                    f'watch = [{shown}]\n{slaves}')
+    seen, summary = run_and_collect(path, scratch / "many-makers-mode-b.log")
+    require(seen.get(1000, [None])[-1] == 0x8301, f"#1000: {seen.get(1000)}")
+    arrived = [node for node, rpdo in bound.items() if any(len(set(seen.get(10000 + 4 * (rpdo - 1) + i, []))) >= 3 for i in range(4))]
+    silent = [used[node] for node in bound if node not in arrived]
+    require(len(arrived) >= 20, f"TPDO1 of {len(arrived)} devices arrived, expected at least 20; silent: {silent}")
+    print(f"    TPDO1 of {len(arrived)} of {len(bound)} real devices bound in mode B"
+          + (f"; an odd number of bytes, or nothing moves, in {', '.join(silent)}" if silent else ""))
+
+
 def first_mapped_object(path):
     """First object of TPDO1 that the file describes, read from the file itself and not by the program under test."""
     text = path.read_bytes().decode("latin-1")
