@@ -1,7 +1,7 @@
 // Any text as a line of a candump log: a frame that is written and read again is the same, an error points
 // into the line.
 
-#include "canopus/link/candump_log.hpp"
+#include "canopus/trace/file/candump_log.hpp"
 
 #include <array>
 #include <cstddef>
@@ -10,7 +10,7 @@
 #include <string_view>
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using namespace canopus::link;
+  using namespace canopus::trace;
   const std::string_view line(reinterpret_cast<const char*>(data), size);
   const auto entry = read_candump_line(line);
   if (!entry) {

@@ -9,7 +9,7 @@
 
 #include "canopus/cli/run/run_loop.hpp"
 #include "canopus/cli/terminal/option_checks.hpp"
-#include "canopus/link/trace_file.hpp"
+#include "canopus/trace/file/trace_file.hpp"
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::cli {
@@ -53,7 +53,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
                    "Record every frame: as pcap for *.pcap, as candump log for *.log or no extension")
       ->type_name("FILE")
       ->check([](const std::string& path) {
-        const auto format = link::trace_format_of(path);
+        const auto format = trace::trace_format_of(path);
         return format ? std::string() : format.error();
       });
   command

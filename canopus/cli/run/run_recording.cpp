@@ -96,17 +96,17 @@ std::string VcdFile::close(can::Time now, const OutputQueue::Patience& patience)
 
 std::expected<void, std::string> RunRecording::open_trace(const std::string& path, plant::Plant& plant) {
   if (path.empty()) return {};
-  const auto format = link::trace_format_of(path);
+  const auto format = trace::trace_format_of(path);
   if (!format) return std::unexpected(format.error());
   auto stream = RecordingStream::open(path);
   if (!stream) return std::unexpected(stream.error());
   trace_stream_ = std::move(*stream);
   if (trace_stream_ != nullptr) {
-    trace_.emplace(link::TraceFile::to(path, *format, [this](const void* bytes, std::size_t size) {
+    trace_.emplace(trace::TraceFile::to(path, *format, [this](const void* bytes, std::size_t size) {
       return trace_stream_->write({static_cast<const char*>(bytes), size});
     }));
   } else {
-    auto file = link::TraceFile::create(path, *format);
+    auto file = trace::TraceFile::create(path, *format);
     if (!file) return std::unexpected(file.error());
     trace_.emplace(std::move(*file));
   }

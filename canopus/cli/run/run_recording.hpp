@@ -13,10 +13,10 @@
 
 #include "canopus/cli/run/lift_picture.hpp"
 #include "canopus/cli/terminal/output_queue.hpp"
-#include "canopus/link/trace_file.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/sim/bus/bus.hpp"
 #include "canopus/sim/bus/waveform.hpp"
+#include "canopus/trace/file/trace_file.hpp"
 
 namespace canopus::cli {
 
@@ -49,11 +49,11 @@ class RecordingStream {
 /// Every frame of a bus into the trace file.
 class TraceWriter final : public sim::BusObserver {
  public:
-  TraceWriter(link::TraceFile& file, const std::string& bus) : file_(file), bus_(bus) {}
+  TraceWriter(trace::TraceFile& file, const std::string& bus) : file_(file), bus_(bus) {}
   void frame_completed(const can::Frame& frame, can::Time start, can::Time end) override;
 
  private:
-  link::TraceFile& file_;
+  trace::TraceFile& file_;
   const std::string& bus_;
 };
 
@@ -100,7 +100,7 @@ class RunRecording {
 
  private:
   std::unique_ptr<RecordingStream> trace_stream_;  // before the trace, if it is no regular file
-  std::optional<link::TraceFile> trace_;
+  std::optional<trace::TraceFile> trace_;
   std::vector<std::unique_ptr<TraceWriter>> trace_writers_;
   std::vector<std::unique_ptr<VcdFile>> vcd_;
   std::unique_ptr<LiftPictureFile> picture_;

@@ -13,12 +13,12 @@
 
 #include <gtest/gtest.h>
 
-#include "canopus/link/candump_log.hpp"
-#include "canopus/link/trace_file.hpp"
+#include "canopus/trace/file/candump_log.hpp"
+#include "canopus/trace/file/trace_file.hpp"
 
 #include "paths.hpp"
 
-namespace canopus::link {
+namespace canopus::trace {
 namespace {
 
 using can::Frame;
@@ -174,4 +174,4 @@ TEST_F(ForeignTools, Candump_OfTheSameFrames_IsReadByTsharkLikeOurPcap) {
 }
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::trace

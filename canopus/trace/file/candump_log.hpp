@@ -18,7 +18,7 @@
 #include "canopus/can/frame.hpp"
 #include "canopus/can/time.hpp"
 
-namespace canopus::link {
+namespace canopus::trace {
 
 /// Longest channel name that is written; a longer one is cut.
 inline constexpr std::size_t candump_max_channel = 32;
@@ -56,4 +56,4 @@ struct CandumpError {
 [[nodiscard]] std::expected<CandumpEntry, CandumpError> read_candump_line(std::string_view line,
                                                                           std::size_t number = 1);
 
-}  // namespace canopus::link
+}  // namespace canopus::trace

@@ -1,4 +1,4 @@
-#include "canopus/link/trace_file.hpp"
+#include "canopus/trace/file/trace_file.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -7,9 +7,9 @@
 #include <system_error>
 #include <utility>
 
-#include "canopus/link/candump_log.hpp"
+#include "canopus/trace/file/candump_log.hpp"
 
-namespace canopus::link {
+namespace canopus::trace {
 namespace {
 
 constexpr std::size_t buffer_size = 65536;
@@ -142,4 +142,4 @@ std::expected<void, std::string> TraceFile::close() {
   return std::unexpected(path_ + ": the trace is not complete: " + std::generic_category().message(error_));
 }
 
-}  // namespace canopus::link
+}  // namespace canopus::trace

@@ -1,4 +1,4 @@
-#include "canopus/link/trace_file.hpp"
+#include "canopus/trace/file/trace_file.hpp"
 
 #include <bit>
 #include <chrono>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace canopus::link {
+namespace canopus::trace {
 namespace {
 
 using can::Frame;
@@ -113,4 +113,4 @@ TEST_F(TraceFileTest, FullDisk_IsToldOnClose) {
 }
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::trace

@@ -1,4 +1,4 @@
-#include "canopus/link/candump_log.hpp"
+#include "canopus/trace/file/candump_log.hpp"
 
 #include <array>
 #include <chrono>
@@ -13,7 +13,7 @@
 
 #include "paths.hpp"
 
-namespace canopus::link {
+namespace canopus::trace {
 namespace {
 
 using can::Duration;
@@ -279,4 +279,4 @@ TEST(CandumpTraces, CanopenNodeBlockTransfer_IsReadWhole) {
 }
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::trace

@@ -1,4 +1,4 @@
-#include "canopus/link/candump_log.hpp"
+#include "canopus/trace/file/candump_log.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-namespace canopus::link {
+namespace canopus::trace {
 namespace {
 
 constexpr char hex_digits[] = "0123456789ABCDEF";
@@ -280,4 +280,4 @@ std::expected<CandumpEntry, CandumpError> read_candump_line(std::string_view lin
   return Line(line, number).read();
 }
 
-}  // namespace canopus::link
+}  // namespace canopus::trace

@@ -16,7 +16,7 @@
 #include "canopus/can/frame.hpp"
 #include "canopus/can/time.hpp"
 
-namespace canopus::link {
+namespace canopus::trace {
 
 enum class TraceFormat : std::uint8_t { candump, pcap };
 
@@ -67,4 +67,4 @@ class TraceFile {
   int error_ = 0;  // errno of the first failure
 };
 
-}  // namespace canopus::link
+}  // namespace canopus::trace

@@ -1,0 +1,45 @@
+#pragma once
+// Traces of other programs and of our own, read record by record.
+
+#include <cstddef>
+#include <expected>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "canopus/trace/file/trace_record.hpp"
+
+namespace canopus::trace {
+
+/// The formats that are read or written.
+enum class FileFormat : std::uint8_t {
+  candump,  ///< text log of can-utils, log form and screen form
+  pcap,     ///< link type 227 (CAN over SocketCAN), and 113 with its packets
+  pcapng,   ///< the same in blocks; each interface is a channel
+  asc,      ///< Vector ASC
+  trc,      ///< PEAK TRC, versions 1.0 to 2.1
+  csv,      ///< as python-can writes it, and our own with a head line
+  blf,      ///< Vector BLF, read only
+};
+
+/// Reads one trace from its begin to its end, in constant memory.
+class TraceReader {
+ public:
+  virtual ~TraceReader() = default;
+  /// The next record; nothing at the end of the file. An error names file and line (or offset) and what was
+  /// expected; the next call goes on after it where the format allows that, else it says the file has ended.
+  [[nodiscard]] virtual std::expected<std::optional<TraceRecord>, std::string> next() = 0;
+  [[nodiscard]] virtual FileFormat format() const noexcept = 0;
+  /// Channels named so far.
+  [[nodiscard]] virtual std::size_t channel_count() const noexcept = 0;
+  [[nodiscard]] virtual std::string_view channel(std::size_t number) const noexcept = 0;
+  /// Records that hold no classical CAN frame (CAN FD, comments, statistics) and were left out so far.
+  [[nodiscard]] virtual std::size_t left_out() const noexcept = 0;
+};
+
+/// Opens a file ("-" is the standard input). Without a format it is found from the content, not from the name.
+[[nodiscard]] std::expected<std::unique_ptr<TraceReader>, std::string> open_trace(
+    const std::string& path, std::optional<FileFormat> format = std::nullopt);
+
+}  // namespace canopus::trace
