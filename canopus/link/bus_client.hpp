@@ -1,12 +1,15 @@
 #pragma once
 // A bus of another process or of this machine's hardware, joined as a client: frames go in, frames come out.
-// Behind the one interface are a socketcand server (TCP) and SocketCAN (a raw socket of the kernel).
+// Behind the one interface are the transports that BusAddress names.
 //
 // Everything runs on the thread of the io_context.
 
 #include <chrono>
+#include <cstdint>
 #include <expected>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -14,15 +17,40 @@
 
 #include "canopus/can/controller.hpp"
 #include "canopus/link/bus_address.hpp"
+#include "canopus/link/controller_status.hpp"
 
 namespace canopus::link {
+
+/// Identifiers that are needed: those that agree with `identifier` in the bits of `mask`.
+struct IdentifierFilter {
+  std::uint32_t identifier = 0;
+  std::uint32_t mask = 0;
+  bool extended = false;
+
+  friend bool operator==(const IdentifierFilter&, const IdentifierFilter&) = default;
+};
 
 /// Hears a bus. May send from inside.
 class BusClientUser {
  public:
   virtual void frame_received(const can::Frame& frame) = 0;
+  /// The same with the time stamp of the kernel or hardware (since 1970, UTC), where there is one. Who does not
+  /// override it hears frame_received().
+  virtual void frame_received_at(const can::Frame& frame,
+                                 std::optional<std::chrono::nanoseconds> /*received_at*/) {
+    frame_received(frame);
+  }
+  /// A frame that this client sent is complete on the bus (the kernel's echo, slcan's `z`), or, where the transport
+  /// tells nothing of that, was handed to it. In the order of send(), never from inside of it.
+  virtual void frame_sent(const can::Frame& /*frame*/) {}
+  /// The controller's state, counters or bit rate changed.
+  virtual void controller_changed(const ControllerStatus& /*status*/) {}
   /// The connection ended and does not come back; a sentence says why.
   virtual void bus_lost(const std::string& reason) = 0;
+  /// With BusClientOptions::keep_trying, in place of bus_lost(): the bus went away (interface down, adapter
+  /// unplugged, connection lost) and is tried again. Frames that waited are dropped. And: it is there again.
+  virtual void bus_interrupted(const std::string& /*reason*/) {}
+  virtual void bus_resumed() {}
   /// The other side says that something went wrong, for example that frames were lost. The bus goes on.
   virtual void bus_complains(std::string_view /*text*/) {}
 
@@ -34,22 +62,35 @@ class BusClient : public can::Sink {
  public:
   virtual ~BusClient() = default;
   /// Frames sent by this client itself are not heard. send() is false when 4096 frames wait already, or the
-  /// bus is lost.
+  /// bus is lost or interrupted.
   virtual void set_user(BusClientUser* user) = 0;
   /// Ends the connection once everything sent so far is on its way to the bus; runs the io_context until
   /// then, or for `time_out`. False when it was not done by then. Nothing is heard from now on.
   virtual bool close(std::chrono::milliseconds time_out) = 0;
+
+  [[nodiscard]] virtual ControllerStatus status() const { return {}; }
+  /// Starts the controller anew, with this bit rate in bit/s (0: the one it has). The error says what a person can do
+  /// ("ip link set can0 type can bitrate 250000") where the transport or the system does not let us.
+  virtual std::expected<void, std::string> restart(std::uint32_t bit_rate);
+  /// Only these identifiers are needed, for transports that can leave the others out early; an empty list means all.
+  /// Others may still be heard.
+  virtual void set_filter(std::span<const IdentifierFilter> /*filters*/) {}
+  /// Drops the frames that still wait. They are not reported as sent.
+  virtual void abort_transmissions() {}
 };
 
-/// Joins a bus; runs the io_context until that is done, or for `time_out`. The error is a sentence with the
+struct BusClientOptions {
+  std::chrono::milliseconds time_out{5000};  ///< for the opening
+  /// A bus that went away is tried again. It must be there at the opening.
+  bool keep_trying = false;
+  std::chrono::milliseconds retry{1000};  ///< from a failure to the next try
+  /// bit/s that the controller is to have; 0: the one it has, or that its address names.
+  std::uint32_t bit_rate = 0;
+};
+
+/// Joins a bus; runs the io_context until that is done, or for the time-out. The error is a sentence with the
 /// address: "socketcand:127.0.0.1:29536: Connection refused".
 [[nodiscard]] std::expected<std::unique_ptr<BusClient>, std::string> open_bus(
-    boost::asio::io_context& io, const BusAddress& address, std::chrono::milliseconds time_out);
-
-// The two kinds, for open_bus().
-[[nodiscard]] std::expected<std::unique_ptr<BusClient>, std::string> open_socketcand(
-    boost::asio::io_context& io, const BusAddress& address, std::chrono::milliseconds time_out);
-[[nodiscard]] std::expected<std::unique_ptr<BusClient>, std::string> open_socketcan(
-    boost::asio::io_context& io, const BusAddress& address);
+    boost::asio::io_context& io, const BusAddress& address, const BusClientOptions& options = {});
 
 }  // namespace canopus::link

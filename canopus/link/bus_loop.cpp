@@ -23,7 +23,8 @@ BusLoop::~BusLoop() {
 std::expected<std::unique_ptr<BusLoop>, std::string> BusLoop::open(const BusAddress& address,
                                                                    can::Duration time_out) {
   std::unique_ptr<BusLoop> loop(new BusLoop);
-  auto bus = open_bus(loop->io_, address, std::chrono::ceil<std::chrono::milliseconds>(time_out));
+  auto bus =
+      open_bus(loop->io_, address, {.time_out = std::chrono::ceil<std::chrono::milliseconds>(time_out)});
   if (!bus) return std::unexpected(bus.error());
   loop->bus_ = std::move(*bus);
   loop->bus_->set_user(loop.get());

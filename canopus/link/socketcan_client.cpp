@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <deque>
+#include <span>
+#include <string>
 #include <utility>
 
 #include <boost/asio/posix/stream_descriptor.hpp>
@@ -16,8 +17,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "canopus/link/bus_client.hpp"
 #include "canopus/link/can_error.hpp"
+#include "canopus/link/transport.hpp"
 
 namespace canopus::link {
 namespace {
@@ -41,125 +42,7 @@ can::Frame frame_of(const can_frame& raw) {
   return frame;
 }
 
-class Interface final : public std::enable_shared_from_this<Interface> {
- public:
-  Interface(asio::io_context& io, int socket) : io_(io), socket_(io, socket), pause_(io) {}
-
-  void set_user(BusClientUser* user) { user_ = user; }
-  bool send(const can::Frame& frame) {
-    if (ended_ || queue_.size() >= 4096) return false;
-    queue_.push_back(raw_of(frame));
-    write();
-    return !ended_;
-  }
-  [[nodiscard]] bool all_sent() const { return queue_.empty() || ended_; }
-  void read() {
-    socket_.async_wait(asio::posix::stream_descriptor::wait_read,
-                       [self = shared_from_this()](const error_code& failure) {
-                         if (!failure) self->on_readable();
-                       });
-  }
-  void close() {
-    user_ = nullptr;
-    ended_ = true;
-    error_code ignored;
-    pause_.cancel();
-    socket_.close(ignored);
-  }
-  asio::io_context& io() { return io_; }
-
- private:
-  void on_readable() {
-    for (int count = 0; !ended_ && count < 256; ++count) {
-      can_frame raw{};
-      const ssize_t size = ::read(socket_.native_handle(), &raw, sizeof raw);
-      if (size < 0 && errno == EINTR) continue;
-      if (size < 0 && errno == EAGAIN) break;
-      if (size < 0) return end(std::strerror(errno));
-      if (size != sizeof raw) continue;
-      if ((raw.can_id & CAN_ERR_FLAG) != 0) {
-        error_frame(raw);
-        continue;
-      }
-      reported_error_ = {};
-      if (user_ != nullptr) user_->frame_received(frame_of(raw));
-    }
-    if (!ended_) read();
-  }
-  /// Said once, until a frame comes.
-  void error_frame(const can_frame& raw) {
-    const std::string_view sentence =
-        describe_error_frame(raw.can_id & CAN_ERR_MASK, {raw.data, std::min<std::size_t>(raw.can_dlc, 8)});
-    if (sentence.empty() || sentence == reported_error_) return;
-    reported_error_ = sentence;
-    if (user_ != nullptr) user_->bus_complains(sentence);
-  }
-  void write() {
-    if (waiting_) return;
-    while (!queue_.empty() && !ended_) {
-      const ssize_t size = ::write(socket_.native_handle(), &queue_.front(), sizeof queue_.front());
-      if (size == sizeof queue_.front()) {
-        queue_.pop_front();
-        continue;
-      }
-      if (errno == EINTR) continue;
-      // ENOBUFS: the interface's queue is full, which poll() does not show; so it is tried again a little
-      // later.
-      if (errno != EAGAIN && errno != ENOBUFS) return end(std::strerror(errno));
-      waiting_ = true;
-      pause_.expires_after(std::chrono::milliseconds(1));
-      pause_.async_wait([self = shared_from_this()](const error_code& failure) {
-        self->waiting_ = false;
-        if (!failure) self->write();
-      });
-      return;
-    }
-  }
-  void end(const std::string& reason) {
-    ended_ = true;
-    if (user_ != nullptr) user_->bus_lost(reason);
-  }
-
-  asio::io_context& io_;
-  asio::posix::stream_descriptor socket_;
-  asio::steady_timer pause_;
-  BusClientUser* user_ = nullptr;
-  std::deque<can_frame> queue_;
-  std::string_view reported_error_;
-  bool waiting_ = false;
-  bool ended_ = false;
-};
-
-class SocketcanClient final : public BusClient {
- public:
-  explicit SocketcanClient(std::shared_ptr<Interface> interface) : interface_(std::move(interface)) {}
-  ~SocketcanClient() override { interface_->close(); }
-  SocketcanClient(const SocketcanClient&) = delete;
-  SocketcanClient& operator=(const SocketcanClient&) = delete;
-
-  bool send(const can::Frame& frame) override { return interface_->send(frame); }
-  void set_user(BusClientUser* user) override { interface_->set_user(user); }
-  bool close(std::chrono::milliseconds time_out) override {
-    interface_->set_user(nullptr);
-    const auto end = std::chrono::steady_clock::now() + time_out;
-    asio::io_context& io = interface_->io();
-    while (!interface_->all_sent() && std::chrono::steady_clock::now() < end) {
-      if (io.stopped()) io.restart();
-      io.run_one_until(end);
-    }
-    const bool done = interface_->all_sent();
-    interface_->close();
-    return done;
-  }
-
- private:
-  std::shared_ptr<Interface> interface_;
-};
-
-}  // namespace
-
-std::expected<std::unique_ptr<BusClient>, std::string> open_socketcan(asio::io_context& io,
-                                                                      const BusAddress& address) {
+std::expected<int, std::string> open_socket(const std::string& name) {
   const int socket = ::socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
   if (socket < 0) {
     const int reason = errno;
@@ -169,7 +52,7 @@ std::expected<std::unique_ptr<BusClient>, std::string> open_socketcan(asio::io_c
     return std::unexpected(std::string("no CAN socket: ") + std::strerror(reason));
   }
   ifreq request{};
-  std::ranges::copy(address.bus, request.ifr_name);
+  std::ranges::copy(name, request.ifr_name);
   if (::ioctl(socket, SIOCGIFINDEX, &request) < 0) {
     const int reason = errno;
     ::close(socket);
@@ -180,7 +63,7 @@ std::expected<std::unique_ptr<BusClient>, std::string> open_socketcan(asio::io_c
   const bool is_up = ::ioctl(socket, SIOCGIFFLAGS, &request) == 0 && (request.ifr_flags & IFF_UP) != 0;
   if (!is_up) {
     ::close(socket);
-    return std::unexpected("the interface is down; ip link set " + address.bus + " up");
+    return std::unexpected("the interface is down; ip link set " + name + " up");
   }
   const can_err_mask_t errors = CAN_ERR_ACK | CAN_ERR_PROT | CAN_ERR_CRTL | CAN_ERR_BUSOFF;
   (void)::setsockopt(socket, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors);
@@ -193,9 +76,102 @@ std::expected<std::unique_ptr<BusClient>, std::string> open_socketcan(asio::io_c
     if (reason == ENODEV) return std::unexpected("this is not a CAN interface");
     return std::unexpected(std::strerror(reason));
   }
-  auto interface = std::make_shared<Interface>(io, socket);
-  interface->read();
-  return std::make_unique<SocketcanClient>(std::move(interface));
+  return socket;
+}
+
+class SocketcanTransport final : public Transport {
+ public:
+  SocketcanTransport(asio::io_context& io, std::string interface, BusClientOptions options)
+      : Transport(io, options), interface_(std::move(interface)), socket_(io), pause_(io) {}
+
+ private:
+  void connect() override {
+    auto socket = open_socket(interface_);
+    if (!socket) return failed(socket.error());
+    socket_.assign(*socket);
+    read();
+    opened();
+  }
+  void disconnect() override {
+    ++generation_;
+    error_code ignored;
+    pause_.cancel();
+    waiting_ = false;
+    socket_.close(ignored);
+  }
+  void read() {
+    socket_.async_wait(asio::posix::stream_descriptor::wait_read,
+                       [self = self(this), generation = generation_](const error_code& failure) {
+                         if (!failure && generation == self->generation_) self->on_readable();
+                       });
+  }
+  void on_readable() {
+    const std::uint32_t generation = generation_;
+    for (int count = 0; generation == generation_ && count < 256; ++count) {
+      can_frame raw{};
+      const ssize_t size = ::read(socket_.native_handle(), &raw, sizeof raw);
+      if (size < 0 && errno == EINTR) continue;
+      if (size < 0 && errno == EAGAIN) break;
+      if (size < 0) return failed(std::strerror(errno));
+      if (size != sizeof raw) continue;
+      if ((raw.can_id & CAN_ERR_FLAG) != 0) {
+        error_frame(raw);
+        continue;
+      }
+      reported_error_ = {};
+      received(frame_of(raw));
+    }
+    if (generation == generation_) read();
+  }
+  /// Said once, until a frame comes.
+  void error_frame(const can_frame& raw) {
+    const std::span bytes(raw.data, std::min<std::size_t>(raw.can_dlc, 8));
+    ControllerStatus now = status();
+    update_status(now, raw.can_id & CAN_ERR_MASK, bytes);
+    set_status(now);
+    const std::string_view sentence = describe_error_frame(raw.can_id & CAN_ERR_MASK, bytes);
+    if (sentence.empty() || sentence == reported_error_) return;
+    reported_error_ = sentence;
+    complain(sentence);
+  }
+  void write() override {
+    if (waiting_) return;
+    while (!queue().empty()) {
+      const can_frame raw = raw_of(queue().front());
+      const ssize_t size = ::write(socket_.native_handle(), &raw, sizeof raw);
+      if (size == sizeof raw) {
+        sent_later(queue().front());
+        queue().pop_front();
+        continue;
+      }
+      if (errno == EINTR) continue;
+      // ENOBUFS: the interface's queue is full, which poll() does not show; so it is tried again a little
+      // later.
+      if (errno != EAGAIN && errno != ENOBUFS) return fail_later(std::strerror(errno));
+      waiting_ = true;
+      pause_.expires_after(std::chrono::milliseconds(1));
+      pause_.async_wait([self = self(this), generation = generation_](const error_code& failure) {
+        if (failure || generation != self->generation_) return;
+        self->waiting_ = false;
+        self->write();
+      });
+      return;
+    }
+  }
+
+  std::string interface_;
+  asio::posix::stream_descriptor socket_;
+  asio::steady_timer pause_;
+  std::uint32_t generation_ = 0;
+  std::string_view reported_error_;
+  bool waiting_ = false;
+};
+
+}  // namespace
+
+std::shared_ptr<Transport> make_socketcan(asio::io_context& io, const BusAddress& address,
+                                          const BusClientOptions& options) {
+  return std::make_shared<SocketcanTransport>(io, address.bus, options);
 }
 
 }  // namespace canopus::link

@@ -141,6 +141,7 @@ void SocketcandDialogue::error_element(std::string_view arguments) {
                               time.find('.') != std::string_view::npos &&
                               time.find_first_not_of("0123456789.") == std::string_view::npos;
   if (!is_error_frame) return peer_.complaint(arguments);
+  peer_.controller_error(*error_class);
   const std::string_view sentence = describe_error_frame(*error_class, {});
   if (sentence.empty() || sentence == reported_error_) return;
   reported_error_ = sentence;

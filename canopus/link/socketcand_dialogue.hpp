@@ -29,6 +29,8 @@ class SocketcandDialogue {
     virtual void frame_received(const can::Frame& frame) = 0;
     /// The server says that something is wrong (frames were lost, a frame was refused); the connection stays.
     virtual void complaint(std::string_view text) = 0;
+    /// An error frame of the server's CAN interface, of which its class is known (can_error.hpp).
+    virtual void controller_error(std::uint32_t /*error_class*/) {}
 
    protected:
     ~Peer() = default;

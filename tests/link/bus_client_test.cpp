@@ -28,10 +28,18 @@ constexpr auto patience = 10s;  // never reached when all is well
 
 struct Listener : BusClientUser {
   void frame_received(const can::Frame& frame) override { frames.push_back(frame); }
+  void frame_sent(const can::Frame& frame) override { sent.push_back(frame); }
+  void controller_changed(const ControllerStatus& status) override { statuses.push_back(status); }
   void bus_lost(const std::string& reason) override { lost.push_back(reason); }
+  void bus_interrupted(const std::string& reason) override { interrupted.push_back(reason); }
+  void bus_resumed() override { ++resumed; }
 
   std::vector<can::Frame> frames;
+  std::vector<can::Frame> sent;
+  std::vector<ControllerStatus> statuses;
   std::vector<std::string> lost;
+  std::vector<std::string> interrupted;
+  int resumed = 0;
 };
 
 class SocketcandClientTest : public testing::Test {
@@ -48,7 +56,7 @@ class SocketcandClientTest : public testing::Test {
 
   std::string join(const std::string& name) {
     address.bus = name;
-    auto opened = open_bus(io, address, patience);
+    auto opened = open_bus(io, address, {.time_out = patience, .keep_trying = keep_trying, .retry = 1ms});
     if (!opened) return opened.error();
     client = std::move(*opened);
     client->set_user(&listener);
@@ -63,6 +71,7 @@ class SocketcandClientTest : public testing::Test {
   ToyBus bus;
   std::unique_ptr<SocketcandServer> server;
   BusAddress address;
+  bool keep_trying = false;
   Listener listener;
   std::unique_ptr<BusClient> client;
 };
@@ -89,6 +98,32 @@ TEST_F(SocketcandClientTest, SentFrame_ReachesTheBus) {
   EXPECT_THAT(bus.delivered, ElementsAre(can::data_frame(0x601, {0x40, 0, 0x10, 0, 0, 0, 0, 0})));
 }
 
+TEST_F(SocketcandClientTest, SentFrames_AreReportedInTheirOrderOnceHandedOver) {
+  join("line1");
+  client->send(can::data_frame(0x601, {1}));
+  client->send(can::data_frame(0x080));
+  EXPECT_TRUE(listener.sent.empty());
+  until([&] { return listener.sent.size() == 2; });
+  EXPECT_THAT(listener.sent, ElementsAre(can::data_frame(0x601, {1}), can::data_frame(0x080)));
+}
+
+TEST_F(SocketcandClientTest, EndedServer_IsTriedAgainUntilItIsThere) {
+  keep_trying = true;
+  join("line1");
+  const auto endpoint = tcp::endpoint(asio::ip::address_v4::loopback(), address.port);
+  server->close();
+  until([&] { return !listener.interrupted.empty(); });
+  EXPECT_FALSE(client->send(can::data_frame(0x080)));
+  io.run_for(5ms);  // tries in vain
+  server = std::make_unique<SocketcandServer>(io, endpoint, "line1", bus.attach(), bus);
+  ASSERT_TRUE(server->listen());
+  until([&] { return listener.resumed == 1; });
+  EXPECT_TRUE(client->send(can::data_frame(0x080)));
+  until([&] { return bus.waiting() == 1; });
+  EXPECT_THAT(listener.interrupted, ElementsAre("the server ended the connection"));
+  EXPECT_THAT(listener.lost, ElementsAre());
+}
+
 TEST_F(SocketcandClientTest, FrameOfTheBus_IsHeard) {
   join("line1");
   bus.inject(can::data_frame(0x701, {0x05}));
@@ -108,14 +143,15 @@ TEST(SocketcandClient, SilentServer_IsGivenUpAfterTheTime) {
   asio::io_context io;
   tcp::acceptor silent(io, tcp::endpoint(asio::ip::address_v4::loopback(), 0));
   const BusAddress address{.host = "127.0.0.1", .port = silent.local_endpoint().port()};
-  const auto opened = open_bus(io, address, 20ms);
+  const auto opened = open_bus(io, address, {.time_out = 20ms});
   ASSERT_FALSE(opened.has_value());
   EXPECT_THAT(opened.error(), HasSubstr("no answer within 20 ms"));
 }
 
 TEST(SocketcanClient, MissingKernelOrInterface_IsToldWithTheAddress) {
   asio::io_context io;
-  const auto opened = open_bus(io, {.kind = BusAddress::Kind::socketcan, .bus = "nosuchcan9"}, 1s);
+  const auto opened =
+      open_bus(io, {.kind = BusAddress::Kind::socketcan, .bus = "nosuchcan9"}, {.time_out = 1s});
   ASSERT_FALSE(opened.has_value());
   EXPECT_THAT(opened.error(), StartsWith("socketcan:nosuchcan9: "));
   EXPECT_THAT(opened.error(), testing::AnyOf(HasSubstr("kernel has no SocketCAN"),

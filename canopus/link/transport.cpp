@@ -1,0 +1,147 @@
+#include "canopus/link/transport.hpp"
+
+#include <utility>
+
+#include <boost/asio/post.hpp>
+
+namespace canopus::link {
+
+using boost::system::error_code;
+using Clock = std::chrono::steady_clock;
+
+Transport::Transport(boost::asio::io_context& io, BusClientOptions options)
+    : io_(io), options_(options), pause_(io) {}
+
+bool Transport::send(const can::Frame& frame) {
+  if (state_ != State::open || closing_ || queue_.size() + under_way() >= most_waiting) return false;
+  queue_.push_back(frame);
+  write();
+  return true;
+}
+
+void Transport::close() {
+  user_ = nullptr;
+  state_ = State::ended;
+  pause_.cancel();
+  disconnect();
+}
+
+std::expected<void, std::string> Transport::restart(std::uint32_t /*bit_rate*/) {
+  return std::unexpected("the bit rate of this bus is not set from here");
+}
+
+void Transport::opened() {
+  if (state_ == State::ended) return;
+  const bool resumed = state_ == State::interrupted;
+  state_ = State::open;
+  if (resumed && user_ != nullptr) user_->bus_resumed();
+}
+
+void Transport::failed(std::string reason) {
+  if (state_ == State::ended) return;
+  const State before = state_;
+  disconnect();
+  queue_.clear();
+  handed_over_.clear();
+  reason_ = std::move(reason);
+  if (before == State::opening || !options_.keep_trying || closing_) {
+    state_ = State::ended;
+    if (before != State::opening && user_ != nullptr) user_->bus_lost(reason_);
+    return;
+  }
+  state_ = State::interrupted;
+  pause_.expires_after(options_.retry);
+  pause_.async_wait([self = shared_from_this()](const error_code& failure) {
+    if (!failure && self->state_ == State::interrupted) self->connect();
+  });
+  if (before == State::open && user_ != nullptr) user_->bus_interrupted(reason_);
+}
+
+void Transport::fail_later(std::string reason) {
+  boost::asio::post(io_, [self = shared_from_this(), reason = std::move(reason)] {
+    if (self->state_ == State::open) self->failed(reason);
+  });
+}
+
+void Transport::received(const can::Frame& frame, std::optional<std::chrono::nanoseconds> received_at) {
+  if (user_ != nullptr) user_->frame_received_at(frame, received_at);
+}
+
+void Transport::sent(const can::Frame& frame) {
+  if (user_ != nullptr) user_->frame_sent(frame);
+}
+
+void Transport::sent_later(const can::Frame& frame) {
+  handed_over_.push_back(frame);
+  if (std::exchange(reporting_, true)) return;
+  boost::asio::post(io_, [self = shared_from_this()] { self->report_later(); });
+}
+
+void Transport::report_later() {
+  reporting_ = false;
+  const auto frames = std::exchange(handed_over_, {});
+  for (const can::Frame& frame : frames) sent(frame);
+}
+
+void Transport::complain(std::string_view text) {
+  if (user_ != nullptr) user_->bus_complains(text);
+}
+
+void Transport::set_status(const ControllerStatus& status) {
+  if (status == status_) return;
+  status_ = status;
+  if (user_ != nullptr) user_->controller_changed(status);
+}
+
+namespace {
+
+class TransportClient final : public BusClient {
+ public:
+  explicit TransportClient(std::shared_ptr<Transport> transport) : transport_(std::move(transport)) {}
+  ~TransportClient() override { transport_->close(); }
+  TransportClient(const TransportClient&) = delete;
+  TransportClient& operator=(const TransportClient&) = delete;
+
+  bool send(const can::Frame& frame) override { return transport_->send(frame); }
+  void set_user(BusClientUser* user) override { transport_->set_user(user); }
+  bool close(std::chrono::milliseconds time_out) override {
+    transport_->set_user(nullptr);
+    transport_->finish();
+    const auto done = [this] {
+      return transport_->state() != Transport::State::open || transport_->finished();
+    };
+    const bool is_done = transport_->run_until(done, Clock::now() + time_out);
+    transport_->close();
+    return is_done;
+  }
+  ControllerStatus status() const override { return transport_->status(); }
+  std::expected<void, std::string> restart(std::uint32_t bit_rate) override {
+    return transport_->restart(bit_rate);
+  }
+  void set_filter(std::span<const IdentifierFilter> filters) override { transport_->set_filter(filters); }
+  void abort_transmissions() override { transport_->abort_transmissions(); }
+
+ private:
+  std::shared_ptr<Transport> transport_;
+};
+
+}  // namespace
+
+std::expected<std::unique_ptr<BusClient>, std::string> open_transport(std::shared_ptr<Transport> transport,
+                                                                      std::chrono::milliseconds time_out) {
+  transport->open();
+  const bool answered = transport->run_until([&] { return transport->state() != Transport::State::opening; },
+                                             Clock::now() + time_out);
+  if (answered && transport->state() == Transport::State::open) {
+    return std::make_unique<TransportClient>(std::move(transport));
+  }
+  std::string reason = transport->reason();
+  if (!answered) {
+    reason = "no answer within " + std::to_string(time_out.count()) + " ms";
+    if (!transport->silence().empty()) reason += "; " + std::string(transport->silence());
+  }
+  transport->close();
+  return std::unexpected(reason);
+}
+
+}  // namespace canopus::link
