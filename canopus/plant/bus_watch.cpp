@@ -6,7 +6,7 @@
 
 namespace canopus::plant {
 
-void BusWatch::know(NodeStatus& status, const sim::Port& port) {
+void BusWatch::know(NodeStatus& status, const can::Port& port) {
   occupants_.push_back({&status, &port});
   know_number(status);
 }
@@ -38,7 +38,7 @@ void BusWatch::frame_completed(const can::Frame& frame, can::Time /*start*/, can
   }
 }
 
-void BusWatch::error_detected(const sim::Port& port, sim::BusError error, can::Time now) {
+void BusWatch::error_detected(const can::Port& port, can::BusError error, can::Time now) {
   if (!unacknowledged_.error_detected(port, error)) return;
   const auto sender = std::ranges::find(occupants_, &port, &Occupant::port);
   if (sender != occupants_.end()) return observer_.unacknowledged(sender->status->label, now);

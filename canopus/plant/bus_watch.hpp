@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
+#include "canopus/can/bus.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/plant/unacknowledged.hpp"
-#include "canopus/sim/bus/bus.hpp"
 
 namespace canopus::plant {
 
@@ -18,18 +18,18 @@ namespace canopus::plant {
 }
 
 /// Reports what the nodes of a bus say of themselves, those outside of this process included.
-class BusWatch final : public sim::BusObserver {
+class BusWatch final : public can::BusObserver {
  public:
   BusWatch(std::string_view bus, PlantObserver& observer) : bus_(bus), observer_(observer) {}
   /// Somebody of the plant on this bus.
-  void know(NodeStatus& status, const sim::Port& port);
+  void know(NodeStatus& status, const can::Port& port);
   /// The node has this node-ID from now on (FFH: none).
   void renumber(NodeStatus& status, std::uint8_t node_id);
   /// Who has this node-ID (1..127) on the bus.
   [[nodiscard]] NodeLabel label(std::uint8_t node_id) const;
 
   void frame_completed(const can::Frame& frame, can::Time start, can::Time end) override;
-  void error_detected(const sim::Port& port, sim::BusError error, can::Time now) override;
+  void error_detected(const can::Port& port, can::BusError error, can::Time now) override;
 
  private:
   void know_number(NodeStatus& status);
@@ -41,7 +41,7 @@ class BusWatch final : public sim::BusObserver {
   PlantObserver& observer_;
   struct Occupant {
     const NodeStatus* status;
-    const sim::Port* port;
+    const can::Port* port;
   };
   std::vector<Occupant> occupants_;
   Unacknowledged unacknowledged_;

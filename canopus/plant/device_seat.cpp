@@ -20,7 +20,7 @@ sim::DeviceOptions options_of(const eds::DeviceFile& file) {
 }  // namespace
 
 DeviceSeat::DeviceSeat(std::shared_ptr<const eds::DeviceFile> file, const DeviceSection& section,
-                       std::uint8_t node_id, sim::Port& port, PlantObserver& observer)
+                       std::uint8_t node_id, can::Port& port, PlantObserver& observer)
     : device_(file, node_id, port, options_of(*file)),
       port_(port),
       start_(can::Time{} + section.start),
@@ -146,7 +146,7 @@ void DeviceSeat::look_at_lss(can::Time now) {
 void DeviceSeat::accept() {
   const canopen::Node& node = device_.node();
   accepted_revision_ = node.identifiers_revision();
-  sim::Acceptance acceptance;
+  can::Acceptance acceptance;
   for (std::uint32_t identifier = 0; identifier <= can::max_base_identifier; ++identifier) {
     acceptance.base[identifier] = device_.wants(identifier);
   }

@@ -17,7 +17,7 @@ namespace canopus::plant {
 class DeviceSeat final : public can::Participant, private canopen::NodeListener, private sim::ForceListener {
  public:
   DeviceSeat(std::shared_ptr<const eds::DeviceFile> file, const DeviceSection& section, std::uint8_t node_id,
-             sim::Port& port, PlantObserver& observer);
+             can::Port& port, PlantObserver& observer);
 
   sim::Device& device() noexcept { return device_; }
   /// What there is to say of a value that is or was forced.
@@ -69,7 +69,7 @@ class DeviceSeat final : public can::Participant, private canopen::NodeListener,
   BusWatch* watch_ = nullptr;
   std::uint32_t bit_rate_ = 0;
   sim::Device device_;
-  sim::Port& port_;
+  can::Port& port_;
   std::uint32_t accepted_revision_ = 0;
   std::string name_;
   NodeStatus status_;

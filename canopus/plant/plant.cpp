@@ -11,10 +11,10 @@ Plant::Plant() : parts_(std::make_unique<Parts>()) {}
 Plant::~Plant() = default;
 
 std::expected<std::unique_ptr<Plant>, std::vector<text::FileError>> Plant::build(
-    const PlantFile& file, PlantObserver& observer, std::optional<std::uint64_t> seed) {
+    const PlantFile& file, PlantObserver& observer, std::optional<std::uint64_t> seed, BusOpener* opener) {
   std::unique_ptr<Plant> plant(new Plant);
   plant->parts_->file = file;
-  auto errors = assemble(*plant->parts_, observer, seed.value_or(file.seed));
+  auto errors = assemble(*plant->parts_, observer, seed.value_or(file.seed), opener);
   if (!errors.empty()) {
     std::ranges::stable_sort(errors, {}, &text::FileError::place);
     return std::unexpected(std::move(errors));
@@ -46,7 +46,8 @@ const std::string& Plant::name() const noexcept { return parts_->file.name; }
 const PlantFile& Plant::file() const noexcept { return parts_->file; }
 const std::vector<text::FileWarning>& Plant::warnings() const noexcept { return parts_->warnings; }
 std::size_t Plant::bus_count() const noexcept { return parts_->buses.size(); }
-sim::Bus& Plant::bus(std::size_t number) noexcept { return *parts_->buses[number]; }
+can::Bus& Plant::bus(std::size_t number) noexcept { return *parts_->buses[number]; }
+sim::Bus* Plant::simulated_bus(std::size_t number) noexcept { return parts_->simulated[number]; }
 const BusSection& Plant::bus_section(std::size_t number) const noexcept { return parts_->file.buses[number]; }
 std::size_t Plant::plc_count() const noexcept { return parts_->racks.size(); }
 plc::Rack& Plant::rack(std::size_t number) noexcept { return *parts_->racks[number]; }
@@ -74,7 +75,7 @@ bool Plant::has_stalled() const noexcept { return parts_->has_stalled; }
 
 std::vector<NodeStatus> Plant::nodes() const {
   std::vector<NodeStatus> all;
-  const auto add = [&all](const NodeStatus& status, const sim::Port& port) {
+  const auto add = [&all](const NodeStatus& status, const can::Port& port) {
     NodeStatus& node = all.emplace_back(status);
     node.error_state = port.error_state();
     node.transmit_errors = port.transmit_error_counter();

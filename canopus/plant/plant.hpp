@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "canopus/can/bus.hpp"
 #include "canopus/can/timeline.hpp"
 #include "canopus/canopen/node/node.hpp"
 #include "canopus/manager/boot/boot_record.hpp"
@@ -17,8 +18,11 @@
 #include "canopus/module/interface/observer.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/plc/rack/rack.hpp"
-#include "canopus/sim/bus/bus.hpp"
 #include "canopus/sim/lift/lift_report.hpp"
+
+namespace canopus::sim {
+class Bus;
+}
 
 namespace canopus::plant {
 
@@ -65,7 +69,7 @@ class PlantObserver {
   virtual void object_released(const ForcedObject&, can::Time) {}
   /// In a lift of this bus.
   virtual void lift_event(std::string_view /*bus*/, const sim::lift::LiftEvent&) {}
-  virtual void load(std::string_view /*bus*/, const sim::BusLoad&, can::Time) {}
+  virtual void load(std::string_view /*bus*/, const can::BusLoad&, can::Time) {}
   /// At the start: something a person should know of the plant file. `source` is its place in it.
   virtual void warning(std::string_view /*source*/, std::string_view /*message*/, can::Time) {}
   /// The module (`source`: "RJ71CN91 U0") reported to its CPU: an event of the event history, or an error that module
@@ -129,6 +133,17 @@ struct ModuleTrouble {
   std::string text;  ///< what is wrong, since when, and the way back; for a person
 };
 
+/// Opens the buses of a plant that are not simulated (`link` in the plant file).
+class BusOpener {
+ public:
+  /// The error is a sentence that names the link and what to do.
+  virtual std::expected<std::unique_ptr<can::Bus>, std::string> open(const BusSection& section,
+                                                                     can::Timeline& timeline) = 0;
+
+ protected:
+  ~BusOpener() = default;
+};
+
 class DeviceSeat;
 class LiftSeat;
 
@@ -136,9 +151,10 @@ class Plant {
  public:
   /// Opens the device files and builds everything that is usable, switched off. Errors name the line of the
   /// plant file; notes of device files that were repaired are not among them (`canopus eds check` shows
-  /// those). `seed` replaces the file's.
+  /// those). `seed` replaces the file's. Without an opener every bus is simulated, which is enough to look at a plant.
   [[nodiscard]] static std::expected<std::unique_ptr<Plant>, std::vector<text::FileError>> build(
-      const PlantFile& file, PlantObserver& observer, std::optional<std::uint64_t> seed = std::nullopt);
+      const PlantFile& file, PlantObserver& observer, std::optional<std::uint64_t> seed = std::nullopt,
+      BusOpener* opener = nullptr);
   ~Plant();
   Plant(const Plant&) = delete;
   Plant& operator=(const Plant&) = delete;
@@ -156,7 +172,9 @@ class Plant {
   /// What a person should know of the plant file, in its order.
   [[nodiscard]] const std::vector<text::FileWarning>& warnings() const noexcept;
   [[nodiscard]] std::size_t bus_count() const noexcept;
-  [[nodiscard]] sim::Bus& bus(std::size_t number) noexcept;
+  [[nodiscard]] can::Bus& bus(std::size_t number) noexcept;
+  /// The same, if it is simulated; else null.
+  [[nodiscard]] sim::Bus* simulated_bus(std::size_t number) noexcept;
   [[nodiscard]] const BusSection& bus_section(std::size_t number) const noexcept;
   [[nodiscard]] std::size_t plc_count() const noexcept;
   [[nodiscard]] plc::Rack& rack(std::size_t number) noexcept;

@@ -38,11 +38,8 @@ bool can_save(const canopen::DictionaryDescription& dictionary) {
 }  // namespace
 
 std::vector<text::FileError> Assembly::run() {
-  for (const BusSection& section : parts_.file.buses) {
-    parts_.buses.push_back(std::make_unique<sim::Bus>(section.name, section.bit_rate, parts_.timeline));
-    parts_.watches.push_back(std::make_unique<BusWatch>(section.name, observer_));
-    parts_.buses.back()->add_observer(*parts_.watches.back());
-  }
+  for (const BusSection& section : parts_.file.buses) add_bus(section);
+  for (const BridgeSection& section : parts_.file.bridges) add_bridge(section);
   for (std::size_t i = 0; i < parts_.file.lifts.size(); ++i) {
     sim::lift::BuildingSettings settings = parts_.file.lifts[i].building;
     if (!parts_.file.lifts[i].own_seed) settings.passengers.seed = seed_ * 1'000'003 + i;
@@ -80,7 +77,9 @@ std::vector<text::FileError> Assembly::run() {
   }
   stores_.review(errors_, parts_.warnings);
   if (complete_ && errors_.empty()) review_buses();
-  for (std::size_t i = 0; i < parts_.buses.size(); ++i) set_faults(parts_.file.buses[i], *parts_.buses[i]);
+  for (std::size_t i = 0; i < parts_.buses.size(); ++i) {
+    if (parts_.simulated[i] != nullptr) set_faults(parts_.file.buses[i], *parts_.simulated[i]);
+  }
   parts_.load_report = std::make_unique<LoadReport>(parts_.buses, observer_);
   parts_.timeline.add(*parts_.load_report, "load report");
   parts_.timeline.set_stall_handler(
@@ -89,6 +88,34 @@ std::vector<text::FileError> Assembly::run() {
         observer->error(stall.name, stall_text, stall.now);
       });
   return errors_.take();
+}
+
+void Assembly::add_bus(const BusSection& section) {
+  std::unique_ptr<can::Bus> bus;
+  if (opener_ != nullptr && section.is_linked()) {
+    auto opened = opener_->open(section, parts_.timeline);
+    if (opened) {
+      bus = std::move(*opened);
+    } else {
+      errors_.add(section.link_place, "link = \"{}\": {}", section.link, opened.error());
+    }
+  }
+  sim::Bus* simulated = nullptr;
+  if (bus == nullptr) {
+    auto made = std::make_unique<sim::Bus>(section.name, section.bit_rate, parts_.timeline);
+    simulated = made.get();
+    bus = std::move(made);
+  }
+  parts_.simulated.push_back(simulated);
+  parts_.buses.push_back(std::move(bus));
+  parts_.watches.push_back(std::make_unique<BusWatch>(section.name, observer_));
+  parts_.buses.back()->add_observer(*parts_.watches.back());
+}
+
+void Assembly::add_bridge(const BridgeSection& section) {
+  if (!section.usable) return;
+  parts_.bridges.push_back(std::make_unique<BusBridge>(parts_.bus(section.from), parts_.bus(section.to),
+                                                       section, parts_.timeline, observer_));
 }
 
 Assembly::File Assembly::load(const std::string& eds, text::Place place) {
@@ -147,13 +174,13 @@ std::uint8_t Assembly::node_id(const DeviceSection& section, const eds::DeviceFi
   return node_id;
 }
 
-sim::Port& Assembly::add_port(const DeviceSection& section, std::uint8_t node_id, std::size_t number) {
+can::Port& Assembly::add_port(const DeviceSection& section, std::uint8_t node_id, std::size_t number) {
   const bool is_unconfigured = node_id == lss::unconfigured;
-  sim::Port& port = parts_.bus(section.bus)
+  can::Port& port = parts_.bus(section.bus)
                         .add_port(!section.name.empty() ? section.name
                                   : is_unconfigured     ? fmt::format("device{}", number + 1)
                                                         : fmt::format("node{}", node_id));
-  port.set_transmit_queue(section.transmit_fifo ? sim::TransmitOrder::fifo : sim::TransmitOrder::identifier,
+  port.set_transmit_queue(section.transmit_fifo ? can::TransmitOrder::fifo : can::TransmitOrder::identifier,
                           section.transmit_queue);
   if (section.bit_rate != 0) port.restart(section.bit_rate);
   port.set_listen_only(section.listen_only);
@@ -256,8 +283,8 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
   const std::uint8_t node = node_id(section, *file);
   if (node == 0) return;
   file = configured(file, section);
-  sim::Bus& bus = parts_.bus(section.bus);
-  sim::Port& port = add_port(section, node, number);
+  can::Bus& bus = parts_.bus(section.bus);
+  can::Port& port = add_port(section, node, number);
   auto seat = std::make_unique<DeviceSeat>(file, section, node, port, observer_);
   give_memory(section, node, *seat);
   if (section.drive) give_drive(*section.drive, seat->device());
@@ -274,7 +301,7 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
   parts_.device_ports.push_back(&port);
 }
 
-BusWatch& Assembly::watch(const sim::Bus& bus) {
+BusWatch& Assembly::watch(const can::Bus& bus) {
   const auto found = std::ranges::find(parts_.buses, &bus, [](const auto& owned) { return owned.get(); });
   return *parts_.watches[static_cast<std::size_t>(found - parts_.buses.begin())];
 }
@@ -291,8 +318,8 @@ void Assembly::set_faults(const BusSection& section, sim::Bus& bus) {
 }
 
 void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const ModuleSection& section) {
-  sim::Bus& bus = parts_.bus(section.bus);
-  sim::Port& port = bus.add_port(shown_name(section));
+  can::Bus& bus = parts_.bus(section.bus);
+  can::Port& port = bus.add_port(shown_name(section));
   const CatalogueEntry& entry = *find_module(section.model);
   std::unique_ptr<module::NonVolatileMemory> memory;
   if (plc.store.empty()) {
@@ -324,8 +351,9 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
   parts_.module_ports.push_back(&port);
 }
 
-std::vector<text::FileError> assemble(Plant::Parts& parts, PlantObserver& observer, std::uint64_t seed) {
-  return Assembly(parts, observer, seed).run();
+std::vector<text::FileError> assemble(Plant::Parts& parts, PlantObserver& observer, std::uint64_t seed,
+                                      BusOpener* opener) {
+  return Assembly(parts, observer, seed, opener).run();
 }
 
 }  // namespace canopus::plant

@@ -47,10 +47,11 @@ namespace canopus::plant {
 /// Builds a plant's parts, collecting every error on the way.
 class Assembly {
  public:
-  Assembly(Plant::Parts& parts, PlantObserver& observer, std::uint64_t seed)
+  Assembly(Plant::Parts& parts, PlantObserver& observer, std::uint64_t seed, BusOpener* opener)
       : parts_(parts),
         observer_(observer),
         seed_(seed),
+        opener_(opener),
         folder_(std::filesystem::path(parts.file.path).parent_path()),
         stores_(parts.stores.emplace(folder_)) {}
 
@@ -63,7 +64,7 @@ class Assembly {
   File configured(const File& file, const DeviceSection& section);
   void add_device(const DeviceSection& section, std::size_t number);
   std::uint8_t node_id(const DeviceSection& section, const eds::DeviceFile& file);
-  sim::Port& add_port(const DeviceSection& section, std::uint8_t node_id, std::size_t number);
+  can::Port& add_port(const DeviceSection& section, std::uint8_t node_id, std::size_t number);
   void give_memory(const DeviceSection& section, std::uint8_t node_id, DeviceSeat& seat);
   void give_drive(const DriveSection& section, sim::Device& device);
   void move_values(const DeviceSection& section, std::size_t number, DeviceSeat& seat);
@@ -91,9 +92,11 @@ class Assembly {
   void add_download(const ModuleSection& section, module::CommunicationModule& module);
   void configure_network(const ModuleSection& section, module::CommunicationModule& module);
   void add_outside_slave(const ModuleSection& master, const SlaveSection& slave, ModuleNetwork& network);
+  void add_bus(const BusSection& section);
+  void add_bridge(const BridgeSection& section);
   void set_faults(const BusSection& section, sim::Bus& bus);
   void review_buses();
-  BusWatch& watch(const sim::Bus& bus);
+  BusWatch& watch(const can::Bus& bus);
   template <typename... T>
   void warn(text::Place place, fmt::format_string<T...> text, T&&... arguments) {
     parts_.warnings.push_back({place, fmt::format(text, std::forward<T>(arguments)...)});
@@ -102,6 +105,7 @@ class Assembly {
   Plant::Parts& parts_;
   PlantObserver& observer_;
   std::uint64_t seed_;
+  BusOpener* opener_;
   std::filesystem::path folder_;
   PlantStores& stores_;
   std::map<std::string, File> files_;

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "canopus/plant/bus_bridge.hpp"
 #include "canopus/plant/bus_watch.hpp"
 #include "canopus/plant/device_seat.hpp"
 #include "canopus/plant/lift_seat.hpp"
@@ -17,21 +18,24 @@
 #include "canopus/plant/plant_stores.hpp"
 #include "canopus/plant/plant_timers.hpp"
 #include "canopus/plc/rack/module_refresh.hpp"
+#include "canopus/sim/bus/bus.hpp"
 
 namespace canopus::plant {
 
 struct Plant::Parts {
   PlantFile file;
   can::Timeline timeline;
-  std::vector<std::unique_ptr<sim::Bus>> buses;
+  std::vector<std::unique_ptr<can::Bus>> buses;
+  std::vector<sim::Bus*> simulated;  // of each bus; null: it is another one
+  std::vector<std::unique_ptr<BusBridge>> bridges;
   std::vector<std::unique_ptr<BusWatch>> watches;
   std::vector<std::unique_ptr<LiftSeat>> lifts;
   std::vector<std::unique_ptr<DeviceSeat>> devices;
   std::vector<can::Timeline::Handle> device_handles;
-  std::vector<const sim::Port*> device_ports;  // of each device
+  std::vector<const can::Port*> device_ports;  // of each device
   std::vector<std::unique_ptr<ModuleSeat>> modules;
   std::vector<can::Timeline::Handle> module_handles;
-  std::vector<const sim::Port*> module_ports;  // of each module
+  std::vector<const can::Port*> module_ports;  // of each module
   std::vector<std::unique_ptr<plc::Rack>> racks;
   std::vector<std::unique_ptr<plc::ModuleRefresh>> refreshes;
   std::vector<std::unique_ptr<CpuErrorTimer>> cpu_errors;
@@ -42,13 +46,13 @@ struct Plant::Parts {
   std::optional<PlantStores> stores;
   bool has_stalled = false;
 
-  sim::Bus& bus(std::string_view name) {
+  can::Bus& bus(std::string_view name) {
     return **std::ranges::find_if(buses, [&](const auto& bus) { return bus->name() == name; });
   }
 };
 
 /// Opens the device files and fills `parts` from parts.file. All errors are found at once.
 [[nodiscard]] std::vector<text::FileError> assemble(Plant::Parts& parts, PlantObserver& observer,
-                                                    std::uint64_t seed);
+                                                    std::uint64_t seed, BusOpener* opener);
 
 }  // namespace canopus::plant

@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
+#include "canopus/can/bus.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/plc/rack/rack.hpp"
-#include "canopus/sim/bus/bus.hpp"
 
 namespace canopus::plant {
 
@@ -33,7 +33,7 @@ class CpuErrorTimer final : public can::Ticker {
 /// Reports the load of every bus once a second.
 class LoadReport final : public can::Ticker {
  public:
-  LoadReport(std::vector<std::unique_ptr<sim::Bus>>& buses, PlantObserver& observer)
+  LoadReport(std::vector<std::unique_ptr<can::Bus>>& buses, PlantObserver& observer)
       : buses_(buses), observer_(observer) {}
   void tick(can::Time now) override {
     for (const auto& bus : buses_) observer_.load(bus->name(), bus->load(now), now);
@@ -42,7 +42,7 @@ class LoadReport final : public can::Ticker {
   can::Time deadline() const noexcept override { return next_; }
 
  private:
-  std::vector<std::unique_ptr<sim::Bus>>& buses_;
+  std::vector<std::unique_ptr<can::Bus>>& buses_;
   PlantObserver& observer_;
   can::Time next_ = can::Time{} + std::chrono::seconds(1);
 };

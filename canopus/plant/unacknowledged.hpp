@@ -1,6 +1,6 @@
 #pragma once
 
-#include "canopus/sim/bus/bus.hpp"
+#include "canopus/can/bus.hpp"
 
 namespace canopus::plant {
 
@@ -9,8 +9,8 @@ class Unacknowledged {
  public:
   /// As BusObserver::error_detected(). True once, when the frames of one port stayed without acknowledgement
   /// for so many attempts in a row; then again only after somebody completed a frame.
-  bool error_detected(const sim::Port& port, sim::BusError error) noexcept {
-    const bool unacknowledged = error == sim::BusError::acknowledgement;
+  bool error_detected(const can::Port& port, can::BusError error) noexcept {
+    const bool unacknowledged = error == can::BusError::acknowledgement;
     // What a listener makes of it says nothing of the sender.
     if (reported_ || (!unacknowledged && &port != port_)) return false;
     attempts_ = !unacknowledged ? 0 : &port == port_ ? attempts_ + 1 : 1;
@@ -27,7 +27,7 @@ class Unacknowledged {
  private:
   /// One may be a disturbed acknowledgement slot.
   static constexpr unsigned attempts_that_count = 8;
-  const sim::Port* port_ = nullptr;
+  const can::Port* port_ = nullptr;
   unsigned attempts_ = 0;
   bool reported_ = false;
 };

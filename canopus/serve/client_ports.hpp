@@ -4,18 +4,18 @@
 #include <utility>
 #include <vector>
 
+#include "canopus/can/bus.hpp"
 #include "canopus/can/timeline.hpp"
 #include "canopus/link/socketcand_server.hpp"
 #include "canopus/plant/unacknowledged.hpp"
-#include "canopus/sim/bus/bus.hpp"
 
 namespace canopus::serve {
 
 /// A port of a simulated bus for one socketcand client after the other. A bus keeps its ports and a timeline
 /// its places, so those of clients that left are used again.
-class ClientPort final : public can::Participant, private sim::BusObserver {
+class ClientPort final : public can::Participant, private can::BusObserver {
  public:
-  ClientPort(sim::Bus& bus, can::Timeline& timeline)
+  ClientPort(can::Bus& bus, can::Timeline& timeline)
       : bus_(bus),
         timeline_(timeline),
         handle_(timeline.add(*this, "socketcand client")),
@@ -34,7 +34,7 @@ class ClientPort final : public can::Participant, private sim::BusObserver {
   void join(link::AttachedClient& client) {
     unacknowledged_ = {};
     client_ = &client;
-    port_.set_transmit_queue(sim::TransmitOrder::fifo,
+    port_.set_transmit_queue(can::TransmitOrder::fifo,
                              queued_frames);  // as sent, and nothing of an earlier client
     port_.plug(true);
     refresh();
@@ -65,11 +65,11 @@ class ClientPort final : public can::Participant, private sim::BusObserver {
   }
 
  private:
-  // sim::BusObserver
+  // can::BusObserver
   void frame_completed(const can::Frame&, can::Time, can::Time) override {
     unacknowledged_.frame_completed();
   }
-  void error_detected(const sim::Port& port, sim::BusError error, can::Time now) override {
+  void error_detected(const can::Port& port, can::BusError error, can::Time now) override {
     if (&port != &port_ || client_ == nullptr) return;
     if (unacknowledged_.error_detected(port, error)) client_->unacknowledged(now);
   }
@@ -77,16 +77,16 @@ class ClientPort final : public can::Participant, private sim::BusObserver {
   static constexpr std::size_t queued_frames = 128;
   link::AttachedClient* client_ = nullptr;  // before what adds this to the timeline
   plant::Unacknowledged unacknowledged_;
-  sim::Bus& bus_;
+  can::Bus& bus_;
   can::Timeline& timeline_;
   can::Timeline::Handle handle_;
-  sim::Port& port_;
+  can::Port& port_;
 };
 
 /// The ports that socketcand clients of one bus have or had.
 class ClientPorts {
  public:
-  ClientPorts(sim::Bus& bus, can::Timeline& timeline) : bus_(bus), timeline_(timeline) {}
+  ClientPorts(can::Bus& bus, can::Timeline& timeline) : bus_(bus), timeline_(timeline) {}
 
   /// A client's place until it is destroyed.
   [[nodiscard]] std::unique_ptr<link::BusAttachment> attach(link::AttachedClient& client) {
@@ -118,7 +118,7 @@ class ClientPorts {
     std::unique_ptr<ClientPort> port_;
   };
 
-  sim::Bus& bus_;
+  can::Bus& bus_;
   can::Timeline& timeline_;
   Free free_;
 };

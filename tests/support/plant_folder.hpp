@@ -70,12 +70,20 @@ class PlantFolder : public testing::Test {
     return all;
   }
   /// The plant of this text, switched off.
-  std::unique_ptr<plant::Plant> load(std::string_view text, plant::PlantObserver& observer) {
+  std::unique_ptr<plant::Plant> load(std::string_view text, plant::PlantObserver& observer,
+                                     plant::BusOpener* opener = nullptr) {
     write("plant.toml", text);
     cli::TextOutput err;
-    auto plant = cli::load_plant(path(), observer, err);
+    auto plant = cli::load_plant(path(), observer, err, std::nullopt, opener);
     EXPECT_NE(plant, nullptr) << err.text();
     return plant;
+  }
+  /// Why there is no plant of this text.
+  std::string refusal(std::string_view text, plant::PlantObserver& observer, plant::BusOpener* opener) {
+    write("plant.toml", text);
+    cli::TextOutput err;
+    EXPECT_EQ(cli::load_plant(path(), observer, err, std::nullopt, opener), nullptr);
+    return shortened(err.text());
   }
   [[nodiscard]] std::string path() const { return (folder_ / "plant.toml").string(); }
   [[nodiscard]] std::string shortened(std::string text) const {

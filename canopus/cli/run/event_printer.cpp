@@ -128,7 +128,7 @@ void JsonPrinter::object_released(const plant::ForcedObject& released, can::Time
   print(object_event(now, "released", released), now);
 }
 
-void JsonPrinter::load(std::string_view bus, const sim::BusLoad& load, can::Time now) {
+void JsonPrinter::load(std::string_view bus, const can::BusLoad& load, can::Time now) {
   Json line = event(now, "load");
   line["bus"] = bus;
   line["now"] = load.now;

@@ -23,7 +23,7 @@ struct RunSummary {
   can::Duration largest_lag{};  ///< real time only: how late the plant was at worst
   struct BusCount {
     std::string_view name;
-    sim::BusLoad load;
+    can::BusLoad load;
   };
   std::vector<BusCount> buses{};
   std::vector<plant::NodeStatus> nodes{};
@@ -59,7 +59,7 @@ class JsonPrinter final : public plant::PlantObserver {
   void object_forced(const plant::ForcedObject& forced, can::Time now) override;
   void object_released(const plant::ForcedObject& released, can::Time now) override;
   void lift_event(std::string_view bus, const sim::lift::LiftEvent& event) override;
-  void load(std::string_view bus, const sim::BusLoad& load, can::Time now) override;
+  void load(std::string_view bus, const can::BusLoad& load, can::Time now) override;
   void warning(std::string_view source, std::string_view message, can::Time now) override;
   void module_event(std::string_view plc, std::string_view source,
                     const module::ModuleEventRecord& record) override;

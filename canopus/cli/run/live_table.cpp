@@ -72,7 +72,7 @@ TableState LiveTable::look(can::Time now, can::Duration lag) {
   TableState state{.plant = plant_->name(), .now = now, .lag = lag};
   if (state.plant.empty()) state.plant = std::filesystem::path(plant_->file().path).filename().string();
   for (std::size_t i = 0; i < plant_->bus_count(); ++i) {
-    const sim::Bus& bus = plant_->bus(i);
+    const can::Bus& bus = plant_->bus(i);
     state.buses.push_back({bus.name(), bus.bit_rate(), bus.load(now)});
   }
   for (const plant::NodeStatus& status : plant_->nodes()) state.nodes.push_back({status});

@@ -9,8 +9,8 @@
 
 #include "canopus/cli/run/run_loop.hpp"
 #include "canopus/cli/terminal/option_checks.hpp"
-#include "canopus/trace/file/trace_file.hpp"
 #include "canopus/text/text_values.hpp"
+#include "canopus/trace/file/trace_file.hpp"
 
 namespace canopus::cli {
 

@@ -28,6 +28,7 @@
 #include "canopus/plant/lift_seat.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/serve/client_reports.hpp"
+#include "canopus/serve/linked_buses.hpp"
 #include "canopus/serve/real_time.hpp"
 #include "canopus/serve/step_clock.hpp"
 #include "canopus/text/local_time.hpp"
@@ -67,7 +68,8 @@ class Run {
         lines_(standard_output(), standard_error(), options.quiet),
         // Where errors go elsewhere than to the terminal, they go there as they come.
         table_(raw_plant_, ::isatty(STDERR_FILENO) != 0 ? nullptr : &standard_error()),
-        has_table_(!options.json && !options.quiet && !options.virtual_time && is_terminal(STDOUT_FILENO)) {}
+        has_table_(!options.json && !options.quiet && !options.virtual_time && is_terminal(STDOUT_FILENO)),
+        linked_buses_(io_, options.plant, options.virtual_time) {}
 
   int operator()();
 
@@ -103,9 +105,10 @@ class Run {
   plant::Plant* raw_plant_ = nullptr;
   LiveTable table_;
   bool has_table_;
+  asio::io_context io_{1};
+  serve::LinkedBuses linked_buses_;
   std::unique_ptr<plant::Plant> plant_;
   RunRecording recording_;
-  asio::io_context io_{1};
   std::optional<StopSignals> stop_signals_;
   std::atomic<bool> output_failed_{false};
   std::optional<RunOutput> output_;
@@ -183,6 +186,7 @@ bool Run::run_in_real_time() {
   if (!has_table_) show_connections();
   set_cpu_clocks();
   clock.set_resumed_handler([this] { set_cpu_clocks(); });
+  linked_buses_.start(&clock, observer());
   plant_->power_on();
   clock.start();
   if (has_table_) start_table(clock);
@@ -193,6 +197,7 @@ bool Run::run_in_real_time() {
   io_.run();
   (void)clock.now();  // up to the moment it was stopped
   servers.close();
+  linked_buses_.close(1s);
   if (has_table_) end_table();
   largest_lag_ = clock.largest_lag();
   return true;
@@ -217,6 +222,7 @@ bool Run::run_in_step() {
   };
   output_->set_patience(goes_on);
   recording_.set_patience(goes_on);
+  linked_buses_.start(nullptr, observer());
   plant_->power_on();
   ReadingClients readers;
   while (!is_to_end() && timeline.now() < end && !expectation_over()) {
@@ -250,6 +256,7 @@ void Run::run_in_virtual_time() {
   };
   output_->set_patience(goes_on);
   recording_.set_patience(goes_on);
+  linked_buses_.start(nullptr, observer());
   plant_->power_on();
   can::Timeline& timeline = plant_->timeline();
   while (timeline.now() < end && goes_on(0) && !expectation_over()) {
@@ -337,7 +344,7 @@ void Run::warn() {
 }
 
 int Run::operator()() {
-  plant_ = load_plant(options_.plant, observer(), standard_error(), options_.seed);
+  plant_ = load_plant(options_.plant, observer(), standard_error(), options_.seed, &linked_buses_);
   if (!plant_) return 2;
   raw_plant_ = plant_.get();
   if (auto errors = plant_->open_stores(); !errors.empty()) {

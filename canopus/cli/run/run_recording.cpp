@@ -120,7 +120,11 @@ std::expected<void, std::string> RunRecording::open_trace(const std::string& pat
 std::expected<void, std::string> RunRecording::open_vcd(const std::string& path, plant::Plant& plant) {
   if (path.empty()) return {};
   for (std::size_t i = 0; i < plant.bus_count(); ++i) {
-    sim::Bus& bus = plant.bus(i);
+    if (plant.simulated_bus(i) == nullptr) {
+      return std::unexpected(
+          fmt::format("--vcd: bus \"{}\" is not simulated; its wire cannot be seen", plant.bus(i).name()));
+    }
+    sim::Bus& bus = *plant.simulated_bus(i);
     const std::string of_bus = plant.bus_count() == 1 ? path : vcd_path_of(path, bus.name());
     vcd_.push_back(std::make_unique<VcdFile>(of_bus, bus));
     if (std::string problem = vcd_.back()->error(); !problem.empty()) {

@@ -47,7 +47,7 @@ class RecordingStream {
 };
 
 /// Every frame of a bus into the trace file.
-class TraceWriter final : public sim::BusObserver {
+class TraceWriter final : public can::BusObserver {
  public:
   TraceWriter(trace::TraceFile& file, const std::string& bus) : file_(file), bus_(bus) {}
   void frame_completed(const can::Frame& frame, can::Time start, can::Time end) override;

@@ -52,7 +52,7 @@ TableLine title(const TableState& state, std::size_t columns) {
 }
 
 TableLine bus_line(const TableState::Bus& bus, std::size_t name_columns, std::size_t columns) {
-  const sim::BusLoad& load = bus.load;
+  const can::BusLoad& load = bus.load;
   std::vector<TableField> fields;
   fields.push_back({fmt::format("{:>4} kbit/s", bus.bit_rate / 1000), 1});
   fields.push_back({fmt::format("load {:>5.1f} %", load.now * 100), 0});

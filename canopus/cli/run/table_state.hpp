@@ -20,7 +20,7 @@ struct TableState {
   struct Bus {
     std::string name{};
     std::uint32_t bit_rate = 0;  ///< bit/s
-    sim::BusLoad load{};
+    can::BusLoad load{};
   };
   struct Node {
     plant::NodeStatus status{};

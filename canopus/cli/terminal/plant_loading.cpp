@@ -15,7 +15,7 @@ constexpr std::size_t enough_errors = 100;
 }  // namespace
 
 std::unique_ptr<plant::Plant> load_plant(const std::string& path, plant::PlantObserver& observer, Output& err,
-                                         std::optional<std::uint64_t> seed) {
+                                         std::optional<std::uint64_t> seed, plant::BusOpener* opener) {
   const auto text = text::read_file(path);
   if (!text) {
     err.line("canopus: {}", text.error());
@@ -24,7 +24,7 @@ std::unique_ptr<plant::Plant> load_plant(const std::string& path, plant::PlantOb
   plant::PlantReading reading = plant::read_plant(*text, path);
   std::vector<text::FileError> errors = std::move(reading.errors);
   if (errors.size() < enough_errors) {  // also with some, to find the others
-    auto plant = plant::Plant::build(reading.plant, observer, seed);
+    auto plant = plant::Plant::build(reading.plant, observer, seed, opener);
     if (!plant) errors.insert(errors.end(), plant.error().begin(), plant.error().end());
     if (errors.empty()) return std::move(*plant);
   }

@@ -85,6 +85,7 @@ BusSection read_bus(text::TableReader& table) {
       });
   bus.allowed = read_allowed(table, "serve", "socketcand protocol", bus.socketcand);
   bus.faults = read_good<FaultSection>(table, "fault", "bus.fault", read_fault);
+  read_link(table, bus);
   return bus;
 }
 
@@ -306,6 +307,8 @@ PlantReading read_plant(std::string_view text, std::string path) {
     plant.control_allowed = read_allowed(head, "control", "control server", plant.control);
   });
   top.tables("bus", "bus", [&](text::TableReader& table) { plant.buses.push_back(read_bus(table)); });
+  top.tables("bridge", "bridge",
+             [&](text::TableReader& table) { plant.bridges.push_back(read_bridge(table)); });
   top.tables("device", "device",
              [&](text::TableReader& table) { plant.devices.push_back(read_device(table)); });
   top.tables("lift", "lift", [&](text::TableReader& table) {

@@ -10,7 +10,9 @@
 #include <string_view>
 #include <vector>
 
+#include "canopus/can/frame.hpp"
 #include "canopus/link/allow_list.hpp"
+#include "canopus/link/bus_address.hpp"
 #include "canopus/module/interface/module.hpp"
 #include "canopus/plant/file/download_section.hpp"
 #include "canopus/plant/file/lift_section.hpp"
@@ -95,6 +97,31 @@ struct BusSection {
   std::optional<text::HostAndPort> socketcand{};  ///< from serve = "socketcand:127.0.0.1:29536"
   link::AllowList allowed{};                      ///< who may connect there
   std::vector<FaultSection> faults{};
+  text::Place link_place{};
+  std::string link{};  ///< as written: "socketcan:can0", "replay:run.log"; empty or "sim": simulated
+  std::optional<link::BusAddress> address{};  ///< of a bus of this machine or of another program
+  std::string replay{};                       ///< path of a trace, relative to the plant file
+
+  [[nodiscard]] bool is_linked() const noexcept { return address.has_value() || !replay.empty(); }
+};
+
+/// Identifiers from `first` to `last`, both included.
+struct IdentifierRange {
+  std::uint32_t first = 0;
+  std::uint32_t last = 0;
+};
+
+/// Frames of one bus that come to another.
+struct BridgeSection {
+  bool usable = true;
+  text::Place place{};
+  std::string from{};
+  std::string to{};
+  bool both_ways = false;
+  std::vector<IdentifierRange> identifiers{};  ///< of 11 bits; with those of 29 bits empty: everything
+  std::vector<IdentifierRange> extended{};     ///< of 29 bits
+
+  [[nodiscard]] bool passes(const can::Frame& frame) const noexcept;
 };
 
 struct DeviceSection {
@@ -252,6 +279,7 @@ struct PlantFile {
   std::optional<text::HostAndPort> control{};  ///< where the control server listens
   link::AllowList control_allowed{};           ///< who may connect there
   std::vector<BusSection> buses{};
+  std::vector<BridgeSection> bridges{};
   std::vector<DeviceSection> devices{};
   std::vector<PlcSection> plcs{};
   std::vector<LiftSection> lifts{};  ///< their devices are among the others, behind them

@@ -28,6 +28,7 @@ class References {
 
   void check() {
     check_buses();
+    check_bridges();
     for (DeviceSection& device : plant_.devices) {
       settle(device.bus, device.node, device.place, device.lift ? device.name : "device", device.usable);
       if (device.lift) plant_.lifts[device.lift->lift].bus = device.bus;
@@ -45,7 +46,7 @@ class References {
  private:
   struct Bus {
     std::uint32_t line = 0;
-    bool is_served = false;
+    bool is_open = false;  // for nodes outside of the plant
     unsigned nodes = 0;
     std::map<unsigned, std::uint32_t> taken{};  // node-ID, line
   };
@@ -58,11 +59,44 @@ class References {
   void check_buses() {
     if (plant_.buses.empty()) error({1, 1}, "the plant has no bus; expected at least one [[bus]]");
     for (const BusSection& bus : plant_.buses) {
-      const auto [known, is_new] =
-          buses_.try_emplace(bus.name, Bus{.line = bus.place.line, .is_served = bus.socketcand.has_value()});
+      const auto [known, is_new] = buses_.try_emplace(
+          bus.name, Bus{.line = bus.place.line, .is_open = bus.socketcand.has_value() || bus.is_linked()});
       if (is_new || bus.name.empty()) continue;
       error(bus.place, "bus \"{}\" is there already, in line {}", bus.name, known->second.line);
     }
+  }
+
+  /// Two ways for a frame between two buses, or a way back to where it came from, would multiply it without end.
+  void check_bridges() {
+    std::map<std::string, std::string> part;  // of each bus: the first one of those it is connected with
+    for (const BusSection& bus : plant_.buses) part[bus.name] = bus.name;
+    for (BridgeSection& bridge : plant_.bridges) {
+      bridge.usable = check_bridge_end(bridge, bridge.from) && check_bridge_end(bridge, bridge.to);
+      if (!bridge.usable) continue;
+      const std::string from = part[bridge.from];
+      const std::string to = part[bridge.to];
+      if (from == to) {
+        bridge.usable = false;
+        error(bridge.place, "bridge: frames can come from bus \"{}\" to bus \"{}\" already{}", bridge.from,
+              bridge.to,
+              bridge.from == bridge.to
+                  ? "; expected two buses"
+                  : "; a second way would repeat them. For both directions: both_ways = true");
+        continue;
+      }
+      for (auto& [bus, name] : part) name = name == to ? from : name;
+    }
+  }
+
+  bool check_bridge_end(const BridgeSection& bridge, const std::string& bus) {
+    if (bus.empty()) return false;
+    const auto found = buses_.find(bus);
+    if (found == buses_.end()) {
+      error(bridge.place, "bridge: there is no bus \"{}\"; expected one of {}", bus, bus_names());
+      return false;
+    }
+    found->second.is_open = true;  // nodes of the other bus may be seen
+    return true;
   }
 
   /// The names, or the first of them.
@@ -256,10 +290,10 @@ class References {
     if (member != by_node_.end()) return check_member(slave, master, member->second);
     if (slave.node == master.node)
       return error(slave.place, "slave: node {} is the module itself", slave.node);
-    if (may_appear(master.bus) || bus.is_served) return;
+    if (may_appear(master.bus) || bus.is_open) return;
     error(slave.place,
           "slave: there is no device or module with node = {} on bus \"{}\"; for a node outside of the plant "
-          "the bus needs serve",
+          "the bus needs serve or link",
           slave.node, master.bus);
   }
 

@@ -50,6 +50,11 @@ void read_place(text::TableReader& table, const plc::CpuModel& cpu, ModuleSectio
 /// Puts a lift without mistakes, and its devices, into the plant.
 void add_lift(PlantFile& plant, LiftSection lift);
 
+/// `link` of a [[bus]], whose other keys have been read.
+void read_link(text::TableReader& table, BusSection& bus);
+/// A [[bridge]].
+[[nodiscard]] BridgeSection read_bridge(text::TableReader& table);
+
 /// A [[bus.fault]].
 [[nodiscard]] FaultSection read_fault(text::TableReader& table);
 /// A [[device.script]].

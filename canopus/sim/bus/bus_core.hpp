@@ -9,14 +9,14 @@
 #include <utility>
 #include <vector>
 
+#include "canopus/can/bus_statistics.hpp"
 #include "canopus/can/fault_confinement.hpp"
 #include "canopus/can/frame_bits.hpp"
+#include "canopus/can/transmit_queue.hpp"
 #include "canopus/sim/bus/bit_controller.hpp"
 #include "canopus/sim/bus/bus.hpp"
-#include "canopus/sim/bus/bus_statistics.hpp"
 #include "canopus/sim/bus/fault_plan.hpp"
 #include "canopus/sim/bus/port_table.hpp"
-#include "canopus/sim/bus/transmit_queue.hpp"
 
 namespace canopus::sim {
 
@@ -50,7 +50,7 @@ struct BusCore {
   std::vector<std::unique_ptr<BusPort>> ports;
   std::vector<BusObserver*> observers;
   std::vector<WireObserver*> wire_observers;
-  BusStatistics statistics;
+  can::BusStatistics statistics;
   AcceptanceTable acceptance;
   FaultPlan plan;
   std::uint64_t frame_number = 0;  // of frames that were computed as a whole
@@ -197,7 +197,7 @@ class BusPort final : public Port {
   bool sending = false;       // `current` is on the wire; it counts as waiting
   bool last_attempt = false;  // `current` was aborted: it does not wait again
   can::Frame current;
-  TransmitQueue queue;
+  can::TransmitQueue queue;
   bool confirm = false;  // `current` is complete, its participant has to be notified
   can::FaultConfinement faults;
   std::uint32_t refused = 0;

@@ -1,19 +1,19 @@
-#include "canopus/sim/bus/bus_statistics.hpp"
+#include "canopus/can/bus_statistics.hpp"
 
 #include <algorithm>
 
-#include "canopus/sim/bus/bus.hpp"
+#include "canopus/can/bus.hpp"
 
-namespace canopus::sim {
+namespace canopus::can {
 namespace {
 
 using namespace std::chrono_literals;
 
 constexpr std::size_t extended_slots = 2048;
 constexpr std::size_t extended_limit = 1024;  // half full: a search stays short
-constexpr can::Duration second = 1s;
+constexpr Duration second = 1s;
 
-double share(can::Duration busy) { return std::chrono::duration<double>(busy).count(); }
+double share(Duration busy) { return std::chrono::duration<double>(busy).count(); }
 
 }  // namespace
 
@@ -52,12 +52,12 @@ void BusStatistics::close_second() noexcept {
   second_end_ += second;
 }
 
-void BusStatistics::roll(can::Time start, can::Time end) noexcept {
+void BusStatistics::roll(Time start, Time end) noexcept {
   if (start > second_end_) {
     close_second();
     if (start > second_end_) {  // whole seconds without a bit
       last_ = 0;
-      second_end_ += second * ((start - second_end_ + second - can::Duration(1)) / second);
+      second_end_ += second * ((start - second_end_ + second - Duration(1)) / second);
     }
   }
   while (end > second_end_) {
@@ -68,7 +68,7 @@ void BusStatistics::roll(can::Time start, can::Time end) noexcept {
   busy_ += end - start;
 }
 
-BusLoad BusStatistics::load(can::Time now) const noexcept {
+BusLoad BusStatistics::load(Time now) const noexcept {
   BusLoad load{.frames = frames_, .error_frames = error_frames_, .bits = bits_, .now = last_, .peak = peak_};
   if (now >= second_end_) {
     const bool just_ended = now < second_end_ + second;
@@ -78,4 +78,4 @@ BusLoad BusStatistics::load(can::Time now) const noexcept {
   return load;
 }
 
-}  // namespace canopus::sim
+}  // namespace canopus::can

@@ -8,7 +8,7 @@
 #include "canopus/can/frame.hpp"
 #include "canopus/can/time.hpp"
 
-namespace canopus::sim {
+namespace canopus::can {
 
 struct BusLoad;
 
@@ -16,17 +16,17 @@ class BusStatistics {
  public:
   BusStatistics();
   /// A frame was completed. No allocation.
-  void frame(const can::Frame& frame) noexcept {
+  void frame(const Frame& frame) noexcept {
     ++frames_;
     if (!frame.extended) {
-      ++base_[frame.identifier & can::max_base_identifier];
+      ++base_[frame.identifier & max_base_identifier];
     } else {
       count_extended(frame.identifier);
     }
   }
   void error_frame() noexcept { ++error_frames_; }
   /// The wire was not idle from `start` to `end`, which is not before the end of the last call.
-  void busy(can::Time start, can::Time end, std::uint64_t bits) noexcept {
+  void busy(Time start, Time end, std::uint64_t bits) noexcept {
     bits_ += bits;
     if (end > second_end_) {
       roll(start, end);
@@ -34,7 +34,7 @@ class BusStatistics {
       busy_ += end - start;
     }
   }
-  [[nodiscard]] BusLoad load(can::Time now) const noexcept;
+  [[nodiscard]] BusLoad load(Time now) const noexcept;
   [[nodiscard]] std::uint64_t frames_of(std::uint32_t identifier, bool extended) const noexcept;
 
  private:
@@ -44,14 +44,14 @@ class BusStatistics {
   };
   void count_extended(std::uint32_t identifier) noexcept;
   [[nodiscard]] std::size_t slot_of(std::uint32_t identifier) const noexcept;
-  void roll(can::Time start, can::Time end) noexcept;
+  void roll(Time start, Time end) noexcept;
   void close_second() noexcept;
 
   std::uint64_t frames_ = 0;
   std::uint64_t error_frames_ = 0;
   std::uint64_t bits_ = 0;
-  can::Time second_end_;  // of the second that busy_ counts
-  can::Duration busy_{};
+  Time second_end_;  // of the second that busy_ counts
+  Duration busy_{};
   double last_ = 0;  // of the second before
   double peak_ = 0;
   std::array<std::uint64_t, 2048> base_{};
@@ -59,4 +59,4 @@ class BusStatistics {
   std::size_t extended_used_ = 0;
 };
 
-}  // namespace canopus::sim
+}  // namespace canopus::can

@@ -7,17 +7,15 @@
 
 #include "canopus/can/frame.hpp"
 
-namespace canopus::sim {
-
-enum class TransmitOrder : std::uint8_t;
+namespace canopus::can {
 
 /// The bits that decide arbitration as one number, first bit on the wire highest: the frame with the lower
 /// one wins. Equal only for frames that are the same before the control field.
-[[nodiscard]] constexpr std::uint32_t arbitration(const can::Frame& frame) noexcept {
+[[nodiscard]] constexpr std::uint32_t arbitration(const Frame& frame) noexcept {
   const std::uint32_t remote = frame.remote ? 1 : 0;
-  if (!frame.extended) return (frame.identifier & can::max_base_identifier) << 21 | remote << 20;
+  if (!frame.extended) return (frame.identifier & max_base_identifier) << 21 | remote << 20;
   // identifier 28-18, SRR, IDE, identifier 17-0, RTR
-  return ((frame.identifier >> 18) & can::max_base_identifier) << 21 | 3U << 19 |
+  return ((frame.identifier >> 18) & max_base_identifier) << 21 | 3U << 19 |
          (frame.identifier & 0x3FFFF) << 1 | remote;
 }
 
@@ -27,7 +25,7 @@ class TransmitQueue {
  public:
   void configure(bool sorted, std::size_t capacity);
   /// False: full. `reserved` places count as taken.
-  bool push(const can::Frame& frame, std::size_t reserved) {
+  bool push(const Frame& frame, std::size_t reserved) {
     if (!empty() || reserved >= capacity_) return push_behind(frame, reserved);
     frames_[0] = frame;  // the usual case
     begin_ = 0;
@@ -35,31 +33,31 @@ class TransmitQueue {
     return true;
   }
   /// Gives a frame back that was taken by pop(): it is the oldest of its kind again. Its place must be free.
-  void push_back_again(const can::Frame& frame) noexcept;
+  void push_back_again(const Frame& frame) noexcept;
   /// Takes the oldest one that equals this frame out, if there is one.
-  void remove(const can::Frame& frame) noexcept;
+  void remove(const Frame& frame) noexcept;
   [[nodiscard]] bool empty() const noexcept { return begin_ == end_; }
   [[nodiscard]] std::size_t size() const noexcept { return end_ - begin_; }
   [[nodiscard]] std::size_t capacity() const noexcept { return capacity_; }
   /// The frame to offer next. Not when empty.
-  [[nodiscard]] const can::Frame& front() const noexcept { return frames_[begin_]; }
-  can::Frame pop() noexcept {
-    const can::Frame frame = frames_[begin_++];
+  [[nodiscard]] const Frame& front() const noexcept { return frames_[begin_]; }
+  Frame pop() noexcept {
+    const Frame frame = frames_[begin_++];
     if (begin_ == end_) begin_ = end_ = 0;
     return frame;
   }
   void clear() noexcept { begin_ = end_ = 0; }
 
  private:
-  bool push_behind(const can::Frame& frame, std::size_t reserved);
-  void insert(std::size_t position, const can::Frame& frame) noexcept;
+  bool push_behind(const Frame& frame, std::size_t reserved);
+  void insert(std::size_t position, const Frame& frame) noexcept;
   void make_room();
 
-  std::vector<can::Frame> frames_;  // begin_..end_ are waiting, the next one first
+  std::vector<Frame> frames_;  // begin_..end_ are waiting, the next one first
   std::size_t capacity_ = 0;
   std::size_t begin_ = 0;
   std::size_t end_ = 0;
   bool sorted_ = true;
 };
 
-}  // namespace canopus::sim
+}  // namespace canopus::can

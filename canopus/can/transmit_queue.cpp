@@ -1,8 +1,8 @@
-#include "canopus/sim/bus/transmit_queue.hpp"
+#include "canopus/can/transmit_queue.hpp"
 
 #include <algorithm>
 
-namespace canopus::sim {
+namespace canopus::can {
 
 namespace {
 constexpr std::size_t first_frames = 32;
@@ -18,7 +18,7 @@ void TransmitQueue::configure(bool sorted, std::size_t capacity) {
 // One frame that is on the wire may come back any time: there is always room for it.
 void TransmitQueue::make_room() { frames_.resize(std::min(capacity_, 2 * frames_.size())); }
 
-bool TransmitQueue::push_behind(const can::Frame& frame, std::size_t reserved) {
+bool TransmitQueue::push_behind(const Frame& frame, std::size_t reserved) {
   if (size() + reserved >= capacity_) return false;
   if (size() + 1 >= frames_.size() && frames_.size() < capacity_) make_room();
   std::size_t position = end_;
@@ -30,7 +30,7 @@ bool TransmitQueue::push_behind(const can::Frame& frame, std::size_t reserved) {
   return true;
 }
 
-void TransmitQueue::push_back_again(const can::Frame& frame) noexcept {
+void TransmitQueue::push_back_again(const Frame& frame) noexcept {
   std::size_t position = begin_;
   if (sorted_) {
     const std::uint32_t priority = arbitration(frame);
@@ -39,7 +39,7 @@ void TransmitQueue::push_back_again(const can::Frame& frame) noexcept {
   insert(position, frame);
 }
 
-void TransmitQueue::remove(const can::Frame& frame) noexcept {
+void TransmitQueue::remove(const Frame& frame) noexcept {
   const auto begin = frames_.begin() + static_cast<std::ptrdiff_t>(begin_);
   const auto end = frames_.begin() + static_cast<std::ptrdiff_t>(end_);
   const auto found = std::find(begin, end, frame);
@@ -48,7 +48,7 @@ void TransmitQueue::remove(const can::Frame& frame) noexcept {
   --end_;
 }
 
-void TransmitQueue::insert(std::size_t position, const can::Frame& frame) noexcept {
+void TransmitQueue::insert(std::size_t position, const Frame& frame) noexcept {
   const auto at = [this](std::size_t slot) { return frames_.begin() + static_cast<std::ptrdiff_t>(slot); };
   if (begin_ > 0 && position == begin_) {
     frames_[--begin_] = frame;
@@ -65,4 +65,4 @@ void TransmitQueue::insert(std::size_t position, const can::Frame& frame) noexce
   frames_[position] = frame;
 }
 
-}  // namespace canopus::sim
+}  // namespace canopus::can

@@ -1,0 +1,163 @@
+#pragma once
+// A bus of this machine's hardware, or of another program, under the soft modules of a plant. The controllers of all nodes of
+// the plant share one place on it: what one of them sends, the others of the plant hear when the transport
+// says that it is on the bus. Bit rate, error state and counters are those of the hardware, as far as the transport tells.
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/can/bus.hpp"
+#include "canopus/can/bus_statistics.hpp"
+#include "canopus/can/timeline.hpp"
+#include "canopus/can/transmit_queue.hpp"
+#include "canopus/link/bus_client.hpp"
+#include "canopus/link/loop_clock.hpp"
+
+namespace canopus::link {
+
+class LinkedBus;
+
+/// The controller of one node of the plant, as that node sees it. What the hardware has once, all ports show.
+class LinkedPort final : public can::Port {
+ public:
+  LinkedPort(LinkedBus& bus, std::string name);
+
+  bool send(const can::Frame& frame) override;
+  void connect(can::Listener& participant, can::Timeline::Handle handle) override;
+  void disconnect() override { participant_ = nullptr; }
+  void plug(bool plugged) override;
+  void set_power(bool on) override;
+  [[nodiscard]] bool plugged() const override { return plugged_; }
+  [[nodiscard]] const std::string& name() const override { return name_; }
+  void accept(const can::Acceptance& acceptance) override { acceptance_ = acceptance; }
+  void set_transmit_queue(can::TransmitOrder order, std::size_t capacity) override;
+  [[nodiscard]] const can::PortCounters& counters() const override { return counters_; }
+  void set_listen_only(bool listen_only) override;
+  void set_automatic_recovery(bool automatic) override;
+  void recover() override;
+  [[nodiscard]] std::uint16_t transmit_error_counter() const override;
+  [[nodiscard]] std::uint16_t receive_error_counter() const override;
+  [[nodiscard]] can::ErrorState error_state() const override;
+  [[nodiscard]] std::uint32_t bit_rate() const override { return bit_rate_; }
+  void restart(std::uint32_t bit_rate) override;
+  [[nodiscard]] std::uint32_t transmit_overflows() const override { return refused_; }
+  [[nodiscard]] bool has_room() const override;
+  void abort_transmissions() override;
+
+ private:
+  friend class LinkedBus;
+  [[nodiscard]] bool is_on() const noexcept { return powered_ && plugged_ && !has_other_rate_; }
+  [[nodiscard]] bool offers() const noexcept { return is_on() && !listen_only_ && !queue_.empty(); }
+
+  LinkedBus& bus_;
+  std::string name_;
+  can::Listener* participant_ = nullptr;
+  can::Timeline::Handle handle_ = 0;
+  can::Acceptance acceptance_;
+  can::TransmitQueue queue_;
+  can::PortCounters counters_;
+  std::uint32_t bit_rate_;
+  std::uint32_t refused_ = 0;
+  std::size_t under_way_ = 0;  // handed to the transport, not yet on the bus
+  bool powered_ = true;
+  bool plugged_ = true;
+  bool listen_only_ = false;
+  bool automatic_recovery_ = true;
+  bool has_other_rate_ = false;  // than the bus: hears and sends nothing
+};
+
+class LinkedBus final : public can::Bus, public can::Ticker, private BusClientUser {
+ public:
+  /// Hears what a person should know of this bus.
+  using Report = std::function<void(std::string_view text, can::Time now)>;
+
+  /// bit_rate in bit/s: what the nodes are meant to have. Adds itself to the timeline, which must outlive the bus.
+  LinkedBus(std::string name, std::uint32_t bit_rate, can::Timeline& timeline,
+            std::unique_ptr<BusClient> client);
+  ~LinkedBus() override;
+  LinkedBus(const LinkedBus&) = delete;
+  LinkedBus& operator=(const LinkedBus&) = delete;
+
+  /// From now on frames are heard and sent. The clock brings the timeline up to the moment of a frame; null: the
+  /// transport lives in the timeline itself.
+  void start(LoopClock* clock, Report report);
+  /// Gives what was sent `time_out` to get out; nothing is heard any more. False: not all of it got out.
+  bool close(std::chrono::milliseconds time_out);
+
+  [[nodiscard]] const std::string& name() const noexcept override { return name_; }
+  [[nodiscard]] std::uint32_t bit_rate() const noexcept override { return bit_rate_; }
+  can::Port& add_port(std::string name) override;
+  [[nodiscard]] std::vector<const can::Port*> ports() const override;
+  void add_observer(can::BusObserver& observer) override;
+  void remove_observer(can::BusObserver& observer) override;
+  [[nodiscard]] can::BusLoad load(can::Time now) const override { return statistics_.load(now); }
+  [[nodiscard]] std::uint64_t frames_of(std::uint32_t identifier, bool extended) const override {
+    return statistics_.frames_of(identifier, extended);
+  }
+  /// The hardware's, as told last.
+  [[nodiscard]] const ControllerStatus& status() const noexcept { return status_; }
+
+  void tick(can::Time now) override;
+  [[nodiscard]] can::Time deadline() const noexcept override;
+
+ private:
+  friend class LinkedPort;
+  /// So many frames are with the transport at most. What waits here can still be overtaken or taken back, as in a
+  /// controller; too few would leave gaps between the frames.
+  static constexpr std::size_t window = 4;
+  struct UnderWay {
+    LinkedPort* port = nullptr;  // null: its node was restarted or switched off meanwhile
+    can::Frame frame{};
+  };
+
+  // BusClientUser
+  void frame_received(const can::Frame& frame) override;
+  void frame_sent(const can::Frame& frame) override;
+  void controller_changed(const ControllerStatus& status) override;
+  void bus_interrupted(const std::string& reason) override;
+  void bus_resumed() override;
+  void bus_lost(const std::string& reason) override;
+  void bus_complains(std::string_view text) override;
+
+  /// Brings the timeline up to now, unless this call comes out of it.
+  can::Time arrive();
+  void leave();
+  void completed(const can::Frame& frame, LinkedPort* sender, can::Time now);
+  void hand_over();
+  void offer_changed();
+  void forget(LinkedPort& port) noexcept;
+  void lose_what_is_under_way() noexcept;
+  void want_bit_rate(LinkedPort& port, std::uint32_t bit_rate);
+  void want_recovery();
+  void report(std::string_view text);
+  void tell_controllers(can::Time now);
+  LinkedPort* first_in_arbitration() noexcept;
+
+  std::string name_;
+  std::uint32_t bit_rate_;
+  can::Timeline& timeline_;
+  can::Timeline::Handle handle_;
+  std::unique_ptr<BusClient> client_;
+  LoopClock* clock_ = nullptr;
+  Report report_;
+  ControllerStatus status_;
+  std::vector<std::unique_ptr<LinkedPort>> ports_;
+  std::vector<can::BusObserver*> observers_;
+  can::BusStatistics statistics_;
+  std::array<UnderWay, window> under_way_{};  // in the order of sending
+  std::size_t under_way_count_ = 0;
+  can::Time busy_until_{};
+  can::Time hand_over_at_ = can::never;
+  can::Time recover_at_ = can::never;
+  bool is_started_ = false;
+  bool is_lost_ = false;
+};
+
+}  // namespace canopus::link

@@ -1,0 +1,105 @@
+// What connects a bus with the world outside of the plant, and with the plant's other buses.
+
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "canopus/plant/file/plant_sections.hpp"
+#include "canopus/text/table_reader.hpp"
+
+namespace canopus::plant {
+namespace {
+
+constexpr std::string_view simulated = "sim";
+constexpr std::string_view replay = "replay:";
+constexpr std::string_view range_expected =
+    "expected hexadecimal identifiers such as \"181\" or \"180-1FF\"; with 8 digits they have 29 bits";
+
+struct ReadRange {
+  IdentifierRange range{};
+  bool extended = false;
+};
+
+std::optional<std::uint32_t> hexadecimal(std::string_view digits) {
+  std::uint32_t value = 0;
+  const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
+  if (failure != std::errc{} || end != digits.data() + digits.size()) return std::nullopt;
+  return value;
+}
+
+/// As candump writes identifiers: 8 digits have 29 bits.
+std::optional<ReadRange> read_range(std::string_view text) {
+  const std::size_t dash = text.find('-');
+  const std::string_view first = text.substr(0, dash);
+  const std::string_view last = dash == std::string_view::npos ? first : text.substr(dash + 1);
+  constexpr std::size_t extended_digits = 8;
+  if (first.empty() || (first.size() == extended_digits) != (last.size() == extended_digits))
+    return std::nullopt;
+  const auto low = hexadecimal(first);
+  const auto high = hexadecimal(last);
+  const bool extended = first.size() == extended_digits;
+  const std::uint32_t most = extended ? can::max_extended_identifier : can::max_base_identifier;
+  if (!low || !high || *low > *high || *high > most) return std::nullopt;
+  return ReadRange{{*low, *high}, extended};
+}
+
+bool contains(const std::vector<IdentifierRange>& ranges, std::uint32_t identifier) noexcept {
+  return std::ranges::any_of(ranges, [=](const IdentifierRange& range) {
+    return range.first <= identifier && identifier <= range.last;
+  });
+}
+
+}  // namespace
+
+bool BridgeSection::passes(const can::Frame& frame) const noexcept {
+  if (identifiers.empty() && extended.empty()) return true;
+  return contains(frame.extended ? extended : identifiers, frame.identifier);
+}
+
+void read_link(text::TableReader& table, BusSection& bus) {
+  bus.link_place = table.place("link");
+  bus.link = table.text("link").value_or(std::string(simulated));
+  if (bus.link == simulated) return;
+  if (bus.link.starts_with(replay)) {
+    bus.replay = bus.link.substr(replay.size());
+    if (bus.replay.empty()) table.error("link", "expected the path of a trace behind \"replay:\"");
+  } else if (auto address = link::parse_bus_address(bus.link)) {
+    bus.address = std::move(*address);
+  } else {
+    table.error(bus.link_place, fmt::format("link = {}; or \"sim\", or \"replay:FILE\"", address.error()));
+  }
+  if (bus.is_linked() && !bus.faults.empty()) {
+    table.error(bus.faults.front().place,
+                "fault: only a simulated bus can be disturbed; expected link = \"sim\"");
+    bus.faults.clear();
+  }
+}
+
+BridgeSection read_bridge(text::TableReader& table) {
+  BridgeSection bridge{.place = table.place()};
+  bridge.from = table.text("from", true).value_or("");
+  bridge.to = table.text("to", true).value_or("");
+  bridge.both_ways = table.boolean("both_ways").value_or(false);
+  const toml::node* node = table.find("identifiers");
+  if (node == nullptr) return bridge;
+  const auto* list = node->as_array();
+  if (list == nullptr || list->empty()) {
+    table.error("identifiers", range_expected);
+    return bridge;
+  }
+  for (const toml::node& item : *list) {
+    const auto* word = item.as_string();
+    const auto range = word == nullptr ? std::nullopt : read_range(word->get());
+    if (!range) {
+      table.error(text::place_of(item.source()),
+                  fmt::format("identifiers: {}, found {}", range_expected, text::describe_found(item)));
+      continue;
+    }
+    (range->extended ? bridge.extended : bridge.identifiers).push_back(range->range);
+  }
+  return bridge;
+}
+
+}  // namespace canopus::plant

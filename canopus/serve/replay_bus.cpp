@@ -1,0 +1,69 @@
+#include "canopus/serve/replay_bus.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace canopus::serve {
+
+std::expected<std::unique_ptr<ReplayBus>, std::string> ReplayBus::open(const std::string& path,
+                                                                       can::Timeline& timeline) {
+  auto reader = trace::open_trace(path);
+  if (!reader) return std::unexpected(reader.error());
+  std::unique_ptr<ReplayBus> bus(new ReplayBus(std::move(*reader), timeline));
+  bus->read_next();
+  if (!bus->mistake_.empty()) return std::unexpected(bus->mistake_);
+  timeline.refresh(bus->handle_);
+  return bus;
+}
+
+ReplayBus::ReplayBus(std::unique_ptr<trace::TraceReader> reader, can::Timeline& timeline)
+    : reader_(std::move(reader)), timeline_(timeline), handle_(timeline.add(*this, "replay")) {}
+
+ReplayBus::~ReplayBus() { timeline_.remove(handle_); }
+
+bool ReplayBus::send(const can::Frame& frame) {
+  if (sent_count_ == sent_.size()) return false;
+  sent_[sent_count_++] = frame;
+  timeline_.refresh(handle_);
+  return true;
+}
+
+can::Time ReplayBus::deadline() const noexcept {
+  return sent_count_ > 0 || !mistake_.empty() ? timeline_.now() : at_;
+}
+
+void ReplayBus::tick(can::Time now) {
+  if (!mistake_.empty()) {
+    const std::string mistake = std::exchange(mistake_, {});
+    if (user_ != nullptr) user_->bus_complains(mistake);
+  }
+  const std::size_t count = std::exchange(sent_count_, 0);
+  const std::array<can::Frame, 16> sent = sent_;
+  for (std::size_t i = 0; i < count && user_ != nullptr; ++i) user_->frame_sent(sent[i]);
+  while (next_ && at_ <= now) {
+    const can::Frame frame = next_->frame;
+    read_next();
+    if (user_ != nullptr) user_->frame_received(frame);
+  }
+}
+
+void ReplayBus::read_next() {
+  next_.reset();
+  at_ = can::never;
+  while (true) {
+    auto record = reader_->next();
+    if (!record) {
+      mistake_ = record.error() + "; what follows is not played back";
+      return;
+    }
+    if (!*record) return;
+    if ((*record)->error_frame) continue;
+    if (!zero_) zero_ = (*record)->time;
+    next_ = **record;
+    // A trace whose time goes back is played back in its order.
+    at_ = std::max(timeline_.now(), can::later(can::Time{}, (*record)->time - *zero_));
+    return;
+  }
+}
+
+}  // namespace canopus::serve

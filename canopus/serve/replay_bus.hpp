@@ -1,0 +1,53 @@
+#pragma once
+// A trace as a bus: its frames come at their times, and what a plant sends there is taken and heard by nobody else.
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "canopus/can/timeline.hpp"
+#include "canopus/link/bus_client.hpp"
+#include "canopus/trace/file/trace_reader.hpp"
+
+namespace canopus::serve {
+
+/// Reads the trace as it goes, in constant memory. Time 0 of the run is that of the first frame.
+class ReplayBus final : public link::BusClient, public can::Ticker {
+ public:
+  /// `path` as TraceReader::open_trace() takes it. Errors are sentences.
+  [[nodiscard]] static std::expected<std::unique_ptr<ReplayBus>, std::string> open(const std::string& path,
+                                                                                   can::Timeline& timeline);
+  ~ReplayBus() override;
+  ReplayBus(const ReplayBus&) = delete;
+  ReplayBus& operator=(const ReplayBus&) = delete;
+
+  bool send(const can::Frame& frame) override;
+  void set_user(link::BusClientUser* user) override { user_ = user; }
+  bool close(std::chrono::milliseconds) override { return true; }
+
+  void tick(can::Time now) override;
+  [[nodiscard]] can::Time deadline() const noexcept override;
+
+ private:
+  ReplayBus(std::unique_ptr<trace::TraceReader> reader, can::Timeline& timeline);
+  /// Reads up to the next frame; error frames are left out.
+  void read_next();
+
+  std::unique_ptr<trace::TraceReader> reader_;
+  can::Timeline& timeline_;
+  can::Timeline::Handle handle_;
+  link::BusClientUser* user_ = nullptr;
+  std::optional<trace::TraceRecord> next_;
+  std::optional<can::Time> zero_;  // of the trace
+  can::Time at_ = can::never;      // of next_, in the run
+  std::array<can::Frame, 16> sent_{};
+  std::size_t sent_count_ = 0;
+  std::string mistake_;  // of the file, to be told
+};
+
+}  // namespace canopus::serve
