@@ -87,7 +87,8 @@ TEST(CandumpRead, DataFrame_GivesTimeChannelAndFrame) {
   ASSERT_TRUE(entry) << entry.error().message();
   EXPECT_EQ(*entry, (CandumpEntry{.time = Time(12s + 345us),
                                   .channel = "line1",
-                                  .frame = can::data_frame(0x601, {0x40, 0x18, 0x10, 0x01, 0, 0, 0, 0})}));
+                                  .frame = can::data_frame(0x601, {0x40, 0x18, 0x10, 0x01, 0, 0, 0, 0}),
+                                  .log_form = true}));
 }
 
 TEST(CandumpRead, UnixTime_IsKeptToTheNanosecond) {
@@ -182,9 +183,17 @@ TEST(CandumpReadError, TimeThatDoesNotFit_IsRefused) {
             "1:2: expected a time below 9223372036 seconds, found '9'");
 }
 
-TEST(CandumpReadError, DateInsteadOfSeconds_IsRefused) {
-  EXPECT_EQ(error_of("(2023-01-01 12:00:00.123456) can0 123#"),
-            "1:6: expected '.' and a fraction of a second, found '-'");
+TEST(CandumpRead, DateInsteadOfSeconds_IsUtc) {
+  const auto entry = read_candump_line("(2023-01-01 12:00:00.123456) can0 123#");
+  ASSERT_TRUE(entry) << entry.error().message();
+  EXPECT_EQ(entry->time, Time(1'672'574'400s + 123'456us));
+}
+
+TEST(CandumpReadError, DateThatDoesNotExist_IsRefused) {
+  EXPECT_EQ(error_of("(2023-02-29 12:00:00.123456) can0 123#"),
+            "1:2: expected a date that exists, found '2'");
+  EXPECT_EQ(error_of("(2023-13-01 12:00:00.123456) can0 123#"),
+            "1:7: expected a number of 1 to 12, found '1'");
 }
 
 TEST(CandumpReadError, ScreenFormWithTooFewBytes_IsRefused) {
@@ -220,6 +229,7 @@ std::string printed(const CandumpEntry& entry) {
 
 CandumpEntry any_entry() {
   CandumpEntry entry;
+  entry.log_form = true;
   entry.time = Time(std::chrono::microseconds(*rc::gen::inRange<std::int64_t>(0, 9'223'372'036'000'000)));
   entry.channel = *rc::gen::element<std::string>("can0", "line1", "x", "a#b");
   Frame& frame = entry.frame;

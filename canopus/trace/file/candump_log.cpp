@@ -13,9 +13,12 @@ namespace {
 constexpr char hex_digits[] = "0123456789ABCDEF";
 constexpr std::uint32_t error_frame_flag = 0x2000'0000;  // CAN_ERR_FLAG of linux/can.h
 constexpr std::int64_t nanoseconds_per_second = 1'000'000'000;
+constexpr char time_expected[] = "'(' and a time in seconds";
 
 constexpr bool is_blank(char c) noexcept { return c == ' ' || c == '\t'; }
 constexpr bool is_digit(char c) noexcept { return c >= '0' && c <= '9'; }
+
+constexpr bool is_letter(char c) noexcept { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
 constexpr std::optional<unsigned> hex_value(char c) noexcept {
   if (is_digit(c)) return static_cast<unsigned>(c - '0');
@@ -46,10 +49,21 @@ class Line {
   std::expected<CandumpEntry, CandumpError> read() {
     CandumpEntry entry;
     skip_blanks();
-    if (!read_time(entry.time) || !read_channel(entry.channel)) return std::unexpected(error_);
+    const std::size_t start = at_;
+    const bool timed = !is_letter(peek());
+    if ((timed && !read_time(entry.time)) || !read_channel(entry.channel, timed))
+      return std::unexpected(error_);
+    read_direction(entry);
     const auto word_end = std::ranges::find_if(text_.substr(at_), is_blank);
     const bool log_form = std::ranges::find(text_.begin() + position(), word_end, '#') != word_end;
-    if (log_form ? !read_log_frame(entry) : !read_screen_frame(entry)) return std::unexpected(error_);
+    if (!timed && (log_form || !read_screen_frame(entry)) && !error_.can_fd) {
+      (void)fail_at(start, time_expected);
+      return std::unexpected(error_);
+    }
+    if (timed && !(log_form ? read_log_frame(entry) : read_screen_frame(entry)))
+      return std::unexpected(error_);
+    if (error_.can_fd) return std::unexpected(error_);
+    entry.log_form = log_form;
     return entry;
   }
 
@@ -73,7 +87,11 @@ class Line {
   bool fail_at(std::size_t at, std::string expected);
 
   bool read_time(can::Time& time);
-  bool read_channel(std::string& channel);
+  bool read_date(can::Time& time);
+  bool read_number(std::size_t digits, unsigned low, unsigned high, unsigned& number);
+  bool read_fraction(std::int64_t& nanoseconds);
+  bool read_channel(std::string& channel, bool behind_time);
+  void read_direction(CandumpEntry& entry);
   bool read_identifier(CandumpEntry& entry);
   bool read_byte(std::uint8_t& byte);
   bool read_log_frame(CandumpEntry& entry);
@@ -97,12 +115,17 @@ bool Line::fail_at(std::size_t at, std::string expected) {
       found = {'b', 'y', 't', 'e', ' ', hex_digits[byte >> 4], hex_digits[byte & 0xF], 'H'};
     }
   }
-  error_ = {.line = number_, .column = at + 1, .expected = std::move(expected), .found = std::move(found)};
+  error_ = {.line = number_,
+            .column = at + 1,
+            .expected = std::move(expected),
+            .found = std::move(found),
+            .can_fd = error_.can_fd};
   return false;
 }
 
 bool Line::read_time(can::Time& time) {
-  if (!take('(')) return fail("'(' and a time in seconds");
+  if (!take('(')) return fail(time_expected);
+  if (text_.substr(at_).find_first_of("-.)") == 4 && peek(4) == '-') return read_date(time);
   const std::size_t start = at_;
   std::int64_t whole = 0;
   for (; is_digit(peek()); ++at_) {
@@ -112,22 +135,57 @@ bool Line::read_time(can::Time& time) {
     }
   }
   if (at_ == start) return fail("a time in seconds");
-  if (!take('.')) return fail("'.' and a fraction of a second");
   std::int64_t fraction = 0;
-  int digits = 0;
-  for (; is_digit(peek()); ++at_, ++digits) {
-    if (digits == 9) return fail("')' after at most 9 decimals");
-    fraction = fraction * 10 + (peek() - '0');
-  }
-  if (digits == 0) return fail("a decimal digit");
-  for (; digits < 9; ++digits) fraction *= 10;
-  if (!take(')')) return fail("')'");
+  if (!read_fraction(fraction)) return false;
   time = can::Time(can::Duration(whole * nanoseconds_per_second + fraction));
   return true;
 }
 
-bool Line::read_channel(std::string& channel) {
-  if (!is_blank(peek())) return fail("a blank");
+bool Line::read_fraction(std::int64_t& nanoseconds) {
+  if (!take('.')) return fail("'.' and a fraction of a second");
+  int digits = 0;
+  for (; is_digit(peek()); ++at_, ++digits) {
+    if (digits == 9) return fail("')' after at most 9 decimals");
+    nanoseconds = nanoseconds * 10 + (peek() - '0');
+  }
+  if (digits == 0) return fail("a decimal digit");
+  for (; digits < 9; ++digits) nanoseconds *= 10;
+  return take(')') || fail("')'");
+}
+
+bool Line::read_number(std::size_t digits, unsigned low, unsigned high, unsigned& number) {
+  const std::size_t start = at_;
+  number = 0;
+  for (std::size_t digit = 0; digit < digits; ++digit, ++at_) {
+    if (!is_digit(peek())) return fail("a decimal digit of a date and time");
+    number = number * 10 + static_cast<unsigned>(peek() - '0');
+  }
+  return (number >= low && number <= high) ||
+         fail_at(start, "a number of " + std::to_string(low) + " to " + std::to_string(high));
+}
+
+/// `2024-02-29 12:00:00.000345)`
+bool Line::read_date(can::Time& time) {
+  unsigned year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0;
+  std::int64_t fraction = 0;
+  const std::size_t start = at_;
+  if (!read_number(4, 1970, 2200, year) || !(take('-') || fail("'-'")) || !read_number(2, 1, 12, month) ||
+      !(take('-') || fail("'-'")) || !read_number(2, 1, 31, day) || !(take(' ') || fail("a blank")) ||
+      !read_number(2, 0, 23, hour) || !(take(':') || fail("':'")) || !read_number(2, 0, 59, minute) ||
+      !(take(':') || fail("':'")) || !read_number(2, 0, 60, second) || !read_fraction(fraction)) {
+    return false;
+  }
+  const std::chrono::year_month_day date{std::chrono::year(static_cast<int>(year)), std::chrono::month(month),
+                                         std::chrono::day(day)};
+  if (!date.ok()) return fail_at(start, "a date that exists");
+  const auto days = std::chrono::sys_days(date).time_since_epoch();
+  time = can::Time(days + std::chrono::hours(hour) + std::chrono::minutes(minute) +
+                   std::chrono::seconds(second) + can::Duration(fraction));
+  return true;
+}
+
+bool Line::read_channel(std::string& channel, bool behind_time) {
+  if (behind_time && !is_blank(peek())) return fail("a blank");
   skip_blanks();
   const std::size_t start = at_;
   while (!at_end() && !is_blank(peek())) ++at_;
@@ -135,6 +193,18 @@ bool Line::read_channel(std::string& channel) {
   channel = text_.substr(start, at_ - start);
   skip_blanks();
   return true;
+}
+
+/// `TX - -` of candump -x on the screen; no identifier begins so.
+void Line::read_direction(CandumpEntry& entry) {
+  if ((peek() != 'T' && peek() != 'R') || peek(1) != 'X' || !is_blank(peek(2))) return;
+  entry.transmitted = peek() == 'T';
+  at_ += 2;
+  skip_blanks();
+  for (int flag = 0; flag < 2 && !at_end() && is_blank(peek(1)); ++flag) {
+    ++at_;
+    skip_blanks();
+  }
 }
 
 bool Line::read_identifier(CandumpEntry& entry) {
@@ -173,11 +243,13 @@ bool Line::read_byte(std::uint8_t& byte) {
 bool Line::read_log_frame(CandumpEntry& entry) {
   if (!read_identifier(entry)) return false;
   if (!take('#')) return fail("'#'");
-  if (peek() == '#') return fail("the data of a classical frame ('##' begins a CAN FD frame)");
+  error_.can_fd = peek() == '#';
+  if (error_.can_fd) return fail("the data of a classical frame ('##' begins a CAN FD frame)");
   const bool remote = peek() == 'R' || peek() == 'r';
   if (!(remote ? read_log_remote(entry.frame) : read_log_data(entry.frame))) return false;
   // `candump -l -x` appends the direction
   skip_blanks();
+  entry.transmitted = peek() == 'T';
   if (peek() == 'R' || peek() == 'T') ++at_;
   skip_blanks();
   return at_end() || fail("the end of the line");
@@ -219,6 +291,8 @@ bool Line::read_screen_frame(CandumpEntry& entry) {
   if (!read_identifier(entry)) return false;
   skip_blanks();
   if (!take('[')) return fail("'#', or '[' and a length");
+  error_.can_fd = is_digit(peek()) && is_digit(peek(1));
+  if (error_.can_fd) return fail("one digit for the length of a classical frame (two are of a CAN FD frame)");
   if (peek() < '0' || peek() > '8') return fail("a length of 0 to 8");
   can::Frame& frame = entry.frame;
   frame.dlc = static_cast<std::uint8_t>(peek() - '0');

@@ -7,7 +7,8 @@
 //   (0000000012.000345) line1 601#0011223344556677_F   8 bytes with the raw DLC 15
 //
 // Read only: the screen form of candump, `(12.000345)  line1  601   [8]  40 18 10 01 00 00 00 00`, with or
-// without the ASCII column (-a), and `remote request` in place of the data.
+// without the ASCII column (-a), the direction (-x) and the time, and `remote request` in place of the data; a
+// time as date and time of day (-tA), `(2024-02-29 12:00:00.000345)`, which is taken as UTC.
 
 #include <cstddef>
 #include <expected>
@@ -37,6 +38,8 @@ struct CandumpEntry {
   std::string channel{};  ///< never empty
   can::Frame frame{};
   bool error_frame = false;  ///< a SocketCAN error frame: `frame` holds its class and data, and is no frame
+  bool transmitted = false;  ///< "T" or "TX": sent by who recorded it
+  bool log_form = false;     ///< `601#40`, not `601 [1] 40`
 
   friend bool operator==(const CandumpEntry&, const CandumpEntry&) = default;
 };
@@ -47,6 +50,7 @@ struct CandumpError {
   std::size_t column = 0;  ///< 1 = first character
   std::string expected{};
   std::string found{};
+  bool can_fd = false;  ///< nothing wrong, but a CAN FD frame
 
   /// `12:22: expected a hexadecimal digit, found 'G'`, to follow the file's name and a colon.
   [[nodiscard]] std::string message() const;

@@ -1,0 +1,75 @@
+#include "canopus/trace/file/capture_packet.hpp"
+
+#include "canopus/trace/file/reader_base.hpp"
+
+namespace canopus::trace {
+namespace {
+
+constexpr std::uint32_t extended_flag = 0x8000'0000;
+constexpr std::uint32_t remote_flag = 0x4000'0000;
+constexpr std::uint32_t error_flag = 0x2000'0000;
+constexpr std::uint32_t cooked_can = 0x000C;
+constexpr std::uint16_t packet_outgoing = 4;
+constexpr std::uint8_t fd_frame_flag = 0x04;  // CANFD_FDF
+
+/// Whether these four bytes are a base identifier, perhaps with flags, in this order.
+bool is_base_identifier(std::uint32_t identifier) {
+  return (identifier & ~(remote_flag | error_flag)) <= can::max_base_identifier;
+}
+
+}  // namespace
+
+std::expected<CapturePackets::Found, std::string> CapturePackets::read(std::uint32_t linktype,
+                                                                       std::string_view packet,
+                                                                       TraceRecord& record) {
+  using enum std::endian;
+  const std::size_t header = linktype == linktype_linux_sll ? 16 : linktype == linktype_linux_sll2 ? 20 : 0;
+  if (packet.size() < header) {
+    return std::unexpected("expected a cooked header of " + std::to_string(header) + " bytes, found " +
+                           std::to_string(packet.size()));
+  }
+  if (header != 0) {
+    const bool second = linktype == linktype_linux_sll2;
+    const auto protocol = number_at<std::uint16_t>(packet, second ? 0 : 14, big);
+    if (protocol != cooked_can) return Found::no_classical_frame;  // CAN FD is 000DH
+    record.transmitted = second ? static_cast<std::uint8_t>(packet[10]) == packet_outgoing
+                                : number_at<std::uint16_t>(packet, 0, big) == packet_outgoing;
+    packet.remove_prefix(header);
+  }
+  if (packet.size() < 8) {
+    return std::unexpected("expected a CAN frame of 8 to 16 bytes, found " + std::to_string(packet.size()));
+  }
+  if (header != 0) {
+    const bool as_big = is_base_identifier(number_at<std::uint32_t>(packet, 0, big));
+    const bool as_little = is_base_identifier(number_at<std::uint32_t>(packet, 0, little));
+    if (as_big != as_little) cooked_order_ = as_big ? big : little;
+  }
+  const auto identifier = number_at<std::uint32_t>(packet, 0, header != 0 ? cooked_order_ : big);
+  const auto length = static_cast<std::uint8_t>(packet[4]);
+  const auto flags = static_cast<std::uint8_t>(packet[5]);
+  const auto raw_dlc = static_cast<std::uint8_t>(packet[7]);
+  if (length > 8 || (flags & fd_frame_flag) != 0) return Found::no_classical_frame;  // CAN FD, CAN XL
+  can::Frame& frame = record.frame;
+  frame.dlc = length;
+  if (length == 8 && raw_dlc > 8 && raw_dlc <= 15) frame.dlc = raw_dlc;  // len8_dlc of struct can_frame
+  frame.remote = (identifier & remote_flag) != 0;
+  if (packet.size() < 8 + frame.length()) {
+    return std::unexpected("expected " + std::to_string(frame.length()) + " bytes of data, found " +
+                           std::to_string(packet.size() - 8));
+  }
+  for (std::size_t i = 0; i < frame.data.size() && i < frame.length(); ++i) {
+    frame.data[i] = static_cast<std::uint8_t>(packet[8 + i]);
+  }
+  if ((identifier & error_flag) != 0) {
+    set_error_frame(record, identifier);
+    return Found::frame;
+  }
+  frame.extended = (identifier & extended_flag) != 0;
+  frame.identifier = identifier & can::max_extended_identifier;
+  if (!frame.extended && frame.identifier > can::max_base_identifier) {
+    return std::unexpected("expected a base identifier up to 7FF, or the flag of an extended one");
+  }
+  return Found::frame;
+}
+
+}  // namespace canopus::trace

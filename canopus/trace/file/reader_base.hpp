@@ -1,0 +1,56 @@
+#pragma once
+// What the readers of all formats share: the input, the channels, the count of what was left out. And how each of
+// them is made; open_trace() is for who does not know the format.
+
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "canopus/trace/file/channel_names.hpp"
+#include "canopus/trace/file/trace_input.hpp"
+#include "canopus/trace/file/trace_reader.hpp"
+
+namespace canopus::trace {
+
+using NextRecord = std::expected<std::optional<TraceRecord>, std::string>;
+using OpenedReader = std::expected<std::unique_ptr<TraceReader>, std::string>;
+
+class ReaderBase : public TraceReader {
+ public:
+  [[nodiscard]] FileFormat format() const noexcept final { return format_; }
+  [[nodiscard]] std::size_t channel_count() const noexcept final { return channels_.size(); }
+  [[nodiscard]] std::string_view channel(std::size_t number) const noexcept final {
+    return channels_.name(number);
+  }
+  [[nodiscard]] std::size_t left_out() const noexcept final { return left_out_; }
+
+ protected:
+  ReaderBase(TraceInput input, FileFormat format) : input_(std::move(input)), format_(format) {}
+  TraceInput input_;
+  ChannelNames channels_{};
+  std::size_t left_out_ = 0;
+
+ private:
+  FileFormat format_;
+};
+
+/// Puts class (29 bits of the identifier) and data of a SocketCAN error frame into the record.
+inline void set_error_frame(TraceRecord& record, std::uint32_t error_class) {
+  record.error_frame = true;
+  record.frame.identifier = error_class & can::max_extended_identifier;
+  record.frame.extended = record.frame.identifier > can::max_base_identifier;
+}
+
+[[nodiscard]] OpenedReader open_candump(TraceInput input);
+[[nodiscard]] OpenedReader open_pcap(TraceInput input);
+[[nodiscard]] OpenedReader open_pcapng(TraceInput input);
+
+/// As open_trace(), from any input.
+[[nodiscard]] OpenedReader open_reader(TraceInput input, std::optional<FileFormat> format = std::nullopt);
+
+}  // namespace canopus::trace

@@ -1,0 +1,137 @@
+#include "canopus/trace/file/trace_input.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+namespace canopus::trace {
+namespace {
+
+constexpr std::size_t read_size = 65536;
+
+struct Descriptor {
+  explicit Descriptor(int opened) : number(opened) {}
+  ~Descriptor() {
+    if (number > STDIN_FILENO) (void)::close(number);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int number;
+};
+
+}  // namespace
+
+std::expected<TraceInput, std::string> TraceInput::open(const std::string& path) {
+  const bool standard_input = path == "-";
+  const int number = standard_input ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (number < 0) {
+    return std::unexpected(path + ": cannot open the trace: " + std::generic_category().message(errno));
+  }
+  const auto file = std::make_shared<Descriptor>(number);
+  return TraceInput(standard_input ? "<stdin>" : path,
+                    [file](std::span<char> bytes) -> std::expected<std::size_t, int> {
+                      while (true) {
+                        const ssize_t size = ::read(file->number, bytes.data(), bytes.size());
+                        if (size >= 0) return static_cast<std::size_t>(size);
+                        if (errno != EINTR) return std::unexpected(errno);
+                      }
+                    });
+}
+
+TraceInput TraceInput::from_memory(std::string name, std::string bytes) {
+  return {std::move(name),
+          [bytes = std::move(bytes),
+           at = std::size_t{0}](std::span<char> out) mutable -> std::expected<std::size_t, int> {
+            const std::size_t size = std::min(out.size(), bytes.size() - at);
+            std::copy_n(bytes.data() + at, size, out.data());
+            at += size;
+            return size;
+          }};
+}
+
+std::optional<std::string> TraceInput::failure() const {
+  if (error_ == 0) return std::nullopt;
+  return name_ + ": cannot read the trace: " + std::generic_category().message(error_);
+}
+
+bool TraceInput::fill() {
+  if (at_end_) return false;
+  if (begin_ > 0) {
+    std::copy(buffer_.begin() + static_cast<std::ptrdiff_t>(begin_),
+              buffer_.begin() + static_cast<std::ptrdiff_t>(end_), buffer_.begin());
+    end_ -= begin_;
+    begin_ = 0;
+  }
+  if (buffer_.size() < end_ + read_size) buffer_.resize(end_ + read_size);
+  const auto size = source_(std::span(buffer_).subspan(end_));
+  if (!size) error_ = size.error();
+  at_end_ = !size || *size == 0;
+  if (!at_end_) end_ += *size;
+  return !at_end_;
+}
+
+std::string_view TraceInput::buffered() const noexcept { return {buffer_.data() + begin_, end_ - begin_}; }
+
+std::string_view TraceInput::peek(std::size_t size) {
+  while (end_ - begin_ < size && fill()) {
+  }
+  return buffered();
+}
+
+std::string_view TraceInput::peek_more() {
+  (void)fill();
+  return buffered();
+}
+
+bool TraceInput::skip(std::uint64_t size) {
+  while (true) {
+    const auto part = static_cast<std::size_t>(std::min<std::uint64_t>(size, end_ - begin_));
+    begin_ += part;
+    offset_ += part;
+    size -= part;
+    if (size == 0) return true;
+    if (!fill()) return false;
+  }
+}
+
+std::optional<std::string_view> TraceInput::line() {
+  std::size_t searched = 0;
+  cut_ = false;
+  while (true) {
+    const std::string_view ahead = buffered();
+    const std::size_t line_end = ahead.find('\n', searched);
+    if (line_end != std::string_view::npos && line_end <= trace_max_line) {
+      begin_ += line_end + 1;
+      offset_ += line_end + 1;
+      ++line_number_;
+      std::string_view found = ahead.substr(0, line_end);
+      if (found.ends_with('\r')) found.remove_suffix(1);
+      return found;
+    }
+    if (ahead.size() > trace_max_line) break;
+    searched = ahead.size();
+    if (!fill()) {
+      if (ahead.empty()) return std::nullopt;
+      begin_ = end_;
+      offset_ += ahead.size();
+      ++line_number_;
+      return ahead;
+    }
+  }
+  // the rest of a line that is too long goes by unseen; its begin is gone with it
+  cut_ = true;
+  ++line_number_;
+  while (true) {
+    const std::string_view ahead = buffered();
+    const std::size_t line_end = ahead.find('\n');
+    (void)skip(line_end == std::string_view::npos ? ahead.size() : line_end + 1);
+    if (line_end != std::string_view::npos || !fill()) return std::string_view{};
+  }
+}
+
+}  // namespace canopus::trace

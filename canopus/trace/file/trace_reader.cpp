@@ -1,0 +1,87 @@
+#include "canopus/trace/file/trace_reader.hpp"
+
+#include <array>
+#include <utility>
+
+#include "canopus/trace/file/reader_base.hpp"
+
+namespace canopus::trace {
+namespace {
+
+using namespace std::string_view_literals;
+
+/// Beyond this no trace begins.
+constexpr std::size_t most_looked_at = 65536;
+
+struct Magic {
+  std::string_view bytes;
+  FileFormat format;
+};
+constexpr std::array magics{
+    Magic{"\x0A\x0D\x0D\x0A"sv, FileFormat::pcapng}, Magic{"\xA1\xB2\xC3\xD4"sv, FileFormat::pcap},
+    Magic{"\xD4\xC3\xB2\xA1"sv, FileFormat::pcap},   Magic{"\xA1\xB2\x3C\x4D"sv, FileFormat::pcap},
+    Magic{"\x4D\x3C\xB2\xA1"sv, FileFormat::pcap},
+};
+
+/// What a line says of the format, if it says something.
+std::optional<FileFormat> format_of_line(std::string_view line) {
+  const std::size_t start = line.find_first_not_of(" \t");
+  if (start == std::string_view::npos) return std::nullopt;
+  line.remove_prefix(start);
+  if (line.front() == '(') return FileFormat::candump;
+  // candump without times: "can0  601   [8]  40 ..."
+  const std::size_t bracket = line.find('[');
+  if (bracket != std::string_view::npos && line.substr(bracket).find(']') < 4) return FileFormat::candump;
+  return std::nullopt;
+}
+
+/// Nothing while what was read so far leaves it open.
+std::optional<FileFormat> format_of(std::string_view begin, bool all) {
+  for (const Magic& magic : magics) {
+    if (begin.starts_with(magic.bytes)) return magic.format;
+  }
+  while (!begin.empty()) {
+    const std::size_t end = begin.find('\n');
+    if (end == std::string_view::npos && !all) return std::nullopt;
+    if (const auto format = format_of_line(begin.substr(0, end))) return format;
+    begin.remove_prefix(end == std::string_view::npos ? begin.size() : end + 1);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+OpenedReader open_reader(TraceInput input, std::optional<FileFormat> format) {
+  std::string_view begin = input.peek(4);
+  while (!format) {
+    format = format_of(begin, false);
+    if (format || begin.size() >= most_looked_at) break;
+    const std::size_t before = begin.size();
+    begin = input.peek_more();
+    if (begin.size() == before) break;
+  }
+  if (!format) format = format_of(begin, true);
+  if (auto failure = input.failure(); failure && begin.empty()) return std::unexpected(std::move(*failure));
+  if (!format && begin.empty()) format = FileFormat::candump;  // a log in which nothing happened
+  if (!format) {
+    const bool gzip = begin.starts_with("\x1F\x8B"sv);
+    return std::unexpected(input.name() + (gzip ? ": expected a trace, found a gzip file; gunzip it first"
+                                                : ": expected a trace: candump log, pcap, pcapng, ASC, TRC, "
+                                                  "CSV or BLF"));
+  }
+  switch (*format) {
+    case FileFormat::candump: return open_candump(std::move(input));
+    case FileFormat::pcap: return open_pcap(std::move(input));
+    case FileFormat::pcapng: return open_pcapng(std::move(input));
+    default: break;
+  }
+  return std::unexpected(input.name() + ": this format is not read yet");
+}
+
+OpenedReader open_trace(const std::string& path, std::optional<FileFormat> format) {
+  auto input = TraceInput::open(path);
+  if (!input) return std::unexpected(std::move(input.error()));
+  return open_reader(std::move(*input), format);
+}
+
+}  // namespace canopus::trace
