@@ -18,7 +18,7 @@ void Assembly::review_buses() {
   std::map<std::string_view, ReviewedBus> buses;
   for (const BusSection& section : parts_.file.buses) {
     buses.emplace(section.name,
-                  ReviewedBus{.name = section.name, .is_served = section.socketcand.has_value()});
+                  ReviewedBus{.name = section.name, .may_have_others = section.may_have_others()});
   }
   for (const auto& [section, seat] : module_sections_) {
     ReviewedBus& bus = buses.at(section->bus);
@@ -185,14 +185,14 @@ void Assembly::add_parameters(const ModuleSection& section, std::size_t plc_numb
 void Assembly::add_outside_slave(const ModuleSection& master, const SlaveSection& slave,
                                  ModuleNetwork& network) {
   const auto bus = std::ranges::find(parts_.file.buses, master.bus, &BusSection::name);
-  const bool may_come = bus->socketcand || std::ranges::any_of(parts_.devices, [&](const auto& seat) {
+  const bool may_come = bus->may_have_others() || std::ranges::any_of(parts_.devices, [&](const auto& seat) {
                           const NodeLabel& label = seat->status().label;
                           return label.bus == master.bus && label.node_id == lss::unconfigured;
                         });
   if (!may_come) {
     return errors_.add(slave.place,
                        "slave: there is no device or module with node = {} on bus \"{}\"; for a node outside "
-                       "of the plant the bus needs serve",
+                       "of the plant the bus needs serve or link",
                        slave.node, master.bus);
   }
   SlaveDescription description;

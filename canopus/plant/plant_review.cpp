@@ -99,7 +99,7 @@ bool has_unknown_senders(const ReviewedBus& bus) noexcept {
   const auto is_master = [](const ReviewedNode& node) {
     return (start_up_of(node) & manager::start_up_bit::nmt_master) != 0;
   };
-  return bus.has_plain_can || (bus.is_served && std::ranges::none_of(bus.nodes, is_master));
+  return bus.has_plain_can || (bus.may_have_others && std::ranges::none_of(bus.nodes, is_master));
 }
 
 std::uint32_t start_up_of(const ReviewedNode& node) noexcept {

@@ -56,7 +56,7 @@ void find_missing_heartbeats(const ReviewedBus& bus, Warnings& warnings) {
         return;  // who was never heard is not missed: the default of a device's file does no harm
       } else if (producer != nullptr) {
         why = "whose 1017H is 0: it sends none";
-      } else if (has_unconfigured(bus) || bus.is_served) {
+      } else if (has_unconfigured(bus) || bus.may_have_others) {
         return;  // somebody may become that node
       } else {
         why = fmt::format("which is not on bus \"{}\"", bus.name);
@@ -69,7 +69,7 @@ void find_missing_heartbeats(const ReviewedBus& bus, Warnings& warnings) {
 }
 
 void find_missing_slaves(const ReviewedBus& bus, Warnings& warnings) {
-  if (bus.is_served || has_unconfigured(bus)) return;  // somebody may become that node
+  if (bus.may_have_others || has_unconfigured(bus)) return;  // somebody may become that node
   for (const ReviewedNode& node : bus.nodes) {
     if ((start_up_of(node) & nmt_master) == 0) continue;
     for_each_member(node, 0x1F81, [&](unsigned slave, std::uint32_t value) {

@@ -91,7 +91,7 @@ class Layer2Plant : public testing::Test, public plant::PlantObserver, public ca
 
   std::unique_ptr<plant::Plant> plant;
   plant::Plant* raw_plant = nullptr;
-  sim::Port* peer = nullptr;
+  can::Port* peer = nullptr;
   LiveTable table{raw_plant};
   std::vector<can::Frame> heard;
   std::vector<std::string> events;

@@ -93,7 +93,7 @@ class ProcessDataTest : public ::testing::Test, public plant::PlantObserver, pub
 
   std::vector<std::string> events;
   std::unique_ptr<plant::Plant> plant_;
-  sim::Port* port_ = nullptr;
+  can::Port* port_ = nullptr;
   can::Timeline::Handle handle_{};
   std::optional<std::uint16_t> heard_;
   canopen::NmtState module_state_ = canopen::NmtState::initialising;
@@ -346,7 +346,7 @@ TEST_F(ProcessDataTest, ADeviceThatStartsLater_IsSilentAndAcknowledgesNothingBef
   auto built = plant::Plant::build(reading.plant, *this);
   ASSERT_TRUE(built.has_value()) << describe(built.error()[0], path);
   plant_ = std::move(*built);
-  struct Frames final : sim::BusObserver {
+  struct Frames final : can::BusObserver {
     void frame_completed(const can::Frame& frame, can::Time start, can::Time) override {
       all.push_back(fmt::format("{:X} {:.6f}", frame.identifier, can::seconds(start)));
     }

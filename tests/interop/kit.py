@@ -93,16 +93,18 @@ class RunningPlant:
 
     runs = 0
 
-    def __init__(self, plant, has_plc=True):
+    def __init__(self, plant, has_plc=True, words=(), is_served=True):
         RunningPlant.runs += 1
         self.trace = scratch / f"run-{RunningPlant.runs}.pcap"
-        self.process = subprocess.Popen([program, "run", str(plant), "--json", "--trace", str(self.trace)],
+        self.process = subprocess.Popen([program, "run", str(plant), "--json", "--trace", str(self.trace), *words],
                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.events, self.lines = [], queue.Queue()
         self.reader = threading.Thread(target=self._read, daemon=True)
         self.reader.start()
         if has_plc:
             self.mc = self.wait(lambda e: e["event"] == "listen" and e["protocol"] == "MC protocol")["address"]
+        if not is_served:
+            return
         self.socketcand = self.wait(lambda e: e["event"] == "listen" and e["protocol"] == "socketcand")["address"]
 
     def _read(self):
@@ -242,8 +244,8 @@ def first_plant_file():
 
 
 @contextlib.contextmanager
-def running(plant_file, has_plc=True, operational=()):
-    plant = RunningPlant(plant_file, has_plc)
+def running(plant_file, has_plc=True, operational=(), words=(), is_served=True):
+    plant = RunningPlant(plant_file, has_plc, words, is_served)
     try:
         plant.wait_operational(operational)
         yield plant

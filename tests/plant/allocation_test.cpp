@@ -66,7 +66,7 @@ std::string plant_text() {
 /// A tool on the bus that reads an object of node 2 again and again.
 class Reader final : public can::Participant, canopen::SdoClientUser {
  public:
-  Reader(sim::Bus& bus, can::Timeline& timeline) : port_(bus.add_port("tool")), client_(port_) {
+  Reader(can::Bus& bus, can::Timeline& timeline) : port_(bus.add_port("tool")), client_(port_) {
     client_.set_server(2);
     port_.connect(*this, timeline.add(*this));
   }
@@ -84,7 +84,7 @@ class Reader final : public can::Participant, canopen::SdoClientUser {
   std::array<int, 2048> frames{};
 
  private:
-  sim::Port& port_;
+  can::Port& port_;
   canopen::SdoClient client_;
 };
 

@@ -139,7 +139,7 @@ TEST_F(ModuleSlave, OutsideOfThePlant_WhatCannotBeIsSaid) {
   EXPECT_THAT(
       check(std::string(head) + master(slave("node = 9\n"))),
       ElementsAre("plant.toml:14:8: slave: there is no device or module with node = 9 on bus \"line1\"; "
-                  "for a node outside of the plant the bus needs serve"));
+                  "for a node outside of the plant the bus needs serve or link"));
   EXPECT_THAT(
       check(std::string(served) + master(slave("node = 9\neds = \"none.eds\"\n"))),
       ElementsAre(AllOf(HasSubstr("plant.toml:16:7: eds = \"none.eds\": "), HasSubstr("No such file"))));

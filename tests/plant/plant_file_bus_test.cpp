@@ -48,16 +48,17 @@ TEST(PlantFileLink, WrongLink_IsSaidWithItsPlace) {
   EXPECT_THAT(errors_of(bus_with("link = \"can0\"\n")),
               ElementsAre(AllOf(HasSubstr("plant.toml:4:8: link = \"can0\" is not a bus"),
                                 HasSubstr("socketcan:"), HasSubstr("or \"sim\", or \"replay:FILE\""))));
-  EXPECT_THAT(
-      errors_of(bus_with("link = \"replay:\"\n")),
-      ElementsAre(HasSubstr("plant.toml:4:8: bus: link: expected the path of a trace behind \"replay:\"")));
+  EXPECT_THAT(errors_of(bus_with("link = \"replay:\"\n")),
+              ElementsAre(HasSubstr("plant.toml:4:8: link = \"replay:\" has no file; expected replay:FILE")));
   EXPECT_THAT(errors_of(bus_with("link = 5\n")), ElementsAre(HasSubstr("plant.toml:4:8")));
 }
 
 TEST(PlantFileLink, FaultsNeedASimulatedBus) {
   EXPECT_THAT(
       errors_of(bus_with("link = \"socketcan:can0\"\n[[bus.fault]]\nkind = \"drop\"\n")),
-      ElementsAre("plant.toml:5:1: fault: only a simulated bus can be disturbed; expected link = \"sim\""));
+      ElementsAre(
+          "plant.toml:4:8: link = only a simulated bus can be disturbed, and there is a fault in line 5; "
+          "expected \"sim\""));
 }
 
 TEST(PlantFileLink, NodesOutsideOfThePlant_MayBeOnALinkedBus) {

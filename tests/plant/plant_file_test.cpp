@@ -138,7 +138,7 @@ TEST(PlantFile, AMisspeltKeyIsAMistakeWithTheKeysThatExist) {
   EXPECT_THAT(
       errors,
       ElementsAre(
-          "plant.toml:4:1: bus: unknown key bitrate; expected one of allow, bit_rate, fault, name, serve"));
+          "plant.toml:4:1: bus: unknown key bitrate; expected one of allow, bit_rate, fault, link, name, serve"));
 }
 
 TEST(PlantFile, AllMistakesAreFoundAtOnceInTheOrderOfTheFile) {

@@ -63,7 +63,7 @@ class Tool final : public can::Participant {
 
  private:
   can::Timeline& timeline_;
-  sim::Port& port_;
+  can::Port& port_;
   can::Frame answer_;
 };
 

@@ -74,7 +74,7 @@ class PlantFolder : public testing::Test {
                                      plant::BusOpener* opener = nullptr) {
     write("plant.toml", text);
     cli::TextOutput err;
-    auto plant = cli::load_plant(path(), observer, err, std::nullopt, opener);
+    auto plant = cli::load_plant(path(), observer, err, {.opener = opener});
     EXPECT_NE(plant, nullptr) << err.text();
     return plant;
   }
@@ -82,7 +82,7 @@ class PlantFolder : public testing::Test {
   std::string refusal(std::string_view text, plant::PlantObserver& observer, plant::BusOpener* opener) {
     write("plant.toml", text);
     cli::TextOutput err;
-    EXPECT_EQ(cli::load_plant(path(), observer, err, std::nullopt, opener), nullptr);
+    EXPECT_EQ(cli::load_plant(path(), observer, err, {.opener = opener}), nullptr);
     return shortened(err.text());
   }
   [[nodiscard]] std::string path() const { return (folder_ / "plant.toml").string(); }

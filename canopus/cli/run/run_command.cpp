@@ -49,6 +49,13 @@ void add_run_command(CLI::App& app, int& exit_code) {
       ->check(number_from(0, std::numeric_limits<std::uint64_t>::max()))
       ->type_name("N");
   command
+      ->add_option(
+          "--link", words->options.links,
+          "Put a bus of the plant on a real one, or on a trace: BUS=ADDRESS, with one bus ADDRESS alone; "
+          "again for the next bus (docs/commands.md has the addresses)")
+      ->type_name("[BUS=]ADDRESS")
+      ->allow_extra_args(false);
+  command
       ->add_option("--trace", words->options.trace,
                    "Record every frame: as pcap for *.pcap, as candump log for *.log or no extension")
       ->type_name("FILE")

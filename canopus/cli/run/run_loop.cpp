@@ -344,7 +344,8 @@ void Run::warn() {
 }
 
 int Run::operator()() {
-  plant_ = load_plant(options_.plant, observer(), standard_error(), options_.seed, &linked_buses_);
+  plant_ = load_plant(options_.plant, observer(), standard_error(),
+                      {.seed = options_.seed, .links = options_.links, .opener = &linked_buses_});
   if (!plant_) return 2;
   raw_plant_ = plant_.get();
   if (auto errors = plant_->open_stores(); !errors.empty()) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "canopus/can/time.hpp"
 
@@ -13,6 +14,7 @@ namespace canopus::cli {
 
 struct RunOptions {
   std::string plant;                        ///< path of the plant file
+  std::vector<std::string> links{};         ///< in place of the plant file's: "line1=socketcan:can0"
   std::optional<can::Duration> duration{};  ///< plant time; without it until SIGINT or SIGTERM
   bool virtual_time = false;
   bool step = false;        ///< in virtual time: with servers, and time moves only when a client wants it to

@@ -5,6 +5,7 @@
 
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/text/file_text.hpp"
+#include "canopus/text/printable.hpp"
 
 namespace canopus::cli {
 
@@ -12,10 +13,32 @@ namespace {
 
 constexpr std::size_t enough_errors = 100;
 
+/// Puts a bus on the link that the command line names. False after a mistake was printed.
+bool change_link(plant::PlantFile& plant, std::string_view text, Output& err) {
+  // The name of a bus may hold a '=', an address may, too: the longest name that fits.
+  plant::BusSection* bus = nullptr;
+  std::size_t name = 0;
+  for (plant::BusSection& candidate : plant.buses) {
+    if (text.starts_with(candidate.name + "=") && candidate.name.size() >= name) {
+      bus = &candidate;
+      name = candidate.name.size();
+    }
+  }
+  std::string_view address = bus == nullptr ? text : text.substr(name + 1);
+  if (bus == nullptr && plant.buses.size() == 1) bus = &plant.buses.front();
+  if (bus == nullptr) {
+    err.line("canopus: --link {}: expected BUS=ADDRESS with a bus of the plant", text::printable(text));
+    return false;
+  }
+  const auto good = plant::set_link(*bus, address);
+  if (!good) err.line("canopus: --link: {}", text::printable(good.error()));
+  return good.has_value();
+}
+
 }  // namespace
 
 std::unique_ptr<plant::Plant> load_plant(const std::string& path, plant::PlantObserver& observer, Output& err,
-                                         std::optional<std::uint64_t> seed, plant::BusOpener* opener) {
+                                         const PlantUse& use) {
   const auto text = text::read_file(path);
   if (!text) {
     err.line("canopus: {}", text.error());
@@ -23,8 +46,13 @@ std::unique_ptr<plant::Plant> load_plant(const std::string& path, plant::PlantOb
   }
   plant::PlantReading reading = plant::read_plant(*text, path);
   std::vector<text::FileError> errors = std::move(reading.errors);
+  if (errors.empty()) {
+    for (const std::string& link : use.links) {
+      if (!change_link(reading.plant, link, err)) return nullptr;
+    }
+  }
   if (errors.size() < enough_errors) {  // also with some, to find the others
-    auto plant = plant::Plant::build(reading.plant, observer, seed, opener);
+    auto plant = plant::Plant::build(reading.plant, observer, use.seed, use.opener);
     if (!plant) errors.insert(errors.end(), plant.error().begin(), plant.error().end());
     if (errors.empty()) return std::move(*plant);
   }

@@ -13,11 +13,17 @@
 
 namespace canopus::cli {
 
-/// The plant, switched off, or nullptr after its mistakes were printed on `err`. `opener` as in Plant::build().
+/// What a command changes of a plant file.
+struct PlantUse {
+  std::optional<std::uint64_t> seed{};
+  std::vector<std::string> links{};    ///< "line1=socketcan:can0"; with one bus "socketcan:can0"
+  plant::BusOpener* opener = nullptr;  ///< as in Plant::build()
+};
+
+/// The plant, switched off, or nullptr after its mistakes were printed on `err`.
 [[nodiscard]] std::unique_ptr<plant::Plant> load_plant(const std::string& path,
                                                        plant::PlantObserver& observer, Output& err,
-                                                       std::optional<std::uint64_t> seed = std::nullopt,
-                                                       plant::BusOpener* opener = nullptr);
+                                                       const PlantUse& use = {});
 
 /// The first hundred in the order of the file, and how many more there are.
 void print_errors(std::vector<text::FileError> errors, const std::string& path, Output& err);

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <expected>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -102,8 +103,17 @@ struct BusSection {
   std::optional<link::BusAddress> address{};  ///< of a bus of this machine or of another program
   std::string replay{};                       ///< path of a trace, relative to the plant file
 
+  bool is_bridged = false;  ///< with another bus of the plant
+
   [[nodiscard]] bool is_linked() const noexcept { return address.has_value() || !replay.empty(); }
+  /// Nodes may be there that the plant file does not say to be on this bus.
+  [[nodiscard]] bool may_have_others() const noexcept {
+    return socketcand.has_value() || is_linked() || is_bridged;
+  }
 };
+
+/// `link` of a bus, as a plant file has it. The error is a sentence.
+[[nodiscard]] std::expected<void, std::string> set_link(BusSection& bus, std::string_view text);
 
 /// Identifiers from `first` to `last`, both included.
 struct IdentifierRange {

@@ -58,22 +58,32 @@ bool BridgeSection::passes(const can::Frame& frame) const noexcept {
   return contains(frame.extended ? extended : identifiers, frame.identifier);
 }
 
+std::expected<void, std::string> set_link(BusSection& bus, std::string_view text) {
+  bus.link = text;
+  bus.address.reset();
+  bus.replay.clear();
+  if (text == simulated) return {};
+  if (text.starts_with(replay)) {
+    bus.replay = text.substr(replay.size());
+    if (bus.replay.empty()) return std::unexpected("\"replay:\" has no file; expected replay:FILE");
+  } else {
+    auto address = link::parse_bus_address(text);
+    if (!address) return std::unexpected(address.error() + "; or \"sim\", or \"replay:FILE\"");
+    bus.address = std::move(*address);
+  }
+  if (bus.faults.empty()) return {};
+  return std::unexpected(
+      fmt::format("only a simulated bus can be disturbed, and there is a fault in line {}; expected "
+                  "\"sim\"",
+                  bus.faults.front().place.line));
+}
+
 void read_link(text::TableReader& table, BusSection& bus) {
   bus.link_place = table.place("link");
-  bus.link = table.text("link").value_or(std::string(simulated));
-  if (bus.link == simulated) return;
-  if (bus.link.starts_with(replay)) {
-    bus.replay = bus.link.substr(replay.size());
-    if (bus.replay.empty()) table.error("link", "expected the path of a trace behind \"replay:\"");
-  } else if (auto address = link::parse_bus_address(bus.link)) {
-    bus.address = std::move(*address);
-  } else {
-    table.error(bus.link_place, fmt::format("link = {}; or \"sim\", or \"replay:FILE\"", address.error()));
-  }
-  if (bus.is_linked() && !bus.faults.empty()) {
-    table.error(bus.faults.front().place,
-                "fault: only a simulated bus can be disturbed; expected link = \"sim\"");
-    bus.faults.clear();
+  const auto text = table.text("link");
+  if (!text) return;
+  if (const auto good = set_link(bus, *text); !good) {
+    table.error(bus.link_place, fmt::format("link = {}", good.error()));
   }
 }
 

@@ -46,7 +46,7 @@ class References {
  private:
   struct Bus {
     std::uint32_t line = 0;
-    bool is_open = false;  // for nodes outside of the plant
+    bool may_have_others = false;  // nodes outside of the plant
     unsigned nodes = 0;
     std::map<unsigned, std::uint32_t> taken{};  // node-ID, line
   };
@@ -59,8 +59,8 @@ class References {
   void check_buses() {
     if (plant_.buses.empty()) error({1, 1}, "the plant has no bus; expected at least one [[bus]]");
     for (const BusSection& bus : plant_.buses) {
-      const auto [known, is_new] = buses_.try_emplace(
-          bus.name, Bus{.line = bus.place.line, .is_open = bus.socketcand.has_value() || bus.is_linked()});
+      const auto [known, is_new] =
+          buses_.try_emplace(bus.name, Bus{.line = bus.place.line, .may_have_others = bus.may_have_others()});
       if (is_new || bus.name.empty()) continue;
       error(bus.place, "bus \"{}\" is there already, in line {}", bus.name, known->second.line);
     }
@@ -95,7 +95,8 @@ class References {
       error(bridge.place, "bridge: there is no bus \"{}\"; expected one of {}", bus, bus_names());
       return false;
     }
-    found->second.is_open = true;  // nodes of the other bus may be seen
+    found->second.may_have_others = true;
+    std::ranges::find(plant_.buses, bus, &BusSection::name)->is_bridged = true;
     return true;
   }
 
@@ -290,7 +291,7 @@ class References {
     if (member != by_node_.end()) return check_member(slave, master, member->second);
     if (slave.node == master.node)
       return error(slave.place, "slave: node {} is the module itself", slave.node);
-    if (may_appear(master.bus) || bus.is_open) return;
+    if (may_appear(master.bus) || bus.may_have_others) return;
     error(slave.place,
           "slave: there is no device or module with node = {} on bus \"{}\"; for a node outside of the plant "
           "the bus needs serve or link",

@@ -1,0 +1,107 @@
+"""Plants on buses that are not simulated: those of another process, of a kernel with SocketCAN (in a virtual machine), and
+traces."""
+import os
+import shutil
+import subprocess
+
+from kit import HERE, ROOT, Skip, check, command, host_port, program, require, running, scratch, until
+
+
+def example(name, **changes):
+    """An example plant of real-bus/ with free ports and a store of its own."""
+    text = (ROOT / "examples/real-bus" / name).read_text().replace('"../devices/', f'"{ROOT}/examples/devices/')
+    text = text.replace("127.0.0.1:5007", "127.0.0.1:0").replace("127.0.0.1:29536", changes.get("serve", "127.0.0.1:0"))
+    path = scratch / f"{changes.get('as_name', name)}"
+    path.write_text(text.replace('"module-store"', f'"{path}.store"'))
+    return path
+
+
+def words(plant, address, count=1):
+    host, port = host_port(plant.mc)
+    said = command(program, "plc", "read", f"U0\\G{address}", "--count", count, "--host", host, "--port", port, "--format", "dec")
+    return [int(line.split()[-1]) for line in said.stdout.splitlines()]
+
+
+def operational(plant, nodes):
+    return words(plant, 600 + min(nodes), max(nodes) - min(nodes) + 1) == [5] * len(nodes)
+
+
+@check
+def module_masters_devices_of_another_process():
+    """examples/real-bus: an ME3CAN1-Q in one process, its slaves in another; then the slaves' process ends and comes again."""
+    with running(example("devices.toml"), has_plc=False) as devices:
+        link = f"socketcand:{devices.socketcand}/line1"
+        with running(example("module.toml"), words=("--link", link), is_served=False) as plant:
+            until(lambda: operational(plant, [2, 3]), "the slaves of another process are operational")
+            seen = set()
+            until(lambda: seen.update(words(plant, 10000)) or len(seen) > 3, "their process data move")
+            devices.stop()
+            lost = plant.wait(lambda e: e["event"] == "error" and "tried again" in e["message"])
+            require(lost["source"] == "bus line1", lost)
+            until(lambda: not operational(plant, [2, 3]), "their heartbeats are missed")
+            with running(example("devices.toml", serve=devices.socketcand, as_name="again.toml"), has_plc=False):
+                plant.wait(lambda e: e["event"] == "error" and "there again" in e["message"])
+                until(lambda: operational(plant, [2, 3]), "the module boots its slaves when they are there again")
+            code, said = plant.stop()
+            require(code == 0 and not said, f"{code} {said}")
+
+
+@check
+def linked_bus_is_refused_where_it_cannot_be():
+    """A link that nobody serves, in virtual time, with a waveform, without a file."""
+    plant = str(example("module.toml"))
+    for link, more, code, told in (
+            ("socketcand:127.0.0.1:1", (), 2, "Connection refused"),
+            ("socketcan:nosuchcan9", (), 2, "link = "),
+            ("replay:/none/run.log", (), 2, "/none/run.log"),
+            ("line7=sim", (), 2, "line7=sim"),
+            ("socketcan:can0", ("--virtual", "--for", "1s"), 2, "runs ahead of a real bus")):
+        done = command(program, "run", plant, "--link", link, *more, expect=code)
+        require(told in done.stderr, f"{link}: {done.stderr}")
+    log = scratch / "wave.log"
+    log.write_text("(1.000000) can0 702#00\n")
+    done = command(program, "run", plant, "--link", f"replay:{log}", "--virtual", "--for", "1s", "--vcd", scratch / "w.vcd", expect=1)
+    require("is not simulated" in done.stderr, done.stderr)
+
+
+@check
+def trace_of_a_run_is_a_bus():
+    """A plant's own recording played back: a module elsewhere sees the same devices come up, at the same times."""
+    trace = scratch / "devices.log"
+    command(program, "run", example("devices.toml"), "--virtual", "--for", "3s", "--trace", trace, "--quiet")
+    recorded = trace.read_text().splitlines()
+    again = scratch / "again.log"
+    command(program, "run", example("module.toml"), "--link", f"replay:{trace}", "--virtual", "--for", "3s", "--trace", again,
+            "--quiet")
+    played = [line for line in again.read_text().splitlines() if "#" in line]
+    first = float(recorded[0].split(")")[0][1:])
+    for line in recorded:
+        time, _, frame = line.split()
+        wanted = f"({float(time[1:-1]) - first:017.6f}) line1 {frame}"
+        require(any(abs(float(p.split(")")[0][1:]) - (float(time[1:-1]) - first)) < 2e-6 and p.endswith(" " + frame) for p in played),
+                f"{wanted} is missing in the replay")
+
+
+def machine():
+    starter = ROOT / "tools/socketcan-machine"
+    for tool in ("qemu-system-x86_64", "busybox", "cpio"):
+        if not shutil.which(tool):
+            raise Skip(f"{tool} is absent: no machine with SocketCAN")
+    return starter
+
+
+def in_machine(*words):
+    done = subprocess.run([str(machine()), "--timeout", "900", "--", *map(str, words)], capture_output=True, text=True,
+                          errors="replace", timeout=1000, env={**os.environ})
+    if done.returncode == 77:
+        raise Skip(done.stderr.strip())
+    return done
+
+
+@check
+def plants_on_socketcan():
+    """In a virtual machine: a module as master on vcan0 and on a controller with real bit timing, its slaves in another process;
+    candump and cansend take part; the interface goes down and up; bus-off and recovery."""
+    for theirs, ours in (("vcan0", "vcan0"), ("can0", "can1")):
+        done = in_machine("bash", HERE / "socketcan_plant.sh", program, theirs, ours)
+        require("socketcan plant ok" in done.stdout, f"{theirs} to {ours}:\n{done.stdout[-3000:]}\n{done.stderr[-2000:]}")
