@@ -2,12 +2,10 @@
 import contextlib
 import json
 import pathlib
-import shutil
 import signal
-import subprocess
 import threading
 
-from kit import (HERE, PATIENCE, ROOT, RawClient, Skip, check, command, first_plant, host_port, program, require, running,
+from kit import (HERE, PATIENCE, ROOT, RawClient, check, command, first_plant, host_port, in_machine, program, require, running,
                  scratch, silence, talking)
 
 DEVICE = HERE / "interop_device.eds"
@@ -278,12 +276,7 @@ def a_cpp_program_on_the_rooms_boots_a_network():
 @check
 def commands_join_socketcan():
     """In a virtual machine with a kernel that has SocketCAN: a virtual interface, and two controllers on one bus."""
-    machine = ROOT.parent / "shared/tools/qemu-can.sh"
-    for absent in [str(machine)] * (not machine.is_file()) + [t for t in ("qemu-system-x86_64", "busybox", "depmod", "cpio")
-                                                              if not shutil.which(t)]:
-        raise Skip(f"{absent} is absent: no machine with SocketCAN")
     script = HERE / "socketcan_commands.sh"
     for theirs, ours in (("vcan0", "vcan0"), ("can0", "can1")):
-        done = subprocess.run([str(machine), "--", "bash", str(script), program, theirs, ours], capture_output=True, text=True,
-                              errors="replace", timeout=900)
+        done = in_machine("bash", script, program, theirs, ours)
         require("socketcan ok" in done.stdout, f"{theirs} to {ours}:\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}")

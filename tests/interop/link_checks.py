@@ -1,10 +1,6 @@
 """Plants on buses that are not simulated: those of another process, of a kernel with SocketCAN (in a virtual machine), and
 traces."""
-import os
-import shutil
-import subprocess
-
-from kit import HERE, ROOT, Skip, check, command, host_port, program, require, running, scratch, until
+from kit import HERE, ROOT, check, command, host_port, in_machine, program, require, running, scratch, until
 
 
 def example(name, **changes):
@@ -80,22 +76,6 @@ def trace_of_a_run_is_a_bus():
         wanted = f"({float(time[1:-1]) - first:017.6f}) line1 {frame}"
         require(any(abs(float(p.split(")")[0][1:]) - (float(time[1:-1]) - first)) < 2e-6 and p.endswith(" " + frame) for p in played),
                 f"{wanted} is missing in the replay")
-
-
-def machine():
-    starter = ROOT / "tools/socketcan-machine"
-    for tool in ("qemu-system-x86_64", "busybox", "cpio"):
-        if not shutil.which(tool):
-            raise Skip(f"{tool} is absent: no machine with SocketCAN")
-    return starter
-
-
-def in_machine(*words):
-    done = subprocess.run([str(machine()), "--timeout", "900", "--", *map(str, words)], capture_output=True, text=True,
-                          errors="replace", timeout=1000, env={**os.environ})
-    if done.returncode == 77:
-        raise Skip(done.stderr.strip())
-    return done
 
 
 @check

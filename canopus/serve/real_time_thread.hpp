@@ -1,0 +1,21 @@
+#pragma once
+// What the system can do for a thread that must not be late.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace canopus::serve {
+
+struct RealTimeThread {
+  /// Priority of SCHED_FIFO, 1..99: above everything that is not itself in real time, below the kernel's own threads (50)
+  /// that bring the frames.
+  int priority = 40;
+  std::optional<unsigned> processor{};  ///< the only one it runs on
+};
+
+/// Asks for SCHED_FIFO, memory that is not paged out, and a processor, for the calling thread (memory: the process). What is
+/// refused is returned as sentences that say what to do; the thread goes on without it.
+[[nodiscard]] std::vector<std::string> ask_for_real_time(const RealTimeThread& wanted);
+
+}  // namespace canopus::serve
