@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
 """The program example of the FX3U-CAN manual's chapter 13, as far as its list of labels and its captions tell it.
 
-usage: program.py [HOST [PORT]]              against `canopus run examples/fx3u-can/program.toml`
+usage: program.py [HOST [PORT [FRAME [UNIT]]]]      against `canopus run examples/fx3u-can/program.toml`
+
+FRAME is 3E (default), 4E or 1E; UNIT is the module's number: 0 behind an FX3, 1 to 16 behind an FX5. An FX3U-ENET's 1E frames do not
+reach buffer memory, an FX5's do (program-fx5.toml).
 
 Sets the module up, makes it the master of one I/O station, sets up heartbeats and four PDOs, writes an object of the
 station, starts the network and exchanges process data while it watches state and heartbeat.
@@ -15,9 +18,9 @@ from fx3u_can import (ALL_NODES, ASSIGNED, BOOT_SLAVE, MANDATORY, OWN_NODE, PRE_
 STATION = 3  # the I/O station's node-ID (TargetSlaveNumber)
 
 
-def main(host="127.0.0.1", port="5007"):
-    with Plc(host, int(port)) as plc:
-        module = Fx3uCan(plc, unit=0)
+def main(host="127.0.0.1", port="5007", frame="3E", unit="0"):
+    with Plc(host, int(port), frame=frame) as plc:
+        module = Fx3uCan(plc, unit=int(unit))
 
         module.initialize(node=1, kbps=250)                       # CANopenInit
         # NMTMasterSettings: master, and bit 3: the slaves are started by this program, not by the module.
@@ -93,4 +96,4 @@ def wait_for_state(module, state, what, only=None):
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:3])
+    main(*sys.argv[1:5])

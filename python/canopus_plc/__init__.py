@@ -10,11 +10,12 @@
         plc.run(scans=100)
         print(plc.d[100], plc.d.signed[101], plc.m[0:8])
 
-`Plc` alone talks to any PLC that speaks 3E or 4E frames in binary code, a real one as well. Standard library only.
+`Plc` alone talks to any PLC that speaks 3E, 4E or 1E frames in binary code, a real one as well. Standard library only.
 """
-from .errors import EndCodeError, PlantError, PlcError
+from .errors import EndCode1eError, EndCodeError, PlantError, PlcError
 from .mc import McClient
+from .mc_1e import Mc1eClient
 from .plant import Plant
 from .plc import Plc
 
-__all__ = ["EndCodeError", "McClient", "Plant", "PlantError", "Plc", "PlcError"]
+__all__ = ["EndCode1eError", "EndCodeError", "Mc1eClient", "McClient", "Plant", "PlantError", "Plc", "PlcError"]

@@ -34,5 +34,27 @@ class EndCodeError(PlcError):
         self.end_code = end_code
 
 
+_END_CODES_1E = {
+    0x50: "the CPU does not know this command",
+    0x54: "the port takes ASCII text",
+    0x55: "writing while the CPU runs is not enabled",
+    0x56: "the CPU has no such device",
+    0x57: "too many points in one request, or beyond the last one",
+    0x58: "the device number is beyond the last one, or bits of a word device",
+    0x5B: "the CPU refuses",
+    0x60: "no answer from the CPU",
+}
+
+
+class EndCode1eError(EndCodeError):
+    """The same in 1E frames: an end code of one byte, and with 5BH an abnormal code besides."""
+
+    def __init__(self, end_code: int, abnormal_code: int, request: str) -> None:
+        code = f"{end_code:02X}H" + (f" {abnormal_code:02X}H" if end_code == 0x5B else "")
+        PlcError.__init__(self, f"{request}: end code {code}: {_END_CODES_1E.get(end_code, 'see the manual')}")
+        self.end_code = end_code
+        self.abnormal_code = abnormal_code
+
+
 class PlantError(PlcError):
     """The plant could not be started, ended, or refused a request of its control server."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 import socket
 import struct
 from types import TracebackType
-from typing import NamedTuple, Sequence
+from typing import Callable, NamedTuple, Sequence, TypeVar
 
 from .errors import EndCodeError, PlcError
 
@@ -34,19 +34,16 @@ DEVICES = {
     )
 }
 
+Connection = TypeVar("Connection", bound="McConnection")
+
 MOST_WORDS = 960  # of one request
 MOST_BITS = 7168
 
 
-class McClient:
-    """One connection. Any number of points: several requests where one cannot hold them."""
+class McConnection:
+    """A TCP connection to a port of a PLC."""
 
-    def __init__(self, host: str = "127.0.0.1", port: int = 5007, *, timeout: float = 5.0, frame: str = "3E") -> None:
-        """`timeout` in seconds, to connect and for each answer; `frame` is "3E" or "4E"."""
-        if frame not in ("3E", "4E"):
-            raise ValueError(f"frame {frame!r}: expected '3E' or '4E'")
-        self._is_4e = frame == "4E"
-        self._serial = 0
+    def __init__(self, host: str, port: int, timeout: float) -> None:
         self._place = f"{host}:{port}"
         try:
             self._socket: socket.socket | None = socket.create_connection((host, port), timeout)
@@ -59,11 +56,50 @@ class McClient:
             self._socket.close()
         self._socket = None
 
-    def __enter__(self) -> McClient:
+    def __enter__(self: Connection) -> Connection:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.close()
+
+    def exchange(self, request: bytes, answer: Callable[[], bytes], what: str) -> bytes:
+        """Sends a request; what `answer` makes of the bytes that it receives. `what` names it in errors."""
+        if self._socket is None:
+            raise PlcError(f"{what}: the connection to {self._place} is closed")
+        try:
+            self._socket.sendall(request)
+            return answer()
+        except OSError as error:
+            self.close()  # a late answer would pass for that of the next request
+            raise PlcError(f"{what}: {self._place}: {error.strerror or error}") from error
+        except EndCodeError:
+            raise
+        except BaseException:
+            self.close()
+            raise
+
+    def receive(self, length: int, what: str) -> bytes:
+        """So many bytes of the answer."""
+        assert self._socket is not None
+        data = b""
+        while len(data) < length:
+            piece = self._socket.recv(length - len(data))
+            if not piece:
+                raise PlcError(f"{what}: {self._place} closed the connection")
+            data += piece
+        return data
+
+
+class McClient(McConnection):
+    """One connection. Any number of points: several requests where one cannot hold them."""
+
+    def __init__(self, host: str = "127.0.0.1", port: int = 5007, *, timeout: float = 5.0, frame: str = "3E") -> None:
+        """`timeout` in seconds, to connect and for each answer; `frame` is "3E" or "4E"."""
+        if frame not in ("3E", "4E"):
+            raise ValueError(f"frame {frame!r}: expected '3E' or '4E'")
+        self._is_4e = frame == "4E"
+        self._serial = 0
+        super().__init__(host, port, timeout)
 
     def read_words(self, device: Device, first: int, count: int) -> list[int]:
         """Words 0 to 65535; of a bit device 16 points each."""
@@ -84,7 +120,7 @@ class McClient:
         bits: list[bool] = []
         while len(bits) < count:
             number = min(count - len(bits), MOST_BITS)
-            what = f"read {device.name}{_shown(device, first + len(bits))}"
+            what = f"read {device.name}{shown_number(device, first + len(bits))}"
             place = _bit_device(device, first + len(bits))
             data = self._ask(0x0401, 0x0001, place + struct.pack("<H", number), what, (number + 1) // 2)
             bits += [bool(data[i // 2] >> (0 if i % 2 else 4) & 1) for i in range(number)]
@@ -95,7 +131,7 @@ class McClient:
             some = [bool(bit) for bit in bits[done:done + MOST_BITS]]
             pairs = [*some, False] if len(some) % 2 else some
             values = bytes(high << 4 | low for high, low in zip(pairs[::2], pairs[1::2]))
-            what = f"write {device.name}{_shown(device, first + done)}"
+            what = f"write {device.name}{shown_number(device, first + done)}"
             place = _bit_device(device, first + done)
             self._ask(0x1401, 0x0001, place + struct.pack("<H", len(some)) + values, what, 0)
 
@@ -123,7 +159,7 @@ class McClient:
         return words
 
     def _write_words(self, subcommand: int, place: bytes, name: str, first: int, words: Sequence[int], points: int) -> None:
-        values = [_word(word, name, first + i) for i, word in enumerate(words)]
+        values = [word_of(word, name, first + i) for i, word in enumerate(words)]
         for done in range(0, len(values), MOST_WORDS):
             some = values[done:done + MOST_WORDS]
             self._ask(0x1401, subcommand, _moved(place, subcommand, points * done)
@@ -138,31 +174,20 @@ class McClient:
 
     def request(self, command: int, subcommand: int, data: bytes, what: str = "request") -> bytes:
         """Any command; the data of its reply. `what` names it in errors."""
-        if self._socket is None:
-            raise PlcError(f"{what}: the connection to {self._place} is closed")
         # network 0, PC FFH, module I/O 03FFH, station 0: the CPU this port belongs to; timer 16 x 250 ms
         body = struct.pack("<HHH", 0x0010, command, subcommand) + data
         self._serial = (self._serial + 1) & 0xFFFF
         head = struct.pack("<HHH", 0x0054, self._serial, 0) if self._is_4e else struct.pack("<H", 0x0050)
-        try:
-            self._socket.sendall(head + bytes.fromhex("00FFFF0300") + struct.pack("<H", len(body)) + body)
-            return self._reply(what)
-        except OSError as error:
-            self.close()  # a late answer would pass for that of the next request
-            raise PlcError(f"{what}: {self._place}: {error.strerror or error}") from error
-        except EndCodeError:
-            raise
-        except BaseException:
-            self.close()
-            raise
+        return self.exchange(head + bytes.fromhex("00FFFF0300") + struct.pack("<H", len(body)) + body, lambda: self._reply(what),
+                             what)
 
     def _reply(self, what: str) -> bytes:
         size = 13 if self._is_4e else 9
-        head = self._receive(size, what)
+        head = self.receive(size, what)
         expected = struct.pack("<HHH", 0x00D4, self._serial, 0) if self._is_4e else struct.pack("<H", 0x00D0)
         if not head.startswith(expected):
             raise PlcError(f"{what}: the answer is no frame that was expected but starts with {head.hex(' ')}")
-        reply = self._receive(struct.unpack("<H", head[-2:])[0], what)
+        reply = self.receive(struct.unpack("<H", head[-2:])[0], what)
         if len(reply) < 2:
             raise PlcError(f"{what}: the answer has no end code")
         end_code = int.from_bytes(reply[:2], "little")
@@ -170,18 +195,9 @@ class McClient:
             raise EndCodeError(end_code, what)
         return reply[2:]
 
-    def _receive(self, length: int, what: str) -> bytes:
-        assert self._socket is not None
-        data = b""
-        while len(data) < length:
-            piece = self._socket.recv(length - len(data))
-            if not piece:
-                raise PlcError(f"{what}: {self._place} closed the connection")
-            data += piece
-        return data
 
-
-def _shown(device: Device, number: int) -> str:
+def shown_number(device: Device, number: int) -> str:
+    """As people write it."""
     return f"{number:X}" if device.base == 16 else f"{number:o}" if device.base == 8 else str(number)
 
 
@@ -220,7 +236,8 @@ def _moved(place: bytes, subcommand: int, points: int) -> bytes:
     return place[:at] + _number(int.from_bytes(place[at:at + 3], "little") + points) + place[at + 3:]
 
 
-def _word(word: int, name: str, number: int) -> int:
+def word_of(word: int, name: str, number: int) -> int:
+    """The 16 bits of a number from -32768 to 65535."""
     if not -32768 <= word <= 65535:
         raise ValueError(f"{name}{number}: {word} is no word; expected -32768 to 65535")
     return word & 0xFFFF

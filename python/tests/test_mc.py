@@ -157,7 +157,7 @@ def test_what_makes_no_sense_is_not_sent(script):
             (lambda: plc.d.__setitem__(0, -32769), ValueError), (lambda: plc.d.__setitem__(0, [1]), TypeError),
             (lambda: plc.d.__setitem__(slice(0, 2), [1]), ValueError), (lambda: plc.d.__setitem__(slice(0, 2), 1), ValueError),
             (lambda: plc.y.__setitem__(slice(0, 2), [True]), ValueError), (lambda: plc.y.__setitem__(0, [True]), TypeError),
-            (lambda: plc.d.double.__setitem__(0, 1 << 32), ValueError), (lambda: Plc(frame="1E"), ValueError),
+            (lambda: plc.d.double.__setitem__(0, 1 << 32), ValueError), (lambda: Plc(frame="2E"), ValueError),
             (lambda: plc.run(), ValueError), (lambda: plc.run(scans=1), PlcError), (lambda: plc.wait("X1"), PlcError)):
         with pytest.raises(error):
             wrong()

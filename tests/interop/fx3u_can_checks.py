@@ -169,15 +169,20 @@ def tshark_decodes_the_boot_of_three_devices_by_an_fx3u_can():
 @check
 @covers("FX3U-EX-001 FX3U-HB-006 FX3U-HB-007 FX3U-CIF-007 FX3U-CIF-011")
 def example_program_of_the_fx3u_can_does_what_the_function_blocks_do():
-    """Chapter 13."""
-    with running(example_plant("program", folder=EXAMPLES, changes=[])) as plant:
-        done = command(sys.executable, EXAMPLES / "program.py", *host_port(plant.mc))
+    """Chapter 13, behind an FX3 over 3E frames and behind an FX5 over 1E frames."""
+    example_program("program", "3E", 0)
+    example_program("program-fx5", "1E", 1)
+
+
+def example_program(name, frame, unit):
+    with running(example_plant(name, folder=EXAMPLES, changes=[])) as plant:
+        done = command(sys.executable, EXAMPLES / "program.py", *host_port(plant.mc), frame, unit)
         code, errors = plant.stop()
         require(code == 0, f"exit code {code}: {errors}")
     printed, frames = done.stdout, recorded(plant.trace)
     for line in ("40 cycles: 40 outputs came back", "analogue output 390", "SDO abort 05040000H",
                  "heartbeat lost: #901 = 0082H, #29 = 0401H", "cleared: #901 = 0002H, #29 = 0000H"):
-        require(line in printed, f"{line!r} is missing in:\n{printed}")
+        require(line in printed, f"{frame}: {line!r} is missing in:\n{printed}")
     in_order(frames, [
         (0x77F, "00"), (0x0FF, "00 62 01 34 30 30 58 46"), (0x701, "00"),       # CANopenInit
         (0x603, "2B 0C 10 00 00 00 00 00"), (0x603, "2F 0D 10 00 00 00 00 00"),  # NMTSlaveSettings

@@ -102,7 +102,7 @@ class RunningPlant:
         self.reader = threading.Thread(target=self._read, daemon=True)
         self.reader.start()
         if has_plc:
-            self.mc = self.wait(lambda e: e["event"] == "listen" and e["protocol"] == "MC protocol")["address"]
+            self.mc = self.wait(lambda e: e["event"] == "listen" and e["protocol"].startswith("MC protocol"))["address"]
         if not is_served:
             return
         self.socketcand = self.wait(lambda e: e["event"] == "listen" and e["protocol"] == "socketcand")["address"]

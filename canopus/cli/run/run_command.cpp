@@ -9,6 +9,7 @@
 
 #include "canopus/cli/run/run_loop.hpp"
 #include "canopus/cli/terminal/option_checks.hpp"
+#include "canopus/cli/terminal/real_time_option.hpp"
 #include "canopus/text/text_values.hpp"
 #include "canopus/trace/file/trace_file.hpp"
 
@@ -23,6 +24,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
     RunOptions options;
     std::string duration;
     std::string operational;
+    RealTimeOption real_time;
   };
   auto words = std::make_shared<Words>();
   CLI::App* command = app.add_subcommand("run", "Start everything a plant file describes, until Ctrl-C");
@@ -97,6 +99,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
       "Example: canopus run plant.toml --virtual --expect-operational=30s");
   command->callback([words, &exit_code] {
     if (!words->duration.empty()) words->options.duration = *text::parse_duration(words->duration);
+    words->options.real_time = words->real_time.wanted();
     words->options.expect_operational = !words->operational.empty();
     if (words->options.expect_operational && words->operational != without_time) {
       words->options.operational_within = *text::parse_duration(words->operational);

@@ -187,6 +187,11 @@ bool Run::run_in_real_time() {
   set_cpu_clocks();
   clock.set_resumed_handler([this] { set_cpu_clocks(); });
   linked_buses_.start(&clock, observer());
+  if (options_.real_time) {
+    for (const std::string& sentence : serve::ask_for_real_time(*options_.real_time)) {
+      observer().warning("--realtime", sentence, {});
+    }
+  }
   plant_->power_on();
   clock.start();
   if (has_table_) start_table(clock);

@@ -9,11 +9,13 @@
 #include <vector>
 
 #include "canopus/can/time.hpp"
+#include "canopus/serve/real_time_thread.hpp"
 
 namespace canopus::cli {
 
 struct RunOptions {
-  std::string plant;                        ///< path of the plant file
+  std::string plant;  ///< path of the plant file
+  std::optional<serve::RealTimeThread> real_time{};
   std::vector<std::string> links{};         ///< in place of the plant file's: "line1=socketcan:can0"
   std::optional<can::Duration> duration{};  ///< plant time; without it until SIGINT or SIGTERM
   bool virtual_time = false;
