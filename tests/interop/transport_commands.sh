@@ -10,7 +10,11 @@ trap 'kill "${children[@]}" 2>/dev/null || true; rm -rf "$work"' EXIT
 ip link set lo up
 ip link set lo multicast on
 ip route add 224.0.0.0/4 dev lo
-ip -6 route add ff00::/8 dev lo table local 2>/dev/null || ip -6 route add ff00::/8 dev lo
+if [ "$transport" = udp-multicast-6 ]; then  # Linux does not loop IPv6 multicast back over lo
+  ip link add pair0 type veth peer name pair1
+  for end in pair0 pair1; do sysctl -q -w net.ipv6.conf.$end.accept_dad=0; ip link set $end up; done
+  sleep 2
+fi
 
 start() {  # start NAME SCRIPT ARGUMENTS: in the background, once it said its first line
   local name=$1; shift

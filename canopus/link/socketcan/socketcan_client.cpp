@@ -73,10 +73,7 @@ class SocketcanTransport final : public Transport {
     if (!link)
       return std::unexpected(link.error() == ENODEV ? "there is no such interface"
                                                     : std::strerror(link.error()));
-    if (link->type != "can") {
-      if (bit_rate == 0) return {};
-      return std::unexpected("the interface is of type \"" + link->type + "\" and has no bit rate");
-    }
+    if (link->type != "can") return {};  // a virtual interface has no bit rate and needs none
     const std::uint32_t wanted = bit_rate != 0 || !link->controller ? bit_rate : link->controller->bit_rate;
     auto done = netlink_.set_up(link->index, false);
     if (done && bit_rate != 0) done = netlink_.set_bit_rate(link->index, bit_rate);
