@@ -9,6 +9,9 @@ std::shared_ptr<Transport> make(boost::asio::io_context& io, const BusAddress& a
                                 const BusClientOptions& options) {
   switch (address.kind) {
     case BusAddress::Kind::socketcan: return make_socketcan(io, address, options);
+    case BusAddress::Kind::slcan: return make_slcan(io, address, options);
+    case BusAddress::Kind::udp_multicast: return make_multicast(io, address, options);
+    case BusAddress::Kind::cannelloni: return make_cannelloni(io, address, options);
     case BusAddress::Kind::socketcand: break;
   }
   return make_socketcand(io, address, options);

@@ -19,9 +19,7 @@ using boost::system::error_code;
 StreamTransport::StreamTransport(asio::io_context& io, BusAddress address, BusClientOptions options)
     : Transport(io, options), address_(std::move(address)), resolver_(io), connecting_(io) {}
 
-void StreamTransport::connect() { connect_tcp(); }
-
-void StreamTransport::connect_tcp() {
+void StreamTransport::connect() {
   const auto connected = [self = self(this), generation = generation_](const error_code& failure,
                                                                        const tcp::endpoint&) {
     if (generation != self->generation_) return;
@@ -32,8 +30,7 @@ void StreamTransport::connect_tcp() {
     error_code trouble;
     const int descriptor = self->connecting_.release(trouble);
     if (trouble) return self->failed(trouble.message());
-    self->stream_ = std::make_unique<asio::posix::stream_descriptor>(self->io(), descriptor);
-    self->start();
+    self->take_stream(descriptor);
   };
   resolver_.async_resolve(address_.host, std::to_string(address_.port),
                           [self = self(this), connected, generation = generation_](
@@ -44,7 +41,8 @@ void StreamTransport::connect_tcp() {
                           });
 }
 
-void StreamTransport::start() {
+void StreamTransport::take_stream(int descriptor) {
+  stream_ = std::make_unique<asio::posix::stream_descriptor>(io(), descriptor);
   read();
   stream_opened();
 }
@@ -119,6 +117,10 @@ void StreamTransport::finish() { set_closing(); }
 
 bool StreamTransport::finished() const {
   return !writing_ && waiting_.empty() && written_.empty() && Transport::finished();
+}
+
+void StreamTransport::write_last(std::string_view bytes) {
+  if (stream_ != nullptr) (void)!::write(stream_->native_handle(), bytes.data(), bytes.size());
 }
 
 void StreamTransport::shut_down_writing() {

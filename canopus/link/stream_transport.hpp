@@ -1,5 +1,5 @@
 #pragma once
-// A transport over bytes in order: a TCP connection or a serial device. Opens it, reads, and writes what waits in one
+// A transport over bytes in order: a TCP connection, or a device that its transport opens. Connects, reads, and writes what waits in one
 // piece; when that is out, its frames count as handed over.
 
 #include <array>
@@ -32,6 +32,12 @@ class StreamTransport : public Transport {
   virtual void frames_written(std::vector<can::Frame> frames);
   /// Appends a frame's form. False: not yet (queue() keeps it).
   virtual bool append(std::string& out, const can::Frame& frame) = 0;
+  /// Over the host and port of the address, unless it is overridden: take_stream() or failed() follows.
+  void connect() override;
+  /// An open, non-blocking descriptor, from now on ours.
+  void take_stream(int descriptor);
+  /// Bytes for the other side at the very end, as far as it takes them at once.
+  void write_last(std::string_view bytes);
   [[nodiscard]] virtual std::string describe_failure(const boost::system::error_code& failure) const;
 
   /// Sends bytes that are no frame, behind what waits.
@@ -41,13 +47,9 @@ class StreamTransport : public Transport {
   void write() override;
   void disconnect() override;
   [[nodiscard]] std::size_t under_way() const override { return written_.size(); }
-  [[nodiscard]] bool is_writing() const noexcept { return writing_; }
   [[nodiscard]] const BusAddress& address() const noexcept { return address_; }
 
  private:
-  void connect() override;
-  void connect_tcp();
-  void start();
   void read();
   void on_written(const boost::system::error_code& failure);
 

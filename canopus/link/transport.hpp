@@ -84,6 +84,7 @@ class Transport : public std::enable_shared_from_this<Transport> {
   [[nodiscard]] boost::asio::io_context& io() noexcept { return io_; }
   [[nodiscard]] const BusClientOptions& options() const noexcept { return options_; }
   [[nodiscard]] std::deque<can::Frame>& queue() noexcept { return queue_; }
+  [[nodiscard]] const std::deque<can::Frame>& queue() const noexcept { return queue_; }
   [[nodiscard]] bool is_open() const noexcept { return state_ == State::open; }
   [[nodiscard]] bool is_closing() const noexcept { return closing_; }
   void set_closing() noexcept { closing_ = true; }
@@ -119,5 +120,13 @@ class Transport : public std::enable_shared_from_this<Transport> {
 [[nodiscard]] std::shared_ptr<Transport> make_socketcan(boost::asio::io_context& io,
                                                         const BusAddress& address,
                                                         const BusClientOptions& options);
+[[nodiscard]] std::shared_ptr<Transport> make_slcan(boost::asio::io_context& io, const BusAddress& address,
+                                                    const BusClientOptions& options);
+[[nodiscard]] std::shared_ptr<Transport> make_multicast(boost::asio::io_context& io,
+                                                        const BusAddress& address,
+                                                        const BusClientOptions& options);
+[[nodiscard]] std::shared_ptr<Transport> make_cannelloni(boost::asio::io_context& io,
+                                                         const BusAddress& address,
+                                                         const BusClientOptions& options);
 
 }  // namespace canopus::link

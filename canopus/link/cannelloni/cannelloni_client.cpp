@@ -1,0 +1,189 @@
+// A bus behind a cannelloni: over UDP as its equal, over TCP as its client.
+
+#include <utility>
+#include <vector>
+
+#include "canopus/link/can_error.hpp"
+#include "canopus/link/cannelloni/cannelloni_records.hpp"
+#include "canopus/link/datagram_transport.hpp"
+#include "canopus/link/stream_transport.hpp"
+
+namespace canopus::link {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::udp;
+using boost::system::error_code;
+
+std::span<const std::uint8_t> as_bytes(std::string_view text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+/// Says how many CAN FD frames were left out: at the first one, and each thousand.
+class LeftOut {
+ public:
+  /// A sentence now and then, mostly nothing.
+  std::string count() {
+    ++number_;
+    if (number_ == 1) return "CAN FD frames of this bus are left out";
+    return number_ % 1000 == 0 ? std::to_string(number_) + " CAN FD frames were left out so far"
+                               : std::string();
+  }
+
+ private:
+  std::uint64_t number_ = 0;
+};
+
+class CannelloniDatagrams final : public DatagramTransport {
+ public:
+  CannelloniDatagrams(asio::io_context& io, const BusAddress& address, const BusClientOptions& options)
+      : DatagramTransport(io, address, options), resolver_(io) {}
+
+ private:
+  void connect() override {
+    resolver_.async_resolve(
+        address().host, std::to_string(address().port),
+        [self = self(this)](const error_code& failure, const udp::resolver::results_type& found) {
+          if (self->state() == State::ended) return;
+          if (failure) return self->failed(failure.message());
+          self->bind(found.begin()->endpoint());
+        });
+  }
+  void bind(const Endpoint& peer) {
+    peer_ = peer;
+    error_code failure;
+    udp::socket socket(io());
+    socket.open(peer.protocol(), failure);
+    const bool is_here = peer.address().is_loopback();
+    const Endpoint here = is_here ? Endpoint(peer.address(), address().local_port)
+                                  : Endpoint(peer.protocol(), address().local_port);
+    if (!failure) socket.bind(here, failure);
+    if (failure) return failed("our port " + std::to_string(address().local_port) + ": " + failure.message());
+    expected_.reset();
+    sequence_ = 0;
+    take_socket(std::move(socket));
+    opened();
+  }
+  void disconnect() override {
+    resolver_.cancel();
+    DatagramTransport::disconnect();
+  }
+
+  void write_frames() override {
+    while (!queue().empty()) {
+      const std::size_t count = std::min(queue().size(), cannelloni_max_count);
+      const std::vector<can::Frame> frames(queue().begin(),
+                                           queue().begin() + static_cast<std::ptrdiff_t>(count));
+      const std::string datagram = write_cannelloni_datagram(sequence_, frames);
+      if (!write_datagram(socket(), as_bytes(datagram), peer_)) return;
+      ++sequence_;
+      queue().erase(queue().begin(), queue().begin() + static_cast<std::ptrdiff_t>(count));
+      for (const can::Frame& frame : frames) sent(frame);
+    }
+  }
+  void datagram_received(std::span<const std::uint8_t> bytes, const Endpoint& sender) override {
+    if (sender.address() != peer_.address()) return;  // a stranger
+    const auto datagram = read_cannelloni_datagram(bytes);
+    if (!datagram) return complain("a datagram that is none of cannelloni");
+    look_at(datagram->sequence);
+    for (const CannelloniRecord& record : datagram->records) {
+      if (!is_open()) return;
+      take(record);
+    }
+    if (!datagram->mistake.empty()) complain("a datagram of cannelloni: " + std::string(datagram->mistake));
+  }
+  void look_at(std::uint8_t sequence) {
+    const std::uint8_t expected = expected_.value_or(sequence);
+    const auto ahead = static_cast<std::uint8_t>(sequence - expected);
+    if (ahead >= 128)
+      return complain("datagrams of cannelloni came in another order, or it was started anew");
+    expected_ = static_cast<std::uint8_t>(sequence + 1);
+    if (ahead == 0) return;
+    complain(std::to_string(ahead) +
+             (ahead == 1 ? " datagram of cannelloni is lost" : " datagrams of cannelloni are lost"));
+  }
+  void take(const CannelloniRecord& record) {
+    switch (record.kind) {
+      case CannelloniRecord::Kind::frame: return received(record.frame);
+      case CannelloniRecord::Kind::error_frame: {
+        ControllerStatus now = status();
+        update_status(now, record.frame.identifier, record.frame.bytes());
+        return set_status(now);
+      }
+      case CannelloniRecord::Kind::fd_frame:
+        if (const auto text = left_out_.count(); !text.empty()) complain(text);
+        return;
+      case CannelloniRecord::Kind::wrong: return;
+    }
+  }
+
+  udp::resolver resolver_;
+  Endpoint peer_;
+  std::uint8_t sequence_ = 0;             // of our next datagram
+  std::optional<std::uint8_t> expected_;  // of theirs
+  LeftOut left_out_;
+};
+
+class CannelloniStream final : public StreamTransport {
+ public:
+  using StreamTransport::StreamTransport;
+
+  std::string_view silence() const override { return "is it a cannelloni server?"; }
+
+ private:
+  void stream_opened() override {
+    greeted_ = false;
+    input_.clear();
+    write_bytes(cannelloni_greeting);
+  }
+  bool append(std::string& out, const can::Frame& frame) override {
+    append_cannelloni_record(out, frame);
+    return true;
+  }
+  void bytes_received(std::string_view bytes) override {
+    input_.append(bytes);
+    if (!greeted_) {
+      const std::size_t size = std::min(input_.size(), cannelloni_greeting.size());
+      if (std::string_view(input_).substr(0, size) != cannelloni_greeting.substr(0, size)) {
+        return failed("this is no cannelloni: it does not say " + std::string(cannelloni_greeting));
+      }
+      if (size < cannelloni_greeting.size()) return;
+      input_.erase(0, size);
+      greeted_ = true;
+      opened();
+    }
+    const std::string taken = std::exchange(input_, {});
+    auto rest = as_bytes(taken);
+    while (const auto record = take_cannelloni_record(rest)) {
+      if (!is_open()) return;
+      switch (record->kind) {
+        case CannelloniRecord::Kind::frame: received(record->frame); break;
+        case CannelloniRecord::Kind::error_frame: error_frame(record->frame); break;
+        case CannelloniRecord::Kind::fd_frame:
+          if (const auto text = left_out_.count(); !text.empty()) complain(text);
+          break;
+        case CannelloniRecord::Kind::wrong: return failed("what cannelloni sends is no CAN frame");
+      }
+    }
+    if (is_open()) input_ = taken.substr(taken.size() - rest.size());
+  }
+  void error_frame(const can::Frame& frame) {
+    ControllerStatus now = status();
+    update_status(now, frame.identifier, frame.bytes());
+    set_status(now);
+  }
+
+  std::string input_;  // not yet a whole record
+  LeftOut left_out_;
+  bool greeted_ = false;
+};
+
+}  // namespace
+
+std::shared_ptr<Transport> make_cannelloni(asio::io_context& io, const BusAddress& address,
+                                           const BusClientOptions& options) {
+  if (address.tcp) return std::make_shared<CannelloniStream>(io, address, options);
+  return std::make_shared<CannelloniDatagrams>(io, address, options);
+}
+
+}  // namespace canopus::link

@@ -1,0 +1,57 @@
+#pragma once
+// The records of cannelloni, CAN over UDP or TCP, without any I/O. All numbers are big-endian:
+//
+//   datagram   02 00 | sequence u8 | count u16 | records
+//   record     identifier u32 (bit 31 extended, 30 remote, 29 error frame) | length u8 | data (none when remote)
+//   CAN FD     bit 7 of the length, and one byte of flags behind it
+//
+// Over TCP both sides first send the greeting, then records. [cannelloni 1.1 doc/udp_format.md, tcp_format]
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/can/frame.hpp"
+
+namespace canopus::link {
+
+inline constexpr std::string_view cannelloni_greeting = "CANNELLONIv1";
+inline constexpr std::size_t cannelloni_header = 5;       ///< bytes
+inline constexpr std::size_t cannelloni_max_record = 13;  ///< of a classical frame
+/// Records that fit into a datagram of an Ethernet.
+inline constexpr std::size_t cannelloni_max_count = 100;
+
+void append_cannelloni_record(std::string& out, const can::Frame& frame);
+/// A datagram of up to cannelloni_max_count frames.
+[[nodiscard]] std::string write_cannelloni_datagram(std::uint8_t sequence,
+                                                    std::span<const can::Frame> frames);
+
+struct CannelloniRecord {
+  enum class Kind : std::uint8_t {
+    frame,
+    error_frame,  ///< its identifier is the class (can_error.hpp)
+    fd_frame,     ///< passed over
+    wrong,        ///< not to be read; where the next one starts is unknown
+  };
+  Kind kind = Kind::wrong;
+  can::Frame frame{};
+};
+
+/// Takes a record off the front. None: more bytes are needed; at most 70 belong to one.
+[[nodiscard]] std::optional<CannelloniRecord> take_cannelloni_record(
+    std::span<const std::uint8_t>& bytes) noexcept;
+
+/// What of a datagram can be read.
+struct CannelloniDatagram {
+  std::uint8_t sequence = 0;
+  std::vector<CannelloniRecord> records{};
+  std::string_view mistake{};  ///< what is wrong behind the records, empty if nothing is
+};
+/// None: it is no datagram of cannelloni.
+[[nodiscard]] std::optional<CannelloniDatagram> read_cannelloni_datagram(std::span<const std::uint8_t> bytes);
+
+}  // namespace canopus::link

@@ -1,0 +1,322 @@
+// A CAN interface of this machine (Linux SocketCAN).
+//
+// Frames that this client sends come back from the kernel when they are complete on the bus; at most `window` of them
+// are with the kernel, the others wait here, where they can still be dropped. Netlink says what the controller's state,
+// counters and bit timing are: at error frames and four times a second. While it is bus-off nothing is sent.
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <set>
+#include <utility>
+
+#include <boost/asio/posix/stream_descriptor.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <linux/can/error.h>
+#include <sys/socket.h>
+
+#include "canopus/link/can_error.hpp"
+#include "canopus/link/socketcan/can_socket.hpp"
+#include "canopus/link/socketcan/netlink.hpp"
+#include "canopus/link/transport.hpp"
+
+namespace canopus::link {
+namespace {
+
+namespace asio = boost::asio;
+using asio::posix::stream_descriptor;
+using boost::system::error_code;
+using namespace std::chrono_literals;
+
+constexpr std::size_t window = 32;
+constexpr auto status_period = 250ms;
+/// Identifiers of our own that a filter is opened for, so that their echo is heard; with more there is no filter.
+constexpr std::size_t most_own_identifiers = 128;
+
+class SocketcanTransport final : public Transport {
+ public:
+  SocketcanTransport(asio::io_context& io, std::string interface, BusClientOptions options)
+      : Transport(io, options),
+        interface_(std::move(interface)),
+        netlink_(false),
+        socket_(io),
+        events_(io),
+        pause_(io),
+        status_timer_(io) {}
+
+  std::expected<void, std::string> restart(std::uint32_t bit_rate) override {
+    auto done = set_up(bit_rate);
+    if (done && is_open()) {
+      // The socket has heard of its interface going down, which was our doing.
+      (void)take_socket_error(socket_.native_handle());
+      on_bus_.clear();
+      queue().clear();
+      look_at_controller();
+    }
+    return done;
+  }
+  void set_filter(std::span<const IdentifierFilter> filters) override {
+    filters_.assign(filters.begin(), filters.end());
+    own_.clear();
+    apply_filter();
+  }
+  bool finished() const override { return queue().empty() && on_bus_.empty(); }
+
+ private:
+  std::string line_to_type(std::uint32_t bit_rate) const {
+    return "ip link set " + interface_ + " down; ip link set " + interface_ + " type can bitrate " +
+           std::to_string(bit_rate) + " restart-ms 100; ip link set " + interface_ + " up";
+  }
+  /// Takes the interface down, sets its bit rate if there is one, and takes it up.
+  std::expected<void, std::string> set_up(std::uint32_t bit_rate) {
+    const auto link = netlink_.ask(interface_);
+    if (!link)
+      return std::unexpected(link.error() == ENODEV ? "there is no such interface"
+                                                    : std::strerror(link.error()));
+    if (link->type != "can") return {};  // a virtual interface has no bit rate and needs none
+    const std::uint32_t wanted = bit_rate != 0 || !link->controller ? bit_rate : link->controller->bit_rate;
+    auto done = netlink_.set_up(link->index, false);
+    if (done && bit_rate != 0) done = netlink_.set_bit_rate(link->index, bit_rate);
+    std::expected<void, int> up = netlink_.set_up(link->index, true);
+    if (done) done = up;
+    if (done) return {};
+    const bool may_not = done.error() == EPERM || done.error() == EACCES;
+    std::string reason = may_not
+                             ? "this program may not set up the interface"
+                             : "the interface cannot be set up: " + std::string(std::strerror(done.error()));
+    return std::unexpected(reason + "; " + line_to_type(wanted != 0 ? wanted : 250'000));
+  }
+
+  void connect() override {
+    if (const std::uint32_t wanted = options().bit_rate; wanted != 0) {
+      const auto link = netlink_.ask(interface_);
+      const bool has_it = link && link->up && link->controller && link->controller->bit_rate == wanted;
+      if (link && !has_it) {
+        if (auto done = set_up(wanted); !done) return failed(done.error());
+      }
+    }
+    const auto opened_socket = open_can_socket(interface_);
+    if (!opened_socket) return failed(opened_socket.error());
+    socket_.assign(opened_socket->descriptor);
+    index_ = opened_socket->interface;
+    dropped_ = 0;
+    apply_filter();
+    if (Netlink events(true); events.descriptor() >= 0) {
+      events_.assign(events.release());
+      hear_events();
+    }
+    read();
+    opened();
+    look_at_controller();
+    poll_controller();
+  }
+  void disconnect() override {
+    ++generation_;
+    error_code ignored;
+    pause_.cancel();
+    status_timer_.cancel();
+    waiting_ = false;
+    on_bus_.clear();
+    socket_.close(ignored);
+    events_.close(ignored);
+  }
+
+  // --- what comes
+
+  void read() {
+    socket_.async_wait(stream_descriptor::wait_read,
+                       [self = self(this), generation = generation_](const error_code& failure) {
+                         if (!failure && generation == self->generation_) self->on_readable();
+                       });
+  }
+  void on_readable() {
+    const std::uint32_t generation = generation_;
+    for (int count = 0; count < 8; ++count) {
+      const auto batch = receive_can_frames(socket_.native_handle());
+      if (!batch && batch.error() == EAGAIN) break;
+      if (!batch) return lose(batch.error());
+      for (const ReceivedFrame& frame : batch->frames) {
+        take(frame);
+        if (generation != generation_) return;
+      }
+      if (batch->dropped && *batch->dropped != dropped_) {
+        complain(std::to_string(*batch->dropped - dropped_) +
+                 " frames are lost: this program was too slow for the bus");
+        dropped_ = *batch->dropped;
+      }
+      if (generation != generation_) return;
+      if (batch->frames.size() < can_batch) break;
+    }
+    write();
+    read();
+  }
+  void take(const ReceivedFrame& frame) {
+    switch (frame.kind) {
+      case ReceivedFrame::Kind::error: return error_frame(frame);
+      case ReceivedFrame::Kind::frame: reported_error_ = {}; return received(frame.frame, frame.received_at);
+      case ReceivedFrame::Kind::own: {
+        reported_error_ = {};
+        // A controller with several mailboxes may send them in another order.
+        const auto place = std::ranges::find(on_bus_, frame.frame);
+        if (place == on_bus_.end()) return;
+        on_bus_.erase(place);
+        return sent(frame.frame);
+      }
+    }
+  }
+  void error_frame(const ReceivedFrame& frame) {
+    const std::span bytes(frame.frame.data.data(), frame.frame.dlc);
+    ControllerStatus now = status();
+    update_status(now, frame.error_class, bytes);
+    const std::uint32_t generation = generation_;
+    set_status(now);
+    if (generation != generation_) return;
+    // Single errors of a bus in trouble are many; their counters wait for the next poll.
+    if ((frame.error_class & (CAN_ERR_CRTL | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED)) != 0) look_at_controller();
+    if (generation != generation_) return;
+    if ((frame.error_class & (CAN_ERR_BUSOFF | CAN_ERR_RESTARTED)) != 0)
+      on_bus_.clear();  // they do not come back
+    if ((frame.error_class & CAN_ERR_CRTL) != 0 && bytes.size() > 1 &&
+        (bytes[1] & CAN_ERR_CRTL_RX_OVERFLOW) != 0) {
+      complain("the controller lost frames: its receive buffer was full");
+    }
+    // Said once, until a frame comes.
+    const std::string_view sentence = describe_error_frame(frame.error_class, bytes);
+    if (sentence.empty() || sentence == reported_error_) return;
+    reported_error_ = sentence;
+    complain(sentence);
+  }
+  void lose(int reason) {
+    switch (reason) {
+      case ENETDOWN: return failed("the interface is down");
+      case ENODEV:
+      case ENXIO: return failed("the interface is gone");
+      default: return failed(std::strerror(reason));
+    }
+  }
+
+  // --- what the kernel says of the interface
+
+  void hear_events() {
+    events_.async_wait(stream_descriptor::wait_read,
+                       [self = self(this), generation = generation_](const error_code& failure) {
+                         if (!failure && generation == self->generation_) self->on_events();
+                       });
+  }
+  void on_events() {
+    std::array<std::uint8_t, 16384> input;
+    bool ours = false;
+    while (true) {
+      const ssize_t size = ::recv(events_.native_handle(), input.data(), input.size(), MSG_DONTWAIT);
+      if (size < 0 && errno == ENOBUFS) ours = true;  // events were lost
+      if (size <= 0) break;
+      for (const LinkMessage& message :
+           read_link_messages(std::span(input).first(static_cast<std::size_t>(size)))) {
+        ours = ours || message.index == index_;
+      }
+    }
+    const std::uint32_t generation = generation_;
+    if (ours) look_at_controller();
+    if (generation == generation_) hear_events();
+  }
+  void look_at_controller() {
+    const auto link = netlink_.ask(interface_);
+    if (!link) {
+      if (link.error() == ENODEV) lose(ENODEV);
+      return;
+    }
+    if (link->index != index_) return lose(ENODEV);  // plugged in again
+    if (!link->up) return lose(ENETDOWN);
+    if (!link->controller) return;
+    const bool was_off = status().state == can::ErrorState::bus_off;
+    const bool is_off = link->controller->state == can::ErrorState::bus_off;
+    if (is_off != was_off) on_bus_.clear();
+    const std::uint32_t generation = generation_;
+    set_status(*link->controller);
+    if (generation != generation_) return;
+    if (is_off && !was_off && link->restart_ms == 0) {
+      complain("bus-off, and the interface does not restart by itself; ip link set " + interface_ +
+               " type can restart");
+    }
+    if (was_off && !is_off) write();
+  }
+  void poll_controller() {
+    status_timer_.expires_after(status_period);
+    status_timer_.async_wait([self = self(this), generation = generation_](const error_code& failure) {
+      if (failure || generation != self->generation_) return;
+      self->look_at_controller();
+      if (generation == self->generation_) self->poll_controller();
+    });
+  }
+
+  // --- what goes
+
+  std::size_t under_way() const override { return on_bus_.size(); }
+  void write() override {
+    if (!is_open() || waiting_ || status().state == can::ErrorState::bus_off) return;
+    while (!queue().empty() && on_bus_.size() < window) {
+      const std::size_t count = std::min({queue().size(), window - on_bus_.size(), can_batch});
+      const auto end = queue().begin() + static_cast<std::ptrdiff_t>(count);
+      const std::vector<can::Frame> frames(queue().begin(), end);
+      open_filter_for(frames);
+      const auto taken = send_can_frames(socket_.native_handle(), frames);
+      if (!taken) return hold(taken.error());
+      for (std::size_t i = 0; i < *taken; ++i) on_bus_.push_back(frames[i]);
+      queue().erase(queue().begin(), queue().begin() + static_cast<std::ptrdiff_t>(*taken));
+    }
+  }
+  /// ENOBUFS: the interface's queue is full, which poll() does not show; so it is tried again a little later.
+  void hold(int reason) {
+    if (reason != EAGAIN && reason != ENOBUFS) {
+      return fail_later(reason == ENETDOWN ? "the interface is down" : std::strerror(reason));
+    }
+    waiting_ = true;
+    pause_.expires_after(1ms);
+    pause_.async_wait([self = self(this), generation = generation_](const error_code& failure) {
+      if (failure || generation != self->generation_) return;
+      self->waiting_ = false;
+      self->write();
+    });
+  }
+  void open_filter_for(const std::vector<can::Frame>& frames) {
+    if (filters_.empty() || own_.size() > most_own_identifiers) return;
+    bool is_new = false;
+    for (const can::Frame& frame : frames) is_new |= own_.insert({frame.identifier, frame.extended}).second;
+    if (is_new) apply_filter();
+  }
+  void apply_filter() {
+    if (!socket_.is_open()) return;
+    if (filters_.empty() || own_.size() > most_own_identifiers)
+      return set_can_filter(socket_.native_handle(), {});
+    auto filters = filters_;
+    for (const auto& [identifier, extended] : own_) {
+      filters.push_back(
+          {.identifier = identifier, .mask = can::max_extended_identifier, .extended = extended});
+    }
+    set_can_filter(socket_.native_handle(), filters);
+  }
+
+  std::string interface_;
+  Netlink netlink_;
+  stream_descriptor socket_;
+  stream_descriptor events_;
+  asio::steady_timer pause_;
+  asio::steady_timer status_timer_;
+  std::uint32_t generation_ = 0;
+  int index_ = 0;
+  std::uint32_t dropped_ = 0;
+  std::deque<can::Frame> on_bus_;  // with the kernel, not yet back
+  std::vector<IdentifierFilter> filters_;
+  std::set<std::pair<std::uint32_t, bool>> own_;
+  std::string_view reported_error_;
+  bool waiting_ = false;
+};
+
+}  // namespace
+
+std::shared_ptr<Transport> make_socketcan(asio::io_context& io, const BusAddress& address,
+                                          const BusClientOptions& options) {
+  return std::make_shared<SocketcanTransport>(io, address.bus, options);
+}
+
+}  // namespace canopus::link
