@@ -23,6 +23,12 @@ std::string pdo_name(const ModelPdo& pdo) {
   return fmt::format("{}PDO{}", pdo.transmit ? "T" : "R", pdo.number);
 }
 
+/// "Read input 8-bit: Digital inputs 1 to 8" is longer than an identifier: the sub-index's own name says more.
+std::string_view short_name(std::string_view name) {
+  const std::size_t end_of_object = name.find(": ");
+  return name.size() > 32 && end_of_object != std::string_view::npos ? name.substr(end_of_object + 2) : name;
+}
+
 class DbcWriter {
  public:
   explicit DbcWriter(const BusModel& model) : model_(model) {
@@ -65,8 +71,8 @@ class DbcWriter {
 
   void add_signal(std::uint32_t id, const Signal& signal, Identifiers& identifiers,
                   const std::vector<std::string>& receivers) {
-    const std::string name =
-        identifiers.make(signal.name, fmt::format("object_{:04X}_{:02X}", signal.index, signal.sub));
+    const std::string name = identifiers.make(short_name(signal.name),
+                                              fmt::format("object_{:04X}_{:02X}", signal.index, signal.sub));
     const bool real = (signal.type == canopen::DataType::real32 && signal.bits == 32) ||
                       (signal.type == canopen::DataType::real64 && signal.bits == 64);
     const bool negative = real || canopen::is_signed(signal.type);

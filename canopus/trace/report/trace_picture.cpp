@@ -12,7 +12,7 @@
 namespace canopus::trace {
 namespace {
 
-constexpr double left = 110, right = 24, width = 1100, head = 26, foot = 16, strip = 110, state_height = 22;
+constexpr double left = 140, right = 24, width = 1100, head = 26, foot = 16, strip = 110, state_height = 22;
 constexpr std::size_t most_points = 4000;
 constexpr std::size_t most_steps = 2000;
 constexpr std::size_t most_changes = 20'000;
@@ -190,10 +190,10 @@ void TracePicture::add_state(const Message& message, double time) {
   NodeStates& node = states_[channel | message.node];
   if (!message.node_name.empty()) node.name = message.node_name;
   switch (message.data[0] & 0x7FU) {
-    case 0x00: return set_state(node, time, "initialising");
+    case 0x00:  // a boot-up message: initialisation is over
+    case 0x7F: return set_state(node, time, "pre-operational");
     case 0x04: return set_state(node, time, "stopped");
     case 0x05: return set_state(node, time, "operational");
-    case 0x7F: return set_state(node, time, "pre-operational");
     default: return;
   }
 }
@@ -211,21 +211,27 @@ double TracePicture::x_of(double time) const {
 }
 
 std::string TracePicture::draw_load(double top) const {
+  // Steps that are wide enough to be seen, and long against a frame.
+  constexpr std::size_t most_drawn = 240;
+  const std::size_t together = (load_bits_.size() + most_drawn - 1) / most_drawn;
+  std::vector<double> rates;
   const double scale_factor = options_.bit_rate != 0 ? 100.0 / options_.bit_rate : 1e-3;
-  double highest = 0;
-  for (const double bits : load_bits_) highest = std::max(highest, bits / load_step_ * scale_factor);
-  const Scale scale = scale_of(0, std::max(highest, 1e-3));
+  for (std::size_t i = 0; i < load_bits_.size(); i += together) {
+    double bits = 0;
+    for (std::size_t k = i; k < std::min(i + together, load_bits_.size()); ++k) bits += load_bits_[k];
+    rates.push_back(bits / (load_step_ * static_cast<double>(together)) * scale_factor);
+  }
+  const Scale scale = scale_of(0, rates.empty() ? 1 : std::max(std::ranges::max(rates), 1e-3));
   std::string svg = strip_frame(top, options_.bit_rate != 0
                                          ? fmt::format("load of the bus, % of {} bit/s", options_.bit_rate)
                                          : std::string("load of the bus, kbit/s"));
   svg += value_axis(scale, top);
   svg += fmt::format("<path class=\"load\" d=\"M{:.1f},{:.1f}", left, scale.y(0, top));
-  for (std::size_t i = 0; i < load_bits_.size(); ++i) {
-    const double begin = static_cast<double>(i) * load_step_;
+  for (std::size_t i = 0; i < rates.size(); ++i) {
+    const double step = load_step_ * static_cast<double>(together);
     // The last step ends with the trace.
-    const double stop = std::min(begin + load_step_, std::max(end_, begin));
-    const double y = scale.y(load_bits_[i] / load_step_ * scale_factor, top);
-    svg += fmt::format("L{:.1f},{:.1f}H{:.1f}", x_of(begin), y, x_of(stop));
+    svg += fmt::format("V{:.1f}H{:.1f}", scale.y(rates[i], top),
+                       x_of(std::min(static_cast<double>(i + 1) * step, end_)));
   }
   return svg + fmt::format("V{:.1f}Z\"/>\n", scale.y(0, top));
 }
