@@ -8,6 +8,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "canopus/cli/analysis/trace_analysis.hpp"
 #include "canopus/cli/commands/bench_command.hpp"
 #include "canopus/cli/commands/bus_command.hpp"
 #include "canopus/cli/commands/check_command.hpp"
@@ -156,6 +157,8 @@ int run_command_line(std::span<const std::string> words) {
   add_lss_command(app, code);
   add_master_command(app, code);
   add_bench_command(app, code);
+  add_trace_analysis(app, code);
+  add_monitor_command(app, code);
 
   std::vector<std::string> reversed(words.rbegin(), words.rend());  // as CLI11 takes them
   if (!words.empty() && words.front() == "help") {  // `canopus help run` is `canopus run --help`

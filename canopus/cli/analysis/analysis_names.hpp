@@ -1,0 +1,29 @@
+#pragma once
+// Where the analyser takes the names of nodes and objects from: a plant file, a network file, device files.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "canopus/cli/terminal/print.hpp"
+#include "canopus/trace/decode/names.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace canopus::cli {
+
+struct NamesOptions {
+  std::string plant{};
+  std::string network{};
+  std::vector<std::string> nodes{};  ///< "3=encoder.eds"
+};
+
+/// --plant, --network and --node.
+void add_names_options(CLI::App& command, NamesOptions& options);
+
+/// Reads the files. Nothing after their mistakes were printed on `err`.
+[[nodiscard]] std::optional<trace::Names> load_names(const NamesOptions& options, Output& err);
+
+}  // namespace canopus::cli

@@ -1,0 +1,126 @@
+#include "canopus/cli/analysis/message_filter.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include <CLI/CLI.hpp>
+
+#include "canopus/text/nearest_word.hpp"
+#include "canopus/text/text_values.hpp"
+
+namespace canopus::cli {
+namespace {
+
+std::vector<std::string_view> service_names() {
+  std::vector<std::string_view> names;
+  for (unsigned i = 0; i < trace::service_count; ++i) names.push_back(name(static_cast<trace::Service>(i)));
+  return names;
+}
+
+std::optional<std::uint32_t> parse_number(std::string_view text, int base, std::uint32_t most) {
+  if (base == 16 && (text.starts_with("0x") || text.starts_with("0X"))) text.remove_prefix(2);
+  if (base == 16 && (text.ends_with('H') || text.ends_with('h'))) text.remove_suffix(1);
+  std::uint32_t value = 0;
+  const auto [stop, failure] = std::from_chars(text.data(), text.data() + text.size(), value, base);
+  if (failure != std::errc{} || stop != text.data() + text.size() || value > most) return std::nullopt;
+  return value;
+}
+
+/// Prints what was expected.
+std::nullopt_t wrong(Output& err, std::string_view option, std::string_view text, std::string_view expected) {
+  err.line("canopus: {} {}: expected {}", option, text, expected);
+  return std::nullopt;
+}
+
+bool parse_time(std::string_view option, const std::string& text, std::optional<can::Duration>& out,
+                Output& err) {
+  if (text.empty()) return true;
+  const auto duration = text::parse_duration(text);
+  if (duration) {
+    out = *duration;
+  } else {
+    err.line("canopus: {}: {}", option, duration.error());
+  }
+  return duration.has_value();
+}
+
+template <typename Value, typename List>
+bool is_wanted(const List& list, const Value& value) {
+  return list.empty() || std::ranges::find(list, value) != list.end();
+}
+
+}  // namespace
+
+void add_filter_options(CLI::App& command, FilterOptions& options, bool of_file) {
+  const auto list = [&](const char* name, std::vector<std::string>& values, const char* help,
+                        const char* type) {
+    command.add_option(name, values, help)->type_name(type)->allow_extra_args(false);
+  };
+  list("--only-node", options.nodes, "Only messages of this node-ID; may be repeated", "ID");
+  list("--service", options.services,
+       "Only this service: nmt, flying-master, sync, time, emcy, pdo, mpdo, sdo, error-control, lss, layer2, "
+       "error-frame, failsafe; may be repeated",
+       "SERVICE");
+  list("--object", options.objects,
+       "Only SDOs and PDOs with this object, as 6000 or 6000:01; may be repeated", "OBJECT");
+  list("--id", options.identifiers, "Only frames of this identifier, hexadecimal; may be repeated", "ID");
+  if (!of_file) return;
+  list("--channel", options.channels, "Only this channel of the file; may be repeated", "NAME");
+  command.add_option("--from", options.from, "Only from this time after the first frame on, as 1.5s")
+      ->type_name("TIME");
+  command.add_option("--to", options.to, "Only up to this time after the first frame")->type_name("TIME");
+}
+
+std::optional<MessageFilter> MessageFilter::make(const FilterOptions& options, Output& err) {
+  MessageFilter filter;
+  for (const std::string& text : options.nodes) {
+    const auto node = parse_number(text, 10, 127);
+    if (!node) return wrong(err, "--only-node", text, "a node-ID 1 to 127, or 0 for all");
+    filter.nodes_.push_back(*node);
+  }
+  for (const std::string& text : options.services) {
+    const auto service = trace::parse_service(text);
+    if (!service) return wrong(err, "--service", text, "a service" + text::suggestion(text, service_names()));
+    filter.services_.push_back(*service);
+  }
+  for (const std::string& text : options.objects) {
+    const auto object = text::parse_object(text);
+    if (!object) {
+      err.line("canopus: --object: {}", object.error());
+      return std::nullopt;
+    }
+    const bool has_sub = text.find(':') != std::string::npos;
+    filter.objects_.push_back({object->index, has_sub ? std::optional(object->sub) : std::nullopt});
+  }
+  for (const std::string& text : options.identifiers) {
+    const auto identifier = parse_number(text, 16, can::max_extended_identifier);
+    if (!identifier) return wrong(err, "--id", text, "an identifier in hexadecimal digits, 0 to 1FFFFFFF");
+    filter.identifiers_.push_back(*identifier);
+  }
+  filter.channels_ = options.channels;
+  if (!parse_time("--from", options.from, filter.from_, err) ||
+      !parse_time("--to", options.to, filter.to_, err))
+    return std::nullopt;
+  return filter;
+}
+
+bool MessageFilter::has_object(const trace::Message& message) const {
+  return std::ranges::any_of(objects_, [&](const Object& object) {
+    const auto same = [&](std::uint16_t index, std::uint8_t sub) {
+      return index == object.index && (!object.sub || *object.sub == sub);
+    };
+    return (message.index && same(*message.index, message.sub)) ||
+           std::ranges::any_of(message.signals,
+                               [&](const trace::Signal& signal) { return same(signal.index, signal.sub); });
+  });
+}
+
+bool MessageFilter::wants(const trace::Message& message, std::string_view channel,
+                          can::Duration since) const {
+  if ((from_ && since < *from_) || is_over(since)) return false;
+  return is_wanted(nodes_, message.node) && is_wanted(services_, message.service) &&
+         is_wanted(identifiers_, message.frame.identifier) && is_wanted(channels_, channel) &&
+         (objects_.empty() || has_object(message));
+}
+
+}  // namespace canopus::cli

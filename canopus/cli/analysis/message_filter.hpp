@@ -1,0 +1,60 @@
+#pragma once
+// Which messages of a trace a person wants to see.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/can/time.hpp"
+#include "canopus/cli/terminal/print.hpp"
+#include "canopus/trace/decode/message.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace canopus::cli {
+
+struct FilterOptions {
+  std::vector<std::string> nodes{};
+  std::vector<std::string> services{};
+  std::vector<std::string> objects{};
+  std::vector<std::string> identifiers{};
+  std::vector<std::string> channels{};
+  std::string from{};
+  std::string to{};
+};
+
+/// --only-node, --service, --object, --id; --channel, --from and --to where `of_file`.
+void add_filter_options(CLI::App& command, FilterOptions& options, bool of_file);
+
+class MessageFilter {
+ public:
+  /// Nothing after a mistake was printed on `err`.
+  [[nodiscard]] static std::optional<MessageFilter> make(const FilterOptions& options, Output& err);
+
+  /// `since`: from the first record of the trace on.
+  [[nodiscard]] bool wants(const trace::Message& message, std::string_view channel,
+                           can::Duration since) const;
+  /// Nothing after this moment is wanted.
+  [[nodiscard]] bool is_over(can::Duration since) const { return to_ && since > *to_; }
+
+ private:
+  struct Object {
+    std::uint16_t index = 0;
+    std::optional<std::uint8_t> sub{};
+  };
+  [[nodiscard]] bool has_object(const trace::Message& message) const;
+
+  std::vector<unsigned> nodes_;
+  std::vector<trace::Service> services_;
+  std::vector<Object> objects_;
+  std::vector<std::uint32_t> identifiers_;
+  std::vector<std::string> channels_;
+  std::optional<can::Duration> from_;
+  std::optional<can::Duration> to_;
+};
+
+}  // namespace canopus::cli

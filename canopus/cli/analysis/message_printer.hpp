@@ -1,0 +1,50 @@
+#pragma once
+// Decoded messages on the terminal, line by line, or as JSON.
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "canopus/can/time.hpp"
+#include "canopus/cli/terminal/print.hpp"
+#include "canopus/trace/decode/message.hpp"
+
+namespace canopus::cli {
+
+/// The first column, as `candump -t` has it.
+enum class TimeColumn : char { absolute = 'a', delta = 'd', zero = 'z', date = 'A' };
+
+struct PrinterOptions {
+  TimeColumn time = TimeColumn::zero;
+  bool frames = false;  ///< with the bytes of each frame
+  bool json = false;
+  bool colour = false;
+};
+
+class MessagePrinter {
+ public:
+  MessagePrinter(PrinterOptions options, Output& out) : options_(options), out_(out) {}
+
+  /// `channel`: its name; empty: there is but one.
+  void print(const trace::Message& message, std::string_view channel);
+  /// What the time column counts from in TimeColumn::zero.
+  void set_zero(can::Time zero) { zero_ = zero; }
+
+ private:
+  [[nodiscard]] std::string time_text(can::Time time);
+
+  PrinterOptions options_;
+  Output& out_;
+  can::Time zero_{};
+  std::optional<can::Time> last_;
+  std::size_t channel_width_ = 4;
+  std::size_t node_width_ = 12;
+};
+
+/// Service, and which of them: "TPDO1", "heartbeat", "SDO".
+[[nodiscard]] std::string service_text(const trace::Message& message);
+[[nodiscard]] nlohmann::ordered_json to_json(const trace::Message& message, std::string_view channel);
+
+}  // namespace canopus::cli

@@ -1,0 +1,145 @@
+#include <chrono>
+#include <memory>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+#include <unistd.h>
+
+#include "canopus/cli/analysis/analysis_names.hpp"
+#include "canopus/cli/analysis/message_filter.hpp"
+#include "canopus/cli/analysis/message_printer.hpp"
+#include "canopus/cli/analysis/trace_analysis.hpp"
+#include "canopus/cli/terminal/option_checks.hpp"
+#include "canopus/link/bus_loop.hpp"
+#include "canopus/text/text_values.hpp"
+#include "canopus/trace/decode/decoder.hpp"
+#include "canopus/trace/file/trace_file.hpp"
+
+namespace canopus::cli {
+namespace {
+
+using link::BusLoop;
+
+struct Options {
+  std::string bus{};
+  NamesOptions names{};
+  FilterOptions filter{};
+  std::string time = "z";
+  std::string write{};
+  std::string duration{};
+  bool frames = false;
+  bool json = false;
+};
+
+/// Hears the bus, prints what it hears, and records it.
+class Monitor final : public can::Listener {
+ public:
+  Monitor(const Options& options, trace::Names names, MessageFilter filter,
+          std::optional<trace::TraceFile> file)
+      : decoder_(std::move(names), {.frames = options.frames, .transfers = !options.frames}),
+        filter_(std::move(filter)),
+        file_(std::move(file)),
+        printer_({.time = static_cast<TimeColumn>(options.time.front()),
+                  .frames = options.frames,
+                  .json = options.json,
+                  .colour = wants_colour(STDOUT_FILENO)},
+                 standard_output()),
+        since_1970_(std::chrono::system_clock::now().time_since_epoch()),
+        begin_(std::chrono::steady_clock::now()) {
+    printer_.set_zero(can::Time(since_1970_));
+  }
+
+  void receive(const can::Frame& frame, can::Time) override {
+    const can::Time now(since_1970_ + can::Duration(std::chrono::steady_clock::now() - begin_));
+    if (file_) {
+      file_->write("can0", frame, now);
+      file_->flush();
+    }
+    decoder_.receive({.time = now, .frame = frame}, "",
+                     [this](const trace::Message& message) { print(message); });
+  }
+  /// Empty, or why the recording is not whole.
+  std::string finish() {
+    decoder_.finish([this](const trace::Message& message) { print(message); });
+    if (!file_) return {};
+    const auto closed = file_->close();
+    return closed ? std::string() : closed.error();
+  }
+
+ private:
+  void print(const trace::Message& message) {
+    if (filter_.wants(message, "", {})) printer_.print(message, "");
+  }
+
+  trace::Decoder decoder_;
+  MessageFilter filter_;
+  std::optional<trace::TraceFile> file_;
+  MessagePrinter printer_;
+  can::Duration since_1970_;
+  std::chrono::steady_clock::time_point begin_;
+};
+
+int fail(int code, std::string_view message) {
+  print_error("canopus: {}", message);
+  return code;
+}
+
+int monitor(const Options& options) {
+  const auto address = link::parse_bus_address(options.bus);
+  if (!address) return fail(2, address.error());
+  std::optional<can::Duration> duration;
+  if (!options.duration.empty()) {
+    const auto parsed = text::parse_duration(options.duration);
+    if (!parsed) return fail(2, "--for: " + parsed.error());
+    duration = *parsed;
+  }
+  auto names = load_names(options.names, standard_error());
+  auto filter = MessageFilter::make(options.filter, standard_error());
+  if (!names || !filter) return 2;
+  std::optional<trace::TraceFile> file;
+  if (!options.write.empty()) {
+    const auto format = trace::trace_format_of(options.write);
+    if (!format) return fail(2, "--write: " + format.error());
+    auto created = trace::TraceFile::create(options.write, *format);
+    if (!created) return fail(1, created.error());
+    file.emplace(std::move(*created));
+  }
+  auto loop = BusLoop::open(*address, std::chrono::seconds(5));
+  if (!loop) return fail(1, loop.error());
+  BusLoop& bus = **loop;
+  bus.set_complaint([](std::string_view text) { print_error("canopus: the bus says: {}", text); });
+  Monitor listener(options, std::move(*names), std::move(*filter), std::move(file));
+  bus.add_listener(listener);
+  const BusLoop::End end =
+      bus.run([] { return false; }, duration ? can::later(bus.now(), *duration) : can::never);
+  bus.remove_listener(listener);
+  if (const std::string reason = listener.finish(); !reason.empty()) return fail(1, reason);
+  return end == BusLoop::End::lost ? fail(1, bus.failure()) : 0;
+}
+
+}  // namespace
+
+void add_monitor_command(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("monitor", "Show what the frames on a bus mean, as they come");
+  command->add_option("BUS", options->bus, "socketcand:HOST:PORT/BUS or socketcan:INTERFACE")->required();
+  add_names_options(*command, options->names);
+  add_filter_options(*command, options->filter, false);
+  command
+      ->add_option("-t,--time", options->time,
+                   "Time column: z since the start, a absolute, d since the line before, A date")
+      ->type_name("z|a|d|A")
+      ->check(one_of_words({"z", "a", "d", "A"}))
+      ->capture_default_str();
+  command->add_flag("--frames", options->frames, "Every frame with its bytes; SDO transfers are not folded");
+  command->add_option("--write", options->write, "Record the frames, too: .pcap, or a candump log")
+      ->type_name("FILE");
+  command->add_option("--for", options->duration, "End after this time, as 10s; without it Ctrl-C does")
+      ->type_name("TIME");
+  command->add_flag("--json", options->json, "Print JSON, one object per line");
+  command->footer(
+      "It only hears. Exit codes: 0 ended, 1 no bus or the bus was lost, 2 wrong command line or file.");
+  command->callback([options, &exit_code] { exit_code = monitor(*options); });
+}
+
+}  // namespace canopus::cli

@@ -1,0 +1,112 @@
+#include <cerrno>
+#include <charconv>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+#include "canopus/cli/analysis/analysis_names.hpp"
+#include "canopus/cli/analysis/trace_analysis.hpp"
+#include "canopus/cli/analysis/trace_walk.hpp"
+#include "canopus/cli/terminal/option_checks.hpp"
+#include "canopus/text/text_values.hpp"
+#include "canopus/trace/decode/decoder.hpp"
+#include "canopus/trace/report/trace_picture.hpp"
+
+namespace canopus::cli {
+namespace {
+
+struct Options {
+  std::string file{};
+  std::string out{};
+  NamesOptions names{};
+  std::vector<std::string> signals{};
+  std::uint32_t bit_rate = 0;
+};
+
+/// "encoder.6004", "3.6004:00": the node by its name or node-ID.
+std::optional<trace::PictureSignal> parse_signal(const std::string& text, const trace::Names& names) {
+  const std::size_t dot = text.rfind('.');
+  if (dot == std::string::npos) return std::nullopt;
+  const auto object = text::parse_object(std::string_view(text).substr(dot + 1));
+  if (!object) return std::nullopt;
+  const std::string node = text.substr(0, dot);
+  std::uint8_t node_id = 0;
+  for (const trace::NodeDescription& known : names.nodes()) {
+    if (known.name == node) node_id = known.node_id;
+  }
+  if (node_id == 0 && number_from(1, 127)(node).empty()) node_id = static_cast<std::uint8_t>(std::stoi(node));
+  if (node_id == 0) return std::nullopt;
+  return trace::PictureSignal{node_id, object->index, object->sub};
+}
+
+/// Empty, or what went wrong.
+std::string write_file(const std::string& path, const std::string& content) {
+  std::FILE* const file = std::fopen(path.c_str(), "wb");
+  if (file == nullptr) return std::strerror(errno);
+  const bool written = std::fwrite(content.data(), 1, content.size(), file) == content.size();
+  const bool closed = std::fclose(file) == 0;
+  return written && closed ? "" : std::strerror(errno);
+}
+
+int plot(const Options& options) {
+  auto names = load_names(options.names, standard_error());
+  if (!names) return 2;
+  trace::PictureOptions wanted{.bit_rate = options.bit_rate};
+  for (const std::string& text : options.signals) {
+    const auto signal = parse_signal(text, *names);
+    if (!signal) {
+      print_error(
+          "canopus: --signal {}: expected a node's name or node-ID, a dot and an object, as 3.6000:01", text);
+      return 2;
+    }
+    wanted.signals.push_back(*signal);
+  }
+  trace::Decoder decoder(std::move(*names), {.frames = true, .transfers = false});
+  trace::TracePicture picture(std::move(wanted));
+  const auto take = [&](const trace::Message& message) { picture.message(message); };
+  const int code = walk_trace(options.file, standard_error(),
+                              [&](const trace::TraceRecord& record, std::string_view channel) {
+                                decoder.receive(record, channel, take);
+                                return true;
+                              });
+  for (const trace::PictureSignal& signal : picture.missing()) {
+    print_error("canopus: no PDO of node {} with {:04X}:{:02X} is in the trace", signal.node, signal.index,
+                signal.sub);
+  }
+  const std::string title = std::filesystem::path(options.file).filename().string();
+  if (const std::string reason = write_file(options.out, picture.svg(title)); !reason.empty()) {
+    print_error("canopus: cannot write {}: {}", options.out, reason);
+    return 1;
+  }
+  return code;
+}
+
+}  // namespace
+
+void add_trace_plot(CLI::App& trace, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = trace.add_subcommand(
+      "plot", "Draw load, values of PDOs and states of the nodes over time, as an SVG picture");
+  command->add_option("FILE", options->file, "Trace in any format that is read; - is the standard input")
+      ->required();
+  command->add_option("--out", options->out, "The picture that is written")->type_name("SVG")->required();
+  command
+      ->add_option(
+          "--signal", options->signals,
+          "Value of a PDO, as encoder.6004 or 3.6004:00; may be repeated; without it the first eight")
+      ->type_name("NODE.OBJECT")
+      ->allow_extra_args(false);
+  add_names_options(*command, options->names);
+  command->add_option("--bit-rate", options->bit_rate, "Bit rate of the bus in bit/s: the load in per cent")
+      ->type_name("RATE")
+      ->check(number_from(1000, 1'000'000));
+  command->footer(
+      "Exit codes: 0 drawn, 1 the trace cannot be read to its end, or the picture not be written, 2 wrong "
+      "command line.");
+  command->callback([options, &exit_code] { exit_code = plot(*options); });
+}
+
+}  // namespace canopus::cli

@@ -1,0 +1,82 @@
+#include <memory>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+#include <unistd.h>
+
+#include "canopus/cli/analysis/analysis_names.hpp"
+#include "canopus/cli/analysis/message_filter.hpp"
+#include "canopus/cli/analysis/message_printer.hpp"
+#include "canopus/cli/analysis/trace_analysis.hpp"
+#include "canopus/cli/analysis/trace_walk.hpp"
+#include "canopus/cli/terminal/option_checks.hpp"
+#include "canopus/trace/decode/decoder.hpp"
+
+namespace canopus::cli {
+namespace {
+
+struct Options {
+  std::string file{};
+  NamesOptions names{};
+  FilterOptions filter{};
+  std::string time = "z";
+  bool frames = false;
+  bool json = false;
+};
+
+int show(const Options& options) {
+  auto names = load_names(options.names, standard_error());
+  const auto filter = MessageFilter::make(options.filter, standard_error());
+  if (!names || !filter) return 2;
+  trace::Decoder decoder(std::move(*names), {.frames = options.frames, .transfers = !options.frames});
+  MessagePrinter printer({.time = static_cast<TimeColumn>(options.time.front()),
+                          .frames = options.frames,
+                          .json = options.json,
+                          .colour = wants_colour(STDOUT_FILENO)},
+                         standard_output());
+  std::optional<can::Time> zero;
+  std::vector<std::string> channels;
+  const auto print = [&](const trace::Message& message) {
+    const std::string_view channel =
+        message.channel < channels.size() ? std::string_view(channels[message.channel]) : std::string_view();
+    if (filter->wants(message, channel, message.time - *zero)) printer.print(message, channel);
+  };
+  const int code = walk_trace(options.file, standard_error(),
+                              [&](const trace::TraceRecord& record, std::string_view channel) {
+                                if (!zero) printer.set_zero(*(zero = record.time));
+                                if (filter->is_over(record.time - *zero)) return false;
+                                if (record.channel >= channels.size()) channels.resize(record.channel + 1U);
+                                if (channels[record.channel].empty()) channels[record.channel] = channel;
+                                decoder.receive(record, channel, print);
+                                return true;
+                              });
+  decoder.finish(print);
+  return code;
+}
+
+}  // namespace
+
+void add_trace_show(CLI::App& trace, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = trace.add_subcommand("show", "Show what the frames of a trace mean");
+  command->add_option("FILE", options->file, "Trace in any format that is read; - is the standard input")
+      ->required();
+  add_names_options(*command, options->names);
+  add_filter_options(*command, options->filter, true);
+  command
+      ->add_option("-t,--time", options->time,
+                   "Time column: z since the first frame, a absolute, d since the line before, A date")
+      ->type_name("z|a|d|A")
+      ->check(one_of_words({"z", "a", "d", "A"}))
+      ->capture_default_str();
+  command->add_flag("--frames", options->frames, "Every frame with its bytes; SDO transfers are not folded");
+  command->add_flag("--json", options->json, "Print JSON, one object per line");
+  command->footer(
+      "An SDO transfer is one line, at the time of its last frame. PDO mappings, COB-IDs and times come "
+      "from\n"
+      "the files given, and are learnt from the SDO traffic in the trace itself.\n"
+      "Exit codes: 0 shown, 1 the trace cannot be read to its end, 2 wrong command line or file.");
+  command->callback([options, &exit_code] { exit_code = show(*options); });
+}
+
+}  // namespace canopus::cli

@@ -1,0 +1,245 @@
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "canopus/cli/analysis/analysis_names.hpp"
+#include "canopus/cli/analysis/trace_analysis.hpp"
+#include "canopus/cli/analysis/trace_walk.hpp"
+#include "canopus/cli/terminal/option_checks.hpp"
+#include "canopus/trace/report/statistics.hpp"
+
+namespace canopus::cli {
+namespace {
+
+using trace::ChannelFigures;
+using trace::IdentifierFigures;
+using trace::NodeFigures;
+using trace::Statistics;
+using trace::TimeFigures;
+using Json = nlohmann::ordered_json;
+
+struct Options {
+  std::string file{};
+  NamesOptions names{};
+  std::uint32_t bit_rate = 0;
+  bool json = false;
+};
+
+double milliseconds(can::Duration duration) { return static_cast<double>(duration.count()) / 1e6; }
+
+/// Whole microseconds are enough for people and programs.
+double rounded(can::Duration duration) { return static_cast<double>((duration.count() + 500) / 1000) / 1e3; }
+
+std::string identifier_text(std::uint32_t key) {
+  return (key >> 29 & 1U) != 0 ? fmt::format("{:08X}", key & can::max_extended_identifier)
+                               : fmt::format("{:03X}", key);
+}
+
+std::string node_name(std::uint8_t node_id, const NodeFigures& node) {
+  return node.name.empty() ? fmt::format("{}", node_id) : fmt::format("{} ({})", node_id, node.name);
+}
+
+Json figures_json(const TimeFigures& figures) {
+  Json json;
+  json["count"] = figures.count();
+  if (figures.count() == 0) return json;
+  json["min_ms"] = rounded(figures.min());
+  json["mean_ms"] = rounded(figures.mean());
+  json["max_ms"] = rounded(figures.max());
+  json["jitter_ms"] = rounded(figures.max() - figures.min());
+  json["deviation_ms"] = rounded(figures.deviation());
+  return json;
+}
+
+Json node_json(std::uint8_t node_id, const NodeFigures& node) {
+  Json json;
+  json["node"] = node_id;
+  if (!node.name.empty()) json["name"] = node.name;
+  json["boot_ups"] = node.boot_ups;
+  json["emergencies"] = node.emergencies;
+  json["heartbeats"] = node.heartbeats;
+  json["lost_heartbeats"] = node.lost_heartbeats;
+  if (node.producer_time > can::Duration::zero()) {
+    json["producer_time_ms"] = rounded(node.producer_time);
+    json["producer_time_is_measured"] = node.producer_time_is_measured;
+  }
+  json["heartbeat_cycle"] = figures_json(node.heartbeat_cycle);
+  json["sdo"] = figures_json(node.sdo);
+  json["sdo"]["reads"] = node.reads;
+  json["sdo"]["writes"] = node.writes;
+  json["sdo"]["aborts"] = node.aborts;
+  json["sdo"]["unanswered"] = node.unanswered;
+  json["sdo"]["unfinished"] = node.unfinished;
+  return json;
+}
+
+Json channel_json(const ChannelFigures& channel, can::Duration duration, std::uint32_t bit_rate) {
+  Json json;
+  json["name"] = channel.name;
+  json["frames"] = channel.frames;
+  json["error_frames"] = channel.error_frames;
+  json["bits"] = channel.bits;
+  if (bit_rate != 0) {
+    json["load"] = trace::load(channel.bits, duration, bit_rate);
+    json["busiest_second_load"] = trace::load(channel.busiest_bits, std::chrono::seconds(1), bit_rate);
+  }
+  json["identifiers"] = Json::array();
+  for (const auto& [key, one] : channel.identifiers) {
+    Json entry;
+    entry["id"] = identifier_text(key);
+    entry["who"] = one.who;
+    entry["frames"] = one.frames;
+    entry["bits"] = one.bits;
+    entry["cycle"] = figures_json(one.cycle);
+    json["identifiers"].push_back(std::move(entry));
+  }
+  json["nodes"] = Json::array();
+  for (const auto& [node_id, node] : channel.nodes) json["nodes"].push_back(node_json(node_id, node));
+  return json;
+}
+
+Json events_json(const std::vector<trace::TraceEvent>& events, can::Time begin) {
+  Json list = Json::array();
+  for (const trace::TraceEvent& event : events) {
+    Json one;
+    one["time"] = std::chrono::duration<double>(event.time - begin).count();
+    one["node"] = event.node;
+    if (!event.node_name.empty()) one["name"] = event.node_name;
+    one["text"] = event.text;
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
+void print_identifiers(const ChannelFigures& channel, Output& out) {
+  out.line("  {:<8}  {:<30}  {:>8}  {:>10} {:>10} {:>10} {:>10}", "COB-ID", "what", "frames", "min ms",
+           "mean ms", "max ms", "jitter ms");
+  for (const auto& [key, one] : channel.identifiers) {
+    Line line("  {:<8}  {:<30}  {:>8}", identifier_text(key), one.who, one.frames);
+    if (const TimeFigures& cycle = one.cycle; cycle.count() > 0) {
+      line.add("  {:>10.3f} {:>10.3f} {:>10.3f} {:>10.3f}", milliseconds(cycle.min()),
+               milliseconds(cycle.mean()), milliseconds(cycle.max()),
+               milliseconds(cycle.max() - cycle.min()));
+    }
+    out.line(line);
+  }
+}
+
+void print_node(std::uint8_t node_id, const NodeFigures& node, Output& out) {
+  Line line("  node {}:", node_name(node_id, node));
+  if (node.boot_ups > 0) line.add(" {} boot-up{},", node.boot_ups, node.boot_ups == 1 ? "" : "s");
+  if (node.heartbeats > 0) {
+    line.add(" {} heartbeats", node.heartbeats);
+    if (node.producer_time > can::Duration::zero())
+      line.add(" every {:.6g} ms{}", milliseconds(node.producer_time),
+               node.producer_time_is_measured ? " (measured)" : "");
+    line.add(", {} lost,", node.lost_heartbeats);
+  }
+  if (node.emergencies > 0) line.add(" {} EMCY,", node.emergencies);
+  const std::uint64_t transfers = node.reads + node.writes + node.unanswered;
+  if (transfers > 0) {
+    line.add(" {} SDO read{}, {} write{}, {} aborted, {} unanswered", node.reads, node.reads == 1 ? "" : "s",
+             node.writes, node.writes == 1 ? "" : "s", node.aborts, node.unanswered);
+    if (node.unfinished > 0) line.add(", {} unfinished", node.unfinished);
+    if (node.sdo.count() > 0)
+      line.add(", took {:.3f} / {:.3f} / {:.3f} ms (min / mean / max)", milliseconds(node.sdo.min()),
+               milliseconds(node.sdo.mean()), milliseconds(node.sdo.max()));
+  }
+  std::string text = line.text();
+  if (text.ends_with(',')) text.pop_back();
+  out.line("{}", text);
+}
+
+void print_events(std::string_view title, const std::vector<trace::TraceEvent>& events, can::Time begin,
+                  Output& out) {
+  if (events.empty()) return;
+  out.line("{}:", title);
+  for (const trace::TraceEvent& event : events) {
+    const std::string who = event.node_name.empty() ? fmt::format("{}", event.node)
+                                                    : fmt::format("{} ({})", event.node, event.node_name);
+    out.line("  {:11.6f}  node {}  {}", std::chrono::duration<double>(event.time - begin).count(), who,
+             event.text);
+  }
+  if (events.size() == Statistics::most_events) out.line("  and perhaps more: only so many are kept");
+}
+
+void print_text(const Statistics& statistics, std::uint32_t bit_rate, Output& out) {
+  out.line("duration: {:.6f} s", std::chrono::duration<double>(statistics.duration()).count());
+  std::string services;
+  for (unsigned i = 0; i < trace::service_count; ++i) {
+    if (statistics.services()[i] == 0) continue;
+    services += fmt::format("{}{} {}", services.empty() ? "" : ", ", name(static_cast<trace::Service>(i)),
+                            statistics.services()[i]);
+  }
+  out.line("frames by service: {}", services.empty() ? "none" : services);
+  for (const auto& [number, channel] : statistics.channels()) {
+    Line line("channel {}: {} frames, {} error frames, {} bits",
+              channel.name.empty() ? fmt::format("{}", number) : channel.name, channel.frames,
+              channel.error_frames, channel.bits);
+    if (bit_rate != 0) {
+      line.add("; load {:.1f} % at {} bit/s, busiest second {:.1f} %",
+               100 * trace::load(channel.bits, statistics.duration(), bit_rate), bit_rate,
+               100 * trace::load(channel.busiest_bits, std::chrono::seconds(1), bit_rate));
+    }
+    out.line(line);
+    print_identifiers(channel, out);
+    for (const auto& [node_id, node] : channel.nodes) print_node(node_id, node, out);
+  }
+  print_events("EMCY", statistics.emergencies(), statistics.begin(), out);
+  print_events("SDO transfers that failed", statistics.failures(), statistics.begin(), out);
+}
+
+int show_statistics(const Options& options) {
+  auto names = load_names(options.names, standard_error());
+  if (!names) return 2;
+  trace::Decoder decoder(std::move(*names), {.frames = true, .transfers = true});
+  Statistics statistics;
+  const auto take = [&](const trace::Message& message) { statistics.message(message, decoder); };
+  const int code = walk_trace(options.file, standard_error(),
+                              [&](const trace::TraceRecord& record, std::string_view channel) {
+                                statistics.record(record, channel);
+                                decoder.receive(record, channel, take);
+                                return true;
+                              });
+  decoder.finish(take);
+  statistics.finish();
+  if (!options.json) {
+    print_text(statistics, options.bit_rate, standard_output());
+    return code;
+  }
+  Json json;
+  json["duration"] = std::chrono::duration<double>(statistics.duration()).count();
+  if (options.bit_rate != 0) json["bit_rate"] = options.bit_rate;
+  for (unsigned i = 0; i < trace::service_count; ++i) {
+    json["services"][std::string(name(static_cast<trace::Service>(i)))] = statistics.services()[i];
+  }
+  json["channels"] = Json::array();
+  for (const auto& [number, channel] : statistics.channels()) {
+    json["channels"].push_back(channel_json(channel, statistics.duration(), options.bit_rate));
+  }
+  json["emcy"] = events_json(statistics.emergencies(), statistics.begin());
+  json["failed_sdo"] = events_json(statistics.failures(), statistics.begin());
+  print_json(json);
+  return code;
+}
+
+}  // namespace
+
+void add_trace_stats(CLI::App& trace, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command =
+      trace.add_subcommand("stats", "Figures of a trace: load, cycle times, heartbeats, SDO latencies");
+  command->add_option("FILE", options->file, "Trace in any format that is read; - is the standard input")
+      ->required();
+  add_names_options(*command, options->names);
+  command->add_option("--bit-rate", options->bit_rate, "Bit rate of the bus in bit/s, for its load")
+      ->type_name("RATE")
+      ->check(number_from(1000, 1'000'000));
+  command->add_flag("--json", options->json, "Print one JSON object");
+  command->footer(
+      "Exit codes: 0 shown, 1 the trace cannot be read to its end, 2 wrong command line or file.");
+  command->callback([options, &exit_code] { exit_code = show_statistics(*options); });
+}
+
+}  // namespace canopus::cli

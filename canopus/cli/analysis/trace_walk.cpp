@@ -1,0 +1,26 @@
+#include "canopus/cli/analysis/trace_walk.hpp"
+
+namespace canopus::cli {
+
+int walk_trace(const std::string& path, Output& err,
+               const std::function<bool(const trace::TraceRecord&, std::string_view channel)>& record) {
+  constexpr unsigned enough_errors = 100;
+  auto reader = trace::open_trace(path);
+  if (!reader) {
+    err.line("canopus: {}", reader.error());
+    return 1;
+  }
+  unsigned errors = 0;
+  while (true) {
+    const auto next = (*reader)->next();
+    if (!next) {
+      err.line("canopus: {}", next.error());
+      if (++errors == enough_errors) return 1;
+      continue;
+    }
+    if (!*next) return errors == 0 ? 0 : 1;
+    if (!record(**next, (*reader)->channel((*next)->channel))) return errors == 0 ? 0 : 1;
+  }
+}
+
+}  // namespace canopus::cli

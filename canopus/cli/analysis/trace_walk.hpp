@@ -1,0 +1,17 @@
+#pragma once
+// A trace file read to its end, record by record.
+
+#include <functional>
+#include <string>
+
+#include "canopus/cli/terminal/print.hpp"
+#include "canopus/trace/file/trace_reader.hpp"
+
+namespace canopus::cli {
+
+/// Hands every record to `record`, with the name of its channel (empty: the file names none); false of it ends the walk.
+/// What is wrong in the file is said on `err`; a hundred such lines end it. Exit code: 0, or 1 when the file is not whole.
+int walk_trace(const std::string& path, Output& err,
+               const std::function<bool(const trace::TraceRecord&, std::string_view channel)>& record);
+
+}  // namespace canopus::cli
