@@ -42,7 +42,7 @@ std::optional<can::Time> parse_date(std::string_view text) {
   if (am || pm) last = words.next();
   const auto year = parse_number(last, 10);
   const std::size_t colon = clock.find(':');
-  if (!month || !day || !year || *year > 2200 || clock.size() < colon + 4 || clock[colon + 3] != ':') {
+  if (!month || !day || !year || *year > 2261 || clock.size() < colon + 4 || clock[colon + 3] != ':') {
     return std::nullopt;
   }
   const auto hour = parse_number(clock.substr(0, colon), 10);

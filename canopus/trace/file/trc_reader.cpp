@@ -30,7 +30,7 @@ std::optional<can::Time> parse_days(std::string_view word) {
   constexpr std::int64_t days_before_1970 = 25569;
   const std::size_t point = std::min(word.find('.'), word.size());
   const auto days = parse_number(word.substr(0, point), 10);
-  if (!days || *days < days_before_1970 || *days > 110'000) return std::nullopt;
+  if (!days || *days < days_before_1970 || *days > 132'000) return std::nullopt;
   __extension__ using Wide = unsigned __int128;
   constexpr std::uint64_t microseconds_per_day = 86'400'000'000U;
   std::uint64_t fraction = 0;

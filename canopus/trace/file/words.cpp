@@ -90,7 +90,7 @@ std::string shown(std::string_view word) {
 std::optional<can::Time> utc_time(int year, unsigned month, unsigned day, can::Duration of_day) noexcept {
   const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(month),
                                          std::chrono::day(day)};
-  if (!date.ok() || year < 1970 || year > 2200) return std::nullopt;
+  if (!date.ok() || year < 1970 || year > 2261) return std::nullopt;
   return can::Time(std::chrono::sys_days(date).time_since_epoch() + of_day);
 }
 

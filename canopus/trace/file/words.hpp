@@ -39,7 +39,7 @@ class Words {
 [[nodiscard]] bool same_word(std::string_view a, std::string_view b) noexcept;
 /// How an error shows a word: in quotation marks, cut, without control characters; or "the end of the line".
 [[nodiscard]] std::string shown(std::string_view word);
-/// A date and a time of day as UTC; nothing if there is no such moment. `day` counts from 1, years 1970 to 2200.
+/// A date and a time of day as UTC; nothing if there is no such moment. `day` counts from 1, years 1970 to 2261.
 [[nodiscard]] std::optional<can::Time> utc_time(int year, unsigned month, unsigned day,
                                                 can::Duration of_day) noexcept;
 /// The name that channel number 1, 2 ... of a format without names gets: can0, can1 ...
