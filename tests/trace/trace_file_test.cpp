@@ -32,26 +32,32 @@ class TraceFileTest : public testing::Test {
 };
 
 TEST(TraceFormatOf, NameThatEndsInPcap_IsPcap) {
-  EXPECT_EQ(trace_format_of("run.pcap"), TraceFormat::pcap);
-  EXPECT_EQ(trace_format_of("RUN.PCAP"), TraceFormat::pcap);
+  EXPECT_EQ(trace_format_of("run.pcap"), FileFormat::pcap);
+  EXPECT_EQ(trace_format_of("RUN.PCAP"), FileFormat::pcap);
   for (const char* path : {"run.log", "run.candump", "run.txt", "pcap", "run.1", "/dev/stdout",
                            "runs.of.today/line1", ".hidden", "a.pcap/line1"}) {
-    EXPECT_EQ(trace_format_of(path), TraceFormat::candump) << path;
+    EXPECT_EQ(trace_format_of(path), FileFormat::candump) << path;
   }
 }
 
-TEST(TraceFormat, OneThatIsNotWritten_IsRefusedWithThoseThatAre) {
-  EXPECT_EQ(trace_format_of("runs/x.asc").error(),
-            "runs/x.asc: traces are written as pcap (name.pcap) or as candump log (name.log, or a name "
-            "without extension), "
-            "not as .asc; can-utils' log2asc makes an ASC file of a candump log");
-  for (const char* path : {"x.blf", "x.trc", "x.mf4", "x.csv", "x.pcapng", "x.vcd", "x.json"}) {
-    EXPECT_FALSE(trace_format_of(path)) << path;
-  }
+TEST(TraceFormatOf, ExtensionOfAFormat_IsThatFormat) {
+  EXPECT_EQ(trace_format_of("run.pcapng"), FileFormat::pcapng);
+  EXPECT_EQ(trace_format_of("run.ASC"), FileFormat::asc);
+  EXPECT_EQ(trace_format_of("run.trc"), FileFormat::trc);
+  EXPECT_EQ(trace_format_of("run.csv"), FileFormat::csv);
+}
+
+TEST(TraceFormatOf, OneThatIsNotWritten_IsRefusedWithThoseThatAre) {
+  EXPECT_EQ(
+      trace_format_of("runs/x.blf").error(),
+      "runs/x.blf: traces are written as candump log (name.log, or a name without extension), .pcap, "
+      ".pcapng, .asc, .trc or .csv, not as .blf; python-can's can.logconvert makes a BLF file of an ASC "
+      "file");
+  for (const char* path : {"x.mf4", "x.vcd", "x.json"}) EXPECT_FALSE(trace_format_of(path)) << path;
 }
 
 TEST_F(TraceFileTest, Candump_HoldsOneLinePerFrame) {
-  auto trace = TraceFile::create(path, TraceFormat::candump);
+  auto trace = TraceFile::create(path, FileFormat::candump);
   ASSERT_TRUE(trace) << trace.error();
   trace->write("line1", can::data_frame(0x701, {0x00}), Time(1ms));
   trace->write("line2", can::data_frame(0x000, {0x01, 0x00}), Time(2ms));
@@ -60,7 +66,7 @@ TEST_F(TraceFileTest, Candump_HoldsOneLinePerFrame) {
 }
 
 TEST_F(TraceFileTest, Flush_ShowsWhatWasWrittenSoFar) {
-  auto trace = TraceFile::create(path, TraceFormat::candump);
+  auto trace = TraceFile::create(path, FileFormat::candump);
   ASSERT_TRUE(trace) << trace.error();
   trace->write("line1", can::data_frame(0x701, {0x00}), Time(1ms));
   trace->flush();
@@ -69,7 +75,7 @@ TEST_F(TraceFileTest, Flush_ShowsWhatWasWrittenSoFar) {
 
 TEST_F(TraceFileTest, Destroyed_WritesWhatIsInTheBuffer) {
   {
-    auto trace = TraceFile::create(path, TraceFormat::candump);
+    auto trace = TraceFile::create(path, FileFormat::candump);
     ASSERT_TRUE(trace) << trace.error();
     trace->write("line1", can::data_frame(0x701, {0x00}), Time(1ms));
   }
@@ -78,7 +84,7 @@ TEST_F(TraceFileTest, Destroyed_WritesWhatIsInTheBuffer) {
 
 TEST_F(TraceFileTest, Pcap_IsHeaderAndRecords) {
   if constexpr (std::endian::native != std::endian::little) GTEST_SKIP() << "the bytes are little endian";
-  auto trace = TraceFile::create(path, TraceFormat::pcap);
+  auto trace = TraceFile::create(path, FileFormat::pcap);
   ASSERT_TRUE(trace) << trace.error();
   trace->write("line1", can::data_frame(0x581, {0x43, 0x00}), Time(3s + 5ns));
   Frame remote = can::remote_frame(0x12345678, 4);
@@ -96,7 +102,7 @@ TEST_F(TraceFileTest, Pcap_IsHeaderAndRecords) {
 }
 
 TEST_F(TraceFileTest, FolderThatDoesNotExist_IsAnErrorThatNamesTheFile) {
-  const auto trace = TraceFile::create("/nowhere/at/all.log", TraceFormat::candump);
+  const auto trace = TraceFile::create("/nowhere/at/all.log", FileFormat::candump);
   ASSERT_FALSE(trace);
   EXPECT_EQ(trace.error(), "/nowhere/at/all.log: cannot create the trace: No such file or directory");
 }
@@ -104,7 +110,7 @@ TEST_F(TraceFileTest, FolderThatDoesNotExist_IsAnErrorThatNamesTheFile) {
 TEST_F(TraceFileTest, FullDisk_IsToldOnClose) {
   std::ifstream full_disk("/dev/full");
   if (!full_disk) GTEST_SKIP() << "no /dev/full here";
-  auto trace = TraceFile::create("/dev/full", TraceFormat::candump);
+  auto trace = TraceFile::create("/dev/full", FileFormat::candump);
   ASSERT_TRUE(trace) << trace.error();
   for (int i = 0; i < 10'000; ++i) trace->write("line1", can::data_frame(0x701, {0x00}), Time(1ms));
   const auto closed = trace->close();

@@ -72,13 +72,16 @@ TEST_P(SharedTraces, AreReadWhole) {
 // counted with tshark, grep and python-can
 INSTANTIATE_TEST_SUITE_P(
     Files, SharedTraces,
-    testing::Values(Recording{"canopennode_two-sdo-block-transfers.candump.txt", FileFormat::candump, 85, 0,
-                              1},
-                    Recording{"maxon_epos-70-10_two-nodes.pcapng", FileFormat::pcapng, 149, 0, 0},
-                    Recording{"ngblume_emcy-tests.pcapng", FileFormat::pcapng, 10364, 0, 0},
-                    Recording{"ngblume_pdo-tests.pcapng", FileFormat::pcapng, 6046, 0, 0},
-                    Recording{"ngblume_sdo-tests.pcapng", FileFormat::pcapng, 4518, 0, 0},
-                    Recording{"ngblume_zmq-tests.pcapng", FileFormat::pcapng, 5683, 0, 0}),
+    testing::Values(
+        Recording{"canopennode_two-sdo-block-transfers.candump.txt", FileFormat::candump, 85, 0, 1},
+        Recording{"maxon_epos-70-10_two-nodes.pcapng", FileFormat::pcapng, 149, 0, 0},
+        Recording{"ngblume_emcy-tests.pcapng", FileFormat::pcapng, 10364, 0, 0},
+        Recording{"ngblume_pdo-tests.pcapng", FileFormat::pcapng, 6046, 0, 0},
+        Recording{"ngblume_sdo-tests.pcapng", FileFormat::pcapng, 4518, 0, 0},
+        Recording{"ngblume_zmq-tests.pcapng", FileFormat::pcapng, 5683, 0, 0},
+        // left out: 4 CAN FD, 2 J1939TP, 6 statistics, 3 status, 2 comments, the start of measurement
+        Recording{"python-can_logfile.asc", FileFormat::asc, 16, 18, 0},
+        Recording{"python-can_v2.1.trc", FileFormat::trc, 11, 1, 0}),
     [](const auto& file) {
       std::string name = file.param.name;
       std::erase_if(name, [](char c) { return !(c >= 'a' && c <= 'z'); });

@@ -317,6 +317,13 @@ bool Line::read_screen_frame(CandumpEntry& entry) {
 
 std::size_t write_candump_line(std::span<char> out, std::string_view channel, const can::Frame& frame,
                                can::Time time) noexcept {
+  return write_candump_line(out, channel, TraceRecord{.time = time, .frame = frame});
+}
+
+std::size_t write_candump_line(std::span<char> out, std::string_view channel,
+                               const TraceRecord& record) noexcept {
+  const can::Frame& frame = record.frame;
+  const can::Time time = record.time;
   const auto microseconds = static_cast<std::uint64_t>(std::max<std::int64_t>(
       0, std::chrono::floor<std::chrono::microseconds>(time.time_since_epoch()).count()));
   char* p = out.data();
@@ -329,7 +336,8 @@ std::size_t write_candump_line(std::span<char> out, std::string_view channel, co
   if (channel.empty()) channel = "_";
   for (const char c : channel.substr(0, candump_max_channel)) *p++ = c > ' ' && c < 0x7F ? c : '_';
   *p++ = ' ';
-  p = put_hex(p, frame.identifier, frame.extended ? 8 : 3);
+  p = put_hex(p, frame.identifier | (record.error_frame ? error_frame_flag : 0),
+              frame.extended || record.error_frame ? 8 : 3);
   *p++ = '#';
   const unsigned length = std::min<unsigned>(frame.dlc, 8);
   if (frame.remote) {
@@ -340,6 +348,10 @@ std::size_t write_candump_line(std::span<char> out, std::string_view channel, co
   if (frame.dlc > 8) {
     *p++ = '_';
     *p++ = hex_digits[frame.dlc & 0xF];
+  }
+  if (record.transmitted) {
+    *p++ = ' ';
+    *p++ = 'T';
   }
   *p++ = '\n';
   return static_cast<std::size_t>(p - out.data());

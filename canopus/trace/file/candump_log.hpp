@@ -5,6 +5,8 @@
 //   (0000000012.000345) line1 00000601#4018            data frame, extended identifier: 8 digits
 //   (0000000012.000345) line1 601#R                    remote frame; `R4` asks for 4 bytes
 //   (0000000012.000345) line1 601#0011223344556677_F   8 bytes with the raw DLC 15
+//   (0000000012.000345) line1 20000004#0001000000000000   error frame: class and data
+//   (0000000012.000345) line1 601#40 T                 sent by who recorded it
 //
 // Read only: the screen form of candump, `(12.000345)  line1  601   [8]  40 18 10 01 00 00 00 00`, with or
 // without the ASCII column (-a), the direction (-x) and the time, and `remote request` in place of the data; a
@@ -18,6 +20,7 @@
 
 #include "canopus/can/frame.hpp"
 #include "canopus/can/time.hpp"
+#include "canopus/trace/file/trace_record.hpp"
 
 namespace canopus::trace {
 
@@ -31,6 +34,9 @@ inline constexpr std::size_t candump_max_line = 96;
 /// characters, non-ASCII) become '_'; an empty channel becomes "_". Nanoseconds are cut to microseconds.
 std::size_t write_candump_line(std::span<char> out, std::string_view channel, const can::Frame& frame,
                                can::Time time) noexcept;
+/// The same of a record: an error frame has 2 on top of its class, what was transmitted a T behind it.
+std::size_t write_candump_line(std::span<char> out, std::string_view channel,
+                               const TraceRecord& record) noexcept;
 
 /// One line of a log.
 struct CandumpEntry {

@@ -39,6 +39,9 @@ class ReaderBase : public TraceReader {
   FileFormat format_;
 };
 
+/// Class of an error frame of which the format tells nothing: CAN_ERR_BUSERROR, as asc2log has it.
+inline constexpr std::uint32_t unspecified_error = 0x80;
+
 /// Puts class (29 bits of the identifier) and data of a SocketCAN error frame into the record.
 inline void set_error_frame(TraceRecord& record, std::uint32_t error_class) {
   record.error_frame = true;
@@ -49,6 +52,10 @@ inline void set_error_frame(TraceRecord& record, std::uint32_t error_class) {
 [[nodiscard]] OpenedReader open_candump(TraceInput input);
 [[nodiscard]] OpenedReader open_pcap(TraceInput input);
 [[nodiscard]] OpenedReader open_pcapng(TraceInput input);
+[[nodiscard]] OpenedReader open_asc(TraceInput input);
+[[nodiscard]] OpenedReader open_trc(TraceInput input);
+[[nodiscard]] OpenedReader open_csv(TraceInput input);
+[[nodiscard]] OpenedReader open_blf(TraceInput input);
 
 /// As open_trace(), from any input.
 [[nodiscard]] OpenedReader open_reader(TraceInput input, std::optional<FileFormat> format = std::nullopt);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "canopus/trace/file/reader_base.hpp"
+#include "canopus/trace/file/words.hpp"
 
 namespace canopus::trace {
 namespace {
@@ -20,15 +21,25 @@ struct Magic {
 constexpr std::array magics{
     Magic{"\x0A\x0D\x0D\x0A"sv, FileFormat::pcapng}, Magic{"\xA1\xB2\xC3\xD4"sv, FileFormat::pcap},
     Magic{"\xD4\xC3\xB2\xA1"sv, FileFormat::pcap},   Magic{"\xA1\xB2\x3C\x4D"sv, FileFormat::pcap},
-    Magic{"\x4D\x3C\xB2\xA1"sv, FileFormat::pcap},
+    Magic{"\x4D\x3C\xB2\xA1"sv, FileFormat::pcap},   Magic{"LOGG"sv, FileFormat::blf},
 };
 
 /// What a line says of the format, if it says something.
 std::optional<FileFormat> format_of_line(std::string_view line) {
-  const std::size_t start = line.find_first_not_of(" \t");
-  if (start == std::string_view::npos) return std::nullopt;
-  line.remove_prefix(start);
-  if (line.front() == '(') return FileFormat::candump;
+  if (line.starts_with("\xEF\xBB\xBF")) line.remove_prefix(3);
+  Words words(line);
+  const std::string_view first = words.next();
+  if (first.empty()) return std::nullopt;
+  if (first.front() == ';') return FileFormat::trc;
+  const std::string_view name = first.substr(0, first.find_first_of(",;"));
+  if (name.size() < first.size() && (same_word(name, "time") || same_word(name, "timestamp"))) {
+    return FileFormat::csv;
+  }
+  if ((same_word(first, "date") || same_word(first, "base") || same_word(first, "begin")) &&
+      !words.peek().empty()) {
+    return FileFormat::asc;
+  }
+  if (first.front() == '(') return FileFormat::candump;
   // candump without times: "can0  601   [8]  40 ..."
   const std::size_t bracket = line.find('[');
   if (bracket != std::string_view::npos && line.substr(bracket).find(']') < 4) return FileFormat::candump;
@@ -73,9 +84,12 @@ OpenedReader open_reader(TraceInput input, std::optional<FileFormat> format) {
     case FileFormat::candump: return open_candump(std::move(input));
     case FileFormat::pcap: return open_pcap(std::move(input));
     case FileFormat::pcapng: return open_pcapng(std::move(input));
-    default: break;
+    case FileFormat::asc: return open_asc(std::move(input));
+    case FileFormat::trc: return open_trc(std::move(input));
+    case FileFormat::csv: return open_csv(std::move(input));
+    case FileFormat::blf: return open_blf(std::move(input));
   }
-  return std::unexpected(input.name() + ": this format is not read yet");
+  return std::unexpected(input.name() + ": expected one of the formats");
 }
 
 OpenedReader open_trace(const std::string& path, std::optional<FileFormat> format) {

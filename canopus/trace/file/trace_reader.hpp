@@ -8,20 +8,10 @@
 #include <string>
 #include <string_view>
 
+#include "canopus/trace/file/file_format.hpp"
 #include "canopus/trace/file/trace_record.hpp"
 
 namespace canopus::trace {
-
-/// The formats that are read or written.
-enum class FileFormat : std::uint8_t {
-  candump,  ///< text log of can-utils, log form and screen form
-  pcap,     ///< link type 227 (CAN over SocketCAN), and 113 with its packets
-  pcapng,   ///< the same in blocks; each interface is a channel
-  asc,      ///< Vector ASC
-  trc,      ///< PEAK TRC, versions 1.0 to 2.1
-  csv,      ///< as python-can writes it, and our own with a head line
-  blf,      ///< Vector BLF, read only
-};
 
 /// Reads one trace from its begin to its end, in constant memory.
 class TraceReader {

@@ -1,0 +1,173 @@
+// The reader of Vector's BLF files. CAN FD and everything that is no frame is left out.
+
+#include <bit>
+#include <limits>
+#include <memory>
+
+#include "canopus/trace/file/blf_containers.hpp"
+#include "canopus/trace/file/capture_packet.hpp"
+#include "canopus/trace/file/reader_base.hpp"
+#include "canopus/trace/file/words.hpp"
+
+namespace canopus::trace {
+namespace {
+
+enum ObjectType : std::uint32_t { can_message = 1, can_error = 2, can_error_ext = 73, can_message2 = 86 };
+
+constexpr std::size_t smallest_file_header = 72;
+constexpr std::size_t base_header = 16;
+constexpr std::uint32_t largest_read_object = 4096;  // those that are read have 48 to 100 bytes
+constexpr std::uint32_t time_in_10_us = 1;
+
+template <typename T>
+T number(std::string_view bytes, std::size_t at) {
+  return number_at<T>(bytes, at, std::endian::little);
+}
+
+class BlfReader final : public ReaderBase {
+ public:
+  BlfReader(std::string name, std::shared_ptr<BlfContainers> containers, can::Time start)
+      : ReaderBase(TraceInput(std::move(name),
+                              [containers](std::span<char> out) -> std::expected<std::size_t, int> {
+                                return containers->read(out);
+                              }),
+                   FileFormat::blf),
+        containers_(std::move(containers)),
+        start_(start) {}
+
+  NextRecord next() override {
+    while (!ended_) {
+      TraceRecord record;
+      const auto found = read_object(record);
+      if (!found) return std::unexpected(found.error());
+      if (*found) return record;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  using Object = std::expected<bool, std::string>;  // whether there is a record
+
+  [[nodiscard]] std::unexpected<std::string> fail(const std::string& expected) const {
+    return std::unexpected(input_.name() + ": object at byte " + std::to_string(input_.offset()) +
+                           " of what the containers hold: " + expected);
+  }
+  Object end() {
+    ended_ = true;
+    if (!containers_->error().empty()) return std::unexpected(containers_->error());
+    return false;
+  }
+
+  Object read_object(TraceRecord& record) {
+    std::string_view bytes = input_.peek(base_header + 8);
+    const std::size_t at = bytes.substr(0, 11).find("LOBJ");
+    if (at == std::string_view::npos) {
+      if (bytes.size() < 8) return end();
+      ended_ = true;
+      return fail("expected an object (LOBJ)");
+    }
+    (void)input_.skip(at);
+    bytes = input_.peek(base_header);
+    if (bytes.size() < base_header) return end();
+    const auto version = number<std::uint16_t>(bytes, 6);
+    const auto size = number<std::uint32_t>(bytes, 8);
+    const auto type = number<std::uint32_t>(bytes, 12);
+    if (size < base_header) {
+      ended_ = true;
+      return fail("expected an object of at least 16 bytes, found " + std::to_string(size));
+    }
+    const bool is_read =
+        type == can_message || type == can_message2 || type == can_error || type == can_error_ext;
+    if (!is_read || size > largest_read_object || (version != 1 && version != 2)) {
+      ++left_out_;
+      return input_.skip(size) ? Object(false) : end();
+    }
+    bytes = input_.peek(size);
+    if (bytes.size() < size) {
+      if (!containers_->error().empty()) return end();
+      ended_ = true;
+      return fail("expected " + std::to_string(size) + " bytes, found " + std::to_string(bytes.size()));
+    }
+    auto found = read_message(type, version == 1 ? 32 : 40, bytes.substr(0, size), record);
+    (void)input_.skip(size);
+    return found;
+  }
+
+  Object read_message(std::uint32_t type, std::size_t header, std::string_view object, TraceRecord& record) {
+    const bool error = type == can_error || type == can_error_ext;
+    if (object.size() < header + (error ? 4 : 16)) return fail("expected a larger object of this type");
+    const std::uint64_t ticks = number<std::uint64_t>(object, 24);
+    const std::int64_t unit = number<std::uint32_t>(object, 16) == time_in_10_us ? 10'000 : 1;
+    if (ticks > static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max() / unit)) {
+      return fail("expected a time before the year 2262");
+    }
+    record.time = can::later(start_, can::Duration(static_cast<std::int64_t>(ticks) * unit));
+    const std::string_view body = object.substr(header);
+    const auto number_of_channel = number<std::uint16_t>(body, 0);
+    if (error) {
+      // what Vector says of an error has no place in a SocketCAN error frame
+      record.frame.dlc = 8;
+      set_error_frame(record, unspecified_error);
+    } else {
+      const auto flags = static_cast<std::uint8_t>(body[2]);
+      const auto dlc = static_cast<std::uint8_t>(body[3]);
+      const auto identifier = number<std::uint32_t>(body, 4);
+      if ((flags & 0x0FU) == 2) {  // a request to send, which the frame itself follows
+        ++left_out_;
+        return false;
+      }
+      can::Frame& frame = record.frame;
+      record.transmitted = (flags & 1U) != 0;
+      frame.remote = (flags & 0x80U) != 0;
+      frame.extended = (identifier & 0x8000'0000U) != 0;
+      frame.identifier = identifier & can::max_extended_identifier;
+      if (dlc > 15) return fail("expected a DLC of 0 to 15, found " + std::to_string(dlc));
+      if (!frame.extended && frame.identifier > can::max_base_identifier) {
+        return fail("expected a base identifier up to 7FF");
+      }
+      frame.dlc = dlc;
+      for (std::size_t i = 0; i < frame.length() && i < frame.data.size(); ++i) {
+        frame.data[i] = static_cast<std::uint8_t>(body[8 + i]);
+      }
+    }
+    const auto channel = channels_.number_of(name_of_numbered_channel(number_of_channel));
+    if (!channel) return fail("expected at most " + std::to_string(ChannelNames::max_channels) + " channels");
+    record.channel = *channel;
+    return true;
+  }
+
+  std::shared_ptr<BlfContainers> containers_;
+  can::Time start_;
+  bool ended_ = false;
+};
+
+/// A SYSTEMTIME of Windows: year, month, day of the week, day, hour, minute, second, ms. Zeros: no time.
+can::Time start_of(std::string_view bytes) {
+  const auto field = [&](std::size_t index) { return number<std::uint16_t>(bytes, 2 * index); };
+  return utc_time(field(0), field(1), field(3),
+                  std::chrono::hours(field(4)) + std::chrono::minutes(field(5)) +
+                      std::chrono::seconds(field(6)) + std::chrono::milliseconds(field(7)))
+      .value_or(can::Time{});
+}
+
+}  // namespace
+
+OpenedReader open_blf(TraceInput input) {
+  const std::string_view header = input.peek(smallest_file_header);
+  const auto wrong = [&](const std::string& expected) {
+    return std::unexpected(input.name() + ": offset 0: expected " + expected);
+  };
+  if (header.size() < smallest_file_header || !header.starts_with("LOGG")) {
+    return wrong("the header of a BLF file, LOGG and 140 bytes more");
+  }
+  const auto size = number<std::uint32_t>(header, 4);
+  const can::Time start = start_of(header.substr(40, 16));
+  if (size < smallest_file_header || !input.skip(size)) {
+    return wrong("a file of more than its header of " + std::to_string(size) + " bytes");
+  }
+  std::string name = input.name();
+  return std::make_unique<BlfReader>(std::move(name), std::make_shared<BlfContainers>(std::move(input)),
+                                     start);
+}
+
+}  // namespace canopus::trace

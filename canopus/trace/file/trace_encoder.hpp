@@ -1,0 +1,52 @@
+#pragma once
+// Records as the bytes of a trace file, whatever its format. Nothing is allocated for a record of a channel that has
+// been there before.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "canopus/trace/file/channel_names.hpp"
+#include "canopus/trace/file/file_format.hpp"
+#include "canopus/trace/file/trace_record.hpp"
+
+namespace canopus::trace {
+
+class TraceEncoder {
+ public:
+  /// `format` is one that is written: not blf.
+  explicit TraceEncoder(FileFormat format) : format_(format) {}
+
+  /// What a file begins with before there is a record. All results stay valid until the next call.
+  [[nodiscard]] std::string_view begin() noexcept;
+  /// The record, with a description of its channel or a head with the time of the first one before it where the
+  /// format has that. record.channel is not looked at.
+  [[nodiscard]] std::string_view encode(std::string_view channel, const TraceRecord& record) noexcept;
+  /// What a file ends with.
+  [[nodiscard]] std::string_view end() noexcept;
+
+ private:
+  // a head of TRC with its record
+  static constexpr std::size_t room = 4096;
+
+  [[nodiscard]] std::uint32_t number_of(std::string_view channel) noexcept;
+  std::size_t put_head(can::Time first) noexcept;
+  std::size_t put_asc(char* out, std::uint32_t channel, const TraceRecord& record) noexcept;
+  std::size_t put_trc(char* out, std::uint32_t channel, const TraceRecord& record) noexcept;
+  static std::size_t put_csv(char* out, std::string_view channel, const TraceRecord& record) noexcept;
+  [[nodiscard]] std::span<std::uint8_t> octets(std::size_t from) noexcept {
+    return std::span(reinterpret_cast<std::uint8_t*>(buffer_.data()), buffer_.size()).subspan(from);
+  }
+
+  FileFormat format_;
+  std::array<char, room> buffer_{};
+  ChannelNames channels_{};
+  std::vector<std::uint32_t> numbers_{};  // of the channels, for formats that number them from 1
+  std::optional<can::Time> start_{};      // of the times in ASC and TRC
+  std::uint64_t messages_ = 0;
+};
+
+}  // namespace canopus::trace

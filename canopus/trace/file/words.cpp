@@ -1,0 +1,101 @@
+#include "canopus/trace/file/words.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <limits>
+
+namespace canopus::trace {
+namespace {
+
+constexpr std::string_view blanks = " \t";
+
+constexpr bool is_digit(char c) noexcept { return c >= '0' && c <= '9'; }
+constexpr char lower(char c) noexcept { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+}  // namespace
+
+std::string_view Words::next() noexcept {
+  word_ = std::min(line_.find_first_not_of(blanks, at_), line_.size());
+  at_ = std::min(line_.find_first_of(blanks, word_), line_.size());
+  return line_.substr(word_, at_ - word_);
+}
+
+std::string_view Words::rest() const noexcept {
+  return line_.substr(std::min(line_.find_first_not_of(blanks, at_), line_.size()));
+}
+
+std::optional<std::uint32_t> parse_number(std::string_view word, int base) noexcept {
+  std::uint32_t number = 0;
+  const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), number, base);
+  if (failure != std::errc{} || end != word.data() + word.size()) return std::nullopt;
+  return number;
+}
+
+std::optional<can::Duration> parse_time(std::string_view word, std::int64_t unit) noexcept {
+  const bool negative = word.starts_with('-');
+  if (negative || word.starts_with('+')) word.remove_prefix(1);
+  std::int64_t digits = 0;  // as one number
+  int exponent = 0;         // of ten, that it is multiplied with
+  constexpr std::int64_t most_digits = std::numeric_limits<std::int64_t>::max() / 10 - 1;
+  bool any = false;
+  bool behind_point = false;
+  while (!word.empty() && (is_digit(word.front()) || (word.front() == '.' && !behind_point))) {
+    const char c = word.front();
+    word.remove_prefix(1);
+    if (c == '.') {
+      behind_point = true;
+      continue;
+    }
+    any = true;
+    if (digits <= most_digits) {
+      digits = digits * 10 + (c - '0');
+      if (behind_point) --exponent;
+    } else if (!behind_point) {
+      return std::nullopt;
+    }
+  }
+  if (!any) return std::nullopt;
+  if (word.starts_with('e') || word.starts_with('E')) {
+    word.remove_prefix(word.size() > 1 && word[1] == '+' ? 2 : 1);
+    int power = 0;
+    const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), power);
+    if (failure != std::errc{} || power < -1000 || power > 1000) return std::nullopt;
+    word.remove_prefix(static_cast<std::size_t>(end - word.data()));
+    exponent += power;
+  }
+  if (!word.empty()) return std::nullopt;
+  for (; unit >= 10; unit /= 10) ++exponent;
+  for (; exponent > 0 && digits != 0; --exponent) {
+    if (digits > std::numeric_limits<std::int64_t>::max() / 10) return std::nullopt;
+    digits *= 10;
+  }
+  for (; exponent < -1 && digits != 0; ++exponent) digits /= 10;
+  if (exponent == -1) digits = (digits + 5) / 10;
+  return can::Duration(negative ? -digits : digits);
+}
+
+bool same_word(std::string_view a, std::string_view b) noexcept {
+  return std::ranges::equal(a, b, [](char x, char y) { return lower(x) == lower(y); });
+}
+
+std::string shown(std::string_view word) {
+  if (word.empty()) return "the end of the line";
+  constexpr std::size_t most = 24;
+  std::string text = "'";
+  for (const char c : word.substr(0, most)) text += c >= ' ' && c < 0x7F ? c : '?';
+  return text + (word.size() > most ? "...'" : "'");
+}
+
+std::optional<can::Time> utc_time(int year, unsigned month, unsigned day, can::Duration of_day) noexcept {
+  const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(month),
+                                         std::chrono::day(day)};
+  if (!date.ok() || year < 1970 || year > 2261) return std::nullopt;
+  return can::Time(std::chrono::sys_days(date).time_since_epoch() + of_day);
+}
+
+std::string name_of_numbered_channel(std::uint32_t number) {
+  return number == 0 ? "0" : "can" + std::to_string(number - 1);
+}
+
+}  // namespace canopus::trace

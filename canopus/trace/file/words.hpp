@@ -1,0 +1,48 @@
+#pragma once
+// A line of a text format as words, and words as numbers.
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "canopus/can/time.hpp"
+
+namespace canopus::trace {
+
+/// The words of a line, separated by blanks and tabulators.
+class Words {
+ public:
+  explicit Words(std::string_view line) : line_(line) {}
+  /// The next word; empty at the end of the line.
+  std::string_view next() noexcept;
+  /// The next word, which stays the next one.
+  [[nodiscard]] std::string_view peek() const noexcept { return Words(*this).next(); }
+  /// The rest of the line behind the words read so far, without the blanks before it.
+  [[nodiscard]] std::string_view rest() const noexcept;
+  /// Where the word that next() gave begins, from 1.
+  [[nodiscard]] std::size_t column() const noexcept { return word_ + 1; }
+
+ private:
+  std::string_view line_;
+  std::size_t at_ = 0;
+  std::size_t word_ = 0;
+};
+
+/// A whole word as number without sign; nothing if it is none or does not fit.
+[[nodiscard]] std::optional<std::uint32_t> parse_number(std::string_view word, int base) noexcept;
+/// A decimal number with or without sign, point and exponent (`12.000345`, `1e-05`), in units of `unit` ns which is
+/// a power of ten; rounded to the nanosecond. Nothing if it is none or no can::Duration.
+[[nodiscard]] std::optional<can::Duration> parse_time(std::string_view word, std::int64_t unit) noexcept;
+/// ASCII letters of both cases are the same.
+[[nodiscard]] bool same_word(std::string_view a, std::string_view b) noexcept;
+/// How an error shows a word: in quotation marks, cut, without control characters; or "the end of the line".
+[[nodiscard]] std::string shown(std::string_view word);
+/// A date and a time of day as UTC; nothing if there is no such moment. `day` counts from 1, years 1970 to 2261.
+[[nodiscard]] std::optional<can::Time> utc_time(int year, unsigned month, unsigned day,
+                                                can::Duration of_day) noexcept;
+/// The name that channel number 1, 2 ... of a format without names gets: can0, can1 ...
+[[nodiscard]] std::string name_of_numbered_channel(std::uint32_t number);
+
+}  // namespace canopus::trace
