@@ -9,7 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include "canopus/cli/analysis/trace_analysis.hpp"
-#include "canopus/cli/commands/bench_command.hpp"
+#include "canopus/cli/bench/bench_command.hpp"
 #include "canopus/cli/commands/bus_command.hpp"
 #include "canopus/cli/commands/check_command.hpp"
 #include "canopus/cli/commands/device_command.hpp"

@@ -143,11 +143,11 @@ std::expected<Ends, std::string> open_ends(asio::io_context& near_io, asio::io_c
   return Ends{std::move(*near), std::move(*far)};
 }
 
-/// A slave that produces SYNC: it commands nobody.
+/// An active NMT master, which alone produces SYNC; it has no slaves.
 plant::PlantFile plant_of(const JitterOptions& options) {
   auto reading = plant::read_plant(
       fmt::format("[[bus]]\nname = \"bench\"\nbit_rate = {}\n[[plc]]\nlisten = \"off\"\n[[plc.module]]\n"
-                  "model = \"ME3CAN1-Q\"\nnode = 1\nrestart_time = \"0ms\"\n"
+                  "model = \"ME3CAN1-Q\"\nnode = 1\nmaster = true\nrestart_time = \"0ms\"\n"
                   "objects = {{ \"1005:00\" = 0x4000_0080, \"1006:00\" = {} }}\n",
                   options.bit_rate,
                   std::chrono::duration_cast<std::chrono::microseconds>(options.period).count()),

@@ -17,7 +17,7 @@ namespace canopus::serve {
 struct JitterOptions {
   std::optional<link::BusAddress> bus{};  ///< none: a pair of sockets of this process
   std::uint32_t bit_rate = 250'000;       ///< bit/s, of that bus
-  std::chrono::nanoseconds period{};      ///< of SYNC and of the sleep, whole microseconds
+  std::chrono::nanoseconds period{};      ///< of SYNC and of the sleep, whole milliseconds
   std::chrono::nanoseconds length{};      ///< of each of the two parts
   std::optional<RealTimeThread> real_time{};
 };

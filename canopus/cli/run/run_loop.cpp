@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "canopus/cli/run/end_patience.hpp"
 #include "canopus/cli/run/event_printer.hpp"
 #include "canopus/cli/run/live_table.hpp"
 #include "canopus/cli/run/operational_check.hpp"
@@ -40,24 +41,6 @@ namespace {
 namespace asio = boost::asio;
 using WallClock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
-
-/// How long the end of a run waits for who reads what it prints. Another signal ends the waiting.
-class EndPatience {
- public:
-  /// `limited`: no longer than a second for a reader that takes nothing.
-  explicit EndPatience(bool limited) : limited_(limited) {}
-  bool operator()(WallClock::duration since_reader_took_something) {
-    io_.poll();
-    if (again_.came()) return false;
-    return !limited_ || std::min(since_reader_took_something, WallClock::now() - start_) < 1s;
-  }
-
- private:
-  asio::io_context io_{1};
-  StopSignals again_{io_, {}};
-  bool limited_;
-  WallClock::time_point start_ = WallClock::now();
-};
 
 /// One run from build to summary.
 class Run {

@@ -1,4 +1,4 @@
-#include "canopus/cli/commands/bench_command.hpp"
+#include "canopus/cli/bench/bench_command.hpp"
 
 #include <memory>
 #include <string>
@@ -113,6 +113,8 @@ int jitter(const Arguments& arguments) {
     options.bus = *address;
   }
   options.period = *text::parse_duration(arguments.period);
+  if (options.period % 1ms != 0ms)
+    return complain(exit_code::usage, "--period: expected whole milliseconds, as SYNC has them");
   options.length = *text::parse_duration(arguments.length);
   const auto result = serve::measure_jitter(options);
   if (!result) return complain(exit_code::failed, result.error());
@@ -146,7 +148,8 @@ void add_bench_command(CLI::App& app, int& exit_code) {
   const auto arguments = std::make_shared<Arguments>();
   command
       ->add_option("--bus", arguments->bus,
-                   "Over this bus; a module with node-ID 1 sends SYNC there: not the bus of a running "
+                   "Over this bus; an NMT master with node-ID 1 resets its nodes and sends SYNC: not the bus "
+                   "of a running "
                    "machine. Without it over a "
                    "pair of sockets")
       ->type_name("ADDRESS");
