@@ -238,3 +238,14 @@ def the_stuck_slaves_example_says_what_its_how_to_shows():
     for commands in transcripts(page):
         for command, shown in commands:
             require_shown(page, words_of(command, None), shown)
+
+
+@check
+def the_page_of_the_analyser_shows_what_the_commands_print():
+    for commands in transcripts("docs/analyser.md"):
+        for command, shown in commands:
+            line = re.sub("(^| )examples/", rf"\1{ROOT}/examples/", command)
+            if ">" in line or line.startswith("tshark"):
+                continue  # tests/interop/trace_decode_checks.py loads the script
+            words = shlex.split(line)
+            require_shown("docs/analyser.md", [program, *words[1:]], shown)

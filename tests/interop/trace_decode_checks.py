@@ -1,8 +1,9 @@
 """`canopus trace` against tshark, field by field: foreign recordings and those of our own example plants."""
 import json
 import shutil
+import xml.etree.ElementTree as ET
 
-from kit import ROOT, Skip, check, command, program, require, scratch
+from kit import HERE, ROOT, Skip, check, command, first_plant, first_plant_file, node_modules, program, require, scratch
 
 TRACES = ROOT.parent / "shared" / "data" / "traces"
 
@@ -181,3 +182,122 @@ def tshark_agrees_with_our_decoder_on_our_plants():
         command(program, "run", example, "--virtual", "--for", "10s", "--trace", trace, "--quiet")
         agree(trace)
         agree(trace, "--plant", example)
+
+
+# --- what is written for other programs
+
+
+def recorded(example):
+    trace = scratch / f"export-{example}.pcap"
+    plant = ROOT / "examples" / example / "plant.toml"
+    command(program, "run", plant, "--virtual", "--for", "10s", "--trace", trace, "--quiet")
+    return plant, trace
+
+
+@check
+def npm_candied_decodes_our_pdos_by_the_dbc_file():
+    node_modules()
+    decoded = 0
+    for example in ("first-plant", "rj71cn91"):
+        plant, trace = recorded(example)
+        dbc = scratch / f"{example}.dbc"
+        dbc.write_text(command(program, "trace", "export", "--dbc", "--plant", plant).stdout)
+        frames = [frame for frame in ours(trace, "--plant", plant, "--service", "pdo") if "signals" in frame]
+        lines = "".join(f"{frame['id']} {frame['data']}\n" for frame in frames)
+        theirs = command("node", HERE / "dbc_reader.mjs", dbc, input=lines).stdout.splitlines()
+        require(len(theirs) == len(frames), f"{len(theirs)} answers for {len(frames)} frames")
+        for frame, line in zip(frames, theirs):
+            message = json.loads(line)
+            require(message is not None, f"no message for {frame}")
+            values = [value for _, value, _ in message["signals"]]
+            require(values == [signal["value"] for signal in frame["signals"]], f"{frame}\n{message}")
+            decoded += 1
+            if message["name"] == "encoder_TPDO1":
+                require(message["signals"][0][2] == "Position_value" and 0 <= values[0] <= 4095, str(message))
+    print(f"    {decoded} PDOs decoded")
+    require(decoded > 1500, f"only {decoded} PDOs were decoded")
+
+
+HOSTILE = '"] = os.execute("touch /tmp/x")\\u001b[2J</text>&'
+
+
+def hostile_plant():
+    """The first plant with a device whose name is made to break out of every file it is written into."""
+    text = (ROOT / "examples/first-plant/plant.toml").read_text().replace('"../devices/', f'"{ROOT}/examples/devices/')
+    path = scratch / "hostile.toml"
+    path.write_text(text.replace('name = "encoder"', f"name = {json.dumps(HOSTILE)}".replace("\\\\u", "\\u")))
+    return path
+
+
+@check
+def tshark_shows_the_plants_names_by_our_lua_script():
+    if not shutil.which("tshark"):
+        raise Skip("tshark is not installed")
+    plant, trace = recorded("first-plant")
+    script = scratch / "plant.lua"
+    script.write_text(command(program, "trace", "export", "--lua", "--plant", plant).stdout)
+    words = ["tshark", "-r", trace, "-X", f"lua_script:{script}", "-d", "can.subdissector,canopen", "-T", "fields", "-E", "separator=|"]
+    for field in ("can.id", "canopus.node", "canopus.name", "canopus.pdo", "canopus.object", "canopus.signal.n3_position_value"):
+        words += ["-e", field]
+    done = command(*words)
+    require("lua" not in done.stderr.lower(), done.stderr)
+    rows = [line.split("|") for line in done.stdout.splitlines()]
+    mine = ours(trace, "--plant", plant)
+    require(len(rows) == len(mine), f"{len(rows)} rows for {len(mine)} frames")
+    for row, frame in zip(rows, mine):
+        if frame["service"] == "nmt":
+            continue
+        require(row[2] == frame["name"], f"name: {row} {frame}")
+        require(row[4] == (frame["object"] if frame["service"] == "sdo" else ""), f"object: {row} {frame}")
+        if frame["service"] == "pdo":
+            require(row[3] == f"{frame['kind']}{frame['pdo']}", f"PDO: {row} {frame}")
+        if frame["id"] == "183":
+            require(float(row[5]) == frame["signals"][0]["value"], f"value: {row} {frame}")
+
+
+@check
+def hostile_names_stay_names_in_lua_svg_and_text():
+    if not shutil.which("tshark"):
+        raise Skip("tshark is not installed")
+    plant = hostile_plant()
+    trace, script, picture = scratch / "hostile.pcap", scratch / "hostile.lua", scratch / "hostile.svg"
+    command(program, "run", plant, "--virtual", "--for", "3s", "--trace", trace, "--quiet")
+    script.write_text(command(program, "trace", "export", "--lua", "--plant", plant).stdout)
+    done = command("tshark", "-r", trace, "-X", f"lua_script:{script}", "-Y", "can.id == 0x183", "-T", "fields", "-e", "canopus.name")
+    require("lua" not in done.stderr.lower(), done.stderr)
+    require('"] = os.execute("touch /tmp/x")?[2J</text>&' in done.stdout, done.stdout[:500])
+    command(program, "trace", "plot", trace, "--plant", plant, "--out", picture)
+    texts = [element.text for element in ET.parse(picture).getroot().iter("{http://www.w3.org/2000/svg}text")]
+    require(any('os.execute("touch /tmp/x")?[2J</text>&' in text for text in texts), str(texts))
+    for words in (["show"], ["show", "--json"], ["stats"], ["stats", "--json"]):
+        require("\x1b" not in command(program, "trace", *words, trace, "--plant", plant).stdout, f"{words} lets an escape through")
+
+
+# --- live
+
+
+@check
+def monitor_shows_and_records_what_is_on_a_bus():
+    with first_plant() as plant:
+        recording = scratch / "monitor.pcap"
+        done = command(program, "monitor", f"socketcand:{plant.socketcand}", "--plant", first_plant_file(), "--for", "3s",
+                       "--json", "--frames", "--write", recording)
+        shown = [json.loads(line) for line in done.stdout.splitlines()]
+        require(len(shown) > 100, f"only {len(shown)} frames")
+        beats = {frame["name"] for frame in shown if frame["kind"] == "heartbeat"}
+        require(beats == {"ME3CAN1-Q U0", "io-block", "encoder", "drive"}, str(beats))
+        require(len(ours(recording)) == len(shown), "the recording has another number of frames")
+        agree(recording)
+    command(program, "monitor", "nonsense", expect=2)
+    command(program, "monitor", "socketcand:127.0.0.1:1", expect=1)
+
+
+@check
+def who_reads_no_more_ends_show():
+    plant, trace = recorded("first-plant")
+    shell = f"set -o pipefail; {program} trace show {trace} --plant {plant} | head -2"
+    done = command("bash", "-c", f"{{ {shell}; }} || true")
+    require(len(done.stdout.splitlines()) == 2, done.stdout)
+    whole = command(program, "trace", "show", trace).stdout
+    again = command("bash", "-c", f"cat {trace} | {program} trace show -").stdout
+    require(again == whole, "the standard input shows another thing than the file")

@@ -10,6 +10,7 @@ namespace {
 
 /// A trace can make up values without end; nobody has more.
 constexpr std::size_t most_settings = 200'000;
+constexpr std::size_t most_sdo_identifiers = 1000;
 
 constexpr std::uint32_t place(std::uint8_t node, std::uint16_t index, std::uint8_t sub) noexcept {
   return std::uint32_t{node} << 24 | std::uint32_t{index} << 8 | sub;
@@ -133,6 +134,7 @@ void BusKnowledge::use_sdo(std::uint8_t node, std::uint16_t index) {
   };
   if (is_default(asks, canopen::cob_id::sdo_request) && is_default(answers, canopen::cob_id::sdo_response))
     return;
+  if (sdo_.size() >= most_sdo_identifiers) return;
   sdo_.insert_or_assign(asks.key(), SdoSide{server, true, channel});
   sdo_.insert_or_assign(answers.key(), SdoSide{server, false, channel});
 }

@@ -102,6 +102,8 @@ ObjectFacts object_facts(const canopen::DictionaryDescription* dictionary, std::
       const std::string_view whole = dictionary->name(*object);
       if (!entry) return {std::string(whole), none};
       const std::string_view own = dictionary->name(entry);
+      if (object->uniform && sub != 0)  // its sub-indexes share one name
+        return {fmt::format("{} [{:02X}]", whole, sub), entry.description->type};
       if (own.empty() || own == whole || object->highest_sub == 0)
         return {std::string(whole), entry.description->type};
       if (whole.empty() || own.starts_with(whole)) return {std::string(own), entry.description->type};

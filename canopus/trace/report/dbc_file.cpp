@@ -23,10 +23,16 @@ std::string pdo_name(const ModelPdo& pdo) {
   return fmt::format("{}PDO{}", pdo.transmit ? "T" : "R", pdo.number);
 }
 
-/// "Read input 8-bit: Digital inputs 1 to 8" is longer than an identifier: the sub-index's own name says more.
-std::string_view short_name(std::string_view name) {
+/// "Read input 8-bit: Digital inputs 1 to 8" is longer than an identifier: the sub-index's own name says more. Of
+/// "Input network variable unsigned 16 [09]" the end is what tells it from its neighbours.
+std::string short_name(std::string_view name) {
+  constexpr std::size_t room = 32;
   const std::size_t end_of_object = name.find(": ");
-  return name.size() > 32 && end_of_object != std::string_view::npos ? name.substr(end_of_object + 2) : name;
+  if (name.size() > room && end_of_object != std::string_view::npos)
+    return std::string(name.substr(end_of_object + 2));
+  if (name.size() > room && name.ends_with(']') && name[name.size() - 4] == '[')
+    return fmt::format("{}_{}", name.substr(0, room - 3), name.substr(name.size() - 3, 2));
+  return std::string(name);
 }
 
 class DbcWriter {

@@ -106,6 +106,12 @@ std::string_view kind_of(const Signal& signal) {
   return real ? "real" : canopen::is_signed(signal.type) ? "signed" : "unsigned";
 }
 
+std::string lower_case(std::string text) {
+  std::ranges::transform(text, text.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  return text;
+}
+
 std::string objects_table(const NodeDescription& node) {
   std::string table;
   if (!node.dictionary) return table;
@@ -148,9 +154,7 @@ std::string lua_dissector(const BusModel& model, std::string_view title) {
     for (const Signal& signal : pdo.signals) {
       const std::string shown =
           signal.name.empty() ? fmt::format("{:04X}:{:02X}", signal.index, signal.sub) : signal.name;
-      std::string id = identifiers.make(fmt::format("n{}_{}", pdo.node, shown), "signal");
-      std::ranges::transform(id, id.begin(),
-                             [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+      const std::string id = identifiers.make(lower_case(fmt::format("n{}_{}", pdo.node, shown)), "signal");
       lua += fmt::format("    {{ id = \"{}\", name = {}, first = {}, bits = {}, kind = \"{}\" }},\n", id,
                          lua_string(shown), signal.first_bit, signal.bits, kind_of(signal));
     }

@@ -94,15 +94,7 @@ void Statistics::message(const Message& message, const Decoder& decoder) {
     channel.second = second;
   }
   channel.second_bits += bits;
-  IdentifierFigures& identifier = channel.identifiers[key_of(message.frame)];
-  if (!message.frame.remote) {
-    if (identifier.frames > 0 && message.time >= identifier.last)
-      identifier.cycle.add(message.time - identifier.last);
-    identifier.last = message.time;
-    ++identifier.frames;
-  }
-  identifier.bits += bits;
-  if (identifier.who.empty() || message.service == Service::pdo) identifier.who = who_sends(message);
+  count_identifier(channel, message, bits);
   if (message.node == 0 || message.service == Service::nmt) return;
   const bool speaks = message.service == Service::error_control || message.service == Service::emcy;
   if (!speaks) return;
@@ -114,6 +106,20 @@ void Statistics::message(const Message& message, const Decoder& decoder) {
     ++node.emergencies;
     note(emergencies_, message);
   }
+}
+
+void Statistics::count_identifier(ChannelFigures& channel, const Message& message, std::uint64_t bits) {
+  const FrameKey key = key_of(message.frame);
+  if (channel.identifiers.size() >= most_identifiers && !channel.identifiers.contains(key)) return;
+  IdentifierFigures& identifier = channel.identifiers[key];
+  if (!message.frame.remote) {
+    if (identifier.frames > 0 && message.time >= identifier.last)
+      identifier.cycle.add(message.time - identifier.last);
+    identifier.last = message.time;
+    ++identifier.frames;
+  }
+  identifier.bits += bits;
+  if (identifier.who.empty() || message.service == Service::pdo) identifier.who = who_sends(message);
 }
 
 void Statistics::heartbeat(NodeFigures& node, const Message& message, const Decoder& decoder) {

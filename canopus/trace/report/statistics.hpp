@@ -87,6 +87,8 @@ class Statistics {
  public:
   /// Emergencies, aborted and unanswered SDOs that are kept one by one.
   static constexpr std::size_t most_events = 1000;
+  /// Identifiers of a channel that are counted one by one.
+  static constexpr std::size_t most_identifiers = 65536;
 
   /// Every record, before the decoder has it.
   void record(const TraceRecord& record, std::string_view channel);
@@ -105,6 +107,7 @@ class Statistics {
   [[nodiscard]] const std::vector<TraceEvent>& failures() const noexcept { return failures_; }
 
  private:
+  static void count_identifier(ChannelFigures& channel, const Message& message, std::uint64_t bits);
   void heartbeat(NodeFigures& node, const Message& message, const Decoder& decoder);
   void transfer(NodeFigures& node, const Message& message);
   void note(std::vector<TraceEvent>& list, const Message& message);

@@ -149,6 +149,11 @@ void TracePicture::add_signals(const Message& message, double time) {
   for (const Signal& signal : message.signals) {
     if (!signal.number || !std::isfinite(*signal.number)) continue;
     const PictureSignal key{message.node, signal.index, signal.sub};
+    const auto same = [&](const Signal& other) {
+      return other.index == signal.index && other.sub == signal.sub;
+    };
+    if (&*std::ranges::find_if(message.signals, same) != &signal)
+      continue;  // mapped twice: the first one counts
     auto curve = std::ranges::find(curves_, key, &Curve::signal);
     if (curve == curves_.end()) {
       const bool wanted = options_.signals.empty()
