@@ -23,6 +23,8 @@
 #include "canopus/cli/commands/sdo_command.hpp"
 #include "canopus/cli/run/run_command.hpp"
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/trace/replay_command.hpp"
+#include "canopus/cli/trace/trace_command.hpp"
 #include "canopus/cli/version.hpp"
 #include "canopus/text/nearest_word.hpp"
 
@@ -156,9 +158,11 @@ int run_command_line(std::span<const std::string> words) {
   add_nmt_command(app, code);
   add_lss_command(app, code);
   add_master_command(app, code);
-  add_bench_command(app, code);
+  add_trace_command(app, code);
   add_trace_analysis(app, code);
   add_monitor_command(app, code);
+  add_replay_command(app, code);
+  add_bench_command(app, code);
 
   std::vector<std::string> reversed(words.rbegin(), words.rend());  // as CLI11 takes them
   if (!words.empty() && words.front() == "help") {  // `canopus help run` is `canopus run --help`

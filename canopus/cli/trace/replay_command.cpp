@@ -1,0 +1,243 @@
+#include "canopus/cli/trace/replay_command.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <unistd.h>
+
+#include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/cli/terminal/option_checks.hpp"
+#include "canopus/cli/trace/trace_input_file.hpp"
+#include "canopus/cli/trace/trace_player.hpp"
+#include "canopus/text/text_values.hpp"
+
+namespace canopus::cli {
+namespace {
+
+struct Options {
+  BusOptions bus;
+  std::string file, from, to;
+  std::string speed = "1";
+  std::uint64_t loops = 1;
+  std::vector<std::string> identifiers, channels;
+  std::string node;
+};
+
+/// "601", "580-5FF", "18EBFF00x": both ends.
+struct IdentifierRange {
+  std::uint32_t first = 0, last = 0;
+  bool extended = false;
+};
+
+std::optional<IdentifierRange> parse_range(std::string_view text) {
+  IdentifierRange range;
+  range.extended = text.ends_with('x');
+  if (range.extended) text.remove_suffix(1);
+  const std::size_t dash = text.find('-');
+  const auto number = [&](std::string_view word, std::uint32_t& value) {
+    const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), value, 16);
+    return failure == std::errc{} && end == word.data() + word.size() &&
+           value <= (range.extended ? can::max_extended_identifier : can::max_base_identifier);
+  };
+  if (!number(text.substr(0, dash), range.first)) return std::nullopt;
+  range.last = range.first;
+  if (dash != std::string_view::npos && !number(text.substr(dash + 1), range.last)) return std::nullopt;
+  return range;
+}
+
+/// Which records are sent.
+struct Choice {
+  std::vector<IdentifierRange> identifiers;
+  std::vector<std::string> channels;
+  can::Duration from{};
+  can::Duration to = can::Duration::max();
+  unsigned node = 0;
+
+  [[nodiscard]] bool wants(const trace::TraceRecord& record, std::string_view channel,
+                           can::Duration since) const {
+    if (record.error_frame || since < from || since > to) return false;
+    if (!channels.empty() && std::ranges::find(channels, channel) == channels.end()) return false;
+    if (node != 0 && !is_for_node(record.frame)) return false;
+    return identifiers.empty() || std::ranges::any_of(identifiers, [&](const IdentifierRange& range) {
+             return record.frame.extended == range.extended && record.frame.identifier >= range.first &&
+                    record.frame.identifier <= range.last;
+           });
+  }
+  /// What the node hears in the pre-defined connection set [CiA 301 7.3.3]: NMT, SYNC, TIME, its RPDOs, its SDO
+  /// server, node guarding, LSS.
+  [[nodiscard]] bool is_for_node(const can::Frame& frame) const {
+    if (frame.extended) return false;
+    switch (frame.identifier) {
+      case 0x000: return frame.length() < 2 || frame.data[1] == 0 || frame.data[1] == node;
+      case 0x080:
+      case 0x100:
+      case 0x7E5: return true;
+      default: break;
+    }
+    if ((frame.identifier & 0x7FU) != node) return false;
+    switch (frame.identifier & 0x780U) {
+      case 0x200:
+      case 0x300:
+      case 0x400:
+      case 0x500:
+      case 0x600: return true;
+      case 0x700: return frame.remote;
+      default: return false;
+    }
+  }
+};
+
+std::expected<Choice, std::string> choice_of(const Options& options) {
+  Choice choice;
+  choice.channels = options.channels;
+  for (const std::string& text : options.identifiers) {
+    const auto range = parse_range(text);
+    if (!range) {
+      return std::unexpected(
+          fmt::format("--id: \"{}\" is no identifier; expected for example 601, 580-5FF or 18EBFF00x", text));
+    }
+    choice.identifiers.push_back(*range);
+  }
+  for (const auto& [text, name, value] :
+       {std::tuple{&options.from, "--from", &choice.from}, std::tuple{&options.to, "--to", &choice.to}}) {
+    if (text->empty()) continue;
+    const auto duration = text::parse_duration(*text);
+    if (!duration) return std::unexpected(fmt::format("{}: {}", name, duration.error()));
+    *value = *duration;
+  }
+  if (!options.node.empty()) {
+    choice.node = parse_node(options.node);
+    if (choice.node == 0) {
+      return std::unexpected(fmt::format("--node: \"{}\" is no node-ID; expected 1 to 127", options.node));
+    }
+  }
+  return choice;
+}
+
+/// 0 for max; nothing if it is no speed.
+std::optional<double> parse_speed(std::string_view text) {
+  if (text == "max") return 0;
+  double speed = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), speed);
+  if (failure != std::errc{} || end != text.data() + text.size() || !(speed >= 0.001 && speed <= 1e6)) {
+    return std::nullopt;
+  }
+  return speed;
+}
+
+/// Sends the trace once. `sent` goes on from where it was.
+BusLoop::End play(BusLoop& bus, TraceInputFile& in, const Choice& choice, double speed, std::uint64_t& sent) {
+  std::optional<can::Time> first;
+  TracePlayer player(
+      bus,
+      [&]() -> std::optional<TracePlayer::Step> {
+        while (const auto record = in.next()) {
+          if (!first) first = record->time;
+          const can::Duration since = record->time - *first;
+          if (choice.wants(*record, in.reader().channel(record->channel), since)) {
+            return TracePlayer::Step{since, record->frame};
+          }
+        }
+        return std::nullopt;
+      },
+      speed);
+  const bool progress = is_terminal(STDERR_FILENO);
+  bus.add(player);
+  // what was left out at the begin is not waited for
+  player.start(bus.now(), choice.from);
+  BusLoop::End end = BusLoop::End::time_over;
+  while (end == BusLoop::End::time_over) {
+    if (progress) {
+      show_progress(
+          Line("{:.1f} s, {} frames", can::seconds(can::Time(player.position())), sent + player.sent()));
+    }
+    end = bus.run([&] { return player.is_done(); }, bus.now() + std::chrono::milliseconds(200));
+  }
+  bus.remove(player);
+  sent += player.sent();
+  return end;
+}
+
+int replay(const Options& options) {
+  const auto choice = choice_of(options);
+  if (!choice) return complain(exit_code::usage, choice.error());
+  const auto speed = parse_speed(options.speed);
+  if (!speed) {
+    return complain(exit_code::usage,
+                    fmt::format("--speed: \"{}\" is no speed; expected a number such as 2 or 0.5, or max",
+                                options.speed));
+  }
+  if (options.file == "-" && options.loops != 1) {
+    return complain(exit_code::usage, "--loop: the standard input can be read only once");
+  }
+  auto in = TraceInputFile::open(options.file, {}, standard_error());
+  if (!in) return exit_code::usage;
+  return with_bus(
+      options.bus,
+      [&](BusLoop& bus, can::Duration) {
+        const can::Time started = bus.now();
+        std::uint64_t sent = 0;
+        std::uint64_t mistakes = 0;
+        auto end = BusLoop::End::done;
+        for (std::uint64_t loop = 0;
+             end == BusLoop::End::done && (options.loops == 0 || loop < options.loops); ++loop) {
+          const std::uint64_t before = sent;
+          if (loop > 0) in = TraceInputFile::open(options.file, {}, standard_error());
+          if (!in) return exit_code::failed;
+          end = play(bus, *in, *choice, *speed, sent);
+          mistakes += in->mistakes();
+          in->finish();
+          if (sent == before) break;  // nothing to send: once is enough
+        }
+        end_progress();
+        print_line("{} frames sent in {:.3f} s", sent, can::seconds(bus.now()) - can::seconds(started));
+        // Ctrl-C is how one ends a replay
+        if (end == BusLoop::End::lost) return complain(exit_code::failed, bus.failure());
+        return mistakes == 0 ? exit_code::done : exit_code::failed;
+      },
+      BusTime::real);
+}
+
+}  // namespace
+
+void add_replay_command(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("replay", "Send the frames of a trace on a bus");
+  command->add_option("FILE", options->file, "Trace in any format that is read; - is the standard input")
+      ->required();
+  add_bus_options(*command, options->bus, "How long to wait for the bus at the start", false);
+  command
+      ->add_option("--speed", options->speed,
+                   "Twice as fast is 2; max is as fast as the bus takes the frames")
+      ->type_name("N|max")
+      ->capture_default_str();
+  command->add_option("--loop", options->loops, "How often; 0 until Ctrl-C")
+      ->type_name("N")
+      ->capture_default_str()
+      ->check(number_from(0, std::numeric_limits<std::uint32_t>::max()));
+  command->add_option("--from", options->from, "Begin this long after the first frame")->type_name("TIME");
+  command->add_option("--to", options->to, "End this long after the first frame")->type_name("TIME");
+  command
+      ->add_option("--id", options->identifiers,
+                   "Only these identifiers: 601, 580-5FF, 18EBFF00x; may be given again")
+      ->type_name("ID");
+  command->add_option("--channel", options->channels, "Only this channel of the trace; may be given again")
+      ->type_name("NAME");
+  command
+      ->add_option("--node", options->node,
+                   "Only what this node hears: NMT, SYNC, TIME, its RPDOs, its SDO server, guarding, LSS")
+      ->type_name("NODE");
+  command->footer(
+      "Each frame is sent at its time since the first one; error frames are not sent. All channels go to one "
+      "bus.\n"
+      "Exit codes: 0 sent, or ended by Ctrl-C; 1 the bus was lost, or parts of the trace could not be read;\n"
+      "2 wrong command line or file.\n"
+      "\n"
+      "Example: canopus replay drive.blf --bus socketcan:can0 --node 5 --speed 2");
+  command->callback([options, &exit_code] { exit_code = replay(*options); });
+}
+
+}  // namespace canopus::cli

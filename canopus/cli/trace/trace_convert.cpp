@@ -1,0 +1,150 @@
+// canopus trace convert IN OUT
+
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <sys/stat.h>
+
+#include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/cli/trace/trace_command.hpp"
+#include "canopus/cli/trace/trace_input_file.hpp"
+#include "canopus/text/text_values.hpp"
+#include "canopus/trace/file/trace_encoder.hpp"
+#include "canopus/trace/file/trace_file.hpp"
+
+namespace canopus::cli {
+namespace {
+
+struct Options {
+  std::string in, out, from, to, start, end;
+  std::vector<std::string> channels;
+  bool relative = false;
+  bool quiet = false;
+};
+
+bool is_same_file(const std::string& a, const std::string& b) {
+  struct stat first {
+  }, second{};
+  return ::stat(a.c_str(), &first) == 0 && ::stat(b.c_str(), &second) == 0 && S_ISREG(first.st_mode) &&
+         first.st_dev == second.st_dev && first.st_ino == second.st_ino;
+}
+
+/// Where the converted records go: a file, or the standard output in large pieces.
+class Target {
+ public:
+  [[nodiscard]] static std::expected<Target, std::string> open(const std::string& path,
+                                                               trace::FileFormat format) {
+    Target target;
+    if (path == "-") {
+      target.encoder_ = std::make_unique<trace::TraceEncoder>(format);
+      target.waiting_ = target.encoder_->begin();
+      return target;
+    }
+    auto file = trace::TraceFile::create(path, format);
+    if (!file) return std::unexpected(file.error());
+    target.file_.emplace(std::move(*file));
+    return target;
+  }
+  void write(std::string_view channel, const trace::TraceRecord& record) {
+    if (file_) return file_->write(channel, record);
+    waiting_ += encoder_->encode(channel, record);
+    if (waiting_.size() >= 32'768) send();
+  }
+  [[nodiscard]] std::expected<void, std::string> close() {
+    if (file_) return file_->close();
+    waiting_ += encoder_->end();
+    send();
+    return {};
+  }
+
+ private:
+  Target() = default;
+  void send() {
+    standard_output().content(waiting_);
+    waiting_.clear();
+  }
+  std::optional<trace::TraceFile> file_;
+  std::unique_ptr<trace::TraceEncoder> encoder_;
+  std::string waiting_;
+};
+
+int convert(const Options& options) {
+  std::expected<trace::FileFormat, std::string> format = trace::FileFormat::candump;
+  if (!options.to.empty()) {
+    format = *trace::format_of_name(options.to);
+  } else if (options.out != "-") {
+    format = trace::trace_format_of(options.out);
+    if (!format) return complain(exit_code::usage, format.error() + "; --to says otherwise");
+  }
+  can::Duration start{};
+  can::Duration end = can::Duration::max();
+  for (const auto& [text, name, value] :
+       {std::tuple{&options.start, "--start", &start}, std::tuple{&options.end, "--end", &end}}) {
+    if (text->empty()) continue;
+    const auto duration = text::parse_duration(*text);
+    if (!duration) return complain(exit_code::usage, fmt::format("{}: {}", name, duration.error()));
+    *value = *duration;
+  }
+  if (is_same_file(options.in, options.out)) {
+    return complain(exit_code::usage, options.out + ": this is the trace that is read");
+  }
+  auto in = TraceInputFile::open(options.in, options.from, standard_error());
+  if (!in) return exit_code::usage;
+  auto out = Target::open(options.out, *format);
+  if (!out) return complain(exit_code::failed, out.error());
+  std::optional<can::Time> first;
+  std::uint64_t written = 0;
+  while (auto record = in->next()) {
+    if (!first) first = record->time;
+    const can::Duration since = record->time - *first;
+    // records need not be in the order of their times
+    if (since < start || since > end) continue;
+    const std::string_view channel = in->reader().channel(record->channel);
+    if (!options.channels.empty() && std::ranges::find(options.channels, channel) == options.channels.end())
+      continue;
+    if (options.relative) record->time = can::Time(since - start);
+    out->write(channel, *record);
+    ++written;
+  }
+  const auto closed = out->close();
+  if (!closed) return complain(exit_code::failed, closed.error());
+  in->finish();
+  if (!options.quiet && options.out != "-") {
+    print_line(
+        "{}: {} frames as {}{}", options.out, written, trace::name_of(*format),
+        in->reader().left_out() == 0
+            ? std::string()
+            : fmt::format("; {} records that are no classical frames left out", in->reader().left_out()));
+  }
+  return in->mistakes() == 0 ? exit_code::done : exit_code::failed;
+}
+
+}  // namespace
+
+void add_trace_convert(CLI::App& trace, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = trace.add_subcommand("convert", "Write a trace in another format");
+  command->add_option("IN", options->in, "Trace in any format that is read; - is the standard input")
+      ->required();
+  command->add_option("OUT", options->out, "File to write; - is the standard output")->required();
+  add_format_option(*command, "--from", options->from, "Format of IN, instead of what its content says",
+                    true);
+  add_format_option(*command, "--to", options->to, "Format of OUT, instead of what its name says", false);
+  command->add_option("--start", options->start, "Leave out what is earlier after the first frame")
+      ->type_name("TIME");
+  command->add_option("--end", options->end, "Leave out what is later after the first frame")
+      ->type_name("TIME");
+  command->add_option("--channel", options->channels, "Only this channel; may be given again")
+      ->type_name("NAME");
+  command->add_flag("--relative", options->relative, "Times count from the first frame, or from --start");
+  command->add_flag("-q,--quiet", options->quiet, "Do not say how many frames were written");
+  command->footer(
+      "What each format can carry: docs/traces.md.\n"
+      "Exit codes: 0 converted, 1 parts of IN could not be read or OUT not written, 2 wrong command line or "
+      "file.\n"
+      "\n"
+      "Example: canopus trace convert drive.blf drive.pcapng");
+  command->callback([options, &exit_code] { exit_code = convert(*options); });
+}
+
+}  // namespace canopus::cli

@@ -1,0 +1,54 @@
+#include "canopus/cli/trace/trace_player.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace canopus::cli {
+namespace {
+
+/// How long a bus that takes no more frames is given, and how many are sent without looking at it.
+constexpr can::Duration pause = std::chrono::milliseconds(1);
+constexpr int at_once = 64;
+
+}  // namespace
+
+void TracePlayer::start(can::Time now, can::Duration first) {
+  started_ = now;
+  first_ = first;
+  done_ = false;
+  due_ = now;
+  take();
+  due_ = std::max(due_, now);
+}
+
+void TracePlayer::take() {
+  next_ = source_();
+  if (!next_) {
+    done_ = true;
+    due_ = can::never;
+    return;
+  }
+  if (speed_ == 0) return;
+  const double since = static_cast<double>((next_->time - first_).count()) / speed_;
+  // 9e18 ns are more than a trace can have
+  const can::Duration wait(since <= 0      ? 0
+                           : since >= 9e18 ? can::Duration::max().count()
+                                           : static_cast<std::int64_t>(since));
+  due_ = std::max(due_, can::later(started_, wait));
+}
+
+void TracePlayer::tick(can::Time now) {
+  for (int i = 0; i < at_once && next_ && due_ <= now; ++i) {
+    if (!bus_.send(next_->frame)) {
+      due_ = now + pause;
+      return;
+    }
+    ++sent_;
+    position_ = next_->time;
+    take();
+  }
+  // what is late stays due, but others on the loop come first
+  if (next_ && due_ <= now) due_ = now + can::Duration(1);
+}
+
+}  // namespace canopus::cli

@@ -1,0 +1,54 @@
+#pragma once
+// The frames of a trace, sent at their times.
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include "canopus/can/controller.hpp"
+#include "canopus/can/frame.hpp"
+#include "canopus/can/time.hpp"
+#include "canopus/can/timeline.hpp"
+
+namespace canopus::cli {
+
+class TracePlayer final : public can::Participant {
+ public:
+  struct Step {
+    can::Duration time{};  ///< since the first frame of the trace
+    can::Frame frame{};
+  };
+  /// The next frame; nothing at the end of the trace. A time before the one of the last frame is as late as that.
+  using Source = std::function<std::optional<Step>()>;
+
+  /// `speed`: 2 is twice as fast; 0: as fast as the bus takes them.
+  TracePlayer(can::Sink& bus, Source source, double speed)
+      : bus_(bus), source_(std::move(source)), speed_(speed) {}
+
+  /// The first frame, whose time is `first`, is sent at `now`.
+  void start(can::Time now, can::Duration first);
+  [[nodiscard]] bool is_done() const noexcept { return done_; }
+  [[nodiscard]] std::uint64_t sent() const noexcept { return sent_; }
+  /// How far in the trace.
+  [[nodiscard]] can::Duration position() const noexcept { return position_; }
+
+  void receive(const can::Frame& /*frame*/, can::Time /*now*/) override {}
+  void tick(can::Time now) override;
+  [[nodiscard]] can::Time deadline() const noexcept override { return due_; }
+
+ private:
+  void take();
+
+  can::Sink& bus_;
+  Source source_;
+  double speed_;
+  can::Time started_{};
+  can::Duration first_{};
+  can::Duration position_{};
+  std::optional<Step> next_;
+  can::Time due_ = can::never;
+  std::uint64_t sent_ = 0;
+  bool done_ = false;
+};
+
+}  // namespace canopus::cli
