@@ -21,6 +21,7 @@
 #include "canopus/cli/commands/plc_command.hpp"
 #include "canopus/cli/commands/scan_command.hpp"
 #include "canopus/cli/commands/sdo_command.hpp"
+#include "canopus/cli/gateway/gateway_command.hpp"
 #include "canopus/cli/run/run_command.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/cli/version.hpp"
@@ -154,6 +155,7 @@ int run_command_line(std::span<const std::string> words) {
   add_scan_command(app, code);
   add_sdo_command(app, code);
   add_nmt_command(app, code);
+  add_gateway_command(app, code, version());
   add_lss_command(app, code);
   add_master_command(app, code);
   add_bench_command(app, code);
