@@ -21,6 +21,7 @@
 #include "canopus/cli/commands/plc_command.hpp"
 #include "canopus/cli/commands/scan_command.hpp"
 #include "canopus/cli/commands/sdo_command.hpp"
+#include "canopus/cli/gateway/gateway_command.hpp"
 #include "canopus/cli/run/run_command.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/cli/trace/replay_command.hpp"
@@ -156,6 +157,7 @@ int run_command_line(std::span<const std::string> words) {
   add_scan_command(app, code);
   add_sdo_command(app, code);
   add_nmt_command(app, code);
+  add_gateway_command(app, code, version());
   add_lss_command(app, code);
   add_master_command(app, code);
   add_trace_command(app, code);

@@ -43,6 +43,13 @@ class BusLoop final : public can::Sink, private BusClientUser {
   /// take silence for an answer. Others need the real time.
   void be_patient();
 
+  /// For servers that share the loop; they live while it runs.
+  [[nodiscard]] boost::asio::io_context& io() noexcept { return io_; }
+  /// Called when the controller's state or counters changed, where the transport tells.
+  void set_status_listener(std::function<void(const ControllerStatus&)> listener) {
+    status_listener_ = std::move(listener);
+  }
+
   enum class End : std::uint8_t {
     done,
     time_over,
@@ -61,6 +68,9 @@ class BusLoop final : public can::Sink, private BusClientUser {
   void frame_received(const can::Frame& frame) override;
   void bus_lost(const std::string& reason) override;
   void bus_complains(std::string_view text) override;
+  void controller_changed(const ControllerStatus& status) override {
+    if (status_listener_) status_listener_(status);
+  }
   void refresh();
   [[nodiscard]] can::Duration elapsed() const;
 
@@ -80,6 +90,7 @@ class BusLoop final : public can::Sink, private BusClientUser {
   bool lost_ = false;
   std::string failure_;
   std::function<void(std::string_view)> complaint_;
+  std::function<void(const ControllerStatus&)> status_listener_;
 };
 
 }  // namespace canopus::link

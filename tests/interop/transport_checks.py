@@ -2,7 +2,7 @@
 import shutil
 import subprocess
 
-from kit import HERE, PYTHON, ROOT, Skip, args, check, program, require
+from kit import HERE, PYTHON, Skip, args, check, in_machine, program, require
 
 PROBE = args.program.resolve().parent / "tests/transport_probe"
 
@@ -53,12 +53,7 @@ def cannelloni_over_tcp_carries_every_frame():
 @check
 def socketcan_says_what_the_controller_does():
     """In a virtual machine: confirmation by echo, time stamps, netlink, interface down and up, bit rate, filters."""
-    machine = ROOT.parent / "shared/tools/qemu-can.sh"
-    for absent in [str(machine)] * (not machine.is_file()) + [t for t in ("qemu-system-x86_64", "busybox", "depmod", "cpio")
-                                                              if not shutil.which(t)]:
-        raise Skip(f"{absent} is absent: no machine with SocketCAN")
     if not PROBE.is_file():
         raise Skip(f"{PROBE} is not built")
-    done = subprocess.run([str(machine), "--", "bash", str(HERE / "socketcan_transport.sh"), program, PROBE],
-                          capture_output=True, text=True, errors="replace", timeout=900)
+    done = in_machine("bash", HERE / "socketcan_transport.sh", program, PROBE)
     require("socketcan ok" in done.stdout, f"{done.stdout[-4000:]}\n{done.stderr[-2000:]}")

@@ -11,7 +11,8 @@ namespace canopus::cli {
 void add_bus_options(CLI::App& command, BusOptions& options, const char* time_out, bool with_json) {
   command
       .add_option("--bus", options.bus,
-                  "socketcand:HOST:PORT/BUS (the name is not needed with canopus run) or socketcan:INTERFACE")
+                  "socketcand:HOST:PORT/BUS (the name is not needed with canopus run), socketcan:INTERFACE, "
+                  "slcan:DEVICE@BITRATE, udp-multicast:GROUP:PORT or cannelloni:HOST:PORT")
       ->type_name("ADDRESS")
       ->capture_default_str();
   command.add_option("--timeout", options.time_out, time_out)->type_name("TIME")->capture_default_str();

@@ -1,0 +1,64 @@
+#pragma once
+// The TCP port of an ASCII gateway [CiA 309-3]: a session for each client, all on one bus. Clients cannot disturb each
+// other: lines have a greatest length, a client waits while its command is under way, and one that does not take its
+// answers and events loses its connection.
+
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <boost/asio/io_context.hpp>
+
+#include "canopus/client/gateway/gateway.hpp"
+#include "canopus/link/allow_list.hpp"
+#include "canopus/link/peer.hpp"
+#include "canopus/link/tcp_port.hpp"
+
+namespace canopus::client {
+
+class GatewayServer final : public can::Participant {
+ public:
+  struct Options {
+    link::AllowList allowed{};  ///< who may connect
+    std::size_t clients = 32;   ///< one more gets a line and is closed
+    /// Bytes that wait for a client; with more its connection ends.
+    std::size_t most_waiting = 1 << 20;
+  };
+  /// The bus's time.
+  using Clock = std::function<can::Time()>;
+
+  GatewayServer(boost::asio::io_context& io, Gateway& gateway, Clock clock, Options options,
+                link::ClientReport report);
+  ~GatewayServer() override;
+  GatewayServer(const GatewayServer&) = delete;
+  GatewayServer& operator=(const GatewayServer&) = delete;
+
+  /// `host` is an address or a name; port 0 takes a free one. The error is a sentence.
+  [[nodiscard]] std::expected<void, std::string> listen(const std::string& host, std::uint16_t port);
+  [[nodiscard]] std::uint16_t port() const noexcept { return port_.port(); }
+  [[nodiscard]] std::size_t clients() const noexcept { return clients_.size(); }
+
+  // can::Participant: for the gateway and the sessions
+  void receive(const can::Frame& frame, can::Time now) override;
+  void tick(can::Time now) override;
+  [[nodiscard]] can::Time deadline() const noexcept override;
+
+ private:
+  class Client;
+  void admit(link::TcpPort::Socket socket);
+  void refuse(link::TcpPort::Socket& socket, const std::string& why);
+  void remove(const Client* client);
+
+  Gateway& gateway_;
+  Clock clock_;
+  Options options_;
+  link::ClientReport report_;
+  link::TcpPort port_;
+  std::vector<std::shared_ptr<Client>> clients_;
+};
+
+}  // namespace canopus::client

@@ -1,0 +1,92 @@
+#pragma once
+// One client's conversation with an ASCII gateway [CiA 309-3], without the socket. Lines, ended by LF or CR LF:
+//
+//   [7] 1 5 r 0x1000 0 u32      ->  [7] 983441
+//   [8] 5 w 0x2000 0 u16 10     ->  [8] OK
+//   [9] 5 r 0x3000 0            ->  [9] ERROR:0x06020000 #object does not exist
+//   [10] 0 start                ->  [10] OK
+//   set node 5                  ->  OK
+//
+// The number in brackets comes back with the answer and may be left out. Numbers in front of a command are the node, or
+// the network and the node. `#` begins a comment. One command is answered after the other; events come between the
+// answers. docs/gateway.md has all commands.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "canopus/client/gateway/gateway.hpp"
+
+namespace canopus::client {
+
+class GatewaySession final : public can::Ticker, private GatewayListener {
+ public:
+  class Peer {
+   public:
+    /// A line to the client, CR LF included.
+    virtual void say(std::string_view line) = 0;
+
+   protected:
+    ~Peer() = default;
+  };
+  /// A longer line is answered with a syntax error.
+  static constexpr std::size_t longest_line = 65536;
+  static constexpr can::Duration default_sdo_time_out = std::chrono::milliseconds(500);
+
+  GatewaySession(Gateway& gateway, Peer& peer);
+  ~GatewaySession() override;
+  GatewaySession(const GatewaySession&) = delete;
+  GatewaySession& operator=(const GatewaySession&) = delete;
+
+  /// Bytes came from the client, cut anywhere.
+  void receive(std::string_view bytes, can::Time now);
+  /// The client is gone: its command is called off.
+  void end(can::Time now);
+  /// A command is under way: further lines wait, and it is time to read no more bytes from the client.
+  [[nodiscard]] bool waiting() const noexcept { return ticket_.has_value(); }
+
+  // can::Ticker: the time-out of a command
+  void tick(can::Time now) override;
+  [[nodiscard]] can::Time deadline() const noexcept override { return deadline_; }
+
+ private:
+  struct Words;  // of a command
+
+  void read_input(can::Time now);
+  void line(std::string_view text, can::Time now);
+  void command(Words& words, can::Time now);
+  void set(Words& words, can::Time now);
+  void set_pdo(Words& words, bool received);
+  void nmt(Words& words, canopen::NmtCommand command);
+  void supervise(Words& words, bool enable, can::Time now);
+  void read_or_write(Words& words, bool write, can::Time now);
+  void read_pdo(Words& words);
+  void write_pdo(Words& words);
+  void finished(canopen::AbortCode code, std::span<const std::uint8_t> bytes, can::Time now);
+  [[nodiscard]] GatewayError address(Words& words, bool all_allowed) const;
+  void answer(std::string_view text);
+  void answer(GatewayError error);
+  void answer(canopen::AbortCode code);
+  void gateway_event(std::string_view line, bool boot_up) override;
+
+  Gateway& gateway_;
+  Peer& peer_;
+  std::string input_;
+  bool too_long_ = false;  // the line is, up to its end
+  std::optional<std::uint64_t> sequence_;
+  std::optional<Gateway::Ticket> ticket_;
+  std::optional<GatewayType> type_;  // of the value that is read
+  bool reading_ = false;             // lines
+  bool reads_ = false;
+  can::Time deadline_ = can::never;
+
+  unsigned network_ = Gateway::network;
+  std::optional<std::uint8_t> node_;
+  can::Duration sdo_time_out_ = default_sdo_time_out;
+  can::Duration command_time_out_{};  // 0: none
+  bool block_ = false;
+  bool boot_up_ = true;
+};
+
+}  // namespace canopus::client
