@@ -178,6 +178,15 @@ TEST_F(LinkedBusTest, FullTransport_IsAskedAgain) {
   EXPECT_THAT(transport->sent, ElementsAre(high));
 }
 
+TEST_F(LinkedBusTest, TransportThatIsFullForLong_GetsEverythingInTheEnd) {
+  transport->is_full = true;
+  for (std::uint8_t i = 0; i < 4; ++i) ASSERT_TRUE(one->port.send(data_frame(0x100, {i})));
+  pass(50ms);
+  transport->is_full = false;
+  pass(1ms);
+  EXPECT_EQ(transport->sent.size(), 4U);
+}
+
 TEST_F(LinkedBusTest, FullQueue_RefusesAndCounts) {
   one->port.set_transmit_queue(can::TransmitOrder::fifo, 2);
   EXPECT_TRUE(one->port.send(high));
@@ -200,6 +209,26 @@ TEST_F(LinkedBusTest, AbortedFrames_AreNotReported) {
   EXPECT_THAT(two->heard, ElementsAre(high)) << "it was on the bus all the same";
 }
 
+TEST_F(LinkedBusTest, AbortedFrames_AreNotSent) {
+  for (std::uint8_t i = 0; i < 8; ++i) ASSERT_TRUE(one->port.send(data_frame(0x100, {i})));
+  pass(0ms);
+  one->port.abort_transmissions();
+  for (std::uint8_t i = 0; i < 4; ++i) transport->user->frame_sent(data_frame(0x100, {i}));
+  pass(1ms);
+  EXPECT_EQ(transport->sent.size(), 4U) << "what the transport had";
+}
+
+TEST_F(LinkedBusTest, SupplyThatGoes_TakesWhatWaitsWithIt) {
+  one->port.plug(false);
+  ASSERT_TRUE(one->port.send(high));
+  one->port.set_power(false);
+  one->port.set_power(true);
+  one->port.plug(true);
+  pass(1ms);
+  EXPECT_THAT(transport->sent, IsEmpty());
+  EXPECT_EQ(one->port.transmit_overflows(), 0U);
+}
+
 TEST_F(LinkedBusTest, NodeWithoutSupply_IsDeafAndSilent) {
   one->port.set_power(false);
   EXPECT_FALSE(one->port.send(high));
@@ -219,6 +248,16 @@ TEST_F(LinkedBusTest, UnpluggedNode_KeepsWhatWaits) {
   one->port.plug(true);
   pass(0ms);
   EXPECT_THAT(transport->sent, ElementsAre(high));
+}
+
+TEST_F(LinkedBusTest, ListenOnly_HearsAndSendsNothing) {
+  ASSERT_TRUE(one->port.send(low));
+  one->port.set_listen_only(true);
+  EXPECT_FALSE(one->port.send(high));
+  pass(1ms);
+  EXPECT_THAT(transport->sent, IsEmpty()) << "what waited is dropped";
+  transport->user->frame_received(high);
+  EXPECT_THAT(one->heard, ElementsAre(high));
 }
 
 TEST_F(LinkedBusTest, Acceptance_LeavesOut) {
