@@ -17,7 +17,8 @@ std::expected<std::unique_ptr<can::Bus>, std::string> LinkedBuses::open(const pl
                                                                         can::Timeline& timeline) {
   std::unique_ptr<link::BusClient> client;
   if (!section.replay.empty()) {
-    auto replay = ReplayBus::open((folder_ / section.replay).lexically_normal().string(), timeline);
+    auto replay = ReplayBus::open((folder_ / section.replay).lexically_normal().string(),
+                                  section.replay_channel, timeline);
     if (!replay) return std::unexpected(replay.error());
     client = std::move(*replay);
   } else if (virtual_time_) {

@@ -6,18 +6,30 @@
 namespace canopus::serve {
 
 std::expected<std::unique_ptr<ReplayBus>, std::string> ReplayBus::open(const std::string& path,
+                                                                       std::string channel,
                                                                        can::Timeline& timeline) {
   auto reader = trace::open_trace(path);
   if (!reader) return std::unexpected(reader.error());
-  std::unique_ptr<ReplayBus> bus(new ReplayBus(std::move(*reader), timeline));
+  std::unique_ptr<ReplayBus> bus(new ReplayBus(std::move(*reader), std::move(channel), timeline));
   bus->read_next();
   if (!bus->mistake_.empty()) return std::unexpected(bus->mistake_);
+  if (!bus->next_ && !bus->channel_.empty()) {
+    std::string message = path + ": no frame of the channel \"" + bus->channel_ + "\"; expected one of";
+    for (std::size_t i = 0; i < bus->reader_->channel_count(); ++i) {
+      message += i == 0 ? " " : ", ";
+      message += bus->reader_->channel(i);
+    }
+    return std::unexpected(std::move(message));
+  }
   timeline.refresh(bus->handle_);
   return bus;
 }
 
-ReplayBus::ReplayBus(std::unique_ptr<trace::TraceReader> reader, can::Timeline& timeline)
-    : reader_(std::move(reader)), timeline_(timeline), handle_(timeline.add(*this, "replay")) {}
+ReplayBus::ReplayBus(std::unique_ptr<trace::TraceReader> reader, std::string channel, can::Timeline& timeline)
+    : reader_(std::move(reader)),
+      channel_(std::move(channel)),
+      timeline_(timeline),
+      handle_(timeline.add(*this, "replay")) {}
 
 ReplayBus::~ReplayBus() { timeline_.remove(handle_); }
 
@@ -58,6 +70,7 @@ void ReplayBus::read_next() {
     }
     if (!*record) return;
     if ((*record)->error_frame) continue;
+    if (!channel_.empty() && reader_->channel((*record)->channel) != channel_) continue;
     if (!zero_) zero_ = (*record)->time;
     next_ = **record;
     // A trace whose time goes back is played back in its order.

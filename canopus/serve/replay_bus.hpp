@@ -19,8 +19,9 @@ namespace canopus::serve {
 /// Reads the trace as it goes, in constant memory. Time 0 of the run is that of the first frame.
 class ReplayBus final : public link::BusClient, public can::Ticker {
  public:
-  /// `path` as TraceReader::open_trace() takes it. Errors are sentences.
+  /// `path` as open_trace() takes it; `channel`: of its channels this one alone, empty: all. Errors are sentences.
   [[nodiscard]] static std::expected<std::unique_ptr<ReplayBus>, std::string> open(const std::string& path,
+                                                                                   std::string channel,
                                                                                    can::Timeline& timeline);
   ~ReplayBus() override;
   ReplayBus(const ReplayBus&) = delete;
@@ -34,11 +35,12 @@ class ReplayBus final : public link::BusClient, public can::Ticker {
   [[nodiscard]] can::Time deadline() const noexcept override;
 
  private:
-  ReplayBus(std::unique_ptr<trace::TraceReader> reader, can::Timeline& timeline);
+  ReplayBus(std::unique_ptr<trace::TraceReader> reader, std::string channel, can::Timeline& timeline);
   /// Reads up to the next frame; error frames are left out.
   void read_next();
 
   std::unique_ptr<trace::TraceReader> reader_;
+  std::string channel_;
   can::Timeline& timeline_;
   can::Timeline::Handle handle_;
   link::BusClientUser* user_ = nullptr;

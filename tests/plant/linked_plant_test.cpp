@@ -193,6 +193,23 @@ TEST_F(ReplayedPlant, ANodeOfThePlantHearsAndAnswers) {
   EXPECT_TRUE(heard_[0].has(0x703));
 }
 
+TEST_F(ReplayedPlant, OneChannelOfSeveral) {
+  replay("(1.0) can0 701#00\n(1.5) can1 702#00\n(2.0) can0 703#00\n(2.5) can1 704#00\n",
+         "[[bus]]\nname = \"a\"\nbit_rate = 250_000\nlink = \"replay:run.log#can1\"\n");
+  ASSERT_NE(plant_, nullptr);
+  run(5s);
+  EXPECT_THAT(heard_[0].frames, ElementsAre(can::data_frame(0x702, {0}), can::data_frame(0x704, {0})));
+  EXPECT_THAT(heard_[0].times, ElementsAre(can::Time{}, can::Time{} + 1s));
+}
+
+TEST_F(ReplayedPlant, ChannelThatTheTraceHasNot_IsAMistakeThatNamesThem) {
+  buses_.emplace(io_, path(), true);
+  write("run.log", "(1.0) can0 701#00\n(1.5) can1 702#00\n");
+  EXPECT_THAT(
+      refusal("[[bus]]\nname = \"a\"\nbit_rate = 250_000\nlink = \"replay:run.log#can2\"\n", *this, &*buses_),
+      HasSubstr("no frame of the channel \"can2\"; expected one of can0, can1"));
+}
+
 TEST_F(ReplayedPlant, WrongLine_IsSaidAndEndsTheReplay) {
   replay("(10.0) can0 702#00\n(11.0) can0 nonsense\n(12.0) can0 703#00\n", replayed);
   ASSERT_NE(plant_, nullptr);

@@ -44,12 +44,21 @@ TEST(PlantFileLink, Replay_NamesAFile) {
   EXPECT_TRUE(reading.plant.buses[0].is_linked());
 }
 
+TEST(PlantFileLink, Replay_MayNameAChannelOfTheTrace) {
+  const auto reading = read_plant(bus_with("link = \"replay:a#b/run.log#can1\"\n"), "plant.toml");
+  EXPECT_THAT(reading.errors, IsEmpty());
+  EXPECT_EQ(reading.plant.buses.at(0).replay, "a#b/run.log");
+  EXPECT_EQ(reading.plant.buses[0].replay_channel, "can1");
+}
+
 TEST(PlantFileLink, WrongLink_IsSaidWithItsPlace) {
   EXPECT_THAT(errors_of(bus_with("link = \"can0\"\n")),
               ElementsAre(AllOf(HasSubstr("plant.toml:4:8: link = \"can0\" is not a bus"),
                                 HasSubstr("socketcan:"), HasSubstr("or \"sim\", or \"replay:FILE\""))));
-  EXPECT_THAT(errors_of(bus_with("link = \"replay:\"\n")),
-              ElementsAre(HasSubstr("plant.toml:4:8: link = \"replay:\" has no file; expected replay:FILE")));
+  EXPECT_THAT(
+      errors_of(bus_with("link = \"replay:\"\n")),
+      ElementsAre(HasSubstr(
+          "plant.toml:4:8: link = \"replay:\" has no file; expected replay:FILE or replay:FILE#CHANNEL")));
   EXPECT_THAT(errors_of(bus_with("link = 5\n")), ElementsAre(HasSubstr("plant.toml:4:8")));
 }
 

@@ -102,6 +102,7 @@ struct BusSection {
   std::string link{};  ///< as written: "socketcan:can0", "replay:run.log"; empty or "sim": simulated
   std::optional<link::BusAddress> address{};  ///< of a bus of this machine or of another program
   std::string replay{};                       ///< path of a trace, relative to the plant file
+  std::string replay_channel{};               ///< of that trace; empty: all of them
 
   bool is_bridged = false;  ///< with another bus of the plant
 

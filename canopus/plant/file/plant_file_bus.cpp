@@ -62,10 +62,14 @@ std::expected<void, std::string> set_link(BusSection& bus, std::string_view text
   bus.link = text;
   bus.address.reset();
   bus.replay.clear();
+  bus.replay_channel.clear();
   if (text == simulated) return {};
   if (text.starts_with(replay)) {
-    bus.replay = text.substr(replay.size());
-    if (bus.replay.empty()) return std::unexpected("\"replay:\" has no file; expected replay:FILE");
+    const std::size_t hash = text.rfind('#');
+    if (hash != std::string_view::npos) bus.replay_channel = text.substr(hash + 1);
+    bus.replay = text.substr(replay.size(), hash == std::string_view::npos ? hash : hash - replay.size());
+    if (bus.replay.empty())
+      return std::unexpected("\"replay:\" has no file; expected replay:FILE or replay:FILE#CHANNEL");
   } else {
     auto address = link::parse_bus_address(text);
     if (!address) return std::unexpected(address.error() + "; or \"sim\", or \"replay:FILE\"");
