@@ -96,6 +96,31 @@ TEST_P(RoundTrip, OfAnyRecords_GivesThemBack) {
   EXPECT_TRUE(holds);
 }
 
+TEST_P(RoundTrip, OverAPipe_ComesInPiecesOfAnySize) {
+  const FileFormat format = GetParam();
+  const bool holds = rc::check([&] {
+    std::vector<NamedRecord> records;
+    for (int i = 0; i < 5; ++i) records.push_back(any_record(format));
+    std::string bytes = encoded(format, records);
+    if (format == FileFormat::candump || format == FileFormat::csv)
+      bytes.pop_back();  // no end of the last line
+    const auto most = *rc::gen::inRange<std::size_t>(1, 40);
+    const auto source =
+        [&, at = std::size_t{0}](std::span<char> out) mutable -> std::expected<std::size_t, int> {
+      const std::size_t size = std::min({most, out.size(), bytes.size() - at});
+      std::copy_n(bytes.data() + at, size, out.data());
+      at += size;
+      return size;
+    };
+    const WholeTrace pieces = read_whole(open_reader(TraceInput("x", source)));
+    const WholeTrace whole = read_whole(open_reader(TraceInput::from_memory("x", bytes)));
+    RC_ASSERT(pieces.errors == std::vector<std::string>{});
+    RC_ASSERT(pieces.records == whole.records);
+    RC_ASSERT(pieces.records.size() == 5U);
+  });
+  EXPECT_TRUE(holds);
+}
+
 TEST_P(RoundTrip, OfDamagedBytes_EndsWithoutACrash) {
   const FileFormat format = GetParam();
   const bool holds = rc::check([&] {

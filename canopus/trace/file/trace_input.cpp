@@ -116,11 +116,12 @@ std::optional<std::string_view> TraceInput::line() {
     if (ahead.size() > trace_max_line) break;
     searched = ahead.size();
     if (!fill()) {
-      if (ahead.empty()) return std::nullopt;
+      const std::string_view last = buffered();  // fill() may have moved it
+      if (last.empty()) return std::nullopt;
       begin_ = end_;
-      offset_ += ahead.size();
+      offset_ += last.size();
       ++line_number_;
-      return ahead;
+      return last;
     }
   }
   // the rest of a line that is too long goes by unseen; its begin is gone with it
