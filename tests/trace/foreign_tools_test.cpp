@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "canopus/trace/file/candump_log.hpp"
 #include "canopus/trace/file/trace_file.hpp"
@@ -47,7 +48,7 @@ class ForeignTools : public testing::Test {
   ForeignTools() {
     std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
     std::ranges::replace(name, '/', '_');
-    path = testing::TempDir() + "canopus_" + name;
+    path = testing::TempDir() + "canopus_" + name + '_' + std::to_string(::getpid());
   }
   ~ForeignTools() override { (void)std::remove(path.c_str()); }
 

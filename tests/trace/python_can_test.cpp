@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "trace/support_trace.hpp"
 
@@ -80,7 +81,7 @@ std::string lines_of(FileFormat format, const std::vector<NamedRecord>& records)
 class PythonCan : public testing::TestWithParam<FileFormat> {
  protected:
   PythonCan() {
-    base = testing::TempDir() + "canopus_python_can_" + std::string(name_of(GetParam()));
+    base = fmt::format("{}canopus_python_can_{}_{}", testing::TempDir(), name_of(GetParam()), ::getpid());
     path = base + "_trace";
     std::ofstream(base + ".py") << script;
   }
