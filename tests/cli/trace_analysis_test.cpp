@@ -137,8 +137,8 @@ TEST(MessageFilter, Mistakes_SayWhatWasExpected) {
   };
   EXPECT_EQ(mistake({.nodes = {"128"}}),
             "canopus: --only-node 128: expected a node-ID 1 to 127, or 0 for all\n");
-  EXPECT_THAT(mistake({.services = {"sdoo"}}), HasSubstr("canopus: --service sdoo: expected a service"));
-  EXPECT_THAT(mistake({.services = {"sdoo"}}), HasSubstr("\"sdo\""));
+  EXPECT_THAT(mistake({.services = {"sdoo"}}),
+              HasSubstr("canopus: --service sdoo: unknown service; did you mean \"sdo\"?"));
   EXPECT_THAT(mistake({.objects = {"x"}}), HasSubstr("canopus: --object: "));
   EXPECT_THAT(mistake({.identifiers = {"20000000"}}), HasSubstr("--id 20000000: expected an identifier"));
   EXPECT_THAT(mistake({.from = "soon"}), HasSubstr("canopus: --from: "));

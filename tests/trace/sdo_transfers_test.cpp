@@ -121,6 +121,37 @@ TEST_F(SdoTransfers, BlockUploadWithARepeatedSegment_CountsItOnce) {
               ElementsAre("2000:00 read: 01 02 03 04 05 06 07 08 09 0A (10 bytes, block transfer, 2.2 ms)"));
 }
 
+TEST_F(SdoTransfers, BlockSegmentsBehindALostOne_DoNotCount) {
+  ask({0xC2, 0x00, 0x20, 0x00, 21, 0, 0, 0});
+  answer({0xA0, 0x00, 0x20, 0x00, 0x7F, 0, 0, 0});
+  ask({0x01, 1, 1, 1, 1, 1, 1, 1});
+  ask({0x83, 3, 3, 3, 3, 3, 3, 3});  // the second one is not in the trace
+  answer({0xA2, 0x01, 0x7F, 0, 0, 0, 0, 0});
+  ask({0x01, 2, 2, 2, 2, 2, 2, 2});
+  ask({0x82, 3, 3, 3, 3, 3, 3, 3});
+  answer({0xA2, 0x02, 0x7F, 0, 0, 0, 0, 0});
+  ask({0xC1, 0, 0, 0, 0, 0, 0, 0});
+  answer({0xA1, 0, 0, 0, 0, 0, 0, 0});
+  EXPECT_THAT(lines(),
+              ElementsAre("2000:00 write: 01 01 01 01 01 01 01 02 02 02 02 02 02 02 03 03 03 03 03 03 03 "
+                          "(21 bytes, block transfer, 2.2 ms)"));
+}
+
+TEST_F(SdoTransfers, BlockSegmentThatIsSentTwice_CountsOnce) {
+  ask({0xC2, 0x00, 0x20, 0x00, 14, 0, 0, 0});
+  answer({0xA0, 0x00, 0x20, 0x00, 0x7F, 0, 0, 0});
+  ask({0x01, 1, 1, 1, 1, 1, 1, 1});
+  ask({0x01, 1, 1, 1, 1, 1, 1, 1});
+  ask({0x82, 2, 2, 2, 2, 2, 2, 2});
+  answer({0xA2, 0x02, 0x7F, 0, 0, 0, 0, 0});
+  ask({0xC1, 0, 0, 0, 0, 0, 0, 0});
+  answer({0xA1, 0, 0, 0, 0, 0, 0, 0});
+  EXPECT_THAT(
+      lines(),
+      ElementsAre("2000:00 write: 01 01 01 01 01 01 01 02 02 02 02 02 02 02 (14 bytes, block transfer, "
+                  "1.8 ms)"));
+}
+
 TEST_F(SdoTransfers, BlockSegmentThatLooksLikeARequest_IsASegment) {
   ask({0xC2, 0x00, 0x20, 0x00, 0xC8, 0x01, 0, 0});  // 456 bytes
   answer({0xA0, 0x00, 0x20, 0x00, 0x7F, 0, 0, 0});

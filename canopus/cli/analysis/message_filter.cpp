@@ -80,7 +80,10 @@ std::optional<MessageFilter> MessageFilter::make(const FilterOptions& options, O
   }
   for (const std::string& text : options.services) {
     const auto service = trace::parse_service(text);
-    if (!service) return wrong(err, "--service", text, "a service" + text::suggestion(text, service_names()));
+    if (!service) {
+      err.line("canopus: --service {}: unknown service{}", text, text::suggestion(text, service_names()));
+      return std::nullopt;
+    }
     filter.services_.push_back(*service);
   }
   for (const std::string& text : options.objects) {

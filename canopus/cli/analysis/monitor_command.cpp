@@ -34,9 +34,11 @@ struct Options {
 /// Hears the bus, prints what it hears, and records it.
 class Monitor final : public can::Listener {
  public:
-  Monitor(const Options& options, trace::Names names, MessageFilter filter,
+  /// `bus`: its name, if it has one; a plant file's names are those of its bus of that name.
+  Monitor(const Options& options, std::string bus, trace::Names names, MessageFilter filter,
           std::optional<trace::TraceFile> file)
-      : decoder_(std::move(names), {.frames = options.frames, .transfers = !options.frames}),
+      : bus_(std::move(bus)),
+        decoder_(std::move(names), {.frames = options.frames, .transfers = !options.frames}),
         filter_(std::move(filter)),
         file_(std::move(file)),
         printer_({.time = static_cast<TimeColumn>(options.time.front()),
@@ -52,10 +54,10 @@ class Monitor final : public can::Listener {
   void receive(const can::Frame& frame, can::Time) override {
     const can::Time now(since_1970_ + can::Duration(std::chrono::steady_clock::now() - begin_));
     if (file_) {
-      file_->write("can0", frame, now);
+      file_->write(bus_.empty() ? "can0" : bus_, frame, now);
       file_->flush();
     }
-    decoder_.receive({.time = now, .frame = frame}, "",
+    decoder_.receive({.time = now, .frame = frame}, bus_,
                      [this](const trace::Message& message) { print(message); });
   }
   /// Empty, or why the recording is not whole.
@@ -71,6 +73,7 @@ class Monitor final : public can::Listener {
     if (filter_.wants(message, "", {})) printer_.print(message, "");
   }
 
+  std::string bus_;
   trace::Decoder decoder_;
   MessageFilter filter_;
   std::optional<trace::TraceFile> file_;
@@ -108,7 +111,7 @@ int monitor(const Options& options) {
   if (!loop) return fail(1, loop.error());
   BusLoop& bus = **loop;
   bus.set_complaint([](std::string_view text) { print_error("canopus: the bus says: {}", text); });
-  Monitor listener(options, std::move(*names), std::move(*filter), std::move(file));
+  Monitor listener(options, address->bus, std::move(*names), std::move(*filter), std::move(file));
   bus.add_listener(listener);
   const BusLoop::End end =
       bus.run([] { return false; }, duration ? can::later(bus.now(), *duration) : can::never);
@@ -122,7 +125,11 @@ int monitor(const Options& options) {
 void add_monitor_command(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("monitor", "Show what the frames on a bus mean, as they come");
-  command->add_option("BUS", options->bus, "socketcand:HOST:PORT/BUS or socketcan:INTERFACE")->required();
+  command
+      ->add_option("BUS", options->bus,
+                   "The bus, as --bus of the other commands names it: socketcand:HOST:PORT/BUS, "
+                   "socketcan:INTERFACE, ...")
+      ->required();
   add_names_options(*command, options->names);
   add_filter_options(*command, options->filter, false);
   command
