@@ -75,7 +75,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     case 2: cannelloni(bytes); break;
     default:
       for (const auto& message : link::read_link_messages(bytes))
-        expect(message.error >= 0 || message.error < 4096);
+        expect(message.error >= 0 && message.error < 4096);
       break;
   }
   return 0;

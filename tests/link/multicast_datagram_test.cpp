@@ -115,8 +115,8 @@ TEST(MulticastDatagram, FieldsWeDoNotKnow_ArePassedOverHoweverDeep) {
   Bytes bytes = from_hex(python_data);
   bytes[0] = 0x8C;
   // "x": [{1: [nil, "ab"]}, 300, -5, 2.5f, a byte of an extension]
-  for (const int byte : {0xA1, int{'x'},  0x95, 0x81, 1,    0x92, 0xC0, 0xA2, 0x61,  0x62, 0xCD,
-                         1,    0x2C, 0xFB, 0xCA, 0x40, 0x20, 0,    0,    0xD4, 7,   9}) {
+  for (const int byte : {0xA1, int{'x'}, 0x95, 0x81, 1,    0x92, 0xC0, 0xA2, 0x61, 0x62, 0xCD,
+                         1,    0x2C,     0xFB, 0xCA, 0x40, 0x20, 0,    0,    0xD4, 7,    9}) {
     bytes.push_back(static_cast<std::uint8_t>(byte));
   }
   const auto message = read_multicast_datagram(bytes);

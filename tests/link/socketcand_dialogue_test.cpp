@@ -20,10 +20,12 @@ struct Ends : SocketcandDialogue::Peer {
   void message(std::string_view text) override { messages.emplace_back(text); }
   void frame_received(const Frame& frame) override { frames.push_back(frame); }
   void complaint(std::string_view text) override { complaints.emplace_back(text); }
+  void controller_error(std::uint32_t error_class) override { errors.push_back(error_class); }
 
   std::vector<std::string> messages;
   std::vector<Frame> frames;
   std::vector<std::string> complaints;
+  std::vector<std::uint32_t> errors;
 };
 
 class SocketcandDialogueTest : public testing::Test {
@@ -181,6 +183,12 @@ INSTANTIATE_TEST_SUITE_P(Frames, SocketcandWrongFrame,
                          testing::Values("< frame >", "< frame xyz 0.0 11 >", "< frame 800 0.0 11 >",
                                          "< frame 20000000 0.0 11 >", "< frame 123 0.0 1 >",
                                          "< frame 123 0.0 112233445566778899 >", "< frame 123 0.0 zz >"));
+
+TEST_F(SocketcandDialogueTest, ErrorFrames_AreToldEachByItsClass) {
+  join();
+  dialogue.receive("< error 040 12.000345 >< error 100 12.5 >< error 100 12.5 >< error too many clients >");
+  EXPECT_THAT(ends.errors, ElementsAre(0x040U, 0x100U, 0x100U));
+}
 
 RC_GTEST_PROP(SocketcandDialogueBytes, CutAnywhere_AreTheSameFrames, ()) {
   const std::string text =

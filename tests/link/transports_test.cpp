@@ -11,8 +11,10 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <boost/asio/write.hpp>
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "canopus/link/bus_client.hpp"
 
@@ -195,6 +197,21 @@ TEST_F(SlcanTest, FileThatIsNoSerialDevice_IsSaid) {
   const auto opened = open_bus(io, address);
   ASSERT_FALSE(opened);
   EXPECT_EQ(opened.error(), "slcan:/dev/null: this is not a serial device");
+}
+
+TEST_F(SlcanTest, UnpluggedAdapter_IsNoticedAndTriedAgain) {
+  const int adapter = ::posix_openpt(O_RDWR | O_NOCTTY);
+  ASSERT_GE(adapter, 0);
+  ASSERT_EQ(::grantpt(adapter), 0);
+  ASSERT_EQ(::unlockpt(adapter), 0);
+  const BusAddress address{
+      .kind = BusAddress::Kind::slcan, .bus = ::ptsname(adapter), .serial_speed = 115200};
+  open(address, {.keep_trying = true, .retry = 1ms});
+  ::close(adapter);
+  until([&] { return !ear.interrupted.empty(); });
+  EXPECT_THAT(ear.interrupted[0], testing::StartsWith("the adapter is gone"));
+  EXPECT_FALSE(client->send(can::data_frame(0x080)));
+  EXPECT_THAT(ear.lost, IsEmpty());
 }
 
 TEST_F(SlcanTest, StatusFlags_AreTheControllersState) {

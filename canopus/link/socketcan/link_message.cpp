@@ -147,8 +147,9 @@ std::vector<LinkMessage> read_link_messages(Bytes bytes) {
     bytes = bytes.subspan(std::min(aligned(head->nlmsg_len), bytes.size()));
     if (head->nlmsg_type == NLMSG_ERROR) {
       const auto error = read<int>(content);
-      if (error)
-        messages.push_back({.kind = LinkMessage::Kind::answer, .error = *error > -4096 ? -*error : 0});
+      if (error && *error <= 0 && *error > -4096) {
+        messages.push_back({.kind = LinkMessage::Kind::answer, .error = -*error});
+      }
     } else if (head->nlmsg_type == RTM_NEWLINK || head->nlmsg_type == RTM_DELLINK) {
       messages.push_back(read_link(content));
       if (head->nlmsg_type == RTM_DELLINK) messages.back().kind = LinkMessage::Kind::gone;

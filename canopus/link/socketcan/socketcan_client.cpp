@@ -159,7 +159,13 @@ class SocketcanTransport final : public Transport {
         // A controller with several mailboxes may send them in another order.
         const auto place = std::ranges::find(on_bus_, frame.frame);
         if (place == on_bus_.end()) return;
+        const bool is_next = place == on_bus_.begin();
         on_bus_.erase(place);
+        passed_over_ = is_next ? 0 : passed_over_ + 1;
+        if (passed_over_ > 2 * window) {  // the first one was lost, and would keep its place for ever
+          on_bus_.pop_front();
+          passed_over_ = 0;
+        }
         return sent(frame.frame);
       }
     }
@@ -306,6 +312,7 @@ class SocketcanTransport final : public Transport {
   int index_ = 0;
   std::uint32_t dropped_ = 0;
   std::deque<can::Frame> on_bus_;  // with the kernel, not yet back
+  std::size_t passed_over_ = 0;    // later frames that came back before the first one
   std::vector<IdentifierFilter> filters_;
   std::set<std::pair<std::uint32_t, bool>> own_;
   std::string_view reported_error_;

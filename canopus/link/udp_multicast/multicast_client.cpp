@@ -9,6 +9,7 @@
 
 #include "canopus/link/can_error.hpp"
 #include "canopus/link/datagram_transport.hpp"
+#include "canopus/link/peer.hpp"
 #include "canopus/link/udp_multicast/multicast_datagram.hpp"
 
 namespace canopus::link {
@@ -71,7 +72,7 @@ class MulticastTransport final : public DatagramTransport {
     }
   }
   void datagram_received(std::span<const std::uint8_t> bytes, const Endpoint& sender) override {
-    if (sender == ours_) return;
+    if (is_ours(sender)) return;
     const auto message = read_multicast_datagram(bytes);
     if (!message) {
       if (!std::exchange(complained_, true)) {
@@ -87,6 +88,12 @@ class MulticastTransport final : public DatagramTransport {
         if (!std::exchange(heard_fd_, true)) complain("CAN FD frames of this bus are left out");
         return;
     }
+  }
+
+  /// A link-local sender has its interface's number with its address, the address of a socket need not.
+  [[nodiscard]] bool is_ours(const Endpoint& sender) const {
+    if (sender.port() != ours_.port()) return false;
+    return link::internet_address(sender.address()) == link::internet_address(ours_.address());
   }
 
   udp::socket sender_;

@@ -1,0 +1,116 @@
+"""Checks of `canopus gateway`: its lines, several clients, and clients that do not behave."""
+import contextlib
+import random
+import signal
+import socket
+import time
+
+from kit import HERE, PATIENCE, check, command, program, require, running, scratch, talking
+
+DEVICE = HERE / "interop_device.eds"
+
+
+class Client:
+    def __init__(self, port):
+        self.socket = socket.create_connection(("127.0.0.1", port), PATIENCE)
+        self.file = self.socket.makefile("r", newline="\r\n", encoding="latin-1")
+
+    def say(self, text):
+        self.socket.sendall(text.encode("latin-1") + b"\r\n")
+
+    def line(self):
+        return self.file.readline().removesuffix("\r\n")
+
+    def ask(self, text, wanted):
+        """Passes over events up to the answer."""
+        self.say(text)
+        answer = self.line()
+        while answer.startswith("1 ") and not wanted.startswith("1 "):
+            answer = self.line()
+        require(answer == wanted, f"{text}: expected {wanted!r}, found {answer!r}")
+
+    def wait(self, wanted):
+        while (line := self.line()) != wanted:
+            require(line != "", f"{wanted!r} does not come")
+
+
+@contextlib.contextmanager
+def gateway(*words):
+    path = scratch / "gateway.toml"
+    path.write_text('[plant]\nname = "gateway"\n[[bus]]\nname = "line1"\nbit_rate = 1000000\nserve = "socketcand:127.0.0.1:0"\n'
+                    f'[[device]]\nnode = 5\neds = "{DEVICE}"\n[[device]]\nnode = 6\neds = "{DEVICE}"\n')
+    with running(path, has_plc=False) as plant:
+        with talking(program, "gateway", "--bus", f"socketcand:{plant.socketcand}", "--listen", "127.0.0.1:0", *words) as server:
+            line = server.wait_line(lambda text: text.startswith("gateway on "))
+            yield int(line.rsplit(":", 1)[1]), server
+
+
+@check
+def gateway_answers_the_commands_of_cia_309_3():
+    with gateway("--node", "100") as (port, server):
+        client = Client(port)
+        client.ask("[1] 1 5 r 0x1018 2 u32", "[1] 1280")
+        client.ask("[2] 5 r 0x1018 2 x32", "[2] 0x00000500")
+        client.ask("[3] 5 r 0x1018 2", "[3] 00 05 00 00")
+        client.ask('[4] 5 r 0x1008 0 vs', '[4] "Interop device"')
+        client.ask("[5] set node 5", "[5] OK")
+        client.ask("[6] w 0x2003 0 u16 0x1F4", "[6] OK")
+        client.ask("[7] r 0x2003 0 u16", "[7] 500")
+        client.ask("[8] r 0x3333 0", "[8] ERROR:0x06020000 #object does not exist")
+        client.ask("[9] r 0x2003 0 u32", "[9] ERROR:0x06070010 #data type or length does not match")
+        client.ask('[10] w 0x2000 0 vs "two words, ""quoted"""', "[10] OK")
+        client.ask("[11] r 0x2000 0 vs", '[11] "two words, ""quoted"""')
+        client.ask("[12] set sdo_block 1", "[12] OK")
+        client.ask("[13] r 0x2000 0 os", "[13] dHdvIHdvcmRzLCAicXVvdGVkIg==")
+        client.ask("[14] 99 set sdo_timeout 100", "[14] ERROR:106 #unsupported network")
+        client.ask("[15] set sdo_timeout 100", "[15] OK")
+        client.say("[16] 99 r 0x1000 0 u32")
+        require(client.line().startswith("[16] ERROR:0x05040000"), "the time-out of a node that is not there")
+        client.ask("[17] 5 enable heartbeat 60000", "[17] OK")
+        client.ask("[18] set sdo_timeout 60000", "[18] OK")
+        client.ask("[19] w 0x1017 0 u16 50", "[19] OK")
+        client.wait("1 5 ERROR 202 #heartbeat started")
+        client.ask("[20] start", "[20] OK")
+        client.wait("1 5 ERRORx OPER")
+        client.ask("[21] reset node", "[21] OK")
+        client.wait("1 5 BOOT_UP")
+        client.ask("[22] hello", "[22] ERROR:101 #syntax error")
+        server.process.send_signal(signal.SIGINT)
+        require(server.process.wait(PATIENCE) == 0, "the exit code of Ctrl-C")
+
+
+@check
+def gateway_outlives_clients_that_do_not_behave():
+    with gateway() as (port, _server):
+        good = Client(port)
+        chance = random.Random(1)
+        clients = []
+        for _ in range(10):  # garbage, long lines, clients that leave in the middle of a command
+            hostile = Client(port)
+            hostile.socket.sendall(chance.randbytes(5000) + b"x" * 300000 + b"\n5 r 0x1000 0\n")
+            clients.append(hostile)
+        for hostile in clients:
+            hostile.socket.close()
+        good.ask("[1] 5 r 0x1018 2 u32", "[1] 1280")
+        slow = Client(port)  # takes nothing, and asks for much
+        slow.socket.setblocking(False)
+        end = time.monotonic() + 10
+        with contextlib.suppress(BlockingIOError, ConnectionError):
+            while time.monotonic() < end:
+                slow.socket.sendall(b"info version\n" * 1000)
+        good.ask("[2] 6 r 0x1018 2 u32", "[2] 1280")
+        many = [Client(port) for _ in range(20)]
+        for number, client in enumerate(many):
+            client.say(f"[{number}] {5 + number % 2} r 0x1018 2 u32")
+        for number, client in enumerate(many):
+            require(client.line() == f"[{number}] 1280", f"the answer of client {number}")
+
+
+@check
+def gateway_refuses_what_it_cannot_do():
+    for words, text in ((("--node", "128"), '--node: "128" is not a node'), (("--listen", "0.0.0.0:7600"), "other machines can reach"),
+                        (("--listen", "nowhere"), "--listen: "), (("--allow", "1.2.3"), "--allow: ")):
+        said = command(program, "gateway", *words, expect=2).stderr
+        require(text in said, f"{words}: {said}")
+    said = command(program, "gateway", "--bus", "socketcand:127.0.0.1:1", expect=1).stderr
+    require("Connection refused" in said, said)
