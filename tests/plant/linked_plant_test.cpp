@@ -193,6 +193,23 @@ TEST_F(ReplayedPlant, ANodeOfThePlantHearsAndAnswers) {
   EXPECT_TRUE(heard_[0].has(0x703));
 }
 
+TEST_F(ReplayedPlant, BridgeOntoASlowBus_SaysOnceASecondThatFramesAreLost) {
+  std::string trace;
+  for (int i = 0; i < 3000; ++i) trace += fmt::format("({}.{:06}) can0 123#00\n", i / 2000, i % 2000 * 500);
+  replay(trace, std::string(replayed) +
+                    "[[bus]]\nname = \"b\"\nbit_rate = 10_000\n[[bridge]]\nfrom = \"a\"\nto = \"b\"\n" +
+                    device("b", 3));
+  ASSERT_NE(plant_, nullptr);
+  run(60s);
+  EXPECT_THAT(
+      errors_,
+      ElementsAre("bridge a to b: frames are lost: the other bus does not take them as fast as they come"));
+  const auto passed =
+      static_cast<std::size_t>(std::ranges::count(heard_[1].frames, 0x123U, &can::Frame::identifier));
+  EXPECT_GT(passed, 1024U);
+  EXPECT_LT(passed, 3000U);
+}
+
 TEST_F(ReplayedPlant, OneChannelOfSeveral) {
   replay("(1.0) can0 701#00\n(1.5) can1 702#00\n(2.0) can0 703#00\n(2.5) can1 704#00\n",
          "[[bus]]\nname = \"a\"\nbit_rate = 250_000\nlink = \"replay:run.log#can1\"\n");
