@@ -328,7 +328,7 @@ void LinkedBus::bus_resumed() {
   const can::Time now = arrive();
   status_ = client_->status();
   report("the bus is there again");
-  lose_what_is_under_way();
+  offer_changed();
   tell_controllers(now);
   leave();
 }

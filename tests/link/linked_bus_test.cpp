@@ -142,6 +142,8 @@ TEST_F(LinkedBusTest, FrameOfANode_IsHeardByTheOthersOnceItIsOnTheBus) {
   EXPECT_THAT(two->heard, ElementsAre(high));
   EXPECT_THAT(one->done, ElementsAre(high));
   EXPECT_THAT(one->heard, IsEmpty());
+  EXPECT_EQ(one->port.counters().transmitted, 1U);
+  EXPECT_EQ(two->port.counters().received, 1U);
   EXPECT_EQ(one->last, Time{} + 2ms);
 }
 
@@ -196,6 +198,7 @@ TEST_F(LinkedBusTest, FullQueue_RefusesAndCounts) {
   EXPECT_EQ(one->port.transmit_overflows(), 1U);
   pass(0ms);
   EXPECT_FALSE(one->port.send(low)) << "what is under way has its place still";
+  EXPECT_FALSE(one->port.has_room());
   transport->user->frame_sent(high);
   EXPECT_TRUE(one->port.send(low));
 }
@@ -255,9 +258,11 @@ TEST_F(LinkedBusTest, ListenOnly_HearsAndSendsNothing) {
   one->port.set_listen_only(true);
   EXPECT_FALSE(one->port.send(high));
   pass(1ms);
-  EXPECT_THAT(transport->sent, IsEmpty()) << "what waited is dropped";
   transport->user->frame_received(high);
   EXPECT_THAT(one->heard, ElementsAre(high));
+  one->port.set_listen_only(false);
+  pass(1ms);
+  EXPECT_THAT(transport->sent, IsEmpty()) << "what waited is dropped";
 }
 
 TEST_F(LinkedBusTest, Acceptance_LeavesOut) {
@@ -343,6 +348,72 @@ TEST_F(LinkedBusTest, BusOff_RecoversByItselfWhenANodeWantsThat) {
   EXPECT_TRUE(one->port.send(low));
   pass(0ms);
   EXPECT_EQ(transport->sent.back(), low);
+}
+
+TEST_F(LinkedBusTest, FramesThatBusOffTook_KeepNoPlaces) {
+  for (int i = 0; i < 4; ++i) ASSERT_TRUE(one->port.send(high));
+  pass(0ms);
+  transport->tell({.state = ErrorState::bus_off, .bit_rate = 250'000});
+  transport->tell({.state = ErrorState::error_active, .bit_rate = 250'000});
+  ASSERT_TRUE(two->port.send(low));
+  pass(0ms);
+  EXPECT_EQ(transport->sent.back(), low);
+}
+
+TEST_F(LinkedBusTest, AutomaticRecoveryThatIsChosenInBusOff_StartsAtOnce) {
+  one->port.set_automatic_recovery(false);
+  two->port.set_automatic_recovery(false);
+  transport->tell({.state = ErrorState::bus_off, .bit_rate = 250'000});
+  pass(1s);
+  one->port.set_automatic_recovery(true);
+  EXPECT_THAT(transport->restarts, ElementsAre(0U));
+}
+
+TEST_F(LinkedBusTest, Restart_CountsAnew) {
+  one->port.set_transmit_queue(can::TransmitOrder::fifo, 1);
+  EXPECT_TRUE(one->port.send(high));
+  EXPECT_FALSE(one->port.send(high));
+  one->port.restart(250'000);
+  EXPECT_EQ(one->port.transmit_overflows(), 0U);
+  EXPECT_TRUE(one->port.send(high));
+}
+
+TEST_F(LinkedBusTest, NodeThatWaitsForSomething_GetsItsTick) {
+  struct Timer final : can::Participant {
+    void receive(const Frame&, Time now) override { due = now + 3ms; }
+    void tick(Time now) override {
+      ticked = now;
+      due = can::never;
+    }
+    [[nodiscard]] Time deadline() const noexcept override { return due; }
+    Time due = can::never;
+    Time ticked{};
+  } timer;
+  can::Port& port = bus->add_port("timer");
+  const auto handle = timeline.add(timer, "timer");
+  port.connect(timer, handle);
+  transport->user->frame_received(high);
+  pass(10ms);
+  EXPECT_EQ(timer.ticked, Time{} + 3ms);
+  port.disconnect();
+  timeline.remove(handle);
+}
+
+TEST_F(LinkedBusTest, Load_IsThatOfTheHardwaresBitRate) {
+  struct Watch final : can::BusObserver {
+    void frame_completed(const Frame&, Time start, Time end) override { length = end - start; }
+    can::Duration length{};
+  };
+  Watch slow;
+  bus->add_observer(slow);
+  clock.wall += 10ms;
+  transport->user->frame_received(high);
+  transport->tell({.bit_rate = 500'000});
+  clock.wall += 10ms;
+  const can::Duration before = slow.length;
+  transport->user->frame_received(high);
+  EXPECT_EQ(slow.length * 2, before);
+  bus->remove_observer(slow);
 }
 
 TEST_F(LinkedBusTest, BusOff_StaysUntilAskedWithoutAutomaticRecovery) {
