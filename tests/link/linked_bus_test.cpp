@@ -261,8 +261,9 @@ TEST_F(LinkedBusTest, ListenOnly_HearsAndSendsNothing) {
   transport->user->frame_received(high);
   EXPECT_THAT(one->heard, ElementsAre(high));
   one->port.set_listen_only(false);
+  ASSERT_TRUE(one->port.send(high));
   pass(1ms);
-  EXPECT_THAT(transport->sent, IsEmpty()) << "what waited is dropped";
+  EXPECT_THAT(transport->sent, ElementsAre(high)) << "what waited is dropped";
 }
 
 TEST_F(LinkedBusTest, Acceptance_LeavesOut) {
