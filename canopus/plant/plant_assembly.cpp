@@ -92,12 +92,19 @@ std::vector<text::FileError> Assembly::run() {
 
 void Assembly::add_bus(const BusSection& section) {
   std::unique_ptr<can::Bus> bus;
+  std::error_code unknown;
+  if (opener_ == nullptr && !section.replay.empty() &&
+      !std::filesystem::exists(folder_ / section.replay, unknown)) {
+    errors_.add(section.link_place, "link = \"{}\": there is no such file", section.link);
+  }
   if (opener_ != nullptr && section.is_linked()) {
     auto opened = opener_->open(section, parts_.timeline);
     if (opened) {
       bus = std::move(*opened);
     } else {
-      errors_.add(section.link_place, "link = \"{}\": {}", section.link, opened.error());
+      errors_.add(section.link_place, "{}: {}",
+                  section.link_by_option ? "--link " + section.link : "link = \"" + section.link + "\"",
+                  opened.error());
     }
   }
   sim::Bus* simulated = nullptr;

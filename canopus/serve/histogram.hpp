@@ -30,6 +30,13 @@ class Histogram {
       return static_cast<std::size_t>(std::ranges::upper_bound(ends, duration) - ends.begin()) == number;
     }));
   }
+  /// Against the smallest of all.
+  [[nodiscard]] Histogram relative() const {
+    Histogram result;
+    const Duration least = quantile(0);
+    for (const Duration duration : all_) result.add(duration - least);
+    return result;
+  }
   /// The smallest duration that at least `per_mille` of all are not above; 1000 is the largest of all. Zero when there is none.
   [[nodiscard]] Duration quantile(unsigned per_mille) const {
     if (all_.empty()) return {};

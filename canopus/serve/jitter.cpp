@@ -6,6 +6,7 @@
 #include <ctime>
 #include <memory>
 #include <random>
+#include <span>
 #include <thread>
 #include <utility>
 
@@ -160,7 +161,7 @@ plant::PlantFile plant_of(const JitterOptions& options) {
 
 std::expected<JitterResult, std::string> measure_jitter(const JitterOptions& options) {
   JitterResult result;
-  result.sleep = sleep_jitter(options, result.refused);
+  result.sleep = sleep_jitter(options, result.refused).relative();
 
   asio::io_context near_io{1};
   asio::io_context far_io{1};
@@ -193,7 +194,10 @@ std::expected<JitterResult, std::string> measure_jitter(const JitterOptions& opt
   (void)opener.bus->close(100ms);
   if (!watcher.lost.empty()) return std::unexpected(watcher.lost);
   if (watcher.syncs.empty()) return std::unexpected("no SYNC came: nothing is carried on this bus");
-  result.sync = lateness(watcher.syncs, options.period);
+  // The start-up is not what is measured.
+  const auto wanted = static_cast<std::size_t>(options.length / options.period);
+  const std::span<const nanoseconds> syncs = watcher.syncs;
+  result.sync = lateness(syncs.last(std::min(wanted, syncs.size())), options.period);
   result.response = watcher.responses;
   return result;
 }

@@ -23,8 +23,8 @@ struct JitterOptions {
 };
 
 struct JitterResult {
-  Histogram sleep;     ///< how late a thread woke up that did nothing else
-  Histogram sync;      ///< how late SYNC came, against the earliest one
+  Histogram sleep;     ///< how late a thread woke up that did nothing else, against the most punctual time
+  Histogram sync;      ///< how late SYNC came, against the most punctual one
   Histogram response;  ///< from an SDO request to its answer, without the bus where it is a pair of sockets
   std::vector<std::string> refused{};  ///< of the real-time scheduling
 };

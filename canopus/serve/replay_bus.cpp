@@ -12,7 +12,7 @@ std::expected<std::unique_ptr<ReplayBus>, std::string> ReplayBus::open(const std
   if (!reader) return std::unexpected(reader.error());
   std::unique_ptr<ReplayBus> bus(new ReplayBus(std::move(*reader), std::move(channel), timeline));
   bus->read_next();
-  if (!bus->mistake_.empty()) return std::unexpected(bus->mistake_);
+  if (!bus->next_ && !bus->mistake_.empty()) return std::unexpected(bus->mistake_);
   if (!bus->next_ && !bus->channel_.empty()) {
     std::string message = path + ": no frame of the channel \"" + bus->channel_ + "\"; expected one of";
     for (std::size_t i = 0; i < bus->reader_->channel_count(); ++i) {
@@ -62,13 +62,22 @@ void ReplayBus::tick(can::Time now) {
 void ReplayBus::read_next() {
   next_.reset();
   at_ = can::never;
+  constexpr int most_mistakes = 1000;  // the plant waits meanwhile
+  int mistakes_in_a_row = 0;
   while (true) {
     auto record = reader_->next();
-    if (!record) {
-      mistake_ = record.error() + "; what follows is not played back";
+    if (!record) {  // the next call goes on behind it, where the format allows that
+      if (++mistakes_ == 1) mistake_ = record.error();
+      if (++mistakes_in_a_row < most_mistakes) continue;
+      mistake_ =
+          "so much of the trace cannot be read that it is no longer played back; last: " + record.error();
       return;
     }
-    if (!*record) return;
+    if (!*record) {
+      if (mistakes_ > 1) mistake_ = std::to_string(mistakes_) + " parts of the trace could not be read";
+      mistakes_ = 0;
+      return;
+    }
     if ((*record)->error_frame) continue;
     if (!channel_.empty() && reader_->channel((*record)->channel) != channel_) continue;
     if (!zero_) zero_ = (*record)->time;

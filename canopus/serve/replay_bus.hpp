@@ -49,7 +49,8 @@ class ReplayBus final : public link::BusClient, public can::Ticker {
   can::Time at_ = can::never;      // of next_, in the run
   std::array<can::Frame, 16> sent_{};
   std::size_t sent_count_ = 0;
-  std::string mistake_;  // of the file, to be told
+  std::size_t mistakes_ = 0;  // of the file so far
+  std::string mistake_;       // to be told: the first one, and at the end how many there were
 };
 
 }  // namespace canopus::serve

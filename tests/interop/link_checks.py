@@ -8,7 +8,7 @@ def example(name, **changes):
     text = (ROOT / "examples/real-bus" / name).read_text().replace('"../devices/', f'"{ROOT}/examples/devices/')
     text = text.replace("127.0.0.1:5007", "127.0.0.1:0").replace("127.0.0.1:29536", changes.get("serve", "127.0.0.1:0"))
     path = scratch / f"{changes.get('as_name', name)}"
-    path.write_text(text.replace('"module-store"', f'"{path}.store"'))
+    path.write_text(text.replace('"state"', f'"{path}.store"'))
     return path
 
 
@@ -48,9 +48,9 @@ def linked_bus_is_refused_where_it_cannot_be():
     plant = str(example("module.toml"))
     for link, more, code, told in (
             ("socketcand:127.0.0.1:1", (), 2, "Connection refused"),
-            ("socketcan:nosuchcan9", (), 2, "link = "),
+            ("socketcan:nosuchcan9", (), 2, "--link socketcan:nosuchcan9: "),
             ("replay:/none/run.log", (), 2, "/none/run.log"),
-            ("line7=sim", (), 2, "line7=sim"),
+            ("line7=sim", (), 2, 'there is no bus "line7"; expected one of line1'),
             ("socketcan:can0", ("--virtual", "--for", "1s"), 2, "runs ahead of a real bus")):
         done = command(program, "run", plant, "--link", link, *more, expect=code)
         require(told in done.stderr, f"{link}: {done.stderr}")
@@ -58,6 +58,12 @@ def linked_bus_is_refused_where_it_cannot_be():
     log.write_text("(1.000000) can0 702#00\n")
     done = command(program, "run", plant, "--link", f"replay:{log}", "--virtual", "--for", "1s", "--vcd", scratch / "w.vcd", expect=1)
     require("is not simulated" in done.stderr, done.stderr)
+    done = command(program, "run", plant, "--link", f"replay:{log}", "--virtual", "--for", "1s", "--trace", log, expect=1)
+    require("would be overwritten" in done.stderr and log.read_text().endswith("702#00\n"), done.stderr)
+    twice = command(program, "run", plant, "--link", f"replay:{log}", "--link", "sim", "--virtual", "--for", "1s", expect=2)
+    require("has a --link already" in twice.stderr, twice.stderr)
+    here = command(program, "run", plant, "--link", "replay:wave.log", "--virtual", "--for", "1s", "--quiet", cwd=scratch)
+    require(not here.stderr, f"a path of the command line is meant from where the user is: {here.stderr}")
 
 
 @check

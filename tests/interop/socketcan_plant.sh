@@ -20,7 +20,7 @@ both_operational() { word_is 602 5 && word_is 603 5; }
 missed() { ! word_is 602 5; }
 
 # The bit rate of a controller is the plant file's: the program sets it where the interface has another one.
-sed "s#\"../devices/#\"$examples/devices/#; s#module-store#$work/store#" "$examples/real-bus/module.toml" > module.toml
+sed "s#\"../devices/#\"$examples/devices/#; s#\"state\"#\"$work/store\"#" "$examples/real-bus/module.toml" > module.toml
 sed "s#\"../devices/#\"$examples/devices/#; s#^serve.*##" "$examples/real-bus/devices.toml" > devices.toml
 "$program" run devices.toml --link "socketcan:$theirs" --json > devices.json 2> devices.err &
 "$program" run module.toml --link "socketcan:$ours" --json > module.json 2> module.err &

@@ -227,14 +227,25 @@ TEST_F(ReplayedPlant, ChannelThatTheTraceHasNot_IsAMistakeThatNamesThem) {
       HasSubstr("no frame of the channel \"can2\"; expected one of can0, can1"));
 }
 
-TEST_F(ReplayedPlant, WrongLine_IsSaidAndEndsTheReplay) {
-  replay("(10.0) can0 702#00\n(11.0) can0 nonsense\n(12.0) can0 703#00\n", replayed);
+TEST_F(ReplayedPlant, WrongLines_AreSaidAndTheOthersPlayedBack) {
+  replay("(10.0) can0 702#00\n(11.0) can0 nonsense\n(12.0) can0 703#00\nrubbish\n(13.0) can0 704#00\n",
+         replayed);
+  ASSERT_NE(plant_, nullptr);
+  run(5s);
+  EXPECT_EQ(heard_[0].frames.size(), 3U);
+  EXPECT_EQ(heard_[0].times.back(), can::Time{} + 3s);
+  ASSERT_EQ(errors_.size(), 2U);
+  EXPECT_THAT(errors_[0], HasSubstr("bus a: "));
+  EXPECT_THAT(errors_[0], HasSubstr("run.log:2"));
+  EXPECT_EQ(errors_[1], "bus a: 2 parts of the trace could not be read");
+}
+
+TEST_F(ReplayedPlant, WrongLineAtTheBegin_DoesNotHideTheOthers) {
+  replay("rubbish\n(12.0) can0 703#00\n", replayed);
   ASSERT_NE(plant_, nullptr);
   run(5s);
   EXPECT_EQ(heard_[0].frames.size(), 1U);
-  ASSERT_EQ(errors_.size(), 1U);
-  EXPECT_THAT(errors_[0], HasSubstr("bus a: "));
-  EXPECT_THAT(errors_[0], HasSubstr("run.log:2"));
+  EXPECT_EQ(errors_.size(), 1U);
 }
 
 TEST_F(ReplayedPlant, MissingFile_IsAMistakeOfThePlantFile) {

@@ -70,6 +70,19 @@ TEST(PlantFileLink, FaultsNeedASimulatedBus) {
           "expected \"sim\""));
 }
 
+TEST(PlantFileLink, TwoBusesOnOneLink_AreAMistake) {
+  const std::string second = "[[bus]]\nname = \"b\"\nbit_rate = 250_000\nlink = ";
+  EXPECT_THAT(errors_of(bus_with("link = \"socketcan:can0\"\n" + second + "\"socketcan:can0\"\n")),
+              ElementsAre("plant.toml:8:8: link = \"socketcan:can0\": the bus in line 4 is on it already; "
+                          "put its nodes on one bus"));
+  EXPECT_THAT(errors_of(bus_with("link = \"socketcand:\"\n" + second + "\"socketcand:localhost:29536\"\n")),
+              IsEmpty())
+      << "names are not resolved";
+  EXPECT_THAT(errors_of(bus_with("link = \"socketcan:can0\"\n" + second + "\"socketcan:can1\"\n")),
+              IsEmpty());
+  EXPECT_THAT(errors_of(bus_with("link = \"replay:a.log\"\n" + second + "\"replay:a.log\"\n")), IsEmpty());
+}
+
 TEST(PlantFileLink, NodesOutsideOfThePlant_MayBeOnALinkedBus) {
   const std::string module =
       "[[plc]]\nlisten = \"off\"\n[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nnode = 1\nmaster = true\n"

@@ -35,6 +35,14 @@ TEST(HistogramTest, Quantiles_AreValuesThatWereMeasured) {
   EXPECT_EQ(histogram.mean(), 500'500ns);
 }
 
+TEST(HistogramTest, Relative_IsAgainstTheSmallest) {
+  Histogram histogram;
+  for (const auto duration : {30us, 10us, 50us}) histogram.add(duration);
+  EXPECT_EQ(histogram.relative().quantile(0), 0us);
+  EXPECT_EQ(histogram.relative().quantile(1000), 40us);
+  EXPECT_EQ(Histogram().relative().count(), 0U);
+}
+
 TEST(LatenessTest, IsCountedAgainstTheMostPunctualOne) {
   const std::chrono::nanoseconds moments[] = {100ms, 109ms, 125ms, 130ms};  // of 10 ms: 0, -1, +5, 0
   const Histogram histogram = lateness(moments, 10ms);

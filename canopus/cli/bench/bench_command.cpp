@@ -58,8 +58,9 @@ constexpr Row rows[] = {{"least", "least", 0},
 
 void print_table(const serve::JitterResult& result, const Arguments& arguments) {
   const auto columns = columns_of(result);
-  print_line("{:<12}{:>10}{:>10}{:>10}   us late (response: us from request to answer)", "", "sleep", "SYNC",
-             "response");
+  print_line(
+      "{:<12}{:>10}{:>10}{:>10}   us later than the most punctual one (response: us from request to answer)",
+      "", "sleep", "SYNC", "response");
   print_line("{:<12}{:>10}{:>10}{:>10}", "count", result.sleep.count(), result.sync.count(),
              result.response.count());
   for (const Row& row : rows) {

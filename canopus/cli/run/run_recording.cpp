@@ -2,6 +2,8 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include <fcntl.h>
@@ -96,6 +98,16 @@ std::string VcdFile::close(can::Time now, const OutputQueue::Patience& patience)
 
 std::expected<void, std::string> RunRecording::open_trace(const std::string& path, plant::Plant& plant) {
   if (path.empty()) return {};
+  for (std::size_t i = 0; i < plant.bus_count(); ++i) {
+    const std::string& replay = plant.bus_section(i).replay;
+    std::error_code unknown;
+    if (!replay.empty() &&
+        std::filesystem::equivalent(std::filesystem::path(plant.file().path).parent_path() / replay, path,
+                                    unknown)) {
+      return std::unexpected(fmt::format("--trace {}: bus \"{}\" plays it back; it would be overwritten",
+                                         path, plant.bus(i).name()));
+    }
+  }
   const auto format = trace::trace_format_of(path);
   if (!format) return std::unexpected(format.error());
   auto stream = RecordingStream::open(path);

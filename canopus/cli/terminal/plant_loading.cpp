@@ -1,7 +1,11 @@
 #include "canopus/cli/terminal/plant_loading.hpp"
 
 #include <algorithm>
+#include <filesystem>
+#include <system_error>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/text/file_text.hpp"
@@ -13,8 +17,19 @@ namespace {
 
 constexpr std::size_t enough_errors = 100;
 
+/// The names of a plant's buses, for people.
+std::string bus_names(const plant::PlantFile& plant) {
+  std::string names;
+  for (const plant::BusSection& bus : plant.buses) names += (names.empty() ? "" : ", ") + bus.name;
+  return names;
+}
+
 /// Puts a bus on the link that the command line names. False after a mistake was printed.
 bool change_link(plant::PlantFile& plant, std::string_view text, Output& err) {
+  const auto wrong = [&](std::string_view what) {
+    err.line("canopus: --link {}: {}", text::printable(text), text::printable(what));
+    return false;
+  };
   // The name of a bus may hold a '=', an address may, too: the longest name that fits.
   plant::BusSection* bus = nullptr;
   std::size_t name = 0;
@@ -24,15 +39,28 @@ bool change_link(plant::PlantFile& plant, std::string_view text, Output& err) {
       name = candidate.name.size();
     }
   }
-  std::string_view address = bus == nullptr ? text : text.substr(name + 1);
-  if (bus == nullptr && plant.buses.size() == 1) bus = &plant.buses.front();
+  std::string link(bus == nullptr ? text : text.substr(name + 1));
   if (bus == nullptr) {
-    err.line("canopus: --link {}: expected BUS=ADDRESS with a bus of the plant", text::printable(text));
-    return false;
+    const std::string_view before_address = text.substr(0, text.find(':'));
+    if (before_address.contains('=')) {
+      return wrong(fmt::format("there is no bus \"{}\"; expected one of {}",
+                               before_address.substr(0, before_address.find('=')), bus_names(plant)));
+    }
+    if (plant.buses.size() != 1)
+      return wrong("expected BUS=ADDRESS with one of the buses " + bus_names(plant));
+    bus = &plant.buses.front();
   }
-  const auto good = plant::set_link(*bus, address);
-  if (!good) err.line("canopus: --link: {}", text::printable(good.error()));
-  return good.has_value();
+  if (bus->link_by_option) return wrong("this bus has a --link already");
+  // A path of the command line is meant from where the user is, not from the plant file.
+  constexpr std::string_view replay = "replay:";
+  std::error_code unknown;
+  if (link.starts_with(replay) && link.size() > replay.size()) {
+    link = std::string(replay) + std::filesystem::absolute(link.substr(replay.size()), unknown).string();
+  }
+  if (const auto good = plant::set_link(*bus, link); !good) return wrong(good.error());
+  bus->link_by_option = true;
+  bus->link_place = bus->place;
+  return true;
 }
 
 }  // namespace

@@ -104,7 +104,8 @@ struct BusSection {
   std::string replay{};                       ///< path of a trace, relative to the plant file
   std::string replay_channel{};               ///< of that trace; empty: all of them
 
-  bool is_bridged = false;  ///< with another bus of the plant
+  bool link_by_option = false;  ///< of the command line, in place of what the file says
+  bool is_bridged = false;      ///< with another bus of the plant
 
   [[nodiscard]] bool is_linked() const noexcept { return address.has_value() || !replay.empty(); }
   /// Nodes may be there that the plant file does not say to be on this bus.

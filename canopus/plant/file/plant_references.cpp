@@ -61,8 +61,19 @@ class References {
     for (const BusSection& bus : plant_.buses) {
       const auto [known, is_new] =
           buses_.try_emplace(bus.name, Bus{.line = bus.place.line, .may_have_others = bus.may_have_others()});
+      check_link(bus);
       if (is_new || bus.name.empty()) continue;
       error(bus.place, "bus \"{}\" is there already, in line {}", bus.name, known->second.line);
+    }
+  }
+
+  /// Two buses of a plant on one real bus are one, and a bridge between them would be a ring.
+  void check_link(const BusSection& bus) {
+    if (!bus.address) return;
+    const auto [other, is_new] = links_.try_emplace(link::describe(*bus.address), bus.link_place.line);
+    if (!is_new) {
+      error(bus.link_place, "link = \"{}\": the bus in line {} is on it already; put its nodes on one bus",
+            bus.link, other->second);
     }
   }
 
@@ -334,6 +345,7 @@ class References {
   PlantFile& plant_;
   std::vector<text::FileError>& errors_;
   std::map<std::string, Bus> buses_;
+  std::map<std::string, std::uint32_t> links_;                  // addresses of real buses, and their lines
   std::map<std::pair<std::string, unsigned>, Member> by_node_;  // bus and node-ID
   std::map<std::string, std::vector<Member>> by_name_;
 };
