@@ -91,7 +91,10 @@ class SocketcanTransport final : public Transport {
     if (const std::uint32_t wanted = options().bit_rate; wanted != 0) {
       const auto link = netlink_.ask(interface_);
       const bool has_it = link && link->up && link->controller && link->controller->bit_rate == wanted;
-      if (link && !has_it) {
+      // Whoever took the interface down, or gave it another bit rate, meant it; an adapter that is plugged in again has neither.
+      const bool is_known = link && link->index == index_;
+      if (is_known && !link->up) return failed("the interface is down");
+      if (link && !has_it && !is_known) {
         if (auto done = set_up(wanted); !done) return failed(done.error());
       }
     }
