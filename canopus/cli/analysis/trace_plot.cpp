@@ -11,6 +11,7 @@
 #include "canopus/cli/analysis/trace_analysis.hpp"
 #include "canopus/cli/analysis/trace_walk.hpp"
 #include "canopus/cli/terminal/option_checks.hpp"
+#include "canopus/cli/terminal/same_file.hpp"
 #include "canopus/text/text_values.hpp"
 #include "canopus/trace/decode/decoder.hpp"
 #include "canopus/trace/report/trace_picture.hpp"
@@ -52,6 +53,10 @@ std::string write_file(const std::string& path, const std::string& content) {
 }
 
 int plot(const Options& options) {
+  if (is_same_file(options.file, options.out)) {
+    print_error("canopus: {}: this is the trace that is read", options.out);
+    return 2;
+  }
   auto names = load_names(options.names, standard_error());
   if (!names) return 2;
   trace::PictureOptions wanted{.bit_rate = options.bit_rate};
@@ -72,6 +77,7 @@ int plot(const Options& options) {
                                 decoder.receive(record, channel, take);
                                 return true;
                               });
+  if (code == 2) return code;
   for (const trace::PictureSignal& signal : picture.missing()) {
     print_error("canopus: no PDO of node {} with {:04X}:{:02X} is in the trace", signal.node, signal.index,
                 signal.sub);

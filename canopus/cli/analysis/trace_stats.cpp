@@ -202,6 +202,7 @@ int show_statistics(const Options& options) {
                                 decoder.receive(record, channel, take);
                                 return true;
                               });
+  if (code == 2) return code;
   decoder.finish(take);
   statistics.finish();
   if (!options.json) {

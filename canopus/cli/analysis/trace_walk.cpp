@@ -8,7 +8,7 @@ int walk_trace(const std::string& path, Output& err,
   auto reader = trace::open_trace(path);
   if (!reader) {
     err.line("canopus: {}", reader.error());
-    return 1;
+    return 2;
   }
   unsigned errors = 0;
   while (true) {

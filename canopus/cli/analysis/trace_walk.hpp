@@ -10,7 +10,8 @@
 namespace canopus::cli {
 
 /// Hands every record to `record`, with the name of its channel (empty: the file names none); false of it ends the walk.
-/// What is wrong in the file is said on `err`; a hundred such lines end it. Exit code: 0, or 1 when the file is not whole.
+/// What is wrong in the file is said on `err`; a hundred such lines end it. Exit code: 0, 1 when the file is not whole,
+/// 2 when it cannot be opened.
 int walk_trace(const std::string& path, Output& err,
                const std::function<bool(const trace::TraceRecord&, std::string_view channel)>& record);
 

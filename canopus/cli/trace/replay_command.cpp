@@ -45,6 +45,7 @@ std::optional<IdentifierRange> parse_range(std::string_view text) {
   if (!number(text.substr(0, dash), range.first)) return std::nullopt;
   range.last = range.first;
   if (dash != std::string_view::npos && !number(text.substr(dash + 1), range.last)) return std::nullopt;
+  if (range.last < range.first) return std::nullopt;
   return range;
 }
 
@@ -52,7 +53,8 @@ std::optional<IdentifierRange> parse_range(std::string_view text) {
 struct Choice {
   std::vector<IdentifierRange> identifiers;
   std::vector<std::string> channels;
-  can::Duration from{};
+  /// Without --from there is none: a clock may have stepped back.
+  can::Duration from = can::Duration::min();
   can::Duration to = can::Duration::max();
   unsigned node = 0;
 
@@ -108,6 +110,9 @@ std::expected<Choice, std::string> choice_of(const Options& options) {
     if (!duration) return std::unexpected(fmt::format("{}: {}", name, duration.error()));
     *value = *duration;
   }
+  if (!options.from.empty() && choice.from > choice.to) {
+    return std::unexpected(std::string("--from is later than --to"));
+  }
   if (!options.node.empty()) {
     choice.node = parse_node(options.node);
     if (choice.node == 0) {
@@ -147,7 +152,7 @@ BusLoop::End play(BusLoop& bus, TraceInputFile& in, const Choice& choice, double
   const bool progress = is_terminal(STDERR_FILENO);
   bus.add(player);
   // what was left out at the begin is not waited for
-  player.start(bus.now(), choice.from);
+  player.start(bus.now(), std::max(choice.from, can::Duration::zero()));
   BusLoop::End end = BusLoop::End::time_over;
   while (end == BusLoop::End::time_over) {
     if (progress) {

@@ -3,9 +3,9 @@
 #include <memory>
 
 #include <CLI/CLI.hpp>
-#include <sys/stat.h>
 
 #include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/cli/terminal/same_file.hpp"
 #include "canopus/cli/trace/trace_command.hpp"
 #include "canopus/cli/trace/trace_input_file.hpp"
 #include "canopus/text/text_values.hpp"
@@ -21,13 +21,6 @@ struct Options {
   bool relative = false;
   bool quiet = false;
 };
-
-bool is_same_file(const std::string& a, const std::string& b) {
-  struct stat first {
-  }, second{};
-  return ::stat(a.c_str(), &first) == 0 && ::stat(b.c_str(), &second) == 0 && S_ISREG(first.st_mode) &&
-         first.st_dev == second.st_dev && first.st_ino == second.st_ino;
-}
 
 /// Where the converted records go: a file, or the standard output in large pieces.
 class Target {
@@ -76,7 +69,8 @@ int convert(const Options& options) {
     format = trace::trace_format_of(options.out);
     if (!format) return complain(exit_code::usage, format.error() + "; --to says otherwise");
   }
-  can::Duration start{};
+  // a clock may have stepped back: without --start even what is before the first frame belongs to the trace
+  can::Duration start = can::Duration::min();
   can::Duration end = can::Duration::max();
   for (const auto& [text, name, value] :
        {std::tuple{&options.start, "--start", &start}, std::tuple{&options.end, "--end", &end}}) {
@@ -84,6 +78,9 @@ int convert(const Options& options) {
     const auto duration = text::parse_duration(*text);
     if (!duration) return complain(exit_code::usage, fmt::format("{}: {}", name, duration.error()));
     *value = *duration;
+  }
+  if (!options.start.empty() && start > end) {
+    return complain(exit_code::usage, "--start is later than --end");
   }
   if (is_same_file(options.in, options.out)) {
     return complain(exit_code::usage, options.out + ": this is the trace that is read");
@@ -102,7 +99,7 @@ int convert(const Options& options) {
     const std::string_view channel = in->reader().channel(record->channel);
     if (!options.channels.empty() && std::ranges::find(options.channels, channel) == options.channels.end())
       continue;
-    if (options.relative) record->time = can::Time(since - start);
+    if (options.relative) record->time = can::Time(options.start.empty() ? since : since - start);
     out->write(channel, *record);
     ++written;
   }
