@@ -39,7 +39,7 @@ struct ReviewedNode {
 struct ReviewedBus {
   std::string_view name;
   std::vector<ReviewedNode> nodes{};
-  bool may_have_others = false;               ///< other programs can be nodes of it, too
+  bool may_have_others = false;         ///< other programs can be nodes of it, too
   bool has_plain_can = false;           ///< a module in a Layer 2 mode sends what its program wants
   std::set<std::uint8_t> configured{};  ///< nodes whose objects a master writes before they start
 };

@@ -59,7 +59,8 @@ void add_run_command(CLI::App& app, int& exit_code) {
       ->allow_extra_args(false);
   command
       ->add_option("--trace", words->options.trace,
-                   "Record every frame: as candump log (*.log or no extension), or *.pcap, *.pcapng, *.asc, *.trc, *.csv")
+                   "Record every frame: as candump log (*.log or no extension), or *.pcap, *.pcapng, *.asc, "
+                   "*.trc, *.csv")
       ->type_name("FILE")
       ->check([](const std::string& path) {
         const auto format = trace::trace_format_of(path);
