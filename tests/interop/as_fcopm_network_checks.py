@@ -133,7 +133,7 @@ def npm_canopen_is_the_master_of_an_as_fcopm():
                     "download,1800:5,u16,0", "abort-download,1800:3,u16,0,06090030", "download,1800:1,u32,2147484037",
                     "download,1800:3,u16,0", "download,1800:1,u32,389", "download,1017:0,u16,100", "download,1016:1,u32,8193000")
             # The PLC's program: D25032 = D24032 + 1, D25036 = D24036 inverted.
-            steps = ["nmt,start,5", "wait-state,5,5",
+            steps = ["wait-state,5,7F", "nmt,start,5", "wait-state,5,5",
                      "pdo,205,u16+u16+u16+u16,4660+1+65535+32768", "wait-pdo,185,u16+u16+u16+u16,4661+0+0+43981",
                      "pdo,205,u16+u16+u16+u16,65535+0+0+0", "wait-pdo,185,u16+u16+u16+u16,0+0+0+43981",
                      "pdo,305,u16,255", "pause,300", "sync-on,50", "wait-pdo,285,u16,65280", "pdo,305,u16,43690",
