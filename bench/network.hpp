@@ -121,33 +121,43 @@ inline void add_communication_objects(canopen::DictionaryBuilder& builder) {
   builder.variable(0x1017, {.name = "Producer heartbeat time", .type = DataType::unsigned16});
 }
 
-/// A slave of the usual size: about 50 objects, four RPDOs and four TPDOs of four U16 each (TPDOs after every
-/// SYNC), a DOMAIN at 2000H. `cob_id_step`: TPDO n is on 180H + n * step + node-ID.
-inline std::shared_ptr<const canopen::DictionaryDescription> slave_description() {
+/// Objects of 4 bytes at 2100H that every slave has, and those that an SDO client reads and writes at random.
+inline constexpr unsigned parameters = 20;
+inline constexpr unsigned sdo_objects = 64;
+
+/// A description of its own of a slave of the usual size: about 50 objects, four RPDOs and four TPDOs of four
+/// U16 each (all of synchronous type 1), a DOMAIN at 2000H, UNSIGNED32 from 2100H on. TPDO n is on
+/// 180H + n * 100H + node-ID.
+inline std::shared_ptr<const canopen::DictionaryDescription> make_slave_description(
+    unsigned count = parameters) {
   using canopen::DataType;
-  static const auto description = [] {
-    canopen::DictionaryBuilder builder;
-    add_communication_objects(builder);
-    builder.variable(0x2000, {.name = "Domain", .type = DataType::domain});
-    for (std::uint16_t i = 0; i < 20; ++i) {
-      builder.variable(static_cast<std::uint16_t>(0x2100 + i), {.name = "Parameter"});
-    }
-    builder.uniform(0x6000, canopen::ObjectCode::array, "Inputs", 16,
-                    {.name = "Input", .type = DataType::unsigned16, .tpdo_mappable = true});
-    builder.uniform(0x6200, canopen::ObjectCode::array, "Outputs", 16,
-                    {.name = "Output", .type = DataType::unsigned16, .rpdo_mappable = true});
-    for (std::uint16_t pdo = 0; pdo < 4; ++pdo) {
-      add_pdo(builder, static_cast<std::uint16_t>(0x1400 + pdo), 0x200U + 0x100U * pdo, 0xFE, true, 0x6200,
-              4U * pdo + 1);
-      add_pdo(builder, static_cast<std::uint16_t>(0x1800 + pdo), 0x40000180U + 0x100U * pdo, 1, true, 0x6000,
-              4U * pdo + 1);
-    }
-    return builder.build();
-  }();
+  canopen::DictionaryBuilder builder;
+  add_communication_objects(builder);
+  builder.variable(0x2000, {.name = "Domain", .type = DataType::domain});
+  for (unsigned i = 0; i < count; ++i) {
+    builder.variable(static_cast<std::uint16_t>(0x2100 + i), {.name = "Parameter"});
+  }
+  builder.uniform(0x6000, canopen::ObjectCode::array, "Inputs", 16,
+                  {.name = "Input", .type = DataType::unsigned16, .tpdo_mappable = true});
+  builder.uniform(0x6200, canopen::ObjectCode::array, "Outputs", 16,
+                  {.name = "Output", .type = DataType::unsigned16, .rpdo_mappable = true});
+  for (std::uint16_t pdo = 0; pdo < 4; ++pdo) {
+    add_pdo(builder, static_cast<std::uint16_t>(0x1400 + pdo), 0x200U + 0x100U * pdo, 1, true, 0x6200,
+            4U * pdo + 1);
+    add_pdo(builder, static_cast<std::uint16_t>(0x1800 + pdo), 0x40000180U + 0x100U * pdo, 1, true, 0x6000,
+            4U * pdo + 1);
+  }
+  return builder.build();
+}
+
+/// The one description that all slaves share.
+inline std::shared_ptr<const canopen::DictionaryDescription> slave_description() {
+  static const auto description = make_slave_description();
   return description;
 }
 
-/// A master that receives the four TPDOs of the slaves with node-ID 2 .. slaves + 1 into its objects A000H+.
+/// A master that receives the four TPDOs of the slaves with node-ID 2 .. slaves + 1 into its objects A000H+,
+/// by RPDOs of synchronous type.
 inline std::shared_ptr<const canopen::DictionaryDescription> master_description(unsigned slaves) {
   canopen::DictionaryBuilder builder;
   add_communication_objects(builder);
@@ -155,20 +165,25 @@ inline std::shared_ptr<const canopen::DictionaryDescription> master_description(
     const auto object = static_cast<std::uint16_t>(0xA000 + i);
     builder.uniform(object, canopen::ObjectCode::array, "Received", 4,
                     {.name = "Word", .type = canopen::DataType::unsigned16, .rpdo_mappable = true});
-    add_pdo(builder, static_cast<std::uint16_t>(0x1400 + i), 0x180U + 0x100U * (i % 4) + 2 + i / 4, 0xFE,
-            false, object, 1);
+    add_pdo(builder, static_cast<std::uint16_t>(0x1400 + i), 0x180U + 0x100U * (i % 4) + 2 + i / 4, 1, false,
+            object, 1);
   }
   return builder.build();
 }
 
+/// Which frames reach a node: those that it wants, as controllers with acceptance filters have it, or all.
+enum class Delivery : std::uint8_t { routed, broadcast };
+
 /// A node with its port on a pass-through bus.
 struct NodeOnBus {
   NodeOnBus(PassThroughBus& bus, std::shared_ptr<const canopen::DictionaryDescription> description,
-            std::uint8_t node_id)
+            std::uint8_t node_id, Delivery delivery = Delivery::routed)
       : port(bus), node(std::move(description), node_id, port) {
     node.power_on(can::Time{});
     node.command(canopen::NmtCommand::start, can::Time{});
-    bus.add(node, port, [&](std::uint32_t identifier) { return node.wants(identifier); });
+    bus.add(node, port, [&](std::uint32_t identifier) {
+      return delivery == Delivery::broadcast || node.wants(identifier);
+    });
   }
   PassThroughBus::Port port;
   canopen::Node node;
