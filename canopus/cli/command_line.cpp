@@ -22,6 +22,7 @@
 #include "canopus/cli/commands/scan_command.hpp"
 #include "canopus/cli/commands/sdo_command.hpp"
 #include "canopus/cli/gateway/gateway_command.hpp"
+#include "canopus/cli/reference/reference_command.hpp"
 #include "canopus/cli/run/run_command.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/cli/trace/replay_command.hpp"
@@ -165,6 +166,7 @@ int run_command_line(std::span<const std::string> words) {
   add_monitor_command(app, code);
   add_replay_command(app, code);
   add_bench_command(app, code);
+  add_reference_commands(app, code, version());
 
   std::vector<std::string> reversed(words.rbegin(), words.rend());  // as CLI11 takes them
   if (!words.empty() && words.front() == "help") {  // `canopus help run` is `canopus run --help`

@@ -31,6 +31,7 @@
 #include "canopus/serve/client_reports.hpp"
 #include "canopus/serve/linked_buses.hpp"
 #include "canopus/serve/real_time.hpp"
+#include "canopus/serve/service_manager.hpp"
 #include "canopus/serve/step_clock.hpp"
 #include "canopus/text/local_time.hpp"
 #include "canopus/text/text_values.hpp"
@@ -182,7 +183,10 @@ bool Run::run_in_real_time() {
     end_timer_.emplace(io_);
     look_for_end();
   }
+  serve::ServiceManager manager(io_);
+  manager.ready(fmt::format("{}: {} nodes", options_.plant, plant_->nodes().size()));
   io_.run();
+  manager.stopping();
   (void)clock.now();  // up to the moment it was stopped
   servers.close();
   linked_buses_.close(1s);

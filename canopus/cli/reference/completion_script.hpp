@@ -1,0 +1,20 @@
+#pragma once
+// Scripts that complete the words of the program's command line in a shell, made from the description of its commands.
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "canopus/cli/reference/command_description.hpp"
+
+namespace canopus::cli {
+
+enum class Shell { bash, zsh, fish };
+
+/// "bash", "zsh", "fish"; nothing for another word.
+[[nodiscard]] std::optional<Shell> shell_of(std::string_view word);
+
+/// What to load in the shell, or to put where it looks for completions.
+[[nodiscard]] std::string completion_script(const CommandDescription& program, Shell shell);
+
+}  // namespace canopus::cli
