@@ -1,5 +1,6 @@
 """Checks of what the documentation shows: its commands are run as they are written, their output must be what is printed there."""
 import contextlib
+import pathlib
 import re
 import shlex
 import shutil
@@ -249,3 +250,44 @@ def the_page_of_the_analyser_shows_what_the_commands_print():
                 continue  # tests/interop/trace_decode_checks.py loads the script
             words = shlex.split(line)
             require_shown("docs/analyser.md", [program, *words[1:]], shown)
+
+
+@check
+def the_tutorial_leads_where_it_says():
+    """Its files are written and its commands run in their order; what takes a real second says so by having no `$`."""
+    page = "docs/tutorial.md"
+    folder = scratch / "tutorial"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    (folder / "examples").symlink_to(ROOT / "examples")
+    varying = (r"in [0-9.]+ (?:us|ms|s), \d+ times",)
+    for language, found in re.findall(r"(?ms)^```(\w*)\n(.*?)^```$", (ROOT / page).read_text()):
+        if language == "toml":
+            head = found.splitlines()[0]
+            base = (re.findall(r"added to (\S+)", head) or [None])[0]        # "# added to plant.toml as other.toml"
+            before = (folder / base).read_text() if base else ""
+            (folder / head.split()[-1]).write_text(before + found)
+            continue
+        commands = []
+        for line in found.splitlines():
+            if line.startswith("$ "):
+                commands.append((line[2:], []))
+            elif commands:
+                commands[-1][1].append(line)
+        for words, shown in commands:
+            done = subprocess.run([program, *shlex.split(words)[1:]], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                                  timeout=PATIENCE, cwd=folder)
+            different = differs(shown, done.stdout.splitlines(), varying)
+            require(different is None, f"{page} shows {different!r}, {words} says:\n{done.stdout}")
+    require((folder / "wire.vcd").stat().st_size > 10000 and not (folder / "state").exists(), "the last step left no waveform")
+
+
+@check
+def the_site_of_the_documentation_is_made_without_a_broken_link():
+    if not shutil.which("mkdocs"):
+        raise Skip("mkdocs is not installed")
+    site = pathlib.Path(command(PYTHON, ROOT / "tools/documentation", program, timeout=10 * PATIENCE).stdout.splitlines()[-1]).parent
+    commands = (site / "docs/reference/all-commands/index.html").read_text()
+    require("canopus trace convert" in commands and "--expect-operational" in commands, "the page of all commands is incomplete")
+    require("error_status" in (site / "docs/reference/words/index.html").read_text(), "the page of words is incomplete")
+    require((site / "search/search_index.json").stat().st_size > 100_000, "the search finds nothing")
