@@ -13,6 +13,10 @@
 #include "canopus/client/plc_client.hpp"
 #include "canopus/client/plc_point.hpp"
 
+namespace CLI {
+class App;
+}
+
 namespace canopus::cli {
 
 struct PlcArguments {
@@ -43,6 +47,9 @@ struct PlcArguments {
 inline constexpr int done = 0;
 inline constexpr int refused = 1;
 inline constexpr int usage = 2;
+
+/// --host, --port, the frames, --timeout and so on.
+void add_connection_options(CLI::App& command, PlcArguments& arguments);
 
 /// Prints the message, and returns the code.
 int complain(int exit_code, const std::string& message);

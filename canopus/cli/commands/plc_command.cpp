@@ -118,6 +118,28 @@ int with_point(const Arguments& arguments,
   return point ? action(*point, arguments) : complain(usage, point.error());
 }
 
+void add_address(CLI::App& command, Arguments& arguments, const char* help) {
+  command.add_option("ADDRESS", arguments.address, help)->required();
+}
+
+void add_verify_option(CLI::App& command, Arguments& arguments) {
+  command.add_flag("--no-verify", arguments.no_verify, "do not read back what was written");
+}
+
+void add_reading_options(CLI::App& command, Arguments& arguments) {
+  command.add_option("-n,--count", arguments.count, "points: words, or bits of a bit device")
+      ->type_name("NUMBER")
+      ->check(number_from(1, 65536))
+      ->capture_default_str();
+  command.add_option("--format", arguments.format, "how words are shown")
+      ->type_name("dec|hex|both")
+      ->check(one_of_words({"dec", "hex", "both"}))
+      ->capture_default_str();
+  command.add_flag("--signed", arguments.as_signed, "decimal from -32768 to 32767");
+}
+
+}  // namespace
+
 void add_connection_options(CLI::App& command, Arguments& arguments) {
   command.add_option("--host", arguments.connection.host, "the PLC's address")->capture_default_str();
   command.add_option("--port", arguments.port, "of the PLC [5007, with --modbus 502]")
@@ -143,28 +165,6 @@ void add_connection_options(CLI::App& command, Arguments& arguments) {
   command.add_option("--module", arguments.module, "whose words a name as U0:error_status is about")
       ->type_name("MODEL");
 }
-
-void add_address(CLI::App& command, Arguments& arguments, const char* help) {
-  command.add_option("ADDRESS", arguments.address, help)->required();
-}
-
-void add_verify_option(CLI::App& command, Arguments& arguments) {
-  command.add_flag("--no-verify", arguments.no_verify, "do not read back what was written");
-}
-
-void add_reading_options(CLI::App& command, Arguments& arguments) {
-  command.add_option("-n,--count", arguments.count, "points: words, or bits of a bit device")
-      ->type_name("NUMBER")
-      ->check(number_from(1, 65536))
-      ->capture_default_str();
-  command.add_option("--format", arguments.format, "how words are shown")
-      ->type_name("dec|hex|both")
-      ->check(one_of_words({"dec", "hex", "both"}))
-      ->capture_default_str();
-  command.add_flag("--signed", arguments.as_signed, "decimal from -32768 to 32767");
-}
-
-}  // namespace
 
 void add_plc_command(CLI::App& app, int& exit_code) {
   const auto arguments = std::make_shared<Arguments>();

@@ -1,0 +1,206 @@
+#include "canopus/cli/project/configure_command.hpp"
+
+#include <charconv>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+#include "canopus/cli/terminal/option_checks.hpp"
+#include "canopus/cli/terminal/print.hpp"
+
+namespace canopus::cli {
+namespace {
+
+using Arguments = ConfigureArguments;
+using Action = int (*)(const Arguments&);
+
+/// Adds a command; each has arguments of its own.
+struct Adder {
+  CLI::App& group;
+  int& exit_code;
+
+  std::pair<CLI::App*, std::shared_ptr<Arguments>> add(const char* name, const char* help,
+                                                       Action action) const {
+    auto arguments = std::make_shared<Arguments>();
+    CLI::App* command = group.add_subcommand(name, help);
+    command->callback([arguments, action, code = &exit_code] { *code = action(*arguments); });
+    return {command, arguments};
+  }
+  auto with_file(const char* name, const char* help, Action action) const {
+    auto added = add(name, help, action);
+    added.first->add_option("PROJECT", added.second->file, "the project's file")->required();
+    return added;
+  }
+  auto online(const char* name, const char* help, Action action) const {
+    auto added = add(name, help, action);
+    add_online_options(*added.first, *added.second);
+    return added;
+  }
+  static void add_online_options(CLI::App& command, Arguments& arguments) {
+    add_connection_options(command, arguments.plc);
+    command
+        .add_option("--number", arguments.module_number,
+                    "the module: the number behind U, instead of the project's Module number")
+        ->type_name("0-16")
+        ->check(number_from(0, 16));
+  }
+};
+
+void add_transfer_options(CLI::App& command, Arguments& arguments) {
+  Adder::add_online_options(command, arguments);
+  command.add_option("--part", arguments.part, "what is transferred")
+      ->type_name("PART")
+      ->check(one_of_words({"all", "basic", "tpdo", "rpdo", "nmt"}))
+      ->capture_default_str();
+  command.add_option("--pdos", arguments.pdos, "PDO area: all, 5- (starting from 5) or 3-8, of 1 to 80")
+      ->type_name("AREA")
+      ->capture_default_str();
+  command.add_option("--node", arguments.node, "another CANopen node than the module, over the network")
+      ->type_name("1-127")
+      ->check(number_from(1, 127));
+}
+
+void add_offline(const Adder& adder) {
+  {
+    auto [command, arguments] = adder.with_file("new", "Create a project", new_project);
+    command->add_option("--model", arguments->model, "the module")->capture_default_str();
+    command->add_option("--number", arguments->module_number, "its Module number")
+        ->type_name("0-16")
+        ->check(number_from(0, 16));
+  }
+  {
+    auto [command, arguments] = adder.with_file("show", "Show the settings of a project", show_project);
+    command->add_option("WINDOW", arguments->window, "only these")
+        ->check(one_of_words({"basic", "tpdo", "rpdo", "master", "slave", "consumer", "producer"}));
+    command->add_flag("--json", arguments->json, "one JSON object per row");
+  }
+  {
+    auto [command, arguments] =
+        adder.with_file("set", "Set fields; a row that is not there is added", set_in_project);
+    command
+        ->add_option("WINDOW", arguments->window,
+                     "basic, tpdo/NUMBER, rpdo/NUMBER, master, slave/NODE, consumer/NODE, producer")
+        ->required();
+    command->add_option("FIELD=VALUE", arguments->settings,
+                        "\"Node ID=5\", CAN-ID (11-bit)=0x181, \"map=A100:01:16 A100:02:16\"");
+  }
+  {
+    auto [command, arguments] = adder.with_file("delete", "Delete a row", delete_from_project);
+    command->add_option("WINDOW/NUMBER", arguments->window, "tpdo/3, slave/5 and so on")->required();
+  }
+  {
+    auto [command, arguments] =
+        adder.with_file("defaults", "Restore the default values of a window", restore_in_project);
+    command->add_option("WINDOW", arguments->window, "basic, tpdo and so on")->required();
+  }
+  adder.with_file("check", "Say what is wrong in a project", check_project);
+  {
+    auto [command, arguments] = adder.with_file("export", "Write a backup of a project", export_project);
+    command->add_option("XML", arguments->other_file, "the backup, *.xml")->required();
+  }
+  {
+    auto [command, arguments] = adder.with_file("import", "Read a backup into a project", import_project);
+    command->add_option("XML", arguments->other_file, "the backup")->required();
+  }
+  adder.add("recent", "List the ten projects used last",
+            [](const Arguments&) { return list_recent_projects(); });
+}
+
+void add_online(const Adder& adder) {
+  {
+    auto [command, arguments] =
+        adder.with_file("read", "Read settings of the module into a project", read_from_module);
+    add_transfer_options(*command, *arguments);
+  }
+  {
+    auto [command, arguments] =
+        adder.with_file("diff", "Show what the module has otherwise than the project", compare_with_module);
+    add_transfer_options(*command, *arguments);
+    command->add_flag("--json", arguments->json, "one JSON object per field");
+  }
+  {
+    auto [command, arguments] = adder.with_file(
+        "write", "Download the project: write what differs into the module's flash ROM", write_to_module);
+    add_transfer_options(*command, *arguments);
+    command->add_flag("--yes", arguments->yes, "write; without it the differences are shown");
+    command->add_flag("--stop", arguments->stop, "put the CPU module into STOP for it, and into RUN again");
+    command->add_flag("--json", arguments->json, "one JSON object per difference and step");
+  }
+  {
+    auto [command, arguments] = adder.online(
+        "scan", "Network scan: list node-ID and product name of all CANopen nodes", scan_through_module);
+    command->add_option("--nodes", arguments->nodes, "all, 5- (starting from 5) or 3-8, of 1 to 127")
+        ->type_name("AREA")
+        ->capture_default_str();
+    command->add_flag("--json", arguments->json, "one JSON object per node");
+  }
+  for (const bool writes : {false, true}) {
+    auto [command, arguments] = writes
+                                    ? adder.online("sdo-write", "SDO write to any CANopen node", write_object)
+                                    : adder.online("sdo-read", "SDO read of any CANopen node", read_object);
+    command->add_option("NODE", arguments->node, "1 to 127; 0: the module itself")
+        ->required()
+        ->check(number_from(0, 127));
+    command->add_option("OBJECT", arguments->object, "index and sub-index: 1018:02, 0x1018:0x02")->required();
+    if (!writes) continue;
+    command->add_option("DATA", arguments->data, "a number (0x... hexadecimal), or text")->required();
+    command->add_option("--length", arguments->length, "of the data")
+        ->type_name("LENGTH")
+        ->check(one_of_words(
+            {"STRING", "BYTE_LENGTH_1", "BYTE_LENGTH_2", "BYTE_LENGTH_4", "BYTE_LENGTH_6", "BYTE_LENGTH_8"}))
+        ->capture_default_str();
+  }
+  {
+    auto [command, arguments] =
+        adder.online("status", "Module status: state, bus, errors in words", show_module_status);
+    command->add_flag("--clear", arguments->clear, "clear the error display first");
+  }
+  {
+    auto [command, arguments] =
+        adder.online("reset", "NMT master reset: reset and restart the connected NMT master", reset_module);
+    command->add_flag("--yes", arguments->yes, "do it");
+  }
+}
+
+}  // namespace
+
+int configure_failed(int code, const std::string& message) {
+  print_error("canopus configure: {}", message);
+  return code;
+}
+
+std::expected<project::PdoRange, std::string> parse_area(const std::string& text, unsigned most) {
+  if (text == "all") return project::PdoRange{1, most};
+  const auto number = [&](std::string_view digits) -> std::uint32_t {
+    std::uint32_t value = 0;
+    const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    return failure == std::errc{} && end == digits.data() + digits.size() ? value : 0;
+  };
+  const std::size_t dash = text.find('-');
+  const std::uint32_t first = number(std::string_view(text).substr(0, dash));
+  const std::uint32_t last = dash == std::string::npos ? first
+                             : dash + 1 == text.size() ? most
+                                                       : number(std::string_view(text).substr(dash + 1));
+  if (first < 1 || last < first || last > most) {
+    return std::unexpected(
+        fmt::format("\"{}\": expected all, 5- (starting from) or 3-8 (range), of 1 to {}", text, most));
+  }
+  return project::PdoRange{first, last};
+}
+
+void add_configure_command(CLI::App& app, int& exit_code) {
+  CLI::App* group = app.add_subcommand(
+      "configure", "Set up a communication module through its PLC, as its CANopen Configuration Tool does");
+  group->require_subcommand(1);
+  group->footer(
+      "A project holds the settings of one module (FX3U-CAN, CANopen 405 mode) and is one XML file.\n"
+      "Exit codes: 0 done, 1 the module or the PLC refused or cannot be reached, 2 wrong command line, "
+      "project or file,\n"
+      "3 the CPU module is in RUN, 4 differences, or errors in the project.\n"
+      "docs/configure.md goes through it.");
+  const Adder adder{*group, exit_code};
+  add_offline(adder);
+  add_online(adder);
+}
+
+}  // namespace canopus::cli

@@ -1,0 +1,98 @@
+#include "canopus/cli/project/project_files.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "canopus/project/module_project_file.hpp"
+#include "canopus/store/files.hpp"
+#include "canopus/text/printable.hpp"
+
+namespace canopus::cli {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::size_t longest_file = 4'000'000;
+constexpr std::size_t most_recent = 10;
+
+std::expected<std::string, std::string> read_text(const std::string& path) {
+  const auto bytes = store::real_files().read(path, longest_file);
+  if (!bytes) return std::unexpected(fmt::format("{}: {}", path, store::describe_error(bytes.error())));
+  return std::string(bytes->begin(), bytes->end());
+}
+
+/// Beside it first, then in its place. Empty: done.
+std::string write_whole(const fs::path& path, const std::string& text) {
+  store::Files& files = store::real_files();
+  fs::path beside = path;
+  beside += ".new";
+  const auto file = files.create(beside);
+  if (!file) return fmt::format("{}: {}", path.string(), store::describe_error(file.error()));
+  auto left = std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+  int failure = 0;
+  while (!left.empty() && failure == 0) {
+    const auto written = files.write(*file, left);
+    if (written) left = left.subspan(*written);
+    failure = written ? 0 : written.error();
+  }
+  if (failure == 0) failure = files.flush(*file);
+  files.close(*file);
+  if (failure == 0) failure = files.rename(beside, path);
+  if (failure == 0) return {};
+  (void)files.remove(beside);
+  return fmt::format("{}: {}", path.string(), store::describe_error(failure));
+}
+
+fs::path list_path() {
+  const char* const state = std::getenv("XDG_STATE_HOME");
+  if (state != nullptr && *state != '\0') return fs::path(state) / "canopus" / "recent-projects";
+  const char* const home = std::getenv("HOME");
+  if (home == nullptr || *home == '\0') return {};
+  return fs::path(home) / ".local" / "state" / "canopus" / "recent-projects";
+}
+
+}  // namespace
+
+std::expected<project::ModuleProject, std::string> load_project(const std::string& path) {
+  const auto text = read_text(path);
+  if (!text) return std::unexpected(text.error());
+  auto project = project::from_xml(*text);
+  if (!project) return std::unexpected(fmt::format("{}:{}", path, project.error()));
+  return project;
+}
+
+std::string save_project(const std::string& path, const project::ModuleProject& project) {
+  return write_whole(path, project::to_xml(project));
+}
+
+std::vector<std::string> recent_projects() {
+  const fs::path list = list_path();
+  std::vector<std::string> names;
+  if (list.empty()) return names;
+  const auto text = read_text(list.string());
+  if (!text) return names;
+  for (std::size_t at = 0; at < text->size() && names.size() < most_recent;) {
+    const std::size_t end = std::min(text->find('\n', at), text->size());
+    if (end > at) names.push_back(text->substr(at, end - at));
+    at = end + 1;
+  }
+  return names;
+}
+
+void remember_project(const std::string& path) {
+  const fs::path list = list_path();
+  std::error_code error;
+  const std::string name = fs::absolute(path, error).lexically_normal().string();
+  if (list.empty() || error || name.find('\n') != std::string::npos) return;
+  std::vector<std::string> names = recent_projects();
+  std::erase(names, name);
+  names.insert(names.begin(), name);
+  if (names.size() > most_recent) names.resize(most_recent);
+  fs::create_directories(list.parent_path(), error);
+  (void)write_whole(list, fmt::format("{}\n", fmt::join(names, "\n")));
+}
+
+}  // namespace canopus::cli

@@ -1,0 +1,348 @@
+// Commands that reach the module through its PLC.
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cstring>
+#include <functional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "canopus/cli/project/configure_command.hpp"
+#include "canopus/cli/project/project_files.hpp"
+#include "canopus/cli/terminal/print.hpp"
+#include "canopus/client/plc_module.hpp"
+#include "canopus/text/text_values.hpp"
+
+namespace canopus::cli {
+namespace {
+
+using client::PlcModule;
+using project::ModuleProject;
+using Json = nlohmann::ordered_json;
+
+constexpr unsigned most_pdos = 80;
+constexpr unsigned most_nodes = 127;
+
+/// Connects; the module is the one of the command line, else the project's, else the first one.
+int with_module(const ConfigureArguments& arguments, const ModuleProject* project,
+                const std::function<int(client::PlcClient&, PlcModule&)>& action) {
+  const std::uint32_t number = arguments.module_number >= 0
+                                   ? static_cast<std::uint32_t>(arguments.module_number)
+                               : project != nullptr ? project->value("basic", "Module number")
+                                                    : 0;
+  return with_client(arguments.plc, [&](client::PlcClient& client) {
+    PlcModule module(client, static_cast<std::uint16_t>(number));
+    return action(client, module);
+  });
+}
+
+/// Runs an action on a project from its file and the module.
+int with_project(const ConfigureArguments& arguments,
+                 const std::function<int(ModuleProject&, client::PlcClient&, PlcModule&)>& action) {
+  auto project = load_project(arguments.file);
+  if (!project) return configure_failed(configure_code::usage, project.error());
+  remember_project(arguments.file);
+  return with_module(arguments, &*project, [&](client::PlcClient& client, PlcModule& module) {
+    return action(*project, client, module);
+  });
+}
+
+void print_step(const project::TransferStep& step, bool json) {
+  if (json) {
+    print_json(Json{{"step", step.text}, {"good", step.good}});
+  } else if (step.good) {
+    print_line("{}: done", step.text);
+  } else {
+    print_error("canopus configure: {}", step.text);
+  }
+}
+
+void print_differences(const std::vector<project::Difference>& differences, bool json) {
+  for (const project::Difference& each : differences) {
+    if (json) {
+      print_json(Json{{"field", each.where}, {"device", each.device}, {"project", each.project}});
+    } else {
+      print_line("{}: device {}, project {}", each.where, each.device, each.project);
+    }
+  }
+}
+
+/// "1018", "1018:02", "0x1018:0x02"
+std::expected<project::ObjectNumber, std::string> object_of(const std::string& text) {
+  std::string plain;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '0' && i + 1 < text.size() && (text[i + 1] == 'x' || text[i + 1] == 'X')) {
+      ++i;
+    } else {
+      plain += text[i];
+    }
+  }
+  const auto object = text::parse_object(plain);
+  if (!object) return std::unexpected(object.error());
+  return project::ObjectNumber{object->index, object->sub};
+}
+
+struct DataLength {
+  std::string_view name;
+  std::size_t bytes;  ///< 0: as many as the text has
+};
+constexpr std::array lengths{DataLength{"STRING", 0},        DataLength{"BYTE_LENGTH_1", 1},
+                             DataLength{"BYTE_LENGTH_2", 2}, DataLength{"BYTE_LENGTH_4", 4},
+                             DataLength{"BYTE_LENGTH_6", 6}, DataLength{"BYTE_LENGTH_8", 8}};
+
+std::expected<std::vector<std::uint8_t>, std::string> data_of(const std::string& text,
+                                                              std::string_view length) {
+  const auto found = std::ranges::find(lengths, length, &DataLength::name);
+  if (found->bytes == 0) return std::vector<std::uint8_t>(text.begin(), text.end());
+  const bool hexadecimal = text.starts_with("0x") || text.starts_with("0X");
+  const char* const begin = text.data() + (hexadecimal ? 2 : 0);
+  const char* const end = text.data() + text.size();
+  std::uint64_t value = 0;
+  std::int64_t negative = 0;
+  auto [stop, failure] = std::from_chars(begin, end, value, hexadecimal ? 16 : 10);
+  if (text.starts_with('-')) {
+    const auto parsed = std::from_chars(begin, end, negative);
+    stop = parsed.ptr, failure = parsed.ec;
+    value = static_cast<std::uint64_t>(negative);
+  }
+  const unsigned unused = 64 - 8 * static_cast<unsigned>(found->bytes);
+  const bool fits = text.starts_with('-') ? (negative << unused >> unused) == negative
+                                          : (value << unused >> unused) == value;
+  if (failure != std::errc{} || stop != end || !fits) {
+    return std::unexpected(
+        fmt::format("\"{}\" is no number of {} bytes; hexadecimal ones begin with 0x", text, found->bytes));
+  }
+  std::vector<std::uint8_t> bytes;
+  for (std::size_t i = 0; i < found->bytes; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> 8 * i));
+  return bytes;
+}
+
+void print_data(const std::vector<std::uint8_t>& bytes) {
+  std::uint64_t value = 0;
+  for (std::size_t i = 0; i < std::min<std::size_t>(bytes.size(), 8); ++i)
+    value |= std::uint64_t{bytes[i]} << 8 * i;
+  if (bytes.size() <= 8) {
+    print_line("  hexadecimal    0x{:0{}X}", value, 2 * bytes.size());
+    print_line("  decimal        {}", value);
+    if (bytes.size() == 4)
+      print_line("  floating point {}", std::bit_cast<float>(static_cast<std::uint32_t>(value)));
+    if (bytes.size() == 8) print_line("  floating point {}", std::bit_cast<double>(value));
+  } else {
+    std::string hexadecimal;
+    for (const std::uint8_t byte : bytes)
+      hexadecimal += fmt::format("{}{:02X}", hexadecimal.empty() ? "" : " ", byte);
+    print_line("  hexadecimal    {}", hexadecimal);
+  }
+  print_line("  ASCII          {}", std::string(bytes.begin(), bytes.end()));
+}
+
+constexpr std::array<std::string_view, 16> error_bits{"",
+                                                      "hardware error",
+                                                      "internal power supply error",
+                                                      "CAN bus-off",
+                                                      "flash memory error",
+                                                      "write while initialising",
+                                                      "buffer memory setting error",
+                                                      "FROM/TO watchdog expired",
+                                                      "internal data queue overflow",
+                                                      "",
+                                                      "NMT error control failure",
+                                                      "baud rate change error",
+                                                      "node address change error",
+                                                      "emergency received from a slave",
+                                                      "CAN error passive",
+                                                      "Layer 2 message error"};
+constexpr std::array<std::string_view, 4> states{"Stopped", "Pre-operational", "Operational", "?"};
+
+}  // namespace
+
+int read_from_module(const ConfigureArguments& arguments) {
+  const auto area = parse_area(arguments.pdos, most_pdos);
+  if (!area) return configure_failed(configure_code::usage, "--pdos: " + area.error());
+  return with_project(arguments, [&](ModuleProject& project, client::PlcClient&, PlcModule& module) {
+    const auto read = project::read_module(project, arguments.part, *area,
+                                           static_cast<std::uint8_t>(arguments.node), module);
+    if (!read) return configure_failed(configure_code::failed, read.error());
+    const std::string wrong = save_project(arguments.file, project);
+    return wrong.empty() ? configure_code::done : configure_failed(configure_code::failed, wrong);
+  });
+}
+
+int compare_with_module(const ConfigureArguments& arguments) {
+  const auto area = parse_area(arguments.pdos, most_pdos);
+  if (!area) return configure_failed(configure_code::usage, "--pdos: " + area.error());
+  return with_project(arguments, [&](ModuleProject& project, client::PlcClient&, PlcModule& module) {
+    const auto found = project::differences(project, arguments.part, *area,
+                                            static_cast<std::uint8_t>(arguments.node), module);
+    if (!found) return configure_failed(configure_code::failed, found.error());
+    print_differences(*found, arguments.json);
+    return found->empty() ? configure_code::done : configure_code::different;
+  });
+}
+
+int write_to_module(const ConfigureArguments& arguments) {
+  const auto area = parse_area(arguments.pdos, most_pdos);
+  if (!area) return configure_failed(configure_code::usage, "--pdos: " + area.error());
+  const auto node = static_cast<std::uint8_t>(arguments.node);
+  return with_project(arguments, [&](ModuleProject& project, client::PlcClient& client, PlcModule& module) {
+    const auto findings = project.check();
+    for (const project::ProjectFinding& finding : findings) {
+      if (finding.is_error)
+        return configure_failed(configure_code::different,
+                                fmt::format("{}: {}", arguments.file, finding.text));
+    }
+    const auto stands = module.cpu_stands_still();
+    if (!stands) return configure_failed(configure_code::failed, stands.error());
+    if (!*stands && !arguments.stop && arguments.yes) {
+      return configure_failed(configure_code::in_run,
+                              "the CPU module is in RUN: parameters can be written when it is in STOP "
+                              "(--stop, or canopus plc stop)");
+    }
+    const auto before = project::differences(project, arguments.part, *area, node, module);
+    if (!before) return configure_failed(configure_code::failed, before.error());
+    print_differences(*before, arguments.json);
+    if (before->empty()) {
+      if (!arguments.json) print_line("nothing to write: the module has it all");
+      return configure_code::done;
+    }
+    if (!arguments.yes) {
+      if (!arguments.json) print_line("{} differences; nothing is written without --yes", before->size());
+      return configure_code::done;
+    }
+    if (!*stands) {
+      if (const auto stopped = client.operate(client::PlcOperation::stop); !stopped) {
+        return configure_failed(configure_code::failed, stopped.error());
+      }
+    }
+    const auto written =
+        project::write_module(project, arguments.part, *area, node, module,
+                              [&](const project::TransferStep& step) { print_step(step, arguments.json); });
+    if (!*stands) {
+      if (const auto run = client.operate(client::PlcOperation::run); !run) {
+        return configure_failed(configure_code::failed, "the CPU module stays in STOP: " + run.error());
+      }
+    }
+    if (!written)
+      return configure_failed(configure_code::failed,
+                              "ended here; what stands above is written, the rest is not");
+    const auto after = project::differences(project, arguments.part, *area, node, module);
+    if (!after)
+      return configure_failed(configure_code::failed,
+                              "written, but it cannot be read back: " + after.error());
+    print_differences(*after, arguments.json);
+    if (!after->empty())
+      return configure_failed(configure_code::failed,
+                              "written, and the module has the values above all the same");
+    if (!arguments.json)
+      print_line(
+          "read back: the same. What the module takes over at its start counts after `canopus configure "
+          "reset`");
+    return configure_code::done;
+  });
+}
+
+int scan_through_module(const ConfigureArguments& arguments) {
+  const auto area = parse_area(arguments.nodes, most_nodes);
+  if (!area) return configure_failed(configure_code::usage, "--nodes: " + area.error());
+  return with_module(arguments, nullptr, [&](client::PlcClient&, PlcModule& module) {
+    unsigned found = 0;
+    const bool bar = is_terminal(STDERR_FILENO);
+    for (std::uint32_t node = area->first; node <= std::min(area->last, most_nodes); ++node) {
+      if (bar) show_progress(Line("Current Node ID {}", node));
+      const auto type = module.read_bytes(static_cast<std::uint8_t>(node), {0x1000, 0});
+      if (!type) {
+        if (type.error().find("abort 0504") == std::string::npos &&
+            type.error().find("abort") == std::string::npos) {
+          end_progress();
+          return configure_failed(configure_code::failed, type.error());
+        }
+        continue;
+      }
+      const auto name = module.read_bytes(static_cast<std::uint8_t>(node), {0x1008, 0});
+      const std::string text = name ? std::string(name->begin(), name->end()) : std::string();
+      ++found;
+      if (arguments.json) {
+        print_json(Json{{"node", node}, {"name", text}});
+      } else {
+        print_line("{:>4}  {}", node, text);
+      }
+    }
+    end_progress();
+    if (!arguments.json) print_line("{} CANopen nodes found", found);
+    return configure_code::done;
+  });
+}
+
+int read_object(const ConfigureArguments& arguments) {
+  const auto object = object_of(arguments.object);
+  if (!object) return configure_failed(configure_code::usage, object.error());
+  return with_module(arguments, nullptr, [&](client::PlcClient&, PlcModule& module) {
+    const auto bytes = module.read_bytes(static_cast<std::uint8_t>(arguments.node), *object);
+    if (!bytes) return configure_failed(configure_code::failed, bytes.error());
+    print_line("SDO_READ_SUCCESS");
+    print_data(*bytes);
+    return configure_code::done;
+  });
+}
+
+int write_object(const ConfigureArguments& arguments) {
+  const auto object = object_of(arguments.object);
+  if (!object) return configure_failed(configure_code::usage, object.error());
+  const auto data = data_of(arguments.data, arguments.length);
+  if (!data) return configure_failed(configure_code::usage, data.error());
+  return with_module(arguments, nullptr, [&](client::PlcClient&, PlcModule& module) {
+    const auto written = module.write_bytes(static_cast<std::uint8_t>(arguments.node), *object, *data);
+    if (!written) return configure_failed(configure_code::failed, written.error());
+    print_line("SDO_WRITE_SUCCESS");
+    return configure_code::done;
+  });
+}
+
+int show_module_status(const ConfigureArguments& arguments) {
+  return with_module(arguments, nullptr, [&](client::PlcClient&, PlcModule& module) {
+    if (arguments.clear) {
+      // The module shows again at once what is still wrong.
+      const auto cleared = module.write_word(29, 0);
+      if (!cleared && cleared.error().find("afterwards") == std::string::npos) {
+        return configure_failed(configure_code::failed, cleared.error());
+      }
+    }
+    const auto words = module.read_words(20, 21);  // #20 to #40
+    if (!words) return configure_failed(configure_code::failed, words.error());
+    const auto word = [&](std::size_t address) { return (*words)[address - 20]; };
+    print_line("Function mode               {}", word(21));
+    print_line("Node ID                     {}", word(27));
+    print_line("Baud-Rate                   {} kbps", word(37) / 10.0);
+    print_line("Sampling point              {} %", word(38) / 10.0);
+    print_line("NMT state                   {}{}", states[word(25) >> 8 & 3],
+               (word(25) & 0x8000) != 0 ? ", active NMT master" : "");
+    print_line("CAN transmission errors     {}", word(35));
+    print_line("CAN reception errors        {}", word(36));
+    print_line("Error status                {:04X}H", word(29));
+    for (std::size_t bit = 0; bit < error_bits.size(); ++bit) {
+      if ((word(29) >> bit & 1) != 0 && !error_bits[bit].empty())
+        print_line("  bit {:<2} {}", bit, error_bits[bit]);
+    }
+    if (word(39) != 0) print_line("First refused setting       G{}", word(39));
+    return configure_code::done;
+  });
+}
+
+int reset_module(const ConfigureArguments& arguments) {
+  if (!arguments.yes) {
+    return configure_failed(configure_code::usage,
+                            "the NMT master is reset and started again, and with it the network: --yes");
+  }
+  return with_module(arguments, nullptr, [&](client::PlcClient&, PlcModule& module) {
+    const auto restarted = module.restart();
+    if (!restarted) return configure_failed(configure_code::failed, restarted.error());
+    print_line("the NMT master was reset and has started again");
+    return configure_code::done;
+  });
+}
+
+}  // namespace canopus::cli

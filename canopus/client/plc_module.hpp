@@ -1,0 +1,52 @@
+#pragma once
+// A communication module in a PLC's rack as its configuration tool reaches it: buffer memory through the CPU, objects of the
+// module and of other nodes through its command interface [FX3U-CAN 10].
+
+#include <cstdint>
+#include <expected>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "canopus/client/plc_client.hpp"
+#include "canopus/project/module_transfer.hpp"
+
+namespace canopus::client {
+
+class PlcModule final : public project::ModuleAccess {
+ public:
+  /// `unit`: the number behind U: the module's number (FX), or its head address / 16.
+  PlcModule(PlcClient& client, std::uint16_t unit) noexcept : client_(client), unit_(unit) {}
+
+  // project::ModuleAccess
+  Result<std::uint16_t> read_word(std::uint32_t address) override;
+  Result<void> write_word(std::uint32_t address, std::uint16_t value) override;
+  Result<std::vector<std::uint32_t>> read_objects(std::uint8_t node,
+                                                  std::span<const project::ObjectNumber> objects) override;
+  Result<void> write_object(std::uint8_t node, project::ObjectNumber object, std::uint32_t value,
+                            std::uint8_t bytes) override;
+  Result<void> save_words() override;
+
+  /// Any object up to 124 bytes.
+  Result<std::vector<std::uint8_t>> read_bytes(std::uint8_t node, project::ObjectNumber object);
+  Result<void> write_bytes(std::uint8_t node, project::ObjectNumber object,
+                           std::span<const std::uint8_t> bytes);
+  /// Starts the module anew, and with it the NMT master; waits for the end of its initialisation (#25 bit 7).
+  Result<void> restart();
+  /// Whether the CPU module is in STOP (or PAUSE): SD203, of an FX3 M8000.
+  Result<bool> cpu_stands_still();
+  /// Words from an address on.
+  Result<std::vector<std::uint16_t>> read_words(std::uint32_t address, std::uint32_t count);
+
+ private:
+  Result<void> write_words(std::uint32_t address, std::span<const std::uint16_t> words);
+  /// Parameters to #1001 on, then the code; the words from #1000 on when it is no longer busy.
+  Result<std::vector<std::uint16_t>> command(std::uint16_t code, std::span<const std::uint16_t> parameters);
+  /// Asks until the bits of a word are 0.
+  Result<void> wait_for_zero(std::uint32_t address, std::uint16_t bits, const char* what);
+
+  PlcClient& client_;
+  std::uint16_t unit_;
+};
+
+}  // namespace canopus::client

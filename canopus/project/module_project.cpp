@@ -1,0 +1,231 @@
+#include "canopus/project/module_project.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace canopus::project {
+namespace {
+
+constexpr std::uint32_t not_valid = 0x8000'0000;
+constexpr std::uint32_t highest_can_id = 0x57F;
+
+const Field* field_of(const Window& window, std::string_view name) noexcept {
+  const auto found =
+      std::ranges::find_if(window.fields, [&](const Field& field) { return field.name == name; });
+  return found == window.fields.end() ? nullptr : &*found;
+}
+
+std::string place_of(const Window& window, std::uint32_t key) {
+  return window.key.empty() ? std::string(window.word) : fmt::format("{} {}", window.word, key);
+}
+
+/// A field that the range alone does not judge; empty: good.
+std::string why_not_cob_id(std::uint32_t value) {
+  if ((value & 0x7FF) <= highest_can_id && (value & 0x3FFF'F800) == 0) return {};
+  if ((value & 0x3FFF'F800) != 0)
+    return fmt::format("COB-ID = 0x{:08X}: expected an 11-bit CAN-ID, and bits 30 and 31", value);
+  return fmt::format("CAN-ID (11-bit) = 0x{:03X}: expected 0x000 to 0x{:03X}", value & 0x7FF, highest_can_id);
+}
+
+std::string why_not_value(const Field& field, std::uint32_t value) {
+  if (std::string wrong = why_not(field, value); !wrong.empty()) return wrong;
+  return field.name == "COB-ID" ? why_not_cob_id(value) : std::string();
+}
+
+}  // namespace
+
+std::string why_no_mapping(const std::vector<std::uint32_t>& mapping) {
+  unsigned bits = 0;
+  for (const std::uint32_t entry : mapping) {
+    const unsigned length = entry & 0xFF;
+    if (length == 0 || length > 64 || length % 8 != 0) {
+      return fmt::format("mapped object 0x{:08X}: {} bits; expected 8, 16, 32 and so on", entry, length);
+    }
+    bits += length;
+  }
+  if (mapping.size() > 8) return fmt::format("{} mapped objects: expected at most 8", mapping.size());
+  return bits <= 64 ? std::string()
+                    : fmt::format("the mapped objects have {} bits: expected at most 64", bits);
+}
+
+ModuleProject::ModuleProject(const ModuleModel& model) : model_(&model) {
+  for (const Window& window : model.windows) restore_defaults(window);
+}
+
+const Window* ModuleProject::window(std::string_view word) const noexcept {
+  const auto found =
+      std::ranges::find_if(model_->windows, [&](const Window& window) { return window.word == word; });
+  return found == model_->windows.end() ? nullptr : &*found;
+}
+
+const std::map<std::uint32_t, Row>& ModuleProject::rows(const Window& window) const {
+  return rows_.at(window.word);
+}
+
+std::uint32_t ModuleProject::value(std::string_view word, std::string_view name,
+                                   std::uint32_t key) const noexcept {
+  const Window* const in = window(word);
+  const Field* const field = in == nullptr ? nullptr : field_of(*in, name);
+  if (field == nullptr) return 0;
+  const auto window_rows = rows_.find(in->word);
+  if (window_rows == rows_.end()) return field->factory;
+  const auto row = window_rows->second.find(key);
+  return row == window_rows->second.end()
+             ? field->factory
+             : row->second.values[static_cast<std::size_t>(field - in->fields.data())];
+}
+
+Row ModuleProject::factory_row(const Window& window, std::uint32_t key) const {
+  Row row;
+  for (const Field& field : window.fields) row.values.push_back(factory_value(window, field, key, node_id()));
+  return row;
+}
+
+void ModuleProject::restore_defaults(const Window& window) {
+  rows_[window.word].clear();
+  if (window.key.empty()) rows_[window.word][0] = factory_row(window, 0);
+}
+
+std::expected<void, std::string> ModuleProject::add(const Window& window, std::uint32_t key) {
+  if (window.key.empty()) return std::unexpected(fmt::format("{} has no rows", window.word));
+  if (key < 1 || key > window.most_key) {
+    return std::unexpected(fmt::format("{} = {}: expected 1 to {}", window.key, key, window.most_key));
+  }
+  auto& rows = rows_[window.word];
+  if (rows.contains(key)) return std::unexpected(fmt::format("{} is there already", place_of(window, key)));
+  if (rows.size() >= window.most_rows) {
+    return std::unexpected(fmt::format("{}: at most {} rows", window.word, window.most_rows));
+  }
+  if (window.word == "slave" && value("master", "NMT master") == 0) {
+    return std::unexpected(
+        "slave: only an NMT master assigns slaves; set master \"NMT master=Selected\" first");
+  }
+  rows[key] = factory_row(window, key);
+  return {};
+}
+
+bool ModuleProject::remove(const Window& window, std::uint32_t key) {
+  return rows_[window.word].erase(key) != 0;
+}
+
+std::expected<void, std::string> ModuleProject::set_value(const Window& window, std::uint32_t key,
+                                                          const Field& field, std::uint32_t value) {
+  if (std::string wrong = why_not_value(field, value); !wrong.empty()) {
+    return std::unexpected(fmt::format("{}: {}", place_of(window, key), wrong));
+  }
+  rows_[window.word][key].values[static_cast<std::size_t>(&field - window.fields.data())] = value;
+  return {};
+}
+
+std::expected<void, std::string> ModuleProject::set(const Window& window, std::uint32_t key,
+                                                    std::string_view name, std::string_view text) {
+  const auto row = rows_[window.word].find(key);
+  if (row == rows_[window.word].end())
+    return std::unexpected(fmt::format("{} is not there", place_of(window, key)));
+  // The details window shows a COB-ID in two parts [FX3U-CAN 15.1.2 4)].
+  const Field* const cob_id = field_of(window, "COB-ID");
+  if (cob_id != nullptr && (name == "valid" || name == "CAN-ID (11-bit)")) {
+    const std::uint32_t before = row->second.values[static_cast<std::size_t>(cob_id - window.fields.data())];
+    const Field part{.name = name,
+                     .unit = "",
+                     .highest = name == "valid" ? 1 : highest_can_id,
+                     .hexadecimal = name != "valid"};
+    auto value = parse_value(part, text);
+    if (name == "valid" && (text == "Selected" || text == "Not selected")) value = text == "Selected" ? 1 : 0;
+    if (!value)
+      return std::unexpected(
+          fmt::format("{}: {} = \"{}\": expected a number", place_of(window, key), name, text));
+    if (std::string wrong = name == "valid" ? why_not(part, *value) : why_not_cob_id(*value);
+        !wrong.empty()) {
+      return std::unexpected(fmt::format("{}: {}", place_of(window, key), wrong));
+    }
+    return set_value(window, key, *cob_id,
+                     name == "valid" ? (before & ~not_valid) | (*value != 0 ? 0 : not_valid)
+                                     : (before & ~0x7FFU) | *value);
+  }
+  const Field* const field = field_of(window, name);
+  if (field == nullptr) {
+    std::vector<std::string_view> known;
+    for (const Field& each : window.fields) known.push_back(each.name);
+    return std::unexpected(fmt::format("{} has no field \"{}\"; expected one of: {}", window.word, name,
+                                       fmt::join(known, ", ")));
+  }
+  if (field->read_only)
+    return std::unexpected(fmt::format("{}: {} is shown, and cannot be set here", window.word, name));
+  const auto value = parse_value(*field, text);
+  if (!value) {
+    return std::unexpected(fmt::format("{}: {} = \"{}\": expected {}", place_of(window, key), name, text,
+                                       field->words.empty()
+                                           ? std::string("a number, decimal or as 0x1F")
+                                           : fmt::format("{}", fmt::join(field->words, ", "))));
+  }
+  return set_value(window, key, *field, *value);
+}
+
+std::expected<void, std::string> ModuleProject::set_mapping(const Window& window, std::uint32_t key,
+                                                            std::vector<std::uint32_t> mapping) {
+  const auto row = rows_[window.word].find(key);
+  if (window.mapping == 0) return std::unexpected(fmt::format("{} has no mapped objects", window.word));
+  if (row == rows_[window.word].end())
+    return std::unexpected(fmt::format("{} is not there", place_of(window, key)));
+  if (std::string wrong = why_no_mapping(mapping); !wrong.empty()) {
+    return std::unexpected(fmt::format("{}: {}", place_of(window, key), wrong));
+  }
+  row->second.mapping = std::move(mapping);
+  return {};
+}
+
+std::vector<ProjectFinding> ModuleProject::check() const {
+  std::vector<ProjectFinding> found;
+  std::map<std::uint32_t, std::string> senders;  // CAN-IDs that this module would send
+  for (const Window& window : model_->windows) {
+    for (const auto& [key, row] : rows_.at(window.word)) {
+      const std::string place = place_of(window, key);
+      for (std::size_t i = 0; i < window.fields.size(); ++i) {
+        const Field& field = window.fields[i];
+        if (std::string wrong = why_not_value(field, row.values[i]); !wrong.empty())
+          found.push_back({true, place + ": " + wrong});
+        if (field.name == "Transmission type" && row.values[i] >= 0xF1 && row.values[i] <= 0xFD) {
+          found.push_back(
+              {false, fmt::format("{}: Transmission type = 0x{:02X}: 0xF1 to 0xFD are system-reserved", place,
+                                  row.values[i])});
+        }
+      }
+      if (std::string wrong = why_no_mapping(row.mapping); !wrong.empty())
+        found.push_back({true, place + ": " + wrong});
+      for (const std::uint32_t entry : row.mapping) {
+        if (object_name(entry).empty()) {
+          found.push_back(
+              {false, fmt::format("{}: mapped object {:04X}:{:02X} with {} bits is none of the module's",
+                                  place, entry >> 16, entry >> 8 & 0xFF, entry & 0xFF)});
+        }
+      }
+      if (window.mapping != 0x1A00 || (row.values[0] & not_valid) != 0) continue;
+      const auto [other, is_new] = senders.emplace(row.values[0] & 0x7FF, place);
+      if (!is_new) {
+        found.push_back({true, fmt::format("{}: CAN-ID 0x{:03X} is sent by {}, too", place,
+                                           row.values[0] & 0x7FF, other->second)});
+      }
+    }
+  }
+  const auto& assigned = rows_.at("slave");
+  if (!assigned.empty() && value("master", "NMT master") == 0) {
+    found.push_back({true, "slave: only an NMT master assigns slaves (master: NMT master)"});
+  }
+  if (assigned.contains(node_id())) {
+    found.push_back({true, fmt::format("slave {}: this is the module's own node-ID", node_id())});
+  }
+  const std::uint32_t priority_slot = value("master", "Priority time slot"),
+                      device_slot = value("master", "CANopen device time slot");
+  if (priority_slot <= device_slot * 127) {
+    found.push_back(
+        {true,
+         fmt::format(
+             "master: Priority time slot = {}: expected more than \"CANopen device time slot\" x 127 = {}",
+             priority_slot, device_slot * 127)});
+  }
+  return found;
+}
+
+}  // namespace canopus::project

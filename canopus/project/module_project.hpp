@@ -1,0 +1,74 @@
+#pragma once
+// The settings of one communication module as a project: what its configuration tool keeps, checks and writes [FX3U-CAN 15].
+
+#include <cstdint>
+#include <expected>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/project/module_windows.hpp"
+
+namespace canopus::project {
+
+/// A row of a window, or the only set of its fields.
+struct Row {
+  std::vector<std::uint32_t> values;  ///< one for each field of the window
+  std::vector<std::uint32_t>
+      mapping;  ///< of a PDO: index, sub-index, bits, as 1A00H has them; at most 64 bits
+};
+
+/// What is wrong, and where: "tpdo 3: Event timer = 70000: expected 0 to 65535 ms".
+struct ProjectFinding {
+  bool is_error = true;  ///< else a warning
+  std::string text;
+};
+
+class ModuleProject {
+ public:
+  /// Every window without rows has its defaults; lists are empty.
+  explicit ModuleProject(const ModuleModel& model);
+
+  [[nodiscard]] const ModuleModel& model() const noexcept { return *model_; }
+  [[nodiscard]] std::uint32_t node_id() const noexcept { return value("basic", "Node ID"); }
+
+  /// By its word; nullptr: the model has no such window.
+  [[nodiscard]] const Window* window(std::string_view word) const noexcept;
+  /// Rows by their number; of a window without rows the only one, 0.
+  [[nodiscard]] const std::map<std::uint32_t, Row>& rows(const Window& window) const;
+
+  /// A row with the defaults. The error: the number is out of range, there already, or the list is full.
+  std::expected<void, std::string> add(const Window& window, std::uint32_t key);
+  /// False: there is none.
+  bool remove(const Window& window, std::uint32_t key);
+  /// Checked as why_not() says; nothing changes on an error. The row must be there.
+  std::expected<void, std::string> set(const Window& window, std::uint32_t key, std::string_view field,
+                                       std::string_view text);
+  std::expected<void, std::string> set_mapping(const Window& window, std::uint32_t key,
+                                               std::vector<std::uint32_t> mapping);
+  /// [Restore default values]: a window without rows gets its defaults, a list loses its rows.
+  void restore_defaults(const Window& window);
+  /// As it was read: not checked.
+  void put(const Window& window, std::uint32_t key, Row row) { rows_[window.word][key] = std::move(row); }
+
+  [[nodiscard]] std::uint32_t value(std::string_view window, std::string_view field,
+                                    std::uint32_t key = 0) const noexcept;
+  /// The defaults of a row, for this project's node-ID.
+  [[nodiscard]] Row factory_row(const Window& window, std::uint32_t key) const;
+
+  /// Every value in its range, and what the values say together.
+  [[nodiscard]] std::vector<ProjectFinding> check() const;
+
+ private:
+  std::expected<void, std::string> set_value(const Window& window, std::uint32_t key, const Field& field,
+                                             std::uint32_t value);
+
+  const ModuleModel* model_;
+  std::map<std::string_view, std::map<std::uint32_t, Row>> rows_;
+};
+
+/// What is wrong with a list of mapped objects: "more than 64 bits" and the like; empty: nothing.
+[[nodiscard]] std::string why_no_mapping(const std::vector<std::uint32_t>& mapping);
+
+}  // namespace canopus::project
