@@ -17,6 +17,7 @@ template <typename Value>
 using Result = project::ModuleAccess::Result<Value>;
 
 // Command interface [FX3U-CAN 10].
+constexpr std::uint32_t status_word = 25;
 constexpr std::uint32_t command_word = 1000;
 constexpr std::uint32_t command_words = 67;
 constexpr std::uint16_t busy = 0xFFFF;
@@ -184,12 +185,16 @@ Result<void> PlcModule::save_words() {
   return wait_for_zero(save_word, save, "saving");
 }
 
+Result<void> PlcModule::wait_until_ready() {
+  constexpr std::uint16_t initialising = 0x80;
+  return wait_for_zero(status_word, initialising, "the module's start");
+}
+
 Result<void> PlcModule::restart() {
-  constexpr std::uint32_t status_word = 25;
-  constexpr std::uint16_t restart = 1, initialising = 0x80;
+  constexpr std::uint16_t restart = 1;
   if (const auto written = write_words(status_word, std::span(&restart, 1)); !written) return written;
   std::this_thread::sleep_for(20ms);
-  return wait_for_zero(status_word, initialising, "the module's start");
+  return wait_until_ready();
 }
 
 Result<bool> PlcModule::cpu_stands_still() {

@@ -27,11 +27,13 @@ class PlcModule final : public project::ModuleAccess {
                             std::uint8_t bytes) override;
   Result<void> save_words() override;
 
+  /// Waits for the end of its initialisation (#25 bit 7), before which nothing else may be read or written.
+  Result<void> wait_until_ready();
   /// Any object up to 124 bytes.
   Result<std::vector<std::uint8_t>> read_bytes(std::uint8_t node, project::ObjectNumber object);
   Result<void> write_bytes(std::uint8_t node, project::ObjectNumber object,
                            std::span<const std::uint8_t> bytes);
-  /// Starts the module anew, and with it the NMT master; waits for the end of its initialisation (#25 bit 7).
+  /// Starts the module anew, and with it the NMT master; waits until it is ready again.
   Result<void> restart();
   /// Whether the CPU module is in STOP (or PAUSE): SD203, of an FX3 M8000.
   Result<bool> cpu_stands_still();

@@ -7,6 +7,7 @@
 #include "canopus/module/as_fcopm/register_table.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/plant/plant_assembly.hpp"
+#include "canopus/sim/device/behaviour.hpp"
 
 namespace canopus::plant {
 
@@ -94,6 +95,35 @@ class SlaveCompiler {
   text::FileErrors& errors_;
 };
 
+/// An object that has another value every few milliseconds, as a velocity has.
+bool changes_fast(const DeviceSection& device, const text::ObjectName& object) {
+  constexpr auto fast = std::chrono::milliseconds(100);
+  if (device.drive && (object.index == 0x6064 || object.index == 0x606C)) return true;  // position, velocity
+  return std::ranges::any_of(device.behaviours, [&](const BehaviourSection& moving) {
+    if (moving.object.index != object.index || moving.object.sub != object.sub) return false;
+    if (moving.kind == "sine" || moving.kind == "ramp") return true;
+    const bool steps = moving.kind == "counter" || moving.kind == "noise";
+    return steps && moving.period.value_or(sim::Behaviour{}.period) <= fast;
+  });
+}
+
+/// A TxPDO that is sent at each change, of an object that changes fast: "otherwise, the bus is busy with it" [AS-FCOPM 10.6].
+void advise_synchronous(const DownloadSection::Slave& slave, const DeviceSection& device,
+                        std::vector<text::FileWarning>& warnings) {
+  constexpr std::uint8_t last_synchronous = 240;
+  for (const DownloadSection::Pdo& pdo : slave.tx_pdos) {
+    if (pdo.type <= last_synchronous || pdo.inhibit_time.value_or(0) != 0) continue;
+    const auto found = std::ranges::find_if(
+        pdo.objects, [&](const auto& mapped) { return changes_fast(device, mapped.object); });
+    if (found == pdo.objects.end()) continue;
+    warnings.push_back(
+        {pdo.place,
+         fmt::format("node {}: TxPDO{} of type {} is sent at each change of {:04X}H:{:02X}H, which changes "
+                     "all the time; a synchronous type (1 to 240) keeps the bus free",
+                     slave.node, pdo.number, pdo.type, found->object.index, found->object.sub)});
+  }
+}
+
 }  // namespace
 
 fcopm::Configuration card_parameters(const ModuleSection& section, const BusSection& bus) {
@@ -124,6 +154,10 @@ void Assembly::add_download(const ModuleSection& section, module::CommunicationM
     complete = complete && dictionary != nullptr && std::ranges::none_of(slave.rx_pdos, is_empty) &&
                std::ranges::none_of(slave.tx_pdos, is_empty);
     if (dictionary != nullptr) configuration.slaves.push_back(SlaveCompiler(slave, *dictionary, found).run());
+    const auto device = std::ranges::find_if(parts_.file.devices, [&](const DeviceSection& each) {
+      return each.bus == section.bus && each.node == slave.node;
+    });
+    if (device != parts_.file.devices.end()) advise_synchronous(slave, *device, parts_.warnings);
   }
   if (complete && found.empty()) {
     for (const std::string& error : fcopm::check(configuration))

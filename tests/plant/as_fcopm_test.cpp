@@ -170,6 +170,41 @@ TEST_F(AsFcopmPlant, MistakesAreFoundWithTheirPlaces) {
   }
 }
 
+TEST_F(AsFcopmPlant, AFastValueInAnAsynchronousPdoIsAdvisedAgainst_AndLoadsTheBus) {
+  RecordProperty("spec", "ASF-PDO-015");
+  const auto plant_with = [](std::string_view kind, std::string_view pdo) {
+    return plant_of("node = 1", fmt::format("[plc.module.download]\ncycle_period = \"50ms\"\n"
+                                            "[[plc.module.download.slave]]\nnode = 3\ntx_pdo = [{}]\n",
+                                            pdo))
+        .replace(
+            0, head.size(),
+            fmt::format("{}", std::string(head.substr(0, head.find("[[device.behaviour]]"))) +
+                                  fmt::format("[[device.behaviour]]\nobject = \"606C:00\"\n{}\n", kind)));
+  };
+  constexpr std::string_view sine = "kind = \"sine\"\nlow = -3000\nhigh = 3000\nperiod = \"2s\"";
+  constexpr std::string_view slow = "kind = \"counter\"\nlow = 0\nhigh = 9\nperiod = \"200ms\"";
+  constexpr std::string_view asynchronous = "{ number = 2, type = 255, objects = [\"606C:00\"] }";
+  constexpr std::string_view synchronous = "{ number = 2, type = 1, objects = [\"606C:00\"] }";
+  constexpr std::string_view inhibited =
+      "{ number = 2, type = 255, inhibit_time = \"50ms\", objects = [\"606C:00\"] }";
+  EXPECT_THAT(
+      check(plant_with(sine, asynchronous)),
+      ElementsAre(HasSubstr(
+          "node 3: TxPDO2 of type 255 is sent at each change of 606CH:00H, which changes all the time; "
+          "a synchronous type (1 to 240) keeps the bus free")));
+  EXPECT_THAT(check(plant_with(sine, synchronous)), IsEmpty());
+  EXPECT_THAT(check(plant_with(sine, inhibited)), IsEmpty());
+  EXPECT_THAT(check(plant_with(slow, asynchronous)), IsEmpty());
+  const auto frames_in_a_second = [&](std::string_view pdo) {
+    start(plant_with(sine, pdo));
+    const auto before = plant_->bus(0).frames_of(0x283);
+    run(1s);
+    return plant_->bus(0).frames_of(0x283) - before;
+  };
+  EXPECT_EQ(frames_in_a_second(synchronous), 20U) << "one for each SYNC";
+  EXPECT_GT(frames_in_a_second(asynchronous), 80U) << "one for each change";
+}
+
 TEST_F(AsFcopmPlant, OtherModulesTakeNoDownload_OtherRacksNoCard) {
   RecordProperty("spec", "ASF-GEN-010");
   const auto plant = [](std::string_view family, std::string_view model, std::string_view rest) {

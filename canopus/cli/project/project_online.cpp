@@ -36,6 +36,8 @@ int with_module(const ConfigureArguments& arguments, const ModuleProject* projec
                                                     : 0;
   return with_client(arguments.plc, [&](client::PlcClient& client) {
     PlcModule module(client, static_cast<std::uint16_t>(number));
+    if (const auto ready = module.wait_until_ready(); !ready)
+      return configure_failed(configure_code::failed, ready.error());
     return action(client, module);
   });
 }
