@@ -193,7 +193,7 @@ constexpr std::array windows{
            .part = "nmt"},
 };
 
-constexpr ModuleModel fx3u_can{.name = "FX3U-CAN", .windows = windows};
+constexpr ModuleModel the_fx3u_can{.name = "FX3U-CAN", .windows = windows};
 
 /// A kind of the module's own objects: its first index, how many objects follow each other, and what lies in a sub-index.
 struct BufferObjects {
@@ -248,10 +248,10 @@ bool same_letters(std::string_view a, std::string_view b) noexcept {
 
 }  // namespace
 
-const ModuleModel& fx3u_can_settings() noexcept { return fx3u_can; }
+const ModuleModel& fx3u_can_settings() noexcept { return the_fx3u_can; }
 
 const ModuleModel* find_module_model(std::string_view name) noexcept {
-  return same_letters(name, fx3u_can.name) ? &fx3u_can : nullptr;
+  return same_letters(name, the_fx3u_can.name) ? &the_fx3u_can : nullptr;
 }
 
 std::uint32_t factory_value(const Window& window, const Field& field, std::uint32_t key,
