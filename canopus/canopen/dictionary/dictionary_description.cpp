@@ -1,6 +1,8 @@
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <cstring>
 #include <unordered_map>
 #include <utility>
 
@@ -11,10 +13,51 @@ Entry DictionaryDescription::find(std::uint16_t index, std::uint8_t sub) const n
   return object == nullptr ? Entry{} : find(*object, sub);
 }
 
+DictionaryDescription::DictionaryDescription(std::shared_ptr<const Layout> layout)
+    : positions_(layout->positions.data()),
+      objects_(layout->objects.data()),
+      entries_(layout->entries.data()),
+      multiplier_(layout->multiplier),
+      shift_(32U - static_cast<std::uint32_t>(std::countr_zero(layout->positions.size()))),
+      mask_(static_cast<std::uint32_t>(layout->positions.size() - 1)),
+      layout_(std::move(layout)) {}
+
+// A table of at least twice as many places as there are objects. Of a few multipliers the one that lets the
+// look-ups end soonest is taken: most objects are then found at the first place.
+void DictionaryDescription::Layout::index_objects() {
+  constexpr std::uint32_t candidates = 16;
+  const std::size_t size = std::bit_ceil(2 * objects.size() + 2);
+  const auto shift = 32U - static_cast<unsigned>(std::countr_zero(size));
+  std::vector<std::uint16_t> table(size);
+  std::size_t fewest = SIZE_MAX;
+  std::uint32_t candidate = 0x9E37'79B1;
+  for (std::uint32_t i = 0; i < candidates && fewest != 0;
+       ++i, candidate = candidate * 0x2C11'87F5 + 0x1234'5672) {
+    std::ranges::fill(table, no_position);
+    std::size_t extra = 0;
+    for (std::size_t position = 0; position < objects.size() && extra < fewest; ++position) {
+      std::size_t place = (objects[position].index * candidate) >> shift;
+      for (; table[place] != no_position; place = (place + 1) & (size - 1)) ++extra;
+      table[place] = static_cast<std::uint16_t>(position);
+    }
+    if (extra >= fewest) continue;
+    fewest = extra;
+    multiplier = candidate;
+    positions = table;
+  }
+}
+
+const std::vector<std::uint8_t>& DictionaryDescription::default_slot(std::uint32_t slot) const noexcept {
+  for (const Slot& changed : changed_slots_) {
+    if (changed.number == slot) return changed.bytes;
+  }
+  return layout_->slots[slot];
+}
+
 void DictionaryDescription::load_defaults(std::span<std::uint8_t> block,
                                           std::uint8_t node_id) const noexcept {
-  std::copy_n(image_.begin(), block.size(), block.begin());
-  for (const NodeIdDefault& place : node_id_defaults_) {
+  std::copy_n(layout_->image.begin(), block.size(), block.begin());
+  for (const NodeIdDefault& place : layout_->node_id_defaults) {
     if (place.offset + place.length > block.size()) break;  // in order of offset
     unsigned carry = node_id;
     for (std::uint8_t i = 0; i < place.length && carry != 0; ++i) {
@@ -23,35 +66,90 @@ void DictionaryDescription::load_defaults(std::span<std::uint8_t> block,
       carry >>= 8;
     }
   }
+  for (const Value& changed : changed_values_) {
+    if (changed.offset + changed.length > block.size()) continue;
+    can::store_value(&block[changed.offset], changed.value, changed.length);
+  }
+}
+
+std::uint64_t DictionaryDescription::default_value(const Entry& entry, std::uint8_t node_id) const noexcept {
+  const std::uint8_t length = entry.description->length;
+  if (length == 0) return 0;
+  for (const Value& changed : changed_values_) {
+    if (changed.offset == entry.offset && changed.length == length) return changed.value;
+  }
+  const std::uint64_t value = can::load_value(&layout_->image[entry.offset], length);
+  const auto place =
+      std::ranges::lower_bound(layout_->node_id_defaults, entry.offset, {}, &NodeIdDefault::offset);
+  if (place == layout_->node_id_defaults.end() || place->offset != entry.offset) return value;
+  return (value + node_id) & (~std::uint64_t{0} >> (64U - 8U * length));
+}
+
+AbortCode DictionaryDescription::check_write(const Entry& entry, std::size_t length) noexcept {
+  if (!is_writable(entry.description->access)) return AbortCode::write_of_read_only;
+  if (entry.description->length == 0) return AbortCode::none;
+  if (length > entry.description->length) return AbortCode::length_too_high;
+  if (length < entry.description->length) return AbortCode::length_too_low;
+  return AbortCode::none;
+}
+
+AbortCode DictionaryDescription::check_limits(const Entry& entry,
+                                              std::span<const std::uint8_t> value) const noexcept {
+  const EntryDescription& d = *entry.description;
+  if (d.type == DataType::boolean && value[0] > 1) return AbortCode::value_too_high;
+  if (d.limits == 0) return AbortCode::none;
+  const Limits& limits = this->limits(entry);
+  std::uint64_t raw = 0;
+  std::memcpy(&raw, value.data(), d.length);
+  const auto outside = [&](auto convert) {
+    const auto number = convert(raw);
+    if (limits.high && number > convert(*limits.high)) return AbortCode::value_too_high;
+    if (limits.low && number < convert(*limits.low)) return AbortCode::value_too_low;
+    return AbortCode::none;
+  };
+  if (d.type == DataType::real32) {
+    raw = std::bit_cast<std::uint64_t>(
+        static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(raw))));
+  }
+  if (d.type == DataType::real32 || d.type == DataType::real64) {
+    return outside([](std::uint64_t bits) { return std::bit_cast<double>(bits); });
+  }
+  if (is_signed(d.type)) {
+    const unsigned unused = 64U - 8U * d.length;
+    raw = static_cast<std::uint64_t>(static_cast<std::int64_t>(raw << unused) >> unused);
+    return outside([](std::uint64_t bits) { return static_cast<std::int64_t>(bits); });
+  }
+  return outside([](std::uint64_t bits) { return bits; });
+}
+
+AbortCode DictionaryDescription::check_write(const Entry& entry,
+                                             std::span<const std::uint8_t> value) const noexcept {
+  const AbortCode code = check_write(entry, value.size());
+  return code != AbortCode::none || entry.description->length == 0 ? code : check_limits(entry, value);
 }
 
 std::shared_ptr<const DictionaryDescription> DictionaryDescription::with(
     std::span<const Change> changes) const {
-  auto copy = std::make_shared<DictionaryDescription>();
-  for (std::size_t i = 0; i < pages_.size(); ++i) {
-    if (pages_[i]) copy->pages_[i] = std::make_unique<std::array<std::uint16_t, 256>>(*pages_[i]);
-  }
-  copy->objects_ = objects_;
-  copy->entries_ = entries_;
-  copy->names_ = names_;
-  copy->limits_ = limits_;
-  copy->image_ = image_;
-  copy->slots_ = slots_;
-  copy->node_id_defaults_ = node_id_defaults_;
-  copy->communication_block_size_ = communication_block_size_;
-  copy->communication_slot_count_ = communication_slot_count_;
+  auto other = std::make_shared<DictionaryDescription>(*this);
+  const auto changed = [](auto& all, auto member, std::uint32_t number) -> auto& {
+    const auto known = std::ranges::find(all, number, member);
+    if (known != all.end()) return *known;
+    all.emplace_back().*member = number;
+    return all.back();
+  };
   for (const Change& change : changes) {
-    if (change.entry.description->length == 0) {
-      copy->slots_[change.entry.offset] = change.value;
+    const std::uint8_t length = change.entry.description->length;
+    if (length == 0) {
+      changed(other->changed_slots_, &Slot::number, change.entry.offset).bytes = change.value;
       continue;
     }
-    std::copy_n(change.value.begin(),
-                std::min<std::size_t>(change.value.size(), change.entry.description->length),
-                copy->image_.begin() + change.entry.offset);
-    std::erase_if(copy->node_id_defaults_,
-                  [&](const NodeIdDefault& place) { return place.offset == change.entry.offset; });
+    Value& value = changed(other->changed_values_, &Value::offset, change.entry.offset);
+    value.length = static_cast<std::uint8_t>(std::min<std::size_t>(change.value.size(), length));
+    value.value = can::load_value(std::span(change.value).first(value.length));
   }
-  return copy;
+  other->changed_values_.shrink_to_fit();
+  other->changed_slots_.shrink_to_fit();
+  return other;
 }
 
 DictionaryBuilder& DictionaryBuilder::variable(std::uint16_t index, EntrySpec spec) {
@@ -95,15 +193,18 @@ DictionaryBuilder& DictionaryBuilder::uniform(std::uint16_t index, ObjectCode co
 }
 
 std::shared_ptr<const DictionaryDescription> DictionaryBuilder::build() const {
-  auto description = std::make_shared<DictionaryDescription>();
-  DictionaryDescription& d = *description;
-  std::unordered_map<std::string, std::uint32_t> known_names;
-  const auto name_number = [&](const std::string& name) {
-    const auto [place, is_new] = known_names.try_emplace(name, static_cast<std::uint32_t>(d.names_.size()));
-    if (is_new) d.names_.push_back(name);
+  auto layout = std::make_shared<DictionaryDescription::Layout>();
+  DictionaryDescription::Layout& d = *layout;
+  std::unordered_map<std::string_view, std::uint32_t> known_names;  // of the specifications' own strings
+  const auto name_number = [&](std::string_view name) {
+    const auto [place, is_new] = known_names.try_emplace(name, static_cast<std::uint32_t>(d.names.size()));
+    if (is_new) {
+      d.names.push_back(static_cast<std::uint32_t>(d.text.size()));
+      d.text += name;
+    }
     return place->second;
   };
-  d.limits_.emplace_back();  // number 0: no limits
+  d.limits.emplace_back();  // number 0: no limits
 
   const auto place_entry = [&](const EntrySpec& spec, unsigned count) {
     EntryDescription entry;
@@ -114,44 +215,48 @@ std::shared_ptr<const DictionaryDescription> DictionaryBuilder::build() const {
     entry.tpdo_mappable = spec.tpdo_mappable;
     entry.stored = spec.stored;
     if (spec.limits.low || spec.limits.high) {
-      entry.limits = static_cast<std::uint16_t>(d.limits_.size());
-      d.limits_.push_back(spec.limits);
+      entry.limits = static_cast<std::uint16_t>(d.limits.size());
+      d.limits.push_back(spec.limits);
     }
     entry.length = static_cast<std::uint8_t>(byte_length(spec.type));
+    entry.is_plainly_writable = entry.length != 0 && entry.length <= 4 && entry.limits == 0 &&
+                                entry.type != DataType::boolean && is_writable(entry.access);
     if (entry.length == 0) {
-      entry.offset = static_cast<std::uint32_t>(d.slots_.size());
-      for (unsigned i = 0; i < count; ++i) d.slots_.push_back(spec.value);
+      entry.offset = static_cast<std::uint32_t>(d.slots.size());
+      for (unsigned i = 0; i < count; ++i) d.slots.push_back(spec.value);
       return entry;
     }
     if (entry.length == 2 || entry.length == 4 || entry.length == 8) {  // let whole words be loaded as such
-      d.image_.resize((d.image_.size() + entry.length - 1U) / entry.length * entry.length);
+      d.image.resize((d.image.size() + entry.length - 1U) / entry.length * entry.length);
     }
-    entry.offset = static_cast<std::uint32_t>(d.image_.size());
+    entry.offset = static_cast<std::uint32_t>(d.image.size());
     for (unsigned i = 0; i < count; ++i) {
-      const std::size_t start = d.image_.size();
-      d.image_.resize(start + entry.length);
+      const std::size_t start = d.image.size();
+      d.image.resize(start + entry.length);
       std::copy_n(spec.value.begin(), std::min<std::size_t>(spec.value.size(), entry.length),
-                  d.image_.begin() + static_cast<std::ptrdiff_t>(start));
+                  d.image.begin() + static_cast<std::ptrdiff_t>(start));
       if (spec.adds_node_id) {
-        d.node_id_defaults_.push_back({static_cast<std::uint32_t>(start), entry.length});
+        d.node_id_defaults.push_back({static_cast<std::uint32_t>(start), entry.length});
       }
     }
     return entry;
   };
 
+  EntrySpec number_of_subs{
+      .name = "Highest sub-index supported", .type = DataType::unsigned8, .access = Access::constant};
   bool in_communication_area = true;
   for (const auto& [index, spec] : objects_) {
     if (in_communication_area && index >= 0x2000) {
       in_communication_area = false;
-      d.communication_block_size_ = d.image_.size();
-      d.communication_slot_count_ = d.slots_.size();
+      d.communication_block_size = d.image.size();
+      d.communication_slot_count = d.slots.size();
     }
     ObjectDescription object;
     object.index = index;
     object.code = spec.code;
     object.uniform = spec.uniform_count != 0;
     object.name = name_number(spec.name);
-    object.first_entry = static_cast<std::uint32_t>(d.entries_.size());
+    object.first_entry = static_cast<std::uint32_t>(d.entries.size());
     object.highest_sub = object.uniform      ? spec.uniform_count
                          : spec.subs.empty() ? std::uint8_t{0}
                                              : spec.subs.rbegin()->first;
@@ -163,32 +268,33 @@ std::shared_ptr<const DictionaryDescription> DictionaryBuilder::build() const {
         const auto place = spec.subs.find(0xFF);
         highest = place == spec.subs.begin() ? std::uint8_t{0} : std::prev(place)->first;
       }
-      d.entries_.push_back(place_entry({.name = "Highest sub-index supported",
-                                        .type = DataType::unsigned8,
-                                        .access = Access::constant,
-                                        .value = {highest}},
-                                       1));
+      number_of_subs.value = {highest};
+      d.entries.push_back(place_entry(number_of_subs, 1));
     } else if (spec.subs.empty()) {
-      d.entries_.emplace_back();  // an object without any sub-index
+      d.entries.emplace_back();  // an object without any sub-index
     }
     for (const auto& [sub, entry] : spec.subs) {
       const std::size_t wanted = object.first_entry + (object.uniform && sub != 0 ? 1U : sub);
-      while (d.entries_.size() < wanted) d.entries_.emplace_back();  // a gap: no such sub-index
-      d.entries_.push_back(place_entry(entry, object.uniform && sub != 0 ? spec.uniform_count : 1U));
+      while (d.entries.size() < wanted) d.entries.emplace_back();  // a gap: no such sub-index
+      d.entries.push_back(place_entry(entry, object.uniform && sub != 0 ? spec.uniform_count : 1U));
     }
-    auto& page = d.pages_[index >> 8];
-    if (!page) {
-      page = std::make_unique<std::array<std::uint16_t, 256>>();
-      page->fill(DictionaryDescription::no_position);
-    }
-    (*page)[index & 0xFF] = static_cast<std::uint16_t>(d.objects_.size());
-    d.objects_.push_back(object);
+    d.objects.push_back(object);
   }
   if (in_communication_area) {
-    d.communication_block_size_ = d.image_.size();
-    d.communication_slot_count_ = d.slots_.size();
+    d.communication_block_size = d.image.size();
+    d.communication_slot_count = d.slots.size();
   }
-  return description;
+  d.names.push_back(static_cast<std::uint32_t>(d.text.size()));
+  d.index_objects();
+  d.objects.shrink_to_fit();
+  d.entries.shrink_to_fit();
+  d.text.shrink_to_fit();
+  d.names.shrink_to_fit();
+  d.limits.shrink_to_fit();
+  d.image.shrink_to_fit();
+  d.slots.shrink_to_fit();
+  d.node_id_defaults.shrink_to_fit();
+  return std::shared_ptr<const DictionaryDescription>(new DictionaryDescription(std::move(layout)));
 }
 
 std::vector<std::uint8_t> text(std::string_view value) { return {value.begin(), value.end()}; }

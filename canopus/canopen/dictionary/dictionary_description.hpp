@@ -1,9 +1,10 @@
 #pragma once
 // What is common to all nodes of one kind: which objects there are, their types, access rights, limits, names
 // and defaults. Built once (from an EDS file, from a module's table, or in code) and shared; a node owns only
-// its values (object_dictionary.hpp). Looking up an object is two array accesses, whatever its index.
+// its values (object_dictionary.hpp). Looking up an object is one multiplication and, on average, little more
+// than one comparison, whatever its index. Devices of one kind whose defaults differ share everything else
+// (with()).
 
-#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -14,6 +15,7 @@
 #include <vector>
 
 #include "canopus/can/little_endian.hpp"
+#include "canopus/canopen/dictionary/abort_code.hpp"
 #include "canopus/canopen/dictionary/data_type.hpp"
 
 namespace canopus::canopen {
@@ -27,9 +29,11 @@ struct EntryDescription {
   DataType type = DataType::none;  ///< none: this sub-index does not exist
   Access access = Access::read_only;
   std::uint8_t length = 0;  ///< bytes
-  bool rpdo_mappable = false;
-  bool tpdo_mappable = false;
-  bool stored = false;  ///< saved by 1010H
+  bool rpdo_mappable : 1 = false;
+  bool tpdo_mappable : 1 = false;
+  bool stored : 1 = false;  ///< saved by 1010H
+  /// May be written by whatever is as long: a number of 1..4 bytes without limits.
+  bool is_plainly_writable : 1 = false;
 };
 
 /// Lowest and highest value, as the 64-bit pattern of the entry's type (sign-extended, or an IEEE double for
@@ -79,11 +83,17 @@ class DictionaryDescription {
  public:
   /// The object of this index, or nullptr.
   [[nodiscard]] const ObjectDescription* find(std::uint16_t index) const noexcept {
-    const auto& page = pages_[index >> 8];
-    if (!page) return nullptr;
-    const std::uint16_t position = (*page)[index & 0xFF];
+    const std::size_t position = find_position(index);
     return position == no_position ? nullptr : &objects_[position];
   }
+  /// The position() of the object of this index, or no_position.
+  [[nodiscard]] std::size_t find_position(std::uint16_t index) const noexcept {
+    for (std::uint32_t place = (index * multiplier_) >> shift_;; place = (place + 1) & mask_) {
+      const std::size_t position = positions_[place];
+      if (position == no_position || objects_[position].index == index) return position;
+    }
+  }
+  static constexpr std::uint16_t no_position = 0xFFFF;
   /// The sub-index, or an empty Entry.
   [[nodiscard]] Entry find(std::uint16_t index, std::uint8_t sub) const noexcept;
   [[nodiscard]] Entry find(const ObjectDescription& object, std::uint8_t sub) const noexcept {
@@ -100,32 +110,47 @@ class DictionaryDescription {
   /// Position of the object among all (0, 1, 2 ... in order of index); the object must be one of this
   /// description's.
   [[nodiscard]] std::size_t position(const ObjectDescription& object) const noexcept {
-    return static_cast<std::size_t>(&object - objects_.data());
+    return static_cast<std::size_t>(&object - objects_);
   }
 
+  [[nodiscard]] const ObjectDescription& object(std::size_t position) const noexcept {
+    return objects_[position];
+  }
   /// All objects in order of index.
-  [[nodiscard]] std::span<const ObjectDescription> objects() const noexcept { return objects_; }
+  [[nodiscard]] std::span<const ObjectDescription> objects() const noexcept {
+    return {objects_, layout_->objects.size()};
+  }
   [[nodiscard]] std::string_view name(const ObjectDescription& object) const noexcept {
-    return names_[object.name];
+    return layout_->name(object.name);
   }
   [[nodiscard]] std::string_view name(const Entry& entry) const noexcept {
-    return names_[entry.description->name];
+    return layout_->name(entry.description->name);
   }
   [[nodiscard]] const Limits& limits(const Entry& entry) const noexcept {
-    return limits_[entry.description->limits];
+    return layout_->limits[entry.description->limits];
   }
   /// Size of a node's value block, and of the part of it that holds 0000H-1FFFH (it comes first).
-  [[nodiscard]] std::size_t block_size() const noexcept { return image_.size(); }
-  [[nodiscard]] std::size_t communication_block_size() const noexcept { return communication_block_size_; }
-  /// Number of values of variable length, and of those in 0000H-1FFFH (they come first).
-  [[nodiscard]] std::size_t slot_count() const noexcept { return slots_.size(); }
-  [[nodiscard]] std::size_t communication_slot_count() const noexcept { return communication_slot_count_; }
-  [[nodiscard]] const std::vector<std::uint8_t>& default_slot(std::uint32_t slot) const noexcept {
-    return slots_[slot];
+  [[nodiscard]] std::size_t block_size() const noexcept { return layout_->image.size(); }
+  [[nodiscard]] std::size_t communication_block_size() const noexcept {
+    return layout_->communication_block_size;
   }
+  /// Number of values of variable length, and of those in 0000H-1FFFH (they come first).
+  [[nodiscard]] std::size_t slot_count() const noexcept { return layout_->slots.size(); }
+  [[nodiscard]] std::size_t communication_slot_count() const noexcept {
+    return layout_->communication_slot_count;
+  }
+  [[nodiscard]] const std::vector<std::uint8_t>& default_slot(std::uint32_t slot) const noexcept;
   /// Writes the defaults for this node-ID over the first `size` bytes of `block` (block_size(), or
   /// communication_block_size() for those of the communication profile alone).
   void load_defaults(std::span<std::uint8_t> block, std::uint8_t node_id) const noexcept;
+
+  /// One of these defaults, zero-extended; 0 for a type of variable length.
+  [[nodiscard]] std::uint64_t default_value(const Entry& entry, std::uint8_t node_id) const noexcept;
+
+  /// What a write of `length` bytes is refused with, whatever the value.
+  [[nodiscard]] static AbortCode check_write(const Entry& entry, std::size_t length) noexcept;
+  /// What a write of this value is refused with before anybody's behaviour is asked.
+  [[nodiscard]] AbortCode check_write(const Entry& entry, std::span<const std::uint8_t> value) const noexcept;
 
   /// A default of one sub-index in place of the described one.
   struct Change {
@@ -133,26 +158,59 @@ class DictionaryDescription {
     std::vector<std::uint8_t> value;
   };
   /// The same description with other defaults: one device of a kind that was configured before it is switched
-  /// on.
+  /// on. Entries of one are entries of the other; it costs the changes, not a copy.
   [[nodiscard]] std::shared_ptr<const DictionaryDescription> with(std::span<const Change> changes) const;
 
  private:
   friend class DictionaryBuilder;
-  static constexpr std::uint16_t no_position = 0xFFFF;
   struct NodeIdDefault {
     std::uint32_t offset;
     std::uint8_t length;
   };
-  std::array<std::unique_ptr<std::array<std::uint16_t, 256>>, 256> pages_;
-  std::vector<ObjectDescription> objects_;
-  std::vector<EntryDescription> entries_;
-  std::vector<std::string> names_;
-  std::vector<Limits> limits_;
-  std::vector<std::uint8_t> image_;
-  std::vector<std::vector<std::uint8_t>> slots_;
-  std::vector<NodeIdDefault> node_id_defaults_;
-  std::size_t communication_block_size_ = 0;
-  std::size_t communication_slot_count_ = 0;
+  /// What descriptions that differ in defaults alone have in common.
+  struct Layout {
+    std::vector<ObjectDescription> objects;
+    std::vector<EntryDescription> entries;
+    std::string text;                  // all names, one after another
+    std::vector<std::uint32_t> names;  // where each begins in it, and the end
+    std::vector<Limits> limits;
+    std::vector<std::uint8_t> image;
+    std::vector<std::vector<std::uint8_t>> slots;
+    std::vector<NodeIdDefault> node_id_defaults;
+    std::vector<std::uint16_t> positions;  // a hash table over the index: positions in `objects`
+    std::uint32_t multiplier = 0;          // of the hash
+    std::size_t communication_block_size = 0;
+    std::size_t communication_slot_count = 0;
+
+    [[nodiscard]] std::string_view name(std::uint32_t number) const noexcept {
+      return std::string_view(text).substr(names[number], names[number + 1] - names[number]);
+    }
+    void index_objects();
+  };
+  [[nodiscard]] AbortCode check_limits(const Entry& entry,
+                                       std::span<const std::uint8_t> value) const noexcept;
+  explicit DictionaryDescription(std::shared_ptr<const Layout> layout);
+
+  // Of the layout, what a look-up needs.
+  const std::uint16_t* positions_;
+  const ObjectDescription* objects_;
+  const EntryDescription* entries_;
+  std::uint32_t multiplier_;
+  std::uint32_t shift_;
+  std::uint32_t mask_;
+  std::shared_ptr<const Layout> layout_;
+  /// Defaults in place of the layout's: of fixed length, and of variable length.
+  struct Value {
+    std::uint32_t offset = 0;
+    std::uint8_t length = 0;
+    std::uint64_t value = 0;
+  };
+  struct Slot {
+    std::uint32_t number = 0;
+    std::vector<std::uint8_t> bytes;
+  };
+  std::vector<Value> changed_values_;
+  std::vector<Slot> changed_slots_;
 };
 
 /// Collects objects in any order and lays them out. A later add of the same sub-index replaces the earlier

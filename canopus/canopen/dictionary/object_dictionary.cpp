@@ -33,9 +33,10 @@ AbortCode ObjectDictionary::prepare_read(std::uint16_t index, std::uint8_t sub, 
 }
 
 ObjectDictionary::ShortValue ObjectDictionary::find_short(std::uint32_t multiplexer) noexcept {
-  const ObjectDescription* object = description_->find(static_cast<std::uint16_t>(multiplexer >> 8));
-  if (object == nullptr || handler(*object) != nullptr) return {};
-  const Entry entry = description_->find(*object, static_cast<std::uint8_t>(multiplexer >> 24));
+  const std::size_t position = description_->find_position(static_cast<std::uint16_t>(multiplexer >> 8));
+  if (position == DictionaryDescription::no_position || handler_numbers_[position] != 0) return {};
+  const Entry entry =
+      description_->find(description_->object(position), static_cast<std::uint8_t>(multiplexer >> 24));
   if (!entry || !is_readable(entry.description->access)) return {};
   const std::uint8_t length = entry.description->length;
   if (length == 0 || length > 4) return {};
@@ -59,53 +60,13 @@ ObjectStream* ObjectDictionary::stream(const Entry& entry) const {
   return behaviour != nullptr ? behaviour->stream(entry) : nullptr;
 }
 
-AbortCode ObjectDictionary::check_write(const Entry& entry, std::size_t length) const noexcept {
-  if (!is_writable(entry.description->access)) return AbortCode::write_of_read_only;
-  if (entry.description->length == 0) return AbortCode::none;
-  if (length > entry.description->length) return AbortCode::length_too_high;
-  if (length < entry.description->length) return AbortCode::length_too_low;
-  return AbortCode::none;
-}
-
-AbortCode ObjectDictionary::check_limits(const Entry& entry,
-                                         std::span<const std::uint8_t> value) const noexcept {
-  const EntryDescription& d = *entry.description;
-  if (d.type == DataType::boolean && value[0] > 1) return AbortCode::value_too_high;
-  if (d.limits == 0) return AbortCode::none;
-  const Limits& limits = description_->limits(entry);
-  std::uint64_t raw = 0;
-  std::memcpy(&raw, value.data(), d.length);
-  const auto outside = [&](auto convert) {
-    const auto number = convert(raw);
-    if (limits.high && number > convert(*limits.high)) return AbortCode::value_too_high;
-    if (limits.low && number < convert(*limits.low)) return AbortCode::value_too_low;
-    return AbortCode::none;
-  };
-  if (d.type == DataType::real32) {
-    raw = std::bit_cast<std::uint64_t>(
-        static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(raw))));
-  }
-  if (d.type == DataType::real32 || d.type == DataType::real64) {
-    return outside([](std::uint64_t bits) { return std::bit_cast<double>(bits); });
-  }
-  if (is_signed(d.type)) {
-    const unsigned unused = 64U - 8U * d.length;
-    raw = static_cast<std::uint64_t>(static_cast<std::int64_t>(raw << unused) >> unused);
-    return outside([](std::uint64_t bits) { return static_cast<std::int64_t>(bits); });
-  }
-  return outside([](std::uint64_t bits) { return bits; });
-}
-
 AbortCode ObjectDictionary::write(std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> value,
                                   can::Time now) {
   const ObjectDescription* object = description_->find(index);
   if (object == nullptr) return AbortCode::no_object;
   const Entry entry = description_->find(*object, sub);
   if (!entry) return AbortCode::no_sub_index;
-  if (const AbortCode code = check_write(entry, value.size()); code != AbortCode::none) return code;
-  if (entry.description->length != 0) {
-    if (const AbortCode code = check_limits(entry, value); code != AbortCode::none) return code;
-  }
+  if (const AbortCode code = description_->check_write(entry, value); code != AbortCode::none) return code;
   ObjectHandler* behaviour = handler(*object);
   if (behaviour != nullptr) {
     if (const AbortCode code = behaviour->before_write(*this, entry, value, now); code != AbortCode::none) {
@@ -116,6 +77,23 @@ AbortCode ObjectDictionary::write(std::uint16_t index, std::uint8_t sub, std::sp
   if (behaviour != nullptr) behaviour->after_write(*this, entry, now);
   if (write_observer_ != nullptr) write_observer_->object_written(entry, now);
   return AbortCode::none;
+}
+
+bool ObjectDictionary::write_short(std::uint32_t multiplexer, ShortValue value, can::Time now) {
+  const std::size_t position = description_->find_position(static_cast<std::uint16_t>(multiplexer >> 8));
+  if (position == DictionaryDescription::no_position || handler_numbers_[position] != 0) return false;
+  const Entry entry =
+      description_->find(description_->object(position), static_cast<std::uint8_t>(multiplexer >> 24));
+  if (!entry || !entry.description->is_plainly_writable || entry.description->length != value.length)
+    return false;
+  std::uint8_t* const to = &block_[entry.offset];
+  if (value.length == 4) {
+    std::memcpy(to, &value.number, 4);
+  } else {
+    can::store_value(to, value.number, value.length);
+  }
+  if (write_observer_ != nullptr) write_observer_->object_written(entry, now);
+  return true;
 }
 
 std::span<const std::uint8_t> ObjectDictionary::bytes(const Entry& entry) const noexcept {

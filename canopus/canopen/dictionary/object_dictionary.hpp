@@ -73,7 +73,7 @@ class ObjectDictionary {
   /// A value of `length` bytes.
   struct ShortValue {
     std::uint32_t number = 0;
-    std::uint8_t length = 0;
+    std::uint8_t length = 0;  ///< bytes
   };
   /// read() of what has 1..4 bytes, may be read and has no handler, as most values that are asked for; length
   /// 0: this is none of them.
@@ -83,6 +83,9 @@ class ObjectDictionary {
     const auto number = can::load_value(block_.data() + last_short_.offset, last_short_.length);
     return {static_cast<std::uint32_t>(number), last_short_.length};
   }
+  /// write() of what has 1..4 bytes, as many as given, may be written, and has neither limits nor a handler, as
+  /// most values that are written. False: it is none of them, and nothing was done.
+  [[nodiscard]] bool write_short(std::uint32_t multiplexer, ShortValue value, can::Time now);
   /// The stream of a value that has one.
   [[nodiscard]] ObjectStream* stream(const Entry& entry) const;
   /// Writes as the bus does.
@@ -90,7 +93,9 @@ class ObjectDictionary {
                                 can::Time now);
   /// What write() would say before it asks the handler, for a value of this length (a download's announced
   /// size).
-  [[nodiscard]] AbortCode check_write(const Entry& entry, std::size_t length) const noexcept;
+  [[nodiscard]] AbortCode check_write(const Entry& entry, std::size_t length) const noexcept {
+    return DictionaryDescription::check_write(entry, length);
+  }
 
   /// The device's own reading, zero- or sign-extended by T's signedness; T's size must not exceed 8 bytes.
   template <typename T>
@@ -101,7 +106,9 @@ class ObjectDictionary {
       std::memcpy(&value, &block_[entry.offset], std::min<std::size_t>(sizeof(T), entry.description->length));
       return value;
     } else {
-      std::uint64_t raw = can::load_value(&block_[entry.offset], entry.description->length);
+      const std::uint8_t* const from = &block_[entry.offset];
+      if (entry.description->length == sizeof(T)) return can::load_as<T>(from);  // nearly always
+      std::uint64_t raw = can::load_value(from, entry.description->length);
       if constexpr (std::is_signed_v<T>) {
         const unsigned unused = 64U - 8U * entry.description->length;
         raw = static_cast<std::uint64_t>(static_cast<std::int64_t>(raw << unused) >> unused);
@@ -122,7 +129,12 @@ class ObjectDictionary {
     if constexpr (std::is_floating_point_v<T>) {
       std::memcpy(&block_[entry.offset], &value, std::min<std::size_t>(sizeof(T), entry.description->length));
     } else {
-      can::store_value(&block_[entry.offset], static_cast<std::uint64_t>(value), entry.description->length);
+      std::uint8_t* const to = &block_[entry.offset];
+      if (entry.description->length == sizeof(T)) {  // nearly always
+        std::memcpy(to, &value, sizeof(T));
+      } else {
+        can::store_value(to, static_cast<std::uint64_t>(value), entry.description->length);
+      }
     }
   }
   /// The same by number. False when there is no such sub-index or it is of variable length.
@@ -160,8 +172,6 @@ class ObjectDictionary {
   void reset_communication(std::uint8_t node_id);
 
  private:
-  [[nodiscard]] AbortCode check_limits(const Entry& entry,
-                                       std::span<const std::uint8_t> value) const noexcept;
   [[nodiscard]] ObjectHandler* handler(const ObjectDescription& object) const noexcept {
     return handlers_[handler_numbers_[description_->position(object)]];
   }

@@ -20,7 +20,7 @@ class EmcyConsumer final : public ObjectHandler {
   void list_identifiers(std::vector<IdentifierTable::Route>& routes) const;
 
   AbortCode before_write(ObjectDictionary&, const Entry&, std::span<const std::uint8_t>, can::Time) override;
-  void after_write(ObjectDictionary&, const Entry&, can::Time) override { node_.identifiers_changed = true; }
+  void after_write(ObjectDictionary&, const Entry&, can::Time) override { node_.change_identifiers(); }
 
  private:
   NodeContext& node_;

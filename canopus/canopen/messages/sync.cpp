@@ -15,7 +15,7 @@ void Sync::read() {
                      node_.options.sync_period_resolution);
   window_ = std::chrono::microseconds(d.get<std::uint32_t>(0x1007, 0));
   overflow_ = d.get<std::uint8_t>(0x1019, 0);
-  node_.identifiers_changed = true;
+  node_.change_identifiers();
 }
 
 void Sync::start(can::Time now) {
@@ -29,7 +29,7 @@ void Sync::start(can::Time now) {
 void Sync::stop() {
   cob_id_ = {};
   node_.timers.stop(timer_);
-  node_.identifiers_changed = true;
+  node_.change_identifiers();
 }
 
 bool Sync::produces() const noexcept {

@@ -10,12 +10,12 @@ void TimeStamp::start() {
   if (node_.state == NmtState::initialising) return;
   cob_id_ = CobId{node_.dictionary.get<std::uint32_t>(0x1012, 0)};
   if (is_restricted(cob_id_)) cob_id_ = CobId{0};  // neither sent nor heard
-  node_.identifiers_changed = true;
+  node_.change_identifiers();
 }
 
 void TimeStamp::stop() {
   cob_id_ = CobId{0};
-  node_.identifiers_changed = true;
+  node_.change_identifiers();
 }
 
 void TimeStamp::receive(const can::Frame& frame, can::Time now) {

@@ -37,7 +37,7 @@ void HeartbeatConsumer::stop() {
     watches_[i] = {};
     node_.timers.stop(static_cast<TimerQueue::Number>(first_timer_ + i));
   }
-  node_.identifiers_changed = true;
+  node_.change_identifiers();
 }
 
 void HeartbeatConsumer::read(std::size_t number) {
@@ -45,7 +45,7 @@ void HeartbeatConsumer::read(std::size_t number) {
   const ConsumerEntry entry = decode(node_.dictionary.get<std::uint32_t>(0x1016, sub));
   watches_[number] = entry.is_used() ? Watch{entry.node_id, State::waiting, entry.milliseconds} : Watch{};
   node_.timers.stop(static_cast<TimerQueue::Number>(first_timer_ + number));
-  node_.identifiers_changed = true;
+  node_.change_identifiers();
 }
 
 void HeartbeatConsumer::receive(std::uint16_t number, const can::Frame& frame, can::Time now) {

@@ -1,5 +1,6 @@
 #include "canopus/canopen/node/node.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -37,7 +38,9 @@ struct Node::Services final : NodeContext, WriteObserver {
   }
   void communication_error(can::Time now) override { enter(error_behaviour.after_error(state), now); }
   void object_written(const Entry& entry, can::Time now) override {
-    if (options.sdo_write_is_event && entry.index >= 0x2000) tpdos.object_written(entry, now);
+    if (tpdos.may_have_event_of(entry) && options.sdo_write_is_event && entry.index >= 0x2000) {
+      tpdos.object_written(entry, now);
+    }
     stored_parameters.object_written(entry);
     if (listener != nullptr) listener->object_written(entry, now);
   }
@@ -99,7 +102,7 @@ void Node::Services::stop() {
   tpdos.stop();
   sdo_channels.stop();
   timers.stop_all();
-  identifiers_changed = true;
+  change_identifiers();
 }
 
 // Initialisation: new values, then the services read them, then the boot-up message ends it.
@@ -187,7 +190,11 @@ void Node::Services::build_table() {
   }
   table.build(routes);
   hears_extended = false;
-  for (const auto& route : routes) hears_extended = hears_extended || (route.key >> 29 & 1) != 0;
+  filter.clear();
+  for (const auto& route : routes) {
+    hears_extended = hears_extended || (route.key >> 29 & 1) != 0;
+    filter.add(route.key);
+  }
 }
 
 void Node::Services::receive(const can::Frame& frame, can::Time now) {
@@ -337,6 +344,18 @@ bool Node::wants(std::uint32_t base_identifier) const {
   return services_->table.contains(IdentifierTable::key(base_identifier, false, false)) ||
          services_->table.contains(IdentifierTable::key(base_identifier, false, true));
 }
+std::vector<std::uint32_t> Node::wanted_identifiers() const {
+  services_->settle();
+  std::vector<std::uint32_t> identifiers;
+  services_->table.for_each_key([&](std::uint32_t key) {
+    constexpr std::uint32_t remote = 1U << 30;
+    if ((key & ~remote) <= can::max_base_identifier) identifiers.push_back(key & ~remote);
+  });
+  std::ranges::sort(identifiers);
+  const auto twice = std::ranges::unique(identifiers);
+  identifiers.erase(twice.begin(), twice.end());
+  return identifiers;
+}
 bool Node::wants_extended() const {
   services_->settle();
   return services_->hears_extended;
@@ -350,6 +369,7 @@ std::uint32_t Node::identifiers_revision() const {
 // kept.
 void Node::receive(const can::Frame& frame, can::Time now) {
   Services& services = *services_;
+  if (!services.filter.may_pass(frame.identifier)) return;
   if (services.identifiers_changed || frame.extended || frame.remote) return services.receive(frame, now);
   const IdentifierTable::Slot* slot = services.table.first(frame.identifier);
   if (slot == nullptr) return;

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "canopus/can/controller.hpp"
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
@@ -94,6 +95,8 @@ class Node final : public can::Participant {
   /// True when the node would do something with a data or remote frame of this base identifier: whoever
   /// delivers frames may leave out the others.
   [[nodiscard]] bool wants(std::uint32_t base_identifier) const;
+  /// All base identifiers that it wants, in order.
+  [[nodiscard]] std::vector<std::uint32_t> wanted_identifiers() const;
   /// True when it listens to any 29-bit identifier.
   [[nodiscard]] bool wants_extended() const;
   /// Changes whenever wants() may answer differently than before.

@@ -11,7 +11,6 @@ namespace {
 constexpr std::uint32_t save_signature = 0x65766173;  // "save"
 constexpr std::uint32_t load_signature = 0x64616F6C;  // "load"
 constexpr std::uint32_t on_command = 1;
-constexpr std::uint32_t autonomously = 2;
 constexpr std::uint8_t all_parameters = 1;
 
 bool is_in_group(std::uint8_t group, std::uint16_t index) {
@@ -39,6 +38,9 @@ StoredParameters::StoredParameters(NodeContext& node) : node_(node) {
   for_each_entry(node.dictionary.description(), [this](const Entry& entry) {
     marks_entries_ = marks_entries_ || entry.description->stored;
   });
+  const Entry save_all = node.dictionary.description().find(0x1010, 1);
+  has_save_all_ = save_all && save_all.description->length != 0;
+  save_all_ = has_save_all_ ? save_all.offset : 0;
   node.dictionary.attach(0x1010, 0x1011, *this);
 }
 
@@ -102,8 +104,8 @@ AbortCode StoredParameters::restore(std::uint8_t group) {
   return code;
 }
 
-void StoredParameters::object_written(const Entry& entry) {
-  if ((node_.dictionary.get<std::uint32_t>(0x1010, 1) & autonomously) == 0 || restore_pending_) return;
+void StoredParameters::save_written(const Entry& entry) {
+  if (restore_pending_) return;
   if (entry.index != 0x1010 && entry.index != 0x1011 && is_stored(entry)) {
     static_cast<void>(save(all_parameters));
   }

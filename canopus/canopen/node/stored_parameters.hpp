@@ -29,27 +29,33 @@ class StoredParameters final : public ObjectHandler {
   /// Puts the stored values of first..last into the dictionary.
   void apply(std::uint16_t first, std::uint16_t last);
   /// A value was written: saves it if 1010H:01 says "autonomously".
-  void object_written(const Entry& entry);
+  void object_written(const Entry& entry) {
+    if (has_save_all_ && (node_.dictionary.block()[save_all_] & autonomously) != 0) save_written(entry);
+  }
 
   AbortCode before_read(ObjectDictionary&, const Entry&, can::Time) override;
   AbortCode before_write(ObjectDictionary&, const Entry&, std::span<const std::uint8_t>, can::Time) override;
   void after_write(ObjectDictionary&, const Entry&, can::Time) override;
 
  private:
+  static constexpr std::uint8_t autonomously = 2;  // of 1010H, in its lowest byte
   using Image = std::vector<std::uint8_t>;
   [[nodiscard]] Image load();
   [[nodiscard]] Image load_others(std::uint8_t group);
   AbortCode keep(Image image);
   AbortCode save(std::uint8_t group);
   AbortCode restore(std::uint8_t group);
+  void save_written(const Entry& entry);
   [[nodiscard]] bool is_stored(const Entry& entry) const noexcept;
 
   NodeContext& node_;
   ParameterStore* store_ = nullptr;
   Image own_image_;
+  std::uint32_t save_all_ = 0;  // where 1010H:01H lies in the value block
   std::uint32_t value_before_ = 0;
   bool marks_entries_ = false;  // the dictionary says what is stored
   bool restore_pending_ = false;
+  bool has_save_all_ = false;
 };
 
 }  // namespace canopus::canopen

@@ -87,6 +87,16 @@ bool CopyPlan::holds(std::uint32_t offset, std::uint8_t length) const noexcept {
   return overlaps(first_) || std::ranges::any_of(rest_, overlaps);
 }
 
+std::pair<std::uint32_t, std::uint32_t> CopyPlan::extent() const noexcept {
+  if (first_.bytes == 0) return {0, 0};
+  std::pair<std::uint32_t, std::uint32_t> extent{first_.offset, first_.offset + first_.bytes};
+  for (const Step& step : rest_) {
+    extent.first = std::min(extent.first, step.offset);
+    extent.second = std::max(extent.second, step.offset + step.bytes);
+  }
+  return extent;
+}
+
 AbortCode check_mapping_entry(const ObjectDictionary& dictionary, std::uint32_t value,
                               PdoDirection direction) noexcept {
   const Mapping mapping(value);

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "canopus/can/little_endian.hpp"
@@ -44,6 +45,10 @@ class CopyPlan {
   }
   /// True when some of the bytes offset..offset+length of the block are mapped.
   [[nodiscard]] bool holds(std::uint32_t offset, std::uint8_t length) const noexcept;
+
+  /// The bytes of the block that are mapped lie within these: offset of the first, and behind the last. Nothing
+  /// mapped: 0, 0.
+  [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> extent() const noexcept;
 
   /// The data bytes of a frame, little endian; those beyond length() are 0.
   [[nodiscard]] std::uint64_t gather(const std::uint8_t* block) const noexcept {

@@ -51,7 +51,7 @@ void Rpdos::read(Rpdo& pdo) {
     pdo.plan.clear();
   }
   node_.timers.stop(timer(pdo));
-  node_.identifiers_changed = true;
+  node_.change_identifiers();
 }
 
 void Rpdos::start() {
@@ -71,7 +71,7 @@ void Rpdos::stop() {
     pdo.cob_id = {};
     node_.timers.stop(timer(pdo));
   }
-  node_.identifiers_changed = true;
+  node_.change_identifiers();
 }
 
 void Rpdos::leave_operational() {
@@ -83,15 +83,8 @@ void Rpdos::leave_operational() {
 }
 
 void Rpdos::take(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now) {
-  const auto data = std::bit_cast<std::uint64_t>(frame.data);
-  if (pdo.transmission_type <= 240) {
-    if (now > window_end) return;
-    pdo.waiting_data = data;
-    pdo.is_waiting = true;
-    any_waiting_ = true;
-    return;
-  }
-  pdo.plan.scatter(data, node_.dictionary.block().data());
+  if (pdo.transmission_type <= 240) return wait_for_sync(pdo, frame, window_end, now);
+  pdo.plan.scatter(std::bit_cast<std::uint64_t>(frame.data), node_.dictionary.block().data());
   if (node_.listener != nullptr) node_.listener->rpdo_received(pdo.number, now);
 }
 

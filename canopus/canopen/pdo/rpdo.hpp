@@ -32,7 +32,10 @@ class Rpdos final : public ObjectHandler {
   void receive(std::uint16_t position, const can::Frame& frame, can::Time window_end, can::Time now) {
     if (!node_.is_operational()) return;
     Rpdo& pdo = rpdos_[position];
-    if (!pdo.is_plain || frame.dlc != pdo.plan.length()) return receive_other(pdo, frame, window_end, now);
+    if (frame.dlc != pdo.plan.length() || pdo.way == Way::with_care) {
+      return receive_other(pdo, frame, window_end, now);
+    }
+    if (pdo.way == Way::wait) return wait_for_sync(pdo, frame, window_end, now);
     pdo.plan.scatter_word(std::bit_cast<std::uint64_t>(frame.data), node_.dictionary.block().data());
     if (node_.listener != nullptr) node_.listener->rpdo_received(pdo.number, now);
   }
@@ -46,6 +49,12 @@ class Rpdos final : public ObjectHandler {
   void after_write(ObjectDictionary&, const Entry&, can::Time) override;
 
  private:
+  /// What a frame of the mapped length costs.
+  enum class Way : std::uint8_t {
+    with_care,
+    copy,  // one copy, at once: nothing waits, is watched or was wrong
+    wait,  // the same, but it waits for SYNC
+  };
   struct Rpdo {
     std::uint64_t waiting_data = 0;  // for the next SYNC
     CopyPlan plan;
@@ -56,7 +65,7 @@ class Rpdos final : public ObjectHandler {
     std::uint8_t addressing = 0;   // of an MPDO, else 0
     std::uint8_t error_count = 0;  // EMCYs that wait for their end: length, deadline
     bool watched = false;          // has an event timer, or is an MPDO
-    bool is_plain = false;         // a frame is one copy, at once: nothing waits, is watched or was wrong
+    Way way = Way::with_care;
     bool is_waiting = false;
     bool length_error = false;
     bool timed_out = false;
@@ -67,7 +76,15 @@ class Rpdos final : public ObjectHandler {
   void read(Rpdo& pdo);
   [[nodiscard]] CommunicationError time_out_of(const Rpdo& pdo) const noexcept;
   static void classify(Rpdo& pdo) noexcept {
-    pdo.is_plain = pdo.plan.is_word() && pdo.transmission_type > 240 && !pdo.watched && pdo.error_count == 0;
+    const bool is_usual = !pdo.watched && pdo.error_count == 0;
+    const bool waits = pdo.transmission_type <= 240;
+    pdo.way = is_usual && waits ? Way::wait : is_usual && pdo.plan.is_word() ? Way::copy : Way::with_care;
+  }
+  void wait_for_sync(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now) {
+    if (now > window_end) return;
+    pdo.waiting_data = std::bit_cast<std::uint64_t>(frame.data);
+    pdo.is_waiting = true;
+    any_waiting_ = true;
   }
   void forget_errors(Rpdo& pdo, can::Time now);
   [[nodiscard]] Rpdo* find(std::uint16_t index) noexcept;

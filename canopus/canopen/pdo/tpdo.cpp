@@ -10,6 +10,7 @@ constexpr std::uint16_t first_mapping = 0x1A00;
 constexpr std::uint16_t number_mask = 0x01FF;
 constexpr std::uint8_t rtr_synchronous = 0xFC;
 constexpr std::uint8_t rtr_event = 0xFD;
+constexpr std::uint32_t longest_value = 8;  // of fixed length, in bytes
 
 }  // namespace
 
@@ -53,7 +54,7 @@ void Tpdos::read(Tpdo& pdo) {
   }
   if (pdo.addressing == 0 && pdo.plan.length() == 0) pdo.cob_id.raw |= CobId::invalid_bit;  // nothing to send
   pdo.head = {pdo.cob_id.key(), pdo.addressing != 0 ? std::uint8_t{8} : pdo.plan.length()};
-  node_.identifiers_changed = true;
+  node_.change_identifiers();
 }
 
 void Tpdos::activate(Tpdo& pdo, can::Time now) {
@@ -84,6 +85,23 @@ void Tpdos::list_synchronous() {
   }
 }
 
+void Tpdos::list_watched() {
+  std::uint32_t first = 0xFFFF'FFFF;
+  std::uint32_t end = 0;
+  scans_ = false;
+  for (const Tpdo& pdo : tpdos_) {
+    scans_ = scans_ || pdo.addressing == source_addressing;
+    if (!pdo.is_event_driven() && pdo.transmission_type != 0) continue;
+    const auto [from, behind] = pdo.plan.extent();
+    if (from == behind) continue;
+    // A value that begins before what is mapped reaches into it with its end.
+    first = std::min(first, from < longest_value ? 0 : from - longest_value);
+    end = std::max(end, behind);
+  }
+  first_watched_ = first;
+  watched_bytes_ = end > first ? end - first : 0;
+}
+
 void Tpdos::start(can::Time now) {
   for (Tpdo& pdo : tpdos_) {
     read(pdo);
@@ -95,6 +113,7 @@ void Tpdos::start(can::Time now) {
     activate(pdo, now);
   }
   list_synchronous();
+  list_watched();
   scanner_.start();
 }
 
@@ -106,7 +125,7 @@ void Tpdos::stop() {
     schedule(pdo);
   }
   synchronous_.clear();
-  node_.identifiers_changed = true;
+  node_.change_identifiers();
 }
 
 void Tpdos::enter_operational(can::Time now) {
@@ -348,6 +367,7 @@ void Tpdos::after_write(ObjectDictionary& dictionary, const Entry& entry, can::T
   if (pdo == nullptr) return;
   const bool new_event_timer = entry.index < first_mapping && entry.sub == 5;
   read(*pdo);
+  list_watched();
   if (!new_event_timer) {
     activate(*pdo, now);
     list_synchronous();

@@ -44,6 +44,10 @@ class Tpdos final : public ObjectHandler {
   unsigned values_changed(can::Time now);
   /// The event of TPDO `number`. False: it does not exist, is not valid or event-driven, or was dismissed.
   bool event(std::uint16_t number, can::Time now);
+  /// False: object_written() would do nothing for this entry.
+  [[nodiscard]] bool may_have_event_of(const Entry& entry) const noexcept {
+    return entry.offset - first_watched_ < watched_bytes_ || scans_;
+  }
   /// A mapped value was written: its TPDOs have their events.
   void object_written(const Entry& entry, can::Time now);
   /// Sends `value` (up to 4 bytes) to an object of another node (0 = all) through the MPDO in TPDO `number`.
@@ -100,6 +104,7 @@ class Tpdos final : public ObjectHandler {
   }
   void schedule(const Tpdo& pdo);
   void list_synchronous();
+  void list_watched();
   [[nodiscard]] Tpdo* find(std::uint16_t index) noexcept;
   [[nodiscard]] TimerQueue::Number timer(const Tpdo& pdo) const noexcept {
     return static_cast<TimerQueue::Number>(first_timer_ + (&pdo - tpdos_.data()));
@@ -109,6 +114,10 @@ class Tpdos final : public ObjectHandler {
   MpdoScanner scanner_{node_};
   std::vector<Tpdo> tpdos_;                 // in order of number
   std::vector<std::uint16_t> synchronous_;  // positions of the valid ones that SYNC concerns
+  // All that TPDOs with events map lies here in the value block; values of another place need no look at them.
+  std::uint32_t first_watched_ = 0;
+  std::uint32_t watched_bytes_ = 0;
+  bool scans_ = false;  // there is an MPDO in source addressing mode
   TimerQueue::Number first_timer_ = 0;
 };
 

@@ -30,13 +30,13 @@ void SdoChannels::read(Server& server) const {
   server.request = usable(CobId{d.get<std::uint32_t>(server.index, 1, CobId::invalid_bit)});
   server.response = usable(CobId{d.get<std::uint32_t>(server.index, 2, CobId::invalid_bit)});
   server.server.set_response_identifier(server.response.key());
-  node_.identifiers_changed = true;
+  node_.change_identifiers();
 }
 
 void SdoChannels::start() {
   default_server_.set_response_identifier(cob_id::sdo_response + node_.node_id);
   for (const auto& server : servers_) read(*server);
-  node_.identifiers_changed = true;
+  node_.change_identifiers();
 }
 
 void SdoChannels::stop() {
@@ -87,7 +87,7 @@ void SdoChannels::after_write(ObjectDictionary&, const Entry& entry, can::Time) 
       if (server->is_valid() && !server->server.busy()) {
         server->server.set_response_identifier(server->response.key());
       }
-      node_.identifiers_changed = true;
+      node_.change_identifiers();
     }
   }
 }

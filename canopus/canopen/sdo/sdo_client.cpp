@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/sdo/sdo_frame.hpp"
 #include "canopus/canopen/service/nmt.hpp"
 
@@ -74,8 +75,8 @@ bool SdoClient::download(std::uint16_t index, std::uint8_t sub, std::span<const 
                          SdoClientUser& user, can::Time now, can::Duration time_out, Mode mode) {
   if (busy()) return false;
   if (!data.empty() && data.size() <= 4) {
-    std::uint32_t value = 0;
-    std::copy_n(data.begin(), data.size(), reinterpret_cast<std::uint8_t*>(&value));
+    const std::uint32_t value =
+        data.size() == 4 ? can::load_as<std::uint32_t>(data.data()) : can::load_u32(data);
     const unsigned command = 0x23U | static_cast<unsigned>(4 - data.size()) << 2;
     expedited_ = true;
     return start(State::initiate_download, sdo::frame(request_, command, sdo::multiplexer(index, sub), value),
@@ -191,6 +192,16 @@ void SdoClient::request_segment(can::Time now) {
 }
 
 void SdoClient::segment_uploaded(const can::Frame& frame, can::Time now) {
+  // Not the last one, with the toggle bit that is due, and nothing to see to.
+  if ((frame.data[0] & ~sdo::unused_bits) == toggle_ &&
+      collector_.add_plain(frame, sdo::segment_length(frame))) {
+    toggle_ ^= sdo::toggle_bit;
+    return request_segment(now);
+  }
+  take_segment_with_care(frame, now);
+}
+
+void SdoClient::take_segment_with_care(const can::Frame& frame, can::Time now) {
   if (static_cast<ServerCommand>(frame.data[0] >> 5) != ServerCommand::upload_segment) {
     return give_up(AbortCode::command_specifier, now);
   }

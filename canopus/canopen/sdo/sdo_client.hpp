@@ -137,6 +137,7 @@ class SdoClient {
   void take_expedited(const can::Frame& frame, can::Time now);
   void request_segment(can::Time now);
   void segment_uploaded(const can::Frame& frame, can::Time now);
+  void take_segment_with_care(const can::Frame& frame, can::Time now);
   void download_initiated(const can::Frame& frame, can::Time now);
   void send_segment(can::Time now);
   void send_last_segment(can::Time now);

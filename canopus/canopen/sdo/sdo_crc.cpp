@@ -6,7 +6,7 @@
 namespace canopus::canopen::sdo {
 namespace {
 
-constexpr std::size_t slice = 8;  // bytes taken at once
+constexpr std::size_t slice = 16;  // bytes taken at once
 using Tables = std::array<std::array<std::uint16_t, 256>, slice>;
 
 // tables[k][b]: what byte b does to the CRC when k more bytes of 0 follow it.
@@ -34,9 +34,12 @@ std::uint16_t crc16(std::uint16_t crc, std::span<const std::uint8_t> bytes) noex
   const std::uint8_t* p = bytes.data();
   std::size_t left = bytes.size();
   for (; left >= slice; left -= slice, p += slice) {
-    crc = static_cast<std::uint16_t>(tables[7][p[0] ^ crc >> 8] ^ tables[6][p[1] ^ (crc & 0xFF)] ^
-                                     tables[5][p[2]] ^ tables[4][p[3]] ^ tables[3][p[4]] ^ tables[2][p[5]] ^
-                                     tables[1][p[6]] ^ tables[0][p[7]]);
+    // What does not wait for the CRC of the bytes before comes first.
+    const auto later = tables[13][p[2]] ^ tables[12][p[3]] ^ tables[11][p[4]] ^ tables[10][p[5]] ^
+                       tables[9][p[6]] ^ tables[8][p[7]] ^ tables[7][p[8]] ^ tables[6][p[9]] ^
+                       tables[5][p[10]] ^ tables[4][p[11]] ^ tables[3][p[12]] ^ tables[2][p[13]] ^
+                       tables[1][p[14]] ^ tables[0][p[15]];
+    crc = static_cast<std::uint16_t>(tables[15][p[0] ^ crc >> 8] ^ tables[14][p[1] ^ (crc & 0xFF)] ^ later);
   }
   for (; left != 0; --left, ++p) {
     crc = static_cast<std::uint16_t>(crc << 8 ^ tables[0][(crc >> 8 ^ *p) & 0xFF]);

@@ -45,6 +45,7 @@ inline constexpr std::uint8_t expedited_bit = 0x02;
 inline constexpr std::uint8_t size_bit = 0x01;
 inline constexpr std::uint8_t toggle_bit = 0x10;
 inline constexpr std::uint8_t last_bit = 0x01;
+inline constexpr std::uint8_t unused_bits = 0x0E;   ///< of a segment: bytes without data
 inline constexpr std::uint8_t last_segment = 0x80;  ///< of a segment in a block transfer
 inline constexpr std::size_t segment_size = 7;
 

@@ -47,31 +47,40 @@ void SdoServer::abort(std::uint32_t multiplexer, AbortCode code) {
 
 void SdoServer::abort(AbortCode code) { abort(multiplexer_, code); }
 
+// What belongs to a transfer that runs well comes first.
 void SdoServer::receive(const can::Frame& frame, can::Time now) {
   if (frame.dlc != 8) return;
   const auto command = static_cast<ClientCommand>(frame.data[0] >> 5);
-  if (state_ == State::idle && command == ClientCommand::initiate_upload) return initiate_upload(frame, now);
-  if (state_ == State::block_download && frame.data[0] != 0x80) {  // 81H.. is the last segment
-    return block_segment(frame, now);
-  }
-  if (state_ == State::block_download_end && block_receiver_.is_last_segment_again(frame)) return;
-  if (command == ClientCommand::abort) return stop();
   switch (state_) {
     case State::idle:
-      switch (command) {
-        case ClientCommand::initiate_download: return initiate_download(frame, now);
-        case ClientCommand::block_upload: return initiate_block_upload(frame, now);
-        case ClientCommand::block_download: return initiate_block_download(frame, now);
-        default: return abort(0, AbortCode::command_specifier);
-      }
+      if (command == ClientCommand::initiate_upload) return initiate_upload(frame, now);
+      if (command == ClientCommand::initiate_download) return initiate_download(frame, now);
+      break;
     case State::download_segment:
       if (command == ClientCommand::download_segment) return download_segment(frame, now);
-      return abort(AbortCode::command_specifier);
+      break;
     case State::upload_segment:
       if (command == ClientCommand::upload_segment) return upload_segment(frame, now);
-      return abort(AbortCode::command_specifier);
-    default: return receive_in_block(frame, now);
+      break;
+    case State::block_download:
+      if (frame.data[0] != 0x80) return block_segment(frame, now);  // 81H.. is the last segment
+      break;
+    default: break;
   }
+  receive_other(frame, now);
+}
+
+void SdoServer::receive_other(const can::Frame& frame, can::Time now) {
+  const auto command = static_cast<ClientCommand>(frame.data[0] >> 5);
+  if (state_ == State::block_download_end && block_receiver_.is_last_segment_again(frame)) return;
+  if (command == ClientCommand::abort) return stop();
+  if (state_ == State::idle && command == ClientCommand::block_upload)
+    return initiate_block_upload(frame, now);
+  if (state_ == State::idle && command == ClientCommand::block_download) {
+    return initiate_block_download(frame, now);
+  }
+  if (state_ == State::idle) return abort(0, AbortCode::command_specifier);
+  receive_in_block(frame, now);
 }
 
 AbortCode SdoServer::begin_download(const can::Frame& frame, State state, bool size_indicated,
@@ -132,6 +141,12 @@ void SdoServer::expedited_download(const can::Frame& frame, const Entry& entry, 
 
 void SdoServer::initiate_download(const can::Frame& frame, can::Time now) {
   if ((frame.data[0] & sdo::expedited_bit) != 0) {
+    const bool size_indicated = (frame.data[0] & sdo::size_bit) != 0;
+    const auto length = static_cast<std::uint8_t>(size_indicated ? 4U - (frame.data[0] >> 2 & 3U) : 0U);
+    if (dictionary_->write_short(sdo::multiplexer(frame), {sdo::value(frame), length}, now)) {
+      sink_->send(sdo::frame(response_, 0x60, sdo::multiplexer(frame)));
+      return;
+    }
     const auto entry = dictionary_->find(sdo::index(frame), frame.data[3]);
     if (!entry) return abort(sdo::multiplexer(frame), entry.error());
     return expedited_download(frame, *entry, now);
@@ -229,6 +244,16 @@ void SdoServer::answer_upload(can::Time now) {
 void SdoServer::upload_segment(const can::Frame& frame, can::Time now) {
   if ((frame.data[0] & sdo::toggle_bit) != toggle_) return abort(AbortCode::toggle_bit);
   last_heard_ = now;
+  const auto rest = source_.window();
+  if (rest.size() <= sdo::segment_size) return upload_last_segment();
+  source_.advance(sdo::segment_size);
+  const can::Frame answer = sdo::block_segment(response_, toggle_, rest);
+  toggle_ ^= sdo::toggle_bit;
+  sink_->send(answer);
+}
+
+/// The last one at hand: perhaps of all.
+void SdoServer::upload_last_segment() {
   if (const AbortCode code = source_.prepare(sdo::segment_size); code != AbortCode::none) return abort(code);
   const auto window = source_.window();
   const std::size_t count = std::min(window.size(), sdo::segment_size);

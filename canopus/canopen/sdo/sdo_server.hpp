@@ -67,6 +67,7 @@ class SdoServer {
     block_upload_end,    // C1H is out, A1H is to come
   };
 
+  void receive_other(const can::Frame& frame, can::Time now);
   void receive_in_block(const can::Frame& frame, can::Time now);
   void initiate_download(const can::Frame& frame, can::Time now);
   void expedited_download(const can::Frame& frame, const Entry& entry, can::Time now);
@@ -78,6 +79,7 @@ class SdoServer {
 
   void initiate_upload(const can::Frame& frame, can::Time now);
   void upload_segment(const can::Frame& frame, can::Time now);
+  void upload_last_segment();
   void initiate_other_upload(const can::Frame& frame, can::Time now);
   void answer_expedited(std::uint32_t multiplexer, ObjectDictionary::ShortValue value);
   [[nodiscard]] AbortCode begin_upload(const Entry& entry, can::Time now);

@@ -70,6 +70,13 @@ class IdentifierTable {
       if (!slot.more) return;
     }
   }
+  /// Calls `visit(key)` for every route, in no order.
+  template <typename Visit>
+  void for_each_key(Visit&& visit) const {
+    for (const Slot& slot : slots_) {
+      if (slot.key != empty) visit(slot.key);
+    }
+  }
   [[nodiscard]] bool contains(std::uint32_t wanted) const noexcept { return first(wanted) != nullptr; }
 
  private:

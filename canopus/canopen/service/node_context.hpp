@@ -21,6 +21,21 @@ struct CommunicationError {
   std::array<std::uint8_t, 5> manufacturer{};  ///< manufacturer-specific bytes
 };
 
+/// Which frames cannot concern a node, told by the low seven bits of the identifier alone: on a bus that hands
+/// every frame to every node, most frames carry another node's number there.
+class IdentifierFilter {
+ public:
+  [[nodiscard]] bool may_pass(std::uint32_t identifier) const noexcept {
+    return (words_[identifier >> 6 & 1U] >> (identifier & 63U) & 1U) != 0;
+  }
+  void clear() noexcept { words_ = {}; }
+  void add(std::uint32_t identifier) noexcept { words_[identifier >> 6 & 1U] |= 1ULL << (identifier & 63U); }
+  void pass_all() noexcept { words_ = {~0ULL, ~0ULL}; }
+
+ private:
+  std::array<std::uint64_t, 2> words_{~0ULL, ~0ULL};
+};
+
 class NodeContext {
  public:
   NodeContext(std::shared_ptr<const DictionaryDescription> description, std::uint8_t id, can::Sink& frames,
@@ -44,16 +59,22 @@ class NodeContext {
     return communicates() && (active_master || !options.sync_needs_active_master);
   }
 
+  /// A service has other identifiers than the node's IdentifierTable says.
+  void change_identifiers() noexcept {
+    identifiers_changed = true;
+    filter.pass_all();
+  }
+
+  IdentifierFilter filter;  // first, for every frame looks at it
+  bool identifiers_changed = true;
+  NmtState state = NmtState::initialising;
   ObjectDictionary dictionary;
   can::Sink& sink;
   NodeOptions options;
   NodeListener* listener = nullptr;
   TimerQueue timers;
   std::uint8_t node_id = 0;
-  NmtState state = NmtState::initialising;
   bool active_master = false;
-  /// Set by a service whose identifiers are no longer what the node's IdentifierTable says.
-  bool identifiers_changed = true;
 
  protected:
   ~NodeContext() = default;

@@ -1,24 +1,25 @@
 #include "canopus/canopen/service/timer_queue.hpp"
 
+#include <utility>
+
 namespace canopus::canopen {
 
 TimerQueue::Number TimerQueue::add(std::size_t count) {
-  const auto first = static_cast<Number>(timers_.size());
-  timers_.resize(timers_.size() + count);
-  heap_.reserve(timers_.size());
+  const auto first = static_cast<Number>(size());
+  deadlines_.resize(size() + count, can::never);
+  positions_.resize(size(), stopped);
+  heap_.reserve(size());
   return first;
 }
 
 bool TimerQueue::before(Number left, Number right) const noexcept {
-  if (timers_[left].deadline != timers_[right].deadline) {
-    return timers_[left].deadline < timers_[right].deadline;
-  }
+  if (deadlines_[left] != deadlines_[right]) return deadlines_[left] < deadlines_[right];
   return left < right;
 }
 
 void TimerQueue::place(std::size_t position, Number number) noexcept {
   heap_[position] = number;
-  timers_[number].position = static_cast<std::uint16_t>(position);
+  positions_[number] = static_cast<std::uint16_t>(position);
 }
 
 void TimerQueue::sift_up(std::size_t position) noexcept {
@@ -46,33 +47,32 @@ void TimerQueue::sift_down(std::size_t position) noexcept {
 }
 
 void TimerQueue::set(Number number, can::Time deadline) noexcept {
-  Timer& timer = timers_[number];
-  if (timer.position == stopped) {
+  const std::uint16_t position = positions_[number];
+  const can::Time before = std::exchange(deadlines_[number], deadline);
+  if (position == stopped) {
     if (deadline == can::never) return;
-    timer.deadline = deadline;
     heap_.push_back(number);
     sift_up(heap_.size() - 1);
     return;
   }
-  const std::size_t position = timer.position;
   if (deadline != can::never) {
-    const bool earlier = deadline < timer.deadline;
-    timer.deadline = deadline;
-    earlier ? sift_up(position) : sift_down(position);
+    deadline < before ? sift_up(position) : sift_down(position);
     return;
   }
-  timer.deadline = can::never;
-  timer.position = stopped;
+  positions_[number] = stopped;
   const Number last = heap_.back();
   heap_.pop_back();
   if (last == number) return;
   place(position, last);
   sift_up(position);
-  sift_down(timers_[last].position);
+  sift_down(positions_[last]);
 }
 
 void TimerQueue::stop_all() noexcept {
-  for (const Number number : heap_) timers_[number] = {};
+  for (const Number number : heap_) {
+    deadlines_[number] = can::never;
+    positions_[number] = stopped;
+  }
   heap_.clear();
 }
 

@@ -19,30 +19,27 @@ class TimerQueue {
   /// Starts or moves a timer; can::never stops it.
   void set(Number number, can::Time deadline) noexcept;
   void stop(Number number) noexcept { set(number, can::never); }
-  [[nodiscard]] bool runs(Number number) const noexcept { return timers_[number].position != stopped; }
-  [[nodiscard]] can::Time deadline(Number number) const noexcept { return timers_[number].deadline; }
+  [[nodiscard]] bool runs(Number number) const noexcept { return positions_[number] != stopped; }
+  [[nodiscard]] can::Time deadline(Number number) const noexcept { return deadlines_[number]; }
   void stop_all() noexcept;
-  [[nodiscard]] std::size_t size() const noexcept { return timers_.size(); }
+  [[nodiscard]] std::size_t size() const noexcept { return deadlines_.size(); }
 
   /// The earliest deadline, or never.
   [[nodiscard]] can::Time next() const noexcept {
-    return heap_.empty() ? can::never : timers_[heap_.front()].deadline;
+    return heap_.empty() ? can::never : deadlines_[heap_.front()];
   }
   /// Stops the earliest timer, which must exist, and returns its number.
   Number pop() noexcept;
 
  private:
   static constexpr std::uint16_t stopped = 0xFFFF;
-  struct Timer {
-    can::Time deadline = can::never;
-    std::uint16_t position = stopped;  // in heap_
-  };
   [[nodiscard]] bool before(Number left, Number right) const noexcept;
   void place(std::size_t position, Number number) noexcept;
   void sift_up(std::size_t position) noexcept;
   void sift_down(std::size_t position) noexcept;
 
-  std::vector<Timer> timers_;
+  std::vector<can::Time> deadlines_;
+  std::vector<std::uint16_t> positions_;  // in heap_
   std::vector<Number> heap_;
 };
 
