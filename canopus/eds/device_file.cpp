@@ -184,13 +184,14 @@ void join_alike_members(ObjectDraft& object) {
 
 void build(Draft& draft, DeviceFile& device) {
   canopen::DictionaryBuilder builder;
+  std::vector<EntryFacts> facts;
   std::size_t limits = 0;
   for (auto& [index, object] : draft) {
     join_alike_members(object);
     for (auto& [sub, entry] : object.subs) {
       entry.facts.index = index;
       entry.facts.sub = sub;
-      device.facts.push_back(entry.facts);
+      facts.push_back(entry.facts);
       if (!entry.spec.limits.low && !entry.spec.limits.high) continue;
       if (++limits > most_limits) entry.spec.limits = {};
     }
@@ -208,6 +209,7 @@ void build(Draft& draft, DeviceFile& device) {
     builder.object(index, object.code, object.name);
     for (const auto& [sub, entry] : object.subs) builder.sub(index, sub, entry.spec);
   }
+  device.facts = std::move(facts);
   device.dictionary = builder.build();
 }
 
@@ -279,9 +281,7 @@ std::optional<std::uint64_t> default_value(const canopen::DictionaryDescription&
                                            std::uint16_t index, std::uint8_t sub, std::uint8_t node_id) {
   const canopen::Entry entry = dictionary.find(index, sub);
   if (!entry || entry.description->length == 0) return std::nullopt;
-  std::vector<std::uint8_t> block(dictionary.block_size());
-  dictionary.load_defaults(block, node_id);
-  return can::load_value(&block[entry.offset], entry.description->length);
+  return dictionary.default_value(entry, node_id);
 }
 
 Identity identity(const DeviceFile& file) {

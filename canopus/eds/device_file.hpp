@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
@@ -109,13 +110,32 @@ struct Identity {
   std::optional<std::uint32_t> serial_number;
 };
 
+/// Values that never change, shared by all copies.
+template <typename T>
+class SharedValues {
+ public:
+  SharedValues() = default;
+  SharedValues(std::vector<T> values) : values_(std::make_shared<const std::vector<T>>(std::move(values))) {}
+  [[nodiscard]] const T* begin() const noexcept { return values_ ? values_->data() : nullptr; }
+  [[nodiscard]] const T* end() const noexcept {
+    return values_ ? values_->data() + values_->size() : nullptr;
+  }
+  [[nodiscard]] std::size_t size() const noexcept { return values_ ? values_->size() : 0; }
+  [[nodiscard]] bool empty() const noexcept { return size() == 0; }
+  [[nodiscard]] const T& operator[](std::size_t position) const { return (*values_)[position]; }
+
+ private:
+  std::shared_ptr<const std::vector<T>> values_;
+};
+
+/// A copy with another dictionary (DictionaryDescription::with) costs its few texts.
 struct DeviceFile {
   FileInfo file;
   DeviceInfo device;
   std::optional<Commissioning> commissioning;  ///< present: the file is a DCF
   std::uint32_t dummy_usage = 0;               ///< bit n: data type n may be mapped as a dummy into an RPDO
-  std::vector<std::string> comments;
-  std::vector<EntryFacts> facts;         ///< every sub-index, in order of index and sub-index
+  SharedValues<std::string> comments;
+  SharedValues<EntryFacts> facts;        ///< every sub-index, in order of index and sub-index
   std::vector<ModuleInfo> modules;       ///< that a modular device can take
   std::vector<std::uint16_t> connected;  ///< module types by slot, 1 = modules[0]
   std::shared_ptr<const canopen::DictionaryDescription> dictionary;  ///< never null

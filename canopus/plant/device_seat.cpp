@@ -147,9 +147,9 @@ void DeviceSeat::accept() {
   const canopen::Node& node = device_.node();
   accepted_revision_ = node.identifiers_revision();
   can::Acceptance acceptance;
-  for (std::uint32_t identifier = 0; identifier <= can::max_base_identifier; ++identifier) {
-    acceptance.base[identifier] = device_.wants(identifier);
-  }
+  acceptance.base.reset();
+  for (const std::uint32_t identifier : node.wanted_identifiers()) acceptance.base.set(identifier);
+  if (device_.lss() != nullptr) acceptance.base.set(lss::from_master);
   acceptance.extended = node.wants_extended();
   port_.accept(acceptance);
 }

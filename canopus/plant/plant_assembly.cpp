@@ -160,9 +160,18 @@ Assembly::File Assembly::configured(const File& file, const DeviceSection& secti
     changes.push_back({entry, std::move(*bytes)});
   }
   if (changes.empty()) return file;
-  auto copy = std::make_shared<eds::DeviceFile>(*file);
-  copy->dictionary = file->dictionary->with(changes);
-  return copy;
+  // Devices of one file with the same values are one description; others share all but the values.
+  std::string key = fmt::format("{}\n", static_cast<const void*>(file.get()));
+  for (const auto& [entry, value] : changes) {
+    key += fmt::format("{:04X}:{:02X}={:02X}\n", entry.index, entry.sub, fmt::join(value, ""));
+  }
+  File& known = configured_[key];
+  if (known == nullptr) {
+    auto copy = std::make_shared<eds::DeviceFile>(*file);
+    copy->dictionary = file->dictionary->with(changes);
+    known = std::move(copy);
+  }
+  return known;
 }
 
 /// 0 after an error.

@@ -109,6 +109,8 @@ class Assembly {
   std::filesystem::path folder_;
   PlantStores& stores_;
   std::map<std::string, File> files_;
+  std::map<std::string, File>
+      configured_;  // of them with values of the plant file: by the file and the values
   std::set<std::pair<std::string, std::uint8_t>> nodes_;  // bus, node-ID
   std::vector<std::pair<const DeviceSection*, DeviceSeat*>> device_sections_;
   std::vector<std::pair<const ModuleSection*, ModuleSeat*>> module_sections_;

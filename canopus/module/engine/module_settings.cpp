@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/dictionary/stored_values.hpp"
 #include "canopus/module/storage/stored_settings.hpp"
 
@@ -117,14 +118,16 @@ canopen::AbortCode ModuleSettings::parameter_object(std::uint16_t index, std::ui
 
 canopen::AbortCode ModuleSettings::check_object(std::uint16_t index, std::uint8_t sub,
                                                 std::span<const std::uint8_t> value) const {
-  // A dictionary of its own, without the services' handlers: the order of the presets must not matter.
-  canopen::ObjectDictionary scratch(model_->dictionary_of(preset_mode()), 127);
-  const auto entry = scratch.find(index, sub);
-  if (!entry) return entry.error();
-  if (const auto code = scratch.write(index, sub, value, {}); code != canopen::AbortCode::none) return code;
-  if (!entry->description->stored) return canopen::AbortCode::cannot_store;
+  // The services' handlers are not asked: the order of the presets must not matter.
+  const auto description = model_->dictionary_of(preset_mode());
+  const canopen::ObjectDescription* object = description->find(index);
+  if (object == nullptr) return canopen::AbortCode::no_object;
+  const canopen::Entry entry = description->find(*object, sub);
+  if (!entry) return canopen::AbortCode::no_sub_index;
+  if (const auto code = description->check_write(entry, value); code != canopen::AbortCode::none) return code;
+  if (!entry.description->stored) return canopen::AbortCode::cannot_store;
   const manager::MasterOptions rules = model_->master_options();
-  const bool bad_role = index == 0x1F80 && (scratch.get<std::uint32_t>(index, 0) & ~rules.start_up_bits) != 0;
+  const bool bad_role = index == 0x1F80 && sub == 0 && (can::load_u32(value) & ~rules.start_up_bits) != 0;
   const bool bad_assignment = index == 0x1F81 && (value[0] & ~rules.assignment_bits) != 0;
   return bad_role || bad_assignment ? canopen::AbortCode::invalid_value : canopen::AbortCode::none;
 }
