@@ -83,6 +83,31 @@ double value_at(const Behaviour& behaviour, can::Time now) noexcept {
   return 0;
 }
 
+can::Time next_change(const Behaviour& behaviour, DataType type, double value, can::Time now) noexcept {
+  using Kind = Behaviour::Kind;
+  if (behaviour.kind == Kind::constant || behaviour.kind == Kind::echo) return can::never;
+  const auto period = std::max(behaviour.period, can::Duration{1});
+  const can::Duration into_period = now.time_since_epoch() % period;
+  const can::Time next_period = can::later(now, period - into_period);
+  if (behaviour.kind == Kind::counter || behaviour.kind == Kind::noise) return next_period;
+  const double span = behaviour.high - behaviour.low;
+  if (!(span > 0)) return can::never;
+  const can::Time soon = can::later(now, can::Duration{1});
+  if (type == DataType::real32 || type == DataType::real64 || !std::isfinite(span)) return soon;
+  // A whole number changes where the value passes the middle between two; how long that takes at least follows
+  // from the steepest slope. What rounding does to the value is far below the part that is left out.
+  const double way = 0.5 - std::abs(value - std::nearbyint(value));
+  const double steepest = span * (behaviour.kind == Kind::sine ? std::numbers::pi : 1.0);
+  const double safe_way = way * 0.99 - (std::abs(behaviour.low) + std::abs(behaviour.high)) * 1e-9;
+  const double nanoseconds = safe_way / steepest * static_cast<double>(period.count());
+  if (!(nanoseconds >= 1)) return soon;
+  const bool is_long = nanoseconds >= static_cast<double>(period.count());
+  const can::Time passed = is_long
+                               ? can::later(now, period)
+                               : can::later(now, can::Duration(static_cast<can::Duration::rep>(nanoseconds)));
+  return behaviour.kind == Kind::ramp ? std::min(passed, next_period) : passed;  // a ramp falls at its end
+}
+
 std::uint64_t fitted(double value, DataType type, const canopen::Limits& limits) noexcept {
   if (std::isnan(value)) value = 0;
   if (type == DataType::boolean) return value >= 0.5 ? 1 : 0;

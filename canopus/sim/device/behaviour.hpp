@@ -42,6 +42,11 @@ struct Behaviour {
 /// The value at this moment, before it is fitted into an object's type. 0 for echo.
 [[nodiscard]] double value_at(const Behaviour& behaviour, can::Time now) noexcept;
 
+/// The first moment after `now` at which the value, fitted into this type, may be another one than at `now`, where
+/// it is `value`, not yet fitted. Perhaps too early, never too late; can::never: it stays, or it is an echo.
+[[nodiscard]] can::Time next_change(const Behaviour& behaviour, canopen::DataType type, double value,
+                                    can::Time now) noexcept;
+
 /// `value`, rounded and limited to what the type and the object's limits can hold, as the type's bit pattern.
 [[nodiscard]] std::uint64_t fitted(double value, canopen::DataType type,
                                    const canopen::Limits& limits) noexcept;

@@ -134,6 +134,7 @@ void Device::power_on(can::Time now) {
 void Device::power_off() {
   is_on_ = false;
   next_sample_ = can::never;
+  sampled_from_ = can::never;
   next_row_ = can::never;
   node_.power_off();
   if (lss_) lss_->power_off();
@@ -151,6 +152,7 @@ bool Device::release(const Entry& entry, can::Time now) {
 
 bool Device::force_value(const Entry& entry, std::uint64_t value, can::Time until, can::Time now) {
   const bool changed = forcing_.force(entry, value, until);
+  written_ = true;
   if (force_listener_ == nullptr) return changed;
   for (const Forcing::Force& force : forcing_.all()) {
     if (same(force.entry, entry)) force_listener_->value_forced(force, now);
@@ -161,6 +163,7 @@ bool Device::force_value(const Entry& entry, std::uint64_t value, can::Time unti
 bool Device::release_value(const Entry& entry, can::Time now) {
   if (!forcing_.is_forced(entry)) return false;
   const bool changed = forcing_.release(entry);
+  written_ = true;
   if (force_listener_ != nullptr) force_listener_->value_released(entry, now);
   // Outside Operational nobody samples: what is beneath may be old.
   return (is_on_ && move_values(now)) || changed;
@@ -232,7 +235,12 @@ void Device::reset_done(canopen::NmtCommand which, can::Time now) {
   if (application_ && is_on_) application_->start(*this, now);
 }
 
-void Device::rpdo_received(std::uint16_t number, can::Time) { forcing_.rpdo_received(number); }
+void Device::rpdo_received(std::uint16_t number, can::Time) {
+  written_ = true;
+  forcing_.rpdo_received(number);
+}
+
+void Device::object_written(const Entry&, can::Time) { written_ = true; }
 
 bool Device::emergency(std::uint16_t code, std::uint8_t error_register,
                        const std::array<std::uint8_t, 5>& manufacturer, can::Time now) {
@@ -241,16 +249,45 @@ bool Device::emergency(std::uint16_t code, std::uint8_t error_register,
 
 bool Device::emergency_reset(can::Time now) { return node_.emergency_reset(now); }
 
+/// It holds what it has to hold now.
+bool Device::is_moved(const Motion& motion, can::Time now) const noexcept {
+  return now < motion.next_change && forcing_.all().empty() &&
+         node_.dictionary().get<std::uint64_t>(motion.target) == motion.moved_to;
+}
+
 bool Device::move_values(can::Time now) {
   const canopen::ObjectDictionary& dictionary = node_.dictionary();
   bool moved = false;
-  for (const Motion& motion : motions_) {
-    if (motion.behaviour.kind == Behaviour::Kind::echo) continue;
-    const std::uint64_t value = fitted(value_at(motion.behaviour, now), motion.target.description->type,
-                                       dictionary.description().limits(motion.target));
-    moved = forcing_.put(motion.target, value) || moved;
+  for (Motion& motion : motions_) {
+    if (motion.behaviour.kind == Behaviour::Kind::echo || is_moved(motion, now)) continue;
+    const canopen::DataType type = motion.target.description->type;
+    const double value = value_at(motion.behaviour, now);
+    const std::uint64_t bits = fitted(value, type, dictionary.description().limits(motion.target));
+    moved = forcing_.put(motion.target, bits) || moved;
+    motion.moved_to = dictionary.get<std::uint64_t>(motion.target);
+    motion.next_change = next_change(motion.behaviour, type, value, now);
   }
   return echo_values() || moved;
+}
+
+/// The next sample at which a value may change. What other services of the node write by themselves (below 2000H),
+/// or an application, is not seen here: then it is the next sample of all.
+void Device::plan_sample(can::Time now) noexcept {
+  can::Time change = can::never;
+  for (const Motion& motion : motions_) {
+    if (motion.behaviour.kind == Behaviour::Kind::echo) continue;
+    const bool is_watched = motion.target.index >= 0x2000 && !application_;
+    change = std::min(change, is_watched && is_moved(motion, now) ? motion.next_change : now);
+  }
+  written_ = false;
+  const can::Duration interval = options_.sample_interval;
+  if (can::never - change < 2 * interval) {
+    next_sample_ = can::never;
+    return;
+  }
+  const can::Duration to_now = now - sampled_from_;
+  const can::Duration to_change = std::max<can::Duration>(change - sampled_from_, to_now + can::Duration{1});
+  next_sample_ = can::later(sampled_from_, (to_change + interval - can::Duration{1}) / interval * interval);
 }
 
 bool Device::echo_values() {
@@ -281,8 +318,12 @@ void Device::after_event(can::Time now, bool moved) {
   if (moved && is_operational) node_.values_changed(now);
   if (!is_operational || !samples_) {
     next_sample_ = can::never;
-  } else if (next_sample_ <= now || next_sample_ == can::never) {
-    next_sample_ = can::later(now, options_.sample_interval);
+    sampled_from_ = can::never;
+  } else if (sampled_from_ == can::never) {
+    sampled_from_ = now;
+    plan_sample(now);
+  } else if (next_sample_ <= now || written_) {
+    plan_sample(now);
   }
 }
 
@@ -290,7 +331,7 @@ void Device::receive(const can::Frame& frame, can::Time now) {
   if (lss_ && frame.identifier == lss::from_master && !frame.extended) return lss_->receive(frame, now);
   if (is_plain()) return node_.receive(frame, now);
   // Nobody samples outside Operational: an SDO read, or the first TPDOs after start, see the values of now.
-  if (is_on_ && next_sample_ == can::never) move_values(now);
+  if (is_on_ && sampled_from_ == can::never) move_values(now);
   const bool moved = is_on_ && act(now);
   node_.receive(frame, now);
   settle(now, moved);

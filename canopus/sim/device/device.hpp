@@ -25,7 +25,8 @@
 namespace canopus::sim {
 
 struct DeviceOptions {
-  /// How often moving values are looked at while the device is Operational.
+  /// Moving values change at multiples of this, from when the device became Operational on. Between them, and as
+  /// long as no value can change, nothing is done.
   can::Duration sample_interval = std::chrono::milliseconds(10);
   canopen::NodeOptions node{};
 };
@@ -118,11 +119,16 @@ class Device final : public can::Participant, private canopen::NodeListener {
     Behaviour behaviour;
     canopen::Entry target;
     canopen::Entry source;  // echo
+    // What the target held after it was moved last, and when that may be another value: nothing is to be done
+    // before, unless somebody else wrote there.
+    std::uint64_t moved_to = 0;
+    can::Time next_change{};
   };
   // NodeListener
   void reset_requested(canopen::NmtCommand which, can::Time now) override;
   void reset_done(canopen::NmtCommand which, can::Time now) override;
   void rpdo_received(std::uint16_t number, can::Time now) override;
+  void object_written(const canopen::Entry& entry, can::Time now) override;
 
   [[nodiscard]] bool is_plain() const noexcept {
     return !application_ && motions_.empty() && playbacks_.empty() && script_.empty() &&
@@ -130,6 +136,8 @@ class Device final : public can::Participant, private canopen::NodeListener {
   }
   // What changes values. True: somebody sees another value than before.
   bool move_values(can::Time now);
+  [[nodiscard]] bool is_moved(const Motion& motion, can::Time now) const noexcept;
+  void plan_sample(can::Time now) noexcept;
   bool echo_values();
   bool act(can::Time now) { return application_ && application_->act(*this, now); }
   bool play(can::Time now);
@@ -156,7 +164,9 @@ class Device final : public can::Participant, private canopen::NodeListener {
   canopen::NodeListener* listener_ = nullptr;
   can::Time next_row_ = can::never;  // of the playbacks
   can::Time next_sample_ = can::never;
-  bool samples_ = false;  // something else than constants and echoes
+  can::Time sampled_from_ = can::never;  // samples are at multiples of the interval after this; never: none
+  bool samples_ = false;                 // something else than constants and echoes
+  bool written_ = false;                 // perhaps a moving value, by somebody else
   bool is_on_ = false;
 };
 
