@@ -19,7 +19,7 @@ Tpdos::Tpdos(NodeContext& node) : node_(node) {
   const auto is_tpdo = [](const ObjectDescription& object) { return (object.index & 0xFE00) == 0x1800; };
   for (const auto& object : node.dictionary.description().objects()) count += is_tpdo(object) ? 1U : 0U;
   tpdos_.reserve(count);
-  synchronous_.reserve(count);
+  valid_.reserve(count);
   for (const auto& object : node.dictionary.description().objects()) {
     if (!is_tpdo(object)) continue;
     tpdos_.emplace_back().number = object.index & number_mask;
@@ -76,13 +76,16 @@ void Tpdos::schedule(const Tpdo& pdo) {
   node_.timers.set(timer(pdo), waits ? std::min(pdo.inhibited_until, pdo.event_due) : pdo.event_due);
 }
 
-void Tpdos::list_synchronous() {
-  synchronous_.clear();
-  for (std::size_t i = 0; i < tpdos_.size(); ++i) {
-    const Tpdo& pdo = tpdos_[i];
-    const bool concerned = pdo.is_synchronous() || pdo.transmission_type == rtr_synchronous;
-    if (concerned && pdo.cob_id.is_valid()) synchronous_.push_back(static_cast<std::uint16_t>(i));
-  }
+void Tpdos::list_valid() {
+  const auto list_if = [this](auto&& wanted) {
+    for (std::size_t i = 0; i < tpdos_.size(); ++i) {
+      if (tpdos_[i].cob_id.is_valid() && wanted(tpdos_[i])) valid_.push_back(static_cast<std::uint16_t>(i));
+    }
+  };
+  valid_.clear();
+  list_if([](const Tpdo& pdo) { return pdo.is_synchronous() || pdo.transmission_type == rtr_synchronous; });
+  synchronous_ = valid_.size();
+  list_if([](const Tpdo& pdo) { return pdo.may_have_events(); });
 }
 
 void Tpdos::list_watched() {
@@ -91,7 +94,7 @@ void Tpdos::list_watched() {
   scans_ = false;
   for (const Tpdo& pdo : tpdos_) {
     scans_ = scans_ || pdo.addressing == source_addressing;
-    if (!pdo.is_event_driven() && pdo.transmission_type != 0) continue;
+    if (!pdo.may_have_events()) continue;
     const auto [from, behind] = pdo.plan.extent();
     if (from == behind) continue;
     // A value that begins before what is mapped reaches into it with its end.
@@ -112,7 +115,7 @@ void Tpdos::start(can::Time now) {
     }
     activate(pdo, now);
   }
-  list_synchronous();
+  list_valid();
   list_watched();
   scanner_.start();
 }
@@ -124,7 +127,8 @@ void Tpdos::stop() {
     pdo.event_due = can::never;
     schedule(pdo);
   }
-  synchronous_.clear();
+  valid_.clear();
+  synchronous_ = 0;
   node_.change_identifiers();
 }
 
@@ -211,11 +215,13 @@ bool Tpdos::event(std::uint16_t number, can::Time now) {
   return pdo != nullptr && event(*pdo, now);
 }
 
+// What is sent may bring an answer that changes the lists, on a bus that is a function call: they are looked at anew
+// each time.
 unsigned Tpdos::values_changed(can::Time now) {
   if (!node_.is_operational()) return 0;
   unsigned events = 0;
-  for (Tpdo& pdo : tpdos_) {
-    if (!pdo.cob_id.is_valid() || (!pdo.is_event_driven() && pdo.transmission_type != 0)) continue;
+  for (std::size_t i = synchronous_; i < valid_.size(); ++i) {
+    Tpdo& pdo = tpdos_[valid_[i]];
     if (pdo.was_sent && gather(pdo) == pdo.last_data) continue;
     if (event(pdo, now)) ++events;
   }
@@ -225,8 +231,8 @@ unsigned Tpdos::values_changed(can::Time now) {
 void Tpdos::object_written(const Entry& entry, can::Time now) {
   if (!node_.is_operational() || entry.description->length == 0) return;
   send_from(entry.index, entry.sub, now);
-  for (Tpdo& pdo : tpdos_) {
-    if (!pdo.is_event_driven() && pdo.transmission_type != 0) continue;
+  for (std::size_t i = synchronous_; i < valid_.size(); ++i) {
+    Tpdo& pdo = tpdos_[valid_[i]];
     if (!pdo.plan.holds(entry.offset, entry.description->length)) continue;
     if (!pdo.was_sent || gather(pdo) != pdo.last_data) event(pdo, now);
   }
@@ -234,8 +240,8 @@ void Tpdos::object_written(const Entry& entry, can::Time now) {
 
 void Tpdos::sync(std::uint8_t counter, can::Time now) {
   if (!node_.is_operational()) return;
-  for (const std::uint16_t position : synchronous_) {
-    Tpdo& pdo = tpdos_[position];
+  for (std::size_t i = 0; i < synchronous_; ++i) {
+    Tpdo& pdo = tpdos_[valid_[i]];
     const std::uint8_t type = pdo.transmission_type;
     if (type == 0 || type == rtr_synchronous || pdo.waits_for_start) {
       sync_unusual(pdo, counter, now);
@@ -370,7 +376,7 @@ void Tpdos::after_write(ObjectDictionary& dictionary, const Entry& entry, can::T
   list_watched();
   if (!new_event_timer) {
     activate(*pdo, now);
-    list_synchronous();
+    list_valid();
     return;
   }
   const bool timed = pdo->is_event_driven() && pdo->event_timer != 0;

@@ -90,6 +90,9 @@ class Tpdos final : public ObjectHandler {
     [[nodiscard]] bool is_event_driven() const noexcept {
       return transmission_type >= 0xFE && addressing == 0;
     }
+    [[nodiscard]] bool may_have_events() const noexcept {
+      return is_event_driven() || transmission_type == 0;
+    }
     [[nodiscard]] bool is_synchronous() const noexcept { return transmission_type <= 0xF0; }
   };
   void read(Tpdo& pdo);
@@ -103,7 +106,7 @@ class Tpdos final : public ObjectHandler {
     return pdo.plan.gather(node_.dictionary.block().data());
   }
   void schedule(const Tpdo& pdo);
-  void list_synchronous();
+  void list_valid();
   void list_watched();
   [[nodiscard]] Tpdo* find(std::uint16_t index) noexcept;
   [[nodiscard]] TimerQueue::Number timer(const Tpdo& pdo) const noexcept {
@@ -112,8 +115,10 @@ class Tpdos final : public ObjectHandler {
 
   NodeContext& node_;
   MpdoScanner scanner_{node_};
-  std::vector<Tpdo> tpdos_;                 // in order of number
-  std::vector<std::uint16_t> synchronous_;  // positions of the valid ones that SYNC concerns
+  std::vector<Tpdo> tpdos_;  // in order of number
+  // Positions of the valid ones: first those that SYNC concerns, then those that may have events.
+  std::vector<std::uint16_t> valid_;
+  std::size_t synchronous_ = 0;  // so many are the first
   // All that TPDOs with events map lies here in the value block; values of another place need no look at them.
   std::uint32_t first_watched_ = 0;
   std::uint32_t watched_bytes_ = 0;

@@ -306,11 +306,22 @@ void ModuleEngine::tick(can::Time now) {
 }
 
 can::Time ModuleEngine::deadline() const noexcept {
-  const can::Time time_due = parts_.state.running() ? parts_.time_stamp.next_transmission() : can::never;
-  return std::min({parts_.port->deadline(), parts_.watchdog.deadline(), layer2_bus_.deadline(),
-                   parts_.own_emergencies.deadline(), initialized_at_, parts_.exchange.deadline(),
-                   parts_.settings.save_deadline(), time_due, parts_.node.deadline(),
-                   parts_.master.deadline(), parts_.command.deadline(), parts_.layer2.deadline()});
+  can::Time next = initialized_at_;
+  const auto also = [&next](can::Time deadline) {
+    if (deadline < next) next = deadline;
+  };
+  also(parts_.port->deadline());
+  also(parts_.watchdog.deadline());
+  also(layer2_bus_.deadline());
+  also(parts_.own_emergencies.deadline());
+  also(parts_.exchange.deadline());
+  also(parts_.settings.save_deadline());
+  if (parts_.state.running()) also(parts_.time_stamp.next_transmission());
+  also(parts_.node.deadline());
+  also(parts_.master.deadline());
+  also(parts_.command.deadline());
+  also(parts_.layer2.deadline());
+  return next;
 }
 
 // After every event: what hangs on several causes.
