@@ -142,20 +142,22 @@ const Item* ObjectKeys::find(std::string_view key) const noexcept {
 std::optional<DataType> read_data_type(const ObjectKeys& keys, Problems& problems) {
   const Item* item = keys.find("datatype");
   if (item == nullptr) return std::nullopt;
-  const std::string shown = item->key + '=' + printable(item->value) + " in [" + keys.section().name + ']';
+  const auto shown = [&] {
+    return item->key + '=' + printable(item->value) + " in [" + keys.section().name + ']';
+  };
   if (const auto type = data_type(without_comment(item->value))) {
-    problems.repeated(Severity::note, "type word", item->line, shown + ": a word instead of the type's index",
-                      item->column);
+    problems.repeated(Severity::note, "type word", item->line,
+                      shown() + ": a word instead of the type's index", item->column);
     return type;
   }
   const auto number = read_number(item->value);
   if (!number) {
-    problems.report(Severity::warning, item->line, shown + " is no data type: taken as not given",
+    problems.report(Severity::warning, item->line, shown() + " is no data type: taken as not given",
                     item->column);
     return std::nullopt;
   }
   if (is_data_type(number->bits())) return static_cast<DataType>(number->bits());
-  problems.report(Severity::warning, item->line, shown + " is no data type known here: taken as DOMAIN",
+  problems.report(Severity::warning, item->line, shown() + " is no data type known here: taken as DOMAIN",
                   item->column);
   return DataType::domain;
 }
@@ -163,15 +165,17 @@ std::optional<DataType> read_data_type(const ObjectKeys& keys, Problems& problem
 std::optional<ObjectCode> read_object_code(const ObjectKeys& keys, Problems& problems) {
   const Item* item = keys.find("objecttype");
   if (item == nullptr) return std::nullopt;
-  const std::string shown = item->key + '=' + printable(item->value) + " in [" + keys.section().name + ']';
+  const auto shown = [&] {
+    return item->key + '=' + printable(item->value) + " in [" + keys.section().name + ']';
+  };
   if (const auto code = object_code(without_comment(item->value))) {
-    problems.repeated(Severity::note, "code word", item->line, shown + ": a word instead of the object code",
-                      item->column);
+    problems.repeated(Severity::note, "code word", item->line,
+                      shown() + ": a word instead of the object code", item->column);
     return code;
   }
   const auto number = read_number(item->value);
   if (number && is_object_code(number->bits())) return static_cast<ObjectCode>(number->bits());
-  problems.report(Severity::warning, item->line, shown + " is no object code: taken as not given",
+  problems.report(Severity::warning, item->line, shown() + " is no object code: taken as not given",
                   item->column);
   return std::nullopt;
 }

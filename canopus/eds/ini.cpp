@@ -72,6 +72,8 @@ IniFile::IniFile(std::string_view text, Problems& problems) {
     text.remove_prefix(3);
     problems.note(1, "the file begins with a UTF-8 byte order mark: skipped");
   }
+  has_bytes_to_skip_ =
+      text.find('\0') != std::string_view::npos || text.find('\x1A') != std::string_view::npos;
   // A carriage return ends a line where there is no line feed at all; else it belongs to the line feed.
   const char line_end = text.find('\n') == std::string_view::npos ? '\r' : '\n';
   while (!text.empty()) {
@@ -83,7 +85,7 @@ IniFile::IniFile(std::string_view text, Problems& problems) {
 
 void IniFile::read_line(std::string_view line, unsigned number, Problems& problems) {
   std::string cleaned;
-  if (line.find_first_of(std::string_view("\0\x1A", 2)) != std::string_view::npos) {
+  if (has_bytes_to_skip_ && line.find_first_of(std::string_view("\0\x1A", 2)) != std::string_view::npos) {
     cleaned = line;
     std::erase_if(cleaned, [](char c) { return c == '\0' || c == '\x1A'; });  // 1AH: a DOS end of file
     if (line.find('\0') != std::string_view::npos) {
@@ -134,7 +136,17 @@ void IniFile::begin_section(std::string_view line, unsigned number, Problems& pr
   problems.repeated(Severity::warning, "section again", number,
                     "section [" + first.name + "] was in line " + std::to_string(first.line) +
                         " before: only what is new in it counts");
-  for (std::size_t i = 0; i < first.items.size(); ++i) item_numbers_.emplace(first.items[i].folded_key, i);
+}
+
+// Most sections have a handful of keys: they are compared one by one, and only those of long ones are looked up.
+const Item* IniFile::known_item(const Section& section, std::string_view folded_key) {
+  constexpr std::size_t many = 24;
+  if (section.items.size() < many) return section.find(folded_key);
+  for (std::size_t i = item_numbers_.size(); i < section.items.size(); ++i) {
+    item_numbers_.emplace(section.items[i].folded_key, i);
+  }
+  const auto known = item_numbers_.find(folded_key);
+  return known == item_numbers_.end() ? nullptr : &section.items[known->second];
 }
 
 void IniFile::add_item(std::string_view line, std::size_t equals, unsigned number, Problems& problems) {
@@ -147,16 +159,16 @@ void IniFile::add_item(std::string_view line, std::size_t equals, unsigned numbe
   item.value = value;
   item.line = number;
   item.column = static_cast<unsigned>(value.empty() ? equals + 2 : value.data() - line.data() + 1);
-  if (key.find_first_of(" \t") != std::string_view::npos) {
+  if (std::ranges::any_of(key, [](char c) { return c == ' ' || c == '\t'; })) {
     problems.repeated(Severity::note, "blank in key " + item.folded_key, number,
                       "key \"" + item.key + "\" is written with a blank");
   }
-  const auto [place, is_new] = item_numbers_.try_emplace(item.folded_key, section.items.size());
-  if (is_new) {
+  const Item* const known = known_item(section, item.folded_key);
+  if (known == nullptr) {
     section.items.push_back(std::move(item));
     return;
   }
-  const Item& first = section.items[place->second];
+  const Item& first = *known;
   if (first.value == item.value) {
     problems.repeated(Severity::note, "key again", number,
                       item.key + " is in [" + section.name + "] twice, with the same value");

@@ -54,11 +54,14 @@ class IniFile {
   void read_line(std::string_view line, unsigned number, Problems& problems);
   void begin_section(std::string_view line, unsigned number, Problems& problems);
   void add_item(std::string_view line, std::size_t equals, unsigned number, Problems& problems);
+  /// The item of the current section that has this key already, or nullptr.
+  [[nodiscard]] const Item* known_item(const Section& section, std::string_view folded_key);
 
   std::vector<Section> sections_;
   std::map<std::string, std::size_t, std::less<>> section_numbers_;
   std::size_t current_ = 0;  // number of the section that is being read, + 1
-  std::map<std::string, std::size_t, std::less<>> item_numbers_;  // of that section
+  std::map<std::string, std::size_t, std::less<>> item_numbers_;  // of that section, once it has many
+  bool has_bytes_to_skip_ = false;                                // zero bytes, or a DOS end of file
   std::size_t strange_lines_ = 0;
   unsigned first_strange_line_ = 1;
   unsigned line_count_ = 0;

@@ -65,6 +65,8 @@ std::vector<Problem> Problems::take() {
 
 std::string printable(std::string_view text) {
   constexpr std::size_t longest = 60;
+  const auto is_plain = [](char c) { return c >= 0x20 && c < 0x7F; };
+  if (text.size() <= longest && std::ranges::all_of(text, is_plain)) return std::string(text);
   const std::string utf8 = to_utf8(text);
   std::string shown;
   for (const char c : utf8) {

@@ -18,6 +18,11 @@ constexpr bool is_blank(char c) noexcept {
   return c == ' ' || c == '\t' || c == '\v' || c == '\f' || c == '\r';
 }
 
+/// A number, as most files have it: no word.
+constexpr bool begins_with_digit(std::string_view word) noexcept {
+  return !word.empty() && word.front() >= '0' && word.front() <= '9';
+}
+
 struct TypeName {
   DataType type;
   std::string_view name;
@@ -183,6 +188,7 @@ std::string_view name(DataType type) noexcept {
 }
 
 std::optional<DataType> data_type(std::string_view word) {
+  if (begins_with_digit(word)) return std::nullopt;
   const std::string asked = folded(word);
   for (const TypeName& known : type_names) {
     if (asked == folded(known.name)) return known.type;
@@ -210,6 +216,7 @@ bool is_data_type(std::uint64_t index) noexcept {
 }
 
 std::optional<ObjectCode> object_code(std::string_view word) {
+  if (begins_with_digit(word)) return std::nullopt;
   const std::string asked = folded(word);
   for (const CodeName& known : code_names) {
     if (asked == lower(known.name)) return known.code;
