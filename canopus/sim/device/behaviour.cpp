@@ -62,20 +62,27 @@ double value_at(const Behaviour& behaviour, can::Time now) noexcept {
   const auto elapsed = now.time_since_epoch();
   const double span = behaviour.high - behaviour.low;
   const auto period = std::max(behaviour.period, can::Duration{1});
-  const double phase = static_cast<double>((elapsed % period).count()) / static_cast<double>(period.count());
-  const auto step_number = static_cast<std::uint64_t>(elapsed / period);
+  const auto phase = [&] {
+    return static_cast<double>((elapsed % period).count()) / static_cast<double>(period.count());
+  };
+  const auto step_number = [&] { return static_cast<std::uint64_t>(elapsed / period); };
   switch (behaviour.kind) {
     case Behaviour::Kind::constant: return behaviour.low;
     case Behaviour::Kind::sine:
-      return behaviour.low + span * (0.5 + 0.5 * std::sin(2 * std::numbers::pi * phase));
-    case Behaviour::Kind::ramp: return behaviour.low + span * phase;
+      return behaviour.low + span * (0.5 + 0.5 * std::sin(2 * std::numbers::pi * phase()));
+    case Behaviour::Kind::ramp: return behaviour.low + span * phase();
     case Behaviour::Kind::counter: {
       if (!(behaviour.step > 0)) return behaviour.low;
       const double steps = std::floor(span / behaviour.step) + 1;
-      return behaviour.low + std::fmod(static_cast<double>(step_number), steps) * behaviour.step;
+      constexpr double exact = 1ULL << 53;  // below it, whole numbers are the same as doubles
+      const std::uint64_t number = step_number();
+      const double left = steps < exact && number < static_cast<std::uint64_t>(exact)
+                              ? static_cast<double>(number % static_cast<std::uint64_t>(steps))
+                              : std::fmod(static_cast<double>(number), steps);
+      return behaviour.low + left * behaviour.step;
     }
     case Behaviour::Kind::noise: {
-      const std::uint64_t random = mixed(mixed(behaviour.seed) ^ step_number);
+      const std::uint64_t random = mixed(mixed(behaviour.seed) ^ step_number());
       return behaviour.low + span * (static_cast<double>(random >> 11) / 0x1FFFFFFFFFFFFFp0);
     }
     case Behaviour::Kind::echo: return 0;

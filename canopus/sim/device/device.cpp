@@ -75,6 +75,7 @@ std::optional<std::string> Device::add_behaviour(const Behaviour& behaviour) {
   }
   samples_ =
       samples_ || (behaviour.kind != Behaviour::Kind::echo && behaviour.kind != Behaviour::Kind::constant);
+  echoes_ = echoes_ || behaviour.kind == Behaviour::Kind::echo;
   motions_.push_back(motion);
   return std::nullopt;
 }
@@ -290,7 +291,7 @@ void Device::plan_sample(can::Time now) noexcept {
   next_sample_ = can::later(sampled_from_, (to_change + interval - can::Duration{1}) / interval * interval);
 }
 
-bool Device::echo_values() {
+bool Device::move_echoes() {
   const canopen::ObjectDictionary& dictionary = node_.dictionary();
   bool moved = false;
   for (const Motion& motion : motions_) {
@@ -353,8 +354,10 @@ void Device::tick(can::Time now) {
 }
 
 can::Time Device::deadline() const noexcept {
-  can::Time next =
-      std::min({node_.deadline(), next_sample_, next_row_, forcing_.deadline(), script_.deadline()});
+  can::Time next = std::min(node_.deadline(), next_sample_);
+  if (next_row_ < next) next = next_row_;
+  if (forcing_.deadline() < next) next = forcing_.deadline();
+  if (!script_.empty()) next = std::min(next, script_.deadline());
   if (application_ && is_on_) next = std::min(next, application_->deadline());
   return lss_ ? std::min(next, lss_->deadline()) : next;
 }

@@ -138,7 +138,8 @@ class Device final : public can::Participant, private canopen::NodeListener {
   bool move_values(can::Time now);
   [[nodiscard]] bool is_moved(const Motion& motion, can::Time now) const noexcept;
   void plan_sample(can::Time now) noexcept;
-  bool echo_values();
+  bool echo_values() { return echoes_ && move_echoes(); }
+  bool move_echoes();
   bool act(can::Time now) { return application_ && application_->act(*this, now); }
   bool play(can::Time now);
   bool force_value(const canopen::Entry& entry, std::uint64_t value, can::Time until, can::Time now);
@@ -166,6 +167,7 @@ class Device final : public can::Participant, private canopen::NodeListener {
   can::Time next_sample_ = can::never;
   can::Time sampled_from_ = can::never;  // samples are at multiples of the interval after this; never: none
   bool samples_ = false;                 // something else than constants and echoes
+  bool echoes_ = false;                  // some of them
   bool written_ = false;                 // perhaps a moving value, by somebody else
   bool is_on_ = false;
 };
