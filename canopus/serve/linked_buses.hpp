@@ -30,6 +30,8 @@ class LinkedBuses final : public plant::BusOpener {
                                                              can::Timeline& timeline) override;
   /// Frames come and go from now on. `clock` is null in virtual time.
   void start(link::LoopClock* clock, plant::PlantObserver& observer);
+  /// There are none.
+  [[nodiscard]] bool empty() const noexcept { return buses_.empty(); }
   /// Gives what the plant has sent `time_out` to get out. The plant must still be there.
   void close(std::chrono::milliseconds time_out);
 

@@ -6,6 +6,8 @@
 // user or the owner of a laptop expects. Lag is something else: the process could have run, and the machine
 // ran a deadline late. A plant that lags catches up.
 
+#include <algorithm>
+
 #include "canopus/can/time.hpp"
 
 namespace canopus::serve {
@@ -33,6 +35,18 @@ class Pace {
 
   /// `due` is the plant's earliest deadline, `now` how far the plant has run.
   [[nodiscard]] Step step(const Reading& reading, can::Time now, can::Time due) noexcept;
+  /// Deadlines that nobody outside waits for are waited for together: a plant of a thousand deadlines in a
+  /// hundred milliseconds is woken once in `longest`, and runs them at their moments of plant time all the same.
+  /// 0, as long as nobody says otherwise: it is woken for each.
+  void wake_together(can::Duration longest) noexcept { together_ = longest; }
+  /// Somebody outside has come in: for a while each deadline is waited for on its own, for an answer may hang on it.
+  void attend(can::Time now) noexcept { attends_until_ = can::later(now, attention); }
+  static constexpr can::Duration attention = std::chrono::milliseconds(50);
+  /// When to wake for the earliest deadline `due`, in plant time, of a plant that has run up to `now`.
+  [[nodiscard]] can::Time wake_for(can::Time due, can::Time now) const noexcept {
+    return now < attends_until_ ? due : std::max(due, can::later(now, together_));
+  }
+
   /// What Reading::elapsed will be when this moment of plant time comes.
   [[nodiscard]] can::Duration elapsed_at(can::Time moment) const noexcept {
     return moment.time_since_epoch() + stood_still_;
@@ -42,6 +56,8 @@ class Pace {
   can::Duration stood_still_{};  // plant time did, all in all
   can::Duration asleep_{};       // as reported
   can::Time last_{};             // plant time that the last reading meant
+  can::Duration together_{};
+  can::Time attends_until_{};
 };
 
 }  // namespace canopus::serve

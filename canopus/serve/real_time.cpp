@@ -55,6 +55,7 @@ can::Time RealTime::now() {
 }
 
 void RealTime::touched() {
+  pace_.attend(timeline_.now());
   if (std::min(timeline_.next(), end_) < armed_for_) arm();
 }
 
@@ -78,7 +79,7 @@ Pace::Reading RealTime::read_clocks() {
 }
 
 void RealTime::arm() {
-  armed_for_ = std::min(timeline_.next(), end_);
+  armed_for_ = std::min(pace_.wake_for(timeline_.next(), timeline_.now()), end_);
   timer_.expires_at(armed_for_ == can::never ? WallClock::time_point::max()
                                              : started_ + pace_.elapsed_at(armed_for_));
   timer_.async_wait([this](const boost::system::error_code& error) {
@@ -95,7 +96,9 @@ void RealTime::wake() {
 /// Runs what is due.
 void RealTime::advance() {
   const Pace::Reading reading = read_clocks();
-  const Pace::Step step = pace_.step(reading, timeline_.now(), std::min(timeline_.next(), end_));
+  // What was to wait for others is not late.
+  const can::Time due = std::min(std::max(timeline_.next(), armed_for_), end_);
+  const Pace::Step step = pace_.step(reading, timeline_.now(), due);
   lag_ = step.lag;
   largest_lag_ = std::max(largest_lag_, lag_);
   report(step, reading.elapsed);

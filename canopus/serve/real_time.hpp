@@ -26,6 +26,8 @@ class RealTime final : public link::LoopClock {
   void start();
   /// Called after each suspension: plant time stood still, so what shows the time of day is behind.
   void set_resumed_handler(std::function<void()> handler) { resumed_ = std::move(handler); }
+  /// For a plant whose frames nobody outside waits for: Pace::wake_together(). To be called before start().
+  void wake_together(can::Duration longest) noexcept { pace_.wake_together(longest); }
   can::Time now() override;
   void touched() override;
   [[nodiscard]] can::Duration largest_lag() const noexcept { return largest_lag_; }

@@ -110,5 +110,25 @@ TEST(Pace, MachineThatSlept_IsReportedAndItsClockStoodStillAnyway) {
   EXPECT_EQ(step.suspended, 0ms);
 }
 
+TEST(Pace, WakesForEachDeadline_UnlessTheyMayWaitForEachOther) {
+  Pace pace;
+  EXPECT_EQ(pace.wake_for(at(100us), at(0ms)), at(100us));
+  pace.wake_together(1ms);
+  EXPECT_EQ(pace.wake_for(at(100us), at(0ms)), at(1ms));
+  EXPECT_EQ(pace.wake_for(at(1ms), at(0ms)), at(1ms));
+  EXPECT_EQ(pace.wake_for(at(1500us), at(0ms)), at(1500us)) << "alone there is nothing to wait for";
+  EXPECT_EQ(pace.wake_for(can::never, at(0ms)), can::never);
+}
+
+TEST(Pace, WhileSomebodyOutsideMayWaitForAnAnswer_WakesForEachDeadline) {
+  Pace pace;
+  pace.wake_together(1ms);
+  pace.attend(at(10ms));
+  EXPECT_EQ(pace.wake_for(at(10100us), at(10ms)), at(10100us));
+  const can::Time over = at(10ms) + Pace::attention;
+  EXPECT_EQ(pace.wake_for(over, over - 1ns), over);
+  EXPECT_EQ(pace.wake_for(over + 100us, over), over + 1ms);
+}
+
 }  // namespace
 }  // namespace canopus::serve

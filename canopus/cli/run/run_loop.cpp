@@ -176,6 +176,9 @@ bool Run::run_in_real_time() {
       observer().warning("--realtime", sentence, {});
     }
   }
+  // A bus outside, and a process that is to be punctual, want each frame at its moment.
+  constexpr auto unseen = 1ms;
+  if (linked_buses_.empty() && !options_.real_time) clock.wake_together(unseen);
   plant_->power_on();
   clock.start();
   if (has_table_) start_table(clock);
