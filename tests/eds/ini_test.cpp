@@ -46,6 +46,20 @@ TEST(Ini, Semicolon_InsideAValue_IsKept) {
   EXPECT_EQ(read.file.find("a")->find("parametername")->value, "Speed; filtered");
 }
 
+TEST(Ini, Key_ComingTwiceInALongSection_IsFound_WhereverItCameFirst) {
+  for (const unsigned first : {0U, 1U, 23U, 24U, 25U, 199U}) {
+    std::string text = "[A]\n";
+    for (unsigned i = 0; i < 200; ++i) text += "Key" + std::to_string(i) + "=" + std::to_string(i) + "\n";
+    text += "[B]\nKey0=1\n[A]\nKEY" + std::to_string(first) + "=other\nNew=1\n";
+    Read read(text);
+    const Section* section = read.file.find("a");
+    EXPECT_EQ(section->items.size(), 201U) << first;
+    EXPECT_EQ(section->find("key" + std::to_string(first))->value, std::to_string(first));
+    EXPECT_EQ(section->find("new")->line, 206U);
+    EXPECT_EQ(read.file.find("b")->items.size(), 1U);
+  }
+}
+
 TEST(Ini, Section_ComingTwice_IsJoinedAndTheFirstValueCounts) {
   Read read("[A]\nX=1\n[B]\n[A]\nX=2\nY=3\n");
   EXPECT_EQ(read.file.find("a")->find("x")->value, "1");

@@ -120,6 +120,21 @@ TEST(DeviceSampling, WhatAnRpdoWritesThereLastsUntilTheNextSample) {
   EXPECT_EQ(output(), 7);
 }
 
+TEST(DeviceSampling, WhatIsWrittenBeneathAForcedValueIsNotTakenForTheBehaviours) {
+  SampledDevice d;
+  ASSERT_EQ(
+      d.device.add_behaviour(
+          {.kind = Behaviour::Kind::counter, .index = 0x6200, .sub = 1, .low = 7, .high = 9, .period = 1h}),
+      std::nullopt);
+  d.start();
+  const auto entry = *d.device.process_value(0x6200, 1);
+  d.device.force(entry, 0x33, can::never, d.now);
+  d.run_until(at(1004ms));
+  d.hear(data_frame(0x605, {0x2F, 0x00, 0x62, 0x01, 0x33, 0, 0, 0}));
+  ASSERT_TRUE(d.device.release(entry, d.now));
+  EXPECT_EQ(d.device.node().dictionary().get<std::uint8_t>(0x6200, 1), 7);
+}
+
 TEST(DeviceSampling, AConstantThatSomebodyWritesIsWhatItWasWithTheNextFrame) {
   SampledDevice d;
   ASSERT_EQ(d.device.add_behaviour({.kind = Behaviour::Kind::constant, .index = 0x6200, .sub = 1, .low = 7}),

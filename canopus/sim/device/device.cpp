@@ -252,8 +252,7 @@ bool Device::emergency_reset(can::Time now) { return node_.emergency_reset(now);
 
 /// It holds what it has to hold now.
 bool Device::is_moved(const Motion& motion, can::Time now) const noexcept {
-  return now < motion.next_change && forcing_.all().empty() &&
-         node_.dictionary().get<std::uint64_t>(motion.target) == motion.moved_to;
+  return now < motion.next_change && node_.dictionary().get<std::uint64_t>(motion.target) == motion.moved_to;
 }
 
 bool Device::move_values(can::Time now) {
@@ -266,7 +265,9 @@ bool Device::move_values(can::Time now) {
     const std::uint64_t bits = fitted(value, type, dictionary.description().limits(motion.target));
     moved = forcing_.put(motion.target, bits) || moved;
     motion.moved_to = dictionary.get<std::uint64_t>(motion.target);
-    motion.next_change = next_change(motion.behaviour, type, value, now);
+    // What is forced shows nothing of what lies beneath: then it is put there at each sample.
+    const bool shows = forcing_.all().empty() || !forcing_.is_forced(motion.target);
+    motion.next_change = shows ? next_change(motion.behaviour, type, value, now) : now;
   }
   return echo_values() || moved;
 }
