@@ -74,5 +74,50 @@ TEST_F(PlantDescriptions, ADeviceWithValuesOfItsOwnCostsLittleMore) {
   EXPECT_LT(heap_of(own), shared + 100 * 2048);
 }
 
+TEST_F(PlantDescriptions, AnLssSlaveIsHeardByItsControllersFilter) {
+  struct Master final : can::Participant {
+    void receive(const can::Frame& frame, can::Time) override { heard.push_back(frame); }
+    void tick(can::Time) override {}
+    [[nodiscard]] can::Time deadline() const noexcept override { return can::never; }
+    std::vector<can::Frame> heard;
+  } master;
+  load(fmt::format(
+      "[[device]]\nbus = \"line1\"\nnode = \"unconfigured\"\neds = \"{}/examples/devices/io-block.eds\"\n",
+      CANOPUS_SOURCE_DIR));
+  can::Port& port = plant_->bus(0).add_port("master");
+  port.connect(master, plant_->timeline().add(master));
+  port.plug(true);
+  plant_->timeline().run_until(can::Time{std::chrono::seconds(1)});
+  // Switch to configuration, then inquire identity: vendor-ID
+  port.send(can::data_frame(0x7E5, {0x04, 1, 0, 0, 0, 0, 0, 0}));
+  port.send(can::data_frame(0x7E5, {0x5A, 0, 0, 0, 0, 0, 0, 0}));
+  plant_->timeline().run_until(can::Time{std::chrono::seconds(2)});
+  ASSERT_EQ(master.heard.size(), 1U);
+  EXPECT_EQ(master.heard[0].identifier, 0x7E4U);
+}
+
+class PresetObjects : public PlantDescriptions {
+ protected:
+  std::vector<std::string> with(std::string_view objects) {
+    return check(fmt::format(
+        "[[bus]]\nname = \"line1\"\nbit_rate = 250_000\n[[plc]]\nlisten = \"off\"\n[[plc.module]]\n"
+        "model = \"ME3CAN1-Q\"\nbus = \"line1\"\nhead = 0\nnode = 1\nobjects = {{ {} }}\n",
+        objects));
+  }
+};
+
+// By the description alone: no service of the module is asked, so the order does not matter.
+TEST_F(PresetObjects, AreRefusedAsAWriteWouldBe) {
+  using testing::ElementsAre;
+  using testing::HasSubstr;
+  EXPECT_THAT(with("\"1017:00\" = 500"), testing::IsEmpty());
+  EXPECT_THAT(with("\"1018:01\" = 1"),
+              ElementsAre(HasSubstr("1018H:01H: the ME3CAN1-Q refuses the value: ")));
+  EXPECT_THAT(with("\"1F80:00\" = 0x80000000"),
+              ElementsAre(HasSubstr("1F80H:00H: the ME3CAN1-Q refuses the value: ")));
+  EXPECT_THAT(with("\"1000:00\" = 1"),
+              ElementsAre(HasSubstr("1000H:00H: the ME3CAN1-Q refuses the value: ")));
+}
+
 }  // namespace
 }  // namespace canopus::plant
