@@ -61,12 +61,12 @@ TEST(IdentifierFilter, AnIdentifierThatCameLater_IsHeardAtOnce) {
   Node node(builder.build(), 5, bus);
   node.power_on({});
   bus.sent.clear();
-  node.receive(read_of_1000(0x655), {});
+  node.receive(read_of_1000(0x6A7), {});
   EXPECT_THAT(bus.sent, IsEmpty());
-  ASSERT_EQ(node.dictionary().write(0x1201, 1, can::little_endian(0x655, 4), {}), AbortCode::none);
-  ASSERT_EQ(node.dictionary().write(0x1201, 2, can::little_endian(0x5D5, 4), {}), AbortCode::none);
-  node.receive(read_of_1000(0x655), {});
-  EXPECT_THAT(bus.sent, ElementsAre(0x5D5));
+  ASSERT_EQ(node.dictionary().write(0x1201, 1, can::little_endian(0x6A7, 4), {}), AbortCode::none);
+  ASSERT_EQ(node.dictionary().write(0x1201, 2, can::little_endian(0x555, 4), {}), AbortCode::none);
+  node.receive(read_of_1000(0x6A7), {});
+  EXPECT_THAT(bus.sent, ElementsAre(0x555));
 }
 
 TEST(IdentifierFilter, ExtendedIdentifiersAreHeard) {

@@ -219,8 +219,9 @@ std::shared_ptr<const DictionaryDescription> DictionaryBuilder::build() const {
       d.limits.push_back(spec.limits);
     }
     entry.length = static_cast<std::uint8_t>(byte_length(spec.type));
-    entry.is_plainly_writable = entry.length != 0 && entry.length <= 4 && entry.limits == 0 &&
-                                entry.type != DataType::boolean && is_writable(entry.access);
+    entry.is_plainly_readable = entry.length != 0 && entry.length <= 4 && is_readable(entry.access);
+    entry.is_plainly_writable = entry.length != 0 && entry.length <= 4 && is_writable(entry.access) &&
+                                entry.limits == 0 && entry.type != DataType::boolean;
     if (entry.length == 0) {
       entry.offset = static_cast<std::uint32_t>(d.slots.size());
       for (unsigned i = 0; i < count; ++i) d.slots.push_back(spec.value);

@@ -34,6 +34,7 @@ struct EntryDescription {
   bool stored : 1 = false;  ///< saved by 1010H
   /// May be written by whatever is as long: a number of 1..4 bytes without limits.
   bool is_plainly_writable : 1 = false;
+  bool is_plainly_readable : 1 = false;  ///< 1..4 bytes that may be read
 };
 
 /// Lowest and highest value, as the 64-bit pattern of the entry's type (sign-extended, or an IEEE double for
@@ -98,9 +99,13 @@ class DictionaryDescription {
   [[nodiscard]] Entry find(std::uint16_t index, std::uint8_t sub) const noexcept;
   [[nodiscard]] Entry find(const ObjectDescription& object, std::uint8_t sub) const noexcept {
     if (sub > object.highest_sub) return {};
-    if (!object.uniform || sub == 0) {
+    const Entry entry = place(object, sub);
+    return entry.description->type == DataType::none ? Entry{} : entry;
+  }
+  /// The same for a sub-index up to the object's highest one; what is described there may be of no type.
+  [[nodiscard]] Entry place(const ObjectDescription& object, std::uint8_t sub) const noexcept {
+    if (!object.uniform || sub == 0) [[likely]] {
       const EntryDescription& entry = entries_[object.first_entry + sub];
-      if (entry.type == DataType::none) return {};
       return {&entry, entry.offset, object.index, sub};
     }
     const EntryDescription& entry = entries_[object.first_entry + 1];

@@ -33,13 +33,9 @@ AbortCode ObjectDictionary::prepare_read(std::uint16_t index, std::uint8_t sub, 
 }
 
 ObjectDictionary::ShortValue ObjectDictionary::find_short(std::uint32_t multiplexer) noexcept {
-  const std::size_t position = description_->find_position(static_cast<std::uint16_t>(multiplexer >> 8));
-  if (position == DictionaryDescription::no_position || handler_numbers_[position] != 0) return {};
-  const Entry entry =
-      description_->find(description_->object(position), static_cast<std::uint8_t>(multiplexer >> 24));
-  if (!entry || !is_readable(entry.description->access)) return {};
+  const Entry entry = find_plain(multiplexer);
+  if (!entry || !entry.description->is_plainly_readable) return {};
   const std::uint8_t length = entry.description->length;
-  if (length == 0 || length > 4) return {};
   last_short_ = {multiplexer, entry.offset, length};
   return {get<std::uint32_t>(entry), length};
 }
@@ -77,23 +73,6 @@ AbortCode ObjectDictionary::write(std::uint16_t index, std::uint8_t sub, std::sp
   if (behaviour != nullptr) behaviour->after_write(*this, entry, now);
   if (write_observer_ != nullptr) write_observer_->object_written(entry, now);
   return AbortCode::none;
-}
-
-bool ObjectDictionary::write_short(std::uint32_t multiplexer, ShortValue value, can::Time now) {
-  const std::size_t position = description_->find_position(static_cast<std::uint16_t>(multiplexer >> 8));
-  if (position == DictionaryDescription::no_position || handler_numbers_[position] != 0) return false;
-  const Entry entry =
-      description_->find(description_->object(position), static_cast<std::uint8_t>(multiplexer >> 24));
-  if (!entry || !entry.description->is_plainly_writable || entry.description->length != value.length)
-    return false;
-  std::uint8_t* const to = &block_[entry.offset];
-  if (value.length == 4) {
-    std::memcpy(to, &value.number, 4);
-  } else {
-    can::store_value(to, value.number, value.length);
-  }
-  if (write_observer_ != nullptr) write_observer_->object_written(entry, now);
-  return true;
 }
 
 std::span<const std::uint8_t> ObjectDictionary::bytes(const Entry& entry) const noexcept {

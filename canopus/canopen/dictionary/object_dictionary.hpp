@@ -85,7 +85,20 @@ class ObjectDictionary {
   }
   /// write() of what has 1..4 bytes, as many as given, may be written, and has neither limits nor a handler, as
   /// most values that are written. False: it is none of them, and nothing was done.
-  [[nodiscard]] bool write_short(std::uint32_t multiplexer, ShortValue value, can::Time now);
+  [[nodiscard]] bool write_short(std::uint32_t multiplexer, ShortValue value, can::Time now) {
+    const Entry entry = find_plain(multiplexer);
+    if (!entry || !entry.description->is_plainly_writable || entry.description->length != value.length) {
+      return false;
+    }
+    std::uint8_t* const to = block_.data() + entry.offset;
+    if (value.length == 4) [[likely]] {
+      std::memcpy(to, &value.number, 4);
+    } else {
+      can::store_value(to, value.number, value.length);
+    }
+    if (write_observer_ != nullptr) write_observer_->object_written(entry, now);
+    return true;
+  }
   /// The stream of a value that has one.
   [[nodiscard]] ObjectStream* stream(const Entry& entry) const;
   /// Writes as the bus does.
@@ -177,6 +190,14 @@ class ObjectDictionary {
   }
 
   [[nodiscard]] ShortValue find_short(std::uint32_t multiplexer) noexcept;
+  /// An entry, perhaps of no type, of an object without a handler; or none.
+  [[nodiscard]] Entry find_plain(std::uint32_t multiplexer) const noexcept {
+    const std::size_t position = description_->find_position(static_cast<std::uint16_t>(multiplexer >> 8));
+    if (position == DictionaryDescription::no_position || handler_numbers_[position] != 0) return {};
+    const ObjectDescription& object = description_->object(position);
+    const auto sub = static_cast<std::uint8_t>(multiplexer >> 24);
+    return sub <= object.highest_sub ? description_->place(object, sub) : Entry{};
+  }
 
   std::shared_ptr<const DictionaryDescription> description_;
   std::vector<std::uint8_t> block_;

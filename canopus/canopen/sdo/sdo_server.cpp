@@ -140,13 +140,19 @@ void SdoServer::expedited_download(const can::Frame& frame, const Entry& entry, 
 }
 
 void SdoServer::initiate_download(const can::Frame& frame, can::Time now) {
-  if ((frame.data[0] & sdo::expedited_bit) != 0) {
-    const bool size_indicated = (frame.data[0] & sdo::size_bit) != 0;
-    const auto length = static_cast<std::uint8_t>(size_indicated ? 4U - (frame.data[0] >> 2 & 3U) : 0U);
+  constexpr unsigned sized = sdo::expedited_bit | sdo::size_bit;
+  if ((frame.data[0] & sized) == sized) {
+    const auto length = static_cast<std::uint8_t>(4U - (frame.data[0] >> 2 & 3U));
     if (dictionary_->write_short(sdo::multiplexer(frame), {sdo::value(frame), length}, now)) {
       sink_->send(sdo::frame(response_, 0x60, sdo::multiplexer(frame)));
       return;
     }
+  }
+  initiate_other_download(frame, now);
+}
+
+void SdoServer::initiate_other_download(const can::Frame& frame, can::Time now) {
+  if ((frame.data[0] & sdo::expedited_bit) != 0) {
     const auto entry = dictionary_->find(sdo::index(frame), frame.data[3]);
     if (!entry) return abort(sdo::multiplexer(frame), entry.error());
     return expedited_download(frame, *entry, now);

@@ -70,6 +70,7 @@ class SdoServer {
   void receive_other(const can::Frame& frame, can::Time now);
   void receive_in_block(const can::Frame& frame, can::Time now);
   void initiate_download(const can::Frame& frame, can::Time now);
+  void initiate_other_download(const can::Frame& frame, can::Time now);
   void expedited_download(const can::Frame& frame, const Entry& entry, can::Time now);
   void download_segment(const can::Frame& frame, can::Time now);
   void take_segment_with_care(const can::Frame& frame, can::Time now);
