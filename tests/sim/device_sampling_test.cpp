@@ -135,6 +135,20 @@ TEST(DeviceSampling, WhatIsWrittenBeneathAForcedValueIsNotTakenForTheBehaviours)
   EXPECT_EQ(d.device.node().dictionary().get<std::uint8_t>(0x6200, 1), 7);
 }
 
+TEST(DeviceSampling, WhatTheNodeItselfPutsThereLastsUntilTheNextSample) {
+  SampledDevice d;
+  ASSERT_EQ(
+      d.device.add_behaviour({.kind = Behaviour::Kind::counter, .index = 0x1001, .high = 9, .period = 1h}),
+      std::nullopt);
+  d.start();
+  d.run_until(at(1004ms));
+  const auto error_register = [&] { return d.device.node().dictionary().get<std::uint8_t>(0x1001, 0); };
+  ASSERT_TRUE(d.device.emergency(0x1000, 0x01, {}, d.now));
+  EXPECT_EQ(error_register(), 1);
+  d.run_until(at(1010ms));
+  EXPECT_EQ(error_register(), 0);
+}
+
 TEST(DeviceSampling, AConstantThatSomebodyWritesIsWhatItWasWithTheNextFrame) {
   SampledDevice d;
   ASSERT_EQ(d.device.add_behaviour({.kind = Behaviour::Kind::constant, .index = 0x6200, .sub = 1, .low = 7}),
