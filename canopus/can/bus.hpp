@@ -5,18 +5,17 @@
 #include <bitset>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "canopus/can/bus_error.hpp"
 #include "canopus/can/controller.hpp"
 #include "canopus/can/timeline.hpp"
 
 namespace canopus::can {
 
 class Port;
-
-/// What a controller found wrong [ISO 11898-1 error detection].
-enum class BusError : std::uint8_t { none, bit, stuff, crc, form, acknowledgement };
 
 /// What a bus did, for traces and statistics.
 class BusObserver {
@@ -26,6 +25,10 @@ class BusObserver {
   virtual void frame_completed(const Frame& frame, Time start, Time end) = 0;
   /// A controller found an error at the sample point of a bit; its error flag follows.
   virtual void error_detected(const Port& /*port*/, BusError /*error*/, Time /*now*/) {}
+  /// The same with its place and what it did, for everybody who found an error at this moment, in one call.
+  virtual void errors_reported(std::span<const BusErrorReport> /*reports*/, Time /*now*/) {}
+  /// A controller's error state, or its way over or below the warning limit, changed.
+  virtual void controller_changed(const ControllerReport& /*report*/, Time /*now*/) {}
 
  protected:
   ~BusObserver() = default;

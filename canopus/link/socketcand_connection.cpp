@@ -100,6 +100,16 @@ void SocketcandServer::Client::unacknowledged(can::Time now) {
   message({text.data(), write_socketcand_error(text, error_class_acknowledgement, now)});
 }
 
+void SocketcandServer::Client::controller_error(std::uint32_t error_class, can::Time now) {
+  if (server_ == nullptr || ending() || session_.state() != SocketcandSession::State::raw) return;
+  report_lost();
+  Message* slot = lost_ == 0 ? claim_slot(reserved_for_answers) : nullptr;
+  if (slot == nullptr) return;  // frames matter more to a client that is slow
+  slot->length = static_cast<std::uint8_t>(write_socketcand_error(slot->text, error_class, now));
+  slot->frame = true;
+  write_next();
+}
+
 void SocketcandServer::Client::tick(can::Time now) {
   if (server_ == nullptr) return;
   if (now >= look_at_) look(now);

@@ -84,6 +84,7 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
 
   // AttachedClient
   void unacknowledged(can::Time now) override;
+  void controller_error(std::uint32_t error_class, can::Time now) override;
   void receive(const can::Frame& frame, can::Time now) override;
   void transmitted(const can::Frame& /*frame*/, can::Time now) override {
     if (on_the_way_ > 0) --on_the_way_;

@@ -46,6 +46,8 @@ class AttachedClient : public can::Participant {
   /// Nobody acknowledges what the client sends: no other node is on the bus. Called once for as long as that
   /// lasts.
   virtual void unacknowledged(can::Time now) = 0;
+  /// The client's controller found an error, or came to another state: class of the SocketCAN error frame.
+  virtual void controller_error(std::uint32_t error_class, can::Time now) = 0;
 };
 
 /// Puts a client on the bus. It lives until its attachment is destroyed. Null: the bus takes no more.

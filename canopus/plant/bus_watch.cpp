@@ -1,6 +1,7 @@
 #include "canopus/plant/bus_watch.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 #include "canopus/can/little_endian.hpp"
 
@@ -25,6 +26,7 @@ NodeLabel BusWatch::label(std::uint8_t node_id) const {
 
 void BusWatch::frame_completed(const can::Frame& frame, can::Time /*start*/, can::Time end) {
   unacknowledged_.frame_completed();
+  last_errors_.clear();
   if (frame.extended || frame.remote) return;
   const auto node_id = static_cast<std::uint8_t>(frame.identifier & 0x7F);
   if (node_id == 0) return;
@@ -40,9 +42,35 @@ void BusWatch::frame_completed(const can::Frame& frame, can::Time /*start*/, can
 
 void BusWatch::error_detected(const can::Port& port, can::BusError error, can::Time now) {
   if (!unacknowledged_.error_detected(port, error)) return;
-  const auto sender = std::ranges::find(occupants_, &port, &Occupant::port);
-  if (sender != occupants_.end()) return observer_.unacknowledged(sender->status->label, now);
-  observer_.unacknowledged({bus_, port.name(), 0}, now);  // a client
+  observer_.unacknowledged(label_of(port), now);
+}
+
+NodeLabel BusWatch::label_of(const can::Port& port) const {
+  const auto occupant = std::ranges::find(occupants_, &port, &Occupant::port);
+  if (occupant != occupants_.end()) return occupant->status->label;
+  return {bus_, port.name(), 0};  // a client
+}
+
+void BusWatch::errors_reported(std::span<const can::BusErrorReport> reports, can::Time now) {
+  // A node that is alone finds one and the same error thousands of times a second.
+  if (std::ranges::equal(reports, last_errors_)) return;
+  last_errors_.assign(reports.begin(), reports.end());
+  const auto place = [](const can::BusErrorReport& report) {
+    return std::tuple(report.error, report.field, report.bit);
+  };
+  for (auto first = reports.begin(); first != reports.end(); ++first) {
+    const auto is_same = [&](const can::BusErrorReport& report) { return place(report) == place(*first); };
+    if (std::any_of(reports.begin(), first, is_same)) continue;
+    BusErrorEvent event{.bus = bus_, .error = first->error, .field = first->field, .bit = first->bit};
+    for (const can::BusErrorReport& report : reports) {
+      if (is_same(report)) event.nodes.push_back({label_of(*report.port), report});
+    }
+    observer_.bus_error(event, now);
+  }
+}
+
+void BusWatch::controller_changed(const can::ControllerReport& report, can::Time now) {
+  observer_.controller_changed(label_of(*report.port), report, now);
 }
 
 void BusWatch::know_number(NodeStatus& status) {

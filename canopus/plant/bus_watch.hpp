@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -30,9 +31,12 @@ class BusWatch final : public can::BusObserver {
 
   void frame_completed(const can::Frame& frame, can::Time start, can::Time end) override;
   void error_detected(const can::Port& port, can::BusError error, can::Time now) override;
+  void errors_reported(std::span<const can::BusErrorReport> reports, can::Time now) override;
+  void controller_changed(const can::ControllerReport& report, can::Time now) override;
 
  private:
   void know_number(NodeStatus& status);
+  [[nodiscard]] NodeLabel label_of(const can::Port& port) const;
   [[nodiscard]] bool is_plain_can() const;
   void error_control(std::uint8_t node_id, std::uint8_t state, can::Time now);
   void emergency(std::uint8_t node_id, const can::Frame& frame, can::Time now);
@@ -45,6 +49,7 @@ class BusWatch final : public can::BusObserver {
   };
   std::vector<Occupant> occupants_;
   Unacknowledged unacknowledged_;
+  std::vector<can::BusErrorReport> last_errors_;
   std::array<NodeStatus*, 128> known_{};
   std::array<std::uint8_t, 128> foreign_states_{};
 };

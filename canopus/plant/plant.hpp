@@ -44,6 +44,19 @@ struct ForcedObject {
   can::Time until = can::never;  ///< released then; never: not by itself
 };
 
+/// An error on a bus, and the nodes that found it at one moment in one place of the frame.
+struct BusErrorEvent {
+  struct Node {
+    NodeLabel label;
+    can::BusErrorReport report;
+  };
+  std::string_view bus;
+  can::BusError error = can::BusError::none;
+  can::FrameField field = can::FrameField::idle;
+  unsigned bit = 0;  ///< as BusErrorReport::bit
+  std::vector<Node> nodes{};
+};
+
 /// What happens in a plant, as it happens. docs/events.md describes the lines made of it.
 class PlantObserver {
  public:
@@ -55,6 +68,10 @@ class PlantObserver {
   virtual void emergency(const NodeLabel&, const canopen::Emergency&, can::Time) {}
   /// Nobody acknowledges what this node sends: it is alone on its bus. Once, until somebody completed a frame.
   virtual void unacknowledged(const NodeLabel&, can::Time) {}
+  /// Nodes found an error. Not for one that repeats the last one of its bus in everything but the time.
+  virtual void bus_error(const BusErrorEvent&, can::Time) {}
+  /// The error state of a node's controller, or a counter's way over or below the warning limit, changed.
+  virtual void controller_changed(const NodeLabel&, const can::ControllerReport&, can::Time) {}
   /// A module of the plant boots this slave as its NMT master and came to another step, or asks it once more.
   virtual void slave_boot_went_on(const NodeLabel& /*slave*/, const NodeLabel& /*master*/,
                                   const manager::BootRecord&, can::Time) {}

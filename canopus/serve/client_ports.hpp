@@ -1,10 +1,14 @@
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "canopus/can/bus.hpp"
+#include "canopus/can/error_frame.hpp"
 #include "canopus/can/timeline.hpp"
 #include "canopus/link/socketcand_server.hpp"
 #include "canopus/plant/unacknowledged.hpp"
@@ -68,13 +72,29 @@ class ClientPort final : public can::Participant, private can::BusObserver {
   // can::BusObserver
   void frame_completed(const can::Frame&, can::Time, can::Time) override {
     unacknowledged_.frame_completed();
+    last_class_ = 0;
   }
   void error_detected(const can::Port& port, can::BusError error, can::Time now) override {
     if (&port != &port_ || client_ == nullptr) return;
     if (unacknowledged_.error_detected(port, error)) client_->unacknowledged(now);
   }
+  void errors_reported(std::span<const can::BusErrorReport> reports, can::Time now) override {
+    if (client_ == nullptr) return;
+    const auto own = std::ranges::find(reports, &port_, &can::BusErrorReport::port);
+    // Missing acknowledgements are said once, as above.
+    if (own == reports.end() || own->error == can::BusError::acknowledgement) return;
+    tell(can::error_frame(*own).identifier, now);
+  }
+  void controller_changed(const can::ControllerReport& report, can::Time now) override {
+    if (client_ != nullptr && report.port == &port_) tell(can::error_frame(report).identifier, now);
+  }
+  /// Not the same again and again, as long as no frame is completed.
+  void tell(std::uint32_t error_class, can::Time now) {
+    if (std::exchange(last_class_, error_class) != error_class) client_->controller_error(error_class, now);
+  }
 
   static constexpr std::size_t queued_frames = 128;
+  std::uint32_t last_class_ = 0;
   link::AttachedClient* client_ = nullptr;  // before what adds this to the timeline
   plant::Unacknowledged unacknowledged_;
   can::Bus& bus_;

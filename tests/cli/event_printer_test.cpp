@@ -40,6 +40,45 @@ TEST(JsonPrinter, EachEventIsOneLineAsDocumented) {
       "\n");
 }
 
+/// A stuff error that two nodes saw at one moment.
+plant::BusErrorEvent stuff_error() {
+  plant::BusErrorEvent event{
+      .bus = "line1", .error = can::BusError::stuff, .field = can::FrameField::data, .bit = 45};
+  event.nodes.push_back({encoder, {.transmitter = true, .transmit_errors = 8}});
+  event.nodes.push_back(
+      {stranger, {.state = can::ErrorState::error_passive, .transmit_errors = 0, .receive_errors = 130}});
+  return event;
+}
+
+TEST(JsonPrinter, ABusErrorIsOneLineWithWhoSawIt) {
+  TextOutput printed;
+  JsonPrinter json(printed);
+  json.bus_error(stuff_error(), at);
+  json.controller_changed(
+      encoder, {.state = can::ErrorState::error_passive, .warning = true, .transmit_errors = 128}, at);
+  EXPECT_EQ(printed.text(),
+            R"({"t":1.25,"event":"bus error","bus":"line1","error":"stuff","field":"data","bit":45,"nodes":[)"
+            R"({"node":3,"name":"encoder","transmitter":true,"tec":8,"rec":0,"state":"error active"},)"
+            R"({"node":77,"transmitter":false,"tec":0,"rec":130,"state":"error passive"}]})"
+            "\n"
+            R"({"t":1.25,"event":"controller","bus":"line1","node":3,"name":"encoder",)"
+            R"("state":"error passive","warning":true,"tec":128,"rec":0})"
+            "\n");
+}
+
+TEST(LinePrinter, OfAController_AreItsStates_AndSingleErrorsAreNone) {
+  TextOutput printed;
+  LinePrinter lines(printed, printed, false);
+  lines.bus_error(stuff_error(), at);
+  lines.controller_changed(encoder,
+                           {.state = can::ErrorState::bus_off, .warning = true, .transmit_errors = 256}, at);
+  lines.controller_changed(encoder, {.warning = true, .receive_errors = 96}, at);
+  EXPECT_EQ(printed.text(),
+            "    1.250000  line1 node 3 (encoder): bus-off, TEC 256, REC 0\n"
+            "    1.250000  line1 node 3 (encoder): error active (warning), TEC 0, REC 96\n");
+  EXPECT_EQ(describe(stuff_error()), "stuff error in data, bit 45, seen by encoder (sending), node 77");
+}
+
 TEST(JsonPrinter, ANameThatIsNotUtf8DoesNotBreakTheLine) {
   TextOutput printed;
   JsonPrinter json(printed);

@@ -102,9 +102,47 @@ TEST(PlantFile, AFaultTakesOnlyTheKeysOfItsKind) {
       errors_of(bus + "kind = \"break\"\n"),
       ElementsAre(
           "plant.toml:5:8: kind = \"break\": expected one of drop, corrupt, duplicate, delay, babble, "
-          "stuck dominant, jam, cut"));
+          "stuck dominant, jam, cut, drive"));
   EXPECT_THAT(errors_of(bus + "kind = \"drop\"\nfrom = \"2s\"\nuntil = \"1s\"\n"),
               ElementsAre("plant.toml:7:9: until = \"1s\": must be later than from"));
+}
+
+TEST(PlantFile, ABitDriver_IsWhatItsKeysSay) {
+  const PlantReading reading = read_plant(
+      "[[bus]]\nname = \"line1\"\nbit_rate = 250_000\n"
+      "[[bus.fault]]\nkind = \"drive\"\nfrom = \"100ms\"\nbits = \"0*6 1R\"\nbit_time = \"3us\"\n"
+      "[[bus.fault]]\nkind = \"drive\"\nidentifier = 0x181\nfield = \"CRC delimiter\"\nbits = \"0\"\ncount = "
+      "1\n",
+      "plant.toml");
+  ASSERT_THAT(reading.errors, IsEmpty());
+  const sim::Fault& timed = reading.plant.buses[0].faults[0].fault;
+  EXPECT_EQ(timed.kind, sim::FaultKind::drive);
+  EXPECT_EQ(timed.from, can::Time(std::chrono::milliseconds(100)));
+  EXPECT_EQ(timed.bit_time, std::chrono::microseconds(3));
+  EXPECT_EQ(timed.levels.size(), 8U);
+  EXPECT_EQ(timed.levels.back(), sim::DrivenLevel::recessive);
+  EXPECT_FALSE(timed.field.has_value());
+  EXPECT_EQ(reading.plant.buses[0].faults[1].fault.field, can::FrameField::crc_delimiter);
+}
+
+TEST(PlantFile, AWrongBitDriver_IsToldWithItsField) {
+  const std::string bus = "[[bus]]\nname = \"a\"\nbit_rate = 250000\n[[bus.fault]]\nkind = \"drive\"\n";
+  EXPECT_THAT(
+      errors_of(bus + "bits = \"012\"\n"),
+      ElementsAre("plant.toml:6:8: bits = character 3: expected 0 (dominant), 1 (released), R (forced "
+                  "recessive), * or blanks"));
+  EXPECT_THAT(errors_of(bus), ElementsAre("plant.toml:4:1: bus.fault: bits is missing; expected a string"));
+  EXPECT_THAT(
+      errors_of(bus + "bits = \"0\"\nfield = \"CRD\"\n"),
+      ElementsAre("plant.toml:7:9: field = \"CRD\": expected one of SOF, ID.28-21, ID.20-18, RTR, IDE, "
+                  "ID.17-13, ID.12-5, ID.4-0, RTR (extended), r1, r0, DLC, data, CRC, CRC delimiter, ACK "
+                  "slot, ACK delimiter, EOF, intermission"));
+  EXPECT_THAT(errors_of(bus + "bits = \"0\"\nbit_time = \"0s\"\n"),
+              ElementsAre("plant.toml:7:12: bit_time = \"0s\": expected a time longer than 0"));
+  EXPECT_THAT(
+      errors_of(bus + "bits = \"0\"\nidentifier = 3\n"),
+      ElementsAre(
+          "plant.toml:7:14: identifier = 3: needs a `field` or `bit` of a frame where the bits begin"));
 }
 
 RC_GTEST_PROP(PlantFile, NoTextWhateverMakesItFail, (const std::string& text)) {

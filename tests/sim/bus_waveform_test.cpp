@@ -6,6 +6,7 @@
 #include <random>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -40,11 +41,27 @@ struct Scene {
   Station b{bus, timeline, "b"};
 };
 
+/// The text without its numbers: TEC, REC and fields.
+std::string signals_alone(const std::string& text) {
+  std::istringstream in(text);
+  std::string kept;
+  std::string moment;  // a time is kept only with a change behind it
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("r") || line.starts_with("$comment") || line.starts_with("$var real")) continue;
+    if (line.starts_with("#") && line != "#0") {
+      moment = line + '\n';
+      continue;
+    }
+    kept += std::exchange(moment, "") + line + '\n';
+  }
+  return kept;
+}
+
 TEST(Waveform, OfAFrameWithoutData_IsThisText) {
   // 0 11111(0)11111(0)1 0 0 0 00(1)00: SOF, identifier, RTR, IDE, r0, DLC. Ticks of 1 us, ten to a bit.
   Scene scene(100'000);
   scene.a.send_at(Time(1ms), data_frame(0x7FF));
-  const std::string text = scene.record(Time(1'200us));
+  const std::string text = signals_alone(scene.record(Time(1'200us)));
   EXPECT_EQ(text,
             "$version Canopus $end\n"
             "$timescale 1 us $end\n"
@@ -203,11 +220,47 @@ TEST(Waveform, FlagsAndArbitration_AreSignalsOfTheirOwn) {
   EXPECT_TRUE(scene.bus.set_faults({{.kind = FaultKind::corrupt, .count = 1, .receiver = "a", .bit = 21}}, 1)
                   .has_value());
   scene.a.send_at(Time(100us), data_frame(0x123, {0x55}));
-  const std::string text = scene.record(Time(1ms));
+  const std::string text = signals_alone(scene.record(Time(1ms)));
   // a sends its flag in bits 22 to 27, b in bits 28 to 33; unit 100 ns... see BusErrors for the same walk.
   EXPECT_NE(text.find("#1220\n0\"\n1#\n"), std::string::npos) << text;
   EXPECT_NE(text.find("#1280\n1\"\n0#\n0%\n1&\n"), std::string::npos);
   EXPECT_NE(text.find("#1340\n1%\n0&\n1!\n"), std::string::npos);
+}
+
+/// When `name` has which number: "1000=5".
+std::vector<std::string> changes_of(const std::string& text, const std::string& name) {
+  std::istringstream in(text);
+  std::vector<std::string> changes;
+  std::string code;
+  std::string moment;
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream words(line);
+    std::string a, b, c, d, e;
+    words >> a >> b >> c >> d >> e;
+    if (a == "$var" && e == name) code = d;
+    if (line.starts_with("#")) moment = line.substr(1);
+    if (line.starts_with("r") && b == code) changes.push_back(moment + "=" + a.substr(1));
+  }
+  return changes;
+}
+
+TEST(Waveform, CountersAndFields_AreNumbers) {
+  Scene scene(1'000'000);
+  EXPECT_TRUE(scene.bus.set_faults({{.kind = FaultKind::corrupt, .count = 1, .receiver = "a", .bit = 21}}, 1)
+                  .has_value());
+  scene.a.send_at(Time(100us), data_frame(0x123, {0x55}));
+  const std::string text = scene.record(Time(300us));
+  // The transmitter's error at the sample point of bit 21, its success 53 bits and the error frame later.
+  EXPECT_EQ(changes_of(text, "a_tec"), (std::vector<std::string>{"0=0", "1218=8", "1978=7"}));
+  EXPECT_EQ(changes_of(text, "b_rec"), (std::vector<std::string>{"0=0", "1278=1", "1898=0"}));
+  // SOF, ID.28-21, ID.20-18, RTR, IDE, r0, DLC, data, active error flag, superposition, delimiter, intermission.
+  const auto fields = changes_of(text, "a_field");
+  ASSERT_GE(fields.size(), 14U);
+  EXPECT_EQ(
+      std::vector<std::string>(fields.begin(), fields.begin() + 14),
+      (std::vector<std::string>{"0=0", "1000=1", "1010=2", "1090=3", "1120=4", "1130=5", "1140=11", "1150=12",
+                                "1200=13", "1220=21", "1280=24", "1350=25", "1420=19", "1450=1"}));
+  EXPECT_NE(text.find("12 DLC, 13 data, 14 CRC,"), std::string::npos);
 }
 
 TEST(Waveform, AtItsEnd_TheBusWorksFrameByFrameAgain) {

@@ -51,6 +51,9 @@ class JsonPrinter final : public plant::PlantObserver {
   void lss_configured(const plant::NodeLabel& node, std::uint32_t bit_rate, can::Time now) override;
   void emergency(const plant::NodeLabel& node, const canopen::Emergency& message, can::Time now) override;
   void unacknowledged(const plant::NodeLabel& node, can::Time now) override;
+  void bus_error(const plant::BusErrorEvent& error, can::Time now) override;
+  void controller_changed(const plant::NodeLabel& node, const can::ControllerReport& report,
+                          can::Time now) override;
   void slave_boot_went_on(const plant::NodeLabel& slave, const plant::NodeLabel& master,
                           const manager::BootRecord& record, can::Time now) override;
   void signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) override;
@@ -74,7 +77,7 @@ class JsonPrinter final : public plant::PlantObserver {
   std::atomic<can::Time> latest_{};
 };
 
-/// Lines for people: everything but the load.
+/// Lines for people: everything but the load and single bus errors.
 class LinePrinter final : public plant::PlantObserver {
  public:
   /// `quiet`: errors alone.
@@ -88,6 +91,8 @@ class LinePrinter final : public plant::PlantObserver {
   void lss_configured(const plant::NodeLabel& node, std::uint32_t bit_rate, can::Time now) override;
   void emergency(const plant::NodeLabel& node, const canopen::Emergency& message, can::Time now) override;
   void unacknowledged(const plant::NodeLabel& node, can::Time now) override;
+  void controller_changed(const plant::NodeLabel& node, const can::ControllerReport& report,
+                          can::Time now) override;
   void slave_boot_went_on(const plant::NodeLabel& slave, const plant::NodeLabel& master,
                           const manager::BootRecord& record, can::Time now) override;
   void signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) override;
@@ -117,6 +122,11 @@ class LinePrinter final : public plant::PlantObserver {
 [[nodiscard]] bool in_operation(const plant::NodeStatus& node);
 /// "line1 node 3 (encoder)", "line1 unconfigured (encoder)"; without a node-ID "line1 (ME3CAN1-Q U0)"
 [[nodiscard]] std::string describe(const plant::NodeLabel& node);
+/// "stuff error in data, bit 45, seen by node 3 (encoder), node 4 (drive), sending"
+[[nodiscard]] std::string describe(const plant::BusErrorEvent& error);
+/// "line1 node 3 (encoder): error passive, TEC 128, REC 0"
+[[nodiscard]] std::string describe_controller(const plant::NodeLabel& node,
+                                              const can::ControllerReport& report);
 /// "line1 node 9: not booted: no answer to 1000H, ...": empty when it is booted.
 [[nodiscard]] std::string describe_trouble(const plant::SlaveBoot& boot, can::Time now);
 /// "line1 node 3 (encoder): LSS: node-ID 3, 125 kbit/s": what LSS has set.

@@ -41,6 +41,16 @@ void LiveTable::unacknowledged(const plant::NodeLabel& node, can::Time now) {
   keep({now, describe_unacknowledged(node), false});
 }
 
+void LiveTable::bus_error(const plant::BusErrorEvent& error, can::Time now) {
+  std::string text = fmt::format("{:.3f} s: {}", can::seconds(now), describe(error));
+  bus_errors_.insert_or_assign(std::string(error.bus), std::move(text));
+}
+
+void LiveTable::controller_changed(const plant::NodeLabel& node, const can::ControllerReport& report,
+                                   can::Time now) {
+  note(now, describe_controller(node, report));
+}
+
 void LiveTable::nmt_state_changed(const plant::NodeLabel& node, canopen::NmtState state, can::Time now) {
   note(now, fmt::format("{}: {}", describe(node), canopen::name(state)));
 }
@@ -73,7 +83,11 @@ TableState LiveTable::look(can::Time now, can::Duration lag) {
   if (state.plant.empty()) state.plant = std::filesystem::path(plant_->file().path).filename().string();
   for (std::size_t i = 0; i < plant_->bus_count(); ++i) {
     const can::Bus& bus = plant_->bus(i);
-    state.buses.push_back({bus.name(), bus.bit_rate(), bus.load(now)});
+    const auto error = bus_errors_.find(bus.name());
+    state.buses.push_back({.name = bus.name(),
+                           .bit_rate = bus.bit_rate(),
+                           .load = bus.load(now),
+                           .last_error = error == bus_errors_.end() ? "" : error->second});
   }
   for (const plant::NodeStatus& status : plant_->nodes()) state.nodes.push_back({status});
   counts_.resize(state.nodes.size());

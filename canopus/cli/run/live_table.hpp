@@ -3,6 +3,8 @@
 // brings them on the terminal.
 
 #include <deque>
+#include <functional>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,6 +32,9 @@ class LiveTable final : public plant::PlantObserver {
   void lss_configured(const plant::NodeLabel& node, std::uint32_t bit_rate, can::Time now) override;
   void emergency(const plant::NodeLabel& node, const canopen::Emergency& message, can::Time now) override;
   void unacknowledged(const plant::NodeLabel& node, can::Time now) override;
+  void bus_error(const plant::BusErrorEvent& error, can::Time now) override;
+  void controller_changed(const plant::NodeLabel& node, const can::ControllerReport& report,
+                          can::Time now) override;
   void nmt_state_changed(const plant::NodeLabel& node, canopen::NmtState state, can::Time now) override;
   void slave_boot_went_on(const plant::NodeLabel& slave, const plant::NodeLabel& master,
                           const manager::BootRecord& record, can::Time now) override;
@@ -47,6 +52,7 @@ class LiveTable final : public plant::PlantObserver {
   std::vector<std::string> servers_;
   std::deque<std::string> events_;  // the latest ones, newest last
   RunMessages messages_;
+  std::map<std::string, std::string, std::less<>> bus_errors_;  // the latest of each bus, by its name
   struct Count {
     std::uint64_t pdos = 0;
     double rate = 0;

@@ -11,6 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "canopus/can/error_frame.hpp"
 #include "canopus/text/file_name.hpp"
 
 namespace canopus::cli {
@@ -45,6 +46,18 @@ std::string RecordingStream::close(const OutputQueue::Patience& patience) {
 
 void TraceWriter::frame_completed(const can::Frame& frame, can::Time /*start*/, can::Time end) {
   file_.write(bus_, frame, end);
+}
+
+void TraceWriter::errors_reported(std::span<const can::BusErrorReport> reports, can::Time now) {
+  if (reports.front().first) write(can::error_frame(can::recorded_of(reports)), now);
+}
+
+void TraceWriter::controller_changed(const can::ControllerReport& report, can::Time now) {
+  write(can::error_frame(report), now);
+}
+
+void TraceWriter::write(const can::Frame& error_frame, can::Time now) {
+  file_.write(bus_, trace::TraceRecord{.time = now, .error_frame = true, .frame = error_frame});
 }
 
 std::string vcd_path_of(std::string_view path, std::string_view bus) {

@@ -7,6 +7,7 @@
 #include <expected>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,13 +47,17 @@ class RecordingStream {
   OutputQueue queue_;
 };
 
-/// Every frame of a bus into the trace file.
+/// Every frame of a bus into the trace file; SocketCAN error frames for its errors, one for each error frame of the
+/// bus, and for each new state of a controller.
 class TraceWriter final : public can::BusObserver {
  public:
   TraceWriter(trace::TraceFile& file, const std::string& bus) : file_(file), bus_(bus) {}
   void frame_completed(const can::Frame& frame, can::Time start, can::Time end) override;
+  void errors_reported(std::span<const can::BusErrorReport> reports, can::Time now) override;
+  void controller_changed(const can::ControllerReport& report, can::Time now) override;
 
  private:
+  void write(const can::Frame& error_frame, can::Time now);
   trace::TraceFile& file_;
   const std::string& bus_;
 };

@@ -79,6 +79,14 @@ Lines bus_lines(const TableState& state, std::size_t columns, std::size_t most) 
   for (const TableState::Bus* bus : buses) {
     lines.push_back(bus_line(*bus, std::min<std::size_t>(name_columns, 16), columns));
   }
+  // The latest error of each bus, the longest line there is: only where that leaves room for all of them.
+  const auto in_error = [](const TableState::Bus* bus) { return !bus->last_error.empty(); };
+  if (lines.size() + static_cast<std::size_t>(std::ranges::count_if(buses, in_error)) > most) return lines;
+  for (std::size_t i = buses.size(); i-- > 0;) {
+    if (!in_error(buses[i])) continue;
+    const std::string text = fitted("  last error " + text::printable(buses[i]->last_error), columns);
+    lines.insert(lines.begin() + static_cast<std::ptrdiff_t>(i) + 1, {{text, TableStyle::error}});
+  }
   return lines;
 }
 

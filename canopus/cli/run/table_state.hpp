@@ -21,6 +21,7 @@ struct TableState {
     std::string name{};
     std::uint32_t bit_rate = 0;  ///< bit/s
     can::BusLoad load{};
+    std::string last_error{};  ///< "0.125 s: stuff error in data ..."; empty: none yet
   };
   struct Node {
     plant::NodeStatus status{};

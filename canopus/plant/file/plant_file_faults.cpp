@@ -45,6 +45,7 @@ constexpr FaultName fault_names[] = {
     {"stuck dominant", sim::FaultKind::stuck_dominant},
     {"jam", sim::FaultKind::jam},
     {"cut", sim::FaultKind::cut},
+    {"drive", sim::FaultKind::drive},
 };
 
 sim::FaultKind read_fault_kind(text::TableReader& table) {
@@ -76,6 +77,35 @@ void read_frames_hit(text::TableReader& table, sim::Fault& fault) {
   if (fault.probability < 0 || fault.probability > 1) table.error("probability", "expected 0 to 1");
 }
 
+/// What a bit driver drives, and where in a frame it begins.
+void read_driver(text::TableReader& table, sim::Fault& fault) {
+  if (auto levels = table.parsed("bits", sim::parse_levels, true)) fault.levels = std::move(*levels);
+  if (fault.levels.empty()) fault.levels = {sim::DrivenLevel::released};  // the error is reported
+  if (const auto bit_time = table.parsed("bit_time", text::parse_duration)) {
+    if (*bit_time <= can::Duration{}) table.error("bit_time", "expected a time longer than 0");
+    fault.bit_time = *bit_time;
+  }
+  if (const auto name = table.text("field")) {
+    can::FrameField field{};
+    if (can::field_of(*name, field) && field <= can::FrameField::intermission) {
+      fault.field = field;
+    } else {
+      std::vector<std::string_view> names;
+      for (auto number = 1U; number <= static_cast<unsigned>(can::FrameField::intermission); ++number) {
+        names.push_back(can::name(static_cast<can::FrameField>(number)));
+      }
+      table.error("field", fmt::format("expected one of {}", fmt::join(names, ", ")));
+    }
+  }
+  if (!fault.field && table.find("bit") == nullptr) {
+    for (const std::string_view key :
+         {"identifier", "sender", "first", "every", "count", "probability", "until"}) {
+      if (table.find(key) != nullptr)
+        table.error(key, "needs a `field` or `bit` of a frame where the bits begin");
+    }
+  }
+}
+
 }  // namespace
 
 FaultSection read_fault(text::TableReader& table) {
@@ -87,7 +117,8 @@ FaultSection read_fault(text::TableReader& table) {
   if (fault.until <= fault.from) table.error("until", "must be later than from");
 
   using enum sim::FaultKind;
-  if (fault.kind == drop || fault.kind == corrupt || fault.kind == duplicate || fault.kind == delay) {
+  if (fault.kind == drop || fault.kind == corrupt || fault.kind == duplicate || fault.kind == delay ||
+      fault.kind == drive) {
     read_frames_hit(table, fault);
   } else {
     table.elements("ports", [&](const toml::node& element) {
@@ -100,7 +131,8 @@ FaultSection read_fault(text::TableReader& table) {
     });
   }
   if (fault.kind == drop || fault.kind == corrupt) fault.receiver = table.text("receiver").value_or("");
-  if (fault.kind == corrupt) {
+  if (fault.kind == drive) read_driver(table, fault);
+  if (fault.kind == corrupt || fault.kind == drive) {
     if (const auto bit = table.integer("bit", 0, 200, "a bit of a frame is 0 (SOF) to 200")) {
       fault.bit = static_cast<unsigned>(*bit);
     }

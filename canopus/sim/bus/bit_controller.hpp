@@ -14,6 +14,7 @@
 
 #include <cstdint>
 
+#include "canopus/can/bus_error.hpp"
 #include "canopus/can/fault_confinement.hpp"
 #include "canopus/can/frame.hpp"
 #include "canopus/sim/bus/bit_stream.hpp"
@@ -86,6 +87,12 @@ class BitController {
   [[nodiscard]] bool flagging() const noexcept {
     return state_ == State::active_flag || state_ == State::passive_flag || state_ == State::overload_flag;
   }
+  /// Which field the bit belongs to that is sampled next.
+  [[nodiscard]] can::FrameField field() const noexcept;
+  /// Its number: from SOF = 0 with stuff bits counted, after the frame within the field.
+  [[nodiscard]] unsigned bit_number() const noexcept;
+  /// Sends, or sent, the frame that an error or overload frame belongs to.
+  [[nodiscard]] bool is_transmitter() const noexcept { return transmitting_; }
   /// The frame last received.
   [[nodiscard]] const can::Frame& frame() const noexcept { return frame_; }
 

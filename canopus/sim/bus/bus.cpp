@@ -20,6 +20,7 @@ struct Bus::Impl {
   [[nodiscard]] const FaultPlan::TimedFault* other_timed_fault(FaultKind kind, const BusPort& port);
   void move(BusPort& port, Segment& to);
   void release_delayed(can::Time now);
+  void run_driver(can::Time now);
 
   BusCore core;
   Segment near;  // the wire, or the near side of a cut
@@ -88,6 +89,7 @@ std::expected<void, std::string> Bus::set_faults(const std::vector<Fault>& fault
   for (FaultPlan::TimedFault& timed : core.plan.timed_faults()) {
     if (timed.active) impl_->end(timed, now);
   }
+  impl_->near.drive({});
   core.plan = std::move(*plan);
   impl_->near.clear_faults();
   impl_->far.clear_faults();
@@ -99,6 +101,7 @@ void Bus::tick(can::Time now) {
   impl_->core.ticking = true;
   if (!impl_->core.delayed.empty()) impl_->release_delayed(now);
   if (impl_->core.plan.next() <= now) impl_->run_timed_faults(now);
+  if (impl_->core.plan.driver().next() <= now) impl_->run_driver(now);
   impl_->near.tick(now);
   impl_->far.tick(now);
   impl_->core.ticking = false;
@@ -107,7 +110,7 @@ void Bus::tick(can::Time now) {
 
 can::Time Bus::deadline() const noexcept {
   can::Time next = std::min(impl_->near.deadline(), impl_->far.deadline());
-  next = std::min(next, impl_->core.plan.next());
+  next = std::min({next, impl_->core.plan.next(), impl_->core.plan.driver().next()});
   for (const BusCore::Delayed& delayed : impl_->core.delayed) next = std::min(next, delayed.until);
   return next;
 }
@@ -122,6 +125,11 @@ void Bus::Impl::release_delayed(can::Time now) {
     core.delayed.erase(core.delayed.begin() + static_cast<std::ptrdiff_t>(number));
     delayed.port->enqueue(delayed.frame);
   }
+}
+
+void Bus::Impl::run_driver(can::Time now) {
+  BitDriver& driver = core.plan.driver();
+  if (driver.run(now)) near.drive({.is_busy = driver.is_busy(), .level = driver.level()});
 }
 
 void Bus::Impl::run_timed_faults(can::Time now) {

@@ -35,6 +35,21 @@ struct BusCore {
     if (!ticking) timeline.refresh(handle);
   }
 
+  /// Hands the errors of this moment to the observers, and then what became of the controllers.
+  void report(can::Time now) {
+    if (!error_reports.empty()) {
+      for (BusObserver* observer : observers) observer->errors_reported(error_reports, now);
+      error_reports.clear();
+    }
+    if (controller_reports.empty()) return;
+    for (const can::ControllerReport& one : controller_reports) {
+      for (BusObserver* observer : observers) observer->controller_changed(one, now);
+    }
+    controller_reports.clear();
+  }
+  /// The port's controller has changed, and was in this state before.
+  void note_controller(const BusPort& port, can::ErrorState before);
+
   /// The bus has done what it does at the timeline's now.
   [[nodiscard]] bool has_ticked() const noexcept {
     return !timeline.is_running() || (!ticking && ticked == timeline.now());
@@ -50,6 +65,8 @@ struct BusCore {
   std::vector<std::unique_ptr<BusPort>> ports;
   std::vector<BusObserver*> observers;
   std::vector<WireObserver*> wire_observers;
+  std::vector<can::BusErrorReport> error_reports;  // of the present moment
+  std::vector<can::ControllerReport> controller_reports;
   can::BusStatistics statistics;
   AcceptanceTable acceptance;
   FaultPlan plan;
@@ -254,5 +271,15 @@ inline BusCore::BusCore(std::string bus_name, std::uint32_t bus_bit_rate, can::T
       created(bus_timeline.now()),
       timeline(bus_timeline) {}
 inline BusCore::~BusCore() = default;
+
+inline void BusCore::note_controller(const BusPort& port, can::ErrorState before) {
+  if (observers.empty()) return;
+  controller_reports.push_back({.port = &port,
+                                .before = before,
+                                .state = port.faults.state(),
+                                .warning = port.faults.warning(),
+                                .transmit_errors = port.faults.transmit_errors(),
+                                .receive_errors = port.faults.receive_errors()});
+}
 
 }  // namespace canopus::sim

@@ -11,6 +11,7 @@
 
 #include "canopus/can/frame.hpp"
 #include "canopus/can/time.hpp"
+#include "canopus/sim/bus/bit_driver.hpp"
 
 namespace canopus::sim {
 
@@ -23,6 +24,7 @@ enum class FaultKind : std::uint8_t {
   stuck_dominant,  ///< a controller's output is dominant
   jam,             ///< a controller's participant takes nothing out of its receive queue
   cut,             ///< the wire is cut: the named ports are on the far side
+  drive,           ///< the bit driver: raw levels on the wire (the near side of a cut one)
 };
 
 /// One fault. What its kind does not use is ignored.
@@ -44,6 +46,12 @@ struct Fault {
   std::string receiver{};         ///< drop, corrupt: the only port where it happens; empty: all
   std::optional<unsigned> bit{};  ///< corrupt: 0 = SOF, stuff bits counted; none: any bit of the frame
   can::Duration delay{};          ///< delay: longer than 0
+
+  // drive: begins at `from`, or, with `bit` or `field`, within each frame that the rules above hit: at its `bit`, from
+  // SOF or from the beginning of `field`. A frame that has no such field is not counted.
+  std::vector<DrivenLevel> levels{};       ///< see bit_driver.hpp
+  can::Duration bit_time{};                ///< of one level; 0: that of the bus, or of the frame's sender
+  std::optional<can::FrameField> field{};  ///< up to the intermission
 
   std::vector<std::string> ports{};  ///< babble, stuck_dominant, jam, cut: whose fault it is
   can::Frame frame{};                ///< babble

@@ -18,6 +18,7 @@ const char* name_of(FaultKind kind) {
     case FaultKind::stuck_dominant: return "stuck dominant";
     case FaultKind::jam: return "jam";
     case FaultKind::cut: return "cut";
+    case FaultKind::drive: return "drive";
   }
   return "?";
 }
@@ -51,6 +52,13 @@ std::string wrong_value(const Fault& fault) {
   if (!(fault.probability >= 0 && fault.probability <= 1)) return "probability is not 0 to 1";
   if (fault.kind == FaultKind::delay && fault.delay <= can::Duration{}) return "delay is not longer than 0";
   if (fault.bit && *fault.bit >= BitStream::max_bits) return "bit is not 0 to 159";
+  if (fault.kind == FaultKind::drive) {
+    if (fault.levels.empty() || fault.levels.size() > max_driven_levels) return "levels are not 1 to 100000";
+    if (fault.bit_time < can::Duration{}) return "bit_time is negative";
+    if (fault.field &&
+        (*fault.field == can::FrameField::idle || *fault.field > can::FrameField::intermission))
+      return "field is none of a frame";
+  }
   return {};
 }
 
@@ -83,6 +91,12 @@ std::expected<FaultPlan, std::string> FaultPlan::make(const std::vector<Fault>& 
     if (!fault.receiver.empty() && (rule.receiver = port_named(core, fault.receiver)) == nullptr) {
       return unknown(fault.receiver);
     }
+    if (fault.kind == FaultKind::drive && !fault.bit && !fault.field) {
+      plan.driver_.add(fault.from,
+                       fault.bit_time > can::Duration{} ? fault.bit_time : can::bit_time(1, core.bit_rate),
+                       fault.levels);
+      continue;
+    }
     (fault.kind == FaultKind::delay ? plan.delays_ : plan.frames_).push_back(std::move(rule));
   }
   return plan;
@@ -108,6 +122,10 @@ bool FaultPlan::hits(Rule& rule, const BusPort& sender, const can::Frame& frame,
 FrameFaults FaultPlan::on_frame(const BusPort& sender, const can::Frame& frame, can::Time now) {
   FrameFaults faults;
   for (Rule& rule : frames_) {
+    if (rule.fault.kind == FaultKind::drive) {
+      drive(rule, sender, frame, now);
+      continue;
+    }
     if (!hits(rule, sender, frame, now)) continue;
     if (rule.fault.kind == FaultKind::drop) {
       if (rule.receiver == nullptr) {
@@ -128,6 +146,15 @@ FrameFaults FaultPlan::on_frame(const BusPort& sender, const can::Frame& frame, 
     }
   }
   return faults;
+}
+
+void FaultPlan::drive(Rule& rule, const BusPort& sender, const can::Frame& frame, can::Time now) {
+  const Fault& fault = rule.fault;
+  const auto begin = field_begin(frame, fault.field.value_or(can::FrameField::start_of_frame));
+  if (!begin || !hits(rule, sender, frame, now)) return;
+  const can::Duration bit = sender.bit();
+  driver_.add(now + bit * static_cast<std::int64_t>(*begin + fault.bit.value_or(0)),
+              fault.bit_time > can::Duration{} ? fault.bit_time : bit, fault.levels);
 }
 
 can::Duration FaultPlan::on_send(const BusPort& sender, const can::Frame& frame, can::Time now) {

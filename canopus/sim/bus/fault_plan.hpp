@@ -53,6 +53,8 @@ class FaultPlan {
   [[nodiscard]] std::vector<TimedFault>& timed_faults() noexcept { return timed_faults_; }
   /// When a fault begins, ends or babbles next.
   [[nodiscard]] can::Time next() const noexcept { return timed_faults_.empty() ? can::never : next_change(); }
+  [[nodiscard]] BitDriver& driver() noexcept { return driver_; }
+  [[nodiscard]] const BitDriver& driver() const noexcept { return driver_; }
 
  private:
   [[nodiscard]] can::Time next_change() const noexcept;
@@ -63,11 +65,13 @@ class FaultPlan {
     std::uint64_t seen = 0;
     std::uint64_t hit = 0;
   };
+  void drive(Rule& rule, const BusPort& sender, const can::Frame& frame, can::Time now);
   [[nodiscard]] bool hits(Rule& rule, const BusPort& sender, const can::Frame& frame, can::Time now);
 
   std::vector<Rule> frames_;
   std::vector<Rule> delays_;
   std::vector<TimedFault> timed_faults_;
+  BitDriver driver_;
   std::mt19937_64 random_;
 };
 

@@ -62,7 +62,7 @@ void Segment::reconsider() {
     return port->deaf;
   });
 
-  const bool computable = core_.wire_observers.empty() && !forced_;
+  const bool computable = core_.wire_observers.empty() && !forced_ && !driven_.is_busy;
   healthy_ = computable;
   mixed_rates_ = false;
   std::size_t acknowledging = 0;
@@ -99,6 +99,13 @@ void Segment::offer_changed(BusPort& port) {
   if (possible >= deadline_) return;
   deadline_ = possible;
   core_.refresh();
+}
+
+void Segment::drive(const Driven& driven) {
+  if (driven == driven_) return;
+  before_change();
+  driven_ = driven;
+  after_change();
 }
 
 void Segment::before_change() { enter_bits(); }
@@ -231,6 +238,7 @@ void Segment::finish(can::Time now) {
     suspend(port, next + can::bit_time(suspend_bits, port.rate));
   }
   for (BusObserver* observer : core_.observers) observer->frame_completed(frame, start_, now);
+  core_.report(now);
   deliver(frame, port, now);
   if (own) port.notify([&](can::Listener& participant) { participant.transmitted(frame, now); });
   if (state_ == State::idle && port.segment == this && &port != suspended_) {
@@ -264,8 +272,10 @@ void Segment::count_success(BusPort& transmitter) {
     } else {
       port->faults.received();
     }
-    if (port->faults.warning() != warned || port->faults.state() != state)
+    if (port->faults.warning() != warned || port->faults.state() != state) {
       port->tap.changed = changes_ = true;
+      core_.note_controller(*port, state);
+    }
     counting_ = counting_ || !port->faults.clean();
   }
 }
@@ -293,9 +303,18 @@ void Segment::fail_lone(can::Time now) {
   for (BusObserver* observer : core_.observers) {
     observer->error_detected(port, BusError::acknowledgement, now);
   }
+  report_error(port, {.error = BusError::acknowledgement,
+                      .field = can::FrameField::ack_slot,
+                      .bit = bits_ - after_ack_slot - 1,
+                      .transmitter = true,
+                      .first = true});
   if (passive != was_passive || port.faults.warning() != was_warned) {
     port.tap.changed = changes_ = true;
+    core_.note_controller(port, was_passive ? can::ErrorState::error_passive : can::ErrorState::error_active);
+    core_.report(now);
     tell_changes(now);
+  } else {
+    core_.report(now);
   }
 }
 

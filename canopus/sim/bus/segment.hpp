@@ -58,6 +58,13 @@ class Segment {
     faults_ = {};
     faults_ready_ = false;
   }
+  /// What the bit driver does to this wire from now on.
+  struct Driven {
+    bool is_busy = false;  ///< the wire is its own, whether it drives a level or not
+    DrivenLevel level = DrivenLevel::released;
+    friend bool operator==(const Driven&, const Driven&) = default;
+  };
+  void drive(const Driven& driven);
   /// Between before_change() and after_change(): a port has come from another segment.
   void arrive(BusPort& port, const Segment& from);
   [[nodiscard]] can::Time deadline() const noexcept { return deadline_; }
@@ -76,6 +83,8 @@ class Segment {
   void finish(can::Time now);
   void fail_lone(can::Time now);
   void count_success(BusPort& transmitter);
+  /// An error that the port found now, with its counters as they are.
+  void report_error(const BusPort& port, can::BusErrorReport report);
   void deliver(const can::Frame& frame, const BusPort& from, can::Time now);
   [[nodiscard]] bool dropped(const BusPort& port) const noexcept {
     return faults_.drop_everywhere || faults_.drop_at == &port;
@@ -108,6 +117,8 @@ class Segment {
   void sample(can::Time now);
   void sample_port(BusPort& port, can::Time now);
   void tell_changes(can::Time now);
+  void tell_place(const BusPort& port, can::Time now);
+  void tell_counters(const BusPort& port, can::Time now);
   void tell_activity(BusPort& port, can::Time now);
   void schedule(can::Time now);
   [[nodiscard]] bool quiet(can::Time now) const noexcept;
@@ -143,6 +154,7 @@ class Segment {
 
   // bit by bit
   bool forced_ = false;    // somebody is stuck dominant
+  Driven driven_;          // by the bit driver
   bool dominant_ = false;  // level of the wire
   bool active_ = false;    // from the first dominant bit to idle
   bool replaying_ = false;

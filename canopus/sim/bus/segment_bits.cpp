@@ -196,11 +196,15 @@ void Segment::settle(can::Time now) {
         tap.driving = driving;
         for (WireObserver* observer : core_.wire_observers) observer->transmit_changed(*port, driving, now);
       }
-      if (!core_.wire_observers.empty()) tell_activity(*port, now);
+      if (!core_.wire_observers.empty()) {
+        tell_activity(*port, now);
+        tell_place(*port, now);
+      }
     }
     dominant = dominant || tap.driving;
   }
   dominant = dominant != inverted(nullptr, now);
+  if (driven_.level != DrivenLevel::released) dominant = driven_.level == DrivenLevel::dominant;
   if (asleep || faults_.corruptions > 0) {  // there is no edge for those who see a dominant bit from here on
     for (BusPort* port : members_) {
       if (dominant != inverted(port, now)) wake(*port, now);
@@ -254,6 +258,7 @@ void Segment::sample(can::Time now) {
   for (BusPort* port : members_) {
     if (port->tap.next == now && port->tap.sampling) sample_port(*port, now);
   }
+  core_.report(now);
 }
 
 void Segment::sample_port(BusPort& port, can::Time now) {
@@ -261,7 +266,13 @@ void Segment::sample_port(BusPort& port, can::Time now) {
   const can::ErrorState state = port.faults.state();
   const bool warned = port.faults.warning();
   const bool in_frame = port.bits.state() == BitController::State::frame;
-  const BitController::Events events = port.bits.sample(dominant_ != inverted(&port, now));
+  const bool dominant = dominant_ != inverted(&port, now);
+  can::BusErrorReport report{.field = port.bits.field(),
+                             .bit = port.bits.bit_number(),
+                             .transmitter = port.bits.is_transmitter(),
+                             .dominant = dominant};
+  const BitController::Events events = port.bits.sample(dominant);
+  if (!core_.wire_observers.empty()) tell_counters(port, now);
   if (!in_frame && port.bits.state() == BitController::State::frame) tap.frame_start = tap.bit_start;
   tap.sampling = false;
   tap.next = tap.bit_start + port.bit();
@@ -285,6 +296,9 @@ void Segment::sample_port(BusPort& port, can::Time now) {
   }
   if (events.error != BusError::none) {
     ++port.counted.errors;
+    report.error = events.error;
+    report.first = !error_frame_;
+    report_error(port, report);
     if (!error_frame_) core_.statistics.error_frame();
     error_frame_ = true;
     for (BusObserver* observer : core_.observers) observer->error_detected(port, events.error, now);
@@ -298,6 +312,7 @@ void Segment::sample_port(BusPort& port, can::Time now) {
       port.bits.set_recovering(port.recovering);
     }
     arbiter_.set(port.index, port.offer());
+    core_.note_controller(port, state);
   }
 }
 

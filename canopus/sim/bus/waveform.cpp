@@ -33,17 +33,23 @@ Waveform::Waveform(Bus& bus, can::Time now, Sink sink)
     : bus_(bus),
       sink_(std::move(sink)),
       ports_(bus.ports()),
-      high_(1 + signals_per_port * ports_.size()),
+      values_(1 + (std::size_t{signals_per_port} + values_per_port) * ports_.size()),
       resolution_(resolution_for(bus.bit_rate())) {
   write_head();
   write_time(now);
   text_ += "$dumpvars\n";
-  for (std::size_t signal = 0; signal < high_.size(); ++signal) {
-    // The wire and what is driven are recessive, nobody sends a flag.
-    high_[signal] = signal == 0 || (signal - 1) % signals_per_port == tx;
-    text_ += high_[signal] ? '1' : '0';
-    text_ += code(signal);
-    text_ += '\n';
+  for (std::size_t signal = 0; signal < values_.size(); ++signal) {
+    // The wire and what is driven are recessive, nobody sends a flag, all are outside of a frame.
+    if (signal < signals()) {
+      values_[signal] = signal == 0 || (signal - 1) % signals_per_port == tx ? 1 : 0;
+    } else {
+      const Port& port = *ports_[(signal - signals()) / values_per_port];
+      const std::size_t kind = (signal - signals()) % values_per_port;
+      values_[signal] = kind == tec   ? port.transmit_error_counter()
+                        : kind == rec ? port.receive_error_counter()
+                                      : std::uint16_t{0};
+    }
+    write_value(signal);
   }
   text_ += "$end\n";
   bus_.add_observer(*this);
@@ -79,7 +85,18 @@ void Waveform::write_head() {
     write({"$var wire 1 ", code(signal + arbitration_part), " ", name, "_arb $end\n"});
     names.push_back(std::move(name));
   }
-  write({"$upscope $end\n$enddefinitions $end\n"});
+  for (std::size_t number = 0; number < ports_.size(); ++number) {
+    const std::size_t value = signals() + values_per_port * number;
+    write({"$var real 64 ", code(value + tec), " ", names[number], "_tec $end\n"});
+    write({"$var real 64 ", code(value + rec), " ", names[number], "_rec $end\n"});
+    write({"$var real 64 ", code(value + field), " ", names[number], "_field $end\n"});
+  }
+  write({"$upscope $end\n$comment fields:"});
+  for (unsigned number = 0; number < can::frame_fields; ++number) {
+    write({number == 0 ? " " : ", ", std::to_string(number), " ",
+           can::name(static_cast<can::FrameField>(number))});
+  }
+  write({" $end\n$enddefinitions $end\n"});
 }
 
 std::string Waveform::code(std::size_t signal) {
@@ -98,6 +115,11 @@ std::size_t Waveform::first_signal(const Port& port) const noexcept {
   return 1 + signals_per_port * static_cast<std::size_t>(found - ports_.begin());
 }
 
+std::size_t Waveform::first_value(const Port& port) const noexcept {
+  const std::size_t signal = first_signal(port);
+  return signal == 0 ? 0 : signals() + values_per_port * ((signal - 1) / signals_per_port);
+}
+
 void Waveform::write_time(can::Time now) {
   const std::int64_t time = now.time_since_epoch() / resolution_;
   if (time <= written_time_) return;
@@ -107,13 +129,24 @@ void Waveform::write_time(can::Time now) {
   text_ += '\n';
 }
 
-void Waveform::change(std::size_t signal, bool high, can::Time now) {
-  if (high_[signal] == high) return;
-  high_[signal] = high;
-  write_time(now);
-  text_ += high ? '1' : '0';
+void Waveform::write_value(std::size_t signal) {
+  const unsigned value = values_[signal];
+  if (signal < signals()) {
+    text_ += value != 0 ? '1' : '0';
+  } else {
+    text_ += 'r';  // libsigrok 0.5.2 stops at a vector
+    text_ += std::to_string(value);
+    text_ += ' ';
+  }
   text_ += code(signal);
   text_ += '\n';
+}
+
+void Waveform::change(std::size_t signal, unsigned value, can::Time now) {
+  if (values_[signal] == value) return;
+  values_[signal] = static_cast<std::uint16_t>(value);
+  write_time(now);
+  write_value(signal);
   if (text_.size() >= flush_size) {
     sink_(text_);
     text_.clear();
@@ -126,17 +159,29 @@ void Waveform::flush(can::Time now) {
   text_.clear();
 }
 
-void Waveform::level_changed(bool dominant, can::Time now) { change(0, !dominant, now); }
+void Waveform::level_changed(bool dominant, can::Time now) { change(0, dominant ? 0 : 1, now); }
+
+void Waveform::field_changed(const Port& port, can::FrameField place, can::Time now) {
+  const std::size_t value = first_value(port);
+  if (value != 0) change(value + field, static_cast<unsigned>(place), now);
+}
+
+void Waveform::bit_sampled(const Port& port, can::Time now) {
+  const std::size_t value = first_value(port);
+  if (value == 0) return;
+  change(value + tec, port.transmit_error_counter(), now);
+  change(value + rec, port.receive_error_counter(), now);
+}
 
 void Waveform::transmit_changed(const Port& port, bool dominant, can::Time now) {
-  if (const std::size_t signal = first_signal(port); signal != 0) change(signal + tx, !dominant, now);
+  if (const std::size_t signal = first_signal(port); signal != 0) change(signal + tx, dominant ? 0 : 1, now);
 }
 
 void Waveform::activity_changed(const Port& port, bool flagging, bool arbitrating, can::Time now) {
   const std::size_t signal = first_signal(port);
   if (signal == 0) return;
-  change(signal + flag, flagging, now);
-  change(signal + arbitration_part, arbitrating, now);
+  change(signal + flag, flagging ? 1 : 0, now);
+  change(signal + arbitration_part, arbitrating ? 1 : 0, now);
 }
 
 }  // namespace canopus::sim

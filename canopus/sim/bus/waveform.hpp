@@ -6,10 +6,15 @@
 //   NAME_tx       what the controller NAME drives, 1 = recessive
 //   NAME_flag     1 while it sends an error or overload flag
 //   NAME_arb      1 while its frame takes part in arbitration
+//   NAME_tec      its transmit error counter, a real number (sigrok-cli knows no vectors)
+//   NAME_rec      its receive error counter, likewise
+//   NAME_field    which field of a frame its present bit belongs to: a number, likewise; the names stand in a
+//                 comment of the file
 //
 // Characters of NAME other than letters, digits and _ become _, a second port of a name gets its number.
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -39,21 +44,28 @@ class Waveform final : public WireObserver {
   void level_changed(bool dominant, can::Time now) override;
   void transmit_changed(const Port& port, bool dominant, can::Time now) override;
   void activity_changed(const Port& port, bool flagging, bool arbitrating, can::Time now) override;
+  void field_changed(const Port& port, can::FrameField field, can::Time now) override;
+  void bit_sampled(const Port& port, can::Time now) override;
 
  private:
   enum Signal : std::size_t { tx, flag, arbitration_part, signals_per_port };
+  enum Value : std::size_t { tec, rec, field, values_per_port };  // numbers, after the signals of all ports
 
   void write_head();
   /// Number of the port's first signal; 0 (that of the wire): the port is not in the dump.
   [[nodiscard]] std::size_t first_signal(const Port& port) const noexcept;
-  void change(std::size_t signal, bool high, can::Time now);
+  /// The port's first number; 0 as above.
+  [[nodiscard]] std::size_t first_value(const Port& port) const noexcept;
+  [[nodiscard]] std::size_t signals() const noexcept { return 1 + signals_per_port * ports_.size(); }
+  void change(std::size_t signal, unsigned value, can::Time now);
+  void write_value(std::size_t signal);
   void write_time(can::Time now);
   [[nodiscard]] static std::string code(std::size_t signal);
 
   Bus& bus_;
   Sink sink_;
   std::vector<const Port*> ports_;
-  std::vector<bool> high_;  // per signal
+  std::vector<std::uint16_t> values_;  // per signal
   can::Duration resolution_;
   std::int64_t written_time_ = -1;
   std::string text_;

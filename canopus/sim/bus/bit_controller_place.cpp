@@ -1,0 +1,60 @@
+// Where in a frame a controller is.
+
+#include "canopus/sim/bus/bit_controller.hpp"
+
+namespace canopus::sim {
+namespace {
+
+using can::FrameField;
+
+/// The field of a bit before the CRC, by its number without stuff bits.
+FrameField field_of_bit(unsigned bit, bool extended) noexcept {
+  if (bit == 0) return FrameField::start_of_frame;
+  if (bit <= 8) return FrameField::identifier_28_21;
+  if (bit <= 11) return FrameField::identifier_20_18;
+  if (bit == 12) return FrameField::rtr;
+  if (bit == 13) return FrameField::ide;
+  if (!extended) {
+    if (bit == 14) return FrameField::r0;
+    return bit <= 18 ? FrameField::dlc : FrameField::data;
+  }
+  if (bit <= 18) return FrameField::identifier_17_13;
+  if (bit <= 26) return FrameField::identifier_12_5;
+  if (bit <= 31) return FrameField::identifier_4_0;
+  if (bit == 32) return FrameField::extended_rtr;
+  if (bit == 33) return FrameField::r1;
+  if (bit == 34) return FrameField::r0;
+  return bit <= 38 ? FrameField::dlc : FrameField::data;
+}
+
+}  // namespace
+
+FrameField BitController::field() const noexcept {
+  switch (state_) {
+    case State::frame: break;
+    case State::active_flag: return FrameField::active_error_flag;
+    case State::passive_flag: return FrameField::passive_error_flag;
+    case State::overload_flag: return FrameField::overload_flag;
+    case State::superposition: return FrameField::superposition;
+    case State::delimiter: return overload_ ? FrameField::overload_delimiter : FrameField::error_delimiter;
+    case State::intermission: return FrameField::intermission;
+    case State::suspend: return FrameField::suspend;
+    default: return FrameField::idle;
+  }
+  switch (field_) {
+    case Field::crc_delimiter: return FrameField::crc_delimiter;
+    case Field::ack_slot: return FrameField::ack_slot;
+    case Field::ack_delimiter: return FrameField::ack_delimiter;
+    case Field::eof: return FrameField::end_of_frame;
+    case Field::stuffed: break;
+  }
+  const bool is_stuff_bit = row_ == 5;
+  const unsigned bit = is_stuff_bit && payload_ > 0 ? payload_ - 1 : payload_;
+  return bit >= crc_begin_ ? FrameField::crc : field_of_bit(bit, incoming_.extended);
+}
+
+unsigned BitController::bit_number() const noexcept {
+  return state_ == State::frame ? static_cast<unsigned>(position_) : count_;
+}
+
+}  // namespace canopus::sim
