@@ -46,7 +46,12 @@ void Segment::reconsider() {
   for (const auto& port : core_.ports) {
     forced_ = forced_ || (port->segment == this && port->on_wire && port->stuck);
     arbiter_.set(port->index, port->segment == this ? port->offer() : Arbiter::none);
-    if (port->segment == this && port->present()) members_.push_back(port.get());
+    if (port->segment != this) continue;
+    if (port->present()) {
+      members_.push_back(port.get());
+    } else {
+      fall_silent(*port);  // bus-off for good
+    }
   }
   // A controller with another bit rate hears nothing but errors. Once it is passive and has nothing to send
   // it can do nothing to the others either: it is left out, and its counters stay as they are. Back among
@@ -145,16 +150,7 @@ void Segment::take_off(BusPort& port) {
   if (port.sending && !port.tap.transmitted) port.give_back();
   port.sending = false;
   port.bits.restart(true);
-  if (port.tap.driving) {
-    for (WireObserver* observer : core_.wire_observers) {
-      observer->transmit_changed(port, false, core_.timeline.now());
-    }
-  }
-  if (port.tap.flagging || port.tap.arbitrating) {
-    for (WireObserver* observer : core_.wire_observers) {
-      observer->activity_changed(port, false, false, core_.timeline.now());
-    }
-  }
+  fall_silent(port);
   port.tap = {};
 }
 

@@ -117,6 +117,8 @@ class Segment {
   void sample(can::Time now);
   void sample_port(BusPort& port, can::Time now);
   void tell_changes(can::Time now);
+  /// It drives nothing any more, as observers hear.
+  void fall_silent(BusPort& port);
   void tell_place(const BusPort& port, can::Time now);
   void tell_counters(const BusPort& port, can::Time now);
   void tell_activity(BusPort& port, can::Time now);

@@ -13,6 +13,16 @@ void Segment::report_error(const BusPort& port, can::BusErrorReport report) {
   core_.error_reports.push_back(report);
 }
 
+void Segment::fall_silent(BusPort& port) {
+  const can::Time now = core_.timeline.now();
+  for (WireObserver* observer : core_.wire_observers) {
+    if (port.tap.driving) observer->transmit_changed(port, false, now);
+    if (port.tap.flagging || port.tap.arbitrating) observer->activity_changed(port, false, false, now);
+    observer->field_changed(port, can::FrameField::idle, now);
+  }
+  port.tap.driving = port.tap.flagging = port.tap.arbitrating = false;
+}
+
 void Segment::tell_place(const BusPort& port, can::Time now) {
   for (WireObserver* observer : core_.wire_observers) observer->field_changed(port, port.bits.field(), now);
 }
