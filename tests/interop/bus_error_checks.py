@@ -90,6 +90,19 @@ def a_plant_without_errors_records_none():
 
 
 @check
+def a_node_that_is_alone_does_not_flood_the_events():
+    """It finds one and the same error thousands of times: the events say it until nothing changes any more."""
+    path = plant("")
+    path.write_text(path.read_text().replace("node = 4", 'node = 4\nstart = "1900ms"'))
+    events = [json.loads(line) for line in run(path, "--json").splitlines()]
+    alone = [e for e in events if e["event"] == "bus error" and e["t"] < 1.8]
+    summary = next(e for e in events if e["event"] == "summary")
+    require(summary["buses"][0]["error_frames"] > 1000, f"{summary['buses']}")
+    require(len(alone) == 16 and all(e["error"] == "acknowledgement" for e in alone), f"{len(alone)} events: {alone[-3:]}")
+    require([e["nodes"][0]["tec"] for e in alone[:3]] == [8, 16, 24] and alone[-1]["nodes"][0]["tec"] == 128, alone[-1])
+
+
+@check
 def sigrok_reads_the_waveform_beside_counters_and_fields():
     """The values of a waveform (TEC, REC, field) do not keep sigrok-cli from its wires."""
     if not shutil.which("sigrok-cli"):

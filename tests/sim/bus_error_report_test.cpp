@@ -144,6 +144,27 @@ TEST_F(ErrorReports, SayBusOffAndTheWayBack) {
   EXPECT_THAT(log.states, ::testing::Contains("a bus-off -> error active 0/0"));
 }
 
+TEST(FrameFields, AreFoundByTheirNames) {
+  for (unsigned number = 1; number < can::frame_fields; ++number) {
+    FrameField field{};
+    const auto wanted = static_cast<FrameField>(number);
+    EXPECT_TRUE(can::field_of(can::name(wanted), field)) << number;
+    EXPECT_EQ(field, wanted);
+  }
+  FrameField field{};
+  EXPECT_FALSE(can::field_of("idle", field));
+  EXPECT_FALSE(can::field_of("", field));
+}
+
+TEST_F(ErrorReports, AStuffBitBelongsToTheFieldBeforeIt) {
+  // The stuff bit 17 of frame_of_53_bits lies within the DLC; bit 5 of all_dominant within the identifier.
+  faults({{.kind = FaultKind::corrupt, .count = 1, .receiver = "b", .bit = 11}});
+  a.port.send(all_dominant);  // stuff bit after bit 8 of the identifier's first eight and two more
+  timeline.run_until(Time(28us));
+  ASSERT_FALSE(log.lines.empty());
+  EXPECT_EQ(log.lines[0], "1: b stuff ID.20-18 11 d 0/1 first");
+}
+
 TEST_F(ErrorReports, AreNoneWhereNothingIsWrong) {
   a.port.send(frame_of_53_bits);
   b.port.send(data_frame(0x7FF, {1, 2, 3}));

@@ -188,6 +188,21 @@ TEST(Waveform, TenThousandRandomFrames_AreReadBySigrokAsSent) {
   EXPECT_EQ(line, lines.size());
 }
 
+// sigrok's decoder reads what follows the DLC of a remote frame as data: told apart from a mistake of the wire by its
+// bits, which are those of the CRC.
+TEST(Waveform, ARemoteFrameWithADlc_IsMisreadBySigrok_AsDataMadeOfItsCrc) {
+  if (!have_sigrok()) GTEST_SKIP() << "sigrok-cli is not installed";
+  const Frame frame = can::remote_frame(0x2A5, 1);
+  const std::uint32_t crc = can::slow::crc(can::slow::before_crc(frame));
+  Scene scene(1'000'000);
+  scene.a.send_at(Time(100us), frame);
+  const auto lines = judge(scene.record(Time(300us)), 1'000'000, "id:rtr:dlc:data");
+  EXPECT_EQ(scene.b.frames(), (std::vector<Frame>{frame}));
+  EXPECT_EQ(lines,
+            (std::vector<std::string>{"Identifier: 677 (0x2a5)", "Remote transmission request: remote frame",
+                                      "Data length code: 1", "Data byte 0: " + hex(crc >> 7, 2)}));
+}
+
 /// The warnings and acknowledgements sigrok sees when bit `bit` of one frame is inverted.
 std::vector<std::string> warnings_for(unsigned bit) {
   Scene scene(1'000'000);
