@@ -11,6 +11,8 @@
 //                     < sendrtr 705 1 >                                 a remote frame
 //                     < echo >                                < echo >
 //                     < bcmmode >                             < ok >    frames stop
+//   < error 288 12.000345 >                                             the class of an error frame: what its
+//                                                                       controller found, or its new state
 //   < error 020 12.000345 >                                             nobody acknowledges this client's
 //                                                                       frames: once for as long as it lasts
 //
