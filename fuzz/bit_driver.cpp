@@ -47,14 +47,19 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   sim::Bus bus("bus", 1'000'000, timeline);
   Node a(bus.add_port("a"));
   Node b(bus.add_port("b"));
+  Node c(bus.add_port("c"));  // acknowledges
   std::vector<sim::Fault> faults;
   for (unsigned count = 1 + input.choice(3); count > 0; --count) faults.push_back(driver(input));
   expect(bus.set_faults(faults, 1).has_value());
   a.port.connect(a, 0);
   b.port.connect(b, 0);
+  c.port.connect(c, 0);
   for (unsigned count = input.choice(6); count > 0; --count) {
-    const can::Frame frame = can::data_frame(input.byte(), {input.byte(), input.byte()});
-    (void)(input.flag() ? a : b).port.send(frame);
+    // Never the same identifier from both: two that send one and the same frame do so for ever.
+    const bool is_a = input.flag();
+    const std::uint8_t identifier = input.byte();
+    const std::uint8_t data = input.byte();
+    (void)(is_a ? a : b).port.send(can::data_frame(2U * identifier + (is_a ? 1 : 0), {data, data}));
   }
   timeline.run_until(can::Time(500ms));
   expect(bus.set_faults({}, 1).has_value());
@@ -62,6 +67,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const can::Frame frame = can::data_frame(0x7A5, {1, 2, 3});
   expect(a.port.send(frame));
   timeline.run_until(can::Time(1s) + 5ms);
-  expect(b.last == frame);
+  expect(b.last == frame && c.last == frame);
   return 0;
 }
