@@ -52,14 +52,20 @@ class SocketcandTransport final : public StreamTransport, private SocketcandDial
   // SocketcandDialogue::Peer
   void message(std::string_view text) override { write_bytes(text); }
   void frame_received(const can::Frame& frame) override { received(frame); }
-  void complaint(std::string_view text) override { complain(text); }
+  void complaint(std::string_view text) override {
+    if (std::exchange(state_changed_, false)) return announce(text);
+    complain(text);
+  }
   void controller_error(std::uint32_t error_class) override {
     ControllerStatus now = status();
+    const can::ErrorState before = now.state;
     update_status(now, error_class, {});
+    state_changed_ = now.state != before;
     set_status(now);
   }
 
   std::optional<SocketcandDialogue> dialogue_;
+  bool state_changed_ = false;  // and its sentence comes next
 };
 
 }  // namespace

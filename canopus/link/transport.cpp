@@ -10,7 +10,15 @@ using boost::system::error_code;
 using Clock = std::chrono::steady_clock;
 
 Transport::Transport(boost::asio::io_context& io, BusClientOptions options)
-    : io_(io), options_(options), pause_(io) {}
+    : io_(io), options_(options), pause_(io), complaint_pause_(io) {}
+
+void Transport::set_user(BusClientUser* user) {
+  user_ = user;
+  if (user == nullptr || unheard_.empty()) return;
+  boost::asio::post(io_, [self = shared_from_this()] {
+    if (self->user_ != nullptr && !self->unheard_.empty()) self->say(std::exchange(self->unheard_, {}));
+  });
+}
 
 bool Transport::send(const can::Frame& frame) {
   if (state_ != State::open || closing_ || queue_.size() + under_way() >= most_waiting) return false;
@@ -23,6 +31,7 @@ void Transport::close() {
   user_ = nullptr;
   state_ = State::ended;
   pause_.cancel();
+  complaint_pause_.cancel();
   disconnect();
 }
 
@@ -40,6 +49,9 @@ void Transport::opened() {
 void Transport::failed(std::string reason) {
   if (state_ == State::ended) return;
   const State before = state_;
+  complaint_pause_.cancel();
+  if (const auto text = complaints_.finish(); text && before == State::open) say(*text);
+  if (state_ == State::ended) return;
   disconnect();
   queue_.clear();
   handed_over_.clear();
@@ -83,8 +95,30 @@ void Transport::report_later() {
   for (const can::Frame& frame : frames) sent(frame);
 }
 
+void Transport::say(std::string_view text) {
+  if (user_ != nullptr) {
+    user_->bus_complains(text);
+  } else if (state_ != State::ended && unheard_.empty()) {
+    unheard_ = text;
+  }
+}
+
 void Transport::complain(std::string_view text) {
-  if (user_ != nullptr) user_->bus_complains(text);
+  if (const auto said = complaints_.complain(text, Clock::now().time_since_epoch())) say(*said);
+  await_complaints();
+}
+
+void Transport::announce(std::string_view text) { say(printable_complaint(text)); }
+
+void Transport::await_complaints() {
+  const auto due = complaints_.deadline();
+  if (!due || state_ == State::ended) return;
+  complaint_pause_.expires_at(Clock::time_point(*due));
+  complaint_pause_.async_wait([self = shared_from_this()](const error_code& failure) {
+    if (failure) return;
+    if (const auto said = self->complaints_.tick(Clock::now().time_since_epoch())) self->say(*said);
+    self->await_complaints();
+  });
 }
 
 void Transport::set_status(const ControllerStatus& status) {

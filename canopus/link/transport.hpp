@@ -17,6 +17,7 @@
 #include <boost/asio/steady_timer.hpp>
 
 #include "canopus/link/bus_client.hpp"
+#include "canopus/link/complaint_limiter.hpp"
 
 namespace canopus::link {
 
@@ -31,7 +32,8 @@ class Transport : public std::enable_shared_from_this<Transport> {
   Transport(const Transport&) = delete;
   Transport& operator=(const Transport&) = delete;
 
-  void set_user(BusClientUser* user) { user_ = user; }
+  /// What was to be said before there was a user is said soon.
+  void set_user(BusClientUser* user);
   bool send(const can::Frame& frame);
   [[nodiscard]] State state() const noexcept { return state_; }
   /// Why it ended.
@@ -78,7 +80,10 @@ class Transport : public std::enable_shared_from_this<Transport> {
   void sent(const can::Frame& frame);
   /// The same from inside of send().
   void sent_later(const can::Frame& frame);
+  /// Something is wrong that a person should know. At most one a second is said (ComplaintLimiter).
   void complain(std::string_view text);
+  /// A change of state in words: said each time.
+  void announce(std::string_view text);
   void set_status(const ControllerStatus& status);
 
   [[nodiscard]] boost::asio::io_context& io() noexcept { return io_; }
@@ -95,6 +100,8 @@ class Transport : public std::enable_shared_from_this<Transport> {
 
  private:
   void report_later();
+  void say(std::string_view text);
+  void await_complaints();
 
   boost::asio::io_context& io_;
   BusClientOptions options_;
@@ -107,6 +114,9 @@ class Transport : public std::enable_shared_from_this<Transport> {
   std::deque<can::Frame> queue_;
   std::deque<can::Frame> handed_over_;  // to be reported as sent
   ControllerStatus status_{};
+  ComplaintLimiter complaints_;
+  boost::asio::steady_timer complaint_pause_;
+  std::string unheard_;  // the first that was to be said before there was a user
 };
 
 /// Opens it; the error is a sentence without the address.

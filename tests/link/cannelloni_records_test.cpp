@@ -98,5 +98,33 @@ RC_GTEST_PROP(CannelloniRecordsProperties, AnyBytes_AreWellFormedFrames, (Bytes 
   }
 }
 
+using Finding = CannelloniSequence::Finding;
+
+TEST(CannelloniSequence, LostDatagrams_AreCounted) {
+  CannelloniSequence sequence;
+  EXPECT_EQ(sequence.take(254), Finding::in_order);
+  EXPECT_EQ(sequence.take(255), Finding::in_order);
+  EXPECT_EQ(sequence.take(0), Finding::in_order);
+  EXPECT_EQ(sequence.take(4), Finding::lost);
+  EXPECT_EQ(sequence.lost(), 3U);
+  EXPECT_EQ(sequence.take(5), Finding::in_order);
+}
+
+TEST(CannelloniSequence, OneThatCameLate_DoesNotMoveTheCount) {
+  CannelloniSequence sequence;
+  sequence.take(7);
+  sequence.take(9);
+  EXPECT_EQ(sequence.take(8), Finding::another_order);
+  EXPECT_EQ(sequence.take(10), Finding::in_order);
+}
+
+TEST(CannelloniSequence, PeerThatWasStartedAnew_IsFollowedFromItsSecondDatagramOn) {
+  CannelloniSequence sequence;
+  for (std::uint8_t i = 0; i < 100; ++i) sequence.take(i);
+  EXPECT_EQ(sequence.take(0), Finding::another_order);
+  EXPECT_EQ(sequence.take(1), Finding::started_anew);
+  for (std::uint8_t i = 2; i < 100; ++i) EXPECT_EQ(sequence.take(i), Finding::in_order) << int{i};
+}
+
 }  // namespace
 }  // namespace canopus::link

@@ -231,6 +231,37 @@ TEST_F(SlcanTest, SilentAdapter_IsUsedBlindly) {
   EXPECT_TRUE(server.heard.empty() || server.heard.ends_with("O\r") || server.heard.ends_with("t0800\r"));
 }
 
+TEST_F(SlcanTest, SilentAdapter_IsSaidOnceSomebodyListens) {
+  Server server(io, [](Server&, const std::string&) { return std::string(); });
+  open(address_of(server));
+  until([&] { return !ear.complaints.empty(); });
+  EXPECT_THAT(ear.complaints,
+              ElementsAre("the adapter does not answer; what becomes of frames is not known"));
+}
+
+TEST_F(SlcanTest, AdapterThatFallsSilent_IsSaidOnce) {
+  bool mute = false;
+  Server server(io, [&, adapter = Adapter{}](Server& self, const std::string& text) mutable {
+    return mute ? std::string() : adapter(self, text);
+  });
+  open(address_of(server));
+  mute = true;
+  for (std::size_t i = 1; i <= 2; ++i) {
+    client->send(can::data_frame(0x080));
+    until([&] { return ear.sent.size() == i; });
+  }
+  EXPECT_THAT(ear.complaints,
+              ElementsAre("the adapter answers no more; what becomes of frames is not known"));
+}
+
+TEST_F(SlcanTest, LineWithoutAnEnd_IsNoAdapter) {
+  Server server(io, Adapter{});
+  open(address_of(server));
+  server.say(std::string(5000, 't'));
+  until([&] { return !ear.lost.empty(); });
+  EXPECT_THAT(ear.lost, ElementsAre("this is no slcan adapter: what it says has no end of a line"));
+}
+
 TEST_F(SlcanTest, Restart_ClosesSetsAndOpens) {
   Server server(io, Adapter{});
   open(address_of(server));
@@ -322,6 +353,22 @@ TEST_F(CannelloniTest, Udp_GarbageIsSurvived) {
   }
   until([&] { return ear.frames.size() == 1; });
   EXPECT_THAT(ear.frames, ElementsAre(can::data_frame(0x080)));
+}
+
+TEST_F(CannelloniTest, Udp_ManyMistakesAreSaidOnce) {
+  udp::socket peer(io, udp::endpoint(asio::ip::address_v4::loopback(), 0));
+  open({.kind = BusAddress::Kind::cannelloni, .host = "127.0.0.1", .port = peer.local_endpoint().port()});
+  client->send(can::data_frame(0x080));
+  std::array<char, 256> input{};
+  until([&] { return ear.sent.size() == 1; });
+  udp::endpoint ours;
+  peer.receive_from(asio::buffer(input), ours);
+  for (int i = 0; i < 50; ++i) peer.send_to(asio::buffer("x", 1), ours);
+  peer.send_to(asio::buffer("\x02\0\x01\0\x01\0\0\0\x80\0", 10), ours);
+  until([&] { return ear.frames.size() == 1; });
+  EXPECT_THAT(ear.complaints, ElementsAre("a datagram that is none of cannelloni"));
+  until([&] { return ear.complaints.size() == 2; });
+  EXPECT_EQ(ear.complaints[1], "a datagram that is none of cannelloni (and 48 more like it)");
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ class CannelloniDatagrams final : public DatagramTransport {
                                   : Endpoint(peer.protocol(), address().local_port);
     if (!failure) socket.bind(here, failure);
     if (failure) return failed("our port " + std::to_string(address().local_port) + ": " + failure.message());
-    expected_.reset();
+    theirs_.restart();
     sequence_ = 0;
     take_socket(std::move(socket));
     opened();
@@ -93,14 +93,15 @@ class CannelloniDatagrams final : public DatagramTransport {
     if (!datagram->mistake.empty()) complain("a datagram of cannelloni: " + std::string(datagram->mistake));
   }
   void look_at(std::uint8_t sequence) {
-    const std::uint8_t expected = expected_.value_or(sequence);
-    const auto ahead = static_cast<std::uint8_t>(sequence - expected);
-    if (ahead >= 128)
-      return complain("datagrams of cannelloni came in another order, or it was started anew");
-    expected_ = static_cast<std::uint8_t>(sequence + 1);
-    if (ahead == 0) return;
-    complain(std::to_string(ahead) +
-             (ahead == 1 ? " datagram of cannelloni is lost" : " datagrams of cannelloni are lost"));
+    using Finding = CannelloniSequence::Finding;
+    switch (theirs_.take(sequence)) {
+      case Finding::in_order: return;
+      case Finding::another_order: return complain("datagrams of cannelloni came in another order");
+      case Finding::started_anew: return complain("the other cannelloni counts its datagrams anew");
+      case Finding::lost: break;
+    }
+    complain(std::to_string(theirs_.lost()) +
+             (theirs_.lost() == 1 ? " datagram of cannelloni is lost" : " datagrams of cannelloni are lost"));
   }
   void take(const CannelloniRecord& record) {
     switch (record.kind) {
@@ -119,8 +120,8 @@ class CannelloniDatagrams final : public DatagramTransport {
 
   udp::resolver resolver_;
   Endpoint peer_;
-  std::uint8_t sequence_ = 0;             // of our next datagram
-  std::optional<std::uint8_t> expected_;  // of theirs
+  std::uint8_t sequence_ = 0;  // of our next datagram
+  CannelloniSequence theirs_;
   LeftOut left_out_;
 };
 

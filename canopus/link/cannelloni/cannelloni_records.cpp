@@ -87,4 +87,19 @@ std::optional<CannelloniDatagram> read_cannelloni_datagram(std::span<const std::
   return datagram;
 }
 
+CannelloniSequence::Finding CannelloniSequence::take(std::uint8_t sequence) noexcept {
+  const std::uint8_t expected = expected_.value_or(sequence);
+  const auto ahead = static_cast<std::uint8_t>(sequence - expected);
+  const auto next = static_cast<std::uint8_t>(sequence + 1);
+  if (ahead >= 128 && behind_ != sequence) {
+    behind_ = next;
+    return Finding::another_order;
+  }
+  expected_ = next;
+  behind_.reset();
+  lost_ = ahead;
+  if (ahead >= 128) return Finding::started_anew;
+  return ahead == 0 ? Finding::in_order : Finding::lost;
+}
+
 }  // namespace canopus::link

@@ -45,6 +45,25 @@ struct CannelloniRecord {
 [[nodiscard]] std::optional<CannelloniRecord> take_cannelloni_record(
     std::span<const std::uint8_t>& bytes) noexcept;
 
+/// The numbers of the datagrams that come.
+class CannelloniSequence {
+ public:
+  enum class Finding : std::uint8_t {
+    in_order,
+    lost,           ///< lost() datagrams
+    another_order,  ///< an older one
+    started_anew,   ///< a second older one behind the first: this is their count from now on
+  };
+  Finding take(std::uint8_t sequence) noexcept;
+  [[nodiscard]] unsigned lost() const noexcept { return lost_; }
+  void restart() noexcept { *this = {}; }
+
+ private:
+  std::optional<std::uint8_t> expected_;
+  std::optional<std::uint8_t> behind_;  // what follows the older one that came last
+  unsigned lost_ = 0;
+};
+
 /// What of a datagram can be read.
 struct CannelloniDatagram {
   std::uint8_t sequence = 0;

@@ -100,6 +100,7 @@ class SlcanTransport final : public StreamTransport {
     settled_ = false;
     silent_ = false;
     answered_ = false;
+    mute_ = false;
     one_at_a_time_ = false;
     write_bytes("\r\rC\r");
     timer_.expires_after(settling);
@@ -150,6 +151,8 @@ class SlcanTransport final : public StreamTransport {
     reader_.receive(bytes, [this](const SlcanLine& line) {
       if (settled_ && state() != State::ended) take(line);
     });
+    if (state() == State::ended || state() == State::interrupted) return;
+    if (reader_.is_endless()) return failed("this is no slcan adapter: what it says has no end of a line");
     if (is_open()) write();
   }
   void take(const SlcanLine& line) {
@@ -172,6 +175,7 @@ class SlcanTransport final : public StreamTransport {
   }
   void answer(bool refused) {
     answered_ = true;
+    mute_ = false;
     if (questions_.empty()) return;
     const Question question = questions_.front();
     questions_.pop_front();
@@ -227,6 +231,8 @@ class SlcanTransport final : public StreamTransport {
     if (!answered_ && !silent_) {
       silent_ = true;
       complain("the adapter does not answer; what becomes of frames is not known");
+    } else if (!silent_ && !std::exchange(mute_, true)) {
+      complain("the adapter answers no more; what becomes of frames is not known");
     }
     for (const Question& question : questions) {
       if (question.asked == Asked::frame) sent(question.frame);
@@ -266,6 +272,7 @@ class SlcanTransport final : public StreamTransport {
   bool channel_open_ = false;
   bool silent_ = false;    // never answers
   bool answered_ = false;  // has answered at least once
+  bool mute_ = false;      // it has answered, but not to what it was asked last
   bool no_flags_ = false;  // does not know F
   bool one_at_a_time_ = false;
   bool again_waits_ = false;

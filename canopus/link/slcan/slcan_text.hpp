@@ -23,6 +23,8 @@
 namespace canopus::link {
 
 inline constexpr std::size_t slcan_max_line = 32;
+/// Bytes without the end of a line that are too many for any adapter, also for noise at a wrong speed.
+inline constexpr std::size_t slcan_most_without_end = 4096;
 
 /// Writes a frame with its CR and returns its length. Lengths above 8 are sent as 8.
 std::size_t write_slcan_frame(std::span<char, slcan_max_line> out, const can::Frame& frame) noexcept;
@@ -66,20 +68,25 @@ class SlcanReader {
       if (c != '\r' && c != '\a') {
         if (size_ < input_.size()) input_[size_] = c;
         if (size_ <= input_.size()) ++size_;
+        if (without_end_ < slcan_most_without_end) ++without_end_;
         continue;
       }
+      without_end_ = 0;
       const SlcanLine found = end_of_line(c);
       size_ = 0;
       line(found);
     }
   }
-  void clear() noexcept { size_ = 0; }
+  void clear() noexcept { size_ = without_end_ = 0; }
+  /// So many bytes came without the end of a line that the other side is no adapter.
+  [[nodiscard]] bool is_endless() const noexcept { return without_end_ == slcan_most_without_end; }
 
  private:
   [[nodiscard]] SlcanLine end_of_line(char end) const noexcept;
 
   std::array<char, 64> input_;
   std::size_t size_ = 0;  // input_.size() + 1: too long
+  std::size_t without_end_ = 0;
 };
 
 }  // namespace canopus::link

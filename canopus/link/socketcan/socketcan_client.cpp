@@ -178,6 +178,7 @@ class SocketcanTransport final : public Transport {
     ControllerStatus now = status();
     update_status(now, frame.error_class, bytes);
     const std::uint32_t generation = generation_;
+    const ControllerStatus before = status();
     set_status(now);
     if (generation != generation_) return;
     // Single errors of a bus in trouble are many; their counters wait for the next poll.
@@ -193,6 +194,7 @@ class SocketcanTransport final : public Transport {
     const std::string_view sentence = describe_error_frame(frame.error_class, bytes);
     if (sentence.empty() || sentence == reported_error_) return;
     reported_error_ = sentence;
+    if (status().state != before.state) return announce(sentence);
     complain(sentence);
   }
   void lose(int reason) {
@@ -244,7 +246,7 @@ class SocketcanTransport final : public Transport {
     set_status(*link->controller);
     if (generation != generation_) return;
     if (is_off && !was_off && link->restart_ms == 0) {
-      complain("bus-off, and the interface does not restart by itself; ip link set " + interface_ +
+      announce("bus-off, and the interface does not restart by itself; ip link set " + interface_ +
                " type can restart");
     }
     if (was_off && !is_off) write();
