@@ -42,7 +42,11 @@ void BusLoop::be_patient() {
   patient_->start(elapsed());
 }
 
-bool BusLoop::send(const can::Frame& frame) { return !lost_ && bus_->send(frame); }
+bool BusLoop::send(const can::Frame& frame) {
+  if (lost_ || !bus_->send(frame)) return false;
+  ++under_way_;
+  return true;
+}
 
 void BusLoop::add(can::Participant& participant) {
   seats_.push_back({&participant, timeline_.add(participant)});

@@ -31,6 +31,8 @@ class BusLoop final : public can::Sink, private BusClientUser {
   BusLoop& operator=(const BusLoop&) = delete;
 
   bool send(const can::Frame& frame) override;
+  /// Frames that were sent and are not on the bus yet, as far as the transport tells.
+  [[nodiscard]] std::size_t under_way() const noexcept { return under_way_; }
   /// The participant hears the bus and gets its ticks from now on. It outlives the loop or is removed.
   void add(can::Participant& participant);
   void remove(can::Participant& participant);
@@ -66,6 +68,9 @@ class BusLoop final : public can::Sink, private BusClientUser {
  private:
   BusLoop();
   void frame_received(const can::Frame& frame) override;
+  void frame_sent(const can::Frame& /*frame*/) override {
+    if (under_way_ > 0) --under_way_;
+  }
   void bus_lost(const std::string& reason) override;
   void bus_complains(std::string_view text) override;
   void controller_changed(const ControllerStatus& status) override {
@@ -88,6 +93,7 @@ class BusLoop final : public can::Sink, private BusClientUser {
   std::optional<PatientClock> patient_;
   bool interrupted_ = false;
   bool lost_ = false;
+  std::size_t under_way_ = 0;
   std::string failure_;
   std::function<void(std::string_view)> complaint_;
   std::function<void(const ControllerStatus&)> status_listener_;

@@ -104,7 +104,7 @@ bool wants(const FilterOptions& options, const Message& message = pdo(), can::Du
   TextOutput err;
   const auto filter = MessageFilter::make(options, err);
   EXPECT_TRUE(filter.has_value()) << err.text();
-  return filter && filter->wants(message, "line1", since);
+  return filter && filter->wants(message, since);
 }
 
 TEST(MessageFilter, EachFilter_TakesWhatItNames) {
@@ -118,8 +118,6 @@ TEST(MessageFilter, EachFilter_TakesWhatItNames) {
   EXPECT_FALSE(wants({.objects = {"6004:01"}}));
   EXPECT_TRUE(wants({.identifiers = {"0x183"}}));
   EXPECT_FALSE(wants({.identifiers = {"184"}}));
-  EXPECT_TRUE(wants({.channels = {"line1"}}));
-  EXPECT_FALSE(wants({.channels = {"line2"}}));
   EXPECT_FALSE(wants({.nodes = {"3"}, .services = {"sdo"}}));
 }
 
@@ -141,6 +139,7 @@ TEST(MessageFilter, Mistakes_SayWhatWasExpected) {
               HasSubstr("canopus: --service sdoo: unknown service; did you mean \"sdo\"?"));
   EXPECT_THAT(mistake({.objects = {"x"}}), HasSubstr("canopus: --object: "));
   EXPECT_THAT(mistake({.identifiers = {"20000000"}}), HasSubstr("--id 20000000: expected an identifier"));
+  EXPECT_EQ(mistake({.from = "2s", .to = "1s"}), "canopus: --from is later than --to\n");
   EXPECT_THAT(mistake({.from = "soon"}), HasSubstr("canopus: --from: "));
 }
 

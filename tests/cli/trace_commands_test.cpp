@@ -1,16 +1,25 @@
 // The trace commands on files: what they keep, and what they must not write over.
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/udp.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "canopus/cli/command_line.hpp"
+#include "canopus/cli/terminal/channel_choice.hpp"
+#include "canopus/cli/terminal/new_file.hpp"
 #include "canopus/cli/terminal/same_file.hpp"
+
+#include "paths.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -88,6 +97,172 @@ TEST_F(TraceCommands, SameFile_IsKnownByOtherNames) {
   EXPECT_TRUE(is_same_file(path("a.log"), path("link.log")));
   EXPECT_FALSE(is_same_file(path("a.log"), path("other.log")));
   EXPECT_FALSE(is_same_file("-", "-"));
+}
+
+TEST_F(TraceCommands, AChannelThatTheTraceHasNot_IsSaid) {
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"trace", "convert", path("a.log"), path("b.csv"), "--relative", "-q"},
+        {"trace", "show", path("a.log")},
+        {"trace", "stats", path("a.log")},
+        {"trace", "plot", path("a.log"), "--out", path("a.svg")}}) {
+    std::vector<std::string> missing = words;
+    missing.insert(missing.end(), {"--channel", "can7"});
+    const Said wrong = said(missing);
+    EXPECT_EQ(wrong.code, 1) << words[1];
+    EXPECT_THAT(wrong.error,
+                HasSubstr("--channel can7: no frame that was read is of this channel; there are: can0"));
+    std::vector<std::string> there = words;
+    there.insert(there.end(), {"--channel", "can0"});
+    EXPECT_EQ(said(there).code, 0) << words[1];
+  }
+}
+
+TEST_F(TraceCommands, StatsAndShow_LeaveOutOtherChannels) {
+  std::ofstream(path("two.log")) << "(1.000000) can0 181#01\n(2.000000) can1 182#02\n";
+  EXPECT_THAT(said({"trace", "stats", path("two.log"), "--channel", "can1"}).out,
+              testing::AllOf(HasSubstr("channel can1"), testing::Not(HasSubstr("channel can0"))));
+  EXPECT_THAT(said({"trace", "show", path("two.log"), "--channel", "can1"}).out,
+              testing::AllOf(HasSubstr("182"), testing::Not(HasSubstr("181"))));
+}
+
+TEST(ChannelChoice, ManyChannels_AreNotAllListed) {
+  ChannelChoice choice({"x", "can3"});
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(choice.wants("can" + std::to_string(i)), i == 3);
+  EXPECT_TRUE(choice.wants("can3"));
+  TextOutput err;
+  EXPECT_FALSE(choice.report_missing(err));
+  EXPECT_EQ(
+      err.text(),
+      "canopus: --channel x: no frame that was read is of this channel; there are: can0, can1, can10, can11, "
+      "can12, can13, can14, can15, ...\n");
+}
+
+TEST_F(TraceCommands, ShowWithReversedTimes_IsWrongUsage) {
+  const Said show = said({"trace", "show", path("a.log"), "--from", "2s", "--to", "1s"});
+  EXPECT_EQ(show.code, 2);
+  EXPECT_THAT(show.error, HasSubstr("--from is later than --to"));
+}
+
+TEST_F(TraceCommands, ConvertRelative_SaysWhichTimesTheFormatCannotHave) {
+  const Said candump = said({"trace", "convert", path("a.log"), path("b.log"), "--relative"});
+  EXPECT_EQ(candump.code, 1);
+  EXPECT_THAT(candump.error, HasSubstr("1 frames are earlier than time 0, which candump cannot say"));
+  EXPECT_EQ(said({"trace", "convert", path("a.log"), path("b.csv"), "--relative"}).code, 0);
+  EXPECT_THAT(content("b.csv"), HasSubstr("-50.000000000"));
+}
+
+TEST_F(TraceCommands, Convert_ReplacesItsTargetAndKeepsModeAndLink) {
+  std::ofstream(path("b.csv")) << "old";
+  ASSERT_EQ(::chmod(path("b.csv").c_str(), 0600), 0);
+  std::filesystem::create_symlink(path("b.csv"), path("link.csv"));
+  EXPECT_EQ(said({"trace", "convert", path("a.log"), path("link.csv"), "-q"}).code, 0);
+  EXPECT_TRUE(std::filesystem::is_symlink(path("link.csv")));
+  EXPECT_THAT(content("b.csv"), HasSubstr("0x181"));
+  struct stat found {};
+  ASSERT_EQ(::stat(path("b.csv").c_str(), &found), 0);
+  EXPECT_EQ(found.st_mode & 07777U, 0600U);
+}
+
+TEST_F(TraceCommands, Convert_WritesIntoADeviceAsItIs) {
+  const Said device = said({"trace", "convert", path("a.log"), "/dev/null", "--to", "csv"});
+  EXPECT_EQ(device.code, 0) << device.error;
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+}
+
+TEST_F(TraceCommands, UnfinishedFile_LeavesWhatWasThere) {
+  std::ofstream(path("b.csv")) << "old";
+  {
+    const NewFile file(path("b.csv"));
+    std::ofstream(file.path()) << "half";
+    EXPECT_EQ(content("b.csv"), "old");
+  }
+  EXPECT_EQ(content("b.csv"), "old");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(path("")), {}), 2);
+}
+
+TEST_F(TraceCommands, SignalWhileAFileIsWritten_LeavesNothingOfIt) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    EXPECT_EXIT(
+        {
+          const NewFile file(path("b.csv"));
+          std::ofstream(file.path()) << "half";
+          (void)::raise(signal);
+        },
+        testing::KilledBySignal(signal), "");
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(path("")), {}), 1) << signal;
+  }
+}
+
+TEST_F(TraceCommands, IgnoredSignal_StaysIgnored) {
+  EXPECT_EXIT(
+      {
+        (void)std::signal(SIGHUP, SIG_IGN);
+        NewFile file(path("b.csv"));
+        (void)::raise(SIGHUP);
+        std::ofstream(file.path()) << "whole";
+        const bool kept = file.keep().has_value();
+        ::_exit(kept ? 7 : 8);
+      },
+      testing::ExitedWithCode(7), "");
+  EXPECT_EQ(content("b.csv"), "whole");
+}
+
+TEST_F(TraceCommands, Monitor_DoesNotWriteOverWhatItReads) {
+  std::filesystem::copy_file(std::string(CANOPUS_SOURCE_DIR) + "/examples/lift/devices/load-unit.eds",
+                             path("eds.log"));
+  const std::string before = content("eds.log");
+  const Said monitor = said(
+      {"monitor", "cannelloni:127.0.0.1:9", "--node", "3=" + path("eds.log"), "--write", path("eds.log")});
+  EXPECT_THAT(monitor.error, HasSubstr("this file is read"));
+  EXPECT_EQ(monitor.code, 2);
+  EXPECT_EQ(content("eds.log"), before);
+}
+
+/// The other end of a cannelloni over UDP: what was sent waits in its socket.
+class ReplayTest : public TraceCommands {
+ protected:
+  std::string bus() { return "cannelloni:127.0.0.1:" + std::to_string(peer_.local_endpoint().port()); }
+  /// The identifiers of all frames that came, all of them with one byte.
+  std::vector<unsigned> heard() {
+    std::vector<unsigned> identifiers;
+    peer_.non_blocking(true);
+    std::array<unsigned char, 2048> input{};
+    boost::system::error_code nothing;
+    while (true) {
+      const std::size_t size = peer_.receive(boost::asio::buffer(input), 0, nothing);
+      if (nothing) return identifiers;
+      for (std::size_t at = 5; at + 6 <= size; at += 6)
+        identifiers.push_back(input[at + 2] * 256U + input[at + 3]);
+    }
+  }
+
+ private:
+  using udp = boost::asio::ip::udp;
+  boost::asio::io_context io_;
+  udp::socket peer_{io_, udp::endpoint(boost::asio::ip::address_v4::loopback(), 0)};
+};
+
+TEST_F(ReplayTest, FramesDatedBeforeTheFirstOne_AreSentInTheirPlace) {
+  const Said replay = said({"replay", path("a.log"), "--bus", bus(), "--speed", "1000"});
+  EXPECT_EQ(replay.code, 0) << replay.error;
+  EXPECT_EQ(heard(), (std::vector<unsigned>{0x181, 0x182, 0x183, 0x184}));
+}
+
+TEST_F(ReplayTest, From_LeavesOutWhatIsDatedBeforeTheFirstOne) {
+  EXPECT_EQ(said({"replay", path("a.log"), "--bus", bus(), "--speed", "max", "--from", "0s"}).code, 0);
+  EXPECT_EQ(heard(), (std::vector<unsigned>{0x181, 0x182, 0x184}));
+}
+
+TEST_F(ReplayTest, SentFrames_AreOutWhenTheirNumberIsSaid) {
+  const Said replay = said({"replay", path("a.log"), "--bus", bus(), "--speed", "max"});
+  EXPECT_THAT(replay.out, testing::StartsWith("4 frames sent in "));
+  EXPECT_EQ(heard().size(), 4U);
+}
+
+TEST_F(ReplayTest, AChannelThatTheTraceHasNot_IsSaid) {
+  const Said replay = said({"replay", path("a.log"), "--bus", bus(), "--speed", "max", "--channel", "can7"});
+  EXPECT_EQ(replay.code, 1);
+  EXPECT_THAT(replay.error, HasSubstr("--channel can7"));
 }
 
 }  // namespace

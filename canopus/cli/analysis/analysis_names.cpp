@@ -103,6 +103,18 @@ void add_names_options(CLI::App& command, NamesOptions& options) {
       ->allow_extra_args(false);
 }
 
+std::vector<std::string> files_of(const NamesOptions& options) {
+  std::vector<std::string> files;
+  for (const std::string& name : {options.plant, options.network}) {
+    if (!name.empty()) files.push_back(name);
+  }
+  for (const std::string& node : options.nodes) {
+    if (const std::size_t equals = node.find('='); equals != std::string::npos)
+      files.push_back(node.substr(equals + 1));
+  }
+  return files;
+}
+
 std::optional<trace::Names> load_names(const NamesOptions& options, Output& err) {
   trace::Names names;
   if (!options.plant.empty() && !add_plant(options.plant, names, err)) return std::nullopt;

@@ -23,6 +23,9 @@ struct NamesOptions {
 /// --plant, --network and --node.
 void add_names_options(CLI::App& command, NamesOptions& options);
 
+/// The files that are named, for those who write one.
+[[nodiscard]] std::vector<std::string> files_of(const NamesOptions& options);
+
 /// Reads the files. Nothing after their mistakes were printed on `err`.
 [[nodiscard]] std::optional<trace::Names> load_names(const NamesOptions& options, Output& err);
 

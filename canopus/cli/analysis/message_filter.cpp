@@ -100,10 +100,13 @@ std::optional<MessageFilter> MessageFilter::make(const FilterOptions& options, O
     if (!identifier) return wrong(err, "--id", text, "an identifier in hexadecimal digits, 0 to 1FFFFFFF");
     filter.identifiers_.push_back(*identifier);
   }
-  filter.channels_ = options.channels;
   if (!parse_time("--from", options.from, filter.from_, err) ||
       !parse_time("--to", options.to, filter.to_, err))
     return std::nullopt;
+  if (filter.from_ && filter.to_ && *filter.from_ > *filter.to_) {
+    err.line("canopus: --from is later than --to");
+    return std::nullopt;
+  }
   return filter;
 }
 
@@ -118,12 +121,10 @@ bool MessageFilter::has_object(const trace::Message& message) const {
   });
 }
 
-bool MessageFilter::wants(const trace::Message& message, std::string_view channel,
-                          can::Duration since) const {
+bool MessageFilter::wants(const trace::Message& message, can::Duration since) const {
   if ((from_ && since < *from_) || is_over(since)) return false;
   return is_wanted(nodes_, message.node) && is_wanted(services_, message.service) &&
-         is_wanted(identifiers_, message.frame.identifier) && is_wanted(channels_, channel) &&
-         (objects_.empty() || has_object(message));
+         is_wanted(identifiers_, message.frame.identifier) && (objects_.empty() || has_object(message));
 }
 
 }  // namespace canopus::cli

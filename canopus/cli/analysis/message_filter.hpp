@@ -35,9 +35,8 @@ class MessageFilter {
   /// Nothing after a mistake was printed on `err`.
   [[nodiscard]] static std::optional<MessageFilter> make(const FilterOptions& options, Output& err);
 
-  /// `since`: from the first record of the trace on.
-  [[nodiscard]] bool wants(const trace::Message& message, std::string_view channel,
-                           can::Duration since) const;
+  /// `since`: from the first record of the trace on. Channels are ChannelChoice's.
+  [[nodiscard]] bool wants(const trace::Message& message, can::Duration since) const;
   /// Nothing after this moment is wanted.
   [[nodiscard]] bool is_over(can::Duration since) const { return to_ && since > *to_; }
 
@@ -52,7 +51,6 @@ class MessageFilter {
   std::vector<trace::Service> services_;
   std::vector<Object> objects_;
   std::vector<std::uint32_t> identifiers_;
-  std::vector<std::string> channels_;
   std::optional<can::Duration> from_;
   std::optional<can::Duration> to_;
 };

@@ -10,6 +10,7 @@
 #include "canopus/cli/analysis/message_printer.hpp"
 #include "canopus/cli/analysis/trace_analysis.hpp"
 #include "canopus/cli/terminal/option_checks.hpp"
+#include "canopus/cli/terminal/same_file.hpp"
 #include "canopus/link/bus_loop.hpp"
 #include "canopus/text/text_values.hpp"
 #include "canopus/trace/decode/decoder.hpp"
@@ -70,7 +71,7 @@ class Monitor final : public can::Listener {
 
  private:
   void print(const trace::Message& message) {
-    if (filter_.wants(message, "", {})) printer_.print(message, "");
+    if (filter_.wants(message, {})) printer_.print(message, "");
   }
 
   std::string bus_;
@@ -103,6 +104,11 @@ int monitor(const Options& options) {
   if (!options.write.empty()) {
     const auto format = trace::trace_format_of(options.write);
     if (!format) return fail(2, "--write: " + format.error());
+    for (const std::string& input : files_of(options.names)) {
+      if (is_same_file(input, options.write)) {
+        return fail(2, fmt::format("--write {}: this file is read", options.write));
+      }
+    }
     auto created = trace::TraceFile::create(options.write, *format);
     if (!created) return fail(1, created.error());
     file.emplace(std::move(*created));

@@ -10,6 +10,7 @@
 #include "canopus/cli/analysis/analysis_names.hpp"
 #include "canopus/cli/analysis/trace_analysis.hpp"
 #include "canopus/cli/analysis/trace_walk.hpp"
+#include "canopus/cli/terminal/channel_choice.hpp"
 #include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/cli/terminal/same_file.hpp"
 #include "canopus/text/text_values.hpp"
@@ -23,6 +24,7 @@ struct Options {
   std::string file{};
   std::string out{};
   NamesOptions names{};
+  std::vector<std::string> channels{};
   std::vector<std::string> signals{};
   std::uint32_t bit_rate = 0;
 };
@@ -72,12 +74,14 @@ int plot(const Options& options) {
   trace::Decoder decoder(std::move(*names), {.frames = true, .transfers = false});
   trace::TracePicture picture(std::move(wanted));
   const auto take = [&](const trace::Message& message) { picture.message(message); };
-  const int code = walk_trace(options.file, standard_error(),
-                              [&](const trace::TraceRecord& record, std::string_view channel) {
-                                decoder.receive(record, channel, take);
-                                return true;
-                              });
+  ChannelChoice channels(options.channels);
+  int code = walk_trace(options.file, standard_error(),
+                        [&](const trace::TraceRecord& record, std::string_view channel) {
+                          if (channels.wants(channel)) decoder.receive(record, channel, take);
+                          return true;
+                        });
   if (code == 2) return code;
+  if (!channels.report_missing(standard_error())) code = 1;
   for (const trace::PictureSignal& signal : picture.missing()) {
     print_error("canopus: no PDO of node {} with {:04X}:{:02X} is in the trace", signal.node, signal.index,
                 signal.sub);
@@ -106,11 +110,15 @@ void add_trace_plot(CLI::App& trace, int& exit_code) {
       ->type_name("NODE.OBJECT")
       ->allow_extra_args(false);
   add_names_options(*command, options->names);
+  command->add_option("--channel", options->channels, "Only this channel of the file; may be repeated")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
   command->add_option("--bit-rate", options->bit_rate, "Bit rate of the bus in bit/s: the load in per cent")
       ->type_name("RATE")
       ->check(number_from(1000, 1'000'000));
   command->footer(
-      "Exit codes: 0 drawn, 1 the trace cannot be read to its end, or the picture not be written, 2 wrong "
+      "Exit codes: 0 drawn, 1 the trace cannot be read to its end or has not the --channel, or the picture "
+      "not be written, 2 wrong "
       "command line.");
   command->callback([options, &exit_code] { exit_code = plot(*options); });
 }

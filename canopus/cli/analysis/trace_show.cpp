@@ -9,6 +9,7 @@
 #include "canopus/cli/analysis/message_printer.hpp"
 #include "canopus/cli/analysis/trace_analysis.hpp"
 #include "canopus/cli/analysis/trace_walk.hpp"
+#include "canopus/cli/terminal/channel_choice.hpp"
 #include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/trace/decode/decoder.hpp"
 
@@ -35,11 +36,12 @@ int show(const Options& options) {
                           .colour = wants_colour(STDOUT_FILENO)},
                          standard_output());
   std::optional<can::Time> zero;
+  ChannelChoice choice(options.filter.channels);
   std::vector<std::string> channels;
   const auto print = [&](const trace::Message& message) {
     const std::string_view channel =
         message.channel < channels.size() ? std::string_view(channels[message.channel]) : std::string_view();
-    if (filter->wants(message, channel, message.time - *zero)) printer.print(message, channel);
+    if (filter->wants(message, message.time - *zero)) printer.print(message, channel);
   };
   const int code = walk_trace(options.file, standard_error(),
                               [&](const trace::TraceRecord& record, std::string_view channel) {
@@ -47,11 +49,12 @@ int show(const Options& options) {
                                 if (filter->is_over(record.time - *zero)) return false;
                                 if (record.channel >= channels.size()) channels.resize(record.channel + 1U);
                                 if (channels[record.channel].empty()) channels[record.channel] = channel;
-                                decoder.receive(record, channel, print);
+                                if (choice.wants(channel)) decoder.receive(record, channel, print);
                                 return true;
                               });
+  if (code == 2) return code;
   decoder.finish(print);
-  return code;
+  return choice.report_missing(standard_error()) ? code : 1;
 }
 
 }  // namespace
@@ -75,7 +78,8 @@ void add_trace_show(CLI::App& trace, int& exit_code) {
       "An SDO transfer is one line, at the time of its last frame. PDO mappings, COB-IDs and times come "
       "from\n"
       "the files given, and are learnt from the SDO traffic in the trace itself.\n"
-      "Exit codes: 0 shown, 1 the trace cannot be read to its end, 2 wrong command line or file.");
+      "Exit codes: 0 shown, 1 the trace cannot be read to its end or has not the --channel, 2 wrong command "
+      "line or file.");
   command->callback([options, &exit_code] { exit_code = show(*options); });
 }
 

@@ -6,6 +6,7 @@
 #include "canopus/cli/analysis/analysis_names.hpp"
 #include "canopus/cli/analysis/trace_analysis.hpp"
 #include "canopus/cli/analysis/trace_walk.hpp"
+#include "canopus/cli/terminal/channel_choice.hpp"
 #include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/trace/report/statistics.hpp"
 
@@ -22,6 +23,7 @@ using Json = nlohmann::ordered_json;
 struct Options {
   std::string file{};
   NamesOptions names{};
+  std::vector<std::string> channels{};
   std::uint32_t bit_rate = 0;
   bool json = false;
 };
@@ -196,13 +198,16 @@ int show_statistics(const Options& options) {
   trace::Decoder decoder(std::move(*names), {.frames = true, .transfers = true});
   Statistics statistics;
   const auto take = [&](const trace::Message& message) { statistics.message(message, decoder); };
-  const int code = walk_trace(options.file, standard_error(),
-                              [&](const trace::TraceRecord& record, std::string_view channel) {
-                                statistics.record(record, channel);
-                                decoder.receive(record, channel, take);
-                                return true;
-                              });
+  ChannelChoice channels(options.channels);
+  int code = walk_trace(options.file, standard_error(),
+                        [&](const trace::TraceRecord& record, std::string_view channel) {
+                          if (!channels.wants(channel)) return true;
+                          statistics.record(record, channel);
+                          decoder.receive(record, channel, take);
+                          return true;
+                        });
   if (code == 2) return code;
+  if (!channels.report_missing(standard_error())) code = 1;
   decoder.finish(take);
   statistics.finish();
   if (!options.json) {
@@ -234,12 +239,16 @@ void add_trace_stats(CLI::App& trace, int& exit_code) {
   command->add_option("FILE", options->file, "Trace in any format that is read; - is the standard input")
       ->required();
   add_names_options(*command, options->names);
+  command->add_option("--channel", options->channels, "Only this channel of the file; may be repeated")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
   command->add_option("--bit-rate", options->bit_rate, "Bit rate of the bus in bit/s, for its load")
       ->type_name("RATE")
       ->check(number_from(1000, 1'000'000));
   command->add_flag("--json", options->json, "Print one JSON object");
   command->footer(
-      "Exit codes: 0 shown, 1 the trace cannot be read to its end, 2 wrong command line or file.");
+      "Exit codes: 0 shown, 1 the trace cannot be read to its end or has not the --channel, 2 wrong command "
+      "line or file.");
   command->callback([options, &exit_code] { exit_code = show_statistics(*options); });
 }
 

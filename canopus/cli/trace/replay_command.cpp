@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/cli/terminal/channel_choice.hpp"
 #include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/cli/trace/trace_input_file.hpp"
 #include "canopus/cli/trace/trace_player.hpp"
@@ -52,16 +53,13 @@ std::optional<IdentifierRange> parse_range(std::string_view text) {
 /// Which records are sent.
 struct Choice {
   std::vector<IdentifierRange> identifiers;
-  std::vector<std::string> channels;
   /// Without --from there is none: a clock may have stepped back.
   can::Duration from = can::Duration::min();
   can::Duration to = can::Duration::max();
   unsigned node = 0;
 
-  [[nodiscard]] bool wants(const trace::TraceRecord& record, std::string_view channel,
-                           can::Duration since) const {
+  [[nodiscard]] bool wants(const trace::TraceRecord& record, can::Duration since) const {
     if (record.error_frame || since < from || since > to) return false;
-    if (!channels.empty() && std::ranges::find(channels, channel) == channels.end()) return false;
     if (node != 0 && !is_for_node(record.frame)) return false;
     return identifiers.empty() || std::ranges::any_of(identifiers, [&](const IdentifierRange& range) {
              return record.frame.extended == range.extended && record.frame.identifier >= range.first &&
@@ -94,7 +92,6 @@ struct Choice {
 
 std::expected<Choice, std::string> choice_of(const Options& options) {
   Choice choice;
-  choice.channels = options.channels;
   for (const std::string& text : options.identifiers) {
     const auto range = parse_range(text);
     if (!range) {
@@ -133,8 +130,20 @@ std::optional<double> parse_speed(std::string_view text) {
   return speed;
 }
 
+/// Waits until what was sent is on the bus, as long as it gets on.
+BusLoop::End wait_for_sent(BusLoop& bus) {
+  constexpr can::Duration standstill = std::chrono::seconds(2);
+  while (true) {
+    const std::size_t before = bus.under_way();
+    const auto end =
+        bus.run([&] { return bus.under_way() == 0 || bus.under_way() < before; }, bus.now() + standstill);
+    if (end != BusLoop::End::done || bus.under_way() == 0) return end;
+  }
+}
+
 /// Sends the trace once. `sent` goes on from where it was.
-BusLoop::End play(BusLoop& bus, TraceInputFile& in, const Choice& choice, double speed, std::uint64_t& sent) {
+BusLoop::End play(BusLoop& bus, TraceInputFile& in, const Choice& choice, ChannelChoice& channels,
+                  double speed, std::uint64_t& sent) {
   std::optional<can::Time> first;
   TracePlayer player(
       bus,
@@ -142,7 +151,8 @@ BusLoop::End play(BusLoop& bus, TraceInputFile& in, const Choice& choice, double
         while (const auto record = in.next()) {
           if (!first) first = record->time;
           const can::Duration since = record->time - *first;
-          if (choice.wants(*record, in.reader().channel(record->channel), since)) {
+          const bool is_of_channel = channels.wants(in.reader().channel(record->channel));
+          if (is_of_channel && choice.wants(*record, since)) {
             return TracePlayer::Step{since, record->frame};
           }
         }
@@ -187,21 +197,30 @@ int replay(const Options& options) {
         std::uint64_t sent = 0;
         std::uint64_t mistakes = 0;
         auto end = BusLoop::End::done;
+        ChannelChoice channels(options.channels);
         for (std::uint64_t loop = 0;
              end == BusLoop::End::done && (options.loops == 0 || loop < options.loops); ++loop) {
           const std::uint64_t before = sent;
           if (loop > 0) in = TraceInputFile::open(options.file, {}, standard_error());
           if (!in) return exit_code::failed;
-          end = play(bus, *in, *choice, *speed, sent);
+          end = play(bus, *in, *choice, channels, *speed, sent);
           mistakes += in->mistakes();
           in->finish();
           if (sent == before) break;  // nothing to send: once is enough
         }
+        const bool is_played = end == BusLoop::End::done;
+        if (is_played) end = wait_for_sent(bus);
         end_progress();
-        print_line("{} frames sent in {:.3f} s", sent, can::seconds(bus.now()) - can::seconds(started));
+        const std::size_t waiting = bus.under_way();
+        print_line("{} frames sent in {:.3f} s", sent - std::min<std::uint64_t>(sent, waiting),
+                   can::seconds(bus.now()) - can::seconds(started));
+        const bool all_channels = !is_played || channels.report_missing(standard_error());
         // Ctrl-C is how one ends a replay
         if (end == BusLoop::End::lost) return complain(exit_code::failed, bus.failure());
-        return mistakes == 0 ? exit_code::done : exit_code::failed;
+        if (end == BusLoop::End::time_over) {
+          return complain(exit_code::failed, fmt::format("the bus does not take {} frames more", waiting));
+        }
+        return mistakes == 0 && all_channels ? exit_code::done : exit_code::failed;
       },
       BusTime::real);
 }
@@ -238,8 +257,8 @@ void add_replay_command(CLI::App& app, int& exit_code) {
   command->footer(
       "Each frame is sent at its time since the first one; error frames are not sent. All channels go to one "
       "bus.\n"
-      "Exit codes: 0 sent, or ended by Ctrl-C; 1 the bus was lost, or parts of the trace could not be read;\n"
-      "2 wrong command line or file.\n"
+      "Exit codes: 0 sent, or ended by Ctrl-C; 1 the bus was lost or takes no more, parts of the trace\n"
+      "could not be read, or a --channel is not in it; 2 wrong command line or file.\n"
       "\n"
       "Example: canopus replay drive.blf --bus socketcan:can0 --node 5 --speed 2");
   command->callback([options, &exit_code] { exit_code = replay(*options); });

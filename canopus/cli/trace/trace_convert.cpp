@@ -5,6 +5,8 @@
 #include <CLI/CLI.hpp>
 
 #include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/cli/terminal/channel_choice.hpp"
+#include "canopus/cli/terminal/new_file.hpp"
 #include "canopus/cli/terminal/same_file.hpp"
 #include "canopus/cli/trace/trace_command.hpp"
 #include "canopus/cli/trace/trace_input_file.hpp"
@@ -33,7 +35,8 @@ class Target {
       target.waiting_ = target.encoder_->begin();
       return target;
     }
-    auto file = trace::TraceFile::create(path, format);
+    target.new_file_ = std::make_unique<NewFile>(path);
+    auto file = trace::TraceFile::create(target.new_file_->path(), format);
     if (!file) return std::unexpected(file.error());
     target.file_.emplace(std::move(*file));
     return target;
@@ -44,7 +47,10 @@ class Target {
     if (waiting_.size() >= 32'768) send();
   }
   [[nodiscard]] std::expected<void, std::string> close() {
-    if (file_) return file_->close();
+    if (file_) {
+      if (auto closed = file_->close(); !closed) return closed;
+      return new_file_->keep();
+    }
     waiting_ += encoder_->end();
     send();
     return {};
@@ -56,10 +62,17 @@ class Target {
     standard_output().content(waiting_);
     waiting_.clear();
   }
+  std::unique_ptr<NewFile> new_file_;
   std::optional<trace::TraceFile> file_;
   std::unique_ptr<trace::TraceEncoder> encoder_;
   std::string waiting_;
 };
+
+/// The format has no times before 0.
+bool begins_at_0(trace::FileFormat format) {
+  return format == trace::FileFormat::candump || format == trace::FileFormat::pcap ||
+         format == trace::FileFormat::pcapng;
+}
 
 int convert(const Options& options) {
   std::expected<trace::FileFormat, std::string> format = trace::FileFormat::candump;
@@ -91,21 +104,28 @@ int convert(const Options& options) {
   if (!out) return complain(exit_code::failed, out.error());
   std::optional<can::Time> first;
   std::uint64_t written = 0;
+  std::uint64_t too_early = 0;
+  ChannelChoice channels(options.channels);
   while (auto record = in->next()) {
     if (!first) first = record->time;
     const can::Duration since = record->time - *first;
-    // records need not be in the order of their times
-    if (since < start || since > end) continue;
     const std::string_view channel = in->reader().channel(record->channel);
-    if (!options.channels.empty() && std::ranges::find(options.channels, channel) == options.channels.end())
-      continue;
+    const bool is_of_channel = channels.wants(channel);
+    // records need not be in the order of their times
+    if (since < start || since > end || !is_of_channel) continue;
     if (options.relative) record->time = can::Time(options.start.empty() ? since : since - start);
+    if (record->time < can::Time{} && begins_at_0(*format)) ++too_early;
     out->write(channel, *record);
     ++written;
   }
   const auto closed = out->close();
   if (!closed) return complain(exit_code::failed, closed.error());
   in->finish();
+  const bool all_channels = channels.report_missing(standard_error());
+  if (too_early > 0) {
+    print_error("canopus: {}: {} frames are earlier than time 0, which {} cannot say: they got time 0",
+                options.out, too_early, trace::name_of(*format));
+  }
   if (!options.quiet && options.out != "-") {
     print_line(
         "{}: {} frames as {}{}", options.out, written, trace::name_of(*format),
@@ -113,7 +133,7 @@ int convert(const Options& options) {
             ? std::string()
             : fmt::format("; {} records that are no classical frames left out", in->reader().left_out()));
   }
-  return in->mistakes() == 0 ? exit_code::done : exit_code::failed;
+  return in->mistakes() == 0 && all_channels && too_early == 0 ? exit_code::done : exit_code::failed;
 }
 
 }  // namespace
@@ -137,8 +157,10 @@ void add_trace_convert(CLI::App& trace, int& exit_code) {
   command->add_flag("-q,--quiet", options->quiet, "Do not say how many frames were written");
   command->footer(
       "What each format can carry: docs/traces.md.\n"
-      "Exit codes: 0 converted, 1 parts of IN could not be read or OUT not written, 2 wrong command line or "
-      "file.\n"
+      "Exit codes: 0 converted, 1 parts of IN could not be read, OUT not written, a --channel is not in IN, "
+      "or "
+      "OUT\n"
+      "cannot say a time; 2 wrong command line or file. OUT gets its name when it is whole.\n"
       "\n"
       "Example: canopus trace convert drive.blf drive.pcapng");
   command->callback([options, &exit_code] { exit_code = convert(*options); });

@@ -1,0 +1,93 @@
+#include "canopus/cli/terminal/new_file.hpp"
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <climits>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace canopus::cli {
+namespace {
+
+constexpr std::array ending_signals{SIGINT, SIGTERM, SIGHUP};
+
+/// For the signal handler, which may not allocate.
+std::array<char, PATH_MAX> unfinished{};
+std::atomic<bool> is_unfinished = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
+std::array<struct sigaction, ending_signals.size()> actions_before{};
+
+extern "C" void remove_and_end(int signal) {
+  if (is_unfinished.exchange(false)) (void)::unlink(unfinished.data());
+  (void)std::signal(signal, SIG_DFL);
+  (void)::raise(signal);
+}
+
+/// Signals that end the program by default remove the file first; ignored ones (nohup) stay ignored.
+void watch_signals(const std::string& path) {
+  std::strcpy(unfinished.data(), path.c_str());
+  is_unfinished = true;
+  for (std::size_t i = 0; i < ending_signals.size(); ++i) {
+    (void)::sigaction(ending_signals[i], nullptr, &actions_before[i]);
+    if (actions_before[i].sa_handler != SIG_DFL) continue;
+    struct sigaction action {};
+    action.sa_handler = remove_and_end;
+    (void)::sigaction(ending_signals[i], &action, nullptr);
+  }
+}
+
+void forget_signals() {
+  is_unfinished = false;
+  for (std::size_t i = 0; i < ending_signals.size(); ++i) {
+    if (actions_before[i].sa_handler == SIG_DFL)
+      (void)::sigaction(ending_signals[i], &actions_before[i], nullptr);
+  }
+}
+
+}  // namespace
+
+NewFile::NewFile(const std::string& name) : name_(name), path_(name) {
+  std::error_code failure;
+  const auto real = std::filesystem::weakly_canonical(name, failure);
+  if (failure) return;
+  struct stat found {};
+  const bool exists = ::stat(name.c_str(), &found) == 0;
+  if (exists && !S_ISREG(found.st_mode)) return;
+  if (exists && ::access(name.c_str(), W_OK) != 0) return;  // opening it says why
+  const std::string beside = real.string() + '.' + std::to_string(::getpid()) + ".part";
+  if (beside.size() >= unfinished.size()) return;
+  const int file = ::open(beside.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);
+  if (file < 0) return;
+  watch_signals(beside);
+  if (exists) (void)::fchmod(file, found.st_mode & 07777U);
+  (void)::close(file);
+  name_ = real.string();
+  path_ = beside;
+  is_beside_ = true;
+}
+
+NewFile::~NewFile() {
+  if (!is_beside_) return;
+  (void)::unlink(path_.c_str());
+  forget_signals();
+}
+
+std::expected<void, std::string> NewFile::keep() {
+  if (!is_beside_) return {};
+  if (std::rename(path_.c_str(), name_.c_str()) != 0) {
+    return std::unexpected(name_ + ": cannot create the file: " + std::strerror(errno));
+  }
+  is_beside_ = false;
+  forget_signals();
+  return {};
+}
+
+}  // namespace canopus::cli
