@@ -169,6 +169,12 @@ TEST_F(TraceCommands, Convert_WritesIntoADeviceAsItIs) {
   EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
 }
 
+TEST_F(TraceCommands, NameOfADescriptor_IsWrittenAsItIs) {
+  for (const std::string name : {"/dev/stdout", "/dev/../dev/stderr", "/dev/fd/1", "/proc/self/fd/1"}) {
+    EXPECT_EQ(NewFile(name).path(), name);
+  }
+}
+
 TEST_F(TraceCommands, UnfinishedFile_LeavesWhatWasThere) {
   std::ofstream(path("b.csv")) << "old";
   {

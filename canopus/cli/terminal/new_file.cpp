@@ -52,9 +52,17 @@ void forget_signals() {
   }
 }
 
+/// The name of a descriptor: what it leads to may have a place that others go on from.
+bool is_open_already(const std::string& name) {
+  std::error_code failure;
+  const std::string plain = std::filesystem::absolute(name, failure).lexically_normal().string();
+  return plain.starts_with("/dev/std") || plain.starts_with("/dev/fd/") || plain.starts_with("/proc/");
+}
+
 }  // namespace
 
 NewFile::NewFile(const std::string& name) : name_(name), path_(name) {
+  if (is_open_already(name)) return;
   std::error_code failure;
   const auto real = std::filesystem::weakly_canonical(name, failure);
   if (failure) return;
