@@ -43,6 +43,10 @@ class BusClientUser {
   /// A frame that this client sent is complete on the bus (the kernel's echo, slcan's `z`), or, where the transport
   /// tells nothing of that, was handed to it. In the order of send(), never from inside of it.
   virtual void frame_sent(const can::Frame& /*frame*/) {}
+  /// The same with the time stamp of the echo, as frame_received_at() has it.
+  virtual void frame_sent_at(const can::Frame& frame, std::optional<std::chrono::nanoseconds> /*sent_at*/) {
+    frame_sent(frame);
+  }
   /// The controller's state, counters or bit rate changed.
   virtual void controller_changed(const ControllerStatus& /*status*/) {}
   /// The connection ended and does not come back; a sentence says why.

@@ -14,6 +14,8 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t default_queue_capacity = 128;
 constexpr std::size_t max_queue_capacity = 65'535;
+/// No frame waits longer in the kernel than this.
+constexpr can::Duration oldest_stamp = 10s;
 /// A transport whose queue is full is asked again after this.
 constexpr can::Duration again_after = 1ms;
 /// Recessive bits that a controller waits for after bus-off [ISO 11898-1 12.1.4].
@@ -197,7 +199,7 @@ void LinkedBus::hand_over() {
   }
 }
 
-void LinkedBus::frame_sent(const can::Frame& frame) {
+void LinkedBus::frame_sent_at(const can::Frame& frame, Stamp sent_at) {
   const can::Time now = arrive();
   const auto end = under_way_.begin() + static_cast<std::ptrdiff_t>(under_way_count_);
   const auto found =
@@ -207,19 +209,30 @@ void LinkedBus::frame_sent(const can::Frame& frame) {
   std::move(found + 1, end, found);
   --under_way_count_;
   if (port != nullptr) --port->under_way_;
-  completed(frame, port, now);
+  completed(frame, port, now, sent_at);
   offer_changed();
   leave();
 }
 
-void LinkedBus::frame_received(const can::Frame& frame) {
+void LinkedBus::frame_received_at(const can::Frame& frame, Stamp received_at) {
   const can::Time now = arrive();
-  completed(frame, nullptr, now);
+  completed(frame, nullptr, now, received_at);
   leave();
 }
 
+/// A stamp is as long ago as the wall clock says. Too long ago, or later than now: the clock of a controller runs by itself, or
+/// the machine's was set.
+can::Time LinkedBus::time_of(Stamp stamp, can::Time now) const {
+  if (!stamp) return now;
+  const auto wall = wall_clock_ ? wall_clock_() : std::chrono::system_clock::now().time_since_epoch();
+  const can::Duration age = wall - *stamp;
+  if (age < can::Duration::zero() || age > oldest_stamp) return now;
+  return std::clamp(now - age, std::min(stamp_, now), now);
+}
+
 /// A frame is whole on the bus: everybody of the plant who is there hears it.
-void LinkedBus::completed(const can::Frame& frame, LinkedPort* sender, can::Time now) {
+void LinkedBus::completed(const can::Frame& frame, LinkedPort* sender, can::Time now, Stamp stamp) {
+  stamp_ = time_of(stamp, now);
   const unsigned bits = can::frame_bits(frame) + can::intermission_bits;
   const std::uint32_t rate = status_.bit_rate != 0 ? status_.bit_rate : bit_rate_;
   const can::Time start = std::max(now - can::bit_time(bits, rate), std::min(busy_until_, now));

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -101,6 +102,12 @@ class LinkedBus final : public can::Bus, public can::Ticker, private BusClientUs
   [[nodiscard]] std::uint64_t frames_of(std::uint32_t identifier, bool extended) const override {
     return statistics_.frames_of(identifier, extended);
   }
+  /// For an observer that is told of a frame: when the frame was complete by the time stamp of the kernel or the hardware, or
+  /// the present moment where there is none. Not before the frame before it, not after now.
+  [[nodiscard]] can::Time stamp() const noexcept { return stamp_; }
+  /// Who says what time it is since 1970 (UTC), for a test.
+  using WallClock = std::function<std::chrono::nanoseconds()>;
+  void set_wall_clock(WallClock clock) { wall_clock_ = std::move(clock); }
   /// The hardware's, as told last.
   [[nodiscard]] const ControllerStatus& status() const noexcept { return status_; }
 
@@ -118,8 +125,11 @@ class LinkedBus final : public can::Bus, public can::Ticker, private BusClientUs
   };
 
   // BusClientUser
-  void frame_received(const can::Frame& frame) override;
-  void frame_sent(const can::Frame& frame) override;
+  using Stamp = std::optional<std::chrono::nanoseconds>;
+  void frame_received(const can::Frame& frame) override { frame_received_at(frame, std::nullopt); }
+  void frame_received_at(const can::Frame& frame, Stamp received_at) override;
+  void frame_sent(const can::Frame& frame) override { frame_sent_at(frame, std::nullopt); }
+  void frame_sent_at(const can::Frame& frame, Stamp sent_at) override;
   void controller_changed(const ControllerStatus& status) override;
   void bus_interrupted(const std::string& reason) override;
   void bus_resumed() override;
@@ -129,7 +139,8 @@ class LinkedBus final : public can::Bus, public can::Ticker, private BusClientUs
   /// Brings the timeline up to now, unless this call comes out of it.
   can::Time arrive();
   void leave();
-  void completed(const can::Frame& frame, LinkedPort* sender, can::Time now);
+  void completed(const can::Frame& frame, LinkedPort* sender, can::Time now, Stamp stamp);
+  [[nodiscard]] can::Time time_of(Stamp stamp, can::Time now) const;
   void hand_over();
   void offer_changed();
   void forget(LinkedPort& port) noexcept;
@@ -154,6 +165,8 @@ class LinkedBus final : public can::Bus, public can::Ticker, private BusClientUs
   std::array<UnderWay, window> under_way_{};  // in the order of sending
   std::size_t under_way_count_ = 0;
   can::Time busy_until_{};
+  can::Time stamp_{};  // of the last frame
+  WallClock wall_clock_;
   can::Time hand_over_at_ = can::never;
   can::Time recover_at_ = can::never;
   bool is_started_ = false;

@@ -79,8 +79,8 @@ void Transport::received(const can::Frame& frame, std::optional<std::chrono::nan
   if (user_ != nullptr) user_->frame_received_at(frame, received_at);
 }
 
-void Transport::sent(const can::Frame& frame) {
-  if (user_ != nullptr) user_->frame_sent(frame);
+void Transport::sent(const can::Frame& frame, std::optional<std::chrono::nanoseconds> sent_at) {
+  if (user_ != nullptr) user_->frame_sent_at(frame, sent_at);
 }
 
 void Transport::sent_later(const can::Frame& frame) {

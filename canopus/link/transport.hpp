@@ -77,7 +77,7 @@ class Transport : public std::enable_shared_from_this<Transport> {
   /// The same from inside of send().
   void fail_later(std::string reason);
   void received(const can::Frame& frame, std::optional<std::chrono::nanoseconds> received_at = std::nullopt);
-  void sent(const can::Frame& frame);
+  void sent(const can::Frame& frame, std::optional<std::chrono::nanoseconds> sent_at = std::nullopt);
   /// The same from inside of send().
   void sent_later(const can::Frame& frame);
   /// Something is wrong that a person should know. At most one a second is said (ComplaintLimiter).

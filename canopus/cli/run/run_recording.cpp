@@ -44,8 +44,11 @@ std::string RecordingStream::close(const OutputQueue::Patience& patience) {
   return is_complete ? "" : fmt::format("{}: the recording is not complete: its reader was too slow", path_);
 }
 
+TraceWriter::TraceWriter(trace::TraceFile& file, const can::Bus& bus)
+    : file_(file), bus_(bus.name()), linked_(dynamic_cast<const link::LinkedBus*>(&bus)) {}
+
 void TraceWriter::frame_completed(const can::Frame& frame, can::Time /*start*/, can::Time end) {
-  file_.write(bus_, frame, end);
+  file_.write(bus_, frame, linked_ != nullptr ? linked_->stamp() : end);
 }
 
 void TraceWriter::errors_reported(std::span<const can::BusErrorReport> reports, can::Time now) {
@@ -136,7 +139,7 @@ std::expected<void, std::string> RunRecording::open_trace(const std::string& pat
     trace_.emplace(std::move(*file));
   }
   for (std::size_t i = 0; i < plant.bus_count(); ++i) {
-    trace_writers_.push_back(std::make_unique<TraceWriter>(*trace_, plant.bus(i).name()));
+    trace_writers_.push_back(std::make_unique<TraceWriter>(*trace_, plant.bus(i)));
     plant.bus(i).add_observer(*trace_writers_.back());
   }
   return {};

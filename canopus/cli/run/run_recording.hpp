@@ -12,8 +12,10 @@
 #include <string_view>
 #include <vector>
 
+#include "canopus/can/bus.hpp"
 #include "canopus/cli/run/lift_picture.hpp"
 #include "canopus/cli/terminal/output_queue.hpp"
+#include "canopus/link/linked_bus.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/sim/bus/bus.hpp"
 #include "canopus/sim/bus/waveform.hpp"
@@ -47,11 +49,11 @@ class RecordingStream {
   OutputQueue queue_;
 };
 
-/// Every frame of a bus into the trace file; SocketCAN error frames for its errors, one for each error frame of the
-/// bus, and for each new state of a controller.
+/// Every frame of a bus into the trace file, with the time stamps of the kernel where the bus has them; SocketCAN error
+/// frames for its errors, one for each error frame of the bus, and for each new state of a controller.
 class TraceWriter final : public can::BusObserver {
  public:
-  TraceWriter(trace::TraceFile& file, const std::string& bus) : file_(file), bus_(bus) {}
+  TraceWriter(trace::TraceFile& file, const can::Bus& bus);
   void frame_completed(const can::Frame& frame, can::Time start, can::Time end) override;
   void errors_reported(std::span<const can::BusErrorReport> reports, can::Time now) override;
   void controller_changed(const can::ControllerReport& report, can::Time now) override;
@@ -60,6 +62,7 @@ class TraceWriter final : public can::BusObserver {
   void write(const can::Frame& error_frame, can::Time now);
   trace::TraceFile& file_;
   const std::string& bus_;
+  const link::LinkedBus* linked_;  // null: simulated
 };
 
 /// Where the wire of one of several buses goes: "wire.vcd" becomes "wire-line1.vcd". A name that is no name of a

@@ -169,7 +169,7 @@ class SocketcanTransport final : public Transport {
           on_bus_.pop_front();
           passed_over_ = 0;
         }
-        return sent(frame.frame);
+        return sent(frame.frame, frame.received_at);
       }
     }
   }
