@@ -169,6 +169,20 @@ TEST_F(TraceCommands, Convert_WritesIntoADeviceAsItIs) {
   EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
 }
 
+TEST_F(TraceCommands, Convert_WritesTheTrcOfOlderPrograms) {
+  std::ofstream(path("b.log"))
+      << "(1700000000.123400) can0 181#0102 R\n(1700000001.200000) can0 00000181#R3 T\n"
+         "(1700000001.300000) can0 20000008#0000010000000000 R\n";
+  EXPECT_EQ(said({"trace", "convert", path("b.log"), path("b.trc"), "--trc-version", "1.1"}).code, 0);
+  const std::string text = content("b.trc");
+  EXPECT_THAT(text, testing::StartsWith(";$FILEVERSION=1.1\r\n;$STARTTIME=45244.925"));
+  EXPECT_THAT(text, testing::Not(HasSubstr("$COLUMNS")));
+  EXPECT_THAT(text, HasSubstr("\r\n     1)         0.4  Rx         0181  2  01 02\r\n"));
+  EXPECT_THAT(text, HasSubstr("\r\n     2)      1077.0  Tx     00000181  3  RTR\r\n"));
+  EXPECT_THAT(text, HasSubstr("\r\n     3)      1177.0  Error      0001  4  00 00 00 00\r\n"));
+  EXPECT_EQ(said({"trace", "convert", path("b.log"), path("c.trc"), "--trc-version", "3"}).code, 2);
+}
+
 TEST_F(TraceCommands, NameOfADescriptor_IsWrittenAsItIs) {
   for (const std::string name : {"/dev/stdout", "/dev/../dev/stderr", "/dev/fd/1", "/proc/self/fd/1"}) {
     EXPECT_EQ(NewFile(name).path(), name);

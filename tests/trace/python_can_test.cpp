@@ -150,5 +150,35 @@ INSTANTIATE_TEST_SUITE_P(Formats, PythonCanReads,
                          testing::Values(FileFormat::candump, FileFormat::asc, FileFormat::trc),
                          [](const auto& format) { return std::string(name_of(format.param)); });
 
+class PythonCanTrc11 : public PythonCan {};
+
+TEST_P(PythonCanTrc11, WhatWeWriteAsWeMeantIt) {
+  if (!has_python_can()) GTEST_SKIP() << "python3-can is not installed";
+  std::vector<NamedRecord> records;
+  TraceEncoder encoder(FileFormat::trc, TrcVersion::v1_1);
+  std::string bytes(encoder.begin());
+  for (unsigned i = 0; i < 200; ++i) {
+    TraceRecord record{.time = Time(1'700'000'000s + std::chrono::microseconds(123'400 + i * 7'600)),
+                       .transmitted = i % 5 == 0};
+    record.frame.extended = i % 3 == 0;
+    record.frame.identifier = record.frame.extended ? i * 2'000'000 : i * 10;
+    record.frame.dlc = static_cast<std::uint8_t>(i % 9);
+    for (std::size_t k = 0; k < record.frame.length(); ++k)
+      record.frame.data[k] = static_cast<std::uint8_t>(i * 7 + k);
+    bytes += encoder.encode("can7", record);
+    records.push_back({"can0", record});  // 1.1 has no channels
+  }
+  bytes += encoder.end();
+  std::ofstream(path, std::ios::binary) << bytes;
+  EXPECT_EQ(run("read"), lines_of(FileFormat::trc, records));
+  const WholeTrace again = read_whole(open_trace(path));
+  EXPECT_TRUE(again.errors.empty()) << testing::PrintToString(again.errors);
+  ASSERT_EQ(again.records.size(), records.size());
+  for (std::size_t i = 0; i < records.size(); ++i) EXPECT_EQ(again.records[i].record, records[i].record) << i;
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, PythonCanTrc11, testing::Values(FileFormat::trc),
+                         [](const auto& format) { return std::string(name_of(format.param)); });
+
 }  // namespace
 }  // namespace canopus::trace

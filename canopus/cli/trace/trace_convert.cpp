@@ -7,6 +7,7 @@
 #include "canopus/cli/commands/bus_command.hpp"
 #include "canopus/cli/terminal/channel_choice.hpp"
 #include "canopus/cli/terminal/new_file.hpp"
+#include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/cli/terminal/same_file.hpp"
 #include "canopus/cli/trace/trace_command.hpp"
 #include "canopus/cli/trace/trace_input_file.hpp"
@@ -19,6 +20,7 @@ namespace {
 
 struct Options {
   std::string in, out, from, to, start, end;
+  std::string trc_version = "2.1";
   std::vector<std::string> channels;
   bool relative = false;
   bool quiet = false;
@@ -28,15 +30,16 @@ struct Options {
 class Target {
  public:
   [[nodiscard]] static std::expected<Target, std::string> open(const std::string& path,
-                                                               trace::FileFormat format) {
+                                                               trace::FileFormat format,
+                                                               trace::TrcVersion trc) {
     Target target;
     if (path == "-") {
-      target.encoder_ = std::make_unique<trace::TraceEncoder>(format);
+      target.encoder_ = std::make_unique<trace::TraceEncoder>(format, trc);
       target.waiting_ = target.encoder_->begin();
       return target;
     }
     target.new_file_ = std::make_unique<NewFile>(path);
-    auto file = trace::TraceFile::create(target.new_file_->path(), format);
+    auto file = trace::TraceFile::create(target.new_file_->path(), format, trc);
     if (!file) return std::unexpected(file.error());
     target.file_.emplace(std::move(*file));
     return target;
@@ -100,7 +103,8 @@ int convert(const Options& options) {
   }
   auto in = TraceInputFile::open(options.in, options.from, standard_error());
   if (!in) return exit_code::usage;
-  auto out = Target::open(options.out, *format);
+  auto out = Target::open(options.out, *format,
+                          options.trc_version == "1.1" ? trace::TrcVersion::v1_1 : trace::TrcVersion::v2_1);
   if (!out) return complain(exit_code::failed, out.error());
   std::optional<can::Time> first;
   std::uint64_t written = 0;
@@ -153,6 +157,12 @@ void add_trace_convert(CLI::App& trace, int& exit_code) {
       ->type_name("TIME");
   command->add_option("--channel", options->channels, "Only this channel; may be given again")
       ->type_name("NAME");
+  command
+      ->add_option("--trc-version", options->trc_version,
+                   "Version of a TRC that is written; 1.1 for PCAN-Explorer 4 and 5, without channels")
+      ->type_name("1.1|2.1")
+      ->check(one_of_words({"1.1", "2.1"}))
+      ->capture_default_str();
   command->add_flag("--relative", options->relative, "Times count from the first frame, or from --start");
   command->add_flag("-q,--quiet", options->quiet, "Do not say how many frames were written");
   command->footer(

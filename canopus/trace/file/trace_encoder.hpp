@@ -15,10 +15,14 @@
 
 namespace canopus::trace {
 
+/// 2.1 is written by PCAN-View; 1.1 is what PCAN-Explorer 4 and 5 read: one channel, without its number, times of 0.1 ms.
+enum class TrcVersion : std::uint8_t { v1_1, v2_1 };
+
 class TraceEncoder {
  public:
   /// `format` is one that is written: not blf.
-  explicit TraceEncoder(FileFormat format) : format_(format) {}
+  explicit TraceEncoder(FileFormat format, TrcVersion trc_version = TrcVersion::v2_1)
+      : format_(format), trc_version_(trc_version) {}
 
   /// What a file begins with before there is a record. All results stay valid until the next call.
   [[nodiscard]] std::string_view begin() noexcept;
@@ -36,12 +40,14 @@ class TraceEncoder {
   std::size_t put_head(can::Time first) noexcept;
   std::size_t put_asc(char* out, std::uint32_t channel, const TraceRecord& record) noexcept;
   std::size_t put_trc(char* out, std::uint32_t channel, const TraceRecord& record) noexcept;
+  std::size_t put_trc_1_1(char* out, const TraceRecord& record) noexcept;
   static std::size_t put_csv(char* out, std::string_view channel, const TraceRecord& record) noexcept;
   [[nodiscard]] std::span<std::uint8_t> octets(std::size_t from) noexcept {
     return std::span(reinterpret_cast<std::uint8_t*>(buffer_.data()), buffer_.size()).subspan(from);
   }
 
   FileFormat format_;
+  TrcVersion trc_version_;
   std::array<char, room> buffer_{};
   ChannelNames channels_{};
   std::vector<std::uint32_t> numbers_{};  // of the channels, for formats that number them from 1

@@ -11,20 +11,21 @@ constexpr std::size_t buffer_size = 65536;
 
 }  // namespace
 
-std::expected<TraceFile, std::string> TraceFile::create(const std::string& path, FileFormat format) {
+std::expected<TraceFile, std::string> TraceFile::create(const std::string& path, FileFormat format,
+                                                        TrcVersion trc_version) {
   std::FILE* file = std::fopen(path.c_str(), "wb");
   if (file == nullptr) {
     return std::unexpected(path + ": cannot create the trace: " + std::generic_category().message(errno));
   }
-  return TraceFile(path, format, file, {});
+  return TraceFile(path, TraceEncoder(format, trc_version), file, {});
 }
 
 TraceFile TraceFile::to(std::string path, FileFormat format, Writer writer) {
-  return {std::move(path), format, nullptr, std::move(writer)};
+  return {std::move(path), TraceEncoder(format), nullptr, std::move(writer)};
 }
 
-TraceFile::TraceFile(std::string path, FileFormat format, std::FILE* file, Writer writer)
-    : path_(std::move(path)), encoder_(format), file_(file), writer_(std::move(writer)) {
+TraceFile::TraceFile(std::string path, TraceEncoder encoder, std::FILE* file, Writer writer)
+    : path_(std::move(path)), encoder_(std::move(encoder)), file_(file), writer_(std::move(writer)) {
   if (file != nullptr) {
     buffer_ = std::make_unique<char[]>(buffer_size);
     (void)std::setvbuf(file, buffer_.get(), _IOFBF, buffer_size);

@@ -21,8 +21,8 @@ namespace canopus::trace {
 class TraceFile {
  public:
   /// Creates or empties the file. The error names it and says what the system said.
-  [[nodiscard]] static std::expected<TraceFile, std::string> create(const std::string& path,
-                                                                    FileFormat format);
+  [[nodiscard]] static std::expected<TraceFile, std::string> create(
+      const std::string& path, FileFormat format, TrcVersion trc_version = TrcVersion::v2_1);
   /// Hands the header and each record, whole, to `writer`, which returns 0 or an errno. `path` is for errors.
   using Writer = std::function<int(const void* bytes, std::size_t size)>;
   [[nodiscard]] static TraceFile to(std::string path, FileFormat format, Writer writer);
@@ -42,7 +42,7 @@ class TraceFile {
   struct Closer {
     void operator()(std::FILE* file) const noexcept { (void)std::fclose(file); }
   };
-  TraceFile(std::string path, FileFormat format, std::FILE* file, Writer writer);
+  TraceFile(std::string path, TraceEncoder encoder, std::FILE* file, Writer writer);
   void put(std::string_view bytes) noexcept;
 
   std::string path_;
