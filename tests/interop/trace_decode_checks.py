@@ -21,6 +21,7 @@ KNOWN = {
     "learnt": "a COB-ID from a device file, or written in the trace itself, says whose PDO it is; tshark knows the default ones",
     "reserved": "identifiers 6E0H, 680H to 6FFH and 780H to 7FFH belong to no service: tshark names a node, we do not",
     "remote": "tshark does not say of a remote frame which service it asks for",
+    "error frame": "a class of errors is no identifier, and CANopen has none",
     "malformed": "tshark gives up in a frame that is too short; we say what was expected",
 }
 
@@ -76,9 +77,10 @@ def compare_sdo(theirs, frame, count):
 
 def compare(theirs, frame, count):
     """None, or in which field the two differ."""
-    identifier = int(theirs["can.id"])
     if theirs["can.flags.err"] in ("1", "True"):
+        count("error frame")
         return None if frame["service"] == "error-frame" else "error frame"
+    identifier = int(theirs["can.id"])
     if int(frame["id"], 16) != identifier:
         return "identifier"
     if theirs["can.flags.rtr"] in ("1", "True"):
