@@ -47,8 +47,8 @@ void multicast(std::span<const std::uint8_t> bytes) {
 }
 
 void cannelloni(std::span<const std::uint8_t> bytes) {
-  if (const auto datagram = link::read_cannelloni_datagram(bytes)) {
-    for (const auto& record : datagram->records) {
+  if (link::CannelloniDatagram datagram; link::read_cannelloni_datagram(bytes, datagram)) {
+    for (const auto& record : datagram.records) {
       if (record.kind == link::CannelloniRecord::Kind::frame) fuzz::expect_well_formed(record.frame);
     }
   }

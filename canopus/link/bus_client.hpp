@@ -27,6 +27,15 @@ struct IdentifierFilter {
   std::uint32_t mask = 0;
   bool extended = false;
 
+  /// One base identifier.
+  [[nodiscard]] static constexpr IdentifierFilter only(std::uint32_t identifier) noexcept {
+    return {.identifier = identifier, .mask = 0x7FF};
+  }
+  /// The base identifiers of a service: all nodes.
+  [[nodiscard]] static constexpr IdentifierFilter function(std::uint32_t function_code) noexcept {
+    return {.identifier = function_code, .mask = 0x780};
+  }
+
   friend bool operator==(const IdentifierFilter&, const IdentifierFilter&) = default;
 };
 

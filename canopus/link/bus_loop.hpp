@@ -5,6 +5,7 @@
 #include <chrono>
 #include <expected>
 #include <functional>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <string>
@@ -31,6 +32,10 @@ class BusLoop final : public can::Sink, private BusClientUser {
   BusLoop& operator=(const BusLoop&) = delete;
 
   bool send(const can::Frame& frame) override;
+  /// Only these identifiers are needed from now on (BusClient::set_filter); others may still be heard.
+  void need(std::initializer_list<IdentifierFilter> filters) {
+    bus_->set_filter({filters.begin(), filters.size()});
+  }
   /// Frames that were sent and are not on the bus yet, as far as the transport tells.
   [[nodiscard]] std::size_t under_way() const noexcept { return under_way_; }
   /// The participant hears the bus and gets its ticks from now on. It outlives the loop or is removed.

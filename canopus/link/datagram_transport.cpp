@@ -31,7 +31,8 @@ void DatagramTransport::disconnect() {
 void DatagramTransport::read() {
   socket_.async_receive_from(
       asio::buffer(input_), sender_,
-      [self = self(this), generation = generation_](const error_code& failure, std::size_t size) {
+      reading_place_([self = self(this), generation = generation_](const error_code& failure,
+                                                                   std::size_t size) {
         if (generation != self->generation_) return;
         // Refused: nobody listens there yet, as the answer to a datagram of ours says.
         if (failure && failure != asio::error::connection_refused && failure != asio::error::message_size) {
@@ -39,17 +40,17 @@ void DatagramTransport::read() {
         }
         if (!failure) self->datagram_received(std::span(self->input_).first(size), self->sender_);
         if (generation == self->generation_) self->read();
-      });
+      }));
 }
 
 void DatagramTransport::write() {
   if (std::exchange(writing_, true)) return;
   pause_.expires_after(std::chrono::nanoseconds(0));
-  pause_.async_wait([self = self(this), generation = generation_](const error_code& failure) {
+  pause_.async_wait(pause_place_([self = self(this), generation = generation_](const error_code& failure) {
     if (failure || generation != self->generation_) return;
     self->writing_ = false;
     self->write_frames();
-  });
+  }));
 }
 
 bool DatagramTransport::write_datagram(Socket& socket, std::span<const std::uint8_t> bytes,

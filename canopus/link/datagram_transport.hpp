@@ -9,6 +9,7 @@
 
 #include <boost/asio/ip/udp.hpp>
 
+#include "canopus/link/handler_memory.hpp"
 #include "canopus/link/transport.hpp"
 
 namespace canopus::link {
@@ -40,6 +41,8 @@ class DatagramTransport : public Transport {
   BusAddress address_;
   Socket socket_;
   boost::asio::steady_timer pause_;
+  HandlerPlace reading_place_;
+  HandlerPlace pause_place_;
   Endpoint sender_;
   std::uint32_t generation_ = 0;
   std::array<std::uint8_t, 65536> input_;

@@ -64,14 +64,15 @@ std::string StreamTransport::describe_failure(const error_code& failure) const {
 }
 
 void StreamTransport::read() {
-  stream_->async_read_some(asio::buffer(input_), [self = self(this), generation = generation_](
-                                                     const error_code& failure, std::size_t size) {
-    if (generation != self->generation_) return;
-    if (size > 0) self->bytes_received({self->input_.data(), size});
-    if (generation != self->generation_ || self->state() == State::ended) return;
-    if (failure) return self->failed(self->describe_failure(failure));
-    self->read();
-  });
+  stream_->async_read_some(asio::buffer(input_),
+                           reading_place_([self = self(this), generation = generation_](
+                                              const error_code& failure, std::size_t size) {
+                             if (generation != self->generation_) return;
+                             if (size > 0) self->bytes_received({self->input_.data(), size});
+                             if (generation != self->generation_ || self->state() == State::ended) return;
+                             if (failure) return self->failed(self->describe_failure(failure));
+                             self->read();
+                           }));
 }
 
 void StreamTransport::write_bytes(std::string_view bytes) {
@@ -89,25 +90,27 @@ void StreamTransport::write() {
   writing_ = true;
   std::swap(waiting_, output_);
   waiting_.clear();
-  asio::async_write(*stream_, asio::buffer(output_),
-                    [self = self(this), generation = generation_](const error_code& failure, std::size_t) {
-                      if (generation == self->generation_) self->on_written(failure);
-                    });
+  asio::async_write(
+      *stream_, asio::buffer(output_),
+      writing_place_([self = self(this), generation = generation_](const error_code& failure, std::size_t) {
+        if (generation == self->generation_) self->on_written(failure);
+      }));
 }
 
 void StreamTransport::on_written(const error_code& failure) {
   writing_ = false;
-  auto frames = std::exchange(written_, {});
+  reported_.clear();
+  std::swap(written_, reported_);
   // The other side's last words, which the reader still takes, say more than this error does.
   if (failure) return;
   const std::uint32_t generation = generation_;
-  if (!frames.empty()) frames_written(std::move(frames));
+  if (!reported_.empty()) frames_written(reported_);
   if (generation != generation_ || state() == State::ended) return;
   write();
   if (is_closing()) finish();
 }
 
-void StreamTransport::frames_written(std::vector<can::Frame> frames) {
+void StreamTransport::frames_written(std::span<const can::Frame> frames) {
   for (const can::Frame& frame : frames) sent(frame);
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,6 +13,7 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 
+#include "canopus/link/handler_memory.hpp"
 #include "canopus/link/transport.hpp"
 
 namespace canopus::link {
@@ -29,7 +31,7 @@ class StreamTransport : public Transport {
   virtual void stream_opened() = 0;
   virtual void bytes_received(std::string_view bytes) = 0;
   /// These frames are written.
-  virtual void frames_written(std::vector<can::Frame> frames);
+  virtual void frames_written(std::span<const can::Frame> frames);
   /// Appends a frame's form. False: not yet (queue() keeps it).
   virtual bool append(std::string& out, const can::Frame& frame) = 0;
   /// Over the host and port of the address, unless it is overridden: take_stream() or failed() follows.
@@ -59,9 +61,12 @@ class StreamTransport : public Transport {
   std::unique_ptr<boost::asio::posix::stream_descriptor> stream_;
   std::uint32_t generation_ = 0;  // handlers of an earlier connection are deaf
   std::array<char, 16384> input_;
-  std::string waiting_;              // to be written next
-  std::string output_;               // being written
-  std::vector<can::Frame> written_;  // in output_
+  HandlerPlace reading_place_;
+  HandlerPlace writing_place_;
+  std::string waiting_;               // to be written next
+  std::string output_;                // being written
+  std::vector<can::Frame> written_;   // in output_
+  std::vector<can::Frame> reported_;  // were in it, and are told to the user
   bool writing_ = false;
 };
 

@@ -91,8 +91,12 @@ void Transport::sent_later(const can::Frame& frame) {
 
 void Transport::report_later() {
   reporting_ = false;
-  const auto frames = std::exchange(handed_over_, {});
-  for (const can::Frame& frame : frames) sent(frame);
+  // What is sent from inside comes in the next turn; after a failure there is nothing left.
+  for (std::size_t count = handed_over_.size(); count > 0 && !handed_over_.empty(); --count) {
+    const can::Frame frame = handed_over_.front();
+    handed_over_.pop_front();
+    sent(frame);
+  }
 }
 
 void Transport::say(std::string_view text) {

@@ -5,7 +5,6 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <expected>
 #include <memory>
 #include <optional>
@@ -16,6 +15,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include "canopus/can/ring.hpp"
 #include "canopus/link/bus_client.hpp"
 #include "canopus/link/complaint_limiter.hpp"
 
@@ -47,7 +47,9 @@ class Transport : public std::enable_shared_from_this<Transport> {
   bool run_until(Done done, std::chrono::steady_clock::time_point end) {
     while (!done()) {
       if (io_.stopped()) io_.restart();
-      if (io_.run_one_until(end) == 0 && std::chrono::steady_clock::now() >= end) return done();
+      // An io_context that always has something to do must not keep the end from coming.
+      (void)io_.run_one_until(end);
+      if (std::chrono::steady_clock::now() >= end) return done();
     }
     return true;
   }
@@ -88,8 +90,8 @@ class Transport : public std::enable_shared_from_this<Transport> {
 
   [[nodiscard]] boost::asio::io_context& io() noexcept { return io_; }
   [[nodiscard]] const BusClientOptions& options() const noexcept { return options_; }
-  [[nodiscard]] std::deque<can::Frame>& queue() noexcept { return queue_; }
-  [[nodiscard]] const std::deque<can::Frame>& queue() const noexcept { return queue_; }
+  [[nodiscard]] can::Ring<can::Frame>& queue() noexcept { return queue_; }
+  [[nodiscard]] const can::Ring<can::Frame>& queue() const noexcept { return queue_; }
   [[nodiscard]] bool is_open() const noexcept { return state_ == State::open; }
   [[nodiscard]] bool is_closing() const noexcept { return closing_; }
   void set_closing() noexcept { closing_ = true; }
@@ -111,8 +113,8 @@ class Transport : public std::enable_shared_from_this<Transport> {
   bool closing_ = false;
   bool reporting_ = false;
   std::string reason_;
-  std::deque<can::Frame> queue_;
-  std::deque<can::Frame> handed_over_;  // to be reported as sent
+  can::Ring<can::Frame> queue_;
+  can::Ring<can::Frame> handed_over_;  // to be reported as sent
   ControllerStatus status_{};
   ComplaintLimiter complaints_;
   boost::asio::steady_timer complaint_pause_;

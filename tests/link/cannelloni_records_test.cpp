@@ -10,6 +10,17 @@
 namespace canopus::link {
 namespace {
 
+std::string write_cannelloni_datagram(std::uint8_t sequence, std::span<const can::Frame> frames) {
+  std::string datagram = "left over";
+  link::write_cannelloni_datagram(datagram, sequence, frames);
+  return datagram;
+}
+
+std::optional<CannelloniDatagram> read_cannelloni_datagram(std::span<const std::uint8_t> bytes) {
+  CannelloniDatagram datagram{.sequence = 99, .records = {{}, {}}, .mistake = "left over"};
+  return link::read_cannelloni_datagram(bytes, datagram) ? std::optional(datagram) : std::nullopt;
+}
+
 using Bytes = std::vector<std::uint8_t>;
 using Kind = CannelloniRecord::Kind;
 

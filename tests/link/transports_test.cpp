@@ -10,6 +10,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/udp.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/write.hpp>
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -129,6 +130,21 @@ class TransportTest : public testing::Test {
   Ear ear;
   std::unique_ptr<BusClient> client;
 };
+
+TEST_F(TransportTest, OpeningEnds_WhereTheEventLoopIsNeverIdle) {
+  Server mute(io, [](Server&, const std::string&) { return std::string(); });
+  bool over = false;
+  std::function<void()> again = [&] {
+    if (!over) asio::post(io, again);
+  };
+  again();
+  const auto opened = open_bus(
+      io, {.kind = BusAddress::Kind::cannelloni, .host = "127.0.0.1", .port = mute.port(), .tcp = true},
+      {.time_out = 20ms});
+  over = true;
+  ASSERT_FALSE(opened);
+  EXPECT_THAT(opened.error(), HasSubstr("no answer within 20 ms"));
+}
 
 class SlcanTest : public TransportTest {
  protected:
@@ -260,6 +276,29 @@ TEST_F(SlcanTest, LineWithoutAnEnd_IsNoAdapter) {
   server.say(std::string(5000, 't'));
   until([&] { return !ear.lost.empty(); });
   EXPECT_THAT(ear.lost, ElementsAre("this is no slcan adapter: what it says has no end of a line"));
+}
+
+TEST_F(SlcanTest, FloodOfLinesWithoutSense_IsSaidOnceAndSurvived) {
+  Server server(io, Adapter{});
+  open(address_of(server));
+  std::string garbage;
+  for (int i = 0; i < 5000; ++i) garbage += "what \x1b[31m is this\r";
+  server.say(garbage + "t1811FF\r");
+  until([&] { return !ear.frames.empty(); });
+  EXPECT_TRUE(client->send(can::data_frame(0x123, {1})));
+  until([&] { return !ear.sent.empty(); });
+  ASSERT_THAT(ear.complaints, testing::SizeIs(testing::AllOf(testing::Ge(1), testing::Le(4))));
+  EXPECT_THAT(ear.complaints.front(), HasSubstr("what the adapter says is not understood: \"what "));
+  EXPECT_THAT(ear.complaints.front(), testing::Not(HasSubstr("\x1b")));
+  EXPECT_THAT(ear.lost, IsEmpty());
+}
+
+TEST_F(SlcanTest, VersionNobodyAskedFor_IsNoReasonToComplain) {
+  Server server(io, Adapter{});
+  open(address_of(server));
+  server.say("V1013\rN1234\rt1811FF\r");
+  until([&] { return !ear.frames.empty(); });
+  EXPECT_THAT(ear.complaints, IsEmpty());
 }
 
 TEST_F(SlcanTest, Restart_ClosesSetsAndOpens) {

@@ -2,8 +2,6 @@
 // and exchanges data, with PDOs, heartbeats, SDO transfers and MC protocol reads going on. The program's
 // operator new counts.
 
-#include <cstdlib>
-#include <new>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -13,35 +11,7 @@
 #include "canopus/plc/melsec/session.hpp"
 
 #include "paths.hpp"
-
-namespace {
-std::size_t allocations = 0;
-}  // namespace
-
-// The whole family, because a sanitizer brings its own of each that a program does not replace:
-// std::stable_sort allocates with the nothrow one. GCC takes malloc() here and free() below for a mismatch,
-// because it inlines only one of the two.
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
-void* operator new(std::size_t size, const std::nothrow_t& /*unused*/) noexcept {
-  ++allocations;
-  return std::malloc(size);
-}
-void* operator new(std::size_t size) {
-  if (void* memory = operator new(size, std::nothrow)) return memory;
-  throw std::bad_alloc();
-}
-void* operator new[](std::size_t size) { return operator new(size); }
-void* operator new[](std::size_t size, const std::nothrow_t& /*unused*/) noexcept {
-  return operator new(size, std::nothrow);
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t /*size*/) noexcept { std::free(memory); }
-void operator delete(void* memory, const std::nothrow_t& /*unused*/) noexcept { std::free(memory); }
-void operator delete[](void* memory) noexcept { std::free(memory); }
-void operator delete[](void* memory, std::size_t /*size*/) noexcept { std::free(memory); }
-void operator delete[](void* memory, const std::nothrow_t& /*unused*/) noexcept { std::free(memory); }
-#pragma GCC diagnostic pop
+#include "support/counted_allocations.hpp"
 
 namespace canopus::plant {
 namespace {
@@ -117,12 +87,12 @@ TEST(Allocation, APlantThatRuns_AllocatesNothing) {
   for (const NodeStatus& node : (*plant)->nodes()) ASSERT_EQ(node.state, canopen::NmtState::operational);
   run_for(1000);
 
-  const std::size_t before = allocations;
+  const std::size_t before = counted::allocations;
   const auto frames_before = reader.frames;
   const int good_before = reader.good;
   const std::uint64_t answered_before = answered;
   run_for(1000);
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(counted::allocations, before);
 
   const auto frames = [&](std::uint32_t identifier) {
     return reader.frames[identifier] - frames_before[identifier];

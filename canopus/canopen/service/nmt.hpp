@@ -43,6 +43,8 @@ inline constexpr std::uint32_t time = 0x100;
 inline constexpr std::uint32_t sdo_response = 0x580;   ///< server to client, + node-ID
 inline constexpr std::uint32_t sdo_request = 0x600;    ///< client to server, + node-ID
 inline constexpr std::uint32_t error_control = 0x700;  ///< boot-up, heartbeat, guarding, + node-ID
+/// Of a base identifier: which service, without the node-ID.
+inline constexpr std::uint32_t function_code = 0x780;
 }  // namespace cob_id
 
 }  // namespace canopus::canopen

@@ -16,6 +16,7 @@ class LssOnBus final : public can::Participant, private lss::LssMasterUser, priv
   /// `time_out`: after which silence is the answer "nobody".
   LssOnBus(BusLoop& bus, can::Duration time_out)
       : bus_(bus), time_out_(time_out), master_(*this, *this, {.time_out = time_out}) {
+    bus_.need({link::IdentifierFilter::only(lss::from_slave)});
     bus_.add(*this);
   }
   ~LssOnBus() override { bus_.remove(*this); }

@@ -32,7 +32,7 @@ constexpr std::array<Service, 5> services{{
     {"reset-comm", "Reset communication", NmtCommand::reset_communication, NmtState::initialising},
 }};
 
-struct Arguments {
+struct NmtArguments {
   BusOptions bus;
   std::string node;
   bool wait = false;
@@ -56,7 +56,7 @@ class StateWatch final : public can::Listener {
   bool seen_ = false;
 };
 
-int command_node(const Arguments& arguments, const Service& service) {
+int command_node(const NmtArguments& arguments, const Service& service) {
   const bool all = arguments.node == "all";
   const auto node = static_cast<std::uint8_t>(parse_node(arguments.node));
   if (!all && node == 0) {
@@ -65,6 +65,7 @@ int command_node(const Arguments& arguments, const Service& service) {
   }
   if (all && arguments.wait) return complain(exit_code::usage, "--wait needs a single node");
   return with_bus(arguments.bus, [&](BusLoop& bus, can::Duration time_out) {
+    bus.need({link::IdentifierFilter::only(canopen::cob_id::error_control + node)});
     StateWatch watch(node, service.state);
     bus.add_listener(watch);
     const bool sent =
@@ -101,7 +102,7 @@ int command_node(const Arguments& arguments, const Service& service) {
 }  // namespace
 
 void add_nmt_command(CLI::App& app, int& exit_code) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<NmtArguments>();
   CLI::App* nmt = app.add_subcommand("nmt", "Send NMT commands to the nodes of a bus");
   nmt->require_subcommand(1);
   nmt->footer(

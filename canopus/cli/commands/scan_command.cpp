@@ -13,7 +13,7 @@
 namespace canopus::cli {
 namespace {
 
-struct Arguments {
+struct ScanArguments {
   BusOptions bus;
   std::string nodes = "1-127";
 };
@@ -65,10 +65,12 @@ BusLoop::End run_scan(BusLoop& bus, client::BusScan& scan) {
   return end;
 }
 
-int scan(const Arguments& arguments) {
+int scan(const ScanArguments& arguments) {
   const auto range = parse_range(arguments.nodes);
   if (!range) return complain(exit_code::usage, range.error());
   return with_bus(arguments.bus, [&](BusLoop& bus, can::Duration time_out) {
+    bus.need({link::IdentifierFilter::function(canopen::cob_id::sdo_response),
+              link::IdentifierFilter::function(canopen::cob_id::error_control)});
     client::BusScan questions(bus, range->first, range->last, time_out);
     const BusLoop::End end = run_scan(bus, questions);
     const std::vector<client::FoundNode> nodes = questions.found();
@@ -125,7 +127,7 @@ std::string scan_progress(unsigned asked, unsigned of, std::size_t found) {
 }
 
 void add_scan_command(CLI::App& app, int& exit_code) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ScanArguments>();
   arguments->bus.time_out = "200ms";
   CLI::App* command =
       app.add_subcommand("scan", "Find the nodes of a bus: identity, name and NMT state of each");

@@ -20,7 +20,7 @@
 namespace canopus::cli {
 namespace {
 
-struct Arguments {
+struct SdoArguments {
   BusOptions bus;
   std::string node;
   std::string object;
@@ -42,7 +42,7 @@ struct Target {
   }
 };
 
-std::expected<Target, std::string> target_of(const Arguments& arguments) {
+std::expected<Target, std::string> target_of(const SdoArguments& arguments) {
   Target target;
   target.node = static_cast<std::uint8_t>(parse_node(arguments.node));
   if (target.node == 0) {
@@ -85,7 +85,7 @@ class ProgressLine {
   bool shown_ = false;
 };
 
-int failed(const Arguments& arguments, const Target& target, const client::SdoFailure& failure) {
+int failed(const SdoArguments& arguments, const Target& target, const client::SdoFailure& failure) {
   if (arguments.bus.json) {
     nlohmann::ordered_json line;
     line["node"] = target.node;
@@ -101,7 +101,7 @@ int failed(const Arguments& arguments, const Target& target, const client::SdoFa
                   fmt::format("node {}, {}: {}", target.node, target.object_text(), failure.reason));
 }
 
-int print_value(const Arguments& arguments, const Target& target, std::span<const std::uint8_t> bytes) {
+int print_value(const SdoArguments& arguments, const Target& target, std::span<const std::uint8_t> bytes) {
   if (arguments.raw) {
     standard_output().content({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     return exit_code::done;
@@ -144,10 +144,11 @@ int print_value(const Arguments& arguments, const Target& target, std::span<cons
   return exit_code::done;
 }
 
-int read(const Arguments& arguments) {
+int read(const SdoArguments& arguments) {
   const auto target = target_of(arguments);
   if (!target) return complain(exit_code::usage, target.error());
   return with_bus(arguments.bus, [&](BusLoop& bus, can::Duration time_out) {
+    bus.need({link::IdentifierFilter::only(canopen::cob_id::sdo_response + target->node)});
     client::SdoOnBus sdo(bus, target->node, time_out, arguments.block);
     std::expected<std::vector<std::uint8_t>, client::SdoFailure> bytes;
     {
@@ -165,7 +166,7 @@ std::expected<std::vector<std::uint8_t>, std::string> file_content(const std::st
   return std::vector<std::uint8_t>(text->begin(), text->end());
 }
 
-std::expected<std::vector<std::uint8_t>, std::string> bytes_to_write(const Arguments& arguments,
+std::expected<std::vector<std::uint8_t>, std::string> bytes_to_write(const SdoArguments& arguments,
                                                                      const Target& target) {
   if (!arguments.file.empty()) {
     if (!arguments.value.empty()) return std::unexpected("either a VALUE or --file, not both");
@@ -181,12 +182,13 @@ std::expected<std::vector<std::uint8_t>, std::string> bytes_to_write(const Argum
                   text::one_of(client::type_names())));
 }
 
-int write(const Arguments& arguments) {
+int write(const SdoArguments& arguments) {
   const auto target = target_of(arguments);
   if (!target) return complain(exit_code::usage, target.error());
   const auto bytes = bytes_to_write(arguments, *target);
   if (!bytes) return complain(exit_code::usage, bytes.error());
   return with_bus(arguments.bus, [&](BusLoop& bus, can::Duration time_out) {
+    bus.need({link::IdentifierFilter::only(canopen::cob_id::sdo_response + target->node)});
     client::SdoOnBus sdo(bus, target->node, time_out, arguments.block);
     std::expected<void, client::SdoFailure> result;
     {
@@ -208,7 +210,7 @@ int write(const Arguments& arguments) {
 }  // namespace
 
 void add_sdo_command(CLI::App& app, int& exit_code) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<SdoArguments>();
   CLI::App* sdo = app.add_subcommand("sdo", "Read and write objects of a node on a bus");
   sdo->require_subcommand(1);
   sdo->footer(

@@ -1,7 +1,7 @@
 // A bus behind a cannelloni: over UDP as its equal, over TCP as its client.
 
+#include <array>
 #include <utility>
-#include <vector>
 
 #include "canopus/link/can_error.hpp"
 #include "canopus/link/cannelloni/cannelloni_records.hpp"
@@ -72,25 +72,25 @@ class CannelloniDatagrams final : public DatagramTransport {
   void write_frames() override {
     while (!queue().empty()) {
       const std::size_t count = std::min(queue().size(), cannelloni_max_count);
-      const std::vector<can::Frame> frames(queue().begin(),
-                                           queue().begin() + static_cast<std::ptrdiff_t>(count));
-      const std::string datagram = write_cannelloni_datagram(sequence_, frames);
-      if (!write_datagram(socket(), as_bytes(datagram), peer_)) return;
+      std::array<can::Frame, cannelloni_max_count> batch;
+      for (std::size_t i = 0; i < count; ++i) batch[i] = queue()[i];
+      const auto frames = std::span(batch).first(count);
+      write_cannelloni_datagram(output_, sequence_, frames);
+      if (!write_datagram(socket(), as_bytes(output_), peer_)) return;
       ++sequence_;
-      queue().erase(queue().begin(), queue().begin() + static_cast<std::ptrdiff_t>(count));
+      queue().pop_front(count);
       for (const can::Frame& frame : frames) sent(frame);
     }
   }
   void datagram_received(std::span<const std::uint8_t> bytes, const Endpoint& sender) override {
     if (sender.address() != peer_.address()) return;  // a stranger
-    const auto datagram = read_cannelloni_datagram(bytes);
-    if (!datagram) return complain("a datagram that is none of cannelloni");
-    look_at(datagram->sequence);
-    for (const CannelloniRecord& record : datagram->records) {
+    if (!read_cannelloni_datagram(bytes, input_)) return complain("a datagram that is none of cannelloni");
+    look_at(input_.sequence);
+    for (const CannelloniRecord& record : input_.records) {
       if (!is_open()) return;
       take(record);
     }
-    if (!datagram->mistake.empty()) complain("a datagram of cannelloni: " + std::string(datagram->mistake));
+    if (!input_.mistake.empty()) complain("a datagram of cannelloni: " + std::string(input_.mistake));
   }
   void look_at(std::uint8_t sequence) {
     using Finding = CannelloniSequence::Finding;
@@ -122,6 +122,8 @@ class CannelloniDatagrams final : public DatagramTransport {
   Endpoint peer_;
   std::uint8_t sequence_ = 0;  // of our next datagram
   CannelloniSequence theirs_;
+  CannelloniDatagram input_;
+  std::string output_;
   LeftOut left_out_;
 };
 
@@ -153,8 +155,7 @@ class CannelloniStream final : public StreamTransport {
       greeted_ = true;
       opened();
     }
-    const std::string taken = std::exchange(input_, {});
-    auto rest = as_bytes(taken);
+    auto rest = as_bytes(input_);
     while (const auto record = take_cannelloni_record(rest)) {
       if (!is_open()) return;
       switch (record->kind) {
@@ -166,7 +167,7 @@ class CannelloniStream final : public StreamTransport {
         case CannelloniRecord::Kind::wrong: return failed("what cannelloni sends is no CAN frame");
       }
     }
-    if (is_open()) input_ = taken.substr(taken.size() - rest.size());
+    if (is_open()) input_.erase(0, input_.size() - rest.size());
   }
   void error_frame(const can::Frame& frame) {
     ControllerStatus now = status();

@@ -21,17 +21,15 @@ void append_cannelloni_record(std::string& out, const can::Frame& frame) {
   for (const std::uint8_t byte : frame.bytes()) out.push_back(static_cast<char>(byte));
 }
 
-std::string write_cannelloni_datagram(std::uint8_t sequence, std::span<const can::Frame> frames) {
+void write_cannelloni_datagram(std::string& out, std::uint8_t sequence, std::span<const can::Frame> frames) {
   frames = frames.first(std::min(frames.size(), cannelloni_max_count));
-  std::string out;
-  out.reserve(cannelloni_header + frames.size() * cannelloni_max_record);
+  out.clear();
   for (const std::uint8_t byte :
        {version, data_operation, sequence, static_cast<std::uint8_t>(frames.size() >> 8),
         static_cast<std::uint8_t>(frames.size() & 0xFF)}) {
     out.push_back(static_cast<char>(byte));
   }
   for (const can::Frame& frame : frames) append_cannelloni_record(out, frame);
-  return out;
 }
 
 std::optional<CannelloniRecord> take_cannelloni_record(std::span<const std::uint8_t>& bytes) noexcept {
@@ -65,26 +63,27 @@ std::optional<CannelloniRecord> take_cannelloni_record(std::span<const std::uint
   return record;
 }
 
-std::optional<CannelloniDatagram> read_cannelloni_datagram(std::span<const std::uint8_t> bytes) {
-  if (bytes.size() < cannelloni_header || bytes[0] != version || bytes[1] != data_operation)
-    return std::nullopt;
-  CannelloniDatagram datagram{.sequence = bytes[2]};
+bool read_cannelloni_datagram(std::span<const std::uint8_t> bytes, CannelloniDatagram& datagram) {
+  if (bytes.size() < cannelloni_header || bytes[0] != version || bytes[1] != data_operation) return false;
+  datagram.sequence = bytes[2];
+  datagram.records.clear();
+  datagram.mistake = {};
   const unsigned count = bytes[3] * 256U + bytes[4];
   bytes = bytes.subspan(cannelloni_header);
   for (unsigned number = 0; number < count; ++number) {
     const auto record = take_cannelloni_record(bytes);
     if (!record) {
       datagram.mistake = "it ends before its records do";
-      return datagram;
+      return true;
     }
     if (record->kind == CannelloniRecord::Kind::wrong) {
       datagram.mistake = "a record is no CAN frame";
-      return datagram;
+      return true;
     }
     datagram.records.push_back(*record);
   }
   if (!bytes.empty()) datagram.mistake = "there are bytes behind its records";
-  return datagram;
+  return true;
 }
 
 CannelloniSequence::Finding CannelloniSequence::take(std::uint8_t sequence) noexcept {

@@ -26,9 +26,8 @@ inline constexpr std::size_t cannelloni_max_record = 13;  ///< of a classical fr
 inline constexpr std::size_t cannelloni_max_count = 100;
 
 void append_cannelloni_record(std::string& out, const can::Frame& frame);
-/// A datagram of up to cannelloni_max_count frames.
-[[nodiscard]] std::string write_cannelloni_datagram(std::uint8_t sequence,
-                                                    std::span<const can::Frame> frames);
+/// Makes `out` a datagram of up to cannelloni_max_count frames.
+void write_cannelloni_datagram(std::string& out, std::uint8_t sequence, std::span<const can::Frame> frames);
 
 struct CannelloniRecord {
   enum class Kind : std::uint8_t {
@@ -70,7 +69,8 @@ struct CannelloniDatagram {
   std::vector<CannelloniRecord> records{};
   std::string_view mistake{};  ///< what is wrong behind the records, empty if nothing is
 };
-/// None: it is no datagram of cannelloni.
-[[nodiscard]] std::optional<CannelloniDatagram> read_cannelloni_datagram(std::span<const std::uint8_t> bytes);
+/// False: it is no datagram of cannelloni.
+[[nodiscard]] bool read_cannelloni_datagram(std::span<const std::uint8_t> bytes,
+                                            CannelloniDatagram& datagram);
 
 }  // namespace canopus::link

@@ -5,7 +5,6 @@
 // from then on one at a time, which is what adapters with a queue of one frame need. An adapter that never answers is
 // used blindly: its frames count as sent once they are written.
 
-#include <deque>
 #include <utility>
 
 #include <boost/asio/steady_timer.hpp>
@@ -23,7 +22,7 @@ using namespace std::chrono_literals;
 
 constexpr auto settling = 100ms;     // for what the adapter still says from before
 constexpr auto answer_time = 500ms;  // an answer that takes longer does not come
-constexpr auto status_period = 1000ms;
+constexpr auto slcan_status_period = 1000ms;
 constexpr auto refusal_pause = 2ms;
 constexpr std::size_t most_unanswered = 8;
 
@@ -141,7 +140,7 @@ class SlcanTransport final : public StreamTransport {
     }
     return true;
   }
-  void frames_written(std::vector<can::Frame> frames) override {
+  void frames_written(std::span<const can::Frame> frames) override {
     if (!silent_) return;
     for (const can::Frame& frame : frames) sent(frame);
   }
@@ -170,7 +169,12 @@ class SlcanTransport final : public StreamTransport {
         flags(line.flags);
         while (!questions_.empty() && questions_.front().asked != Asked::flags) answer(false);
         return answer(false);
-      case Kind::other: return;
+      case Kind::other:
+        // A version or serial number, which nobody asked for, is no reason to doubt it either.
+        if (is_open() && !line.text.empty() && line.text.front() != 'V' && line.text.front() != 'N') {
+          complain("what the adapter says is not understood: \"" + std::string(line.text) + '"');
+        }
+        return;
     }
   }
   void answer(bool refused) {
@@ -211,8 +215,10 @@ class SlcanTransport final : public StreamTransport {
     again_.async_wait([self = self(this)](const error_code& failure) {
       self->again_waits_ = false;
       if (failure) return;
-      self->queue().insert(self->queue().begin(), self->refused_.begin(), self->refused_.end());
-      self->refused_.clear();
+      while (!self->refused_.empty()) {
+        self->queue().push_front(self->refused_.back());
+        self->refused_.pop_back();
+      }
       self->write();
     });
   }
@@ -234,7 +240,8 @@ class SlcanTransport final : public StreamTransport {
     } else if (!silent_ && !std::exchange(mute_, true)) {
       complain("the adapter answers no more; what becomes of frames is not known");
     }
-    for (const Question& question : questions) {
+    for (std::size_t i = 0; i < questions.size(); ++i) {
+      const Question& question = questions[i];
       if (question.asked == Asked::frame) sent(question.frame);
       if (question.asked == Asked::open) channel_is_open();
     }
@@ -242,7 +249,7 @@ class SlcanTransport final : public StreamTransport {
   }
 
   void ask_status() {
-    status_timer_.expires_after(status_period);
+    status_timer_.expires_after(slcan_status_period);
     status_timer_.async_wait([self = self(this)](const error_code& failure) {
       if (failure || self->silent_ || self->no_flags_ || !self->is_open()) return;
       self->command("F", Asked::flags);
@@ -264,7 +271,7 @@ class SlcanTransport final : public StreamTransport {
   asio::steady_timer status_timer_;
   asio::steady_timer again_;
   SlcanReader reader_;
-  std::deque<Question> questions_;   // commands without an answer
+  can::Ring<Question> questions_;    // commands without an answer
   std::size_t frames_asked_ = 0;     // of them, frames
   std::vector<can::Frame> refused_;  // wait to be sent again
   std::uint32_t bit_rate_ = 0;

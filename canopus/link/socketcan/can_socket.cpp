@@ -114,7 +114,7 @@ std::expected<CanSocket, std::string> open_can_socket(const std::string& interfa
   return CanSocket{.descriptor = socket, .interface = number};
 }
 
-std::expected<ReceivedBatch, int> receive_can_frames(int descriptor) {
+std::expected<void, int> receive_can_frames(int descriptor, ReceivedBatch& batch) {
   std::array<can_frame, can_batch> raw{};
   std::array<iovec, can_batch> places{};
   std::array<mmsghdr, can_batch> heads{};
@@ -131,7 +131,8 @@ std::expected<ReceivedBatch, int> receive_can_frames(int descriptor) {
     count = ::recvmmsg(descriptor, heads.data(), can_batch, MSG_DONTWAIT, nullptr);
   } while (count < 0 && errno == EINTR);
   if (count < 0) return std::unexpected(errno);
-  ReceivedBatch batch;
+  batch.count = 0;
+  batch.dropped.reset();
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
     if (heads[i].msg_len != sizeof(can_frame)) continue;
     ReceivedFrame frame = received(raw[i], static_cast<int>(heads[i].msg_hdr.msg_flags));
@@ -152,9 +153,9 @@ std::expected<ReceivedBatch, int> receive_can_frames(int descriptor) {
         batch.dropped = dropped;
       }
     }
-    batch.frames.push_back(frame);
+    batch.places[batch.count++] = frame;
   }
-  return batch;
+  return {};
 }
 
 std::expected<std::size_t, int> send_can_frames(int descriptor, std::span<const can::Frame> frames) {

@@ -1,6 +1,7 @@
 #pragma once
 // A raw socket of Linux SocketCAN: opening with error frames, own frames back and time stamps; frames in batches.
 
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -8,7 +9,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
 #include <linux/can.h>
 
@@ -33,13 +33,18 @@ struct ReceivedFrame {
 };
 inline constexpr std::size_t can_batch = 32;
 
-/// Up to can_batch frames that are there, and how many the socket had to drop so far for want of room; an errno when
-/// there is none (EAGAIN) or the interface went away.
+/// Frames that were there, and how many the socket had to drop so far for want of room.
 struct ReceivedBatch {
-  std::vector<ReceivedFrame> frames{};
+  std::array<ReceivedFrame, can_batch> places{};
+  std::size_t count = 0;
   std::optional<std::uint32_t> dropped{};
+
+  [[nodiscard]] std::span<const ReceivedFrame> frames() const noexcept {
+    return std::span(places).first(count);
+  }
 };
-[[nodiscard]] std::expected<ReceivedBatch, int> receive_can_frames(int descriptor);
+/// Fills the batch. An errno when there is no frame (EAGAIN) or the interface went away.
+[[nodiscard]] std::expected<void, int> receive_can_frames(int descriptor, ReceivedBatch& batch);
 /// How many of them, from the first on, the kernel took; an errno if none.
 [[nodiscard]] std::expected<std::size_t, int> send_can_frames(int descriptor,
                                                               std::span<const can::Frame> frames);

@@ -16,6 +16,7 @@
 #include <sys/socket.h>
 
 #include "canopus/link/can_error.hpp"
+#include "canopus/link/handler_memory.hpp"
 #include "canopus/link/socketcan/can_socket.hpp"
 #include "canopus/link/socketcan/netlink.hpp"
 #include "canopus/link/transport.hpp"
@@ -29,7 +30,7 @@ using boost::system::error_code;
 using namespace std::chrono_literals;
 
 constexpr std::size_t window = 32;
-constexpr auto status_period = 250ms;
+constexpr auto socketcan_status_period = 250ms;
 /// Identifiers of our own that a filter is opened for, so that their echo is heard; with more there is no filter.
 constexpr std::size_t most_own_identifiers = 128;
 
@@ -127,28 +128,29 @@ class SocketcanTransport final : public Transport {
   // --- what comes
 
   void read() {
-    socket_.async_wait(stream_descriptor::wait_read,
-                       [self = self(this), generation = generation_](const error_code& failure) {
-                         if (!failure && generation == self->generation_) self->on_readable();
-                       });
+    socket_.async_wait(
+        stream_descriptor::wait_read,
+        reading_place_([self = self(this), generation = generation_](const error_code& failure) {
+          if (!failure && generation == self->generation_) self->on_readable();
+        }));
   }
   void on_readable() {
     const std::uint32_t generation = generation_;
     for (int count = 0; count < 8; ++count) {
-      const auto batch = receive_can_frames(socket_.native_handle());
-      if (!batch && batch.error() == EAGAIN) break;
-      if (!batch) return lose(batch.error());
-      for (const ReceivedFrame& frame : batch->frames) {
+      const auto there = receive_can_frames(socket_.native_handle(), batch_);
+      if (!there && there.error() == EAGAIN) break;
+      if (!there) return lose(there.error());
+      for (const ReceivedFrame& frame : batch_.frames()) {
         take(frame);
         if (generation != generation_) return;
       }
-      if (batch->dropped && *batch->dropped != dropped_) {
-        complain(std::to_string(*batch->dropped - dropped_) +
+      if (batch_.dropped && *batch_.dropped != dropped_) {
+        complain(std::to_string(*batch_.dropped - dropped_) +
                  " frames are lost: this program was too slow for the bus");
-        dropped_ = *batch->dropped;
+        dropped_ = *batch_.dropped;
       }
       if (generation != generation_) return;
-      if (batch->frames.size() < can_batch) break;
+      if (batch_.count < can_batch) break;
     }
     write();
     read();
@@ -160,10 +162,15 @@ class SocketcanTransport final : public Transport {
       case ReceivedFrame::Kind::own: {
         reported_error_ = {};
         // A controller with several mailboxes may send them in another order.
-        const auto place = std::ranges::find(on_bus_, frame.frame);
-        if (place == on_bus_.end()) return;
-        const bool is_next = place == on_bus_.begin();
-        on_bus_.erase(place);
+        std::size_t place = 0;
+        while (place < on_bus_.size() && !(on_bus_[place] == frame.frame)) ++place;
+        if (place == on_bus_.size()) return;
+        const bool is_next = place == 0;
+        if (is_next) {
+          on_bus_.pop_front();
+        } else {
+          on_bus_.erase(place);
+        }
         passed_over_ = is_next ? 0 : passed_over_ + 1;
         if (passed_over_ > 2 * window) {  // the first one was lost, and would keep its place for ever
           on_bus_.pop_front();
@@ -252,7 +259,7 @@ class SocketcanTransport final : public Transport {
     if (was_off && !is_off) write();
   }
   void poll_controller() {
-    status_timer_.expires_after(status_period);
+    status_timer_.expires_after(socketcan_status_period);
     status_timer_.async_wait([self = self(this), generation = generation_](const error_code& failure) {
       if (failure || generation != self->generation_) return;
       self->look_at_controller();
@@ -267,13 +274,14 @@ class SocketcanTransport final : public Transport {
     if (!is_open() || waiting_ || status().state == can::ErrorState::bus_off) return;
     while (!queue().empty() && on_bus_.size() < window) {
       const std::size_t count = std::min({queue().size(), window - on_bus_.size(), can_batch});
-      const auto end = queue().begin() + static_cast<std::ptrdiff_t>(count);
-      const std::vector<can::Frame> frames(queue().begin(), end);
+      std::array<can::Frame, can_batch> batch;
+      for (std::size_t i = 0; i < count; ++i) batch[i] = queue()[i];
+      const auto frames = std::span(batch).first(count);
       open_filter_for(frames);
       const auto taken = send_can_frames(socket_.native_handle(), frames);
       if (!taken) return hold(taken.error());
       for (std::size_t i = 0; i < *taken; ++i) on_bus_.push_back(frames[i]);
-      queue().erase(queue().begin(), queue().begin() + static_cast<std::ptrdiff_t>(*taken));
+      queue().pop_front(*taken);
     }
   }
   /// ENOBUFS: the interface's queue is full, which poll() does not show; so it is tried again a little later.
@@ -289,7 +297,7 @@ class SocketcanTransport final : public Transport {
       self->write();
     });
   }
-  void open_filter_for(const std::vector<can::Frame>& frames) {
+  void open_filter_for(std::span<const can::Frame> frames) {
     if (filters_.empty() || own_.size() > most_own_identifiers) return;
     bool is_new = false;
     for (const can::Frame& frame : frames) is_new |= own_.insert({frame.identifier, frame.extended}).second;
@@ -316,8 +324,10 @@ class SocketcanTransport final : public Transport {
   std::uint32_t generation_ = 0;
   int index_ = 0;
   std::uint32_t dropped_ = 0;
-  std::deque<can::Frame> on_bus_;  // with the kernel, not yet back
-  std::size_t passed_over_ = 0;    // later frames that came back before the first one
+  ReceivedBatch batch_;
+  HandlerPlace reading_place_;
+  can::Ring<can::Frame> on_bus_;  // with the kernel, not yet back
+  std::size_t passed_over_ = 0;   // later frames that came back before the first one
   std::vector<IdentifierFilter> filters_;
   std::set<std::pair<std::uint32_t, bool>> own_;
   std::string_view reported_error_;
