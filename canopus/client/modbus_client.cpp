@@ -13,7 +13,7 @@ namespace canopus::client {
 
 namespace {
 
-using Kind = PlcPoint::Kind;
+using PointKind = PlcPoint::Kind;
 using plc::Device;
 
 std::string_view exception_text(unsigned code) {
@@ -40,7 +40,7 @@ class ModbusClient final : public PlcProtocol {
   Result<void> read_words(const PlcPoint& first, std::span<std::uint16_t> words) override {
     const auto address = address_of(first, words.size());
     if (!address) return std::unexpected(address.error());
-    const std::uint8_t function = first.kind == Kind::input_registers ? 4 : 3;
+    const std::uint8_t function = first.kind == PointKind::input_registers ? 4 : 3;
     begin(function);
     u16(*address);
     u16(words.size());
@@ -54,7 +54,7 @@ class ModbusClient final : public PlcProtocol {
   Result<void> write_words(const PlcPoint& first, std::span<const std::uint16_t> words) override {
     const auto address = address_of(first, words.size());
     if (!address) return std::unexpected(address.error());
-    if (first.kind == Kind::input_registers) return std::unexpected(only_read(first));
+    if (first.kind == PointKind::input_registers) return std::unexpected(only_read(first));
     begin(16);
     u16(*address);
     u16(words.size());
@@ -66,8 +66,8 @@ class ModbusClient final : public PlcProtocol {
   Result<void> read_bits(const PlcPoint& first, std::span<std::uint8_t> bits) override {
     const auto address = address_of(first, bits.size());
     if (!address) return std::unexpected(address.error());
-    const bool is_input =
-        first.kind == Kind::discrete_inputs || (first.kind == Kind::rack && first.at.device == Device::x);
+    const bool is_input = first.kind == PointKind::discrete_inputs ||
+                          (first.kind == PointKind::rack && first.at.device == Device::x);
     begin(is_input ? 2 : 1);
     u16(*address);
     u16(bits.size());
@@ -81,7 +81,7 @@ class ModbusClient final : public PlcProtocol {
   Result<void> write_bits(const PlcPoint& first, std::span<const std::uint8_t> bits) override {
     const auto address = address_of(first, bits.size());
     if (!address) return std::unexpected(address.error());
-    if (first.kind == Kind::discrete_inputs) return std::unexpected(only_read(first));
+    if (first.kind == PointKind::discrete_inputs) return std::unexpected(only_read(first));
     begin(15);
     u16(*address);
     u16(bits.size());
@@ -126,7 +126,7 @@ class ModbusClient final : public PlcProtocol {
 
   /// Of `count` points from the first one on.
   static Result<std::uint16_t> address_of(const PlcPoint& first, std::size_t count) {
-    const bool is_named = first.kind == Kind::rack || first.kind == Kind::words_of_bits;
+    const bool is_named = first.kind == PointKind::rack || first.kind == PointKind::words_of_bits;
     const bool words = !first.is_bit();
     const auto address = [&](std::uint32_t number) -> std::optional<std::uint32_t> {
       if (is_named) return plc::modbus::as300_address(first.at.device, words, number);

@@ -9,13 +9,6 @@ namespace canopus::client {
 
 namespace {
 
-std::string upper(std::string_view text) {
-  std::string result(text);
-  for (char& character : result)
-    if (character >= 'a' && character <= 'z') character = static_cast<char>(character - 'a' + 'A');
-  return result;
-}
-
 std::optional<std::int64_t> number(std::string_view digits, int base) {
   std::int64_t value = 0;
   const char* end = digits.data() + digits.size();
@@ -27,7 +20,7 @@ std::optional<std::int64_t> number(std::string_view digits, int base) {
 }  // namespace
 
 std::expected<std::uint16_t, std::string> parse_plc_word(std::string_view text) {
-  const std::string all = upper(text);
+  const std::string all = plc::upper(text);
   std::string_view digits = all;
   int base = 10;
   if (digits.starts_with("0X")) {
@@ -51,7 +44,7 @@ std::expected<std::uint16_t, std::string> parse_plc_word(std::string_view text) 
 }
 
 std::expected<bool, std::string> parse_plc_bit(std::string_view text) {
-  const std::string all = upper(text);
+  const std::string all = plc::upper(text);
   if (all == "1" || all == "ON") return true;
   if (all == "0" || all == "OFF") return false;
   return std::unexpected(fmt::format("'{}' is no bit; expected 1, 0, ON or OFF", text));

@@ -34,14 +34,7 @@ constexpr std::array devices_of_as300 = {
     DeviceName{"X", Device::x},   DeviceName{"Y", Device::y},   DeviceName{"HCS", Device::hcs},
 };
 
-std::string upper(std::string_view text) {
-  std::string result(text);
-  for (char& character : result)
-    if (character >= 'a' && character <= 'z') character = static_cast<char>(character - 'a' + 'A');
-  return result;
-}
-
-std::optional<std::uint32_t> number(std::string_view digits, std::uint32_t last) {
+std::optional<std::uint32_t> number_up_to(std::string_view digits, std::uint32_t last) {
   std::uint32_t value = 0;
   const char* end = digits.data() + digits.size();
   const auto [stop, error] = std::from_chars(digits.data(), end, value);
@@ -63,11 +56,11 @@ std::expected<PlcPoint, std::string> parse_modbus(std::string_view text) {
   if (const std::size_t colon = text.find(':'); colon != std::string_view::npos) {
     const auto* table = std::ranges::find(tables, text.substr(0, colon), &TableName::name);
     if (table == tables.end()) return no_point(text, "has no table before the colon");
-    const auto address = number(text.substr(colon + 1), last_address);
+    const auto address = number_up_to(text.substr(colon + 1), last_address);
     if (!address) return no_point(text, "has no address 0 to 65535 behind the colon");
     return PlcPoint{table->kind, {.number = *address}};
   }
-  const std::string all = upper(text);
+  const std::string all = plc::upper(text);
   const std::size_t letters = std::min(all.find_first_of("0123456789"), all.size());
   const std::string_view name = std::string_view(all).substr(0, letters);
   std::string_view digits = std::string_view(all).substr(letters);
@@ -78,12 +71,12 @@ std::expected<PlcPoint, std::string> parse_modbus(std::string_view text) {
   const bool has_words = found->device == Device::x || found->device == Device::y;
   const std::size_t dot = digits.find('.');
   if (has_words && dot != std::string_view::npos) {
-    const auto word = number(digits.substr(0, dot), last_address);
-    const auto bit = number(digits.substr(dot + 1), 15);
+    const auto word = number_up_to(digits.substr(0, dot), last_address);
+    const auto bit = number_up_to(digits.substr(dot + 1), 15);
     if (!word || !bit) return no_point(text, "has no word and bit 0 to 15");
     return PlcPoint{Kind::rack, {.device = found->device, .number = 16 * *word + *bit}};
   }
-  const auto at = number(digits, last_address);
+  const auto at = number_up_to(digits, last_address);
   if (!at) return no_point(text, "has no decimal number");
   return PlcPoint{has_words ? Kind::words_of_bits : Kind::rack, {.device = found->device, .number = *at}};
 }

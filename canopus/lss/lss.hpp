@@ -34,6 +34,9 @@ inline constexpr std::uint32_t from_master = 0x7E5;
 /// Node-ID of a device that has none yet.
 inline constexpr std::uint8_t unconfigured = 0xFF;
 
+/// BitCheck of a fastscan that begins.
+inline constexpr std::uint8_t reset_scan = 0x80;
+
 /// Command specifiers, byte 0.
 namespace command {
 inline constexpr std::uint8_t switch_global = 0x04;

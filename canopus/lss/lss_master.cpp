@@ -8,7 +8,6 @@ namespace {
 
 constexpr unsigned parts = 4;
 constexpr unsigned highest_bit = 31;
-constexpr std::uint8_t reset_scan = 0x80;
 
 }  // namespace
 

@@ -12,8 +12,6 @@ namespace {
 constexpr std::uint32_t ok = 0;
 constexpr std::uint32_t out_of_range = 1;
 
-constexpr std::uint8_t reset_scan = 0x80;  // BitCheck of fastscan
-
 constexpr bool is_node_id(std::uint8_t id) noexcept { return id >= 1 && id <= 127; }
 
 }  // namespace

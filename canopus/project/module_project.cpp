@@ -7,7 +7,6 @@
 namespace canopus::project {
 namespace {
 
-constexpr std::uint32_t not_valid = 0x8000'0000;
 constexpr std::uint32_t highest_can_id = 0x57F;
 
 const Field* field_of(const Window& window, std::string_view name) noexcept {

@@ -13,7 +13,6 @@ using Kind = Place::Kind;
 template <typename Value>
 using Result = ModuleAccess::Result<Value>;
 
-constexpr std::uint32_t not_valid = 0x8000'0000;
 constexpr std::uint32_t no_rtr = 0x4000'0000;
 
 /// A word or an object of the module that fields lie in.

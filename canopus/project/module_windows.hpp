@@ -30,6 +30,9 @@ struct Place {
   std::uint16_t factor = 1;    ///< the field counts so many times finer than the module: 10 ms, in ms
 };
 
+/// COB-ID entries: the PDO or consumer is not there [CiA 301 7.5.2.37].
+inline constexpr std::uint32_t not_valid = 0x8000'0000;
+
 struct Field {
   std::string_view name;  ///< as printed: "FROM/TO Watchdog"
   std::string_view unit;  ///< "ms"; empty: none

@@ -20,6 +20,9 @@
 
 namespace canopus::canopen {
 
+/// Of the index of a communication or mapping object: which PDO, from 0.
+inline constexpr std::uint16_t pdo_number_mask = 0x01FF;
+
 enum class PdoDirection : std::uint8_t { receive, transmit };
 
 class CopyPlan {

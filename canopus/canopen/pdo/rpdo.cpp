@@ -7,9 +7,8 @@
 namespace canopus::canopen {
 namespace {
 
-constexpr std::uint16_t first_communication = 0x1400;
-constexpr std::uint16_t first_mapping = 0x1600;
-constexpr std::uint16_t number_mask = 0x01FF;
+constexpr std::uint16_t first_rpdo_communication = 0x1400;
+constexpr std::uint16_t first_rpdo_mapping = 0x1600;
 
 }  // namespace
 
@@ -20,28 +19,28 @@ Rpdos::Rpdos(NodeContext& node) : node_(node) {
   rpdos_.reserve(count);
   for (const auto& object : node.dictionary.description().objects()) {
     if (!is_rpdo(object)) continue;
-    rpdos_.emplace_back().number = object.index & number_mask;
+    rpdos_.emplace_back().number = object.index & pdo_number_mask;
   }
   first_timer_ = node.timers.add(count);
-  node.dictionary.attach(first_communication, 0x17FF, *this);
+  node.dictionary.attach(first_rpdo_communication, 0x17FF, *this);
 }
 
 Rpdos::Rpdo* Rpdos::find(std::uint16_t index) noexcept {
-  const std::uint16_t number = index & number_mask;
+  const std::uint16_t number = index & pdo_number_mask;
   const auto place = std::ranges::lower_bound(rpdos_, number, {}, &Rpdo::number);
   return place != rpdos_.end() && place->number == number ? &*place : nullptr;
 }
 
 void Rpdos::read(Rpdo& pdo) {
   const ObjectDictionary& d = node_.dictionary;
-  const auto index = static_cast<std::uint16_t>(first_communication + pdo.number);
+  const auto index = static_cast<std::uint16_t>(first_rpdo_communication + pdo.number);
   pdo.cob_id = usable(CobId{d.get<std::uint32_t>(index, 1, CobId::invalid_bit)},
                       node_.options.permitted_pdo_identifier);
   pdo.transmission_type = d.get<std::uint8_t>(index, 2, 0xFF);
   const bool has_timer = pdo.transmission_type > 240 || !node_.options.rpdo_timer_for_events_alone;
   pdo.event_timer = has_timer ? d.get<std::uint16_t>(index, 5) : std::uint16_t{0};
   pdo.is_waiting = false;
-  const auto mapping = static_cast<std::uint16_t>(first_mapping + pdo.number);
+  const auto mapping = static_cast<std::uint16_t>(first_rpdo_mapping + pdo.number);
   const auto count = d.get<std::uint8_t>(mapping, 0);
   pdo.addressing = count >= source_addressing ? count : std::uint8_t{0};
   pdo.watched = pdo.event_timer != 0 || pdo.addressing != 0;
@@ -167,10 +166,11 @@ void Rpdos::list_identifiers(std::vector<IdentifierTable::Route>& routes) const 
 
 AbortCode Rpdos::before_write(ObjectDictionary& dictionary, const Entry& entry,
                               std::span<const std::uint8_t> value, can::Time) {
-  const auto communication = static_cast<std::uint16_t>(first_communication + (entry.index & number_mask));
+  const auto communication =
+      static_cast<std::uint16_t>(first_rpdo_communication + (entry.index & pdo_number_mask));
   const CobId cob_id = usable(CobId{dictionary.get<std::uint32_t>(communication, 1, CobId::invalid_bit)},
                               node_.options.permitted_pdo_identifier);
-  if (entry.index >= first_mapping) {
+  if (entry.index >= first_rpdo_mapping) {
     const auto type = dictionary.get<std::uint8_t>(communication, 2, 0xFF);
     if (entry.sub == 0 && !value.empty() && value[0] >= source_addressing) {
       return check_mpdo(type, cob_id.is_valid());

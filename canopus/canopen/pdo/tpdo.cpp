@@ -5,9 +5,8 @@
 namespace canopus::canopen {
 namespace {
 
-constexpr std::uint16_t first_communication = 0x1800;
-constexpr std::uint16_t first_mapping = 0x1A00;
-constexpr std::uint16_t number_mask = 0x01FF;
+constexpr std::uint16_t first_tpdo_communication = 0x1800;
+constexpr std::uint16_t first_tpdo_mapping = 0x1A00;
 constexpr std::uint8_t rtr_synchronous = 0xFC;
 constexpr std::uint8_t rtr_event = 0xFD;
 constexpr std::uint32_t longest_value = 8;  // of fixed length, in bytes
@@ -22,21 +21,21 @@ Tpdos::Tpdos(NodeContext& node) : node_(node) {
   valid_.reserve(count);
   for (const auto& object : node.dictionary.description().objects()) {
     if (!is_tpdo(object)) continue;
-    tpdos_.emplace_back().number = object.index & number_mask;
+    tpdos_.emplace_back().number = object.index & pdo_number_mask;
   }
   first_timer_ = node.timers.add(count);
-  node.dictionary.attach(first_communication, 0x1BFF, *this);
+  node.dictionary.attach(first_tpdo_communication, 0x1BFF, *this);
 }
 
 Tpdos::Tpdo* Tpdos::find(std::uint16_t index) noexcept {
-  const std::uint16_t number = index & number_mask;
+  const std::uint16_t number = index & pdo_number_mask;
   const auto place = std::ranges::lower_bound(tpdos_, number, {}, &Tpdo::number);
   return place != tpdos_.end() && place->number == number ? &*place : nullptr;
 }
 
 void Tpdos::read(Tpdo& pdo) {
   const ObjectDictionary& d = node_.dictionary;
-  const auto index = static_cast<std::uint16_t>(first_communication + pdo.number);
+  const auto index = static_cast<std::uint16_t>(first_tpdo_communication + pdo.number);
   pdo.cob_id = usable(CobId{d.get<std::uint32_t>(index, 1, CobId::invalid_bit)},
                       node_.options.permitted_pdo_identifier);
   if (node_.options.tpdo_rtr_bit_is_constant) pdo.cob_id.raw |= CobId::bit_30;
@@ -44,7 +43,7 @@ void Tpdos::read(Tpdo& pdo) {
   pdo.inhibit_time = d.get<std::uint16_t>(index, 3);
   pdo.event_timer = d.get<std::uint16_t>(index, 5);
   pdo.sync_start = d.get<std::uint8_t>(index, 6);
-  const auto mapping = static_cast<std::uint16_t>(first_mapping + pdo.number);
+  const auto mapping = static_cast<std::uint16_t>(first_tpdo_mapping + pdo.number);
   const auto count = d.get<std::uint8_t>(mapping, 0);
   pdo.addressing = count >= source_addressing ? count : std::uint8_t{0};
   if (pdo.cob_id.is_valid()) {
@@ -109,7 +108,7 @@ void Tpdos::start(can::Time now) {
   for (Tpdo& pdo : tpdos_) {
     read(pdo);
     if (node_.options.tpdo_rtr_bit_is_constant) {
-      const auto index = static_cast<std::uint16_t>(first_communication + pdo.number);
+      const auto index = static_cast<std::uint16_t>(first_tpdo_communication + pdo.number);
       const auto raw = node_.dictionary.get<std::uint32_t>(index, 1, CobId::invalid_bit);
       node_.dictionary.set(index, 1, raw | CobId::bit_30);
     }
@@ -320,10 +319,11 @@ void Tpdos::list_identifiers(std::vector<IdentifierTable::Route>& routes) const 
 
 AbortCode Tpdos::before_write(ObjectDictionary& dictionary, const Entry& entry,
                               std::span<const std::uint8_t> value, can::Time) {
-  const auto communication = static_cast<std::uint16_t>(first_communication + (entry.index & number_mask));
+  const auto communication =
+      static_cast<std::uint16_t>(first_tpdo_communication + (entry.index & pdo_number_mask));
   const CobId cob_id = usable(CobId{dictionary.get<std::uint32_t>(communication, 1, CobId::invalid_bit)},
                               node_.options.permitted_pdo_identifier);
-  if (entry.index >= first_mapping) {
+  if (entry.index >= first_tpdo_mapping) {
     if (entry.sub == 0 && !value.empty() && value[0] >= source_addressing) {
       const Tpdo* self = find(entry.index);
       const bool second_source =
@@ -365,13 +365,13 @@ AbortCode Tpdos::before_write(ObjectDictionary& dictionary, const Entry& entry,
 }
 
 void Tpdos::after_write(ObjectDictionary& dictionary, const Entry& entry, can::Time now) {
-  if (entry.index < first_mapping && entry.sub == 1 && node_.options.tpdo_rtr_bit_is_constant) {
+  if (entry.index < first_tpdo_mapping && entry.sub == 1 && node_.options.tpdo_rtr_bit_is_constant) {
     dictionary.set(entry, dictionary.get<std::uint32_t>(entry) | CobId::bit_30);
   }
   if (node_.state == NmtState::initialising) return;
   Tpdo* pdo = find(entry.index);
   if (pdo == nullptr) return;
-  const bool new_event_timer = entry.index < first_mapping && entry.sub == 5;
+  const bool new_event_timer = entry.index < first_tpdo_mapping && entry.sub == 5;
   read(*pdo);
   list_watched();
   if (!new_event_timer) {

@@ -21,7 +21,7 @@ namespace {
 
 using link::BusLoop;
 
-struct Options {
+struct MonitorOptions {
   std::string bus{};
   NamesOptions names{};
   FilterOptions filter{};
@@ -36,7 +36,7 @@ struct Options {
 class Monitor final : public can::Listener {
  public:
   /// `bus`: its name, if it has one; a plant file's names are those of its bus of that name.
-  Monitor(const Options& options, std::string bus, trace::Names names, MessageFilter filter,
+  Monitor(const MonitorOptions& options, std::string bus, trace::Names names, MessageFilter filter,
           std::optional<trace::TraceFile> file)
       : bus_(std::move(bus)),
         decoder_(std::move(names), {.frames = options.frames, .transfers = !options.frames}),
@@ -88,7 +88,7 @@ int fail(int code, std::string_view message) {
   return code;
 }
 
-int monitor(const Options& options) {
+int monitor(const MonitorOptions& options) {
   const auto address = link::parse_bus_address(options.bus);
   if (!address) return fail(2, address.error());
   std::optional<can::Duration> duration;
@@ -129,7 +129,7 @@ int monitor(const Options& options) {
 }  // namespace
 
 void add_monitor_command(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<MonitorOptions>();
   CLI::App* command = app.add_subcommand("monitor", "Show what the frames on a bus mean, as they come");
   command
       ->add_option("BUS", options->bus,

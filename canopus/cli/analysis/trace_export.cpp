@@ -12,7 +12,7 @@
 namespace canopus::cli {
 namespace {
 
-struct Options {
+struct ExportOptions {
   NamesOptions names{};
   std::string bus{};
   bool dbc = false;
@@ -25,7 +25,7 @@ std::nullptr_t wrong(std::string_view message) {
 }
 
 /// The bus that is meant, or nothing after a mistake was printed.
-std::optional<std::string> chosen_bus(const Options& options, const trace::Names& names) {
+std::optional<std::string> chosen_bus(const ExportOptions& options, const trace::Names& names) {
   std::set<std::string> buses;
   for (const trace::NodeDescription& node : names.nodes()) {
     if (!node.bus.empty()) buses.insert(node.bus);
@@ -41,7 +41,7 @@ std::optional<std::string> chosen_bus(const Options& options, const trace::Names
   return options.bus;
 }
 
-int write_export(const Options& options) {
+int write_export(const ExportOptions& options) {
   if (options.dbc == options.lua) {
     wrong("expected one of --dbc and --lua");
     return 2;
@@ -62,7 +62,7 @@ int write_export(const Options& options) {
 }  // namespace
 
 void add_trace_export(CLI::App& trace, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ExportOptions>();
   CLI::App* command =
       trace.add_subcommand("export", "Write what is known of a plant's frames as a file for other programs");
   command->add_flag("--dbc", options->dbc,

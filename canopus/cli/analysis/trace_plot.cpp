@@ -20,7 +20,7 @@
 namespace canopus::cli {
 namespace {
 
-struct Options {
+struct PlotOptions {
   std::string file{};
   std::string out{};
   NamesOptions names{};
@@ -54,7 +54,7 @@ std::string write_file(const std::string& path, const std::string& content) {
   return written && closed ? "" : std::strerror(errno);
 }
 
-int plot(const Options& options) {
+int plot(const PlotOptions& options) {
   if (is_same_file(options.file, options.out)) {
     print_error("canopus: {}: this is the trace that is read", options.out);
     return 2;
@@ -97,7 +97,7 @@ int plot(const Options& options) {
 }  // namespace
 
 void add_trace_plot(CLI::App& trace, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<PlotOptions>();
   CLI::App* command = trace.add_subcommand(
       "plot", "Draw load, values of PDOs and states of the nodes over time, as an SVG picture");
   command->add_option("FILE", options->file, "Trace in any format that is read; - is the standard input")

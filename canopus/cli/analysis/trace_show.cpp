@@ -16,7 +16,7 @@
 namespace canopus::cli {
 namespace {
 
-struct Options {
+struct ShowOptions {
   std::string file{};
   NamesOptions names{};
   FilterOptions filter{};
@@ -25,7 +25,7 @@ struct Options {
   bool json = false;
 };
 
-int show(const Options& options) {
+int show(const ShowOptions& options) {
   auto names = load_names(options.names, standard_error());
   const auto filter = MessageFilter::make(options.filter, standard_error());
   if (!names || !filter) return 2;
@@ -60,7 +60,7 @@ int show(const Options& options) {
 }  // namespace
 
 void add_trace_show(CLI::App& trace, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ShowOptions>();
   CLI::App* command = trace.add_subcommand("show", "Show what the frames of a trace mean");
   command->add_option("FILE", options->file, "Trace in any format that is read; - is the standard input")
       ->required();

@@ -20,7 +20,7 @@ using trace::Statistics;
 using trace::TimeFigures;
 using Json = nlohmann::ordered_json;
 
-struct Options {
+struct StatsOptions {
   std::string file{};
   NamesOptions names{};
   std::vector<std::string> channels{};
@@ -192,7 +192,7 @@ void print_text(const Statistics& statistics, std::uint32_t bit_rate, Output& ou
   print_events("SDO transfers that failed", statistics.failures(), statistics.begin(), out);
 }
 
-int show_statistics(const Options& options) {
+int show_statistics(const StatsOptions& options) {
   auto names = load_names(options.names, standard_error());
   if (!names) return 2;
   trace::Decoder decoder(std::move(*names), {.frames = true, .transfers = true});
@@ -233,7 +233,7 @@ int show_statistics(const Options& options) {
 }  // namespace
 
 void add_trace_stats(CLI::App& trace, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<StatsOptions>();
   CLI::App* command =
       trace.add_subcommand("stats", "Figures of a trace: load, cycle times, heartbeats, SDO latencies");
   command->add_option("FILE", options->file, "Trace in any format that is read; - is the standard input")

@@ -20,7 +20,7 @@ using serve::Histogram;
 using std::chrono::nanoseconds;
 using namespace std::chrono_literals;
 
-struct Arguments {
+struct BenchArguments {
   std::string bus;
   std::uint32_t bit_rate = 250'000;
   std::string period = "10ms";
@@ -56,7 +56,7 @@ constexpr Row rows[] = {{"least", "least", 0},
                         {"99.9 %", "p999", 999},
                         {"most", "most", 1000}};
 
-void print_table(const serve::JitterResult& result, const Arguments& arguments) {
+void print_table(const serve::JitterResult& result, const BenchArguments& arguments) {
   const auto columns = columns_of(result);
   print_line(
       "{:<12}{:>10}{:>10}{:>10}   us later than the most punctual one (response: us from request to answer)",
@@ -106,7 +106,7 @@ void print_object(const serve::JitterResult& result) {
   print_json(object);
 }
 
-int jitter(const Arguments& arguments) {
+int jitter(const BenchArguments& arguments) {
   serve::JitterOptions options{.bit_rate = arguments.bit_rate, .real_time = arguments.real_time.wanted()};
   if (!arguments.bus.empty()) {
     const auto address = link::parse_bus_address(arguments.bus);
@@ -146,7 +146,7 @@ void add_bench_command(CLI::App& app, int& exit_code) {
   bench->require_subcommand(1);
   auto* command =
       bench->add_subcommand("jitter", "How punctual a plant is here: SYNC and answers, beside a mere sleep");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<BenchArguments>();
   command
       ->add_option("--bus", arguments->bus,
                    "Over this bus; an NMT master with node-ID 1 resets its nodes and sends SYNC: not the bus "

@@ -6,6 +6,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/cli/terminal/json_fields.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/client/control_client.hpp"
 #include "canopus/text/text_values.hpp"
@@ -15,35 +17,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int done = 0;
-constexpr int failed = 1;
-constexpr int usage = 2;
-
-struct Arguments {
+struct DeviceArguments {
   std::string device, object, value, hold;
   std::string at = "127.0.0.1:29540";
   std::string timeout = "3s";
   bool json = false;
 };
 
-/// What the server sent, where it is text; nothing else of it is trusted.
-std::string text(const Json& object, const char* key) {
-  const auto found = object.find(key);
-  if (found == object.end()) return "";
-  return found->is_string() ? found->get<std::string>()
-                            : found->dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-const Json& list_of(const Json& object, const char* key) {
-  static const Json none = Json::array();
-  const auto found = object.find(key);
-  return found != object.end() && found->is_array() ? *found : none;
-}
-
 /// "3 (03H)" for what may be a pattern of bits.
 std::string shown_value(const Json& object) {
-  const std::string value = text(object, "value");
-  const std::string type = text(object, "type");
+  const std::string value = field_text(object, "value");
+  const std::string type = field_text(object, "type");
   const auto found = object.find("value");
   if (!type.starts_with("UNSIGNED") || found == object.end() || !found->is_number_unsigned()) return value;
   const int digits = type == "UNSIGNED8" ? 2 : type == "UNSIGNED16" ? 4 : 8;
@@ -54,49 +38,51 @@ std::string state_of(const Json& object) {
   const auto forced = object.find("forced");
   if (forced == object.end() || *forced != true) return "";
   std::string state = "forced";
-  if (object.contains("until")) state += " until " + text(object, "until") + " s";
-  if (object.contains("beneath")) state += ", beneath it " + text(object, "beneath");
+  if (object.contains("until")) state += " until " + field_text(object, "until") + " s";
+  if (object.contains("beneath")) state += ", beneath it " + field_text(object, "beneath");
   return state;
 }
 
 void print_objects(const Json& answer) {
-  for (const Json& object : list_of(answer, "objects")) {
+  for (const Json& object : field_list(answer, "objects")) {
     const std::string state = state_of(object);
-    print_line("{}  {:<16}  {:<10}  {}{}", text(object, "object"), shown_value(object), text(object, "type"),
-               text(object, "name"), state.empty() ? "" : "  [" + state + "]");
+    print_line("{}  {:<16}  {:<10}  {}{}", field_text(object, "object"), shown_value(object),
+               field_text(object, "type"), field_text(object, "name"),
+               state.empty() ? "" : "  [" + state + "]");
   }
 }
 
 void print_devices(const Json& answer) {
   print_line("{:<12} {:>4}  {:<16} {:<16} {}", "bus", "node", "state", "name", "forced");
-  for (const Json& device : list_of(answer, "devices")) {
+  for (const Json& device : field_list(answer, "devices")) {
     std::string forced;
-    for (const Json& object : list_of(device, "forced")) {
-      forced += (forced.empty() ? "" : ", ") + text(object, "object") + " = " + text(object, "value");
+    for (const Json& object : field_list(device, "forced")) {
+      forced +=
+          (forced.empty() ? "" : ", ") + field_text(object, "object") + " = " + field_text(object, "value");
     }
-    print_line("{:<12} {:>4}  {:<16} {:<16} {}", text(device, "bus"), text(device, "node"),
-               text(device, "state"), text(device, "name"), forced.empty() ? "-" : forced);
+    print_line("{:<12} {:>4}  {:<16} {:<16} {}", field_text(device, "bus"), field_text(device, "node"),
+               field_text(device, "state"), field_text(device, "name"), forced.empty() ? "-" : forced);
   }
 }
 
-int ask(const Arguments& arguments, const Json& request) {
+int ask(const DeviceArguments& arguments, const Json& request) {
   const auto complain = [](int code, const std::string& what) {
     print_error("canopus: {}", what);
     return code;
   };
   const auto place = text::parse_host_and_port(arguments.at);
-  if (!place) return complain(usage, "--at: " + place.error());
+  if (!place) return complain(exit_code::usage, "--at: " + place.error());
   const auto timeout = text::parse_duration(arguments.timeout);
-  if (!timeout) return complain(usage, "--timeout: " + timeout.error());
+  if (!timeout) return complain(exit_code::usage, "--timeout: " + timeout.error());
   if (!arguments.hold.empty()) {
     if (const auto hold = text::parse_duration(arguments.hold); !hold)
-      return complain(usage, "--for: " + hold.error());
+      return complain(exit_code::usage, "--for: " + hold.error());
   }
   const auto answer = client::ask_control({.host = place->host,
                                            .port = place->port,
                                            .timeout = std::chrono::ceil<std::chrono::milliseconds>(*timeout)},
                                           request);
-  if (!answer) return complain(failed, answer.error());
+  if (!answer) return complain(exit_code::failed, answer.error());
   if (arguments.json) {
     print_json(*answer);
   } else if (answer->contains("devices")) {
@@ -104,13 +90,13 @@ int ask(const Arguments& arguments, const Json& request) {
   } else {
     print_objects(*answer);
   }
-  return done;
+  return exit_code::done;
 }
 
 }  // namespace
 
 void add_device_command(CLI::App& app, int& exit_code) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<DeviceArguments>();
   CLI::App& device =
       *app.add_subcommand("device", "Show and force the values of the devices of a running plant");
   device.require_subcommand(1);
@@ -124,7 +110,8 @@ void add_device_command(CLI::App& app, int& exit_code) {
       "Exit code: 0 done, 1 the plant refused or could not be reached, 2 wrong command line.\n"
       "\n"
       "Example: canopus device set io-block 6000:01 3 --for 200ms");
-  const auto add = [&](const char* name, const char* help, std::function<Json(const Arguments&)> request) {
+  const auto add = [&](const char* name, const char* help,
+                       std::function<Json(const DeviceArguments&)> request) {
     CLI::App& command = *device.add_subcommand(name, help);
     command.add_option("--at", arguments->at, "where the plant can be controlled")
         ->type_name("HOST:PORT")
@@ -144,13 +131,13 @@ void add_device_command(CLI::App& app, int& exit_code) {
   const auto add_object = [&](CLI::App& command, bool required) {
     command.add_option("OBJECT", arguments->object, "6000:01, or a parameter's name")->required(required);
   };
-  const auto with_object = [](Json request, const Arguments& all) {
+  const auto with_object = [](Json request, const DeviceArguments& all) {
     request["device"] = all.device;
     if (!all.object.empty()) request["object"] = all.object;
     return request;
   };
 
-  auto* setting = add("set", "Force a value", [with_object](const Arguments& all) {
+  auto* setting = add("set", "Force a value", [with_object](const DeviceArguments& all) {
     Json request = with_object({{"request", "set"}}, all);
     request["value"] = all.value;
     if (!all.hold.empty()) request["for"] = all.hold;
@@ -161,20 +148,20 @@ void add_device_command(CLI::App& app, int& exit_code) {
   setting->add_option("VALUE", arguments->value, "1234, -5, 0x4D2, 1.5, true")->required();
   setting->add_option("--for", arguments->hold, "release it after this time of the plant");
 
-  auto* getting = add("get", "Show one value, or all of a device", [with_object](const Arguments& all) {
+  auto* getting = add("get", "Show one value, or all of a device", [with_object](const DeviceArguments& all) {
     return with_object({{"request", "get"}}, all);
   });
   add_name(*getting);
   add_object(*getting, false);
 
   auto* releasing =
-      add("release", "Release one value, or all of a device", [with_object](const Arguments& all) {
+      add("release", "Release one value, or all of a device", [with_object](const DeviceArguments& all) {
         return with_object({{"request", "release"}}, all);
       });
   add_name(*releasing);
   add_object(*releasing, false);
 
-  add("list", "Show the devices, and what is forced", [](const Arguments&) {
+  add("list", "Show the devices, and what is forced", [](const DeviceArguments&) {
     return Json{{"request", "list"}};
   });
 }

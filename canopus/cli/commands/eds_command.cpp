@@ -77,7 +77,7 @@ void print_text(Output& out, const std::string& file, const eds::ReadResult& res
   out.line(line);
 }
 
-void print_json(Output& out, const std::string& file, const eds::ReadResult& result) {
+void print_as_json(Output& out, const std::string& file, const eds::ReadResult& result) {
   nlohmann::ordered_json line;
   line["file"] = file;
   line["accepted"] = result.file != nullptr;
@@ -119,7 +119,7 @@ int eds_check(const EdsCheckOptions& options, Output& out, Output& err) {
     const eds::ReadResult result = eds::read_device_file(*text);
     const std::string shown = file == "-" ? "<stdin>" : file;
     if (options.json) {
-      print_json(out, shown, result);
+      print_as_json(out, shown, result);
     } else {
       print_text(out, shown, result, options);
     }

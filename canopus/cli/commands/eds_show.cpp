@@ -21,7 +21,7 @@ using canopen::Entry;
 using canopen::ObjectDescription;
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t width = 80;
+constexpr std::size_t line_width = 80;
 
 std::string_view access_name(canopen::Access access) {
   using enum canopen::Access;
@@ -92,7 +92,7 @@ class Sheet {
 /// A line of at most 80 columns; what is longer ends with two dots.
 void print_cut(Output& out, const std::string& beginning, std::string_view name) {
   std::string text = beginning + text::printable(name);
-  if (text::columns_of(text) > width) text = std::string(text::clipped(text, width - 2)) + "..";
+  if (text::columns_of(text) > line_width) text = std::string(text::clipped(text, line_width - 2)) + "..";
   out.line("{}", text);
 }
 

@@ -20,7 +20,7 @@ namespace {
 using manager::BootRecord;
 using manager::BootStep;
 
-struct Arguments {
+struct MasterArguments {
   BusOptions bus;
   std::string network;
   std::string duration;
@@ -204,7 +204,7 @@ class NoBus final : public can::Sink {
   bool send(const can::Frame&) override { return false; }
 };
 
-int boot(const Arguments& arguments) {
+int boot(const MasterArguments& arguments) {
   std::optional<can::Duration> duration;
   if (!arguments.duration.empty()) {
     const auto parsed = text::parse_duration(arguments.duration);
@@ -246,7 +246,7 @@ int boot(const Arguments& arguments) {
 }  // namespace
 
 void add_master_command(CLI::App& app, int& exit_code) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<MasterArguments>();
   CLI::App* command = app.add_subcommand("master", "Boot a network as its NMT master, without a PLC");
   command->add_option("--dcf", arguments->network, "Network file (TOML, see docs/commands.md)")
       ->type_name("FILE")

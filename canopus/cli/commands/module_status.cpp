@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "canopus/cli/terminal/json_fields.hpp"
 #include "canopus/client/control_client.hpp"
 #include "canopus/text/text_values.hpp"
 
@@ -13,27 +14,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Arguments {
+struct ModuleStatusArguments {
   std::string module;
   std::string at = "127.0.0.1:29540";
   std::string timeout = "3s";
   bool json = false;
 };
-
-/// Empty where there is none, or null.
-std::string text(const Json& object, const char* key) {
-  const auto found = object.is_object() ? object.find(key) : object.end();
-  if (!object.is_object() || found == object.end() || found->is_null()) return "";
-  return found->is_string() ? found->get<std::string>()
-                            : found->dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-const Json& list_of(const Json& object, const char* key) {
-  static const Json none = Json::array();
-  if (!object.is_object()) return none;
-  const auto found = object.find(key);
-  return found != object.end() && found->is_array() ? *found : none;
-}
 
 std::string or_dash(std::string value) { return value.empty() ? "-" : std::move(value); }
 
@@ -56,7 +42,7 @@ std::string details_of(const Json& error) {
   return shown;
 }
 
-int ask(const Arguments& arguments) {
+int ask(const ModuleStatusArguments& arguments) {
   const auto complain = [](int code, const std::string& what) {
     print_error("canopus: {}", what);
     return code;
@@ -84,31 +70,32 @@ int ask(const Arguments& arguments) {
 
 void print_modules(const Json& answer, Output& out) {
   bool is_first = true;
-  for (const Json& module : list_of(answer, "modules")) {
+  for (const Json& module : field_list(answer, "modules")) {
     if (!std::exchange(is_first, false)) out.line("");
-    const std::string plc = text(module, "plc");
-    out.line("{}{}{}", text(module, "module"), plc.empty() ? "" : ", PLC " + plc,
-             text(module, "on") == "true" ? "" : ": off");
+    const std::string plc = field_text(module, "plc");
+    out.line("{}{}{}", field_text(module, "module"), plc.empty() ? "" : ", PLC " + plc,
+             field_text(module, "on") == "true" ? "" : ": off");
     std::string leds;
-    for (const Json& led : list_of(module, "leds")) {
-      leds += fmt::format("{}{} {}", leds.empty() ? "" : ", ", text(led, "name"), text(led, "pattern"));
+    for (const Json& led : field_list(module, "leds")) {
+      leds += fmt::format("{}{} {}", leds.empty() ? "" : ", ", field_text(led, "name"),
+                          field_text(led, "pattern"));
     }
     out.line("  LED information  {}", or_dash(leds));
-    const std::string mode = text(module, "function_mode");
-    const std::string name = text(module, "function_mode_name");
+    const std::string mode = field_text(module, "function_mode");
+    const std::string name = field_text(module, "function_mode_name");
     out.line("  Function mode    {}{}", or_dash(mode), name.empty() ? "" : " (" + name + ")");
     out.line("  Baud rate        {}", bit_rate_of(module));
-    out.line("  Node ID          {}", or_dash(text(module, "node")));
-    for (const Json& error : list_of(module, "errors")) {
-      out.line("  Error            {}H {}: {}{}", text(error, "code"), text(error, "class"),
-               text(error, "overview"), details_of(error));
+    out.line("  Node ID          {}", or_dash(field_text(module, "node")));
+    for (const Json& error : field_list(module, "errors")) {
+      out.line("  Error            {}H {}: {}{}", field_text(error, "code"), field_text(error, "class"),
+               field_text(error, "overview"), details_of(error));
     }
   }
   if (is_first) out.line("the plant has no module");
 }
 
 void add_module_status(CLI::App& module_command, int& exit_code) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ModuleStatusArguments>();
   CLI::App* status = module_command.add_subcommand(
       "status", "The modules of a running plant: LEDs, function mode, baud rate, node-ID, errors");
   status->add_option("NAME", arguments->module, "one module, as the plant file calls it, or \"RJ71CN91 U0\"");

@@ -12,12 +12,11 @@
 namespace canopus::cli {
 
 using client::PlcPoint;
-using Arguments = PlcArguments;
 using Frame = client::PlcConnection::Frame;
 
 namespace {
 
-std::string shown(std::uint16_t word, const Arguments& arguments) {
+std::string shown(std::uint16_t word, const PlcArguments& arguments) {
   const int decimal = arguments.as_signed ? static_cast<std::int16_t>(word) : static_cast<int>(word);
   if (arguments.format == "dec") return fmt::format("{}", decimal);
   if (arguments.format == "hex") return fmt::format("{:04X}H", word);
@@ -37,21 +36,21 @@ std::string_view why_not_written(const PlcPoint& point) {
 /// Reads back what was written, unless that is not wanted. Complains of the first point that shows something
 /// else; `same` compares, `shown` shows.
 template <typename Value, typename Read, typename Show>
-int verify(const PlcPoint& point, const Arguments& arguments, std::span<const Value> written, Read read,
+int verify(const PlcPoint& point, const PlcArguments& arguments, std::span<const Value> written, Read read,
            Show show) {
   if (arguments.no_verify) return done;
   const auto found = read(static_cast<std::uint32_t>(written.size()));
-  if (!found) return complain(refused, "written, but it cannot be read back: " + found.error());
+  if (!found) return plc_failed(refused, "written, but it cannot be read back: " + found.error());
   const auto [wanted, other] = std::ranges::mismatch(written, *found);
   if (wanted == written.end()) return done;
   const auto offset = static_cast<std::uint32_t>(wanted - written.begin());
-  return complain(
+  return plc_failed(
       refused, fmt::format("{} was written with {} and shows {}: {}", shown_address(point, arguments, offset),
                            show(*wanted), show(*other), why_not_written(point)));
 }
 
 /// Options of a connection that make no sense beside each other.
-std::string why_not_together(const Arguments& arguments) {
+std::string why_not_together(const PlcArguments& arguments) {
   const int frames = arguments.frame_3e + arguments.frame_4e + arguments.frame_1e + arguments.modbus;
   if (frames > 1) return "--3e, --4e, --1e and --modbus do not go together; expected one of them";
   if (arguments.unit && !arguments.modbus) return "--unit is for --modbus";
@@ -63,31 +62,31 @@ std::string why_not_together(const Arguments& arguments) {
 
 }  // namespace
 
-int complain(int exit_code, const std::string& message) {
+int plc_failed(int exit_code, const std::string& message) {
   print_error("canopus plc: {}", message);
   return exit_code;
 }
 
-Frame frame_of(const Arguments& arguments) noexcept {
+Frame frame_of(const PlcArguments& arguments) noexcept {
   if (arguments.modbus) return Frame::modbus;
   if (arguments.frame_1e) return Frame::frame_1e;
   return arguments.frame_4e ? Frame::frame_4e : Frame::frame_3e;
 }
 
-client::PlcNotation notation_of(const Arguments& arguments) noexcept {
+client::PlcNotation notation_of(const PlcArguments& arguments) noexcept {
   if (arguments.modbus) return client::PlcNotation::modbus;
   return arguments.octal ? client::PlcNotation::melsec_octal : client::PlcNotation::melsec;
 }
 
 /// Connects, then does it. Everything on the command line has been understood by then.
-int with_client(const Arguments& arguments, const std::function<int(client::PlcClient&)>& action) {
+int with_client(const PlcArguments& arguments, const std::function<int(client::PlcClient&)>& action) {
   constexpr std::uint16_t usual_port = 5007;
   constexpr std::uint16_t usual_modbus_port = 502;
   constexpr std::size_t longest_password = 32;
-  if (const std::string why = why_not_together(arguments); !why.empty()) return complain(usage, why);
+  if (const std::string why = why_not_together(arguments); !why.empty()) return plc_failed(usage, why);
   const auto timeout = text::parse_duration(arguments.timeout);
-  if (!timeout) return complain(usage, "--timeout: " + timeout.error());
-  if (*timeout < std::chrono::milliseconds(1)) return complain(usage, "--timeout: expected at least 1ms");
+  if (!timeout) return plc_failed(usage, "--timeout: " + timeout.error());
+  if (*timeout < std::chrono::milliseconds(1)) return plc_failed(usage, "--timeout: expected at least 1ms");
   client::PlcConnection connection = arguments.connection;
   connection.frame = frame_of(arguments);
   connection.octal = arguments.octal;
@@ -96,19 +95,20 @@ int with_client(const Arguments& arguments, const std::function<int(client::PlcC
   connection.timeout = std::chrono::ceil<std::chrono::milliseconds>(*timeout);
   if (!connection.remote_password.empty()) {
     if (connection.frame != Frame::frame_3e && connection.frame != Frame::frame_4e)
-      return complain(usage, "--password: only 3E and 4E frames can bring a remote password");
+      return plc_failed(usage, "--password: only 3E and 4E frames can bring a remote password");
     if (connection.remote_password.size() > longest_password)
-      return complain(usage, "--password: a remote password has at most 32 characters");
+      return plc_failed(usage, "--password: a remote password has at most 32 characters");
   }
   auto client = client::PlcClient::connect(connection);
-  if (!client) return complain(refused, client.error());
+  if (!client) return plc_failed(refused, client.error());
   const int code = action(*client);
   const auto left = client->leave();
-  return left || code != done ? code
-                              : complain(refused, "it is done, but the port stays unlocked: " + left.error());
+  return left || code != done
+             ? code
+             : plc_failed(refused, "it is done, but the port stays unlocked: " + left.error());
 }
 
-std::expected<PlcPoint, std::string> plc_point(std::string_view text, const Arguments& arguments) {
+std::expected<PlcPoint, std::string> plc_point(std::string_view text, const PlcArguments& arguments) {
   const client::PlcNotation notation = notation_of(arguments);
   const std::size_t colon = arguments.modbus ? std::string_view::npos : text.find(':');
   if (colon == std::string_view::npos) {
@@ -129,7 +129,7 @@ std::expected<PlcPoint, std::string> plc_point(std::string_view text, const Argu
   return point;
 }
 
-std::string shown_address(const PlcPoint& point, const Arguments& arguments, std::uint32_t offset) {
+std::string shown_address(const PlcPoint& point, const PlcArguments& arguments, std::uint32_t offset) {
   return client::to_text(point, offset, notation_of(arguments));
 }
 
@@ -144,7 +144,7 @@ client::PlcClient::Result<std::vector<std::uint16_t>> read_values(client::PlcCli
 
 client::PlcClient::Result<std::vector<std::string>> read_points(client::PlcClient& client,
                                                                 const PlcPoint& point,
-                                                                const Arguments& arguments) {
+                                                                const PlcArguments& arguments) {
   const auto values = read_values(client, point, arguments.count);
   if (!values) return std::unexpected(values.error());
   std::vector<std::string> texts;
@@ -154,19 +154,19 @@ client::PlcClient::Result<std::vector<std::string>> read_points(client::PlcClien
   return texts;
 }
 
-int write_and_verify(client::PlcClient& client, const PlcPoint& point, const Arguments& arguments,
+int write_and_verify(client::PlcClient& client, const PlcPoint& point, const PlcArguments& arguments,
                      std::span<const std::uint8_t> bits) {
   const auto written = client.write_bits(point, bits);
-  if (!written) return complain(refused, written.error());
+  if (!written) return plc_failed(refused, written.error());
   return verify(
       point, arguments, bits, [&](std::uint32_t count) { return client.read_bits(point, count); },
       [](std::uint8_t bit) { return shown_bit(bit != 0); });
 }
 
-int write_and_verify(client::PlcClient& client, const PlcPoint& point, const Arguments& arguments,
+int write_and_verify(client::PlcClient& client, const PlcPoint& point, const PlcArguments& arguments,
                      std::span<const std::uint16_t> words) {
   const auto written = client.write_words(point, words);
-  if (!written) return complain(refused, written.error());
+  if (!written) return plc_failed(refused, written.error());
   return verify(
       point, arguments, words, [&](std::uint32_t count) { return client.read_words(point, count); },
       [](std::uint16_t word) { return fmt::format("{} ({:04X}H)", word, word); });

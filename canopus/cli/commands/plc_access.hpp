@@ -52,7 +52,7 @@ inline constexpr int usage = 2;
 void add_connection_options(CLI::App& command, PlcArguments& arguments);
 
 /// Prints the message, and returns the code.
-int complain(int exit_code, const std::string& message);
+int plc_failed(int exit_code, const std::string& message);
 
 [[nodiscard]] client::PlcConnection::Frame frame_of(const PlcArguments& arguments) noexcept;
 [[nodiscard]] client::PlcNotation notation_of(const PlcArguments& arguments) noexcept;

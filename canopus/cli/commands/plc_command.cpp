@@ -26,12 +26,11 @@ namespace canopus::cli {
 namespace {
 
 using client::PlcPoint;
-using Arguments = PlcArguments;
 
-int read(const PlcPoint& point, const Arguments& arguments) {
+int read(const PlcPoint& point, const PlcArguments& arguments) {
   return with_client(arguments, [&](client::PlcClient& client) {
     const auto texts = read_points(client, point, arguments);
-    if (!texts) return complain(refused, texts.error());
+    if (!texts) return plc_failed(refused, texts.error());
     std::size_t width = 0;  // X0.15 is longer than X1.0
     for (std::uint32_t i = 0; i < texts->size(); ++i)
       width = std::max(width, shown_address(point, arguments, i).size());
@@ -41,11 +40,11 @@ int read(const PlcPoint& point, const Arguments& arguments) {
   });
 }
 
-int write_bits(const PlcPoint& point, const Arguments& arguments) {
+int write_bits(const PlcPoint& point, const PlcArguments& arguments) {
   std::vector<std::uint8_t> bits;
   for (const std::string& text : arguments.values) {
     const auto bit = client::parse_plc_bit(text);
-    if (!bit) return complain(usage, bit.error());
+    if (!bit) return plc_failed(usage, bit.error());
     bits.push_back(*bit ? 1 : 0);
   }
   return with_client(arguments, [&](client::PlcClient& client) {
@@ -53,11 +52,11 @@ int write_bits(const PlcPoint& point, const Arguments& arguments) {
   });
 }
 
-int write_words(const PlcPoint& point, const Arguments& arguments) {
+int write_words(const PlcPoint& point, const PlcArguments& arguments) {
   std::vector<std::uint16_t> words;
   for (const std::string& text : arguments.values) {
     const auto word = client::parse_plc_word(text);
-    if (!word) return complain(usage, word.error());
+    if (!word) return plc_failed(usage, word.error());
     words.push_back(*word);
   }
   return with_client(arguments, [&](client::PlcClient& client) {
@@ -65,13 +64,13 @@ int write_words(const PlcPoint& point, const Arguments& arguments) {
   });
 }
 
-int write(const PlcPoint& point, const Arguments& arguments) {
+int write(const PlcPoint& point, const PlcArguments& arguments) {
   return point.is_bit() ? write_bits(point, arguments) : write_words(point, arguments);
 }
 
-int switch_bit(const PlcPoint& point, const Arguments& arguments, bool on) {
+int switch_bit(const PlcPoint& point, const PlcArguments& arguments, bool on) {
   if (!point.is_bit())
-    return complain(
+    return plc_failed(
         usage, shown_address(point, arguments) + " is a word; set and reset take bit devices (Y1, M100)");
   return with_client(arguments, [&](client::PlcClient& client) {
     const std::uint8_t bit = on ? 1 : 0;
@@ -79,16 +78,16 @@ int switch_bit(const PlcPoint& point, const Arguments& arguments, bool on) {
   });
 }
 
-int operate(const Arguments& arguments, client::PlcOperation operation,
+int operate(const PlcArguments& arguments, client::PlcOperation operation,
             const std::function<int(client::PlcClient&)>& then) {
-  if (arguments.modbus) return complain(usage, "Modbus TCP has no remote operation of a CPU");
+  if (arguments.modbus) return plc_failed(usage, "Modbus TCP has no remote operation of a CPU");
   const bool is_run_or_stop =
       operation == client::PlcOperation::run || operation == client::PlcOperation::stop;
   if (arguments.frame_1e && !is_run_or_stop)
-    return complain(usage, "1E frames have no remote PAUSE and reset; 3E frames do");
+    return plc_failed(usage, "1E frames have no remote PAUSE and reset; 3E frames do");
   return with_client(arguments, [&](client::PlcClient& client) {
     const auto result = client.operate(operation);
-    return result ? then(client) : complain(refused, result.error());
+    return result ? then(client) : plc_failed(refused, result.error());
   });
 }
 
@@ -98,12 +97,12 @@ int no_more(client::PlcClient& /*client*/) { return done; }
 int look_for_pause(client::PlcClient& client) {
   const auto stopped = client.read_bits({.at = {.device = plc::Device::sm, .number = 203}}, 1);
   if (!stopped || stopped->front() == 0) return done;
-  return complain(refused, "the CPU is in STOP and stays there: PAUSE is reached from RUN alone");
+  return plc_failed(refused, "the CPU is in STOP and stays there: PAUSE is reached from RUN alone");
 }
 
-int type(client::PlcClient& client, const Arguments& arguments) {
+int type(client::PlcClient& client, const PlcArguments& arguments) {
   const auto found = client.read_type();
-  if (!found) return complain(refused, found.error());
+  if (!found) return plc_failed(refused, found.error());
   if (arguments.modbus) {
     print_line("{}", found->name);
   } else {
@@ -112,21 +111,21 @@ int type(client::PlcClient& client, const Arguments& arguments) {
   return done;
 }
 
-int with_point(const Arguments& arguments,
-               const std::function<int(const PlcPoint&, const Arguments&)>& action) {
+int with_point(const PlcArguments& arguments,
+               const std::function<int(const PlcPoint&, const PlcArguments&)>& action) {
   const auto point = plc_point(arguments.address, arguments);
-  return point ? action(*point, arguments) : complain(usage, point.error());
+  return point ? action(*point, arguments) : plc_failed(usage, point.error());
 }
 
-void add_address(CLI::App& command, Arguments& arguments, const char* help) {
+void add_address(CLI::App& command, PlcArguments& arguments, const char* help) {
   command.add_option("ADDRESS", arguments.address, help)->required();
 }
 
-void add_verify_option(CLI::App& command, Arguments& arguments) {
+void add_verify_option(CLI::App& command, PlcArguments& arguments) {
   command.add_flag("--no-verify", arguments.no_verify, "do not read back what was written");
 }
 
-void add_reading_options(CLI::App& command, Arguments& arguments) {
+void add_reading_options(CLI::App& command, PlcArguments& arguments) {
   command.add_option("-n,--count", arguments.count, "points: words, or bits of a bit device")
       ->type_name("NUMBER")
       ->check(number_from(1, 65536))
@@ -140,7 +139,7 @@ void add_reading_options(CLI::App& command, Arguments& arguments) {
 
 }  // namespace
 
-void add_connection_options(CLI::App& command, Arguments& arguments) {
+void add_connection_options(CLI::App& command, PlcArguments& arguments) {
   command.add_option("--host", arguments.connection.host, "the PLC's address")->capture_default_str();
   command.add_option("--port", arguments.port, "of the PLC [5007, with --modbus 502]")
       ->type_name("PORT")
@@ -167,7 +166,7 @@ void add_connection_options(CLI::App& command, Arguments& arguments) {
 }
 
 void add_plc_command(CLI::App& app, int& exit_code) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<PlcArguments>();
   CLI::App& plc =
       *app.add_subcommand("plc", "Read and write a PLC over the MELSEC communication protocol or Modbus TCP");
   plc.require_subcommand(1);
@@ -201,7 +200,7 @@ void add_plc_command(CLI::App& app, int& exit_code) {
   for (const bool on : {true, false}) {
     auto* switching =
         add(on ? "set" : "reset", on ? "Turn a bit device ON" : "Turn a bit device OFF", [arguments, on] {
-          return with_point(*arguments, [on](const PlcPoint& point, const Arguments& all) {
+          return with_point(*arguments, [on](const PlcPoint& point, const PlcArguments& all) {
             return switch_bit(point, all, on);
           });
         });

@@ -101,14 +101,14 @@ int dump_plc(const PlcArguments& arguments) {
   std::vector<Range> ranges;
   for (const std::string& text : arguments.values) {
     const auto range = parse_range(text, arguments);
-    if (!range) return complain(usage, range.error());
+    if (!range) return plc_failed(usage, range.error());
     ranges.push_back(*range);
   }
   return with_client(arguments, [&](client::PlcClient& client) {
     std::vector<std::string> lines{std::string(header)};
     for (const Range& range : ranges) {
       const auto values = read_values(client, range.first, range.count);
-      if (!values) return complain(refused, values.error());
+      if (!values) return plc_failed(refused, values.error());
       for (std::uint32_t i = 0; i < range.count; ++i) {
         const std::uint16_t value = (*values)[i];
         const std::string text = !range.first.is_bit() ? std::to_string(value) : value != 0 ? "ON" : "OFF";
@@ -122,7 +122,7 @@ int dump_plc(const PlcArguments& arguments) {
     std::ofstream file(arguments.file, std::ios::binary);
     for (const std::string& line : lines) file << line << '\n';
     file.close();
-    return file ? done : complain(refused, arguments.file + ": cannot be written");
+    return file ? done : plc_failed(refused, arguments.file + ": cannot be written");
   });
 }
 
@@ -133,11 +133,11 @@ int load_plc(const PlcArguments& arguments) {
     text.assign(std::istreambuf_iterator<char>(std::cin), {});
   } else {
     auto read = text::read_file_or_reason(arguments.file);
-    if (!read) return complain(usage, fmt::format("{}: {}", name, read.error()));
+    if (!read) return plc_failed(usage, fmt::format("{}: {}", name, read.error()));
     text = std::move(*read);
   }
   const auto blocks = read_blocks(text, name, arguments);
-  if (!blocks) return complain(usage, blocks.error());
+  if (!blocks) return plc_failed(usage, blocks.error());
   return with_client(arguments, [&](client::PlcClient& client) {
     std::size_t points = 0;
     for (const Block& block : *blocks) {

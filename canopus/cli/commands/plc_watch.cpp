@@ -76,11 +76,11 @@ int watch_until(client::PlcClient& client, const PlcPoint& point, const PlcArgum
     };
     if (arguments.csv || arguments.json) {
       const auto values = read_values(client, point, arguments.count);
-      if (!values) return complain(refused, values.error());
+      if (!values) return plc_failed(refused, values.error());
       printer.values(since_start(), *values);
     } else {
       const auto texts = read_points(client, point, arguments);
-      if (!texts) return complain(refused, texts.error());
+      if (!texts) return plc_failed(refused, texts.error());
       printer.text(since_start(), *texts);
     }
     next += interval;
@@ -95,13 +95,13 @@ int watch_until(client::PlcClient& client, const PlcPoint& point, const PlcArgum
 
 int watch_plc(const PlcPoint& point, const PlcArguments& arguments) {
   const auto interval = text::parse_duration(arguments.interval);
-  if (!interval) return complain(usage, "--interval: " + interval.error());
-  if (*interval < std::chrono::milliseconds(1)) return complain(usage, "--interval: expected at least 1ms");
+  if (!interval) return plc_failed(usage, "--interval: " + interval.error());
+  if (*interval < std::chrono::milliseconds(1)) return plc_failed(usage, "--interval: expected at least 1ms");
   const WatchClock::time_point start = WatchClock::now();
   WatchClock::time_point end = WatchClock::time_point::max();
   if (!arguments.duration.empty()) {
     const auto duration = text::parse_duration(arguments.duration);
-    if (!duration) return complain(usage, "--for: " + duration.error());
+    if (!duration) return plc_failed(usage, "--for: " + duration.error());
     end = start + *duration;
   }
   return with_client(arguments, [&](client::PlcClient& client) {

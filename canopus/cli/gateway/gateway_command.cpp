@@ -14,7 +14,7 @@
 namespace canopus::cli {
 namespace {
 
-struct Arguments {
+struct GatewayArguments {
   BusOptions bus;
   std::string listen = "127.0.0.1:7600";
   std::string node;
@@ -29,7 +29,7 @@ void tell(client::Gateway& gateway, can::ErrorState& before, can::ErrorState now
   if (now == can::ErrorState::bus_off) gateway.controller_error(client::GatewayError::bus_off);
 }
 
-int serve(const Arguments& arguments, const char* version) {
+int serve(const GatewayArguments& arguments, const char* version) {
   const unsigned node = arguments.node.empty() ? 0 : parse_node(arguments.node);
   if (!arguments.node.empty() && node == 0) {
     return complain(exit_code::usage,
@@ -76,7 +76,7 @@ int serve(const Arguments& arguments, const char* version) {
 }  // namespace
 
 void add_gateway_command(CLI::App& app, int& exit_code, const char* version) {
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<GatewayArguments>();
   CLI::App* command =
       app.add_subcommand("gateway", "Give a bus to clients over TCP, in the ASCII of CiA 309-3");
   add_bus_options(*command, arguments->bus, "for joining the bus", false);

@@ -11,17 +11,16 @@
 namespace canopus::cli {
 namespace {
 
-using Arguments = ConfigureArguments;
-using Action = int (*)(const Arguments&);
+using Action = int (*)(const ConfigureArguments&);
 
 /// Adds a command; each has arguments of its own.
 struct Adder {
   CLI::App& group;
   int& exit_code;
 
-  std::pair<CLI::App*, std::shared_ptr<Arguments>> add(const char* name, const char* help,
-                                                       Action action) const {
-    auto arguments = std::make_shared<Arguments>();
+  std::pair<CLI::App*, std::shared_ptr<ConfigureArguments>> add(const char* name, const char* help,
+                                                                Action action) const {
+    auto arguments = std::make_shared<ConfigureArguments>();
     CLI::App* command = group.add_subcommand(name, help);
     command->callback([arguments, action, code = &exit_code] { *code = action(*arguments); });
     return {command, arguments};
@@ -36,7 +35,7 @@ struct Adder {
     add_online_options(*added.first, *added.second);
     return added;
   }
-  static void add_online_options(CLI::App& command, Arguments& arguments) {
+  static void add_online_options(CLI::App& command, ConfigureArguments& arguments) {
     add_connection_options(command, arguments.plc);
     command
         .add_option("--number", arguments.module_number,
@@ -46,7 +45,7 @@ struct Adder {
   }
 };
 
-void add_transfer_options(CLI::App& command, Arguments& arguments) {
+void add_transfer_options(CLI::App& command, ConfigureArguments& arguments) {
   Adder::add_online_options(command, arguments);
   command.add_option("--part", arguments.part, "what is transferred")
       ->type_name("PART")
@@ -103,7 +102,7 @@ void add_offline(const Adder& adder) {
     command->add_option("XML", arguments->other_file, "the backup")->required();
   }
   adder.add("recent", "List the ten projects used last",
-            [](const Arguments&) { return list_recent_projects(); });
+            [](const ConfigureArguments&) { return list_recent_projects(); });
 }
 
 void add_online(const Adder& adder) {

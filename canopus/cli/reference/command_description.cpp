@@ -16,7 +16,7 @@ std::vector<std::string> choices_of(CLI::Option& option) {
   }
 }
 
-OptionDescription describe(CLI::Option& option) {
+OptionDescription describe_option(CLI::Option& option) {
   OptionDescription said;
   for (const std::string& name : option.get_snames()) said.names.push_back("-" + name);
   for (const std::string& name : option.get_lnames()) said.names.push_back("--" + name);
@@ -52,7 +52,7 @@ CommandDescription describe(CLI::App& command, const std::string& outer) {
   said.description = command.get_description();
   said.footer = command.get_footer();
   for (CLI::Option* option : command.get_options()) {
-    auto description = describe(*option);
+    auto description = describe_option(*option);
     (option->get_positional() ? said.arguments : said.options).push_back(std::move(description));
   }
   for (CLI::App* inner : command.get_subcommands([](const CLI::App*) { return true; })) {

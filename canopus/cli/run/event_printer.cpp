@@ -11,17 +11,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::uint8_t no_node_id = 0xFF;
-
-/// Microseconds are what a trace has; more digits would only be noise.
-double rounded_seconds(can::Time time) {
-  return static_cast<double>(time.time_since_epoch() / std::chrono::microseconds(1)) / 1e6;
-}
-
-Json event(can::Time now, std::string_view kind) { return {{"t", rounded_seconds(now)}, {"event", kind}}; }
+using plant::no_node_id;
 
 Json node_event(can::Time now, std::string_view kind, const plant::NodeLabel& node) {
-  Json line = event(now, kind);
+  Json line = event_line(now, kind);
   line["bus"] = node.bus;
   line["node"] = node.node_id;
   if (!node.name.empty()) line["name"] = node.name;
@@ -44,19 +37,27 @@ std::string hexadecimal(const canopen::Emergency& message) {
 
 }  // namespace
 
+double event_seconds(can::Time time) {
+  return static_cast<double>(time.time_since_epoch() / std::chrono::microseconds(1)) / 1e6;
+}
+
+nlohmann::ordered_json event_line(can::Time now, std::string_view kind) {
+  return {{"t", event_seconds(now)}, {"event", kind}};
+}
+
 void JsonPrinter::print(const Json& line, can::Time now) {
   latest_ = now;
   out_.json(line);
 }
 
 std::string JsonPrinter::lost_line(std::uint64_t lines) const {
-  Json line = event(latest_, "lost");
+  Json line = event_line(latest_, "lost");
   line["lines"] = lines;
   return line.dump() + '\n';
 }
 
 void JsonPrinter::listening(std::string_view protocol, std::string_view of, std::string_view address) {
-  Json line = event(can::Time{}, "listen");
+  Json line = event_line(can::Time{}, "listen");
   line["protocol"] = protocol;
   line["of"] = of;
   line["address"] = address;
@@ -100,7 +101,7 @@ void JsonPrinter::slave_boot_went_on(const plant::NodeLabel& slave, const plant:
 }
 
 void JsonPrinter::signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) {
-  Json line = event(now, "signal");
+  Json line = event_line(now, "signal");
   line["plc"] = plc;
   line["signal"] = fmt::format("{}{:02X}", kind, number);
   line["on"] = on;
@@ -109,7 +110,7 @@ void JsonPrinter::signal_changed(std::string_view plc, char kind, unsigned numbe
 
 void JsonPrinter::buffer_changed(std::string_view plc, unsigned head, std::uint32_t address,
                                  std::uint16_t value, bool by_cpu, can::Time now) {
-  Json line = event(now, "buffer");
+  Json line = event_line(now, "buffer");
   line["plc"] = plc;
   line["module"] = fmt::format("U{:X}", head / 16);
   line["address"] = address;
@@ -120,7 +121,7 @@ void JsonPrinter::buffer_changed(std::string_view plc, unsigned head, std::uint3
 
 void JsonPrinter::object_forced(const plant::ForcedObject& forced, can::Time now) {
   Json line = object_event(now, "forced", forced);
-  if (forced.until != can::never) line["until"] = rounded_seconds(forced.until);
+  if (forced.until != can::never) line["until"] = event_seconds(forced.until);
   print(line, now);
 }
 
@@ -129,7 +130,7 @@ void JsonPrinter::object_released(const plant::ForcedObject& released, can::Time
 }
 
 void JsonPrinter::load(std::string_view bus, const can::BusLoad& load, can::Time now) {
-  Json line = event(now, "load");
+  Json line = event_line(now, "load");
   line["bus"] = bus;
   line["now"] = load.now;
   line["peak"] = load.peak;
@@ -139,21 +140,21 @@ void JsonPrinter::load(std::string_view bus, const can::BusLoad& load, can::Time
 }
 
 void JsonPrinter::warning(std::string_view source, std::string_view message, can::Time now) {
-  Json line = event(now, "warning");
+  Json line = event_line(now, "warning");
   line["source"] = source;
   line["message"] = message;
   print(line, now);
 }
 
 void JsonPrinter::error(std::string_view source, std::string_view message, can::Time now) {
-  Json line = event(now, "error");
+  Json line = event_line(now, "error");
   line["source"] = source;
   line["message"] = message;
   print(line, now);
 }
 
 void JsonPrinter::summary(const RunSummary& summary) {
-  Json line = event(summary.end, "summary");
+  Json line = event_line(summary.end, "summary");
   line["virtual"] = summary.virtual_time;
   line["wall"] = static_cast<double>(summary.wall / std::chrono::microseconds(1)) / 1e6;
   if (!summary.virtual_time) {
@@ -297,14 +298,14 @@ std::vector<std::string> describe(const RunSummary& summary) {
 }
 
 std::string LinePrinter::lost_line(std::uint64_t lines) const {
-  return Line("{:>12.6f}  {} line{} lost: the output was not read\n", rounded_seconds(latest_), lines,
+  return Line("{:>12.6f}  {} line{} lost: the output was not read\n", event_seconds(latest_), lines,
               lines == 1 ? "" : "s")
       .text();
 }
 
 void LinePrinter::line(can::Time now, std::string_view text) {
   latest_ = now;
-  out_.line("{:>12.6f}  {}", rounded_seconds(now), text);
+  out_.line("{:>12.6f}  {}", event_seconds(now), text);
 }
 
 void LinePrinter::booted(const plant::NodeLabel& node, can::Time now) {
@@ -368,7 +369,7 @@ void LinePrinter::warning(std::string_view source, std::string_view message, can
 
 void LinePrinter::error(std::string_view source, std::string_view message, can::Time now) {
   latest_ = now;
-  errors_.line("{:>12.6f}  {}: {}", rounded_seconds(now), source, message);
+  errors_.line("{:>12.6f}  {}: {}", event_seconds(now), source, message);
 }
 
 void LinePrinter::summary(const RunSummary& summary) {

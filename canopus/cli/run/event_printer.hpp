@@ -37,6 +37,11 @@ struct RunSummary {
   std::vector<LiftCount> lifts{};
 };
 
+/// In seconds. Microseconds are what a trace has; more digits would only be noise.
+[[nodiscard]] double event_seconds(can::Time time);
+/// What every event begins with.
+[[nodiscard]] nlohmann::ordered_json event_line(can::Time now, std::string_view kind);
+
 /// Lines for programs.
 class JsonPrinter final : public plant::PlantObserver {
  public:

@@ -19,10 +19,6 @@ using sim::lift::LiftEvent;
 
 namespace {
 
-double rounded_seconds(can::Time time) {
-  return static_cast<double>(time.time_since_epoch() / std::chrono::microseconds(1)) / 1e6;
-}
-
 double rounded_seconds(can::Duration span) {
   return static_cast<double>(span / std::chrono::milliseconds(1)) / 1e3;
 }
@@ -43,7 +39,7 @@ std::string_view call_name(std::uint8_t direction) {
 }  // namespace
 
 void JsonPrinter::lift_event(std::string_view bus, const LiftEvent& event) {
-  Json line{{"t", rounded_seconds(event.time)}, {"event", "lift"}};
+  Json line{{"t", event_seconds(event.time)}, {"event", "lift"}};
   line["bus"] = bus;
   line["what"] = sim::lift::name(event.kind);
   if (event.lift != 0) line["lift"] = event.lift;

@@ -16,12 +16,6 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-double rounded_seconds(can::Time time) {
-  return static_cast<double>(time.time_since_epoch() / std::chrono::microseconds(1)) / 1e6;
-}
-
-Json event(can::Time now, std::string_view kind) { return {{"t", rounded_seconds(now)}, {"event", kind}}; }
-
 /// The keys of a node within an event of its bus.
 Json node_keys(const plant::NodeLabel& node) {
   Json keys{{"node", node.node_id}};
@@ -33,7 +27,7 @@ Json node_keys(const plant::NodeLabel& node) {
 
 void JsonPrinter::module_event(std::string_view plc, std::string_view source,
                                const module::ModuleEventRecord& record) {
-  Json line = event(record.at, "module event");
+  Json line = event_line(record.at, "module event");
   line["plc"] = plc;
   line["module"] = source;
   line["code"] = fmt::format("{:05X}", record.code);
@@ -44,7 +38,7 @@ void JsonPrinter::module_event(std::string_view plc, std::string_view source,
 
 void JsonPrinter::module_error(std::string_view plc, std::string_view source,
                                const module::ModuleErrorRecord& record) {
-  Json line = event(record.at, "module error");
+  Json line = event_line(record.at, "module error");
   line["plc"] = plc;
   line["module"] = source;
   line["code"] = fmt::format("{:04X}", record.code);
@@ -75,7 +69,7 @@ std::string describe(const module::ModuleErrorRecord& record) {
 }
 
 void JsonPrinter::bus_error(const plant::BusErrorEvent& error, can::Time now) {
-  Json line = event(now, "bus error");
+  Json line = event_line(now, "bus error");
   line["bus"] = error.bus;
   line["error"] = can::name(error.error);
   line["field"] = can::name(error.field);
@@ -94,7 +88,7 @@ void JsonPrinter::bus_error(const plant::BusErrorEvent& error, can::Time now) {
 
 void JsonPrinter::controller_changed(const plant::NodeLabel& node, const can::ControllerReport& report,
                                      can::Time now) {
-  Json line = event(now, "controller");
+  Json line = event_line(now, "controller");
   line["bus"] = node.bus;
   line.update(node_keys(node));
   line["state"] = can::name(report.state);

@@ -18,7 +18,7 @@
 namespace canopus::cli {
 namespace {
 
-struct Options {
+struct ReplayOptions {
   BusOptions bus;
   std::string file, from, to;
   std::string speed = "1";
@@ -90,7 +90,7 @@ struct Choice {
   }
 };
 
-std::expected<Choice, std::string> choice_of(const Options& options) {
+std::expected<Choice, std::string> choice_of(const ReplayOptions& options) {
   Choice choice;
   for (const std::string& text : options.identifiers) {
     const auto range = parse_range(text);
@@ -176,7 +176,7 @@ BusLoop::End play(BusLoop& bus, TraceInputFile& in, const Choice& choice, Channe
   return end;
 }
 
-int replay(const Options& options) {
+int replay(const ReplayOptions& options) {
   const auto choice = choice_of(options);
   if (!choice) return complain(exit_code::usage, choice.error());
   const auto speed = parse_speed(options.speed);
@@ -228,7 +228,7 @@ int replay(const Options& options) {
 }  // namespace
 
 void add_replay_command(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ReplayOptions>();
   CLI::App* command = app.add_subcommand("replay", "Send the frames of a trace on a bus");
   command->add_option("FILE", options->file, "Trace in any format that is read; - is the standard input")
       ->required();

@@ -18,7 +18,7 @@
 namespace canopus::cli {
 namespace {
 
-struct Options {
+struct ConvertOptions {
   std::string in, out, from, to, start, end;
   std::string trc_version = "2.1";
   std::vector<std::string> channels;
@@ -77,7 +77,7 @@ bool begins_at_0(trace::FileFormat format) {
          format == trace::FileFormat::pcapng;
 }
 
-int convert(const Options& options) {
+int convert(const ConvertOptions& options) {
   std::expected<trace::FileFormat, std::string> format = trace::FileFormat::candump;
   if (!options.to.empty()) {
     format = *trace::format_of_name(options.to);
@@ -143,7 +143,7 @@ int convert(const Options& options) {
 }  // namespace
 
 void add_trace_convert(CLI::App& trace, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ConvertOptions>();
   CLI::App* command = trace.add_subcommand("convert", "Write a trace in another format");
   command->add_option("IN", options->in, "Trace in any format that is read; - is the standard input")
       ->required();

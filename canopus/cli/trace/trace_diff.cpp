@@ -15,7 +15,7 @@
 namespace canopus::cli {
 namespace {
 
-struct Options {
+struct DiffOptions {
   std::string a, b;
   std::string tolerance = "1ms";
   bool absolute = false;
@@ -67,7 +67,7 @@ void print_difference_as_json(Difference difference, const ComparedRecord* a, co
   print_json(line);
 }
 
-int diff(const Options& options) {
+int diff(const DiffOptions& options) {
   const auto tolerance = text::parse_duration(options.tolerance);
   if (!tolerance) return complain(exit_code::usage, "--tolerance: " + tolerance.error());
   if (options.a == "-" && options.b == "-")
@@ -111,7 +111,7 @@ int diff(const Options& options) {
 }  // namespace
 
 void add_trace_diff(CLI::App& trace, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<DiffOptions>();
   CLI::App* command =
       trace.add_subcommand("diff", "Compare two traces frame by frame, whatever their formats");
   command->add_option("A", options->a, "Trace; - is the standard input")->required();

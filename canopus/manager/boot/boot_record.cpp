@@ -83,7 +83,7 @@ std::string abort_text(const BootRecord& record) {
 }
 
 // 1F57H, bits 1 to 7 [CiA 302-3].
-std::string_view flash_status(std::uint32_t status) {
+std::string_view flash_status_text(std::uint32_t status) {
   switch (status >> 1 & 0x7F) {
     case 0: return "no error";
     case 1: return "there is no valid program";
@@ -110,7 +110,7 @@ std::string download_advice(const BootRecord& record) {
     case BootStep::program_flash:
       if (record.received != 0 && (record.received & 1) == 0) {
         return object(record) + " reads " + hex(record.received, 8) + ": " +
-               std::string(flash_status(record.received)) + ".";
+               std::string(flash_status_text(record.received)) + ".";
       }
       return "The flash memory of the device was busy for too long.";
     case BootStep::program_verify:

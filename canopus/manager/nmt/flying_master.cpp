@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "canopus/canopen/service/nmt.hpp"
+
 namespace canopus::manager {
 
 namespace {
@@ -13,7 +15,6 @@ constexpr std::uint32_t detect_active_master = 0x073;
 constexpr std::uint32_t master_capable_answer = 0x074;
 constexpr std::uint32_t detect_master_capable = 0x075;
 constexpr std::uint32_t force_negotiation = 0x076;
-constexpr std::uint32_t error_control = 0x700;
 
 }  // namespace
 
@@ -61,8 +62,8 @@ void FlyingMaster::receive(const can::Frame& frame, can::Time now) {
     default: break;
   }
   // Standby: the active master's sign of life.
-  if (state_ == State::standby && frame.identifier == error_control + active_master_ && frame.length() == 1 &&
-      frame.data[0] != 0) {
+  if (state_ == State::standby && frame.identifier == canopen::cob_id::error_control + active_master_ &&
+      frame.length() == 1 && frame.data[0] != 0) {
     deadline_ = can::later(now, heartbeat_time_);
   }
 }

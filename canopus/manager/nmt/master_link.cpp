@@ -2,17 +2,12 @@
 
 namespace canopus::manager {
 
-namespace {
-
-constexpr std::uint32_t base_function = 0x780;
-
-}  // namespace
-
 // A Stopped node sends no SDO and takes none, and nobody is notified [CiA 301 7.3.2.2.4; ME3CAN1-Q 4.8.1]: the
 // start-up finds no answer and goes on asking.
 bool MasterLink::send(const can::Frame& frame) {
   if (muted_) return true;
-  if ((frame.identifier & base_function) != canopen::cob_id::sdo_request) return wire_.send(frame);
+  if ((frame.identifier & canopen::cob_id::function_code) != canopen::cob_id::sdo_request)
+    return wire_.send(frame);
   if (node_->state() == canopen::NmtState::stopped) return true;
   return line_.send(frame, wire_, now_);
 }

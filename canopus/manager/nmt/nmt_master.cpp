@@ -10,12 +10,6 @@ using canopen::AbortCode;
 using canopen::NmtCommand;
 using canopen::NmtState;
 
-namespace {
-
-constexpr std::uint32_t base_function = 0x780;
-
-}  // namespace
-
 NmtMaster::NmtMaster(canopen::Node& the_node, can::Sink& sink, const MasterOptions& the_options)
     : MasterContext(the_node, the_options),
       link_(sink, the_node),
@@ -78,7 +72,7 @@ void NmtMaster::hear(const can::Frame& frame, can::Time now) {
   if (start_up_.phase() == StartUp::Phase::off) return;
   const auto node_id = static_cast<std::uint8_t>(frame.identifier & 0x7F);
   if (node_id == 0 || node_id == node.node_id()) return;
-  switch (frame.identifier & base_function) {
+  switch (frame.identifier & canopen::cob_id::function_code) {
     case canopen::cob_id::sdo_response: return hear_sdo_response(node_id, frame, now);
     case canopen::cob_id::error_control:
       if (active() && frame.length() == 1) hear_error_control(node_id, frame, now);
@@ -111,7 +105,7 @@ void NmtMaster::hear_error_control(std::uint8_t node_id, const can::Frame& frame
 void NmtMaster::transmitted(const can::Frame& frame, can::Time now) {
   link_.set_time(now);
   if (frame.extended || frame.remote) return;
-  if ((frame.identifier & base_function) != canopen::cob_id::sdo_request) return;
+  if ((frame.identifier & canopen::cob_id::function_code) != canopen::cob_id::sdo_request) return;
   const auto node_id = static_cast<std::uint8_t>(frame.identifier & 0x7F);
   if (slaves[node_id].boot_uses_channel()) slaves[node_id].boot->transmitted(now);
   link_.request_transmitted(frame.identifier, now);

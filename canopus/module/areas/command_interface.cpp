@@ -8,11 +8,7 @@ namespace canopus::module {
 
 namespace {
 
-constexpr std::size_t records = 8;
-constexpr std::size_t words_per_record = 8;
-constexpr std::uint16_t end_of_list = 0xFFFF;
 constexpr std::uint16_t clear_code = 0xFFFF;
-constexpr std::uint16_t frame_timeout = 0x2002;
 
 }  // namespace
 

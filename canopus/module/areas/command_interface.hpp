@@ -193,6 +193,10 @@ class CommandInterface final : public BufferArea, public canopen::SdoClientUser 
   void sdo_finished(canopen::SdoClient& client, can::Time now) override;
 
  private:
+  static constexpr std::size_t records = 8;  // of a multiple access
+  static constexpr std::size_t words_per_record = 8;
+  static constexpr std::uint16_t frame_timeout = 0x2002;
+
   using Plane = std::array<std::uint16_t, word_count>;
   void begin(can::Time now);
   void start_access(can::Time now);

@@ -5,28 +5,18 @@
 #include "canopus/module/areas/command_interface.hpp"
 #include "canopus/module/areas/layer2.hpp"
 #include "canopus/module/areas/pdo_mapping.hpp"
+#include "canopus/module/interface/word_bytes.hpp"
 
 namespace canopus::module {
 
-namespace {
-
-constexpr std::uint16_t frame_timeout = 0x2002;
-constexpr std::uint8_t last_node = 127;
-
-constexpr std::uint8_t low(std::uint16_t word) { return static_cast<std::uint8_t>(word & 0xFF); }
-constexpr std::uint8_t high(std::uint16_t word) { return static_cast<std::uint8_t>(word >> 8); }
-constexpr std::uint16_t pair(unsigned high_byte, unsigned low_byte) {
-  return static_cast<std::uint16_t>(high_byte << 8 | low_byte);
-}
-
-}  // namespace
+namespace {}  // namespace
 
 void CommandInterface::send_emergency(can::Time now) {
   if (host_->bus_obstacle() == command_error::bus_off) return fail(command_error::bus_off, now);
   const std::uint16_t* word = &running_request_[1];
-  const std::array<std::uint8_t, 5> manufacturer{high(word[1]), low(word[2]), high(word[2]), low(word[3]),
-                                                 high(word[3])};
-  const auto answer = host_->send_emergency(word[0], low(word[1]), manufacturer, now);
+  const std::array<std::uint8_t, 5> manufacturer{high_byte(word[1]), low_byte(word[2]), high_byte(word[2]),
+                                                 low_byte(word[3]), high_byte(word[3])};
+  const auto answer = host_->send_emergency(word[0], low_byte(word[1]), manufacturer, now);
   result_[1] = static_cast<std::uint16_t>(answer);
   finish(answer == CommandHost::EmergencyAnswer::sent ? command_->success : command_->partial, now);
 }
@@ -62,7 +52,7 @@ void CommandInterface::send_emergency_bytes(can::Time now) {
   can::Frame frame{.identifier = emergency + host_->own_node_id(), .dlc = 8};
   for (std::size_t i = 0; i < frame.data.size(); ++i) {
     const std::uint16_t word = running_request_[1 + i / 2];
-    frame.data[i] = i % 2 == 0 ? low(word) : high(word);
+    frame.data[i] = i % 2 == 0 ? low_byte(word) : high_byte(word);
   }
   if (host_->bus_obstacle() != 0 || !host_->send_now(frame)) return fail(command_error::queue_full, now);
   finish(command_->success, now);
@@ -121,7 +111,7 @@ std::uint16_t CommandInterface::shown_guarding(std::uint8_t node_id) const {
 }
 
 void CommandInterface::show_guarding(can::Time now) {
-  const std::uint8_t parameter = low(running_request_[1]);
+  const std::uint8_t parameter = low_byte(running_request_[1]);
   if (parameter == 0) {
     for (std::uint8_t node = 1; node <= last_node; ++node) {
       std::uint16_t& word = result_[1 + (node - 1U) / 2];
@@ -147,7 +137,7 @@ void CommandInterface::show_guarding(can::Time now) {
 }
 
 void CommandInterface::clear_guarding(can::Time now) {
-  const std::uint8_t parameter = low(running_request_[1]);
+  const std::uint8_t parameter = low_byte(running_request_[1]);
   host_->clear_error_control(parameter <= last_node ? parameter : std::uint8_t{0}, now);
   finish(command_->success, now);
 }
@@ -155,9 +145,12 @@ void CommandInterface::clear_guarding(can::Time now) {
 void CommandInterface::put_emergency(const EmergencyBuffer::Received& received, std::size_t word) {
   const canopen::Emergency& message = received.message;
   const auto& bytes = message.manufacturer;
-  const std::array<std::uint16_t, 6> record{
-      message.node_id,          received.number,         message.code, pair(bytes[0], message.error_register),
-      pair(bytes[2], bytes[1]), pair(bytes[4], bytes[3])};
+  const std::array<std::uint16_t, 6> record{message.node_id,
+                                            received.number,
+                                            message.code,
+                                            word_of(bytes[0], message.error_register),
+                                            word_of(bytes[2], bytes[1]),
+                                            word_of(bytes[4], bytes[3])};
   std::ranges::copy(record, result_.begin() + static_cast<std::ptrdiff_t>(word));
 }
 
@@ -170,14 +163,14 @@ void CommandInterface::show_emergencies(can::Time now) {
     stack_and_clear = 0x10,
     ring_and_clear = 0x11
   };
-  constexpr std::size_t words_per_record = 6;
+  constexpr std::size_t words_per_message = 6;
   EmergencyBuffer& buffer = host_->emergencies();
   const std::uint16_t parameter = running_request_[1];
   const auto put_all = [&](std::span<const EmergencyBuffer::Received> messages) {
     std::size_t word = 1;
     for (const auto& received : messages) {
       put_emergency(received, word);
-      word += words_per_record;
+      word += words_per_message;
     }
   };
   switch (parameter) {

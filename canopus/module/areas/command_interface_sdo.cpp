@@ -3,19 +3,14 @@
 #include <algorithm>
 
 #include "canopus/module/areas/command_interface.hpp"
+#include "canopus/module/interface/word_bytes.hpp"
 
 namespace canopus::module {
 
 namespace {
 
-constexpr std::size_t records = 8;
-constexpr std::size_t words_per_record = 8;
 constexpr std::size_t record_bytes = 8;
-constexpr std::uint16_t end_of_list = 0xFFFF;
 constexpr std::uint16_t record_failed = 0x0F00;
-
-constexpr std::uint8_t low(std::uint16_t word) { return static_cast<std::uint8_t>(word & 0xFF); }
-constexpr std::uint8_t high(std::uint16_t word) { return static_cast<std::uint8_t>(word >> 8); }
 
 // First byte in the low byte of the first word.
 void put_bytes(std::span<const std::uint8_t> bytes, std::span<std::uint16_t> words) {
@@ -26,7 +21,7 @@ void put_bytes(std::span<const std::uint8_t> bytes, std::span<std::uint16_t> wor
 
 void take_bytes(std::span<const std::uint16_t> words, std::span<std::uint8_t> bytes) {
   for (std::size_t i = 0; i < bytes.size(); ++i)
-    bytes[i] = i % 2 == 0 ? low(words[i / 2]) : high(words[i / 2]);
+    bytes[i] = i % 2 == 0 ? low_byte(words[i / 2]) : high_byte(words[i / 2]);
 }
 
 /// Of up to four bytes, low byte first.
@@ -44,7 +39,7 @@ void CommandInterface::start_access(can::Time now) {
   const std::size_t maximum = is_multiple() ? record_bytes : layout_->data_bytes;
   const std::uint16_t node = running_request_[word];
   const std::uint16_t index = running_request_[word + 1];
-  const std::uint8_t sub = low(running_request_[word + 2]);
+  const std::uint8_t sub = low_byte(running_request_[word + 2]);
   const std::uint16_t length = running_request_[word + 3];
   result_[word] = node;
   result_[word + 1] = index;
@@ -116,7 +111,7 @@ void CommandInterface::access_done(canopen::AbortCode code, std::span<const std:
     }
   } else if (is_multiple()) {
     any_failed_ = true;
-    result_[word] = static_cast<std::uint16_t>(record_failed | low(running_request_[word]));
+    result_[word] = static_cast<std::uint16_t>(record_failed | low_byte(running_request_[word]));
     result_[word + 3] = 0;
     result_[word + 4] = low_word;
     result_[word + 5] = high_word;

@@ -7,8 +7,8 @@ namespace canopus::module {
 
 namespace {
 
-constexpr std::uint16_t rpdo_mapping = 0x1600;
-constexpr std::uint16_t tpdo_mapping = 0x1A00;
+constexpr std::uint16_t first_rpdo_mapping = 0x1600;
+constexpr std::uint16_t first_tpdo_mapping = 0x1A00;
 constexpr std::uint8_t most_entries = 64;
 
 void copy(std::uint8_t* to, const std::uint8_t* from, std::size_t bytes) noexcept {
@@ -53,11 +53,11 @@ void DataExchange::follow(const canopen::Node& node) {
   if (layout_.all_variables) find_areas(node.dictionary().description());
   for (std::uint16_t number = 0; number < layout_.pdos; ++number) {
     receive_first_.push_back(static_cast<std::uint32_t>(receive_.size()));
-    add_copies(node.dictionary(), static_cast<std::uint16_t>(rpdo_mapping + number),
+    add_copies(node.dictionary(), static_cast<std::uint16_t>(first_rpdo_mapping + number),
                VariableDirection::output, receive_first_.back(), receive_);
     if (layout_.all_variables) continue;
-    add_copies(node.dictionary(), static_cast<std::uint16_t>(tpdo_mapping + number), VariableDirection::input,
-               0, transmit_);
+    add_copies(node.dictionary(), static_cast<std::uint16_t>(first_tpdo_mapping + number),
+               VariableDirection::input, 0, transmit_);
   }
   for (const std::uint32_t area : input_areas_)
     transmit_.push_back({area, 0, static_cast<std::uint16_t>(to_send_.size())});

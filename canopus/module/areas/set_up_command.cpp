@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <utility>
 
+#include "canopus/module/interface/word_bytes.hpp"
+
 namespace canopus::module {
 
 namespace {
 
-constexpr std::uint16_t end_of_list = 0xFFFF;
 constexpr std::uint16_t bad = 0xFFFF;  // as an answer
-constexpr std::uint16_t last_node = 127;
 
 constexpr std::uint32_t save_signature = 0x6576'6173U;
 constexpr std::uint32_t load_signature = 0x6461'6F6CU;
@@ -20,12 +20,6 @@ constexpr std::uint32_t invalid_bit = 0x8000'0000U;
 constexpr std::uint32_t identifier_bits = 0x1FFF'FFFFU;
 constexpr std::uint16_t local_tpdo = 0x80;  // in place of a destination node: a further TPDO of the local one
 constexpr unsigned default_tpdos = 4;
-
-constexpr std::uint8_t low(std::uint16_t word) { return static_cast<std::uint8_t>(word & 0xFF); }
-constexpr std::uint8_t high(std::uint16_t word) { return static_cast<std::uint8_t>(word >> 8); }
-constexpr std::uint16_t pair(unsigned high_byte, unsigned low_byte) {
-  return static_cast<std::uint16_t>(high_byte << 8 | low_byte);
-}
 
 bool no_response(canopen::AbortCode code) {
   return code == canopen::AbortCode::timed_out || code == canopen::AbortCode{0x5000'0000};
@@ -115,10 +109,10 @@ std::optional<SetUpAccess> SetUpCommand::heartbeat_access() noexcept {
   }
   if (kind_ == SetUpKind::heartbeat_producing) {
     return SetUpAccess{
-        .node = low(word()), .reads = false, .index = 0x1017, .sub = 0, .length = 2, .value = word(1)};
+        .node = low_byte(word()), .reads = false, .index = 0x1017, .sub = 0, .length = 2, .value = word(1)};
   }
   const auto sub = static_cast<std::uint8_t>((at_ - 1) / 2 + 1);
-  return SetUpAccess{.node = low(words_->front()),
+  return SetUpAccess{.node = low_byte(words_->front()),
                      .reads = false,
                      .index = 0x1016,
                      .sub = sub,
@@ -145,7 +139,7 @@ std::optional<SetUpAccess> SetUpCommand::assignment_access() noexcept {
     go_on();
     return std::nullopt;
   }
-  const std::uint8_t slave = low(word());
+  const std::uint8_t slave = low_byte(word());
   switch (step_) {
     case 0:
       return SetUpAccess{.node = 0,
@@ -171,7 +165,7 @@ std::optional<SetUpAccess> SetUpCommand::storing_access() noexcept {
     return std::nullopt;
   }
   const bool stores = kind_ == SetUpKind::store;
-  return SetUpAccess{.node = low(word()),
+  return SetUpAccess{.node = low_byte(word()),
                      .reads = false,
                      .index = static_cast<std::uint16_t>(stores ? 0x1010 : 0x1011),
                      .sub = 1,
@@ -180,9 +174,9 @@ std::optional<SetUpAccess> SetUpCommand::storing_access() noexcept {
 }
 
 SetUpAccess SetUpCommand::cob_id_access(std::uint16_t parameter, std::uint16_t first_index) const noexcept {
-  return {.node = high(parameter),
+  return {.node = high_byte(parameter),
           .reads = true,
-          .index = static_cast<std::uint16_t>(first_index + low(parameter) - 1),
+          .index = static_cast<std::uint16_t>(first_index + low_byte(parameter) - 1),
           .sub = 1};
 }
 
@@ -198,9 +192,9 @@ std::optional<SetUpAccess> SetUpCommand::binding_access() noexcept {
     go_on();
     return std::nullopt;
   }
-  if (high(word(1)) == local_tpdo) return extra_tpdo_access();
+  if (high_byte(word(1)) == local_tpdo) return extra_tpdo_access();
   const auto is_bad = [](std::uint16_t parameter) {
-    return high(parameter) > last_node || low(parameter) == 0;
+    return high_byte(parameter) > last_node || low_byte(parameter) == 0;
   };
   switch (step_) {
     case 0:
@@ -230,7 +224,7 @@ std::optional<SetUpAccess> SetUpCommand::binding_access() noexcept {
 }
 
 std::optional<SetUpAccess> SetUpCommand::extra_tpdo_access() noexcept {
-  const std::uint8_t node = high(word()), tpdo = low(word()), own = low(word(1));
+  const std::uint8_t node = high_byte(word()), tpdo = low_byte(word()), own = low_byte(word(1));
   const bool bad_source = node == 0 || node > last_node || (node == local_ && !rules_.takes_own_cob_ids) ||
                           tpdo == 0 || tpdo > default_tpdos;
   const bool bad_own = own <= default_tpdos || own > pdos_;
@@ -291,7 +285,7 @@ void SetUpCommand::assignment_done(canopen::AbortCode code) noexcept {
 
 void SetUpCommand::binding_done(canopen::AbortCode code, std::uint32_t value) noexcept {
   const bool good = code == canopen::AbortCode::none;
-  if (high(word(1)) == local_tpdo) {
+  if (high_byte(word(1)) == local_tpdo) {
     if (!good) answer(1, word(1));
     if (!good || ++step_ == 2) go_on();
     return;
@@ -300,15 +294,15 @@ void SetUpCommand::binding_done(canopen::AbortCode code, std::uint32_t value) no
   const std::size_t own_word = at_source ? 0U : 1U;
   const std::uint16_t parameter = word(own_word);
   if (!good) {
-    const std::uint8_t node = real_node(high(parameter));
-    answer(own_word, no_response(code) ? pair(node, 0) : pair(node, low(parameter)));
+    const std::uint8_t node = real_node(high_byte(parameter));
+    answer(own_word, no_response(code) ? word_of(node, 0) : word_of(node, low_byte(parameter)));
     if (at_source) answer(1, bad);
     return go_on();
   }
   switch (step_++) {
     case 0:
       if ((value & invalid_bit) != 0) {
-        answer(0, low(parameter));
+        answer(0, low_byte(parameter));
         answer(1, bad);
         return go_on();
       }
@@ -320,7 +314,7 @@ void SetUpCommand::binding_done(canopen::AbortCode code, std::uint32_t value) no
       return;
     case 2: return;
     default:
-      if (was_disabled_ && real_node(high(parameter)) != local_) answer(1, low(parameter));
+      if (was_disabled_ && real_node(high_byte(parameter)) != local_) answer(1, low_byte(parameter));
       return go_on();
   }
 }

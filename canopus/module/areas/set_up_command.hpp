@@ -16,6 +16,9 @@ namespace canopus::module {
 
 /// Words after the command code.
 inline constexpr std::size_t command_parameters = 66;
+inline constexpr std::uint8_t last_node = 127;
+/// In place of a node: the list of parameters is over.
+inline constexpr std::uint16_t end_of_list = 0xFFFF;
 
 enum class SetUpKind : std::uint8_t {
   heartbeat_producing,  ///< pairs of node and time: 1017H

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
+#include "canopus/module/interface/word_bytes.hpp"
+
 namespace canopus::module::as_fcopm {
 
 namespace {
 
-constexpr std::uint8_t low(std::uint16_t word) { return static_cast<std::uint8_t>(word & 0xFF); }
-constexpr std::uint8_t high(std::uint16_t word) { return static_cast<std::uint8_t>(word >> 8); }
 constexpr std::uint16_t word_of(unsigned high_byte, unsigned low_byte) {
   return static_cast<std::uint16_t>(high_byte << 8 | low_byte);
 }
@@ -45,11 +45,13 @@ constexpr std::uint8_t request_of(std::uint8_t service) {
 }  // namespace
 
 void MessageRequests::look(const Words& request, can::Time now) {
-  const Header header{
-      .id = high(request[0]), .type = high(request[2]), .node = low(request[2]), .size = low(request[1])};
+  const Header header{.id = high_byte(request[0]),
+                      .type = high_byte(request[2]),
+                      .node = low_byte(request[2]),
+                      .size = low_byte(request[1])};
   if (header.id == last_id_) return;
   last_id_ = header.id;
-  if (low(request[0]) != command) return answer(header, Status::illegal_command);
+  if (low_byte(request[0]) != command) return answer(header, Status::illegal_command);
   switch (header.type) {
     case sdo_read:
     case sdo_write: return access(header, request, now);
@@ -73,9 +75,9 @@ void MessageRequests::access(const Header& header, const Words& request, can::Ti
   if (!size_is_good) return answer(header, Status::illegal_length);
   if (running_[header.node]) return answer(header, Status::busy);
   const std::uint16_t index = request[3];
-  const std::uint8_t sub = low(request[4]);
-  const std::array<std::uint8_t, 4> value{low(request[5]), high(request[5]), low(request[6]),
-                                          high(request[6])};
+  const std::uint8_t sub = low_byte(request[4]);
+  const std::array<std::uint8_t, 4> value{low_byte(request[5]), high_byte(request[5]), low_byte(request[6]),
+                                          high_byte(request[6])};
   running_.set(header.node);
   answer(header, Status::transmitting);
   const auto done = [this, header](const manager::SdoResult& result, can::Time) {
@@ -121,8 +123,8 @@ void MessageRequests::access_done(const Header& header, const manager::SdoResult
 }
 
 void MessageRequests::send_nmt(const Header& header, const Words& request, can::Time now) {
-  const std::uint8_t service = request_of(low(request[3]));
-  const std::uint8_t node = low(request[4]);
+  const std::uint8_t service = request_of(low_byte(request[3]));
+  const std::uint8_t node = low_byte(request[4]);
   if (header.size != nmt_size) return answer(header, Status::illegal_length);
   if (header.node > 127 || header.node != node || (node != 0 && node == own_node_))
     return answer(header, Status::wrong_node);

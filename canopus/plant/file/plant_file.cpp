@@ -31,7 +31,6 @@ std::vector<Section> read_good(text::TableReader& table, std::string_view key, c
 }
 
 constexpr std::string_view node_id_expected = "a node-ID is 1 to 127";
-constexpr std::uint8_t no_node_id = 0xFF;
 
 BehaviourSection read_behaviour(text::TableReader& table) {
   static constexpr std::string_view kinds[] = {"sine", "ramp", "counter", "echo", "noise"};

@@ -117,6 +117,9 @@ struct BusSection {
 /// `link` of a bus, as a plant file has it. The error is a sentence.
 [[nodiscard]] std::expected<void, std::string> set_link(BusSection& bus, std::string_view text);
 
+/// In place of a node-ID: an LSS master will give it one.
+inline constexpr std::uint8_t no_node_id = 0xFF;
+
 /// Identifiers from `first` to `last`, both included.
 struct IdentifierRange {
   std::uint32_t first = 0;
@@ -144,7 +147,7 @@ struct DeviceSection {
   std::string bus{};
   std::string name{};
   std::string eds{};                 ///< path, relative to the plant file
-  std::uint8_t node = 0;             ///< 1..127; 0 = from the DCF; FFH = none until LSS gives it one
+  std::uint8_t node = 0;             ///< 1..127; 0 = from the DCF; or no_node_id
   std::optional<bool> lss{};         ///< is an LSS slave; without it, if the device file says so
   can::Duration start{};             ///< powers up this long after the run's start
   std::string store{};               ///< folder for what 1010H saves; empty = it does not survive the run

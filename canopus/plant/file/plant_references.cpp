@@ -12,7 +12,6 @@
 namespace canopus::plant {
 namespace {
 
-constexpr std::uint8_t no_node_id = 0xFF;
 constexpr unsigned most_nodes = 127;
 
 /// I/O points of the module in its rack; a module without signals has its head address for itself, too.

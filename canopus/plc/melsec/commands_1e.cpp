@@ -7,7 +7,7 @@ namespace canopus::plc::melsec {
 
 namespace {
 
-constexpr std::uint8_t own_pc = 0xFF;
+constexpr std::uint8_t own_pc_1e = 0xFF;
 constexpr std::uint8_t reply_bit = 0x80;
 constexpr Outcome1e completed{};
 
@@ -20,7 +20,7 @@ bool is_bit(Device device) { return device_info(device).is_bit; }
 std::uint16_t points_of(std::uint8_t field) { return field == 0 ? 256 : field; }
 
 /// What a whole request turns out to be, when nothing else is wrong with it.
-Outcome1e verdict(const FieldReader& data) {
+Outcome1e verdict_1e(const FieldReader& data) {
   if (data.fault() == FieldReader::Fault::not_a_number) return refused(EndCode1e::not_convertible);
   if (data.fault() == FieldReader::Fault::none && data.at_end()) return completed;
   return refused(EndCode1e::points);
@@ -52,7 +52,7 @@ void Commands1e::answer(std::span<const std::uint8_t> request, FieldWriter& out,
   Outcome1e outcome = completed;
   if (data.fault() != FieldReader::Fault::none)
     outcome = refused(EndCode1e::not_convertible);
-  else if (pc != own_pc)
+  else if (pc != own_pc_1e)
     outcome = refused(AbnormalCode::pc_number);
   else
     outcome = execute(static_cast<Command1e>(subheader), data, out, permission, now);
@@ -137,7 +137,7 @@ Outcome1e Commands1e::read_bits(FieldReader& data, FieldWriter& out, can::Time n
   const bool known = read_device(data, point);
   const std::uint16_t count = points_of(data.u8());
   (void)data.u8();  // fixed to 00H
-  if (const Outcome1e outcome = verdict(data); outcome != completed) return outcome;
+  if (const Outcome1e outcome = verdict_1e(data); outcome != completed) return outcome;
   if (!known) return refused(EndCode1e::wrong_device);
   if (count > rules_.read_bits) return refused(EndCode1e::points);
   if (const Outcome1e outcome = check(point, count, false); outcome != completed) return outcome;
@@ -158,7 +158,7 @@ Outcome1e Commands1e::read_words(FieldReader& data, FieldWriter& out, can::Time 
   const bool known = read_device(data, point);
   const std::uint16_t count = points_of(data.u8());
   (void)data.u8();  // fixed to 00H
-  if (const Outcome1e outcome = verdict(data); outcome != completed) return outcome;
+  if (const Outcome1e outcome = verdict_1e(data); outcome != completed) return outcome;
   if (!known) return refused(EndCode1e::wrong_device);
   if (count > (is_bit(point.device) ? rules_.read_bit_words : rules_.read_words))
     return refused(EndCode1e::points);
@@ -178,7 +178,7 @@ Outcome1e Commands1e::write_bits(FieldReader& data, can::Time now) {
   const auto bits = std::span(bits_).first(count);
   const bool are_bits = data.bits(bits);
   if (data.code() == DataCode::ascii && count % 2 != 0) (void)data.raw(1);  // dummy
-  if (const Outcome1e outcome = verdict(data); outcome != completed) return outcome;
+  if (const Outcome1e outcome = verdict_1e(data); outcome != completed) return outcome;
   if (!known) return refused(EndCode1e::wrong_device);
   if (count > rules_.write_bits) return refused(EndCode1e::points);
   if (!are_bits) return refused(EndCode1e::not_convertible);
@@ -199,7 +199,7 @@ Outcome1e Commands1e::write_words(FieldReader& data, can::Time now) {
     words[i] = static_cast<std::uint16_t>(value);
     high_words_[i] = static_cast<std::uint16_t>(value >> 16U);
   }
-  if (const Outcome1e outcome = verdict(data); outcome != completed) return outcome;
+  if (const Outcome1e outcome = verdict_1e(data); outcome != completed) return outcome;
   if (!known) return refused(EndCode1e::wrong_device);
   if (count > (is_bit(point.device) ? rules_.write_bit_words : rules_.write_words))
     return refused(EndCode1e::points);
@@ -233,7 +233,7 @@ Outcome1e Commands1e::test_bits(FieldReader& data, can::Time now) {
                                                 : check(point, 1, false);
     if (first_error == completed) first_error = outcome;
   }
-  if (const Outcome1e outcome = verdict(data); outcome != completed) return outcome;
+  if (const Outcome1e outcome = verdict_1e(data); outcome != completed) return outcome;
   if (count > rules_.test_bits) return refused(EndCode1e::points);
   if (first_error != completed) return first_error;
   for (const Point& point : std::span(points_).first(count)) {
@@ -255,7 +255,7 @@ Outcome1e Commands1e::test_words(FieldReader& data, can::Time now) {
         known && !is_wide(point) ? check(point, 1, true) : refused(EndCode1e::wrong_device);
     if (first_error == completed) first_error = outcome;
   }
-  if (const Outcome1e outcome = verdict(data); outcome != completed) return outcome;
+  if (const Outcome1e outcome = verdict_1e(data); outcome != completed) return outcome;
   if (count > rules_.test_words) return refused(EndCode1e::points);
   if (first_error != completed) return first_error;
   for (const Point& point : std::span(points_).first(count))
@@ -272,7 +272,7 @@ Outcome1e Commands1e::register_monitor(FieldReader& data, bool words) {
     const Outcome1e outcome = known ? check(point, 1, words) : refused(EndCode1e::wrong_device);
     if (first_error == completed) first_error = outcome;
   }
-  if (const Outcome1e outcome = verdict(data); outcome != completed) return outcome;
+  if (const Outcome1e outcome = verdict_1e(data); outcome != completed) return outcome;
   if (count > (words ? rules_.monitored_words : rules_.monitored_bits)) return refused(EndCode1e::points);
   if (first_error != completed) return first_error;
   if (words) {
@@ -286,7 +286,7 @@ Outcome1e Commands1e::register_monitor(FieldReader& data, bool words) {
 }
 
 Outcome1e Commands1e::monitor_bits(FieldReader& data, FieldWriter& out, can::Time now) {
-  if (const Outcome1e outcome = verdict(data); outcome != completed) return outcome;
+  if (const Outcome1e outcome = verdict_1e(data); outcome != completed) return outcome;
   if (monitored_bit_count_ == 0) return refused(EndCode1e::points);
   const auto bits = std::span(bits_).first(monitored_bit_count_);
   for (std::size_t i = 0; i < bits.size(); ++i) {
@@ -298,7 +298,7 @@ Outcome1e Commands1e::monitor_bits(FieldReader& data, FieldWriter& out, can::Tim
 }
 
 Outcome1e Commands1e::monitor_words(FieldReader& data, FieldWriter& out, can::Time now) {
-  if (const Outcome1e outcome = verdict(data); outcome != completed) return outcome;
+  if (const Outcome1e outcome = verdict_1e(data); outcome != completed) return outcome;
   if (monitored_word_count_ == 0) return refused(EndCode1e::points);
   for (const Point& point : std::span(monitored_words_).first(monitored_word_count_)) {
     std::uint16_t word = 0;
@@ -324,7 +324,7 @@ Outcome1e Commands1e::read_buffer(FieldReader& data, FieldWriter& out, can::Time
   const std::uint16_t bytes = points_of(data.u8());
   const auto head_address = static_cast<std::uint16_t>(16 * data.u8());
   (void)data.u8();  // fixed to 00H
-  if (const Outcome1e outcome = verdict(data); outcome != completed) return outcome;
+  if (const Outcome1e outcome = verdict_1e(data); outcome != completed) return outcome;
   if (const Outcome1e outcome = check_buffer(head_address, start, bytes); outcome != completed)
     return outcome;
   const auto words = std::span(words_).first(bytes / 2U);
@@ -347,7 +347,7 @@ Outcome1e Commands1e::write_buffer(FieldReader& data, can::Time now) {
     word = static_cast<std::uint16_t>(low | static_cast<unsigned>(data.u8()) << 8U);
   }
   if (bytes % 2 != 0) (void)data.u8();
-  if (const Outcome1e outcome = verdict(data); outcome != completed) return outcome;
+  if (const Outcome1e outcome = verdict_1e(data); outcome != completed) return outcome;
   if (const Outcome1e outcome = check_buffer(head_address, start, bytes); outcome != completed)
     return outcome;
   (void)rack_.write_buffer(head_address, start / 2, words, now);
@@ -365,7 +365,7 @@ Outcome1e Commands1e::loopback(FieldReader& data, FieldWriter& out) {
   const std::uint8_t count = data.u8();
   const bool ascii = data.code() == DataCode::ascii;
   const auto text = data.raw(ascii ? 2U * count : count);
-  if (const Outcome1e outcome = verdict(data); outcome != completed) return outcome;
+  if (const Outcome1e outcome = verdict_1e(data); outcome != completed) return outcome;
   if (count == 0 || count > rules_.loopback) return refused(EndCode1e::points);
   out.u8(count);
   out.raw(text);

@@ -9,17 +9,17 @@ namespace {
 
 constexpr std::size_t header_size = 4;  // subheader, PC number, monitoring timer; in bytes
 
-struct DeviceCode {
+struct DeviceCode1e {
   std::uint16_t code;
   Device device;
 };
-constexpr std::array codes = {
-    DeviceCode{0x5820, Device::x},  DeviceCode{0x5920, Device::y},  DeviceCode{0x4D20, Device::m},
-    DeviceCode{0x4C20, Device::l},  DeviceCode{0x4620, Device::f},  DeviceCode{0x4220, Device::b},
-    DeviceCode{0x5453, Device::ts}, DeviceCode{0x5443, Device::tc}, DeviceCode{0x4353, Device::cs},
-    DeviceCode{0x4343, Device::cc}, DeviceCode{0x4420, Device::d},  DeviceCode{0x5720, Device::w},
-    DeviceCode{0x5220, Device::r},  DeviceCode{0x544E, Device::tn}, DeviceCode{0x434E, Device::cn},
-    DeviceCode{0x5320, Device::s},
+constexpr std::array codes_1e = {
+    DeviceCode1e{0x5820, Device::x},  DeviceCode1e{0x5920, Device::y},  DeviceCode1e{0x4D20, Device::m},
+    DeviceCode1e{0x4C20, Device::l},  DeviceCode1e{0x4620, Device::f},  DeviceCode1e{0x4220, Device::b},
+    DeviceCode1e{0x5453, Device::ts}, DeviceCode1e{0x5443, Device::tc}, DeviceCode1e{0x4353, Device::cs},
+    DeviceCode1e{0x4343, Device::cc}, DeviceCode1e{0x4420, Device::d},  DeviceCode1e{0x5720, Device::w},
+    DeviceCode1e{0x5220, Device::r},  DeviceCode1e{0x544E, Device::tn}, DeviceCode1e{0x434E, Device::cn},
+    DeviceCode1e{0x5320, Device::s},
 };
 
 /// A request without its data, and where it says how much data there is.
@@ -65,13 +65,13 @@ bool names_wide_counter(std::span<const std::uint8_t> fields, DataCode code) {
 }  // namespace
 
 std::optional<std::uint16_t> device_code_1e(Device device) noexcept {
-  const auto* found = std::ranges::find(codes, device, &DeviceCode::device);
-  return found == codes.end() ? std::nullopt : std::optional(found->code);
+  const auto* found = std::ranges::find(codes_1e, device, &DeviceCode1e::device);
+  return found == codes_1e.end() ? std::nullopt : std::optional(found->code);
 }
 
 std::optional<Device> device_of_1e(std::uint16_t code) noexcept {
-  const auto* found = std::ranges::find(codes, code, &DeviceCode::code);
-  return found == codes.end() ? std::nullopt : std::optional(found->device);
+  const auto* found = std::ranges::find(codes_1e, code, &DeviceCode1e::code);
+  return found == codes_1e.end() ? std::nullopt : std::optional(found->device);
 }
 
 Request1e read_request_1e(std::span<const std::uint8_t> bytes, DataCode code, bool wide_counters) noexcept {

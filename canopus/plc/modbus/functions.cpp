@@ -11,10 +11,6 @@ constexpr std::uint16_t coil_off = 0x0000;
 constexpr std::uint8_t exception_bit = 0x80;
 constexpr std::uint8_t device_identification = 0x0E;  // the MEI type of function 43
 
-unsigned u16(std::span<const std::uint8_t> bytes, std::size_t at) {
-  return static_cast<unsigned>(bytes[at]) << 8U | bytes[at + 1];
-}
-
 /// Addresses first to first + count - 1 are addresses.
 bool fit(unsigned first, unsigned count) { return first + count <= 0x10000; }
 
@@ -66,8 +62,8 @@ Exception Functions::dispatch(Request pdu, Reply& reply, WritePermission permiss
 
 Exception Functions::read_bits(Table table, Request pdu, Reply& reply, can::Time now) {
   if (pdu.size() != 5) return Exception::illegal_data_value;
-  const unsigned first = u16(pdu, 1);
-  const unsigned count = u16(pdu, 3);
+  const unsigned first = word_at(pdu, 1);
+  const unsigned count = word_at(pdu, 3);
   if (count == 0 || count > settings_.limits.read_bits) return Exception::illegal_data_value;
   if (!fit(first, count)) return Exception::illegal_data_address;
   const auto bits = std::span(bits_).first(count);
@@ -87,8 +83,8 @@ Exception Functions::read_bits(Table table, Request pdu, Reply& reply, can::Time
 
 Exception Functions::read_words(Table table, Request pdu, Reply& reply, can::Time now) {
   if (pdu.size() != 5) return Exception::illegal_data_value;
-  const unsigned first = u16(pdu, 1);
-  const unsigned count = u16(pdu, 3);
+  const unsigned first = word_at(pdu, 1);
+  const unsigned count = word_at(pdu, 3);
   if (count == 0 || count > settings_.limits.read_words) return Exception::illegal_data_value;
   if (!fit(first, count)) return Exception::illegal_data_address;
   const auto words = std::span(words_).first(count);
@@ -102,8 +98,8 @@ Exception Functions::read_words(Table table, Request pdu, Reply& reply, can::Tim
 
 Exception Functions::write_coil(Request pdu, Reply& reply, can::Time now) {
   if (pdu.size() != 5) return Exception::illegal_data_value;
-  const unsigned first = u16(pdu, 1);
-  const unsigned value = u16(pdu, 3);
+  const unsigned first = word_at(pdu, 1);
+  const unsigned value = word_at(pdu, 3);
   if (value != coil_on && value != coil_off) return Exception::illegal_data_value;
   const std::uint8_t bit = value == coil_on ? 1 : 0;
   const Exception exception =
@@ -115,8 +111,8 @@ Exception Functions::write_coil(Request pdu, Reply& reply, can::Time now) {
 
 Exception Functions::write_register(Request pdu, Reply& reply, can::Time now) {
   if (pdu.size() != 5) return Exception::illegal_data_value;
-  const unsigned first = u16(pdu, 1);
-  const auto word = static_cast<std::uint16_t>(u16(pdu, 3));
+  const unsigned first = word_at(pdu, 1);
+  const auto word = static_cast<std::uint16_t>(word_at(pdu, 3));
   const Exception exception =
       settings_.map.write_words(rack_, static_cast<std::uint16_t>(first), {&word, 1}, now);
   reply.u16(first);
@@ -127,8 +123,8 @@ Exception Functions::write_register(Request pdu, Reply& reply, can::Time now) {
 Exception Functions::write_coils(Request pdu, Reply& reply, can::Time now) {
   constexpr std::size_t head = 6;
   if (pdu.size() < head) return Exception::illegal_data_value;
-  const unsigned first = u16(pdu, 1);
-  const unsigned count = u16(pdu, 3);
+  const unsigned first = word_at(pdu, 1);
+  const unsigned count = word_at(pdu, 3);
   if (count == 0 || count > settings_.limits.write_bits) return Exception::illegal_data_value;
   if (pdu[5] != (count + 7) / 8 || pdu.size() != head + pdu[5]) return Exception::illegal_data_value;
   if (!fit(first, count)) return Exception::illegal_data_address;
@@ -143,13 +139,13 @@ Exception Functions::write_coils(Request pdu, Reply& reply, can::Time now) {
 Exception Functions::write_registers(Request pdu, Reply& reply, can::Time now) {
   constexpr std::size_t head = 6;
   if (pdu.size() < head) return Exception::illegal_data_value;
-  const unsigned first = u16(pdu, 1);
-  const unsigned count = u16(pdu, 3);
+  const unsigned first = word_at(pdu, 1);
+  const unsigned count = word_at(pdu, 3);
   if (count == 0 || count > settings_.limits.write_words) return Exception::illegal_data_value;
   if (pdu[5] != 2 * count || pdu.size() != head + pdu[5]) return Exception::illegal_data_value;
   if (!fit(first, count)) return Exception::illegal_data_address;
   const auto words = std::span(words_).first(count);
-  for (unsigned i = 0; i < count; ++i) words[i] = static_cast<std::uint16_t>(u16(pdu, head + 2 * i));
+  for (unsigned i = 0; i < count; ++i) words[i] = static_cast<std::uint16_t>(word_at(pdu, head + 2 * i));
   reply.u16(first);
   reply.u16(count);
   return settings_.map.write_words(rack_, static_cast<std::uint16_t>(first), words, now);
@@ -157,9 +153,9 @@ Exception Functions::write_registers(Request pdu, Reply& reply, can::Time now) {
 
 Exception Functions::mask_write(Request pdu, Reply& reply, can::Time now) {
   if (pdu.size() != 7) return Exception::illegal_data_value;
-  const auto first = static_cast<std::uint16_t>(u16(pdu, 1));
-  const unsigned and_mask = u16(pdu, 3);
-  const unsigned or_mask = u16(pdu, 5);
+  const auto first = static_cast<std::uint16_t>(word_at(pdu, 1));
+  const unsigned and_mask = word_at(pdu, 3);
+  const unsigned or_mask = word_at(pdu, 5);
   Exception exception = settings_.map.check_write(rack_, Table::holding_registers, first, 1);
   if (exception != Exception::none) return exception;
   std::uint16_t word = 0;
@@ -175,10 +171,10 @@ Exception Functions::mask_write(Request pdu, Reply& reply, can::Time now) {
 Exception Functions::write_and_read(Request pdu, Reply& reply, can::Time now) {
   constexpr std::size_t head = 10;
   if (pdu.size() < head) return Exception::illegal_data_value;
-  const unsigned read_first = u16(pdu, 1);
-  const unsigned read_count = u16(pdu, 3);
-  const unsigned write_first = u16(pdu, 5);
-  const unsigned write_count = u16(pdu, 7);
+  const unsigned read_first = word_at(pdu, 1);
+  const unsigned read_count = word_at(pdu, 3);
+  const unsigned write_first = word_at(pdu, 5);
+  const unsigned write_count = word_at(pdu, 7);
   const Limits& limits = settings_.limits;
   if (read_count == 0 || read_count > limits.read_words_of_23 || write_count == 0 ||
       write_count > limits.write_words_of_23)
@@ -191,7 +187,8 @@ Exception Functions::write_and_read(Request pdu, Reply& reply, can::Time now) {
       settings_.map.check_read(rack_, table, static_cast<std::uint16_t>(read_first), read_count);
   if (exception != Exception::none) return exception;
   const auto written = std::span(words_).first(write_count);
-  for (unsigned i = 0; i < write_count; ++i) written[i] = static_cast<std::uint16_t>(u16(pdu, head + 2 * i));
+  for (unsigned i = 0; i < write_count; ++i)
+    written[i] = static_cast<std::uint16_t>(word_at(pdu, head + 2 * i));
   exception = settings_.map.write_words(rack_, static_cast<std::uint16_t>(write_first), written, now);
   if (exception != Exception::none) return exception;
   const auto words = std::span(words_).first(read_count);

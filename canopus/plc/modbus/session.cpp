@@ -13,16 +13,12 @@ constexpr std::size_t unit_at = 6;
 constexpr std::uint8_t unit_none = 0xFF;
 constexpr std::uint8_t unit_broadcast = 0x00;
 
-unsigned u16(std::span<const std::uint8_t> bytes, std::size_t at) {
-  return static_cast<unsigned>(bytes[at]) << 8U | bytes[at + 1];
-}
-
 }  // namespace
 
 Session::Head Session::head_of(std::span<const std::uint8_t> waiting) noexcept {
   if (waiting.size() < fixed_size) return {};
-  const unsigned protocol = u16(waiting, 2);
-  const std::size_t length = u16(waiting, 4);
+  const unsigned protocol = word_at(waiting, 2);
+  const std::size_t length = word_at(waiting, 4);
   if (protocol != 0 || length < 2 || length > 1 + maximum_pdu) return {.is_complete = true, .size = 0};
   return {.is_complete = waiting.size() >= fixed_size + length, .size = fixed_size + length};
 }

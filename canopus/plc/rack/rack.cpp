@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "canopus/module/interface/word_bytes.hpp"
+
 namespace canopus::plc {
 
 namespace {
@@ -15,11 +17,6 @@ bool is_bit(Device device) { return device_info(device).is_bit; }
 
 /// R and ZR are two names of the same words.
 Device stored_as(Device device) { return device == Device::r ? Device::zr : device; }
-
-std::uint16_t with_bit(std::uint16_t word, unsigned bit, bool on) {
-  const auto mask = static_cast<std::uint16_t>(1U << bit);
-  return static_cast<std::uint16_t>(on ? word | mask : word & ~mask);
-}
 
 }  // namespace
 
@@ -138,7 +135,7 @@ bool Rack::output(std::uint32_t number) const noexcept {
 
 void Rack::set_output(std::uint32_t number, bool on, can::Time now) {
   std::uint16_t& block = memory_[index(Device::y)][number / 16];
-  block = with_bit(block, number % 16, on);
+  block = module::with_bit(block, number % 16, on);
   output_to_module(number, on, now);
 }
 
@@ -321,7 +318,7 @@ std::uint16_t Rack::bit_block(Device device, std::uint32_t block, can::Time now)
 
 void Rack::write_bit(Device device, std::uint32_t number, bool on, can::Time now) {
   std::uint16_t& block = memory_[index(device)][number / 16];
-  block = with_bit(block, number % 16, on);
+  block = module::with_bit(block, number % 16, on);
   if (device == Device::y && !scan_handle_) output_to_module(number, on, now);
 }
 

@@ -13,13 +13,6 @@ constexpr std::uint32_t last_number = 0xFFFFFF;
 constexpr std::uint32_t last_unit = 0xFF;
 constexpr std::uint32_t own_cpu = 0x3E0;
 
-std::string upper(std::string_view text) {
-  std::string result(text);
-  for (char& character : result)
-    if (character >= 'a' && character <= 'z') character = static_cast<char>(character - 'a' + 'A');
-  return result;
-}
-
 std::optional<std::uint32_t> number(std::string_view digits, int base, std::uint32_t last) {
   std::uint32_t value = 0;
   const char* end = digits.data() + digits.size();
@@ -63,6 +56,13 @@ std::expected<RackAddress, std::string> parse_buffer(std::string_view text, std:
 }
 
 }  // namespace
+
+std::string upper(std::string_view text) {
+  std::string result(text);
+  for (char& character : result)
+    if (character >= 'a' && character <= 'z') character = static_cast<char>(character - 'a' + 'A');
+  return result;
+}
 
 std::expected<RackAddress, std::string> parse_rack_address(std::string_view text, unsigned io_base) {
   const std::string upper_text = upper(text);

@@ -3,6 +3,7 @@
 #include <array>
 #include <span>
 
+#include "canopus/module/interface/word_bytes.hpp"
 #include "canopus/plc/cpu/device_points.hpp"
 
 namespace canopus::plc {
@@ -82,11 +83,6 @@ bool is_on(const Relay& relay, const CpuCondition& condition, can::Time now) {
     case Meaning::clock: return now.time_since_epoch() / relay.half_period % 2 != 0;
   }
   return false;
-}
-
-std::uint16_t with_bit(std::uint16_t word, unsigned bit, bool on) {
-  const auto mask = static_cast<std::uint16_t>(1U << bit);
-  return static_cast<std::uint16_t>(on ? word | mask : word & ~mask);
 }
 
 std::uint16_t bcd(unsigned two_digits) {
@@ -187,7 +183,8 @@ std::uint16_t special_relays(const CpuModel& model, const CpuCondition& conditio
                              std::uint16_t memory, can::Time now) noexcept {
   std::uint16_t word = memory;
   for (const Relay& relay : relays_of(model.family)) {
-    if (relay.number / 16U == block) word = with_bit(word, relay.number % 16, is_on(relay, condition, now));
+    if (relay.number / 16U == block)
+      word = module::with_bit(word, relay.number % 16, is_on(relay, condition, now));
   }
   return word;
 }

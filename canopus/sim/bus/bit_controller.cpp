@@ -8,7 +8,6 @@ constexpr unsigned recovery_sequences = 128;
 constexpr unsigned flag_bits = 6;
 constexpr unsigned delimiter_bits = 8;
 constexpr unsigned intermission_bits = 3;
-constexpr unsigned suspend_bits = 8;
 constexpr unsigned eof_bits = 7;
 constexpr unsigned crc_bits = 15;
 constexpr unsigned unknown = 1'000;  // crc_begin_ before the DLC is read

@@ -22,6 +22,9 @@
 
 namespace canopus::sim {
 
+/// An error passive transmitter waits as long before its next frame [ISO 11898-1 10.9.6].
+inline constexpr unsigned suspend_bits = 8;
+
 class BitController {
  public:
   enum class State : std::uint8_t {

@@ -12,7 +12,6 @@ namespace {
 constexpr unsigned after_ack_slot = 1 + 7;
 constexpr unsigned error_flag_bits = 6;
 constexpr unsigned error_delimiter_bits = 8;
-constexpr unsigned suspend_bits = 8;
 
 /// The bit rate of most error active controllers, 0 if there is none.
 std::uint32_t rate_of_most(const std::vector<BusPort*>& ports) {

@@ -23,7 +23,7 @@ std::string quoted(std::span<const std::uint8_t> bytes) {
   return text + (length > most ? "\"..." : "\"");
 }
 
-std::string time_of_day(std::span<const std::uint8_t> bytes) {
+std::string time_of_day_text(std::span<const std::uint8_t> bytes) {
   const std::uint32_t ms = can::load_u32(bytes) & 0x0FFF'FFFF;
   const std::uint64_t days = can::load_value(bytes.subspan(4));
   return fmt::format("{:02}:{:02}:{:02}.{:03}, day {}", ms / 3'600'000, ms / 60'000 % 60, ms / 1000 % 60,
@@ -58,7 +58,7 @@ std::optional<std::string> typed_value(std::span<const std::uint8_t> bytes, Data
     case DataType::real32: return fmt::format("{}", std::bit_cast<float>(static_cast<std::uint32_t>(raw)));
     case DataType::real64: return fmt::format("{}", std::bit_cast<double>(raw));
     case DataType::time_of_day:
-    case DataType::time_difference: return time_of_day(bytes);
+    case DataType::time_difference: return time_of_day_text(bytes);
     default: break;
   }
   if (canopen::is_signed(type)) return fmt::format("{}", sign_extended(raw, length * 8));

@@ -11,8 +11,6 @@
 namespace canopus::trace {
 namespace {
 
-constexpr std::int64_t second = 1'000'000'000;
-
 /// English and German, as Vector's programs write them.
 std::optional<unsigned> month_of(std::string_view word) {
   struct Month {
@@ -47,7 +45,7 @@ std::optional<can::Time> parse_date(std::string_view text) {
   }
   const auto hour = parse_number(clock.substr(0, colon), 10);
   const auto minute = parse_number(clock.substr(colon + 1, 2), 10);
-  const auto seconds = parse_time(clock.substr(colon + 4), second);
+  const auto seconds = parse_time(clock.substr(colon + 4), nanoseconds_per_second);
   if (!hour || !minute || !seconds || *hour > 23 || *minute > 59) return std::nullopt;
   const unsigned of_day = am || pm ? *hour % 12 + (pm ? 12U : 0U) : *hour;
   return utc_time(static_cast<int>(*year), *month, *day,
@@ -66,7 +64,7 @@ class AscReader final : public TextReader {
     if (first.front() < '0' || first.front() > '9') {
       if (first.front() != '-') return read_head(first, words);
     }
-    const auto since = parse_time(first, second);
+    const auto since = parse_time(first, nanoseconds_per_second);
     if (!since) return mistake(words.column(), "expected a time in seconds, found " + shown(first));
     // what is no frame moves a relative time, too
     last_ = relative_ ? can::later(last_, *since) : can::later(start_, *since);

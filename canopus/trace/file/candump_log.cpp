@@ -7,16 +7,16 @@
 #include <optional>
 #include <utility>
 
+#include "canopus/trace/file/words.hpp"
+
 namespace canopus::trace {
 namespace {
 
 constexpr char hex_digits[] = "0123456789ABCDEF";
 constexpr std::uint32_t error_frame_flag = 0x2000'0000;  // CAN_ERR_FLAG of linux/can.h
-constexpr std::int64_t nanoseconds_per_second = 1'000'000'000;
 constexpr char time_expected[] = "'(' and a time in seconds";
 
 constexpr bool is_blank(char c) noexcept { return c == ' ' || c == '\t'; }
-constexpr bool is_digit(char c) noexcept { return c >= '0' && c <= '9'; }
 
 constexpr bool is_letter(char c) noexcept { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 

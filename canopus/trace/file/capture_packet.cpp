@@ -5,9 +5,6 @@
 namespace canopus::trace {
 namespace {
 
-constexpr std::uint32_t extended_flag = 0x8000'0000;
-constexpr std::uint32_t remote_flag = 0x4000'0000;
-constexpr std::uint32_t error_flag = 0x2000'0000;
 constexpr std::uint32_t cooked_can = 0x000C;
 constexpr std::uint16_t packet_outgoing = 4;
 constexpr std::uint8_t fd_frame_flag = 0x04;  // CANFD_FDF

@@ -16,6 +16,10 @@ namespace canopus::trace {
 inline constexpr std::uint32_t linktype_linux_sll = 113;
 inline constexpr std::uint32_t linktype_can_socketcan = 227;
 inline constexpr std::uint32_t linktype_linux_sll2 = 276;
+/// In the identifier of a SocketCAN frame.
+inline constexpr std::uint32_t extended_flag = 0x8000'0000;
+inline constexpr std::uint32_t remote_flag = 0x4000'0000;
+inline constexpr std::uint32_t error_flag = 0x2000'0000;
 /// More of a packet need not be looked at: a cooked header and the largest CAN FD frame.
 inline constexpr std::size_t capture_packet_room = 20 + 72;
 

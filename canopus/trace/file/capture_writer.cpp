@@ -9,9 +9,6 @@ namespace canopus::trace {
 namespace {
 
 constexpr std::uint32_t pcap_nanosecond_magic = 0xA1B2'3C4D;
-constexpr std::uint32_t extended_flag = 0x8000'0000;
-constexpr std::uint32_t remote_flag = 0x4000'0000;
-constexpr std::uint32_t error_flag = 0x2000'0000;
 constexpr std::uint32_t longest_packet = 65535;
 
 /// A capture says by its magic number which byte order it is in: the host's.

@@ -13,8 +13,6 @@
 namespace canopus::trace {
 namespace {
 
-constexpr std::int64_t second = 1'000'000'000;
-
 enum class Column : std::uint8_t {
   time,
   channel,
@@ -152,7 +150,7 @@ class CsvReader final : public TextReader {
       value = text == "1" || same_word(text, "true");
       return value || text.empty() || text == "0" || same_word(text, "false");
     };
-    const auto time = parse_time(field(Column::time), second);
+    const auto time = parse_time(field(Column::time), nanoseconds_per_second);
     if (!time) return mistake("expected a time in seconds, found " + shown(field(Column::time)));
     record.time = can::Time(*time);
     can::Frame& frame = record.frame;

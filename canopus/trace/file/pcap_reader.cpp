@@ -13,7 +13,7 @@ constexpr std::uint32_t microsecond_magic = 0xA1B2'C3D4;
 constexpr std::uint32_t nanosecond_magic = 0xA1B2'3C4D;
 constexpr std::size_t file_header = 24;
 constexpr std::size_t packet_header = 16;
-constexpr std::uint32_t longest_packet = 262'144;  // MAXIMUM_SNAPLEN of tcpdump
+constexpr std::uint32_t longest_read_packet = 262'144;  // MAXIMUM_SNAPLEN of tcpdump
 
 class PcapReader final : public ReaderBase {
  public:
@@ -39,7 +39,7 @@ class PcapReader final : public ReaderBase {
       const auto seconds = number_at<std::uint32_t>(header, 0, order_);
       const auto fraction = number_at<std::uint32_t>(header, 4, order_);
       const auto length = number_at<std::uint32_t>(header, 8, order_);
-      if (length > longest_packet) {
+      if (length > longest_read_packet) {
         ended_ = true;
         return fail(start + 8, "expected a packet of at most 262144 bytes, found " + std::to_string(length));
       }

@@ -23,10 +23,10 @@ constexpr std::uint32_t byte_order_magic = 0x1A2B'3C4D;
 constexpr std::uint32_t largest_read_block = 1U << 20;  // blocks that matter here take a hundred bytes
 constexpr std::size_t most_interfaces = ChannelNames::max_channels;
 
-__extension__ using Wide = unsigned __int128;
+__extension__ using WideTicks = unsigned __int128;
 
 /// How an interface counts time.
-struct Clock {
+struct InterfaceClock {
   std::uint64_t ticks_per_second = 1'000'000;
   std::int64_t offset = 0;  ///< s
 
@@ -35,7 +35,7 @@ struct Clock {
     constexpr std::int64_t most_seconds = std::numeric_limits<std::int64_t>::max() / 1'000'000'000;
     const std::uint64_t whole = ticks / ticks_per_second;
     const auto fraction =
-        static_cast<std::int64_t>(Wide{ticks % ticks_per_second} * 1'000'000'000U / ticks_per_second);
+        static_cast<std::int64_t>(WideTicks{ticks % ticks_per_second} * 1'000'000'000U / ticks_per_second);
     if (whole >= static_cast<std::uint64_t>(most_seconds) || offset <= -most_seconds ||
         offset >= most_seconds)
       return std::nullopt;
@@ -48,7 +48,7 @@ struct Clock {
 struct Interface {
   std::uint32_t linktype = 0;
   std::uint16_t channel = 0;
-  Clock clock{};
+  InterfaceClock clock{};
 };
 
 class PcapngReader final : public ReaderBase {

@@ -30,6 +30,9 @@ class Words {
   std::size_t word_ = 0;
 };
 
+inline constexpr std::int64_t nanoseconds_per_second = 1'000'000'000;
+
+constexpr bool is_digit(char c) noexcept { return c >= '0' && c <= '9'; }
 /// A whole word as number without sign; nothing if it is none or does not fit.
 [[nodiscard]] std::optional<std::uint32_t> parse_number(std::string_view word, int base) noexcept;
 /// A decimal number with or without sign, point and exponent (`12.000345`, `1e-05`), in units of `unit` ns which is

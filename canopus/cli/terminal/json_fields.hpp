@@ -1,0 +1,15 @@
+#pragma once
+// What a server sent, read without trust: a field that is missing or of another type is empty.
+
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+namespace canopus::cli {
+
+/// The text of a field, or its value as text; empty where there is none, or null.
+[[nodiscard]] std::string field_text(const nlohmann::ordered_json& object, const char* key);
+/// The field where it is an array, else an empty one.
+[[nodiscard]] const nlohmann::ordered_json& field_list(const nlohmann::ordered_json& object, const char* key);
+
+}  // namespace canopus::cli
