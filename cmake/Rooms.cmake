@@ -1,3 +1,24 @@
+# canopus_together(TARGET source...): compiles the files of each folder together, ten at a time: headers are read once for all
+# of them, which takes a third of the time. Names within anonymous namespaces must differ within a folder.
+function(canopus_together target)
+  set(count 0)
+  foreach(source ${ARGN})
+    cmake_path(GET source PARENT_PATH folder)
+    if(NOT folder STREQUAL before)
+      set(count 0)
+    endif()
+    set(before ${folder})
+    math(EXPR part "${count} / 10")
+    math(EXPR count "${count} + 1")
+    cmake_path(RELATIVE_PATH folder BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} OUTPUT_VARIABLE name)
+    string(MAKE_C_IDENTIFIER "${name}_${part}" group)
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group})
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  # g++ takes a file that another one includes for a header.
+  target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
+endfunction()
+
 # canopus_room(NAME [ROOMS room...] [LIBRARIES target...])
 #
 # One static library per room, from canopus/NAME/**.cpp (a main.cpp is a program's, so that tests reach the rest). Includes
@@ -13,6 +34,9 @@ function(canopus_room name)
   list(REMOVE_ITEM sources ${root}/main.cpp)
   if(sources)
     add_library(canopus_${name} STATIC ${sources})
+    if(CANOPUS_TOGETHER)
+      canopus_together(canopus_${name} ${sources})
+    endif()
     set(scope PUBLIC)
     target_link_libraries(canopus_${name} PRIVATE $<BUILD_INTERFACE:canopus_options>)
   else()
