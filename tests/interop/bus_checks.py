@@ -3,9 +3,10 @@ import contextlib
 import json
 import pathlib
 import signal
+import subprocess
 import threading
 
-from kit import (HERE, PATIENCE, ROOT, RawClient, check, command, first_plant, host_port, in_machine, program, require, running,
+from kit import (HERE, PATIENCE, PYTHON, ROOT, RawClient, Skip, check, command, first_plant, host_port, in_machine, program, require, running,
                  scratch, silence, talking)
 
 DEVICE = HERE / "interop_device.eds"
@@ -271,6 +272,28 @@ def a_cpp_program_on_the_rooms_boots_a_network():
         require("Node 9: failed (B, no answer to 1000H)" in missing, f"why node 9 does not boot: {missing}")
     refused = command(example, "somewhere", 2, expect=2).stderr
     require("somewhere" in refused, f"a wrong address is told: {refused}")
+
+
+@check
+def a_cpp_slave_serves_foreign_programs():
+    example = pathlib.Path(program).parent / "examples" / "example_cpp_slave"
+    if subprocess.run([PYTHON, "-c", "import can"], capture_output=True).returncode != 0:
+        raise Skip("python3-can is not installed")
+    with first_plant() as plant:
+        bus = f"socketcand:{plant.socketcand}"
+        with talking(example, bus, 9, ROOT / "examples/devices/io-block.eds") as slave:
+            slave.wait_line(lambda line: line.endswith("Pre-operational"))
+            command(PYTHON, HERE / "socketcand_python_can.py", *host_port(plant.socketcand), "line1", "9", "0x000F0191")
+            slave.wait_line(lambda line: line.endswith("Operational") and "Pre" not in line)
+            on_bus(plant, "sdo", "write", 9, "6200:1", "0x5A", "--type", "u8")
+            slave.wait_line(lambda line: line.endswith("outputs 5A"))
+            said = on_bus(plant, "sdo", "read", 9, "6000:1", "--type", "u8").stdout
+            require("5A" in said or "90" in said, said)
+            slave.process.send_signal(signal.SIGINT)
+            slave.require_end()
+    refused = command(example, "somewhere", 2, "nothing.eds", expect=2).stderr
+    require("somewhere" in refused, f"a wrong address is told: {refused}")
+    require("usage" in command(example, bus, 200, "nothing.eds", expect=2).stderr, "a node-ID beyond 127 is refused")
 
 
 @check
