@@ -9,6 +9,7 @@ install(FILES ${made}/canopus.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-com
 install(FILES ${made}/_canopus DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions COMPONENT program)
 install(FILES ${made}/canopus.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT program)
 install(DIRECTORY ${made}/eds DESTINATION ${CMAKE_INSTALL_DATADIR}/canopus COMPONENT program)
+install(FILES ${made}/canopus.cdx.json DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program OPTIONAL)
 install(DIRECTORY examples docs DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program
         PATTERN state EXCLUDE PATTERN __pycache__ EXCLUDE PATTERN build EXCLUDE)
 install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)

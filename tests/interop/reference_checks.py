@@ -1,4 +1,5 @@
 """What packages need of the program, judged by shells, by mandoc, and by a service manager made here."""
+import json
 import os
 import pathlib
 import re
@@ -126,6 +127,22 @@ def a_service_manager_hears_of_the_run():
 
 
 @check
+def the_list_of_parts_names_every_library():
+    if not shutil.which("dpkg-query") or not shutil.which("ldd"):
+        raise Skip("no Debian")
+    listed = json.loads(command(ROOT / "tools/parts-list", program).stdout)
+    require(listed["bomFormat"] == "CycloneDX" and listed["specVersion"] == "1.5", listed["bomFormat"])
+    names = {part["name"] for part in listed["components"]}
+    for library in re.findall(r"=> (/\S+)", command("ldd", program).stdout):
+        file = str(pathlib.Path(library).resolve())
+        owner = subprocess.run(["dpkg-query", "--search", file, file.removeprefix("/usr")], capture_output=True, text=True).stdout
+        require(owner.split(":")[0] in names, f"{library} of {owner} is not listed")
+    require(all(part["licenses"][0]["expression"] and part["version"] for part in listed["components"]), "a licence or version lacks")
+    table = command(ROOT / "tools/parts-list", program, "--markdown").stdout
+    require(all(f"[{name}]" in table for name in names), table)
+
+
+@check
 def a_project_of_its_own_finds_the_installed_library():
     build = pathlib.Path(program).parent
     if not shutil.which("cmake") or not (build / "cmake_install.cmake").is_file():
@@ -141,3 +158,6 @@ def a_project_of_its_own_finds_the_installed_library():
     command("cmake", "--build", project)
     said = command(project / "cpp_device", there / "share/doc/canopus/examples/devices/io-block.eds").stdout
     require(said.splitlines()[-2:] == [" 8.009392  pump off", " 8.100000  16 frames on the bus"], said)
+    # The other examples, as they were built beside the program: a module of one's own in a rack.
+    said = command(build / "examples/example_cpp_module", ROOT / "examples/devices/io-block.eds").stdout
+    require("after a second: 11 frames" in said, said)
