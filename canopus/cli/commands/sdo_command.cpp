@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "canopus/canopen/service/nmt.hpp"
 #include "canopus/cli/commands/bus_command.hpp"
 #include "canopus/client/sdo_transfer_on_bus.hpp"
 #include "canopus/client/sdo_value.hpp"

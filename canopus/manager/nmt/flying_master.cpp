@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "canopus/canopen/service/nmt.hpp"
+#include "canopus/canopen/node/node.hpp"
 
 namespace canopus::manager {
 
