@@ -128,7 +128,10 @@ int main(int argc, char** argv) {
   if (!rack.insert(head_address, counter, handle)) return std::fprintf(stderr, "no place for it\n"), 1;
   rack.power_on(timeline.now());
   device.power_on(timeline.now());
-  device.node().dictionary().set(0x1017, 0, std::uint16_t{100});  // a heartbeat every 100 ms from now on
+  // A heartbeat every 100 ms from now on, as if a master had written it.
+  const std::array<std::uint8_t, 2> heartbeat_time{100, 0};
+  if (device.node().dictionary().write(0x1017, 0, heartbeat_time, timeline.now()) != canopen::AbortCode::none)
+    return 1;
 
   const std::array<std::uint16_t, 1> node{5};
   const auto write = [&] { return rack.write_buffer(head_address, 0, node, timeline.now()).has_value(); };
