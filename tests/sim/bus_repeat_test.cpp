@@ -102,9 +102,11 @@ TEST_F(BusRepeatTest, Transmitter_DoesNotWaitForTheFlagOfAListenOnlyStation) {
   a.port.send(frame_of_53_bits);
   a.port.send(frame_of_47_bits);
   run_for(200us);
-  // b alone finds a CRC error and is in its error frame until bit 62. EOF ends with bit 52, intermission with 55.
+  // b alone finds a CRC error. Its flag, which nobody sees, is 46 to 51, its delimiter would end with 59: the SOF is in
+  // it. Another flag is 57 to 62, its delimiter begins at the stuff bit 65 and is broken by 66, and so on.
+  // EOF ends with bit 52, intermission with 55.
   EXPECT_EQ(log.frames, (Lines{"291 0 53", "1792 56 103"}));
-  EXPECT_EQ(log.errors, (Lines{"b crc 45", "b form 56"}));
+  EXPECT_EQ(log.errors, (Lines{"b crc 45", "b form 56", "b form 66", "b form 80", "b form 88"}));
   EXPECT_TRUE(b.heard.empty());
   EXPECT_EQ(c.frames(), (std::vector<Frame>{frame_of_53_bits, frame_of_47_bits}));
 }
@@ -165,7 +167,7 @@ TEST_F(BusRepeatTest, FrameThatBeginsInTheErrorFrameOfAnother_HasItsOwnFaultsAnd
   // The second frame begins at 56, within the error frame of b, which finds an error in its SOF.
   EXPECT_EQ(log.errors.at(0), "b crc 45");
   EXPECT_EQ(log.errors.at(1), "b form 56");
-  EXPECT_EQ(log.errors.at(2), "a bit 86");
+  EXPECT_EQ(std::count(log.errors.begin(), log.errors.end(), "a bit 86"), 1);
   run_for(1ms);
   const BusLoad after = bus.load(timeline.now());
   EXPECT_EQ(log.frames.at(0), "291 0 53");

@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "canopus/can/frame_bits.hpp"
 #include "canopus/sim/bus/waveform.hpp"
 
 #include "can/random_frame.hpp"
@@ -276,6 +277,48 @@ TEST(Waveform, CountersAndFields_AreNumbers) {
       (std::vector<std::string>{"0=0", "1000=1", "1010=2", "1090=3", "1120=4", "1130=5", "1140=11", "1150=12",
                                 "1200=13", "1220=21", "1280=24", "1350=25", "1420=19", "1450=1"}));
   EXPECT_NE(text.find("12 DLC, 13 data, 14 CRC,"), std::string::npos);
+}
+
+TEST(Waveform, Resolution_DividesTheBitsOfAllPorts) {
+  for (const std::uint32_t rate : {1'000'000U, 800'000U, 500'000U, 250'000U, 125'000U, 100'000U, 10'000U}) {
+    Scene scene(rate);
+    std::string text;
+    const Waveform waveform(scene.bus, Time{}, [&](std::string_view piece) { text += piece; });
+    EXPECT_EQ(can::bit_time(1, rate) % waveform.resolution(), 0ns) << rate;
+    EXPECT_LE(waveform.resolution() * 10, can::bit_time(1, rate)) << rate;
+  }
+  Scene scene(10'000);
+  scene.b.port.restart(800'000);
+  const Waveform waveform(scene.bus, Time{}, [](std::string_view) {});
+  EXPECT_EQ(waveform.resolution(), 10ns);
+}
+
+TEST(Waveform, StuckPort_ShowsWhatItDrives) {
+  Scene scene(1'000'000);
+  EXPECT_TRUE(scene.bus
+                  .set_faults({{.kind = FaultKind::stuck_dominant,
+                                .from = Time(100us),
+                                .until = Time(200us),
+                                .ports = {"b"}}},
+                              1)
+                  .has_value());
+  const std::string text = scene.record(Time(1ms));
+  EXPECT_NE(text.find("#1000\n0%\n0!\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("#2000\n1%\n"), std::string::npos);
+}
+
+TEST(Waveform, FarSideOfACut_HasALineOfItsOwn) {
+  Scene scene(1'000'000);
+  Station c(scene.bus, scene.timeline, "c");
+  Station d(scene.bus, scene.timeline, "d");
+  EXPECT_TRUE(scene.bus.set_faults({{.kind = FaultKind::cut, .from = Time(50us), .ports = {"c", "d"}}}, 1)
+                  .has_value());
+  c.send_at(Time(100us), data_frame(0x123, {0x55}));
+  const std::string text = scene.record(Time(1ms));
+  EXPECT_NE(text.find("$var wire 1 : can_far $end\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("#1000\n0(\n1*\nr1 6\n0:\n"), std::string::npos) << text;
+  EXPECT_EQ(text.find("\n0!\n"), std::string::npos);  // nothing on the near side
+  EXPECT_EQ(d.heard.size(), 1U);
 }
 
 TEST(Waveform, AtItsEnd_TheBusWorksFrameByFrameAgain) {

@@ -305,7 +305,7 @@ class Bus {
     errors.push_back(node.name + " " + error + " " + std::to_string(slot));
     const bool sent = node.sends();
     if (sent) give_back(node);
-    const bool passive = node.listen_only || node.passive();  // before it counts
+    const bool passive = node.passive();  // before it counts
     node.may_count = false;
     if (counts && !node.transmitter) {
       count(node, 1);  // rule a

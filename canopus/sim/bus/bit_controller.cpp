@@ -95,7 +95,7 @@ BitController::Events BitController::sample(bool dominant) noexcept {
     case State::frame: sample_frame(dominant, events); break;
     case State::active_flag:
     case State::overload_flag:
-      if (!dominant && !listen_only_) {
+      if (!dominant && !listen_only_) {  // a monitor's flag stays inside, where it sees it dominant
         flag_overwritten(events);
       } else if (++count_ == flag_bits) {
         enter(State::superposition);
@@ -268,7 +268,7 @@ void BitController::begin_flag(bool passive) noexcept {
 void BitController::fail(BusError error, Events& events, bool counts) noexcept {
   events.error = error;
   // An error that makes the controller passive is still signalled with an active flag.
-  const bool passive = listen_only_ || faults_.state() == can::ErrorState::error_passive;
+  const bool passive = faults_.state() == can::ErrorState::error_passive;
   ack_error_open_ = false;
   if (!listen_only_ && counts) {
     if (!transmitting_) {

@@ -83,6 +83,10 @@ class BitController {
     return state_ == State::idle || state_ == State::suspend || state_ == State::integrating ||
            state_ == State::bus_off;
   }
+  /// An edge restarts its bit; in a frame and in what belongs to one it only moves it.
+  [[nodiscard]] bool synchronises_hard() const noexcept {
+    return quiet() || (state_ == State::intermission && count_ > 0);
+  }
   [[nodiscard]] bool transmitting() const noexcept { return transmitting_ && state_ == State::frame; }
   [[nodiscard]] bool arbitrating() const noexcept {
     return transmitting() && position_ < stream_.arbitration_end;

@@ -71,10 +71,21 @@ void Bus::remove_observer(BusObserver& observer) { std::erase(impl_->core.observ
 
 void Bus::add_observer(WireObserver& observer) {
   impl_->near.before_change();
+  impl_->far.before_change();
+  if (impl_->core.wire_observers.empty()) {
+    for (const auto& port : impl_->core.ports) port->shown_dominant = false;
+  }
   impl_->core.wire_observers.push_back(&observer);
   impl_->near.after_change();
+  impl_->far.after_change();
 }
 void Bus::remove_observer(WireObserver& observer) { std::erase(impl_->core.wire_observers, &observer); }
+
+bool Bus::can_be_cut() const noexcept {
+  const auto& faults = impl_->core.plan.timed_faults();
+  return std::any_of(faults.begin(), faults.end(),
+                     [](const FaultPlan::TimedFault& timed) { return timed.fault.kind == FaultKind::cut; });
+}
 
 BusLoad Bus::load(can::Time now) const { return impl_->core.statistics.load(now); }
 std::uint64_t Bus::frames_of(std::uint32_t identifier, bool extended) const {

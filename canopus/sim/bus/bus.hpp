@@ -35,8 +35,10 @@ using can::TransmitOrder;
 /// Looks at the wire itself. While there is one, the bus works bit by bit.
 class WireObserver {
  public:
-  /// The level of the wire as the first segment has it.
+  /// The level of the wire; under a cut that of its near side.
   virtual void level_changed(bool dominant, can::Time now) = 0;
+  /// The level of the far side of a cut; recessive while there is none.
+  virtual void far_level_changed(bool /*dominant*/, can::Time /*now*/) {}
   /// What a controller drives; not reported for a port that hangs on no wire.
   virtual void transmit_changed(const Port& port, bool dominant, can::Time now) = 0;
   /// A controller sends its error or overload flag, or its frame takes part in arbitration.
@@ -72,6 +74,8 @@ class Bus final : public can::Bus, public can::Ticker {
   /// Replaces all faults by these, numbered in error messages from 1; what the old ones did ends now. Ports
   /// are named as in add_port() and have to exist; the first of a name counts. On error nothing changes.
   std::expected<void, std::string> set_faults(const std::vector<Fault>& faults, std::uint64_t seed);
+  /// Whether one of the faults cuts the wire, now or later.
+  [[nodiscard]] bool can_be_cut() const noexcept;
   [[nodiscard]] BusLoad load(can::Time now) const override;
   [[nodiscard]] std::uint64_t frames_of(std::uint32_t identifier, bool extended = false) const override;
 

@@ -210,7 +210,6 @@ class BusPort final : public Port {
   bool listen_only = false;
   bool automatic_recovery = true;
   bool recovering = false;
-  bool deaf = false;          // see Segment::reconsider()
   bool sending = false;       // `current` is on the wire; it counts as waiting
   bool last_attempt = false;  // `current` was aborted: it does not wait again
   can::Frame current;
@@ -221,7 +220,8 @@ class BusPort final : public Port {
   std::uint32_t overrun = 0;
 
   // Faults at work.
-  bool stuck = false;  // dominant
+  bool stuck = false;           // dominant
+  bool shown_dominant = false;  // as last reported to wire observers
   std::size_t held_capacity = 0;
   std::vector<can::Frame> held;  // received while jammed
   bool babbling = false;
@@ -245,6 +245,8 @@ class BusPort final : public Port {
     can::Time bit_start{};
     can::Time next = can::never;  // sample point or start of the next bit
     bool sampling = false;        // `next` is a sample point
+    bool sampled = false;         // dominant at the last sample point
+    bool synchronised = false;    // since the last sample point
     bool driving = false;         // dominant
     bool flagging = false;        // as last reported to observers
     bool arbitrating = false;     // likewise

@@ -13,25 +13,6 @@ constexpr unsigned after_ack_slot = 1 + 7;
 constexpr unsigned error_flag_bits = 6;
 constexpr unsigned error_delimiter_bits = 8;
 
-/// The bit rate of most error active controllers, 0 if there is none.
-std::uint32_t rate_of_most(const std::vector<BusPort*>& ports) {
-  std::uint32_t best = 0;
-  std::ptrdiff_t best_count = 0;
-  for (const BusPort* port : ports) {
-    const auto speaks_alike = [port](const BusPort* other) {
-      return other->rate == port->rate && !other->listen_only &&
-             other->faults.state() == can::ErrorState::error_active;
-    };
-    if (port->rate == best) continue;
-    const std::ptrdiff_t count = std::count_if(ports.begin(), ports.end(), speaks_alike);
-    if (count > best_count) {
-      best = port->rate;
-      best_count = count;
-    }
-  }
-  return best;
-}
-
 }  // namespace
 
 void Segment::resize() {
@@ -52,42 +33,24 @@ void Segment::reconsider() {
       fall_silent(*port);  // bus-off for good
     }
   }
-  // A controller with another bit rate hears nothing but errors. Once it is passive and has nothing to send
-  // it can do nothing to the others either: it is left out, and its counters stay as they are. Back among
-  // them, because they have come to its rate, it has to find the end of what is on the wire.
-  const std::uint32_t rate = rate_of_most(members_);
-  std::erase_if(members_, [&](BusPort* port) {
-    const bool was_deaf = port->deaf;
-    const bool speaks_otherwise = rate == 0 ? was_deaf && port->listen_only : port->rate != rate;
-    port->deaf = speaks_otherwise && port->bits.quiet() &&
-                 (port->listen_only || (port->faults.state() == can::ErrorState::error_passive &&
-                                        port->offer() == Arbiter::none && !port->sending));
-    if (was_deaf && !port->deaf) restart(*port);
-    return port->deaf;
-  });
+  // Frames are computed as a whole when all have one bit rate. A controller with another one stays on the wire, where
+  // it samples, counts and disturbs as it does on a real one.
+  const std::uint32_t rate = members_.empty() ? 0 : members_.front()->rate;
 
   const bool computable = core_.wire_observers.empty() && !forced_ && !driven_.is_busy;
   healthy_ = computable;
-  mixed_rates_ = false;
   std::size_t acknowledging = 0;
   std::fill(hearing_.begin(), hearing_.end(), 0);
   for (const BusPort* port : members_) {
     hearing_[port->index / 64] |= std::uint64_t{1} << (port->index % 64);
     if (!port->listen_only) ++acknowledging;
     if (port->rate != rate || !port->bits.idle()) healthy_ = false;
-    if (port->rate != members_.front()->rate) mixed_rates_ = true;
   }
   lone_ = members_.size() == 1 && acknowledging == 1 && members_[0]->bits.idle() && computable;
   healthy_ = healthy_ && acknowledging >= 2;
 }
 
 void Segment::offer_changed(BusPort& port) {
-  if (port.deaf) {
-    before_change();
-    restart(port);
-    after_change();
-    return;
-  }
   if (&port == suspended_) {
     if (state_ == State::idle && port.offer() != Arbiter::none && suspended_until_ < deadline_) {
       deadline_ = std::max(core_.timeline.now(), suspended_until_);

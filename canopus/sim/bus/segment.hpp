@@ -23,8 +23,8 @@ namespace canopus::sim {
 
 class Segment {
  public:
-  /// `shows_level`: wire observers get the level of this segment.
-  Segment(BusCore& core, bool shows_level) : core_(core), shows_level_(shows_level) {}
+  /// `is_near`: the wire, or the near side of a cut.
+  Segment(BusCore& core, bool is_near) : core_(core), is_near_(is_near) {}
 
   /// A port was added to the bus, whether to this segment or not.
   void resize();
@@ -121,12 +121,13 @@ class Segment {
   void fall_silent(BusPort& port);
   void tell_place(const BusPort& port, can::Time now);
   void tell_counters(const BusPort& port, can::Time now);
+  void tell_driven(BusPort& port, can::Time now);
   void tell_activity(BusPort& port, can::Time now);
   void schedule(can::Time now);
   [[nodiscard]] bool quiet(can::Time now) const noexcept;
 
   BusCore& core_;
-  const bool shows_level_;
+  const bool is_near_;
   State state_ = State::idle;
   can::Time deadline_ = can::never;
   can::Time free_from_{};           // frame by frame: end of the last intermission
@@ -139,7 +140,6 @@ class Segment {
   std::vector<std::uint64_t> hearing_;  // set of members, as in AcceptanceTable
   bool healthy_ = false;                // frames can be computed as a whole
   bool lone_ = false;                   // so can the failures of the only member
-  bool mixed_rates_ = false;            // not all members have one bit rate
 
   bool failed_ = false;                  // transmitter_ was alone with its last frame
   can::FaultConfinement faults_before_;  // its counters before that

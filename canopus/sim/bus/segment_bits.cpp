@@ -127,12 +127,9 @@ bool Segment::between_bits(const BusPort& port, can::Time now) noexcept {
   return !port.tap.sampling && (port.tap.next == can::never || port.tap.next <= now);
 }
 
-/// It may begin its frame: the bus is idle for it, and it is not within a bit. With two bit rates on one wire it
-/// also waits until nobody is in a frame or an error frame: perfect clocks, unlike real ones, could repeat one
-/// and the same collision for ever.
+/// It may begin its frame: the bus is idle for it, and it is not within a bit.
 bool Segment::ready(const BusPort& port, can::Time now) const noexcept {
-  return port.bits.idle() && between_bits(port, now) && port.offer() != Arbiter::none &&
-         !(mixed_rates_ && active_);
+  return port.bits.idle() && between_bits(port, now) && port.offer() != Arbiter::none;
 }
 
 /// Each controller begins by its own bits, whatever the others are still doing: those that are not idle yet see
@@ -186,22 +183,23 @@ void Segment::settle(can::Time now) {
       tap.bit_start = now;
       if (port->bits.idle()) {
         tap.next = can::never;  // asleep until the wire is dominant
+        tap.synchronised = false;
         asleep = true;
       } else {
         tap.next = now + sample_offset(port->bit());
         tap.sampling = true;
       }
-      const bool driving = port->bits.drives_dominant();
-      if (driving != tap.driving) {
-        tap.driving = driving;
-        for (WireObserver* observer : core_.wire_observers) observer->transmit_changed(*port, driving, now);
-      }
+      tap.driving = port->bits.drives_dominant();
       if (!core_.wire_observers.empty()) {
+        tell_driven(*port, now);
         tell_activity(*port, now);
         tell_place(*port, now);
       }
     }
     dominant = dominant || tap.driving;
+  }
+  if (!core_.wire_observers.empty()) {
+    for (const auto& port : core_.ports) tell_driven(*port, now);
   }
   dominant = dominant != inverted(nullptr, now);
   if (driven_.level != DrivenLevel::released) dominant = driven_.level == DrivenLevel::dominant;
@@ -212,8 +210,12 @@ void Segment::settle(can::Time now) {
   }
   if (dominant == dominant_) return;
   dominant_ = dominant;
-  if (shows_level_) {
-    for (WireObserver* observer : core_.wire_observers) observer->level_changed(dominant, now);
+  for (WireObserver* observer : core_.wire_observers) {
+    if (is_near_) {
+      observer->level_changed(dominant, now);
+    } else {
+      observer->far_level_changed(dominant, now);
+    }
   }
   if (!dominant) return;
   if (!active_) {
@@ -231,13 +233,20 @@ void Segment::wake(BusPort& port, can::Time now) {
   port.tap.sampling = true;
 }
 
-/// An edge from recessive to dominant.
+/// An edge from recessive to dominant [ISO 11898-1 synchronisation]: at most one between two sample points counts, and
+/// only if the last sample was recessive. It restarts the bit of whoever waits for a frame, from the second bit of
+/// the intermission on; else it moves it by the jump width at most.
 void Segment::synchronise(BusPort& port, can::Time now) {
   BusPort::Tap& tap = port.tap;
-  if (tap.next != can::never && tap.bit_start == now) return;
+  if (tap.sampled || tap.synchronised) return;
+  if (tap.next != can::never && tap.bit_start == now) {
+    tap.synchronised = true;
+    return;
+  }
   const can::Duration bit = port.bit();
-  if (port.bits.quiet() || port.bits.state() == BitController::State::intermission) {
+  if (port.bits.synchronises_hard()) {
     if (port.bits.state() == BitController::State::bus_off && !port.recovering) return;
+    tap.synchronised = true;
     tap.bit_start = now;  // hard synchronisation
     tap.next = now + sample_offset(bit);
     tap.sampling = true;
@@ -245,10 +254,12 @@ void Segment::synchronise(BusPort& port, can::Time now) {
   }
   if (tap.sampling) {
     if (tap.driving) return;
+    tap.synchronised = true;
     const can::Duration late = std::min(now - tap.bit_start, jump_width(bit));
     tap.bit_start += late;
     tap.next += late;
   } else {
+    tap.synchronised = true;
     const can::Duration early = std::min(tap.next - now, jump_width(bit));
     tap.next -= early;
   }
@@ -266,12 +277,13 @@ void Segment::sample_port(BusPort& port, can::Time now) {
   const can::ErrorState state = port.faults.state();
   const bool warned = port.faults.warning();
   const bool in_frame = port.bits.state() == BitController::State::frame;
-  const bool dominant = dominant_ != inverted(&port, now);
+  tap.sampled = dominant_ != inverted(&port, now);
+  tap.synchronised = false;
   can::BusErrorReport report{.field = port.bits.field(),
                              .bit = port.bits.bit_number(),
                              .transmitter = port.bits.is_transmitter(),
-                             .dominant = dominant};
-  const BitController::Events events = port.bits.sample(dominant);
+                             .dominant = tap.sampled};
+  const BitController::Events events = port.bits.sample(tap.sampled);
   if (!core_.wire_observers.empty()) tell_counters(port, now);
   if (!in_frame && port.bits.state() == BitController::State::frame) tap.frame_start = tap.bit_start;
   tap.sampling = false;
@@ -324,6 +336,15 @@ void Segment::tell_changes(can::Time now) {
     port->tap.changed = false;
     port->notify([now](can::Listener& participant) { participant.controller_changed(now); });
   }
+}
+
+/// What the port drives: a stuck one is dominant even when its controller is bus-off.
+void Segment::tell_driven(BusPort& port, can::Time now) {
+  if (port.segment != this) return;
+  const bool shown = port.on_wire && (port.stuck || port.tap.driving);
+  if (shown == port.shown_dominant) return;
+  port.shown_dominant = shown;
+  for (WireObserver* observer : core_.wire_observers) observer->transmit_changed(port, shown, now);
 }
 
 void Segment::tell_activity(BusPort& port, can::Time now) {

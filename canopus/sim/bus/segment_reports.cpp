@@ -15,8 +15,11 @@ void Segment::report_error(const BusPort& port, can::BusErrorReport report) {
 
 void Segment::fall_silent(BusPort& port) {
   const can::Time now = core_.timeline.now();
+  const bool still_dominant = port.on_wire && port.stuck;
+  const bool was_dominant = port.shown_dominant && !still_dominant;
+  if (was_dominant) port.shown_dominant = false;
   for (WireObserver* observer : core_.wire_observers) {
-    if (port.tap.driving) observer->transmit_changed(port, false, now);
+    if (was_dominant) observer->transmit_changed(port, false, now);
     if (port.tap.flagging || port.tap.arbitrating) observer->activity_changed(port, false, false, now);
     observer->field_changed(port, can::FrameField::idle, now);
   }

@@ -14,9 +14,18 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t flush_size = 64 * 1024;
 
-can::Duration resolution_for(std::uint32_t bit_rate) {
-  can::Duration resolution = 1ns;
-  while (resolution * 100 <= can::bit_time(1, bit_rate) && resolution < 1us) resolution *= 10;
+/// The longest of 1 ns to 1 us that is at most a tenth of every bit, and of which every bit is a multiple.
+can::Duration resolution_for(const Bus& bus) {
+  std::vector<std::uint32_t> rates = {bus.bit_rate()};
+  for (const Port* port : bus.ports()) rates.push_back(port->bit_rate());
+  const auto fits = [&](can::Duration resolution) {
+    return std::all_of(rates.begin(), rates.end(), [&](std::uint32_t rate) {
+      const can::Duration bit = can::bit_time(1, rate);
+      return resolution * 10 <= bit && bit % resolution == can::Duration{};
+    });
+  };
+  can::Duration resolution = 1us;
+  while (resolution > 1ns && !fits(resolution)) resolution /= 10;
   return resolution;
 }
 
@@ -33,15 +42,16 @@ Waveform::Waveform(Bus& bus, can::Time now, Sink sink)
     : bus_(bus),
       sink_(std::move(sink)),
       ports_(bus.ports()),
-      values_(1 + (std::size_t{signals_per_port} + values_per_port) * ports_.size()),
-      resolution_(resolution_for(bus.bit_rate())) {
+      far_(bus.can_be_cut() ? 1 + (std::size_t{signals_per_port} + values_per_port) * ports_.size() : 0),
+      values_(1 + (std::size_t{signals_per_port} + values_per_port) * ports_.size() + (far_ > 0 ? 1 : 0)),
+      resolution_(resolution_for(bus)) {
   write_head();
   write_time(now);
   text_ += "$dumpvars\n";
   for (std::size_t signal = 0; signal < values_.size(); ++signal) {
     // The wire and what is driven are recessive, nobody sends a flag, all are outside of a frame.
-    if (signal < signals()) {
-      values_[signal] = signal == 0 || (signal - 1) % signals_per_port == tx ? 1 : 0;
+    if (signal < signals() || signal == far_) {
+      values_[signal] = signal == 0 || signal == far_ || (signal - 1) % signals_per_port == tx ? 1 : 0;
     } else {
       const Port& port = *ports_[(signal - signals()) / values_per_port];
       const std::size_t kind = (signal - signals()) % values_per_port;
@@ -91,6 +101,7 @@ void Waveform::write_head() {
     write({"$var real 64 ", code(value + rec), " ", names[number], "_rec $end\n"});
     write({"$var real 64 ", code(value + field), " ", names[number], "_field $end\n"});
   }
+  if (far_ > 0) write({"$var wire 1 ", code(far_), " can_far $end\n"});
   write({"$upscope $end\n$comment fields:"});
   for (unsigned number = 0; number < can::frame_fields; ++number) {
     write({number == 0 ? " " : ", ", std::to_string(number), " ",
@@ -131,7 +142,7 @@ void Waveform::write_time(can::Time now) {
 
 void Waveform::write_value(std::size_t signal) {
   const unsigned value = values_[signal];
-  if (signal < signals()) {
+  if (signal < signals() || signal == far_) {
     text_ += value != 0 ? '1' : '0';
   } else {
     text_ += 'r';  // libsigrok 0.5.2 stops at a vector
@@ -171,6 +182,10 @@ void Waveform::bit_sampled(const Port& port, can::Time now) {
   if (value == 0) return;
   change(value + tec, port.transmit_error_counter(), now);
   change(value + rec, port.receive_error_counter(), now);
+}
+
+void Waveform::far_level_changed(bool dominant, can::Time now) {
+  if (far_ > 0) change(far_, dominant ? 0 : 1, now);
 }
 
 void Waveform::transmit_changed(const Port& port, bool dominant, can::Time now) {

@@ -2,7 +2,8 @@
 // The wire as a waveform: a Value Change Dump (IEEE 1364) that PulseView, GTKWave and sigrok-cli open. One
 // scope with the name of the bus; in it
 //
-//   can           the level of the wire, 1 = recessive
+//   can           the level of the wire, 1 = recessive; under a cut that of its near side
+//   can_far       that of the far side, if a fault of the bus cuts the wire
 //   NAME_tx       what the controller NAME drives, 1 = recessive
 //   NAME_flag     1 while it sends an error or overload flag
 //   NAME_arb      1 while its frame takes part in arbitration
@@ -36,12 +37,13 @@ class Waveform final : public WireObserver {
   Waveform(const Waveform&) = delete;
   Waveform& operator=(const Waveform&) = delete;
 
-  /// Unit of the times in the dump: at least ten to a bit.
+  /// Unit of the times in the dump: at least ten to a bit, and a whole number of them to every port's bit.
   [[nodiscard]] can::Duration resolution() const noexcept { return resolution_; }
   /// Hands everything up to `now` to the sink.
   void flush(can::Time now);
 
   void level_changed(bool dominant, can::Time now) override;
+  void far_level_changed(bool dominant, can::Time now) override;
   void transmit_changed(const Port& port, bool dominant, can::Time now) override;
   void activity_changed(const Port& port, bool flagging, bool arbitrating, can::Time now) override;
   void field_changed(const Port& port, can::FrameField field, can::Time now) override;
@@ -65,6 +67,7 @@ class Waveform final : public WireObserver {
   Bus& bus_;
   Sink sink_;
   std::vector<const Port*> ports_;
+  std::size_t far_;                    // signal of the far side of a cut, 0: the wire is never cut
   std::vector<std::uint16_t> values_;  // per signal
   can::Duration resolution_;
   std::int64_t written_time_ = -1;
