@@ -289,9 +289,12 @@ TEST(Me3OnABus, WrongBaudRate_DrivesTheCountersUp) {
     highest_of_wrong = std::max({highest_of_wrong, plant.g(wrong, 35), plant.g(wrong, 36)});
     highest_of_one = std::max({highest_of_one, plant.g(one, 35), plant.g(one, 36)});
   }
-  EXPECT_EQ(highest_of_wrong, 256);  // bus-off, and stays so
-  EXPECT_GE(highest_of_one, 8);
-  EXPECT_EQ(plant.g(wrong, 29) & 0x0008, 0x0008);
+  // Both sides destroy each other's frames; who is bus-off first depends on the rates and on who has more to send.
+  constexpr unsigned passive_or_bus_off = 0x4008;
+  EXPECT_GE(highest_of_wrong, 128);
+  EXPECT_GE(highest_of_one, 128);
+  EXPECT_NE(plant.g(wrong, 29) & passive_or_bus_off, 0U);
+  EXPECT_NE(plant.g(one, 29) & passive_or_bus_off, 0U);
   EXPECT_EQ(plant.g(wrong, 37), 5000);
 }
 

@@ -350,7 +350,8 @@ class Me3LssOnBus : public ::testing::Test {
   std::deque<Seat> seats;
 };
 
-TEST_F(Me3LssOnBus, DevicesWithoutNodeIdAtOtherBitRates_AreFound_AndBootAfterARestart) {
+// One-to-one wiring, as the manual asks for: a device of another bit rate would destroy the frames of the others.
+TEST_F(Me3LssOnBus, DevicesWithoutNodeIdPluggedInOneByOne_AreFoundAtAnyBitRate_AndBootAfterARestart) {
   RecordProperty("spec", "ME3-LSS-003 ME3-LSS-004 ME3-LSS-005");
   std::vector<Object> objects{{0x1F80, 0, 1}, {0x1F89, 0, 3000}};
   for (const std::uint8_t node : {std::uint8_t{5}, std::uint8_t{9}}) {
@@ -364,12 +365,16 @@ TEST_F(Me3LssOnBus, DevicesWithoutNodeIdAtOtherBitRates_AreFound_AndBootAfterARe
   preset(module, objects);
   Seat& five = device(1005, 250'000);
   Seat& nine = device(1009, 125'000);
+  nine.port->plug(false);
   power_on();
-  run_for(4100ms);
+  run_for(4050ms);
   EXPECT_EQ(word(25) >> lss_active & 1, 1);
+  EXPECT_EQ(five.device->node().node_id(), 5);
+  five.port->plug(false);
+  nine.port->plug(true);
   run_for(6s);
   EXPECT_EQ(word(25) >> lss_active & 1, 0);
-  EXPECT_EQ(five.device->node().node_id(), 5);
+  five.port->plug(true);
   EXPECT_EQ(nine.device->node().node_id(), 9);
   EXPECT_EQ(five.port->bit_rate(), 250'000U);
   EXPECT_EQ(nine.port->bit_rate(), 250'000U);
