@@ -7,7 +7,7 @@ namespace canopus::lss {
 namespace {
 
 constexpr unsigned parts = 4;
-constexpr unsigned highest_bit = 31;
+constexpr unsigned bits = 32;  // of a part
 
 }  // namespace
 
@@ -47,9 +47,10 @@ bool LssMaster::configure_node_id(std::uint8_t node_id, can::Time now) {
   return single(lss::frame(lss::from_master, lss::command::configure_node_id, node_id), now);
 }
 
-bool LssMaster::configure_bit_timing(std::uint8_t index, can::Time now) {
-  return single(lss::frame(lss::from_master, lss::command::configure_bit_timing, std::uint32_t{index} << 8),
-                now);
+bool LssMaster::configure_bit_timing(std::uint8_t index, can::Time now, std::uint8_t table) {
+  return single(
+      lss::frame(lss::from_master, lss::command::configure_bit_timing, table | std::uint32_t{index} << 8),
+      now);
 }
 
 bool LssMaster::store(can::Time now) {
@@ -149,9 +150,10 @@ void LssMaster::send_step(can::Time now) {
   deadline_ = can::later(now, step_ == steps_ ? options_.time_out : options_.pause);
 }
 
-bool LssMaster::fastscan(can::Time now) {
+bool LssMaster::fastscan(const LssAddress& known, const LssAddress& mask, can::Time now) {
   if (!begin(Service::fastscan, lss::command::identified)) return false;
-  address_ = {};
+  for (unsigned part = 0; part < parts; ++part) address_.set_part(part, known.part(part) & mask.part(part));
+  mask_ = mask;
   scan_ = Scan::reset;
   part_ = 0;
   send_scan(now);
@@ -159,7 +161,8 @@ bool LssMaster::fastscan(can::Time now) {
 }
 
 void LssMaster::send_scan(can::Time now) {
-  can::Frame frame = lss::frame(lss::from_master, lss::command::fastscan, address_.part(part_));
+  can::Frame frame =
+      lss::frame(lss::from_master, lss::command::fastscan, scan_ == Scan::reset ? 0 : address_.part(part_));
   switch (scan_) {
     case Scan::reset: frame.data[5] = reset_scan; break;
     case Scan::bit:
@@ -176,27 +179,28 @@ void LssMaster::send_scan(can::Time now) {
   deadline_ = can::later(now, options_.time_out);
 }
 
+/// The next bit of this part that is to be asked for, of those below `bit`; the confirmation when there is none.
+void LssMaster::scan_below(unsigned bit) {
+  while (bit > 0 && (mask_.part(part_) >> (bit - 1) & 1U) != 0) --bit;
+  scan_ = bit == 0 ? Scan::confirm : Scan::bit;
+  bit_ = bit == 0 ? 0 : bit - 1;
+}
+
 // Silence says that every slave still in the race has a 1 at this bit: those with a 0 would have answered.
 void LssMaster::scan_answered(bool answered, can::Time now) {
   switch (scan_) {
     case Scan::reset:
       if (!answered) return finish(LssResult::silence, now);
-      scan_ = Scan::bit;
-      bit_ = highest_bit;
+      scan_below(bits);
       break;
     case Scan::bit:
       if (!answered) address_.set_part(part_, address_.part(part_) | 1U << bit_);
-      if (bit_ == 0) {
-        scan_ = Scan::confirm;
-      } else {
-        --bit_;
-      }
+      scan_below(bit_);
       break;
     case Scan::confirm:
       if (!answered) return finish(LssResult::lost, now);
       if (++part_ == parts) return finish(LssResult::done, now);
-      scan_ = Scan::bit;
-      bit_ = highest_bit;
+      scan_below(bits);
       break;
   }
   send_scan(now);

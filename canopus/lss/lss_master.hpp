@@ -52,8 +52,8 @@ class LssMaster {
   /// The slave with this address to configuration state.
   bool select(const LssAddress& address, can::Time now);
   bool configure_node_id(std::uint8_t node_id, can::Time now);
-  /// `index` of table 0 (lss::bit_rate_index).
-  bool configure_bit_timing(std::uint8_t index, can::Time now);
+  /// `index` of table 0 (lss::bit_rate_index), or of a manufacturer's table, 128..255.
+  bool configure_bit_timing(std::uint8_t index, can::Time now, std::uint8_t table = 0);
   /// All slaves in configuration state change over: `delay` of silence, the new rate, the same again. The own
   /// controller must be changed after `delay` as well, and nothing sent before 2 x `delay` are over.
   bool activate_bit_timing(std::chrono::milliseconds delay, can::Time now);
@@ -67,7 +67,10 @@ class LssMaster {
   bool identify(const LssAddress& low, const LssAddress& high, can::Time now);
   /// Finds one slave without a node-ID and switches it to configuration state: address(). silence: there is
   /// none (any longer).
-  bool fastscan(can::Time now);
+  bool fastscan(can::Time now) { return fastscan({}, {}, now); }
+  /// The same among those whose address agrees with `known` in the bits of `mask`, which are not asked for.
+  /// lost: there is none like that, or it stopped answering.
+  bool fastscan(const LssAddress& known, const LssAddress& mask, can::Time now);
   /// Finds the slave with the lowest revision, and among those the lowest serial number, in these ranges, and
   /// switches it to configuration state: address(). Vendor and product (of `low`) have to be known. For
   /// slaves without fastscan: halves the ranges by identify remote slave, 65 times at most; slaves that have
@@ -96,6 +99,7 @@ class LssMaster {
   void send_step(can::Time now);
   void send_scan(can::Time now);
   void scan_answered(bool answered, can::Time now);
+  void scan_below(unsigned bit);
   void begin_sequence(std::uint8_t first_command, std::initializer_list<std::uint32_t> numbers,
                       can::Time now);
   void ask_range(const LssAddress& low, const LssAddress& high, can::Time now);
@@ -116,6 +120,7 @@ class LssMaster {
   LssAddress address_;
   enum class Scan : std::uint8_t { reset, bit, confirm };
   Scan scan_ = Scan::reset;
+  LssAddress mask_;     // fastscan: bits of address_ that are known
   LssAddress highest_;  // slow scan: what is left of the ranges is address_ to this
   bool halving_ = false;
   unsigned part_ = 0;

@@ -8,7 +8,8 @@
 #include <rapidcheck/gtest.h>
 
 #include "canopus/client/gateway/gateway_session.hpp"
-#include "canopus/client/gateway/gateway_value.hpp"
+
+#include "gateway_setup.hpp"
 
 namespace canopus::client {
 namespace {
@@ -18,46 +19,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using namespace std::chrono_literals;
 
-struct WireAndClient : can::Sink, GatewaySession::Peer {
-  bool send(const can::Frame& frame) override {
-    if (full) return false;
-    frames.push_back(frame);
-    return true;
-  }
-  void say(std::string_view line) override { lines.emplace_back(line); }
-
-  std::vector<can::Frame> frames;
-  std::vector<std::string> lines;
-  bool full = false;
-};
-
-class GatewayTest : public testing::Test {
- protected:
-  void say(const std::string& text) { session.receive(text + "\r\n", now); }
-  /// The answer to one line.
-  std::string ask(const std::string& text) {
-    ends.lines.clear();
-    say(text);
-    return ends.lines.empty() ? "(nothing)" : ends.lines.back().substr(0, ends.lines.back().find("\r\n"));
-  }
-  void hear(const can::Frame& frame) {
-    ends.lines.clear();
-    gateway.receive(frame, now);
-  }
-  void pass(can::Duration time) {
-    const can::Time end = now + time;
-    while (std::min(gateway.deadline(), session.deadline()) <= end) {
-      now = std::max(now, std::min(gateway.deadline(), session.deadline()));
-      if (gateway.deadline() <= now) gateway.tick(now);
-      if (session.deadline() <= now) session.tick(now);
-    }
-    now = end;
-  }
-  can::Time now{};
-  WireAndClient ends;
-  Gateway gateway{ends, 0, "1.2"};
-  GatewaySession session{gateway, ends};
-};
+class GatewayTest : public GatewaySetup {};
 
 TEST_F(GatewayTest, ReadOfAnObject_IsAnsweredWithItsValueAndTheSequence) {
   say("[7] 1 5 r 0x1000 0 u32");
@@ -168,8 +130,8 @@ TEST_F(GatewayTest, WrongLines_AreTheirErrorAndSendNothing) {
   EXPECT_EQ(ask("2 5 r 0x1000 0 u32"), "ERROR:106 #unsupported network");
   EXPECT_EQ(ask("128 start"), "ERROR:107 #unsupported node");
   EXPECT_EQ(ask("0 r 0x1000 0"), "ERROR:107 #unsupported node");
-  EXPECT_EQ(ask("[5] init 3"), "[5] ERROR:100 #request not supported");
-  EXPECT_EQ(ask("lss_store"), "ERROR:100 #request not supported");
+  EXPECT_EQ(ask("2 lss_store"), "ERROR:106 #unsupported network");
+  EXPECT_EQ(ask("1 5 set command_timeout 1"), "ERROR:106 #unsupported network");
   for (const char* text : {"hello",
                            "[x] 5 start",
                            "[1 5 start",
@@ -191,6 +153,23 @@ TEST_F(GatewayTest, WrongLines_AreTheirErrorAndSendNothing) {
                            "set node",
                            "set node x",
                            "set speed 1",
+                           "set rpdox 1 0x205 event 0 0 1 u8",
+                           "set command_size 31",
+                           "init",
+                           "init 10",
+                           "init 0 1",
+                           "lss_hello",
+                           "lss_switch_glob 2",
+                           "lss_switch_sel 1 2 3",
+                           "lss_set_node 0",
+                           "lss_conf_bitrate 2",
+                           "lss_activate_bitrate 65536",
+                           "lss_store now",
+                           "lss_inquire_addr 4",
+                           "lss_identity 1 2 4 3 0 0",
+                           "_lss_fastscan 0",
+                           "_lss_fastscan 1 2 3",
+                           "lss_allnodes 100 128",
                            "[4294967296] 5 start",
                            "info",
                            "boot_up_indication Maybe",
@@ -248,8 +227,95 @@ TEST_F(GatewayTest, Guarding_AsksAndReportsTheLostNodeOnce) {
   hear(data_frame(0x705, {0x85}));
   EXPECT_THAT(ends.lines, ElementsAre("1 5 ERRORx OPER\r\n"));
   ends.lines.clear();
+  pass(199ms);
+  EXPECT_THAT(ends.lines, IsEmpty());
+  pass(1ms);
+  EXPECT_EQ(ends.lines.at(0), "1 5 ERROR 200 #lost guarding message\r\n");
+  EXPECT_THAT(ends.lines, ElementsAre(testing::_, "1 5 ERROR 201 #lost connection\r\n"));
   pass(500ms);
+  EXPECT_EQ(ends.lines.size(), 2U) << "each is said once";
+}
+
+TEST_F(GatewayTest, GuardedNodeThatMissesOneAnswer_IsALostMessageAndStaysConnected) {
+  EXPECT_EQ(ask("5 enable guarding 100 3"), "OK");
+  pass(0ms);
+  hear(data_frame(0x705, {0x85}));
+  pass(150ms);
+  hear(data_frame(0x705, {0x05}));
+  pass(100ms);
+  hear(data_frame(0x705, {0x85}));
+  EXPECT_THAT(ends.lines, IsEmpty());
+  // Asked at 300 ms without an answer, and again at 400 ms: one is lost. The life time would end at 550 ms.
+  pass(149ms);
+  EXPECT_THAT(ends.lines, IsEmpty());
+  pass(1ms);
   EXPECT_THAT(ends.lines, ElementsAre("1 5 ERROR 200 #lost guarding message\r\n"));
+  hear(data_frame(0x705, {0x05}));
+  EXPECT_THAT(ends.lines, IsEmpty());
+}
+
+TEST_F(GatewayTest, WatchedNodeThatLeavesTheStateItWasSentTo_IsInAWrongState) {
+  EXPECT_EQ(ask("5 enable heartbeat 100"), "OK");
+  EXPECT_EQ(ask("5 start"), "OK");
+  hear(data_frame(0x705, {0x7F}));  // sent before the command came
+  hear(data_frame(0x705, {0x05}));
+  EXPECT_THAT(ends.lines, ElementsAre("1 5 ERRORx OPER\r\n"));
+  hear(data_frame(0x705, {0x04}));
+  EXPECT_THAT(ends.lines, ElementsAre("1 5 ERRORx STOP\r\n", "1 5 ERROR 204 #wrong NMT state\r\n"));
+  EXPECT_EQ(ask("5 reset node"), "OK");
+  hear(data_frame(0x705, {0x05}));
+  hear(data_frame(0x705, {0x7F}));
+  EXPECT_THAT(ends.lines, ElementsAre("1 5 ERRORx PREO\r\n"));
+}
+
+TEST_F(GatewayTest, BusThatTakesNoFrame_IsAnOverflow) {
+  ends.full = true;
+  EXPECT_EQ(ask("5 start"), "ERROR:303 #CAN buffer overflow");
+}
+
+TEST_F(GatewayTest, CommandSize_IsTheLongestLine) {
+  EXPECT_EQ(ask("set command_size 32"), "OK");
+  EXPECT_EQ(ask("5 start #" + std::string(23, 'x')), "OK");
+  EXPECT_EQ(ask("5 start #" + std::string(24, 'x')), "ERROR:101 #syntax error");
+  EXPECT_EQ(ask("set command_size 65536"), "OK");
+  EXPECT_EQ(ask("set command_size 65537"), "ERROR:600 #running out of memory");
+}
+
+TEST_F(GatewayTest, Init_StartsTheControllerAtTheRateOfItsIndexAndForgetsWhatWasSet) {
+  std::vector<std::uint32_t> rates;
+  gateway.set_restart([&](std::uint32_t rate) {
+    rates.push_back(rate);
+    return std::expected<void, std::string>();
+  });
+  WireAndClient other;
+  GatewaySession second(gateway, other);
+  second.receive("[1] 5 r 0x1000 0 u32\n[2] lss_get_node\n", now);
+  EXPECT_EQ(ask("set id 7"), "OK");
+  EXPECT_EQ(ask("set heartbeat 100"), "OK");
+  EXPECT_EQ(ask("9 enable heartbeat 100"), "OK");
+  EXPECT_EQ(ask("set rpdo 1 0x185 event 1 u8"), "OK");
+  ends.frames.clear();
+  EXPECT_EQ(ask("init 3"), "OK");
+  EXPECT_THAT(rates, ElementsAre(250'000U));
+  EXPECT_THAT(ends.frames, testing::Contains(data_frame(0x707, {0})));
+  ASSERT_EQ(other.lines.size(), 2U);
+  EXPECT_TRUE(other.lines[0].starts_with("[1] ERROR:0x08000021")) << other.lines[0];
+  EXPECT_TRUE(other.lines[1].starts_with("[2] ERROR:102")) << other.lines[1];
+  ends.frames.clear();
+  hear(data_frame(0x185, {1}));
+  hear(data_frame(0x709, {5}));
+  pass(1s);
+  EXPECT_THAT(ends.lines, IsEmpty());
+  EXPECT_THAT(ends.frames, IsEmpty());
+}
+
+TEST_F(GatewayTest, InitThatCannotBe_ChangesNothing) {
+  EXPECT_EQ(ask("set rpdo 1 0x185 event 1 u8"), "OK");
+  EXPECT_EQ(ask("[5] init 3"), "[5] ERROR:304 #CAN init: the bit rate of this bus is not set from here");
+  EXPECT_EQ(ask("init 5"), "ERROR:100 #request not supported");
+  EXPECT_EQ(ask("init 9"), "ERROR:100 #request not supported");
+  hear(data_frame(0x185, {1}));
+  EXPECT_THAT(ends.lines, ElementsAre("1 pdo 1 1 0x1\r\n"));
 }
 
 TEST_F(GatewayTest, OwnHeartbeat_NeedsANodeId) {
@@ -264,102 +330,7 @@ TEST_F(GatewayTest, OwnHeartbeat_NeedsANodeId) {
   EXPECT_EQ(ends.frames.size(), 3U);
 }
 
-TEST_F(GatewayTest, ReceivedPdo_IsAnEventAndCanBeRead) {
-  EXPECT_TRUE(ask("r p 2").starts_with("ERROR:102"));
-  EXPECT_EQ(ask("set rpdo 2 0x185 event 3 u8 u16 b"), "OK");
-  hear(data_frame(0x185, {0x12, 0x34, 0x56, 0x01}));
-  EXPECT_THAT(ends.lines, ElementsAre("1 pdo 2 3 0x12 0x5634 0x1\r\n"));
-  EXPECT_EQ(ask("[6] 1 r pdo 2"), "[6] 1 pdo 3 0x12 0x5634 0x1");
-  hear(data_frame(0x185, {0x12}));
-  EXPECT_THAT(ends.lines, ElementsAre("1 ERROR 401 #PDO length exceeded\r\n"));
-}
-
-TEST_F(GatewayTest, SynchronousPdos_WaitForTheirSync) {
-  EXPECT_EQ(ask("set rpdo 1 0x185 sync2 1 u8"), "OK");
-  EXPECT_EQ(ask("set tpdo 1 0x205 sync1 2 u8 u16"), "OK");
-  EXPECT_EQ(ask("w p 1 2 0x11 0x2233"), "OK");
-  hear(data_frame(0x185, {9}));
-  EXPECT_THAT(ends.lines, IsEmpty());
-  EXPECT_THAT(ends.frames, IsEmpty());
-  hear(data_frame(0x080));
-  EXPECT_THAT(ends.frames, ElementsAre(data_frame(0x205, {0x11, 0x33, 0x22})));
-  hear(data_frame(0x080));
-  EXPECT_THAT(ends.lines, ElementsAre("1 pdo 1 1 0x9\r\n"));
-}
-
-TEST_F(GatewayTest, PdoThatDoesNotFit_IsRefused) {
-  EXPECT_TRUE(ask("set tpdo 1 0x205 event 2 u64 u8").starts_with("ERROR:401"));
-  EXPECT_TRUE(ask("set tpdo 1 0x205 rtr 1 u8").starts_with("ERROR:100"));
-  EXPECT_TRUE(ask("set tpdo 0 0x205 event 1 u8").starts_with("ERROR:101"));
-  EXPECT_EQ(ask("set tpdo 1 0x205 event 2 u8 u8"), "OK");
-  EXPECT_TRUE(ask("w p 1 1 5").starts_with("ERROR:401"));
-  EXPECT_TRUE(ask("w p 1 2 5 256").starts_with("ERROR:401"));
-  EXPECT_TRUE(ask("w p 2 1 5").starts_with("ERROR:102"));
-  EXPECT_EQ(ask("w pdo 1 2 5 255"), "OK");
-  EXPECT_THAT(ends.frames, ElementsAre(data_frame(0x205, {5, 255})));
-}
-
 TEST_F(GatewayTest, Version_IsInfo) { EXPECT_EQ(ask("[1] info version"), "[1] 0 0 0.0 0 3 2.1 1.2"); }
-
-struct ValueRow {
-  const char* type;
-  const char* text;
-  std::vector<std::uint8_t> bytes;
-  const char* shown;
-};
-class GatewayValue : public testing::TestWithParam<ValueRow> {};
-
-TEST_P(GatewayValue, IsEncodedAndShown) {
-  const auto type = parse_gateway_type(GetParam().type);
-  ASSERT_TRUE(type);
-  EXPECT_EQ(encode_gateway_value(GetParam().text, *type), GetParam().bytes);
-  EXPECT_EQ(show_gateway_value(GetParam().bytes, *type), GetParam().shown);
-}
-
-INSTANTIATE_TEST_SUITE_P(
-    Types, GatewayValue,
-    testing::Values(
-        ValueRow{"b", "1", {1}, "1"}, ValueRow{"i8", "-5", {0xFB}, "-5"},
-        ValueRow{"i16", "-32768", {0, 0x80}, "-32768"}, ValueRow{"i24", "-2", {0xFE, 0xFF, 0xFF}, "-2"},
-        ValueRow{"u32", "0x10", {0x10, 0, 0, 0}, "16"}, ValueRow{"u8", "010", {8}, "8"},
-        ValueRow{"u40", "4294967296", {0, 0, 0, 0, 1}, "4294967296"},
-        ValueRow{"i64", "-9223372036854775808", {0, 0, 0, 0, 0, 0, 0, 0x80}, "-9223372036854775808"},
-        ValueRow{"x16", "255", {0xFF, 0}, "0x00FF"}, ValueRow{"r32", "1.5", {0, 0, 0xC0, 0x3F}, "1.5"},
-        ValueRow{"r64", "-2", {0, 0, 0, 0, 0, 0, 0, 0xC0}, "-2"},
-        ValueRow{"t", "2 1000", {0xE8, 3, 0, 0, 2, 0}, "2 1000"},
-        ValueRow{"vs", "\"a \"\"b\"\"\"", {'a', ' ', '"', 'b', '"'}, "\"a \"\"b\"\"\""},
-        ValueRow{"os", "AQID/w==", {1, 2, 3, 0xFF}, "AQID/w=="}, ValueRow{"d", "AQI=", {1, 2}, "AQI="},
-        ValueRow{"d", "AQID", {1, 2, 3}, "AQID"}, ValueRow{"hex", "01 FFab", {1, 0xFF, 0xAB}, "01 FF AB"}));
-
-TEST(GatewayValueText, ControlCharactersOfANode_StayInTheirLine) {
-  const std::vector<std::uint8_t> bytes = {'a', '\r', '\n', 0x1B, 'b', 0, 0};
-  EXPECT_EQ(show_gateway_value(bytes, *parse_gateway_type("vs")), "\"a\\x0d\\x0a\\x1bb\"");
-}
-
-TEST(GatewayValueText, WhatIsNoValue_IsNone) {
-  const auto encode = [](const char* type, const char* text) {
-    return encode_gateway_value(text, *parse_gateway_type(type));
-  };
-  for (const auto& [type, text] : std::vector<std::pair<const char*, const char*>>{{"b", "2"},
-                                                                                   {"u8", "-1"},
-                                                                                   {"u8", ""},
-                                                                                   {"i8", "128"},
-                                                                                   {"r32", "1e99"},
-                                                                                   {"r32", "x"},
-                                                                                   {"t", "1"},
-                                                                                   {"t", "1 2 3"},
-                                                                                   {"d", "AQ"},
-                                                                                   {"d", "A==="},
-                                                                                   {"d", "AQ=D"},
-                                                                                   {"hex", "1"},
-                                                                                   {"hex", "0x"},
-                                                                                   {"vs", "a b"},
-                                                                                   {"vs", "\"a\"b\""}}) {
-    EXPECT_EQ(encode(type, text), std::nullopt) << type << ' ' << text;
-  }
-  for (const char* name : {"", "u", "u0", "u7", "u72", "u08", "i", "f32", "q8"})
-    EXPECT_FALSE(parse_gateway_type(name)) << name;
-}
 
 RC_GTEST_PROP(GatewayProperties, CutAnywhere_TheConversationIsTheSame, ()) {
   const std::string text = "[1] 5 start\r\nset node 9\n[2] start # x\n\n[3] boo\r\ninfo version\r\n";

@@ -54,6 +54,7 @@ int serve(const GatewayArguments& arguments, const char* version) {
       arguments.bus,
       [&](BusLoop& bus, can::Duration) {
         client::Gateway gateway(bus, static_cast<std::uint8_t>(node), version);
+        gateway.set_restart([&bus](std::uint32_t bit_rate) { return bus.restart(bit_rate); });
         client::GatewayServer server(
             bus.io(), gateway, [&bus] { return bus.now(); }, {.allowed = link::AllowList(networks)},
             [](std::string_view sentence) { print_error("canopus: gateway: {}", sentence); });

@@ -1,6 +1,8 @@
 #include "canopus/client/gateway/gateway.hpp"
 
 #include <algorithm>
+#include <deque>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
@@ -45,29 +47,8 @@ struct Gateway::Channel final : canopen::SdoClientUser {
   std::deque<Job> jobs;
 };
 
-std::string_view describe(GatewayError error) noexcept {
-  switch (error) {
-    case GatewayError::none: return "no error";
-    case GatewayError::not_supported: return "request not supported";
-    case GatewayError::syntax: return "syntax error";
-    case GatewayError::state: return "request not processed due to the internal state";
-    case GatewayError::time_out: return "time-out";
-    case GatewayError::no_network: return "no default network set";
-    case GatewayError::no_node: return "no default node set";
-    case GatewayError::unsupported_network: return "unsupported network";
-    case GatewayError::unsupported_node: return "unsupported node";
-    case GatewayError::guarding_lost: return "lost guarding message";
-    case GatewayError::heartbeat_started: return "heartbeat started";
-    case GatewayError::heartbeat_lost: return "heartbeat lost";
-    case GatewayError::error_passive: return "error passive";
-    case GatewayError::bus_off: return "bus-off";
-    case GatewayError::pdo_length: return "PDO length exceeded";
-  }
-  return "error";
-}
-
 Gateway::Gateway(can::Sink& bus, std::uint8_t node_id, std::string version)
-    : bus_(bus), node_id_(node_id), version_(std::move(version)) {}
+    : bus_(bus), node_id_(node_id), version_(std::move(version)), pdos_(bus_, *this), lss_(bus_) {}
 
 Gateway::~Gateway() {
   for (const auto& channel : channels_) {
@@ -100,6 +81,8 @@ Gateway::Ticket Gateway::transfer(Transfer transfer, can::Time now) {
 }
 
 void Gateway::call_off(Ticket ticket, can::Time now) {
+  pdos_.call_off(ticket);
+  lss_.call_off(ticket, now);
   for (const auto& channel : channels_) {
     if (channel == nullptr) continue;
     const auto job = std::ranges::find(channel->jobs, ticket, &Channel::Job::ticket);
@@ -115,6 +98,12 @@ void Gateway::call_off(Ticket ticket, can::Time now) {
 // --- NMT
 
 bool Gateway::command(canopen::NmtCommand command, std::uint8_t node) {
+  NmtState state{};  // a reset is no state to stay in
+  if (command == canopen::NmtCommand::start) state = NmtState::operational;
+  if (command == canopen::NmtCommand::stop) state = NmtState::stopped;
+  if (command == canopen::NmtCommand::enter_pre_operational) state = NmtState::pre_operational;
+  if (node == 0) commanded_.fill(static_cast<std::uint8_t>(state));
+  commanded_[node] = static_cast<std::uint8_t>(state);
   return bus_.send(can::data_frame(canopen::cob_id::nmt, {static_cast<std::uint8_t>(command), node}));
 }
 
@@ -154,10 +143,13 @@ void Gateway::watched(unsigned node, std::uint8_t state, can::Time now) {
   if (watch.factor == 0) watch.deadline = now + watch.time;
   if (!std::exchange(watch.alive, true) && watch.factor == 0)
     node_event(node, GatewayError::heartbeat_started);
-  watch.lost = false;
-  if (std::exchange(watch.state, state) == state) return;
+  watch.lost = watch.asked = watch.missed = false;
+  const std::uint8_t before = std::exchange(watch.state, state);
+  if (before == state) return;
   const std::string_view name = state == 4 ? "STOP" : state == 5 ? "OPER" : state == 0x7F ? "PREO" : "";
   if (!name.empty()) event(fmt::format("{} {} ERRORx {}", network, node, name));
+  // It was where its last command had sent it, and left by itself.
+  if (commanded_[node] != 0 && before == commanded_[node]) node_event(node, GatewayError::wrong_state);
 }
 
 void Gateway::look_at(unsigned node, can::Time now) {
@@ -169,118 +161,69 @@ void Gateway::look_at(unsigned node, can::Time now) {
     return node_event(node, GatewayError::heartbeat_lost);
   }
   watch.deadline = now + watch.time;
+  const bool missed = std::exchange(watch.asked, true);
   (void)bus_.send(can::remote_frame(canopen::cob_id::error_control + node, 1));
+  if (missed && !std::exchange(watch.missed, true)) node_event(node, GatewayError::guarding_lost);
   if (watch.lost || now - watch.heard < watch.time * watch.factor) return;
   watch.lost = true;
   watch.state = 0xFF;
-  node_event(node, GatewayError::guarding_lost);
+  node_event(node, GatewayError::connection_lost);
 }
 
-// --- PDO
+// --- PDO, LSS
 
-GatewayError Gateway::set(Pdos& pdos, unsigned number, GatewayPdo pdo) {
-  if (number == 0 || number > most_pdos) return GatewayError::syntax;
-  unsigned bits = 0;
-  for (const GatewayType& type : pdo.types) bits += type.bits;
-  if (bits > 64) return GatewayError::pdo_length;
-  pdos[number] = std::move(pdo);
-  return GatewayError::none;
-}
-
-const GatewayPdo* Gateway::rpdo(unsigned number) const {
-  const auto pdo = rpdos_.find(number);
-  return pdo == rpdos_.end() ? nullptr : &pdo->second;
-}
-
-GatewayError Gateway::write_pdo(unsigned number, std::span<const std::uint64_t> values) {
-  const auto found = tpdos_.find(number);
-  if (found == tpdos_.end()) return GatewayError::state;
-  GatewayPdo& pdo = found->second;
-  if (values.size() != pdo.types.size()) return GatewayError::pdo_length;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const unsigned bits = pdo.types[i].bits;
-    if (bits < 64 && values[i] >> bits != 0) return GatewayError::pdo_length;
-  }
-  pdo.values.emplace(values.begin(), values.end());
-  if (pdo.sync != 0) {
-    pdo.waits = true;
-    pdo.syncs = 0;
-    return GatewayError::none;
-  }
-  return send_tpdo(pdo) ? GatewayError::none : GatewayError::state;
-}
-
-bool Gateway::send_tpdo(const GatewayPdo& pdo) {
-  std::uint64_t word = 0;
-  unsigned place = 0;
-  for (std::size_t i = 0; i < pdo.types.size(); ++i) {
-    if (place < 64) word |= (*pdo.values)[i] << place;
-    place += pdo.types[i].bits;
-  }
-  can::Frame frame{.identifier = pdo.cob_id, .dlc = static_cast<std::uint8_t>((place + 7) / 8)};
-  for (std::size_t i = 0; i < frame.length(); ++i) frame.data[i] = static_cast<std::uint8_t>(word >> (8 * i));
-  return bus_.send(frame);
-}
-
-void Gateway::take_pdo(const can::Frame& frame) {
-  for (auto& [number, pdo] : rpdos_) {
-    if (pdo.cob_id != frame.identifier) continue;
-    std::uint64_t word = 0;
-    for (std::size_t i = 0; i < frame.length(); ++i) word |= std::uint64_t{frame.data[i]} << (8 * i);
-    std::vector<std::uint64_t> values;
-    unsigned place = 0;
-    for (const GatewayType& type : pdo.types) {
-      const std::uint64_t mask = type.bits >= 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << type.bits) - 1;
-      values.push_back(place < 64 ? word >> place & mask : 0);
-      place += type.bits;
-    }
-    if (place > 8 * frame.length()) {
-      controller_error(GatewayError::pdo_length);
-      continue;
-    }
-    pdo.values = std::move(values);
-    if (pdo.sync == 0) {
-      show_rpdo(number, pdo);
-    } else {
-      pdo.waits = true;
-    }
-  }
-}
-
-void Gateway::sync() {
-  for (auto& [number, pdo] : rpdos_) {
-    if (!pdo.waits || ++pdo.syncs < pdo.sync) continue;
-    pdo.waits = false;
-    pdo.syncs = 0;
-    show_rpdo(number, pdo);
-  }
-  for (auto& [number, pdo] : tpdos_) {
-    if (!pdo.waits || ++pdo.syncs < pdo.sync) continue;
-    pdo.waits = false;
-    pdo.syncs = 0;
-    (void)send_tpdo(pdo);
-  }
-}
-
-std::string show_pdo_values(const GatewayPdo& pdo) {
-  std::string text = fmt::format("{}", pdo.types.size());
-  if (pdo.values) {
-    for (const std::uint64_t value : *pdo.values) text += fmt::format(" 0x{:x}", value);
-  }
-  return text;
-}
-
-void Gateway::show_rpdo(unsigned number, const GatewayPdo& pdo) {
+void Gateway::pdo_received(unsigned number, const GatewayPdo& pdo) {
   event(fmt::format("{} pdo {} {}", network, number, show_pdo_values(pdo)));
+}
+
+std::optional<Gateway::Ticket> Gateway::request_pdo(unsigned number, GatewayPdos::Done done) {
+  const Ticket ticket = ++last_ticket_;
+  if (pdos_.request(number, ticket, std::move(done)) != GatewayError::none) return std::nullopt;
+  return ticket;
+}
+
+Gateway::Ticket Gateway::lss(GatewayLss::Request request, can::Time now) {
+  const Ticket ticket = ++last_ticket_;
+  lss_.request(ticket, std::move(request), now);
+  return ticket;
+}
+
+// --- the controller
+
+std::expected<void, std::string> Gateway::restart(std::uint32_t bit_rate) {
+  if (!restart_) return std::unexpected("the bit rate of this bus is not set from here");
+  return restart_(bit_rate);
+}
+
+void Gateway::reset(can::Time now) {
+  watches_.clear();
+  commanded_ = {};
+  pdos_.clear();
+  next_heartbeat_ = can::never;
+  bus_.silent = false;
+  // Whose command ends here may at once begin another one.
+  std::vector<Channel::Job> ended;
+  for (const auto& channel : channels_) {
+    if (channel == nullptr) continue;
+    if (channel->client.busy()) channel->client.cancel(AbortCode::general);
+    std::ranges::move(channel->jobs, std::back_inserter(ended));
+    channel->jobs.clear();
+  }
+  if (node_id_ != 0) (void)bus_.send(can::data_frame(canopen::cob_id::error_control + node_id_, {0}));
+  for (const Channel::Job& job : ended) {
+    if (job.transfer.done) job.transfer.done(AbortCode::local_control, {}, now);
+  }
+  lss_.clear(now);
 }
 
 // --- can::Participant
 
 void Gateway::receive(const can::Frame& frame, can::Time now) {
+  pdos_.receive(frame, now);
   if (frame.extended) return;
+  lss_.receive(frame, now);
   const std::uint32_t function = frame.identifier & 0x780U;
   const unsigned node = frame.identifier & 0x7FU;
-  if (frame.identifier == canopen::cob_id::sync && !frame.remote) sync();
   if (function == canopen::cob_id::sdo_response && channels_[node] != nullptr)
     channels_[node]->client.receive(frame, now);
   if (function == canopen::cob_id::error_control && node != 0) error_control(node, frame, now);
@@ -289,13 +232,14 @@ void Gateway::receive(const can::Frame& frame, can::Time now) {
     event(fmt::format("{} {} EMCY {:04X} {:02X} {} {} {} {} {}", network, node, data[0] | data[1] << 8,
                       data[2], data[3], data[4], data[5], data[6], data[7]));
   }
-  if (!frame.remote) take_pdo(frame);
 }
 
 void Gateway::tick(can::Time now) {
   for (const auto& channel : channels_) {
     if (channel != nullptr && channel->client.deadline() <= now) channel->client.tick(now);
   }
+  pdos_.tick(now);
+  lss_.tick(now);
   std::vector<unsigned> due;
   for (const auto& [node, watch] : watches_) {
     if (watch.deadline <= now) due.push_back(node);
@@ -309,7 +253,7 @@ void Gateway::tick(can::Time now) {
 }
 
 can::Time Gateway::deadline() const noexcept {
-  can::Time first = next_heartbeat_;
+  can::Time first = std::min({next_heartbeat_, pdos_.deadline(), lss_.deadline()});
   for (const auto& channel : channels_) {
     if (channel != nullptr) first = std::min(first, channel->client.deadline());
   }

@@ -1,11 +1,11 @@
 #pragma once
 // The bus side of a gateway [CiA 309-1]: SDO transfers of its clients, one at a time with each node, NMT commands, the
-// supervision of nodes, its own heartbeat, and PDOs as words of a client. What happens on the bus is told to everybody
-// who listens, as lines of CiA 309-3.
+// supervision of nodes, its own heartbeat, PDOs, LSS, and the CAN controller. What happens on the bus is told to
+// everybody who listens, as lines of CiA 309-3.
 
 #include <array>
 #include <cstdint>
-#include <deque>
+#include <expected>
 #include <functional>
 #include <map>
 #include <memory>
@@ -19,29 +19,11 @@
 #include "canopus/canopen/dictionary/abort_code.hpp"
 #include "canopus/canopen/sdo/sdo_client.hpp"
 #include "canopus/canopen/service/nmt.hpp"
-#include "canopus/client/gateway/gateway_value.hpp"
+#include "canopus/client/gateway/gateway_error.hpp"
+#include "canopus/client/gateway/gateway_lss.hpp"
+#include "canopus/client/gateway/gateway_pdo.hpp"
 
 namespace canopus::client {
-
-/// Codes of answers and events that are no SDO abort codes [CiA 309-3].
-enum class GatewayError : std::uint16_t {
-  none = 0,
-  not_supported = 100,
-  syntax = 101,
-  state = 102,
-  time_out = 103,
-  no_network = 104,
-  no_node = 105,
-  unsupported_network = 106,
-  unsupported_node = 107,
-  guarding_lost = 200,
-  heartbeat_started = 202,
-  heartbeat_lost = 203,
-  error_passive = 300,
-  bus_off = 301,
-  pdo_length = 401,
-};
-[[nodiscard]] std::string_view describe(GatewayError error) noexcept;
 
 class GatewayListener {
  public:
@@ -52,20 +34,9 @@ class GatewayListener {
   ~GatewayListener() = default;
 };
 
-/// A PDO of the gateway. Received ones are RPDOs, sent ones TPDOs.
-struct GatewayPdo {
-  std::uint32_t cob_id = 0;  ///< 11 bits
-  unsigned sync = 0;         ///< 0: at once, when it comes or is written; n: with the n-th SYNC
-  std::vector<GatewayType> types{};
-  std::optional<std::vector<std::uint64_t>> values{};  ///< the last ones
-  bool waits = false;                                  ///< for a SYNC
-  unsigned syncs = 0;                                  ///< since it waits
-};
-
-class Gateway final : public can::Participant {
+class Gateway final : public can::Participant, private GatewayPdoUser {
  public:
   static constexpr unsigned network = 1;  ///< the only one
-  static constexpr std::size_t most_pdos = 512;
 
   /// `node_id`: the gateway's own, 0: it has none, and sends no heartbeat. `version` is the program's: "1.2".
   Gateway(can::Sink& bus, std::uint8_t node_id, std::string version);
@@ -102,11 +73,20 @@ class Gateway final : public can::Participant {
   [[nodiscard]] std::uint8_t node_id() const noexcept { return node_id_; }
   [[nodiscard]] const std::string& version() const noexcept { return version_; }
 
-  // PDOs by their number, 1..512.
-  GatewayError set_rpdo(unsigned number, GatewayPdo pdo) { return set(rpdos_, number, std::move(pdo)); }
-  GatewayError set_tpdo(unsigned number, GatewayPdo pdo) { return set(tpdos_, number, std::move(pdo)); }
-  [[nodiscard]] const GatewayPdo* rpdo(unsigned number) const;
-  GatewayError write_pdo(unsigned number, std::span<const std::uint64_t> values);
+  [[nodiscard]] GatewayPdos& pdos() noexcept { return pdos_; }
+  /// The values of an RPDO, asked for by a remote frame. None: the bus takes no frame, or there is no such PDO.
+  std::optional<Ticket> request_pdo(unsigned number, GatewayPdos::Done done);
+  Ticket lss(GatewayLss::Request request, can::Time now);
+
+  /// Starts the own controller anew at a bit rate (bit/s); the error is a sentence.
+  using Restart = std::function<std::expected<void, std::string>(std::uint32_t bit_rate)>;
+  void set_restart(Restart restart) { restart_ = std::move(restart); }
+  std::expected<void, std::string> restart(std::uint32_t bit_rate);
+  /// As after power-on: ends what is under way, forgets PDOs and supervision, stops the heartbeat, and sends the own
+  /// boot-up message.
+  void reset(can::Time now);
+  /// While devices change their bit rate nothing may be sent [CiA 305].
+  void set_silent(bool silent) { bus_.silent = silent; }
   /// The controller's state, where the transport tells it.
   void controller_error(GatewayError error);
 
@@ -116,43 +96,47 @@ class Gateway final : public can::Participant {
   [[nodiscard]] can::Time deadline() const noexcept override;
 
  private:
-  using Pdos = std::map<unsigned, GatewayPdo>;
   struct Channel;
+  /// The bus, while sending is allowed.
+  struct Way final : can::Sink {
+    explicit Way(can::Sink& sink) : bus(sink) {}
+    bool send(const can::Frame& frame) override { return !silent && bus.send(frame); }
+    can::Sink& bus;
+    bool silent = false;
+  };
   struct Watch {
     can::Duration time{};
     unsigned factor = 0;  // of guarding; 0: heartbeat
     bool alive = false;
+    bool asked = false;   // guarding: and not yet answered
+    bool missed = false;  // an answer
     bool lost = false;
     can::Time heard{};
     can::Time deadline = can::never;
     std::uint8_t state = 0xFF;
   };
 
-  static GatewayError set(Pdos& pdos, unsigned number, GatewayPdo pdo);
+  void pdo_received(unsigned number, const GatewayPdo& pdo) override;
+  void pdo_too_short() override { controller_error(GatewayError::pdo_length); }
   void event(std::string_view line, bool boot_up = false);
   void node_event(unsigned node, GatewayError error);
   void error_control(unsigned node, const can::Frame& frame, can::Time now);
   void watched(unsigned node, std::uint8_t state, can::Time now);
   void look_at(unsigned node, can::Time now);
-  void take_pdo(const can::Frame& frame);
-  void sync();
-  void show_rpdo(unsigned number, const GatewayPdo& pdo);
-  bool send_tpdo(const GatewayPdo& pdo);
 
-  can::Sink& bus_;
+  Way bus_;
   std::uint8_t node_id_;
   std::string version_;
   std::vector<GatewayListener*> listeners_;
   std::array<std::unique_ptr<Channel>, 128> channels_;
   std::map<unsigned, Watch> watches_;
-  Pdos rpdos_;
-  Pdos tpdos_;
+  std::array<std::uint8_t, 128> commanded_{};  // state that a node was sent to; 0: none
+  GatewayPdos pdos_;
+  GatewayLss lss_;
+  Restart restart_;
   can::Duration heartbeat_{};
   can::Time next_heartbeat_ = can::never;
   Ticket last_ticket_ = 0;
 };
-
-/// "1 pdo 2 2 0x12 0x3456" without the network; the number only of events.
-[[nodiscard]] std::string show_pdo_values(const GatewayPdo& pdo);
 
 }  // namespace canopus::client

@@ -32,7 +32,8 @@ class GatewayServer::Client final : public std::enable_shared_from_this<Client>,
                               if (self->server_ == nullptr) return;
                               if (failure) return self->leave({});
                               self->session_->receive({self->input_.data(), size}, self->server_->clock_());
-                              if (self->server_ != nullptr) self->go_on();
+                              // It may have ended what others waited for.
+                              if (self->server_ != nullptr) self->server_->go_on();
                             });
   }
   /// After anything that may have ended a command.
@@ -139,10 +140,14 @@ void GatewayServer::remove(const Client* client) {
   std::erase_if(clients_, [client](const auto& entry) { return entry.get() == client; });
 }
 
-void GatewayServer::receive(const can::Frame& frame, can::Time now) {
-  gateway_.receive(frame, now);
+void GatewayServer::go_on() {
   const auto clients = clients_;
   for (const auto& client : clients) client->go_on();
+}
+
+void GatewayServer::receive(const can::Frame& frame, can::Time now) {
+  gateway_.receive(frame, now);
+  go_on();
 }
 
 void GatewayServer::tick(can::Time now) {

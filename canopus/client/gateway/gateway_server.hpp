@@ -52,6 +52,7 @@ class GatewayServer final : public can::Participant {
   void admit(link::TcpPort::Socket socket);
   void refuse(link::TcpPort::Socket& socket, const std::string& why);
   void remove(const Client* client);
+  void go_on();
 
   Gateway& gateway_;
   Clock clock_;

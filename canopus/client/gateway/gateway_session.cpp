@@ -10,23 +10,6 @@ namespace canopus::client {
 using canopen::AbortCode;
 using canopen::NmtCommand;
 
-/// The rest of a line, word by word, and what stood in front of its command.
-struct GatewaySession::Words {
-  std::string_view rest;
-  std::vector<std::uint64_t> numbers{};
-  std::uint8_t node = 0;
-
-  std::string_view take() { return take_gateway_word(rest); }
-  std::optional<std::uint64_t> number(std::uint64_t least, std::uint64_t most) {
-    const auto value = gateway_number(take());
-    return value && *value >= least && *value <= most ? value : std::nullopt;
-  }
-  bool over() {
-    std::string_view copy = rest;
-    return take_gateway_word(copy).empty();
-  }
-};
-
 namespace {
 
 constexpr std::uint64_t longest_time = 24 * 3600 * 1000;  // ms
@@ -81,7 +64,7 @@ void GatewaySession::read_input(can::Time now) {
   while (!waiting()) {
     const std::size_t end = input_.find('\n', used);
     if (end == std::string::npos) {
-      if (input_.size() - used > longest_line) {
+      if (input_.size() - used > command_size_ + 1) {
         too_long_ = true;
         used = input_.size();
       }
@@ -90,7 +73,7 @@ void GatewaySession::read_input(can::Time now) {
     std::string_view text(input_.data() + used, end - used);
     if (text.ends_with('\r')) text.remove_suffix(1);
     used = end + 1;
-    if (std::exchange(too_long_, false) || text.size() > longest_line) {
+    if (std::exchange(too_long_, false) || text.size() > command_size_) {
       sequence_.reset();
       answer(GatewayError::syntax);
       continue;
@@ -149,7 +132,7 @@ void GatewaySession::command(Words& words, can::Time now) {
     Words ahead = words;
     const std::string_view next = ahead.take();
     if (!is_word(next, "p", "pdo")) return read_or_write(words, write, now);
-    return write ? write_pdo(ahead) : read_pdo(ahead);
+    return write ? write_pdo(ahead, now) : read_pdo(ahead, now);
   }
   if (name == "start") return nmt(words, NmtCommand::start);
   if (name == "stop") return nmt(words, NmtCommand::stop);
@@ -174,73 +157,74 @@ void GatewaySession::command(Words& words, can::Time now) {
     // Vendor, product, revision, serial number, class, versions of the protocol and of this program.
     return answer(fmt::format("0 0 0.0 0 3 2.1 {}", gateway_.version()));
   }
-  if (name == "init" || name.starts_with("lss_") || name.starts_with("_lss_"))
-    return answer(GatewayError::not_supported);
+  if (name == "init") return init(words, now);
+  if (name.starts_with("lss_") || name.starts_with("_lss_")) return lss_command(name, words, now);
   answer(name.starts_with('_') ? GatewayError::not_supported : GatewayError::syntax);
 }
 
 // --- settings
 
-void GatewaySession::set(Words& words, can::Time now) {
-  const std::string_view what = words.take();
-  if (what == "rpdo" || what == "tpdo") return set_pdo(words, what == "rpdo");
-  if (what == "tpdox" || what == "command_size") return answer(GatewayError::not_supported);
-  std::optional<std::uint64_t> value = words.number(0, longest_time);
-  if (!value || !words.over()) return answer(GatewayError::syntax);
-  if (words.numbers.size() > 1 || (words.numbers.size() == 1 && words.numbers[0] != Gateway::network)) {
-    return answer(GatewayError::unsupported_network);
-  }
-  if (what == "network") {
-    if (*value != Gateway::network) return answer(GatewayError::unsupported_network);
-  } else if (what == "node") {
-    if (*value > 127) return answer(GatewayError::unsupported_node);
-    node_ = static_cast<std::uint8_t>(*value);
-  } else if (what == "sdo_timeout") {
-    if (*value == 0) return answer(GatewayError::syntax);
-    sdo_time_out_ = milliseconds(*value);
-  } else if (what == "command_timeout") {
-    command_time_out_ = milliseconds(*value);
-  } else if (what == "sdo_block") {
-    if (*value > 1) return answer(GatewayError::syntax);
-    block_ = *value == 1;
-  } else if (what == "heartbeat") {
-    if (gateway_.node_id() == 0) return answer(GatewayError::state);
-    gateway_.set_heartbeat(milliseconds(*value), now);
-  } else if (what == "id") {
-    if (*value == 0 || *value > 127) return answer(GatewayError::unsupported_node);
-    gateway_.set_node_id(static_cast<std::uint8_t>(*value));
-  } else {
-    return answer(GatewayError::syntax);
-  }
-  answer(GatewayError::none);
+/// Only a network may stand in front of the command.
+GatewayError GatewaySession::network_only(const Words& words) {
+  const auto& numbers = words.numbers;
+  const bool own = numbers.empty() || (numbers.size() == 1 && numbers[0] == Gateway::network);
+  return own ? GatewayError::none : GatewayError::unsupported_network;
 }
 
-/// `NUMBER COB-ID event|syncN COUNT TYPE...`
-void GatewaySession::set_pdo(Words& words, bool received) {
-  const auto number = words.number(1, Gateway::most_pdos);
-  const auto cob_id = words.number(0, 0xFFFF'FFFF);
-  std::string_view type = words.take();
-  const auto count = words.number(0, 64);
-  if (!number || !cob_id || !count) return answer(GatewayError::syntax);
-  if (type == "rtr" || *cob_id > can::max_base_identifier) return answer(GatewayError::not_supported);
-  GatewayPdo pdo{.cob_id = static_cast<std::uint32_t>(*cob_id)};
-  if (type.starts_with("sync")) {
-    const auto sync = gateway_number(type.substr(4));
-    if (!sync || *sync > 240) return answer(GatewayError::syntax);
-    pdo.sync = std::max(1U, static_cast<unsigned>(*sync));
-  } else if (type != "event") {
-    return answer(GatewayError::syntax);
+void GatewaySession::set(Words& words, can::Time now) {
+  const std::string_view what = words.take();
+  if (what == "rpdo" || what == "tpdo" || what == "tpdox")
+    return set_pdo(words, what == "rpdo", what == "tpdox");
+  const std::optional<std::uint64_t> value = words.number(0, longest_time);
+  if (!value || !words.over()) return answer(GatewayError::syntax);
+  if (const GatewayError error = network_only(words); error != GatewayError::none) return answer(error);
+  if (set_value(what, *value, now)) answer(GatewayError::none);
+}
+
+/// False: it was answered why not.
+bool GatewaySession::set_value(std::string_view what, std::uint64_t value, can::Time now) {
+  GatewayError error = GatewayError::none;
+  if (what == "network") {
+    if (value != Gateway::network) error = GatewayError::unsupported_network;
+  } else if (what == "node") {
+    if (value > 127) error = GatewayError::unsupported_node;
+    if (value <= 127) node_ = static_cast<std::uint8_t>(value);
+  } else if (what == "sdo_timeout") {
+    if (value == 0) error = GatewayError::syntax;
+    if (value != 0) sdo_time_out_ = milliseconds(value);
+  } else if (what == "command_timeout") {
+    command_time_out_ = milliseconds(value);
+  } else if (what == "command_size") {
+    if (value < least_command_size) error = GatewayError::syntax;
+    if (value > longest_line) error = GatewayError::memory;
+    if (error == GatewayError::none) command_size_ = static_cast<std::size_t>(value);
+  } else if (what == "sdo_block") {
+    if (value > 1) error = GatewayError::syntax;
+    if (value <= 1) block_ = value == 1;
+  } else if (what == "heartbeat") {
+    if (gateway_.node_id() == 0) error = GatewayError::state;
+    if (gateway_.node_id() != 0) gateway_.set_heartbeat(milliseconds(value), now);
+  } else if (what == "id") {
+    if (value == 0 || value > 127) error = GatewayError::unsupported_node;
+    if (value != 0 && value <= 127) gateway_.set_node_id(static_cast<std::uint8_t>(value));
+  } else {
+    error = GatewayError::syntax;
   }
-  for (std::uint64_t i = 0; i < *count; ++i) {
-    const auto each = parse_gateway_type(words.take());
-    if (!each) return answer(GatewayError::syntax);
-    if (each->bits == 0) return answer(GatewayError::not_supported);
-    pdo.types.push_back(*each);
-  }
-  if (!words.over()) return answer(GatewayError::syntax);
-  const auto number_value = static_cast<unsigned>(*number);
-  answer(received ? gateway_.set_rpdo(number_value, std::move(pdo))
-                  : gateway_.set_tpdo(number_value, std::move(pdo)));
+  if (error != GatewayError::none) answer(error);
+  return error == GatewayError::none;
+}
+
+/// `INDEX` of table 0 of LSS.
+void GatewaySession::init(Words& words, can::Time now) {
+  constexpr std::uint64_t automatic = 9;
+  const auto index = words.number(0, automatic);
+  if (!index || !words.over()) return answer(GatewayError::syntax);
+  if (const GatewayError error = network_only(words); error != GatewayError::none) return answer(error);
+  const std::uint32_t rate = *index < lss::bit_rates.size() ? lss::bit_rates[*index] : 0;
+  if (rate == 0) return answer(GatewayError::not_supported);
+  if (const auto done = gateway_.restart(rate); !done) return answer(GatewayError::controller, done.error());
+  answer(GatewayError::none);
+  gateway_.reset(now);
 }
 
 // --- NMT
@@ -248,7 +232,7 @@ void GatewaySession::set_pdo(Words& words, bool received) {
 void GatewaySession::nmt(Words& words, NmtCommand command) {
   if (!words.over()) return answer(GatewayError::syntax);
   if (const GatewayError error = address(words, true); error != GatewayError::none) return answer(error);
-  answer(gateway_.command(command, words.node) ? GatewayError::none : GatewayError::state);
+  answer(gateway_.command(command, words.node) ? GatewayError::none : GatewayError::overflow);
 }
 
 void GatewaySession::supervise(Words& words, bool enable, can::Time now) {
@@ -290,15 +274,24 @@ void GatewaySession::read_or_write(Words& words, bool write, can::Time now) {
     finished(code, bytes, when);
   };
   reads_ = !write;
-  if (command_time_out_.count() != 0) deadline_ = now + command_time_out_;
-  ticket_ = 0;  // it may be over before it is known
+  begins(now);
   const Gateway::Ticket ticket = gateway_.transfer(std::move(transfer), now);
   if (ticket_) ticket_ = ticket;
 }
 
-void GatewaySession::finished(AbortCode code, std::span<const std::uint8_t> bytes, can::Time now) {
+/// A command that waits for the bus. It may be over before its ticket is known.
+void GatewaySession::begins(can::Time now, bool limited) {
+  deadline_ = limited && command_time_out_.count() != 0 ? can::later(now, command_time_out_) : can::never;
+  ticket_ = 0;
+}
+
+void GatewaySession::goes_on(can::Time now) {
   ticket_.reset();
   deadline_ = can::never;
+  read_input(now);
+}
+
+void GatewaySession::finished(AbortCode code, std::span<const std::uint8_t> bytes, can::Time now) {
   if (code != AbortCode::none) {
     answer(code);
   } else if (!reads_) {
@@ -308,40 +301,14 @@ void GatewaySession::finished(AbortCode code, std::span<const std::uint8_t> byte
   } else {
     answer(AbortCode::length_mismatch);
   }
-  read_input(now);
+  goes_on(now);
 }
 
 void GatewaySession::tick(can::Time now) {
   if (now < deadline_ || !ticket_) return;
   gateway_.call_off(*ticket_, now);
-  ticket_.reset();
-  deadline_ = can::never;
   answer(GatewayError::time_out);
-  read_input(now);
-}
-
-// --- PDO
-
-void GatewaySession::read_pdo(Words& words) {
-  const auto number = words.number(1, Gateway::most_pdos);
-  if (!number || !words.over()) return answer(GatewayError::syntax);
-  const GatewayPdo* pdo = gateway_.rpdo(static_cast<unsigned>(*number));
-  if (pdo == nullptr || !pdo->values) return answer(GatewayError::state);
-  answer(fmt::format("{} pdo {}", Gateway::network, show_pdo_values(*pdo)));
-}
-
-void GatewaySession::write_pdo(Words& words) {
-  const auto number = words.number(1, Gateway::most_pdos);
-  const auto count = words.number(0, 64);
-  if (!number || !count) return answer(GatewayError::syntax);
-  std::vector<std::uint64_t> values;
-  for (std::uint64_t i = 0; i < *count; ++i) {
-    const auto value = gateway_number(words.take());
-    if (!value) return answer(GatewayError::syntax);
-    values.push_back(*value);
-  }
-  if (!words.over()) return answer(GatewayError::syntax);
-  answer(gateway_.write_pdo(static_cast<unsigned>(*number), values));
+  goes_on(now);
 }
 
 // --- answers
@@ -351,9 +318,10 @@ void GatewaySession::answer(std::string_view text) {
   peer_.say(start + std::string(text) + "\r\n");
 }
 
-void GatewaySession::answer(GatewayError error) {
+void GatewaySession::answer(GatewayError error, std::string_view detail) {
   if (error == GatewayError::none) return answer("OK");
-  answer(fmt::format("ERROR:{} #{}", static_cast<unsigned>(error), describe(error)));
+  answer(fmt::format("ERROR:{} #{}{}{}", static_cast<unsigned>(error), describe(error),
+                     detail.empty() ? "" : ": ", detail));
 }
 
 void GatewaySession::answer(AbortCode code) {

@@ -11,12 +11,15 @@
 // the network and the node. `#` begins a comment. One command is answered after the other; events come between the
 // answers. docs/gateway.md has all commands.
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "canopus/client/gateway/gateway.hpp"
+#include "canopus/client/gateway/gateway_words.hpp"
 
 namespace canopus::client {
 
@@ -30,8 +33,9 @@ class GatewaySession final : public can::Ticker, private GatewayListener {
    protected:
     ~Peer() = default;
   };
-  /// A longer line is answered with a syntax error.
+  /// The longest line, and what `set command_size` can make of it: a longer one is answered with a syntax error.
   static constexpr std::size_t longest_line = 65536;
+  static constexpr std::size_t least_command_size = 32;
   static constexpr can::Duration default_sdo_time_out = std::chrono::milliseconds(500);
 
   GatewaySession(Gateway& gateway, Peer& peer);
@@ -51,22 +55,43 @@ class GatewaySession final : public can::Ticker, private GatewayListener {
   [[nodiscard]] can::Time deadline() const noexcept override { return deadline_; }
 
  private:
-  struct Words;  // of a command
+  using Words = GatewayWords;
 
   void read_input(can::Time now);
   void line(std::string_view text, can::Time now);
   void command(Words& words, can::Time now);
   void set(Words& words, can::Time now);
-  void set_pdo(Words& words, bool received);
+  bool set_value(std::string_view what, std::uint64_t value, can::Time now);
+  void init(Words& words, can::Time now);
   void nmt(Words& words, canopen::NmtCommand command);
   void supervise(Words& words, bool enable, can::Time now);
   void read_or_write(Words& words, bool write, can::Time now);
-  void read_pdo(Words& words);
-  void write_pdo(Words& words);
+  // gateway_session_pdo.cpp
+  void set_pdo(Words& words, bool received, bool extended);
+  void read_pdo(Words& words, can::Time now);
+  void write_pdo(Words& words, can::Time now);
+  // gateway_session_lss.cpp
+  void lss_command(std::string_view name, Words& words, can::Time now);
+  using LssService = std::function<bool(lss::LssMaster& master, can::Time now)>;
+  using LssAnswer = std::function<std::string(const lss::LssMaster& master)>;
+  void lss_service(LssService service, can::Time now, LssAnswer shown = {}, std::uint8_t command = 0);
+  void lss_inquire_all(can::Time now);
+  void lss_activate(can::Duration delay, can::Time now);
+  void lss_scan(LssService scan, can::Duration time_out, can::Time now);
+  void lss_fastscan(Words& words, can::Time now);
+  void lss_all_nodes(Words& words, can::Time now);
+  void lss_request(GatewayLss::Request request, can::Time now, bool limited = true);
+  void lss_answer(lss::LssResult result, const lss::LssMaster& master, std::uint8_t command,
+                  const LssAnswer& shown, can::Time now);
+  /// `limited`: the time-out of a command counts.
+  void begins(can::Time now, bool limited = true);
+  /// The command that was under way is over: the lines behind it.
+  void goes_on(can::Time now);
   void finished(canopen::AbortCode code, std::span<const std::uint8_t> bytes, can::Time now);
   [[nodiscard]] GatewayError address(Words& words, bool all_allowed) const;
+  [[nodiscard]] static GatewayError network_only(const Words& words);
   void answer(std::string_view text);
-  void answer(GatewayError error);
+  void answer(GatewayError error, std::string_view detail = {});
   void answer(canopen::AbortCode code);
   void gateway_event(std::string_view line, bool boot_up) override;
 
@@ -85,6 +110,8 @@ class GatewaySession final : public can::Ticker, private GatewayListener {
   std::optional<std::uint8_t> node_;
   can::Duration sdo_time_out_ = default_sdo_time_out;
   can::Duration command_time_out_{};  // 0: none
+  std::size_t command_size_ = longest_line;
+  std::optional<std::uint8_t> lss_rate_;  // index of table 0 that devices were given last
   bool block_ = false;
   bool boot_up_ = true;
 };

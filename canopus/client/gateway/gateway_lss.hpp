@@ -1,0 +1,66 @@
+#pragma once
+// The LSS master of a gateway [CiA 309-1; CiA 305]: requests of its clients, one after the other, as answers of LSS name
+// nobody. A request is a service or several in a row, which those of others do not come between.
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+
+#include "canopus/can/controller.hpp"
+#include "canopus/lss/lss_master.hpp"
+
+namespace canopus::client {
+
+class GatewayLss final : public can::Participant, private lss::LssMasterUser {
+ public:
+  static constexpr std::chrono::milliseconds default_time_out{100};  ///< for an answer
+
+  using Ticket = std::uint64_t;
+  /// Begins a service; or, without one, lets `pause` pass.
+  struct Step {
+    std::function<bool(lss::LssMaster& master, can::Time now)> begin{};
+    can::Duration pause{};
+  };
+  struct Request {
+    Step first{};
+    /// After each step: a further one, or none. May be empty.
+    std::function<std::optional<Step>(lss::LssResult result, const lss::LssMaster& master, can::Time now)>
+        next{};
+    std::function<void(lss::LssResult result, const lss::LssMaster& master, can::Time now)> done{};
+    can::Duration time_out = default_time_out;
+    bool goes_on = false;  ///< to its end, though its client is gone
+  };
+
+  explicit GatewayLss(can::Sink& bus) : master_(bus, *this) {}
+
+  void request(Ticket ticket, Request request, can::Time now);
+  /// `done` is not called.
+  void call_off(Ticket ticket, can::Time now);
+  /// Ends all as refused, with error 0.
+  void clear(can::Time now);
+
+  // can::Participant
+  void receive(const can::Frame& frame, can::Time now) override { master_.receive(frame, now); }
+  void tick(can::Time now) override;
+  [[nodiscard]] can::Time deadline() const noexcept override { return std::min(pause_, master_.deadline()); }
+
+ private:
+  struct Job {
+    Ticket ticket;
+    Request request;
+  };
+  void lss_finished(lss::LssMaster& master, lss::LssResult result, can::Time now) override;
+  void begin(const Step& step, can::Time now);
+  void start(can::Time now);
+  void step_over(lss::LssResult result, can::Time now);
+
+  lss::LssMaster master_;
+  std::deque<Job> jobs_;  // the first one is running
+  bool running_ = false;
+  can::Time pause_ = can::never;
+};
+
+}  // namespace canopus::client

@@ -1,0 +1,56 @@
+#pragma once
+// A gateway, one client's session, and both of their ends: the bus and the client.
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "canopus/client/gateway/gateway.hpp"
+#include "canopus/client/gateway/gateway_session.hpp"
+
+namespace canopus::client {
+
+struct WireAndClient : can::Sink, GatewaySession::Peer {
+  bool send(const can::Frame& frame) override {
+    if (full) return false;
+    frames.push_back(frame);
+    return true;
+  }
+  void say(std::string_view line) override { lines.emplace_back(line); }
+
+  std::vector<can::Frame> frames;
+  std::vector<std::string> lines;
+  bool full = false;
+};
+
+class GatewaySetup : public testing::Test {
+ protected:
+  void say(const std::string& text) { session.receive(text + "\r\n", now); }
+  /// The answer to one line.
+  std::string ask(const std::string& text) {
+    ends.lines.clear();
+    say(text);
+    return ends.lines.empty() ? "(nothing)" : ends.lines.back().substr(0, ends.lines.back().find("\r\n"));
+  }
+  void hear(const can::Frame& frame) {
+    ends.lines.clear();
+    gateway.receive(frame, now);
+  }
+  void pass(can::Duration time) {
+    const can::Time end = now + time;
+    while (std::min(gateway.deadline(), session.deadline()) <= end) {
+      now = std::max(now, std::min(gateway.deadline(), session.deadline()));
+      if (gateway.deadline() <= now) gateway.tick(now);
+      if (session.deadline() <= now) session.tick(now);
+    }
+    now = end;
+  }
+  can::Time now{};
+  WireAndClient ends;
+  Gateway gateway{ends, 0, "1.2"};
+  GatewaySession session{gateway, ends};
+};
+
+}  // namespace canopus::client
