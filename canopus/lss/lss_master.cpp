@@ -7,7 +7,7 @@ namespace canopus::lss {
 namespace {
 
 constexpr unsigned parts = 4;
-constexpr unsigned bits = 32;  // of a part
+constexpr unsigned bits_of_part = 32;
 
 }  // namespace
 
@@ -191,7 +191,7 @@ void LssMaster::scan_answered(bool answered, can::Time now) {
   switch (scan_) {
     case Scan::reset:
       if (!answered) return finish(LssResult::silence, now);
-      scan_below(bits);
+      scan_below(bits_of_part);
       break;
     case Scan::bit:
       if (!answered) address_.set_part(part_, address_.part(part_) | 1U << bit_);
@@ -200,7 +200,7 @@ void LssMaster::scan_answered(bool answered, can::Time now) {
     case Scan::confirm:
       if (!answered) return finish(LssResult::lost, now);
       if (++part_ == parts) return finish(LssResult::done, now);
-      scan_below(bits);
+      scan_below(bits_of_part);
       break;
   }
   send_scan(now);

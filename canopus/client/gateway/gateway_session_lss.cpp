@@ -21,7 +21,7 @@ using Step = GatewayLss::Step;
 
 namespace {
 
-constexpr std::uint64_t most = 0xFFFF'FFFF;
+constexpr std::uint64_t highest_number = 0xFFFF'FFFF;
 constexpr std::uint64_t longest_lss_time = 65535;  // ms
 
 /// That many numbers of 32 bits.
@@ -29,7 +29,7 @@ template <std::size_t count>
 std::optional<std::array<std::uint32_t, count>> take_numbers(GatewayWords& words) {
   std::array<std::uint32_t, count> numbers{};
   for (auto& number : numbers) {
-    const auto value = words.number(0, most);
+    const auto value = words.number(0, highest_number);
     if (!value) return std::nullopt;
     number = static_cast<std::uint32_t>(*value);
   }
