@@ -1,0 +1,166 @@
+// The Python module canopus._core: a thin layer, the package canopus around it is what people use.
+
+#include <cmath>
+#include <exception>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <pybind11/functional.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "plant_run.hpp"
+
+namespace py = pybind11;
+
+namespace canopus::python {
+namespace {
+
+can::Time time_of(std::int64_t nanoseconds) { return can::Time(can::Duration(nanoseconds)); }
+std::int64_t number_of(can::Time time) { return time.time_since_epoch().count(); }
+
+can::Frame frame_of(std::uint32_t identifier, const py::bytes& data, bool extended, bool remote,
+                    unsigned dlc) {
+  const std::string bytes = data;
+  if (identifier > (extended ? can::max_extended_identifier : can::max_base_identifier)) {
+    throw PlantProblem("the identifier is beyond " + std::string(extended ? "1FFFFFFFH" : "7FFH"));
+  }
+  if (bytes.size() > 8 || dlc > 15) throw PlantProblem("a frame has 8 bytes at most");
+  can::Frame frame{.identifier = identifier, .extended = extended, .remote = remote};
+  frame.dlc = static_cast<std::uint8_t>(remote ? dlc : bytes.size());
+  for (std::size_t i = 0; i < bytes.size() && !remote; ++i)
+    frame.data[i] = static_cast<std::uint8_t>(bytes[i]);
+  return frame;
+}
+
+py::tuple tuple_of(const TimedFrame& frame) {
+  const auto bytes = frame.frame.bytes();
+  return py::make_tuple(number_of(frame.time), frame.frame.identifier,
+                        py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size()),
+                        frame.frame.extended, frame.frame.remote, unsigned{frame.frame.dlc}, frame.sent);
+}
+
+std::vector<std::uint8_t> bits_of(const std::vector<bool>& bits) { return {bits.begin(), bits.end()}; }
+
+/// Signals of the operating system, Ctrl-C among them, and exceptions of callbacks, end a run.
+struct Interruption {
+  std::optional<py::error_already_set> raised;
+  void look() {
+    if (raised) {
+      py::error_already_set error = std::move(*raised);
+      raised.reset();
+      throw error;
+    }
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+  }
+};
+
+std::shared_ptr<PlantRun> open_plant(const std::string& path, const std::optional<std::string>& text,
+                                     std::optional<std::uint64_t> seed) {
+  auto run = PlantRun::open(path, text, seed);
+  run->set_look([] { Interruption().look(); });
+  return run;
+}
+
+void set_dispatcher(PlantRun& run, py::function dispatcher) {
+  const auto interruption = std::make_shared<Interruption>();
+  run.set_look([interruption] { interruption->look(); });
+  run.set_hook([interruption, dispatcher = std::move(dispatcher)](std::size_t device, std::size_t token,
+                                                                  can::Time now) {
+    if (interruption->raised) return;  // the first one counts
+    try {
+      dispatcher(device, token, number_of(now));
+    } catch (py::error_already_set& error) {
+      interruption->raised.emplace(std::move(error));
+    }
+  });
+}
+
+}  // namespace
+}  // namespace canopus::python
+
+PYBIND11_MODULE(_core, module) {
+  using namespace canopus;
+  using namespace canopus::python;
+  // One exception, whether the plant is in this process or in another one.
+  static py::handle plant_error =
+      static_cast<py::object>(py::module_::import("canopus_plc.errors").attr("PlantError")).release();
+  py::register_exception_translator([](std::exception_ptr pointer) {
+    try {
+      if (pointer) std::rethrow_exception(pointer);
+    } catch (const PlantProblem& problem) {
+      PyErr_SetString(plant_error.ptr(), problem.what());
+    }
+  });
+
+  py::class_<PlantRun, std::shared_ptr<PlantRun>>(module, "PlantRun")
+      .def(py::init(&open_plant), py::arg("path"), py::arg("text"), py::arg("seed"))
+      .def("close", &PlantRun::close)
+      .def_property_readonly("closed", &PlantRun::is_closed)
+      .def_property_readonly("now", [](const PlantRun& run) { return number_of(run.now()); })
+      .def("ask", [](PlantRun& run, const std::string& line) { return run.ask(line); })
+      .def("run_until", [](PlantRun& run, std::int64_t end) { run.run_until(time_of(end)); })
+      .def("take_events", &PlantRun::take_events)
+      .def_property_readonly("buses", &PlantRun::buses)
+      .def_property_readonly("plcs", &PlantRun::plcs)
+      .def("read_words", &PlantRun::read_words)
+      .def("write_words",
+           [](PlantRun& run, const std::string& plc, const std::string& device, std::uint32_t first,
+              const std::vector<std::uint16_t>& words) { run.write_words(plc, device, first, words); })
+      .def("read_bits", &PlantRun::read_bits)
+      .def("write_bits",
+           [](PlantRun& run, const std::string& plc, const std::string& device, std::uint32_t first,
+              const std::vector<bool>& bits) { run.write_bits(plc, device, first, bits_of(bits)); })
+      .def("read_buffer", &PlantRun::read_buffer)
+      .def("write_buffer",
+           [](PlantRun& run, const std::string& plc, unsigned unit, std::uint32_t first,
+              const std::vector<std::uint16_t>& words) { run.write_buffer(plc, unit, first, words); })
+      .def("set_cpu", &PlantRun::set_cpu)
+      .def("cpu_name", &PlantRun::cpu_name)
+      .def("sdo",
+           [](PlantRun& run, const std::string& bus, unsigned node, unsigned index, unsigned sub,
+              const std::optional<py::bytes>& value, std::int64_t time_out, bool block) {
+             std::optional<std::string> bytes;
+             if (value) bytes = static_cast<std::string>(*value);
+             const SdoResult result = run.sdo(bus, node, index, sub, bytes, can::Duration(time_out), block);
+             return py::make_tuple(
+                 result.abort_code, result.reason,
+                 py::bytes(reinterpret_cast<const char*>(result.data.data()), result.data.size()));
+           })
+      .def("record", &PlantRun::record)
+      .def("take_frames",
+           [](PlantRun& run, const std::string& bus) {
+             py::list frames;
+             for (const TimedFrame& frame : run.take_frames(bus)) frames.append(tuple_of(frame));
+             return frames;
+           })
+      .def("monitor", &PlantRun::monitor)
+      .def("take_messages", &PlantRun::take_messages)
+      .def("set_dispatcher", &set_dispatcher)
+      .def("watch", &PlantRun::watch)
+      .def("every", [](PlantRun& run, const std::string& device,
+                       std::int64_t period) { return run.every(device, can::Duration(period)); })
+      .def("device_number", &PlantRun::device_number)
+      .def("script", &PlantRun::script)
+      .def("put", &PlantRun::put)
+      .def("get", &PlantRun::get);
+
+  py::class_<PlantPort>(module, "PlantPort")
+      .def(py::init<std::shared_ptr<PlantRun>, std::string, std::string>(), py::arg("run"), py::arg("bus"),
+           py::arg("name"))
+      .def("send",
+           [](PlantPort& port, std::uint32_t identifier, const py::bytes& data, bool extended, bool remote,
+              unsigned dlc) { port.send(frame_of(identifier, data, extended, remote, dlc)); })
+      .def("receive",
+           [](PlantPort& port, std::int64_t time_out) -> py::object {
+             const auto frame = port.receive(can::Duration(time_out));
+             if (!frame) return py::none();
+             return tuple_of(*frame);
+           })
+      .def_property_readonly("lost", &PlantPort::lost)
+      .def_property_readonly("state", &PlantPort::state)
+      .def("close", &PlantPort::close);
+
+  module.def("decode_trace", &decode_trace);
+}
