@@ -225,6 +225,20 @@ TEST_F(GatewayLssTest, ActivationChangesTheOwnRateBetweenTwoTimesOfSilence) {
   EXPECT_EQ(ask("5 start"), "OK");
 }
 
+TEST_F(GatewayLssTest, RateThatTheDeviceRefuses_IsNotTheOwnOneAfterAnActivation) {
+  std::vector<std::uint32_t> rates;
+  gateway.set_restart([&](std::uint32_t rate) {
+    rates.push_back(rate);
+    return std::expected<void, std::string>();
+  });
+  ask_and_wait("lss_conf_bitrate 0 4");
+  EXPECT_EQ(hear_of_device({0x13, 1}), "ERROR:503 #LSS bit rate not supported\r\n");
+  EXPECT_EQ(ask("lss_activate_bitrate 100"), "(nothing)");
+  pass(300ms);
+  EXPECT_THAT(ends.lines, ElementsAre("OK\r\n"));
+  EXPECT_THAT(rates, IsEmpty());
+}
+
 TEST_F(GatewayLssTest, ActivationThatTheOwnControllerCannotFollow_IsTold) {
   ask_and_wait("lss_conf_bitrate 0 4");
   hear_of_device({0x13, 0});

@@ -113,12 +113,16 @@ void GatewaySession::lss_command(std::string_view name, Words& words, can::Time 
     if (!table || !index || !words.over()) return wrong();
     const auto number = static_cast<std::uint8_t>(*index);
     lss_rate_.reset();
-    if (*table == 0 && number < lss::bit_rates.size()) lss_rate_ = number;
     return lss_service(
         [number, selector = static_cast<std::uint8_t>(*table)](LssMaster& master, can::Time when) {
           return master.configure_bit_timing(number, when, selector);
         },
-        now, {}, lss::command::configure_bit_timing);
+        now,
+        [this, number, is_known = *table == 0 && number < lss::bit_rates.size()](const LssMaster&) {
+          if (is_known) lss_rate_ = number;
+          return std::string("OK");
+        },
+        lss::command::configure_bit_timing);
   }
   if (name == "lss_activate_bitrate") {
     const auto delay = words.number(0, longest_lss_time);
