@@ -207,6 +207,18 @@ struct PlantRun::Parts {
 
   can::Timeline& timeline() { return plant->timeline(); }
 
+  /// As long as it lives, callbacks may come.
+  class Running {
+   public:
+    explicit Running(bool& flag) : flag_(flag) { flag_ = true; }
+    ~Running() { flag_ = false; }
+    Running(const Running&) = delete;
+    Running& operator=(const Running&) = delete;
+
+   private:
+    bool& flag_;
+  };
+
   /// Nothing runs, and there is a plant.
   void check() const {
     if (!plant) throw PlantProblem("the plant is closed");
@@ -221,6 +233,7 @@ struct PlantRun::Parts {
   void start() {
     if (std::exchange(is_on, true)) return;
     linked.start(nullptr, printer);
+    const Running running(is_running);  // devices start, and call back
     plant->power_on();
   }
 
@@ -228,11 +241,7 @@ struct PlantRun::Parts {
   template <typename Done>
   void drive(can::Time end, can::Duration step, Done is_done) {
     start();
-    struct Running {
-      explicit Running(bool& flag) : flag_(flag) { flag_ = true; }
-      ~Running() { flag_ = false; }
-      bool& flag_;
-    } running(is_running);
+    const Running running(is_running);
     can::Timeline& line = timeline();
     constexpr unsigned often = 256;
     unsigned turns = 0;

@@ -133,6 +133,13 @@ def test_a_callback_cannot_run_the_plant(running):
         running.run(1)
 
 
+@pytest.mark.parametrize("use", [lambda plant: plant.run(1), lambda plant: plant.close()], ids=["run", "close"])
+def test_a_callback_of_the_start_cannot_run_or_close_the_plant(running, use):
+    running.device("io-block").on_start(lambda device: use(running))
+    with pytest.raises(canopus.PlantError, match="the plant runs just now"):
+        running.run(1)
+
+
 def test_a_behaviour_comes_before_time_passes(running):
     running.run(0.1)
     with pytest.raises(canopus.PlantError, match="before time passes"):
