@@ -28,6 +28,10 @@ constexpr std::size_t most_objects = 8;
 constexpr std::size_t most_bytes = 124;
 constexpr auto patience = 40s;  // longer than the longest SDO time-out
 
+// Y and X of the same number belong together [RJ71CN91 App.1].
+constexpr std::uint32_t restart_signal = 0x02, error_clear_signal = 0x0F, command_signal = 0x17,
+                        save_signal = 0x1F;
+
 std::string abort_text(std::uint32_t code) {
   return fmt::format("abort {:08X}H, {}", code, canopen::describe(static_cast<canopen::AbortCode>(code)));
 }
@@ -54,7 +58,46 @@ PlcPoint buffer_word(std::uint16_t unit, std::uint32_t address) {
   return point;
 }
 
+PlcPoint signal(plc::Device device, std::uint16_t unit, std::uint32_t number) {
+  PlcPoint point;
+  point.at.device = device;
+  point.at.number = unit * 16U + number;
+  return point;
+}
+
 }  // namespace
+
+Result<void> PlcModule::set_signal(std::uint32_t number, bool on) {
+  const std::uint8_t bit = on ? 1 : 0;
+  return client_.write_bits(signal(plc::Device::y, unit_, number), std::span(&bit, 1));
+}
+
+Result<void> PlcModule::wait_for_signal(std::uint32_t number, bool on, const char* what) {
+  const auto end = Clock::now() + patience;
+  while (true) {
+    const auto bits = client_.read_bits(signal(plc::Device::x, unit_, number), 1);
+    if (!bits) return std::unexpected(bits.error());
+    if ((bits->front() != 0) == on) return {};
+    if (Clock::now() > end) {
+      return std::unexpected(
+          fmt::format("{}: X{:02X} of the module stays {}", what, number, on ? "OFF" : "ON"));
+    }
+    std::this_thread::sleep_for(1ms);
+  }
+}
+
+template <typename Work>
+Result<void> PlcModule::handshake(std::uint32_t number, const char* what, Work work) {
+  if (const auto set = set_signal(number, true); !set) return set;
+  if (const auto ended = wait_for_signal(number, true, what); !ended) {
+    (void)set_signal(number, false);
+    return ended;
+  }
+  const Result<void> worked = work();
+  if (const auto set = set_signal(number, false); !set) return set;
+  if (const auto ready = wait_for_signal(number, false, what); !ready) return ready;
+  return worked;
+}
 
 Result<std::vector<std::uint16_t>> PlcModule::read_words(std::uint32_t address, std::uint32_t count) {
   return client_.read_words(buffer_word(unit_, address), count);
@@ -92,6 +135,12 @@ Result<void> PlcModule::wait_for_zero(std::uint32_t address, std::uint16_t bits,
 
 Result<std::vector<std::uint16_t>> PlcModule::command(std::uint16_t code,
                                                       std::span<const std::uint16_t> parameters) {
+  if (way_ == project::RequestWay::signals) {
+    // One that was broken off may have left its request.
+    if (const auto set = set_signal(command_signal, false); !set) return std::unexpected(set.error());
+    if (const auto ready = wait_for_signal(command_signal, false, "the command interface"); !ready)
+      return std::unexpected(ready.error());
+  }
   const auto before = read_word(command_word);
   if (!before) return std::unexpected(before.error());
   if (*before == busy)
@@ -100,6 +149,15 @@ Result<std::vector<std::uint16_t>> PlcModule::command(std::uint16_t code,
     return std::unexpected(written.error());
   if (const auto written = write_words(command_word, std::span(&code, 1)); !written)
     return std::unexpected(written.error());
+  if (way_ == project::RequestWay::signals) {
+    Result<std::vector<std::uint16_t>> words;
+    const auto done = handshake(command_signal, "the command interface", [&]() -> Result<void> {
+      words = read_words(command_word, command_words);
+      return {};
+    });
+    if (!done) return std::unexpected(done.error());
+    return words;
+  }
   const auto end = Clock::now() + patience;
   while (true) {
     auto words = read_words(command_word, command_words);
@@ -182,6 +240,8 @@ Result<void> PlcModule::save_words() {
   constexpr std::uint32_t save_word = 22;
   constexpr std::uint16_t save = 1;
   if (const auto written = write_words(save_word, std::span(&save, 1)); !written) return written;
+  if (way_ == project::RequestWay::signals)
+    return handshake(save_signal, "saving", [] { return Result<void>(); });
   return wait_for_zero(save_word, save, "saving");
 }
 
@@ -191,10 +251,22 @@ Result<void> PlcModule::wait_until_ready() {
 }
 
 Result<void> PlcModule::restart() {
+  if (way_ == project::RequestWay::signals)
+    return handshake(restart_signal, "the restart", [&] { return wait_until_ready(); });
   constexpr std::uint16_t restart = 1;
   if (const auto written = write_words(status_word, std::span(&restart, 1)); !written) return written;
   std::this_thread::sleep_for(20ms);
   return wait_until_ready();
+}
+
+Result<void> PlcModule::clear_errors() {
+  if (way_ == project::RequestWay::signals) {
+    if (const auto set = set_signal(error_clear_signal, true); !set) return set;
+    return set_signal(error_clear_signal, false);
+  }
+  constexpr std::uint32_t error_word = 29;
+  constexpr std::uint16_t nothing = 0;
+  return write_words(error_word, std::span(&nothing, 1));
 }
 
 Result<bool> PlcModule::cpu_stands_still() {

@@ -1,6 +1,6 @@
 #pragma once
 // A communication module in a PLC's rack as its configuration tool reaches it: buffer memory through the CPU, objects of the
-// module and of other nodes through its command interface [FX3U-CAN 10].
+// module and of other nodes through its command interface [FX3U-CAN 10] [RJ71CN91 App.2].
 
 #include <cstdint>
 #include <expected>
@@ -16,7 +16,10 @@ namespace canopus::client {
 class PlcModule final : public project::ModuleAccess {
  public:
   /// `unit`: the number behind U: the module's number (FX), or its head address / 16.
-  PlcModule(PlcClient& client, std::uint16_t unit) noexcept : client_(client), unit_(unit) {}
+  PlcModule(PlcClient& client, std::uint16_t unit, project::RequestWay way) noexcept
+      : client_(client), unit_(unit), way_(way) {}
+
+  [[nodiscard]] project::RequestWay request_way() const noexcept { return way_; }
 
   // project::ModuleAccess
   Result<std::uint16_t> read_word(std::uint32_t address) override;
@@ -35,6 +38,8 @@ class PlcModule final : public project::ModuleAccess {
                            std::span<const std::uint8_t> bytes);
   /// Starts the module anew, and with it the NMT master; waits until it is ready again.
   Result<void> restart();
+  /// Clears its error display; what is still wrong is shown again at once.
+  Result<void> clear_errors();
   /// Whether the CPU module is in STOP (or PAUSE): SD203, of an FX3 M8000.
   Result<bool> cpu_stands_still();
   /// Words from an address on.
@@ -42,6 +47,12 @@ class PlcModule final : public project::ModuleAccess {
 
  private:
   Result<void> write_words(std::uint32_t address, std::span<const std::uint16_t> words);
+  /// A Y signal of the module.
+  Result<void> set_signal(std::uint32_t number, bool on);
+  Result<void> wait_for_signal(std::uint32_t number, bool on, const char* what);
+  /// Y on, X on: done; Y off, X off: ready for the next one. `work` is done while both are on.
+  template <typename Work>
+  Result<void> handshake(std::uint32_t number, const char* what, Work work);
   /// Parameters to #1001 on, then the code; the words from #1000 on when it is no longer busy.
   Result<std::vector<std::uint16_t>> command(std::uint16_t code, std::span<const std::uint16_t> parameters);
   /// Asks until the bits of a word are 0.
@@ -49,6 +60,7 @@ class PlcModule final : public project::ModuleAccess {
 
   PlcClient& client_;
   std::uint16_t unit_;
+  project::RequestWay way_;
 };
 
 }  // namespace canopus::client

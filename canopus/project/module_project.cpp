@@ -8,6 +8,10 @@ namespace canopus::project {
 namespace {
 
 constexpr std::uint32_t highest_can_id = 0x57F;
+constexpr std::size_t longest_name = 256;  // [RJ71CN91 3.1]
+constexpr std::string_view new_name = "CANopen node";
+constexpr std::size_t most_from_cpu = 60;  // nodes whose settings the CPU module holds [RJ71CN91 3.1]
+constexpr std::uint32_t from_cpu = 0, from_here = 1;  // Download target
 
 const Field* field_of(const Window& window, std::string_view name) noexcept {
   const auto found =
@@ -48,6 +52,27 @@ std::string why_no_mapping(const std::vector<std::uint32_t>& mapping) {
                     : fmt::format("the mapped objects have {} bits: expected at most 64", bits);
 }
 
+std::string why_no_name(std::string_view name) {
+  std::size_t characters = 0;
+  for (std::size_t at = 0; at < name.size(); ++characters) {
+    const auto first = static_cast<unsigned char>(name[at]);
+    const std::size_t bytes = first < 0x80    ? 1
+                              : first >= 0xF0 ? 4
+                              : first >= 0xE0 ? 3
+                              : first >= 0xC2 ? 2
+                                              : 0;
+    bool good = bytes != 0 && first < 0xF5 && at + bytes <= name.size() && first >= 0x20 && first != 0x7F;
+    for (std::size_t i = 1; good && i < bytes; ++i)
+      good = (static_cast<unsigned char>(name[at + i]) & 0xC0) == 0x80;
+    if (!good) return fmt::format("character {} cannot be in a name", characters + 1);
+    at += bytes;
+  }
+  if (characters > 0 && name.find_first_not_of(' ') == std::string_view::npos)
+    return "blanks alone are no name";
+  if (characters >= 1 && characters <= longest_name) return {};
+  return fmt::format("{} characters: expected 1 to {}", characters, longest_name);
+}
+
 ModuleProject::ModuleProject(const ModuleModel& model) : model_(&model) {
   for (const Window& window : model.windows) restore_defaults(window);
 }
@@ -78,7 +103,31 @@ std::uint32_t ModuleProject::value(std::string_view word, std::string_view name,
 Row ModuleProject::factory_row(const Window& window, std::uint32_t key) const {
   Row row;
   for (const Field& field : window.fields) row.values.push_back(factory_value(window, field, key, node_id()));
+  if (!window.name_field.empty()) {
+    row.name = new_name;
+    row.values[0] = key != node_id() && from_cpu_beside(window, key) >= most_from_cpu ? from_here : from_cpu;
+  }
   return row;
+}
+
+std::size_t ModuleProject::from_cpu_beside(const Window& window, std::uint32_t key) const {
+  const auto& all = rows_.at(window.word);
+  return static_cast<std::size_t>(std::ranges::count_if(all, [&](const auto& each) {
+    return each.first != key && each.first != node_id() && each.second.values[0] == from_cpu;
+  }));
+}
+
+std::string ModuleProject::why_not_target(const Window& window, std::uint32_t key,
+                                          std::uint32_t target) const {
+  if (window.name_field.empty()) return {};
+  if (key == node_id() && target != from_cpu)
+    return "Download target: this module is written through the CPU module";
+  if (key != node_id() && target == from_cpu && from_cpu_beside(window, key) >= most_from_cpu) {
+    return fmt::format(
+        "Download target: the CPU module holds the settings of {} nodes at most; expected Target node",
+        most_from_cpu);
+  }
+  return {};
 }
 
 void ModuleProject::restore_defaults(const Window& window) {
@@ -117,35 +166,48 @@ std::expected<void, std::string> ModuleProject::set_value(const Window& window, 
   return {};
 }
 
+// The details window shows a COB-ID in two parts [FX3U-CAN 15.1.2 4)] [RJ71CN91 3.1].
+std::expected<void, std::string> ModuleProject::set_part_of_cob_id(const Window& window, std::uint32_t key,
+                                                                   const Field& cob_id, std::string_view name,
+                                                                   std::string_view text) {
+  const std::uint32_t before =
+      rows_[window.word][key].values[static_cast<std::size_t>(&cob_id - window.fields.data())];
+  const Field part{.name = name,
+                   .unit = "",
+                   .highest = name == "valid" ? 1 : highest_can_id,
+                   .hexadecimal = name != "valid"};
+  auto value = parse_value(part, text);
+  if (name == "valid" && (text == "Selected" || text == "Not selected")) value = text == "Selected" ? 1 : 0;
+  if (!value)
+    return std::unexpected(
+        fmt::format("{}: {} = \"{}\": expected a number", place_of(window, key), name, text));
+  if (std::string wrong = name == "valid" ? why_not(part, *value) : why_not_cob_id(*value); !wrong.empty()) {
+    return std::unexpected(fmt::format("{}: {}", place_of(window, key), wrong));
+  }
+  return set_value(
+      window, key, cob_id,
+      name == "valid" ? (before & ~not_valid) | (*value != 0 ? 0 : not_valid) : (before & ~0x7FFU) | *value);
+}
+
 std::expected<void, std::string> ModuleProject::set(const Window& window, std::uint32_t key,
                                                     std::string_view name, std::string_view text) {
   const auto row = rows_[window.word].find(key);
   if (row == rows_[window.word].end())
     return std::unexpected(fmt::format("{} is not there", place_of(window, key)));
-  // The details window shows a COB-ID in two parts [FX3U-CAN 15.1.2 4)].
-  const Field* const cob_id = field_of(window, "COB-ID");
-  if (cob_id != nullptr && (name == "valid" || name == "CAN-ID (11-bit)")) {
-    const std::uint32_t before = row->second.values[static_cast<std::size_t>(cob_id - window.fields.data())];
-    const Field part{.name = name,
-                     .unit = "",
-                     .highest = name == "valid" ? 1 : highest_can_id,
-                     .hexadecimal = name != "valid"};
-    auto value = parse_value(part, text);
-    if (name == "valid" && (text == "Selected" || text == "Not selected")) value = text == "Selected" ? 1 : 0;
-    if (!value)
-      return std::unexpected(
-          fmt::format("{}: {} = \"{}\": expected a number", place_of(window, key), name, text));
-    if (std::string wrong = name == "valid" ? why_not(part, *value) : why_not_cob_id(*value);
-        !wrong.empty()) {
-      return std::unexpected(fmt::format("{}: {}", place_of(window, key), wrong));
-    }
-    return set_value(window, key, *cob_id,
-                     name == "valid" ? (before & ~not_valid) | (*value != 0 ? 0 : not_valid)
-                                     : (before & ~0x7FFU) | *value);
+  if (const Field* const cob_id = field_of(window, "COB-ID");
+      cob_id != nullptr && (name == "valid" || name == "CAN-ID (11-bit)")) {
+    return set_part_of_cob_id(window, key, *cob_id, name, text);
+  }
+  if (!window.name_field.empty() && name == window.name_field) {
+    if (std::string wrong = why_no_name(text); !wrong.empty())
+      return std::unexpected(fmt::format("{}: {}: {}", place_of(window, key), name, wrong));
+    row->second.name = text;
+    return {};
   }
   const Field* const field = field_of(window, name);
   if (field == nullptr) {
     std::vector<std::string_view> known;
+    if (!window.name_field.empty()) known.push_back(window.name_field);
     for (const Field& each : window.fields) known.push_back(each.name);
     return std::unexpected(fmt::format("{} has no field \"{}\"; expected one of: {}", window.word, name,
                                        fmt::join(known, ", ")));
@@ -159,6 +221,8 @@ std::expected<void, std::string> ModuleProject::set(const Window& window, std::u
                                            ? std::string("a number, decimal or as 0x1F")
                                            : fmt::format("{}", fmt::join(field->words, ", "))));
   }
+  if (std::string wrong = why_not_target(window, key, *value); !wrong.empty())
+    return std::unexpected(fmt::format("{}: {}", place_of(window, key), wrong));
   return set_value(window, key, *field, *value);
 }
 
@@ -194,10 +258,15 @@ std::vector<ProjectFinding> ModuleProject::check() const {
       if (std::string wrong = why_no_mapping(row.mapping); !wrong.empty())
         found.push_back({true, place + ": " + wrong});
       for (const std::uint32_t entry : row.mapping) {
-        if (object_name(entry).empty()) {
+        if (model_->object_name(entry).empty()) {
           found.push_back(
               {false, fmt::format("{}: mapped object {:04X}:{:02X} with {} bits is none of the module's",
                                   place, entry >> 16, entry >> 8 & 0xFF, entry & 0xFF)});
+        }
+      }
+      if (!window.name_field.empty()) {
+        for (const std::string& wrong : {why_no_name(row.name), why_not_target(window, key, row.values[0])}) {
+          if (!wrong.empty()) found.push_back({true, place + ": " + wrong});
         }
       }
       if (window.mapping != 0x1A00 || (row.values[0] & not_valid) != 0) continue;
@@ -211,6 +280,18 @@ std::vector<ProjectFinding> ModuleProject::check() const {
   const auto& assigned = rows_.at("slave");
   if (!assigned.empty() && value("master", "NMT master") == 0) {
     found.push_back({true, "slave: only an NMT master assigns slaves (master: NMT master)"});
+  }
+  for (const auto& [key, row] : assigned) {
+    for (const std::string_view name :
+         {"Device type", "Vendor-ID", "Product code", "Revision number", "Serial number"}) {
+      if (value("slave", name, key) == 0 || value("slave", "NMT boot slave", key) != 0) continue;
+      found.push_back(
+          {false, fmt::format("slave {}: {} is compared when NMT boot slave is selected", key, name)});
+      break;
+    }
+  }
+  if (value("master", "Reset all nodes") != 0 && value("master", "Stop all nodes") != 0) {
+    found.push_back({false, "master: Reset all nodes is without effect: Stop all nodes is selected"});
   }
   if (assigned.contains(node_id())) {
     found.push_back({true, fmt::format("slave {}: this is the module's own node-ID", node_id())});

@@ -15,8 +15,9 @@ namespace canopus::project {
 /// A row of a window, or the only set of its fields.
 struct Row {
   std::vector<std::uint32_t> values;  ///< one for each field of the window
-  std::vector<std::uint32_t>
-      mapping;  ///< of a PDO: index, sub-index, bits, as 1A00H has them; at most 64 bits
+  /// Of a PDO: index, sub-index, bits, as 1A00H has them; at most 64 bits.
+  std::vector<std::uint32_t> mapping{};
+  std::string name{};  ///< of a node: 1 to 256 characters
 };
 
 /// What is wrong, and where: "tpdo 3: Event timer = 70000: expected 0 to 65535 ms".
@@ -32,6 +33,11 @@ class ModuleProject {
 
   [[nodiscard]] const ModuleModel& model() const noexcept { return *model_; }
   [[nodiscard]] std::uint32_t node_id() const noexcept { return value("basic", "Node ID"); }
+
+  /// The number behind U: Module number, or Module address / 16.
+  [[nodiscard]] std::uint32_t unit_number() const noexcept {
+    return value("basic", "Module number") + value("basic", "Module address") / 0x10;
+  }
 
   /// By its word; nullptr: the model has no such window.
   [[nodiscard]] const Window* window(std::string_view word) const noexcept;
@@ -61,6 +67,13 @@ class ModuleProject {
   [[nodiscard]] std::vector<ProjectFinding> check() const;
 
  private:
+  /// Rows of a node list whose settings the CPU module holds, without this row and the module itself.
+  [[nodiscard]] std::size_t from_cpu_beside(const Window& window, std::uint32_t key) const;
+  [[nodiscard]] std::string why_not_target(const Window& window, std::uint32_t key,
+                                           std::uint32_t target) const;
+  std::expected<void, std::string> set_part_of_cob_id(const Window& window, std::uint32_t key,
+                                                      const Field& cob_id, std::string_view name,
+                                                      std::string_view text);
   std::expected<void, std::string> set_value(const Window& window, std::uint32_t key, const Field& field,
                                              std::uint32_t value);
 
@@ -68,6 +81,8 @@ class ModuleProject {
   std::map<std::string_view, std::map<std::uint32_t, Row>> rows_;
 };
 
+/// What is wrong with a node's name: not UTF-8, empty, longer than 256 characters, control characters; empty: nothing.
+[[nodiscard]] std::string why_no_name(std::string_view name);
 /// What is wrong with a list of mapped objects: "more than 64 bits" and the like; empty: nothing.
 [[nodiscard]] std::string why_no_mapping(const std::vector<std::uint32_t>& mapping);
 

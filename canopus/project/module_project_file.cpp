@@ -29,8 +29,8 @@ class Reader {
     }
     const ModuleModel* const model = find_module_model(root.attribute("model").value());
     if (model == nullptr) {
-      return std::unexpected(
-          at(root, fmt::format("model \"{}\": expected FX3U-CAN", root.attribute("model").value())));
+      return std::unexpected(at(root, fmt::format("model \"{}\": expected one of {}",
+                                                  root.attribute("model").value(), module_model_names())));
     }
     ModuleProject project(*model);
     // The master's settings decide whether slaves may be assigned, wherever they stand in the file; node-IDs decide defaults.
@@ -119,6 +119,11 @@ std::string to_xml(const ModuleProject& project) {
       pugi::xml_node node = root.append_child("window");
       node.append_attribute("name") = std::string(window.word).c_str();
       if (!window.key.empty()) node.append_attribute("number") = key;
+      if (!window.name_field.empty()) {
+        pugi::xml_node field = node.append_child("field");
+        field.append_attribute("name") = std::string(window.name_field).c_str();
+        field.text() = row.name.c_str();
+      }
       for (std::size_t i = 0; i < window.fields.size(); ++i) {
         pugi::xml_node field = node.append_child("field");
         field.append_attribute("name") = std::string(window.fields[i].name).c_str();

@@ -113,7 +113,7 @@ Result<void> write(ModuleAccess& access, std::uint8_t node, const Target& target
                              target.bytes);
 }
 
-/// Bit 30 of a COB-ID of a TPDO is always 1 in an FX3U-CAN, whatever is written [FX3U-CAN 5.6.5].
+/// Bit 30 of a COB-ID of a TPDO is always 1 in these modules, whatever is written [FX3U-CAN 5.6.5] [RJ71CN91 App.3].
 bool same(const Target& target, std::uint32_t device, std::uint32_t project) {
   const bool cob_id = !target.is_word && target.number >= 0x1800 && target.number < 0x1A00 && target.sub == 1;
   return cob_id ? (device | no_rtr) == (project | no_rtr) : device == project;
@@ -124,7 +124,9 @@ std::string shown(const Target& target, std::uint32_t value) {
 }
 
 /// A window's place in a transfer of this part.
-bool is_in(const Window& window, std::string_view part) { return part == "all" || window.part == part; }
+bool is_in(const Window& window, std::string_view part) {
+  return !window.part.empty() && (part == "all" || window.part == part);
+}
 
 struct Different {
   Wanted wanted;

@@ -29,7 +29,7 @@ def fx3u_plant(name, device='node = 3', store=False):
 
 def tool(plant, *words, expect=0):
     """A command of the tool on the running plant."""
-    online = ("read", "diff", "write", "scan", "sdo-read", "sdo-write", "status", "reset")
+    online = ("read", "diff", "write", "scan", "sdo-read", "sdo-write", "status", "reset", "nodes", "identify")
     port = ["--port", host_port(plant.mc)[1]] if plant is not None and words[0] in online else []
     return command(program, "configure", *words, *port, expect=expect, env=STATE)
 

@@ -20,6 +20,7 @@ import as_fcopm_example_checks  # noqa: F401
 import as_fcopm_network_checks  # noqa: F401
 import bus_checks  # noqa: F401
 import configure_checks  # noqa: F401
+import configure_rj71cn91_checks  # noqa: F401
 import bus_error_checks  # noqa: F401
 import docs_checks  # noqa: F401
 import foreign_stack_checks  # noqa: F401

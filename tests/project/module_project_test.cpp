@@ -153,7 +153,7 @@ TEST(ModuleProjectFile, WhatIsWrongIsToldWithItsLine) {
            Bad{"<canopus-module model=\"FX3U-CAN\" format=\"2\"/>",
                "1: format \"2\": this version reads format 1; the file is newer"},
            Bad{"<canopus-module model=\"RJ71EN71\" format=\"1\"/>",
-               "1: model \"RJ71EN71\": expected FX3U-CAN"},
+               "1: model \"RJ71EN71\": expected one of FX3U-CAN, RJ71CN91"},
            Bad{head + "<window name=\"tpdos\"/>" + tail,
                "3: <window name=\"tpdos\">: the FX3U-CAN has no such window"},
            Bad{head + "<window name=\"tpdo\" number=\"81\"/>" + tail, "3: PDO number = 81: expected 1 to 80"},
@@ -172,17 +172,19 @@ TEST(ModuleProjectFile, WhatIsWrongIsToldWithItsLine) {
 }
 
 TEST(ModuleProjectFile, AnyBytesAreAProjectOrAnError) {
-  const std::string good = to_xml(ModuleProject(fx3u_can_settings()));
-  rc::check([&] {
-    std::string text = good;
-    const auto changes = *rc::gen::inRange(0, 20);
-    for (int i = 0; i < changes; ++i) {
-      const auto at = *rc::gen::inRange<std::size_t>(0, text.size());
-      text[at] = *rc::gen::arbitrary<char>();
-    }
-    const auto read = from_xml(text);
-    if (read) RC_ASSERT(from_xml(to_xml(*read)).has_value());
-  });
+  ModuleProject nodes(rj71cn91_settings());
+  ASSERT_TRUE(nodes.add(*nodes.window("node"), 3));
+  for (const std::string& good : {to_xml(ModuleProject(fx3u_can_settings())), to_xml(nodes)})
+    rc::check([&] {
+      std::string text = good;
+      const auto changes = *rc::gen::inRange(0, 20);
+      for (int i = 0; i < changes; ++i) {
+        const auto at = *rc::gen::inRange<std::size_t>(0, text.size());
+        text[at] = *rc::gen::arbitrary<char>();
+      }
+      const auto read = from_xml(text);
+      if (read) RC_ASSERT(from_xml(to_xml(*read)).has_value());
+    });
 }
 
 }  // namespace

@@ -116,22 +116,33 @@ TEST(ModuleWindows, DefaultCobIdsFollowPdoNumberAndNodeId) {
 
 TEST(ModuleWindows, MappedObjectsHaveTheNamesOfTheDetailsWindow) {
   RecordProperty("spec", "FX3U-TOOL-003");
-  EXPECT_EQ(object_name(0xA1000110), "BFM Area Unsigned16 (PLC write access), BFM#11000 (TO)");
-  EXPECT_EQ(object_name(0xA0000108), "BFM Area Integer8 (PLC write access), BFM#11000 LByte (TO)");
-  EXPECT_EQ(object_name(0xA0000208), "BFM Area Integer8 (PLC write access), BFM#11000 HByte (TO)");
-  EXPECT_EQ(object_name(0xA042A008), "BFM Area Unsigned8 (PLC write access), BFM#11319 HByte (TO)");
-  EXPECT_EQ(object_name(0xA042A108), "");
-  EXPECT_EQ(object_name(0xA1020110), "BFM Area Unsigned16 (PLC write access), BFM#11240 (TO)");
-  EXPECT_EQ(object_name(0xA1025010), "BFM Area Unsigned16 (PLC write access), BFM#11319 (TO)");
-  EXPECT_EQ(object_name(0xA1C00120), "BFM Area Integer32 (PLC write access), BFM#11001, #11000 (TO)");
-  EXPECT_EQ(object_name(0xA240A020), "BFM Area Float (PLC write access), BFM#11319, #11318 (TO)");
-  EXPECT_EQ(object_name(0xA4800108), "BFM Area Integer8 (PLC read access), BFM#10000 LByte (FROM)");
-  EXPECT_EQ(object_name(0xA5800110), "BFM Area Unsigned16 (PLC read access), BFM#10000 (FROM)");
-  EXPECT_EQ(object_name(0xA6C0A020), "BFM Area Float (PLC read access), BFM#10319, #10318 (FROM)");
-  EXPECT_EQ(object_name(0x00050008), "Dummy Unsigned 8 bit");
-  EXPECT_EQ(object_name(0x00070020), "Dummy Unsigned 32 bit");
-  EXPECT_EQ(object_name(0xA1000120), "") << "of another width";
-  EXPECT_EQ(object_name(0x60000108), "");
+  EXPECT_EQ(fx3u_can_settings().object_name(0xA1000110),
+            "BFM Area Unsigned16 (PLC write access), BFM#11000 (TO)");
+  EXPECT_EQ(fx3u_can_settings().object_name(0xA0000108),
+            "BFM Area Integer8 (PLC write access), BFM#11000 LByte (TO)");
+  EXPECT_EQ(fx3u_can_settings().object_name(0xA0000208),
+            "BFM Area Integer8 (PLC write access), BFM#11000 HByte (TO)");
+  EXPECT_EQ(fx3u_can_settings().object_name(0xA042A008),
+            "BFM Area Unsigned8 (PLC write access), BFM#11319 HByte (TO)");
+  EXPECT_EQ(fx3u_can_settings().object_name(0xA042A108), "");
+  EXPECT_EQ(fx3u_can_settings().object_name(0xA1020110),
+            "BFM Area Unsigned16 (PLC write access), BFM#11240 (TO)");
+  EXPECT_EQ(fx3u_can_settings().object_name(0xA1025010),
+            "BFM Area Unsigned16 (PLC write access), BFM#11319 (TO)");
+  EXPECT_EQ(fx3u_can_settings().object_name(0xA1C00120),
+            "BFM Area Integer32 (PLC write access), BFM#11001, #11000 (TO)");
+  EXPECT_EQ(fx3u_can_settings().object_name(0xA240A020),
+            "BFM Area Float (PLC write access), BFM#11319, #11318 (TO)");
+  EXPECT_EQ(fx3u_can_settings().object_name(0xA4800108),
+            "BFM Area Integer8 (PLC read access), BFM#10000 LByte (FROM)");
+  EXPECT_EQ(fx3u_can_settings().object_name(0xA5800110),
+            "BFM Area Unsigned16 (PLC read access), BFM#10000 (FROM)");
+  EXPECT_EQ(fx3u_can_settings().object_name(0xA6C0A020),
+            "BFM Area Float (PLC read access), BFM#10319, #10318 (FROM)");
+  EXPECT_EQ(fx3u_can_settings().object_name(0x00050008), "Dummy Unsigned 8 bit");
+  EXPECT_EQ(fx3u_can_settings().object_name(0x00070020), "Dummy Unsigned 32 bit");
+  EXPECT_EQ(fx3u_can_settings().object_name(0xA1000120), "") << "of another width";
+  EXPECT_EQ(fx3u_can_settings().object_name(0x60000108), "");
 }
 
 TEST(ModuleWindows, ValuesAreWrittenAndReadAsTheWindowShowsThem) {

@@ -13,7 +13,7 @@
 #include "canopus/module/areas/buffer_memory.hpp"
 
 #include "paths.hpp"
-#include "scenarios/spec_table.hpp"
+#include "support/spec_table.hpp"
 
 namespace canopus::scenario {
 

@@ -13,6 +13,19 @@ namespace {
 
 using Action = int (*)(const ConfigureArguments&);
 
+std::string why_no_model(const std::string& name) {
+  if (project::find_module_model(name) != nullptr) return {};
+  return fmt::format("\"{}\" is not known; expected one of {}", name, project::module_model_names());
+}
+
+void add_model_option(CLI::App& command, ConfigureArguments& arguments) {
+  arguments.model = project::fx3u_can_settings().name;
+  command.add_option("--model", arguments.model, "the module: " + project::module_model_names())
+      ->type_name("MODEL")
+      ->check(why_no_model)
+      ->capture_default_str();
+}
+
 /// Adds a command; each has arguments of its own.
 struct Adder {
   CLI::App& group;
@@ -33,17 +46,25 @@ struct Adder {
   auto online(const char* name, const char* help, Action action) const {
     auto added = add(name, help, action);
     add_online_options(*added.first, *added.second);
+    added.first
+        ->add_option("--model", added.second->model,
+                     "the module, instead of the one that goes with the PLC's type")
+        ->type_name("MODEL")
+        ->check(why_no_model);
     return added;
   }
   static void add_online_options(CLI::App& command, ConfigureArguments& arguments) {
     add_connection_options(command, arguments.plc);
     command
         .add_option("--number", arguments.module_number,
-                    "the module: the number behind U, instead of the project's Module number")
-        ->type_name("0-16")
-        ->check(number_from(0, 16));
+                    "the module: the number behind U, instead of the project's")
+        ->type_name("0-254")
+        ->check(number_from(0, 254));
   }
 };
+
+const std::vector<std::string_view> window_words{"basic",  "node",  "tpdo",     "rpdo",
+                                                 "master", "slave", "consumer", "producer"};
 
 void add_transfer_options(CLI::App& command, ConfigureArguments& arguments) {
   Adder::add_online_options(command, arguments);
@@ -51,7 +72,7 @@ void add_transfer_options(CLI::App& command, ConfigureArguments& arguments) {
       ->type_name("PART")
       ->check(one_of_words({"all", "basic", "tpdo", "rpdo", "nmt"}))
       ->capture_default_str();
-  command.add_option("--pdos", arguments.pdos, "PDO area: all, 5- (starting from 5) or 3-8, of 1 to 80")
+  command.add_option("--pdos", arguments.pdos, "PDO area: all, 5- (starting from 5) or 3-8")
       ->type_name("AREA")
       ->capture_default_str();
   command.add_option("--node", arguments.node, "another CANopen node than the module, over the network")
@@ -62,23 +83,25 @@ void add_transfer_options(CLI::App& command, ConfigureArguments& arguments) {
 void add_offline(const Adder& adder) {
   {
     auto [command, arguments] = adder.with_file("new", "Create a project", new_project);
-    command->add_option("--model", arguments->model, "the module")->capture_default_str();
-    command->add_option("--number", arguments->module_number, "its Module number")
-        ->type_name("0-16")
-        ->check(number_from(0, 16));
+    add_model_option(*command, *arguments);
+    command
+        ->add_option("--number", arguments->module_number,
+                     "the number behind U: its Module number, or its Module address / 16")
+        ->type_name("0-254")
+        ->check(number_from(0, 254));
   }
   {
     auto [command, arguments] = adder.with_file("show", "Show the settings of a project", show_project);
-    command->add_option("WINDOW", arguments->window, "only these")
-        ->check(one_of_words({"basic", "tpdo", "rpdo", "master", "slave", "consumer", "producer"}));
+    command->add_option("WINDOW", arguments->window, "only these")->check(one_of_words(window_words));
     command->add_flag("--json", arguments->json, "one JSON object per row");
   }
   {
     auto [command, arguments] =
         adder.with_file("set", "Set fields; a row that is not there is added", set_in_project);
     command
-        ->add_option("WINDOW", arguments->window,
-                     "basic, tpdo/NUMBER, rpdo/NUMBER, master, slave/NODE, consumer/NODE, producer")
+        ->add_option(
+            "WINDOW", arguments->window,
+            "basic, node/NODE, tpdo/NUMBER, rpdo/NUMBER, master, slave/NODE, consumer/NODE, producer")
         ->required();
     command->add_option("FIELD=VALUE", arguments->settings,
                         "\"Node ID=5\", CAN-ID (11-bit)=0x181, \"map=A100:01:16 A100:02:16\"");
@@ -101,8 +124,48 @@ void add_offline(const Adder& adder) {
     auto [command, arguments] = adder.with_file("import", "Read a backup into a project", import_project);
     command->add_option("XML", arguments->other_file, "the backup")->required();
   }
+  {
+    auto [command, arguments] =
+        adder.add("describe", "Describe the fields of a module's windows: what they mean, range, default",
+                  describe_windows);
+    add_model_option(*command, *arguments);
+    command->add_option("WINDOW", arguments->window, "only this one")->check(one_of_words(window_words));
+    command->add_flag("--json", arguments->json, "one JSON object per field");
+  }
   adder.add("recent", "List the ten projects used last",
             [](const ConfigureArguments&) { return list_recent_projects(); });
+}
+
+void add_nodes(const Adder& adder) {
+  {
+    auto [command, arguments] = adder.with_file(
+        "nodes", "List the hardware data of the project's nodes, or have them save or restore", list_nodes);
+    Adder::add_online_options(*command, *arguments);
+    command->add_option("--node", arguments->node, "only this one")
+        ->type_name("1-127")
+        ->check(number_from(1, 127));
+    auto* const save =
+        command->add_flag("--save", arguments->save, "Save Object Dictionary: 1010H:01 of each node");
+    command
+        ->add_flag("--restore", arguments->restore,
+                   "Restore Object Dictionary to default: 1011H:01 of each node")
+        ->excludes(save);
+    command->add_flag("--yes", arguments->yes, "do it");
+    command->add_flag("--json", arguments->json, "one JSON object per node");
+  }
+  {
+    auto [command, arguments] = adder.with_file(
+        "identify", "Put a slave's device type and identity into the project's assignment list",
+        identify_slave);
+    Adder::add_online_options(*command, *arguments);
+    command->add_option("NODE", arguments->node, "the slave")->required()->check(number_from(1, 127));
+    command
+        ->add_option("--from", arguments->from,
+                     "read them from the slave itself, or from the NMT master's list")
+        ->type_name("WHICH")
+        ->check(one_of_words({"slave", "master"}))
+        ->capture_default_str();
+  }
 }
 
 void add_online(const Adder& adder) {
@@ -192,7 +255,8 @@ void add_configure_command(CLI::App& app, int& exit_code) {
       "configure", "Set up a communication module through its PLC, as its CANopen Configuration Tool does");
   group->require_subcommand(1);
   group->footer(
-      "A project holds the settings of one module (FX3U-CAN, CANopen 405 mode) and is one XML file.\n"
+      "A project holds the settings of one module (FX3U-CAN or RJ71CN91, CANopen 405 mode) and is one XML "
+      "file.\n"
       "Exit codes: 0 done, 1 the module or the PLC refused or cannot be reached, 2 wrong command line, "
       "project or file,\n"
       "3 the CPU module is in RUN, 4 differences, or errors in the project.\n"
@@ -200,6 +264,7 @@ void add_configure_command(CLI::App& app, int& exit_code) {
   const Adder adder{*group, exit_code};
   add_offline(adder);
   add_online(adder);
+  add_nodes(adder);
 }
 
 }  // namespace canopus::cli

@@ -21,7 +21,7 @@ struct ConfigureArguments {
   PlcArguments plc;
   std::string file;
   std::string other_file;
-  std::string model = "FX3U-CAN";
+  std::string model{};  ///< empty: the project's, or the one that goes with the PLC
   std::string window;
   std::vector<std::string> settings;
   std::string part = "all";
@@ -35,6 +35,9 @@ struct ConfigureArguments {
   bool yes = false;
   bool stop = false;
   bool clear = false;
+  bool save = false;
+  bool restore = false;
+  std::string from = "slave";
   bool json = false;
 };
 
@@ -46,7 +49,7 @@ inline constexpr int in_run = 3;     ///< the CPU module is in RUN
 inline constexpr int different = 4;  ///< `diff` found differences, or a check found errors
 }  // namespace configure_code
 
-// The commands, by the file they are in: project_editing.cpp, project_online.cpp.
+// The commands, by the file they are in: project_editing.cpp, project_online.cpp, project_nodes.cpp.
 int new_project(const ConfigureArguments& arguments);
 int show_project(const ConfigureArguments& arguments);
 int set_in_project(const ConfigureArguments& arguments);
@@ -55,6 +58,7 @@ int restore_in_project(const ConfigureArguments& arguments);
 int check_project(const ConfigureArguments& arguments);
 int export_project(const ConfigureArguments& arguments);
 int import_project(const ConfigureArguments& arguments);
+int describe_windows(const ConfigureArguments& arguments);
 int list_recent_projects();
 int read_from_module(const ConfigureArguments& arguments);
 int compare_with_module(const ConfigureArguments& arguments);
@@ -64,6 +68,8 @@ int read_object(const ConfigureArguments& arguments);
 int write_object(const ConfigureArguments& arguments);
 int show_module_status(const ConfigureArguments& arguments);
 int reset_module(const ConfigureArguments& arguments);
+int list_nodes(const ConfigureArguments& arguments);
+int identify_slave(const ConfigureArguments& arguments);
 
 /// "canopus configure: ..." on stderr; returns `code`.
 int configure_failed(int code, const std::string& message);

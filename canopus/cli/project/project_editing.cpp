@@ -86,51 +86,66 @@ std::expected<std::vector<std::uint32_t>, std::string> parse_mapping(std::string
   return mapping;
 }
 
-std::string described(std::uint32_t entry) {
-  const std::string name = project::object_name(entry);
+std::string described(const ModuleProject& project, std::uint32_t entry) {
+  const std::string name = project.model().object_name(entry);
   return fmt::format("{:04X}:{:02X}:{} {}", entry >> 16, entry >> 8 & 0xFF, entry & 0xFF,
                      name.empty() ? "?" : name);
 }
 
-Json row_json(const Window& window, std::uint32_t key, const Row& row) {
+Json row_json(const ModuleProject& project, const Window& window, std::uint32_t key, const Row& row) {
   Json json;
   json["window"] = window.word;
   if (!window.key.empty()) json["number"] = key;
+  if (!window.name_field.empty()) json["name"] = row.name;
   for (std::size_t i = 0; i < window.fields.size(); ++i)
     json["fields"][std::string(window.fields[i].name)] = row.values[i];
-  for (const std::uint32_t entry : row.mapping) json["objects"].push_back(described(entry));
+  for (const std::uint32_t entry : row.mapping) json["objects"].push_back(described(project, entry));
   return json;
 }
 
-void print_row(const Window& window, std::uint32_t key, const Row& row) {
+void print_row(const ModuleProject& project, const Window& window, std::uint32_t key, const Row& row) {
   if (window.key.empty()) {
     print_line("{} ({})", window.title, window.word);
   } else {
     print_line("{} {} ({}/{})", window.key, key, window.word, key);
   }
+  if (!window.name_field.empty()) print_line("  {:<38} {}", window.name_field, row.name);
   for (std::size_t i = 0; i < window.fields.size(); ++i) {
     const project::Field& field = window.fields[i];
     print_line("  {:<38} {}{}{}", field.name, project::shown_value(field, row.values[i]),
                field.unit.empty() ? "" : " ", field.unit);
   }
-  for (const std::uint32_t entry : row.mapping) print_line("  {:<38} {}", "mapped object", described(entry));
+  for (const std::uint32_t entry : row.mapping)
+    print_line("  {:<38} {}", "mapped object", described(project, entry));
+}
+
+void print_window_head(const Window& window) {
+  print_line("{} ({})", window.title, window.word);
+  if (!window.key.empty()) {
+    print_line("  {:<38} the number of a row; 1 to {}; at most {} rows", window.key, window.most_key,
+               window.most_rows);
+  }
+  if (!window.name_field.empty()) print_line("  {:<38} 1 to 256 characters; CANopen node", window.name_field);
+  if (window.mapping != 0) {
+    print_line("  {:<38} the PDO is there (bit 31 of COB-ID); Not selected, Selected; PDO 1 to 4: Selected",
+               "valid");
+    print_line("  {:<38} 0x000 to 0x57F; PDO 1 to 4: those of CiA 301, others 0x000", "CAN-ID (11-bit)");
+    print_line("  {:<38} mapped objects, INDEX:SUB:BITS each; at most 64 bits", "map");
+  }
 }
 
 }  // namespace
 
 int new_project(const ConfigureArguments& arguments) {
   const project::ModuleModel* const model = project::find_module_model(arguments.model);
-  if (model == nullptr) {
-    return configure_failed(configure_code::usage,
-                            fmt::format("--model: \"{}\" is not known; expected FX3U-CAN", arguments.model));
-  }
   if (std::filesystem::exists(arguments.file)) {
     return configure_failed(configure_code::usage, fmt::format("{}: is there already", arguments.file));
   }
   ModuleProject project(*model);
   if (arguments.module_number >= 0) {
-    const auto set =
-        project.set(*project.window("basic"), 0, "Module number", std::to_string(arguments.module_number));
+    const bool has_number = model->request_way == project::RequestWay::words;
+    const auto set = project.set(*project.window("basic"), 0, has_number ? "Module number" : "Module address",
+                                 std::to_string(arguments.module_number * (has_number ? 1 : 0x10)));
     if (!set) return configure_failed(configure_code::usage, set.error());
   }
   if (const std::string wrong = save_project(arguments.file, project); !wrong.empty()) {
@@ -148,9 +163,9 @@ int show_project(const ConfigureArguments& arguments) {
     if (!arguments.window.empty() && arguments.window != window.word) continue;
     for (const auto& [key, row] : project->rows(window)) {
       if (arguments.json) {
-        print_json(row_json(window, key, row));
+        print_json(row_json(*project, window, key, row));
       } else {
-        print_row(window, key, row);
+        print_row(*project, window, key, row);
       }
     }
   }
@@ -230,6 +245,27 @@ int import_project(const ConfigureArguments& arguments) {
   if (!backup) return configure_failed(configure_code::usage, backup.error());
   const std::string wrong = save_project(arguments.file, *backup);
   return wrong.empty() ? configure_code::done : configure_failed(configure_code::failed, wrong);
+}
+
+int describe_windows(const ConfigureArguments& arguments) {
+  const project::ModuleModel* const model = project::find_module_model(arguments.model);
+  for (const Window& window : model->windows) {
+    if (!arguments.window.empty() && arguments.window != window.word) continue;
+    if (!arguments.json) print_window_head(window);
+    for (const project::Field& field : window.fields) {
+      if (arguments.json) {
+        print_json(Json{{"window", window.word},
+                        {"field", field.name},
+                        {"range", project::shown_range(field)},
+                        {"default", project::shown_value(field, field.factory)},
+                        {"description", field.description}});
+      } else {
+        print_line("  {:<38} {}; {}; {}", field.name, field.description, project::shown_range(field),
+                   project::shown_value(field, field.factory));
+      }
+    }
+  }
+  return configure_code::done;
 }
 
 int list_recent_projects() {

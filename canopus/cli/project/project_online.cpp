@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "canopus/cli/project/configure_command.hpp"
+#include "canopus/cli/project/project_access.hpp"
 #include "canopus/cli/project/project_files.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/client/plc_module.hpp"
@@ -24,34 +25,7 @@ using client::PlcModule;
 using project::ModuleProject;
 using Json = nlohmann::ordered_json;
 
-constexpr unsigned most_pdos = 80;
 constexpr unsigned most_nodes = 127;
-
-/// Connects; the module is the one of the command line, else the project's, else the first one.
-int with_module(const ConfigureArguments& arguments, const ModuleProject* project,
-                const std::function<int(client::PlcClient&, PlcModule&)>& action) {
-  const std::uint32_t number = arguments.module_number >= 0
-                                   ? static_cast<std::uint32_t>(arguments.module_number)
-                               : project != nullptr ? project->value("basic", "Module number")
-                                                    : 0;
-  return with_client(arguments.plc, [&](client::PlcClient& client) {
-    PlcModule module(client, static_cast<std::uint16_t>(number));
-    if (const auto ready = module.wait_until_ready(); !ready)
-      return configure_failed(configure_code::failed, ready.error());
-    return action(client, module);
-  });
-}
-
-/// Runs an action on a project from its file and the module.
-int with_project(const ConfigureArguments& arguments,
-                 const std::function<int(ModuleProject&, client::PlcClient&, PlcModule&)>& action) {
-  auto project = load_project(arguments.file);
-  if (!project) return configure_failed(configure_code::usage, project.error());
-  remember_project(arguments.file);
-  return with_module(arguments, &*project, [&](client::PlcClient& client, PlcModule& module) {
-    return action(*project, client, module);
-  });
-}
 
 void print_step(const project::TransferStep& step, bool json) {
   if (json) {
@@ -142,55 +116,68 @@ void print_data(const std::vector<std::uint8_t>& bytes) {
   print_line("  ASCII          {}", std::string(bytes.begin(), bytes.end()));
 }
 
-constexpr std::array<std::string_view, 16> error_bits{"",
-                                                      "hardware error",
-                                                      "internal power supply error",
-                                                      "CAN bus-off",
-                                                      "flash memory error",
-                                                      "write while initialising",
-                                                      "buffer memory setting error",
-                                                      "FROM/TO watchdog expired",
-                                                      "internal data queue overflow",
-                                                      "",
-                                                      "NMT error control failure",
-                                                      "baud rate change error",
-                                                      "node address change error",
-                                                      "emergency received from a slave",
-                                                      "CAN error passive",
-                                                      "Layer 2 message error"};
+constexpr std::array<std::string_view, 16> fx3u_error_bits{"",
+                                                           "hardware error",
+                                                           "internal power supply error",
+                                                           "CAN bus-off",
+                                                           "flash memory error",
+                                                           "write while initialising",
+                                                           "buffer memory setting error",
+                                                           "FROM/TO watchdog expired",
+                                                           "internal data queue overflow",
+                                                           "",
+                                                           "NMT error control failure",
+                                                           "baud rate change error",
+                                                           "node address change error",
+                                                           "emergency received from a slave",
+                                                           "CAN error passive",
+                                                           "Layer 2 message error"};
+constexpr std::array<std::string_view, 16> rj71_error_bits{"",
+                                                           "hardware error",
+                                                           "",
+                                                           "CAN bus-off",
+                                                           "flash ROM error",
+                                                           "save or restore while online in Layer 2",
+                                                           "buffer memory setting error",
+                                                           "",
+                                                           "send or receive buffer overflow",
+                                                           "",
+                                                           "NMT error control failure",
+                                                           "",
+                                                           "",
+                                                           "",
+                                                           "CAN error passive",
+                                                           "Layer 2 message slot error"};
 constexpr std::array<std::string_view, 4> states{"Stopped", "Pre-operational", "Operational", "?"};
 
 }  // namespace
 
 int read_from_module(const ConfigureArguments& arguments) {
-  const auto area = parse_area(arguments.pdos, most_pdos);
-  if (!area) return configure_failed(configure_code::usage, "--pdos: " + area.error());
-  return with_project(arguments, [&](ModuleProject& project, client::PlcClient&, PlcModule& module) {
-    const auto read = project::read_module(project, arguments.part, *area,
-                                           static_cast<std::uint8_t>(arguments.node), module);
-    if (!read) return configure_failed(configure_code::failed, read.error());
-    const std::string wrong = save_project(arguments.file, project);
-    return wrong.empty() ? configure_code::done : configure_failed(configure_code::failed, wrong);
-  });
+  return with_project(
+      arguments, [&](ModuleProject& project, client::PlcClient&, PlcModule& module, project::PdoRange area) {
+        const auto read = project::read_module(project, arguments.part, area,
+                                               static_cast<std::uint8_t>(arguments.node), module);
+        if (!read) return configure_failed(configure_code::failed, read.error());
+        const std::string wrong = save_project(arguments.file, project);
+        return wrong.empty() ? configure_code::done : configure_failed(configure_code::failed, wrong);
+      });
 }
 
 int compare_with_module(const ConfigureArguments& arguments) {
-  const auto area = parse_area(arguments.pdos, most_pdos);
-  if (!area) return configure_failed(configure_code::usage, "--pdos: " + area.error());
-  return with_project(arguments, [&](ModuleProject& project, client::PlcClient&, PlcModule& module) {
-    const auto found = project::differences(project, arguments.part, *area,
-                                            static_cast<std::uint8_t>(arguments.node), module);
-    if (!found) return configure_failed(configure_code::failed, found.error());
-    print_differences(*found, arguments.json);
-    return found->empty() ? configure_code::done : configure_code::different;
-  });
+  return with_project(
+      arguments, [&](ModuleProject& project, client::PlcClient&, PlcModule& module, project::PdoRange area) {
+        const auto found = project::differences(project, arguments.part, area,
+                                                static_cast<std::uint8_t>(arguments.node), module);
+        if (!found) return configure_failed(configure_code::failed, found.error());
+        print_differences(*found, arguments.json);
+        return found->empty() ? configure_code::done : configure_code::different;
+      });
 }
 
 int write_to_module(const ConfigureArguments& arguments) {
-  const auto area = parse_area(arguments.pdos, most_pdos);
-  if (!area) return configure_failed(configure_code::usage, "--pdos: " + area.error());
   const auto node = static_cast<std::uint8_t>(arguments.node);
-  return with_project(arguments, [&](ModuleProject& project, client::PlcClient& client, PlcModule& module) {
+  return with_project(arguments, [&](ModuleProject& project, client::PlcClient& client, PlcModule& module,
+                                     project::PdoRange area) {
     const auto findings = project.check();
     for (const project::ProjectFinding& finding : findings) {
       if (finding.is_error)
@@ -204,7 +191,7 @@ int write_to_module(const ConfigureArguments& arguments) {
                               "the CPU module is in RUN: parameters can be written when it is in STOP "
                               "(--stop, or canopus plc stop)");
     }
-    const auto before = project::differences(project, arguments.part, *area, node, module);
+    const auto before = project::differences(project, arguments.part, area, node, module);
     if (!before) return configure_failed(configure_code::failed, before.error());
     print_differences(*before, arguments.json);
     if (before->empty()) {
@@ -221,7 +208,7 @@ int write_to_module(const ConfigureArguments& arguments) {
       }
     }
     const auto written =
-        project::write_module(project, arguments.part, *area, node, module,
+        project::write_module(project, arguments.part, area, node, module,
                               [&](const project::TransferStep& step) { print_step(step, arguments.json); });
     if (!*stands) {
       if (const auto run = client.operate(client::PlcOperation::run); !run) {
@@ -231,7 +218,7 @@ int write_to_module(const ConfigureArguments& arguments) {
     if (!written)
       return configure_failed(configure_code::failed,
                               "ended here; what stands above is written, the rest is not");
-    const auto after = project::differences(project, arguments.part, *area, node, module);
+    const auto after = project::differences(project, arguments.part, area, node, module);
     if (!after)
       return configure_failed(configure_code::failed,
                               "written, but it cannot be read back: " + after.error());
@@ -307,11 +294,8 @@ int write_object(const ConfigureArguments& arguments) {
 int show_module_status(const ConfigureArguments& arguments) {
   return with_module(arguments, nullptr, [&](client::PlcClient&, PlcModule& module) {
     if (arguments.clear) {
-      // The module shows again at once what is still wrong.
-      const auto cleared = module.write_word(29, 0);
-      if (!cleared && cleared.error().find("afterwards") == std::string::npos) {
+      if (const auto cleared = module.clear_errors(); !cleared)
         return configure_failed(configure_code::failed, cleared.error());
-      }
     }
     const auto words = module.read_words(20, 21);  // #20 to #40
     if (!words) return configure_failed(configure_code::failed, words.error());
@@ -325,6 +309,8 @@ int show_module_status(const ConfigureArguments& arguments) {
     print_line("CAN transmission errors     {}", word(35));
     print_line("CAN reception errors        {}", word(36));
     print_line("Error status                {:04X}H", word(29));
+    const auto& error_bits =
+        module.request_way() == project::RequestWay::signals ? rj71_error_bits : fx3u_error_bits;
     for (std::size_t bit = 0; bit < error_bits.size(); ++bit) {
       if ((word(29) >> bit & 1) != 0 && !error_bits[bit].empty())
         print_line("  bit {:<2} {}", bit, error_bits[bit]);

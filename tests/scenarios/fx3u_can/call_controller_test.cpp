@@ -1,7 +1,7 @@
 // Virtual input and output mapping in CANopen 417 mode [FX3U-CAN 5.10.1 to 5.10.3, 8.3].
 
 #include "scenarios/fx3u_can/lift_scenario.hpp"
-#include "scenarios/spec_table.hpp"
+#include "support/spec_table.hpp"
 
 namespace canopus::scenario {
 namespace {

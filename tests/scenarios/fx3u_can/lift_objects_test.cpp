@@ -8,7 +8,7 @@
 #include "canopus/module/fx3u_can/object_table.hpp"
 
 #include "scenarios/fx3u_can/lift_scenario.hpp"
-#include "scenarios/spec_table.hpp"
+#include "support/spec_table.hpp"
 
 namespace canopus::scenario {
 namespace {

@@ -7,7 +7,7 @@
 #include "canopus/module/me3can1_q/buffer_table.hpp"
 
 #include "scenarios/me3can1_q/scenario.hpp"
-#include "scenarios/spec_table.hpp"
+#include "support/spec_table.hpp"
 
 namespace canopus::scenario::table_rows {
 

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "scenarios/me3can1_q/scenario.hpp"
-#include "scenarios/spec_table.hpp"
+#include "support/spec_table.hpp"
 
 namespace canopus::scenario {
 namespace {

@@ -7,7 +7,7 @@
 #include "canopus/module/rj71cn91/event_table.hpp"
 
 #include "scenarios/me3can1_q/scenario.hpp"
-#include "scenarios/spec_table.hpp"
+#include "support/spec_table.hpp"
 
 namespace canopus::scenario {
 namespace {

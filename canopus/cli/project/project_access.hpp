@@ -1,0 +1,22 @@
+#pragma once
+// The way from a command to the module of a project: connects to the PLC, waits for the module's start.
+
+#include <functional>
+
+#include "canopus/cli/project/configure_command.hpp"
+#include "canopus/client/plc_module.hpp"
+#include "canopus/project/module_project.hpp"
+
+namespace canopus::cli {
+
+/// Runs an action on the module of the command line, else the project's, else the first one. `project`: nullptr: there is
+/// none; then --model says what the module is, or the PLC's type. Returns the exit code.
+int with_module(const ConfigureArguments& arguments, const project::ModuleProject* project,
+                const std::function<int(client::PlcClient&, client::PlcModule&)>& action);
+
+/// The same, with the project of the command line, and the PDOs that --pdos names.
+int with_project(const ConfigureArguments& arguments,
+                 const std::function<int(project::ModuleProject&, client::PlcClient&, client::PlcModule&,
+                                         project::PdoRange)>& action);
+
+}  // namespace canopus::cli
