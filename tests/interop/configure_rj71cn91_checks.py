@@ -135,6 +135,8 @@ def configure_reaches_an_rj71cn91s_network():
         require("bit 6  buffer memory setting error" in said and "First refused setting       G21" in said, said)
         module.set_g(21, 405)
         require("bit 6" not in tool(plant, "status", "--clear").stdout and not module.x(0x0F), "--clear")
+        plant.wait(lambda e: e["event"] == "signal" and e["signal"] == "Y0F" and e["on"])
+        plant.wait(lambda e: e["event"] == "signal" and e["signal"] == "Y0F" and not e["on"])
         require("--model" in command(program, "configure", "scan", "--model", "ME3", "--port", "1", expect=2, env=STATE).stderr, "--model")
 
 
