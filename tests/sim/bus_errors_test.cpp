@@ -237,6 +237,33 @@ TEST_F(BusErrors, PassiveTransmitter_LetsTheOthersGoFirst) {
   EXPECT_EQ(c.frames(), (std::vector<Frame>{data_frame(0x700), data_frame(0x123, {0x55})}));
 }
 
+TEST(BusErrorsOfAFrame, BeginInIt_NotInTheIntermissionBefore) {
+  // The frame of b begins while the passive a is suspended; whatever bit of it is corrupted, nothing happens before that.
+  for (unsigned bit = 1; bit < 100; ++bit) {
+    can::Timeline timeline;
+    Bus bus("main", 1'000'000, timeline);
+    ErrorLog log;
+    bus.add_observer(log);
+    Station a(bus, timeline, "a"), b(bus, timeline, "b"), c(bus, timeline, "c");
+    const std::vector<Fault> faults{{.kind = FaultKind::corrupt, .sender = "a", .count = 16, .bit = 21},
+                                    {.kind = FaultKind::corrupt, .sender = "b", .count = 1, .bit = bit}};
+    ASSERT_TRUE(bus.set_faults(faults, 1).has_value());
+    a.on_transmitted = [&](const Frame&, Time now) {
+      b.send_at(now + 1us, data_frame(0x555, {0x55, 0x55, 0x55, 0x55, 0x55, 0x55, 0x55, 0x55}));
+      log.lines.clear();
+    };
+    a.port.send(data_frame(0x123, {0x55}));
+    timeline.run_until(Time(20ms));
+    ASSERT_EQ(a.sent.size(), 1U);
+    ASSERT_FALSE(log.lines.empty()) << bit;
+    const std::string& first = log.lines.front();
+    const long since =
+        std::stol(first.substr(first.rfind(' ') + 1)) - (a.sent[0].at.time_since_epoch() / 1us);
+    EXPECT_GE(since, 3 + bit) << first << ", bit " << bit;
+    EXPECT_EQ(b.sent.size(), 1U) << bit;
+  }
+}
+
 TEST_F(BusErrors, SameIdentifierDifferentData_CollidesUntilPassiveThenBothGetThrough) {
   a.send_at(Time(1ms), data_frame(0x123, {0x00}));
   b.send_at(Time(1ms), data_frame(0x123, {0xFF}));

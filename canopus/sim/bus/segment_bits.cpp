@@ -17,6 +17,7 @@ can::Duration jump_width(can::Duration bit) { return bit / 8; }
 void Segment::begin_bits(can::Time now) {
   const FrameFaults faults = faults_;  // of the frame that begins
   const bool ready = faults_ready_;
+  clear_faults();  // what is replayed is not that frame
   enter_bits();
   faults_ = faults;
   faults_ready_ = ready;
