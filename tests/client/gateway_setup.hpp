@@ -19,10 +19,12 @@ struct WireAndClient : can::Sink, GatewaySession::Peer {
     return true;
   }
   void say(std::string_view line) override { lines.emplace_back(line); }
+  bool is_full() const override { return lines.size() >= clients_room; }
 
   std::vector<can::Frame> frames;
   std::vector<std::string> lines;
   bool full = false;
+  std::size_t clients_room = ~std::size_t{0};
 };
 
 class GatewaySetup : public testing::Test {

@@ -330,6 +330,37 @@ TEST_F(GatewayTest, OwnHeartbeat_NeedsANodeId) {
   EXPECT_EQ(ends.frames.size(), 3U);
 }
 
+TEST_F(GatewayTest, ClientThatTakesNoAnswers_IsNotAskedFurther) {
+  ends.clients_room = 2;
+  session.receive("[1] info version\n[2] info version\n[3] info version\n[4] info version\n", now);
+  EXPECT_EQ(ends.lines.size(), 2U);
+  EXPECT_GT(session.buffered(), 0U);
+  ends.clients_room = 3;
+  session.resume(now);
+  EXPECT_EQ(ends.lines.size(), 3U);
+  ends.clients_room = 100;
+  session.resume(now);
+  EXPECT_EQ(ends.lines.back(), "[4] 0 0 0.0 0 3 2.1 1.2\r\n");
+  EXPECT_EQ(session.buffered(), 0U);
+}
+
+TEST_F(GatewayTest, SdoTimeOut_HasABound) {
+  EXPECT_EQ(ask("set sdo_timeout 65535"), "OK");
+  EXPECT_EQ(ask("set sdo_timeout 65536"), "ERROR:101 #syntax error");
+  EXPECT_EQ(ask("set sdo_timeout 0"), "ERROR:101 #syntax error");
+}
+
+TEST_F(GatewayTest, ObjectThatIsTooLong_IsNotRead) {
+  say("[6] 5 r 0x2000 0");
+  hear(data_frame(0x585, {0x41, 0x00, 0x20, 0, 0x01, 0, 0x08, 0}));
+  EXPECT_THAT(ends.lines, ElementsAre("[6] ERROR:600 #running out of memory\r\n"));
+  EXPECT_EQ(ends.frames.back().data[0], 0x80) << "an abort";
+  say("[7] 5 r 0x2000 0");
+  hear(data_frame(0x585, {0x41, 0x00, 0x20, 0, 0x00, 0, 0x08, 0}));
+  EXPECT_THAT(ends.lines, IsEmpty());
+  EXPECT_EQ(ends.frames.back(), data_frame(0x605, {0x60, 0, 0, 0, 0, 0, 0, 0}));
+}
+
 TEST_F(GatewayTest, Version_IsInfo) { EXPECT_EQ(ask("[1] info version"), "[1] 0 0 0.0 0 3 2.1 1.2"); }
 
 RC_GTEST_PROP(GatewayProperties, CutAnywhere_TheConversationIsTheSame, ()) {

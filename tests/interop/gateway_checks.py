@@ -3,9 +3,11 @@ import contextlib
 import random
 import signal
 import socket
+import struct
+import threading
 import time
 
-from kit import HERE, PATIENCE, check, command, program, require, running, scratch, talking
+from kit import HERE, PATIENCE, check, command, program, require, running, scratch, talking, until
 
 DEVICE = HERE / "interop_device.eds"
 
@@ -35,14 +37,20 @@ class Client:
 
 
 @contextlib.contextmanager
+def gateway_on(plant, *words):
+    with talking(program, "gateway", "--bus", f"socketcand:{plant.socketcand}", "--listen", "127.0.0.1:0", *words) as server:
+        line = server.wait_line(lambda text: text.startswith("gateway on "))
+        yield int(line.rsplit(":", 1)[1]), server
+
+
+@contextlib.contextmanager
 def gateway(*words):
     path = scratch / "gateway.toml"
     path.write_text('[plant]\nname = "gateway"\n[[bus]]\nname = "line1"\nbit_rate = 1000000\nserve = "socketcand:127.0.0.1:0"\n'
                     f'[[device]]\nnode = 5\neds = "{DEVICE}"\n[[device]]\nnode = 6\neds = "{DEVICE}"\n')
-    with running(path, has_plc=False) as plant:
-        with talking(program, "gateway", "--bus", f"socketcand:{plant.socketcand}", "--listen", "127.0.0.1:0", *words) as server:
-            line = server.wait_line(lambda text: text.startswith("gateway on "))
-            yield int(line.rsplit(":", 1)[1]), server
+    with running(path, has_plc=False) as plant, gateway_on(plant, *words) as (port, server):
+        server.bus = f"socketcand:{plant.socketcand}"
+        yield port, server
 
 
 @check
@@ -104,6 +112,99 @@ def gateway_outlives_clients_that_do_not_behave():
             client.say(f"[{number}] {5 + number % 2} r 0x1018 2 u32")
         for number, client in enumerate(many):
             require(client.line() == f"[{number}] 1280", f"the answer of client {number}")
+
+
+@check
+def gateway_answers_each_of_many_commands_sent_at_once():
+    """A client that writes all before it reads, one that only then closes its half, and one that says a byte at a time."""
+    count = 40000
+    with gateway() as (port, _server):
+        client = Client(port)
+        writer = threading.Thread(target=lambda: [client.say(f"[{i}] 5 start" if i % 100 else f"[{i}] 5 r 0x1018 2 u32") for i in range(count)])
+        writer.start()
+        time.sleep(1)  # the answers wait, and so do the commands
+        for i in range(count):
+            while (line := client.line()).startswith("1 "):
+                pass
+            require(line == f"[{i}] {'OK' if i % 100 else '1280'}", f"answer {i}: {line!r}")
+        writer.join()
+        half = Client(port)
+        half.socket.sendall(b"5 r 0x1018 2 u32\n" * 300)
+        half.socket.shutdown(socket.SHUT_WR)
+        said = [line for line in half.file.read().splitlines() if not line.startswith("1 ")]
+        require(said == ["1280"] * 300, f"{len(said)} answers to a client that had closed its half: {said[:3]}")
+        slow = Client(port)
+        slow.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        for byte in b"[4294967295] 5 r 0x1018 2 u32\n" * 40:
+            slow.socket.sendall(bytes([byte]))
+        for _ in range(40):
+            require(slow.line() == "[4294967295] 1280", "the answers to bytes that come one by one")
+
+
+@check
+def gateway_gives_a_node_back_that_a_lost_client_waits_for():
+    with gateway() as (port, _server):
+        lost = Client(port)
+        lost.ask("[1] set sdo_timeout 65535", "[1] OK")
+        lost.say("99 r 0x1000 0")
+        time.sleep(0.5)
+        lost.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        lost.file.close()
+        lost.socket.close()  # a reset: it is gone for good
+        start = time.monotonic()
+        good = Client(port)
+        good.ask("[2] set sdo_timeout 100", "[2] OK")
+        good.say("[3] 99 r 0x1000 0")
+        require(good.line().startswith("[3] ERROR:0x05040000"), "a node that is not there")
+        require(time.monotonic() - start < 30, "the lost client's transfer was waited for")
+
+
+@check
+def gateway_has_a_place_again_after_a_thousand_connections():
+    with gateway() as (port, server):
+        for i in range(1000):
+            client = socket.create_connection(("127.0.0.1", port), PATIENCE)
+            client.sendall((b"5 r 0x1018 2 u32\n", b"[1] 5 r 0x10", b"", b"[1\n\n\x00\xff")[i % 4])
+            client.close()
+        def free():
+            client = Client(port)
+            client.say("[5] 5 r 0x1018 2 u32")
+            with contextlib.suppress(ConnectionError):
+                return client.line() == "[5] 1280"
+        until(free, "no place is free")
+        full = [socket.create_connection(("127.0.0.1", port), PATIENCE) for _ in range(40)]  # 32 of them get a place
+        said = [client.recv(100) for client in full[32:]]
+        require(all(text == b"ERROR:102 #connection refused\r\n" for text in said), str(said))
+        for client in full:
+            client.close()
+        until(free, "no place is free")
+        server.process.send_signal(signal.SIGINT)
+        require(server.process.wait(PATIENCE) == 0, "the exit code of Ctrl-C")
+
+
+def reads_on(client):
+    with contextlib.suppress(OSError):
+        while client.line():
+            pass
+
+
+@check
+def gateway_ends_a_client_that_takes_no_events():
+    with gateway() as (port, server):
+        busy = Client(port)
+        deaf = socket.socket()
+        deaf.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        deaf.connect(("127.0.0.1", port))
+        busy.ask("[1] set rpdo 1 0x205 event 8 u8 u8 u8 u8 u8 u8 u8 u8", "[1] OK")
+        log = scratch / "events.log"
+        log.write_text("".join(f"({i / 10000:.6f}) can0 205#0102030405060708\n" for i in range(300000)))
+        threading.Thread(target=reads_on, args=(busy,), daemon=True).start()
+        with talking(program, "replay", log, "--bus", server.bus, "--speed", "max", "--loop", "0"):
+            server.wait_line(lambda text: text.endswith("takes nothing; its connection ends"))
+        good = Client(port)
+        good.ask("[2] set sdo_timeout 60000", "[2] OK")  # what the replay left behind comes first on the bus
+        good.ask("[3] 5 r 0x1018 2 u32", "[3] 1280")
+        deaf.close()
 
 
 @check

@@ -19,7 +19,10 @@ struct Gateway::Channel final : canopen::SdoClientUser {
     Transfer transfer;
   };
 
-  Channel(can::Sink& bus, std::uint8_t node) : client(bus) { client.set_server(node); }
+  Channel(can::Sink& bus, std::uint8_t node) : client(bus) {
+    client.set_server(node);
+    client.set_maximum_size(longest_value);
+  }
   void start(can::Time now) {
     while (!jobs.empty() && !client.busy()) {
       const Transfer& next = jobs.front().transfer;

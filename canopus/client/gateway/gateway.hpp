@@ -37,6 +37,8 @@ class GatewayListener {
 class Gateway final : public can::Participant, private GatewayPdoUser {
  public:
   static constexpr unsigned network = 1;  ///< the only one
+  /// Bytes of an object that is read; one with more is given up as SdoClient::buffer_too_small.
+  static constexpr std::size_t longest_value = 512 * 1024;
 
   /// `node_id`: the gateway's own, 0: it has none, and sends no heartbeat. `version` is the program's: "1.2".
   Gateway(can::Sink& bus, std::uint8_t node_id, std::string version);

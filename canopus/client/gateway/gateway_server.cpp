@@ -5,6 +5,7 @@
 #include <utility>
 
 #include <boost/asio/buffer.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
 
 #include "canopus/client/gateway/gateway_session.hpp"
@@ -19,17 +20,22 @@ class GatewayServer::Client final : public std::enable_shared_from_this<Client>,
                                     private GatewaySession::Peer {
  public:
   Client(GatewayServer& server, link::TcpPort::Socket socket)
-      : server_(&server), name_(link::name_of_peer(socket)), socket_(std::move(socket)) {
+      : server_(&server),
+        name_(link::name_of_peer(socket)),
+        socket_(std::move(socket)),
+        patience_(socket_.get_executor()) {
     session_.emplace(server.gateway_, static_cast<GatewaySession::Peer&>(*this));
   }
 
+  /// While a command is under way, too: whether the client is still there is known by reading alone.
   void read() {
-    if (reading_ || !session_ || session_->waiting()) return;
+    if (reading_ || said_all_ || !session_ || !has_room()) return;
     reading_ = true;
     socket_.async_read_some(asio::buffer(input_),
                             [self = shared_from_this()](const error_code& failure, std::size_t size) {
                               self->reading_ = false;
                               if (self->server_ == nullptr) return;
+                              if (failure == asio::error::eof) return self->end_of_input();
                               if (failure) return self->leave({});
                               self->session_->receive({self->input_.data(), size}, self->server_->clock_());
                               // It may have ended what others waited for.
@@ -38,10 +44,13 @@ class GatewayServer::Client final : public std::enable_shared_from_this<Client>,
   }
   /// After anything that may have ended a command.
   void go_on() {
+    if (server_ == nullptr) return;
     if (too_slow_) return leave("takes nothing; its connection ends");
+    if (said_all_ && !writing_ && !session_->waiting()) return leave({});
     read();
   }
   void tick(can::Time now) {
+    if (server_ == nullptr) return;
     session_->tick(now);
     go_on();
   }
@@ -51,6 +60,7 @@ class GatewayServer::Client final : public std::enable_shared_from_this<Client>,
     session_.reset();
     server_ = nullptr;
     error_code ignored;
+    patience_.cancel(ignored);
     socket_.close(ignored);
   }
 
@@ -75,7 +85,27 @@ class GatewayServer::Client final : public std::enable_shared_from_this<Client>,
                         if (self->server_ == nullptr) return;
                         if (failure) return self->leave({});
                         self->write();
+                        if (self->is_full() || self->session_->buffered() == 0) return self->go_on();
+                        self->session_->resume(self->server_->clock_());
+                        self->server_->go_on();
                       });
+  }
+  [[nodiscard]] bool is_full() const override {
+    return server_ != nullptr && waiting_.size() > server_->options_.enough_waiting;
+  }
+  /// A line that waits has an end, and a line without an end is not longer than the session has it.
+  [[nodiscard]] bool has_room() const {
+    const bool waits = session_->waiting() || is_full();
+    return !waits || session_->buffered() < input_.size();
+  }
+  /// The client may still listen.
+  void end_of_input() {
+    said_all_ = true;
+    patience_.expires_after(server_->options_.patience);
+    patience_.async_wait([self = shared_from_this()](const error_code& failure) {
+      if (!failure && self->server_ != nullptr) self->leave({});
+    });
+    go_on();
   }
   void leave(std::string_view why) {
     GatewayServer* server = server_;
@@ -88,6 +118,7 @@ class GatewayServer::Client final : public std::enable_shared_from_this<Client>,
   GatewayServer* server_;
   std::string name_;
   link::TcpPort::Socket socket_;
+  asio::steady_timer patience_;
   std::optional<GatewaySession> session_;
   std::array<char, 4096> input_;
   std::string waiting_;
@@ -95,6 +126,7 @@ class GatewayServer::Client final : public std::enable_shared_from_this<Client>,
   bool reading_ = false;
   bool writing_ = false;
   bool too_slow_ = false;
+  bool said_all_ = false;
 };
 
 GatewayServer::GatewayServer(asio::io_context& io, Gateway& gateway, Clock clock, Options options,

@@ -1,8 +1,9 @@
 #pragma once
 // The TCP port of an ASCII gateway [CiA 309-3]: a session for each client, all on one bus. Clients cannot disturb each
-// other: lines have a greatest length, a client waits while its command is under way, and one that does not take its
-// answers and events loses its connection.
+// other: lines have a greatest length, a client waits while its command is under way or its answers wait for it, and one
+// that does not take its events loses its connection.
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <expected>
@@ -26,7 +27,11 @@ class GatewayServer final : public can::Participant {
     link::AllowList allowed{};  ///< who may connect
     std::size_t clients = 32;   ///< one more gets a line and is closed
     /// Bytes that wait for a client; with more its connection ends.
-    std::size_t most_waiting = 1 << 20;
+    std::size_t most_waiting = 4 << 20;
+    /// With more of them its next command waits.
+    std::size_t enough_waiting = 64 << 10;
+    /// What a client that says no more is given for its commands and to take their answers.
+    std::chrono::milliseconds patience{60'000};
   };
   /// The bus's time.
   using Clock = std::function<can::Time()>;

@@ -13,6 +13,7 @@ using canopen::NmtCommand;
 namespace {
 
 constexpr std::uint64_t longest_time = 24 * 3600 * 1000;  // ms
+constexpr std::uint64_t longest_sdo_time_out = 65535;     // ms
 
 bool same(std::string_view word, std::string_view lower) {
   return std::ranges::equal(word, lower,
@@ -61,7 +62,7 @@ void GatewaySession::read_input(can::Time now) {
   // A transfer may be over before the command that began it is.
   if (std::exchange(reading_, true)) return;
   std::size_t used = 0;
-  while (!waiting()) {
+  while (!waiting() && !peer_.is_full()) {
     const std::size_t end = input_.find('\n', used);
     if (end == std::string::npos) {
       if (input_.size() - used > command_size_ + 1) {
@@ -190,8 +191,8 @@ bool GatewaySession::set_value(std::string_view what, std::uint64_t value, can::
     if (value > 127) error = GatewayError::unsupported_node;
     if (value <= 127) node_ = static_cast<std::uint8_t>(value);
   } else if (what == "sdo_timeout") {
-    if (value == 0) error = GatewayError::syntax;
-    if (value != 0) sdo_time_out_ = milliseconds(value);
+    if (value == 0 || value > longest_sdo_time_out) error = GatewayError::syntax;
+    if (error == GatewayError::none) sdo_time_out_ = milliseconds(value);
   } else if (what == "command_timeout") {
     command_time_out_ = milliseconds(value);
   } else if (what == "command_size") {
@@ -292,7 +293,9 @@ void GatewaySession::goes_on(can::Time now) {
 }
 
 void GatewaySession::finished(AbortCode code, std::span<const std::uint8_t> bytes, can::Time now) {
-  if (code != AbortCode::none) {
+  if (code == canopen::SdoClient::buffer_too_small) {
+    answer(GatewayError::memory);
+  } else if (code != AbortCode::none) {
     answer(code);
   } else if (!reads_) {
     answer(GatewayError::none);

@@ -29,6 +29,8 @@ class GatewaySession final : public can::Ticker, private GatewayListener {
    public:
     /// A line to the client, CR LF included.
     virtual void say(std::string_view line) = 0;
+    /// Too many lines wait for the client: its next command has to wait for resume().
+    [[nodiscard]] virtual bool is_full() const { return false; }
 
    protected:
     ~Peer() = default;
@@ -45,10 +47,14 @@ class GatewaySession final : public can::Ticker, private GatewayListener {
 
   /// Bytes came from the client, cut anywhere.
   void receive(std::string_view bytes, can::Time now);
+  /// The client's end has room again for answers.
+  void resume(can::Time now) { read_input(now); }
   /// The client is gone: its command is called off.
   void end(can::Time now);
-  /// A command is under way: further lines wait, and it is time to read no more bytes from the client.
+  /// A command is under way: further lines wait.
   [[nodiscard]] bool waiting() const noexcept { return ticket_.has_value(); }
+  /// Bytes of lines that wait or have no end yet.
+  [[nodiscard]] std::size_t buffered() const noexcept { return input_.size(); }
 
   // can::Ticker: the time-out of a command
   void tick(can::Time now) override;
