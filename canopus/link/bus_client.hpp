@@ -88,6 +88,8 @@ class BusClient : public can::Sink {
   /// Only these identifiers are needed, for transports that can leave the others out early; an empty list means all.
   /// Others may still be heard.
   virtual void set_filter(std::span<const IdentifierFilter> /*filters*/) {}
+  /// The other side has taken all frames, as far as it can be asked: the first call asks. For those that send no more.
+  virtual bool is_flushed() { return true; }
   /// Drops the frames that still wait. They are not reported as sent.
   virtual void abort_transmissions() {}
 };

@@ -40,6 +40,8 @@ class BusLoop final : public can::Sink, private BusClientUser {
   std::expected<void, std::string> restart(std::uint32_t bit_rate) { return bus_->restart(bit_rate); }
   /// Frames that were sent and are not on the bus yet, as far as the transport tells.
   [[nodiscard]] std::size_t under_way() const noexcept { return under_way_; }
+  /// BusClient::is_flushed().
+  [[nodiscard]] bool is_flushed() { return bus_->is_flushed(); }
   /// The participant hears the bus and gets its ticks from now on. It outlives the loop or is removed.
   void add(can::Participant& participant);
   void remove(can::Participant& participant);

@@ -26,6 +26,14 @@ class SocketcandTransport final : public StreamTransport, private SocketcandDial
     if (StreamTransport::finished()) shut_down_writing();
   }
   bool finished() const override { return false; }
+  // The server reads no further than the bus takes frames; its answer says that it has come so far.
+  bool is_flushed() override {
+    if (flush_ == Flush::none && StreamTransport::finished()) {
+      flush_ = Flush::asked;
+      write_bytes("< echo >");
+    }
+    return flush_ == Flush::answered;
+  }
 
   void stream_opened() override {
     SocketcandDialogue::Peer& peer = *this;
@@ -39,6 +47,7 @@ class SocketcandTransport final : public StreamTransport, private SocketcandDial
   bool append(std::string& out, const can::Frame& frame) override {
     std::array<char, socketcand_max_send> text;
     out.append(text.data(), write_socketcand_send(text, frame));
+    flush_ = Flush::none;
     return true;
   }
   std::string describe_failure(const error_code& failure) const override {
@@ -56,6 +65,9 @@ class SocketcandTransport final : public StreamTransport, private SocketcandDial
     if (std::exchange(state_changed_, false)) return announce(text);
     complain(text);
   }
+  void echoed() override {
+    if (flush_ == Flush::asked) flush_ = Flush::answered;
+  }
   void controller_error(std::uint32_t error_class) override {
     ControllerStatus now = status();
     const can::ErrorState before = now.state;
@@ -64,7 +76,10 @@ class SocketcandTransport final : public StreamTransport, private SocketcandDial
     set_status(now);
   }
 
+  enum class Flush : std::uint8_t { none, asked, answered };
+
   std::optional<SocketcandDialogue> dialogue_;
+  Flush flush_ = Flush::none;
   bool state_changed_ = false;  // and its sentence comes next
 };
 

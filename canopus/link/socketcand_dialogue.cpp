@@ -105,6 +105,7 @@ void SocketcandDialogue::element(std::string_view text) {
     case State::raw:
       if (word == "frame") return frame(rest);
       if (word == "error") return error_element(trimmed(rest));
+      if (word == "echo") return peer_.echoed();
       return;  // answers to nothing we asked
     case State::failed: return;
   }

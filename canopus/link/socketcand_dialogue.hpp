@@ -31,6 +31,8 @@ class SocketcandDialogue {
     virtual void complaint(std::string_view text) = 0;
     /// An error frame of the server's CAN interface, of which its class is known (can_error.hpp).
     virtual void controller_error(std::uint32_t /*error_class*/) {}
+    /// The answer to `< echo >`: what was sent before it has been read.
+    virtual void echoed() {}
 
    protected:
     ~Peer() = default;

@@ -157,6 +157,7 @@ class TransportClient final : public BusClient {
     return transport_->restart(bit_rate);
   }
   void set_filter(std::span<const IdentifierFilter> filters) override { transport_->set_filter(filters); }
+  bool is_flushed() override { return transport_->is_flushed(); }
   void abort_transmissions() override { transport_->abort_transmissions(); }
 
  private:

@@ -58,6 +58,8 @@ class Transport : public std::enable_shared_from_this<Transport> {
   virtual void finish() {}
   /// Everything is on its way to the bus.
   [[nodiscard]] virtual bool finished() const { return queue_.empty(); }
+  /// BusClient::is_flushed().
+  virtual bool is_flushed() { return true; }
   /// What it waits for, when opening takes too long: "is it a socketcand server?".
   [[nodiscard]] virtual std::string_view silence() const { return {}; }
   virtual std::expected<void, std::string> restart(std::uint32_t bit_rate);

@@ -1,11 +1,16 @@
 """Traces of real runs, judged by tshark and python-can; a replay, heard by a client of its own."""
+import contextlib
 import csv
 import json
 import shutil
+import signal
+import socket
+import struct
 import subprocess
+import threading
 import time
 
-from kit import PYTHON, ROOT, RawClient, Skip, check, command, first_plant, first_plant_file, program, require, scratch
+from kit import PATIENCE, PYTHON, ROOT, RawClient, Skip, check, command, first_plant, first_plant_file, program, require, running, scratch
 
 
 def recorded_as(extension):
@@ -106,3 +111,132 @@ def a_replay_keeps_the_times_of_the_trace():
         require(0.25 < apart < 2, f"the second frame came after {apart} s instead of 0.3 s")
         done = command(program, "replay", path, "--bus", f"socketcand:{plant.socketcand}", "--speed", "max", "--loop", "5", "--id", "123-124")
         require("10 frames sent" in done.stdout, done.stdout)
+
+
+class SlowBus(threading.Thread):
+    """A server of one client that stands still for `pauses[n]` s (None: for ever) before it takes frame n, and keeps the numbers that the
+    frames carry. Subclasses say what it speaks."""
+
+    def __init__(self, pauses):
+        super().__init__(daemon=True)
+        self.pauses, self.numbers, self.over = pauses, [], threading.Event()
+        self.server = socket.socket()
+        self.server.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        self.server.bind(("127.0.0.1", 0))
+        self.server.listen()
+        self.port = self.server.getsockname()[1]
+        self.start()
+
+    def run(self):
+        self.socket = self.server.accept()[0]
+        self.greet()
+        rest = b""
+        with contextlib.suppress(OSError):
+            while data := self.socket.recv(65536):
+                rest = self.take(rest + data)
+
+    def greet(self):
+        pass
+
+    def frame(self, number):
+        if len(self.numbers) in self.pauses:
+            self.over.wait(self.pauses[len(self.numbers)])
+        self.numbers.append(number)
+
+
+class SlowAdapter(SlowBus):
+    """A Lawicel adapter, which says when a frame is on the bus."""
+
+    def take(self, data):
+        *lines, rest = data.split(b"\r")
+        for line in lines:
+            if line[:1] == b"t":
+                self.frame(int(line[5:], 16))
+            self.socket.sendall({b"V": b"V1013\r", b"F": b"F00\r", b"t": b"z\r"}.get(line[:1], b"\r"))
+        return rest
+
+
+class SlowCannelloni(SlowBus):
+    def greet(self):
+        self.socket.sendall(b"CANNELLONIv1")
+        require(self.socket.recv(12, socket.MSG_WAITALL) == b"CANNELLONIv1", "the greeting")
+
+    def take(self, data):
+        end = len(data) - len(data) % 13
+        for at in range(0, end, 13):
+            identifier, length, number = struct.unpack(">IBQ", data[at:at + 13])
+            require((identifier, length) == (0x321, 8), f"frame {len(self.numbers)}: {data[at:at + 13].hex()}")
+            self.frame(number)
+        return data[end:]
+
+
+def numbered_log(count):
+    """Frames whose data are their numbers."""
+    path = scratch / f"numbered-{count}.log"
+    path.write_text("".join(f"({1 + i / 1e6:.6f}) can0 321#{i:016X}\n" for i in range(count)))
+    return path
+
+
+@check
+def a_replay_waits_for_a_bus_that_takes_no_frames_for_a_time():
+    # An adapter may take 0.5 s for an answer. The pauses of cannelloni are longer than the replay's patience was.
+    for kind, address, count, pauses, least in (
+            (SlowAdapter, "slcan:tcp:127.0.0.1:{}@250000", 10000, {3000: 0.3, 6000: 0.2, 9999: 0.3}, 0.8),
+            (SlowCannelloni, "cannelloni:tcp:127.0.0.1:{}", 600000, {5: 3, 599990: 1}, 3)):
+        bus = kind(pauses)
+        done = command(program, "replay", numbered_log(count), "--bus", address.format(bus.port), "--speed", "max")
+        require(done.stdout.startswith(f"{count} frames sent in "), done.stdout)
+        require(float(done.stdout.split()[4]) > least, f"{kind.__name__}: it did not wait: {done.stdout}")
+        bus.join(PATIENCE)
+        require(bus.numbers == list(range(count)), f"{kind.__name__}: {len(bus.numbers)} frames, or another order")
+        require(done.stderr == "", done.stderr)
+
+
+@check
+def a_replay_says_when_a_bus_takes_no_more_frames():
+    bus = SlowCannelloni({500: None})
+    start = time.monotonic()
+    done = command(program, "replay", numbered_log(600000), "--bus", f"cannelloni:tcp:127.0.0.1:{bus.port}", "--speed", "max", expect=1)
+    require(10 < time.monotonic() - start < 60, f"it ended after {time.monotonic() - start:.1f} s")
+    bus.over.set()
+    require("the bus has taken nothing for 10 s; " in done.stderr and " and the rest of the trace were not sent" in done.stderr, done.stderr)
+    bus = SlowAdapter({500: None})  # this transport knows by itself
+    done = command(program, "replay", numbered_log(1000), "--bus", f"slcan:tcp:127.0.0.1:{bus.port}@250000", "--speed", "max", expect=1)
+    bus.over.set()
+    require("the adapter answers no more" in done.stderr and "frames may be missing" in done.stderr, done.stderr)
+
+
+def numbers_on_the_bus(trace):
+    """Of the frames 321H of a recording, as tshark reads them."""
+    lines = command("tshark", "-r", trace, "-Y", "can.id == 0x321", "-T", "fields", "-e", "data.data").stdout.split()
+    return [int(line.replace(":", ""), 16) for line in lines]
+
+
+@check
+def a_replay_loses_nothing_to_a_plant_that_stands_still():
+    if not shutil.which("tshark"):
+        raise Skip("tshark is not installed")
+    count = 30000
+    with first_plant() as plant:
+        replay = subprocess.Popen([program, "replay", numbered_log(count), "--bus", f"socketcand:{plant.socketcand}", "--speed", "max"],
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for pause in (0.5, 4):
+            time.sleep(0.5)
+            plant.process.send_signal(signal.SIGSTOP)
+            time.sleep(pause)
+            plant.process.send_signal(signal.SIGCONT)
+        said, errors = replay.communicate(timeout=300)
+        require(replay.returncode == 0 and errors == "", f"exit code {replay.returncode}: {errors}")
+        require(said.startswith(f"{count} frames sent in "), said)
+        plant.stop()
+        numbers = numbers_on_the_bus(plant.trace)
+    require(numbers == list(range(count)), f"{len(numbers)} frames on the bus, or another order")
+
+
+@check
+def a_replay_on_a_bus_without_another_node_ends_with_an_error():
+    path = scratch / "alone.toml"
+    path.write_text('[plant]\nname = "alone"\n[[bus]]\nname = "line1"\nbit_rate = 250_000\nserve = "socketcand:127.0.0.1:0"\n')
+    with running(path, has_plc=False) as plant:  # nobody acknowledges
+        done = command(program, "replay", numbered_log(20000), "--bus", f"socketcand:{plant.socketcand}", "--speed", "max", expect=1)
+        require("canopus: " in done.stderr and "frames" in done.stderr, done.stderr)

@@ -22,6 +22,9 @@ struct Ends : SocketcandDialogue::Peer {
   void complaint(std::string_view text) override { complaints.emplace_back(text); }
   void controller_error(std::uint32_t error_class) override { errors.push_back(error_class); }
 
+  void echoed() override { ++echoes; }
+
+  unsigned echoes = 0;
   std::vector<std::string> messages;
   std::vector<Frame> frames;
   std::vector<std::string> complaints;
@@ -37,6 +40,14 @@ class SocketcandDialogueTest : public testing::Test {
   Ends ends;
   SocketcandDialogue dialogue{"line1", ends};
 };
+
+TEST_F(SocketcandDialogueTest, Echo_IsTold) {
+  dialogue.receive("< hi >< ok >< ok >< ech");
+  EXPECT_EQ(ends.echoes, 0U);
+  dialogue.receive("o >< frame 123 1.0 01 >");
+  EXPECT_EQ(ends.echoes, 1U);
+  EXPECT_THAT(ends.complaints, IsEmpty());
+}
 
 std::string text_of(const Frame& frame) {
   std::array<char, socketcand_max_send> text{};

@@ -130,18 +130,42 @@ std::optional<double> parse_speed(std::string_view text) {
   return speed;
 }
 
+/// A bus that takes nothing for so long is not waited for any more.
+constexpr can::Duration standstill = std::chrono::seconds(10);
+
+/// What a server has in its buffers gets out on a slow bus in this time, if at all.
+constexpr can::Duration flush_time = std::chrono::seconds(60);
+
 /// Waits until what was sent is on the bus, as long as it gets on.
 BusLoop::End wait_for_sent(BusLoop& bus) {
-  constexpr can::Duration standstill = std::chrono::seconds(2);
   while (true) {
     const std::size_t before = bus.under_way();
     const auto end =
         bus.run([&] { return bus.under_way() == 0 || bus.under_way() < before; }, bus.now() + standstill);
-    if (end != BusLoop::End::done || bus.under_way() == 0) return end;
+    if (end != BusLoop::End::done) return end;
+    if (bus.under_way() == 0) return bus.run([&] { return bus.is_flushed(); }, bus.now() + flush_time);
   }
 }
 
-/// Sends the trace once. `sent` goes on from where it was.
+/// How long a bus that takes no more frames has not got on.
+class Standstill {
+ public:
+  /// True when it is too long. To be asked now and then.
+  bool look(const BusLoop& bus, const TracePlayer& player) {
+    const bool gets_on = !player.is_held() || player.sent() != sent_ || bus.under_way() != under_way_;
+    sent_ = player.sent();
+    under_way_ = bus.under_way();
+    if (gets_on || !since_) since_ = bus.now();
+    return bus.now() - *since_ >= standstill;
+  }
+
+ private:
+  std::optional<can::Time> since_;
+  std::uint64_t sent_ = 0;
+  std::size_t under_way_ = 0;
+};
+
+/// Sends the trace once. `sent` goes on from where it was. time_over: the bus does not take the rest.
 BusLoop::End play(BusLoop& bus, TraceInputFile& in, const Choice& choice, ChannelChoice& channels,
                   double speed, std::uint64_t& sent) {
   std::optional<can::Time> first;
@@ -164,7 +188,8 @@ BusLoop::End play(BusLoop& bus, TraceInputFile& in, const Choice& choice, Channe
   // what was left out at the begin is not waited for
   player.start(bus.now(), std::max(choice.from, can::Duration::zero()));
   BusLoop::End end = BusLoop::End::time_over;
-  while (end == BusLoop::End::time_over) {
+  Standstill still;
+  while (end == BusLoop::End::time_over && !still.look(bus, player)) {
     if (progress) {
       show_progress(
           Line("{:.1f} s, {} frames", can::seconds(can::Time(player.position())), sent + player.sent()));
@@ -194,6 +219,11 @@ int replay(const ReplayOptions& options) {
       options.bus,
       [&](BusLoop& bus, can::Duration) {
         const can::Time started = bus.now();
+        bool complained = false;
+        bus.set_complaint([&complained](std::string_view text) {
+          complained = true;
+          print_error("canopus: the bus: {}", text);
+        });
         std::uint64_t sent = 0;
         std::uint64_t mistakes = 0;
         auto end = BusLoop::End::done;
@@ -217,9 +247,16 @@ int replay(const ReplayOptions& options) {
         const bool all_channels = !is_played || channels.report_missing(standard_error());
         // Ctrl-C is how one ends a replay
         if (end == BusLoop::End::lost) return complain(exit_code::failed, bus.failure());
-        if (end == BusLoop::End::time_over) {
-          return complain(exit_code::failed, fmt::format("the bus does not take {} frames more", waiting));
+        if (end == BusLoop::End::time_over && is_played && waiting == 0) {
+          return complain(exit_code::failed, "the other side does not say that the bus took all frames");
         }
+        if (end == BusLoop::End::time_over) {
+          return complain(exit_code::failed,
+                          fmt::format("the bus has taken nothing for {} s; {} frames{} were not sent",
+                                      std::chrono::duration_cast<std::chrono::seconds>(standstill).count(),
+                                      waiting, is_played ? "" : " and the rest of the trace"));
+        }
+        if (complained) return complain(exit_code::failed, "the bus complained: frames may be missing on it");
         return mistakes == 0 && all_channels ? exit_code::done : exit_code::failed;
       },
       BusTime::real);
@@ -257,7 +294,8 @@ void add_replay_command(CLI::App& app, int& exit_code) {
   command->footer(
       "Each frame is sent at its time since the first one; error frames are not sent. All channels go to one "
       "bus.\n"
-      "Exit codes: 0 sent, or ended by Ctrl-C; 1 the bus was lost or takes no more, parts of the trace\n"
+      "Exit codes: 0 sent, or ended by Ctrl-C; 1 the bus was lost, complained or takes no more, parts of the "
+      "trace\n"
       "could not be read, or a --channel is not in it; 2 wrong command line or file.\n"
       "\n"
       "Example: canopus replay drive.blf --bus socketcan:can0 --node 5 --speed 2");

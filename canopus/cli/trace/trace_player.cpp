@@ -39,7 +39,8 @@ void TracePlayer::take() {
 
 void TracePlayer::tick(can::Time now) {
   for (int i = 0; i < at_once && next_ && due_ <= now; ++i) {
-    if (!bus_.send(next_->frame)) {
+    held_ = !bus_.send(next_->frame);
+    if (held_) {
       due_ = now + pause;
       return;
     }

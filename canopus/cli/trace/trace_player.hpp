@@ -29,6 +29,8 @@ class TracePlayer final : public can::Participant {
   void start(can::Time now, can::Duration first);
   [[nodiscard]] bool is_done() const noexcept { return done_; }
   [[nodiscard]] std::uint64_t sent() const noexcept { return sent_; }
+  /// The bus did not take the last frame that was to be sent; it is tried again.
+  [[nodiscard]] bool is_held() const noexcept { return held_; }
   /// How far in the trace.
   [[nodiscard]] can::Duration position() const noexcept { return position_; }
 
@@ -48,6 +50,7 @@ class TracePlayer final : public can::Participant {
   std::optional<Step> next_;
   can::Time due_ = can::never;
   std::uint64_t sent_ = 0;
+  bool held_ = false;
   bool done_ = false;
 };
 
