@@ -27,6 +27,7 @@ import foreign_stack_checks  # noqa: F401
 import fx2n_32can_checks  # noqa: F401
 import fx3u_can_checks  # noqa: F401
 import gateway_checks  # noqa: F401
+import gateway_service_checks  # noqa: F401
 import lift_checks  # noqa: F401
 import link_checks  # noqa: F401
 import many_clients_checks  # noqa: F401
