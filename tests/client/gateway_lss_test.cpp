@@ -160,40 +160,62 @@ TEST_F(GatewayLssTest, Slowscan_HalvesTheRangeAndSelects) {
   EXPECT_EQ(hear_of_device({0x44}), "0x00000001 0x00000002 0x00000003 0x00000009\r\n");
 }
 
-TEST_F(GatewayLssTest, AllNodes_GetNodeIdsUntilNobodyAnswers) {
-  // Answers as one device 1 2 3 4 would, twice; every frame but those of bits that are 1.
-  unsigned devices = 2;
-  std::vector<can::Frame> configured;
-  ask("[8] lss_allnodes 10 20 1");
-  for (int i = 0; i < 1000 && ends.lines.empty(); ++i) {
-    const can::Frame asked = ends.frames.back();
-    ends.frames.clear();
-    const unsigned own = asked.data[6] + 1U;
-    switch (asked.data[0]) {
-      case 0x51:
-        if (asked.data[5] == 0x80
-                ? devices > 0
-                : (asked.data[1] | unsigned{asked.data[2]} << 8U) >> asked.data[5] == own >> asked.data[5] &&
-                      asked.data[3] == 0 && asked.data[4] == 0)
-          gateway.receive(of_eight(0x7E4, {0x4F}), now);
-        break;
-      case 0x11:
-      case 0x17:
-        configured.push_back(asked);
-        gateway.receive(of_eight(0x7E4, {asked.data[0], 0}), now);
-        break;
-      case 0x04:
-        configured.push_back(asked);
-        --devices;
-        break;
-      default: FAIL() << "an unexpected request";
+class GatewayAllNodesTest : public GatewayLssTest {
+ protected:
+  /// As so many devices 1 2 3 4 without a node-ID would, until there is a line: answers every frame but those of bits
+  /// that are 1. What configured them is kept.
+  void devices_answer(unsigned devices) {
+    for (int i = 0; i < 2000 && ends.lines.empty(); ++i) {
+      const can::Frame asked = ends.frames.back();
+      ends.frames.clear();
+      const unsigned own = asked.data[6] + 1U;
+      const unsigned shift = asked.data[5];
+      const unsigned number = asked.data[1] | unsigned{asked.data[2]} << 8U;
+      switch (asked.data[0]) {
+        case 0x51:
+          if (shift == 0x80 ? devices > 0
+                            : number >> shift == own >> shift && asked.data[3] == 0 && asked.data[4] == 0)
+            gateway.receive(of_eight(0x7E4, {0x4F}), now);
+          break;
+        case 0x11:
+        case 0x17:
+          configured.push_back(asked);
+          gateway.receive(of_eight(0x7E4, {asked.data[0], 0}), now);
+          break;
+        case 0x04:
+          configured.push_back(asked);
+          --devices;
+          break;
+        default: FAIL() << "an unexpected request";
+      }
+      while (ends.frames.empty() && ends.lines.empty()) pass(10ms);
     }
-    if (ends.frames.empty()) pass(10ms);
   }
+  std::vector<can::Frame> configured;
+};
+
+TEST_F(GatewayAllNodesTest, AllNodes_GetNodeIdsUntilNobodyAnswers) {
+  EXPECT_EQ(ask("set command_timeout 100"), "OK");  // it is no bound here
+  ask("[8] lss_allnodes 10 20 1");
+  devices_answer(2);
   EXPECT_THAT(ends.lines, ElementsAre("[8] OK, found 2 nodes starting at node ID 20.\r\n"));
   EXPECT_THAT(configured, ElementsAre(request({0x11, 20}), request({0x17}), request({4, 0}),
                                       request({0x11, 21}), request({0x17}), request({4, 0})));
   EXPECT_EQ(ask("lss_allnodes 100 1 0 2 1 2 1 2 1 2 1"), "ERROR:100 #request not supported");
+}
+
+TEST_F(GatewayAllNodesTest, WithoutNumbers_TheyBeginAt2AndDoNotStore) {
+  ask("lss_allnodes");
+  devices_answer(1);
+  EXPECT_THAT(ends.lines, ElementsAre("OK, found 1 nodes starting at node ID 2.\r\n"));
+  EXPECT_THAT(configured, ElementsAre(request({0x11, 2}), request({4, 0})));
+}
+
+TEST_F(GatewayAllNodesTest, MoreDevicesThanNodeIds_AreAnError) {
+  ask("lss_allnodes 10 127");
+  devices_answer(2);
+  EXPECT_THAT(ends.lines, ElementsAre("ERROR:107 #unsupported node\r\n"));
+  EXPECT_THAT(configured, ElementsAre(request({0x11, 127}), request({4, 0})));
 }
 
 TEST_F(GatewayLssTest, ActivationChangesTheOwnRateBetweenTwoTimesOfSilence) {
@@ -231,12 +253,35 @@ TEST_F(GatewayLssTest, RateThatTheDeviceRefuses_IsNotTheOwnOneAfterAnActivation)
     rates.push_back(rate);
     return std::expected<void, std::string>();
   });
-  ask_and_wait("lss_conf_bitrate 0 4");
-  EXPECT_EQ(hear_of_device({0x13, 1}), "ERROR:503 #LSS bit rate not supported\r\n");
-  EXPECT_EQ(ask("lss_activate_bitrate 100"), "(nothing)");
+  const auto activated = [&](const char* configure, std::uint8_t error) {
+    ask_and_wait(configure);
+    hear_of_device({0x13, error});
+    ask("lss_activate_bitrate 100");
+    pass(300ms);
+    return rates;
+  };
+  EXPECT_THAT(activated("lss_conf_bitrate 0 4", 1), IsEmpty());
+  ask_and_wait("lss_conf_bitrate 0 3");
+  hear_of_device({0x13, 0});
+  EXPECT_THAT(activated("lss_conf_bitrate 0 4", 1), IsEmpty()) << "nor one that it took before";
+  EXPECT_THAT(activated("lss_conf_bitrate 128 4", 0), IsEmpty())
+      << "of a table that only its manufacturer knows";
+  EXPECT_THAT(activated("lss_conf_bitrate 0 4", 0), ElementsAre(125'000U));
+  ask("lss_activate_bitrate 100");
   pass(300ms);
   EXPECT_THAT(ends.lines, ElementsAre("OK\r\n"));
-  EXPECT_THAT(rates, IsEmpty());
+  EXPECT_EQ(rates.size(), 1U) << "it was activated already";
+}
+
+TEST_F(GatewayLssTest, InitInAnActivation_EndsItsSilence) {
+  gateway.set_restart([](std::uint32_t) { return std::expected<void, std::string>(); });
+  WireAndClient other;
+  GatewaySession second(gateway, other);
+  ask("lss_activate_bitrate 10000");
+  pass(50ms);
+  second.receive("init 0\n5 start\n", now);
+  EXPECT_THAT(other.lines, ElementsAre("OK\r\n", "OK\r\n"));
+  EXPECT_THAT(ends.lines, ElementsAre("ERROR:102 #request not processed due to the internal state\r\n"));
 }
 
 TEST_F(GatewayLssTest, ActivationThatTheOwnControllerCannotFollow_IsTold) {
@@ -253,9 +298,11 @@ TEST_F(GatewayLssTest, ClientThatLeavesInAnActivation_DoesNotSilenceTheOthers) {
   first->receive("lss_activate_bitrate 100\n", now);
   pass(50ms);
   first->end(now);
-  first.reset();
   EXPECT_TRUE(ask("5 start").starts_with("ERROR:303"));
+  ends.lines.clear();
   pass(200ms);
+  EXPECT_THAT(ends.lines, IsEmpty()) << "nobody is there for its answer";
+  first.reset();
   EXPECT_EQ(ask("5 start"), "OK");
 }
 

@@ -43,6 +43,16 @@ TEST_F(GatewayPdoTest, SynchronousPdos_WaitForTheirSync) {
   EXPECT_THAT(ends.lines, ElementsAre("1 pdo 1 1 0x9\r\n"));
 }
 
+TEST_F(GatewayPdoTest, SyncsOfAType_Are0To240) {
+  EXPECT_EQ(ask("set tpdo 1 0x205 sync240 1 u8"), "OK");
+  EXPECT_TRUE(ask("set tpdo 1 0x205 sync241 1 u8").starts_with("ERROR:101"));
+  EXPECT_TRUE(ask("set tpdo 1 0x205 sync 1 u8").starts_with("ERROR:101"));
+  EXPECT_EQ(ask("set tpdo 1 0x205 sync0 1 u8"), "OK");
+  EXPECT_EQ(ask("w p 1 1 5"), "OK");
+  hear(data_frame(0x080));
+  EXPECT_THAT(ends.frames, ElementsAre(data_frame(0x205, {5}))) << "0: with the next SYNC";
+}
+
 TEST_F(GatewayPdoTest, PdoThatDoesNotFit_IsRefused) {
   EXPECT_TRUE(ask("set tpdo 1 0x205 event 2 u64 u8").starts_with("ERROR:401"));
   EXPECT_TRUE(ask("set tpdo 0 0x205 event 1 u8").starts_with("ERROR:101"));
@@ -66,6 +76,42 @@ TEST_F(GatewayPdoTest, IdentifierOf29Bits_IsBit29OfTheCobId) {
   EXPECT_TRUE(ask("set tpdo 2 0x800 event 1 u8").starts_with("ERROR:101")) << "11 bits are not enough for it";
 }
 
+TEST_F(GatewayPdoTest, RemoteFrames_AreOf11Or29Bits) {
+  EXPECT_EQ(ask("set rpdo 1 0x20000185 rtr 1 u16"), "OK");
+  EXPECT_EQ(ask("set tpdo 1 0x20000205 rtr 1 u8"), "OK");
+  EXPECT_EQ(ask("w p 1 1 9"), "OK");
+  hear(can::remote_frame(0x205, 1));
+  EXPECT_THAT(ends.frames, IsEmpty());
+  hear(extended(can::remote_frame(0x205, 1)));
+  EXPECT_EQ(ask("r p 1"), "(nothing)");
+  EXPECT_THAT(ends.frames,
+              ElementsAre(extended(data_frame(0x205, {9})), extended(can::remote_frame(0x185, 2))));
+  hear(data_frame(0x185, {1, 2}));
+  EXPECT_THAT(ends.lines, IsEmpty());
+  hear(extended(data_frame(0x185, {1, 2})));
+  EXPECT_THAT(ends.lines, ElementsAre("1 pdo 1 0x201\r\n"));
+}
+
+TEST_F(GatewayPdoTest, WrongPdos_AreTheirError) {
+  EXPECT_EQ(ask("set rpdo 1 0x185 event 1 vs"), "ERROR:100 #request not supported");
+  EXPECT_EQ(ask("2 set rpdo 1 0x185 event 1 u8"), "ERROR:106 #unsupported network");
+  EXPECT_EQ(ask("set tpdox 1 0x205 event65535 65535 1 u8"), "OK");
+  EXPECT_EQ(ask("set tpdox 1 0x205 event65536 0 1 u8"), "ERROR:101 #syntax error");
+  EXPECT_EQ(ask("set tpdox 1 0x205 event0 65536 1 u8"), "ERROR:101 #syntax error");
+  EXPECT_EQ(ask("set tpdo 1 0x205 event 1 u8"), "OK");
+  ends.full = true;
+  EXPECT_EQ(ask("w p 1 1 1"), "ERROR:303 #CAN buffer overflow");
+}
+
+TEST_F(GatewayPdoTest, RemovedTpdo_IsNoMore) {
+  EXPECT_EQ(ask("set tpdo 1 0x205 event 1 u8"), "OK");
+  EXPECT_EQ(ask("set rpdo 1 0x185 event 1 u8"), "OK");
+  EXPECT_EQ(ask("set tpdo 1 0x80000205 event 1 u8"), "OK");
+  EXPECT_TRUE(ask("w p 1 1 1").starts_with("ERROR:102"));
+  hear(data_frame(0x185, {1}));
+  EXPECT_EQ(ends.lines.size(), 1U) << "the RPDO of this number stays";
+}
+
 TEST_F(GatewayPdoTest, IdentifierInUse_IsRefused) {
   EXPECT_EQ(ask("set rpdo 1 0x185 event 1 u16"), "OK");
   EXPECT_EQ(ask("set rpdo 1 0x185 event 1 u8"), "OK") << "the same PDO may change";
@@ -78,6 +124,8 @@ TEST_F(GatewayPdoTest, IdentifierInUse_IsRefused) {
   EXPECT_EQ(ask("set rpdo 1 0x80000185 event 1 u8"), "OK") << "bit 31: it exists no longer";
   EXPECT_TRUE(ask("r p 1").starts_with("ERROR:102"));
   EXPECT_EQ(ask("set rpdo 2 0x185 event 1 u8"), "OK");
+  EXPECT_EQ(ask("set rpdo 3 0x80000000 event 0"), "OK")
+      << "of a PDO that does not exist the identifier is nothing";
 }
 
 TEST_F(GatewayPdoTest, RpdoOfTypeRtr_IsAskedForWhenItIsRead) {
@@ -90,6 +138,20 @@ TEST_F(GatewayPdoTest, RpdoOfTypeRtr_IsAskedForWhenItIsRead) {
   EXPECT_FALSE(session.waiting());
   hear(data_frame(0x285, {1, 2, 3}));
   EXPECT_THAT(ends.lines, IsEmpty()) << "nobody asked";
+}
+
+TEST_F(GatewayPdoTest, ClientsThatAskForTwoPdos_GetTheirs) {
+  WireAndClient other;
+  GatewaySession second(gateway, other);
+  EXPECT_EQ(ask("set rpdo 3 0x285 rtr 1 u8"), "OK");
+  EXPECT_EQ(ask("set rpdo 4 0x286 rtr 1 u8"), "OK");
+  EXPECT_EQ(ask("r p 3"), "(nothing)");
+  second.receive("r p 4\n", now);
+  hear(data_frame(0x286, {6}));
+  EXPECT_THAT(ends.lines, IsEmpty());
+  EXPECT_THAT(other.lines, ElementsAre("1 pdo 1 0x6\r\n"));
+  hear(data_frame(0x285, {5}));
+  EXPECT_THAT(ends.lines, ElementsAre("1 pdo 1 0x5\r\n"));
 }
 
 TEST_F(GatewayPdoTest, RtrWithoutAnAnswer_IsATimeOut) {
@@ -113,6 +175,9 @@ TEST_F(GatewayPdoTest, TpdoOfTypeRtr_IsSentWhenARemoteFrameAsks) {
   EXPECT_EQ(ask("w p 1 1 0x1234"), "OK");
   EXPECT_THAT(ends.frames, IsEmpty());
   hear(can::remote_frame(0x205, 2));
+  hear(can::remote_frame(0x206, 2));
+  EXPECT_EQ(ask("set tpdo 2 0x206 sync1 1 u16"), "OK");
+  EXPECT_EQ(ask("w p 2 1 1"), "OK");
   hear(can::remote_frame(0x206, 2));
   EXPECT_THAT(ends.frames, ElementsAre(data_frame(0x205, {0x34, 0x12})));
 }
@@ -146,6 +211,39 @@ TEST_F(GatewayPdoTest, EventTimer_SendsAgain) {
   pass(1ms);
   EXPECT_EQ(ends.frames.back(), data_frame(0x205, {2}));
   EXPECT_EQ(ends.frames.size(), 5U);
+}
+
+TEST_F(GatewayPdoTest, EventTimerShorterThanTheInhibitTime_IsAsLong) {
+  EXPECT_EQ(ask("set tpdox 1 0x205 event 200 100 1 u8"), "OK");
+  EXPECT_EQ(ask("w p 1 1 1"), "OK");
+  pass(199ms);
+  EXPECT_EQ(ends.frames.size(), 1U);
+  pass(1ms);
+  EXPECT_EQ(ends.frames.size(), 2U);
+}
+
+TEST_F(GatewayPdoTest, SyncsWithAndWithoutACounter_CountForEveryStartValue) {
+  EXPECT_EQ(ask("set tpdo 1 0x205 sync1 1 u8"), "OK");
+  EXPECT_EQ(ask("w p 1 1 7"), "OK");
+  hear(extended(data_frame(0x080)));
+  EXPECT_THAT(ends.frames, IsEmpty()) << "29 bits";
+  hear(data_frame(0x080, {9}));
+  EXPECT_THAT(ends.frames, ElementsAre(data_frame(0x205, {7})));
+  EXPECT_EQ(ask("set tpdox 1 0x205 sync1 3 1 u8"), "OK");
+  EXPECT_EQ(ask("w p 1 1 8"), "OK");
+  hear(data_frame(0x080));
+  EXPECT_EQ(ends.frames.size(), 2U) << "its producer does not count";
+}
+
+TEST_F(GatewayPdoTest, NewValue_WaitsForAsManySyncsAgain) {
+  EXPECT_EQ(ask("set tpdo 1 0x205 sync2 1 u8"), "OK");
+  EXPECT_EQ(ask("w p 1 1 7"), "OK");
+  hear(data_frame(0x080));
+  EXPECT_EQ(ask("w p 1 1 8"), "OK");
+  hear(data_frame(0x080));
+  EXPECT_THAT(ends.frames, IsEmpty());
+  hear(data_frame(0x080));
+  EXPECT_THAT(ends.frames, ElementsAre(data_frame(0x205, {8})));
 }
 
 TEST_F(GatewayPdoTest, SyncStartValue_IsTheFirstSyncThatCounts) {

@@ -186,13 +186,6 @@ TEST_F(GatewayTest, CommentsAndEmptyLines_AreNothing) {
   EXPECT_EQ(ask("5 start # the drive"), "OK");
 }
 
-TEST_F(GatewayTest, LineWithoutEnd_IsASyntaxErrorOnceItEnds) {
-  session.receive(std::string(200'000, 'x'), now);
-  EXPECT_THAT(ends.lines, IsEmpty());
-  session.receive("\r\n5 start\r\n", now);
-  EXPECT_THAT(ends.lines, ElementsAre("ERROR:101 #syntax error\r\n", "OK\r\n"));
-}
-
 TEST_F(GatewayTest, EventsOfNodes_AreLines) {
   hear(data_frame(0x705, {0x00}));
   EXPECT_THAT(ends.lines, ElementsAre("1 5 BOOT_UP\r\n"));
@@ -266,19 +259,23 @@ TEST_F(GatewayTest, WatchedNodeThatLeavesTheStateItWasSentTo_IsInAWrongState) {
   hear(data_frame(0x705, {0x05}));
   hear(data_frame(0x705, {0x7F}));
   EXPECT_THAT(ends.lines, ElementsAre("1 5 ERRORx PREO\r\n"));
+  EXPECT_EQ(ask("5 start"), "OK");
+  gateway.reset(now);
+  EXPECT_EQ(ask("5 enable heartbeat 100"), "OK");
+  hear(data_frame(0x705, {0x05}));
+  hear(data_frame(0x705, {0x7F}));
+  EXPECT_THAT(ends.lines, ElementsAre("1 5 ERRORx PREO\r\n")) << "commands before a reset are forgotten";
+}
+
+TEST_F(GatewayTest, StateOfTheController_IsAnEvent) {
+  gateway.controller_error(GatewayError::error_passive);
+  gateway.controller_error(GatewayError::bus_off);
+  EXPECT_THAT(ends.lines, ElementsAre("1 ERROR 300 #error passive\r\n", "1 ERROR 301 #bus-off\r\n"));
 }
 
 TEST_F(GatewayTest, BusThatTakesNoFrame_IsAnOverflow) {
   ends.full = true;
   EXPECT_EQ(ask("5 start"), "ERROR:303 #CAN buffer overflow");
-}
-
-TEST_F(GatewayTest, CommandSize_IsTheLongestLine) {
-  EXPECT_EQ(ask("set command_size 32"), "OK");
-  EXPECT_EQ(ask("5 start #" + std::string(23, 'x')), "OK");
-  EXPECT_EQ(ask("5 start #" + std::string(24, 'x')), "ERROR:101 #syntax error");
-  EXPECT_EQ(ask("set command_size 65536"), "OK");
-  EXPECT_EQ(ask("set command_size 65537"), "ERROR:600 #running out of memory");
 }
 
 TEST_F(GatewayTest, Init_StartsTheControllerAtTheRateOfItsIndexAndForgetsWhatWasSet) {
@@ -303,6 +300,7 @@ TEST_F(GatewayTest, Init_StartsTheControllerAtTheRateOfItsIndexAndForgetsWhatWas
   EXPECT_TRUE(other.lines[1].starts_with("[2] ERROR:102")) << other.lines[1];
   ends.frames.clear();
   hear(data_frame(0x185, {1}));
+  EXPECT_THAT(ends.lines, IsEmpty());
   hear(data_frame(0x709, {5}));
   pass(1s);
   EXPECT_THAT(ends.lines, IsEmpty());
@@ -328,37 +326,6 @@ TEST_F(GatewayTest, OwnHeartbeat_NeedsANodeId) {
   EXPECT_EQ(ask("set heartbeat 0"), "OK");
   pass(250ms);
   EXPECT_EQ(ends.frames.size(), 3U);
-}
-
-TEST_F(GatewayTest, ClientThatTakesNoAnswers_IsNotAskedFurther) {
-  ends.clients_room = 2;
-  session.receive("[1] info version\n[2] info version\n[3] info version\n[4] info version\n", now);
-  EXPECT_EQ(ends.lines.size(), 2U);
-  EXPECT_GT(session.buffered(), 0U);
-  ends.clients_room = 3;
-  session.resume(now);
-  EXPECT_EQ(ends.lines.size(), 3U);
-  ends.clients_room = 100;
-  session.resume(now);
-  EXPECT_EQ(ends.lines.back(), "[4] 0 0 0.0 0 3 2.1 1.2\r\n");
-  EXPECT_EQ(session.buffered(), 0U);
-}
-
-TEST_F(GatewayTest, SdoTimeOut_HasABound) {
-  EXPECT_EQ(ask("set sdo_timeout 65535"), "OK");
-  EXPECT_EQ(ask("set sdo_timeout 65536"), "ERROR:101 #syntax error");
-  EXPECT_EQ(ask("set sdo_timeout 0"), "ERROR:101 #syntax error");
-}
-
-TEST_F(GatewayTest, ObjectThatIsTooLong_IsNotRead) {
-  say("[6] 5 r 0x2000 0");
-  hear(data_frame(0x585, {0x41, 0x00, 0x20, 0, 0x01, 0, 0x08, 0}));
-  EXPECT_THAT(ends.lines, ElementsAre("[6] ERROR:600 #running out of memory\r\n"));
-  EXPECT_EQ(ends.frames.back().data[0], 0x80) << "an abort";
-  say("[7] 5 r 0x2000 0");
-  hear(data_frame(0x585, {0x41, 0x00, 0x20, 0, 0x00, 0, 0x08, 0}));
-  EXPECT_THAT(ends.lines, IsEmpty());
-  EXPECT_EQ(ends.frames.back(), data_frame(0x605, {0x60, 0, 0, 0, 0, 0, 0, 0}));
 }
 
 TEST_F(GatewayTest, Version_IsInfo) { EXPECT_EQ(ask("[1] info version"), "[1] 0 0 0.0 0 3 2.1 1.2"); }
