@@ -1,5 +1,6 @@
 #include "canopus/can/timeline.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <stdexcept>
 #include <utility>
@@ -36,7 +37,8 @@ Timeline::Handle Timeline::add(Ticker& participant, std::string name, Rank rank)
   const auto position = static_cast<std::uint32_t>(heap_.size());
   slots_.push_back({&participant, participant.deadline(), position});
   names_.push_back(std::move(name));
-  heap_.push_back({slots_.back().deadline, static_cast<std::uint64_t>(rank) << 32 | handle});
+  const std::uint64_t number = (whole_ != nullptr ? whole_ : this)->numbers_++;
+  heap_.push_back({slots_.back().deadline, static_cast<std::uint64_t>(rank) << 63 | number << 32 | handle});
   sift_up(position);
   return handle;
 }
@@ -66,36 +68,113 @@ void Timeline::move(Handle handle, Time deadline) noexcept {
   }
 }
 
-Time Timeline::next() const noexcept { return heap_.empty() ? never : heap_.front().deadline; }
+Time Timeline::next() const noexcept {
+  Time earliest = outside_next();
+  for (const auto& part : parts_) earliest = std::min(earliest, part->next());
+  return earliest;
+}
+
+Timeline& Timeline::add_part() {
+  Timeline& part = *parts_.emplace_back(std::make_unique<Timeline>());
+  part.whole_ = this;
+  part.now_ = now_;
+  return part;
+}
+
+namespace {
+
+/// True as long as it lives.
+class Flag {
+ public:
+  explicit Flag(bool& flag) : flag_(flag) { flag_ = true; }
+  ~Flag() { flag_ = false; }
+  Flag(const Flag&) = delete;
+  Flag& operator=(const Flag&) = delete;
+
+ private:
+  bool& flag_;
+};
+
+}  // namespace
 
 void Timeline::run_until(Time end) {
-  std::uint32_t ticks = 0;                  // of all, at now_
-  std::vector<std::uint32_t> ticks_by_one;  // of each, once there are too many of all
-  const struct Running {
-    explicit Running(bool& flag) : running(flag) { running = true; }
-    ~Running() { running = false; }
-    bool& running;
-  } running(running_);
-  while (!heap_.empty()) {
-    const Handle handle = heap_.front().handle();
-    const Time deadline = heap_.front().deadline;
-    if (deadline > end) break;
-    if (deadline > now_) {
-      now_ = deadline;
-      ticks = 0;
-    } else if (++ticks >= most_ticks) {
-      if (ticks == most_ticks) ticks_by_one.clear();
-      if (is_stalled(handle, ticks_by_one)) continue;
-    }
-    slots_[handle].participant->tick(now_);
-    refresh(handle);
-  }
+  const Flag running(running_);
+  ticks_ = 0;
+  latest_ = 0;
+  if (!parts_.empty()) return run_together(end);
+  run(end, {never, ~std::uint64_t{0}});
   if (end > now_) now_ = end;
 }
 
-bool Timeline::is_stalled(Handle handle, std::vector<std::uint32_t>& ticks) {
-  if (ticks.size() < slots_.size()) ticks.resize(slots_.size());
-  if (++ticks[handle] < most_ticks) return false;
+void Timeline::run_apart(Time end) {
+  const Flag apart(apart_);
+  run_until(end);
+}
+
+void Timeline::run(Time end, const Place& until) {
+  while (!heap_.empty()) {
+    const Place place = heap_.front();
+    if (place.deadline > end || !place.before(until)) break;
+    if (whole_ != nullptr && !apart_ && whole_->has_before(place)) break;  // made earlier by this part
+    const Handle handle = place.handle();
+    if (place.deadline > now_) {
+      now_ = place.deadline;
+      latest_ = place.order;
+      ticks_ = 0;
+    } else {
+      latest_ = std::max(latest_, place.order);
+      if (++ticks_ >= most_ticks) {
+        if (ticks_ == most_ticks) ticks_by_one_.clear();
+        if (is_stalled(handle)) continue;
+      }
+    }
+    slots_[handle].participant->tick(now_);
+    refresh(handle);
+    if (!parts_.empty()) return;  // who belongs to no part may have made somebody of one earlier
+  }
+}
+
+// Who is first of all goes on until somebody of another part is: nothing that a part does makes another one earlier.
+void Timeline::run_together(Time end) {
+  const struct Running {
+    explicit Running(Timeline& timeline) : whole(timeline) { set(true); }
+    ~Running() { set(false); }
+    void set(bool running) const {
+      for (const auto& part : whole.parts_) {
+        part->running_ = running;
+        part->ticks_ = 0;
+        part->latest_ = 0;
+      }
+    }
+    Timeline& whole;
+  } running(*this);
+  while (true) {
+    Timeline* first = nullptr;
+    Place earliest{never, ~std::uint64_t{0}};
+    Place second = earliest;
+    const auto look = [&](Timeline& timeline) {
+      if (timeline.heap_.empty()) return;
+      const Place& place = timeline.heap_.front();
+      if (place.before(earliest)) {
+        second = std::exchange(earliest, place);
+        first = &timeline;
+      } else if (place.before(second)) {
+        second = place;
+      }
+    };
+    look(*this);
+    for (const auto& part : parts_) look(*part);
+    if (first == nullptr || earliest.deadline > end) break;
+    now_ = std::max(now_, earliest.deadline);  // for those who look at the clock of the whole meanwhile
+    first->run(now_, second);
+  }
+  now_ = std::max(now_, end);
+  for (const auto& part : parts_) part->now_ = now_;
+}
+
+bool Timeline::is_stalled(Handle handle) {
+  if (ticks_by_one_.size() < slots_.size()) ticks_by_one_.resize(slots_.size());
+  if (++ticks_by_one_[handle] < most_ticks) return false;
   const Stall stall{names_[handle].empty() ? "participant " + std::to_string(handle) : names_[handle], now_};
   remove(handle);
   if (!stall_handler_) throw std::logic_error(stall.text());

@@ -5,10 +5,16 @@
 //
 // A participant whose deadline does not pass, however often it gets its tick, would stop time for all others.
 // It is taken out after `most_ticks` of them at one moment, and reported by its name.
+//
+// What shares nothing may live in parts (add_part()): timelines of their own within one whole. The whole runs them
+// together, in the very order in which one timeline would tick everybody; or each part runs by itself for a while
+// (run_apart()), before or after the others or on another thread. What is said meanwhile is put into the one order
+// afterwards by the moment() at which it was said.
 
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,9 +23,23 @@
 
 namespace canopus::can {
 
+/// A place in the order of all ticks of a timeline and its parts: what one part does comes in this order, and no two
+/// parts ever have the same.
+struct Moment {
+  Time time{};
+  std::uint64_t order =
+      0;  ///< of the participants that had their tick at this time so far: the last one in order
+
+  friend constexpr auto operator<=>(const Moment&, const Moment&) = default;
+};
+
 class Timeline {
  public:
   using Handle = std::size_t;
+
+  Timeline() = default;
+  Timeline(const Timeline&) = delete;
+  Timeline& operator=(const Timeline&) = delete;
 
   /// Who goes first at one and the same moment: nodes say what they want to send, then the bus arbitrates.
   enum class Rank : std::uint8_t { node, bus };
@@ -53,10 +73,28 @@ class Timeline {
   [[nodiscard]] Time next() const noexcept;
   /// What now is: the time of the last tick, or what run_until() was given.
   [[nodiscard]] Time now() const noexcept { return now_; }
+  /// Where in the order of all ticks the present one is.
+  [[nodiscard]] Moment moment() const noexcept { return {now_, latest_}; }
   /// Inside run_until(); outside, whatever was due up to now() has had its tick.
   [[nodiscard]] bool is_running() const noexcept { return running_; }
   /// Ticks everything whose deadline is <= end, in order of time; then now() == end.
   void run_until(Time end);
+
+  /// A timeline whose participants never have to do with those of another part; it lives as long as this one. What belongs
+  /// to no part, such as clients that wait, is on this one itself. Equal deadlines tick in the order of add() over all.
+  Timeline& add_part();
+  /// 0: everybody is on this one.
+  [[nodiscard]] std::size_t part_count() const noexcept { return parts_.size(); }
+  [[nodiscard]] Timeline& part(std::size_t number) noexcept { return *parts_[number]; }
+  /// Of a part: ticks its participants up to `end`, without those of other parts. Threads may do this for one part each. All
+  /// parts must have come as far before anything else happens to them or to the whole: meet().
+  void run_apart(Time end);
+  /// Inside run_apart(): others may be before or behind.
+  [[nodiscard]] bool is_apart() const noexcept { return apart_; }
+  /// Of the whole: all parts have run apart up to `end`, which is before outside_next().
+  void meet(Time end) noexcept { now_ = end; }
+  /// Of the whole: earliest deadline of who belongs to no part.
+  [[nodiscard]] Time outside_next() const noexcept { return heap_.empty() ? never : heap_.front().deadline; }
 
  private:
   struct Slot {
@@ -67,7 +105,7 @@ class Timeline {
   /// What decides who is first lies in the heap itself: a comparison looks nowhere else.
   struct Place {
     Time deadline;
-    std::uint64_t order;  // rank, then handle
+    std::uint64_t order;  // rank (1 bit), number over all parts (31), handle (32)
 
     [[nodiscard]] Handle handle() const noexcept { return order & 0xFFFF'FFFF; }
     [[nodiscard]] bool before(const Place& other) const noexcept {
@@ -78,18 +116,33 @@ class Timeline {
     heap_[position] = place;
     slots_[place.handle()].position = static_cast<std::uint32_t>(position);
   }
+  /// Somebody who belongs to no part is due before this.
+  [[nodiscard]] bool has_before(const Place& place) const noexcept {
+    return !heap_.empty() && heap_.front().before(place);
+  }
+  /// Ticks whatever is due until `end` and before `until`. The whole ticks one participant.
+  void run(Time end, const Place& until);
+  void run_together(Time end);
   void move(Handle handle, Time deadline) noexcept;
   void sift_up(std::size_t position) noexcept;
   void sift_down(std::size_t position) noexcept;
   /// Counts a tick that comes after too many at one moment. True: the participant has been taken out.
-  bool is_stalled(Handle handle, std::vector<std::uint32_t>& ticks);
+  bool is_stalled(Handle handle);
 
   std::vector<Slot> slots_;
   std::vector<Place> heap_;         // binary heap, earliest first
   std::vector<std::string> names_;  // by handle: apart from what every tick needs
   std::function<void(const Stall&)> stall_handler_;
   Time now_{};
+  std::uint64_t latest_ = 0;  // of the orders of those who had their tick at now_
   bool running_ = false;
+  bool apart_ = false;
+  // Ticks at now_, so that a participant without end is found.
+  std::uint32_t ticks_ = 0;                  // of all
+  std::vector<std::uint32_t> ticks_by_one_;  // of each, once there are too many of all
+  Timeline* whole_ = nullptr;                // of a part
+  std::vector<std::unique_ptr<Timeline>> parts_;
+  std::uint32_t numbers_ = 0;  // given to participants, of the whole
 };
 
 }  // namespace canopus::can

@@ -29,7 +29,7 @@ void Plant::power_on() {
   const can::Time now = parts_->timeline.now();
   for (std::size_t i = 0; i < parts_->devices.size(); ++i) {
     parts_->devices[i]->power_on(now);
-    parts_->timeline.refresh(parts_->device_handles[i]);
+    device_touched(i);
   }
   for (std::size_t i = 0; i < parts_->racks.size(); ++i) {
     parts_->racks[i]->power_on(now,
@@ -37,11 +37,21 @@ void Plant::power_on() {
   }
   for (std::size_t i = 0; i < parts_->cpu_errors.size(); ++i) {
     parts_->cpu_errors[i]->powered(now);
-    parts_->timeline.refresh(parts_->cpu_error_handles[i]);
+    parts_->cpu_error_timelines[i]->refresh(parts_->cpu_error_handles[i]);
   }
 }
 
 can::Timeline& Plant::timeline() noexcept { return parts_->timeline; }
+can::Timeline& Plant::timeline_of_bus(std::size_t number) noexcept {
+  return parts_->timeline_of(parts_->division.buses[number]);
+}
+PlantObserver& Plant::observer_of_bus(std::size_t number) noexcept {
+  return *parts_->events[parts_->division.buses[number]];
+}
+void Plant::parts_met(can::Time now) {
+  parts_->timeline.meet(now);
+  PartEvents::release(parts_->events);
+}
 const std::string& Plant::name() const noexcept { return parts_->file.name; }
 const PlantFile& Plant::file() const noexcept { return parts_->file; }
 const std::vector<text::FileWarning>& Plant::warnings() const noexcept { return parts_->warnings; }
@@ -56,7 +66,9 @@ const std::vector<std::string>& Plant::connections() const noexcept { return par
 
 std::size_t Plant::device_count() const noexcept { return parts_->devices.size(); }
 DeviceSeat& Plant::device(std::size_t number) noexcept { return *parts_->devices[number]; }
-void Plant::device_touched(std::size_t number) { parts_->timeline.refresh(parts_->device_handles[number]); }
+void Plant::device_touched(std::size_t number) {
+  parts_->device_timelines[number]->refresh(parts_->device_handles[number]);
+}
 
 std::size_t Plant::lift_count() const noexcept { return parts_->lifts.size(); }
 LiftSeat& Plant::lift(std::size_t number) noexcept { return *parts_->lifts[number]; }

@@ -183,7 +183,15 @@ class Plant {
   /// Switches everything on at the timeline's now; devices with a later start follow by themselves.
   void power_on();
 
+  /// Of the whole. Parts of a plant that share nothing (buses that no rack and no bridge joins) are parts of it
+  /// (can::Timeline::add_part), and may run apart up to a moment; then parts_met() is due.
   [[nodiscard]] can::Timeline& timeline() noexcept;
+  /// That who is on this bus lives on: its part's.
+  [[nodiscard]] can::Timeline& timeline_of_bus(std::size_t number) noexcept;
+  /// Where what happens on this bus is to be reported: it comes to the plant's observer in the order of all parts.
+  [[nodiscard]] PlantObserver& observer_of_bus(std::size_t number) noexcept;
+  /// Every part has run apart up to `now`: the observer hears what happened meanwhile, as if they had run together.
+  void parts_met(can::Time now);
   [[nodiscard]] const std::string& name() const noexcept;
   [[nodiscard]] const PlantFile& file() const noexcept;
   /// What a person should know of the plant file, in its order.

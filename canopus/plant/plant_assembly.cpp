@@ -18,11 +18,6 @@ namespace canopus::plant {
 
 namespace {
 
-constexpr std::string_view stall_text =
-    "asks for this moment without end and is stopped from here on. This is an error in Canopus: please "
-    "report "
-    "it with the plant file";
-
 /// 1010H takes the command to save, or the device saves by itself (bit 1) [CiA 301 7.5.2.13].
 bool can_save(const canopen::DictionaryDescription& dictionary) {
   const canopen::ObjectDescription* save = dictionary.find(0x1010);
@@ -38,13 +33,15 @@ bool can_save(const canopen::DictionaryDescription& dictionary) {
 }  // namespace
 
 std::vector<text::FileError> Assembly::run() {
+  divide();
   for (const BusSection& section : parts_.file.buses) add_bus(section);
   for (const BridgeSection& section : parts_.file.bridges) add_bridge(section);
   for (std::size_t i = 0; i < parts_.file.lifts.size(); ++i) {
     sim::lift::BuildingSettings settings = parts_.file.lifts[i].building;
     if (!parts_.file.lifts[i].own_seed) settings.passengers.seed = seed_ * 1'000'003 + i;
-    parts_.lifts.push_back(
-        std::make_unique<LiftSeat>(parts_.file.lifts[i], std::move(settings), parts_.timeline, observer_));
+    const std::string_view bus = parts_.file.lifts[i].bus;
+    parts_.lifts.push_back(std::make_unique<LiftSeat>(parts_.file.lifts[i], std::move(settings),
+                                                      timeline_of(bus), observer_of(bus)));
   }
   for (std::size_t i = 0; i < parts_.file.devices.size(); ++i) {
     const std::size_t before = parts_.devices.size();
@@ -52,8 +49,9 @@ std::vector<text::FileError> Assembly::run() {
     complete_ = complete_ && parts_.devices.size() > before;
   }
   for (std::size_t i = 0; i < parts_.file.plcs.size(); ++i) {
-    parts_.racks.push_back(std::make_unique<plc::Rack>(parts_.timeline, parts_.file.plcs[i].cpu_model,
-                                                       parts_.file.plcs[i].scan));
+    can::Timeline& timeline = parts_.timeline_of(parts_.division.racks[i]);
+    parts_.racks.push_back(
+        std::make_unique<plc::Rack>(timeline, parts_.file.plcs[i].cpu_model, parts_.file.plcs[i].scan));
     if (const PlcSection& plc = parts_.file.plcs[i]; !plc.store.empty() && plc.modules.empty()) {
       warn(plc.store_place, "store = \"{}\": the PLC has no module that could store anything", plc.store);
     }
@@ -64,7 +62,8 @@ std::vector<text::FileError> Assembly::run() {
     if (const auto after = parts_.file.plcs[i].cpu_error) {
       parts_.cpu_errors.push_back(std::make_unique<CpuErrorTimer>(*parts_.racks[i], *after));
       parts_.cpu_error_handles.push_back(
-          parts_.timeline.add(*parts_.cpu_errors.back(), "CPU of " + parts_.file.plcs[i].name));
+          timeline.add(*parts_.cpu_errors.back(), "CPU of " + parts_.file.plcs[i].name));
+      parts_.cpu_error_timelines.push_back(&timeline);
     }
   }
   for (std::size_t i = 0; i < parts_.modules.size(); ++i) {
@@ -80,13 +79,10 @@ std::vector<text::FileError> Assembly::run() {
   for (std::size_t i = 0; i < parts_.buses.size(); ++i) {
     if (parts_.simulated[i] != nullptr) set_faults(parts_.file.buses[i], *parts_.simulated[i]);
   }
-  parts_.load_report = std::make_unique<LoadReport>(parts_.buses, observer_);
-  parts_.timeline.add(*parts_.load_report, "load report");
-  parts_.timeline.set_stall_handler(
-      [parts = &parts_, observer = &observer_](const can::Timeline::Stall& stall) {
-        parts->has_stalled = true;
-        observer->error(stall.name, stall_text, stall.now);
-      });
+  for (const auto& bus : parts_.buses) {
+    parts_.load_reports.push_back(std::make_unique<LoadReport>(*bus, observer_of(bus->name())));
+    timeline_of(bus->name()).add(*parts_.load_reports.back(), "load report");
+  }
   return errors_.take();
 }
 
@@ -98,7 +94,7 @@ void Assembly::add_bus(const BusSection& section) {
     errors_.add(section.link_place, "link = \"{}\": there is no such file", section.link);
   }
   if (opener_ != nullptr && section.is_linked()) {
-    auto opened = opener_->open(section, parts_.timeline);
+    auto opened = opener_->open(section, timeline_of(section.name));
     if (opened) {
       bus = std::move(*opened);
     } else {
@@ -109,20 +105,21 @@ void Assembly::add_bus(const BusSection& section) {
   }
   sim::Bus* simulated = nullptr;
   if (bus == nullptr) {
-    auto made = std::make_unique<sim::Bus>(section.name, section.bit_rate, parts_.timeline);
+    auto made = std::make_unique<sim::Bus>(section.name, section.bit_rate, timeline_of(section.name));
     simulated = made.get();
     bus = std::move(made);
   }
   parts_.simulated.push_back(simulated);
   parts_.buses.push_back(std::move(bus));
-  parts_.watches.push_back(std::make_unique<BusWatch>(section.name, observer_));
+  parts_.watches.push_back(std::make_unique<BusWatch>(section.name, observer_of(section.name)));
   parts_.buses.back()->add_observer(*parts_.watches.back());
 }
 
 void Assembly::add_bridge(const BridgeSection& section) {
   if (!section.usable) return;
   parts_.bridges.push_back(std::make_unique<BusBridge>(parts_.bus(section.from), parts_.bus(section.to),
-                                                       section, parts_.timeline, observer_));
+                                                       section, timeline_of(section.from),
+                                                       observer_of(section.from)));
 }
 
 Assembly::File Assembly::load(const std::string& eds, text::Place place) {
@@ -301,13 +298,14 @@ void Assembly::add_device(const DeviceSection& section, std::size_t number) {
   file = configured(file, section);
   can::Bus& bus = parts_.bus(section.bus);
   can::Port& port = add_port(section, node, number);
-  auto seat = std::make_unique<DeviceSeat>(file, section, node, port, observer_);
+  auto seat = std::make_unique<DeviceSeat>(file, section, node, port, observer_of(section.bus));
   give_memory(section, node, *seat);
   if (section.drive) give_drive(*section.drive, seat->device());
   move_values(section, number, *seat);
   for (const PlaybackSection& playback : section.playbacks) play_back(playback, seat->device());
   errors_.add(add_scripts(seat->device(), section.scripts));
-  parts_.device_handles.push_back(parts_.timeline.add(*seat));
+  parts_.device_handles.push_back(timeline_of(section.bus).add(*seat));
+  parts_.device_timelines.push_back(&timeline_of(section.bus));
   if (section.lift) parts_.lifts[section.lift->lift]->add_unit(*seat, parts_.device_handles.back());
   port.connect(*seat, parts_.device_handles.back());
   watch(bus).know(seat->status(), port);
@@ -346,7 +344,7 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
   }
   auto made = entry.make(port, *memory, {.restart_time = section.restart_time});
   auto seat = std::make_unique<ModuleSeat>(section, plc.name, *parts_.racks[plc_number], std::move(memory),
-                                           std::move(made), watch(bus), observer_);
+                                           std::move(made), watch(bus), observer_of(section.bus));
   module::CommunicationModule& module = seat->module();
   const auto bus_section = std::ranges::find(parts_.file.buses, section.bus, &BusSection::name);
   if (entry.download != nullptr) entry.download(module, card_parameters(section, *bus_section));
@@ -354,7 +352,7 @@ void Assembly::add_module(const PlcSection& plc, std::size_t plc_number, const M
   errors_.add(preset_objects(module, section));
   errors_.add(give_parameters(module, section));
   parts_.module_handles.push_back(
-      parts_.timeline.add(*seat, fmt::format("{} on {}", port.name(), bus.name())));
+      timeline_of(section.bus).add(*seat, fmt::format("{} on {}", port.name(), bus.name())));
   port.connect(*seat, parts_.module_handles.back());
   if (!parts_.racks[plc_number]->insert(section.head, module, parts_.module_handles.back())) {
     errors_.add(section.place, "module: head {:03X}H overlaps another module's points", section.head);

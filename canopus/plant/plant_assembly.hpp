@@ -97,6 +97,11 @@ class Assembly {
   void set_faults(const BusSection& section, sim::Bus& bus);
   void review_buses();
   BusWatch& watch(const can::Bus& bus);
+  /// The part of the plant that a bus of the plant file belongs to.
+  [[nodiscard]] std::size_t part_of(std::string_view bus) const;
+  can::Timeline& timeline_of(std::string_view bus) { return parts_.timeline_of(part_of(bus)); }
+  PlantObserver& observer_of(std::string_view bus) { return *parts_.events[part_of(bus)]; }
+  void divide();
   template <typename... T>
   void warn(text::Place place, fmt::format_string<T...> text, T&&... arguments) {
     parts_.warnings.push_back({place, fmt::format(text, std::forward<T>(arguments)...)});

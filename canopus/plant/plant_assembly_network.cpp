@@ -177,7 +177,7 @@ void Assembly::add_parameters(const ModuleSection& section, std::size_t plc_numb
     }
   }
   parts_.refreshes.push_back(std::make_unique<plc::ModuleRefresh>(
-      *parts_.racks[plc_number], parts_.timeline, section.head, module, handle, std::move(blocks),
+      *parts_.racks[plc_number], timeline_of(section.bus), section.head, module, handle, std::move(blocks),
       std::move(timing), "refresh of " + shown_name(section)));
 }
 

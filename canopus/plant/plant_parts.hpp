@@ -2,6 +2,7 @@
 // What a plant consists of, and how it is put together from its file.
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -14,7 +15,9 @@
 #include "canopus/plant/device_seat.hpp"
 #include "canopus/plant/lift_seat.hpp"
 #include "canopus/plant/module_seat.hpp"
+#include "canopus/plant/part_events.hpp"
 #include "canopus/plant/plant.hpp"
+#include "canopus/plant/plant_division.hpp"
 #include "canopus/plant/plant_stores.hpp"
 #include "canopus/plant/plant_timers.hpp"
 #include "canopus/plc/rack/module_refresh.hpp"
@@ -25,6 +28,8 @@ namespace canopus::plant {
 struct Plant::Parts {
   PlantFile file;
   can::Timeline timeline;
+  PlantDivision division;
+  std::vector<std::unique_ptr<PartEvents>> events;  // of each part; of a plant without buses: one
   std::vector<std::unique_ptr<can::Bus>> buses;
   std::vector<sim::Bus*> simulated;  // of each bus; null: it is another one
   std::vector<std::unique_ptr<BusBridge>> bridges;
@@ -32,7 +37,8 @@ struct Plant::Parts {
   std::vector<std::unique_ptr<LiftSeat>> lifts;
   std::vector<std::unique_ptr<DeviceSeat>> devices;
   std::vector<can::Timeline::Handle> device_handles;
-  std::vector<const can::Port*> device_ports;  // of each device
+  std::vector<can::Timeline*> device_timelines;  // of each device
+  std::vector<const can::Port*> device_ports;    // of each device
   std::vector<std::unique_ptr<ModuleSeat>> modules;
   std::vector<can::Timeline::Handle> module_handles;
   std::vector<const can::Port*> module_ports;  // of each module
@@ -40,11 +46,17 @@ struct Plant::Parts {
   std::vector<std::unique_ptr<plc::ModuleRefresh>> refreshes;
   std::vector<std::unique_ptr<CpuErrorTimer>> cpu_errors;
   std::vector<can::Timeline::Handle> cpu_error_handles;
-  std::unique_ptr<LoadReport> load_report;
+  std::vector<can::Timeline*> cpu_error_timelines;
+  std::vector<std::unique_ptr<LoadReport>> load_reports;
   std::vector<std::string> connections;
   std::vector<text::FileWarning> warnings;
   std::optional<PlantStores> stores;
-  bool has_stalled = false;
+  std::atomic<bool> has_stalled = false;
+
+  /// Of a part. A plant that is one part is on the timeline of the whole.
+  can::Timeline& timeline_of(std::size_t part) {
+    return timeline.part_count() == 0 ? timeline : timeline.part(part);
+  }
 
   can::Bus& bus(std::string_view name) {
     return **std::ranges::find_if(buses, [&](const auto& bus) { return bus->name() == name; });

@@ -2,8 +2,6 @@
 // What happens in a plant by the clock alone.
 
 #include <chrono>
-#include <memory>
-#include <vector>
 
 #include "canopus/can/bus.hpp"
 #include "canopus/plant/plant.hpp"
@@ -30,19 +28,18 @@ class CpuErrorTimer final : public can::Ticker {
   can::Time at_ = can::never;
 };
 
-/// Reports the load of every bus once a second.
+/// Reports the load of a bus once a second.
 class LoadReport final : public can::Ticker {
  public:
-  LoadReport(std::vector<std::unique_ptr<can::Bus>>& buses, PlantObserver& observer)
-      : buses_(buses), observer_(observer) {}
+  LoadReport(const can::Bus& bus, PlantObserver& observer) : bus_(bus), observer_(observer) {}
   void tick(can::Time now) override {
-    for (const auto& bus : buses_) observer_.load(bus->name(), bus->load(now), now);
+    observer_.load(bus_.name(), bus_.load(now), now);
     next_ += std::chrono::seconds(1);
   }
   can::Time deadline() const noexcept override { return next_; }
 
  private:
-  std::vector<std::unique_ptr<can::Bus>>& buses_;
+  const can::Bus& bus_;
   PlantObserver& observer_;
   can::Time next_ = can::Time{} + std::chrono::seconds(1);
 };

@@ -1,5 +1,6 @@
 #include "canopus/serve/linked_buses.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -34,9 +35,13 @@ std::expected<std::unique_ptr<can::Bus>, std::string> LinkedBuses::open(const pl
   return bus;
 }
 
-void LinkedBuses::start(link::LoopClock* clock, plant::PlantObserver& observer) {
-  for (link::LinkedBus* bus : buses_) {
-    bus->start(clock, [&observer, bus](std::string_view text, can::Time now) {
+void LinkedBuses::start(link::LoopClock* clock, plant::Plant& plant) {
+  for (std::size_t i = 0; i < plant.bus_count(); ++i) {
+    const auto bus =
+        std::ranges::find(buses_, &plant.bus(i), [](link::LinkedBus* linked) -> can::Bus* { return linked; });
+    if (bus == buses_.end()) continue;
+    plant::PlantObserver& observer = plant.observer_of_bus(i);
+    (*bus)->start(clock, [&observer, bus = *bus](std::string_view text, can::Time now) {
       observer.error(fmt::format("bus {}", bus->name()), text, now);
     });
   }

@@ -29,7 +29,7 @@ class LinkedBuses final : public plant::BusOpener {
   std::expected<std::unique_ptr<can::Bus>, std::string> open(const plant::BusSection& section,
                                                              can::Timeline& timeline) override;
   /// Frames come and go from now on. `clock` is null in virtual time.
-  void start(link::LoopClock* clock, plant::PlantObserver& observer);
+  void start(link::LoopClock* clock, plant::Plant& plant);
   /// There are none.
   [[nodiscard]] bool empty() const noexcept { return buses_.empty(); }
   /// Gives what the plant has sent `time_out` to get out. The plant must still be there.

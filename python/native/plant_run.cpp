@@ -206,6 +206,12 @@ struct PlantRun::Parts {
   can::Time last{};
 
   can::Timeline& timeline() { return plant->timeline(); }
+  /// What a node on this bus is on.
+  can::Timeline& timeline_of(const can::Bus& bus) {
+    std::size_t number = 0;
+    while (&plant->bus(number) != &bus) ++number;
+    return plant->timeline_of_bus(number);
+  }
 
   /// As long as it lives, callbacks may come.
   class Running {
@@ -232,7 +238,7 @@ struct PlantRun::Parts {
   }
   void start() {
     if (std::exchange(is_on, true)) return;
-    linked.start(nullptr, printer);
+    linked.start(nullptr, *plant);
     const Running running(is_running);  // devices start, and call back
     plant->power_on();
   }
@@ -537,7 +543,7 @@ SdoResult PlantRun::sdo(const std::string& bus, unsigned node, unsigned index, u
   if (time_out <= 0ns) throw PlantProblem("the time-out is not above 0");
   parts_->start();
   auto& seat = parts_->sdo_seats[on.name()];
-  if (!seat) seat = std::make_unique<SdoSeat>(on, parts_->timeline());
+  if (!seat) seat = std::make_unique<SdoSeat>(on, parts_->timeline_of(on));
   if (!seat->start(node, index, sub, value, time_out, block)) throw PlantProblem("the bus takes no frame");
   try {
     parts_->drive(can::never, 0ns, [&seat] { return seat->is_over; });
@@ -634,7 +640,8 @@ PlantPort::PlantPort(std::shared_ptr<PlantRun> run, std::string_view bus, const 
   PlantRun::Parts& parts = *run_->parts_;
   parts.check();
   parts.start();
-  seat_ = std::make_shared<Seat>(parts.bus(bus), parts.timeline(), name);
+  can::Bus& on = parts.bus(bus);
+  seat_ = std::make_shared<Seat>(on, parts.timeline_of(on), name);
   parts.seats.push_back(seat_);
 }
 

@@ -262,5 +262,89 @@ TEST(Later, BeyondWhatTimeHolds_IsNever) {
   EXPECT_EQ(later(Time(1s), 2s), Time(3s));
 }
 
+TEST(Timeline, Parts_RunTogetherInTheOrderOfOne) {
+  const auto log_of = [](bool divided) {
+    Log log;
+    Timeline timeline;
+    Timeline& one = divided ? timeline.add_part() : timeline;
+    Timeline& other = divided ? timeline.add_part() : timeline;
+    Alarm bus("bus", {Time(1ms), Time(3ms)}, log);
+    Alarm a("a", {Time(1ms), Time(2ms), Time(3ms)}, log);
+    Alarm b("b", {Time(1ms), Time(3ms)}, log);
+    Alarm c("c", {Time(1ms), Time(3ms), Time(4ms)}, log);
+    Alarm outside("outside", {Time(2ms), Time(3ms)}, log);
+    one.add(bus, "bus", Timeline::Rank::bus);
+    other.add(b);
+    one.add(a);
+    timeline.add(outside);
+    other.add(c);
+    timeline.run_until(Time(3ms));
+    EXPECT_EQ(one.now(), Time(3ms));
+    EXPECT_EQ(timeline.next(), Time(4ms));
+    return log;
+  };
+  EXPECT_EQ(log_of(true), (Log{"b@1", "a@1", "c@1", "bus@1", "a@2", "outside@2", "b@3", "a@3", "outside@3",
+                               "c@3", "bus@3"}));
+  EXPECT_EQ(log_of(true), log_of(false));
+}
+
+TEST(Timeline, WhoeverBelongsToNoPartAndIsMadeEarlierByOne_StillComesInOrder) {
+  Log log;
+  Timeline timeline;
+  Timeline& part = timeline.add_part();
+  Alarm outside("outside", {Time(9ms)}, log);
+  const auto handle = timeline.add(outside);
+  Alarm first("first", {Time(1ms)}, log);
+  Alarm second("second", {Time(1ms)}, log);
+  first.then = [&] {
+    outside.moments = {Time(1ms)};
+    timeline.refresh(handle);
+  };
+  part.add(first);
+  const auto second_handle = part.add(second);
+  Alarm third("third", {Time(5ms)}, log);
+  outside.then = [&] {
+    second.moments = {Time(2ms)};
+    part.refresh(second_handle);
+  };
+  timeline.add(third);
+  timeline.run_until(Time(6ms));
+  EXPECT_EQ(log, (Log{"first@1", "outside@1", "second@2", "third@5"}));
+}
+
+TEST(Timeline, AMomentOfAParts_IsItsPlaceInTheOrderOfAll) {
+  Log log;
+  Timeline timeline;
+  Timeline& one = timeline.add_part();
+  Timeline& other = timeline.add_part();
+  std::vector<std::pair<Moment, std::string>> said;
+  const auto say = [&said](Timeline& line, std::string what) {
+    return [&said, &line, what] {
+      EXPECT_TRUE(line.is_apart());
+      said.emplace_back(line.moment(), what);
+    };
+  };
+  Alarm a("a", {Time(1ms)}, log);
+  Alarm b("b", {Time(1ms)}, log);
+  Alarm c("c", {Time(1ms)}, log);
+  Alarm bus("bus", {Time(1ms)}, log);
+  a.then = say(one, "a");
+  b.then = say(other, "b");
+  c.then = say(one, "c");
+  bus.then = say(one, "bus");
+  one.add(bus, "bus", Timeline::Rank::bus);
+  one.add(a);
+  other.add(b);
+  one.add(c);
+  other.run_apart(Time(2ms));
+  one.run_apart(Time(2ms));
+  timeline.meet(Time(2ms));
+  EXPECT_FALSE(one.is_apart());
+  std::ranges::sort(said);
+  Log order;
+  for (const auto& [moment, what] : said) order.push_back(what);
+  EXPECT_EQ(order, (Log{"a", "b", "c", "bus"}));
+}
+
 }  // namespace
 }  // namespace canopus::can

@@ -40,7 +40,7 @@ TEST(TraceWriter, FramesOfARealBus_HaveTheStampsOfTheKernel) {
   bus.start(nullptr, {});
   auto file = trace::TraceFile::create(path, trace::FileFormat::candump);
   ASSERT_TRUE(file);
-  TraceWriter writer(*file, bus);
+  TraceWriter writer(*file, bus, timeline);
   bus.add_observer(writer);
   timeline.run_until(can::Time(5s));
   kernel.user->frame_received_at(can::data_frame(0x181, {1}), 1'000'000s - 2ms);

@@ -161,7 +161,7 @@ class ReplayedPlant : public LinkedPlant {
     plant_ = support::PlantFolder::load(plant, *this, &*buses_);
     if (plant_ == nullptr) return;
     watch();
-    buses_->start(nullptr, *this);
+    buses_->start(nullptr, *plant_);
     plant_->power_on();
   }
   boost::asio::io_context io_{1};

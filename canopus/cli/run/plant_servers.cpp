@@ -128,8 +128,8 @@ bool PlantServers::open_socketcand(std::size_t bus) {
                 place.host);
     return false;
   }
-  serve::ClientPorts& ports =
-      *client_ports_.emplace_back(std::make_unique<serve::ClientPorts>(plant_.bus(bus), plant_.timeline()));
+  serve::ClientPorts& ports = *client_ports_.emplace_back(
+      std::make_unique<serve::ClientPorts>(plant_.bus(bus), plant_.timeline_of_bus(bus)));
   const auto attach = [&ports](link::AttachedClient& client) { return ports.attach(client); };
   link::SocketcandServer& server = *socketcand_.emplace_back(std::make_unique<link::SocketcandServer>(
       io_, asio::ip::tcp::endpoint(address, place.port), section.name, attach, clock_,

@@ -51,6 +51,13 @@ void add_run_command(CLI::App& app, int& exit_code) {
       ->check(number_from(0, std::numeric_limits<std::uint64_t>::max()))
       ->type_name("N");
   command
+      ->add_option("--threads", words->options.threads,
+                   "With --virtual: at most so many threads run the parts of the plant that share nothing; "
+                   "without it one for each processor. The output is the same with any number")
+      ->needs(virtual_time)
+      ->check(number_from(1, 256))
+      ->type_name("N");
+  command
       ->add_option(
           "--link", words->options.links,
           "Put a bus of the plant on a real one, or on a trace: BUS=ADDRESS, with one bus ADDRESS alone; "

@@ -6,6 +6,7 @@
 #include <csignal>
 #include <memory>
 #include <optional>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -32,6 +33,7 @@
 #include "canopus/serve/linked_buses.hpp"
 #include "canopus/serve/real_time.hpp"
 #include "canopus/serve/service_manager.hpp"
+#include "canopus/serve/slices/plant_slices.hpp"
 #include "canopus/serve/step_clock.hpp"
 #include "canopus/text/local_time.hpp"
 #include "canopus/text/text_values.hpp"
@@ -170,7 +172,7 @@ bool Run::run_in_real_time() {
   if (!has_table_) show_connections();
   set_cpu_clocks();
   clock.set_resumed_handler([this] { set_cpu_clocks(); });
-  linked_buses_.start(&clock, observer());
+  linked_buses_.start(&clock, *plant_);
   if (options_.real_time) {
     for (const std::string& sentence : serve::ask_for_real_time(*options_.real_time)) {
       observer().warning("--realtime", sentence, {});
@@ -217,7 +219,7 @@ bool Run::run_in_step() {
   };
   output_->set_patience(goes_on);
   recording_.set_patience(goes_on);
-  linked_buses_.start(nullptr, observer());
+  linked_buses_.start(nullptr, *plant_);
   plant_->power_on();
   ReadingClients readers;
   while (!is_to_end() && timeline.now() < end && !expectation_over()) {
@@ -251,11 +253,15 @@ void Run::run_in_virtual_time() {
   };
   output_->set_patience(goes_on);
   recording_.set_patience(goes_on);
-  linked_buses_.start(nullptr, observer());
+  linked_buses_.start(nullptr, *plant_);
   plant_->power_on();
-  can::Timeline& timeline = plant_->timeline();
+  const can::Timeline& timeline = plant_->timeline();
+  const std::size_t threads = options_.threads != 0 ? options_.threads : std::thread::hardware_concurrency();
+  serve::PlantSlices slices(*plant_, {.threads = std::max<std::size_t>(1, threads),
+                                      .slice = 100ms,
+                                      .met = [this] { recording_.parts_met(); }});
   while (timeline.now() < end && goes_on(0) && !expectation_over()) {
-    timeline.run_until(std::min(can::later(timeline.now(), 100ms), end));
+    slices.run_until(std::min(can::later(timeline.now(), 100ms), end));
   }
 }
 

@@ -22,6 +22,8 @@ struct RunOptions {
   bool step = false;        ///< in virtual time: with servers, and time moves only when a client wants it to
   bool free_ports = false;  ///< every server takes a free port instead of the plant file's
   std::optional<std::uint64_t> seed{};
+  /// In virtual time: on so many threads at most. 0: as many as the machine has. The output does not depend on it.
+  std::size_t threads = 0;
   std::string trace{};  ///< file for all frames: candump log, or pcap if it ends so; empty = none
   std::string
       vcd{};  ///< file for the wire as a waveform, with several buses one each (-BUS.vcd); empty = none

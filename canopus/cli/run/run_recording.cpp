@@ -1,5 +1,6 @@
 #include "canopus/cli/run/run_recording.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -44,23 +45,58 @@ std::string RecordingStream::close(const OutputQueue::Patience& patience) {
   return is_complete ? "" : fmt::format("{}: the recording is not complete: its reader was too slow", path_);
 }
 
-TraceWriter::TraceWriter(trace::TraceFile& file, const can::Bus& bus)
-    : file_(file), bus_(bus.name()), linked_(dynamic_cast<const link::LinkedBus*>(&bus)) {}
+TraceWriter::TraceWriter(trace::TraceFile& file, const can::Bus& bus, const can::Timeline& timeline)
+    : file_(file),
+      bus_(bus.name()),
+      linked_(dynamic_cast<const link::LinkedBus*>(&bus)),
+      timeline_(timeline) {}
 
 void TraceWriter::frame_completed(const can::Frame& frame, can::Time /*start*/, can::Time end) {
-  file_.write(bus_, frame, linked_ != nullptr ? linked_->stamp() : end);
+  write({.time = linked_ != nullptr ? linked_->stamp() : end, .frame = frame});
 }
 
 void TraceWriter::errors_reported(std::span<const can::BusErrorReport> reports, can::Time now) {
-  if (reports.front().first) write(can::error_frame(can::recorded_of(reports)), now);
+  if (!reports.front().first) return;
+  write({.time = now, .error_frame = true, .frame = can::error_frame(can::recorded_of(reports))});
 }
 
 void TraceWriter::controller_changed(const can::ControllerReport& report, can::Time now) {
-  write(can::error_frame(report), now);
+  write({.time = now, .error_frame = true, .frame = can::error_frame(report)});
 }
 
-void TraceWriter::write(const can::Frame& error_frame, can::Time now) {
-  file_.write(bus_, trace::TraceRecord{.time = now, .error_frame = true, .frame = error_frame});
+void TraceWriter::write(const trace::TraceRecord& record) {
+  if (timeline_.is_apart()) {
+    held_.push_back({timeline_.moment(), record});
+  } else {
+    file_.write(bus_, record);
+  }
+}
+
+void TraceWriter::release(std::span<const std::unique_ptr<TraceWriter>> writers) {
+  struct Next {
+    can::Moment moment;
+    TraceWriter* writer;
+    std::size_t number;
+  };
+  const auto is_later = [](const Next& one, const Next& other) { return other.moment < one.moment; };
+  std::vector<Next> heap;  // first in front
+  for (const auto& writer : writers) {
+    if (!writer->held_.empty()) heap.push_back({writer->held_.front().moment, writer.get(), 0});
+  }
+  std::ranges::make_heap(heap, is_later);
+  while (!heap.empty()) {
+    std::ranges::pop_heap(heap, is_later);
+    Next& next = heap.back();
+    std::vector<Held>& held = next.writer->held_;
+    next.writer->file_.write(next.writer->bus_, held[next.number].record);
+    if (++next.number < held.size()) {
+      next.moment = held[next.number].moment;
+      std::ranges::push_heap(heap, is_later);
+    } else {
+      held.clear();
+      heap.pop_back();
+    }
+  }
 }
 
 std::string vcd_path_of(std::string_view path, std::string_view bus) {
@@ -69,7 +105,8 @@ std::string vcd_path_of(std::string_view path, std::string_view bus) {
   return fmt::format("{}-{}{}", stem, text::file_name_of(bus), suffix);
 }
 
-VcdFile::VcdFile(std::string path, sim::Bus& bus) : path_(std::move(path)) {
+VcdFile::VcdFile(std::string path, sim::Bus& bus, const can::Timeline& timeline)
+    : path_(std::move(path)), timeline_(timeline) {
   auto stream = RecordingStream::open(path_);
   if (!stream) {
     error_ = stream.error();
@@ -97,9 +134,16 @@ void VcdFile::fail(int reason) {
 void VcdFile::write(std::string_view text) {
   if (stream_ == nullptr) {
     if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail(errno);
+  } else if (timeline_.is_apart()) {
+    held_ += text;
   } else if (!stream_->is_incomplete()) {  // a waveform with a hole would show edges that never were
     (void)stream_->write(text);
   }
+}
+
+void VcdFile::release() {
+  if (!held_.empty() && !stream_->is_incomplete()) (void)stream_->write(held_);
+  held_.clear();
 }
 
 std::string VcdFile::close(can::Time now, const OutputQueue::Patience& patience) {
@@ -139,7 +183,7 @@ std::expected<void, std::string> RunRecording::open_trace(const std::string& pat
     trace_.emplace(std::move(*file));
   }
   for (std::size_t i = 0; i < plant.bus_count(); ++i) {
-    trace_writers_.push_back(std::make_unique<TraceWriter>(*trace_, plant.bus(i)));
+    trace_writers_.push_back(std::make_unique<TraceWriter>(*trace_, plant.bus(i), plant.timeline_of_bus(i)));
     plant.bus(i).add_observer(*trace_writers_.back());
   }
   return {};
@@ -154,7 +198,7 @@ std::expected<void, std::string> RunRecording::open_vcd(const std::string& path,
     }
     sim::Bus& bus = *plant.simulated_bus(i);
     const std::string of_bus = plant.bus_count() == 1 ? path : vcd_path_of(path, bus.name());
-    vcd_.push_back(std::make_unique<VcdFile>(of_bus, bus));
+    vcd_.push_back(std::make_unique<VcdFile>(of_bus, bus, plant.timeline_of_bus(i)));
     if (std::string problem = vcd_.back()->error(); !problem.empty()) {
       return std::unexpected(std::move(problem));
     }
@@ -173,6 +217,11 @@ std::expected<void, std::string> RunRecording::open_svg(const std::string& path,
 void RunRecording::set_patience(const OutputQueue::Patience& patience) {
   if (trace_stream_ != nullptr) trace_stream_->set_patience(patience);
   for (const auto& vcd : vcd_) vcd->set_patience(patience);
+}
+
+void RunRecording::parts_met() {
+  TraceWriter::release(trace_writers_);
+  for (const auto& vcd : vcd_) vcd->release();
 }
 
 std::vector<std::string> RunRecording::close(can::Time now, const OutputQueue::Patience& patience) {

@@ -53,16 +53,26 @@ class RecordingStream {
 /// frames for its errors, one for each error frame of the bus, and for each new state of a controller.
 class TraceWriter final : public can::BusObserver {
  public:
-  TraceWriter(trace::TraceFile& file, const can::Bus& bus);
+  /// While the timeline, that of the bus, runs apart from others, records are held back.
+  TraceWriter(trace::TraceFile& file, const can::Bus& bus, const can::Timeline& timeline);
+  /// Writes what they have held back, in the order of all.
+  static void release(std::span<const std::unique_ptr<TraceWriter>> writers);
   void frame_completed(const can::Frame& frame, can::Time start, can::Time end) override;
   void errors_reported(std::span<const can::BusErrorReport> reports, can::Time now) override;
   void controller_changed(const can::ControllerReport& report, can::Time now) override;
 
  private:
-  void write(const can::Frame& error_frame, can::Time now);
+  struct Held {
+    can::Moment moment;
+    trace::TraceRecord record;
+  };
+  void write(const trace::TraceRecord& record);
+
   trace::TraceFile& file_;
   const std::string& bus_;
   const link::LinkedBus* linked_;  // null: simulated
+  const can::Timeline& timeline_;
+  std::vector<Held> held_;
 };
 
 /// Where the wire of one of several buses goes: "wire.vcd" becomes "wire-line1.vcd". A name that is no name of a
@@ -72,12 +82,15 @@ class TraceWriter final : public can::BusObserver {
 /// The wire of one bus as a VCD file. The first error is kept and returned by close().
 class VcdFile {
  public:
-  VcdFile(std::string path, sim::Bus& bus);
+  /// The timeline is that of the bus.
+  VcdFile(std::string path, sim::Bus& bus, const can::Timeline& timeline);
   ~VcdFile();
   VcdFile(const VcdFile&) = delete;
   VcdFile& operator=(const VcdFile&) = delete;
 
   void set_patience(const OutputQueue::Patience& patience);
+  /// The bus may run on another thread, up to the next release(): a reader's patience must not be asked there.
+  void release();
   [[nodiscard]] std::string error() const { return error_; }
   /// Empty, or what went wrong since the start.
   std::string close(can::Time now, const OutputQueue::Patience& patience);
@@ -90,6 +103,8 @@ class VcdFile {
   std::unique_ptr<RecordingStream> stream_;  // or a file
   std::FILE* file_ = nullptr;
   std::string error_;
+  const can::Timeline& timeline_;
+  std::string held_;  // for the stream
   std::optional<sim::Waveform> waveform_;
 };
 
@@ -103,6 +118,8 @@ class RunRecording {
   /// A picture of the lifts, written at the end; no path: none.
   [[nodiscard]] std::expected<void, std::string> open_svg(const std::string& path, plant::Plant& plant);
   void set_patience(const OutputQueue::Patience& patience);
+  /// Parts of the plant have run apart and met (plant::Plant::parts_met).
+  void parts_met();
   /// What went wrong since the start, a sentence each.
   [[nodiscard]] std::vector<std::string> close(can::Time now, const OutputQueue::Patience& patience);
 

@@ -1,0 +1,113 @@
+#include "canopus/plant/part_events.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <string>
+
+namespace canopus::plant {
+
+namespace {
+
+/// What an argument is kept as: texts may be gone when the event is handed on.
+template <typename T>
+const T& kept(const T& argument) {
+  return argument;
+}
+std::string kept(std::string_view text) { return std::string(text); }
+
+}  // namespace
+
+template <typename... Parameters, typename... Arguments>
+void PartEvents::pass(void (PlantObserver::*event)(Parameters...), const Arguments&... arguments) {
+  if (!timeline_.is_apart()) return (observer_.*event)(arguments...);
+  held_.push_back({timeline_.moment(), [event, ... copies = kept(arguments)](PlantObserver& observer) {
+                     (observer.*event)(copies...);
+                   }});
+}
+
+void PartEvents::release(std::span<const std::unique_ptr<PartEvents>> parts) {
+  std::vector<Held> all;
+  for (const auto& part : parts) {
+    std::ranges::move(part->held_, std::back_inserter(all));
+    part->held_.clear();
+  }
+  std::ranges::stable_sort(all, {}, &Held::moment);
+  for (const Held& held : all) held.event(parts.front()->observer_);
+}
+
+void PartEvents::booted(const NodeLabel& node, can::Time now) { pass(&PlantObserver::booted, node, now); }
+
+void PartEvents::nmt_state_changed(const NodeLabel& node, canopen::NmtState state, can::Time now) {
+  pass(&PlantObserver::nmt_state_changed, node, state, now);
+}
+
+void PartEvents::lss_configured(const NodeLabel& node, std::uint32_t bit_rate, can::Time now) {
+  pass(&PlantObserver::lss_configured, node, bit_rate, now);
+}
+
+void PartEvents::emergency(const NodeLabel& node, const canopen::Emergency& message, can::Time now) {
+  pass(&PlantObserver::emergency, node, message, now);
+}
+
+void PartEvents::unacknowledged(const NodeLabel& node, can::Time now) {
+  pass(&PlantObserver::unacknowledged, node, now);
+}
+
+void PartEvents::bus_error(const BusErrorEvent& error, can::Time now) {
+  pass(&PlantObserver::bus_error, error, now);
+}
+
+void PartEvents::controller_changed(const NodeLabel& node, const can::ControllerReport& report,
+                                    can::Time now) {
+  pass(&PlantObserver::controller_changed, node, report, now);
+}
+
+void PartEvents::slave_boot_went_on(const NodeLabel& slave, const NodeLabel& master,
+                                    const manager::BootRecord& record, can::Time now) {
+  pass(&PlantObserver::slave_boot_went_on, slave, master, record, now);
+}
+
+void PartEvents::signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) {
+  pass(&PlantObserver::signal_changed, plc, kind, number, on, now);
+}
+
+void PartEvents::buffer_changed(std::string_view plc, unsigned head, std::uint32_t address,
+                                std::uint16_t value, bool by_cpu, can::Time now) {
+  pass(&PlantObserver::buffer_changed, plc, head, address, value, by_cpu, now);
+}
+
+void PartEvents::object_forced(const ForcedObject& object, can::Time now) {
+  pass(&PlantObserver::object_forced, object, now);
+}
+
+void PartEvents::object_released(const ForcedObject& object, can::Time now) {
+  pass(&PlantObserver::object_released, object, now);
+}
+
+void PartEvents::lift_event(std::string_view bus, const sim::lift::LiftEvent& event) {
+  pass(&PlantObserver::lift_event, bus, event);
+}
+
+void PartEvents::load(std::string_view bus, const can::BusLoad& load, can::Time now) {
+  pass(&PlantObserver::load, bus, load, now);
+}
+
+void PartEvents::warning(std::string_view source, std::string_view message, can::Time now) {
+  pass(&PlantObserver::warning, source, message, now);
+}
+
+void PartEvents::module_event(std::string_view plc, std::string_view source,
+                              const module::ModuleEventRecord& record) {
+  pass(&PlantObserver::module_event, plc, source, record);
+}
+
+void PartEvents::module_error(std::string_view plc, std::string_view source,
+                              const module::ModuleErrorRecord& record) {
+  pass(&PlantObserver::module_error, plc, source, record);
+}
+
+void PartEvents::error(std::string_view source, std::string_view message, can::Time now) {
+  pass(&PlantObserver::error, source, message, now);
+}
+
+}  // namespace canopus::plant
