@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "canopus/cli/analysis/message_printer.hpp"
-#include "canopus/cli/run/event_printer.hpp"
+#include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/terminal/plant_loading.hpp"
 #include "canopus/client/sdo_transfer_on_bus.hpp"
 #include "canopus/plant/device_seat.hpp"

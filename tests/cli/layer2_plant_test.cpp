@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canopus/cli/run/event_printer.hpp"
+#include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/run/live_table.hpp"
 
 #include "cli/table_picture.hpp"

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canopus/cli/run/event_printer.hpp"
+#include "canopus/cli/events/event_printer.hpp"
 
 namespace canopus::cli {
 namespace {

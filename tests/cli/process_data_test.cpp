@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canopus/cli/run/event_printer.hpp"
+#include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/run/live_table.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/text/file_text.hpp"

@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canopus/cli/run/event_printer.hpp"
+#include "canopus/cli/events/event_printer.hpp"
 #include "canopus/plant/plant.hpp"
 
 #include "paths.hpp"

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "canopus/cli/run/event_printer.hpp"
+#include "canopus/cli/events/event_printer.hpp"
 #include "canopus/plant/device_seat.hpp"
 #include "canopus/plant/file/process_value.hpp"
 #include "canopus/serve/device_control.hpp"

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "canopus/cli/run/event_printer.hpp"
+#include "canopus/cli/events/event_printer.hpp"
 
 #include "support/plant_folder.hpp"
 

@@ -31,7 +31,7 @@ bool PlantServers::open() {
   for (std::size_t i = 0; i < plant_.bus_count(); ++i) {
     if (!open_socketcand(i)) return false;
   }
-  return true;
+  return open_web();
 }
 
 void PlantServers::close() {
@@ -41,6 +41,9 @@ void PlantServers::close() {
   for (const auto& server : melsec_) server->stop();
   for (const auto& server : modbus_) server->stop();
   if (control_) control_->stop();
+  if (!web_) return;
+  use_.web_events->set_listener([](std::string_view) {});
+  web_->stop();
 }
 
 void PlantServers::set_standing_still(bool standing_still) {
@@ -137,6 +140,23 @@ bool PlantServers::open_socketcand(std::size_t bus) {
       use_.report(fmt::format("socketcand {}", section.name))));
   const auto result = server.listen();
   return opened(result, "socketcand", section.name, place, server.port());
+}
+
+bool PlantServers::open_web() {
+  if (use_.web_events == nullptr) return true;
+  web_.emplace(
+      io_, clock_,
+      serve::WebServer::Use{.state = [this] { return state_event(plant_); },
+                            .lost = [this](std::uint64_t events) { return use_.web_events->lost(events); }},
+      serve::WebServerOptions{}, use_.report("web"));
+  const text::HostAndPort place = place_of(use_.web);
+  if (const auto result = web_->listen(place.host, place.port); !result) {
+    print_error("canopus: web: {}", result.error());
+    return false;
+  }
+  use_.web_events->set_listener([this](std::string_view event) { web_->event(event); });
+  use_.opened("web", plant_.file().name, web_->url());
+  return true;
 }
 
 }  // namespace canopus::cli

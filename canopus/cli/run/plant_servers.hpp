@@ -10,6 +10,7 @@
 
 #include <boost/asio/io_context.hpp>
 
+#include "canopus/cli/events/web_events.hpp"
 #include "canopus/link/loop_clock.hpp"
 #include "canopus/link/peer.hpp"
 #include "canopus/link/socketcand_server.hpp"
@@ -20,6 +21,8 @@
 #include "canopus/serve/modbus_server.hpp"
 #include "canopus/serve/plant_runs.hpp"
 #include "canopus/serve/run_control.hpp"
+#include "canopus/serve/web/web_server.hpp"
+#include "canopus/text/text_values.hpp"
 
 namespace canopus::cli {
 
@@ -32,6 +35,9 @@ class PlantServers {
     std::function<link::ClientReport(std::string source)> report{};
     bool free_ports = false;  ///< each on a free port instead of the plant file's
     bool control = false;     ///< control also without the plant file's key, on a free port of this machine
+    /// The page in the browser: where, and what it shows. Without events there is none.
+    text::HostAndPort web{};
+    WebEvents* web_events = nullptr;
     serve::PlantRuns::Order order = serve::PlantRuns::Order::side_by_side;
   };
 
@@ -58,6 +64,7 @@ class PlantServers {
   bool open_modbus(std::size_t plc);
   bool open_control();
   bool open_socketcand(std::size_t bus);
+  bool open_web();
   bool opened(const std::expected<void, std::string>& result, std::string_view protocol, std::string_view of,
               const text::HostAndPort& place, std::uint16_t port);
   [[nodiscard]] text::HostAndPort place_of(text::HostAndPort place) const;
@@ -73,6 +80,7 @@ class PlantServers {
   std::vector<std::unique_ptr<serve::MelsecServer>> melsec_;
   std::vector<std::unique_ptr<serve::ModbusServer>> modbus_;
   std::optional<serve::ControlServer> control_;
+  std::optional<serve::WebServer> web_;
 };
 
 }  // namespace canopus::cli

@@ -24,6 +24,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
     RunOptions options;
     std::string duration;
     std::string operational;
+    std::string web;
     RealTimeOption real_time;
   };
   auto words = std::make_shared<Words>();
@@ -47,6 +48,19 @@ void add_run_command(CLI::App& app, int& exit_code) {
       ->needs(virtual_time);
   command->add_flag("--free-ports", words->options.free_ports,
                     "Every server takes a free port instead of the plant file's, and says which");
+  auto* web = command
+                  ->add_option(
+                      "--web", words->web,
+                      "Show the plant on a page in the browser, at this address of this machine; without one "
+                      "on a free port (docs/web.md). It says where, and opens nothing by itself")
+                  ->type_name("[ADDRESS:PORT]")
+                  ->expected(0, 1)
+                  ->excludes(virtual_time)
+                  ->check([](const std::string& text) {
+                    if (text.empty()) return std::string();
+                    const auto place = text::parse_host_and_port(text);
+                    return place ? std::string() : place.error();
+                  });
   command->add_option("--seed", words->options.seed, "Seed of everything random, instead of the plant file's")
       ->check(number_from(0, std::numeric_limits<std::uint64_t>::max()))
       ->type_name("N");
@@ -105,9 +119,12 @@ void add_run_command(CLI::App& app, int& exit_code) {
       "waits 5 s\n"
       "for the rest of a request and 30 s for replies that a client does not take; docs/mc-protocol.md.\n"
       "Example: canopus run plant.toml --virtual --expect-operational=30s");
-  command->callback([words, &exit_code] {
+  command->callback([words, web, &exit_code] {
     if (!words->duration.empty()) words->options.duration = *text::parse_duration(words->duration);
     words->options.real_time = words->real_time.wanted();
+    if (web->count() != 0) {
+      words->options.web = words->web.empty() ? text::HostAndPort{} : *text::parse_host_and_port(words->web);
+    }
     words->options.expect_operational = !words->operational.empty();
     if (words->options.expect_operational && words->operational != without_time) {
       words->options.operational_within = *text::parse_duration(words->operational);

@@ -15,8 +15,9 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "canopus/cli/events/event_printer.hpp"
+#include "canopus/cli/events/web_events.hpp"
 #include "canopus/cli/run/end_patience.hpp"
-#include "canopus/cli/run/event_printer.hpp"
 #include "canopus/cli/run/live_table.hpp"
 #include "canopus/cli/run/operational_check.hpp"
 #include "canopus/cli/run/plant_servers.hpp"
@@ -55,12 +56,15 @@ class Run {
         // Where errors go elsewhere than to the terminal, they go there as they come.
         table_(raw_plant_, ::isatty(STDERR_FILENO) != 0 ? nullptr : &standard_error()),
         has_table_(!options.json && !options.quiet && !options.virtual_time && is_terminal(STDOUT_FILENO)),
-        linked_buses_(io_, options.plant, options.virtual_time) {}
+        linked_buses_(io_, options.plant, options.virtual_time) {
+    if (options.web) web_events_.emplace(printer());
+  }
 
   int operator()();
 
  private:
-  plant::PlantObserver& observer() {
+  plant::PlantObserver& observer() { return web_events_ ? web_events_->observer() : printer(); }
+  plant::PlantObserver& printer() {
     if (options_.json) return json_;
     if (has_table_) return table_;
     return lines_;
@@ -91,6 +95,7 @@ class Run {
   plant::Plant* raw_plant_ = nullptr;
   LiveTable table_;
   bool has_table_;
+  std::optional<WebEvents> web_events_;
   asio::io_context io_{1};
   serve::LinkedBuses linked_buses_;
   std::unique_ptr<plant::Plant> plant_;
@@ -128,6 +133,8 @@ PlantServers::Use Run::server_use(serve::PlantRuns::Order order) {
           .report = [this](std::string source) { return report_of(std::move(source)); },
           .free_ports = options_.free_ports,
           .control = options_.step,
+          .web = options_.web.value_or(text::HostAndPort{}),
+          .web_events = web_events_ ? &*web_events_ : nullptr,
           .order = order};
 }
 

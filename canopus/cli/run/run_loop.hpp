@@ -10,6 +10,7 @@
 
 #include "canopus/can/time.hpp"
 #include "canopus/serve/real_time_thread.hpp"
+#include "canopus/text/text_values.hpp"
 
 namespace canopus::cli {
 
@@ -21,6 +22,8 @@ struct RunOptions {
   bool virtual_time = false;
   bool step = false;        ///< in virtual time: with servers, and time moves only when a client wants it to
   bool free_ports = false;  ///< every server takes a free port instead of the plant file's
+  std::optional<text::HostAndPort>
+      web{};  ///< the page in the browser; port 0: a free one. In real time alone
   std::optional<std::uint64_t> seed{};
   /// In virtual time: on so many threads at most. 0: as many as the machine has. The output does not depend on it.
   std::size_t threads = 0;

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "canopus/cli/run/event_printer.hpp"
+#include "canopus/cli/events/event_printer.hpp"
 #include "canopus/text/printable.hpp"
 
 namespace canopus::cli {

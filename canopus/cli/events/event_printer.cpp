@@ -1,4 +1,4 @@
-#include "canopus/cli/run/event_printer.hpp"
+#include "canopus/cli/events/event_printer.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,0 +1,145 @@
+#include "canopus/cli/events/web_events.hpp"
+
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "canopus/cli/terminal/boot_report.hpp"
+#include "canopus/text/printable.hpp"
+
+namespace canopus::cli {
+namespace {
+
+using Fields = nlohmann::ordered_json;
+
+Fields label_fields(const plant::NodeLabel& label) {
+  return {{"bus", label.bus}, {"node", label.node_id}, {"name", label.name}};
+}
+
+std::string_view controller_text(can::ErrorState state) {
+  switch (state) {
+    case can::ErrorState::error_active: return "error active";
+    case can::ErrorState::error_passive: return "error passive";
+    case can::ErrorState::bus_off: return "bus-off";
+  }
+  return "unknown";
+}
+
+Fields bus_fields(const plant::BusSection& section, const can::Bus& bus, can::Time now) {
+  const can::BusLoad load = bus.load(now);
+  return {{"bus", bus.name()},
+          {"link", section.is_linked() ? section.link : std::string("sim")},
+          {"bit_rate", bus.bit_rate()},
+          {"now", load.now},
+          {"peak", load.peak},
+          {"frames", load.frames},
+          {"error_frames", load.error_frames}};
+}
+
+Fields node_fields(const plant::NodeStatus& node) {
+  Fields fields = label_fields(node.label);
+  fields["module"] = node.is_module;
+  fields["state"] = state_name(node);
+  fields["in_operation"] = in_operation(node);
+  fields["pdos"] = node.pdos;
+  fields["emcy"] = node.emergencies;
+  if (node.emergencies != 0) fields["last_emcy"] = fmt::format("{:04X}", node.last_emergency);
+  fields["controller"] = controller_text(node.error_state);
+  fields["tec"] = node.transmit_errors;
+  fields["rec"] = node.receive_errors;
+  return fields;
+}
+
+Fields signals_that_are_on(char kind, std::uint16_t head, std::uint32_t on) {
+  Fields names = Fields::array();
+  for (unsigned bit = 0; bit < 32; ++bit) {
+    if ((on >> bit & 1U) != 0) names.push_back(fmt::format("{}{:02X}", kind, head + bit));
+  }
+  return names;
+}
+
+Fields module_fields(const plant::ModuleStatus& module) {
+  Fields fields = label_fields(module.label);
+  fields["plc"] = module.plc;
+  fields["head"] = module.head;
+  fields["on"] = module.is_on;
+  fields["cpu"] = module.cpu == module::CpuState::run ? "RUN" : "STOP";
+  fields["leds"] = Fields::array();
+  for (const module::Led& led : module.leds) {
+    fields["leds"].push_back({{"name", led.name},
+                              {"pattern", module::name(led.pattern)},
+                              {"opposite", led.opposite},
+                              {"error", led.error}});
+  }
+  fields["signals_on"] = signals_that_are_on('X', module.head, module.inputs);
+  for (Fields& name : signals_that_are_on('Y', module.head, module.outputs)) {
+    fields["signals_on"].push_back(std::move(name));
+  }
+  fields["words"] = Fields::array();
+  for (const auto& word : module.words) {
+    fields["words"].push_back({{"address", word.address}, {"value", word.value}});
+  }
+  return fields;
+}
+
+}  // namespace
+
+void WebEvents::set_listener(std::function<void(std::string_view)> listener) {
+  listener_ = std::move(listener);
+  for (const std::string& line : std::exchange(early_, {})) listener_(line);
+}
+
+void WebEvents::add(std::string_view line) {
+  if (line.ends_with('\n')) line.remove_suffix(1);
+  if (listener_) return listener_(line);
+  early_.emplace_back(line);
+  if (early_.size() > most_kept) early_.pop_front();
+}
+
+std::string WebEvents::lost(std::uint64_t events) const {
+  std::string line = json_.lost_line(events);
+  line.pop_back();
+  return line;
+}
+
+std::string state_event(plant::Plant& plant) {
+  const can::Time now = plant.timeline().now();
+  Fields state = event_line(now, "state");
+  state["plant"] = plant.name();
+  state["live"] = false;
+  state["buses"] = Fields::array();
+  for (std::size_t i = 0; i < plant.bus_count(); ++i) {
+    const plant::BusSection& section = plant.bus_section(i);
+    if (section.is_linked() && section.replay.empty()) state["live"] = true;
+    state["buses"].push_back(bus_fields(section, plant.bus(i), now));
+  }
+  state["nodes"] = Fields::array();
+  for (const plant::NodeStatus& node : plant.nodes()) state["nodes"].push_back(node_fields(node));
+  state["slaves"] = Fields::array();
+  for (const plant::SlaveBoot& boot : plant.boots()) {
+    Fields slave = label_fields(boot.slave);
+    slave["master"] = boot.master.node_id;
+    add_boot(slave, boot.record, now);
+    state["slaves"].push_back(std::move(slave));
+  }
+  state["modules"] = Fields::array();
+  for (const plant::ModuleStatus& module : plant.modules()) state["modules"].push_back(module_fields(module));
+  state["troubles"] = Fields::array();
+  for (const plant::ModuleTrouble& trouble : plant.troubles()) {
+    Fields fields = label_fields(trouble.module);
+    fields["message"] = trouble.text;
+    state["troubles"].push_back(std::move(fields));
+  }
+  state["forced"] = Fields::array();
+  for (const plant::ForcedObject& forced : plant.forced()) {
+    Fields fields = label_fields(forced.device);
+    fields["object"] = forced.object;
+    fields["text"] = describe_value(forced);
+    state["forced"].push_back(std::move(fields));
+  }
+  return text::printable_json(state.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+}  // namespace canopus::cli

@@ -1,0 +1,54 @@
+#pragma once
+// The events of a run for its page in the browser: the same objects as `canopus run --json` prints, and `state`
+// (docs/events.md).
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "canopus/cli/events/event_printer.hpp"
+#include "canopus/cli/events/observer_pair.hpp"
+#include "canopus/cli/terminal/print.hpp"
+#include "canopus/plant/plant.hpp"
+
+namespace canopus::cli {
+
+/// An observer that passes everything on to `first`, and makes JSON of it for the page.
+class WebEvents {
+ public:
+  explicit WebEvents(plant::PlantObserver& first) : pair_(first, json_) {}
+  [[nodiscard]] plant::PlantObserver& observer() noexcept { return pair_; }
+  /// Who gets the events from now on; those up to now at once.
+  void set_listener(std::function<void(std::string_view)> listener);
+  /// A server listens.
+  void listening(std::string_view protocol, std::string_view of, std::string_view address) {
+    json_.listening(protocol, of, address);
+  }
+  /// The event in place of so many that a client did not get.
+  [[nodiscard]] std::string lost(std::uint64_t events) const;
+
+ private:
+  class Lines final : public Output {
+   public:
+    explicit Lines(WebEvents& events) : events_(events) {}
+
+   private:
+    void write(std::string_view text) override { events_.add(text); }
+    WebEvents& events_;
+  };
+  void add(std::string_view line);
+
+  static constexpr std::size_t most_kept = 500;
+  std::function<void(std::string_view)> listener_;
+  std::deque<std::string> early_;  // before there was a listener
+  Lines lines_{*this};
+  JsonPrinter json_{lines_};
+  ObserverPair pair_;
+};
+
+/// The `state` event: what there is to see of the plant at this moment, as JSON.
+[[nodiscard]] std::string state_event(plant::Plant& plant);
+
+}  // namespace canopus::cli

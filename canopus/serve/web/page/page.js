@@ -1,0 +1,222 @@
+// The page of a run. It gets events over a WebSocket (docs/events.md) and shows them; it asks for nothing and changes
+// nothing. Names come from strangers' files: they become text nodes and attributes, never markup.
+import { EventList } from "./event_list.js";
+import { sentence, mood_of } from "./words.js";
+import { make, set_text } from "./dom.js";
+import { draw_leds, draw_modules } from "./modules.js";
+
+const by_id = (id) => document.getElementById(id);
+let state = null;
+let state_at = 0;
+let chosen = null;  // key of the node that is open
+let rates = new Map();  // by node: { pdos, t, rate }
+const events = new EventList(by_id("events"), by_id("filter"), by_id("event-count"));
+
+const key_of = (node) => `${node.bus}\u0000${node.node}\u0000${node.name}`;
+const label_of = (node) => node.name || (node.node >= 1 && node.node <= 127 ? `Node ${node.node}` : "Node");
+const id_of = (node) => (node.node >= 1 && node.node <= 127 ? String(node.node) : "-");
+
+function slave_of(node) {
+  return state.slaves.find((slave) => slave.bus === node.bus && slave.node === node.node);
+}
+
+function troubles_of(node) {
+  const lines = state.troubles.filter((one) => key_of(one) === key_of(node)).map((one) => one.message);
+  const slave = slave_of(node);
+  if (slave && slave.reason && slave.step !== "booted") lines.unshift(slave.reason);
+  return lines;
+}
+
+/// Nodes of the plant, and slaves that a module boots but the plant does not have.
+function nodes_of(bus) {
+  const own = state.nodes.filter((node) => node.bus === bus);
+  const known = new Set(own.map((node) => node.node));
+  const foreign = state.slaves.filter((slave) => slave.bus === bus && !known.has(slave.node)).map((slave) => ({
+    ...slave, foreign: true, in_operation: slave.step === "booted",
+    state: slave.step === "booted" ? "booted" : "not booted", pdos: 0, emcy: 0, tec: 0, rec: 0, controller: "error active",
+  }));
+  return [...own, ...foreign];
+}
+
+function rate_of(node) {
+  const key = key_of(node);
+  const before = rates.get(key);
+  if (before && state.t - before.t < 1) return before.rate;
+  const rate = before && state.t > before.t ? (node.pdos - before.pdos) / (state.t - before.t) : null;
+  rates.set(key, { pdos: node.pdos, t: state.t, rate });
+  return rate;
+}
+
+function figures_of(node) {
+  const rate = rate_of(node);
+  const parts = [`${rate === null ? "-" : Math.round(rate)} PDO/s`, `TEC ${node.tec}`, `REC ${node.rec}`];
+  if (node.controller !== "error active") parts.unshift(node.controller);
+  if (node.last_emcy) parts.push(`EMCY ${node.last_emcy}H ×${node.emcy}`);
+  return parts.join(" · ");
+}
+
+function make_node(key) {
+  const button = make("button", { type: "button" }, make("b"), make("span", { class: "state" }),
+                      make("span", { class: "figures" }), make("span", { class: "reason" }));
+  button.addEventListener("click", () => open_node(key));
+  return make("li", {}, button);
+}
+
+/// Brings the children of `list` in line with `items`; a child that stays is kept, with its focus.
+function keep_children(list, items, key, make_child, fill) {
+  const present = new Map([...list.children].map((child) => [child.dataset.key, child]));
+  let place = list.firstElementChild;
+  for (const item of items) {
+    const name = key(item);
+    let child = present.get(name);
+    present.delete(name);
+    if (!child) {
+      child = make_child(name, item);
+      child.dataset.key = name;
+    }
+    if (child === place) place = place.nextElementSibling;
+    else list.insertBefore(child, place);
+    fill(child, item);
+  }
+  for (const child of present.values()) child.remove();
+}
+
+function make_bus(name) {
+  const bar = make("svg:svg", { class: "load", viewBox: "0 0 100 8", preserveAspectRatio: "none", role: "img" },
+                   make("svg:rect", { x: 0, y: 0, height: 8, width: 0 }), make("svg:line", { y1: 0, y2: 8, x1: 0, x2: 0 }));
+  return make("div", { class: "bus" },
+              make("header", {}, make("h3", {}, name), make("span", { class: "faint" }), bar, make("span", { class: "share" })),
+              make("ul", { class: "nodes", "aria-label": `Nodes of ${name}` }));
+}
+
+function fill_bus(element, bus) {
+  const [title, facts, bar, share] = element.firstElementChild.children;
+  set_text(title, bus.bus);
+  set_text(facts, `${bus.bit_rate / 1000} kbit/s · ${bus.link === "sim" ? "simulated" : bus.link} · ${bus.frames} frames · ` +
+                  `${bus.error_frames} error frames`);
+  const percent = (value) => `${(100 * value).toFixed(1)} %`;
+  bar.firstElementChild.setAttribute("width", 100 * bus.now);
+  for (const side of ["x1", "x2"]) bar.lastElementChild.setAttribute(side, 100 * bus.peak);
+  bar.setAttribute("aria-label", `Load of ${bus.bus}: ${percent(bus.now)}, peak ${percent(bus.peak)}`);
+  set_text(share, `load ${percent(bus.now)}, peak ${percent(bus.peak)}`);
+  keep_children(element.lastElementChild, nodes_of(bus.bus), key_of, make_node, fill_node);
+}
+
+function fill_node(item, node) {
+  const button = item.firstElementChild;
+  const [name, shown, figures, reason] = button.children;
+  const trouble = troubles_of(node);
+  button.dataset.mood = mood_of(node, trouble);
+  set_text(name, `${id_of(node)}  ${label_of(node)}`);
+  set_text(shown, node.state);
+  set_text(figures, node.foreign ? "not of this plant" : figures_of(node));
+  set_text(reason, trouble[0] ?? "");
+}
+
+function find_node(key) {
+  for (const bus of state.buses) {
+    const found = nodes_of(bus.bus).find((node) => key_of(node) === key);
+    if (found) return found;
+  }
+  return null;
+}
+
+function open_node(key) {
+  chosen = key;
+  draw_node();
+  by_id("node-title").focus();
+}
+
+function draw_node() {
+  const node = chosen === null ? null : find_node(chosen);
+  by_id("node").hidden = node === null;
+  if (!node) return;
+  set_text(by_id("node-title"), `${node.bus} node ${id_of(node)}: ${label_of(node)}`);
+  const slave = slave_of(node);
+  const forced = state.forced.filter((one) => key_of(one) === key_of(node)).map((one) => one.text);
+  const rows = [["NMT state", node.state], ["Controller", `${node.controller}, TEC ${node.tec}, REC ${node.rec}`],
+                ["PDOs sent", String(node.pdos)],
+                ["Emergencies", node.last_emcy ? `${node.emcy}, last ${node.last_emcy}H` : String(node.emcy)]];
+  if (slave) rows.push(["Boot", `${slave.step}, since ${slave.since} s, by node ${slave.master}`]);
+  for (const line of troubles_of(node)) rows.push(["Why", line]);
+  for (const line of forced) rows.push(["Forced", line]);
+  const body = by_id("node-body");
+  const text = JSON.stringify(rows);
+  if (body.dataset.text === text) return;  // a selection in it stays
+  body.dataset.text = text;
+  body.replaceChildren(make("table", {}, make("tbody", {}, ...rows.map(([name, value]) =>
+    make("tr", {}, make("th", { scope: "row" }, name), make("td", {}, value))))));
+}
+
+function draw() {
+  document.title = `${state.plant} – Canopus`;
+  set_text(by_id("plant"), state.plant);
+  const links = state.buses.filter((bus) => bus.link !== "sim").map((bus) => bus.link);
+  set_text(by_id("where"), state.live ? `LIVE ${links.join(", ")}` : links.length ? `REPLAY ${links.join(", ")}` : "SIMULATED");
+  by_id("bar").className = state.live ? "live" : "simulated";
+  const all = state.buses.flatMap((bus) => nodes_of(bus.bus));
+  set_text(by_id("operation"), `${all.filter((node) => node.in_operation).length} of ${all.length}`);
+  const moods = ["error", "warning"];
+  const worst = moods.map((mood) => all.find((node) => mood_of(node, troubles_of(node)) === mood)).find(Boolean);
+  set_text(by_id("worst"), worst ? `${id_of(worst)} ${label_of(worst)}: ${worst.state}` : "all well");
+  keep_children(by_id("buses"), state.buses, (bus) => bus.bus, make_bus, fill_bus);
+  draw_modules(by_id("modules"), state.modules, keep_children, key_of);
+  draw_node();
+}
+
+const plant_now = () => state.t + (performance.now() - state_at) / 1000;
+
+function animate() {
+  if (state && !by_id("bar").classList.contains("waiting")) {
+    set_text(by_id("time"), `${plant_now().toFixed(1)} s`);
+    draw_leds(by_id("modules"), Math.floor(plant_now() * 1000));
+  }
+  requestAnimationFrame(animate);
+}
+
+function received(list) {
+  for (const event of list) {
+    if (event.event === "state") {
+      state = event;
+      state_at = performance.now();
+    } else if (event.event !== "load") {
+      events.add(event, sentence(event));
+    }
+  }
+  if (state) draw();
+  events.draw();
+}
+
+function connect() {
+  const socket = new WebSocket(`ws://${location.host}/events`);
+  socket.addEventListener("open", () => {
+    events.clear();  // the server sends the latest ones again
+    rates = new Map();
+    set_text(by_id("connection"), "");
+  });
+  socket.addEventListener("message", (message) => received(JSON.parse(message.data)));
+  socket.addEventListener("close", () => {
+    by_id("bar").className = "waiting";
+    set_text(by_id("where"), "NOT CONNECTED");
+    set_text(by_id("connection"), "The run has ended, or does not answer. What is shown here is old.");
+    setTimeout(connect, 2000);
+  });
+}
+
+function close_node() {
+  const key = chosen;
+  chosen = null;
+  draw_node();
+  [...document.querySelectorAll(".nodes li")].find((item) => item.dataset.key === key)?.firstElementChild.focus();
+}
+
+by_id("close-node").addEventListener("click", close_node);
+document.addEventListener("keydown", (event) => {
+  if (event.key === "Escape" && chosen !== null) close_node();
+  if (event.key === "/" && event.target === document.body) {
+    event.preventDefault();
+    by_id("filter").focus();
+  }
+});
+connect();
+requestAnimationFrame(animate);

@@ -1,0 +1,42 @@
+// Events as sentences, and how well a node is.
+
+const where = (event) => {
+  const node = event.node >= 1 && event.node <= 127 ? ` node ${event.node}` : "";
+  return `${event.bus ?? ""}${node}${event.name ? ` (${event.name})` : ""}`;
+};
+
+const sentences = {
+  listen: (e) => `${e.protocol}${e.of ? ` of ${e.of}` : ""} on ${e.address}`,
+  boot: (e) => `${where(e)}: boot-up`,
+  nmt: (e) => `${where(e)}: ${e.state}`,
+  "boot slave": (e) => `${where(e)}: ${e.reason || e.step}`,
+  lss: (e) => `${where(e)}: LSS, ${e.bit_rate / 1000} kbit/s`,
+  emcy: (e) => `${where(e)}: EMCY ${e.code}H, error register ${e.register}, data ${e.data}`,
+  unacknowledged: (e) => `${where(e)}: nobody acknowledges`,
+  "bus error": (e) => `${e.bus}: ${e.error} error in ${e.field}, bit ${e.bit}`,
+  controller: (e) => `${where(e)}: ${e.state}, TEC ${e.tec}, REC ${e.rec}`,
+  signal: (e) => `${e.plc}: ${e.signal} ${e.on ? "ON" : "OFF"}`,
+  buffer: (e) => `${e.plc}: ${e.module}\\G${e.address} = ${e.value} (by the ${e.by})`,
+  forced: (e) => `${where(e)}: ${e.object} (${e.parameter}) forced to ${e.value}`,
+  released: (e) => `${where(e)}: ${e.object} (${e.parameter}) released, ${e.value}`,
+  warning: (e) => `${e.source}: ${e.message}`,
+  error: (e) => `${e.source}: ${e.message}`,
+  "module error": (e) => `${e.module}: error ${e.code}H (${e.class}): ${e.overview}`,
+  "module event": (e) => `${e.module}: event ${e.code}: ${e.overview}`,
+  lost: (e) => `${e.lines} events were lost here`,
+};
+
+export function sentence(event) {
+  const words = sentences[event.event];
+  if (words) return words(event);
+  const { t, event: kind, ...rest } = event;
+  return `${kind}: ${JSON.stringify(rest)}`;
+}
+
+export function mood_of(node, troubles) {
+  if (node.controller === "bus-off" || troubles.length > 0) return "error";
+  if (node.state === "off") return "off";
+  if (node.controller === "error passive") return "warning";
+  if (!node.in_operation) return "warning";
+  return "good";
+}

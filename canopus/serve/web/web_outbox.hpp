@@ -1,0 +1,55 @@
+#pragma once
+// What waits for one watcher of the page, as JSON: events in their order, of too many the newest, and the newest state. No
+// socket: the server asks for the next message when the last one has gone out.
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+
+namespace canopus::serve {
+
+class WebOutbox {
+ public:
+  using Text = std::shared_ptr<const std::string>;  ///< shared by all watchers
+  using LostEvent = std::function<std::string(std::uint64_t)>;
+
+  /// `lost` makes the event for so many events that did not find room.
+  WebOutbox(std::size_t most_events, LostEvent lost) : most_events_(most_events), lost_(std::move(lost)) {}
+
+  void add_event(Text event) {
+    events_.push_back(std::move(event));
+    if (events_.size() <= most_events_) return;
+    events_.pop_front();
+    ++lost_events_;
+  }
+  /// In place of one that has not gone out.
+  void set_state(Text state) { state_ = std::move(state); }
+
+  [[nodiscard]] bool empty() const noexcept { return events_.empty() && !state_; }
+  /// A JSON array of all that waits.
+  [[nodiscard]] std::string take() {
+    std::string message = "[";
+    const auto add = [&](const std::string& event) {
+      if (message.size() > 1) message += ",\n";
+      message += event;
+    };
+    if (lost_events_ != 0) add(lost_(std::exchange(lost_events_, 0)));
+    for (const Text& event : events_) add(*event);
+    events_.clear();
+    if (state_) add(*std::exchange(state_, nullptr));
+    return message + "]";
+  }
+
+ private:
+  std::size_t most_events_;
+  LostEvent lost_;
+  std::deque<Text> events_;
+  std::uint64_t lost_events_ = 0;
+  Text state_;
+};
+
+}  // namespace canopus::serve

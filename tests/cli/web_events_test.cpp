@@ -1,0 +1,149 @@
+// What the page of a run gets: the events of --json, and the state of the plant.
+
+#include "canopus/cli/events/web_events.hpp"
+
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace canopus::cli {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::SizeIs;
+using namespace std::chrono_literals;
+
+constexpr plant::NodeLabel encoder{"line1", "encoder", 3};
+constexpr can::Time at{1'250'000us};
+
+/// Counts every call that an observer can get.
+class Counting final : public plant::PlantObserver {
+ public:
+  int calls = 0;
+  void booted(const plant::NodeLabel&, can::Time) override { ++calls; }
+  void nmt_state_changed(const plant::NodeLabel&, canopen::NmtState, can::Time) override { ++calls; }
+  void lss_configured(const plant::NodeLabel&, std::uint32_t, can::Time) override { ++calls; }
+  void emergency(const plant::NodeLabel&, const canopen::Emergency&, can::Time) override { ++calls; }
+  void unacknowledged(const plant::NodeLabel&, can::Time) override { ++calls; }
+  void bus_error(const plant::BusErrorEvent&, can::Time) override { ++calls; }
+  void controller_changed(const plant::NodeLabel&, const can::ControllerReport&, can::Time) override {
+    ++calls;
+  }
+  void slave_boot_went_on(const plant::NodeLabel&, const plant::NodeLabel&, const manager::BootRecord&,
+                          can::Time) override {
+    ++calls;
+  }
+  void signal_changed(std::string_view, char, unsigned, bool, can::Time) override { ++calls; }
+  void buffer_changed(std::string_view, unsigned, std::uint32_t, std::uint16_t, bool, can::Time) override {
+    ++calls;
+  }
+  void object_forced(const plant::ForcedObject&, can::Time) override { ++calls; }
+  void object_released(const plant::ForcedObject&, can::Time) override { ++calls; }
+  void lift_event(std::string_view, const sim::lift::LiftEvent&) override { ++calls; }
+  void load(std::string_view, const can::BusLoad&, can::Time) override { ++calls; }
+  void warning(std::string_view, std::string_view, can::Time) override { ++calls; }
+  void module_event(std::string_view, std::string_view, const module::ModuleEventRecord&) override {
+    ++calls;
+  }
+  void module_error(std::string_view, std::string_view, const module::ModuleErrorRecord&) override {
+    ++calls;
+  }
+  void error(std::string_view, std::string_view, can::Time) override { ++calls; }
+};
+
+TEST(WebEvents, EveryEventComesToBoth) {
+  Counting first;
+  std::vector<std::string> lines;
+  WebEvents events(first);
+  events.set_listener([&](std::string_view line) { lines.emplace_back(line); });
+  plant::PlantObserver& all = events.observer();
+  all.booted(encoder, at);
+  all.nmt_state_changed(encoder, canopen::NmtState::operational, at);
+  all.lss_configured(encoder, 250000, at);
+  all.emergency(encoder, {}, at);
+  all.unacknowledged(encoder, at);
+  all.bus_error({}, at);
+  all.controller_changed(encoder, {}, at);
+  all.slave_boot_went_on(encoder, encoder, {}, at);
+  all.signal_changed("plc1", 'X', 0, true, at);
+  all.buffer_changed("plc1", 0, 1, 2, true, at);
+  all.object_forced({}, at);
+  all.object_released({}, at);
+  all.lift_event("line1", {});
+  all.load("line1", {}, at);
+  all.warning("a", "b", at);
+  all.module_event("plc1", "U0", {});
+  all.module_error("plc1", "U0", {});
+  all.error("a", "b", at);
+  EXPECT_EQ(first.calls, 18);
+  EXPECT_THAT(lines, SizeIs(18));
+  EXPECT_THAT(lines, Each(AllOf(HasSubstr("\"event\":"), Not(HasSubstr("\n")))));
+  EXPECT_EQ(lines[0], R"({"t":1.25,"event":"boot","bus":"line1","node":3,"name":"encoder"})");
+}
+
+TEST(WebEvents, WhatCameBeforeThereWasAServer_IsNotLost) {
+  Counting first;
+  WebEvents events(first);
+  events.observer().error("a", "early", at);
+  std::vector<std::string> lines;
+  events.set_listener([&](std::string_view line) { lines.emplace_back(line); });
+  events.observer().error("a", "late", at);
+  EXPECT_THAT(lines, ElementsAre(HasSubstr("early"), HasSubstr("late")));
+  EXPECT_EQ(events.lost(7), R"({"t":1.25,"event":"lost","lines":7})");
+}
+
+TEST(WebEvents, TheStateOfAPlant) {
+  const plant::PlantReading reading = plant::read_plant(R"(
+[plant]
+name = "<b>plant</b>"
+[[bus]]
+name = "line1"
+bit_rate = 250_000
+[[plc]]
+name = "plc1"
+listen = "off"
+[[plc.module]]
+model = "ME3CAN1-Q"
+head = 0x20
+bus = "line1"
+node = 1
+watch = ["G25"]
+)",
+                                                        "plant.toml");
+  ASSERT_TRUE(reading.errors.empty());
+  Counting nobody;
+  auto built = plant::Plant::build(reading.plant, nobody);
+  ASSERT_TRUE(built.has_value());
+  plant::Plant& plant = **built;
+  plant.power_on();
+  plant.timeline().run_until(can::Time{3s});
+  const auto state = nlohmann::json::parse(state_event(plant));
+  EXPECT_EQ(state["event"], "state");
+  EXPECT_EQ(state["t"], 3.0);
+  EXPECT_EQ(state["plant"], "<b>plant</b>");
+  EXPECT_EQ(state["live"], false);
+  EXPECT_EQ(state["buses"][0]["link"], "sim");
+  EXPECT_EQ(state["buses"][0]["bit_rate"], 250000);
+  ASSERT_THAT(state["nodes"], SizeIs(1));
+  EXPECT_EQ(state["nodes"][0]["node"], 1);
+  EXPECT_EQ(state["nodes"][0]["module"], true);
+  EXPECT_EQ(state["nodes"][0]["tec"], 128) << "nobody acknowledges";
+  EXPECT_EQ(state["nodes"][0]["controller"], "error passive");
+  ASSERT_THAT(state["modules"], SizeIs(1));
+  EXPECT_EQ(state["modules"][0]["head"], 0x20);
+  EXPECT_EQ(state["modules"][0]["cpu"], "RUN");
+  EXPECT_EQ(state["modules"][0]["leds"][0]["name"], "RUN");
+  EXPECT_EQ(state["modules"][0]["leds"][0]["pattern"], "on");
+  EXPECT_EQ(state["modules"][0]["signals_on"][0], "X20");
+  EXPECT_EQ(state["modules"][0]["words"][0]["address"], 25);
+}
+
+}  // namespace
+}  // namespace canopus::cli

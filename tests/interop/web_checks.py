@@ -1,0 +1,186 @@
+"""Checks of the page of a run: `canopus run --web`."""
+import base64
+import concurrent.futures
+import hashlib
+import json
+import os
+import pathlib
+import shutil
+import socket
+import struct
+
+from docs_checks import require_shown, transcripts
+from kit import HERE, PATIENCE, Skip, check, command, first_plant_file, node_modules, program, require, running, scratch
+
+
+class Watcher:
+    """A WebSocket client of a few lines (RFC 6455)."""
+
+    def __init__(self, port, timeout=PATIENCE):
+        self.socket = socket.create_connection(("127.0.0.1", port), timeout)
+        key = base64.b64encode(os.urandom(16)).decode()
+        self.socket.sendall((f"GET /events HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nOrigin: http://127.0.0.1:{port}\r\n"
+                             "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+                             f"Sec-WebSocket-Key: {key}\r\n\r\n").encode())
+        self.file = self.socket.makefile("rb")
+        require(self.file.readline().startswith(b"HTTP/1.1 101 "), "the server takes no WebSocket")
+        wanted = base64.b64encode(hashlib.sha1((key + "258EAFA5-E914-47DA-95CA-C5AB0DC85B11").encode()).digest())
+        fields = {}
+        while line := self.file.readline().strip():
+            name, value = line.split(b":", 1)
+            fields[name.lower()] = value.strip()
+        require(fields[b"sec-websocket-accept"] == wanted, fields)
+
+    def message(self):
+        """The events of the next message."""
+        while True:
+            first, second = self.file.read(2)
+            size = second & 0x7F
+            if size == 126:
+                size, = struct.unpack("!H", self.file.read(2))
+            elif size == 127:
+                size, = struct.unpack("!Q", self.file.read(8))
+            data = self.file.read(size)
+            if first == 0x81:
+                return json.loads(data)
+            require(first == 0x89, f"frame {first:02x}")  # a ping
+
+    def event(self, wanted):
+        while True:
+            for event in self.message():
+                if wanted(event):
+                    return event
+
+
+def page_of(plant):
+    address = plant.wait(lambda e: e["event"] == "listen" and e["protocol"] == "web")["address"]
+    require(address.startswith("http://127.0.0.1:"), address)
+    return address, int(address.split(":")[2].rstrip("/"))
+
+
+def ask(port, head):
+    with socket.create_connection(("127.0.0.1", port), PATIENCE) as client:
+        client.sendall(head.encode())
+        return client.makefile("rb").read()
+
+
+@check
+def web_events_are_those_of_json():
+    """What a watcher gets is what --json prints, event for event, and a state that says the same."""
+    with running(first_plant_file(), operational=[1, 2], words=["--web"]) as plant:
+        _, port = page_of(plant)
+        watcher = Watcher(port)
+        events = watcher.message()
+        state = next((e for e in events if e["event"] == "state"), None) or watcher.event(lambda e: e["event"] == "state")
+        seen = [e for e in events if e["event"] not in ("state", "listen", "load")]
+        printed = [e for e in plant.events if e["event"] not in ("listen", "load")]
+        require(seen[:len(printed)] == printed[:len(seen)] and len(seen) >= 5, f"{seen}\n{printed}")
+        require(not state["live"] and [b["link"] for b in state["buses"]] == ["sim"], state)
+        require({n["node"]: n["state"] for n in state["nodes"]}[2] == "operational", state["nodes"])
+        later = watcher.event(lambda e: e["event"] == "state" and e["t"] > state["t"])
+        require(later["buses"][0]["frames"] > 0, later)
+        code, _ = plant.stop()
+        require(code == 0, code)
+
+
+@check
+def web_hostile_clients():
+    """Half requests, huge heads, wrong hosts and origins, floods and 50 watchers, one of whom reads nothing: the plant keeps its
+    time and goes on."""
+    with running(first_plant_file(), operational=[1], words=["--web"]) as plant:
+        _, port = page_of(plant)
+        require(ask(port, f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n").startswith(b"HTTP/1.1 200 OK"), "no page")
+        for head, status in ((f"GET / HTTP/1.1\r\nHost: evil.example:{port}\r\n\r\n", b"421"),
+                             (f"POST / HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n", b"405"),
+                             (f"GET /../plant.toml HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n", b"404"),
+                             ("\0" * 9000, b"431"), ("\r\n\r\n", b"400")):
+            require(ask(port, head).split()[1] == status, f"{head[:40]!r}: {status}")
+        half = [socket.create_connection(("127.0.0.1", port)) for _ in range(10)]
+        for one in half:
+            one.sendall(b"GET / HTTP/1.1\r\nHost:")
+        slow = Watcher(port)
+        slow.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        watchers = [Watcher(port) for _ in range(49)]
+        with concurrent.futures.ThreadPoolExecutor(49) as pool:
+            states = list(pool.map(lambda w: w.event(lambda e: e["event"] == "state" and e["t"] > 2), watchers))
+        require(len(states) == 49, "some watcher got nothing")
+        for _ in range(3000):
+            socket.create_connection(("127.0.0.1", port), PATIENCE).close()
+        watchers[0].event(lambda e: e["event"] == "state" and e["t"] > states[0]["t"] + 1)
+        code, errors = plant.stop()
+        summary = plant.wait(lambda e: e["event"] == "summary") if code == 0 else None
+        require(code == 0, errors)
+        print(f"    50 watchers, 3000 connections: the plant was at most {1000 * summary['lag']:.1f} ms late")
+
+
+@check
+def web_documentation():
+    """The command of docs/web.md, and what it prints."""
+    (shown,), = transcripts("docs/web.md")
+    words = [program if w == "canopus" else str(first_plant_file()) if w.startswith("examples/") else w for w in shown[0].split()]
+    require_shown("docs/web.md", words, shown[1], [r"127\.0\.0\.1:\d+"])
+
+
+@check
+def web_address():
+    """Addresses that are not this machine's, and wrong words, are refused in a sentence."""
+    plant = first_plant_file()
+    done = command(program, "run", plant, "--web", "0.0.0.0:0", "--for", "1s", expect=1)
+    require("the page is for this machine alone" in done.stderr, done.stderr)
+    done = command(program, "run", plant, "--web", "nonsense:port", expect=2)
+    require("nonsense" in done.stderr, done.stderr)
+    done = command(program, "run", plant, "--web", "--virtual", expect=2)
+    require("--web excludes --virtual" in done.stderr or "--virtual excludes --web" in done.stderr, done.stderr)
+    done = command(program, "run", plant, "--web", "--for", "10ms", "--free-ports")
+    require("web of" in done.stdout and "http://127.0.0.1:" in done.stdout, done.stdout)
+
+
+def browse(address, name):
+    """What a real Chromium saw of the page."""
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if not chromium:
+        raise Skip("no Chromium: tools/install-packages check")
+    node_modules()
+    folder = pathlib.Path(os.environ.get("CANOPUS_PICTURES", scratch)) / name
+    folder.mkdir(parents=True, exist_ok=True)
+    done = command("node", HERE / "web_browser.mjs", chromium, address, folder)
+    seen = json.loads(done.stdout)
+    require(seen["problems"] == [], f"the browser complains: {seen['problems']}")
+    require(seen["dialogs"] == 0 and seen["markup"] == 0, "a name became markup")
+    require({u.split("/")[2] for u in seen["requests"]} == {address.split("/")[2]}, seen["requests"])
+    require(seen["foreign"] == "refused" and seen["framed"] == "refused", "another site's page got through")
+    require(not seen["overflow"] and seen["unnamed"] == 0, "wider than the window, or a control without a name")
+    require(seen["focus_in"] == "node-title" and seen["focus_back"], "the keyboard loses its place")
+    require(all(pathlib.Path(p).stat().st_size > 10000 for p in seen["pictures"]), seen["pictures"])
+    return seen
+
+
+@check
+def web_page_in_chromium():
+    """The page of the first plant in a real browser, by keyboard alone, light and dark, in two sizes."""
+    with running(first_plant_file(), operational=[1, 2, 3], words=["--web"]) as plant:
+        address, _ = page_of(plant)
+        seen = browse(address, "first-plant")
+        require(seen["where"] == "SIMULATED" and seen["plant"] in seen["title"], seen)
+        require(seen["moods"] and set(seen["moods"]) == {"good"} and seen["reasons"][0] == "", seen)
+        require(any(led.startswith("RUN ") for led in seen["leds"]), seen["leds"])
+        require(any("operational" in row for row in seen["rows"]), seen["rows"])
+        require(seen["first_time"] != seen["later_time"], "plant time stands still")
+        require(seen["filtered"] and all("boot-up" in line for line in seen["filtered"]), seen["filtered"])
+
+
+@check
+def web_page_escapes_names():
+    """Names that would be markup, script or control characters are text on the page; a slave that is missing is red, with the
+    reason in sight."""
+    text = first_plant_file().read_text()
+    names = ['<img src=x onerror=alert(1)>', '\\u001B[2J</script><script>alert(2)</script>']
+    for name, old in zip(names, ("io-block", "encoder")):
+        text = text.replace(f'name = "{old}"', f'name = "{name}"', 1)
+    require(text.count("alert(") == 2, text)
+    plant_file = scratch / "hostile-names.toml"
+    plant_file.write_text(text)
+    with running(plant_file, operational=[1], words=["--web"]) as plant:
+        seen = browse(page_of(plant)[0], "hostile-names")
+        require(any("<img src=x onerror=alert(1)>" in name for name in seen["nodes"]), seen["nodes"])
+        require(any("<script>alert(2)</script>" in name for name in seen["nodes"]), seen["nodes"])

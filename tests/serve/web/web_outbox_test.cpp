@@ -1,0 +1,42 @@
+#include "canopus/serve/web/web_outbox.hpp"
+
+#include <gtest/gtest.h>
+
+namespace canopus::serve {
+namespace {
+
+WebOutbox::Text text(const std::string& words) { return std::make_shared<const std::string>(words); }
+
+WebOutbox outbox(std::size_t most) {
+  return WebOutbox(most, [](std::uint64_t events) { return "lost " + std::to_string(events); });
+}
+
+TEST(WebOutbox, EventsInTheirOrder_ThenTheState) {
+  WebOutbox waiting = outbox(10);
+  EXPECT_TRUE(waiting.empty());
+  waiting.set_state(text("s"));
+  waiting.add_event(text("a"));
+  waiting.add_event(text("b"));
+  EXPECT_FALSE(waiting.empty());
+  EXPECT_EQ(waiting.take(), "[a,\nb,\ns]");
+  EXPECT_TRUE(waiting.empty());
+  EXPECT_EQ(waiting.take(), "[]");
+}
+
+TEST(WebOutbox, OfStatesTheNewest) {
+  WebOutbox waiting = outbox(10);
+  waiting.set_state(text("old"));
+  waiting.set_state(text("new"));
+  EXPECT_EQ(waiting.take(), "[new]");
+}
+
+TEST(WebOutbox, OfTooManyEventsTheNewest_AndHowManyWereLost) {
+  WebOutbox waiting = outbox(2);
+  for (const char* one : {"a", "b", "c", "d", "e"}) waiting.add_event(text(one));
+  EXPECT_EQ(waiting.take(), "[lost 3,\nd,\ne]");
+  waiting.add_event(text("f"));
+  EXPECT_EQ(waiting.take(), "[f]") << "said once";
+}
+
+}  // namespace
+}  // namespace canopus::serve

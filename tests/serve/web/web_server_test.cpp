@@ -1,0 +1,280 @@
+// The web server on real sockets of the loopback interface, one thread: the test turns the event loop itself. The bytes of
+// HTTP and WebSocket (RFC 6455) are written out.
+
+#include "canopus/serve/web/web_server.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/write.hpp>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace canopus::serve {
+namespace {
+
+using boost::asio::ip::tcp;
+using boost::system::error_code;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::StartsWith;
+using namespace std::chrono_literals;
+
+class WebClock final : public link::LoopClock {
+ public:
+  can::Time now() override {
+    if (stop_when_asked != nullptr) stop_when_asked->stop();
+    return can::Time{10s};
+  }
+  void touched() override {}
+  WebServer* stop_when_asked = nullptr;
+};
+
+class WebServerTest : public ::testing::Test {
+ protected:
+  WebServer& start(WebServerOptions options = {}) {
+    server_ = std::make_unique<WebServer>(
+        context_, clock_,
+        WebServer::Use{
+            .state = [this] { return "{\"state\":" + std::to_string(++states_) + filler_ + "}"; },
+            .lost = [](std::uint64_t events) { return "{\"lost\":" + std::to_string(events) + "}"; }},
+        options, [this](std::string_view sentence) { reports_.emplace_back(sentence); });
+    EXPECT_TRUE(server_->listen("127.0.0.1", 0));
+    return *server_;
+  }
+  tcp::socket connect() {
+    tcp::socket socket(client_context_);
+    socket.connect({boost::asio::ip::address_v4::loopback(), server_->port()});
+    socket.non_blocking(true);
+    context_.poll();
+    return socket;
+  }
+  static void send(tcp::socket& socket, const std::string& data) {
+    boost::asio::write(socket, boost::asio::buffer(data));
+  }
+  [[nodiscard]] std::string host() const { return "127.0.0.1:" + std::to_string(server_->port()); }
+  /// What came until `wanted` was in it; "... closed" at the end of the stream, "... nothing" when nothing comes.
+  std::string receive(tcp::socket& socket, const std::string& wanted = "\x01never") {
+    std::string all;
+    std::vector<char> memory(100000);
+    for (int turn = 0; turn < 100 && all.find(wanted) == std::string::npos; ++turn) {
+      context_.run_one_for(10ms);
+      context_.poll();
+      error_code error;
+      const std::size_t count = socket.read_some(boost::asio::buffer(memory), error);
+      if (error == boost::asio::error::would_block) continue;
+      if (error) return all + "closed";
+      all.append(memory.data(), count);
+    }
+    return all.find(wanted) != std::string::npos ? all : all + "nothing";
+  }
+  tcp::socket watch() {
+    auto client = connect();
+    send(client, "GET /events HTTP/1.1\r\nHost: " + host() + "\r\nOrigin: http://" + host() +
+                     "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+                     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n");
+    return client;
+  }
+  /// A text message of a client, masked with zeros.
+  static std::string message(const std::string& text) {
+    return std::string("\x81") + static_cast<char>(0x80 | text.size()) + std::string(4, '\0') + text;
+  }
+
+  boost::asio::io_context context_;
+  boost::asio::io_context client_context_;
+  WebClock clock_;
+  int states_ = 0;
+  std::string filler_;
+  std::vector<std::string> reports_;
+  std::unique_ptr<WebServer> server_;
+};
+
+TEST_F(WebServerTest, AnAnswerEndsTheConnection) {
+  start();
+  auto client = connect();
+  send(client, "GET / HTTP/1.1\r\nHost: " + host() + "\r\n\r\n");
+  const std::string answer = receive(client);
+  EXPECT_THAT(answer, StartsWith("HTTP/1.1 200 OK\r\n"));
+  EXPECT_THAT(answer, EndsWith("</html>\nclosed"));
+  client.close();
+  context_.run_for(50ms);
+  EXPECT_EQ(server_->clients(), 0U);
+  EXPECT_THAT(reports_, IsEmpty());
+}
+
+TEST_F(WebServerTest, AHeadInPieces) {
+  start();
+  auto client = connect();
+  const std::string head = "GET /page.css HTTP/1.1\r\nHost: " + host() + "\r\n\r\n";
+  for (const char byte : head) {
+    send(client, std::string(1, byte));
+    context_.run_one_for(10ms);
+  }
+  EXPECT_THAT(receive(client, "color-scheme"), StartsWith("HTTP/1.1 200 OK\r\n"));
+}
+
+TEST_F(WebServerTest, AWatcherGetsTheEventsUpToNow_AndTheState) {
+  start();
+  server_->event("{\"early\":1}");
+  auto client = watch();
+  const std::string all = receive(client, "}]");
+  EXPECT_THAT(all, StartsWith("HTTP/1.1 101 "));
+  EXPECT_THAT(all, HasSubstr("Sec-WebSocket-Accept: s3pPLMBiTxaQ9kYGzzhZRbK+xOo=\r\n")) << "RFC 6455 1.3";
+  EXPECT_THAT(all, EndsWith("\r\n\r\n\x81\x1A[{\"early\":1},\n{\"state\":1}]"));
+}
+
+TEST_F(WebServerTest, EventsAndStatesGoOn_AsLongAsSomebodyWatches) {
+  start({.state_interval = 1ms});
+  auto client = watch();
+  receive(client, "}]");
+  server_->event("{\"late\":1}");
+  EXPECT_THAT(receive(client, "late"), HasSubstr("[{\"late\":1},\n{\"state\":"));
+  client.close();
+  context_.run_for(50ms);
+  const int made = states_;
+  context_.run_for(50ms);
+  EXPECT_EQ(states_, made);
+  EXPECT_EQ(server_->clients(), 0U);
+}
+
+TEST_F(WebServerTest, AWatcherThatReadsNothing_DelaysNobody_AndIsClosed) {
+  filler_ = ",\"x\":\"" + std::string(1000000, 'x') + "\"";
+  start({.send_timeout = 300ms, .state_interval = 1ms, .most_events = 10});
+  auto slow = watch();
+  auto quick = watch();
+  for (int i = 0; i < 20; ++i) EXPECT_THAT(receive(quick, "}]"), Not(HasSubstr("closed")));
+  for (int i = 0; i < 1000 && server_->clients() == 2; ++i) {
+    server_->event("{}");
+    receive(quick, "}]");
+  }
+  EXPECT_EQ(server_->clients(), 1U);
+  EXPECT_THAT(reports_, ElementsAre(HasSubstr("does not take what it is sent: its connection is closed")));
+}
+
+TEST_F(WebServerTest, WhatAWatcherSendsChangesNothing) {
+  start();
+  auto client = watch();
+  receive(client, "}]");
+  send(client, message("{\"request\":\"set\"}") + message("\x1B[2J"));
+  context_.run_for(50ms);
+  EXPECT_EQ(server_->clients(), 1U);
+}
+
+TEST_F(WebServerTest, AMessageThatIsTooLong_OrTooManyOfThem) {
+  start({.longest_message = 100, .most_messages = 5});
+  auto client = watch();
+  receive(client, "}]");
+  send(client, message(std::string(101, 'x')));
+  EXPECT_THAT(receive(client, "\x88"), HasSubstr("\x88\x02\x03\xF1")) << "close, 1009: message too big";
+  client.close();
+  context_.run_for(50ms);
+  EXPECT_THAT(reports_, ElementsAre(HasSubstr("sent a message that is too long")));
+  auto other = watch();
+  receive(other, "}]");
+  for (int i = 0; i < 6; ++i) send(other, message("x"));
+  EXPECT_THAT(receive(other), EndsWith("closed"));
+  EXPECT_THAT(reports_, ElementsAre(HasSubstr("too long"), HasSubstr("sends too much")));
+  EXPECT_EQ(server_->clients(), 0U);
+}
+
+TEST_F(WebServerTest, BytesThatAreNoWebSocketEndTheConnection_AlsoOfOneThatStays) {
+  start({.silent_timeout = 200ms, .state_interval = 10ms});
+  auto client = watch();
+  receive(client, "}]");
+  send(client, std::string("\x83\x80\0\0\0\0", 6));  // opcode 3 is reserved
+  EXPECT_THAT(receive(client), AllOf(HasSubstr("\x88\x02\x03\xEA"), EndsWith("closed")))
+      << "1002: protocol error";
+  context_.run_for(300ms);
+  EXPECT_EQ(server_->clients(), 0U);
+}
+
+TEST_F(WebServerTest, AHalfRequest_IsWaitedForOnlyForAWhile) {
+  start({.head_timeout = 50ms});
+  auto client = connect();
+  send(client, "GET / HT");
+  EXPECT_EQ(receive(client), "closed");
+  EXPECT_THAT(reports_, ElementsAre(HasSubstr("left a request incomplete: its connection is closed")));
+}
+
+TEST_F(WebServerTest, DribbledBytesDoNotKeepAConnection) {
+  start({.head_timeout = 100ms});
+  auto client = connect();
+  error_code error;
+  for (int i = 0; i < 1000 && !error; ++i) {
+    boost::asio::write(client, boost::asio::buffer("x", 1), error);
+    context_.run_for(2ms);
+    if (server_->clients() == 0) break;
+  }
+  EXPECT_EQ(server_->clients(), 0U);
+}
+
+TEST_F(WebServerTest, AHeadThatDoesNotEnd_IsRefused) {
+  start();
+  auto client = connect();
+  send(client, "GET / HTTP/1.1\r\n" + std::string(20000, 'x'));
+  EXPECT_THAT(receive(client, "too long"), StartsWith("HTTP/1.1 431 "));
+}
+
+TEST_F(WebServerTest, BytesBehindTheHeadAreRefused) {
+  start();
+  auto client = connect();
+  send(client, "GET / HTTP/1.1\r\nHost: " + host() + "\r\n\r\nGET / HTTP/1.1\r\n\r\n");
+  EXPECT_THAT(receive(client, "no body here"), StartsWith("HTTP/1.1 400 "));
+}
+
+TEST_F(WebServerTest, FurtherClientsAreRefused_AndTheOthersStay) {
+  start({.maximum_clients = 2});
+  auto first = watch();
+  receive(first, "}]");
+  auto second = connect();
+  auto third = connect();
+  EXPECT_EQ(receive(third), "closed");
+  EXPECT_EQ(server_->clients(), 2U);
+  EXPECT_THAT(reports_, ElementsAre(HasSubstr("was refused: all 2 connections are in use")));
+}
+
+TEST_F(WebServerTest, ThousandsOfConnects_LeaveNothingBehind) {
+  start({.maximum_clients = 8});
+  for (int i = 0; i < 2000; ++i) (void)connect();
+  for (int i = 0; i < 100 && server_->clients() != 0; ++i) context_.run_one_for(10ms);
+  EXPECT_EQ(server_->clients(), 0U);
+  auto client = watch();
+  EXPECT_THAT(receive(client, "}]"), StartsWith("HTTP/1.1 101 "));
+}
+
+TEST_F(WebServerTest, ThisMachineAlone) {
+  start();
+  for (const char* host : {"0.0.0.0", "192.168.1.7", "::", "example.org"}) {
+    const auto result = server_->listen(host, 0);
+    ASSERT_FALSE(result) << host;
+    EXPECT_THAT(result.error(), HasSubstr("the page is for this machine alone; expected 127.0.0.1 or ::1"));
+  }
+}
+
+TEST_F(WebServerTest, ItMayBeStoppedWithinThePresentMoment) {
+  start();
+  clock_.stop_when_asked = server_.get();
+  auto client = watch();
+  EXPECT_THAT(receive(client), EndsWith("closed"));
+  EXPECT_EQ(states_, 0);
+}
+
+TEST_F(WebServerTest, ItMayBeStoppedWithWatchers) {
+  start({.state_interval = 1ms});
+  auto client = watch();
+  receive(client, "}]");
+  server_.reset();
+  context_.run_for(20ms);
+  SUCCEED();
+}
+
+}  // namespace
+}  // namespace canopus::serve
