@@ -315,6 +315,36 @@ TEST_F(BusErrors, TransmitterUnpluggedInItsFrame_LeavesAnErrorAndItsFrameWaits) 
   EXPECT_EQ(b.heard, (std::vector<Heard>{{data_frame(0x123, {0x55}), Time(1ms) + 11us + 53us}}));
 }
 
+TEST_F(BusErrors, TransmitterUnpluggedAfterItsLastSample_HasSentItsFrame) {
+  a.port.send(frame_of_53_bits);
+  timeline.run_until(Time(52us) + 880ns);  // bit 52 is sampled at 52.875 us
+  a.port.plug(false);
+  timeline.run_until(Time(1ms));
+  EXPECT_EQ(a.sent, (std::vector<Heard>{{frame_of_53_bits, Time(52us) + 880ns}}));
+  EXPECT_EQ(b.heard.size(), 1U);
+  a.port.plug(true);
+  timeline.run_until(Time(2ms));
+  EXPECT_EQ(a.sent.size(), 1U) << "it is not sent again";
+  EXPECT_EQ(b.heard.size(), 1U);
+  // A sample earlier the frame is not complete for its transmitter, and goes out again.
+  a.send_at(Time(3ms), frame_of_53_bits);
+  timeline.run_until(Time(3ms) + 52us + 870ns);
+  a.port.plug(false);
+  timeline.run_until(Time(4ms));
+  EXPECT_EQ(a.sent.size(), 1U);
+  a.port.plug(true);
+  timeline.run_until(Time(5ms));
+  EXPECT_EQ(a.sent.size(), 2U);
+  EXPECT_EQ(b.heard.size(), 3U);
+  // A controller that starts anew tells nobody.
+  a.send_at(Time(6ms), frame_of_53_bits);
+  timeline.run_until(Time(6ms) + 52us + 880ns);
+  a.port.restart(1'000'000);
+  timeline.run_until(Time(7ms));
+  EXPECT_EQ(a.sent.size(), 2U);
+  EXPECT_EQ(b.heard.size(), 4U);
+}
+
 TEST_F(BusErrors, LastListenerUnpluggedInAFrame_LeavesItUnacknowledged) {
   b.port.plug(false);
   timeline.run_until(Time(1ms));

@@ -53,6 +53,7 @@ void BusPort::restart(std::uint32_t bit_rate) {
 void BusPort::start_anew() {
   faults.reset();
   recovering = false;
+  confirm = false;  // nobody is left who would hear of it
   queue.clear();
   refused = 0;
   overrun = 0;

@@ -109,7 +109,11 @@ void Segment::restart(BusPort& port) {
 }
 
 void Segment::take_off(BusPort& port) {
-  if (port.sending && !port.tap.transmitted) port.give_back();
+  if (port.sending && port.tap.transmitted) {  // complete but for the end of its last bit
+    port.confirm = port.complete();
+  } else if (port.sending) {
+    port.give_back();
+  }
   port.sending = false;
   port.bits.restart(true);
   fall_silent(port);
