@@ -16,7 +16,7 @@
 #include <gmock/gmock.h>
 
 #include "canopus/can/frame.hpp"
-#include "canopus/cli/run/event_printer.hpp"
+#include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/run/run_recording.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/plant/plant_division.hpp"
