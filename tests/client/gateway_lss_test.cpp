@@ -318,6 +318,13 @@ TEST_F(GatewayLssTest, RequestsOfTwoClients_DoNotComeBetweenEachOther) {
   EXPECT_EQ(ends.frames.back(), request({0x5E}));
   gateway.receive(of_eight(0x7E4, {0x5E, 5}), now);
   EXPECT_THAT(other.lines, ElementsAre("5\r\n"));
+  // One that leaves while it waits disturbs nobody.
+  ask("lss_get_node");
+  auto waiting = std::make_unique<GatewaySession>(gateway, other);
+  waiting->receive("lss_store\n", now);
+  waiting->end(now);
+  waiting.reset();
+  EXPECT_EQ(hear_of_device({0x5E, 6}), "6\r\n");
   // One that leaves gives its turn to the next.
   auto third = std::make_unique<GatewaySession>(gateway, other);
   third->receive("lss_store\n", now);

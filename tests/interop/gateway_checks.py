@@ -4,6 +4,7 @@ import random
 import signal
 import socket
 import struct
+import subprocess
 import threading
 import time
 
@@ -205,6 +206,26 @@ def gateway_ends_a_client_that_takes_no_events():
         good.ask("[2] set sdo_timeout 60000", "[2] OK")  # what the replay left behind comes first on the bus
         good.ask("[3] 5 r 0x1018 2 u32", "[3] 1280")
         deaf.close()
+
+
+@check
+def gateway_goes_on_when_nobody_reads_what_it_reports():
+    with gateway() as (_port, first):
+        server = subprocess.Popen([program, "gateway", "--bus", first.bus, "--listen", "127.0.0.1:0"], stdout=subprocess.PIPE,
+                                  stderr=subprocess.PIPE)
+        try:
+            port = int(server.stdout.readline().rsplit(b":", 1)[1])
+            clients = [Client(port) for _ in range(32)]
+            for client in clients:
+                client.ask("[1] 5 r 0x1018 2 u32", "[1] 1280")
+            for _ in range(5000):  # each refusal is a line on stderr, which holds 64 KiB
+                socket.create_connection(("127.0.0.1", port), PATIENCE).close()
+            clients[31].ask("[2] 5 r 0x1018 2 u32", "[2] 1280")
+            server.send_signal(signal.SIGTERM)
+            require(server.wait(PATIENCE) == 0, "the exit code of SIGTERM")
+        finally:
+            server.kill()
+            server.wait()
 
 
 @check

@@ -6,6 +6,8 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include "canopus/cli/commands/bus_command.hpp"
 #include "canopus/client/gateway/gateway_server.hpp"
@@ -27,6 +29,13 @@ void tell(client::Gateway& gateway, can::ErrorState& before, can::ErrorState now
   before = now;
   if (now == can::ErrorState::error_passive) gateway.controller_error(client::GatewayError::error_passive);
   if (now == can::ErrorState::bus_off) gateway.controller_error(client::GatewayError::bus_off);
+}
+
+/// A standard error that nobody reads must not hold the clients up: what does not fit is left out.
+void report_if_it_fits(std::string_view source, std::string_view sentence) {
+  pollfd error{.fd = STDERR_FILENO, .events = POLLOUT, .revents = 0};
+  const bool fits = ::poll(&error, 1, 0) == 1 && (error.revents & POLLOUT) != 0;
+  if (fits) print_error("canopus: {}: {}", source, sentence);
 }
 
 int serve(const GatewayArguments& arguments, const char* version) {
@@ -55,9 +64,10 @@ int serve(const GatewayArguments& arguments, const char* version) {
       [&](BusLoop& bus, can::Duration) {
         client::Gateway gateway(bus, static_cast<std::uint8_t>(node), version);
         gateway.set_restart([&bus](std::uint32_t bit_rate) { return bus.restart(bit_rate); });
+        bus.set_complaint([](std::string_view text) { report_if_it_fits("the bus", text); });
         client::GatewayServer server(
             bus.io(), gateway, [&bus] { return bus.now(); }, {.allowed = link::AllowList(networks)},
-            [](std::string_view sentence) { print_error("canopus: gateway: {}", sentence); });
+            [](std::string_view sentence) { report_if_it_fits("gateway", sentence); });
         if (const auto listening = server.listen(place->host, place->port); !listening) {
           return complain(exit_code::failed, "cannot listen on " + listening.error());
         }
