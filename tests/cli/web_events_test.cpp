@@ -9,6 +9,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "canopus/cli/events/web_messages.hpp"
+
 namespace canopus::cli {
 namespace {
 
@@ -143,6 +145,54 @@ watch = ["G25"]
   EXPECT_EQ(state["modules"][0]["leds"][0]["pattern"], "on");
   EXPECT_EQ(state["modules"][0]["signals_on"][0], "X20");
   EXPECT_EQ(state["modules"][0]["words"][0]["address"], 25);
+}
+
+TEST(WebMessages, AreDecodedForWhoLooks_NewestAlone) {
+  const plant::PlantReading reading = plant::read_plant(R"(
+[[bus]]
+name = "line1"
+bit_rate = 250_000
+)",
+                                                        "plant.toml");
+  ASSERT_TRUE(reading.errors.empty());
+  Counting nobody;
+  auto built = plant::Plant::build(reading.plant, nobody);
+  ASSERT_TRUE(built.has_value());
+  plant::Plant& plant = **built;
+  WebMessages messages(plant);
+  struct Silent final : can::Participant {
+    void receive(const can::Frame&, can::Time) override {}
+    void tick(can::Time) override {}
+    [[nodiscard]] can::Time deadline() const noexcept override { return can::never; }
+  } peer, other;
+  can::Port& port = plant.bus(0).add_port("peer");
+  port.connect(peer, plant.timeline_of_bus(0).add(peer));
+  plant.bus(0).add_port("other").connect(other, plant.timeline_of_bus(0).add(other));
+  plant.power_on();
+  const auto send = [&](std::size_t frames) {
+    for (std::size_t i = 0; i < frames; ++i) {
+      port.send(can::Frame{.identifier = 0x703, .dlc = 1, .data = {0x05}});
+      plant.timeline().run_until(plant.timeline().now() + 1ms);
+    }
+  };
+  send(3);
+  EXPECT_EQ(messages.look(true), "") << "from now on";
+  EXPECT_EQ(messages.look(true), "");
+  send(2);
+  auto event = nlohmann::json::parse(messages.look(true));
+  EXPECT_EQ(event["event"], "messages");
+  EXPECT_EQ(event["left_out"], 0);
+  ASSERT_THAT(event["messages"], SizeIs(2));
+  EXPECT_EQ(event["messages"][0]["channel"], "line1");
+  EXPECT_EQ(event["messages"][0]["service"], "error-control");
+  EXPECT_EQ(event["messages"][0]["node"], 3);
+  send(WebMessages::most_frames + 7);
+  event = nlohmann::json::parse(messages.look(true));
+  EXPECT_EQ(event["left_out"], 7);
+  EXPECT_THAT(event["messages"], SizeIs(WebMessages::most_frames));
+  EXPECT_EQ(messages.look(false), "");
+  send(2);
+  EXPECT_EQ(messages.look(true), "") << "nothing of the time between";
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ seen.nodes = await texts(".nodes b");
 seen.moods = await page.locator(".nodes button").evaluateAll((all) => all.map((one) => one.dataset.mood));
 seen.reasons = await texts(".nodes .reason");
 seen.leds = await texts(".led span");
-seen.events = await texts(".event");
+seen.events = await texts("#events .event");
 seen.markup = await page.locator("img, iframe, script:not([src='page.js'])").count();
 seen.overflow = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth);
 // By the keyboard alone: to the first node, open it, and back.
@@ -59,11 +59,20 @@ seen.focus_back = await page.evaluate(() => document.activeElement.matches(".nod
 // Every control has a name for a screen reader.
 seen.unnamed = (await page.locator("button, input").evaluateAll((all) => all.filter((one) =>
   !(one.getAttribute("aria-label") || one.textContent.trim() || one.labels?.length)).length));
+await page.click("#follow");
+await page.waitForSelector("#messages .event");
+await page.fill("#message-filter", "pdo");
+await page.waitForFunction(() => document.querySelectorAll("#messages .event").length > 5);
+seen.messages = await texts("#messages .event");
+const picture = `${folder}/messages-light-1280.png`;
+await page.screenshot({ path: picture, fullPage: true });
+seen.pictures.push(picture);
+await page.click("#follow");
 seen.first_time = await page.textContent("#time");
 await page.waitForTimeout(700);
 seen.later_time = await page.textContent("#time");
 await page.fill("#filter", "boot-up");
-seen.filtered = await texts(".event");
+seen.filtered = await texts("#events .event");
 // A page of another site gets nothing.
 const other = await browser.newPage();
 await other.goto("data:text/html,<title>other</title>");

@@ -45,6 +45,10 @@ class Watcher:
                 return json.loads(data)
             require(first == 0x89, f"frame {first:02x}")  # a ping
 
+    def say(self, message):
+        data = json.dumps(message).encode()
+        self.socket.sendall(bytes([0x81, 0x80 | len(data), 0, 0, 0, 0]) + data)
+
     def event(self, wanted):
         while True:
             for event in self.message():
@@ -79,6 +83,9 @@ def web_events_are_those_of_json():
         require({n["node"]: n["state"] for n in state["nodes"]}[2] == "operational", state["nodes"])
         later = watcher.event(lambda e: e["event"] == "state" and e["t"] > state["t"])
         require(later["buses"][0]["frames"] > 0, later)
+        watcher.say({"messages": True})
+        messages = watcher.event(lambda e: e["event"] == "messages")
+        require(any(m["service"] == "pdo" and m["name"] == "encoder" for m in messages["messages"]), messages)
         code, _ = plant.stop()
         require(code == 0, code)
 
@@ -165,6 +172,7 @@ def web_page_in_chromium():
         require(seen["moods"] and set(seen["moods"]) == {"good"} and seen["reasons"][0] == "", seen)
         require(any(led.startswith("RUN ") for led in seen["leds"]), seen["leds"])
         require(any("operational" in row for row in seen["rows"]), seen["rows"])
+        require(any("(encoder)" in line and "TPDO1  Position value" in line for line in seen["messages"]), seen["messages"])
         require(seen["first_time"] != seen["later_time"], "plant time stands still")
         require(seen["filtered"] and all("boot-up" in line for line in seen["filtered"]), seen["filtered"])
 

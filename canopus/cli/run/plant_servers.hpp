@@ -11,6 +11,7 @@
 #include <boost/asio/io_context.hpp>
 
 #include "canopus/cli/events/web_events.hpp"
+#include "canopus/cli/events/web_messages.hpp"
 #include "canopus/link/loop_clock.hpp"
 #include "canopus/link/peer.hpp"
 #include "canopus/link/socketcand_server.hpp"
@@ -80,6 +81,7 @@ class PlantServers {
   std::vector<std::unique_ptr<serve::MelsecServer>> melsec_;
   std::vector<std::unique_ptr<serve::ModbusServer>> modbus_;
   std::optional<serve::ControlServer> control_;
+  std::optional<WebMessages> web_messages_;  // outlives the server
   std::optional<serve::WebServer> web_;
 };
 

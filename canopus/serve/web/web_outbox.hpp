@@ -1,6 +1,6 @@
 #pragma once
-// What waits for one watcher of the page, as JSON: events in their order, of too many the newest, and the newest state. No
-// socket: the server asks for the next message when the last one has gone out.
+// What waits for one watcher of the page, as JSON: events in their order, of too many the newest, the newest messages of the
+// buses and the newest state. No socket: the server asks for the next message when the last one has gone out.
 
 #include <cstddef>
 #include <cstdint>
@@ -29,7 +29,9 @@ class WebOutbox {
   /// In place of one that has not gone out.
   void set_state(Text state) { state_ = std::move(state); }
 
-  [[nodiscard]] bool empty() const noexcept { return events_.empty() && !state_; }
+  void set_messages(Text messages) { messages_ = std::move(messages); }
+
+  [[nodiscard]] bool empty() const noexcept { return events_.empty() && !messages_ && !state_; }
   /// A JSON array of all that waits.
   [[nodiscard]] std::string take() {
     std::string message = "[";
@@ -40,6 +42,7 @@ class WebOutbox {
     if (lost_events_ != 0) add(lost_(std::exchange(lost_events_, 0)));
     for (const Text& event : events_) add(*event);
     events_.clear();
+    if (messages_) add(*std::exchange(messages_, nullptr));
     if (state_) add(*std::exchange(state_, nullptr));
     return message + "]";
   }
@@ -49,6 +52,7 @@ class WebOutbox {
   LostEvent lost_;
   std::deque<Text> events_;
   std::uint64_t lost_events_ = 0;
+  Text messages_;
   Text state_;
 };
 

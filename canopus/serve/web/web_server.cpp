@@ -19,6 +19,7 @@
 #include "canopus/serve/connection_timer.hpp"
 #include "canopus/serve/web/web_outbox.hpp"
 #include "canopus/serve/web/web_request.hpp"
+#include "canopus/serve/web/web_wish.hpp"
 
 namespace canopus::serve {
 
@@ -43,6 +44,7 @@ struct WebServer::Parts : std::enable_shared_from_this<Parts> {
   void remove(const Connection& connection);
   void watch();
   void show_state();
+  void show_messages();
   void flush();
   void say(const std::string& client, const std::string& what) const {
     if (report) report(client + ' ' + what);
@@ -81,9 +83,11 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
   }
 
   [[nodiscard]] bool watches() const noexcept { return state_ == State::watches; }
+  [[nodiscard]] bool wants_messages() const noexcept { return watches() && wants_messages_; }
 
   void add_event(const WebOutbox::Text& event) { outbox_.add_event(event); }
   void set_state(const WebOutbox::Text& state) { outbox_.set_state(state); }
+  void set_messages(const WebOutbox::Text& messages) { outbox_.set_messages(messages); }
 
   /// Sends what waits, when nothing is under way.
   void send() {
@@ -193,12 +197,14 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
     });
   }
 
-  /// A client has nothing to say yet; what it says is read, so that its end is seen.
   void listen() {
     stream_.async_read(message_, [self = shared_from_this()](error_code error, std::size_t) {
       if (self->parts_ == nullptr) return;
       if (error == websocket::error::message_too_big) return self->end("sent a message that is too long");
       if (error) return self->end();
+      const auto bytes = self->message_.cdata();
+      const auto wish = serve::wants_messages({static_cast<const char*>(bytes.data()), bytes.size()});
+      if (wish) self->wants_messages_ = *wish;
       self->message_.clear();
       const auto now = MonotonicClock::now();
       self->heard_at_ = now;
@@ -239,6 +245,7 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
   std::string output_;
   boost::beast::flat_buffer message_;
   bool is_sending_ = false;
+  bool wants_messages_ = false;
   int drained_ = 0;
   unsigned messages_ = 0;
   MonotonicClock::time_point heard_at_{};
@@ -269,7 +276,10 @@ void WebServer::Parts::watch() {
     self->is_watched = false;
     const auto watchers = self->connections;
     for (const auto& one : watchers) one->look_for_end(MonotonicClock::now());
-    if (std::ranges::none_of(self->connections, [](const auto& one) { return one->watches(); })) return;
+    if (std::ranges::none_of(self->connections, [](const auto& one) { return one->watches(); })) {
+      if (self->use.messages) (void)self->use.messages(false);
+      return;
+    }
     self->watch();
     self->show_state();
   });
@@ -283,7 +293,19 @@ void WebServer::Parts::show_state() {
   for (const auto& connection : connections) {
     if (connection->watches()) connection->set_state(text);
   }
+  show_messages();
   flush();
+}
+
+void WebServer::Parts::show_messages() {
+  if (!use.messages) return;
+  const auto wants = [](const auto& one) { return one->wants_messages(); };
+  std::string event = use.messages(std::ranges::any_of(connections, wants));
+  if (event.empty()) return;
+  const auto text = std::make_shared<const std::string>(std::move(event));
+  for (const auto& connection : connections) {
+    if (wants(connection)) connection->set_messages(text);
+  }
 }
 
 void WebServer::Parts::flush() {

@@ -1,6 +1,7 @@
 #pragma once
 // The server behind the page of a run: HTTP/1.1 for the page's files, a WebSocket for what happens. It runs on the
-// event loop that owns the plant, in its thread. It only shows: nothing that a client sends changes the plant.
+// event loop that owns the plant, in its thread. It only shows: a client chooses what it
+// sees, and nothing that it sends changes the plant.
 //
 // Each message of the WebSocket is a JSON array of events (docs/events.md): first the state and the latest events, then
 // what comes. Clients cannot disturb each other or the plant: each has at most one message under way and bounded memory; one that is
@@ -47,6 +48,8 @@ class WebServer {
   struct Use {
     std::function<std::string()> state{};
     std::function<std::string(std::uint64_t)> lost{};
+    /// The `messages` event of what came since the last call, or an empty text; false: nobody wants them.
+    std::function<std::string(bool)> messages{};
   };
 
   /// `context` and `clock` must outlive the server.

@@ -30,6 +30,17 @@ TEST(WebOutbox, OfStatesTheNewest) {
   EXPECT_EQ(waiting.take(), "[new]");
 }
 
+TEST(WebOutbox, OfMessagesTheNewest_BeforeTheState) {
+  WebOutbox waiting = outbox(10);
+  waiting.set_messages(text("old"));
+  waiting.set_messages(text("m"));
+  EXPECT_FALSE(waiting.empty());
+  waiting.set_state(text("s"));
+  waiting.add_event(text("e"));
+  EXPECT_EQ(waiting.take(), "[e,\nm,\ns]");
+  EXPECT_TRUE(waiting.empty());
+}
+
 TEST(WebOutbox, OfTooManyEventsTheNewest_AndHowManyWereLost) {
   WebOutbox waiting = outbox(2);
   for (const char* one : {"a", "b", "c", "d", "e"}) waiting.add_event(text(one));

@@ -14,12 +14,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "canopus/serve/web/web_wish.hpp"
+
 namespace canopus::serve {
 namespace {
 
 using boost::asio::ip::tcp;
 using boost::system::error_code;
 using ::testing::AllOf;
+using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
@@ -45,7 +48,12 @@ class WebServerTest : public ::testing::Test {
         context_, clock_,
         WebServer::Use{
             .state = [this] { return "{\"state\":" + std::to_string(++states_) + filler_ + "}"; },
-            .lost = [](std::uint64_t events) { return "{\"lost\":" + std::to_string(events) + "}"; }},
+            .lost = [](std::uint64_t events) { return "{\"lost\":" + std::to_string(events) + "}"; },
+            .messages =
+                [this](bool wanted) {
+                  wanted_.push_back(wanted);
+                  return wanted ? std::string("{\"m\":1}") : std::string();
+                }},
         options, [this](std::string_view sentence) { reports_.emplace_back(sentence); });
     EXPECT_TRUE(server_->listen("127.0.0.1", 0));
     return *server_;
@@ -92,6 +100,7 @@ class WebServerTest : public ::testing::Test {
   boost::asio::io_context client_context_;
   WebClock clock_;
   int states_ = 0;
+  std::vector<bool> wanted_;
   std::string filler_;
   std::vector<std::string> reports_;
   std::unique_ptr<WebServer> server_;
@@ -166,6 +175,32 @@ TEST_F(WebServerTest, WhatAWatcherSendsChangesNothing) {
   send(client, message("{\"request\":\"set\"}") + message("\x1B[2J"));
   context_.run_for(50ms);
   EXPECT_EQ(server_->clients(), 1U);
+}
+
+TEST_F(WebServerTest, MessagesAreMadeForWhoWantsThem) {
+  start({.state_interval = 1ms});
+  auto client = watch();
+  auto other = watch();
+  receive(client, "}]");
+  EXPECT_THAT(wanted_, Each(false));
+  send(client, message("{\"messages\": true}"));
+  EXPECT_THAT(receive(client, "{\"m\":1}"), HasSubstr("{\"m\":1}"));
+  EXPECT_TRUE(wanted_.back());
+  EXPECT_THAT(receive(other, "\"state\":9"), Not(HasSubstr("\"m\"")));
+  client.close();
+  other.close();
+  context_.run_for(50ms);
+  EXPECT_FALSE(wanted_.back()) << "nobody watches";
+}
+
+TEST(WebWish, OnlyWhatAWatcherMaySay) {
+  EXPECT_EQ(wants_messages("{\"messages\": true}"), true);
+  EXPECT_EQ(wants_messages("{\"messages\":false}"), false);
+  for (const char* text :
+       {"", "true", "[]", "{}", "{\"messages\":1}", "{\"messages\":true,\"x\":1}", "{\"message\":true}",
+        "{\"messages\":true", "[[[[[[[[[[[[[[[[[[", "\xFF", "{\"request\":\"set\"}"}) {
+    EXPECT_EQ(wants_messages(text), std::nullopt) << text;
+  }
 }
 
 TEST_F(WebServerTest, AMessageThatIsTooLong_OrTooManyOfThem) {

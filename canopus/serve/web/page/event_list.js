@@ -61,7 +61,7 @@ export class EventList {
     const rows = [];
     for (let i = first; i < last; ++i) {
       const row = this.shown[this.shown.length - 1 - i];
-      const kind = ["error", "module error", "emcy", "bus error"].includes(row.kind) ? "error"
+      const kind = ["error", "module error", "emcy", "bus error", "error-frame"].includes(row.kind) ? "error"
                  : ["warning", "lost", "unacknowledged"].includes(row.kind) ? "warning" : "";
       const line = make("div", { class: `event ${kind}` }, `${row.t.toFixed(6).padStart(12)}  ${row.text}`);
       line.style.top = `${i * row_height}px`;

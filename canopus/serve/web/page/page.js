@@ -1,7 +1,7 @@
 // The page of a run. It gets events over a WebSocket (docs/events.md) and shows them; it asks for nothing and changes
 // nothing. Names come from strangers' files: they become text nodes and attributes, never markup.
 import { EventList } from "./event_list.js";
-import { sentence, mood_of } from "./words.js";
+import { sentence, message_line, mood_of } from "./words.js";
 import { make, set_text } from "./dom.js";
 import { draw_leds, draw_modules } from "./modules.js";
 
@@ -11,6 +11,9 @@ let state_at = 0;
 let chosen = null;  // key of the node that is open
 let rates = new Map();  // by node: { pdos, t, rate }
 const events = new EventList(by_id("events"), by_id("filter"), by_id("event-count"));
+const messages = new EventList(by_id("messages"), by_id("message-filter"), by_id("message-count"));
+let socket = null;
+let follows = false;
 
 const key_of = (node) => `${node.bus}\u0000${node.node}\u0000${node.name}`;
 const label_of = (node) => node.name || (node.node >= 1 && node.node <= 127 ? `Node ${node.node}` : "Node");
@@ -179,6 +182,10 @@ function received(list) {
     if (event.event === "state") {
       state = event;
       state_at = performance.now();
+    } else if (event.event === "messages") {
+      if (event.left_out) messages.add({ t: event.t, event: "lost" }, `${event.left_out} frames were left out: more than can be shown`);
+      for (const message of event.messages) messages.add({ t: message.time, event: message.service }, message_line(message));
+      messages.draw();
     } else if (event.event !== "load") {
       events.add(event, sentence(event));
     }
@@ -188,11 +195,12 @@ function received(list) {
 }
 
 function connect() {
-  const socket = new WebSocket(`ws://${location.host}/events`);
+  socket = new WebSocket(`ws://${location.host}/events`);
   socket.addEventListener("open", () => {
     events.clear();  // the server sends the latest ones again
     rates = new Map();
     set_text(by_id("connection"), "");
+    if (follows) say_wish();
   });
   socket.addEventListener("message", (message) => received(JSON.parse(message.data)));
   socket.addEventListener("close", () => {
@@ -202,6 +210,17 @@ function connect() {
     setTimeout(connect, 2000);
   });
 }
+
+/// The server decodes frames only for who wants to see them.
+function say_wish() {
+  if (socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify({ messages: follows }));
+}
+
+by_id("follow").addEventListener("click", () => {
+  follows = !follows;
+  by_id("follow").setAttribute("aria-pressed", follows);
+  say_wish();
+});
 
 function close_node() {
   const key = chosen;

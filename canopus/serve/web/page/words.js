@@ -33,6 +33,14 @@ export function sentence(event) {
   return `${kind}: ${JSON.stringify(rest)}`;
 }
 
+/// "line1  183  pdo  3 (encoder)  TPDO  Position value = 7"
+export function message_line(message) {
+  const node = message.node ? `${message.node}${message.name ? ` (${message.name})` : ""}` : "";
+  const pdo = message.pdo ? String(message.pdo) : "";
+  return `${message.channel ?? ""}  ${message.id.padStart(3)}  ${message.service.padEnd(13)}  ${node.padEnd(18)}  ` +
+         `${message.kind}${pdo}  ${message.text}`;
+}
+
 export function mood_of(node, troubles) {
   if (node.controller === "bus-off" || troubles.length > 0) return "error";
   if (node.state === "off") return "off";
