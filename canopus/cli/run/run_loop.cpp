@@ -25,10 +25,10 @@
 #include "canopus/cli/run/run_output.hpp"
 #include "canopus/cli/run/run_recording.hpp"
 #include "canopus/cli/run/run_screen.hpp"
+#include "canopus/cli/run/run_summary.hpp"
 #include "canopus/cli/run/stop_signals.hpp"
 #include "canopus/cli/terminal/plant_loading.hpp"
 #include "canopus/cli/terminal/print.hpp"
-#include "canopus/plant/lift_seat.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/serve/client_reports.hpp"
 #include "canopus/serve/linked_buses.hpp"
@@ -322,20 +322,10 @@ bool Run::close_recordings(const OutputQueue::Patience& patience) {
 }
 
 void Run::summarise(can::Duration wall) {
-  RunSummary summary{.end = plant_->timeline().now(),
-                     .wall = wall,
-                     .virtual_time = options_.virtual_time,
-                     .largest_lag = largest_lag_,
-                     .nodes = plant_->nodes(),
-                     .boots = plant_->boots(),
-                     .troubles = plant_->troubles(),
-                     .forced = plant_->forced()};
-  for (std::size_t i = 0; i < plant_->bus_count(); ++i) {
-    summary.buses.push_back({plant_->bus(i).name(), plant_->bus(i).load(summary.end)});
-  }
-  for (std::size_t i = 0; i < plant_->lift_count(); ++i) {
-    summary.lifts.push_back({plant_->lift(i).bus(), plant_->lift(i).building().report()});
-  }
+  RunSummary summary = summary_of(*plant_);
+  summary.wall = wall;
+  summary.virtual_time = options_.virtual_time;
+  summary.largest_lag = largest_lag_;
   if (options_.json) {
     json_.summary(summary);
   } else {
