@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "canopus/can/frame_bits.hpp"
 #include "canopus/sim/bus/bus.hpp"
 
 #include "sim/bus_station.hpp"
@@ -376,6 +377,34 @@ TEST_F(BusErrors, ListenOnlyStation_HearsAllAndSendsNothing) {
   EXPECT_EQ(b.frames(), (std::vector<Frame>{frame_of_53_bits}));
   EXPECT_EQ(a.port.transmit_error_counter(), 0);
   EXPECT_EQ(b.port.receive_error_counter(), 0);
+}
+
+/// A passive sender lets another one go first, which leaves before anybody has sampled its SOF.
+TEST(BusSuspension, GoesOnWhenTheRivalsStartOfFrameIsGoneBeforeItIsSampled) {
+  can::Timeline timeline;
+  Bus bus("main", 1'000'000, timeline);
+  Station passive(bus, timeline, "passive");
+  Station rival(bus, timeline, "rival");
+  Station listener(bus, timeline, "listener");
+  const Frame frame = can::data_frame(0x181, {1, 2});
+  ASSERT_TRUE(bus.set_faults({{.kind = FaultKind::corrupt,
+                               .sender = "passive",
+                               .count = 17,
+                               .receiver = "passive",
+                               .bit = 24}},
+                             1)
+                  .has_value());
+  passive.send_at(Time(1ms), frame);
+  passive.send_at(Time(1ms), frame);
+  rival.on_receive = [&](const Frame&, Time) { rival.port.send(can::data_frame(0x100)); };
+  while (passive.sent.empty()) timeline.run_until(timeline.now() + 1us);
+  ASSERT_EQ(passive.port.error_state(), can::ErrorState::error_passive);
+  const Time free = passive.sent[0].at + 3us;
+  timeline.run_until(free + 10ns);
+  rival.port.plug(false);
+  timeline.run_until(free + 1ms);
+  ASSERT_EQ(listener.heard.size(), 2U);
+  EXPECT_EQ(listener.heard[1].at, free + 8us + can::bit_time(can::frame_bits(frame), 1'000'000));
 }
 
 }  // namespace

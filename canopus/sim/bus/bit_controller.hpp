@@ -76,6 +76,13 @@ class BitController {
   /// The sample point of the bit.
   Events sample(bool dominant) noexcept;
 
+  /// In a frame that somebody else has computed: so many bits of its suspension it has seen when that began.
+  void go_on_with_suspension(unsigned bits) noexcept {
+    if (bits >= suspend_bits) return;
+    enter(State::suspend);
+    count_ = bits;
+  }
+
   [[nodiscard]] State state() const noexcept { return state_; }
   [[nodiscard]] bool idle() const noexcept { return state_ == State::idle; }
   /// Neither in a frame nor in anything that belongs to one.

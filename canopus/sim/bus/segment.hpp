@@ -100,6 +100,7 @@ class Segment {
   // segment_bits.cpp: bit by bit
   void enter_bits();
   void replay(can::Time until);
+  [[nodiscard]] unsigned suspended_bits() const noexcept;
   void replay_intermission(can::Time until);
   void bits_tick(can::Time now, bool may_leave = true);
   void complete_frames(can::Time now);
