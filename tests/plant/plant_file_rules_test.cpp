@@ -102,7 +102,18 @@ TEST(PlantFile, AFaultTakesOnlyTheKeysOfItsKind) {
       errors_of(bus + "kind = \"break\"\n"),
       ElementsAre(
           "plant.toml:5:8: kind = \"break\": expected one of drop, corrupt, duplicate, delay, babble, "
-          "stuck dominant, jam, cut, drive"));
+          "stuck dominant, jam, cut, drive, stuck recessive, late, noise, overload, single-shot, "
+          "termination"));
+  EXPECT_THAT(
+      errors_of(bus + "kind = \"noise\"\nbit_error_rate = 2\n"),
+      ElementsAre(
+          "plant.toml:6:18: bit_error_rate = 2: expected a number above 0, up to 1, for example 1e-5"));
+  EXPECT_THAT(errors_of(bus + "kind = \"overload\"\nports = [\"a\"]\noverload_frames = 3\n"),
+              ElementsAre("plant.toml:7:19: overload_frames = 3: expected 1 or 2 overload frames"));
+  EXPECT_THAT(
+      errors_of(bus + "kind = \"termination\"\nresistors = 21\nlength = -1\n"),
+      ElementsAre("plant.toml:6:13: resistors = 21: expected 0 to 20 resistors; 2 are as it should be",
+                  "plant.toml:7:10: length = -1: expected 0 to 10000 m"));
   EXPECT_THAT(errors_of(bus + "kind = \"drop\"\nfrom = \"2s\"\nuntil = \"1s\"\n"),
               ElementsAre("plant.toml:7:9: until = \"1s\": must be later than from"));
 }

@@ -109,7 +109,7 @@ inline Fault fault_of(unsigned number, unsigned stations, Duration bit) {
   const Time from = Time(bit * (number / 64 % 1'000));
   const Time until = from + bit * (1 + number % 700);
   const double probability = 0.1 + 0.01 * (number % 80);
-  switch (number % 10) {
+  switch (number % 16) {
     case 0: return {.kind = FaultKind::corrupt, .probability = probability};
     case 1: return {.kind = FaultKind::corrupt, .probability = probability, .receiver = some, .bit = where};
     case 2: return {.kind = FaultKind::corrupt, .every = 1 + number / 10 % 5, .count = 60, .bit = where};
@@ -124,6 +124,32 @@ inline Fault fault_of(unsigned number, unsigned stations, Duration bit) {
               .frame = can::data_frame(number % 0x800),
               .interval = bit * (number % 3 * 60)};
     case 7: return {.kind = FaultKind::jam, .from = from, .until = until, .ports = {some}, .capacity = 2};
+    case 10: return {.kind = FaultKind::stuck_recessive, .from = from, .until = until, .ports = {some}};
+    case 11:
+      return {.kind = FaultKind::late,
+              .from = from,
+              .until = until,
+              .delay = bit * (1 + where) / 150,
+              .ports = {some}};
+    case 12:
+      return {.kind = FaultKind::noise,
+              .from = from,
+              .until = until,
+              .ports = number / 16 % 2 == 0 ? std::vector<std::string>{} : std::vector<std::string>{some},
+              .bit_error_rate = 0.001 * (1 + where)};
+    case 13:
+      return {.kind = FaultKind::overload,
+              .from = from,
+              .until = until,
+              .ports = {some},
+              .overload_frames = 1 + number / 16 % 2};
+    case 14: return {.kind = FaultKind::single_shot, .from = from, .until = until, .ports = {some}};
+    case 15:
+      return {.kind = FaultKind::termination,
+              .from = from,
+              .until = until,
+              .resistors = number / 16 % 10,
+              .length = 10.0 * where};
     case 8: return {.kind = FaultKind::cut, .from = from, .until = until, .ports = {some}};
     default:
       return {.kind = FaultKind::stuck_dominant,
@@ -224,7 +250,11 @@ class Run {
         fault.until += since;
       }
       drops_ = drops_ || fault.kind == FaultKind::drop || fault.kind == FaultKind::jam ||
-               fault.kind == FaultKind::cut;
+               fault.kind == FaultKind::cut || fault.kind == FaultKind::late ||
+               fault.kind == FaultKind::noise || fault.kind == FaultKind::termination;
+      if (fault.kind == FaultKind::single_shot) {
+        for (Account& account : accounts_) account.lost_some = true;
+      }
       judge_.one_bus = judge_.one_bus && fault.kind != FaultKind::cut;
       faults.push_back(fault);
     }

@@ -2,6 +2,7 @@
 
 #include "canopus/can/frame.hpp"
 #include "canopus/plant/file/plant_sections.hpp"
+#include "canopus/sim/bus/termination.hpp"
 #include "canopus/text/table_reader.hpp"
 
 namespace canopus::plant {
@@ -46,6 +47,12 @@ constexpr FaultName fault_names[] = {
     {"jam", sim::FaultKind::jam},
     {"cut", sim::FaultKind::cut},
     {"drive", sim::FaultKind::drive},
+    {"stuck recessive", sim::FaultKind::stuck_recessive},
+    {"late", sim::FaultKind::late},
+    {"noise", sim::FaultKind::noise},
+    {"overload", sim::FaultKind::overload},
+    {"single-shot", sim::FaultKind::single_shot},
+    {"termination", sim::FaultKind::termination},
 };
 
 sim::FaultKind read_fault_kind(text::TableReader& table) {
@@ -106,6 +113,31 @@ void read_driver(text::TableReader& table, sim::Fault& fault) {
   }
 }
 
+/// Noise, overload frames, termination.
+void read_line_fault(text::TableReader& table, sim::Fault& fault) {
+  if (fault.kind == sim::FaultKind::noise) {
+    fault.bit_error_rate = table.number("bit_error_rate").value_or(0);
+    if (!(fault.bit_error_rate > 0 && fault.bit_error_rate <= 1)) {
+      table.error("bit_error_rate", "expected a number above 0, up to 1, for example 1e-5");
+      fault.bit_error_rate = 1;
+    }
+  }
+  if (fault.kind == sim::FaultKind::overload) {
+    const auto frames = table.integer("overload_frames", 1, 2, "expected 1 or 2 overload frames");
+    fault.overload_frames = static_cast<unsigned>(frames.value_or(1));
+  }
+  if (fault.kind == sim::FaultKind::termination) {
+    const auto resistors = table.integer("resistors", 0, sim::max_resistors,
+                                         "expected 0 to 20 resistors; 2 are as it should be", true);
+    fault.resistors = static_cast<unsigned>(resistors.value_or(2));
+    fault.length = table.number("length").value_or(-1);
+    if (!(fault.length >= 0 && fault.length <= sim::max_line_length)) {
+      table.error("length", "expected 0 to 10000 m");
+      fault.length = 0;
+    }
+  }
+}
+
 }  // namespace
 
 FaultSection read_fault(text::TableReader& table) {
@@ -120,7 +152,7 @@ FaultSection read_fault(text::TableReader& table) {
   if (fault.kind == drop || fault.kind == corrupt || fault.kind == duplicate || fault.kind == delay ||
       fault.kind == drive) {
     read_frames_hit(table, fault);
-  } else {
+  } else if (fault.kind != termination) {
     table.elements("ports", [&](const toml::node& element) {
       const auto* name = element.as_string();
       if (name == nullptr) {
@@ -137,7 +169,7 @@ FaultSection read_fault(text::TableReader& table) {
       fault.bit = static_cast<unsigned>(*bit);
     }
   }
-  if (fault.kind == delay)
+  if (fault.kind == delay || fault.kind == late)
     fault.delay = table.parsed("delay", text::parse_duration, true).value_or(can::Duration{1});
   if (fault.kind == babble) {
     const toml::node* frame = table.find("frame");
@@ -150,6 +182,7 @@ FaultSection read_fault(text::TableReader& table) {
     }
     fault.interval = table.parsed("interval", text::parse_duration).value_or(can::Duration{});
   }
+  read_line_fault(table, fault);
   if (fault.kind == jam) {
     const auto capacity = table.integer("capacity", 1, 65535, "expected 1 to 65535 frames");
     fault.capacity = static_cast<std::size_t>(capacity.value_or(16));

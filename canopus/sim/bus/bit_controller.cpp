@@ -27,6 +27,7 @@ void BitController::restart(bool integrated) noexcept {
 void BitController::begin_frame() noexcept {
   enter(State::frame);
   transmitting_ = false;
+  overloads_left_ = overload_frames_;
   overload_ = false;
   ack_error_open_ = false;
   position_ = 0;
@@ -124,7 +125,7 @@ BitController::Events BitController::sample(bool dominant) noexcept {
       break;
     case State::delimiter:
       if (!dominant) {
-        if (++count_ == delimiter_bits) enter(State::intermission);
+        if (++count_ == delimiter_bits) expect_intermission();
       } else if (count_ + 1 < delimiter_bits) {
         fail(BusError::form, events);
       } else {
@@ -148,6 +149,14 @@ BitController::Events BitController::sample(bool dominant) noexcept {
       break;
   }
   return events;
+}
+
+/// An overload frame that is asked for begins with the first bit of the intermission that was expected.
+void BitController::expect_intermission() noexcept {
+  if (overloads_left_ == 0 || listen_only_) return enter(State::intermission);
+  --overloads_left_;
+  overload_ = true;
+  enter(State::overload_flag);
 }
 
 void BitController::after_intermission() noexcept {
@@ -216,7 +225,7 @@ BusError BitController::parse(bool dominant, Events& events) noexcept {
     overload_ = true;
     enter(State::overload_flag);
   } else {
-    enter(State::intermission);
+    expect_intermission();
   }
   return BusError::none;
 }

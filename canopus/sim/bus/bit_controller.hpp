@@ -60,6 +60,9 @@ class BitController {
   /// Monitors only: drives nothing, counts nothing.
   void set_listen_only(bool listen_only) noexcept { listen_only_ = listen_only; }
 
+  /// So many overload frames, 0 to 2, are asked for after each frame.
+  void set_overload_frames(unsigned frames) noexcept { overload_frames_ = frames; }
+
   /// Begins to send; only when idle(), at the start of a bit.
   void transmit(const can::Frame& frame) noexcept;
   /// Begins to send after early_start: the SOF of another counts as its own.
@@ -125,6 +128,7 @@ class BitController {
     state_ = state;
     count_ = 0;
   }
+  void expect_intermission() noexcept;
   void after_intermission() noexcept;
   void go_bus_off_if_due() noexcept;
   void severe() noexcept;
@@ -138,6 +142,8 @@ class BitController {
 
   // The present or last frame.
   bool transmitting_ = false;
+  unsigned overload_frames_ = 0;
+  unsigned overloads_left_ = 0;  // of them, after this frame
   bool overload_ = false;        // the present flag is an overload flag
   bool ack_error_open_ = false;  // passive: counts only if the flag sees a dominant bit
   bool flag_last_dominant_ = false;

@@ -13,10 +13,16 @@ struct Bus::Impl {
       : core(std::move(name), bit_rate, timeline), near(core, true), far(core, false) {}
 
   void run_timed_faults(can::Time now);
+  void act(FaultPlan::TimedFault& timed, can::Time now);
   void begin(FaultPlan::TimedFault& timed, can::Time now);
   void end(FaultPlan::TimedFault& timed, can::Time now);
   void babble(FaultPlan::TimedFault& timed, can::Time now);
   void set_babble(BusPort& port, const FaultPlan::TimedFault& timed);
+  void make_noise(FaultPlan::TimedFault& timed, can::Time now);
+  void invert(FaultPlan::TimedFault& timed);
+  [[nodiscard]] can::Time after_bits(can::Time now, std::uint64_t bits) const;
+  static void set_port_fault(BusPort& port, const Fault& fault, bool begins);
+  void set_termination(const Termination& termination);
   [[nodiscard]] const FaultPlan::TimedFault* other_timed_fault(FaultKind kind, const BusPort& port);
   void move(BusPort& port, Segment& to);
   void release_delayed(can::Time now);
@@ -147,7 +153,15 @@ void Bus::Impl::run_timed_faults(can::Time now) {
   for (FaultPlan::TimedFault& timed : core.plan.timed_faults()) {
     if (!timed.active && timed.fault.from <= now) begin(timed, now);
     if (timed.active && timed.fault.until <= now) end(timed, now);
-    if (timed.active && timed.next_babble <= now) babble(timed, now);
+    if (timed.active && timed.next_act <= now) act(timed, now);
+  }
+}
+
+void Bus::Impl::act(FaultPlan::TimedFault& timed, can::Time now) {
+  if (timed.fault.kind == FaultKind::babble) {
+    babble(timed, now);
+  } else {
+    make_noise(timed, now);
   }
 }
 
@@ -166,14 +180,18 @@ void Bus::Impl::begin(FaultPlan::TimedFault& timed, can::Time now) {
       }
       break;
     case FaultKind::stuck_dominant:
-      for (BusPort* port : timed.ports) {
-        port->segment->before_change();
-        port->stuck = true;
-        port->segment->after_change();
-      }
+    case FaultKind::stuck_recessive:
+    case FaultKind::late:
+    case FaultKind::overload:
+    case FaultKind::single_shot:
+      for (BusPort* port : timed.ports) set_port_fault(*port, timed.fault, true);
       break;
     case FaultKind::cut:
       for (BusPort* port : timed.ports) move(*port, far);
+      break;
+    case FaultKind::noise: timed.next_act = after_bits(now, timed.bits_to_next_hit()); break;
+    case FaultKind::termination:
+      set_termination(termination(timed.fault.resistors, timed.fault.length, core.ports.size()));
       break;
     default: break;  // about frames
   }
@@ -200,7 +218,11 @@ void Bus::Impl::end(FaultPlan::TimedFault& timed, can::Time now) {
   timed.fault.from = can::never;
   for (BusPort* port : timed.ports) {
     if (const FaultPlan::TimedFault* other = other_timed_fault(timed.fault.kind, *port)) {
-      if (timed.fault.kind == FaultKind::babble) set_babble(*port, *other);
+      if (timed.fault.kind == FaultKind::babble) {
+        set_babble(*port, *other);
+      } else if (timed.fault.kind != FaultKind::jam && timed.fault.kind != FaultKind::cut) {
+        set_port_fault(*port, other->fault, true);
+      }
       continue;
     }
     switch (timed.fault.kind) {
@@ -216,15 +238,60 @@ void Bus::Impl::end(FaultPlan::TimedFault& timed, can::Time now) {
         for (const can::Frame& frame : held) port->hear(frame, now);
         break;
       }
-      case FaultKind::stuck_dominant:
-        port->segment->before_change();
-        port->stuck = false;
-        port->segment->after_change();
-        break;
       case FaultKind::cut: move(*port, near); break;
-      default: break;  // about frames
+      default: set_port_fault(*port, timed.fault, false); break;
     }
   }
+  if (timed.is_inverting) invert(timed);
+  if (timed.fault.kind == FaultKind::termination) set_termination({});
+}
+
+void Bus::Impl::set_termination(const Termination& termination) {
+  near.set_termination(termination);
+  far.set_termination(termination);
+}
+
+/// One bit of noise begins or ends.
+void Bus::Impl::make_noise(FaultPlan::TimedFault& timed, can::Time now) {
+  std::uint64_t good_bits = 0;
+  if (timed.is_inverting) good_bits = timed.bits_to_next_hit();
+  if (!timed.is_inverting || good_bits > 0) invert(timed);
+  timed.next_act = after_bits(now, timed.is_inverting ? 1 : good_bits);
+}
+
+void Bus::Impl::invert(FaultPlan::TimedFault& timed) {
+  timed.is_inverting = !timed.is_inverting;
+  if (timed.ports.empty()) {
+    near.invert();
+    far.invert();
+    return;
+  }
+  for (BusPort* port : timed.ports) {
+    port->segment->before_change();
+    port->inverted = !port->inverted;
+    port->segment->after_change();
+  }
+}
+
+can::Time Bus::Impl::after_bits(can::Time now, std::uint64_t bits) const {
+  return can::later(now, can::bit_time(1, core.bit_rate) * static_cast<std::int64_t>(bits));
+}
+
+/// A fault of a port's controller or driver begins or ends.
+void Bus::Impl::set_port_fault(BusPort& port, const Fault& fault, bool begins) {
+  port.segment->before_change();
+  switch (fault.kind) {
+    case FaultKind::stuck_dominant: port.stuck = begins; break;
+    case FaultKind::stuck_recessive: port.mute = begins; break;
+    case FaultKind::late: port.lateness = begins ? fault.delay : can::Duration{}; break;
+    case FaultKind::overload:
+      port.overload_frames = begins ? fault.overload_frames : 0;
+      port.bits.set_overload_frames(port.overload_frames);
+      break;
+    case FaultKind::single_shot: port.single_shot = begins; break;
+    default: break;
+  }
+  port.segment->after_change();
 }
 
 void Bus::Impl::babble(FaultPlan::TimedFault& timed, can::Time now) {
@@ -234,7 +301,7 @@ void Bus::Impl::babble(FaultPlan::TimedFault& timed, can::Time now) {
     port->segment->offer_changed(*port);
   }
   const can::Duration interval = timed.fault.interval;
-  timed.next_babble = interval > can::Duration{} ? can::later(now, interval) : can::never;
+  timed.next_act = interval > can::Duration{} ? can::later(now, interval) : can::never;
 }
 
 /// The port keeps what its controller is doing and finds itself on another wire.

@@ -129,13 +129,17 @@ class BusPort final : public Port {
   [[nodiscard]] bool present() const noexcept {
     return on_wire && (faults.state() != can::ErrorState::bus_off || recovering);
   }
+  /// By a fault it does what only bits can tell.
+  [[nodiscard]] bool has_bit_fault() const noexcept {
+    return mute || inverted || single_shot || overload_frames > 0 || lateness > can::Duration{};
+  }
   /// The next waiting frame goes onto the wire.
   void take_next() noexcept {
     sends_babble = babble_goes_first();
     current = sends_babble ? babble : queue.pop();
     babble_due = babble_due && !sends_babble;
     sending = true;
-    last_attempt = false;
+    last_attempt = single_shot;
   }
   /// Keeps what it offers now, which is what it offered when the frame with this number began.
   void keep_offer(std::uint64_t frame_number) noexcept {
@@ -149,7 +153,7 @@ class BusPort final : public Port {
     sends_babble = kept.is_babble;
     current = kept.frame;
     sending = true;
-    last_attempt = kept.is_aborted;
+    last_attempt = kept.is_aborted || single_shot;
     if (sends_babble) {
       babble_due = false;
     } else if (!kept.is_aborted) {
@@ -220,8 +224,13 @@ class BusPort final : public Port {
   std::uint32_t overrun = 0;
 
   // Faults at work.
-  bool stuck = false;           // dominant
-  bool shown_dominant = false;  // as last reported to wire observers
+  bool stuck = false;     // dominant
+  bool mute = false;      // stuck recessive
+  bool inverted = false;  // noise: what it sees
+  bool single_shot = false;
+  unsigned overload_frames = 0;  // asked for after each frame
+  can::Duration lateness{};      // of what it drives
+  bool shown_dominant = false;   // as last reported to wire observers
   std::size_t held_capacity = 0;
   std::vector<can::Frame> held;  // received while jammed
   bool babbling = false;
@@ -243,18 +252,25 @@ class BusPort final : public Port {
   // For the segment, while it works bit by bit.
   struct Tap {
     can::Time bit_start{};
-    can::Time next = can::never;  // sample point or start of the next bit
-    bool sampling = false;        // `next` is a sample point
-    bool sampled = false;         // dominant at the last sample point
-    bool synchronised = false;    // since the last sample point
-    bool driving = false;         // dominant
-    bool flagging = false;        // as last reported to observers
-    bool arbitrating = false;     // likewise
-    bool received = false;        // complete at the end of this bit
-    bool transmitted = false;     // likewise
-    bool counted = false;         // `received` or `transmitted` came to this wire from one that reports it
-    bool changed = false;         // error state or warning
-    can::Time frame_start{};      // of the present or last frame
+    can::Time next = can::never;     // sample point or start of the next bit
+    bool sampling = false;           // `next` is a sample point
+    bool sampled = false;            // dominant at the last sample point
+    bool synchronised = false;       // since the last sample point
+    bool driving = false;            // dominant
+    bool reaching = false;           // what it drives, on the wire
+    bool reaching_next = false;      // the same of a late one ...
+    can::Time reaches = can::never;  // ... from here on
+    void reach(bool dominant) noexcept {
+      reaching = dominant;
+      reaches = can::never;
+    }
+    bool flagging = false;     // as last reported to observers
+    bool arbitrating = false;  // likewise
+    bool received = false;     // complete at the end of this bit
+    bool transmitted = false;  // likewise
+    bool counted = false;      // `received` or `transmitted` came to this wire from one that reports it
+    bool changed = false;      // error state or warning
+    can::Time frame_start{};   // of the present or last frame
   };
   BitController bits{faults};
   Tap tap;

@@ -16,15 +16,21 @@
 namespace canopus::sim {
 
 enum class FaultKind : std::uint8_t {
-  drop,            ///< acknowledged on the bus, then lost in the receiving controllers
-  corrupt,         ///< one bit on the wire is inverted
-  duplicate,       ///< the last bit of EOF is dominant: receivers keep the frame, its transmitter repeats it
-  delay,           ///< waits in its controller before it takes part in arbitration
-  babble,          ///< a controller sends by itself
-  stuck_dominant,  ///< a controller's output is dominant
-  jam,             ///< a controller's participant takes nothing out of its receive queue
-  cut,             ///< the wire is cut: the named ports are on the far side
-  drive,           ///< the bit driver: raw levels on the wire (the near side of a cut one)
+  drop,             ///< acknowledged on the bus, then lost in the receiving controllers
+  corrupt,          ///< one bit on the wire is inverted
+  duplicate,        ///< the last bit of EOF is dominant: receivers keep the frame, its transmitter repeats it
+  delay,            ///< waits in its controller before it takes part in arbitration
+  babble,           ///< a controller sends by itself
+  stuck_dominant,   ///< a controller's output is dominant
+  jam,              ///< a controller's participant takes nothing out of its receive queue
+  cut,              ///< the wire is cut: the named ports are on the far side
+  drive,            ///< the bit driver: raw levels on the wire (the near side of a cut one)
+  stuck_recessive,  ///< nothing that a controller drives reaches the wire
+  late,             ///< what a controller drives reaches the wire later
+  noise,            ///< bits are inverted at random: on the wire, or as the named ports see it
+  overload,         ///< a controller asks for overload frames after each frame [ISO 11898-1 overload frame]
+  single_shot,      ///< a controller sends a frame once: after an error or lost arbitration it is dropped
+  termination,      ///< other than two resistors at the ends of the line; the model: termination.hpp
 };
 
 /// One fault. What its kind does not use is ignored.
@@ -45,7 +51,7 @@ struct Fault {
 
   std::string receiver{};         ///< drop, corrupt: the only port where it happens; empty: all
   std::optional<unsigned> bit{};  ///< corrupt: 0 = SOF, stuff bits counted; none: any bit of the frame
-  can::Duration delay{};          ///< delay: longer than 0
+  can::Duration delay{};          ///< delay, late: longer than 0; late: shorter than a bit of the bus
 
   // drive: begins at `from`, or, with `bit` or `field`, within each frame that the rules above hit: at its `bit`, from
   // SOF or from the beginning of `field`. A frame that has no such field is not counted.
@@ -53,10 +59,16 @@ struct Fault {
   can::Duration bit_time{};                ///< of one level; 0: that of the bus, or of the frame's sender
   std::optional<can::FrameField> field{};  ///< up to the intermission
 
-  std::vector<std::string> ports{};  ///< babble, stuck_dominant, jam, cut: whose fault it is
-  can::Frame frame{};                ///< babble
-  can::Duration interval{};          ///< babble: from frame to frame; 0: always one more
-  std::size_t capacity = 16;         ///< jam: received frames kept; later ones are lost
+  /// babble, stuck_dominant, stuck_recessive, late, overload, single_shot, jam, cut: whose fault it is; noise: who alone
+  /// sees it, each for itself, and empty: the wire.
+  std::vector<std::string> ports{};
+  can::Frame frame{};         ///< babble
+  can::Duration interval{};   ///< babble: from frame to frame; 0: always one more
+  std::size_t capacity = 16;  ///< jam: received frames kept; later ones are lost
+  double bit_error_rate = 0;  ///< noise: above 0, up to 1, of each bit time, whether the bus is idle or not
+  unsigned overload_frames = 1;  ///< overload: 1 or 2, after each frame
+  unsigned resistors = 0;        ///< termination: 0 to 20, of 120 ohms
+  double length = 0;             ///< termination: of the line, 0 to 10000 m
 };
 
 }  // namespace canopus::sim

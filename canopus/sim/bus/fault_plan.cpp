@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "canopus/sim/bus/bus_core.hpp"
+#include "canopus/sim/bus/termination.hpp"
 
 namespace canopus::sim {
 namespace {
@@ -19,6 +20,12 @@ const char* name_of(FaultKind kind) {
     case FaultKind::jam: return "jam";
     case FaultKind::cut: return "cut";
     case FaultKind::drive: return "drive";
+    case FaultKind::stuck_recessive: return "stuck recessive";
+    case FaultKind::late: return "late";
+    case FaultKind::noise: return "noise";
+    case FaultKind::overload: return "overload";
+    case FaultKind::single_shot: return "single-shot";
+    case FaultKind::termination: return "termination";
   }
   return "?";
 }
@@ -30,23 +37,47 @@ BusPort* port_named(const BusCore& core, const std::string& name) {
   return nullptr;
 }
 
-bool about_ports(FaultKind kind) {
-  return kind == FaultKind::babble || kind == FaultKind::stuck_dominant || kind == FaultKind::jam ||
-         kind == FaultKind::cut;
+/// A fault that is there for some time, and not one of single frames.
+bool is_timed(FaultKind kind) {
+  switch (kind) {
+    case FaultKind::drop:
+    case FaultKind::corrupt:
+    case FaultKind::duplicate:
+    case FaultKind::delay:
+    case FaultKind::drive: return false;
+    default: return true;
+  }
+}
+
+/// What is wrong with the numbers of a fault that is_timed(); empty: nothing.
+std::string wrong_timed_value(const Fault& fault) {
+  const bool has_ports = fault.kind != FaultKind::noise && fault.kind != FaultKind::termination;
+  if (has_ports && fault.ports.empty()) return "it names no port";
+  switch (fault.kind) {
+    case FaultKind::babble:
+      if (fault.interval < can::Duration{}) return "interval is negative";
+      if (fault.frame.identifier >
+          (fault.frame.extended ? can::max_extended_identifier : can::max_base_identifier)) {
+        return "identifier is above " + std::string(fault.frame.extended ? "1FFFFFFFH" : "7FFH");
+      }
+      return {};
+    case FaultKind::late: return fault.delay > can::Duration{} ? "" : "delay is not longer than 0";
+    case FaultKind::noise:
+      return fault.bit_error_rate > 0 && fault.bit_error_rate <= 1 ? ""
+                                                                   : "bit_error_rate is not above 0, up to 1";
+    case FaultKind::overload:
+      return fault.overload_frames == 1 || fault.overload_frames == 2 ? "" : "overload_frames is not 1 or 2";
+    case FaultKind::termination:
+      if (fault.resistors > max_resistors) return "resistors are not 0 to 20";
+      return fault.length >= 0 && fault.length <= max_line_length ? "" : "length is not 0 to 10000 m";
+    default: return {};
+  }
 }
 
 /// What is wrong with the numbers of the fault; empty: nothing.
 std::string wrong_value(const Fault& fault) {
   if (fault.until < fault.from) return "until is before from";
-  if (about_ports(fault.kind) && fault.ports.empty()) return "it names no port";
-  if (fault.kind == FaultKind::babble) {
-    if (fault.interval < can::Duration{}) return "interval is negative";
-    if (fault.frame.identifier >
-        (fault.frame.extended ? can::max_extended_identifier : can::max_base_identifier)) {
-      return "identifier is above " + std::string(fault.frame.extended ? "1FFFFFFFH" : "7FFH");
-    }
-  }
-  if (about_ports(fault.kind)) return {};
+  if (is_timed(fault.kind)) return wrong_timed_value(fault);
   if (fault.first == 0) return "first = 0: frames are numbered from 1";
   if (fault.every == 0) return "every = 0: 1 means every frame";
   if (!(fault.probability >= 0 && fault.probability <= 1)) return "probability is not 0 to 1";
@@ -75,13 +106,16 @@ std::expected<FaultPlan, std::string> FaultPlan::make(const std::vector<Fault>& 
     const auto unknown = [&](const std::string& name) {
       return std::unexpected(where + "no port \"" + name + "\" on bus \"" + core.name + "\"");
     };
-    if (about_ports(fault.kind)) {
+    if (is_timed(fault.kind)) {
+      if (fault.kind == FaultKind::late && fault.delay >= can::bit_time(1, core.bit_rate)) {
+        return std::unexpected(where + "delay is not shorter than a bit");
+      }
       TimedFault timed{.fault = fault, .ports = {}};
       for (const std::string& name : fault.ports) {
         timed.ports.push_back(port_named(core, name));
         if (timed.ports.back() == nullptr) return unknown(name);
       }
-      plan.timed_faults_.push_back(std::move(timed));
+      plan.add(std::move(timed));
       continue;
     }
     Rule rule{.fault = fault};
@@ -100,6 +134,26 @@ std::expected<FaultPlan, std::string> FaultPlan::make(const std::vector<Fault>& 
     (fault.kind == FaultKind::delay ? plan.delays_ : plan.frames_).push_back(std::move(rule));
   }
   return plan;
+}
+
+/// Noise of several ports is one of each.
+void FaultPlan::add(TimedFault fault) {
+  if (fault.fault.kind != FaultKind::noise || fault.ports.empty()) {
+    if (fault.fault.kind == FaultKind::noise) fault.random.seed(random_());
+    return timed_faults_.push_back(std::move(fault));
+  }
+  for (BusPort* port : fault.ports) {
+    timed_faults_.push_back({.fault = fault.fault, .ports = {port}});
+    timed_faults_.back().random.seed(random_());
+  }
+}
+
+std::uint64_t FaultPlan::TimedFault::bits_to_next_hit() {
+  const double chance = std::ldexp(static_cast<double>((random() >> 11) + 1), -53);  // above 0, up to 1
+  const double bits =
+      fault.bit_error_rate >= 1 ? 0 : std::floor(std::log(chance) / std::log1p(-fault.bit_error_rate));
+  constexpr double most = 1e12;
+  return static_cast<std::uint64_t>(std::min(bits, most));
 }
 
 bool FaultPlan::hits(Rule& rule, const BusPort& sender, const can::Frame& frame, can::Time now) {
@@ -166,7 +220,7 @@ can::Duration FaultPlan::on_send(const BusPort& sender, const can::Frame& frame,
 
 can::Time FaultPlan::TimedFault::next() const noexcept {
   if (!active) return fault.from;
-  return std::min(fault.until, next_babble);
+  return std::min(fault.until, next_act);
 }
 
 can::Time FaultPlan::next_change() const noexcept {

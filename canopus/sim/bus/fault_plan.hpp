@@ -47,8 +47,12 @@ class FaultPlan {
     Fault fault;
     std::vector<BusPort*> ports;
     bool active = false;
-    can::Time next_babble = can::never;
+    can::Time next_act = can::never;  // babble: of the next frame; noise: of its next edge
+    bool is_inverting = false;        // noise
+    std::mt19937_64 random{};         // noise
     [[nodiscard]] can::Time next() const noexcept;
+    /// Noise: good bits before the next bad one.
+    [[nodiscard]] std::uint64_t bits_to_next_hit();
   };
   [[nodiscard]] std::vector<TimedFault>& timed_faults() noexcept { return timed_faults_; }
   /// When a fault begins, ends or babbles next.
@@ -65,6 +69,7 @@ class FaultPlan {
     std::uint64_t seen = 0;
     std::uint64_t hit = 0;
   };
+  void add(TimedFault fault);
   void drive(Rule& rule, const BusPort& sender, const can::Frame& frame, can::Time now);
   [[nodiscard]] bool hits(Rule& rule, const BusPort& sender, const can::Frame& frame, can::Time now);
 

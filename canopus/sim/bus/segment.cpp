@@ -22,13 +22,18 @@ void Segment::resize() {
 
 void Segment::reconsider() {
   members_.clear();
-  forced_ = false;
+  forced_ = seen_apart_ = some_late_ = false;
+  bool has_bit_faults = false;
   for (const auto& port : core_.ports) {
     forced_ = forced_ || (port->segment == this && port->on_wire && port->stuck);
     arbiter_.set(port->index, port->segment == this ? port->offer() : Arbiter::none);
     if (port->segment != this) continue;
     if (port->present()) {
       members_.push_back(port.get());
+      has_bit_faults = has_bit_faults || port->has_bit_fault();
+      seen_apart_ = seen_apart_ || port->inverted;
+      some_late_ = some_late_ || port->lateness > can::Duration{};
+      if (port->lateness == can::Duration{}) port->tap.reach(port->tap.driving && !port->mute);
     } else {
       fall_silent(*port);  // bus-off for good
     }
@@ -37,7 +42,8 @@ void Segment::reconsider() {
   // it samples, counts and disturbs as it does on a real one.
   const std::uint32_t rate = members_.empty() ? 0 : members_.front()->rate;
 
-  const bool computable = core_.wire_observers.empty() && !forced_ && !driven_.is_busy;
+  const bool computable = core_.wire_observers.empty() && !forced_ && !driven_.is_busy && !inverted_ &&
+                          !has_bit_faults && termination_ == Termination{};
   healthy_ = computable;
   std::size_t acknowledging = 0;
   std::fill(hearing_.begin(), hearing_.end(), 0);
@@ -66,13 +72,6 @@ void Segment::offer_changed(BusPort& port) {
   if (possible >= deadline_) return;
   deadline_ = possible;
   core_.refresh();
-}
-
-void Segment::drive(const Driven& driven) {
-  if (driven == driven_) return;
-  before_change();
-  driven_ = driven;
-  after_change();
 }
 
 void Segment::before_change() { enter_bits(); }

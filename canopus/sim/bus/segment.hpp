@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "canopus/sim/bus/bus_core.hpp"
+#include "canopus/sim/bus/termination.hpp"
 
 namespace canopus::sim {
 
@@ -65,6 +66,9 @@ class Segment {
     friend bool operator==(const Driven&, const Driven&) = default;
   };
   void drive(const Driven& driven);
+  /// Noise: what there is on the wire is inverted from now on, or again as it is.
+  void invert();
+  void set_termination(const Termination& termination);
   /// Between before_change() and after_change(): a port has come from another segment.
   void arrive(BusPort& port, const Segment& from);
   [[nodiscard]] can::Time deadline() const noexcept { return deadline_; }
@@ -112,6 +116,8 @@ class Segment {
   void start_waiting(can::Time now);
   [[nodiscard]] bool inverted(const BusPort* at, can::Time now) const noexcept;
   void begin_bits(can::Time now);
+  void put_on_wire(BusPort& port, can::Time now);
+  [[nodiscard]] bool driven_level(bool dominant, can::Time now);
   void settle(can::Time now);
   void wake(BusPort& port, can::Time now);
   void synchronise(BusPort& port, can::Time now);
@@ -156,16 +162,24 @@ class Segment {
   can::Duration faults_bit_{};
 
   // bit by bit
-  bool forced_ = false;    // somebody is stuck dominant
-  Driven driven_;          // by the bit driver
-  bool dominant_ = false;  // level of the wire
-  bool active_ = false;    // from the first dominant bit to idle
+  bool forced_ = false;      // somebody is stuck dominant
+  Driven driven_;            // by the bit driver
+  bool inverted_ = false;    // by noise
+  bool seen_apart_ = false;  // some port sees another level than the wire's
+  bool some_late_ = false;   // some port's level reaches the wire later
+  Termination termination_;
+  bool is_driven_ = false;           // dominant, by whom the termination concerns
+  can::Time released_ = can::never;  // the wire is recessive from here on
+  bool dominant_ = false;            // level of the wire
+  bool active_ = false;              // from the first dominant bit to idle
   bool replaying_ = false;
   bool completing_ = false;   // some frame ends with the present bit
   bool given_up_ = false;     // somebody found an error, or left the wire
   bool changed_ = false;      // by after_change(), since the last tick
   bool error_frame_ = false;  // one is counted since the last frame began
   can::Time activity_start_{};
+  can::Frame reported_{};       // as completed ...
+  can::Time reported_until_{};  // ... at this moment
 };
 
 }  // namespace canopus::sim

@@ -58,14 +58,6 @@ void Segment::count_activity(can::Time now) {
   core_.statistics.busy(activity_start_, now, static_cast<std::uint64_t>((now - activity_start_) / bit));
 }
 
-/// What was to happen to a frame that nobody sends any more does not happen to the next one.
-void Segment::forget_given_up() {
-  given_up_ = false;
-  const bool is_sent = std::any_of(members_.begin(), members_.end(),
-                                   [](const BusPort* port) { return port->bits.transmitting(); });
-  if (!is_sent) faults_.corruptions = 0;
-}
-
 /// Frames whose last bit ends now.
 void Segment::complete_frames(can::Time now) {
   if (!completing_) return;
@@ -77,9 +69,14 @@ void Segment::complete_frames(can::Time now) {
   }
   if (reporter != nullptr) {  // everybody has the same frame
     const can::Frame frame = reporter->tap.transmitted ? reporter->current : reporter->bits.frame();
-    core_.statistics.frame(frame);
-    for (BusObserver* observer : core_.observers) {
-      observer->frame_completed(frame, reporter->tap.frame_start, now);
+    // A late driver has the others end the same frame at different moments.
+    if (reporter->tap.frame_start >= reported_until_ || frame != reported_) {
+      reported_ = frame;
+      reported_until_ = now;
+      core_.statistics.frame(frame);
+      for (BusObserver* observer : core_.observers) {
+        observer->frame_completed(frame, reporter->tap.frame_start, now);
+      }
     }
   }
   for (BusPort* port : members_) {
@@ -162,17 +159,6 @@ void Segment::start_waiting(can::Time now) {
   faults_bit_ = first->bit();
 }
 
-/// Whether a fault inverts what there is on the wire, or what one port sees of it.
-bool Segment::inverted(const BusPort* at, can::Time now) const noexcept {
-  bool inverts = false;
-  for (std::size_t number = 0; number < faults_.corruptions; ++number) {
-    const FrameFaults::Corruption& corruption = faults_.corruption[number];
-    const can::Time begin = faults_origin_ + faults_bit_ * corruption.bit;
-    if (corruption.at == at && now >= begin && now < begin + faults_bit_) inverts = !inverts;
-  }
-  return inverts;
-}
-
 /// Lets bits begin that begin now and finds the level of the wire.
 void Segment::settle(can::Time now) {
   if (state_ != State::bits) return;
@@ -191,20 +177,24 @@ void Segment::settle(can::Time now) {
         tap.sampling = true;
       }
       tap.driving = port->bits.drives_dominant();
+      put_on_wire(*port, now);
       if (!core_.wire_observers.empty()) {
         tell_driven(*port, now);
         tell_activity(*port, now);
         tell_place(*port, now);
       }
     }
-    dominant = dominant || tap.driving;
+    if (some_late_ && tap.reaches <= now) tap.reach(tap.reaching_next);
+    dominant = dominant || tap.reaching;
   }
   if (!core_.wire_observers.empty()) {
     for (const auto& port : core_.ports) tell_driven(*port, now);
   }
+  if (termination_ != Termination{}) dominant = driven_level(dominant, now);
   dominant = dominant != inverted(nullptr, now);
   if (driven_.level != DrivenLevel::released) dominant = driven_.level == DrivenLevel::dominant;
-  if (asleep || faults_.corruptions > 0) {  // there is no edge for those who see a dominant bit from here on
+  if (asleep || seen_apart_ ||
+      faults_.corruptions > 0) {  // there is no edge for those who see a dominant bit from here on
     for (BusPort* port : members_) {
       if (dominant != inverted(port, now)) wake(*port, now);
     }
@@ -342,7 +332,7 @@ void Segment::tell_changes(can::Time now) {
 /// What the port drives: a stuck one is dominant even when its controller is bus-off.
 void Segment::tell_driven(BusPort& port, can::Time now) {
   if (port.segment != this) return;
-  const bool shown = port.on_wire && (port.stuck || port.tap.driving);
+  const bool shown = port.on_wire && (port.stuck || port.tap.reaching);
   if (shown == port.shown_dominant) return;
   port.shown_dominant = shown;
   for (WireObserver* observer : core_.wire_observers) observer->transmit_changed(port, shown, now);
@@ -371,8 +361,9 @@ void Segment::schedule(can::Time now) {
       deadline_ = std::min(deadline_, begin + faults_bit_);
     }
   }
+  if (released_ > now) deadline_ = std::min(deadline_, released_);
   for (const BusPort* port : members_) {
-    deadline_ = std::min(deadline_, port->tap.next);
+    deadline_ = std::min({deadline_, port->tap.next, port->tap.reaches});
     if (!replaying_ && ready(*port, now)) deadline_ = std::min(deadline_, now);
   }
 }

@@ -23,6 +23,7 @@ void Segment::fall_silent(BusPort& port) {
     if (port.tap.flagging || port.tap.arbitrating) observer->activity_changed(port, false, false, now);
     observer->field_changed(port, can::FrameField::idle, now);
   }
+  port.tap.reach(false);
   port.tap.driving = port.tap.flagging = port.tap.arbitrating = false;
 }
 
