@@ -270,6 +270,22 @@ TEST_F(BusFaults, WrongFaults_AreRefusedWithNumberKindAndReason) {
             "fault 2 (babble): interval is negative");
 }
 
+TEST_F(BusFaults, Babble_OfTwoThatOverlap_TheOneThatIsLeftHasItsOwnPlaceInArbitration) {
+  const auto babble = [](std::uint32_t identifier, Time from, Time until) {
+    return Fault{.kind = FaultKind::babble,
+                 .from = from,
+                 .until = until,
+                 .ports = {"c"},
+                 .frame = data_frame(identifier),
+                 .interval = 1ms};
+  };
+  faults({babble(0x300, Time(10ms), Time(11ms)), babble(0x100, Time(10ms), Time(10ms) + 20us)});
+  a.send_at(Time(10ms), data_frame(0x001));  // on the wire when the second babble ends
+  a.send_at(Time(10ms) + 30us, data_frame(0x200));
+  timeline.run_until(Time(12ms));
+  EXPECT_EQ(b.frames(), (std::vector<Frame>{data_frame(0x001), data_frame(0x200), data_frame(0x300)}));
+}
+
 TEST_F(BusFaults, RefusedFaults_LeaveTheOldOnesAtWork) {
   faults({{.kind = FaultKind::drop}});
   EXPECT_FALSE(bus.set_faults({{.kind = FaultKind::jam}}, 1).has_value());

@@ -220,6 +220,7 @@ void Bus::Impl::end(FaultPlan::TimedFault& timed, can::Time now) {
     if (const FaultPlan::TimedFault* other = other_timed_fault(timed.fault.kind, *port)) {
       if (timed.fault.kind == FaultKind::babble) {
         set_babble(*port, *other);
+        port->segment->offer_changed(*port);
       } else if (timed.fault.kind != FaultKind::jam && timed.fault.kind != FaultKind::cut) {
         set_port_fault(*port, other->fault, true);
       }
