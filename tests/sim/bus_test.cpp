@@ -178,6 +178,29 @@ TEST_F(BusTest, Acceptance_KeepsOtherIdentifiersFromTheParticipant) {
   EXPECT_EQ(b.port.counters().received, 1U);
 }
 
+TEST_F(BusTest, AnotherAcceptance_TakesThePlaceOfTheOneBefore) {
+  const auto heard_with = [&](const std::vector<std::uint32_t>& identifiers, bool extended) {
+    Acceptance acceptance;
+    if (!identifiers.empty()) acceptance.base.reset();
+    for (const std::uint32_t identifier : identifiers) acceptance.base.set(identifier);
+    acceptance.extended = extended;
+    b.port.accept(acceptance);
+    b.heard.clear();
+    for (const std::uint32_t identifier : {0x000U, 0x180U, 0x181U, 0x7FFU})
+      a.port.send(data_frame(identifier));
+    a.port.send({.identifier = 0x181, .extended = true});
+    timeline.run_until(timeline.now() + 1ms);
+    std::string all;
+    for (const Frame& frame : b.frames())
+      all += std::to_string(frame.identifier) + (frame.extended ? "x " : " ");
+    return all;
+  };
+  EXPECT_EQ(heard_with({0x181, 0x7FF}, false), "385 2047 ");
+  EXPECT_EQ(heard_with({0x000, 0x181}, true), "0 385x 385 ");
+  EXPECT_EQ(heard_with({}, false), "0 384 385 2047 ");
+  EXPECT_EQ(heard_with({0x180}, false), "384 ");
+}
+
 TEST_F(BusTest, AcceptancesOfMoreThan64Ports_AreApart) {
   std::vector<std::unique_ptr<Station>> stations;
   for (int number = 0; number < 130; ++number) {

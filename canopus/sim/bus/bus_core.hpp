@@ -249,6 +249,8 @@ class BusPort final : public Port {
   };
   Kept kept;
 
+  Acceptance accepted{.base = {}, .extended = false};  // as in core.acceptance
+
   // For the segment, while it works bit by bit.
   struct Tap {
     can::Time bit_start{};

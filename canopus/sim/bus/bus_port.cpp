@@ -131,10 +131,8 @@ void BusPort::recover() {
 }
 
 void BusPort::accept(const Acceptance& acceptance) {
-  for (std::size_t identifier = 0; identifier < acceptance.base.size(); ++identifier) {
-    core.acceptance.set(index, identifier, acceptance.base[identifier]);
-  }
-  core.acceptance.set(index, AcceptanceTable::extended_row, acceptance.extended);
+  core.acceptance.change(index, accepted, acceptance);
+  accepted = acceptance;
 }
 
 void BusPort::set_transmit_queue(TransmitOrder order, std::size_t capacity) {

@@ -3,42 +3,79 @@
 
 #include <algorithm>
 #include <bit>
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "canopus/can/bus.hpp"
 #include "canopus/can/frame.hpp"
 
 namespace canopus::sim {
 
-/// A set of ports for each base identifier, and one for all extended identifiers.
+/// A set of ports for each base identifier, one for ports that accept them all, and one for all extended identifiers.
 class AcceptanceTable {
  public:
   static constexpr std::size_t extended_row = 2048;
+  static constexpr std::size_t every_base_row = 2049;
+
+  /// A set of ports, 64 to a word.
+  class Ports {
+   public:
+    Ports(const std::uint64_t* of_identifier, const std::uint64_t* of_all) noexcept
+        : of_identifier_(of_identifier), of_all_(of_all) {}
+    [[nodiscard]] std::uint64_t operator[](std::size_t word) const noexcept {
+      return of_identifier_[word] | of_all_[word];
+    }
+
+   private:
+    const std::uint64_t* of_identifier_;
+    const std::uint64_t* of_all_;
+  };
 
   [[nodiscard]] std::size_t words() const noexcept { return words_; }  ///< per set
-  [[nodiscard]] const std::uint64_t* ports_for(const can::Frame& frame) const noexcept {
-    const std::size_t row = frame.extended ? extended_row : frame.identifier & can::max_base_identifier;
-    return &bits_[row * words_];
+  [[nodiscard]] Ports ports_for(const can::Frame& frame) const noexcept {
+    if (frame.extended) return {row(extended_row), row(extended_row)};
+    return {row(frame.identifier & can::max_base_identifier), row(every_base_row)};
   }
   /// Makes room for `ports` ports; the new ones accept nothing yet.
   void resize(std::size_t ports) {
     const std::size_t words = std::max<std::size_t>((ports + 63) / 64, 1);
     if (words == words_) return;
-    std::vector<std::uint64_t> bits((extended_row + 1) * words);
-    for (std::size_t row = 0; words_ > 0 && row <= extended_row; ++row) {
-      std::copy_n(&bits_[row * words_], words_, &bits[row * words]);
+    std::vector<std::uint64_t> bits(rows * words);
+    for (std::size_t number = 0; words_ > 0 && number < rows; ++number) {
+      std::copy_n(row(number), words_, &bits[number * words]);
     }
     bits_ = std::move(bits);
     words_ = words;
   }
-  void set(std::size_t port, std::size_t row, bool wanted) noexcept {
-    std::uint64_t& word = bits_[row * words_ + port / 64];
+  /// The port accepts `wanted` instead of `former`. Costs what has changed; all and nothing cost the same.
+  void change(std::size_t port, const can::Acceptance& former, const can::Acceptance& wanted) noexcept {
+    const auto single = [](const can::Acceptance& acceptance) {
+      return acceptance.base.all() ? std::bitset<2048>{} : acceptance.base;
+    };
+    const std::bitset<2048> now = single(wanted);
+    const std::bitset<2048> changed = single(former) ^ now;
+    for (std::size_t identifier = changed._Find_first(); identifier < changed.size();
+         identifier = changed._Find_next(identifier)) {
+      set(port, identifier, now[identifier]);
+    }
+    set(port, every_base_row, wanted.base.all());
+    set(port, extended_row, wanted.extended);
+  }
+
+ private:
+  static constexpr std::size_t rows = 2050;
+
+  [[nodiscard]] const std::uint64_t* row(std::size_t number) const noexcept {
+    return &bits_[number * words_];
+  }
+  void set(std::size_t port, std::size_t number, bool wanted) noexcept {
+    std::uint64_t& word = bits_[number * words_ + port / 64];
     const std::uint64_t bit = std::uint64_t{1} << (port % 64);
     word = wanted ? word | bit : word & ~bit;
   }
 
- private:
   std::size_t words_ = 0;
   std::vector<std::uint64_t> bits_;
 };

@@ -210,7 +210,7 @@ void Segment::finish(can::Time now) {
 }
 
 void Segment::deliver(const can::Frame& frame, const BusPort& from, can::Time now) {
-  const std::uint64_t* wanted = core_.acceptance.ports_for(frame);
+  const AcceptanceTable::Ports wanted = core_.acceptance.ports_for(frame);
   for (std::size_t word = 0; word < hearing_.size(); ++word) {
     std::uint64_t ports = wanted[word] & hearing_[word];
     while (ports != 0) {
