@@ -148,6 +148,24 @@ BENCHMARK(full_bus)
     ->Args({127, 16, 0})
     ->Args({127, 1, 1});
 
+// The same with every frame hit by a fault in some bit: all of it is error frames, bit by bit.
+void full_bus_of_errors(benchmark::State& state) {
+  using namespace std::chrono_literals;
+  can::Timeline timeline;
+  FullBus full(timeline, static_cast<std::uint32_t>(state.range(0)), false);
+  if (!full.bus.set_faults({{.kind = sim::FaultKind::corrupt}}, 1)) return state.SkipWithError("no faults");
+  can::Time now{};
+  timeline.run_until(now);
+  for (auto _ : state) {
+    now += 10ms;
+    timeline.run_until(now);
+  }
+  bench::report(state, full.bus.load(now).error_frames);
+  state.counters["simulated_seconds_per_second"] =
+      benchmark::Counter(static_cast<double>(state.iterations()) * 0.01, benchmark::Counter::kIsRate);
+}
+BENCHMARK(full_bus_of_errors)->Apply(bench::standard)->ArgName("nodes")->Arg(2)->Arg(33)->Arg(127);
+
 // Heap bytes of one more simulated slave: node, controller and their places on bus and timeline.
 void bytes_per_slave(benchmark::State& state) {
   constexpr std::size_t count = 126;

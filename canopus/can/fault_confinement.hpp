@@ -43,6 +43,8 @@ class FaultConfinement {
   }
   void reset() noexcept { transmit_ = receive_ = 0; }
 
+  friend bool operator==(const FaultConfinement&, const FaultConfinement&) = default;
+
  private:
   void add_receive(std::uint16_t count) noexcept {
     receive_ = std::min<std::uint16_t>(static_cast<std::uint16_t>(receive_ + count), 255);

@@ -44,12 +44,18 @@ void BitController::begin_frame() noexcept {
 
 void BitController::transmit(const can::Frame& frame) noexcept {
   begin_frame();
-  stream_ = BitStream(frame);
-  transmitting_ = true;
+  send(frame);
 }
 
-void BitController::join(const can::Frame& frame) noexcept {
-  stream_ = BitStream(frame);
+void BitController::join(const can::Frame& frame) noexcept { send(frame); }
+
+/// Most often it is what was sent last: a frame that met an error or lost arbitration.
+void BitController::send(const can::Frame& frame) noexcept {
+  if (!has_stream_ || sent_ != frame) {
+    stream_ = BitStream(frame);
+    sent_ = frame;
+    has_stream_ = true;
+  }
   transmitting_ = true;
 }
 
@@ -65,8 +71,7 @@ bool BitController::drives_dominant() const noexcept {
   }
 }
 
-BitController::Events BitController::sample(bool dominant) noexcept {
-  Events events;
+void BitController::sample(bool dominant, Events& events) noexcept {
   switch (state_) {
     case State::integrating:
       count_ = dominant ? 0 : count_ + 1;
@@ -120,8 +125,8 @@ BitController::Events BitController::sample(bool dominant) noexcept {
       }
       ++count_;
       // Rule b: somebody else found the error later than this receiver, which means it may be its own fault.
-      if (count_ == 1 && !overload_ && !transmitting_ && !listen_only_) faults_.receiver_severe_error();
-      if (count_ % 8 == 0) severe();  // rule f
+      if (count_ == 1 && !overload_ && !transmitting_ && !listen_only_) receiver_severe_error(events);
+      if (count_ % 8 == 0) severe(events);  // rule f
       break;
     case State::delimiter:
       if (!dominant) {
@@ -148,7 +153,6 @@ BitController::Events BitController::sample(bool dominant) noexcept {
       }
       break;
   }
-  return events;
 }
 
 /// An overload frame that is asked for begins with the first bit of the intermission that was expected.
@@ -200,6 +204,7 @@ BusError BitController::parse(bool dominant, Events& events) noexcept {
       if (!transmitting_ && !listen_only_ && crc_ == crc_seen_) {
         if (!dominant) return BusError::bit;
         faults_.received();
+        events.counted = Counted::success;
       }
       field_ = Field::ack_delimiter;
       return BusError::none;
@@ -282,6 +287,7 @@ void BitController::fail(BusError error, Events& events, bool counts) noexcept {
   if (!listen_only_ && counts) {
     if (!transmitting_) {
       faults_.receiver_error();  // rule a
+      events.counted = Counted::error;
     } else if (passive && error == BusError::acknowledgement) {
       ack_error_open_ = true;  // rule c, exception 1
     } else {
@@ -296,17 +302,46 @@ void BitController::flag_overwritten(Events& events) noexcept {
   events.error = BusError::bit;
   const bool passive = faults_.state() == can::ErrorState::error_passive;
   begin_flag(passive);
-  severe();  // rules d, e
+  severe(events);  // rules d, e
 }
 
-void BitController::severe() noexcept {
+void BitController::severe(Events& events) noexcept {
   if (listen_only_) return;
   if (transmitting_) {
     faults_.transmitter_error();
   } else {
-    faults_.receiver_severe_error();
+    receiver_severe_error(events);
   }
   go_bus_off_if_due();
+}
+
+bool BitController::receives_as(const BitController& other) const noexcept {
+  return state_ == State::frame && other.state_ == State::frame && !transmitting_ && !other.transmitting_ &&
+         listen_only_ == other.listen_only_ && position_ == other.position_ && field_ == other.field_ &&
+         last_dominant_ == other.last_dominant_ && row_ == other.row_ && payload_ == other.payload_ &&
+         crc_begin_ == other.crc_begin_ && crc_ == other.crc_ && crc_seen_ == other.crc_seen_ &&
+         field_bits_ == other.field_bits_ && incoming_ == other.incoming_ &&
+         overload_frames_ + other.overload_frames_ + overloads_left_ + other.overloads_left_ == 0;
+}
+
+void BitController::go_to(const BitController& other) noexcept {
+  state_ = other.state_;
+  count_ = other.count_;
+  transmitting_ = other.transmitting_;
+  overload_ = other.overload_;
+  ack_error_open_ = other.ack_error_open_;
+  flag_last_dominant_ = other.flag_last_dominant_;
+  position_ = other.position_;
+  field_ = other.field_;
+  last_dominant_ = other.last_dominant_;
+  row_ = other.row_;
+  payload_ = other.payload_;
+  crc_begin_ = other.crc_begin_;
+  crc_ = other.crc_;
+  crc_seen_ = other.crc_seen_;
+  field_bits_ = other.field_bits_;
+  incoming_ = other.incoming_;
+  frame_ = other.frame_;
 }
 
 void BitController::go_bus_off_if_due() noexcept {

@@ -41,14 +41,19 @@ class BitController {
     bus_off,
   };
 
+  /// What a receiver's counters did.
+  enum class Counted : std::uint8_t { nothing, success, error, severe_error };
+
   /// What happened at a sample point.
   struct Events {
-    BusError error = BusError::none;  ///< an error was detected; a frame being sent has failed
-    bool received = false;            ///< frame() is complete and valid
-    bool transmitted = false;         ///< what was sent is complete
-    bool lost = false;                ///< arbitration lost: receiver from here on
-    bool early_start = false;         ///< SOF seen in the last bit of the intermission: join() is allowed
-    bool recovered = false;           ///< from bus-off
+    friend bool operator==(const Events&, const Events&) = default;
+    BusError error = BusError::none;     ///< an error was detected; a frame being sent has failed
+    bool received = false;               ///< frame() is complete and valid
+    bool transmitted = false;            ///< what was sent is complete
+    bool lost = false;                   ///< arbitration lost: receiver from here on
+    bool early_start = false;            ///< SOF seen in the last bit of the intermission: join() is allowed
+    bool recovered = false;              ///< from bus-off
+    Counted counted = Counted::nothing;  ///< unless it transmits
   };
 
   explicit BitController(can::FaultConfinement& faults) : faults_(faults) {}
@@ -77,7 +82,13 @@ class BitController {
   /// Whether it drives the bit that begins now dominant.
   [[nodiscard]] bool drives_dominant() const noexcept;
   /// The sample point of the bit.
-  Events sample(bool dominant) noexcept;
+  Events sample(bool dominant) noexcept {
+    Events events;
+    sample(dominant, events);
+    return events;
+  }
+  /// Adds what happens to `events`. (Seven flags as a result are slow to put into a register.)
+  void sample(bool dominant, Events& events) noexcept;
 
   /// In a frame that somebody else has computed: so many bits of its suspension it has seen when that began.
   void go_on_with_suspension(unsigned bits) noexcept {
@@ -85,6 +96,12 @@ class BitController {
     enter(State::suspend);
     count_ = bits;
   }
+
+  /// Receives the same frame and has seen the same of it: what comes finds both alike as long as both have the same
+  /// error state. Neither asks for overload frames.
+  [[nodiscard]] bool receives_as(const BitController& other) const noexcept;
+  /// Comes to where `other` is that receives_as() it.
+  void go_to(const BitController& other) noexcept;
 
   [[nodiscard]] State state() const noexcept { return state_; }
   [[nodiscard]] bool idle() const noexcept { return state_ == State::idle; }
@@ -104,10 +121,11 @@ class BitController {
   [[nodiscard]] bool flagging() const noexcept {
     return state_ == State::active_flag || state_ == State::passive_flag || state_ == State::overload_flag;
   }
-  /// Which field the bit belongs to that is sampled next.
+  struct Place;
+  /// Of the bit that is sampled next.
+  [[nodiscard]] Place place() const noexcept;
+  /// Which field it belongs to.
   [[nodiscard]] can::FrameField field() const noexcept;
-  /// Its number: from SOF = 0 with stuff bits counted, after the frame within the field.
-  [[nodiscard]] unsigned bit_number() const noexcept;
   /// Sends, or sent, the frame that an error or overload frame belongs to.
   [[nodiscard]] bool is_transmitter() const noexcept { return transmitting_; }
   /// The frame last received.
@@ -117,6 +135,7 @@ class BitController {
   enum class Field : std::uint8_t { stuffed, crc_delimiter, ack_slot, ack_delimiter, eof };
 
   void begin_frame() noexcept;
+  void send(const can::Frame& frame) noexcept;
   void sample_frame(bool dominant, Events& events) noexcept;
   /// Returns what a receiver finds wrong with the bit.
   BusError parse(bool dominant, Events& events) noexcept;
@@ -131,7 +150,11 @@ class BitController {
   void expect_intermission() noexcept;
   void after_intermission() noexcept;
   void go_bus_off_if_due() noexcept;
-  void severe() noexcept;
+  void severe(Events& events) noexcept;
+  void receiver_severe_error(Events& events) noexcept {
+    faults_.receiver_severe_error();
+    events.counted = Counted::severe_error;
+  }
 
   can::FaultConfinement& faults_;
   State state_ = State::idle;
@@ -147,7 +170,9 @@ class BitController {
   bool overload_ = false;        // the present flag is an overload flag
   bool ack_error_open_ = false;  // passive: counts only if the flag sees a dominant bit
   bool flag_last_dominant_ = false;
-  BitStream stream_;
+  bool has_stream_ = false;
+  can::Frame sent_;
+  BitStream stream_;          // of sent_
   std::size_t position_ = 0;  // on the wire, from SOF
 
   // Reception.
@@ -162,5 +187,31 @@ class BitController {
   can::Frame incoming_;
   can::Frame frame_;
 };
+
+/// Where a bit is. Cheap to keep, for the few bits somebody asks about.
+struct BitController::Place {
+  State state = State::idle;
+  Field part = Field::stuffed;
+  bool is_overload = false;
+  bool is_extended = false;
+  unsigned row = 0;
+  unsigned payload = 0;
+  unsigned crc_begin = 0;
+  unsigned number = 0;  ///< from SOF = 0 with stuff bits counted, after the frame within the field
+
+  [[nodiscard]] can::FrameField field() const noexcept;
+};
+
+inline BitController::Place BitController::place() const noexcept {
+  return {.state = state_,
+          .part = field_,
+          .is_overload = overload_,
+          .is_extended = incoming_.extended,
+          .row = row_,
+          .payload = payload_,
+          .crc_begin = crc_begin_,
+          .number = state_ == State::frame ? static_cast<unsigned>(position_) : count_};
+}
+inline can::FrameField BitController::field() const noexcept { return place().field(); }
 
 }  // namespace canopus::sim

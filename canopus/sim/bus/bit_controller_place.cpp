@@ -29,32 +29,28 @@ FrameField field_of_bit(unsigned bit, bool extended) noexcept {
 
 }  // namespace
 
-FrameField BitController::field() const noexcept {
-  switch (state_) {
+FrameField BitController::Place::field() const noexcept {
+  switch (state) {
     case State::frame: break;
     case State::active_flag: return FrameField::active_error_flag;
     case State::passive_flag: return FrameField::passive_error_flag;
     case State::overload_flag: return FrameField::overload_flag;
     case State::superposition: return FrameField::superposition;
-    case State::delimiter: return overload_ ? FrameField::overload_delimiter : FrameField::error_delimiter;
+    case State::delimiter: return is_overload ? FrameField::overload_delimiter : FrameField::error_delimiter;
     case State::intermission: return FrameField::intermission;
     case State::suspend: return FrameField::suspend;
     default: return FrameField::idle;
   }
-  switch (field_) {
+  switch (part) {
     case Field::crc_delimiter: return FrameField::crc_delimiter;
     case Field::ack_slot: return FrameField::ack_slot;
     case Field::ack_delimiter: return FrameField::ack_delimiter;
     case Field::eof: return FrameField::end_of_frame;
     case Field::stuffed: break;
   }
-  const bool is_stuff_bit = row_ == 5;
-  const unsigned bit = is_stuff_bit && payload_ > 0 ? payload_ - 1 : payload_;
-  return bit >= crc_begin_ ? FrameField::crc : field_of_bit(bit, incoming_.extended);
-}
-
-unsigned BitController::bit_number() const noexcept {
-  return state_ == State::frame ? static_cast<unsigned>(position_) : count_;
+  const bool is_stuff_bit = row == 5;
+  const unsigned bit = is_stuff_bit && payload > 0 ? payload - 1 : payload;
+  return bit >= crc_begin ? FrameField::crc : field_of_bit(bit, is_extended);
 }
 
 }  // namespace canopus::sim

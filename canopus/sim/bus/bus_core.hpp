@@ -196,7 +196,7 @@ class BusPort final : public Port {
     ++counted.received;
     notify([&](can::Listener& hearer) { hearer.receive(frame, now); });
   }
-  [[nodiscard]] can::Duration bit() const noexcept { return can::bit_time(1, rate); }
+  [[nodiscard]] can::Duration bit() const noexcept { return bit_length; }
 
   // What a received frame needs lies together.
   BusCore& core;
@@ -208,6 +208,7 @@ class BusPort final : public Port {
   Segment* segment;
   std::size_t index;
   std::uint32_t rate;
+  can::Duration bit_length;  // at this rate
   bool is_plugged = true;
   bool powered = true;
   bool on_wire = true;  // both
@@ -276,6 +277,7 @@ class BusPort final : public Port {
   };
   BitController bits{faults};
   Tap tap;
+  BusPort* spokesman = nullptr;  // goes through the bits for this one, see segment_together.cpp
 
  private:
   void forget_queue();

@@ -14,6 +14,7 @@ BusPort::BusPort(BusCore& bus_core, Segment& port_segment, std::size_t port_inde
       segment(&port_segment),
       index(port_index),
       rate(bus_core.bit_rate),
+      bit_length(can::bit_time(1, rate)),
       port_name_(std::move(port_name)) {
   queue.configure(true, default_queue_capacity);
   accept(Acceptance{});
@@ -45,6 +46,7 @@ void BusPort::restart(std::uint32_t bit_rate) {
   segment->before_change();
   segment->take_off(*this);
   rate = bit_rate;
+  bit_length = can::bit_time(1, rate);
   start_anew();
   segment->restart(*this);
   segment->after_change();

@@ -21,8 +21,9 @@ void Segment::resize() {
 }
 
 void Segment::reconsider() {
+  part();
   members_.clear();
-  forced_ = seen_apart_ = some_late_ = false;
+  forced_ = some_late_ = false;
   bool has_bit_faults = false;
   for (const auto& port : core_.ports) {
     forced_ = forced_ || (port->segment == this && port->on_wire && port->stuck);
@@ -31,13 +32,14 @@ void Segment::reconsider() {
     if (port->present()) {
       members_.push_back(port.get());
       has_bit_faults = has_bit_faults || port->has_bit_fault();
-      seen_apart_ = seen_apart_ || port->inverted;
       some_late_ = some_late_ || port->lateness > can::Duration{};
       if (port->lateness == can::Duration{}) port->tap.reach(port->tap.driving && !port->mute);
     } else {
       fall_silent(*port);  // bus-off for good
     }
   }
+  working_ = members_;
+  look_for_views();
   // Frames are computed as a whole when all have one bit rate. A controller with another one stays on the wire, where
   // it samples, counts and disturbs as it does on a real one.
   const std::uint32_t rate = members_.empty() ? 0 : members_.front()->rate;
@@ -74,7 +76,10 @@ void Segment::offer_changed(BusPort& port) {
   core_.refresh();
 }
 
-void Segment::before_change() { enter_bits(); }
+void Segment::before_change() {
+  enter_bits();
+  part();
+}
 
 void Segment::after_change() {
   const can::Time now = core_.timeline.now();

@@ -116,13 +116,35 @@ class Segment {
   void start_waiting(can::Time now);
   [[nodiscard]] bool inverted(const BusPort* at, can::Time now) const noexcept;
   void begin_bits(can::Time now);
+  void look_for_views() noexcept;
   void put_on_wire(BusPort& port, can::Time now);
   [[nodiscard]] bool driven_level(bool dominant, can::Time now);
   void settle(can::Time now);
   void wake(BusPort& port, can::Time now);
   void synchronise(BusPort& port, can::Time now);
+  /// What a controller found at its sample point, and what it was before.
+  struct Sampled {
+    can::FaultConfinement faults;
+    BitController::Place place;
+    bool is_transmitter = false;
+    BitController::Events events{};
+  };
+  [[nodiscard]] static bool is_sampling(const BusPort& port, can::Time now) noexcept {
+    return port.tap.next == now && port.tap.sampling;
+  }
   void sample(can::Time now);
   void sample_port(BusPort& port, can::Time now);
+  Sampled look(BusPort& port, can::Time now);
+  void conclude(BusPort& port, const Sampled& sampled, can::Time now);
+  // segment_together.cpp
+  [[nodiscard]] bool may_join(const BusPort& port) const noexcept;
+  [[nodiscard]] bool is_in_step(const BusPort& port, const BusPort& other) const noexcept;
+  void gather();
+  static void follow(BusPort& port) noexcept;
+  void part();
+  void keep_in_step() noexcept;
+  void sample_together(can::Time now);
+  void begin_apart(const Sampled& found, can::Time now);
   void tell_changes(can::Time now);
   /// It drives nothing any more, as observers hear.
   void fall_silent(BusPort& port);
@@ -144,6 +166,9 @@ class Segment {
   BusPort* transmitter_ = nullptr;
   Arbiter arbiter_;                     // while a frame is on the wire, its port may still be there with it
   std::vector<BusPort*> members_;       // whoever can do anything to the wire or hear it
+  std::vector<BusPort*> working_;       // of them, bit by bit: those that have no spokesman
+  BusPort* spokesman_ = nullptr;        // of the others
+  bool begun_ = false;                  // somebody has begun to receive a frame
   std::vector<std::uint64_t> hearing_;  // set of members, as in AcceptanceTable
   bool healthy_ = false;                // frames can be computed as a whole
   bool lone_ = false;                   // so can the failures of the only member

@@ -26,7 +26,7 @@ void Segment::begin_bits(can::Time now) {
 
 /// Nothing of a frame is left, for nobody, and whoever is idle is at the end of its bit.
 bool Segment::quiet(can::Time now) const noexcept {
-  return std::all_of(members_.begin(), members_.end(), [now](const BusPort* port) {
+  return std::all_of(working_.begin(), working_.end(), [now](const BusPort* port) {
     return port->bits.quiet() && (!port->bits.idle() || between_bits(*port, now));
   });
 }
@@ -34,6 +34,7 @@ bool Segment::quiet(can::Time now) const noexcept {
 void Segment::bits_tick(can::Time now, bool may_leave) {
   changed_ = false;
   complete_frames(now);
+  if (spokesman_ != nullptr && spokesman_->bits.quiet()) part();
   if (!dominant_ && quiet(now)) {
     if (active_) {
       active_ = false;
@@ -135,7 +136,7 @@ bool Segment::ready(const BusPort& port, can::Time now) const noexcept {
 void Segment::start_waiting(can::Time now) {
   if (replaying_) return;
   const BusPort* first = nullptr;
-  for (BusPort* port : members_) {
+  for (BusPort* port : working_) {
     if (!ready(*port, now)) continue;
     port->take_next();
     arbiter_.set(port->index, port->offer());
@@ -152,11 +153,13 @@ void Segment::start_waiting(can::Time now) {
   if (!faults_ready_) {
     faults_ = core_.plan.hits_frames() ? core_.plan.on_frame(*first, first->current, now) : FrameFaults{};
   }
+  if (spokesman_ != nullptr && faults_.corruptions > 0) part();  // it may hit one of them alone
   faults_ready_ = false;
   given_up_ = false;
   error_frame_ = false;
   faults_origin_ = now;
   faults_bit_ = first->bit();
+  look_for_views();
 }
 
 /// Lets bits begin that begin now and finds the level of the wire.
@@ -164,7 +167,7 @@ void Segment::settle(can::Time now) {
   if (state_ != State::bits) return;
   bool dominant = forced_;
   bool asleep = false;  // somebody since now
-  for (BusPort* port : members_) {
+  for (BusPort* port : working_) {
     BusPort::Tap& tap = port->tap;
     if (tap.next == now && !tap.sampling) {
       tap.bit_start = now;
@@ -193,9 +196,8 @@ void Segment::settle(can::Time now) {
   if (termination_ != Termination{}) dominant = driven_level(dominant, now);
   dominant = dominant != inverted(nullptr, now);
   if (driven_.level != DrivenLevel::released) dominant = driven_.level == DrivenLevel::dominant;
-  if (asleep || seen_apart_ ||
-      faults_.corruptions > 0) {  // there is no edge for those who see a dominant bit from here on
-    for (BusPort* port : members_) {
+  if (asleep || seen_apart_) {  // there is no edge for those who see a dominant bit from here on
+    for (BusPort* port : working_) {
       if (dominant != inverted(port, now)) wake(*port, now);
     }
   }
@@ -213,7 +215,8 @@ void Segment::settle(can::Time now) {
     active_ = true;
     activity_start_ = now;
   }
-  for (BusPort* port : members_) synchronise(*port, now);
+  for (BusPort* port : working_) synchronise(*port, now);
+  if (spokesman_ != nullptr && spokesman_->tap.received) keep_in_step();
 }
 
 /// Whoever is asleep begins to sample.
@@ -257,28 +260,47 @@ void Segment::synchronise(BusPort& port, can::Time now) {
 }
 
 void Segment::sample(can::Time now) {
-  for (BusPort* port : members_) {
-    if (port->tap.next == now && port->tap.sampling) sample_port(*port, now);
+  if (spokesman_ != nullptr && is_sampling(*spokesman_, now)) {
+    sample_together(now);
+  } else {
+    for (BusPort* port : working_) {
+      if (is_sampling(*port, now)) sample_port(*port, now);
+    }
   }
   core_.report(now);
+  if (begun_) gather();
 }
 
 void Segment::sample_port(BusPort& port, can::Time now) {
+  const Sampled sampled = look(port, now);
+  if (sampled.events != BitController::Events{} || port.faults != sampled.faults)
+    conclude(port, sampled, now);
+}
+
+/// The port's controller samples its bit.
+Segment::Sampled Segment::look(BusPort& port, can::Time now) {
   BusPort::Tap& tap = port.tap;
-  const can::ErrorState state = port.faults.state();
-  const bool warned = port.faults.warning();
+  Sampled sampled{
+      .faults = port.faults, .place = port.bits.place(), .is_transmitter = port.bits.is_transmitter()};
   const bool in_frame = port.bits.state() == BitController::State::frame;
-  tap.sampled = dominant_ != inverted(&port, now);
+  tap.sampled = seen_apart_ ? dominant_ != inverted(&port, now) : dominant_;
   tap.synchronised = false;
-  can::BusErrorReport report{.field = port.bits.field(),
-                             .bit = port.bits.bit_number(),
-                             .transmitter = port.bits.is_transmitter(),
-                             .dominant = tap.sampled};
-  const BitController::Events events = port.bits.sample(tap.sampled);
+  port.bits.sample(tap.sampled, sampled.events);
   if (!core_.wire_observers.empty()) tell_counters(port, now);
-  if (!in_frame && port.bits.state() == BitController::State::frame) tap.frame_start = tap.bit_start;
+  if (!in_frame && port.bits.state() == BitController::State::frame) {
+    tap.frame_start = tap.bit_start;
+    begun_ = true;
+  }
+  begun_ = begun_ || sampled.events.lost;
   tap.sampling = false;
   tap.next = tap.bit_start + port.bit();
+  return sampled;
+}
+
+/// What follows from it for the port's queue, its participant and those who watch.
+void Segment::conclude(BusPort& port, const Sampled& sampled, can::Time now) {
+  BusPort::Tap& tap = port.tap;
+  const BitController::Events& events = sampled.events;
   if (events.error != BusError::none) given_up_ = true;
   if (port.sending && (events.lost || events.error != BusError::none)) {
     port.give_back();
@@ -292,22 +314,26 @@ void Segment::sample_port(BusPort& port, can::Time now) {
     arbiter_.set(port.index, port.offer());
     port.bits.join(port.current);
   }
+  const can::ErrorState state = sampled.faults.state();
+  const bool has_changed = port.faults.state() != state || port.faults.warning() != sampled.faults.warning();
   if (replaying_) {  // an error frame was counted and reported when it was computed
-    const bool has_changed = port.faults.state() != state || port.faults.warning() != warned;
     if (has_changed && !failed_) tap.changed = changes_ = true;
     return;
   }
   if (events.error != BusError::none) {
     ++port.counted.errors;
-    report.error = events.error;
-    report.first = !error_frame_;
-    report_error(port, report);
+    report_error(port, {.error = events.error,
+                        .field = sampled.place.field(),
+                        .bit = sampled.place.number,
+                        .transmitter = sampled.is_transmitter,
+                        .dominant = tap.sampled,
+                        .first = !error_frame_});
     if (!error_frame_) core_.statistics.error_frame();
     error_frame_ = true;
     for (BusObserver* observer : core_.observers) observer->error_detected(port, events.error, now);
   }
   if (events.recovered) port.recovering = false;
-  if (port.faults.state() != state || port.faults.warning() != warned) {
+  if (has_changed) {
     tap.changed = changes_ = true;
     if (port.faults.state() == can::ErrorState::bus_off) {
       ++port.counted.bus_offs;
@@ -352,20 +378,22 @@ void Segment::tell_activity(BusPort& port, can::Time now) {
 /// When the segment has to act next.
 void Segment::schedule(can::Time now) {
   if (state_ != State::bits) return;
-  deadline_ = changed_ ? now : can::never;
+  can::Time next = changed_ ? now : can::never;
   for (std::size_t number = 0; number < faults_.corruptions; ++number) {
     const can::Time begin = faults_origin_ + faults_bit_ * faults_.corruption[number].bit;
     if (begin > now) {
-      deadline_ = std::min(deadline_, begin);
+      next = std::min(next, begin);
     } else if (begin + faults_bit_ > now) {
-      deadline_ = std::min(deadline_, begin + faults_bit_);
+      next = std::min(next, begin + faults_bit_);
     }
   }
-  if (released_ > now) deadline_ = std::min(deadline_, released_);
-  for (const BusPort* port : members_) {
-    deadline_ = std::min({deadline_, port->tap.next, port->tap.reaches});
-    if (!replaying_ && ready(*port, now)) deadline_ = std::min(deadline_, now);
+  if (released_ > now) next = std::min(next, released_);
+  for (const BusPort* port : working_) {
+    next = std::min(next, port->tap.next);
+    if (some_late_) next = std::min(next, port->tap.reaches);
+    if (!replaying_ && ready(*port, now)) next = now;
   }
+  deadline_ = next;
 }
 
 }  // namespace canopus::sim

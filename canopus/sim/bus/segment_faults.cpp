@@ -1,6 +1,7 @@
 // What faults do to the levels of a segment.
 
 #include <algorithm>
+#include <span>
 
 #include "canopus/sim/bus/segment.hpp"
 
@@ -28,9 +29,16 @@ void Segment::drive(const Driven& driven) {
 /// What was to happen to a frame that nobody sends any more does not happen to the next one.
 void Segment::forget_given_up() {
   given_up_ = false;
-  const bool is_sent = std::any_of(members_.begin(), members_.end(),
+  const bool is_sent = std::any_of(working_.begin(), working_.end(),
                                    [](const BusPort* port) { return port->bits.transmitting(); });
   if (!is_sent) faults_.corruptions = 0;
+}
+
+/// Whether somebody may see another level than the wire's.
+void Segment::look_for_views() noexcept {
+  const std::span corruptions(faults_.corruption, faults_.corruptions);
+  seen_apart_ = std::ranges::any_of(corruptions, [](const auto& one) { return one.at != nullptr; }) ||
+                std::ranges::any_of(members_, [](const BusPort* port) { return port->inverted; });
 }
 
 /// Whether a fault inverts what there is on the wire, or what one port sees of it.

@@ -1,0 +1,156 @@
+// Receivers of a segment that have all seen the same of a frame: one of them goes through the bits for all.
+//
+// From the frame's first bits to the end of its intermission most controllers do the same at the same moments. They
+// have the same bit rate, bit boundaries, error state and place in the frame; only their counters are their own. One
+// of them, the spokesman, samples; what it finds is then applied to the counters of the others, in the order of the
+// ports, as if each had sampled. Whoever comes to differ, and everybody before anything about a port changes, takes over
+// the spokesman's place in the frame and goes on by itself.
+
+#include <algorithm>
+
+#include "canopus/sim/bus/segment.hpp"
+
+namespace canopus::sim {
+namespace {
+
+void count(can::FaultConfinement& faults, BitController::Counted counted) {
+  using enum BitController::Counted;
+  switch (counted) {
+    case nothing: break;
+    case success: faults.received(); break;
+    case error: faults.receiver_error(); break;
+    case severe_error: faults.receiver_severe_error(); break;
+  }
+}
+
+}  // namespace
+
+/// Comes to where its spokesman is.
+void Segment::follow(BusPort& port) noexcept {
+  const BusPort& spokesman = *port.spokesman;
+  port.bits.go_to(spokesman.bits);
+  BusPort::Tap& tap = port.tap;
+  const BusPort::Tap& other = spokesman.tap;
+  tap.bit_start = other.bit_start;
+  tap.next = other.next;
+  tap.sampling = other.sampling;
+  tap.sampled = other.sampled;
+  tap.synchronised = other.synchronised;
+  tap.driving = other.driving;
+  tap.reach(other.reaching);
+  tap.frame_start = other.frame_start;
+}
+
+bool Segment::is_in_step(const BusPort& port, const BusPort& other) const noexcept {
+  const BusPort::Tap& one = port.tap;
+  const BusPort::Tap& two = other.tap;
+  return port.rate == other.rate && port.faults.state() == other.faults.state() &&
+         one.bit_start == two.bit_start && one.next == two.next && one.sampling == two.sampling &&
+         one.sampled == two.sampled && one.synchronised == two.synchronised && one.driving == two.driving &&
+         one.frame_start == two.frame_start && port.bits.receives_as(other.bits);
+}
+
+/// Nothing happens to it that does not happen to the others.
+bool Segment::may_join(const BusPort& port) const noexcept {
+  if (port.has_bit_fault() || port.bits.state() != BitController::State::frame || port.bits.transmitting()) {
+    return false;
+  }
+  for (std::size_t number = 0; number < faults_.corruptions; ++number) {
+    if (faults_.corruption[number].at == &port) return false;
+  }
+  return true;
+}
+
+/// After controllers have begun to receive: those that are in step go on together.
+void Segment::gather() {
+  begun_ = false;
+  if (!core_.wire_observers.empty()) return;
+  bool have_joined = false;
+  for (BusPort* port : working_) {
+    if (port == spokesman_ || !may_join(*port)) continue;
+    if (spokesman_ == nullptr) {
+      spokesman_ = port;
+    } else if (is_in_step(*port, *spokesman_)) {
+      port->spokesman = spokesman_;
+      have_joined = true;
+    }
+  }
+  if (have_joined) {
+    std::erase_if(working_, [](const BusPort* port) { return port->spokesman != nullptr; });
+  } else if (working_.size() == members_.size()) {
+    spokesman_ = nullptr;
+  }
+}
+
+/// Everybody goes on by itself.
+void Segment::part() {
+  if (spokesman_ == nullptr) return;
+  for (BusPort* port : members_) {
+    if (port->spokesman == nullptr) continue;
+    follow(*port);
+    port->spokesman = nullptr;
+  }
+  spokesman_ = nullptr;
+  working_ = members_;
+}
+
+void Segment::keep_in_step() noexcept {
+  for (BusPort* port : members_) {
+    if (port->spokesman != nullptr) port->tap.next = spokesman_->tap.next;
+  }
+}
+
+/// The spokesman's sample point.
+void Segment::sample_together(can::Time now) {
+  BusPort& spokesman = *spokesman_;
+  const Sampled found = look(spokesman, now);
+  if (found.events == BitController::Events{}) {
+    for (BusPort* port : working_) {
+      if (port != &spokesman && is_sampling(*port, now)) sample_port(*port, now);
+    }
+    return;
+  }
+  if (found.events.early_start) return begin_apart(found, now);
+  bool differ = false;
+  for (BusPort* port : members_) {
+    if (port == &spokesman) {
+      conclude(spokesman, found, now);
+    } else if (port->spokesman != nullptr) {
+      Sampled own = found;
+      own.faults = port->faults;
+      count(port->faults, found.events.counted);
+      follow(*port);
+      conclude(*port, own, now);
+      differ = differ || port->faults.state() != spokesman.faults.state();
+    } else if (is_sampling(*port, now)) {
+      sample_port(*port, now);
+    }
+  }
+  if (!differ) return;
+  for (BusPort* port : members_) {
+    if (port->faults.state() != spokesman.faults.state()) port->spokesman = nullptr;
+  }
+  working_ = members_;
+  std::erase_if(working_, [](const BusPort* port) { return port->spokesman != nullptr; });
+}
+
+/// Somebody's SOF in the last bit of the intermission: whoever has something to send joins in.
+void Segment::begin_apart(const Sampled& found, can::Time now) {
+  BusPort* spokesman = spokesman_;
+  for (BusPort* port : working_) {
+    if (port != spokesman && is_sampling(*port, now)) sample_port(*port, now);
+  }
+  for (BusPort* port : members_) {
+    if (port->spokesman == nullptr) continue;
+    follow(*port);
+    Sampled own = found;
+    own.faults = port->faults;
+    conclude(*port, own, now);
+    port->spokesman = nullptr;
+  }
+  conclude(*spokesman, found, now);
+  spokesman_ = nullptr;
+  working_ = members_;
+}
+
+}  // namespace canopus::sim
