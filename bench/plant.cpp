@@ -3,13 +3,16 @@
 
 #include "canopus/plant/plant.hpp"
 
+#include <cstdint>
 #include <fstream>
+#include <optional>
 #include <sstream>
 
 #include <benchmark/benchmark.h>
 #include <malloc.h>
 
 #include "canopus/eds/device_file.hpp"
+#include "canopus/serve/slices/plant_slices.hpp"
 #include "canopus/sim/device/device.hpp"
 
 #include "measure.hpp"
@@ -21,10 +24,13 @@ using namespace canopus;
 constexpr const char* kinds[] = {"io-block", "encoder", "drive"};
 constexpr const char* moving[] = {"6000:01", "6004:00", "606C:00"};
 
+enum class Racks : std::uint8_t { one, one_per_bus };
+
 /// Buses with so many devices and a module each. Each device's value moves in every `period`.
-std::string plant_text(unsigned devices = 20, unsigned buses = 1, const std::string& period = "10ms") {
+std::string plant_text(unsigned devices = 20, unsigned buses = 1, const std::string& period = "10ms",
+                       Racks racks = Racks::one) {
   std::string text;
-  std::string modules = "[[plc]]\nlisten = \"off\"\n";
+  std::string modules;
   for (unsigned number = 1; number <= buses; ++number) {
     const std::string bus = "\"line" + std::to_string(number) + "\"\n";
     text += "[[bus]]\nname = " + bus + "bit_rate = 1_000_000\n";
@@ -34,8 +40,11 @@ std::string plant_text(unsigned devices = 20, unsigned buses = 1, const std::str
               ".eds\"\nobjects = { \"1017:00\" = 100 }\n[[device.behaviour]]\nobject = \"" + moving[i % 3] +
               "\"\nkind = \"counter\"\nhigh = 100\nperiod = \"" + period + "\"\n";
     }
+    if (number == 1 || racks == Racks::one_per_bus) {
+      modules += "[[plc]]\nname = \"plc" + std::to_string(number) + "\"\nlisten = \"off\"\n";
+    }
     modules += "[[plc.module]]\nmodel = \"ME3CAN1-Q\"\nbus = " + bus +
-               "head = " + std::to_string(32 * (number - 1)) +
+               "head = " + std::to_string(racks == Racks::one ? 32 * (number - 1) : 0) +
                "\nnode = 1\nmaster = true\nexchange = \"10ms\"\nslaves = \"all\"\n";
   }
   return text + modules;
@@ -75,6 +84,46 @@ void simulated_seconds_by_nodes(benchmark::State& state) {
   simulated_seconds(state, plant_text(static_cast<unsigned>(state.range(0)), buses, "50ms"), buses);
 }
 BENCHMARK(simulated_seconds_by_nodes)->Apply(bench::nodes_and_buses)->Unit(benchmark::kMillisecond);
+
+/// 16 buses that share nothing, 126 devices each: together (0 threads), or apart in slices on so many threads.
+void sixteen_buses_apart(benchmark::State& state) {
+  constexpr unsigned buses = 16;
+  const auto threads = static_cast<std::size_t>(state.range(0));
+  const plant::PlantReading reading =
+      plant::read_plant(plant_text(126, buses, "50ms", Racks::one_per_bus), "bench.toml");
+  Nobody nobody;
+  auto plant = plant::Plant::build(reading.plant, nobody);
+  if (!reading.errors.empty() || !plant) return state.SkipWithError("the plant cannot be built");
+  (*plant)->power_on();
+  can::Timeline& timeline = (*plant)->timeline();
+  if (timeline.part_count() != buses) return state.SkipWithError("the buses are not apart");
+  std::optional<serve::PlantSlices> slices;
+  if (threads > 0) slices.emplace(**plant, serve::PlantSlices::Use{.threads = threads});
+  const auto run_until = [&](can::Time end) {
+    if (slices) return slices->run_until(end);
+    timeline.run_until(end);
+  };
+  run_until(can::Time{} + std::chrono::seconds(10));
+  for (const plant::NodeStatus& node : (*plant)->nodes()) {
+    if (node.state != canopen::NmtState::operational) return state.SkipWithError("a node is not operational");
+  }
+  const auto all_frames = [&] {
+    std::uint64_t sum = 0;
+    for (unsigned bus = 0; bus < buses; ++bus) sum += (*plant)->bus(bus).load(timeline.now()).frames;
+    return sum;
+  };
+  const std::uint64_t frames_before = all_frames();
+  for (auto _ : state) run_until(timeline.now() + std::chrono::seconds(1));
+  bench::report(state, all_frames() - frames_before);
+}
+BENCHMARK(sixteen_buses_apart)
+    ->Apply(bench::standard)
+    ->ArgName("threads")
+    ->Arg(0)
+    ->Arg(1)
+    ->Arg(2)
+    ->UseRealTime()
+    ->Unit(benchmark::kMillisecond);
 
 /// From the text of the plant file and the files of the devices to the first frame on the bus.
 void twenty_devices_start(benchmark::State& state) {
