@@ -120,10 +120,18 @@ std::string Waveform::code(std::size_t signal) {
   return code;
 }
 
+// For every bit the bus reports port after port, in their order: the search begins where the last one ended.
+std::size_t Waveform::number_of(const Port& port) const noexcept {
+  for (std::size_t looked = 0; looked < ports_.size(); ++looked) {
+    if (ports_[last_] == &port) return last_;
+    if (++last_ == ports_.size()) last_ = 0;
+  }
+  return ports_.size();
+}
+
 std::size_t Waveform::first_signal(const Port& port) const noexcept {
-  const auto found = std::find(ports_.begin(), ports_.end(), &port);
-  if (found == ports_.end()) return 0;
-  return 1 + signals_per_port * static_cast<std::size_t>(found - ports_.begin());
+  const std::size_t number = number_of(port);
+  return number == ports_.size() ? 0 : 1 + signals_per_port * number;
 }
 
 std::size_t Waveform::first_value(const Port& port) const noexcept {

@@ -54,6 +54,8 @@ class Waveform final : public WireObserver {
   enum Value : std::size_t { tec, rec, field, values_per_port };  // numbers, after the signals of all ports
 
   void write_head();
+  /// Which of the ports of the dump; their count: none.
+  [[nodiscard]] std::size_t number_of(const Port& port) const noexcept;
   /// Number of the port's first signal; 0 (that of the wire): the port is not in the dump.
   [[nodiscard]] std::size_t first_signal(const Port& port) const noexcept;
   /// The port's first number; 0 as above.
@@ -67,6 +69,7 @@ class Waveform final : public WireObserver {
   Bus& bus_;
   Sink sink_;
   std::vector<const Port*> ports_;
+  mutable std::size_t last_ = 0;       // of the ports, asked for last
   std::size_t far_;                    // signal of the far side of a cut, 0: the wire is never cut
   std::vector<std::uint16_t> values_;  // per signal
   can::Duration resolution_;
