@@ -32,7 +32,10 @@ void Assembly::review_buses() {
   for (const auto& [section, seat] : device_sections_) {
     buses.at(section->bus).nodes.push_back(reviewed(*section, *seat));
   }
-  for (const BusSection& section : parts_.file.buses) review(buses.at(section.name), parts_.warnings);
+  for (const BusSection& section : parts_.file.buses) {
+    find_line_troubles(section, parts_.warnings);
+    review(buses.at(section.name), parts_.warnings);
+  }
 }
 
 /// The slave that a node of the plant is for this master.

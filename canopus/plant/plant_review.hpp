@@ -95,7 +95,10 @@ void find_two_masters(const ReviewedBus& bus, Warnings& warnings);
 /// LSS slaves that LSS cannot distinguish.
 void find_equal_lss_addresses(const ReviewedBus& bus, Warnings& warnings);
 
-/// All of them.
+/// What keeps a bus with a [bus.line] from working: its length and bit rate, or its clocks [ISO 11898-1 bit timing].
+void find_line_troubles(const BusSection& bus, Warnings& warnings);
+
+/// All of them but find_line_troubles().
 void review(const ReviewedBus& bus, Warnings& warnings);
 
 }  // namespace canopus::plant

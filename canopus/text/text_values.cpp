@@ -27,9 +27,10 @@ std::optional<std::uint32_t> parse_hexadecimal(std::string_view text) {
 
 std::expected<can::Duration, std::string> parse_duration(std::string_view text) {
   const auto refuse = [&] {
-    return std::unexpected(fmt::format(
-        "\"{}\" is not a duration; expected a number and a unit (us, ms, s, min, h), for example \"10ms\"",
-        text));
+    return std::unexpected(
+        fmt::format("\"{}\" is not a duration; expected a number and a unit (ns, us, ms, s, min, h), for "
+                    "example \"10ms\"",
+                    text));
   };
   double number = 0;
   const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -37,7 +38,9 @@ std::expected<can::Duration, std::string> parse_duration(std::string_view text) 
   std::string_view unit(rest, static_cast<std::size_t>(text.data() + text.size() - rest));
   while (unit.starts_with(' ')) unit.remove_prefix(1);
   double nanoseconds = 0;
-  if (unit == "us") {
+  if (unit == "ns") {
+    nanoseconds = 1;
+  } else if (unit == "us") {
     nanoseconds = 1e3;
   } else if (unit == "ms") {
     nanoseconds = 1e6;

@@ -84,6 +84,7 @@ BusSection read_bus(text::TableReader& table) {
       });
   bus.allowed = read_allowed(table, "serve", "socketcand protocol", bus.socketcand);
   bus.faults = read_good<FaultSection>(table, "fault", "bus.fault", read_fault);
+  read_line(table, bus);
   read_link(table, bus);
   return bus;
 }

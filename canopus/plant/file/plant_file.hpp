@@ -20,6 +20,7 @@
 #include "canopus/plc/cpu/device.hpp"
 #include "canopus/plc/melsec/port_settings.hpp"
 #include "canopus/plc/modbus/settings.hpp"
+#include "canopus/sim/bus/bit_timing.hpp"
 #include "canopus/sim/bus/fault.hpp"
 #include "canopus/text/file_error.hpp"
 #include "canopus/text/object_value.hpp"
@@ -90,6 +91,17 @@ struct FaultSection {
   sim::Fault fault{};
 };
 
+/// What canopus check reckons with, [bus.line]. The simulated bus itself has no length, and its clocks are perfect.
+struct LineSection {
+  text::Place place{};
+  double length = 0;                     ///< m, between the two nodes furthest apart
+  double stub = 0;                       ///< m, the longest
+  double nanoseconds_per_metre = 5;      ///< 5: copper with polyethylene
+  can::Duration transceiver_delay{120};  ///< of a node's driver and another one's receiver together
+  double clock_ppm = 100;                ///< the most a node's clock is off, either way
+  sim::BitTiming timing{};               ///< of every node, without problem()
+};
+
 struct BusSection {
   text::Place place{};
   text::Place serve_place{};
@@ -98,6 +110,7 @@ struct BusSection {
   std::optional<text::HostAndPort> socketcand{};  ///< from serve = "socketcand:127.0.0.1:29536"
   link::AllowList allowed{};                      ///< who may connect there
   std::vector<FaultSection> faults{};
+  std::optional<LineSection> line{};
   text::Place link_place{};
   std::string link{};  ///< as written: "socketcan:can0", "replay:run.log"; empty or "sim": simulated
   std::optional<link::BusAddress> address{};  ///< of a bus of this machine or of another program

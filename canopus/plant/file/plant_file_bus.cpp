@@ -82,6 +82,40 @@ std::expected<void, std::string> set_link(BusSection& bus, std::string_view text
                   bus.faults.front().place.line));
 }
 
+void read_line(text::TableReader& table, BusSection& bus) {
+  table.table("line", "bus.line", "expected a table, written as [bus.line]", [&](text::TableReader& inner) {
+    LineSection& line = bus.line.emplace(LineSection{.place = inner.place()});
+    const auto number = [&](std::string_view key, double most, std::string_view expected, double& value) {
+      const auto found = inner.number(key);
+      if (!found) return;
+      if (*found < 0 || *found > most) return inner.error(key, expected);
+      value = *found;
+    };
+    if (inner.find("length") == nullptr)
+      inner.error("length", "expected the length of the line, 0 to 10000 m");
+    number("length", 10'000, "expected 0 to 10000 m", line.length);
+    number("stub", 100, "expected 0 to 100 m", line.stub);
+    number("nanoseconds_per_metre", 10, "expected 0 to 10 ns", line.nanoseconds_per_metre);
+    number("clock_ppm", 100'000, "expected 0 to 100000 ppm", line.clock_ppm);
+    line.transceiver_delay =
+        inner.parsed("transceiver_delay", text::parse_duration).value_or(line.transceiver_delay);
+    const auto quanta = [&](std::string_view key, unsigned& value) {
+      const auto found = inner.integer(key, 1, 8, "expected 1 to 8 time quanta");
+      if (found) value = static_cast<unsigned>(*found);
+    };
+    sim::BitTiming timing;
+    quanta("propagation", timing.propagation);
+    quanta("phase1", timing.phase1);
+    quanta("phase2", timing.phase2);
+    quanta("jump_width", timing.jump_width);
+    timing.triple_sampling = inner.boolean("triple_sampling").value_or(false);
+    if (const std::string_view wrong = sim::problem(timing); !wrong.empty()) {
+      return inner.error(inner.place(), fmt::format("the bit timing cannot be: {}", wrong));
+    }
+    line.timing = timing;
+  });
+}
+
 void read_link(text::TableReader& table, BusSection& bus) {
   bus.link_place = table.place("link");
   const auto text = table.text("link");

@@ -51,6 +51,7 @@ void read_place(text::TableReader& table, const plc::CpuModel& cpu, ModuleSectio
 void add_lift(PlantFile& plant, LiftSection lift);
 
 /// `link` of a [[bus]], whose other keys have been read.
+void read_line(text::TableReader& table, BusSection& bus);
 void read_link(text::TableReader& table, BusSection& bus);
 /// A [[bridge]].
 [[nodiscard]] BridgeSection read_bridge(text::TableReader& table);
