@@ -4,7 +4,8 @@ from __future__ import annotations
 import struct
 from typing import Generic, Protocol, Sequence, TypeVar, overload
 
-from .mc import Device, McClient
+from .connection import CpuConnection
+from .mc import Device
 
 Number = TypeVar("Number", int, float)
 Index = int | str
@@ -112,7 +113,7 @@ class Words(Values[int]):
 class DeviceWords:
     """A word device of the CPU."""
 
-    def __init__(self, client: McClient, device: Device) -> None:
+    def __init__(self, client: CpuConnection, device: Device) -> None:
         self.name = device.name
         self._client, self._device = client, device
 
@@ -129,7 +130,7 @@ class DeviceWords:
 class BufferWords:
     """Buffer memory of a module."""
 
-    def __init__(self, client: McClient, unit: int) -> None:
+    def __init__(self, client: CpuConnection, unit: int) -> None:
         self.name = f"U{unit:X}\\G"
         self._client, self._unit = client, unit
 
@@ -146,7 +147,7 @@ class BufferWords:
 class Bits:
     """A bit device: True and False."""
 
-    def __init__(self, client: McClient, device: Device) -> None:
+    def __init__(self, client: CpuConnection, device: Device) -> None:
         self._client, self._device = client, device
 
     def _number(self, index: Index) -> int:
@@ -180,7 +181,7 @@ class Bits:
 class BufferMemories:
     """plc.g[unit] is the buffer memory of the module whose head I/O number is 16 * unit."""
 
-    def __init__(self, client: McClient) -> None:
+    def __init__(self, client: CpuConnection) -> None:
         self._client = client
 
     def __getitem__(self, unit: int) -> Words:

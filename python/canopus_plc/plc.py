@@ -5,7 +5,7 @@ import time
 from types import TracebackType
 from typing import Any, Callable, TypeVar
 
-from .control import ControlClient
+from .connection import CpuConnection, PlantControl
 from .devices import Bits, BufferMemories, DeviceWords, Words
 from .errors import PlantError
 from .mc import DEVICES, McClient
@@ -27,15 +27,19 @@ class Plc:
     """
 
     def __init__(self, host: str = "127.0.0.1", port: int = 5007, *, timeout: float = 5.0, frame: str = "3E",
-                 octal: bool = False, control: ControlClient | None = None, name: str | None = None,
-                 client: McClient | Mc1eClient | None = None) -> None:
+                 octal: bool = False, control: PlantControl | None = None, name: str | None = None,
+                 client: CpuConnection | None = None) -> None:
         """`timeout` in seconds, to connect and for each answer; `frame` is "3E", "4E" or "1E" (as an FX3's and FX5's
         ports speak); `octal`: X and Y are counted in octal, as by
         an FX, when an index is a string. `control` and `name`: the control server of
         the plant that this PLC is in, and its name there. They come from `Plant`. `client`: takes the place of a connection."""
-        self.mc: McClient | Mc1eClient = (client if client is not None else
-                                          Mc1eClient(host, port, timeout) if frame == "1E" else
-                                          McClient(host, port, timeout=timeout, frame=frame))
+        self.mc: CpuConnection
+        if client is not None:
+            self.mc = client
+        elif frame == "1E":
+            self.mc = Mc1eClient(host, port, timeout)
+        else:
+            self.mc = McClient(host, port, timeout=timeout, frame=frame)
         self.name = name
         self._control = control
         self._octal = octal
