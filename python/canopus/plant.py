@@ -7,10 +7,9 @@ import weakref
 from types import TracebackType
 from typing import Any, Callable, NamedTuple, Sequence, TypeVar, cast
 
-from canopus_plc.control import ControlClient
 from canopus_plc.errors import PlantError
 from canopus_plc.mc import Device as CpuDevice
-from canopus_plc.mc import McClient, word_of
+from canopus_plc.mc import word_of
 from canopus_plc.plc import Plc, plant_duration
 
 from . import _core
@@ -199,10 +198,17 @@ class Plant:
             callback = plant._callbacks.get((device, token)) if plant is not None else None
             if callback is not None:
                 callback()
+
+        def arrival() -> None:
+            plant = this()
+            for take in list(plant._takers) if plant is not None else []:
+                take()
+        self._takers: list[Callable[[], None]] = []
         self._core.set_dispatcher(dispatch)
+        self._core.set_arrival(arrival)
         #: The PLCs by their names in the plant file, in its order: canopus_plc.Plc, without a connection.
         self.plcs: dict[str, Plc] = {
-            name: Plc(client=cast(McClient, _Client(self._core, name)), control=cast(ControlClient, self._control), name=name,
+            name: Plc(client=_Client(self._core, name), control=self._control, name=name,
                       octal=self._core.cpu_name(name).startswith("FX"))
             for name in self._core.plcs}
 

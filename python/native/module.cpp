@@ -4,6 +4,7 @@
 #include <exception>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <pybind11/functional.h>
@@ -32,6 +33,15 @@ can::Frame frame_of(std::uint32_t identifier, const py::bytes& data, bool extend
   for (std::size_t i = 0; i < bytes.size() && !remote; ++i)
     frame.data[i] = static_cast<std::uint8_t>(bytes[i]);
   return frame;
+}
+
+/// The frame of PlantPort.send's arguments, or many of them.
+using RawFrame = std::tuple<std::uint32_t, py::bytes, bool, bool, unsigned>;
+std::vector<can::Frame> frames_of(const std::vector<RawFrame>& raw) {
+  std::vector<can::Frame> frames;
+  for (const auto& [identifier, data, extended, remote, dlc] : raw)
+    frames.push_back(frame_of(identifier, data, extended, remote, dlc));
+  return frames;
 }
 
 py::tuple tuple_of(const TimedFrame& frame) {
@@ -103,6 +113,7 @@ PYBIND11_MODULE(_core, module) {
       .def("run_until", [](PlantRun& run, std::int64_t end) { run.run_until(time_of(end)); })
       .def("take_events", &PlantRun::take_events)
       .def_property_readonly("buses", &PlantRun::buses)
+      .def("bit_rate", &PlantRun::bit_rate)
       .def_property_readonly("plcs", &PlantRun::plcs)
       .def("read_words", &PlantRun::read_words)
       .def("write_words",
@@ -138,6 +149,10 @@ PYBIND11_MODULE(_core, module) {
       .def("monitor", &PlantRun::monitor)
       .def("take_messages", &PlantRun::take_messages)
       .def("set_dispatcher", &set_dispatcher)
+      .def("set_arrival",
+           [](PlantRun& run, py::function arrival) {
+             run.set_arrival([arrival = std::move(arrival)] { arrival(); });
+           })
       .def("watch", &PlantRun::watch)
       .def("every", [](PlantRun& run, const std::string& device,
                        std::int64_t period) { return run.every(device, can::Duration(period)); })
@@ -158,6 +173,28 @@ PYBIND11_MODULE(_core, module) {
              if (!frame) return py::none();
              return tuple_of(*frame);
            })
+      .def("take",
+           [](PlantPort& port) -> py::object {
+             const auto frame = port.take();
+             if (!frame) return py::none();
+             return tuple_of(*frame);
+           })
+      .def("offer",
+           [](PlantPort& port, std::uint32_t identifier, const py::bytes& data, bool extended, bool remote,
+              unsigned dlc) { return port.offer(frame_of(identifier, data, extended, remote, dlc)); })
+      .def("repeat",
+           [](PlantPort& port, const std::vector<RawFrame>& frames, std::int64_t period,
+              std::int64_t duration) {
+             return port.repeat(frames_of(frames), can::Duration(period), can::Duration(duration));
+           })
+      .def("change",
+           [](PlantPort& port, std::size_t token, const std::vector<RawFrame>& frames) {
+             return port.change(token, frames_of(frames));
+           })
+      .def("stop", &PlantPort::stop)
+      .def("set_awaited", &PlantPort::await)
+      .def_property_readonly("waiting", &PlantPort::waiting)
+      .def_property_readonly("unsent", &PlantPort::unsent)
       .def_property_readonly("lost", &PlantPort::lost)
       .def_property_readonly("state", &PlantPort::state)
       .def("close", &PlantPort::close);

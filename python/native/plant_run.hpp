@@ -56,8 +56,23 @@ class PlantPort {
 
   /// Queues the frame. A problem: the queue of 128 frames is full, or the port is closed.
   void send(const can::Frame& frame);
+  /// False: the queue is full.
+  [[nodiscard]] bool offer(const can::Frame& frame);
   /// The next frame; lets plant time pass until one comes, `time_out` at most.
   std::optional<TimedFrame> receive(can::Duration time_out);
+  /// The next frame that is there already, at any time.
+  std::optional<TimedFrame> take();
+  /// From now on one of the frames in turn each period, for so long, 0: until stop(). Those that meet a full queue are not
+  /// sent. A token.
+  std::size_t repeat(std::vector<can::Frame> frames, can::Duration period, can::Duration duration);
+  /// Other frames, as many, without a change of the moments. False: it has ended.
+  bool change(std::size_t token, std::vector<can::Frame> frames);
+  void stop(std::size_t token);
+  /// Time waits, in the plant's arrival callback, until the frames that the port hears are taken.
+  void await(bool is_awaited) noexcept;
+  /// Frames heard that nobody has taken.
+  [[nodiscard]] std::size_t waiting() const noexcept;
+  [[nodiscard]] std::uint64_t unsent() const noexcept;
   [[nodiscard]] std::uint64_t lost() const noexcept;
   [[nodiscard]] std::string state() const;
   /// Off the bus; again: nothing.
@@ -83,6 +98,8 @@ class PlantRun : public std::enable_shared_from_this<PlantRun> {
   PlantRun& operator=(const PlantRun&) = delete;
 
   void set_look(Look look);
+  /// Called as soon as a port that is awaited has frames; ports may take and send frames meanwhile, and nothing else.
+  void set_arrival(Look arrival);
   /// Ends the run. Everything but now() is a problem afterwards; again: nothing.
   void close();
   [[nodiscard]] bool is_closed() const noexcept;
@@ -95,6 +112,8 @@ class PlantRun : public std::enable_shared_from_this<PlantRun> {
   /// Lines of JSON since the last call (docs/events.md).
   std::string take_events();
   [[nodiscard]] std::vector<std::string> buses() const;
+  /// In bit/s; of the only bus when the name is empty.
+  [[nodiscard]] std::uint32_t bit_rate(const std::string& bus) const;
   [[nodiscard]] std::vector<std::string> plcs() const;
 
   std::vector<std::uint16_t> read_words(const std::string& plc, const std::string& device,
