@@ -12,7 +12,8 @@
 """
 from canopus_plc.errors import PlantError, PlcError
 
+from .device_file import DeviceFile, DeviceFileError
 from .plant import Device, Frame, Plant, Port, SdoAbort
 from .trace import decode
 
-__all__ = ["Device", "Frame", "Plant", "PlantError", "PlcError", "Port", "SdoAbort", "decode"]
+__all__ = ["Device", "DeviceFile", "DeviceFileError", "Frame", "Plant", "PlantError", "PlcError", "Port", "SdoAbort", "decode"]

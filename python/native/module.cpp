@@ -11,6 +11,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include "device_files.hpp"
 #include "plant_run.hpp"
 
 namespace py = pybind11;
@@ -200,4 +201,5 @@ PYBIND11_MODULE(_core, module) {
       .def("close", &PlantPort::close);
 
   module.def("decode_trace", &decode_trace);
+  add_device_files(module);
 }

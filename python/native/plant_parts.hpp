@@ -44,7 +44,6 @@ class PlantPort::Seat final : public can::Participant {
     port_->disconnect();
     timeline_->remove(handle_);
     port_ = nullptr;
-    cycles_.clear();
   }
   /// The plant has gone, and the port with it.
   void forget() noexcept { port_ = nullptr; }

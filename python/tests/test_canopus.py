@@ -238,9 +238,14 @@ def test_programs_of_python_can_run_in_plant_time(running):
 def test_the_page_does_what_it_says(capsys, monkeypatch):
     root = pathlib.Path(__file__).resolve().parents[2]
     monkeypatch.chdir(root)
-    block = (root / "docs/python-module.md").read_text().split("```python\n")[1].split("```")[0]
-    exec(block, {})
-    assert capsys.readouterr().out == "operational after 1.51 s\ndevice type 91010f00\n"
+    page = (root / "docs/python-module.md").read_text().split("## Tests with pytest")[0]
+    names = {}
+    for block in page.split("```python\n")[1:]:
+        exec(block.split("```")[0], names)
+    assert capsys.readouterr().out == (
+        "operational after 1.51 s\ndevice type 91010f00\n"
+        "Producer heartbeat time UNSIGNED16 rw 0\n"
+        "182 ['Digital inputs 1 to 8', 'Digital inputs 9 to 16']\n282 ['Analogue input 1', 'Analogue input 2']\n")
 
 
 def test_a_plant_that_nobody_closes_ends_with_the_program():

@@ -165,6 +165,39 @@ def test_a_thread_of_ones_own_gets_each_message_at_its_moment(quiet):
         assert len(seen) == 5 and all(stamp == now for stamp, now in seen)
 
 
+def test_plant_time_waits_until_a_listener_has_returned(quiet):
+    seen = []
+
+    def slow(m):
+        before = quiet.time
+        time.sleep(0.1)
+        seen.append((before, quiet.time))
+    with CanopusBus("a", plant=quiet) as bus, CanopusBus("a", plant=quiet) as sender:
+        notifier = can.Notifier(bus, [slow], timeout=0.05)
+        sender.send_periodic(message(0x20), 0.1, duration=0.3)
+        quiet.run(1)
+        assert len(seen) == 3 and all(before == after for before, after in seen)
+        notifier.stop()
+
+
+def test_plant_time_waits_for_a_notifier_that_begins(quiet):
+    seen = []
+    with CanopusBus("a", plant=quiet) as bus, CanopusBus("a", plant=quiet) as sender:
+        with pytest.raises(NotImplementedError):
+            bus.fileno()  # as can.Notifier does before its thread begins
+
+        def reads():
+            time.sleep(0.2)
+            seen.append((bus.recv(5).timestamp, quiet.time))
+            bus.recv(0.05)
+        thread = threading.Thread(target=reads)
+        thread.start()
+        sender.send(message(0x20))
+        quiet.run(1)
+        thread.join(10)
+        assert seen and seen[0][0] == seen[0][1] < 0.01
+
+
 @pytest.mark.parametrize("run", range(3))
 def test_a_listener_answers_at_the_moment_of_the_question(quiet, run):
     with CanopusBus("a", plant=quiet) as asker, CanopusBus("a", plant=quiet) as answerer:
