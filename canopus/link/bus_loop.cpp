@@ -8,7 +8,10 @@ namespace canopus::link {
 using WallClock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-BusLoop::BusLoop() : signals_(io_, SIGINT, SIGTERM), started_(WallClock::now()) {
+BusLoop::BusLoop(Signals signals) : signals_(io_), started_(WallClock::now()) {
+  if (signals == Signals::left_alone) return;
+  signals_.add(SIGINT);
+  signals_.add(SIGTERM);
   signals_.async_wait([this](const boost::system::error_code& failure, int) {
     if (!failure) interrupted_ = true;
   });
@@ -21,8 +24,8 @@ BusLoop::~BusLoop() {
 }
 
 std::expected<std::unique_ptr<BusLoop>, std::string> BusLoop::open(const BusAddress& address,
-                                                                   can::Duration time_out) {
-  std::unique_ptr<BusLoop> loop(new BusLoop);
+                                                                   can::Duration time_out, Signals signals) {
+  std::unique_ptr<BusLoop> loop(new BusLoop(signals));
   auto bus =
       open_bus(loop->io_, address, {.time_out = std::chrono::ceil<std::chrono::milliseconds>(time_out)});
   if (!bus) return std::unexpected(bus.error());

@@ -3,6 +3,7 @@
 // objects are added and hear every frame; run() lets time pass until a question is answered.
 
 #include <chrono>
+#include <cstdint>
 #include <expected>
 #include <functional>
 #include <initializer_list>
@@ -23,9 +24,13 @@ namespace canopus::link {
 
 class BusLoop final : public can::Sink, private BusClientUser {
  public:
+  enum class Signals : std::uint8_t {
+    end_run,     ///< Ctrl-C and SIGTERM
+    left_alone,  ///< they belong to somebody else in this process
+  };
   /// Joins the bus. The error is a sentence.
-  [[nodiscard]] static std::expected<std::unique_ptr<BusLoop>, std::string> open(const BusAddress& address,
-                                                                                 can::Duration time_out);
+  [[nodiscard]] static std::expected<std::unique_ptr<BusLoop>, std::string> open(
+      const BusAddress& address, can::Duration time_out, Signals signals = Signals::end_run);
   /// Leaves the bus; what was sent is given a second to get out.
   ~BusLoop();
   BusLoop(const BusLoop&) = delete;
@@ -75,7 +80,7 @@ class BusLoop final : public can::Sink, private BusClientUser {
   void set_complaint(std::function<void(std::string_view)> complaint) { complaint_ = std::move(complaint); }
 
  private:
-  BusLoop();
+  explicit BusLoop(Signals signals);
   void frame_received(const can::Frame& frame) override;
   void frame_sent(const can::Frame& /*frame*/) override {
     if (under_way_ > 0) --under_way_;

@@ -13,7 +13,9 @@
 from canopus_plc.errors import PlantError, PlcError
 
 from .device_file import DeviceFile, DeviceFileError
+from .master import BootResult, Master, ReceivedPdo, Subscription
 from .plant import Device, Frame, Plant, Port, SdoAbort
 from .trace import decode
 
-__all__ = ["Device", "DeviceFile", "DeviceFileError", "Frame", "Plant", "PlantError", "PlcError", "Port", "SdoAbort", "decode"]
+__all__ = ["BootResult", "Device", "DeviceFile", "DeviceFileError", "Frame", "Master", "Plant", "PlantError", "PlcError", "Port",
+           "ReceivedPdo", "SdoAbort", "Subscription", "decode"]

@@ -23,14 +23,9 @@ using canopen::DataType;
 using canopen::DictionaryDescription;
 using canopen::Entry;
 
-/// Names are UTF-8, or Latin-1 as files in the field are.
+/// Names are in UTF-8, whatever the file is in.
 py::object text_of(std::string_view text) {
-  const auto length = static_cast<Py_ssize_t>(text.size());
-  PyObject* decoded = PyUnicode_DecodeUTF8(text.data(), length, nullptr);
-  if (decoded == nullptr) {
-    PyErr_Clear();
-    decoded = PyUnicode_DecodeLatin1(text.data(), length, nullptr);
-  }
+  PyObject* decoded = PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "replace");
   if (decoded == nullptr) throw py::error_already_set();
   return py::reinterpret_steal<py::object>(decoded);
 }

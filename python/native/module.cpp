@@ -12,6 +12,8 @@
 #include <pybind11/stl.h>
 
 #include "device_files.hpp"
+#include "frame_conversion.hpp"
+#include "master_module.hpp"
 #include "plant_run.hpp"
 
 namespace py = pybind11;
@@ -22,20 +24,6 @@ namespace {
 can::Time time_of(std::int64_t nanoseconds) { return can::Time(can::Duration(nanoseconds)); }
 std::int64_t number_of(can::Time time) { return time.time_since_epoch().count(); }
 
-can::Frame frame_of(std::uint32_t identifier, const py::bytes& data, bool extended, bool remote,
-                    unsigned dlc) {
-  const std::string bytes = data;
-  if (identifier > (extended ? can::max_extended_identifier : can::max_base_identifier)) {
-    throw PlantProblem("the identifier is beyond " + std::string(extended ? "1FFFFFFFH" : "7FFH"));
-  }
-  if (bytes.size() > 8 || dlc > 15) throw PlantProblem("a frame has 8 bytes at most");
-  can::Frame frame{.identifier = identifier, .extended = extended, .remote = remote};
-  frame.dlc = static_cast<std::uint8_t>(remote ? dlc : bytes.size());
-  for (std::size_t i = 0; i < bytes.size() && !remote; ++i)
-    frame.data[i] = static_cast<std::uint8_t>(bytes[i]);
-  return frame;
-}
-
 /// The frame of PlantPort.send's arguments, or many of them.
 using RawFrame = std::tuple<std::uint32_t, py::bytes, bool, bool, unsigned>;
 std::vector<can::Frame> frames_of(const std::vector<RawFrame>& raw) {
@@ -43,13 +31,6 @@ std::vector<can::Frame> frames_of(const std::vector<RawFrame>& raw) {
   for (const auto& [identifier, data, extended, remote, dlc] : raw)
     frames.push_back(frame_of(identifier, data, extended, remote, dlc));
   return frames;
-}
-
-py::tuple tuple_of(const TimedFrame& frame) {
-  const auto bytes = frame.frame.bytes();
-  return py::make_tuple(number_of(frame.time), frame.frame.identifier,
-                        py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size()),
-                        frame.frame.extended, frame.frame.remote, unsigned{frame.frame.dlc}, frame.sent);
 }
 
 std::vector<std::uint8_t> bits_of(const std::vector<bool>& bits) { return {bits.begin(), bits.end()}; }
@@ -168,18 +149,9 @@ PYBIND11_MODULE(_core, module) {
       .def("send",
            [](PlantPort& port, std::uint32_t identifier, const py::bytes& data, bool extended, bool remote,
               unsigned dlc) { port.send(frame_of(identifier, data, extended, remote, dlc)); })
-      .def("receive",
-           [](PlantPort& port, std::int64_t time_out) -> py::object {
-             const auto frame = port.receive(can::Duration(time_out));
-             if (!frame) return py::none();
-             return tuple_of(*frame);
-           })
-      .def("take",
-           [](PlantPort& port) -> py::object {
-             const auto frame = port.take();
-             if (!frame) return py::none();
-             return tuple_of(*frame);
-           })
+      .def("receive", [](PlantPort& port,
+                         std::int64_t time_out) { return tuple_of(port.receive(can::Duration(time_out))); })
+      .def("take", [](PlantPort& port) { return tuple_of(port.take()); })
       .def("offer",
            [](PlantPort& port, std::uint32_t identifier, const py::bytes& data, bool extended, bool remote,
               unsigned dlc) { return port.offer(frame_of(identifier, data, extended, remote, dlc)); })
@@ -202,4 +174,5 @@ PYBIND11_MODULE(_core, module) {
 
   module.def("decode_trace", &decode_trace);
   add_device_files(module);
+  add_masters(module);
 }

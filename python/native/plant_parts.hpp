@@ -193,6 +193,18 @@ class Analyser final : public can::BusObserver {
   cli::Output& out_;
 };
 
+/// Somebody on a bus of the plant who has to go before it does.
+class PlantGuest {
+ public:
+  virtual void plant_ends() noexcept = 0;
+
+ protected:
+  ~PlantGuest() = default;
+};
+
+/// Lines: what is wrong with a file.
+std::string joined(std::vector<text::FileError> errors, const std::string& path);
+
 struct PlantRun::Parts {
   Parts(const std::string& path) : printer(lines), linked(io, path, true) {}
 
@@ -207,6 +219,7 @@ struct PlantRun::Parts {
   std::map<std::string, Recorder> recorders;
   std::map<std::string, std::unique_ptr<SdoSeat>> sdo_seats;
   std::vector<std::shared_ptr<PlantPort::Seat>> seats;
+  std::vector<PlantGuest*> guests;
   std::unique_ptr<plant::Plant> plant;
   std::unique_ptr<serve::PlantRuns> runs;
   bool is_report_due = false;
@@ -380,6 +393,7 @@ struct PlantRun::Parts {
     runs.reset();
     for (const auto& seat : seats) seat->leave();
     seats.clear();
+    for (PlantGuest* guest : std::exchange(guests, {})) guest->plant_ends();
     for (auto& [name, recorder] : recorders) bus(name).remove_observer(recorder);
     for (std::size_t i = 0; i < analysers.size(); ++i) plant->bus(i).remove_observer(*analysers[i]);
     scripts.clear();

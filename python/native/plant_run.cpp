@@ -14,19 +14,19 @@
 
 namespace canopus::python {
 
-namespace {
-
-std::string take(cli::TextOutput& lines) {
-  std::string text = lines.text();
-  lines.clear();
-  return text;
-}
-
 std::string joined(std::vector<text::FileError> errors, const std::string& path) {
   cli::TextOutput lines;
   cli::print_errors(std::move(errors), path, lines);
   std::string text = lines.text();
   while (text.ends_with('\n')) text.pop_back();
+  return text;
+}
+
+namespace {
+
+std::string take(cli::TextOutput& lines) {
+  std::string text = lines.text();
+  lines.clear();
   return text;
 }
 

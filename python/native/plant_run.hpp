@@ -161,6 +161,7 @@ class PlantRun : public std::enable_shared_from_this<PlantRun> {
 
  private:
   friend class PlantPort;
+  friend class PlantPlace;
   explicit PlantRun(std::unique_ptr<Parts> parts);
   std::unique_ptr<Parts> parts_;
 };

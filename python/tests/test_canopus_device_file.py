@@ -52,6 +52,7 @@ def test_objects_have_types_access_and_defaults():
     assert (identity.code, len(identity), list(identity)) == ("RECORD", 5, [0, 1, 2, 3, 4])
     assert identity[1].name == "Vendor-ID"
     assert file["6411:01"].rpdo_mappable and not file["6411:01"].tpdo_mappable and file["6411:01"].type == "INTEGER16"
+    assert list(file.objects)[:3] == [0x1000, 0x1001, 0x1003]
     assert "5FFF:00" not in file and file.find("5FFF:00") is None
 
 
