@@ -14,8 +14,9 @@ from canopus_plc.errors import PlantError, PlcError
 
 from .device_file import DeviceFile, DeviceFileError
 from .master import BootResult, Master, ReceivedPdo, Subscription
+from .picture import Picture, draw
 from .plant import Device, Frame, Plant, Port, SdoAbort
 from .trace import decode
 
-__all__ = ["BootResult", "Device", "DeviceFile", "DeviceFileError", "Frame", "Master", "Plant", "PlantError", "PlcError", "Port",
-           "ReceivedPdo", "SdoAbort", "Subscription", "decode"]
+__all__ = ["BootResult", "Device", "DeviceFile", "DeviceFileError", "Frame", "Master", "Picture", "Plant", "PlantError", "PlcError", "Port",
+           "ReceivedPdo", "SdoAbort", "Subscription", "decode", "draw"]

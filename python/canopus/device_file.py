@@ -9,6 +9,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import os
 import pathlib
 import re
@@ -18,6 +19,7 @@ from typing import Iterator, Mapping, NamedTuple
 from canopus_plc.errors import PlantError
 
 from . import _core
+from .picture import _table
 
 #: A value of an object: by its type a number, a boolean, a text, or bytes.
 ObjectValue = int | float | bool | str | bytes
@@ -337,6 +339,13 @@ class DeviceFile:
 
     def __repr__(self) -> str:
         return f"<{'EDS' if self.commissioning is None else 'DCF'} {self.device.product_name!r}, {len(self.objects)} objects>"
+
+    def _repr_html_(self) -> str:
+        def shown(value: ObjectValue) -> object:
+            return value.hex() if isinstance(value, bytes) else value
+        rows = ((str(entry), entry.name, entry.type, entry.access, shown(entry.default))
+                for each in itertools.islice(self.objects.values(), 1000) for entry in itertools.islice(each.values(), 16))
+        return _table(f"{self.device.product_name}, {len(self.objects)} objects", ("object", "name", "type", "access", "default"), rows)
 
 
 def _numbers(name: ObjectName) -> tuple[int, int]:

@@ -19,6 +19,7 @@ from canopus_plc.errors import PlantError
 
 from . import _core
 from .device_file import DeviceFile, DeviceFileError, ObjectEntry, ObjectName, ObjectValue, Pdo, _numbers
+from .picture import _table
 from .plant import Plant, SdoAbort, _nanoseconds
 
 #: Request NMT [CiA 302-2, 1F82H].
@@ -173,6 +174,9 @@ class Master:
         lines = [json.loads(line) for line in self._core.results().splitlines()]
         return {line["node"]: BootResult(line["node"], line["name"], line["result"], line["state"], line.get("reason", ""))
                 for line in lines}
+
+    def _repr_html_(self) -> str:
+        return _table(f"{self.time:g} s", ("node", "slave", "start-up", "NMT state", "reason"), self.results.values())
 
     def state(self, node: int) -> str:
         """Its NMT state as the master knows it: by heartbeat or guarding, else the one last commanded."""

@@ -13,6 +13,7 @@ from canopus_plc.mc import word_of
 from canopus_plc.plc import Plc, plant_duration
 
 from . import _core
+from .picture import Picture, _table
 
 Callback = TypeVar("Callback", bound=Callable[..., Any])
 Value = int | float | bool
@@ -129,6 +130,9 @@ class Device:
     def __setitem__(self, object: str, value: Value) -> None:
         """The device's own value, beneath one that is forced; event-driven TPDOs follow. PlantError when it does not fit."""
         self._plant._core.put(self.name, object, str(value).lower() if isinstance(value, bool) else repr(value))
+
+    def _repr_html_(self) -> str:
+        return _table(self.name, ("object", "name", "type", "value"), self._plant._core.object_views(self.name))
 
     def on_change(self, object: str) -> Callable[[Callback], Callback]:
         """Decorates what is called, with the device and the value, when an RPDO, an SDO or anything else has changed the object.
@@ -261,10 +265,9 @@ class Plant:
         return {device["name"]: device["state"] for device in self._control.ask("list")["devices"]}
 
     def _repr_html_(self) -> str:
-        import html
-        rows = "".join(f"<tr><td>{html.escape(name)}</td><td>{html.escape(state)}</td></tr>"
-                       for name, state in self.states().items())
-        return f"<table><caption>{self.time:g} s</caption><tr><th>device</th><th>NMT state</th></tr>{rows}</table>"
+        if self._core.closed:
+            return _table(f"{self.time:g} s, closed", (), ())
+        return _table(f"{self.time:g} s", ("bus", "node", "device", "NMT state"), self._core.device_views)
 
     @property
     def events(self) -> list[dict[str, Any]]:
@@ -287,6 +290,11 @@ class Plant:
     def frames(self, bus: str = "") -> list[Frame]:
         """Frames since record() or the last call."""
         return [_frame(raw) for raw in self._core.take_frames(bus)]
+
+    def draw(self, signals: Sequence[str] = (), *, bus: str = "", title: str = "") -> Picture:
+        """A picture of the bus that grows from now on: load, states of the nodes and `signals`, values of PDOs such as
+        "encoder.6004" or "3.6004:00"; without one the first eight that come."""
+        return Picture(self._core.draw(bus, list(signals)), title or bus or ", ".join(self.buses))
 
     def monitor(self) -> None:
         """From now on messages() has what the frames of all buses mean."""

@@ -14,6 +14,7 @@
 #include "device_files.hpp"
 #include "frame_conversion.hpp"
 #include "master_module.hpp"
+#include "pictures.hpp"
 #include "plant_run.hpp"
 
 namespace py = pybind11;
@@ -128,6 +129,21 @@ PYBIND11_MODULE(_core, module) {
              for (const TimedFrame& frame : run.take_frames(bus)) frames.append(tuple_of(frame));
              return frames;
            })
+      .def("draw", &PlantRun::draw)
+      .def_property_readonly("device_views",
+                             [](const PlantRun& run) {
+                               py::list views;
+                               for (const DeviceView& view : run.device_views())
+                                 views.append(py::make_tuple(view.bus, view.node, view.name, view.state));
+                               return views;
+                             })
+      .def("object_views",
+           [](const PlantRun& run, const std::string& device) {
+             py::list views;
+             for (const ObjectView& view : run.object_views(device))
+               views.append(py::make_tuple(view.object, view.name, view.type, view.value));
+             return views;
+           })
       .def("monitor", &PlantRun::monitor)
       .def("take_messages", &PlantRun::take_messages)
       .def("set_dispatcher", &set_dispatcher)
@@ -175,4 +191,5 @@ PYBIND11_MODULE(_core, module) {
   module.def("decode_trace", &decode_trace);
   add_device_files(module);
   add_masters(module);
+  add_pictures(module);
 }

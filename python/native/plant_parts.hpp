@@ -25,6 +25,7 @@
 #include "canopus/text/nearest_word.hpp"
 #include "canopus/trace/decode/decoder.hpp"
 
+#include "pictures.hpp"
 #include "plant_run.hpp"
 
 namespace canopus::python {
@@ -220,6 +221,7 @@ struct PlantRun::Parts {
   std::map<std::string, std::unique_ptr<SdoSeat>> sdo_seats;
   std::vector<std::shared_ptr<PlantPort::Seat>> seats;
   std::vector<PlantGuest*> guests;
+  std::vector<std::pair<can::Bus*, std::shared_ptr<PlantPicture>>> pictures;
   std::unique_ptr<plant::Plant> plant;
   std::unique_ptr<serve::PlantRuns> runs;
   bool is_report_due = false;
@@ -396,6 +398,8 @@ struct PlantRun::Parts {
     for (PlantGuest* guest : std::exchange(guests, {})) guest->plant_ends();
     for (auto& [name, recorder] : recorders) bus(name).remove_observer(recorder);
     for (std::size_t i = 0; i < analysers.size(); ++i) plant->bus(i).remove_observer(*analysers[i]);
+    for (const auto& [on, picture] : pictures) on->remove_observer(*picture);
+    pictures.clear();
     scripts.clear();
     hook = nullptr;
     plant.reset();

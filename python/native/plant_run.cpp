@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "canopus/cli/terminal/plant_loading.hpp"
+#include "canopus/eds/device_file.hpp"
 #include "canopus/plant/initial_nodes.hpp"
 #include "canopus/serve/run_control.hpp"
 #include "canopus/text/file_text.hpp"
@@ -292,6 +293,43 @@ void PlantRun::monitor() {
 }
 
 std::string PlantRun::take_messages() { return take(parts_->messages); }
+
+std::shared_ptr<PlantPicture> PlantRun::draw(const std::string& bus,
+                                             const std::vector<std::string>& signals) {
+  parts_->check();
+  can::Bus& on = parts_->bus(bus);
+  auto picture = std::make_shared<PlantPicture>(parts_->names, on, signals);
+  on.add_observer(*picture);
+  parts_->pictures.emplace_back(&on, picture);
+  return picture;
+}
+
+std::vector<DeviceView> PlantRun::device_views() const {
+  parts_->check_open();
+  std::vector<DeviceView> views;
+  for (std::size_t i = 0; i < parts_->plant->device_count(); ++i) {
+    const plant::NodeStatus& status = parts_->plant->device(i).status();
+    views.push_back({.bus = std::string(status.label.bus),
+                     .node = status.label.node_id,
+                     .name = std::string(status.label.name),
+                     .state = std::string(status.is_on ? canopen::name(status.state) : "off")});
+  }
+  return views;
+}
+
+std::vector<ObjectView> PlantRun::object_views(const std::string& device) const {
+  parts_->check_open();
+  sim::Device& shown = parts_->plant->device(parts_->device(device)).device();
+  std::vector<ObjectView> views;
+  for (const canopen::Entry& entry : plant::process_values(shown)) {
+    const auto bits = shown.node().dictionary().get<std::uint64_t>(entry);
+    views.push_back({.object = plant::shown_object(entry),
+                     .name = std::string(shown.file().dictionary->name(entry)),
+                     .type = std::string(eds::name(entry.description->type)),
+                     .value = plant::show_value(entry.description->type, bits)});
+  }
+  return views;
+}
 
 std::size_t PlantRun::device_number(const std::string& device) {
   parts_->check_open();

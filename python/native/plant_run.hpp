@@ -44,6 +44,21 @@ struct SdoResult {
 };
 
 class PlantRun;
+class PlantPicture;  // pictures.hpp
+
+/// A simulated device, and a value of its process: what they show of themselves.
+struct DeviceView {
+  std::string bus{};
+  unsigned node = 0;
+  std::string name{};
+  std::string state{};  ///< of NMT, or "off"
+};
+struct ObjectView {
+  std::string object{};  ///< "6000:01"
+  std::string name{};
+  std::string type{};
+  std::string value{};
+};
 
 /// A node of its own on a bus: hears every frame, acknowledges, and sends. What nobody takes is kept, up to `most_frames`.
 class PlantPort {
@@ -142,6 +157,12 @@ class PlantRun : public std::enable_shared_from_this<PlantRun> {
   /// What frames mean, as `canopus trace show --json` says it: for take_messages(), all buses.
   void monitor();
   std::string take_messages();
+
+  /// Draws the bus from now on, and these signals; without any the first that come.
+  std::shared_ptr<PlantPicture> draw(const std::string& bus, const std::vector<std::string>& signals);
+  /// Neither lets time pass nor switches anything on.
+  [[nodiscard]] std::vector<DeviceView> device_views() const;
+  [[nodiscard]] std::vector<ObjectView> object_views(const std::string& device) const;
 
   using Hook = std::function<void(std::size_t device, std::size_t token, can::Time now)>;
   /// What callbacks of devices are; it must not throw.

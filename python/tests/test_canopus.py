@@ -246,7 +246,7 @@ def test_the_page_does_what_it_says(capsys, monkeypatch):
         "operational after 1.51 s\ndevice type 91010f00\n"
         "Producer heartbeat time UNSIGNED16 rw 0\n"
         "182 ['Digital inputs 1 to 8', 'Digital inputs 9 to 16']\n282 ['Analogue input 1', 'Analogue input 2']\n"
-        "booted\n1025\n{'6000:01': 7, '6000:02': 0}\n")
+        "booted\n1025\n{'6000:01': 7, '6000:02': 0}\n[] <svg\n")
 
 
 def test_a_plant_that_nobody_closes_ends_with_the_program():

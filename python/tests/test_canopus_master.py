@@ -2,6 +2,7 @@
 import json
 import os
 import pathlib
+import signal
 import socket
 import subprocess
 import threading
@@ -267,12 +268,24 @@ def test_a_bus_that_is_not_there_is_a_sentence():
 
 
 def test_ctrl_c_ends_waiting_for_a_real_bus(address):
-    import _thread
+    def ctrl_c():
+        os.kill(os.getpid(), signal.SIGINT)
     with canopus.Master(address) as master:
         master.boot(timeout=20)
-        threading.Timer(0.3, _thread.interrupt_main).start()
+        threading.Timer(0.3, ctrl_c).start()
         begin = time.monotonic()
         with pytest.raises(KeyboardInterrupt):
             master.run(30)
         assert time.monotonic() - begin < 10
+        with pytest.raises(KeyboardInterrupt):
+            ctrl_c()
+            time.sleep(10)
         master.run(0.05)
+
+
+def test_a_master_alone_on_its_bus_gives_up():
+    with canopus.Plant("empty.toml", text='[plant]\nname = "x"\n[[bus]]\nname = "a"\nbit_rate = 125_000\n') as plant:
+        with canopus.Master(plant) as master:
+            master.run(1)
+            with pytest.raises(canopus.SdoAbort, match="no answer"):
+                master.upload(5, 0x1000, timeout=0.25)

@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include "canopus/cli/analysis/analysis_names.hpp"
+#include "canopus/cli/analysis/picture_signal.hpp"
 #include "canopus/cli/analysis/trace_analysis.hpp"
 #include "canopus/cli/analysis/trace_walk.hpp"
 #include "canopus/cli/terminal/channel_choice.hpp"
@@ -29,22 +30,6 @@ struct PlotOptions {
   std::uint32_t bit_rate = 0;
 };
 
-/// "encoder.6004", "3.6004:00": the node by its name or node-ID.
-std::optional<trace::PictureSignal> parse_signal(const std::string& text, const trace::Names& names) {
-  const std::size_t dot = text.rfind('.');
-  if (dot == std::string::npos) return std::nullopt;
-  const auto object = text::parse_object(std::string_view(text).substr(dot + 1));
-  if (!object) return std::nullopt;
-  const std::string node = text.substr(0, dot);
-  std::uint8_t node_id = 0;
-  for (const trace::NodeDescription& known : names.nodes()) {
-    if (known.name == node) node_id = known.node_id;
-  }
-  if (node_id == 0 && number_from(1, 127)(node).empty()) node_id = static_cast<std::uint8_t>(std::stoi(node));
-  if (node_id == 0) return std::nullopt;
-  return trace::PictureSignal{node_id, object->index, object->sub};
-}
-
 /// Empty, or what went wrong.
 std::string write_file(const std::string& path, const std::string& content) {
   std::FILE* const file = std::fopen(path.c_str(), "wb");
@@ -63,7 +48,7 @@ int plot(const PlotOptions& options) {
   if (!names) return 2;
   trace::PictureOptions wanted{.bit_rate = options.bit_rate};
   for (const std::string& text : options.signals) {
-    const auto signal = parse_signal(text, *names);
+    const auto signal = parse_picture_signal(text, *names);
     if (!signal) {
       print_error(
           "canopus: --signal {}: expected a node's name or node-ID, a dot and an object, as 3.6000:01", text);

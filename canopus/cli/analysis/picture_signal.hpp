@@ -1,0 +1,16 @@
+#pragma once
+// Values of PDOs as people name them for a picture.
+
+#include <optional>
+#include <string>
+
+#include "canopus/trace/decode/names.hpp"
+#include "canopus/trace/report/trace_picture.hpp"
+
+namespace canopus::cli {
+
+/// "encoder.6004", "3.6004:00": the node by its name or node-ID. Nothing when it is neither, or no object.
+[[nodiscard]] std::optional<trace::PictureSignal> parse_picture_signal(const std::string& text,
+                                                                       const trace::Names& names);
+
+}  // namespace canopus::cli
