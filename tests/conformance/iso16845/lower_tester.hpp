@@ -40,14 +40,17 @@ class LowerTester : private WireObserver {
   LowerTester(const LowerTester&) = delete;
   LowerTester& operator=(const LowerTester&) = delete;
 
-  /// Puts the levels on the wire; at bit 0 the IUT is given what it has to send. Then `after` recessive bits.
-  void run(std::string_view bits, const std::vector<Frame>& to_send = {}, int after = 40) {
+  /// Puts the levels on the wire; at bit 0 the IUT is given what it has to send. Then `after` recessive bits. `step`:
+  /// time of a level.
+  void run(std::string_view bits, const std::vector<Frame>& to_send = {}, int after = 40,
+           can::Duration step = bit) {
     const auto levels = parse_levels(bits);
     ASSERT_TRUE(levels.has_value()) << levels.error();
     ASSERT_TRUE(
-        bus.set_faults({{.kind = FaultKind::drive, .from = begin, .levels = *levels}}, 1).has_value());
+        bus.set_faults({{.kind = FaultKind::drive, .from = begin, .levels = *levels, .bit_time = step}}, 1)
+            .has_value());
     for (const Frame& frame : to_send) iut.send_at(begin, frame);
-    timeline.run_until(begin + bit * (static_cast<int>(levels->size()) + after));
+    timeline.run_until(begin + step * static_cast<int>(levels->size()) + bit * after);
   }
   /// What the IUT drives from one bit to before another: 0 and 1.
   [[nodiscard]] std::string driven(int from, int to) const {
