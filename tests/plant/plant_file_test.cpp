@@ -94,10 +94,11 @@ INSTANTIATE_TEST_SUITE_P(
                   "plant.toml:18:10: object = \"60040:00\" is not an object; expected index:sub-index in "
                   "hexadecimal, "
                   "for example \"6000:01\""},
-        WrongLine{"period = \"4s\"", "period = \"4\"",
-                  "plant.toml:22:10: period = \"4\" is not a duration; expected a number and a unit (us, ms, "
-                  "s, min, "
-                  "h), for example \"10ms\""},
+        WrongLine{
+            "period = \"4s\"", "period = \"4\"",
+            "plant.toml:22:10: period = \"4\" is not a duration; expected a number and a unit (ns, us, ms, "
+            "s, min, "
+            "h), for example \"10ms\""},
         WrongLine{"high = 4095.5", "high = -11", "plant.toml:21:8: high = -11: must not be below low = -10"},
         WrongLine{"low = -10", "low = nan", "plant.toml:20:7: low = nan: expected a number"},
         WrongLine{"high = 4095.5", "high = inf", "plant.toml:21:8: high = inf: expected a number"},
