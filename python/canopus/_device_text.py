@@ -19,11 +19,14 @@ class DeviceText:
         except UnicodeDecodeError:
             decoded, self._encoding = text.decode("latin-1"), "latin-1"
         self._end = "\r\n" if "\r\n" in decoded else "\r" if "\r" in decoded and "\n" not in decoded else "\n"
-        self._lines = re.split(r"\r\n|\r|\n", decoded)
+        # Each line with its own end, which files in the field mix.
+        pieces = re.split(r"(\r\n|\r|\n)", decoded)
+        self._lines, self._ends = pieces[::2], [*pieces[1::2], ""]
 
     def bytes(self) -> bytes:
         try:
-            return self._mark + self._end.join(self._lines).encode(self._encoding)
+            text = "".join(line + end for line, end in zip(self._lines, self._ends))
+            return self._mark + text.encode(self._encoding)
         except UnicodeEncodeError as error:
             raise DeviceFileError(f"{error.object[error.start]!r} cannot be written: the file is in Latin-1") from error
 
@@ -92,11 +95,17 @@ class DeviceText:
         body = self._body(place)
         last = max((each for each in body if self._lines[each].strip()), default=place)
         self._lines.insert(last + 1, f"{key}={value}")
+        self._ends.insert(last + 1, self._end if self._ends[last] else "")
+        self._ends[last] = self._ends[last] or self._end
 
     def _add(self, section: str) -> int:
-        if self._lines and not self._lines[-1].strip():
-            self._lines.pop()
-        self._lines += ["", f"[{section}]", ""]
+        if self._lines[-1].strip():
+            self._ends[-1] = self._end
+            self._lines.append("")
+            self._ends.append("")
+        # The last line is empty.
+        self._lines += [f"[{section}]", ""]
+        self._ends[-1:] = [self._end, self._end, ""]
         return len(self._lines) - 2
 
 

@@ -301,7 +301,7 @@ class DeviceFile:
         for name, value in values.items():
             entry = self[name]
             is_formula = isinstance(value, str) and entry.bits != 0
-            if not is_formula and result._core.default_value(entry.index, entry.sub, 0) != entry.encode(value):
+            if name not in result or not is_formula and result._core.default_value(entry.index, entry.sub, 0) != entry.encode(value):
                 raise DeviceFileError(f"{entry}: {value!r} cannot be written into a device file")
         return result
 

@@ -135,6 +135,17 @@ def test_every_other_line_stays_as_it_is(tmp_path):
     assert DeviceFile(tmp_path / "x.eds")["1017:00"].default == 250 and not DeviceFile(tmp_path / "x.eds")["1017:00"].configured
 
 
+def test_lines_may_end_in_different_ways(tmp_path):
+    text = OF_ALL_TYPES.replace("\n", "\r\n", 3) + "; a comment\rwith a strange end\n[2100]\nParameterName=Speed\rDataType=5\nAccessType=rw"
+    file = DeviceFile("x.eds", text=text)
+    file.write_eds(tmp_path / "x.eds", {0x2100: 3})
+    assert (tmp_path / "x.eds").read_bytes() == (text + "\r\nDefaultValue=3").encode()
+    file.write_dcf(tmp_path / "x.dcf", node=4, values={0x2100: 3})
+    written = (tmp_path / "x.dcf").read_bytes()
+    head = text.replace("FileName=types.eds\r\n", "FileName=types.eds\r\nLastEDS=x.eds\r\n").encode() + b"\r\nParameterValue=3\r\n"
+    assert written.startswith(head + b"\r\n[DeviceComissioning]\r\nNodeID=4\r\n")
+
+
 def test_sub_indexes_that_stand_in_a_list(tmp_path):
     text = OF_ALL_TYPES + ("[1016]\nParameterName=Consumer heartbeat time\nObjectType=8\nDataType=7\nAccessType=rw\nDefaultValue=0\n"
                            "CompactSubObj=12\n")
