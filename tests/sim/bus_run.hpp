@@ -210,7 +210,7 @@ class Run {
     bool was_elsewhere = false;  // at another bit rate: a corrupted ACK slot can be its acknowledgement
   };
 
-  static constexpr unsigned most_stations = 9;
+  static constexpr unsigned most_stations = 20;
   [[nodiscard]] unsigned count() const { return static_cast<unsigned>(stations_.size()); }
   [[nodiscard]] Duration bit() const { return can::bit_time(1, script_.bit_rate); }
 
@@ -221,8 +221,8 @@ class Run {
     Station& station = *stations_.back();
     if (!script_.answers) return;
     station.on_receive = [this, number](const Frame& frame, Time) {
-      if (frame.extended || frame.identifier % 16 != number || frame.identifier >= 0x400) return;
-      send(number, can::data_frame(0x400 + frame.identifier / 16 * 16 + number));
+      if (frame.extended || frame.identifier % 32 != number || frame.identifier >= 0x400) return;
+      send(number, can::data_frame(0x400 + frame.identifier / 32 * 32 + number));
     };
   }
   void send(unsigned number, const Frame& frame) {
@@ -231,7 +231,7 @@ class Run {
 
   /// Nobody else sends this frame.
   Frame frame_of(unsigned station, unsigned value) {
-    Frame frame = can::data_frame((value % 64 * 16 + station) % 0x400, {});
+    Frame frame = can::data_frame((value % 32 * 32 + station) % 0x400, {});
     frame.extended = value % 7 == 0;
     frame.remote = value % 11 == 0;
     frame.dlc = static_cast<std::uint8_t>(frame.remote ? 0 : value % 9);

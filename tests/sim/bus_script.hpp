@@ -97,7 +97,7 @@ inline rc::Gen<Step> step(bool rough) {
                                                     {1, Act::add_station},
                                                     {1, Act::new_faults}});
     step.act = *(rough ? any : calm);
-    step.station = *rc::gen::inRange(0U, 8U);
+    step.station = *rc::gen::inRange(0U, 20U);
     step.value = *rc::gen::inRange(0U, 1U << 16);
     // Close together, about one integration apart, about one frame apart, far apart; on whole bits and off them.
     step.gap_in_64th_bits = *rc::gen::weightedOneOf<unsigned>(
@@ -117,7 +117,8 @@ inline rc::Gen<Script> script(bool rough) {
   return rc::gen::exec([rough] {
     Script script;
     script.bit_rate = *rc::gen::element<std::uint32_t>(1'000'000, 800'000, 500'000, 250'000, 125'000, 10'000);
-    script.stations = *rc::gen::inRange(1U, 7U);
+    script.stations =
+        *rc::gen::weightedOneOf<unsigned>({{5, rc::gen::inRange(1U, 7U)}, {1, rc::gen::inRange(7U, 21U)}});
     script.answers = *rc::gen::arbitrary<bool>();
     if (rough) {
       script.faults =
