@@ -180,7 +180,8 @@ def test_plant_time_waits_until_a_listener_has_returned(quiet):
         notifier.stop()
 
 
-def test_plant_time_waits_for_a_notifier_that_begins(quiet):
+def test_plant_time_waits_for_a_notifier_that_begins(quiet, monkeypatch):
+    monkeypatch.setattr("canopus.python_can.NOTIFIER_PATIENCE", 30)
     seen = []
     with CanopusBus("a", plant=quiet) as bus, CanopusBus("a", plant=quiet) as sender:
         with pytest.raises(NotImplementedError):
@@ -270,7 +271,7 @@ def test_in_step_with_the_clock_means_that(quiet):
         begin = time.monotonic()
         assert bus.recv(0.5) is None
         real = time.monotonic() - begin
-        assert 5 < quiet.time < 20 * real + 2
+        assert 1 < quiet.time < 20 * real + 2
 
 
 def can_bus(**more):
