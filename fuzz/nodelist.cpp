@@ -1,0 +1,32 @@
+// Any bytes as a nodelist.cpj: read, and a node added that is read again.
+
+#include "canopus/project/nodelist/nodelist.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace canopus::project;
+  const std::string_view text(reinterpret_cast<const char*>(data), size);  // NOLINT
+  Nodelist list(text);
+  if (list.text() != text) std::abort();
+  for (const canopus::eds::Problem& problem : list.problems()) {
+    if (problem.line == 0 || problem.message.empty()) std::abort();
+  }
+  for (const ListedNetwork& network : list.networks()) {
+    for (const ListedNode& node : network.nodes) {
+      if (node.node_id < 1 || node.node_id > 127 || network.find(node.node_id) != &node) std::abort();
+    }
+  }
+  if (!list.set_node(0, {9, true, "Name", "", "name.dcf"})) {
+    if (list.text() != text) std::abort();
+    return 0;
+  }
+  const Nodelist again(list.text());
+  const ListedNode* node = again.networks().at(0).find(9);
+  if (node == nullptr || !node->present || node->name != "Name" || node->dcf_name != "name.dcf") std::abort();
+  if (!list.remove_node(0, 9) || list.networks().at(0).find(9) != nullptr) std::abort();
+  return 0;
+}
