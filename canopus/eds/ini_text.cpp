@@ -241,10 +241,22 @@ void IniText::append_section(std::string_view name, std::string first_line) {
 std::expected<void, std::string> IniText::remove(std::string_view section, std::string_view key) {
   if (is_utf16_)
     return std::unexpected("the file is UTF-16 text: save it as 8-bit text before it is changed");
-  while (const std::size_t* place = find(section, key)) {  // the next one of that name counts now
-    lines_.erase(lines_.begin() + static_cast<std::ptrdiff_t>(*place));
-    read_places();
-  }
+  if (find(section, key) == nullptr) return {};
+  const std::string folded_section = folded(section);
+  const std::string folded_key = folded(key);
+  std::string current;
+  std::erase_if(lines_, [&](const std::string& line) {
+    Problems unheard;
+    const IniFile header('\n' + line + '\n', unheard);  // no mark of an encoding where the file has none
+    if (!header.sections().empty()) {
+      current = header.sections().front().folded_name;
+      return false;
+    }
+    if (current != folded_section) return false;
+    const IniFile item("[A]\n" + line + '\n', unheard);
+    return item.find("a")->find(folded_key) != nullptr;
+  });
+  read_places();
   return {};
 }
 

@@ -96,6 +96,7 @@ TEST(IniText, NewKey_IsTheLastOfItsSection) {
   EXPECT_EQ(after("[A]\n[B]\nX=1", "A", "New", "2"), "[A]\nNew=2\n[B]\nX=1");
   EXPECT_EQ(after("[A]\nX=1", "A", "New", "2"), "[A]\nX=1\nNew=2");
   EXPECT_EQ(after("[A]\rX=1\r", "A", "New", "2"), "[A]\rX=1\rNew=2\r");
+  EXPECT_EQ(after("[A]\r\nX=1\r", "A", "New", "2"), "[A]\r\nX=1\r\nNew=2");
   EXPECT_EQ(after("[A]\nX=1\r", "A", "New", "2"), "[A]\nX=1\r\nNew=2")
       << "a carriage return alone at the end";
   EXPECT_EQ(after("[A]\r\nX=1\x1A", "A", "New", "2"), "[A]\r\nX=1\r\nNew=2\x1A")
@@ -119,6 +120,8 @@ TEST(IniText, KeysThatWereAdded_AreFoundAndChangedAfterwards) {
   ASSERT_EQ(set(text, "A", "K7", "9"), "");
   EXPECT_EQ(text.value("B", "Y"), "9");
   EXPECT_EQ(text.value("A", "K7"), "9");
+  EXPECT_EQ(text.section_line("B"), 53U);
+  EXPECT_EQ(text.section_line("C"), 0U);
   EXPECT_EQ(text.line("B", "Y"), 54U);
   EXPECT_EQ(text.keys("A").size(), 51U);
   EXPECT_EQ(text.keys("B").back(), "k49");
@@ -163,11 +166,17 @@ TEST(IniText, Utf16_IsKeptButNotChanged) {
 }
 
 TEST(IniText, RemovedKey_IsGoneWithAllItsLines) {
-  IniText text("[A]\nX=1\n; c\nY=2\n[A]\nx=3\n");
+  IniText text("[A]\nX=1\n; X=c\nY=2\n[B]\nX=1\n[A]\nx=3\n_x = 4");
   ASSERT_TRUE(text.remove("A", "X"));
-  EXPECT_EQ(text.text(), "[A]\n; c\nY=2\n[A]\n");
+  EXPECT_EQ(text.text(), "[A]\n; X=c\nY=2\n[B]\nX=1\n[A]\n");
   ASSERT_TRUE(text.remove("A", "none"));
-  EXPECT_EQ(text.text(), "[A]\n; c\nY=2\n[A]\n");
+  EXPECT_EQ(text.text(), "[A]\n; X=c\nY=2\n[B]\nX=1\n[A]\n");
+
+  std::string many = "[A]\n";
+  for (int i = 0; i < 20'000; ++i) many += "X=1\n";
+  IniText repeated(many);
+  ASSERT_TRUE(repeated.remove("A", "X"));
+  EXPECT_EQ(repeated.text(), "[A]\n");
 }
 
 rc::Gen<std::string> any_file() {
@@ -242,6 +251,7 @@ RC_GTEST_PROP(IniText, AnyKey_ThatIsAdded_IsReadAgain_AndTheRestStays, ()) {
     }
   }
   RC_ASSERT(text.remove(section, "Added").has_value());
+  RC_ASSERT(!text.value(section, "Added").has_value());
   RC_ASSERT(again.sections().size() >= file.sections().size());
 }
 

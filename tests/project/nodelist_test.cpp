@@ -162,6 +162,15 @@ TEST(Nodelist, Mistakes_AreSaidWithTheirLine) {
   }
 }
 
+TEST(Nodelist, FileMadeToAnnoy_IsReadWithAnEnd) {
+  std::string text = "[Topology]\n";
+  for (int i = 0; i < 20'000; ++i) text += "Node" + std::to_string(1000 + i) + "Present=1\n";
+  Nodelist list(text);
+  EXPECT_EQ(list.problems().size(), 2001U);
+  ASSERT_TRUE(list.set_node(0, {7, true, "", "", "a.dcf"}));
+  EXPECT_EQ(list.problems().size(), 2001U) << "those of the file that was read";
+}
+
 TEST(Nodelist, WhatCannotBeWritten_IsRefused_AndChangesNothing) {
   Nodelist list(foreign);
   EXPECT_FALSE(list.set_node(0, {0, true, "", "", "a.dcf"}));

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "canopus/eds/number.hpp"
-#include "canopus/eds/problems.hpp"
 #include "canopus/eds/words.hpp"
 
 namespace canopus::project {
@@ -91,12 +90,11 @@ Nodelist::Nodelist() : Nodelist("[Topology]\r\nNetName=\r\nNodes=0x00\r\n") {}
 
 Nodelist::Nodelist(std::string_view text) : file_(text) {
   read();
-  std::ranges::stable_sort(
-      problems_, {}, [](const eds::Problem& problem) { return std::pair(problem.severity, problem.line); });
+  problems_ = found_.take();
 }
 
 void Nodelist::report(Severity severity, unsigned line, std::string message) {
-  problems_.push_back({severity, std::max(line, 1U), 0, std::move(message)});
+  found_.report(severity, std::max(line, 1U), std::move(message));
 }
 
 void Nodelist::read() {
@@ -196,10 +194,8 @@ Done Nodelist::usable(std::size_t network) const {
 void Nodelist::keep(eds::IniText file) {
   file_ = std::move(file);
   networks_.clear();
-  std::vector<eds::Problem> of_the_file = std::move(problems_);
-  problems_.clear();
   read();
-  problems_ = std::move(of_the_file);
+  found_ = {};  // the problems are those of the file that was read
 }
 
 Done Nodelist::set_network_name(std::size_t network, std::string_view name) {

@@ -18,6 +18,7 @@
 
 #include "canopus/eds/device_file.hpp"
 #include "canopus/eds/ini_text.hpp"
+#include "canopus/eds/problems.hpp"
 
 namespace canopus::project {
 
@@ -81,6 +82,7 @@ class Nodelist {
 
   eds::IniText file_;
   std::vector<ListedNetwork> networks_;
+  eds::Problems found_;
   std::vector<eds::Problem> problems_;
 };
 
