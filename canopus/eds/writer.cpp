@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
+#include <string>
 #include <vector>
 
 #include "canopus/can/little_endian.hpp"
@@ -19,9 +19,11 @@ using canopen::ObjectCode;
 using canopen::ObjectDescription;
 
 std::string hex(std::uint64_t value, int digits) {
-  std::array<char, 24> text{};
-  std::snprintf(text.data(), text.size(), "%0*llX", digits, static_cast<unsigned long long>(value));
-  return text.data();
+  std::string text;
+  for (; value != 0 || digits > 0; value >>= 4, --digits) {
+    text.insert(text.begin(), "0123456789ABCDEF"[value & 0xF]);
+  }
+  return text;
 }
 
 std::string_view word(Access access) {
