@@ -60,7 +60,7 @@ TEST(IniText, Unchanged_IsTheSameBytes) {
   for (const std::string& text :
        {std::string(), std::string("\n"), std::string("[A]"), std::string("\xEF\xBB\xBF[A]\r\nX=1"),
         std::string("\xFF\xFE[\0A\0]\0", 8), std::string("[A]\rX=1\r"), std::string("x\0[A\n\x1A", 6),
-        std::string("[A]\r\nX=1\r\n\x1A\0\0", 15), std::string("[A]\nX=1\x1A\n[B]\n"),
+        std::string("[A]\r\nX=1\r\n\x1A\0\0", 13), std::string("[A]\nX=1\x1A\n[B]\n"),
         std::string("\r\r\n\n\r")}) {
     EXPECT_EQ(IniText(text).text(), text) << testing::PrintToString(text);
   }
