@@ -100,7 +100,10 @@ TEST_F(BusLineFaults, Noise_HitsAsManyBitsAsItsRateSays) {
     Station to(own_bus, own_timeline, "to");
     EXPECT_TRUE(own_bus.set_faults({{.kind = FaultKind::noise, .bit_error_rate = rate}}, seed).has_value());
     own_timeline.run_until(Time(10s));
-    return own_bus.load(own_timeline.now()).error_frames;
+    const can::BusLoad load = own_bus.load(own_timeline.now());
+    EXPECT_LE(load.bits, 30 * load.error_frames) << "the bits of the error frames, and no more";
+    EXPECT_LE(load.peak, 0.01);
+    return load.error_frames;
   };
   // 10,000,000 idle bits: each hit is a false SOF, and six recessive bits after it an error frame.
   const std::uint64_t hits = errors(1e-5, 1);

@@ -388,6 +388,7 @@ void Segment::schedule(can::Time now) {
     }
   }
   if (released_ > now) next = std::min(next, released_);
+  if (working_.empty() && active_ && !dominant_) next = now;  // nobody has a bit that ends
   for (const BusPort* port : working_) {
     next = std::min(next, port->tap.next);
     if (some_late_) next = std::min(next, port->tap.reaches);

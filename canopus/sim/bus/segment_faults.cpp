@@ -43,7 +43,7 @@ void Segment::look_for_views() noexcept {
 
 /// Whether a fault inverts what there is on the wire, or what one port sees of it.
 bool Segment::inverted(const BusPort* at, can::Time now) const noexcept {
-  bool inverts = at == nullptr ? inverted_ : at->inverted;
+  bool inverts = at == nullptr ? inverted_ && !members_.empty() : at->inverted;
   for (std::size_t number = 0; number < faults_.corruptions; ++number) {
     const FrameFaults::Corruption& corruption = faults_.corruption[number];
     const can::Time begin = faults_origin_ + faults_bit_ * corruption.bit;
