@@ -55,6 +55,17 @@ std::expected<ValuePlace, std::string> value_place(const IniText& file, const De
                          ", so no place for its value");
 }
 
+/// NrOfEntries of a list of values follows.
+Done count_entries(IniText& file, const std::string& section) {
+  const auto keys = file.keys(section);
+  const auto count = std::ranges::count_if(keys, [](const std::string& key) {
+    return key.find_first_not_of("0123456789abcdefx") == std::string::npos;
+  });
+  const auto announced = read_number(file.value(section, "NrOfEntries").value_or(""));
+  if (announced && announced->magnitude == static_cast<std::uint64_t>(count)) return {};
+  return file.set(section, "NrOfEntries", std::to_string(count));
+}
+
 Done set_in_list(IniText& file, const ValuePlace& place, std::uint16_t index, std::string_view value) {
   std::string section = place.section;
   if (!file.has_section(section)) {
@@ -63,13 +74,18 @@ Done set_in_list(IniText& file, const ValuePlace& place, std::uint16_t index, st
     if (const Done done = file.set(section, "NrOfEntries", "0"); !done) return done;
   }
   if (const Done done = file.set(section, place.key, value); !done) return done;
-  const auto keys = file.keys(section);
-  const auto count = std::ranges::count_if(keys, [](const std::string& key) {
-    return key.find_first_not_of("0123456789abcdefx") == std::string::npos;
-  });
-  const auto announced = read_number(file.value(section, "NrOfEntries").value_or(""));
-  if (announced && announced->magnitude == static_cast<std::uint64_t>(count)) return {};
-  return file.set(section, "NrOfEntries", std::to_string(count));
+  return count_entries(file, section);
+}
+
+/// "; expected 0 to 255"; nothing for types that are no whole numbers.
+std::string expected_range(canopen::DataType type) {
+  if (!is_number(type) || type == canopen::DataType::real32 || type == canopen::DataType::real64) return {};
+  const auto [low, high] = range(type);
+  const auto text = [&](std::uint64_t value) {
+    return canopen::is_signed(type) ? std::to_string(static_cast<std::int64_t>(value))
+                                    : std::to_string(value);
+  };
+  return "; expected " + text(low) + " to " + text(high);
 }
 
 /// Why the value is none for this sub-index; empty: it is one.
@@ -83,9 +99,11 @@ std::string value_problem(const canopen::DictionaryDescription& dictionary, cons
   const auto read = read_value(type, {problems, item, entry.index, entry.sub});
   for (const Problem& problem : problems.take()) {
     if (problem.severity == Problem::Severity::note) continue;
-    return problem.message.substr(0, problem.message.find(": taken as"));
+    return problem.message.substr(0, problem.message.find(": taken as")) + expected_range(type);
   }
-  if (!read) return '"' + printable(value) + "\" is no value of " + object_name(entry.index, entry.sub);
+  if (!read)
+    return '"' + printable(value) + "\" is no value of " + object_name(entry.index, entry.sub) +
+           expected_range(type);
   const canopen::Limits& limits = dictionary.limits(entry);
   if (read->adds_node_id || !is_number(type)) return {};
   const std::uint64_t number = pattern(type, read->bytes);
@@ -115,6 +133,21 @@ Done set_parameter_value(IniText& file, std::uint16_t index, std::uint8_t sub, s
   const Done done = place->is_list ? set_in_list(changed, *place, index, value)
                                    : changed.set(place->section, place->key, value);
   if (!done) return done;
+  file = std::move(changed);
+  return {};
+}
+
+Done remove_parameter_value(IniText& file, std::uint16_t index, std::uint8_t sub) {
+  const ReadResult read = read_device_file(file.text());
+  if (read.file == nullptr) return std::unexpected(read.problems.front().message);
+  const auto place = value_place(file, *read.file, index, sub);
+  if (!place) return std::unexpected(place.error());
+  if (!file.value(place->section, place->key)) return {};
+  IniText changed = file;
+  if (const Done done = changed.remove(place->section, place->key); !done) return done;
+  if (place->is_list) {
+    if (const Done done = count_entries(changed, place->section); !done) return done;
+  }
   file = std::move(changed);
   return {};
 }

@@ -32,4 +32,9 @@ struct ConfigurationNames {
 [[nodiscard]] std::expected<void, std::string> set_parameter_value(IniText& file, std::uint16_t index,
                                                                    std::uint8_t sub, std::string_view value);
 
+/// Takes the ParameterValue of a sub-index out, so that its default counts; there is none: nothing happens. Fails, and
+/// nothing is changed, as set_parameter_value() does.
+[[nodiscard]] std::expected<void, std::string> remove_parameter_value(IniText& file, std::uint16_t index,
+                                                                      std::uint8_t sub);
+
 }  // namespace canopus::eds
