@@ -22,6 +22,7 @@
 #include "canopus/cli/commands/scan_command.hpp"
 #include "canopus/cli/commands/sdo_command.hpp"
 #include "canopus/cli/gateway/gateway_command.hpp"
+#include "canopus/cli/network/project_command.hpp"
 #include "canopus/cli/project/configure_command.hpp"
 #include "canopus/cli/reference/reference_command.hpp"
 #include "canopus/cli/run/run_command.hpp"
@@ -168,6 +169,7 @@ int run_command_line(std::span<const std::string> words) {
   add_replay_command(app, code);
   add_bench_command(app, code);
   add_configure_command(app, code);
+  add_project_command(app, code);
   add_reference_commands(app, code, version());
 
   std::vector<std::string> reversed(words.rbegin(), words.rend());  // as CLI11 takes them

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <system_error>
 
 #include <fcntl.h>
@@ -96,6 +97,18 @@ std::expected<void, std::string> NewFile::keep() {
   is_beside_ = false;
   forget_signals();
   return {};
+}
+
+std::expected<void, std::string> write_new_file(const std::string& name, std::string_view content) {
+  NewFile file(name);
+  errno = 0;
+  std::ofstream stream(file.path(), std::ios::binary);
+  stream.write(content.data(), static_cast<std::streamsize>(content.size()));
+  stream.close();
+  if (!stream) {
+    return std::unexpected("cannot write " + name + ": " + (errno != 0 ? std::strerror(errno) : "I/O error"));
+  }
+  return file.keep();
 }
 
 }  // namespace canopus::cli

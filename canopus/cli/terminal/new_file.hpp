@@ -7,6 +7,7 @@
 
 #include <expected>
 #include <string>
+#include <string_view>
 
 namespace canopus::cli {
 
@@ -29,5 +30,9 @@ class NewFile {
   std::string path_;
   bool is_beside_ = false;
 };
+
+/// A whole file at once. The error names it.
+[[nodiscard]] std::expected<void, std::string> write_new_file(const std::string& name,
+                                                              std::string_view content);
 
 }  // namespace canopus::cli

@@ -1,0 +1,227 @@
+#include "canopus/cli/network/project_command.hpp"
+
+#include <memory>
+#include <utility>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "canopus/cli/terminal/option_checks.hpp"
+#include "canopus/cli/terminal/print.hpp"
+
+namespace canopus::cli {
+namespace {
+
+using Action = int (*)(const ProjectArguments&);
+
+/// Adds a command; each has arguments of its own.
+struct Adder {
+  CLI::App& group;
+  int& exit_code;
+
+  std::pair<CLI::App*, std::shared_ptr<ProjectArguments>> add(const char* name, const char* help,
+                                                              Action action,
+                                                              CLI::App* below = nullptr) const {
+    auto arguments = std::make_shared<ProjectArguments>();
+    CLI::App* command = (below != nullptr ? below : &group)->add_subcommand(name, help);
+    command->add_option("PROJECT", arguments->project, "folder with nodelist.cpj, or a file *.cpj")
+        ->required();
+    command->add_option("--network", arguments->network, "of a list with several networks: which one, from 1")
+        ->type_name("NUMBER")
+        ->check(number_from(1, 1000));
+    command->add_flag("--json", arguments->bus.json, "one JSON object per line");
+    command->callback([arguments, action, code = &exit_code] { *code = action(*arguments); });
+    return {command, arguments};
+  }
+};
+
+constexpr const char* node_help = "node-ID, or name in the project";
+
+void add_node(CLI::App& command, ProjectArguments& arguments, bool required) {
+  command.add_option("NODE", arguments.node, node_help)->required(required);
+}
+
+void add_node_id(CLI::App& command, unsigned& node_id, const char* help) {
+  command.add_option("--node-id", node_id, help)->type_name("1-127")->check(number_from(1, 127));
+}
+
+void add_looking(const Adder& adder) {
+  {
+    auto [command, arguments] =
+        adder.add("show", "List the nodes of a project, or what one has configured", show_network);
+    add_node(*command, *arguments, false);
+    command->add_flag("--all", arguments->all_values,
+                      "of a node: every object, not only those that its DCF gives a value");
+  }
+  {
+    auto [command, arguments] = adder.add(
+        "check", "Say what does not fit together: files, bit rate, CAN-IDs, PDOs, SYNC, heartbeats, load",
+        check_network);
+    command->add_flag("--strict", arguments->strict, "a warning is a mistake, too");
+  }
+}
+
+void add_changing(const Adder& adder) {
+  {
+    auto [command, arguments] = adder.add("new", "Make a project without nodes", new_network);
+    command->add_option("--name", arguments->name, "of the network")->type_name("NAME");
+  }
+  {
+    auto [command, arguments] =
+        adder.add("add", "Add a node: its DCF is made of a device file", add_network_node);
+    command->add_option("EDS", arguments->file, "device file, EDS or DCF")->required();
+    add_node_id(*command, arguments->node_id, "without it the lowest that is free");
+    command->add_option("--name", arguments->name, "of the node; without it the product's")
+        ->type_name("NAME");
+    command->add_option("--bit-rate", arguments->bit_rate, "without it that of the other nodes")
+        ->type_name("RATE");
+  }
+  {
+    auto [command, arguments] = adder.add("remove", "Take a node and its DCF out", remove_network_node);
+    add_node(*command, *arguments, true);
+  }
+  {
+    auto [command, arguments] =
+        adder.add("set", "Give objects of a node values, or change a node or the network", set_in_network);
+    add_node(*command, *arguments, false);
+    command->add_option("OBJECT=VALUE", arguments->items,
+                        "1017=500, \"Producer heartbeat time=500\", '1800:01=$NODEID+0x180'");
+    command
+        ->add_option_function<std::string>(
+            "--name",
+            [arguments = arguments](const std::string& name) {
+              arguments->name = name;
+              arguments->is_named = true;
+            },
+            "of the node, or without NODE of the network")
+        ->type_name("NAME");
+    add_node_id(*command, arguments->node_id, "another one; COB-IDs that hold it follow");
+    command
+        ->add_option_function<std::string>(
+            "--reference",
+            [arguments = arguments](const std::string& reference) {
+              arguments->reference = reference;
+              arguments->has_reference = true;
+            },
+            "reference designation, for example -M1")
+        ->type_name("TEXT");
+    auto* const present = command->add_flag("--present", arguments->present, "the node is on the bus");
+    command->add_flag("--absent", arguments->absent, "the node is configured, but not there")
+        ->excludes(present);
+    command->add_option("--bit-rate", arguments->bit_rate, "of all nodes (without NODE), for example 500k")
+        ->type_name("RATE");
+  }
+  {
+    auto [command, arguments] =
+        adder.add("unset", "Take values of objects out: their defaults count", unset_in_network);
+    add_node(*command, *arguments, true);
+    command->add_option("OBJECT", arguments->items, "1017, \"Producer heartbeat time\"")->required();
+  }
+  adder.add("undo", "Take back the latest change, then the one before it (50 at most)", undo_in_network);
+  {
+    auto [command, arguments] =
+        adder.add("concise", "Write what a node is configured with as a concise DCF, for 1F22H of a master",
+                  write_concise_dcf);
+    add_node(*command, *arguments, true);
+    command->add_option("FILE", arguments->file, "the file to be written")->required();
+  }
+}
+
+void add_pdos(const Adder& adder) {
+  CLI::App* pdo = adder.group.add_subcommand("pdo", "List, map and link the PDOs of a project");
+  pdo->require_subcommand(1);
+  {
+    auto [command, arguments] = adder.add(
+        "list", "List PDOs: CAN-ID, type, what is mapped, and where it goes", list_network_pdos, pdo);
+    add_node(*command, *arguments, false);
+    command->add_flag("--all", arguments->all_values, "those that are off, too");
+  }
+  const auto add_pdo = [](CLI::App& command, ProjectArguments& arguments) {
+    add_node(command, arguments, true);
+    command.add_option("PDO", arguments.pdo, "tpdo1, rpdo2 and so on")->required();
+  };
+  {
+    auto [command, arguments] =
+        adder.add("map", "Map objects into a PDO, set its CAN-ID, type and times, and switch it on",
+                  map_network_pdo, pdo);
+    add_pdo(*command, *arguments);
+    command->add_option("OBJECT", arguments->items, "what is mapped, in order; none: the mapping stays");
+    command
+        ->add_option("--can-id", arguments->cob_id,
+                     "for example 0x181; free: one that nothing in the project has")
+        ->type_name("ID");
+    command->add_option("--type", arguments->type, "transmission type")->type_name("0-255");
+    command->add_option("--inhibit", arguments->inhibit, "inhibit time, for example 10ms")->type_name("TIME");
+    command->add_option("--event", arguments->event, "event timer, for example 100ms")->type_name("TIME");
+  }
+  {
+    auto [command, arguments] =
+        adder.add("off", "Switch a PDO off (bit 31 of its COB-ID)", switch_network_pdo_off, pdo);
+    add_pdo(*command, *arguments);
+  }
+  {
+    auto [command, arguments] =
+        adder.add("link", "Send a signal of one node to another: CAN-ID and both mappings are worked out",
+                  link_network_signals, pdo);
+    command
+        ->add_option("FROM TO", arguments->items,
+                     "NODE.SIGNAL each, for example 2.6004 or \"Pump.Target velocity\"")
+        ->required()
+        ->expected(2);
+  }
+}
+
+}  // namespace
+
+int project_failed(int code, const std::string& message) {
+  print_error("canopus project: {}", message);
+  return code;
+}
+
+int with_network(const ProjectArguments& arguments,
+                 const std::function<int(const ProjectFolder&, const project::NetworkProject&)>& action) {
+  auto folder = ProjectFolder::open(arguments.project, ProjectFolder::For::looking);
+  if (!folder) return project_failed(project_code::file, folder.error());
+  const auto project = folder->read(arguments.network);
+  if (!project) return project_failed(project_code::file, project.error());
+  return action(*folder, *project);
+}
+
+int change_network(const ProjectArguments& arguments, const std::string& title,
+                   const std::function<int(ProjectFolder&, project::NetworkProject&)>& action) {
+  // Nothing is made in a folder that has no project.
+  if (auto looked = ProjectFolder::open(arguments.project, ProjectFolder::For::looking);
+      looked && !looked->read(arguments.network)) {
+    return project_failed(project_code::file, looked->read(arguments.network).error());
+  }
+  auto folder = ProjectFolder::open(arguments.project, ProjectFolder::For::changing);
+  if (!folder) return project_failed(project_code::file, folder.error());
+  auto project = folder->read(arguments.network);
+  if (!project) return project_failed(project_code::file, project.error());
+  if (const int code = action(*folder, *project); code != project_code::done) return code;
+  if (const auto saved = folder->save(*project, title); !saved) {
+    return project_failed(project_code::file, saved.error());
+  }
+  return project_code::done;
+}
+
+void add_project_command(CLI::App& app, int& exit_code) {
+  CLI::App* group =
+      app.add_subcommand("project", "Set up a CANopen network: nodes, values and PDOs as CiA 306 files");
+  group->require_subcommand(1);
+  group->footer(
+      "A project is a folder: nodelist.cpj names the nodes, and each has its DCF beside it. Other tools read "
+      "and write the\n"
+      "same files; what is not changed stays byte for byte.\n"
+      "Exit codes: 0 done, 1 no bus, or a node does not answer, 2 wrong command line, 3 a file cannot be "
+      "read or written,\n"
+      "4 differences, or errors in the project, 5 the project cannot be as asked for, 6 a node refused a "
+      "value.\n"
+      "docs/project.md goes through it.");
+  const Adder adder{*group, exit_code};
+  add_changing(adder);
+  add_looking(adder);
+  add_pdos(adder);
+}
+
+}  // namespace canopus::cli

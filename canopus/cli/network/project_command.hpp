@@ -1,0 +1,83 @@
+#pragma once
+// The command `canopus project`: CiA 306 projects of CANopen networks, from the command line.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/cli/network/project_folder.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace canopus::cli {
+
+/// Adds the command and those in it.
+void add_project_command(CLI::App& app, int& exit_code);
+
+/// Exit codes of `canopus project`, one for each kind of failure.
+namespace project_code {
+inline constexpr int done = 0;
+inline constexpr int no_answer = 1;  ///< no bus, or a node that does not answer
+inline constexpr int usage = 2;      ///< command line
+inline constexpr int file = 3;       ///< a file cannot be read or written, or is none of its kind
+inline constexpr int different =
+    4;  ///< `diff` found differences, `check` errors; `write` would change something
+inline constexpr int refused = 5;  ///< the project cannot be as it was asked for
+inline constexpr int aborted = 6;  ///< a node refused a value, or has another one after a write
+}  // namespace project_code
+
+struct ProjectArguments {
+  BusOptions bus;  ///< its `json` is that of all commands
+  std::string project;
+  unsigned network = 1;  ///< of the list, from 1
+  std::string node;
+  std::vector<std::string> items;  ///< settings, objects, signals
+  std::string file;
+  std::vector<std::string> eds;
+  std::string name;
+  std::string reference;
+  std::string bit_rate;
+  std::string pdo;
+  std::string cob_id;
+  std::string type;
+  std::string inhibit;
+  std::string event;
+  unsigned node_id = 0;
+  bool is_named = false;  ///< --name was given
+  bool has_reference = false;
+  bool present = false;
+  bool absent = false;
+  bool strict = false;
+  bool yes = false;
+  bool all_values = false;
+};
+
+// The commands, by the file they are in: project_show.cpp, project_edit.cpp, project_pdo.cpp.
+int show_network(const ProjectArguments& arguments);
+int check_network(const ProjectArguments& arguments);
+int new_network(const ProjectArguments& arguments);
+int add_network_node(const ProjectArguments& arguments);
+int remove_network_node(const ProjectArguments& arguments);
+int set_in_network(const ProjectArguments& arguments);
+int unset_in_network(const ProjectArguments& arguments);
+int undo_in_network(const ProjectArguments& arguments);
+int write_concise_dcf(const ProjectArguments& arguments);
+int list_network_pdos(const ProjectArguments& arguments);
+int map_network_pdo(const ProjectArguments& arguments);
+int switch_network_pdo_off(const ProjectArguments& arguments);
+int link_network_signals(const ProjectArguments& arguments);
+
+/// "canopus project: ..." on stderr; returns `code`.
+int project_failed(int code, const std::string& message);
+
+/// Opens the project for looking; its errors are said.
+int with_network(const ProjectArguments& arguments,
+                 const std::function<int(const ProjectFolder&, const project::NetworkProject&)>& action);
+/// Opens the project, has it changed, and saves it when the action returns done. `title` is for undo.
+int change_network(const ProjectArguments& arguments, const std::string& title,
+                   const std::function<int(ProjectFolder&, project::NetworkProject&)>& action);
+
+}  // namespace canopus::cli
