@@ -18,21 +18,6 @@ struct ScanArguments {
   std::string nodes = "1-127";
 };
 
-struct NodeRange {
-  std::uint8_t first = 1;
-  std::uint8_t last = 127;
-};
-
-std::expected<NodeRange, std::string> parse_range(std::string_view text) {
-  const std::size_t dash = text.find('-');
-  const unsigned first = parse_node(text.substr(0, dash));
-  const unsigned last = dash == std::string_view::npos ? first : parse_node(text.substr(dash + 1));
-  if (first == 0 || last == 0 || last < first) {
-    return std::unexpected(fmt::format("--nodes: \"{}\" is no range; expected for example 1-32 or 5", text));
-  }
-  return NodeRange{static_cast<std::uint8_t>(first), static_cast<std::uint8_t>(last)};
-}
-
 std::string number(std::optional<std::uint32_t> value) { return value ? fmt::format("{:08X}", *value) : "-"; }
 
 std::string_view colour_of(std::optional<canopen::NmtState> state) {
@@ -66,20 +51,17 @@ BusLoop::End run_scan(BusLoop& bus, client::BusScan& scan) {
 }
 
 int scan(const ScanArguments& arguments) {
-  const auto range = parse_range(arguments.nodes);
+  const auto range = parse_node_range(arguments.nodes);
   if (!range) return complain(exit_code::usage, range.error());
   return with_bus(arguments.bus, [&](BusLoop& bus, can::Duration time_out) {
-    bus.need({link::IdentifierFilter::function(canopen::cob_id::sdo_response),
-              link::IdentifierFilter::function(canopen::cob_id::error_control)});
-    client::BusScan questions(bus, range->first, range->last, time_out);
-    const BusLoop::End end = run_scan(bus, questions);
-    const std::vector<client::FoundNode> nodes = questions.found();
+    std::vector<client::FoundNode> nodes;
+    const int code = scan_bus(bus, *range, time_out, nodes);
     if (arguments.bus.json) {
       for (const client::FoundNode& node : nodes) print_json(scan_json(node));
     } else if (!nodes.empty()) {
       for (const Line& line : scan_table(nodes, wants_colour(STDOUT_FILENO))) standard_output().line(line);
     }
-    if (end != BusLoop::End::done) return complain_of(end, bus, "");
+    if (code != exit_code::done) return code;
     if (nodes.empty()) return complain(exit_code::failed, "no node answers");
     if (!arguments.bus.json) print_line("{} node{} found", nodes.size(), nodes.size() == 1 ? "" : "s");
     return exit_code::done;
@@ -87,6 +69,25 @@ int scan(const ScanArguments& arguments) {
 }
 
 }  // namespace
+
+std::expected<NodeRange, std::string> parse_node_range(std::string_view text) {
+  const std::size_t dash = text.find('-');
+  const unsigned first = parse_node(text.substr(0, dash));
+  const unsigned last = dash == std::string_view::npos ? first : parse_node(text.substr(dash + 1));
+  if (first == 0 || last == 0 || last < first) {
+    return std::unexpected(fmt::format("--nodes: \"{}\" is no range; expected for example 1-32 or 5", text));
+  }
+  return NodeRange{static_cast<std::uint8_t>(first), static_cast<std::uint8_t>(last)};
+}
+
+int scan_bus(BusLoop& bus, NodeRange range, can::Duration time_out, std::vector<client::FoundNode>& found) {
+  bus.need({link::IdentifierFilter::function(canopen::cob_id::sdo_response),
+            link::IdentifierFilter::function(canopen::cob_id::error_control)});
+  client::BusScan questions(bus, range.first, range.last, time_out);
+  const BusLoop::End end = run_scan(bus, questions);
+  found = questions.found();
+  return end == BusLoop::End::done ? exit_code::done : complain_of(end, bus, "");
+}
 
 std::vector<Line> scan_table(const std::vector<client::FoundNode>& nodes, bool colour) {
   std::vector<Line> lines;

@@ -1,11 +1,14 @@
 #pragma once
 // `canopus scan`: which nodes are on a bus, what they are and in which NMT state.
 
+#include <expected>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "canopus/cli/commands/bus_command.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/client/bus_scan.hpp"
 
@@ -14,6 +17,17 @@ class App;
 }
 
 namespace canopus::cli {
+
+/// Node-IDs, both included.
+struct NodeRange {
+  std::uint8_t first = 1;
+  std::uint8_t last = 127;
+};
+/// "1-32", "5"; the error names --nodes and says what was expected.
+[[nodiscard]] std::expected<NodeRange, std::string> parse_node_range(std::string_view text);
+/// Scans a bus, with a bar on a terminal: an exit code, whose reason is said.
+[[nodiscard]] int scan_bus(BusLoop& bus, NodeRange range, can::Duration time_out,
+                           std::vector<client::FoundNode>& found);
 
 /// The table, a header line and a line per node. `colour`: states in colour.
 [[nodiscard]] std::vector<Line> scan_table(const std::vector<client::FoundNode>& nodes, bool colour);

@@ -127,6 +127,49 @@ void add_changing(const Adder& adder) {
   }
 }
 
+void add_bus(CLI::App& command, ProjectArguments& arguments) {
+  add_bus_options(command, arguments.bus, "for each answer of a node", false);
+}
+
+void add_online(const Adder& adder) {
+  {
+    auto [command, arguments] =
+        adder.add("diff", "Show what devices have otherwise than the project", compare_network);
+    add_node(*command, *arguments, false);
+    add_bus(*command, *arguments);
+  }
+  {
+    auto [command, arguments] =
+        adder.add("write", "Write what differs into the devices, and read it back", write_network);
+    add_node(*command, *arguments, false);
+    add_bus(*command, *arguments);
+    command->add_flag("--yes", arguments->yes, "write; without it what would be written is shown");
+    command->add_flag("--save", arguments->save, "and have the devices save it (1010H:01)");
+  }
+  {
+    auto [command, arguments] =
+        adder.add("read", "Take over into the project what devices have otherwise", read_network);
+    add_node(*command, *arguments, false);
+    add_bus(*command, *arguments);
+  }
+  {
+    auto [command, arguments] = adder.add(
+        "adopt", "Take over a running network: scan it, match device files, and read what is configured",
+        adopt_network);
+    command->add_option("--eds", arguments->eds, "a device file, or a folder with them; may be given again")
+        ->type_name("FILE")
+        ->required()
+        ->allow_extra_args(false);
+    command->add_option("--nodes", arguments->nodes, "only these node-IDs, for example 1-32")
+        ->type_name("FIRST-LAST")
+        ->capture_default_str();
+    command->add_option("--bit-rate", arguments->bit_rate, "what the DCFs will say")->type_name("RATE");
+    command->add_flag("--no-values", arguments->no_values,
+                      "read who the devices are, but not what they have configured");
+    add_bus(*command, *arguments);
+  }
+}
+
 void add_pdos(const Adder& adder) {
   CLI::App* pdo = adder.group.add_subcommand("pdo", "List, map and link the PDOs of a project");
   pdo->require_subcommand(1);
@@ -178,6 +221,25 @@ int project_failed(int code, const std::string& message) {
   return code;
 }
 
+std::expected<std::uint32_t, std::string> parse_bit_rate(std::string_view text) {
+  if (text.empty()) return 0;
+  std::uint64_t value = 0;
+  std::size_t digits = 0;
+  while (digits < text.size() && text[digits] >= '0' && text[digits] <= '9' && value < 10'000'000) {
+    value = value * 10 + static_cast<unsigned>(text[digits++] - '0');
+  }
+  const std::string_view unit = text.substr(digits);
+  const bool is_kilo = unit == "k" || unit == "K" || unit == "kbit/s";
+  const bool is_mega = unit == "M" || unit == "Mbit/s";
+  value *= is_kilo ? 1000 : is_mega ? 1'000'000 : 1;
+  const bool has_known_unit = is_kilo || is_mega || unit.empty() || unit == "bit/s";
+  const bool is_good =
+      digits != 0 && has_known_unit && value >= 1000 && value <= 1'000'000 && value % 1000 == 0;
+  if (is_good) return static_cast<std::uint32_t>(value);
+  return std::unexpected(
+      fmt::format("--bit-rate {}: expected for example 500k: 1k to 1M, whole kbit/s", eds::printable(text)));
+}
+
 int with_network(const ProjectArguments& arguments,
                  const std::function<int(const ProjectFolder&, const project::NetworkProject&)>& action) {
   auto folder = ProjectFolder::open(arguments.project, ProjectFolder::For::looking);
@@ -198,11 +260,14 @@ int change_network(const ProjectArguments& arguments, const std::string& title,
   if (!folder) return project_failed(project_code::file, folder.error());
   auto project = folder->read(arguments.network);
   if (!project) return project_failed(project_code::file, project.error());
-  if (const int code = action(*folder, *project); code != project_code::done) return code;
+  const int code = action(*folder, *project);
+  const bool is_kept =
+      code == project_code::done || code == project_code::no_answer || code == project_code::different;
+  if (!is_kept) return code;
   if (const auto saved = folder->save(*project, title); !saved) {
     return project_failed(project_code::file, saved.error());
   }
-  return project_code::done;
+  return code;
 }
 
 void add_project_command(CLI::App& app, int& exit_code) {
@@ -222,6 +287,7 @@ void add_project_command(CLI::App& app, int& exit_code) {
   add_changing(adder);
   add_looking(adder);
   add_pdos(adder);
+  add_online(adder);
 }
 
 }  // namespace canopus::cli

@@ -53,9 +53,13 @@ struct ProjectArguments {
   bool strict = false;
   bool yes = false;
   bool all_values = false;
+  bool save = false;
+  bool no_values = false;
+  std::string nodes = "1-127";
 };
 
-// The commands, by the file they are in: project_show.cpp, project_edit.cpp, project_pdo.cpp.
+// The commands, by the file they are in: project_show.cpp, project_edit.cpp, project_pdo.cpp, project_bus.cpp,
+// project_adopt.cpp, project_report.cpp.
 int show_network(const ProjectArguments& arguments);
 int check_network(const ProjectArguments& arguments);
 int new_network(const ProjectArguments& arguments);
@@ -69,14 +73,24 @@ int list_network_pdos(const ProjectArguments& arguments);
 int map_network_pdo(const ProjectArguments& arguments);
 int switch_network_pdo_off(const ProjectArguments& arguments);
 int link_network_signals(const ProjectArguments& arguments);
+int compare_network(const ProjectArguments& arguments);
+int write_network(const ProjectArguments& arguments);
+int read_network(const ProjectArguments& arguments);
+int adopt_network(const ProjectArguments& arguments);
+
 
 /// "canopus project: ..." on stderr; returns `code`.
 int project_failed(int code, const std::string& message);
 
+/// "500k", "125kbit/s", "1M", "250000": bit/s, whole kbit/s as a DCF has them; nothing written: 0. The error names --bit-rate.
+[[nodiscard]] std::expected<std::uint32_t, std::string> parse_bit_rate(std::string_view text);
+
 /// Opens the project for looking; its errors are said.
 int with_network(const ProjectArguments& arguments,
                  const std::function<int(const ProjectFolder&, const project::NetworkProject&)>& action);
-/// Opens the project, has it changed, and saves it when the action returns done. `title` is for undo.
+/// Opens the project, has it changed, and saves it when the action returns done, or
+/// no_answer or different: what was found of the others is kept.
+/// `title` is for undo.
 int change_network(const ProjectArguments& arguments, const std::string& title,
                    const std::function<int(ProjectFolder&, project::NetworkProject&)>& action);
 

@@ -19,30 +19,6 @@ using project::NetworkProject;
 using project::ProjectNode;
 using Json = nlohmann::ordered_json;
 
-/// "500k", "125kbit/s", "1M", "250000": bit/s, of a bit rate that CANopen has or another one; 0: none.
-std::uint32_t parse_bit_rate(std::string_view text) {
-  std::uint64_t value = 0;
-  std::size_t digits = 0;
-  while (digits < text.size() && text[digits] >= '0' && text[digits] <= '9' && value < 10'000'000) {
-    value = value * 10 + static_cast<unsigned>(text[digits++] - '0');
-  }
-  const std::string_view unit = text.substr(digits);
-  if (unit == "k" || unit == "kbit/s" || unit == "K") value *= 1000;
-  if (unit == "M" || unit == "Mbit/s") value *= 1'000'000;
-  const bool has_known_unit = unit.empty() || unit == "k" || unit == "K" || unit == "kbit/s" || unit == "M" ||
-                              unit == "Mbit/s" || unit == "bit/s";
-  // A DCF has whole kbit/s.
-  const bool is_good =
-      digits != 0 && has_known_unit && value >= 1000 && value <= 1'000'000 && value % 1000 == 0;
-  return is_good ? static_cast<std::uint32_t>(value) : 0;
-}
-
-int refuse_bit_rate(const std::string& text) {
-  return project_failed(
-      project_code::usage,
-      fmt::format("--bit-rate {}: expected for example 500k: 1k to 1M, whole kbit/s", text));
-}
-
 void tell_node(const ProjectArguments& arguments, std::string_view what, const ProjectNode& node) {
   if (arguments.bus.json) {
     return print_json(
@@ -89,8 +65,8 @@ int new_network(const ProjectArguments& arguments) {
 }
 
 int add_network_node(const ProjectArguments& arguments) {
-  const std::uint32_t bit_rate = arguments.bit_rate.empty() ? 0 : parse_bit_rate(arguments.bit_rate);
-  if (!arguments.bit_rate.empty() && bit_rate == 0) return refuse_bit_rate(arguments.bit_rate);
+  const auto bit_rate = parse_bit_rate(arguments.bit_rate);
+  if (!bit_rate) return project_failed(project_code::usage, bit_rate.error());
   const auto text = text::read_file(arguments.file);
   if (!text) return project_failed(project_code::file, text.error());
   const std::string file_name = std::filesystem::path(arguments.file).filename().string();
@@ -99,7 +75,7 @@ int add_network_node(const ProjectArguments& arguments) {
                                          .name = arguments.name,
                                          .eds = *text,
                                          .eds_name = file_name,
-                                         .bit_rate = bit_rate});
+                                         .bit_rate = *bit_rate});
     if (!added) {
       return project_failed(project_code::refused, fmt::format("{}: {}", arguments.file, added.error()));
     }
@@ -122,8 +98,8 @@ int remove_network_node(const ProjectArguments& arguments) {
 }
 
 int set_in_network(const ProjectArguments& arguments) {
-  const std::uint32_t bit_rate = arguments.bit_rate.empty() ? 0 : parse_bit_rate(arguments.bit_rate);
-  if (!arguments.bit_rate.empty() && bit_rate == 0) return refuse_bit_rate(arguments.bit_rate);
+  const auto bit_rate = parse_bit_rate(arguments.bit_rate);
+  if (!bit_rate) return project_failed(project_code::usage, bit_rate.error());
   const bool is_of_network = arguments.node.empty();
   const bool has_node_option =
       arguments.has_reference || arguments.present || arguments.absent || arguments.node_id != 0;
@@ -132,10 +108,10 @@ int set_in_network(const ProjectArguments& arguments) {
                           "NODE is missing: --node-id, --reference, --present, --absent and "
                           "values are a node's");
   }
-  if (!is_of_network && bit_rate != 0) {
+  if (!is_of_network && *bit_rate != 0) {
     return project_failed(project_code::usage, "--bit-rate is that of all nodes: leave NODE out");
   }
-  if (arguments.items.empty() && !has_node_option && !arguments.is_named && bit_rate == 0) {
+  if (arguments.items.empty() && !has_node_option && !arguments.is_named && *bit_rate == 0) {
     return project_failed(project_code::usage, "nothing to set; expected OBJECT=VALUE, or an option");
   }
   std::string title = "set " + (is_of_network ? std::string("the network") : arguments.node);
@@ -146,8 +122,8 @@ int set_in_network(const ProjectArguments& arguments) {
       if (arguments.is_named) {
         if (const auto done = project.set_name(arguments.name); !done) return refused(done.error());
       }
-      if (bit_rate != 0) {
-        if (const auto done = project.set_bit_rate(bit_rate); !done) return refused(done.error());
+      if (*bit_rate != 0) {
+        if (const auto done = project.set_bit_rate(*bit_rate); !done) return refused(done.error());
       }
       return project_code::done;
     }

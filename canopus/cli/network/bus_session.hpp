@@ -1,0 +1,60 @@
+#pragma once
+// The devices of a bus against a project, one after another: compared, written, taken over; each result is printed as it is
+// found.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canopus/cli/network/bus_objects.hpp"
+#include "canopus/cli/network/project_command.hpp"
+
+namespace canopus::cli {
+
+class BusSession {
+ public:
+  BusSession(const ProjectArguments& arguments, BusLoop& bus, can::Duration time_out);
+
+  /// One device against its DCF; what differs is listed.
+  void compare(const project::ProjectNode& node);
+  /// And written where it differs, with --yes; then read back. A device with another identity is left alone.
+  void write(const project::ProjectNode& node);
+  /// Takes over into the project what a device has otherwise; of one that falls silent nothing.
+  void take_over(project::NetworkProject& project, std::uint8_t node_id);
+
+  /// The summary with --json; the exit code of all that was done.
+  [[nodiscard]] int end();
+
+ private:
+  using Values = std::vector<network::ComparedValue>;
+
+  void silent(const project::ProjectNode& node, std::string_view what);
+  /// Nobody writes a project into another device.
+  bool is_the_device(const project::ProjectNode& node, BusObjects& objects);
+  std::optional<Values> compared(const project::ProjectNode& node, BusObjects& objects);
+  std::optional<Values> read_back(const project::ProjectNode& node, BusObjects& objects);
+  void save(const project::ProjectNode& node, BusObjects& objects);
+
+  void tell(const project::ProjectNode& node, const network::ComparedValue& value);
+  void tell(const project::ProjectNode& node, const network::WriteStep& step);
+  void tell_differences(const project::ProjectNode& node, const Values& values);
+  void tell_result(const project::ProjectNode& node, const Values& values, std::string_view good);
+  void tell_taken(const project::ProjectNode& node, const network::ComparedValue& value,
+                  const std::string& why_not);
+
+  /// How many nodes came out how.
+  struct Summary {
+    unsigned same = 0;
+    unsigned different = 0;
+    unsigned silent = 0;
+    unsigned refused = 0;
+  };
+
+  const ProjectArguments& arguments_;
+  BusLoop& bus_;
+  can::Duration time_out_;
+  Summary summary_;
+};
+
+}  // namespace canopus::cli
