@@ -1,10 +1,14 @@
 #include "canopus/network/network_file.hpp"
 
+#include <algorithm>
 #include <chrono>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
+#include "canopus/project/nodelist/project_members.hpp"
+#include "canopus/text/file_text.hpp"
 #include "canopus/text/table_reader.hpp"
 
 namespace canopus::network {
@@ -103,7 +107,8 @@ std::vector<text::ObjectSetting> objects(text::TableReader& table) {
 }
 
 NetworkSlave read_slave(text::TableReader& table) {
-  NetworkSlave slave{.place = table.place(), .eds_place = table.place("eds")};
+  NetworkSlave slave{
+      .place = table.place(), .eds_place = table.place("eds"), .objects_place = table.place("objects")};
   slave.node = node_id(table, true, 0);
   slave.name = table.text("name").value_or("");
   slave.mandatory = table.boolean("mandatory").value_or(true);
@@ -126,9 +131,6 @@ NetworkSlave read_slave(text::TableReader& table) {
       table.integer("restore", 1, 127, "expected a sub-index of 1011H, 1 to 127").value_or(0));
   if (!slave.program.empty() && slave.software_version.value_or(0) == 0) {
     table.error("program", "needs software_version, other than 0: what the new program's 1F56H reads");
-  }
-  if (!slave.objects.empty() && slave.eds.empty()) {
-    table.error("objects", "needs the device's eds, which says the objects' types");
   }
   if (slave.guard_time != can::Duration{} && slave.consumer_heartbeat_time != can::Duration{}) {
     table.error("guard_time", "a slave is watched by heartbeat or by guarding, not both");
@@ -173,10 +175,42 @@ void read_master(text::TableReader& table, NetworkFile& network) {
               [&](text::TableReader& flying) { network.flying = read_flying(flying, network.node); });
 }
 
+/// Slaves of the project, behind those of the file; these get their DCF and name from it where they have none.
+void add_project(NetworkReading& reading, text::Place place, bool names_master) {
+  NetworkFile& network = reading.network;
+  const std::filesystem::path folder = std::filesystem::path(network.path).parent_path();
+  const auto read = [&](const std::string& path) { return text::read_file((folder / path).string()); };
+  const project::ProjectMembers project =
+      project::read_members(network.project, network.project_network - 1, read);
+  for (const std::string& error : project.errors) reading.errors.push_back({place, error});
+  for (const project::ProjectMember& member : project.members) {
+    if (member.is_manager && !names_master) network.node = member.node_id;
+  }
+  for (const project::ProjectMember& member : project.members) {
+    const auto own = std::ranges::find(network.slaves, member.node_id, &NetworkSlave::node);
+    if (own != network.slaves.end()) {
+      if (own->eds.empty()) own->eds = member.path;
+      if (own->name.empty()) own->name = member.name;
+      continue;
+    }
+    if (member.node_id == network.node) continue;
+    network.slaves.push_back({.place = place,
+                              .eds_place = place,
+                              .node = member.node_id,
+                              .name = member.name,
+                              .eds = member.path});
+  }
+}
+
 void check(NetworkReading& reading) {
   const auto& slaves = reading.network.slaves;
   if (slaves.empty() && reading.errors.empty()) {
-    reading.errors.push_back({{1, 1}, "there is no slave; expected at least one [[slave]]"});
+    reading.errors.push_back({{1, 1}, "there is no slave; expected at least one [[slave]], or a project"});
+  }
+  for (const NetworkSlave& slave : slaves) {
+    if (slave.objects.empty() || !slave.eds.empty()) continue;
+    reading.errors.push_back(
+        {slave.objects_place, "objects = a table: needs the device's eds, which says the objects' types"});
   }
   for (std::size_t i = 0; i < slaves.size(); ++i) {
     const auto refuse = [&](std::string_view who) {
@@ -210,7 +244,23 @@ NetworkReading read_network(std::string_view text, std::string path) {
               [&](text::TableReader& master) { read_master(master, network); });
   table.tables("slave", "slave",
                [&](text::TableReader& inner) { network.slaves.push_back(read_slave(inner)); });
+  const text::Place project_place = table.place("project");
+  network.project = table.text("project").value_or("");
+  network.project_network = static_cast<std::size_t>(
+      table.integer("project_network", 1, 1000, "networks of a project are counted from 1").value_or(1));
   table.finish();
+  const auto* master = root["master"].as_table();
+  if (!network.project.empty())
+    add_project(reading, project_place, master != nullptr && master->contains("node"));
+  check(reading);
+  return reading;
+}
+
+NetworkReading read_project(std::string path) {
+  NetworkReading reading;
+  reading.network.project = std::filesystem::path(path).filename().string();
+  reading.network.path = std::move(path);
+  add_project(reading, {}, false);
   check(reading);
   return reading;
 }

@@ -1,6 +1,6 @@
 #pragma once
 // The network file of `canopus master`: which slaves a network has, and how its NMT master treats them, in
-// TOML. Reading it finds every mistake at once, each with line and column; it opens no device file.
+// TOML. Reading it finds every mistake at once, each with line and column; it opens no file but those of a project.
 // docs/commands.md is the reference for people.
 
 #include <cstdint>
@@ -20,6 +20,7 @@ namespace canopus::network {
 struct NetworkSlave {
   text::Place place{};
   text::Place eds_place{};
+  text::Place objects_place{};
   std::uint8_t node = 0;  ///< 1..127
   std::string name{};
   bool mandatory = true;
@@ -51,6 +52,8 @@ enum class ErrorReaction : std::uint8_t {
 struct NetworkFile {
   std::string path{};
   std::string name{};
+  std::string project{};  ///< path of a CiA 306 nodelist.cpj, relative to the network file; empty: none
+  std::size_t project_network = 1;           ///< which of its networks
   std::uint8_t node = 127;                   ///< of the master
   can::Duration heartbeat{};                 ///< the master's own, 1017H; 0 = none
   std::optional<can::Duration> boot_time{};  ///< 1F89H: mandatory slaves must have booted by then
@@ -68,5 +71,8 @@ struct NetworkReading {
   std::vector<text::FileError> errors{};
 };
 [[nodiscard]] NetworkReading read_network(std::string_view text, std::string path);
+/// The network of a CiA 306 project: a mandatory slave for each node that is present, watched by nothing. The manager of the
+/// project, if it has one, is the master.
+[[nodiscard]] NetworkReading read_project(std::string path);
 
 }  // namespace canopus::network

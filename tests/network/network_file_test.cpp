@@ -2,7 +2,11 @@
 
 #include <array>
 #include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -155,7 +159,7 @@ TEST_P(WrongNetworkFile, IsRefusedWithItsPlace) {
 INSTANTIATE_TEST_SUITE_P(
     Keys, WrongNetworkFile,
     testing::Values(
-        Wrong{"", "n.toml:1:1: there is no slave; expected at least one [[slave]]"},
+        Wrong{"", "n.toml:1:1: there is no slave; expected at least one [[slave]], or a project"},
         Wrong{"[[slave]]\nnode = 128\n", "n.toml:2:8: node = 128: a node-ID is 1 to 127"},
         Wrong{"[[slave]]\nnode = 127\n", "n.toml:1:1: node 127 is the master's own ([master] node)"},
         Wrong{"[[slave]]\nnode = 5\n[[slave]]\nnode = 5\n", "n.toml:3:1: node 5 is the slave of line 1, too"},
@@ -189,6 +193,63 @@ TEST(NetworkFileText, UnknownKey_IsToldWithTheKnownOnes) {
 
 TEST(NetworkFileText, SeveralMistakes_AreAllTold) {
   EXPECT_EQ(errors_of("[master]\nnode = 0\n[[slave]]\nnode = 0\nmandatory = 1\n").size(), 3U);
+}
+
+// --- networks of CiA 306 projects
+
+class NetworkOfAProject : public testing::Test {
+ protected:
+  NetworkOfAProject() {
+    std::string name = (std::filesystem::temp_directory_path() / "canopus-network-XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+    write("p.cpj",
+          "[Topology]\nNodes=4\nNode1Present=1\nNode1Name=Master\nNode1DCFName=master.dcf\n"
+          "Node2Present=1\nNode2Name=Encoder\nNode2DCFName=encoder.dcf\n"
+          "Node5Present=1\nNode5Name=Drive\nNode5DCFName=drive.dcf\nNode9Present=0\nNode9DCFName=gone.dcf\n");
+    write("master.dcf", "[DeviceComissioning]\nCANopenManager=1\n");
+    write("encoder.dcf", "[DeviceComissioning]\n");
+    write("drive.dcf", "[DeviceComissioning]\n");
+  }
+  ~NetworkOfAProject() override { std::filesystem::remove_all(folder_); }
+  void write(const std::string& name, std::string_view text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+  }
+  /// "master 127: 2 Encoder encoder.dcf, ..."
+  static std::string shown(const NetworkReading& reading) {
+    std::string text = fmt::format("master {}", reading.network.node);
+    for (const NetworkSlave& slave : reading.network.slaves) {
+      text +=
+          fmt::format(", {} {} {}{}", slave.node, slave.name, slave.eds, slave.mandatory ? "" : " optional");
+    }
+    for (const text::FileError& error : reading.errors) text += "\n" + describe(error, "n.toml");
+    return text;
+  }
+  [[nodiscard]] std::string read(std::string_view text) const {
+    return shown(read_network(text, (folder_ / "n.toml").string()));
+  }
+  std::filesystem::path folder_;
+};
+
+TEST_F(NetworkOfAProject, NodesThatArePresent_AreSlaves_AndTheManagerIsTheMaster) {
+  EXPECT_EQ(shown(read_project((folder_ / "p.cpj").string())),
+            "master 1, 2 Encoder encoder.dcf, 5 Drive drive.dcf");
+  EXPECT_EQ(read("project = \"p.cpj\"\n"), "master 1, 2 Encoder encoder.dcf, 5 Drive drive.dcf");
+}
+
+TEST_F(NetworkOfAProject, SlavesOfTheFile_GetTheirDcf_AndHaveWhatTheyHave) {
+  EXPECT_EQ(read("project = \"p.cpj\"\n[master]\nnode = 100\n[[slave]]\nnode = 5\nmandatory = false\nobjects "
+                 "= { \"1017\" = 5 }\n"
+                 "[[slave]]\nnode = 7\n"),
+            "master 100, 5 Drive drive.dcf optional, 7  , 1 Master master.dcf, 2 Encoder encoder.dcf");
+}
+
+TEST_F(NetworkOfAProject, WhatIsWrong_IsSaid) {
+  EXPECT_THAT(read("project = \"none.cpj\"\n"), testing::HasSubstr("n.toml:1:11: cannot read "));
+  write("empty.cpj", "[Topology]\nNodes=0\n");
+  EXPECT_EQ(read("project = \"empty.cpj\"\n"),
+            "master 127\nn.toml:1:1: there is no slave; expected at least one [[slave]], or a project");
+  EXPECT_THAT(shown(read_project((folder_ / "none.cpj").string())),
+              testing::HasSubstr("No such file or directory"));
 }
 
 }  // namespace

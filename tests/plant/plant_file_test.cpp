@@ -137,7 +137,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(PlantFile, AMisspeltKeyIsAMistakeWithTheKeysThatExist) {
   const auto errors = errors_of("[[bus]]\nname = \"a\"\nbit_rate = 250000\nbitrate = 1\n");
   EXPECT_THAT(errors, ElementsAre("plant.toml:4:1: bus: unknown key bitrate; expected one of allow, "
-                                  "bit_rate, fault, line, link, name, serve"));
+                                  "bit_rate, fault, line, link, name, project, project_network, serve"));
 }
 
 TEST(PlantFile, AllMistakesAreFoundAtOnceInTheOrderOfTheFile) {

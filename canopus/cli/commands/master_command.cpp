@@ -186,12 +186,17 @@ class Printer final : public network::NetworkObserver {
 };
 
 std::optional<network::NetworkFile> read_network_file(const std::string& path) {
-  const auto text = text::read_file(path);
-  if (!text) {
-    complain(exit_code::usage, text.error());
-    return std::nullopt;
+  network::NetworkReading reading;
+  if (path.ends_with(".cpj") || path.ends_with(".CPJ")) {
+    reading = network::read_project(path);
+  } else {
+    const auto text = text::read_file(path);
+    if (!text) {
+      complain(exit_code::usage, text.error());
+      return std::nullopt;
+    }
+    reading = network::read_network(*text, path);
   }
-  network::NetworkReading reading = network::read_network(*text, path);
   for (const text::FileError& error : reading.errors) print_error("{}", describe(error, path));
   if (!reading.errors.empty()) return std::nullopt;
   return std::move(reading.network);
@@ -248,7 +253,9 @@ int boot(const MasterArguments& arguments) {
 void add_master_command(CLI::App& app, int& exit_code) {
   const auto arguments = std::make_shared<MasterArguments>();
   CLI::App* command = app.add_subcommand("master", "Boot a network as its NMT master, without a PLC");
-  command->add_option("--dcf", arguments->network, "Network file (TOML, see docs/commands.md)")
+  command
+      ->add_option("--dcf", arguments->network,
+                   "Network file (TOML, see docs/commands.md), or a project's nodelist.cpj")
       ->type_name("FILE")
       ->required();
   command->add_flag("--stay", arguments->stay, "Stay the network's master, until Ctrl-C or the end of --for");

@@ -86,6 +86,12 @@ BusSection read_bus(text::TableReader& table) {
   bus.faults = read_good<FaultSection>(table, "fault", "bus.fault", read_fault);
   read_line(table, bus);
   read_link(table, bus);
+  bus.project_place = table.place("project");
+  bus.project = table.text("project").value_or("");
+  constexpr std::size_t most_networks = 1000;
+  bus.project_network = static_cast<std::size_t>(
+      table.integer("project_network", 1, most_networks, "networks of a project are counted from 1")
+          .value_or(1));
   return bus;
 }
 
@@ -108,7 +114,7 @@ DeviceSection read_device(text::TableReader& table) {
       .place = table.place(), .eds_place = table.place("eds"), .store_place = table.place("store")};
   device.bus = table.text("bus").value_or("");
   device.name = table.text("name").value_or("");
-  device.eds = table.text("eds", true).value_or("");
+  device.eds = table.text("eds").value_or("");  // or that of the bus's project
   device.node = read_device_node(table);
   device.lss = table.boolean("lss");
   if (device.node == no_node_id && device.lss == false) {
@@ -318,6 +324,7 @@ PlantReading read_plant(std::string_view text, std::string path) {
   });
   top.tables("plc", "plc", [&](text::TableReader& table) { plant.plcs.push_back(read_plc(table)); });
   top.finish();
+  add_projects(plant, reading.errors);
   check_references(plant, reading.errors);
   std::ranges::stable_sort(reading.errors, {}, &text::FileError::place);
   return reading;

@@ -1,6 +1,7 @@
 #pragma once
 // The plant file: what there is on which bus, in TOML. Reading it finds every mistake at once, each with line
-// and column, what was found and what was expected; it opens no device file and starts nothing.
+// and column, what was found and what was expected; it opens no file but those of projects that buses name, and starts
+// nothing.
 // docs/plant-file.md is the reference for people.
 
 #include <array>
@@ -111,6 +112,9 @@ struct BusSection {
   link::AllowList allowed{};                      ///< who may connect there
   std::vector<FaultSection> faults{};
   std::optional<LineSection> line{};
+  text::Place project_place{};
+  std::string project{};  ///< path of a CiA 306 nodelist.cpj, relative to the plant file; empty: none
+  std::size_t project_network = 1;  ///< which of its networks
   text::Place link_place{};
   std::string link{};  ///< as written: "socketcan:can0", "replay:run.log"; empty or "sim": simulated
   std::optional<link::BusAddress> address{};  ///< of a bus of this machine or of another program

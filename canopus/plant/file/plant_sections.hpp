@@ -53,6 +53,8 @@ void add_lift(PlantFile& plant, LiftSection lift);
 /// `link` of a [[bus]], whose other keys have been read.
 void read_line(text::TableReader& table, BusSection& bus);
 void read_link(text::TableReader& table, BusSection& bus);
+/// Adds the nodes of the projects that buses name, and gives devices of such buses the DCFs of theirs. Opens those files.
+void add_projects(PlantFile& plant, std::vector<text::FileError>& errors);
 /// A [[bridge]].
 [[nodiscard]] BridgeSection read_bridge(text::TableReader& table);
 
