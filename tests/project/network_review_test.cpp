@@ -137,6 +137,16 @@ TEST(NetworkReview, MappingsThatTheDeviceCannot) {
       << text;
 }
 
+TEST(NetworkReview, TwoPdosOfANodeWithOneCanId) {
+  ProjectFolder folder;
+  NetworkProject project = folder.with({{5, "drive"}});
+  ASSERT_TRUE(project.set_value(5, 0x1801, 1, "$NODEID+0x180"));
+  EXPECT_EQ(findings(project),
+            "drive.dcf: error: node 5 (drive): TPDO1 and TPDO2 have 185H both: receivers cannot distinguish "
+            "them; give one "
+            "another CAN-ID\n");
+}
+
 TEST(NetworkReview, HeartbeatAndGuarding) {
   ProjectFolder folder;
   NetworkProject project = folder.with({{5, "drive"}});

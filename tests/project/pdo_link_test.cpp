@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "canopus/project/network/network_review.hpp"
 
 #include "project/project_folder.hpp"
 
@@ -192,6 +195,49 @@ TEST(PdoLink, ANodeThatIsNotPresent_HasNoLinks) {
   node.present = false;
   ASSERT_TRUE(project.change_node(2, node));
   EXPECT_EQ(links(project), "");
+}
+
+/// Mappable sub-indexes of a node.
+std::vector<SignalEnd> signals_of(const NetworkProject& project, std::uint8_t node, bool transmit) {
+  std::vector<SignalEnd> signals;
+  const auto& dictionary = *project.find(node)->device->dictionary;
+  for (const auto& object : dictionary.objects()) {
+    for (unsigned sub = 0; sub <= object.highest_sub; ++sub) {
+      const auto entry = dictionary.find(object, static_cast<std::uint8_t>(sub));
+      if (!entry || !(transmit ? entry.description->tpdo_mappable : entry.description->rpdo_mappable))
+        continue;
+      signals.push_back({node, object.index, static_cast<std::uint8_t>(sub)});
+    }
+  }
+  return signals;
+}
+
+RC_GTEST_PROP(PdoLinkProperty, LinksThatAreMade_Stay_AndNothingElseBreaks, ()) {
+  ProjectFolder folder;
+  NetworkProject project = folder.with({{2, "encoder"}, {5, "drive"}, {9, "drive"}, {20, "io-block"}});
+  const std::vector<std::uint8_t> nodes = {2, 5, 9, 20};
+  for (const std::uint8_t node : *rc::gen::container<std::vector<std::uint8_t>>(rc::gen::elementOf(nodes)))
+    switch_off(project, node);
+  std::vector<std::pair<SignalEnd, SignalEnd>> made;
+  const auto steps = *rc::gen::inRange(1, 10);
+  for (int step = 0; step < steps; ++step) {
+    const auto senders = signals_of(project, *rc::gen::elementOf(nodes), true);
+    const auto takers = signals_of(project, *rc::gen::elementOf(std::vector<std::uint8_t>{5, 9, 20}), false);
+    const SignalEnd from = *rc::gen::elementOf(senders);
+    const SignalEnd to = *rc::gen::elementOf(takers);
+    if (link_signals(project, from, to)) made.emplace_back(from, to);
+    const auto found = find_links(project);
+    for (const auto& [sent, taken] : made) {
+      RC_ASSERT(std::ranges::any_of(
+          found, [&](const project::SignalLink& one) { return one.from == sent && one.to == taken; }));
+    }
+    for (const project::Finding& finding : review(project)) {
+      RC_ASSERT(finding.severity != eds::Problem::Severity::error);
+    }
+  }
+  // What was written is read again.
+  folder.take(project);
+  RC_ASSERT(links(folder.open()) == links(project));
 }
 
 TEST(SetPdo, RefusesWhatTheDeviceCannot) {

@@ -41,16 +41,21 @@ std::vector<project::Finding> review_network(const project::NetworkProject& proj
     if (node.device != nullptr && node.listed.present) bus.nodes.push_back(reviewed(node));
   }
   bus.may_have_others = !has_manager(project);
+  // One CAN-ID of two senders cannot work; the rest of what plants are told may be meant so.
+  plant::Warnings conflicts;
+  plant::find_two_senders(bus, conflicts);
   plant::Warnings warnings;
   plant::review(bus, warnings);
   for (text::FileWarning& warning : warnings) {
+    const bool is_conflict = std::ranges::find(conflicts, warning) != conflicts.end();
     const auto node = std::ranges::find_if(
         project.nodes(), [&](const ProjectNode& one) { return one.listed.line == warning.place.line; });
-    findings.push_back({.severity = eds::Problem::Severity::warning,
-                        .node_id = node == project.nodes().end() ? std::uint8_t{0} : node->id(),
-                        .path = project.list_path(),
-                        .line = warning.place.line,
-                        .message = std::move(warning.message)});
+    findings.push_back(
+        {.severity = is_conflict ? eds::Problem::Severity::error : eds::Problem::Severity::warning,
+         .node_id = node == project.nodes().end() ? std::uint8_t{0} : node->id(),
+         .path = project.list_path(),
+         .line = warning.place.line,
+         .message = std::move(warning.message)});
   }
   std::ranges::stable_sort(findings, [](const project::Finding& a, const project::Finding& b) {
     return std::pair(a.severity, a.node_id) < std::pair(b.severity, b.node_id);

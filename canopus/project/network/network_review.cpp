@@ -109,7 +109,18 @@ class Review {
   /// Each RPDO and who sends its frame.
   void process_data() {
     std::multimap<std::uint32_t, Seat> senders;
-    for_each_active(true, [&](Seat seat) { senders.emplace(seat.pdo->cob_id.key(), seat); });
+    for_each_active(true, [&](Seat seat) {
+      const auto [begin, end] = senders.equal_range(seat.pdo->cob_id.key());
+      for (auto other = begin; other != end; ++other) {
+        // Of two nodes, plants are told, too.
+        if (other->second.node != seat.node) continue;
+        report(
+            Severity::error, *seat.node, seat.pdo->communication_index(),
+            fmt::format("{} and {} have {} both: receivers cannot distinguish them; give one another CAN-ID",
+                        other->second.pdo->name(), seat.pdo->name(), describe_can_id(seat.pdo->cob_id)));
+      }
+      senders.emplace(seat.pdo->cob_id.key(), seat);
+    });
     std::map<std::uint32_t, unsigned> taken;
     for_each_active(false, [&](Seat seat) {
       ++taken[seat.pdo->cob_id.key()];
