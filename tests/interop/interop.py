@@ -36,6 +36,7 @@ import output_checks  # noqa: F401
 import output_end_checks  # noqa: F401
 import plc_checks  # noqa: F401
 import port_checks  # noqa: F401
+import project_checks  # noqa: F401
 import real_time_checks  # noqa: F401
 import reference_checks  # noqa: F401
 import screen_checks  # noqa: F401

@@ -168,6 +168,14 @@ void add_online(const Adder& adder) {
                       "read who the devices are, but not what they have configured");
     add_bus(*command, *arguments);
   }
+  {
+    auto [command, arguments] = adder.add(
+        "report", "Write an HTML page: nodes, process data, load, findings, and what devices have otherwise",
+        report_network);
+    command->add_option("FILE", arguments->file, "the page to be written, *.html")->required();
+    command->add_flag("--devices", arguments->with_devices, "ask the devices, too");
+    add_bus(*command, *arguments);
+  }
 }
 
 void add_pdos(const Adder& adder) {

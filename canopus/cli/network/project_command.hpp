@@ -55,6 +55,7 @@ struct ProjectArguments {
   bool all_values = false;
   bool save = false;
   bool no_values = false;
+  bool with_devices = false;
   std::string nodes = "1-127";
 };
 
@@ -77,7 +78,7 @@ int compare_network(const ProjectArguments& arguments);
 int write_network(const ProjectArguments& arguments);
 int read_network(const ProjectArguments& arguments);
 int adopt_network(const ProjectArguments& arguments);
-
+int report_network(const ProjectArguments& arguments);
 
 /// "canopus project: ..." on stderr; returns `code`.
 int project_failed(int code, const std::string& message);
