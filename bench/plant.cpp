@@ -4,15 +4,19 @@
 #include "canopus/plant/plant.hpp"
 
 #include <cstdint>
+#include <cstdio>
 #include <fstream>
+#include <memory>
 #include <optional>
 #include <sstream>
+#include <string_view>
 
 #include <benchmark/benchmark.h>
 #include <malloc.h>
 
 #include "canopus/eds/device_file.hpp"
 #include "canopus/serve/slices/plant_slices.hpp"
+#include "canopus/sim/bus/waveform.hpp"
 #include "canopus/sim/device/device.hpp"
 
 #include "measure.hpp"
@@ -52,8 +56,11 @@ std::string plant_text(unsigned devices = 20, unsigned buses = 1, const std::str
 
 struct Nobody final : plant::PlantObserver {};
 
+enum class Records : std::uint8_t { nothing, waveform };
+
 /// A second of plant time; per item: a frame on a bus.
-void simulated_seconds(benchmark::State& state, const std::string& text, unsigned buses) {
+void simulated_seconds(benchmark::State& state, const std::string& text, unsigned buses,
+                       Records records = Records::nothing) {
   const plant::PlantReading reading = plant::read_plant(text, "bench.toml");
   Nobody nobody;
   auto plant = plant::Plant::build(reading.plant, nobody);
@@ -69,12 +76,27 @@ void simulated_seconds(benchmark::State& state, const std::string& text, unsigne
     for (unsigned bus = 0; bus < buses; ++bus) sum += (*plant)->bus(bus).load(timeline.now()).frames;
     return sum;
   };
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::tmpfile(), std::fclose);
+  if (!file) return state.SkipWithError("no file for the waveform");
+  std::uint64_t bytes = 0;
+  std::optional<sim::Waveform> waveform;
+  if (records == Records::waveform) {
+    waveform.emplace(*(*plant)->simulated_bus(0), timeline.now(), [&](std::string_view part) {
+      bytes += std::fwrite(part.data(), 1, part.size(), file.get());
+    });
+  }
   const std::uint64_t frames_before = all_frames();
-  for (auto _ : state) timeline.run_until(timeline.now() + std::chrono::seconds(1));
+  for (auto _ : state) {
+    timeline.run_until(timeline.now() + std::chrono::seconds(1));
+    std::rewind(file.get());
+  }
   const std::uint64_t frames = all_frames() - frames_before;
   bench::report(state, frames);
-  state.counters["frames_per_simulated_second"] =
-      static_cast<double>(frames) / static_cast<double>(state.iterations());
+  const auto seconds = static_cast<double>(state.iterations());
+  state.counters["frames_per_simulated_second"] = static_cast<double>(frames) / seconds;
+  state.counters["simulated_seconds_per_second"] = benchmark::Counter(seconds, benchmark::Counter::kIsRate);
+  if (!waveform) return;
+  state.counters["waveform_bytes_per_simulated_second"] = static_cast<double>(bytes) / seconds;
 }
 void twenty_devices_simulated_seconds(benchmark::State& state) { simulated_seconds(state, plant_text(), 1); }
 BENCHMARK(twenty_devices_simulated_seconds)->Apply(bench::standard)->Unit(benchmark::kMillisecond);
@@ -84,6 +106,12 @@ void simulated_seconds_by_nodes(benchmark::State& state) {
   simulated_seconds(state, plant_text(static_cast<unsigned>(state.range(0)), buses, "50ms"), buses);
 }
 BENCHMARK(simulated_seconds_by_nodes)->Apply(bench::nodes_and_buses)->Unit(benchmark::kMillisecond);
+
+/// At 93 % load.
+void simulated_seconds_with_a_waveform(benchmark::State& state) {
+  simulated_seconds(state, plant_text(126, 1, "13ms"), 1, Records::waveform);
+}
+BENCHMARK(simulated_seconds_with_a_waveform)->Apply(bench::standard)->Unit(benchmark::kMillisecond);
 
 /// 16 buses that share nothing, 126 devices each: together (0 threads), or apart in slices on so many threads.
 void sixteen_buses_apart(benchmark::State& state) {

@@ -1,5 +1,6 @@
 """Errors of a simulated bus as SocketCAN error frames, judged by tshark, can-utils and python-can; its waveform by sigrok-cli."""
 import json
+import re
 import shutil
 import subprocess
 
@@ -116,3 +117,7 @@ def sigrok_reads_the_waveform_beside_counters_and_fields():
     require(any("CRC delimiter must be a recessive bit" in line for line in lines), "the error is not seen")
     text = wave.read_text()
     require("$var real 64" in text and "n3_tec" in text and "\nr8 " in text, "no counters in the waveform")
+    codes = {words[4]: words[3] for words in map(str.split, text.splitlines()) if words[:2] == ["$var", "real"]}
+    changes = {name: re.findall(rf"^r(-?\d+) {re.escape(code)}$", text, re.MULTILINE) for name, code in codes.items()}
+    require(len(changes["field"]) > 1000 and "-1" not in changes["field"], "the bus has no field")
+    require(changes["n3_field"][0] == "-1" and len(changes["n3_field"]) < 100, f"{changes['n3_field'][:20]}")

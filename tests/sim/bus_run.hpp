@@ -202,6 +202,8 @@ class Run {
     judge_.check(bus_.load(timeline_.now()).frames == judge_.frames, "frames that were not reported");
     return std::move(outcome_);
   }
+  [[nodiscard]] Bus& bus() { return bus_; }
+  [[nodiscard]] Time now() const { return timeline_.now(); }
 
  private:
   struct Account {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -270,13 +271,51 @@ TEST(Waveform, CountersAndFields_AreNumbers) {
   EXPECT_EQ(changes_of(text, "a_tec"), (std::vector<std::string>{"0=0", "1218=8", "1978=7"}));
   EXPECT_EQ(changes_of(text, "b_rec"), (std::vector<std::string>{"0=0", "1278=1", "1898=0"}));
   // SOF, ID.28-21, ID.20-18, RTR, IDE, r0, DLC, data, active error flag, superposition, delimiter, intermission.
-  const auto fields = changes_of(text, "a_field");
+  const auto fields = changes_of(text, "field");
   ASSERT_GE(fields.size(), 14U);
   EXPECT_EQ(
       std::vector<std::string>(fields.begin(), fields.begin() + 14),
       (std::vector<std::string>{"0=0", "1000=1", "1010=2", "1090=3", "1120=4", "1130=5", "1140=11", "1150=12",
                                 "1200=13", "1220=21", "1280=24", "1350=25", "1420=19", "1450=1"}));
+  EXPECT_NE(text.find("-1 as field, 0 idle, 1 SOF,"), std::string::npos);
   EXPECT_NE(text.find("12 DLC, 13 data, 14 CRC,"), std::string::npos);
+  // The other one is on its own where it does not know of the error yet, and where it still sends its flag.
+  EXPECT_EQ(changes_of(text, "a_field"), (std::vector<std::string>{"0=-1"}));
+  EXPECT_EQ(changes_of(text, "b_field"), (std::vector<std::string>{"0=-1", "1220=13", "1280=21", "1340=-1"}));
+}
+
+TEST(Waveform, APortThatIsSwitchedOff_IsIdleFromTheFirstFrameOn_AndAsTheBusAgainWithTheFirstItHears) {
+  Scene scene(1'000'000);
+  Station c(scene.bus, scene.timeline, "c");
+  c.port.set_power(false);
+  for (const auto moment : {100us, 300us, 600us}) scene.a.send_at(Time(moment), data_frame(0x123, {0x55}));
+  c.on_change = [](Time) {};
+  scene.b.on_receive = [&](const Frame&, Time now) {
+    if (now > Time(300us)) c.port.set_power(true);
+  };
+  const std::string text = scene.record(Time(1ms));
+  EXPECT_EQ(changes_of(text, "c_field"), (std::vector<std::string>{"0=-1", "1010=0", "6010=-1"}));
+  EXPECT_EQ(changes_of(text, "b_field"), (std::vector<std::string>{"0=-1"}));
+}
+
+TEST(Waveform, TheSuspensionOfAPassiveTransmitter_IsItsOwnField) {
+  Scene scene(1'000'000);
+  EXPECT_TRUE(scene.bus.set_faults({{.kind = FaultKind::corrupt, .count = 16, .receiver = "a", .bit = 21}}, 1)
+                  .has_value());
+  scene.a.send_at(Time(100us), data_frame(0x123, {0x55}));
+  const std::string text = scene.record(Time(3ms));
+  EXPECT_EQ(scene.a.port.error_state(), can::ErrorState::error_active);
+  const auto fields = changes_of(text, "a_field");
+  EXPECT_NE(std::find_if(fields.begin(), fields.end(), [](const auto& one) { return one.ends_with("=20"); }),
+            fields.end());
+  for (const std::string& one : changes_of(text, "field")) EXPECT_FALSE(one.ends_with("=20")) << one;
+}
+
+TEST(Waveform, InTheMiddleOfAFrame_FlushHandsOverWhatThereIsOfIt) {
+  Scene scene(1'000'000);
+  scene.a.send_at(Time(100us), data_frame(0x123, {0x55}));
+  const std::string text = scene.record(Time(110us));
+  EXPECT_EQ(changes_of(text, "field"), (std::vector<std::string>{"0=0", "1000=1", "1010=2", "1090=3"}));
 }
 
 TEST(Waveform, Resolution_DividesTheBitsOfAllPorts) {
@@ -315,8 +354,8 @@ TEST(Waveform, FarSideOfACut_HasALineOfItsOwn) {
                   .has_value());
   c.send_at(Time(100us), data_frame(0x123, {0x55}));
   const std::string text = scene.record(Time(1ms));
-  EXPECT_NE(text.find("$var wire 1 : can_far $end\n"), std::string::npos) << text;
-  EXPECT_NE(text.find("#1000\n0(\n1*\nr1 6\n0:\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("$var wire 1 ; can_far $end\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("#1000\n0(\n1*\n0;\n"), std::string::npos) << text;
   EXPECT_EQ(text.find("\n0!\n"), std::string::npos);  // nothing on the near side
   EXPECT_EQ(d.heard.size(), 1U);
 }

@@ -25,6 +25,9 @@ namespace canopus::sim {
 /// An error passive transmitter waits as long before its next frame [ISO 11898-1 10.9.6].
 inline constexpr unsigned suspend_bits = 8;
 
+/// The field of a bit before the CRC, by its number from SOF = 0 without stuff bits.
+[[nodiscard]] can::FrameField field_of_bit(unsigned bit, bool extended) noexcept;
+
 class BitController {
  public:
   enum class State : std::uint8_t {

@@ -3,11 +3,9 @@
 #include "canopus/sim/bus/bit_controller.hpp"
 
 namespace canopus::sim {
-namespace {
 
 using can::FrameField;
 
-/// The field of a bit before the CRC, by its number without stuff bits.
 FrameField field_of_bit(unsigned bit, bool extended) noexcept {
   if (bit == 0) return FrameField::start_of_frame;
   if (bit <= 8) return FrameField::identifier_28_21;
@@ -26,8 +24,6 @@ FrameField field_of_bit(unsigned bit, bool extended) noexcept {
   if (bit == 34) return FrameField::r0;
   return bit <= 38 ? FrameField::dlc : FrameField::data;
 }
-
-}  // namespace
 
 FrameField BitController::Place::field() const noexcept {
   switch (state) {

@@ -87,6 +87,8 @@ void Bus::add_observer(WireObserver& observer) {
 }
 void Bus::remove_observer(WireObserver& observer) { std::erase(impl_->core.wire_observers, &observer); }
 
+void Bus::report_wire() { impl_->near.report_wire(); }  // while the far side has anybody, all goes bit by bit
+
 bool Bus::can_be_cut() const noexcept {
   const auto& faults = impl_->core.plan.timed_faults();
   return std::any_of(faults.begin(), faults.end(),

@@ -22,6 +22,7 @@
 namespace canopus::sim {
 
 struct BusCore;
+struct WireFrame;
 
 // The simulated bus is one of several kinds; what all of them have is named here, too, for whoever works with this one.
 using can::Acceptance;
@@ -32,9 +33,14 @@ using can::Port;
 using can::PortCounters;
 using can::TransmitOrder;
 
-/// Looks at the wire itself. While there is one, the bus works bit by bit.
+/// Looks at the wire itself. While there is one that needs_bits(), the bus works bit by bit.
 class WireObserver {
  public:
+  /// Has to hear of everything at its time. If none has, a frame on a healthy wire is told as a whole, by frame_passed(),
+  /// when it is complete: of its bits and of the intermission behind it nothing else is told, and nothing before them is
+  /// told later.
+  [[nodiscard]] virtual bool needs_bits() const noexcept { return true; }
+  virtual void frame_passed(const WireFrame& /*frame*/) {}
   /// The level of the wire; under a cut that of its near side.
   virtual void level_changed(bool dominant, can::Time now) = 0;
   /// The level of the far side of a cut; recessive while there is none.
@@ -68,9 +74,11 @@ class Bus final : public can::Bus, public can::Ticker {
   void set_observer(BusObserver* observer);
   void add_observer(BusObserver& observer) override;
   void remove_observer(BusObserver& observer) override;
-  /// While there is a wire observer the bus works bit by bit: slower, with the same result.
+  /// While there is a wire observer that needs bits the bus works bit by bit: slower, with the same result.
   void add_observer(WireObserver& observer);
   void remove_observer(WireObserver& observer);
+  /// Wire observers hear at once of all that has been on the wire: of the frame that is on it now bit by bit.
+  void report_wire();
   /// Replaces all faults by these, numbered in error messages from 1; what the old ones did ends now. Ports
   /// are named as in add_port() and have to exist; the first of a name counts. On error nothing changes.
   std::expected<void, std::string> set_faults(const std::vector<Fault>& faults, std::uint64_t seed);

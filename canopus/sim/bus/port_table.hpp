@@ -115,6 +115,7 @@ class Arbiter {
       tree_[node] = lower;
     }
   }
+  [[nodiscard]] std::uint64_t of(std::size_t port) const noexcept { return tree_[leaves_ + port]; }
   [[nodiscard]] std::uint64_t lowest() const noexcept { return tree_[1]; }
   /// The lowest of all others.
   [[nodiscard]] std::uint64_t lowest_but(std::size_t port) const noexcept {

@@ -22,6 +22,7 @@ void Segment::resize() {
 
 void Segment::reconsider() {
   part();
+  ++membership_;
   members_.clear();
   forced_ = some_late_ = false;
   bool has_bit_faults = false;
@@ -44,8 +45,8 @@ void Segment::reconsider() {
   // it samples, counts and disturbs as it does on a real one.
   const std::uint32_t rate = members_.empty() ? 0 : members_.front()->rate;
 
-  const bool computable = core_.wire_observers.empty() && !forced_ && !driven_.is_busy && !inverted_ &&
-                          !has_bit_faults && termination_ == Termination{};
+  const bool computable = !shows_bits() && !forced_ && !driven_.is_busy && !inverted_ && !has_bit_faults &&
+                          termination_ == Termination{};
   healthy_ = computable;
   std::size_t acknowledging = 0;
   std::fill(hearing_.begin(), hearing_.end(), 0);
@@ -54,7 +55,8 @@ void Segment::reconsider() {
     if (!port->listen_only) ++acknowledging;
     if (port->rate != rate || !port->bits.idle()) healthy_ = false;
   }
-  lone_ = members_.size() == 1 && acknowledging == 1 && members_[0]->bits.idle() && computable;
+  lone_ = members_.size() == 1 && acknowledging == 1 && members_[0]->bits.idle() && computable &&
+          core_.wire_observers.empty();
   healthy_ = healthy_ && acknowledging >= 2;
 }
 
@@ -148,7 +150,10 @@ void Segment::start(can::Time now) {
     faults_ = core_.plan.on_frame(port, port.current, now);
     faults_ready_ = true;
   }
-  if (faults_.corruptions > 0 || another_offers(winner)) {
+  // A waveform shows a suspension, which is not told as a whole.
+  const bool shows_suspension =
+      !core_.wire_observers.empty() && port.faults.state() == can::ErrorState::error_passive;
+  if (faults_.corruptions > 0 || another_offers(winner) || shows_suspension) {
     port.give_back();
     arbiter_.set(port.index, port.offer());
     return begin_bits(now);
@@ -193,6 +198,7 @@ void Segment::end_suspension() {
 
 void Segment::finish(can::Time now) {
   BusPort& port = *transmitter_;
+  if (!core_.wire_observers.empty()) tell_frame();
   const can::Frame frame = port.current;
   const bool own = port.complete();
   const can::Time next = now + can::bit_time(can::intermission_bits, port.rate);

@@ -16,6 +16,7 @@
 
 #include "canopus/sim/bus/bus_core.hpp"
 #include "canopus/sim/bus/termination.hpp"
+#include "canopus/sim/bus/wire_frame.hpp"
 
 namespace canopus::sim {
 
@@ -53,6 +54,11 @@ class Segment {
   void take_off(BusPort& port);
   void tick(can::Time now) {
     if (now >= deadline_) act(now);
+  }
+  void report_wire() {
+    if (state_ != State::frame || core_.wire_observers.empty()) return;
+    before_change();
+    after_change();
   }
   /// Forgets what is to happen to the frame on the wire.
   void clear_faults() noexcept {
@@ -101,6 +107,9 @@ class Segment {
     const std::uint64_t next = arbiter_.lowest_but(Arbiter::port_of(winner));
     return next != Arbiter::none && Arbiter::value_of(next) == Arbiter::value_of(winner);
   }
+  [[nodiscard]] bool shows_bits() const noexcept;
+  [[nodiscard]] std::uint64_t offer_at_start(const BusPort& port) const noexcept;
+  void tell_frame();
   // segment_bits.cpp: bit by bit
   void enter_bits();
   void replay(can::Time until);
@@ -159,12 +168,14 @@ class Segment {
   const bool is_near_;
   State state_ = State::idle;
   can::Time deadline_ = can::never;
-  can::Time free_from_{};           // frame by frame: end of the last intermission
-  can::Time start_{};               // of the frame on the wire
-  unsigned bits_ = 0;               // of the frame on the wire
-  std::uint64_t frame_number_ = 0;  // of the frame on the wire
+  can::Time free_from_{};                   // frame by frame: end of the last intermission
+  can::Time start_{};                       // of the frame on the wire
+  unsigned bits_ = 0;                       // of the frame on the wire
+  std::uint64_t frame_number_ = 0;          // of the frame on the wire
+  std::vector<WireFrame::Sender> senders_;  // of the frame that was told last
   BusPort* transmitter_ = nullptr;
   Arbiter arbiter_;                     // while a frame is on the wire, its port may still be there with it
+  std::uint64_t membership_ = 0;        // how often they were looked for
   std::vector<BusPort*> members_;       // whoever can do anything to the wire or hear it
   std::vector<BusPort*> working_;       // of them, bit by bit: those that have no spokesman
   BusPort* spokesman_ = nullptr;        // of the others

@@ -111,6 +111,7 @@ bool Segment::leave_bits_if_healthy(can::Time now) {
   reconsider();
   if (!healthy_ && !lone_) return false;
   for (BusPort* port : members_) {
+    tell_place(*port, now);
     port->tap = {};
     counting_ = counting_ || !port->faults.clean();
   }
@@ -352,26 +353,6 @@ void Segment::tell_changes(can::Time now) {
     if (port->segment != this || !port->tap.changed) continue;
     port->tap.changed = false;
     port->notify([now](can::Listener& participant) { participant.controller_changed(now); });
-  }
-}
-
-/// What the port drives: a stuck one is dominant even when its controller is bus-off.
-void Segment::tell_driven(BusPort& port, can::Time now) {
-  if (port.segment != this) return;
-  const bool shown = port.on_wire && (port.stuck || port.tap.reaching);
-  if (shown == port.shown_dominant) return;
-  port.shown_dominant = shown;
-  for (WireObserver* observer : core_.wire_observers) observer->transmit_changed(port, shown, now);
-}
-
-void Segment::tell_activity(BusPort& port, can::Time now) {
-  const bool flagging = port.bits.flagging();
-  const bool arbitrating = port.bits.arbitrating();
-  if (flagging == port.tap.flagging && arbitrating == port.tap.arbitrating) return;
-  port.tap.flagging = flagging;
-  port.tap.arbitrating = arbitrating;
-  for (WireObserver* observer : core_.wire_observers) {
-    observer->activity_changed(port, flagging, arbitrating, now);
   }
 }
 

@@ -1,5 +1,8 @@
 // What a segment tells those who watch it.
 
+#include <algorithm>
+#include <bit>
+
 #include "canopus/sim/bus/segment.hpp"
 
 namespace canopus::sim {
@@ -27,12 +30,71 @@ void Segment::fall_silent(BusPort& port) {
   port.tap.driving = port.tap.flagging = port.tap.arbitrating = false;
 }
 
+/// What the port drives: a stuck one is dominant even when its controller is bus-off.
+void Segment::tell_driven(BusPort& port, can::Time now) {
+  if (port.segment != this) return;
+  const bool shown = port.on_wire && (port.stuck || port.tap.reaching);
+  if (shown == port.shown_dominant) return;
+  port.shown_dominant = shown;
+  for (WireObserver* observer : core_.wire_observers) observer->transmit_changed(port, shown, now);
+}
+
+void Segment::tell_activity(BusPort& port, can::Time now) {
+  const bool flagging = port.bits.flagging();
+  const bool arbitrating = port.bits.arbitrating();
+  if (flagging == port.tap.flagging && arbitrating == port.tap.arbitrating) return;
+  port.tap.flagging = flagging;
+  port.tap.arbitrating = arbitrating;
+  for (WireObserver* observer : core_.wire_observers) {
+    observer->activity_changed(port, flagging, arbitrating, now);
+  }
+}
+
 void Segment::tell_place(const BusPort& port, can::Time now) {
   for (WireObserver* observer : core_.wire_observers) observer->field_changed(port, port.bits.field(), now);
 }
 
 void Segment::tell_counters(const BusPort& port, can::Time now) {
   for (WireObserver* observer : core_.wire_observers) observer->bit_sampled(port, now);
+}
+
+/// Somebody has to hear of every bit, or what is told of the two sides of a cut has to come in its order.
+bool Segment::shows_bits() const noexcept {
+  if (core_.wire_observers.empty()) return false;
+  if (!is_near_) return true;
+  return std::ranges::any_of(core_.wire_observers, [](const auto* one) { return one->needs_bits(); }) ||
+         std::ranges::any_of(core_.ports, [this](const auto& port) { return port->segment != this; });
+}
+
+/// What the port offered when the frame began that is on the wire now.
+std::uint64_t Segment::offer_at_start(const BusPort& port) const noexcept {
+  if (port.kept.frame_number != frame_number_) return arbiter_.of(port.index);
+  return port.kept.offered ? Arbiter::key(can::arbitration(port.kept.frame), port.index) : Arbiter::none;
+}
+
+/// The frame ends now, and nothing has come of it yet.
+void Segment::tell_frame() {
+  senders_.clear();
+  const std::uint32_t winner = can::arbitration(transmitter_->current);
+  for (BusPort* port : members_) {
+    if (port == transmitter_) {
+      senders_.push_back({.port = port->index, .lost_at = WireFrame::Sender::won});
+    } else if (const std::uint64_t offer = offer_at_start(*port); offer != Arbiter::none) {
+      const auto lost_at = 1 + static_cast<unsigned>(std::countl_zero(winner ^ Arbiter::value_of(offer)));
+      senders_.push_back({.port = port->index, .lost_at = lost_at});
+    }
+  }
+  const can::Duration bit = transmitter_->bit();
+  const WireFrame frame{.frame = transmitter_->current,
+                        .transmitter = *transmitter_,
+                        .members = members_,
+                        .membership = membership_,
+                        .senders = senders_,
+                        .start = start_,
+                        .bit = bit,
+                        .sample_point = bit - after_sample_point(bit),
+                        .counting = counting_};
+  for (WireObserver* observer : core_.wire_observers) observer->frame_passed(frame);
 }
 
 }  // namespace canopus::sim

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <initializer_list>
+#include <string>
 #include <utility>
 
 #include "canopus/can/frame_bits.hpp"
@@ -11,8 +12,6 @@ namespace canopus::sim {
 namespace {
 
 using namespace std::chrono_literals;
-
-constexpr std::size_t flush_size = 64 * 1024;
 
 /// The longest of 1 ns to 1 us that is at most a tenth of every bit, and of which every bit is a multiple.
 can::Duration resolution_for(const Bus& bus) {
@@ -40,48 +39,65 @@ std::string word(std::string name) {
 
 Waveform::Waveform(Bus& bus, can::Time now, Sink sink)
     : bus_(bus),
-      sink_(std::move(sink)),
       ports_(bus.ports()),
-      far_(bus.can_be_cut() ? 1 + (std::size_t{signals_per_port} + values_per_port) * ports_.size() : 0),
-      values_(1 + (std::size_t{signals_per_port} + values_per_port) * ports_.size() + (far_ > 0 ? 1 : 0)),
-      resolution_(resolution_for(bus)) {
-  write_head();
-  write_time(now);
-  text_ += "$dumpvars\n";
-  for (std::size_t signal = 0; signal < values_.size(); ++signal) {
-    // The wire and what is driven are recessive, nobody sends a flag, all are outside of a frame.
-    if (signal < signals() || signal == far_) {
-      values_[signal] = signal == 0 || signal == far_ || (signal - 1) % signals_per_port == tx ? 1 : 0;
-    } else {
-      const Port& port = *ports_[(signal - signals()) / values_per_port];
-      const std::size_t kind = (signal - signals()) % values_per_port;
-      values_[signal] = kind == tec   ? port.transmit_error_counter()
-                        : kind == rec ? port.receive_error_counter()
-                                      : std::uint16_t{0};
-    }
-    write_value(signal);
+      has_far_side_(bus.can_be_cut()),
+      values_(far_side() + 1),
+      text_(std::move(sink), resolution_for(bus)),
+      fields_(ports_.size()),
+      moment_(now) {
+  for (std::size_t number = 0; number < values_.size(); ++number) {
+    codes_.push_back(WaveformText::code(number));
   }
-  text_ += "$end\n";
+  write_head();
+  text_.time(now);
+  write_first_values();
   bus_.add_observer(*this);
 }
 
 Waveform::~Waveform() {
   bus_.remove_observer(static_cast<WireObserver&>(*this));
-  if (!text_.empty()) sink_(text_);
+  text_.hand_over();
+}
+
+/// The wire and what is driven are recessive, nobody sends a flag, all are outside of a frame.
+void Waveform::write_first_values() {
+  text_.write("$dumpvars\n");
+  const auto level = [this](std::size_t signal, bool high) {
+    values_[signal] = high ? 1 : 0;
+    text_.level(high, codes_[signal]);
+  };
+  const auto number = [this](std::size_t signal, unsigned value) {
+    values_[signal] = static_cast<std::uint16_t>(value);
+    text_.number(static_cast<int>(value), codes_[signal]);
+  };
+  level(0, true);
+  for (std::size_t port = 0; port < ports_.size(); ++port) {
+    level(signal(port, tx), true);
+    level(signal(port, flag), false);
+    level(signal(port, arbitration_part), false);
+  }
+  number(bus_field(), 0);
+  for (std::size_t port = 0; port < ports_.size(); ++port) {
+    number(value(port, tec), ports_[port]->transmit_error_counter());
+    number(value(port, rec), ports_[port]->receive_error_counter());
+    text_.number(WaveformFields::as_bus, codes_[value(port, field)]);
+  }
+  if (has_far_side_) level(far_side(), true);
+  text_.write("$end\n");
 }
 
 void Waveform::write_head() {
-  const auto nanoseconds = resolution_.count();
+  const auto nanoseconds = resolution().count();
   // Piece by piece: gcc 12 warns of its own std::string where literals are added to strings.
   const auto write = [this](std::initializer_list<std::string_view> pieces) {
-    for (const std::string_view piece : pieces) text_ += piece;
+    for (const std::string_view piece : pieces) text_.write(piece);
   };
   write({"$version Canopus $end\n$timescale ",
          nanoseconds == 1000  ? "1 us"
          : nanoseconds == 100 ? "100 ns"
          : nanoseconds == 10  ? "10 ns"
                               : "1 ns",
-         " $end\n$scope module ", word(bus_.name()), " $end\n$var wire 1 ", code(0), " can $end\n"});
+         " $end\n$scope module ", word(bus_.name()), " $end\n$var wire 1 ", codes_[0].name(), " can $end\n"});
   std::vector<std::string> names;
   for (std::size_t number = 0; number < ports_.size(); ++number) {
     std::string name = word(ports_[number]->name());
@@ -89,35 +105,30 @@ void Waveform::write_head() {
       name += '_';
       name += std::to_string(number);
     }
-    const std::size_t signal = 1 + signals_per_port * number;
-    write({"$var wire 1 ", code(signal + tx), " ", name, "_tx $end\n"});
-    write({"$var wire 1 ", code(signal + flag), " ", name, "_flag $end\n"});
-    write({"$var wire 1 ", code(signal + arbitration_part), " ", name, "_arb $end\n"});
+    const auto declare = [&](Signal kind, std::string_view suffix) {
+      write({"$var wire 1 ", codes_[signal(number, kind)].name(), " ", name, suffix, " $end\n"});
+    };
+    declare(tx, "_tx");
+    declare(flag, "_flag");
+    declare(arbitration_part, "_arb");
     names.push_back(std::move(name));
   }
+  write({"$var real 64 ", codes_[bus_field()].name(), " field $end\n"});
   for (std::size_t number = 0; number < ports_.size(); ++number) {
-    const std::size_t value = signals() + values_per_port * number;
-    write({"$var real 64 ", code(value + tec), " ", names[number], "_tec $end\n"});
-    write({"$var real 64 ", code(value + rec), " ", names[number], "_rec $end\n"});
-    write({"$var real 64 ", code(value + field), " ", names[number], "_field $end\n"});
+    const auto declare = [&](Value kind, std::string_view suffix) {
+      write({"$var real 64 ", codes_[value(number, kind)].name(), " ", names[number], suffix, " $end\n"});
+    };
+    declare(tec, "_tec");
+    declare(rec, "_rec");
+    declare(field, "_field");
   }
-  if (far_ > 0) write({"$var wire 1 ", code(far_), " can_far $end\n"});
-  write({"$upscope $end\n$comment fields:"});
+  if (has_far_side_) write({"$var wire 1 ", codes_[far_side()].name(), " can_far $end\n"});
+  write({"$upscope $end\n$comment fields: -1 as field,"});
   for (unsigned number = 0; number < can::frame_fields; ++number) {
     write({number == 0 ? " " : ", ", std::to_string(number), " ",
            can::name(static_cast<can::FrameField>(number))});
   }
   write({" $end\n$enddefinitions $end\n"});
-}
-
-std::string Waveform::code(std::size_t signal) {
-  constexpr std::size_t digits = '~' - '!' + 1;
-  std::string code;
-  do {
-    code += static_cast<char>('!' + signal % digits);
-    signal /= digits;
-  } while (signal > 0);
-  return code;
 }
 
 // For every bit the bus reports port after port, in their order: the search begins where the last one ended.
@@ -129,82 +140,89 @@ std::size_t Waveform::number_of(const Port& port) const noexcept {
   return ports_.size();
 }
 
-std::size_t Waveform::first_signal(const Port& port) const noexcept {
-  const std::size_t number = number_of(port);
-  return number == ports_.size() ? 0 : 1 + signals_per_port * number;
-}
-
-std::size_t Waveform::first_value(const Port& port) const noexcept {
-  const std::size_t signal = first_signal(port);
-  return signal == 0 ? 0 : signals() + values_per_port * ((signal - 1) / signals_per_port);
-}
-
-void Waveform::write_time(can::Time now) {
-  const std::int64_t time = now.time_since_epoch() / resolution_;
-  if (time <= written_time_) return;
-  written_time_ = time;
-  text_ += '#';
-  text_ += std::to_string(time);
-  text_ += '\n';
-}
-
-void Waveform::write_value(std::size_t signal) {
-  const unsigned value = values_[signal];
-  if (signal < signals() || signal == far_) {
-    text_ += value != 0 ? '1' : '0';
-  } else {
-    text_ += 'r';  // libsigrok 0.5.2 stops at a vector
-    text_ += std::to_string(value);
-    text_ += ' ';
+void Waveform::advance(can::Time now) {
+  if (now >= idle_at_) {
+    if (idle_at_ > moment_) settle_fields();
+    moment_ = std::exchange(idle_at_, can::never);
+    fields_.set_all(can::FrameField::idle);
   }
-  text_ += code(signal);
-  text_ += '\n';
+  if (now <= moment_) return;
+  settle_fields();
+  moment_ = now;
 }
 
-void Waveform::change(std::size_t signal, unsigned value, can::Time now) {
+/// In an intermission that was told as a whole, too: it is told bit by bit from here on.
+void Waveform::begin_change(can::Time now) {
+  if (now < idle_at_) idle_at_ = can::never;
+  advance(now);
+}
+
+void Waveform::settle_fields() {
+  fields_.settle(
+      [this](can::FrameField of_bus) {
+        text_.time(moment_);
+        text_.number(static_cast<int>(of_bus), codes_[bus_field()]);
+      },
+      [this](std::size_t port, int of_port) {
+        text_.time(moment_);
+        text_.number(of_port, codes_[value(port, field)]);
+      });
+}
+
+void Waveform::change_level(std::size_t signal, bool high, can::Time now) {
+  if ((values_[signal] != 0) == high) return;
+  begin_change(now);
+  values_[signal] = high ? 1 : 0;
+  text_.time(now);
+  text_.level(high, codes_[signal]);
+}
+
+void Waveform::change_number(std::size_t signal, unsigned value, can::Time now) {
   if (values_[signal] == value) return;
+  begin_change(now);
   values_[signal] = static_cast<std::uint16_t>(value);
-  write_time(now);
-  write_value(signal);
-  if (text_.size() >= flush_size) {
-    sink_(text_);
-    text_.clear();
-  }
+  text_.time(now);
+  text_.number(static_cast<int>(value), codes_[signal]);
 }
 
 void Waveform::flush(can::Time now) {
-  write_time(now);
-  sink_(text_);
-  text_.clear();
+  bus_.report_wire();
+  advance(now);
+  settle_fields();
+  text_.time(now);
+  text_.hand_over();
 }
 
-void Waveform::level_changed(bool dominant, can::Time now) { change(0, dominant ? 0 : 1, now); }
+void Waveform::level_changed(bool dominant, can::Time now) { change_level(0, !dominant, now); }
+
+void Waveform::far_level_changed(bool dominant, can::Time now) {
+  if (has_far_side_) change_level(far_side(), !dominant, now);
+}
 
 void Waveform::field_changed(const Port& port, can::FrameField place, can::Time now) {
-  const std::size_t value = first_value(port);
-  if (value != 0) change(value + field, static_cast<unsigned>(place), now);
+  const std::size_t number = number_of(port);
+  if (number == ports_.size() || (fields_.of(number) == place && now < idle_at_)) return;
+  begin_change(now);
+  if (fields_.of(number) != place) fields_.set(number, place);
 }
 
 void Waveform::bit_sampled(const Port& port, can::Time now) {
-  const std::size_t value = first_value(port);
-  if (value == 0) return;
-  change(value + tec, port.transmit_error_counter(), now);
-  change(value + rec, port.receive_error_counter(), now);
-}
-
-void Waveform::far_level_changed(bool dominant, can::Time now) {
-  if (far_ > 0) change(far_, dominant ? 0 : 1, now);
+  const std::size_t number = number_of(port);
+  if (number == ports_.size()) return;
+  change_number(value(number, tec), port.transmit_error_counter(), now);
+  change_number(value(number, rec), port.receive_error_counter(), now);
 }
 
 void Waveform::transmit_changed(const Port& port, bool dominant, can::Time now) {
-  if (const std::size_t signal = first_signal(port); signal != 0) change(signal + tx, dominant ? 0 : 1, now);
+  const std::size_t number = number_of(port);
+  if (number < ports_.size()) change_level(signal(number, tx), !dominant, now);
 }
 
 void Waveform::activity_changed(const Port& port, bool flagging, bool arbitrating, can::Time now) {
-  const std::size_t signal = first_signal(port);
-  if (signal == 0) return;
-  change(signal + flag, flagging ? 1 : 0, now);
-  change(signal + arbitration_part, arbitrating ? 1 : 0, now);
+  const std::size_t number = number_of(port);
+  if (number == ports_.size()) return;
+  change_level(signal(number, flag), flagging, now);
+  change_level(signal(number, arbitration_part), arbitrating, now);
 }
 
 }  // namespace canopus::sim

@@ -9,39 +9,44 @@
 //   NAME_arb      1 while its frame takes part in arbitration
 //   NAME_tec      its transmit error counter, a real number (sigrok-cli knows no vectors)
 //   NAME_rec      its receive error counter, likewise
-//   NAME_field    which field of a frame its present bit belongs to: a number, likewise; the names stand in a
-//                 comment of the file
+//   field         which field of a frame the present bit belongs to: a number, likewise; the names stand in a comment
+//                 of the file. That of most controllers; idle only when nobody is in a frame
+//   NAME_field    -1: as `field`, which is what a controller is when nothing is wrong; else in which field it is itself.
+//                 An idle receiver knows of a SOF only when that is over and is still "as field" then
 //
 // Characters of NAME other than letters, digits and _ become _, a second port of a name gets its number.
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "canopus/sim/bus/bit_stream.hpp"
 #include "canopus/sim/bus/bus.hpp"
+#include "canopus/sim/bus/waveform_fields.hpp"
+#include "canopus/sim/bus/waveform_text.hpp"
 
 namespace canopus::sim {
 
 class Waveform final : public WireObserver {
  public:
-  using Sink = std::function<void(std::string_view)>;
+  using Sink = WaveformText::Sink;
 
-  /// Writes the head, with the ports the bus has now, and begins to watch: the bus works bit by bit from here
-  /// on. `sink` takes text in pieces of any length; bus and sink must outlive this.
+  /// Writes the head, with the ports the bus has now, and begins to watch. `sink` takes text in pieces of any length,
+  /// that of a frame when it is complete; bus and sink must outlive this.
   Waveform(Bus& bus, can::Time now, Sink sink);
-  /// Flushes, and lets the bus go.
+  /// Hands over what has been written, and lets the bus go.
   ~Waveform();
   Waveform(const Waveform&) = delete;
   Waveform& operator=(const Waveform&) = delete;
 
   /// Unit of the times in the dump: at least ten to a bit, and a whole number of them to every port's bit.
-  [[nodiscard]] can::Duration resolution() const noexcept { return resolution_; }
-  /// Hands everything up to `now` to the sink.
+  [[nodiscard]] can::Duration resolution() const noexcept { return text_.resolution(); }
+  /// Hands everything up to `now`, the present, to the sink.
   void flush(can::Time now);
 
+  [[nodiscard]] bool needs_bits() const noexcept override { return false; }
+  void frame_passed(const WireFrame& frame) override;
   void level_changed(bool dominant, can::Time now) override;
   void far_level_changed(bool dominant, can::Time now) override;
   void transmit_changed(const Port& port, bool dominant, can::Time now) override;
@@ -51,30 +56,66 @@ class Waveform final : public WireObserver {
 
  private:
   enum Signal : std::size_t { tx, flag, arbitration_part, signals_per_port };
-  enum Value : std::size_t { tec, rec, field, values_per_port };  // numbers, after the signals of all ports
+  enum Value : std::size_t { tec, rec, field, values_per_port };  // numbers
+
+  // The signals: the wire, those of the ports; then numbers: the bus's field, those of the ports; then the far side.
+  [[nodiscard]] static constexpr std::size_t signal(std::size_t port, Signal kind) noexcept {
+    return 1 + signals_per_port * port + kind;
+  }
+  [[nodiscard]] std::size_t bus_field() const noexcept { return signal(ports_.size(), tx); }
+  [[nodiscard]] std::size_t value(std::size_t port, Value kind) const noexcept {
+    return bus_field() + 1 + values_per_port * port + kind;
+  }
+  [[nodiscard]] std::size_t far_side() const noexcept { return value(ports_.size(), tec); }
 
   void write_head();
+  void write_first_values();
   /// Which of the ports of the dump; their count: none.
   [[nodiscard]] std::size_t number_of(const Port& port) const noexcept;
-  /// Number of the port's first signal; 0 (that of the wire): the port is not in the dump.
-  [[nodiscard]] std::size_t first_signal(const Port& port) const noexcept;
-  /// The port's first number; 0 as above.
-  [[nodiscard]] std::size_t first_value(const Port& port) const noexcept;
-  [[nodiscard]] std::size_t signals() const noexcept { return 1 + signals_per_port * ports_.size(); }
-  void change(std::size_t signal, unsigned value, can::Time now);
-  void write_value(std::size_t signal);
-  void write_time(can::Time now);
-  [[nodiscard]] static std::string code(std::size_t signal);
+  void change_level(std::size_t signal, bool high, can::Time now);
+  void change_number(std::size_t signal, unsigned value, can::Time now);
+  /// Whatever comes next happens at `now`, which is not before what came last.
+  void advance(can::Time now);
+  void begin_change(can::Time now);
+  void settle_fields();
+
+  // waveform_frame.cpp
+  /// The lines of all that acknowledge.
+  struct Acknowledgement {
+    std::string lines;
+    std::vector<std::size_t> begins;  // per port: where its line begins, or would
+  };
+  struct Contender {
+    std::size_t port;
+    unsigned lost_at;
+    bool drives = false;
+  };
+  void write_level(std::size_t signal, bool high, can::Time now) {
+    text_.time(now);
+    text_.level(high, codes_[signal]);
+  }
+  void look_at_members(const WireFrame& frame);
+  void begin_arbitration(const WireFrame& frame);
+  void write_arbitration(BitStream::Bit bit, unsigned plain, bool is_over, can::Time now);
+  void write_acknowledgement(const WireFrame& frame, bool dominant, can::Time now);
+  void enter_field(const WireFrame& frame, can::FrameField place, can::Time now);
+  void write_received(const WireFrame& frame, can::Time now);
 
   Bus& bus_;
-  Sink sink_;
   std::vector<const Port*> ports_;
-  mutable std::size_t last_ = 0;       // of the ports, asked for last
-  std::size_t far_;                    // signal of the far side of a cut, 0: the wire is never cut
-  std::vector<std::uint16_t> values_;  // per signal
-  can::Duration resolution_;
-  std::int64_t written_time_ = -1;
-  std::string text_;
+  mutable std::size_t last_ = 0;  // of the ports, asked for last
+  bool has_far_side_;
+  std::vector<WaveformText::Code> codes_;  // per signal
+  std::vector<std::uint16_t> values_;      // per signal, fields aside
+  WaveformText text_;
+  WaveformFields fields_;
+  can::Time moment_;                // of the last change
+  can::Time idle_at_ = can::never;  // end of the intermission of a frame that was told as a whole
+  std::vector<Contender> contenders_;
+  unsigned next_lost_at_ = 0;        // the first of them
+  std::uint64_t membership_ = 0;     // of the frame that was told last
+  bool all_are_members_ = false;     // all ports of the dump, of it
+  Acknowledgement acknowledged_[2];  // recessive, dominant
 };
 
 }  // namespace canopus::sim

@@ -1,0 +1,37 @@
+#pragma once
+// A frame that went well on a healthy wire, told as a whole when it is complete: what a WireObserver needs to know of
+// it besides its bits. Only the sources of the bus include this.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "canopus/can/frame.hpp"
+#include "canopus/can/time.hpp"
+
+namespace canopus::sim {
+
+class BusPort;
+
+struct WireFrame {
+  /// Whoever began to send with the SOF.
+  struct Sender {
+    static constexpr unsigned won = ~0U;
+    std::size_t port;  ///< as in Bus::ports()
+    unsigned
+        lost_at;  ///< the first bit, from SOF = 0 and without stuff bits, where it was recessive and the frame not
+  };
+
+  const can::Frame& frame;
+  const BusPort& transmitter;
+  std::span<BusPort* const>
+      members;               ///< all that are on the wire, with the counters they had before the frame
+  std::uint64_t membership;  ///< another number when the members are others, or others of them acknowledge
+  std::span<const Sender> senders;  ///< of the members, in the same order, the transmitter too
+  can::Time start;                  ///< of SOF
+  can::Duration bit;
+  can::Duration sample_point;  ///< from a bit's start
+  bool counting;               ///< some member has an error counter that is not 0
+};
+
+}  // namespace canopus::sim
