@@ -1,11 +1,12 @@
 // Heads of requests of any bytes to the web server: each gets one answer, and a file or a WebSocket only when it names this
-// server.
+// server. The same bytes as what a watcher says.
 
 #include <cctype>
 #include <string>
 #include <string_view>
 
 #include "canopus/serve/web/web_request.hpp"
+#include "canopus/serve/web/web_wish.hpp"
 
 #include "input.hpp"
 
@@ -26,6 +27,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (char& letter : lower) letter = static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
     fuzz::expect(lower.find("127.0.0.1:8080") != std::string::npos ||
                  lower.find("localhost:8080") != std::string::npos);
+  }
+  if (const auto wish = serve::read_wish(bytes)) {
+    fuzz::expect(wish->messages.has_value() != wish->views.has_value());
+    fuzz::expect(!wish->views || wish->views->size() <= serve::WebWish::most_views);
   }
   return 0;
 }

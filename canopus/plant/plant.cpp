@@ -108,6 +108,14 @@ std::vector<ModuleStatus> Plant::modules() const {
   return all;
 }
 
+module::CommunicationModule& Plant::module(std::size_t number) noexcept {
+  return parts_->modules[number]->module();
+}
+
+const ModuleSection& Plant::module_section(std::size_t number) const noexcept {
+  return parts_->modules[number]->section();
+}
+
 std::vector<module::ModuleErrorRecord> Plant::module_errors(std::size_t module) const {
   return parts_->modules[module]->module().module_errors();
 }

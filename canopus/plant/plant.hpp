@@ -218,6 +218,9 @@ class Plant {
   [[nodiscard]] std::vector<NodeStatus> nodes() const;
   /// All modules, in the order of the plant file.
   [[nodiscard]] std::vector<ModuleStatus> modules() const;
+  /// The module of that number there, to be looked at.
+  [[nodiscard]] module::CommunicationModule& module(std::size_t number) noexcept;
+  [[nodiscard]] const ModuleSection& module_section(std::size_t number) const noexcept;
   /// What module diagnostics show of the module of that number.
   [[nodiscard]] std::vector<module::ModuleErrorRecord> module_errors(std::size_t module) const;
   /// Every slave that an active NMT master of the plant boots or has booted, by master and node-ID.

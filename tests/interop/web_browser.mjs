@@ -73,6 +73,45 @@ await page.waitForTimeout(700);
 seen.later_time = await page.textContent("#time");
 await page.fill("#filter", "boot-up");
 seen.filtered = await texts("#events .event");
+// The buffer memory of the first module: names, values, the PDO behind a word; only the rows in sight are there.
+await page.click(".open-words");
+await page.waitForFunction(() => document.querySelectorAll("#words-table tbody tr").length > 10);
+seen.words_title = await page.textContent("#words-title");
+seen.words_focus = await page.evaluate(() => document.activeElement.id);
+seen.words_count = await page.textContent("#words-count");
+seen.words_rows = await page.locator("#words-table tbody tr").count();
+const first_row = () => page.textContent("#words-table tbody tr");
+await page.fill("#words-find", "G10000");
+await page.waitForFunction(() => document.querySelector("#words-table tbody tr")?.textContent.startsWith("G10000"));
+await page.waitForFunction(() => document.querySelector("#words-table tbody tr")?.textContent.includes(" s ago"), null, { timeout: 10000 }).catch(() => {});
+seen.word = await first_row();
+await page.click("#words-base");
+seen.word_hexadecimal = await page.textContent("#words-table tbody tr td:nth-child(3)");
+await page.fill("#words-find", "");
+await page.waitForFunction(() => document.querySelectorAll("#words-table tbody tr").length > 10);
+await page.locator("#words").evaluate((list) => { list.scrollTop = list.scrollHeight / 2; });
+await page.waitForFunction(() => parseInt(document.getElementById("words-table").style.top) > 26 * 100);
+seen.words_scrolled = await first_row();
+await page.fill("#words-find", "G100");
+await page.waitForTimeout(600);
+// The boots of the slaves, step by step.
+await page.click("#show-boots");
+await page.waitForSelector("#boots li");
+seen.boots = await texts("#boots summary");
+await page.locator("#boots summary").first().click();
+seen.boot_steps = await page.locator("#boots li").first().locator("tr").allTextContents();
+for (const scheme of ["light", "dark"]) {
+  await page.emulateMedia({ colorScheme: scheme });
+  for (const [id, name] of [["#words-section", "words"], ["#boot-section", "boot"]]) {
+    const path = `${folder}/${name}-${scheme}-1280.png`;
+    await page.locator(id).screenshot({ path });
+    seen.pictures.push(path);
+  }
+}
+await page.emulateMedia({ colorScheme: "light" });
+await page.keyboard.press("Escape");
+seen.words_closed = await page.locator("#words-section").isHidden();
+seen.markup_later = await page.locator("img, iframe, script:not([src='page.js'])").count();
 // A page of another site gets nothing.
 const other = await browser.newPage();
 await other.goto("data:text/html,<title>other</title>");

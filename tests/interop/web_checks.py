@@ -5,6 +5,7 @@ import hashlib
 import json
 import os
 import pathlib
+import re
 import shutil
 import socket
 import struct
@@ -158,7 +159,10 @@ def browse(address, name):
     require(seen["foreign"] == "refused" and seen["framed"] == "refused", "another site's page got through")
     require(not seen["overflow"] and seen["unnamed"] == 0, "wider than the window, or a control without a name")
     require(seen["focus_in"] == "node-title" and seen["focus_back"], "the keyboard loses its place")
-    require(all(pathlib.Path(p).stat().st_size > 10000 for p in seen["pictures"]), seen["pictures"])
+    require(all(pathlib.Path(p).stat().st_size > 3000 for p in seen["pictures"]), seen["pictures"])
+    require(seen["words_title"].startswith("Buffer memory of ") and seen["words_focus"] == "words-title" and seen["words_closed"], seen)
+    require(10 < seen["words_rows"] <= 256 and seen["markup_later"] == 0, f"{seen['words_rows']} rows are on the page")
+    require(re.fullmatch("[0-9A-F]{4}H", seen["word_hexadecimal"]), seen["word_hexadecimal"])
     return seen
 
 
@@ -175,6 +179,11 @@ def web_page_in_chromium():
         require(any("(encoder)" in line and "TPDO1  Position value" in line for line in seen["messages"]), seen["messages"])
         require(seen["first_time"] != seen["later_time"], "plant time stands still")
         require(seen["filtered"] and all("boot-up" in line for line in seen["filtered"]), seen["filtered"])
+        require(re.fullmatch(r"\d{4,5} words", seen["words_count"]), seen["words_count"])
+        require(re.search(r"^G10000.*RPDO1 18\dH, [0-9.]+ s ago.*from node \d \(\S+\) TPDO1.*read", seen["word"]), seen["word"])
+        require(re.match(r"G\d+", seen["words_scrolled"]), seen["words_scrolled"])
+        require(len(seen["boots"]) == 3 and all("booted in" in line for line in seen["boots"]), seen["boots"])
+        require(len(seen["boot_steps"]) > 2 and "booted" in seen["boot_steps"][-1], seen["boot_steps"])
 
 
 @check

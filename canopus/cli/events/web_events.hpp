@@ -10,16 +10,18 @@
 
 #include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/events/observer_pair.hpp"
+#include "canopus/cli/events/web_boots.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/plant/plant.hpp"
 
 namespace canopus::cli {
 
-/// An observer that passes everything on to `first`, and makes JSON of it for the page.
+/// An observer that passes everything on to `first`, makes JSON of it for the page, and keeps how slaves booted.
 class WebEvents {
  public:
   explicit WebEvents(plant::PlantObserver& first) : pair_(first, json_) {}
-  [[nodiscard]] plant::PlantObserver& observer() noexcept { return pair_; }
+  [[nodiscard]] plant::PlantObserver& observer() noexcept { return all_; }
+  [[nodiscard]] const WebBoots& boots() const noexcept { return boots_; }
   /// Who gets the events from now on; those up to now at once.
   void set_listener(std::function<void(std::string_view)> listener);
   /// A server listens.
@@ -46,6 +48,8 @@ class WebEvents {
   Lines lines_{*this};
   JsonPrinter json_{lines_};
   ObserverPair pair_;
+  WebBoots boots_;
+  ObserverPair all_{pair_, boots_};
 };
 
 /// The `state` event: what there is to see of the plant at this moment, as JSON.

@@ -145,11 +145,13 @@ bool PlantServers::open_socketcand(std::size_t bus) {
 bool PlantServers::open_web() {
   if (use_.web_events == nullptr) return true;
   web_messages_.emplace(plant_);
+  web_views_.emplace(plant_, use_.web_events->boots());
   web_.emplace(
       io_, clock_,
       serve::WebServer::Use{.state = [this] { return state_event(plant_); },
                             .lost = [this](std::uint64_t events) { return use_.web_events->lost(events); },
-                            .messages = [this](bool wanted) { return web_messages_->look(wanted); }},
+                            .messages = [this](bool wanted) { return web_messages_->look(wanted); },
+                            .view = [this](std::string_view view) { return web_views_->look(view); }},
       serve::WebServerOptions{}, use_.report("web"));
   const text::HostAndPort place = place_of(use_.web);
   if (const auto result = web_->listen(place.host, place.port); !result) {

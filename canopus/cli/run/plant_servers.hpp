@@ -12,6 +12,7 @@
 
 #include "canopus/cli/events/web_events.hpp"
 #include "canopus/cli/events/web_messages.hpp"
+#include "canopus/cli/events/web_views.hpp"
 #include "canopus/link/loop_clock.hpp"
 #include "canopus/link/peer.hpp"
 #include "canopus/link/socketcand_server.hpp"
@@ -82,6 +83,7 @@ class PlantServers {
   std::vector<std::unique_ptr<serve::ModbusServer>> modbus_;
   std::optional<serve::ControlServer> control_;
   std::optional<WebMessages> web_messages_;  // outlives the server
+  std::optional<WebViews> web_views_;        // likewise
   std::optional<serve::WebServer> web_;
 };
 

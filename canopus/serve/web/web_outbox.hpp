@@ -1,11 +1,12 @@
 #pragma once
 // What waits for one watcher of the page, as JSON: events in their order, of too many the newest, the newest messages of the
-// buses and the newest state. No socket: the server asks for the next message when the last one has gone out.
+// buses, the newest state and views. No socket: the server asks for the next message when the last one has gone out.
 
 #include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <utility>
@@ -31,7 +32,12 @@ class WebOutbox {
 
   void set_messages(Text messages) { messages_ = std::move(messages); }
 
-  [[nodiscard]] bool empty() const noexcept { return events_.empty() && !messages_ && !state_; }
+  /// Of its views the one of this number, in place of one that has not gone out.
+  void set_view(std::size_t number, Text view) { views_.insert_or_assign(number, std::move(view)); }
+
+  [[nodiscard]] bool empty() const noexcept {
+    return events_.empty() && !messages_ && !state_ && views_.empty();
+  }
   /// A JSON array of all that waits.
   [[nodiscard]] std::string take() {
     std::string message = "[";
@@ -44,6 +50,8 @@ class WebOutbox {
     events_.clear();
     if (messages_) add(*std::exchange(messages_, nullptr));
     if (state_) add(*std::exchange(state_, nullptr));
+    for (const auto& [number, view] : views_) add(*view);
+    views_.clear();
     return message + "]";
   }
 
@@ -54,6 +62,7 @@ class WebOutbox {
   std::uint64_t lost_events_ = 0;
   Text messages_;
   Text state_;
+  std::map<std::size_t, Text> views_;
 };
 
 }  // namespace canopus::serve

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <deque>
+#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -45,6 +46,7 @@ struct WebServer::Parts : std::enable_shared_from_this<Parts> {
   void watch();
   void show_state();
   void show_messages();
+  void show_views();
   void flush();
   void say(const std::string& client, const std::string& what) const {
     if (report) report(client + ' ' + what);
@@ -61,6 +63,7 @@ struct WebServer::Parts : std::enable_shared_from_this<Parts> {
   std::deque<WebOutbox::Text> latest;  // events, for newcomers
   asio::steady_timer timer;
   bool is_watched = false;  // the timer runs
+  bool is_viewed = false;   // somebody looks at more than the state
   bool is_open = false;
 };
 
@@ -88,6 +91,8 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
   void add_event(const WebOutbox::Text& event) { outbox_.add_event(event); }
   void set_state(const WebOutbox::Text& state) { outbox_.set_state(state); }
   void set_messages(const WebOutbox::Text& messages) { outbox_.set_messages(messages); }
+  [[nodiscard]] const std::vector<std::string>& views() const noexcept { return views_; }
+  void set_view(std::size_t number, const WebOutbox::Text& view) { outbox_.set_view(number, view); }
 
   /// Sends what waits, when nothing is under way.
   void send() {
@@ -203,8 +208,9 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
       if (error == websocket::error::message_too_big) return self->end("sent a message that is too long");
       if (error) return self->end();
       const auto bytes = self->message_.cdata();
-      const auto wish = serve::wants_messages({static_cast<const char*>(bytes.data()), bytes.size()});
-      if (wish) self->wants_messages_ = *wish;
+      auto wish = read_wish({static_cast<const char*>(bytes.data()), bytes.size()});
+      if (wish && wish->messages) self->wants_messages_ = *wish->messages;
+      if (wish && wish->views) self->views_ = std::move(*wish->views);
       self->message_.clear();
       const auto now = MonotonicClock::now();
       self->heard_at_ = now;
@@ -246,6 +252,7 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
   boost::beast::flat_buffer message_;
   bool is_sending_ = false;
   bool wants_messages_ = false;
+  std::vector<std::string> views_;
   int drained_ = 0;
   unsigned messages_ = 0;
   MonotonicClock::time_point heard_at_{};
@@ -278,6 +285,7 @@ void WebServer::Parts::watch() {
     for (const auto& one : watchers) one->look_for_end(MonotonicClock::now());
     if (std::ranges::none_of(self->connections, [](const auto& one) { return one->watches(); })) {
       if (self->use.messages) (void)self->use.messages(false);
+      self->show_views();
       return;
     }
     self->watch();
@@ -294,6 +302,7 @@ void WebServer::Parts::show_state() {
     if (connection->watches()) connection->set_state(text);
   }
   show_messages();
+  show_views();
   flush();
 }
 
@@ -306,6 +315,23 @@ void WebServer::Parts::show_messages() {
   for (const auto& connection : connections) {
     if (wants(connection)) connection->set_messages(text);
   }
+}
+
+/// What several look at is made once.
+void WebServer::Parts::show_views() {
+  if (!use.view) return;
+  std::map<std::string_view, WebOutbox::Text> made;
+  for (const auto& connection : connections) {
+    if (!connection->watches()) continue;
+    for (std::size_t i = 0; i < connection->views().size(); ++i) {
+      const std::string& view = connection->views()[i];
+      const auto [text, is_new] = made.try_emplace(view);
+      if (is_new) text->second = std::make_shared<const std::string>(use.view(view));
+      if (!text->second->empty()) connection->set_view(i, text->second);
+    }
+  }
+  if (made.empty() && is_viewed) (void)use.view({});
+  is_viewed = !made.empty();
 }
 
 void WebServer::Parts::flush() {

@@ -50,6 +50,9 @@ class WebServer {
     std::function<std::string(std::uint64_t)> lost{};
     /// The `messages` event of what came since the last call, or an empty text; false: nobody wants them.
     std::function<std::string(bool)> messages{};
+    /// The event of what somebody looks at, an object of {"views": [...]} as JSON; an empty text: it is none. Asked with an empty
+    /// text when nobody looks any more.
+    std::function<std::string(std::string_view)> view{};
   };
 
   /// `context` and `clock` must outlive the server.

@@ -53,6 +53,12 @@ class WebServerTest : public ::testing::Test {
                 [this](bool wanted) {
                   wanted_.push_back(wanted);
                   return wanted ? std::string("{\"m\":1}") : std::string();
+                },
+            .view =
+                [this](std::string_view view) {
+                  views_.emplace_back(view);
+                  const bool is_one = !view.empty() && view != "{\"none\":0}";
+                  return is_one ? "{\"v\":" + std::string(view) + "}" : std::string();
                 }},
         options, [this](std::string_view sentence) { reports_.emplace_back(sentence); });
     EXPECT_TRUE(server_->listen("127.0.0.1", 0));
@@ -101,6 +107,7 @@ class WebServerTest : public ::testing::Test {
   WebClock clock_;
   int states_ = 0;
   std::vector<bool> wanted_;
+  std::vector<std::string> views_;
   std::string filler_;
   std::vector<std::string> reports_;
   std::unique_ptr<WebServer> server_;
@@ -194,13 +201,52 @@ TEST_F(WebServerTest, MessagesAreMadeForWhoWantsThem) {
   EXPECT_FALSE(wanted_.back()) << "nobody watches";
 }
 
+TEST_F(WebServerTest, Views_AreMadeOnceForAllThatLookAtTheSame) {
+  start();
+  auto client = watch();
+  receive(client, "}]");
+  auto other = watch();
+  receive(other, "}]");
+  EXPECT_THAT(views_, IsEmpty()) << "nobody looks";
+  send(client, message("{\"views\":[{\"a\":1},{\"b\":2}]}"));
+  send(other, message("{\"views\":[{\"a\":1},{\"none\":0}]}"));
+  receive(other, "{\"v\":{\"a\":1}}");
+  receive(client, "{\"v\":{\"b\":2}}");
+  views_.clear();
+  EXPECT_THAT(receive(client, "}]"), HasSubstr("{\"v\":{\"a\":1}},\n{\"v\":{\"b\":2}}"));
+  receive(other, "}]");
+  EXPECT_EQ(std::ranges::count(views_, "{\"a\":1}"), std::ranges::count(views_, "{\"b\":2}"));
+  send(client, message("{\"views\":[]}"));
+  send(other, message("{\"views\":[]}"));
+  receive(client, "}]");
+  EXPECT_THAT(receive(client, "}]"), Not(HasSubstr("\"v\"")));
+  receive(other, "}]");
+  EXPECT_EQ(views_.back(), "") << "said once that nobody looks any more";
+}
+
+TEST_F(WebServerTest, Views_EndWithTheirClient) {
+  start();
+  auto client = watch();
+  receive(client, "}]");
+  send(client, message("{\"views\":[{\"a\":1}]}"));
+  receive(client, "{\"v\":{\"a\":1}}");
+  client.close();
+  context_.run_for(600ms);
+  EXPECT_EQ(views_.back(), "");
+}
+
 TEST(WebWish, OnlyWhatAWatcherMaySay) {
-  EXPECT_EQ(wants_messages("{\"messages\": true}"), true);
-  EXPECT_EQ(wants_messages("{\"messages\":false}"), false);
+  EXPECT_EQ(read_wish("{\"messages\": true}")->messages, true);
+  EXPECT_EQ(read_wish("{\"messages\":false}")->messages, false);
+  EXPECT_THAT(*read_wish("{\"views\": []}")->views, IsEmpty());
+  EXPECT_THAT(*read_wish("{\"views\": [{\"words\": 0, \"from\": 7}, {}]}")->views,
+              ElementsAre("{\"from\":7,\"words\":0}", "{}"));
   for (const char* text :
        {"", "true", "[]", "{}", "{\"messages\":1}", "{\"messages\":true,\"x\":1}", "{\"message\":true}",
-        "{\"messages\":true", "[[[[[[[[[[[[[[[[[[", "\xFF", "{\"request\":\"set\"}"}) {
-    EXPECT_EQ(wants_messages(text), std::nullopt) << text;
+        "{\"messages\":true", "[[[[[[[[[[[[[[[[[[", "\xFF", "{\"request\":\"set\"}", "{\"views\":{}}",
+        "{\"views\":[1]}", "{\"views\":[{},{},{},{},{}]}", "{\"views\":[],\"messages\":true}",
+        "{\"messages\":[]}", "{\"views\":true}"}) {
+    EXPECT_FALSE(read_wish(text)) << text;
   }
 }
 

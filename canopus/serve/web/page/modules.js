@@ -13,11 +13,14 @@ const patterns = {
 
 function make_module() {
   return make("article", { class: "front" }, make("h3"), make("p", { class: "faint" }),
-              make("ul", { class: "leds" }), make("p", { class: "figures" }), make("table"));
+              make("ul", { class: "leds" }), make("p", { class: "figures" }), make("table"),
+              make("button", { type: "button", class: "open-words" }, "Buffer memory"));
 }
 
-function fill_module(card, module, keep_children) {
-  const [title, facts, leds, signals, table] = card.children;
+function fill_module(card, module, number, keep_children, open_words) {
+  const [title, facts, leds, signals, table, words_button] = card.children;
+  words_button.onclick = () => open_words(number, module.name);
+  words_button.setAttribute("aria-label", `Buffer memory of ${module.name}`);
   set_text(title, module.name);
   set_text(facts, `${module.plc} · ${module.bus}${module.node ? ` node ${module.node}` : ""} · ` +
                   `${module.on ? `CPU ${module.cpu}` : "no supply"}`);
@@ -39,9 +42,10 @@ function fill_module(card, module, keep_children) {
     make("td", {}, `${word.value}`), make("td", { class: "faint" }, `${word.value.toString(16).toUpperCase().padStart(4, "0")}H`))));
 }
 
-export function draw_modules(list, modules, keep_children, key_of) {
+/// `open_words`: shows the buffer memory of the module of this number and name.
+export function draw_modules(list, modules, keep_children, key_of, open_words) {
   keep_children(list, modules, (module) => `${module.plc}\u0000${module.head}\u0000${key_of(module)}`, make_module,
-                (card, module) => fill_module(card, module, keep_children));
+                (card, module) => fill_module(card, module, modules.indexOf(module), keep_children, open_words));
 }
 
 /// Lights the LEDs as they are at this millisecond of plant time. Who wants no motion sees them lit, with the pattern's name.

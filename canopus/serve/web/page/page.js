@@ -4,6 +4,8 @@ import { EventList } from "./event_list.js";
 import { sentence, message_line, mood_of } from "./words.js";
 import { make, set_text } from "./dom.js";
 import { draw_leds, draw_modules } from "./modules.js";
+import { WordView } from "./word_view.js";
+import { BootView } from "./boot_view.js";
 
 const by_id = (id) => document.getElementById(id);
 let state = null;
@@ -14,6 +16,8 @@ const events = new EventList(by_id("events"), by_id("filter"), by_id("event-coun
 const messages = new EventList(by_id("messages"), by_id("message-filter"), by_id("message-count"));
 let socket = null;
 let follows = false;
+const words = new WordView(by_id("words-section"), () => say_views());
+const boots = new BootView(by_id("boot-section"), () => say_views());
 
 const key_of = (node) => `${node.bus}\u0000${node.node}\u0000${node.name}`;
 const label_of = (node) => node.name || (node.node >= 1 && node.node <= 127 ? `Node ${node.node}` : "Node");
@@ -163,7 +167,7 @@ function draw() {
   const worst = moods.map((mood) => all.find((node) => mood_of(node, troubles_of(node)) === mood)).find(Boolean);
   set_text(by_id("worst"), worst ? `${id_of(worst)} ${label_of(worst)}: ${worst.state}` : "all well");
   keep_children(by_id("buses"), state.buses, (bus) => bus.bus, make_bus, fill_bus);
-  draw_modules(by_id("modules"), state.modules, keep_children, key_of);
+  draw_modules(by_id("modules"), state.modules, keep_children, key_of, (number, name) => words.open(number, name));
   draw_node();
 }
 
@@ -186,6 +190,10 @@ function received(list) {
       if (event.left_out) messages.add({ t: event.t, event: "lost" }, `${event.left_out} frames were left out: more than can be shown`);
       for (const message of event.messages) messages.add({ t: message.time, event: message.service }, message_line(message));
       messages.draw();
+    } else if (event.event === "words") {
+      words.draw(event);
+    } else if (event.event === "boots") {
+      boots.draw(event, keep_children);
     } else if (event.event !== "load") {
       events.add(event, sentence(event));
     }
@@ -199,8 +207,10 @@ function connect() {
   socket.addEventListener("open", () => {
     events.clear();  // the server sends the latest ones again
     rates = new Map();
+    views_said = "[]";
     set_text(by_id("connection"), "");
     if (follows) say_wish();
+    say_views();
   });
   socket.addEventListener("message", (message) => received(JSON.parse(message.data)));
   socket.addEventListener("close", () => {
@@ -214,6 +224,20 @@ function connect() {
 /// The server decodes frames only for who wants to see them.
 function say_wish() {
   if (socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify({ messages: follows }));
+}
+
+/// What is looked at beside the state, at most ten times a second.
+let views_timer = null;
+let views_said = "[]";
+function say_views() {
+  if (views_timer !== null) return;
+  views_timer = setTimeout(() => {
+    views_timer = null;
+    const views = JSON.stringify([words.view, boots.view].filter(Boolean));
+    if (views === views_said || socket.readyState !== WebSocket.OPEN) return;
+    views_said = views;
+    socket.send(`{"views":${views}}`);
+  }, 100);
 }
 
 by_id("follow").addEventListener("click", () => {
@@ -232,6 +256,7 @@ function close_node() {
 by_id("close-node").addEventListener("click", close_node);
 document.addEventListener("keydown", (event) => {
   if (event.key === "Escape" && chosen !== null) close_node();
+  else if (event.key === "Escape" && words.view) words.close();
   if (event.key === "/" && event.target === document.body) {
     event.preventDefault();
     by_id("filter").focus();
