@@ -230,6 +230,23 @@ TEST(DeviceConfiguration, TheDateOfTheConfiguration_ComesLast_AndNotAfterAFailur
   EXPECT_EQ(shown(steps), "1017:00=1F4 written\n1020:01=64 written\n1020:02=C8 written\n");
 }
 
+TEST(DeviceConfiguration, CommandsAndWhatIsNotToBeRead_AreLeftAlone) {
+  const std::string with_more =
+      drive_eds() +
+      "[1010]\nParameterName=Store\nObjectType=8\nSubNumber=2\n[1010sub0]\nDataType=5\nAccessType="
+      "ro\nDefaultValue=1\n"
+      "[1010sub1]\nDataType=7\nAccessType=rw\nParameterValue=1\n"
+      "[2000]\nParameterName=reset at read\nDataType=7\nAccessType=rw\nObjFlags=2\nParameterValue=7\n"
+      "[2001]\nParameterName=plain\nDataType=7\nAccessType=rw\nParameterValue=7\n";
+  const auto file = eds::read_device_file(with_more).file;
+  Device device;
+  device.set(0x1010, 1, 3, 4);
+  device.set(0x2000, 0, 3, 4);
+  device.set(0x2001, 0, 3, 4);
+  EXPECT_EQ(shown(compare_configuration(*file, 5, device, {})), "2001:00 7 different 3\n");
+  EXPECT_EQ(shown(find_changed(*file, 5, device, {})), "2001:00 7 different 3\n");
+}
+
 TEST(DeviceConfiguration, Values_AreWrittenAsDcfsHaveThem) {
   using canopen::DataType;
   const auto text = [](unsigned index, unsigned sub, DataType type, const Bytes& value) {

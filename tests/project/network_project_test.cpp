@@ -155,6 +155,10 @@ TEST(NetworkProject, BitRates_AreThoseThatAllDevicesHave) {
   EXPECT_EQ(project.set_bit_rate(100'000).error(),
             "node 5 (drive) does not have 100 kbit/s: its file says 10, 20, 50, 125, 250, 500, 800, 1000");
   EXPECT_EQ(project.bit_rate(), 250'000U);
+  folder.take(project);
+  std::string& dcf = folder.files.at("drive.dcf");
+  dcf.replace(dcf.find("Baudrate=250"), 12, "Baudrate=125");
+  EXPECT_EQ(folder.open().bit_rate(), 0U) << "they differ";
 }
 
 TEST(NetworkProject, Nodes_AreFoundByNumberAndName) {

@@ -113,6 +113,12 @@ TEST(NetworkReview, SignalsThatAreCutInPieces_AndThatDoNot) {
       findings(joined(folder, {{0x6000, 1, 8}, {0x6000, 2, 8}}, {{0x6040, 0, 16}})),
       "drive.dcf: warning: node 5 (drive): RPDO1 takes bits 0 to 15 as 6040H:00, but there TPDO1 of node 7 "
       "(io-block) has 6000H:01 in bits 0 to 7\n");
+  ProjectFolder shifted;
+  EXPECT_EQ(findings(joined(shifted, {{0x6000, 1, 8}, {0x6401, 1, 16}, {0x6401, 2, 16}},
+                            {{0x0006, 0, 16}, {0x6040, 0, 16}})),
+            "drive.dcf: warning: node 5 (drive): RPDO1 takes bits 16 to 31 as 6040H:00, but there TPDO1 of "
+            "node 7 (io-block) "
+            "has 6401H:01 in bits 8 to 23\n");
   ProjectFolder other;
   const NetworkProject good = joined(other, {{0x6401, 1, 16}}, {{0x6040, 0, 16}});
   EXPECT_EQ(findings(good), "");
@@ -145,6 +151,13 @@ TEST(NetworkReview, TwoPdosOfANodeWithOneCanId) {
             "drive.dcf: error: node 5 (drive): TPDO1 and TPDO2 have 185H both: receivers cannot distinguish "
             "them; give one "
             "another CAN-ID\n");
+}
+
+TEST(NetworkReview, TwoNodesWithOneCanId_AreFoundWherePlantsAreChecked) {
+  ProjectFolder folder;
+  NetworkProject project = folder.with({{5, "drive"}, {7, "io-block"}});
+  ASSERT_TRUE(project.set_value(5, 0x1800, 1, "0x187"));
+  EXPECT_EQ(findings(project).find("both: receivers"), std::string::npos);
 }
 
 TEST(NetworkReview, HeartbeatAndGuarding) {
@@ -190,6 +203,17 @@ TEST(NetworkLoad, TimersSyncAndEvents_AreToldApart) {
   EXPECT_EQ(load.bit_rate, 125'000U);
   // 10 x 65 and 20 x 85 bits of 125,000.
   EXPECT_NEAR(load.steady, (10 * 65 + 20 * 85) / 125'000.0, 1e-9);
+}
+
+TEST(NetworkLoad, TheInhibitTime_HoldsTheEventTimer) {
+  ProjectFolder folder;
+  NetworkProject project = folder.with({{5, "drive"}});
+  ASSERT_TRUE(project.set_value(5, 0x1801, 5, "5"));  // inhibit time 10 ms
+  for (const project::CyclicFrame& frame : reckon_load(project).frames) {
+    if (frame.what != "TPDO2") continue;
+    EXPECT_DOUBLE_EQ(frame.steady, 100);
+    EXPECT_DOUBLE_EQ(frame.most.value(), 100);
+  }
 }
 
 TEST(NetworkLoad, Sync_MakesSynchronousPdosCount) {

@@ -197,6 +197,41 @@ TEST(PdoLink, ANodeThatIsNotPresent_HasNoLinks) {
   EXPECT_EQ(links(project), "");
 }
 
+TEST(PdoLink, AFrameThatIsTakenAlready_HasNoRoomForAnotherSignalThere) {
+  ProjectFolder folder;
+  NetworkProject project = folder.with({{4, "drive"}, {5, "drive"}});
+  project::Pdo pdo = pdo_of(project, 5, "RPDO1");  // has the statusword as its controlword
+  pdo.cob_id.raw = 0x184;
+  ASSERT_TRUE(project.set_pdo(5, pdo));
+  folder.take(project);
+  project = folder.open();
+  EXPECT_EQ(link(project, {4, 0x6041, 0}, {5, 0x6071, 0}), "5 RPDO4: 284H: 6071H:00\n")
+      << "TPDO2 has the statusword, too, and nobody takes it";
+  for (const char* other : {"TPDO2", "TPDO3", "TPDO4"}) {
+    project::Pdo off = pdo_of(project, 4, other);
+    off.mapping = {{0x6061, 0, 8}};
+    ASSERT_TRUE(project.set_pdo(4, off));
+  }
+  for (const char* rpdo : {"RPDO2", "RPDO3", "RPDO4"}) {
+    project::Pdo taken = pdo_of(project, 5, rpdo);
+    taken.cob_id.raw = 0x184;
+    ASSERT_TRUE(project.set_pdo(5, taken));
+  }
+  folder.take(project);
+  project = folder.open();
+  EXPECT_EQ(link(project, {4, 0x6041, 0}, {5, 0x6071, 0}).substr(0, 65),
+            "node 5 (drive): RPDO1 takes something else at bit 0 of 184H");
+}
+
+TEST(PdoLink, ANodeThatHearsItself_IsNoLink) {
+  ProjectFolder folder;
+  NetworkProject project = folder.with({{5, "drive"}});
+  project::Pdo pdo = pdo_of(project, 5, "RPDO1");
+  pdo.cob_id.raw = 0x185;
+  ASSERT_TRUE(project.set_pdo(5, pdo));
+  EXPECT_EQ(links(project), "");
+}
+
 /// Mappable sub-indexes of a node.
 std::vector<SignalEnd> signals_of(const NetworkProject& project, std::uint8_t node, bool transmit) {
   std::vector<SignalEnd> signals;
@@ -252,6 +287,41 @@ TEST(SetPdo, RefusesWhatTheDeviceCannot) {
   EXPECT_EQ(project.set_pdo(5, pdo).error(), "node 5 (drive) has no TPDO5");
   EXPECT_EQ(project.set_pdo(6, pdo).error(), "the project has no node 6");
   EXPECT_TRUE(project.changes().empty());
+}
+
+/// The DCF with another access for this section.
+void make_constant(ProjectFolder& folder, const std::string& section) {
+  std::string& dcf = folder.files.at("drive.dcf");
+  const std::size_t place = dcf.find("AccessType=rw", dcf.find("[" + section + "]"));
+  dcf.replace(place, 13, "AccessType=ro");
+}
+
+TEST(SetPdo, WhatTheDeviceHasFixed_StaysSo) {
+  ProjectFolder folder;
+  static_cast<void>(folder.with({{5, "drive"}}));
+  make_constant(folder, "1800sub1");
+  make_constant(folder, "1A01sub0");
+  NetworkProject project = folder.open();
+  project::Pdo pdo = pdo_of(project, 5, "TPDO1");
+  pdo.cob_id.raw = 0x1AB;
+  EXPECT_EQ(project.set_pdo(5, pdo).error(), "node 5 (drive): TPDO1 has a fixed COB-ID");
+  pdo = pdo_of(project, 5, "TPDO2");
+  pdo.mapping.pop_back();
+  EXPECT_EQ(project.set_pdo(5, pdo).error(), "node 5 (drive): TPDO2 has a fixed mapping");
+}
+
+TEST(SetPdo, TheNumberOfObjects_IsWrittenWhenItChanges) {
+  ProjectFolder folder;
+  NetworkProject project = folder.with({{5, "drive"}});
+  project::Pdo pdo = pdo_of(project, 5, "TPDO2");
+  pdo.mapping[1] = {0x6077, 0, 16};
+  ASSERT_TRUE(project.set_pdo(5, pdo));
+  const eds::EntryFacts* count = project.find(5)->device->find_facts(0x1A01, 0);
+  EXPECT_FALSE(count->configured);
+  pdo.mapping.pop_back();
+  ASSERT_TRUE(project.set_pdo(5, pdo));
+  count = project.find(5)->device->find_facts(0x1A01, 0);
+  EXPECT_TRUE(count->configured);
 }
 
 TEST(SetPdo, WritesWhatDiffers) {

@@ -40,7 +40,9 @@ void add_rates(CyclicFrame& frame, const Pdo& pdo, double sync_frequency) {
   const unsigned timer = pdo.event_timer.value_or(0);
   const unsigned inhibit = pdo.inhibit_time.value_or(0);
   frame.steady = timer == 0 ? 0 : 1000.0 / timer;
-  if (inhibit != 0) frame.most = std::max(10'000.0 / inhibit, frame.steady);
+  if (inhibit == 0) return;
+  frame.most = 10'000.0 / inhibit;
+  frame.steady = std::min(frame.steady, *frame.most);
 }
 
 }  // namespace
