@@ -332,34 +332,6 @@ TEST(Waveform, Resolution_DividesTheBitsOfAllPorts) {
   EXPECT_EQ(waveform.resolution(), 10ns);
 }
 
-TEST(Waveform, StuckPort_ShowsWhatItDrives) {
-  Scene scene(1'000'000);
-  EXPECT_TRUE(scene.bus
-                  .set_faults({{.kind = FaultKind::stuck_dominant,
-                                .from = Time(100us),
-                                .until = Time(200us),
-                                .ports = {"b"}}},
-                              1)
-                  .has_value());
-  const std::string text = scene.record(Time(1ms));
-  EXPECT_NE(text.find("#1000\n0%\n0!\n"), std::string::npos) << text;
-  EXPECT_NE(text.find("#2000\n1%\n"), std::string::npos);
-}
-
-TEST(Waveform, FarSideOfACut_HasALineOfItsOwn) {
-  Scene scene(1'000'000);
-  Station c(scene.bus, scene.timeline, "c");
-  Station d(scene.bus, scene.timeline, "d");
-  EXPECT_TRUE(scene.bus.set_faults({{.kind = FaultKind::cut, .from = Time(50us), .ports = {"c", "d"}}}, 1)
-                  .has_value());
-  c.send_at(Time(100us), data_frame(0x123, {0x55}));
-  const std::string text = scene.record(Time(1ms));
-  EXPECT_NE(text.find("$var wire 1 ; can_far $end\n"), std::string::npos) << text;
-  EXPECT_NE(text.find("#1000\n0(\n1*\n0;\n"), std::string::npos) << text;
-  EXPECT_EQ(text.find("\n0!\n"), std::string::npos);  // nothing on the near side
-  EXPECT_EQ(d.heard.size(), 1U);
-}
-
 TEST(Waveform, AtItsEnd_TheBusWorksFrameByFrameAgain) {
   Scene scene(1'000'000);
   (void)scene.record(Time(1ms));

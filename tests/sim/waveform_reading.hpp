@@ -74,7 +74,7 @@ class Report final : public WireObserver {
   void field_changed(const Port& port, can::FrameField field, can::Time now) override {
     if (knows(port)) at(now)[port.name() + "_field"] = static_cast<int>(field);
   }
-  void bit_sampled(const Port& port, can::Time now) override {
+  void counters_changed(const Port& port, can::Time now) override {
     if (knows(port)) write_counters(port, now);
   }
   [[nodiscard]] const Moments& moments() const { return moments_; }

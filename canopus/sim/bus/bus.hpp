@@ -51,8 +51,8 @@ class WireObserver {
   virtual void activity_changed(const Port& port, bool flagging, bool arbitrating, can::Time now) = 0;
   /// Which field the bit belongs to that begins for a controller; the same field may be said again.
   virtual void field_changed(const Port& /*port*/, can::FrameField /*field*/, can::Time /*now*/) {}
-  /// A controller sampled a bit: its counters may have changed.
-  virtual void bit_sampled(const Port& /*port*/, can::Time /*now*/) {}
+  /// A controller sampled a bit or started anew: its counters may have changed.
+  virtual void counters_changed(const Port& /*port*/, can::Time /*now*/) {}
 
  protected:
   ~WireObserver() = default;

@@ -23,6 +23,7 @@ void Segment::resize() {
 void Segment::reconsider() {
   part();
   ++membership_;
+  reconsidered_ = true;
   members_.clear();
   forced_ = some_late_ = false;
   bool has_bit_faults = false;
@@ -108,6 +109,7 @@ void Segment::arrive(BusPort& port, const Segment& from) {
 
 void Segment::restart(BusPort& port) {
   take_off(port);
+  tell_counters(port, core_.timeline.now());
   port.bits.set_recovering(port.recovering);
   port.bits.restart(false);
   port.tap.bit_start = core_.timeline.now();

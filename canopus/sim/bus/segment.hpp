@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "canopus/sim/bus/bus_core.hpp"
@@ -107,6 +108,7 @@ class Segment {
     const std::uint64_t next = arbiter_.lowest_but(Arbiter::port_of(winner));
     return next != Arbiter::none && Arbiter::value_of(next) == Arbiter::value_of(winner);
   }
+  [[nodiscard]] bool somebody_needs_bits() const noexcept;
   [[nodiscard]] bool shows_bits() const noexcept;
   [[nodiscard]] std::uint64_t offer_at_start(const BusPort& port) const noexcept;
   void tell_frame();
@@ -151,6 +153,7 @@ class Segment {
   void gather();
   static void follow(BusPort& port) noexcept;
   void part();
+  void tell_together(can::Time now);
   void keep_in_step() noexcept;
   void sample_together(can::Time now);
   void begin_apart(const Sampled& found, can::Time now);
@@ -174,11 +177,19 @@ class Segment {
   std::uint64_t frame_number_ = 0;          // of the frame on the wire
   std::vector<WireFrame::Sender> senders_;  // of the frame that was told last
   BusPort* transmitter_ = nullptr;
-  Arbiter arbiter_;                     // while a frame is on the wire, its port may still be there with it
-  std::uint64_t membership_ = 0;        // how often they were looked for
-  std::vector<BusPort*> members_;       // whoever can do anything to the wire or hear it
-  std::vector<BusPort*> working_;       // of them, bit by bit: those that have no spokesman
-  BusPort* spokesman_ = nullptr;        // of the others
+  Arbiter arbiter_;                // while a frame is on the wire, its port may still be there with it
+  std::uint64_t membership_ = 0;   // how often they were looked for
+  std::vector<BusPort*> members_;  // whoever can do anything to the wire or hear it
+  std::vector<BusPort*> working_;  // of them, bit by bit: those that have no spokesman
+  BusPort* spokesman_ = nullptr;   // of the others
+  /// What observers heard last of those that it goes through the bits for; none: they have just joined.
+  struct ToldTogether {
+    bool dominant;
+    bool flagging;
+    can::FrameField field;
+    friend bool operator==(const ToldTogether&, const ToldTogether&) = default;
+  };
+  std::optional<ToldTogether> told_together_;
   bool begun_ = false;                  // somebody has begun to receive a frame
   std::vector<std::uint64_t> hearing_;  // set of members, as in AcceptanceTable
   bool healthy_ = false;                // frames can be computed as a whole
@@ -198,11 +209,12 @@ class Segment {
   can::Duration faults_bit_{};
 
   // bit by bit
-  bool forced_ = false;      // somebody is stuck dominant
-  Driven driven_;            // by the bit driver
-  bool inverted_ = false;    // by noise
-  bool seen_apart_ = false;  // some port sees another level than the wire's
-  bool some_late_ = false;   // some port's level reaches the wire later
+  bool reconsidered_ = false;  // some port may drive something else without a bit of its own that begins
+  bool forced_ = false;        // somebody is stuck dominant
+  Driven driven_;              // by the bit driver
+  bool inverted_ = false;      // by noise
+  bool seen_apart_ = false;    // some port sees another level than the wire's
+  bool some_late_ = false;     // some port's level reaches the wire later
   Termination termination_;
   bool is_driven_ = false;           // dominant, by whom the termination concerns
   can::Time released_ = can::never;  // the wire is recessive from here on

@@ -186,13 +186,15 @@ void Segment::settle(can::Time now) {
         tell_driven(*port, now);
         tell_activity(*port, now);
         tell_place(*port, now);
+        if (port == spokesman_) tell_together(now);
       }
     }
     if (some_late_ && tap.reaches <= now) tap.reach(tap.reaching_next);
     dominant = dominant || tap.reaching;
   }
-  if (!core_.wire_observers.empty()) {
+  if (!core_.wire_observers.empty() && (reconsidered_ || forced_ || some_late_)) {
     for (const auto& port : core_.ports) tell_driven(*port, now);
+    reconsidered_ = false;
   }
   if (termination_ != Termination{}) dominant = driven_level(dominant, now);
   dominant = dominant != inverted(nullptr, now);
@@ -287,7 +289,7 @@ Segment::Sampled Segment::look(BusPort& port, can::Time now) {
   tap.sampled = seen_apart_ ? dominant_ != inverted(&port, now) : dominant_;
   tap.synchronised = false;
   port.bits.sample(tap.sampled, sampled.events);
-  if (!core_.wire_observers.empty()) tell_counters(port, now);
+  if (port.faults != sampled.faults) tell_counters(port, now);
   if (!in_frame && port.bits.state() == BitController::State::frame) {
     tap.frame_start = tap.bit_start;
     begun_ = true;

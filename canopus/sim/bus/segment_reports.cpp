@@ -55,14 +55,18 @@ void Segment::tell_place(const BusPort& port, can::Time now) {
 }
 
 void Segment::tell_counters(const BusPort& port, can::Time now) {
-  for (WireObserver* observer : core_.wire_observers) observer->bit_sampled(port, now);
+  for (WireObserver* observer : core_.wire_observers) observer->counters_changed(port, now);
+}
+
+bool Segment::somebody_needs_bits() const noexcept {
+  return std::ranges::any_of(core_.wire_observers, [](const auto* one) { return one->needs_bits(); });
 }
 
 /// Somebody has to hear of every bit, or what is told of the two sides of a cut has to come in its order.
 bool Segment::shows_bits() const noexcept {
   if (core_.wire_observers.empty()) return false;
   if (!is_near_) return true;
-  return std::ranges::any_of(core_.wire_observers, [](const auto* one) { return one->needs_bits(); }) ||
+  return somebody_needs_bits() ||
          std::ranges::any_of(core_.ports, [this](const auto& port) { return port->segment != this; });
 }
 

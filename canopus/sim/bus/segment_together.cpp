@@ -64,7 +64,7 @@ bool Segment::may_join(const BusPort& port) const noexcept {
 /// After controllers have begun to receive: those that are in step go on together.
 void Segment::gather() {
   begun_ = false;
-  if (!core_.wire_observers.empty()) return;
+  if (somebody_needs_bits()) return;
   bool have_joined = false;
   for (BusPort* port : working_) {
     if (port == spokesman_ || !may_join(*port)) continue;
@@ -76,6 +76,7 @@ void Segment::gather() {
     }
   }
   if (have_joined) {
+    told_together_.reset();
     std::erase_if(working_, [](const BusPort* port) { return port->spokesman != nullptr; });
   } else if (working_.size() == members_.size()) {
     spokesman_ = nullptr;
@@ -92,6 +93,22 @@ void Segment::part() {
   }
   spokesman_ = nullptr;
   working_ = members_;
+}
+
+/// What observers hear of all for whom the spokesman begins a bit.
+void Segment::tell_together(can::Time now) {
+  const ToldTogether told{.dominant = spokesman_->tap.reaching,
+                          .flagging = spokesman_->bits.flagging(),
+                          .field = spokesman_->bits.field()};
+  if (told_together_ == told) return;
+  told_together_ = told;
+  for (BusPort* port : members_) {
+    if (port->spokesman == nullptr) continue;
+    follow(*port);
+    tell_driven(*port, now);
+    tell_activity(*port, now);
+    tell_place(*port, now);
+  }
 }
 
 void Segment::keep_in_step() noexcept {
@@ -119,6 +136,7 @@ void Segment::sample_together(can::Time now) {
       Sampled own = found;
       own.faults = port->faults;
       count(port->faults, found.events.counted);
+      tell_counters(*port, now);
       follow(*port);
       conclude(*port, own, now);
       differ = differ || port->faults.state() != spokesman.faults.state();

@@ -206,7 +206,7 @@ void Waveform::field_changed(const Port& port, can::FrameField place, can::Time 
   if (fields_.of(number) != place) fields_.set(number, place);
 }
 
-void Waveform::bit_sampled(const Port& port, can::Time now) {
+void Waveform::counters_changed(const Port& port, can::Time now) {
   const std::size_t number = number_of(port);
   if (number == ports_.size()) return;
   change_number(value(number, tec), port.transmit_error_counter(), now);

@@ -52,7 +52,7 @@ class Waveform final : public WireObserver {
   void transmit_changed(const Port& port, bool dominant, can::Time now) override;
   void activity_changed(const Port& port, bool flagging, bool arbitrating, can::Time now) override;
   void field_changed(const Port& port, can::FrameField field, can::Time now) override;
-  void bit_sampled(const Port& port, can::Time now) override;
+  void counters_changed(const Port& port, can::Time now) override;
 
  private:
   enum Signal : std::size_t { tx, flag, arbitration_part, signals_per_port };
@@ -86,8 +86,8 @@ class Waveform final : public WireObserver {
     std::vector<std::size_t> begins;  // per port: where its line begins, or would
   };
   struct Contender {
-    std::size_t port;
-    unsigned lost_at;
+    std::size_t port = 0;
+    unsigned lost_at = 0;
     bool drives = false;
   };
   void write_level(std::size_t signal, bool high, can::Time now) {

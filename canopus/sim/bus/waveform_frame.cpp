@@ -1,4 +1,4 @@
-// A frame that is told as a whole, in a waveform: the same lines in the same order as if its bits had been told one after
+// A frame that is told as a whole, in a waveform: the same lines as if its bits had been told one after
 // the other.
 
 #include <algorithm>
@@ -111,16 +111,21 @@ void Waveform::begin_arbitration(const WireFrame& frame) {
 /// What each of those drives that began to send, in the bit that begins; `plain` bits before it are no stuff bits.
 void Waveform::write_arbitration(BitStream::Bit bit, unsigned plain, bool is_over, can::Time now) {
   const unsigned belongs_to = bit.stuff ? plain - 1 : plain;
-  next_lost_at_ = WireFrame::Sender::won;
-  std::erase_if(contenders_, [&](Contender& contender) {
+  const bool begins = plain == 0;
+  unsigned next_lost_at = WireFrame::Sender::won;
+  std::size_t left = 0;
+  for (Contender contender : contenders_) {
     const bool drives = bit.dominant && belongs_to < contender.lost_at;
-    if (drives != contender.drives) write_level(signal(contender.port, tx), !drives, now);
-    contender.drives = drives;
     const bool is_out = contender.lost_at == WireFrame::Sender::won ? is_over : plain > contender.lost_at;
-    if (plain == 0 || is_out) write_level(signal(contender.port, arbitration_part), !is_out, now);
-    if (!is_out) next_lost_at_ = std::min(next_lost_at_, contender.lost_at);
-    return is_out;
-  });
+    if (drives != contender.drives) write_level(signal(contender.port, tx), !drives, now);
+    if (begins || is_out) write_level(signal(contender.port, arbitration_part), !is_out, now);
+    if (is_out) continue;
+    contender.drives = drives;
+    next_lost_at = std::min(next_lost_at, contender.lost_at);
+    contenders_[left++] = contender;
+  }
+  contenders_.resize(left);
+  next_lost_at_ = next_lost_at;
 }
 
 /// All but the transmitter.

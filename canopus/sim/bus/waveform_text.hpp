@@ -44,22 +44,21 @@ class WaveformText {
     const std::int64_t tick = now.time_since_epoch() / resolution_;
     if (tick == written_) return;
     written_ = tick;
-    make_room();
-    buffer_[size_++] = '#';
-    append_number(tick);
-    buffer_[size_++] = '\n';
+    char* at = room();
+    *at++ = '#';
+    end_line(append_number(at, tick));
   }
-  void level(bool high, const Code& code) {
-    make_room();
-    buffer_[size_++] = high ? '1' : '0';
-    append_code(code);
+  void level(bool high, Code code) {
+    char* at = room();
+    *at = high ? '1' : '0';
+    append_code(at + 1, code);
   }
-  void number(int value, const Code& code) {
-    make_room();
-    buffer_[size_++] = 'r';  // libsigrok 0.5.2 stops at a vector
-    append_number(value);
-    buffer_[size_++] = ' ';
-    append_code(code);
+  void number(int value, Code code) {
+    char* at = room();
+    *at++ = 'r';  // libsigrok 0.5.2 stops at a vector
+    at = append_number(at, value);
+    *at++ = ' ';
+    append_code(at, code);
   }
   void hand_over();
 
@@ -67,17 +66,22 @@ class WaveformText {
   static constexpr std::size_t capacity = 64 * 1024;
   static constexpr std::size_t longest_line = 40;
 
-  void make_room() {
+  /// For one line.
+  [[nodiscard]] char* room() {
     if (capacity - size_ < longest_line) hand_over();
+    return buffer_.data() + size_;
   }
   template <typename Number>
-  void append_number(Number number) {
-    char* at = buffer_.data() + size_;
-    size_ += static_cast<std::size_t>(std::to_chars(at, at + longest_line / 2, number).ptr - at);
+  [[nodiscard]] static char* append_number(char* at, Number number) {
+    return std::to_chars(at, at + longest_line / 2, number).ptr;
   }
-  void append_code(const Code& code) {
-    std::memcpy(buffer_.data() + size_, &code, sizeof code);  // more than it has, in one store
-    size_ += code.size;
+  void append_code(char* at, Code code) {
+    std::memcpy(at, &code, sizeof code);  // more than it has, in one store
+    size_ = static_cast<std::size_t>(at - buffer_.data()) + code.size;
+  }
+  void end_line(char* at) {
+    *at++ = '\n';
+    size_ = static_cast<std::size_t>(at - buffer_.data());
   }
 
   Sink sink_;
