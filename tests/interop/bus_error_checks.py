@@ -1,4 +1,4 @@
-"""Errors of a simulated bus as SocketCAN error frames, judged by tshark, can-utils and python-can; its waveform by sigrok-cli."""
+"""Errors of a simulated bus as SocketCAN error frames, judged by tshark, can-utils and python-can; its waveform by sigrok-cli and GTKWave."""
 import json
 import re
 import shutil
@@ -121,3 +121,37 @@ def sigrok_reads_the_waveform_beside_counters_and_fields():
     changes = {name: re.findall(rf"^r(-?\d+) {re.escape(code)}$", text, re.MULTILINE) for name, code in codes.items()}
     require(len(changes["field"]) > 1000 and "-1" not in changes["field"], "the bus has no field")
     require(changes["n3_field"][0] == "-1" and len(changes["n3_field"]) < 100, f"{changes['n3_field'][:20]}")
+
+
+def changes(vcd):
+    """What comes to which signal when: [(time, {name: number})], where something changes."""
+    names, values, moments, time = {}, {}, [], 0
+    for line in vcd.read_text().splitlines():
+        words = line.split()
+        if line.startswith("$var"):
+            names[words[3]] = words[4]
+        elif line.startswith("#"):
+            time = int(line[1:])
+        elif line[:1] in ("0", "1", "r"):
+            code, value = (words[1], float(words[0][1:])) if line[0] == "r" else (words[0][1:], float(line[0]))
+            if values.get(names[code]) != value:
+                values[names[code]] = value
+                if not moments or moments[-1][0] != time:
+                    moments.append((time, {}))
+                moments[-1][1][names[code]] = value
+    return moments
+
+
+@check
+def gtkwave_reads_every_change_of_the_waveform():
+    """Read by GTKWave's vcd2fst and written again by its fst2vcd, a waveform with errors says the same."""
+    if not shutil.which("vcd2fst"):
+        raise Skip("gtkwave is not installed")
+    wave, again = scratch / "gtkwave.vcd", scratch / "gtkwave-again.vcd"
+    run(plant('[[bus.fault]]\nkind = "corrupt"\nreceiver = "n4"\nsender = "n3"\nevery = 3\nbit = 30\n'), "--quiet", "--vcd", wave)
+    command("vcd2fst", wave, scratch / "gtkwave.fst")
+    command("fst2vcd", scratch / "gtkwave.fst", "-o", again)
+    ours, theirs = changes(wave), changes(again)
+    require(len(ours) > 10_000 and {"field", "n3_field", "n4_rec", "can"} <= ours[0][1].keys(), f"{len(ours)} moments, {ours[0]}")
+    for one, other in zip(ours, theirs, strict=True):
+        require(one == other, f"{one}, GTKWave has {other}")
