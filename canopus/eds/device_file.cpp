@@ -11,6 +11,7 @@
 #include "canopus/eds/object_reader.hpp"
 #include "canopus/eds/pdo_review.hpp"
 #include "canopus/eds/words.hpp"
+#include "canopus/eds/xdd.hpp"
 
 namespace canopus::eds {
 namespace {
@@ -76,20 +77,25 @@ bool complete_mandatory_objects(Draft& draft, const IniFile& file, Problems& pro
     identity.subs.emplace(sub, std::move(entry));
   }
   draft.emplace(std::uint16_t{0x1018}, std::move(identity));
-  problems.warning(line, "mandatory object 1018H (Identity object) is missing: made from [DeviceInfo]");
+  problems.warning(line, "mandatory object 1018H (Identity object) is missing: made");
   return true;
 }
 
 /// 1018H and [DeviceInfo] say the same thing twice; what the device answers (1018H) wins.
-void compare_identity(Draft& draft, const DeviceFile& device, bool is_made, Problems& problems) {
+void compare_identity(Draft& draft, const DeviceFile& device, const Section* info, bool is_made,
+                      Problems& problems) {
   struct Part {
     std::uint8_t sub;
-    std::string_view key;
+    std::string_view key;  // as the file has it
     std::optional<std::uint32_t> number;
   };
-  const Part parts[] = {{1, "VendorNumber", device.device.vendor_number},
-                        {2, "ProductNumber", device.device.product_number},
-                        {3, "RevisionNumber", device.device.revision_number}};
+  const auto key = [&](std::string_view folded_key, std::string_view key_of_eds) {
+    const Item* item = info == nullptr ? nullptr : info->find(folded_key);
+    return item == nullptr ? key_of_eds : std::string_view(item->key);
+  };
+  const Part parts[] = {{1, key("vendornumber", "VendorNumber"), device.device.vendor_number},
+                        {2, key("productnumber", "ProductNumber"), device.device.product_number},
+                        {3, key("revisionnumber", "RevisionNumber"), device.device.revision_number}};
   for (const Part& part : parts) {
     EntryDraft* entry = find(draft, 0x1018, part.sub);
     if (entry == nullptr || !part.number || canopen::byte_length(entry->spec.type) == 0) continue;
@@ -103,8 +109,8 @@ void compare_identity(Draft& draft, const DeviceFile& device, bool is_made, Prob
       const bool says_nothing = *part.number == 0 || *part.number == 0xFFFF'FFFF;
       problems.report(says_nothing ? Severity::note : Severity::warning, entry->value_line,
                       object_name(0x1018, part.sub) + " is " + std::to_string(entry->number()) + ", but " +
-                          std::string(part.key) + " in [DeviceInfo] is " + std::to_string(*part.number) +
-                          ": the object counts");
+                          std::string(part.key) + " in [" + (info == nullptr ? "DeviceInfo" : info->name) +
+                          "] is " + std::to_string(*part.number) + ": the object counts");
     }
   }
   EntryDraft* serial = find(draft, 0x1018, 4);
@@ -215,11 +221,8 @@ void build(Draft& draft, DeviceFile& device) {
 
 /// Why there is no device in this text, for whoever opened the wrong file.
 void refuse(std::string_view text, const IniFile& file, Problems& problems) {
-  const std::string_view start = trim(text.substr(0, text.find_first_of("\r\n")));
   if (trim(text).empty() || text.find_first_not_of(" \t\r\n") == std::string_view::npos) {
     problems.error(1, "the file is empty");
-  } else if (start.starts_with('<') || start.starts_with("\xEF\xBB\xBF<")) {
-    problems.error(1, "this is XML (a CiA 311 XDD?), not an EDS or DCF");
   } else if (file.sections().empty()) {
     problems.error(file.first_strange_line(), "this is not an EDS or DCF: there is not one [section]");
   } else {
@@ -228,19 +231,28 @@ void refuse(std::string_view text, const IniFile& file, Problems& problems) {
   }
 }
 
+std::optional<IniFile> read_ini(std::string_view text, Problems& problems) {
+  if (text.size() <= largest_text) return IniFile(text, problems);
+  problems.error(1, "the file is larger than 4 MB: no EDS or DCF is");
+  return std::nullopt;
+}
+
 }  // namespace
 
 ReadResult read_device_file(std::string_view text) {
   Problems problems;
-  if (text.size() > largest_text) {
-    problems.error(1, "the file is larger than 4 MB: no EDS or DCF is");
-    return {nullptr, problems.take()};
-  }
-  const IniFile file(text, problems);
+  const bool is_xdd = is_xml(text);
+  const std::optional<IniFile> read = is_xdd ? read_xdd(text, problems) : read_ini(text, problems);
+  if (!read) return {nullptr, problems.take()};
+  const IniFile& file = *read;
   const ObjectSectionMap sections = find_object_sections(file, "", problems);
   Draft draft = read_objects(sections, problems);
   if (draft.empty()) {
-    refuse(text, file, problems);
+    if (is_xdd) {
+      problems.error(1, "no object is described: CANopenObjectList has no object from 1000H on");
+    } else {
+      refuse(text, file, problems);
+    }
     return {nullptr, problems.take()};
   }
 
@@ -250,10 +262,10 @@ ReadResult read_device_file(std::string_view text) {
   device->commissioning = read_commissioning(file, problems);
   device->dummy_usage = read_dummy_usage(file, problems);
   device->comments = read_comments(file);
-  check_object_lists(file, sections, problems);
+  if (!is_xdd) check_object_lists(file, sections, problems);
   read_modules(file, draft, *device, problems);
   const bool identity_is_made = complete_mandatory_objects(draft, file, problems);
-  compare_identity(draft, *device, identity_is_made, problems);
+  compare_identity(draft, *device, file.find("deviceinfo"), identity_is_made, problems);
   review_device_type(draft, problems);
   generate_compact_pdos(draft, device->device, lines.section, problems);
   set_missing_defaults(draft, problems);

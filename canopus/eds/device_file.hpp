@@ -1,5 +1,5 @@
 #pragma once
-// A device description file as a device: what an EDS or DCF [CiA 306] says, read forgivingly. Files in the
+// A device description file as a device: what an EDS or DCF [CiA 306], an XDD or XDC [CiA 311] says, read forgivingly. Files in the
 // field are broken in many ways; the reader repairs what a person would and says so, with the line, and
 // refuses only what no person could make sense of.
 //
@@ -87,6 +87,7 @@ struct EntryFacts {
   unsigned line = 0;               ///< of its section
   std::uint32_t object_flags = 0;  ///< bit 0: do not write on download, bit 1: do not read on scan
   bool configured = false;         ///< a DCF gives it a ParameterValue: to be downloaded
+  std::string default_text;        ///< of a configured one: its DefaultValue as the file writes it
   std::string denotation;          ///< the application's name for it
   std::string upload_file;         ///< DOMAIN: receives what is read
   std::string download_file;       ///< DOMAIN: is written to the device
@@ -149,7 +150,7 @@ struct ReadResult {
   std::vector<Problem> problems;           ///< worst first, then by line; every one has a line
 };
 
-/// Reads an EDS or DCF. Never fails otherwise than by refusing.
+/// Reads an EDS or DCF, or an XDD or XDC: what it is, its content says. Never fails otherwise than by refusing.
 [[nodiscard]] ReadResult read_device_file(std::string_view text);
 
 /// What a device made from this file answers for 1000H and 1018H.

@@ -227,6 +227,9 @@ EntryDraft read_entry(const ObjectKeys& keys, std::uint16_t index, std::uint8_t 
     entry.has_value = false;
     set_value(entry, *item, index, sub, problems);
     entry.facts.configured = entry.has_value;
+    if (const Item* covered = keys.find("defaultvalue"); covered != nullptr && entry.has_value) {
+      entry.facts.default_text = to_utf8(covered->value);
+    }
     entry.has_value = entry.has_value || had_value;
   }
   read_limits(entry, keys, index, sub, problems);

@@ -1,6 +1,7 @@
 #include "canopus/eds/ini.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "canopus/eds/words.hpp"
 
@@ -8,43 +9,6 @@ namespace canopus::eds {
 namespace {
 
 using Severity = Problem::Severity;
-
-/// UTF-16 as Windows' "Unicode" is, to UTF-8. Half a pair is replaced.
-std::string from_utf16(std::string_view text, bool big_endian) {
-  std::string result;
-  const auto unit = [&](std::size_t i) {
-    const auto a = static_cast<unsigned char>(text[i]);
-    const auto b = static_cast<unsigned char>(text[i + 1]);
-    return static_cast<std::uint32_t>(big_endian ? a << 8 | b : b << 8 | a);
-  };
-  for (std::size_t i = 0; i + 1 < text.size(); i += 2) {
-    std::uint32_t code = unit(i);
-    if (code >= 0xD800 && code < 0xDC00 && i + 3 < text.size()) {
-      const std::uint32_t low = unit(i + 2);
-      if (low >= 0xDC00 && low < 0xE000) {
-        code = 0x10000 + ((code - 0xD800) << 10) + (low - 0xDC00);
-        i += 2;
-      }
-    }
-    if (code >= 0xD800 && code < 0xE000) code = 0xFFFD;
-    if (code < 0x80) {
-      result += static_cast<char>(code);
-    } else if (code < 0x800) {
-      result += static_cast<char>(0xC0 | code >> 6);
-      result += static_cast<char>(0x80 | (code & 0x3F));
-    } else if (code < 0x10000) {
-      result += static_cast<char>(0xE0 | code >> 12);
-      result += static_cast<char>(0x80 | (code >> 6 & 0x3F));
-      result += static_cast<char>(0x80 | (code & 0x3F));
-    } else {
-      result += static_cast<char>(0xF0 | code >> 18);
-      result += static_cast<char>(0x80 | (code >> 12 & 0x3F));
-      result += static_cast<char>(0x80 | (code >> 6 & 0x3F));
-      result += static_cast<char>(0x80 | (code & 0x3F));
-    }
-  }
-  return result;
-}
 
 bool is_comment(std::string_view line) noexcept {
   return line.starts_with(';') || line.starts_with('#') || line.starts_with("//");
@@ -81,6 +45,11 @@ IniFile::IniFile(std::string_view text, Problems& problems) {
     read_line(text.substr(0, end), ++line_count_, problems);
     text.remove_prefix(std::min(end + 1, text.size()));
   }
+}
+
+IniFile::IniFile(std::vector<Section> sections) : sections_(std::move(sections)) {
+  for (std::size_t i = 0; i < sections_.size(); ++i)
+    section_numbers_.try_emplace(sections_[i].folded_name, i);
 }
 
 void IniFile::read_line(std::string_view line, unsigned number, Problems& problems) {

@@ -38,6 +38,8 @@ class IniFile {
   /// Takes any bytes. Of a section that comes twice, the later one adds the keys the first one lacks; of a
   /// key that comes twice in a section, the first one counts.
   IniFile(std::string_view text, Problems& problems);
+  /// Of sections that were found otherwise; no two have the same folded name.
+  explicit IniFile(std::vector<Section> sections);
 
   [[nodiscard]] const std::vector<Section>& sections() const noexcept { return sections_; }
   /// The section (folded), or nullptr.

@@ -44,7 +44,7 @@ class ObjectReader {
  private:
   void read_members(ObjectDraft& object, const ObjectKeys* head);
   void read_compact(ObjectDraft& object, const ObjectKeys& head, std::uint8_t count);
-  void read_lists(ObjectDraft& object, std::uint8_t count);
+  void read_lists(ObjectDraft& object, const ObjectKeys& head, std::uint8_t count);
   void complete_highest_sub(ObjectDraft& object);
   [[nodiscard]] ObjectCode likely_code() const;
   [[nodiscard]] std::uint64_t mapped_objects(ObjectDraft& object) const;
@@ -218,10 +218,10 @@ void ObjectReader::read_compact(ObjectDraft& object, const ObjectKeys& head, std
         object_name(index_) + " has CompactSubObj and described sub-indexes: the latter count");
     read_members(object, &head);
   }
-  read_lists(object, count);
+  read_lists(object, head, count);
 }
 
-void ObjectReader::read_lists(ObjectDraft& object, std::uint8_t count) {
+void ObjectReader::read_lists(ObjectDraft& object, const ObjectKeys& head, std::uint8_t count) {
   const auto entries = [&](const Section* section, auto&& apply) {
     if (section == nullptr) return;
     for (const ListEntry& entry : read_list(*section, "nrofentries", problems_)) {
@@ -242,6 +242,7 @@ void ObjectReader::read_lists(ObjectDraft& object, std::uint8_t count) {
     if (item.value.empty()) return;
     set_value(entry, item, index_, entry.facts.sub, problems_);
     entry.facts.configured = true;
+    if (const Item* covered = head.find("defaultvalue")) entry.facts.default_text = to_utf8(covered->value);
   });
 }
 
@@ -306,7 +307,9 @@ ObjectSectionMap find_object_sections(const IniFile& file, std::string_view pref
     rest.remove_prefix(prefix.size());
     const auto meaning = object_section(rest);
     if (!meaning) continue;
-    if (meaning->irregular || section.name.find(' ') != std::string::npos) {
+    // The sections of an XDD have names that nobody spelt.
+    const bool is_spelt = folded(section.name) == section.folded_name;
+    if (meaning->irregular || (is_spelt && section.name.find(' ') != std::string::npos)) {
       problems.repeated(Severity::note, "section spelling", section.line,
                         "section [" + section.name + "] is read as an object's");
     }

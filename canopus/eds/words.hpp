@@ -23,6 +23,8 @@ namespace canopus::eds {
 
 /// As it is when it is UTF-8, else read as Windows Latin and converted.
 [[nodiscard]] std::string to_utf8(std::string_view text);
+/// UTF-16 without its byte order mark, to UTF-8. Half a pair is replaced.
+[[nodiscard]] std::string from_utf16(std::string_view text, bool big_endian);
 [[nodiscard]] bool is_utf8(std::string_view text) noexcept;
 
 /// "UNSIGNED8", "U8", "uint8" ...

@@ -231,8 +231,7 @@ TEST_P(Refused, TextWithoutOneObject_IsRefusedWithItsLine) {
 INSTANTIATE_TEST_SUITE_P(
     Texts, Refused,
     testing::Values(Refusal{"", 1, "the file is empty"}, Refusal{" \n\n", 1, "the file is empty"},
-                    Refusal{"<?xml version=\"1.0\"?>\n", 1,
-                            "this is XML (a CiA 311 XDD?), not an EDS or DCF"},
+                    Refusal{"<?xml version=\"1.0\"?>\n", 1, "this is no XML: there is no element in it"},
                     Refusal{"\nhello\n", 2, "this is not an EDS or DCF: there is not one [section]"},
                     Refusal{"\x7F"
                             "ELF\x02\x01\n",

@@ -129,11 +129,12 @@ int eds_check(const EdsCheckOptions& options, Output& out, Output& err) {
 }
 
 void add_eds_command(CLI::App& app, int& exit_code) {
-  CLI::App* eds = app.add_subcommand("eds", "Look into device description files (EDS, DCF)");
+  CLI::App* eds = app.add_subcommand("eds", "Look into device description files (EDS, DCF, XDD, XDC)");
   eds->require_subcommand(1);
-  CLI::App* check = eds->add_subcommand("check", "Say what is wrong with EDS and DCF files, worst first");
+  CLI::App* check = eds->add_subcommand("check", "Say what is wrong with device files, worst first");
   const auto options = std::make_shared<EdsCheckOptions>();
-  check->add_option("FILE", options->files, "EDS or DCF files; - is the standard input")->required();
+  check->add_option("FILE", options->files, "EDS, DCF, XDD or XDC files; - is the standard input")
+      ->required();
   check->add_flag("-q,--quiet", options->quiet, "Print refused files only, with their errors");
   check->add_flag("--json", options->json, "Print one JSON object per file instead");
   check->footer(
@@ -151,7 +152,7 @@ void add_eds_command(CLI::App& app, int& exit_code) {
   const auto shown = std::make_shared<ShowOptions>();
   CLI::App* show =
       eds->add_subcommand("show", "List a device's identity, objects, and PDOs with their mapping");
-  show->add_option("FILE", shown->file, "EDS or DCF file; - is the standard input")->required();
+  show->add_option("FILE", shown->file, "EDS, DCF, XDD or XDC file; - is the standard input")->required();
   show->add_flag("--json", shown->json, "Print one JSON object instead");
   show->footer(
       "PDO: in which the object may be mapped. +node: the node-ID is added. Longer names are cut at 80 "

@@ -1,0 +1,27 @@
+#pragma once
+// An XDD or XDC [CiA 311] as the sections and keys in which CiA 306 says the same: one reader, and one set of checks,
+// for both kinds of device files.
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "canopus/eds/ini.hpp"
+
+namespace canopus::eds {
+
+/// True when a text begins as XML does, whatever is in it: with '<', behind blanks and a byte order mark.
+[[nodiscard]] bool is_xml(std::string_view text) noexcept;
+
+/// The text of an XML file as UTF-8: UTF-16 and, where the XML declaration says so, Windows Latin are converted, with
+/// a note. Nothing, after an error, when it is neither.
+[[nodiscard]] std::optional<std::string> xml_text(std::string_view text, Problems& problems);
+
+/// The number of an index or subIndex attribute: hexadecimal with or without 0x, at most `digits` digits.
+[[nodiscard]] std::optional<unsigned> read_hexadecimal(std::string_view text, std::size_t digits);
+
+/// The sections, their keys called as in the file, with the places they have in it. What an object has no attribute
+/// for comes from the parameter that its uniqueIDRef names. Nothing, after an error, when this is no CANopen device's.
+[[nodiscard]] std::optional<IniFile> read_xdd(std::string_view text, Problems& problems);
+
+}  // namespace canopus::eds
