@@ -8,11 +8,14 @@
 #include "canopus/eds/number.hpp"
 #include "canopus/eds/value.hpp"
 #include "canopus/eds/words.hpp"
+#include "canopus/eds/xdd.hpp"
 
 namespace canopus::eds {
 namespace {
 
 using Done = std::expected<void, std::string>;
+
+constexpr std::string_view xml_is_no_ini = "this is XML, an XDD or XDC, and no EDS or DCF";
 
 /// What of its object a value belongs to, as the file has it.
 struct ValuePlace {
@@ -88,13 +91,19 @@ std::string expected_range(canopen::DataType type) {
   return "; expected " + text(low) + " to " + text(high);
 }
 
-/// Why the value is none for this sub-index; empty: it is one.
+Done set_key(IniText& file, std::string_view section, std::string_view key, std::string_view value) {
+  if (value.empty()) return {};
+  return file.set(section, key, value);
+}
+
+}  // namespace
+
 std::string value_problem(const canopen::DictionaryDescription& dictionary, const canopen::Entry& entry,
-                          std::string_view value) {
+                          std::string_view key, std::string_view value) {
   const canopen::DataType type = entry.description->type;
   Problems problems;
   Item item;
-  item.key = "ParameterValue";
+  item.key = key;
   item.value = value;
   const auto read = read_value(type, {problems, item, entry.index, entry.sub});
   for (const Problem& problem : problems.take()) {
@@ -113,21 +122,28 @@ std::string value_problem(const canopen::DictionaryDescription& dictionary, cons
          (is_low ? "below its LowLimit" : "above its HighLimit");
 }
 
-Done set_key(IniText& file, std::string_view section, std::string_view key, std::string_view value) {
-  if (value.empty()) return {};
-  return file.set(section, key, value);
+std::string commissioning_problem(const Commissioning& commissioning) {
+  constexpr std::size_t longest_name = 246;  // [CiA 306-1]
+  if (!commissioning.node_id || *commissioning.node_id < 1 || *commissioning.node_id > 127) {
+    return "a node-ID is 1 to 127";
+  }
+  for (const std::string* name : {&commissioning.node_name, &commissioning.network_name}) {
+    if (name->size() <= longest_name) continue;
+    return "\"" + printable(*name) + "\": a name has at most " + std::to_string(longest_name) + " letters";
+  }
+  return {};
 }
-
-}  // namespace
 
 Done set_parameter_value(IniText& file, std::uint16_t index, std::uint8_t sub, std::string_view value) {
   if (trim(value).empty()) return std::unexpected("no value is given for " + object_name(index, sub));
-  const ReadResult read = read_device_file(file.text());
+  const std::string text = file.text();
+  if (is_xml(text)) return std::unexpected(std::string(xml_is_no_ini));
+  const ReadResult read = read_device_file(text);
   if (read.file == nullptr) return std::unexpected(read.problems.front().message);
   const auto place = value_place(file, *read.file, index, sub);
   if (!place) return std::unexpected(place.error());
   const auto& dictionary = *read.file->dictionary;
-  std::string problem = value_problem(dictionary, dictionary.find(index, sub), value);
+  std::string problem = value_problem(dictionary, dictionary.find(index, sub), "ParameterValue", value);
   if (!problem.empty()) return std::unexpected(std::move(problem));
   IniText changed = file;
   const Done done = place->is_list ? set_in_list(changed, *place, index, value)
@@ -138,7 +154,9 @@ Done set_parameter_value(IniText& file, std::uint16_t index, std::uint8_t sub, s
 }
 
 Done remove_parameter_value(IniText& file, std::uint16_t index, std::uint8_t sub) {
-  const ReadResult read = read_device_file(file.text());
+  const std::string text = file.text();
+  if (is_xml(text)) return std::unexpected(std::string(xml_is_no_ini));
+  const ReadResult read = read_device_file(text);
   if (read.file == nullptr) return std::unexpected(read.problems.front().message);
   const auto place = value_place(file, *read.file, index, sub);
   if (!place) return std::unexpected(place.error());
@@ -154,21 +172,15 @@ Done remove_parameter_value(IniText& file, std::uint16_t index, std::uint8_t sub
 
 std::expected<IniText, std::string> make_configuration(std::string_view eds, const ConfigurationNames& names,
                                                        const Commissioning& commissioning) {
-  constexpr std::size_t longest_name = 246;  // [CiA 306-1]
+  if (is_xml(eds)) return std::unexpected("line 1: " + std::string(xml_is_no_ini));
   IniText file(eds);
   const ReadResult read = read_device_file(eds);
   if (read.file == nullptr) {
     return std::unexpected("line " + std::to_string(read.problems.front().line) + ": " +
                            read.problems.front().message);
   }
-  if (!commissioning.node_id || *commissioning.node_id < 1 || *commissioning.node_id > 127) {
-    return std::unexpected("a node-ID is 1 to 127");
-  }
-  for (const std::string* name : {&commissioning.node_name, &commissioning.network_name}) {
-    if (name->size() > longest_name) {
-      return std::unexpected("\"" + printable(*name) + "\": a name has at most " +
-                             std::to_string(longest_name) + " letters");
-    }
+  if (std::string problem = commissioning_problem(commissioning); !problem.empty()) {
+    return std::unexpected(std::move(problem));
   }
   const auto number = [](std::uint64_t value) { return value == 0 ? std::string() : std::to_string(value); };
   // [CiA 306] spells it with one m; others do not, and the reader takes either.

@@ -192,7 +192,10 @@ void ObjectReader::read_compact(ObjectDraft& object, const ObjectKeys& head, std
   EntryDraft zero =
       made_entry(member_name({}, 0), DataType::unsigned8, Access::read_only, count, object.line);
   zero.facts.index = index_;
-  if (is_mapping_record(index_)) zero.spec.access = Access::read_write;
+  if (is_mapping_record(index_)) {
+    zero.spec.access = Access::read_write;
+    zero.spec.stored = true;
+  }
   if (index_ == 0x1003) {
     zero.spec.access = Access::read_write;
     zero.set_number(0);

@@ -1,6 +1,9 @@
 #include "canopus/eds/value.hpp"
 
+#include <algorithm>
+#include <array>
 #include <bit>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -19,10 +22,10 @@ using canopen::DataType;
 using canopen::is_signed;
 using canopen::little_endian;
 
-std::string hex_text(std::uint64_t value) {
+std::string hex_text(std::uint64_t value, unsigned digits = 1) {
   std::string text;
-  do text.insert(text.begin(), "0123456789ABCDEF"[value & 0xF]);
-  while ((value >>= 4) != 0);
+  for (; value != 0 || text.size() < digits; value >>= 4)
+    text.insert(text.begin(), "0123456789ABCDEF"[value & 0xF]);
   return "0x" + text;
 }
 
@@ -218,6 +221,38 @@ std::optional<Value> read_value(DataType type, const Place& place) {
     case DataType::real64: return real_value(type, place);
     default: return integer_value(type, place);
   }
+}
+
+std::optional<std::string> value_text(DataType type, std::span<const std::uint8_t> bytes, bool adds_node_id) {
+  if (const unsigned length = byte_length(type); length != 0) {
+    const std::uint64_t value = can::load_value(bytes.first(std::min<std::size_t>(bytes.size(), length)));
+    const bool is_short = value == 0 || (value < 10 && !is_real(type));
+    const std::string text = is_short ? std::to_string(value) : hex_text(value, 2 * length);
+    return adds_node_id ? "$NODEID+" + text : text;
+  }
+  std::string text;
+  if (type == DataType::unicode_string) {
+    text = from_utf16({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, false);  // NOLINT
+    if (bytes.size() % 2 != 0 || text.find("\xEF\xBF\xBD") != std::string::npos) return std::nullopt;
+  } else if (type == DataType::visible_string) {
+    text.assign(bytes.begin(), bytes.end());
+  } else {
+    for (const std::uint8_t byte : bytes) text += hex_text(byte, 2).substr(2);
+    return text;
+  }
+  const bool is_quoted = text.size() >= 2 && text.front() == '"' && text.back() == '"';
+  return is_quoted || trim(text) != text ? '"' + text + '"' : text;
+}
+
+std::string limit_text(DataType type, std::uint64_t limit) {
+  if (is_real(type)) {
+    std::array<char, 32> digits{};
+    const auto end =
+        std::to_chars(digits.data(), digits.data() + digits.size(), std::bit_cast<double>(limit)).ptr;
+    return {digits.data(), end};
+  }
+  if (is_signed(type)) return std::to_string(static_cast<std::int64_t>(limit));
+  return limit < 10 ? std::to_string(limit) : hex_text(limit, 2 * byte_length(type));
 }
 
 bool is_number(DataType type) noexcept {

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -41,6 +43,14 @@ struct Value {
 /// is none or too large.
 [[nodiscard]] std::optional<std::uint64_t> read_unsigned(const Section& section, const Item& item,
                                                          std::uint64_t highest, Problems& problems);
+
+/// A value as a device file writes it, so that read_value() gives these bytes again: 7, 0x0191, $NODEID+0x180, octets
+/// as pairs of hexadecimal digits, text as it is (in quotes where it has blanks at its ends). Nothing: bytes that are
+/// no text of this type.
+[[nodiscard]] std::optional<std::string> value_text(canopen::DataType type,
+                                                    std::span<const std::uint8_t> bytes, bool adds_node_id);
+/// A limit (canopen::Limits) as a device file writes it.
+[[nodiscard]] std::string limit_text(canopen::DataType type, std::uint64_t limit);
 
 /// Lowest and highest value of an integer type, as 64-bit patterns.
 struct Range {

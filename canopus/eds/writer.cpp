@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "canopus/can/little_endian.hpp"
+#include "canopus/eds/problems.hpp"
+#include "canopus/eds/value.hpp"
 
 namespace canopus::eds {
 
@@ -40,19 +42,17 @@ std::string_view word(Access access) {
 
 // Below it are the data types, which the format has in [DummyUsage] alone.
 constexpr std::uint16_t first_object = 0x1000;
-bool is_data_type(std::uint16_t index) { return index < first_object; }
+bool is_data_type_index(std::uint16_t index) { return index < first_object; }
 
 class Writer {
  public:
-  explicit Writer(const DictionaryDescription& dictionary)
-      : dictionary_(dictionary), defaults_(dictionary.block_size()), defaults_of_1_(dictionary.block_size()) {
-    dictionary.load_defaults(defaults_, 0);
-    dictionary.load_defaults(defaults_of_1_, 1);
-  }
+  /// `device`: the file the dictionary is of, or nullptr for one that is described in code.
+  explicit Writer(const DictionaryDescription& dictionary, const DeviceFile* device = nullptr)
+      : dictionary_(dictionary), device_(device) {}
 
   void section(std::string_view name) { line(("[" + std::string(name) + "]")); }
   void key(std::string_view name, std::string_view value) {
-    line(std::string(name) + "=" + std::string(value));
+    line(std::string(name) + "=" + readable(name, value));
   }
   void key(std::string_view name, std::uint64_t value) { key(name, std::to_string(value)); }
   void end() { line(""); }
@@ -62,7 +62,7 @@ class Writer {
   void list(std::string_view name, Kind kind) {
     std::vector<std::uint16_t> indexes;
     for (const ObjectDescription& object : dictionary_.objects()) {
-      if (!is_data_type(object.index) && kind_of(object.index) == kind) indexes.push_back(object.index);
+      if (!is_data_type_index(object.index) && kind_of(object.index) == kind) indexes.push_back(object.index);
     }
     section(name);
     key("SupportedObjects", indexes.size());
@@ -79,7 +79,7 @@ class Writer {
       return end();
     }
     key("ObjectType", "0x" + hex(static_cast<unsigned>(object.code), 1));
-    if (object.uniform) {
+    if (object.uniform && device_ == nullptr) {
       entry(dictionary_.find(object, 1));
       key("CompactSubObj", object.highest_sub);
       return end();
@@ -94,7 +94,8 @@ class Writer {
       const Entry found = dictionary_.find(object, static_cast<std::uint8_t>(sub));
       if (!found) continue;
       section(hex(object.index, 4) + "sub" + hex(sub, 1));
-      key("ParameterName", sub == 0 ? "Highest sub-index supported" : dictionary_.name(found));
+      const bool has_name = device_ != nullptr || sub != 0;
+      key("ParameterName", has_name ? dictionary_.name(found) : "Highest sub-index supported");
       key("ObjectType", "0x7");
       entry(found);
       end();
@@ -102,6 +103,7 @@ class Writer {
   }
 
   std::string take() { return std::move(text_); }
+  std::vector<std::string> take_warnings() { return std::move(warnings_); }
 
  private:
   static Kind kind_of(std::uint16_t index) {
@@ -112,34 +114,53 @@ class Writer {
   void line(const std::string& text) { (text_ += text) += "\r\n"; }
 
   void entry(const Entry& entry) {
+    const EntryFacts* facts = device_ == nullptr ? nullptr : device_->find_facts(entry.index, entry.sub);
+    place_ = object_name(entry.index, entry.sub);
     key("DataType", "0x" + hex(static_cast<unsigned>(entry.description->type), 4));
     key("AccessType", word(entry.description->access));
-    key("DefaultValue", default_of(entry));
+    const canopen::Limits& limits = dictionary_.limits(entry);
+    if (limits.low) key("LowLimit", limit_text(entry.description->type, *limits.low));
+    if (limits.high) key("HighLimit", limit_text(entry.description->type, *limits.high));
+    const auto value = default_text(dictionary_, entry);
+    if (!value) warnings_.push_back(place_ + ": its value is no text of its type: left out");
+    const bool is_configured = facts != nullptr && facts->configured;
+    key("DefaultValue", is_configured ? facts->default_text : value.value_or(""));
+    if (is_configured) key("ParameterValue", value.value_or(""));
     if (entry.description->type != DataType::domain) {
-      key("PDOMapping", entry.description->rpdo_mappable || entry.description->tpdo_mappable ? 1U : 0U);
+      const bool is_mappable = entry.description->rpdo_mappable || entry.description->tpdo_mappable;
+      key("PDOMapping",
+          (device_ == nullptr ? is_mappable : is_said_to_be_mappable(*entry.description)) ? 1U : 0U);
+    }
+    if (facts != nullptr) write_facts(*facts);
+    place_.clear();
+  }
+
+  void write_facts(const EntryFacts& facts) {
+    if (facts.object_flags != 0) key("ObjFlags", "0x" + hex(facts.object_flags, 1));
+    const std::pair<std::string_view, const std::string&> texts[] = {{"Denotation", facts.denotation},
+                                                                     {"UploadFile", facts.upload_file},
+                                                                     {"DownloadFile", facts.download_file}};
+    for (const auto& [name, text] : texts) {
+      if (!text.empty()) key(name, text);
     }
   }
 
-  std::string default_of(const Entry& entry) const {
-    const unsigned length = entry.description->length;
-    if (length == 0) {
-      const std::vector<std::uint8_t>& bytes = dictionary_.default_slot(entry.offset);
-      return {bytes.begin(), bytes.end()};
-    }
-    const std::uint64_t value = number(defaults_, entry), of_1 = number(defaults_of_1_, entry);
-    const std::string text =
-        value < 10 ? std::to_string(value) : "0x" + hex(value, static_cast<int>(2 * length));
-    return value == of_1 ? text : "$NODEID+" + text;
-  }
-
-  static std::uint64_t number(const std::vector<std::uint8_t>& block, const Entry& entry) {
-    return can::load_value(&block[entry.offset], entry.description->length);
+  /// A line end or an end of file in a value would end it.
+  std::string readable(std::string_view name, std::string_view value) {
+    std::string text(value);
+    if (value.find_first_of(std::string_view("\0\x1A\r\n", 4)) == std::string_view::npos) return text;
+    std::ranges::replace_if(
+        text, [](char c) { return c == '\0' || c == '\x1A' || c == '\r' || c == '\n'; }, ' ');
+    warnings_.push_back((place_.empty() ? "" : place_ + ": ") + std::string(name) +
+                        " has a line end or the like in it: a blank is written");
+    return text;
   }
 
   const DictionaryDescription& dictionary_;
-  std::vector<std::uint8_t> defaults_;
-  std::vector<std::uint8_t> defaults_of_1_;
+  const DeviceFile* device_;
   std::string text_;
+  std::string place_;  // the sub-index that is being written
+  std::vector<std::string> warnings_;
 };
 
 void write_file_info(Writer& writer, const FileInfo& file) {
@@ -147,7 +168,7 @@ void write_file_info(Writer& writer, const FileInfo& file) {
   writer.key("FileName", file.file_name);
   writer.key("FileVersion", file.version);
   writer.key("FileRevision", file.revision);
-  writer.key("EDSVersion", file.eds_version);
+  writer.key("EDSVersion", file.eds_version.empty() ? "4.0" : file.eds_version);
   writer.key("Description", file.description);
   writer.key("CreationTime", file.creation_time);
   writer.key("CreationDate", file.creation_date);
@@ -155,11 +176,12 @@ void write_file_info(Writer& writer, const FileInfo& file) {
   writer.key("ModificationTime", file.modification_time);
   writer.key("ModificationDate", file.modification_date);
   writer.key("ModifiedBy", file.modified_by);
+  if (!file.last_eds.empty()) writer.key("LastEDS", file.last_eds);
   writer.end();
 }
 
 void write_device_info(Writer& writer, const DeviceInfo& device) {
-  constexpr std::array bit_rates{10U, 20U, 50U, 125U, 250U, 500U, 800U, 1000U};  // those the format knows
+  constexpr std::array known_rates{10U, 20U, 50U, 125U, 250U, 500U, 800U, 1000U};
   writer.section("DeviceInfo");
   writer.key("VendorName", device.vendor_name);
   writer.key("VendorNumber", "0x" + hex(device.vendor_number.value_or(0), 8));
@@ -167,10 +189,13 @@ void write_device_info(Writer& writer, const DeviceInfo& device) {
   writer.key("ProductNumber", "0x" + hex(device.product_number.value_or(0), 8));
   writer.key("RevisionNumber", "0x" + hex(device.revision_number.value_or(0), 8));
   writer.key("OrderCode", device.order_code);
-  for (const unsigned kbps : bit_rates) {
-    const bool supported = std::ranges::find(device.bit_rates, kbps * 1000) != device.bit_rates.end();
-    writer.key("BaudRate_" + std::to_string(kbps), supported ? 1U : 0U);
+  const auto is_supported = [&](unsigned kbps) {
+    return std::ranges::find(device.bit_rates, kbps * 1000) != device.bit_rates.end();
+  };
+  for (const unsigned kbps : known_rates) {
+    writer.key("BaudRate_" + std::to_string(kbps), is_supported(kbps) ? 1U : 0U);
   }
+  if (is_supported(100)) writer.key("BaudRate_100", 1U);  // not of the format, but devices have it
   writer.key("SimpleBootUpMaster", device.simple_boot_up_master ? 1U : 0U);
   writer.key("SimpleBootUpSlave", device.simple_boot_up_slave ? 1U : 0U);
   writer.key("Granularity", device.granularity);
@@ -184,13 +209,34 @@ void write_device_info(Writer& writer, const DeviceInfo& device) {
 }
 
 // The data types that may stand for bytes an RPDO skips; the format always names the first seven.
-void write_dummy_usage(Writer& writer, const DictionaryDescription& dictionary) {
+void write_dummy_usage(Writer& writer, auto&& is_usable) {
   writer.section("DummyUsage");
-  for (std::uint16_t type = 1; is_data_type(type); ++type) {
-    const bool usable = dictionary.find(type) != nullptr;
+  for (std::uint16_t type = 1; is_data_type_index(type); ++type) {
+    const bool usable = is_usable(type);
     if (usable || type <= 7) writer.key("Dummy" + hex(type, 4), usable ? 1U : 0U);
   }
   writer.end();
+}
+
+void write_commissioning(Writer& writer, const Commissioning& commissioning) {
+  writer.section("DeviceComissioning");  // [CiA 306] spells it so
+  if (commissioning.node_id) writer.key("NodeID", *commissioning.node_id);
+  writer.key("NodeName", commissioning.node_name);
+  if (commissioning.bit_rate != 0) writer.key("Baudrate", commissioning.bit_rate / 1000);
+  writer.key("NetNumber", commissioning.net_number);
+  writer.key("NetworkName", commissioning.network_name);
+  writer.key("CANopenManager", commissioning.canopen_manager ? 1U : 0U);
+  writer.key("LSS_SerialNumber", "0x" + hex(commissioning.lss_serial_number, 8));
+  writer.end();
+}
+
+void write_objects(Writer& writer, const DictionaryDescription& dictionary) {
+  writer.list("MandatoryObjects", Writer::Kind::mandatory);
+  writer.list("OptionalObjects", Writer::Kind::optional);
+  writer.list("ManufacturerObjects", Writer::Kind::manufacturer);
+  for (const ObjectDescription& object : dictionary.objects()) {
+    if (!is_data_type_index(object.index)) writer.object(object);
+  }
 }
 
 }  // namespace
@@ -200,14 +246,54 @@ std::string write_device_file(const FileInfo& file, const DeviceInfo& device,
   Writer writer(dictionary);
   write_file_info(writer, file);
   write_device_info(writer, device);
-  write_dummy_usage(writer, dictionary);
-  writer.list("MandatoryObjects", Writer::Kind::mandatory);
-  writer.list("OptionalObjects", Writer::Kind::optional);
-  writer.list("ManufacturerObjects", Writer::Kind::manufacturer);
-  for (const ObjectDescription& object : dictionary.objects()) {
-    if (!is_data_type(object.index)) writer.object(object);
-  }
+  write_dummy_usage(writer, [&](std::uint16_t type) { return dictionary.find(type) != nullptr; });
+  write_objects(writer, dictionary);
   return writer.take();
+}
+
+WrittenFile write_eds(const DeviceFile& file) {
+  Writer writer(*file.dictionary, &file);
+  write_file_info(writer, file.file);
+  DeviceInfo device = file.device;
+  const Identity identity = eds::identity(file);
+  if (!device.vendor_number) device.vendor_number = identity.vendor_id;
+  if (!device.product_number) device.product_number = identity.product_code;
+  if (!device.revision_number) device.revision_number = identity.revision;
+  write_device_info(writer, device);
+  write_dummy_usage(writer,
+                    [&](std::uint16_t type) { return type < 32 && (file.dummy_usage >> type & 1U) != 0; });
+  if (!file.comments.empty()) {
+    writer.section("Comments");
+    writer.key("Lines", file.comments.size());
+    for (std::size_t i = 0; i < file.comments.size(); ++i)
+      writer.key("Line" + std::to_string(i + 1), file.comments[i]);
+    writer.end();
+  }
+  if (file.commissioning) write_commissioning(writer, *file.commissioning);
+  write_objects(writer, *file.dictionary);
+  WrittenFile written{writer.take(), writer.take_warnings()};
+  if (!file.modules.empty()) written.warnings.emplace_back(modules_are_lost);
+  return written;
+}
+
+std::optional<std::string> default_text(const DictionaryDescription& dictionary, const Entry& entry) {
+  const unsigned length = entry.description->length;
+  if (length == 0) return value_text(entry.description->type, dictionary.default_slot(entry.offset), false);
+  const std::uint64_t value = dictionary.default_value(entry, 0);
+  const bool adds_node_id = dictionary.default_value(entry, 1) != value;
+  return value_text(entry.description->type, canopen::little_endian(value, length), adds_node_id);
+}
+
+bool is_said_to_be_mappable(const canopen::EntryDescription& entry) noexcept {
+  switch (entry.access) {
+    case Access::read_only:
+    case Access::constant:
+    case Access::read_write_input: return entry.tpdo_mappable && !entry.rpdo_mappable;
+    case Access::write_only:
+    case Access::read_write_output: return entry.rpdo_mappable && !entry.tpdo_mappable;
+    case Access::read_write: break;
+  }
+  return entry.rpdo_mappable && entry.tpdo_mappable;
 }
 
 }  // namespace canopus::eds

@@ -1,15 +1,36 @@
 #pragma once
-// Writes an EDS file [CiA 306] of a device that is described in code.
+// Writes EDS and DCF files [CiA 306].
 
 #include <string>
+#include <vector>
 
 #include "canopus/eds/device_file.hpp"
 
 namespace canopus::eds {
 
-/// The file's text, lines ending in CR LF. Arrays whose sub-indexes are all alike are written compactly
-/// (CompactSubObj); defaults that follow the node-ID as $NODEID+...
+/// The EDS of a device that is described in code: its text, lines ending in CR LF. Arrays whose sub-indexes are all
+/// alike are written compactly (CompactSubObj); defaults that follow the node-ID as $NODEID+...
 [[nodiscard]] std::string write_device_file(const FileInfo& file, const DeviceInfo& device,
                                             const canopen::DictionaryDescription& dictionary);
+
+struct WrittenFile {
+  std::string text;
+  std::vector<std::string> warnings;  ///< what the format cannot say, or says otherwise
+};
+
+/// What a device file says as an EDS or, with a commissioning, as a DCF; lines end in CR LF. Every sub-index has its
+/// section.
+[[nodiscard]] WrittenFile write_eds(const DeviceFile& file);
+
+inline constexpr std::string_view modules_are_lost =
+    "the modules a modular device can take: the objects of those that are plugged in are written";
+
+/// A sub-index's default, or the configured value, as value_text() has it; nothing where that has nothing.
+[[nodiscard]] std::optional<std::string> default_text(const canopen::DictionaryDescription& dictionary,
+                                                      const canopen::Entry& entry);
+
+/// Whether a file says of a sub-index that it may be mapped. What is in a PDO of the file against its word may be mapped
+/// all the same, and is found out again when the file is read.
+[[nodiscard]] bool is_said_to_be_mappable(const canopen::EntryDescription& entry) noexcept;
 
 }  // namespace canopus::eds

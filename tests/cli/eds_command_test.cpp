@@ -108,4 +108,61 @@ TEST_F(EdsCheck, CommandLineWithoutFiles_IsAUsageError) {
   EXPECT_THROW(app.parse("eds check", false), CLI::ParseError);
 }
 
+class EdsConvert : public EdsCheck {
+ protected:
+  int convert(const std::string& from, const std::string& to, const std::string& kind = {}) {
+    return canopus::cli::eds_convert({from, to, kind}, out_, err_);
+  }
+  std::string path(const std::string& name) { return (folder_ / name).string(); }
+  static std::string content(const std::string& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+};
+
+TEST_F(EdsConvert, EdsToXddAndBack_KeepsTheDevice) {
+  const std::string eds = write("a.eds", small);
+  EXPECT_EQ(convert(eds, path("a.xdd")), 0);
+  EXPECT_THAT(content(path("a.xdd")),
+              HasSubstr("<CANopenObject index=\"1000\" name=\"T\" objectType=\"7\" "
+                        "dataType=\"0007\" accessType=\"ro\" defaultValue=\"0x00020192\""));
+  EXPECT_THAT(err_.text(), HasSubstr(eds + ": warning: the file has no date of its creation"));
+  EXPECT_EQ(convert(path("a.xdd"), path("b.eds")), 0);
+  EXPECT_THAT(content(path("b.eds")), HasSubstr("DefaultValue=0x00020192\r\n"));
+  EXPECT_EQ(out_.text(), "");
+}
+
+TEST_F(EdsConvert, StandardOutput_GetsTheFileAlone) {
+  EXPECT_EQ(convert(write("a.eds", small), "-", "xdd"), 0);
+  EXPECT_THAT(out_.text(), testing::StartsWith("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<ISO15745"));
+  EXPECT_THAT(out_.text(), EndsWith("</ISO15745ProfileContainer>\n"));
+}
+
+TEST_F(EdsConvert, WhatTheReaderRepaired_IsSaidWithItsLine) {
+  const std::string file = write("a.eds", small);
+  EXPECT_EQ(convert(file, path("a.xdd")), 0);
+  EXPECT_THAT(err_.text(), HasSubstr(file + ":4: warning: there are no object lists"));
+}
+
+TEST_F(EdsConvert, ConfigurationWithoutANode_IsSaid) {
+  const std::string file = write("a.eds", small);
+  EXPECT_EQ(convert(file, path("a.xdc")), 0);
+  EXPECT_THAT(err_.text(), HasSubstr(file + ": warning: the file is for no node: what is written is an XDD"));
+  err_.clear();
+  const std::string dcf = write("a.dcf", small + "[DeviceComissioning]\nNodeID=3\n");
+  EXPECT_EQ(convert(dcf, path("b.xdd")), 0);
+  EXPECT_THAT(err_.text(), HasSubstr(dcf + ": warning: the file is for a node: what is written is an XDC"));
+}
+
+TEST_F(EdsConvert, UnknownExtensionOrFile_IsRefusedAndNothingIsWritten) {
+  const std::string file = write("a.eds", small);
+  EXPECT_EQ(convert(file, path("a.txt")), 2);
+  EXPECT_THAT(err_.text(), HasSubstr("expected a name that ends in .eds, .dcf, .xdd or .xdc, or --to"));
+  EXPECT_EQ(convert(file, "-"), 2);
+  EXPECT_EQ(convert(path("none.eds"), path("b.xdd")), 2);
+  EXPECT_EQ(convert(write("c.eds", "<a>"), path("b.xdd")), 1);
+  EXPECT_EQ(convert(file, path("no/folder/b.xdd")), 1);
+  EXPECT_FALSE(std::filesystem::exists(path("b.xdd")));
+}
+
 }  // namespace

@@ -1,5 +1,6 @@
 #include "canopus/cli/commands/eds_command.hpp"
 
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -10,7 +11,11 @@
 #include <unistd.h>
 
 #include "canopus/cli/commands/eds_show.hpp"
+#include "canopus/cli/terminal/new_file.hpp"
 #include "canopus/eds/device_file.hpp"
+#include "canopus/eds/files/xdd_writer.hpp"
+#include "canopus/eds/words.hpp"
+#include "canopus/eds/xdd.hpp"
 #include "canopus/text/file_text.hpp"
 
 namespace canopus::cli {
@@ -128,9 +133,79 @@ int eds_check(const EdsCheckOptions& options, Output& out, Output& err) {
   return exit_code;
 }
 
+int eds_convert(const EdsConvertOptions& options, Output& out, Output& err) {
+  const std::string extension = std::filesystem::path(options.to).extension().string();
+  const std::string kind = eds::lower(!options.kind.empty() ? options.kind
+                                      : extension.empty()   ? extension
+                                                            : extension.substr(1));
+  const bool is_xdd = kind == "xdd" || kind == "xdc";
+  if (!is_xdd && kind != "eds" && kind != "dcf") {
+    err.line("canopus: {}: what shall it be? expected a name that ends in .eds, .dcf, .xdd or .xdc, or --to",
+             options.to == "-" ? "<stdout>" : options.to);
+    return 2;
+  }
+  const auto text = read_text(options.from, err);
+  if (!text) return 2;
+  const std::string from = options.from == "-" ? "<stdin>" : options.from;
+  const eds::ReadResult read = eds::read_device_file(*text);
+  for (const eds::Problem& problem : read.problems) {
+    if (problem.severity == Severity::note) continue;
+    err.line("{}:{}: {}: {}", from, problem.line, eds::name(problem.severity), problem.message);
+  }
+  if (read.file == nullptr) return 1;
+  const bool is_configured = kind == "dcf" || kind == "xdc";
+  if (is_configured != read.file->commissioning.has_value()) {
+    err.line("{}: warning: the file {}: what is written is {}", from,
+             is_configured ? "is for no node" : "is for a node",
+             is_configured ? (is_xdd ? "an XDD" : "an EDS") : (is_xdd ? "an XDC" : "a DCF"));
+  }
+  eds::WrittenFile written = is_xdd ? eds::write_xdd(*read.file) : eds::write_eds(*read.file);
+  if (eds::is_xml(*text)) {
+    for (std::string& lost : eds::beyond_device_file(*text)) written.warnings.push_back(std::move(lost));
+  }
+  for (const std::string& warning : written.warnings) err.line("{}: warning: {}", from, warning);
+  if (options.to == "-") {
+    out.content(written.text);
+    return 0;
+  }
+  if (const auto done = write_new_file(options.to, written.text); !done) {
+    err.line("canopus: {}", done.error());
+    return 1;
+  }
+  return 0;
+}
+
+namespace {
+
+void add_convert(CLI::App& eds, int& exit_code) {
+  CLI::App* convert =
+      eds.add_subcommand("convert", "Write an EDS or DCF as XDD or XDC, or the other way round");
+  const auto options = std::make_shared<EdsConvertOptions>();
+  convert->add_option("IN", options->from, "EDS, DCF, XDD or XDC file; - is the standard input")->required();
+  convert->add_option("OUT", options->to, "File to write, by its extension; - is the standard output")
+      ->required();
+  convert->add_option("--to", options->kind, "What to write, whatever OUT is called: eds, dcf, xdd or xdc")
+      ->check(CLI::IsMember({"eds", "dcf", "xdd", "xdc"}));
+  convert->footer(
+      "Objects, values, limits, access and names are kept. What the other format has no place for, and what\n"
+      "the reader repaired, is a warning on the standard error. A file that is there is replaced, whole or\n"
+      "not at all.\n"
+      "\n"
+      "Exit status: 0 written, 1 no device can be made of the file, or it cannot be written, 2 wrong usage "
+      "or\n"
+      "a file that cannot be read.\n"
+      "\n"
+      "Example: canopus eds convert pump.eds pump.xdd");
+  convert->callback(
+      [options, &exit_code] { exit_code = eds_convert(*options, standard_output(), standard_error()); });
+}
+
+}  // namespace
+
 void add_eds_command(CLI::App& app, int& exit_code) {
   CLI::App* eds = app.add_subcommand("eds", "Look into device description files (EDS, DCF, XDD, XDC)");
   eds->require_subcommand(1);
+  add_convert(*eds, exit_code);
   CLI::App* check = eds->add_subcommand("check", "Say what is wrong with device files, worst first");
   const auto options = std::make_shared<EdsCheckOptions>();
   check->add_option("FILE", options->files, "EDS, DCF, XDD or XDC files; - is the standard input")

@@ -130,11 +130,16 @@ Span Document::value_span(pugi::xml_attribute attribute) const {
   return {begin, text_.find(text_[begin - 1], begin)};
 }
 
-Span Document::name_span(pugi::xml_node element) const {
-  if (element.type() != pugi::node_element) element = element.parent();
-  const std::string_view name = element.name();
+Span Document::span_of(std::string_view name) const {
   const auto begin = static_cast<std::size_t>(name.data() - buffer_.data());
   return {begin, begin + name.size()};
+}
+
+Span Document::name_span(pugi::xml_attribute attribute) const { return span_of(attribute.name()); }
+
+Span Document::name_span(pugi::xml_node element) const {
+  if (element.type() != pugi::node_element) element = element.parent();
+  return span_of(element.name());
 }
 
 std::string_view local_name(std::string_view name) noexcept {

@@ -48,12 +48,14 @@ class Document {
 
   /// The bytes of an attribute's value between its quotes, as the file has them (with references such as &amp;).
   [[nodiscard]] Span value_span(pugi::xml_attribute attribute) const;
-  /// Of an element's name, where the file has it first.
+  /// Of an attribute's name, and of an element's in its start tag.
+  [[nodiscard]] Span name_span(pugi::xml_attribute attribute) const;
   [[nodiscard]] Span name_span(pugi::xml_node element) const;
 
  private:
   explicit Document(std::string_view text);
   [[nodiscard]] Position position_of(std::size_t offset) const;
+  [[nodiscard]] Span span_of(std::string_view name) const;
 
   std::string text_;    // as it came
   std::string buffer_;  // the same, changed by the parser: its strings point into it
