@@ -19,10 +19,10 @@ using Bytes = std::vector<std::uint8_t>;
 using State = ComparedValue::State;
 using text::ObjectName;
 
-constexpr std::uint16_t verify_configuration = 0x1020;
+constexpr std::uint16_t configuration_date_index = 0x1020;
 constexpr std::uint32_t do_not_read = 0x02;  // of ObjFlags
 
-constexpr bool is_command(std::uint16_t index) { return index == 0x1010 || index == 0x1011; }
+constexpr bool is_stored_by_command(std::uint16_t index) { return index == 0x1010 || index == 0x1011; }
 constexpr bool is_pdo_communication(std::uint16_t index) {
   return (index >= 0x1400 && index <= 0x15FF) || (index >= 0x1800 && index <= 0x19FF);
 }
@@ -52,7 +52,8 @@ void for_each_readable(const eds::DeviceFile& file, Visit visit) {
     for (unsigned sub = 0; sub <= object.highest_sub; ++sub) {
       const canopen::Entry entry = file.dictionary->find(object, static_cast<std::uint8_t>(sub));
       const eds::EntryFacts* facts = file.find_facts(object.index, static_cast<std::uint8_t>(sub));
-      if (!entry || facts == nullptr || is_command(object.index) || (facts->object_flags & do_not_read) != 0)
+      if (!entry || facts == nullptr || is_stored_by_command(object.index) ||
+          (facts->object_flags & do_not_read) != 0)
         continue;
       if (is_readable(entry.description->access) && entry.description->type != canopen::DataType::domain) {
         visit(entry, *facts);
@@ -150,7 +151,7 @@ std::vector<WriteStep> plan_writes(const eds::DeviceFile& file, std::uint8_t nod
   while (const auto entry = reader.next()) {
     const ObjectName object{entry->index, entry->sub};
     // A device forgets when it was configured as soon as anything is written.
-    if (entry->index != verify_configuration && !groups.contains(group_of(object))) continue;
+    if (entry->index != configuration_date_index && !groups.contains(group_of(object))) continue;
     steps.push_back({.object = object, .value = Bytes(entry->data.begin(), entry->data.end())});
   }
   return steps;
@@ -166,7 +167,7 @@ void write(std::vector<WriteStep>& steps, ObjectAccess& access, const Progress& 
       step.reason = "not tried: the PDO stays off, as another part of it was refused";
       continue;
     }
-    if (step.object.index == verify_configuration && !is_complete) {
+    if (step.object.index == configuration_date_index && !is_complete) {
       step.reason = "not tried: not everything else was written";
       continue;
     }
