@@ -12,6 +12,8 @@ _OBJECT = re.compile(r"(?:0x)?([0-9a-f]{1,4})h?(?:\s*sub(?:index)?\s*(?:0x)?([0-
 
 class DeviceText:
     def __init__(self, text: bytes) -> None:
+        if text.removeprefix(b"\xef\xbb\xbf").lstrip().startswith(b"<"):
+            raise DeviceFileError("an XDD or XDC is not changed here: `canopus eds convert` makes an EDS or DCF of it")
         self._mark = b"\xef\xbb\xbf" if text.startswith(b"\xef\xbb\xbf") else b""
         text = text[len(self._mark):]
         try:

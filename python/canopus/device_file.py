@@ -202,7 +202,7 @@ class Pdo(NamedTuple):
 
 
 class DeviceFile:
-    """An EDS or DCF. `file["1018:01"]` is an entry; `file.objects` has every object by its index."""
+    """An EDS, DCF, XDD or XDC. `file["1018:01"]` is an entry; `file.objects` has every object by its index."""
 
     def __init__(self, path: str | os.PathLike[str], *, text: str | bytes | None = None) -> None:
         """`text` takes the place of the file. DeviceFileError when nobody could make sense of it; whatever was repaired is in
@@ -223,7 +223,7 @@ class DeviceFile:
         self.info = FileInfo(**self._core.file_info)
         self.device = DeviceInfo(**self._core.device_info)
         commissioning = self._core.commissioning
-        #: Of a DCF; None: the file is an EDS.
+        #: Of a DCF or XDC; None: the file is an EDS or XDD.
         self.commissioning: Commissioning | None = None if commissioning is None else Commissioning(**commissioning)
         #: By index, in order.
         self.objects: dict[int, DeviceObject] = {index: DeviceObject(self, index, name, code, highest)
@@ -334,7 +334,7 @@ class DeviceFile:
         return result
 
     def plain_text(self) -> bytes:
-        """An EDS made anew of what was understood: in order, repaired, without comments, limits and what a vendor added."""
+        """An EDS made anew of what was understood: in order, repaired, without comments and what a vendor added."""
         return self._core.plain_text()
 
     def __repr__(self) -> str:

@@ -234,3 +234,16 @@ def test_files_of_others_are_read_and_written(tmp_path):
         assert all(done[name].default == value for name, value in values.items())
         count += bool(values)
     assert count >= 10
+
+
+def test_an_xdd_is_read_and_not_changed(tmp_path):
+    text = ('<ISO15745ProfileContainer xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"><ISO15745Profile>'
+            '<ProfileBody xsi:type="ProfileBody_CommunicationNetwork_CANopen"><ApplicationLayers><CANopenObjectList>'
+            '<CANopenObject index="2000" name="Speed" objectType="7" dataType="0003" accessType="rw" defaultValue="-5" highLimit="9"/>'
+            '</CANopenObjectList></ApplicationLayers></ProfileBody></ISO15745Profile></ISO15745ProfileContainer>')
+    file = DeviceFile("x.xdd", text=text)
+    assert (file[0x2000].name, file[0x2000].default, file[0x2000].high) == ("Speed", -5, 9)
+    with pytest.raises(DeviceFileError, match="eds convert"):
+        file.write_dcf(tmp_path / "x.dcf", node=2)
+    assert not (tmp_path / "x.dcf").exists()
+    assert b"HighLimit=9" in file.plain_text()

@@ -204,3 +204,19 @@ def xdd_is_well_formed_and_built_like_those_of_other_tools():
                 require(local(inner.tag) in children, f"{name}: <{local(inner.tag)}> in <{tag}>")
             for attribute in element.attrib:
                 require(local(attribute) in attributes, f"{name}: {attribute} of <{tag}>")
+
+
+@check
+def device_of_a_plant_may_be_an_xdd_or_an_xdc():
+    xdd = device_file("canopennode_demo-device.xdd")
+    xdc = scratch / "station.xdc"
+    done = subprocess.run([program, "eds", "convert", str(ROOT / "examples/devices/io-block.eds"), str(xdc)], capture_output=True)
+    require(done.returncode == 0, done.stderr)
+    plant, trace = scratch / "xdd.toml", scratch / "xdd.log"
+    plant.write_text(f'[plant]\nname = "x"\n[[bus]]\nname = "a"\nbit_rate = 250_000\n[[device]]\nnode = 5\neds = "{xdd}"\n'
+                     f'[[device]]\nnode = 6\neds = "{xdc}"\nobjects = {{ "1017:00" = 100 }}\n')
+    done = subprocess.run([program, "run", str(plant), "--virtual", "--for", "1s", "--trace", str(trace)], capture_output=True, text=True)
+    require(done.returncode == 0, done.stderr)
+    frames = [line.split()[-1] for line in trace.read_text().splitlines()]
+    require("705#00" in frames and "706#00" in frames, f"no boot-up of both: {frames[:5]}")
+    require(frames.count("706#7F") >= 5, f"no heartbeats of the XDC: {frames[:9]}")
