@@ -202,6 +202,12 @@ TEST(XddParameter, RangeBesideSingleValues_IsNoLimit) {
   EXPECT_FALSE(result.file->dictionary->limits(entry(result, 0x2000)).high);
 }
 
+TEST(XddParameter, TypeOfADomain_IsDomain) {
+  const ReadResult result =
+      read_device_file(xdd("<CANopenObject index=\"2000\" objectType=\"2\" uniqueIDRef=\"P\"/>\n", process));
+  EXPECT_EQ(entry(result, 0x2000).description->type, DataType::domain);
+}
+
 TEST(XddParameter, CircleOfTypes_EndsWithoutAType) {
   const ReadResult result = with_parameter("uniqueIDRef=\"O\"");
   EXPECT_EQ(entry(result, 0x2000).description->type, DataType::unsigned32);
