@@ -1,8 +1,6 @@
 // Any bytes behind "<" as an XDD or XDC: read, and when there is a device, written in both formats, read again, and
 // changed in place: unchanged it is the same bytes, and what was set is read again.
 
-#include "canopus/eds/xdd.hpp"
-
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -10,6 +8,7 @@
 #include <string_view>
 
 #include "canopus/eds/files/device_text.hpp"
+#include "canopus/eds/files/losses.hpp"
 #include "canopus/eds/files/xdd_writer.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -353,35 +353,4 @@ std::optional<IniFile> read_xdd(std::string_view text, Problems& problems) {
   return IniFile(XddReader(**document, xml::device_profile(**document), problems).read(network));
 }
 
-std::vector<std::string> beyond_device_file(std::string_view xdd) {
-  std::vector<std::string> lost;
-  Problems unheard;
-  const auto text = xml_text(xdd, unheard);
-  if (!text) return lost;
-  const auto document = xml::Document::parse(*text);
-  if (!document) return lost;
-  const pugi::xml_node device = xml::device_profile(**document);
-  const auto name = [&](pugi::xml_node parent, std::string_view element, std::string_view what) {
-    if (xml::child(parent, element).first_child()) {
-      lost.push_back(std::string(element) + " (" + std::string(what) +
-                     ") has no place in other device files: left out");
-    }
-  };
-  name(device, "ApplicationProcess", "descriptions, units and groups of parameters, types of their own");
-  name(device, "DeviceManager", "indicators and modules of the device");
-  const pugi::xml_node layers = xml::child(xml::network_profile(**document), "ApplicationLayers");
-  name(layers, "dynamicChannels", "segments of a programmable device");
-  name(layers, "moduleManagement", "interfaces and modules of the device");
-  for (const pugi::xml_node element : xml::child(device, "DeviceIdentity")) {
-    constexpr std::string_view carried[] = {"vendorName", "vendorID",    "productName",
-                                            "productID",  "productText", "orderNumber"};
-    const std::string_view found = xml::local_name(element.name());
-    if (element.type() != pugi::node_element || std::ranges::find(carried, found) != std::end(carried))
-      continue;
-    if (lost.size() < 20)
-      lost.push_back(printable(found) + " of DeviceIdentity has no place in other device files: left out");
-  }
-  return lost;
-}
-
 }  // namespace canopus::eds

@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "canopus/eds/ini.hpp"
 
@@ -24,8 +23,5 @@ namespace canopus::eds {
 /// The sections, their keys called as in the file, with the places they have in it. What an object has no attribute
 /// for comes from the parameter that its uniqueIDRef names. Nothing, after an error, when this is no CANopen device's.
 [[nodiscard]] std::optional<IniFile> read_xdd(std::string_view text, Problems& problems);
-
-/// What an XDD or XDC has that a DeviceFile has no place for, and that is lost where it is written anew.
-[[nodiscard]] std::vector<std::string> beyond_device_file(std::string_view xdd);
 
 }  // namespace canopus::eds

@@ -7,6 +7,7 @@
 // rapidcheck/gtest.h wants GoogleTest before it
 #include <rapidcheck/gtest.h>
 
+#include "canopus/eds/files/losses.hpp"
 #include "canopus/eds/files/xdd_writer.hpp"
 #include "canopus/eds/problems.hpp"
 
@@ -203,6 +204,25 @@ TEST(XddWriter, WhatAnXddCannotSay_IsAWarning) {
   EXPECT_NE(warnings.find("LSS_SerialNumber has no place"), std::string::npos);
   EXPECT_NE(warnings.find("the file names no node-ID"), std::string::npos);
   EXPECT_NE(read_device_file(write_xdd(*read.file).text).file, nullptr);
+}
+
+TEST(Losses, WhatADeviceFileHasNoPlaceFor_IsNamed) {
+  EXPECT_EQ(joined(beyond_device_file(rich + "[Tools]\nItems=1\n[0005]\nParameterName=U8\nObjectType=5\n"
+                                             "[2003ObjectLinks]\nObjectLinks=0\n[2004]\nParamRefd=x\n"
+                                             "[M1ModuleInfo]\nProductName=x\n")),
+            "[Tools] has no place in a file written anew: left out\n"
+            "[0005] has no place in a file written anew: left out\n"
+            "[2003ObjectLinks] has no place in a file written anew: left out\n"
+            "objectlinks of 1 object has no place in a file written anew: left out\n"
+            "paramrefd of 1 object has no place in a file written anew: left out\n");
+  std::string text = xdd("", "<ApplicationProcess><parameterList/></ApplicationProcess>");
+  text.insert(text.find("</DeviceIdentity>"), "<instanceName>x</instanceName>");
+  EXPECT_EQ(
+      joined(beyond_device_file(text)),
+      "ApplicationProcess (descriptions, units and groups of parameters, types of their own) has no place in "
+      "other device files: left out\n"
+      "instanceName of DeviceIdentity has no place in other device files: left out\n");
+  EXPECT_EQ(joined(beyond_device_file(base)), "");
 }
 
 TEST(EdsWriter, LineEndsInNames_AreReplacedWithAWarning) {

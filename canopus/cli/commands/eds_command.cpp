@@ -13,9 +13,9 @@
 #include "canopus/cli/commands/eds_show.hpp"
 #include "canopus/cli/terminal/new_file.hpp"
 #include "canopus/eds/device_file.hpp"
+#include "canopus/eds/files/losses.hpp"
 #include "canopus/eds/files/xdd_writer.hpp"
 #include "canopus/eds/words.hpp"
-#include "canopus/eds/xdd.hpp"
 #include "canopus/text/file_text.hpp"
 
 namespace canopus::cli {
@@ -160,9 +160,7 @@ int eds_convert(const EdsConvertOptions& options, Output& out, Output& err) {
              is_configured ? (is_xdd ? "an XDD" : "an EDS") : (is_xdd ? "an XDC" : "a DCF"));
   }
   eds::WrittenFile written = is_xdd ? eds::write_xdd(*read.file) : eds::write_eds(*read.file);
-  if (eds::is_xml(*text)) {
-    for (std::string& lost : eds::beyond_device_file(*text)) written.warnings.push_back(std::move(lost));
-  }
+  for (std::string& lost : eds::beyond_device_file(*text)) written.warnings.push_back(std::move(lost));
   for (const std::string& warning : written.warnings) err.line("{}: warning: {}", from, warning);
   if (options.to == "-") {
     out.content(written.text);

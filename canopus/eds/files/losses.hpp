@@ -1,0 +1,13 @@
+#pragma once
+// What a device file has that a DeviceFile has no place for: it is lost where the file is written anew.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace canopus::eds {
+
+/// Of a file of either kind that read_device_file() takes, in sentences; not more than 20 of them.
+[[nodiscard]] std::vector<std::string> beyond_device_file(std::string_view text);
+
+}  // namespace canopus::eds
