@@ -235,6 +235,26 @@ TEST(EdsWriter, LineEndsInNames_AreReplacedWithAWarning) {
   EXPECT_NE(eds.text.find("ParameterName=A [1000]\r\n"), std::string::npos);
 }
 
+TEST(EdsWriter, MappingAgainstTheAccess_IsNotSaid) {
+  using canopen::Access;
+  const auto is_said = [](Access access, bool rpdo, bool tpdo) {
+    return is_said_to_be_mappable({.access = access, .rpdo_mappable = rpdo, .tpdo_mappable = tpdo});
+  };
+  for (const Access access : {Access::read_only, Access::constant, Access::read_write_input}) {
+    EXPECT_TRUE(is_said(access, false, true));
+    EXPECT_FALSE(is_said(access, true, true)) << "an RPDO of the file has it all the same";
+    EXPECT_FALSE(is_said(access, true, false));
+  }
+  for (const Access access : {Access::write_only, Access::read_write_output}) {
+    EXPECT_TRUE(is_said(access, true, false));
+    EXPECT_FALSE(is_said(access, true, true));
+    EXPECT_FALSE(is_said(access, false, true));
+  }
+  EXPECT_TRUE(is_said(Access::read_write, true, true));
+  EXPECT_FALSE(is_said(Access::read_write, true, false));
+  EXPECT_FALSE(is_said(Access::read_write, false, false));
+}
+
 TEST(XddWriter, DatesAndTimes_AreThoseOfXml) {
   EXPECT_EQ(xdd_date("12-31-2025"), "2025-12-31");
   EXPECT_EQ(xdd_date("31-12-2025"), "");
