@@ -141,7 +141,7 @@ int eds_convert(const EdsConvertOptions& options, Output& out, Output& err) {
   const bool is_xdd = kind == "xdd" || kind == "xdc";
   if (!is_xdd && kind != "eds" && kind != "dcf") {
     err.line("canopus: {}: what shall it be? expected a name that ends in .eds, .dcf, .xdd or .xdc, or --to",
-             options.to == "-" ? "<stdout>" : options.to);
+             options.to == "-" ? "standard output" : options.to);
     return 2;
   }
   const auto text = read_text(options.from, err);
