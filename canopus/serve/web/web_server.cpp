@@ -4,7 +4,6 @@
 #include <array>
 #include <deque>
 #include <map>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -62,8 +61,9 @@ struct WebServer::Parts : std::enable_shared_from_this<Parts> {
   std::vector<std::shared_ptr<Connection>> connections;
   std::deque<WebOutbox::Text> latest;  // events, for newcomers
   asio::steady_timer timer;
-  bool is_watched = false;  // the timer runs
-  bool is_viewed = false;   // somebody looks at more than the state
+  bool is_watched = false;       // the timer runs
+  bool is_viewed = false;        // somebody looks at more than the state
+  std::size_t first_viewer = 0;  // whose turn it is, of the connections
   bool is_open = false;
 };
 
@@ -317,11 +317,13 @@ void WebServer::Parts::show_messages() {
   }
 }
 
-/// What several look at is made once.
+/// What several look at is made once, and of all that they look at not so much at a time that it would delay the plant.
 void WebServer::Parts::show_views() {
   if (!use.view) return;
   std::map<std::string_view, WebOutbox::Text> made;
-  for (const auto& connection : connections) {
+  for (std::size_t turn = 0; turn < connections.size(); ++turn) {
+    if (made.size() >= options.most_views) break;
+    const auto& connection = connections[++first_viewer % connections.size()];
     if (!connection->watches()) continue;
     for (std::size_t i = 0; i < connection->views().size(); ++i) {
       const std::string& view = connection->views()[i];

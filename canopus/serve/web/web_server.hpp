@@ -40,6 +40,8 @@ struct WebServerOptions {
   /// A message of a client; what it may send in a second.
   std::size_t longest_message = 1024;
   unsigned most_messages = 20;
+  /// Different views that are made with one state, and up to three more; other clients get theirs with the next ones, in turn.
+  std::size_t most_views = 8;
 };
 
 class WebServer {

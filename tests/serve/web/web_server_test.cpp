@@ -224,6 +224,24 @@ TEST_F(WebServerTest, Views_AreMadeOnceForAllThatLookAtTheSame) {
   EXPECT_EQ(views_.back(), "") << "said once that nobody looks any more";
 }
 
+TEST_F(WebServerTest, Views_OfManyClientsComeInTurn) {
+  start({.state_interval = 5ms, .most_views = 2});
+  std::vector<tcp::socket> clients;
+  for (const char* view : {"a", "b", "c", "d", "e"}) {
+    clients.push_back(watch());
+    receive(clients.back(), "}]");
+    send(clients.back(), message("{\"views\":[{\"" + std::string(view) + "\":1}]}"));
+  }
+  context_.run_for(50ms);
+  views_.clear();
+  const int before = states_;
+  context_.run_for(100ms);
+  EXPECT_LE(views_.size(), 2U * static_cast<unsigned>(states_ - before));
+  for (const char* view : {"a", "b", "c", "d", "e"}) {
+    EXPECT_THAT(views_, ::testing::Contains("{\"" + std::string(view) + "\":1}")) << "everybody has a turn";
+  }
+}
+
 TEST_F(WebServerTest, Views_EndWithTheirClient) {
   start();
   auto client = watch();
