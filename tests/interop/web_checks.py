@@ -201,3 +201,27 @@ def web_page_escapes_names():
         seen = browse(page_of(plant)[0], "hostile-names")
         require(any("<img src=x onerror=alert(1)>" in name for name in seen["nodes"]), seen["nodes"])
         require(any("<script>alert(2)</script>" in name for name in seen["nodes"]), seen["nodes"])
+
+
+@check
+def web_views_in_chromium():
+    """Bus, objects and plots of the first plant's page, by links and keys; axe-core finds nothing serious, light and dark."""
+    with running(first_plant_file(), operational=[1, 2, 3], words=["--web"]) as plant:
+        chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+        if not chromium:
+            raise Skip("no Chromium: tools/install-packages check")
+        node_modules()
+        folder = pathlib.Path(os.environ.get("CANOPUS_PICTURES", scratch)) / "views"
+        folder.mkdir(parents=True, exist_ok=True)
+        seen = json.loads(command("node", HERE / "web_views.mjs", chromium, page_of(plant)[0], folder, timeout=240).stdout)
+        require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [] and seen["markup"] == 0, seen)
+        require(seen["bus_link"] == "#bus/0" and seen["bus_focus"] == "bus-title" and seen["closed_link"] == "#overview", seen)
+        require(seen["frame_link"] == "#bus/0/183" and seen["strip"].startswith("183H, DLC "), seen["strip"])
+        require(seen["fields"][0] == "SOF" and seen["fields"][-3:] == ["ACK slot", "ACK delimiter", "EOF"], seen["fields"])
+        require(int(re.search(r"(\d+) bits", seen["strip"])[1]) == seen["bits"] > 50, seen["strip"])
+        require(any(line.startswith("PDO ") for line in seen["legend"]), seen["legend"])
+        require(len(seen["counters"]) == 4 and seen["errors"], seen["counters"])
+        require(seen["keys_open"] and seen["in_sight"] and seen["plots_closed"], seen)
+        require("encoder" in seen["objects_title"] and seen["objects_rows"] <= 256, seen["objects_title"])
+        require(re.match(r"6004:00.*UNSIGNED32", seen["position"]), seen["position"])
+        require("6004:00" in seen["plot"], seen["plot"])

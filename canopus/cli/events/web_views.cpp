@@ -7,30 +7,14 @@
 
 #include "canopus/canopen/service/cob_id.hpp"
 #include "canopus/cli/events/event_printer.hpp"
+#include "canopus/cli/events/web_objects.hpp"
+#include "canopus/cli/events/web_view_fields.hpp"
 #include "canopus/cli/terminal/boot_report.hpp"
 #include "canopus/module/areas/network_variables.hpp"
 #include "canopus/plant/device_seat.hpp"
-#include "canopus/text/printable.hpp"
 
 namespace canopus::cli {
 namespace {
-
-std::string text_of(const nlohmann::ordered_json& event) {
-  return text::printable_json(event.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
-}
-
-/// A number of a view, within 0 and `most`; 0 when it is none.
-std::size_t number(const nlohmann::json& view, const char* key, std::size_t most) {
-  const auto found = view.find(key);
-  if (found == view.end() || !found->is_number_unsigned()) return 0;
-  return static_cast<std::size_t>(std::min<std::uint64_t>(found->get<std::uint64_t>(), most));
-}
-
-std::string lower(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return result;
-}
 
 std::string_view access_name(module::WordAccess access) {
   switch (access) {
@@ -48,7 +32,8 @@ void WebViews::Tap::frame_completed(const can::Frame& frame, can::Time /*start*/
   if (is_looked_at_ && !frame.extended) last[frame.identifier & can::max_base_identifier] = end;
 }
 
-WebViews::WebViews(plant::Plant& plant, const WebBoots& boots) : plant_(plant), boots_(boots) {
+WebViews::WebViews(plant::Plant& plant, const WebBoots& boots)
+    : plant_(plant), boots_(boots), traffic_(plant) {
   for (std::size_t i = 0; i < plant.bus_count(); ++i) {
     taps_.push_back(std::make_unique<Tap>(is_looked_at_));
     plant.bus(i).add_observer(*taps_.back());
@@ -91,22 +76,23 @@ std::string WebViews::look(std::string_view view) {
   if (!wish.is_object()) return {};
   if (wish.contains("words")) return words_event(wish);
   if (wish.contains("boots")) return boots_event();
+  if (wish.contains("objects")) return objects_event(plant_, wish);
+  if (wish.contains("traffic")) return traffic_.look(wish);
   return {};
 }
 
 std::string WebViews::words_event(const nlohmann::json& view) {
   if (modules_.empty()) list_modules();
   is_looked_at_ = true;
-  const std::size_t position = number(view, "words", SIZE_MAX);
+  const std::size_t position = view_number(view, "words", SIZE_MAX);
   if (position >= modules_.size()) return {};
   const Module& module = modules_[position];
   module::BufferMemoryAccess* const memory = module.module->buffer_memory();
   if (memory == nullptr) return {};
   const can::Time now = plant_.timeline().now();
-  const std::string find =
-      view.contains("find") && view["find"].is_string() ? lower(view["find"].get<std::string>()) : "";
-  const std::size_t from = number(view, "from", SIZE_MAX);
-  const std::size_t count = number(view, "count", most_words);
+  const std::string find = view_text(view, "find");
+  const std::size_t from = view_number(view, "from", SIZE_MAX);
+  const std::size_t count = view_number(view, "count", most_words);
   const Tap* tap = nullptr;
   for (std::size_t i = 0; i < taps_.size(); ++i) {
     if (plant_.bus(i).name() == module.bus) tap = taps_[i].get();
@@ -120,10 +106,7 @@ std::string WebViews::words_event(const nlohmann::json& view) {
   std::size_t matching = 0;
   for (const Module::Word& word : module.words) {
     const module::BufferRow& row = module.entry->buffer_rows[word.row];
-    if (!find.empty() && lower(row.name).find(find) == std::string::npos &&
-        fmt::format("g{}", word.address).find(find) == std::string::npos) {
-      continue;
-    }
+    if (!has_words(row.name, find) && !has_words(fmt::format("g{}", word.address), find)) continue;
     const std::size_t place = matching++;
     if (place < from || place - from >= count) continue;
     Json line{{"address", word.address},
@@ -143,7 +126,7 @@ std::string WebViews::words_event(const nlohmann::json& view) {
     event["rows"].push_back(std::move(line));
   }
   event["of"] = matching;
-  return text_of(event);
+  return view_event(event);
 }
 
 std::vector<WebViews::ProcessWord> WebViews::process_words(const Module& module) const {
@@ -209,7 +192,7 @@ std::string WebViews::boots_event() const {
     }
     event["slaves"].push_back(std::move(one));
   }
-  return text_of(event);
+  return view_event(event);
 }
 
 }  // namespace canopus::cli

@@ -1,6 +1,6 @@
 #pragma once
-// What the page looks at beside the state of the plant: the buffer memory of a module, and the boots of slaves (docs/web.md,
-// docs/events.md). Looking changes nothing and is no access of the program; what nobody looks at costs nothing.
+// What the page looks at beside the state of the plant: the buffer memory of a module, the boots of slaves, objects of a
+// node, the traffic of a bus (docs/web.md, docs/events.md). Looking changes nothing and is no access of the program; what nobody looks at costs nothing.
 
 #include <array>
 #include <cstdint>
@@ -13,6 +13,7 @@
 
 #include "canopus/can/bus.hpp"
 #include "canopus/cli/events/web_boots.hpp"
+#include "canopus/cli/events/web_traffic.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/plant/plant.hpp"
 
@@ -32,6 +33,8 @@ class WebViews {
   ///   {"words": MODULE, "find": "...", "from": 0, "count": 100}  words of the module of that number whose name or address
   ///                                                              holds this text, from the one of that number on
   ///   {"boots": true}
+  ///   {"objects": NODE, ...}  web_objects.hpp
+  ///   {"traffic": BUS, ...}   web_traffic.hpp
   /// as JSON; empty: it is none. An empty text: nobody looks any more.
   [[nodiscard]] std::string look(std::string_view view);
 
@@ -80,6 +83,7 @@ class WebViews {
   std::vector<Module> modules_;
   std::vector<std::unique_ptr<Tap>> taps_;  ///< of each bus
   bool is_looked_at_ = false;
+  WebTraffic traffic_;
 };
 
 }  // namespace canopus::cli

@@ -6,6 +6,10 @@ import { make, set_text } from "./dom.js";
 import { draw_leds, draw_modules } from "./modules.js";
 import { WordView } from "./word_view.js";
 import { BootView } from "./boot_view.js";
+import { BusView } from "./bus_view.js";
+import { Links } from "./links.js";
+import { ObjectView } from "./object_view.js";
+import { Plots } from "./plots.js";
 
 const by_id = (id) => document.getElementById(id);
 let state = null;
@@ -18,6 +22,11 @@ let socket = null;
 let follows = false;
 const words = new WordView(by_id("words-section"), () => say_views());
 const boots = new BootView(by_id("boot-section"), () => say_views());
+const plots = new Plots(by_id("plots"), by_id("plot-list"));
+const objects = new ObjectView(by_id("objects-section"), () => say_views(), plots);
+const bus_view = new BusView(by_id("bus-section"), () => say_views(), plots);
+const places = new Links({ words, objects, bus: bus_view, boots: { open: () => boots.is_open || by_id("show-boots").click() } },
+                        [by_id("words-base"), by_id("objects-base")]);
 
 const key_of = (node) => `${node.bus}\u0000${node.node}\u0000${node.name}`;
 const label_of = (node) => node.name || (node.node >= 1 && node.node <= 127 ? `Node ${node.node}` : "Node");
@@ -92,13 +101,12 @@ function make_bus(name) {
   const bar = make("svg:svg", { class: "load", viewBox: "0 0 100 8", preserveAspectRatio: "none", role: "img" },
                    make("svg:rect", { x: 0, y: 0, height: 8, width: 0 }), make("svg:line", { y1: 0, y2: 8, x1: 0, x2: 0 }));
   return make("div", { class: "bus" },
-              make("header", {}, make("h3", {}, name), make("span", { class: "faint" }), bar, make("span", { class: "share" })),
+              make("header", {}, make("h3", {}, make("a", { href: `#bus/${state.buses.findIndex((one) => one.bus === name)}` }, name)), make("span", { class: "faint" }), bar, make("span", { class: "share" })),
               make("ul", { class: "nodes", "aria-label": `Nodes of ${name}` }));
 }
 
 function fill_bus(element, bus) {
-  const [title, facts, bar, share] = element.firstElementChild.children;
-  set_text(title, bus.bus);
+  const [, facts, bar, share] = element.firstElementChild.children;
   set_text(facts, `${bus.bit_rate / 1000} kbit/s · ${bus.link === "sim" ? "simulated" : bus.link} · ${bus.frames} frames · ` +
                   `${bus.error_frames} error frames`);
   const percent = (value) => `${(100 * value).toFixed(1)} %`;
@@ -151,7 +159,10 @@ function draw_node() {
   const text = JSON.stringify(rows);
   if (body.dataset.text === text) return;  // a selection in it stays
   body.dataset.text = text;
-  body.replaceChildren(make("table", {}, make("tbody", {}, ...rows.map(([name, value]) =>
+  const place = state.nodes.findIndex((one) => key_of(one) === chosen);
+  const ways = [make("a", { href: "#boots" }, "Boots")];
+  if (place >= 0) ways.unshift(make("a", { href: `#objects/${place}` }, "Objects"));
+  body.replaceChildren(make("p", { class: "ways" }, ...ways), make("table", {}, make("tbody", {}, ...rows.map(([name, value]) =>
     make("tr", {}, make("th", { scope: "row" }, name), make("td", {}, value))))));
 }
 
@@ -169,6 +180,9 @@ function draw() {
   keep_children(by_id("buses"), state.buses, (bus) => bus.bus, make_bus, fill_bus);
   draw_modules(by_id("modules"), state.modules, keep_children, key_of, (number, name) => words.open(number, name));
   draw_node();
+  bus_view.draw_counters(state);
+  plots.state(state);
+  places.state(state);
 }
 
 const plant_now = () => state.t + (performance.now() - state_at) / 1000;
@@ -192,6 +206,10 @@ function received(list) {
       messages.draw();
     } else if (event.event === "words") {
       words.draw(event);
+    } else if (event.event === "objects") {
+      objects.draw(event);
+    } else if (event.event === "traffic") {
+      bus_view.draw(event);
     } else if (event.event === "boots") {
       boots.draw(event, keep_children);
     } else if (event.event !== "load") {
@@ -233,7 +251,7 @@ function say_views() {
   if (views_timer !== null) return;
   views_timer = setTimeout(() => {
     views_timer = null;
-    const views = JSON.stringify([words.view, boots.view].filter(Boolean));
+    const views = JSON.stringify([words.view, boots.view, objects.view, bus_view.view].filter(Boolean));
     if (views === views_said || socket.readyState !== WebSocket.OPEN) return;
     views_said = views;
     socket.send(`{"views":${views}}`);

@@ -1,0 +1,134 @@
+#include "canopus/cli/events/web_objects.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <iterator>
+#include <span>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "canopus/canopen/node/node.hpp"
+#include "canopus/cli/events/event_printer.hpp"
+#include "canopus/cli/events/web_view_fields.hpp"
+#include "canopus/eds/device_file.hpp"
+#include "canopus/module/interface/communication_module.hpp"
+#include "canopus/plant/device_seat.hpp"
+
+namespace canopus::cli {
+namespace {
+
+using canopen::DataType;
+constexpr std::size_t most_shown_bytes = 64;
+
+std::string_view access_text(canopen::Access access) {
+  switch (access) {
+    case canopen::Access::read_only: return "ro";
+    case canopen::Access::write_only: return "wo";
+    case canopen::Access::read_write: return "rw";
+    case canopen::Access::read_write_input: return "rwr";
+    case canopen::Access::read_write_output: return "rww";
+    case canopen::Access::constant: return "const";
+  }
+  return "";
+}
+
+std::string hexadecimal(std::span<const std::uint8_t> bytes) {
+  std::string text;
+  for (const std::uint8_t byte : bytes.first(std::min(bytes.size(), most_shown_bytes)))
+    fmt::format_to(std::back_inserter(text), "{:02X}", byte);
+  return text;
+}
+
+/// As text, so that 64 bits stay whole in JavaScript.
+std::string decimal(DataType type, std::uint64_t raw) {
+  if (type == DataType::real32)
+    return fmt::format("{}", std::bit_cast<float>(static_cast<std::uint32_t>(raw)));
+  if (type == DataType::real64) return fmt::format("{}", std::bit_cast<double>(raw));
+  if (!canopen::is_signed(type)) return fmt::format("{}", raw);
+  const unsigned unused = 64U - 8U * canopen::byte_length(type);
+  return fmt::format("{}", static_cast<std::int64_t>(raw << unused) >> unused);
+}
+
+std::string hexadecimal(DataType type, std::uint64_t raw) {
+  return fmt::format("{:0{}X}", raw, 2 * canopen::byte_length(type));
+}
+
+bool is_ascii(std::span<const std::uint8_t> bytes) {
+  return std::ranges::all_of(bytes, [](std::uint8_t byte) { return byte >= 0x20 && byte < 0x7F; });
+}
+
+void add_value(nlohmann::ordered_json& row, const canopen::ObjectDictionary& objects,
+               const canopen::Entry& entry, std::uint8_t node_id) {
+  const DataType type = entry.description->type;
+  const auto bytes = objects.bytes(entry);
+  if (canopen::is_variable_length(type)) {
+    row["bytes"] = bytes.size();
+    row["hex"] = hexadecimal(bytes);
+    const auto shown = bytes.first(std::min(bytes.size(), most_shown_bytes));
+    if (type == DataType::visible_string && is_ascii(shown))
+      row["text"] = std::string(shown.begin(), shown.end());
+    return;
+  }
+  const std::uint64_t raw = can::load_value(bytes.data(), static_cast<unsigned>(bytes.size()));
+  const std::uint64_t usual = objects.description().default_value(entry, node_id);
+  row["hex"] = hexadecimal(type, raw);
+  row["decimal"] = decimal(type, raw);
+  row["default_hex"] = hexadecimal(type, usual);
+  row["default_decimal"] = decimal(type, usual);
+}
+
+/// The node of that place in Plant::nodes(): modules, then devices.
+const canopen::Node* node_at(plant::Plant& plant, std::size_t place) {
+  const std::size_t modules = plant.modules().size();
+  if (place < modules) return &plant.module(place).node();
+  return place - modules < plant.device_count() ? &plant.device(place - modules).device().node() : nullptr;
+}
+
+}  // namespace
+
+void add_objects(nlohmann::ordered_json& event, const canopen::ObjectDictionary& objects,
+                 std::uint8_t node_id, std::string_view lower_find, std::size_t from, std::size_t count) {
+  const canopen::DictionaryDescription& description = objects.description();
+  std::size_t all = 0;
+  event["rows"] = nlohmann::ordered_json::array();
+  for (const canopen::ObjectDescription& object : description.objects()) {
+    const std::string_view of = description.name(object);
+    const bool is_meant =
+        has_words(of, lower_find) || has_words(fmt::format("{:04X}", object.index), lower_find);
+    for (unsigned sub = 0; sub <= object.highest_sub; ++sub) {
+      const canopen::Entry entry = description.find(object, static_cast<std::uint8_t>(sub));
+      if (!entry) continue;
+      const std::string_view own = description.name(entry);
+      if (!is_meant && !has_words(own, lower_find)) continue;
+      const std::size_t place = all++;
+      if (place < from || place - from >= count) continue;
+      nlohmann::ordered_json row{{"object", fmt::format("{:04X}:{:02X}", object.index, sub)},
+                                 {"name", own.empty() ? of : own},
+                                 {"of", of},
+                                 {"type", eds::name(entry.description->type)},
+                                 {"access", access_text(entry.description->access)}};
+      add_value(row, objects, entry, node_id);
+      event["rows"].push_back(std::move(row));
+    }
+  }
+  event["of"] = all;
+}
+
+std::string objects_event(plant::Plant& plant, const nlohmann::json& wish) {
+  const std::size_t number = view_number(wish, "objects", SIZE_MAX);
+  const canopen::Node* const node = node_at(plant, number);
+  if (node == nullptr) return {};
+  const plant::NodeStatus status = plant.nodes()[number];
+  nlohmann::ordered_json event = event_line(plant.timeline().now(), "objects");
+  event["number"] = number;
+  event["bus"] = status.label.bus;
+  event["node"] = status.label.node_id;
+  event["name"] = status.label.name;
+  event["from"] = view_number(wish, "from", SIZE_MAX);
+  add_objects(event, node->dictionary(), node->node_id(), view_text(wish, "find"),
+              event["from"].get<std::size_t>(), view_number(wish, "count", most_objects));
+  return view_event(event);
+}
+
+}  // namespace canopus::cli

@@ -1,0 +1,28 @@
+#pragma once
+// The object dictionary of a simulated device or module node as rows for the page. The values are read where they are: no
+// SDO, no handler of an object is asked, nothing on the bus.
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "canopus/canopen/dictionary/object_dictionary.hpp"
+#include "canopus/plant/plant.hpp"
+
+namespace canopus::cli {
+
+inline constexpr std::size_t most_objects = 256;  ///< of one view
+
+/// The event of a view {"objects": NODE, "find": "...", "from": 0, "count": 100}: sub-indexes of the node of that number in
+/// `state` whose name or index holds this text; empty: there is no such node.
+[[nodiscard]] std::string objects_event(plant::Plant& plant, const nlohmann::json& wish);
+
+/// Adds `of` (sub-indexes that hold the text) and `rows`, `count` of them from number `from` on. `lower_find` is in lower-case
+/// letters; `node_id` is for defaults.
+void add_objects(nlohmann::ordered_json& event, const canopen::ObjectDictionary& objects,
+                 std::uint8_t node_id, std::string_view lower_find, std::size_t from, std::size_t count);
+
+}  // namespace canopus::cli

@@ -1,0 +1,149 @@
+#include "canopus/cli/events/web_traffic.hpp"
+
+#include <fmt/format.h>
+
+#include "canopus/cli/events/event_printer.hpp"
+#include "canopus/cli/events/web_view_fields.hpp"
+#include "canopus/sim/bus/bit_controller.hpp"
+#include "canopus/sim/bus/bit_stream.hpp"
+
+namespace canopus::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The field of a bit of a whole frame: by its number without stuff bits up to the CRC, then by its place before the end.
+can::FrameField field_of(unsigned payload, unsigned header, std::size_t data, std::size_t bits_left,
+                         bool extended) {
+  if (bits_left <= 7) return can::FrameField::end_of_frame;
+  if (bits_left == 8) return can::FrameField::ack_delimiter;
+  if (bits_left == 9) return can::FrameField::ack_slot;
+  if (bits_left == 10) return can::FrameField::crc_delimiter;
+  if (payload < header) return sim::field_of_bit(payload, extended);
+  return payload < header + data ? can::FrameField::data : can::FrameField::crc;
+}
+
+void add_frame(Json& event, const WebTraffic::Seen& seen) {
+  std::string data;
+  for (const std::uint8_t byte : seen.frame.bytes()) data += fmt::format("{:02X}", byte);
+  event["frame"] = {{"can_id", fmt::format("{:03X}", seen.frame.identifier)},
+                    {"at", event_seconds(seen.at)},
+                    {"dlc", seen.frame.dlc},
+                    {"remote", seen.frame.remote},
+                    {"data", data}};
+  add_bits(event["frame"], seen.frame);
+}
+
+}  // namespace
+
+void add_bits(Json& event, const can::Frame& frame) {
+  const sim::BitStream stream(frame);
+  const unsigned header = frame.extended ? 39 : 19;
+  unsigned payload = 0;
+  can::FrameField field = can::FrameField::start_of_frame;
+  event["bits"] = Json::array();
+  for (std::size_t i = 0; i < stream.size; ++i) {
+    const sim::BitStream::Bit& bit = stream.bits[i];
+    // A stuff bit belongs to the field of the bit before it.
+    if (!bit.stuff) field = field_of(payload++, header, 8 * frame.length(), stream.size - i, frame.extended);
+    // The transmitter sends the ACK slot recessive; the frame was completed, so somebody acknowledged it.
+    const bool dominant = bit.dominant || i == stream.ack_slot;
+    Json one{{"level", dominant ? "d" : "r"}, {"field", name(field)}};
+    if (bit.stuff) one["stuff"] = true;
+    event["bits"].push_back(std::move(one));
+  }
+}
+
+std::string_view name(FrameClass frame_class) noexcept {
+  switch (frame_class) {
+    case FrameClass::nmt: return "NMT";
+    case FrameClass::sync: return "SYNC";
+    case FrameClass::emcy: return "EMCY";
+    case FrameClass::time: return "TIME";
+    case FrameClass::pdo: return "PDO";
+    case FrameClass::sdo: return "SDO";
+    case FrameClass::error_control: return "error control";
+    case FrameClass::lss: return "LSS";
+    case FrameClass::other: return "other";
+  }
+  return "other";
+}
+
+// [CiA 301 7.3.5]
+FrameClass class_of(const can::Frame& frame) noexcept {
+  if (frame.extended) return FrameClass::other;
+  const std::uint32_t id = frame.identifier;
+  if (id == 0) return FrameClass::nmt;
+  if (id == 0x080) return FrameClass::sync;
+  if (id == 0x100) return FrameClass::time;
+  if (id > 0x080 && id < 0x100) return FrameClass::emcy;
+  if (id > 0x180 && id < 0x580) return FrameClass::pdo;
+  if (id > 0x580 && id < 0x680) return FrameClass::sdo;
+  if (id > 0x700 && id < 0x780) return FrameClass::error_control;
+  if (id == 0x7E4 || id == 0x7E5) return FrameClass::lss;
+  return FrameClass::other;
+}
+
+WebTraffic::WebTraffic(plant::Plant& plant) : plant_(plant) {
+  for (std::size_t i = 0; i < plant.bus_count(); ++i) {
+    taps_.push_back(std::make_unique<Tap>());
+    plant.bus(i).add_observer(*taps_.back());
+  }
+}
+
+WebTraffic::~WebTraffic() {
+  for (std::size_t i = 0; i < taps_.size(); ++i) plant_.bus(i).remove_observer(*taps_[i]);
+}
+
+void WebTraffic::Tap::frame_completed(const can::Frame& frame, can::Time start, can::Time end) {
+  const auto place = static_cast<std::size_t>(class_of(frame));
+  bus.busy[place] += end - start;
+  ++bus.frames[place];
+  if (frame.extended) return;
+  Seen& seen = bus.seen[frame.identifier & can::max_base_identifier];
+  ++seen.frames;
+  seen.at = end;
+  seen.frame = frame;
+}
+
+void WebTraffic::Tap::errors_reported(std::span<const can::BusErrorReport> reports, can::Time /*now*/) {
+  for (const can::BusErrorReport& report : reports) {
+    if (report.first)
+      ++bus.errors[static_cast<std::size_t>(report.error)][static_cast<std::size_t>(report.field)];
+  }
+}
+
+std::string WebTraffic::look(const nlohmann::json& wish) const {
+  const std::size_t number = view_number(wish, "traffic", SIZE_MAX);
+  if (number >= taps_.size()) return {};
+  const Bus& bus = taps_[number]->bus;
+  Json event = event_line(plant_.timeline().now(), "traffic");
+  event["number"] = number;
+  event["bus"] = plant_.bus(number).name();
+  event["classes"] = Json::array();
+  for (std::size_t i = 0; i < frame_classes; ++i) {
+    event["classes"].push_back({{"class", name(static_cast<FrameClass>(i))},
+                                {"frames", bus.frames[i]},
+                                {"busy", can::seconds(can::Time{bus.busy[i]})}});
+  }
+  event["errors"] = Json::array();
+  for (std::size_t error = 0; error < bus.errors.size(); ++error) {
+    for (std::size_t field = 0; field < can::frame_fields; ++field) {
+      if (bus.errors[error][field] == 0) continue;
+      event["errors"].push_back({{"error", name(static_cast<can::BusError>(error))},
+                                 {"field", name(static_cast<can::FrameField>(field))},
+                                 {"count", bus.errors[error][field]}});
+    }
+  }
+  event["can_ids"] = Json::array();
+  for (std::size_t id = 0; id < bus.seen.size(); ++id) {
+    if (bus.seen[id].frames != 0) event["can_ids"].push_back(fmt::format("{:03X}", id));
+  }
+  const auto wanted = wish.find("can_id");
+  if (wanted == wish.end() || !wanted->is_number_unsigned()) return view_event(event);
+  const auto id = wanted->get<std::uint64_t>();
+  if (id < bus.seen.size() && bus.seen[id].frames != 0) add_frame(event, bus.seen[id]);
+  return view_event(event);
+}
+
+}  // namespace canopus::cli

@@ -1,0 +1,69 @@
+#pragma once
+// What the page of a run knows of its buses: for each base identifier the last frame with its bits, for each class of frames how
+// long they had the bus, and the errors by kind and place. It is counted from the plant's start on, whoever looks.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "canopus/can/bus.hpp"
+#include "canopus/plant/plant.hpp"
+
+namespace canopus::cli {
+
+/// Classes of frames by their identifiers, as CiA 301 assigns them.
+enum class FrameClass : std::uint8_t { nmt, sync, emcy, time, pdo, sdo, error_control, lss, other };
+inline constexpr std::size_t frame_classes = 9;
+/// "PDO"
+[[nodiscard]] std::string_view name(FrameClass frame_class) noexcept;
+[[nodiscard]] FrameClass class_of(const can::Frame& frame) noexcept;
+
+class WebTraffic {
+ public:
+  /// The last frame of an identifier.
+  struct Seen {
+    std::uint64_t frames = 0;  ///< 0: none yet
+    can::Time at{};            ///< end of the frame
+    can::Frame frame{};
+  };
+  /// Of one bus.
+  struct Bus {
+    std::array<Seen, 2048> seen{};                    ///< by base identifier
+    std::array<can::Duration, frame_classes> busy{};  ///< time on the bus, without intermission
+    std::array<std::uint64_t, frame_classes> frames{};
+    /// Error frames, by what their first finder found and where.
+    std::array<std::array<std::uint64_t, can::frame_fields>, 6> errors{};
+  };
+
+  /// The plant must outlive this.
+  explicit WebTraffic(plant::Plant& plant);
+  ~WebTraffic();
+  WebTraffic(const WebTraffic&) = delete;
+  WebTraffic& operator=(const WebTraffic&) = delete;
+
+  /// The event of a view {"traffic": BUS, "can_id": 389}: of the bus of that number in `state`, with the bits of the last frame of
+  /// that base identifier, if there was one; empty: there is no such bus.
+  [[nodiscard]] std::string look(const nlohmann::json& wish) const;
+
+ private:
+  struct Tap final : can::BusObserver {
+    void frame_completed(const can::Frame& frame, can::Time start, can::Time end) override;
+    void errors_reported(std::span<const can::BusErrorReport> reports, can::Time now) override;
+    Bus bus;
+  };
+
+  plant::Plant& plant_;
+  std::vector<std::unique_ptr<Tap>> taps_;
+};
+
+/// Adds `bits`: each bit of the frame as the bus had it: `level` (`d`, `r`), `field`, and `stuff` when it is a stuff bit.
+void add_bits(nlohmann::ordered_json& event, const can::Frame& frame);
+
+}  // namespace canopus::cli

@@ -1,0 +1,103 @@
+// The object dictionary of a node: type, access, value and default of each sub-index. Only the rows that can be seen are asked for.
+import { make, set_text } from "./dom.js";
+
+const row_height = 26;
+const beyond = 12;  // rows above and below what is seen
+
+export class ObjectView {
+  /// `say`: called when what it looks at has changed. `plots`: where a click on a number goes.
+  constructor(section, say, plots) {
+    this.section = section;
+    this.say = say;
+    this.plots = plots;
+    [this.title, this.list, this.space, this.table, this.find, this.count, this.base] =
+      ["objects-title", "objects", "objects-space", "objects-table", "objects-find", "objects-count", "objects-base"]
+        .map((id) => section.querySelector(`#${id}`));
+    this.number = null;
+    this.is_hexadecimal = false;
+    this.list.addEventListener("scroll", () => this.look());
+    this.find.addEventListener("input", () => {
+      this.list.scrollTop = 0;
+      this.look();
+    });
+    this.base.addEventListener("click", () => {
+      this.is_hexadecimal = !this.is_hexadecimal;
+      this.base.setAttribute("aria-pressed", this.is_hexadecimal);
+      if (this.event) this.draw(this.event);
+    });
+    this.table.tBodies[0].addEventListener("click", (click) => {
+      const button = click.target.closest("button");
+      if (button) this.plots.toggle(button.dataset.plot, button.title.replace(/^Plot /, ""));
+    });
+  }
+
+  open(number, name) {
+    this.number = number;
+    this.event = null;
+    this.table.tBodies[0].replaceChildren();
+    set_text(this.title, `Objects of ${name}`);
+    this.section.hidden = false;
+    this.list.scrollTop = 0;
+    this.look();
+    this.title.focus();
+  }
+
+  close() {
+    this.section.hidden = true;
+    this.number = null;
+    this.say();
+  }
+
+  /// What the server is asked for, or null.
+  get view() {
+    if (this.number === null) return null;
+    return { objects: this.number, find: this.find.value.slice(0, 100), from: this.from ?? 0, count: this.rows ?? 60 };
+  }
+
+  look() {
+    this.from = Math.max(0, Math.floor(this.list.scrollTop / row_height) - beyond);
+    this.rows = Math.min(256, Math.ceil((this.list.clientHeight || 500) / row_height) + 2 * beyond);
+    this.say();
+  }
+
+  draw(event) {
+    if (event.number !== this.number) return;
+    this.event = event;
+    set_text(this.count, `${event.of} sub-indexes`);
+    this.space.style.height = `${event.of * row_height + row_height}px`;
+    this.table.style.top = `${event.from * row_height}px`;
+    const body = this.table.tBodies[0];
+    while (body.rows.length > event.rows.length) body.lastElementChild.remove();
+    while (body.rows.length < event.rows.length) {
+      body.append(make("tr", {}, make("th", { scope: "row" }), make("td"), make("td"), make("td"),
+                       make("td", {}, make("span"), make("button", { type: "button", class: "number", hidden: "" })), make("td")));
+    }
+    event.rows.forEach((row, place) => this.fill(body.rows[place], row, event));
+  }
+
+  fill(line, row, event) {
+    const [object, name, type, access, value, usual] = line.children;
+    set_text(object, row.object);
+    set_text(name, row.name === row.of ? row.name : `${row.of}: ${row.name}`);
+    name.title = name.textContent;
+    set_text(type, row.type);
+    set_text(access, row.access);
+    const [text, button] = value.children;
+    const is_number = row.decimal !== undefined;
+    button.hidden = !is_number;
+    if (!is_number) {
+      const shown = row.text !== undefined && !this.is_hexadecimal ? `“${row.text}”` : row.hex + (row.bytes > 64 ? "…" : "");
+      set_text(text, row.bytes === 0 ? "empty" : shown);
+      set_text(usual, "");
+      return;
+    }
+    set_text(text, "");
+    const shown = this.is_hexadecimal ? `${row.hex}H` : row.decimal;
+    const other = this.is_hexadecimal ? `${row.default_hex}H` : row.default_decimal;
+    set_text(button, shown);
+    button.title = `Plot ${event.bus} ${event.node} ${row.object} ${row.name}`;
+    button.dataset.plot = `objects ${event.number} ${row.object}`;
+    set_text(usual, shown === other ? "same" : other);
+    this.plots.add(button.dataset.plot, Number(row.decimal), event.t);
+  }
+}

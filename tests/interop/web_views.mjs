@@ -1,0 +1,111 @@
+// A real browser on the views of a run's page: bus, objects, plots, links and keys, and what axe-core finds. Says as JSON what it
+// saw. `node web_views.mjs CHROMIUM URL FOLDER`; pictures go into FOLDER. Judged by web_checks.py.
+import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { chromium } from "playwright-core";
+
+const [executablePath, url, folder] = process.argv.slice(2);
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+const browser = await chromium.launch({ executablePath, args: ["--no-sandbox"] });
+const seen = { problems: [], pictures: [], axe: [], overflow: [] };
+
+async function open(hash, options = {}) {
+  const page = await browser.newPage({ colorScheme: "light", viewport: { width: 1280, height: 800 }, ...options });
+  page.on("console", (message) => ["error", "warning"].includes(message.type()) && seen.problems.push(message.text()));
+  page.on("pageerror", (error) => seen.problems.push(String(error)));
+  await page.goto(url + hash);
+  await page.waitForSelector(".nodes li");
+  return page;
+}
+
+// A link opens its view; light and dark, in two sizes; nothing serious for axe-core (which the page's own policy would not run).
+for (const [hash, section, ready] of [["#bus/0/183", "bus-section", "#strip .bit"], ["#objects/1", "objects-section", "#objects-table .number"],
+                                      ["#words/0", "words-section", "#words-table tbody tr"], ["#boots", "boot-section", "#boots li"]]) {
+  for (const colorScheme of ["light", "dark"]) {
+    for (const [width, height] of [[1280, 800], [1920, 1080]]) {
+      const page = await open(hash, { colorScheme, viewport: { width, height }, bypassCSP: true });
+      await page.waitForSelector(ready);
+      await page.waitForTimeout(hash.startsWith("#bus") ? 2500 : 300);
+      if (["bus-section", "objects-section"].includes(section)) {
+        const path = `${folder}/${section.split("-")[0]}-${colorScheme}-${width}.png`;
+        await page.locator(`#${section}`).screenshot({ path });
+        seen.pictures.push(path);
+      }
+      if (await page.evaluate(() => document.documentElement.scrollWidth > innerWidth)) seen.overflow.push(`${hash} ${width}`);
+      if (width === 1280) {
+        await page.evaluate(axe);
+        const found = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ["violations"] }));
+        for (const one of found.violations.filter((violation) => ["serious", "critical"].includes(violation.impact))) {
+          seen.axe.push(`${hash} ${colorScheme}: ${one.id}: ${one.nodes.slice(0, 3).map((node) => node.html.slice(0, 150)).join(" | ")}`);
+        }
+      }
+      await page.close();
+    }
+  }
+}
+
+const page = await open("");
+const texts = (selector) => page.locator(selector).allTextContents();
+// By keys alone: to the bus, to a frame's bits.
+await page.keyboard.press("Control+K");
+await page.keyboard.type("bus line1");
+await page.keyboard.press("Enter");
+await page.waitForSelector("#can-ids a");
+seen.bus_link = await page.evaluate(() => location.hash);
+seen.bus_focus = await page.evaluate(() => document.activeElement.id);
+await page.locator("#can-ids a", { hasText: "183" }).focus();
+await page.keyboard.press("Enter");
+await page.waitForSelector("#strip .bit");
+seen.frame_link = await page.evaluate(() => location.hash);
+seen.strip = await page.textContent("#strip p");
+seen.fields = await texts("#strip .field-name");
+seen.bits = await page.locator("#strip .bit").count();
+await page.waitForSelector("#bus-load .legend li");
+seen.legend = await texts("#bus-load .legend li");
+seen.counters = await texts("#counters tbody th");
+seen.errors = await page.textContent("#errors");
+await page.keyboard.press("?");
+seen.keys_open = await page.evaluate(() => document.getElementById("keys").open);
+await page.keyboard.press("Escape");
+await page.keyboard.press("Escape");
+await page.waitForFunction(() => document.getElementById("bus-section").hidden);
+seen.closed_link = await page.evaluate(() => location.hash);
+// Objects of the encoder, alive; one click plots a number.
+await page.keyboard.press("Control+K");
+await page.keyboard.type("encoder");
+await page.keyboard.press("Enter");
+await page.waitForSelector("#objects-table .number:visible");
+seen.objects_title = await page.textContent("#objects-title");
+seen.objects_count = await page.textContent("#objects-count");
+seen.objects_rows = await page.locator("#objects-table tbody tr").count();
+await page.fill("#objects-find", "6004");
+await page.waitForFunction(() => document.querySelector("#objects-table tbody tr")?.textContent.startsWith("6004:00"));
+seen.position = await page.textContent("#objects-table tbody tr");
+await page.click("#objects-table .number");
+await page.waitForFunction(() => document.querySelector("#plots polyline")?.getAttribute("points")?.split(" ").length > 6);
+seen.plot = await page.textContent("#plots figcaption");
+await page.waitForTimeout(2500);
+await page.locator("#plots").screenshot({ path: `${folder}/plots-light-1280.png` });
+await page.locator("#objects-title").focus();
+await page.keyboard.press("h");
+await page.waitForFunction(() => /^[0-9A-F]+H$/.test(document.querySelector("#objects-table .number")?.textContent));
+await page.fill("#objects-find", "1008");
+await page.waitForFunction(() => document.querySelector("#objects-table tbody tr")?.textContent.startsWith("1008:00"));
+seen.markup = await page.locator("img, iframe, script:not([src='page.js'])").count();
+await page.click("#plots button");
+seen.plots_closed = await page.locator("#plots").isHidden();
+// A link that leads nowhere is no error.
+for (const hash of ["#bus/99", "#objects/x", "#words/0/<img>", "#nothing", "#bus/0/ZZZ"]) {
+  await page.evaluate((link) => { location.hash = link; }, hash);
+  await page.waitForTimeout(100);
+}
+// A node, clicked: what there is to say of it is in sight without scrolling.
+const small = await open("", { viewport: { width: 1280, height: 800 } });
+await small.locator(".nodes button").last().click();
+seen.in_sight = await small.evaluate(() => {
+  const place = document.querySelector("#node-body tr").getBoundingClientRect();
+  return scrollY === 0 && place.top >= 0 && place.bottom <= innerHeight;
+});
+await small.screenshot({ path: `${folder}/node-light-1280.png` });
+await browser.close();
+console.log(JSON.stringify(seen));
