@@ -203,17 +203,22 @@ def web_page_escapes_names():
         require(any("<script>alert(2)</script>" in name for name in seen["nodes"]), seen["nodes"])
 
 
+def look_at_views(address, name, *words):
+    """What a real Chromium saw of the views."""
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if not chromium:
+        raise Skip("no Chromium: tools/install-packages check")
+    node_modules()
+    folder = pathlib.Path(os.environ.get("CANOPUS_PICTURES", scratch)) / name
+    folder.mkdir(parents=True, exist_ok=True)
+    return json.loads(command("node", HERE / "web_views.mjs", chromium, address, folder, *words, timeout=240).stdout)
+
+
 @check
 def web_views_in_chromium():
     """Bus, objects and plots of the first plant's page, by links and keys; axe-core finds nothing serious, light and dark."""
     with running(first_plant_file(), operational=[1, 2, 3], words=["--web"]) as plant:
-        chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-        if not chromium:
-            raise Skip("no Chromium: tools/install-packages check")
-        node_modules()
-        folder = pathlib.Path(os.environ.get("CANOPUS_PICTURES", scratch)) / "views"
-        folder.mkdir(parents=True, exist_ok=True)
-        seen = json.loads(command("node", HERE / "web_views.mjs", chromium, page_of(plant)[0], folder, timeout=240).stdout)
+        seen = look_at_views(page_of(plant)[0], "views")
         require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [] and seen["markup"] == 0, seen)
         require(seen["bus_link"] == "#bus/0" and seen["bus_focus"] == "bus-title" and seen["closed_link"] == "#overview", seen)
         require(seen["frame_link"] == "#bus/0/183" and seen["strip"].startswith("183H, DLC "), seen["strip"])
@@ -225,3 +230,18 @@ def web_views_in_chromium():
         require("encoder" in seen["objects_title"] and seen["objects_rows"] <= 256, seen["objects_title"])
         require(re.match(r"6004:00.*UNSIGNED32", seen["position"]), seen["position"])
         require("6004:00" in seen["plot"], seen["plot"])
+
+
+@check
+def web_reason_in_one_click():
+    """A slave whose product code is not the expected one is red; one click shows the reason without scrolling (W5)."""
+    text = first_plant_file().read_text().replace('"1016:01" =', '"1F86:04" = 0x1234, "1016:01" =', 1)
+    require("1F86:04" in text, text)
+    plant_file = scratch / "wrong-product.toml"
+    plant_file.write_text(text)
+    with running(plant_file, words=["--web"]) as plant:
+        address, _ = page_of(plant)
+        plant.wait(lambda e: e["event"] == "boot slave" and e["node"] == 4 and e.get("error") == "M")
+        seen = look_at_views(address, "reason", "drive")
+        require(seen["problems"] == [] and seen["reason"]["in_sight"], seen)
+        require("1018H:02 reads 00000402H" in seen["reason"]["text"] and "expected 00001234H" in seen["reason"]["text"], seen["reason"])

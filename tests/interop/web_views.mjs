@@ -1,10 +1,10 @@
 // A real browser on the views of a run's page: bus, objects, plots, links and keys, and what axe-core finds. Says as JSON what it
-// saw. `node web_views.mjs CHROMIUM URL FOLDER`; pictures go into FOLDER. Judged by web_checks.py.
+// saw. `node web_views.mjs CHROMIUM URL FOLDER [RED NODE]`; pictures go into FOLDER. Judged by web_checks.py.
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { chromium } from "playwright-core";
 
-const [executablePath, url, folder] = process.argv.slice(2);
+const [executablePath, url, folder, red] = process.argv.slice(2);
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const browser = await chromium.launch({ executablePath, args: ["--no-sandbox"] });
 const seen = { problems: [], pictures: [], axe: [], overflow: [] };
@@ -16,6 +16,23 @@ async function open(hash, options = {}) {
   await page.goto(url + hash);
   await page.waitForSelector(".nodes li");
   return page;
+}
+
+// With a fourth word: a red node of that number, one click, and what is in sight of the reason, nothing scrolled.
+if (red) {
+  const page = await open("");
+  const button = page.locator(".nodes button[data-mood=error]", { hasText: red });
+  await button.click();
+  await page.waitForSelector("#node-body tr");
+  seen.reason = await page.evaluate(() => {
+    const row = [...document.querySelectorAll("#node-body tr")].find((one) => one.textContent.startsWith("Why"));
+    const place = row?.getBoundingClientRect();
+    return { text: row?.textContent, in_sight: scrollY === 0 && place?.top >= 0 && place?.bottom <= innerHeight };
+  });
+  await page.screenshot({ path: `${folder}/reason-light-1280.png` });
+  await browser.close();
+  console.log(JSON.stringify(seen));
+  process.exit(0);
 }
 
 // A link opens its view; light and dark, in two sizes; nothing serious for axe-core (which the page's own policy would not run).

@@ -149,11 +149,10 @@ function draw_node() {
   set_text(by_id("node-title"), `${node.bus} node ${id_of(node)}: ${label_of(node)}`);
   const slave = slave_of(node);
   const forced = state.forced.filter((one) => key_of(one) === key_of(node)).map((one) => one.text);
-  const rows = [["NMT state", node.state], ["Controller", `${node.controller}, TEC ${node.tec}, REC ${node.rec}`],
+  const rows = [...troubles_of(node).map((line) => ["Why", line]), ["NMT state", node.state], ["Controller", `${node.controller}, TEC ${node.tec}, REC ${node.rec}`],
                 ["PDOs sent", String(node.pdos)],
                 ["Emergencies", node.last_emcy ? `${node.emcy}, last ${node.last_emcy}H` : String(node.emcy)]];
   if (slave) rows.push(["Boot", `${slave.step}, since ${slave.since} s, by node ${slave.master}`]);
-  for (const line of troubles_of(node)) rows.push(["Why", line]);
   for (const line of forced) rows.push(["Forced", line]);
   const body = by_id("node-body");
   const text = JSON.stringify(rows);
