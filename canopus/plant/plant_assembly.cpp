@@ -78,6 +78,7 @@ std::vector<text::FileError> Assembly::run() {
   if (complete_ && errors_.empty()) review_buses();
   for (std::size_t i = 0; i < parts_.buses.size(); ++i) {
     if (parts_.simulated[i] != nullptr) set_faults(parts_.file.buses[i], *parts_.simulated[i]);
+    set_line(parts_.file.buses[i], parts_.simulated[i]);
   }
   for (const auto& bus : parts_.buses) {
     parts_.load_reports.push_back(std::make_unique<LoadReport>(*bus, observer_of(bus->name())));

@@ -95,6 +95,7 @@ class Assembly {
   void add_bus(const BusSection& section);
   void add_bridge(const BridgeSection& section);
   void set_faults(const BusSection& section, sim::Bus& bus);
+  void set_line(const BusSection& section, sim::Bus* bus);
   void review_buses();
   BusWatch& watch(const can::Bus& bus);
   /// The part of the plant that a bus of the plant file belongs to.

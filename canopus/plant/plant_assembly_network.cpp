@@ -207,4 +207,29 @@ void Assembly::add_outside_slave(const ModuleSection& master, const SlaveSection
   errors_.add(network.add_slave(slave, description, true));
 }
 
+/// The bus is as long as its file says, and its nodes are where it says.
+void Assembly::set_line(const BusSection& section, sim::Bus* bus) {
+  if (!section.line || !section.line->is_exact || !complete_) return;
+  const LineSection& line = *section.line;
+  if (bus == nullptr) {
+    return errors_.add(line.place,
+                       "exact = true: only a simulated bus has a length; bus \"{}\" is a real one",
+                       section.name);
+  }
+  sim::Line wanted{.length = line.length,
+                   .stub = line.stub,
+                   .nanoseconds_per_metre = line.nanoseconds_per_metre,
+                   .transceiver_delay = line.transceiver_delay,
+                   .clock_ppm = line.clock_ppm,
+                   .timing = line.timing};
+  const std::vector<const can::Port*> ports = bus->ports();
+  for (const LineSection::Node& node : line.nodes) {
+    if (std::ranges::find(ports, node.node.port, &can::Port::name) == ports.end()) {
+      errors_.add(node.place, "node: no port \"{}\" on bus \"{}\"", node.node.port, section.name);
+    }
+    wanted.nodes.push_back(node.node);
+  }
+  bus->set_line(wanted);
+}
+
 }  // namespace canopus::plant

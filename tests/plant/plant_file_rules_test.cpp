@@ -103,13 +103,15 @@ TEST(PlantFile, AFaultTakesOnlyTheKeysOfItsKind) {
       ElementsAre(
           "plant.toml:5:8: kind = \"break\": expected one of drop, corrupt, duplicate, delay, babble, "
           "stuck dominant, jam, cut, drive, stuck recessive, late, noise, overload, single-shot, "
-          "termination"));
+          "early, termination"));
   EXPECT_THAT(
       errors_of(bus + "kind = \"noise\"\nbit_error_rate = 2\n"),
       ElementsAre(
           "plant.toml:6:18: bit_error_rate = 2: expected a number above 0, up to 1, for example 1e-5"));
   EXPECT_THAT(errors_of(bus + "kind = \"overload\"\nports = [\"a\"]\noverload_frames = 3\n"),
               ElementsAre("plant.toml:7:19: overload_frames = 3: expected 1 or 2 overload frames"));
+  EXPECT_THAT(errors_of(bus + "kind = \"early\"\nports = [\"a\"]\nearly_bits = 11\n"),
+              ElementsAre("plant.toml:7:14: early_bits = 11: expected 1 to 10 bits"));
   EXPECT_THAT(
       errors_of(bus + "kind = \"termination\"\nresistors = 21\nlength = -1\n"),
       ElementsAre("plant.toml:6:13: resistors = 21: expected 0 to 20 resistors; 2 are as it should be",

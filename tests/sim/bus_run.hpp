@@ -17,6 +17,7 @@
 
 #include "canopus/can/frame_bits.hpp"
 #include "canopus/sim/bus/bus.hpp"
+#include "canopus/sim/bus/line.hpp"
 
 #include "sim/bus_script.hpp"
 #include "sim/bus_station.hpp"
@@ -112,7 +113,7 @@ inline Fault fault_of(unsigned number, unsigned stations, Duration bit) {
   const Time from = Time(bit * (number / 64 % 1'000));
   const Time until = from + bit * (1 + number % 700);
   const double probability = 0.1 + 0.01 * (number % 80);
-  switch (number % 16) {
+  switch (number % 17) {
     case 0: return {.kind = FaultKind::corrupt, .probability = probability};
     case 1: return {.kind = FaultKind::corrupt, .probability = probability, .receiver = some, .bit = where};
     case 2: return {.kind = FaultKind::corrupt, .every = 1 + number / 10 % 5, .count = 60, .bit = where};
@@ -147,6 +148,12 @@ inline Fault fault_of(unsigned number, unsigned stations, Duration bit) {
               .ports = {some},
               .overload_frames = 1 + number / 16 % 2};
     case 14: return {.kind = FaultKind::single_shot, .from = from, .until = until, .ports = {some}};
+    case 16:
+      return {.kind = FaultKind::early,
+              .from = from,
+              .until = until,
+              .ports = {some},
+              .early_bits = 1 + where % max_early_bits};
     case 15:
       return {.kind = FaultKind::termination,
               .from = from,
@@ -164,11 +171,12 @@ inline Fault fault_of(unsigned number, unsigned stations, Duration bit) {
 
 class Run {
  public:
-  Run(const Script& script, bool bit_by_bit)
+  Run(const Script& script, bool bit_by_bit, const Line* line = nullptr)
       : script_(script), bus_("bus", script.bit_rate, timeline_), judge_(timeline_, outcome_) {
     timeline_.set_stall_handler(
         [this](const can::Timeline::Stall& stall) { outcome_.complaints.push_back(stall.text()); });
     judge_.may_overlap = 4 * bit();
+    if (line != nullptr) bus_.set_line(*line);
     bus_.add_observer(static_cast<BusObserver&>(judge_));
     for (unsigned number = 0; number < script.stations; ++number) add_station();
     if (bit_by_bit) bus_.add_observer(static_cast<WireObserver&>(judge_));
@@ -261,7 +269,7 @@ class Run {
       if (fault.kind == FaultKind::single_shot) {
         for (Account& account : accounts_) account.lost_some = true;
       }
-      judge_.one_bus = judge_.one_bus && fault.kind != FaultKind::cut;
+      judge_.one_bus = judge_.one_bus && fault.kind != FaultKind::cut && fault.kind != FaultKind::early;
       faults.push_back(fault);
     }
     const auto good = bus_.set_faults(faults, 1);

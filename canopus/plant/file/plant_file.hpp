@@ -23,6 +23,7 @@
 #include "canopus/plc/modbus/settings.hpp"
 #include "canopus/sim/bus/bit_timing.hpp"
 #include "canopus/sim/bus/fault.hpp"
+#include "canopus/sim/bus/line.hpp"
 #include "canopus/text/file_error.hpp"
 #include "canopus/text/object_value.hpp"
 #include "canopus/text/text_values.hpp"
@@ -92,15 +93,21 @@ struct FaultSection {
   sim::Fault fault{};
 };
 
-/// What canopus check reckons with, [bus.line]. The simulated bus itself has no length, and its clocks are perfect.
+/// A bus's length and its nodes' timing, [bus.line]. canopus check reckons with it.
 struct LineSection {
   text::Place place{};
-  double length = 0;                     ///< m, between the two nodes furthest apart
-  double stub = 0;                       ///< m, the longest
+  bool is_exact = false;  ///< the simulated bus has it, too; else no length, and clocks are perfect
+  double length = 0;      ///< m, between the two nodes furthest apart
+  double stub = 0;        ///< m, the longest
   double nanoseconds_per_metre = 5;      ///< 5: copper with polyethylene
   can::Duration transceiver_delay{120};  ///< of a node's driver and another one's receiver together
   double clock_ppm = 100;                ///< the most a node's clock is off, either way
   sim::BitTiming timing{};               ///< of every node, without problem()
+  struct Node {
+    text::Place place{};
+    sim::Line::Node node{};
+  };
+  std::vector<Node> nodes{};
 };
 
 struct BusSection {

@@ -82,6 +82,20 @@ std::expected<void, std::string> set_link(BusSection& bus, std::string_view text
                   bus.faults.front().place.line));
 }
 
+LineSection::Node read_line_node(text::TableReader& table, const LineSection& line) {
+  LineSection::Node section{.place = table.place()};
+  section.node.port = table.text("port", true).value_or("");
+  const auto number = [&](std::string_view key, double least, double most, const std::string& expected) {
+    const auto found = table.number(key);
+    if (found && (*found < least || *found > most)) table.error(key, expected);
+    return found;
+  };
+  section.node.place = number("place", 0, line.length, fmt::format("expected 0 to {:g} m", line.length));
+  section.node.stub = number("stub", 0, 100, "expected 0 to 100 m");
+  section.node.clock_ppm = number("clock_ppm", -100'000, 100'000, "expected -100000 to 100000 ppm");
+  return section;
+}
+
 void read_line(text::TableReader& table, BusSection& bus) {
   table.table("line", "bus.line", "expected a table, written as [bus.line]", [&](text::TableReader& inner) {
     LineSection& line = bus.line.emplace(LineSection{.place = inner.place()});
@@ -113,6 +127,12 @@ void read_line(text::TableReader& table, BusSection& bus) {
       return inner.error(inner.place(), fmt::format("the bit timing cannot be: {}", wrong));
     }
     line.timing = timing;
+    line.is_exact = inner.boolean("exact").value_or(false);
+    inner.tables("node", "bus.line.node",
+                 [&](text::TableReader& node) { line.nodes.push_back(read_line_node(node, line)); });
+    if (!line.nodes.empty() && !line.is_exact) {
+      inner.error("node", "needs exact = true: otherwise nodes have no place");
+    }
   });
 }
 

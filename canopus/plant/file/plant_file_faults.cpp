@@ -52,6 +52,7 @@ constexpr FaultName fault_names[] = {
     {"noise", sim::FaultKind::noise},
     {"overload", sim::FaultKind::overload},
     {"single-shot", sim::FaultKind::single_shot},
+    {"early", sim::FaultKind::early},
     {"termination", sim::FaultKind::termination},
 };
 
@@ -113,7 +114,7 @@ void read_driver(text::TableReader& table, sim::Fault& fault) {
   }
 }
 
-/// Noise, overload frames, termination.
+/// Noise, overload frames, early frames, termination.
 void read_line_fault(text::TableReader& table, sim::Fault& fault) {
   if (fault.kind == sim::FaultKind::noise) {
     fault.bit_error_rate = table.number("bit_error_rate").value_or(0);
@@ -125,6 +126,10 @@ void read_line_fault(text::TableReader& table, sim::Fault& fault) {
   if (fault.kind == sim::FaultKind::overload) {
     const auto frames = table.integer("overload_frames", 1, 2, "expected 1 or 2 overload frames");
     fault.overload_frames = static_cast<unsigned>(frames.value_or(1));
+  }
+  if (fault.kind == sim::FaultKind::early) {
+    const auto bits = table.integer("early_bits", 1, sim::max_early_bits, "expected 1 to 10 bits");
+    fault.early_bits = static_cast<unsigned>(bits.value_or(1));
   }
   if (fault.kind == sim::FaultKind::termination) {
     const auto resistors = table.integer("resistors", 0, sim::max_resistors,

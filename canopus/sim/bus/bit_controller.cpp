@@ -42,6 +42,13 @@ void BitController::begin_frame() noexcept {
   incoming_ = {};
 }
 
+/// Whoever sends a frame goes on to its end.
+bool BitController::begins_early() const noexcept {
+  if (state_ == State::intermission) return intermission_bits - count_ <= early_bits_;
+  if (state_ != State::frame || field_ != Field::eof || transmitting_) return false;
+  return eof_bits - field_bits_ + intermission_bits <= early_bits_;
+}
+
 void BitController::transmit(const can::Frame& frame) noexcept {
   begin_frame();
   send(frame);

@@ -71,7 +71,10 @@ class BitController {
   /// So many overload frames, 0 to 2, are asked for after each frame.
   void set_overload_frames(unsigned frames) noexcept { overload_frames_ = frames; }
 
-  /// Begins to send; only when idle(), at the start of a bit.
+  /// It does not wait for so many bits, 0 to max_early_bits, of the intermission and the EOF before it.
+  void set_early_bits(unsigned bits) noexcept { early_bits_ = bits; }
+
+  /// Begins to send; only when may_begin(), at the start of a bit.
   void transmit(const can::Frame& frame) noexcept;
   /// Begins to send after early_start: the SOF of another counts as its own.
   void join(const can::Frame& frame) noexcept;
@@ -108,6 +111,8 @@ class BitController {
 
   [[nodiscard]] State state() const noexcept { return state_; }
   [[nodiscard]] bool idle() const noexcept { return state_ == State::idle; }
+  /// It is idle, or takes the bus for idle.
+  [[nodiscard]] bool may_begin() const noexcept { return idle() || (early_bits_ > 0 && begins_early()); }
   /// Neither in a frame nor in anything that belongs to one.
   [[nodiscard]] bool quiet() const noexcept {
     return state_ == State::idle || state_ == State::suspend || state_ == State::integrating ||
@@ -137,6 +142,7 @@ class BitController {
  private:
   enum class Field : std::uint8_t { stuffed, crc_delimiter, ack_slot, ack_delimiter, eof };
 
+  [[nodiscard]] bool begins_early() const noexcept;
   void begin_frame() noexcept;
   void send(const can::Frame& frame) noexcept;
   void sample_frame(bool dominant, Events& events) noexcept;
@@ -169,6 +175,7 @@ class BitController {
   // The present or last frame.
   bool transmitting_ = false;
   unsigned overload_frames_ = 0;
+  unsigned early_bits_ = 0;
   unsigned overloads_left_ = 0;  // of them, after this frame
   bool overload_ = false;        // the present flag is an overload flag
   bool ack_error_open_ = false;  // passive: counts only if the flag sees a dominant bit

@@ -35,6 +35,11 @@ bool BitClock::begin_quantum() noexcept {
   return true;
 }
 
+void BitClock::skip(unsigned quanta) noexcept {
+  quantum_ += quanta;
+  for (unsigned look = 0; look < std::min(quanta, 3U); ++look) seen_ = (seen_ << 1 | (seen_ & 1U)) & 7U;
+}
+
 BitClock::Look BitClock::look(bool dominant, bool hard, bool driving) noexcept {
   const bool edge = dominant && (seen_ & 1U) == 0;
   seen_ = (seen_ << 1 | (dominant ? 1U : 0U)) & 7U;

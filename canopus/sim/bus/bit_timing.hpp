@@ -52,6 +52,12 @@ class BitClock {
   /// bit dominant, so late edges are taken for its own.
   Look look(bool dominant, bool hard, bool driving) noexcept;
 
+  /// So many quanta pass, before the next sample point and the end of the bit, and the level stays as it was last seen.
+  void skip(unsigned quanta) noexcept;
+  /// Quanta from the present one to the next sample point of this bit, and to the next bit.
+  [[nodiscard]] unsigned to_sample_point() const noexcept { return sample_ - quantum_; }
+  [[nodiscard]] unsigned to_end() const noexcept { return end_ - quantum_; }
+
   /// From the start of the bit, 0 is SYNC.
   [[nodiscard]] unsigned quantum() const noexcept { return quantum_; }
 

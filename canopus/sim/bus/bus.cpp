@@ -4,9 +4,17 @@
 #include <utility>
 
 #include "canopus/sim/bus/bus_core.hpp"
+#include "canopus/sim/bus/line_clocks.hpp"
 #include "canopus/sim/bus/segment.hpp"
 
 namespace canopus::sim {
+
+BusCore::BusCore(std::string bus_name, std::uint32_t bus_bit_rate, can::Timeline& bus_timeline)
+    : name(std::move(bus_name)),
+      bit_rate(bus_bit_rate),
+      created(bus_timeline.now()),
+      timeline(bus_timeline) {}
+BusCore::~BusCore() = default;
 
 struct Bus::Impl {
   Impl(std::string name, std::uint32_t bit_rate, can::Timeline& timeline)
@@ -49,6 +57,7 @@ Port& Bus::add_port(std::string name) {
   const std::size_t index = core.ports.size();
   core.acceptance.resize(index + 1);
   core.ports.push_back(std::make_unique<BusPort>(core, segment, index, std::move(name)));
+  if (core.clocks != nullptr) core.clocks->add(core.ports.back()->name(), core.bit_rate, core.timeline.now());
   impl_->near.resize();
   impl_->far.resize();
   if (core.timeline.now() == core.created && !segment.busy()) {
@@ -93,6 +102,19 @@ bool Bus::can_be_cut() const noexcept {
   const auto& faults = impl_->core.plan.timed_faults();
   return std::any_of(faults.begin(), faults.end(),
                      [](const FaultPlan::TimedFault& timed) { return timed.fault.kind == FaultKind::cut; });
+}
+
+void Bus::set_line(const Line& line) {
+  BusCore& core = impl_->core;
+  impl_->near.before_change();
+  impl_->far.before_change();
+  core.clocks = std::make_unique<LineClocks>(line);
+  for (const auto& port : core.ports) {
+    core.clocks->add(port->name(), core.bit_rate, core.timeline.now());
+    if (!port->bits.idle()) port->segment->restart(*port);
+  }
+  impl_->near.after_change();
+  impl_->far.after_change();
 }
 
 BusLoad Bus::load(can::Time now) const { return impl_->core.statistics.load(now); }
@@ -186,6 +208,7 @@ void Bus::Impl::begin(FaultPlan::TimedFault& timed, can::Time now) {
     case FaultKind::late:
     case FaultKind::overload:
     case FaultKind::single_shot:
+    case FaultKind::early:
       for (BusPort* port : timed.ports) set_port_fault(*port, timed.fault, true);
       break;
     case FaultKind::cut:
@@ -292,6 +315,10 @@ void Bus::Impl::set_port_fault(BusPort& port, const Fault& fault, bool begins) {
       port.bits.set_overload_frames(port.overload_frames);
       break;
     case FaultKind::single_shot: port.single_shot = begins; break;
+    case FaultKind::early:
+      port.early_bits = begins ? fault.early_bits : 0;
+      port.bits.set_early_bits(port.early_bits);
+      break;
     default: break;
   }
   port.segment->after_change();

@@ -22,6 +22,7 @@
 namespace canopus::sim {
 
 struct BusCore;
+struct Line;
 struct WireFrame;
 
 // The simulated bus is one of several kinds; what all of them have is named here, too, for whoever works with this one.
@@ -84,6 +85,10 @@ class Bus final : public can::Bus, public can::Ticker {
   std::expected<void, std::string> set_faults(const std::vector<Fault>& faults, std::uint64_t seed);
   /// Whether one of the faults cuts the wire, now or later.
   [[nodiscard]] bool can_be_cut() const noexcept;
+  /// From here on the bus is this line: levels need time, each controller has its own clock and looks at the wire once
+  /// a quantum, and all goes bit by bit. Ports are named as in add_port() and may come later; those that are there start
+  /// anew. `line.timing` must have no problem().
+  void set_line(const Line& line);
   [[nodiscard]] BusLoad load(can::Time now) const override;
   [[nodiscard]] std::uint64_t frames_of(std::uint32_t identifier, bool extended = false) const override;
 

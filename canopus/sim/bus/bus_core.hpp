@@ -21,6 +21,7 @@
 namespace canopus::sim {
 
 class BusPort;
+class LineClocks;
 class Segment;
 
 /// What all controllers of a bus share.
@@ -70,6 +71,8 @@ struct BusCore {
   can::BusStatistics statistics;
   AcceptanceTable acceptance;
   FaultPlan plan;
+  std::unique_ptr<LineClocks>
+      clocks;  // of a line with length; null: levels are seen at once, and clocks are perfect
   std::uint64_t frame_number = 0;  // of frames that were computed as a whole
 
   /// A frame that a fault keeps in its controller.
@@ -131,7 +134,8 @@ class BusPort final : public Port {
   }
   /// By a fault it does what only bits can tell.
   [[nodiscard]] bool has_bit_fault() const noexcept {
-    return mute || inverted || single_shot || overload_frames > 0 || lateness > can::Duration{};
+    return mute || inverted || single_shot || overload_frames > 0 || early_bits > 0 ||
+           lateness > can::Duration{};
   }
   /// The next waiting frame goes onto the wire.
   void take_next() noexcept {
@@ -230,6 +234,7 @@ class BusPort final : public Port {
   bool inverted = false;  // noise: what it sees
   bool single_shot = false;
   unsigned overload_frames = 0;  // asked for after each frame
+  unsigned early_bits = 0;       // before the bus is idle it may begin a frame
   can::Duration lateness{};      // of what it drives
   bool shown_dominant = false;   // as last reported to wire observers
   std::size_t held_capacity = 0;
@@ -286,13 +291,6 @@ class BusPort final : public Port {
 
   std::string port_name_;
 };
-
-inline BusCore::BusCore(std::string bus_name, std::uint32_t bus_bit_rate, can::Timeline& bus_timeline)
-    : name(std::move(bus_name)),
-      bit_rate(bus_bit_rate),
-      created(bus_timeline.now()),
-      timeline(bus_timeline) {}
-inline BusCore::~BusCore() = default;
 
 inline void BusCore::note_controller(const BusPort& port, can::ErrorState before) {
   if (observers.empty()) return;

@@ -30,8 +30,12 @@ enum class FaultKind : std::uint8_t {
   noise,            ///< bits are inverted at random: on the wire, or as the named ports see it
   overload,         ///< a controller asks for overload frames after each frame [ISO 11898-1 overload frame]
   single_shot,      ///< a controller sends a frame once: after an error or lost arbitration it is dropped
+  early,            ///< a controller begins its frame before the bus is idle
   termination,      ///< other than two resistors at the ends of the line; the model: termination.hpp
 };
+
+/// Of FaultKind::early: EOF and intermission.
+inline constexpr unsigned max_early_bits = 7 + 3;
 
 /// One fault. What its kind does not use is ignored.
 struct Fault {
@@ -59,7 +63,7 @@ struct Fault {
   can::Duration bit_time{};                ///< of one level; 0: that of the bus, or of the frame's sender
   std::optional<can::FrameField> field{};  ///< up to the intermission
 
-  /// babble, stuck_dominant, stuck_recessive, late, overload, single_shot, jam, cut: whose fault it is; noise: who alone
+  /// babble, stuck_dominant, stuck_recessive, late, overload, single_shot, early, jam, cut: whose fault it is; noise: who alone
   /// sees it, each for itself, and empty: the wire.
   std::vector<std::string> ports{};
   can::Frame frame{};         ///< babble
@@ -67,6 +71,7 @@ struct Fault {
   std::size_t capacity = 16;  ///< jam: received frames kept; later ones are lost
   double bit_error_rate = 0;  ///< noise: above 0, up to 1, of each bit time, whether the bus is idle or not
   unsigned overload_frames = 1;  ///< overload: 1 or 2, after each frame
+  unsigned early_bits = 1;       ///< early: 1 to max_early_bits, before the end of the intermission
   unsigned resistors = 0;        ///< termination: 0 to 20, of 120 ohms
   double length = 0;             ///< termination: of the line, 0 to 10000 m
 };

@@ -25,6 +25,7 @@ const char* name_of(FaultKind kind) {
     case FaultKind::noise: return "noise";
     case FaultKind::overload: return "overload";
     case FaultKind::single_shot: return "single-shot";
+    case FaultKind::early: return "early";
     case FaultKind::termination: return "termination";
   }
   return "?";
@@ -67,6 +68,8 @@ std::string wrong_timed_value(const Fault& fault) {
                                                                    : "bit_error_rate is not above 0, up to 1";
     case FaultKind::overload:
       return fault.overload_frames == 1 || fault.overload_frames == 2 ? "" : "overload_frames is not 1 or 2";
+    case FaultKind::early:
+      return fault.early_bits >= 1 && fault.early_bits <= max_early_bits ? "" : "early_bits are not 1 to 10";
     case FaultKind::termination:
       if (fault.resistors > max_resistors) return "resistors are not 0 to 20";
       return fault.length >= 0 && fault.length <= max_line_length ? "" : "length is not 0 to 10000 m";

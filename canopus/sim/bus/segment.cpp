@@ -25,7 +25,7 @@ void Segment::reconsider() {
   ++membership_;
   reconsidered_ = true;
   members_.clear();
-  forced_ = some_late_ = false;
+  forced_ = some_early_ = some_late_ = false;
   bool has_bit_faults = false;
   for (const auto& port : core_.ports) {
     forced_ = forced_ || (port->segment == this && port->on_wire && port->stuck);
@@ -34,6 +34,7 @@ void Segment::reconsider() {
     if (port->present()) {
       members_.push_back(port.get());
       has_bit_faults = has_bit_faults || port->has_bit_fault();
+      some_early_ = some_early_ || port->early_bits > 0;
       some_late_ = some_late_ || port->lateness > can::Duration{};
       if (port->lateness == can::Duration{}) port->tap.reach(port->tap.driving && !port->mute);
     } else {
@@ -47,7 +48,7 @@ void Segment::reconsider() {
   const std::uint32_t rate = members_.empty() ? 0 : members_.front()->rate;
 
   const bool computable = !shows_bits() && !forced_ && !driven_.is_busy && !inverted_ && !has_bit_faults &&
-                          termination_ == Termination{};
+                          termination_ == Termination{} && core_.clocks == nullptr;
   healthy_ = computable;
   std::size_t acknowledging = 0;
   std::fill(hearing_.begin(), hearing_.end(), 0);

@@ -128,6 +128,7 @@ class Segment {
   [[nodiscard]] bool inverted(const BusPort* at, can::Time now) const noexcept;
   void begin_bits(can::Time now);
   void look_for_views() noexcept;
+  [[nodiscard]] bool seen_at(const BusPort& port, can::Time now) const noexcept;
   void put_on_wire(BusPort& port, can::Time now);
   [[nodiscard]] bool driven_level(bool dominant, can::Time now);
   void settle(can::Time now);
@@ -147,6 +148,14 @@ class Segment {
   void sample_port(BusPort& port, can::Time now);
   Sampled look(BusPort& port, can::Time now);
   void conclude(BusPort& port, const Sampled& sampled, can::Time now);
+  // segment_line.cpp
+  void settle_line(can::Time now, bool has_changed);
+  void begin_bit_on_line(BusPort& port, can::Time now);
+  void drive_line(BusPort& port, can::Time now);
+  void tell_line_level(can::Time now, bool has_changed);
+  [[nodiscard]] bool seen_on_line(const BusPort& port, can::Time now) const noexcept;
+  void look_on_line(BusPort& port, can::Time now);
+  [[nodiscard]] can::Time next_look_on_line(can::Time now) const noexcept;
   // segment_together.cpp
   [[nodiscard]] bool may_join(const BusPort& port) const noexcept;
   [[nodiscard]] bool is_in_step(const BusPort& port, const BusPort& other) const noexcept;
@@ -214,10 +223,13 @@ class Segment {
   Driven driven_;              // by the bit driver
   bool inverted_ = false;      // by noise
   bool seen_apart_ = false;    // some port sees another level than the wire's
+  bool some_early_ = false;    // some port does not wait for the bus to be idle
   bool some_late_ = false;     // some port's level reaches the wire later
   Termination termination_;
   bool is_driven_ = false;           // dominant, by whom the termination concerns
   can::Time released_ = can::never;  // the wire is recessive from here on
+  bool line_inverted_ = false;       // by noise or a corruption, on a line with length
+  std::vector<BusPort*> looking_;    // now, on a line with length
   bool dominant_ = false;            // level of the wire
   bool active_ = false;              // from the first dominant bit to idle
   bool replaying_ = false;

@@ -1,7 +1,9 @@
 // A segment bit by bit.
 
 #include <algorithm>
+#include <utility>
 
+#include "canopus/sim/bus/line_clocks.hpp"
 #include "canopus/sim/bus/segment.hpp"
 
 namespace canopus::sim {
@@ -32,7 +34,7 @@ bool Segment::quiet(can::Time now) const noexcept {
 }
 
 void Segment::bits_tick(can::Time now, bool may_leave) {
-  changed_ = false;
+  const bool has_changed = std::exchange(changed_, false);
   complete_frames(now);
   if (spokesman_ != nullptr && spokesman_->bits.quiet()) part();
   if (!dominant_ && quiet(now)) {
@@ -45,8 +47,12 @@ void Segment::bits_tick(can::Time now, bool may_leave) {
     if (may_leave && leave_bits_if_healthy(now)) return;
   }
   start_waiting(now);
-  settle(now);
-  sample(now);
+  if (core_.clocks != nullptr) {
+    settle_line(now, has_changed);
+  } else {
+    settle(now);
+    sample(now);
+  }
   if (given_up_) forget_given_up();
   tell_changes(now);
   schedule(now);
@@ -129,7 +135,8 @@ bool Segment::between_bits(const BusPort& port, can::Time now) noexcept {
 
 /// It may begin its frame: the bus is idle for it, and it is not within a bit.
 bool Segment::ready(const BusPort& port, can::Time now) const noexcept {
-  return port.bits.idle() && between_bits(port, now) && port.offer() != Arbiter::none;
+  return (port.bits.idle() || (some_early_ && port.bits.may_begin())) && between_bits(port, now) &&
+         port.offer() != Arbiter::none;
 }
 
 /// Each controller begins by its own bits, whatever the others are still doing: those that are not idle yet see
@@ -224,7 +231,7 @@ void Segment::settle(can::Time now) {
 
 /// Whoever is asleep begins to sample.
 void Segment::wake(BusPort& port, can::Time now) {
-  if (!port.bits.idle() || port.tap.next != can::never) return;
+  if (!port.bits.idle() || port.tap.next != can::never || core_.clocks != nullptr) return;
   port.tap.bit_start = now;
   port.tap.next = now + sample_offset(port.bit());
   port.tap.sampling = true;
@@ -286,7 +293,7 @@ Segment::Sampled Segment::look(BusPort& port, can::Time now) {
   Sampled sampled{
       .faults = port.faults, .place = port.bits.place(), .is_transmitter = port.bits.is_transmitter()};
   const bool in_frame = port.bits.state() == BitController::State::frame;
-  tap.sampled = seen_apart_ ? dominant_ != inverted(&port, now) : dominant_;
+  tap.sampled = seen_apart_ ? seen_at(port, now) : dominant_;
   tap.synchronised = false;
   port.bits.sample(tap.sampled, sampled.events);
   if (port.faults != sampled.faults) tell_counters(port, now);
@@ -372,6 +379,7 @@ void Segment::schedule(can::Time now) {
   }
   if (released_ > now) next = std::min(next, released_);
   if (working_.empty() && active_ && !dominant_) next = now;  // nobody has a bit that ends
+  if (core_.clocks != nullptr) next = std::min(next, next_look_on_line(now));
   for (const BusPort* port : working_) {
     next = std::min(next, port->tap.next);
     if (some_late_) next = std::min(next, port->tap.reaches);

@@ -38,7 +38,13 @@ void Segment::forget_given_up() {
 void Segment::look_for_views() noexcept {
   const std::span corruptions(faults_.corruption, faults_.corruptions);
   seen_apart_ = std::ranges::any_of(corruptions, [](const auto& one) { return one.at != nullptr; }) ||
-                std::ranges::any_of(members_, [](const BusPort* port) { return port->inverted; });
+                std::ranges::any_of(members_, [](const BusPort* port) { return port->inverted; }) ||
+                core_.clocks != nullptr;
+}
+
+/// What the port samples, if somebody may see another level than the wire's.
+bool Segment::seen_at(const BusPort& port, can::Time now) const noexcept {
+  return core_.clocks != nullptr ? port.tap.sampled : dominant_ != inverted(&port, now);
 }
 
 /// Whether a fault inverts what there is on the wire, or what one port sees of it.

@@ -1,0 +1,92 @@
+#pragma once
+// What the controllers of a bus see of a line with length, and when they look: once a quantum, each by its own clock.
+// Only the sources of the bus include this.
+//
+// While no level is on its way looks that find nothing new are left out: BitClock::skip().
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "canopus/can/time.hpp"
+#include "canopus/sim/bus/bit_timing.hpp"
+#include "canopus/sim/bus/line.hpp"
+
+namespace canopus::sim {
+
+class LineClocks {
+ public:
+  explicit LineClocks(Line line) : line_(std::move(line)) {}
+
+  /// One more port.
+  void add(const std::string& name, std::uint32_t bit_rate, can::Time now);
+  [[nodiscard]] std::size_t size() const noexcept { return stations_.size(); }
+
+  /// Its bit begins with a quantum now, whatever its clock was doing.
+  void restart(std::size_t port, std::uint32_t bit_rate, can::Time now);
+  /// Whether the port's clock has a bit of this rate begin now, by itself.
+  [[nodiscard]] bool begins_bit(std::size_t port, std::uint32_t bit_rate, can::Time now) const noexcept;
+  /// Its clock goes on to now. True: a quantum begins now, and the port looks.
+  bool advance(std::size_t port, can::Time now) noexcept;
+  /// One that waits for a dominant bit: only its quanta go on. True: one begins now.
+  bool advance_asleep(std::size_t port, can::Time now) noexcept;
+  /// It sees a dominant bit: that begins with this quantum.
+  void wake(std::size_t port) noexcept;
+  /// After advance(): what the look finds.
+  BitClock::Look look(std::size_t port, bool dominant, bool hard, bool driving) noexcept {
+    return stations_[port].clock.look(dominant, hard, driving);
+  }
+  /// Its next sample point, or its next bit, as synchronisation has them now.
+  [[nodiscard]] can::Time sample_point(std::size_t port) const noexcept;
+  [[nodiscard]] can::Time end_of_bit(std::size_t port) const noexcept;
+  /// It has to look at or after `now`; by itself it would at `then`, a sample point or the end of a bit.
+  [[nodiscard]] can::Time next_look(std::size_t port, can::Time now, can::Time then) const noexcept;
+
+  /// What the port puts on the wire now.
+  void drive(std::size_t port, bool dominant, can::Time now);
+  /// Something else changed what is seen.
+  void disturb(can::Time now) noexcept { changed_ = now; }
+  /// Whether `from` is seen dominant at `to`.
+  [[nodiscard]] bool sees(std::size_t to, std::size_t from, can::Time now) const noexcept;
+  /// Whoever drives dominant, or has until lately.
+  [[nodiscard]] const std::vector<std::size_t>& driving() const noexcept { return driving_; }
+  void forget(can::Time now) noexcept;
+
+ private:
+  struct Change {
+    can::Time time;
+    bool dominant;
+  };
+  struct Station {
+    double place;
+    double stub;
+    double ppm;
+    BitClock clock;
+    std::uint32_t bit_rate;
+    can::Time origin{};            // its quanta are counted from here ...
+    double phase = 0;              // ... and begin so many ns later
+    double quantum = 1;            // ns
+    std::uint64_t quanta = 0;      // that have begun for the clock
+    can::Time looked{};            // last
+    std::vector<Change> driven{};  // as long as somebody may still see it
+  };
+  void set_rate(Station& station, std::uint32_t bit_rate) noexcept;
+  [[nodiscard]] static can::Time quantum_begin(const Station& station, std::uint64_t number) noexcept;
+  /// The first that begins at `time` or later.
+  [[nodiscard]] static std::uint64_t quantum_from(const Station& station, can::Time time) noexcept;
+  [[nodiscard]] static can::Time quanta_later(const Station& station, unsigned quanta) noexcept {
+    return quantum_begin(station, station.quanta - 1 + quanta);
+  }
+  void measure();
+
+  Line line_;
+  std::vector<Station> stations_;
+  std::vector<std::vector<can::Duration>> delays_;  // to, from
+  std::vector<std::size_t> driving_;
+  can::Duration longest_{};
+  can::Time changed_{};
+};
+
+}  // namespace canopus::sim
