@@ -4,6 +4,7 @@ import re
 import shutil
 import subprocess
 
+import two_rates
 from kit import HERE, PYTHON, Skip, check, command, program, require, scratch
 
 DEVICE = HERE / "interop_device.eds"
@@ -155,3 +156,41 @@ def gtkwave_reads_every_change_of_the_waveform():
     require(len(ours) > 10_000 and {"field", "n3_field", "n4_rec", "can"} <= ours[0][1].keys(), f"{len(ours)} moments, {ours[0]}")
     for one, other in zip(ours, theirs, strict=True):
         require(one == other, f"{one}, GTKWave has {other}")
+
+
+def new_errors(errors):
+    """Without those that repeat the last one in everything but the moment."""
+    kept = []
+    for error in errors:
+        if not kept or kept[-1][1:] != error[1:]:
+            kept.append(error)
+    return kept
+
+
+@check
+def who_is_bus_off_first_with_two_bit_rates_is_what_the_standard_predicts():
+    """Errors, counters and bus-off of two devices with different bit rates, moment for moment (ME3-BAUD-006)."""
+    wanted = {}
+    for rate, other in ((250_000, 125_000), (125_000, 250_000), (500_000, 250_000), (1_000_000, 125_000), (125_000, 1_000_000), (500_000, 800_000),
+                        (50_000, 125_000)):
+        path = scratch / "rates.toml"
+        text = f'[plant]\nname = "rates"\n[[bus]]\nname = "line1"\nbit_rate = {rate}\n'
+        for node, own in ((3, ""), (4, f"bit_rate = {other}\n")):
+            text += f'[[device]]\nnode = {node}\nname = "n{node}"\neds = "{DEVICE}"\n{own}'
+        path.write_text(text)
+        # As many bits that recovery from bus-off, 128 times 11, has not ended.
+        until = 1_000_000_000 // max(rate, other) * 2_800
+        events = [json.loads(line) for line in command(program, "run", path, "--virtual", "--for", f"{until}ns", "--json").stdout.splitlines()]
+        seen = [(round(event["t"] * 1e6), node["name"], event["error"], node["tec"], node["rec"])
+                for event in events if event["event"] == "bus error" for node in event["nodes"]]
+        nodes = two_rates.Node("n3", rate), two_rates.Node("n4", other, joins=True)
+        predicted = [(moment // 1000, *rest) for moment, *rest in
+                     two_rates.predict(nodes, [(0, nodes[0], 0x703, [0]), (0, nodes[1], 0x704, [0])], until)]
+        seen, predicted = new_errors(seen), new_errors(predicted)
+        for one, two in zip(seen, predicted):
+            require(abs(one[0] - two[0]) <= 1 and one[1:] == two[1:], f"{rate} and {other} bit/s: {one}, predicted {two}")
+        require(len(seen) == len(predicted) > 1, f"{rate} and {other} bit/s: {len(seen)} errors, predicted {len(predicted)}")
+        off = [event["name"] for event in events if event["event"] == "controller" and event["state"] == "bus-off"]
+        require(off == [node.name for node in nodes if node.off], f"{rate} and {other} bit/s: bus-off {off}")
+        wanted[rate, other] = off
+    require(any(wanted.values()), f"nobody is bus-off: {wanted}")
