@@ -62,7 +62,7 @@ void add_load(ReportPage& page, const project::NetworkLoad& load) {
   page.end_table();
 }
 
-std::string title_of(const ProjectNode& node, std::uint16_t index, std::uint8_t sub) {
+std::string named_object(const ProjectNode& node, std::uint16_t index, std::uint8_t sub) {
   const canopen::Entry entry =
       node.device == nullptr ? canopen::Entry{} : node.device->dictionary->find(index, sub);
   return fmt::format("{} {}", eds::object_name(index, sub),
@@ -76,10 +76,10 @@ void add_process_data(ReportPage& page, const NetworkProject& project) {
   for (const project::SignalLink& link : links) {
     const ProjectNode& from = *project.find(link.from.node_id);
     const ProjectNode& to = *project.find(link.to.node_id);
-    page.row({from.shown_name(), title_of(from, link.from.index, link.from.sub),
+    page.row({from.shown_name(), named_object(from, link.from.index, link.from.sub),
               fmt::format("TPDO{}", link.tpdo), project::describe_can_id(link.cob_id),
               fmt::format("{} to {}", link.first_bit, link.first_bit + link.bits - 1), to.shown_name(),
-              title_of(to, link.to.index, link.to.sub), fmt::format("RPDO{}", link.rpdo)});
+              named_object(to, link.to.index, link.to.sub), fmt::format("RPDO{}", link.rpdo)});
   }
   // What has no other end in the project.
   for (const ProjectNode& node : project.nodes()) {
@@ -141,7 +141,7 @@ void add_found(ReportPage& page, const NetworkProject& project, const std::vecto
   page.end_table();
 }
 
-std::string words(const std::vector<std::uint8_t>& bytes, canopen::DataType type) {
+std::string shown_value(const std::vector<std::uint8_t>& bytes, canopen::DataType type) {
   if (bytes.empty()) return "-";
   const auto value = client::show_value(bytes, type);
   return value ? *value : client::show_bytes(bytes);
@@ -173,8 +173,8 @@ bool add_differences(ReportPage& page, const NetworkProject& project, const std:
           value.object.index == 0x1000;
       if (value.state == ComparedValue::State::same || is_unasked) continue;
       ++wrong;
-      page.row({node.shown_name(), title_of(node, value.object.index, value.object.sub),
-                words(value.wanted, value.type), words(value.found, value.type), value.reason},
+      page.row({node.shown_name(), named_object(node, value.object.index, value.object.sub),
+                shown_value(value.wanted, value.type), shown_value(value.found, value.type), value.reason},
                "bad");
     }
     is_good = is_good && wrong == 0;
