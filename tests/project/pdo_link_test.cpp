@@ -249,15 +249,16 @@ std::vector<SignalEnd> signals_of(const NetworkProject& project, std::uint8_t no
 
 RC_GTEST_PROP(PdoLinkProperty, LinksThatAreMade_Stay_AndNothingElseBreaks, ()) {
   ProjectFolder folder;
-  NetworkProject project = folder.with({{2, "encoder"}, {5, "drive"}, {9, "drive"}, {20, "io-block"}});
-  const std::vector<std::uint8_t> nodes = {2, 5, 9, 20};
-  for (const std::uint8_t node : *rc::gen::container<std::vector<std::uint8_t>>(rc::gen::elementOf(nodes)))
-    switch_off(project, node);
+  NetworkProject project = folder.with({{2, "encoder"}, {5, "drive"}, {20, "io-block"}});
+  const std::vector<std::uint8_t> nodes = {2, 5, 20};
+  for (const std::uint8_t node : nodes) {
+    if (*rc::gen::arbitrary<bool>()) switch_off(project, node);
+  }
   std::vector<std::pair<SignalEnd, SignalEnd>> made;
-  const auto steps = *rc::gen::inRange(1, 10);
+  const auto steps = *rc::gen::inRange(1, 8);
   for (int step = 0; step < steps; ++step) {
     const auto senders = signals_of(project, *rc::gen::elementOf(nodes), true);
-    const auto takers = signals_of(project, *rc::gen::elementOf(std::vector<std::uint8_t>{5, 9, 20}), false);
+    const auto takers = signals_of(project, *rc::gen::elementOf(std::vector<std::uint8_t>{5, 20}), false);
     const SignalEnd from = *rc::gen::elementOf(senders);
     const SignalEnd to = *rc::gen::elementOf(takers);
     if (link_signals(project, from, to)) made.emplace_back(from, to);
