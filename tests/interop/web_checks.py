@@ -58,9 +58,17 @@ class Watcher:
 
 
 def page_of(plant):
-    address = plant.wait(lambda e: e["event"] == "listen" and e["protocol"] == "web")["address"]
+    """Its address for who only looks, and its port."""
+    address = page_with_key(plant).partition("#")[0]
     require(address.startswith("http://127.0.0.1:"), address)
     return address, int(address.split(":")[2].rstrip("/"))
+
+
+def page_with_key(plant):
+    """As it is printed: for who runs the program."""
+    address = plant.wait(lambda e: e["event"] == "listen" and e["protocol"] == "web")["address"]
+    require(re.fullmatch("http://127.0.0.1:[0-9]+/#key=[0-9a-f]{32}", address), address)
+    return address
 
 
 def ask(port, head):
@@ -126,7 +134,7 @@ def web_documentation():
     """The command of docs/web.md, and what it prints."""
     (shown,), = transcripts("docs/web.md")
     words = [program if w == "canopus" else str(first_plant_file()) if w.startswith("examples/") else w for w in shown[0].split()]
-    require_shown("docs/web.md", words, shown[1], [r"127\.0\.0\.1:\d+"])
+    require_shown("docs/web.md", words, shown[1], [r"127\.0\.0\.1:\d+/#key=[0-9a-f]{32}"])
 
 
 @check

@@ -1,6 +1,7 @@
 #include "canopus/cli/run/plant_servers.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <utility>
 
 #include <boost/asio/ip/address.hpp>
@@ -12,6 +13,16 @@
 namespace canopus::cli {
 
 namespace asio = boost::asio;
+
+namespace {
+
+/// The project of a bus as this process finds it; empty: it has none.
+std::string project_of(const plant::PlantFile& file, const plant::BusSection& bus) {
+  if (bus.project.empty()) return {};
+  return (std::filesystem::path(file.path).parent_path() / bus.project).string();
+}
+
+}  // namespace
 
 PlantServers::PlantServers(asio::io_context& io, plant::Plant& plant, link::LoopClock& clock, Use use)
     : io_(io),
@@ -41,9 +52,7 @@ void PlantServers::close() {
   for (const auto& server : melsec_) server->stop();
   for (const auto& server : modbus_) server->stop();
   if (control_) control_->stop();
-  if (!web_) return;
-  use_.web_events->set_listener([](std::string_view) {});
-  web_->stop();
+  if (web_) web_->close();
 }
 
 void PlantServers::set_standing_still(bool standing_still) {
@@ -122,8 +131,11 @@ bool PlantServers::open_control() {
 
 bool PlantServers::open_socketcand(std::size_t bus) {
   const plant::BusSection& section = plant_.bus_section(bus);
-  if (!section.socketcand) return true;
-  const text::HostAndPort place = place_of(*section.socketcand);
+  // Commands of the page join a simulated bus like any other program.
+  const bool is_for_page = !section.socketcand && !section.is_linked() && use_.web_events != nullptr;
+  if (!section.socketcand && !is_for_page) return true;
+  const text::HostAndPort place =
+      is_for_page ? text::HostAndPort{.host = "127.0.0.1", .port = 0} : place_of(*section.socketcand);
   boost::system::error_code error;
   const auto address = asio::ip::make_address(place.host == "localhost" ? "127.0.0.1" : place.host, error);
   if (error) {
@@ -139,26 +151,46 @@ bool PlantServers::open_socketcand(std::size_t bus) {
       link::SocketcandLimits{.allowed = section.allowed},
       use_.report(fmt::format("socketcand {}", section.name))));
   const auto result = server.listen();
+  if (result) socketcand_places_[bus] = {.host = place.host, .port = server.port()};
+  if (result && is_for_page) return true;
   return opened(result, "socketcand", section.name, place, server.port());
+}
+
+/// For --bus: the plant's own server, or the bus outside where several programs can join it.
+std::string PlantServers::address_for_commands(std::size_t bus) const {
+  if (const auto server = socketcand_places_.find(bus); server != socketcand_places_.end()) {
+    const auto& [host, port] = server->second;
+    return fmt::format("socketcand:{}:{}",
+                       host.find(':') == std::string::npos ? host : fmt::format("[{}]", host), port);
+  }
+  const plant::BusSection& section = plant_.bus_section(bus);
+  using enum link::BusAddress::Kind;
+  const bool is_shared =
+      section.address && section.address->kind != slcan && section.address->kind != cannelloni;
+  return is_shared ? section.link : std::string();
 }
 
 bool PlantServers::open_web() {
   if (use_.web_events == nullptr) return true;
-  web_messages_.emplace(plant_);
-  web_views_.emplace(plant_, use_.web_events->boots());
-  web_.emplace(
-      io_, clock_,
-      serve::WebServer::Use{.state = [this] { return state_event(plant_); },
-                            .lost = [this](std::uint64_t events) { return use_.web_events->lost(events); },
-                            .messages = [this](bool wanted) { return web_messages_->look(wanted); },
-                            .view = [this](std::string_view view) { return web_views_->look(view); }},
-      serve::WebServerOptions{}, use_.report("web"));
+  std::vector<WebBus> buses;
+  for (std::size_t i = 0; i < plant_.bus_count(); ++i) {
+    const plant::BusSection& section = plant_.bus_section(i);
+    buses.push_back({.name = section.name,
+                     .project = project_of(plant_.file(), section),
+                     .network = static_cast<unsigned>(section.project_network),
+                     .address = address_for_commands(i),
+                     .is_live = section.is_linked() && section.replay.empty()});
+    if (!use_.web_project) continue;
+    buses.back().project = use_.web_project->project;
+    buses.back().network = use_.web_project->network;
+    buses.back().device_files = use_.web_project->device_files;
+  }
+  web_.emplace(io_, plant_, clock_, *use_.web_events, std::move(buses), use_.report("web"));
   const text::HostAndPort place = place_of(use_.web);
-  if (const auto result = web_->listen(place.host, place.port); !result) {
+  if (const auto result = web_->listen(place); !result) {
     print_error("canopus: web: {}", result.error());
     return false;
   }
-  use_.web_events->set_listener([this](std::string_view event) { web_->event(event); });
   use_.opened("web", plant_.file().name, web_->url());
   return true;
 }

@@ -2,6 +2,7 @@
 // The servers of a run: MC protocol and Modbus TCP of each PLC, socketcand of each bus, control of the plant.
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,9 +11,7 @@
 
 #include <boost/asio/io_context.hpp>
 
-#include "canopus/cli/events/web_events.hpp"
-#include "canopus/cli/events/web_messages.hpp"
-#include "canopus/cli/events/web_views.hpp"
+#include "canopus/cli/run/web_page.hpp"
 #include "canopus/link/loop_clock.hpp"
 #include "canopus/link/peer.hpp"
 #include "canopus/link/socketcand_server.hpp"
@@ -23,7 +22,6 @@
 #include "canopus/serve/modbus_server.hpp"
 #include "canopus/serve/plant_runs.hpp"
 #include "canopus/serve/run_control.hpp"
-#include "canopus/serve/web/web_server.hpp"
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::cli {
@@ -40,6 +38,7 @@ class PlantServers {
     /// The page in the browser: where, and what it shows. Without events there is none.
     text::HostAndPort web{};
     WebEvents* web_events = nullptr;
+    std::optional<WebProject> web_project{};
     serve::PlantRuns::Order order = serve::PlantRuns::Order::side_by_side;
   };
 
@@ -66,6 +65,7 @@ class PlantServers {
   bool open_modbus(std::size_t plc);
   bool open_control();
   bool open_socketcand(std::size_t bus);
+  [[nodiscard]] std::string address_for_commands(std::size_t bus) const;
   bool open_web();
   bool opened(const std::expected<void, std::string>& result, std::string_view protocol, std::string_view of,
               const text::HostAndPort& place, std::uint16_t port);
@@ -79,12 +79,11 @@ class PlantServers {
   serve::RunControl run_control_;
   std::vector<std::unique_ptr<serve::ClientPorts>> client_ports_;  // outlive the servers
   std::vector<std::unique_ptr<link::SocketcandServer>> socketcand_;
+  std::map<std::size_t, text::HostAndPort> socketcand_places_;  // by bus
   std::vector<std::unique_ptr<serve::MelsecServer>> melsec_;
   std::vector<std::unique_ptr<serve::ModbusServer>> modbus_;
   std::optional<serve::ControlServer> control_;
-  std::optional<WebMessages> web_messages_;  // outlives the server
-  std::optional<WebViews> web_views_;        // likewise
-  std::optional<serve::WebServer> web_;
+  std::optional<WebPage> web_;
 };
 
 }  // namespace canopus::cli

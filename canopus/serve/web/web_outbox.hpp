@@ -1,6 +1,6 @@
 #pragma once
 // What waits for one watcher of the page, as JSON: events in their order, of too many the newest, the newest messages of the
-// buses, the newest state and views. No socket: the server asks for the next message when the last one has gone out.
+// buses, the newest state and views, replies to its commands. No socket: the server asks for the next message when the last one has gone out.
 
 #include <cstddef>
 #include <cstdint>
@@ -35,8 +35,15 @@ class WebOutbox {
   /// Of its views the one of this number, in place of one that has not gone out.
   void set_view(std::size_t number, Text view) { views_.insert_or_assign(number, std::move(view)); }
 
+  /// A reply to a command, none of which is lost. False: so many bytes wait that its watcher does not take them.
+  [[nodiscard]] bool add_reply(std::string reply) {
+    reply_bytes_ += reply.size();
+    replies_.push_back(std::move(reply));
+    return reply_bytes_ <= most_reply_bytes;
+  }
+
   [[nodiscard]] bool empty() const noexcept {
-    return events_.empty() && !messages_ && !state_ && views_.empty();
+    return events_.empty() && replies_.empty() && !messages_ && !state_ && views_.empty();
   }
   /// A JSON array of all that waits.
   [[nodiscard]] std::string take() {
@@ -48,6 +55,9 @@ class WebOutbox {
     if (lost_events_ != 0) add(lost_(std::exchange(lost_events_, 0)));
     for (const Text& event : events_) add(*event);
     events_.clear();
+    for (const std::string& reply : replies_) add(reply);
+    replies_.clear();
+    reply_bytes_ = 0;
     if (messages_) add(*std::exchange(messages_, nullptr));
     if (state_) add(*std::exchange(state_, nullptr));
     for (const auto& [number, view] : views_) add(*view);
@@ -56,10 +66,14 @@ class WebOutbox {
   }
 
  private:
+  static constexpr std::size_t most_reply_bytes = 32U << 20;
+
   std::size_t most_events_;
   LostEvent lost_;
   std::deque<Text> events_;
   std::uint64_t lost_events_ = 0;
+  std::deque<std::string> replies_;
+  std::size_t reply_bytes_ = 0;
   Text messages_;
   Text state_;
   std::map<std::size_t, Text> views_;

@@ -1,7 +1,6 @@
 #pragma once
 // The server behind the page of a run: HTTP/1.1 for the page's files, a WebSocket for what happens. It runs on the
-// event loop that owns the plant, in its thread. It only shows: a client chooses what it
-// sees, and nothing that it sends changes the plant.
+// event loop that owns the plant, in its thread. A client chooses what it sees; what it wants to be done is handed on with who it is.
 //
 // Each message of the WebSocket is a JSON array of events (docs/events.md): first the state and the latest events, then
 // what comes. Clients cannot disturb each other or the plant: each has at most one message under way and bounded memory; one that is
@@ -21,6 +20,7 @@
 
 #include "canopus/link/loop_clock.hpp"
 #include "canopus/link/peer.hpp"
+#include "canopus/serve/web/web_user.hpp"
 
 namespace canopus::serve {
 
@@ -33,16 +33,24 @@ struct WebServerOptions {
   std::chrono::milliseconds send_timeout{15000};
   /// A watcher from which nothing comes for so long, not even an answer to a ping, is closed.
   std::chrono::milliseconds silent_timeout{45000};
+  /// What a client may do who knows the key; without one everybody. Others look.
+  WebRole role = WebRole::look;
+  std::string key{};
   /// From one state to the next.
   std::chrono::milliseconds state_interval{250};
   /// Events that wait for a slow client; of those a newcomer gets.
   std::size_t most_events = 500;
-  /// A message of a client; what it may send in a second.
+  /// A message of a client, and of one that may change something (a command brings a device file along); what it may
+  /// send in a second.
   std::size_t longest_message = 1024;
+  std::size_t longest_command = 2U << 20;
   unsigned most_messages = 20;
   /// Different views that are made with one state, and up to three more; other clients get theirs with the next ones, in turn.
   std::size_t most_views = 8;
 };
+
+/// Takes the replies to a command, events as JSON, for the client that sent it; in the loop's thread. The client may have gone.
+using WebReply = std::function<void(std::string event)>;
 
 class WebServer {
  public:
@@ -55,6 +63,9 @@ class WebServer {
     /// The event of what somebody looks at, an object of {"views": [...]} as JSON; an empty text: it is none. Asked with an empty
     /// text when nobody looks any more.
     std::function<std::string(std::string_view)> view{};
+    /// What a client wants to be done, an object as JSON, with the number that its replies have. Without it commands are ignored.
+    std::function<void(const WebUser& user, std::string_view command, std::uint32_t id, WebReply reply)>
+        command{};
   };
 
   /// `context` and `clock` must outlive the server.
@@ -68,7 +79,7 @@ class WebServer {
   /// Starts to accept. `host` is a loopback address in numbers, or localhost; port 0 takes a free one. The error is a
   /// sentence.
   [[nodiscard]] std::expected<void, std::string> listen(const std::string& host, std::uint16_t port);
-  /// "http://127.0.0.1:8080/"
+  /// "http://127.0.0.1:8080/", with a key "http://127.0.0.1:8080/#key=0123..."
   [[nodiscard]] std::string url() const;
   /// The port it listens on, 0 before listen().
   [[nodiscard]] std::uint16_t port() const noexcept;
@@ -80,8 +91,8 @@ class WebServer {
   void stop() noexcept;
 
  private:
-  struct Parts;
-  class Connection;
+  struct Parts;                   // web_parts.hpp
+  class Connection;               // web_connection.hpp
   std::shared_ptr<Parts> parts_;  // also held by handlers that wait in the context
 };
 

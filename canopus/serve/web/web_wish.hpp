@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,12 +11,17 @@ namespace canopus::serve {
 
 /// What a watcher of the page says: {"messages": true} or {"messages": false}, whether it wants the decoded frames;
 /// {"views": [{...}, ...]}, what else it looks at (docs/web.md): up to `most_views` objects, each in place of what it looked at
-/// before.
+/// before; {"do": {...}, "id": N}, a command, whose replies have that number.
 struct WebWish {
   static constexpr std::size_t most_views = 4;
+  struct Command {
+    std::string text{};  ///< the object, as JSON
+    std::uint32_t id = 0;
+  };
 
   std::optional<bool> messages{};
   std::optional<std::vector<std::string>> views{};  ///< each as JSON
+  std::optional<Command> command{};
 };
 
 /// Nothing for everything else.

@@ -1,5 +1,4 @@
-// The page of a run. It gets events over a WebSocket (docs/events.md) and shows them; it asks for nothing and changes
-// nothing. Names come from strangers' files: they become text nodes and attributes, never markup.
+// The page of a run. It gets events over a WebSocket (docs/events.md) and shows them; what people do goes to the server as commands. Names come from strangers' files: they become text nodes and attributes, never markup.
 import { EventList } from "./event_list.js";
 import { sentence, message_line, mood_of } from "./words.js";
 import { make, set_text } from "./dom.js";
@@ -10,6 +9,7 @@ import { BusView } from "./bus_view.js";
 import { Links } from "./links.js";
 import { ObjectView } from "./object_view.js";
 import { Plots } from "./plots.js";
+import { Commands, take_key } from "./commands.js";
 
 const by_id = (id) => document.getElementById(id);
 let state = null;
@@ -20,6 +20,12 @@ const events = new EventList(by_id("events"), by_id("filter"), by_id("event-coun
 const messages = new EventList(by_id("messages"), by_id("message-filter"), by_id("message-count"));
 let socket = null;
 let follows = false;
+const key = take_key();
+const commands = new Commands((message) => {
+  if (socket?.readyState !== WebSocket.OPEN) return false;
+  socket.send(JSON.stringify(message));
+  return true;
+});
 const words = new WordView(by_id("words-section"), () => say_views());
 const boots = new BootView(by_id("boot-section"), () => say_views());
 const plots = new Plots(by_id("plots"), by_id("plot-list"));
@@ -209,6 +215,8 @@ function received(list) {
       objects.draw(event);
     } else if (event.event === "traffic") {
       bus_view.draw(event);
+    } else if (event.event === "reply") {
+      commands.received(event);
     } else if (event.event === "boots") {
       boots.draw(event, keep_children);
     } else if (event.event !== "load") {
@@ -219,8 +227,13 @@ function received(list) {
   events.draw();
 }
 
+/// Who one is here, and what there is to work on.
+function greeted(hello) {
+  if (hello.code === 0) set_text(by_id("role"), hello.user ? `${hello.user}, ${hello.role}` : hello.role);
+}
+
 function connect() {
-  socket = new WebSocket(`ws://${location.host}/events`);
+  socket = new WebSocket(`ws://${location.host}/events${key ? `?key=${key}` : ""}`);
   socket.addEventListener("open", () => {
     events.clear();  // the server sends the latest ones again
     rates = new Map();
@@ -228,9 +241,11 @@ function connect() {
     set_text(by_id("connection"), "");
     if (follows) say_wish();
     say_views();
+    commands.run({ command: "hello" }).then(greeted);
   });
   socket.addEventListener("message", (message) => received(JSON.parse(message.data)));
   socket.addEventListener("close", () => {
+    commands.lost();
     by_id("bar").className = "waiting";
     set_text(by_id("where"), "NOT CONNECTED");
     set_text(by_id("connection"), "The run has ended, or does not answer. What is shown here is old.");

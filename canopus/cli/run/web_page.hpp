@@ -1,0 +1,50 @@
+#pragma once
+// The page in the browser of a run: what it shows of the plant, and what people do on it.
+
+#include <cstdint>
+#include <expected>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <boost/asio/io_context.hpp>
+
+#include "canopus/cli/events/web_events.hpp"
+#include "canopus/cli/events/web_messages.hpp"
+#include "canopus/cli/events/web_views.hpp"
+#include "canopus/cli/web/web_commands.hpp"
+#include "canopus/link/loop_clock.hpp"
+#include "canopus/link/peer.hpp"
+#include "canopus/plant/plant.hpp"
+#include "canopus/serve/web/web_server.hpp"
+#include "canopus/text/text_values.hpp"
+
+namespace canopus::cli {
+
+/// A project that the page edits, in place of those of the plant's buses.
+struct WebProject {
+  std::string project;                      ///< folder or nodelist.cpj
+  unsigned network = 1;                     ///< of the list, from 1
+  std::vector<std::string> device_files{};  ///< folders and files that devices are looked for in
+};
+
+class WebPage {
+ public:
+  /// All must outlive the page; `buses` are those that its commands are for.
+  WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClock& clock, WebEvents& events,
+          std::vector<WebBus> buses, link::ClientReport report);
+
+  /// The error is a sentence.
+  [[nodiscard]] std::expected<void, std::string> listen(const text::HostAndPort& place);
+  [[nodiscard]] std::string url() const { return server_.url(); }
+  void close();
+
+ private:
+  WebEvents& events_;
+  WebMessages messages_;
+  WebViews views_;
+  WebCommands commands_;
+  serve::WebServer server_;
+};
+
+}  // namespace canopus::cli

@@ -1,0 +1,61 @@
+#pragma once
+// This program run beside itself, for a command that takes its time or waits for a bus: the plant goes on meanwhile, and nothing
+// that happens there can end it.
+
+#include <array>
+#include <cstddef>
+#include <expected>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
+#include <sys/types.h>
+
+namespace canopus::cli {
+
+class ChildProcess : public std::enable_shared_from_this<ChildProcess> {
+ public:
+  static constexpr std::size_t longest_line = 4U << 20;     ///< a longer one ends the process
+  static constexpr std::size_t longest_errors = 64U << 10;  ///< of its standard error; the rest is left out
+
+  struct Use {
+    std::function<void(std::string line)> line{};  ///< of its standard output, without its end
+    /// Its exit code, 128 + N of one that signal N ended, and its standard error. Comes once, unless it is stopped.
+    std::function<void(int code, std::string errors)> ended{};
+  };
+
+  /// Calls `use` from the loop's thread. `arguments`: those behind the program's name. The error is a sentence.
+  [[nodiscard]] static std::expected<std::shared_ptr<ChildProcess>, std::string> start(
+      boost::asio::io_context& io, const std::vector<std::string>& arguments, Use use);
+  ~ChildProcess();
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  /// As Ctrl-C does; `ended` comes.
+  void interrupt() const noexcept;
+  /// Ends it, and waits until it has gone; `ended` does not come.
+  void stop() noexcept;
+
+ private:
+  using Descriptor = boost::asio::posix::stream_descriptor;
+  ChildProcess(boost::asio::io_context& io, pid_t process, int output, int errors, Use use);
+  void read_output();
+  void read_errors();
+  void take_lines();
+  void closed();
+
+  pid_t process_;
+  Descriptor output_;
+  Descriptor errors_;
+  Use use_;
+  std::array<char, 16384> output_bytes_{};
+  std::array<char, 4096> error_bytes_{};
+  std::string line_;
+  std::string said_;
+  int open_ = 2;
+};
+
+}  // namespace canopus::cli

@@ -1,0 +1,47 @@
+#pragma once
+// What the page may have done, and the command line of `canopus` that does it. The page names none of its files and no bus but
+// those that the run has.
+
+#include <cstdint>
+#include <expected>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "canopus/serve/web/web_user.hpp"
+
+namespace canopus::cli {
+
+/// A bus that the page's commands are for.
+struct WebBus {
+  std::string name;
+  std::string project;                      ///< folder or nodelist.cpj; empty: it has none
+  unsigned network = 1;                     ///< of the list, from 1
+  std::string address;                      ///< for --bus; empty: commands cannot join it
+  bool is_live = false;                     ///< somebody else's devices: what writes wants to be armed
+  std::vector<std::string> device_files{};  ///< folders and files that devices are looked for in
+};
+
+struct WebCommandLine {
+  std::string title;  ///< "project set"
+  serve::WebRole role = serve::WebRole::look;
+  bool writes_to_bus = false;
+  std::vector<std::string> arguments{};  ///< behind `canopus`
+  std::optional<std::string>
+      file_text{};          ///< goes into a file of its own, whose name takes the place of `{file}`
+  std::string file_name{};  ///< that the page says it has
+  bool makes_file = false;  ///< the command writes `{file}`, whose text is the answer
+};
+
+/// A command as the page says it: {"command": "project set", "bus": "line1", "node": "5", "items": ["1017=500"]}. The error is a
+/// sentence.
+[[nodiscard]] std::expected<WebCommandLine, std::string> web_command_line(const nlohmann::json& wish,
+                                                                          const WebBus& bus);
+
+/// As a person would type it.
+[[nodiscard]] std::string shown_command(const std::vector<std::string>& arguments);
+
+}  // namespace canopus::cli

@@ -1,0 +1,249 @@
+#include "canopus/cli/web/web_commands.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "canopus/cli/events/event_printer.hpp"
+#include "canopus/cli/events/web_view_fields.hpp"
+#include "canopus/text/file_text.hpp"
+#include "canopus/text/printable.hpp"
+
+namespace canopus::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using serve::WebReply;
+using serve::WebRole;
+using serve::WebUser;
+using ArmClock = std::chrono::steady_clock;
+
+/// A folder that only this user can look into; empty: there is none to be had.
+fs::path make_folder() {
+  std::error_code error;
+  std::string name = (fs::temp_directory_path(error) / "canopus-XXXXXX").string();
+  return error || ::mkdtemp(name.data()) == nullptr ? fs::path() : fs::path(name);
+}
+
+/// The last part of a name that the page says, if it can be a file's name here.
+std::string file_name_of(std::string_view said) {
+  const std::size_t slash = said.find_last_of("/\\");
+  const std::string name(slash == std::string_view::npos ? said : said.substr(slash + 1));
+  return name.empty() || name == "." || name == ".." || name.size() > 200 ? "device.eds" : name;
+}
+
+}  // namespace
+
+WebCommands::~WebCommands() {
+  if (child_) child_->stop();
+  std::error_code ignored;
+  for (const Job& job : jobs_) {
+    if (!job.folder.empty()) fs::remove_all(job.folder, ignored);
+  }
+}
+
+bool WebCommands::is_armed() const { return ArmClock::now() < armed_until_; }
+
+WebCommands::Json WebCommands::event_of(std::uint32_t id) const {
+  Json event = event_line(use_.now(), "reply");
+  event["id"] = id;
+  return event;
+}
+
+void WebCommands::send(const WebReply& reply, Json event) const { reply(view_event(event)); }
+
+void WebCommands::done(const WebUser& user, const std::string& line, int code) const {
+  if (use_.done) use_.done(user, line, code);
+}
+
+void WebCommands::refuse(const WebUser& user, const std::string& line, std::uint32_t id,
+                         const WebReply& reply, int code, const std::string& message) const {
+  Json event = event_of(id);
+  event["code"] = code;
+  event["message"] = message;
+  done(user, line, code);
+  send(reply, std::move(event));
+}
+
+const WebBus* WebCommands::bus_of(const nlohmann::json& wish) const {
+  const auto name = wish.find("bus");
+  if (name == wish.end()) return use_.buses.empty() ? nullptr : &use_.buses.front();
+  const auto found = std::ranges::find_if(use_.buses, [&](const WebBus& bus) {
+    return name->is_string() && bus.name == name->get_ref<const std::string&>();
+  });
+  return found == use_.buses.end() ? nullptr : &*found;
+}
+
+void WebCommands::run(const WebUser& user, std::string_view command, std::uint32_t id, WebReply reply) {
+  const auto wish = nlohmann::json::parse(command, nullptr, false);
+  const auto name = wish.is_object() && wish.contains("command") && wish["command"].is_string()
+                        ? wish["command"].get<std::string>()
+                        : std::string();
+  if (name == "hello") return hello(user, id, reply);
+  if (name == "arm") return arm(user, wish, id, reply);
+  if (name == "stop") return stop(user, wish, id, reply);
+  const WebBus* const bus = bus_of(wish);
+  if (bus == nullptr) return refuse(user, name, id, reply, web_code::usage, "there is no such bus");
+  auto line = web_command_line(wish, *bus);
+  if (!line) return refuse(user, name, id, reply, web_code::usage, line.error());
+  const std::string shown = shown_command(line->arguments);
+  if (user.role < line->role) {
+    return refuse(user, shown, id, reply, web_code::not_allowed,
+                  fmt::format("{}: the role {} is needed, yours is {}", line->title, name_of(line->role),
+                              name_of(user.role)));
+  }
+  if (line->writes_to_bus && bus->is_live && !is_armed()) {
+    return refuse(user, shown, id, reply, web_code::not_armed,
+                  fmt::format("{}: {} is a live bus; arm writing first", line->title, bus->name));
+  }
+  if (jobs_.size() >= most_waiting) {
+    return refuse(user, shown, id, reply, web_code::busy, "too many commands wait; try again");
+  }
+  jobs_.push_back({.user = user, .line = std::move(*line), .id = id, .reply = std::move(reply)});
+  if (jobs_.size() == 1) start_next();
+}
+
+void WebCommands::hello(const WebUser& user, std::uint32_t id, const WebReply& reply) const {
+  Json event = event_of(id);
+  event["code"] = 0;
+  event["user"] = user.name;
+  event["role"] = name_of(user.role);
+  event["armed"] = is_armed();
+  event["buses"] = Json::array();
+  for (const WebBus& bus : use_.buses) {
+    event["buses"].push_back({{"bus", bus.name},
+                              {"project", bus.project},
+                              {"joins", !bus.address.empty()},
+                              {"live", bus.is_live},
+                              {"device_files", bus.device_files}});
+  }
+  send(reply, std::move(event));
+}
+
+void WebCommands::arm(const WebUser& user, const nlohmann::json& wish, std::uint32_t id,
+                      const WebReply& reply) {
+  const bool on = wish.contains("on") && wish["on"].is_boolean() && wish["on"].get<bool>();
+  const std::string line = on ? "arm" : "disarm";
+  if (on && user.role < WebRole::operate) {
+    return refuse(user, line, id, reply, web_code::not_allowed,
+                  "arm: the role operate is needed, yours is look");
+  }
+  armed_until_ = on ? ArmClock::now() + armed_for : ArmClock::time_point{};
+  Json event = event_of(id);
+  event["code"] = 0;
+  event["armed"] = on;
+  done(user, line, 0);
+  send(reply, std::move(event));
+}
+
+void WebCommands::stop(const WebUser& user, const nlohmann::json& wish, std::uint32_t id,
+                       const WebReply& reply) {
+  const auto number = wish.find("id");
+  const auto job = std::ranges::find_if(jobs_, [&](const Job& one) {
+    return number != wish.end() && number->is_number_unsigned() && one.id == number->get<std::uint64_t>() &&
+           one.user.name == user.name && one.user.address == user.address;
+  });
+  Json event = event_of(id);
+  event["code"] = job == jobs_.end() ? web_code::usage : 0;
+  if (job == jobs_.end()) event["message"] = "there is no such command of yours";
+  send(reply, std::move(event));
+  if (job == jobs_.end()) return;
+  job->is_stopped = true;
+  if (job == jobs_.begin() && child_) return child_->interrupt();
+  const Job taken = std::move(*job);
+  jobs_.erase(job);
+  refuse(taken.user, shown_command(taken.line.arguments), taken.id, taken.reply, web_code::stopped,
+         "stopped");
+}
+
+/// Its file in a folder of its own. The error is a sentence, empty: none.
+std::string WebCommands::make_file(Job& job) const {
+  if (!job.line.file_text && !job.line.makes_file) return {};
+  job.folder = make_folder();
+  if (job.folder.empty()) return "there is no folder for temporary files";
+  const fs::path file = job.folder / (job.line.makes_file ? "report.html" : file_name_of(job.line.file_name));
+  if (job.line.file_text) {
+    std::ofstream out(file, std::ios::binary);
+    out << *job.line.file_text;
+    if (!out.flush()) return fmt::format("{} cannot be written", file.string());
+    job.line.file_text.reset();
+  }
+  std::ranges::replace(job.line.arguments, std::string("{file}"), file.string());
+  return {};
+}
+
+void WebCommands::start_next() {
+  while (!jobs_.empty()) {
+    Job& job = jobs_.front();
+    std::string wrong = make_file(job);
+    if (wrong.empty()) {
+      auto child = ChildProcess::start(
+          io_, job.line.arguments,
+          {.line =
+               [this](std::string line) {
+                 if (nlohmann::json::accept(line)) jobs_.front().rows.push_back(std::move(line));
+                 tell_rows(false);
+               },
+           .ended = [this](int code, const std::string& errors) { ended(code, errors); }});
+      if (child) {
+        child_ = std::move(*child);
+        return;
+      }
+      wrong = child.error();
+    }
+    const Job failed = std::move(job);
+    jobs_.pop_front();
+    std::error_code ignored;
+    if (!failed.folder.empty()) fs::remove_all(failed.folder, ignored);
+    refuse(failed.user, shown_command(failed.line.arguments), failed.id, failed.reply, 1, wrong);
+  }
+}
+
+/// What has come so far, not more than ten times a second.
+void WebCommands::tell_rows(bool at_once) {
+  if (!at_once && std::exchange(is_batched_, true)) return;
+  if (!at_once) {
+    batch_.expires_after(std::chrono::milliseconds(100));
+    batch_.async_wait([this](const boost::system::error_code& error) {
+      if (error) return;
+      is_batched_ = false;
+      if (!jobs_.empty() && !jobs_.front().rows.empty()) tell_rows(true);
+    });
+    return;
+  }
+  Job& job = jobs_.front();
+  std::string rows;
+  for (const std::string& row : std::exchange(job.rows, {})) rows += (rows.empty() ? "" : ",") + row;
+  Json event = event_of(job.id);
+  event["more"] = true;
+  // Rows are JSON already; they are not read and written again.
+  std::string text = view_event(event);
+  text.pop_back();
+  job.reply(text + ",\"rows\":[" + rows + "]}");
+}
+
+void WebCommands::ended(int code, const std::string& errors) {
+  if (!jobs_.front().rows.empty()) tell_rows(true);
+  Job job = std::move(jobs_.front());
+  jobs_.pop_front();
+  child_.reset();
+  Json event = event_of(job.id);
+  event["code"] = job.is_stopped ? web_code::stopped : code;
+  event["command"] = shown_command(job.line.arguments);
+  std::string_view message = errors;
+  while (message.ends_with('\n')) message.remove_suffix(1);
+  if (!message.empty()) event["message"] = message;
+  if (job.line.makes_file) {
+    if (auto text = text::read_file((job.folder / "report.html").string())) event["file"] = std::move(*text);
+  }
+  std::error_code ignored;
+  if (!job.folder.empty()) fs::remove_all(job.folder, ignored);
+  done(job.user, shown_command(job.line.arguments), code);
+  send(job.reply, std::move(event));
+  start_next();
+}
+
+}  // namespace canopus::cli

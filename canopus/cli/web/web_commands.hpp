@@ -1,0 +1,95 @@
+#pragma once
+// What people do on the page: commands of `canopus`, run beside the plant one after the other, their answers as events
+// (docs/web.md). Who may: by the role; what writes on a live bus only while it is armed.
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <nlohmann/json.hpp>
+
+#include "canopus/can/time.hpp"
+#include "canopus/cli/web/child_process.hpp"
+#include "canopus/cli/web/web_arguments.hpp"
+#include "canopus/serve/web/web_server.hpp"
+
+namespace canopus::cli {
+
+/// `code` of a reply: exit codes of the commands (docs/project.md), and these.
+namespace web_code {
+inline constexpr int usage = 2;        ///< the page said something that is no command
+inline constexpr int not_allowed = 7;  ///< the role is too low
+inline constexpr int not_armed = 8;    ///< a live bus, and nobody has armed writing
+inline constexpr int busy = 9;         ///< too many commands wait
+inline constexpr int stopped = 10;     ///< taken back by who asked for it
+}  // namespace web_code
+
+class WebCommands {
+ public:
+  static constexpr std::size_t most_waiting = 32;
+  static constexpr std::chrono::minutes armed_for{10};
+
+  struct Use {
+    std::vector<WebBus> buses{};
+    std::function<can::Time()> now{};  ///< the plant's time, for `t` of events
+    /// What was done: who, the command line, its code.
+    std::function<void(const serve::WebUser& user, const std::string& line, int code)> done{};
+  };
+
+  WebCommands(boost::asio::io_context& io, Use use) : io_(io), use_(std::move(use)), batch_(io) {}
+  ~WebCommands();
+  WebCommands(const WebCommands&) = delete;
+  WebCommands& operator=(const WebCommands&) = delete;
+
+  /// A command, JSON. Beside those of web_arguments.hpp: {"command": "hello"} what there is to work on; {"command": "arm", "on": true};
+  /// {"command": "stop", "id": N} ends one that runs or waits.
+  void run(const serve::WebUser& user, std::string_view command, std::uint32_t id, serve::WebReply reply);
+  /// Writing on a live bus is allowed now.
+  [[nodiscard]] bool is_armed() const;
+
+ private:
+  using Json = nlohmann::ordered_json;
+  struct Job {
+    serve::WebUser user;
+    WebCommandLine line;
+    std::uint32_t id = 0;
+    serve::WebReply reply{};
+    std::filesystem::path folder{};  ///< of its file; empty: it has none
+    std::vector<std::string> rows{};
+    bool is_stopped = false;
+  };
+
+  [[nodiscard]] Json event_of(std::uint32_t id) const;
+  void send(const serve::WebReply& reply, Json event) const;
+  void refuse(const serve::WebUser& user, const std::string& line, std::uint32_t id,
+              const serve::WebReply& reply, int code, const std::string& message) const;
+  void hello(const serve::WebUser& user, std::uint32_t id, const serve::WebReply& reply) const;
+  void arm(const serve::WebUser& user, const nlohmann::json& wish, std::uint32_t id,
+           const serve::WebReply& reply);
+  void stop(const serve::WebUser& user, const nlohmann::json& wish, std::uint32_t id,
+            const serve::WebReply& reply);
+  [[nodiscard]] const WebBus* bus_of(const nlohmann::json& wish) const;
+  void start_next();
+  [[nodiscard]] std::string make_file(Job& job) const;
+  void ended(int code, const std::string& errors);
+  void tell_rows(bool at_once);
+  void done(const serve::WebUser& user, const std::string& line, int code) const;
+
+  boost::asio::io_context& io_;
+  Use use_;
+  boost::asio::steady_timer batch_;
+  std::deque<Job> jobs_;  // the first one runs
+  std::shared_ptr<ChildProcess> child_;
+  bool is_batched_ = false;
+  std::chrono::steady_clock::time_point armed_until_{};
+};
+
+}  // namespace canopus::cli

@@ -1,0 +1,195 @@
+#include "canopus/serve/web/web_connection.hpp"
+
+#include <utility>
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/write.hpp>
+
+#include "canopus/serve/web/web_parts.hpp"
+
+namespace canopus::serve {
+
+namespace asio = boost::asio;
+namespace websocket = boost::beast::websocket;
+using asio::ip::tcp;
+using boost::system::error_code;
+using WebTime = std::chrono::steady_clock;
+
+namespace {
+
+/// "/events?key=0123..."; looked at whole, so that the time it takes tells nothing.
+bool knows_key(std::string_view target, std::string_view key) {
+  constexpr std::string_view field = "?key=";
+  const std::size_t begin = target.find(field);
+  const std::string_view said = begin == std::string_view::npos ? "" : target.substr(begin + field.size());
+  if (said.size() != key.size()) return false;
+  unsigned differences = 0;
+  for (std::size_t i = 0; i < key.size(); ++i) differences |= static_cast<unsigned char>(said[i] ^ key[i]);
+  return differences == 0;
+}
+
+}  // namespace
+
+WebServer::Connection::Connection(Parts& parts, tcp::socket socket)
+    : parts_(&parts),
+      stream_(std::move(socket)),
+      name_(link::name_of_peer(stream_.next_layer())),
+      timer_(parts.context),
+      outbox_(parts.options.most_events, parts.use.lost),
+      user_{.address = name_} {}
+
+void WebServer::Connection::start() {
+  error_code ignored;
+  socket().set_option(tcp::no_delay(true), ignored);
+  set_timer(parts_->options.head_timeout, "left a request incomplete");
+  receive();
+}
+
+void WebServer::Connection::send() {
+  if (state_ != State::watches || is_sending_ || outbox_.empty()) return;
+  is_sending_ = true;
+  output_ = outbox_.take();
+  set_timer(parts_->options.send_timeout, "does not take what it is sent");
+  stream_.async_write(asio::buffer(output_), [self = shared_from_this()](error_code error, std::size_t) {
+    if (self->parts_ == nullptr) return;
+    self->is_sending_ = false;
+    if (error) return self->end();
+    self->timer_.stop();
+    self->send();
+  });
+}
+
+void WebServer::Connection::look_for_end(WebTime::time_point now) {
+  if (state_ == State::watches && now - heard_at_ > parts_->options.silent_timeout) end();
+}
+
+void WebServer::Connection::close() noexcept {
+  parts_ = nullptr;
+  error_code ignored;
+  socket().shutdown(tcp::socket::shutdown_both, ignored);
+  socket().close(ignored);
+  timer_.stop();
+}
+
+void WebServer::Connection::receive() {
+  socket().async_read_some(asio::buffer(buffer_),
+                           [self = shared_from_this()](error_code error, std::size_t count) {
+                             if (self->parts_ != nullptr) self->received(error, count);
+                           });
+}
+
+void WebServer::Connection::received(const error_code& error, std::size_t count) {
+  if (error) return end();
+  input_.append(buffer_.data(), count);
+  const std::size_t length = end_of_head(input_);
+  if (length == 0 && input_.size() <= longest_web_head) return receive();
+  const auto request =
+      read_head(length == 0 ? std::string_view(input_) : std::string_view(input_).substr(0, length));
+  if (!request) return answer(request.error());
+  if (length != input_.size()) return answer({.status = 400, .body = "a request has no body here\n"});
+  const WebAnswer result = answer_to(*request, parts_->address, parts_->port.port());
+  if (result.status != 101) return answer(result);
+  upgrade(*request);
+}
+
+void WebServer::Connection::answer(const WebAnswer& answer) {
+  state_ = State::answers;
+  output_ = written(answer);
+  set_timer(parts_->options.send_timeout, "does not take its answer");
+  asio::async_write(socket(), asio::buffer(output_), [self = shared_from_this()](error_code, std::size_t) {
+    if (self->parts_ == nullptr) return;
+    error_code ignored;
+    self->socket().shutdown(tcp::socket::shutdown_send, ignored);
+    self->drain();
+  });
+}
+
+/// Waits for the client's end: a socket that is closed with bytes unread would take the answer back.
+void WebServer::Connection::drain() {
+  socket().async_read_some(asio::buffer(buffer_), [self = shared_from_this()](error_code error, std::size_t) {
+    if (self->parts_ == nullptr) return;
+    if (error || ++self->drained_ > most_drained) return self->end();
+    self->drain();
+  });
+}
+
+void WebServer::Connection::upgrade(const WebRequest& request) {
+  state_ = State::upgrades;
+  const WebServerOptions& options = parts_->options;
+  if (knows_key({request.target().data(), request.target().size()}, options.key)) user_.role = options.role;
+  stream_.set_option(websocket::stream_base::timeout{.handshake_timeout = options.head_timeout,
+                                                     .idle_timeout = options.silent_timeout * 2 / 3,
+                                                     .keep_alive_pings = true});
+  stream_.read_message_max(user_.role == WebRole::look ? options.longest_message : options.longest_command);
+  stream_.text(true);
+  stream_.auto_fragment(false);
+  stream_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
+    response.set(boost::beast::http::field::server, "canopus");
+  }));
+  stream_.control_callback(
+      [this](websocket::frame_type, boost::beast::string_view) { heard_at_ = WebTime::now(); });
+  heard_at_ = WebTime::now();
+  stream_.async_accept(request, [self = shared_from_this()](error_code error) {
+    if (self->parts_ == nullptr) return;
+    if (error) return self->end();
+    self->timer_.stop();
+    self->state_ = State::watches;
+    self->parts_->watch();
+    if (self->parts_ == nullptr) return;  // the run ended on the way there
+    for (const WebOutbox::Text& latest : self->parts_->latest) self->outbox_.add_event(latest);
+    self->listen();
+    self->parts_->show_state();
+  });
+}
+
+void WebServer::Connection::listen() {
+  stream_.async_read(message_, [self = shared_from_this()](error_code error, std::size_t) {
+    if (self->parts_ == nullptr) return;
+    if (error == websocket::error::message_too_big) return self->end("sent a message that is too long");
+    if (error) return self->end();
+    const auto now = WebTime::now();
+    self->heard_at_ = now;
+    if (now - self->second_began_ > std::chrono::seconds(1)) {
+      self->second_began_ = now;
+      self->messages_ = 0;
+    }
+    if (++self->messages_ > self->parts_->options.most_messages) return self->end("sends too much");
+    const auto bytes = self->message_.cdata();
+    if (auto wish = read_wish({static_cast<const char*>(bytes.data()), bytes.size()}))
+      self->heard(std::move(*wish));
+    self->message_.clear();
+    if (self->parts_ != nullptr) self->listen();
+  });
+}
+
+void WebServer::Connection::heard(WebWish wish) {
+  if (wish.messages) wants_messages_ = *wish.messages;
+  if (wish.views) views_ = std::move(*wish.views);
+  if (!wish.command || !parts_->use.command) return;
+  parts_->use.command(user_, wish.command->text, wish.command->id,
+                      [client = weak_from_this()](std::string event) {
+                        if (const auto self = client.lock()) self->reply(std::move(event));
+                      });
+}
+
+void WebServer::Connection::reply(std::string event) {
+  if (parts_ == nullptr) return;
+  if (!outbox_.add_reply(std::move(event))) return end("does not take the replies to its commands");
+  send();
+}
+
+void WebServer::Connection::set_timer(std::chrono::milliseconds timeout, const char* reason) {
+  timer_.set(timeout, [self = shared_from_this(), reason] {
+    if (self->parts_ != nullptr) self->end(self->state_ == State::answers ? nullptr : reason);
+  });
+}
+
+void WebServer::Connection::end(const char* reason) {
+  const auto self = shared_from_this();
+  Parts& parts = *parts_;
+  if (reason != nullptr) parts.say(name_, std::string(reason) + ": its connection is closed");
+  close();
+  parts.remove(*this);
+}
+
+}  // namespace canopus::serve

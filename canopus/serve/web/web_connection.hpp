@@ -1,0 +1,88 @@
+#pragma once
+// One client of the page's server: a request and its answer, or a request and then a WebSocket.
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/websocket/stream.hpp>
+
+#include "canopus/serve/connection_timer.hpp"
+#include "canopus/serve/web/web_outbox.hpp"
+#include "canopus/serve/web/web_request.hpp"
+#include "canopus/serve/web/web_server.hpp"
+#include "canopus/serve/web/web_wish.hpp"
+
+namespace canopus::serve {
+
+/// Handlers hold it; it forgets the server when the server is gone.
+class WebServer::Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  Connection(Parts& parts, boost::asio::ip::tcp::socket socket);
+
+  void start();
+
+  [[nodiscard]] bool watches() const noexcept { return state_ == State::watches; }
+  [[nodiscard]] bool wants_messages() const noexcept { return watches() && wants_messages_; }
+
+  void add_event(const WebOutbox::Text& event) { outbox_.add_event(event); }
+  void set_state(const WebOutbox::Text& state) { outbox_.set_state(state); }
+  void set_messages(const WebOutbox::Text& messages) { outbox_.set_messages(messages); }
+  [[nodiscard]] const std::vector<std::string>& views() const noexcept { return views_; }
+  void set_view(std::size_t number, const WebOutbox::Text& view) { outbox_.set_view(number, view); }
+
+  /// Sends what waits, when nothing is under way.
+  void send();
+  /// Beast waits without end for a client that it has closed to close its side, too.
+  void look_for_end(std::chrono::steady_clock::time_point now);
+  void close() noexcept;
+
+ private:
+  enum class State : std::uint8_t {
+    asks,      // up to the end of the request's head
+    answers,   // the connection ends behind it
+    upgrades,  // to WebSocket
+    watches,
+  };
+
+  boost::asio::ip::tcp::socket& socket() noexcept { return stream_.next_layer(); }
+  void receive();
+  void received(const boost::system::error_code& error, std::size_t count);
+  void answer(const WebAnswer& answer);
+  void drain();
+  void upgrade(const WebRequest& request);
+  void listen();
+  void heard(WebWish wish);
+  void reply(std::string event);
+  void set_timer(std::chrono::milliseconds timeout, const char* reason);
+  /// `reason`: what the client did, when it was not its client that ended the connection.
+  void end(const char* reason = nullptr);
+
+  static constexpr int most_drained = 64;
+
+  Parts* parts_;
+  boost::beast::websocket::stream<boost::asio::ip::tcp::socket> stream_;
+  std::string name_;
+  ConnectionTimer timer_;
+  WebOutbox outbox_;
+  WebUser user_;
+  State state_ = State::asks;
+  std::array<char, 2048> buffer_{};
+  std::string input_;
+  std::string output_;
+  boost::beast::flat_buffer message_;
+  bool is_sending_ = false;
+  bool wants_messages_ = false;
+  std::vector<std::string> views_;
+  int drained_ = 0;
+  unsigned messages_ = 0;
+  std::chrono::steady_clock::time_point heard_at_{};
+  std::chrono::steady_clock::time_point second_began_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace canopus::serve

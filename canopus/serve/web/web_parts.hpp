@@ -1,0 +1,58 @@
+#pragma once
+// The parts of the page's server that its clients and the server itself share; for web_server.cpp and web_connection.cpp alone.
+
+#include <cstddef>
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+
+#include "canopus/link/tcp_port.hpp"
+#include "canopus/serve/web/web_outbox.hpp"
+#include "canopus/serve/web/web_server.hpp"
+
+namespace canopus::serve {
+
+struct WebServer::Parts : std::enable_shared_from_this<Parts> {
+  Parts(boost::asio::io_context& io, link::LoopClock& the_clock, Use the_use, WebServerOptions the_options,
+        link::ClientReport the_report)
+      : context(io),
+        clock(the_clock),
+        use(std::move(the_use)),
+        options(the_options),
+        report(std::move(the_report)),
+        port(io),
+        timer(io) {}
+
+  void admit(boost::asio::ip::tcp::socket socket);
+  void remove(const Connection& connection);
+  void watch();
+  void show_state();
+  void show_messages();
+  void show_views();
+  void flush();
+  void say(const std::string& client, const std::string& what) const {
+    if (report) report(client + ' ' + what);
+  }
+
+  boost::asio::io_context& context;
+  link::LoopClock& clock;
+  Use use;
+  WebServerOptions options;
+  link::ClientReport report;
+  link::TcpPort port;
+  std::string address;
+  std::vector<std::shared_ptr<Connection>> connections;
+  std::deque<WebOutbox::Text> latest;  // events, for newcomers
+  boost::asio::steady_timer timer;
+  bool is_watched = false;       // the timer runs
+  bool is_viewed = false;        // somebody looks at more than the state
+  std::size_t first_viewer = 0;  // whose turn it is, of the connections
+  bool is_open = false;
+};
+
+}  // namespace canopus::serve
