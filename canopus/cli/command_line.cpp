@@ -26,6 +26,7 @@
 #include "canopus/cli/project/configure_command.hpp"
 #include "canopus/cli/reference/reference_command.hpp"
 #include "canopus/cli/run/run_command.hpp"
+#include "canopus/cli/run/web_command.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/cli/trace/replay_command.hpp"
 #include "canopus/cli/trace/trace_command.hpp"
@@ -152,6 +153,7 @@ int run_command_line(std::span<const std::string> words) {
   app.footer("`canopus COMMAND --help` says more about a command.");
   int code = exit_code::done;
   add_run_command(app, code);
+  add_web_command(app, code);
   add_check_command(app, code);
   add_plc_command(app, code);
   add_device_command(app, code);

@@ -11,7 +11,7 @@
 
 #include <boost/asio/io_context.hpp>
 
-#include "canopus/cli/run/web_page.hpp"
+#include "canopus/cli/web/web_page.hpp"
 #include "canopus/link/loop_clock.hpp"
 #include "canopus/link/peer.hpp"
 #include "canopus/link/socketcand_server.hpp"

@@ -135,6 +135,7 @@ PlantServers::Use Run::server_use(serve::PlantRuns::Order order) {
           .control = options_.step,
           .web = options_.web.value_or(text::HostAndPort{}),
           .web_events = web_events_ ? &*web_events_ : nullptr,
+          .web_project = options_.web_project,
           .order = order};
 }
 
@@ -343,7 +344,10 @@ void Run::warn() {
 
 int Run::operator()() {
   plant_ = load_plant(options_.plant, observer(), standard_error(),
-                      {.seed = options_.seed, .links = options_.links, .opener = &linked_buses_});
+                      {.seed = options_.seed,
+                       .links = options_.links,
+                       .opener = &linked_buses_,
+                       .text = options_.plant_text});
   if (!plant_) return 2;
   raw_plant_ = plant_.get();
   if (auto errors = plant_->open_stores(); !errors.empty()) {

@@ -9,13 +9,15 @@
 #include <vector>
 
 #include "canopus/can/time.hpp"
+#include "canopus/cli/web/web_page.hpp"
 #include "canopus/serve/real_time_thread.hpp"
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::cli {
 
 struct RunOptions {
-  std::string plant;  ///< path of the plant file
+  std::string plant;                        ///< path of the plant file
+  std::optional<std::string> plant_text{};  ///< in place of that file's
   std::optional<serve::RealTimeThread> real_time{};
   std::vector<std::string> links{};         ///< in place of the plant file's: "line1=socketcan:can0"
   std::optional<can::Duration> duration{};  ///< plant time; without it until SIGINT or SIGTERM
@@ -24,6 +26,7 @@ struct RunOptions {
   bool free_ports = false;  ///< every server takes a free port instead of the plant file's
   std::optional<text::HostAndPort>
       web{};  ///< the page in the browser; port 0: a free one. In real time alone
+  std::optional<WebProject> web_project{};  ///< what the page edits, in place of projects of the plant
   std::optional<std::uint64_t> seed{};
   /// In virtual time: on so many threads at most. 0: as many as the machine has. The output does not depend on it.
   std::size_t threads = 0;

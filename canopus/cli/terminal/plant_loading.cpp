@@ -67,7 +67,7 @@ bool change_link(plant::PlantFile& plant, std::string_view text, Output& err) {
 
 std::unique_ptr<plant::Plant> load_plant(const std::string& path, plant::PlantObserver& observer, Output& err,
                                          const PlantUse& use) {
-  const auto text = text::read_file(path);
+  const auto text = use.text ? std::expected<std::string, std::string>(*use.text) : text::read_file(path);
   if (!text) {
     err.line("canopus: {}", text.error());
     return nullptr;

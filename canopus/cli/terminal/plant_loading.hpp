@@ -18,6 +18,7 @@ struct PlantUse {
   std::optional<std::uint64_t> seed{};
   std::vector<std::string> links{};    ///< "line1=socketcan:can0"; with one bus "socketcan:can0"
   plant::BusOpener* opener = nullptr;  ///< as in Plant::build()
+  std::optional<std::string> text{};   ///< in place of the file's, which need not be there then
 };
 
 /// The plant, switched off, or nullptr after its mistakes were printed on `err`.

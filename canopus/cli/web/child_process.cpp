@@ -41,7 +41,8 @@ std::string sentence(int error) {
 }  // namespace
 
 std::expected<std::shared_ptr<ChildProcess>, std::string> ChildProcess::start(
-    boost::asio::io_context& io, const std::vector<std::string>& arguments, Use use) {
+    boost::asio::io_context& io, const std::string& program, const std::vector<std::string>& arguments,
+    Use use) {
   Pipe output;
   Pipe errors;
   if (!output.good || !errors.good) return std::unexpected(sentence(errno));
@@ -70,7 +71,7 @@ std::expected<std::shared_ptr<ChildProcess>, std::string> ChildProcess::start(
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   pid_t process = 0;
-  const int error = ::posix_spawn(&process, "/proc/self/exe", &files, &attributes, pointers.data(), environ);
+  const int error = ::posix_spawn(&process, program.c_str(), &files, &attributes, pointers.data(), environ);
   ::posix_spawn_file_actions_destroy(&files);
   ::posix_spawnattr_destroy(&attributes);
   if (error != 0) return std::unexpected(sentence(error));

@@ -27,9 +27,12 @@ class ChildProcess : public std::enable_shared_from_this<ChildProcess> {
     std::function<void(int code, std::string errors)> ended{};
   };
 
-  /// Calls `use` from the loop's thread. `arguments`: those behind the program's name. The error is a sentence.
+  /// The program that runs now.
+  static constexpr const char* itself = "/proc/self/exe";
+  /// Calls `use` from the loop's thread. `program`: a path; `arguments`: those behind its name. The error is a sentence.
   [[nodiscard]] static std::expected<std::shared_ptr<ChildProcess>, std::string> start(
-      boost::asio::io_context& io, const std::vector<std::string>& arguments, Use use);
+      boost::asio::io_context& io, const std::string& program, const std::vector<std::string>& arguments,
+      Use use);
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;

@@ -85,6 +85,9 @@ void WebCommands::run(const WebUser& user, std::string_view command, std::uint32
   if (name == "hello") return hello(user, id, reply);
   if (name == "arm") return arm(user, wish, id, reply);
   if (name == "stop") return stop(user, wish, id, reply);
+  if (const auto own = use_.own.find(name); own != use_.own.end()) {
+    return run_own(user, name, own->second, wish, id, reply);
+  }
   const WebBus* const bus = bus_of(wish);
   if (bus == nullptr) return refuse(user, name, id, reply, web_code::usage, "there is no such bus");
   auto line = web_command_line(wish, *bus);
@@ -159,6 +162,22 @@ void WebCommands::stop(const WebUser& user, const nlohmann::json& wish, std::uin
          "stopped");
 }
 
+void WebCommands::run_own(const WebUser& user, const std::string& name, const Own& own,
+                          const nlohmann::json& wish, std::uint32_t id, const WebReply& reply) {
+  if (user.role < own.role) {
+    return refuse(
+        user, name, id, reply, web_code::not_allowed,
+        fmt::format("{}: the role {} is needed, yours is {}", name, name_of(own.role), name_of(user.role)));
+  }
+  auto row = own.run(wish);
+  if (!row) return refuse(user, name, id, reply, web_code::refused, row.error());
+  Json event = event_of(id);
+  event["code"] = 0;
+  event["rows"] = Json::array({std::move(*row)});
+  done(user, wish.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), 0);
+  send(reply, std::move(event));
+}
+
 /// Its file in a folder of its own. The error is a sentence, empty: none.
 std::string WebCommands::make_file(Job& job) const {
   if (!job.line.file_text && !job.line.makes_file) return {};
@@ -181,7 +200,7 @@ void WebCommands::start_next() {
     std::string wrong = make_file(job);
     if (wrong.empty()) {
       auto child = ChildProcess::start(
-          io_, job.line.arguments,
+          io_, use_.program, job.line.arguments,
           {.line =
                [this](std::string line) {
                  if (nlohmann::json::accept(line)) jobs_.front().rows.push_back(std::move(line));

@@ -5,8 +5,10 @@
 #include <chrono>
 #include <cstdint>
 #include <deque>
+#include <expected>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -26,6 +28,7 @@ namespace canopus::cli {
 /// `code` of a reply: exit codes of the commands (docs/project.md), and these.
 namespace web_code {
 inline constexpr int usage = 2;        ///< the page said something that is no command
+inline constexpr int refused = 5;      ///< it cannot be as it was asked for
 inline constexpr int not_allowed = 7;  ///< the role is too low
 inline constexpr int not_armed = 8;    ///< a live bus, and nobody has armed writing
 inline constexpr int busy = 9;         ///< too many commands wait
@@ -37,9 +40,16 @@ class WebCommands {
   static constexpr std::size_t most_waiting = 32;
   static constexpr std::chrono::minutes armed_for{10};
 
+  /// One that is done at once, in this process: its row, or a sentence.
+  struct Own {
+    serve::WebRole role = serve::WebRole::operate;
+    std::function<std::expected<nlohmann::ordered_json, std::string>(const nlohmann::json& wish)> run{};
+  };
   struct Use {
     std::vector<WebBus> buses{};
-    std::function<can::Time()> now{};  ///< the plant's time, for `t` of events
+    std::map<std::string, Own, std::less<>> own{};  ///< by name
+    std::string program = ChildProcess::itself;     ///< that runs the others
+    std::function<can::Time()> now{};               ///< the plant's time, for `t` of events
     /// What was done: who, the command line, its code.
     std::function<void(const serve::WebUser& user, const std::string& line, int code)> done{};
   };
@@ -77,6 +87,8 @@ class WebCommands {
   void stop(const serve::WebUser& user, const nlohmann::json& wish, std::uint32_t id,
             const serve::WebReply& reply);
   [[nodiscard]] const WebBus* bus_of(const nlohmann::json& wish) const;
+  void run_own(const serve::WebUser& user, const std::string& name, const Own& own,
+               const nlohmann::json& wish, std::uint32_t id, const serve::WebReply& reply);
   void start_next();
   [[nodiscard]] std::string make_file(Job& job) const;
   void ended(int code, const std::string& errors);

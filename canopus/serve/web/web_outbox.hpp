@@ -15,7 +15,8 @@ namespace canopus::serve {
 
 class WebOutbox {
  public:
-  using Text = std::shared_ptr<const std::string>;  ///< shared by all watchers
+  using Text = std::shared_ptr<const std::string>;            ///< shared by all watchers
+  static constexpr std::size_t most_reply_bytes = 32U << 20;  ///< that wait
   using LostEvent = std::function<std::string(std::uint64_t)>;
 
   /// `lost` makes the event for so many events that did not find room.
@@ -66,8 +67,6 @@ class WebOutbox {
   }
 
  private:
-  static constexpr std::size_t most_reply_bytes = 32U << 20;
-
   std::size_t most_events_;
   LostEvent lost_;
   std::deque<Text> events_;

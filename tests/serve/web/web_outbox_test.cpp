@@ -41,6 +41,21 @@ TEST(WebOutbox, OfMessagesTheNewest_BeforeTheState) {
   EXPECT_TRUE(waiting.empty());
 }
 
+TEST(WebOutbox, EveryReply_UpToALimit) {
+  WebOutbox waiting = outbox(1);
+  EXPECT_TRUE(waiting.add_reply("a"));
+  EXPECT_TRUE(waiting.add_reply("b"));
+  waiting.set_state(text("s"));
+  EXPECT_FALSE(waiting.empty());
+  EXPECT_EQ(waiting.take(), "[a,\nb,\ns]");
+  EXPECT_TRUE(waiting.empty());
+  const std::string large(WebOutbox::most_reply_bytes, 'x');
+  EXPECT_TRUE(waiting.add_reply(large));
+  EXPECT_FALSE(waiting.add_reply("c"));
+  (void)waiting.take();
+  EXPECT_TRUE(waiting.add_reply(large));
+}
+
 TEST(WebOutbox, OfTooManyEventsTheNewest_AndHowManyWereLost) {
   WebOutbox waiting = outbox(2);
   for (const char* one : {"a", "b", "c", "d", "e"}) waiting.add_event(text(one));

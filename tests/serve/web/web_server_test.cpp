@@ -59,6 +59,13 @@ class WebServerTest : public ::testing::Test {
                   views_.emplace_back(view);
                   const bool is_one = !view.empty() && view != "{\"none\":0}";
                   return is_one ? "{\"v\":" + std::string(view) + "}" : std::string();
+                },
+            .command =
+                [this](const WebUser& user, std::string_view command, std::uint32_t id, WebReply reply) {
+                  commands_.push_back(std::to_string(id) + " " + std::string(name_of(user.role)) + " " +
+                                      std::string(command));
+                  reply("{\"first\":" + std::to_string(id) + "}");
+                  reply_ = std::move(reply);
                 }},
         options, [this](std::string_view sentence) { reports_.emplace_back(sentence); });
     EXPECT_TRUE(server_->listen("127.0.0.1", 0));
@@ -90,9 +97,9 @@ class WebServerTest : public ::testing::Test {
     }
     return all.find(wanted) != std::string::npos ? all : all + "nothing";
   }
-  tcp::socket watch() {
+  tcp::socket watch(const std::string& query = {}) {
     auto client = connect();
-    send(client, "GET /events HTTP/1.1\r\nHost: " + host() + "\r\nOrigin: http://" + host() +
+    send(client, "GET /events" + query + " HTTP/1.1\r\nHost: " + host() + "\r\nOrigin: http://" + host() +
                      "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
                      "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n");
     return client;
@@ -107,6 +114,8 @@ class WebServerTest : public ::testing::Test {
   WebClock clock_;
   int states_ = 0;
   std::vector<bool> wanted_;
+  std::vector<std::string> commands_;
+  WebReply reply_;
   std::vector<std::string> views_;
   std::string filler_;
   std::vector<std::string> reports_;
@@ -259,13 +268,80 @@ TEST(WebWish, OnlyWhatAWatcherMaySay) {
   EXPECT_THAT(*read_wish("{\"views\": []}")->views, IsEmpty());
   EXPECT_THAT(*read_wish("{\"views\": [{\"words\": 0, \"from\": 7}, {}]}")->views,
               ElementsAre("{\"from\":7,\"words\":0}", "{}"));
-  for (const char* text :
-       {"", "true", "[]", "{}", "{\"messages\":1}", "{\"messages\":true,\"x\":1}", "{\"message\":true}",
-        "{\"messages\":true", "[[[[[[[[[[[[[[[[[[", "\xFF", "{\"request\":\"set\"}", "{\"views\":{}}",
-        "{\"views\":[1]}", "{\"views\":[{},{},{},{},{}]}", "{\"views\":[],\"messages\":true}",
-        "{\"messages\":[]}", "{\"views\":true}"}) {
+  for (const char* text : {"",
+                           "true",
+                           "[]",
+                           "{}",
+                           "{\"messages\":1}",
+                           "{\"messages\":true,\"x\":1}",
+                           "{\"message\":true}",
+                           "{\"messages\":true",
+                           "[[[[[[[[[[[[[[[[[[",
+                           "\xFF",
+                           "{\"request\":\"set\"}",
+                           "{\"views\":{}}",
+                           "{\"views\":[1]}",
+                           "{\"views\":[{},{},{},{},{}]}",
+                           "{\"views\":[],\"messages\":true}",
+                           "{\"messages\":[]}",
+                           "{\"views\":true}",
+                           "{\"do\":{}}",
+                           "{\"do\":[],\"id\":1}",
+                           "{\"do\":{},\"id\":-1}",
+                           "{\"do\":{},\"id\":4294967296}",
+                           "{\"do\":{},\"id\":1.5}",
+                           "{\"do\":{},\"id\":1,\"x\":1}"}) {
     EXPECT_FALSE(read_wish(text)) << text;
   }
+  const auto wish = read_wish("{\"id\": 4294967295, \"do\": {\"command\": \"hello\"}}");
+  EXPECT_EQ(wish->command->text, "{\"command\":\"hello\"}");
+  EXPECT_EQ(wish->command->id, 4294967295U);
+}
+
+TEST_F(WebServerTest, Command_IsHandedOnWithTheRole_AndItsRepliesGoToItsClientAlone) {
+  start({.role = WebRole::configure, .key = "0123456789abcdef"});
+  EXPECT_THAT(server_->url(), EndsWith("/#key=0123456789abcdef"));
+  auto other = watch("?key=0123456789abcdee");
+  receive(other, "}]");
+  auto client = watch("?key=0123456789abcdef");
+  receive(client, "}]");
+  send(client, message("{\"do\":{\"command\":\"x\"},\"id\":7}"));
+  EXPECT_THAT(receive(client, "first"), HasSubstr("[{\"first\":7}]"));
+  reply_("{\"later\":7}");
+  EXPECT_THAT(receive(client, "later"), HasSubstr("{\"later\":7}"));
+  send(other, message("{\"do\":{},\"id\":8}"));
+  EXPECT_THAT(receive(other, "first"), AllOf(HasSubstr("{\"first\":8}"), Not(HasSubstr(":7"))));
+  EXPECT_THAT(commands_, ElementsAre("7 configure {\"command\":\"x\"}", "8 look {}"));
+  other.close();
+  context_.run_for(50ms);
+  reply_("{}");  // nobody is there any more
+  EXPECT_EQ(server_->clients(), 1U);
+}
+
+TEST_F(WebServerTest, KeyIsWhole_OrNone) {
+  start({.role = WebRole::operate, .key = "01"});
+  for (const char* query : {"?key=0", "?key=", "", "?key=011", "?k=01", "?key=01&key=01"}) {
+    auto client = watch(query);
+    receive(client, "}]");
+    send(client, message("{\"do\":{},\"id\":1}"));
+    receive(client, "first");
+  }
+  EXPECT_THAT(commands_, Each(std::string("1 look {}")));
+  EXPECT_EQ(commands_.size(), 6U);
+}
+
+TEST_F(WebServerTest, WhoMayChangeSomething_MaySendMore) {
+  start({.role = WebRole::operate, .key = "01", .longest_message = 100, .longest_command = 120});
+  auto looker = watch();
+  receive(looker, "}]");
+  send(looker, message(std::string(101, ' ')));
+  EXPECT_THAT(receive(looker, "\x88"), HasSubstr("\x88\x02\x03\xF1"));
+  auto client = watch("?key=01");
+  receive(client, "}]");
+  send(client, message("{\"do\":{},\"id\":1}" + std::string(90, ' ')));
+  EXPECT_THAT(receive(client, "first"), HasSubstr("first"));
+  send(client, message(std::string(121, ' ')));
+  EXPECT_THAT(receive(client, "\x88"), HasSubstr("\x88\x02\x03\xF1"));
 }
 
 TEST_F(WebServerTest, AMessageThatIsTooLong_OrTooManyOfThem) {

@@ -1,4 +1,4 @@
-#include "canopus/cli/run/web_page.hpp"
+#include "canopus/cli/web/web_page.hpp"
 
 #include <array>
 #include <cstddef>

@@ -1,0 +1,144 @@
+#include "canopus/cli/run/web_command.hpp"
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "canopus/cli/network/project_folder.hpp"
+#include "canopus/cli/run/run_loop.hpp"
+#include "canopus/cli/terminal/option_checks.hpp"
+#include "canopus/cli/terminal/plant_loading.hpp"
+#include "canopus/cli/terminal/print.hpp"
+#include "canopus/text/printable.hpp"
+#include "canopus/text/text_values.hpp"
+
+namespace canopus::cli {
+namespace {
+
+struct WebArguments {
+  std::string project;
+  unsigned network = 1;
+  std::string bus;
+  bool no_devices = false;
+  std::vector<std::string> device_files;
+  std::string listen;
+  std::string duration;
+  bool json = false;
+  bool quiet = false;
+};
+
+/// As a TOML string.
+std::string in_toml(std::string_view text) {
+  using Json = nlohmann::json;
+  return Json(text::printable(text)).dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// A plant of one bus: the real one, or a simulated one with the project's nodes.
+std::string plant_text(const WebArguments& arguments, const project::NetworkProject& project,
+                       const std::string& list, bool with_devices) {
+  constexpr std::uint32_t usual_bit_rate = 500'000;
+  const std::uint32_t bit_rate = project.bit_rate() != 0 ? project.bit_rate() : usual_bit_rate;
+  const std::string& name = project.network().name;
+  std::string text = fmt::format("[plant]\nname = {}\n[[bus]]\nname = \"network\"\nbit_rate = {}\n",
+                                 in_toml(name.empty() ? arguments.project : name), bit_rate);
+  if (!arguments.bus.empty()) return text + fmt::format("link = {}\n", in_toml(arguments.bus));
+  if (!with_devices) return text;
+  return text + fmt::format("project = {}\nproject_network = {}\n",
+                            in_toml(std::filesystem::absolute(list).string()), arguments.network);
+}
+
+/// Whether a plant is made of it; what is wrong otherwise is said, and no reason not to edit the project.
+bool has_devices(const std::string& text, const std::string& list) {
+  class : public plant::PlantObserver {
+  } nobody;
+  if (load_plant(list, nobody, standard_error(), {.text = text}) != nullptr) return true;
+  print_error("canopus web: {}: the nodes of the project are not simulated; the page shows what is wrong",
+              list);
+  return false;
+}
+
+int run_page(const WebArguments& arguments) {
+  constexpr int file_error = 3;
+  auto folder = ProjectFolder::open(arguments.project, ProjectFolder::For::looking);
+  if (!folder) {
+    print_error("canopus web: {}", folder.error());
+    return file_error;
+  }
+  const auto project = folder->read(arguments.network);
+  if (!project) {
+    print_error("canopus web: {}; `canopus project new` makes a project", project.error());
+    return file_error;
+  }
+  const std::string list = folder->shown_list();
+  bool with_devices = arguments.bus.empty() && !arguments.no_devices && !project->nodes().empty();
+  if (with_devices) with_devices = has_devices(plant_text(arguments, *project, list, true), list);
+  RunOptions options{.plant = list,
+                     .plant_text = plant_text(arguments, *project, list, with_devices),
+                     .web = text::HostAndPort{},
+                     .quiet = arguments.quiet,
+                     .json = arguments.json};
+  // The project's own folder has its DCFs, which are device files, too.
+  options.web_project = WebProject{
+      .project = arguments.project, .network = arguments.network, .device_files = arguments.device_files};
+  if (options.web_project->device_files.empty())
+    options.web_project->device_files = {folder->folder().string()};
+  if (!arguments.listen.empty()) options.web = *text::parse_host_and_port(arguments.listen);
+  if (!arguments.duration.empty()) options.duration = *text::parse_duration(arguments.duration);
+  folder = std::unexpected(std::string());  // others may use the project
+  return run_plant(options);
+}
+
+}  // namespace
+
+void add_web_command(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<WebArguments>();
+  CLI::App* command = app.add_subcommand(
+      "web", "Show and edit a project on a page in the browser, with its bus or simulated");
+  command->add_option("PROJECT", arguments->project, "folder with nodelist.cpj, or a file *.cpj")->required();
+  command->add_option("--network", arguments->network, "of a list with several networks: which one, from 1")
+      ->type_name("NUMBER")
+      ->check(number_from(1, 1000));
+  auto* bus = command
+                  ->add_option("--bus", arguments->bus,
+                               "the real bus, for example socketcan:can0; without it the project's nodes are "
+                               "simulated (docs/commands.md has the addresses)")
+                  ->type_name("ADDRESS");
+  command->add_flag("--no-devices", arguments->no_devices, "neither a bus nor simulated nodes: files alone")
+      ->excludes(bus);
+  command
+      ->add_option(
+          "--eds", arguments->device_files,
+          "a device file, or a folder with them, for devices that are found on the bus; may be given "
+          "again; without it the project's folder")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--listen", arguments->listen,
+                   "address and port of this machine for the page; without it a free port (docs/web.md)")
+      ->type_name("ADDRESS:PORT")
+      ->check([](const std::string& text) {
+        const auto place = text::parse_host_and_port(text);
+        return place ? std::string() : place.error();
+      });
+  command->add_option("--for", arguments->duration, "Stop after this time, for example 10s")
+      ->type_name("TIME")
+      ->check([](const std::string& text) {
+        const auto duration = text::parse_duration(text);
+        return duration ? std::string() : duration.error();
+      });
+  auto* json = command->add_flag("--json", arguments->json, "One JSON object per line (see docs/events.md)");
+  command->add_flag("-q,--quiet", arguments->quiet, "Print errors alone")->excludes(json);
+  command->footer(
+      "It says where the page is, and opens nothing by itself. Whoever knows the key of the printed address "
+      "may\n"
+      "edit the project; on a real bus nothing is written before somebody has armed writing on the page.\n"
+      "Example: canopus web line1 --bus socketcan:can0");
+  command->callback([arguments, &exit_code] { exit_code = run_page(*arguments); });
+}
+
+}  // namespace canopus::cli

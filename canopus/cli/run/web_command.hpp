@@ -1,0 +1,13 @@
+#pragma once
+// `canopus web PROJECT`: the page in the browser for a CiA 306 project and its bus.
+
+namespace CLI {
+class App;
+}
+
+namespace canopus::cli {
+
+/// Adds the subcommand; when the user asks for it, parsing runs it and puts the exit code into `exit_code`.
+void add_web_command(CLI::App& app, int& exit_code);
+
+}  // namespace canopus::cli

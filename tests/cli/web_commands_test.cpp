@@ -1,0 +1,322 @@
+// What the page may have done: command lines, roles, arming, and programs that run beside this one.
+
+#include "canopus/cli/web/web_commands.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <boost/asio/io_context.hpp>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace canopus::cli {
+namespace {
+
+using Json = nlohmann::json;
+using serve::WebRole;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+const WebBus line1{.name = "line1",
+                   .project = "line1",
+                   .network = 2,
+                   .address = "socketcan:can0",
+                   .is_live = true,
+                   .device_files = {"eds"}};
+
+std::expected<WebCommandLine, std::string> line_of(const Json& wish, const WebBus& bus = line1) {
+  return web_command_line(wish, bus);
+}
+
+TEST(WebArguments, CommandLine_IsThatOfAPerson) {
+  const auto line = line_of({{"command", "project set"},
+                             {"node", "5"},
+                             {"items", {"1017=500", "-M1"}},
+                             {"name", "--help"},
+                             {"present", true},
+                             {"absent", false}});
+  ASSERT_TRUE(line);
+  EXPECT_THAT(line->arguments, ElementsAre("project", "set", "--json", "--network=2", "--name=--help",
+                                           "--present", "--", "line1", "5", "1017=500", "-M1"));
+  EXPECT_EQ(line->role, WebRole::configure);
+  EXPECT_FALSE(line->writes_to_bus);
+}
+
+TEST(WebArguments, CommandOfTheBus_HasItsAddress) {
+  const auto line = line_of({{"command", "sdo write"}, {"node", "5"}, {"object", "1017"}, {"value", "-5"}});
+  ASSERT_TRUE(line);
+  EXPECT_THAT(line->arguments,
+              ElementsAre("sdo", "write", "--json", "--bus=socketcan:can0", "--", "5", "1017", "-5"));
+  EXPECT_TRUE(line->writes_to_bus);
+  const auto adopt = line_of({{"command", "project adopt"}});
+  ASSERT_TRUE(adopt);
+  EXPECT_THAT(adopt->arguments, ElementsAre("project", "adopt", "--json", "--network=2",
+                                            "--bus=socketcan:can0", "--eds=eds", "--", "line1"));
+}
+
+TEST(WebArguments, WhatOnlyShowsWhatItWouldWrite_NeedsNoArming) {
+  EXPECT_FALSE(line_of({{"command", "project write"}})->writes_to_bus);
+  EXPECT_FALSE(line_of({{"command", "project write"}, {"yes", false}})->writes_to_bus);
+  EXPECT_TRUE(line_of({{"command", "project write"}, {"yes", true}})->writes_to_bus);
+}
+
+TEST(WebArguments, Roles) {
+  EXPECT_EQ(line_of({{"command", "project show"}})->role, WebRole::look);
+  EXPECT_EQ(line_of({{"command", "project diff"}})->role, WebRole::operate);
+  EXPECT_EQ(line_of({{"command", "scan"}})->role, WebRole::operate);
+  EXPECT_EQ(line_of({{"command", "nmt start"}, {"node", "1"}})->role, WebRole::operate);
+  EXPECT_EQ(line_of({{"command", "project read"}})->role, WebRole::configure);
+  EXPECT_EQ(line_of({{"command", "project undo"}})->role, WebRole::configure);
+}
+
+TEST(WebArguments, Nonsense_IsRefusedInASentence) {
+  const auto error = [](const Json& wish, const WebBus& bus = line1) {
+    const auto line = line_of(wish, bus);
+    return line ? std::string("it was taken") : line.error();
+  };
+  EXPECT_EQ(error(Json::object()), "expected \"command\"");
+  EXPECT_THAT(error({{"command", "plc write"}}), HasSubstr("unknown command \"plc write\"; expected one of"));
+  EXPECT_EQ(error({{"command", "project remove"}}), "project remove: expected \"node\"");
+  EXPECT_EQ(error({{"command", "project remove"}, {"node", 5}}),
+            "project remove: \"node\" is to be a text of up to 1000 characters");
+  EXPECT_EQ(error({{"command", "project remove"}, {"node", std::string("5\0", 2)}}),
+            "project remove: \"node\" is to be a text of up to 1000 characters");
+  EXPECT_EQ(error({{"command", "project undo"}, {"bus_address", "x"}}),
+            "project undo: unknown \"bus_address\"");
+  EXPECT_EQ(error({{"command", "project show"}, {"all", "yes"}}),
+            "project show: \"all\" is to be true or false");
+  EXPECT_EQ(error({{"command", "project set"}, {"items", {1}}}),
+            "project set: \"items\" is to be a list of up to 512 texts");
+  EXPECT_EQ(error({{"command", "project add"}, {"file", {{"name", "x.eds"}}}}),
+            "project add: \"file\" is to be a file with its name and its text");
+  EXPECT_EQ(error({{"command", "project show"}}, {.name = "a"}), "project show: the bus a has no project");
+  EXPECT_EQ(error({{"command", "scan"}}, {.name = "a"}), "scan: commands cannot join the bus a");
+  EXPECT_EQ(error({{"command", "project adopt"}}, {.name = "a", .project = "p", .address = "b"}),
+            "project adopt: there are no device files; --eds names them");
+}
+
+TEST(WebArguments, ShownCommand_CanBeTypedAsItIs) {
+  EXPECT_EQ(shown_command({"project", "set", "--name=A b", "it's", "", "1017=500"}),
+            "canopus project set '--name=A b' 'it'\\''s' '' 1017=500");
+}
+
+/// Commands are run by a script, which prints what the test wants.
+class WebCommandsTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (std::filesystem::temp_directory_path() / "canopus-test-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  void script(const std::string& text) {
+    const auto path = folder_ / "canopus";
+    std::ofstream(path) << "#!/bin/sh\n" << text;
+    std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+    WebBus bus = line1;
+    bus.is_live = is_live_;
+    commands_.emplace(
+        io_, WebCommands::Use{
+                 .buses = {bus},
+                 .own = {{"double",
+                          {.role = WebRole::operate,
+                           .run = [](const Json& wish) -> std::expected<nlohmann::ordered_json, std::string> {
+                             if (!wish.contains("n")) return std::unexpected("expected n");
+                             return nlohmann::ordered_json::object({{"n", 2 * wish["n"].get<int>()}});
+                           }}}},
+                 .program = path.string(),
+                 .now = [] { return can::Time{}; },
+                 .done =
+                     [this](const serve::WebUser& user, const std::string& line, int code) {
+                       done_.push_back(user.name + ": " + line + ": " + std::to_string(code));
+                     }});
+  }
+  void say(const Json& wish, std::uint32_t id = 1, WebRole role = WebRole::configure) {
+    commands_->run({.name = "ann", .role = role}, wish.dump(), id,
+                   [this](const std::string& event) { replies_.push_back(Json::parse(event)); });
+  }
+  std::vector<Json> replies() {
+    io_.restart();
+    io_.run();
+    return std::exchange(replies_, {});
+  }
+
+  bool is_live_ = false;
+  std::filesystem::path folder_;
+  boost::asio::io_context io_{1};
+  std::optional<WebCommands> commands_;
+  std::vector<Json> replies_;
+  std::vector<std::string> done_;
+};
+
+TEST_F(WebCommandsTest, ACommandsRows_ComeWithItsCodeAndCommandLine) {
+  script("echo '{\"node\": 5}'; echo 'no JSON'; echo '{\"node\": 6}'; echo 'canopus: oh' >&2; exit 4\n");
+  say({{"command", "project diff"}}, 7);
+  const auto replies = this->replies();
+  ASSERT_EQ(replies.size(), 2U);
+  EXPECT_EQ(replies[0]["rows"], Json::parse(R"([{"node": 5}, {"node": 6}])"));
+  EXPECT_TRUE(replies[0]["more"]);
+  EXPECT_EQ(replies[1]["event"], "reply");
+  EXPECT_EQ(replies[1]["id"], 7);
+  EXPECT_EQ(replies[1]["code"], 4);
+  EXPECT_EQ(replies[1]["message"], "canopus: oh");
+  EXPECT_EQ(replies[1]["command"], "canopus project diff --json --network=2 --bus=socketcan:can0 -- line1");
+  EXPECT_THAT(done_,
+              ElementsAre("ann: canopus project diff --json --network=2 --bus=socketcan:can0 -- line1: 4"));
+}
+
+TEST_F(WebCommandsTest, Commands_RunOneAfterTheOther) {
+  script("echo \"$1 $2 $3\" >> " + (folder_ / "log").string() + "; cat " + (folder_ / "log").string() +
+         " | sed 's/.*/\"&\"/'\n");
+  for (std::uint32_t id = 1; id <= 3; ++id) say({{"command", "project undo"}}, id);
+  std::vector<std::size_t> rows;
+  for (const Json& reply : replies()) {
+    if (reply.contains("rows")) rows.push_back(reply["rows"].size());
+  }
+  EXPECT_THAT(rows, ElementsAre(1, 2, 3));
+}
+
+TEST_F(WebCommandsTest, ProgramThatASignalEnds_HasItsCode) {
+  script("kill -9 $$\n");
+  say({{"command", "project undo"}});
+  const auto replies = this->replies();
+  ASSERT_EQ(replies.size(), 1U);
+  EXPECT_EQ(replies[0]["code"], 128 + 9);
+}
+
+TEST_F(WebCommandsTest, AProgramThatCannotBeStarted_IsSaid) {
+  script("exit 0\n");
+  std::filesystem::remove(folder_ / "canopus");
+  say({{"command", "project undo"}});
+  const auto replies = this->replies();
+  ASSERT_EQ(replies.size(), 1U);
+  EXPECT_EQ(replies[0]["code"], 1);
+  EXPECT_THAT(replies[0]["message"].get<std::string>(),
+              HasSubstr("a command cannot be started: No such file"));
+}
+
+TEST_F(WebCommandsTest, Role_IsNeeded) {
+  script("echo '{}'\n");
+  say({{"command", "project undo"}}, 1, WebRole::operate);
+  say({{"command", "scan"}}, 2, WebRole::look);
+  say({{"command", "double"}, {"n", 3}}, 3, WebRole::look);
+  say({{"command", "arm"}, {"on", true}}, 4, WebRole::look);
+  for (const Json& reply : replies()) {
+    EXPECT_EQ(reply["code"], web_code::not_allowed) << reply;
+    EXPECT_THAT(reply["message"].get<std::string>(), HasSubstr("is needed, yours is"));
+  }
+  EXPECT_EQ(done_.size(), 4U);
+  EXPECT_FALSE(commands_->is_armed());
+}
+
+TEST_F(WebCommandsTest, LiveBus_IsWrittenOnlyWhenArmed) {
+  is_live_ = true;
+  script("echo '{}'\n");
+  const Json write{{"command", "nmt start"}, {"node", "all"}};
+  say(write);
+  EXPECT_EQ(replies().back()["code"], web_code::not_armed);
+  say({{"command", "scan"}});
+  EXPECT_EQ(replies().back()["code"], 0);
+  say({{"command", "arm"}, {"on", true}});
+  EXPECT_TRUE(commands_->is_armed());
+  say(write);
+  EXPECT_EQ(replies().back()["code"], 0);
+  say({{"command", "arm"}, {"on", false}});
+  say(write);
+  EXPECT_EQ(replies().back()["code"], web_code::not_armed);
+}
+
+TEST_F(WebCommandsTest, SimulatedBus_NeedsNoArming) {
+  script("echo '{}'\n");
+  say({{"command", "nmt start"}, {"node", "all"}});
+  EXPECT_EQ(replies().back()["code"], 0);
+}
+
+TEST_F(WebCommandsTest, FileThatComesAlong_IsThereWithItsName_AndGoneAfterwards) {
+  script(
+      "for last; do :; done; printf '\"%s\"\\n' \"$last\"; sed 's/.*/\"&\"/' \"$last\"; ls -ld \"$(dirname "
+      "\"$last\")\" | "
+      "cut -c1-10 | sed 's/.*/\"&\"/'\n");
+  say({{"command", "project add"}, {"file", {{"name", "..\\C:\\pump.eds"}, {"text", "[DeviceInfo]\n"}}}});
+  const auto replies = this->replies();
+  const Json rows = replies.front()["rows"];
+  ASSERT_EQ(rows.size(), 3U);
+  const std::filesystem::path file = rows[0].get<std::string>();
+  EXPECT_EQ(file.filename(), "pump.eds");
+  EXPECT_EQ(rows[1], "[DeviceInfo]");
+  EXPECT_EQ(rows[2], "drwx------");
+  EXPECT_FALSE(std::filesystem::exists(file.parent_path()));
+}
+
+TEST_F(WebCommandsTest, FileThatACommandMakes_IsInItsReply) {
+  script("for last; do :; done; echo '<html>' > \"$last\"\n");
+  say({{"command", "project report"}}, 1, WebRole::look);
+  EXPECT_EQ(replies().back()["file"], "<html>\n");
+}
+
+TEST_F(WebCommandsTest, WhatIsStopped_Ends) {
+  script("trap 'exit 130' INT; echo '{}'; while :; do sleep 0.01; done\n");
+  say({{"command", "project undo"}}, 1);
+  say({{"command", "project undo"}}, 2);
+  say({{"command", "stop"}, {"id", 2}}, 3);
+  EXPECT_EQ(replies_[0]["code"], 0);
+  EXPECT_EQ(replies_[1]["code"], web_code::stopped);
+  while (replies_.size() < 3) io_.run_one();  // it runs, and has its trap
+  say({{"command", "stop"}, {"id", 1}}, 4);
+  const auto replies = this->replies();
+  EXPECT_EQ(replies.back()["id"], 1);
+  EXPECT_EQ(replies.back()["code"], web_code::stopped);
+  say({{"command", "stop"}, {"id", 9}}, 5);
+  EXPECT_EQ(replies_.back()["code"], web_code::usage);
+}
+
+TEST_F(WebCommandsTest, TooManyCommands_AreRefused) {
+  script("exit 0\n");
+  for (std::uint32_t id = 0; id <= WebCommands::most_waiting; ++id) say({{"command", "project undo"}}, id);
+  ASSERT_EQ(replies_.size(), 1U);
+  EXPECT_EQ(replies_[0]["code"], web_code::busy);
+  EXPECT_EQ(replies().size(), 1 + WebCommands::most_waiting);
+}
+
+TEST_F(WebCommandsTest, CommandOfThisProcess_IsDoneAtOnce) {
+  script("exit 0\n");
+  say({{"command", "double"}, {"n", 3}}, 1, WebRole::operate);
+  ASSERT_EQ(replies_.size(), 1U);
+  EXPECT_EQ(replies_[0]["rows"], Json::parse(R"([{"n": 6}])"));
+  say({{"command", "double"}}, 2);
+  EXPECT_EQ(replies_[1]["code"], web_code::refused);
+  EXPECT_EQ(replies_[1]["message"], "expected n");
+  EXPECT_EQ(done_.size(), 2U);
+}
+
+TEST_F(WebCommandsTest, Hello_SaysWhoOneIsAndWhatThereIs) {
+  script("exit 0\n");
+  say({{"command", "hello"}}, 1, WebRole::look);
+  EXPECT_EQ(replies_[0]["role"], "look");
+  EXPECT_EQ(replies_[0]["user"], "ann");
+  EXPECT_EQ(replies_[0]["armed"], false);
+  EXPECT_EQ(replies_[0]["buses"][0]["bus"], "line1");
+  EXPECT_EQ(replies_[0]["buses"][0]["project"], "line1");
+  EXPECT_THAT(done_, IsEmpty());
+}
+
+TEST_F(WebCommandsTest, EndOfTheRun_EndsWhatRuns) {
+  script("echo $$ > " + (folder_ / "process").string() + "; echo '{}'; exec sleep 1000\n");
+  say({{"command", "project add"}, {"file", {{"name", "a"}, {"text", "b"}}}});
+  while (replies_.empty()) io_.run_one();
+  long process = 0;
+  std::ifstream(folder_ / "process") >> process;
+  ASSERT_GT(process, 1);
+  replies_.clear();
+  commands_.reset();
+  EXPECT_FALSE(std::filesystem::exists("/proc/" + std::to_string(process)));
+  EXPECT_THAT(replies(), IsEmpty());
+}
+
+}  // namespace
+}  // namespace canopus::cli
