@@ -274,6 +274,11 @@ std::string_view name(ObjectCode code) noexcept {
   return "unknown";
 }
 
+std::string_view name(Access access) noexcept {
+  const auto* const found = std::ranges::find(access_words, access, &AccessWord::access);
+  return found->word;
+}
+
 std::optional<Access> access(std::string_view word, bool& exact) {
   const std::string asked = folded(word);
   for (const AccessWord& known : access_words) {

@@ -39,5 +39,7 @@ namespace canopus::eds {
 
 /// "VAR", "ARRAY" ...
 [[nodiscard]] std::string_view name(canopen::ObjectCode code) noexcept;
+/// "ro", "rwr" ...
+[[nodiscard]] std::string_view name(canopen::Access access) noexcept;
 
 }  // namespace canopus::eds

@@ -8,6 +8,7 @@
 #include "canopus/can/little_endian.hpp"
 #include "canopus/eds/problems.hpp"
 #include "canopus/eds/value.hpp"
+#include "canopus/eds/words.hpp"
 
 namespace canopus::eds {
 
@@ -26,18 +27,6 @@ std::string hex(std::uint64_t value, int digits) {
     text.insert(text.begin(), "0123456789ABCDEF"[value & 0xF]);
   }
   return text;
-}
-
-std::string_view word(Access access) {
-  switch (access) {
-    case Access::write_only: return "wo";
-    case Access::read_write: return "rw";
-    case Access::read_write_input: return "rwr";
-    case Access::read_write_output: return "rww";
-    case Access::constant: return "const";
-    case Access::read_only: break;
-  }
-  return "ro";
 }
 
 // Below it are the data types, which the format has in [DummyUsage] alone.
@@ -117,7 +106,7 @@ class Writer {
     const EntryFacts* facts = device_ == nullptr ? nullptr : device_->find_facts(entry.index, entry.sub);
     place_ = object_name(entry.index, entry.sub);
     key("DataType", "0x" + hex(static_cast<unsigned>(entry.description->type), 4));
-    key("AccessType", word(entry.description->access));
+    key("AccessType", name(entry.description->access));
     const canopen::Limits& limits = dictionary_.limits(entry);
     if (limits.low) key("LowLimit", limit_text(entry.description->type, *limits.low));
     if (limits.high) key("HighLimit", limit_text(entry.description->type, *limits.high));

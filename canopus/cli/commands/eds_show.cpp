@@ -9,6 +9,7 @@
 
 #include "canopus/eds/device_file.hpp"
 #include "canopus/eds/value.hpp"
+#include "canopus/eds/words.hpp"
 #include "canopus/plant/file/process_value.hpp"
 #include "canopus/text/file_text.hpp"
 
@@ -22,19 +23,6 @@ using canopen::ObjectDescription;
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t line_width = 80;
-
-std::string_view access_name(canopen::Access access) {
-  using enum canopen::Access;
-  switch (access) {
-    case read_only: return "ro";
-    case write_only: return "wo";
-    case read_write: return "rw";
-    case read_write_input: return "rwr";
-    case read_write_output: return "rww";
-    case constant: return "const";
-  }
-  return "?";
-}
 
 /// In which PDOs it may be mapped.
 std::string_view mappable(const canopen::EntryDescription& entry) {
@@ -232,11 +220,11 @@ void Sheet::print(Output& out) const {
     std::string value = text::printable(default_text(row.entry));
     if (text::columns_of(value) > 14) value = std::string(text::clipped(value, 12)) + "..";
     const canopen::EntryDescription& entry = *row.entry.description;
-    print_cut(out,
-              fmt::format("{:<10} {:<14} {:<6} {}{} {:<9} ", object, eds::name(entry.type),
-                          access_name(entry.access), value, std::string(14 - text::columns_of(value), ' '),
-                          mappable(entry)),
-              dictionary_.name(row.entry));
+    print_cut(
+        out,
+        fmt::format("{:<10} {:<14} {:<6} {}{} {:<9} ", object, eds::name(entry.type), eds::name(entry.access),
+                    value, std::string(14 - text::columns_of(value), ' '), mappable(entry)),
+        dictionary_.name(row.entry));
   }
   for (const Pdo& pdo : pdos()) {
     out.line("");
@@ -270,7 +258,7 @@ Json Sheet::json() const {
     Json object{{"object", plant::shown_object(row.entry)},
                 {"name", dictionary_.name(row.entry)},
                 {"type", eds::name(entry.type)},
-                {"access", access_name(entry.access)},
+                {"access", eds::name(entry.access)},
                 {"rpdo", entry.rpdo_mappable},
                 {"tpdo", entry.tpdo_mappable}};
     if (row.last != row.entry.sub) object["last_sub"] = row.last;

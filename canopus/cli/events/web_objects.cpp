@@ -12,6 +12,7 @@
 #include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/events/web_view_fields.hpp"
 #include "canopus/eds/device_file.hpp"
+#include "canopus/eds/words.hpp"
 #include "canopus/module/interface/communication_module.hpp"
 #include "canopus/plant/device_seat.hpp"
 
@@ -20,18 +21,6 @@ namespace {
 
 using canopen::DataType;
 constexpr std::size_t most_shown_bytes = 64;
-
-std::string_view access_text(canopen::Access access) {
-  switch (access) {
-    case canopen::Access::read_only: return "ro";
-    case canopen::Access::write_only: return "wo";
-    case canopen::Access::read_write: return "rw";
-    case canopen::Access::read_write_input: return "rwr";
-    case canopen::Access::read_write_output: return "rww";
-    case canopen::Access::constant: return "const";
-  }
-  return "";
-}
 
 std::string hexadecimal(std::span<const std::uint8_t> bytes) {
   std::string text;
@@ -107,7 +96,7 @@ void add_objects(nlohmann::ordered_json& event, const canopen::ObjectDictionary&
                                  {"name", own.empty() ? of : own},
                                  {"of", of},
                                  {"type", eds::name(entry.description->type)},
-                                 {"access", access_text(entry.description->access)}};
+                                 {"access", eds::name(entry.description->access)}};
       add_value(row, objects, entry, node_id);
       event["rows"].push_back(std::move(row));
     }

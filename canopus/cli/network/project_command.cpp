@@ -5,9 +5,11 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/project/network/network_load.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -34,6 +36,11 @@ struct Adder {
     return {command, arguments};
   }
 };
+
+void add_dry_run(CLI::App& command, ProjectArguments& arguments) {
+  command.add_flag("--dry-run", arguments.dry_run,
+                   "show what would change, and the load of the bus, but write nothing");
+}
 
 constexpr const char* node_help = "node-ID, or name in the project";
 
@@ -204,11 +211,13 @@ void add_pdos(const Adder& adder) {
     command->add_option("--type", arguments->type, "transmission type")->type_name("0-255");
     command->add_option("--inhibit", arguments->inhibit, "inhibit time, for example 10ms")->type_name("TIME");
     command->add_option("--event", arguments->event, "event timer, for example 100ms")->type_name("TIME");
+    add_dry_run(*command, *arguments);
   }
   {
     auto [command, arguments] =
         adder.add("off", "Switch a PDO off (bit 31 of its COB-ID)", switch_network_pdo_off, pdo);
     add_pdo(*command, *arguments);
+    add_dry_run(*command, *arguments);
   }
   {
     auto [command, arguments] =
@@ -219,6 +228,7 @@ void add_pdos(const Adder& adder) {
                      "NODE.SIGNAL each, for example 2.6004 or \"Pump.Target velocity\"")
         ->required()
         ->expected(2);
+    add_dry_run(*command, *arguments);
   }
 }
 
@@ -257,6 +267,24 @@ int with_network(const ProjectArguments& arguments,
   return action(*folder, *project);
 }
 
+/// What a change that is not made would do to the bus.
+static void tell_load(const ProjectArguments& arguments, const project::NetworkLoad& before,
+                      const project::NetworkLoad& after) {
+  if (arguments.bus.json) {
+    return print_json(nlohmann::ordered_json{{"event", "dry run"},
+                                             {"bit_rate", after.bit_rate},
+                                             {"load", after.steady},
+                                             {"load_before", before.steady},
+                                             {"load_at_most", after.most},
+                                             {"load_at_most_before", before.most},
+                                             {"unlimited", after.unlimited},
+                                             {"unlimited_before", before.unlimited}});
+  }
+  print_line(
+      "load {:.1f} % (was {:.1f} %) by timers and SYNC, {:.1f} % (was {:.1f} %) at most; nothing is written",
+      after.steady * 100, before.steady * 100, after.most * 100, before.most * 100);
+}
+
 int change_network(const ProjectArguments& arguments, const std::string& title,
                    const std::function<int(ProjectFolder&, project::NetworkProject&)>& action) {
   // Nothing is made in a folder that has no project.
@@ -268,7 +296,12 @@ int change_network(const ProjectArguments& arguments, const std::string& title,
   if (!folder) return project_failed(project_code::file, folder.error());
   auto project = folder->read(arguments.network);
   if (!project) return project_failed(project_code::file, project.error());
+  const project::NetworkLoad before = arguments.dry_run ? reckon_load(*project) : project::NetworkLoad();
   const int code = action(*folder, *project);
+  if (arguments.dry_run) {
+    if (code == project_code::done) tell_load(arguments, before, reckon_load(*project));
+    return code;
+  }
   const bool is_kept =
       code == project_code::done || code == project_code::no_answer || code == project_code::different;
   if (!is_kept) return code;

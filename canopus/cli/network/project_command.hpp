@@ -55,6 +55,7 @@ struct ProjectArguments {
   bool all_values = false;
   bool save = false;
   bool no_values = false;
+  bool dry_run = false;
   bool with_devices = false;
   std::string nodes = "1-127";
 };

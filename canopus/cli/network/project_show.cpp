@@ -11,6 +11,7 @@
 #include "canopus/cli/network/project_command.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/client/sdo_value.hpp"
+#include "canopus/eds/words.hpp"
 #include "canopus/project/network/network_load.hpp"
 
 namespace canopus::cli {
@@ -89,6 +90,28 @@ void for_each_value(const ProjectNode& node, bool all, Visit visit) {
   }
 }
 
+/// What else the DCF says of a sub-index.
+void add_facts(Json& line, const ProjectNode& node, const canopen::Entry& entry) {
+  const canopen::EntryDescription& description = *entry.description;
+  const eds::EntryFacts* const facts = node.device->find_facts(entry.index, entry.sub);
+  line["configured"] = facts != nullptr && facts->configured;
+  if (facts != nullptr && facts->configured && !facts->default_text.empty())
+    line["default"] = facts->default_text;
+  if (facts != nullptr && !facts->denotation.empty()) line["denotation"] = facts->denotation;
+  if (description.tpdo_mappable) line["tpdo"] = true;
+  if (description.rpdo_mappable) line["rpdo"] = true;
+  using enum canopen::DataType;
+  const bool has_limits = description.limits != 0 && !canopen::is_variable_length(description.type) &&
+                          description.type != real32 && description.type != real64;
+  if (!has_limits) return;
+  const canopen::Limits& limits = node.device->dictionary->limits(entry);
+  const auto shown = [&](std::uint64_t limit) {
+    return client::json_value(can::little_endian(limit, description.length), description.type);
+  };
+  if (limits.low) line["low"] = shown(*limits.low);
+  if (limits.high) line["high"] = shown(*limits.high);
+}
+
 int show_node(const ProjectArguments& arguments, const ProjectNode& node) {
   const bool json = arguments.bus.json;
   if (json) {
@@ -114,8 +137,10 @@ int show_node(const ProjectArguments& arguments, const ProjectNode& node) {
       Json line{{"node", node.id()},
                 {"object", fmt::format("{:04X}:{:02X}", entry.index, entry.sub)},
                 {"name", title},
-                {"type", eds::name(type)}};
+                {"type", eds::name(type)},
+                {"access", eds::name(entry.description->access)}};
       line["value"] = bytes ? client::json_value(*bytes, type) : Json();
+      add_facts(line, node, entry);
       return print_json(line);
     }
     const auto value =
