@@ -224,6 +224,7 @@ TEST_F(WebCommandsTest, LiveBus_IsWrittenOnlyWhenArmed) {
   EXPECT_EQ(replies().back()["code"], 0);
   say({{"command", "arm"}, {"on", true}});
   EXPECT_TRUE(commands_->is_armed());
+  EXPECT_EQ(replies().back()["armed_for"], 600);
   say(write);
   EXPECT_EQ(replies().back()["code"], 0);
   say({{"command", "arm"}, {"on", false}});
@@ -299,7 +300,7 @@ TEST_F(WebCommandsTest, Hello_SaysWhoOneIsAndWhatThereIs) {
   say({{"command", "hello"}}, 1, WebRole::look);
   EXPECT_EQ(replies_[0]["role"], "look");
   EXPECT_EQ(replies_[0]["user"], "ann");
-  EXPECT_EQ(replies_[0]["armed"], false);
+  EXPECT_EQ(replies_[0]["armed_for"], 0);
   EXPECT_EQ(replies_[0]["buses"][0]["bus"], "line1");
   EXPECT_EQ(replies_[0]["buses"][0]["project"], "line1");
   EXPECT_THAT(done_, IsEmpty());

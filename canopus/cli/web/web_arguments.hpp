@@ -18,9 +18,9 @@ namespace canopus::cli {
 /// A bus that the page's commands are for.
 struct WebBus {
   std::string name{};
-  std::string project{};                      ///< folder or nodelist.cpj; empty: it has none
+  std::string project{};                    ///< folder or nodelist.cpj; empty: it has none
   unsigned network = 1;                     ///< of the list, from 1
-  std::string address{};                      ///< for --bus; empty: commands cannot join it
+  std::string address{};                    ///< for --bus; empty: commands cannot join it
   bool is_live = false;                     ///< somebody else's devices: what writes wants to be armed
   std::vector<std::string> device_files{};  ///< folders and files that devices are looked for in
 };

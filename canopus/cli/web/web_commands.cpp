@@ -47,6 +47,11 @@ WebCommands::~WebCommands() {
 
 bool WebCommands::is_armed() const { return ArmClock::now() < armed_until_; }
 
+/// Whole, from 0 to 600.
+std::int64_t WebCommands::armed_seconds() const {
+  return is_armed() ? std::chrono::ceil<std::chrono::seconds>(armed_until_ - ArmClock::now()).count() : 0;
+}
+
 WebCommands::Json WebCommands::event_of(std::uint32_t id) const {
   Json event = event_line(use_.now(), "reply");
   event["id"] = id;
@@ -114,7 +119,7 @@ void WebCommands::hello(const WebUser& user, std::uint32_t id, const WebReply& r
   event["code"] = 0;
   event["user"] = user.name;
   event["role"] = name_of(user.role);
-  event["armed"] = is_armed();
+  event["armed_for"] = armed_seconds();
   event["buses"] = Json::array();
   for (const WebBus& bus : use_.buses) {
     event["buses"].push_back({{"bus", bus.name},
@@ -137,7 +142,7 @@ void WebCommands::arm(const WebUser& user, const nlohmann::json& wish, std::uint
   armed_until_ = on ? ArmClock::now() + armed_for : ArmClock::time_point{};
   Json event = event_of(id);
   event["code"] = 0;
-  event["armed"] = on;
+  event["armed_for"] = armed_seconds();
   done(user, line, 0);
   send(reply, std::move(event));
 }

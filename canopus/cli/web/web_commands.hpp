@@ -77,6 +77,7 @@ class WebCommands {
     bool is_stopped = false;
   };
 
+  [[nodiscard]] std::int64_t armed_seconds() const;
   [[nodiscard]] Json event_of(std::uint32_t id) const;
   void send(const serve::WebReply& reply, Json event) const;
   void refuse(const serve::WebUser& user, const std::string& line, std::uint32_t id,

@@ -29,6 +29,11 @@ export class Commands {
     });
   }
 
+  /// Ends what runs or waits.
+  stop() {
+    for (const id of this.waiting.keys()) this.send({ do: { command: "stop", id }, id: this.next++ });
+  }
+
   received(event) {
     const one = this.waiting.get(event.id);
     if (!one) return;

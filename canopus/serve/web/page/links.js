@@ -42,6 +42,12 @@ export class Links {
     if (location.hash) this.follow();
   }
 
+  /// The buses that have a project.
+  projects(names) {
+    this.project_places = names.map((name, i) => [`Project of ${name}`, `#project/${i}`]);
+    if (location.hash.startsWith("#project")) this.follow();
+  }
+
   follow() {
     const [view, digits, rest] = location.hash.slice(1).split("/");
     for (const [name, one] of Object.entries(this.views)) {
@@ -49,6 +55,7 @@ export class Links {
     }
     if (view === "boots") return this.views.boots.open();
     const number = /^\d{1,5}$/.test(digits ?? "") ? Number(digits) : -1;
+    if (view === "project") return this.views.project.open(number, "", rest);
     const place = this.places.find((one) => one[1] === `#${view}/${number}`);
     if (!place || !this.last_state) return;
     const of = { words: "modules", bus: "buses", objects: "nodes" }[view];
@@ -65,7 +72,7 @@ export class Links {
 
   draw_places() {
     const words = by_id("go-to-words").value.trim().toLowerCase();
-    const found = this.places.filter(([name]) => name.toLowerCase().includes(words)).slice(0, 12);
+    const found = [...this.places, ...(this.project_places ?? [])].filter(([name]) => name.toLowerCase().includes(words)).slice(0, 12);
     by_id("go-to-list").replaceChildren(...found.map(([name, link]) => make("li", {}, make("a", { href: link }, name))));
   }
 

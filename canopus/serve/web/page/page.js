@@ -10,6 +10,7 @@ import { Links } from "./links.js";
 import { ObjectView } from "./object_view.js";
 import { Plots } from "./plots.js";
 import { Commands, take_key } from "./commands.js";
+import { ProjectView } from "./project_view.js";
 
 const by_id = (id) => document.getElementById(id);
 let state = null;
@@ -26,12 +27,13 @@ const commands = new Commands((message) => {
   socket.send(JSON.stringify(message));
   return true;
 });
+const project_view = new ProjectView(by_id("project-section"), commands);
 const words = new WordView(by_id("words-section"), () => say_views());
 const boots = new BootView(by_id("boot-section"), () => say_views());
 const plots = new Plots(by_id("plots"), by_id("plot-list"));
 const objects = new ObjectView(by_id("objects-section"), () => say_views(), plots);
 const bus_view = new BusView(by_id("bus-section"), () => say_views(), plots);
-const places = new Links({ words, objects, bus: bus_view, boots: { open: () => boots.is_open || by_id("show-boots").click() } },
+const places = new Links({ project: project_view, words, objects, bus: bus_view, boots: { open: () => boots.is_open || by_id("show-boots").click() } },
                         [by_id("words-base"), by_id("objects-base")]);
 
 const key_of = (node) => `${node.bus}\u0000${node.node}\u0000${node.name}`;
@@ -229,8 +231,28 @@ function received(list) {
 
 /// Who one is here, and what there is to work on.
 function greeted(hello) {
-  if (hello.code === 0) set_text(by_id("role"), hello.user ? `${hello.user}, ${hello.role}` : hello.role);
+  if (hello.code !== 0) return;
+  by_id("arm").hidden = hello.role === "look" || !hello.buses.some((bus) => bus.live);
+  draw_armed(hello.armed_for);
+  set_text(by_id("role"), hello.user ? `${hello.user}, ${hello.role}` : hello.role);
+  places.projects(project_view.greeted(hello));
 }
+
+/// What writes on a live bus is done only as long as somebody has armed it.
+let armed_until = 0;
+function draw_armed(seconds) {
+  armed_until = performance.now() + 1000 * seconds;
+  const is_armed = seconds > 0;
+  by_id("arm").setAttribute("aria-pressed", is_armed);
+  set_text(by_id("arm"), is_armed ? `Writes are armed, ${Math.ceil(seconds / 60)} min` : "Arm writes");
+}
+setInterval(() => {
+  if (armed_until > 0) draw_armed(Math.max(0, (armed_until - performance.now()) / 1000));
+}, 1000);
+by_id("arm").addEventListener("click", async () => {
+  const done = await commands.run({ command: "arm", on: by_id("arm").getAttribute("aria-pressed") !== "true" });
+  if (done.code === 0) draw_armed(done.armed_for);
+});
 
 function connect() {
   socket = new WebSocket(`ws://${location.host}/events${key ? `?key=${key}` : ""}`);

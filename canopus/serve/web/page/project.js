@@ -1,0 +1,100 @@
+// A project of a bus as the program's own commands show and change it (docs/project.md), and what its devices were found to have.
+
+export class Project {
+  /// `bus`: of the server's greeting. `changed`: called when something is to be drawn.
+  constructor(bus, commands, changed) {
+    this.bus = bus;
+    this.commands = commands;
+    this.changed = changed;
+    this.network = null;
+    this.nodes = [];
+    this.pdos = [];
+    this.findings = [];
+    this.objects = new Map();  // by node-ID: rows of `project show NODE --all`
+    this.device = new Map();   // by "NODE OBJECT": { project, device, state, reason }
+    this.states = new Map();   // by node-ID: { state, values, differ, reason }
+    this.unwritten = new Set();  // "NODE OBJECT": changed here since the devices were looked at
+    this.running = null;
+    this.said = { text: "", mood: "", command: "" };
+  }
+
+  node(id) {
+    return this.nodes.find((one) => one.node === id);
+  }
+
+  label(id) {
+    const name = this.node(id)?.name;
+    return name ? `${id} ${name}` : `node ${id}`;
+  }
+
+  /// Does a command and says what became of it; `fine`: exit codes that are no failure.
+  async run(command, { told = null, fine = [0] } = {}) {
+    this.running = command.command;
+    this.changed();
+    const done = await this.commands.run({ ...command, bus: this.bus.bus }, told);
+    this.running = null;
+    const failed = !fine.includes(done.code);
+    this.said = { text: (done.message ?? "").replace(/^canopus[a-z ]*: /, ""), mood: failed ? "error" : "", command: done.command ?? "" };
+    if (failed && !this.said.text) this.said.text = `exit code ${done.code}`;
+    this.changed();
+    return { ...done, failed };
+  }
+
+  /// Looks without a word, unless that fails.
+  async look(command) {
+    const done = await this.commands.run({ ...command, bus: this.bus.bus });
+    if (![0, 4].includes(done.code)) this.said = { text: done.message ?? "", mood: "error", command: done.command ?? "" };
+    return done.rows;
+  }
+
+  /// Reads it anew.
+  async load() {
+    const [shown, pdos, findings] = await Promise.all([
+      this.look({ command: "project show" }), this.look({ command: "project pdo list", all: true }), this.look({ command: "project check" })]);
+    this.network = shown.find((row) => row.network !== undefined) ?? null;
+    this.nodes = shown.filter((row) => row.node !== undefined);
+    this.pdos = pdos;
+    this.findings = findings;
+    this.objects.clear();
+    this.changed();
+  }
+
+  async load_objects(id) {
+    if (this.objects.has(id)) return;
+    const rows = await this.look({ command: "project show", node: String(id), all: true });
+    this.objects.set(id, rows.filter((row) => row.object !== undefined));
+    this.changed();
+  }
+
+  /// A change of the files, and what they say then. What is known of the devices was known of the old ones.
+  async change(command) {
+    const done = await this.run(command);
+    if (done.failed) return done;
+    const node = Number(command.node);
+    for (const item of command.items ?? []) this.unwritten.add(`${node} ${item.split("=")[0]}`);
+    this.forget(command.command === "project set" && command.node ? node : null);
+    await this.load();
+    return done;
+  }
+
+  /// What a node was found to have, or null: every node.
+  forget(node) {
+    for (const key of [...this.device.keys()]) if (node === null || key.startsWith(`${node} `)) this.device.delete(key);
+    if (node === null) this.states.clear();
+    else this.states.delete(node);
+  }
+
+  /// Rows of diff, write and read: what the devices have.
+  found(rows) {
+    for (const row of rows) {
+      if (row.object !== undefined && row.state !== undefined && row.write === undefined) this.device.set(`${row.node} ${row.object}`, row);
+      else if (row.node !== undefined && row.write === undefined && row.state !== undefined) {
+        this.states.set(row.node, row);
+        for (const key of [...this.unwritten]) if (key.startsWith(`${row.node} `)) this.unwritten.delete(key);
+        // What differed before and is not told any more is the same now.
+        if (row.state === "same") for (const key of [...this.device.keys()]) if (key.startsWith(`${row.node} `)) this.device.delete(key);
+      }
+    }
+    this.changed();
+  }
+}

@@ -1,0 +1,370 @@
+// The project of a bus: its nodes, what does not fit, a node's values beside those of its device, and what goes to the devices.
+import { make, set_text } from "./dom.js";
+import { Project } from "./project.js";
+import { PdoView } from "./pdo_view.js";
+
+const most_rows = 300;
+const percent = (share) => `${(100 * share).toFixed(1)} %`;
+const shown = (value) => (value === null || value === undefined ? "" : String(value));
+
+export class ProjectView {
+  /// `section`: of the page; `is_hexadecimal`: how numbers are shown.
+  constructor(section, commands) {
+    this.section = section;
+    this.commands = commands;
+    this.role = "look";
+    this.projects = [];
+    this.project = null;
+    this.opened = null;  // node-ID
+    this.is_transfer = false;
+    this.plan = [];
+    this.results = [];
+    const part = (id) => section.querySelector(`#${id}`);
+    [this.title, this.ways, this.said, this.facts, this.nodes, this.findings, this.drop, this.node_part, this.node_title, this.node_form,
+      this.find, this.only_configured, this.object_count, this.object_rows, this.transfer_part, this.transfer_facts, this.transfer_rows] =
+      ["project-title", "project-ways", "project-said", "project-facts", "project-nodes", "project-findings", "project-drop", "project-node",
+        "project-node-title", "project-node-form", "project-find", "project-configured", "project-object-count", "project-objects",
+        "transfer", "transfer-facts", "transfer-rows"].map(part);
+    this.pdos = new PdoView(part("pdo-part"), this);
+    this.make_ways();
+    this.find.addEventListener("input", () => this.draw_objects());
+    this.only_configured.addEventListener("change", () => this.draw_objects());
+    part("project-close-node").addEventListener("click", () => this.open_node(null));
+    part("transfer-close").addEventListener("click", () => this.close_transfer());
+    this.write_button = part("transfer-write");
+    this.write_button.addEventListener("click", () => this.write());
+    this.file = part("project-file");
+    this.file.addEventListener("change", () => this.add_files([...this.file.files]));
+    for (const name of ["dragenter", "dragover"]) {
+      section.addEventListener(name, (event) => {
+        if (!event.dataTransfer?.types.includes("Files")) return;
+        event.preventDefault();
+        this.drop.classList.add("over");
+      });
+    }
+    section.addEventListener("dragleave", (event) => event.target === section && this.drop.classList.remove("over"));
+    section.addEventListener("drop", (event) => {
+      if (!event.dataTransfer?.files.length) return;
+      event.preventDefault();
+      this.drop.classList.remove("over");
+      this.add_files([...event.dataTransfer.files]);
+    });
+    this.object_rows.addEventListener("change", (event) => this.set_value(event.target));
+    this.object_rows.addEventListener("click", (event) => {
+      const object = event.target.closest("[data-unset]")?.dataset.unset;
+      if (object) this.project.change({ command: "project unset", node: String(this.opened), items: [object] }).then(() => this.project.load_objects(this.opened));
+    });
+  }
+
+  /// What the server says there is; the first project is shown at once.
+  greeted(hello) {
+    this.role = hello.role;
+    this.projects = hello.buses.filter((bus) => bus.project).map((bus) => new Project(bus, this.commands, () => this.draw()));
+    this.section.hidden = this.projects.length === 0;
+    if (this.projects.length) this.open(0);
+    return this.projects.map((project) => project.bus.bus);
+  }
+
+  open(number, _name, rest) {
+    const project = this.projects[number];
+    if (!project) return;
+    if (this.project !== project) {
+      this.project = project;
+      this.opened = null;
+      project.load();
+    }
+    this.number = number;
+    if (rest !== undefined && /^\d{1,3}$/.test(rest)) this.open_node(Number(rest));
+    if (rest !== undefined || location.hash === `#project/${number}`) this.title.focus();
+    this.draw();
+  }
+
+  get may_configure() {
+    return this.role === "configure";
+  }
+
+  make_ways() {
+    const ways = [
+      ["Scan", "operate", () => this.scan()],
+      ["Adopt all", "configure", () => this.adopt()],
+      ["Add a device…", "configure", () => this.file.click()],
+      ["Compare with devices", "operate", () => this.compare()],
+      ["Transfer…", "configure", () => this.open_transfer()],
+      ["Read from devices", "configure", () => this.read()],
+      ["Undo", "configure", () => this.undo()],
+      ["Report", "look", () => this.report()],
+    ];
+    for (const [name, role, action] of ways) {
+      const button = make("button", { type: "button", "data-role": role }, name);
+      button.addEventListener("click", action);
+      this.ways.append(button);
+    }
+    this.stop_button = make("button", { type: "button", hidden: "" }, "Stop");
+    this.stop_button.addEventListener("click", () => this.commands.stop());
+    this.ways.append(this.stop_button);
+  }
+
+  // What people do.
+
+  async add_files(files) {
+    this.file.value = "";
+    for (const file of files) {
+      if (file.size > 1500000) {
+        this.project.said = { text: `${file.name} is larger than 1.5 MB: add it with canopus project add`, mood: "error", command: "" };
+        this.draw();
+        continue;
+      }
+      const done = await this.project.change({ command: "project add", file: { name: file.name, text: await file.text() } });
+      const added = done.rows.find((row) => row.event === "added");
+      if (added) this.project.said.text = `${added.name || file.name} is node ${added.node}`;
+      this.draw();
+    }
+  }
+
+  async scan() {
+    const done = await this.project.run({ command: "scan" }, { told: (rows) => this.draw_found(rows) });
+    this.draw_found(done.rows);
+    if (!done.failed) this.project.said.text = `${done.rows.length} nodes are on the bus`;
+    this.draw();
+  }
+
+  async adopt() {
+    const done = await this.project.run({ command: "project adopt" }, { fine: [0, 4], told: (rows) => this.draw_found(rows) });
+    await this.project.load();
+    this.draw_found(done.rows.filter((row) => row.match !== undefined));
+    if (!done.failed) this.project.said.text = `${done.rows.filter((row) => row.result === "added").length} nodes are taken over`;
+    this.draw();
+  }
+
+  async compare() {
+    const done = await this.project.run({ command: "project diff" }, { fine: [0, 4], told: (rows) => this.project.found(rows) });
+    this.project.found(done.rows);
+    const differ = done.rows.reduce((sum, row) => sum + (row.differ ?? 0), 0);
+    if (!done.failed) this.project.said.text = differ === 0 ? "the devices are as the project has them" : `${differ} values differ`;
+    this.draw();
+  }
+
+  async read() {
+    const done = await this.project.run({ command: "project read" }, { fine: [0, 4] });
+    await this.project.load();
+    this.project.forget(null);
+    if (!done.failed) this.project.said.text = `${done.rows.filter((row) => row.state === "taken").length} values are taken over`;
+    this.draw();
+  }
+
+  async undo() {
+    const done = await this.project.change({ command: "project undo" });
+    const undone = done.rows.find((row) => row.event === "undone");
+    if (undone) this.project.said.text = `taken back: ${undone.title}`;
+    this.draw();
+  }
+
+  async report() {
+    const done = await this.project.run({ command: "project report" });
+    if (done.file === undefined) return;
+    const link = make("a", { href: URL.createObjectURL(new Blob([done.file], { type: "text/html" })), download: "report.html" });
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 60000);
+    this.project.said.text = "report.html";
+    this.draw();
+  }
+
+  // Transfer: look at what differs, then write, then what became of each step.
+
+  async open_transfer() {
+    this.is_transfer = true;
+    this.plan = [];
+    this.results = [];
+    this.draw();
+    const done = await this.project.run({ command: "project write" }, { fine: [0, 4] });
+    this.plan = done.rows.filter((row) => row.object !== undefined);
+    this.project.found(done.rows);
+    this.is_planned = !done.failed || this.plan.length > 0;
+    this.draw();
+    this.write_button.focus();
+  }
+
+  async write() {
+    const tell = (rows) => {
+      this.results = rows.filter((row) => row.write !== undefined);
+      this.draw_transfer();
+    };
+    const done = await this.project.run({ command: "project write", yes: true }, { told: tell });
+    tell(done.rows);
+    this.project.found(done.rows);
+    const summary = done.rows.find((row) => row.event === "summary");
+    this.plan = [];
+    if (!done.failed && summary) this.project.said.text = `${this.results.length} values are written and read back`;
+    this.draw();
+  }
+
+  close_transfer() {
+    this.is_transfer = false;
+    this.draw();
+    this.title.focus();
+  }
+
+  // A node.
+
+  open_node(id) {
+    this.opened = id;
+    this.draw();
+    if (id === null) return this.title.focus();
+    this.project.load_objects(id).then(() => this.node_title.focus());
+  }
+
+  async set_value(input) {
+    const object = input.dataset.object;
+    if (!object || input.value === input.dataset.value) return;
+    const done = await this.project.change({ command: "project set", node: String(this.opened), items: [`${object}=${input.value}`] });
+    if (done.failed) {
+      input.setAttribute("aria-invalid", "true");
+      return input.focus();
+    }
+    await this.project.load_objects(this.opened);
+  }
+
+  async change_node(fields) {
+    const done = await this.project.change({ command: "project set", node: String(this.opened), ...fields });
+    if (!done.failed && fields.node_id) this.opened = Number(fields.node_id);
+    await this.project.load_objects(this.opened);
+  }
+
+  // What is seen.
+
+  draw() {
+    const project = this.project;
+    if (!project) return;
+    const name = project.network?.network || project.bus.project;
+    set_text(this.title, `Project ${name}`);
+    set_text(this.said.querySelector("b"), project.running ? `${project.running} …` : project.said.text);
+    set_text(this.said.querySelector("code"), project.running ? "" : project.said.command);
+    this.said.dataset.mood = project.said.mood;
+    const roles = ["look", "operate", "configure"];
+    for (const button of this.ways.querySelectorAll("[data-role]")) {
+      const is_low = roles.indexOf(this.role) < roles.indexOf(button.dataset.role);
+      button.disabled = is_low || project.running !== null;
+      button.title = is_low ? `the role ${button.dataset.role} is needed` : "";
+    }
+    this.stop_button.hidden = project.running === null;
+    this.draw_network();
+    this.draw_node();
+    this.draw_transfer();
+    this.pdos.draw(project);
+  }
+
+  draw_network() {
+    const { network, nodes, findings } = this.project;
+    set_text(this.facts, !network ? "" : `${nodes.length} nodes · ${network.bit_rate ? `${network.bit_rate / 1000} kbit/s` : "bit rate not known"} · ` +
+      `load ${percent(network.load)} by timers and SYNC, ${percent(network.load_at_most)} at most` +
+      (network.unlimited ? `, ${network.unlimited} TPDOs without a limit` : ""));
+    const text = JSON.stringify([nodes, findings, [...this.project.states], this.opened]);
+    if (this.drawn_network === text) return;
+    this.drawn_network = text;
+    this.nodes.replaceChildren(...nodes.map((node) => {
+      const open = make("button", { type: "button", class: "plain", "aria-pressed": this.opened === node.node }, node.name || `Node ${node.node}`);
+      open.addEventListener("click", () => this.open_node(node.node));
+      const mistakes = findings.filter((one) => one.node === node.node && one.severity !== "note");
+      const state = this.project.states.get(node.node);
+      const device = !state ? "" : state.state === "same" ? "as the project" : state.differ ? `${state.differ} differ` : state.reason ?? state.state;
+      const row = make("tr", {}, make("th", { scope: "row" }, String(node.node)), make("td", {}, open), make("td", {}, node.product ?? node.error ?? ""),
+        make("td", {}, node.present ? "" : "not present"), make("td", {}, `${node.tpdos ?? 0} / ${node.rpdos ?? 0}`),
+        make("td", { class: mistakes.length ? "bad" : "" }, mistakes.length ? `${mistakes.length}` : ""),
+        make("td", { class: state ? (state.state === "same" ? "same" : "differs") : "" }, device), make("td", {}, node.file ?? ""));
+      return row;
+    }));
+    this.findings.replaceChildren(...findings.slice(0, 100).map((one) => make("li", { class: one.severity }, make("b", {}, `${one.severity}: `), one.message)));
+  }
+
+  /// What a scan or adoption found, in place of the findings.
+  draw_found(rows) {
+    this.drawn_network = "";
+    this.draw_network();
+    this.drawn_network = "";
+    this.findings.prepend(...rows.map((row) => {
+      const node = this.project.node(row.node);
+      const known = node ? (node.product_code === row.product && node.vendor_id === row.vendor ? "as in the project" : "another device than in the project") : "not in the project";
+      return make("li", {}, make("b", {}, `node ${row.node}: `), `${row.name ?? ""} ${row.state ?? ""}, vendor-ID ${shown(row.vendor)}, product code ${shown(row.product)}, ` +
+        `revision ${shown(row.revision)}, serial number ${shown(row.serial)}: ${row.result ?? known}`);
+    }));
+  }
+
+  draw_node() {
+    const node = this.opened === null ? null : this.project.node(this.opened);
+    this.node_part.hidden = !node;
+    if (!node) return;
+    set_text(this.node_title, `Node ${node.node}: ${node.name || node.product || ""}`);
+    const text = JSON.stringify([node, this.may_configure]);
+    if (this.node_form.dataset.text !== text) {
+      this.node_form.dataset.text = text;
+      const field = (name, input) => make("label", {}, `${name} `, input);
+      const name = make("input", { value: node.name ?? "", maxlength: "200", autocomplete: "off" });
+      const id = make("input", { value: node.node, type: "number", min: "1", max: "127" });
+      const present = make("input", { type: "checkbox" });
+      present.checked = node.present;
+      name.addEventListener("change", () => this.change_node({ name: name.value }));
+      id.addEventListener("change", () => this.change_node({ node_id: id.value }));
+      present.addEventListener("change", () => this.change_node(present.checked ? { present: true } : { absent: true }));
+      const remove = make("button", { type: "button" }, "Remove");
+      remove.addEventListener("click", () => this.project.change({ command: "project remove", node: String(node.node) }).then(() => this.open_node(null)));
+      for (const one of [name, id, present, remove]) one.disabled = !this.may_configure;
+      const number = (value) => (value === undefined ? "–" : `${value.toString(16).toUpperCase().padStart(8, "0")}H`);
+      this.node_form.replaceChildren(field("Name", name), field("Node-ID", id), field("Present", present), remove,
+        make("p", { class: "faint" }, `${node.vendor ?? ""} ${node.product ?? ""} · device type ${number(node.device_type)} · vendor-ID ${number(node.vendor_id)} · ` +
+          `product code ${number(node.product_code)} · revision ${number(node.revision)} · serial number ${number(node.serial)} · ${node.file ?? ""}`));
+    }
+    this.draw_objects();
+  }
+
+  draw_objects() {
+    const rows = this.project.objects.get(this.opened);
+    if (!rows) return;
+    const words = this.find.value.trim().toLowerCase();
+    const fitting = rows.filter((row) => (!this.only_configured.checked || row.configured || this.project.device.has(`${this.opened} ${row.object}`)) &&
+      `${row.object} ${row.name}`.toLowerCase().includes(words));
+    set_text(this.object_count, fitting.length > most_rows ? `the first ${most_rows} of ${fitting.length}` : `${fitting.length} of ${rows.length}`);
+    const state = this.project.states.get(this.opened);
+    const text = JSON.stringify([this.opened, words, this.only_configured.checked, fitting.slice(0, most_rows), state ?? null, [...this.project.device], [...this.project.unwritten]]);
+    if (this.drawn_objects === text) return;
+    this.drawn_objects = text;
+    this.object_rows.replaceChildren(...fitting.slice(0, most_rows).map((row) => this.object_row(row, state)));
+  }
+
+  object_row(row, state) {
+    const device = this.project.device.get(`${this.opened} ${row.object}`);
+    const may_set = this.may_configure && row.access !== "ro" && row.access !== "const" && row.value !== null;
+    const range = row.low !== undefined || row.high !== undefined ? `${shown(row.low)} … ${shown(row.high)}` : "";
+    const value = may_set
+      ? make("input", { value: shown(row.value), "data-object": row.object, "data-value": shown(row.value), autocomplete: "off", "aria-label": `${row.object} ${row.name}`, title: range })
+      : shown(row.value);
+    const project = make("td", { class: row.configured ? "configured" : "" }, value);
+    if (row.configured && may_set) {
+      project.append(" ", make("button", { type: "button", class: "plain", "data-unset": row.object, "aria-label": `Default of ${row.object}`, title: `default ${row.default ?? ""}` }, "default"));
+    }
+    const is_known = state && row.configured && state.values !== undefined;
+    const compared = this.project.unwritten.has(`${this.opened} ${row.object}`) ? "not yet written"
+      : device ? (device.state === "different" ? "differs" : device.state) : is_known ? "same" : "";
+    return make("tr", { class: { differs: "differs", same: "same", "not yet written": "unwritten" }[compared] ?? "" }, make("th", { scope: "row" }, row.object), make("td", { title: row.name }, row.name),
+      make("td", {}, row.type), make("td", {}, row.access), project, make("td", {}, device ? shown(device.device) : compared === "same" ? shown(row.value) : ""),
+      make("td", {}, device?.reason ?? compared), make("td", { class: "faint" }, range));
+  }
+
+  draw_transfer() {
+    this.transfer_part.hidden = !this.is_transfer;
+    if (!this.is_transfer) return;
+    const running = this.project.running !== null;
+    this.write_button.disabled = running || this.plan.length === 0;
+    const bad = this.results.filter((row) => row.state !== "written").length;
+    set_text(this.transfer_facts, running && !this.results.length ? "asks the devices …" : this.results.length
+      ? `${this.results.length - bad} of ${this.results.length} written` : this.plan.length ? `${this.plan.length} values differ; this is what will be written` : "nothing is to be written");
+    const rows = this.results.length
+      ? this.results.map((row) => [row.node, row.write, "", shown(row.value), "", row.state, row.reason ?? ""])
+      : this.plan.map((row) => [row.node, row.object, row.name ?? "", shown(row.project), shown(row.device), row.state, row.reason ?? ""]);
+    const text = JSON.stringify(rows);
+    if (this.transfer_rows.dataset.text === text) return;
+    this.transfer_rows.dataset.text = text;
+    this.transfer_rows.replaceChildren(...rows.map(([node, object, name, project, device, state, reason]) =>
+      make("tr", { class: state === "written" ? "same" : "differs" }, make("th", { scope: "row" }, this.project.label(node)), make("td", {}, object), make("td", {}, name), make("td", {}, project),
+        make("td", {}, device), make("td", {}, state), make("td", {}, reason))));
+  }
+}
