@@ -96,16 +96,19 @@ class RunningPlant:
     def __init__(self, plant, has_plc=True, words=(), is_served=True):
         RunningPlant.runs += 1
         self.trace = scratch / f"run-{RunningPlant.runs}.pcap"
-        self.process = subprocess.Popen([program, "run", str(plant), "--json", "--trace", str(self.trace), *words],
-                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        self.events, self.lines = [], queue.Queue()
-        self.reader = threading.Thread(target=self._read, daemon=True)
-        self.reader.start()
+        self._start("run", plant, "--trace", self.trace, *words)
         if has_plc:
             self.mc = self.wait(lambda e: e["event"] == "listen" and e["protocol"].startswith("MC protocol"))["address"]
         if not is_served:
             return
         self.socketcand = self.wait(lambda e: e["event"] == "listen" and e["protocol"] == "socketcand")["address"]
+
+    def _start(self, *words):
+        self.process = subprocess.Popen([program, *map(str, words), "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                        text=True)
+        self.events, self.lines = [], queue.Queue()
+        self.reader = threading.Thread(target=self._read, daemon=True)
+        self.reader.start()
 
     def _read(self):
         for line in self.process.stdout:
@@ -138,6 +141,13 @@ class RunningPlant:
         code = self.process.wait(timeout=PATIENCE)
         self.reader.join(timeout=PATIENCE)
         return code, self.process.stderr.read()
+
+
+class RunningPage(RunningPlant):
+    """`canopus web --json`."""
+
+    def __init__(self, *words):
+        self._start("web", *words)
 
 
 class Talker:
@@ -262,6 +272,17 @@ def running(plant_file, has_plc=True, operational=(), words=(), is_served=True):
         if plant.process.poll() is None:
             plant.process.kill()
             plant.process.wait()
+
+
+@contextlib.contextmanager
+def running_page(*words):
+    page = RunningPage(*words)
+    try:
+        yield page
+    finally:
+        if page.process.poll() is None:
+            page.process.kill()
+            page.process.wait()
 
 
 def first_plant():

@@ -17,10 +17,11 @@ from kit import HERE, PATIENCE, Skip, check, command, first_plant_file, node_mod
 class Watcher:
     """A WebSocket client of a few lines (RFC 6455)."""
 
-    def __init__(self, port, timeout=PATIENCE):
+    def __init__(self, port, timeout=PATIENCE, key=None):
         self.socket = socket.create_connection(("127.0.0.1", port), timeout)
+        target = f"/events?key={key}" if key else "/events"
         key = base64.b64encode(os.urandom(16)).decode()
-        self.socket.sendall((f"GET /events HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nOrigin: http://127.0.0.1:{port}\r\n"
+        self.socket.sendall((f"GET {target} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nOrigin: http://127.0.0.1:{port}\r\n"
                              "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
                              f"Sec-WebSocket-Key: {key}\r\n\r\n").encode())
         self.file = self.socket.makefile("rb")
@@ -48,7 +49,8 @@ class Watcher:
 
     def say(self, message):
         data = json.dumps(message).encode()
-        self.socket.sendall(bytes([0x81, 0x80 | len(data), 0, 0, 0, 0]) + data)
+        size = bytes([0x80 | len(data)]) if len(data) < 126 else b"\xFE" + struct.pack("!H", len(data))
+        self.socket.sendall(b"\x81" + size + bytes(4) + data)
 
     def event(self, wanted):
         while True:

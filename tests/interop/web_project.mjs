@@ -21,6 +21,8 @@ await page.addInitScript(() => {
 await page.goto(url);
 await page.waitForFunction(() => document.getElementById("project-title").textContent.length > 8);
 seen.address = await page.evaluate(() => location.href);
+// Pictures of a section are not to be covered by the bar.
+await page.addStyleTag({ content: "#bar { position: static !important; }" });
 seen.role = await page.textContent("#role");
 const texts = (selector) => page.locator(selector).allTextContents();
 const said = () => page.textContent("#project-said b");
@@ -100,6 +102,16 @@ await page.waitForSelector("#pdo-matrix .crossing:has-text('Position value')");
 await idle();
 seen.matrix = await texts("#pdo-matrix .crossing");
 seen.command = await page.textContent("#project-said code");
+
+// A PDO's type and times.
+await page.locator("#pdo-list tr", { hasText: "181H" }).locator("button", { hasText: "Change" }).click();
+await page.locator("#pdo-edit input[aria-label='Event timer']").fill("250ms");
+await page.keyboard.press("Enter");
+await page.waitForSelector("#pdo-list tr:has-text('every 250 ms')");
+seen.changed_pdo = await page.locator("#pdo-list tr", { hasText: "181H" }).textContent();
+await page.selectOption("#project-bit-rate", "250k");
+await page.waitForFunction(() => document.getElementById("project-facts").textContent.includes("250 kbit/s"));
+seen.facts = await page.textContent("#project-facts");
 
 // A value of a node: out of range first, with the sentence, then one that fits.
 await page.locator("#project-nodes button", { hasText: "drive" }).click();

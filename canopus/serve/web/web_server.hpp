@@ -44,7 +44,7 @@ struct WebServerOptions {
   /// send in a second.
   std::size_t longest_message = 1024;
   std::size_t longest_command = 2U << 20;
-  unsigned most_messages = 20;
+  unsigned most_messages = 40;
   /// Different views that are made with one state, and up to three more; other clients get theirs with the next ones, in turn.
   std::size_t most_views = 8;
 };

@@ -68,8 +68,6 @@ export class PdoView {
     this.to = to;
     this.taken = null;
     this.drawn_signals = "";
-    const project = this.view.project;
-    for (const id of [from, to]) if (project.node(id)) project.load_objects(id);
     this.view.draw();
   }
 
@@ -101,7 +99,6 @@ export class PdoView {
     this.drawn_signals = "";
     const project = this.view.project;
     await project.change(this.command);
-    for (const id of [this.from, this.to]) project.load_objects(id);
   }
 
   discard() {
@@ -114,11 +111,10 @@ export class PdoView {
   draw(project) {
     const nodes = project.nodes.filter((node) => node.tpdos !== undefined);
     this.section.hidden = nodes.length === 0;
-    if (nodes.length && !project.node(this.from)) {
-      this.from = nodes[0].node;
-      this.to = (nodes[1] ?? nodes[0]).node;
-      for (const id of [this.from, this.to]) project.load_objects(id);
-    }
+    if (nodes.length === 0) return;
+    if (!project.node(this.from)) this.from = nodes[0].node;
+    if (!project.node(this.to)) this.to = (nodes.find((node) => node.node !== this.from) ?? nodes[0]).node;
+    for (const id of [this.from, this.to]) project.load_objects(id);
     this.draw_matrix(project);
     this.draw_list(project);
     this.draw_signals(project, nodes);
@@ -152,7 +148,7 @@ export class PdoView {
   pdo_row(project, pdo) {
     const times = [pdo.inhibit_us ? `inhibit ${pdo.inhibit_us / 1000} ms` : "", pdo.event_ms ? `every ${pdo.event_ms} ms` : ""].filter(Boolean).join(", ");
     const ends = pdo.mapping.flatMap((one) => [...(one.to ?? []).map((end) => `${one.name} → ${project.label(end.node)}`), ...(one.from ?? []).map((end) => `${one.name} ← ${project.label(end.node)}`)]);
-    return make("tr", { class: pdo.active ? "" : "faint" }, make("th", { scope: "row" }, project.label(pdo.node)), make("td", {}, pdo.pdo), make("td", {}, pdo.active ? hex(pdo.can_id) : "off"),
+    return make("tr", { class: pdo.active ? "" : "faint" }, make("th", { scope: "row" }, project.label(pdo.node)), make("th", { scope: "row" }, pdo.pdo), make("td", {}, pdo.active ? hex(pdo.can_id) : "off"),
       make("td", {}, strip(pdo)), make("td", {}, `${pdo.bytes} bytes`), make("td", {}, [type_words(pdo), times].filter(Boolean).join(", ")),
       make("td", {}, pdo.mapping.map((one) => one.name ?? "not used").join(", ")), make("td", {}, ends.join(", ")));
   }
@@ -167,9 +163,42 @@ export class PdoView {
       const off = make("button", { type: "button", class: "plain", "aria-label": `Switch ${pdo.pdo} of node ${pdo.node} off` }, "Off");
       off.disabled = !this.view.may_configure;
       off.addEventListener("click", () => project.change({ command: "project pdo off", node: String(pdo.node), pdo: pdo.pdo }));
-      row.append(make("td", {}, pdo.active ? off : ""));
+      const edit = make("button", { type: "button", class: "plain", "aria-label": `Change ${pdo.pdo} of node ${pdo.node}` }, "Change");
+      edit.disabled = !this.view.may_configure;
+      edit.addEventListener("click", () => this.edit(pdo));
+      row.append(make("td", {}, edit, " ", pdo.active ? off : ""));
       return row;
     }));
+  }
+
+  /// CAN-ID, type, times and mapping of a PDO, to be changed.
+  edit(pdo) {
+    const project = this.view.project;
+    const field = (name, value, hint) => make("input", { value, "aria-label": name, placeholder: hint, autocomplete: "off" });
+    const can_id = field("CAN-ID", pdo.active ? `0x${pdo.can_id.toString(16).toUpperCase()}` : "free", "0x181, or free");
+    const type = field("Transmission type", pdo.transmission_type, "0 to 240, 252 to 255");
+    const inhibit = field("Inhibit time", pdo.inhibit_us === undefined ? "" : `${pdo.inhibit_us / 1000}ms`, "10ms");
+    const event = field("Event timer", pdo.event_ms === undefined ? "" : `${pdo.event_ms}ms`, "100ms");
+    const mapping = field("Mapped objects", pdo.mapping.filter((one) => one.object).map((one) => one.object).join(" "), "6000:01 6000:02");
+    inhibit.disabled = pdo.inhibit_us === undefined;
+    event.disabled = pdo.event_ms === undefined;
+    const apply = make("button", { type: "submit" }, "Apply");
+    const cancel = make("button", { type: "button" }, "Cancel");
+    const form = make("form", { class: "ways" }, make("b", {}, `${project.label(pdo.node)} ${pdo.pdo}`), ...[["CAN-ID", can_id], ["Type", type], ["Inhibit time", inhibit], ["Event timer", event], ["Mapped", mapping]]
+      .map(([name, input]) => make("label", {}, `${name} `, input)), apply, cancel);
+    cancel.addEventListener("click", () => form.remove());
+    form.addEventListener("submit", async (submit) => {
+      submit.preventDefault();
+      const command = { command: "project pdo map", node: String(pdo.node), pdo: pdo.pdo, can_id: can_id.value.trim(), type: type.value.trim() };
+      if (!inhibit.disabled) command.inhibit = inhibit.value.trim();
+      if (!event.disabled) command.event = event.value.trim();
+      const objects = mapping.value.split(/[\s,]+/).filter(Boolean);
+      if (objects.join() !== pdo.mapping.filter((one) => one.object).map((one) => one.object).join()) command.items = objects;
+      const done = await project.change(command);
+      if (!done.failed) form.remove();
+    });
+    this.section.querySelector("#pdo-edit").replaceChildren(form);
+    can_id.focus();
   }
 
   draw_signals(project, nodes) {

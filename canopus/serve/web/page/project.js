@@ -11,6 +11,7 @@ export class Project {
     this.pdos = [];
     this.findings = [];
     this.objects = new Map();  // by node-ID: rows of `project show NODE --all`
+    this.loading = new Set();  // of those that are asked for
     this.device = new Map();   // by "NODE OBJECT": { project, device, state, reason }
     this.states = new Map();   // by node-ID: { state, values, differ, reason }
     this.unwritten = new Set();  // "NODE OBJECT": changed here since the devices were looked at
@@ -60,8 +61,10 @@ export class Project {
   }
 
   async load_objects(id) {
-    if (this.objects.has(id)) return;
+    if (this.objects.has(id) || this.loading.has(id)) return;
+    this.loading.add(id);
     const rows = await this.look({ command: "project show", node: String(id), all: true });
+    this.loading.delete(id);
     this.objects.set(id, rows.filter((row) => row.object !== undefined));
     this.changed();
   }

@@ -35,6 +35,10 @@ export class ProjectView {
     this.write_button.addEventListener("click", () => this.write());
     this.file = part("project-file");
     this.file.addEventListener("change", () => this.add_files([...this.file.files]));
+    this.bit_rate = part("project-bit-rate");
+    this.bit_rate.replaceChildren(...[0, 10, 20, 50, 100, 125, 250, 500, 800, 1000].map((rate) =>
+      make("option", { value: rate === 0 ? "" : `${rate}k` }, rate === 0 ? "not the same everywhere" : `${rate} kbit/s`)));
+    this.bit_rate.addEventListener("change", () => this.bit_rate.value && this.project.change({ command: "project set", bit_rate: this.bit_rate.value }));
     for (const name of ["dragenter", "dragover"]) {
       section.addEventListener(name, (event) => {
         if (!event.dataTransfer?.types.includes("Files")) return;
@@ -221,6 +225,7 @@ export class ProjectView {
       input.setAttribute("aria-invalid", "true");
       return input.focus();
     }
+    input.dataset.value = input.value;
     await this.project.load_objects(this.opened);
   }
 
@@ -258,6 +263,8 @@ export class ProjectView {
     set_text(this.facts, !network ? "" : `${nodes.length} nodes · ${network.bit_rate ? `${network.bit_rate / 1000} kbit/s` : "bit rate not known"} · ` +
       `load ${percent(network.load)} by timers and SYNC, ${percent(network.load_at_most)} at most` +
       (network.unlimited ? `, ${network.unlimited} TPDOs without a limit` : ""));
+    this.bit_rate.disabled = !this.may_configure;
+    if (document.activeElement !== this.bit_rate) this.bit_rate.value = network?.bit_rate ? `${network.bit_rate / 1000}k` : "";
     const text = JSON.stringify([nodes, findings, [...this.project.states], this.opened]);
     if (this.drawn_network === text) return;
     this.drawn_network = text;
@@ -325,7 +332,9 @@ export class ProjectView {
     set_text(this.object_count, fitting.length > most_rows ? `the first ${most_rows} of ${fitting.length}` : `${fitting.length} of ${rows.length}`);
     const state = this.project.states.get(this.opened);
     const text = JSON.stringify([this.opened, words, this.only_configured.checked, fitting.slice(0, most_rows), state ?? null, [...this.project.device], [...this.project.unwritten]]);
-    if (this.drawn_objects === text) return;
+    const active = document.activeElement;
+    const is_typing = this.object_rows.contains(active) && active.dataset.value !== undefined && active.value !== active.dataset.value;
+    if (this.drawn_objects === text || is_typing) return;
     this.drawn_objects = text;
     this.object_rows.replaceChildren(...fitting.slice(0, most_rows).map((row) => this.object_row(row, state)));
   }

@@ -1,0 +1,122 @@
+"""Checks of the page of a project: `canopus web`, and projects of a running plant's buses."""
+import json
+import os
+import pathlib
+import re
+import shutil
+
+from kit import HERE, ROOT, Skip, check, command, first_plant_file, node_modules, program, require, running, running_page, scratch
+from web_checks import Watcher, page_of, page_with_key
+
+DEVICES = ROOT / "examples/devices"
+
+
+def new_project(name):
+    folder = scratch / name
+    shutil.rmtree(folder, ignore_errors=True)
+    command(program, "project", "new", folder, "--name", "Found <b>here</b>")
+    return folder
+
+
+@check
+def web_project_in_chromium():
+    """W2, W3, W4, W7 and W10 with their clicks, three columns, refused values, arming, and who only looks, in a real browser on the
+    bus of a running plant; axe-core finds nothing serious."""
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if not chromium:
+        raise Skip("no Chromium: tools/install-packages check")
+    node_modules()
+    pictures = pathlib.Path(os.environ.get("CANOPUS_PICTURES", scratch)) / "project"
+    pictures.mkdir(parents=True, exist_ok=True)
+    folder = new_project("web-found")
+    with running(first_plant_file(), operational=[1, 2, 3]) as plant:
+        words = [folder, "--bus", f"socketcand:{plant.socketcand}", "--eds", DEVICES]
+        with running_page(*words) as page:
+            done = command("node", HERE / "web_project.mjs", chromium, page_with_key(page), pictures,
+                           DEVICES / "io-block.eds", timeout=240)
+    seen = json.loads(done.stdout)
+    require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [] and seen["markup"] == 0, seen)
+    require("#" not in seen["address"] and seen["role"] == "configure", "the key stays in the address")
+    require(seen["w2"] == {"clicks": 2, "typed": 0} and seen["scanned"] == "4 nodes are on the bus", seen["w2"])
+    require(seen["adopted"] == "3 nodes are taken over" and [n[0] for n in seen["nodes"]] == ["2", "3", "4"], seen["nodes"])
+    require(seen["w3"]["clicks"] == 0 and seen["w3"]["typed"] == 0 and seen["added"].endswith("is node 1"), seen["added"])
+    require(len(seen["nodes_later"]) == 4 and seen["nodes_later"][0].startswith("1"), seen["nodes_later"])
+    require(seen["w4"]["clicks"] <= 1 and seen["w4"]["typed"] == 0, seen["w4"])
+    require(any("TPDO1" in row and "183H" in row for row in seen["plan"]), seen["plan"])
+    require(any("RPDO4" in row and "183H" in row and "Target position ←" in row for row in seen["plan"]), seen["plan"])
+    require("Load" in seen["plan_load"] and seen["matrix"] == ["Position value TPDO1 183H"], seen["plan_load"])
+    require(seen["command"].startswith("canopus project pdo link "), seen["command"])
+    require("every 250 ms" in seen["changed_pdo"] and "250 kbit/s" in seen["facts"], seen["facts"])
+    require("does not fit UNSIGNED16; expected 0 to 65535" in seen["refused"], seen["refused"])
+    require(len(seen["unwritten"]) == 1 and seen["unwritten"][0].startswith("1017:00"), seen["unwritten"])
+    require(seen["compared"].endswith("values differ"), seen["compared"])
+    require(any(re.match("1017:00.*500differs", row) for row in seen["differs"]), seen["differs"])
+    require("is a live bus; arm writing first" in seen["not_armed"] and "armed, 10 min" in seen["armed"], seen["not_armed"])
+    require(seen["w7"] == {"clicks": 2, "typed": 0}, "Transfer, look, Write")
+    require(any("1017:00" in row and "250" in row and "500" in row for row in seen["will_write"]), seen["will_write"])
+    require(seen["written"] and all(row.endswith("written") for row in seen["written"]), seen["written"])
+    require(any(row.startswith("1017:00") and row.endswith("same") for row in seen["same"]), seen["same"])
+    require(seen["w10"] == {"clicks": 1, "typed": 0}, seen["w10"])
+    report = (pictures / "report.html").read_text()
+    require("<script" not in report and "Found &lt;b&gt;here&lt;/b&gt;" in report, report[:500])
+    require(seen["undone"].startswith("taken back: "), seen["undone"])
+    require(seen["look_role"] == "look" and "Transfer…" in seen["look_disabled"] and seen["look_inputs"] == 0, seen)
+    # The command line says the same as the page.
+    shown = [json.loads(line) for line in command(program, "project", "show", folder, "--json").stdout.splitlines()]
+    require([row["node"] for row in shown if "node" in row] == [1, 2, 3, 4], shown)
+
+
+@check
+def web_project_commands():
+    """What a watcher without the key may not do, and what nobody may: other files, other buses, options as names."""
+    folder = new_project("web-commands")
+    for name in ("encoder", "drive"):
+        command(program, "project", "add", folder, DEVICES / f"{name}.eds", "--bit-rate", "250k")
+    with running_page(folder) as plant:
+        key = page_with_key(plant).partition("#key=")[2]
+        _, port = page_of(plant)
+        owner, looker = Watcher(port, key=key), Watcher(port)
+        number = iter(range(1, 1000))
+
+        def done(watcher, **words):
+            own = next(number)
+            watcher.say({"do": words, "id": own})
+            rows = []
+            while True:
+                reply = watcher.event(lambda e: e["event"] == "reply" and e["id"] == own)
+                rows += reply.get("rows", [])
+                if not reply.get("more"):
+                    return reply, rows
+
+        require(done(looker, command="hello")[0]["role"] == "look", "without a key")
+        require(done(owner, command="hello")[0]["role"] == "configure", "with the key")
+        require(len(done(looker, command="project show")[1]) == 3, "looking is for everybody")
+        for name in ("project set", "project undo", "project write", "project adopt", "nmt start", "sdo write", "scan"):
+            reply, rows = done(looker, command=name, **({} if name.startswith(("project", "scan")) else
+                                                       {"node": "1"} if name == "nmt start" else {"node": "1", "object": "1017", "value": "1"}))
+            require(reply["code"] == 7 and rows == [], (name, reply))
+        before = sorted((p.name, p.read_bytes()) for p in folder.iterdir() if p.is_file())
+        for words in ({"command": "project set", "node": "--help"}, {"command": "project set", "node": "1", "items": ["--name=x"]},
+                      {"command": "project remove", "node": "/etc/passwd"}, {"command": "project show", "node": "../../x"}):
+            reply, _ = done(owner, **words)
+            require(reply["code"] in (2, 5), (words, reply))
+        for words in ({"command": "run"}, {"command": "plc write"}, {"command": "project show", "project": "/etc"},
+                      {"command": "scan", "bus": "other"}, {"command": "project show", "--bus": "x"}, {"command": ["project", "show"]}, {}):
+            reply, _ = done(owner, **words)
+            require(reply["code"] == 2, (words, reply))
+        require(before == sorted((p.name, p.read_bytes()) for p in folder.iterdir() if p.is_file()), "a file was changed")
+        # The devices of the project are simulated: nothing is live, so nothing is to be armed.
+        reply, rows = done(owner, command="project set", node="2", items=["1017=250"])
+        require(reply["code"] == 0, reply)
+        reply, rows = done(owner, command="project write", yes=True)
+        require(reply["code"] == 0 and any(r.get("write") == "1017:00" and r["state"] == "written" for r in rows), rows)
+        reply, rows = done(owner, command="sdo read", node="2", object="1017")
+        require(rows[0]["bytes"] == "FA00", rows)
+        # Several at once come one after the other, and each gets its own.
+        for own in range(2000, 2008):
+            owner.say({"do": {"command": "project show"}, "id": own})
+        waiting = set(range(2000, 2008))
+        while waiting:
+            reply = owner.event(lambda e: e["event"] == "reply" and e["id"] in waiting and not e.get("more"))
+            require(reply["code"] == 0, reply)
+            waiting.discard(reply["id"])
