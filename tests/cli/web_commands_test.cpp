@@ -125,10 +125,11 @@ class WebCommandsTest : public ::testing::Test {
                  .buses = {bus},
                  .own = {{"double",
                           {.role = WebRole::operate,
-                           .run = [](const Json& wish) -> std::expected<nlohmann::ordered_json, std::string> {
-                             if (!wish.contains("n")) return std::unexpected("expected n");
-                             return nlohmann::ordered_json::object({{"n", 2 * wish["n"].get<int>()}});
-                           }}}},
+                           .run =
+                               [](const Json& wish, const WebCommands::Own::Done& done) {
+                                 if (!wish.contains("n")) return done(std::unexpected("expected n"));
+                                 done(nlohmann::ordered_json::object({{"n", 2 * wish["n"].get<int>()}}));
+                               }}}},
                  .program = path.string(),
                  .now = [] { return can::Time{}; },
                  .done =

@@ -103,9 +103,9 @@ class RunningPlant:
             return
         self.socketcand = self.wait(lambda e: e["event"] == "listen" and e["protocol"] == "socketcand")["address"]
 
-    def _start(self, *words):
+    def _start(self, *words, cwd=None):
         self.process = subprocess.Popen([program, *map(str, words), "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                        text=True)
+                                        text=True, cwd=cwd)
         self.events, self.lines = [], queue.Queue()
         self.reader = threading.Thread(target=self._read, daemon=True)
         self.reader.start()
@@ -146,8 +146,8 @@ class RunningPlant:
 class RunningPage(RunningPlant):
     """`canopus web --json`."""
 
-    def __init__(self, *words):
-        self._start("web", *words)
+    def __init__(self, *words, cwd=None):
+        self._start("web", *words, cwd=cwd)
 
 
 class Talker:
@@ -275,8 +275,8 @@ def running(plant_file, has_plc=True, operational=(), words=(), is_served=True):
 
 
 @contextlib.contextmanager
-def running_page(*words):
-    page = RunningPage(*words)
+def running_page(*words, cwd=None):
+    page = RunningPage(*words, cwd=cwd)
     try:
         yield page
     finally:

@@ -120,3 +120,30 @@ def web_project_commands():
             reply = owner.event(lambda e: e["event"] == "reply" and e["id"] in waiting and not e.get("more"))
             require(reply["code"] == 0, reply)
             waiting.discard(reply["id"])
+
+
+@check
+def web_start_in_chromium():
+    """W1: without a plant and a project, one click runs the built-in plant, and its frames are there within a second or so; plants and
+    projects of the folder and a new project are offered; nobody without the key starts anything."""
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if not chromium:
+        raise Skip("no Chromium: tools/install-packages check")
+    node_modules()
+    pictures = pathlib.Path(os.environ.get("CANOPUS_PICTURES", scratch)) / "start"
+    pictures.mkdir(parents=True, exist_ok=True)
+    folder = scratch / "web start"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    command(program, "project", "new", folder / "line <1>")
+    (folder / "plant.toml").write_text('[[bus]]\nname = "a"\nbit_rate = 500_000\n')
+    (folder / "other.toml").write_text('name = "none of ours"\n')
+    with running_page(cwd=folder) as page:
+        seen = json.loads(command("node", HERE / "web_start.mjs", chromium, page_with_key(page), pictures, timeout=240).stdout)
+    require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
+    require(seen["sections"] == ["start-section"], seen["sections"])
+    require(seen["plants"] == ["plant.toml"] and seen["projects"] == ["line <1>/nodelist.cpj"], seen)
+    require(seen["w1"] == {"clicks": 1, "typed": 0} and seen["nodes"] == 4, seen)
+    print(f"    the first frame is shown {seen['milliseconds']} ms after the click")
+    require(seen["look_disabled"] and seen["fresh"].endswith("/fresh"), seen)
+    require((folder / "fresh/nodelist.cpj").is_file(), "no project was made")

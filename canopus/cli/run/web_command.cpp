@@ -62,7 +62,31 @@ bool has_devices(const std::string& text, const std::string& list) {
   return false;
 }
 
-int run_page(const WebArguments& arguments) {
+/// What is the same with a project and without one.
+int run_page(const WebArguments& arguments, RunOptions options) {
+  options.web = text::HostAndPort{};
+  if (!arguments.listen.empty()) options.web = *text::parse_host_and_port(arguments.listen);
+  if (!arguments.duration.empty()) options.duration = *text::parse_duration(arguments.duration);
+  options.quiet = arguments.quiet;
+  options.json = arguments.json;
+  return run_plant(options);
+}
+
+int run_start(const WebArguments& arguments) {
+  std::error_code error;
+  const std::string folder = std::filesystem::current_path(error).string();
+  if (error) {
+    print_error("canopus web: the present folder: {}", error.message());
+    return 1;
+  }
+  RunOptions options{
+      .plant = "canopus",
+      .plant_text = "[plant]\nname = \"Canopus\"\n[[bus]]\nname = \"none\"\nbit_rate = 500_000\n"};
+  options.web_project = WebProject{.start = folder};
+  return run_page(arguments, std::move(options));
+}
+
+int run_project(const WebArguments& arguments) {
   constexpr int file_error = 3;
   auto folder = ProjectFolder::open(arguments.project, ProjectFolder::For::looking);
   if (!folder) {
@@ -77,20 +101,14 @@ int run_page(const WebArguments& arguments) {
   const std::string list = folder->shown_list();
   bool with_devices = arguments.bus.empty() && !arguments.no_devices && !project->nodes().empty();
   if (with_devices) with_devices = has_devices(plant_text(arguments, *project, list, true), list);
-  RunOptions options{.plant = list,
-                     .plant_text = plant_text(arguments, *project, list, with_devices),
-                     .web = text::HostAndPort{},
-                     .quiet = arguments.quiet,
-                     .json = arguments.json};
+  RunOptions options{.plant = list, .plant_text = plant_text(arguments, *project, list, with_devices)};
   // The project's own folder has its DCFs, which are device files, too.
   options.web_project = WebProject{
       .project = arguments.project, .network = arguments.network, .device_files = arguments.device_files};
   if (options.web_project->device_files.empty())
     options.web_project->device_files = {folder->folder().string()};
-  if (!arguments.listen.empty()) options.web = *text::parse_host_and_port(arguments.listen);
-  if (!arguments.duration.empty()) options.duration = *text::parse_duration(arguments.duration);
   folder = std::unexpected(std::string());  // others may use the project
-  return run_plant(options);
+  return run_page(arguments, std::move(options));
 }
 
 }  // namespace
@@ -99,17 +117,23 @@ void add_web_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<WebArguments>();
   CLI::App* command = app.add_subcommand(
       "web", "Show and edit a project on a page in the browser, with its bus or simulated");
-  command->add_option("PROJECT", arguments->project, "folder with nodelist.cpj, or a file *.cpj")->required();
+  auto* project = command->add_option(
+      "PROJECT", arguments->project,
+      "folder with nodelist.cpj, or a file *.cpj; without it the page offers the plants and projects of this "
+      "folder, a new project, and a built-in plant");
   command->add_option("--network", arguments->network, "of a list with several networks: which one, from 1")
       ->type_name("NUMBER")
-      ->check(number_from(1, 1000));
+      ->check(number_from(1, 1000))
+      ->needs(project);
   auto* bus = command
                   ->add_option("--bus", arguments->bus,
                                "the real bus, for example socketcan:can0; without it the project's nodes are "
                                "simulated (docs/commands.md has the addresses)")
                   ->type_name("ADDRESS");
   command->add_flag("--no-devices", arguments->no_devices, "neither a bus nor simulated nodes: files alone")
-      ->excludes(bus);
+      ->excludes(bus)
+      ->needs(project);
+  bus->needs(project);
   command
       ->add_option(
           "--eds", arguments->device_files,
@@ -138,7 +162,9 @@ void add_web_command(CLI::App& app, int& exit_code) {
       "may\n"
       "edit the project; on a real bus nothing is written before somebody has armed writing on the page.\n"
       "Example: canopus web line1 --bus socketcan:can0");
-  command->callback([arguments, &exit_code] { exit_code = run_page(*arguments); });
+  command->callback([arguments, &exit_code] {
+    exit_code = arguments->project.empty() ? run_start(*arguments) : run_project(*arguments);
+  });
 }
 
 }  // namespace canopus::cli

@@ -120,6 +120,8 @@ void WebCommands::hello(const WebUser& user, std::uint32_t id, const WebReply& r
   event["user"] = user.name;
   event["role"] = name_of(user.role);
   event["armed_for"] = armed_seconds();
+  event["offers"] = Json::array();  // commands of this run alone
+  for (const auto& [name, own] : use_.own) event["offers"].push_back(name);
   event["buses"] = Json::array();
   for (const WebBus& bus : use_.buses) {
     event["buses"].push_back({{"bus", bus.name},
@@ -174,13 +176,15 @@ void WebCommands::run_own(const WebUser& user, const std::string& name, const Ow
         user, name, id, reply, web_code::not_allowed,
         fmt::format("{}: the role {} is needed, yours is {}", name, name_of(own.role), name_of(user.role)));
   }
-  auto row = own.run(wish);
-  if (!row) return refuse(user, name, id, reply, web_code::refused, row.error());
-  Json event = event_of(id);
-  event["code"] = 0;
-  event["rows"] = Json::array({std::move(*row)});
-  done(user, wish.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), 0);
-  send(reply, std::move(event));
+  const std::string line = wish.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  own.run(wish, [this, user, line, id, reply](std::expected<Json, std::string> row) {
+    if (!row) return refuse(user, line, id, reply, web_code::refused, row.error());
+    Json event = event_of(id);
+    event["code"] = 0;
+    event["rows"] = Json::array({std::move(*row)});
+    done(user, line, 0);
+    send(reply, std::move(event));
+  });
 }
 
 /// Its file in a folder of its own. The error is a sentence, empty: none.

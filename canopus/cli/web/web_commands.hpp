@@ -40,10 +40,11 @@ class WebCommands {
   static constexpr std::size_t most_waiting = 32;
   static constexpr std::chrono::minutes armed_for{10};
 
-  /// One that is done at once, in this process: its row, or a sentence.
+  /// One that is done in this process: says once its row, or a sentence; at once or later.
   struct Own {
+    using Done = std::function<void(std::expected<nlohmann::ordered_json, std::string>)>;
     serve::WebRole role = serve::WebRole::operate;
-    std::function<std::expected<nlohmann::ordered_json, std::string>(const nlohmann::json& wish)> run{};
+    std::function<void(const nlohmann::json& wish, Done done)> run{};
   };
   struct Use {
     std::vector<WebBus> buses{};

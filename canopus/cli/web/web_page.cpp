@@ -18,14 +18,41 @@ std::string make_key() {
   return key;
 }
 
+using OwnCommands = std::map<std::string, WebCommands::Own, std::less<>>;
+
+std::string word_of(const nlohmann::json& wish, const char* key) {
+  const auto found = wish.find(key);
+  return found != wish.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+/// {"command": "plants"}, {"command": "open", "path": "..."} (no path: the built-in plant), {"command": "new project", "name": "..."}
+OwnCommands own_commands(WebStart* start) {
+  OwnCommands own;
+  if (start == nullptr) return own;
+  using Done = WebCommands::Own::Done;
+  own["plants"] = {.role = serve::WebRole::look,
+                   .run = [start](const nlohmann::json&, const Done& done) { done(start->list()); }};
+  own["open"] = {.role = serve::WebRole::configure, .run = [start](const nlohmann::json& wish, Done done) {
+                   start->open(word_of(wish, "path"), std::move(done));
+                 }};
+  own["new project"] = {.role = serve::WebRole::configure,
+                        .run = [start](const nlohmann::json& wish, Done done) {
+                          start->make_project(word_of(wish, "name"), std::move(done));
+                        }};
+  return own;
+}
+
 }  // namespace
 
 WebPage::WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClock& clock, WebEvents& events,
-                 std::vector<WebBus> buses, link::ClientReport report)
+                 std::vector<WebBus> buses, const std::string& start, link::ClientReport report)
     : events_(events),
       messages_(plant),
       views_(plant, events.boots()),
-      commands_(io, {.buses = std::move(buses), .now = [&plant] { return plant.timeline().now(); }}),
+      start_(start.empty() ? std::nullopt : std::optional<WebStart>(std::in_place, io, start)),
+      commands_(io, {.buses = std::move(buses),
+                     .own = own_commands(start_ ? &*start_ : nullptr),
+                     .now = [&plant] { return plant.timeline().now(); }}),
       server_(
           io, clock,
           {.state = [&plant] { return state_event(plant); },

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <expected>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "canopus/cli/events/web_messages.hpp"
 #include "canopus/cli/events/web_views.hpp"
 #include "canopus/cli/web/web_commands.hpp"
+#include "canopus/cli/web/web_start.hpp"
 #include "canopus/link/loop_clock.hpp"
 #include "canopus/link/peer.hpp"
 #include "canopus/plant/plant.hpp"
@@ -23,16 +25,18 @@ namespace canopus::cli {
 
 /// A project that the page edits, in place of those of the plant's buses.
 struct WebProject {
-  std::string project;                      ///< folder or nodelist.cpj
+  std::string project{};                    ///< folder or nodelist.cpj; empty: there is none
   unsigned network = 1;                     ///< of the list, from 1
   std::vector<std::string> device_files{};  ///< folders and files that devices are looked for in
+  std::string start{};  ///< the folder whose plants and projects the page offers; empty: none
 };
 
 class WebPage {
  public:
   /// All must outlive the page; `buses` are those that its commands are for.
+  /// `start`: the folder whose plants and projects the page offers; empty: it offers none.
   WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClock& clock, WebEvents& events,
-          std::vector<WebBus> buses, link::ClientReport report);
+          std::vector<WebBus> buses, const std::string& start, link::ClientReport report);
 
   /// The error is a sentence.
   [[nodiscard]] std::expected<void, std::string> listen(const text::HostAndPort& place);
@@ -43,6 +47,7 @@ class WebPage {
   WebEvents& events_;
   WebMessages messages_;
   WebViews views_;
+  std::optional<WebStart> start_;
   WebCommands commands_;
   serve::WebServer server_;
 };

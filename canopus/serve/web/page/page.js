@@ -11,6 +11,7 @@ import { ObjectView } from "./object_view.js";
 import { Plots } from "./plots.js";
 import { Commands, take_key } from "./commands.js";
 import { ProjectView } from "./project_view.js";
+import { StartView } from "./start_view.js";
 
 const by_id = (id) => document.getElementById(id);
 let state = null;
@@ -28,6 +29,7 @@ const commands = new Commands((message) => {
   return true;
 });
 const project_view = new ProjectView(by_id("project-section"), commands);
+const start_view = new StartView(by_id("start-section"), commands);
 const words = new WordView(by_id("words-section"), () => say_views());
 const boots = new BootView(by_id("boot-section"), () => say_views());
 const plots = new Plots(by_id("plots"), by_id("plot-list"));
@@ -235,6 +237,7 @@ function greeted(hello) {
   by_id("arm").hidden = hello.role === "look" || !hello.buses.some((bus) => bus.live);
   draw_armed(hello.armed_for);
   set_text(by_id("role"), hello.user ? `${hello.user}, ${hello.role}` : hello.role);
+  start_view.greeted(hello);
   places.projects(project_view.greeted(hello));
 }
 

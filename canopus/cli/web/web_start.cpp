@@ -1,0 +1,155 @@
+#include "canopus/cli/web/web_start.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "canopus/cli/web/example_files.hpp"
+#include "canopus/text/file_text.hpp"
+#include "canopus/text/printable.hpp"
+
+namespace canopus::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Plants have a bus; other TOML files are none of ours.
+bool is_plant(const fs::path& file) {
+  std::error_code error;
+  constexpr std::uintmax_t largest = 4U << 20;
+  if (file.extension() != ".toml" || !fs::is_regular_file(file, error) ||
+      fs::file_size(file, error) > largest)
+    return false;
+  const auto text = text::read_file(file.string());
+  return text && text->contains("[[bus]]");
+}
+
+/// Its files in a folder of their own; empty: they cannot be written.
+fs::path write_example() {
+  std::error_code error;
+  std::string name = (fs::temp_directory_path(error) / "canopus-XXXXXX").string();
+  if (error || ::mkdtemp(name.data()) == nullptr) return {};
+  for (const ExampleFile& file : example_files()) {
+    const fs::path path = fs::path(name) / file.path;
+    fs::create_directories(path.parent_path(), error);
+    std::ofstream out(path, std::ios::binary);
+    out << file.content;
+    if (out.flush()) continue;
+    fs::remove_all(name, error);
+    return {};
+  }
+  return name;
+}
+
+}  // namespace
+
+WebStart::~WebStart() {
+  std::error_code ignored;
+  for (auto& [number, child] : children_) {
+    child.process->stop();
+    if (!child.folder.empty()) fs::remove_all(child.folder, ignored);
+  }
+}
+
+WebStart::Json WebStart::list() const {
+  std::vector<std::string> plants;
+  std::vector<std::string> projects;
+  std::error_code error;
+  constexpr int deepest = 2;
+  constexpr int most_looked_at = 20000;
+  int looked_at = 0;
+  fs::recursive_directory_iterator files(folder_, fs::directory_options::skip_permission_denied, error);
+  for (; !error && files != fs::recursive_directory_iterator() && ++looked_at < most_looked_at;
+       files.increment(error)) {
+    const fs::path& path = files->path();
+    std::error_code unknown;
+    const bool is_folder = files->is_directory(unknown);
+    const bool is_hidden = path.filename().string().starts_with('.');
+    if (is_folder && (is_hidden || files.depth() >= deepest)) files.disable_recursion_pending();
+    if (is_folder || is_hidden) continue;
+    const std::string shown = path.lexically_relative(folder_).string();
+    if (path.extension() == ".cpj" && projects.size() < most_listed) projects.push_back(shown);
+    if (plants.size() < most_listed && is_plant(path)) plants.push_back(shown);
+  }
+  std::ranges::sort(plants);
+  std::ranges::sort(projects);
+  return {{"folder", folder_.string()}, {"plants", plants}, {"projects", projects}};
+}
+
+void WebStart::open(const std::string& path, Done done) {
+  if (path.empty()) {
+    fs::path files = write_example();
+    if (files.empty()) return done(std::unexpected("the files of the built-in plant cannot be written"));
+    const std::string plant = (files / "first-plant/plant.toml").string();
+    return run({"run", "--json", "--web", "--free-ports", "--", plant}, std::move(files), std::move(done));
+  }
+  const Json known = list();
+  const auto has = [&](const char* kind) {
+    return std::ranges::find(known[kind], Json(path)) != known[kind].end();
+  };
+  const std::string whole = (folder_ / path).string();
+  if (has("plants")) return run({"run", "--json", "--web", "--free-ports", "--", whole}, {}, std::move(done));
+  if (has("projects")) return run({"web", "--json", "--", whole}, {}, std::move(done));
+  done(std::unexpected(fmt::format("there is no plant or project {}", text::printable(path))));
+}
+
+void WebStart::make_project(const std::string& name, Done done) {
+  const bool is_name = !name.empty() && name.size() <= 100 &&
+                       name.find_first_of("/\\") == std::string::npos && !name.starts_with('.') &&
+                       name == text::printable(name);
+  if (!is_name) return done(std::unexpected("expected a name for the project's folder, without / and \\"));
+  const std::string folder = (folder_ / name).string();
+  auto said = std::make_shared<Done>(std::move(done));
+  const unsigned number = next_++;
+  auto child =
+      ChildProcess::start(io_, program_, {"project", "new", "--json", "--", folder},
+                          {.ended = [this, number, folder, said](int code, const std::string& errors) {
+                            children_.erase(number);
+                            if (code != 0) return (*said)(std::unexpected(errors));
+                            run({"web", "--json", "--", folder}, {}, std::move(*said));
+                          }});
+  if (!child) return (*said)(std::unexpected(child.error()));
+  children_[number].process = std::move(*child);
+}
+
+/// Its page's address is the row; it runs on until this ends.
+void WebStart::run(std::vector<std::string> arguments, fs::path folder, Done done) {
+  std::error_code ignored;
+  if (children_.size() >= most_running) {
+    if (!folder.empty()) fs::remove_all(folder, ignored);
+    return done(std::unexpected(fmt::format("{} are running already; end one of them first", most_running)));
+  }
+  const unsigned number = next_++;
+  auto child = ChildProcess::start(
+      io_, program_, arguments,
+      {.line =
+           [this, number](const std::string& line) {
+             Child& one = children_[number];
+             if (!one.done) return;
+             const auto event = nlohmann::json::parse(line, nullptr, false);
+             if (!event.is_object() || event.value("event", "") != "listen" ||
+                 event.value("protocol", "") != "web")
+               return;
+             std::exchange(one.done, {})(Json{{"url", event.value("address", "")}});
+           },
+       .ended =
+           [this, number](int code, const std::string& errors) {
+             const Child one = std::move(children_[number]);
+             children_.erase(number);
+             std::error_code unknown;
+             if (!one.folder.empty()) fs::remove_all(one.folder, unknown);
+             if (one.done)
+               one.done(std::unexpected(errors.empty() ? fmt::format("it ended with exit code {}", code)
+                                                       : errors));
+           }});
+  if (!child) {
+    if (!folder.empty()) fs::remove_all(folder, ignored);
+    return done(std::unexpected(child.error()));
+  }
+  children_[number] = {.process = std::move(*child), .folder = std::move(folder), .done = std::move(done)};
+}
+
+}  // namespace canopus::cli

@@ -1,0 +1,58 @@
+#pragma once
+// What the page offers before there is a plant or project: those of a folder, a new project, and a built-in plant to try. Each
+// is run as a process of its own with a page of its own.
+
+#include <expected>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <boost/asio/io_context.hpp>
+#include <nlohmann/json.hpp>
+
+#include "canopus/cli/web/child_process.hpp"
+
+namespace canopus::cli {
+
+class WebStart {
+ public:
+  static constexpr std::size_t most_listed = 200;
+  static constexpr std::size_t most_running = 8;
+  using Json = nlohmann::ordered_json;
+  /// Called once: a row, or a sentence.
+  using Done = std::function<void(std::expected<Json, std::string>)>;
+
+  /// `folder`: where plants and projects are looked for, and new ones made. `program`: a path.
+  WebStart(boost::asio::io_context& io, std::filesystem::path folder,
+           std::string program = ChildProcess::itself)
+      : io_(io), folder_(std::move(folder)), program_(std::move(program)) {}
+  ~WebStart();
+  WebStart(const WebStart&) = delete;
+  WebStart& operator=(const WebStart&) = delete;
+
+  /// {"plants": [...], "projects": [...]}: paths below the folder, up to two folders down.
+  [[nodiscard]] Json list() const;
+  /// Runs what is listed under this path, or with an empty path the built-in plant: {"url": "http://..."}.
+  void open(const std::string& path, Done done);
+  /// Makes a project of this name in the folder, and opens it.
+  void make_project(const std::string& name, Done done);
+
+ private:
+  struct Child {
+    std::shared_ptr<ChildProcess> process{};
+    std::filesystem::path folder{};  ///< of the built-in plant's files; empty: none
+    Done done{};                     ///< until its page is there
+  };
+  void run(std::vector<std::string> arguments, std::filesystem::path folder, Done done);
+
+  boost::asio::io_context& io_;
+  std::filesystem::path folder_;
+  std::string program_;
+  std::map<unsigned, Child> children_;
+  unsigned next_ = 0;
+};
+
+}  // namespace canopus::cli

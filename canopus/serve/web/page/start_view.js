@@ -1,0 +1,51 @@
+// What there is to begin with, where the page has no plant and no project: a built-in plant, those of the folder, a new project.
+import { make, set_text } from "./dom.js";
+
+export class StartView {
+  constructor(section, commands) {
+    this.section = section;
+    this.commands = commands;
+    [this.said, this.plants, this.projects, this.folder, this.try_button, this.form, this.name] =
+      ["start-said", "start-plants", "start-projects", "start-folder", "start-try", "start-new", "start-name"].map((id) => section.querySelector(`#${id}`));
+    this.try_button.addEventListener("click", () => this.open({ command: "open" }));
+    this.form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.open({ command: "new project", name: this.name.value.trim() });
+    });
+  }
+
+  async greeted(hello) {
+    this.section.hidden = !hello.offers.includes("plants");
+    if (this.section.hidden) return;
+    // The bus that a run has at least is none that anybody wants to see.
+    for (const section of document.querySelectorAll("main > section")) section.hidden = section !== this.section;
+    this.may_open = hello.role === "configure";
+    for (const one of [this.try_button, this.name, this.form.querySelector("button")]) one.disabled = !this.may_open;
+    const done = await this.commands.run({ command: "plants" });
+    if (done.code !== 0) return set_text(this.said, done.message ?? "");
+    const [found] = done.rows;
+    set_text(this.folder, found.folder);
+    this.list(this.plants, found.plants, "no plant file in this folder");
+    this.list(this.projects, found.projects, "no project in this folder");
+  }
+
+  list(list, paths, none) {
+    list.replaceChildren(...paths.map((path) => {
+      const button = make("button", { type: "button", class: "plain" }, path);
+      button.disabled = !this.may_open;
+      button.addEventListener("click", () => this.open({ command: "open", path }));
+      return make("li", {}, button);
+    }));
+    if (paths.length === 0) list.replaceChildren(make("li", { class: "faint" }, none));
+  }
+
+  /// It is a page of its own.
+  async open(command) {
+    set_text(this.said, "starts …");
+    this.said.dataset.mood = "";
+    const done = await this.commands.run(command);
+    if (done.code === 0 && /^http:\/\/(127\.0\.0\.1|\[::1\]):\d+\//.test(done.rows[0].url)) return location.assign(done.rows[0].url);
+    this.said.dataset.mood = "error";
+    set_text(this.said, done.message || "it did not start");
+  }
+}
