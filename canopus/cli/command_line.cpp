@@ -30,6 +30,7 @@
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/cli/trace/replay_command.hpp"
 #include "canopus/cli/trace/trace_command.hpp"
+#include "canopus/cli/users/users_command.hpp"
 #include "canopus/cli/version.hpp"
 #include "canopus/text/nearest_word.hpp"
 
@@ -172,6 +173,7 @@ int run_command_line(std::span<const std::string> words) {
   add_bench_command(app, code);
   add_configure_command(app, code);
   add_project_command(app, code);
+  add_users_command(app, code);
   add_reference_commands(app, code, version());
 
   std::vector<std::string> reversed(words.rbegin(), words.rend());  // as CLI11 takes them

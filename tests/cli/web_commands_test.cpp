@@ -133,7 +133,7 @@ class WebCommandsTest : public ::testing::Test {
                  .program = path.string(),
                  .now = [] { return can::Time{}; },
                  .done =
-                     [this](const serve::WebUser& user, const std::string& line, int code) {
+                     [this](const serve::WebUser& user, const std::string& line, int code, serve::WebRole) {
                        done_.push_back(user.name + ": " + line + ": " + std::to_string(code));
                      }});
   }

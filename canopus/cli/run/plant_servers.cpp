@@ -186,7 +186,8 @@ bool PlantServers::open_web() {
     buses.back().device_files = use_.web_project->device_files;
   }
   web_.emplace(io_, plant_, clock_, *use_.web_events, std::move(buses),
-               use_.web_project ? use_.web_project->start : std::string(), use_.report("web"));
+               use_.web_project ? use_.web_project->start : std::string(), use_.web_access,
+               use_.report("web"));
   const text::HostAndPort place = place_of(use_.web);
   if (const auto result = web_->listen(place); !result) {
     print_error("canopus: web: {}", result.error());

@@ -39,6 +39,7 @@ class PlantServers {
     text::HostAndPort web{};
     WebEvents* web_events = nullptr;
     std::optional<WebProject> web_project{};
+    WebAccess web_access{};
     serve::PlantRuns::Order order = serve::PlantRuns::Order::side_by_side;
   };
 

@@ -10,6 +10,7 @@
 #include "canopus/cli/run/run_loop.hpp"
 #include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/cli/terminal/real_time_option.hpp"
+#include "canopus/cli/web/web_access.hpp"
 #include "canopus/text/text_values.hpp"
 #include "canopus/trace/file/trace_file.hpp"
 
@@ -61,6 +62,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
                     const auto place = text::parse_host_and_port(text);
                     return place ? std::string() : place.error();
                   });
+  add_web_access_options(*command, "--web-", words->options.web_access, web);
   command->add_option("--seed", words->options.seed, "Seed of everything random, instead of the plant file's")
       ->check(number_from(0, std::numeric_limits<std::uint64_t>::max()))
       ->type_name("N");

@@ -27,6 +27,7 @@ struct WebArguments {
   bool no_devices = false;
   std::vector<std::string> device_files;
   std::string listen;
+  WebAccess access;
   std::string duration;
   bool json = false;
   bool quiet = false;
@@ -65,6 +66,7 @@ bool has_devices(const std::string& text, const std::string& list) {
 /// What is the same with a project and without one.
 int run_page(const WebArguments& arguments, RunOptions options) {
   options.web = text::HostAndPort{};
+  options.web_access = arguments.access;
   if (!arguments.listen.empty()) options.web = *text::parse_host_and_port(arguments.listen);
   if (!arguments.duration.empty()) options.duration = *text::parse_duration(arguments.duration);
   options.quiet = arguments.quiet;
@@ -149,6 +151,7 @@ void add_web_command(CLI::App& app, int& exit_code) {
         const auto place = text::parse_host_and_port(text);
         return place ? std::string() : place.error();
       });
+  add_web_access_options(*command, "--", arguments->access);
   command->add_option("--for", arguments->duration, "Stop after this time, for example 10s")
       ->type_name("TIME")
       ->check([](const std::string& text) {

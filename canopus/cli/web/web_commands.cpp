@@ -60,8 +60,8 @@ WebCommands::Json WebCommands::event_of(std::uint32_t id) const {
 
 void WebCommands::send(const WebReply& reply, Json event) const { reply(view_event(event)); }
 
-void WebCommands::done(const WebUser& user, const std::string& line, int code) const {
-  if (use_.done) use_.done(user, line, code);
+void WebCommands::done(const WebUser& user, const std::string& line, int code, WebRole role) const {
+  if (use_.done) use_.done(user, line, code, role);
 }
 
 void WebCommands::refuse(const WebUser& user, const std::string& line, std::uint32_t id,
@@ -177,12 +177,12 @@ void WebCommands::run_own(const WebUser& user, const std::string& name, const Ow
         fmt::format("{}: the role {} is needed, yours is {}", name, name_of(own.role), name_of(user.role)));
   }
   const std::string line = wish.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  own.run(wish, [this, user, line, id, reply](std::expected<Json, std::string> row) {
+  own.run(wish, [this, user, line, id, reply, role = own.role](std::expected<Json, std::string> row) {
     if (!row) return refuse(user, line, id, reply, web_code::refused, row.error());
     Json event = event_of(id);
     event["code"] = 0;
     event["rows"] = Json::array({std::move(*row)});
-    done(user, line, 0);
+    done(user, line, 0, role);
     send(reply, std::move(event));
   });
 }
@@ -269,7 +269,7 @@ void WebCommands::ended(int code, const std::string& errors) {
   }
   std::error_code ignored;
   if (!job.folder.empty()) fs::remove_all(job.folder, ignored);
-  done(job.user, shown_command(job.line.arguments), code);
+  done(job.user, shown_command(job.line.arguments), code, job.line.role);
   send(job.reply, std::move(event));
   start_next();
 }

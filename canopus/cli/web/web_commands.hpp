@@ -51,8 +51,9 @@ class WebCommands {
     std::map<std::string, Own, std::less<>> own{};  ///< by name
     std::string program = ChildProcess::itself;     ///< that runs the others
     std::function<can::Time()> now{};               ///< the plant's time, for `t` of events
-    /// What was done: who, the command line, its code.
-    std::function<void(const serve::WebUser& user, const std::string& line, int code)> done{};
+    /// What was done: who, the command line, its code, the role that it needs.
+    std::function<void(const serve::WebUser& user, const std::string& line, int code, serve::WebRole role)>
+        done{};
   };
 
   WebCommands(boost::asio::io_context& io, Use use) : io_(io), use_(std::move(use)), batch_(io) {}
@@ -95,7 +96,8 @@ class WebCommands {
   [[nodiscard]] std::string make_file(Job& job) const;
   void ended(int code, const std::string& errors);
   void tell_rows(bool at_once);
-  void done(const serve::WebUser& user, const std::string& line, int code) const;
+  void done(const serve::WebUser& user, const std::string& line, int code,
+            serve::WebRole role = serve::WebRole::operate) const;
 
   boost::asio::io_context& io_;
   Use use_;

@@ -1,21 +1,27 @@
 #include "canopus/cli/web/web_page.hpp"
 
-#include <array>
+#include <chrono>
 #include <cstddef>
-#include <random>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "canopus/cli/events/event_printer.hpp"
+#include "canopus/cli/events/web_view_fields.hpp"
+#include "canopus/serve/web/web_secret.hpp"
+#include "canopus/serve/web/web_users.hpp"
+
 namespace canopus::cli {
 namespace {
 
-/// Whoever knows it may do what the one may who runs the program: other users of this machine do not.
-std::string make_key() {
-  std::random_device random;  // the kernel's
-  std::string key;
-  for (int i = 0; i < 4; ++i) key += fmt::format("{:08x}", random());
-  return key;
+/// Whoever knows the key may do what the one may who runs the program: other users of this machine do not.
+serve::WebServerOptions options_of(const WebAccess& access) {
+  serve::WebServerOptions options{
+      .role = serve::WebRole::configure, .key = serve::new_secret(), .gate = {}, .origin = access.origin};
+  if (!access.users.empty()) {
+    options.gate.read_users = [file = access.users] { return serve::read_web_users(file); };
+  }
+  return options;
 }
 
 using OwnCommands = std::map<std::string, WebCommands::Own, std::less<>>;
@@ -45,14 +51,20 @@ OwnCommands own_commands(WebStart* start) {
 }  // namespace
 
 WebPage::WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClock& clock, WebEvents& events,
-                 std::vector<WebBus> buses, const std::string& start, link::ClientReport report)
-    : events_(events),
+                 std::vector<WebBus> buses, const std::string& start, WebAccess access,
+                 const link::ClientReport& report)
+    : plant_(plant),
+      access_(std::move(access)),
+      report_(report),
+      events_(events),
       messages_(plant),
       views_(plant, events.boots()),
       start_(start.empty() ? std::nullopt : std::optional<WebStart>(std::in_place, io, start)),
       commands_(io, {.buses = std::move(buses),
                      .own = own_commands(start_ ? &*start_ : nullptr),
-                     .now = [&plant] { return plant.timeline().now(); }}),
+                     .now = [&plant] { return plant.timeline().now(); },
+                     .done = [this](const serve::WebUser& user, const std::string& line, int code,
+                                    serve::WebRole role) { note(user, line, code, role); }}),
       server_(
           io, clock,
           {.state = [&plant] { return state_event(plant); },
@@ -60,13 +72,60 @@ WebPage::WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClo
            .messages = [this](bool wanted) { return messages_.look(wanted); },
            .view = [this](std::string_view view) { return views_.look(view); },
            .command = [this](const serve::WebUser& user, std::string_view command, std::uint32_t id,
-                             serve::WebReply reply) { commands_.run(user, command, id, std::move(reply)); }},
-          {.role = serve::WebRole::configure, .key = make_key()}, std::move(report)) {}
+                             serve::WebReply reply) { commands_.run(user, command, id, std::move(reply)); },
+           .note = [this](const serve::WebUser& user, const std::string& what,
+                          int code) { note(user, what, code, serve::WebRole::operate); }},
+          options_of(access_), report) {}
+
+std::expected<void, std::string> WebPage::open_access() {
+  if (!access_.users.empty()) {
+    const auto users = serve::read_web_users(access_.users);
+    if (!users) return std::unexpected(users.error());
+    if (users->empty()) {
+      return std::unexpected(
+          fmt::format("{}: expected a user; `canopus web-users add` makes one", access_.users));
+    }
+  }
+  if (access_.audit_file().empty()) return {};
+  auto audit = serve::WebAudit::open(access_.audit_file());
+  if (!audit) return std::unexpected(audit.error());
+  audit_ = std::move(*audit);
+  return {};
+}
 
 std::expected<void, std::string> WebPage::listen(const text::HostAndPort& place) {
+  if (auto opened = open_access(); !opened) return opened;
   auto result = server_.listen(place.host, place.port);
-  if (result) events_.set_listener([this](std::string_view event) { server_.event(event); });
+  if (!result) return result;
+  events_.set_listener([this](std::string_view event) { server_.event(event); });
+  const auto address = link::parse_internet_address(place.host);
+  const bool leaves_machine = address && !link::is_loopback(*address);
+  if (report_ && leaves_machine && !access_.origin.starts_with("https://")) {
+    report_("passwords and the page go over the network unencrypted; docs/web.md has TLS proxies and ssh");
+  }
   return result;
+}
+
+void WebPage::note(const serve::WebUser& user, const std::string& what, int code, serve::WebRole role) {
+  const can::Time now = plant_.timeline().now();
+  if (audit_) {
+    const auto since = std::chrono::system_clock::now().time_since_epoch();
+    audit_->add(serve::audit_line(
+        {.plant_time = can::seconds(now),
+         .milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(since).count(),
+         .user = user,
+         .what = what,
+         .code = code}));
+    if (const std::string trouble = audit_->take_trouble(); !trouble.empty() && report_) report_(trouble);
+  }
+  if (role == serve::WebRole::look) return;
+  nlohmann::ordered_json event = event_line(now, "audit");
+  event["user"] = user.name;
+  event["role"] = name_of(user.role);
+  event["address"] = user.address;
+  event["do"] = what;
+  event["code"] = code;
+  server_.event(view_event(event));
 }
 
 void WebPage::close() {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <expected>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,11 +14,13 @@
 #include "canopus/cli/events/web_events.hpp"
 #include "canopus/cli/events/web_messages.hpp"
 #include "canopus/cli/events/web_views.hpp"
+#include "canopus/cli/web/web_access.hpp"
 #include "canopus/cli/web/web_commands.hpp"
 #include "canopus/cli/web/web_start.hpp"
 #include "canopus/link/loop_clock.hpp"
 #include "canopus/link/peer.hpp"
 #include "canopus/plant/plant.hpp"
+#include "canopus/serve/web/web_audit.hpp"
 #include "canopus/serve/web/web_server.hpp"
 #include "canopus/text/text_values.hpp"
 
@@ -36,14 +39,23 @@ class WebPage {
   /// All must outlive the page; `buses` are those that its commands are for.
   /// `start`: the folder whose plants and projects the page offers; empty: it offers none.
   WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClock& clock, WebEvents& events,
-          std::vector<WebBus> buses, const std::string& start, link::ClientReport report);
+          std::vector<WebBus> buses, const std::string& start, WebAccess access,
+          const link::ClientReport& report);
 
-  /// The error is a sentence.
+  /// Reads the users and opens the audit log, too. The error is a sentence.
   [[nodiscard]] std::expected<void, std::string> listen(const text::HostAndPort& place);
   [[nodiscard]] std::string url() const { return server_.url(); }
   void close();
 
  private:
+  [[nodiscard]] std::expected<void, std::string> open_access();
+  /// Somebody did something, or tried to: into the audit log and, if it is more than a look, to all who watch.
+  void note(const serve::WebUser& user, const std::string& what, int code, serve::WebRole role);
+
+  plant::Plant& plant_;
+  WebAccess access_;
+  link::ClientReport report_;
+  std::unique_ptr<serve::WebAudit> audit_;
   WebEvents& events_;
   WebMessages messages_;
   WebViews views_;

@@ -6,6 +6,7 @@
 #include <boost/asio/write.hpp>
 
 #include "canopus/serve/web/web_parts.hpp"
+#include "canopus/serve/web/web_secret.hpp"
 
 namespace canopus::serve {
 
@@ -17,15 +18,12 @@ using WebTime = std::chrono::steady_clock;
 
 namespace {
 
-/// "/events?key=0123..."; looked at whole, so that the time it takes tells nothing.
+/// "/events?key=0123..."; an empty key everybody knows.
 bool knows_key(std::string_view target, std::string_view key) {
+  if (key.empty()) return true;
   constexpr std::string_view field = "?key=";
   const std::size_t begin = target.find(field);
-  const std::string_view said = begin == std::string_view::npos ? "" : target.substr(begin + field.size());
-  if (said.size() != key.size()) return false;
-  unsigned differences = 0;
-  for (std::size_t i = 0; i < key.size(); ++i) differences |= static_cast<unsigned char>(said[i] ^ key[i]);
-  return differences == 0;
+  return begin != std::string_view::npos && is_same_secret(target.substr(begin + field.size()), key);
 }
 
 }  // namespace
@@ -36,7 +34,8 @@ WebServer::Connection::Connection(Parts& parts, tcp::socket socket)
       name_(link::name_of_peer(stream_.next_layer())),
       timer_(parts.context),
       outbox_(parts.options.most_events, parts.use.lost),
-      user_{.address = name_} {}
+      user_{.address = name_},
+      address_(link::address_of_peer(stream_.next_layer())) {}
 
 void WebServer::Connection::start() {
   error_code ignored;
@@ -60,7 +59,8 @@ void WebServer::Connection::send() {
 }
 
 void WebServer::Connection::look_for_end(WebTime::time_point now) {
-  if (state_ == State::watches && now - heard_at_ > parts_->options.silent_timeout) end();
+  if (state_ != State::watches) return;
+  if (now - heard_at_ > parts_->options.silent_timeout || (session_ && session_->is_over)) end();
 }
 
 void WebServer::Connection::close() noexcept {
@@ -81,15 +81,76 @@ void WebServer::Connection::receive() {
 void WebServer::Connection::received(const error_code& error, std::size_t count) {
   if (error) return end();
   input_.append(buffer_.data(), count);
-  const std::size_t length = end_of_head(input_);
-  if (length == 0 && input_.size() <= longest_web_head) return receive();
-  const auto request =
-      read_head(length == 0 ? std::string_view(input_) : std::string_view(input_).substr(0, length));
-  if (!request) return answer(request.error());
-  if (length != input_.size()) return answer({.status = 400, .body = "a request has no body here\n"});
-  const WebAnswer result = answer_to(*request, parts_->address, parts_->port.port());
+  if (head_size_ == 0 && !take_head()) return;
+  const std::size_t length = head_size_ + body_length(*request_);
+  if (input_.size() > length) return answer({.status = 400, .body = "a request has no body here\n"});
+  WebAnswer result = answer_to(*request_, parts_->place);
+  const bool wants_body = result.next == WebNext::log_in || result.next == WebNext::log_out;
+  if (wants_body && input_.size() < length) return receive();
+  look_at_request(std::move(result));
+}
+
+/// False: it is not there yet, or refused.
+bool WebServer::Connection::take_head() {
+  head_size_ = end_of_head(input_);
+  if (head_size_ == 0 && input_.size() <= longest_web_head) {
+    receive();
+    return false;
+  }
+  if (const auto refusal = parts_->gate->refusal(address_, WebTime::now())) {
+    answer(*refusal);
+    return false;
+  }
+  auto request =
+      read_head(head_size_ == 0 ? std::string_view(input_) : std::string_view(input_).substr(0, head_size_));
+  if (!request) {
+    answer(request.error());
+    return false;
+  }
+  request_ = std::move(*request);
+  return true;
+}
+
+/// A whole request.
+void WebServer::Connection::look_at_request(WebAnswer result) {
+  const std::string_view form = std::string_view(input_).substr(head_size_);
+  session_ = parts_->gate->session_of(*request_, parts_->place, WebTime::now());
+  switch (result.next) {
+    case WebNext::log_in: return log_in(form);
+    case WebNext::log_out: {
+      const WebGate::Client client{.address = address_, .name = name_};
+      return answer(parts_->gate->log_out(form, session_.get(), client, parts_->place));
+    }
+    case WebNext::session: {
+      const bool has_body = result.has_body;
+      result = WebGate::described(session_.get());
+      result.has_body = has_body;
+      return answer(result);
+    }
+    case WebNext::page:
+      if (session_ == nullptr) {
+        return answer({.status = 303,
+                       .body = "log in first\n",
+                       .has_body = result.has_body,
+                       .fields = "Location: /login\r\n"});
+      }
+      break;
+    case WebNext::send: break;
+  }
   if (result.status != 101) return answer(result);
-  upgrade(*request);
+  if (parts_->place.has_users && session_ == nullptr)
+    return answer({.status = 401, .body = "log in first\n"});
+  upgrade();
+}
+
+void WebServer::Connection::log_in(std::string_view form) {
+  state_ = State::answers;
+  set_timer(parts_->options.send_timeout, nullptr);
+  parts_->gate->log_in(form, {.address = address_, .name = name_}, parts_->place, WebTime::now(),
+                       [client = weak_from_this()](const WebAnswer& result) {
+                         const auto self = client.lock();
+                         if (self && self->parts_ != nullptr) self->answer(result);
+                       });
 }
 
 void WebServer::Connection::answer(const WebAnswer& answer) {
@@ -113,10 +174,13 @@ void WebServer::Connection::drain() {
   });
 }
 
-void WebServer::Connection::upgrade(const WebRequest& request) {
+void WebServer::Connection::upgrade() {
   state_ = State::upgrades;
   const WebServerOptions& options = parts_->options;
-  if (knows_key({request.target().data(), request.target().size()}, options.key)) user_.role = options.role;
+  const std::string_view target(request_->target().data(), request_->target().size());
+  if (session_) user_.name = session_->user.name;
+  if (knows_key(target, session_ ? session_->key : options.key))
+    user_.role = session_ ? session_->user.role : options.role;
   stream_.set_option(websocket::stream_base::timeout{.handshake_timeout = options.head_timeout,
                                                      .idle_timeout = options.silent_timeout * 2 / 3,
                                                      .keep_alive_pings = true});
@@ -129,7 +193,7 @@ void WebServer::Connection::upgrade(const WebRequest& request) {
   stream_.control_callback(
       [this](websocket::frame_type, boost::beast::string_view) { heard_at_ = WebTime::now(); });
   heard_at_ = WebTime::now();
-  stream_.async_accept(request, [self = shared_from_this()](error_code error) {
+  stream_.async_accept(*request_, [self = shared_from_this()](error_code error) {
     if (self->parts_ == nullptr) return;
     if (error) return self->end();
     self->timer_.stop();
@@ -163,6 +227,7 @@ void WebServer::Connection::listen() {
 }
 
 void WebServer::Connection::heard(WebWish wish) {
+  if (session_) session_->used = WebTime::now();
   if (wish.messages) wants_messages_ = *wish.messages;
   if (wish.views) views_ = std::move(*wish.views);
   if (!wish.command || !parts_->use.command) return;

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,7 +45,7 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
 
  private:
   enum class State : std::uint8_t {
-    asks,      // up to the end of the request's head
+    asks,      // up to the end of the request
     answers,   // the connection ends behind it
     upgrades,  // to WebSocket
     watches,
@@ -53,9 +54,12 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
   boost::asio::ip::tcp::socket& socket() noexcept { return stream_.next_layer(); }
   void receive();
   void received(const boost::system::error_code& error, std::size_t count);
+  [[nodiscard]] bool take_head();
+  void look_at_request(WebAnswer result);
+  void log_in(std::string_view form);
   void answer(const WebAnswer& answer);
   void drain();
-  void upgrade(const WebRequest& request);
+  void upgrade();
   void listen();
   void heard(WebWish wish);
   void reply(std::string event);
@@ -71,6 +75,10 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
   ConnectionTimer timer_;
   WebOutbox outbox_;
   WebUser user_;
+  link::InternetAddress address_;
+  std::optional<WebRequest> request_;
+  std::size_t head_size_ = 0;            // 0: it is not there yet
+  std::shared_ptr<WebSession> session_;  // of who has logged in
   State state_ = State::asks;
   std::array<char, 2048> buffer_{};
   std::string input_;

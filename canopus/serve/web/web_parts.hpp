@@ -12,6 +12,7 @@
 #include <boost/asio/steady_timer.hpp>
 
 #include "canopus/link/tcp_port.hpp"
+#include "canopus/serve/web/web_gate.hpp"
 #include "canopus/serve/web/web_outbox.hpp"
 #include "canopus/serve/web/web_server.hpp"
 
@@ -25,6 +26,12 @@ struct WebServer::Parts : std::enable_shared_from_this<Parts> {
         use(std::move(the_use)),
         options(the_options),
         report(std::move(the_report)),
+        gate(std::make_shared<WebGate>(io, options.gate,
+                                       WebGate::Use{.note = use.note,
+                                                    .report =
+                                                        [this](const std::string& said) {
+                                                          if (report) report(said);
+                                                        }})),
         port(io),
         timer(io) {}
 
@@ -44,8 +51,9 @@ struct WebServer::Parts : std::enable_shared_from_this<Parts> {
   Use use;
   WebServerOptions options;
   link::ClientReport report;
+  std::shared_ptr<WebGate> gate;
   link::TcpPort port;
-  std::string address;
+  WebPlace place;
   std::vector<std::shared_ptr<Connection>> connections;
   std::deque<WebOutbox::Text> latest;  // events, for newcomers
   boost::asio::steady_timer timer;

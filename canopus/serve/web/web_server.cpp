@@ -18,7 +18,9 @@ using MonotonicClock = std::chrono::steady_clock;
 
 void WebServer::Parts::admit(tcp::socket socket) {
   const std::string name = link::name_of_peer(socket);
-  if (!link::is_allowed(socket, link::AllowList())) return say(name, "is not allowed to connect");
+  const link::AllowList allowed =
+      gate->has_users() ? link::AllowList({link::Network{.prefix = 0}}) : link::AllowList();
+  if (!link::is_allowed(socket, allowed)) return say(name, "is not allowed to connect");
   if (connections.size() >= options.maximum_clients) {
     return say(name, fmt::format("was refused: all {} connections are in use", options.maximum_clients));
   }
@@ -38,6 +40,7 @@ void WebServer::Parts::watch() {
   timer.async_wait([self = shared_from_this()](const error_code& error) {
     if (error || !self->is_open) return;
     self->is_watched = false;
+    self->gate->look(MonotonicClock::now());
     const auto watchers = self->connections;
     for (const auto& one : watchers) one->look_for_end(MonotonicClock::now());
     if (std::ranges::none_of(self->connections, [](const auto& one) { return one->watches(); })) {
@@ -107,13 +110,14 @@ WebServer::~WebServer() { stop(); }
 std::expected<void, std::string> WebServer::listen(const std::string& host, std::uint16_t port) {
   const std::string address = host == "localhost" ? "127.0.0.1" : host;
   const auto parsed = link::parse_internet_address(address);
-  if (!parsed || !link::is_loopback(*parsed)) {
+  if (!parsed) return std::unexpected(fmt::format("{}: {}", host, parsed.error()));
+  if (!link::is_loopback(*parsed) && !parts_->gate->has_users()) {
     return std::unexpected(
-        fmt::format("{}: the page is for this machine alone; expected 127.0.0.1 or ::1 (from "
+        fmt::format("{}: the page is for this machine alone unless it has users (--web-users); expected "
+                    "127.0.0.1 or ::1 (from "
                     "another machine: ssh -L)",
                     host));
   }
-  parts_->address = address;
   auto result =
       parts_->port.listen(address, port,
                           {.admit = [parts = parts_](tcp::socket socket) { parts->admit(std::move(socket)); },
@@ -122,14 +126,20 @@ std::expected<void, std::string> WebServer::listen(const std::string& host, std:
                                  parts->say(link::name_of_peer(socket), link::TcpPort::no_descriptor_left);
                                }});
   parts_->is_open = result.has_value();
+  parts_->place = {.address = address,
+                   .port = parts_->port.port(),
+                   .origin = parts_->options.origin,
+                   .has_users = parts_->gate->has_users()};
   return result;
 }
 
 std::string WebServer::url() const {
-  const std::string& address = parts_->address;
+  if (!parts_->place.origin.empty()) return parts_->place.origin + '/';
+  const std::string& address = parts_->place.address;
   const std::string place = address.find(':') == std::string::npos ? address : fmt::format("[{}]", address);
   const std::string& key = parts_->options.key;
-  return fmt::format("http://{}:{}/{}", place, port(), key.empty() ? "" : "#key=" + key);
+  return fmt::format("http://{}:{}/{}", place, port(),
+                     key.empty() || parts_->gate->has_users() ? "" : "#key=" + key);
 }
 
 std::uint16_t WebServer::port() const noexcept { return parts_->port.port(); }

@@ -4,8 +4,8 @@
 //
 // Each message of the WebSocket is a JSON array of events (docs/events.md): first the state and the latest events, then
 // what comes. Clients cannot disturb each other or the plant: each has at most one message under way and bounded memory; one that is
-// slow gets the newest state, and a `lost` event in place of the events that it missed. A request has a bounded head and
-// no body, has to be whole within a few seconds, and gets one answer.
+// slow gets the newest state, and a `lost` event in place of the events that it missed. A request has a bounded head and,
+// but for the forms of users, no body, has to be whole within a few seconds, and gets one answer.
 
 #include <chrono>
 #include <cstddef>
@@ -20,6 +20,7 @@
 
 #include "canopus/link/loop_clock.hpp"
 #include "canopus/link/peer.hpp"
+#include "canopus/serve/web/web_gate.hpp"
 #include "canopus/serve/web/web_user.hpp"
 
 namespace canopus::serve {
@@ -36,6 +37,10 @@ struct WebServerOptions {
   /// What a client may do who knows the key; without one everybody. Others look.
   WebRole role = WebRole::look;
   std::string key{};
+  /// Users with passwords, in place of the key, and limits. Without users the server takes clients of this machine alone.
+  WebGateOptions gate{};
+  /// WebPlace::origin
+  std::string origin{};
   /// From one state to the next.
   std::chrono::milliseconds state_interval{250};
   /// Events that wait for a slow client; of those a newcomer gets.
@@ -66,6 +71,8 @@ class WebServer {
     /// What a client wants to be done, an object as JSON, with the number that its replies have. Without it commands are ignored.
     std::function<void(const WebUser& user, std::string_view command, std::uint32_t id, WebReply reply)>
         command{};
+    /// Somebody logged in or out, or failed to: code 0, else why not (docs/web.md).
+    std::function<void(const WebUser& user, const std::string& what, int code)> note{};
   };
 
   /// `context` and `clock` must outlive the server.
@@ -76,8 +83,8 @@ class WebServer {
   WebServer(const WebServer&) = delete;
   WebServer& operator=(const WebServer&) = delete;
 
-  /// Starts to accept. `host` is a loopback address in numbers, or localhost; port 0 takes a free one. The error is a
-  /// sentence.
+  /// Starts to accept. `host` is an address in numbers, or localhost; another one than of this machine alone needs users. Port 0
+  /// takes a free one. The error is a sentence.
   [[nodiscard]] std::expected<void, std::string> listen(const std::string& host, std::uint16_t port);
   /// "http://127.0.0.1:8080/", with a key "http://127.0.0.1:8080/#key=0123..."
   [[nodiscard]] std::string url() const;

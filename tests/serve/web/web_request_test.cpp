@@ -19,7 +19,7 @@ constexpr std::uint16_t port = 8080;
 
 WebAnswer ask(const std::string& head, std::string_view address = "127.0.0.1", std::uint16_t at = port) {
   const auto request = read_head(head);
-  return request ? answer_to(*request, address, at) : request.error();
+  return request ? answer_to(*request, {.address = std::string(address), .port = at}) : request.error();
 }
 
 std::string get(const std::string& target, const std::string& fields = "Host: 127.0.0.1:8080\r\n") {
@@ -154,6 +154,139 @@ TEST(WebRequest, EveryAnswerKeepsOtherSitesOut) {
 TEST(WebRequest, ARefusalRepeatsNothingOfTheRequest) {
   EXPECT_THAT(written(ask(get("/<script>alert(1)</script>"))), Not(HasSubstr("<script>")));
   EXPECT_THAT(written(ask(get("/", "Host: <script>\r\n"))), Not(HasSubstr("<script>")));
+}
+
+WebAnswer ask_at(const WebPlace& place, const std::string& head) {
+  const auto request = read_head(head);
+  return request ? answer_to(*request, place) : request.error();
+}
+
+const WebPlace with_users{.address = "10.0.0.9", .port = 8080, .has_users = true};
+
+std::string post(const std::string& target, const std::string& fields = "Origin: http://10.0.0.9:8080\r\n") {
+  return "POST " + target +
+         " HTTP/1.1\r\nHost: 10.0.0.9:8080\r\nContent-Type: application/x-www-form-urlencoded\r\n"
+         "Content-Length: 5\r\n" +
+         fields + "\r\n";
+}
+
+TEST(WebRequest, FormsAreForServersWithUsers) {
+  EXPECT_EQ(ask_at(with_users, post("/login")).next, WebNext::log_in);
+  EXPECT_EQ(ask_at(with_users, post("/logout")).next, WebNext::log_out);
+  WebPlace without = with_users;
+  without.has_users = false;
+  EXPECT_EQ(ask_at(without, post("/login")).status, 413U);
+  EXPECT_EQ(ask_at(without, "GET /login HTTP/1.1\r\nHost: 10.0.0.9:8080\r\n\r\n").status, 404U);
+  EXPECT_EQ(ask_at(without, "GET /session HTTP/1.1\r\nHost: 10.0.0.9:8080\r\n\r\n").status, 404U);
+  EXPECT_EQ(ask_at(with_users, post("/")).status, 413U);
+  EXPECT_EQ(ask_at(with_users, post("/session")).status, 413U);
+}
+
+TEST(WebRequest, AFormIsForThisServersPage) {
+  for (const char* target : {"/login", "/logout"}) {
+    EXPECT_EQ(ask_at(with_users, post(target, "")).status, 403U) << "no Origin";
+    for (const char* origin : {"http://evil.example", "null", "https://10.0.0.9:8080", "http://10.0.0.9",
+                               "http://10.0.0.9:8081"}) {
+      EXPECT_EQ(ask_at(with_users, post(target, std::string("Origin: ") + origin + "\r\n")).status, 403U)
+          << origin;
+    }
+  }
+}
+
+TEST(WebRequest, AFormHasItsType_AndALimit) {
+  const std::string head = "POST /login HTTP/1.1\r\nHost: 10.0.0.9:8080\r\nOrigin: http://10.0.0.9:8080\r\n";
+  const std::string form = "Content-Type: application/x-www-form-urlencoded; charset=UTF-8\r\n";
+  EXPECT_EQ(ask_at(with_users, head + form + "Content-Length: 4096\r\n\r\n").next, WebNext::log_in);
+  EXPECT_EQ(ask_at(with_users, head + form + "Content-Length: 4097\r\n\r\n").status, 413U);
+  EXPECT_EQ(ask_at(with_users, head + form + "Transfer-Encoding: chunked\r\n\r\n").status, 413U);
+  EXPECT_EQ(ask_at(with_users, head + form + "Content-Length: 5\r\nContent-Length: 6\r\n\r\n").status, 400U);
+  EXPECT_EQ(ask_at(with_users, head + "Content-Length: 5\r\n\r\n").status, 415U);
+  for (const char* type : {"text/plain", "application/json", "multipart/form-data; boundary=x"}) {
+    EXPECT_EQ(ask_at(with_users, head + "Content-Type: " + type + "\r\nContent-Length: 5\r\n\r\n").status,
+              415U)
+        << type;
+  }
+}
+
+TEST(WebRequest, HowLongABodyIs) {
+  EXPECT_EQ(body_length(*read_head(post("/login"))), 5U);
+  EXPECT_EQ(body_length(*read_head(get("/"))), 0U);
+}
+
+TEST(WebRequest, WithUsers_ThePageIsForWhoHasLoggedIn) {
+  const auto next_of = [](const std::string& target) {
+    return ask_at(with_users, "GET " + target + " HTTP/1.1\r\nHost: 10.0.0.9:8080\r\n\r\n");
+  };
+  EXPECT_EQ(next_of("/").next, WebNext::page);
+  EXPECT_EQ(next_of("/index.html").next, WebNext::page);
+  EXPECT_EQ(next_of("/index.html?x=y").next, WebNext::page);
+  EXPECT_THAT(next_of("/").body, HasSubstr("<meta name=\"canopus-users\" content=\"yes\">"));
+  EXPECT_THAT(ask(get("/")).body, Not(HasSubstr("canopus-users")));
+  EXPECT_EQ(next_of("/session").next, WebNext::session);
+  EXPECT_EQ(next_of("/page.js").next, WebNext::send) << "the program's own, of no plant";
+}
+
+TEST(WebRequest, ThePageToLogIn_MaySendAForm_AndNoOtherMay) {
+  const WebAnswer page = ask_at(with_users, "GET /login HTTP/1.1\r\nHost: 10.0.0.9:8080\r\n\r\n");
+  EXPECT_EQ(page.status, 200U);
+  EXPECT_EQ(page.next, WebNext::send);
+  EXPECT_THAT(page.body, HasSubstr("<p id=\"said\" role=\"alert\"></p>"));
+  EXPECT_THAT(written(page), HasSubstr("; form-action 'self'; frame-ancestors 'none'"));
+  EXPECT_THAT(written(ask(get("/"))), HasSubstr("; form-action 'none';"));
+  EXPECT_THAT(page.body, Not(HasSubstr("<script")));
+  EXPECT_THAT(page.body, Not(HasSubstr("style=")));
+}
+
+TEST(WebRequest, AllAddressesOfTheMachine_ByTheirNumbers_ButByNoName) {
+  for (const char* address : {"0.0.0.0", "::"}) {
+    const WebPlace all{.address = address, .port = 8080, .has_users = true};
+    for (const char* host :
+         {"10.0.0.9:8080", "127.0.0.1:8080", "[::1]:8080", "[fd00::7]:8080", "localhost:8080"}) {
+      EXPECT_EQ(ask_at(all, get("/page.js", std::string("Host: ") + host + "\r\n")).status, 200U) << host;
+    }
+    for (const char* host :
+         {"plant.example:8080", "10.0.0.9", "10.0.0.9:8081", "10.0.0.9.evil.example:8080", "::1:8080",
+          "[10.0.0.9]:8080", ":8080", "[]:8080", "0x7f.1:8080", "10.0.0.9:8080:8080"}) {
+      EXPECT_EQ(ask_at(all, get("/page.js", std::string("Host: ") + host + "\r\n")).status, 421U) << host;
+    }
+  }
+  const WebPlace at_80{.address = "0.0.0.0", .port = 80, .has_users = true};
+  EXPECT_EQ(ask_at(at_80, get("/page.js", "Host: 10.0.0.9\r\n")).status, 200U);
+}
+
+TEST(WebRequest, OneAddress_IsNotLocalhost_UnlessItIs) {
+  for (const char* host : {"localhost:8080", "127.0.0.1:8080", "10.0.0.8:8080"}) {
+    EXPECT_EQ(ask_at(with_users, get("/page.js", std::string("Host: ") + host + "\r\n")).status, 421U)
+        << host;
+  }
+}
+
+TEST(WebRequest, AProxyHasAnOriginOfItsOwn) {
+  const WebPlace behind{
+      .address = "127.0.0.1", .port = 8080, .origin = "https://plant.example", .has_users = true};
+  const auto socket_of = [&](const std::string& host, const std::string& origin) {
+    return ask_at(behind, socket("Host: " + host + "\r\nOrigin: " + origin + "\r\n")).status;
+  };
+  EXPECT_EQ(socket_of("plant.example", "https://plant.example"), 101U);
+  EXPECT_EQ(socket_of("127.0.0.1:8080", "https://plant.example"), 101U)
+      << "a proxy that does not pass Host on";
+  EXPECT_EQ(socket_of("127.0.0.1:8080", "http://127.0.0.1:8080"), 101U);
+  EXPECT_EQ(socket_of("plant.example", "https://evil.example"), 403U);
+  EXPECT_EQ(socket_of("plant.example", "https://plant.example.evil.example"), 403U);
+  EXPECT_EQ(socket_of("evil.example", "https://plant.example"), 421U);
+  EXPECT_EQ(ask_at(with_users, socket("Host: 10.0.0.9:8080\r\nOrigin: https://plant.example\r\n")).status,
+            403U);
+}
+
+TEST(WebRequest, AnOriginIsASchemeAndAHost) {
+  for (const char* text : {"https://plant.example", "http://10.0.0.1:8080", "https://[fd00::7]:8443"}) {
+    EXPECT_EQ(parse_web_origin(text), text);
+  }
+  for (const char* text :
+       {"", "plant.example", "https://", "https://plant.example/", "ftp://plant.example",
+        "https://Plant.example", "https://a b", "https://a\r\nX: y", "https://a@b", "https://*"}) {
+    EXPECT_FALSE(parse_web_origin(text)) << text;
+  }
 }
 
 /// Whatever comes, a file goes out only to who names this server, and a WebSocket only to this server's page.

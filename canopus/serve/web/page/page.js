@@ -12,6 +12,7 @@ import { Plots } from "./plots.js";
 import { Commands, take_key } from "./commands.js";
 import { ProjectView } from "./project_view.js";
 import { StartView } from "./start_view.js";
+import { has_users, key_of_session } from "./session.js";
 
 const by_id = (id) => document.getElementById(id);
 let state = null;
@@ -22,7 +23,7 @@ const events = new EventList(by_id("events"), by_id("filter"), by_id("event-coun
 const messages = new EventList(by_id("messages"), by_id("message-filter"), by_id("message-count"));
 let socket = null;
 let follows = false;
-const key = take_key();
+let key = take_key();
 const commands = new Commands((message) => {
   if (socket?.readyState !== WebSocket.OPEN) return false;
   socket.send(JSON.stringify(message));
@@ -257,8 +258,9 @@ by_id("arm").addEventListener("click", async () => {
   if (done.code === 0) draw_armed(done.armed_for);
 });
 
-function connect() {
-  socket = new WebSocket(`ws://${location.host}/events${key ? `?key=${key}` : ""}`);
+async function connect() {
+  if (has_users) key = await key_of_session();
+  socket = new WebSocket(`${location.protocol.replace("http", "ws")}//${location.host}/events${key ? `?key=${key}` : ""}`);
   socket.addEventListener("open", () => {
     events.clear();  // the server sends the latest ones again
     rates = new Map();

@@ -24,6 +24,7 @@ const sentences = {
   "module error": (e) => `${e.module}: error ${e.code}H (${e.class}): ${e.overview}`,
   "module event": (e) => `${e.module}: event ${e.code}: ${e.overview}`,
   lost: (e) => `${e.lines} events were lost here`,
+  audit: (e) => `${e.user || e.address}, ${e.role}: ${e.do}: ${e.code === 0 ? "done" : `refused or failed (${e.code})`}`,
 };
 
 export function sentence(event) {

@@ -1,0 +1,30 @@
+#pragma once
+// `canopus web-users`: the file of the page's users.
+
+#include <expected>
+#include <string>
+#include <string_view>
+
+#include "canopus/serve/web/web_users.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace canopus::cli {
+
+/// Adds `web-users` with its commands; sets exit_code when one runs.
+void add_users_command(CLI::App& app, int& exit_code);
+
+/// The text of a users' file with this account in place of the one of its name, or behind the others; every other byte stays.
+/// The errors begin with `file`.
+[[nodiscard]] std::expected<std::string, std::string> with_user(const std::string& text,
+                                                                const std::string& file,
+                                                                const serve::WebAccount& account,
+                                                                bool replaces);
+/// Without the user of this name.
+[[nodiscard]] std::expected<std::string, std::string> without_user(const std::string& text,
+                                                                   const std::string& file,
+                                                                   std::string_view name);
+
+}  // namespace canopus::cli

@@ -1,0 +1,32 @@
+#include "canopus/cli/web/web_access.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include "canopus/serve/web/web_request.hpp"
+
+namespace canopus::cli {
+
+void add_web_access_options(CLI::App& command, const std::string& prefix, WebAccess& access,
+                            CLI::Option* page) {
+  auto* users =
+      command.add_option(prefix + "users", access.users,
+                         "The page is for the users in this file (canopus web-users), at any address of "
+                         "this machine");
+  users->type_name("FILE");
+  auto* audit =
+      command.add_option(prefix + "audit", access.audit,
+                         "Append a line to this file for each command and log-in on the page; with users "
+                         "FILE.audit unless it is given");
+  audit->type_name("FILE");
+  auto* origin = command.add_option(prefix + "origin", access.origin,
+                                    "What browsers see of a TLS proxy in front of the page, for example "
+                                    "https://plant.example");
+  origin->type_name("ORIGIN")->check([](const std::string& text) {
+    const auto read = serve::parse_web_origin(text);
+    return read ? std::string() : read.error();
+  });
+  if (page == nullptr) return;
+  for (CLI::Option* option : {users, audit, origin}) option->needs(page);
+}
+
+}  // namespace canopus::cli
