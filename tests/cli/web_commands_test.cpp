@@ -11,6 +11,7 @@
 #include <boost/asio/io_context.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
 
 namespace canopus::cli {
 namespace {
@@ -97,6 +98,19 @@ TEST(WebArguments, Nonsense_IsRefusedInASentence) {
   EXPECT_EQ(error({{"command", "scan"}}, {.name = "a"}), "scan: commands cannot join the bus a");
   EXPECT_EQ(error({{"command", "project adopt"}}, {.name = "a", .project = "p", .address = "b"}),
             "project adopt: there are no device files; --eds names them");
+}
+
+RC_GTEST_PROP(WebArguments, NothingThatThePageSays_IsAnOptionOfItsOwn,
+              (const std::string& node, const std::vector<std::string>& items, const std::string& name)) {
+  const Json wish{{"command", "project set"}, {"node", node}, {"items", items}, {"name", name}};
+  const auto line = line_of(wish);
+  if (!line) return;
+  const auto& words = line->arguments;
+  RC_ASSERT(words.size() == 8 + items.size());
+  RC_ASSERT(words[4] == "--name=" + name);
+  RC_ASSERT(words[5] == "--");
+  RC_ASSERT(words[6] == "line1" && words[7] == node);
+  RC_ASSERT(std::equal(items.begin(), items.end(), words.begin() + 8));
 }
 
 TEST(WebArguments, ShownCommand_CanBeTypedAsItIs) {

@@ -1,0 +1,166 @@
+// What the page offers before there is a plant or project. Programs are played by a script, which prints its arguments.
+
+#include "canopus/cli/web/web_start.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <boost/asio/io_context.hpp>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "canopus/cli/web/example_files.hpp"
+
+namespace canopus::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class WebStartTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "canopus-test-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    top_ = name;
+    folder_ = top_ / "work";
+    fs::create_directory(folder_);
+  }
+  void TearDown() override {
+    start_.reset();
+    fs::remove_all(top_);
+  }
+  WebStart& start(const std::string& text) {
+    const fs::path program = top_ / "canopus";
+    std::ofstream(program) << "#!/bin/sh\n" << text;
+    fs::permissions(program, fs::perms::owner_all);
+    return start_.emplace(io_, folder_, program.string());
+  }
+  void write(const fs::path& path, const std::string& text) {
+    fs::create_directories((folder_ / path).parent_path());
+    std::ofstream(folder_ / path) << text;
+  }
+  WebStart::Done say() {
+    return [this](std::expected<WebStart::Json, std::string> row) {
+      said_.push_back(row ? row->dump() : "error: " + row.error());
+    };
+  }
+  /// What was said, and the arguments that the script wrote down.
+  std::vector<std::string> said() {
+    io_.restart();
+    while (said_.empty() && io_.run_one() != 0) {
+    }
+    return std::exchange(said_, {});
+  }
+  std::string arguments() {
+    std::ifstream file(top_ / "arguments");
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  [[nodiscard]] std::string shows_page() const {
+    return "echo \"$@\" > " + (top_ / "arguments").string() +
+           "; echo '{\"event\":\"nmt\"}'; echo "
+           "'{\"event\":\"listen\",\"protocol\":\"web\",\"address\":\"http://127.0.0.1:1/#key=2\"}'; "
+           "exec sleep 1000\n";
+  }
+
+  fs::path top_;
+  fs::path folder_;
+  boost::asio::io_context io_{1};
+  std::optional<WebStart> start_;
+  std::vector<std::string> said_;
+};
+
+TEST_F(WebStartTest, PlantsAndProjectsOfTheFolder_TwoFoldersDown) {
+  write("b.toml", "[[bus]]\n");
+  write("other.toml", "[package]\n");
+  write(".hidden/c.toml", "[[bus]]\n");
+  write("x/a.toml", "[[bus]]\n");
+  write("x/y/nodelist.cpj", "");
+  write("x/y/z/deep.toml", "[[bus]]\n");
+  write("line/nodelist.cpj", "");
+  const WebStart::Json found = start("").list();
+  EXPECT_EQ(found["folder"], folder_.string());
+  EXPECT_EQ(found["plants"], (WebStart::Json{"b.toml", "x/a.toml"}));
+  EXPECT_EQ(found["projects"], (WebStart::Json{"line/nodelist.cpj", "x/y/nodelist.cpj"}));
+}
+
+TEST_F(WebStartTest, AFolderThatIsNotThere_OffersNothing) {
+  fs::remove(folder_);
+  EXPECT_THAT(start("").list()["plants"], IsEmpty());
+}
+
+TEST_F(WebStartTest, PlantAndProject_AreRun_AndTheirPageIsSaid) {
+  write("b.toml", "[[bus]]\n");
+  write("line/nodelist.cpj", "");
+  WebStart& start = this->start(shows_page());
+  start.open("b.toml", say());
+  EXPECT_THAT(said(), ElementsAre("{\"url\":\"http://127.0.0.1:1/#key=2\"}"));
+  EXPECT_EQ(arguments(), "run --json --web --free-ports -- " + (folder_ / "b.toml").string() + "\n");
+  start.open("line/nodelist.cpj", say());
+  EXPECT_THAT(said(), ElementsAre("{\"url\":\"http://127.0.0.1:1/#key=2\"}"));
+  EXPECT_EQ(arguments(), "web --json -- " + (folder_ / "line/nodelist.cpj").string() + "\n");
+}
+
+TEST_F(WebStartTest, NothingElseIsOpened) {
+  std::ofstream(top_ / "outside.toml") << "[[bus]]\n";
+  write("b.toml", "[[bus]]\n");
+  WebStart& start = this->start(shows_page());
+  for (const char* path : {"../outside.toml", "c.toml", "./b.toml", "/etc/passwd", "b.toml/"}) {
+    start.open(path, say());
+    EXPECT_THAT(said(), ElementsAre(HasSubstr("error: there is no plant or project "))) << path;
+  }
+  EXPECT_EQ(arguments(), "");
+}
+
+TEST_F(WebStartTest, BuiltInPlant_IsWrittenForItsRun_AndGoneAfterwards) {
+  start(shows_page()).open("", say());
+  EXPECT_THAT(said(), ElementsAre(HasSubstr("http")));
+  const std::string words = arguments();
+  const fs::path plant = words.substr(words.find("-- ") + 3, words.size() - words.find("-- ") - 4);
+  for (const ExampleFile& file : example_files()) {
+    std::ifstream written(plant.parent_path().parent_path() / file.path);
+    EXPECT_EQ(std::string(std::istreambuf_iterator<char>(written), {}), file.content) << file.path;
+  }
+  EXPECT_GE(example_files().size(), 4U);
+  start_.reset();
+  EXPECT_FALSE(fs::exists(plant.parent_path().parent_path()));
+}
+
+TEST_F(WebStartTest, WhatDoesNotStart_SaysWhy) {
+  write("b.toml", "[[bus]]\n");
+  start("echo 'canopus: oh' >&2; exit 2\n").open("b.toml", say());
+  EXPECT_THAT(said(), ElementsAre("error: canopus: oh\n"));
+  start("exit 3\n").open("b.toml", say());
+  EXPECT_THAT(said(), ElementsAre("error: it ended with exit code 3"));
+}
+
+TEST_F(WebStartTest, NewProject_IsMadeAndOpened) {
+  WebStart& start = this->start("if [ $1 = project ]; then mkdir \"$5\"; exit 0; fi\n" + shows_page());
+  start.make_project("line 1", say());
+  EXPECT_THAT(said(), ElementsAre(HasSubstr("http")));
+  EXPECT_TRUE(fs::is_directory(folder_ / "line 1"));
+  EXPECT_EQ(arguments(), "web --json -- " + (folder_ / "line 1").string() + "\n");
+  for (const char* name : {"", "../x", "a/b", ".x", "a\\b", "\x1B[2J"}) {
+    start.make_project(name, say());
+    EXPECT_THAT(said(), ElementsAre(HasSubstr("error: expected a name"))) << name;
+  }
+}
+
+TEST_F(WebStartTest, NotMoreThanSoMany) {
+  WebStart& start = this->start(shows_page());
+  for (std::size_t i = 0; i < WebStart::most_running; ++i) {
+    start.open("", say());
+    EXPECT_THAT(said(), ElementsAre(HasSubstr("http")));
+  }
+  start.open("", say());
+  EXPECT_THAT(said(), ElementsAre("error: 8 are running already; end one of them first"));
+}
+
+}  // namespace
+}  // namespace canopus::cli
