@@ -8,6 +8,7 @@
 #include <functional>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -44,6 +45,12 @@ class TableReader {
   TableReader(const toml::table& table, std::string what, std::vector<FileError>& errors)
       : table_(table), what_(std::move(what)), errors_(errors) {}
 
+  /// The table as TOML, a key a line, without comments.
+  [[nodiscard]] std::string as_text() const {
+    std::ostringstream text;
+    text << toml::toml_formatter(table_);
+    return text.str();
+  }
   [[nodiscard]] Place place() const { return place_of(table_.source()); }
   [[nodiscard]] Place place(std::string_view key) const {
     const toml::node* node = table_.get(key);

@@ -147,3 +147,23 @@ def web_start_in_chromium():
     print(f"    the first frame is shown {seen['milliseconds']} ms after the click")
     require(seen["look_disabled"] and seen["fresh"].endswith("/fresh"), seen)
     require((folder / "fresh/nodelist.cpj").is_file(), "no project was made")
+
+
+@check
+def web_faults_in_chromium():
+    """W9: right click on a frame, Lose it, Run; the frame is lost, and what it hit is counted; a fault of the file is off by a click."""
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if not chromium:
+        raise Skip("no Chromium: tools/install-packages check")
+    node_modules()
+    pictures = pathlib.Path(os.environ.get("CANOPUS_PICTURES", scratch)) / "faults"
+    pictures.mkdir(parents=True, exist_ok=True)
+    with running(first_plant_file(), operational=[1, 2, 3], words=["--web"]) as plant:
+        seen = json.loads(command("node", HERE / "web_faults.mjs", chromium, page_with_key(plant), pictures, timeout=240).stdout)
+    require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
+    require(seen["w9"] == {"clicks": 3, "typed": 0}, seen["w9"])
+    require('kind = "drop"' in seen["text"] and "identifier = 0x183" in seen["text"] and "count = 1" in seen["text"], seen["text"])
+    require(seen["hit"] == "1 frames hit" and seen["said"].startswith("1 at work since "), seen)
+    require("expected one of drop, corrupt" in seen["wrong"], seen["wrong"])
+    require(seen["stuck"] == "now" and "bus-off" in seen["controllers"], seen)
+    require(seen["look_disabled"] and not seen["look_menu"], "who only looks")

@@ -32,10 +32,16 @@ std::string word_of(const nlohmann::json& wish, const char* key) {
 }
 
 /// {"command": "plants"}, {"command": "open", "path": "..."} (no path: the built-in plant), {"command": "new project", "name": "..."}
-OwnCommands own_commands(WebStart* start) {
+/// and of the faults of simulated buses {"command": "faults"}, {"command": "run faults", ...}, web_faults.hpp.
+OwnCommands own_commands(WebStart* start, WebFaults& faults) {
   OwnCommands own;
-  if (start == nullptr) return own;
   using Done = WebCommands::Own::Done;
+  own["faults"] = {.role = serve::WebRole::look,
+                   .run = [&faults](const nlohmann::json&, const Done& done) { done(faults.list()); }};
+  own["run faults"] = {
+      .role = serve::WebRole::operate,
+      .run = [&faults](const nlohmann::json& wish, const Done& done) { done(faults.run(wish)); }};
+  if (start == nullptr) return own;
   own["plants"] = {.role = serve::WebRole::look,
                    .run = [start](const nlohmann::json&, const Done& done) { done(start->list()); }};
   own["open"] = {.role = serve::WebRole::configure, .run = [start](const nlohmann::json& wish, Done done) {
@@ -60,8 +66,9 @@ WebPage::WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClo
       messages_(plant),
       views_(plant, events.boots()),
       start_(start.empty() ? std::nullopt : std::optional<WebStart>(std::in_place, io, start)),
+      faults_(plant, clock),
       commands_(io, {.buses = std::move(buses),
-                     .own = own_commands(start_ ? &*start_ : nullptr),
+                     .own = own_commands(start_ ? &*start_ : nullptr, faults_),
                      .now = [&plant] { return plant.timeline().now(); },
                      .done = [this](const serve::WebUser& user, const std::string& line, int code,
                                     serve::WebRole role) { note(user, line, code, role); }}),

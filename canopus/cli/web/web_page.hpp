@@ -16,6 +16,7 @@
 #include "canopus/cli/events/web_views.hpp"
 #include "canopus/cli/web/web_access.hpp"
 #include "canopus/cli/web/web_commands.hpp"
+#include "canopus/cli/web/web_faults.hpp"
 #include "canopus/cli/web/web_start.hpp"
 #include "canopus/link/loop_clock.hpp"
 #include "canopus/link/peer.hpp"
@@ -60,6 +61,7 @@ class WebPage {
   WebMessages messages_;
   WebViews views_;
   std::optional<WebStart> start_;
+  WebFaults faults_;
   WebCommands commands_;
   serve::WebServer server_;
 };

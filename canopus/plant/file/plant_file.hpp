@@ -91,6 +91,7 @@ struct DriveSection {
 struct FaultSection {
   text::Place place{};
   sim::Fault fault{};
+  std::string text{};  ///< its keys, as TOML
 };
 
 /// A bus's length and its nodes' timing, [bus.line]. canopus check reckons with it.

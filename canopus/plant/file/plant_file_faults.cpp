@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "canopus/can/frame.hpp"
+#include "canopus/plant/file/fault_text.hpp"
 #include "canopus/plant/file/plant_sections.hpp"
 #include "canopus/sim/bus/termination.hpp"
 #include "canopus/text/table_reader.hpp"
@@ -146,7 +147,7 @@ void read_line_fault(text::TableReader& table, sim::Fault& fault) {
 }  // namespace
 
 FaultSection read_fault(text::TableReader& table) {
-  FaultSection section{.place = table.place()};
+  FaultSection section{.place = table.place(), .text = table.as_text()};
   sim::Fault& fault = section.fault;
   fault.kind = read_fault_kind(table);
   fault.from = can::Time{} + table.parsed("from", text::parse_duration).value_or(can::Duration{});
@@ -193,6 +194,21 @@ FaultSection read_fault(text::TableReader& table) {
     fault.capacity = static_cast<std::size_t>(capacity.value_or(16));
   }
   return section;
+}
+
+std::expected<FaultSection, std::string> read_fault(std::string_view text) {
+  toml::table root;
+  try {
+    root = toml::parse(text);
+  } catch (const toml::parse_error& problem) {
+    return std::unexpected(fmt::format("line {}: {}", problem.source().begin.line, problem.description()));
+  }
+  std::vector<text::FileError> errors;
+  text::TableReader table(root, "fault", errors);
+  FaultSection section = read_fault(table);
+  table.finish();
+  if (errors.empty()) return section;
+  return std::unexpected(fmt::format("line {}: {}", errors.front().place.line, errors.front().message));
 }
 
 }  // namespace canopus::plant

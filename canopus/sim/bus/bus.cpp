@@ -138,6 +138,8 @@ std::expected<void, std::string> Bus::set_faults(const std::vector<Fault>& fault
   return {};
 }
 
+std::vector<FaultState> Bus::fault_states() const { return impl_->core.plan.states(); }
+
 void Bus::tick(can::Time now) {
   impl_->core.ticking = true;
   if (!impl_->core.delayed.empty()) impl_->release_delayed(now);

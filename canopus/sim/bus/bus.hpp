@@ -83,6 +83,8 @@ class Bus final : public can::Bus, public can::Ticker {
   /// Replaces all faults by these, numbered in error messages from 1; what the old ones did ends now. Ports
   /// are named as in add_port() and have to exist; the first of a name counts. On error nothing changes.
   std::expected<void, std::string> set_faults(const std::vector<Fault>& faults, std::uint64_t seed);
+  /// Of each fault, in the order of set_faults().
+  [[nodiscard]] std::vector<FaultState> fault_states() const;
   /// Whether one of the faults cuts the wire, now or later.
   [[nodiscard]] bool can_be_cut() const noexcept;
   /// From here on the bus is this line: levels need time, each controller has its own clock and looks at the wire once

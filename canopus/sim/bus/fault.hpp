@@ -76,4 +76,11 @@ struct Fault {
   double length = 0;             ///< termination: of the line, 0 to 10000 m
 };
 
+/// What became of a fault so far.
+struct FaultState {
+  std::uint64_t hits =
+      0;  ///< frames; of drive without a frame, and of a fault that a port has for some time, 0
+  bool is_active = false;  ///< a fault that a port has for some time has it now
+};
+
 }  // namespace canopus::sim

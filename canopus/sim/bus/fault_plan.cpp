@@ -102,6 +102,7 @@ std::expected<FaultPlan, std::string> FaultPlan::make(const std::vector<Fault>& 
                                                       const BusCore& core) {
   FaultPlan plan;
   plan.random_.seed(seed);
+  plan.count_ = faults.size();
   for (std::size_t number = 0; number < faults.size(); ++number) {
     const Fault& fault = faults[number];
     const std::string where = "fault " + std::to_string(number + 1) + " (" + name_of(fault.kind) + "): ";
@@ -113,7 +114,7 @@ std::expected<FaultPlan, std::string> FaultPlan::make(const std::vector<Fault>& 
       if (fault.kind == FaultKind::late && fault.delay >= can::bit_time(1, core.bit_rate)) {
         return std::unexpected(where + "delay is not shorter than a bit");
       }
-      TimedFault timed{.fault = fault, .ports = {}};
+      TimedFault timed{.fault = fault, .ports = {}, .number = number};
       for (const std::string& name : fault.ports) {
         timed.ports.push_back(port_named(core, name));
         if (timed.ports.back() == nullptr) return unknown(name);
@@ -121,7 +122,7 @@ std::expected<FaultPlan, std::string> FaultPlan::make(const std::vector<Fault>& 
       plan.add(std::move(timed));
       continue;
     }
-    Rule rule{.fault = fault};
+    Rule rule{.fault = fault, .number = number};
     if (!fault.sender.empty() && (rule.sender = port_named(core, fault.sender)) == nullptr) {
       return unknown(fault.sender);
     }
@@ -146,7 +147,7 @@ void FaultPlan::add(TimedFault fault) {
     return timed_faults_.push_back(std::move(fault));
   }
   for (BusPort* port : fault.ports) {
-    timed_faults_.push_back({.fault = fault.fault, .ports = {port}});
+    timed_faults_.push_back({.fault = fault.fault, .ports = {port}, .number = fault.number});
     timed_faults_.back().random.seed(random_());
   }
 }
@@ -219,6 +220,15 @@ can::Duration FaultPlan::on_send(const BusPort& sender, const can::Frame& frame,
     if (hits(rule, sender, frame, now)) return rule.fault.delay;
   }
   return {};
+}
+
+std::vector<FaultState> FaultPlan::states() const {
+  std::vector<FaultState> states(count_);
+  for (const auto* rules : {&frames_, &delays_}) {
+    for (const Rule& rule : *rules) states[rule.number].hits += rule.hit;
+  }
+  for (const TimedFault& timed : timed_faults_) states[timed.number].is_active |= timed.active;
+  return states;
 }
 
 can::Time FaultPlan::TimedFault::next() const noexcept {

@@ -46,6 +46,7 @@ class FaultPlan {
   struct TimedFault {
     Fault fault;
     std::vector<BusPort*> ports;
+    std::size_t number = 0;  // in the list of faults
     bool active = false;
     can::Time next_act = can::never;  // babble: of the next frame; noise: of its next edge
     bool is_inverting = false;        // noise
@@ -57,6 +58,7 @@ class FaultPlan {
   [[nodiscard]] std::vector<TimedFault>& timed_faults() noexcept { return timed_faults_; }
   /// When a fault begins, ends or babbles next.
   [[nodiscard]] can::Time next() const noexcept { return timed_faults_.empty() ? can::never : next_change(); }
+  [[nodiscard]] std::vector<FaultState> states() const;
   [[nodiscard]] BitDriver& driver() noexcept { return driver_; }
   [[nodiscard]] const BitDriver& driver() const noexcept { return driver_; }
 
@@ -64,6 +66,7 @@ class FaultPlan {
   [[nodiscard]] can::Time next_change() const noexcept;
   struct Rule {
     Fault fault;
+    std::size_t number = 0;  // in the list of faults
     const BusPort* sender = nullptr;
     const BusPort* receiver = nullptr;
     std::uint64_t seen = 0;
@@ -77,6 +80,7 @@ class FaultPlan {
   std::vector<Rule> delays_;
   std::vector<TimedFault> timed_faults_;
   BitDriver driver_;
+  std::size_t count_ = 0;  // of faults
   std::mt19937_64 random_;
 };
 

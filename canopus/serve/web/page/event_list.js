@@ -26,8 +26,9 @@ export class EventList {
     this.choose();
   }
 
-  add(event, text) {
-    const row = { t: event.t, text, kind: event.event };
+  /// `data`: what the line has with it for who acts on it.
+  add(event, text, data = {}) {
+    const row = { t: event.t, text, kind: event.event, data };
     this.events.push(row);
     if (this.events.length > most_kept) {
       this.events.splice(0, most_kept / 10);
@@ -66,6 +67,7 @@ export class EventList {
       const line = make("div", { class: `event ${kind}` }, `${row.t.toFixed(6).padStart(12)}  ${row.text}`);
       line.style.top = `${i * row_height}px`;
       line.title = row.text;
+      Object.assign(line.dataset, row.data);
       rows.push(line);
     }
     this.inside.replaceChildren(...rows);

@@ -12,6 +12,7 @@ import { Plots } from "./plots.js";
 import { Commands, take_key } from "./commands.js";
 import { ProjectView } from "./project_view.js";
 import { StartView } from "./start_view.js";
+import { FaultView } from "./fault_view.js";
 import { has_users, key_of_session } from "./session.js";
 
 const by_id = (id) => document.getElementById(id);
@@ -31,6 +32,7 @@ const commands = new Commands((message) => {
 });
 const project_view = new ProjectView(by_id("project-section"), commands);
 const start_view = new StartView(by_id("start-section"), commands);
+const fault_view = new FaultView(by_id("faults-section"), by_id("frame-menu"), commands);
 const words = new WordView(by_id("words-section"), () => say_views());
 const boots = new BootView(by_id("boot-section"), () => say_views());
 const plots = new Plots(by_id("plots"), by_id("plot-list"));
@@ -212,7 +214,7 @@ function received(list) {
       state_at = performance.now();
     } else if (event.event === "messages") {
       if (event.left_out) messages.add({ t: event.t, event: "lost" }, `${event.left_out} frames were left out: more than can be shown`);
-      for (const message of event.messages) messages.add({ t: message.time, event: message.service }, message_line(message));
+      for (const message of event.messages) messages.add({ t: message.time, event: message.service }, message_line(message), { bus: message.channel, id: message.id });
       messages.draw();
     } else if (event.event === "words") {
       words.draw(event);
@@ -239,6 +241,7 @@ function greeted(hello) {
   draw_armed(hello.armed_for);
   set_text(by_id("role"), hello.user ? `${hello.user}, ${hello.role}` : hello.role);
   start_view.greeted(hello);
+  fault_view.greeted(hello);
   places.projects(project_view.greeted(hello));
 }
 
@@ -311,6 +314,12 @@ function close_node() {
   draw_node();
   [...document.querySelectorAll(".nodes li")].find((item) => item.dataset.key === key)?.firstElementChild.focus();
 }
+
+/// What if this frame were lost?
+by_id("messages").addEventListener("contextmenu", (event) => {
+  const line = event.target.closest(".event");
+  if (line?.dataset.id && fault_view.open_menu({ bus: line.dataset.bus, id: line.dataset.id }, event.clientX, event.clientY)) event.preventDefault();
+});
 
 by_id("close-node").addEventListener("click", close_node);
 document.addEventListener("keydown", (event) => {
