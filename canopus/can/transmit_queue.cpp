@@ -5,7 +5,7 @@
 namespace canopus::can {
 
 namespace {
-constexpr std::size_t first_frames = 32;
+constexpr std::size_t first_frames = 8;
 }
 
 void TransmitQueue::configure(bool sorted, std::size_t capacity) {

@@ -20,7 +20,7 @@ namespace canopus::can {
 }
 
 /// A bounded queue, sorted or not. Its memory grows with the longest queue there ever was, by doubling, from
-/// 32 frames on.
+/// 8 frames on.
 class TransmitQueue {
  public:
   void configure(bool sorted, std::size_t capacity);

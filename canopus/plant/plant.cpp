@@ -11,10 +11,11 @@ Plant::Plant() : parts_(std::make_unique<Parts>()) {}
 Plant::~Plant() = default;
 
 std::expected<std::unique_ptr<Plant>, std::vector<text::FileError>> Plant::build(
-    const PlantFile& file, PlantObserver& observer, std::optional<std::uint64_t> seed, BusOpener* opener) {
+    PlantFile file, PlantObserver& observer, std::optional<std::uint64_t> seed, BusOpener* opener) {
   std::unique_ptr<Plant> plant(new Plant);
-  plant->parts_->file = file;
-  auto errors = assemble(*plant->parts_, observer, seed.value_or(file.seed), opener);
+  const std::uint64_t file_seed = file.seed;
+  plant->parts_->file = std::move(file);
+  auto errors = assemble(*plant->parts_, observer, seed.value_or(file_seed), opener);
   if (!errors.empty()) {
     std::ranges::stable_sort(errors, {}, &text::FileError::place);
     return std::unexpected(std::move(errors));

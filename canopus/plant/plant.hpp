@@ -170,7 +170,7 @@ class Plant {
   /// plant file; notes of device files that were repaired are not among them (`canopus eds check` shows
   /// those). `seed` replaces the file's. Without an opener every bus is simulated, which is enough to look at a plant.
   [[nodiscard]] static std::expected<std::unique_ptr<Plant>, std::vector<text::FileError>> build(
-      const PlantFile& file, PlantObserver& observer, std::optional<std::uint64_t> seed = std::nullopt,
+      PlantFile file, PlantObserver& observer, std::optional<std::uint64_t> seed = std::nullopt,
       BusOpener* opener = nullptr);
   ~Plant();
   Plant(const Plant&) = delete;

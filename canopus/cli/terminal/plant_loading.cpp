@@ -80,7 +80,7 @@ std::unique_ptr<plant::Plant> load_plant(const std::string& path, plant::PlantOb
     }
   }
   if (errors.size() < enough_errors) {  // also with some, to find the others
-    auto plant = plant::Plant::build(reading.plant, observer, use.seed, use.opener);
+    auto plant = plant::Plant::build(std::move(reading.plant), observer, use.seed, use.opener);
     if (!plant) errors.insert(errors.end(), plant.error().begin(), plant.error().end());
     if (errors.empty()) return std::move(*plant);
   }

@@ -29,7 +29,9 @@ Rack::Rack(can::Timeline& timeline, const CpuModel& model, std::optional<can::Du
     if (device == index(Device::r)) continue;
     std::uint32_t points = model.end_of(static_cast<Device>(device));
     if (device == index(Device::zr)) points = std::max(points, model.points_of(Device::r));
-    memory_[device].resize(is_bit(static_cast<Device>(device)) ? (points + 15) / 16 : points);
+    const bool bits = is_bit(static_cast<Device>(device));
+    memory_[device].resize(bits ? (points + 15) / 16 : points);
+    if (bits) memory_[device].take_memory();  // a signal of a program allocates nothing
   }
   own_buffer_.resize(model.buffer_words);
   outputs_before_stop_.resize(memory_[index(Device::y)].size());
@@ -72,7 +74,7 @@ std::vector<Rack::ProductListRow> Rack::product_list() const {
 }
 
 void Rack::power_on(can::Time now, CpuState state) {
-  for (auto& words : memory_) std::ranges::fill(words, std::uint16_t{0});
+  for (DeviceWords& words : memory_) words.clear();
   std::ranges::fill(own_buffer_, std::uint16_t{0});
   std::ranges::fill(outputs_before_stop_, std::uint16_t{0});
   on_ = true;
@@ -134,8 +136,8 @@ bool Rack::output(std::uint32_t number) const noexcept {
 }
 
 void Rack::set_output(std::uint32_t number, bool on, can::Time now) {
-  std::uint16_t& block = memory_[index(Device::y)][number / 16];
-  block = module::with_bit(block, number % 16, on);
+  DeviceWords& outputs = memory_[index(Device::y)];
+  outputs.set(number / 16, module::with_bit(outputs[number / 16], number % 16, on));
   output_to_module(number, on, now);
 }
 
@@ -150,7 +152,7 @@ void Rack::set_cpu_state(CpuState state, can::Time now) {
   condition_.stop_cause = StopCause::remote;
   if (state == CpuState::stop) {
     condition_.scan.stop(now);
-    outputs_before_stop_ = memory_[index(Device::y)];
+    memory_[index(Device::y)].read(0, outputs_before_stop_);
     tell_cpu_state(now);
     for (std::uint32_t number = 0; number < model_.points_of(Device::y); ++number)
       if (output(number)) set_output(number, false, now);
@@ -209,12 +211,11 @@ void Rack::clear_devices(bool latched, can::Time now) {
     if (device == Device::l && !latched) continue;
     const std::uint32_t points = model_.points_of(device);  // special ones stay
     const std::size_t words = is_bit(device) ? (points + 15) / 16 : points;
-    std::ranges::fill(std::span(memory_[number]).first(std::min(words, memory_[number].size())),
-                      std::uint16_t{0});
+    memory_[number].clear(std::min(words, memory_[number].size()));
   }
 }
 
-void Rack::clear_latched() noexcept { std::ranges::fill(memory_[index(Device::l)], std::uint16_t{0}); }
+void Rack::clear_latched() noexcept { memory_[index(Device::l)].clear(); }
 
 void Rack::set_clock(std::chrono::local_seconds clock, can::Time now) noexcept {
   condition_.clock = clock;
@@ -232,7 +233,7 @@ Rack::Access Rack::read_words(Device device, std::uint32_t first, std::span<std:
   const auto count = static_cast<std::uint32_t>(words.size());
   if (!is_bit(device)) {
     if (Access access = check(device, first, count); !access) return access;
-    std::ranges::copy(memory(device).subspan(first, count), words.begin());
+    memory(device).read(first, words);
     if (device == model_.special_register()) {
       for (std::uint32_t i = 0; i < count; ++i)
         words[i] = special_register(model_, condition_, first + i, now).value_or(words[i]);
@@ -262,7 +263,7 @@ Rack::Access Rack::write_words(Device device, std::uint32_t first, std::span<con
   const auto count = static_cast<std::uint32_t>(words.size());
   if (!is_bit(device)) {
     if (Access access = check(device, first, count); !access) return access;
-    std::ranges::copy(words, memory(device).subspan(first, count).begin());
+    memory(device).write(first, words);
     write_registers(device, first, words, now);
     return {};
   }
@@ -302,7 +303,7 @@ const Rack::Slot* Rack::slot_of_point(std::uint32_t point) const noexcept {
   return number == empty ? nullptr : &slots_[number];
 }
 
-std::span<std::uint16_t> Rack::memory(Device device) noexcept { return memory_[index(stored_as(device))]; }
+DeviceWords& Rack::memory(Device device) noexcept { return memory_[index(stored_as(device))]; }
 
 std::uint16_t Rack::bit_block(Device device, std::uint32_t block, can::Time now) {
   if (device == Device::x && family_info(model_.family).modules_have_points) {
@@ -317,8 +318,8 @@ std::uint16_t Rack::bit_block(Device device, std::uint32_t block, can::Time now)
 }
 
 void Rack::write_bit(Device device, std::uint32_t number, bool on, can::Time now) {
-  std::uint16_t& block = memory_[index(device)][number / 16];
-  block = module::with_bit(block, number % 16, on);
+  DeviceWords& words = memory_[index(device)];
+  words.set(number / 16, module::with_bit(words[number / 16], number % 16, on));
   if (device == Device::y && !scan_handle_) output_to_module(number, on, now);
 }
 

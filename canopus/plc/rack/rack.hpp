@@ -25,6 +25,7 @@
 #include "canopus/can/timeline.hpp"
 #include "canopus/module/interface/module.hpp"
 #include "canopus/plc/cpu/device.hpp"
+#include "canopus/plc/cpu/device_words.hpp"
 #include "canopus/plc/rack/end_processing.hpp"
 #include "canopus/plc/rack/special_devices.hpp"
 
@@ -172,7 +173,7 @@ class Rack final : private can::Ticker {
   [[nodiscard]] can::Time deadline() const noexcept override { return next_refresh_; }
 
   [[nodiscard]] const Slot* slot_of_point(std::uint32_t point) const noexcept;
-  [[nodiscard]] std::span<std::uint16_t> memory(Device device) noexcept;
+  [[nodiscard]] DeviceWords& memory(Device device) noexcept;
   /// 16 points from number 16 * block on, as they read.
   [[nodiscard]] std::uint16_t bit_block(Device device, std::uint32_t block, can::Time now);
   [[nodiscard]] std::uint32_t inputs_of(const Slot& slot) const noexcept;
@@ -192,8 +193,8 @@ class Rack final : private can::Ticker {
   CpuModel model_;
   std::vector<Slot> slots_;
   std::vector<RackListener*> listeners_;
-  std::array<std::uint8_t, block_count> slot_of_block_{};        // number in slots_, or empty
-  std::array<std::vector<std::uint16_t>, device_count> memory_;  // bit devices: 16 points per word
+  std::array<std::uint8_t, block_count> slot_of_block_{};  // number in slots_, or empty
+  std::array<DeviceWords, device_count> memory_;           // bit devices: 16 points per word
   std::vector<std::uint16_t> own_buffer_;
   std::vector<std::uint16_t> outputs_before_stop_;
   CpuCondition condition_;

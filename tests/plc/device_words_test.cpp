@@ -1,0 +1,68 @@
+// Words of a CPU's device against a plain vector of them: reads, writes and clearing over the ends of pages.
+
+#include "canopus/plc/cpu/device_words.hpp"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+namespace canopus::plc {
+namespace {
+
+constexpr std::size_t size = 5000;  // the last page is not full
+
+struct Piece {
+  std::size_t first;
+  std::size_t count;
+};
+
+Piece any_piece() {
+  const auto first = *rc::gen::inRange<std::size_t>(0, size);
+  return {first, *rc::gen::inRange<std::size_t>(0, std::min<std::size_t>(size - first, 2500) + 1)};
+}
+
+RC_GTEST_PROP(DeviceWords, HoldWhatWasWritten, ()) {
+  DeviceWords words;
+  words.resize(size);
+  if (*rc::gen::arbitrary<bool>()) words.take_memory();
+  std::vector<std::uint16_t> expected(size);
+  const int steps = *rc::gen::inRange(1, 20);
+  for (int step = 0; step < steps; ++step) {
+    const Piece piece = any_piece();
+    const auto what = *rc::gen::inRange(0, 4);
+    if (what == 0) {
+      words.clear(piece.first);
+      std::fill_n(expected.begin(), piece.first, std::uint16_t{0});
+    } else if (what == 1 && piece.count > 0) {
+      const auto word = *rc::gen::arbitrary<std::uint16_t>();
+      words.set(piece.first, word);
+      expected[piece.first] = word;
+    } else {
+      // Zeros, too: they take no memory, but count where something else was.
+      std::vector<std::uint16_t> written(piece.count);
+      if (what == 2) {
+        for (std::size_t i = 0; i < written.size(); ++i) written[i] = static_cast<std::uint16_t>(step + i);
+      }
+      words.write(piece.first, written);
+      std::ranges::copy(written, expected.begin() + static_cast<std::ptrdiff_t>(piece.first));
+    }
+    const Piece seen = any_piece();
+    std::vector<std::uint16_t> read(seen.count, 0xAAAA);
+    words.read(seen.first, read);
+    for (std::size_t i = 0; i < read.size(); ++i) RC_ASSERT(read[i] == expected[seen.first + i]);
+  }
+  for (std::size_t i = 0; i < size; ++i) RC_ASSERT(words[i] == expected[i]);
+}
+
+TEST(DeviceWords, AreZeroAtFirst) {
+  DeviceWords words;
+  words.resize(size);
+  ASSERT_EQ(words.size(), size);
+  std::vector<std::uint16_t> read(size, 0xAAAA);
+  words.read(0, read);
+  EXPECT_EQ(read, std::vector<std::uint16_t>(size));
+}
+
+}  // namespace
+}  // namespace canopus::plc
