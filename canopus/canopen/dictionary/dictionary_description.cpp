@@ -13,6 +13,14 @@ Entry DictionaryDescription::find(std::uint16_t index, std::uint8_t sub) const n
   return object == nullptr ? Entry{} : find(*object, sub);
 }
 
+std::span<const ObjectDescription> DictionaryDescription::objects(std::uint16_t first,
+                                                                  std::uint16_t last) const noexcept {
+  const auto all = objects();
+  const auto begin = std::ranges::lower_bound(all, first, {}, &ObjectDescription::index);
+  const auto end = std::ranges::upper_bound(begin, all.end(), last, {}, &ObjectDescription::index);
+  return {begin, end};
+}
+
 DictionaryDescription::DictionaryDescription(std::shared_ptr<const Layout> layout)
     : positions_(layout->positions.data()),
       objects_(layout->objects.data()),
@@ -21,6 +29,28 @@ DictionaryDescription::DictionaryDescription(std::shared_ptr<const Layout> layou
       shift_(32U - static_cast<std::uint32_t>(std::countr_zero(layout->positions.size()))),
       mask_(static_cast<std::uint32_t>(layout->positions.size() - 1)),
       layout_(std::move(layout)) {}
+
+// Lengths have seven bits to a byte, the lowest ones first; bit 7: another byte follows.
+std::uint32_t DictionaryDescription::Layout::add_name(std::string_view name) {
+  if (text.empty()) text.push_back('\0');  // no name has number 0
+  const auto number = static_cast<std::uint32_t>(text.size());
+  std::size_t length = name.size();
+  for (; length > 0x7F; length >>= 7U) text.push_back(static_cast<char>(0x80U | (length & 0x7FU)));
+  text.push_back(static_cast<char>(length));
+  text += name;
+  return number;
+}
+
+std::string_view DictionaryDescription::Layout::name(std::uint32_t number) const noexcept {
+  std::size_t length = 0;
+  unsigned shift = 0;
+  for (;; shift += 7) {
+    const auto byte = static_cast<unsigned char>(text[number++]);
+    length |= std::size_t{byte & 0x7FU} << shift;
+    if (byte < 0x80) break;
+  }
+  return std::string_view(text).substr(number, length);
+}
 
 // A table of at least twice as many places as there are objects. Of a few multipliers the one that lets the
 // look-ups end soonest is taken: most objects are then found at the first place.
@@ -98,7 +128,7 @@ AbortCode DictionaryDescription::check_limits(const Entry& entry,
   const EntryDescription& d = *entry.description;
   if (d.type == DataType::boolean && value[0] > 1) return AbortCode::value_too_high;
   if (d.limits == 0) return AbortCode::none;
-  const Limits& limits = this->limits(entry);
+  const Limits& limits = layout_->limits[d.limits - 1U];
   std::uint64_t raw = 0;
   std::memcpy(&raw, value.data(), d.length);
   const auto outside = [&](auto convert) {
@@ -192,45 +222,76 @@ DictionaryBuilder& DictionaryBuilder::uniform(std::uint16_t index, ObjectCode co
   return *this;
 }
 
+// Entries that are there already, one after another as these, are not added again.
+std::uint32_t DictionaryDescription::Layout::add_entries(
+    const std::vector<EntryDescription>& added, std::unordered_multimap<std::size_t, std::uint32_t>& known) {
+  std::size_t hash = added.size();
+  for (const EntryDescription& entry : added) {
+    const std::size_t what = std::size_t{entry.offset} << 32U | entry.name;
+    const std::size_t how = std::size_t{entry.limits} << 16U | static_cast<std::size_t>(entry.type) << 8U |
+                            static_cast<std::size_t>(entry.access);
+    hash = (hash ^ what ^ how << 8U) * 0x9E37'79B9'7F4A'7C15U;
+    hash ^= hash >> 32U;
+  }
+  const auto [first, last] = known.equal_range(hash);
+  for (auto place = first; place != last; ++place) {
+    const auto there = std::span(entries).subspan(place->second);
+    if (there.size() >= added.size() && std::ranges::equal(there.first(added.size()), added))
+      return place->second;
+  }
+  const auto number = static_cast<std::uint32_t>(entries.size());
+  entries.insert(entries.end(), added.begin(), added.end());
+  known.emplace(hash, number);
+  return number;
+}
+
 std::shared_ptr<const DictionaryDescription> DictionaryBuilder::build() const {
   auto layout = std::make_shared<DictionaryDescription::Layout>();
   DictionaryDescription::Layout& d = *layout;
   std::unordered_map<std::string_view, std::uint32_t> known_names;  // of the specifications' own strings
   const auto name_number = [&](std::string_view name) {
-    const auto [place, is_new] = known_names.try_emplace(name, static_cast<std::uint32_t>(d.names.size()));
+    const auto [place, is_new] = known_names.try_emplace(name, 0);
+    if (is_new) place->second = d.add_name(name);
+    return place->second;
+  };
+  std::map<Limits, std::uint16_t> known_limits;
+  const auto limits_number = [&](const Limits& limits) -> std::uint16_t {
+    if (!limits.low && !limits.high) return 0;
+    const auto [place, is_new] = known_limits.try_emplace(limits, 0);
     if (is_new) {
-      d.names.push_back(static_cast<std::uint32_t>(d.text.size()));
-      d.text += name;
+      d.limits.push_back(limits);
+      place->second = static_cast<std::uint16_t>(d.limits.size());
     }
     return place->second;
   };
-  d.limits.emplace_back();  // number 0: no limits
 
-  const auto place_entry = [&](const EntrySpec& spec, unsigned count) {
+  // Lets whole words be loaded as such.
+  const auto align = [&d](unsigned length) {
+    if (length == 2 || length == 4 || length == 8)
+      d.image.resize((d.image.size() + length - 1U) / length * length);
+  };
+  const auto place_entry = [&](const EntrySpec& spec, const ObjectSpec& object, std::uint32_t base,
+                               unsigned count) {
     EntryDescription entry;
-    entry.name = name_number(spec.name);
+    entry.name = spec.name == object.name ? 0 : name_number(spec.name);
     entry.type = spec.type;
     entry.access = spec.access;
     entry.rpdo_mappable = spec.rpdo_mappable;
     entry.tpdo_mappable = spec.tpdo_mappable;
     entry.stored = spec.stored;
-    if (spec.limits.low || spec.limits.high) {
-      entry.limits = static_cast<std::uint16_t>(d.limits.size());
-      d.limits.push_back(spec.limits);
-    }
+    d.marks_stored = d.marks_stored || spec.stored;
+    entry.limits = limits_number(spec.limits);
     entry.length = static_cast<std::uint8_t>(byte_length(spec.type));
     entry.is_plainly_readable = entry.length != 0 && entry.length <= 4 && is_readable(entry.access);
     entry.is_plainly_writable = entry.length != 0 && entry.length <= 4 && is_writable(entry.access) &&
                                 entry.limits == 0 && entry.type != DataType::boolean;
     if (entry.length == 0) {
-      entry.offset = static_cast<std::uint32_t>(d.slots.size());
+      entry.offset = static_cast<std::uint32_t>(d.slots.size()) - base;
       for (unsigned i = 0; i < count; ++i) d.slots.push_back(spec.value);
       return entry;
     }
-    if (entry.length == 2 || entry.length == 4 || entry.length == 8) {  // let whole words be loaded as such
-      d.image.resize((d.image.size() + entry.length - 1U) / entry.length * entry.length);
-    }
-    entry.offset = static_cast<std::uint32_t>(d.image.size());
+    align(entry.length);
+    entry.offset = static_cast<std::uint32_t>(d.image.size()) - base;
     for (unsigned i = 0; i < count; ++i) {
       const std::size_t start = d.image.size();
       d.image.resize(start + entry.length);
@@ -243,6 +304,8 @@ std::shared_ptr<const DictionaryDescription> DictionaryBuilder::build() const {
     return entry;
   };
 
+  std::vector<EntryDescription> entries;  // of an object
+  std::unordered_multimap<std::size_t, std::uint32_t> known_entries;
   EntrySpec number_of_subs{
       .name = "Highest sub-index supported", .type = DataType::unsigned8, .access = Access::constant};
   bool in_communication_area = true;
@@ -256,46 +319,58 @@ std::shared_ptr<const DictionaryDescription> DictionaryBuilder::build() const {
     object.index = index;
     object.code = spec.code;
     object.uniform = spec.uniform_count != 0;
-    object.name = name_number(spec.name);
-    object.first_entry = static_cast<std::uint32_t>(d.entries.size());
+    object.name = name_number(spec.name) & 0x7FFF'FFFFU;
     object.highest_sub = object.uniform      ? spec.uniform_count
                          : spec.subs.empty() ? std::uint8_t{0}
                                              : spec.subs.rbegin()->first;
+    // Every object begins where its longest value may: so the values of objects that are alike lie alike.
+    unsigned longest = 1;
+    bool has_values = false;
+    for (const auto& [sub, entry] : spec.subs) {
+      const unsigned length = byte_length(entry.type);
+      has_values = has_values || length != 0;
+      if (length == 2 || length == 4 || length == 8) longest = std::max(longest, length);
+    }
     const bool is_structured = spec.code == ObjectCode::array || spec.code == ObjectCode::record ||
                                spec.code == ObjectCode::structure_definition;
-    if (is_structured && !spec.subs.contains(0)) {
+    const bool makes_number = is_structured && !spec.subs.contains(0);
+    has_values = has_values || makes_number;
+    if (has_values) align(longest);
+    object.offset = static_cast<std::uint32_t>(has_values ? d.image.size() : d.slots.size());
+    entries.clear();
+    if (makes_number) {
       std::uint8_t highest = object.highest_sub;
       if (highest == 0xFF) {  // FFH describes the object itself and does not count
         const auto place = spec.subs.find(0xFF);
         highest = place == spec.subs.begin() ? std::uint8_t{0} : std::prev(place)->first;
       }
       number_of_subs.value = {highest};
-      d.entries.push_back(place_entry(number_of_subs, 1));
+      entries.push_back(place_entry(number_of_subs, spec, object.offset, 1));
     } else if (spec.subs.empty()) {
-      d.entries.emplace_back();  // an object without any sub-index
+      entries.emplace_back();  // an object without any sub-index
     }
     for (const auto& [sub, entry] : spec.subs) {
-      const std::size_t wanted = object.first_entry + (object.uniform && sub != 0 ? 1U : sub);
-      while (d.entries.size() < wanted) d.entries.emplace_back();  // a gap: no such sub-index
-      d.entries.push_back(place_entry(entry, object.uniform && sub != 0 ? spec.uniform_count : 1U));
+      const std::size_t wanted = object.uniform && sub != 0 ? 1U : sub;
+      while (entries.size() < wanted) entries.emplace_back();  // a gap: no such sub-index
+      entries.push_back(
+          place_entry(entry, spec, object.offset, object.uniform && sub != 0 ? spec.uniform_count : 1U));
     }
+    object.first_entry = d.add_entries(entries, known_entries);
     d.objects.push_back(object);
   }
   if (in_communication_area) {
     d.communication_block_size = d.image.size();
     d.communication_slot_count = d.slots.size();
   }
-  d.names.push_back(static_cast<std::uint32_t>(d.text.size()));
   d.index_objects();
   d.objects.shrink_to_fit();
   d.entries.shrink_to_fit();
   d.text.shrink_to_fit();
-  d.names.shrink_to_fit();
   d.limits.shrink_to_fit();
   d.image.shrink_to_fit();
   d.slots.shrink_to_fit();
   d.node_id_defaults.shrink_to_fit();
-  return std::shared_ptr<const DictionaryDescription>(new DictionaryDescription(std::move(layout)));
+  return std::make_shared<const DictionaryDescription>(DictionaryDescription(std::move(layout)));
 }
 
 std::vector<std::uint8_t> text(std::string_view value) { return {value.begin(), value.end()}; }

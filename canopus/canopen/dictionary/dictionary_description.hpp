@@ -12,6 +12,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "canopus/can/little_endian.hpp"
@@ -20,11 +21,12 @@
 
 namespace canopus::canopen {
 
-/// One sub-index. `offset` and `length` say where its value lies in a node's value block; for types of
-/// variable length `offset` is the number of its slot instead and `length` is 0.
+/// One sub-index. `offset` and `length` say where its value lies in a node's value block, `offset` from the object's
+/// on; for types of variable length that is the number of its slot instead and `length` is 0. Objects whose sub-indexes are
+/// alike (all plain variables of a type, PDOs of a file) have the same ones.
 struct EntryDescription {
-  std::uint32_t offset = 0;
-  std::uint32_t name = 0;          ///< in DictionaryDescription::name()
+  std::uint32_t offset = 0;        ///< added to ObjectDescription::offset, modulo 2^32
+  std::uint32_t name = 0;          ///< in DictionaryDescription::name(); 0 = the object's
   std::uint16_t limits = 0;        ///< 0 = none, else DictionaryDescription::limits(limits)
   DataType type = DataType::none;  ///< none: this sub-index does not exist
   Access access = Access::read_only;
@@ -35,6 +37,8 @@ struct EntryDescription {
   /// May be written by whatever is as long: a number of 1..4 bytes without limits.
   bool is_plainly_writable : 1 = false;
   bool is_plainly_readable : 1 = false;  ///< 1..4 bytes that may be read
+
+  [[nodiscard]] bool operator==(const EntryDescription&) const noexcept = default;
 };
 
 /// Lowest and highest value, as the 64-bit pattern of the entry's type (sign-extended, or an IEEE double for
@@ -42,6 +46,8 @@ struct EntryDescription {
 struct Limits {
   std::optional<std::uint64_t> low;
   std::optional<std::uint64_t> high;
+
+  [[nodiscard]] auto operator<=>(const Limits&) const noexcept = default;
 };
 
 /// One index. A uniform object (CompactSubObj, or an array of alikes) has one description for all of its
@@ -50,9 +56,10 @@ struct ObjectDescription {
   std::uint16_t index = 0;
   ObjectCode code = ObjectCode::variable;
   std::uint8_t highest_sub = 0;
-  bool uniform = false;
   std::uint32_t first_entry = 0;
-  std::uint32_t name = 0;
+  std::uint32_t offset = 0;  ///< of its first value in a node's value block; without one: of its first slot
+  std::uint32_t name : 31 = 0;
+  bool uniform : 1 = false;
 };
 
 /// A sub-index found: its description, and where its value lies.
@@ -106,11 +113,11 @@ class DictionaryDescription {
   [[nodiscard]] Entry place(const ObjectDescription& object, std::uint8_t sub) const noexcept {
     if (!object.uniform || sub == 0) [[likely]] {
       const EntryDescription& entry = entries_[object.first_entry + sub];
-      return {&entry, entry.offset, object.index, sub};
+      return {&entry, object.offset + entry.offset, object.index, sub};
     }
     const EntryDescription& entry = entries_[object.first_entry + 1];
     const std::uint32_t step = entry.length == 0 ? 1U : entry.length;
-    return {&entry, entry.offset + (sub - 1U) * step, object.index, sub};
+    return {&entry, object.offset + entry.offset + (sub - 1U) * step, object.index, sub};
   }
   /// Position of the object among all (0, 1, 2 ... in order of index); the object must be one of this
   /// description's.
@@ -129,11 +136,16 @@ class DictionaryDescription {
     return layout_->name(object.name);
   }
   [[nodiscard]] std::string_view name(const Entry& entry) const noexcept {
-    return layout_->name(entry.description->name);
+    return entry.description->name == 0 ? name(*find(entry.index)) : layout_->name(entry.description->name);
   }
-  [[nodiscard]] const Limits& limits(const Entry& entry) const noexcept {
-    return layout_->limits[entry.description->limits];
+  [[nodiscard]] Limits limits(const Entry& entry) const noexcept {
+    return entry.description->limits == 0 ? Limits{} : layout_->limits[entry.description->limits - 1U];
   }
+  /// Some entries are marked as saved by 1010H: EntryDescription::stored.
+  [[nodiscard]] bool marks_stored() const noexcept { return layout_->marks_stored; }
+  /// The objects from index `first` to `last`, in order of index.
+  [[nodiscard]] std::span<const ObjectDescription> objects(std::uint16_t first,
+                                                           std::uint16_t last) const noexcept;
   /// Size of a node's value block, and of the part of it that holds 0000H-1FFFH (it comes first).
   [[nodiscard]] std::size_t block_size() const noexcept { return layout_->image.size(); }
   [[nodiscard]] std::size_t communication_block_size() const noexcept {
@@ -176,8 +188,7 @@ class DictionaryDescription {
   struct Layout {
     std::vector<ObjectDescription> objects;
     std::vector<EntryDescription> entries;
-    std::string text;                  // all names, one after another
-    std::vector<std::uint32_t> names;  // where each begins in it, and the end
+    std::string text;  // all names, each behind its length; a name's number is its place in here
     std::vector<Limits> limits;
     std::vector<std::uint8_t> image;
     std::vector<std::vector<std::uint8_t>> slots;
@@ -186,11 +197,14 @@ class DictionaryDescription {
     std::uint32_t multiplier = 0;          // of the hash
     std::size_t communication_block_size = 0;
     std::size_t communication_slot_count = 0;
+    bool marks_stored = false;
 
-    [[nodiscard]] std::string_view name(std::uint32_t number) const noexcept {
-      return std::string_view(text).substr(names[number], names[number + 1] - names[number]);
-    }
+    [[nodiscard]] std::string_view name(std::uint32_t number) const noexcept;
+    std::uint32_t add_name(std::string_view name);
     void index_objects();
+    /// Returns where they are; `known`: by hash, those that were added before.
+    std::uint32_t add_entries(const std::vector<EntryDescription>& added,
+                              std::unordered_multimap<std::size_t, std::uint32_t>& known);
   };
   [[nodiscard]] AbortCode check_limits(const Entry& entry,
                                        std::span<const std::uint8_t> value) const noexcept;

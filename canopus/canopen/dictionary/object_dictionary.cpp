@@ -98,11 +98,16 @@ void ObjectDictionary::assign(const Entry& entry, std::span<const std::uint8_t> 
 void ObjectDictionary::attach(std::uint16_t first, std::uint16_t last, ObjectHandler& handler) {
   last_short_ = {};
   auto known = std::find(handlers_.begin(), handlers_.end(), &handler);
-  if (known == handlers_.end()) known = handlers_.insert(handlers_.end(), &handler);
+  if (known == handlers_.end()) {
+    // A usual node has nine; there are many nodes.
+    constexpr std::size_t usual = 9;
+    if (handlers_.size() == handlers_.capacity())
+      handlers_.reserve(std::max(usual + 1, handlers_.size() + 2));
+    known = handlers_.insert(handlers_.end(), &handler);
+  }
   const auto number = static_cast<std::uint8_t>(known - handlers_.begin());
-  for (const ObjectDescription& object : description_->objects()) {
-    if (object.index >= first && object.index <= last)
-      handler_numbers_[description_->position(object)] = number;
+  for (const ObjectDescription& object : description_->objects(first, last)) {
+    handler_numbers_[description_->position(object)] = number;
   }
 }
 

@@ -35,9 +35,7 @@ void for_each_entry(const DictionaryDescription& description, Visit&& visit) {
 }  // namespace
 
 StoredParameters::StoredParameters(NodeContext& node) : node_(node) {
-  for_each_entry(node.dictionary.description(), [this](const Entry& entry) {
-    marks_entries_ = marks_entries_ || entry.description->stored;
-  });
+  marks_entries_ = node.dictionary.description().marks_stored();
   const Entry save_all = node.dictionary.description().find(0x1010, 1);
   has_save_all_ = save_all && save_all.description->length != 0;
   save_all_ = has_save_all_ ? save_all.offset : 0;
