@@ -188,6 +188,7 @@ void join_alike_members(ObjectDraft& object) {
   object.subs.erase(std::next(object.subs.begin(), 2), object.subs.end());
 }
 
+/// The draft is used up.
 void build(Draft& draft, DeviceFile& device) {
   canopen::DictionaryBuilder builder;
   std::vector<EntryFacts> facts;
@@ -197,23 +198,24 @@ void build(Draft& draft, DeviceFile& device) {
     for (auto& [sub, entry] : object.subs) {
       entry.facts.index = index;
       entry.facts.sub = sub;
-      facts.push_back(entry.facts);
+      facts.push_back(std::move(entry.facts));
       if (!entry.spec.limits.low && !entry.spec.limits.high) continue;
       if (++limits > most_limits) entry.spec.limits = {};
     }
     if (!object.is_structured()) {
-      canopen::EntrySpec spec = object.subs.begin()->second.spec;
-      spec.name = object.name;
+      canopen::EntrySpec spec = std::move(object.subs.begin()->second.spec);
+      spec.name = std::move(object.name);
       builder.variable(index, std::move(spec));
       continue;
     }
     if (object.uniform_count != 0) {
-      builder.uniform(index, object.code, object.name, object.uniform_count, object.subs.at(1).spec);
-      builder.sub(index, 0, object.subs.at(0).spec);
+      builder.uniform(index, object.code, std::move(object.name), object.uniform_count,
+                      std::move(object.subs.at(1).spec));
+      builder.sub(index, 0, std::move(object.subs.at(0).spec));
       continue;
     }
-    builder.object(index, object.code, object.name);
-    for (const auto& [sub, entry] : object.subs) builder.sub(index, sub, entry.spec);
+    builder.object(index, object.code, std::move(object.name));
+    for (auto& [sub, entry] : object.subs) builder.sub(index, sub, std::move(entry.spec));
   }
   device.facts = std::move(facts);
   device.dictionary = builder.build();

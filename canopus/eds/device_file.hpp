@@ -80,6 +80,38 @@ struct Commissioning {
   std::uint32_t lss_serial_number = 0;
 };
 
+/// A text that hardly any entry has: a pointer.
+class RareText {
+ public:
+  RareText() = default;
+  explicit RareText(std::string text)
+      : text_(text.empty() ? nullptr : std::make_unique<const std::string>(std::move(text))) {}
+  RareText(const RareText& other) : RareText(other.text()) {}
+  RareText(RareText&&) noexcept = default;
+  RareText& operator=(const RareText& other) { return *this = RareText(other); }
+  RareText& operator=(RareText&&) noexcept = default;
+  RareText& operator=(std::string text) { return *this = RareText(std::move(text)); }
+  ~RareText() = default;
+
+  [[nodiscard]] const std::string& text() const noexcept {
+    static const std::string none;
+    return text_ ? *text_ : none;
+  }
+  operator const std::string&() const noexcept { return text(); }
+  [[nodiscard]] bool empty() const noexcept { return text_ == nullptr; }
+
+  friend bool operator==(const RareText& a, const RareText& b) noexcept { return a.text() == b.text(); }
+  friend bool operator==(const RareText& a, std::string_view b) noexcept { return a.text() == b; }
+  template <typename Stream>
+  friend Stream& operator<<(Stream& stream, const RareText& text) {
+    stream << text.text();
+    return stream;
+  }
+
+ private:
+  std::unique_ptr<const std::string> text_;  // nullptr: empty
+};
+
 /// What a file says of a sub-index beyond what a dictionary needs.
 struct EntryFacts {
   std::uint16_t index = 0;
@@ -87,10 +119,10 @@ struct EntryFacts {
   unsigned line = 0;               ///< of its section
   std::uint32_t object_flags = 0;  ///< bit 0: do not write on download, bit 1: do not read on scan
   bool configured = false;         ///< a DCF gives it a ParameterValue: to be downloaded
-  std::string default_text;        ///< of a configured one: its DefaultValue as the file writes it
-  std::string denotation;          ///< the application's name for it
-  std::string upload_file;         ///< DOMAIN: receives what is read
-  std::string download_file;       ///< DOMAIN: is written to the device
+  RareText default_text;           ///< of a configured one: its DefaultValue as the file writes it
+  RareText denotation;             ///< the application's name for it
+  RareText upload_file;            ///< DOMAIN: receives what is read
+  RareText download_file;          ///< DOMAIN: is written to the device
 };
 
 /// [MxModuleInfo] of a modular device, x = position + 1.

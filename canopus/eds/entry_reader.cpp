@@ -52,6 +52,7 @@ Access read_access(const ObjectKeys& keys, std::uint16_t index, std::uint8_t sub
 bool read_mappable(const ObjectKeys& keys, std::uint16_t index, std::uint8_t sub, Problems& problems) {
   const Item* item = keys.find("pdomapping");
   if (item == nullptr) return false;
+  if (item->value == "0" || item->value == "1") return item->value == "1";
   const Place place{problems, *item, index, sub};
   const std::string word = folded(without_comment(item->value));
   constexpr std::string_view yes[] = {"yes", "true", "optional", "default", "tpdo", "rpdo"};

@@ -10,6 +10,8 @@ namespace {
 
 using Severity = Problem::Severity;
 
+constexpr std::size_t usual_items = 8;  // of a section: those of a sub-index
+
 bool is_comment(std::string_view line) noexcept {
   return line.starts_with(';') || line.starts_with('#') || line.starts_with("//");
 }
@@ -120,6 +122,7 @@ const Item* IniFile::known_item(const Section& section, std::string_view folded_
 
 void IniFile::add_item(std::string_view line, std::size_t equals, unsigned number, Problems& problems) {
   Section& section = sections_[current_ - 1];
+  if (section.items.empty()) section.items.reserve(usual_items);
   Item item;
   const std::string_view key = trim(line.substr(0, equals));
   item.key = printable(key);
@@ -128,7 +131,8 @@ void IniFile::add_item(std::string_view line, std::size_t equals, unsigned numbe
   item.value = value;
   item.line = number;
   item.column = static_cast<unsigned>(value.empty() ? equals + 2 : value.data() - line.data() + 1);
-  if (std::ranges::any_of(key, [](char c) { return c == ' ' || c == '\t'; })) {
+  if (item.folded_key.size() != key.size() &&
+      std::ranges::any_of(key, [](char c) { return c == ' ' || c == '\t'; })) {
     problems.repeated(Severity::note, "blank in key " + item.folded_key, number,
                       "key \"" + item.key + "\" is written with a blank");
   }

@@ -75,6 +75,28 @@ std::optional<Number> signed_number(std::string_view text) {
   return number;
 }
 
+/// A number as nearly all are written: 1..16 digits behind 0x, or 1..19 decimal ones that do not begin with 0. Nothing for
+/// others, which are looked at more closely.
+std::optional<Number> usual_number(std::string_view text) noexcept {
+  Number number;
+  number.hexadecimal = text.size() > 2 && text[0] == '0' && (text[1] == 'x' || text[1] == 'X');
+  if (number.hexadecimal) text.remove_prefix(2);
+  if (text.empty() || text.size() > (number.hexadecimal ? 16U : 19U)) return std::nullopt;
+  if (!number.hexadecimal && text.front() == '0' && text.size() > 1) return std::nullopt;
+  for (const char c : text) {
+    const auto digit = static_cast<unsigned char>(c - '0');
+    if (!number.hexadecimal) {
+      if (digit > 9) return std::nullopt;
+      number.magnitude = number.magnitude * 10 + digit;
+      continue;
+    }
+    const auto letter = static_cast<unsigned char>((c | 0x20) - 'a');
+    if (digit > 9 && letter > 5) return std::nullopt;
+    number.magnitude = number.magnitude << 4U | (digit <= 9 ? digit : letter + 10U);
+  }
+  return number;
+}
+
 }  // namespace
 
 std::string_view without_comment(std::string_view text) noexcept {
@@ -82,6 +104,7 @@ std::string_view without_comment(std::string_view text) noexcept {
 }
 
 std::optional<Number> read_number(std::string_view text) {
+  if (const auto usual = usual_number(text)) return usual;
   std::string_view overlooked;
   const std::string_view bare = without_comment(text);
   if (bare.size() != trim(text).size()) overlooked = "a comment behind the number";

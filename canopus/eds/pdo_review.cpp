@@ -224,7 +224,16 @@ void repair_cob_ids(Draft& draft, Problems& problems) {
 
 void review_mappings(Draft& draft, std::uint32_t dummy_usage, Problems& problems) {
   for (const bool transmit : {false, true}) {
-    for (std::uint16_t number = 0; number < most_pdos; ++number) {
+    std::uint16_t number = 0;
+    // The number of the first record from this one on, if it is a PDO's.
+    const auto next_of = [&](std::uint16_t base) {
+      const auto place = draft.lower_bound(static_cast<std::uint16_t>(base + number));
+      return place == draft.end() ? most_pdos : std::min<unsigned>(place->first - base, most_pdos);
+    };
+    for (;; ++number) {
+      number = static_cast<std::uint16_t>(
+          std::min(next_of(communication_base[transmit]), next_of(mapping_base[transmit])));
+      if (number == most_pdos) break;
       const auto communication =
           draft.find(static_cast<std::uint16_t>(communication_base[transmit] + number));
       const auto mapping = draft.find(static_cast<std::uint16_t>(mapping_base[transmit] + number));

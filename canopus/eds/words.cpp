@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <utility>
 #include <vector>
 
@@ -17,6 +18,8 @@ using canopen::ObjectCode;
 constexpr bool is_blank(char c) noexcept {
   return c == ' ' || c == '\t' || c == '\v' || c == '\f' || c == '\r';
 }
+
+constexpr char lower(char c) noexcept { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 /// A number, as most files have it: no word.
 constexpr bool begins_with_digit(std::string_view word) noexcept {
@@ -86,6 +89,13 @@ constexpr AccessWord access_words[] = {
     {"constant", Access::constant, false},
 };
 
+/// Eight characters of ASCII.
+bool is_plain(const char* text) noexcept {
+  std::uint64_t bytes = 0;
+  std::memcpy(&bytes, text, sizeof bytes);
+  return (bytes & 0x8080'8080'8080'8080) == 0;
+}
+
 /// Length of the UTF-8 sequence at the start of `text`, 0 when it is none.
 std::size_t utf8_length(std::string_view text) noexcept {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
@@ -113,15 +123,18 @@ std::string_view trim(std::string_view text) noexcept {
 
 std::string lower(std::string_view text) {
   std::string result(text);
-  for (char& c : result) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
+  for (char& c : result) c = lower(c);
   return result;
 }
 
 std::string folded(std::string_view text) {
-  std::string result = lower(text);
-  std::erase_if(result, [](char c) { return is_blank(c) || c == '_' || c == '-'; });
+  std::string result(text);
+  auto end = result.begin();
+  for (const char c : text) {
+    *end = lower(c);
+    end += is_blank(c) || c == '_' || c == '-' ? 0 : 1;
+  }
+  result.erase(end, result.end());
   return result;
 }
 
@@ -158,6 +171,8 @@ std::string_view nearest(std::string_view word, std::span<const std::string_view
 
 bool is_utf8(std::string_view text) noexcept {
   while (!text.empty()) {
+    while (text.size() >= 8 && is_plain(text.data())) text.remove_prefix(8);
+    if (text.empty()) break;
     const std::size_t length = utf8_length(text);
     if (length == 0) return false;
     text.remove_prefix(length);
@@ -280,6 +295,12 @@ std::string_view name(Access access) noexcept {
 }
 
 std::optional<Access> access(std::string_view word, bool& exact) {
+  for (const AccessWord& known : access_words) {
+    if (!known.exact) break;  // those come first
+    if (word != known.word) continue;
+    exact = true;
+    return known.access;
+  }
   const std::string asked = folded(word);
   for (const AccessWord& known : access_words) {
     if (asked != known.word) continue;

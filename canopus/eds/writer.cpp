@@ -113,7 +113,7 @@ class Writer {
     const auto value = default_text(dictionary_, entry);
     if (!value) warnings_.push_back(place_ + ": its value is no text of its type: left out");
     const bool is_configured = facts != nullptr && facts->configured;
-    key("DefaultValue", is_configured ? facts->default_text : value.value_or(""));
+    key("DefaultValue", is_configured ? facts->default_text.text() : value.value_or(""));
     if (is_configured) key("ParameterValue", value.value_or(""));
     if (entry.description->type != DataType::domain) {
       const bool is_mappable = entry.description->rpdo_mappable || entry.description->tpdo_mappable;

@@ -149,7 +149,7 @@ class NativeDeviceFile {
                           bool{description.rpdo_mappable}, bool{description.tpdo_mappable},
                           limit_of(description.type, limits.low), limit_of(description.type, limits.high),
                           adds_node_id, facts != nullptr && facts->configured,
-                          text_of(facts == nullptr ? std::string_view() : facts->denotation));
+                          text_of(facts == nullptr ? std::string_view() : facts->denotation.text()));
   }
 
   /// As an SDO carries it.

@@ -93,6 +93,19 @@ TEST(Ini, StrangeLine_IsSkippedWithItsNumber) {
   EXPECT_EQ(read.file.strange_lines(), 1U);
 }
 
+TEST(Ini, BytesThatAreNotUtf8_AreSeenWhereverTheyStand) {
+  for (std::size_t length = 1; length < 40; ++length) {
+    for (std::size_t place = 0; place < length; ++place) {
+      std::string value(length, 'x');
+      EXPECT_EQ(Read("[A]\nK=" + value + "\n").first_problem(), "");
+      value[place] = '\xE4';
+      EXPECT_EQ(Read("[A]\nK=" + value + "\n").first_problem(),
+                "2: note: bytes that are not UTF-8: read as Windows Latin text")
+          << length << " " << place;
+    }
+  }
+}
+
 TEST(Problems, Repeated_AreToldOnceAndCounted) {
   Problems problems;
   for (unsigned line = 5; line < 9; ++line) problems.repeated(Problem::Severity::note, "kind", line, "odd");

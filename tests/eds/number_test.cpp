@@ -1,6 +1,10 @@
 #include "canopus/eds/number.hpp"
 
+#include <cstdio>
+#include <string>
+
 #include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
 
 namespace {
 
@@ -45,6 +49,22 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"1280+$NODEID", 1280, true, "not written as $NODEID+number"},
         Case{"NODEID+1", 1, true, "not written as $NODEID+number"}));
 
+RC_GTEST_PROP(Number, AnyOf64Bits_InEveryUsualSpelling, ()) {
+  const auto any = *rc::gen::arbitrary<std::uint64_t>();
+  const std::uint64_t value = any >> *rc::gen::inRange(0, 64);
+  const auto same = [&](const std::string& text, bool hexadecimal) {
+    const auto number = read_number(text);
+    return number && number->magnitude == value && number->hexadecimal == hexadecimal && !number->negative &&
+           !number->adds_node_id && number->overlooked.empty();
+  };
+  char text[32];
+  RC_ASSERT(same(std::to_string(value), false));
+  for (const char* form : {"0x%llx", "0x%llX", "0X%llx", "0x%016llX"}) {
+    std::snprintf(text, sizeof text, form, static_cast<unsigned long long>(value));
+    RC_ASSERT(same(text, true));
+  }
+}
+
 class NoNumber : public testing::TestWithParam<const char*> {};
 
 TEST_P(NoNumber, Number_IsRefusedWhereNobodyCouldReadOne) { EXPECT_FALSE(read_number(GetParam())); }
@@ -52,7 +72,8 @@ TEST_P(NoNumber, Number_IsRefusedWhereNobodyCouldReadOne) { EXPECT_FALSE(read_nu
 INSTANTIATE_TEST_SUITE_P(Texts, NoNumber,
                          testing::Values("", "0x", "-", "N/A", "12 apples", "0x10000000000000000",
                                          "99999999999999999999", "$NODEID*2", "1 << 3", "0x0x1", "--1",
-                                         "$NODEID+$NODEID"));
+                                         "$NODEID+$NODEID", "0x1G", "0x@", "12:", "1 2 apples",
+                                         "0x123456789012345678"));
 
 TEST(Real, Real_TakesPointAndComma) {
   EXPECT_EQ(read_real("1.5"), 1.5);

@@ -309,7 +309,7 @@ class XddWriter {
     const auto add = [&](std::string_view name, std::string text) {
       if (!text.empty()) attributes.push_back({name, std::move(text)});
     };
-    add("defaultValue", is_configured ? facts->default_text : value.value_or(""));
+    add("defaultValue", is_configured ? facts->default_text.text() : value.value_or(""));
     if (is_configured) add("actualValue", value.value_or(""));
     attributes.push_back({"PDOmapping", std::string(mapping_word(what))});
     if (facts == nullptr) return;
