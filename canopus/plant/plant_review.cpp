@@ -41,17 +41,20 @@ ReviewedNode reviewed(const DeviceSection& section, DeviceSeat& seat) {
   const canopen::CobId sync{node.objects.get<std::uint32_t>(0x1005, 0)};
   node.produces_sync = node.drives && sync.has_bit_30() && !canopen::is_restricted(sync) &&
                        node.objects.get<std::uint32_t>(0x1006, 0) != 0;
+  node.pdos = active_pdos(node);
   return node;
 }
 
 ReviewedNode reviewed(const ModuleSection& section, std::string_view name,
                       module::CommunicationModule::InitialNode node) {
-  return {.place = section.place,
-          .name = fmt::format("node {} ({})", node.node_id, name),
-          .node_id = node.node_id,
-          .objects = std::move(node.objects),
-          .produces_sync = node.produces_sync,
-          .settings = &section.objects};
+  ReviewedNode all{.place = section.place,
+                   .name = fmt::format("node {} ({})", node.node_id, name),
+                   .node_id = node.node_id,
+                   .objects = std::move(node.objects),
+                   .produces_sync = node.produces_sync,
+                   .settings = &section.objects};
+  all.pdos = active_pdos(all);
+  return all;
 }
 
 bool maps_something(const ReviewedNode& node, std::uint16_t communication) noexcept {
@@ -68,9 +71,9 @@ std::vector<ReviewedPdo> active_pdos(const ReviewedNode& node) {
   std::vector<ReviewedPdo> pdos;
   const std::uint32_t permitted =
       canopen::permitted_pdo_identifier(node.objects.get<std::uint32_t>(0x1000, 0));
-  for (const canopen::ObjectDescription& object : node.objects.description().objects()) {
+  for (const canopen::ObjectDescription& object : node.objects.description().objects(0x1400, 0x19FF)) {
     const bool transmit = object.index >= 0x1800 && object.index <= 0x19FF;
-    if (!transmit && (object.index < 0x1400 || object.index > 0x15FF)) continue;
+    if (!transmit && object.index > 0x15FF) continue;
     if (transmit && !node.drives) continue;
     const auto raw = node.objects.get<std::uint32_t>(object.index, 1, canopen::CobId::invalid_bit);
     const canopen::CobId cob_id = canopen::usable(canopen::CobId{raw}, permitted);

@@ -18,6 +18,15 @@
 
 namespace canopus::plant {
 
+/// A PDO that a node sends or takes: valid, with a CAN-ID it may have, and something mapped.
+struct ReviewedPdo {
+  bool transmit = false;
+  std::uint16_t index = 0;  ///< of its communication record, 1400H or 1800H on
+  unsigned number = 0;      ///< from 1
+  canopen::CobId cob_id{};
+  std::uint8_t transmission_type = 0;
+};
+
 /// A node as it will be when it is switched on.
 struct ReviewedNode {
   text::Place place{};
@@ -30,6 +39,7 @@ struct ReviewedNode {
   const DeviceSection* device = nullptr;                       ///< of a device: its section,
   const eds::DeviceFile* file = nullptr;                       ///< its file,
   bool is_lss_slave = false;                                   ///< and whether LSS can set it
+  std::vector<ReviewedPdo> pdos{};                             ///< active_pdos()
 };
 [[nodiscard]] ReviewedNode reviewed(const DeviceSection& section, DeviceSeat& seat);
 [[nodiscard]] ReviewedNode reviewed(const ModuleSection& section, std::string_view name,
@@ -46,14 +56,7 @@ struct ReviewedBus {
 
 /// The PDO with this communication record (1400H or 1800H on) carries something.
 [[nodiscard]] bool maps_something(const ReviewedNode& node, std::uint16_t communication) noexcept;
-/// A PDO that a node sends or takes: valid, with a CAN-ID it may have, and something mapped.
-struct ReviewedPdo {
-  bool transmit = false;
-  std::uint16_t index = 0;  ///< of its communication record, 1400H or 1800H on
-  unsigned number = 0;      ///< from 1
-  canopen::CobId cob_id{};
-  std::uint8_t transmission_type = 0;
-};
+/// Those of its objects, which ReviewedNode::pdos holds.
 [[nodiscard]] std::vector<ReviewedPdo> active_pdos(const ReviewedNode& node);
 /// "TPDO3"
 [[nodiscard]] std::string name(const ReviewedPdo& pdo);

@@ -37,8 +37,10 @@ std::string entry_name(std::uint16_t index, std::uint8_t sub, CobIdUse use) {
 template <typename Visit>
 void for_each_cob_id(const ReviewedNode& node, Visit visit) {
   const canopen::DictionaryDescription& description = node.objects.description();
-  for (const canopen::ObjectDescription& object : description.objects()) {
-    if (object.index < 0x1000 || object.index > 0x1FFF) continue;
+  for (const canopen::ObjectDescription& object : description.objects(0x1000, 0x1FFF)) {
+    const bool has_any = canopen::cob_id_use(object.index, 0) != CobIdUse::none ||
+                         canopen::cob_id_use(object.index, 1) != CobIdUse::none;
+    if (!has_any) continue;
     for (unsigned sub = 0; sub <= object.highest_sub; ++sub) {
       const CobIdUse use = canopen::cob_id_use(object.index, static_cast<std::uint8_t>(sub));
       if (use == CobIdUse::none) continue;
@@ -81,7 +83,7 @@ struct Sent {
 std::vector<Sent> sent_by(const ReviewedNode& node) {
   std::vector<Sent> all;
   if (!node.drives) return all;
-  for (const ReviewedPdo& pdo : active_pdos(node)) {
+  for (const ReviewedPdo& pdo : node.pdos) {
     if (pdo.transmit) all.push_back({pdo.cob_id.key(), pdo.index, 1, name(pdo)});
   }
   const CobId emcy = canopen::usable(CobId{node.objects.get<std::uint32_t>(0x1014, 0, CobId::invalid_bit)});
@@ -130,7 +132,7 @@ void find_missing_sync(const ReviewedBus& bus, Warnings& warnings) {
   std::set<std::uint32_t> sent;      // as PDO
   for (const ReviewedNode& node : bus.nodes) {
     if (node.produces_sync) produced.insert(CobId{node.objects.get<std::uint32_t>(0x1005, 0)}.key());
-    for (const ReviewedPdo& pdo : active_pdos(node)) {
+    for (const ReviewedPdo& pdo : node.pdos) {
       if (pdo.transmit) sent.insert(pdo.cob_id.key());
     }
   }
@@ -143,7 +145,7 @@ void find_missing_sync(const ReviewedBus& bus, Warnings& warnings) {
     if (has_sync && (!is_known || produced.contains(sync.key()))) continue;
     std::vector<std::string> waiting;
     text::Place place = node.place;
-    for (const ReviewedPdo& pdo : active_pdos(node)) {
+    for (const ReviewedPdo& pdo : node.pdos) {
       if (pdo.transmission_type > highest_synchronous) continue;
       if (!pdo.transmit && !sent.contains(pdo.cob_id.key())) continue;
       if (waiting.empty()) place = place_of(node, pdo.index, 2);
@@ -201,7 +203,7 @@ void find_cob_ids_of_another_node(const ReviewedBus& bus, Warnings& warnings) {
     const auto& commissioning = node.file->commissioning;
     const unsigned made_for = commissioning ? commissioning->node_id.value_or(0) : 0;  // 0: an EDS
     std::set<std::uint16_t> used = {0x1014};
-    for (const ReviewedPdo& pdo : active_pdos(node)) used.insert(pdo.index);
+    for (const ReviewedPdo& pdo : node.pdos) used.insert(pdo.index);
     std::vector<std::string> wrong;
     std::set<std::uint32_t> others;
     for_each_cob_id(node, [&](std::uint16_t index, std::uint8_t sub, CobIdUse use, CobId value) {

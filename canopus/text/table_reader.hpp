@@ -3,6 +3,7 @@
 // for is a mistake, because a misspelt key must not pass in silence. Mistakes are collected with line and
 // column.
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -43,7 +44,9 @@ namespace canopus::text {
 class TableReader {
  public:
   TableReader(const toml::table& table, std::string what, std::vector<FileError>& errors)
-      : table_(table), what_(std::move(what)), errors_(errors) {}
+      : table_(table), what_(std::move(what)), errors_(errors) {
+    known_.reserve(usual_keys);
+  }
 
   /// The table as TOML, a key a line, without comments.
   [[nodiscard]] std::string as_text() const {
@@ -65,7 +68,7 @@ class TableReader {
   }
 
   const toml::node* find(std::string_view key) {
-    known_.emplace(key);
+    if (std::ranges::find(known_, key) == known_.end()) known_.emplace_back(key);
     return table_.get(key);
   }
   std::optional<std::string> text(std::string_view key, bool required = false) {
@@ -176,7 +179,8 @@ class TableReader {
   /// Reports every key that nobody asked for.
   void finish() {
     for (const auto& [key, value] : table_) {
-      if (known_.contains(key.str())) continue;
+      if (std::ranges::find(known_, key.str()) != known_.end()) continue;
+      std::ranges::sort(known_);
       error(place_of(key.source()),
             fmt::format("{}: unknown key {}; expected one of {}", what_, key.str(), fmt::join(known_, ", ")));
     }
@@ -186,10 +190,12 @@ class TableReader {
   std::vector<FileError>& errors() { return errors_; }
 
  private:
+  static constexpr std::size_t usual_keys = 24;
+
   const toml::table& table_;
   std::string what_;
   std::vector<FileError>& errors_;
-  std::set<std::string, std::less<>> known_;
+  std::vector<std::string> known_;  // not many
   std::set<std::string, std::less<>> wrong_;
 };
 

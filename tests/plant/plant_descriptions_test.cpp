@@ -98,6 +98,68 @@ TEST_F(PlantDescriptions, AnLssSlaveIsHeardByItsControllersFilter) {
   EXPECT_EQ(master.heard[0].identifier, 0x7E4U);
 }
 
+class SharedFile : public PlantDescriptions {
+ protected:
+  static std::string sharing(unsigned node, std::string_view objects) {
+    return fmt::format("[[device]]\nbus = \"line1\"\nnode = {}\neds = \"shared.eds\"\n{}\n", node, objects);
+  }
+  std::uint32_t value(std::size_t number) { return objects(number).get<std::uint32_t>(0x2000, 0); }
+  void write_value(std::size_t number, std::uint16_t index, std::uint8_t sub, std::uint32_t to) {
+    ASSERT_EQ(objects(number).write(index, sub, can::little_endian(to, 4), plant_->timeline().now()),
+              canopen::AbortCode::none);
+  }
+  void reset(std::size_t number) {
+    plant_->device(number).device().node().command(canopen::NmtCommand::reset_node, plant_->timeline().now());
+  }
+  static std::string eds(std::string_view value) {
+    return support::device_file(support::array_of_one("1010") + support::array_of_one("1011", "1") +
+                                support::variable("2000", 7, value));
+  }
+};
+
+constexpr std::uint32_t save = 0x65766173;
+constexpr std::uint32_t load_defaults = 0x64616F6C;
+
+TEST_F(SharedFile, WhatOneDeviceWrites_SavesAndRestores_IsItsOwn) {
+  write("shared.eds", eds("7"));
+  load(sharing(1, "") + sharing(2, "objects = { \"2000:00\" = 20 }") +
+       sharing(3, "objects = { \"2000:00\" = 30 }") + sharing(4, "objects = { \"2000:00\" = 20 }"));
+  EXPECT_EQ(value(0), 7U);
+  EXPECT_EQ(value(1), 20U);
+  EXPECT_EQ(value(2), 30U);
+  EXPECT_EQ(value(3), 20U);
+  write_value(1, 0x2000, 0, 99);
+  EXPECT_EQ(value(0), 7U);
+  EXPECT_EQ(value(2), 30U);
+  EXPECT_EQ(value(3), 20U) << "of one description with the one that was written";
+  write_value(1, 0x1010, 1, save);
+  for (std::size_t number = 0; number < 4; ++number) reset(number);
+  EXPECT_EQ(value(0), 7U);
+  EXPECT_EQ(value(1), 99U);
+  EXPECT_EQ(value(2), 30U);
+  EXPECT_EQ(value(3), 20U);
+  write_value(1, 0x1011, 1, load_defaults);
+  reset(1);
+  EXPECT_EQ(value(1), 20U) << "what the plant file says is its default";
+  EXPECT_EQ(value(3), 20U);
+}
+
+TEST_F(SharedFile, ThatChanges_IsReadAnewByTheNextPlant) {
+  write("shared.eds", eds("7"));
+  const std::string devices = sharing(1, "") + sharing(2, "objects = { \"2000:00\" = 20 }");
+  load(devices);
+  const std::unique_ptr<Plant> before = std::move(plant_);
+  write("shared.eds", eds("8"));
+  load(devices);
+  EXPECT_EQ(value(0), 8U);
+  EXPECT_EQ(value(1), 20U);
+  plant_ = nullptr;
+  auto& dictionary = before->device(0).device().node().dictionary();
+  EXPECT_EQ(dictionary.get<std::uint32_t>(0x2000, 0), 7U);
+  before->device(0).device().node().command(canopen::NmtCommand::reset_node, before->timeline().now());
+  EXPECT_EQ(dictionary.get<std::uint32_t>(0x2000, 0), 7U) << "its plant lives on with what it has read";
+}
+
 class PresetObjects : public PlantDescriptions {
  protected:
   std::vector<std::string> with(std::string_view objects) {
