@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <rapidcheck/gtest.h>
 
 namespace canopus::plc {
@@ -53,6 +54,24 @@ RC_GTEST_PROP(DeviceWords, HoldWhatWasWritten, ()) {
     for (std::size_t i = 0; i < read.size(); ++i) RC_ASSERT(read[i] == expected[seen.first + i]);
   }
   for (std::size_t i = 0; i < size; ++i) RC_ASSERT(words[i] == expected[i]);
+}
+
+TEST(DeviceWords, TakeMemory_WhereSomethingIsWritten) {
+  DeviceWords words;
+  words.resize(500'000);
+  const auto heap = [] {
+    const auto info = mallinfo2();
+    return info.uordblks + info.hblkhd;
+  };
+  const std::size_t before = heap();
+  std::vector<std::uint16_t> some(100);
+  words.write(4'000, some);
+  words.read(200'000, some);
+  words.clear();
+  EXPECT_LE(heap(), before + 256);  // `some`
+  words.set(499'999, 1);
+  EXPECT_EQ(words[499'999], 1);
+  EXPECT_LE(heap(), before + 1024);
 }
 
 TEST(DeviceWords, AreZeroAtFirst) {
