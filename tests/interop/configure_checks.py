@@ -14,7 +14,9 @@ sys.path.insert(0, str(ROOT / "python"))
 from canopus_plc import Plc  # noqa: E402
 
 DEVICE = ROOT / "examples/devices/io-block.eds"
-STATE = {**os.environ, "XDG_STATE_HOME": str(scratch / "configure-state")}
+def state():
+    """The environment of a command whose connections are remembered in the check's folder."""
+    return {**os.environ, "XDG_STATE_HOME": str(scratch / "configure-state")}
 
 
 def fx3u_plant(name, device='node = 3', store=False):
@@ -31,7 +33,7 @@ def tool(plant, *words, expect=0):
     """A command of the tool on the running plant."""
     online = ("read", "diff", "write", "scan", "sdo-read", "sdo-write", "status", "reset", "nodes", "identify")
     port = ["--port", host_port(plant.mc)[1]] if plant is not None and words[0] in online else []
-    return command(program, "configure", *words, *port, expect=expect, env=STATE)
+    return command(program, "configure", *words, *port, expect=expect, env=state())
 
 
 def project(name, *settings):
@@ -206,7 +208,7 @@ def a_project_is_downloaded_in_stop_alone():
         # A project that is wrong in itself is not begun.
         tool(None, "set", path, "master", "Priority time slot=1")
         require("Priority time slot" in tool(plant, "write", path, "--yes", expect=4).stderr, "a wrong project")
-    gone = command(program, "configure", "diff", path, "--port", host_port(plant.mc)[1], "--timeout", "1s", expect=1, env=STATE)
+    gone = command(program, "configure", "diff", path, "--port", host_port(plant.mc)[1], "--timeout", "1s", expect=1, env=state())
     require("canopus" in gone.stderr and not gone.stdout, gone.stderr)
 
 
@@ -293,7 +295,7 @@ def the_page_of_configure_shows_what_it_prints():
     for commands in transcripts("docs/configure.md"):
         for words, shown in commands:
             done = subprocess.run([program, *shlex.split(words)[1:]], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                                  cwd=folder, env=STATE, timeout=PATIENCE)
+                                  cwd=folder, env=state(), timeout=PATIENCE)
             require(done.stdout.splitlines() == shown, f"{words} says:\n{done.stdout}")
 
 

@@ -3,7 +3,7 @@ the module; the tool's own reading is no witness of its writing."""
 import json
 import re
 
-from configure_checks import DEVICE, STATE, project, stop_cpu, tool
+from configure_checks import DEVICE, project, state, stop_cpu, tool
 from kit import ROOT, check, command, covers, host_port, program, require, running, scratch
 from module_checks import me3can1q  # its words, signals and commands are the same
 from canopus_plc import Plc  # noqa: E402
@@ -137,7 +137,7 @@ def configure_reaches_an_rj71cn91s_network():
         require("bit 6" not in tool(plant, "status", "--clear").stdout and not module.x(0x0F), "--clear")
         plant.wait(lambda e: e["event"] == "signal" and e["signal"] == "Y0F" and e["on"])
         plant.wait(lambda e: e["event"] == "signal" and e["signal"] == "Y0F" and not e["on"])
-        require("--model" in command(program, "configure", "scan", "--model", "ME3", "--port", "1", expect=2, env=STATE).stderr, "--model")
+        require("--model" in command(program, "configure", "scan", "--model", "ME3", "--port", "1", expect=2, env=state()).stderr, "--model")
 
 
 @check

@@ -1,19 +1,21 @@
 #!/usr/bin/env python3
 """Runs the program for real and lets programs we did not write judge it. Writes JUnit XML.
 
-usage: interop.py --program build/canopus --results build/results/interop.xml [--only NAME] [--keep]
+usage: interop.py --program build/canopus --results build/results/interop.xml [--only NAME] [--keep] [--jobs N]
 
 A check that needs something absent (a package, ../shared) is skipped with the reason. Ports are always chosen by the
-system; the program says which in its `listen` events.
+system; the program says which in its `listen` events. Checks run side by side (runner.py, schedule.py): each has a process and a
+scratch folder of its own.
 """
 import json
+import pathlib
 import re
 import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import time
-import xml.etree.ElementTree as ET
 
 import as_fcopm_checks  # noqa: F401  (registers its checks)
 import as_fcopm_example_checks  # noqa: F401
@@ -39,6 +41,7 @@ import port_checks  # noqa: F401
 import project_checks  # noqa: F401
 import real_time_checks  # noqa: F401
 import reference_checks  # noqa: F401
+import schedule
 import screen_checks  # noqa: F401
 import step_checks  # noqa: F401
 import trace_checks  # noqa: F401
@@ -49,6 +52,7 @@ import web_project_checks  # noqa: F401
 import xdd_checks  # noqa: F401
 from kit import (DEVICE_FILES, HERE, PATIENCE, PYTHON, ROOT, Skip, args, check, checks, command, covers, first_plant, first_plant_file,
                  host_port, node_modules, program, require, running, scratch, until)
+from runner import Runner, junit, line_of
 
 
 # --- the program itself
@@ -377,35 +381,32 @@ def main():
     signal.signal(signal.SIGINT, signal.default_int_handler)
     for number in (signal.SIGQUIT, signal.SIGHUP):
         signal.signal(number, signal.SIG_DFL)
-    suite = ET.Element("testsuite", name="interop")
-    failed = 0
-    for function in checks:
-        name = function.__name__
-        if args.only and args.only not in name:
-            continue
-        case = ET.SubElement(suite, "testcase", classname="interop", name=name, status="run")
-        if hasattr(function, "features"):
-            ET.SubElement(ET.SubElement(case, "properties"), "property", name="spec", value=function.features)
-        started = time.monotonic()
-        try:
-            function()
-            verdict = "ok"
-        except Skip as reason:
-            ET.SubElement(case, "skipped", message=str(reason))
-            verdict = f"skipped: {reason}"
-        except Exception as error:  # one check's failure must not hide the others
-            failed += 1
-            ET.SubElement(case, "failure", message=str(error)[:2000])
-            verdict = f"FAILED\n{error}"
-        case.set("time", f"{time.monotonic() - started:.3f}")
-        print(f"  {name}: {verdict}", flush=True)
+    unknown = schedule.PLANS.keys() - {function.__name__ for function in checks}
+    if unknown:
+        print(f"interop: schedule.py plans checks that there are not: {', '.join(sorted(unknown))}", file=sys.stderr)
+        return 2
+    base = pathlib.Path(tempfile.mkdtemp(prefix="canopus-interop-"))
+    runner = Runner(base, scratch.move_to, schedule.PLANS, places=args.jobs, waiting=schedule.WAITING if args.jobs > 1 else 0,
+                    limit=schedule.LIMIT, keep=args.keep)
+    begun = time.monotonic()
+    try:
+        outcomes = runner.run([f for f in checks if not args.only or args.only in f.__name__],
+                              lambda outcome: print(line_of(outcome), end="", flush=True))
+    except KeyboardInterrupt:
+        print("interop: interrupted", file=sys.stderr)
+        return 130
+    finally:
+        if args.keep:
+            print(f"  scratch folders: {base}")
+        else:
+            shutil.rmtree(base, ignore_errors=True)
     if args.results:
         args.results.parent.mkdir(parents=True, exist_ok=True)
-        ET.ElementTree(suite).write(args.results, encoding="utf-8", xml_declaration=True)
-    if args.keep:
-        print(f"  scratch folder: {scratch}")
-    else:
-        shutil.rmtree(scratch, ignore_errors=True)
+        features = {function.__name__: function.features for function in checks if hasattr(function, "features")}
+        junit(outcomes, features).write(args.results, encoding="utf-8", xml_declaration=True)
+    failed = [outcome.name for outcome in outcomes if outcome.verdict == "failed"]
+    print(f"  {len(outcomes)} checks in {time.monotonic() - begun:.0f} s, {sum(o.wall for o in outcomes):.0f} s one after the other, "
+          f"{sum(o.processor for o in outcomes):.0f} s of processors" + (f"; failed: {', '.join(failed)}" if failed else ""))
     return 1 if failed else 0
 
 

@@ -1,6 +1,7 @@
 """What the checks of interop.py share: running commands and plants, skipping, the scratch folder."""
 import argparse
 import contextlib
+import fcntl
 import json
 import os
 import pathlib
@@ -10,9 +11,10 @@ import signal
 import socket
 import subprocess
 import sys
-import tempfile
 import threading
 import time
+
+from runner import Skip
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
@@ -23,10 +25,34 @@ parser = argparse.ArgumentParser(description="Runs the program for real and lets
 parser.add_argument("--program", type=pathlib.Path, required=True)
 parser.add_argument("--results", type=pathlib.Path)
 parser.add_argument("--only", help="only checks whose name contains this")
-parser.add_argument("--keep", action="store_true", help="keep the scratch folder")
+parser.add_argument("--keep", action="store_true", help="keep the scratch folders")
+parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="checks that compute at one time; those that wait run besides, "
+                    "those that judge time alone; 1: one after the other")
 args = parser.parse_args()
 program = str(args.program.resolve())
-scratch = pathlib.Path(tempfile.mkdtemp(prefix="canopus-interop-"))
+
+
+class Scratch(os.PathLike):
+    """The folder of the check that runs. Each has one of its own, so that none sees the files of another."""
+
+    path = None
+
+    def move_to(self, folder):
+        self.path = folder
+
+    def __fspath__(self):
+        return str(self.path)
+
+    __str__ = __fspath__
+
+    def __truediv__(self, name):
+        return self.path / name
+
+    def __getattr__(self, name):
+        return getattr(self.path, name)
+
+
+scratch = Scratch()
 
 # What is there at once on an idle machine is given so many seconds: they cost something only when a check fails.
 PATIENCE = 120
@@ -61,10 +87,6 @@ def covers(features):
         function.features = features
         return function
     return mark
-
-
-class Skip(Exception):
-    pass
 
 
 def require(condition, message):
@@ -294,10 +316,19 @@ def node_modules():
         if not shutil.which(tool):
             raise Skip(f"{tool} is not installed")
     wanted = json.loads((HERE / "package.json").read_text())["dependencies"]
-    if not all((HERE / "node_modules" / name).is_dir() for name in wanted):
-        # What is optional are serial ports.
-        command("npm", "ci", "--no-audit", "--no-fund", "--ignore-scripts", "--omit=optional", cwd=HERE, timeout=600)
-    build_crc()
+    with one_at_a_time():
+        if not all((HERE / "node_modules" / name).is_dir() for name in wanted):
+            # What is optional are serial ports.
+            command("npm", "ci", "--no-audit", "--no-fund", "--ignore-scripts", "--omit=optional", cwd=HERE, timeout=600)
+        build_crc()
+
+
+@contextlib.contextmanager
+def one_at_a_time():
+    """Checks run side by side; what they do in here, they do one after the other."""
+    with open(scratch.path.parent / "lock", "w") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
 
 
 def build_crc():
