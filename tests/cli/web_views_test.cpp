@@ -190,5 +190,23 @@ TEST_F(WebViewsTest, OfManySteps_TheNewestAreKept) {
   EXPECT_EQ(steps.back().record.attempts, 199U);
 }
 
+TEST_F(WebViewsTest, Values_AreNumbersOfWordsAndObjects) {
+  start(plant_text);
+  const Json event = look(
+      R"({"values":["words 0 10000","objects 1 6004:00","objects 1 1008:00","objects 9 6004:00","words 9 1","words 0 70000","objects 1 6004","x",7]})");
+  EXPECT_EQ(event["event"], "values");
+  const Json& values = event["values"];
+  ASSERT_EQ(values.size(), 9U);
+  EXPECT_EQ(values[0]["key"], "words 0 10000");
+  const Json words = look(R"({"words":0,"find":"g10000","count":10})");
+  EXPECT_EQ(values[0]["value"], row_of(words, 10000)["value"]);
+  const Json objects = look(R"({"objects":1,"find":"6004","count":10})");
+  EXPECT_EQ(std::to_string(values[1]["value"].get<std::uint64_t>()), objects["rows"][0]["decimal"]);
+  for (std::size_t i = 2; i < values.size(); ++i) EXPECT_TRUE(values[i]["value"].is_null()) << values[i];
+  EXPECT_EQ(values[8]["key"], "");
+  EXPECT_TRUE(look(R"({"values":7})").is_null());
+  EXPECT_TRUE(look(R"({"values":["","","","","","","","","","","","",""]})").is_null()) << "13";
+}
+
 }  // namespace
 }  // namespace canopus::cli

@@ -1,6 +1,7 @@
 """Checks of the page of a run: `canopus run --web`."""
 import base64
 import concurrent.futures
+import csv
 import hashlib
 import json
 import os
@@ -153,14 +154,20 @@ def web_address():
     require("web of" in done.stdout and "http://127.0.0.1:" in done.stdout, done.stdout)
 
 
+def pictures_of(name):
+    """The folder for what a browser saw."""
+    folder = pathlib.Path(os.environ.get("CANOPUS_PICTURES", scratch)) / name
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
 def browse(address, name):
     """What a real Chromium saw of the page."""
     chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     if not chromium:
         raise Skip("no Chromium: tools/install-packages check")
     node_modules()
-    folder = pathlib.Path(os.environ.get("CANOPUS_PICTURES", scratch)) / name
-    folder.mkdir(parents=True, exist_ok=True)
+    folder = pictures_of(name)
     done = command("node", HERE / "web_browser.mjs", chromium, address, folder)
     seen = json.loads(done.stdout)
     require(seen["problems"] == [], f"the browser complains: {seen['problems']}")
@@ -219,8 +226,7 @@ def look_at_views(address, name, *words):
     if not chromium:
         raise Skip("no Chromium: tools/install-packages check")
     node_modules()
-    folder = pathlib.Path(os.environ.get("CANOPUS_PICTURES", scratch)) / name
-    folder.mkdir(parents=True, exist_ok=True)
+    folder = pictures_of(name)
     return json.loads(command("node", HERE / "web_views.mjs", chromium, address, folder, *words, timeout=240).stdout)
 
 
@@ -239,7 +245,10 @@ def web_views_in_chromium():
         require(seen["keys_open"] and seen["in_sight"] and seen["plots_closed"], seen)
         require("encoder" in seen["objects_title"] and seen["objects_rows"] <= 256, seen["objects_title"])
         require(re.match(r"6004:00.*UNSIGNED32", seen["position"]), seen["position"])
-        require("6004:00" in seen["plot"], seen["plot"])
+        require("6004:00" in seen["plot"] and seen["w8"] == 1, seen["plot"])
+        require(re.fullmatch(r"\d+ at \d+\.\d{3} s", seen["cursor"]) and seen["held"] and seen["plots"] == 2, seen)
+        rows = list(csv.DictReader((pictures_of("views") / "plots.csv").open(newline="")))
+        require(len(rows) > 6 and "6004:00" in rows[0]["name"] and float(rows[-1]["time (s)"]) > float(rows[0]["time (s)"]), rows[:3])
 
 
 @check

@@ -98,9 +98,14 @@ seen.objects_rows = await page.locator("#objects-table tbody tr").count();
 await page.fill("#objects-find", "6004");
 await page.waitForFunction(() => document.querySelector("#objects-table tbody tr")?.textContent.startsWith("6004:00"));
 seen.position = await page.textContent("#objects-table tbody tr");
+await page.evaluate(() => {
+  globalThis.clicks = 0;
+  addEventListener("click", (event) => { if (event.isTrusted) ++clicks; }, true);
+});
 await page.click("#objects-table .number");
 await page.waitForFunction(() => document.querySelector("#plots polyline")?.getAttribute("points")?.split(" ").length > 6);
 seen.plot = await page.textContent("#plots figcaption");
+seen.w8 = await page.evaluate(() => clicks);
 await page.waitForTimeout(2500);
 await page.locator("#plots").screenshot({ path: `${folder}/plots-light-1280.png` });
 await page.locator("#objects-title").focus();
@@ -109,7 +114,25 @@ await page.waitForFunction(() => /^[0-9A-F]+H$/.test(document.querySelector("#ob
 await page.fill("#objects-find", "1008");
 await page.waitForFunction(() => document.querySelector("#objects-table tbody tr")?.textContent.startsWith("1008:00"));
 seen.markup = await page.locator("img, iframe, script:not([src='page.js'])").count();
-await page.click("#plots button");
+// It goes on where its row is not in sight; a cursor shows a value; what is held stands still; CSV has the points.
+const drawn = () => page.evaluate(() => document.querySelector("#plots .plot p").textContent);
+const earlier = await drawn();
+await page.waitForFunction((text) => document.querySelector("#plots .plot p").textContent !== text, earlier);
+const picture = await page.locator("#plots .plot > svg").boundingBox();
+await page.mouse.move(picture.x + picture.width / 2, picture.y + picture.height / 2);
+await page.waitForFunction(() => / at \d+\.\d{3} s$/.test(document.querySelector("#plots figcaption b").textContent));
+seen.cursor = await page.textContent("#plots figcaption b");
+await page.locator("#plots button", { hasText: "Hold" }).click();
+const held = await drawn();
+await page.waitForTimeout(800);
+seen.held = held === await drawn();
+const download = page.waitForEvent("download");
+await page.locator("#plots button", { hasText: "CSV" }).click();
+await (await download).saveAs(`${folder}/plots.csv`);
+await page.locator(".bus .number").first().click();
+seen.plots = await page.locator("#plots figcaption").count();
+await page.locator("#plots figcaption button").last().click();
+await page.click("#plots figcaption button");
 seen.plots_closed = await page.locator("#plots").isHidden();
 // A link that leads nowhere is no error.
 for (const hash of ["#bus/99", "#objects/x", "#words/0/<img>", "#nothing", "#bus/0/ZZZ"]) {

@@ -67,14 +67,13 @@ void add_value(nlohmann::ordered_json& row, const canopen::ObjectDictionary& obj
   row["default_decimal"] = decimal(type, usual);
 }
 
-/// The node of that place in Plant::nodes(): modules, then devices.
+}  // namespace
+
 const canopen::Node* node_at(plant::Plant& plant, std::size_t place) {
   const std::size_t modules = plant.modules().size();
   if (place < modules) return &plant.module(place).node();
   return place - modules < plant.device_count() ? &plant.device(place - modules).device().node() : nullptr;
 }
-
-}  // namespace
 
 void add_objects(nlohmann::ordered_json& event, const canopen::ObjectDictionary& objects,
                  std::uint8_t node_id, std::string_view lower_find, std::size_t from, std::size_t count) {

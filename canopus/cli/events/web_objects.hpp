@@ -10,11 +10,15 @@
 #include <nlohmann/json.hpp>
 
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
+#include "canopus/canopen/node/node.hpp"
 #include "canopus/plant/plant.hpp"
 
 namespace canopus::cli {
 
 inline constexpr std::size_t most_objects = 256;  ///< of one view
+
+/// The node of that place in Plant::nodes(), modules first; nullptr: there is none.
+[[nodiscard]] const canopen::Node* node_at(plant::Plant& plant, std::size_t place);
 
 /// The event of a view {"objects": NODE, "find": "...", "from": 0, "count": 100}: sub-indexes of the node of that number in
 /// `state` whose name or index holds this text; empty: there is no such node.

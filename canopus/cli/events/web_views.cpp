@@ -8,6 +8,7 @@
 #include "canopus/canopen/service/cob_id.hpp"
 #include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/events/web_objects.hpp"
+#include "canopus/cli/events/web_values.hpp"
 #include "canopus/cli/events/web_view_fields.hpp"
 #include "canopus/cli/terminal/boot_report.hpp"
 #include "canopus/module/areas/network_variables.hpp"
@@ -78,6 +79,7 @@ std::string WebViews::look(std::string_view view) {
   if (wish.contains("boots")) return boots_event();
   if (wish.contains("objects")) return objects_event(plant_, wish);
   if (wish.contains("traffic")) return traffic_.look(wish);
+  if (wish.contains("values")) return values_event(plant_, wish);
   return {};
 }
 

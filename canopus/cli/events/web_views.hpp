@@ -35,6 +35,7 @@ class WebViews {
   ///   {"boots": true}
   ///   {"objects": NODE, ...}  web_objects.hpp
   ///   {"traffic": BUS, ...}   web_traffic.hpp
+  ///   {"values": [...]}       web_values.hpp
   /// as JSON; empty: it is none. An empty text: nobody looks any more.
   [[nodiscard]] std::string look(std::string_view view);
 

@@ -207,6 +207,7 @@ std::expected<FaultSection, std::string> read_fault(std::string_view text) {
   text::TableReader table(root, "fault", errors);
   FaultSection section = read_fault(table);
   table.finish();
+  section.text = text;  // as somebody wrote it
   if (errors.empty()) return section;
   return std::unexpected(fmt::format("line {}: {}", errors.front().place.line, errors.front().message));
 }

@@ -13,7 +13,7 @@ namespace canopus::serve {
 /// {"views": [{...}, ...]}, what else it looks at (docs/web.md): up to `most_views` objects, each in place of what it looked at
 /// before; {"do": {...}, "id": N}, a command, whose replies have that number.
 struct WebWish {
-  static constexpr std::size_t most_views = 4;
+  static constexpr std::size_t most_views = 8;
   struct Command {
     std::string text{};  ///< the object, as JSON
     std::uint32_t id = 0;

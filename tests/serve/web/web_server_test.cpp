@@ -433,7 +433,7 @@ TEST(WebWish, OnlyWhatAWatcherMaySay) {
                            "{\"request\":\"set\"}",
                            "{\"views\":{}}",
                            "{\"views\":[1]}",
-                           "{\"views\":[{},{},{},{},{}]}",
+                           "{\"views\":[{},{},{},{},{},{},{},{},{}]}",
                            "{\"views\":[],\"messages\":true}",
                            "{\"messages\":[]}",
                            "{\"views\":true}",

@@ -5,11 +5,10 @@ const by_id = (id) => document.getElementById(id);
 const kept = 240;  // of the load, four a second
 
 export class BusView {
-  /// `say`: called when what it looks at has changed. `plots`: where a click on a number goes.
-  constructor(section, say, plots) {
+  /// `say`: called when what it looks at has changed.
+  constructor(section, say) {
     this.section = section;
     this.say = say;
-    this.plots = plots;
     this.number = null;
   }
 
@@ -104,9 +103,7 @@ export class BusView {
   plot_button(node, name) {
     const key = `state ${node.bus} ${node.node} ${name}`;
     const title = `${name.toUpperCase()} of ${node.bus} ${node.node} ${node.name}`;
-    const button = make("button", { type: "button", class: "number", title: `Plot ${title}` }, String(node[name]));
-    button.addEventListener("click", () => this.plots.toggle(key, title));
-    return button;
+    return make("button", { type: "button", class: "number", title: `Plot ${title}`, "data-plot": key }, String(node[name]));
   }
 
   draw_errors(event) {

@@ -60,16 +60,18 @@ export class FaultView {
   }
 
   take(row) {
-    const changed = new Map(this.buses.filter((bus) => bus.is_changed).map((bus) => [bus.bus, bus]));
-    this.buses = row.buses.map((bus) => changed.get(bus.bus) ?? bus);
-    // What somebody is about to change keeps its words, and gets its hits.
-    row.buses.forEach((bus, i) => {
-      if (this.buses[i] === bus) return;
-      for (const fault of this.buses[i].faults) {
-        const known = bus.faults.find((one) => one.text === fault.text);
-        fault.hits = known?.hits;
-        fault.active = known?.active;
+    // Rows of the page belong to the lists that are there: these stay, and what somebody is about to change keeps its words.
+    const is_same = (one, other) => one.faults.length === other.faults.length &&
+      one.faults.every((fault, place) => fault.text === other.faults[place].text && fault.on === other.faults[place].on);
+    this.buses = row.buses.map((bus) => {
+      const known = this.buses.find((one) => one.bus === bus.bus);
+      if (!known || !(known.is_changed || is_same(known, bus))) return bus;
+      for (const fault of known.faults) {
+        const found = bus.faults.find((one) => one.text === fault.text);
+        fault.hits = found?.hits;
+        fault.active = found?.active;
       }
+      return known;
     });
     this.is_watched = this.buses.some((bus) => bus.faults.some((fault) => fault.on));
     if (this.bus.options.length !== this.buses.length) this.bus.replaceChildren(...this.buses.map((bus) => make("option", {}, bus.bus)));
@@ -106,6 +108,7 @@ export class FaultView {
     this.said.dataset.mood = done.code === 0 ? "" : "error";
     if (done.code !== 0) return set_text(this.said, done.message);
     bus.is_changed = false;
+    bus.seed = done.rows[0].buses.find((one) => one.bus === bus.bus).seed;
     const on = bus.faults.filter((fault) => fault.on).length;
     set_text(this.said, on ? `${on} at work since ${done.t.toFixed(3)} s` : "none at work");
     this.drawn = "";

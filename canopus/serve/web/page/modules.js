@@ -39,7 +39,7 @@ function fill_module(card, module, number, keep_children, open_words) {
   if (table.dataset.words === words) return;
   table.dataset.words = words;
   table.replaceChildren(...module.words.map((word) => make("tr", {}, make("th", { scope: "row" }, `G${word.address}`),
-    make("td", {}, `${word.value}`), make("td", { class: "faint" }, `${word.value.toString(16).toUpperCase().padStart(4, "0")}H`))));
+    make("td", {}, make("button", { type: "button", class: "number", title: `Plot ${module.name} G${word.address}`, "data-plot": `words ${number} ${word.address}` }, `${word.value}`)), make("td", { class: "faint" }, `${word.value.toString(16).toUpperCase().padStart(4, "0")}H`))));
 }
 
 /// `open_words`: shows the buffer memory of the module of this number and name.

@@ -5,11 +5,10 @@ const row_height = 26;
 const beyond = 12;  // rows above and below what is seen
 
 export class ObjectView {
-  /// `say`: called when what it looks at has changed. `plots`: where a click on a number goes.
-  constructor(section, say, plots) {
+  /// `say`: called when what it looks at has changed.
+  constructor(section, say) {
     this.section = section;
     this.say = say;
-    this.plots = plots;
     [this.title, this.list, this.space, this.table, this.find, this.count, this.base] =
       ["objects-title", "objects", "objects-space", "objects-table", "objects-find", "objects-count", "objects-base"]
         .map((id) => section.querySelector(`#${id}`));
@@ -24,10 +23,6 @@ export class ObjectView {
       this.is_hexadecimal = !this.is_hexadecimal;
       this.base.setAttribute("aria-pressed", this.is_hexadecimal);
       if (this.event) this.draw(this.event);
-    });
-    this.table.tBodies[0].addEventListener("click", (click) => {
-      const button = click.target.closest("button");
-      if (button) this.plots.toggle(button.dataset.plot, button.title.replace(/^Plot /, ""));
     });
   }
 
@@ -98,6 +93,5 @@ export class ObjectView {
     button.title = `Plot ${event.bus} ${event.node} ${row.object} ${row.name}`;
     button.dataset.plot = `objects ${event.number} ${row.object}`;
     set_text(usual, shown === other ? "same" : other);
-    this.plots.add(button.dataset.plot, Number(row.decimal), event.t);
   }
 }

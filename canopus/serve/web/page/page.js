@@ -35,9 +35,9 @@ const start_view = new StartView(by_id("start-section"), commands);
 const fault_view = new FaultView(by_id("faults-section"), by_id("frame-menu"), commands);
 const words = new WordView(by_id("words-section"), () => say_views());
 const boots = new BootView(by_id("boot-section"), () => say_views());
-const plots = new Plots(by_id("plots"), by_id("plot-list"));
-const objects = new ObjectView(by_id("objects-section"), () => say_views(), plots);
-const bus_view = new BusView(by_id("bus-section"), () => say_views(), plots);
+const plots = new Plots(by_id("plots"), by_id("plot-list"), () => say_views());
+const objects = new ObjectView(by_id("objects-section"), () => say_views());
+const bus_view = new BusView(by_id("bus-section"), () => say_views());
 const places = new Links({ project: project_view, words, objects, bus: bus_view, boots: { open: () => boots.is_open || by_id("show-boots").click() } },
                         [by_id("words-base"), by_id("objects-base")]);
 
@@ -114,7 +114,7 @@ function make_bus(name) {
   const bar = make("svg:svg", { class: "load", viewBox: "0 0 100 8", preserveAspectRatio: "none", role: "img" },
                    make("svg:rect", { x: 0, y: 0, height: 8, width: 0 }), make("svg:line", { y1: 0, y2: 8, x1: 0, x2: 0 }));
   return make("div", { class: "bus" },
-              make("header", {}, make("h3", {}, make("a", { href: `#bus/${state.buses.findIndex((one) => one.bus === name)}` }, name)), make("span", { class: "faint" }), bar, make("span", { class: "share" })),
+              make("header", {}, make("h3", {}, make("a", { href: `#bus/${state.buses.findIndex((one) => one.bus === name)}` }, name)), make("span", { class: "faint" }), bar, make("button", { type: "button", class: "share number", title: `Plot the load of ${name} in %`, "data-plot": `bus ${name} now`, "data-name": `load of ${name} in %` })),
               make("ul", { class: "nodes", "aria-label": `Nodes of ${name}` }));
 }
 
@@ -162,9 +162,10 @@ function draw_node() {
   set_text(by_id("node-title"), `${node.bus} node ${id_of(node)}: ${label_of(node)}`);
   const slave = slave_of(node);
   const forced = state.forced.filter((one) => key_of(one) === key_of(node)).map((one) => one.text);
-  const rows = [...troubles_of(node).map((line) => ["Why", line]), ["NMT state", node.state], ["Controller", `${node.controller}, TEC ${node.tec}, REC ${node.rec}`],
-                ["PDOs sent", String(node.pdos)],
-                ["Emergencies", node.last_emcy ? `${node.emcy}, last ${node.last_emcy}H` : String(node.emcy)]];
+  const number = (name, value) => node.foreign ? String(value) : { key: `state ${node.bus} ${node.node} ${name}`, value };
+  const rows = [...troubles_of(node).map((line) => ["Why", line]), ["NMT state", node.state], ["Controller", node.controller], ["TEC", number("tec", node.tec)], ["REC", number("rec", node.rec)],
+                ["PDOs sent", number("pdos", node.pdos)], ["Emergencies", number("emcy", node.emcy)]];
+  if (node.last_emcy) rows.push(["Last emergency", `${node.last_emcy}H`]);
   if (slave) rows.push(["Boot", `${slave.step}, since ${slave.since} s, by node ${slave.master}`]);
   for (const line of forced) rows.push(["Forced", line]);
   const body = by_id("node-body");
@@ -175,7 +176,8 @@ function draw_node() {
   const ways = [make("a", { href: "#boots" }, "Boots")];
   if (place >= 0) ways.unshift(make("a", { href: `#objects/${place}` }, "Objects"));
   body.replaceChildren(make("p", { class: "ways" }, ...ways), make("table", {}, make("tbody", {}, ...rows.map(([name, value]) =>
-    make("tr", {}, make("th", { scope: "row" }, name), make("td", {}, value))))));
+    make("tr", {}, make("th", { scope: "row" }, name), make("td", {}, value?.key === undefined ? value :
+      make("button", { type: "button", class: "number", "data-plot": value.key, "data-name": `${name} of ${label_of(node)}`, title: `Plot ${name} of ${label_of(node)}` }, String(value.value))))))));
 }
 
 function draw() {
@@ -220,6 +222,8 @@ function received(list) {
       words.draw(event);
     } else if (event.event === "objects") {
       objects.draw(event);
+    } else if (event.event === "values") {
+      plots.values(event);
     } else if (event.event === "traffic") {
       bus_view.draw(event);
     } else if (event.event === "reply") {
@@ -295,7 +299,7 @@ function say_views() {
   if (views_timer !== null) return;
   views_timer = setTimeout(() => {
     views_timer = null;
-    const views = JSON.stringify([words.view, boots.view, objects.view, bus_view.view].filter(Boolean));
+    const views = JSON.stringify([words.view, boots.view, objects.view, bus_view.view, plots.view].filter(Boolean));
     if (views === views_said || socket.readyState !== WebSocket.OPEN) return;
     views_said = views;
     socket.send(`{"views":${views}}`);

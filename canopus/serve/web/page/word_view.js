@@ -77,6 +77,7 @@ export class WordView {
     while (body.rows.length > event.rows.length) body.lastElementChild.remove();
     while (body.rows.length < event.rows.length) {
       body.append(make("tr", {}, make("th", { scope: "row" }), ...Array.from({ length: 5 }, () => make("td"))));
+      body.lastElementChild.children[2].append(make("button", { type: "button", class: "number" }));
     }
     event.rows.forEach((row, place) => {
       const line = body.rows[place];
@@ -84,7 +85,11 @@ export class WordView {
       set_text(address, `G${row.address}`);
       set_text(name, row.name);
       name.title = row.section ? `${row.name}, manual ${row.section}` : row.name;
-      set_text(value, this.value(row.value));
+      const [button] = value.children;
+      set_text(button, this.value(row.value));
+      button.dataset.plot = `words ${event.number} ${row.address}`;
+      button.dataset.name = `${event.module} G${row.address} ${row.name}`;
+      button.title = `Plot ${button.dataset.name}`;
       const before = this.before.get(row.address);
       line.classList.toggle("changed", before !== undefined && before !== row.value);
       this.before.set(row.address, row.value);
