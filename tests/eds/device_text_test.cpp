@@ -122,7 +122,27 @@ TEST(DeviceText, ValueOfTheParameter_IsChangedWhereItStands) {
   DeviceText file(before);
   EXPECT_EQ(error_of(file.set_parameter_value(0x2000, 0, "4")), "");
   EXPECT_EQ(changes(before, file.text()), "<actualValue value=\"2\"/> -> <actualValue value=\"4\"/>\n");
-  EXPECT_NE(error_of(file.remove_parameter_value(0x2000, 0)), "");
+}
+
+TEST(DeviceText, ValueOfTheParameter_IsTakenOutWithItsLine) {
+  const std::string before = xdd(referring("2000"), parameter);
+  const auto without = [&](const std::string& value, const std::string& rest) {
+    std::string text = before;
+    return text.replace(text.find("<actualValue value=\"2\"/>\n"), 25, value + rest);
+  };
+  for (const std::string& value :
+       {std::string("<actualValue value=\"2\"/>"), std::string(" <actualValue value='2' />\t\r"),
+        std::string("<actualValue value=\"2\"></actualValue>"),
+        std::string(
+            "<actualValue value=\"2\" offset=\"/>\"><label lang=\"en\">two</label></actualValue >")}) {
+    DeviceText file(without(value, "\n"));
+    EXPECT_EQ(error_of(file.remove_parameter_value(0x2000, 0)), "");
+    EXPECT_EQ(file.text(), without("", "")) << value;
+    EXPECT_EQ(test::value(read_device_file(file.text()), 0x2000), (std::vector<std::uint8_t>{1}));
+  }
+  DeviceText beside(without("<actualValue value=\"2\"/><!-- two -->", "\n"));
+  EXPECT_EQ(error_of(beside.remove_parameter_value(0x2000, 0)), "");
+  EXPECT_EQ(beside.text(), without("<!-- two -->", "\n"));
 }
 
 TEST(DeviceText, ParameterOfTwoObjects_IsLeftAlone) {

@@ -142,9 +142,8 @@ Done DeviceText::remove_parameter_value(std::uint16_t index, std::uint8_t sub) {
   if (xdd == nullptr) return std::unexpected(std::get<Unreadable>(file_).reason);
   const pugi::xml_node element = described(xdd->text.document(), index, sub);
   if (!element) return std::unexpected("the file has no sub-index " + object_name(index, sub));
-  if (value_of_parameter(xdd->text.document(), element)) {
-    return std::unexpected("the value of " + object_name(index, sub) +
-                           " stands in the parameter it refers to, and is not taken out there");
+  if (const auto parameter = value_of_parameter(xdd->text.document(), element)) {
+    return xdd->text.remove(parameter);
   }
   return xdd->text.remove(element, "actualValue");
 }

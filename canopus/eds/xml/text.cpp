@@ -53,6 +53,34 @@ Text::Done Text::remove(pugi::xml_node element, std::string_view name) {
   return replace(span, "");
 }
 
+Text::Done Text::remove(pugi::xml_node element) {
+  const std::string_view name = element.name();
+  Span span = document_->name_span(element);
+  --span.begin;  // its bracket
+  char quote = 0;
+  while (span.end < text_.size() && (quote != 0 || text_[span.end] != '>')) {
+    const char c = text_[span.end++];
+    if (quote != 0) {
+      if (c == quote) quote = 0;
+    } else if (c == '"' || c == '\'') {
+      quote = c;
+    }
+  }
+  if (text_[span.end - 1] != '/') {
+    const std::string end_tag = "</" + std::string(name);
+    const std::size_t end = text_.find(end_tag, span.end);
+    if (end == std::string::npos || element.find_node([&](auto inner) { return inner.name() == name; }))
+      return std::unexpected("the end of " + std::string(name) + " is not found");
+    span.end = text_.find('>', end);
+  }
+  ++span.end;
+  const std::size_t line = text_.find_last_not_of(" \t", span.begin - 1) + 1;
+  const std::size_t rest = text_.find_first_not_of(" \t\r", span.end);
+  const bool has_line_of_its_own =
+      text_[line - 1] == '\n' && rest != std::string::npos && text_[rest] == '\n';
+  return replace(has_line_of_its_own ? Span{line, rest + 1} : span, "");
+}
+
 Text::Done Text::append(pugi::xml_node parent, std::string_view name,
                         const std::vector<std::pair<std::string_view, std::string>>& attributes) {
   pugi::xml_node last = parent.last_child();

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "canopus/eds/configuration_text.hpp"
 #include "canopus/eds/words.hpp"
+#include "canopus/eds/xdd.hpp"
 
 namespace canopus::project {
 namespace {
@@ -111,10 +111,10 @@ void NetworkProject::read_node(ProjectNode& node) {
     return;
   }
   original_[node.path] = **text;
-  put(node, eds::IniText(**text));
+  put(node, eds::DeviceText(**text));
 }
 
-void NetworkProject::put(ProjectNode& node, eds::IniText text) {
+void NetworkProject::put(ProjectNode& node, eds::DeviceText text) {
   node.text = std::move(text);
   eds::ReadResult read = eds::read_device_file(node.text->text());
   node.device = std::move(read.file);
@@ -192,7 +192,7 @@ std::expected<ProjectNode*, std::string> NetworkProject::editable(std::uint8_t n
 }
 
 Done NetworkProject::set_bit_rate(std::uint32_t bit_rate) {
-  std::vector<std::pair<ProjectNode*, eds::IniText>> changed;
+  std::vector<std::pair<ProjectNode*, eds::DeviceText>> changed;
   for (ProjectNode& one : nodes_) {
     const auto node = editable(one.id());
     if (!node) return std::unexpected(node.error());
@@ -204,33 +204,35 @@ Done NetworkProject::set_bit_rate(std::uint32_t bit_rate) {
       return std::unexpected(fmt::format("{} does not have {} kbit/s: its file says {}", one.shown_name(),
                                          bit_rate / 1000, known));
     }
-    auto text = eds::make_configuration(
-        one.text->text(), {},
-        {.node_id = one.id(), .node_name = {}, .bit_rate = bit_rate, .network_name = {}});
-    if (!text) return std::unexpected(fmt::format("{}: {}", one.path, text.error()));
-    changed.emplace_back(&one, std::move(*text));
+    eds::DeviceText text = *one.text;
+    const auto done =
+        text.configure({}, {.node_id = one.id(), .node_name = {}, .bit_rate = bit_rate, .network_name = {}});
+    if (!done) return std::unexpected(fmt::format("{}: {}", one.path, done.error()));
+    changed.emplace_back(&one, std::move(text));
   }
   for (auto& [node, text] : changed) put(*node, std::move(text));
   return {};
 }
 
 std::expected<std::string, std::string> NetworkProject::free_file_name(const std::string& name,
-                                                                       std::uint8_t node_id) const {
+                                                                       std::uint8_t node_id,
+                                                                       std::string_view extension) const {
   const std::string plain = as_file_name(name);
   const std::array candidates = {plain.empty() ? fmt::format("node{}", node_id) : plain,
                                  fmt::format("{}{}{}", plain, plain.empty() ? "node" : "-", node_id),
                                  fmt::format("node-{}-{}", node_id, plain)};
   for (const std::string& candidate : candidates) {
-    const std::string path = in_folder(candidate + ".dcf");
+    std::string file = fmt::format("{}.{}", candidate, extension);
+    const std::string path = in_folder(file);
     const bool is_used = std::ranges::any_of(
         nodes_, [&](const ProjectNode& node) { return eds::lower(node.path) == eds::lower(path); });
     if (is_used) continue;
     const auto there = read_(path);
     if (!there) return std::unexpected(there.error());
-    if (!*there) return candidate + ".dcf";
+    if (!*there) return file;
   }
-  return std::unexpected(fmt::format("there are files {}.dcf, {}.dcf and {}.dcf already", candidates[0],
-                                     candidates[1], candidates[2]));
+  return std::unexpected(fmt::format("there are files {0}.{3}, {1}.{3} and {2}.{3} already", candidates[0],
+                                     candidates[1], candidates[2], extension));
 }
 
 std::expected<std::uint8_t, std::string> NetworkProject::add_node(const NewNode& node) {
@@ -246,14 +248,15 @@ std::expected<std::uint8_t, std::string> NetworkProject::add_node(const NewNode&
   if (read.file == nullptr) return std::unexpected(first_problem(read.problems));
   ListedNode listed{.node_id = id, .name = node.name, .reference = {}, .dcf_name = {}};
   if (listed.name.empty()) listed.name = std::string(eds::trim(read.file->device.product_name));
-  auto name = free_file_name(listed.name, id);
+  auto name = free_file_name(listed.name, id, eds::is_xml(node.eds) ? "xdc" : "dcf");
   if (!name) return std::unexpected(std::move(name.error()));
   listed.dcf_name = std::move(*name);
-  auto text = eds::make_configuration(node.eds, {.file_name = listed.dcf_name, .eds_name = node.eds_name},
-                                      {.node_id = id,
-                                       .node_name = listed.name,
-                                       .bit_rate = node.bit_rate != 0 ? node.bit_rate : bit_rate(),
-                                       .network_name = network().name});
+  auto text =
+      eds::make_device_configuration(node.eds, {.file_name = listed.dcf_name, .eds_name = node.eds_name},
+                                     {.node_id = id,
+                                      .node_name = listed.name,
+                                      .bit_rate = node.bit_rate != 0 ? node.bit_rate : bit_rate(),
+                                      .network_name = network().name});
   if (!text) return std::unexpected(std::move(text.error()));
   if (auto done = list_.set_node(network_, listed); !done) return std::unexpected(done.error());
   ProjectNode added{.listed = *network().find(id), .path = in_folder(listed.dcf_name)};
@@ -278,13 +281,13 @@ Done NetworkProject::change_node(std::uint8_t node_id, const ListedNode& node) {
   if (const ProjectNode* other = find(node.node_id); moves && other != nullptr) {
     return std::unexpected(fmt::format("{} has node-ID {}", other->shown_name(), node.node_id));
   }
-  std::optional<eds::IniText> text;
+  std::optional<eds::DeviceText> text;
   if (moves || node.name != own->listed.name) {
     if (auto usable = editable(node_id); !usable) return std::unexpected(usable.error());
-    auto made = eds::make_configuration(
-        own->text->text(), {}, {.node_id = node.node_id, .node_name = node.name, .network_name = {}});
+    text = own->text;
+    const auto made =
+        text->configure({}, {.node_id = node.node_id, .node_name = node.name, .network_name = {}});
     if (!made) return std::unexpected(fmt::format("{}: {}", own->path, made.error()));
-    text = std::move(*made);
   }
   Nodelist list = list_;
   if (moves) {
@@ -302,8 +305,8 @@ Done NetworkProject::set_value(std::uint8_t node_id, std::uint16_t index, std::u
                                std::string_view value) {
   const auto node = editable(node_id);
   if (!node) return std::unexpected(node.error());
-  eds::IniText text = *(*node)->text;
-  if (auto done = eds::set_parameter_value(text, index, sub, value); !done) return done;
+  eds::DeviceText text = *(*node)->text;
+  if (auto done = text.set_parameter_value(index, sub, value); !done) return done;
   put(**node, std::move(text));
   return {};
 }
@@ -311,8 +314,8 @@ Done NetworkProject::set_value(std::uint8_t node_id, std::uint16_t index, std::u
 Done NetworkProject::remove_value(std::uint8_t node_id, std::uint16_t index, std::uint8_t sub) {
   const auto node = editable(node_id);
   if (!node) return std::unexpected(node.error());
-  eds::IniText text = *(*node)->text;
-  if (auto done = eds::remove_parameter_value(text, index, sub); !done) return done;
+  eds::DeviceText text = *(*node)->text;
+  if (auto done = text.remove_parameter_value(index, sub); !done) return done;
   put(**node, std::move(text));
   return {};
 }

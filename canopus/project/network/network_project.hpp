@@ -1,6 +1,6 @@
 #pragma once
-// A CANopen network as a CiA 306 project: nodelist.cpj and the DCF of each node, read, changed and written so that only the
-// lines that say so differ. No file is opened here.
+// A CANopen network as a CiA 306 project: nodelist.cpj and the DCF or XDC of each node, read, changed and written so that only
+// the lines that say so differ. "DCF" is either kind where nothing else is said. No file is opened here.
 
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "canopus/eds/device_file.hpp"
-#include "canopus/eds/ini_text.hpp"
+#include "canopus/eds/files/device_text.hpp"
 #include "canopus/eds/problems.hpp"
 #include "canopus/project/network/pdo.hpp"
 #include "canopus/project/nodelist/nodelist.hpp"
@@ -29,7 +29,7 @@ using ReadFile =
 struct ProjectNode {
   ListedNode listed;
   std::string path;  ///< of its DCF below the folder; empty: it has none
-  std::optional<eds::IniText> text{};
+  std::optional<eds::DeviceText> text{};
   std::shared_ptr<const eds::DeviceFile> device{};  ///< nullptr: there is none, `unreadable` says why
   std::vector<eds::Problem> problems{};             ///< of its DCF
   std::string unreadable{};                         ///< a sentence without the file's name
@@ -80,7 +80,7 @@ class NetworkProject {
   [[nodiscard]] Done set_name(std::string_view name);
   /// In the DCF of every node. bit/s; refused when a device does not have it.
   [[nodiscard]] Done set_bit_rate(std::uint32_t bit_rate);
-  /// Makes a DCF of a device file: its node-ID.
+  /// Makes a DCF of an EDS or DCF, an XDC of an XDD or XDC: its node-ID.
   [[nodiscard]] std::expected<std::uint8_t, std::string> add_node(const NewNode& node);
   /// Takes it out of the list, and its DCF away when no other node has it.
   [[nodiscard]] Done remove_node(std::uint8_t node_id);
@@ -105,8 +105,9 @@ class NetworkProject {
   /// The node to be changed, which has a DCF that can be.
   [[nodiscard]] std::expected<ProjectNode*, std::string> editable(std::uint8_t node_id);
   [[nodiscard]] std::expected<std::string, std::string> free_file_name(const std::string& name,
-                                                                       std::uint8_t node_id) const;
-  void put(ProjectNode& node, eds::IniText text);
+                                                                       std::uint8_t node_id,
+                                                                       std::string_view extension) const;
+  void put(ProjectNode& node, eds::DeviceText text);
   [[nodiscard]] std::string in_folder(std::string_view name) const;
 
   std::string list_path_;

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "canopus/eds/configuration_text.hpp"
 #include "canopus/project/network/network_project.hpp"
 
 namespace canopus::project {
@@ -39,9 +38,9 @@ Done NetworkProject::set_pdo(std::uint8_t node_id, const Pdo& pdo) {
     return refuse(fmt::format("maps at most {} objects", own->most_objects));
   }
   if (pdo.bits() > 64) return refuse(fmt::format("would have {} bits; 64 at most", pdo.bits()));
-  eds::IniText text = *(*node)->text;
+  eds::DeviceText text = *(*node)->text;
   const auto set = [&](std::uint16_t index, std::size_t sub, const std::string& value) {
-    return eds::set_parameter_value(text, index, static_cast<std::uint8_t>(sub), value);
+    return text.set_parameter_value(index, static_cast<std::uint8_t>(sub), value);
   };
   const std::uint16_t index = pdo.communication_index();
   if (pdo.cob_id.raw != own->cob_id.raw) {

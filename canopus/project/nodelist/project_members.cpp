@@ -4,14 +4,22 @@
 #include <optional>
 #include <utility>
 
+#include "canopus/eds/device_file.hpp"
 #include "canopus/eds/number.hpp"
+#include "canopus/eds/xdd.hpp"
 #include "canopus/project/nodelist/nodelist.hpp"
 
 namespace canopus::project {
 namespace {
 
+/// What a DCF says of its node: of an XDC, whose elements are found by their schema, the reader of device files knows it.
+struct Commissioned {
+  bool is_manager = false;
+  std::uint32_t bit_rate = 0;  // bit/s; 0: it has none
+};
+
 /// A number of [DeviceComissioning], in either spelling; 0 when there is none.
-std::uint64_t commissioned(const eds::IniText& dcf, std::string_view key) {
+std::uint64_t number_of(const eds::IniText& dcf, std::string_view key) {
   for (const std::string_view section : {"DeviceComissioning", "DeviceCommissioning"}) {
     const auto value = dcf.value(section, key);
     if (!value) continue;
@@ -19,6 +27,19 @@ std::uint64_t commissioned(const eds::IniText& dcf, std::string_view key) {
     return number && !number->negative ? number->magnitude : 0;
   }
   return 0;
+}
+
+Commissioned commissioned(std::string_view text) {
+  if (!eds::is_xml(text)) {
+    const eds::IniText dcf(text);
+    const std::uint64_t kilobits = std::min<std::uint64_t>(number_of(dcf, "Baudrate"), 1000);
+    return {.is_manager = number_of(dcf, "CANopenManager") != 0,
+            .bit_rate = static_cast<std::uint32_t>(kilobits * 1000)};
+  }
+  const eds::ReadResult read = eds::read_device_file(text);
+  if (read.file == nullptr || !read.file->commissioning) return {};
+  return {.is_manager = read.file->commissioning->canopen_manager,
+          .bit_rate = read.file->commissioning->bit_rate};
 }
 
 }  // namespace
@@ -60,14 +81,10 @@ ProjectMembers read_members(
       result.errors.push_back(who + dcf_text.error());
       continue;
     }
-    const eds::IniText dcf(*dcf_text);
-    result.members.push_back({.node_id = node.node_id,
-                              .name = node.name,
-                              .path = folder + *path,
-                              .is_manager = commissioned(dcf, "CANopenManager") != 0});
-    const auto own =
-        static_cast<std::uint32_t>(std::min<std::uint64_t>(commissioned(dcf, "Baudrate"), 1000) * 1000);
-    if (own != 0) rate = rate.value_or(own) == own ? own : 0;
+    const Commissioned own = commissioned(*dcf_text);
+    result.members.push_back(
+        {.node_id = node.node_id, .name = node.name, .path = folder + *path, .is_manager = own.is_manager});
+    if (own.bit_rate != 0) rate = rate.value_or(own.bit_rate) == own.bit_rate ? own.bit_rate : 0;
   }
   result.bit_rate = rate.value_or(0);
   return result;
