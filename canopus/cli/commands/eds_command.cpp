@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "canopus/cli/commands/eds_show.hpp"
+#include "canopus/cli/terminal/kept_work.hpp"
 #include "canopus/cli/terminal/new_file.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/eds/files/losses.hpp"
@@ -194,8 +195,10 @@ void add_convert(CLI::App& eds, int& exit_code) {
       "a file that cannot be read.\n"
       "\n"
       "Example: canopus eds convert pump.eds pump.xdd");
-  convert->callback(
-      [options, &exit_code] { exit_code = eds_convert(*options, standard_output(), standard_error()); });
+  convert->callback([options, &exit_code] {
+    const auto convert_file = [&] { return eds_convert(*options, standard_output(), standard_error()); };
+    exit_code = options->to == "-" ? convert_file() : keep_working(convert_file);
+  });
 }
 
 }  // namespace

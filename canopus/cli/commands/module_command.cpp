@@ -11,6 +11,7 @@
 
 #include "canopus/cli/commands/module_compare.hpp"
 #include "canopus/cli/commands/module_status.hpp"
+#include "canopus/cli/terminal/new_file.hpp"
 #include "canopus/cli/terminal/plant_loading.hpp"
 #include "canopus/module/storage/flash_memory.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
@@ -219,9 +220,8 @@ int module_eds_file(const std::string& model, const std::string& path, Output& o
     out.content(text);
     return 0;
   }
-  std::ofstream file(path, std::ios::binary | std::ios::trunc);
-  if (!file || !(file << text) || !file.flush()) {
-    err.line("canopus: cannot write {}: {}", path, std::strerror(errno));
+  if (const auto written = write_new_file(path, text); !written) {
+    err.line("canopus: {}", written.error());
     return 2;
   }
   return 0;

@@ -10,6 +10,7 @@
 
 #include "canopus/cli/commands/module_words.hpp"
 #include "canopus/cli/commands/plc_access.hpp"
+#include "canopus/cli/terminal/new_file.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/client/plc_address.hpp"
 #include "canopus/client/plc_point.hpp"
@@ -119,10 +120,10 @@ int dump_plc(const PlcArguments& arguments) {
       for (const std::string& line : lines) print_line("{}", line);
       return done;
     }
-    std::ofstream file(arguments.file, std::ios::binary);
-    for (const std::string& line : lines) file << line << '\n';
-    file.close();
-    return file ? done : plc_failed(refused, arguments.file + ": cannot be written");
+    std::string text;
+    for (const std::string& line : lines) text += line + '\n';
+    const auto written = write_new_file(arguments.file, text);
+    return written ? done : plc_failed(refused, written.error());
   });
 }
 

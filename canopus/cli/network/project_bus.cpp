@@ -2,6 +2,7 @@
 
 #include "canopus/cli/network/bus_session.hpp"
 #include "canopus/cli/network/project_command.hpp"
+#include "canopus/cli/terminal/kept_work.hpp"
 #include "canopus/cli/terminal/print.hpp"
 
 namespace canopus::cli {
@@ -45,7 +46,9 @@ int compare_network(const ProjectArguments& arguments) {
 }
 
 int write_network(const ProjectArguments& arguments) {
-  const int code = for_each_node(arguments, &BusSession::write);
+  const auto write = [&] { return for_each_node(arguments, &BusSession::write); };
+  // Nobody's going leaves a device half written.
+  const int code = arguments.yes ? keep_working(write) : write();
   if (code == project_code::different && !arguments.yes && !arguments.bus.json) {
     print_line("nothing is written yet: --yes writes");
   }

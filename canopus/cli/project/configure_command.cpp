@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "canopus/cli/terminal/kept_work.hpp"
 #include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/cli/terminal/print.hpp"
 
@@ -35,7 +36,8 @@ struct Adder {
                                                                 Action action) const {
     auto arguments = std::make_shared<ConfigureArguments>();
     CLI::App* command = group.add_subcommand(name, help);
-    command->callback([arguments, action, code = &exit_code] { *code = action(*arguments); });
+    command->callback(
+        [arguments, action, code = &exit_code] { *code = keep_working([&] { return action(*arguments); }); });
     return {command, arguments};
   }
   auto with_file(const char* name, const char* help, Action action) const {

@@ -1,6 +1,7 @@
 #include "canopus/cli/terminal/print.hpp"
 
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <system_error>
 
@@ -10,6 +11,8 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "canopus/cli/terminal/kept_work.hpp"
+
 namespace canopus::cli {
 namespace {
 
@@ -18,17 +21,31 @@ class StandardStream final : public Output {
  public:
   explicit StandardStream(int descriptor) : descriptor_(descriptor) {}
   void divert(Output* to) { diverted_ = to; }
+  /// What cannot be written is forgotten; why, end_keeping_quiet() says (errno, or 0).
+  void keep_quiet() {
+    is_quiet_ = true;
+    error_ = 0;
+  }
+  [[nodiscard]] int end_keeping_quiet() {
+    is_quiet_ = false;
+    return error_;
+  }
 
  private:
   void write(std::string_view text) override {
     if (diverted_ != nullptr) return diverted_->content(text);
     end_progress();
+    if (is_quiet_ && error_ != 0) return;
     while (!text.empty()) {
       const ssize_t written = ::write(descriptor_, text.data(), text.size());
       if (written >= 0) {
         text.remove_prefix(static_cast<std::size_t>(written));
       } else if (errno != EAGAIN || !wait_for_reader()) {
         if (descriptor_ == STDERR_FILENO) return;
+        if (is_quiet_ && errno != EINTR) {
+          error_ = errno;
+          return;
+        }
         throw OutputFailed(errno);
       }
     }
@@ -42,6 +59,8 @@ class StandardStream final : public Output {
 
   int descriptor_;
   Output* diverted_ = nullptr;
+  bool is_quiet_ = false;
+  int error_ = 0;
 };
 
 StandardStream& stream(int descriptor) {
@@ -105,6 +124,28 @@ Diversion::Diversion(Output& out, Output& error) {
 Diversion::~Diversion() {
   stream(STDOUT_FILENO).divert(nullptr);
   stream(STDERR_FILENO).divert(nullptr);
+}
+
+int keep_working(const std::function<int()>& work) {
+  struct Quiet {
+    Quiet() {
+      struct sigaction ignored {};
+      ignored.sa_handler = SIG_IGN;
+      (void)::sigaction(SIGPIPE, &ignored, &before);
+      stream(STDOUT_FILENO).keep_quiet();
+    }
+    ~Quiet() {
+      (void)::sigaction(SIGPIPE, &before, nullptr);
+      (void)stream(STDOUT_FILENO).end_keeping_quiet();
+    }
+    Quiet(const Quiet&) = delete;
+    Quiet& operator=(const Quiet&) = delete;
+    struct sigaction before {};
+  } quiet;
+  const int code = work();
+  const int error = stream(STDOUT_FILENO).end_keeping_quiet();
+  if (error != 0 && error != EPIPE) throw OutputFailed(error);
+  return code;
 }
 
 void print_json(const nlohmann::ordered_json& object) { standard_output().json(object); }

@@ -6,6 +6,7 @@
 
 #include "canopus/cli/commands/bus_command.hpp"
 #include "canopus/cli/terminal/channel_choice.hpp"
+#include "canopus/cli/terminal/kept_work.hpp"
 #include "canopus/cli/terminal/new_file.hpp"
 #include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/cli/terminal/same_file.hpp"
@@ -173,7 +174,10 @@ void add_trace_convert(CLI::App& trace, int& exit_code) {
       "cannot say a time; 2 wrong command line or file. OUT gets its name when it is whole.\n"
       "\n"
       "Example: canopus trace convert drive.blf drive.pcapng");
-  command->callback([options, &exit_code] { exit_code = convert(*options); });
+  command->callback([options, &exit_code] {
+    const auto work = [&] { return convert(*options); };
+    exit_code = options->out == "-" ? work() : keep_working(work);
+  });
 }
 
 }  // namespace canopus::cli
