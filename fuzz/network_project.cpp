@@ -1,4 +1,5 @@
-// Any bytes as the DCF of a node of a project, beside a good one: looked at, reviewed, linked and changed.
+// Any bytes as the DCF or XDC of a node of a project, beside a good one: looked at, reviewed, linked and changed; and the same
+// bytes as the notes beside the list.
 
 #include <cstddef>
 #include <cstdint>
@@ -37,7 +38,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string text(reinterpret_cast<const char*>(data), size);  // NOLINT
   const ReadFile read =
       [&](const std::string& path) -> std::expected<std::optional<std::string>, std::string> {
-    if (path == "1.dcf") return text;
+    if (path == "1.dcf" || path == notes_path("list")) return text;
     if (path == "2.dcf") return std::string(good);
     return path == "list" ? std::optional(std::string(list)) : std::nullopt;
   };
@@ -47,6 +48,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (finding.message.empty()) std::abort();
   }
   static_cast<void>(reckon_load(*project));
+  NetworkProject noted = *project;
+  const auto done = noted.set_note(1, "a \"b\"\n");
+  if (done ? noted.notes().note(1) != "a \"b\"\n" : noted.changes() != project->changes()) std::abort();
+  if (done && !noted.set_note(1, "")) std::abort();
   const ProjectNode& node = project->nodes()[0];
   if (node.device == nullptr) return 0;
   constexpr std::size_t most = 24;

@@ -60,7 +60,7 @@ def the_page_of_projects_shows_what_the_commands_print():
         for commands in transcripts(page):
             for line, shown in commands:
                 words = shlex.split(line)
-                online = ["--bus", f"socketcand:{plant.socketcand}"] if words[2] in ("diff", "write", "adopt", "report") else []
+                online = ["--bus", f"socketcand:{plant.socketcand}"] if words[2] in ("diff", "write", "adopt", "report", "accept") else []
                 done = subprocess.run([program, *words[1:], *online], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                                       timeout=PATIENCE, cwd=folder)
                 different = differs(shown, done.stdout.splitlines(), ())

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "canopus/cli/terminal/kept_work.hpp"
 #include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/project/network/network_load.hpp"
@@ -75,8 +76,8 @@ void add_changing(const Adder& adder) {
   }
   {
     auto [command, arguments] =
-        adder.add("add", "Add a node: its DCF is made of a device file", add_network_node);
-    command->add_option("EDS", arguments->file, "device file, EDS or DCF")->required();
+        adder.add("add", "Add a node: its DCF or XDC is made of a device file", add_network_node);
+    command->add_option("EDS", arguments->file, "device file: EDS, DCF, XDD or XDC")->required();
     add_node_id(*command, arguments->node_id, "without it the lowest that is free");
     command->add_option("--name", arguments->name, "of the node; without it the product's")
         ->type_name("NAME");
@@ -123,6 +124,12 @@ void add_changing(const Adder& adder) {
         adder.add("unset", "Take values of objects out: their defaults count", unset_in_network);
     add_node(*command, *arguments, true);
     command->add_option("OBJECT", arguments->items, "1017, \"Producer heartbeat time\"")->required();
+  }
+  {
+    auto [command, arguments] =
+        adder.add("note", "Write a note about a node: shown, and in the report", note_in_network);
+    add_node(*command, *arguments, true);
+    command->add_option("TEXT", arguments->note, "what is noted; \"\" takes it out")->required();
   }
   adder.add("undo", "Take back the latest change, then the one before it (50 at most)", undo_in_network);
   {
@@ -174,6 +181,14 @@ void add_online(const Adder& adder) {
     command->add_flag("--no-values", arguments->no_values,
                       "read who the devices are, but not what they have configured");
     add_bus(*command, *arguments);
+  }
+  {
+    auto [command, arguments] =
+        adder.add("accept", "Take the device that answers now for a node: its identity becomes the project's",
+                  accept_device);
+    add_node(*command, *arguments, true);
+    add_bus(*command, *arguments);
+    command->add_flag("--yes", arguments->yes, "do it; without it what would change is shown");
   }
   {
     auto [command, arguments] = adder.add(
@@ -296,18 +311,19 @@ int change_network(const ProjectArguments& arguments, const std::string& title,
   if (!folder) return project_failed(project_code::file, folder.error());
   auto project = folder->read(arguments.network);
   if (!project) return project_failed(project_code::file, project.error());
-  const project::NetworkLoad before = arguments.dry_run ? reckon_load(*project) : project::NetworkLoad();
+  if (!arguments.dry_run) {
+    return keep_working([&] {
+      const int code = action(*folder, *project);
+      const bool is_kept =
+          code == project_code::done || code == project_code::no_answer || code == project_code::different;
+      if (!is_kept) return code;
+      const auto saved = folder->save(*project, title);
+      return saved ? code : project_failed(project_code::file, saved.error());
+    });
+  }
+  const project::NetworkLoad before = reckon_load(*project);
   const int code = action(*folder, *project);
-  if (arguments.dry_run) {
-    if (code == project_code::done) tell_load(arguments, before, reckon_load(*project));
-    return code;
-  }
-  const bool is_kept =
-      code == project_code::done || code == project_code::no_answer || code == project_code::different;
-  if (!is_kept) return code;
-  if (const auto saved = folder->save(*project, title); !saved) {
-    return project_failed(project_code::file, saved.error());
-  }
+  if (code == project_code::done) tell_load(arguments, before, reckon_load(*project));
   return code;
 }
 

@@ -38,6 +38,7 @@ struct ProjectArguments {
   std::string file;
   std::vector<std::string> eds;
   std::string name;
+  std::string note;
   std::string reference;
   std::string bit_rate;
   std::string pdo;
@@ -61,12 +62,13 @@ struct ProjectArguments {
 };
 
 // The commands, by the file they are in: project_show.cpp, project_edit.cpp, project_pdo.cpp, project_bus.cpp,
-// project_adopt.cpp, project_report.cpp.
+// project_adopt.cpp, project_accept.cpp, project_report.cpp.
 int show_network(const ProjectArguments& arguments);
 int check_network(const ProjectArguments& arguments);
 int new_network(const ProjectArguments& arguments);
 int add_network_node(const ProjectArguments& arguments);
 int remove_network_node(const ProjectArguments& arguments);
+int note_in_network(const ProjectArguments& arguments);
 int set_in_network(const ProjectArguments& arguments);
 int unset_in_network(const ProjectArguments& arguments);
 int undo_in_network(const ProjectArguments& arguments);
@@ -79,6 +81,7 @@ int compare_network(const ProjectArguments& arguments);
 int write_network(const ProjectArguments& arguments);
 int read_network(const ProjectArguments& arguments);
 int adopt_network(const ProjectArguments& arguments);
+int accept_device(const ProjectArguments& arguments);
 int report_network(const ProjectArguments& arguments);
 
 /// "canopus project: ..." on stderr; returns `code`.

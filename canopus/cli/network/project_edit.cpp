@@ -152,6 +152,27 @@ int set_in_network(const ProjectArguments& arguments) {
   });
 }
 
+int note_in_network(const ProjectArguments& arguments) {
+  return change_network(arguments, "note " + arguments.node, [&](ProjectFolder&, NetworkProject& project) {
+    const auto found = project.find(arguments.node);
+    if (!found) return project_failed(project_code::refused, found.error());
+    const ProjectNode& node = **found;
+    const bool had_one = !project.notes().note(node.id()).empty();
+    if (const auto done = project.set_note(node.id(), arguments.note); !done) {
+      return project_failed(project_code::refused, done.error());
+    }
+    if (arguments.bus.json) {
+      print_json(Json{{"event", "noted"}, {"node", node.id()}, {"note", arguments.note}});
+    } else {
+      print_line("{}: {}", node.shown_name(),
+                 !arguments.note.empty() ? "noted"
+                 : had_one               ? "the note is taken out"
+                                         : "has no note");
+    }
+    return project_code::done;
+  });
+}
+
 int unset_in_network(const ProjectArguments& arguments) {
   return change_network(arguments, "unset " + arguments.node, [&](ProjectFolder&, NetworkProject& project) {
     const auto found = project.find(arguments.node);

@@ -10,6 +10,7 @@
 #include "canopus/cli/network/network_check.hpp"
 #include "canopus/cli/network/project_command.hpp"
 #include "canopus/cli/network/report_page.hpp"
+#include "canopus/cli/terminal/kept_work.hpp"
 #include "canopus/cli/terminal/new_file.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/client/sdo_value.hpp"
@@ -32,7 +33,7 @@ std::string hexadecimal(std::optional<std::uint32_t> value) {
 void add_nodes(ReportPage& page, const NetworkProject& project) {
   page.heading("Nodes");
   page.begin_table({"node", "name", "reference", "product", "vendor", "device type", "vendor-ID",
-                    "product code", "revision", "DCF"});
+                    "product code", "revision", "DCF", "note"});
   for (const ProjectNode& node : project.nodes()) {
     const eds::Identity identity = node.device == nullptr ? eds::Identity{} : eds::identity(*node.device);
     const bool is_good = node.device != nullptr;
@@ -40,7 +41,7 @@ void add_nodes(ReportPage& page, const NetworkProject& project) {
               node.listed.reference, is_good ? node.device->device.product_name : node.unreadable,
               is_good ? node.device->device.vendor_name : "", hexadecimal(identity.device_type),
               hexadecimal(identity.vendor_id), hexadecimal(identity.product_code),
-              hexadecimal(identity.revision), node.path},
+              hexadecimal(identity.revision), node.path, project.notes().note(node.id())},
              is_good ? "" : "bad");
   }
   page.end_table();
@@ -188,7 +189,7 @@ bool add_differences(ReportPage& page, const NetworkProject& project, const std:
 
 }  // namespace
 
-int report_network(const ProjectArguments& arguments) {
+static int write_report(const ProjectArguments& arguments) {
   return with_network(arguments, [&](const ProjectFolder& folder, const NetworkProject& project) {
     const std::string& name = project.network().name;
     ReportPage page(name.empty() ? folder.shown_list() : name);
@@ -217,6 +218,10 @@ int report_network(const ProjectArguments& arguments) {
     if (!arguments.bus.json) print_line("{}: written", arguments.file);
     return code;
   });
+}
+
+int report_network(const ProjectArguments& arguments) {
+  return keep_working([&] { return write_report(arguments); });
 }
 
 }  // namespace canopus::cli

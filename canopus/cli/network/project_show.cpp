@@ -44,9 +44,10 @@ std::string product_of(const ProjectNode& node) {
   return node.device == nullptr ? node.unreadable : node.device->device.product_name;
 }
 
-Json node_json(const ProjectNode& node) {
+Json node_json(const NetworkProject& project, const ProjectNode& node) {
   Json json{{"node", node.id()}, {"name", node.listed.name}, {"present", node.listed.present}};
   if (!node.listed.reference.empty()) json["reference"] = node.listed.reference;
+  if (const std::string note = project.notes().note(node.id()); !note.empty()) json["note"] = note;
   json["file"] = node.path;
   if (node.device == nullptr) {
     json["error"] = node.unreadable;
@@ -112,13 +113,15 @@ void add_facts(Json& line, const ProjectNode& node, const canopen::Entry& entry)
   if (limits.high) line["high"] = shown(*limits.high);
 }
 
-int show_node(const ProjectArguments& arguments, const ProjectNode& node) {
+int show_node(const ProjectArguments& arguments, const NetworkProject& project, const ProjectNode& node) {
   const bool json = arguments.bus.json;
   if (json) {
-    print_json(node_json(node));
+    print_json(node_json(project, node));
   } else {
     print_line("{}{}", node.shown_name(), node.listed.present ? "" : ", not present");
     if (!node.listed.reference.empty()) print_line("  reference  {}", node.listed.reference);
+    if (const std::string note = project.notes().note(node.id()); !note.empty())
+      print_line("  note       {}", note);
     print_line("  DCF        {}", node.path.empty() ? "-" : node.path);
     print_line("  product    {}", product_of(node));
   }
@@ -157,7 +160,7 @@ int show_network(const ProjectArguments& arguments) {
     if (!arguments.node.empty()) {
       const auto node = project.find(arguments.node);
       if (!node) return project_failed(project_code::refused, node.error());
-      return show_node(arguments, **node);
+      return show_node(arguments, project, **node);
     }
     const project::NetworkLoad load = reckon_load(project);
     if (arguments.bus.json) {
@@ -168,7 +171,7 @@ int show_network(const ProjectArguments& arguments) {
                       {"load", load.steady},
                       {"load_at_most", load.most},
                       {"unlimited", load.unlimited}});
-      for (const ProjectNode& node : project.nodes()) print_json(node_json(node));
+      for (const ProjectNode& node : project.nodes()) print_json(node_json(project, node));
       return project_code::done;
     }
     const std::string& name = project.network().name;
@@ -184,6 +187,10 @@ int show_network(const ProjectArguments& arguments) {
       print_line("{:>4}  {:<{}}  {:>5}  {:>5}  {:<24}  {}{}", node.id(), node.listed.name, width,
                  count(node, true), count(node, false), product_of(node), node.path.empty() ? "-" : node.path,
                  node.listed.present ? "" : "  not present");
+    }
+    for (const ProjectNode& node : project.nodes()) {
+      const std::string note = project.notes().note(node.id());
+      if (!note.empty()) print_line("note on {}: {}", node.shown_name(), note);
     }
     return project_code::done;
   });

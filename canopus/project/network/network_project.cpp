@@ -65,6 +65,7 @@ std::expected<NetworkProject, std::string> NetworkProject::open(std::string list
   }
   NetworkProject project(std::move(list), std::move(read), std::move(nodelist), network);
   project.original_[project.list_path_] = **text;
+  project.read_notes();
   project.read_nodes();
   return project;
 }
@@ -76,6 +77,7 @@ std::expected<NetworkProject, std::string> NetworkProject::make(std::string list
   if (*text) return std::unexpected("the file is there already");
   NetworkProject project(std::move(list), std::move(read), Nodelist(), 0);
   project.original_[project.list_path_] = std::nullopt;
+  project.read_notes();
   if (auto named = project.set_name(network_name); !named) return std::unexpected(named.error());
   return project;
 }
@@ -83,6 +85,14 @@ std::expected<NetworkProject, std::string> NetworkProject::make(std::string list
 std::string NetworkProject::in_folder(std::string_view name) const {
   const std::size_t slash = list_path_.rfind('/');
   return slash == std::string::npos ? std::string(name) : list_path_.substr(0, slash + 1) + std::string(name);
+}
+
+void NetworkProject::read_notes() {
+  const std::string path = notes_path(list_path_);
+  auto text = read_(path);
+  // What cannot be read is no note, and is not written over.
+  notes_ = text ? ProjectNotes(*text, network_) : ProjectNotes::unreadable(text.error());
+  if (text) original_[path] = std::move(*text);
 }
 
 void NetworkProject::read_nodes() {
@@ -267,8 +277,16 @@ std::expected<std::uint8_t, std::string> NetworkProject::add_node(const NewNode&
   return id;
 }
 
+Done NetworkProject::set_note(std::uint8_t node_id, std::string_view note) {
+  if (find(node_id) == nullptr) return std::unexpected(fmt::format("the project has no node {}", node_id));
+  const auto done = notes_.set(node_id, note);
+  if (!done) return std::unexpected(fmt::format("{}: {}", notes_path(list_path_), done.error()));
+  return {};
+}
+
 Done NetworkProject::remove_node(std::uint8_t node_id) {
   if (find(node_id) == nullptr) return std::unexpected(fmt::format("the project has no node {}", node_id));
+  if (auto done = set_note(node_id, ""); !done) return done;
   if (auto done = list_.remove_node(network_, node_id); !done) return done;
   std::erase_if(nodes_, [&](const ProjectNode& node) { return node.id() == node_id; });
   return {};
@@ -290,10 +308,15 @@ Done NetworkProject::change_node(std::uint8_t node_id, const ListedNode& node) {
     if (!made) return std::unexpected(fmt::format("{}: {}", own->path, made.error()));
   }
   Nodelist list = list_;
+  ProjectNotes notes = notes_;
   if (moves) {
     if (auto done = list.remove_node(network_, node_id); !done) return done;
+    const std::string note = notes.note(node_id);
+    if (auto done = notes.set(node_id, ""); !done) return done;
+    if (auto done = notes.set(node.node_id, note); !done) return done;
   }
   if (auto done = list.set_node(network_, node); !done) return done;
+  notes_ = std::move(notes);
   list_ = std::move(list);
   own->listed = *network().find(node.node_id);
   if (text) put(*own, std::move(*text));
@@ -333,6 +356,7 @@ std::map<std::string, std::optional<std::string>> NetworkProject::changes() cons
         now[kept->first] = kept->second;
     }
   }
+  if (const auto path = notes_path(list_path_); original_.contains(path)) now[path] = notes_.text();
   for (const ProjectNode& node : nodes_) {
     if (node.text) now[node.path] = node.text->text();
   }

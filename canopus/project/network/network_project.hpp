@@ -17,6 +17,7 @@
 #include "canopus/eds/files/device_text.hpp"
 #include "canopus/eds/problems.hpp"
 #include "canopus/project/network/pdo.hpp"
+#include "canopus/project/network/project_notes.hpp"
 #include "canopus/project/nodelist/nodelist.hpp"
 
 namespace canopus::project {
@@ -94,11 +95,17 @@ class NetworkProject {
   /// Gives a PDO the COB-ID, transmission type, times and mapping of `pdo`; what is so already is not written.
   [[nodiscard]] Done set_pdo(std::uint8_t node_id, const Pdo& pdo);
 
+  /// Of its nodes; project_notes.hpp.
+  [[nodiscard]] const ProjectNotes& notes() const noexcept { return notes_; }
+  /// Empty takes it out.
+  [[nodiscard]] Done set_note(std::uint8_t node_id, std::string_view note);
+
   /// What differs from what was read: the text of each file, or nothing for one that is to be taken away.
   [[nodiscard]] std::map<std::string, std::optional<std::string>> changes() const;
 
  private:
   NetworkProject(std::string list_path, ReadFile read, Nodelist list, std::size_t network);
+  void read_notes();
   void read_nodes();
   void read_node(ProjectNode& node);
   [[nodiscard]] ProjectNode* find_own(std::uint8_t node_id) noexcept;
@@ -115,6 +122,7 @@ class NetworkProject {
   Nodelist list_;
   std::size_t network_;
   std::vector<ProjectNode> nodes_;
+  ProjectNotes notes_{std::nullopt, 0};
   std::map<std::string, std::optional<std::string>> original_;  // of each path that was read or made
 };
 

@@ -21,6 +21,10 @@ class Review {
     for (const eds::Problem& problem : project_.list().problems()) {
       found_.push_back({problem.severity, 0, project_.list_path(), problem.line, problem.message});
     }
+    if (!project_.notes().problem().empty()) {
+      found_.push_back({Severity::warning, 0, notes_path(project_.list_path()), project_.notes().line(),
+                        project_.notes().problem() + ": no note is shown"});
+    }
     for (const ProjectNode& node : project_.nodes()) files_of(node);
     bit_rates();
     process_data();
