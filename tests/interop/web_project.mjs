@@ -161,6 +161,16 @@ await picture("transfer", "#transfer");
 await page.click("#transfer-close");
 seen.same = await texts("#project-objects tr.same");
 
+// W6: a device that was replaced.
+seen.w6 = await counted(async () => {
+  await page.locator("#project-node-form button", { hasText: "Accept this device" }).click();
+  await page.waitForSelector("#project-accepted:not([hidden]) tr");
+  seen.will_accept = await texts("#project-accepted tr");
+  await page.click("#project-accept");
+  await page.waitForFunction(() => document.querySelector("#project-said b").textContent === "this device is the project's now");
+});
+await idle();
+
 // W10: the report.
 const download = page.waitForEvent("download");
 seen.w10 = await counted(async () => {

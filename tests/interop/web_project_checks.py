@@ -29,7 +29,12 @@ def web_project_in_chromium():
     pictures = pathlib.Path(os.environ.get("CANOPUS_PICTURES", scratch)) / "project"
     pictures.mkdir(parents=True, exist_ok=True)
     folder = new_project("web-found")
-    with running(first_plant_file(), operational=[1, 2, 3]) as plant:
+    # The drive is another one than that of its file.
+    text = first_plant_file().read_text()
+    drive = text[text.index('name = "drive"'):]
+    plant_file = scratch / "web-found.toml"
+    plant_file.write_text(text.replace(drive, drive.replace('"1017:00" = 500', '"1017:00" = 500, "1018:04" = 4711', 1)))
+    with running(plant_file, operational=[1, 2, 3]) as plant:
         words = [folder, "--bus", f"socketcand:{plant.socketcand}", "--eds", DEVICES]
         with running_page(*words) as page:
             done = command("node", HERE / "web_project.mjs", chromium, page_with_key(page), pictures,
@@ -56,6 +61,9 @@ def web_project_in_chromium():
     require(any("1017:00" in row and "250" in row and "500" in row for row in seen["will_write"]), seen["will_write"])
     require(seen["written"] and all(row.endswith("written") for row in seen["written"]), seen["written"])
     require(any(row.startswith("1017:00") and row.endswith("same") for row in seen["same"]), seen["same"])
+    require(seen["w6"] == {"clicks": 2, "typed": 0}, seen["w6"])
+    require(len(seen["will_accept"]) == 1 and re.search("1018:04.*project 00000001H.*device 00001267H", seen["will_accept"][0]),
+            seen["will_accept"])
     require(seen["w10"] == {"clicks": 1, "typed": 0}, seen["w10"])
     report = (pictures / "report.html").read_text()
     require("<script" not in report and "Found &lt;b&gt;here&lt;/b&gt;" in report, report[:500])

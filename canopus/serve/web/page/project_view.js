@@ -35,6 +35,7 @@ export class ProjectView {
     this.write_button.addEventListener("click", () => this.write());
     this.file = part("project-file");
     this.file.addEventListener("change", () => this.add_files([...this.file.files]));
+    this.accepted = part("project-accepted");
     this.bit_rate = part("project-bit-rate");
     this.bit_rate.replaceChildren(...[0, 10, 20, 50, 100, 125, 250, 500, 800, 1000].map((rate) =>
       make("option", { value: rate === 0 ? "" : `${rate}k` }, rate === 0 ? "not the same everywhere" : `${rate} kbit/s`)));
@@ -212,6 +213,7 @@ export class ProjectView {
 
   open_node(id) {
     this.opened = id;
+    this.accepted.hidden = true;
     this.draw();
     if (id === null) return this.title.focus();
     this.project.load_objects(id).then(() => this.node_title.focus());
@@ -233,6 +235,32 @@ export class ProjectView {
     const done = await this.project.change({ command: "project set", node: String(this.opened), ...fields });
     if (!done.failed && fields.node_id) this.opened = Number(fields.node_id);
     await this.project.load_objects(this.opened);
+  }
+
+  /// A device that was replaced: what it says of itself otherwise than the project, to be confirmed.
+  async look_at_device() {
+    const node = String(this.opened);
+    const done = await this.project.run({ command: "project accept", node }, { fine: [0, 4] });
+    const rows = done.rows.filter((row) => row.object !== undefined);
+    if (done.failed) return;
+    this.accepted.hidden = rows.length === 0;
+    if (rows.length === 0) this.project.said.text = "it is the device that the project has";
+    this.draw();
+    const hex = (value) => `${Number(value).toString(16).toUpperCase().padStart(8, "0")}H`;
+    const confirm = make("button", { type: "button", id: "project-accept" }, "Accept");
+    const cancel = make("button", { type: "button" }, "Cancel");
+    cancel.addEventListener("click", () => { this.accepted.hidden = true; });
+    confirm.addEventListener("click", async () => {
+      this.accepted.hidden = true;
+      const taken = await this.project.change({ command: "project accept", node, yes: true });
+      if (!taken.failed) this.project.said.text = "this device is the project's now";
+      await this.project.load_objects(this.opened);
+      this.draw();
+    });
+    this.accepted.replaceChildren(make("h4", {}, "This becomes the project's"), make("table", { class: "rows" }, make("tbody", {}, ...rows.map((row) =>
+      make("tr", {}, make("th", { scope: "row" }, this.project.label(row.node)), make("td", {}, row.object), make("td", {}, row.name), make("td", {}, `project ${hex(row.project)}`), make("td", {}, `device ${hex(row.device)}`))))),
+      confirm, " ", cancel);
+    confirm.focus();
   }
 
   // What is seen.
@@ -314,9 +342,13 @@ export class ProjectView {
       present.addEventListener("change", () => this.change_node(present.checked ? { present: true } : { absent: true }));
       const remove = make("button", { type: "button" }, "Remove");
       remove.addEventListener("click", () => this.project.change({ command: "project remove", node: String(node.node) }).then(() => this.open_node(null)));
-      for (const one of [name, id, present, remove]) one.disabled = !this.may_configure;
+      const note = make("input", { value: node.note ?? "", maxlength: "900", autocomplete: "off" });
+      note.addEventListener("change", () => this.project.change({ command: "project note", node: String(node.node), text: note.value }));
+      const accept = make("button", { type: "button" }, "Accept this device…");
+      accept.addEventListener("click", () => this.look_at_device());
+      for (const one of [name, id, present, remove, note, accept]) one.disabled = !this.may_configure;
       const number = (value) => (value === undefined ? "–" : `${value.toString(16).toUpperCase().padStart(8, "0")}H`);
-      this.node_form.replaceChildren(field("Name", name), field("Node-ID", id), field("Present", present), remove,
+      this.node_form.replaceChildren(field("Name", name), field("Node-ID", id), field("Present", present), field("Note", note), remove, accept,
         make("p", { class: "faint" }, `${node.vendor ?? ""} ${node.product ?? ""} · device type ${number(node.device_type)} · vendor-ID ${number(node.vendor_id)} · ` +
           `product code ${number(node.product_code)} · revision ${number(node.revision)} · serial number ${number(node.serial)} · ${node.file ?? ""}`));
     }
