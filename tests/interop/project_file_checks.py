@@ -6,7 +6,7 @@ import subprocess
 import tomllib
 import xml.etree.ElementTree as ET
 
-from kit import PATIENCE, ROOT, check, command, program, require, running, scratch
+from kit import PATIENCE, ROOT, Skip, check, command, program, require, running, scratch
 from project_checks import lines, new_project, project
 
 DEVICES = ROOT / "examples/devices"
@@ -202,3 +202,58 @@ def notes_are_shown_and_taken_back():
     require(not (folder / "nodelist.notes.toml").exists(), "undo")
     project("note", folder, "7", "x", expect=5)
     project("note", folder, "4", "x" * 4001, expect=5)
+
+
+@check
+def projects_of_other_tools_are_taken_as_they_are():
+    """Keys in lower case, Windows paths, Latin-1, a byte order mark, UTF-16, a path that leads elsewhere."""
+    folder = scratch / "project-foreign"
+    shutil.rmtree(folder, ignore_errors=True)
+    (folder / "dcfs").mkdir(parents=True)
+    text = (DEVICES / "drive.eds").read_text()
+    xdc = as_xdd("drive").read_text()
+
+    def dcf(node, name):
+        return f"{text}\n[DeviceComissioning]\nNodeID={node}\nNodeName={name}\nBaudrate=250\n"
+    files = {"dcfs/pumpe \xfc.dcf": dcf(3, "Pumpe \xfc").encode("latin-1"), "dcfs/two.dcf": b"\xef\xbb\xbf" + dcf(4, "Zwei").encode(),
+             "dcfs/three.dcf": dcf(5, "Drei").encode("utf-16"), "dcfs/four.XDC": b"\xef\xbb\xbf" + xdc.replace("\n", "\r\n").encode(),
+             "dcfs/latin.xdc": xdc.replace("UTF-8", "ISO-8859-1").replace("Statusword", "Zustandsw\xf6rt").encode("latin-1")}
+    for name, content in files.items():
+        (folder / name).write_bytes(content)
+    names = {3: "dcfs\\pumpe \xfc.dcf", 4: ".\\dcfs\\two.dcf", 5: "dcfs\\three.dcf", 6: "C:\\x\\y.dcf", 7: "dcfs\\four.XDC",
+             8: "dcfs/latin.xdc", 9: "..\\..\\etc\\passwd"}
+    (folder / "nodelist.cpj").write_bytes(("[topology]\nnetname=Halle \xfc\nnodes=0x7\n" + "".join(
+        f"node{node}present=1\nnode{node}dcfname={name}\n" for node, name in names.items())).encode("latin-1"))
+    rows = {row["node"]: row for row in lines("show", folder) if "node" in row}
+    require({node for node, row in rows.items() if "error" in row} == {6, 9}, rows)
+    for node, name in ((3, "dcfs/pumpe \xfc.dcf"), (4, "dcfs/two.dcf"), (7, "dcfs/four.XDC"), (8, "dcfs/latin.xdc")):
+        project("set", folder, str(node), "1017=100")
+        path = folder / name
+        before, after = files[name].split(b"\n"), path.read_bytes().split(b"\n")
+        kept = [line for line in after if line in before]
+        require(len(after) - len(kept) == 1 and len(after) - len(before) in (0, 1), f"{name}: more than a line")
+        project("undo", folder)
+        require(path.read_bytes() == files[name], f"{name}: undo")
+    project("set", folder, "5", "1017=100", expect=5)
+    require((folder / "dcfs/three.dcf").read_bytes() == files["dcfs/three.dcf"], "UTF-16")
+
+
+@check
+def a_full_or_read_only_disk_changes_nothing():
+    disk = scratch / "small-disk"
+    disk.mkdir(exist_ok=True)
+    script = f"""mount -t tmpfs -o size=120k none '{disk}' || exit 77
+cd '{disk}' && '{program}' project new p >&2 && '{program}' project add p '{DEVICES}/drive.eds' --name d1 >&2 || exit 1
+find . -type f ! -name .lock | sort | xargs sha256sum > '{scratch}/small-disk.sums'
+head -c 200000 /dev/zero > fill 2> /dev/null
+for words in "set p 1 1017=5" "note p 1 x" "add p {DEVICES}/drive.eds" "remove p 1"
+do '{program}' project $words > /dev/null; echo $?; done
+rm fill && mount -o remount,ro '{disk}' || exit 1
+for words in "set p 1 1017=5" "note p 1 x" "undo p" "new q"; do '{program}' project $words > /dev/null; echo $?; done
+'{program}' project show p > /dev/null; echo $?
+find . -type f ! -name .lock | sort | xargs sha256sum | diff - '{scratch}/small-disk.sums' && echo same"""
+    done = subprocess.run(["unshare", "-rm", "sh", "-c", script], capture_output=True, text=True, timeout=PATIENCE)
+    if done.returncode == 77 or "unshare" in done.stderr:
+        raise Skip("no file system can be mounted here")
+    require(done.stdout.split() == ["3"] * 8 + ["0", "same"], done.stdout + done.stderr)
+    require(done.stderr.count("No space left on device") == 4 and done.stderr.count("Read-only file system") == 4, done.stderr)
