@@ -46,13 +46,13 @@ TEST(DeviceAcceptance, AnotherSerialNumber_IsOneValue_AndTheManagersThatChecksIt
   const auto before = project.find(5)->device;
   const eds::Identity identity = eds::identity(*before);
   const std::vector<IdentityValue> found{{0x1000, 0, identity.device_type.value()},
-                                         {0x1018, 1, identity.vendor_id.value()},
+                                         {0x1018, 1, 0x55},
                                          {0x1018, 2, identity.product_code.value()},
                                          {0x1018, 3, identity.revision.value()},
                                          {0x1018, 4, 0x77}};
   const auto values = find_accepted_values(project, 5, found);
-  EXPECT_EQ(shown(values),
-            fmt::format("5 1018:04 {:X}->77\n1 1F88:05 11->77\n", identity.serial_number.value_or(0)));
+  EXPECT_EQ(shown(values), fmt::format("5 1018:01 {:X}->55\n5 1018:04 {:X}->77\n1 1F88:05 11->77\n",
+                                       identity.vendor_id.value(), identity.serial_number.value()));
   ASSERT_TRUE(accept_values(project, values));
   EXPECT_EQ(project.find(5)->value(0x1018, 4), 0x77U);
   EXPECT_EQ(project.find(1)->value(0x1F88, 5), 0x77U);

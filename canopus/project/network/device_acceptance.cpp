@@ -5,9 +5,9 @@
 namespace canopus::project {
 namespace {
 
-/// The object of a manager that has this value of each slave, by node-ID.
+/// The object of a manager that has this value of each slave, by node-ID: 1F84H of 1000H, then those of 1018H:01 to 04.
 constexpr std::uint16_t list_of_manager(const IdentityValue& value) {
-  return value.index == 0x1000 ? 0x1F84 : static_cast<std::uint16_t>(0x1F84 + value.sub);
+  return static_cast<std::uint16_t>(0x1F84 + value.sub);
 }
 
 }  // namespace
