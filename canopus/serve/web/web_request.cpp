@@ -213,14 +213,16 @@ std::string written(const WebAnswer& answer) {
       "Cache-Control: no-store\r\n"
       "X-Content-Type-Options: nosniff\r\n"
       "X-Frame-Options: DENY\r\n"
-      "Referrer-Policy: no-referrer\r\n"
+      "Referrer-Policy: {}\r\n"
       "Cross-Origin-Opener-Policy: same-origin\r\n"
       "Cross-Origin-Resource-Policy: same-origin\r\n"
       "Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
       "connect-src 'self'; base-uri 'none'; form-action {}; frame-ancestors 'none'\r\n"
       "\r\n{}",
       answer.status, reason_of(answer.status), answer.content_type, answer.body.size(), answer.fields,
-      answer.has_form ? "'self'" : "'none'", answer.has_body ? answer.body : std::string());
+      // Without a referrer browsers say "Origin: null" with a form.
+      answer.has_form ? "same-origin" : "no-referrer", answer.has_form ? "'self'" : "'none'",
+      answer.has_body ? answer.body : std::string());
 }
 
 }  // namespace canopus::serve

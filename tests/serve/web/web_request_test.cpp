@@ -232,6 +232,8 @@ TEST(WebRequest, ThePageToLogIn_MaySendAForm_AndNoOtherMay) {
   EXPECT_EQ(page.next, WebNext::send);
   EXPECT_THAT(page.body, HasSubstr("<p id=\"said\" role=\"alert\"></p>"));
   EXPECT_THAT(written(page), HasSubstr("; form-action 'self'; frame-ancestors 'none'"));
+  EXPECT_THAT(written(page), HasSubstr("\r\nReferrer-Policy: same-origin\r\n"))
+      << "else Origin would be null";
   EXPECT_THAT(written(ask(get("/"))), HasSubstr("; form-action 'none';"));
   EXPECT_THAT(page.body, Not(HasSubstr("<script")));
   EXPECT_THAT(page.body, Not(HasSubstr("style=")));
