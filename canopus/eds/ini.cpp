@@ -12,6 +12,9 @@ using Severity = Problem::Severity;
 
 constexpr std::size_t usual_items = 8;  // of a section: those of a sub-index
 
+constexpr std::size_t usual_section = 80;  // characters
+constexpr std::size_t most_reserved = 2000;
+
 bool is_comment(std::string_view line) noexcept {
   return line.starts_with(';') || line.starts_with('#') || line.starts_with("//");
 }
@@ -40,6 +43,7 @@ IniFile::IniFile(std::string_view text, Problems& problems) {
   }
   has_bytes_to_skip_ =
       text.find('\0') != std::string_view::npos || text.find('\x1A') != std::string_view::npos;
+  sections_.reserve(std::min(text.size() / usual_section, most_reserved));
   // A carriage return ends a line where there is no line feed at all; else it belongs to the line feed.
   const char line_end = text.find('\n') == std::string_view::npos ? '\r' : '\n';
   while (!text.empty()) {

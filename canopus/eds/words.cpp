@@ -21,6 +21,21 @@ constexpr bool is_blank(char c) noexcept {
 
 constexpr char lower(char c) noexcept { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
+/// What folded() makes of a character: one, or none.
+struct Folding {
+  char letter = 0;
+  std::uint8_t length = 1;
+};
+constexpr std::array<Folding, 256> foldings = [] {
+  std::array<Folding, 256> all{};
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const char c = static_cast<char>(i);
+    all[i].letter = lower(c);
+    all[i].length = is_blank(c) || c == '_' || c == '-' ? 0 : 1;
+  }
+  return all;
+}();
+
 /// A number, as most files have it: no word.
 constexpr bool begins_with_digit(std::string_view word) noexcept {
   return !word.empty() && word.front() >= '0' && word.front() <= '9';
@@ -129,12 +144,13 @@ std::string lower(std::string_view text) {
 
 std::string folded(std::string_view text) {
   std::string result(text);
-  auto end = result.begin();
+  std::size_t length = 0;
   for (const char c : text) {
-    *end = lower(c);
-    end += is_blank(c) || c == '_' || c == '-' ? 0 : 1;
+    const Folding& folding = foldings[static_cast<unsigned char>(c)];
+    result[length] = folding.letter;
+    length += folding.length;
   }
-  result.erase(end, result.end());
+  result.resize(length);
   return result;
 }
 
