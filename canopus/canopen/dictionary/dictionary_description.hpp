@@ -112,7 +112,7 @@ class DictionaryDescription {
   /// The same for a sub-index up to the object's highest one; what is described there may be of no type.
   [[nodiscard]] Entry place(const ObjectDescription& object, std::uint8_t sub) const noexcept {
     if (!object.uniform || sub == 0) [[likely]] {
-      const EntryDescription& entry = entries_[object.first_entry + sub];
+      const EntryDescription& entry = entries_[std::size_t{object.first_entry} + sub];
       return {&entry, object.offset + entry.offset, object.index, sub};
     }
     const EntryDescription& entry = entries_[object.first_entry + 1];
@@ -252,13 +252,31 @@ class DictionaryBuilder {
   [[nodiscard]] std::shared_ptr<const DictionaryDescription> build() const;
 
  private:
-  struct ObjectSpec {
-    ObjectCode code = ObjectCode::record;
-    std::string name;
-    std::uint8_t uniform_count = 0;  // 0 = not uniform
-    std::map<std::uint8_t, EntrySpec> subs;
+  /// An EntrySpec in few bytes: a module has thousands of sub-indexes.
+  struct EntryPlan {
+    std::uint64_t value = 0;         // of a type of fixed length; else 0, or a number in texts_ and 1
+    std::uint32_t name = 0;          // in known_names_
+    std::uint32_t limits = 0;        // 0, or a number in limits_ and 1
+    EntryDescription description{};  // but for its name, limits and place
+    bool adds_node_id = false;
+    std::uint8_t sub = 0;
   };
-  std::map<std::uint16_t, ObjectSpec> objects_;
+  struct ObjectPlan {
+    ObjectCode code = ObjectCode::record;
+    std::uint8_t uniform_count = 0;  // 0 = not uniform
+    std::uint32_t name = 0;
+    std::vector<EntryPlan> subs;  // in order of sub-index
+
+    [[nodiscard]] const EntryPlan* find(std::uint8_t sub) const noexcept;
+    void put(EntryPlan plan);
+  };
+  [[nodiscard]] EntryPlan plan(std::uint8_t sub, const EntrySpec& spec);
+  [[nodiscard]] std::uint32_t name_number(std::string_view name);
+
+  std::map<std::uint16_t, ObjectPlan> objects_;
+  std::map<std::string, std::uint32_t, std::less<>> known_names_;
+  std::vector<std::vector<std::uint8_t>> texts_;  // defaults of types of variable length
+  std::vector<Limits> limits_;
 };
 
 /// Defaults as bytes: little_endian(0x195, 4) = 95 01 00 00.
