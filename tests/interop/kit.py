@@ -29,6 +29,8 @@ parser.add_argument("--keep", action="store_true", help="keep the scratch folder
 parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="checks that compute at one time; those that wait run besides, "
                     "those that judge time alone; 1: one after the other")
 args = parser.parse_args()
+if args.jobs < 1:
+    parser.error(f"--jobs {args.jobs}: expected 1 or more")
 program = str(args.program.resolve())
 
 
