@@ -85,22 +85,22 @@ bool prints_otherwise(const std::string& code) {
       })) {
     return true;
   }
-  for (const std::string_view direct : {"write(1,", "write(2,", "write(STD", "dup2(", "dup(1)", "dup(2)"}) {
+  for (const std::string_view direct : {"write(1,", "write(2,", "write(STD", "dup(1)", "dup(2)"}) {
     if (code.contains(direct)) return true;
   }
-  return false;
+  return has_word(code, "dup2(");
 }
 
 TEST(PrintRule, SeesWhatPrintsOtherwise) {
   for (const char* code :
        {"fmt::print(\"{}\", a);", "std::cout << a;", "std::fputs(a, file);", "std::printf(\"a\");",
         " puts(a);", "std::fwrite(a, 1, 1, stdout);", "fprintf(stderr, a);", "\"\\x1b[2J\"", "\"\\033[1m\"",
-        "perror(a);", "::write(STDOUT_FILENO, a, 1);", "write(2, a, 1);"}) {
+        "perror(a);", "::write(STDOUT_FILENO, a, 1);", "write(2, a, 1);", "::dup2(a, 1);"}) {
     EXPECT_TRUE(prints_otherwise(code)) << code;
   }
-  for (const char* code :
-       {"print_line(\"a\");", "std::snprintf(a, 1, b);", "std::vsnprintf(a, 1, b, c);",
-        "isatty(STDOUT_FILENO)", "inputs(a)", "file.write(a, 1);", "::write(socket, a, 1);"}) {
+  for (const char* code : {"print_line(\"a\");", "std::snprintf(a, 1, b);", "std::vsnprintf(a, 1, b, c);",
+                           "isatty(STDOUT_FILENO)", "inputs(a)", "file.write(a, 1);",
+                           "::write(socket, a, 1);", "posix_spawn_file_actions_adddup2(&files, a, 1);"}) {
     EXPECT_FALSE(prints_otherwise(code)) << code;
   }
   EXPECT_FALSE(prints_otherwise(code_of("// as std::cout does\n")));

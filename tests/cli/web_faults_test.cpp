@@ -81,7 +81,7 @@ TEST_F(WebFaultsTest, Run_PutsThemInPlaceOfTheOthers_FromTheBeginning) {
   run(4s);
   const std::string of_file = bus()["faults"][0]["text"];
   const auto row = faults_->run({{"bus", "line1"},
-                                 {"seed", 9},
+                                 {"seed", 9U},  // as read from text
                                  {"faults",
                                   {{{"text", of_file}, {"on", false}},
                                    {{"text", "kind = \"corrupt\"\nidentifier = 0x183\ncount = 2"}},
