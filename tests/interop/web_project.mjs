@@ -1,63 +1,20 @@
 // A real browser on the page of a project: what people do there, with their clicks and typed characters counted. Says as JSON what
 // it saw. `node web_project.mjs CHROMIUM URL FOLDER EDS`; pictures go into FOLDER. Judged by web_project_checks.py.
 import { readFileSync } from "node:fs";
-import { createRequire } from "node:module";
-import { chromium } from "playwright-core";
+import { counted, end, folder, more, open, picture, seen, url } from "./page_kit.mjs";
 
-const [executablePath, url, folder, eds] = process.argv.slice(2);
-const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-const browser = await chromium.launch({ executablePath, args: ["--no-sandbox"] });
-const seen = { problems: [], pictures: [], axe: [], overflow: [] };
-const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, colorScheme: "light", bypassCSP: true });
-const page = await context.newPage();
-page.on("console", (message) => ["error", "warning"].includes(message.type()) && seen.problems.push(message.text()));
-page.on("pageerror", (error) => seen.problems.push(String(error)));
-await page.addInitScript(() => {
-  globalThis.clicks = 0;
-  globalThis.typed = 0;
-  addEventListener("click", (event) => { if (event.isTrusted) ++clicks; }, true);
-  addEventListener("keydown", (event) => { if (event.isTrusted && event.key.length === 1) ++typed; }, true);
-});
-await page.goto(url);
+const [eds] = more;
+const page = await open();
 await page.waitForFunction(() => document.getElementById("project-title").textContent.length > 8);
 seen.address = await page.evaluate(() => location.href);
-// Pictures of a section are not to be covered by the bar.
-await page.addStyleTag({ content: "#bar { position: static !important; }" });
 seen.role = await page.textContent("#role");
 const texts = (selector) => page.locator(selector).allTextContents();
 const said = () => page.textContent("#project-said b");
 const idle = () => page.waitForFunction(() => document.querySelector("#project-ways button:last-child").hidden);
 const way = (name) => page.locator("#project-ways button", { hasText: name });
-/// What was clicked and typed for something that is done on the page.
-async function counted(action) {
-  const before = await page.evaluate(() => [clicks, typed]);
-  await action();
-  const after = await page.evaluate(() => [clicks, typed]);
-  return { clicks: after[0] - before[0], typed: after[1] - before[1] };
-}
-async function picture(name, selector) {
-  for (const colorScheme of ["light", "dark"]) {
-    for (const [width, height] of [[1280, 800], [1920, 1080]]) {
-      await page.emulateMedia({ colorScheme });
-      await page.setViewportSize({ width, height });
-      const path = `${folder}/${name}-${colorScheme}-${width}.png`;
-      await page.locator(selector).screenshot({ path });
-      seen.pictures.push(path);
-      if (await page.evaluate(() => document.documentElement.scrollWidth > innerWidth)) seen.overflow.push(`${name} ${width}`);
-      if (width !== 1280) continue;
-      await page.evaluate(axe);
-      const found = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ["violations"] }));
-      for (const one of found.violations.filter((violation) => ["serious", "critical"].includes(violation.impact))) {
-        seen.axe.push(`${name} ${colorScheme}: ${one.id}: ${one.nodes.slice(0, 3).map((node) => node.html.slice(0, 150)).join(" | ")}`);
-      }
-    }
-  }
-  await page.emulateMedia({ colorScheme: "light" });
-  await page.setViewportSize({ width: 1280, height: 800 });
-}
 
 // W2: what runs on the bus becomes the project.
-seen.w2 = await counted(async () => {
+seen.w2 = await counted(page, async () => {
   await way("Scan").click();
   await idle();
   seen.scanned = await said();
@@ -70,7 +27,7 @@ seen.nodes = await texts("#project-nodes tr");
 seen.in_the_way = await texts("#project-findings li");
 
 // W3: a device file is dropped on the project.
-seen.w3 = await counted(async () => {
+seen.w3 = await counted(page, async () => {
   const data = await page.evaluateHandle(([name, text]) => {
     const transfer = new DataTransfer();
     transfer.items.add(new File([text], name));
@@ -90,13 +47,13 @@ const from = page.locator("#link-from button", { hasText: "Position value" });
 const to = page.locator("#link-to button", { hasText: "Target position" });
 await to.waitFor();
 await page.waitForTimeout(300);
-seen.w4 = await counted(async () => {
+seen.w4 = await counted(page, async () => {
   await from.dragTo(to);
   await page.waitForSelector("#link-plan:not([hidden])");
 });
 seen.plan = await texts("#link-plan-rows tr");
 seen.plan_load = await page.textContent("#link-plan-load");
-await picture("link", "#pdo-part");
+await picture(page, "link", "#pdo-part");
 await page.click("#link-keep");
 await page.waitForSelector("#pdo-matrix .crossing:has-text('Position value')");
 await idle();
@@ -132,7 +89,7 @@ await page.waitForSelector("#project-objects tr.differs");
 await idle();
 seen.compared = await said();
 seen.differs = await texts("#project-objects tr.differs");
-await picture("project", "#project-section");
+await picture(page, "project", "#project-section");
 
 // Nothing is written on a live bus before it is armed.
 await way("Transfer").click();
@@ -146,7 +103,7 @@ await page.waitForSelector("#arm[aria-pressed=true]");
 seen.armed = await page.textContent("#arm");
 
 // W7: into the machine.
-seen.w7 = await counted(async () => {
+seen.w7 = await counted(page, async () => {
   await way("Transfer").click();
   await page.waitForSelector("#transfer-rows tr");
   await page.waitForFunction(() => !document.getElementById("transfer-write").disabled);
@@ -157,12 +114,12 @@ seen.w7 = await counted(async () => {
 });
 seen.written = await texts("#transfer-rows tr");
 seen.transfer_facts = await page.textContent("#transfer-facts");
-await picture("transfer", "#transfer");
+await picture(page, "transfer", "#transfer");
 await page.click("#transfer-close");
 seen.same = await texts("#project-objects tr.same");
 
 // W6: a device that was replaced.
-seen.w6 = await counted(async () => {
+seen.w6 = await counted(page, async () => {
   await page.locator("#project-node-form button", { hasText: "Accept this device" }).click();
   await page.waitForSelector("#project-accepted:not([hidden]) tr");
   seen.will_accept = await texts("#project-accepted tr");
@@ -173,7 +130,7 @@ await idle();
 
 // W10: the report.
 const download = page.waitForEvent("download");
-seen.w10 = await counted(async () => {
+seen.w10 = await counted(page, async () => {
   await way("Report").click();
   await download;
 });
@@ -185,13 +142,11 @@ seen.undone = await said();
 seen.markup = await page.evaluate(() => document.querySelectorAll("#project-section img, #project-section script").length);
 
 // Who does not know the key looks.
-const looker = await browser.newPage();
-await looker.goto(url.split("#")[0]);
+const looker = await open(url.split("#")[0]);
 await looker.waitForFunction(() => document.querySelectorAll("#project-nodes tr").length >= 3);
 seen.look_role = await looker.textContent("#role");
 seen.look_disabled = await looker.locator("#project-ways button:disabled").allTextContents();
 await looker.locator("#project-nodes button").first().click();
 await looker.waitForSelector("#project-objects tr");
 seen.look_inputs = await looker.locator("#project-objects input").count();
-await browser.close();
-console.log(JSON.stringify(seen));
+await end();

@@ -1,19 +1,11 @@
 // A real browser on the views of a run's page: bus, objects, plots, links and keys, and what axe-core finds. Says as JSON what it
 // saw. `node web_views.mjs CHROMIUM URL FOLDER [RED NODE]`; pictures go into FOLDER. Judged by web_checks.py.
-import { readFileSync } from "node:fs";
-import { createRequire } from "node:module";
-import { chromium } from "playwright-core";
+import { counted, end, folder, judge, more, open as open_page, seen, url } from "./page_kit.mjs";
 
-const [executablePath, url, folder, red] = process.argv.slice(2);
-const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-const browser = await chromium.launch({ executablePath, args: ["--no-sandbox"] });
-const seen = { problems: [], pictures: [], axe: [], overflow: [] };
+const [red] = more;
 
-async function open(hash, options = {}) {
-  const page = await browser.newPage({ colorScheme: "light", viewport: { width: 1280, height: 800 }, ...options });
-  page.on("console", (message) => ["error", "warning"].includes(message.type()) && seen.problems.push(message.text()));
-  page.on("pageerror", (error) => seen.problems.push(String(error)));
-  await page.goto(url + hash);
+async function open(hash, options) {
+  const page = await open_page(url + hash, options);
   await page.waitForSelector(".nodes li");
   return page;
 }
@@ -30,17 +22,16 @@ if (red) {
     return { text: row?.textContent, in_sight: scrollY === 0 && place?.top >= 0 && place?.bottom <= innerHeight };
   });
   await page.screenshot({ path: `${folder}/reason-light-1280.png` });
-  await browser.close();
-  console.log(JSON.stringify(seen));
+  await end();
   process.exit(0);
 }
 
-// A link opens its view; light and dark, in two sizes; nothing serious for axe-core (which the page's own policy would not run).
+// A link opens its view; light and dark, in two sizes; nothing serious for axe-core.
 for (const [hash, section, ready] of [["#bus/0/183", "bus-section", "#strip .bit"], ["#objects/1", "objects-section", "#objects-table .number"],
                                       ["#words/0", "words-section", "#words-table tbody tr"], ["#boots", "boot-section", "#boots li"]]) {
   for (const colorScheme of ["light", "dark"]) {
     for (const [width, height] of [[1280, 800], [1920, 1080]]) {
-      const page = await open(hash, { colorScheme, viewport: { width, height }, bypassCSP: true });
+      const page = await open(hash, { colorScheme, viewport: { width, height } });
       await page.waitForSelector(ready);
       await page.waitForTimeout(hash.startsWith("#bus") ? 2500 : 300);
       if (["bus-section", "objects-section"].includes(section)) {
@@ -48,14 +39,7 @@ for (const [hash, section, ready] of [["#bus/0/183", "bus-section", "#strip .bit
         await page.locator(`#${section}`).screenshot({ path });
         seen.pictures.push(path);
       }
-      if (await page.evaluate(() => document.documentElement.scrollWidth > innerWidth)) seen.overflow.push(`${hash} ${width}`);
-      if (width === 1280) {
-        await page.evaluate(axe);
-        const found = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ["violations"] }));
-        for (const one of found.violations.filter((violation) => ["serious", "critical"].includes(violation.impact))) {
-          seen.axe.push(`${hash} ${colorScheme}: ${one.id}: ${one.nodes.slice(0, 3).map((node) => node.html.slice(0, 150)).join(" | ")}`);
-        }
-      }
+      await judge(page, `${hash} ${colorScheme} ${width}`);
       await page.close();
     }
   }
@@ -98,14 +82,11 @@ seen.objects_rows = await page.locator("#objects-table tbody tr").count();
 await page.fill("#objects-find", "6004");
 await page.waitForFunction(() => document.querySelector("#objects-table tbody tr")?.textContent.startsWith("6004:00"));
 seen.position = await page.textContent("#objects-table tbody tr");
-await page.evaluate(() => {
-  globalThis.clicks = 0;
-  addEventListener("click", (event) => { if (event.isTrusted) ++clicks; }, true);
-});
-await page.click("#objects-table .number");
-await page.waitForFunction(() => document.querySelector("#plots polyline")?.getAttribute("points")?.split(" ").length > 6);
+seen.w8 = (await counted(page, async () => {
+  await page.click("#objects-table .number");
+  await page.waitForFunction(() => document.querySelector("#plots polyline")?.getAttribute("points")?.split(" ").length > 6);
+})).clicks;
 seen.plot = await page.textContent("#plots figcaption");
-seen.w8 = await page.evaluate(() => clicks);
 await page.waitForTimeout(2500);
 await page.locator("#plots").screenshot({ path: `${folder}/plots-light-1280.png` });
 await page.locator("#objects-title").focus();
@@ -147,5 +128,4 @@ seen.in_sight = await small.evaluate(() => {
   return scrollY === 0 && place.top >= 0 && place.bottom <= innerHeight;
 });
 await small.screenshot({ path: `${folder}/node-light-1280.png` });
-await browser.close();
-console.log(JSON.stringify(seen));
+await end();
