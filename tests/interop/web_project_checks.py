@@ -131,6 +131,21 @@ def web_project_commands():
 
 
 @check
+def web_project_says_what_is_wrong():
+    """What is wrong with a project or its bus is said about the file and the option, not about lines that nobody wrote."""
+    folder = new_project("web-wrong")
+    done = command(program, "web", folder, "--bus", "foo", expect=2)
+    require(f'{folder}/nodelist.cpj: link = "foo" is not a bus; expected' in done.stderr, done.stderr)
+    command(program, "project", "add", folder, DEVICES / "encoder.eds")
+    next(folder.glob("*.dcf")).unlink()
+    done = command(program, "web", folder, "--for", "10ms")
+    require(re.search(r"nodelist.cpj: project = .*nodelist.cpj:\d+: node 1: cannot read .*dcf: No such file", done.stderr), done.stderr)
+    require("the page shows what is wrong" in done.stderr, done.stderr)
+    done = command(program, "web", folder, "--listen", "0.0.0.0:0", "--no-devices", expect=1)
+    require("unless it has users (canopus web-users)" in done.stderr, done.stderr)
+
+
+@check
 def web_start_in_chromium():
     """W1: without a plant and a project, one click runs the built-in plant, and its frames are there within a second or so; plants and
     projects of the folder and a new project are offered; nobody without the key starts anything."""

@@ -338,8 +338,10 @@ void Run::summarise(can::Duration wall) {
 /// A table leaves no room for warnings: they stand above it when it has gone.
 void Run::warn() {
   for (const text::FileWarning& warning : plant_->warnings()) {
-    if (has_table_) print_error("{}", describe(warning, options_.plant));
-    observer().warning(describe(warning.place, options_.plant), warning.message, {});
+    // A text that nobody wrote has no lines that somebody could look at.
+    const text::Place place = options_.plant_text ? text::Place{} : warning.place;
+    if (has_table_) print_error("{}", describe(text::FileWarning{place, warning.message}, options_.plant));
+    observer().warning(describe(place, options_.plant), warning.message, {});
   }
 }
 

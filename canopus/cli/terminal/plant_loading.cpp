@@ -84,6 +84,8 @@ std::unique_ptr<plant::Plant> load_plant(const std::string& path, plant::PlantOb
     if (!plant) errors.insert(errors.end(), plant.error().begin(), plant.error().end());
     if (errors.empty()) return std::move(*plant);
   }
+  // A text that nobody wrote has no lines that somebody could look at.
+  if (use.text) std::ranges::for_each(errors, [](text::FileError& error) { error.place = {}; });
   print_errors(std::move(errors), path, err);
   return nullptr;
 }

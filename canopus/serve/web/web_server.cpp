@@ -113,9 +113,8 @@ std::expected<void, std::string> WebServer::listen(const std::string& host, std:
   if (!parsed) return std::unexpected(fmt::format("{}: {}", host, parsed.error()));
   if (!link::is_loopback(*parsed) && !parts_->gate->has_users()) {
     return std::unexpected(
-        fmt::format("{}: the page is for this machine alone unless it has users (--web-users); expected "
-                    "127.0.0.1 or ::1 (from "
-                    "another machine: ssh -L)",
+        fmt::format("{}: the page is for this machine alone unless it has users (canopus web-users); "
+                    "expected 127.0.0.1 or ::1 (from another machine: ssh -L)",
                     host));
   }
   auto result =
