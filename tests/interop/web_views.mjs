@@ -99,8 +99,7 @@ seen.markup = await page.locator("img, iframe, script:not([src='page.js'])").cou
 const drawn = () => page.evaluate(() => document.querySelector("#plots .plot p").textContent);
 const earlier = await drawn();
 await page.waitForFunction((text) => document.querySelector("#plots .plot p").textContent !== text, earlier);
-const picture = await page.locator("#plots .plot > svg").boundingBox();
-await page.mouse.move(picture.x + picture.width / 2, picture.y + picture.height / 2);
+await page.locator("#plots .plot > svg").hover();
 await page.waitForFunction(() => / at \d+\.\d{3} s$/.test(document.querySelector("#plots figcaption b").textContent));
 seen.cursor = await page.textContent("#plots figcaption b");
 await page.locator("#plots button", { hasText: "Hold" }).click();
@@ -128,4 +127,19 @@ seen.in_sight = await small.evaluate(() => {
   return scrollY === 0 && place.top >= 0 && place.bottom <= innerHeight;
 });
 await small.screenshot({ path: `${folder}/node-light-1280.png` });
+
+// The tree at the left edge: what it has, where it leads, folded; a window that is too narrow for it has none.
+const wide = await open("");
+seen.tree = await wide.locator("#tree li > a, #tree li > button:not(.fold)").allTextContents();
+seen.lamps = await wide.locator("#tree [data-mood=good]").count();
+await wide.locator("#tree button", { hasText: "encoder" }).click();
+seen.tree_node = await wide.textContent("#node-title");
+await wide.locator("#tree a", { hasText: "Messages" }).click();
+seen.tree_focus = await wide.evaluate(() => [document.activeElement.id, document.activeElement.getBoundingClientRect().top < innerHeight]);
+await wide.locator("#tree .fold").click();
+await wide.waitForFunction(() => !document.querySelector("#tree [data-node]"));
+await wide.locator("#tree a", { hasText: "line1" }).click();
+seen.tree_bus = await wide.textContent("#bus-title");
+await wide.setViewportSize({ width: 800, height: 800 });
+seen.tree_narrow = await wide.locator("#tree").isVisible();
 await end();

@@ -54,6 +54,10 @@ export class Links {
       if (name !== view) one.close?.();
     }
     if (view === "boots") return this.views.boots.open();
+    if (["boot-section", "plots", "faults-section", "messages-section", "events-section"].includes(view)) {
+      by_id(view).scrollIntoView();
+      return by_id(view).querySelector("h2").focus({ preventScroll: true });
+    }
     const number = /^\d{1,5}$/.test(digits ?? "") ? Number(digits) : -1;
     if (view === "project") return this.views.project.open(number, "", rest);
     const place = this.places.find((one) => one[1] === `#${view}/${number}`);

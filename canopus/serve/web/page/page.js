@@ -13,6 +13,7 @@ import { Commands, take_key } from "./commands.js";
 import { ProjectView } from "./project_view.js";
 import { StartView } from "./start_view.js";
 import { FaultView } from "./fault_view.js";
+import { Tree } from "./tree.js";
 import { has_users, key_of_session } from "./session.js";
 
 const by_id = (id) => document.getElementById(id);
@@ -40,6 +41,8 @@ const objects = new ObjectView(by_id("objects-section"), () => say_views());
 const bus_view = new BusView(by_id("bus-section"), () => say_views());
 const places = new Links({ project: project_view, words, objects, bus: bus_view, boots: { open: () => boots.is_open || by_id("show-boots").click() } },
                         [by_id("words-base"), by_id("objects-base")]);
+
+const tree = new Tree(by_id("tree"), (key) => open_node(key));
 
 const key_of = (node) => `${node.bus}\u0000${node.node}\u0000${node.name}`;
 const label_of = (node) => node.name || (node.node >= 1 && node.node <= 127 ? `Node ${node.node}` : "Node");
@@ -194,6 +197,7 @@ function draw() {
   keep_children(by_id("buses"), state.buses, (bus) => bus.bus, make_bus, fill_bus);
   draw_modules(by_id("modules"), state.modules, keep_children, key_of, (number, name) => words.open(number, name));
   draw_node();
+  tree.draw(state, { keep_children, nodes_of, key_of, name_of: (node) => `${id_of(node)}  ${label_of(node)}`, mood_of: (node) => mood_of(node, troubles_of(node)) });
   bus_view.draw_counters(state);
   plots.state(state);
   places.state(state);
@@ -246,7 +250,9 @@ function greeted(hello) {
   set_text(by_id("role"), hello.user ? `${hello.user}, ${hello.role}` : hello.role);
   start_view.greeted(hello);
   fault_view.greeted(hello);
-  places.projects(project_view.greeted(hello));
+  const projects = project_view.greeted(hello);
+  places.projects(projects);
+  tree.draw_projects(projects, keep_children);
 }
 
 /// What writes on a live bus is done only as long as somebody has armed it.
