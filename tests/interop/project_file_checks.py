@@ -168,7 +168,8 @@ def a_replaced_device_is_accepted():
             require([(row.get("object"), row.get("device"), row["state"]) for row in found]
                     == [("1018:04", 0x4711, "different"), (None, None, "different")], found)
             require(before == {path: path.read_bytes() for path in one.iterdir() if path.is_file()}, "written without --yes")
-            require(unread("project", "accept", one, "4", "--yes", "--bus", f"socketcand:{plant.socketcand}") == 0, "exit code")
+            code = unread("project", "accept", one, "4", "--yes", "--bus", f"socketcand:{plant.socketcand}")
+            require(code == 0, f"exit code {code}")
             after = {path: path.read_bytes() for path in one.iterdir() if path.is_file()}
             require([path.name for path in after if after[path] != before[path]] == [name], "other files")
             require("is the device that the project has" in project("accept", one, "4", bus=plant.socketcand).stdout, "again")

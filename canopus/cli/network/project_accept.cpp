@@ -63,29 +63,32 @@ int with_difference(const ProjectArguments& arguments, const NetworkProject& pro
     return project_failed(project_code::file,
                           fmt::format("{}: {}", (*node)->shown_name(), (*node)->unreadable));
   }
+  // What is accepted makes the node anew.
+  const std::uint8_t id = (*node)->id();
+  const std::string name = (*node)->shown_name();
   return with_bus(arguments.bus, [&](BusLoop& bus, can::Duration time_out) {
     bus.need({link::IdentifierFilter::function(canopen::cob_id::sdo_response)});
-    BusObjects objects(bus, (*node)->id(), time_out);
+    BusObjects objects(bus, id, time_out);
     const auto found = read_identity(objects);
     if (!found) {
       return project_failed(project_code::no_answer,
-                            fmt::format("{} does not answer ({})", (*node)->shown_name(), found.error()));
+                            fmt::format("{} does not answer ({})", name, found.error()));
     }
-    const auto values = find_accepted_values(project, (*node)->id(), *found);
+    const auto values = find_accepted_values(project, id, *found);
     for (const AcceptedValue& value : values) tell_accepted(arguments, project, value);
     const int code = use(values);
     if (code == project_code::refused) return code;
     if (arguments.bus.json) {
-      print_json(Json{{"node", (*node)->id()},
+      print_json(Json{{"node", id},
                       {"state", values.empty()  ? "same"
                                 : arguments.yes ? "taken"
                                                 : "different"},
                       {"differ", values.size()}});
     } else if (values.empty()) {
-      print_line("{}: is the device that the project has", (*node)->shown_name());
+      print_line("{}: is the device that the project has", name);
     } else {
       print_line(
-          "{}: {}", (*node)->shown_name(),
+          "{}: {}", name,
           arguments.yes ? "this device is the project's now" : "nothing is changed yet: --yes accepts it");
     }
     return code;
