@@ -7,6 +7,7 @@
 #include <boost/asio/buffer.hpp>
 #include <netinet/tcp.h>
 
+#include "canopus/link/loopback/connection_owner.hpp"
 #include "canopus/link/socketcand_connection.hpp"
 
 namespace canopus::link {
@@ -38,7 +39,7 @@ void SocketcandServer::Shared::admit(tcp::socket socket) {
   socket.set_option(asio::socket_base::keep_alive(true), ignored);  // a machine that vanished is noticed
   // Frames that wait in the kernel are as late as those in the queue, but are not counted.
   socket.set_option(asio::socket_base::send_buffer_size(64 * 1024), ignored);
-  if (!is_allowed(socket, limits.allowed)) {
+  if (!is_allowed(socket, limits.allowed) || (limits.own_user_alone && !is_of_own_user(socket))) {
     return refuse(socket, "< error not allowed >", "is not allowed to connect");
   }
   constexpr std::string_view too_many = "< error too many clients >";

@@ -55,6 +55,8 @@ using AttachToBus = std::function<std::unique_ptr<BusAttachment>(AttachedClient&
 
 struct SocketcandLimits {
   AllowList allowed{};       ///< who may connect
+  /// Of this machine no other user's processes; IPv4 alone.
+  bool own_user_alone = false;
   std::size_t clients = 32;  ///< connections at a time; one more gets a message and is closed
   std::size_t queue = 2048;  ///< messages that wait for one client's socket, at least 1024
   /// Frames in a row lost to a full queue from which on a client is closed that takes nothing for `stall`.

@@ -4,8 +4,9 @@ import os
 import pathlib
 import re
 import shutil
+import subprocess
 
-from kit import HERE, ROOT, Skip, check, command, first_plant_file, node_modules, program, require, running, running_page, scratch
+from kit import HERE, PATIENCE, ROOT, Skip, check, command, first_plant_file, node_modules, program, require, running, running_page, scratch
 from web_checks import Watcher, page_of, page_with_key
 
 DEVICES = ROOT / "examples/devices"
@@ -128,6 +129,28 @@ def web_project_commands():
             reply = owner.event(lambda e: e["event"] == "reply" and e["id"] in waiting and not e.get("more"))
             require(reply["code"] == 0, reply)
             waiting.discard(reply["id"])
+
+
+@check
+def web_bus_of_commands_is_for_own_user():
+    """The door through which commands of the page join a simulated bus is shut for other users of this machine: roles are not gone round."""
+    if os.geteuid() != 0:
+        raise Skip("only root can act as another user")
+    folder = new_project("web-door")
+    command(program, "project", "add", folder, DEVICES / "encoder.eds", "--bit-rate", "250k")
+    with running_page(folder) as page:
+        key = page_with_key(page).partition("#key=")[2]
+        owner = Watcher(page_of(page)[1], key=key)
+        owner.say({"do": {"command": "project diff", "bus": "network"}, "id": 1})
+        reply = owner.event(lambda e: e["event"] == "reply" and e["id"] == 1 and not e.get("more"))
+        require(reply["code"] in (0, 1), reply)
+        port = int(re.search(r"socketcand:127\.0\.0\.1:(\d+)", reply["command"])[1])
+        script = f"import socket; s = socket.create_connection(('127.0.0.1', {port}), 10); print(s.recv(100).decode())"
+        for user, said in ((0, "< hi >"), (65534, "< error not allowed >")):
+            done = subprocess.run(["/usr/bin/python3", "-c", script], user=user, cwd="/", capture_output=True, text=True, timeout=PATIENCE)
+            require(done.stdout.strip() == said, (user, done.stdout, done.stderr))
+        refused = page.wait(lambda e: e["event"] == "client" or "is not allowed to connect" in str(e))
+        require("is not allowed to connect" in str(refused), refused)
 
 
 @check

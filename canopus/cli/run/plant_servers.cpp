@@ -131,7 +131,7 @@ bool PlantServers::open_control() {
 
 bool PlantServers::open_socketcand(std::size_t bus) {
   const plant::BusSection& section = plant_.bus_section(bus);
-  // Commands of the page join a simulated bus like any other program.
+  // Commands of the page join a simulated bus like any other program. Other users of this machine do not: the page has roles.
   const bool is_for_page = !section.socketcand && !section.is_linked() && use_.web_events != nullptr;
   if (!section.socketcand && !is_for_page) return true;
   const text::HostAndPort place =
@@ -148,7 +148,8 @@ bool PlantServers::open_socketcand(std::size_t bus) {
   const auto attach = [&ports](link::AttachedClient& client) { return ports.attach(client); };
   link::SocketcandServer& server = *socketcand_.emplace_back(std::make_unique<link::SocketcandServer>(
       io_, asio::ip::tcp::endpoint(address, place.port), section.name, attach, clock_,
-      link::SocketcandLimits{.allowed = section.allowed},
+      link::SocketcandLimits{.allowed = is_for_page ? link::AllowList() : section.allowed,
+                             .own_user_alone = is_for_page},
       use_.report(fmt::format("socketcand {}", section.name))));
   const auto result = server.listen();
   if (result) socketcand_places_[bus] = {.host = place.host, .port = server.port()};

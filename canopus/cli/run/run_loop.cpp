@@ -328,20 +328,15 @@ void Run::summarise(can::Duration wall) {
   summary.wall = wall;
   summary.virtual_time = options_.virtual_time;
   summary.largest_lag = largest_lag_;
-  if (options_.json) {
-    json_.summary(summary);
-  } else {
-    lines_.summary(summary);
-  }
+  options_.json ? json_.summary(summary) : lines_.summary(summary);
 }
 
 /// A table leaves no room for warnings: they stand above it when it has gone.
 void Run::warn() {
-  for (const text::FileWarning& warning : plant_->warnings()) {
-    // A text that nobody wrote has no lines that somebody could look at.
-    const text::Place place = options_.plant_text ? text::Place{} : warning.place;
-    if (has_table_) print_error("{}", describe(text::FileWarning{place, warning.message}, options_.plant));
-    observer().warning(describe(place, options_.plant), warning.message, {});
+  for (text::FileWarning warning : plant_->warnings()) {
+    if (options_.plant_text) warning.place = {};  // nobody wrote its lines
+    if (has_table_) print_error("{}", describe(warning, options_.plant));
+    observer().warning(describe(warning.place, options_.plant), warning.message, {});
   }
 }
 

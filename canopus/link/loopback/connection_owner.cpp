@@ -1,0 +1,68 @@
+#include "canopus/link/loopback/connection_owner.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <fstream>
+#include <iterator>
+#include <ranges>
+#include <string>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace canopus::link {
+
+namespace {
+
+using Endpoint = boost::asio::ip::tcp::endpoint;
+
+/// "0100007F:1F90": the bytes of the address as a number of this machine, the port as a number.
+std::string in_table(const Endpoint& endpoint) {
+  const auto bytes = std::bit_cast<std::uint32_t>(endpoint.address().to_v4().to_bytes());
+  return fmt::format("{:08X}:{:04X}", bytes, endpoint.port());
+}
+
+/// The word of this number of a line, from 0.
+std::string_view word(std::string_view line, unsigned number) {
+  for (;; --number) {
+    line.remove_prefix(std::min(line.find_first_not_of(' '), line.size()));
+    const std::string_view found = line.substr(0, line.find(' '));
+    if (number == 0 || found.empty()) return found;
+    line.remove_prefix(found.size());
+  }
+}
+
+}  // namespace
+
+std::optional<std::uint32_t> owner_in_table(std::string_view table, const Endpoint& local,
+                                            const Endpoint& remote) {
+  if (!local.address().is_v4() || !remote.address().is_v4()) return std::nullopt;
+  const std::string from = in_table(local);
+  const std::string to = in_table(remote);
+  constexpr unsigned local_word = 1;
+  constexpr unsigned remote_word = 2;
+  constexpr unsigned owner_word = 7;
+  for (const auto part : std::views::split(table, '\n')) {
+    const std::string_view line(part.begin(), part.end());
+    if (word(line, local_word) != from || word(line, remote_word) != to) continue;
+    const std::string_view owner = word(line, owner_word);
+    std::uint32_t user = 0;
+    const auto [end, error] = std::from_chars(owner.data(), owner.data() + owner.size(), user);
+    if (error == std::errc() && end == owner.data() + owner.size()) return user;
+  }
+  return std::nullopt;
+}
+
+bool is_of_own_user(const boost::asio::ip::tcp::socket& socket) {
+  boost::system::error_code failure;
+  const Endpoint peer = socket.remote_endpoint(failure);
+  if (failure) return false;
+  const Endpoint own = socket.local_endpoint(failure);
+  if (failure) return false;
+  std::ifstream file("/proc/net/tcp");
+  const std::string table{std::istreambuf_iterator<char>(file), {}};
+  return owner_in_table(table, peer, own) == ::geteuid();
+}
+
+}  // namespace canopus::link
