@@ -37,6 +37,15 @@ class Client:
         answer = self.line()
         require(answer == f"[9] {wanted}", f"{text}: expected {wanted!r}, found {answer!r}")
 
+    def ask_until(self, text, wanted):
+        """What depends on frames of the other way, which may take longer than the question."""
+        end = time.monotonic() + PATIENCE
+        answer = None
+        while answer != f"[9] {wanted}":
+            require(time.monotonic() < end, f"{text}: expected {wanted!r}, found {answer!r}")
+            self.say(f"[9] {text}")
+            answer = self.line()
+
     def wait(self, wanted):
         while (line := self.line(skip_events=False)) != wanted:
             require(line != "", f"{wanted!r} does not come")
@@ -120,7 +129,7 @@ def receive_pdos(client, bus):
     client.ask("set rpdo 3 0x383 sync2 1 u8")
     bus.send(0x383, b"\x63")
     bus.send(0x080)
-    client.ask("r p 3", "1 pdo 1 0x63")
+    client.ask_until("r p 3", "1 pdo 1 0x63")
     bus.send(0x080)
     client.wait("1 pdo 3 1 0x63")
 
