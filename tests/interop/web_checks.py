@@ -247,7 +247,7 @@ def web_views_in_chromium():
         require(re.match(r"6004:00.*UNSIGNED32", seen["position"]), seen["position"])
         require("6004:00" in seen["plot"] and seen["w8"] == 1, seen["plot"])
         require(re.fullmatch(r"\d+ at \d+\.\d{3} s", seen["cursor"]) and seen["held"] and seen["plots"] == 2, seen)
-        require(seen["tree"] == ["line1", "1  ME3CAN1-Q U0", "2  io-block", "3  encoder", "4  drive", "ME3CAN1-Q U0 (plc1)", "Boot", "Faults",
+        require(seen["tree"] == ["line1", "1  ME3CAN1-Q U0", "2  io-block", "3  encoder", "4  drive", "ME3CAN1-Q U0 (plc1)", "Boot", "Faults", "Trace",
                                  "Messages", "Events"] and seen["lamps"] == 4, seen["tree"])
         require("encoder" in seen["tree_node"] and seen["tree_focus"] == ["messages-title", True], seen)
         require("line1" in seen["tree_bus"] and not seen["tree_narrow"], seen)

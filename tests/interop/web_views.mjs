@@ -130,6 +130,7 @@ await small.screenshot({ path: `${folder}/node-light-1280.png` });
 
 // The tree at the left edge: what it has, where it leads, folded; a window that is too narrow for it has none.
 const wide = await open("");
+await wide.locator("#tree a", { hasText: "Faults" }).waitFor();
 seen.tree = await wide.locator("#tree li > a, #tree li > button:not(.fold)").allTextContents();
 seen.lamps = await wide.locator("#tree [data-mood=good]").count();
 await wide.locator("#tree button", { hasText: "encoder" }).click();

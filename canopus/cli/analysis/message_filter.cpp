@@ -26,22 +26,17 @@ std::optional<std::uint32_t> parse_number(std::string_view text, int base, std::
   return value;
 }
 
-/// Prints what was expected.
-std::nullopt_t wrong(Output& err, std::string_view option, std::string_view text, std::string_view expected) {
-  err.line("canopus: {} {}: expected {}", option, text, expected);
-  return std::nullopt;
+std::unexpected<std::string> wrong(std::string_view option, std::string_view text,
+                                   std::string_view expected) {
+  return std::unexpected(fmt::format("{}{}: expected {}", option, text, expected));
 }
 
-bool parse_time(std::string_view option, const std::string& text, std::optional<can::Duration>& out,
-                Output& err) {
-  if (text.empty()) return true;
+std::expected<std::optional<can::Duration>, std::string> parse_time(std::string_view option,
+                                                                    const std::string& text) {
+  if (text.empty()) return std::nullopt;
   const auto duration = text::parse_duration(text);
-  if (duration) {
-    out = *duration;
-  } else {
-    err.line("canopus: {}: {}", option, duration.error());
-  }
-  return duration.has_value();
+  if (!duration) return std::unexpected(fmt::format("{}{}", option, duration.error()));
+  return *duration;
 }
 
 template <typename Value, typename List>
@@ -71,43 +66,52 @@ void add_filter_options(CLI::App& command, FilterOptions& options, bool of_file)
   command.add_option("--to", options.to, "Only up to this time after the first frame")->type_name("TIME");
 }
 
-std::optional<MessageFilter> MessageFilter::make(const FilterOptions& options, Output& err) {
+std::expected<MessageFilter, std::string> MessageFilter::read(const FilterOptions& options,
+                                                              const FilterNames& names) {
   MessageFilter filter;
   for (const std::string& text : options.nodes) {
     const auto node = parse_number(text, 10, 127);
-    if (!node) return wrong(err, "--only-node", text, "a node-ID 1 to 127, or 0 for all");
+    if (!node) return wrong(names.node, text, "a node-ID 1 to 127, or 0 for all");
     filter.nodes_.push_back(*node);
   }
   for (const std::string& text : options.services) {
     const auto service = trace::parse_service(text);
     if (!service) {
-      err.line("canopus: --service {}: unknown service{}", text, text::suggestion(text, service_names()));
-      return std::nullopt;
+      return std::unexpected(fmt::format("{}{}: unknown service{}", names.service, text,
+                                         text::suggestion(text, service_names())));
     }
     filter.services_.push_back(*service);
   }
   for (const std::string& text : options.objects) {
     const auto object = text::parse_object(text);
-    if (!object) {
-      err.line("canopus: --object: {}", object.error());
-      return std::nullopt;
-    }
+    if (!object) return std::unexpected(fmt::format("{}{}", names.object, object.error()));
     const bool has_sub = text.find(':') != std::string::npos;
     filter.objects_.push_back({object->index, has_sub ? std::optional(object->sub) : std::nullopt});
   }
   for (const std::string& text : options.identifiers) {
     const auto identifier = parse_number(text, 16, can::max_extended_identifier);
-    if (!identifier) return wrong(err, "--id", text, "an identifier in hexadecimal digits, 0 to 1FFFFFFF");
+    if (!identifier)
+      return wrong(names.identifier, text, "an identifier in hexadecimal digits, 0 to 1FFFFFFF");
     filter.identifiers_.push_back(*identifier);
   }
-  if (!parse_time("--from", options.from, filter.from_, err) ||
-      !parse_time("--to", options.to, filter.to_, err))
-    return std::nullopt;
+  const auto from = parse_time(names.from, options.from);
+  if (!from) return std::unexpected(from.error());
+  const auto to = parse_time(names.to, options.to);
+  if (!to) return std::unexpected(to.error());
+  filter.from_ = *from;
+  filter.to_ = *to;
   if (filter.from_ && filter.to_ && *filter.from_ > *filter.to_) {
-    err.line("canopus: --from is later than --to");
-    return std::nullopt;
+    return std::unexpected(fmt::format("{} is later than {}", names.from.substr(0, names.from.size() - 2),
+                                       names.to.substr(0, names.to.size() - 2)));
   }
   return filter;
+}
+
+std::optional<MessageFilter> MessageFilter::make(const FilterOptions& options, Output& err) {
+  auto filter = read(options);
+  if (filter) return std::move(*filter);
+  err.line("canopus: {}", filter.error());
+  return std::nullopt;
 }
 
 bool MessageFilter::has_object(const trace::Message& message) const {

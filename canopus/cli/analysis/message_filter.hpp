@@ -2,6 +2,7 @@
 // Which messages of a trace a person wants to see.
 
 #include <cstdint>
+#include <expected>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -30,8 +31,21 @@ struct FilterOptions {
 /// --only-node, --service, --object, --id; --channel, --from and --to where `of_file`.
 void add_filter_options(CLI::App& command, FilterOptions& options, bool of_file);
 
+/// What stands before a value in the sentence about a mistake.
+struct FilterNames {
+  std::string_view node = "--only-node ";
+  std::string_view service = "--service ";
+  std::string_view object = "--object: ";
+  std::string_view identifier = "--id ";
+  std::string_view from = "--from: ";
+  std::string_view to = "--to: ";
+};
+
 class MessageFilter {
  public:
+  /// The error is a sentence without "canopus: ".
+  [[nodiscard]] static std::expected<MessageFilter, std::string> read(const FilterOptions& options,
+                                                                      const FilterNames& names = {});
   /// Nothing after a mistake was printed on `err`.
   [[nodiscard]] static std::optional<MessageFilter> make(const FilterOptions& options, Output& err);
 

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "canopus/cli/analysis/analysis_names.hpp"
+#include "canopus/cli/analysis/statistics_json.hpp"
 #include "canopus/cli/analysis/trace_analysis.hpp"
 #include "canopus/cli/analysis/trace_walk.hpp"
 #include "canopus/cli/terminal/channel_choice.hpp"
@@ -18,7 +19,6 @@ using trace::IdentifierFigures;
 using trace::NodeFigures;
 using trace::Statistics;
 using trace::TimeFigures;
-using Json = nlohmann::ordered_json;
 
 struct StatsOptions {
   std::string file{};
@@ -30,95 +30,15 @@ struct StatsOptions {
 
 double milliseconds(can::Duration duration) { return static_cast<double>(duration.count()) / 1e6; }
 
-/// Whole microseconds are enough for people and programs.
-double rounded(can::Duration duration) { return static_cast<double>((duration.count() + 500) / 1000) / 1e3; }
-
-std::string identifier_text(std::uint32_t key) {
-  return (key >> 29 & 1U) != 0 ? fmt::format("{:08X}", key & can::max_extended_identifier)
-                               : fmt::format("{:03X}", key);
-}
-
 std::string node_name(std::uint8_t node_id, const NodeFigures& node) {
   return node.name.empty() ? fmt::format("{}", node_id) : fmt::format("{} ({})", node_id, node.name);
-}
-
-Json figures_json(const TimeFigures& figures) {
-  Json json;
-  json["count"] = figures.count();
-  if (figures.count() == 0) return json;
-  json["min_ms"] = rounded(figures.min());
-  json["mean_ms"] = rounded(figures.mean());
-  json["max_ms"] = rounded(figures.max());
-  json["jitter_ms"] = rounded(figures.max() - figures.min());
-  json["deviation_ms"] = rounded(figures.deviation());
-  return json;
-}
-
-Json node_json(std::uint8_t node_id, const NodeFigures& node) {
-  Json json;
-  json["node"] = node_id;
-  if (!node.name.empty()) json["name"] = node.name;
-  json["boot_ups"] = node.boot_ups;
-  json["emergencies"] = node.emergencies;
-  json["heartbeats"] = node.heartbeats;
-  json["lost_heartbeats"] = node.lost_heartbeats;
-  if (node.producer_time > can::Duration::zero()) {
-    json["producer_time_ms"] = rounded(node.producer_time);
-    json["producer_time_is_measured"] = node.producer_time_is_measured;
-  }
-  json["heartbeat_cycle"] = figures_json(node.heartbeat_cycle);
-  json["sdo"] = figures_json(node.sdo);
-  json["sdo"]["reads"] = node.reads;
-  json["sdo"]["writes"] = node.writes;
-  json["sdo"]["aborts"] = node.aborts;
-  json["sdo"]["unanswered"] = node.unanswered;
-  json["sdo"]["unfinished"] = node.unfinished;
-  return json;
-}
-
-Json channel_json(const ChannelFigures& channel, can::Duration duration, std::uint32_t bit_rate) {
-  Json json;
-  json["name"] = channel.name;
-  json["frames"] = channel.frames;
-  json["error_frames"] = channel.error_frames;
-  json["bits"] = channel.bits;
-  if (bit_rate != 0) {
-    json["load"] = trace::load(channel.bits, duration, bit_rate);
-    json["busiest_second_load"] = trace::load(channel.busiest_bits, std::chrono::seconds(1), bit_rate);
-  }
-  json["identifiers"] = Json::array();
-  for (const auto& [key, one] : channel.identifiers) {
-    Json entry;
-    entry["id"] = identifier_text(key);
-    entry["who"] = one.who;
-    entry["frames"] = one.frames;
-    entry["bits"] = one.bits;
-    entry["cycle"] = figures_json(one.cycle);
-    json["identifiers"].push_back(std::move(entry));
-  }
-  json["nodes"] = Json::array();
-  for (const auto& [node_id, node] : channel.nodes) json["nodes"].push_back(node_json(node_id, node));
-  return json;
-}
-
-Json events_json(const std::vector<trace::TraceEvent>& events, can::Time begin) {
-  Json list = Json::array();
-  for (const trace::TraceEvent& event : events) {
-    Json one;
-    one["time"] = std::chrono::duration<double>(event.time - begin).count();
-    one["node"] = event.node;
-    if (!event.node_name.empty()) one["name"] = event.node_name;
-    one["text"] = event.text;
-    list.push_back(std::move(one));
-  }
-  return list;
 }
 
 void print_identifiers(const ChannelFigures& channel, Output& out) {
   out.line("  {:<8}  {:<30}  {:>8}  {:>10} {:>10} {:>10} {:>10}", "COB-ID", "what", "frames", "min ms",
            "mean ms", "max ms", "jitter ms");
   for (const auto& [key, one] : channel.identifiers) {
-    Line line("  {:<8}  {:<30}  {:>8}", identifier_text(key), one.who, one.frames);
+    Line line("  {:<8}  {:<30}  {:>8}", identifier_of_key(key), one.who, one.frames);
     if (const TimeFigures& cycle = one.cycle; cycle.count() > 0) {
       line.add("  {:>10.3f} {:>10.3f} {:>10.3f} {:>10.3f}", milliseconds(cycle.min()),
                milliseconds(cycle.mean()), milliseconds(cycle.max()),
@@ -214,19 +134,7 @@ int show_statistics(const StatsOptions& options) {
     print_text(statistics, options.bit_rate, standard_output());
     return code;
   }
-  Json json;
-  json["duration"] = std::chrono::duration<double>(statistics.duration()).count();
-  if (options.bit_rate != 0) json["bit_rate"] = options.bit_rate;
-  for (unsigned i = 0; i < trace::service_count; ++i) {
-    json["services"][std::string(name(static_cast<trace::Service>(i)))] = statistics.services()[i];
-  }
-  json["channels"] = Json::array();
-  for (const auto& [number, channel] : statistics.channels()) {
-    json["channels"].push_back(channel_json(channel, statistics.duration(), options.bit_rate));
-  }
-  json["emcy"] = events_json(statistics.emergencies(), statistics.begin());
-  json["failed_sdo"] = events_json(statistics.failures(), statistics.begin());
-  print_json(json);
+  print_json(to_json(statistics, options.bit_rate));
   return code;
 }
 

@@ -25,6 +25,8 @@ class WebMessages {
   WebMessages(const WebMessages&) = delete;
   WebMessages& operator=(const WebMessages&) = delete;
 
+  /// Of the plant's nodes.
+  [[nodiscard]] const trace::Names& names() const noexcept { return decoder_.names(); }
   /// The `messages` event (docs/events.md) of what came since the last look, as JSON; empty when nothing came, and at the first
   /// look. `wanted`: somebody looks; false ends it.
   [[nodiscard]] std::string look(bool wanted);

@@ -69,7 +69,7 @@ void WebCommands::refuse(const WebUser& user, const std::string& line, std::uint
   Json event = event_of(id);
   event["code"] = code;
   event["message"] = message;
-  done(user, line, code);
+  if (!line.empty()) done(user, line, code);
   send(reply, std::move(event));
 }
 
@@ -177,12 +177,13 @@ void WebCommands::run_own(const WebUser& user, const std::string& name, const Ow
         fmt::format("{}: the role {} is needed, yours is {}", name, name_of(own.role), name_of(user.role)));
   }
   const std::string line = wish.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  own.run(wish, [this, user, line, id, reply, role = own.role](std::expected<Json, std::string> row) {
-    if (!row) return refuse(user, line, id, reply, web_code::refused, row.error());
+  own.run(wish, [this, user, line, id, reply, role = own.role,
+                 is_noted = own.is_noted](std::expected<Json, std::string> row) {
+    if (!row) return refuse(user, is_noted ? line : std::string(), id, reply, web_code::refused, row.error());
     Json event = event_of(id);
     event["code"] = 0;
     event["rows"] = Json::array({std::move(*row)});
-    done(user, line, 0, role);
+    if (is_noted) done(user, line, 0, role);
     send(reply, std::move(event));
   });
 }

@@ -44,6 +44,7 @@ class WebCommands {
   struct Own {
     using Done = std::function<void(std::expected<nlohmann::ordered_json, std::string>)>;
     serve::WebRole role = serve::WebRole::operate;
+    bool is_noted = true;  ///< false: looks again and again, and is nothing for the audit log
     std::function<void(const nlohmann::json& wish, Done done)> run{};
   };
   struct Use {

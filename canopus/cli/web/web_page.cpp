@@ -32,8 +32,8 @@ std::string word_of(const nlohmann::json& wish, const char* key) {
 }
 
 /// {"command": "plants"}, {"command": "open", "path": "..."} (no path: the built-in plant), {"command": "new project", "name": "..."}
-/// and of the faults of simulated buses {"command": "faults"}, {"command": "run faults", ...}, web_faults.hpp.
-OwnCommands own_commands(WebStart* start, WebFaults& faults) {
+/// {"command": "trace", ...} and {"command": "export trace", ...}, trace_desk.hpp; and of the faults of simulated buses {"command": "faults"}, {"command": "run faults", ...}, web_faults.hpp.
+OwnCommands own_commands(WebStart* start, WebFaults& faults, WebTrace& trace) {
   OwnCommands own;
   using Done = WebCommands::Own::Done;
   own["faults"] = {.role = serve::WebRole::look,
@@ -41,6 +41,14 @@ OwnCommands own_commands(WebStart* start, WebFaults& faults) {
   own["run faults"] = {
       .role = serve::WebRole::operate,
       .run = [&faults](const nlohmann::json& wish, const Done& done) { done(faults.run(wish)); }};
+  own["trace"] = {
+      .role = serve::WebRole::look,
+      .is_noted = false,
+      .run = [&trace](const nlohmann::json& wish, Done done) { trace.look(wish, std::move(done)); }};
+  own["export trace"] = {
+      .role = serve::WebRole::look,
+      .is_noted = false,
+      .run = [&trace](const nlohmann::json& wish, Done done) { trace.export_part(wish, std::move(done)); }};
   if (start == nullptr) return own;
   own["plants"] = {.role = serve::WebRole::look,
                    .run = [start](const nlohmann::json&, const Done& done) { done(start->list()); }};
@@ -65,10 +73,11 @@ WebPage::WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClo
       events_(events),
       messages_(plant),
       views_(plant, events.boots()),
+      trace_(io, plant, messages_.names()),
       start_(start.empty() ? std::nullopt : std::optional<WebStart>(std::in_place, io, start)),
       faults_(plant, clock),
       commands_(io, {.buses = std::move(buses),
-                     .own = own_commands(start_ ? &*start_ : nullptr, faults_),
+                     .own = own_commands(start_ ? &*start_ : nullptr, faults_, trace_),
                      .now = [&plant] { return plant.timeline().now(); },
                      .done = [this](const serve::WebUser& user, const std::string& line, int code,
                                     serve::WebRole role) { note(user, line, code, role); }}),

@@ -18,6 +18,7 @@
 #include "canopus/cli/web/web_commands.hpp"
 #include "canopus/cli/web/web_faults.hpp"
 #include "canopus/cli/web/web_start.hpp"
+#include "canopus/cli/web_trace/web_trace.hpp"
 #include "canopus/link/loop_clock.hpp"
 #include "canopus/link/peer.hpp"
 #include "canopus/plant/plant.hpp"
@@ -60,6 +61,7 @@ class WebPage {
   WebEvents& events_;
   WebMessages messages_;
   WebViews views_;
+  WebTrace trace_;
   std::optional<WebStart> start_;
   WebFaults faults_;
   WebCommands commands_;

@@ -7,13 +7,13 @@
 
 #include <fmt/format.h>
 
+#include "canopus/text/base64.hpp"
+
 namespace canopus::client {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 using Kind = GatewayType::Kind;
-
-constexpr std::string_view base64_digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
 bool is_blank(char c) { return c == ' ' || c == '\t'; }
 
@@ -119,7 +119,7 @@ std::optional<Bytes> encode_base64(std::string_view text) {
   std::uint32_t bits = 0;
   unsigned count = 0;
   for (const char c : text) {
-    const std::size_t digit = base64_digits.find(c);
+    const std::size_t digit = text::base64_digits.find(c);
     if (digit == std::string_view::npos) return std::nullopt;
     bits = (bits << 6 | static_cast<std::uint32_t>(digit)) & 0xFFFFFF;
     count += 6;
@@ -129,19 +129,6 @@ std::optional<Bytes> encode_base64(std::string_view text) {
   }
   if (count >= 6) return std::nullopt;
   return bytes;
-}
-
-std::string show_base64(std::span<const std::uint8_t> bytes) {
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t bits = 0;
-    for (std::size_t j = 0; j < 3; ++j) bits = bits << 8 | (i + j < bytes.size() ? bytes[i + j] : 0U);
-    for (unsigned j = 0; j < 4; ++j) {
-      const bool is_there = i + j <= bytes.size();
-      text += is_there ? base64_digits[bits >> (18 - 6 * j) & 0x3FU] : '=';
-    }
-  }
-  return text;
 }
 
 /// A line stays a line: control characters are shown as C escapes.
@@ -243,7 +230,7 @@ std::optional<std::string> show_gateway_value(std::span<const std::uint8_t> byte
       return fmt::format("{}", std::bit_cast<float>(static_cast<std::uint32_t>(value)));
     case Kind::time: return fmt::format("{} {}", value >> 32, value & 0x0FFF'FFFF);
     case Kind::text: return show_text(bytes);
-    case Kind::base64: return show_base64(bytes);
+    case Kind::base64: return text::to_base64(bytes);
     case Kind::bytes: break;
   }
   std::string text;

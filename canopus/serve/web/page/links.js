@@ -6,11 +6,20 @@ const by_id = (id) => document.getElementById(id);
 /// What there is to go to: name, link.
 function places_of(state) {
   return [
-    ["Overview", "#overview"], ["Boots", "#boots"],
+    ["Overview", "#overview"], ["Boots", "#boots"], ["Trace", "#trace"],
     ...state.modules.map((one, i) => [`Buffer memory of ${one.name} (${one.plc})`, `#words/${i}`]),
     ...state.buses.map((one, i) => [`Bus ${one.bus}`, `#bus/${i}`]),
     ...state.nodes.map((one, i) => [`Objects of ${one.bus} ${one.node} ${one.name}`, `#objects/${i}`]),
   ];
+}
+
+/// What a link says that nobody of the page has made may be anything.
+function decode(text) {
+  try {
+    return decodeURIComponent(text);
+  } catch {
+    return text;
+  }
 }
 
 export class Links {
@@ -54,6 +63,7 @@ export class Links {
       if (name !== view) one.close?.();
     }
     if (view === "boots") return this.views.boots.open();
+    if (view === "trace") return this.views.trace.open(digits === undefined ? "" : decode(digits));
     if (["boot-section", "plots", "faults-section", "messages-section", "events-section"].includes(view)) {
       by_id(view).scrollIntoView();
       return by_id(view).querySelector("h2").focus({ preventScroll: true });

@@ -13,6 +13,7 @@ import { Commands, take_key } from "./commands.js";
 import { ProjectView } from "./project_view.js";
 import { StartView } from "./start_view.js";
 import { FaultView } from "./fault_view.js";
+import { TraceView } from "./trace_view.js";
 import { Tree } from "./tree.js";
 import { has_users, key_of_session } from "./session.js";
 
@@ -39,7 +40,11 @@ const boots = new BootView(by_id("boot-section"), () => say_views());
 const plots = new Plots(by_id("plots"), by_id("plot-list"), () => say_views());
 const objects = new ObjectView(by_id("objects-section"), () => say_views());
 const bus_view = new BusView(by_id("bus-section"), () => say_views());
-const places = new Links({ project: project_view, words, objects, bus: bus_view, boots: { open: () => boots.is_open || by_id("show-boots").click() } },
+const trace_view = new TraceView(commands, (frame, x, y) => fault_view.open_menu(frame, x, y), (bus, node) => {
+  const place = state?.nodes.findIndex((one) => one.bus === bus && one.node === node) ?? -1;
+  return place < 0 ? null : `#objects/${place}`;
+});
+const places = new Links({ trace: trace_view, project: project_view, words, objects, bus: bus_view, boots: { open: () => boots.is_open || by_id("show-boots").click() } },
                         [by_id("words-base"), by_id("objects-base")]);
 
 const tree = new Tree(by_id("tree"), (key) => open_node(key));
@@ -199,6 +204,7 @@ function draw() {
   draw_node();
   tree.draw(state, { keep_children, nodes_of, key_of, name_of: (node) => `${id_of(node)}  ${label_of(node)}`, mood_of: (node) => mood_of(node, troubles_of(node)) });
   bus_view.draw_counters(state);
+  trace_view.set_buses(state.buses.length);
   plots.state(state);
   places.state(state);
 }

@@ -1,7 +1,7 @@
 // What there is, at the left edge: buses with their nodes, modules, and the parts of the page. Each entry leads there.
 import { make, set_text } from "./dom.js";
 
-const parts = [["Boot", "boot-section"], ["Plots", "plots"], ["Faults", "faults-section"], ["Messages", "messages-section"], ["Events", "events-section"]];
+const parts = [["Boot", "boot-section"], ["Plots", "plots"], ["Faults", "faults-section"], ["Trace", "trace-section", "#trace"], ["Messages", "messages-section"], ["Events", "events-section"]];
 const most_open = 40;  // nodes of a bus that is unfolded from the beginning
 
 const entry = (href) => make("li", {}, make("a", { href }));
@@ -56,7 +56,7 @@ export class Tree {
   /// Those that are shown.
   draw_parts(keep_children) {
     const shown = parts.filter(([, id]) => !document.getElementById(id).hidden);
-    keep_children(this.parts, shown, ([, id]) => `#${id}`, entry, (item, [name]) => set_text(item.firstElementChild, name));
+    keep_children(this.parts, shown, ([, id, link]) => link ?? `#${id}`, entry, (item, [name]) => set_text(item.firstElementChild, name));
   }
 
   /// The buses that have a project.

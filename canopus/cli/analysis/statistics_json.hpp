@@ -1,0 +1,18 @@
+#pragma once
+// Figures of a trace as JSON, as `canopus trace stats --json` prints them (docs/analyser.md).
+
+#include <cstdint>
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "canopus/trace/report/statistics.hpp"
+
+namespace canopus::cli {
+
+/// "183", "0A000123": of a key of ChannelFigures::identifiers.
+[[nodiscard]] std::string identifier_of_key(std::uint32_t key);
+/// `bit_rate`: of all channels, for their load; 0: not known.
+[[nodiscard]] nlohmann::ordered_json to_json(const trace::Statistics& statistics, std::uint32_t bit_rate);
+
+}  // namespace canopus::cli

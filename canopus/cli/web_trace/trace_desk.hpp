@@ -1,0 +1,89 @@
+#pragma once
+// The trace of a run's page: what is looked at of it, its statistics and its export. All of it runs in one thread, which need not
+// be the plant's: it is given frames and questions, and knows nothing else of the plant.
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <expected>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "canopus/cli/web_trace/trace_rows.hpp"
+#include "canopus/cli/web_trace/trace_store.hpp"
+#include "canopus/trace/file/trace_encoder.hpp"
+#include "canopus/trace/report/statistics.hpp"
+
+namespace canopus::cli {
+
+class TraceDesk {
+ public:
+  static constexpr std::size_t most_rows = 256;    ///< of an answer
+  static constexpr std::size_t most_frames = 256;  ///< of a transfer that is opened
+  static constexpr std::size_t most_queries =
+      4;  ///< filters that are kept decoded; another one ends the oldest
+  static constexpr std::size_t part_frames = 4096;  ///< that an export looks at at once
+  static constexpr std::size_t slice = 2000;        ///< frames that are decoded before the clock is looked at
+  using Json = nlohmann::ordered_json;
+
+  struct Use {
+    trace::Names names{};
+    std::vector<std::string> buses{};        ///< names, by channel
+    std::vector<std::uint32_t> bit_rates{};  ///< of the same, bit/s
+    std::size_t most = 1'000'000;            ///< frames that are kept
+    /// Called now and then in long work: false once it has taken long enough.
+    std::function<bool()> has_time = [] { return true; };
+  };
+  explicit TraceDesk(Use use);
+
+  void add(std::span<const trace::TraceRecord> records);
+
+  using Answer = std::expected<Json, std::string>;  ///< the error is a sentence
+  /// One of
+  ///   {"filter": "...", "fold": true, "from": 1000, "count": 100}  lines from this number on; without "from" the newest
+  ///   {"frames": RECORD}     frames of the SDO transfer to which this one belongs, up to it
+  ///   {"statistics": true}
+  /// as docs/web.md has the answers.
+  [[nodiscard]] Answer look(const nlohmann::json& wish);
+
+  /// {"filter": "...", "format": "candump", "part": 0}: the next part of the file: {"data": "base64", "frames": 12, "done": false, "at": 0.5};
+  /// part 0 begins.
+  [[nodiscard]] Answer export_part(const nlohmann::json& wish);
+
+ private:
+  struct Query {
+    std::string filter{};
+    bool folded = true;
+    std::unique_ptr<TraceRows> rows{};
+  };
+  struct Export {
+    FilterExpression filter{};
+    trace::TraceEncoder encoder;
+    std::unique_ptr<trace::Decoder> decoder{};
+    std::uint64_t part = 0;
+    std::uint64_t first = 0;
+    std::uint64_t next = 0;
+    std::uint64_t end = 0;
+  };
+  [[nodiscard]] std::expected<Query*, std::string> query(const std::string& filter, bool folded);
+  [[nodiscard]] Answer look_at_rows(const nlohmann::json& wish);
+  [[nodiscard]] Json look_at_frames(std::uint64_t last);
+  [[nodiscard]] Json look_at_statistics();
+
+  Use use_;
+  TraceStore store_;
+  std::deque<Query> queries_;  // the one that was looked at last in front
+  std::optional<trace::Statistics> statistics_;
+  std::unique_ptr<trace::Decoder> statistics_decoder_;
+  std::uint64_t counted_ = 0;
+  std::optional<Export> export_;
+};
+
+}  // namespace canopus::cli

@@ -1,0 +1,120 @@
+#include "canopus/cli/web_trace/trace_rows.hpp"
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "canopus/cli/analysis/message_printer.hpp"
+
+namespace canopus::cli {
+
+namespace {
+
+using trace::Message;
+using trace::Service;
+
+std::string object_text(const Message& message) {
+  if (!message.index) return {};
+  std::string text = fmt::format("{:04X}:{:02X}", *message.index, message.sub);
+  if (!message.object_name.empty()) text += ' ' + message.object_name;
+  return text;
+}
+
+bool is_trouble_of(const Message& message) {
+  return message.service == Service::error_frame || message.service == Service::emcy || message.abort_code ||
+         (message.is_transfer && message.end != trace::TransferEnd::done);
+}
+
+}  // namespace
+
+std::string hex_digits(std::span<const std::uint8_t> bytes) {
+  std::string digits;
+  for (const std::uint8_t byte : bytes) fmt::format_to(std::back_inserter(digits), "{:02X}", byte);
+  return digits;
+}
+
+TraceRows::TraceRows(const trace::Names& names, const std::vector<std::string>& buses,
+                     FilterExpression filter, bool folded)
+    : buses_(buses), filter_(std::move(filter)), decoder_(names, {.frames = !folded, .transfers = folded}) {}
+
+void TraceRows::work(const TraceStore& store, std::size_t count) {
+  forget(store.begin());
+  next_ = std::max(next_, store.begin());
+  for (; count > 0 && next_ < store.end(); --count, ++next_) {
+    const trace::TraceRecord& record = store.at(next_);
+    decoder_.receive(record, buses_[record.channel],
+                     [this](const Message& message) { take(message, next_); });
+  }
+}
+
+std::string TraceRows::line_of(const Message& message, std::string_view bus) {
+  return fmt::format("{} {} {} {} {} {}", bus, service_text(message), trace::node_text(message),
+                     object_text(message), message.kind, message.text);
+}
+
+void TraceRows::take(const Message& message, std::uint64_t record) {
+  const std::string& bus = buses_[message.channel];
+  const Head head{.bus = message.channel,
+                  .service = message.service,
+                  .what = service_text(message),
+                  .node = message.node,
+                  .node_name = message.node_name,
+                  .object = object_text(message)};
+  const auto line = [&] { return line_of(message, bus); };
+  if (!filter_.wants_all() && !filter_.wants(message, bus, message.time.time_since_epoch(), line)) return;
+  if (blocks_.empty() || blocks_.back().rows.size() == block) blocks_.emplace_back().rows.reserve(block);
+  Block& last = blocks_.back();
+  last.rows.push_back({.record = record,
+                       .head = &heads_.try_emplace(head).first->first,
+                       .text = static_cast<std::uint32_t>(last.texts.size()),
+                       .frames = message.is_transfer ? message.frames : 0,
+                       .duration = message.duration,
+                       .time = message.time,
+                       .identifier = message.frame.identifier,
+                       .is_extended = message.frame.extended,
+                       .is_trouble = is_trouble_of(message)});
+  last.texts += message.text;
+  ++end_;
+}
+
+void TraceRows::forget(std::uint64_t first_record) {
+  while (!blocks_.empty() && blocks_.front().rows.size() == block &&
+         blocks_.front().rows.back().record < first_record) {
+    blocks_.pop_front();
+    begin_ += block;
+  }
+}
+
+nlohmann::ordered_json TraceRows::row(std::uint64_t number, const TraceStore& store) const {
+  const Block& part = blocks_[(number - begin_) / block];
+  const std::size_t place = (number - begin_) % block;
+  const Row& row = part.rows[place];
+  const std::size_t end = place + 1 < part.rows.size() ? part.rows[place + 1].text : part.texts.size();
+  nlohmann::ordered_json json{{"n", number},
+                              {"record", row.record},
+                              {"t", can::seconds(row.time)},
+                              {"bus", buses_[row.head->bus]},
+                              {"id", fmt::format("{:0{}X}", row.identifier, row.is_extended ? 8 : 3)},
+                              {"service", trace::name(row.head->service)},
+                              {"what", row.head->what}};
+  if (row.head->node != 0 || row.head->service == Service::nmt) json["node"] = row.head->node;
+  if (!row.head->node_name.empty()) json["name"] = row.head->node_name;
+  if (!row.head->object.empty()) json["object"] = row.head->object;
+  json["text"] = part.texts.substr(row.text, end - row.text);
+  if (row.is_trouble) json["trouble"] = true;
+  if (row.frames != 0) {
+    json["frames"] = row.frames;
+    json["duration"] = std::chrono::duration<double>(row.duration).count();
+  } else if (row.record >= store.begin()) {
+    const can::Frame& frame = store.at(row.record).frame;
+    json["dlc"] = frame.dlc;
+    if (frame.remote) json["remote"] = true;
+    json["data"] = hex_digits(frame.bytes());
+  }
+  return json;
+}
+
+}  // namespace canopus::cli
