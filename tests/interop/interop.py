@@ -51,6 +51,7 @@ import transport_checks  # noqa: F401
 import web_checks  # noqa: F401
 import web_log_in_checks  # noqa: F401
 import web_project_checks  # noqa: F401
+import web_trace_checks  # noqa: F401
 import web_user_checks  # noqa: F401
 import xdd_checks  # noqa: F401
 from kit import (DEVICE_FILES, HERE, PATIENCE, PYTHON, ROOT, Skip, args, check, checks, command, covers, first_plant, first_plant_file,

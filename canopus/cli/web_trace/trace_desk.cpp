@@ -19,7 +19,7 @@ using trace::TraceRecord;
 
 std::optional<std::uint64_t> number_of(const nlohmann::json& object, const char* key) {
   const auto found = object.find(key);
-  if (found == object.end() || !found->is_number_unsigned()) return std::nullopt;
+  if (found == object.end() || !found->is_number_integer() || *found < 0) return std::nullopt;
   return found->get<std::uint64_t>();
 }
 

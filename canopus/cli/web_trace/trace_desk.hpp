@@ -29,8 +29,8 @@ class TraceDesk {
   static constexpr std::size_t most_frames = 256;  ///< of a transfer that is opened
   static constexpr std::size_t most_queries =
       4;  ///< filters that are kept decoded; another one ends the oldest
-  static constexpr std::size_t part_frames = 4096;  ///< that an export looks at at once
-  static constexpr std::size_t slice = 2000;        ///< frames that are decoded before the clock is looked at
+  static constexpr std::size_t part_frames = 16'384;  ///< that an export looks at at once
+  static constexpr std::size_t slice = 2000;  ///< frames that are decoded before the clock is looked at
   using Json = nlohmann::ordered_json;
 
   struct Use {

@@ -6,6 +6,8 @@ const by_id = (id) => document.getElementById(id);
 const row_height = 22;
 const ahead = 80;  // lines beside those in sight, so that turning the wheel waits for nobody
 const every = 400;  // ms between two looks at what is new
+const pause = 60;  // ms between two questions: the server takes 40 a second of everybody
+const later = (milliseconds) => new Promise((done) => setTimeout(done, milliseconds));
 
 /// "1.502860", or the time since another line.
 const time_of = (row, before) => (before ? `+${(row.t - before.t).toFixed(6)}` : row.t.toFixed(6));
@@ -62,7 +64,7 @@ export class TraceView {
 
   /// Of a link: #trace/FILTER.
   open(filter) {
-    if (filter !== undefined && filter !== this.filter.value) this.filter.value = filter;
+    if (filter !== undefined) this.filter.value = filter.slice(0, this.filter.maxLength);
     this.show(true);
     by_id("trace-section").scrollIntoView();
     by_id("trace-title").focus({ preventScroll: true });
@@ -135,7 +137,7 @@ export class TraceView {
     this.is_asking = true;
     const wish = { command: "trace", filter: this.filter.value, fold: by_id("trace-fold").checked, count: Math.min(256, this.in_sight() + 2 * ahead) };
     if (this.from !== null) wish.from = Math.max(0, this.from - ahead);
-    const done = await this.commands.run(wish);
+    const [done] = await Promise.all([this.commands.run(wish), later(pause)]);
     this.is_asking = false;
     if (wish.filter === this.filter.value && wish.fold === by_id("trace-fold").checked) this.received(done);
     if (this.is_asked_again) this.look();
@@ -155,7 +157,7 @@ export class TraceView {
     if (answer.lost) parts.push(`${answer.lost} were lost`);
     this.say(parts.join(", "));
     this.draw();
-    if (answer.progress !== undefined) setTimeout(() => this.look(), 50);
+    if (answer.progress !== undefined) this.is_asked_again = true;
   }
 
   say(text, mood = "") {
@@ -220,7 +222,7 @@ export class TraceView {
       const done = await this.commands.run({ command: "trace", statistics: true });
       if (done.code !== 0) return this.say(done.message ?? "no answer", "error");
       draw_figures(box, done.rows[0]);
-      await new Promise((later) => setTimeout(later, done.rows[0].progress === undefined ? 2000 : 50));
+      await later(done.rows[0].progress === undefined ? 2000 : pause);
     }
   }
 
@@ -232,7 +234,7 @@ export class TraceView {
     let frames = 0;
     button.disabled = true;
     for (let part = 0; ; ++part) {
-      const done = await this.commands.run({ command: "export trace", filter: this.filter.value, format, part });
+      const [done] = await Promise.all([this.commands.run({ command: "export trace", filter: this.filter.value, format, part }), later(pause)]);
       if (done.code !== 0) {
         button.disabled = false;
         return this.say(done.message ?? "no answer", "error");
