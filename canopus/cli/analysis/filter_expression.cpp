@@ -115,6 +115,13 @@ std::expected<FilterExpression, std::string> FilterExpression::parse(std::string
   }
 }
 
+std::optional<FilterExpression> FilterExpression::make(const FilterOptions& options, Output& err) {
+  auto expression = parse(options.expression);
+  if (expression) return std::move(*expression);
+  err.line("canopus: --filter: {}", expression.error());
+  return std::nullopt;
+}
+
 bool FilterExpression::is_of(const Term& term, const trace::Message& message, std::string_view bus,
                              can::Duration since) {
   if (term.is_of_errors) return is_trouble(message);

@@ -2,6 +2,7 @@
 // What a person types to see some messages of many: "service=sdo,pdo node=3 !object=6000 position".
 
 #include <expected>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,6 +31,8 @@ class FilterExpression {
     }
     return true;
   }
+  /// The same for what the options say; nothing after a mistake was printed on `err`.
+  [[nodiscard]] static std::optional<FilterExpression> make(const FilterOptions& options, Output& err);
   [[nodiscard]] bool wants_all() const noexcept { return terms_.empty(); }
 
  private:

@@ -51,6 +51,12 @@ void add_filter_options(CLI::App& command, FilterOptions& options, bool of_file)
                         const char* type) {
     command.add_option(name, values, help)->type_name(type)->allow_extra_args(false);
   };
+  command
+      .add_option(
+          "--filter", options.expression,
+          "Only messages for which all of this holds, as on the page of a run: 'service=sdo,pdo node=3 "
+          "!object=6000 \"a text\"'")
+      ->type_name("EXPRESSION");
   list("--only-node", options.nodes, "Only messages of this node-ID; may be repeated", "ID");
   list("--service", options.services,
        "Only this service: nmt, flying-master, sync, time, emcy, pdo, mpdo, sdo, error-control, lss, layer2, "

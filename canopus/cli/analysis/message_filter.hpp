@@ -26,9 +26,10 @@ struct FilterOptions {
   std::vector<std::string> channels{};
   std::string from{};
   std::string to{};
+  std::string expression{};  ///< filter_expression.hpp
 };
 
-/// --only-node, --service, --object, --id; --channel, --from and --to where `of_file`.
+/// --filter, --only-node, --service, --object, --id; --channel, --from and --to where `of_file`.
 void add_filter_options(CLI::App& command, FilterOptions& options, bool of_file);
 
 /// What stands before a value in the sentence about a mistake.

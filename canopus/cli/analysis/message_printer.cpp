@@ -89,6 +89,18 @@ std::string service_text(const Message& message) {
   return "?";
 }
 
+std::string object_text(const Message& message) {
+  if (!message.index) return {};
+  std::string text = fmt::format("{:04X}:{:02X}", *message.index, message.sub);
+  if (!message.object_name.empty()) text += ' ' + message.object_name;
+  return text;
+}
+
+std::string searched_text(const Message& message, std::string_view bus) {
+  return fmt::format("{} {} {} {} {} {}", bus, service_text(message), trace::node_text(message),
+                     object_text(message), message.kind, message.text);
+}
+
 std::string MessagePrinter::time_text(can::Time time) {
   const can::Time before = last_.value_or(time);
   last_ = time;

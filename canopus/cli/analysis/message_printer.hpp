@@ -43,6 +43,10 @@ class MessagePrinter {
   std::size_t node_width_ = 12;
 };
 
+/// What texts of a filter are looked for in: bus, service, node, object, kind and meaning.
+[[nodiscard]] std::string searched_text(const trace::Message& message, std::string_view bus);
+/// "6000:01 Digital inputs 1 to 8"; empty: there is none.
+[[nodiscard]] std::string object_text(const trace::Message& message);
 /// Service, and which of them: "TPDO1", "heartbeat", "SDO".
 [[nodiscard]] std::string service_text(const trace::Message& message);
 [[nodiscard]] nlohmann::ordered_json to_json(const trace::Message& message, std::string_view channel);

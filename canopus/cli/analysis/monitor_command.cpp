@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 #include "canopus/cli/analysis/analysis_names.hpp"
-#include "canopus/cli/analysis/message_filter.hpp"
+#include "canopus/cli/analysis/filter_expression.hpp"
 #include "canopus/cli/analysis/message_printer.hpp"
 #include "canopus/cli/analysis/trace_analysis.hpp"
 #include "canopus/cli/terminal/option_checks.hpp"
@@ -37,10 +37,11 @@ class Monitor final : public can::Listener {
  public:
   /// `bus`: its name, if it has one; a plant file's names are those of its bus of that name.
   Monitor(const MonitorOptions& options, std::string bus, trace::Names names, MessageFilter filter,
-          std::optional<trace::TraceFile> file)
+          FilterExpression expression, std::optional<trace::TraceFile> file)
       : bus_(std::move(bus)),
         decoder_(std::move(names), {.frames = options.frames, .transfers = !options.frames}),
         filter_(std::move(filter)),
+        expression_(std::move(expression)),
         file_(std::move(file)),
         printer_({.time = static_cast<TimeColumn>(options.time.front()),
                   .frames = options.frames,
@@ -71,12 +72,16 @@ class Monitor final : public can::Listener {
 
  private:
   void print(const trace::Message& message) {
-    if (filter_.wants(message, {})) printer_.print(message, "");
+    if (filter_.wants(message, {}) && expression_.wants(message, bus_, message.time.time_since_epoch(),
+                                                        [&] { return searched_text(message, bus_); })) {
+      printer_.print(message, "");
+    }
   }
 
   std::string bus_;
   trace::Decoder decoder_;
   MessageFilter filter_;
+  FilterExpression expression_;
   std::optional<trace::TraceFile> file_;
   MessagePrinter printer_;
   can::Duration since_1970_;
@@ -99,7 +104,8 @@ int monitor(const MonitorOptions& options) {
   }
   auto names = load_names(options.names, standard_error());
   auto filter = MessageFilter::make(options.filter, standard_error());
-  if (!names || !filter) return 2;
+  auto expression = FilterExpression::make(options.filter, standard_error());
+  if (!names || !filter || !expression) return 2;
   std::optional<trace::TraceFile> file;
   if (!options.write.empty()) {
     const auto format = trace::trace_format_of(options.write);
@@ -117,7 +123,8 @@ int monitor(const MonitorOptions& options) {
   if (!loop) return fail(1, loop.error());
   BusLoop& bus = **loop;
   bus.set_complaint([](std::string_view text) { print_error("canopus: the bus says: {}", text); });
-  Monitor listener(options, address->bus, std::move(*names), std::move(*filter), std::move(file));
+  Monitor listener(options, address->bus, std::move(*names), std::move(*filter), std::move(*expression),
+                   std::move(file));
   bus.add_listener(listener);
   const BusLoop::End end =
       bus.run([] { return false; }, duration ? can::later(bus.now(), *duration) : can::never);

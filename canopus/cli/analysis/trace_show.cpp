@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 #include "canopus/cli/analysis/analysis_names.hpp"
-#include "canopus/cli/analysis/message_filter.hpp"
+#include "canopus/cli/analysis/filter_expression.hpp"
 #include "canopus/cli/analysis/message_printer.hpp"
 #include "canopus/cli/analysis/trace_analysis.hpp"
 #include "canopus/cli/analysis/trace_walk.hpp"
@@ -28,7 +28,8 @@ struct ShowOptions {
 int show(const ShowOptions& options) {
   auto names = load_names(options.names, standard_error());
   const auto filter = MessageFilter::make(options.filter, standard_error());
-  if (!names || !filter) return 2;
+  const auto expression = FilterExpression::make(options.filter, standard_error());
+  if (!names || !filter || !expression) return 2;
   trace::Decoder decoder(std::move(*names), {.frames = options.frames, .transfers = !options.frames});
   MessagePrinter printer({.time = static_cast<TimeColumn>(options.time.front()),
                           .frames = options.frames,
@@ -41,7 +42,11 @@ int show(const ShowOptions& options) {
   const auto print = [&](const trace::Message& message) {
     const std::string_view channel =
         message.channel < channels.size() ? std::string_view(channels[message.channel]) : std::string_view();
-    if (filter->wants(message, message.time - *zero)) printer.print(message, channel);
+    const can::Duration since = message.time - *zero;
+    if (filter->wants(message, since) &&
+        expression->wants(message, channel, since, [&] { return searched_text(message, channel); })) {
+      printer.print(message, channel);
+    }
   };
   const int code = walk_trace(options.file, standard_error(),
                               [&](const trace::TraceRecord& record, std::string_view channel) {

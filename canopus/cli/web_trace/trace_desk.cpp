@@ -193,7 +193,7 @@ TraceDesk::Answer TraceDesk::export_part(const nlohmann::json& wish) {
     if (!is_wanted) {
       file.decoder->receive(record, bus, [&](const Message& message) {
         is_wanted = is_wanted || file.filter.wants(message, bus, message.time.time_since_epoch(),
-                                                   [&] { return TraceRows::line_of(message, bus); });
+                                                   [&] { return searched_text(message, bus); });
       });
     }
     if (!is_wanted) continue;

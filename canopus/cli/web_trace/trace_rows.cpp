@@ -16,13 +16,6 @@ namespace {
 using trace::Message;
 using trace::Service;
 
-std::string object_text(const Message& message) {
-  if (!message.index) return {};
-  std::string text = fmt::format("{:04X}:{:02X}", *message.index, message.sub);
-  if (!message.object_name.empty()) text += ' ' + message.object_name;
-  return text;
-}
-
 bool is_trouble_of(const Message& message) {
   return message.service == Service::error_frame || message.service == Service::emcy || message.abort_code ||
          (message.is_transfer && message.end != trace::TransferEnd::done);
@@ -50,11 +43,6 @@ void TraceRows::work(const TraceStore& store, std::size_t count) {
   }
 }
 
-std::string TraceRows::line_of(const Message& message, std::string_view bus) {
-  return fmt::format("{} {} {} {} {} {}", bus, service_text(message), trace::node_text(message),
-                     object_text(message), message.kind, message.text);
-}
-
 void TraceRows::take(const Message& message, std::uint64_t record) {
   const std::string& bus = buses_[message.channel];
   const Head head{.bus = message.channel,
@@ -63,7 +51,7 @@ void TraceRows::take(const Message& message, std::uint64_t record) {
                   .node = message.node,
                   .node_name = message.node_name,
                   .object = object_text(message)};
-  const auto line = [&] { return line_of(message, bus); };
+  const auto line = [&] { return searched_text(message, bus); };
   if (!filter_.wants_all() && !filter_.wants(message, bus, message.time.time_since_epoch(), line)) return;
   if (blocks_.empty() || blocks_.back().rows.size() == block) blocks_.emplace_back().rows.reserve(block);
   Block& last = blocks_.back();

@@ -33,8 +33,6 @@ class TraceRows {
   [[nodiscard]] std::uint64_t end() const noexcept { return end_; }
   /// One from begin() up to end(), as docs/events.md has it.
   [[nodiscard]] nlohmann::ordered_json row(std::uint64_t number, const TraceStore& store) const;
-  /// What texts of a filter are looked for in.
-  [[nodiscard]] static std::string line_of(const trace::Message& message, std::string_view bus);
 
  private:
   /// What many lines have in common.
