@@ -54,7 +54,7 @@ class AttachedClient : public can::Participant {
 using AttachToBus = std::function<std::unique_ptr<BusAttachment>(AttachedClient& client)>;
 
 struct SocketcandLimits {
-  AllowList allowed{};       ///< who may connect
+  AllowList allowed{};  ///< who may connect
   /// Of this machine no other user's processes; IPv4 alone.
   bool own_user_alone = false;
   std::size_t clients = 32;  ///< connections at a time; one more gets a message and is closed

@@ -127,6 +127,7 @@ TEST_F(TraceDeskTest, FramesOfATransfer_AreItsOwn) {
   const Json aborted = look({{"filter", "errors"}});
   ASSERT_EQ(aborted["rows"].size(), 1U);
   EXPECT_EQ(aborted["rows"][0]["trouble"], true);
+  EXPECT_EQ(look({{"filter", "errors"}, {"fold", false}})["rows"].size(), 1U) << "the frame that says so";
 }
 
 TEST_F(TraceDeskTest, NewestLines_OrThoseFromANumberOn) {
@@ -194,6 +195,7 @@ TEST_F(TraceDeskTest, Filters_AreToHoldAll) {
   EXPECT_EQ(texts({{"filter", "id=703"}}).size(), 2U);
   EXPECT_EQ(texts({{"filter", "from=5ms to=1500ms"}}).size(), 2U);
   EXPECT_EQ(texts({{"filter", "OPERational"}}).size(), 2U);
+  EXPECT_EQ(texts({{"filter", "sdo"}}).size(), 1U) << "SDO in the line";
   EXPECT_EQ(texts({{"filter", "!operational"}}).size(), 3U);
   EXPECT_EQ(texts({{"filter", "\"heartbeat 3  heartbeat\""}}).size(), 2U) << "with blanks";
   EXPECT_EQ(texts({{"filter", "  "}}).size(), 5U);

@@ -13,17 +13,17 @@ namespace canopus::cli {
 
 namespace {
 
-constexpr std::array<std::string_view, 7> keys{"node", "service", "object", "id", "bus", "from", "to"};
-constexpr FilterNames names{.node = "node=",
-                            .service = "service=",
-                            .object = "object=",
-                            .identifier = "id=",
-                            .from = "from: ",
-                            .to = "to: "};
+constexpr std::array<std::string_view, 7> filter_keys{"node", "service", "object", "id", "bus", "from", "to"};
+constexpr FilterNames term_names{.node = "node=",
+                                 .service = "service=",
+                                 .object = "object=",
+                                 .identifier = "id=",
+                                 .from = "from: ",
+                                 .to = "to: "};
 
-char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+char lower_case(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-std::vector<std::string> values_of(std::string_view text) {
+std::vector<std::string> split_values(std::string_view text) {
   std::vector<std::string> values;
   while (true) {
     const std::size_t comma = text.find(',');
@@ -33,7 +33,7 @@ std::vector<std::string> values_of(std::string_view text) {
   }
 }
 
-bool is_trouble(const trace::Message& message) {
+bool is_in_errors(const trace::Message& message) {
   using enum trace::Service;
   return message.service == error_frame || message.service == emcy || message.abort_code.has_value() ||
          (message.is_transfer && message.end != trace::TransferEnd::done);
@@ -51,19 +51,20 @@ std::expected<FilterExpression::Term, std::string> FilterExpression::parse_term(
   const std::size_t equals = is_quoted ? std::string_view::npos : text.find('=');
   if (equals == std::string_view::npos) {
     term.text = text;
-    std::ranges::transform(term.text, term.text.begin(), lower);
+    std::ranges::transform(term.text, term.text.begin(), lower_case);
     return term;
   }
   const std::string_view key = text.substr(0, equals);
   const auto shown = [&] { return text::printable(text); };
-  if (std::ranges::find(keys, key) == keys.end()) {
+  if (std::ranges::find(filter_keys, key) == filter_keys.end()) {
     return std::unexpected(fmt::format(
         "{}: expected node, service, object, id, bus, from or to before the \"=\"{}; text stands in "
         "\"quotes\"",
         shown(),
-        text::suggestion(std::string(key), std::vector<std::string_view>(keys.begin(), keys.end()))));
+        text::suggestion(std::string(key),
+                         std::vector<std::string_view>(filter_keys.begin(), filter_keys.end()))));
   }
-  auto values = values_of(text.substr(equals + 1));
+  auto values = split_values(text.substr(equals + 1));
   if (std::ranges::any_of(values, &std::string::empty)) {
     return std::unexpected(fmt::format("{}: expected a value behind the \"=\" and each comma", shown()));
   }
@@ -82,7 +83,7 @@ std::expected<FilterExpression::Term, std::string> FilterExpression::parse_term(
                                     : options.identifiers;
     list = std::move(values);
   }
-  auto filter = MessageFilter::read(options, names);
+  auto filter = MessageFilter::read(options, term_names);
   if (!filter) return std::unexpected(text::printable(filter.error()));
   term.filter = std::move(*filter);
   return term;
@@ -124,13 +125,13 @@ std::optional<FilterExpression> FilterExpression::make(const FilterOptions& opti
 
 bool FilterExpression::is_of(const Term& term, const trace::Message& message, std::string_view bus,
                              can::Duration since) {
-  if (term.is_of_errors) return is_trouble(message);
+  if (term.is_of_errors) return is_in_errors(message);
   if (!term.buses.empty()) return std::ranges::find(term.buses, bus) != term.buses.end();
   return term.filter.wants(message, since);
 }
 
 bool FilterExpression::has(std::string_view line, std::string_view text) {
-  return !std::ranges::search(line, text, {}, lower).empty();
+  return !std::ranges::search(line, text, {}, lower_case).empty();
 }
 
 }  // namespace canopus::cli
