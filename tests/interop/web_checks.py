@@ -247,6 +247,8 @@ def web_views_in_chromium():
         require(re.match(r"6004:00.*UNSIGNED32", seen["position"]), seen["position"])
         require("6004:00" in seen["plot"] and seen["w8"] == 1, seen["plot"])
         require(re.fullmatch(r"\d+ at \d+\.\d{3} s", seen["cursor"]) and seen["held"] and seen["plots"] == 2, seen)
+        require(seen["plot_link"].count("plot=") == 2 and len(seen["linked_plots"]) == 3 and seen["linked_markup"] == 0, seen)
+        require("<img src=x>" in seen["linked_plots"][2] and "io-block" in seen["linked_objects"], seen["linked_plots"])
         require(seen["tree"] == ["line1", "1  ME3CAN1-Q U0", "2  io-block", "3  encoder", "4  drive", "ME3CAN1-Q U0 (plc1)", "Boot", "Faults", "Trace",
                                  "Messages", "Events"] and seen["lamps"] == 4, seen["tree"])
         require("encoder" in seen["tree_node"] and seen["tree_focus"] == ["messages-title", True], seen)

@@ -265,6 +265,10 @@ def web_log_in_floods():
                 time.sleep(min(int(answer.getheader("Retry-After")), 5))
             return answer.status == 303
         until(second_chance, "the right password after the wait")
+        # Half a log-in holds nobody up.
+        with socket.create_connection(("127.0.0.1", port), PATIENCE) as half:
+            half.sendall(f"POST /login HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nContent-Length: 100000\r\n\r\n".encode())
+            require(Browser(port).ask("GET", "/login").status == 200, "others wait for a half log-in")
         flood = [Browser(port).ask("GET", "/login").status for _ in range(900)]
         require(429 in flood and flood[0] == 200, f"{flood.count(429)} of 900 refused")
         code, errors = plant.stop()

@@ -7,7 +7,7 @@ export function take_key() {
   const found = location.hash.match(/^#key=([0-9a-f]+)$/);
   if (found) {
     sessionStorage.setItem(key_name, found[1]);
-    history.replaceState(null, "", location.pathname);
+    history.replaceState(null, "", location.pathname + location.search);
   }
   return sessionStorage.getItem(key_name) ?? "";
 }

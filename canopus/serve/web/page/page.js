@@ -346,5 +346,6 @@ document.addEventListener("keydown", (event) => {
     by_id("filter").focus();
   }
 });
+plots.restore();
 connect();
 requestAnimationFrame(animate);

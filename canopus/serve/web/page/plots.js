@@ -88,6 +88,21 @@ export class Plots {
     this.plots.set(key, plot);
     this.list.append(element);
     this.section.hidden = false;
+    this.changed();
+  }
+
+  /// Those of the address that the page was opened with.
+  restore() {
+    for (const text of new URLSearchParams(location.search).getAll("plot").slice(0, most_plots)) {
+      const [key, name] = text.slice(0, 200).split("|");
+      if (key && !this.plots.has(key)) this.toggle(key, name || key);
+    }
+  }
+
+  /// An address that somebody copies shows the same plots.
+  changed() {
+    const search = new URLSearchParams([...this.plots].map(([key, plot]) => ["plot", `${key}|${plot.name}`])).toString();
+    history.replaceState(null, "", `${location.pathname}${search ? `?${search}` : ""}${location.hash}`);
     this.say();
   }
 
@@ -95,7 +110,7 @@ export class Plots {
     this.plots.get(key)?.element.remove();
     this.plots.delete(key);
     this.section.hidden = this.plots.size === 0;
-    this.say();
+    this.changed();
   }
 
   /// Values hold until the next one. Of many points in one place the lowest and the highest are drawn.
