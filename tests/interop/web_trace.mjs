@@ -5,7 +5,6 @@ import { counted, end, folder, open, picture, seen, url } from "./page_kit.mjs";
 const page = await open(`${url.split("#")[0]}#trace`);
 const lines = () => page.locator("#trace tbody tr").allTextContents();
 const said = () => page.textContent("#trace-said");
-const shows = (text) => page.waitForFunction((wanted) => document.getElementById("trace-said").textContent.includes(wanted), text);
 const filter = async (text) => {
   await page.fill("#trace-filter", text);
   await page.waitForFunction((wanted) => /^\d+ lines|expected|unknown/.test(document.getElementById("trace-said").textContent) && document.getElementById("trace-filter").value === wanted, text);
@@ -62,8 +61,8 @@ for (const format of ["candump", "pcapng"]) {
   const download = page.waitForEvent("download");
   await page.click("#trace-export");
   await (await download).saveAs(`${folder}/trace.${format}`);
-  await shows("are exported");
-  seen[format] = await said();
+  await page.waitForFunction(() => document.getElementById("trace-exported").textContent.includes("are exported"));
+  seen[format] = await page.textContent("#trace-exported");
 }
 await page.check("#trace-fold");
 await filter("");

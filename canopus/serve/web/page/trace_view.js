@@ -230,6 +230,7 @@ export class TraceView {
   async export() {
     const format = by_id("trace-format").value;
     const button = by_id("trace-export");
+    const said = by_id("trace-exported");
     const parts = [];
     let frames = 0;
     button.disabled = true;
@@ -237,18 +238,18 @@ export class TraceView {
       const [done] = await Promise.all([this.commands.run({ command: "export trace", filter: this.filter.value, format, part }), later(pause)]);
       if (done.code !== 0) {
         button.disabled = false;
-        return this.say(done.message ?? "no answer", "error");
+        return set_text(said, done.message ?? "no answer");
       }
       const row = done.rows[0];
       parts.push(Uint8Array.from(atob(row.data), (c) => c.charCodeAt(0)));
       frames += row.frames;
-      this.say(`${frames} frames, ${Math.floor(100 * row.at)} % of the trace`);
+      set_text(said, `${frames} frames, ${Math.floor(100 * row.at)} % of the trace`);
       if (row.done) break;
     }
     button.disabled = false;
     const link = make("a", { href: URL.createObjectURL(new Blob(parts, { type: "application/octet-stream" })), download: `trace.${{ candump: "log" }[format] ?? format}` });
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 10000);
-    this.say(`${frames} frames are exported`);
+    set_text(said, `${frames} frames are exported`);
   }
 }
