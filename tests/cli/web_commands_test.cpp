@@ -2,6 +2,7 @@
 
 #include "canopus/cli/web/web_commands.hpp"
 
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -146,13 +147,17 @@ class WebCommandsTest : public ::testing::Test {
                                }}}},
                  .program = path.string(),
                  .now = [] { return can::Time{}; },
+                 .longest_with_files = longest_,
+                 .longest_on_bus = longest_,
+                 .grace = std::chrono::milliseconds(50),
                  .done =
                      [this](const serve::WebUser& user, const std::string& line, int code, serve::WebRole) {
                        done_.push_back(user.name + ": " + line + ": " + std::to_string(code));
                      }});
   }
-  void say(const Json& wish, std::uint32_t id = 1, WebRole role = WebRole::configure) {
-    commands_->run({.name = "ann", .role = role}, wish.dump(), id,
+  void say(const Json& wish, std::uint32_t id = 1, WebRole role = WebRole::configure,
+           const std::string& name = "ann") {
+    commands_->run({.name = name, .role = role}, wish.dump(), id,
                    [this](const std::string& event) { replies_.push_back(Json::parse(event)); });
   }
   std::vector<Json> replies() {
@@ -162,6 +167,7 @@ class WebCommandsTest : public ::testing::Test {
   }
 
   bool is_live_ = false;
+  std::chrono::milliseconds longest_ = std::chrono::hours(1);
   std::filesystem::path folder_;
   boost::asio::io_context io_{1};
   std::optional<WebCommands> commands_;
@@ -291,12 +297,92 @@ TEST_F(WebCommandsTest, WhatIsStopped_Ends) {
   EXPECT_EQ(replies_.back()["code"], web_code::usage);
 }
 
-TEST_F(WebCommandsTest, TooManyCommands_AreRefused) {
+TEST_F(WebCommandsTest, TooManyCommandsOfOne_AreRefused) {
   script("exit 0\n");
-  for (std::uint32_t id = 0; id <= WebCommands::most_waiting; ++id) say({{"command", "project undo"}}, id);
+  for (std::uint32_t id = 0; id <= WebCommands::most_of_user; ++id) say({{"command", "project undo"}}, id);
   ASSERT_EQ(replies_.size(), 1U);
   EXPECT_EQ(replies_[0]["code"], web_code::busy);
+  say({{"command", "project undo"}}, 100, WebRole::configure, "bob");
+  EXPECT_EQ(replies_.size(), 1U);
+  EXPECT_EQ(replies().size(), 2 + WebCommands::most_of_user);
+}
+
+TEST_F(WebCommandsTest, TooManyCommandsOfAll_AreRefused) {
+  script("exit 0\n");
+  for (std::uint32_t id = 0; id <= WebCommands::most_waiting; ++id)
+    say({{"command", "project undo"}}, id, WebRole::configure, std::to_string(id % 4));
+  ASSERT_EQ(replies_.size(), 1U);
+  EXPECT_EQ(replies_[0]["code"], web_code::busy);
+  EXPECT_EQ(replies_[0]["id"], WebCommands::most_waiting);
   EXPECT_EQ(replies().size(), 1 + WebCommands::most_waiting);
+}
+
+TEST_F(WebCommandsTest, WhoOnlyLooks_LeavesRoomToOthers) {
+  script("exit 0\n");
+  for (std::uint32_t id = 0; id < 40; ++id)
+    say({{"command", "project show"}}, id, WebRole::look, std::to_string(id));
+  EXPECT_EQ(replies_.size(), 40 - WebCommands::most_of_lookers);
+  replies_.clear();
+  say({{"command", "project undo"}}, 100, WebRole::operate, "ann");
+  EXPECT_EQ(replies_.size(), 1U);  // refused for its role, not for want of room
+  EXPECT_EQ(replies_[0]["code"], web_code::not_allowed);
+  replies_.clear();
+  say({{"command", "project undo"}}, 101);
+  EXPECT_THAT(replies_, IsEmpty());
+  EXPECT_EQ(replies().size(), 1 + WebCommands::most_of_lookers);
+}
+
+TEST_F(WebCommandsTest, WhatIsNotAllowed_IsRefusedWhileNothingHasRoom) {
+  script("exit 0\n");
+  for (std::uint32_t id = 0; id < WebCommands::most_waiting; ++id)
+    say({{"command", "project undo"}}, id, WebRole::configure, std::to_string(id % 4));
+  say({{"command", "project undo"}}, 100, WebRole::look);
+  EXPECT_EQ(replies_.at(0)["code"], web_code::not_allowed);
+  EXPECT_EQ(replies().size(), 1 + WebCommands::most_waiting);
+}
+
+TEST_F(WebCommandsTest, Users_TakeTurns) {
+  script("exit 0\n");
+  for (std::uint32_t id = 1; id <= 4; ++id) say({{"command", "project undo"}}, id, WebRole::configure, "bob");
+  for (std::uint32_t id = 11; id <= 12; ++id) say({{"command", "project undo"}}, id);
+  say({{"command", "project show"}}, 21, WebRole::look, "");
+  std::vector<int> order;
+  for (const Json& reply : replies()) order.push_back(reply["id"].get<int>());
+  EXPECT_THAT(order, ElementsAre(1, 11, 21, 2, 12, 3, 4));
+}
+
+TEST_F(WebCommandsTest, WhatTakesTooLong_IsStopped_AndWhatDoesNotStop_IsKilled) {
+  longest_ = std::chrono::milliseconds(50);
+  script("trap 'exit 130' INT; while :; do sleep 0.01; done\n");
+  say({{"command", "project undo"}}, 1);
+  auto replies = this->replies();
+  ASSERT_EQ(replies.size(), 1U);
+  EXPECT_EQ(replies[0]["code"], web_code::stopped);
+  EXPECT_EQ(replies[0]["message"], "it took too long and was stopped");
+  script("trap '' INT TERM; while :; do sleep 0.01; done\n");
+  say({{"command", "scan"}}, 2);
+  say({{"command", "scan"}}, 3);
+  replies = this->replies();
+  ASSERT_EQ(replies.size(), 2U);
+  EXPECT_EQ(replies[1]["code"], web_code::stopped);
+}
+
+TEST_F(WebCommandsTest, WhatDoesNotStopWhenItIsAsked_IsKilled) {
+  script("trap '' INT TERM; echo '{}'; while :; do sleep 0.01; done\n");
+  say({{"command", "project undo"}}, 1);
+  while (replies_.empty()) io_.run_one();
+  say({{"command", "stop"}, {"id", 1}}, 2);
+  const auto replies = this->replies();
+  EXPECT_EQ(replies.back()["id"], 1);
+  EXPECT_EQ(replies.back()["code"], web_code::stopped);
+}
+
+TEST_F(WebCommandsTest, WhoPrintsWithoutEnd_IsEnded) {
+  script("exec yes '{}'\n");
+  say({{"command", "project show"}}, 1);
+  const Json last = replies().back();
+  EXPECT_EQ(last["code"], 128 + 9);
+  EXPECT_THAT(last["message"].get<std::string>(), HasSubstr("it says more than 67108864 bytes"));
 }
 
 TEST_F(WebCommandsTest, CommandOfThisProcess_IsDoneAtOnce) {

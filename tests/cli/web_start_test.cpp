@@ -2,6 +2,7 @@
 
 #include "canopus/cli/web/web_start.hpp"
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -12,6 +13,7 @@
 #include <boost/asio/io_context.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "canopus/cli/web/example_files.hpp"
 
@@ -160,6 +162,90 @@ TEST_F(WebStartTest, NotMoreThanSoMany) {
   }
   start.open("", say());
   EXPECT_THAT(said(), ElementsAre("error: 8 are running already; end one of them first"));
+}
+
+TEST_F(WebStartTest, LinksThatLeadOut_AreNotOffered) {
+  std::ofstream(top_ / "outside.toml") << "[[bus]]\n";
+  std::ofstream(top_ / "outside.cpj") << "";
+  write("b.toml", "[[bus]]\n");
+  fs::create_symlink("b.toml", folder_ / "inside.toml");
+  fs::create_symlink("../outside.toml", folder_ / "out.toml");
+  fs::create_symlink(top_ / "outside.cpj", folder_ / "out.cpj");
+  fs::create_symlink("nowhere.toml", folder_ / "dangling.toml");
+  fs::create_symlink("loop.toml", folder_ / "loop.toml");
+  fs::create_directory_symlink(top_, folder_ / "folder");
+  ASSERT_EQ(::mkfifo((folder_ / "fifo.cpj").c_str(), 0600), 0);
+  ASSERT_EQ(::mkfifo((folder_ / "fifo.toml").c_str(), 0600), 0);
+  WebStart& start = this->start(shows_page());
+  EXPECT_EQ(start.list()["plants"], (WebStart::Json{"b.toml", "inside.toml"}));
+  EXPECT_THAT(start.list()["projects"], IsEmpty());
+  for (const char* path : {"out.toml", "out.cpj", "folder/outside.toml", "fifo.cpj"}) {
+    start.open(path, say());
+    EXPECT_THAT(said(), ElementsAre(HasSubstr("error: there is no plant or project "))) << path;
+  }
+  EXPECT_EQ(arguments(), "");
+}
+
+TEST_F(WebStartTest, WhatChanges_IsReadAgain) {
+  write("b.toml", "[[car]]\n");
+  WebStart& start = this->start("");
+  EXPECT_THAT(start.list()["plants"], IsEmpty());
+  write("b.toml", "[[bus]]\n");
+  fs::last_write_time(folder_ / "b.toml", fs::file_time_type::clock::now() + std::chrono::hours(1));
+  EXPECT_EQ(start.list()["plants"], (WebStart::Json{"b.toml"}));
+}
+
+TEST_F(WebStartTest, NotMoreIsReadThanSoManyBytes) {
+  const std::string plant = "[[bus]]\n" + std::string(4'000'000, '#');
+  for (int i = 10; i < 30; ++i) write(std::to_string(i) + ".toml", plant);
+  WebStart& start = this->start("");
+  EXPECT_EQ(start.list()["plants"].size(), WebStart::most_read / plant.size());
+  EXPECT_EQ(start.list()["plants"].size(), 20U);  // the others now
+}
+
+TEST_F(WebStartTest, HostileNames_AreShownAsTheyAre_OrNot) {
+  const std::string newline = "a\nb\x1B[2J<img>.toml";
+  const std::string longest = std::string(250, 'x') + ".toml";
+  for (const std::string& name : {newline, longest, std::string("--for.toml")}) write(name, "[[bus]]\n");
+  write("\xFF.toml", "[[bus]]\n");
+  WebStart& start = this->start(shows_page());
+  const WebStart::Json plants = start.list()["plants"];
+  EXPECT_EQ(plants.size(), 4U);
+  for (const std::string& name : {newline, longest, std::string("--for.toml")}) {
+    start.open(name, say());
+    EXPECT_THAT(said(), ElementsAre(HasSubstr("http"))) << name;
+    EXPECT_EQ(arguments(), "run --json --web --free-ports -- " + (folder_ / name).string() + "\n");
+  }
+}
+
+TEST_F(WebStartTest, NewProject_TakesNothingThatIsThere) {
+  write("b", "");
+  fs::create_symlink(top_ / "elsewhere", folder_ / "link");
+  WebStart& start = this->start("mkdir -p \"$5\"\n" + shows_page());
+  for (const char* name : {"b", "link"}) {
+    start.make_project(name, say());
+    EXPECT_THAT(said(), ElementsAre(HasSubstr("error: there is something with the name"))) << name;
+  }
+  EXPECT_FALSE(fs::exists(top_ / "elsewhere"));
+  for (const std::string& name : {std::string(101, 'x'), std::string("a\nb"), std::string("\xFF"),
+                                  std::string("a\0b", 3), std::string("..")}) {
+    start.make_project(name, say());
+    EXPECT_THAT(said(), ElementsAre(HasSubstr("error: expected a name"))) << name;
+  }
+}
+
+TEST_F(WebStartTest, WithUsers_ThePagesThatAreOpened_HaveThemToo) {
+  write("b.toml", "[[bus]]\n");
+  write("nodelist.cpj", "");
+  (void)start(shows_page());
+  start_.emplace(io_, folder_, (top_ / "canopus").string(), WebAccess{.users = "u", .audit = "log"});
+  start_->open("b.toml", say());
+  EXPECT_THAT(said(), ElementsAre(HasSubstr("http")));
+  EXPECT_EQ(arguments(), "run --json --web --free-ports --web-users=u --web-audit=log -- " +
+                             (folder_ / "b.toml").string() + "\n");
+  start_->open("nodelist.cpj", say());
+  EXPECT_THAT(said(), ElementsAre(HasSubstr("http")));
+  EXPECT_EQ(arguments(), "web --json --users=u --audit=log -- " + (folder_ / "nodelist.cpj").string() + "\n");
 }
 
 }  // namespace

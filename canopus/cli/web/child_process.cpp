@@ -91,6 +91,10 @@ void ChildProcess::interrupt() const noexcept {
   if (process_ > 0) ::kill(process_, SIGINT);
 }
 
+void ChildProcess::kill() const noexcept {
+  if (process_ > 0) ::kill(process_, SIGKILL);
+}
+
 void ChildProcess::stop() noexcept {
   use_ = {};
   error_code ignored;
@@ -111,8 +115,13 @@ void ChildProcess::stop() noexcept {
 void ChildProcess::read_output() {
   output_.async_read_some(boost::asio::buffer(output_bytes_),
                           [self = shared_from_this()](error_code error, std::size_t count) {
-                            self->line_.append(self->output_bytes_.data(), count);
-                            self->take_lines();
+                            self->read_ += count;
+                            if (self->read_ <= self->use_.most_output) {
+                              self->line_.append(self->output_bytes_.data(), count);
+                              self->take_lines();
+                            } else {
+                              self->kill();
+                            }
                             if (error) return self->closed();
                             self->read_output();
                           });
@@ -150,6 +159,8 @@ void ChildProcess::closed() {
   while (::waitpid(process, &status, 0) < 0 && errno == EINTR) {
   }
   const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  if (read_ > use_.most_output)
+    said_ += fmt::format("it says more than {} bytes and was ended\n", use_.most_output);
   const auto ended = std::exchange(use_, {}).ended;
   if (ended) ended(code, std::move(said_));
 }

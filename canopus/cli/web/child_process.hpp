@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <expected>
 #include <functional>
 #include <memory>
@@ -25,6 +26,7 @@ class ChildProcess : public std::enable_shared_from_this<ChildProcess> {
     std::function<void(std::string line)> line{};  ///< of its standard output, without its end
     /// Its exit code, 128 + N of one that signal N ended, and its standard error. Comes once, unless it is stopped.
     std::function<void(int code, std::string errors)> ended{};
+    std::size_t most_output = SIZE_MAX;  ///< bytes of its standard output; one that has more to say is ended
   };
 
   /// The program that runs now.
@@ -39,6 +41,8 @@ class ChildProcess : public std::enable_shared_from_this<ChildProcess> {
 
   /// As Ctrl-C does; `ended` comes.
   void interrupt() const noexcept;
+  /// Ends it at once, whatever it does; `ended` comes.
+  void kill() const noexcept;
   /// Ends it, and waits until it has gone; `ended` does not come.
   void stop() noexcept;
 
@@ -58,6 +62,7 @@ class ChildProcess : public std::enable_shared_from_this<ChildProcess> {
   std::array<char, 4096> error_bytes_{};
   std::string line_;
   std::string said_;
+  std::size_t read_ = 0;
   int open_ = 2;
 };
 

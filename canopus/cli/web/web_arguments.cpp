@@ -226,6 +226,7 @@ std::expected<WebCommandLine, std::string> web_command_line(const Json& wish, co
   }
   WebCommandLine line{.title = std::string(command->title),
                       .role = command->role,
+                      .joins_bus = command->joins_bus,
                       .writes_to_bus = command->writes_to_bus,
                       .makes_file = command->makes_file};
   if (command->has_project && bus.project.empty()) {

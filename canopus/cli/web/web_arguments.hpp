@@ -28,6 +28,7 @@ struct WebBus {
 struct WebCommandLine {
   std::string title{};  ///< "project set"
   serve::WebRole role = serve::WebRole::look;
+  bool joins_bus = false;
   bool writes_to_bus = false;
   std::vector<std::string> arguments{};  ///< behind `canopus`
   std::optional<std::string>

@@ -35,6 +35,11 @@ std::string file_name_of(std::string_view said) {
   return name.empty() || name == "." || name == ".." || name.size() > 200 ? "device.eds" : name;
 }
 
+/// Whose commands take turns with those of others: without users all with the key, and all without it.
+std::string party_of(const WebUser& user) {
+  return user.name.empty() ? fmt::format("role {}", name_of(user.role)) : user.name;
+}
+
 }  // namespace
 
 WebCommands::~WebCommands() {
@@ -107,11 +112,22 @@ void WebCommands::run(const WebUser& user, std::string_view command, std::uint32
     return refuse(user, shown, id, reply, web_code::not_armed,
                   fmt::format("{}: {} is a live bus; arm writing first", line->title, bus->name));
   }
-  if (jobs_.size() >= most_waiting) {
+  if (!has_room_for(user)) {
     return refuse(user, shown, id, reply, web_code::busy, "too many commands wait; try again");
   }
   jobs_.push_back({.user = user, .line = std::move(*line), .id = id, .reply = std::move(reply)});
   if (jobs_.size() == 1) start_next();
+}
+
+/// Nobody takes all the room, and those who only look leave half of it to those who do something.
+bool WebCommands::has_room_for(const WebUser& user) const {
+  const auto count = [&](const auto& is_meant) {
+    return static_cast<std::size_t>(std::ranges::count_if(jobs_, is_meant));
+  };
+  const auto only_looks = [](const Job& job) { return job.user.role == WebRole::look; };
+  const auto is_of_same = [party = party_of(user)](const Job& job) { return party_of(job.user) == party; };
+  if (jobs_.size() >= most_waiting || count(is_of_same) >= most_of_user) return false;
+  return user.role != WebRole::look || count(only_looks) < most_of_lookers;
 }
 
 void WebCommands::hello(const WebUser& user, std::uint32_t id, const WebReply& reply) const {
@@ -162,7 +178,10 @@ void WebCommands::stop(const WebUser& user, const nlohmann::json& wish, std::uin
   send(reply, std::move(event));
   if (job == jobs_.end()) return;
   job->is_stopped = true;
-  if (job == jobs_.begin() && child_) return child_->interrupt();
+  if (job == jobs_.begin() && child_) {
+    child_->interrupt();
+    return be_patient(use_.grace);
+  }
   const Job taken = std::move(*job);
   jobs_.erase(job);
   refuse(taken.user, shown_command(taken.line.arguments), taken.id, taken.reply, web_code::stopped,
@@ -204,22 +223,52 @@ std::string WebCommands::make_file(Job& job) const {
   return {};
 }
 
+/// To the front: the oldest of the user whose last turn is longest ago.
+void WebCommands::choose_next() {
+  const auto turn_of = [this](const Job& job) {
+    const auto found = turns_.find(party_of(job.user));
+    return found == turns_.end() ? 0 : found->second;
+  };
+  const auto next = std::ranges::min_element(jobs_, {}, turn_of);
+  std::rotate(jobs_.begin(), next, next + 1);
+  turns_[party_of(jobs_.front().user)] = ++turn_;
+}
+
+std::expected<std::shared_ptr<ChildProcess>, std::string> WebCommands::start(const Job& job) {
+  return ChildProcess::start(io_, use_.program, job.line.arguments,
+                             {.line =
+                                  [this](std::string line) {
+                                    if (nlohmann::json::accept(line))
+                                      jobs_.front().rows.push_back(std::move(line));
+                                    tell_rows(false);
+                                  },
+                              .ended = [this](int code, const std::string& errors) { ended(code, errors); },
+                              .most_output = most_output});
+}
+
+/// Then it is asked to end, and after some grace ended.
+void WebCommands::be_patient(std::chrono::milliseconds time) {
+  patience_.expires_after(time);
+  patience_.async_wait([this, turn = turn_](const boost::system::error_code& error) {
+    if (error || !child_ || turn != turn_) return;
+    Job& job = jobs_.front();
+    if (job.is_stopped || job.is_late) return child_->kill();
+    job.is_late = true;
+    child_->interrupt();
+    be_patient(use_.grace);
+  });
+}
+
 void WebCommands::start_next() {
   while (!jobs_.empty()) {
+    choose_next();
     Job& job = jobs_.front();
     std::string wrong = make_file(job);
     if (wrong.empty()) {
-      auto child = ChildProcess::start(
-          io_, use_.program, job.line.arguments,
-          {.line =
-               [this](std::string line) {
-                 if (nlohmann::json::accept(line)) jobs_.front().rows.push_back(std::move(line));
-                 tell_rows(false);
-               },
-           .ended = [this](int code, const std::string& errors) { ended(code, errors); }});
+      auto child = start(job);
       if (child) {
         child_ = std::move(*child);
-        return;
+        return be_patient(job.line.joins_bus ? use_.longest_on_bus : use_.longest_with_files);
       }
       wrong = child.error();
     }
@@ -259,11 +308,13 @@ void WebCommands::ended(int code, const std::string& errors) {
   Job job = std::move(jobs_.front());
   jobs_.pop_front();
   child_.reset();
+  patience_.cancel();
   Json event = event_of(job.id);
-  event["code"] = job.is_stopped ? web_code::stopped : code;
+  event["code"] = job.is_stopped || job.is_late ? web_code::stopped : code;
   event["command"] = shown_command(job.line.arguments);
   std::string_view message = errors;
   while (message.ends_with('\n')) message.remove_suffix(1);
+  if (job.is_late) message = "it took too long and was stopped";
   if (!message.empty()) event["message"] = message;
   if (job.line.makes_file) {
     if (auto text = text::read_file((job.folder / "report.html").string())) event["file"] = std::move(*text);

@@ -38,6 +38,9 @@ inline constexpr int stopped = 10;     ///< taken back by who asked for it
 class WebCommands {
  public:
   static constexpr std::size_t most_waiting = 32;
+  static constexpr std::size_t most_of_user = 16;        ///< of these
+  static constexpr std::size_t most_of_lookers = 16;     ///< of all who only look together
+  static constexpr std::size_t most_output = 64U << 20;  ///< bytes that a command may say
   static constexpr std::chrono::minutes armed_for{10};
 
   /// One that is done in this process: says once its row, or a sentence; at once or later.
@@ -52,12 +55,17 @@ class WebCommands {
     std::map<std::string, Own, std::less<>> own{};  ///< by name
     std::string program = ChildProcess::itself;     ///< that runs the others
     std::function<can::Time()> now{};               ///< the plant's time, for `t` of events
+    /// How long a command may take: with files alone, and on a bus. Then it is stopped, and `grace` later killed.
+    std::chrono::milliseconds longest_with_files = std::chrono::minutes(2);
+    std::chrono::milliseconds longest_on_bus = std::chrono::hours(1);
+    std::chrono::milliseconds grace = std::chrono::seconds(10);
     /// What was done: who, the command line, its code, the role that it needs.
     std::function<void(const serve::WebUser& user, const std::string& line, int code, serve::WebRole role)>
         done{};
   };
 
-  WebCommands(boost::asio::io_context& io, Use use) : io_(io), use_(std::move(use)), batch_(io) {}
+  WebCommands(boost::asio::io_context& io, Use use)
+      : io_(io), use_(std::move(use)), batch_(io), patience_(io) {}
   ~WebCommands();
   WebCommands(const WebCommands&) = delete;
   WebCommands& operator=(const WebCommands&) = delete;
@@ -78,6 +86,7 @@ class WebCommands {
     std::filesystem::path folder{};  ///< of its file; empty: it has none
     std::vector<std::string> rows{};
     bool is_stopped = false;
+    bool is_late = false;
   };
 
   [[nodiscard]] std::int64_t armed_seconds() const;
@@ -93,7 +102,11 @@ class WebCommands {
   [[nodiscard]] const WebBus* bus_of(const nlohmann::json& wish) const;
   void run_own(const serve::WebUser& user, const std::string& name, const Own& own,
                const nlohmann::json& wish, std::uint32_t id, const serve::WebReply& reply);
+  [[nodiscard]] bool has_room_for(const serve::WebUser& user) const;
   void start_next();
+  void choose_next();
+  [[nodiscard]] std::expected<std::shared_ptr<ChildProcess>, std::string> start(const Job& job);
+  void be_patient(std::chrono::milliseconds time);
   [[nodiscard]] std::string make_file(Job& job) const;
   void ended(int code, const std::string& errors);
   void tell_rows(bool at_once);
@@ -103,6 +116,9 @@ class WebCommands {
   boost::asio::io_context& io_;
   Use use_;
   boost::asio::steady_timer batch_;
+  boost::asio::steady_timer patience_;          // with the one that runs
+  std::map<std::string, std::uint64_t> turns_;  // of each user: when one of his was started last
+  std::uint64_t turn_ = 0;
   std::deque<Job> jobs_;  // the first one runs
   std::shared_ptr<ChildProcess> child_;
   bool is_batched_ = false;

@@ -74,7 +74,9 @@ WebPage::WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClo
       messages_(plant),
       views_(plant, events.boots()),
       trace_(io, plant, messages_.names()),
-      start_(start.empty() ? std::nullopt : std::optional<WebStart>(std::in_place, io, start)),
+      start_(start.empty()
+                 ? std::nullopt
+                 : std::optional<WebStart>(std::in_place, io, start, ChildProcess::itself, access_)),
       faults_(plant, clock),
       commands_(io, {.buses = std::move(buses),
                      .own = own_commands(start_ ? &*start_ : nullptr, faults_, trace_),
@@ -90,7 +92,7 @@ WebPage::WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClo
            .command = [this](const serve::WebUser& user, std::string_view command, std::uint32_t id,
                              serve::WebReply reply) { commands_.run(user, command, id, std::move(reply)); },
            .note = [this](const serve::WebUser& user, const std::string& what,
-                          int code) { note(user, what, code, serve::WebRole::operate); }},
+                          int code) { write(user, what, code, serve::WebRole::operate); }},
           options_of(access_), report) {}
 
 std::expected<void, std::string> WebPage::open_access() {
@@ -123,6 +125,25 @@ std::expected<void, std::string> WebPage::listen(const text::HostAndPort& place)
 }
 
 void WebPage::note(const serve::WebUser& user, const std::string& what, int code, serve::WebRole role) {
+  // Who may nothing would fill the log, and push everything else off the page, with what is refused.
+  if (user.role == serve::WebRole::look && code != 0) {
+    const auto present = std::chrono::steady_clock::now();
+    if (present - refused_since_ > std::chrono::seconds(1)) {
+      refused_since_ = present;
+      if (left_out_ != 0) {
+        write({.name = "?"}, fmt::format("{} more that were refused", left_out_), code, role);
+      }
+      refused_ = left_out_ = 0;
+    }
+    if (++refused_ > most_refused_a_second) {
+      ++left_out_;
+      return;
+    }
+  }
+  write(user, what, code, role);
+}
+
+void WebPage::write(const serve::WebUser& user, const std::string& what, int code, serve::WebRole role) {
   const can::Time now = plant_.timeline().now();
   if (audit_) {
     const auto since = std::chrono::system_clock::now().time_since_epoch();
@@ -145,6 +166,10 @@ void WebPage::note(const serve::WebUser& user, const std::string& what, int code
 }
 
 void WebPage::close() {
+  if (left_out_ != 0) {
+    write({.name = "?"}, fmt::format("{} more that were refused", std::exchange(left_out_, 0)),
+          web_code::not_allowed, serve::WebRole::operate);
+  }
   events_.set_listener([](std::string_view) {});
   server_.stop();
 }

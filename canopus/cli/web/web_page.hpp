@@ -1,6 +1,7 @@
 #pragma once
 // The page in the browser of a run: what it shows of the plant, and what people do on it.
 
+#include <chrono>
 #include <cstdint>
 #include <expected>
 #include <memory>
@@ -53,9 +54,15 @@ class WebPage {
   [[nodiscard]] std::expected<void, std::string> open_access();
   /// Somebody did something, or tried to: into the audit log and, if it is more than a look, to all who watch.
   void note(const serve::WebUser& user, const std::string& what, int code, serve::WebRole role);
+  void write(const serve::WebUser& user, const std::string& what, int code, serve::WebRole role);
+
+  static constexpr std::uint64_t most_refused_a_second = 5;
 
   plant::Plant& plant_;
   WebAccess access_;
+  std::chrono::steady_clock::time_point refused_since_{};
+  std::uint64_t refused_ = 0;   // since then, of users who only look
+  std::uint64_t left_out_ = 0;  // of these
   link::ClientReport report_;
   std::unique_ptr<serve::WebAudit> audit_;
   WebEvents& events_;

@@ -16,15 +16,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Plants have a bus; other TOML files are none of ours.
-bool is_plant(const fs::path& file) {
+constexpr std::size_t most_verdicts = 20000;
+
+/// A file, and in the folder wherever links lead. Folders that are links are not entered.
+bool is_inside(const fs::path& file, const fs::path& folder) {
   std::error_code error;
-  constexpr std::uintmax_t largest = 4U << 20;
-  if (file.extension() != ".toml" || !fs::is_regular_file(file, error) ||
-      fs::file_size(file, error) > largest)
-    return false;
-  const auto text = text::read_file(file.string());
-  return text && text->contains("[[bus]]");
+  if (!fs::is_regular_file(file, error)) return false;
+  if (!fs::is_symlink(file, error)) return true;
+  const fs::path real = fs::canonical(file, error);
+  const fs::path top = fs::canonical(folder, error);
+  return !error && std::ranges::mismatch(top, real).in1 == top.end();
+}
+
+std::string too_many() {
+  return fmt::format("{} are running already; end one of them first", WebStart::most_running);
 }
 
 /// Its files in a folder of their own; empty: they cannot be written.
@@ -54,13 +59,31 @@ WebStart::~WebStart() {
   }
 }
 
-WebStart::Json WebStart::list() const {
+/// Plants have a bus; other TOML files are none of ours. A file is read once as long as it stays as it is.
+bool WebStart::is_plant(const fs::path& file, std::uintmax_t& to_read) {
+  std::error_code error;
+  constexpr std::uintmax_t largest = 4U << 20;
+  const std::uintmax_t size = fs::file_size(file, error);
+  if (file.extension() != ".toml" || error || size > largest) return false;
+  const auto written = fs::last_write_time(file, error);
+  if (verdicts_.size() >= most_verdicts) verdicts_.clear();
+  Verdict& verdict = verdicts_[file.string()];
+  if (verdict.written == written && verdict.size == size && size != 0) return verdict.is_plant;
+  if (size > to_read) return false;
+  to_read -= size;
+  const auto text = text::read_file(file.string());
+  verdict = {.written = written, .size = size, .is_plant = text && text->contains("[[bus]]")};
+  return verdict.is_plant;
+}
+
+WebStart::Json WebStart::list() {
   std::vector<std::string> plants;
   std::vector<std::string> projects;
   std::error_code error;
   constexpr int deepest = 2;
   constexpr int most_looked_at = 20000;
   int looked_at = 0;
+  std::uintmax_t to_read = most_read;
   fs::recursive_directory_iterator files(folder_, fs::directory_options::skip_permission_denied, error);
   for (; !error && files != fs::recursive_directory_iterator() && ++looked_at < most_looked_at;
        files.increment(error)) {
@@ -71,8 +94,9 @@ WebStart::Json WebStart::list() const {
     if (is_folder && (is_hidden || files.depth() >= deepest)) files.disable_recursion_pending();
     if (is_folder || is_hidden) continue;
     const std::string shown = path.lexically_relative(folder_).string();
+    if (!is_inside(path, folder_)) continue;
     if (path.extension() == ".cpj" && projects.size() < most_listed) projects.push_back(shown);
-    if (plants.size() < most_listed && is_plant(path)) plants.push_back(shown);
+    if (plants.size() < most_listed && is_plant(path, to_read)) plants.push_back(shown);
   }
   std::ranges::sort(plants);
   std::ranges::sort(projects);
@@ -84,15 +108,15 @@ void WebStart::open(const std::string& path, Done done) {
     fs::path files = write_example();
     if (files.empty()) return done(std::unexpected("the files of the built-in plant cannot be written"));
     const std::string plant = (files / "first-plant/plant.toml").string();
-    return run({"run", "--json", "--web", "--free-ports", "--", plant}, std::move(files), std::move(done));
+    return run_plant(plant, std::move(files), std::move(done));
   }
   const Json known = list();
   const auto has = [&](const char* kind) {
     return std::ranges::find(known[kind], Json(path)) != known[kind].end();
   };
   const std::string whole = (folder_ / path).string();
-  if (has("plants")) return run({"run", "--json", "--web", "--free-ports", "--", whole}, {}, std::move(done));
-  if (has("projects")) return run({"web", "--json", "--", whole}, {}, std::move(done));
+  if (has("plants")) return run_plant(whole, {}, std::move(done));
+  if (has("projects")) return run_project(whole, std::move(done));
   done(std::unexpected(fmt::format("there is no plant or project {}", text::printable(path))));
 }
 
@@ -102,6 +126,11 @@ void WebStart::make_project(const std::string& name, Done done) {
                        name == text::printable(name);
   if (!is_name) return done(std::unexpected("expected a name for the project's folder, without / and \\"));
   const std::string folder = (folder_ / name).string();
+  std::error_code error;
+  if (fs::symlink_status(folder, error).type() != fs::file_type::not_found) {
+    return done(std::unexpected(fmt::format("there is something with the name {} already", name)));
+  }
+  if (children_.size() >= most_running) return done(std::unexpected(too_many()));
   auto said = std::make_shared<Done>(std::move(done));
   const unsigned number = next_++;
   auto child =
@@ -109,10 +138,30 @@ void WebStart::make_project(const std::string& name, Done done) {
                           {.ended = [this, number, folder, said](int code, const std::string& errors) {
                             children_.erase(number);
                             if (code != 0) return (*said)(std::unexpected(errors));
-                            run({"web", "--json", "--", folder}, {}, std::move(*said));
+                            run_project(folder, std::move(*said));
                           }});
   if (!child) return (*said)(std::unexpected(child.error()));
   children_[number].process = std::move(*child);
+}
+
+void WebStart::run_plant(const std::string& plant, fs::path folder, Done done) {
+  std::vector<std::string> words{"run", "--json", "--web", "--free-ports"};
+  if (!access_.users.empty()) {
+    words.push_back("--web-users=" + access_.users);
+    words.push_back("--web-audit=" + access_.audit_file());
+  }
+  words.insert(words.end(), {"--", plant});
+  run(std::move(words), std::move(folder), std::move(done));
+}
+
+void WebStart::run_project(const std::string& project, Done done) {
+  std::vector<std::string> words{"web", "--json"};
+  if (!access_.users.empty()) {
+    words.push_back("--users=" + access_.users);
+    words.push_back("--audit=" + access_.audit_file());
+  }
+  words.insert(words.end(), {"--", project});
+  run(std::move(words), {}, std::move(done));
 }
 
 /// Its page's address is the row; it runs on until this ends.
@@ -120,7 +169,7 @@ void WebStart::run(std::vector<std::string> arguments, fs::path folder, Done don
   std::error_code ignored;
   if (children_.size() >= most_running) {
     if (!folder.empty()) fs::remove_all(folder, ignored);
-    return done(std::unexpected(fmt::format("{} are running already; end one of them first", most_running)));
+    return done(std::unexpected(too_many()));
   }
   const unsigned number = next_++;
   auto child = ChildProcess::start(

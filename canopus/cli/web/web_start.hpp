@@ -2,6 +2,8 @@
 // What the page offers before there is a plant or project: those of a folder, a new project, and a built-in plant to try. Each
 // is run as a process of its own with a page of its own.
 
+#include <cstddef>
+#include <cstdint>
 #include <expected>
 #include <filesystem>
 #include <functional>
@@ -14,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "canopus/cli/web/child_process.hpp"
+#include "canopus/cli/web/web_access.hpp"
 
 namespace canopus::cli {
 
@@ -21,20 +24,23 @@ class WebStart {
  public:
   static constexpr std::size_t most_listed = 200;
   static constexpr std::size_t most_running = 8;
+  static constexpr std::uintmax_t most_read = 64U
+                                              << 20;  ///< bytes of files, each time it is asked what there is
   using Json = nlohmann::ordered_json;
   /// Called once: a row, or a sentence.
   using Done = std::function<void(std::expected<Json, std::string>)>;
 
-  /// `folder`: where plants and projects are looked for, and new ones made. `program`: a path.
+  /// `folder`: where plants and projects are looked for, and new ones made. `program`: a path. Users and audit log of `access` are
+  /// those of the pages that are opened, too.
   WebStart(boost::asio::io_context& io, std::filesystem::path folder,
-           std::string program = ChildProcess::itself)
-      : io_(io), folder_(std::move(folder)), program_(std::move(program)) {}
+           std::string program = ChildProcess::itself, WebAccess access = {})
+      : io_(io), folder_(std::move(folder)), program_(std::move(program)), access_(std::move(access)) {}
   ~WebStart();
   WebStart(const WebStart&) = delete;
   WebStart& operator=(const WebStart&) = delete;
 
-  /// {"plants": [...], "projects": [...]}: paths below the folder, up to two folders down.
-  [[nodiscard]] Json list() const;
+  /// {"plants": [...], "projects": [...]}: paths below the folder, up to two folders down. Links that lead out of it are left out.
+  [[nodiscard]] Json list();
   /// Runs what is listed under this path, or with an empty path the built-in plant: {"url": "http://..."}.
   void open(const std::string& path, Done done);
   /// Makes a project of this name in the folder, and opens it.
@@ -46,11 +52,22 @@ class WebStart {
     std::filesystem::path folder{};  ///< of the built-in plant's files; empty: none
     Done done{};                     ///< until its page is there
   };
+  /// What is known of a file as long as it stays as it is.
+  struct Verdict {
+    std::filesystem::file_time_type written{};
+    std::uintmax_t size = 0;
+    bool is_plant = false;
+  };
+  [[nodiscard]] bool is_plant(const std::filesystem::path& file, std::uintmax_t& to_read);
+  void run_plant(const std::string& plant, std::filesystem::path folder, Done done);
+  void run_project(const std::string& project, Done done);
   void run(std::vector<std::string> arguments, std::filesystem::path folder, Done done);
 
   boost::asio::io_context& io_;
   std::filesystem::path folder_;
   std::string program_;
+  WebAccess access_;
+  std::map<std::string, Verdict> verdicts_;
   std::map<unsigned, Child> children_;
   unsigned next_ = 0;
 };
