@@ -150,6 +150,7 @@ class WebCommandsTest : public ::testing::Test {
                  .longest_with_files = longest_,
                  .longest_on_bus = longest_,
                  .grace = std::chrono::milliseconds(50),
+                 .most_output = 100'000,
                  .done =
                      [this](const serve::WebUser& user, const std::string& line, int code, serve::WebRole) {
                        done_.push_back(user.name + ": " + line + ": " + std::to_string(code));
@@ -382,7 +383,7 @@ TEST_F(WebCommandsTest, WhoPrintsWithoutEnd_IsEnded) {
   say({{"command", "project show"}}, 1);
   const Json last = replies().back();
   EXPECT_EQ(last["code"], 128 + 9);
-  EXPECT_THAT(last["message"].get<std::string>(), HasSubstr("it says more than 67108864 bytes"));
+  EXPECT_THAT(last["message"].get<std::string>(), HasSubstr("it says more than 100000 bytes"));
 }
 
 TEST_F(WebCommandsTest, CommandOfThisProcess_IsDoneAtOnce) {

@@ -243,7 +243,7 @@ std::expected<std::shared_ptr<ChildProcess>, std::string> WebCommands::start(con
                                     tell_rows(false);
                                   },
                               .ended = [this](int code, const std::string& errors) { ended(code, errors); },
-                              .most_output = most_output});
+                              .most_output = use_.most_output});
 }
 
 /// Then it is asked to end, and after some grace ended.
