@@ -111,6 +111,34 @@ void boot_up(benchmark::State& state) {
 }
 BENCHMARK(boot_up)->Apply(bench::nodes_and_buses)->Unit(benchmark::kMillisecond);
 
+/// What a master asks of all slaves at one moment, before it boots them: four PDOs each way of four objects, whose
+/// parameters are the defaults (0) or were written after each reset (1).
+void reset_communication(benchmark::State& state) {
+  constexpr unsigned count = 126;
+  const bool are_written = state.range(0) != 0;
+  bench::PassThroughBus bus;
+  std::vector<std::unique_ptr<bench::NodeOnBus>> slaves;
+  for (unsigned i = 0; i < count; ++i) {
+    slaves.push_back(std::make_unique<bench::NodeOnBus>(bus, bench::slave_description(),
+                                                        static_cast<std::uint8_t>(i + 2)));
+  }
+  bus.compile();
+  const auto type = canopen::little_endian(1, 1);
+  for (auto _ : state) {
+    for (const auto& slave : slaves) {
+      slave->node.command(canopen::NmtCommand::reset_communication, can::Time{});
+      if (!are_written) continue;
+      for (const std::uint16_t pdo : {std::uint16_t{0x1400}, std::uint16_t{0x1800}}) {
+        if (slave->node.dictionary().write(pdo, 2, type, can::Time{}) != canopen::AbortCode::none) {
+          state.SkipWithError("a PDO is not written");
+        }
+      }
+    }
+  }
+  bench::report(state, static_cast<std::uint64_t>(state.iterations()) * count);
+}
+BENCHMARK(reset_communication)->Apply(bench::standard)->ArgName("written")->Arg(0)->Arg(1);
+
 }  // namespace
 
 BENCHMARK_MAIN();

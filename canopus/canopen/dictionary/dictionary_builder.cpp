@@ -171,6 +171,7 @@ std::shared_ptr<const DictionaryDescription> DictionaryBuilder::build() const {
     places.push_back(0);
   }
   bool in_communication_area = true;
+  std::size_t slots_before_pdos = 0;
   for (const auto& [index, spec] : objects_) {
     if (in_communication_area && index >= 0x2000) {
       in_communication_area = false;
@@ -230,6 +231,11 @@ std::shared_ptr<const DictionaryDescription> DictionaryBuilder::build() const {
     }
     object.first_entry = d.add_entries(entries, known_entries);
     d.objects.push_back(object);
+    if (index < 0x1400) {
+      d.pdo_values_begin = d.image.size();
+      slots_before_pdos = d.slots.size();
+    }
+    if (index < 0x1C00) d.pdo_values_end = d.slots.size() == slots_before_pdos ? d.image.size() : 0;
   }
   if (in_communication_area) {
     d.communication_block_size = d.image.size();

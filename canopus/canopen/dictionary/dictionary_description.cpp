@@ -1,6 +1,7 @@
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 #include <unordered_map>
@@ -100,6 +101,16 @@ void DictionaryDescription::load_defaults(std::span<std::uint8_t> block,
     if (changed.offset + changed.length > block.size()) continue;
     can::store_value(&block[changed.offset], changed.value, changed.length);
   }
+}
+
+bool DictionaryDescription::has_default_pdos(std::span<const std::uint8_t> block,
+                                             std::uint8_t node_id) const noexcept {
+  const std::size_t begin = layout_->pdo_values_begin;
+  const std::size_t end = layout_->pdo_values_end;
+  std::array<std::uint8_t, 2048> defaults{};
+  if (end < begin || end > defaults.size()) return false;
+  load_defaults(std::span(defaults).first(end), node_id);
+  return std::memcmp(block.data() + begin, defaults.data() + begin, end - begin) == 0;
 }
 
 std::uint64_t DictionaryDescription::default_value(const Entry& entry, std::uint8_t node_id) const noexcept {

@@ -160,6 +160,10 @@ class DictionaryDescription {
   /// Writes the defaults for this node-ID over the first `size` bytes of `block` (block_size(), or
   /// communication_block_size() for those of the communication profile alone).
   void load_defaults(std::span<std::uint8_t> block, std::uint8_t node_id) const noexcept;
+  /// The PDO parameters (1400H-1BFFH) in a node's value block are the defaults for this node-ID. False, too, where
+  /// that cannot be told at once: a value of variable length among them, or more than 2 KiB up to there.
+  [[nodiscard]] bool has_default_pdos(std::span<const std::uint8_t> block,
+                                      std::uint8_t node_id) const noexcept;
 
   /// One of these defaults, zero-extended; 0 for a type of variable length.
   [[nodiscard]] std::uint64_t default_value(const Entry& entry, std::uint8_t node_id) const noexcept;
@@ -197,6 +201,8 @@ class DictionaryDescription {
     std::uint32_t multiplier = 0;          // of the hash
     std::size_t communication_block_size = 0;
     std::size_t communication_slot_count = 0;
+    std::size_t pdo_values_begin = 0;  // of 1400H-1BFFH in the image
+    std::size_t pdo_values_end = 0;    // 0: there are slots among them
     bool marks_stored = false;
 
     [[nodiscard]] std::string_view name(std::uint32_t number) const noexcept;

@@ -128,8 +128,10 @@ void Node::Services::initialize(NmtCommand which, can::Time now) {
   time_stamp.start();
   emcy_producer.start();
   heartbeat_consumer.start();
-  rpdos.start();
-  tpdos.start(now);
+  const bool has_defaults = dictionary.description().has_default_pdos(dictionary.block(), node_id);
+  const std::uint8_t defaults_of = has_defaults ? node_id : std::uint8_t{0};
+  rpdos.start(defaults_of);
+  tpdos.start(defaults_of, now);
   if (listener != nullptr) listener->nmt_state_changed(state, now);
 }
 

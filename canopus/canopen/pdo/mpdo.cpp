@@ -16,12 +16,10 @@ constexpr std::uint32_t address(std::uint16_t index, std::uint8_t sub) {
 template <typename Number, typename Visit>
 void for_each_entry(const ObjectDictionary& dictionary, std::uint16_t first, std::uint16_t last,
                     Visit&& visit) {
-  for (std::uint16_t index = first; index <= last; ++index) {
-    const ObjectDescription* object = dictionary.description().find(index);
-    if (object == nullptr) continue;
-    const auto count = std::min(dictionary.get<std::uint8_t>(index, 0), object->highest_sub);
+  for (const ObjectDescription& object : dictionary.description().objects(first, last)) {
+    const auto count = std::min(dictionary.get<std::uint8_t>(object.index, 0), object.highest_sub);
     for (unsigned sub = 1; sub <= count; ++sub) {
-      const auto value = dictionary.get<Number>(index, static_cast<std::uint8_t>(sub));
+      const auto value = dictionary.get<Number>(object.index, static_cast<std::uint8_t>(sub));
       if (value != 0) visit(value);
     }
   }

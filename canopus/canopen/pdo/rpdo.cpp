@@ -31,11 +31,16 @@ Rpdos::Rpdo* Rpdos::find(std::uint16_t index) noexcept {
   return place != rpdos_.end() && place->number == number ? &*place : nullptr;
 }
 
+CobId Rpdos::read_cob_id(const Rpdo& pdo) const noexcept {
+  const auto index = static_cast<std::uint16_t>(first_rpdo_communication + pdo.number);
+  return usable(CobId{node_.dictionary.get<std::uint32_t>(index, 1, CobId::invalid_bit)},
+                node_.options.permitted_pdo_identifier);
+}
+
 void Rpdos::read(Rpdo& pdo) {
   const ObjectDictionary& d = node_.dictionary;
   const auto index = static_cast<std::uint16_t>(first_rpdo_communication + pdo.number);
-  pdo.cob_id = usable(CobId{d.get<std::uint32_t>(index, 1, CobId::invalid_bit)},
-                      node_.options.permitted_pdo_identifier);
+  pdo.cob_id = read_cob_id(pdo);
   pdo.transmission_type = d.get<std::uint8_t>(index, 2, 0xFF);
   const bool has_timer = pdo.transmission_type > 240 || !node_.options.rpdo_timer_for_events_alone;
   pdo.event_timer = has_timer ? d.get<std::uint16_t>(index, 5) : std::uint16_t{0};
@@ -53,15 +58,23 @@ void Rpdos::read(Rpdo& pdo) {
   node_.change_identifiers();
 }
 
-void Rpdos::start() {
+void Rpdos::start(std::uint8_t defaults_of) {
+  const bool are_known = defaults_of != 0 && defaults_of == defaults_of_;
+  defaults_of_ = defaults_of;
   for (Rpdo& pdo : rpdos_) {
-    read(pdo);
+    if (are_known) {
+      pdo.cob_id = read_cob_id(pdo);
+      pdo.is_waiting = false;
+    } else {
+      read(pdo);
+    }
     pdo.error_count = 0;
     pdo.length_error = false;
     pdo.timed_out = false;
     classify(pdo);
   }
   any_waiting_ = false;
+  node_.change_identifiers();
   mpdo_consumer_.start();
 }
 
@@ -204,6 +217,7 @@ void Rpdos::after_write(ObjectDictionary&, const Entry& entry, can::Time now) {
   if (node_.state == NmtState::initialising) return;
   Rpdo* pdo = find(entry.index);
   if (pdo == nullptr) return;
+  defaults_of_ = 0;
   read(*pdo);
   forget_errors(*pdo, now);
 }

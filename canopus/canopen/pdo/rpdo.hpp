@@ -23,8 +23,9 @@ class Rpdos final : public ObjectHandler {
   /// Only the RPDOs that the dictionary has exist.
   explicit Rpdos(NodeContext& node);
 
-  /// Reads all parameters.
-  void start();
+  /// Reads the parameters. `defaults_of`: they are the defaults for this node-ID; 0: they may be others. What was read of
+  /// the same defaults before is kept.
+  void start(std::uint8_t defaults_of);
   void stop();
   /// Operational was left: forgets what waits for SYNC and stops watching.
   void leave_operational();
@@ -74,6 +75,7 @@ class Rpdos final : public ObjectHandler {
   void receive_other(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now);
   void receive_unusual(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now);
   void read(Rpdo& pdo);
+  [[nodiscard]] CobId read_cob_id(const Rpdo& pdo) const noexcept;
   [[nodiscard]] CommunicationError time_out_of(const Rpdo& pdo) const noexcept;
   static void classify(Rpdo& pdo) noexcept {
     const bool is_usual = !pdo.watched && pdo.error_count == 0;
@@ -97,6 +99,7 @@ class Rpdos final : public ObjectHandler {
   std::vector<Rpdo> rpdos_;  // in order of number
   TimerQueue::Number first_timer_ = 0;
   bool any_waiting_ = false;
+  std::uint8_t defaults_of_ = 0;  // all was read of the defaults for this node-ID; 0: of others
 };
 
 }  // namespace canopus::canopen

@@ -33,12 +33,17 @@ Tpdos::Tpdo* Tpdos::find(std::uint16_t index) noexcept {
   return place != tpdos_.end() && place->number == number ? &*place : nullptr;
 }
 
+void Tpdos::read_cob_id(Tpdo& pdo) const noexcept {
+  const auto index = static_cast<std::uint16_t>(first_tpdo_communication + pdo.number);
+  pdo.cob_id = usable(CobId{node_.dictionary.get<std::uint32_t>(index, 1, CobId::invalid_bit)},
+                      node_.options.permitted_pdo_identifier);
+  if (node_.options.tpdo_rtr_bit_is_constant) pdo.cob_id.raw |= CobId::bit_30;
+}
+
 void Tpdos::read(Tpdo& pdo) {
   const ObjectDictionary& d = node_.dictionary;
   const auto index = static_cast<std::uint16_t>(first_tpdo_communication + pdo.number);
-  pdo.cob_id = usable(CobId{d.get<std::uint32_t>(index, 1, CobId::invalid_bit)},
-                      node_.options.permitted_pdo_identifier);
-  if (node_.options.tpdo_rtr_bit_is_constant) pdo.cob_id.raw |= CobId::bit_30;
+  read_cob_id(pdo);
   pdo.transmission_type = d.get<std::uint8_t>(index, 2, 0xFF);
   pdo.inhibit_time = d.get<std::uint16_t>(index, 3);
   pdo.event_timer = d.get<std::uint16_t>(index, 5);
@@ -51,9 +56,6 @@ void Tpdos::read(Tpdo& pdo) {
   } else {
     pdo.plan.clear();
   }
-  if (pdo.addressing == 0 && pdo.plan.length() == 0) pdo.cob_id.raw |= CobId::invalid_bit;  // nothing to send
-  pdo.head = {pdo.cob_id.key(), pdo.addressing != 0 ? std::uint8_t{8} : pdo.plan.length()};
-  node_.change_identifiers();
 }
 
 void Tpdos::activate(Tpdo& pdo, can::Time now) {
@@ -104,9 +106,12 @@ void Tpdos::list_watched() {
   watched_bytes_ = end > first ? end - first : 0;
 }
 
-void Tpdos::start(can::Time now) {
+void Tpdos::start(std::uint8_t defaults_of, can::Time now) {
+  const bool are_known = defaults_of != 0 && defaults_of == defaults_of_;
+  defaults_of_ = defaults_of;
   for (Tpdo& pdo : tpdos_) {
-    read(pdo);
+    are_known ? read_cob_id(pdo) : read(pdo);
+    complete(pdo);
     if (node_.options.tpdo_rtr_bit_is_constant) {
       const auto index = static_cast<std::uint16_t>(first_tpdo_communication + pdo.number);
       const auto raw = node_.dictionary.get<std::uint32_t>(index, 1, CobId::invalid_bit);
@@ -115,7 +120,8 @@ void Tpdos::start(can::Time now) {
     activate(pdo, now);
   }
   list_valid();
-  list_watched();
+  if (!are_known) list_watched();
+  node_.change_identifiers();
   scanner_.start();
 }
 
@@ -372,7 +378,10 @@ void Tpdos::after_write(ObjectDictionary& dictionary, const Entry& entry, can::T
   Tpdo* pdo = find(entry.index);
   if (pdo == nullptr) return;
   const bool new_event_timer = entry.index < first_tpdo_mapping && entry.sub == 5;
+  defaults_of_ = 0;
   read(*pdo);
+  complete(*pdo);
+  node_.change_identifiers();
   list_watched();
   if (!new_event_timer) {
     activate(*pdo, now);

@@ -33,8 +33,9 @@ class Tpdos final : public ObjectHandler {
   /// Only the TPDOs that the dictionary has exist.
   explicit Tpdos(NodeContext& node);
 
-  /// Reads all parameters.
-  void start(can::Time now);
+  /// Reads the parameters. `defaults_of`: they are the defaults for this node-ID; 0: they may be others. What was read of
+  /// the same defaults before is kept.
+  void start(std::uint8_t defaults_of, can::Time now);
   void stop();
   void enter_operational(can::Time now);
   void leave_operational();
@@ -96,6 +97,13 @@ class Tpdos final : public ObjectHandler {
     [[nodiscard]] bool is_synchronous() const noexcept { return transmission_type <= 0xF0; }
   };
   void read(Tpdo& pdo);
+  void read_cob_id(Tpdo& pdo) const noexcept;
+  /// What its frames look like, once COB-ID and mapping are read.
+  static void complete(Tpdo& pdo) noexcept {
+    const bool has_something = pdo.addressing != 0 || pdo.plan.length() != 0;
+    if (!has_something) pdo.cob_id.raw |= CobId::invalid_bit;
+    pdo.head = {pdo.cob_id.key(), pdo.addressing != 0 ? std::uint8_t{8} : pdo.plan.length()};
+  }
   void activate(Tpdo& pdo, can::Time now);
   bool event(Tpdo& pdo, can::Time now);
   bool send(Tpdo& pdo, std::uint64_t data, can::Time now);
@@ -124,6 +132,7 @@ class Tpdos final : public ObjectHandler {
   std::uint32_t watched_bytes_ = 0;
   bool scans_ = false;  // there is an MPDO in source addressing mode
   TimerQueue::Number first_timer_ = 0;
+  std::uint8_t defaults_of_ = 0;  // all was read of the defaults for this node-ID; 0: of others
 };
 
 }  // namespace canopus::canopen
