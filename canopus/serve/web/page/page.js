@@ -13,6 +13,7 @@ import { Commands, take_key } from "./commands.js";
 import { ProjectView } from "./project_view.js";
 import { StartView } from "./start_view.js";
 import { FaultView } from "./fault_view.js";
+import { NmtWays } from "./nmt_ways.js";
 import { TraceView } from "./trace_view.js";
 import { Tree } from "./tree.js";
 import { has_users, key_of_session } from "./session.js";
@@ -35,6 +36,7 @@ const commands = new Commands((message) => {
 const project_view = new ProjectView(by_id("project-section"), commands);
 const start_view = new StartView(by_id("start-section"), commands);
 const fault_view = new FaultView(by_id("faults-section"), by_id("frame-menu"), commands);
+const nmt_ways = new NmtWays(commands);
 const words = new WordView(by_id("words-section"), () => say_views());
 const boots = new BootView(by_id("boot-section"), () => say_views());
 const plots = new Plots(by_id("plots"), by_id("plot-list"), () => say_views());
@@ -123,6 +125,7 @@ function make_bus(name) {
                    make("svg:rect", { x: 0, y: 0, height: 8, width: 0 }), make("svg:line", { y1: 0, y2: 8, x1: 0, x2: 0 }));
   return make("div", { class: "bus" },
               make("header", {}, make("h3", {}, make("a", { href: `#bus/${state.buses.findIndex((one) => one.bus === name)}` }, name)), make("span", { class: "faint" }), bar, make("button", { type: "button", class: "share number", title: `Plot the load of ${name} in %`, "data-plot": `bus ${name} now`, "data-name": `load of ${name} in %` })),
+              nmt_ways.make(name, "all", `all nodes of ${name}`),
               make("ul", { class: "nodes", "aria-label": `Nodes of ${name}` }));
 }
 
@@ -163,10 +166,20 @@ function open_node(key) {
   by_id("node-title").focus();
 }
 
+/// NMT commands to the open node; made anew for another one alone, so that what was said of the last one stays.
+function draw_node_ways(node) {
+  const place = by_id("node-nmt");
+  if (place.dataset.key === chosen) return;
+  place.dataset.key = chosen;
+  const has_id = node.node >= 1 && node.node <= 127;
+  place.replaceChildren(...(has_id ? [nmt_ways.make(node.bus, String(node.node), `${node.bus} node ${node.node}`)] : []));
+}
+
 function draw_node() {
   const node = chosen === null ? null : find_node(chosen);
   by_id("node").hidden = node === null;
   if (!node) return;
+  draw_node_ways(node);
   set_text(by_id("node-title"), `${node.bus} node ${id_of(node)}: ${label_of(node)}`);
   const slave = slave_of(node);
   const forced = state.forced.filter((one) => key_of(one) === key_of(node)).map((one) => one.text);
@@ -256,6 +269,7 @@ function greeted(hello) {
   set_text(by_id("role"), hello.user ? `${hello.user}, ${hello.role}` : hello.role);
   start_view.greeted(hello);
   fault_view.greeted(hello);
+  nmt_ways.greeted(hello);
   const projects = project_view.greeted(hello);
   places.projects(projects);
   tree.draw_projects(projects, keep_children);

@@ -1,0 +1,28 @@
+"""Checks of NMT commands on the page of a run, in a real Chromium."""
+import json
+import shutil
+
+from kit import HERE, Skip, check, command, first_plant_file, node_modules, require, running, scratch
+from web_checks import page_with_key
+
+
+@check
+def web_nmt_in_chromium():
+    """Start, Stop and the others to all nodes of a bus and to one, by mouse and keyboard; nothing for who only looks."""
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if not chromium:
+        raise Skip("no Chromium: tools/install-packages check")
+    node_modules()
+    # Slaves that no master starts again.
+    text = first_plant_file().read_text()
+    plant_file = scratch / "web-nmt.toml"
+    plant_file.write_text(text[:text.index("[[plc]]")])
+    with running(plant_file, has_plc=False, words=["--web"]) as plant:
+        seen = json.loads(command("node", HERE / "web_nmt.mjs", chromium, page_with_key(plant), scratch, timeout=240).stdout)
+    require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
+    require(seen["buttons"] == ["Start all", "Stop all", "Pre-operational all", "Reset all", "Reset communication all"], seen["buttons"])
+    require(seen["stop"] == {"clicks": 1, "typed": 0} and seen["stopped"] == ["stopped"] * 3, seen["stopped"])
+    require(seen["said"] == "Stop all: sent" and seen["command"].startswith("canopus nmt stop --json --bus="), seen)
+    require(seen["start"] == {"clicks": 1, "typed": 0} and sorted(seen["started"]) == ["operational", "stopped", "stopped"], seen["started"])
+    require(seen["said_of_one"] == "Start: sent", seen["said_of_one"])
+    require(seen["look"] == 0, "who only looks")
