@@ -19,7 +19,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (!wish || !wish->command) return 0;
   const cli::WebBus bus{
       .name = "a", .project = "PROJECT", .network = 2, .address = "BUS", .device_files = {"EDS"}};
-  const auto line = cli::web_command_line(nlohmann::json::parse(wish->command->text), bus);
+  const cli::WebSettings settings{.file = "SETTINGS", .model = "RJ71CN91", .plc = {"--host=HOST"}};
+  const auto said = nlohmann::json::parse(wish->command->text);
+  const bool is_of_settings = said.is_object() && said.contains("settings");
+  const auto line = is_of_settings ? cli::web_command_line(said, settings) : cli::web_command_line(said, bus);
   if (!line) {
     if (line.error().empty()) std::abort();
     return 0;

@@ -180,7 +180,8 @@ std::expected<void, std::string> ModuleProject::set_part_of_cob_id(const Window&
   if (name == "valid" && (text == "Selected" || text == "Not selected")) value = text == "Selected" ? 1 : 0;
   if (!value)
     return std::unexpected(
-        fmt::format("{}: {} = \"{}\": expected a number", place_of(window, key), name, text));
+        fmt::format("{}: {} = \"{}\": expected {}", place_of(window, key), name, text,
+                    name == "valid" ? "Selected, Not selected" : "0x000 to 0x57F, decimal or as 0x1F"));
   if (std::string wrong = name == "valid" ? why_not(part, *value) : why_not_cob_id(*value); !wrong.empty()) {
     return std::unexpected(fmt::format("{}: {}", place_of(window, key), wrong));
   }
@@ -216,10 +217,9 @@ std::expected<void, std::string> ModuleProject::set(const Window& window, std::u
     return std::unexpected(fmt::format("{}: {} is shown, and cannot be set here", window.word, name));
   const auto value = parse_value(*field, text);
   if (!value) {
-    return std::unexpected(fmt::format("{}: {} = \"{}\": expected {}", place_of(window, key), name, text,
-                                       field->words.empty()
-                                           ? std::string("a number, decimal or as 0x1F")
-                                           : fmt::format("{}", fmt::join(field->words, ", "))));
+    return std::unexpected(fmt::format("{}: {} = \"{}\": expected {}{}", place_of(window, key), name, text,
+                                       shown_range(*field),
+                                       field->words.empty() ? ", decimal or as 0x1F" : ""));
   }
   if (std::string wrong = why_not_target(window, key, *value); !wrong.empty())
     return std::unexpected(fmt::format("{}: {}", place_of(window, key), wrong));

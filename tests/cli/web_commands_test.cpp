@@ -30,6 +30,11 @@ const WebBus line1{.name = "line1",
                    .is_live = true,
                    .device_files = {"eds"}};
 
+const WebSettings module{.file = "module.xml",
+                         .model = "RJ71CN91",
+                         .plc = {"--host=192.168.3.39", "--port=5007"},
+                         .is_live = true};
+
 std::expected<WebCommandLine, std::string> line_of(const Json& wish, const WebBus& bus = line1) {
   return web_command_line(wish, bus);
 }
@@ -46,6 +51,54 @@ TEST(WebArguments, CommandLine_IsThatOfAPerson) {
                                            "--present", "--", "line1", "5", "1017=500", "-M1"));
   EXPECT_EQ(line->role, WebRole::configure);
   EXPECT_FALSE(line->writes_to_bus);
+}
+
+TEST(WebArguments, CommandOfModuleSettings_NamesTheirFileAndTheirPlc) {
+  const auto arguments = [](const Json& wish) {
+    const auto line = web_command_line(wish, module);
+    return line ? line->arguments : std::vector<std::string>{line.error()};
+  };
+  EXPECT_THAT(arguments({{"command", "configure set"}, {"window", "tpdo/5"}, {"items", {"--json", "a=b"}}}),
+              ElementsAre("configure", "set", "--", "module.xml", "tpdo/5", "--json", "a=b"));
+  EXPECT_THAT(arguments({{"command", "configure describe"}}),
+              ElementsAre("configure", "describe", "--json", "--model=RJ71CN91", "--"));
+  EXPECT_THAT(arguments({{"command", "configure diff"}, {"part", "--yes"}}),
+              ElementsAre("configure", "diff", "--json", "--host=192.168.3.39", "--port=5007", "--part=--yes",
+                          "--", "module.xml"));
+  EXPECT_THAT(arguments({{"command", "configure sdo-read"}, {"node", "3"}, {"object", "1018:02"}}),
+              ElementsAre("configure", "sdo-read", "--json", "--host=192.168.3.39", "--port=5007",
+                          "--project=module.xml", "--", "3", "1018:02"));
+  EXPECT_THAT(arguments({{"command", "configure nodes save"}}),
+              ElementsAre("configure", "nodes", "--save", "--yes", "--json", "--host=192.168.3.39",
+                          "--port=5007", "--", "module.xml"));
+  EXPECT_THAT(arguments({{"command", "configure export"}}),
+              ElementsAre("configure", "export", "--", "module.xml", "{file}"));
+  EXPECT_THAT(arguments({{"command", "plc type"}}),
+              ElementsAre("plc", "type", "--json", "--host=192.168.3.39", "--port=5007", "--"));
+  for (const char* unknown : {"configure new", "configure recent", "plc write", "project set"}) {
+    EXPECT_THAT(arguments({{"command", unknown}}), ElementsAre(HasSubstr("unknown command"))) << unknown;
+    EXPECT_FALSE(is_web_settings_command(unknown));
+  }
+  EXPECT_THAT(arguments({{"command", "configure show"}, {"bus", "line1"}}),
+              ElementsAre("configure show: unknown \"bus\""));
+}
+
+TEST(WebArguments, ModuleSettings_WriteToTheModuleOnlyWithYes) {
+  const auto writes = [](const Json& wish) { return web_command_line(wish, module)->writes_to_bus; };
+  EXPECT_FALSE(writes({{"command", "configure write"}}));
+  EXPECT_FALSE(writes({{"command", "configure write"}, {"yes", false}}));
+  EXPECT_TRUE(writes({{"command", "configure write"}, {"yes", true}}));
+  for (const char* name :
+       {"configure reset", "configure nodes save", "configure nodes restore", "configure status clear"})
+    EXPECT_TRUE(writes({{"command", name}})) << name;
+  EXPECT_FALSE(writes({{"command", "configure status"}}));
+}
+
+TEST(WebArguments, ModuleSettingsWithoutAPlc_CanBeEditedAlone) {
+  const WebSettings alone{.file = "module.xml", .model = "FX3U-CAN"};
+  EXPECT_TRUE(web_command_line({{"command", "configure show"}}, alone));
+  EXPECT_EQ(web_command_line({{"command", "configure diff"}}, alone).error(),
+            "configure diff: there is no PLC with the module of module.xml");
 }
 
 TEST(WebArguments, CommandOfTheBus_HasItsAddress) {

@@ -46,7 +46,7 @@ TEST_F(ModuleProjectTest, EveryFieldOfTheBasicSettingsIsSetAndRestored) {
   EXPECT_EQ(set("basic", 0, "Function mode", "417"), "basic: Function mode is shown, and cannot be set here");
   EXPECT_EQ(set("basic", 0, "Node ID", "0"), "basic: Node ID = 0: expected 1 to 127");
   EXPECT_EQ(set("basic", 0, "Node ID", "two"),
-            "basic: Node ID = \"two\": expected a number, decimal or as 0x1F");
+            "basic: Node ID = \"two\": expected 1 to 127, decimal or as 0x1F");
   EXPECT_THAT(set("basic", 0, "Node-ID", "2"),
               HasSubstr("has no field \"Node-ID\"; expected one of: Module number, Function mode"));
   EXPECT_EQ(project_.value("basic", "Node ID"), 2U) << "a refused value changes nothing";

@@ -13,6 +13,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "canopus/cli/commands/plc_access.hpp"
 #include "canopus/cli/terminal/option_checks.hpp"
@@ -103,7 +104,9 @@ int look_for_pause(client::PlcClient& client) {
 int type(client::PlcClient& client, const PlcArguments& arguments) {
   const auto found = client.read_type();
   if (!found) return plc_failed(refused, found.error());
-  if (arguments.modbus) {
+  if (arguments.json) {
+    print_json(nlohmann::ordered_json{{"name", found->name}, {"code", found->code}});
+  } else if (arguments.modbus) {
     print_line("{}", found->name);
   } else {
     print_line("{}  {:04X}H", found->name, found->code);
@@ -243,9 +246,10 @@ void add_plc_command(CLI::App& app, int& exit_code) {
   add("reset-cpu",
       "Remote reset, in STOP and where the CPU allows it: devices are cleared, modules start anew",
       [arguments] { return operate(*arguments, PlcOperation::reset, no_more); });
-  add("type", "Show the CPU's name and code", [arguments] {
+  auto* asking = add("type", "Show the CPU's name and code", [arguments] {
     return with_client(*arguments, [&](client::PlcClient& client) { return type(client, *arguments); });
   });
+  asking->add_flag("--json", arguments->json, "as one JSON object");
 }
 
 }  // namespace canopus::cli

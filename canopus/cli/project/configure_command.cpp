@@ -53,6 +53,9 @@ struct Adder {
                      "the module, instead of the one that goes with the PLC's type")
         ->type_name("MODEL")
         ->check(why_no_model);
+    added.first
+        ->add_option("--project", added.second->file, "the module of this project: its model and its number")
+        ->type_name("FILE");
     return added;
   }
   static void add_online_options(CLI::App& command, ConfigureArguments& arguments) {
@@ -117,7 +120,10 @@ void add_offline(const Adder& adder) {
         adder.with_file("defaults", "Restore the default values of a window", restore_in_project);
     command->add_option("WINDOW", arguments->window, "basic, tpdo and so on")->required();
   }
-  adder.with_file("check", "Say what is wrong in a project", check_project);
+  {
+    auto [command, arguments] = adder.with_file("check", "Say what is wrong in a project", check_project);
+    command->add_flag("--json", arguments->json, "one JSON object per finding");
+  }
   {
     auto [command, arguments] = adder.with_file("export", "Write a backup of a project", export_project);
     command->add_option("XML", arguments->other_file, "the backup, *.xml")->required();
@@ -132,7 +138,15 @@ void add_offline(const Adder& adder) {
                   describe_windows);
     add_model_option(*command, *arguments);
     command->add_option("WINDOW", arguments->window, "only this one")->check(one_of_words(window_words));
-    command->add_flag("--json", arguments->json, "one JSON object per field");
+    command->add_flag("--json", arguments->json, "one JSON object per window and field");
+  }
+  {
+    auto [command, arguments] =
+        adder.add("objects", "List what can be mapped into a module's PDOs", list_mappable_objects);
+    add_model_option(*command, *arguments);
+    command->add_option("WINDOW", arguments->window, "only of these PDOs")
+        ->check(one_of_words({"tpdo", "rpdo"}));
+    command->add_flag("--json", arguments->json, "one JSON object per name and data type");
   }
   adder.add("recent", "List the ten projects used last",
             [](const ConfigureArguments&) { return list_recent_projects(); });
@@ -167,6 +181,7 @@ void add_nodes(const Adder& adder) {
         ->type_name("WHICH")
         ->check(one_of_words({"slave", "master"}))
         ->capture_default_str();
+    command->add_flag("--json", arguments->json, "one JSON object per field");
   }
 }
 
@@ -196,7 +211,11 @@ void add_online(const Adder& adder) {
     command->add_option("--nodes", arguments->nodes, "all, 5- (starting from 5) or 3-8, of 1 to 127")
         ->type_name("AREA")
         ->capture_default_str();
-    command->add_flag("--json", arguments->json, "one JSON object per node");
+    auto* json = command->add_flag("--json", arguments->json, "one JSON object per node");
+    command
+        ->add_flag("--progress", arguments->progress,
+                   "with --json: which node is asked, too, {\"current\": 5}")
+        ->needs(json);
   }
   for (const bool writes : {false, true}) {
     auto [command, arguments] = writes
@@ -206,6 +225,7 @@ void add_online(const Adder& adder) {
         ->required()
         ->check(number_from(0, 127));
     command->add_option("OBJECT", arguments->object, "index and sub-index: 1018:02, 0x1018:0x02")->required();
+    command->add_flag("--json", arguments->json, "the result as a JSON object");
     if (!writes) continue;
     command->add_option("DATA", arguments->data, "a number (0x... hexadecimal), or text")->required();
     command->add_option("--length", arguments->length, "of the data")
@@ -218,6 +238,7 @@ void add_online(const Adder& adder) {
     auto [command, arguments] =
         adder.online("status", "Module status: state, bus, errors in words", show_module_status);
     command->add_flag("--clear", arguments->clear, "clear the error display first");
+    command->add_flag("--json", arguments->json, "one JSON object per line of it");
   }
   {
     auto [command, arguments] =

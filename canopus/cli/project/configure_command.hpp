@@ -39,6 +39,7 @@ struct ConfigureArguments {
   bool restore = false;
   std::string from = "slave";
   bool json = false;
+  bool progress = false;
 };
 
 namespace configure_code {
@@ -49,7 +50,7 @@ inline constexpr int in_run = 3;     ///< the CPU module is in RUN
 inline constexpr int different = 4;  ///< `diff` found differences, or a check found errors
 }  // namespace configure_code
 
-// The commands, by the file they are in: project_editing.cpp, project_online.cpp, project_nodes.cpp.
+// The commands, by the file they are in: project_editing.cpp, project_describing.cpp, project_online.cpp, project_nodes.cpp.
 int new_project(const ConfigureArguments& arguments);
 int show_project(const ConfigureArguments& arguments);
 int set_in_project(const ConfigureArguments& arguments);
@@ -58,8 +59,9 @@ int restore_in_project(const ConfigureArguments& arguments);
 int check_project(const ConfigureArguments& arguments);
 int export_project(const ConfigureArguments& arguments);
 int import_project(const ConfigureArguments& arguments);
-int describe_windows(const ConfigureArguments& arguments);
 int list_recent_projects();
+int describe_windows(const ConfigureArguments& arguments);
+int list_mappable_objects(const ConfigureArguments& arguments);
 int read_from_module(const ConfigureArguments& arguments);
 int compare_with_module(const ConfigureArguments& arguments);
 int write_to_module(const ConfigureArguments& arguments);

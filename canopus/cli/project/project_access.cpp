@@ -32,6 +32,14 @@ int with_module(const ConfigureArguments& arguments, const project::ModuleProjec
   });
 }
 
+int with_told_module(const ConfigureArguments& arguments,
+                     const std::function<int(client::PlcClient&, client::PlcModule&)>& action) {
+  if (arguments.file.empty()) return with_module(arguments, nullptr, action);
+  const auto project = load_project(arguments.file);
+  return project ? with_module(arguments, &*project, action)
+                 : configure_failed(configure_code::usage, project.error());
+}
+
 int with_project(const ConfigureArguments& arguments,
                  const std::function<int(project::ModuleProject&, client::PlcClient&, client::PlcModule&,
                                          project::PdoRange)>& action) {

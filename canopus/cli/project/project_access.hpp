@@ -14,6 +14,10 @@ namespace canopus::cli {
 int with_module(const ConfigureArguments& arguments, const project::ModuleProject* project,
                 const std::function<int(client::PlcClient&, client::PlcModule&)>& action);
 
+/// The module that --project or --number and --model say.
+int with_told_module(const ConfigureArguments& arguments,
+                     const std::function<int(client::PlcClient&, client::PlcModule&)>& action);
+
 /// The same, with the project of the command line, and the PDOs that --pdos names.
 int with_project(const ConfigureArguments& arguments,
                  const std::function<int(project::ModuleProject&, client::PlcClient&, client::PlcModule&,

@@ -119,21 +119,6 @@ void print_row(const ModuleProject& project, const Window& window, std::uint32_t
     print_line("  {:<38} {}", "mapped object", described(project, entry));
 }
 
-void print_window_head(const Window& window) {
-  print_line("{} ({})", window.title, window.word);
-  if (!window.key.empty()) {
-    print_line("  {:<38} the number of a row; 1 to {}; at most {} rows", window.key, window.most_key,
-               window.most_rows);
-  }
-  if (!window.name_field.empty()) print_line("  {:<38} 1 to 256 characters; CANopen node", window.name_field);
-  if (window.mapping != 0) {
-    print_line("  {:<38} the PDO is there (bit 31 of COB-ID); Not selected, Selected; PDO 1 to 4: Selected",
-               "valid");
-    print_line("  {:<38} 0x000 to 0x57F; PDO 1 to 4: those of CiA 301, others 0x000", "CAN-ID (11-bit)");
-    print_line("  {:<38} mapped objects, INDEX:SUB:BITS each; at most 64 bits", "map");
-  }
-}
-
 }  // namespace
 
 int new_project(const ConfigureArguments& arguments) {
@@ -223,9 +208,13 @@ int check_project(const ConfigureArguments& arguments) {
   unsigned errors = 0, warnings = 0;
   for (const project::ProjectFinding& finding : project->check()) {
     ++(finding.is_error ? errors : warnings);
+    if (arguments.json) {
+      print_json(Json{{"severity", finding.is_error ? "error" : "warning"}, {"message", finding.text}});
+      continue;
+    }
     print_line("{}: {}: {}", arguments.file, finding.is_error ? "error" : "warning", finding.text);
   }
-  print_line("{}: {} errors, {} warnings", arguments.file, errors, warnings);
+  if (!arguments.json) print_line("{}: {} errors, {} warnings", arguments.file, errors, warnings);
   return errors == 0 ? configure_code::done : configure_code::different;
 }
 
@@ -245,27 +234,6 @@ int import_project(const ConfigureArguments& arguments) {
   if (!backup) return configure_failed(configure_code::usage, backup.error());
   const std::string wrong = save_project(arguments.file, *backup);
   return wrong.empty() ? configure_code::done : configure_failed(configure_code::failed, wrong);
-}
-
-int describe_windows(const ConfigureArguments& arguments) {
-  const project::ModuleModel* const model = project::find_module_model(arguments.model);
-  for (const Window& window : model->windows) {
-    if (!arguments.window.empty() && arguments.window != window.word) continue;
-    if (!arguments.json) print_window_head(window);
-    for (const project::Field& field : window.fields) {
-      if (arguments.json) {
-        print_json(Json{{"window", window.word},
-                        {"field", field.name},
-                        {"range", project::shown_range(field)},
-                        {"default", project::shown_value(field, field.factory)},
-                        {"description", field.description}});
-      } else {
-        print_line("  {:<38} {}; {}; {}", field.name, field.description, project::shown_range(field),
-                   project::shown_value(field, field.factory));
-      }
-    }
-  }
-  return configure_code::done;
 }
 
 int list_recent_projects() {

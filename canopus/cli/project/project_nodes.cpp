@@ -159,7 +159,11 @@ int identify_slave(const ConfigureArguments& arguments) {
       const std::string value = fmt::format("0x{:X}", *bytes ? number_of(**bytes) : 0);
       if (const auto set = project.set(slaves, arguments.node, each.field, value); !set)
         return configure_failed(configure_code::failed, set.error());
-      print_line("slave {}: {} = {}", node, each.field, value);
+      if (arguments.json) {
+        print_json(Json{{"slave", node}, {"field", each.field}, {"value", value}});
+      } else {
+        print_line("slave {}: {} = {}", node, each.field, value);
+      }
     }
     const std::string wrong = save_project(arguments.file, project);
     return wrong.empty() ? configure_code::done : configure_failed(configure_code::failed, wrong);

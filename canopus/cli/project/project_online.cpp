@@ -97,23 +97,49 @@ std::expected<std::vector<std::uint8_t>, std::string> data_of(const std::string&
   return bytes;
 }
 
-void print_data(const std::vector<std::uint8_t>& bytes) {
+/// A line of an answer: its name and its value, or both as a JSON object.
+void print_named(std::string_view name, const std::string& value, int width, bool json,
+                 std::string_view indent = "") {
+  if (json) {
+    print_json(Json{{"name", name}, {"value", value}});
+  } else {
+    print_line("{}{:<{}} {}", indent, name, width, value);
+  }
+}
+
+void print_result(std::string_view result, bool json) {
+  if (json) {
+    print_json(Json{{"result", result}});
+  } else {
+    print_line("{}", result);
+  }
+}
+
+using NamedText = std::pair<std::string_view, std::string>;
+
+/// The forms in which the tool shows what was read.
+std::vector<NamedText> shown_data(const std::vector<std::uint8_t>& bytes) {
+  std::vector<NamedText> forms;
   std::uint64_t value = 0;
   for (std::size_t i = 0; i < std::min<std::size_t>(bytes.size(), 8); ++i)
     value |= std::uint64_t{bytes[i]} << 8 * i;
   if (bytes.size() <= 8) {
-    print_line("  hexadecimal    0x{:0{}X}", value, 2 * bytes.size());
-    print_line("  decimal        {}", value);
-    if (bytes.size() == 4)
-      print_line("  floating point {}", std::bit_cast<float>(static_cast<std::uint32_t>(value)));
-    if (bytes.size() == 8) print_line("  floating point {}", std::bit_cast<double>(value));
+    forms.emplace_back("hexadecimal", fmt::format("0x{:0{}X}", value, 2 * bytes.size()));
+    forms.emplace_back("decimal", fmt::format("{}", value));
+    if (bytes.size() == 4) {
+      forms.emplace_back("floating point",
+                         fmt::format("{}", std::bit_cast<float>(static_cast<std::uint32_t>(value))));
+    }
+    if (bytes.size() == 8)
+      forms.emplace_back("floating point", fmt::format("{}", std::bit_cast<double>(value)));
   } else {
     std::string hexadecimal;
     for (const std::uint8_t byte : bytes)
       hexadecimal += fmt::format("{}{:02X}", hexadecimal.empty() ? "" : " ", byte);
-    print_line("  hexadecimal    {}", hexadecimal);
+    forms.emplace_back("hexadecimal", std::move(hexadecimal));
   }
-  print_line("  ASCII          {}", std::string(bytes.begin(), bytes.end()));
+  forms.emplace_back("ASCII", std::string(bytes.begin(), bytes.end()));
+  return forms;
 }
 
 constexpr std::array<std::string_view, 16> fx3u_error_bits{"",
@@ -237,11 +263,12 @@ int write_to_module(const ConfigureArguments& arguments) {
 int scan_through_module(const ConfigureArguments& arguments) {
   const auto area = parse_area(arguments.nodes, most_nodes);
   if (!area) return configure_failed(configure_code::usage, "--nodes: " + area.error());
-  return with_module(arguments, nullptr, [&](client::PlcClient&, PlcModule& module) {
+  return with_told_module(arguments, [&](client::PlcClient&, PlcModule& module) {
     unsigned found = 0;
     const bool bar = is_terminal(STDERR_FILENO);
     for (std::uint32_t node = area->first; node <= std::min(area->last, most_nodes); ++node) {
       if (bar) show_progress(Line("Current Node ID {}", node));
+      if (arguments.progress) print_json(Json{{"current", node}});
       const auto type = module.read_bytes(static_cast<std::uint8_t>(node), {0x1000, 0});
       if (!type) {
         if (type.error().find("abort 0504") == std::string::npos &&
@@ -269,11 +296,11 @@ int scan_through_module(const ConfigureArguments& arguments) {
 int read_object(const ConfigureArguments& arguments) {
   const auto object = object_of(arguments.object);
   if (!object) return configure_failed(configure_code::usage, object.error());
-  return with_module(arguments, nullptr, [&](client::PlcClient&, PlcModule& module) {
+  return with_told_module(arguments, [&](client::PlcClient&, PlcModule& module) {
     const auto bytes = module.read_bytes(static_cast<std::uint8_t>(arguments.node), *object);
     if (!bytes) return configure_failed(configure_code::failed, bytes.error());
-    print_line("SDO_READ_SUCCESS");
-    print_data(*bytes);
+    print_result("SDO_READ_SUCCESS", arguments.json);
+    for (const auto& [name, value] : shown_data(*bytes)) print_named(name, value, 14, arguments.json, "  ");
     return configure_code::done;
   });
 }
@@ -283,16 +310,16 @@ int write_object(const ConfigureArguments& arguments) {
   if (!object) return configure_failed(configure_code::usage, object.error());
   const auto data = data_of(arguments.data, arguments.length);
   if (!data) return configure_failed(configure_code::usage, data.error());
-  return with_module(arguments, nullptr, [&](client::PlcClient&, PlcModule& module) {
+  return with_told_module(arguments, [&](client::PlcClient&, PlcModule& module) {
     const auto written = module.write_bytes(static_cast<std::uint8_t>(arguments.node), *object, *data);
     if (!written) return configure_failed(configure_code::failed, written.error());
-    print_line("SDO_WRITE_SUCCESS");
+    print_result("SDO_WRITE_SUCCESS", arguments.json);
     return configure_code::done;
   });
 }
 
 int show_module_status(const ConfigureArguments& arguments) {
-  return with_module(arguments, nullptr, [&](client::PlcClient&, PlcModule& module) {
+  return with_told_module(arguments, [&](client::PlcClient&, PlcModule& module) {
     if (arguments.clear) {
       if (const auto cleared = module.clear_errors(); !cleared)
         return configure_failed(configure_code::failed, cleared.error());
@@ -300,22 +327,25 @@ int show_module_status(const ConfigureArguments& arguments) {
     const auto words = module.read_words(20, 21);  // #20 to #40
     if (!words) return configure_failed(configure_code::failed, words.error());
     const auto word = [&](std::size_t address) { return (*words)[address - 20]; };
-    print_line("Function mode               {}", word(21));
-    print_line("Node ID                     {}", word(27));
-    print_line("Baud-Rate                   {} kbps", word(37) / 10.0);
-    print_line("Sampling point              {} %", word(38) / 10.0);
-    print_line("NMT state                   {}{}", states[word(25) >> 8 & 3],
-               (word(25) & 0x8000) != 0 ? ", active NMT master" : "");
-    print_line("CAN transmission errors     {}", word(35));
-    print_line("CAN reception errors        {}", word(36));
-    print_line("Error status                {:04X}H", word(29));
+    const auto say = [&](std::string_view name, const std::string& value) {
+      print_named(name, value, 27, arguments.json);
+    };
+    say("Function mode", fmt::format("{}", word(21)));
+    say("Node ID", fmt::format("{}", word(27)));
+    say("Baud-Rate", fmt::format("{} kbps", word(37) / 10.0));
+    say("Sampling point", fmt::format("{} %", word(38) / 10.0));
+    say("NMT state", fmt::format("{}{}", states[word(25) >> 8 & 3],
+                                 (word(25) & 0x8000) != 0 ? ", active NMT master" : ""));
+    say("CAN transmission errors", fmt::format("{}", word(35)));
+    say("CAN reception errors", fmt::format("{}", word(36)));
+    say("Error status", fmt::format("{:04X}H", word(29)));
     const auto& error_bits =
         module.request_way() == project::RequestWay::signals ? rj71_error_bits : fx3u_error_bits;
     for (std::size_t bit = 0; bit < error_bits.size(); ++bit) {
       if ((word(29) >> bit & 1) != 0 && !error_bits[bit].empty())
-        print_line("  bit {:<2} {}", bit, error_bits[bit]);
+        print_named(fmt::format("bit {}", bit), std::string(error_bits[bit]), 6, arguments.json, "  ");
     }
-    if (word(39) != 0) print_line("First refused setting       G{}", word(39));
+    if (word(39) != 0) say("First refused setting", fmt::format("G{}", word(39)));
     return configure_code::done;
   });
 }
@@ -325,7 +355,7 @@ int reset_module(const ConfigureArguments& arguments) {
     return configure_failed(configure_code::usage,
                             "the NMT master is reset and started again, and with it the network: --yes");
   }
-  return with_module(arguments, nullptr, [&](client::PlcClient&, PlcModule& module) {
+  return with_told_module(arguments, [&](client::PlcClient&, PlcModule& module) {
     const auto restarted = module.restart();
     if (!restarted) return configure_failed(configure_code::failed, restarted.error());
     print_line("the NMT master was reset and has started again");

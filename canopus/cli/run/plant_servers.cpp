@@ -94,6 +94,13 @@ bool PlantServers::open_melsec(std::size_t plc) {
         serve::MelsecPort{.udp = port.udp, .settings = port.settings, .writers = port.writers}));
     const auto result = server.listen(place.host, place.port);
     if (!opened(result, protocol_name(port), section.name, place, server.port())) return false;
+    // The first one, but rather one without a remote password, which commands do not know.
+    MelsecWay& way = melsec_ways_[plc];
+    const auto is_open = [](const plant::MelsecPortSection* one) {
+      return one != nullptr && one->settings.remote_password.empty();
+    };
+    if (way.section == nullptr || (!is_open(way.section) && is_open(&port)))
+      way = {.section = &port, .port = server.port()};
   }
   return true;
 }
@@ -171,10 +178,46 @@ std::string PlantServers::address_for_commands(std::size_t bus) const {
   return is_shared ? section.link : std::string();
 }
 
+/// Options for the PLC that has such a module, at its head address if there are several; empty: none has.
+std::vector<std::string> PlantServers::way_to_plc(const WebSettings& settings) const {
+  const MelsecWay* found = nullptr;
+  for (const auto& [plc, way] : melsec_ways_) {
+    for (const plant::ModuleSection& module : plant_.plc_section(plc).modules) {
+      if (module.model != settings.model) continue;
+      if (found == nullptr || module.head == settings.head) found = &way;
+    }
+  }
+  if (found == nullptr) return {};
+  const plant::MelsecPortSection& port = *found->section;
+  const std::string& listens = port.listen.host;
+  const std::string host = listens == "0.0.0.0" ? "127.0.0.1" : listens == "::" ? "::1" : listens;
+  std::vector<std::string> way{"--host=" + host, fmt::format("--port={}", found->port)};
+  if (!port.settings.takes_3e) way.emplace_back("--1e");
+  if (port.settings.code == plc::melsec::DataCode::ascii) way.emplace_back("--ascii");
+  if (port.udp) way.emplace_back("--udp");
+  return way;
+}
+
+std::vector<WebSettings> PlantServers::settings_for_page() const {
+  std::vector<WebSettings> all = use_.web_settings;
+  for (WebSettings& one : all) {
+    if (!one.plc.empty()) continue;
+    one.plc = way_to_plc(one);
+    for (std::size_t i = 0; i < plant_.bus_count(); ++i) {
+      const plant::BusSection& section = plant_.bus_section(i);
+      one.is_live = one.is_live || (section.is_linked() && section.replay.empty());
+    }
+  }
+  return all;
+}
+
 bool PlantServers::open_web() {
   if (use_.web_events == nullptr) return true;
   std::vector<WebBus> buses;
-  for (std::size_t i = 0; i < plant_.bus_count(); ++i) {
+  // A page of module settings alone has none: the run's own bus is nobody's.
+  const bool has_buses =
+      !use_.web_project || !use_.web_project->project.empty() || !use_.web_project->start.empty();
+  for (std::size_t i = 0; has_buses && i < plant_.bus_count(); ++i) {
     const plant::BusSection& section = plant_.bus_section(i);
     buses.push_back({.name = section.name,
                      .project = project_of(plant_.file(), section),
@@ -186,7 +229,7 @@ bool PlantServers::open_web() {
     buses.back().network = use_.web_project->network;
     buses.back().device_files = use_.web_project->device_files;
   }
-  web_.emplace(io_, plant_, clock_, *use_.web_events, std::move(buses),
+  web_.emplace(io_, plant_, clock_, *use_.web_events, std::move(buses), settings_for_page(),
                use_.web_project ? use_.web_project->start : std::string(), use_.web_access,
                use_.report("web"));
   const text::HostAndPort place = place_of(use_.web);

@@ -1,6 +1,7 @@
 #pragma once
 // The servers of a run: MC protocol and Modbus TCP of each PLC, socketcand of each bus, control of the plant.
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
@@ -39,6 +40,8 @@ class PlantServers {
     text::HostAndPort web{};
     WebEvents* web_events = nullptr;
     std::optional<WebProject> web_project{};
+    /// Module settings that the page edits; those without a PLC get the plant's that has such a module.
+    std::vector<WebSettings> web_settings{};
     WebAccess web_access{};
     serve::PlantRuns::Order order = serve::PlantRuns::Order::side_by_side;
   };
@@ -62,11 +65,19 @@ class PlantServers {
   void close();
 
  private:
+  /// A port of a PLC as commands reach it.
+  struct MelsecWay {
+    const plant::MelsecPortSection* section = nullptr;
+    std::uint16_t port = 0;
+  };
+
   bool open_melsec(std::size_t plc);
   bool open_modbus(std::size_t plc);
   bool open_control();
   bool open_socketcand(std::size_t bus);
   [[nodiscard]] std::string address_for_commands(std::size_t bus) const;
+  [[nodiscard]] std::vector<std::string> way_to_plc(const WebSettings& settings) const;
+  [[nodiscard]] std::vector<WebSettings> settings_for_page() const;
   bool open_web();
   bool opened(const std::expected<void, std::string>& result, std::string_view protocol, std::string_view of,
               const text::HostAndPort& place, std::uint16_t port);
@@ -82,6 +93,7 @@ class PlantServers {
   std::vector<std::unique_ptr<link::SocketcandServer>> socketcand_;
   std::map<std::size_t, text::HostAndPort> socketcand_places_;  // by bus
   std::vector<std::unique_ptr<serve::MelsecServer>> melsec_;
+  std::map<std::size_t, MelsecWay> melsec_ways_;  // by PLC
   std::vector<std::unique_ptr<serve::ModbusServer>> modbus_;
   std::optional<serve::ControlServer> control_;
   std::optional<WebPage> web_;

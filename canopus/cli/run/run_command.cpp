@@ -26,6 +26,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
     std::string duration;
     std::string operational;
     std::string web;
+    std::vector<std::string> web_settings;
     RealTimeOption real_time;
   };
   auto words = std::make_shared<Words>();
@@ -62,6 +63,20 @@ void add_run_command(CLI::App& app, int& exit_code) {
                     const auto place = text::parse_host_and_port(text);
                     return place ? std::string() : place.error();
                   });
+  command
+      ->add_option(
+          "--web-settings", words->web_settings,
+          "The settings of a module of the plant, a project of `canopus configure`, are on the page, "
+          "too; may be given again")
+      ->type_name("FILE")
+      ->allow_extra_args(false)
+      ->needs(web)
+      ->check([words](const std::string& file) {
+        auto settings = read_web_settings(file);
+        if (!settings) return settings.error();
+        words->options.web_settings.push_back(std::move(*settings));
+        return std::string();
+      });
   add_web_access_options(*command, "--web-", words->options.web_access, web);
   command->add_option("--seed", words->options.seed, "Seed of everything random, instead of the plant file's")
       ->check(number_from(0, std::numeric_limits<std::uint64_t>::max()))

@@ -136,6 +136,7 @@ PlantServers::Use Run::server_use(serve::PlantRuns::Order order) {
           .web = options_.web.value_or(text::HostAndPort{}),
           .web_events = web_events_ ? &*web_events_ : nullptr,
           .web_project = options_.web_project,
+          .web_settings = options_.web_settings,
           .web_access = options_.web_access,
           .order = order};
 }

@@ -27,6 +27,7 @@ struct RunOptions {
   std::optional<text::HostAndPort>
       web{};               ///< the page in the browser; port 0: a free one. In real time alone
   WebAccess web_access{};  ///< who may use the page
+  std::vector<WebSettings> web_settings{};  ///< module settings that the page edits
   std::optional<WebProject> web_project{};  ///< what the page edits, in place of projects of the plant
   std::optional<std::uint64_t> seed{};
   /// In virtual time: on so many threads at most. 0: as many as the machine has. The output does not depend on it.

@@ -1,5 +1,6 @@
 #include "canopus/cli/run/web_command.hpp"
 
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "canopus/cli/commands/plc_arguments.hpp"
 #include "canopus/cli/network/project_folder.hpp"
 #include "canopus/cli/run/run_loop.hpp"
 #include "canopus/cli/terminal/option_checks.hpp"
@@ -27,6 +29,7 @@ struct WebArguments {
   bool no_devices = false;
   std::vector<std::string> device_files;
   std::string listen;
+  PlcArguments plc;  // of a module project
   WebAccess access;
   std::string duration;
   bool json = false;
@@ -51,6 +54,11 @@ std::string plant_text(const WebArguments& arguments, const project::NetworkProj
   if (!with_devices) return text;
   return text + fmt::format("project = {}\nproject_network = {}\n",
                             in_toml(std::filesystem::absolute(list).string()), arguments.network);
+}
+
+/// A run has a bus at least.
+std::string plant_without_devices(const std::string& name) {
+  return fmt::format("[plant]\nname = {}\n[[bus]]\nname = \"none\"\nbit_rate = 500_000\n", in_toml(name));
 }
 
 /// Whether a plant is made of it; what is wrong otherwise is said, and no reason not to edit the project.
@@ -81,10 +89,37 @@ int run_start(const WebArguments& arguments) {
     print_error("canopus web: the present folder: {}", error.message());
     return 1;
   }
-  RunOptions options{
-      .plant = "canopus",
-      .plant_text = "[plant]\nname = \"Canopus\"\n[[bus]]\nname = \"none\"\nbit_rate = 500_000\n"};
+  RunOptions options{.plant = "canopus", .plant_text = plant_without_devices("Canopus")};
   options.web_project = WebProject{.start = folder};
+  return run_page(arguments, std::move(options));
+}
+
+/// Options of other commands that lead to the same PLC; the remote password goes by the environment, where nobody sees it.
+std::vector<std::string> way_of(const PlcArguments& plc) {
+  std::vector<std::string> way{"--host=" + plc.connection.host, "--timeout=" + plc.timeout};
+  if (plc.port) way.push_back(fmt::format("--port={}", *plc.port));
+  if (plc.frame_4e) way.emplace_back("--4e");
+  if (plc.frame_1e) way.emplace_back("--1e");
+  if (plc.connection.ascii) way.emplace_back("--ascii");
+  if (plc.connection.udp) way.emplace_back("--udp");
+  if (!plc.connection.remote_password.empty())
+    ::setenv("CANOPUS_PLC_PASSWORD", plc.connection.remote_password.c_str(), 1);
+  return way;
+}
+
+/// The page of a module's settings.
+int run_settings(const WebArguments& arguments) {
+  constexpr int file_error = 3;
+  auto settings = read_web_settings(arguments.project);
+  if (!settings) {
+    print_error("canopus web: {}; `canopus configure new` makes one", settings.error());
+    return file_error;
+  }
+  settings->plc = way_of(arguments.plc);
+  settings->is_live = true;
+  RunOptions options{.plant = arguments.project, .plant_text = plant_without_devices(arguments.project)};
+  options.web_project = WebProject{};
+  options.web_settings = {std::move(*settings)};
   return run_page(arguments, std::move(options));
 }
 
@@ -119,10 +154,11 @@ void add_web_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<WebArguments>();
   CLI::App* command = app.add_subcommand(
       "web", "Show and edit a project on a page in the browser, with its bus or simulated");
-  auto* project = command->add_option(
-      "PROJECT", arguments->project,
-      "folder with nodelist.cpj, or a file *.cpj; without it the page offers the plants and projects of this "
-      "folder, a new project, and a built-in plant");
+  auto* project =
+      command->add_option("PROJECT", arguments->project,
+                          "folder with nodelist.cpj, a file *.cpj, or a module project *.xml (canopus "
+                          "configure); without it the page offers the plants and projects of this "
+                          "folder, a new project, and a built-in plant");
   command->add_option("--network", arguments->network, "of a list with several networks: which one, from 1")
       ->type_name("NUMBER")
       ->check(number_from(1, 1000))
@@ -151,6 +187,11 @@ void add_web_command(CLI::App& app, int& exit_code) {
         const auto place = text::parse_host_and_port(text);
         return place ? std::string() : place.error();
       });
+  auto* plc = command->add_option_group(
+      "PLC", "Of a module project: the PLC with the module, as for `canopus configure`");
+  add_connection_options(*plc, arguments->plc);
+  for (const char* name : {"--modbus", "--unit", "--octal", "--module"})
+    plc->remove_option(plc->get_option(name));
   add_web_access_options(*command, "--", arguments->access);
   command->add_option("--for", arguments->duration, "Stop after this time, for example 10s")
       ->type_name("TIME")
@@ -166,7 +207,11 @@ void add_web_command(CLI::App& app, int& exit_code) {
       "edit the project; on a real bus nothing is written before somebody has armed writing on the page.\n"
       "Example: canopus web line1 --bus socketcan:can0");
   command->callback([arguments, &exit_code] {
-    exit_code = arguments->project.empty() ? run_start(*arguments) : run_project(*arguments);
+    if (arguments->project.ends_with(".xml")) {
+      exit_code = run_settings(*arguments);
+    } else {
+      exit_code = arguments->project.empty() ? run_start(*arguments) : run_project(*arguments);
+    }
   });
 }
 

@@ -11,6 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "canopus/cli/web/web_settings.hpp"
 #include "canopus/serve/web/web_user.hpp"
 
 namespace canopus::cli {
@@ -33,7 +34,7 @@ struct WebCommandLine {
   std::vector<std::string> arguments{};  ///< behind `canopus`
   std::optional<std::string>
       file_text{};          ///< goes into a file of its own, whose name takes the place of `{file}`
-  std::string file_name{};  ///< that the page says it has
+  std::string file_name{};  ///< that the page says it has, or of the one that is made
   bool makes_file = false;  ///< the command writes `{file}`, whose text is the answer
 };
 
@@ -41,6 +42,12 @@ struct WebCommandLine {
 /// sentence.
 [[nodiscard]] std::expected<WebCommandLine, std::string> web_command_line(const nlohmann::json& wish,
                                                                           const WebBus& bus);
+
+/// Likewise {"command": "configure set", "settings": "module.xml", "window": "tpdo/5", "items": ["Event timer=100"]}.
+[[nodiscard]] std::expected<WebCommandLine, std::string> web_command_line(const nlohmann::json& wish,
+                                                                          const WebSettings& settings);
+/// A command of the second kind.
+[[nodiscard]] bool is_web_settings_command(std::string_view name);
 
 /// As a person would type it.
 [[nodiscard]] std::string shown_command(const std::vector<std::string>& arguments);

@@ -40,6 +40,18 @@ std::string party_of(const WebUser& user) {
   return user.name.empty() ? fmt::format("role {}", name_of(user.role)) : user.name;
 }
 
+/// What the wish names of `all` under `key`, the first one if it names none.
+template <typename Place>
+const Place* place_of(const std::vector<Place>& all, std::string Place::*name, const nlohmann::json& wish,
+                      const char* key) {
+  const auto said = wish.find(key);
+  if (said == wish.end()) return all.empty() ? nullptr : &all.front();
+  const auto found = std::ranges::find_if(all, [&](const Place& one) {
+    return said->is_string() && one.*name == said->template get_ref<const std::string&>();
+  });
+  return found == all.end() ? nullptr : &*found;
+}
+
 }  // namespace
 
 WebCommands::~WebCommands() {
@@ -78,13 +90,23 @@ void WebCommands::refuse(const WebUser& user, const std::string& line, std::uint
   send(reply, std::move(event));
 }
 
-const WebBus* WebCommands::bus_of(const nlohmann::json& wish) const {
-  const auto name = wish.find("bus");
-  if (name == wish.end()) return use_.buses.empty() ? nullptr : &use_.buses.front();
-  const auto found = std::ranges::find_if(use_.buses, [&](const WebBus& bus) {
-    return name->is_string() && bus.name == name->get_ref<const std::string&>();
-  });
-  return found == use_.buses.end() ? nullptr : &*found;
+std::expected<WebCommands::Placed, std::string> WebCommands::place(const std::string& name,
+                                                                   const nlohmann::json& wish) const {
+  const auto placed = [&](const auto* one, std::string_view kind,
+                          const std::string& called) -> std::expected<Placed, std::string> {
+    auto line = web_command_line(wish, *one);
+    if (!line) return std::unexpected(line.error());
+    return Placed{
+        .line = std::move(*line), .is_live = one->is_live, .place = fmt::format("{} {}", called, kind)};
+  };
+  if (is_web_settings_command(name)) {
+    const WebSettings* const settings = place_of(use_.settings, &WebSettings::file, wish, "settings");
+    if (settings == nullptr) return std::unexpected("there are no such module settings");
+    return placed(settings, "leads to a live module", settings->file);
+  }
+  const WebBus* const bus = place_of(use_.buses, &WebBus::name, wish, "bus");
+  if (bus == nullptr) return std::unexpected("there is no such bus");
+  return placed(bus, "is a live bus", bus->name);
 }
 
 void WebCommands::run(const WebUser& user, std::string_view command, std::uint32_t id, WebReply reply) {
@@ -98,24 +120,23 @@ void WebCommands::run(const WebUser& user, std::string_view command, std::uint32
   if (const auto own = use_.own.find(name); own != use_.own.end()) {
     return run_own(user, name, own->second, wish, id, reply);
   }
-  const WebBus* const bus = bus_of(wish);
-  if (bus == nullptr) return refuse(user, name, id, reply, web_code::usage, "there is no such bus");
-  auto line = web_command_line(wish, *bus);
-  if (!line) return refuse(user, name, id, reply, web_code::usage, line.error());
-  const std::string shown = shown_command(line->arguments);
-  if (user.role < line->role) {
+  auto placed = place(name, wish);
+  if (!placed) return refuse(user, name, id, reply, web_code::usage, placed.error());
+  WebCommandLine& line = placed->line;
+  const std::string shown = shown_command(line.arguments);
+  if (user.role < line.role) {
     return refuse(user, shown, id, reply, web_code::not_allowed,
-                  fmt::format("{}: the role {} is needed, yours is {}", line->title, name_of(line->role),
+                  fmt::format("{}: the role {} is needed, yours is {}", line.title, name_of(line.role),
                               name_of(user.role)));
   }
-  if (line->writes_to_bus && bus->is_live && !is_armed()) {
+  if (line.writes_to_bus && placed->is_live && !is_armed()) {
     return refuse(user, shown, id, reply, web_code::not_armed,
-                  fmt::format("{}: {} is a live bus; arm writing first", line->title, bus->name));
+                  fmt::format("{}: {}; arm writing first", line.title, placed->place));
   }
   if (!has_room_for(user)) {
     return refuse(user, shown, id, reply, web_code::busy, "too many commands wait; try again");
   }
-  jobs_.push_back({.user = user, .line = std::move(*line), .id = id, .reply = std::move(reply)});
+  jobs_.push_back({.user = user, .line = std::move(line), .id = id, .reply = std::move(reply)});
   if (jobs_.size() == 1) start_next();
 }
 
@@ -145,6 +166,11 @@ void WebCommands::hello(const WebUser& user, std::uint32_t id, const WebReply& r
                               {"joins", !bus.address.empty()},
                               {"live", bus.is_live},
                               {"device_files", bus.device_files}});
+  }
+  event["settings"] = Json::array();
+  for (const WebSettings& one : use_.settings) {
+    event["settings"].push_back(
+        {{"file", one.file}, {"model", one.model}, {"plc", one.plc}, {"live", one.is_live}});
   }
   send(reply, std::move(event));
 }
@@ -212,7 +238,7 @@ std::string WebCommands::make_file(Job& job) const {
   if (!job.line.file_text && !job.line.makes_file) return {};
   job.folder = make_folder();
   if (job.folder.empty()) return "there is no folder for temporary files";
-  const fs::path file = job.folder / (job.line.makes_file ? "report.html" : file_name_of(job.line.file_name));
+  const fs::path file = job.folder / file_name_of(job.line.file_name);
   if (job.line.file_text) {
     std::ofstream out(file, std::ios::binary);
     out << *job.line.file_text;
@@ -312,12 +338,17 @@ void WebCommands::ended(int code, const std::string& errors) {
   Json event = event_of(job.id);
   event["code"] = job.is_stopped || job.is_late ? web_code::stopped : code;
   event["command"] = shown_command(job.line.arguments);
-  std::string_view message = errors;
-  while (message.ends_with('\n')) message.remove_suffix(1);
+  std::string message = errors;
+  while (message.ends_with('\n')) message.pop_back();
+  // The page's file is called as the page called it, wherever it lay.
+  const std::string folder = job.folder.string() + '/';
+  for (std::size_t at = 0; !job.folder.empty() && (at = message.find(folder, at)) != std::string::npos;)
+    message.erase(at, folder.size());
   if (job.is_late) message = "it took too long and was stopped";
   if (!message.empty()) event["message"] = message;
   if (job.line.makes_file) {
-    if (auto text = text::read_file((job.folder / "report.html").string())) event["file"] = std::move(*text);
+    if (auto text = text::read_file((job.folder / job.line.file_name).string()))
+      event["file"] = std::move(*text);
   }
   std::error_code ignored;
   if (!job.folder.empty()) fs::remove_all(job.folder, ignored);

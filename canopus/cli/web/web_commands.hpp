@@ -51,6 +51,7 @@ class WebCommands {
   };
   struct Use {
     std::vector<WebBus> buses{};
+    std::vector<WebSettings> settings{};
     std::map<std::string, Own, std::less<>> own{};  ///< by name
     std::string program = ChildProcess::itself;     ///< that runs the others
     std::function<can::Time()> now{};               ///< the plant's time, for `t` of events
@@ -99,7 +100,14 @@ class WebCommands {
            const serve::WebReply& reply);
   void stop(const serve::WebUser& user, const nlohmann::json& wish, std::uint32_t id,
             const serve::WebReply& reply);
-  [[nodiscard]] const WebBus* bus_of(const nlohmann::json& wish) const;
+  /// A command line, and whether what it writes to is somebody else's.
+  struct Placed {
+    WebCommandLine line{};
+    bool is_live = false;
+    std::string place{};  ///< "line1 is a live bus"
+  };
+  [[nodiscard]] std::expected<Placed, std::string> place(const std::string& name,
+                                                         const nlohmann::json& wish) const;
   void run_own(const serve::WebUser& user, const std::string& name, const Own& own,
                const nlohmann::json& wish, std::uint32_t id, const serve::WebReply& reply);
   [[nodiscard]] bool has_room_for(const serve::WebUser& user) const;

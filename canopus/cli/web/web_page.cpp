@@ -65,8 +65,8 @@ OwnCommands own_commands(WebStart* start, WebFaults& faults, WebTrace& trace) {
 }  // namespace
 
 WebPage::WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClock& clock, WebEvents& events,
-                 std::vector<WebBus> buses, const std::string& start, WebAccess access,
-                 const link::ClientReport& report)
+                 std::vector<WebBus> buses, std::vector<WebSettings> settings, const std::string& start,
+                 WebAccess access, const link::ClientReport& report)
     : plant_(plant),
       access_(std::move(access)),
       report_(report),
@@ -79,6 +79,7 @@ WebPage::WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClo
                  : std::optional<WebStart>(std::in_place, io, start, ChildProcess::itself, access_)),
       faults_(plant, clock),
       commands_(io, {.buses = std::move(buses),
+                     .settings = std::move(settings),
                      .own = own_commands(start_ ? &*start_ : nullptr, faults_, trace_),
                      .now = [&plant] { return plant.timeline().now(); },
                      .done = [this](const serve::WebUser& user, const std::string& line, int code,

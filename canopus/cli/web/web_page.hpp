@@ -39,11 +39,11 @@ struct WebProject {
 
 class WebPage {
  public:
-  /// All must outlive the page; `buses` are those that its commands are for.
+  /// All must outlive the page; `buses` and `settings` are those that its commands are for.
   /// `start`: the folder whose plants and projects the page offers; empty: it offers none.
   WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClock& clock, WebEvents& events,
-          std::vector<WebBus> buses, const std::string& start, WebAccess access,
-          const link::ClientReport& report);
+          std::vector<WebBus> buses, std::vector<WebSettings> settings, const std::string& start,
+          WebAccess access, const link::ClientReport& report);
 
   /// Reads the users and opens the audit log, too. The error is a sentence.
   [[nodiscard]] std::expected<void, std::string> listen(const text::HostAndPort& place);

@@ -14,3 +14,22 @@ export function make(name, attributes = {}, ...children) {
 export function set_text(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
+
+/// Brings the children of `list` in line with `items`; a child that stays is kept, with its focus.
+export function keep_children(list, items, key, make_child, fill) {
+  const present = new Map([...list.children].map((child) => [child.dataset.key, child]));
+  let place = list.firstElementChild;
+  for (const item of items) {
+    const name = key(item);
+    let child = present.get(name);
+    present.delete(name);
+    if (!child) {
+      child = make_child(name, item);
+      child.dataset.key = name;
+    }
+    if (child === place) place = place.nextElementSibling;
+    else list.insertBefore(child, place);
+    fill(child, item);
+  }
+  for (const child of present.values()) child.remove();
+}

@@ -51,10 +51,10 @@ export class Links {
     if (location.hash) this.follow();
   }
 
-  /// The buses that have a project.
-  projects(names) {
-    this.project_places = names.map((name, i) => [`Project of ${name}`, `#project/${i}`]);
-    if (location.hash.startsWith("#project")) this.follow();
+  /// The buses that have a project, and the files of module settings.
+  projects(names, settings) {
+    this.project_places = [...names.map((name, i) => [`Project of ${name}`, `#project/${i}`]), ...settings.map((name, i) => [`Settings ${name}`, `#settings/${i}`])];
+    if (/^#(project|settings)/.test(location.hash)) this.follow();
   }
 
   follow() {
@@ -69,7 +69,7 @@ export class Links {
       return by_id(view).querySelector("h2").focus({ preventScroll: true });
     }
     const number = /^\d{1,5}$/.test(digits ?? "") ? Number(digits) : -1;
-    if (view === "project") return this.views.project.open(number, "", rest);
+    if (view === "project" || view === "settings") return this.views[view].open(number, "", rest && decode(rest));
     const place = this.places.find((one) => one[1] === `#${view}/${number}`);
     if (!place || !this.last_state) return;
     const of = { words: "modules", bus: "buses", objects: "nodes" }[view];

@@ -1,7 +1,7 @@
 // The page of a run. It gets events over a WebSocket (docs/events.md) and shows them; what people do goes to the server as commands. Names come from strangers' files: they become text nodes and attributes, never markup.
 import { EventList } from "./event_list.js";
 import { sentence, message_line, mood_of } from "./words.js";
-import { make, set_text } from "./dom.js";
+import { keep_children, make, set_text } from "./dom.js";
 import { draw_leds, draw_modules } from "./modules.js";
 import { WordView } from "./word_view.js";
 import { BootView } from "./boot_view.js";
@@ -11,6 +11,7 @@ import { ObjectView } from "./object_view.js";
 import { Plots } from "./plots.js";
 import { Commands, take_key } from "./commands.js";
 import { ProjectView } from "./project_view.js";
+import { SettingsView } from "./settings_view.js";
 import { StartView } from "./start_view.js";
 import { FaultView } from "./fault_view.js";
 import { NmtWays } from "./nmt_ways.js";
@@ -26,6 +27,7 @@ let rates = new Map();  // by node: { pdos, t, rate }
 const events = new EventList(by_id("events"), by_id("filter"), by_id("event-count"));
 const messages = new EventList(by_id("messages"), by_id("message-filter"), by_id("message-count"));
 let socket = null;
+let settings_alone = "";  // where the PLC of the settings is, where there is nothing else
 let follows = false;
 let key = take_key();
 const commands = new Commands((message) => {
@@ -34,6 +36,7 @@ const commands = new Commands((message) => {
   return true;
 });
 const project_view = new ProjectView(by_id("project-section"), commands);
+const settings_view = new SettingsView(by_id("settings-section"), commands);
 const start_view = new StartView(by_id("start-section"), commands);
 const fault_view = new FaultView(by_id("faults-section"), by_id("frame-menu"), commands);
 const nmt_ways = new NmtWays(commands);
@@ -46,7 +49,7 @@ const trace_view = new TraceView(commands, (frame, x, y) => fault_view.open_menu
   const place = state?.nodes.findIndex((one) => one.bus === bus && one.node === node) ?? -1;
   return place < 0 ? null : `#objects/${place}`;
 });
-const places = new Links({ trace: trace_view, project: project_view, words, objects, bus: bus_view, boots: { open: () => boots.is_open || by_id("show-boots").click() } },
+const places = new Links({ trace: trace_view, project: project_view, settings: settings_view, words, objects, bus: bus_view, boots: { open: () => boots.is_open || by_id("show-boots").click() } },
                         [by_id("words-base"), by_id("objects-base")]);
 
 const tree = new Tree(by_id("tree"), (key) => open_node(key));
@@ -99,25 +102,6 @@ function make_node(key) {
                       make("span", { class: "figures" }), make("span", { class: "reason" }));
   button.addEventListener("click", () => open_node(key));
   return make("li", {}, button);
-}
-
-/// Brings the children of `list` in line with `items`; a child that stays is kept, with its focus.
-function keep_children(list, items, key, make_child, fill) {
-  const present = new Map([...list.children].map((child) => [child.dataset.key, child]));
-  let place = list.firstElementChild;
-  for (const item of items) {
-    const name = key(item);
-    let child = present.get(name);
-    present.delete(name);
-    if (!child) {
-      child = make_child(name, item);
-      child.dataset.key = name;
-    }
-    if (child === place) place = place.nextElementSibling;
-    else list.insertBefore(child, place);
-    fill(child, item);
-  }
-  for (const child of present.values()) child.remove();
 }
 
 function make_bus(name) {
@@ -205,8 +189,8 @@ function draw() {
   document.title = `${state.plant} – Canopus`;
   set_text(by_id("plant"), state.plant);
   const links = state.buses.filter((bus) => bus.link !== "sim").map((bus) => bus.link);
-  set_text(by_id("where"), state.live ? `LIVE ${links.join(", ")}` : links.length ? `REPLAY ${links.join(", ")}` : "SIMULATED");
-  by_id("bar").className = state.live ? "live" : "simulated";
+  set_text(by_id("where"), settings_alone ? `LIVE PLC ${settings_alone}` : state.live ? `LIVE ${links.join(", ")}` : links.length ? `REPLAY ${links.join(", ")}` : "SIMULATED");
+  by_id("bar").className = state.live || settings_alone ? "live" : "simulated";
   const all = state.buses.flatMap((bus) => nodes_of(bus.bus));
   set_text(by_id("operation"), `${all.filter((node) => node.in_operation).length} of ${all.length}`);
   const moods = ["error", "warning"];
@@ -264,15 +248,20 @@ function received(list) {
 /// Who one is here, and what there is to work on.
 function greeted(hello) {
   if (hello.code !== 0) return;
-  by_id("arm").hidden = hello.role === "look" || !hello.buses.some((bus) => bus.live);
+  by_id("arm").hidden = hello.role === "look" || ![...hello.buses, ...hello.settings].some((one) => one.live);
   draw_armed(hello.armed_for);
   set_text(by_id("role"), hello.user ? `${hello.user}, ${hello.role}` : hello.role);
   start_view.greeted(hello);
   fault_view.greeted(hello);
   nmt_ways.greeted(hello);
   const projects = project_view.greeted(hello);
-  places.projects(projects);
-  tree.draw_projects(projects, keep_children);
+  const settings = settings_view.greeted(hello);
+  // A module's settings and its PLC: there is neither a plant nor a bus.
+  settings_alone = hello.buses.length === 0 ? settings_view.place_of_plc : "";
+  document.body.classList.toggle("settings-alone", settings_alone !== "");
+  if (settings_alone) for (const section of document.querySelectorAll("main > section")) section.hidden = section.id !== "settings-section";
+  places.projects(projects, settings);
+  tree.draw_projects(projects, settings, keep_children);
 }
 
 /// What writes on a live bus is done only as long as somebody has armed it.

@@ -59,9 +59,9 @@ export class Tree {
     keep_children(this.parts, shown, ([, id, link]) => link ?? `#${id}`, entry, (item, [name]) => set_text(item.firstElementChild, name));
   }
 
-  /// The buses that have a project.
-  draw_projects(names, keep_children) {
-    keep_children(this.projects, names.map((name, i) => [`Project of ${name}`, `#project/${i}`]), ([, href]) => href, entry,
+  /// The buses that have a project, and the files of module settings.
+  draw_projects(names, settings, keep_children) {
+    keep_children(this.projects, [...names.map((name, i) => [`Project of ${name}`, `#project/${i}`]), ...settings.map((name, i) => [`Settings ${name}`, `#settings/${i}`])], ([, href]) => href, entry,
                   (item, [name]) => set_text(item.firstElementChild, name));
   }
 }

@@ -1,0 +1,44 @@
+#pragma once
+// What a command line says of a PLC: how it is reached, and what is read or written.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "canopus/client/plc_client.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace canopus::cli {
+
+struct PlcArguments {
+  client::PlcConnection connection;  ///< frame and port: as the flags below say
+  std::optional<std::uint16_t> port{};
+  bool frame_3e = false;
+  bool frame_4e = false;
+  bool frame_1e = false;
+  bool modbus = false;
+  std::optional<unsigned> unit{};  ///< of Modbus
+  std::string timeout = "3s";
+  bool octal = false;  ///< X and Y
+  std::string module;  ///< whose names of words are meant
+  std::string address;
+  std::vector<std::string> values;
+  std::uint32_t count = 1;
+  std::string format = "both";
+  bool as_signed = false;
+  std::string interval = "200ms";
+  std::string duration;
+  bool no_verify = false;
+  bool csv = false;
+  bool json = false;
+  std::string file;
+};
+
+/// --host, --port, the frames, --timeout and so on.
+void add_connection_options(CLI::App& command, PlcArguments& arguments);
+
+}  // namespace canopus::cli

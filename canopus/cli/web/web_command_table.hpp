@@ -1,0 +1,55 @@
+#pragma once
+// The commands of the page as tables: what each is called, who may have it done, what it takes.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "canopus/serve/web/web_user.hpp"
+
+namespace canopus::cli {
+
+/// A field of a command and what becomes of it.
+struct WebCommandField {
+  enum class Kind : std::uint8_t {
+    option,  ///< --name=TEXT
+    flag,    ///< --name
+    word,    ///< behind the options
+    words,   ///< likewise, each of a list
+    file,    ///< a device file that comes along: {"name": ..., "text": ...}
+  };
+  std::string_view name;
+  Kind kind = Kind::option;
+  bool required = false;
+  std::string_view option{};  ///< where it is not called as the field
+};
+
+struct WebCommand {
+  /// How a command line names the module project.
+  enum class Settings : std::uint8_t {
+    none,
+    file,    ///< behind the options
+    option,  ///< --project=FILE
+    model,   ///< --model=MODEL
+  };
+  std::string_view title;
+  std::string_view words{};  ///< of the command line; empty: those of the title
+  serve::WebRole role = serve::WebRole::look;
+  bool has_project = true;
+  Settings settings = Settings::none;
+  bool joins_bus = false;        ///< or asks the PLC of a module
+  bool writes_to_bus = false;    ///< to its devices, or to the module
+  bool writes_with_yes = false;  ///< and without "yes" it says what it would write
+  bool takes_device_files = false;
+  bool has_json = true;
+  std::string_view makes_file{};  ///< the command writes a file of this name; empty: none
+  std::array<WebCommandField, 8> fields{};
+};
+
+/// Those of a bus and its project.
+[[nodiscard]] std::span<const WebCommand> web_bus_commands() noexcept;
+/// Those of a module project (`canopus configure`).
+[[nodiscard]] std::span<const WebCommand> web_settings_commands() noexcept;
+
+}  // namespace canopus::cli

@@ -1,0 +1,16 @@
+#include "canopus/cli/web/web_settings.hpp"
+
+#include "canopus/cli/project/project_files.hpp"
+
+namespace canopus::cli {
+
+std::expected<WebSettings, std::string> read_web_settings(const std::string& file) {
+  constexpr std::uint32_t points_of_module = 0x10;
+  const auto project = load_project(file);
+  if (!project) return std::unexpected(project.error());
+  return WebSettings{.file = file,
+                     .model = std::string(project->model().name),
+                     .head = points_of_module * project->unit_number()};
+}
+
+}  // namespace canopus::cli

@@ -1,0 +1,22 @@
+#pragma once
+// The settings of a module that the page shows and changes: a project of `canopus configure`.
+
+#include <cstdint>
+#include <expected>
+#include <string>
+#include <vector>
+
+namespace canopus::cli {
+
+struct WebSettings {
+  std::string file{};
+  std::string model{};             ///< "RJ71CN91"
+  std::uint32_t head = 0;          ///< head I/O number of the module, when the file was read
+  std::vector<std::string> plc{};  ///< options that lead to its PLC: "--host=127.0.0.1"; empty: there is none
+  bool is_live = false;            ///< somebody else's PLC or bus: what writes wants to be armed
+};
+
+/// Of a file. The error names it, and the line.
+[[nodiscard]] std::expected<WebSettings, std::string> read_web_settings(const std::string& file);
+
+}  // namespace canopus::cli
