@@ -8,8 +8,8 @@ namespace canopus::project {
 namespace {
 
 // The network variables of CiA 405 that the modules have: outputs of the PLC from A000H on, inputs from A480H on [CiA 405 6].
-constexpr std::uint16_t first_variable = 0xA000;
-constexpr std::uint16_t to_receive = 0x480;
+constexpr std::uint16_t first_mappable_variable = 0xA000;
+constexpr std::uint16_t distance_to_received = 0x480;
 constexpr std::uint8_t last_sub_index = 0xFE;
 constexpr std::uint16_t last_dummy = 7;  // [CiA 301 7.4.7.1]
 constexpr std::array<std::uint8_t, 3> widths{8, 16, 32};
@@ -47,8 +47,10 @@ std::vector<MappableObjects> mappable_objects(const ModuleModel& model, const Wi
   if (window.mapping == 0) return all;
   constexpr std::uint16_t transmit_mapping = 0x1A00;
   const bool receives = window.mapping != transmit_mapping;
-  const std::uint16_t first = static_cast<std::uint16_t>(first_variable + (receives ? to_receive : 0));
-  for (std::uint16_t index = first; index < first + to_receive; ++index) add_variables_of(model, index, all);
+  const std::uint16_t first =
+      static_cast<std::uint16_t>(first_mappable_variable + (receives ? distance_to_received : 0));
+  for (std::uint16_t index = first; index < first + distance_to_received; ++index)
+    add_variables_of(model, index, all);
   // Nothing can be sent from a dummy.
   for (std::uint16_t index = 1; receives && index <= last_dummy; ++index) {
     for (const std::uint8_t bits : widths) {

@@ -187,11 +187,11 @@ void add_web_command(CLI::App& app, int& exit_code) {
         const auto place = text::parse_host_and_port(text);
         return place ? std::string() : place.error();
       });
-  auto* plc = command->add_option_group(
-      "PLC", "Of a module project: the PLC with the module, as for `canopus configure`");
-  add_connection_options(*plc, arguments->plc);
+  command->option_defaults()->group("The PLC of a module project");
+  add_connection_options(*command, arguments->plc);
   for (const char* name : {"--modbus", "--unit", "--octal", "--module"})
-    plc->remove_option(plc->get_option(name));
+    command->remove_option(command->get_option(name));
+  command->option_defaults()->group("Options");
   add_web_access_options(*command, "--", arguments->access);
   command->add_option("--for", arguments->duration, "Stop after this time, for example 10s")
       ->type_name("TIME")

@@ -230,8 +230,7 @@ constexpr std::array settings_commands{
                .writes_to_bus = true,
                .has_json = false,
                .fields = {}},
-    WebCommand{
-        .title = "plc type", .role = WebRole::operate, .joins_bus = true, .fields = {}},
+    WebCommand{.title = "plc type", .role = WebRole::operate, .joins_bus = true, .fields = {}},
 };
 
 }  // namespace
