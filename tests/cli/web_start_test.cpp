@@ -92,6 +92,38 @@ TEST_F(WebStartTest, PlantsAndProjectsOfTheFolder_TwoFoldersDown) {
   EXPECT_EQ(found["projects"], (WebStart::Json{"line/nodelist.cpj", "x/y/nodelist.cpj"}));
 }
 
+TEST_F(WebStartTest, SettingsOfModules_AreListedAndOpened_OtherXmlIsNot) {
+  write("m.xml", "<?xml version=\"1.0\"?>\n<canopus-module format=\"1\"/>\n");
+  write("device.xml", "<ISO15745ProfileContainer/>\n");
+  write("settings.toml", "<canopus-module\n");
+  WebStart& start = this->start(shows_page());
+  EXPECT_EQ(start.list()["settings"], WebStart::Json::array({"m.xml"}));
+  EXPECT_THAT(start.list()["plants"], IsEmpty());
+  start.open("m.xml", say());
+  EXPECT_THAT(said(), ElementsAre(HasSubstr("http")));
+  EXPECT_EQ(arguments(), "web --json -- " + (folder_ / "m.xml").string() + "\n");
+  start.open("device.xml", say());
+  EXPECT_THAT(said(), ElementsAre(HasSubstr("error: there is no plant or project ")));
+}
+
+TEST_F(WebStartTest, NewSettings_AreMadeAndOpened) {
+  const std::string log = (top_ / "log").string();
+  WebStart& start = this->start("echo \"$@\" >> " + log + "; [ $1 = configure ] && exit 0; " + shows_page());
+  start.make_settings("press", "RJ71CN91", say());
+  EXPECT_THAT(said(), ElementsAre(HasSubstr("http")));
+  const std::string file = (folder_ / "press.xml").string();
+  std::ifstream written(log);
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(written), {}),
+            "configure new --model=RJ71CN91 -- " + file + "\nweb --json -- " + file + "\n");
+  for (const char* name : {"", ".x", "a/b", "a\\b", "../x"}) {
+    start.make_settings(name, "RJ71CN91", say());
+    EXPECT_THAT(said(), ElementsAre(HasSubstr("error: expected a name"))) << name;
+  }
+  write("there.xml", "");
+  start.make_settings("there.xml", "RJ71CN91", say());
+  EXPECT_THAT(said(), ElementsAre("error: there is something with the name there.xml already"));
+}
+
 TEST_F(WebStartTest, AFolderThatIsNotThere_OffersNothing) {
   fs::remove(folder_);
   EXPECT_THAT(start("").list()["plants"], IsEmpty());

@@ -184,6 +184,7 @@ def web_start_in_chromium():
     command(program, "project", "new", folder / "line <1>")
     (folder / "plant.toml").write_text('[[bus]]\nname = "a"\nbit_rate = 500_000\n')
     (folder / "other.toml").write_text('name = "none of ours"\n')
+    command(program, "configure", "new", folder / "module.xml")
     with running_page(cwd=folder) as page:
         seen = json.loads(command("node", HERE / "web_start.mjs", chromium, page_with_key(page), pictures, timeout=240).stdout)
     require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
@@ -193,6 +194,9 @@ def web_start_in_chromium():
     print(f"    the first frame is shown {seen['milliseconds']} ms after the click")
     require(seen["look_disabled"] and seen["fresh"].endswith("/fresh"), seen)
     require((folder / "fresh/nodelist.cpj").is_file(), "no project was made")
+    require(seen["settings"] == ["module.xml"] and seen["fresh_settings"].endswith("/press.xml") and "RJ71CN91" in seen["fresh_settings"], seen["settings"])
+    require('model="RJ71CN91"' in (folder / "press.xml").read_text(), "no settings were made")
+    require(seen["where"] == "LIVE PLC 127.0.0.1:5007" and seen["sections_of_settings"] == ["settings-section"], (seen["where"], seen["sections_of_settings"]))
 
 
 @check

@@ -26,7 +26,7 @@ WINDOWS = {
 # Items without a name of their own, by what shows them; None: a name that is on the page for something else.
 CALLED = {
     ("NMT slave assignment", "List"): "NMT slave assignment", ("Heartbeat", "List"): "Heartbeat, consumer", ("TPDO details", "Mapping: limit"): "Mapping", ("RPDO details", "Mapping: limit"): "Mapping",
-    ("SDO send / receive", "Explanation"): "Description window", ("Module status", "Status view"): "Module status", ("Menu: Project", "Close"): None,
+    ("Menu: Project", "New"): "New settings", ("Menu: Project", "Open"): "Settings of modules", ("SDO send / receive", "Explanation"): "Description window", ("Module status", "Status view"): "Module status", ("Menu: Project", "Close"): None,
 }
 
 
@@ -113,6 +113,7 @@ def web_settings_in_chromium():
     require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], (seen["problems"], seen["axe"], seen["overflow"]))
 
     # Each name that the table prints, in the window that it is for; which are not on the page, the manual's page says.
+    seen["names"]["start"] = ["New settings", "Settings of modules"]  # of `canopus web` alone: web_start_in_chromium makes and opens settings there
     shown_on = {}
     for row in rows:
         page, _ = WINDOWS.get(row["window"], ("", ""))

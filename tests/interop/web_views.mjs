@@ -58,9 +58,9 @@ await page.locator("#can-ids a", { hasText: "183" }).focus();
 await page.keyboard.press("Enter");
 await page.waitForSelector("#strip .bit");
 seen.frame_link = await page.evaluate(() => location.hash);
-seen.strip = await page.textContent("#strip p");
-seen.fields = await texts("#strip .field-name");
-seen.bits = await page.locator("#strip .bit").count();
+// At once: the next frame may be there already.
+Object.assign(seen, await page.evaluate(() => ({
+  strip: document.querySelector("#strip p").textContent, fields: [...document.querySelectorAll("#strip .field-name")].map((one) => one.textContent), bits: document.querySelectorAll("#strip .bit").length })));
 await page.waitForSelector("#bus-load .legend li");
 seen.legend = await texts("#bus-load .legend li");
 seen.counters = await texts("#counters tbody th");

@@ -31,7 +31,8 @@ std::string word_of(const nlohmann::json& wish, const char* key) {
   return found != wish.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
-/// {"command": "plants"}, {"command": "open", "path": "..."} (no path: the built-in plant), {"command": "new project", "name": "..."}
+/// {"command": "plants"}, {"command": "open", "path": "..."} (no path: the built-in plant), {"command": "new project", "name": "..."},
+/// {"command": "new settings", "name": "...", "model": "RJ71CN91"};
 /// {"command": "trace", ...} and {"command": "export trace", ...}, trace_desk.hpp; and of the faults of simulated buses {"command": "faults"}, {"command": "run faults", ...}, web_faults.hpp.
 OwnCommands own_commands(WebStart* start, WebFaults& faults, WebTrace& trace) {
   OwnCommands own;
@@ -59,6 +60,10 @@ OwnCommands own_commands(WebStart* start, WebFaults& faults, WebTrace& trace) {
                         .run = [start](const nlohmann::json& wish, Done done) {
                           start->make_project(word_of(wish, "name"), std::move(done));
                         }};
+  own["new settings"] = {
+      .role = serve::WebRole::configure, .run = [start](const nlohmann::json& wish, Done done) {
+        start->make_settings(word_of(wish, "name"), word_of(wish, "model"), std::move(done));
+      }};
   return own;
 }
 

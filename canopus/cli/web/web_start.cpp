@@ -59,26 +59,31 @@ WebStart::~WebStart() {
   }
 }
 
-/// Plants have a bus; other TOML files are none of ours. A file is read once as long as it stays as it is.
-bool WebStart::is_plant(const fs::path& file, std::uintmax_t& to_read) {
+/// Plants have a bus, the settings of a module their element; other TOML and XML files are none of ours. A file is read once as long
+/// as it stays as it is.
+bool WebStart::is_ours(const fs::path& file, std::uintmax_t& to_read) {
   std::error_code error;
   constexpr std::uintmax_t largest = 4U << 20;
   const std::uintmax_t size = fs::file_size(file, error);
-  if (file.extension() != ".toml" || error || size > largest) return false;
+  const bool may_be_plant = file.extension() == ".toml";
+  if ((!may_be_plant && file.extension() != ".xml") || error || size > largest) return false;
   const auto written = fs::last_write_time(file, error);
   if (verdicts_.size() >= most_verdicts) verdicts_.clear();
   Verdict& verdict = verdicts_[file.string()];
-  if (verdict.written == written && verdict.size == size && size != 0) return verdict.is_plant;
+  if (verdict.written == written && verdict.size == size && size != 0) return verdict.is_ours;
   if (size > to_read) return false;
   to_read -= size;
   const auto text = text::read_file(file.string());
-  verdict = {.written = written, .size = size, .is_plant = text && text->contains("[[bus]]")};
-  return verdict.is_plant;
+  verdict = {.written = written,
+             .size = size,
+             .is_ours = text && text->contains(may_be_plant ? "[[bus]]" : "<canopus-module")};
+  return verdict.is_ours;
 }
 
 WebStart::Json WebStart::list() {
   std::vector<std::string> plants;
   std::vector<std::string> projects;
+  std::vector<std::string> settings;
   std::error_code error;
   constexpr int deepest = 2;
   constexpr int most_looked_at = 20000;
@@ -96,11 +101,13 @@ WebStart::Json WebStart::list() {
     const std::string shown = path.lexically_relative(folder_).string();
     if (!is_inside(path, folder_)) continue;
     if (path.extension() == ".cpj" && projects.size() < most_listed) projects.push_back(shown);
-    if (plants.size() < most_listed && is_plant(path, to_read)) plants.push_back(shown);
+    std::vector<std::string>& found = path.extension() == ".xml" ? settings : plants;
+    if (found.size() < most_listed && is_ours(path, to_read)) found.push_back(shown);
   }
   std::ranges::sort(plants);
   std::ranges::sort(projects);
-  return {{"folder", folder_.string()}, {"plants", plants}, {"projects", projects}};
+  std::ranges::sort(settings);
+  return {{"folder", folder_.string()}, {"plants", plants}, {"projects", projects}, {"settings", settings}};
 }
 
 void WebStart::open(const std::string& path, Done done) {
@@ -116,30 +123,41 @@ void WebStart::open(const std::string& path, Done done) {
   };
   const std::string whole = (folder_ / path).string();
   if (has("plants")) return run_plant(whole, {}, std::move(done));
-  if (has("projects")) return run_project(whole, std::move(done));
+  if (has("projects") || has("settings")) return run_project(whole, std::move(done));
   done(std::unexpected(fmt::format("there is no plant or project {}", text::printable(path))));
 }
 
 void WebStart::make_project(const std::string& name, Done done) {
+  make(name, "", {"project", "new", "--json"}, std::move(done));
+}
+
+void WebStart::make_settings(const std::string& name, const std::string& model, Done done) {
+  make(name, name.ends_with(".xml") ? "" : ".xml", {"configure", "new", "--model=" + model}, std::move(done));
+}
+
+/// `words`: of the command that makes it.
+void WebStart::make(const std::string& name, const std::string& extension, std::vector<std::string> words,
+                    Done done) {
   const bool is_name = !name.empty() && name.size() <= 100 &&
                        name.find_first_of("/\\") == std::string::npos && !name.starts_with('.') &&
                        name == text::printable(name);
-  if (!is_name) return done(std::unexpected("expected a name for the project's folder, without / and \\"));
-  const std::string folder = (folder_ / name).string();
+  if (!is_name) return done(std::unexpected("expected a name without / and \\"));
+  const std::string path = (folder_ / (name + extension)).string();
   std::error_code error;
-  if (fs::symlink_status(folder, error).type() != fs::file_type::not_found) {
-    return done(std::unexpected(fmt::format("there is something with the name {} already", name)));
+  if (fs::symlink_status(path, error).type() != fs::file_type::not_found) {
+    return done(
+        std::unexpected(fmt::format("there is something with the name {}{} already", name, extension)));
   }
   if (children_.size() >= most_running) return done(std::unexpected(too_many()));
   auto said = std::make_shared<Done>(std::move(done));
   const unsigned number = next_++;
-  auto child =
-      ChildProcess::start(io_, program_, {"project", "new", "--json", "--", folder},
-                          {.ended = [this, number, folder, said](int code, const std::string& errors) {
-                            children_.erase(number);
-                            if (code != 0) return (*said)(std::unexpected(errors));
-                            run_project(folder, std::move(*said));
-                          }});
+  words.insert(words.end(), {"--", path});
+  auto child = ChildProcess::start(io_, program_, words,
+                                   {.ended = [this, number, path, said](int code, const std::string& errors) {
+                                     children_.erase(number);
+                                     if (code != 0) return (*said)(std::unexpected(errors));
+                                     run_project(path, std::move(*said));
+                                   }});
   if (!child) return (*said)(std::unexpected(child.error()));
   children_[number].process = std::move(*child);
 }

@@ -39,12 +39,15 @@ class WebStart {
   WebStart(const WebStart&) = delete;
   WebStart& operator=(const WebStart&) = delete;
 
-  /// {"plants": [...], "projects": [...]}: paths below the folder, up to two folders down. Links that lead out of it are left out.
+  /// {"plants": [...], "projects": [...], "settings": [...]}: paths below the folder, up to two folders down; settings are those of
+  /// modules. Links that lead out of it are left out.
   [[nodiscard]] Json list();
   /// Runs what is listed under this path, or with an empty path the built-in plant: {"url": "http://..."}.
   void open(const std::string& path, Done done);
   /// Makes a project of this name in the folder, and opens it.
   void make_project(const std::string& name, Done done);
+  /// Likewise the settings of a module: NAME.xml.
+  void make_settings(const std::string& name, const std::string& model, Done done);
 
  private:
   struct Child {
@@ -56,9 +59,10 @@ class WebStart {
   struct Verdict {
     std::filesystem::file_time_type written{};
     std::uintmax_t size = 0;
-    bool is_plant = false;
+    bool is_ours = false;
   };
-  [[nodiscard]] bool is_plant(const std::filesystem::path& file, std::uintmax_t& to_read);
+  [[nodiscard]] bool is_ours(const std::filesystem::path& file, std::uintmax_t& to_read);
+  void make(const std::string& name, const std::string& extension, std::vector<std::string> words, Done done);
   void run_plant(const std::string& plant, std::filesystem::path folder, Done done);
   void run_project(const std::string& project, Done done);
   void run(std::vector<std::string> arguments, std::filesystem::path folder, Done done);

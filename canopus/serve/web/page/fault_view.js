@@ -75,7 +75,7 @@ export class FaultView {
     });
     this.is_watched = this.buses.some((bus) => bus.faults.some((fault) => fault.on));
     if (this.bus.options.length !== this.buses.length) this.bus.replaceChildren(...this.buses.map((bus) => make("option", {}, bus.bus)));
-    this.section.hidden = this.buses.length === 0 || document.getElementById("start-section").hidden === false;
+    this.section.hidden = this.buses.length === 0 || document.getElementById("start-section").hidden === false || document.body.classList.contains("settings-alone");
     this.draw();
   }
 

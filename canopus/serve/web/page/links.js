@@ -53,7 +53,7 @@ export class Links {
 
   /// The buses that have a project, and the files of module settings.
   projects(names, settings) {
-    this.project_places = [...names.map((name, i) => [`Project of ${name}`, `#project/${i}`]), ...settings.map((name, i) => [`Settings ${name}`, `#settings/${i}`])];
+    this.project_places = [...names.map((name, i) => [`Project of ${name}`, `#project/${i}`]), ...settings.map((name, i) => [`Settings ${name.split("/").pop()}`, `#settings/${i}`])];
     if (/^#(project|settings)/.test(location.hash)) this.follow();
   }
 

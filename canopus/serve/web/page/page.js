@@ -259,6 +259,7 @@ function greeted(hello) {
   // A module's settings and its PLC: there is neither a plant nor a bus.
   settings_alone = hello.buses.length === 0 ? settings_view.place_of_plc : "";
   document.body.classList.toggle("settings-alone", settings_alone !== "");
+  document.body.classList.toggle("no-plant", settings_alone !== "" || !by_id("start-section").hidden);
   if (settings_alone) for (const section of document.querySelectorAll("main > section")) section.hidden = section.id !== "settings-section";
   places.projects(projects, settings);
   tree.draw_projects(projects, settings, keep_children);

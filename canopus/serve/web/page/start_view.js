@@ -1,4 +1,4 @@
-// What there is to begin with, where the page has no plant and no project: a built-in plant, those of the folder, a new project.
+// What there is to begin with, where the page has no plant and no project: a built-in plant, those of the folder, a new project, settings of modules.
 import { make, set_text } from "./dom.js";
 
 export class StartView {
@@ -12,6 +12,11 @@ export class StartView {
       event.preventDefault();
       this.open({ command: "new project", name: this.name.value.trim() });
     });
+    [this.settings, this.settings_form, this.settings_name, this.model] = ["start-settings", "start-new-settings", "start-settings-name", "start-model"].map((id) => section.querySelector(`#${id}`));
+    this.settings_form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.open({ command: "new settings", name: this.settings_name.value.trim(), model: this.model.value });
+    });
   }
 
   async greeted(hello) {
@@ -20,13 +25,14 @@ export class StartView {
     // The bus that a run has at least is none that anybody wants to see.
     for (const section of document.querySelectorAll("main > section")) section.hidden = section !== this.section;
     this.may_open = hello.role === "configure";
-    for (const one of [this.try_button, this.name, this.form.querySelector("button")]) one.disabled = !this.may_open;
+    for (const one of [this.try_button, this.name, this.form.querySelector("button"), this.settings_name, this.model, this.settings_form.querySelector("button")]) one.disabled = !this.may_open;
     const done = await this.commands.run({ command: "plants" });
     if (done.code !== 0) return set_text(this.said, done.message ?? "");
     const [found] = done.rows;
     set_text(this.folder, found.folder);
     this.list(this.plants, found.plants, "no plant file in this folder");
     this.list(this.projects, found.projects, "no project in this folder");
+    this.list(this.settings, found.settings, "no settings of a module in this folder");
   }
 
   list(list, paths, none) {

@@ -61,7 +61,7 @@ export class Tree {
 
   /// The buses that have a project, and the files of module settings.
   draw_projects(names, settings, keep_children) {
-    keep_children(this.projects, [...names.map((name, i) => [`Project of ${name}`, `#project/${i}`]), ...settings.map((name, i) => [`Settings ${name}`, `#settings/${i}`])], ([, href]) => href, entry,
+    keep_children(this.projects, [...names.map((name, i) => [`Project of ${name}`, `#project/${i}`]), ...settings.map((name, i) => [`Settings ${name.split("/").pop()}`, `#settings/${i}`])], ([, href]) => href, entry,
                   (item, [name]) => set_text(item.firstElementChild, name));
   }
 }
