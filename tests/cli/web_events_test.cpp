@@ -147,6 +147,46 @@ watch = ["G25"]
   EXPECT_EQ(state["modules"][0]["words"][0]["address"], 25);
 }
 
+TEST(WebFigures, HeartbeatsAnswersAndSync_ByThePredefinedConnectionSet) {
+  WebFigures figures;
+  const auto frame = [&](std::uint32_t id, std::vector<std::uint8_t> data, can::Duration moment) {
+    can::Frame one{.identifier = id, .dlc = static_cast<std::uint8_t>(data.size())};
+    std::ranges::copy(data, one.data.begin());
+    figures.frame_completed(one, can::Time{moment});
+  };
+  frame(0x705, {0}, 1ms);  // a boot-up message
+  EXPECT_FALSE(figures.node(5).heartbeat);
+  frame(0x705, {0x7F}, 100ms);
+  EXPECT_EQ(figures.node(5).heartbeat, can::Time{100ms});
+  EXPECT_EQ(figures.node(5).period, can::Duration{});
+  frame(0x705, {0x05}, 350ms);
+  EXPECT_EQ(figures.node(5).period, 250ms);
+  // An answer counts from the latest request; one without a request is none.
+  frame(0x585, {0x60}, 400ms);
+  EXPECT_EQ(figures.node(5).answers.count(), 0U);
+  frame(0x605, {0x40}, 401ms);
+  frame(0x605, {0x40}, 402ms);
+  frame(0x585, {0x43}, 405ms);
+  frame(0x585, {0x43}, 409ms);
+  frame(0x605, {0x40}, 500ms);
+  frame(0x585, {0x43}, 501ms);
+  EXPECT_EQ(time_fields(figures.node(5).answers).dump(),
+            R"({"count":2,"least":0.001,"mean":0.002,"most":0.003})");
+  EXPECT_EQ(figures.node(6).answers.count(), 0U);
+  for (const can::Duration moment : {1000ms, 1010ms, 1019ms, 1030ms}) frame(0x080, {}, moment);
+  EXPECT_EQ(time_fields(figures.sync()).dump(), R"({"count":3,"least":0.009,"mean":0.01,"most":0.011})");
+}
+
+TEST(WebFigures, OtherFrames_AreNone) {
+  WebFigures figures;
+  figures.frame_completed({.identifier = 0x705, .extended = true, .dlc = 1, .data = {5}}, can::Time{1s});
+  figures.frame_completed({.identifier = 0x705, .remote = true, .dlc = 1}, can::Time{1s});
+  figures.frame_completed({.identifier = 0x705, .dlc = 2, .data = {5}}, can::Time{1s});
+  figures.frame_completed({.identifier = 0x085, .dlc = 8}, can::Time{1s});
+  EXPECT_FALSE(figures.node(5).heartbeat);
+  EXPECT_EQ(figures.sync().count(), 0U);
+}
+
 TEST(WebMessages, AreDecodedForWhoLooks_NewestAlone) {
   const plant::PlantReading reading = plant::read_plant(R"(
 [[bus]]

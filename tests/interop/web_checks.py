@@ -242,6 +242,11 @@ def web_views_in_chromium():
         require(int(re.search(r"(\d+) bits", seen["strip"])[1]) == seen["bits"] > 50, seen["strip"])
         require(any(line.startswith("PDO ") for line in seen["legend"]), seen["legend"])
         require(len(seen["counters"]) == 4 and seen["errors"], seen["counters"])
+        require(seen["sync"] == "No SYNC is sent, or one at most.", seen["sync"])
+        require(sum("jitter" in one for one in seen["sdo_times"]) == 3, seen["sdo_times"])
+        rows = " | ".join(seen["node_rows"])
+        for wanted in (r"Frames sent\d+ \|", r"Frames a second\d+, [\d.]+ % of those on the bus", r"Heartbeat[\d.]+ (ms|s) ago, every [\d.]+ (ms|s)", r"SDO answers\d+, after .* in the mean", r"Boot.*booted"):
+            require(re.search(wanted, rows), (wanted, rows))
         require(seen["keys_open"] and seen["in_sight"] and seen["plots_closed"], seen)
         require("encoder" in seen["objects_title"] and seen["objects_rows"] <= 256, seen["objects_title"])
         require(re.match(r"6004:00.*UNSIGNED32", seen["position"]), seen["position"])

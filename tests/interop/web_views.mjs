@@ -65,6 +65,8 @@ await page.waitForSelector("#bus-load .legend li");
 seen.legend = await texts("#bus-load .legend li");
 seen.counters = await texts("#counters tbody th");
 seen.errors = await page.textContent("#errors");
+seen.sync = await page.textContent("#bus-sync");
+seen.sdo_times = await page.locator("#counters tbody td:last-child").allTextContents();
 await page.keyboard.press("?");
 seen.keys_open = await page.evaluate(() => document.getElementById("keys").open);
 await page.keyboard.press("Escape");
@@ -153,4 +155,10 @@ await wide.waitForFunction(() => document.getElementById("bus-title").textConten
 seen.tree_bus = await wide.textContent("#bus-title");
 await wide.setViewportSize({ width: 800, height: 800 });
 seen.tree_narrow = await wide.locator("#tree").isVisible();
+
+// What is known of a node: figures over a second, heartbeat, SDO answers, boot.
+const figures = await open("");
+await figures.locator(".nodes button", { hasText: "encoder" }).click();
+await figures.waitForFunction(() => [...document.querySelectorAll("#node-body tr")].some((row) => /^Frames a second\d/.test(row.textContent)));
+seen.node_rows = await figures.locator("#node-body tr").allTextContents();
 await end();

@@ -43,6 +43,7 @@ Fields node_fields(const plant::NodeStatus& node) {
   fields["module"] = node.is_module;
   fields["state"] = state_name(node);
   fields["in_operation"] = in_operation(node);
+  fields["frames"] = node.frames;
   fields["pdos"] = node.pdos;
   fields["emcy"] = node.emergencies;
   if (node.emergencies != 0) fields["last_emcy"] = fmt::format("{:04X}", node.last_emergency);
@@ -84,6 +85,30 @@ Fields module_fields(const plant::ModuleStatus& module) {
   return fields;
 }
 
+/// Times in seconds.
+void add_figures(Fields& fields, const WebFigures* figures, std::uint8_t node_id, can::Time now) {
+  if (figures == nullptr || node_id == 0) return;
+  const WebFigures::Node& node = figures->node(node_id);
+  if (node.heartbeat) {
+    fields["heartbeat"] = {{"age", can::seconds(can::Time{now - *node.heartbeat})},
+                           {"period", can::seconds(can::Time{node.period})}};
+  }
+  if (node.answers.count() != 0) fields["sdo"] = time_fields(node.answers);
+}
+
+/// The boot that succeeded has asked for the identity, and found what it expected.
+bool has_compared_identity(const WebBoots& boots, const plant::SlaveBoot& boot) {
+  if (boot.record.step != manager::BootStep::booted) return false;
+  const auto slave = boots.slaves().find({std::string(boot.slave.bus), boot.slave.node_id});
+  if (slave == boots.slaves().end()) return false;
+  const auto& steps = slave->second.steps;
+  for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
+    if (step->record.step == manager::BootStep::identity) return true;
+    if (step->record.step == manager::BootStep::wait_after_reset) return false;
+  }
+  return false;
+}
+
 }  // namespace
 
 void WebEvents::set_listener(std::function<void(std::string_view)> listener) {
@@ -104,7 +129,7 @@ std::string WebEvents::lost(std::uint64_t events) const {
   return line;
 }
 
-std::string state_event(plant::Plant& plant) {
+std::string state_event(plant::Plant& plant, const WebTraffic* traffic, const WebBoots* boots) {
   const can::Time now = plant.timeline().now();
   Fields state = event_line(now, "state");
   state["plant"] = plant.name();
@@ -116,12 +141,18 @@ std::string state_event(plant::Plant& plant) {
     state["buses"].push_back(bus_fields(section, plant.bus(i), now));
   }
   state["nodes"] = Fields::array();
-  for (const plant::NodeStatus& node : plant.nodes()) state["nodes"].push_back(node_fields(node));
+  for (const plant::NodeStatus& node : plant.nodes()) {
+    Fields fields = node_fields(node);
+    if (traffic != nullptr) add_figures(fields, traffic->figures(node.label.bus), node.label.node_id, now);
+    state["nodes"].push_back(std::move(fields));
+  }
   state["slaves"] = Fields::array();
   for (const plant::SlaveBoot& boot : plant.boots()) {
     Fields slave = label_fields(boot.slave);
     slave["master"] = boot.master.node_id;
     add_boot(slave, boot.record, now);
+    if (traffic != nullptr) add_figures(slave, traffic->figures(boot.slave.bus), boot.slave.node_id, now);
+    if (boots != nullptr && has_compared_identity(*boots, boot)) slave["identity"] = "as expected";
     state["slaves"].push_back(std::move(slave));
   }
   state["modules"] = Fields::array();

@@ -11,6 +11,7 @@
 #include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/events/observer_pair.hpp"
 #include "canopus/cli/events/web_boots.hpp"
+#include "canopus/cli/events/web_traffic.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/plant/plant.hpp"
 
@@ -53,6 +54,8 @@ class WebEvents {
 };
 
 /// The `state` event: what there is to see of the plant at this moment, as JSON.
-[[nodiscard]] std::string state_event(plant::Plant& plant);
+/// `traffic`: what the frames say of the nodes, `boots`: which of them had their identity compared; nullptr: not known.
+[[nodiscard]] std::string state_event(plant::Plant& plant, const WebTraffic* traffic = nullptr,
+                                      const WebBoots* boots = nullptr);
 
 }  // namespace canopus::cli

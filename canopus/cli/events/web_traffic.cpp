@@ -99,6 +99,7 @@ void WebTraffic::Tap::frame_completed(const can::Frame& frame, can::Time start, 
   const auto place = static_cast<std::size_t>(class_of(frame));
   bus.busy[place] += end - start;
   ++bus.frames[place];
+  bus.figures.frame_completed(frame, end);
   if (frame.extended) return;
   Seen& seen = bus.seen[frame.identifier & can::max_base_identifier];
   ++seen.frames;
@@ -111,6 +112,13 @@ void WebTraffic::Tap::errors_reported(std::span<const can::BusErrorReport> repor
     if (report.first)
       ++bus.errors[static_cast<std::size_t>(report.error)][static_cast<std::size_t>(report.field)];
   }
+}
+
+const WebFigures* WebTraffic::figures(std::string_view bus) const noexcept {
+  for (std::size_t i = 0; i < taps_.size(); ++i) {
+    if (plant_.bus(i).name() == bus) return &taps_[i]->bus.figures;
+  }
+  return nullptr;
 }
 
 std::string WebTraffic::look(const nlohmann::json& wish) const {
@@ -126,6 +134,7 @@ std::string WebTraffic::look(const nlohmann::json& wish) const {
                                 {"frames", bus.frames[i]},
                                 {"busy", can::seconds(can::Time{bus.busy[i]})}});
   }
+  if (bus.figures.sync().count() != 0) event["sync"] = time_fields(bus.figures.sync());
   event["errors"] = Json::array();
   for (std::size_t error = 0; error < bus.errors.size(); ++error) {
     for (std::size_t field = 0; field < can::frame_fields; ++field) {

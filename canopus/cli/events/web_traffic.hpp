@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "canopus/can/bus.hpp"
+#include "canopus/cli/events/web_figures.hpp"
 #include "canopus/plant/plant.hpp"
 
 namespace canopus::cli {
@@ -40,6 +41,7 @@ class WebTraffic {
     std::array<std::uint64_t, frame_classes> frames{};
     /// Error frames, by what their first finder found and where.
     std::array<std::array<std::uint64_t, can::frame_fields>, 6> errors{};
+    WebFigures figures{};
   };
 
   /// The plant must outlive this.
@@ -51,6 +53,8 @@ class WebTraffic {
   /// The event of a view {"traffic": BUS, "can_id": 389}: of the bus of that number in `state`, with the bits of the last frame of
   /// that base identifier, if there was one; empty: there is no such bus.
   [[nodiscard]] std::string look(const nlohmann::json& wish) const;
+  /// Of the bus of this name; nullptr: there is none.
+  [[nodiscard]] const WebFigures* figures(std::string_view bus) const noexcept;
 
  private:
   struct Tap final : can::BusObserver {

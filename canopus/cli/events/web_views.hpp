@@ -38,6 +38,7 @@ class WebViews {
   ///   {"values": [...]}       web_values.hpp
   /// as JSON; empty: it is none. An empty text: nobody looks any more.
   [[nodiscard]] std::string look(std::string_view view);
+  [[nodiscard]] const WebTraffic& traffic() const noexcept { return traffic_; }
 
  private:
   using Json = nlohmann::ordered_json;

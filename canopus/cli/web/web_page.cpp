@@ -91,7 +91,7 @@ WebPage::WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClo
                                     serve::WebRole role) { note(user, line, code, role); }}),
       server_(
           io, clock,
-          {.state = [&plant] { return state_event(plant); },
+          {.state = [this, &plant] { return state_event(plant, &views_.traffic(), &events_.boots()); },
            .lost = [&events](std::uint64_t count) { return events.lost(count); },
            .messages = [this](bool wanted) { return messages_.look(wanted); },
            .view = [this](std::string_view view) { return views_.look(view); },

@@ -4,6 +4,13 @@ import { make, set_text } from "./dom.js";
 const by_id = (id) => document.getElementById(id);
 const kept = 240;  // of the load, four a second
 
+/// "0.9 … 1.4 ms, mean 1.1 ms, jitter 0.5 ms"
+function times_text({ least, mean, most }) {
+  const [factor, unit] = most >= 1 ? [1, "s"] : most >= 0.001 ? [1000, "ms"] : [1e6, "µs"];
+  const text = (seconds) => (factor * seconds).toFixed(unit === "µs" ? 0 : 3);
+  return `${text(least)} … ${text(most)} ${unit}, mean ${text(mean)} ${unit}, jitter ${text(most - least)} ${unit}`;
+}
+
 export class BusView {
   /// `say`: called when what it looks at has changed.
   constructor(section, say) {
@@ -50,6 +57,7 @@ export class BusView {
     if (event.number !== this.number) return;
     this.add_load(event);
     this.draw_errors(event);
+    set_text(by_id("bus-sync"), event.sync ? `SYNC: ${event.sync.count + 1} times, every ${times_text(event.sync)}` : "No SYNC is sent, or one at most.");
     this.draw_ids(event);
     if (event.frame) this.draw_strip(event.frame);
   }
@@ -86,7 +94,7 @@ export class BusView {
     if (this.number === null) return;
     const bus = state.buses[this.number]?.bus;
     const nodes = state.nodes.filter((node) => node.bus === bus);
-    const text = JSON.stringify(nodes.map((node) => [node.node, node.tec, node.rec, node.controller]));
+    const text = JSON.stringify(nodes.map((node) => [node.node, node.tec, node.rec, node.controller, node.sdo]));
     const box = by_id("counters");
     if (box.dataset.text === text) return;
     box.dataset.text = text;
@@ -94,10 +102,11 @@ export class BusView {
       make("svg:rect", { x: 0, y: 2, height: 6, width: Math.min(260, value), class: value > 127 ? "failed" : value >= 96 ? "warned" : "" }),
       ...[96, 128, 256].map((line) => make("svg:line", { x1: line, x2: line, y1: 0, y2: 10 })));
     box.replaceChildren(make("table", {},
-      make("thead", {}, make("tr", {}, ...["Node", "TEC", "96 · 128 · 256", "REC", "96 · 128 · 256", "State"].map((name) => make("th", { scope: "col" }, name)))),
+      make("thead", {}, make("tr", {}, ...["Node", "TEC", "96 · 128 · 256", "REC", "96 · 128 · 256", "State", "SDO answers after"].map((name) => make("th", { scope: "col" }, name)))),
       make("tbody", {}, ...nodes.map((node) => make("tr", {}, make("th", { scope: "row" }, `${node.node} ${node.name}`),
         make("td", {}, this.plot_button(node, "tec")), make("td", {}, bar("TEC", node.tec)),
-        make("td", {}, this.plot_button(node, "rec")), make("td", {}, bar("REC", node.rec)), make("td", {}, node.controller))))));
+        make("td", {}, this.plot_button(node, "rec")), make("td", {}, bar("REC", node.rec)), make("td", {}, node.controller),
+        make("td", {}, node.sdo ? times_text(node.sdo) : "-"))))));
   }
 
   plot_button(node, name) {

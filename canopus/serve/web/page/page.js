@@ -80,18 +80,30 @@ function nodes_of(bus) {
   return [...own, ...foreign];
 }
 
-function rate_of(node) {
+/// PDOs a second, frames a second, and their share of those on the bus, over a second or so; null: not known yet.
+function rates_of(node) {
   const key = key_of(node);
   const before = rates.get(key);
-  if (before && state.t - before.t < 1) return before.rate;
-  const rate = before && state.t > before.t ? (node.pdos - before.pdos) / (state.t - before.t) : null;
-  rates.set(key, { pdos: node.pdos, t: state.t, rate });
-  return rate;
+  if (before && state.t - before.t < 1) return before;
+  const on_bus = state.buses.find((bus) => bus.bus === node.bus)?.frames ?? 0;
+  const span = before ? state.t - before.t : 0;
+  const rate = (name) => (span > 0 ? (node[name] - before[name]) / span : null);
+  const now = { pdos: node.pdos, frames: node.frames, on_bus, t: state.t, pdo_rate: rate("pdos"), frame_rate: rate("frames"),
+    share: span > 0 && on_bus > before.on_bus ? (node.frames - before.frames) / (on_bus - before.on_bus) : null };
+  rates.set(key, now);
+  return now;
 }
 
+const percent_of = (share) => (share === null ? "-" : `${(100 * share).toFixed(1)} %`);
+/// Seconds as people say them.
+const time_text = (seconds) => (seconds >= 1 ? `${seconds.toFixed(1)} s` : seconds >= 0.001 ? `${(1000 * seconds).toFixed(1)} ms` : `${Math.round(1e6 * seconds)} µs`);
+const is_late = (beat) => beat && beat.period > 0 && beat.age > 1.5 * beat.period;
+
 function figures_of(node) {
-  const rate = rate_of(node);
-  const parts = [`${rate === null ? "-" : Math.round(rate)} PDO/s`, `TEC ${node.tec}`, `REC ${node.rec}`];
+  const { pdo_rate } = rates_of(node);
+  const parts = [`${pdo_rate === null ? "-" : Math.round(pdo_rate)} PDO/s`, `TEC ${node.tec}`, `REC ${node.rec}`];
+  if (slave_of(node)?.identity) parts.push("identity ✓");
+  if (is_late(node.heartbeat)) parts.unshift(`no heartbeat for ${time_text(node.heartbeat.age)}`);
   if (node.controller !== "error active") parts.unshift(node.controller);
   if (node.last_emcy) parts.push(`EMCY ${node.last_emcy}H ×${node.emcy}`);
   return parts.join(" · ");
@@ -171,6 +183,11 @@ function draw_node() {
   const rows = [...troubles_of(node).map((line) => ["Why", line]), ["NMT state", node.state], ["Controller", node.controller], ["TEC", number("tec", node.tec)], ["REC", number("rec", node.rec)],
                 ["PDOs sent", number("pdos", node.pdos)], ["Emergencies", number("emcy", node.emcy)]];
   if (node.last_emcy) rows.push(["Last emergency", `${node.last_emcy}H`]);
+  const rates_now = node.foreign ? null : rates_of(node);
+  if (rates_now) rows.push(["Frames sent", number("frames", node.frames)], ["Frames a second", rates_now.frame_rate === null ? "-" : `${Math.round(rates_now.frame_rate)}, ${percent_of(rates_now.share)} of those on the bus`]);
+  if (node.heartbeat) rows.push(["Heartbeat", `${time_text(node.heartbeat.age)} ago${node.heartbeat.period ? `, every ${time_text(node.heartbeat.period)}` : ""}`]);
+  if (node.sdo) rows.push(["SDO answers", `${node.sdo.count}, after ${time_text(node.sdo.least)} to ${time_text(node.sdo.most)}, ${time_text(node.sdo.mean)} in the mean`]);
+  if (slave?.identity) rows.push(["Identity", `✓ ${slave.identity}`]);
   if (slave) rows.push(["Boot", `${slave.step}, since ${slave.since} s, by node ${slave.master}`]);
   for (const line of forced) rows.push(["Forced", line]);
   const body = by_id("node-body");
