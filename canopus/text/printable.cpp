@@ -40,6 +40,13 @@ bool is_control(char32_t code) {
          (code >= 0x202A && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
 }
 
+/// How many octets at the beginning stay as they are for certain: characters of ASCII that are no controls.
+std::size_t plain_octets(std::string_view text) {
+  std::size_t count = 0;
+  while (count < text.size() && text[count] >= 0x20 && text[count] < 0x7F) ++count;
+  return count;
+}
+
 std::string escape(char32_t code) {
   switch (code) {
     case '\n': return "\\n";
@@ -84,7 +91,11 @@ std::size_t columns_of(const Character& character) {
 std::string printable(std::string_view text) {
   std::string safe;
   safe.reserve(text.size());
-  while (!text.empty()) {
+  while (true) {
+    const std::size_t plain = plain_octets(text);
+    safe.append(text.substr(0, plain));
+    text.remove_prefix(plain);
+    if (text.empty()) break;
     const Character next = first_character(text);
     if (!next.code) {
       safe += fmt::format("\\x{:02X}", static_cast<std::uint8_t>(text.front()));
@@ -101,7 +112,11 @@ std::string printable(std::string_view text) {
 std::string printable_json(std::string_view json) {
   std::string safe;
   safe.reserve(json.size());
-  while (!json.empty()) {
+  while (true) {
+    const std::size_t plain = plain_octets(json);
+    safe.append(json.substr(0, plain));
+    json.remove_prefix(plain);
+    if (json.empty()) break;
     const Character next = first_character(json);
     if (next.code && is_control(*next.code)) {
       safe += fmt::format("\\u{:04x}", static_cast<std::uint32_t>(*next.code));

@@ -156,6 +156,43 @@ TEST(OutputQueue, ALineLongerThanTheQueueGoesThroughAlone) {
   EXPECT_EQ(text, longer + "\n");
 }
 
+TEST(OutputQueue, GatheredLinesComeTogetherWhenTheyArePassedOn) {
+  Pipe pipe;
+  OutputQueue queue(pipe.writer(), {});
+  queue.gather();
+  queue.line("one");
+  queue.line("two");
+  queue.pass_on();
+  EXPECT_EQ(pipe.read_until("two\n"), "one\ntwo\n");
+  queue.line("three");
+  queue.end_gathering();
+  EXPECT_EQ(pipe.read_until("three\n"), "three\n");
+  queue.line("four");
+  EXPECT_EQ(pipe.read_until("four\n"), "four\n");
+  queue.gather();
+  queue.line("five");
+  EXPECT_EQ(queue.finish(forever), 0U);
+  EXPECT_EQ(pipe.read_until("five\n"), "five\n");
+}
+
+TEST(OutputQueue, ManyGatheredLinesGoOnByThemselves) {
+  Pipe pipe;
+  OutputQueue queue(pipe.writer(), {.lost_line = lost_line, .capacity = 100});
+  queue.set_patience(forever);
+  queue.gather();
+  std::string text;
+  std::thread reader([&] { text = pipe.read_until("line 2999\n"); });
+  std::string expected;
+  for (int i = 0; i < 3000; ++i) {
+    queue.line("line {}", i);
+    expected += fmt::format("line {}\n", i);
+  }
+  queue.pass_on();
+  reader.join();
+  EXPECT_EQ(text, expected);
+  EXPECT_EQ(queue.lost(), 0U);
+}
+
 TEST(OutputQueue, AReaderThatHasGoneIsAnError) {
   const auto before = std::signal(SIGPIPE, SIG_IGN);
   Pipe pipe;

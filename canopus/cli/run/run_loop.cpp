@@ -200,7 +200,9 @@ bool Run::run_in_real_time() {
   }
   serve::ServiceManager manager(io_);
   manager.ready(fmt::format("{}: {} nodes", options_.plant, plant_->nodes().size()));
-  io_.run();
+  output_->gather();
+  while (io_.run_one() != 0) output_->pass_on();
+  output_->end_gathering();
   manager.stopping();
   (void)clock.now();  // up to the moment it was stopped
   servers.close();

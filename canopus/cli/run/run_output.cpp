@@ -40,6 +40,21 @@ void RunOutput::set_patience(const OutputQueue::Patience& patience) {
   if (error_) error_->set_patience(patience);
 }
 
+void RunOutput::gather() {
+  out_.gather();
+  if (error_) error_->gather();
+}
+
+void RunOutput::pass_on() {
+  out_.pass_on();
+  if (error_) error_->pass_on();
+}
+
+void RunOutput::end_gathering() {
+  out_.end_gathering();
+  if (error_) error_->end_gathering();
+}
+
 int RunOutput::finish(const OutputQueue::Patience& patience) {
   const std::uint64_t unread = out_.finish(patience);
   const int error = out_.error();

@@ -38,6 +38,11 @@ class RunOutput {
   /// The last lines come: they wait for the reader as long as the patience lasts.
   void set_patience(const OutputQueue::Patience& patience);
 
+  /// As OutputQueue's, of both streams.
+  void gather();
+  void pass_on();
+  void end_gathering();
+
   /// Exit codes of finish().
   static constexpr int written = 0;
   static constexpr int failed = 1;

@@ -19,6 +19,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
+constexpr std::size_t most_gathered = std::size_t{1} << 16;  // octets
+
 bool is_pipe(int descriptor) {
   struct stat status {};
   return ::fstat(descriptor, &status) == 0 && S_ISFIFO(status.st_mode);
@@ -174,6 +176,7 @@ OutputQueue::~OutputQueue() { (void)finish({}); }
 void OutputQueue::write(std::string_view text) {
   std::unique_lock lock(shared_->mutex);
   const auto settled = [&] { return !shared_->is_open() || shared_->fits(text.size()); };
+  if (gathers_ && !settled()) shared_->work.notify_one();
   if (!shared_->wait(lock, patience_, settled) || !shared_->is_open()) {
     ++shared_->lost;
     if (shared_->is_open()) ++shared_->unsaid;
@@ -181,10 +184,22 @@ void OutputQueue::write(std::string_view text) {
   }
   if (shared_->idle()) shared_->moved_at = Clock::now();  // its reader had nothing to take until now
   shared_->waiting += text;
+  has_gathered_ = gathers_ && shared_->waiting.size() < std::min(most_gathered, shared_->use.capacity / 2);
+  if (!has_gathered_) shared_->work.notify_one();
+}
+
+void OutputQueue::pass_on() {
+  if (!std::exchange(has_gathered_, false)) return;
   shared_->work.notify_one();
 }
 
+void OutputQueue::end_gathering() {
+  gathers_ = false;
+  pass_on();
+}
+
 bool OutputQueue::flush(const Patience& patience) {
+  pass_on();
   std::unique_lock lock(shared_->mutex);
   return shared_->wait(lock, patience, [this] { return shared_->idle(); });
 }

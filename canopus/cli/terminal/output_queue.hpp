@@ -40,6 +40,12 @@ class OutputQueue final : public Output {
 
   /// From now on a line that does not fit waits, as long as the patience lasts; without one it is lost at once.
   void set_patience(Patience patience) { patience_ = std::move(patience); }
+  /// From now on the thread is woken by pass_on(), not by each line: a wake costs more than a line.
+  void gather() { gathers_ = true; }
+  /// Lets the thread write what was gathered.
+  void pass_on();
+  /// From now on each line wakes the thread again.
+  void end_gathering();
   /// Waits until everything is written, as long as the patience lasts, and ends the thread. What is printed
   /// later is lost. Returns how many lines never reached the reader without a word about it.
   std::uint64_t finish(const Patience& patience);
@@ -60,6 +66,8 @@ class OutputQueue final : public Output {
   std::shared_ptr<Shared> shared_;  // the thread's, too: it may be stuck in the kernel when this one goes
   std::thread thread_;
   Patience patience_;
+  bool gathers_ = false;
+  bool has_gathered_ = false;
 };
 
 }  // namespace canopus::cli

@@ -105,14 +105,18 @@ std::optional<BufferAddress> ModuleSettings::layer2_preset_error(const Layer2Rul
 canopen::AbortCode ModuleSettings::preset_object(std::uint16_t index, std::uint8_t sub,
                                                  std::span<const std::uint8_t> value) {
   const canopen::AbortCode code = check_object(index, sub, value);
-  if (code == canopen::AbortCode::none) factory_objects_[{index, sub}] = {value.begin(), value.end()};
+  if (code != canopen::AbortCode::none) return code;
+  factory_objects_[{index, sub}] = {value.begin(), value.end()};
+  images_are_made_ = false;
   return code;
 }
 
 canopen::AbortCode ModuleSettings::parameter_object(std::uint16_t index, std::uint8_t sub,
                                                     std::span<const std::uint8_t> value) {
   const canopen::AbortCode code = check_object(index, sub, value);
-  if (code == canopen::AbortCode::none) parameters_.objects[{index, sub}] = {value.begin(), value.end()};
+  if (code != canopen::AbortCode::none) return code;
+  parameters_.objects[{index, sub}] = {value.begin(), value.end()};
+  images_are_made_ = false;
   return code;
 }
 
@@ -206,16 +210,29 @@ std::optional<canopen::Entry> ModuleSettings::faulty_mapping(std::uint8_t node_i
   return first_faulty_mapping(scratch);
 }
 
+// Each reset of the node reads them.
+void ModuleSettings::make_images() {
+  const auto make = [](std::vector<std::uint8_t>& image, const auto& objects) {
+    image.clear();
+    for (const auto& [place, value] : objects) {
+      canopen::append_stored_value(image, stored_length, place.first, place.second, value);
+    }
+    image.shrink_to_fit();
+  };
+  make(factory_image_, factory_objects_);
+  make(parameter_image_, parameters_.objects);
+  images_are_made_ = true;
+}
+
 NonVolatileMemory::Content ModuleSettings::stored_objects() {
   NonVolatileMemory::Content content = flash_.read(objects_name);
   if (content.state == State::damaged) content.bytes.clear();
-  const auto append = [&content](const auto& objects) {
-    for (const auto& [place, value] : objects) {
-      canopen::append_stored_value(content.bytes, stored_length, place.first, place.second, value);
-    }
+  if (!images_are_made_) make_images();
+  const auto append = [&content](const std::vector<std::uint8_t>& image) {
+    content.bytes.insert(content.bytes.end(), image.begin(), image.end());
   };
-  if (content.state == State::missing) append(factory_objects_);
-  append(parameters_.objects);  // the last one counts
+  if (content.state == State::missing) append(factory_image_);
+  append(parameter_image_);  // the last one counts
   return content;
 }
 

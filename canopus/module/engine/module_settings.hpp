@@ -119,6 +119,7 @@ class ModuleSettings {
   [[nodiscard]] std::optional<StoredWords> stored_words();
   /// The stored objects, or the factory's.
   [[nodiscard]] NonVolatileMemory::Content stored_objects();
+  void make_images();
   const FunctionModeRow* use_words(const StoredWords& words, BufferMemory& buffer) const;
   [[nodiscard]] std::uint8_t node_id(const BufferMemory& buffer) const;
 
@@ -130,6 +131,9 @@ class ModuleSettings {
   StoredWords factory_words_;
   std::map<std::pair<std::uint16_t, std::uint8_t>, std::vector<std::uint8_t>> factory_objects_;
   ModuleParameters parameters_;
+  std::vector<std::uint8_t> factory_image_;  // of the objects of both, as they are stored
+  std::vector<std::uint8_t> parameter_image_;
+  bool images_are_made_ = false;
   StoredWords words_;                      // as stored, of all function modes
   const FunctionModeRow* mode_ = nullptr;  // in use, from the first load() on
   std::uint32_t known_writes_ = 0;         // when wore_out() looked last
