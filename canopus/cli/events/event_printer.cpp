@@ -1,5 +1,6 @@
 #include "canopus/cli/events/event_printer.hpp"
 
+#include <fmt/compile.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -227,8 +228,9 @@ bool in_operation(const plant::NodeStatus& node) {
 std::string describe(const plant::NodeLabel& node) {
   if (node.node_id == 0) return fmt::format("{} ({})", node.bus, node.name);
   if (node.node_id == no_node_id) return fmt::format("{} unconfigured ({})", node.bus, node.name);
-  return node.name.empty() ? fmt::format("{} node {}", node.bus, node.node_id)
-                           : fmt::format("{} node {} ({})", node.bus, node.node_id, node.name);
+  // Thousands of lines at one moment begin so.
+  return node.name.empty() ? fmt::format(FMT_COMPILE("{} node {}"), node.bus, node.node_id)
+                           : fmt::format(FMT_COMPILE("{} node {} ({})"), node.bus, node.node_id, node.name);
 }
 
 std::string describe_lss(const plant::NodeLabel& node, std::uint32_t bit_rate) {
@@ -305,7 +307,8 @@ std::string LinePrinter::lost_line(std::uint64_t lines) const {
 
 void LinePrinter::line(can::Time now, std::string_view text) {
   latest_ = now;
-  out_.line("{:>12.6f}  {}", event_seconds(now), text);
+  const auto microseconds = now.time_since_epoch() / std::chrono::microseconds(1);
+  out_.line("{:>5}.{:06}  {}", microseconds / 1'000'000, microseconds % 1'000'000, text);
 }
 
 void LinePrinter::booted(const plant::NodeLabel& node, can::Time now) {
@@ -339,7 +342,10 @@ void LinePrinter::slave_boot_went_on(const plant::NodeLabel& slave, const plant:
   if (quiet_ || again || still) return;  // a missing slave is asked for ever: reported once
   const std::string words =
       record.step == BootStep::presence_pause ? manager::explain(record, now) : manager::describe(record);
-  line(now, fmt::format("{}: {}{}", describe(slave), record.step == BootStep::booted ? "" : "boot: ", words));
+  std::string text = describe(slave);
+  text += record.step == BootStep::booted ? ": " : ": boot: ";
+  text += words;
+  line(now, text);
 }
 
 void LinePrinter::signal_changed(std::string_view plc, char kind, unsigned number, bool on, can::Time now) {
