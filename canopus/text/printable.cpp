@@ -1,6 +1,7 @@
 #include "canopus/text/printable.hpp"
 
 #include <cstdint>
+#include <cstring>
 #include <cwchar>
 #include <optional>
 
@@ -42,7 +43,13 @@ bool is_control(char32_t code) {
 
 /// How many octets at the beginning stay as they are for certain: characters of ASCII that are no controls.
 std::size_t plain_octets(std::string_view text) {
+  constexpr std::uint64_t every = 0x0101'0101'0101'0101;  // eight at a time
   std::size_t count = 0;
+  for (std::uint64_t eight = 0; count + sizeof eight <= text.size(); count += sizeof eight) {
+    std::memcpy(&eight, text.data() + count, sizeof eight);
+    // The highest bit of an octet: not ASCII, below 20H, or DEL.
+    if (((eight | (eight - 0x20 * every) | (eight + every)) & (0x80 * every)) != 0) break;
+  }
   while (count < text.size() && text[count] >= 0x20 && text[count] < 0x7F) ++count;
   return count;
 }

@@ -2,6 +2,7 @@
 
 #include "canopus/text/printable.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -9,6 +10,18 @@ namespace canopus::text {
 namespace {
 
 using namespace std::string_literals;
+
+TEST(Printable, AControlIsFoundAtEveryPlace) {
+  const std::string plain = "~ a line of 24 octets. ~";
+  for (const char control : {'\x00', '\x1F', '\x7F', '\x80', '\xFF'}) {
+    for (std::size_t place = 0; place <= plain.size(); ++place) {
+      const std::string text = plain.substr(0, place) + control + plain.substr(place);
+      const std::string escape = fmt::format("\\x{:02X}", static_cast<std::uint8_t>(control));
+      EXPECT_EQ(printable(text), plain.substr(0, place) + escape + plain.substr(place));
+    }
+  }
+  EXPECT_EQ(printable(plain), plain);
+}
 
 TEST(Printable, OrdinaryTextStaysAsItIs) {
   for (const std::string text :
