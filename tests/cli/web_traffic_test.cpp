@@ -2,6 +2,7 @@
 
 #include "canopus/cli/events/web_traffic.hpp"
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <vector>
@@ -103,6 +104,38 @@ TEST_F(WebTrafficTest, TheLastFrameOfAnIdentifier) {
                            R"({"traffic":0,"can_id":-1})", R"({"traffic":0,"can_id":"703"})"}) {
     EXPECT_FALSE(look(none).contains("frame")) << none;
   }
+}
+
+TEST_F(WebTrafficTest, FramesWith29Bits_HaveTheirOwnPlaces) {
+  can::Port& port = plant_->bus(0).add_port("sender");
+  const auto send = [&](std::uint32_t id, std::uint8_t value) {
+    ASSERT_TRUE(port.send({.identifier = id, .extended = true, .dlc = 1, .data = {value}}));
+    plant_->timeline().run_until(plant_->timeline().now() + 20ms);
+  };
+  send(0x18FF1234, 1);
+  send(0x703, 2);
+  send(0x18FF1234, 3);
+  const json event = look(R"({"traffic":0,"can_id":419369524,"extended":true})");  // 18FF1234H
+  EXPECT_THAT(event["can_ids"].get<std::vector<std::string>>(),
+              IsSupersetOf({"703", "00000703", "18FF1234"}));
+  EXPECT_EQ(event["frame"]["can_id"], "18FF1234");
+  EXPECT_EQ(event["frame"]["data"], "03");
+  const auto bits_of = [](const json& frame, const char* field) {
+    std::size_t count = 0;
+    for (const json& bit : frame["bits"]) count += bit["field"] == field && !bit.contains("stuff") ? 1 : 0;
+    return count;
+  };
+  EXPECT_EQ(bits_of(event["frame"], "RTR (extended)"), 1U);
+  EXPECT_EQ(bits_of(event["frame"], "ID.17-13") + bits_of(event["frame"], "ID.12-5") +
+                bits_of(event["frame"], "ID.4-0"),
+            18U);
+  EXPECT_EQ(look(R"({"traffic":0,"can_id":1795,"extended":true})")["frame"]["data"], "02");
+  EXPECT_EQ(look(R"({"traffic":0,"can_id":1795})")["frame"]["data"], "05") << "the heartbeat";
+  EXPECT_FALSE(look(R"({"traffic":0,"can_id":1796,"extended":true})").contains("frame"));
+  // The first 64 have places.
+  for (std::uint32_t id = 0; id < 70; ++id) send(0x10000 + id, 0);
+  const auto ids = look(R"({"traffic":0})")["can_ids"].get<std::vector<std::string>>();
+  EXPECT_EQ(std::ranges::count_if(ids, [](const std::string& id) { return id.size() == 8; }), 64);
 }
 
 TEST_F(WebTrafficTest, WhatIsNoBusAndNoNode_IsNothing) {

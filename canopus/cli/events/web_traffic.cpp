@@ -1,5 +1,7 @@
 #include "canopus/cli/events/web_traffic.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "canopus/cli/events/event_printer.hpp"
@@ -26,7 +28,7 @@ can::FrameField field_of(unsigned payload, unsigned header, std::size_t data, st
 void add_frame(Json& event, const WebTraffic::Seen& seen) {
   std::string data;
   for (const std::uint8_t byte : seen.frame.bytes()) data += fmt::format("{:02X}", byte);
-  event["frame"] = {{"can_id", fmt::format("{:03X}", seen.frame.identifier)},
+  event["frame"] = {{"can_id", fmt::format("{:0{}X}", seen.frame.identifier, seen.frame.extended ? 8 : 3)},
                     {"at", event_seconds(seen.at)},
                     {"dlc", seen.frame.dlc},
                     {"remote", seen.frame.remote},
@@ -95,16 +97,25 @@ WebTraffic::~WebTraffic() {
   for (std::size_t i = 0; i < taps_.size(); ++i) plant_.bus(i).remove_observer(*taps_[i]);
 }
 
+/// The place of an identifier; nullptr: of 29 bits, and there is no room for another one.
+WebTraffic::Seen* WebTraffic::seen_of(Bus& bus, std::uint32_t identifier, bool extended) noexcept {
+  if (!extended) return &bus.seen[identifier & can::max_base_identifier];
+  const auto place = std::ranges::find_if(bus.extended, [identifier](const Seen& one) {
+    return one.frames == 0 || one.frame.identifier == identifier;
+  });
+  return place == bus.extended.end() ? nullptr : &*place;
+}
+
 void WebTraffic::Tap::frame_completed(const can::Frame& frame, can::Time start, can::Time end) {
   const auto place = static_cast<std::size_t>(class_of(frame));
   bus.busy[place] += end - start;
   ++bus.frames[place];
   bus.figures.frame_completed(frame, end);
-  if (frame.extended) return;
-  Seen& seen = bus.seen[frame.identifier & can::max_base_identifier];
-  ++seen.frames;
-  seen.at = end;
-  seen.frame = frame;
+  Seen* const seen = seen_of(bus, frame.identifier, frame.extended);
+  if (seen == nullptr) return;
+  ++seen->frames;
+  seen->at = end;
+  seen->frame = frame;
 }
 
 void WebTraffic::Tap::errors_reported(std::span<const can::BusErrorReport> reports, can::Time /*now*/) {
@@ -148,9 +159,22 @@ std::string WebTraffic::look(const nlohmann::json& wish) const {
   for (std::size_t id = 0; id < bus.seen.size(); ++id) {
     if (bus.seen[id].frames != 0) event["can_ids"].push_back(fmt::format("{:03X}", id));
   }
+  std::vector<std::uint32_t> extended;
+  for (const Seen& one : bus.extended) {
+    if (one.frames != 0) extended.push_back(one.frame.identifier);
+  }
+  std::ranges::sort(extended);
+  for (const std::uint32_t id : extended) event["can_ids"].push_back(fmt::format("{:08X}", id));
   const auto wanted = wish.find("can_id");
   if (wanted == wish.end() || !wanted->is_number_unsigned()) return view_event(event);
   const auto id = wanted->get<std::uint64_t>();
+  const auto is_extended = wish.find("extended");
+  if (is_extended != wish.end() && is_extended->is_boolean() && is_extended->get<bool>()) {
+    const auto seen = std::ranges::find_if(
+        bus.extended, [id](const Seen& one) { return one.frames != 0 && one.frame.identifier == id; });
+    if (seen != bus.extended.end()) add_frame(event, *seen);
+    return view_event(event);
+  }
   if (id < bus.seen.size() && bus.seen[id].frames != 0) add_frame(event, bus.seen[id]);
   return view_event(event);
 }

@@ -34,9 +34,11 @@ class WebTraffic {
     can::Time at{};            ///< end of the frame
     can::Frame frame{};
   };
+  static constexpr std::size_t most_extended = 64;  ///< identifiers of 29 bits: the first ones of a bus
   /// Of one bus.
   struct Bus {
     std::array<Seen, 2048> seen{};                    ///< by base identifier
+    std::array<Seen, most_extended> extended{};       ///< in the order in which they came
     std::array<can::Duration, frame_classes> busy{};  ///< time on the bus, without intermission
     std::array<std::uint64_t, frame_classes> frames{};
     /// Error frames, by what their first finder found and where.
@@ -51,12 +53,14 @@ class WebTraffic {
   WebTraffic& operator=(const WebTraffic&) = delete;
 
   /// The event of a view {"traffic": BUS, "can_id": 389}: of the bus of that number in `state`, with the bits of the last frame of
-  /// that base identifier, if there was one; empty: there is no such bus.
+  /// that base identifier, with "extended": true of that identifier of 29 bits, if there was one; empty: there is no such bus.
   [[nodiscard]] std::string look(const nlohmann::json& wish) const;
   /// Of the bus of this name; nullptr: there is none.
   [[nodiscard]] const WebFigures* figures(std::string_view bus) const noexcept;
 
  private:
+  [[nodiscard]] static Seen* seen_of(Bus& bus, std::uint32_t identifier, bool extended) noexcept;
+
   struct Tap final : can::BusObserver {
     void frame_completed(const can::Frame& frame, can::Time start, can::Time end) override;
     void errors_reported(std::span<const can::BusErrorReport> reports, can::Time now) override;

@@ -28,7 +28,7 @@ export class BusView {
     }
     this.empty(by_id("strip"));
     this.number = number;
-    this.id = /^[0-9A-F]{3}$/i.test(id ?? "") ? id.toUpperCase() : null;
+    this.id = /^([0-9A-F]{3}|[0-9A-F]{8})$/i.test(id ?? "") ? id.toUpperCase() : null;
     const was_hidden = this.section.hidden;
     set_text(by_id("bus-title"), `Bus ${name}`);
     this.section.hidden = false;
@@ -50,7 +50,7 @@ export class BusView {
   /// What the server is asked for, or null.
   get view() {
     if (this.number === null) return null;
-    return this.id ? { traffic: this.number, can_id: parseInt(this.id, 16) } : { traffic: this.number };
+    return this.id ? { traffic: this.number, can_id: parseInt(this.id, 16), ...(this.id.length === 8 ? { extended: true } : {}) } : { traffic: this.number };
   }
 
   draw(event) {
