@@ -217,3 +217,24 @@ def web_faults_in_chromium():
     require("expected one of drop, corrupt" in seen["wrong"], seen["wrong"])
     require(seen["stuck"] == "now" and "bus-off" in seen["controllers"], seen)
     require(seen["look_disabled"] and not seen["look_menu"], "who only looks")
+
+
+@check
+def web_audit_log_is_not_filled_by_who_may_nothing():
+    """Of what is refused to somebody who only looks five lines a second stand in the log, of the others how many they were; nothing is lost at the end."""
+    folder, log = new_project("web-refused"), scratch / "web-refused.audit"
+    log.unlink(missing_ok=True)
+    tries = 30
+    with running_page(folder, "--no-devices", "--audit", log) as page:
+        looker = Watcher(page_of(page)[1])
+        for own in range(1, tries + 1):
+            looker.say({"do": {"command": "project undo"}, "id": own})
+        for own in range(1, tries + 1):
+            require(looker.event(lambda e, own=own: e["event"] == "reply" and e["id"] == own)["code"] == 7, own)
+        page.process.terminate()
+        page.process.wait(PATIENCE)
+    lines = [json.loads(line) for line in log.read_text().splitlines()]
+    refused = [line for line in lines if line["do"].startswith("canopus project undo")]
+    left_out = sum(int(found[1]) for line in lines if (found := re.fullmatch(r"(\d+) more that were refused", line["do"])))
+    require(5 <= len(refused) < tries and len(refused) + left_out == tries, [line["do"] for line in lines])
+    require(all(line["code"] == 7 for line in lines), lines)

@@ -213,6 +213,16 @@ TEST_F(WebGateTest, TheSessionSaysItsKey_ToItsOwnCookieAlone) {
   EXPECT_EQ(WebGate::described(nullptr).status, 401U);
 }
 
+TEST_F(WebGateTest, TwoCookieFields_AreNoSession) {
+  open();
+  const std::string cookie = cookie_in(log_in(right_form));
+  WebRequest request;
+  request.insert(boost::beast::http::field::cookie, cookie);
+  EXPECT_NE(gate_->session_of(request, at_, start), nullptr);
+  request.insert(boost::beast::http::field::cookie, "other=1");
+  EXPECT_EQ(gate_->session_of(request, at_, start), nullptr) << "which one a proxy has seen is not known";
+}
+
 TEST_F(WebGateTest, LoggingOutNeedsTheKey) {
   open();
   const std::string cookie = cookie_in(log_in(right_form));
