@@ -105,7 +105,7 @@ std::expected<ChangeSets::Journal, std::string> ChangeSets::load() {
     }
     journal.records.push_back(std::move(record));
   }
-  if (!reader.is_whole()) return std::unexpected(name_of(".canopus/journal") + ": is damaged");
+  if (!reader.is_whole()) return std::unexpected(name_of(records_ / journal_name) + ": is damaged");
   return journal;
 }
 

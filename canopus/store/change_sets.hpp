@@ -1,7 +1,7 @@
 #pragma once
 // Changes of several files of a folder that are made together or not at all, and can be taken back one by one.
 //
-// What is going to be written is first put into a journal in the folder ".canopus" there. From then on the change counts:
+// What is going to be written is first put into a journal, in the folder ".canopus" there. From then on the change counts:
 // a power cut in the middle is made up for by the next recover(). The journal keeps what the files were before, for undo().
 
 #include <cstddef>
@@ -29,9 +29,13 @@ class ChangeSets {
   static constexpr std::size_t most_bytes_kept = 8 << 20;  ///< of the files before them
   static constexpr std::size_t longest_file = 16 << 20;    ///< bytes
 
-  /// `files` must outlive it.
-  explicit ChangeSets(std::filesystem::path folder, Files& files = real_files())
-      : folder_(std::move(folder)), files_(&files), journal_(folder_ / ".canopus", {}, files) {}
+  /// `files` must outlive it. `records`: where the journal lies, below the folder.
+  explicit ChangeSets(std::filesystem::path folder, Files& files = real_files(),
+                      const std::filesystem::path& records = ".canopus")
+      : folder_(std::move(folder)),
+        files_(&files),
+        records_(records),
+        journal_(folder_ / records, {}, files) {}
 
   /// Ends a change that a power cut left half done. To be called before anything is read.
   [[nodiscard]] std::expected<void, std::string> recover();
@@ -64,10 +68,13 @@ class ChangeSets {
   [[nodiscard]] Done carry_out(Journal journal);
   [[nodiscard]] Done put(const std::string& name, const std::optional<std::string>& content);
   static void drop_oldest(std::vector<Record>& records);
-  [[nodiscard]] std::string name_of(const std::string& name) const { return (folder_ / name).string(); }
+  [[nodiscard]] std::string name_of(const std::filesystem::path& name) const {
+    return (folder_ / name).string();
+  }
 
   std::filesystem::path folder_;
   Files* files_;
+  std::filesystem::path records_;
   FileMemory journal_;
 };
 

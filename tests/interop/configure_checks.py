@@ -1,5 +1,6 @@
 """Checks of what the vendors' configuration tools do: `canopus configure` on an FX3U-CAN, and the commands for an AS-FCOPM. A Python
 client of the MC protocol looks into the module; the tool's own reading is no witness of its writing."""
+import json
 import os
 import re
 import shlex
@@ -323,3 +324,38 @@ def the_vendors_operations_on_an_as_fcopm_are_commands():
             require("4321" in sdo("read", "3", "6083:00", "--type", "u32"), "a parameter that was edited")
     gone = command(program, "plc", "read", "SR822", "--modbus", "--host", host, "--port", port, "--timeout", "1s", expect=1)
     require(port in gone.stderr, "a PLC that is not there")
+
+
+@check
+def changes_of_settings_are_taken_back_byte_for_byte():
+    path = project("undo", ("basic", "Node ID=5"))
+    other = project("undo-other")
+    steps = [path.read_bytes()]
+    for words in (("set", path, "basic", "Node ID=6"), ("set", path, "tpdo/3", "Event timer=100"), ("delete", path, "tpdo/3"),
+                  ("defaults", path, "basic"), ("import", path, other)):
+        tool(None, *words)
+        if path.read_bytes() != steps[-1]:
+            steps.append(path.read_bytes())
+    require(len(steps) >= 4, "nothing changed")
+    titles = []
+    for before in reversed(steps[:-1]):
+        titles.append(tool(None, "undo", path).stdout.strip())
+        require(path.read_bytes() == before, titles)
+    require(titles[-3:] == ["taken back: delete tpdo/3", "taken back: set tpdo/3 Event timer=100", "taken back: set basic Node ID=6"], titles)
+    require(json.loads(tool(None, "undo", path, "--json").stdout) == {"event": "undone", "title": "set basic Node ID=5"}, "the first change")
+    require("there is nothing to take back" in tool(None, "undo", path, expect=2).stderr, "more than there was")
+    require("there is nothing to take back" in tool(None, "undo", other, expect=2).stderr, "a change of another file")
+    # What somebody else has changed since stays; a refused change is none; a file that is not there leaves nothing behind.
+    tool(None, "set", path, "basic", "Node ID=7")
+    tool(None, "set", path, "basic", "Node ID=128", expect=2)
+    path.write_bytes(path.read_bytes() + b"<!-- a note -->\n")
+    require("has been changed since" in tool(None, "undo", path, expect=2).stderr, "it was overwritten")
+    require(path.read_bytes().endswith(b"<!-- a note -->\n"), "the note is gone")
+    tool(None, "set", scratch / "no-such.xml", "basic", "Node ID=7", expect=2)
+    require(not (scratch / ".canopus/settings/no-such.xml").exists(), "a folder for nothing")
+    # Two at a time do not lose each other's changes.
+    import fcntl
+    with open(scratch / ".canopus/settings/undo-other.xml/.lock", "a") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        require("another process" in tool(None, "set", other, "basic", "Node ID=9", expect=2).stderr, "it was changed")
+        require("Node ID" in tool(None, "show", other).stdout, "it cannot be read meanwhile")

@@ -148,6 +148,24 @@ await go("basic");
 await page.locator("[data-window=basic] select[data-field='Baud-Rate']").selectOption("250");
 await idle();
 await picture(page, "basic", "#settings-section");
+// What was changed last is taken back.
+await go("basic");
+const node_id = page.locator("[data-window=basic] input[data-field='Node ID']");
+const node_id_before = await node_id.inputValue();
+for (const value of ["101", "102"]) {
+  await node_id.fill(value);
+  await node_id.press("Tab");
+  await page.waitForTimeout(20);
+  await idle();
+}
+seen.undone = [];
+for (let i = 0; i < 2; ++i) {
+  await page.click("#settings-undo");
+  await page.waitForTimeout(20);
+  await idle();
+  seen.undone.push([await said(), await node_id.inputValue(), await node_id.getAttribute("data-mood")]);
+}
+seen.undo_restored = await node_id.inputValue() === node_id_before;
 seen.write = await counted(page, async () => {
   await button("Write module basic settings").click();
   await page.waitForSelector("#settings-page tr.differs");
@@ -248,5 +266,6 @@ await page.click("#settings-hide");
 seen.description_hidden = !await page.isVisible("#settings-description");
 const looker = await open(`${url.replace(/#.*/, "")}#settings/0/basic`);
 await looker.waitForSelector("#settings-page input");
+seen.look_undo = await looker.isEnabled("#settings-undo");
 seen.look_enabled = await looker.locator("#settings-page :is(input, select, button):enabled").evaluateAll((all) => all.map((one) => one.textContent.trim() || one.getAttribute("aria-label") || one.dataset.field));
 await end();

@@ -173,6 +173,7 @@ def web_settings_in_chromium():
     require(seen["not_mappable"].startswith("0xA1C0:0xFF is none of"), seen["not_mappable"])
 
     # The module has what the page says.
+    require(seen["undone"][0][:2] == ["taken back: set basic Node ID=102", "101"] and seen["undone"][1][0] == "taken back: set basic Node ID=101" and seen["undo_restored"] and not seen["look_undo"], seen["undone"])
     require(seen["write"] == {"clicks": 1, "typed": 0} and any("SDO timeout" in line for line in seen["plan"]), seen["plan"])
     require("is in RUN" in seen["in_run"], seen["in_run"])
     require(seen["plan_of_all"] > len(seen["plan"]) and "Transmission type: the module has FEH" in seen["marked"], seen["marked"])

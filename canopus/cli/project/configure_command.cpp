@@ -121,6 +121,12 @@ void add_offline(const Adder& adder) {
     command->add_option("WINDOW", arguments->window, "basic, tpdo and so on")->required();
   }
   {
+    auto [command, arguments] = adder.with_file(
+        "undo", "Take back the latest change of a project, then the one before it (50 at most)",
+        undo_in_project);
+    command->add_flag("--json", arguments->json, "what was taken back as a JSON object");
+  }
+  {
     auto [command, arguments] = adder.with_file("check", "Say what is wrong in a project", check_project);
     command->add_flag("--json", arguments->json, "one JSON object per finding");
   }

@@ -59,6 +59,7 @@ int restore_in_project(const ConfigureArguments& arguments);
 int check_project(const ConfigureArguments& arguments);
 int export_project(const ConfigureArguments& arguments);
 int import_project(const ConfigureArguments& arguments);
+int undo_in_project(const ConfigureArguments& arguments);
 int list_recent_projects();
 int describe_windows(const ConfigureArguments& arguments);
 int list_mappable_objects(const ConfigureArguments& arguments);

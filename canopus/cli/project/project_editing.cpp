@@ -48,15 +48,17 @@ std::expected<Place, std::string> place_of(const ModuleProject& project, const s
   return Place{window, number->first};
 }
 
-/// Loads, changes, saves; nothing is saved when something was refused.
+/// Loads, changes, saves; nothing is saved when something was refused. `title`: what is done, for who takes it back.
 template <typename Change>
-int change_project(const std::string& path, Change change) {
-  auto project = load_project(path);
+int change_project(const std::string& path, const std::string& title, Change change) {
+  auto file = ChangingProject::open(path);
+  if (!file) return configure_failed(configure_code::usage, file.error());
+  auto project = file->read();
   if (!project) return configure_failed(configure_code::usage, project.error());
   if (const std::string wrong = change(*project); !wrong.empty()) {
     return configure_failed(configure_code::usage, fmt::format("{}: {}", path, wrong));
   }
-  if (const std::string wrong = save_project(path, *project); !wrong.empty()) {
+  if (const std::string wrong = file->save(*project, title); !wrong.empty()) {
     return configure_failed(configure_code::failed, wrong);
   }
   remember_project(path);
@@ -158,7 +160,9 @@ int show_project(const ConfigureArguments& arguments) {
 }
 
 int set_in_project(const ConfigureArguments& arguments) {
-  return change_project(arguments.file, [&](ModuleProject& project) -> std::string {
+  const std::string title = fmt::format("set {}{}{}", arguments.window, arguments.settings.empty() ? "" : " ",
+                                        fmt::join(arguments.settings, ", "));
+  return change_project(arguments.file, title, [&](ModuleProject& project) -> std::string {
     const auto place = place_of(project, arguments.window);
     if (!place) return place.error();
     if (!place->window->key.empty() && !project.rows(*place->window).contains(place->key)) {
@@ -183,23 +187,25 @@ int set_in_project(const ConfigureArguments& arguments) {
 }
 
 int delete_from_project(const ConfigureArguments& arguments) {
-  return change_project(arguments.file, [&](ModuleProject& project) -> std::string {
-    const auto place = place_of(project, arguments.window);
-    if (!place) return place.error();
-    if (place->window->key.empty())
-      return fmt::format("{} is not a row; `defaults` restores its values", arguments.window);
-    return project.remove(*place->window, place->key) ? std::string()
-                                                      : fmt::format("{} is not there", arguments.window);
-  });
+  return change_project(
+      arguments.file, "delete " + arguments.window, [&](ModuleProject& project) -> std::string {
+        const auto place = place_of(project, arguments.window);
+        if (!place) return place.error();
+        if (place->window->key.empty())
+          return fmt::format("{} is not a row; `defaults` restores its values", arguments.window);
+        return project.remove(*place->window, place->key) ? std::string()
+                                                          : fmt::format("{} is not there", arguments.window);
+      });
 }
 
 int restore_in_project(const ConfigureArguments& arguments) {
-  return change_project(arguments.file, [&](ModuleProject& project) -> std::string {
-    const Window* const window = project.window(arguments.window);
-    if (window == nullptr) return fmt::format("\"{}\" is no window", arguments.window);
-    project.restore_defaults(*window);
-    return {};
-  });
+  return change_project(arguments.file, "defaults of " + arguments.window,
+                        [&](ModuleProject& project) -> std::string {
+                          const Window* const window = project.window(arguments.window);
+                          if (window == nullptr) return fmt::format("\"{}\" is no window", arguments.window);
+                          project.restore_defaults(*window);
+                          return {};
+                        });
 }
 
 int check_project(const ConfigureArguments& arguments) {
@@ -232,8 +238,32 @@ int export_project(const ConfigureArguments& arguments) {
 int import_project(const ConfigureArguments& arguments) {
   const auto backup = load_project(arguments.other_file);
   if (!backup) return configure_failed(configure_code::usage, backup.error());
-  const std::string wrong = save_project(arguments.file, *backup);
+  std::string wrong;
+  if (std::error_code error; std::filesystem::exists(arguments.file, error)) {
+    auto file = ChangingProject::open(arguments.file);
+    if (!file) return configure_failed(configure_code::usage, file.error());
+    wrong = file->save(*backup, "import " + arguments.other_file);
+  } else {
+    wrong = save_project(arguments.file, *backup);
+  }
   return wrong.empty() ? configure_code::done : configure_failed(configure_code::failed, wrong);
+}
+
+int undo_in_project(const ConfigureArguments& arguments) {
+  auto file = ChangingProject::open(arguments.file);
+  if (!file) return configure_failed(configure_code::usage, file.error());
+  const auto title = file->undo();
+  if (!title) return configure_failed(configure_code::usage, title.error());
+  if (!*title) {
+    return configure_failed(configure_code::usage,
+                            fmt::format("{}: there is nothing to take back", arguments.file));
+  }
+  if (arguments.json) {
+    print_json(Json{{"event", "undone"}, {"title", **title}});
+  } else {
+    print_line("taken back: {}", **title);
+  }
+  return configure_code::done;
 }
 
 int list_recent_projects() {

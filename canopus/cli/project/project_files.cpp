@@ -1,6 +1,7 @@
 #include "canopus/cli/project/project_files.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdlib>
 #include <filesystem>
 #include <span>
@@ -46,6 +47,13 @@ std::string write_whole(const fs::path& path, const std::string& text) {
   return fmt::format("{}: {}", path.string(), store::describe_error(failure));
 }
 
+/// The folder of the changes of a file, below its own.
+fs::path records_of(const fs::path& path) { return fs::path(".canopus") / "settings" / path.filename(); }
+
+fs::path folder_of(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
 fs::path list_path() {
   const char* const state = std::getenv("XDG_STATE_HOME");
   if (state != nullptr && *state != '\0') return fs::path(state) / "canopus" / "recent-projects";
@@ -66,6 +74,25 @@ std::expected<project::ModuleProject, std::string> load_project(const std::strin
 
 std::string save_project(const std::string& path, const project::ModuleProject& project) {
   return write_whole(path, project::to_xml(project));
+}
+
+std::expected<ChangingProject, std::string> ChangingProject::open(const std::string& path) {
+  const fs::path folder = folder_of(path);
+  const fs::path records = records_of(path);
+  // A file that is not there gets no folder of its changes.
+  std::error_code error;
+  if (!fs::exists(path, error) && !fs::exists(folder / records, error))
+    return std::unexpected(fmt::format("{}: {}", path, store::describe_error(ENOENT)));
+  auto lock = store::FolderLock::take(folder / records);
+  if (!lock) return std::unexpected(fmt::format("{}: {}", path, lock.error()));
+  store::ChangeSets changes(folder, store::real_files(), records);
+  if (auto recovered = changes.recover(); !recovered) return std::unexpected(recovered.error());
+  return ChangingProject(path, std::move(changes), std::move(*lock));
+}
+
+std::string ChangingProject::save(const project::ModuleProject& project, std::string_view title) {
+  const auto done = changes_.write({{fs::path(path_).filename().string(), project::to_xml(project)}}, title);
+  return done ? std::string() : done.error();
 }
 
 std::vector<std::string> recent_projects() {

@@ -132,6 +132,8 @@ int list_nodes(const ConfigureArguments& arguments) {
 }
 
 int identify_slave(const ConfigureArguments& arguments) {
+  auto file = ChangingProject::open(arguments.file);
+  if (!file) return configure_failed(configure_code::usage, file.error());
   return with_project(arguments, [&](ModuleProject& project, client::PlcClient&, PlcModule& module,
                                      project::PdoRange) {
     struct Identity {
@@ -165,7 +167,7 @@ int identify_slave(const ConfigureArguments& arguments) {
         print_line("slave {}: {} = {}", node, each.field, value);
       }
     }
-    const std::string wrong = save_project(arguments.file, project);
+    const std::string wrong = file->save(project, fmt::format("identity of slave/{}", arguments.node));
     return wrong.empty() ? configure_code::done : configure_failed(configure_code::failed, wrong);
   });
 }

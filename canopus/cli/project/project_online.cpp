@@ -179,12 +179,14 @@ constexpr std::array<std::string_view, 4> states{"Stopped", "Pre-operational", "
 }  // namespace
 
 int read_from_module(const ConfigureArguments& arguments) {
+  auto file = ChangingProject::open(arguments.file);
+  if (!file) return configure_failed(configure_code::usage, file.error());
   return with_project(
       arguments, [&](ModuleProject& project, client::PlcClient&, PlcModule& module, project::PdoRange area) {
         const auto read = project::read_module(project, arguments.part, area,
                                                static_cast<std::uint8_t>(arguments.node), module);
         if (!read) return configure_failed(configure_code::failed, read.error());
-        const std::string wrong = save_project(arguments.file, project);
+        const std::string wrong = file->save(project, fmt::format("read {} of the module", arguments.part));
         return wrong.empty() ? configure_code::done : configure_failed(configure_code::failed, wrong);
       });
 }

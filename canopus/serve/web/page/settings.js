@@ -13,7 +13,7 @@ export class Settings {
     this.findings = [];
     this.plan = null;            // what differs between module and file; null: not compared
     this.differs = new Map();    // "tpdo/5 Event timer": { device, project }
-    this.unwritten = new Set();  // likewise: changed since the module was looked at
+    this.changes = [];           // of fields, since the module was looked at: { title, field: "tpdo/5 Event timer" }
     this.steps = [];             // of the writing
     this.running = null;
     this.busy = 0;               // what has been begun and not ended
@@ -117,11 +117,16 @@ export class Settings {
   compared(rows, is_known = true) {
     this.plan = rows;
     this.differs.clear();
-    if (rows !== null && is_known) this.unwritten.clear();
+    if (rows !== null && is_known) this.changes = [];
     for (const row of rows ?? []) {
       const [, word, number, names] = row.field.match(/^(\w+)(?: (\d+))?: (.*?)(?: \([^()]*\))?$/) ?? [];
       for (const name of names?.split(", ") ?? []) this.differs.set(`${number ? `${word}/${number}` : word} ${name}`, row);
     }
+  }
+
+  /// Whether it was changed and not yet written.
+  is_unwritten(field) {
+    return this.changes.some((one) => one.field === field);
   }
 
   set(place, name, value) {

@@ -28,6 +28,7 @@ export class SettingsView {
       const field = this.field_of(event.target);
       if (field) draw_description(this.description, field);
     });
+    section.querySelector("#settings-undo").addEventListener("click", () => this.undo());
     this.hide.addEventListener("click", () => {
       this.description.hidden = !this.description.hidden;
       this.hide.setAttribute("aria-pressed", !this.description.hidden);
@@ -119,9 +120,21 @@ export class SettingsView {
 
   async set(place, name, text) {
     const done = await this.settings.set(place, name, text);
-    if (!done.failed) this.settings.unwritten.add(`${place} ${name}`);
+    if (!done.failed) this.settings.changes.push({ title: `set ${place} ${name}=${text}`, field: `${place} ${name}` });
     this.draw();
     return !done.failed;
+  }
+
+  /// The latest change of the file, whoever made it.
+  async undo() {
+    const { settings } = this;
+    const done = await settings.change({ command: "configure undo" });
+    const title = done.rows.find((row) => row.event === "undone")?.title;
+    if (title !== undefined) {
+      settings.said.text = `taken back: ${title}`;
+      if (settings.changes.at(-1)?.title === title) settings.changes.pop();
+    }
+    this.draw();
   }
 
   make_pages() {
@@ -193,7 +206,7 @@ export class SettingsView {
       const place = input.closest("[data-place]")?.dataset.place ?? input.closest("[data-window]")?.dataset.window;
       const field = ["valid", "CAN-ID (11-bit)"].includes(input.dataset.field) ? "COB-ID" : input.dataset.field;
       const differs = this.settings.differs.get(`${place} ${field}`);
-      const mood = this.settings.unwritten.has(`${place} ${input.dataset.field}`) ? "unwritten" : differs ? "differs" : "";
+      const mood = this.settings.is_unwritten(`${place} ${input.dataset.field}`) ? "unwritten" : differs ? "differs" : "";
       if (input.dataset.mood !== mood) input.dataset.mood = mood;
       const title = mood === "unwritten" ? "changed and not yet written" : differs ? `the module has ${differs.device}` : "";
       if (input.title !== title) input.title = title;
