@@ -77,6 +77,42 @@ TEST_F(WebViewsTest, Words_HaveNamesValuesAndTheirPdo) {
   EXPECT_NE(row["section"], "");
 }
 
+TEST_F(WebViewsTest, Words_SayWhatTheyTake) {
+  start(plant_text, 1s);
+  // The bit rate: one of some [ME3CAN1-Q 4.6.4]; the node address: from, to; the receive data of a PDO: no range.
+  const Json rate = row_of(look(R"({"words":0,"find":"g24","count":200})"), 24);
+  EXPECT_THAT(rate["values"], Contains(250)) << rate;
+  const Json node = row_of(look(R"({"words":0,"find":"g27","count":200})"), 27);
+  EXPECT_EQ(node["low"], 1) << node;
+  EXPECT_EQ(node["high"], 127) << node;
+  const Json data = row_of(look(R"({"words":0,"find":"g10000","count":200})"), 10000);
+  EXPECT_FALSE(data.contains("low") || data.contains("high") || data.contains("values")) << data;
+}
+
+TEST_F(WebViewsTest, Objects_SayTheirLimits) {
+  start(plant_text, 1s);
+  const Json event = look(R"({"objects":1,"find":"6003","count":20})");
+  ASSERT_THAT(event["rows"], SizeIs(1)) << event;
+  EXPECT_TRUE(event["rows"][0].contains("low") || event["rows"][0].contains("high")) << event;
+}
+
+TEST_F(WebViewsTest, Meaning_OfAnObject) {
+  start(plant_text, 1s);
+  const Json heartbeat = look(R"({"meaning":"1017:00"})");
+  EXPECT_EQ(heartbeat["event"], "meaning");
+  EXPECT_EQ(heartbeat["object"], "1017:00");
+  EXPECT_THAT(heartbeat["meaning"], HasSubstr("sends its heartbeat"));
+  EXPECT_EQ(heartbeat["unit"], "ms");
+  EXPECT_EQ(heartbeat["source"], "CiA 301 7.5.2.20");
+  const Json own = look(R"({"meaning":"2000:01"})");
+  EXPECT_EQ(own["meaning"], "");
+  EXPECT_EQ(own["source"], "");
+  for (const char* wrong :
+       {"", "1017", "1017:0", "1017:000", "10170:0", "g017:00", "-017:00", "1017:-1", " 017:00"})
+    EXPECT_TRUE(look(Json{{"meaning", wrong}}.dump()).is_null()) << wrong;
+  EXPECT_TRUE(look(R"({"meaning":4119})").is_null());
+}
+
 TEST_F(WebViewsTest, Words_AreFoundByName_AndComeInParts) {
   start(plant_text);
   const Json all = look(R"({"words":0})");

@@ -48,10 +48,14 @@ export async function judge(page, place) {
   }
 }
 
+/** Pictures of a section are not to be covered by the bar, nor by the strip at the bottom. */
+export async function uncover(page) {
+  await page.addStyleTag({ content: "#bar { position: static !important; } #newest { display: none !important; }" });
+}
+
 /** A section (else all that is in sight) light and dark, 1280 and 1920 pixels wide: as NAME-SCHEME-WIDTH.png, and judged. */
 export async function picture(page, name, selector, schemes = ["light", "dark"]) {
-  // Pictures of a section are not to be covered by the bar.
-  if (selector) await page.addStyleTag({ content: "#bar { position: static !important; }" });
+  if (selector) await uncover(page);
   for (const colorScheme of schemes) {
     for (const [width, height] of [[1280, 800], [1920, 1080]]) {
       await page.emulateMedia({ colorScheme });

@@ -1,6 +1,6 @@
 // A real browser on the views of a run's page: bus, objects, plots, links and keys, and what axe-core finds. Says as JSON what it
 // saw. `node web_views.mjs CHROMIUM URL FOLDER [RED NODE]`; pictures go into FOLDER. Judged by web_checks.py.
-import { counted, end, folder, judge, more, open as open_page, seen, url } from "./page_kit.mjs";
+import { counted, end, folder, judge, more, open as open_page, picture, seen, uncover, url } from "./page_kit.mjs";
 
 const [red] = more;
 
@@ -34,12 +34,14 @@ for (const [hash, section, ready] of [["#bus/0/183", "bus-section", "#strip .bit
       const page = await open(hash, { colorScheme, viewport: { width, height } });
       await page.waitForSelector(ready);
       await page.waitForTimeout(hash.startsWith("#bus") ? 2500 : 300);
-      if (["bus-section", "objects-section"].includes(section)) {
-        const path = `${folder}/${section.split("-")[0]}-${colorScheme}-${width}.png`;
-        await page.locator(`#${section}`).screenshot({ path });
-        seen.pictures.push(path);
-      }
       await judge(page, `${hash} ${colorScheme} ${width}`);
+      if (section === "words-section") await page.fill("#words-find", "G100");
+      if (section === "boot-section") await page.locator("#boots summary").first().click();
+      await page.waitForTimeout(600);
+      await uncover(page);
+      const path = `${folder}/${section.split("-")[0]}-${colorScheme}-${width}.png`;
+      await page.locator(`#${section}`).screenshot({ path });
+      seen.pictures.push(path);
       await page.close();
     }
   }
@@ -90,7 +92,7 @@ seen.w8 = (await counted(page, async () => {
 })).clicks;
 seen.plot = await page.textContent("#plots figcaption");
 await page.waitForTimeout(2500);
-await page.locator("#plots").screenshot({ path: `${folder}/plots-light-1280.png` });
+await picture(page, "plots", "#plots");
 await page.locator("#objects-title").focus();
 await page.keyboard.press("h");
 await page.waitForFunction(() => /^[0-9A-F]+H$/.test(document.querySelector("#objects-table .number")?.textContent));
@@ -136,7 +138,7 @@ seen.in_sight = await small.evaluate(() => {
   const place = document.querySelector("#node-body tr").getBoundingClientRect();
   return scrollY === 0 && place.top >= 0 && place.bottom <= innerHeight;
 });
-await small.screenshot({ path: `${folder}/node-light-1280.png` });
+await picture(small, "node", null);
 
 // The tree at the left edge: what it has, where it leads, folded; a window that is too narrow for it has none.
 const wide = await open("");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <charconv>
 #include <iterator>
 #include <span>
 
@@ -15,6 +16,7 @@
 #include "canopus/eds/words.hpp"
 #include "canopus/module/interface/communication_module.hpp"
 #include "canopus/plant/device_seat.hpp"
+#include "canopus/trace/decode/object_meaning.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -65,6 +67,9 @@ void add_value(nlohmann::ordered_json& row, const canopen::ObjectDictionary& obj
   row["decimal"] = decimal(type, raw);
   row["default_hex"] = hexadecimal(type, usual);
   row["default_decimal"] = decimal(type, usual);
+  const canopen::Limits limits = objects.description().limits(entry);
+  if (limits.low) row["low"] = decimal(type, *limits.low);
+  if (limits.high) row["high"] = decimal(type, *limits.high);
 }
 
 }  // namespace
@@ -116,6 +121,24 @@ std::string objects_event(plant::Plant& plant, const nlohmann::json& wish) {
   event["from"] = view_number(wish, "from", SIZE_MAX);
   add_objects(event, node->dictionary(), node->node_id(), view_text(wish, "find"),
               event["from"].get<std::size_t>(), view_number(wish, "count", most_objects));
+  return view_event(event);
+}
+
+std::string meaning_event(plant::Plant& plant, const nlohmann::json& wish) {
+  const std::string object = view_text(wish, "meaning");
+  unsigned index = 0, sub = 0;
+  const auto digits = [&object](std::size_t from, std::size_t count, unsigned& number) {
+    const char* const end = object.data() + from + count;
+    return std::from_chars(object.data() + from, end, number, 16).ptr == end;
+  };
+  if (object.size() != 7 || object[4] != ':' || !digits(0, 4, index) || !digits(5, 2, sub)) return {};
+  const trace::ObjectMeaning meaning =
+      trace::object_meaning(static_cast<std::uint16_t>(index), static_cast<std::uint8_t>(sub));
+  nlohmann::ordered_json event = event_line(plant.timeline().now(), "meaning");
+  event["object"] = fmt::format("{:04X}:{:02X}", index, sub);
+  event["meaning"] = meaning.text;
+  event["unit"] = meaning.unit;
+  event["source"] = meaning.source;
   return view_event(event);
 }
 

@@ -24,6 +24,10 @@ inline constexpr std::size_t most_objects = 256;  ///< of one view
 /// `state` whose name or index holds this text; empty: there is no such node.
 [[nodiscard]] std::string objects_event(plant::Plant& plant, const nlohmann::json& wish);
 
+/// The event of a view {"meaning": "1017:00"}: what this object of CiA 301, 302 or 402 is for, as far as it is known; empty:
+/// that is no object.
+[[nodiscard]] std::string meaning_event(plant::Plant& plant, const nlohmann::json& wish);
+
 /// Adds `of` (sub-indexes that hold the text) and `rows`, `count` of them from number `from` on. `lower_find` is in lower-case
 /// letters; `node_id` is for defaults.
 void add_objects(nlohmann::ordered_json& event, const canopen::ObjectDictionary& objects,

@@ -27,6 +27,17 @@ std::string_view access_name(module::WordAccess access) {
   return "";
 }
 
+/// `low` and `high`, or `values`; of a word that takes anything, nothing.
+void add_range(nlohmann::ordered_json& line, const module::ValueRange& range) {
+  using enum module::ValueRange::Kind;
+  if (range.kind == one_of) {
+    line["values"] = range.values;
+  } else if (range.kind != any) {
+    line["low"] = range.low;
+    line["high"] = range.high;
+  }
+}
+
 }  // namespace
 
 void WebViews::Tap::frame_completed(const can::Frame& frame, can::Time /*start*/, can::Time end) {
@@ -80,6 +91,7 @@ std::string WebViews::look(std::string_view view) {
   if (wish.contains("objects")) return objects_event(plant_, wish);
   if (wish.contains("traffic")) return traffic_.look(wish);
   if (wish.contains("values")) return values_event(plant_, wish);
+  if (wish.contains("meaning")) return meaning_event(plant_, wish);
   return {};
 }
 
@@ -117,6 +129,7 @@ std::string WebViews::words_event(const nlohmann::json& view) {
               {"value", memory->look_at_word(word.address, now)},
               {"initial", row.initial},
               {"section", row.section}};
+    add_range(line, row.range);
     const auto pdo = std::ranges::find(process, word.address, &ProcessWord::address);
     if (pdo != process.end()) {
       line["pdo"] = fmt::format("{}PDO{}", pdo->received ? 'R' : 'T', pdo->pdo);

@@ -36,6 +36,7 @@ class WebViews {
   ///   {"objects": NODE, ...}  web_objects.hpp
   ///   {"traffic": BUS, ...}   web_traffic.hpp
   ///   {"values": [...]}       web_values.hpp
+  ///   {"meaning": "1017:00"}  web_objects.hpp
   /// as JSON; empty: it is none. An empty text: nobody looks any more.
   [[nodiscard]] std::string look(std::string_view view);
   [[nodiscard]] const WebTraffic& traffic() const noexcept { return traffic_; }

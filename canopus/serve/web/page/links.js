@@ -63,7 +63,7 @@ export class Links {
       if (name !== view) one.close?.();
     }
     if (view === "boots") return this.views.boots.open();
-    if (view === "trace") return this.views.trace.open(digits === undefined ? "" : decode(digits));
+    if (view === "trace") return this.views.trace.open(digits === undefined ? "" : decode(digits), rest);
     if (["boot-section", "plots", "faults-section", "messages-section", "events-section"].includes(view)) {
       by_id(view).scrollIntoView();
       return by_id(view).querySelector("h2").focus({ preventScroll: true });

@@ -70,7 +70,17 @@ export class ObjectView {
     event.rows.forEach((row, place) => this.fill(body.rows[place], row, event));
   }
 
+  /// Of a row, for the description.
+  facts(line) {
+    const row = line.described;
+    if (!row) return null;
+    const range = row.low !== undefined || row.high !== undefined ? `${row.low ?? ""} … ${row.high ?? ""}` : "";
+    return { title: row.name === row.of ? row.name : `${row.of}: ${row.name}`, object: row.object,
+      rows: [["Object", row.object], ["Type", row.type], ["Access", row.access], ["Range", range], ["Default", row.default_decimal === undefined ? "" : `${row.default_decimal} (${row.default_hex}H)`]] };
+  }
+
   fill(line, row, event) {
+    line.described = row;
     const [object, name, type, access, value, usual] = line.children;
     set_text(object, row.object);
     set_text(name, row.name === row.of ? row.name : `${row.of}: ${row.name}`);

@@ -6,6 +6,7 @@ import { draw_leds, draw_modules } from "./modules.js";
 import { WordView } from "./word_view.js";
 import { BootView } from "./boot_view.js";
 import { BusView } from "./bus_view.js";
+import { Description } from "./description.js";
 import { Links } from "./links.js";
 import { ObjectView } from "./object_view.js";
 import { Plots } from "./plots.js";
@@ -14,6 +15,7 @@ import { ProjectView } from "./project_view.js";
 import { SettingsView } from "./settings_view.js";
 import { StartView } from "./start_view.js";
 import { FaultView } from "./fault_view.js";
+import { NewestEvents } from "./newest_events.js";
 import { NmtWays } from "./nmt_ways.js";
 import { TraceView } from "./trace_view.js";
 import { Tree } from "./tree.js";
@@ -45,6 +47,11 @@ const boots = new BootView(by_id("boot-section"), () => say_views());
 const plots = new Plots(by_id("plots"), by_id("plot-list"), () => say_views());
 const objects = new ObjectView(by_id("objects-section"), () => say_views());
 const bus_view = new BusView(by_id("bus-section"), () => say_views());
+const newest = new NewestEvents(by_id("newest"));
+const description = new Description(() => say_views());
+description.follow(by_id("objects-table"), (line) => objects.facts(line));
+description.follow(by_id("words-table"), (line) => words.facts(line));
+description.follow(by_id("project-objects"), (line) => project_view.facts(line));
 const trace_view = new TraceView(commands, (frame, x, y) => fault_view.open_menu(frame, x, y), (bus, node) => {
   const place = state?.nodes.findIndex((one) => one.bus === bus && one.node === node) ?? -1;
   return place < 0 ? null : `#objects/${place}`;
@@ -248,6 +255,8 @@ function received(list) {
       objects.draw(event);
     } else if (event.event === "values") {
       plots.values(event);
+    } else if (event.event === "meaning") {
+      description.draw(event);
     } else if (event.event === "traffic") {
       bus_view.draw(event);
     } else if (event.event === "reply") {
@@ -255,11 +264,14 @@ function received(list) {
     } else if (event.event === "boots") {
       boots.draw(event, keep_children);
     } else if (event.event !== "load") {
-      events.add(event, sentence(event));
+      const text = sentence(event);
+      events.add(event, text);
+      newest.add(event, text);
     }
   }
   if (state) draw();
   events.draw();
+  newest.draw();
 }
 
 /// Who one is here, and what there is to work on.
@@ -332,8 +344,8 @@ function say_views() {
   if (views_timer !== null) return;
   views_timer = setTimeout(() => {
     views_timer = null;
-    const views = JSON.stringify([words.view, boots.view, objects.view, bus_view.view, plots.view].filter(Boolean));
-    if (views === views_said || socket.readyState !== WebSocket.OPEN) return;
+    const views = JSON.stringify([words.view, boots.view, objects.view, bus_view.view, plots.view, description.view].filter(Boolean));
+    if (views === views_said || socket?.readyState !== WebSocket.OPEN) return;
     views_said = views;
     socket.send(`{"views":${views}}`);
   }, 100);

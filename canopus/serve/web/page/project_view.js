@@ -385,9 +385,17 @@ export class ProjectView {
     const is_known = state && row.configured && state.values !== undefined;
     const compared = this.project.unwritten.has(`${this.opened} ${row.object}`) ? "not yet written"
       : device ? (device.state === "different" ? "differs" : device.state) : is_known ? "same" : "";
-    return make("tr", { class: { differs: "differs", same: "same", "not yet written": "unwritten" }[compared] ?? "" }, make("th", { scope: "row" }, row.object), make("td", { title: row.name }, row.name),
+    const line = make("tr", { class: { differs: "differs", same: "same", "not yet written": "unwritten" }[compared] ?? "" }, make("th", { scope: "row" }, row.object), make("td", { title: row.name }, row.name),
       make("td", {}, row.type), make("td", {}, row.access), project, make("td", {}, device ? shown(device.device) : compared === "same" ? shown(row.value) : ""),
       make("td", {}, device?.reason ?? compared), make("td", { class: "faint" }, range));
+    line.described = { title: row.name, object: row.object,
+      rows: [["Object", row.object], ["Type", row.type], ["Access", row.access], ["Range", range], ["Default", shown(row.default)], ["Project", shown(row.value)], ["Device", device ? shown(device.device) : ""], ["Difference", device?.reason ?? compared]] };
+    return line;
+  }
+
+  /// Of a row, for the description.
+  facts(line) {
+    return line.described ?? null;
   }
 
   draw_transfer() {

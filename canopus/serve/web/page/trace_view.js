@@ -27,6 +27,7 @@ export class TraceView {
     this.end = 0;
     this.chosen = null;  // a row
     this.pair = new Set();  // records of the chosen one's transfer
+    this.wanted = null;  // the time of a link whose line is to be chosen
     this.is_asking = false;
     this.is_asked_again = false;
     this.box = by_id("trace");
@@ -62,8 +63,9 @@ export class TraceView {
     this.box.classList.toggle("one-bus", count < 2);
   }
 
-  /// Of a link: #trace/FILTER.
-  open(filter) {
+  /// Of a link: #trace/FILTER, #trace/FILTER/TIME; the line of that time is chosen then.
+  open(filter, time) {
+    this.wanted = /^\d+\.\d+$/.test(time ?? "") ? Number(time) : null;
     if (filter !== undefined) this.filter.value = filter.slice(0, this.filter.maxLength);
     this.show(true);
     by_id("trace-section").scrollIntoView();
@@ -158,6 +160,7 @@ export class TraceView {
     this.say(parts.join(", "));
     this.draw();
     if (answer.progress !== undefined) this.is_asked_again = true;
+    else if (this.wanted !== null && this.rows.length) this.choose_time();
   }
 
   say(text, mood = "") {
@@ -186,6 +189,14 @@ export class TraceView {
     Object.assign(this.place, { min: this.first, max: Math.max(this.first, this.newest()) });
     this.place.value = this.is_newest_first() ? this.first + this.newest() - from : from;
     this.place.setAttribute("aria-valuetext", `line ${from} of ${this.end}`);
+  }
+
+  /// The line that is nearest to the time of the link.
+  choose_time() {
+    const away = (row) => Math.abs(row.t - this.wanted);
+    const nearest = this.rows.reduce((best, row) => (away(row) < away(best) ? row : best));
+    this.wanted = null;
+    this.choose(this.box.querySelector(`tr[data-n="${nearest.n}"]`));
   }
 
   /// What a line has besides; of an SDO transfer its frames, in the list marked, too.

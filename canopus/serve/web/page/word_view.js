@@ -63,6 +63,15 @@ export class WordView {
     this.say();
   }
 
+  /// Of a row, for the description.
+  facts(line) {
+    const row = line.described;
+    if (!row) return null;
+    const range = row.values?.join(", ") ?? (row.low === undefined ? "" : `${row.low} to ${row.high}`);
+    return { title: row.name, rows: [["Address", `G${row.address}`], ["Program", row.access], ["Range", range], ["Initial", `${row.initial} (${row.initial.toString(16).toUpperCase().padStart(4, "0")}H)`],
+      ["PDO", row.pdo ? `${row.pdo}, CAN-ID ${row.can_id}H` : ""], ["From", row.from], ["Manual", row.section]] };
+  }
+
   value(word) {
     return this.is_hexadecimal ? `${word.toString(16).toUpperCase().padStart(4, "0")}H` : String(word);
   }
@@ -81,6 +90,7 @@ export class WordView {
     }
     event.rows.forEach((row, place) => {
       const line = body.rows[place];
+      line.described = row;
       const [address, name, value, pdo, from, access] = line.children;
       set_text(address, `G${row.address}`);
       set_text(name, row.name);
