@@ -4,9 +4,10 @@ import os
 import pathlib
 import re
 import shutil
+import socket
 import subprocess
 
-from kit import HERE, PATIENCE, ROOT, Skip, check, command, first_plant_file, node_modules, program, require, running, running_page, scratch
+from kit import HERE, PATIENCE, ROOT, Skip, check, command, first_plant_file, node_modules, program, require, running, running_page, scratch, until
 from web_checks import Watcher, page_of, page_with_key
 
 DEVICES = ROOT / "examples/devices"
@@ -238,3 +239,33 @@ def web_audit_log_is_not_filled_by_who_may_nothing():
     left_out = sum(int(found[1]) for line in lines if (found := re.fullmatch(r"(\d+) more that were refused", line["do"])))
     require(5 <= len(refused) < tries and len(refused) + left_out == tries, [line["do"] for line in lines])
     require(all(line["code"] == 7 for line in lines), lines)
+
+
+@check
+def web_start_that_is_killed_leaves_no_plant_running():
+    """Whatever ends `canopus web`, the plants that it started end with it: one of a real bus would go on unseen."""
+    folder = scratch / "web killed"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir()
+    with running_page(cwd=folder) as page:
+        owner = Watcher(page_of(page)[1], key=page_with_key(page).partition("#key=")[2])
+        urls = []
+        for own in (1, 2):
+            owner.say({"do": {"command": "open"}, "id": own})
+            reply = owner.event(lambda e, own=own: e["event"] == "reply" and e["id"] == own)
+            require(reply["code"] == 0, reply)
+            urls.append(int(re.search(r":(\d+)/", reply["rows"][0]["url"])[1]))
+        for port in urls:
+            socket.create_connection(("127.0.0.1", port), PATIENCE).close()
+        page.process.kill()
+        page.process.wait()
+        for port in urls:
+            until(lambda port=port: not answers(port), f"the plant of port {port} goes on")
+
+
+def answers(port):
+    try:
+        socket.create_connection(("127.0.0.1", port), PATIENCE).close()
+    except ConnectionRefusedError:
+        return False
+    return True

@@ -71,7 +71,7 @@ export class ObjectView {
   }
 
   /// Of a row, for the description.
-  facts(line) {
+  described(line) {
     const row = line.described;
     if (!row) return null;
     const range = row.low !== undefined || row.high !== undefined ? `${row.low ?? ""} … ${row.high ?? ""}` : "";

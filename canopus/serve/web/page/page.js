@@ -49,9 +49,9 @@ const objects = new ObjectView(by_id("objects-section"), () => say_views());
 const bus_view = new BusView(by_id("bus-section"), () => say_views());
 const newest = new NewestEvents(by_id("newest"));
 const description = new Description(() => say_views());
-description.follow(by_id("objects-table"), (line) => objects.facts(line));
-description.follow(by_id("words-table"), (line) => words.facts(line));
-description.follow(by_id("project-objects"), (line) => project_view.facts(line));
+description.follow(by_id("objects-table"), (line) => objects.described(line));
+description.follow(by_id("words-table"), (line) => words.described(line));
+description.follow(by_id("project-objects"), (line) => project_view.described(line));
 const trace_view = new TraceView(commands, (frame, x, y) => fault_view.open_menu(frame, x, y), (bus, node) => {
   const place = state?.nodes.findIndex((one) => one.bus === bus && one.node === node) ?? -1;
   return place < 0 ? null : `#objects/${place}`;

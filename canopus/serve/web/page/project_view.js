@@ -394,7 +394,7 @@ export class ProjectView {
   }
 
   /// Of a row, for the description.
-  facts(line) {
+  described(line) {
     return line.described ?? null;
   }
 

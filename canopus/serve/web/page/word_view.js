@@ -64,7 +64,7 @@ export class WordView {
   }
 
   /// Of a row, for the description.
-  facts(line) {
+  described(line) {
     const row = line.described;
     if (!row) return null;
     const range = row.values?.join(", ") ?? (row.low === undefined ? "" : `${row.low} to ${row.high}`);
