@@ -35,7 +35,7 @@ for (const [hash, section, ready] of [["#bus/0/183", "bus-section", "#strip .bit
       await page.waitForSelector(ready);
       await page.waitForTimeout(hash.startsWith("#bus") ? 2500 : 300);
       await judge(page, `${hash} ${colorScheme} ${width}`);
-      if (section === "words-section") await page.fill("#words-find", "G100");
+      if (section === "words-section") await page.fill("#words-find", "RPDO data");
       if (section === "boot-section") await page.locator("#boots summary").first().click();
       await page.waitForTimeout(600);
       await uncover(page);
