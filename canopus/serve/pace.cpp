@@ -3,12 +3,38 @@
 #include <algorithm>
 
 namespace canopus::serve {
+namespace {
+
+can::Duration times(can::Duration duration, double factor) noexcept {
+  return factor == 1
+             ? duration
+             : can::Duration(static_cast<can::Duration::rep>(static_cast<double>(duration.count()) * factor));
+}
+
+}  // namespace
+
+can::Duration Pace::clock_at(can::Time moment) const noexcept {
+  if (speed_ == 0 || moment == can::never || moment > until_) return can::Duration::max();
+  return clock_then_ + times(moment - plant_then_, 1 / speed_);
+}
+
+can::Time Pace::plant_at(can::Duration clock) const noexcept {
+  return std::min(can::later(plant_then_, times(clock - clock_then_, speed_)), until_);
+}
+
+void Pace::set_speed(double speed, can::Time now, can::Duration elapsed, can::Time until) noexcept {
+  speed_ = speed;
+  plant_then_ = now;
+  clock_then_ = elapsed - stood_still_;
+  until_ = until;
+  together_at_speed_ = times(together_, std::max(1.0, speed));
+}
 
 Pace::Step Pace::step(const Reading& reading, can::Time now, can::Time due) noexcept {
   Step step;
-  can::Time present = can::Time{} + (reading.elapsed - stood_still_);
+  can::Duration present = reading.elapsed - stood_still_;
   // Until the deadline the process was free to sleep; it is absent from there on.
-  const can::Duration absent = present - std::min(present, std::max(last_, due));
+  const can::Duration absent = present - std::min(present, std::max(last_, clock_at(due)));
   if (absent >= longest_wait || reading.continued) {
     stood_still_ += absent;
     present -= absent;
@@ -19,9 +45,13 @@ Pace::Step Pace::step(const Reading& reading, can::Time now, can::Time due) noex
     asleep_ = reading.asleep;
   }
   last_ = present;
-  const can::Time late = std::min(due, present);
-  step.lag = present - late;
-  step.run_until = std::min(present, can::later(std::max(now, late), slice));
+  step.lag = present - std::min(clock_at(due), present);
+  if (speed_ > 1 && step.lag > most_behind) {
+    clock_then_ += step.lag - most_behind;
+    step.lag = most_behind;
+  }
+  const can::Time moment = plant_at(present);
+  step.run_until = std::min(moment, can::later(std::max(now, std::min(due, moment)), slice));
   return step;
 }
 

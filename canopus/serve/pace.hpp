@@ -5,6 +5,9 @@
 // Plant time stands still while the process is suspended: the plant goes on where it was, as a debugger's
 // user or the owner of a laptop expects. Lag is something else: the process could have run, and the machine
 // ran a deadline late. A plant that lags catches up.
+//
+// Plant time may be told to go faster or slower than the clock, to stand still, or to stop at a moment. A plant that is
+// to be faster than the machine can make it is as fast as that, and does not catch up later.
 
 #include <algorithm>
 
@@ -19,6 +22,8 @@ class Pace {
   static constexpr can::Duration longest_wait = std::chrono::seconds(5);
   /// Shorter ones are not worth a word.
   static constexpr can::Duration shortest_sleep = std::chrono::seconds(1);
+  /// What a plant that goes faster than the clock is to catch up with at most.
+  static constexpr can::Duration most_behind = std::chrono::milliseconds(100);
   /// A plant that is behind runs at most so far at a time, so that clients and signals are heard meanwhile.
   static constexpr can::Duration slice = std::chrono::milliseconds(20);
 
@@ -29,7 +34,7 @@ class Pace {
   };
   struct Step {
     can::Time run_until{};      ///< plant time
-    can::Duration lag{};        ///< how late the earliest deadline is
+    can::Duration lag{};        ///< how late the earliest deadline is, by the clock
     can::Duration suspended{};  ///< since the last reading
   };
 
@@ -38,25 +43,40 @@ class Pace {
   /// Deadlines that nobody outside waits for are waited for together: a plant of a thousand deadlines in a
   /// hundred milliseconds is woken once in `longest`, and runs them at their moments of plant time all the same.
   /// 0, as long as nobody says otherwise: it is woken for each.
-  void wake_together(can::Duration longest) noexcept { together_ = longest; }
+  void wake_together(can::Duration longest) noexcept { together_ = together_at_speed_ = longest; }
+  /// From now on plant time goes `speed` times as fast as the clock (0: it stands still), up to `until`. `now` is how far the
+  /// plant has run; what was late then is left out.
+  void set_speed(double speed, can::Time now, can::Duration elapsed, can::Time until = can::never) noexcept;
+  [[nodiscard]] double speed() const noexcept { return speed_; }
+  [[nodiscard]] can::Time until() const noexcept { return until_; }
   /// Somebody outside has come in: for a while each deadline is waited for on its own, for an answer may hang on it.
   void attend(can::Time now) noexcept { attends_until_ = can::later(now, attention); }
   static constexpr can::Duration attention = std::chrono::milliseconds(50);
   /// When to wake for the earliest deadline `due`, in plant time, of a plant that has run up to `now`.
   [[nodiscard]] can::Time wake_for(can::Time due, can::Time now) const noexcept {
-    return now < attends_until_ ? due : std::max(due, can::later(now, together_));
+    return now < attends_until_ ? due : std::max(due, can::later(now, together_at_speed_));
   }
 
-  /// What Reading::elapsed will be when this moment of plant time comes.
+  /// What Reading::elapsed will be when this moment of plant time comes; Duration::max(): it does not come.
   [[nodiscard]] can::Duration elapsed_at(can::Time moment) const noexcept {
-    return moment.time_since_epoch() + stood_still_;
+    const can::Duration clock = clock_at(moment);
+    return clock == can::Duration::max() ? clock : clock + stood_still_;
   }
 
  private:
-  can::Duration stood_still_{};  // plant time did, all in all
+  /// What the clock shows at this moment of plant time, without suspensions; max(): it does not come.
+  [[nodiscard]] can::Duration clock_at(can::Time moment) const noexcept;
+  [[nodiscard]] can::Time plant_at(can::Duration clock) const noexcept;
+
+  can::Duration stood_still_{};  // plant time did while the process was suspended, all in all
   can::Duration asleep_{};       // as reported
-  can::Time last_{};             // plant time that the last reading meant
-  can::Duration together_{};
+  can::Duration last_{};         // the last reading, without suspensions
+  double speed_ = 1;
+  can::Duration clock_then_{};         // when it got its speed
+  can::Time plant_then_{};             // likewise
+  can::Time until_ = can::never;       // and then plant time stands still
+  can::Duration together_{};           // of the clock
+  can::Duration together_at_speed_{};  // of plant time
   can::Time attends_until_{};
 };
 

@@ -49,6 +49,14 @@ void RealTime::start() {
   arm();
 }
 
+void RealTime::set_speed(double speed, can::Duration duration) {
+  advance();
+  const can::Time until =
+      duration == can::Duration::max() ? can::never : can::later(timeline_.now(), duration);
+  pace_.set_speed(speed, timeline_.now(), read_clocks().elapsed, until);
+  arm();
+}
+
 can::Time RealTime::now() {
   advance();
   return timeline_.now();
@@ -80,8 +88,10 @@ Pace::Reading RealTime::read_clocks() {
 
 void RealTime::arm() {
   armed_for_ = std::min(pace_.wake_for(timeline_.next(), timeline_.now()), end_);
-  timer_.expires_at(armed_for_ == can::never ? WallClock::time_point::max()
-                                             : started_ + pace_.elapsed_at(armed_for_));
+  // A plant that is to stand still gets as far as that.
+  const can::Duration elapsed =
+      pace_.elapsed_at(std::min(armed_for_, std::max(pace_.until(), timeline_.now())));
+  timer_.expires_at(elapsed == can::Duration::max() ? WallClock::time_point::max() : started_ + elapsed);
   timer_.async_wait([this](const boost::system::error_code& error) {
     if (!error) wake();
   });

@@ -28,6 +28,11 @@ class RealTime final : public link::LoopClock {
   void set_resumed_handler(std::function<void()> handler) { resumed_ = std::move(handler); }
   /// For a plant whose frames nobody outside waits for: Pace::wake_together(). To be called before start().
   void wake_together(can::Duration longest) noexcept { pace_.wake_together(longest); }
+  /// Plant time goes so many times as fast as the clock from now on (0: it stands still), for this long, then it stands still.
+  /// Not for a plant with a bus outside. After start(), not inside of the timeline.
+  void set_speed(double speed, can::Duration duration = can::Duration::max());
+  /// 0: it stands still.
+  [[nodiscard]] double speed() const noexcept { return timeline_.now() < pace_.until() ? pace_.speed() : 0; }
   can::Time now() override;
   void touched() override;
   [[nodiscard]] can::Duration largest_lag() const noexcept { return largest_lag_; }

@@ -52,6 +52,7 @@ import web_checks  # noqa: F401
 import web_log_in_checks  # noqa: F401
 import web_description_checks  # noqa: F401
 import web_nmt_checks  # noqa: F401
+import web_pace_checks  # noqa: F401
 import web_settings_checks  # noqa: F401
 import web_project_checks  # noqa: F401
 import web_trace_checks  # noqa: F401

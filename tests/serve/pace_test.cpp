@@ -130,5 +130,84 @@ TEST(Pace, WhileSomebodyOutsideMayWaitForAnAnswer_WakesForEachDeadline) {
   EXPECT_EQ(pace.wake_for(over + 100us, over), over + 1ms);
 }
 
+// Plant time beside the clock.
+
+TEST(Pace, Faster_GoesSoManyTimesAsFarFromThenOn) {
+  Pace pace;
+  EXPECT_EQ(pace.step({.elapsed = 100ms}, at(100ms), at(100ms)).run_until, at(100ms));
+  pace.set_speed(10, at(100ms), 100ms);
+  EXPECT_EQ(pace.speed(), 10);
+  EXPECT_EQ(pace.elapsed_at(at(600ms)), 150ms);
+  const Pace::Step step = pace.step({.elapsed = 101ms}, at(100ms), at(110ms));
+  EXPECT_EQ(step.run_until, at(110ms));
+  EXPECT_EQ(step.lag, 0ms);
+}
+
+TEST(Pace, Slower_GoesAPartOfIt) {
+  Pace pace;
+  pace.set_speed(0.1, at(0ms), 0ms);
+  EXPECT_EQ(pace.step({.elapsed = 100ms}, at(0ms), at(50ms)).run_until, at(10ms));
+  EXPECT_EQ(pace.elapsed_at(at(50ms)), 500ms);
+}
+
+TEST(Pace, StandingStill_NothingIsDueAndNothingIsLate) {
+  Pace pace;
+  pace.set_speed(0, at(100ms), 100ms);
+  const Pace::Step step = pace.step({.elapsed = 1h}, at(100ms), at(101ms));
+  EXPECT_EQ(step.run_until, at(100ms));
+  EXPECT_EQ(step.lag, 0ms);
+  EXPECT_EQ(step.suspended, 0ms);
+  EXPECT_EQ(pace.elapsed_at(at(101ms)), can::Duration::max());
+  // And goes on where it was.
+  pace.set_speed(1, at(100ms), 1h);
+  EXPECT_EQ(pace.elapsed_at(at(101ms)), 1h + 1ms);
+  EXPECT_EQ(pace.step({.elapsed = 1h + 1ms}, at(100ms), at(101ms)).run_until, at(101ms));
+}
+
+TEST(Pace, UntilAMoment_ThenItStandsStill) {
+  Pace pace;
+  pace.set_speed(1, at(100ms), 5s, at(110ms));
+  EXPECT_EQ(pace.elapsed_at(at(110ms)), 5010ms);
+  EXPECT_EQ(pace.elapsed_at(at(110ms) + 1ns), can::Duration::max());
+  const Pace::Step step = pace.step({.elapsed = 6s}, at(105ms), at(111ms));
+  EXPECT_EQ(step.run_until, at(110ms));
+  EXPECT_EQ(step.lag, 0ms);
+}
+
+TEST(Pace, FasterThanTheMachine_DoesNotCatchUpLater) {
+  Pace pace;
+  pace.set_speed(50, at(0ms), 0ms);
+  can::Time now{};
+  for (can::Duration elapsed{}; elapsed < 60s;
+       elapsed += 20ms) {  // a slice of 20 ms takes 20 ms: no faster than the clock
+    const Pace::Step step = pace.step({.elapsed = elapsed}, now, now);
+    EXPECT_LE(step.lag, Pace::most_behind);
+    EXPECT_EQ(step.suspended, 0ms);
+    now = step.run_until;
+  }
+  EXPECT_NEAR(can::seconds(now), 60, 0.1);
+  // What is behind is run at once when it goes with the clock again: nothing.
+  pace.set_speed(1, now, 60s);
+  EXPECT_EQ(pace.step({.elapsed = 60s}, now, now).lag, 0ms);
+}
+
+TEST(Pace, Faster_ASuspensionIsOneOfTheClock) {
+  Pace pace;
+  pace.set_speed(10, at(0ms), 0ms);
+  Pace::Step step = pace.step({.elapsed = 4s}, at(0ms), at(0ms));
+  EXPECT_EQ(step.suspended, 0ms);
+  step = pace.step({.elapsed = 10s}, at(20ms), at(20ms));
+  EXPECT_GE(step.suspended, 5s);
+}
+
+TEST(Pace, Faster_DeadlinesAreWaitedForTogetherByTheClock) {
+  Pace pace;
+  pace.wake_together(1ms);
+  pace.set_speed(10, at(0ms), 0ms);
+  EXPECT_EQ(pace.wake_for(at(1ms), at(0ms)), at(10ms));
+  pace.set_speed(0.1, at(0ms), 0ms);
+  EXPECT_EQ(pace.wake_for(at(0ms), at(0ms)), at(1ms));
+}
+
 }  // namespace
 }  // namespace canopus::serve

@@ -129,10 +129,11 @@ std::string WebEvents::lost(std::uint64_t events) const {
   return line;
 }
 
-std::string state_event(plant::Plant& plant, const WebTraffic* traffic, const WebBoots* boots) {
+std::string state_event(plant::Plant& plant, const WebTraffic* traffic, const WebBoots* boots, double speed) {
   const can::Time now = plant.timeline().now();
   Fields state = event_line(now, "state");
   state["plant"] = plant.name();
+  state["speed"] = speed;
   state["live"] = false;
   state["buses"] = Fields::array();
   for (std::size_t i = 0; i < plant.bus_count(); ++i) {

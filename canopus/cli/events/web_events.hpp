@@ -55,7 +55,8 @@ class WebEvents {
 
 /// The `state` event: what there is to see of the plant at this moment, as JSON.
 /// `traffic`: what the frames say of the nodes, `boots`: which of them had their identity compared; nullptr: not known.
+/// `speed`: how fast plant time goes.
 [[nodiscard]] std::string state_event(plant::Plant& plant, const WebTraffic* traffic = nullptr,
-                                      const WebBoots* boots = nullptr);
+                                      const WebBoots* boots = nullptr, double speed = 1);
 
 }  // namespace canopus::cli

@@ -230,7 +230,7 @@ bool PlantServers::open_web() {
     buses.back().device_files = use_.web_project->device_files;
   }
   web_.emplace(io_, plant_, clock_, *use_.web_events, std::move(buses), settings_for_page(),
-               use_.web_project ? use_.web_project->start : std::string(), use_.web_access,
+               use_.web_project ? use_.web_project->start : std::string(), use_.web_access, use_.web_pace,
                use_.report("web"));
   const text::HostAndPort place = place_of(use_.web);
   if (const auto result = web_->listen(place); !result) {
@@ -239,6 +239,11 @@ bool PlantServers::open_web() {
   }
   use_.opened("web", plant_.file().name, web_->url());
   return true;
+}
+
+WebPace pace_of(serve::RealTime& clock) {
+  return {.speed = [&clock] { return clock.speed(); },
+          .set_speed = [&clock](double speed, can::Duration time) { clock.set_speed(speed, time); }};
 }
 
 }  // namespace canopus::cli

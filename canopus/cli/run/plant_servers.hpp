@@ -22,6 +22,7 @@
 #include "canopus/serve/melsec_server.hpp"
 #include "canopus/serve/modbus_server.hpp"
 #include "canopus/serve/plant_runs.hpp"
+#include "canopus/serve/real_time.hpp"
 #include "canopus/serve/run_control.hpp"
 #include "canopus/text/text_values.hpp"
 
@@ -43,6 +44,7 @@ class PlantServers {
     /// Module settings that the page edits; those without a PLC get the plant's that has such a module.
     std::vector<WebSettings> web_settings{};
     WebAccess web_access{};
+    WebPace web_pace{};
     serve::PlantRuns::Order order = serve::PlantRuns::Order::side_by_side;
   };
 
@@ -98,5 +100,8 @@ class PlantServers {
   std::optional<serve::ControlServer> control_;
   std::optional<WebPage> web_;
 };
+
+/// For a plant without a bus outside. `clock` must outlive it.
+[[nodiscard]] WebPace pace_of(serve::RealTime& clock);
 
 }  // namespace canopus::cli

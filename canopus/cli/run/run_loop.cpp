@@ -71,7 +71,7 @@ class Run {
   }
   void warn();
   bool open_recordings();
-  [[nodiscard]] PlantServers::Use server_use(serve::PlantRuns::Order order);
+  [[nodiscard]] PlantServers::Use server_use(serve::PlantRuns::Order order, WebPace pace = {});
   link::ClientReport report_of(std::string source);
   void show_connections();
   void set_cpu_clocks();
@@ -127,7 +127,7 @@ void Run::show_server(std::string_view protocol, std::string_view of, const std:
   }
 }
 
-PlantServers::Use Run::server_use(serve::PlantRuns::Order order) {
+PlantServers::Use Run::server_use(serve::PlantRuns::Order order, WebPace pace) {
   return {.opened = [this](std::string_view protocol, std::string_view of,
                            const std::string& address) { show_server(protocol, of, address); },
           .report = [this](std::string source) { return report_of(std::move(source)); },
@@ -138,6 +138,7 @@ PlantServers::Use Run::server_use(serve::PlantRuns::Order order) {
           .web_project = options_.web_project,
           .web_settings = options_.web_settings,
           .web_access = options_.web_access,
+          .web_pace = std::move(pace),
           .order = order};
 }
 
@@ -177,7 +178,11 @@ void Run::set_cpu_clocks() {
 bool Run::run_in_real_time() {
   const can::Time end = options_.duration ? can::Time{} + *options_.duration : can::never;
   serve::RealTime clock(io_, *plant_, observer(), end);
-  PlantServers servers(io_, *plant_, clock, server_use(serve::PlantRuns::Order::side_by_side));
+  // A bus outside, and a process that is to be punctual, want each frame at its moment.
+  const bool is_alone = linked_buses_.empty() && !options_.real_time;
+  PlantServers servers(
+      io_, *plant_, clock,
+      server_use(serve::PlantRuns::Order::side_by_side, is_alone ? pace_of(clock) : WebPace{}));
   if (!servers.open()) return false;
   if (!has_table_) show_connections();
   set_cpu_clocks();
@@ -188,9 +193,7 @@ bool Run::run_in_real_time() {
       observer().warning("--realtime", sentence, {});
     }
   }
-  // A bus outside, and a process that is to be punctual, want each frame at its moment.
-  constexpr auto unseen = 1ms;
-  if (linked_buses_.empty() && !options_.real_time) clock.wake_together(unseen);
+  if (is_alone) clock.wake_together(1ms);
   plant_->power_on();
   clock.start();
   if (has_table_) start_table(clock);

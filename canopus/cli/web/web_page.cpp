@@ -31,10 +31,30 @@ std::string word_of(const nlohmann::json& wish, const char* key) {
   return found != wish.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
+/// {"command": "pace", "speed": 2}, 0: plant time stands still; {"command": "pace", "run": "100ms"}: it goes on for so long.
+std::expected<nlohmann::ordered_json, std::string> change_pace(const WebPace& pace,
+                                                               const nlohmann::json& wish) {
+  if (const std::string time = word_of(wish, "run"); !time.empty()) {
+    const auto duration = text::parse_duration(time);
+    if (!duration) return std::unexpected("run: " + duration.error());
+    pace.set_speed(pace.speed() == 0 ? 1 : pace.speed(), *duration);
+    return nlohmann::ordered_json{{"speed", pace.speed()}};
+  }
+  const auto speed = wish.find("speed");
+  const bool is_number = speed != wish.end() && speed->is_number();
+  const double value = is_number ? speed->get<double>() : -1;
+  if (value != 0 && !(value >= WebPage::slowest && value <= WebPage::fastest)) {
+    return std::unexpected(
+        fmt::format("speed: expected 0 (stand still) or {} to {}", WebPage::slowest, WebPage::fastest));
+  }
+  pace.set_speed(value, can::Duration::max());
+  return nlohmann::ordered_json{{"speed", value}};
+}
+
 /// {"command": "plants"}, {"command": "open", "path": "..."} (no path: the built-in plant), {"command": "new project", "name": "..."},
 /// {"command": "new settings", "name": "...", "model": "RJ71CN91"};
 /// {"command": "trace", ...} and {"command": "export trace", ...}, trace_desk.hpp; and of the faults of simulated buses {"command": "faults"}, {"command": "run faults", ...}, web_faults.hpp.
-OwnCommands own_commands(WebStart* start, WebFaults& faults, WebTrace& trace) {
+OwnCommands own_commands(WebStart* start, WebFaults& faults, WebTrace& trace, const WebPace& pace) {
   OwnCommands own;
   using Done = WebCommands::Own::Done;
   own["faults"] = {.role = serve::WebRole::look,
@@ -50,6 +70,11 @@ OwnCommands own_commands(WebStart* start, WebFaults& faults, WebTrace& trace) {
       .role = serve::WebRole::look,
       .is_noted = false,
       .run = [&trace](const nlohmann::json& wish, Done done) { trace.export_part(wish, std::move(done)); }};
+  if (pace.set_speed) {
+    own["pace"] = {
+        .role = serve::WebRole::operate,
+        .run = [pace](const nlohmann::json& wish, const Done& done) { done(change_pace(pace, wish)); }};
+  }
   if (start == nullptr) return own;
   own["plants"] = {.role = serve::WebRole::look,
                    .run = [start](const nlohmann::json&, const Done& done) { done(start->list()); }};
@@ -71,7 +96,7 @@ OwnCommands own_commands(WebStart* start, WebFaults& faults, WebTrace& trace) {
 
 WebPage::WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClock& clock, WebEvents& events,
                  std::vector<WebBus> buses, std::vector<WebSettings> settings, const std::string& start,
-                 WebAccess access, const link::ClientReport& report)
+                 WebAccess access, WebPace pace, const link::ClientReport& report)
     : plant_(plant),
       access_(std::move(access)),
       report_(report),
@@ -85,13 +110,17 @@ WebPage::WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClo
       faults_(plant, clock),
       commands_(io, {.buses = std::move(buses),
                      .settings = std::move(settings),
-                     .own = own_commands(start_ ? &*start_ : nullptr, faults_, trace_),
+                     .own = own_commands(start_ ? &*start_ : nullptr, faults_, trace_, pace),
                      .now = [&plant] { return plant.timeline().now(); },
                      .done = [this](const serve::WebUser& user, const std::string& line, int code,
                                     serve::WebRole role) { note(user, line, code, role); }}),
       server_(
           io, clock,
-          {.state = [this, &plant] { return state_event(plant, &views_.traffic(), &events_.boots()); },
+          {.state =
+               [this, &plant, pace] {
+                 return state_event(plant, &views_.traffic(), &events_.boots(),
+                                    pace.speed ? pace.speed() : 1);
+               },
            .lost = [&events](std::uint64_t count) { return events.lost(count); },
            .messages = [this](bool wanted) { return messages_.look(wanted); },
            .view = [this](std::string_view view) { return views_.look(view); },

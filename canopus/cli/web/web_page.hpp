@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <expected>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,13 +38,24 @@ struct WebProject {
   std::string start{};  ///< the folder whose plants and projects the page offers; empty: none
 };
 
+/// How fast plant time goes, for people to change it.
+struct WebPace {
+  std::function<double()> speed{};  ///< 0: it stands still
+  std::function<void(double speed, can::Duration)>
+      set_speed{};  ///< for so long, then it stands still; max(): for ever
+};
+
 class WebPage {
  public:
+  static constexpr double slowest = 0.01;
+  static constexpr double fastest = 100;
+
   /// All must outlive the page; `buses` and `settings` are those that its commands are for.
-  /// `start`: the folder whose plants and projects the page offers; empty: it offers none.
+  /// `start`: the folder whose plants and projects the page offers; empty: it offers none. `pace`: without functions plant time
+  /// goes with the clock.
   WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClock& clock, WebEvents& events,
           std::vector<WebBus> buses, std::vector<WebSettings> settings, const std::string& start,
-          WebAccess access, const link::ClientReport& report);
+          WebAccess access, WebPace pace, const link::ClientReport& report);
 
   /// Reads the users and opens the audit log, too. The error is a sentence.
   [[nodiscard]] std::expected<void, std::string> listen(const text::HostAndPort& place);

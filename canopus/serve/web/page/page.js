@@ -9,6 +9,7 @@ import { BusView } from "./bus_view.js";
 import { Description } from "./description.js";
 import { Links } from "./links.js";
 import { ObjectView } from "./object_view.js";
+import { PaceWays } from "./pace_ways.js";
 import { Plots } from "./plots.js";
 import { Commands, take_key } from "./commands.js";
 import { ProjectView } from "./project_view.js";
@@ -41,6 +42,7 @@ const project_view = new ProjectView(by_id("project-section"), commands);
 const settings_view = new SettingsView(by_id("settings-section"), commands);
 const start_view = new StartView(by_id("start-section"), commands);
 const fault_view = new FaultView(by_id("faults-section"), by_id("frame-menu"), commands);
+const pace_ways = new PaceWays(by_id("pace"), commands);
 const nmt_ways = new NmtWays(commands);
 const words = new WordView(by_id("words-section"), () => say_views());
 const boots = new BootView(by_id("boot-section"), () => say_views());
@@ -213,7 +215,7 @@ function draw() {
   document.title = `${state.plant} – Canopus`;
   set_text(by_id("plant"), state.plant);
   const links = state.buses.filter((bus) => bus.link !== "sim").map((bus) => bus.link);
-  set_text(by_id("where"), settings_alone ? `LIVE PLC ${settings_alone}` : state.live ? `LIVE ${links.join(", ")}` : links.length ? `REPLAY ${links.join(", ")}` : "SIMULATED");
+  set_text(by_id("where"), settings_alone ? `LIVE PLC ${settings_alone}` : state.live ? `LIVE ${links.join(", ")}` : links.length ? `REPLAY ${links.join(", ")}` : `SIMULATED${pace_ways.draw(state)}`);
   by_id("bar").className = state.live || settings_alone ? "live" : "simulated";
   const all = state.buses.flatMap((bus) => nodes_of(bus.bus));
   set_text(by_id("operation"), `${all.filter((node) => node.in_operation).length} of ${all.length}`);
@@ -230,7 +232,7 @@ function draw() {
   places.state(state);
 }
 
-const plant_now = () => state.t + (performance.now() - state_at) / 1000;
+const plant_now = () => state.t + state.speed * (performance.now() - state_at) / 1000;
 
 function animate() {
   if (state && !by_id("bar").classList.contains("waiting")) {
@@ -283,6 +285,7 @@ function greeted(hello) {
   start_view.greeted(hello);
   fault_view.greeted(hello);
   nmt_ways.greeted(hello);
+  pace_ways.greeted(hello);
   const projects = project_view.greeted(hello);
   const settings = settings_view.greeted(hello);
   // A module's settings and its PLC: there is neither a plant nor a bus.

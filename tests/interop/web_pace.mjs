@@ -1,0 +1,32 @@
+// A real browser on run, pause, step and speed. Says as JSON what it saw. `node web_pace.mjs CHROMIUM URL FOLDER`; judged by web_pace_checks.py.
+import { end, judge, open, picture, seen, url } from "./page_kit.mjs";
+
+const page = await open();
+await page.waitForSelector("#pace button");
+const where = (text) => page.waitForFunction((wanted) => document.getElementById("where").textContent === wanted, text).then(() => text);
+const time = async () => parseFloat(await page.textContent("#time"));
+const button = (name) => page.locator("#pace").getByRole("button", { name, exact: true });
+await button("Pause").click();
+seen.paused = await where("SIMULATED PAUSED");
+seen.button = await page.locator("#pace button").first().textContent();
+await page.waitForTimeout(300);
+const before = await time();
+await page.waitForTimeout(600);
+seen.stood_still = await time() === before;
+await page.selectOption("#pace [aria-label='Length of a step']", "1s");
+await button("Step").focus();
+await page.keyboard.press("Enter");
+await page.waitForFunction((from) => parseFloat(document.getElementById("time").textContent) >= from + 0.95 && document.getElementById("where").textContent.endsWith("PAUSED"), before);
+await page.waitForTimeout(300);
+seen.stepped = (await time() - before).toFixed(1);
+await picture(page, "paused", null, ["light"]);
+await page.selectOption("#pace [aria-label='Speed of plant time']", "10");
+await button("Run").click();
+seen.faster = await where("SIMULATED ×10");
+await judge(page, "faster");
+await page.selectOption("#pace [aria-label='Speed of plant time']", "1");
+seen.again = await where("SIMULATED");
+const looker = await open(url.split("#")[0]);
+await looker.waitForSelector(".nodes li");
+seen.look = await looker.locator("#pace button:visible").count();
+await end();

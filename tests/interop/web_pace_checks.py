@@ -1,0 +1,82 @@
+"""Checks of run, pause, step and speed on the page of a run."""
+import json
+import shutil
+
+from kit import HERE, Skip, check, command, first_plant_file, node_modules, require, running, scratch
+from web_checks import Watcher, page_of, page_with_key, pictures_of
+
+
+class Page:
+    """A page with the key, as a program."""
+
+    def __init__(self, plant):
+        self.watcher = Watcher(page_of(plant)[1], key=page_with_key(plant).partition("#key=")[2])
+        self.number = 0
+
+    def do(self, **words):
+        self.number += 1
+        own = self.number
+        self.watcher.say({"do": words, "id": own})
+        return self.watcher.event(lambda e: e["event"] == "reply" and e["id"] == own)
+
+    def state(self, holds=lambda _: True):
+        return self.watcher.event(lambda e: e["event"] == "state" and holds(e))
+
+
+@check
+def web_plant_time_stands_still_steps_and_goes_faster():
+    with running(first_plant_file(), operational=[1, 2, 3], words=["--web"]) as plant:
+        page = Page(plant)
+        require("pace" in page.do(command="hello")["offers"], "offers")
+        require(page.state()["speed"] == 1, "as the clock")
+        require(page.do(command="pace", speed=0)["code"] == 0, "pause")
+        first = page.state(lambda e: e["speed"] == 0)
+        require(all(page.state()["t"] == first["t"] for _ in range(3)), "it went on")
+        # A step is exactly as long as it was said.
+        for text, seconds in (("100ms", 0.1), ("1us", 1e-6), ("2s", 2.0)):
+            before = page.state()["t"]
+            require(page.do(command="pace", run=text)["code"] == 0, text)
+            after = page.state(lambda e: e["speed"] == 0 and e["t"] > before)
+            require(abs(after["t"] - before - seconds) < 1e-9, (before, after["t"], text))
+            require(page.state()["t"] == after["t"], "it goes on after a step")
+        require(page.state()["buses"][0]["frames"] > first["buses"][0]["frames"], "no frames in two seconds")
+        # Twenty seconds of the plant long before twenty of the clock: the check ends in time, or it does not go faster.
+        before = page.state()["t"]
+        require(page.do(command="pace", speed=100)["code"] == 0, "faster")
+        page.state(lambda e: e["t"] > before + 20)
+        require(page.state()["speed"] == 100, "speed")
+        require(all(node["in_operation"] for node in page.state()["nodes"]), "somebody did not keep up")
+        for words in ({}, {"speed": -1}, {"speed": 101}, {"speed": 0.001}, {"speed": "2"}, {"speed": None}, {"speed": True}, {"run": "soon"}, {"run": "-1s"}):
+            reply = page.do(command="pace", **words)
+            require(reply["code"] != 0 and "expected" in reply["message"], (words, reply))
+        require(page.do(command="pace", speed=1)["code"] == 0 and page.state(lambda e: e["speed"] == 1), "again as the clock")
+        looker = Watcher(page_of(plant)[1])
+        looker.say({"do": {"command": "pace", "speed": 0}, "id": 1})
+        require(looker.event(lambda e: e["event"] == "reply" and e["id"] == 1)["code"] == 7, "who only looks")
+
+
+@check
+def web_plant_time_of_a_bus_outside_goes_with_the_clock():
+    with running(first_plant_file(), operational=[1, 2, 3]) as far:
+        plant_file = scratch / "web-pace-linked.toml"
+        plant_file.write_text(f'[[bus]]\nname = "line1"\nbit_rate = 250_000\nlink = "socketcand:{far.socketcand}/line1"\n')
+        with running(plant_file, has_plc=False, words=["--web"], is_served=False) as plant:
+            page = Page(plant)
+            require("pace" not in page.do(command="hello")["offers"], "offers")
+            reply = page.do(command="pace", speed=0)
+            require(reply["code"] == 2 and "unknown command" in reply["message"], reply)
+
+
+@check
+def web_pace_in_chromium():
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if not chromium:
+        raise Skip("no Chromium: tools/install-packages check")
+    node_modules()
+    with running(first_plant_file(), operational=[1, 2, 3], words=["--web"]) as plant:
+        seen = json.loads(command("node", HERE / "web_pace.mjs", chromium, page_with_key(plant), pictures_of("views"), timeout=240).stdout)
+    require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
+    require(seen["paused"] == "SIMULATED PAUSED" and seen["stood_still"] and seen["button"] == "Run", seen)
+    require(seen["stepped"] == "1.0", seen["stepped"])
+    require(seen["faster"] == "SIMULATED ×10" and seen["again"] == "SIMULATED", seen)
+    require(seen["look"] == 0, "who only looks")
