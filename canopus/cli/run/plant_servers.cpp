@@ -1,6 +1,7 @@
 #include "canopus/cli/run/plant_servers.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <utility>
 
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/text/local_time.hpp"
 
 namespace canopus::cli {
 
@@ -244,6 +246,13 @@ bool PlantServers::open_web() {
 WebPace pace_of(serve::RealTime& clock) {
   return {.speed = [&clock] { return clock.speed(); },
           .set_speed = [&clock](double speed, can::Duration time) { clock.set_speed(speed, time); }};
+}
+
+void set_cpu_clocks(plant::Plant& plant) {
+  const auto moment = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+  for (std::size_t i = 0; i < plant.plc_count(); ++i) {
+    plant.rack(i).set_clock(text::local_time(moment), plant.timeline().now());
+  }
 }
 
 }  // namespace canopus::cli

@@ -101,6 +101,8 @@ class PlantServers {
   std::optional<WebPage> web_;
 };
 
+/// As a programming tool sets them: the clocks of all CPUs to the time of day where the machine is.
+void set_cpu_clocks(plant::Plant& plant);
 /// For a plant without a bus outside. `clock` must outlive it.
 [[nodiscard]] WebPace pace_of(serve::RealTime& clock);
 

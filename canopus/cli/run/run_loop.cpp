@@ -74,7 +74,6 @@ class Run {
   [[nodiscard]] PlantServers::Use server_use(serve::PlantRuns::Order order, WebPace pace = {});
   link::ClientReport report_of(std::string source);
   void show_connections();
-  void set_cpu_clocks();
   bool run_in_real_time();
   bool run_in_step();
   void run_in_virtual_time();
@@ -167,14 +166,6 @@ void Run::show_connections() {
   for (const std::string& line : plant_->connections()) print_line("{}", line);
 }
 
-/// As a programming tool sets them: to the time of day where the machine is.
-void Run::set_cpu_clocks() {
-  const auto moment = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
-  for (std::size_t i = 0; i < plant_->plc_count(); ++i) {
-    plant_->rack(i).set_clock(text::local_time(moment), plant_->timeline().now());
-  }
-}
-
 bool Run::run_in_real_time() {
   const can::Time end = options_.duration ? can::Time{} + *options_.duration : can::never;
   serve::RealTime clock(io_, *plant_, observer(), end);
@@ -185,8 +176,8 @@ bool Run::run_in_real_time() {
       server_use(serve::PlantRuns::Order::side_by_side, is_alone ? pace_of(clock) : WebPace{}));
   if (!servers.open()) return false;
   if (!has_table_) show_connections();
-  set_cpu_clocks();
-  clock.set_resumed_handler([this] { set_cpu_clocks(); });
+  set_cpu_clocks(*plant_);
+  clock.set_resumed_handler([this] { set_cpu_clocks(*plant_); });
   linked_buses_.start(&clock, *plant_);
   if (options_.real_time) {
     for (const std::string& sentence : serve::ask_for_real_time(*options_.real_time)) {
