@@ -6,6 +6,7 @@ import { draw_leds, draw_modules } from "./modules.js";
 import { WordView } from "./word_view.js";
 import { BootView } from "./boot_view.js";
 import { BusView } from "./bus_view.js";
+import { BusWays } from "./bus_ways.js";
 import { Description } from "./description.js";
 import { Links } from "./links.js";
 import { ObjectView } from "./object_view.js";
@@ -43,6 +44,7 @@ const settings_view = new SettingsView(by_id("settings-section"), commands);
 const start_view = new StartView(by_id("start-section"), commands);
 const fault_view = new FaultView(by_id("faults-section"), by_id("frame-menu"), commands);
 const pace_ways = new PaceWays(by_id("pace"), commands);
+const bus_ways = new BusWays(commands);
 const nmt_ways = new NmtWays(commands);
 const words = new WordView(by_id("words-section"), () => say_views());
 const boots = new BootView(by_id("boot-section"), () => say_views());
@@ -130,7 +132,7 @@ function make_bus(name) {
                    make("svg:rect", { x: 0, y: 0, height: 8, width: 0 }), make("svg:line", { y1: 0, y2: 8, x1: 0, x2: 0 }));
   return make("div", { class: "bus" },
               make("header", {}, make("h3", {}, make("a", { href: `#bus/${state.buses.findIndex((one) => one.bus === name)}` }, name)), make("span", { class: "faint" }), bar, make("button", { type: "button", class: "share number", title: `Plot the load of ${name} in %`, "data-plot": `bus ${name} now`, "data-name": `load of ${name} in %` })),
-              nmt_ways.make(name, "all", `all nodes of ${name}`),
+              nmt_ways.make(name, "all", `all nodes of ${name}`), bus_ways.make(name),
               make("ul", { class: "nodes", "aria-label": `Nodes of ${name}` }));
 }
 
@@ -177,7 +179,8 @@ function draw_node_ways(node) {
   if (place.dataset.key === chosen) return;
   place.dataset.key = chosen;
   const has_id = node.node >= 1 && node.node <= 127;
-  place.replaceChildren(...(has_id ? [nmt_ways.make(node.bus, String(node.node), `${node.bus} node ${node.node}`)] : []));
+  const words = [node.bus, String(node.node), `${node.bus} node ${node.node}`];
+  place.replaceChildren(...(has_id ? [nmt_ways.make(...words), bus_ways.make_sdo(...words)] : []));
 }
 
 function draw_node() {
@@ -285,6 +288,7 @@ function greeted(hello) {
   start_view.greeted(hello);
   fault_view.greeted(hello);
   nmt_ways.greeted(hello);
+  bus_ways.greeted(hello);
   pace_ways.greeted(hello);
   const projects = project_view.greeted(hello);
   const settings = settings_view.greeted(hello);
