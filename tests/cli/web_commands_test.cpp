@@ -140,6 +140,13 @@ TEST(WebArguments, Nonsense_IsRefusedInASentence) {
             "project remove: \"node\" is to be a text of up to 1000 characters");
   EXPECT_EQ(error({{"command", "project remove"}, {"node", std::string("5\0", 2)}}),
             "project remove: \"node\" is to be a text of up to 1000 characters");
+  EXPECT_EQ(error({{"command", "project remove"}, {"node", std::string(1000, '5')}}), "it was taken");
+  EXPECT_EQ(error({{"command", "project remove"}, {"node", std::string(1001, '5')}}),
+            "project remove: \"node\" is to be a text of up to 1000 characters");
+  EXPECT_EQ(error({{"command", "project set"}, {"items", std::vector<std::string>(512, "a=1")}}),
+            "it was taken");
+  EXPECT_EQ(error({{"command", "project set"}, {"items", std::vector<std::string>(513, "a=1")}}),
+            "project set: \"items\" is to be a list of up to 512 texts");
   EXPECT_EQ(error({{"command", "project undo"}, {"bus_address", "x"}}),
             "project undo: unknown \"bus_address\"");
   EXPECT_EQ(error({{"command", "project show"}, {"all", "yes"}}),
@@ -347,6 +354,15 @@ TEST_F(WebCommandsTest, WhatIsStopped_Ends) {
   const auto replies = this->replies();
   EXPECT_EQ(replies.back()["id"], 1);
   EXPECT_EQ(replies.back()["code"], web_code::stopped);
+  // Somebody at another place who gives no name either is somebody else.
+  say({{"command", "project undo"}}, 7);
+  commands_->run({.name = "ann", .address = "192.0.2.7", .role = WebRole::configure},
+                 Json{{"command", "stop"}, {"id", 7}}.dump(), 8,
+                 [this](const std::string& event) { replies_.push_back(Json::parse(event)); });
+  EXPECT_EQ(replies_.back()["code"], web_code::usage);
+  EXPECT_EQ(replies_.back()["message"], "there is no such command of yours");
+  say({{"command", "stop"}, {"id", 7}}, 10);
+  EXPECT_EQ(replies_.back()["code"], 0);
   say({{"command", "stop"}, {"id", 9}}, 5);
   EXPECT_EQ(replies_.back()["code"], web_code::usage);
 }

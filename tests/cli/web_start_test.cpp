@@ -82,6 +82,7 @@ TEST_F(WebStartTest, PlantsAndProjectsOfTheFolder_TwoFoldersDown) {
   write("b.toml", "[[bus]]\n");
   write("other.toml", "[package]\n");
   write(".hidden/c.toml", "[[bus]]\n");
+  write(".b.toml", "[[bus]]\n");
   write("x/a.toml", "[[bus]]\n");
   write("x/y/nodelist.cpj", "");
   write("x/y/z/deep.toml", "[[bus]]\n");

@@ -66,6 +66,9 @@ PLANS = {
     "a_project_of_its_own_finds_the_installed_library": Plan(5, shares="installation"),
     "the_python_package_is_installed_with_the_program": Plan(3, shares="installation"),
 
+    # Answers that come too late lead a scan by LSS astray.
+    "web_scan_lss_and_sdo_in_chromium": Plan(alone=True),
+
     # They judge how fast the program is.
     "a_client_that_left_does_not_keep_a_bus_busy_where_nobody_acknowledges": Plan(alone=True),
     "a_client_that_left_does_not_keep_the_bus_busy": Plan(alone=True),

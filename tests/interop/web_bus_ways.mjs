@@ -9,7 +9,7 @@ const [scan, lss] = [page.getByRole("group", { name: /^Scan of / }), page.getByR
 const press = async (group, name) => {
   const button = group.getByRole("button", { name, exact: true });
   await button.click();
-  await page.waitForFunction((one) => !one.disabled, await button.elementHandle());
+  await page.waitForFunction((one) => !one.disabled, await button.elementHandle(), { timeout: 100000 });
   return group.getByRole("status").textContent();
 };
 const rows = (name) => page.getByRole("region", { name }).locator("tbody tr").allTextContents();

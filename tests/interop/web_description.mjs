@@ -53,7 +53,7 @@ await small.click("#show-description");
 // The strip: the newest events in words, each a link to its frames.
 seen.newest = await small.locator("#newest-list a").allTextContents();
 seen.in_sight = await small.evaluate(() => document.getElementById("newest").getBoundingClientRect().bottom <= innerHeight + 1);
-const link = small.locator("#newest-list a[href^='#trace/']").first();
+const link = small.locator("#newest-list a[href^='#trace/']").last();
 seen.event = { text: await link.textContent(), link: decodeURIComponent(await link.getAttribute("href")) };
 await link.click();
 await small.waitForSelector("#trace tr[aria-selected]");

@@ -92,7 +92,8 @@ void ChildProcess::interrupt() const noexcept {
 }
 
 void ChildProcess::kill() const noexcept {
-  if (process_ > 0) ::kill(process_, SIGKILL);
+  // And what it has started itself, which would hold its output open.
+  if (process_ > 0) ::kill(-process_, SIGKILL);
 }
 
 void ChildProcess::stop() noexcept {
@@ -136,7 +137,7 @@ void ChildProcess::take_lines() {
   line_.erase(0, begin);
   if (line_.size() > longest_line && process_ > 0) {
     line_.clear();
-    ::kill(process_, SIGTERM);
+    ::kill(-process_, SIGTERM);
   }
 }
 

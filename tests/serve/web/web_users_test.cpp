@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -65,6 +66,13 @@ TEST(WebUsers, ALineThatIsWrong_IsNamed_WithWhatWasExpected) {
   EXPECT_EQ(error_of("anna look " + yescrypt + "\n#\nanna look " + scrypt),
             "users:3: anna is in line 1 already; expected a user once");
   EXPECT_THAT(error_of(std::string(300000, '#')), HasSubstr("expected at most 262144 bytes"));
+}
+
+TEST(WebUsers, AsManyAsThereMayBe_AndOneMore) {
+  std::string text;
+  for (std::size_t i = 0; i < most_users; ++i) text += fmt::format("u{} look {}\n", i, scrypt);
+  EXPECT_EQ(error_of(text), "none");
+  EXPECT_EQ(error_of(text + "one look " + scrypt), "users:1001: expected at most 1000 users");
 }
 
 TEST(WebUsers, APasswordInPlaceOfAHash_IsNotRepeated) {

@@ -26,7 +26,9 @@ export class NewestEvents {
     });
   }
 
+  /// What one source says again and again takes one place.
   add(event, text) {
+    if (event.source) this.events = this.events.filter((one) => one.event.event !== event.event || one.event.source !== event.source);
     this.events.push({ event, text, key: String(++this.count) });
     if (this.events.length > most) this.events.shift();
   }
