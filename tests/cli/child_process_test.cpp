@@ -3,6 +3,7 @@
 #include "canopus/cli/web/child_process.hpp"
 
 #include <csignal>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -71,7 +72,10 @@ TEST_F(ChildProcessTest, HasEverySignalAsItIsByDefault) {
   run("exec grep -E 'Sig(Blk|Ign)' /proc/self/status");
   (void)std::signal(SIGPIPE, pipe);
   ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  EXPECT_THAT(lines_, ElementsAre("SigBlk:\t0000000000000000", "SigIgn:\t0000000000000000"));
+  ASSERT_EQ(lines_.size(), 2U);
+  constexpr std::uint64_t of_programs = 0x7FFFFFFF;  // the first real-time signals are the C library's
+  for (const std::string& line : lines_)
+    EXPECT_EQ(std::stoull(line.substr(line.find('\t')), nullptr, 16) & of_programs, 0U) << line;
 }
 
 TEST_F(ChildProcessTest, LineWithoutAnEnd_EndsIt) {

@@ -52,6 +52,7 @@ import web_checks  # noqa: F401
 import web_log_in_checks  # noqa: F401
 import web_description_checks  # noqa: F401
 import web_bus_ways_checks  # noqa: F401
+import web_hostile_checks  # noqa: F401
 import web_nmt_checks  # noqa: F401
 import web_pace_checks  # noqa: F401
 import web_settings_checks  # noqa: F401

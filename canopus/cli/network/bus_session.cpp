@@ -161,7 +161,7 @@ void BusSession::silent(const ProjectNode& node, std::string_view what) {
 
 bool BusSession::is_the_device(const ProjectNode& node, BusObjects& objects) {
   if (node.device == nullptr) {
-    print_error("canopus project: {}: {}", node.shown_name(), node.unreadable);
+    print_error("canopus project: {}: {}", node.shown_name(), node.trouble());
     ++summary_.different;
     return false;
   }

@@ -61,7 +61,7 @@ int with_difference(const ProjectArguments& arguments, const NetworkProject& pro
   if (!node) return project_failed(project_code::refused, node.error());
   if ((*node)->device == nullptr) {
     return project_failed(project_code::file,
-                          fmt::format("{}: {}", (*node)->shown_name(), (*node)->unreadable));
+                          fmt::format("{}: {}", (*node)->shown_name(), (*node)->trouble()));
   }
   // What is accepted makes the node anew.
   const std::uint8_t id = (*node)->id();

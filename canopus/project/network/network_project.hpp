@@ -39,6 +39,10 @@ struct ProjectNode {
   [[nodiscard]] std::uint8_t id() const noexcept { return listed.node_id; }
   /// "node 5 (Pump)"
   [[nodiscard]] std::string shown_name() const;
+  /// Why it cannot be read, with its file.
+  [[nodiscard]] std::string trouble() const {
+    return path.empty() || unreadable.contains(path) ? unreadable : path + ": " + unreadable;
+  }
   /// A value as the DCF has it, zero-extended; nothing: no such object of fixed length.
   [[nodiscard]] std::optional<std::uint64_t> value(std::uint16_t index, std::uint8_t sub = 0) const;
 };

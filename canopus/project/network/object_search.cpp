@@ -71,7 +71,7 @@ std::string object_title(const eds::DeviceFile& file, const canopen::Entry& entr
 
 std::expected<canopen::Entry, std::string> find_object(const ProjectNode& node, std::string_view text) {
   if (node.device == nullptr)
-    return std::unexpected(fmt::format("{}: {}", node.shown_name(), node.unreadable));
+    return std::unexpected(fmt::format("{}: {}", node.shown_name(), node.trouble()));
   const canopen::DictionaryDescription& dictionary = *node.device->dictionary;
   if (const canopen::Entry entry = find_by_number(dictionary, text)) return entry;
   const std::string wanted = comparable(eds::trim(text));

@@ -32,7 +32,7 @@ std::expected<Signal, std::string> find_signal(const NetworkProject& project, co
   const ProjectNode* node = project.find(end.node_id);
   if (node == nullptr) return std::unexpected(fmt::format("the project has no node {}", end.node_id));
   if (node->device == nullptr)
-    return std::unexpected(fmt::format("{}: {}", node->shown_name(), node->unreadable));
+    return std::unexpected(fmt::format("{}: {}", node->shown_name(), node->trouble()));
   const canopen::Entry entry = node->device->dictionary->find(end.index, end.sub);
   if (!entry) {
     return std::unexpected(
