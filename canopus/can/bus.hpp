@@ -75,6 +75,8 @@ class Port : public Controller {
   /// by identifier, 128.
   virtual void set_transmit_queue(TransmitOrder order, std::size_t capacity) = 0;
   [[nodiscard]] virtual const PortCounters& counters() const = 0;
+  /// Frames that were sent and are not on the bus yet, the one being sent included.
+  [[nodiscard]] virtual std::size_t waiting() const = 0;
   /// Bus monitoring: hears everything and drives nothing, no acknowledgement, no error flag; send() is
   /// refused.
   virtual void set_listen_only(bool listen_only) = 0;

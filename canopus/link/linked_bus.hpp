@@ -40,6 +40,7 @@ class LinkedPort final : public can::Port {
   void accept(const can::Acceptance& acceptance) override { acceptance_ = acceptance; }
   void set_transmit_queue(can::TransmitOrder order, std::size_t capacity) override;
   [[nodiscard]] const can::PortCounters& counters() const override { return counters_; }
+  [[nodiscard]] std::size_t waiting() const override { return queue_.size() + under_way_; }
   void set_listen_only(bool listen_only) override;
   void set_automatic_recovery(bool automatic) override;
   void recover() override;

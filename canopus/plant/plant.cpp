@@ -91,6 +91,7 @@ std::vector<NodeStatus> Plant::nodes() const {
   const auto add = [&all](const NodeStatus& status, const can::Port& port) {
     NodeStatus& node = all.emplace_back(status);
     node.frames = port.counters().transmitted;
+    node.waiting = port.waiting();
     node.error_state = port.error_state();
     node.transmit_errors = port.transmit_error_counter();
     node.receive_errors = port.receive_error_counter();

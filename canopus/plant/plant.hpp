@@ -107,6 +107,7 @@ struct NodeStatus {
   canopen::NmtState state = canopen::NmtState::initialising;
   module::Layer2State layer2 = module::Layer2State::inactive;
   std::uint64_t frames = 0;  ///< that its controller has sent
+  std::size_t waiting = 0;   ///< frames in its transmit queue
   std::uint64_t pdos = 0;    ///< sent so far; in a Layer 2 mode every frame counts
   std::uint64_t emergencies = 0;
   std::uint16_t last_emergency = 0;  ///< code

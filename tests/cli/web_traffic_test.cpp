@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "canopus/cli/events/web_events.hpp"
 #include "canopus/cli/events/web_objects.hpp"
 #include "canopus/cli/events/web_views.hpp"
+#include "canopus/sim/bus/bus.hpp"
 
 #include "paths.hpp"
 #include "support/plant_folder.hpp"
@@ -22,6 +24,7 @@ namespace canopus::cli {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 using ::testing::IsSupersetOf;
 using ::testing::SizeIs;
 using namespace std::chrono_literals;
@@ -249,6 +252,84 @@ TEST(WebObjects, ValuesOfAllKinds_AsManyAsAreInSight) {
   EXPECT_EQ(event["of"], 254);
   ASSERT_THAT(event["rows"], SizeIs(1));
   EXPECT_EQ(event["rows"][0]["object"], "2005:FE");
+}
+
+TEST_F(WebTrafficTest, WhoLostTheArbitration_AndAtWhichBit) {
+  can::Bus& bus = plant_->bus(0);
+  can::Port& low = bus.add_port("low");
+  can::Port& high = bus.add_port("high");
+  can::Port& wide = bus.add_port("wide");
+  const auto send = [&] {
+    ASSERT_TRUE(high.send({.identifier = 2, .dlc = 0}));
+    ASSERT_TRUE(low.send({.identifier = 1, .dlc = 0}));
+    ASSERT_TRUE(wide.send({.identifier = 1U << 18, .extended = true, .dlc = 0}));
+    plant_->timeline().run_until(plant_->timeline().now() + 5ms);
+  };
+  send();
+  EXPECT_FALSE(look(R"({"traffic":0,"can_id":1})")["frame"].contains("lost")) << "nobody looked then";
+  send();
+  const json lost = look(R"({"traffic":0,"can_id":1})")["frame"]["lost"];
+  // SOF and ten dominant bits have two stuff bits between them; 2 differs in the eleventh bit, the other one in SRR.
+  ASSERT_THAT(lost, SizeIs(2)) << lost;
+  EXPECT_EQ(lost[0], (json{{"name", "high"}, {"can_id", "002"}, {"bit", 12}}));
+  EXPECT_EQ(lost[1], (json{{"name", "wide"}, {"can_id", "00040000"}, {"bit", 14}}));
+  (void)look(R"({"traffic":0,"can_id":262144,"extended":true})");
+  (void)look(R"({"traffic":0,"can_id":2})");
+  send();
+  const json second = look(R"({"traffic":0,"can_id":262144,"extended":true})")["frame"]["lost"];
+  EXPECT_EQ(second, (json::array({{{"name", "high"}, {"can_id", "002"}, {"bit", 12}}})));
+  EXPECT_THAT(look(R"({"traffic":0,"can_id":2})")["frame"]["lost"], IsEmpty());
+  // As long as nobody looks nothing is kept.
+  (void)views_->look("");
+  send();
+  EXPECT_FALSE(look(R"({"traffic":0,"can_id":1})")["frame"].contains("lost"));
+}
+
+TEST_F(WebTrafficTest, LatestErrorFrames_WithTheBitsOfTheNewest) {
+  const std::size_t before = look(R"({"traffic":0})")["error_frames"].size();
+  sim::Fault fault;
+  fault.kind = sim::FaultKind::corrupt;
+  fault.identifier = 0x183;
+  fault.bit = 30;
+  fault.count = 1;
+  ASSERT_TRUE(plant_->simulated_bus(0)->set_faults({fault}, 1));
+  plant_->timeline().run_until(plant_->timeline().now() + 300ms);
+  const json event = look(R"({"traffic":0})");
+  ASSERT_GE(event["error_frames"].size(), std::min<std::size_t>(before + 1, WebTraffic::most_error_frames));
+  const json newest = event["error_frames"][0];
+  EXPECT_GT(newest["at"], 5.0);
+  EXPECT_EQ(newest["error"], "bit") << newest;
+  EXPECT_EQ(newest["bit"], 30);
+  EXPECT_EQ(newest["name"], "<b>encoder</b>");
+  EXPECT_TRUE(newest["transmitter"]);
+  std::map<std::string, std::size_t> parts;
+  std::string levels;
+  for (const json& bit : newest["bits"]) {
+    ++parts[bit["part"]];
+    levels += bit["level"];
+  }
+  EXPECT_EQ(parts["frame"], 31U) << "SOF is 0";
+  EXPECT_GE(parts["error flag"], 6U);
+  EXPECT_LE(parts["error flag"], 12U);
+  EXPECT_EQ(parts["error delimiter"], 8U);
+  EXPECT_TRUE(levels.starts_with("dd")) << levels;  // SOF, and the first bit of 183H
+  EXPECT_TRUE(levels.ends_with("ddddddrrrrrrrr")) << levels;
+  // What it says is the frame that came whole afterwards, but for the wrong bit.
+  const json whole = look(R"({"traffic":0,"can_id":387})")["frame"]["bits"];
+  for (std::size_t i = 0; i < 30 && i < 12; ++i)
+    EXPECT_EQ(newest["bits"][i]["level"], whole[i]["level"]) << i;
+}
+
+TEST_F(WebTrafficTest, FramesThatWait) {
+  can::Port& port = plant_->bus(0).add_port("sender");
+  EXPECT_EQ(port.waiting(), 0U);
+  for (std::uint32_t id = 1; id <= 5; ++id) ASSERT_TRUE(port.send({.identifier = id, .dlc = 8}));
+  EXPECT_EQ(port.waiting(), 5U);
+  plant_->timeline().run_until(plant_->timeline().now() + 250us);
+  EXPECT_EQ(port.waiting(), 5U) << "the one that is being sent waits, too";
+  plant_->timeline().run_until(plant_->timeline().now() + 10ms);
+  EXPECT_EQ(port.waiting(), 0U);
+  EXPECT_EQ(json::parse(state_event(*plant_))["nodes"][0]["waiting"], 0);
 }
 
 }  // namespace

@@ -1,9 +1,10 @@
 """Checks of scan, LSS and single objects on the page of a run, in a real Chromium."""
 import json
+import re
 import shutil
 
-from kit import HERE, ROOT, Skip, check, command, node_modules, require, running, scratch
-from web_checks import page_with_key, pictures_of
+from kit import HERE, ROOT, Skip, check, command, first_plant_file, node_modules, require, running, scratch
+from web_checks import page_of, page_with_key, pictures_of
 
 
 @check
@@ -32,3 +33,24 @@ def web_scan_lss_and_sdo_in_chromium():
     require(seen["written"] == "1017:00 is written: 250 (FA 00)" and seen["after"] == "1017:00 reads: 250 (FA 00)", seen)
     require("which type has the value" in seen["no_type"], seen["no_type"])
     require(seen["look"] == 0, "who only looks")
+
+
+@check
+def web_error_frames_and_arbitration_in_chromium():
+    """What was wrong where, with the bits of the frame, the flags and the delimiter; who lost the arbitration to a frame; waiting frames."""
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if not chromium:
+        raise Skip("no Chromium: tools/install-packages check")
+    node_modules()
+    text = first_plant_file().read_text()
+    fault = '[[bus.fault]]\nkind = "corrupt"\nidentifier = 0x183\nbit = 30\nevery = 50\n\n'
+    plant_file = scratch / "web-error-frames.toml"
+    plant_file.write_text(text.replace("[[device]]", fault + "[[device]]", 1))
+    with running(plant_file, operational=[1, 2, 3], words=["--web"]) as plant:
+        seen = json.loads(command("node", HERE / "web_error_frames.mjs", chromium, page_of(plant)[0], pictures_of("views"), timeout=240).stdout)
+    require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
+    require(1 <= len(seen["latest"]) <= 8 and all(re.fullmatch(r"\d+\.\d{6} s: (bit|stuff) error in [^,]+, bit 30, found by [^,]+(, which sends it)?( and \d+ more)?", one) for one in seen["latest"]), seen["latest"])
+    require(seen["parts"] == ["frame", "error flag", "error delimiter"], seen["parts"])
+    require(seen["bits"][0] == 31 and 6 <= seen["bits"][1] <= 12 and seen["bits"][2] == 8 and seen["wrong"] == 1, seen["bits"])
+    require(re.match(r"Nobody else began to send with it\.|Lost the arbitration to it: ", seen["lost"]), seen["lost"])
+    require(len(seen["waiting"]) == 4 and all(re.fullmatch(r"\d+, at most \d+", one) for one in seen["waiting"]), seen["waiting"])

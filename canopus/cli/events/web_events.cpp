@@ -44,6 +44,7 @@ Fields node_fields(const plant::NodeStatus& node) {
   fields["state"] = state_name(node);
   fields["in_operation"] = in_operation(node);
   fields["frames"] = node.frames;
+  fields["waiting"] = node.waiting;
   fields["pdos"] = node.pdos;
   fields["emcy"] = node.emergencies;
   if (node.emergencies != 0) fields["last_emcy"] = fmt::format("{:04X}", node.last_emergency);

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/can/frame_bits.hpp"
 #include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/events/web_view_fields.hpp"
 #include "canopus/sim/bus/bit_controller.hpp"
@@ -25,15 +26,21 @@ can::FrameField field_of(unsigned payload, unsigned header, std::size_t data, st
   return payload < header + data ? can::FrameField::data : can::FrameField::crc;
 }
 
-void add_frame(Json& event, const WebTraffic::Seen& seen) {
-  std::string data;
-  for (const std::uint8_t byte : seen.frame.bytes()) data += fmt::format("{:02X}", byte);
-  event["frame"] = {{"can_id", fmt::format("{:0{}X}", seen.frame.identifier, seen.frame.extended ? 8 : 3)},
-                    {"at", event_seconds(seen.at)},
-                    {"dlc", seen.frame.dlc},
-                    {"remote", seen.frame.remote},
-                    {"data", data}};
-  add_bits(event["frame"], seen.frame);
+/// The place of a bit that is counted without stuff bits.
+std::size_t place_of(const sim::BitStream& stream, unsigned plain) {
+  std::size_t place = 0;
+  for (unsigned seen = 0; place < stream.size; ++place) {
+    if (!stream.bits[place].stuff && seen++ == plain) break;
+  }
+  return place;
+}
+
+/// The CAN-ID behind can::arbitration(), as people write it.
+std::string identifier_of(std::uint32_t arbitration) {
+  constexpr std::uint32_t substitute_and_ide = 3U << 19;
+  const std::uint32_t base = arbitration >> 21;
+  if ((arbitration & substitute_and_ide) != substitute_and_ide) return fmt::format("{:03X}", base);
+  return fmt::format("{:08X}", base << 18 | (arbitration >> 1 & 0x3FFFF));
 }
 
 }  // namespace
@@ -106,6 +113,74 @@ WebTraffic::Seen* WebTraffic::seen_of(Bus& bus, std::uint32_t identifier, bool e
   return place == bus.extended.end() ? nullptr : &*place;
 }
 
+WebWire* WebTraffic::wire_of(std::size_t bus) {
+  sim::Bus* const simulated = plant_.simulated_bus(bus);
+  return simulated == nullptr ? nullptr : &wires_.try_emplace(bus, *simulated).first->second;
+}
+
+void WebTraffic::add_frame(Json& event, std::size_t bus, const Seen& seen) {
+  std::string data;
+  for (const std::uint8_t byte : seen.frame.bytes()) data += fmt::format("{:02X}", byte);
+  event["frame"] = {{"can_id", fmt::format("{:0{}X}", seen.frame.identifier, seen.frame.extended ? 8 : 3)},
+                    {"at", event_seconds(seen.at)},
+                    {"dlc", seen.frame.dlc},
+                    {"remote", seen.frame.remote},
+                    {"data", data}};
+  add_bits(event["frame"], seen.frame);
+  WebWire* const wire = wire_of(bus);
+  if (wire == nullptr) return;
+  const WebWire::Arbitration& arbitration = wire->look(seen.frame.identifier, seen.frame.extended);
+  if (arbitration.start != seen.start) return;  // it was not told as a whole, or nobody looked
+  const sim::BitStream stream(seen.frame);
+  const auto ports = plant_.bus(bus).ports();
+  event["frame"]["lost"] = Json::array();
+  for (const sim::WireFrame::Sender& sender : arbitration.senders) {
+    if (sender.lost_at == sim::WireFrame::Sender::won || sender.port >= ports.size()) continue;
+    const std::size_t place = place_of(stream, sender.lost_at);
+    if (place == stream.size) continue;
+    event["frame"]["lost"].push_back({{"name", ports[sender.port]->name()},
+                                      {"can_id", identifier_of(sender.arbitration)},
+                                      {"bit", place}});
+  }
+}
+
+/// The newest first; of that one the bits, as long as they are known: of the frame, of the flags, of the delimiter.
+void WebTraffic::add_error_frames(Json& event, std::size_t bus) {
+  const Bus& seen = taps_[bus]->bus;
+  WebWire* const wire = wire_of(bus);
+  const can::Time now = plant_.timeline().now();
+  event["error_frames"] = Json::array();
+  for (std::size_t i = 1; i <= std::min(seen.next_error_frame, most_error_frames); ++i) {
+    const ErrorFrame& one = seen.error_frames[(seen.next_error_frame - i) % most_error_frames];
+    Json line{{"at", event_seconds(one.at)},    {"error", name(one.first.error)},
+              {"field", name(one.first.field)}, {"bit", one.first.bit},
+              {"finders", one.finders},         {"transmitter", one.first.transmitter}};
+    if (one.first.port != nullptr) line["name"] = one.first.port->name();
+    const bool is_in_frame =
+        one.first.field > can::FrameField::idle && one.first.field <= can::FrameField::end_of_frame;
+    if (i == 1 && wire != nullptr && is_in_frame) {
+      const can::Duration bit = can::bit_time(1, plant_.bus(bus).bit_rate());
+      constexpr unsigned delimiter = 8;
+      constexpr int most_behind = 40;
+      unsigned recessive = 0;
+      Json bits = Json::array();
+      for (int place = -static_cast<int>(one.first.bit); place <= most_behind && recessive < delimiter;
+           ++place) {
+        const can::Time at = one.at + place * bit;
+        const auto dominant = at > now ? std::nullopt : wire->is_dominant(at);
+        if (!dominant) break;
+        if (place > 0) recessive = *dominant ? 0 : recessive + 1;
+        bits.push_back({{"level", *dominant ? "d" : "r"},
+                        {"part", place <= 0  ? "frame"
+                                 : *dominant ? "error flag"
+                                             : "error delimiter"}});
+      }
+      if (recessive == delimiter) line["bits"] = std::move(bits);
+    }
+    event["error_frames"].push_back(std::move(line));
+  }
+}
+
 void WebTraffic::Tap::frame_completed(const can::Frame& frame, can::Time start, can::Time end) {
   const auto place = static_cast<std::size_t>(class_of(frame));
   bus.busy[place] += end - start;
@@ -114,14 +189,16 @@ void WebTraffic::Tap::frame_completed(const can::Frame& frame, can::Time start, 
   Seen* const seen = seen_of(bus, frame.identifier, frame.extended);
   if (seen == nullptr) return;
   ++seen->frames;
+  seen->start = start;
   seen->at = end;
   seen->frame = frame;
 }
 
-void WebTraffic::Tap::errors_reported(std::span<const can::BusErrorReport> reports, can::Time /*now*/) {
+void WebTraffic::Tap::errors_reported(std::span<const can::BusErrorReport> reports, can::Time now) {
   for (const can::BusErrorReport& report : reports) {
-    if (report.first)
-      ++bus.errors[static_cast<std::size_t>(report.error)][static_cast<std::size_t>(report.field)];
+    if (!report.first) continue;
+    ++bus.errors[static_cast<std::size_t>(report.error)][static_cast<std::size_t>(report.field)];
+    bus.error_frames[bus.next_error_frame++ % most_error_frames] = {now, report, reports.size()};
   }
 }
 
@@ -132,7 +209,7 @@ const WebFigures* WebTraffic::figures(std::string_view bus) const noexcept {
   return nullptr;
 }
 
-std::string WebTraffic::look(const nlohmann::json& wish) const {
+std::string WebTraffic::look(const nlohmann::json& wish) {
   const std::size_t number = view_number(wish, "traffic", SIZE_MAX);
   if (number >= taps_.size()) return {};
   const Bus& bus = taps_[number]->bus;
@@ -155,6 +232,7 @@ std::string WebTraffic::look(const nlohmann::json& wish) const {
                                  {"count", bus.errors[error][field]}});
     }
   }
+  add_error_frames(event, number);
   event["can_ids"] = Json::array();
   for (std::size_t id = 0; id < bus.seen.size(); ++id) {
     if (bus.seen[id].frames != 0) event["can_ids"].push_back(fmt::format("{:03X}", id));
@@ -172,10 +250,10 @@ std::string WebTraffic::look(const nlohmann::json& wish) const {
   if (is_extended != wish.end() && is_extended->is_boolean() && is_extended->get<bool>()) {
     const auto seen = std::ranges::find_if(
         bus.extended, [id](const Seen& one) { return one.frames != 0 && one.frame.identifier == id; });
-    if (seen != bus.extended.end()) add_frame(event, *seen);
+    if (seen != bus.extended.end()) add_frame(event, number, *seen);
     return view_event(event);
   }
-  if (id < bus.seen.size() && bus.seen[id].frames != 0) add_frame(event, bus.seen[id]);
+  if (id < bus.seen.size() && bus.seen[id].frames != 0) add_frame(event, number, bus.seen[id]);
   return view_event(event);
 }
 

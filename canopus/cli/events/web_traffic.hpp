@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -15,6 +16,7 @@
 
 #include "canopus/can/bus.hpp"
 #include "canopus/cli/events/web_figures.hpp"
+#include "canopus/cli/events/web_wire.hpp"
 #include "canopus/plant/plant.hpp"
 
 namespace canopus::cli {
@@ -31,10 +33,18 @@ class WebTraffic {
   /// The last frame of an identifier.
   struct Seen {
     std::uint64_t frames = 0;  ///< 0: none yet
+    can::Time start{};         ///< of its SOF
     can::Time at{};            ///< end of the frame
     can::Frame frame{};
   };
-  static constexpr std::size_t most_extended = 64;  ///< identifiers of 29 bits: the first ones of a bus
+  /// An error frame: what its first finder found.
+  struct ErrorFrame {
+    can::Time at = can::never;  ///< the sample point of the bit
+    can::BusErrorReport first{};
+    std::size_t finders = 0;  ///< at the same bit
+  };
+  static constexpr std::size_t most_error_frames = 8;  ///< the latest ones
+  static constexpr std::size_t most_extended = 64;     ///< identifiers of 29 bits: the first ones of a bus
   /// Of one bus.
   struct Bus {
     std::array<Seen, 2048> seen{};                    ///< by base identifier
@@ -43,6 +53,8 @@ class WebTraffic {
     std::array<std::uint64_t, frame_classes> frames{};
     /// Error frames, by what their first finder found and where.
     std::array<std::array<std::uint64_t, can::frame_fields>, 6> errors{};
+    std::array<ErrorFrame, most_error_frames> error_frames{};
+    std::size_t next_error_frame = 0;
     WebFigures figures{};
   };
 
@@ -54,7 +66,9 @@ class WebTraffic {
 
   /// The event of a view {"traffic": BUS, "can_id": 389}: of the bus of that number in `state`, with the bits of the last frame of
   /// that base identifier, with "extended": true of that identifier of 29 bits, if there was one; empty: there is no such bus.
-  [[nodiscard]] std::string look(const nlohmann::json& wish) const;
+  [[nodiscard]] std::string look(const nlohmann::json& wish);
+  /// Nobody looks any more.
+  void forget() { wires_.clear(); }
   /// Of the bus of this name; nullptr: there is none.
   [[nodiscard]] const WebFigures* figures(std::string_view bus) const noexcept;
 
@@ -68,7 +82,12 @@ class WebTraffic {
   };
 
   plant::Plant& plant_;
+  [[nodiscard]] WebWire* wire_of(std::size_t bus);
+  void add_frame(nlohmann::ordered_json& event, std::size_t bus, const Seen& seen);
+  void add_error_frames(nlohmann::ordered_json& event, std::size_t bus);
+
   std::vector<std::unique_ptr<Tap>> taps_;
+  std::map<std::size_t, WebWire> wires_;  // of simulated buses that somebody looks at
 };
 
 /// Adds `bits`: each bit of the frame as the bus had it: `level` (`d`, `r`), `field`, and `stuff` when it is a stuff bit.

@@ -82,6 +82,7 @@ void WebViews::list_modules() {
 std::string WebViews::look(std::string_view view) {
   if (view.empty()) {
     is_looked_at_ = false;
+    traffic_.forget();
     return {};
   }
   const auto wish = nlohmann::json::parse(view, nullptr, false);

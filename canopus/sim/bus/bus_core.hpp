@@ -112,6 +112,9 @@ class BusPort final : public Port {
   void accept(const Acceptance& acceptance) override;
   void set_transmit_queue(TransmitOrder order, std::size_t capacity) override;
   [[nodiscard]] const PortCounters& counters() const override { return counted; }
+  [[nodiscard]] std::size_t waiting() const override {
+    return queue.size() + (sending && !sends_babble ? 1 : 0);
+  }
   void set_listen_only(bool new_listen_only) override;
   void set_automatic_recovery(bool automatic) override;
   void recover() override;

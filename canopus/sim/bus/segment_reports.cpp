@@ -82,10 +82,10 @@ void Segment::tell_frame() {
   const std::uint32_t winner = can::arbitration(transmitter_->current);
   for (BusPort* port : members_) {
     if (port == transmitter_) {
-      senders_.push_back({.port = port->index, .lost_at = WireFrame::Sender::won});
+      senders_.push_back({.port = port->index, .lost_at = WireFrame::Sender::won, .arbitration = winner});
     } else if (const std::uint64_t offer = offer_at_start(*port); offer != Arbiter::none) {
       const auto lost_at = 1 + static_cast<unsigned>(std::countl_zero(winner ^ Arbiter::value_of(offer)));
-      senders_.push_back({.port = port->index, .lost_at = lost_at});
+      senders_.push_back({.port = port->index, .lost_at = lost_at, .arbitration = Arbiter::value_of(offer)});
     }
   }
   const can::Duration bit = transmitter_->bit();

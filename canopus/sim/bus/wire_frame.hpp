@@ -1,6 +1,6 @@
 #pragma once
 // A frame that went well on a healthy wire, told as a whole when it is complete: what a WireObserver needs to know of
-// it besides its bits. Only the sources of the bus include this.
+// it besides its bits.
 
 #include <cstddef>
 #include <cstdint>
@@ -20,6 +20,7 @@ struct WireFrame {
     std::size_t port;  ///< as in Bus::ports()
     unsigned
         lost_at;  ///< the first bit, from SOF = 0 and without stuff bits, where it was recessive and the frame not
+    std::uint32_t arbitration;  ///< can::arbitration() of its frame
   };
 
   const can::Frame& frame;

@@ -24,7 +24,8 @@ export class BusView {
     if (number !== this.number) {
       this.loads = [];
       this.before = null;
-      for (const box of ["bus-load", "errors", "can-ids", "counters"]) this.empty(by_id(box));
+      this.most_waiting = new Map();  // since the bus is looked at, by node
+      for (const box of ["bus-load", "errors", "error-frames", "can-ids", "counters"]) this.empty(by_id(box));
     }
     this.empty(by_id("strip"));
     this.number = number;
@@ -57,6 +58,7 @@ export class BusView {
     if (event.number !== this.number) return;
     this.add_load(event);
     this.draw_errors(event);
+    this.draw_error_frames(event);
     set_text(by_id("bus-sync"), event.sync ? `SYNC: ${event.sync.count + 1} times, every ${times_text(event.sync)}` : "No SYNC is sent, or one at most.");
     this.draw_ids(event);
     if (event.frame) this.draw_strip(event.frame);
@@ -94,7 +96,7 @@ export class BusView {
     if (this.number === null) return;
     const bus = state.buses[this.number]?.bus;
     const nodes = state.nodes.filter((node) => node.bus === bus);
-    const text = JSON.stringify(nodes.map((node) => [node.node, node.tec, node.rec, node.controller, node.sdo]));
+    const text = JSON.stringify(nodes.map((node) => [node.node, node.tec, node.rec, node.controller, node.sdo, node.waiting]));
     const box = by_id("counters");
     if (box.dataset.text === text) return;
     box.dataset.text = text;
@@ -102,11 +104,18 @@ export class BusView {
       make("svg:rect", { x: 0, y: 2, height: 6, width: Math.min(260, value), class: value > 127 ? "failed" : value >= 96 ? "warned" : "" }),
       ...[96, 128, 256].map((line) => make("svg:line", { x1: line, x2: line, y1: 0, y2: 10 })));
     box.replaceChildren(make("table", {},
-      make("thead", {}, make("tr", {}, ...["Node", "TEC", "96 · 128 · 256", "REC", "96 · 128 · 256", "State", "SDO answers after"].map((name) => make("th", { scope: "col" }, name)))),
+      make("thead", {}, make("tr", {}, ...["Node", "TEC", "96 · 128 · 256", "REC", "96 · 128 · 256", "State", "Waiting frames", "SDO answers after"].map((name) => make("th", { scope: "col" }, name)))),
       make("tbody", {}, ...nodes.map((node) => make("tr", {}, make("th", { scope: "row" }, `${node.node} ${node.name}`),
         make("td", {}, this.plot_button(node, "tec")), make("td", {}, bar("TEC", node.tec)),
-        make("td", {}, this.plot_button(node, "rec")), make("td", {}, bar("REC", node.rec)), make("td", {}, node.controller),
+        make("td", {}, this.plot_button(node, "rec")), make("td", {}, bar("REC", node.rec)), make("td", {}, node.controller), make("td", {}, this.waiting_text(node)),
         make("td", {}, node.sdo ? times_text(node.sdo) : "-"))))));
+  }
+
+  /// Now, and at most since the bus is looked at.
+  waiting_text(node) {
+    const key = `${node.node} ${node.name}`;
+    this.most_waiting.set(key, Math.max(node.waiting, this.most_waiting.get(key) ?? 0));
+    return `${node.waiting}, at most ${this.most_waiting.get(key)}`;
   }
 
   plot_button(node, name) {
@@ -125,6 +134,24 @@ export class BusView {
       make("tbody", {}, ...event.errors.map((one) => make("tr", {}, make("td", {}, one.error), make("td", {}, one.field), make("td", {}, String(one.count)))))));
   }
 
+  /// The latest error frames: who found what where; of the newest one its bits.
+  draw_error_frames(event) {
+    const box = by_id("error-frames");
+    const text = JSON.stringify(event.error_frames);
+    if (box.dataset.text === text) return;
+    box.dataset.text = text;
+    const sentence = (one) => `${one.at.toFixed(6)} s: ${one.error} error in ${one.field}, bit ${one.bit}, found by ${one.name ?? "a node outside"}${one.transmitter ? ", which sends it" : ""}${one.finders > 1 ? ` and ${one.finders - 1} more` : ""}`;
+    const [newest] = event.error_frames;
+    const parts = [];
+    for (const bit of newest?.bits ?? []) {
+      if (parts.at(-1)?.name !== bit.part) parts.push({ name: bit.part, bits: [] });
+      parts.at(-1).bits.push(bit);
+    }
+    box.replaceChildren(make("ul", { "aria-label": "The latest error frames" }, ...event.error_frames.map((one) => make("li", {}, sentence(one)))),
+      ...(parts.length ? [make("div", { class: "fields" }, ...parts.map((part) => make("div", { class: "field" }, make("span", { class: "field-name" }, part.name),
+        make("span", { class: "bits" }, ...part.bits.map((bit, i) => make("span", { class: `bit ${bit.level} ${part.name === "frame" && i === part.bits.length - 1 ? "wrong" : ""}` }, bit.level === "d" ? "0" : "1"))))))] : []));
+  }
+
   draw_ids(event) {
     const box = by_id("can-ids");
     const text = JSON.stringify([event.can_ids, this.id]);
@@ -138,19 +165,24 @@ export class BusView {
     if (event.can_id !== this.id) return;
     const box = by_id("strip");
     const fields = [];
+    event.bits.forEach((bit, place) => {
+      bit.lost = event.lost?.filter((one) => one.bit === place).map((one) => `${one.name} (${one.can_id}H)`).join(", ");
+    });
     for (const bit of event.bits) {
       if (fields.at(-1)?.name !== bit.field) fields.push({ name: bit.field, bits: [] });
       fields.at(-1).bits.push(bit);
     }
-    const text = JSON.stringify(event.bits);
+    const lost = event.lost ?? [];
+    const text = JSON.stringify([event.bits, lost]);
     set_text(this.caption ??= make("p"), `${event.can_id}H, DLC ${event.dlc}, ${event.remote ? "remote" : event.data || "no data"}, ${event.bits.length} bits, ` +
       `${event.bits.filter((bit) => bit.stuff).length} of them stuff bits, at ${event.at.toFixed(6)} s`);
     if (box.dataset.text === text) return;
     box.dataset.text = text;
     box.replaceChildren(this.caption, make("div", { class: "fields" }, ...fields.map((field) => make("div", { class: "field" },
       make("span", { class: "field-name" }, field.name),
-      make("span", { class: "bits" }, ...field.bits.map((bit) => make("span", { class: `bit ${bit.level} ${bit.stuff ? "stuff" : ""}` },
+      make("span", { class: "bits" }, ...field.bits.map((bit) => make("span", { class: `bit ${bit.level} ${bit.stuff ? "stuff" : ""} ${bit.lost ? "lost" : ""}`, ...(bit.lost ? { title: `arbitration lost here: ${bit.lost}` } : {}) },
         bit.level === "d" ? "0" : "1")))))),
+      ...(event.lost ? [make("p", { class: "lost-here" }, lost.length ? `Lost the arbitration to it: ${lost.map((one) => `${one.name} (${one.can_id}H) at bit ${one.bit}`).join(", ")}.` : "Nobody else began to send with it.")] : []),
       make("p", { class: "faint" }, "0 dominant, 1 recessive; stuff bits are framed. The ACK slot is as the bus had it: somebody acknowledged."));
   }
 }

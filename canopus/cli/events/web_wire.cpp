@@ -1,0 +1,39 @@
+#include "canopus/cli/events/web_wire.hpp"
+
+#include <algorithm>
+
+namespace canopus::cli {
+
+const WebWire::Arbitration& WebWire::look(std::uint32_t identifier, bool extended) {
+  const auto known = std::ranges::find_if(frames_, [&](const Arbitration& one) {
+    return one.identifier == identifier && one.extended == extended;
+  });
+  if (known != frames_.end()) return *known;
+  if (frames_.size() < most_frames) return frames_.emplace_back(Arbitration{identifier, extended});
+  Arbitration& oldest = frames_[next_frame_++ % most_frames];
+  oldest = {identifier, extended};
+  return oldest;
+}
+
+std::optional<bool> WebWire::is_dominant(can::Time at) const noexcept {
+  // The newest change before that moment; of the ring the oldest one says nothing of what was before it.
+  for (std::size_t i = 1; i <= most_changes && i <= next_change_; ++i) {
+    const Change& change = changes_[(next_change_ - i) % most_changes];
+    if (change.at <= at) return change.dominant;
+  }
+  return std::nullopt;
+}
+
+void WebWire::frame_passed(const sim::WireFrame& frame) {
+  for (Arbitration& one : frames_) {
+    if (one.identifier != frame.frame.identifier || one.extended != frame.frame.extended) continue;
+    one.start = frame.start;
+    one.senders.assign(frame.senders.begin(), frame.senders.end());
+  }
+}
+
+void WebWire::level_changed(bool dominant, can::Time now) {
+  changes_[next_change_++ % most_changes] = {now, dominant};
+}
+
+}  // namespace canopus::cli
