@@ -1,5 +1,5 @@
 // A real browser on scan, LSS and single objects. Says as JSON what it saw. `node web_bus_ways.mjs CHROMIUM URL FOLDER`; judged by web_bus_ways_checks.py.
-import { end, folder, judge, open, seen, url } from "./page_kit.mjs";
+import { end, judge, open, picture, seen, url } from "./page_kit.mjs";
 
 const page = await open();
 await page.waitForSelector(".bus-ways summary");
@@ -20,11 +20,11 @@ seen.devices = await rows(/^Devices found by LSS/);
 await lss.getByLabel("from").fill("10");
 seen.assigned = await press(lss, "Give them node-IDs");
 seen.named = await rows(/^Devices found by LSS/);
-await page.screenshot({ path: `${folder}/lss-light-1280.png` });
 seen.none_left = await press(lss, "Find devices without a node-ID");
 await scan.getByLabel("nodes").fill("11-20");
 seen.scanned = await press(scan, "Scan");
 seen.nodes = await rows(/^Nodes found/);
+await picture(page, "scan", "#buses");
 await scan.getByLabel("nodes").fill("12-11");
 seen.refused = await press(scan, "Scan");
 await judge(page, "scan and LSS");
@@ -48,7 +48,6 @@ seen.after = await press(sdo, "Read object");
 await set("1017", "", "100");
 seen.no_type = await press(sdo, "Write object");
 await judge(page, "objects by SDO");
-await page.screenshot({ path: `${folder}/sdo-light-1280.png` });
 const looker = await open(url.split("#")[0]);
 await looker.waitForSelector(".nodes li");
 seen.look = await looker.locator(".bus-ways:visible, .sdo:visible").count();

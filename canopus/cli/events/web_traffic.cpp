@@ -169,7 +169,7 @@ void WebTraffic::add_error_frames(Json& event, std::size_t bus) {
         const can::Time at = one.at + place * bit;
         const auto dominant = at > now ? std::nullopt : wire->is_dominant(at);
         if (!dominant) break;
-        if (place > 0) recessive = *dominant ? 0 : recessive + 1;
+        recessive = *dominant ? 0 : recessive + 1;
         bits.push_back({{"level", *dominant ? "d" : "r"},
                         {"part", place <= 0  ? "frame"
                                  : *dominant ? "error flag"
