@@ -6,9 +6,10 @@ namespace canopus::serve {
 namespace {
 
 can::Duration times(can::Duration duration, double factor) noexcept {
-  return factor == 1
-             ? duration
-             : can::Duration(static_cast<can::Duration::rep>(static_cast<double>(duration.count()) * factor));
+  if (factor == 1) return duration;
+  constexpr double longest = 4e18;  // more than a century, and twice that is a number, too
+  return can::Duration(static_cast<can::Duration::rep>(
+      std::clamp(static_cast<double>(duration.count()) * factor, -longest, longest)));
 }
 
 }  // namespace

@@ -209,5 +209,12 @@ TEST(Pace, Faster_DeadlinesAreWaitedForTogetherByTheClock) {
   EXPECT_EQ(pace.wake_for(at(0ms), at(0ms)), at(1ms));
 }
 
+TEST(Pace, Slower_WhatIsFarAwayStaysAMoment) {
+  Pace pace;
+  pace.set_speed(0.01, at(0ms), 1h);
+  EXPECT_GT(pace.elapsed_at(at(1000000h)), 1000000h);
+  EXPECT_EQ(pace.elapsed_at(can::never), can::Duration::max());
+}
+
 }  // namespace
 }  // namespace canopus::serve
