@@ -91,8 +91,9 @@ std::expected<ChangingProject, std::string> ChangingProject::open(const std::str
 }
 
 std::string ChangingProject::save(const project::ModuleProject& project, std::string_view title) {
-  const auto done = changes_.write({{fs::path(path_).filename().string(), project::to_xml(project)}}, title);
-  return done ? std::string() : done.error();
+  const auto written =
+      changes_.write({{fs::path(path_).filename().string(), project::to_xml(project)}}, title);
+  return written ? std::string() : written.error();
 }
 
 std::vector<std::string> recent_projects() {
