@@ -77,7 +77,7 @@ export class BusWays {
       if (fine) set_text(scanned, `${count} nodes are on the bus`);
     });
     // A simulated device answers at once.
-    const patience = () => (this.buses.get(bus)?.live ? {} : { timeout: "20ms" });
+    const patience = () => (this.buses.get(bus)?.live ? {} : { timeout: "50ms" });
     const look = async (from, command) => {
       let count = 0;
       const fine = await this.run(from, found, { bus, ...patience(), ...command }, (rows) => tell_devices(rows, count = rows.length));
