@@ -11,6 +11,7 @@
 // (run_apart()), before or after the others or on another thread. What is said meanwhile is put into the one order
 // afterwards by the moment() at which it was said.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -94,13 +95,13 @@ class Timeline {
   /// Of the whole: all parts have run apart up to `end`, which is before outside_next().
   void meet(Time end) noexcept { now_ = end; }
   /// Of the whole: earliest deadline of who belongs to no part.
-  [[nodiscard]] Time outside_next() const noexcept { return heap_.empty() ? never : heap_.front().deadline; }
+  [[nodiscard]] Time outside_next() const noexcept { return first().deadline; }
 
  private:
   struct Slot {
     Ticker* participant = nullptr;
     Time deadline = never;
-    std::uint32_t position = 0;  // in heap_
+    Rank rank = Rank::node;
   };
   /// What decides who is first lies in the heap itself: a comparison looks nowhere else.
   struct Place {
@@ -109,29 +110,43 @@ class Timeline {
 
     [[nodiscard]] Handle handle() const noexcept { return order & 0xFFFF'FFFF; }
     [[nodiscard]] bool before(const Place& other) const noexcept {
-      return deadline != other.deadline ? deadline < other.deadline : order < other.order;
+      // Without a branch, which nobody could foretell.
+      return static_cast<bool>(
+          static_cast<unsigned>(deadline < other.deadline) |
+          (static_cast<unsigned>(deadline == other.deadline) & static_cast<unsigned>(order < other.order)));
     }
   };
-  void put(std::size_t position, const Place& place) noexcept {
-    heap_[position] = place;
-    slots_[place.handle()].position = static_cast<std::uint32_t>(position);
+  /// Those of one rank: a bus, whose deadline changes with each frame, does not go through those of a hundred nodes.
+  using Heap = std::vector<Place>;  // binary heap, earliest first
+
+  [[nodiscard]] Heap& heap_of(Rank rank) noexcept { return heaps_[static_cast<std::size_t>(rank)]; }
+  void put(Heap& heap, std::size_t position, const Place& place) noexcept {
+    heap[position] = place;
+    positions_[place.handle()] = static_cast<std::uint32_t>(position);
+  }
+  /// Who is first of all; with deadline never where there is nobody.
+  [[nodiscard]] const Place& first() const noexcept {
+    const Place& node = heaps_[0].empty() ? nobody : heaps_[0].front();
+    const Place& bus = heaps_[1].empty() ? nobody : heaps_[1].front();
+    return node.deadline <= bus.deadline ? node : bus;  // at one moment nodes go first
   }
   /// Somebody who belongs to no part is due before this.
-  [[nodiscard]] bool has_before(const Place& place) const noexcept {
-    return !heap_.empty() && heap_.front().before(place);
-  }
+  [[nodiscard]] bool has_before(const Place& place) const noexcept { return first().before(place); }
   /// Ticks whatever is due until `end` and before `until`. The whole ticks one participant.
   void run(Time end, const Place& until);
   void run_together(Time end);
   void move(Handle handle, Time deadline) noexcept;
-  void sift_up(std::size_t position) noexcept;
-  void sift_down(std::size_t position) noexcept;
+  void sift_up(Heap& heap, std::size_t position) noexcept;
+  void sift_down(Heap& heap, std::size_t position) noexcept;
   /// Counts a tick that comes after too many at one moment. True: the participant has been taken out.
   bool is_stalled(Handle handle);
 
+  static constexpr Place nobody{never, ~std::uint64_t{0}};
+
   std::vector<Slot> slots_;
-  std::vector<Place> heap_;         // binary heap, earliest first
-  std::vector<std::string> names_;  // by handle: apart from what every tick needs
+  std::vector<std::uint32_t> positions_;  // of each handle, in its heap
+  std::array<Heap, 2> heaps_;             // by rank
+  std::vector<std::string> names_;        // by handle: apart from what every tick needs
   std::function<void(const Stall&)> stall_handler_;
   Time now_{};
   std::uint64_t latest_ = 0;  // of the orders of those who had their tick at now_
