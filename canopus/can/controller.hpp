@@ -69,6 +69,8 @@ class Listener {
   virtual void receive(const Frame& frame, Time now) = 0;
   /// A frame this participant sent was acknowledged and is complete on the bus.
   virtual void transmitted(const Frame& /*frame*/, Time /*now*/) {}
+  /// Whether transmitted() may change when this participant wants its next tick; a constant. Where it may not, a bus does not ask.
+  [[nodiscard]] virtual bool is_timed_by_transmissions() const noexcept { return true; }
   /// The error state of this participant's controller, or a counter's way over the warning limit, changed.
   virtual void controller_changed(Time /*now*/) {}
 };

@@ -90,9 +90,8 @@ void DeviceSeat::receive(const can::Frame& frame, can::Time now) {
   look(now);
 }
 
-void DeviceSeat::transmitted(const can::Frame& frame, can::Time now) {
+void DeviceSeat::transmitted(const can::Frame& frame, can::Time) {
   if (is_pdo(frame)) ++status_.pdos;
-  device_.transmitted(frame, now);
 }
 
 void DeviceSeat::controller_changed(can::Time now) {

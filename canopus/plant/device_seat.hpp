@@ -46,6 +46,7 @@ class DeviceSeat final : public can::Participant, private canopen::NodeListener,
   void plug_in(can::Time now);
   void receive(const can::Frame& frame, can::Time now) override;
   void transmitted(const can::Frame& frame, can::Time now) override;
+  [[nodiscard]] bool is_timed_by_transmissions() const noexcept override { return false; }
   void controller_changed(can::Time now) override;
   void tick(can::Time now) override;
   can::Time deadline() const noexcept override {

@@ -190,6 +190,11 @@ class BusPort final : public Port {
     call(*participant);
     core.timeline.refresh(handle);
   }
+  void notify_transmitted(const can::Frame& frame, can::Time now) {
+    if (participant == nullptr) return;
+    participant->transmitted(frame, now);
+    if (timed_by_transmissions) core.timeline.refresh(handle);
+  }
   void hear(const can::Frame& frame, can::Time now) {
     if (jammed) {
       if (held.size() < held_capacity) {
@@ -210,7 +215,8 @@ class BusPort final : public Port {
   can::Listener* participant = nullptr;
   can::Timeline::Handle handle = 0;
   PortCounters counted;
-  bool jammed = false;  // by a fault: received frames are held
+  bool timed_by_transmissions = true;  // the participant
+  bool jammed = false;                 // by a fault: received frames are held
 
   Segment* segment;
   std::size_t index;

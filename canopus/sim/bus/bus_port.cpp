@@ -77,6 +77,7 @@ void BusPort::forget_queue() {
 
 void BusPort::connect(can::Listener& new_participant, can::Timeline::Handle new_handle) {
   participant = &new_participant;
+  timed_by_transmissions = new_participant.is_timed_by_transmissions();
   handle = new_handle;
 }
 

@@ -215,7 +215,7 @@ void Segment::finish(can::Time now) {
   for (BusObserver* observer : core_.observers) observer->frame_completed(frame, start_, now);
   core_.report(now);
   deliver(frame, port, now);
-  if (own) port.notify([&](can::Listener& participant) { participant.transmitted(frame, now); });
+  if (own) port.notify_transmitted(frame, now);
   if (state_ == State::idle && port.segment == this && &port != suspended_) {
     arbiter_.set(port.index, port.offer());
     deadline_ = arbiter_.lowest() == Arbiter::none ? can::never : next;

@@ -106,7 +106,7 @@ void Segment::complete_frames(can::Time now) {
     if (!port.confirm) continue;
     port.confirm = false;
     const can::Frame sent = port.current;
-    port.notify([&](can::Listener& participant) { participant.transmitted(sent, now); });
+    port.notify_transmitted(sent, now);
   }
   completing_ = std::any_of(members_.begin(), members_.end(),
                             [](const BusPort* port) { return port->tap.received || port->tap.transmitted; });
