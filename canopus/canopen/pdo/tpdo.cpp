@@ -199,7 +199,7 @@ bool Tpdos::send_from(std::uint16_t index, std::uint8_t sub, can::Time now) {
   return send_mpdo(*pdo, mpdo_data(source_addressing, node_.node_id, index, sub, value), now);
 }
 
-bool Tpdos::event(Tpdo& pdo, can::Time now) {
+bool Tpdos::event_with(Tpdo& pdo, std::uint64_t data, can::Time now) {
   if (!node_.is_operational() || !pdo.cob_id.is_valid()) return false;
   if (pdo.transmission_type == 0) {
     pdo.has_event = true;
@@ -212,7 +212,7 @@ bool Tpdos::event(Tpdo& pdo, can::Time now) {
     schedule(pdo);
     return true;
   }
-  return send(pdo, gather(pdo), now);
+  return send(pdo, data, now);
 }
 
 bool Tpdos::event(std::uint16_t number, can::Time now) {
@@ -227,8 +227,9 @@ unsigned Tpdos::values_changed(can::Time now) {
   unsigned events = 0;
   for (std::size_t i = synchronous_; i < valid_.size(); ++i) {
     Tpdo& pdo = tpdos_[valid_[i]];
-    if (pdo.was_sent && gather(pdo) == pdo.last_data) continue;
-    if (event(pdo, now)) ++events;
+    const std::uint64_t data = gather(pdo);
+    if (pdo.was_sent && data == pdo.last_data) continue;
+    if (event_with(pdo, data, now)) ++events;
   }
   return events;
 }

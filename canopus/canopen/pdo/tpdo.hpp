@@ -105,7 +105,9 @@ class Tpdos final : public ObjectHandler {
     pdo.head = {pdo.cob_id.key(), pdo.addressing != 0 ? std::uint8_t{8} : pdo.plan.length()};
   }
   void activate(Tpdo& pdo, can::Time now);
-  bool event(Tpdo& pdo, can::Time now);
+  bool event(Tpdo& pdo, can::Time now) { return event_with(pdo, gather(pdo), now); }
+  /// `data`: what the PDO would carry now.
+  bool event_with(Tpdo& pdo, std::uint64_t data, can::Time now);
   bool send(Tpdo& pdo, std::uint64_t data, can::Time now);
   void send_on_sync(Tpdo& pdo, can::Time now);
   void sync_unusual(Tpdo& pdo, std::uint8_t counter, can::Time now);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -24,12 +25,6 @@ constexpr std::uint64_t mixed(std::uint64_t x) noexcept {
   x = (x ^ (x >> 30)) * 0xBF58'476D'1CE4'E5B9;
   x = (x ^ (x >> 27)) * 0x94D0'49BB'1331'11EB;
   return x ^ (x >> 31);
-}
-
-double real_limit(std::uint64_t pattern, DataType type) noexcept {
-  if (type == DataType::real32 || type == DataType::real64) return std::bit_cast<double>(pattern);
-  return canopen::is_signed(type) ? static_cast<double>(static_cast<std::int64_t>(pattern))
-                                  : static_cast<double>(pattern);
 }
 
 /// A whole number within low..high, which are the type's own bounds: no rounding beyond them.
@@ -115,20 +110,28 @@ can::Time next_change(const Behaviour& behaviour, DataType type, double value, c
   return behaviour.kind == Kind::ramp ? std::min(passed, next_period) : passed;  // a ramp falls at its end
 }
 
-std::uint64_t fitted(double value, DataType type, const canopen::Limits& limits) noexcept {
+Bounds bounds(DataType type, const canopen::Limits& limits) noexcept {
+  if (type == DataType::real32 || type == DataType::real64) {
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    return {type, limits.low.value_or(std::bit_cast<std::uint64_t>(-infinite)),
+            limits.high.value_or(std::bit_cast<std::uint64_t>(infinite))};
+  }
+  const eds::Range of_type = eds::range(type);
+  return {type, limits.low.value_or(of_type.low), limits.high.value_or(of_type.high)};
+}
+
+std::uint64_t fitted(double value, const Bounds& bounds) noexcept {
+  const DataType type = bounds.type;
   if (std::isnan(value)) value = 0;
   if (type == DataType::boolean) return value >= 0.5 ? 1 : 0;
   if (type == DataType::real32 || type == DataType::real64) {
-    if (limits.low) value = std::max(value, real_limit(*limits.low, type));
-    if (limits.high) value = std::min(value, real_limit(*limits.high, type));
+    value = std::max(value, std::bit_cast<double>(bounds.low));
+    value = std::min(value, std::bit_cast<double>(bounds.high));
     if (type == DataType::real64) return std::bit_cast<std::uint64_t>(value);
     return std::bit_cast<std::uint32_t>(static_cast<float>(value));
   }
-  const eds::Range type_range = eds::range(type);
-  const std::uint64_t low = limits.low.value_or(type_range.low);
-  const std::uint64_t high = limits.high.value_or(type_range.high);
-  return canopen::is_signed(type) ? whole<std::int64_t>(value, low, high)
-                                  : whole<std::uint64_t>(value, low, high);
+  return canopen::is_signed(type) ? whole<std::int64_t>(value, bounds.low, bounds.high)
+                                  : whole<std::uint64_t>(value, bounds.low, bounds.high);
 }
 
 }  // namespace canopus::sim

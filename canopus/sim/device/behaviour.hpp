@@ -47,8 +47,20 @@ struct Behaviour {
 [[nodiscard]] can::Time next_change(const Behaviour& behaviour, canopen::DataType type, double value,
                                     can::Time now) noexcept;
 
-/// `value`, rounded and limited to what the type and the object's limits can hold, as the type's bit pattern.
-[[nodiscard]] std::uint64_t fitted(double value, canopen::DataType type,
-                                   const canopen::Limits& limits) noexcept;
+/// What an object can hold: bit patterns of its type, 64 bits wide, of a real as REAL64.
+struct Bounds {
+  canopen::DataType type = canopen::DataType::unsigned8;
+  std::uint64_t low = 0;
+  std::uint64_t high = 0;
+};
+/// Of a type, and of the object's limits within it.
+[[nodiscard]] Bounds bounds(canopen::DataType type, const canopen::Limits& limits) noexcept;
+
+/// `value`, rounded and limited to what the object can hold, as the type's bit pattern.
+[[nodiscard]] std::uint64_t fitted(double value, const Bounds& bounds) noexcept;
+[[nodiscard]] inline std::uint64_t fitted(double value, canopen::DataType type,
+                                          const canopen::Limits& limits) noexcept {
+  return fitted(value, bounds(type, limits));
+}
 
 }  // namespace canopus::sim

@@ -39,8 +39,9 @@ std::optional<std::string> Device::add_behaviour(const Behaviour& behaviour) {
     }
     return std::nullopt;
   };
-  Motion motion{behaviour, {}, {}};
+  Motion motion{behaviour, {}, {}, {}};
   if (auto problem = find(behaviour.index, behaviour.sub, motion.target)) return problem;
+  motion.bounds = bounds(motion.target.description->type, description.limits(motion.target));
   for (const Playback& playback : playbacks_) {
     if (std::ranges::any_of(playback.entries(),
                             [&](const Entry& entry) { return same(entry, motion.target); }))
@@ -260,14 +261,12 @@ bool Device::move_values(can::Time now) {
   bool moved = false;
   for (Motion& motion : motions_) {
     if (motion.behaviour.kind == Behaviour::Kind::echo || is_moved(motion, now)) continue;
-    const canopen::DataType type = motion.target.description->type;
     const double value = value_at(motion.behaviour, now);
-    const std::uint64_t bits = fitted(value, type, dictionary.description().limits(motion.target));
-    moved = forcing_.put(motion.target, bits) || moved;
+    moved = forcing_.put(motion.target, fitted(value, motion.bounds)) || moved;
     motion.moved_to = dictionary.get<std::uint64_t>(motion.target);
     // What is forced shows nothing of what lies beneath: then it is put there at each sample.
     const bool shows = forcing_.all().empty() || !forcing_.is_forced(motion.target);
-    motion.next_change = shows ? next_change(motion.behaviour, type, value, now) : now;
+    motion.next_change = shows ? next_change(motion.behaviour, motion.bounds.type, value, now) : now;
   }
   return echo_values() || moved;
 }
@@ -305,7 +304,7 @@ bool Device::move_echoes() {
 
 /// After everything that happens to it.
 void Device::settle(can::Time now, bool moved) {
-  if (is_on_) {
+  if (is_on_ && (application_ || echoes_ || !script_.empty())) {
     moved = act(now) || moved;
     moved = echo_values() || moved;
     moved = look_at_conditions(now) || moved;
@@ -338,8 +337,6 @@ void Device::receive(const can::Frame& frame, can::Time now) {
   node_.receive(frame, now);
   settle(now, moved);
 }
-
-void Device::transmitted(const can::Frame& frame, can::Time now) { node_.transmitted(frame, now); }
 
 void Device::controller_changed(can::Time now) { node_.controller_changed(now); }
 

@@ -109,7 +109,7 @@ class Device final : public can::Participant, private canopen::NodeListener {
   bool emergency_reset(can::Time now);
 
   void receive(const can::Frame& frame, can::Time now) override;
-  void transmitted(const can::Frame& frame, can::Time now) override;
+  [[nodiscard]] bool is_timed_by_transmissions() const noexcept override { return false; }
   void controller_changed(can::Time now) override;
   void tick(can::Time now) override;
   [[nodiscard]] can::Time deadline() const noexcept override;
@@ -119,6 +119,7 @@ class Device final : public can::Participant, private canopen::NodeListener {
     Behaviour behaviour;
     canopen::Entry target;
     canopen::Entry source;  // echo
+    Bounds bounds;          // of the target
     // What the target held after it was moved last, and when that may be another value: nothing is to be done
     // before, unless somebody else wrote there.
     std::uint64_t moved_to = 0;

@@ -63,15 +63,6 @@ void Script::add(const ScriptStep& step) {
   timed_.insert(place, number);
 }
 
-const ScriptStep* Script::next_due(can::Time now) {
-  if (deadline() > now) return nullptr;
-  return &states_[timed_[next_timed_++]].step;
-}
-
-can::Time Script::deadline() const noexcept {
-  return next_timed_ == timed_.size() ? can::never : states_[timed_[next_timed_]].step.at;
-}
-
 void Script::restart() noexcept {
   for (State& state : states_) state.held = false;
 }

@@ -44,8 +44,12 @@ class Script {
   [[nodiscard]] bool empty() const noexcept { return states_.empty(); }
 
   /// Steps with a moment that has come, in the order of their moments and of add().
-  [[nodiscard]] const ScriptStep* next_due(can::Time now);
-  [[nodiscard]] can::Time deadline() const noexcept;
+  [[nodiscard]] const ScriptStep* next_due(can::Time now) {
+    return deadline() > now ? nullptr : &states_[timed_[next_timed_++]].step;
+  }
+  [[nodiscard]] can::Time deadline() const noexcept {
+    return next_timed_ == timed_.size() ? can::never : states_[timed_[next_timed_]].step.at;
+  }
 
   /// Conditions are looked at from the beginning again: one that holds already becomes true at the next look.
   void restart() noexcept;
