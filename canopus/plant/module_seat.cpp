@@ -142,8 +142,8 @@ std::string ModuleSeat::not_started() const {
 }
 
 void ModuleSeat::receive(const can::Frame& frame, can::Time now) {
-  module_->receive(frame, now);
-  look(now);
+  const bool is_new = module_->hear(frame, now);
+  if (is_new || !watched_.empty()) look(now);
 }
 
 void ModuleSeat::transmitted(const can::Frame& frame, can::Time now) {

@@ -379,6 +379,26 @@ void Node::receive(const can::Frame& frame, can::Time now) {
   services.dispatch(slot->kind, slot->number, frame, now);
 }
 
+Node::Taken Node::take(const can::Frame& frame, can::Time now) {
+  Services& services = *services_;
+  if (!services.filter.may_pass(frame.identifier)) return Taken::nothing;
+  if (!services.identifiers_changed && !frame.extended && !frame.remote) {
+    const IdentifierTable::Slot* slot = services.table.first(frame.identifier);
+    if (slot == nullptr) return Taken::nothing;
+    if (!slot->more && slot->kind == ServiceKind::rpdo && services.rpdos.is_usual(slot->number, frame)) {
+      services.rpdos.receive(slot->number, frame, services.sync_service.window_end(), now);
+      return Taken::process_data;
+    }
+    if (!slot->more && slot->kind == ServiceKind::heartbeat &&
+        services.heartbeat_consumer.is_usual(slot->number, frame)) {
+      services.heartbeat_consumer.receive(slot->number, frame, now);
+      return Taken::heartbeat;
+    }
+  }
+  receive(frame, now);
+  return Taken::other;
+}
+
 void Node::tick(can::Time now) {
   Services& services = *services_;
   // What a timer starts anew for this very moment waits for the next call: no endless loop.

@@ -103,6 +103,15 @@ class Node final : public can::Participant {
   [[nodiscard]] std::uint32_t identifiers_revision() const;
 
   void receive(const can::Frame& frame, can::Time now) override;
+  /// What a frame was for a node.
+  enum class Taken : std::uint8_t {
+    nothing,  ///< it does not listen to it
+    process_data,  ///< one RPDO took it, as it takes nearly all: values have changed, or will at the next SYNC, and nothing else
+    heartbeat,  ///< of a node that was alive and still is; the listener hears its state
+    other,      ///< anything may have changed
+  };
+  /// receive() for an owner that looks no further after what comes all the time.
+  Taken take(const can::Frame& frame, can::Time now);
   void tick(can::Time now) override;
   [[nodiscard]] can::Time deadline() const noexcept override;
 

@@ -29,6 +29,11 @@ class Rpdos final : public ObjectHandler {
   void stop();
   /// Operational was left: forgets what waits for SYNC and stops watching.
   void leave_operational();
+  /// Such a frame changes nothing but the mapped values, now or at the next SYNC.
+  [[nodiscard]] bool is_usual(std::uint16_t position, const can::Frame& frame) const noexcept {
+    const Rpdo& pdo = rpdos_[position];
+    return !pdo.watched && pdo.error_count == 0 && frame.dlc == pdo.plan.length();
+  }
   /// A frame of the RPDO at this position came.
   void receive(std::uint16_t position, const can::Frame& frame, can::Time window_end, can::Time now) {
     if (!node_.is_operational()) return;

@@ -11,12 +11,22 @@ constexpr std::uint16_t first_rpdo_mapping = 0x1600;
 constexpr std::uint16_t first_tpdo_mapping = 0x1A00;
 constexpr std::uint8_t most_entries = 64;
 
+// Mostly the few words of one PDO: a call of memcpy costs more than they do.
 void copy(std::uint8_t* to, const std::uint8_t* from, std::size_t bytes) noexcept {
-  if (bytes == 8) {
-    std::memcpy(to, from, 8);
-  } else {
+  if (bytes > 16) {
     std::memcpy(to, from, bytes);
+    return;
   }
+  for (; bytes >= 8; bytes -= 8, to += 8, from += 8) std::memcpy(to, from, 8);
+  if (bytes >= 4) {
+    std::memcpy(to, from, 4);
+    bytes -= 4, to += 4, from += 4;
+  }
+  if (bytes >= 2) {
+    std::memcpy(to, from, 2);
+    bytes -= 2, to += 2, from += 2;
+  }
+  if (bytes != 0) *to = *from;
 }
 
 }  // namespace

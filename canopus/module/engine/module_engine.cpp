@@ -233,17 +233,33 @@ void ModuleEngine::begin_restart(can::Time now) {
   begin_initialization(parts_.profile.restart_time, now);
 }
 
-void ModuleEngine::receive(const can::Frame& frame, can::Time now) {
-  if (!parts_.state.running() || parts_.layer2_state() == Layer2State::offline) return;
+bool ModuleEngine::hear(const can::Frame& frame, can::Time now) {
+  if (!parts_.state.running() || parts_.layer2_state() == Layer2State::offline) return false;
   last_frame_ = now;
-  if (parts_.state.canopen_mode()) {
-    if (parts_.network.is_open()) parts_.node.receive(frame, now);
-    parts_.master.receive(frame, now);
-    if (parts_.network.is_open()) parts_.command.receive(frame, now);
-  } else {
-    parts_.layer2.receive(frame, now);
-  }
-  update(now);
+  const bool is_new = parts_.state.canopen_mode() ? hear_canopen(frame, now) : hear_layer2(frame, now);
+  if (is_new) update(now);
+  return is_new;
+}
+
+bool ModuleEngine::hear_layer2(const can::Frame& frame, can::Time now) {
+  parts_.layer2.receive(frame, now);
+  return true;
+}
+
+// PDOs and heartbeats are nearly all that comes. Where they are as usual, nothing of what update() looks at has changed: what
+// changes in the node or the master without news does so by other frames.
+bool ModuleEngine::hear_canopen(const can::Frame& frame, can::Time now) {
+  const std::uint64_t news = parts_.news;
+  const bool is_open = parts_.network.is_open();
+  const auto taken = is_open ? parts_.node.take(frame, now) : canopen::Node::Taken::other;
+  parts_.master.receive(frame, now);
+  const bool is_of_command = is_open && parts_.command.receive(frame, now);
+  if (taken == canopen::Node::Taken::other || is_of_command || frame.extended || frame.remote) return true;
+  using namespace canopen::cob_id;
+  const std::uint32_t function = frame.identifier & function_code;
+  const bool is_pdo = frame.identifier > 0x180 && frame.identifier < sdo_response;
+  const bool is_state = function == error_control && frame.data[0] != 0;
+  return parts_.news != news || !(is_pdo || is_state);
 }
 
 void ModuleEngine::transmitted(const can::Frame& frame, can::Time now) {

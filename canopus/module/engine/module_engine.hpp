@@ -108,7 +108,8 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   void write_word(BufferAddress address, std::uint16_t value, can::Time now) override;
 
   // can::Participant
-  void receive(const can::Frame& frame, can::Time now) override;
+  void receive(const can::Frame& frame, can::Time now) override { (void)hear(frame, now); }
+  bool hear(const can::Frame& frame, can::Time now) override;
   void transmitted(const can::Frame& frame, can::Time now) override;
   void controller_changed(can::Time now) override;
   void tick(can::Time now) override;
@@ -177,6 +178,9 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
     parts_.watchdog.accessed(address, is_online(), now);
   }
   void end_sending(const can::Frame& frame);
+  /// What a frame changes. True: update() has to look.
+  bool hear_canopen(const can::Frame& frame, can::Time now);
+  bool hear_layer2(const can::Frame& frame, can::Time now);
 
   CommandBus command_bus_{parts_};
   ModuleParts parts_;

@@ -10,6 +10,7 @@
 //   CommandBus        what commands send                           command_bus.hpp
 //   Layer2Bus         on the wire and off it                       layer2_bus.hpp
 
+#include <cstdint>
 #include <memory>
 #include <string_view>
 
@@ -67,6 +68,8 @@ struct ModuleParts {
   can::Gate network;  // closed while the LSS search has the controller at another bit rate
   const Profile profile;
   ModuleObserver* observer = nullptr;
+  /// What node and master have reported so far, but for received process data and heartbeats that say what is known.
+  std::uint64_t news = 0;
   ModuleState state;
 
   BufferMemory buffer;

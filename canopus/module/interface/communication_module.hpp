@@ -39,6 +39,13 @@ struct ModuleInformation {
 
 class CommunicationModule : public Module {
  public:
+  /// receive(). False: whatever is shown of the module, words, signals and states, is as it was, but for received process
+  /// data. That is so for most frames on a bus, and whoever watches the module need not look then.
+  virtual bool hear(const can::Frame& frame, can::Time now) {
+    receive(frame, now);
+    return true;
+  }
+
   // --- factory settings; to be called before power_on()
 
   /// A setting in place of the factory default, until the module saves its own. Only words that it saves,
