@@ -17,7 +17,10 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
+#include <netinet/tcp.h>
 #include <sched.h>
+#include <sys/epoll.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -38,6 +41,66 @@ void stay_on_one_core() {
   CPU_SET(static_cast<unsigned>(std::max(0, ::sched_getcpu())), &cores);
   ::sched_setaffinity(0, sizeof cores, &cores);
 }
+
+// D100, 64 words.
+constexpr std::array<std::uint8_t, 21> read_3e{0x50, 0, 0, 0xFF, 0xFF, 3, 0, 12,   0,  16, 0,
+                                               1,    4, 0, 0,    100,  0, 0, 0xA8, 64, 0};
+constexpr std::size_t reply_3e = 11 + 2 * 64;
+
+/// What any server costs: a process that sends a reply's bytes for each request's, and looks at neither.
+class EchoServer {
+ public:
+  explicit EchoServer(std::int64_t clients) {
+    stay_on_one_core();
+    tcp::acceptor acceptor(context_, {boost::asio::ip::address_v4::loopback(), 0});
+    child_ = ::fork();
+    if (child_ == 0) serve(acceptor.native_handle());
+    for (std::int64_t client = 0; client < clients; ++client) {
+      sockets.emplace_back(context_).connect(acceptor.local_endpoint());
+      sockets.back().set_option(tcp::no_delay(true));
+    }
+  }
+  ~EchoServer() {
+    ::kill(child_, SIGTERM);
+    ::waitpid(child_, nullptr, 0);
+  }
+  EchoServer(const EchoServer&) = delete;
+  EchoServer& operator=(const EchoServer&) = delete;
+
+ private:
+  [[noreturn]] static void serve(int listening) {
+    const int poll = ::epoll_create1(0);
+    const auto add = [poll](int socket) {
+      epoll_event event{.events = EPOLLIN, .data = {.fd = socket}};
+      ::epoll_ctl(poll, EPOLL_CTL_ADD, socket, &event);
+    };
+    add(listening);
+    std::array<char, read_3e.size()> request{};
+    const std::array<char, reply_3e> reply{};
+    std::array<epoll_event, 64> events{};
+    while (true) {
+      const int count = ::epoll_wait(poll, events.data(), static_cast<int>(events.size()), -1);
+      for (int i = 0; i < count; ++i) {
+        const int socket = events[static_cast<std::size_t>(i)].data.fd;
+        if (socket == listening) {
+          const int accepted = ::accept(listening, nullptr, nullptr);
+          const int no_delay = 1;
+          ::setsockopt(accepted, IPPROTO_TCP, TCP_NODELAY, &no_delay, sizeof no_delay);
+          add(accepted);
+        } else if (::recv(socket, request.data(), request.size(), 0) <= 0) {
+          ::close(socket);
+        } else {
+          (void)!::send(socket, reply.data(), reply.size(), MSG_NOSIGNAL);
+        }
+      }
+    }
+  }
+  boost::asio::io_context context_;
+  pid_t child_ = 0;
+
+ public:
+  std::vector<tcp::socket> sockets;
+};
 
 class RunningPlant {
  public:
@@ -94,10 +157,6 @@ class RunningPlant {
   std::vector<tcp::socket> sockets;
 };
 
-// D100, 64 words.
-constexpr std::array<std::uint8_t, 21> read_3e{0x50, 0, 0, 0xFF, 0xFF, 3, 0, 12,   0,  16, 0,
-                                               1,    4, 0, 0,    100,  0, 0, 0xA8, 64, 0};
-constexpr std::size_t reply_3e = 11 + 2 * 64;
 constexpr std::array<std::uint8_t, 25> read_4e{0x54, 0, 1, 0, 0, 0, 0,   0xFF, 0xFF, 3,    0,  12, 0,
                                                16,   0, 1, 4, 0, 0, 100, 0,    0,    0xA8, 64, 0};
 constexpr std::size_t reply_4e = 15 + 2 * 64;
@@ -148,6 +207,23 @@ BENCHMARK(read_64_words_by_clients)
     ->Args({16, 1})
     ->Args({16, 4})
     ->Args({16, 16});
+
+/// The same requests and as many bytes back, from a server that does nothing else.
+void echo_by_clients(benchmark::State& state) {
+  EchoServer server(state.range(0));
+  std::array<std::uint8_t, reply_3e> reply{};
+  for (auto _ : state) {
+    for (auto& socket : server.sockets) boost::asio::write(socket, boost::asio::buffer(read_3e));
+    for (auto& socket : server.sockets) boost::asio::read(socket, boost::asio::buffer(reply));
+  }
+  canopus::bench::report(state, static_cast<std::uint64_t>(state.iterations() * state.range(0)));
+}
+BENCHMARK(echo_by_clients)
+    ->Apply(canopus::bench::standard)
+    ->UseRealTime()
+    ->ArgName("clients")
+    ->Arg(1)
+    ->Arg(16);
 
 /// range(0) requests at once, then their replies.
 void read_64_words_4e_pipelined(benchmark::State& state) {

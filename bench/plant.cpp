@@ -108,6 +108,12 @@ void simulated_seconds_by_nodes(benchmark::State& state) {
 BENCHMARK(simulated_seconds_by_nodes)->Apply(bench::nodes_and_buses)->Unit(benchmark::kMillisecond);
 
 /// At 93 % load.
+void simulated_seconds_at_full_load(benchmark::State& state) {
+  simulated_seconds(state, plant_text(126, 1, "13ms"), 1);
+}
+BENCHMARK(simulated_seconds_at_full_load)->Apply(bench::standard)->Unit(benchmark::kMillisecond);
+
+/// The same.
 void simulated_seconds_with_a_waveform(benchmark::State& state) {
   simulated_seconds(state, plant_text(126, 1, "13ms"), 1, Records::waveform);
 }
