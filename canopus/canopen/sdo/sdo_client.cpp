@@ -76,9 +76,14 @@ bool SdoClient::download(std::uint16_t index, std::uint8_t sub, std::span<const 
   if (busy()) return false;
   if (data.empty() || data.size() > 4)
     return start_long_download(index, sub, data, user, now, time_out, mode);
-  const std::uint32_t value =
-      data.size() == 4 ? can::load_as<std::uint32_t>(data.data()) : can::load_u32(data);
-  const unsigned command = 0x23U | static_cast<unsigned>(4 - data.size()) << 2;
+  unsigned command = 0x23;
+  std::uint32_t value = 0;
+  if (data.size() == 4) [[likely]] {
+    value = can::load_as<std::uint32_t>(data.data());
+  } else {
+    value = can::load_u32(data);
+    command |= static_cast<unsigned>(4 - data.size()) << 2;
+  }
   expedited_ = true;
   return start(State::initiate_download, sdo::frame(request_, command, sdo::multiplexer(index, sub), value),
                user, now, time_out);
