@@ -42,11 +42,13 @@ class PassThroughBus {
   }
   void compile() {
     hearers_.clear();
+    for (const auto& list : lists_) hearers_.insert(hearers_.end(), list.begin(), list.end());
+    can::Participant* const* next = hearers_.data();
     for (std::size_t identifier = 0; identifier < lists_.size(); ++identifier) {
-      first_[identifier] = static_cast<std::uint32_t>(hearers_.size());
-      hearers_.insert(hearers_.end(), lists_[identifier].begin(), lists_[identifier].end());
+      first_[identifier] = next;
+      next += lists_[identifier].size();
     }
-    first_.back() = static_cast<std::uint32_t>(hearers_.size());
+    first_.back() = next;
   }
   /// The time that frames arrive at from now on.
   void set_time(can::Time now) noexcept { now_ = now; }
@@ -60,8 +62,8 @@ class PassThroughBus {
   };
   void hand_out(const can::Frame& frame, const can::Participant* from) {
     ++frames_;
-    can::Participant* const* const last = hearers_.data() + first_[frame.identifier + 1];
-    for (auto hearer = hearers_.data() + first_[frame.identifier]; hearer != last; ++hearer) {
+    can::Participant* const* const last = first_[frame.identifier + 1];
+    for (auto hearer = first_[frame.identifier]; hearer != last; ++hearer) {
       if (*hearer != from) (*hearer)->receive(frame, now_);
     }
   }
@@ -85,7 +87,7 @@ class PassThroughBus {
   bool delivering_ = false;
   Sent* end_ = waiting_.data();  // of those that were sent while one was delivered
   std::array<std::vector<can::Participant*>, 2048> lists_;
-  std::array<std::uint32_t, 2049> first_{};
+  std::array<can::Participant* const*, 2049> first_{};  // of its hearers, in hearers_
   std::vector<can::Participant*> hearers_;
   std::array<Sent, 1200> waiting_;  // twice what all slaves say to one SYNC
 };

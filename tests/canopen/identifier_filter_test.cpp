@@ -69,6 +69,21 @@ TEST(IdentifierFilter, AnIdentifierThatCameLater_IsHeardAtOnce) {
   EXPECT_THAT(bus.sent, ElementsAre(0x555));
 }
 
+TEST(IdentifierFilter, AnIdentifierThatIsGone_IsHeardNoMore_AtOnce) {
+  DictionaryBuilder builder;
+  builder.variable(0x1000, {});
+  builder.sub(0x1201, 1, {.value = {0xA7, 0x06, 0, 0}}).sub(0x1201, 2, {.value = {0x55, 0x05, 0, 0}});
+  Recorder bus;
+  Node node(builder.build(), 5, bus);
+  node.power_on({});
+  node.receive(read_of_1000(0x6A7), {});
+  EXPECT_THAT(bus.sent, ElementsAre(0x705, 0x555));
+  ASSERT_EQ(node.dictionary().write(0x1201, 1, can::little_endian(0x8000'06A7, 4), {}), AbortCode::none);
+  bus.sent.clear();
+  node.receive(read_of_1000(0x6A7), {});
+  EXPECT_THAT(bus.sent, IsEmpty());
+}
+
 TEST(IdentifierFilter, ExtendedIdentifiersAreHeard) {
   DictionaryBuilder builder;
   builder.variable(0x1000, {});

@@ -5,6 +5,7 @@
 #include <new>
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include "canopus/canopen/sdo/sdo_client.hpp"
 
@@ -69,6 +70,39 @@ TEST(Memory, OfASlaveWithFourPdosEachWay_IsBelowSixKibibytes) {
   // What building tables took and gave back is counted, too: the node holds less than this.
   RecordProperty("bytes", static_cast<int>(allocated_bytes - before + sizeof(Node)));
   EXPECT_LE(allocated_bytes - before + sizeof(Node), 6U * 1024);
+}
+
+// 48 objects: device and identity, parameters, inputs and outputs, four PDOs each way with four entries.
+DictionaryBuilder usual_slave() {
+  DictionaryBuilder builder;
+  for (const int index : {0x1000, 0x1001, 0x1005, 0x1006, 0x1008, 0x1014, 0x1015, 0x1017, 0x1018}) {
+    builder.variable(static_cast<std::uint16_t>(index), {.name = "Communication object"});
+  }
+  for (std::uint16_t i = 0; i <= 20; ++i) {
+    builder.variable(static_cast<std::uint16_t>(0x2100 + i), {.name = "Parameter"});
+  }
+  for (const int index : {0x6000, 0x6200}) {
+    builder.uniform(static_cast<std::uint16_t>(index), ObjectCode::array, "Values", 16,
+                    {.name = "Value", .type = DataType::unsigned16});
+  }
+  for (const unsigned first : {0x1400U, 0x1600U, 0x1800U, 0x1A00U}) {
+    for (unsigned index = first; index < first + 4; ++index) {
+      for (std::uint8_t sub = 1; sub <= 4; ++sub) {
+        builder.sub(static_cast<std::uint16_t>(index), sub, {.name = "Entry"});
+      }
+    }
+  }
+  return builder;
+}
+
+TEST(Memory, OfADescriptionOfTheUsualSize_IsBelowTwoKibibytes) {
+  const DictionaryBuilder objects = usual_slave();
+  ASSERT_EQ(objects.build()->objects().size(), 48U);
+  const std::size_t before = mallinfo2().uordblks;
+  const auto description = objects.build();
+  const std::size_t bytes = mallinfo2().uordblks - before;
+  RecordProperty("bytes", static_cast<int>(bytes));
+  EXPECT_LE(bytes, 2U * 1024);
 }
 
 TEST(Memory, NothingIsAllocatedOnAFramesPath) {

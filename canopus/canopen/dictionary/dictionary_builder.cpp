@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
+#include "canopus/canopen/dictionary/dictionary_draft.hpp"
 
 namespace canopus::canopen {
 
@@ -99,8 +100,7 @@ DictionaryBuilder& DictionaryBuilder::uniform(std::uint16_t index, ObjectCode co
 }
 
 std::shared_ptr<const DictionaryDescription> DictionaryBuilder::build() const {
-  auto layout = std::make_shared<DictionaryDescription::Layout>();
-  DictionaryDescription::Layout& d = *layout;
+  DictionaryDescription::Draft d;
   std::vector<std::string_view> names(known_names_.size());
   for (const auto& [name, number] : known_names_) names[number] = name;
   std::vector<std::uint32_t> places(names.size());  // of those that are used: others were replaced
@@ -134,7 +134,8 @@ std::shared_ptr<const DictionaryDescription> DictionaryBuilder::build() const {
       const std::size_t start = d.image.size();
       d.image.resize(start + length);
       can::store_value(&d.image[start], plan.value, length);
-      if (plan.adds_node_id) d.node_id_defaults.push_back({static_cast<std::uint32_t>(start), length});
+      if (plan.adds_node_id)
+        d.node_id_defaults.push_back({static_cast<std::uint32_t>(start) & 0x0FFF'FFFFU, length & 0xFU});
     }
   };
   const auto place_entry = [&](const EntryPlan& plan, const ObjectPlan& object, std::uint32_t base,
@@ -162,7 +163,7 @@ std::shared_ptr<const DictionaryDescription> DictionaryBuilder::build() const {
   number_of_subs.description.access = Access::constant;
   number_of_subs.description.length = 1;
   number_of_subs.description.is_plainly_readable = true;
-  const std::string_view number_name = "Highest sub-index supported";
+  const std::string_view number_name = highest_sub_name;
   if (const auto known = known_names_.find(number_name); known != known_names_.end()) {
     number_of_subs.name = known->second;
   } else {
@@ -241,16 +242,8 @@ std::shared_ptr<const DictionaryDescription> DictionaryBuilder::build() const {
     d.communication_block_size = d.image.size();
     d.communication_slot_count = d.slots.size();
   }
-  std::ranges::sort(d.node_id_defaults, {}, &DictionaryDescription::NodeIdDefault::offset);
-  d.index_objects();
-  d.objects.shrink_to_fit();
-  d.entries.shrink_to_fit();
-  d.text.shrink_to_fit();
-  d.limits.shrink_to_fit();
-  d.image.shrink_to_fit();
-  d.slots.shrink_to_fit();
-  d.node_id_defaults.shrink_to_fit();
-  return std::make_shared<const DictionaryDescription>(DictionaryDescription(std::move(layout)));
+  std::ranges::sort(d.node_id_defaults, {}, [](const auto& place) -> std::uint32_t { return place.offset; });
+  return std::make_shared<const DictionaryDescription>(DictionaryDescription(d.pack()));
 }
 
 }  // namespace canopus::canopen

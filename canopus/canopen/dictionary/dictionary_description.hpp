@@ -5,6 +5,7 @@
 // than one comparison, whatever its index. Devices of one kind whose defaults differ share everything else
 // (with()).
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -12,7 +13,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <unordered_map>
 #include <vector>
 
 #include "canopus/can/little_endian.hpp"
@@ -96,8 +96,8 @@ class DictionaryDescription {
   }
   /// The position() of the object of this index, or no_position.
   [[nodiscard]] std::size_t find_position(std::uint16_t index) const noexcept {
-    for (std::uint32_t place = (index * multiplier_) >> shift_;; place = (place + 1) & mask_) {
-      const std::size_t position = positions_[place];
+    for (const std::uint16_t* place = positions_ + first_place(index, multiplier_, places_);; ++place) {
+      const std::size_t position = *place;
       if (position == no_position || objects_[position].index == index) return position;
     }
   }
@@ -130,7 +130,7 @@ class DictionaryDescription {
   }
   /// All objects in order of index.
   [[nodiscard]] std::span<const ObjectDescription> objects() const noexcept {
-    return {objects_, layout_->objects.size()};
+    return layout_->of(layout_->objects);
   }
   [[nodiscard]] std::string_view name(const ObjectDescription& object) const noexcept {
     return layout_->name(object.name);
@@ -139,7 +139,8 @@ class DictionaryDescription {
     return entry.description->name == 0 ? name(*find(entry.index)) : layout_->name(entry.description->name);
   }
   [[nodiscard]] Limits limits(const Entry& entry) const noexcept {
-    return entry.description->limits == 0 ? Limits{} : layout_->limits[entry.description->limits - 1U];
+    return entry.description->limits == 0 ? Limits{}
+                                          : layout_->of(layout_->limits)[entry.description->limits - 1U];
   }
   /// Some entries are marked as saved by 1010H: EntryDescription::stored.
   [[nodiscard]] bool marks_stored() const noexcept { return layout_->marks_stored; }
@@ -147,16 +148,21 @@ class DictionaryDescription {
   [[nodiscard]] std::span<const ObjectDescription> objects(std::uint16_t first,
                                                            std::uint16_t last) const noexcept;
   /// Size of a node's value block, and of the part of it that holds 0000H-1FFFH (it comes first).
-  [[nodiscard]] std::size_t block_size() const noexcept { return layout_->image.size(); }
+  [[nodiscard]] std::size_t block_size() const noexcept { return layout_->image.count; }
   [[nodiscard]] std::size_t communication_block_size() const noexcept {
     return layout_->communication_block_size;
   }
   /// Number of values of variable length, and of those in 0000H-1FFFH (they come first).
-  [[nodiscard]] std::size_t slot_count() const noexcept { return layout_->slots.size(); }
+  [[nodiscard]] std::size_t slot_count() const noexcept { return layout_->slot_ends.count; }
   [[nodiscard]] std::size_t communication_slot_count() const noexcept {
     return layout_->communication_slot_count;
   }
-  [[nodiscard]] const std::vector<std::uint8_t>& default_slot(std::uint32_t slot) const noexcept;
+  [[nodiscard]] std::span<const std::uint8_t> default_bytes(std::uint32_t slot) const noexcept;
+  /// The same as a copy.
+  [[nodiscard]] std::vector<std::uint8_t> default_slot(std::uint32_t slot) const {
+    const auto bytes = default_bytes(slot);
+    return {bytes.begin(), bytes.end()};
+  }
   /// Writes the defaults for this node-ID over the first `size` bytes of `block` (block_size(), or
   /// communication_block_size() for those of the communication profile alone).
   void load_defaults(std::span<std::uint8_t> block, std::uint8_t node_id) const noexcept;
@@ -184,34 +190,48 @@ class DictionaryDescription {
 
  private:
   friend class DictionaryBuilder;
+  struct Draft;  // a layout that is being made: dictionary_draft.hpp
   struct NodeIdDefault {
-    std::uint32_t offset;
-    std::uint8_t length;
+    std::uint32_t offset : 28;
+    std::uint32_t length : 4;
   };
-  /// What descriptions that differ in defaults alone have in common.
+  /// A table within a layout's memory.
+  template <typename T>
+  struct Table {
+    std::uint32_t begin = 0;  // bytes from the layout on
+    std::uint32_t count = 0;
+  };
+  /// What descriptions that differ in defaults alone have in common: one piece of memory, which begins with this.
   struct Layout {
-    std::vector<ObjectDescription> objects;
-    std::vector<EntryDescription> entries;
-    std::string text;  // all names, each behind its length; a name's number is its place in here
-    std::vector<Limits> limits;
-    std::vector<std::uint8_t> image;
-    std::vector<std::vector<std::uint8_t>> slots;
-    std::vector<NodeIdDefault> node_id_defaults;
-    std::vector<std::uint16_t> positions;  // a hash table over the index: positions in `objects`
-    std::uint32_t multiplier = 0;          // of the hash
-    std::size_t communication_block_size = 0;
-    std::size_t communication_slot_count = 0;
-    std::size_t pdo_values_begin = 0;  // of 1400H-1BFFH in the image
-    std::size_t pdo_values_end = 0;    // 0: there are slots among them
+    Table<Limits> limits;
+    Table<ObjectDescription> objects;
+    Table<EntryDescription> entries;
+    Table<NodeIdDefault> node_id_defaults;  // in order of offset
+    Table<std::uint32_t> slot_ends;         // of the defaults of variable length, in slot_bytes
+    Table<std::uint16_t> positions;         // a hash table over the index: positions in `objects`
+    Table<std::uint8_t> image;
+    Table<std::uint8_t> slot_bytes;
+    Table<char> text;              // all names, each behind its length; a name's number is its place in here
+    std::uint32_t multiplier = 0;  // of the hash
+    std::uint32_t places = 0;      // that it leads to; some more follow
+    std::uint32_t communication_block_size = 0;
+    std::uint32_t communication_slot_count = 0;
+    std::uint32_t pdo_values_begin = 0;  // of 1400H-1BFFH in the image
+    std::uint32_t pdo_values_end = 0;    // 0: there are slots among them
     bool marks_stored = false;
 
+    template <typename T>
+    [[nodiscard]] std::span<const T> of(Table<T> table) const noexcept {
+      return {reinterpret_cast<const T*>(reinterpret_cast<const std::byte*>(this) + table.begin),
+              table.count};
+    }
     [[nodiscard]] std::string_view name(std::uint32_t number) const noexcept;
-    std::uint32_t add_name(std::string_view name);
-    void index_objects();
-    /// Returns where they are; `known`: by hash, those that were added before.
-    std::uint32_t add_entries(const std::vector<EntryDescription>& added,
-                              std::unordered_multimap<std::size_t, std::uint32_t>& known);
   };
+  /// Where a look-up begins: one of `places`, whatever their number.
+  [[nodiscard]] static std::uint32_t first_place(std::uint16_t index, std::uint32_t multiplier,
+                                                 std::uint32_t places) noexcept {
+    return static_cast<std::uint32_t>(std::uint64_t{index * multiplier} * places >> 32);
+  }
   [[nodiscard]] AbortCode check_limits(const Entry& entry,
                                        std::span<const std::uint8_t> value) const noexcept;
   explicit DictionaryDescription(std::shared_ptr<const Layout> layout);
@@ -221,8 +241,7 @@ class DictionaryDescription {
   const ObjectDescription* objects_;
   const EntryDescription* entries_;
   std::uint32_t multiplier_;
-  std::uint32_t shift_;
-  std::uint32_t mask_;
+  std::uint32_t places_;
   std::shared_ptr<const Layout> layout_;
   /// Defaults in place of the layout's: of fixed length, and of variable length.
   struct Value {
@@ -234,8 +253,11 @@ class DictionaryDescription {
     std::uint32_t number = 0;
     std::vector<std::uint8_t> bytes;
   };
-  std::vector<Value> changed_values_;
-  std::vector<Slot> changed_slots_;
+  struct Changes {
+    std::vector<Value> values;
+    std::vector<Slot> slots;
+  };
+  std::unique_ptr<const Changes> changes_;  // mostly there are none
 };
 
 /// Collects objects in any order and lays them out. A later add of the same sub-index replaces the earlier

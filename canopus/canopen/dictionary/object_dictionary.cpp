@@ -32,14 +32,6 @@ AbortCode ObjectDictionary::prepare_read(std::uint16_t index, std::uint8_t sub, 
   return behaviour != nullptr ? behaviour->before_read(*this, found, now) : AbortCode::none;
 }
 
-ObjectDictionary::ShortValue ObjectDictionary::find_short(std::uint32_t multiplexer) noexcept {
-  const Entry entry = find_plain(multiplexer);
-  if (!entry || !entry.description->is_plainly_readable) return {};
-  const std::uint8_t length = entry.description->length;
-  last_short_ = {multiplexer, entry.offset, length};
-  return {get<std::uint32_t>(entry), length};
-}
-
 std::expected<std::span<const std::uint8_t>, AbortCode> ObjectDictionary::read(std::uint16_t index,
                                                                                std::uint8_t sub,
                                                                                can::Time now) {
@@ -78,7 +70,7 @@ AbortCode ObjectDictionary::write(std::uint16_t index, std::uint8_t sub, std::sp
 std::span<const std::uint8_t> ObjectDictionary::bytes(const Entry& entry) const noexcept {
   if (entry.description->length != 0) return {&block_[entry.offset], entry.description->length};
   const auto& slot = slots_[entry.offset];
-  return slot ? *slot : description_->default_slot(entry.offset);
+  return slot ? std::span<const std::uint8_t>(*slot) : description_->default_bytes(entry.offset);
 }
 
 void ObjectDictionary::assign(const Entry& entry, std::span<const std::uint8_t> value) {

@@ -79,25 +79,53 @@ class ObjectDictionary {
   /// 0: this is none of them.
   /// `multiplexer`: bits 8-23 index, bits 24-31 sub-index, as an SDO has them.
   [[nodiscard]] ShortValue read_short(std::uint32_t multiplexer) noexcept {
-    if (multiplexer != last_short_.multiplexer) return find_short(multiplexer);
-    const auto number = can::load_value(block_.data() + last_short_.offset, last_short_.length);
-    return {static_cast<std::uint32_t>(number), last_short_.length};
+    if (multiplexer == last_short_.multiplexer) return load_short(last_short_.offset, last_short_.length);
+    const Place place = find_plain(multiplexer);
+    if (place.description == nullptr || !place.description->is_plainly_readable) return {};
+    last_short_ = {multiplexer, place.offset, place.description->length};
+    return load_short(place.offset, place.description->length);
   }
   /// write() of what has 1..4 bytes, as many as given, may be written, and has neither limits nor a handler, as
   /// most values that are written. False: it is none of them, and nothing was done.
   [[nodiscard]] bool write_short(std::uint32_t multiplexer, ShortValue value, can::Time now) {
-    const Entry entry = find_plain(multiplexer);
-    if (!entry || !entry.description->is_plainly_writable || entry.description->length != value.length) {
-      return false;
-    }
-    std::uint8_t* const to = block_.data() + entry.offset;
+    const Place place = find_plain(multiplexer);
+    if (place.description == nullptr || !store_short(place, value)) return false;
+    report_written(entry_at(place, multiplexer), now);
+    return true;
+  }
+  // The steps of write_short(), for who has something else to do between them.
+  /// Where a value lies.
+  struct Place {
+    const EntryDescription* description = nullptr;
+    std::uint32_t offset = 0;
+  };
+  /// An entry, perhaps of no type, of an object without a handler; or none.
+  [[nodiscard]] Place find_plain(std::uint32_t multiplexer) const noexcept {
+    const std::size_t position = description_->find_position(static_cast<std::uint16_t>(multiplexer >> 8));
+    if (position == DictionaryDescription::no_position || handler_numbers_[position] != 0) return {};
+    const ObjectDescription& object = description_->object(position);
+    const auto sub = static_cast<std::uint8_t>(multiplexer >> 24);
+    if (sub > object.highest_sub) return {};
+    const Entry entry = description_->place(object, sub);
+    return {entry.description, entry.offset};
+  }
+  /// False: it has to be written in another way.
+  [[nodiscard]] bool store_short(Place place, ShortValue value) noexcept {
+    if (!place.description->is_plainly_writable || place.description->length != value.length) return false;
+    std::uint8_t* const to = block_.data() + place.offset;
     if (value.length == 4) [[likely]] {
       std::memcpy(to, &value.number, 4);
     } else {
       can::store_value(to, value.number, value.length);
     }
-    if (write_observer_ != nullptr) write_observer_->object_written(entry, now);
     return true;
+  }
+  [[nodiscard]] static Entry entry_at(Place place, std::uint32_t multiplexer) noexcept {
+    return {place.description, place.offset, static_cast<std::uint16_t>(multiplexer >> 8),
+            static_cast<std::uint8_t>(multiplexer >> 24)};
+  }
+  void report_written(const Entry& entry, can::Time now) {
+    if (write_observer_ != nullptr) write_observer_->object_written(entry, now);
   }
   /// The stream of a value that has one.
   [[nodiscard]] ObjectStream* stream(const Entry& entry) const;
@@ -189,14 +217,11 @@ class ObjectDictionary {
     return handlers_[handler_numbers_[description_->position(object)]];
   }
 
-  [[nodiscard]] ShortValue find_short(std::uint32_t multiplexer) noexcept;
-  /// An entry, perhaps of no type, of an object without a handler; or none.
-  [[nodiscard]] Entry find_plain(std::uint32_t multiplexer) const noexcept {
-    const std::size_t position = description_->find_position(static_cast<std::uint16_t>(multiplexer >> 8));
-    if (position == DictionaryDescription::no_position || handler_numbers_[position] != 0) return {};
-    const ObjectDescription& object = description_->object(position);
-    const auto sub = static_cast<std::uint8_t>(multiplexer >> 24);
-    return sub <= object.highest_sub ? description_->place(object, sub) : Entry{};
+  [[nodiscard]] ShortValue load_short(std::uint32_t offset, std::uint8_t length) const noexcept {
+    const std::uint8_t* const from = block_.data() + offset;
+    if (length == 4) [[likely]]
+      return {can::load_as<std::uint32_t>(from), length};
+    return {static_cast<std::uint32_t>(can::load_value(from, length)), length};
   }
 
   std::shared_ptr<const DictionaryDescription> description_;

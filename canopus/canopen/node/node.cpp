@@ -18,6 +18,7 @@
 #include "canopus/canopen/pdo/rpdo.hpp"
 #include "canopus/canopen/pdo/tpdo.hpp"
 #include "canopus/canopen/sdo/sdo_channels.hpp"
+#include "canopus/canopen/service/frame_of.hpp"
 #include "canopus/canopen/service/identifier_table.hpp"
 #include "canopus/canopen/service/node_context.hpp"
 
@@ -25,8 +26,8 @@ namespace canopus::canopen {
 
 struct Node::Services final : NodeContext, WriteObserver {
   Services(std::shared_ptr<const DictionaryDescription> description, std::uint8_t id, can::Sink& frames,
-           const NodeOptions& node_options)
-      : NodeContext(std::move(description), id, frames, node_options), next_node_id(id) {
+           IdentifierFilter& node_filter, const NodeOptions& node_options)
+      : NodeContext(std::move(description), id, frames, node_filter, node_options), next_node_id(id) {
     dictionary.set_write_observer(this);
   }
 
@@ -38,6 +39,12 @@ struct Node::Services final : NodeContext, WriteObserver {
   }
   void communication_error(can::Time now) override { enter(error_behaviour.after_error(state), now); }
   void object_written(const Entry& entry, can::Time now) override {
+    // Mostly nobody asks, and nothing has to be kept to find that out.
+    const bool concerns_some =
+        tpdos.may_have_event_of(entry) || stored_parameters.saves_at_once() || listener != nullptr;
+    if (concerns_some) report_written(entry, now);
+  }
+  [[gnu::noinline]] void report_written(const Entry& entry, can::Time now) {
     if (tpdos.may_have_event_of(entry) && options.sdo_write_is_event && entry.index >= 0x2000) {
       tpdos.object_written(entry, now);
     }
@@ -83,7 +90,6 @@ struct Node::Services final : NodeContext, WriteObserver {
   StoredParameters stored_parameters{*this};
   TimerQueue::Number reset_timer = timers.add();
   NmtCommand pending_reset = NmtCommand::reset_communication;  // while reset_timer runs
-  IdentifierTable table;
   std::uint32_t revision = 0;
   std::uint8_t next_node_id = 0;
   bool powered = false;
@@ -226,6 +232,8 @@ void Node::Services::dispatch_others(ServiceKind kind, std::uint16_t number, con
     case ServiceKind::emcy: return emcy_consumer.receive(static_cast<std::uint8_t>(number), frame, now);
     case ServiceKind::time_stamp: return time_stamp.receive(frame, now);
     case ServiceKind::tpdo_request: return tpdos.requested(number, now);
+    case ServiceKind::several: return receive(frame, now);
+    case ServiceKind::none:
     case ServiceKind::rpdo:
     case ServiceKind::sdo_server:
     case ServiceKind::sam_mpdo: return;
@@ -259,7 +267,7 @@ void Node::Services::tick(TimerQueue::Number number, can::Time now) {
 
 Node::Node(std::shared_ptr<const DictionaryDescription> description, std::uint8_t node_id, can::Sink& sink,
            NodeOptions options)
-    : services_(std::make_unique<Services>(std::move(description), node_id, sink, options)) {}
+    : services_(std::make_unique<Services>(std::move(description), node_id, sink, filter_, options)) {}
 
 Node::~Node() = default;
 
@@ -292,7 +300,7 @@ void Node::describe(std::shared_ptr<const DictionaryDescription> description, co
   const std::uint8_t node_id = services.next_node_id;
   const std::uint32_t revision = services.revision;
   std::destroy_at(&services);
-  std::construct_at(&services, std::move(description), node_id, sink, options);
+  std::construct_at(&services, std::move(description), node_id, sink, filter_, options);
   services.listener = listener;
   services.stored_parameters.set_store(store);
   services.revision = revision + 1;
@@ -370,13 +378,12 @@ std::uint32_t Node::identifiers_revision() const {
 // What nearly all frames are comes first, and every call is the last thing that is done: nothing has to be
 // kept.
 void Node::receive(const can::Frame& frame, can::Time now) {
+  if (!filter_.may_pass(frame.identifier)) return;
   Services& services = *services_;
-  if (!services.filter.may_pass(frame.identifier)) return;
-  if (services.identifiers_changed || frame.extended || frame.remote) return services.receive(frame, now);
-  const IdentifierTable::Slot* slot = services.table.first(frame.identifier);
-  if (slot == nullptr) return;
-  if (slot->more) return services.receive(frame, now);
-  services.dispatch(slot->kind, slot->number, frame, now);
+  if (!is_base_data(frame)) return services.receive(frame, now);
+  const IdentifierTable::Slot* slot = services.table.look_up(frame.identifier);
+  if (slot != nullptr) return services.dispatch(slot->found, slot->number, frame, now);
+  if (services.identifiers_changed) services.receive(frame, now);
 }
 
 Node::Taken Node::take(const can::Frame& frame, can::Time now) {

@@ -16,6 +16,7 @@
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
 #include "canopus/canopen/dictionary/parameter_store.hpp"
 #include "canopus/canopen/sdo/sdo_channel.hpp"
+#include "canopus/canopen/service/identifier_filter.hpp"
 #include "canopus/canopen/service/nmt.hpp"
 #include "canopus/canopen/service/node_listener.hpp"
 #include "canopus/canopen/service/node_options.hpp"
@@ -117,6 +118,7 @@ class Node final : public can::Participant {
 
  private:
   struct Services;
+  IdentifierFilter filter_;  // here, for every frame on the bus looks at it and at little else
   std::unique_ptr<Services> services_;
 };
 

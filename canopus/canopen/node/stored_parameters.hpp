@@ -28,9 +28,13 @@ class StoredParameters final : public ObjectHandler {
   [[nodiscard]] ParameterStore* store() const noexcept { return store_; }
   /// Puts the stored values of first..last into the dictionary.
   void apply(std::uint16_t first, std::uint16_t last);
-  /// A value was written: saves it if 1010H:01 says "autonomously".
+  /// 1010H:01 says "autonomously".
+  [[nodiscard]] bool saves_at_once() const noexcept {
+    return has_save_all_ && (node_.dictionary.block()[save_all_] & autonomously) != 0;
+  }
+  /// A value was written: saves it if 1010H:01 says so.
   void object_written(const Entry& entry) {
-    if (has_save_all_ && (node_.dictionary.block()[save_all_] & autonomously) != 0) save_written(entry);
+    if (saves_at_once()) save_written(entry);
   }
 
   AbortCode before_read(ObjectDictionary&, const Entry&, can::Time) override;

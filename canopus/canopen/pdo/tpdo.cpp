@@ -92,9 +92,9 @@ void Tpdos::list_valid() {
 void Tpdos::list_watched() {
   std::uint32_t first = 0xFFFF'FFFF;
   std::uint32_t end = 0;
-  scans_ = false;
+  bool scans = false;  // there is an MPDO in source addressing mode: everything counts
   for (const Tpdo& pdo : tpdos_) {
-    scans_ = scans_ || pdo.addressing == source_addressing;
+    scans = scans || pdo.addressing == source_addressing;
     if (!pdo.may_have_events()) continue;
     const auto [from, behind] = pdo.plan.extent();
     if (from == behind) continue;
@@ -102,8 +102,8 @@ void Tpdos::list_watched() {
     first = std::min(first, from < longest_value ? 0 : from - longest_value);
     end = std::max(end, behind);
   }
-  first_watched_ = first;
-  watched_bytes_ = end > first ? end - first : 0;
+  first_watched_ = scans ? 0 : first;
+  watched_bytes_ = scans ? 0xFFFF'FFFF : end > first ? end - first : 0;
 }
 
 void Tpdos::start(std::uint8_t defaults_of, can::Time now) {

@@ -47,7 +47,7 @@ class Tpdos final : public ObjectHandler {
   bool event(std::uint16_t number, can::Time now);
   /// False: object_written() would do nothing for this entry.
   [[nodiscard]] bool may_have_event_of(const Entry& entry) const noexcept {
-    return entry.offset - first_watched_ < watched_bytes_ || scans_;
+    return entry.offset - first_watched_ < watched_bytes_;
   }
   /// A mapped value was written: its TPDOs have their events.
   void object_written(const Entry& entry, can::Time now);
@@ -132,7 +132,6 @@ class Tpdos final : public ObjectHandler {
   // All that TPDOs with events map lies here in the value block; values of another place need no look at them.
   std::uint32_t first_watched_ = 0;
   std::uint32_t watched_bytes_ = 0;
-  bool scans_ = false;  // there is an MPDO in source addressing mode
   TimerQueue::Number first_timer_ = 0;
   std::uint8_t defaults_of_ = 0;  // all was read of the defaults for this node-ID; 0: of others
 };

@@ -20,20 +20,21 @@ void SdoClient::set_channel(std::uint32_t request, std::uint32_t response) {
   if (busy()) return;
   constexpr std::uint32_t identifier_and_format = 0x3FFF'FFFF;
   request_ = sdo::head(request & identifier_and_format);
-  response_cob_id_ = response & identifier_and_format;
+  response_ = sdo::head(response & identifier_and_format).without_dlc();
   server_ = 0;
 }
 
 // Everything is set before a frame goes out: on a bus that is a function call, the answer comes from inside
 // send().
-bool SdoClient::start(State state, const can::Frame& request, SdoClientUser& user, can::Time now,
-                      can::Duration time_out) {
+inline bool SdoClient::start(State state, const can::Frame& request, SdoClientUser& user, can::Time now,
+                             can::Duration time_out) {
   state_ = state;
+  toggle_ = 0;
+  all_sent_ = false;
+  gave_up_ = false;
+  abort_code_ = AbortCode::none;
   user_ = &user;
   multiplexer_ = sdo::multiplexer(request);
-  toggle_ = 0;
-  abort_code_ = AbortCode::none;
-  gave_up_ = false;
   collector_.clear();
   time_out_ = time_out;
   restart_time_out(now);
@@ -62,7 +63,6 @@ bool SdoClient::start_download(State state, std::uint16_t index, std::uint8_t su
                                std::optional<std::uint32_t> size, SdoClientUser& user, can::Time now,
                                can::Duration time_out) {
   expedited_ = false;
-  all_sent_ = false;
   const bool in_blocks = state == State::initiate_block_download;
   const unsigned size_bit = !size ? 0U : in_blocks ? 2U : 1U;
   const unsigned command = in_blocks ? 0xC0U | sdo::crc_bit : 0x20U;
@@ -74,14 +74,24 @@ bool SdoClient::start_download(State state, std::uint16_t index, std::uint8_t su
 bool SdoClient::download(std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> data,
                          SdoClientUser& user, can::Time now, can::Duration time_out, Mode mode) {
   if (busy()) return false;
-  if (!data.empty() && data.size() <= 4) {
-    const std::uint32_t value =
-        data.size() == 4 ? can::load_as<std::uint32_t>(data.data()) : can::load_u32(data);
-    const unsigned command = 0x23U | static_cast<unsigned>(4 - data.size()) << 2;
-    expedited_ = true;
-    return start(State::initiate_download, sdo::frame(request_, command, sdo::multiplexer(index, sub), value),
-                 user, now, time_out);
+  if (data.empty() || data.size() > 4)
+    return start_long_download(index, sub, data, user, now, time_out, mode);
+  unsigned command = 0x23;
+  std::uint32_t value = 0;
+  if (data.size() == 4) [[likely]] {
+    value = can::load_as<std::uint32_t>(data.data());
+  } else {
+    value = can::load_u32(data);
+    command |= static_cast<unsigned>(4 - data.size()) << 2;
   }
+  expedited_ = true;
+  return start(State::initiate_download, sdo::frame(request_, command, sdo::multiplexer(index, sub), value),
+               user, now, time_out);
+}
+
+[[gnu::noinline]] bool SdoClient::start_long_download(std::uint16_t index, std::uint8_t sub,
+                                                      std::span<const std::uint8_t> data, SdoClientUser& user,
+                                                      can::Time now, can::Duration time_out, Mode mode) {
   source_.begin(data);
   return start_download(mode == Mode::block ? State::initiate_block_download : State::initiate_download,
                         index, sub, static_cast<std::uint32_t>(data.size()), user, now, time_out);
@@ -132,14 +142,6 @@ void SdoClient::refuse(AbortCode code, can::Time now) {
 
 /// An answer on this channel while a transfer runs.
 void SdoClient::take(const can::Frame& frame, can::Time now) {
-  const auto command = static_cast<ServerCommand>(frame.data[0] >> 5);
-  // Among the segments of a block, 81H.. is the last segment, also when it comes twice.
-  const bool among_segments = state_ == State::block_upload || state_ == State::block_upload_end;
-  if (command == ServerCommand::abort && (!among_segments || frame.data[0] == 0x80)) {
-    const auto code = static_cast<AbortCode>(sdo::value(frame));
-    // An abort without a reason is one, too.
-    return finish(code != AbortCode::none ? code : AbortCode::general, now);
-  }
   switch (state_) {
     case State::idle: return;
     case State::initiate_upload: return upload_initiated(frame, now);
@@ -150,15 +152,31 @@ void SdoClient::take(const can::Frame& frame, can::Time now) {
   }
 }
 
+/// Not the answer that is due: an abort, or a mistake of the server.
+[[gnu::noinline]] void SdoClient::unexpected(const can::Frame& frame, can::Time now) {
+  if (static_cast<ServerCommand>(frame.data[0] >> 5) == ServerCommand::abort) return aborted(frame, now);
+  give_up(AbortCode::command_specifier, now);
+}
+
+void SdoClient::aborted(const can::Frame& frame, can::Time now) {
+  const auto code = static_cast<AbortCode>(sdo::value(frame));
+  // An abort without a reason is one, too.
+  finish(code != AbortCode::none ? code : AbortCode::general, now);
+}
+
 bool SdoClient::is_about_this_object(const can::Frame& frame) const noexcept {
   return sdo::multiplexer(frame) == multiplexer_;
 }
 
 void SdoClient::upload_initiated(const can::Frame& frame, can::Time now) {
+  if (sdo::command_and_multiplexer(frame) == (0x40U | multiplexer_)) return object_uploaded(frame, now);
   if (static_cast<ServerCommand>(frame.data[0] >> 5) != ServerCommand::initiate_upload) {
-    return give_up(AbortCode::command_specifier, now);
+    return unexpected(frame, now);
   }
-  if (!is_about_this_object(frame)) return;  // a late answer to a transfer given up
+  // A late answer to a transfer given up: nothing.
+}
+
+inline void SdoClient::object_uploaded(const can::Frame& frame, can::Time now) {
   if ((frame.data[0] & sdo::expedited_bit) == 0) return long_upload_initiated(frame, now);
   if (into_ != nullptr || maximum_size_ != 0) return take_expedited(frame, now);
   collector_.take(sdo::value(frame), sdo::expedited_data(frame).size());
@@ -203,7 +221,7 @@ void SdoClient::segment_uploaded(const can::Frame& frame, can::Time now) {
 
 void SdoClient::take_segment_with_care(const can::Frame& frame, can::Time now) {
   if (static_cast<ServerCommand>(frame.data[0] >> 5) != ServerCommand::upload_segment) {
-    return give_up(AbortCode::command_specifier, now);
+    return unexpected(frame, now);
   }
   if ((frame.data[0] & sdo::toggle_bit) != toggle_) return give_up(AbortCode::toggle_bit, now);
   AbortCode code = collector_.add(frame, sdo::segment_length(frame));
@@ -216,11 +234,14 @@ void SdoClient::take_segment_with_care(const can::Frame& frame, can::Time now) {
 }
 
 void SdoClient::download_initiated(const can::Frame& frame, can::Time now) {
+  // The command and the object that are due, asked at once.
+  if (expedited_ && sdo::command_and_multiplexer(frame) == (0x60U | multiplexer_)) {
+    return finish(AbortCode::none, now);
+  }
   if (static_cast<ServerCommand>(frame.data[0] >> 5) != ServerCommand::initiate_download) {
-    return give_up(AbortCode::command_specifier, now);
+    return unexpected(frame, now);
   }
   if (!is_about_this_object(frame)) return;
-  if (expedited_) return finish(AbortCode::none, now);
   state_ = State::download_segment;
   send_segment(now);
 }
@@ -229,7 +250,6 @@ void SdoClient::send_segment(can::Time now) {
   const auto rest = source_.window();
   if (rest.size() <= sdo::segment_size) return send_last_segment(now);
   const can::Frame segment = sdo::block_segment(request_, toggle_, rest);
-  all_sent_ = false;
   source_.advance(sdo::segment_size);
   restart_time_out(now);
   sink_->send(segment);
@@ -250,13 +270,16 @@ void SdoClient::send_last_segment(can::Time now) {
 }
 
 void SdoClient::segment_downloaded(const can::Frame& frame, can::Time now) {
+  constexpr unsigned command_and_toggle = 0xF0;
+  if ((frame.data[0] & command_and_toggle) == (0x20U | toggle_) && !all_sent_) {
+    toggle_ ^= sdo::toggle_bit;
+    return send_segment(now);
+  }
   if (static_cast<ServerCommand>(frame.data[0] >> 5) != ServerCommand::download_segment) {
-    return give_up(AbortCode::command_specifier, now);
+    return unexpected(frame, now);
   }
   if ((frame.data[0] & sdo::toggle_bit) != toggle_) return give_up(AbortCode::toggle_bit, now);
-  if (all_sent_) return finish(AbortCode::none, now);
-  toggle_ ^= sdo::toggle_bit;
-  send_segment(now);
+  finish(AbortCode::none, now);
 }
 
 void SdoClient::tick(can::Time now) {

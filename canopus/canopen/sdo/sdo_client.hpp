@@ -39,7 +39,7 @@ class SdoClient {
   static constexpr auto buffer_too_small = static_cast<AbortCode>(0x60600000);
   static constexpr can::Duration default_time_out = std::chrono::milliseconds(500);
 
-  explicit SdoClient(can::Sink& sink) : sink_(&sink) {}
+  explicit SdoClient(can::Sink& sink) : sink_(&sink) { collector_.make_room(); }
 
   /// Uses the default channel of a server: requests on 600H + node-ID, answers on 580H + node-ID. Not while
   /// busy().
@@ -95,9 +95,8 @@ class SdoClient {
   }
   /// True when the frame was an answer on this channel (whether or not it was of use).
   bool receive(const can::Frame& frame, can::Time now) {
-    const std::uint32_t key = frame.identifier | (frame.extended ? 1U << 29 : 0U);
-    if (frame.remote || key != response_cob_id_) return false;
-    if (busy() && frame.dlc != 0) take(frame, now);
+    if (head_without_dlc(frame) != response_) return false;
+    if (frame.dlc != 0) take(frame, now);
     return true;
   }
   void tick(can::Time now);
@@ -123,6 +122,10 @@ class SdoClient {
              can::Duration time_out);
   bool start_download(State state, std::uint16_t index, std::uint8_t sub, std::optional<std::uint32_t> size,
                       SdoClientUser& user, can::Time now, can::Duration time_out);
+  bool start_long_download(std::uint16_t index, std::uint8_t sub, std::span<const std::uint8_t> data,
+                           SdoClientUser& user, can::Time now, can::Duration time_out, Mode mode);
+  void unexpected(const can::Frame& frame, can::Time now);
+  void aborted(const can::Frame& frame, can::Time now);
   void finish(AbortCode code, can::Time now);
   void give_up(AbortCode code, can::Time now);
   void refuse(AbortCode code, can::Time now);
@@ -133,6 +136,7 @@ class SdoClient {
   }
 
   void upload_initiated(const can::Frame& frame, can::Time now);
+  void object_uploaded(const can::Frame& frame, can::Time now);
   void long_upload_initiated(const can::Frame& frame, can::Time now);
   void take_expedited(const can::Frame& frame, can::Time now);
   void request_segment(can::Time now);
@@ -157,16 +161,17 @@ class SdoClient {
   can::Sink* sink_;
   SdoClientUser* user_ = nullptr;
   FrameHead request_;
-  std::uint32_t response_cob_id_ = 0;
+  std::uint64_t response_ = 0;     // head_without_dlc() of the answers
   std::uint32_t multiplexer_ = 0;  // index and sub-index of the transfer, as in its frames
   std::uint8_t server_ = 0;
   std::uint8_t switch_threshold_ = 4;
-  State state_ = State::idle;
+  bool expedited_ = false;  // of a download
+  // What a transfer begins with is one word, and one store.
+  alignas(8) State state_ = State::idle;
   std::uint8_t toggle_ = 0;  // the toggle bit that is due
-  bool expedited_ = false;   // of a download
   bool all_sent_ = false;    // of a segmented download
-  AbortCode abort_code_ = AbortCode::none;
   bool gave_up_ = false;
+  AbortCode abort_code_ = AbortCode::none;
   std::size_t maximum_size_ = 0;
   ByteSink* into_ = nullptr;
   SegmentSource source_;

@@ -10,6 +10,10 @@ using sdo::ServerCommand;
 void SdoClient::receive_in_block(const can::Frame& frame, can::Time now) {
   const auto command = static_cast<ServerCommand>(frame.data[0] >> 5);
   const unsigned subcommand = frame.data[0] & 3U;
+  // Among the segments of a block, 81H.. is the last segment, also when it comes twice.
+  const bool among_segments = state_ == State::block_upload || state_ == State::block_upload_end;
+  if (command == ServerCommand::abort && (!among_segments || frame.data[0] == 0x80))
+    return aborted(frame, now);
   switch (state_) {
     case State::initiate_block_upload:
       if (command == ServerCommand::initiate_upload) {  // it switched to another protocol

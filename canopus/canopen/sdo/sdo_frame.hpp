@@ -75,6 +75,10 @@ inline constexpr std::uint32_t multiplexer_mask = 0xFFFF'FF00;
 [[nodiscard]] inline std::uint32_t multiplexer(const can::Frame& f) noexcept {
   return static_cast<std::uint32_t>(data_word(f)) & multiplexer_mask;
 }
+/// The command in bits 5-7, what else is in its byte left out, and the multiplexer.
+[[nodiscard]] inline std::uint32_t command_and_multiplexer(const can::Frame& f) noexcept {
+  return static_cast<std::uint32_t>(data_word(f)) & (multiplexer_mask | 0xE0U);
+}
 [[nodiscard]] inline std::uint16_t index(const can::Frame& f) noexcept {
   return can::load_as<std::uint16_t>(&f.data[1]);
 }

@@ -1,7 +1,10 @@
 #include "canopus/canopen/sdo/sdo_server.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstring>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 #include "canopus/canopen/sdo/sdo_frame.hpp"
@@ -9,6 +12,21 @@
 namespace canopus::canopen {
 
 using sdo::ClientCommand;
+
+namespace {
+
+/// The same as ObjectDictionary::entry_at(), in two stores.
+Entry written_entry(ObjectDictionary::Place place, std::uint32_t multiplexer) {
+  static_assert(sizeof(Entry) == 16 && offsetof(Entry, offset) == 8 && offsetof(Entry, index) == 12 &&
+                offsetof(Entry, sub) == 14 && std::is_trivially_copyable_v<Entry>);
+  const std::uint64_t where = place.offset | std::uint64_t{multiplexer >> 8} << 32;
+  Entry entry;
+  const std::uint64_t words[] = {reinterpret_cast<std::uintptr_t>(place.description), where};
+  std::memcpy(static_cast<void*>(&entry), words, sizeof entry);
+  return entry;
+}
+
+}  // namespace
 
 void SdoServer::set_response_identifier(std::uint32_t identifier_key) {
   stop();
@@ -51,11 +69,14 @@ void SdoServer::abort(AbortCode code) { abort(multiplexer_, code); }
 void SdoServer::receive(const can::Frame& frame, can::Time now) {
   if (frame.dlc != 8) return;
   const auto command = static_cast<ClientCommand>(frame.data[0] >> 5);
+  if (state_ == State::idle) {
+    if (command == ClientCommand::initiate_upload) return initiate_upload(frame, now);
+    constexpr unsigned sized = sdo::expedited_bit | sdo::size_bit;
+    constexpr unsigned expedited_download = 0x20U | sized;
+    if ((frame.data[0] & (0xE0U | sized)) == expedited_download) return download_expedited(frame, now);
+    return receive_other(frame, now);
+  }
   switch (state_) {
-    case State::idle:
-      if (command == ClientCommand::initiate_upload) return initiate_upload(frame, now);
-      if (command == ClientCommand::initiate_download) return initiate_download(frame, now);
-      break;
     case State::download_segment:
       if (command == ClientCommand::download_segment) return download_segment(frame, now);
       break;
@@ -74,6 +95,9 @@ void SdoServer::receive_other(const can::Frame& frame, can::Time now) {
   const auto command = static_cast<ClientCommand>(frame.data[0] >> 5);
   if (state_ == State::block_download_end && block_receiver_.is_last_segment_again(frame)) return;
   if (command == ClientCommand::abort) return stop();
+  if (state_ == State::idle && command == ClientCommand::initiate_download) {
+    return initiate_other_download(frame, now);
+  }
   if (state_ == State::idle && command == ClientCommand::block_upload)
     return initiate_block_upload(frame, now);
   if (state_ == State::idle && command == ClientCommand::block_download) {
@@ -139,16 +163,21 @@ void SdoServer::expedited_download(const can::Frame& frame, const Entry& entry, 
   sink_->send(sdo::frame(response_, 0x60, sdo::multiplexer(frame)));
 }
 
-void SdoServer::initiate_download(const can::Frame& frame, can::Time now) {
-  constexpr unsigned sized = sdo::expedited_bit | sdo::size_bit;
-  if ((frame.data[0] & sized) == sized) {
-    const auto length = static_cast<std::uint8_t>(4U - (frame.data[0] >> 2 & 3U));
-    if (dictionary_->write_short(sdo::multiplexer(frame), {sdo::value(frame), length}, now)) {
-      sink_->send(sdo::frame(response_, 0x60, sdo::multiplexer(frame)));
-      return;
-    }
+/// A size is indicated. In two steps: the way to the value, which calls nobody, has little to save.
+void SdoServer::download_expedited(const can::Frame& frame, can::Time now) {
+  const auto place = dictionary_->find_plain(static_cast<std::uint32_t>(data_word(frame)));
+  const auto length = static_cast<std::uint8_t>(4U - (frame.data[0] >> 2 & 3U));
+  if (place.description == nullptr || !dictionary_->store_short(place, {sdo::value(frame), length})) {
+    return initiate_other_download(frame, now);
   }
-  initiate_other_download(frame, now);
+  short_written(sdo::multiplexer(frame), place, now);
+}
+
+[[gnu::noinline]] void SdoServer::short_written(std::uint32_t multiplexer, ObjectDictionary::Place place,
+                                                can::Time now) {
+  const Entry entry = written_entry(place, multiplexer);  // stays beside the frame, which saves a register
+  dictionary_->report_written(entry, now);
+  sink_->send(sdo::frame(response_, 0x60, multiplexer));
 }
 
 void SdoServer::initiate_other_download(const can::Frame& frame, can::Time now) {
@@ -164,11 +193,10 @@ void SdoServer::initiate_other_download(const can::Frame& frame, can::Time now) 
 }
 
 void SdoServer::download_segment(const can::Frame& frame, can::Time now) {
-  const unsigned toggle = frame.data[0] & sdo::toggle_bit;
-  if (toggle != toggle_) return abort(AbortCode::toggle_bit);
   last_heard_ = now;
-  const bool last = (frame.data[0] & sdo::last_bit) != 0;
-  if (last || !collector_.add_plain(frame, sdo::segment_length(frame)))
+  // Not the last one, with the toggle bit that is due, and nothing to see to.
+  const unsigned toggle = frame.data[0] & ~sdo::unused_bits;
+  if (toggle != toggle_ || !collector_.add_plain(frame, sdo::segment_length(frame)))
     return take_segment_with_care(frame, now);
   toggle_ ^= sdo::toggle_bit;
   sink_->send(sdo::frame(response_, 0x20U | toggle));
@@ -177,6 +205,7 @@ void SdoServer::download_segment(const can::Frame& frame, can::Time now) {
 /// The last segment, or one that is more than a copy.
 void SdoServer::take_segment_with_care(const can::Frame& frame, can::Time now) {
   const unsigned toggle = frame.data[0] & sdo::toggle_bit;
+  if (toggle != toggle_) return abort(AbortCode::toggle_bit);
   AbortCode code = collector_.add(frame, sdo::segment_length(frame));
   if ((frame.data[0] & sdo::last_bit) != 0) {
     if (code == AbortCode::none) code = collector_.finish(0);

@@ -31,7 +31,7 @@ class SdoServer {
  public:
   /// Makes itself a timer among `timers`.
   SdoServer(ObjectDictionary& dictionary, can::Sink& sink, TimerQueue& timers)
-      : dictionary_(&dictionary), sink_(&sink), timers_(&timers), timer_(timers.add()) {}
+      : dictionary_(&dictionary), sink_(&sink), timer_(timers.add()), timers_(&timers) {}
   SdoServer(const SdoServer&) = delete;
   SdoServer& operator=(const SdoServer&) = delete;
   ~SdoServer() = default;
@@ -67,13 +67,14 @@ class SdoServer {
     block_upload_end,    // C1H is out, A1H is to come
   };
 
-  void receive_other(const can::Frame& frame, can::Time now);
+  [[gnu::noinline]] void receive_other(const can::Frame& frame, can::Time now);
   void receive_in_block(const can::Frame& frame, can::Time now);
-  void initiate_download(const can::Frame& frame, can::Time now);
+  void download_expedited(const can::Frame& frame, can::Time now);
+  void short_written(std::uint32_t multiplexer, ObjectDictionary::Place place, can::Time now);
   void initiate_other_download(const can::Frame& frame, can::Time now);
   void expedited_download(const can::Frame& frame, const Entry& entry, can::Time now);
   void download_segment(const can::Frame& frame, can::Time now);
-  void take_segment_with_care(const can::Frame& frame, can::Time now);
+  [[gnu::noinline]] void take_segment_with_care(const can::Frame& frame, can::Time now);
   [[nodiscard]] AbortCode begin_download(const can::Frame& frame, State state, bool size_indicated,
                                          std::size_t slack, can::Time now);
   [[nodiscard]] AbortCode store_download(can::Time now);
@@ -110,12 +111,12 @@ class SdoServer {
   State state_ = State::idle;
   std::uint8_t toggle_ = 0;  // the toggle bit that is due
   std::uint8_t own_block_size_ = 127;
+  TimerQueue::Number timer_;
   can::Time last_heard_{};
   SegmentCollector collector_;
   BlockReceiver block_receiver_;
   BlockSender block_sender_;
   TimerQueue* timers_;
-  TimerQueue::Number timer_;
   std::size_t maximum_size_ = 1U << 20;
   std::optional<std::size_t> size_;  // of an upload
   Entry entry_;                      // of a stream

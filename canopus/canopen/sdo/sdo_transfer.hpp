@@ -62,7 +62,7 @@ class SegmentCollector {
     put(segment, count);
     return true;
   }
-  /// A whole value of 1..4 bytes that came at once, for memory, after clear(): instead of all the rest.
+  /// A whole value of 1..4 bytes that came at once, for memory, after make_room(): instead of all the rest.
   void take(std::uint32_t value, std::size_t count) {
     std::memcpy(memory_.data(), &value, 4);
     used_ = count;
@@ -74,8 +74,9 @@ class SegmentCollector {
   void count_crc(bool on) noexcept { counts_crc_ = on; }
   /// What was collected in memory.
   [[nodiscard]] std::span<const std::uint8_t> bytes() const noexcept { return {memory_.data(), used_}; }
-  void clear() {
-    used_ = 0;
+  void clear() noexcept { used_ = 0; }
+  /// For what take() brings.
+  void make_room() {
     if (memory_.empty()) grow();
   }
 

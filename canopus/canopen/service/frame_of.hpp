@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "canopus/can/frame.hpp"
 
@@ -23,6 +24,8 @@ class FrameHead {
   constexpr FrameHead(std::uint32_t key, std::uint8_t dlc) noexcept
       : word_((key & 0x1FFF'FFFFU) | std::uint64_t{key >> 29 & 1U} << 32 | std::uint64_t{dlc} << 48) {}
   [[nodiscard]] constexpr std::uint64_t word() const noexcept { return word_; }
+  /// head_without_dlc() of these frames.
+  [[nodiscard]] constexpr std::uint64_t without_dlc() const noexcept { return word_ << 16; }
 
  private:
   std::uint64_t word_ = 0;
@@ -34,6 +37,21 @@ class FrameHead {
   // two halves waits until both are in the cache.
   using Words = std::uint64_t __attribute__((vector_size(16)));
   return std::bit_cast<can::Frame>(Words{head.word(), bytes});
+}
+
+/// Identifier, format and RTR of a frame as one number, to be compared.
+[[nodiscard]] inline std::uint64_t head_without_dlc(const can::Frame& frame) noexcept {
+  std::uint64_t head = 0;
+  std::memcpy(&head, &frame, sizeof head);
+  return head << 16;
+}
+
+/// Neither an extended identifier nor a remote frame: both asked with one load.
+[[nodiscard]] inline bool is_base_data(const can::Frame& frame) noexcept {
+  std::uint16_t extended_and_remote = 0;
+  std::memcpy(&extended_and_remote,
+              reinterpret_cast<const std::uint8_t*>(&frame) + offsetof(can::Frame, extended), 2);
+  return extended_and_remote == 0;
 }
 
 /// The data bytes of a frame as a number: data[0] in bits 0-7 and so on.

@@ -4,15 +4,18 @@
 // than two comparisons, whatever the number of identifiers. One identifier may lead to several services (two
 // RPDOs may listen to one TPDO).
 
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
-#include <vector>
 
 #include "canopus/can/frame.hpp"
 
 namespace canopus::canopen {
 
 enum class ServiceKind : std::uint8_t {
+  none,     ///< an empty place of the table
+  several,  ///< more than one route has this key
   nmt,
   sync,
   time_stamp,
@@ -30,7 +33,7 @@ class IdentifierTable {
   static constexpr std::uint32_t empty = 0xFFFF'FFFF;
   struct Route {
     std::uint32_t key = 0;
-    ServiceKind kind = ServiceKind::nmt;
+    ServiceKind kind = ServiceKind::none;
     std::uint16_t number = 0;
   };
 
@@ -43,38 +46,49 @@ class IdentifierTable {
     return key(frame.identifier, frame.extended, frame.remote);
   }
 
-  IdentifierTable() { build({}); }
   void build(std::span<const Route> routes);
+  /// Nothing is found any more, until build().
+  void close() noexcept {
+    places_ = nothing.data();
+    mask_ = static_cast<std::uint32_t>(nothing.size() - 1);
+    shift_ = 31;
+  }
 
   struct Slot {
     std::uint32_t key = empty;
-    ServiceKind kind = ServiceKind::nmt;
-    bool more = false;  ///< another one of the same key is farther on
+    /// What a frame is for: none, where there is no route; several, where for_each() says for what.
+    ServiceKind found = ServiceKind::none;
+    ServiceKind kind = ServiceKind::none;  ///< of this route
     std::uint16_t number = 0;
   };
   /// The first route of this key, or nullptr.
   [[nodiscard]] const Slot* first(std::uint32_t wanted) const noexcept {
+    return wanted == empty ? nullptr : look_up(wanted);
+  }
+  /// The same, but `empty`, which no frame has, may find an empty place: for nobody.
+  [[nodiscard]] const Slot* look_up(std::uint32_t wanted) const noexcept {
     for (std::size_t place = start(wanted);; place = (place + 1) & mask_) {
-      const Slot& slot = slots_[place];
-      if (slot.key == empty) return nullptr;  // first, for `wanted` may be anything
-      if (slot.key == wanted) return &slot;
+      const Slot& slot = places_[place];
+      if (slot.key == wanted) [[likely]]
+        return &slot;
+      if (slot.key == empty) return nullptr;
     }
   }
   /// Calls `visit(kind, number)` for every route of this key, in the order they were given to build().
   template <typename Visit>
   void for_each(std::uint32_t wanted, Visit&& visit) const {
-    for (std::size_t place = start(wanted); slots_[place].key != empty; place = (place + 1) & mask_) {
-      const Slot slot = slots_[place];  // a copy: a visit may build the table anew
+    for (std::size_t place = start(wanted); places_[place].key != empty; place = (place + 1) & mask_) {
+      const Slot slot = places_[place];  // a copy: a visit may build the table anew
       if (slot.key != wanted) continue;
       visit(slot.kind, slot.number);
-      if (!slot.more) return;
+      if (slot.found != ServiceKind::several) return;
     }
   }
   /// Calls `visit(key)` for every route, in no order.
   template <typename Visit>
   void for_each_key(Visit&& visit) const {
-    for (const Slot& slot : slots_) {
-      if (slot.key != empty) visit(slot.key);
+    for (std::size_t place = 0; place <= mask_; ++place) {
+      if (places_[place].key != empty) visit(places_[place].key);
     }
   }
   [[nodiscard]] bool contains(std::uint32_t wanted) const noexcept { return first(wanted) != nullptr; }
@@ -84,9 +98,12 @@ class IdentifierTable {
     return (wanted * 0x9E37'79B1U) >> shift_;
   }
 
-  std::vector<Slot> slots_;  // a power of two, at least twice as many as there are routes
-  std::size_t mask_ = 0;
-  unsigned shift_ = 0;
+  static const std::array<Slot, 2> nothing;  // the places of a table that is closed
+
+  std::unique_ptr<Slot[]> slots_;  // a power of two, at least twice as many as there are routes
+  const Slot* places_ = nothing.data();
+  std::uint32_t mask_ = 1;
+  unsigned shift_ = 31;
 };
 
 }  // namespace canopus::canopen

@@ -9,6 +9,8 @@
 
 #include "canopus/can/controller.hpp"
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
+#include "canopus/canopen/service/identifier_filter.hpp"
+#include "canopus/canopen/service/identifier_table.hpp"
 #include "canopus/canopen/service/node_listener.hpp"
 #include "canopus/canopen/service/node_options.hpp"
 #include "canopus/canopen/service/timer_queue.hpp"
@@ -21,26 +23,17 @@ struct CommunicationError {
   std::array<std::uint8_t, 5> manufacturer{};  ///< manufacturer-specific bytes
 };
 
-/// Which frames cannot concern a node, told by the low seven bits of the identifier alone: on a bus that hands
-/// every frame to every node, most frames carry another node's number there.
-class IdentifierFilter {
- public:
-  [[nodiscard]] bool may_pass(std::uint32_t identifier) const noexcept {
-    return (words_[identifier >> 6 & 1U] >> (identifier & 63U) & 1U) != 0;
-  }
-  void clear() noexcept { words_ = {}; }
-  void add(std::uint32_t identifier) noexcept { words_[identifier >> 6 & 1U] |= 1ULL << (identifier & 63U); }
-  void pass_all() noexcept { words_ = {~0ULL, ~0ULL}; }
-
- private:
-  std::array<std::uint64_t, 2> words_{~0ULL, ~0ULL};
-};
-
 class NodeContext {
  public:
   NodeContext(std::shared_ptr<const DictionaryDescription> description, std::uint8_t id, can::Sink& frames,
-              const NodeOptions& node_options)
-      : dictionary(std::move(description), id), sink(frames), options(node_options), node_id(id) {}
+              IdentifierFilter& node_filter, const NodeOptions& node_options)
+      : dictionary(std::move(description), id),
+        sink(frames),
+        filter(node_filter),
+        options(node_options),
+        node_id(id) {
+    filter.pass_all();
+  }
 
   /// A communication error began: 1001H, 1003H and an EMCY message; sent later if 1015H forbids it now.
   virtual void error_began(const CommunicationError& error, can::Time now) = 0;
@@ -59,17 +52,19 @@ class NodeContext {
     return communicates() && (active_master || !options.sync_needs_active_master);
   }
 
-  /// A service has other identifiers than the node's IdentifierTable says.
+  /// A service has other identifiers than the table says: until it is built anew, nothing is found in it.
   void change_identifiers() noexcept {
     identifiers_changed = true;
+    table.close();
     filter.pass_all();
   }
 
-  IdentifierFilter filter;  // first, for every frame looks at it
+  IdentifierTable table;
   bool identifiers_changed = true;
   NmtState state = NmtState::initialising;
   ObjectDictionary dictionary;
   can::Sink& sink;
+  IdentifierFilter& filter;  // the node's own, for every frame looks at it
   NodeOptions options;
   NodeListener* listener = nullptr;
   TimerQueue timers;
