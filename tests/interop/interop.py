@@ -39,6 +39,7 @@ import output_end_checks  # noqa: F401
 import plc_checks  # noqa: F401
 import port_checks  # noqa: F401
 import project_checks  # noqa: F401
+import project_corpus_checks  # noqa: F401
 import project_file_checks  # noqa: F401
 import real_time_checks  # noqa: F401
 import reference_checks  # noqa: F401
