@@ -102,6 +102,8 @@ class Bus {
   virtual ~Bus() = default;
   [[nodiscard]] virtual const std::string& name() const noexcept = 0;
   [[nodiscard]] virtual std::uint32_t bit_rate() const noexcept = 0;
+  /// False: it is outside of this process and went away; nothing is heard and sent.
+  [[nodiscard]] virtual bool is_there() const noexcept { return true; }
   /// Adds a controller with the bus's bit rate; it belongs to the bus and lives as long.
   virtual Port& add_port(std::string name) = 0;
   /// In the order of add_port().

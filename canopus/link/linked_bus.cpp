@@ -332,6 +332,7 @@ void LinkedBus::controller_changed(const ControllerStatus& status) {
 
 void LinkedBus::bus_interrupted(const std::string& reason) {
   (void)arrive();
+  is_interrupted_ = true;
   report(fmt::format("{}; it is tried again", reason));
   lose_what_is_under_way();
   leave();
@@ -339,6 +340,7 @@ void LinkedBus::bus_interrupted(const std::string& reason) {
 
 void LinkedBus::bus_resumed() {
   const can::Time now = arrive();
+  is_interrupted_ = false;
   status_ = client_->status();
   report("the bus is there again");
   offer_changed();

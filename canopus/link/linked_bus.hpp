@@ -95,6 +95,7 @@ class LinkedBus final : public can::Bus, public can::Ticker, private BusClientUs
 
   [[nodiscard]] const std::string& name() const noexcept override { return name_; }
   [[nodiscard]] std::uint32_t bit_rate() const noexcept override { return bit_rate_; }
+  [[nodiscard]] bool is_there() const noexcept override { return !is_lost_ && !is_interrupted_; }
   can::Port& add_port(std::string name) override;
   [[nodiscard]] std::vector<const can::Port*> ports() const override;
   void add_observer(can::BusObserver& observer) override;
@@ -172,6 +173,7 @@ class LinkedBus final : public can::Bus, public can::Ticker, private BusClientUs
   can::Time recover_at_ = can::never;
   bool is_started_ = false;
   bool is_lost_ = false;
+  bool is_interrupted_ = false;  // it is tried again
 };
 
 }  // namespace canopus::link

@@ -210,6 +210,7 @@ class WebCommandsTest : public ::testing::Test {
                  .longest_with_files = longest_,
                  .longest_on_bus = longest_,
                  .grace = std::chrono::milliseconds(50),
+                 .armed_for = armed_for_,
                  .most_output = 100'000,
                  .done =
                      [this](const serve::WebUser& user, const std::string& line, int code, serve::WebRole) {
@@ -229,6 +230,7 @@ class WebCommandsTest : public ::testing::Test {
 
   bool is_live_ = false;
   std::chrono::milliseconds longest_ = std::chrono::hours(1);
+  std::chrono::nanoseconds armed_for_ = std::chrono::minutes(10);
   std::filesystem::path folder_;
   boost::asio::io_context io_{1};
   std::optional<WebCommands> commands_;
@@ -311,6 +313,17 @@ TEST_F(WebCommandsTest, LiveBus_IsWrittenOnlyWhenArmed) {
   EXPECT_EQ(replies().back()["code"], 0);
   say({{"command", "arm"}, {"on", false}});
   say(write);
+  EXPECT_EQ(replies().back()["code"], web_code::not_armed);
+}
+
+TEST_F(WebCommandsTest, Arming_FallsOffAfterItsTime) {
+  is_live_ = true;
+  armed_for_ = {};
+  script("echo '{}'\n");
+  say({{"command", "arm"}, {"on", true}});
+  EXPECT_FALSE(commands_->is_armed());
+  EXPECT_EQ(replies().back()["armed_for"], 0);
+  say({{"command", "nmt start"}, {"node", "all"}});
   EXPECT_EQ(replies().back()["code"], web_code::not_armed);
 }
 

@@ -197,6 +197,23 @@ TEST_F(WebStartTest, NotMoreThanSoMany) {
   EXPECT_THAT(said(), ElementsAre("error: 8 are running already; end one of them first"));
 }
 
+TEST_F(WebStartTest, WhatRunsAlready_IsShownAgain_AndEnded) {
+  write("a.toml", "[[bus]]\n");
+  WebStart& start = this->start(shows_page());
+  start.open("a.toml", say());
+  start.open("a.toml", say());  // it starts still
+  EXPECT_THAT(said(), ElementsAre(HasSubstr("http"), HasSubstr("http")));
+  start.open("a.toml", say());
+  EXPECT_THAT(said(), ElementsAre(HasSubstr("http")));
+  EXPECT_EQ(start.list()["running"].dump(), R"([{"number":0,"path":"a.toml"}])") << "one of them";
+  start.end(7, say());
+  EXPECT_THAT(said(), ElementsAre("error: nothing runs under this number"));
+  start.end(0, say());
+  EXPECT_THAT(said(), ElementsAre(R"({"ended":"a.toml"})"));
+  for (int i = 0; i < 100 && !start.list()["running"].empty(); ++i) io_.run_one();
+  EXPECT_THAT(start.list()["running"], IsEmpty());
+}
+
 TEST_F(WebStartTest, LinksThatLeadOut_AreNotOffered) {
   std::ofstream(top_ / "outside.toml") << "[[bus]]\n";
   std::ofstream(top_ / "outside.cpj") << "";

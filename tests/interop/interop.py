@@ -39,6 +39,7 @@ import output_end_checks  # noqa: F401
 import plc_checks  # noqa: F401
 import port_checks  # noqa: F401
 import project_checks  # noqa: F401
+import project_corpus_checks  # noqa: F401
 import project_file_checks  # noqa: F401
 import real_time_checks  # noqa: F401
 import reference_checks  # noqa: F401
@@ -58,6 +59,7 @@ import web_pace_checks  # noqa: F401
 import web_settings_checks  # noqa: F401
 import web_project_checks  # noqa: F401
 import web_trace_checks  # noqa: F401
+import web_truth_checks  # noqa: F401
 import xdd_checks  # noqa: F401
 from kit import (DEVICE_FILES, HERE, PATIENCE, PYTHON, ROOT, Skip, args, check, checks, command, covers, first_plant, first_plant_file,
                  host_port, node_modules, program, require, running, scratch, until)

@@ -7,7 +7,7 @@ import shutil
 import subprocess
 
 from docs_checks import differs, transcripts
-from kit import PATIENCE, ROOT, check, command, host_port, program, require, running, scratch
+from kit import PATIENCE, ROOT, check, command, host_port, program, require, running, scratch, silence
 
 DEVICES = ROOT / "examples/devices"
 
@@ -173,6 +173,31 @@ def devices_are_held_against_their_project_and_written():
         project("set", folder, "Drive", "6081=1200")
         project("write", folder, "Drive", "--yes", bus=bus)
         project("diff", folder, "Drive", bus=bus)
+
+
+@check
+def a_device_that_goes_in_the_middle_of_a_write_has_nothing_written():
+    """Its answers are lost from the N-th on: what it acknowledged before is not said to be written, as it was not read back."""
+    folder = new_project("project-cut", (5, "Drive", DEVICES / "drive.eds"))
+    project("set", folder, "Drive", "1017=500", "6081=2000", "6083=3000")
+    seen = set()
+    for first in range(4, 30):
+        with plant_of("project-cut", [(5, DEVICES / "drive.eds", "")], f'[[bus.fault]]\nkind = "drop"\nidentifier = 0x585\nfirst = {first}\n') as plant:
+            done = subprocess.run([program, "project", "write", folder, "--yes", "--json", "--timeout", silence(100), "--bus", f"socketcand:{plant.socketcand}"],
+                                  capture_output=True, text=True, timeout=PATIENCE)
+        said = [json.loads(line) for line in done.stdout.splitlines()]
+        steps = [one["state"] for one in said if "write" in one]
+        if done.returncode == 0:
+            require(steps and set(steps) == {"written"}, said)
+            break
+        require(done.returncode == 1 and "written" not in steps, (first, done.returncode, said))
+        require([one["state"] for one in said if one.get("node") == 5 and "object" not in one and "write" not in one] == ["no answer"], said)
+        seen |= {"none" if not steps else "some" if "no answer" in steps else "all"}
+        if steps:
+            require(set(steps) <= {"acknowledged, not read back", "no answer", "not tried"} and steps[0] in ("acknowledged, not read back", "no answer"), steps)
+    else:
+        raise AssertionError("no write came to its end")
+    require(seen == {"none", "some", "all"}, f"cut only where {seen} of the values were acknowledged")
 
 
 @check

@@ -40,6 +40,28 @@ await page.waitForFunction(() => document.getElementById("buses").textContent.in
 seen.controllers = await page.textContent("#buses");
 await picture(page, "faults", "#faults-section");
 
+// The same by keys alone: a line of the trace, its menu, and Run.
+await page.locator(".fault button", { hasText: "Remove" }).click();
+await page.click("#fault-run");
+await page.evaluate(() => { location.hash = "#trace"; });
+await page.fill("#trace-filter", "id=183");
+await page.waitForFunction(() => document.querySelector("#trace tr[data-id='183']"));
+await page.focus("#trace");
+await page.keyboard.press("Enter");
+await page.waitForSelector("#trace tr[aria-selected]");
+const first = await page.getAttribute("#trace tr[aria-selected]", "data-n");
+await page.keyboard.press("Enter");
+await page.waitForFunction((n) => Number(document.querySelector("#trace tr[aria-selected]")?.dataset.n) === Number(n) + 1, first);
+await page.keyboard.press("f");
+await page.waitForSelector("#frame-menu:not([hidden])");
+seen.by_keys = await counted(page, async () => {
+  await page.keyboard.press("Enter");
+  await page.waitForFunction(() => document.activeElement.id === "fault-run");
+  await page.keyboard.press("Enter");
+  await page.waitForFunction(() => document.querySelector(".hits")?.textContent === "1 frames hit");
+});
+seen.text_by_keys = await page.locator(".fault textarea").inputValue();
+
 const looker = await open(url.split("#")[0]);
 await looker.waitForSelector("#faults-section:not([hidden])");
 seen.look_disabled = await looker.locator("#fault-run").isDisabled();

@@ -430,10 +430,13 @@ TEST_F(LinkedBusTest, BusOff_StaysUntilAskedWithoutAutomaticRecovery) {
 TEST_F(LinkedBusTest, InterruptedBus_IsSaidAndGoesOn) {
   for (int i = 0; i < 4; ++i) ASSERT_TRUE(one->port.send(high));
   pass(0ms);
+  EXPECT_TRUE(bus->is_there());
   transport->user->bus_interrupted("socketcan:can0: the interface is down");
   EXPECT_THAT(said, ElementsAre("socketcan:can0: the interface is down; it is tried again"));
+  EXPECT_FALSE(bus->is_there());
   transport->user->bus_resumed();
   EXPECT_EQ(said.back(), "the bus is there again");
+  EXPECT_TRUE(bus->is_there());
   transport->sent.clear();
   ASSERT_TRUE(two->port.send(low));
   pass(0ms);
@@ -446,6 +449,7 @@ TEST_F(LinkedBusTest, LostBus_IsSaidAndTakesNothingMore) {
   pass(10ms);
   EXPECT_THAT(transport->sent, IsEmpty());
   EXPECT_THAT(said, ElementsAre("gone; nothing is heard and sent any more"));
+  EXPECT_FALSE(bus->is_there());
 }
 
 TEST_F(LinkedBusTest, Load_CountsTheBitsOfBothDirections) {

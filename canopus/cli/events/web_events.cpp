@@ -29,13 +29,15 @@ std::string_view controller_text(can::ErrorState state) {
 
 Fields bus_fields(const plant::BusSection& section, const can::Bus& bus, can::Time now) {
   const can::BusLoad load = bus.load(now);
-  return {{"bus", bus.name()},
-          {"link", section.is_linked() ? section.link : std::string("sim")},
-          {"bit_rate", bus.bit_rate()},
-          {"now", load.now},
-          {"peak", load.peak},
-          {"frames", load.frames},
-          {"error_frames", load.error_frames}};
+  Fields fields{{"bus", bus.name()},
+                {"link", section.is_linked() ? section.link : std::string("sim")},
+                {"bit_rate", bus.bit_rate()},
+                {"now", load.now},
+                {"peak", load.peak},
+                {"frames", load.frames},
+                {"error_frames", load.error_frames}};
+  if (!bus.is_there()) fields["gone"] = true;
+  return fields;
 }
 
 Fields node_fields(const plant::NodeStatus& node) {

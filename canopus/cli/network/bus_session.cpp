@@ -49,7 +49,6 @@ bool has(const std::vector<WriteStep>& steps, WriteStep::State state) {
   return std::ranges::find(steps, state, &WriteStep::state) != steps.end();
 }
 
-/// 1000H was asked only to hear whether anybody is there.
 /// 1000H is asked only to hear whether anybody is there.
 bool is_asked_alone(const ComparedValue& value) {
   return std::ranges::all_of(value.wanted, [](std::uint8_t byte) { return byte == 0; });
@@ -89,7 +88,7 @@ void BusSession::write(const ProjectNode& node) {
   }
   if (!arguments_.yes) {
     tell_result(node, *values, "");
-    for (const WriteStep& step : steps) tell(node, step);
+    for (const WriteStep& step : steps) tell(node, step, false);
     return;
   }
   tell_differences(node, *values);
@@ -97,14 +96,12 @@ void BusSession::write(const ProjectNode& node) {
     ObjectProgress progress(bus_, node.shown_name());
     network::write(steps, objects, progress.function());
   }
-  for (const WriteStep& step : steps) tell(node, step);
-  const bool is_silent = has(steps, WriteStep::State::not_answered);
-  if (is_silent)
-    return silent(node,
-                  "no longer answers: what was not written, and whether it keeps what was, cannot be known");
   // What counts is what the device has now, not what it said while it was written.
-  const auto now = read_back(node, objects);
-  if (!now) return;
+  const auto now =
+      has(steps, WriteStep::State::not_answered) ? std::nullopt : values_of_device(node, objects);
+  for (const WriteStep& step : steps) tell(node, step, now.has_value());
+  if (!now)
+    return silent(node, "no longer answers: whether it keeps what it has acknowledged cannot be known");
   if (has(steps, WriteStep::State::refused)) ++summary_.refused;
   tell_result(node, *now, "is as the project has it, read back");
   if (arguments_.save) save(node, objects);
@@ -184,18 +181,19 @@ bool BusSession::is_the_device(const ProjectNode& node, BusObjects& objects) {
 
 std::optional<std::vector<ComparedValue>> BusSession::compared(const ProjectNode& node, BusObjects& objects) {
   if (!is_the_device(node, objects)) return std::nullopt;
-  return read_back(node, objects);
+  auto values = values_of_device(node, objects);
+  if (!values) silent(node, "no longer answers");
+  return values;
 }
 
-std::optional<std::vector<ComparedValue>> BusSession::read_back(const ProjectNode& node,
-                                                                BusObjects& objects) {
+std::optional<std::vector<ComparedValue>> BusSession::values_of_device(const ProjectNode& node,
+                                                                       BusObjects& objects) {
   ObjectProgress progress(bus_, node.shown_name());
   auto values = network::compare_configuration(*node.device, node.id(), objects, progress.function());
   const bool is_silent =
       std::ranges::find(values, ComparedValue::State::not_answered, &ComparedValue::state) != values.end();
-  if (!is_silent) return values;
-  silent(node, "no longer answers");
-  return std::nullopt;
+  if (is_silent) return std::nullopt;
+  return values;
 }
 
 void BusSession::tell_differences(const ProjectNode& node, const std::vector<ComparedValue>& values) {
@@ -239,10 +237,14 @@ void BusSession::tell(const ProjectNode& node, const ComparedValue& value) {
              value.reason.empty() ? words(value.found, value.type) : "- (" + value.reason + ")", title);
 }
 
-void BusSession::tell(const ProjectNode& node, const WriteStep& step) {
+void BusSession::tell(const ProjectNode& node, const WriteStep& step, bool is_read_back) {
   const canopen::Entry entry = node.device->dictionary->find(step.object.index, step.object.sub);
   const canopen::DataType type = entry ? entry.description->type : canopen::DataType::none;
-  const std::string_view state = arguments_.yes ? state_name(step.state) : "would be written";
+  // A device that has lost its supply since may have lost the value, too.
+  const bool is_acknowledged = step.state == WriteStep::State::written && !is_read_back;
+  const std::string_view state = !arguments_.yes   ? "would be written"
+                                 : is_acknowledged ? "acknowledged, not read back"
+                                                   : state_name(step.state);
   if (arguments_.bus.json) {
     Json json{{"node", node.id()},
               {"write", object_text(step.object)},
@@ -251,7 +253,8 @@ void BusSession::tell(const ProjectNode& node, const WriteStep& step) {
     if (!step.reason.empty()) json["reason"] = step.reason;
     return print_json(json);
   }
-  const bool is_bad = step.state == WriteStep::State::refused || step.state == WriteStep::State::not_answered;
+  const bool is_bad = is_acknowledged || step.state == WriteStep::State::refused ||
+                      step.state == WriteStep::State::not_answered;
   print_line("{}: {} = {}: {}{}", node.shown_name(), object_text(step.object), words(step.value, type),
              paint(state, is_bad ? "31" : "32", arguments_.yes && wants_colour(STDOUT_FILENO)),
              step.reason.empty() || !is_bad ? "" : ", " + step.reason);

@@ -32,12 +32,15 @@ class BusSession {
   void silent(const project::ProjectNode& node, std::string_view what);
   /// Nobody writes a project into another device.
   bool is_the_device(const project::ProjectNode& node, BusObjects& objects);
+  /// None: it is another device, or does not answer, which is said.
   std::optional<Values> compared(const project::ProjectNode& node, BusObjects& objects);
-  std::optional<Values> read_back(const project::ProjectNode& node, BusObjects& objects);
+  /// None: it does not answer any more; nothing is said.
+  std::optional<Values> values_of_device(const project::ProjectNode& node, BusObjects& objects);
   void save(const project::ProjectNode& node, BusObjects& objects);
 
   void tell(const project::ProjectNode& node, const network::ComparedValue& value);
-  void tell(const project::ProjectNode& node, const network::WriteStep& step);
+  /// What was written counts as written once the device was read back.
+  void tell(const project::ProjectNode& node, const network::WriteStep& step, bool is_read_back);
   void tell_differences(const project::ProjectNode& node, const Values& values);
   void tell_result(const project::ProjectNode& node, const Values& values, std::string_view good);
   void tell_taken(const project::ProjectNode& node, const network::ComparedValue& value,

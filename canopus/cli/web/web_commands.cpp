@@ -183,7 +183,7 @@ void WebCommands::arm(const WebUser& user, const nlohmann::json& wish, std::uint
     return refuse(user, line, id, reply, web_code::not_allowed,
                   "arm: the role operate is needed, yours is look");
   }
-  armed_until_ = on ? ArmClock::now() + armed_for : ArmClock::time_point{};
+  armed_until_ = on ? ArmClock::now() + use_.armed_for : ArmClock::time_point{};
   Json event = event_of(id);
   event["code"] = 0;
   event["armed_for"] = armed_seconds();

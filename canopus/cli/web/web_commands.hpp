@@ -40,7 +40,6 @@ class WebCommands {
   static constexpr std::size_t most_waiting = 32;
   static constexpr std::size_t most_of_user = 16;     ///< of these
   static constexpr std::size_t most_of_lookers = 16;  ///< of all who only look together
-  static constexpr std::chrono::minutes armed_for{10};
 
   /// One that is done in this process: says once its row, or a sentence; at once or later.
   struct Own {
@@ -59,6 +58,8 @@ class WebCommands {
     std::chrono::milliseconds longest_with_files = std::chrono::minutes(2);
     std::chrono::milliseconds longest_on_bus = std::chrono::hours(1);
     std::chrono::milliseconds grace = std::chrono::seconds(10);
+    std::chrono::nanoseconds armed_for =
+        std::chrono::minutes(10);         ///< then writing on a live bus is not allowed any more
     std::size_t most_output = 64U << 20;  ///< bytes that a command may say
     /// What was done: who, the command line, its code, the role that it needs.
     std::function<void(const serve::WebUser& user, const std::string& line, int code, serve::WebRole role)>

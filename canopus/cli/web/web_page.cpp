@@ -51,7 +51,7 @@ std::expected<nlohmann::ordered_json, std::string> change_pace(const WebPace& pa
   return nlohmann::ordered_json{{"speed", value}};
 }
 
-/// {"command": "plants"}, {"command": "open", "path": "..."} (no path: the built-in plant), {"command": "new project", "name": "..."},
+/// {"command": "plants"}, {"command": "open", "path": "..."} (no path: the built-in plant), {"command": "end", "number": 3}, {"command": "new project", "name": "..."},
 /// {"command": "new settings", "name": "...", "model": "RJ71CN91"};
 /// {"command": "trace", ...} and {"command": "export trace", ...}, trace_desk.hpp; and of the faults of simulated buses {"command": "faults"}, {"command": "run faults", ...}, web_faults.hpp.
 OwnCommands own_commands(WebStart* start, WebFaults& faults, WebTrace& trace, const WebPace& pace) {
@@ -81,6 +81,12 @@ OwnCommands own_commands(WebStart* start, WebFaults& faults, WebTrace& trace, co
   own["open"] = {.role = serve::WebRole::configure, .run = [start](const nlohmann::json& wish, Done done) {
                    start->open(word_of(wish, "path"), std::move(done));
                  }};
+  own["end"] = {.role = serve::WebRole::configure,
+                .run = [start](const nlohmann::json& wish, const Done& done) {
+                  const auto number = wish.find("number");
+                  const bool is_number = number != wish.end() && number->is_number_unsigned();
+                  start->end(is_number ? number->get<std::uint64_t>() : UINT64_MAX, done);
+                }};
   own["new project"] = {.role = serve::WebRole::configure,
                         .run = [start](const nlohmann::json& wish, Done done) {
                           start->make_project(word_of(wish, "name"), std::move(done));

@@ -107,7 +107,17 @@ WebStart::Json WebStart::list() {
   std::ranges::sort(plants);
   std::ranges::sort(projects);
   std::ranges::sort(settings);
-  return {{"folder", folder_.string()}, {"plants", plants}, {"projects", projects}, {"settings", settings}};
+  Json running = Json::array();
+  for (const auto& [number, child] : children_) {
+    if (child.url.empty()) continue;
+    running.push_back(
+        {{"number", number}, {"path", fs::path(child.path).lexically_relative(folder_).string()}});
+  }
+  return {{"folder", folder_.string()},
+          {"plants", plants},
+          {"projects", projects},
+          {"settings", settings},
+          {"running", running}};
 }
 
 void WebStart::open(const std::string& path, Done done) {
@@ -122,9 +132,23 @@ void WebStart::open(const std::string& path, Done done) {
     return std::ranges::find(known[kind], Json(path)) != known[kind].end();
   };
   const std::string whole = (folder_ / path).string();
+  for (auto& [number, child] : children_) {
+    // A project that was made here was opened by its folder.
+    if (child.path != whole && fs::path(child.path) / "nodelist.cpj" != fs::path(whole)) continue;
+    if (!child.url.empty()) return done(Json{{"url", child.url}});
+    return child.done.push_back(std::move(done));
+  }
   if (has("plants")) return run_plant(whole, {}, std::move(done));
   if (has("projects") || has("settings")) return run_project(whole, std::move(done));
   done(std::unexpected(fmt::format("there is no plant or project {}", text::printable(path))));
+}
+
+void WebStart::end(std::uint64_t number, const Done& done) {
+  const auto child = std::ranges::find_if(
+      children_, [&](const auto& one) { return one.first == number && !one.second.url.empty(); });
+  if (child == children_.end()) return done(std::unexpected("nothing runs under this number"));
+  child->second.process->interrupt();
+  done(Json{{"ended", fs::path(child->second.path).lexically_relative(folder_).string()}});
 }
 
 void WebStart::make_project(const std::string& name, Done done) {
@@ -169,7 +193,8 @@ void WebStart::run_plant(const std::string& plant, fs::path folder, Done done) {
     words.push_back("--web-audit=" + access_.audit_file());
   }
   words.insert(words.end(), {"--", plant});
-  run(std::move(words), std::move(folder), std::move(done));
+  const std::string path = folder.empty() ? plant : std::string();
+  run(std::move(words), {.folder = std::move(folder), .path = path, .done = {std::move(done)}});
 }
 
 void WebStart::run_project(const std::string& project, Done done) {
@@ -179,15 +204,15 @@ void WebStart::run_project(const std::string& project, Done done) {
     words.push_back("--audit=" + access_.audit_file());
   }
   words.insert(words.end(), {"--", project});
-  run(std::move(words), {}, std::move(done));
+  run(std::move(words), {.path = project, .done = {std::move(done)}});
 }
 
 /// Its page's address is the row; it runs on until this ends.
-void WebStart::run(std::vector<std::string> arguments, fs::path folder, Done done) {
+void WebStart::run(std::vector<std::string> arguments, Child begun) {
   std::error_code ignored;
   if (children_.size() >= most_running) {
-    if (!folder.empty()) fs::remove_all(folder, ignored);
-    return done(std::unexpected(too_many()));
+    if (!begun.folder.empty()) fs::remove_all(begun.folder, ignored);
+    return begun.done.front()(std::unexpected(too_many()));
   }
   const unsigned number = next_++;
   auto child = ChildProcess::start(
@@ -195,12 +220,14 @@ void WebStart::run(std::vector<std::string> arguments, fs::path folder, Done don
       {.line =
            [this, number](const std::string& line) {
              Child& one = children_[number];
-             if (!one.done) return;
+             if (one.done.empty()) return;
              const auto event = nlohmann::json::parse(line, nullptr, false);
              if (!event.is_object() || event.value("event", "") != "listen" ||
                  event.value("protocol", "") != "web")
                return;
-             std::exchange(one.done, {})(Json{{"url", event.value("address", "")}});
+             one.url = event.value("address", "");
+             const Json row{{"url", one.url}};
+             for (const Done& done : std::exchange(one.done, {})) done(row);
            },
        .ended =
            [this, number](int code, const std::string& errors) {
@@ -208,15 +235,17 @@ void WebStart::run(std::vector<std::string> arguments, fs::path folder, Done don
              children_.erase(number);
              std::error_code unknown;
              if (!one.folder.empty()) fs::remove_all(one.folder, unknown);
-             if (one.done)
-               one.done(std::unexpected(errors.empty() ? fmt::format("it ended with exit code {}", code)
-                                                       : errors));
+             for (const Done& done : one.done) {
+               done(std::unexpected(errors.empty() ? fmt::format("it ended with exit code {}", code)
+                                                   : errors));
+             }
            }});
   if (!child) {
-    if (!folder.empty()) fs::remove_all(folder, ignored);
-    return done(std::unexpected(child.error()));
+    if (!begun.folder.empty()) fs::remove_all(begun.folder, ignored);
+    return begun.done.front()(std::unexpected(child.error()));
   }
-  children_[number] = {.process = std::move(*child), .folder = std::move(folder), .done = std::move(done)};
+  begun.process = std::move(*child);
+  children_[number] = std::move(begun);
 }
 
 }  // namespace canopus::cli

@@ -40,10 +40,13 @@ class WebStart {
   WebStart& operator=(const WebStart&) = delete;
 
   /// {"plants": [...], "projects": [...], "settings": [...]}: paths below the folder, up to two folders down; settings are those of
-  /// modules. Links that lead out of it are left out.
+  /// modules. Links that lead out of it are left out. And "running": [{"number": 3, "path": "..."}], without a path the built-in plant.
   [[nodiscard]] Json list();
-  /// Runs what is listed under this path, or with an empty path the built-in plant: {"url": "http://..."}.
+  /// Runs what is listed under this path, or with an empty path the built-in plant: {"url": "http://..."}. What runs already is shown again: two
+  /// runs of one plant would be two masters on its real bus.
   void open(const std::string& path, Done done);
+  /// Ends one of those that run: {"ended": "its path"}.
+  void end(std::uint64_t number, const Done& done);
   /// Makes a project of this name in the folder, and opens it.
   void make_project(const std::string& name, Done done);
   /// Likewise the settings of a module: NAME.xml.
@@ -53,7 +56,9 @@ class WebStart {
   struct Child {
     std::shared_ptr<ChildProcess> process{};
     std::filesystem::path folder{};  ///< of the built-in plant's files; empty: none
-    Done done{};                     ///< until its page is there
+    std::string path{};              ///< of what it runs; empty: the built-in plant
+    std::string url{};               ///< of its page, once that is there
+    std::vector<Done> done{};        ///< until then
   };
   /// What is known of a file as long as it stays as it is.
   struct Verdict {
@@ -65,7 +70,8 @@ class WebStart {
   void make(const std::string& name, const std::string& extension, std::vector<std::string> words, Done done);
   void run_plant(const std::string& plant, std::filesystem::path folder, Done done);
   void run_project(const std::string& project, Done done);
-  void run(std::vector<std::string> arguments, std::filesystem::path folder, Done done);
+  /// `begun`: what is known of it already.
+  void run(std::vector<std::string> arguments, Child begun);
 
   boost::asio::io_context& io_;
   std::filesystem::path folder_;

@@ -42,6 +42,11 @@ export class FaultView {
       this.add(bus, kinds[this.kind.value].replace("PORT", bus.ports.find((name) => name) ?? ""));
     });
     this.bus.addEventListener("change", () => this.draw());
+    this.seed.addEventListener("input", () => {
+      if (!this.chosen) return;
+      this.chosen.seed = Number(this.seed.value) || 0;
+      this.changed(this.chosen);
+    });
     this.run_button.addEventListener("click", () => this.run());
     document.addEventListener("click", (event) => !this.menu.contains(event.target) && this.close_menu());
     document.addEventListener("keydown", (event) => event.key === "Escape" && this.close_menu());
@@ -74,7 +79,7 @@ export class FaultView {
       return known;
     });
     this.is_watched = this.buses.some((bus) => bus.faults.some((fault) => fault.on));
-    if (this.bus.options.length !== this.buses.length) this.bus.replaceChildren(...this.buses.map((bus) => make("option", {}, bus.bus)));
+    if (this.bus.options.length !== this.buses.length) this.bus.replaceChildren(...this.buses.map((bus) => make("option", { value: bus.bus }, bus.bus)));
     this.section.hidden = this.buses.length === 0 || document.getElementById("start-section").hidden === false || document.body.classList.contains("settings-alone");
     this.draw();
   }

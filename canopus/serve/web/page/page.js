@@ -1,6 +1,7 @@
 // The page of a run. It gets events over a WebSocket (docs/events.md) and shows them; what people do goes to the server as commands. Names come from strangers' files: they become text nodes and attributes, never markup.
 import { EventList } from "./event_list.js";
-import { sentence, message_line, mood_of } from "./words.js";
+import { key_of, mood_of, message_line, sentence, tell_twins_apart } from "./words.js";
+import { Silence } from "./silence.js";
 import { keep_children, make, set_text } from "./dom.js";
 import { draw_leds, draw_modules } from "./modules.js";
 import { WordView } from "./word_view.js";
@@ -31,6 +32,7 @@ let rates = new Map();  // by node: { pdos, t, rate }
 const events = new EventList(by_id("events"), by_id("filter"), by_id("event-count"));
 const messages = new EventList(by_id("messages"), by_id("message-filter"), by_id("message-count"));
 let socket = null;
+const silence = new Silence();
 let settings_alone = "";  // where the PLC of the settings is, where there is nothing else
 let follows = false;
 let key = take_key();
@@ -65,7 +67,6 @@ const places = new Links({ trace: trace_view, project: project_view, settings: s
 
 const tree = new Tree(by_id("tree"), (key) => open_node(key));
 
-const key_of = (node) => `${node.bus}\u0000${node.node}\u0000${node.name}`;
 const label_of = (node) => node.name || (node.node >= 1 && node.node <= 127 ? `Node ${node.node}` : "Node");
 const id_of = (node) => (node.node >= 1 && node.node <= 127 ? String(node.node) : "-");
 
@@ -138,7 +139,8 @@ function make_bus(name) {
 
 function fill_bus(element, bus) {
   const [, facts, bar, share] = element.firstElementChild.children;
-  set_text(facts, `${bus.bit_rate / 1000} kbit/s · ${bus.link === "sim" ? "simulated" : bus.link} · ${bus.frames} frames · ` +
+  facts.classList.toggle("bad", Boolean(bus.gone));
+  set_text(facts, `${bus.gone ? "GONE: nothing is heard and sent · " : ""}${bus.bit_rate / 1000} kbit/s · ${bus.link === "sim" ? "simulated" : bus.link} · ${bus.frames} frames · ` +
                   `${bus.error_frames} error frames`);
   const percent = (value) => `${(100 * value).toFixed(1)} %`;
   bar.firstElementChild.setAttribute("width", 100 * bus.now);
@@ -191,9 +193,11 @@ function draw_node() {
   set_text(by_id("node-title"), `${node.bus} node ${id_of(node)}: ${label_of(node)}`);
   const slave = slave_of(node);
   const forced = state.forced.filter((one) => key_of(one) === key_of(node)).map((one) => one.text);
-  const number = (name, value) => node.foreign ? String(value) : { key: `state ${node.bus} ${node.node} ${name}`, value };
-  const rows = [...troubles_of(node).map((line) => ["Why", line]), ["NMT state", node.state], ["Controller", node.controller], ["TEC", number("tec", node.tec)], ["REC", number("rec", node.rec)],
-                ["PDOs sent", number("pdos", node.pdos)], ["Emergencies", number("emcy", node.emcy)]];
+  const has_id = node.node >= 1 && node.node <= 127;  // figures are plotted by node-ID
+  const number = (name, value) => has_id ? { key: `state ${node.bus} ${node.node} ${name}`, value } : String(value);
+  const rows = [...troubles_of(node).map((line) => ["Why", line]), ["NMT state", node.state]];
+  // Of a device that is not of this plant nobody sees the controller.
+  if (!node.foreign) rows.push(["Controller", node.controller], ["TEC", number("tec", node.tec)], ["REC", number("rec", node.rec)], ["PDOs sent", number("pdos", node.pdos)], ["Emergencies", number("emcy", node.emcy)]);
   if (node.last_emcy) rows.push(["Last emergency", `${node.last_emcy}H`]);
   const rates_now = node.foreign ? null : rates_of(node);
   if (rates_now) rows.push(["Frames sent", number("frames", node.frames)], ["Frames a second", rates_now.frame_rate === null ? "-" : `${Math.round(rates_now.frame_rate)}, ${percent_of(rates_now.share)} of those on the bus`]);
@@ -218,13 +222,17 @@ function draw() {
   document.title = `${state.plant} – Canopus`;
   set_text(by_id("plant"), state.plant);
   const links = state.buses.filter((bus) => bus.link !== "sim").map((bus) => bus.link);
-  set_text(by_id("where"), settings_alone ? `LIVE PLC ${settings_alone}` : state.live ? `LIVE ${links.join(", ")}` : links.length ? `REPLAY ${links.join(", ")}` : `SIMULATED${pace_ways.draw(state)}`);
+  const gone = state.buses.filter((bus) => bus.gone).map((bus) => bus.bus);
+  set_text(by_id("where"), gone.length ? `${state.live ? "LIVE" : "REPLAY"} ${links.join(", ")} GONE` : settings_alone ? `LIVE PLC ${settings_alone}` : state.live ? `LIVE ${links.join(", ")}` : links.length ? `REPLAY ${links.join(", ")}` : `SIMULATED${pace_ways.draw(state)}`);
   by_id("bar").className = state.live || settings_alone ? "live" : "simulated";
   const all = state.buses.flatMap((bus) => nodes_of(bus.bus));
-  set_text(by_id("operation"), `${all.filter((node) => node.in_operation).length} of ${all.length}`);
+  set_text(by_id("operation"), `${all.filter((node) => node.in_operation && mood_of(node, troubles_of(node)) !== "error").length} of ${all.length}`);
   const moods = ["error", "warning"];
   const worst = moods.map((mood) => all.find((node) => mood_of(node, troubles_of(node)) === mood)).find(Boolean);
-  set_text(by_id("worst"), worst ? `${id_of(worst)} ${label_of(worst)}: ${worst.state}` : "all well");
+  // A node that is off is meant to be, but it is not well.
+  const off = all.filter((node) => node.state === "off").length;
+  set_text(by_id("worst"), gone.length ? `bus ${gone[0]} is gone` : worst ? `${id_of(worst)} ${label_of(worst)}: ${troubles_of(worst)[0] ?? worst.state}` : all.length === 0 ? "no node is known" : off ? `${off} off` : "all well");
+  for (const id of ["plant", "worst"]) if (by_id(id).title !== by_id(id).textContent) by_id(id).title = by_id(id).textContent;
   keep_children(by_id("buses"), state.buses, (bus) => bus.bus, make_bus, fill_bus);
   draw_modules(by_id("modules"), state.modules, keep_children, key_of, (number, name) => words.open(number, name));
   draw_node();
@@ -238,6 +246,11 @@ function draw() {
 const plant_now = () => state.t + state.speed * (performance.now() - state_at) / 1000;
 
 function animate() {
+  if (socket?.readyState === WebSocket.OPEN && silence.has_changed()) {
+    set_text(by_id("connection"), silence.is_on ? "The run does not answer. What is shown here is old." : "");
+    if (silence.is_on) by_id("bar").className = "waiting";
+    if (silence.is_on) set_text(by_id("where"), "NO ANSWER");
+  }
   if (state && !by_id("bar").classList.contains("waiting")) {
     set_text(by_id("time"), `${plant_now().toFixed(1)} s`);
     draw_leds(by_id("modules"), Math.floor(plant_now() * 1000));
@@ -246,9 +259,11 @@ function animate() {
 }
 
 function received(list) {
+  silence.ends();
   for (const event of list) {
     if (event.event === "state") {
       state = event;
+      tell_twins_apart(state.nodes);
       state_at = performance.now();
     } else if (event.event === "messages") {
       if (event.left_out) messages.add({ t: event.t, event: "lost" }, `${event.left_out} frames were left out: more than can be shown`);
@@ -269,6 +284,7 @@ function received(list) {
     } else if (event.event === "boots") {
       boots.draw(event, keep_children);
     } else if (event.event !== "load") {
+      if (event.event === "audit" && event.code < 7) for (const view of [project_view, settings_view]) view.done_by_somebody(event.do);
       const text = sentence(event);
       events.add(event, text);
       newest.add(event, text);
@@ -321,6 +337,7 @@ async function connect() {
   if (has_users) key = await key_of_session();
   socket = new WebSocket(`${location.protocol.replace("http", "ws")}//${location.host}/events${key ? `?key=${key}` : ""}`);
   socket.addEventListener("open", () => {
+    silence.ends();
     events.clear();  // the server sends the latest ones again
     rates = new Map();
     views_said = "[]";

@@ -58,7 +58,7 @@ export class Plots {
   state(state) {
     if (this.plots.size === 0) return;
     for (const node of state.nodes) {
-      for (const name of ["tec", "rec", "pdos", "emcy"]) this.add(`state ${node.bus} ${node.node} ${name}`, node[name], state.t);
+      for (const name of ["tec", "rec", "pdos", "emcy", "frames"]) this.add(`state ${node.bus} ${node.node} ${name}`, node[name], state.t);
     }
     for (const bus of state.buses) {
       for (const name of ["now", "frames", "error_frames"]) this.add(`bus ${bus.bus} ${name}`, name === "now" ? 100 * bus[name] : bus[name], state.t);

@@ -17,6 +17,7 @@ export class Project {
     this.unwritten = new Set();  // "NODE OBJECT": changed here since the devices were looked at
     this.running = null;
     this.said = { text: "", mood: "", command: "" };
+    this.changes = [];         // command lines that have changed it while one of ours ran
   }
 
   node(id) {
@@ -34,11 +35,30 @@ export class Project {
     this.changed();
     const done = await this.commands.run({ ...command, bus: this.bus.bus }, told);
     this.running = null;
+    const own = this.changes.indexOf(done.command);
+    if (own >= 0) this.changes.splice(own, 1);
+    if (this.changes.splice(0).length) this.load();
     const failed = !fine.includes(done.code);
     this.said = { text: (done.message ?? "").replace(/^canopus[a-z ]*: /, ""), mood: failed ? "error" : "", command: done.command ?? "" };
     if (failed && !this.said.text) this.said.text = `exit code ${done.code}`;
     this.changed();
     return { ...done, failed };
+  }
+
+  /// Somebody's command that has changed the project is a reason to read it anew. One's own does that itself.
+  done_by_somebody(command) {
+    if (!/^canopus project (add|remove|set|unset|note|undo|pdo (map|off|link)|read|accept|adopt)\b/.test(command)) return;
+    if (this.running !== null) this.changes.push(command);
+    else this.load();
+  }
+
+  /// Nodes that do not answer are said, whatever else there is to say.
+  tell_silence(rows) {
+    const silent = rows.filter((row) => row.object === undefined && row.state === "no answer");
+    if (silent.length === 0) return;
+    const names = silent.slice(0, 3).map((row) => this.label(row.node)).join(", ");
+    this.said.text = `${names}${silent.length > 3 ? ` and ${silent.length - 3} others` : ""}: ${silent.length > 1 ? "no answer" : silent[0].reason ?? "no answer"}`;
+    this.said.mood = "error";
   }
 
   /// Looks without a word, unless that fails.

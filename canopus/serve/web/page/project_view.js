@@ -84,6 +84,11 @@ export class ProjectView {
     this.draw();
   }
 
+  /// What anybody has done, as the audit log has it: others change the project, too.
+  done_by_somebody(command) {
+    this.project?.done_by_somebody(command);
+  }
+
   get may_configure() {
     return this.role === "configure";
   }
@@ -142,10 +147,12 @@ export class ProjectView {
   }
 
   async compare() {
+    this.project.forget(null);  // what was seen before may be otherwise now
     const done = await this.project.run({ command: "project diff" }, { fine: [0, 4], told: (rows) => this.project.found(rows) });
     this.project.found(done.rows);
     const differ = done.rows.reduce((sum, row) => sum + (row.differ ?? 0), 0);
     if (!done.failed) this.project.said.text = differ === 0 ? "the devices are as the project has them" : `${differ} values differ`;
+    this.project.tell_silence(done.rows);
     this.draw();
   }
 
@@ -178,13 +185,16 @@ export class ProjectView {
 
   async open_transfer() {
     this.is_transfer = true;
+    this.is_planned = false;
     this.plan = [];
     this.results = [];
+    this.project.forget(null);
     this.draw();
     const done = await this.project.run({ command: "project write" }, { fine: [0, 4] });
     this.plan = done.rows.filter((row) => row.object !== undefined);
     this.project.found(done.rows);
-    this.is_planned = !done.failed || this.plan.length > 0;
+    this.project.tell_silence(done.rows);
+    this.is_planned = !done.failed;
     this.draw();
     this.write_button.focus();
   }
@@ -198,7 +208,9 @@ export class ProjectView {
     tell(done.rows);
     this.project.found(done.rows);
     const summary = done.rows.find((row) => row.event === "summary");
-    this.plan = [];
+    this.project.tell_silence(done.rows);
+    // What was refused before it began is still to be written.
+    if (!done.failed || this.results.length) this.plan = [];
     if (!done.failed && summary) this.project.said.text = `${this.results.length} values are written and read back`;
     this.draw();
   }
@@ -303,7 +315,7 @@ export class ProjectView {
       const state = this.project.states.get(node.node);
       const device = !state ? "" : state.state === "same" ? "as the project" : state.differ ? `${state.differ} differ` : state.reason ?? state.state;
       const row = make("tr", {}, make("th", { scope: "row" }, String(node.node)), make("td", {}, open), make("td", {}, node.product ?? node.error ?? ""),
-        make("td", {}, node.present ? "" : "not present"), make("td", {}, `${node.tpdos ?? 0} / ${node.rpdos ?? 0}`),
+        make("td", {}, node.present ? "yes" : "no"), make("td", {}, `${node.tpdos ?? 0} / ${node.rpdos ?? 0}`),
         make("td", { class: mistakes.length ? "bad" : "" }, mistakes.length ? `${mistakes.length}` : ""),
         make("td", { class: state ? (state.state === "same" ? "same" : "differs") : "" }, device), make("td", {}, node.file ?? ""));
       return row;
@@ -330,13 +342,18 @@ export class ProjectView {
     if (!node) return;
     set_text(this.node_title, `Node ${node.node}: ${node.name || node.product || ""}`);
     const text = JSON.stringify([node, this.may_configure]);
-    if (this.node_form.dataset.text !== text) {
+    // Somebody else may change it while a name is typed here.
+    const active = document.activeElement;
+    const is_typing = this.node_form.contains(active) && active.defaultValue !== active.value && this.node_form.dataset.node === String(node.node);
+    if (this.node_form.dataset.text !== text && !is_typing) {
       this.node_form.dataset.text = text;
+      this.node_form.dataset.node = node.node;
       const field = (name, input) => make("label", {}, `${name} `, input);
       const name = make("input", { value: node.name ?? "", maxlength: "200", autocomplete: "off" });
       const id = make("input", { value: node.node, type: "number", min: "1", max: "127" });
       const present = make("input", { type: "checkbox" });
       present.checked = node.present;
+      for (const one of [name, id]) one.addEventListener("change", () => { one.defaultValue = one.value; });
       name.addEventListener("change", () => this.change_node({ name: name.value }));
       id.addEventListener("change", () => this.change_node({ node_id: id.value }));
       present.addEventListener("change", () => this.change_node(present.checked ? { present: true } : { absent: true }));
@@ -405,7 +422,8 @@ export class ProjectView {
     this.write_button.disabled = running || this.plan.length === 0;
     const bad = this.results.filter((row) => row.state !== "written").length;
     set_text(this.transfer_facts, running && !this.results.length ? "asks the devices …" : this.results.length
-      ? `${this.results.length - bad} of ${this.results.length} written` : this.plan.length ? `${this.plan.length} values differ; this is what will be written` : "nothing is to be written");
+      ? `${this.results.length - bad} of ${this.results.length} written` : this.plan.length ? `${this.plan.length} values differ; this is what will be written`
+        : this.is_planned ? "nothing is to be written" : "what is to be written is not known");
     const rows = this.results.length
       ? this.results.map((row) => [row.node, row.write, "", shown(row.value), "", row.state, row.reason ?? ""])
       : this.plan.map((row) => [row.node, row.object, row.name ?? "", shown(row.project), shown(row.device), row.state, row.reason ?? ""]);

@@ -63,6 +63,11 @@ export class SettingsView {
     return this.all.map((one) => one.one.file);
   }
 
+  /// What anybody has done, as the audit log has it: others change the file, too.
+  done_by_somebody(command) {
+    if (this.settings?.busy === 0 && /^canopus configure (set|delete|defaults|undo|import|read|identify)\b/.test(command)) this.settings.load();
+  }
+
   open(number, _name, page) {
     const settings = this.all[number];
     if (!settings) return;

@@ -19,6 +19,23 @@ export class StartView {
     });
   }
 
+  /// What has been opened runs until it is ended here, or this page's program ends.
+  list_running(running) {
+    this.section.querySelector("#start-running-part").hidden = running.length === 0;
+    this.section.querySelector("#start-running").replaceChildren(...running.map(({ number, path }) => {
+      const name = path || "the built-in plant";
+      const end = make("button", { type: "button", "aria-label": `End ${name}` }, "End");
+      end.disabled = !this.may_open;
+      end.addEventListener("click", async () => {
+        end.disabled = true;
+        const done = await this.commands.run({ command: "end", number });
+        set_text(this.said, done.code === 0 ? `${name} ends` : done.message ?? "no answer");
+        end.closest("li").remove();
+      });
+      return make("li", {}, name, " ", end);
+    }));
+  }
+
   async greeted(hello) {
     this.section.hidden = !hello.offers.includes("plants");
     if (this.section.hidden) return;
@@ -33,6 +50,7 @@ export class StartView {
     this.list(this.plants, found.plants, "no plant file in this folder");
     this.list(this.projects, found.projects, "no project in this folder");
     this.list(this.settings, found.settings, "no settings of a module in this folder");
+    this.list_running(found.running);
   }
 
   list(list, paths, none) {

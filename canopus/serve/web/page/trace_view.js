@@ -50,7 +50,7 @@ export class TraceView {
     this.box.addEventListener("click", (event) => this.choose(event.target.closest("tr[data-n]")));
     this.box.addEventListener("contextmenu", (event) => {
       const line = event.target.closest("tr[data-n]");
-      if (line && this.open_menu({ bus: line.dataset.bus, id: line.dataset.id }, event.clientX, event.clientY)) event.preventDefault();
+      if (line ? this.open_menu({ bus: line.dataset.bus, id: line.dataset.id }, event.clientX, event.clientY) : this.open_menu_of_chosen()) event.preventDefault();
     });
     new ResizeObserver(() => this.is_open && this.look()).observe(this.box);
     setInterval(() => {
@@ -126,10 +126,24 @@ export class TraceView {
     const page = this.in_sight() - 1;
     const ways = { ArrowDown: () => this.move(1), ArrowUp: () => this.move(-1), PageDown: () => this.move(page), PageUp: () => this.move(-page),
                    Home: () => (this.is_newest_first() ? this.follow() : this.go(0)), End: () => (this.is_newest_first() ? this.go(0) : this.follow()),
-                   Enter: () => this.choose(event.target.closest("tr[data-n]")) };
+                   Enter: () => this.choose_beside(event.shiftKey ? -1 : 1), f: () => this.open_menu_of_chosen() };
     if (!ways[event.key] || event.ctrlKey || event.altKey) return;
     event.preventDefault();
     ways[event.key]();
+  }
+
+  /// By keys: the first line in sight, then the next ones. Lines that follow would be others before they are read.
+  choose_beside(step) {
+    if (this.from === null) this.go(this.newest());
+    const lines = [...this.box.querySelectorAll("tr[data-n]")];
+    const place = lines.findIndex((line) => line.hasAttribute("aria-selected"));
+    if (lines.length) this.choose(lines[place < 0 ? 0 : Math.max(0, Math.min(place + step, lines.length - 1))]);
+  }
+
+  open_menu_of_chosen() {
+    const line = this.box.querySelector("tr[aria-selected]");
+    const place = line?.getBoundingClientRect();
+    return Boolean(line) && this.open_menu({ bus: line.dataset.bus, id: line.dataset.id }, place.left + 100, place.bottom);
   }
 
   async look() {

@@ -1,4 +1,4 @@
-// Events as sentences, and how well a node is.
+// Events as sentences, how well a node is, and what it is known by.
 
 const where = (event) => {
   const node = event.node >= 1 && event.node <= 127 ? ` node ${event.node}` : "";
@@ -48,4 +48,17 @@ export function mood_of(node, troubles) {
   if (node.controller === "error passive") return "warning";
   if (!node.in_operation) return "warning";
   return "good";
+}
+
+/// What a node is known by. `twin`: how many of the same bus, node-ID and name stand before it; devices without a node-ID often have one name.
+export const key_of = (node) => `${node.bus}\u0000${node.node}\u0000${node.name}\u0000${node.twin ?? 0}`;
+
+export function tell_twins_apart(nodes) {
+  const times = new Map();
+  for (const node of nodes) {
+    node.twin = 0;
+    const key = key_of(node);
+    node.twin = times.get(key) ?? 0;
+    times.set(key, node.twin + 1);
+  }
 }
