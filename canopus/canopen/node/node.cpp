@@ -387,17 +387,16 @@ void Node::receive(const can::Frame& frame, can::Time now) {
 }
 
 Node::Taken Node::take(const can::Frame& frame, can::Time now) {
+  if (!filter_.may_pass(frame.identifier)) return Taken::nothing;
   Services& services = *services_;
-  if (!services.filter.may_pass(frame.identifier)) return Taken::nothing;
-  if (!services.identifiers_changed && !frame.extended && !frame.remote) {
-    const IdentifierTable::Slot* slot = services.table.first(frame.identifier);
+  if (!services.identifiers_changed && is_base_data(frame)) {
+    const IdentifierTable::Slot* slot = services.table.look_up(frame.identifier);
     if (slot == nullptr) return Taken::nothing;
-    if (!slot->more && slot->kind == ServiceKind::rpdo && services.rpdos.is_usual(slot->number, frame)) {
+    if (slot->found == ServiceKind::rpdo && services.rpdos.is_usual(slot->number, frame)) {
       services.rpdos.receive(slot->number, frame, services.sync_service.window_end(), now);
       return Taken::process_data;
     }
-    if (!slot->more && slot->kind == ServiceKind::heartbeat &&
-        services.heartbeat_consumer.is_usual(slot->number, frame)) {
+    if (slot->found == ServiceKind::heartbeat && services.heartbeat_consumer.is_usual(slot->number, frame)) {
       services.heartbeat_consumer.receive(slot->number, frame, now);
       return Taken::heartbeat;
     }
