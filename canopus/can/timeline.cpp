@@ -7,40 +7,59 @@
 
 namespace canopus::can {
 
+namespace {
+
+/// A heap and the positions of its handles while places move in it: pointers of its own, which no store can change.
+template <typename Place>
+class Moves {
+ public:
+  Moves(Place* places, std::uint32_t* positions) noexcept : places_(places), positions_(positions) {}
+  const Place& operator[](std::size_t position) const noexcept { return places_[position]; }
+  void put(std::size_t position, const Place& place) const noexcept {
+    places_[position] = place;
+    positions_[place.handle()] = static_cast<std::uint32_t>(position);
+  }
+  /// From `position` towards the root, not beyond `root`, as long as it is before its parent.
+  void up(std::size_t position, std::size_t root, const Place& moving) const noexcept {
+    while (position > root) {
+      const std::size_t parent = (position - 1) / 2;
+      if (!moving.before(places_[parent])) break;
+      put(position, places_[parent]);
+      position = parent;
+    }
+    put(position, moving);
+  }
+
+ private:
+  Place* const places_;
+  std::uint32_t* const positions_;
+};
+
+}  // namespace
+
 void Timeline::sift_up(Heap& heap, std::size_t position) noexcept {
   const Place moving = heap[position];
-  while (position > 0) {
-    const std::size_t parent = (position - 1) / 2;
-    if (!moving.before(heap[parent])) break;
-    put(heap, position, heap[parent]);
-    position = parent;
-  }
-  put(heap, position, moving);
+  Moves(heap.data(), positions_.data()).up(position, 0, moving);
 }
 
 // Who had his tick most often goes far down: the earlier children move up first, all the way, and then the moving one is
 // compared on its way back. That is one comparison for each level instead of two.
 void Timeline::sift_down(Heap& heap, std::size_t position) noexcept {
-  const Place moving = heap[position];
+  const Moves places(heap.data(), positions_.data());
+  const Place moving = places[position];
   const std::size_t size = heap.size();
   std::size_t place = position;
   std::size_t child = 2 * place + 1;
   for (; child + 1 < size; child = 2 * place + 1) {
-    child += static_cast<std::size_t>(heap[child + 1].before(heap[child]));
-    put(heap, place, heap[child]);
+    child += static_cast<std::size_t>(places[child + 1].before(places[child]));
+    places.put(place, places[child]);
     place = child;
   }
   if (child < size) {
-    put(heap, place, heap[child]);
+    places.put(place, places[child]);
     place = child;
   }
-  while (place > position) {
-    const std::size_t parent = (place - 1) / 2;
-    if (!moving.before(heap[parent])) break;
-    put(heap, place, heap[parent]);
-    place = parent;
-  }
-  put(heap, place, moving);
+  places.up(place, position, moving);
 }
 
 Timeline::Handle Timeline::add(Ticker& participant, std::string name, Rank rank) {

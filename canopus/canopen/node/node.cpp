@@ -389,7 +389,8 @@ void Node::receive(const can::Frame& frame, can::Time now) {
 Node::Taken Node::take(const can::Frame& frame, can::Time now) {
   if (!filter_.may_pass(frame.identifier)) return Taken::nothing;
   Services& services = *services_;
-  if (!services.identifiers_changed && is_base_data(frame)) {
+  if (is_base_data(frame)) {
+    services.settle();
     const IdentifierTable::Slot* slot = services.table.look_up(frame.identifier);
     if (slot == nullptr) return Taken::nothing;
     if (slot->found == ServiceKind::rpdo && services.rpdos.is_usual(slot->number, frame)) {
