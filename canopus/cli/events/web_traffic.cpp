@@ -130,7 +130,7 @@ void WebTraffic::add_frame(Json& event, std::size_t bus, const Seen& seen) {
   WebWire* const wire = wire_of(bus);
   if (wire == nullptr) return;
   const WebWire::Arbitration& arbitration = wire->look(seen.frame.identifier, seen.frame.extended);
-  if (arbitration.start != seen.start) return;  // it was not told as a whole, or nobody looked
+  if (arbitration.start != seen.start) return;  // nobody looked
   const sim::BitStream stream(seen.frame);
   const auto ports = plant_.bus(bus).ports();
   event["frame"]["lost"] = Json::array();

@@ -24,12 +24,19 @@ std::optional<bool> WebWire::is_dominant(can::Time at) const noexcept {
   return std::nullopt;
 }
 
-void WebWire::frame_passed(const sim::WireFrame& frame) {
+void WebWire::note(const can::Frame& frame, can::Time start,
+                   std::span<const sim::WireFrame::Sender> senders) {
   for (Arbitration& one : frames_) {
-    if (one.identifier != frame.frame.identifier || one.extended != frame.frame.extended) continue;
-    one.start = frame.start;
-    one.senders.assign(frame.senders.begin(), frame.senders.end());
+    if (one.identifier != frame.identifier || one.extended != frame.extended) continue;
+    one.start = start;
+    one.senders.assign(senders.begin(), senders.end());
   }
+}
+
+void WebWire::frame_passed(const sim::WireFrame& frame) { note(frame.frame, frame.start, frame.senders); }
+
+void WebWire::arbitration_passed(const sim::WireArbitration& arbitration) {
+  note(arbitration.frame, arbitration.start, arbitration.senders);
 }
 
 void WebWire::level_changed(bool dominant, can::Time now) {

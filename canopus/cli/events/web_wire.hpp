@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "canopus/can/time.hpp"
@@ -44,9 +45,11 @@ class WebWire final : private sim::WireObserver {
     bool dominant = false;
   };
 
+  void note(const can::Frame& frame, can::Time start, std::span<const sim::WireFrame::Sender> senders);
   // sim::WireObserver
   [[nodiscard]] bool needs_bits() const noexcept override { return false; }
   void frame_passed(const sim::WireFrame& frame) override;
+  void arbitration_passed(const sim::WireArbitration& arbitration) override;
   void level_changed(bool dominant, can::Time now) override;
   void transmit_changed(const can::Port& /*port*/, bool /*dominant*/, can::Time /*now*/) override {}
   void activity_changed(const can::Port& /*port*/, bool /*flagging*/, bool /*arbitrating*/,

@@ -136,6 +136,8 @@ class BitController {
   [[nodiscard]] can::FrameField field() const noexcept;
   /// Sends, or sent, the frame that an error or overload frame belongs to.
   [[nodiscard]] bool is_transmitter() const noexcept { return transmitting_; }
+  /// The frame that it sends, or sent last.
+  [[nodiscard]] const can::Frame& sent() const noexcept { return sent_; }
   /// The frame last received.
   [[nodiscard]] const can::Frame& frame() const noexcept { return frame_; }
 

@@ -23,6 +23,7 @@ namespace canopus::sim {
 
 struct BusCore;
 struct Line;
+struct WireArbitration;
 struct WireFrame;
 
 // The simulated bus is one of several kinds; what all of them have is named here, too, for whoever works with this one.
@@ -42,6 +43,8 @@ class WireObserver {
   /// told later.
   [[nodiscard]] virtual bool needs_bits() const noexcept { return true; }
   virtual void frame_passed(const WireFrame& /*frame*/) {}
+  /// A frame that went bit by bit is complete; who did not lose to it, but failed before, is not in it.
+  virtual void arbitration_passed(const WireArbitration& /*arbitration*/) {}
   /// The level of the wire; under a cut that of its near side.
   virtual void level_changed(bool dominant, can::Time now) = 0;
   /// The level of the far side of a cut; recessive while there is none.

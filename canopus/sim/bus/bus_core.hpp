@@ -17,6 +17,7 @@
 #include "canopus/sim/bus/bus.hpp"
 #include "canopus/sim/bus/fault_plan.hpp"
 #include "canopus/sim/bus/port_table.hpp"
+#include "canopus/sim/bus/wire_frame.hpp"
 
 namespace canopus::sim {
 
@@ -288,6 +289,7 @@ class BusPort final : public Port {
     bool counted = false;      // `received` or `transmitted` came to this wire from one that reports it
     bool changed = false;      // error state or warning
     can::Time frame_start{};   // of the present or last frame
+    unsigned lost_at = WireFrame::Sender::won;  // where it lost arbitration to the frame that it receives now
   };
   BitController bits{faults};
   Tap tap;

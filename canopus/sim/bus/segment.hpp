@@ -112,6 +112,7 @@ class Segment {
   [[nodiscard]] bool shows_bits() const noexcept;
   [[nodiscard]] std::uint64_t offer_at_start(const BusPort& port) const noexcept;
   void tell_frame();
+  void tell_arbitration(const can::Frame& frame, can::Time start);
   // segment_bits.cpp: bit by bit
   void enter_bits();
   void replay(can::Time until);

@@ -81,6 +81,7 @@ void Segment::complete_frames(can::Time now) {
       reported_ = frame;
       reported_until_ = now;
       core_.statistics.frame(frame);
+      if (!core_.wire_observers.empty()) tell_arbitration(frame, reporter->tap.frame_start);
       for (BusObserver* observer : core_.observers) {
         observer->frame_completed(frame, reporter->tap.frame_start, now);
       }
@@ -97,6 +98,7 @@ void Segment::complete_frames(can::Time now) {
     BusPort& port = *core_.ports[number];
     if (port.segment != this || !port.tap.received || port.tap.next > now) continue;
     port.tap.received = port.tap.counted = false;
+    port.tap.lost_at = WireFrame::Sender::won;
     const can::Frame heard = port.bits.frame();
     const std::uint64_t wanted = core_.acceptance.ports_for(heard)[port.index / 64];
     if ((wanted >> (port.index % 64) & 1U) != 0 && !dropped(port)) port.hear(heard, now);
@@ -151,6 +153,7 @@ void Segment::start_waiting(can::Time now) {
     port->bits.transmit(port->current);
     port->tap.frame_start = now;
     port->tap.next = now;
+    port->tap.lost_at = WireFrame::Sender::won;
     if (first == nullptr || arbitration(port->current) < arbitration(first->current)) first = port;
   }
   if (first == nullptr) return;
@@ -301,7 +304,10 @@ Segment::Sampled Segment::look(BusPort& port, can::Time now) {
     tap.frame_start = tap.bit_start;
     begun_ = true;
   }
-  begun_ = begun_ || sampled.events.lost;
+  if (sampled.events.lost) {
+    tap.lost_at = sampled.place.payload;  // never a stuff bit: that is an error
+    begun_ = true;
+  }
   tap.sampling = false;
   tap.next = tap.bit_start + port.bit();
   return sampled;
@@ -311,7 +317,10 @@ Segment::Sampled Segment::look(BusPort& port, can::Time now) {
 void Segment::conclude(BusPort& port, const Sampled& sampled, can::Time now) {
   BusPort::Tap& tap = port.tap;
   const BitController::Events& events = sampled.events;
-  if (events.error != BusError::none) given_up_ = true;
+  if (events.error != BusError::none) {
+    given_up_ = true;
+    tap.lost_at = WireFrame::Sender::won;
+  }
   if (port.sending && (events.lost || events.error != BusError::none)) {
     port.give_back();
     arbiter_.set(port.index, port.offer());

@@ -101,4 +101,17 @@ void Segment::tell_frame() {
   for (WireObserver* observer : core_.wire_observers) observer->frame_passed(frame);
 }
 
+/// The frame ends now for whoever sent it or has received it first; others may be a little behind.
+void Segment::tell_arbitration(const can::Frame& frame, can::Time start) {
+  senders_.clear();
+  for (const BusPort* port : members_) {
+    if (!port->tap.transmitted && port->tap.lost_at == WireFrame::Sender::won) continue;
+    senders_.push_back({.port = port->index,
+                        .lost_at = port->tap.lost_at,
+                        .arbitration = can::arbitration(port->bits.sent())});
+  }
+  const WireArbitration arbitration{.frame = frame, .start = start, .senders = senders_};
+  for (WireObserver* observer : core_.wire_observers) observer->arbitration_passed(arbitration);
+}
+
 }  // namespace canopus::sim

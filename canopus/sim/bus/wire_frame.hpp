@@ -1,6 +1,6 @@
 #pragma once
 // A frame that went well on a healthy wire, told as a whole when it is complete: what a WireObserver needs to know of
-// it besides its bits.
+// it besides its bits. And of a frame that went bit by bit who sent with its SOF, which its bits do not say.
 
 #include <cstddef>
 #include <cstdint>
@@ -33,6 +33,14 @@ struct WireFrame {
   can::Duration bit;
   can::Duration sample_point;  ///< from a bit's start
   bool counting;               ///< some member has an error counter that is not 0
+};
+
+/// Of a frame that went bit by bit and is complete.
+struct WireArbitration {
+  const can::Frame& frame;
+  can::Time start;  ///< of SOF, as BusObserver::frame_completed() has it
+  /// Whoever sent the frame, and whoever lost to it: by ports, `lost_at` as it was on the wire.
+  std::span<const WireFrame::Sender> senders;
 };
 
 }  // namespace canopus::sim
