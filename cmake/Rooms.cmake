@@ -41,7 +41,7 @@ function(canopus_room name)
     target_link_libraries(canopus_${name} PRIVATE $<BUILD_INTERFACE:canopus_options>)
     if(CANOPUS_PYTHON)  # the module of python/ is a shared object
       set_target_properties(canopus_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
-      target_compile_options(canopus_${name} PRIVATE -fno-semantic-interposition)
+      target_compile_options(canopus_${name} PRIVATE -fno-semantic-interposition -fvisibility=hidden)
     endif()
   else()
     add_library(canopus_${name} INTERFACE)
