@@ -101,7 +101,8 @@ ModuleStatus ModuleSeat::module_status(can::Time now) const {
                       .is_on = status_.is_on,
                       .cpu = rack_.cpu_state(),
                       .leds = module_->leds(now),
-                      .information = module_->information()};
+                      .information = module_->information(),
+                      .start_up = module_->start_up()};
   if (const module::SignalAccess* signals = module_->signals()) {
     status.inputs = signals->inputs() & ~own_inputs_;
     status.outputs = signals->outputs() & ~own_outputs_;

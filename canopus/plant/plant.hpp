@@ -135,6 +135,7 @@ struct ModuleStatus {
   std::vector<Word> words{};  ///< watched, in the order of the plant file
   std::vector<module::Led> leds{};
   module::ModuleInformation information{};
+  module::StartUp start_up = module::StartUp::none;  ///< of its network, as the active NMT master
 };
 
 /// How far a module of the plant is with the boot of a slave, which may be a node outside of the plant, or

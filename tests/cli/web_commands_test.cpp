@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <boost/asio/io_context.hpp>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
@@ -111,6 +112,24 @@ TEST(WebArguments, CommandOfTheBus_HasItsAddress) {
   ASSERT_TRUE(adopt);
   EXPECT_THAT(adopt->arguments, ElementsAre("project", "adopt", "--json", "--network=2",
                                             "--bus=socketcan:can0", "--eds=eds", "--", "line1"));
+}
+
+TEST(WebArguments, RetryOfABoot_IsARequestToTheMaster) {
+  const auto one = line_of({{"command", "boot retry"}, {"node", "5"}, {"master", "1"}});
+  ASSERT_TRUE(one);
+  EXPECT_THAT(one->arguments, ElementsAre("nmt", "reset-comm", "--wait", "--timeout=5s", "--json",
+                                          "--bus=socketcan:can0", "--master=1", "--", "5"));
+  EXPECT_TRUE(one->writes_to_bus);
+  EXPECT_EQ(one->role, serve::WebRole::operate);
+  const auto all = line_of({{"command", "boot retry all"}, {"node", "all"}, {"master", "1"}});
+  ASSERT_TRUE(all);
+  EXPECT_THAT(all->arguments,
+              ElementsAre("nmt", "reset-comm", "--json", "--bus=socketcan:can0", "--master=1", "--", "all"));
+  EXPECT_TRUE(all->writes_to_bus);
+  for (const char* name : {"boot retry", "boot retry all"}) {
+    EXPECT_EQ(line_of({{"command", name}, {"node", "5"}}).error(),
+              fmt::format("{}: expected \"master\"", name));
+  }
 }
 
 TEST(WebArguments, WhatOnlyShowsWhatItWouldWrite_NeedsNoArming) {

@@ -185,6 +185,10 @@ TEST_F(WebViewsTest, Boots_AreStepsWithTheirTimes) {
   EXPECT_EQ(slave["node"], 3);
   EXPECT_EQ(slave["name"], "encoder");
   EXPECT_EQ(slave["master"], 1);
+  ASSERT_THAT(event["masters"], SizeIs(1));
+  EXPECT_EQ(event["masters"][0]["bus"], "line1");
+  EXPECT_EQ(event["masters"][0]["node"], 1);
+  EXPECT_EQ(event["masters"][0]["start_up"], "ended");
   ASSERT_GE(slave["steps"].size(), 3U);
   EXPECT_EQ(slave["steps"].back()["step"], "booted");
   double last = 0;
@@ -207,6 +211,8 @@ TEST_F(WebViewsTest, ABootThatFails_SaysWhy) {
   EXPECT_EQ(last["expected"], 0x195);
   EXPECT_EQ(last["received"], 0);
   EXPECT_THAT(std::string(last["reason"]), HasSubstr("vendor"));
+  ASSERT_THAT(event["masters"], SizeIs(1));
+  EXPECT_EQ(event["masters"][0]["start_up"], "halted");  // 1F81H bit 3: the slave is mandatory
 }
 
 TEST_F(WebViewsTest, OfManySteps_TheNewestAreKept) {

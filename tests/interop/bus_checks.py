@@ -164,6 +164,22 @@ def nmt_command_moves_a_node_through_its_states():
 
 
 @check
+def nmt_command_by_the_master():
+    """The master resets a slave, and boots it anew; who is no active master refuses."""
+    with first_plant() as plant:
+        plant.wait_operational([2, 3, 4])
+        done = on_bus(plant, "nmt", "reset-comm", "3", "--master", "1", "--wait", "--json")
+        require(json.loads(done.stdout) == {"command": "reset-comm", "node": 3, "master": 1, "state": "initialising"}, done.stdout)
+        plant.wait(lambda e: e["event"] == "boot slave" and e["node"] == 3 and e["step"] == "booted" and e["t"] > 1.5)
+        require(on_bus(plant, "nmt", "stop", "4", "--master", "1").stdout == "stop for node 4 requested of master 1\n", "stop")
+        plant.wait(lambda e: e["event"] == "nmt" and e["node"] == 4 and e["state"] == "stopped")
+        refused = on_bus(plant, "nmt", "start", "4", "--master", "3", expect=1)
+        require("master 3 did not take 05H for 1F82:04 (request NMT): abort 06020000H: object does not exist" in refused.stderr, refused.stderr)
+        wrong = on_bus(plant, "nmt", "start", "4", "--master", "128", expect=2)
+        require('--master: "128" is not a node; expected a node-ID 1 to 127' in wrong.stderr, wrong.stderr)
+
+
+@check
 def scan_finds_the_nodes_of_the_first_plant():
     with first_plant() as plant:
         nodes = [json.loads(line) for line in on_bus(plant, "scan", "--json", "--timeout", silence(200)).stdout.splitlines()]

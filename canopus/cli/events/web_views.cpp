@@ -38,6 +38,17 @@ void add_range(nlohmann::ordered_json& line, const module::ValueRange& range) {
   }
 }
 
+std::string_view start_up_name(module::StartUp start_up) {
+  switch (start_up) {
+    case module::StartUp::none: break;
+    case module::StartUp::booting: return "booting";
+    case module::StartUp::waits_for_own_start: return "waits for own start";
+    case module::StartUp::ended: return "ended";
+    case module::StartUp::halted: return "halted";
+  }
+  return "none";
+}
+
 }  // namespace
 
 void WebViews::Tap::frame_completed(const can::Frame& frame, can::Time /*start*/, can::Time end) {
@@ -197,6 +208,14 @@ std::string WebViews::sender_of(std::string_view bus, std::uint32_t identifier) 
 std::string WebViews::boots_event() const {
   const can::Time now = plant_.timeline().now();
   Json event = event_line(now, "boots");
+  event["masters"] = Json::array();
+  for (const plant::ModuleStatus& module : plant_.modules()) {
+    if (module.start_up == module::StartUp::none) continue;
+    event["masters"].push_back({{"bus", module.label.bus},
+                                {"node", module.label.node_id},
+                                {"name", module.label.name},
+                                {"start_up", start_up_name(module.start_up)}});
+  }
   event["slaves"] = Json::array();
   for (const auto& [key, slave] : boots_.slaves()) {
     Json one{{"bus", slave.bus}, {"node", slave.node_id}, {"name", slave.name}, {"master", slave.master}};

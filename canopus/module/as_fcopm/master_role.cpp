@@ -69,6 +69,7 @@ void MasterRole::stop(can::Time now) {
 StartUp MasterRole::start_up() const noexcept {
   if (!master_.active()) return StartUp::none;
   if (master_.waits_for_own_start()) return StartUp::waits_for_own_start;
+  if (master_.halted()) return StartUp::halted;
   return master_.starting() ? StartUp::booting : StartUp::ended;
 }
 

@@ -288,6 +288,7 @@ void ModuleEngine::end_sending(const can::Frame& frame) {
 StartUp ModuleEngine::start_up() const noexcept {
   if (!parts_.master.active()) return StartUp::none;
   if (parts_.master.waits_for_own_start()) return StartUp::waits_for_own_start;
+  if (parts_.master.halted()) return StartUp::halted;
   return parts_.master.starting() ? StartUp::booting : StartUp::ended;
 }
 

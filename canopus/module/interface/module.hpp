@@ -96,7 +96,8 @@ enum class StartUp : std::uint8_t {
   none,                 ///< no active NMT master
   booting,              ///< slaves
   waits_for_own_start,  ///< nothing but the own node: 1F80H bit 2, a CPU in STOP, or it left Operational since
-  ended,                ///< nothing: the own node is Operational, or the start-up has failed
+  ended,                ///< nothing: the own node is Operational
+  halted,  ///< nothing: a mandatory slave was not booted; until the next start-up no slave is booted
 };
 
 class Module : public can::Participant {

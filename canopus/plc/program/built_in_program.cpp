@@ -239,7 +239,8 @@ void BuiltInProgram::start_own_node(can::Time now) {
       if (is_initializing(now)) return end_node_start(NodeStart::none, now);
       switch (module_.start_up()) {
         case module::StartUp::none:
-        case module::StartUp::ended: return end_node_start(NodeStart::none, now);
+        case module::StartUp::ended:
+        case module::StartUp::halted: return end_node_start(NodeStart::none, now);
         case module::StartUp::booting: return;
         case module::StartUp::waits_for_own_start: break;
       }
