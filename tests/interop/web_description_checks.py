@@ -20,6 +20,7 @@ def web_description_in_chromium():
     require(seen["wide"] and not seen["small"] and seen["small_asked"] and seen["pressed"] == "true", seen)
     heartbeat = seen["heartbeat"]
     require("heartbeat" in heartbeat["title"].lower() and heartbeat["facts"]["Object"] == "1017:00" and heartbeat["facts"]["Type"] == "UNSIGNED16", heartbeat)
+    require(heartbeat["facts"]["In words"].startswith("every "), heartbeat)
     require("How often the device sends its heartbeat" in heartbeat["meaning"] and heartbeat["meaning"].endswith("Unit: ms."), heartbeat)
     require(heartbeat["source"] == "CiA 301 7.5.2.20", heartbeat)
     require(seen["own"]["Object"] == "6004:00", seen["own"])

@@ -53,7 +53,7 @@ def web_project_in_chromium():
     require(any("RPDO4" in row and "183H" in row and "Target position ←" in row for row in seen["plan"]), seen["plan"])
     require("Load" in seen["plan_load"] and seen["matrix"] == ["Position value TPDO1 183H"], seen["plan_load"])
     require(seen["command"].startswith("canopus project pdo link "), seen["command"])
-    require("every 250 ms" in seen["changed_pdo"] and "250 kbit/s" in seen["facts"], seen["facts"])
+    require("every 250 ms" in seen["changed_pdo"] and "250 kbit/s (sample point 87.5 % by CiA 301, at most 250 m of cable)" in seen["facts"], seen["facts"])
     require("does not fit UNSIGNED16; expected 0 to 65535" in seen["refused"], seen["refused"])
     require(len(seen["unwritten"]) == 1 and seen["unwritten"][0].startswith("1017:00"), seen["unwritten"])
     require(seen["compared"].endswith("values differ"), seen["compared"])

@@ -1,5 +1,6 @@
 // The object dictionary of a node: type, access, value and default of each sub-index. Only the rows that can be seen are asked for.
 import { make, set_text } from "./dom.js";
+import { words_of } from "./value_words.js";
 
 const row_height = 26;
 const beyond = 12;  // rows above and below what is seen
@@ -76,7 +77,7 @@ export class ObjectView {
     if (!row) return null;
     const range = row.low !== undefined || row.high !== undefined ? `${row.low ?? ""} … ${row.high ?? ""}` : "";
     return { title: row.name === row.of ? row.name : `${row.of}: ${row.name}`, object: row.object,
-      rows: [["Object", row.object], ["Type", row.type], ["Access", row.access], ["Range", range], ["Default", row.default_decimal === undefined ? "" : `${row.default_decimal} (${row.default_hex}H)`]] };
+      rows: [["Object", row.object], ["Type", row.type], ["Access", row.access], ["Range", range], ["Default", row.default_decimal === undefined ? "" : `${row.default_decimal} (${row.default_hex}H)`], ["In words", words_of(row.object, row.decimal)]] };
   }
 
   fill(line, row, event) {

@@ -1,18 +1,10 @@
 // The PDOs of a project: who sends what to whom, each frame's bits, and signals that are linked by dragging one onto the other.
 import { make, set_text } from "./dom.js";
+import { transmission_words } from "./value_words.js";
 
 const most_signals = 200;
 const percent = (share) => `${(100 * share).toFixed(1)} %`;
 const hex = (id) => `${id.toString(16).toUpperCase().padStart(3, "0")}H`;
-
-function type_words(pdo) {
-  const type = pdo.transmission_type;
-  if (type === 0) return "synchronous, at events";
-  if (type <= 240) return type === 1 ? "synchronous" : `synchronous, every ${type} SYNCs`;
-  if (type === 252) return "synchronous, on request";
-  if (type === 253) return "on request";
-  return "event-driven";
-}
 
 /// The 64 bits of a frame: one block for each mapped object.
 function strip(pdo) {
@@ -141,7 +133,7 @@ export class PdoView {
     const head = make("tr", {}, make("th", { scope: "col" }, "from \\ to"), ...columns.map((id) => make("th", { scope: "col" }, project.label(id))));
     const body = rows.map((from) => make("tr", {}, make("th", { scope: "row" }, project.label(from)), ...columns.map((to) =>
       make("td", {}, ...(cells.get(`${from} ${to}`) ?? []).map(({ pdo, name }) =>
-        make("div", { class: "crossing", title: `${pdo.pdo}, ${hex(pdo.can_id)}, ${type_words(pdo)}` }, `${name} `, make("span", { class: "faint" }, `${pdo.pdo} ${hex(pdo.can_id)}`)))))));
+        make("div", { class: "crossing", title: `${pdo.pdo}, ${hex(pdo.can_id)}, ${transmission_words(pdo.transmission_type)}` }, `${name} `, make("span", { class: "faint" }, `${pdo.pdo} ${hex(pdo.can_id)}`)))))));
     this.matrix.replaceChildren(make("table", {}, make("thead", {}, head), make("tbody", {}, ...body)));
   }
 
@@ -149,7 +141,7 @@ export class PdoView {
     const times = [pdo.inhibit_us ? `inhibit ${pdo.inhibit_us / 1000} ms` : "", pdo.event_ms ? `every ${pdo.event_ms} ms` : ""].filter(Boolean).join(", ");
     const ends = pdo.mapping.flatMap((one) => [...(one.to ?? []).map((end) => `${one.name} → ${project.label(end.node)}`), ...(one.from ?? []).map((end) => `${one.name} ← ${project.label(end.node)}`)]);
     return make("tr", { class: pdo.active ? "" : "faint" }, make("th", { scope: "row" }, project.label(pdo.node)), make("th", { scope: "row" }, pdo.pdo), make("td", {}, pdo.active ? hex(pdo.can_id) : "off"),
-      make("td", {}, strip(pdo)), make("td", {}, `${pdo.bytes} bytes`), make("td", {}, [type_words(pdo), times].filter(Boolean).join(", ")),
+      make("td", {}, strip(pdo)), make("td", {}, `${pdo.bytes} bytes`), make("td", {}, [transmission_words(pdo.transmission_type), times].filter(Boolean).join(", ")),
       make("td", {}, pdo.mapping.map((one) => one.name ?? "not used").join(", ")), make("td", {}, ends.join(", ")));
   }
 

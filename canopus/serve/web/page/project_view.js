@@ -2,9 +2,19 @@
 import { make, set_text } from "./dom.js";
 import { Project } from "./project.js";
 import { PdoView } from "./pdo_view.js";
+import { words_of } from "./value_words.js";
 
 const most_rows = 300;
 const percent = (share) => `${(100 * share).toFixed(1)} %`;
+/// The longest cable by CiA 301, in metres, by kbit/s.
+const cables = new Map([[1000, 25], [800, 50], [500, 100], [250, 250], [125, 500], [50, 1000], [20, 2500], [10, 5000]]);
+
+function rate_words(bit_rate) {
+  if (!bit_rate) return "bit rate not known";
+  const cable = cables.get(bit_rate / 1000);
+  return `${bit_rate / 1000} kbit/s (sample point 87.5 % by CiA 301${cable ? `, at most ${cable} m of cable` : ""})`;
+}
+
 const shown = (value) => (value === null || value === undefined ? "" : String(value));
 
 export class ProjectView {
@@ -300,7 +310,7 @@ export class ProjectView {
 
   draw_network() {
     const { network, nodes, findings } = this.project;
-    set_text(this.facts, !network ? "" : `${nodes.length} nodes · ${network.bit_rate ? `${network.bit_rate / 1000} kbit/s` : "bit rate not known"} · ` +
+    set_text(this.facts, !network ? "" : `${nodes.length} nodes · ${rate_words(network.bit_rate)} · ` +
       `load ${percent(network.load)} by timers and SYNC, ${percent(network.load_at_most)} at most` +
       (network.unlimited ? `, ${network.unlimited} TPDOs without a limit` : ""));
     this.bit_rate.disabled = !this.may_configure;
@@ -406,7 +416,7 @@ export class ProjectView {
       make("td", {}, row.type), make("td", {}, row.access), project, make("td", {}, device ? shown(device.device) : compared === "same" ? shown(row.value) : ""),
       make("td", {}, device?.reason ?? compared), make("td", { class: "faint" }, range));
     line.described = { title: row.name, object: row.object,
-      rows: [["Object", row.object], ["Type", row.type], ["Access", row.access], ["Range", range], ["Default", shown(row.default)], ["Project", shown(row.value)], ["Device", device ? shown(device.device) : ""], ["Difference", device?.reason ?? compared]] };
+      rows: [["Object", row.object], ["Type", row.type], ["Access", row.access], ["Range", range], ["Default", shown(row.default)], ["Project", shown(row.value)], ["In words", words_of(row.object, row.value)], ["Device", device ? shown(device.device) : ""], ["Difference", device?.reason ?? compared]] };
     return line;
   }
 
