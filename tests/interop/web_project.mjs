@@ -1,7 +1,7 @@
 // A real browser on the page of a project: what people do there, with their clicks and typed characters counted. Says as JSON what
 // it saw. `node web_project.mjs CHROMIUM URL FOLDER EDS`; pictures go into FOLDER. Judged by web_project_checks.py.
 import { readFileSync } from "node:fs";
-import { counted, end, folder, more, open, picture, seen, url } from "./page_kit.mjs";
+import { counted, end, folder, judge, more, open, picture, seen, url } from "./page_kit.mjs";
 
 const [eds] = more;
 const page = await open();
@@ -123,6 +123,7 @@ seen.w6 = await counted(page, async () => {
   await page.locator("#project-node-form button", { hasText: "Accept this device" }).click();
   await page.waitForSelector("#project-accepted:not([hidden]) tr");
   seen.will_accept = await texts("#project-accepted tr");
+  await judge(page, "accept this device");
   await page.click("#project-accept");
   await page.waitForFunction(() => document.querySelector("#project-said b").textContent === "this device is the project's now");
 });

@@ -110,7 +110,9 @@ export class Project {
   /// Rows of diff, write and read: what the devices have.
   found(rows) {
     for (const row of rows) {
-      if (row.object !== undefined && row.state !== undefined && row.write === undefined) this.device.set(`${row.node} ${row.object}`, row);
+      // What it had before it was written is not what it has now.
+      if (row.write !== undefined && row.state !== "would be written") this.forget(row.node);
+      else if (row.object !== undefined && row.state !== undefined && row.write === undefined) this.device.set(`${row.node} ${row.object}`, row);
       else if (row.node !== undefined && row.write === undefined && row.state !== undefined) {
         this.states.set(row.node, row);
         for (const key of [...this.unwritten]) if (key.startsWith(`${row.node} `)) this.unwritten.delete(key);
