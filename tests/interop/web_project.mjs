@@ -89,7 +89,9 @@ await page.waitForSelector("#project-objects tr.differs");
 await idle();
 seen.compared = await said();
 seen.differs = await texts("#project-objects tr.differs");
+seen.devices = await texts("#project-nodes td:nth-child(7)");
 await picture(page, "project", "#project-section");
+seen.cut_off = await page.locator("#pdo-part [aria-label=PDOs]").evaluate((one) => one.scrollWidth - one.clientWidth);
 
 // Nothing is written on a live bus before it is armed.
 await way("Transfer").click();

@@ -1,6 +1,6 @@
 // The project of a bus: its nodes, what does not fit, a node's values beside those of its device, and what goes to the devices.
 import { make, set_text } from "./dom.js";
-import { Project } from "./project.js";
+import { Project, is_identity } from "./project.js";
 import { PdoView } from "./pdo_view.js";
 import { plan_of, results_of } from "./transfer.js";
 
@@ -152,7 +152,9 @@ export class ProjectView {
     const done = await this.project.run({ command: "project diff" }, { fine: [0, 4], told: (rows) => this.project.found(rows) });
     this.project.found(done.rows);
     const differ = done.rows.reduce((sum, row) => sum + (row.differ ?? 0), 0);
-    if (!done.failed) this.project.said.text = differ === 0 ? "the devices are as the project has them" : `${differ} values differ`;
+    const others = [...new Set(done.rows.filter(is_identity).map((row) => row.node))];
+    const said = [...others.map((id) => `${this.project.label(id)} is another device`), ...(differ ? [`${differ} values differ`] : [])];
+    if (!done.failed) this.project.said.text = said.join("; ") || "the devices are as the project has them";
     this.project.tell_silence(done.rows);
     this.draw();
   }
