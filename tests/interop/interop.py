@@ -61,6 +61,7 @@ import web_pace_checks  # noqa: F401
 import web_settings_checks  # noqa: F401
 import web_project_checks  # noqa: F401
 import web_trace_checks  # noqa: F401
+import web_transfer_checks  # noqa: F401
 import web_truth_checks  # noqa: F401
 import xdd_checks  # noqa: F401
 from kit import (DEVICE_FILES, HERE, PATIENCE, PYTHON, ROOT, Skip, args, check, checks, command, covers, first_plant, first_plant_file,

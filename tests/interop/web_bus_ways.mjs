@@ -20,6 +20,7 @@ seen.devices = await rows(/^Devices found by LSS/);
 await lss.getByLabel("from").fill("10");
 seen.assigned = await press(lss, "Give them node-IDs");
 seen.named = await rows(/^Devices found by LSS/);
+await picture(page, "lss", "#buses");
 seen.none_left = await press(lss, "Find devices without a node-ID");
 await scan.getByLabel("nodes").fill("11-20");
 seen.scanned = await press(scan, "Scan");

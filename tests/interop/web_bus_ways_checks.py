@@ -53,4 +53,5 @@ def web_error_frames_and_arbitration_in_chromium():
     require(seen["parts"] == ["frame", "error flag", "error delimiter"], seen["parts"])
     require(seen["bits"][0] == 31 and 6 <= seen["bits"][1] <= 12 and seen["bits"][2] == 8 and seen["wrong"] == 1, seen["bits"])
     require(re.match(r"Nobody else began to send with it\.|Lost the arbitration to it: ", seen["lost"]), seen["lost"])
+    require(seen["cut_off"] == 0, f"the right-hand {seen['cut_off']} pixels of the error counters are not in sight")
     require(len(seen["waiting"]) == 4 and all(re.fullmatch(r"\d+, at most \d+", one) for one in seen["waiting"]), seen["waiting"])

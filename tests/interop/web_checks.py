@@ -258,6 +258,7 @@ def web_views_in_chromium():
                                  "Messages", "Events"] and seen["lamps"] == 4, seen["tree"])
         require("encoder" in seen["tree_node"] and seen["tree_focus"] == ["messages-title", True], seen)
         require("line1" in seen["tree_bus"] and not seen["tree_narrow"], seen)
+        require(min(seen["narrow"]) >= 160, f"{seen['narrow']} pixels for the names")
         rows = list(csv.DictReader((pictures_of("views") / "plots.csv").open(newline="")))
         require(len(rows) > 6 and "6004:00" in rows[0]["name"] and float(rows[-1]["time (s)"]) > float(rows[0]["time (s)"]), rows[:3])
 
@@ -273,5 +274,5 @@ def web_reason_in_one_click():
         address, _ = page_of(plant)
         plant.wait(lambda e: e["event"] == "boot slave" and e["node"] == 4 and e.get("error") == "M")
         seen = look_at_views(address, "reason", "drive")
-        require(seen["problems"] == [] and seen["reason"]["in_sight"], seen)
+        require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [] and seen["reason"]["in_sight"], seen)
         require("1018H:02 reads 00000402H" in seen["reason"]["text"] and "expected 00001234H" in seen["reason"]["text"], seen["reason"])

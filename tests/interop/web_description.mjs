@@ -1,6 +1,6 @@
 // A real browser on the description of what has the focus and on the strip with the newest events. Says as JSON what it saw.
 // `node web_description.mjs CHROMIUM URL FOLDER`; judged by web_description_checks.py.
-import { end, folder, judge, open as open_page, seen, url } from "./page_kit.mjs";
+import { end, judge, open as open_page, picture, seen, url } from "./page_kit.mjs";
 
 const open = async (hash, options) => {
   const page = await open_page(url + hash, options);
@@ -24,7 +24,8 @@ await wide.locator("#objects-table tbody td").first().click();
 await wide.waitForFunction(() => document.querySelector("#description-meaning").textContent.startsWith("An object of the device"));
 seen.own = await facts(wide);
 await judge(wide, "description 1920");
-await wide.screenshot({ path: `${folder}/description-light-1920.png` });
+await picture(wide, "description", null);
+await wide.setViewportSize({ width: 1920, height: 1080 });
 // Words of the buffer memory.
 await wide.evaluate(() => { location.hash = "#words/0"; });
 await wide.fill("#words-find", "g24");

@@ -11,5 +11,6 @@ seen.bits = found.map(([, count]) => count);
 seen.wrong = await page.locator("#error-frames .wrong").count();
 seen.lost = await page.textContent("#strip .lost-here");
 seen.waiting = await page.locator("#counters tbody td:nth-child(7)").allTextContents();
-await picture(page, "error-frames", "#bus-section", ["light"]);
+await picture(page, "error-frames", "#bus-section");
+seen.cut_off = await page.evaluate(() => document.getElementById("counters").scrollWidth - document.getElementById("counters").clientWidth);
 await end();

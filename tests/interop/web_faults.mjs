@@ -1,6 +1,6 @@
 // A real browser on the faults of a run's page. Says as JSON what it saw. `node web_faults.mjs CHROMIUM URL FOLDER`; pictures go
 // into FOLDER. Judged by web_project_checks.py.
-import { counted, end, open, picture, seen, url } from "./page_kit.mjs";
+import { counted, end, judge, open, picture, seen, url } from "./page_kit.mjs";
 
 const page = await open();
 await page.waitForSelector("#faults-section:not([hidden])");
@@ -54,6 +54,7 @@ await page.keyboard.press("Enter");
 await page.waitForFunction((n) => Number(document.querySelector("#trace tr[aria-selected]")?.dataset.n) === Number(n) + 1, first);
 await page.keyboard.press("f");
 await page.waitForSelector("#frame-menu:not([hidden])");
+await judge(page, "what if");
 seen.by_keys = await counted(page, async () => {
   await page.keyboard.press("Enter");
   await page.waitForFunction(() => document.activeElement.id === "fault-run");

@@ -19,7 +19,7 @@ await page.keyboard.press("Enter");
 await page.waitForFunction((from) => parseFloat(document.getElementById("time").textContent) >= from + 0.95 && document.getElementById("where").textContent.endsWith("PAUSED"), before);
 await page.waitForTimeout(300);
 seen.stepped = (await time() - before).toFixed(1);
-await picture(page, "paused", null, ["light"]);
+await picture(page, "paused", null);
 await page.selectOption("#pace [aria-label='Speed of plant time']", "10");
 await button("Run").click();
 seen.faster = await where("SIMULATED ×10");

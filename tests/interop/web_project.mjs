@@ -1,7 +1,7 @@
 // A real browser on the page of a project: what people do there, with their clicks and typed characters counted. Says as JSON what
 // it saw. `node web_project.mjs CHROMIUM URL FOLDER EDS`; pictures go into FOLDER. Judged by web_project_checks.py.
 import { readFileSync } from "node:fs";
-import { counted, end, folder, more, open, picture, seen, url } from "./page_kit.mjs";
+import { counted, end, folder, judge, more, open, picture, seen, url } from "./page_kit.mjs";
 
 const [eds] = more;
 const page = await open();
@@ -89,7 +89,9 @@ await page.waitForSelector("#project-objects tr.differs");
 await idle();
 seen.compared = await said();
 seen.differs = await texts("#project-objects tr.differs");
+seen.devices = await texts("#project-nodes td:nth-child(7)");
 await picture(page, "project", "#project-section");
+seen.cut_off = await page.locator("#pdo-part [aria-label=PDOs]").evaluate((one) => one.scrollWidth - one.clientWidth);
 
 // Nothing is written on a live bus before it is armed.
 await way("Transfer").click();
@@ -123,6 +125,7 @@ seen.w6 = await counted(page, async () => {
   await page.locator("#project-node-form button", { hasText: "Accept this device" }).click();
   await page.waitForSelector("#project-accepted:not([hidden]) tr");
   seen.will_accept = await texts("#project-accepted tr");
+  await judge(page, "accept this device");
   await page.click("#project-accept");
   await page.waitForFunction(() => document.querySelector("#project-said b").textContent === "this device is the project's now");
 });

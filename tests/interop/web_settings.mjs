@@ -1,7 +1,7 @@
 // A real browser on the settings of a module: the windows of its configuration tool, each field with values in and out of its range, and what goes to the module. Says as JSON
 // what it saw. `node web_settings.mjs CHROMIUM URL FOLDER FIELDS BACKUP`; FIELDS is a JSON file of { page, scope, name, refused, taken }. Judged by web_settings_checks.py.
 import { readFileSync } from "node:fs";
-import { counted, end, folder, more, open, picture, seen, url } from "./page_kit.mjs";
+import { counted, end, folder, judge, more, open, picture, seen, url } from "./page_kit.mjs";
 
 const [fields_file, backup] = more;
 const fields = JSON.parse(readFileSync(fields_file, "utf8"));
@@ -186,7 +186,7 @@ await button("OK").click();
 await page.waitForFunction(() => /read back/.test(document.querySelector("#settings-said b").textContent) || document.querySelector("#settings-said").dataset.mood === "error", null, { timeout: 60000 });
 seen.steps = await page.locator("#settings-page table").last().locator("tbody tr").allTextContents();
 seen.written = await said();
-await picture(page, "transfer", "#settings-section", ["light"]);
+await picture(page, "transfer", "#settings-section");
 await press("Compare");
 seen.compared = await page.textContent("#settings-page p[role=status]");
 
@@ -206,7 +206,7 @@ seen.sdo_no_object = await sdo({ Index: "0x6FFF" });
 seen.sdo_refused = [await sdo({ "Node ID": "128" }), await sdo({ "Node ID": "3", Index: "0x10000" }), await sdo({ Index: "0x1017", "Sub-index": "0x100" })];
 seen.sdo_write = await sdo({ "Sub-index": "0x00", "Data direction": "Write data", "Data length": "BYTE_LENGTH_2", "Data": "1500" });
 seen.sdo_after = await sdo({ "Data direction": "Read data" });
-await picture(page, "sdo", "#settings-section", ["light"]);
+await picture(page, "sdo", "#settings-section");
 
 // Network scan, module status, the reset of the NMT master, identities, hardware data.
 await go("scan");
@@ -222,6 +222,7 @@ await press("Clear error");
 await button("Reset").click();
 await page.waitForSelector("dialog[open]");
 await keep_names("reset");
+await judge(page, "reset");
 await page.getByRole("button", { name: "Yes", exact: true }).click();
 await page.waitForFunction(() => /has started again/.test(document.querySelector("#settings-said b").textContent), null, { timeout: 30000 });
 seen.reset = await said();
@@ -236,12 +237,13 @@ seen.identity = await page.locator(".details input").evaluateAll((all) => all.ma
 await go("basic");
 await press("Read all CANopen nodes");
 seen.hardware = await page.locator("#settings-page tbody tr").allTextContents();
-await picture(page, "nodes", "#settings-section", ["light"]);
+await picture(page, "nodes", "#settings-section");
 seen.asked = [];
 for (const name of ["Save Object Dictionary on all nodes", "Restore Object Dictionary to default on all nodes"]) {
   await button(name).click();
   await page.waitForSelector("dialog[open]");
   seen.asked.push(await page.textContent("dialog[open] p"));
+  await judge(page, name);
   await page.getByRole("button", { name: "No", exact: true }).click();
 }
 await press("Read module basic settings");

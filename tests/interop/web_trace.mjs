@@ -1,6 +1,6 @@
 // A real browser on the trace of a run's page: filters, folding, holding, statistics, export, keys, links. Says as JSON what it saw.
 // `node web_trace.mjs CHROMIUM URL FOLDER`; pictures and the exported files go into FOLDER. Judged by web_trace_checks.py.
-import { counted, end, folder, open, picture, seen, url } from "./page_kit.mjs";
+import { counted, end, folder, judge, open, picture, seen, url } from "./page_kit.mjs";
 
 const page = await open(`${url.split("#")[0]}#trace`);
 const lines = () => page.locator("#trace tbody tr").allTextContents();
@@ -81,6 +81,12 @@ await page.click("#trace-statistics");
 await page.waitForSelector("#trace-figures table");
 seen.figures = await page.locator("#trace-figures tbody tr", { hasText: "TPDO1 of 3" }).first().textContent();
 await picture(page, "trace", "#trace-section");
+
+// In a narrow window the meaning stays.
+await page.setViewportSize({ width: 700, height: 800 });
+seen.narrow = await page.locator("#trace th", { hasText: "Meaning" }).evaluate((one) => one.offsetWidth);
+await judge(page, "trace 700");
+await page.setViewportSize({ width: 1280, height: 800 });
 
 // Another page opens the link, and hostile ones do no harm.
 const other = await open(`${url.split("#")[0]}#trace/${encodeURIComponent("node=3 service=error-control")}`);

@@ -31,6 +31,7 @@ def web_trace_in_chromium():
     require(seen["wrong"] == 'service=sdp: unknown service; did you mean "sdo"?' and seen["invalid"] == "true", seen["wrong"])
     require(seen["link"] == "#trace/id%3D183" and seen["linked"] == "node=3 service=error-control" and seen["hostile"] == 0, seen)
     require(re.search(r"\b0 lines of \d+ frames", seen["last"]), seen["last"])
+    require(seen["narrow"] >= 160, f"{seen['narrow']} pixels for the meaning of a line")
     require("+0.0" in seen["delta"] and re.search(r"183HTPDO1 of 3 \(encoder\)\d+", seen["figures"]), seen)
     # Nothing but 183H, and one frame a line; the other format has no fewer.
     log = (pictures / "trace.candump").read_text().splitlines()

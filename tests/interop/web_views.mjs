@@ -21,7 +21,7 @@ if (red) {
     const place = row?.getBoundingClientRect();
     return { text: row?.textContent, in_sight: scrollY === 0 && place?.top >= 0 && place?.bottom <= innerHeight };
   });
-  await page.screenshot({ path: `${folder}/reason-light-1280.png` });
+  await picture(page, "reason", null);
   await end();
   process.exit(0);
 }
@@ -51,6 +51,8 @@ const page = await open("");
 const texts = (selector) => page.locator(selector).allTextContents();
 // By keys alone: to the bus, to a frame's bits.
 await page.keyboard.press("Control+K");
+await page.waitForSelector("#go-to[open]");
+await judge(page, "go to");
 await page.keyboard.type("bus line1");
 await page.keyboard.press("Enter");
 await page.waitForSelector("#can-ids a");
@@ -71,6 +73,7 @@ seen.sync = await page.textContent("#bus-sync");
 seen.sdo_times = await page.locator("#counters tbody td:last-child").allTextContents();
 await page.keyboard.press("?");
 seen.keys_open = await page.evaluate(() => document.getElementById("keys").open);
+await judge(page, "keys");
 await page.keyboard.press("Escape");
 await page.keyboard.press("Escape");
 await page.waitForFunction(() => document.getElementById("bus-section").hidden);
@@ -157,6 +160,15 @@ await wide.waitForFunction(() => document.getElementById("bus-title").textConten
 seen.tree_bus = await wide.textContent("#bus-title");
 await wide.setViewportSize({ width: 800, height: 800 });
 seen.tree_narrow = await wide.locator("#tree").isVisible();
+// Nor has it columns that leave no place for names.
+await wide.setViewportSize({ width: 700, height: 800 });
+seen.narrow = [];
+for (const [hash, table] of [["#objects/1", "#objects-table"], ["#words/0", "#words-table"]]) {
+  await wide.evaluate((link) => { location.hash = link; }, hash);
+  await wide.waitForSelector(`${table} tbody tr`);
+  seen.narrow.push(await wide.locator(`${table} th`, { hasText: "Name" }).evaluate((one) => one.offsetWidth));
+  await judge(wide, `${hash} 700`);
+}
 
 // What is known of a node: figures over a second, heartbeat, SDO answers, boot.
 const figures = await open("");

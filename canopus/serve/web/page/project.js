@@ -1,5 +1,8 @@
 // A project of a bus as the program's own commands show and change it (docs/project.md), and what its devices were found to have.
 
+/// Of diff and write: what a device says of itself otherwise than the project.
+export const is_identity = (row) => row.state === "different" && /^10(00|18):/.test(row.object ?? "");
+
 export class Project {
   /// `bus`: of the server's greeting. `changed`: called when something is to be drawn.
   constructor(bus, commands, changed) {
@@ -110,6 +113,10 @@ export class Project {
   /// Rows of diff, write and read: what the devices have.
   found(rows) {
     for (const row of rows) {
+      // What it had before it was written is not what it has now.
+      if (row.write !== undefined && row.state !== "would be written") this.forget(row.node);
+      // Nothing else is said of it: it was left alone.
+      if (is_identity(row)) this.states.set(row.node, { state: "different", reason: "another device" });
       if (row.object !== undefined && row.state !== undefined && row.write === undefined) this.device.set(`${row.node} ${row.object}`, row);
       else if (row.node !== undefined && row.write === undefined && row.state !== undefined) {
         this.states.set(row.node, row);

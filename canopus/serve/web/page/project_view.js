@@ -1,8 +1,9 @@
 // The project of a bus: its nodes, what does not fit, a node's values beside those of its device, and what goes to the devices.
 import { make, set_text } from "./dom.js";
-import { Project } from "./project.js";
+import { Project, is_identity } from "./project.js";
 import { PdoView } from "./pdo_view.js";
 import { words_of } from "./value_words.js";
+import { plan_of, results_of } from "./transfer.js";
 
 const most_rows = 300;
 const percent = (share) => `${(100 * share).toFixed(1)} %`;
@@ -161,7 +162,9 @@ export class ProjectView {
     const done = await this.project.run({ command: "project diff" }, { fine: [0, 4], told: (rows) => this.project.found(rows) });
     this.project.found(done.rows);
     const differ = done.rows.reduce((sum, row) => sum + (row.differ ?? 0), 0);
-    if (!done.failed) this.project.said.text = differ === 0 ? "the devices are as the project has them" : `${differ} values differ`;
+    const others = [...new Set(done.rows.filter(is_identity).map((row) => row.node))];
+    const said = [...others.map((id) => `${this.project.label(id)} is another device`), ...(differ ? [`${differ} values differ`] : [])];
+    if (!done.failed) this.project.said.text = said.join("; ") || "the devices are as the project has them";
     this.project.tell_silence(done.rows);
     this.draw();
   }
@@ -198,30 +201,42 @@ export class ProjectView {
     this.is_planned = false;
     this.plan = [];
     this.results = [];
-    this.project.forget(null);
-    this.draw();
-    const done = await this.project.run({ command: "project write" }, { fine: [0, 4] });
-    this.plan = done.rows.filter((row) => row.object !== undefined);
-    this.project.found(done.rows);
-    this.project.tell_silence(done.rows);
-    this.is_planned = !done.failed;
+    await this.look_at_plan();
     this.draw();
     this.write_button.focus();
   }
 
+  async look_at_plan() {
+    this.project.forget(null);
+    this.draw();
+    const done = await this.project.run({ command: "project write" }, { fine: [0, 4] });
+    this.plan = plan_of(done.rows);
+    this.project.found(done.rows);
+    this.project.tell_silence(done.rows);
+    this.is_planned = !done.failed;
+  }
+
   async write() {
+    // Somebody may have written to the devices since the list was shown: nothing is written that was not in it.
+    const shown_plan = JSON.stringify(this.plan);
+    await this.look_at_plan();
+    if (JSON.stringify(this.plan) !== shown_plan) {
+      if (this.is_planned) Object.assign(this.project.said, { text: "the devices have changed since this list was made: look at it again", mood: "error" });
+      return this.draw();
+    }
     const tell = (rows) => {
-      this.results = rows.filter((row) => row.write !== undefined);
+      this.results = results_of(rows);
       this.draw_transfer();
     };
     const done = await this.project.run({ command: "project write", yes: true }, { told: tell });
     tell(done.rows);
     this.project.found(done.rows);
-    const summary = done.rows.find((row) => row.event === "summary");
+    const bad = this.results.filter((row) => row.state !== "written").length;
+    if (bad && !done.message) Object.assign(this.project.said, { text: `${bad} of ${this.results.length} values are not written; the list says why`, mood: "error" });
+    if (!done.failed && !bad && this.results.length) this.project.said.text = `${this.results.length} values are written and read back`;
     this.project.tell_silence(done.rows);
     // What was refused before it began is still to be written.
     if (!done.failed || this.results.length) this.plan = [];
-    if (!done.failed && summary) this.project.said.text = `${this.results.length} values are written and read back`;
     this.draw();
   }
 
@@ -429,13 +444,14 @@ export class ProjectView {
     this.transfer_part.hidden = !this.is_transfer;
     if (!this.is_transfer) return;
     const running = this.project.running !== null;
-    this.write_button.disabled = running || this.plan.length === 0;
+    const count = this.plan.filter((row) => row.is_to_be_written).length;
+    this.write_button.disabled = running || count === 0;
     const bad = this.results.filter((row) => row.state !== "written").length;
     set_text(this.transfer_facts, running && !this.results.length ? "asks the devices …" : this.results.length
-      ? `${this.results.length - bad} of ${this.results.length} written` : this.plan.length ? `${this.plan.length} values differ; this is what will be written`
+      ? `${this.results.length - bad} of ${this.results.length} written` : count ? `${count} values differ; this is what will be written`
         : this.is_planned ? "nothing is to be written" : "what is to be written is not known");
     const rows = this.results.length
-      ? this.results.map((row) => [row.node, row.write, "", shown(row.value), "", row.state, row.reason ?? ""])
+      ? this.results.map((row) => [row.node, row.write ?? row.object, row.name ?? "", shown(row.value ?? row.project), shown(row.device), row.state, row.reason ?? ""])
       : this.plan.map((row) => [row.node, row.object, row.name ?? "", shown(row.project), shown(row.device), row.state, row.reason ?? ""]);
     const text = JSON.stringify(rows);
     if (this.transfer_rows.dataset.text === text) return;

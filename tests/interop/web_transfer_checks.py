@@ -1,0 +1,83 @@
+"""Checks of a transfer on the page of a project that does not go as it should: refused values, a device that keeps none, another device, and
+somebody who writes to the devices meanwhile."""
+import json
+import shutil
+
+from kit import HERE, Skip, check, command, node_modules, program, require, running_page, scratch
+from project_checks import DEVICES, lines, new_project, plant_of, project
+from web_checks import page_with_key, pictures_of
+
+
+@check
+def web_transfer_says_what_was_not_written():
+    """Each step with its abort; what the device has now counts; nothing is written that was not in the list."""
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if not chromium:
+        raise Skip("no Chromium: tools/install-packages check")
+    node_modules()
+    folder = new_project("web-transfer", (3, "encoder", DEVICES / "encoder.eds"), (5, "drive", DEVICES / "drive.eds"), (7, "other", DEVICES / "drive.eds"))
+    project("set", folder, "encoder", "1017=300")
+    project("set", folder, "drive", "1017=500", "6081=2000", "6083=3000", "6084=4000")
+    project("pdo", "map", folder, "drive", "tpdo1", "Statusword", "6077", "--can-id", "0x1AB")
+    project("set", folder, "other", "1017=500")
+    # The drive takes at most 1500 for 6081H and has 6077H in no PDO; its 6084H is what it is, whatever it acknowledges. Node 7 is no drive.
+    text = (DEVICES / "drive.eds").read_text()
+    for old, new in (("ParameterName=Profile velocity\n", "ParameterName=Profile velocity\nHighLimit=1500\n"),
+                     ("PDOMapping=1", "PDOMapping=0")):
+        at = text.index("[6077]") if "PDO" in old else 0
+        require(old in text[at:], old)
+        text = text[:at] + text[at:].replace(old, new, 1)
+    strict = scratch / "strict-drive.eds"
+    strict.write_text(text)
+    forced = '[[device.script]]\nat = "0s"\nset = { object = "6084", value = 7 }\n'
+    with plant_of("web-transfer", [(3, DEVICES / "encoder.eds", ""), (5, strict, forced), (7, DEVICES / "encoder.eds", "")]) as plant:
+        bus = f"socketcand:{plant.socketcand}"
+        with running_page(folder, "--bus", bus) as page:
+            seen = json.loads(command("node", HERE / "web_transfer.mjs", chromium, page_with_key(page), pictures_of("transfer"), program, bus, timeout=240).stdout)
+        # The command line looks anew, says what it found, and writes that.
+        command(program, "sdo", "write", "5", "6083", "555", "--type", "u32", "--bus", bus)
+        said = lines("write", folder, "5", "--yes", bus=plant.socketcand, expect=6)
+    require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
+    found = next(i for i, row in enumerate(said) if row.get("object") == "6083:00")
+    written = next(i for i, row in enumerate(said) if row.get("write") == "6083:00")
+    require(found < written and said[found]["device"] == 555 and said[written]["state"] == "written", said)
+
+    plan = {(row[0], row[1]): row for row in seen["plan"]}
+    wanted = ["1017:00", "1800:01", "1A00:00", "1A00:02", "6081:00", "6083:00", "6084:00"]
+    require([row[1] for row in seen["plan"] if row[0] == "5 drive"] == wanted and ("3 encoder", "1017:00") in plan, seen["plan"])
+    others = [row for row in seen["plan"] if row[0] == "7 other"]
+    require([row[1] for row in others] == ["1000:00", "1018:02"] and all(row[6] == "it is another device, which is left alone" for row in others), others)
+    require(seen["plan_facts"] == "8 values differ; this is what will be written", seen["plan_facts"])
+
+    require("have changed since this list was made" in seen["changed"], seen["changed"])
+    anew = {(row[0], row[1]): row for row in seen["plan_anew"]}
+    require(plan["5 drive", "6083:00"][4] == "10000" and anew["5 drive", "6083:00"][4] == "777", seen["plan_anew"])
+    require(json.loads(seen["untouched"])["value"] == 0, "it was written before somebody had looked at the new list")
+
+    results = [(row[0], row[1], row[5]) for row in seen["results"]]
+    require(results == [("3 encoder", "1017:00", "written"),
+                        ("5 drive", "1017:00", "written"),
+                        ("5 drive", "1800:01", "written"), ("5 drive", "1A00:00", "written"), ("5 drive", "1A00:02", "refused"),
+                        ("5 drive", "1A00:00", "not tried"), ("5 drive", "1800:01", "not tried"),
+                        ("5 drive", "6081:00", "refused"),
+                        ("5 drive", "6083:00", "written"),
+                        ("5 drive", "6084:00", "acknowledged, but not kept"),
+                        ("7 other", "1000:00", "different"), ("7 other", "1018:02", "different")], results)
+    reasons = [row[6] for row in seen["results"]]
+    require(reasons[4].startswith("abort 06040041H: ") and reasons[7] == "abort 06090031H: value too high", reasons)
+    require(reasons[5] == reasons[6] == "not tried: the PDO stays off, as another part of it was refused", reasons)
+    require(reasons[9:] == ["the device has 7 now"] + ["it is another device, which is left alone"] * 2, reasons)
+    read_back = {row[1]: row[4] for row in seen["results"][1:10]}
+    require(read_back == {"1017:00": "500", "1800:01": "2147484075", "1A00:00": "0", "1A00:02": "0", "6081:00": "1000", "6083:00": "3000", "6084:00": "7"}, read_back)
+    require([row[2] for row in seen["results"]][7:9] == ["Profile velocity", "Profile acceleration"], seen["results"])
+    require(seen["green"] == [object for _, object, state in results if state == "written"], seen["green"])
+    require(seen["facts"] == "5 of 12 written" and seen["mood"] == "error", seen["facts"])
+    require(seen["said"] == "7 of 12 values are not written; the list says why", seen["said"])
+    # Another program reads what the page says.
+    values = {name: json.loads(text)["value"] for name, text in seen["values"].items()}
+    require((values["1017"], values["6081"], values["6083"], values["6084"]) == (500, 1000, 3000, 7), values)
+    require(values["1800:01"] & 0x80000000, "the PDO is on with half of its mapping")
+
+    require(seen["devices"][0] == "as the project" and seen["devices"][1].endswith(" differ"), seen["devices"])
+    require(sorted(seen["differs"]) == ["1800:01", "1A00:00", "1A00:02", "6081:00", "6084:00"], seen["differs"])
+    require(sorted(seen["same"]) == ["1017:00", "6083:00"], seen["same"])
