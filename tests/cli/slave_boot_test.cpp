@@ -89,8 +89,8 @@ TEST_F(SlaveBootTest, AMissingSlave_IsInTheTableWithWhatToCheck) {
   run(R"("1F81:09" = 0x05)", 4200ms);  // node 9: assigned, boot slave, not mandatory
   EXPECT_THAT(picture(),
               HasSubstr("   9  -             not booted       -          -             -\n"
-                        "      no answer to 1000H, waiting to ask again, since 0.2 s. Asked 2 times\n"
-                        "      without an answer. Check that the device is powered and connected, has\n"));
+                        "      no answer to 1000H, waiting to ask again, for 0.2 s. Asked 2 times without\n"
+                        "      an answer. Check that the device is powered and connected, has this\n"));
   const plant::SlaveBoot missing = plant->boots().back();
   EXPECT_EQ(missing.slave.node_id, 9);
   EXPECT_EQ(missing.slave.name, "");

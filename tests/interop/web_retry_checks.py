@@ -50,6 +50,7 @@ def web_retry_of_a_halted_start_up():
     with running(plant_with_wrong_product("retry-all.toml", mandatory=True), words=["--web"]) as plant:
         plant.wait(lambda e: e["event"] == "boot slave" and e["node"] == 4 and e.get("error") == "M")
         on_bus(plant, "sdo", "write", "1", "1F86:04", "0x402", "--type", "u32")
+        on_bus(plant, "sdo", "write", "1", "1010:01", "0x65766173", "--type", "u32")  # the master is reset, too
         seen = look(page_with_key(plant))
         require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
         require(len(seen["halts"]) == 1 and "master 1 ME3CAN1-Q U0 has halted its start-up: a mandatory slave was not booted." in seen["halts"][0], seen)

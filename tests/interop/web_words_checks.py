@@ -43,5 +43,10 @@ def values_of_the_communication_profile_in_words():
     script = (f'import {{ words_of }} from {json.dumps(str(ROOT / "canopus/serve/web/page/value_words.js"))};'
               f"console.log(JSON.stringify({json.dumps([list(key) for key in WORDS])}.map(([object, value]) => words_of(object, value))));")
     said = json.loads(command("node", "--input-type=module", "--eval", script).stdout)
+    script = (f'import {{ value_text }} from {json.dumps(str(ROOT / "canopus/serve/web/page/value_words.js"))};'
+              'console.log([value_text("1400:01", 0x80000183), value_text("1A00:01", 7), value_text("1A00:00", 2), value_text("1017:00", 500),'
+              ' value_text("1018:02", 0x402), value_text("1800:01", "$NODEID+0x180"), value_text("1017:00", null)].join("|"));')
+    texts = command("node", "--input-type=module", "--eval", script).stdout.strip()
+    require(texts == "0x80000183|0x00000007|2|500|0x00000402|$NODEID+0x180|", texts)
     for (place, words), shown in zip(WORDS.items(), said, strict=True):
         require(shown == words, f"{place}: {shown!r} instead of {words!r}")

@@ -304,7 +304,7 @@ TEST_F(BootSlave, Explanation_OfAMissingSlave_SaysHowOftenItWasAskedAndWhatToChe
   const std::string words = explain(master.boot_record(2), 2, now);
   EXPECT_THAT(words, HasSubstr("Node 2"));
   EXPECT_THAT(words, HasSubstr("Asked 2 times without an answer"));
-  EXPECT_THAT(words, HasSubstr("since 0.5 s"));
+  EXPECT_THAT(words, HasSubstr(", for 0.5 s"));
   EXPECT_THAT(words, HasSubstr("bit rate"));
 }
 

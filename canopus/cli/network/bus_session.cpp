@@ -1,6 +1,7 @@
 #include "canopus/cli/network/bus_session.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
@@ -43,6 +44,11 @@ std::string_view state_name(WriteStep::State state) {
 std::string words(std::span<const std::uint8_t> bytes, canopen::DataType type) {
   const auto value = client::show_value(bytes, type);
   return value ? *value : client::show_bytes(bytes);
+}
+
+std::string found_text(const ComparedValue& value) {
+  const auto text = network::value_text(value.object, value.type, value.found);
+  return text ? *text : words(value.found, value.type);
 }
 
 bool has(const std::vector<WriteStep>& steps, WriteStep::State state) {
@@ -88,7 +94,7 @@ void BusSession::write(const ProjectNode& node) {
   }
   if (!arguments_.yes) {
     tell_result(node, *values, "");
-    for (const WriteStep& step : steps) tell(node, step, false);
+    for (const WriteStep& step : steps) tell(node, step, "would be written", {}, false);
     return;
   }
   tell_differences(node, *values);
@@ -99,7 +105,7 @@ void BusSession::write(const ProjectNode& node) {
   // What counts is what the device has now, not what it said while it was written.
   const auto now =
       has(steps, WriteStep::State::not_answered) ? std::nullopt : values_of_device(node, objects);
-  for (const WriteStep& step : steps) tell(node, step, now.has_value());
+  tell_writes(node, steps, now ? &*now : nullptr);
   if (!now)
     return silent(node, "no longer answers: whether it keeps what it has acknowledged cannot be known");
   if (has(steps, WriteStep::State::refused)) ++summary_.refused;
@@ -237,27 +243,48 @@ void BusSession::tell(const ProjectNode& node, const ComparedValue& value) {
              value.reason.empty() ? words(value.found, value.type) : "- (" + value.reason + ")", title);
 }
 
-void BusSession::tell(const ProjectNode& node, const WriteStep& step, bool is_read_back) {
+void BusSession::tell_writes(const ProjectNode& node, const std::vector<WriteStep>& steps,
+                             const Values* now) {
+  constexpr std::string_view not_read_back = "acknowledged, not read back";
+  for (auto step = steps.begin(); step != steps.end(); ++step) {
+    if (step->state != WriteStep::State::written) {
+      tell(node, *step, state_name(step->state), step->reason, step->state != WriteStep::State::not_tried);
+      continue;
+    }
+    // A device that has lost its supply since may have lost the value, too.
+    if (now == nullptr) {
+      tell(node, *step, not_read_back, {}, true);
+      continue;
+    }
+    // A PDO is switched off first: only the last write of an object is there in the end.
+    const bool is_last =
+        std::ranges::find(std::next(step), steps.end(), step->object, &WriteStep::object) == steps.end();
+    const auto found = std::ranges::find(*now, step->object, &ComparedValue::object);
+    if (!is_last || found == now->end() || found->state == ComparedValue::State::same) {
+      tell(node, *step, state_name(step->state), {}, false);
+    } else if (found->state == ComparedValue::State::different) {
+      tell(node, *step, "acknowledged, but not kept", "the device has " + found_text(*found) + " now", true);
+    } else {
+      tell(node, *step, not_read_back, found->reason, true);
+    }
+  }
+}
+
+void BusSession::tell(const ProjectNode& node, const WriteStep& step, std::string_view state,
+                      const std::string& reason, bool is_bad) {
   const canopen::Entry entry = node.device->dictionary->find(step.object.index, step.object.sub);
   const canopen::DataType type = entry ? entry.description->type : canopen::DataType::none;
-  // A device that has lost its supply since may have lost the value, too.
-  const bool is_acknowledged = step.state == WriteStep::State::written && !is_read_back;
-  const std::string_view state = !arguments_.yes   ? "would be written"
-                                 : is_acknowledged ? "acknowledged, not read back"
-                                                   : state_name(step.state);
   if (arguments_.bus.json) {
     Json json{{"node", node.id()},
               {"write", object_text(step.object)},
               {"value", client::json_value(step.value, type)},
               {"state", state}};
-    if (!step.reason.empty()) json["reason"] = step.reason;
+    if (!reason.empty()) json["reason"] = reason;
     return print_json(json);
   }
-  const bool is_bad = is_acknowledged || step.state == WriteStep::State::refused ||
-                      step.state == WriteStep::State::not_answered;
   print_line("{}: {} = {}: {}{}", node.shown_name(), object_text(step.object), words(step.value, type),
              paint(state, is_bad ? "31" : "32", arguments_.yes && wants_colour(STDOUT_FILENO)),
-             step.reason.empty() || !is_bad ? "" : ", " + step.reason);
+             reason.empty() || !is_bad ? "" : ", " + reason);
 }
 
 void BusSession::tell_taken(const ProjectNode& node, const ComparedValue& value, const std::string& why_not) {

@@ -39,8 +39,11 @@ class BusSession {
   void save(const project::ProjectNode& node, BusObjects& objects);
 
   void tell(const project::ProjectNode& node, const network::ComparedValue& value);
-  /// What was written counts as written once the device was read back.
-  void tell(const project::ProjectNode& node, const network::WriteStep& step, bool is_read_back);
+  void tell(const project::ProjectNode& node, const network::WriteStep& step, std::string_view state,
+            const std::string& reason, bool is_bad);
+  /// `now`: what the device has behind the writes; none: it was not read back, or nothing was written.
+  void tell_writes(const project::ProjectNode& node, const std::vector<network::WriteStep>& steps,
+                   const Values* now);
   void tell_differences(const project::ProjectNode& node, const Values& values);
   void tell_result(const project::ProjectNode& node, const Values& values, std::string_view good);
   void tell_taken(const project::ProjectNode& node, const network::ComparedValue& value,

@@ -7,7 +7,7 @@
 //   plc1 U0  X00 X02  Y03   G25 = 33281 (8201H)                                   signals ON, watched words
 //   Node  Name           NMT state        Last EMCY  CAN      PDO/s
 //      3  encoder        not booted       -          -            0               the body scrolls, trouble first
-//         no answer to 1000H, waiting to ask again, since 0.2 s. ...
+//         no answer to 1000H, waiting to ask again, for 0.2 s. ...
 //      1  ME3CAN1-Q U0   operational      -          -           50
 //   … 97 more nodes
 //       1.007  line1 node 3 (encoder): failed (M, ...)                            errors and warnings

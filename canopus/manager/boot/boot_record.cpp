@@ -215,7 +215,8 @@ std::string explain(const BootRecord& record, can::Time now) {
   if (record.step != BootStep::idle) {
     char duration[32];
     std::snprintf(duration, sizeof duration, "%.1f", seconds(now) - seconds(record.since));
-    text += ", since " + std::string(duration) + " s";
+    const bool has_ended = record.step == BootStep::booted || record.step == BootStep::failed;
+    text += has_ended ? ", " + std::string(duration) + " s ago" : ", for " + std::string(duration) + " s";
   }
   text += ".";
   const std::string more = advice(record);

@@ -12,7 +12,7 @@ function spans(slave, now) {
   return slave.steps.map((step, place) => {
     const next = slave.steps[place + 1];
     const is_end = ["done", "failed"].includes(kind_of(step));
-    return { ...step, end: next ? next.t : is_end ? step.t : now, kind: kind_of(step) };
+    return { ...step, end: is_end ? step.t : next ? next.t : now, kind: kind_of(step) };
   });
 }
 

@@ -59,7 +59,7 @@ export class ObjectView {
   draw(event) {
     if (event.number !== this.number) return;
     this.event = event;
-    set_text(this.count, `${event.of} sub-indexes`);
+    set_text(this.count, event.of === 1 ? "1 sub-index" : `${event.of} sub-indexes`);
     this.space.style.height = `${event.of * row_height + row_height}px`;
     this.table.style.top = `${event.from * row_height}px`;
     const body = this.table.tBodies[0];

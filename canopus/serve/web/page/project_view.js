@@ -2,7 +2,7 @@
 import { make, set_text } from "./dom.js";
 import { Project, is_identity } from "./project.js";
 import { PdoView } from "./pdo_view.js";
-import { words_of } from "./value_words.js";
+import { value_text, words_of } from "./value_words.js";
 import { plan_of, results_of } from "./transfer.js";
 
 const most_rows = 300;
@@ -418,8 +418,8 @@ export class ProjectView {
     const may_set = this.may_configure && row.access !== "ro" && row.access !== "const" && row.value !== null;
     const range = row.low !== undefined || row.high !== undefined ? `${shown(row.low)} … ${shown(row.high)}` : "";
     const value = may_set
-      ? make("input", { value: shown(row.value), "data-object": row.object, "data-value": shown(row.value), autocomplete: "off", "aria-label": `${row.object} ${row.name}`, title: range })
-      : shown(row.value);
+      ? make("input", { value: value_text(row.object, row.value), "data-object": row.object, "data-value": value_text(row.object, row.value), autocomplete: "off", "aria-label": `${row.object} ${row.name}`, title: range })
+      : value_text(row.object, row.value);
     const project = make("td", { class: row.configured ? "configured" : "" }, value);
     if (row.configured && may_set) {
       project.append(" ", make("button", { type: "button", class: "plain", "data-unset": row.object, "aria-label": `Default of ${row.object}`, title: `default ${row.default ?? ""}` }, "default"));
@@ -428,10 +428,10 @@ export class ProjectView {
     const compared = this.project.unwritten.has(`${this.opened} ${row.object}`) ? "not yet written"
       : device ? (device.state === "different" ? "differs" : device.state) : is_known ? "same" : "";
     const line = make("tr", { class: { differs: "differs", same: "same", "not yet written": "unwritten" }[compared] ?? "" }, make("th", { scope: "row" }, row.object), make("td", { title: row.name }, row.name),
-      make("td", {}, row.type), make("td", {}, row.access), project, make("td", {}, device ? shown(device.device) : compared === "same" ? shown(row.value) : ""),
+      make("td", {}, row.type), make("td", {}, row.access), project, make("td", {}, device ? value_text(row.object, device.device) : compared === "same" ? value_text(row.object, row.value) : ""),
       make("td", {}, device?.reason ?? compared), make("td", { class: "faint" }, range));
     line.described = { title: row.name, object: row.object,
-      rows: [["Object", row.object], ["Type", row.type], ["Access", row.access], ["Range", range], ["Default", shown(row.default)], ["Project", shown(row.value)], ["In words", words_of(row.object, row.value)], ["Device", device ? shown(device.device) : ""], ["Difference", device?.reason ?? compared]] };
+      rows: [["Object", row.object], ["Type", row.type], ["Access", row.access], ["Range", range], ["Default", value_text(row.object, row.default)], ["Project", value_text(row.object, row.value)], ["In words", words_of(row.object, row.value)], ["Device", device ? value_text(row.object, device.device) : ""], ["Difference", device?.reason ?? compared]] };
     return line;
   }
 
@@ -451,8 +451,8 @@ export class ProjectView {
       ? `${this.results.length - bad} of ${this.results.length} written` : count ? `${count} values differ; this is what will be written`
         : this.is_planned ? "nothing is to be written" : "what is to be written is not known");
     const rows = this.results.length
-      ? this.results.map((row) => [row.node, row.write ?? row.object, row.name ?? "", shown(row.value ?? row.project), shown(row.device), row.state, row.reason ?? ""])
-      : this.plan.map((row) => [row.node, row.object, row.name ?? "", shown(row.project), shown(row.device), row.state, row.reason ?? ""]);
+      ? this.results.map((row) => [row.node, row.write ?? row.object, row.name ?? "", value_text(row.write ?? row.object, row.value ?? row.project), value_text(row.write ?? row.object, row.device), row.state, row.reason ?? ""])
+      : this.plan.map((row) => [row.node, row.object, row.name ?? "", value_text(row.object, row.project), value_text(row.object, row.device), row.state, row.reason ?? ""]);
     const text = JSON.stringify(rows);
     if (this.transfer_rows.dataset.text === text) return;
     this.transfer_rows.dataset.text = text;

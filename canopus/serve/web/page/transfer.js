@@ -8,7 +8,7 @@ export function plan_of(rows) {
     : { ...row, reason: row.reason ?? (compared.has(row.node) ? "it is not written" : "it is another device, which is left alone") }));
 }
 
-/// Each write with its result, and what is left alone. What counts is what the device has now: what it acknowledged and has otherwise is not written.
+/// Each write with its result and what the device has now, and what is left alone.
 export function results_of(rows) {
   const names = new Map();  // by "NODE OBJECT"
   const now = new Map();    // what still differs behind the writes
@@ -28,9 +28,6 @@ export function results_of(rows) {
     const found = now.get(key);
     if (found) result.device = found.device;
     else if (result.state === "written") result.device = result.value;
-    if (!found || result.state !== "written") continue;
-    result.state = found.state === "different" ? "acknowledged, but not kept" : "acknowledged, not read back";
-    result.reason = found.reason ?? `the device has ${found.device} now`;
   }
   return [...results, ...plan_of(rows).filter((row) => !row.is_to_be_written)];
 }

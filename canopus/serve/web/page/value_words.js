@@ -79,6 +79,23 @@ const rows = [
   [0x1F89, 0x1F89, 0, (value) => value === 0 ? "as long as it takes" : `at most ${milliseconds(value)}`],
 ];
 
+/// Whether people read an object's numbers in hexadecimal: identities, COB-IDs, mapped objects.
+function is_hexadecimal(object) {
+  const [index, sub] = object.split(":").map((part) => Number.parseInt(part, 16));
+  const within = (first, last) => first <= index && index <= last;
+  if ([0x1000, 0x1005, 0x1012, 0x1014].includes(index)) return true;
+  if (index === 0x1018) return sub !== 0;
+  if (within(0x1200, 0x12FF)) return sub === 1 || sub === 2;
+  if (within(0x1400, 0x15FF) || within(0x1800, 0x19FF)) return sub === 1;
+  return sub !== 0 && (within(0x1600, 0x17FF) || within(0x1A00, 0x1BFF));
+}
+
+/// A value of an object as a project takes it, too: 0x80000183 or 500, texts as they are.
+export function value_text(object, value) {
+  if (value === null || value === undefined) return "";
+  return typeof value === "number" && is_hexadecimal(object) ? `0x${value.toString(16).toUpperCase().padStart(8, "0")}` : String(value);
+}
+
 /// Words for the value of an object ("1F80:00"); an empty text where there are none.
 export function words_of(object, value) {
   const place = /^([0-9A-F]{4}):([0-9A-F]{2})$/i.exec(object ?? "");
