@@ -58,6 +58,7 @@ scratch = Scratch()
 
 # What is there at once on an idle machine is given so many seconds: they cost something only when a check fails.
 PATIENCE = 120
+BROWSER_PATIENCE = 800  # s, for a whole script of a browser: many pages, on a machine that builds meanwhile
 
 
 def silence(milliseconds):

@@ -52,7 +52,8 @@ PLANS = {
     "an_unread_output_does_not_stop_the_plant": _waits(4),
 
     # They compute. In the virtual machine a processor is emulated.
-    "web_views_in_chromium": Plan(39),
+    "web_views_in_chromium": Plan(153),
+    "web_project_in_chromium": Plan(77),
     "plants_on_socketcan": Plan(26),
     "web_page_escapes_names": Plan(20),
     "web_page_in_chromium": Plan(19),

@@ -3,7 +3,7 @@ import json
 import re
 import shutil
 
-from kit import HERE, ROOT, Skip, check, command, first_plant_file, node_modules, require, running, scratch
+from kit import BROWSER_PATIENCE, HERE, ROOT, Skip, check, command, first_plant_file, node_modules, require, running, scratch
 from web_checks import page_of, page_with_key, pictures_of
 
 
@@ -18,7 +18,7 @@ def web_scan_lss_and_sdo_in_chromium():
     plant_file = scratch / "web-lss.toml"
     plant_file.write_text("\n".join(line for line in text.splitlines() if not line.startswith("store")) + "\n")
     with running(plant_file, has_plc=False, words=["--web"]) as plant:
-        seen = json.loads(command("node", HERE / "web_bus_ways.mjs", chromium, page_with_key(plant), pictures_of("views"), timeout=240).stdout)
+        seen = json.loads(command("node", HERE / "web_bus_ways.mjs", chromium, page_with_key(plant), pictures_of("views"), timeout=BROWSER_PATIENCE).stdout)
     require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
     require(seen["nobody"] == "no node answers", seen["nobody"])
     require(seen["found"] == "3 devices" and all(row.endswith("none") for row in seen["devices"]) and "00000405" not in seen["devices"][0], seen)
@@ -47,7 +47,7 @@ def web_error_frames_and_arbitration_in_chromium():
     plant_file = scratch / "web-error-frames.toml"
     plant_file.write_text(text.replace("[[device]]", fault + "[[device]]", 1))
     with running(plant_file, operational=[1, 2, 3], words=["--web"]) as plant:
-        seen = json.loads(command("node", HERE / "web_error_frames.mjs", chromium, page_of(plant)[0], pictures_of("views"), timeout=240).stdout)
+        seen = json.loads(command("node", HERE / "web_error_frames.mjs", chromium, page_of(plant)[0], pictures_of("views"), timeout=BROWSER_PATIENCE).stdout)
     require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
     require(1 <= len(seen["latest"]) <= 8 and all(re.fullmatch(r"\d+\.\d{6} s: (bit|stuff) error in [^,]+, bit 30, found by [^,]+(, which sends it)?( and \d+ more)?", one) for one in seen["latest"]), seen["latest"])
     require(seen["parts"] == ["frame", "error flag", "error delimiter"], seen["parts"])

@@ -12,7 +12,7 @@ import socket
 import struct
 
 from docs_checks import require_shown, transcripts
-from kit import HERE, PATIENCE, Skip, check, command, first_plant_file, node_modules, program, require, running, scratch
+from kit import BROWSER_PATIENCE, HERE, PATIENCE, Skip, check, command, first_plant_file, node_modules, program, require, running, scratch
 
 
 class Watcher:
@@ -227,7 +227,7 @@ def look_at_views(address, name, *words):
         raise Skip("no Chromium: tools/install-packages check")
     node_modules()
     folder = pictures_of(name)
-    return json.loads(command("node", HERE / "web_views.mjs", chromium, address, folder, *words, timeout=240).stdout)
+    return json.loads(command("node", HERE / "web_views.mjs", chromium, address, folder, *words, timeout=BROWSER_PATIENCE).stdout)
 
 
 @check

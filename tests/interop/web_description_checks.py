@@ -3,7 +3,7 @@ import json
 import re
 import shutil
 
-from kit import HERE, Skip, check, command, first_plant_file, node_modules, require, running
+from kit import BROWSER_PATIENCE, HERE, Skip, check, command, first_plant_file, node_modules, require, running
 from web_checks import page_of, pictures_of
 
 
@@ -15,7 +15,7 @@ def web_description_in_chromium():
         raise Skip("no Chromium: tools/install-packages check")
     node_modules()
     with running(first_plant_file(), operational=[1, 2, 3], words=["--web"]) as plant:
-        seen = json.loads(command("node", HERE / "web_description.mjs", chromium, page_of(plant)[0], pictures_of("views"), timeout=240).stdout)
+        seen = json.loads(command("node", HERE / "web_description.mjs", chromium, page_of(plant)[0], pictures_of("views"), timeout=BROWSER_PATIENCE).stdout)
     require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
     require(seen["wide"] and not seen["small"] and seen["small_asked"] and seen["pressed"] == "true", seen)
     heartbeat = seen["heartbeat"]

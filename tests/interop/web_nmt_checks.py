@@ -2,7 +2,7 @@
 import json
 import shutil
 
-from kit import HERE, Skip, check, command, first_plant_file, node_modules, require, running, scratch
+from kit import BROWSER_PATIENCE, HERE, Skip, check, command, first_plant_file, node_modules, require, running, scratch
 from web_checks import page_with_key
 
 
@@ -18,7 +18,7 @@ def web_nmt_in_chromium():
     plant_file = scratch / "web-nmt.toml"
     plant_file.write_text(text[:text.index("[[plc]]")])
     with running(plant_file, has_plc=False, words=["--web"]) as plant:
-        seen = json.loads(command("node", HERE / "web_nmt.mjs", chromium, page_with_key(plant), scratch, timeout=240).stdout)
+        seen = json.loads(command("node", HERE / "web_nmt.mjs", chromium, page_with_key(plant), scratch, timeout=BROWSER_PATIENCE).stdout)
     require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
     require(seen["buttons"] == ["Start all", "Stop all", "Pre-operational all", "Reset all", "Reset communication all"], seen["buttons"])
     require(seen["stop"] == {"clicks": 1, "typed": 0} and seen["stopped"] == ["stopped"] * 3, seen["stopped"])

@@ -2,7 +2,7 @@
 import json
 import shutil
 
-from kit import HERE, Skip, check, command, first_plant_file, node_modules, require, running, scratch
+from kit import BROWSER_PATIENCE, HERE, Skip, check, command, first_plant_file, node_modules, require, running, scratch
 from web_checks import Watcher, page_of, page_with_key, pictures_of
 
 
@@ -74,7 +74,7 @@ def web_pace_in_chromium():
         raise Skip("no Chromium: tools/install-packages check")
     node_modules()
     with running(first_plant_file(), operational=[1, 2, 3], words=["--web"]) as plant:
-        seen = json.loads(command("node", HERE / "web_pace.mjs", chromium, page_with_key(plant), pictures_of("views"), timeout=240).stdout)
+        seen = json.loads(command("node", HERE / "web_pace.mjs", chromium, page_with_key(plant), pictures_of("views"), timeout=BROWSER_PATIENCE).stdout)
     require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
     require(seen["paused"] == "SIMULATED PAUSED" and seen["stood_still"] and seen["button"] == "Run", seen)
     require(seen["stepped"] == "1.0", seen["stepped"])

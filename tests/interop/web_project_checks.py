@@ -7,7 +7,7 @@ import shutil
 import socket
 import subprocess
 
-from kit import HERE, PATIENCE, ROOT, Skip, check, command, first_plant_file, node_modules, program, require, running, running_page, scratch, until
+from kit import BROWSER_PATIENCE, HERE, PATIENCE, ROOT, Skip, check, command, first_plant_file, node_modules, program, require, running, running_page, scratch, until
 from web_checks import Watcher, page_of, page_with_key
 
 DEVICES = ROOT / "examples/devices"
@@ -40,7 +40,7 @@ def web_project_in_chromium():
         words = [folder, "--bus", f"socketcand:{plant.socketcand}", "--eds", DEVICES]
         with running_page(*words) as page:
             done = command("node", HERE / "web_project.mjs", chromium, page_with_key(page), pictures,
-                           DEVICES / "io-block.eds", timeout=240)
+                           DEVICES / "io-block.eds", timeout=BROWSER_PATIENCE)
     seen = json.loads(done.stdout)
     require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [] and seen["markup"] == 0, seen)
     require("#" not in seen["address"] and seen["role"] == "configure", "the key stays in the address")
@@ -193,7 +193,7 @@ def web_start_in_chromium():
     (folder / "other.toml").write_text('name = "none of ours"\n')
     command(program, "configure", "new", folder / "module.xml")
     with running_page(cwd=folder) as page:
-        seen = json.loads(command("node", HERE / "web_start.mjs", chromium, page_with_key(page), pictures, timeout=240).stdout)
+        seen = json.loads(command("node", HERE / "web_start.mjs", chromium, page_with_key(page), pictures, timeout=BROWSER_PATIENCE).stdout)
     require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
     require(seen["sections"] == ["start-section"], seen["sections"])
     require(seen["plants"] == ["plant.toml"] and seen["projects"] == ["line <1>/nodelist.cpj"], seen)
@@ -218,7 +218,7 @@ def web_faults_in_chromium():
     pictures = pathlib.Path(os.environ.get("CANOPUS_PICTURES", scratch)) / "faults"
     pictures.mkdir(parents=True, exist_ok=True)
     with running(first_plant_file(), operational=[1, 2, 3], words=["--web"]) as plant:
-        seen = json.loads(command("node", HERE / "web_faults.mjs", chromium, page_with_key(plant), pictures, timeout=240).stdout)
+        seen = json.loads(command("node", HERE / "web_faults.mjs", chromium, page_with_key(plant), pictures, timeout=BROWSER_PATIENCE).stdout)
     require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
     require(seen["w9"] == {"clicks": 3, "typed": 0}, seen["w9"])
     require('kind = "drop"' in seen["text"] and "identifier = 0x183" in seen["text"] and "count = 1" in seen["text"], seen["text"])

@@ -3,7 +3,7 @@ import json
 import shutil
 
 from bus_checks import on_bus
-from kit import HERE, Skip, check, command, first_plant_file, node_modules, require, running, scratch
+from kit import BROWSER_PATIENCE, HERE, Skip, check, command, first_plant_file, node_modules, require, running, scratch
 from web_checks import page_with_key
 
 
@@ -13,7 +13,7 @@ def look(address):
     if not chromium:
         raise Skip("no Chromium: tools/install-packages check")
     node_modules()
-    return json.loads(command("node", HERE / "web_retry.mjs", chromium, address, scratch, "drive", timeout=240).stdout)
+    return json.loads(command("node", HERE / "web_retry.mjs", chromium, address, scratch, "drive", timeout=BROWSER_PATIENCE).stdout)
 
 
 def plant_with_wrong_product(name, mandatory):

@@ -6,7 +6,7 @@ import re
 import shutil
 import subprocess
 
-from kit import HERE, Skip, check, command, first_plant_file, node_modules, require, running, scratch
+from kit import BROWSER_PATIENCE, HERE, Skip, check, command, first_plant_file, node_modules, require, running, scratch
 from web_checks import page_of
 
 
@@ -20,7 +20,7 @@ def web_trace_in_chromium():
     pictures = pathlib.Path(os.environ.get("CANOPUS_PICTURES", scratch)) / "trace"
     pictures.mkdir(parents=True, exist_ok=True)
     with running(first_plant_file(), operational=[1, 2, 3], words=["--web"]) as plant:
-        seen = json.loads(command("node", HERE / "web_trace.mjs", chromium, page_of(plant)[0], pictures, timeout=240).stdout)
+        seen = json.loads(command("node", HERE / "web_trace.mjs", chromium, page_of(plant)[0], pictures, timeout=BROWSER_PATIENCE).stdout)
     require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
     require(seen["held"] and seen["wheeled"], seen)
     require(re.match(r"0\.000\d+line1702", seen["oldest"]) and "boot-up" in seen["oldest"] and seen["third"].startswith("0.000"), seen["oldest"])

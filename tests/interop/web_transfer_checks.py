@@ -3,7 +3,7 @@ somebody who writes to the devices meanwhile."""
 import json
 import shutil
 
-from kit import HERE, Skip, check, command, node_modules, program, require, running_page, scratch
+from kit import BROWSER_PATIENCE, HERE, Skip, check, command, node_modules, program, require, running_page, scratch
 from project_checks import DEVICES, lines, new_project, plant_of, project
 from web_checks import page_with_key, pictures_of
 
@@ -33,7 +33,7 @@ def web_transfer_says_what_was_not_written():
     with plant_of("web-transfer", [(3, DEVICES / "encoder.eds", ""), (5, strict, forced), (7, DEVICES / "encoder.eds", "")]) as plant:
         bus = f"socketcand:{plant.socketcand}"
         with running_page(folder, "--bus", bus) as page:
-            seen = json.loads(command("node", HERE / "web_transfer.mjs", chromium, page_with_key(page), pictures_of("transfer"), program, bus, timeout=240).stdout)
+            seen = json.loads(command("node", HERE / "web_transfer.mjs", chromium, page_with_key(page), pictures_of("transfer"), program, bus, timeout=BROWSER_PATIENCE).stdout)
         # The command line looks anew, says what it found, and writes that.
         command(program, "sdo", "write", "5", "6083", "555", "--type", "u32", "--bus", bus)
         said = lines("write", folder, "5", "--yes", bus=plant.socketcand, expect=6)

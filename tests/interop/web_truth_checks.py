@@ -3,7 +3,7 @@ the project, nodes of one name."""
 import json
 import shutil
 
-from kit import HERE, ROOT, Skip, check, command, node_modules, program, require, running, running_page, scratch
+from kit import BROWSER_PATIENCE, HERE, ROOT, Skip, check, command, node_modules, program, require, running, running_page, scratch
 from web_checks import Watcher, page_of, page_with_key, pictures_of
 
 DEVICES = ROOT / "examples/devices"
@@ -15,7 +15,7 @@ def look(address, name, *words):
     if not chromium:
         raise Skip("no Chromium: tools/install-packages check")
     node_modules()
-    seen = json.loads(command("node", HERE / "web_truth.mjs", chromium, address, pictures_of(name), *words, timeout=240).stdout)
+    seen = json.loads(command("node", HERE / "web_truth.mjs", chromium, address, pictures_of(name), *words, timeout=BROWSER_PATIENCE).stdout)
     require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], (seen["problems"], seen["axe"], seen["overflow"]))
     return seen
 

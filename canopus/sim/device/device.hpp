@@ -109,7 +109,6 @@ class Device final : public can::Participant, private canopen::NodeListener {
   bool emergency_reset(can::Time now);
 
   void receive(const can::Frame& frame, can::Time now) override;
-  [[nodiscard]] bool is_timed_by_transmissions() const noexcept override { return false; }
   void controller_changed(can::Time now) override;
   void tick(can::Time now) override;
   [[nodiscard]] can::Time deadline() const noexcept override;
