@@ -68,7 +68,7 @@ def web_transfer_says_what_was_not_written():
     require(reasons[5] == reasons[6] == "not tried: the PDO stays off, as another part of it was refused", reasons)
     require(reasons[9:] == ["the device has 7 now"] + ["it is another device, which is left alone"] * 2, reasons)
     read_back = {row[1]: row[4] for row in seen["results"][1:10]}
-    require(read_back == {"1017:00": "500", "1800:01": "0x800001AB", "1A00:00": "0", "1A00:02": "0", "6081:00": "1000", "6083:00": "3000", "6084:00": "7"}, read_back)
+    require(read_back == {"1017:00": "500", "1800:01": "0x800001AB", "1A00:00": "0", "1A00:02": "0x00000000", "6081:00": "1000", "6083:00": "3000", "6084:00": "7"}, read_back)
     require([row[2] for row in seen["results"]][7:9] == ["Profile velocity", "Profile acceleration"], seen["results"])
     require(seen["green"] == [object for _, object, state in results if state == "written"], seen["green"])
     require(seen["facts"] == "5 of 12 written" and seen["mood"] == "error", seen["facts"])
