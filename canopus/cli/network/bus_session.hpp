@@ -41,7 +41,7 @@ class BusSession {
   void tell(const project::ProjectNode& node, const network::ComparedValue& value);
   void tell(const project::ProjectNode& node, const network::WriteStep& step, std::string_view state,
             const std::string& reason, bool is_bad);
-  /// `now`: what the device has behind the writes; none: it was not read back, or nothing was written.
+  /// `now`: what the device has behind the writes; none: it was not read back.
   void tell_writes(const project::ProjectNode& node, const std::vector<network::WriteStep>& steps,
                    const Values* now);
   void tell_differences(const project::ProjectNode& node, const Values& values);
