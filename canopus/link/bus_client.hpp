@@ -85,6 +85,10 @@ class BusClient : public can::Sink {
   /// Starts the controller anew, with this bit rate in bit/s (0: the one it has). The error says what a person can do
   /// ("ip link set can0 type can bitrate 250000") where the transport or the system does not let us.
   virtual std::expected<void, std::string> restart(std::uint32_t bit_rate);
+  /// What became of the last restart(), where the other side answers it; nothing as long as it has not answered.
+  [[nodiscard]] virtual std::optional<std::expected<void, std::string>> restarted() const {
+    return std::expected<void, std::string>{};
+  }
   /// Only these identifiers are needed, for transports that can leave the others out early; an empty list means all.
   /// Others may still be heard.
   virtual void set_filter(std::span<const IdentifierFilter> /*filters*/) {}

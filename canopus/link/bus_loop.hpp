@@ -43,6 +43,12 @@ class BusLoop final : public can::Sink, private BusClientUser {
   }
   /// BusClient::restart().
   std::expected<void, std::string> restart(std::uint32_t bit_rate) { return bus_->restart(bit_rate); }
+  /// BusClient::restarted().
+  [[nodiscard]] std::optional<std::expected<void, std::string>> restarted() const {
+    return bus_->restarted();
+  }
+  /// BusClient::status().
+  [[nodiscard]] ControllerStatus status() const { return bus_->status(); }
   /// Frames that were sent and are not on the bus yet, as far as the transport tells.
   [[nodiscard]] std::size_t under_way() const noexcept { return under_way_; }
   /// BusClient::is_flushed().

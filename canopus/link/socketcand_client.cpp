@@ -35,6 +35,17 @@ class SocketcandTransport final : public StreamTransport, private SocketcandDial
     return flush_ == Flush::answered;
   }
 
+  // A server of another make has this element described and not built: it answers with an error.
+  std::expected<void, std::string> restart(std::uint32_t bit_rate) override {
+    if (bit_rate == 0) return Transport::restart(bit_rate);
+    if (!is_open()) return std::unexpected("the connection is interrupted");
+    abort_transmissions();
+    restarted_.reset();
+    dialogue_->ask_bit_rate(bit_rate);
+    return {};
+  }
+  std::optional<std::expected<void, std::string>> restarted() const override { return restarted_; }
+
   void stream_opened() override {
     SocketcandDialogue::Peer& peer = *this;
     dialogue_.emplace(address().bus, peer);
@@ -61,6 +72,10 @@ class SocketcandTransport final : public StreamTransport, private SocketcandDial
   // SocketcandDialogue::Peer
   void message(std::string_view text) override { write_bytes(text); }
   void frame_received(const can::Frame& frame) override { received(frame); }
+  void bit_rate_changed() override { restarted_.emplace(); }
+  void bit_rate_refused(std::string_view text) override {
+    restarted_ = std::unexpected("the server does not change the bit rate: " + printable_complaint(text));
+  }
   void complaint(std::string_view text) override {
     if (std::exchange(state_changed_, false)) return announce(text);
     complain(text);
@@ -80,7 +95,8 @@ class SocketcandTransport final : public StreamTransport, private SocketcandDial
 
   std::optional<SocketcandDialogue> dialogue_;
   Flush flush_ = Flush::none;
-  bool state_changed_ = false;  // and its sentence comes next
+  std::optional<std::expected<void, std::string>> restarted_{std::in_place};  // nothing: it was asked
+  bool state_changed_ = false;                                                // and its sentence comes next
 };
 
 }  // namespace

@@ -142,6 +142,12 @@ bool SocketcandServer::Client::send(const can::Frame& frame) {
   return true;
 }
 
+bool SocketcandServer::Client::restart(std::uint32_t bit_rate) {
+  if (attachment_ == nullptr || !attachment_->restart(bit_rate)) return false;
+  server_->statistics.frames_dropped += std::exchange(on_the_way_, 0);
+  return true;
+}
+
 void SocketcandServer::Client::bus_has_room(can::Time now) {
   if (server_ == nullptr) return;
   const auto before = session_.state();

@@ -122,6 +122,7 @@ class SocketcandServer::Client final : public std::enable_shared_from_this<Clien
   bool send(const can::Frame& frame) override;
   // SocketcandSession::Peer
   void message(std::string_view text) override;
+  bool restart(std::uint32_t bit_rate) override;
 
   void read();
   void on_read(const boost::system::error_code& failure, std::size_t size);

@@ -83,6 +83,11 @@ void SocketcandDialogue::receive(std::string_view bytes) {
   }
 }
 
+void SocketcandDialogue::ask_bit_rate(std::uint32_t bit_rate) {
+  bit_rate_asked_ = true;
+  peer_.message("< " + bus_name_ + (bus_name_.empty() ? "B " : " B ") + std::to_string(bit_rate) + " >");
+}
+
 void SocketcandDialogue::element(std::string_view text) {
   std::string_view rest = text;
   const std::string_view word = take_word(rest);
@@ -106,6 +111,7 @@ void SocketcandDialogue::element(std::string_view text) {
       if (word == "frame") return frame(rest);
       if (word == "error") return error_element(trimmed(rest));
       if (word == "echo") return peer_.echoed();
+      if (word == "ok" && std::exchange(bit_rate_asked_, false)) return peer_.bit_rate_changed();
       return;  // answers to nothing we asked
     case State::failed: return;
   }
@@ -141,6 +147,11 @@ void SocketcandDialogue::error_element(std::string_view arguments) {
   const bool is_error_frame = error_class && class_word.size() >= 3 && rest.empty() &&
                               time.find('.') != std::string_view::npos &&
                               time.find_first_not_of("0123456789.") == std::string_view::npos;
+  if (!is_error_frame && bit_rate_asked_ &&
+      (arguments.starts_with("B:") || arguments.contains("unknown command"))) {
+    bit_rate_asked_ = false;
+    return peer_.bit_rate_refused(arguments);
+  }
   if (!is_error_frame) return peer_.complaint(arguments);
   peer_.controller_error(*error_class);
   const std::string_view sentence = describe_error_frame(*error_class, {});

@@ -33,6 +33,9 @@ class SocketcandDialogue {
     virtual void controller_error(std::uint32_t /*error_class*/) {}
     /// The answer to `< echo >`: what was sent before it has been read.
     virtual void echoed() {}
+    /// The answer to `< line1 B 250000 >`: done, or why not.
+    virtual void bit_rate_changed() {}
+    virtual void bit_rate_refused(std::string_view /*text*/) {}
 
    protected:
     ~Peer() = default;
@@ -48,6 +51,10 @@ class SocketcandDialogue {
 
   /// An empty name asks for the only bus of the server, which servers of other makes refuse.
   SocketcandDialogue(std::string bus_name, Peer& peer);
+
+  /// Asks for another bit rate of our controller, bit/s, once raw; the answer comes to the peer. The protocol has it,
+  /// servers of other makes mostly do not [socketcand doc/protocol.md, "to be implemented"].
+  void ask_bit_rate(std::uint32_t bit_rate);
 
   /// Bytes came from the server, cut anywhere.
   void receive(std::string_view bytes);
@@ -66,6 +73,7 @@ class SocketcandDialogue {
   State state_ = State::greeting;
   std::string input_;  // not yet understood
   std::string error_;
+  bool bit_rate_asked_ = false;
   std::string_view reported_error_;  // of an error frame; not again until a frame comes
 };
 

@@ -128,7 +128,12 @@ void SocketcandSession::read_input() {
 void SocketcandSession::element(std::string_view text) {
   const std::string_view command = take_word(text);
   std::string_view rest = text;
-  const bool alone = take_word(rest).empty();
+  const std::string_view second = take_word(rest);
+  const bool alone = second.empty();
+  if (state_ != State::dropped && state_ != State::closed) {
+    if (command == bus_name_ && second == "B") return set_bit_rate(rest);
+    if (command == "B") return set_bit_rate(text);
+  }
   switch (state_) {
     case State::no_bus:
       if (command != "open") return error("unknown command, expected open");
@@ -157,6 +162,16 @@ void SocketcandSession::element(std::string_view text) {
       return;
     case State::closed: return;
   }
+}
+
+// Behind the bit rate there may be the sample point and the parts of a bit, which a simulated bus has not.
+void SocketcandSession::set_bit_rate(std::string_view arguments) {
+  const auto bit_rate = number(take_word(arguments), 10);
+  if (!bit_rate || std::ranges::find(can::bit_rates, *bit_rate) == std::end(can::bit_rates)) {
+    return error("B: expected 10000 to 1000000 bit/s, of those that CAN networks have");
+  }
+  if (!peer_.restart(*bit_rate)) return error("B: the bit rate of this bus is not set from here");
+  peer_.message("< ok >");
 }
 
 void SocketcandSession::send(std::string_view arguments, bool remote) {

@@ -11,12 +11,16 @@
 //                     < sendrtr 705 1 >                                 a remote frame
 //                     < echo >                                < echo >
 //                     < bcmmode >                             < ok >    frames stop
+//                     < line1 B 250000 >                      < ok >    its controller starts anew at another bit rate,
+//                                                                       where the bus is a simulated one; what it has
+//                                                                       sent and is not on the bus is gone
 //   < error 288 12.000345 >                                             the class of an error frame: what its
 //                                                                       controller found, or its new state
 //   < error 020 12.000345 >                                             nobody acknowledges this client's
 //                                                                       frames: once for as long as it lasts
 //
-// `< open >` without a name opens the bus as well: a server has only one. Other servers refuse that.
+// `< open >` without a name opens the bus as well: a server has only one. Other servers refuse that. Likewise
+// `< B 250000 >`.
 //
 // What is not understood gets `< error ... >`; after garbage outside of elements, or an element without end,
 // the connection is closed. As in socketcand's raw mode a client does not hear the frames it sent itself,
@@ -59,6 +63,8 @@ class SocketcandSession {
     /// Sends a message of at most socketcand_max_message characters. Some clients compare the answer of one
     /// recv() with the whole message: each goes out as a segment of its own.
     virtual void message(std::string_view text) = 0;
+    /// The client's controller starts anew at this bit rate (can::bit_rates). False: it is not set from here.
+    virtual bool restart(std::uint32_t /*bit_rate*/) { return false; }
 
    protected:
     ~Peer() = default;
@@ -97,6 +103,7 @@ class SocketcandSession {
  private:
   void read_input();
   void element(std::string_view text);
+  void set_bit_rate(std::string_view arguments);
   void send(std::string_view arguments, bool remote);
   void error(std::string_view text);
   void close_with(std::string_view text);

@@ -156,6 +156,9 @@ class TransportClient final : public BusClient {
   std::expected<void, std::string> restart(std::uint32_t bit_rate) override {
     return transport_->restart(bit_rate);
   }
+  std::optional<std::expected<void, std::string>> restarted() const override {
+    return transport_->restarted();
+  }
   void set_filter(std::span<const IdentifierFilter> filters) override { transport_->set_filter(filters); }
   bool is_flushed() override { return transport_->is_flushed(); }
   void abort_transmissions() override { transport_->abort_transmissions(); }

@@ -63,6 +63,10 @@ class Transport : public std::enable_shared_from_this<Transport> {
   /// What it waits for, when opening takes too long: "is it a socketcand server?".
   [[nodiscard]] virtual std::string_view silence() const { return {}; }
   virtual std::expected<void, std::string> restart(std::uint32_t bit_rate);
+  /// BusClient::restarted().
+  [[nodiscard]] virtual std::optional<std::expected<void, std::string>> restarted() const {
+    return std::expected<void, std::string>{};
+  }
   virtual void set_filter(std::span<const IdentifierFilter> /*filters*/) {}
   virtual void abort_transmissions() { queue_.clear(); }
 

@@ -32,11 +32,12 @@ class LssSearch final : private LssMasterUser {
     std::chrono::milliseconds activation_delay{100};
     /// Pause after a change of the own bit rate, before the first frame.
     can::Duration settle_time = std::chrono::milliseconds(10);
+    can::Duration time_out = std::chrono::milliseconds(100);  ///< for each answer
   };
 
   LssSearch(can::Sink& sink, LssSearchUser& user) : LssSearch(sink, user, Options{}) {}
   LssSearch(can::Sink& sink, LssSearchUser& user, Options options)
-      : user_(&user), options_(options), master_(sink, *this) {}
+      : user_(&user), options_(options), master_(sink, *this, {.time_out = options.time_out}) {}
 
   /// False while running(). `own_bit_rate` must be one of table 0, or 100 kbit/s, which had index 5 before
   /// that was reserved: it is tried, and a device that knows it not refuses it.

@@ -47,9 +47,11 @@ class ClientPort final : public can::Participant, private can::BusObserver {
     port_.abort_transmissions();
     port_.plug(false);
     client_ = nullptr;
+    if (port_.bit_rate() != bus_.bit_rate()) port_.restart(bus_.bit_rate());
     refresh();
   }
   bool send(const can::Frame& frame) { return port_.send(frame); }
+  void restart(std::uint32_t bit_rate) { port_.restart(bit_rate); }
   void refresh() { timeline_.refresh(handle_); }
 
   void receive(const can::Frame& frame, can::Time now) override {
@@ -106,7 +108,9 @@ class ClientPort final : public can::Participant, private can::BusObserver {
 /// The ports that socketcand clients of one bus have or had.
 class ClientPorts {
  public:
-  ClientPorts(can::Bus& bus, can::Timeline& timeline) : bus_(bus), timeline_(timeline) {}
+  /// `own_bit_rates`: each client is a controller of its own, as on a simulated bus, and may have another bit rate.
+  ClientPorts(can::Bus& bus, can::Timeline& timeline, bool own_bit_rates)
+      : bus_(bus), timeline_(timeline), own_bit_rates_(own_bit_rates) {}
 
   /// A client's place until it is destroyed.
   [[nodiscard]] std::unique_ptr<link::BusAttachment> attach(link::AttachedClient& client) {
@@ -114,7 +118,7 @@ class ClientPorts {
     auto port = std::move(free_.back());
     free_.pop_back();
     port->join(client);
-    return std::make_unique<Attachment>(free_, std::move(port));
+    return std::make_unique<Attachment>(free_, std::move(port), own_bit_rates_);
   }
 
  private:
@@ -122,7 +126,8 @@ class ClientPorts {
 
   class Attachment final : public link::BusAttachment {
    public:
-    Attachment(Free& free, std::unique_ptr<ClientPort> port) : free_(free), port_(std::move(port)) {}
+    Attachment(Free& free, std::unique_ptr<ClientPort> port, bool own_bit_rate)
+        : free_(free), port_(std::move(port)), own_bit_rate_(own_bit_rate) {}
     ~Attachment() override {
       port_->leave();
       free_.push_back(std::move(port_));
@@ -132,14 +137,20 @@ class ClientPorts {
 
     bool send(const can::Frame& frame) override { return port_->send(frame); }
     void refresh() override { port_->refresh(); }
+    bool restart(std::uint32_t bit_rate) override {
+      if (own_bit_rate_) port_->restart(bit_rate);
+      return own_bit_rate_;
+    }
 
    private:
     Free& free_;
     std::unique_ptr<ClientPort> port_;
+    bool own_bit_rate_;
   };
 
   can::Bus& bus_;
   can::Timeline& timeline_;
+  bool own_bit_rates_;
   Free free_;
 };
 

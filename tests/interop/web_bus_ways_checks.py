@@ -3,6 +3,7 @@ import json
 import re
 import shutil
 
+import kit
 from kit import BROWSER_PATIENCE, HERE, ROOT, Skip, check, command, first_plant_file, node_modules, require, running, scratch
 from web_checks import page_of, page_with_key, pictures_of
 
@@ -33,6 +34,50 @@ def web_scan_lss_and_sdo_in_chromium():
     require(seen["written"] == "1017:00 is written: 250 (FA 00)" and seen["after"] == "1017:00 reads: 250 (FA 00)", seen)
     require("which type has the value" in seen["no_type"], seen["no_type"])
     require(seen["look"] == 0, "who only looks")
+
+
+def other_rate_file(name):
+    plant_file = scratch / name
+    text = (ROOT / "examples/lss/other-rate.toml").read_text()
+    plant_file.write_text(text.replace("127.0.0.1:29536", "127.0.0.1:0").replace('"../devices/', f'"{ROOT}/examples/devices/'))
+    return plant_file
+
+
+@check
+def web_lss_over_bit_rates_in_chromium():
+    """A device that waits at another bit rate is found there, and has a node-ID at the bit rate of the network."""
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if not chromium:
+        raise Skip("no Chromium: tools/install-packages check")
+    node_modules()
+    with running(other_rate_file("web-rates.toml"), has_plc=False, words=["--web"]) as plant:
+        seen = json.loads(command("node", HERE / "web_rates.mjs", chromium, page_with_key(plant), pictures_of("views"), timeout=BROWSER_PATIENCE).stdout)
+    require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
+    require("four parts" in seen["half"], seen["half"])
+    require(seen["found"] == "found at 500 kbit/s: is node 9 at 125 kbit/s now", seen["found"])
+    require(seen["rows"] == ["00000071H00000406H00010000H00000B02H9"], seen["rows"])
+
+
+@check
+def lss_search_over_bit_rates():
+    """The same by the command, by LSS address; who is not there, refusals, and the exit codes."""
+    with running(other_rate_file("rates.toml"), has_plc=False) as plant:
+        bus = f"--bus=socketcand:{plant.socketcand}"
+        address = ["--vendor=0x71", "--product=0x406", "--revision=0x10000"]
+
+        def search(code, *words):
+            return command(kit.program, "lss", "search", bus, "--timeout=50ms", *words, expect=code)
+
+        done = search(2, "7")
+        require("give --bit-rate, for example 125k" in done.stderr, done.stderr)
+        done = search(1, "7", "--bit-rate=125k", *address, "--serial=0xB03")
+        require(done.stderr == "canopus: vendor 00000071  product 00000406  revision 00010000  serial 00000B03: no answer at any bit rate of LSS\n", done.stderr)
+        done = search(0, "7", "--bit-rate=125k", "--json", *address, "--serial=0xB02")
+        require(json.loads(done.stdout) == {"vendor": 0x71, "product": 0x406, "revision": 0x10000, "serial": 0xB02, "node": 7, "bit_rate": 125000, "found_at": 500000}, done.stdout)
+        done = command(kit.program, "sdo", "read", bus, "7", "1018:04")
+        require("00000B02H" in done.stdout, done.stdout)
+        done = search(1, "8", "--bit-rate=125k")
+        require(done.stderr == "canopus: no device without a node-ID answers at any bit rate of LSS\n", done.stderr)
 
 
 @check

@@ -107,6 +107,33 @@ TEST_F(SocketcandClientTest, SentFrames_AreReportedInTheirOrderOnceHandedOver) {
   EXPECT_THAT(listener.sent, ElementsAre(can::data_frame(0x601, {1}), can::data_frame(0x080)));
 }
 
+TEST_F(SocketcandClientTest, Restart_ChangesTheBitRateOfItsPlace_AndDropsWhatWaits) {
+  for (const char* name : {"line1", ""}) {
+    ASSERT_EQ(join(name), "joined");
+    ASSERT_TRUE(client->restart(500'000));
+    EXPECT_FALSE(client->restarted()) << "not before the answer";
+    until([&] { return client->restarted().has_value(); });
+    EXPECT_TRUE(client->restarted()->has_value());
+    ASSERT_TRUE(client->send(can::data_frame(0x123)));
+    until([&] { return bus.waiting() == 1; });
+    ASSERT_TRUE(client->restart(125'000));
+    until([&] { return client->restarted().has_value(); });
+    EXPECT_EQ(bus.waiting(), 0U);
+  }
+  EXPECT_THAT(bus.bit_rates, ElementsAre(500'000U, 125'000U, 500'000U, 125'000U));
+  EXPECT_EQ(server->statistics().frames_dropped, 2U);
+}
+
+TEST_F(SocketcandClientTest, RestartOfABusThatDoesNotTakeIt_IsSaid) {
+  join("line1");
+  bus.own_bit_rates = false;
+  ASSERT_TRUE(client->restart(500'000));
+  until([&] { return client->restarted().has_value(); });
+  ASSERT_FALSE(client->restarted()->has_value());
+  EXPECT_EQ(client->restarted()->error(),
+            "the server does not change the bit rate: B: the bit rate of this bus is not set from here");
+}
+
 TEST_F(SocketcandClientTest, EndedServer_IsTriedAgainUntilItIsThere) {
   keep_trying = true;
   join("line1");

@@ -23,6 +23,11 @@ struct Ends : SocketcandDialogue::Peer {
   void controller_error(std::uint32_t error_class) override { errors.push_back(error_class); }
 
   void echoed() override { ++echoes; }
+  void bit_rate_changed() override { ++changes; }
+  void bit_rate_refused(std::string_view text) override { refusals.emplace_back(text); }
+
+  unsigned changes = 0;
+  std::vector<std::string> refusals;
 
   unsigned echoes = 0;
   std::vector<std::string> messages;
@@ -47,6 +52,36 @@ TEST_F(SocketcandDialogueTest, Echo_IsTold) {
   dialogue.receive("o >< frame 123 1.0 01 >");
   EXPECT_EQ(ends.echoes, 1U);
   EXPECT_THAT(ends.complaints, IsEmpty());
+}
+
+TEST_F(SocketcandDialogueTest, BitRate_IsAskedByTheNameOfTheBus_AndItsAnswerIsTold) {
+  join();
+  dialogue.ask_bit_rate(500'000);
+  EXPECT_THAT(ends.messages, ElementsAre("< line1 B 500000 >"));
+  dialogue.receive("< frame 123 1.0 01 >< error 020 1.0 >");  // no answers
+  EXPECT_EQ(ends.changes, 0U);
+  EXPECT_THAT(ends.refusals, IsEmpty());
+  dialogue.receive("< ok >< ok >");
+  EXPECT_EQ(ends.changes, 1U) << "the second answers nothing we asked";
+}
+
+TEST_F(SocketcandDialogueTest, RefusedBitRate_IsTold_AlsoByServersThatDoNotKnowIt) {
+  join();
+  dialogue.ask_bit_rate(500'000);
+  dialogue.receive(
+      "< error lost 7 frames, read faster >< error B: the bit rate of this bus is not set from here >");
+  dialogue.ask_bit_rate(500'000);
+  dialogue.receive("< error unknown command >");
+  EXPECT_THAT(ends.refusals,
+              ElementsAre("B: the bit rate of this bus is not set from here", "unknown command"));
+  EXPECT_THAT(ends.complaints, ElementsAre("lost 7 frames, read faster"));
+}
+
+TEST(SocketcandDialogue, BitRate_OfTheOnlyBusOfAServer_NeedsNoName) {
+  Ends ends;
+  SocketcandDialogue dialogue("", ends);
+  dialogue.ask_bit_rate(10'000);
+  EXPECT_THAT(ends.messages, ElementsAre("< B 10000 >"));
 }
 
 std::string text_of(const Frame& frame) {

@@ -28,7 +28,13 @@ struct Ends : can::Sink, SocketcandSession::Peer {
     return true;
   }
   void message(std::string_view text) override { messages.emplace_back(text); }
+  bool restart(std::uint32_t bit_rate) override {
+    bit_rates.push_back(bit_rate);
+    return own_bit_rate;
+  }
 
+  std::vector<std::uint32_t> bit_rates;
+  bool own_bit_rate = true;
   std::size_t room = 1000;
   std::vector<Frame> frames;
   std::vector<std::string> messages;
@@ -71,6 +77,35 @@ TEST(SocketcandFrame, FrameWithoutData_KeepsBothBlanks) {
 TEST_F(SocketcandSessionTest, Start_SaysHi) {
   session.start();
   EXPECT_THAT(ends.messages, ElementsAre("< hi >"));
+}
+
+TEST_F(SocketcandSessionTest, BitRate_IsSetAtAnyTime_WithOrWithoutTheNameOfTheBus) {
+  session.receive("< line1 B 500000 0.875 125 6 7 2 1 4 >");
+  open_raw();
+  session.receive("< line1 B 10000 >< B 1000000 >");
+  EXPECT_THAT(ends.bit_rates, ElementsAre(500'000U, 10'000U, 1'000'000U));
+  EXPECT_THAT(ends.messages, ElementsAre("< ok >", "< ok >"));
+  EXPECT_EQ(session.state(), State::raw);
+}
+
+TEST_F(SocketcandSessionTest, BitRate_NoNetworkHas_OrOfAnotherBus_IsRefusedAndChangesNothing) {
+  open_raw();
+  for (const char* wrong :
+       {"< line1 B 333333 >", "< B >", "< B 500k >", "< line1 B 99999999999999999999 >"}) {
+    session.receive(wrong);
+    EXPECT_EQ(ends.messages.back(),
+              "< error B: expected 10000 to 1000000 bit/s, of those that CAN networks have >");
+  }
+  session.receive("< line2 B 500000 >");
+  EXPECT_EQ(ends.messages.back(), "< error unknown command >");
+  EXPECT_THAT(ends.bit_rates, IsEmpty());
+}
+
+TEST_F(SocketcandSessionTest, BitRate_OfABusWhereItIsNotSetFromHere_IsRefused) {
+  open_raw();
+  ends.own_bit_rate = false;
+  session.receive("< B 500000 >");
+  EXPECT_EQ(ends.messages.back(), "< error B: the bit rate of this bus is not set from here >");
 }
 
 TEST_F(SocketcandSessionTest, Open_OfTheBus_IsAnsweredAndIsStillQuiet) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <utility>
@@ -28,6 +29,9 @@ class ToyBus final : public LoopClock {
   can::Time left{};  ///< when somebody left last
   int touches = 0;
   std::vector<can::Frame> delivered;
+  /// Whether clients may have bit rates of their own, and those they asked for.
+  bool own_bit_rates = true;
+  std::vector<std::uint32_t> bit_rates;
 
   AttachToBus attach() {
     return [this](AttachedClient& participant) -> std::unique_ptr<BusAttachment> {
@@ -88,6 +92,11 @@ class ToyBus final : public LoopClock {
       return true;
     }
     void refresh() override {}
+    bool restart(std::uint32_t bit_rate) override {
+      bus_.bit_rates.push_back(bit_rate);
+      std::erase_if(bus_.queue_, [this](const auto& entry) { return entry.first == &participant_; });
+      return bus_.own_bit_rates;
+    }
 
    private:
     ToyBus& bus_;

@@ -30,7 +30,7 @@ struct Client final : link::AttachedClient {
 struct ClientErrors : ::testing::Test {
   can::Timeline timeline;
   sim::Bus bus{"bus", 1'000'000, timeline};
-  ClientPorts ports{bus, timeline};
+  ClientPorts ports{bus, timeline, true};
   Client client;
   std::unique_ptr<link::BusAttachment> attachment = ports.attach(client);
   can::Port& a = bus.add_port("a");
@@ -52,6 +52,28 @@ TEST_F(ClientErrors, AreNotSaidAgainBeforeTheNextFrame) {
   EXPECT_THAT(client.heard, ElementsAre("class 648"));
   run({.kind = sim::FaultKind::corrupt, .count = 1, .bit = 43});
   EXPECT_THAT(client.heard, ElementsAre("class 648", "class 648"));
+}
+
+TEST_F(ClientErrors, OfAClientWithABitRateOfItsOwn_EndWithIt_AndTheNextClientHasTheBitRateOfTheBus) {
+  ASSERT_TRUE(attachment->restart(500'000));
+  timeline.run_until(timeline.now() + 1ms);  // it takes part after 11 recessive bits
+  a.send(can::data_frame(0x123, {0x55}));
+  timeline.run_until(timeline.now() + 1ms);
+  EXPECT_FALSE(client.heard.empty()) << "it takes the frame for an error";
+  attachment.reset();
+  timeline.run_until(timeline.now() + 10ms);
+  Client next;
+  const auto place = ports.attach(next);
+  timeline.run_until(timeline.now() + 1ms);
+  b.send(can::data_frame(0x124, {0x55}));
+  timeline.run_until(timeline.now() + 10ms);
+  EXPECT_THAT(next.heard, IsEmpty());
+  EXPECT_EQ(b.counters().transmitted, 1U);
+}
+
+TEST_F(ClientErrors, OfABusWhereClientsHaveNoBitRatesOfTheirOwn_AreNotOfOne) {
+  ClientPorts others{bus, timeline, false};
+  EXPECT_FALSE(others.attach(client)->restart(500'000));
 }
 
 TEST_F(ClientErrors, AreNoneWhereNothingIsWrong) {

@@ -152,8 +152,8 @@ bool PlantServers::open_socketcand(std::size_t bus) {
                 place.host);
     return false;
   }
-  serve::ClientPorts& ports = *client_ports_.emplace_back(
-      std::make_unique<serve::ClientPorts>(plant_.bus(bus), plant_.timeline_of_bus(bus)));
+  serve::ClientPorts& ports = *client_ports_.emplace_back(std::make_unique<serve::ClientPorts>(
+      plant_.bus(bus), plant_.timeline_of_bus(bus), !section.is_linked()));
   const auto attach = [&ports](link::AttachedClient& client) { return ports.attach(client); };
   link::SocketcandServer& server = *socketcand_.emplace_back(std::make_unique<link::SocketcandServer>(
       io_, asio::ip::tcp::endpoint(address, place.port), section.name, attach, clock_,
@@ -225,6 +225,7 @@ bool PlantServers::open_web() {
                      .project = project_of(plant_.file(), section),
                      .network = static_cast<unsigned>(section.project_network),
                      .address = address_for_commands(i),
+                     .bit_rate = section.bit_rate,
                      .is_live = section.is_linked() && section.replay.empty()});
     if (!use_.web_project) continue;
     buses.back().project = use_.web_project->project;

@@ -22,6 +22,7 @@ struct WebBus {
   std::string project{};                    ///< folder or nodelist.cpj; empty: it has none
   unsigned network = 1;                     ///< of the list, from 1
   std::string address{};                    ///< for --bus; empty: commands cannot join it
+  std::uint32_t bit_rate = 0;               ///< bit/s
   bool is_live = false;                     ///< somebody else's devices: what writes wants to be armed
   std::vector<std::string> device_files{};  ///< folders and files that devices are looked for in
 };

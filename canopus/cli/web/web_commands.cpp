@@ -164,6 +164,7 @@ void WebCommands::hello(const WebUser& user, std::uint32_t id, const WebReply& r
     event["buses"].push_back({{"bus", bus.name},
                               {"project", bus.project},
                               {"joins", !bus.address.empty()},
+                              {"bit_rate", bus.bit_rate},
                               {"live", bus.is_live},
                               {"device_files", bus.device_files}});
   }

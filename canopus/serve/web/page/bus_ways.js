@@ -83,11 +83,28 @@ export class BusWays {
       const fine = await this.run(from, found, { bus, ...patience(), ...command }, (rows) => tell_devices(rows, count = rows.length));
       if (fine) set_text(found, count ? `${count} devices` : "no device without a node-ID answers");
     };
+    // One device at whatever bit rate: by its LSS address, or the first without a node-ID.
+    const [searched, search] = [status(), button("Search all bit rates", "configure")];
+    const number = input("node-ID for it", { type: "number", min: 1, max: 127, value: 1 });
+    const parts = ["vendor", "product", "revision", "serial"];
+    const address = parts.map((part) => input(part, { size: 9, maxlength: 12, placeholder: "any" }));
+    search.addEventListener("click", async () => {
+      const wish = { command: "lss search", bus, ...patience(), node: number.lastElementChild.value };
+      const rate = this.buses.get(bus)?.bit_rate;
+      if (rate) wish.bit_rate = String(rate);
+      for (const [i, part] of parts.entries()) if (address[i].lastElementChild.value.trim()) wish[part] = address[i].lastElementChild.value.trim();
+      let row;
+      const fine = await this.run(search, searched, wish, (rows) => { [row] = rows; });
+      if (!fine || !row) return;
+      tell_devices([row]);
+      set_text(searched, `found at ${row.found_at / 1000} kbit/s: is node ${row.node} at ${row.bit_rate / 1000} kbit/s now`);
+    });
     find.addEventListener("click", () => look(find, { command: "lss scan" }));
     assign.addEventListener("click", () => look(assign, { command: "lss assign", assign: first.lastElementChild.value, store: store.checked }));
     return this.keep(make("details", { class: "bus-ways" }, make("summary", {}, "Scan and LSS"),
       make("div", { class: "ways", role: "group", "aria-label": `Scan of ${bus}` }, scan, nodes, scanned), seen.table,
-      make("div", { class: "ways", role: "group", "aria-label": `LSS of ${bus}` }, find, assign, first, make("label", {}, store, " they keep them"), found), unnamed.table), bus);
+      make("div", { class: "ways", role: "group", "aria-label": `LSS of ${bus}` }, find, assign, first, make("label", {}, store, " they keep them"), found),
+      make("div", { class: "ways", role: "group", "aria-label": `Search over the bit rates of LSS on ${bus}` }, search, number, ...address, searched), unnamed.table), bus);
   }
 
   /// One object of a node, read and written.

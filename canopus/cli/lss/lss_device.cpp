@@ -1,5 +1,6 @@
-#include "canopus/cli/commands/lss_device.hpp"
+#include "canopus/cli/lss/lss_device.hpp"
 
+#include <charconv>
 #include <utility>
 
 #include <fmt/format.h>
@@ -62,6 +63,23 @@ int set_node_id(LssOnBus& on_bus, const BusLoop& bus, std::uint8_t node, bool st
       [&](auto& master, can::Time now) { return master.configure_node_id(node, now); });
   const int code = judge(on_bus, bus, set, fmt::format("setting node-ID {}", node));
   return code == exit_code::done && stored ? store(on_bus, bus) : code;
+}
+
+std::expected<std::uint32_t, std::string> parse_lss_bit_rate(std::string_view text) {
+  std::string_view digits = text;
+  std::uint32_t factor = 1;
+  if (digits.ends_with('k') || digits.ends_with('M')) {
+    factor = digits.back() == 'k' ? 1000 : 1'000'000;
+    digits.remove_suffix(1);
+  }
+  std::uint32_t value = 0;
+  const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (failure == std::errc{} && end == digits.data() + digits.size() && value <= 1'000'000 / factor &&
+      lss::bit_rate_index(value * factor)) {
+    return value * factor;
+  }
+  return std::unexpected(fmt::format(
+      "\"{}\" is not a bit rate of LSS; expected 1M, 800k, 500k, 250k, 125k, 50k, 20k or 10k", text));
 }
 
 std::expected<std::optional<std::uint32_t>, std::string> u32(const std::string& word, std::string_view name) {

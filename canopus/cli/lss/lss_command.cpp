@@ -1,6 +1,5 @@
-#include "canopus/cli/commands/lss_command.hpp"
+#include "canopus/cli/lss/lss_command.hpp"
 
-#include <charconv>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -9,8 +8,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "canopus/cli/commands/lss_device.hpp"
-#include "canopus/cli/commands/lss_scan.hpp"
+#include "canopus/cli/lss/lss_device.hpp"
+#include "canopus/cli/lss/lss_rate_search.hpp"
+#include "canopus/cli/lss/lss_scan.hpp"
 #include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/text/text_values.hpp"
 
@@ -107,24 +107,6 @@ int set_node(const LssArguments& arguments) {
   });
 }
 
-/// "250k", "1M", "250000", in bit/s.
-std::expected<std::uint32_t, std::string> parse_bit_rate(std::string_view text) {
-  std::string_view digits = text;
-  std::uint32_t factor = 1;
-  if (digits.ends_with('k') || digits.ends_with('M')) {
-    factor = digits.back() == 'k' ? 1000 : 1'000'000;
-    digits.remove_suffix(1);
-  }
-  std::uint32_t value = 0;
-  const auto [end, failure] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (failure == std::errc{} && end == digits.data() + digits.size() && value <= 1'000'000 / factor &&
-      lss::bit_rate_index(value * factor)) {
-    return value * factor;
-  }
-  return std::unexpected(fmt::format(
-      "\"{}\" is not a bit rate of LSS; expected 1M, 800k, 500k, 250k, 125k, 50k, 20k or 10k", text));
-}
-
 std::expected<std::chrono::milliseconds, std::string> parse_delay(std::string_view text) {
   const auto delay = text::parse_duration(text);
   if (!delay) return std::unexpected(delay.error());
@@ -143,7 +125,7 @@ int activate(LssOnBus& on_bus, BusLoop& bus, std::chrono::milliseconds delay) {
 }
 
 int set_rate(const LssArguments& arguments) {
-  const auto rate = parse_bit_rate(arguments.rate);
+  const auto rate = parse_lss_bit_rate(arguments.rate);
   if (!rate) return complain(exit_code::usage, rate.error());
   std::optional<std::chrono::milliseconds> delay;
   if (!arguments.activate.empty()) {
@@ -259,6 +241,20 @@ void add_lss_command(CLI::App& app, int& exit_code) {
 
   sub = add("identify", "Does a device without a node-ID answer? Or the one with this address?", identify);
   add_address_options(*sub, *arguments);
+
+  sub = add("search",
+            "Find a device at whatever bit rate, and give it a node-ID and the bit rate of this network",
+            lss_rate_search);
+  sub->add_option("NODE", arguments->node, "node-ID for it, 1 to 127")->required();
+  add_address_options(*sub, *arguments);
+  sub->add_option("--bit-rate", arguments->rate, "of this network, where the bus does not tell it: 125k")
+      ->type_name("RATE");
+  sub->footer(
+      "Without an address the first device without a node-ID is taken. It keeps both.\n"
+      "Meanwhile our controller is at other bit rates: other nodes of the network hear errors, and may go "
+      "bus-off. Stop its master\n"
+      "and its traffic before. SocketCAN wants the right to set up the interface, socketcand a server that "
+      "can do it: canopus run.");
 
   sub = add("inquire", "Show a device's identity and node-ID", inquire);
   add_address_options(*sub, *arguments);

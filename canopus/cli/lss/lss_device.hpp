@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "canopus/cli/commands/lss_on_bus.hpp"
+#include "canopus/cli/lss/lss_on_bus.hpp"
 
 namespace canopus::cli {
 
@@ -36,6 +36,8 @@ int store(LssOnBus& on_bus, const BusLoop& bus);
 /// The selected device gets its node-ID and keeps it if asked to. An exit code.
 int set_node_id(LssOnBus& on_bus, const BusLoop& bus, std::uint8_t node, bool stored);
 
+/// "250k", "1M", "250000": one of LSS, in bit/s.
+[[nodiscard]] std::expected<std::uint32_t, std::string> parse_lss_bit_rate(std::string_view text);
 /// The value of option --`name`; nothing when it was not given.
 [[nodiscard]] std::expected<std::optional<std::uint32_t>, std::string> u32(const std::string& word,
                                                                            std::string_view name);

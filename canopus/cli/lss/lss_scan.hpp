@@ -1,7 +1,7 @@
 #pragma once
 // `canopus lss scan`: finds every device without a node-ID and numbers them if asked to.
 
-#include "canopus/cli/commands/lss_device.hpp"
+#include "canopus/cli/lss/lss_device.hpp"
 
 namespace canopus::cli {
 

@@ -1,4 +1,4 @@
-#include "canopus/cli/commands/lss_scan.hpp"
+#include "canopus/cli/lss/lss_scan.hpp"
 
 #include <algorithm>
 #include <chrono>
