@@ -222,7 +222,7 @@ def the_tool_scans_and_sends_sdos():
             require(said.count('{"node":3,"name":"Canopus I/O block"}') == wanted, f"{words}: {said}")
         said = tool(plant, "sdo-read", "3", "0x1000:0x00").stdout
         require(said.splitlines() == ["SDO_READ_SUCCESS", "  hexadecimal    0x000F0191", "  decimal        983441",
-                                      "  floating point 1.378094e-39", "  ASCII          \\x91\\x01\\x0F\\x00"], said)
+                                      "  floating point 1.378094e-39", "  ASCII          ...."], said)
         said = tool(plant, "sdo-read", "3", "1008").stdout
         require("SDO_READ_SUCCESS" in said and "ASCII          Canopus I/O block" in said, said)
         require(tool(plant, "sdo-write", "3", "1017", "0x1F4").stdout == "SDO_WRITE_SUCCESS\n", "2 bytes")

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <charconv>
 #include <cstring>
 #include <functional>
@@ -14,6 +13,7 @@
 #include "canopus/cli/project/configure_command.hpp"
 #include "canopus/cli/project/project_access.hpp"
 #include "canopus/cli/project/project_files.hpp"
+#include "canopus/cli/project/shown_data.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/client/plc_module.hpp"
 #include "canopus/text/text_values.hpp"
@@ -113,33 +113,6 @@ void print_result(std::string_view result, bool json) {
   } else {
     print_line("{}", result);
   }
-}
-
-using NamedText = std::pair<std::string_view, std::string>;
-
-/// The forms in which the tool shows what was read.
-std::vector<NamedText> shown_data(const std::vector<std::uint8_t>& bytes) {
-  std::vector<NamedText> forms;
-  std::uint64_t value = 0;
-  for (std::size_t i = 0; i < std::min<std::size_t>(bytes.size(), 8); ++i)
-    value |= std::uint64_t{bytes[i]} << 8 * i;
-  if (bytes.size() <= 8) {
-    forms.emplace_back("hexadecimal", fmt::format("0x{:0{}X}", value, 2 * bytes.size()));
-    forms.emplace_back("decimal", fmt::format("{}", value));
-    if (bytes.size() == 4) {
-      forms.emplace_back("floating point",
-                         fmt::format("{}", std::bit_cast<float>(static_cast<std::uint32_t>(value))));
-    }
-    if (bytes.size() == 8)
-      forms.emplace_back("floating point", fmt::format("{}", std::bit_cast<double>(value)));
-  } else {
-    std::string hexadecimal;
-    for (const std::uint8_t byte : bytes)
-      hexadecimal += fmt::format("{}{:02X}", hexadecimal.empty() ? "" : " ", byte);
-    forms.emplace_back("hexadecimal", std::move(hexadecimal));
-  }
-  forms.emplace_back("ASCII", std::string(bytes.begin(), bytes.end()));
-  return forms;
 }
 
 constexpr std::array<std::string_view, 16> fx3u_error_bits{"",
