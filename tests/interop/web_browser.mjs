@@ -62,6 +62,7 @@ seen.focus_back = await page.evaluate(() => document.activeElement.matches(".nod
 seen.unnamed = (await page.locator("button, input").evaluateAll((all) => all.filter((one) =>
   !(one.getAttribute("aria-label") || one.textContent.trim() || one.labels?.length)).length));
 await page.click("#follow");
+seen.follow = [await page.textContent("#follow")];
 await page.waitForSelector("#messages .event");
 await page.fill("#message-filter", "pdo");
 await page.waitForFunction(() => document.querySelectorAll("#messages .event").length > 5);
@@ -70,6 +71,7 @@ const picture = `${folder}/messages-light-1280.png`;
 await page.screenshot({ path: picture, fullPage: true });
 seen.pictures.push(picture);
 await page.click("#follow");
+seen.follow.push(await page.textContent("#follow"));
 seen.first_time = await page.textContent("#time");
 await page.waitForTimeout(700);
 seen.later_time = await page.textContent("#time");

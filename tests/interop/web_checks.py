@@ -178,6 +178,7 @@ def browse(address, name):
     require(seen["focus_in"] == "node-title" and seen["focus_back"], "the keyboard loses its place")
     require(all(pathlib.Path(p).stat().st_size > 3000 for p in seen["pictures"]), seen["pictures"])
     require(seen["words_title"].startswith("Buffer memory of ") and seen["words_focus"] == "words-title" and seen["words_closed"], seen)
+    require(seen["follow"] == ["Stop following", "Follow"], seen["follow"])
     require(10 < seen["words_rows"] <= 256 and seen["markup_later"] == 0, f"{seen['words_rows']} rows are on the page")
     require(re.fullmatch("[0-9A-F]{4}H", seen["word_hexadecimal"]), seen["word_hexadecimal"])
     return seen

@@ -4,7 +4,12 @@ import { counted, end, judge, more, open, seen, url } from "./page_kit.mjs";
 
 const [name] = more;
 const page = await open();
-await page.click("#show-boots");
+const show = () => page.locator("#show-boots").evaluate((one) => [one.textContent, one.getAttribute("aria-expanded"), !document.getElementById(one.getAttribute("aria-controls")).hidden]);
+seen.show = [await show()];
+for (let i = 0; i < 3; ++i) {
+  await page.click("#show-boots");
+  seen.show.push(await show());
+}
 const slave = page.locator("#boots li", { hasText: name });
 await slave.waitFor();
 const buttons = page.locator("#boot-section .ways button:visible");

@@ -35,6 +35,7 @@ def web_retry_of_one_slave():
         again = look(page_with_key(plant))
         require(again["problems"] == [] and again["axe"] == [] and again["overflow"] == [], again)
         require(again["buttons"] == ["Retry"] and again["halts"] == [], again)
+        require(again["show"] == [["Show", "false", False], ["Hide", "true", True]] * 2, again["show"])
         require(again["clicks"] == {"clicks": 1, "typed": 0} and again["still"] and again["attempts"] == 2, again)
         require(again["command"].startswith("canopus nmt reset-comm --wait --timeout=5s --json --bus="), again["command"])
         require(again["look"] == 0, "who only looks")

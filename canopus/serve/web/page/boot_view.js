@@ -65,10 +65,9 @@ function why(step) {
 }
 
 export class BootView {
-  constructor(section, commands, say) {
-    this.commands = commands;
-    this.may_operate = false;
-    this.joined = new Set();  // buses that commands can join
+  /// `bus_ways`: the BusWays, by which boots are tried again.
+  constructor(section, bus_ways, say) {
+    this.bus_ways = bus_ways;
     this.halts = section.querySelector("#boot-halts");
     this.section = section;
     this.list = section.querySelector("#boots");
@@ -76,7 +75,8 @@ export class BootView {
     this.is_open = false;
     this.button.addEventListener("click", () => {
       this.is_open = !this.is_open;
-      this.button.setAttribute("aria-pressed", this.is_open);
+      this.button.setAttribute("aria-expanded", this.is_open);
+      set_text(this.button, this.is_open ? "Hide" : "Show");
       this.list.hidden = this.halts.hidden = !this.is_open;
       say();
     });
@@ -86,11 +86,6 @@ export class BootView {
     return this.is_open ? { boots: true } : null;
   }
 
-  greeted(hello) {
-    this.may_operate = hello.role !== "look";
-    this.joined = new Set(hello.buses.filter((bus) => bus.joins).map((bus) => bus.bus));
-  }
-
   draw(event, keep_children) {
     const all = event.slaves.map((slave) => ({ slave, spans: spans(slave, event.t) }));
     const time = axis(all.flatMap((one) => one.spans));
@@ -98,9 +93,8 @@ export class BootView {
     keep_children(this.halts, halted, (one) => `${one.bus}\u0000${one.node}`, (_, one) => this.make_halt(one), (item, one) => this.show_way(item, one.bus, true));
     keep_children(this.list, all, (one) => `${one.slave.bus}\u0000${one.slave.node}`, (_, one) => this.make_slave(one.slave), (item, one) => {
       this.fill_slave(item, one, time);
-      const ended = ["done", "failed"].includes(one.spans.at(-1)?.kind);
       const is_halted = halted.some((master) => master.bus === one.slave.bus && master.node === one.slave.master);
-      this.show_way(item, one.slave.bus, !is_halted && item.dataset.kind !== "done" && (ended || item.dataset.kind === "retry"));
+      this.show_way(item, one.slave.bus, !is_halted && ["failed", "retry"].includes(item.dataset.kind));
     });
     if (event.slaves.length === 0) this.list.replaceChildren(make("li", { class: "faint" }, "No master of this plant boots a slave."));
   }
@@ -109,22 +103,13 @@ export class BootView {
   make_way(text, meaning, command) {
     const said = make("span", { role: "status" });
     const button = make("button", { type: "button", title: meaning }, text);
-    button.addEventListener("click", async () => {
-      button.disabled = true;
-      said.dataset.mood = "";
-      set_text(said, `${text} …`);
-      const done = await this.commands.run(command);
-      button.disabled = false;
-      said.dataset.mood = done.code === 0 ? "" : "error";
-      said.title = done.command ?? "";
-      set_text(said, done.code === 0 ? "" : (done.message || `failed with code ${done.code}`).replace(/^canopus[a-z ]*: /, ""));
-    });
+    button.addEventListener("click", () => this.bus_ways.run(button, said, command));
     return make("div", { class: "ways" }, button, said);
   }
 
   /// Hidden where the role or the bus does not allow it; what was said stays as long as it is wanted.
   show_way(item, bus, is_wanted) {
-    item.lastElementChild.hidden = !is_wanted || !this.may_operate || !this.joined.has(bus);
+    item.lastElementChild.hidden = !is_wanted || !this.bus_ways.may_be_used_on(bus);
   }
 
   make_halt({ bus, node, name }) {

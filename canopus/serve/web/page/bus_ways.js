@@ -29,9 +29,13 @@ export class BusWays {
     for (const group of this.groups) this.show(group);
   }
 
+  may_be_used_on(bus) {
+    return this.role !== "look" && this.buses.has(bus);
+  }
+
   /// Hidden where the role or the bus does not allow any of it, buttons where the role is too low for them.
   show({ element, bus }) {
-    element.hidden = this.role === "look" || !this.buses.has(bus);
+    element.hidden = !this.may_be_used_on(bus);
     for (const button of element.querySelectorAll("[data-role=configure]")) button.disabled = this.role !== "configure";
   }
 
@@ -43,7 +47,7 @@ export class BusWays {
   }
 
   /// `told`: called with the rows that are there, while it runs. What was said stands in `said`.
-  async run(button, said, command, told) {
+  async run(button, said, command, told = () => {}) {
     button.disabled = true;
     said.dataset.mood = "";
     set_text(said, `${button.textContent} …`);

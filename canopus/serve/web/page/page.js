@@ -49,7 +49,7 @@ const pace_ways = new PaceWays(by_id("pace"), commands);
 const bus_ways = new BusWays(commands);
 const nmt_ways = new NmtWays(commands);
 const words = new WordView(by_id("words-section"), () => say_views());
-const boots = new BootView(by_id("boot-section"), commands, () => say_views());
+const boots = new BootView(by_id("boot-section"), bus_ways, () => say_views());
 const plots = new Plots(by_id("plots"), by_id("plot-list"), () => say_views());
 const objects = new ObjectView(by_id("objects-section"), () => say_views());
 const bus_view = new BusView(by_id("bus-section"), () => say_views());
@@ -304,7 +304,6 @@ function greeted(hello) {
   start_view.greeted(hello);
   fault_view.greeted(hello);
   nmt_ways.greeted(hello);
-  boots.greeted(hello);
   bus_ways.greeted(hello);
   pace_ways.greeted(hello);
   const projects = project_view.greeted(hello);
@@ -378,7 +377,7 @@ function say_views() {
 
 by_id("follow").addEventListener("click", () => {
   follows = !follows;
-  by_id("follow").setAttribute("aria-pressed", follows);
+  set_text(by_id("follow"), follows ? "Stop following" : "Follow");
   say_wish();
 });
 

@@ -79,7 +79,7 @@ export class TraceView {
   show(is_open) {
     this.is_open = is_open;
     by_id("trace-part").hidden = !is_open;
-    by_id("trace-show").setAttribute("aria-pressed", is_open);
+    by_id("trace-show").setAttribute("aria-expanded", is_open);
     set_text(by_id("trace-show"), is_open ? "Hide" : "Show");
     if (is_open) this.restart();
   }
