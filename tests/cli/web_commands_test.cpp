@@ -232,8 +232,10 @@ class WebCommandsTest : public ::testing::Test {
                  .armed_for = armed_for_,
                  .most_output = 100'000,
                  .done =
-                     [this](const serve::WebUser& user, const std::string& line, int code, serve::WebRole) {
-                       done_.push_back(user.name + ": " + line + ": " + std::to_string(code));
+                     [this](const serve::WebUser& user, const std::string& line, int code,
+                            const std::string& message, serve::WebRole) {
+                       done_.push_back(user.name + ": " + line + ": " + std::to_string(code) +
+                                       (message.empty() ? "" : ": " + message));
                      }});
   }
   void say(const Json& wish, std::uint32_t id = 1, WebRole role = WebRole::configure,
@@ -280,7 +282,8 @@ TEST_F(WebCommandsTest, ACommandsRows_ComeWithItsCodeAndCommandLine) {
   EXPECT_EQ(last["message"], "canopus: oh");
   EXPECT_EQ(last["command"], "canopus project diff --json --network=2 --bus=socketcan:can0 -- line1");
   EXPECT_THAT(done_,
-              ElementsAre("ann: canopus project diff --json --network=2 --bus=socketcan:can0 -- line1: 4"));
+              ElementsAre("ann: canopus project diff --json --network=2 --bus=socketcan:can0 -- line1: 4: "
+                          "canopus: oh"));
 }
 
 TEST_F(WebCommandsTest, Commands_RunOneAfterTheOther) {
@@ -392,6 +395,8 @@ TEST_F(WebCommandsTest, WhatIsStopped_Ends) {
   const auto replies = this->replies();
   EXPECT_EQ(replies.back()["id"], 1);
   EXPECT_EQ(replies.back()["code"], web_code::stopped);
+  const std::string line = "ann: canopus project undo --json --network=2 -- line1: 10";
+  EXPECT_THAT(done_, ElementsAre(line + ": stopped", line)) << "the one that waited, the one that ran";
   // Somebody at another place who gives no name either is somebody else.
   say({{"command", "project undo"}}, 7);
   commands_->run({.name = "ann", .address = "192.0.2.7", .role = WebRole::configure},
@@ -501,7 +506,8 @@ TEST_F(WebCommandsTest, CommandOfThisProcess_IsDoneAtOnce) {
   say({{"command", "double"}}, 2);
   EXPECT_EQ(replies_[1]["code"], web_code::refused);
   EXPECT_EQ(replies_[1]["message"], "expected n");
-  EXPECT_EQ(done_.size(), 2U);
+  EXPECT_THAT(done_, ElementsAre(R"(ann: {"command":"double","n":3}: 0)",
+                                 R"(ann: {"command":"double"}: 5: expected n)"));
 }
 
 TEST_F(WebCommandsTest, Hello_SaysWhoOneIsAndWhatThereIs) {

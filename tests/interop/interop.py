@@ -56,6 +56,7 @@ import web_bus_ways_checks  # noqa: F401
 import web_hostile_checks  # noqa: F401
 import web_nmt_checks  # noqa: F401
 import web_retry_checks  # noqa: F401
+import web_strip_checks  # noqa: F401
 import web_words_checks  # noqa: F401
 import web_pace_checks  # noqa: F401
 import web_settings_checks  # noqa: F401

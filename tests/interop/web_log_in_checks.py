@@ -214,6 +214,7 @@ def web_log_in():
     require(seen[:2] == [("anna", "look", "log in", 1), ("?", "look", "log in", 1)] and "hunter2" not in str(lines), seen)
     require(seen[2:5] == [("anna", "operate", "log in", 0), ("anna", "operate", "arm", 0), ("anna", "operate", "log out", 0)], seen)
     require(("bob", "look", "arm", 7) in seen and len(seen) == 11, seen)
+    require([e.get("message") for e in lines if e["do"] == "arm"] == [None, "arm: the role operate is needed, yours is look", None], lines)
     require(all(re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z", e["at"]) and e["address"].startswith("127.0.0.1:") for e in lines), lines)
     require(stat.S_IMODE(pathlib.Path(f"{path}.audit").stat().st_mode) == 0o600, "the audit log is open to others")
 

@@ -1,5 +1,6 @@
-"""Checks of the words that the page has for values of the communication profile: its script alone, run by Node.js, without a browser."""
+"""Checks of the words that the page has for values of the communication profile and for events: its scripts alone, run by Node.js, without a browser."""
 import json
+import re
 import shutil
 
 from kit import ROOT, Skip, check, command, require
@@ -50,3 +51,64 @@ def values_of_the_communication_profile_in_words():
     require(texts == "0x80000183|0x00000007|2|500|0x00000402|$NODEID+0x180|", texts)
     for (place, words), shown in zip(WORDS.items(), said, strict=True):
         require(shown == words, f"{place}: {shown!r} instead of {words!r}")
+
+
+def audit(do, code=0, user="anna", **more):
+    return {"t": 1.5, "event": "audit", "user": user, "role": "operate", "address": "192.168.1.7:50123", "do": do if isinstance(do, str) else json.dumps(do), "code": code, **more}
+
+
+# What stands in the strip and in the list of events.
+EVENTS = [
+    (audit("canopus nmt stop --json --bus=socketcan:can0 -- all"), "canopus nmt stop --json --bus=socketcan:can0 -- all: done; by anna (operate)"),
+    (audit("canopus sdo write -- 3 1017 x", 2, message="canopus sdo: x: expected a number"), "canopus sdo write -- 3 1017 x: x: expected a number; by anna (operate)"),
+    (audit("canopus project diff -- line1", 4), "canopus project diff -- line1: done, something differs or does not fit; by anna (operate)"),
+    (audit("canopus scan", 1, message="canopus scan: no bus,\nno answer"), "canopus scan: no bus, no answer; by anna (operate)"),
+    (audit("canopus scan", 10), "canopus scan: stopped; by anna (operate)"),
+    (audit("canopus scan", 139), "canopus scan: failed with code 139; by anna (operate)"),
+    (audit("arm", user=""), "arm writes: done; by 192.168.1.7:50123 (operate)"),
+    (audit("disarm"), "disarm writes: done; by anna (operate)"),
+    (audit("log in"), "log in: done; by anna (operate)"),
+    (audit("log in", 1), "log in: refused, wrong name or password; by anna (operate)"),
+    (audit("log in", 9), "log in: refused, too many attempts; by anna (operate)"),
+    (audit("12 more that were refused", 7, "?"), "12 more that were refused: refused, the role is too low; by ? (operate)"),
+    (audit({"command": "pace", "speed": 0}), "let plant time stand still: done; by anna (operate)"),
+    (audit({"command": "pace", "speed": 10}), "let plant time go at ×10: done; by anna (operate)"),
+    (audit({"command": "pace", "run": "100ms"}), "let plant time go on for 100ms: done; by anna (operate)"),
+    (audit({"command": "pace", "speed": {"a": [1]}}, 5, message="speed: expected 0 (stand still) or 0.01 to 100"),
+     "let plant time go at ×?: speed: expected 0 (stand still) or 0.01 to 100; by anna (operate)"),
+    (audit("pace", 7), "change the pace of plant time: refused, the role is too low; by anna (operate)"),
+    (audit({"command": "run faults", "bus": "line1", "seed": 5, "faults": [{"text": 'kind = "drop"', "on": True}, {"text": 'kind = "bit"', "on": False}]}),
+     "run the faults of line1 anew, 1 of 2 on, seed 5: done; by anna (operate)"),
+    (audit("run faults", 7), "run faults: refused, the role is too low; by anna (operate)"),
+    (audit({"command": "open"}), "open the built-in plant: done; by anna (operate)"),
+    (audit({"command": "open", "path": "pumps/plant.toml"}, 5, message="no such file"), "open pumps/plant.toml: no such file; by anna (operate)"),
+    (audit("open", 7), "open a plant: refused, the role is too low; by anna (operate)"),
+    (audit({"command": "end", "number": 3}), "end run 3: done; by anna (operate)"),
+    (audit({"command": "new project", "name": "line 2"}), "make the project line 2: done; by anna (operate)"),
+    (audit({"command": "new settings", "name": "m", "model": "FX3U-CAN"}), "make the settings m of the module FX3U-CAN: done; by anna (operate)"),
+    (audit({"command": "constructor"}, 2), "a command that there is not: not understood; by anna (operate)"),
+    (audit("[1, {}]", 2), "a command that there is not: not understood; by anna (operate)"),
+    ({"t": 1, "event": "lift", "bus": "hoist", "what": "passenger came", "lift": 1, "floor": 2, "to": 5, "passenger": 7}, "hoist lift 1 floor 2: passenger came: passenger 7 to floor 5"),
+    ({"t": 1, "event": "lift", "bus": "hoist", "what": "fault began", "lift": 1, "fault": "door blocked"}, "hoist lift 1: fault began: door blocked"),
+    ({"t": 1, "event": "summary", "virtual": False, "buses": [{"bus": "line1"}]}, "the run has ended"),
+    ({"t": 1, "event": "something new", "bus": "line1", "node": 3, "name": "pump", "level": 2, "list": [1], "more": {"a": 1}}, "something new: line1 node 3 (pump), level 2"),
+]
+
+
+@check
+def events_in_words():
+    """Each kind of event is a sentence, and what people do on the page is what was run, by whom, and how it ended."""
+    if not shutil.which("node"):
+        raise Skip("node is not installed")
+    kinds = set(re.findall(r"^\| `([a-z ]+)` \|", (ROOT / "docs/events.md").read_text().partition("The [page in the browser]")[0], re.MULTILINE))
+    require({"boot", "lift", "summary"} <= kinds, kinds)
+    # Those without a sentence of their own would begin with their kind and a colon.
+    bare = [{"t": 1, "event": kind} for kind in sorted(kinds - {"load"})]
+    script = (f'import {{ sentence, event_mood }} from {json.dumps(str(ROOT / "canopus/serve/web/page/words.js"))};'
+              f"console.log(JSON.stringify([{json.dumps([event for event, _ in EVENTS])}.map(sentence), {json.dumps(bare)}.map(sentence), {json.dumps([event for event, _ in EVENTS])}.map(event_mood)]));")
+    said, of_kinds, moods = json.loads(command("node", "--input-type=module", "--eval", script).stdout)
+    for (event, words), shown, mood in zip(EVENTS, said, moods, strict=True):
+        require(shown == words, f"{event}: {shown!r} instead of {words!r}")
+        require(event["event"] != "audit" or mood == ("" if event["code"] in (0, 4) else "error"), f"{event}: {mood!r}")
+    for event, shown in zip(bare, of_kinds, strict=True):
+        require(not shown.startswith(f"{event['event']}: "), f"{event['event']} has no sentence: {shown}")

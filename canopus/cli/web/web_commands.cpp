@@ -77,8 +77,9 @@ WebCommands::Json WebCommands::event_of(std::uint32_t id) const {
 
 void WebCommands::send(const WebReply& reply, Json event) const { reply(view_event(event)); }
 
-void WebCommands::done(const WebUser& user, const std::string& line, int code, WebRole role) const {
-  if (use_.done) use_.done(user, line, code, role);
+void WebCommands::done(const WebUser& user, const std::string& line, int code, const std::string& message,
+                       WebRole role) const {
+  if (use_.done) use_.done(user, line, code, message, role);
 }
 
 void WebCommands::refuse(const WebUser& user, const std::string& line, std::uint32_t id,
@@ -86,7 +87,7 @@ void WebCommands::refuse(const WebUser& user, const std::string& line, std::uint
   Json event = event_of(id);
   event["code"] = code;
   event["message"] = message;
-  if (!line.empty()) done(user, line, code);
+  if (!line.empty()) done(user, line, code, message);
   send(reply, std::move(event));
 }
 
@@ -188,7 +189,7 @@ void WebCommands::arm(const WebUser& user, const nlohmann::json& wish, std::uint
   Json event = event_of(id);
   event["code"] = 0;
   event["armed_for"] = armed_seconds();
-  done(user, line, 0);
+  done(user, line, 0, {});
   send(reply, std::move(event));
 }
 
@@ -229,7 +230,7 @@ void WebCommands::run_own(const WebUser& user, const std::string& name, const Ow
     Json event = event_of(id);
     event["code"] = 0;
     event["rows"] = Json::array({std::move(*row)});
-    if (is_noted) done(user, line, 0, role);
+    if (is_noted) done(user, line, 0, {}, role);
     send(reply, std::move(event));
   });
 }
@@ -337,7 +338,8 @@ void WebCommands::ended(int code, const std::string& errors) {
   child_.reset();
   patience_.cancel();
   Json event = event_of(job.id);
-  event["code"] = job.is_stopped || job.is_late ? web_code::stopped : code;
+  if (job.is_stopped || job.is_late) code = web_code::stopped;
+  event["code"] = code;
   event["command"] = shown_command(job.line.arguments);
   std::string message = errors;
   while (message.ends_with('\n')) message.pop_back();
@@ -353,7 +355,7 @@ void WebCommands::ended(int code, const std::string& errors) {
   }
   std::error_code ignored;
   if (!job.folder.empty()) fs::remove_all(job.folder, ignored);
-  done(job.user, shown_command(job.line.arguments), code, job.line.role);
+  done(job.user, shown_command(job.line.arguments), code, message, job.line.role);
   send(job.reply, std::move(event));
   start_next();
 }

@@ -61,8 +61,9 @@ class WebCommands {
     std::chrono::nanoseconds armed_for =
         std::chrono::minutes(10);         ///< then writing on a live bus is not allowed any more
     std::size_t most_output = 64U << 20;  ///< bytes that a command may say
-    /// What was done: who, the command line, its code, the role that it needs.
-    std::function<void(const serve::WebUser& user, const std::string& line, int code, serve::WebRole role)>
+    /// What was done: who, the command line, its code, the reason (empty: none was said), the role that it needs.
+    std::function<void(const serve::WebUser& user, const std::string& line, int code,
+                       const std::string& message, serve::WebRole role)>
         done{};
   };
 
@@ -119,7 +120,7 @@ class WebCommands {
   [[nodiscard]] std::string make_file(Job& job) const;
   void ended(int code, const std::string& errors);
   void tell_rows(bool at_once);
-  void done(const serve::WebUser& user, const std::string& line, int code,
+  void done(const serve::WebUser& user, const std::string& line, int code, const std::string& message,
             serve::WebRole role = serve::WebRole::operate) const;
 
   boost::asio::io_context& io_;

@@ -1,5 +1,6 @@
 #include "canopus/cli/web/web_page.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "canopus/cli/events/web_view_fields.hpp"
 #include "canopus/serve/web/web_secret.hpp"
 #include "canopus/serve/web/web_users.hpp"
+#include "canopus/text/printable.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -22,6 +24,13 @@ serve::WebServerOptions options_of(const WebAccess& access) {
     options.gate.read_users = [file = access.users] { return serve::read_web_users(file); };
   }
   return options;
+}
+
+/// As much of a message as a line has room for.
+std::string one_line(std::string message) {
+  constexpr std::size_t longest = 300;
+  std::ranges::replace(message, '\n', ' ');
+  return std::string(text::clipped(text::printable(message), longest));
 }
 
 using OwnCommands = std::map<std::string, WebCommands::Own, std::less<>>;
@@ -119,7 +128,8 @@ WebPage::WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClo
                      .own = own_commands(start_ ? &*start_ : nullptr, faults_, trace_, pace),
                      .now = [&plant] { return plant.timeline().now(); },
                      .done = [this](const serve::WebUser& user, const std::string& line, int code,
-                                    serve::WebRole role) { note(user, line, code, role); }}),
+                                    const std::string& message,
+                                    serve::WebRole role) { note(user, line, code, message, role); }}),
       server_(
           io, clock,
           {.state =
@@ -133,7 +143,7 @@ WebPage::WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClo
            .command = [this](const serve::WebUser& user, std::string_view command, std::uint32_t id,
                              serve::WebReply reply) { commands_.run(user, command, id, std::move(reply)); },
            .note = [this](const serve::WebUser& user, const std::string& what,
-                          int code) { write(user, what, code, serve::WebRole::operate); }},
+                          int code) { write(user, what, code, {}, serve::WebRole::operate); }},
           options_of(access_), report) {}
 
 std::expected<void, std::string> WebPage::open_access() {
@@ -165,14 +175,15 @@ std::expected<void, std::string> WebPage::listen(const text::HostAndPort& place)
   return result;
 }
 
-void WebPage::note(const serve::WebUser& user, const std::string& what, int code, serve::WebRole role) {
+void WebPage::note(const serve::WebUser& user, const std::string& what, int code, const std::string& message,
+                   serve::WebRole role) {
   // Who may nothing would fill the log, and push everything else off the page, with what is refused.
   if (user.role == serve::WebRole::look && code != 0) {
     const auto present = std::chrono::steady_clock::now();
     if (present - refused_since_ > std::chrono::seconds(1)) {
       refused_since_ = present;
       if (left_out_ != 0) {
-        write({.name = "?"}, fmt::format("{} more that were refused", left_out_), code, role);
+        write({.name = "?"}, fmt::format("{} more that were refused", left_out_), code, {}, role);
       }
       refused_ = left_out_ = 0;
     }
@@ -181,10 +192,11 @@ void WebPage::note(const serve::WebUser& user, const std::string& what, int code
       return;
     }
   }
-  write(user, what, code, role);
+  write(user, what, code, message, role);
 }
 
-void WebPage::write(const serve::WebUser& user, const std::string& what, int code, serve::WebRole role) {
+void WebPage::write(const serve::WebUser& user, const std::string& what, int code, const std::string& message,
+                    serve::WebRole role) {
   const can::Time now = plant_.timeline().now();
   if (audit_) {
     const auto since = std::chrono::system_clock::now().time_since_epoch();
@@ -193,7 +205,8 @@ void WebPage::write(const serve::WebUser& user, const std::string& what, int cod
          .milliseconds = std::chrono::duration_cast<std::chrono::milliseconds>(since).count(),
          .user = user,
          .what = what,
-         .code = code}));
+         .code = code,
+         .message = one_line(message)}));
     if (const std::string trouble = audit_->take_trouble(); !trouble.empty() && report_) report_(trouble);
   }
   if (role == serve::WebRole::look) return;
@@ -203,13 +216,14 @@ void WebPage::write(const serve::WebUser& user, const std::string& what, int cod
   event["address"] = user.address;
   event["do"] = what;
   event["code"] = code;
+  if (!message.empty()) event["message"] = one_line(message);
   server_.event(view_event(event));
 }
 
 void WebPage::close() {
   if (left_out_ != 0) {
     write({.name = "?"}, fmt::format("{} more that were refused", std::exchange(left_out_, 0)),
-          web_code::not_allowed, serve::WebRole::operate);
+          web_code::not_allowed, {}, serve::WebRole::operate);
   }
   events_.set_listener([](std::string_view) {});
   server_.stop();

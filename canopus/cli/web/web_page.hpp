@@ -65,8 +65,11 @@ class WebPage {
  private:
   [[nodiscard]] std::expected<void, std::string> open_access();
   /// Somebody did something, or tried to: into the audit log and, if it is more than a look, to all who watch.
-  void note(const serve::WebUser& user, const std::string& what, int code, serve::WebRole role);
-  void write(const serve::WebUser& user, const std::string& what, int code, serve::WebRole role);
+  /// `message`: why not, or what was said of it; empty: nothing.
+  void note(const serve::WebUser& user, const std::string& what, int code, const std::string& message,
+            serve::WebRole role);
+  void write(const serve::WebUser& user, const std::string& what, int code, const std::string& message,
+             serve::WebRole role);
 
   static constexpr std::uint64_t most_refused_a_second = 5;
 

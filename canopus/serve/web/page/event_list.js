@@ -1,5 +1,6 @@
 // Thousands of events, newest first, of which only those in sight are elements.
 import { make } from "./dom.js";
+import { event_mood } from "./words.js";
 
 const row_height = 22;
 const most_kept = 20000;
@@ -28,7 +29,7 @@ export class EventList {
 
   /// `data`: what the line has with it for who acts on it.
   add(event, text, data = {}) {
-    const row = { t: event.t, text, kind: event.event, data };
+    const row = { t: event.t, text, mood: event_mood(event), data };
     this.events.push(row);
     if (this.events.length > most_kept) {
       this.events.splice(0, most_kept / 10);
@@ -62,9 +63,7 @@ export class EventList {
     const rows = [];
     for (let i = first; i < last; ++i) {
       const row = this.shown[this.shown.length - 1 - i];
-      const kind = ["error", "module error", "emcy", "bus error", "error-frame"].includes(row.kind) ? "error"
-                 : ["warning", "lost", "unacknowledged"].includes(row.kind) ? "warning" : "";
-      const line = make("div", { class: `event ${kind}` }, `${row.t.toFixed(6).padStart(12)}  ${row.text}`);
+      const line = make("div", { class: `event ${row.mood}` }, `${row.t.toFixed(6).padStart(12)}  ${row.text}`);
       line.style.top = `${i * row_height}px`;
       line.title = row.text;
       Object.assign(line.dataset, row.data);

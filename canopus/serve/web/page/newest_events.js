@@ -1,9 +1,9 @@
 // The strip at the bottom: the latest events in words, each a link to the frames of that moment.
 import { keep_children, make, set_text } from "./dom.js";
+import { event_mood } from "./words.js";
 
 const most = 3;
 const around = 0.01;  // seconds of the trace on either side
-const serious = ["error", "module error", "emcy", "bus error"];
 
 /// The frames of an event in the trace; of one that is not of a bus, the list of events.
 export function link_of(event) {
@@ -42,7 +42,7 @@ export class NewestEvents {
       set_text(link, shown);
       link.title = shown;
       link.setAttribute("href", link_of(event));
-      item.dataset.mood = serious.includes(event.event) ? "error" : event.event === "warning" ? "warning" : "";
+      item.dataset.mood = event_mood(event);
     });
   }
 }
