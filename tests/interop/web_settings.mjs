@@ -238,6 +238,42 @@ await go("basic");
 await press("Read all CANopen nodes");
 seen.hardware = await page.locator("#settings-page tbody tr").allTextContents();
 await picture(page, "nodes", "#settings-section");
+await go("slave");
+await picture(page, "slaves", "#settings-section");
+
+// All columns of each list are in sight, and the descriptions stand beside or below the rows.
+const covered = () => page.evaluate(() => {
+  const problems = [];
+  const box = (one) => one.getBoundingClientRect();
+  const descriptions = ["settings-description", "description"].map((id) => document.getElementById(id)).filter((one) => one.offsetParent !== null);
+  const lists = [...document.querySelectorAll("#settings-page .scrolls")].filter((one) => one.offsetParent !== null);
+  for (const list of lists) {
+    const name = list.getAttribute("aria-label");
+    if (list.scrollWidth > list.clientWidth) problems.push(`${name}: ${list.scrollWidth} in ${list.clientWidth} pixels`);
+    for (const row of [list, ...list.querySelectorAll("tr")].map(box)) {
+      for (const one of descriptions) {
+        const over = box(one);
+        if (row.left < over.right && over.left < row.right && row.top < over.bottom && over.top < row.bottom) problems.push(`${name}: below ${one.id}`);
+      }
+    }
+  }
+  return [lists.length, problems];
+});
+seen.lists = {};
+for (const key of ["basic", "tpdo", "rpdo", "slave", "consumer"]) {
+  await go(key);
+  if (!await page.locator(".details:not([hidden])").count()) await page.locator("#settings-page tbody th button").first().click();
+  await page.locator("#settings-page .details input").first().focus();
+  // In a window of 1280 pixels the bars of page and list take 30.
+  for (const [width, with_description] of [[1250, false], [1920, false], [1920, true]]) {
+    await page.setViewportSize({ width, height: 900 });
+    if (with_description) await page.click("#show-description");
+    seen.lists[`${key} ${width}${with_description ? " with the description" : ""}`] = await covered();
+    if (with_description) await page.click("#show-description");
+  }
+}
+await page.setViewportSize({ width: 1280, height: 800 });
+await go("basic");
 seen.asked = [];
 for (const name of ["Save Object Dictionary on all nodes", "Restore Object Dictionary to default on all nodes"]) {
   await button(name).click();

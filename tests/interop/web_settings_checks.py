@@ -195,6 +195,7 @@ def web_settings_in_chromium():
     exported = pictures / "exported.xml"
     tool(None, "check", exported, expect=0)
     require(seen["description_hidden"], "the description window stays")
+    require(len(seen["lists"]) == 15 and all(count >= 1 and problems == [] for count, problems in seen["lists"].values()), seen["lists"])
     require(not [one for one in seen["look_enabled"] if not re.match(r"\d+$|Close|Node ID|PDO|First|Last", one)], seen["look_enabled"])
 
 

@@ -1,5 +1,6 @@
 // A list window of a module's settings: a row for each PDO, node or slave, a new one by its number, and the details of the open one.
 import { keep_children, make, set_text } from "./dom.js";
+import { shown_value } from "./settings.js";
 import { FieldForm, FieldInput, cob_id_parts, tool_button } from "./settings_fields.js";
 import { MappingTable, mapping_text } from "./settings_mapping.js";
 
@@ -8,6 +9,11 @@ const details_titles = { node: "CANopen node settings", tpdo: "TPDO details", rp
 const hardware_names = ["Device name", "Vendor-ID", "Product code", "Revision number", "Serial number", "Hardware version", "Software version"];
 const shown_hardware = (value) => (value === undefined ? "" : value === null ? "–" : typeof value === "number" ? `0x${value.toString(16).toUpperCase().padStart(8, "0")}` : value);
 const name_field = (window) => ({ field: window.name_field, is_text: true, longest: 256, range: "1 to 256 characters", default: "CANopen node", unit: "", description: "of the node, for people" });
+
+/// As wide as its longest value, so that all columns fit side by side.
+function narrow(input, field) {
+  if (input.type === "text" && !field.is_text) input.style.width = `calc(${shown_value(field, field.highest).length}ch + .6rem)`;
+}
 
 export class SettingsList {
   /// `view`: the SettingsView; `window`: as `configure describe` says.
@@ -101,7 +107,8 @@ export class SettingsList {
     remove.setAttribute("aria-label", `Delete ${this.window.key} ${number}`);
     const inputs = this.columns.map((field) => new FieldInput({ ...field, read_only: field.read_only || field.field === "COB-ID" }, may_configure,
       (text) => this.view.set(this.place(number), field.field, text), `${field.field} of ${this.window.key} ${number}`));
-    const hardware = this.window.word === "node" ? hardware_names.map(() => make("td")) : [];
+    for (const one of inputs) narrow(one.input, one.field);
+    const hardware = this.window.word === "node" ? hardware_names.map((name) => make("td", /name|version/.test(name) ? { class: "hardware" } : {})) : [];
     const mapping = this.window.maps_objects ? [make("td", { class: "mapping" })] : [];
     const item = make("tr", { "data-place": this.place(number) }, make("th", { scope: "row" }, open), ...inputs.map((one) => make("td", {}, one.input)), ...hardware, ...mapping, make("td", {}, remove));
     item.fields = { inputs, hardware, mapping };
