@@ -215,6 +215,25 @@ TEST_F(WebViewsTest, ABootThatFails_SaysWhy) {
   EXPECT_EQ(event["masters"][0]["start_up"], "halted");  // 1F81H bit 3: the slave is mandatory
 }
 
+TEST_F(WebViewsTest, StartUpOfEachMaster_IsInWords) {
+  const auto masters_of = [this](const std::string& settings) {
+    std::string text = plant_text;
+    const std::size_t at = text.find("master = true");
+    text.replace(at, text.find("exchange", at) - at, settings);
+    views_.reset();  // it looks at the plant of the line before
+    start(text);
+    return look(R"({"boots":true})")["masters"];
+  };
+  const auto start_up_of = [&](const std::string& objects) {
+    const Json masters = masters_of("master = true\nobjects = { " + objects + " }\n");
+    return masters.size() == 1 ? masters[0].value("start_up", "") : "no master";
+  };
+  EXPECT_EQ(start_up_of(R"("1F80" = 1, "1F81:03" = 5)"), "ended");
+  EXPECT_EQ(start_up_of(R"("1F80" = 1, "1F81:07" = 0x0D)"), "booting") << "mandatory, and not there";
+  EXPECT_EQ(start_up_of(R"("1F80" = 5, "1F81:03" = 5)"), "waits for own start") << "1F80H bit 2";
+  EXPECT_THAT(masters_of("master = false\n"), SizeIs(0)) << "a module that is no master";
+}
+
 TEST_F(WebViewsTest, OfManySteps_TheNewestAreKept) {
   WebBoots boots;
   manager::BootRecord record;

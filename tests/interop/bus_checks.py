@@ -173,10 +173,20 @@ def nmt_command_by_the_master():
         plant.wait(lambda e: e["event"] == "boot slave" and e["node"] == 3 and e["step"] == "booted" and e["t"] > 1.5)
         require(on_bus(plant, "nmt", "stop", "4", "--master", "1").stdout == "stop for node 4 requested of master 1\n", "stop")
         plant.wait(lambda e: e["event"] == "nmt" and e["node"] == 4 and e["state"] == "stopped")
+        require(on_bus(plant, "nmt", "preop", "4", "--master", "1").stdout == "preop for node 4 requested of master 1\n", "preop")
+        before = plant.wait(lambda e: e["event"] == "nmt" and e["node"] == 4 and e["state"] == "pre-operational" and e["t"] > 1.5)["t"]
+        on_bus(plant, "sdo", "write", "4", "6067", "55", "--type", "u32")
+        require(on_bus(plant, "nmt", "reset", "4", "--master", "1", "--wait").stdout == "node 4 has booted\n", "reset")
+        plant.wait(lambda e: e["event"] == "boot slave" and e["node"] == 4 and e["step"] == "booted" and e["t"] > before)
+        require(json.loads(on_bus(plant, "sdo", "read", "4", "6067", "--type", "u32", "--json").stdout)["value"] == 100, "not reset, its communication alone")
+        done = on_bus(plant, "nmt", "stop", "4", "--json")
+        require(json.loads(done.stdout) == {"command": "stop", "node": 4}, done.stdout)  # of no master
         refused = on_bus(plant, "nmt", "start", "4", "--master", "3", expect=1)
         require("master 3 did not take 05H for 1F82:04 (request NMT): abort 06020000H: object does not exist" in refused.stderr, refused.stderr)
         wrong = on_bus(plant, "nmt", "start", "4", "--master", "128", expect=2)
         require('--master: "128" is not a node; expected a node-ID 1 to 127' in wrong.stderr, wrong.stderr)
+        require(on_bus(plant, "nmt", "stop", "all", "--master", "1").stdout == "stop for all nodes requested of master 1\n", "all")
+        plant.wait(lambda e: e["event"] == "nmt" and e["node"] == 2 and e["state"] == "stopped")
 
 
 @check
