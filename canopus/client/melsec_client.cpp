@@ -175,7 +175,7 @@ class MelsecClient final : public PlcProtocol {
     }
     out.u8(0);
     out.u8(0xFF);
-    out.u16(0x03FF);
+    out.u16(link_.connection().module_io);
     out.u8(0);
     const std::size_t length_at = out.size();
     out.u16(0);

@@ -19,11 +19,12 @@ struct PlcConnection {
   std::string host = "127.0.0.1";
   std::uint16_t port = 5007;
   Frame frame = Frame::frame_3e;
-  bool ascii = false;                       ///< not with Modbus
-  bool udp = false;                         ///< not with Modbus
-  bool octal = false;                       ///< 3E and 4E in ASCII write X and Y so, as an FX5 takes them
-  std::string remote_password{};            ///< 3E and 4E: unlocks the port first; empty: it has none
-  std::uint8_t unit = 255;                  ///< Modbus: unit identifier; 255: whoever has the port
+  bool ascii = false;                ///< not with Modbus
+  bool udp = false;                  ///< not with Modbus
+  bool octal = false;                ///< 3E and 4E in ASCII write X and Y so, as an FX5 takes them
+  std::string remote_password{};     ///< 3E and 4E: unlocks the port first; empty: it has none
+  std::uint16_t module_io = 0x03FF;  ///< 3E and 4E: 03FFH: the control CPU; 03E0H to 03E3H: CPU No.1 to No.4
+  std::uint8_t unit = 255;           ///< Modbus: unit identifier; 255: whoever has the port
   std::chrono::milliseconds timeout{3000};  ///< to connect, and for each reply
 };
 

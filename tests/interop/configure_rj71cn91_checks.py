@@ -147,6 +147,7 @@ def the_page_of_the_rj71cn91s_tool_names_commands_that_are_there():
     for words in sorted({found.split()[0] for found in re.findall(r"`configure ([a-z][^`]*)`", page)}):
         command(program, "configure", words, "--help")
     for words in sorted(set(re.findall(r"`configure ([a-z-]+ [^`]*)`", page))):
-        shown = command(program, "configure", words.split()[0], "--help").stdout
+        inner = words.split()[:2] if words.startswith("setup ") else words.split()[:1]
+        shown = command(program, "configure", *inner, "--help").stdout
         for option in re.findall(r"--[a-z]+", words):
             require(option in shown, f"configure {words}: {option} is none of its options")

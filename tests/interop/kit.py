@@ -130,7 +130,7 @@ class RunningPlant:
 
     def _start(self, *words, cwd=None):
         self.process = subprocess.Popen([program, *map(str, words), "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                        text=True, cwd=cwd)
+                                        text=True, cwd=cwd, env={**os.environ, "XDG_STATE_HOME": str(scratch / "configure-state")})
         self.events, self.lines = [], queue.Queue()
         self.reader = threading.Thread(target=self._read, daemon=True)
         self.reader.start()

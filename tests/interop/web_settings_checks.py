@@ -113,7 +113,8 @@ def web_settings_in_chromium():
     require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], (seen["problems"], seen["axe"], seen["overflow"]))
 
     # Each name that the table prints, in the window that it is for; which are not on the page, the manual's page says.
-    seen["names"]["start"] = ["New settings", "Settings of modules"]  # of `canopus web` alone: web_start_in_chromium makes and opens settings there
+    # Of `canopus web` alone; web_start_in_chromium sees them there.
+    seen["names"]["start"] = ["New settings", "Settings of modules"]
     shown_on = {}
     for row in rows:
         page, _ = WINDOWS.get(row["window"], ("", ""))
@@ -188,6 +189,7 @@ def web_settings_in_chromium():
     require(len(seen["scanned"]) >= 1 and any(one.startswith("3Canopus") for one in seen["scanned"]), seen["scanned"])
     require("Function mode405" in seen["status"] and any(one.startswith("Error status") for one in seen["status"]), seen["status"])
     require("has started again" in seen["reset"] and "ProtocolTCP" in seen["setup"] and "R04" in seen["test"], (seen["setup"], seen["test"]))
+    require({"CPU typeR04", "CPU seriesR", "Connect CPU seriesR", "Multiple CPUNone"} <= set(seen["setup"]), seen["setup"])
     require("1025" in seen["identity"] and "983441" in seen["identity"], seen["identity"])
     require(any("Canopus I/O block" in row for row in seen["hardware"]) and seen["read"] == "the file has what the module has", (seen["hardware"], seen["read"]))
     require(seen["asked"] == ["The object dictionaries of all listed nodes are written into their memory.", "All listed nodes lose their settings; defaults count after a reset of the nodes."], seen["asked"])
@@ -206,7 +208,8 @@ def web_settings_of_a_live_plc_are_armed():
     with running(rack("web-live")) as plant:
         module_of(plant)
         host, port = plant.mc.rsplit(":", 1)
-        with running_page(path, "--host", host, "--port", port) as page:
+        tool(None, "setup", "set", "live one", "--host", host, "--port", port, "--timeout", "2s")
+        with running_page(path, "--setup", "live one", "--timeout", "4s") as page:
             key = page_with_key(page).partition("#key=")[2]
             _, web_port = page_of(page)
             owner, looker = Watcher(web_port, key=key), Watcher(web_port)
@@ -224,6 +227,7 @@ def web_settings_of_a_live_plc_are_armed():
 
             hello = done(owner, command="hello")[0]
             require(hello["buses"] == [] and [one["file"] for one in hello["settings"]] == [str(path)] and hello["settings"][0]["live"], hello)
+            require(hello["settings"][0]["setup"] == "live one" and hello["settings"][0]["plc"] == [f"--host={host}", "--timeout=4s", f"--port={port}"], hello)
             require(done(owner, command="configure sdo-read", node="3", object="1018:02")[0]["code"] == 0, "reading needs no arming")
             for words in ({"command": "configure sdo-write", "node": "3", "object": "1017", "data": "500"}, {"command": "configure write", "yes": True},
                           {"command": "configure reset"}, {"command": "configure nodes save"}, {"command": "configure nodes restore"}, {"command": "configure status clear"}):

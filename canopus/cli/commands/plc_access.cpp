@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "canopus/cli/commands/module_words.hpp"
+#include "canopus/cli/setups/transfer_setups.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/text/text_values.hpp"
 
@@ -54,6 +55,9 @@ std::string why_not_together(const PlcArguments& arguments) {
   const int frames = arguments.frame_3e + arguments.frame_4e + arguments.frame_1e + arguments.modbus;
   if (frames > 1) return "--3e, --4e, --1e and --modbus do not go together; expected one of them";
   if (arguments.unit && !arguments.modbus) return "--unit is for --modbus";
+  const bool names_no_cpu = frame_of(arguments) == Frame::frame_1e || frame_of(arguments) == Frame::modbus;
+  if (arguments.cpu != "none" && names_no_cpu)
+    return "--cpu: only 3E and 4E frames name a CPU of a multiple CPU system";
   if (!arguments.modbus) return {};
   if (arguments.connection.ascii) return "--ascii does not go with --modbus";
   if (arguments.connection.udp) return "--udp does not go with --modbus";
@@ -67,10 +71,24 @@ int plc_failed(int exit_code, const std::string& message) {
   return exit_code;
 }
 
+void use_setup(const TransferSetup& setup, PlcArguments& arguments) {
+  arguments.connection.host = setup.host;
+  arguments.connection.ascii = setup.ascii;
+  arguments.connection.udp = setup.udp;
+  arguments.connection.frame = setup.frame == "1E"   ? Frame::frame_1e
+                               : setup.frame == "4E" ? Frame::frame_4e
+                                                     : Frame::frame_3e;
+  if (setup.port != 0) arguments.port = setup.port;
+  arguments.timeout = setup.timeout;
+  arguments.cpu = setup.cpu == 0 ? "none" : std::to_string(setup.cpu);
+  arguments.module = setup.model;
+}
+
 Frame frame_of(const PlcArguments& arguments) noexcept {
   if (arguments.modbus) return Frame::modbus;
   if (arguments.frame_1e) return Frame::frame_1e;
-  return arguments.frame_4e ? Frame::frame_4e : Frame::frame_3e;
+  if (arguments.frame_4e) return Frame::frame_4e;
+  return arguments.frame_3e ? Frame::frame_3e : arguments.connection.frame;
 }
 
 client::PlcNotation notation_of(const PlcArguments& arguments) noexcept {
@@ -90,6 +108,10 @@ int with_client(const PlcArguments& arguments, const std::function<int(client::P
   client::PlcConnection connection = arguments.connection;
   connection.frame = frame_of(arguments);
   connection.octal = arguments.octal;
+  if (arguments.cpu != "none") {
+    constexpr std::uint16_t before_first_cpu = 0x03E0 - 1;  // No.1 is 03E0H
+    connection.module_io = static_cast<std::uint16_t>(before_first_cpu + std::stoul(arguments.cpu));
+  }
   connection.unit = static_cast<std::uint8_t>(arguments.unit.value_or(connection.unit));
   connection.port = arguments.port.value_or(arguments.modbus ? usual_modbus_port : usual_port);
   connection.timeout = std::chrono::ceil<std::chrono::milliseconds>(*timeout);

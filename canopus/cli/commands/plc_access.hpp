@@ -24,7 +24,6 @@ inline constexpr int usage = 2;
 /// Prints the message, and returns the code.
 int plc_failed(int exit_code, const std::string& message);
 
-[[nodiscard]] client::PlcConnection::Frame frame_of(const PlcArguments& arguments) noexcept;
 [[nodiscard]] client::PlcNotation notation_of(const PlcArguments& arguments) noexcept;
 
 /// Connects, then does it. Everything else on the command line has been understood by then.

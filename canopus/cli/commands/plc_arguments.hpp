@@ -14,13 +14,18 @@ class App;
 
 namespace canopus::cli {
 
+struct TransferSetup;
+
 struct PlcArguments {
-  client::PlcConnection connection;  ///< frame and port: as the flags below say
+  std::string setup;  ///< the transfer setup that the values are of; empty: none
+  /// Its port is not looked at (`port`), its frame where no flag below names one.
+  client::PlcConnection connection;
   std::optional<std::uint16_t> port{};
   bool frame_3e = false;
   bool frame_4e = false;
   bool frame_1e = false;
   bool modbus = false;
+  std::string cpu = "none";        ///< of a multiple CPU system
   std::optional<unsigned> unit{};  ///< of Modbus
   std::string timeout = "3s";
   bool octal = false;  ///< X and Y
@@ -38,7 +43,11 @@ struct PlcArguments {
   std::string file;
 };
 
-/// --host, --port, the frames, --timeout and so on.
+/// --setup, --host, --port, the frames, --timeout and so on.
 void add_connection_options(CLI::App& command, PlcArguments& arguments);
+
+/// The setup's values take the place of those that are there.
+void use_setup(const TransferSetup& setup, PlcArguments& arguments);
+[[nodiscard]] client::PlcConnection::Frame frame_of(const PlcArguments& arguments) noexcept;
 
 }  // namespace canopus::cli

@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "canopus/cli/commands/plc_access.hpp"
+#include "canopus/cli/setups/transfer_setups.hpp"
 #include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/client/plc_address.hpp"
@@ -120,6 +121,14 @@ int with_point(const PlcArguments& arguments,
   return point ? action(*point, arguments) : plc_failed(usage, point.error());
 }
 
+/// Throws what CLI11 reports as a mistake of the command line.
+void use_setup(const std::string& name, PlcArguments& arguments) {
+  const auto setup = find_transfer_setup(name);
+  if (!setup) throw CLI::ValidationError("--setup", setup.error());
+  use_setup(*setup, arguments);
+  arguments.setup = name;
+}
+
 void add_address(CLI::App& command, PlcArguments& arguments, const char* help) {
   command.add_option("ADDRESS", arguments.address, help)->required();
 }
@@ -143,6 +152,11 @@ void add_reading_options(CLI::App& command, PlcArguments& arguments) {
 }  // namespace
 
 void add_connection_options(CLI::App& command, PlcArguments& arguments) {
+  // The first: options are taken in this order, so each of the others takes the place of the setup's value.
+  CLI::Option* const setup = command.add_option_function<std::string>(
+      "--setup", [&arguments](const std::string& name) { use_setup(name, arguments); },
+      "a transfer setup by its name (canopus configure setup); the other options go before its values");
+  setup->type_name("NAME");
   command.add_option("--host", arguments.connection.host, "the PLC's address")->capture_default_str();
   command.add_option("--port", arguments.port, "of the PLC [5007, with --modbus 502]")
       ->type_name("PORT")
@@ -150,10 +164,28 @@ void add_connection_options(CLI::App& command, PlcArguments& arguments) {
   command.add_flag("--3e", arguments.frame_3e, "3E frames (the default)");
   command.add_flag("--4e", arguments.frame_4e, "4E frames, with serial numbers");
   command.add_flag("--1e", arguments.frame_1e, "1E frames (A-compatible)");
-  command.add_flag("--modbus", arguments.modbus,
-                   "Modbus TCP: an AS300 by its devices, any other PLC by addresses");
-  command.add_flag("--ascii", arguments.connection.ascii, "ASCII instead of binary");
-  command.add_flag("--udp", arguments.connection.udp, "UDP instead of TCP");
+  command
+      .add_flag("--modbus", arguments.modbus,
+                "Modbus TCP: an AS300 by its devices, any other PLC by addresses")
+      ->excludes(setup);
+  CLI::Option* const ascii =
+      command.add_flag("--ascii", arguments.connection.ascii, "ASCII instead of binary");
+  command
+      .add_flag_callback(
+          "--binary", [&arguments] { arguments.connection.ascii = false; }, "binary (the default)")
+      ->excludes(ascii);
+  CLI::Option* const udp = command.add_flag("--udp", arguments.connection.udp, "UDP instead of TCP");
+  command
+      .add_flag_callback(
+          "--tcp", [&arguments] { arguments.connection.udp = false; }, "TCP (the default)")
+      ->excludes(udp);
+  command
+      .add_option(
+          "--cpu", arguments.cpu,
+          "Multiple CPU: No.1 to No.4 of a multiple CPU system instead of the control CPU (3E and 4E)")
+      ->type_name("CPU")
+      ->check(one_of_words({"none", "1", "2", "3", "4"}))
+      ->capture_default_str();
   command
       .add_option("--password", arguments.connection.remote_password,
                   "remote password of the port; in the variable nobody sees it in the list of processes")

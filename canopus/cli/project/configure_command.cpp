@@ -294,6 +294,7 @@ void add_configure_command(CLI::App& app, int& exit_code) {
   add_offline(adder);
   add_online(adder);
   add_nodes(adder);
+  add_setup_commands(*group, exit_code);
 }
 
 }  // namespace canopus::cli

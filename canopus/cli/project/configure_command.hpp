@@ -74,6 +74,9 @@ int reset_module(const ConfigureArguments& arguments);
 int list_nodes(const ConfigureArguments& arguments);
 int identify_slave(const ConfigureArguments& arguments);
 
+/// `configure setup ...`: transfer setups (project_setups.cpp).
+void add_setup_commands(CLI::App& configure, int& exit_code);
+
 /// "canopus configure: ..." on stderr; returns `code`.
 int configure_failed(int code, const std::string& message);
 

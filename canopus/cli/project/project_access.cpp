@@ -9,7 +9,8 @@ namespace {
 const project::ModuleModel& model_of(const ConfigureArguments& arguments,
                                      const project::ModuleProject* project, client::PlcClient& client) {
   if (project != nullptr) return project->model();
-  const project::ModuleModel* const told = project::find_module_model(arguments.model);
+  const project::ModuleModel* const told =
+      project::find_module_model(arguments.model.empty() ? arguments.plc.module : arguments.model);
   if (told != nullptr) return *told;
   const auto type = client.read_type();  // an FX3 has no answer to this
   return type && type->name.starts_with('R') ? project::rj71cn91_settings() : project::fx3u_can_settings();

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdlib>
 #include <filesystem>
-#include <span>
 
 #include <fmt/format.h>
 
+#include "canopus/cli/setups/user_state.hpp"
 #include "canopus/project/module_project_file.hpp"
 #include "canopus/store/files.hpp"
 #include "canopus/text/printable.hpp"
@@ -25,28 +24,6 @@ std::expected<std::string, std::string> read_text(const std::string& path) {
   return std::string(bytes->begin(), bytes->end());
 }
 
-/// Beside it first, then in its place. Empty: done.
-std::string write_whole(const fs::path& path, const std::string& text) {
-  store::Files& files = store::real_files();
-  fs::path beside = path;
-  beside += ".new";
-  const auto file = files.create(beside);
-  if (!file) return fmt::format("{}: {}", path.string(), store::describe_error(file.error()));
-  auto left = std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
-  int failure = 0;
-  while (!left.empty() && failure == 0) {
-    const auto written = files.write(*file, left);
-    if (written) left = left.subspan(*written);
-    failure = written ? 0 : written.error();
-  }
-  if (failure == 0) failure = files.flush(*file);
-  files.close(*file);
-  if (failure == 0) failure = files.rename(beside, path);
-  if (failure == 0) return {};
-  (void)files.remove(beside);
-  return fmt::format("{}: {}", path.string(), store::describe_error(failure));
-}
-
 /// The folder of the changes of a file, below its own.
 fs::path records_of(const fs::path& path) { return fs::path(".canopus") / "settings" / path.filename(); }
 
@@ -55,11 +32,8 @@ fs::path folder_of(const fs::path& path) {
 }
 
 fs::path list_path() {
-  const char* const state = std::getenv("XDG_STATE_HOME");
-  if (state != nullptr && *state != '\0') return fs::path(state) / "canopus" / "recent-projects";
-  const char* const home = std::getenv("HOME");
-  if (home == nullptr || *home == '\0') return {};
-  return fs::path(home) / ".local" / "state" / "canopus" / "recent-projects";
+  const fs::path folder = user_state_folder();
+  return folder.empty() ? folder : folder / "recent-projects";
 }
 
 }  // namespace
@@ -73,7 +47,7 @@ std::expected<project::ModuleProject, std::string> load_project(const std::strin
 }
 
 std::string save_project(const std::string& path, const project::ModuleProject& project) {
-  return write_whole(path, project::to_xml(project));
+  return write_whole(path, project::to_xml(project), FileReaders::everybody);
 }
 
 std::expected<ChangingProject, std::string> ChangingProject::open(const std::string& path) {
@@ -120,7 +94,7 @@ void remember_project(const std::string& path) {
   names.insert(names.begin(), name);
   if (names.size() > most_recent) names.resize(most_recent);
   fs::create_directories(list.parent_path(), error);
-  (void)write_whole(list, fmt::format("{}\n", fmt::join(names, "\n")));
+  (void)write_whole(list, fmt::format("{}\n", fmt::join(names, "\n")), FileReaders::everybody);
 }
 
 }  // namespace canopus::cli

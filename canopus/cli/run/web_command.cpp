@@ -98,8 +98,10 @@ int run_start(const WebArguments& arguments) {
 std::vector<std::string> way_of(const PlcArguments& plc) {
   std::vector<std::string> way{"--host=" + plc.connection.host, "--timeout=" + plc.timeout};
   if (plc.port) way.push_back(fmt::format("--port={}", *plc.port));
-  if (plc.frame_4e) way.emplace_back("--4e");
-  if (plc.frame_1e) way.emplace_back("--1e");
+  const auto frame = frame_of(plc);
+  if (frame == client::PlcConnection::Frame::frame_4e) way.emplace_back("--4e");
+  if (frame == client::PlcConnection::Frame::frame_1e) way.emplace_back("--1e");
+  if (plc.cpu != "none") way.push_back("--cpu=" + plc.cpu);
   if (plc.connection.ascii) way.emplace_back("--ascii");
   if (plc.connection.udp) way.emplace_back("--udp");
   if (!plc.connection.remote_password.empty())
@@ -116,6 +118,7 @@ int run_settings(const WebArguments& arguments) {
     return file_error;
   }
   settings->plc = way_of(arguments.plc);
+  settings->setup = arguments.plc.setup;
   settings->is_live = true;
   RunOptions options{.plant = arguments.project, .plant_text = plant_without_devices(arguments.project)};
   options.web_project = WebProject{};

@@ -171,8 +171,11 @@ void WebCommands::hello(const WebUser& user, std::uint32_t id, const WebReply& r
   }
   event["settings"] = Json::array();
   for (const WebSettings& one : use_.settings) {
-    event["settings"].push_back(
-        {{"file", one.file}, {"model", one.model}, {"plc", one.plc}, {"live", one.is_live}});
+    event["settings"].push_back({{"file", one.file},
+                                 {"model", one.model},
+                                 {"setup", one.setup},
+                                 {"plc", one.plc},
+                                 {"live", one.is_live}});
   }
   send(reply, std::move(event));
 }

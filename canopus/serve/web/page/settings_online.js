@@ -76,23 +76,35 @@ export class TransferPart {
   }
 }
 
+/// "R Safety" of "R08SFCPU".
+const series_of = (name) => (name.startsWith("R") ? (/SF/.test(name) ? "R Safety" : "R") : "–");
+
 /// The way to the PLC: the program was started with it.
 export class SetupPart {
   constructor(view) {
     this.view = view;
     const plc = view.settings.one.plc;
     const option = (name, otherwise) => plc.find((one) => one.startsWith(`--${name}=`))?.split("=")[1] ?? otherwise;
-    const rows = [["PC side I/F", "Ethernet board"], ["Connect module", "CPU module"], ["Protocol", plc.includes("--udp") ? "UDP" : "TCP"], ["Time out", option("timeout", "3s")],
-      ["PLC side I/F", "CPU module"], ["Host(IP Address)", option("host", "none: no PLC of the plant has this module")], ["Port", option("port", "5007")],
-      ["Frame", `${plc.includes("--1e") ? "1E" : plc.includes("--4e") ? "4E" : "3E"} ${plc.includes("--ascii") ? "ASCII" : "binary"}`], ["Station type", "Host station"]];
+    const asked = "asked of the CPU module";
+    const cpu = option("cpu", "none");
+    const rows = [["Select transfer setup", view.settings.one.setup || "none"], ["PC side I/F", "Ethernet board"], ["Connect module", "CPU module"], ["Protocol", plc.includes("--udp") ? "UDP" : "TCP"], ["Time out", option("timeout", "3s")],
+      ["PLC side I/F", "CPU module"], ["CPU series", asked], ["CPU type", asked], ["Host(IP Address)", option("host", "none: no PLC of the plant has this module")], ["Port", option("port", "5007")],
+      ["Frame", `${plc.includes("--1e") ? "1E" : plc.includes("--4e") ? "4E" : "3E"} ${plc.includes("--ascii") ? "ASCII" : "binary"}`], ["Station type", "Host station"], ["Connect CPU series", asked], ["Multiple CPU", cpu === "none" ? "None" : `No.${cpu}`]];
+    this.rows = new Map(rows.map((row) => [row[0], row_of(row)]));
     this.result = make("p", { role: "status" });
-    this.element = make("div", {}, make("table", { class: "hardware" }, make("tbody", {}, ...rows.map((row) => row_of(row)))),
-      make("p", { class: "faint" }, "The program was started with this setup: ", make("code", {}, "canopus web FILE.xml --host … --port …"), ", or the PLC of the plant has the module."),
+    this.element = make("div", {}, make("table", { class: "hardware" }, make("tbody", {}, ...this.rows.values())),
+      make("p", { class: "faint" }, "The program was started with this setup: ", make("code", {}, "canopus web FILE.xml --host … --port …"), ", or the PLC of the plant has the module. ",
+        "Transfer setups are kept by ", make("code", {}, "canopus configure setup"), " (set, test, rename, remove) and used by ", make("code", {}, "canopus web FILE.xml --setup NAME"), "."),
       make("div", { class: "ways" }, tool_button("Comm. Test", "operate", () => this.test())), this.result);
   }
 
   async test() {
     const done = await this.view.settings.run({ command: "plc type" });
+    const name = done.rows[0]?.name ?? "";
+    if (!done.failed && name) {
+      for (const key of ["CPU series", "Connect CPU series"]) set_text(this.rows.get(key).lastElementChild, series_of(name));
+      set_text(this.rows.get("CPU type").lastElementChild, name.replace(/CPU$/, ""));
+    }
     set_text(this.result, done.failed ? "no connection" : `connected: ${done.rows[0] ? `${done.rows[0].name ?? ""}` : "the PLC answers"}`);
   }
 }
