@@ -108,6 +108,10 @@ def configure_reaches_an_rj71cn91s_network():
         nodes = [json.loads(line) for line in tool(plant, "nodes", path, "--json").stdout.splitlines()]
         require([(n["node"], n["name"], n["Device name"], n["Product code"], n["Serial number"]) for n in nodes] ==
                 [(3, 'Block "A"', "Canopus I/O block", 1025, 1), (127, "Master", "RJ71CN91", 256, None)], str(nodes))
+        require(all(n["EDS file version"] is None for n in nodes), "no file was named")
+        shown = tool(plant, "nodes", path, "--eds", DEVICE, "--eds", ROOT / "examples/devices").stdout
+        require(re.search("EDS file version +1\n +EDS file revision +1\nNode ID 127.*EDS file version +-\n +EDS file revision +-\n$", shown, re.S), shown)
+        require("nothing.eds" in tool(plant, "nodes", path, "--eds", "nothing.eds", expect=2).stderr, "a file that is not there")
         # Identity of a slave, from itself and from the master's list.
         tool(plant, "identify", path, "3")
         shown = tool(None, "show", path, "slave").stdout

@@ -237,6 +237,8 @@ seen.identity = await page.locator(".details input").evaluateAll((all) => all.ma
 await go("basic");
 await press("Read all CANopen nodes");
 seen.hardware = await page.locator("#settings-page tbody tr").allTextContents();
+await page.getByRole("button", { name: "Details of Node ID 3", exact: true }).click();
+seen.node_file = await page.locator(".details .hardware tr").allTextContents();
 await picture(page, "nodes", "#settings-section");
 await go("slave");
 await picture(page, "slaves", "#settings-section");

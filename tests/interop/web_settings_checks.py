@@ -190,6 +190,7 @@ def web_settings_in_chromium():
     require("Function mode405" in seen["status"] and any(one.startswith("Error status") for one in seen["status"]), seen["status"])
     require("has started again" in seen["reset"] and "ProtocolTCP" in seen["setup"] and "R04" in seen["test"], (seen["setup"], seen["test"]))
     require({"CPU typeR04", "CPU seriesR", "Connect CPU seriesR", "Multiple CPUNone"} <= set(seen["setup"]), seen["setup"])
+    require(seen["node_file"][-2:] == ["EDS file version1", "EDS file revision1"], seen["node_file"])
     require("1025" in seen["identity"] and "983441" in seen["identity"], seen["identity"])
     require(any("Canopus I/O block" in row for row in seen["hardware"]) and seen["read"] == "the file has what the module has", (seen["hardware"], seen["read"]))
     require(seen["asked"] == ["The object dictionaries of all listed nodes are written into their memory.", "All listed nodes lose their settings; defaults count after a reset of the nodes."], seen["asked"])

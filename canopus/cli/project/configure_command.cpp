@@ -173,6 +173,13 @@ void add_nodes(const Adder& adder) {
                    "Restore Object Dictionary to default: 1011H:01 of each node")
         ->excludes(save);
     command->add_flag("--yes", arguments->yes, "do it");
+    command
+        ->add_option(
+            "--eds", arguments->device_files,
+            "a device file, or a folder with them: EDS file version and EDS file revision of the nodes that "
+            "it is for; may be given again")
+        ->type_name("FILE")
+        ->allow_extra_args(false);
     command->add_flag("--json", arguments->json, "one JSON object per node");
   }
   {

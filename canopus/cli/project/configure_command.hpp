@@ -38,6 +38,7 @@ struct ConfigureArguments {
   bool save = false;
   bool restore = false;
   std::string from = "slave";
+  std::vector<std::string> device_files;  ///< of the nodes: files, and folders with them
   bool json = false;
   bool progress = false;
 };

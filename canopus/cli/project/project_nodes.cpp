@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "canopus/cli/project/node_files.hpp"
 #include "canopus/cli/project/project_access.hpp"
 #include "canopus/cli/project/project_files.hpp"
 #include "canopus/cli/terminal/print.hpp"
@@ -50,9 +51,26 @@ std::uint32_t number_of(const std::vector<std::uint8_t>& bytes) {
   return value;
 }
 
+/// As the node settings window prints them; null: no file is the node's.
+void add_file_information(const std::vector<NodeFile>& files, Json& shown) {
+  Json& version = shown["EDS file version"];
+  Json& revision = shown["EDS file revision"];
+  const auto number = [&](const char* name) {
+    const Json& value = shown[name];
+    return value.is_number() ? value.get<std::uint32_t>() : 0;
+  };
+  if (!shown["Product code"].is_number()) return;
+  const NodeFile* const file =
+      file_of_node(files, number("Vendor-ID"), number("Product code"), number("Revision number"));
+  if (file == nullptr) return;
+  version = file->version;
+  revision = file->revision;
+}
+
 /// One node's hardware data.
 std::expected<void, std::string> print_node(PlcModule& module, std::uint8_t node, std::uint8_t number,
-                                            const std::string& name, bool json) {
+                                            const std::string& name, const std::vector<NodeFile>& files,
+                                            bool json) {
   Json shown{{"node", number}, {"name", name}};
   for (const NodeObject& each : node_objects) {
     const auto bytes = read_if_there(module, node, each.object);
@@ -65,6 +83,7 @@ std::expected<void, std::string> print_node(PlcModule& module, std::uint8_t node
       value = number_of(**bytes);
     }
   }
+  add_file_information(files, shown);
   if (json) {
     print_json(shown);
     return {};
@@ -77,6 +96,8 @@ std::expected<void, std::string> print_node(PlcModule& module, std::uint8_t node
                : value.is_string() ? value.get<std::string>()
                                    : fmt::format("0x{:08X}", value.get<std::uint32_t>()));
   }
+  for (const char* const each : {"EDS file version", "EDS file revision"})
+    print_line("  {:<18} {}", each, shown[each].is_null() ? "-" : shown[each].dump());
   return {};
 }
 
@@ -100,6 +121,8 @@ int list_nodes(const ConfigureArguments& arguments) {
                                 ? "the object dictionaries of the nodes are written into their memory: --yes"
                                 : "the nodes lose their settings: --yes");
   }
+  const auto files = read_node_files(arguments.device_files);
+  if (!files) return configure_failed(configure_code::usage, "--eds: " + files.error());
   return with_project(arguments, [&](ModuleProject& project, client::PlcClient&, PlcModule& module,
                                      project::PdoRange) {
     std::map<std::uint32_t, std::string> nodes;
@@ -117,8 +140,9 @@ int list_nodes(const ConfigureArguments& arguments) {
     for (const auto& [number, name] : nodes) {
       const std::uint8_t node = number == project.node_id() ? 0 : static_cast<std::uint8_t>(number);
       const auto answered =
-          order == nullptr ? print_node(module, node, static_cast<std::uint8_t>(number), name, arguments.json)
-                           : module.write_object(node, {order->index, 1}, order->signature, 4);
+          order == nullptr
+              ? print_node(module, node, static_cast<std::uint8_t>(number), name, *files, arguments.json)
+              : module.write_object(node, {order->index, 1}, order->signature, 4);
       if (!answered) {
         code = configure_failed(configure_code::failed, fmt::format("node {}: {}", number, answered.error()));
       } else if (order != nullptr && arguments.json) {

@@ -202,9 +202,17 @@ std::vector<std::string> PlantServers::way_to_plc(const WebSettings& settings) c
 
 std::vector<WebSettings> PlantServers::settings_for_page() const {
   std::vector<WebSettings> all = use_.web_settings;
+  std::vector<std::string> device_files;
+  const std::filesystem::path folder = std::filesystem::path(plant_.file().path).parent_path();
+  for (const plant::DeviceSection& device : plant_.file().devices) {
+    const std::string file = (folder / device.eds).string();
+    if (!device.eds.empty() && std::ranges::find(device_files, file) == device_files.end())
+      device_files.push_back(file);
+  }
   for (WebSettings& one : all) {
     if (!one.plc.empty()) continue;
     one.plc = way_to_plc(one);
+    one.device_files = device_files;
     for (std::size_t i = 0; i < plant_.bus_count(); ++i) {
       const plant::BusSection& section = plant_.bus_section(i);
       one.is_live = one.is_live || (section.is_linked() && section.replay.empty());

@@ -119,6 +119,11 @@ int run_settings(const WebArguments& arguments) {
   }
   settings->plc = way_of(arguments.plc);
   settings->setup = arguments.plc.setup;
+  settings->device_files = arguments.device_files;
+  if (settings->device_files.empty()) {
+    const std::filesystem::path folder = std::filesystem::path(arguments.project).parent_path();
+    settings->device_files = {folder.empty() ? "." : folder.string()};
+  }
   settings->is_live = true;
   RunOptions options{.plant = arguments.project, .plant_text = plant_without_devices(arguments.project)};
   options.web_project = WebProject{};

@@ -179,6 +179,8 @@ std::expected<WebCommandLine, std::string> web_command_line(const Json& wish, co
   WebCommandLine line = begin_line(command);
   if (command.joins_bus)
     line.arguments.insert(line.arguments.end(), settings.plc.begin(), settings.plc.end());
+  if (command.takes_device_files)
+    for (const std::string& one : settings.device_files) line.arguments.push_back("--eds=" + one);
   if (command.settings == Settings::option) line.arguments.push_back("--project=" + settings.file);
   if (command.settings == Settings::model) line.arguments.push_back("--model=" + settings.model);
   std::vector<std::string> behind;

@@ -192,6 +192,7 @@ constexpr std::array settings_commands{
                .role = WebRole::operate,
                .settings = WebCommand::Settings::file,
                .joins_bus = true,
+               .takes_device_files = true,
                .fields = {{{"node"}}}},
     WebCommand{.title = "configure nodes save",
                .words = "configure nodes --save --yes",

@@ -14,7 +14,8 @@ struct WebSettings {
   std::uint32_t head = 0;          ///< head I/O number of the module, when the file was read
   std::string setup{};             ///< the transfer setup that they are of; empty: none
   std::vector<std::string> plc{};  ///< options that lead to its PLC: "--host=127.0.0.1"; empty: there is none
-  bool is_live = false;            ///< somebody else's PLC or bus: what writes wants to be armed
+  std::vector<std::string> device_files{};  ///< of its nodes: files, and folders with them
+  bool is_live = false;                     ///< somebody else's PLC or bus: what writes wants to be armed
 };
 
 /// Of a file. The error names it, and the line.

@@ -7,6 +7,9 @@ import { MappingTable, mapping_text } from "./settings_mapping.js";
 /// What the windows of one row are called [RJ71CN91 3.1].
 const details_titles = { node: "CANopen node settings", tpdo: "TPDO details", rpdo: "RPDO details", slave: "NMT slave" };
 const hardware_names = ["Device name", "Vendor-ID", "Product code", "Revision number", "Serial number", "Hardware version", "Software version"];
+/// Of the node's device file, where one is known [RJ71CN91 3.1 CANopen node settings window].
+const file_names = ["EDS file version", "EDS file revision"];
+const shown_file = (value) => (value === undefined ? "" : value === null ? "–" : String(value));
 const shown_hardware = (value) => (value === undefined ? "" : value === null ? "–" : typeof value === "number" ? `0x${value.toString(16).toUpperCase().padStart(8, "0")}` : value);
 const name_field = (window) => ({ field: window.name_field, is_text: true, longest: 256, range: "1 to 256 characters", default: "CANopen node", unit: "", description: "of the node, for people" });
 
@@ -211,7 +214,8 @@ export class SettingsList {
     const text = JSON.stringify(said ?? null);
     if (this.hardware.dataset.text === text) return;
     this.hardware.dataset.text = text;
-    this.hardware.replaceChildren(make("tbody", {}, ...hardware_names.map((name) => make("tr", {}, make("th", { scope: "row" }, name), make("td", {}, shown_hardware(said?.[name]))))));
+    this.hardware.replaceChildren(make("tbody", {}, ...hardware_names.map((name) => make("tr", {}, make("th", { scope: "row" }, name), make("td", {}, shown_hardware(said?.[name])))),
+      ...file_names.map((name) => make("tr", {}, make("th", { scope: "row" }, name), make("td", {}, shown_file(said?.[name]))))));
   }
 }
 
