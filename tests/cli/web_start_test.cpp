@@ -125,6 +125,65 @@ TEST_F(WebStartTest, NewSettings_AreMadeAndOpened) {
   EXPECT_THAT(said(), ElementsAre("error: there is something with the name there.xml already"));
 }
 
+TEST_F(WebStartTest, SaveAs_CopiesListedSettings_AndOpensTheCopy) {
+  const std::string log = (top_ / "log").string();
+  WebStart& start = this->start("echo \"$@\" >> " + log + "; [ $1 = configure ] && exit 0; " + shows_page());
+  write("m.xml", "<canopus-module format=\"1\"/>\n");
+  write("there.xml", "");
+  start.save_settings_as("m.xml", "copy", say());
+  EXPECT_THAT(said(), ElementsAre(HasSubstr("http")));
+  const std::string copy = (folder_ / "copy.xml").string();
+  std::ifstream written(log);
+  EXPECT_EQ(
+      std::string(std::istreambuf_iterator<char>(written), {}),
+      "configure export -- " + (folder_ / "m.xml").string() + " " + copy + "\nweb --json -- " + copy + "\n");
+  for (const auto& [path, name, error] :
+       {std::array{"m.xml", "there.xml", "error: there is something with the name there.xml already"},
+        {"m.xml", "../x", "error: expected a name"},
+        {"there.xml", "other", "error: there are no settings there.xml"},
+        {"/etc/passwd", "other", "error: there are no settings /etc/passwd"},
+        {"", "other", "error: there are no settings "}}) {
+    start.save_settings_as(path, name, say());
+    EXPECT_THAT(said(), ElementsAre(HasSubstr(error))) << path;
+  }
+}
+
+TEST_F(WebStartTest, RecentProjects_AreThoseThatAreStillThere_AndOpenWhereverTheyLie) {
+  const fs::path state = top_ / "state";
+  ::setenv("XDG_STATE_HOME", state.c_str(), 1);
+  write("in.xml", "<canopus-module format=\"1\"/>\n");
+  std::ofstream(top_ / "out.xml") << "<canopus-module format=\"1\"/>\n";
+  const std::string out = (top_ / "out.xml").string();
+  const std::string in = (folder_ / "in.xml").string();
+  fs::create_directories(state / "canopus");
+  std::ofstream(state / "canopus" / "recent-projects") << out << "\n"
+                                                       << in << "\n"
+                                                       << (top_ / "gone.xml").string() << "\n/etc/passwd\n";
+  WebStart& start = this->start(shows_page());
+  EXPECT_EQ(start.recent(), (WebStart::Json{{"recent", {out, in}}}));
+  start.open(out, say());
+  EXPECT_THAT(said(), ElementsAre(HasSubstr("http")));
+  EXPECT_EQ(arguments(), "web --json -- " + out + "\n");
+  start.open("/etc/passwd", say());
+  EXPECT_THAT(said(), ElementsAre(HasSubstr("error: there is no plant or project ")));
+  // Those who are on another machine get nothing from outside of the folder.
+  start_.emplace(io_, folder_, "/bin/false", WebAccess{.users = "users"});
+  EXPECT_EQ(start_->recent(), (WebStart::Json{{"recent", {in}}}));
+  start_->open(out, say());
+  EXPECT_THAT(said(), ElementsAre(HasSubstr("error: there is no plant or project ")));
+  ::unsetenv("XDG_STATE_HOME");
+}
+
+TEST_F(WebStartTest, Exit_AnswersAndThenEndsTheProgram) {
+  start("").exit(say());
+  EXPECT_EQ(said_, std::vector<std::string>{"{\"exit\":true}"});
+  EXPECT_FALSE(io_.stopped());
+  // Something that would keep it running for ever.
+  const auto work = boost::asio::make_work_guard(io_);
+  io_.run();
+  EXPECT_TRUE(io_.stopped());
+}
+
 TEST_F(WebStartTest, AFolderThatIsNotThere_OffersNothing) {
   fs::remove(folder_);
   EXPECT_THAT(start("").list()["plants"], IsEmpty());

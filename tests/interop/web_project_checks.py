@@ -194,6 +194,8 @@ def web_start_in_chromium():
     command(program, "configure", "new", folder / "module.xml")
     with running_page(cwd=folder) as page:
         seen = json.loads(command("node", HERE / "web_start.mjs", chromium, page_with_key(page), pictures, timeout=BROWSER_PATIENCE).stdout)
+        code = page.process.wait(timeout=20)
+    require(code == 0 and seen["after_no"] != "NOT CONNECTED", (code, seen["after_no"]))  # Exit, and only when it is wanted
     require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
     require(seen["sections"] == ["start-section"], seen["sections"])
     require(seen["plants"] == ["plant.toml"] and seen["projects"] == ["line <1>/nodelist.cpj"], seen)
@@ -205,6 +207,13 @@ def web_start_in_chromium():
     require((folder / "fresh/nodelist.cpj").is_file(), "no project was made")
     require(seen["settings"] == ["module.xml"] and seen["fresh_settings"].endswith("/press.xml") and "RJ71CN91" in seen["fresh_settings"], seen["settings"])
     require('model="RJ71CN91"' in (folder / "press.xml").read_text(), "no settings were made")
+    version = command(program, "--version").stdout.split()[1]
+    require(seen["about"] == [f"Version{version}", "LanguageEnglish"], seen["about"])
+    require(seen["look_exit"] and not seen["look_recent"], "who only looks ends nothing, and is not told what was used last")
+    require(any(one.endswith("/press.xml") for one in seen["recent"]), seen["recent"])
+    require({"Start", "Settings of modules", "Recent Projects", "Save as", "Exit", "Close"} <= set(seen["headings"]), seen["headings"])
+    require(seen["save_as_refused"].startswith("expected a name"), seen["save_as_refused"])
+    require((folder / "second.xml").read_text() == (folder / "press.xml").read_text(), "the copy")
     require(seen["where"] == "LIVE PLC 127.0.0.1:5007" and seen["sections_of_settings"] == ["settings-section"], (seen["where"], seen["sections_of_settings"]))
 
 

@@ -54,6 +54,10 @@ for (const key of ["transfer", "setup", "scan", "sdo", "status", "export"]) {
   await keep_names(key);
 }
 
+await page.click("#open-about");
+seen.names.about = await page.locator("#about :is(h2, dt)").allTextContents();
+await page.keyboard.press("Escape");
+
 // Each field: what is out of its range is refused with the range and stays marked, what is in it is taken.
 const input_of = (one) => {
   const at = page.locator("#settings-page");

@@ -26,7 +26,7 @@ WINDOWS = {
 # Items without a name of their own, by what shows them; None: a name that is on the page for something else.
 CALLED = {
     ("NMT slave assignment", "List"): "NMT slave assignment", ("Heartbeat", "List"): "Heartbeat, consumer", ("TPDO details", "Mapping: limit"): "Mapping", ("RPDO details", "Mapping: limit"): "Mapping",
-    ("Menu: Project", "New"): "New settings", ("Menu: Project", "Open"): "Settings of modules", ("SDO send / receive", "Explanation"): "Description window", ("Module status", "Status view"): "Module status", ("Menu: Project", "Close"): None,
+    ("Menu: Project", "New"): "New settings", ("Menu: Project", "Open"): "Settings of modules", ("SDO send / receive", "Explanation"): "Description window", ("Module status", "Status view"): "Module status",
 }
 
 
@@ -114,7 +114,7 @@ def web_settings_in_chromium():
 
     # Each name that the table prints, in the window that it is for; which are not on the page, the manual's page says.
     # Of `canopus web` alone; web_start_in_chromium sees them there.
-    seen["names"]["start"] = ["New settings", "Settings of modules"]
+    seen["names"]["start"] = ["New settings", "Settings of modules", "Start", "Save as", "Recent Projects", "Exit", "Close"]
     shown_on = {}
     for row in rows:
         page, _ = WINDOWS.get(row["window"], ("", ""))

@@ -157,6 +157,7 @@ void WebCommands::hello(const WebUser& user, std::uint32_t id, const WebReply& r
   event["code"] = 0;
   event["user"] = user.name;
   event["role"] = name_of(user.role);
+  event["version"] = CANOPUS_VERSION;
   event["armed_for"] = armed_seconds();
   event["offers"] = Json::array();  // commands of this run alone
   for (const auto& [name, own] : use_.own) event["offers"].push_back(name);

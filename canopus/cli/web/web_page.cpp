@@ -61,7 +61,7 @@ std::expected<nlohmann::ordered_json, std::string> change_pace(const WebPace& pa
 }
 
 /// {"command": "plants"}, {"command": "open", "path": "..."} (no path: the built-in plant), {"command": "end", "number": 3}, {"command": "new project", "name": "..."},
-/// {"command": "new settings", "name": "...", "model": "RJ71CN91"};
+/// {"command": "new settings", "name": "...", "model": "RJ71CN91"}, {"command": "save as", "path": "...", "name": "..."}, {"command": "recent projects"}, {"command": "exit"};
 /// {"command": "trace", ...} and {"command": "export trace", ...}, trace_desk.hpp; and of the faults of simulated buses {"command": "faults"}, {"command": "run faults", ...}, web_faults.hpp.
 OwnCommands own_commands(WebStart* start, WebFaults& faults, WebTrace& trace, const WebPace& pace) {
   OwnCommands own;
@@ -100,6 +100,15 @@ OwnCommands own_commands(WebStart* start, WebFaults& faults, WebTrace& trace, co
                         .run = [start](const nlohmann::json& wish, Done done) {
                           start->make_project(word_of(wish, "name"), std::move(done));
                         }};
+  own["recent projects"] = {
+      .role = serve::WebRole::configure,
+      .is_noted = false,
+      .run = [start](const nlohmann::json&, const Done& done) { done(start->recent()); }};
+  own["exit"] = {.role = serve::WebRole::configure,
+                 .run = [start](const nlohmann::json&, const Done& done) { start->exit(done); }};
+  own["save as"] = {.role = serve::WebRole::configure, .run = [start](const nlohmann::json& wish, Done done) {
+                      start->save_settings_as(word_of(wish, "path"), word_of(wish, "name"), std::move(done));
+                    }};
   own["new settings"] = {
       .role = serve::WebRole::configure, .run = [start](const nlohmann::json& wish, Done done) {
         start->make_settings(word_of(wish, "name"), word_of(wish, "model"), std::move(done));

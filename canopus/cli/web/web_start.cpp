@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/cli/project/project_files.hpp"
 #include "canopus/cli/web/example_files.hpp"
 #include "canopus/text/file_text.hpp"
 #include "canopus/text/printable.hpp"
@@ -120,6 +121,27 @@ WebStart::Json WebStart::list() {
           {"running", running}};
 }
 
+WebStart::Json WebStart::recent() const {
+  Json paths = Json::array();
+  std::error_code error;
+  const fs::path top = fs::weakly_canonical(folder_, error);
+  for (const std::string& path : recent_projects()) {
+    const fs::path real = fs::weakly_canonical(path, error);
+    const bool is_below = !error && std::ranges::mismatch(top, real).in1 == top.end();
+    const bool is_there = fs::is_regular_file(path, error) && path.ends_with(".xml");
+    if (is_there && (is_below || access_.users.empty())) paths.push_back(path);
+  }
+  return {{"recent", paths}};
+}
+
+void WebStart::exit(const Done& done) {
+  done(Json{{"exit", true}});
+  exit_.expires_after(before_exit);
+  exit_.async_wait([this](const boost::system::error_code& error) {
+    if (!error) io_.stop();
+  });
+}
+
 void WebStart::open(const std::string& path, Done done) {
   if (path.empty()) {
     fs::path files = write_example();
@@ -131,6 +153,8 @@ void WebStart::open(const std::string& path, Done done) {
   const auto has = [&](const char* kind) {
     return std::ranges::find(known[kind], Json(path)) != known[kind].end();
   };
+  const Json recent_ones = recent()["recent"];
+  const bool is_recent = std::ranges::find(recent_ones, Json(path)) != recent_ones.end();
   const std::string whole = (folder_ / path).string();
   for (auto& [number, child] : children_) {
     // A project that was made here was opened by its folder.
@@ -139,7 +163,7 @@ void WebStart::open(const std::string& path, Done done) {
     return child.done.push_back(std::move(done));
   }
   if (has("plants")) return run_plant(whole, {}, std::move(done));
-  if (has("projects") || has("settings")) return run_project(whole, std::move(done));
+  if (has("projects") || has("settings") || is_recent) return run_project(whole, std::move(done));
   done(std::unexpected(fmt::format("there is no plant or project {}", text::printable(path))));
 }
 
@@ -152,16 +176,25 @@ void WebStart::end(std::uint64_t number, const Done& done) {
 }
 
 void WebStart::make_project(const std::string& name, Done done) {
-  make(name, "", {"project", "new", "--json"}, std::move(done));
+  make(name, "", {"project", "new", "--json"}, "", std::move(done));
 }
 
 void WebStart::make_settings(const std::string& name, const std::string& model, Done done) {
-  make(name, name.ends_with(".xml") ? "" : ".xml", {"configure", "new", "--model=" + model}, std::move(done));
+  make(name, name.ends_with(".xml") ? "" : ".xml", {"configure", "new", "--model=" + model}, "",
+       std::move(done));
+}
+
+void WebStart::save_settings_as(const std::string& path, const std::string& name, Done done) {
+  const Json known = list()["settings"];
+  if (std::ranges::find(known, Json(path)) == known.end())
+    return done(std::unexpected(fmt::format("there are no settings {}", text::printable(path))));
+  make(name, name.ends_with(".xml") ? "" : ".xml", {"configure", "export"}, (folder_ / path).string(),
+       std::move(done));
 }
 
 /// `words`: of the command that makes it.
 void WebStart::make(const std::string& name, const std::string& extension, std::vector<std::string> words,
-                    Done done) {
+                    const std::string& from, Done done) {
   const bool is_name = !name.empty() && name.size() <= 100 &&
                        name.find_first_of("/\\") == std::string::npos && !name.starts_with('.') &&
                        name == text::printable(name);
@@ -175,7 +208,9 @@ void WebStart::make(const std::string& name, const std::string& extension, std::
   if (children_.size() >= most_running) return done(std::unexpected(too_many()));
   auto said = std::make_shared<Done>(std::move(done));
   const unsigned number = next_++;
-  words.insert(words.end(), {"--", path});
+  words.emplace_back("--");
+  if (!from.empty()) words.push_back(from);
+  words.push_back(path);
   auto child = ChildProcess::start(io_, program_, words,
                                    {.ended = [this, number, path, said](int code, const std::string& errors) {
                                      children_.erase(number);

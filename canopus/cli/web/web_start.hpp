@@ -2,6 +2,7 @@
 // What the page offers before there is a plant or project: those of a folder, a new project, and a built-in plant to try. Each
 // is run as a process of its own with a page of its own.
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <expected>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <nlohmann/json.hpp>
 
 #include "canopus/cli/web/child_process.hpp"
@@ -39,10 +41,16 @@ class WebStart {
   WebStart(const WebStart&) = delete;
   WebStart& operator=(const WebStart&) = delete;
 
+  static constexpr std::chrono::milliseconds before_exit{200};  ///< time for the answer to leave
   /// {"plants": [...], "projects": [...], "settings": [...]}: paths below the folder, up to two folders down; settings are those of
   /// modules. Links that lead out of it are left out. And "running": [{"number": 3, "path": "..."}], without a path the built-in plant.
   [[nodiscard]] Json list();
-  /// Runs what is listed under this path, or with an empty path the built-in plant: {"url": "http://..."}. What runs already is shown again: two
+  /// {"recent": [...]}: the module projects used last that are still there (recent_projects()). Where there are users, who may be on other
+  /// machines, those of the folder alone.
+  [[nodiscard]] Json recent() const;
+  /// Ends the program, and with it what it runs: {"exit": true}.
+  void exit(const Done& done);
+  /// Runs what is listed under this path, or is recent, or with an empty path the built-in plant: {"url": "http://..."}. What runs already is shown again: two
   /// runs of one plant would be two masters on its real bus.
   void open(const std::string& path, Done done);
   /// Ends one of those that run: {"ended": "its path"}.
@@ -51,6 +59,8 @@ class WebStart {
   void make_project(const std::string& name, Done done);
   /// Likewise the settings of a module: NAME.xml.
   void make_settings(const std::string& name, const std::string& model, Done done);
+  /// A copy of listed settings under a new name: NAME.xml in the folder, and opens it.
+  void save_settings_as(const std::string& path, const std::string& name, Done done);
 
  private:
   struct Child {
@@ -67,7 +77,9 @@ class WebStart {
     bool is_ours = false;
   };
   [[nodiscard]] bool is_ours(const std::filesystem::path& file, std::uintmax_t& to_read);
-  void make(const std::string& name, const std::string& extension, std::vector<std::string> words, Done done);
+  /// `from`: path of what it is made from; empty: of nothing.
+  void make(const std::string& name, const std::string& extension, std::vector<std::string> words,
+            const std::string& from, Done done);
   void run_plant(const std::string& plant, std::filesystem::path folder, Done done);
   void run_project(const std::string& project, Done done);
   /// `begun`: what is known of it already.
@@ -80,6 +92,7 @@ class WebStart {
   std::map<std::string, Verdict> verdicts_;
   std::map<unsigned, Child> children_;
   unsigned next_ = 0;
+  boost::asio::steady_timer exit_{io_};
 };
 
 }  // namespace canopus::cli

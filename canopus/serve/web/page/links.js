@@ -32,6 +32,7 @@ export class Links {
     addEventListener("hashchange", () => this.follow());
     by_id("open-go-to").addEventListener("click", () => this.open_go_to());
     by_id("open-keys").addEventListener("click", () => by_id("keys").showModal());
+    by_id("open-about").addEventListener("click", () => by_id("about").showModal());
     by_id("go-to-words").addEventListener("input", () => this.draw_places());
     by_id("go-to-words").addEventListener("keydown", (event) => {
       if (event.key === "Enter") by_id("go-to-list").querySelector("a")?.click();

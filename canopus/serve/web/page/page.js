@@ -301,6 +301,7 @@ function greeted(hello) {
   by_id("arm").hidden = hello.role === "look" || ![...hello.buses, ...hello.settings].some((one) => one.live);
   draw_armed(hello.armed_for);
   set_text(by_id("role"), hello.user ? `${hello.user}, ${hello.role}` : hello.role);
+  set_text(by_id("about-version"), hello.version);
   start_view.greeted(hello);
   fault_view.greeted(hello);
   nmt_ways.greeted(hello);

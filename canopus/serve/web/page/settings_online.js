@@ -241,7 +241,9 @@ export class ExportPart {
     this.file = file;
     file.disabled = !view.may_configure;
     file.addEventListener("change", () => this.take(file));
-    this.element = make("div", {}, make("p", {}, "A backup of the settings is one XML file; the settings of a newer version are refused."), make("div", { class: "ways" }, tool_button("Export", "look", () => this.export())),
+    this.element = make("div", {}, make("p", {}, "A backup of the settings is one XML file; the settings of a newer version are refused."),
+      make("table", { class: "hardware" }, make("tbody", {}, row_of(["Save", "each change is in the file at once"]), row_of(["Save as", "where canopus web begins, or canopus configure export"]))),
+      make("div", { class: "ways" }, tool_button("Export", "look", () => this.export())),
       make("p", {}, make("label", {}, make("span", {}, "Import"), " ", file)));
   }
 

@@ -17,6 +17,35 @@ export class StartView {
       event.preventDefault();
       this.open({ command: "new settings", name: this.settings_name.value.trim(), model: this.model.value });
     });
+    [this.copy_form, this.copied, this.copy_name, this.recent, this.exit_button] =
+      ["start-save-as", "start-copied", "start-copy-name", "start-recent", "start-exit"].map((id) => section.querySelector(`#${id}`));
+    this.copy_form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.open({ command: "save as", path: this.copied.value, name: this.copy_name.value.trim() });
+    });
+    this.exit_button.addEventListener("click", () => this.ask_exit());
+  }
+
+  /// The program ends, and with it all that was opened here.
+  ask_exit() {
+    const dialog = make("dialog", { "aria-label": "Exit" });
+    const [yes, no] = [make("button", { type: "button" }, "Yes"), make("button", { type: "button" }, "No")];
+    yes.addEventListener("click", async () => {
+      dialog.close();
+      const done = await this.commands.run({ command: "exit" });
+      this.say(done.code === 0 ? "the program ends" : done.message ?? "no answer", done.code === 0 ? "" : "error");
+    });
+    no.addEventListener("click", () => dialog.close());
+    dialog.addEventListener("close", () => dialog.remove());
+    dialog.append(make("h2", {}, "Exit"), make("p", {}, "The program ends, and with it whatever runs below it."), make("p", { class: "ways" }, yes, no));
+    this.section.append(dialog);
+    dialog.showModal();
+    no.focus();
+  }
+
+  say(text, mood = "") {
+    this.said.dataset.mood = mood;
+    set_text(this.said, text);
   }
 
   /// What has been opened runs until it is ended here, or this page's program ends.
@@ -24,7 +53,8 @@ export class StartView {
     this.section.querySelector("#start-running-part").hidden = running.length === 0;
     this.section.querySelector("#start-running").replaceChildren(...running.map(({ number, path }) => {
       const name = path || "the built-in plant";
-      const end = make("button", { type: "button", "aria-label": `End ${name}` }, "End");
+      const word = path.endsWith(".xml") ? "Close" : "End";
+      const end = make("button", { type: "button", "aria-label": `${word} ${name}` }, word);
       end.disabled = !this.may_open;
       end.addEventListener("click", async () => {
         end.disabled = true;
@@ -42,7 +72,8 @@ export class StartView {
     // The bus that a run has at least is none that anybody wants to see.
     for (const section of document.querySelectorAll("main > section")) section.hidden = section !== this.section;
     this.may_open = hello.role === "configure";
-    for (const one of [this.try_button, this.name, this.form.querySelector("button"), this.settings_name, this.model, this.settings_form.querySelector("button")]) one.disabled = !this.may_open;
+    for (const one of [this.try_button, this.name, this.form.querySelector("button"), this.settings_name, this.model, this.settings_form.querySelector("button"),
+      this.copied, this.copy_name, this.copy_form.querySelector("button"), this.exit_button]) one.disabled = !this.may_open;
     const done = await this.commands.run({ command: "plants" });
     if (done.code !== 0) return set_text(this.said, done.message ?? "");
     const [found] = done.rows;
@@ -51,6 +82,18 @@ export class StartView {
     this.list(this.projects, found.projects, "no project in this folder");
     this.list(this.settings, found.settings, "no settings of a module in this folder");
     this.list_running(found.running);
+    this.copy_form.hidden = found.settings.length === 0;
+    this.copied.replaceChildren(...found.settings.map((path) => make("option", {}, path)));
+    await this.list_recent();
+  }
+
+  /// Nobody else's business: those who only look are not told.
+  async list_recent() {
+    if (!this.may_open) return;
+    const done = await this.commands.run({ command: "recent projects" });
+    const paths = done.code === 0 ? done.rows[0].recent : [];
+    this.section.querySelector("#start-recent-part").hidden = paths.length === 0;
+    this.list(this.recent, paths, "");
   }
 
   list(list, paths, none) {
@@ -65,11 +108,9 @@ export class StartView {
 
   /// It is a page of its own.
   async open(command) {
-    set_text(this.said, "starts …");
-    this.said.dataset.mood = "";
+    this.say("starts …");
     const done = await this.commands.run(command);
     if (done.code === 0 && /^http:\/\/(127\.0\.0\.1|\[::1\]):\d+\//.test(done.rows[0].url)) return location.assign(done.rows[0].url);
-    this.said.dataset.mood = "error";
-    set_text(this.said, done.message || "it did not start");
+    this.say(done.message || "it did not start", "error");
   }
 }
