@@ -66,7 +66,7 @@ manager::FlyingMasterTiming read_flying(text::TableReader& table, std::uint8_t n
   time("priority_slot", timing.priority_slot);
   time("device_slot", timing.device_slot);
   time("detect_cycle", timing.detect_cycle);
-  if (timing.priority_slot <= 127 * timing.device_slot) {
+  if (!manager::slots_fit(timing)) {
     table.error("priority_slot", "expected more than 127 times device_slot, or priorities overlap");
   }
   return timing;

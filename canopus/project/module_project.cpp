@@ -1,8 +1,11 @@
 #include "canopus/project/module_project.hpp"
 
 #include <algorithm>
+#include <chrono>
 
 #include <fmt/format.h>
+
+#include "canopus/manager/nmt/negotiation_words.hpp"
 
 namespace canopus::project {
 namespace {
@@ -296,16 +299,33 @@ std::vector<ProjectFinding> ModuleProject::check() const {
   if (assigned.contains(node_id())) {
     found.push_back({true, fmt::format("slave {}: this is the module's own node-ID", node_id())});
   }
-  const std::uint32_t priority_slot = value("master", "Priority time slot"),
-                      device_slot = value("master", "CANopen device time slot");
-  if (priority_slot <= device_slot * 127) {
+  if (!overlapping_slots().empty()) {
     found.push_back(
         {true,
          fmt::format(
              "master: Priority time slot = {}: expected more than \"CANopen device time slot\" x 127 = {}",
-             priority_slot, device_slot * 127)});
+             value("master", "Priority time slot"), value("master", "CANopen device time slot") * 127)});
   }
   return found;
 }
+
+manager::FlyingMasterTiming ModuleProject::flying_timing() const {
+  const auto time = [this](std::string_view field) {
+    return std::chrono::milliseconds(value("master", field));
+  };
+  manager::FlyingMasterTiming timing;
+  timing.time_out = time("Timeout");
+  timing.negotiation_delay = time("NMT master negotiation time delay");
+  timing.level = static_cast<std::uint8_t>(value("master", "NMT master priority"));
+  timing.priority_slot = time("Priority time slot");
+  timing.device_slot = time("CANopen device time slot");
+  return timing;
+}
+
+std::string ModuleProject::negotiation() const {
+  return manager::negotiation_words(flying_timing(), static_cast<std::uint8_t>(node_id()));
+}
+
+std::string ModuleProject::overlapping_slots() const { return manager::overlapping_slots(flying_timing()); }
 
 }  // namespace canopus::project

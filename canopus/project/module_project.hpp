@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "canopus/manager/nmt/flying_master.hpp"
 #include "canopus/project/module_windows.hpp"
 
 namespace canopus::project {
@@ -63,10 +64,17 @@ class ModuleProject {
   /// The defaults of a row, for this project's node-ID.
   [[nodiscard]] Row factory_row(const Window& window, std::uint32_t key) const;
 
+  /// After what time the module answers a negotiation of flying masters, whether or not it is one: "negotiation: 500 ms + 1 x
+  /// 1500 ms + 5 x 10 ms = 2.05 s; ..."
+  [[nodiscard]] std::string negotiation() const;
+  /// What is wrong with its time slots; empty: nothing.
+  [[nodiscard]] std::string overlapping_slots() const;
+
   /// Every value in its range, and what the values say together.
   [[nodiscard]] std::vector<ProjectFinding> check() const;
 
  private:
+  [[nodiscard]] manager::FlyingMasterTiming flying_timing() const;
   /// Rows of a node list whose settings the CPU module holds, without this row and the module itself.
   [[nodiscard]] std::size_t from_cpu_beside(const Window& window, std::uint32_t key) const;
   [[nodiscard]] std::string why_not_target(const Window& window, std::uint32_t key,

@@ -48,6 +48,20 @@ for (const key of ["basic", "tpdo", "rpdo", "master", "slave", "consumer"]) {
     await new_row(rows[key]);
   }
   await keep_names(key);
+  if (key !== "master") continue;
+  // After what time it answers a negotiation, with a warning where the slots overlap.
+  const words = page.locator("#settings-page [data-window=master] .words");
+  seen.negotiation = await words.textContent();
+  const slot = page.locator("#settings-page [data-window=master] [data-field='Priority time slot']");
+  await slot.fill("1270");
+  await slot.press("Enter");
+  await idle();
+  await page.waitForFunction(() => document.querySelector("#settings-page [data-window=master] .words").textContent.includes("1 x 1270 ms"));
+  seen.overlap = await page.textContent("#settings-page [data-window=master] .bad");
+  await picture(page, "master", "#settings-section");
+  await slot.fill("1500");
+  await slot.press("Enter");
+  await idle();
 }
 for (const key of ["transfer", "setup", "scan", "sdo", "status", "export"]) {
   await go(key);

@@ -187,6 +187,7 @@ def web_settings_in_chromium():
         require(refused.startswith(what), refused)
     require(seen["sdo_write"] == "SDO_WRITE_SUCCESS" and "decimal1500" in seen["sdo_after"], (seen["sdo_write"], seen["sdo_after"]))
     require(len(seen["scanned"]) >= 1 and any(one.startswith("3Canopus") for one in seen["scanned"]), seen["scanned"])
+    require(re.match(r"negotiation: 500 ms \+ 1 x 1500 ms \+ \d+ x 10 ms = [\d.]+ s after a reset, .*; it takes no part", seen["negotiation"]) and "1270 ms is not more than 127 x 10 ms = 1270 ms" in seen["overlap"], (seen["negotiation"], seen["overlap"]))
     require("Function mode405" in seen["status"] and any(one.startswith("Error status") for one in seen["status"]), seen["status"])
     require("has started again" in seen["reset"] and "ProtocolTCP" in seen["setup"] and "R04" in seen["test"], (seen["setup"], seen["test"]))
     require({"CPU typeR04", "CPU seriesR", "Connect CPU seriesR", "Multiple CPUNone"} <= set(seen["setup"]), seen["setup"])

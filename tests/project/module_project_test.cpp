@@ -122,6 +122,24 @@ TEST_F(ModuleProjectTest, TheCheckFindsWhatValuesSayTogether) {
                                       "device time slot\" x 127 = 1270"));
 }
 
+TEST_F(ModuleProjectTest, TimesOfAFlyingMaster_InWords) {
+  RecordProperty("spec", "FX3U-TOOL-004");
+  ASSERT_EQ(set("basic", 0, "Node ID", "5"), "");
+  EXPECT_THAT(project_.negotiation(),
+              ::testing::StartsWith("negotiation: 500 ms + 1 x 1500 ms + 5 x 10 ms = 2.05 s after a reset"));
+  EXPECT_THAT(project_.overlapping_slots(), IsEmpty());
+  ASSERT_EQ(set("master", 0, "NMT master priority", "2"), "");
+  ASSERT_EQ(set("master", 0, "Timeout", "70"), "");
+  ASSERT_EQ(set("master", 0, "NMT master negotiation time delay", "20"), "");
+  ASSERT_EQ(set("master", 0, "Priority time slot", "127"), "");
+  ASSERT_EQ(set("master", 0, "CANopen device time slot", "1"), "");
+  EXPECT_EQ(project_.negotiation(),
+            "negotiation: 20 ms + 2 x 127 ms + 5 x 1 ms = 279 ms after a reset, and 70 ms more while it "
+            "looks for an "
+            "active master; asked for by another one: 259 ms");
+  EXPECT_THAT(project_.overlapping_slots(), ::testing::HasSubstr("127 x 1 ms = 127 ms"));
+}
+
 TEST_F(ModuleProjectTest, TheFileBringsEverythingBack) {
   RecordProperty("spec", "FX3U-TOOL-010");
   ASSERT_EQ(set("basic", 0, "Node ID", "5"), "");

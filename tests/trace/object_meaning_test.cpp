@@ -24,6 +24,13 @@ TEST(ObjectMeaning, SubIndexesThatAreAlike) {
   EXPECT_EQ(object_meaning(0x1F88, 127).source, "CiA 302-2");
 }
 
+TEST(ObjectMeaning, TimesOfAFlyingMaster) {
+  EXPECT_THAT(object_meaning(0x1F90, 4).text, HasSubstr("more than 127 device time slots"));
+  EXPECT_EQ(object_meaning(0x1F90, 4).unit, "ms");
+  EXPECT_EQ(object_meaning(0x1F90, 3).unit, "");
+  EXPECT_EQ(object_meaning(0x1F90, 0).unit, "");
+}
+
 TEST(ObjectMeaning, NumberOfSubIndexes) {
   for (const unsigned index : {0x1010, 0x1018, 0x1029, 0x1F22, 0x1F81})
     EXPECT_EQ(object_meaning(static_cast<std::uint16_t>(index), 0).text,

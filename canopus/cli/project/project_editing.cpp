@@ -94,6 +94,14 @@ std::string described(const ModuleProject& project, std::uint32_t entry) {
                      name.empty() ? "?" : name);
 }
 
+constexpr std::string_view master_window = "master";
+
+/// Of the window "NMT master / slave".
+std::string negotiation_of(const ModuleProject& project) {
+  const bool takes_part = project.value(master_window, "Flying master") != 0;
+  return project.negotiation() + (takes_part ? "" : "; it takes no part (Flying master is not selected)");
+}
+
 Json row_json(const ModuleProject& project, const Window& window, std::uint32_t key, const Row& row) {
   Json json;
   json["window"] = window.word;
@@ -102,6 +110,10 @@ Json row_json(const ModuleProject& project, const Window& window, std::uint32_t 
   for (std::size_t i = 0; i < window.fields.size(); ++i)
     json["fields"][std::string(window.fields[i].name)] = row.values[i];
   for (const std::uint32_t entry : row.mapping) json["objects"].push_back(described(project, entry));
+  if (window.word == master_window) {
+    json["words"] = negotiation_of(project);
+    json["warning"] = project.overlapping_slots();
+  }
   return json;
 }
 
@@ -119,6 +131,9 @@ void print_row(const ModuleProject& project, const Window& window, std::uint32_t
   }
   for (const std::uint32_t entry : row.mapping)
     print_line("  {:<38} {}", "mapped object", described(project, entry));
+  if (window.word != master_window) return;
+  print_line("  {}", negotiation_of(project));
+  if (const std::string wrong = project.overlapping_slots(); !wrong.empty()) print_line("  {}", wrong);
 }
 
 }  // namespace
@@ -219,6 +234,14 @@ int check_project(const ConfigureArguments& arguments) {
       continue;
     }
     print_line("{}: {}: {}", arguments.file, finding.is_error ? "error" : "warning", finding.text);
+  }
+  if (project->value(master_window, "Flying master") != 0) {
+    const std::string text = fmt::format("{}: {}", master_window, project->negotiation());
+    if (arguments.json) {
+      print_json(Json{{"severity", "note"}, {"message", text}});
+    } else {
+      print_line("{}: note: {}", arguments.file, text);
+    }
   }
   if (!arguments.json) print_line("{}: {} errors, {} warnings", arguments.file, errors, warnings);
   return errors == 0 ? configure_code::done : configure_code::different;

@@ -32,6 +32,17 @@ struct FlyingMasterTiming {
   can::Duration detect_cycle = std::chrono::seconds(4);              ///< 06
 };
 
+/// How long a node of this node-ID, 1..127, waits in a negotiation before it claims to be the active master.
+[[nodiscard]] constexpr can::Duration negotiation_wait(const FlyingMasterTiming& timing,
+                                                       std::uint8_t node_id) noexcept {
+  return timing.priority_slot * timing.level + timing.device_slot * node_id;
+}
+/// Every node of one priority answers before any of the next one.
+inline constexpr int highest_node_id = 127;
+[[nodiscard]] constexpr bool slots_fit(const FlyingMasterTiming& timing) noexcept {
+  return timing.priority_slot > highest_node_id * timing.device_slot;
+}
+
 /// What the outcome is for.
 class FlyingMasterUser {
  public:
@@ -66,9 +77,7 @@ class FlyingMaster {
   /// Node-ID of the active master while standby, own while active, else 0.
   [[nodiscard]] std::uint8_t active_master() const noexcept { return active_master_; }
   /// How long this node waits in a negotiation.
-  [[nodiscard]] can::Duration waiting_time() const noexcept {
-    return timing_.priority_slot * timing_.level + timing_.device_slot * node_id_;
-  }
+  [[nodiscard]] can::Duration waiting_time() const noexcept { return negotiation_wait(timing_, node_id_); }
 
  private:
   void enter(State state, can::Time until);

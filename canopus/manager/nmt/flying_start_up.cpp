@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "canopus/manager/nmt/negotiation_words.hpp"
+
 namespace canopus::manager {
 
 using canopen::NmtCommand;
@@ -23,17 +25,7 @@ void FlyingStartUp::begin(can::Time now) {
     const auto period = canopen::little_endian(milliseconds(master_.options.flying_heartbeat), 2);
     static_cast<void>(objects.write(0x1017, 0, period, now));  // without the object: no heartbeat
   }
-  const auto time = [&](std::uint8_t sub, unsigned otherwise) {
-    return std::chrono::milliseconds(
-        objects.get<std::uint16_t>(0x1F90, sub, static_cast<std::uint16_t>(otherwise)));
-  };
-  FlyingMasterTiming timing;
-  timing.time_out = time(1, 100);
-  timing.negotiation_delay = time(2, 500);
-  timing.level = static_cast<std::uint8_t>(objects.get<std::uint16_t>(0x1F90, 3, 1));
-  timing.priority_slot = time(4, 1500);
-  timing.device_slot = time(5, 10);
-  timing.detect_cycle = time(6, 4000 + 10U * master_.node.node_id());
+  const FlyingMasterTiming timing = flying_timing(objects, master_.node.node_id());
   flying_.start(master_.node.node_id(), timing, now);
   master_.refresh_master(now);
 }

@@ -129,6 +129,7 @@ std::string_view object_unit(std::uint16_t index, std::uint8_t sub) noexcept {
     case 0x100C:
     case 0x1017:
     case 0x1F89: return "ms";
+    case 0x1F90: return sub == 0 || sub == 3 ? "" : "ms";
     case 0x1015:
     case 0x102A: return "x 100 us";
     default: return "";

@@ -58,14 +58,14 @@ export class Settings {
   async load() {
     if (this.windows.length === 0) this.described(await this.look({ command: "configure describe" }));
     const [shown, findings] = await Promise.all([this.look({ command: "configure show" }), this.look({ command: "configure check" })]);
-    this.findings = findings;
+    this.findings = findings.filter((one) => one.severity !== "note");
     this.rows = new Map(this.windows.map((window) => [window.word, new Map()]));
     for (const row of shown) {
       const objects = (row.objects ?? []).map((text) => {
         const [, index, sub, bits] = text.match(/^([0-9A-F]{4}):([0-9A-F]{2}):(\d+) /);
         return { index: parseInt(index, 16), sub: parseInt(sub, 16), bits: Number(bits) };
       });
-      this.rows.get(row.window)?.set(row.number ?? 0, { values: row.fields, name: row.name, objects });
+      this.rows.get(row.window)?.set(row.number ?? 0, { values: row.fields, name: row.name, objects, words: row.words, warning: row.warning });
     }
     this.changed();
   }

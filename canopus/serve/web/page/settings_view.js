@@ -164,9 +164,14 @@ export class SettingsView {
       const form = new FieldForm(window.fields, this.may_configure, (name, text) => this.set(window.word, name, text));
       element.append(this.ways_of(window), form.element);
       const nodes = window.word === "basic" && has_nodes ? new SettingsList(this, settings.window("node")) : null;
+      const [words, warning] = [make("p", { class: "words", role: "status" }), make("p", { class: "bad" })];
+      element.append(words, warning);
       const page = make("div", {}, element, ...(nodes ? [make("div", { "data-window": "node" }, nodes.element)] : []));
       add(window.word, window.title, page, () => {
-        form.set((field) => settings.row(window.word).values[field.field]);
+        const row = settings.row(window.word);
+        form.set((field) => row.values[field.field]);
+        set_text(words, row.words ?? "");
+        set_text(warning, row.warning ?? "");
         nodes?.draw();
       });
     }
