@@ -54,6 +54,28 @@ std::string describe_abort(AbortCode code, bool aborted_by_server, can::Duration
                      static_cast<std::uint32_t>(code), canopen::describe(code));
 }
 
+double SdoSpeed::rate() const noexcept {
+  const double seconds = can::seconds(can::Time{time});
+  return seconds > 0 ? static_cast<double>(bytes) / seconds / 1000 : 0;
+}
+
+std::string_view name(SdoSpeed::Form form) noexcept {
+  switch (form) {
+    case SdoSpeed::Form::expedited: return "expedited";
+    case SdoSpeed::Form::segmented: return "segmented";
+    case SdoSpeed::Form::block: return "block";
+  }
+  return "";
+}
+
+std::string describe(const SdoSpeed& speed) {
+  const double seconds = can::seconds(can::Time{speed.time});
+  const std::string time =
+      seconds < 1 ? fmt::format("{:.1f} ms", 1000 * seconds) : fmt::format("{:.2f} s", seconds);
+  return fmt::format("{} byte{} in {}, {:.1f} kB/s, {}", speed.bytes, speed.bytes == 1 ? "" : "s", time,
+                     speed.rate(), name(speed.form));
+}
+
 SdoOnBus::SdoOnBus(BusLoop& bus, std::uint8_t node_id, can::Duration time_out, bool block)
     : bus_(bus), time_out_(time_out), block_(block), client_(bus) {
   client_.set_server(node_id);
@@ -82,6 +104,21 @@ void SdoOnBus::receive(const can::Frame& frame, can::Time now) {
   if (!answers || client_.busy()) return;  // not what ended the transfer
   aborted_by_server_ = command == abort;
   switched_ = block_ && command == initiate_upload;
+  constexpr unsigned expedited_bit = 0x02;
+  was_expedited_ = command == initiate_upload && (frame.data[0] & expedited_bit) != 0;
+}
+
+void SdoOnBus::begin() {
+  finished_ = aborted_by_server_ = switched_ = was_expedited_ = false;
+  begun_ = bus_.now();
+}
+
+void SdoOnBus::note_speed(std::size_t bytes, bool was_expedited) {
+  using enum SdoSpeed::Form;
+  speed_ = {bytes, can::Duration{bus_.now() - begun_},
+            block_          ? block
+            : was_expedited ? expedited
+                            : segmented};
 }
 
 void SdoOnBus::sdo_finished(canopen::SdoClient&, can::Time) { finished_ = true; }
@@ -108,24 +145,31 @@ std::expected<void, SdoFailure> SdoOnBus::wait(bool started) {
 }
 
 std::expected<std::vector<std::uint8_t>, SdoFailure> SdoOnBus::read(text::ObjectName object) {
-  finished_ = aborted_by_server_ = switched_ = false;
+  begin();
   Collector collector(progress_);
   const auto result =
       wait(client_.upload(object.index, object.sub, *this, bus_.now(), time_out_, mode(), &collector));
   if (!result) return std::unexpected(result.error());
-  return collector.take();
+  auto bytes = collector.take();
+  note_speed(bytes.size(), was_expedited_);
+  return bytes;
 }
 
 std::expected<void, SdoFailure> SdoOnBus::write(text::ObjectName object,
                                                 std::span<const std::uint8_t> value) {
-  finished_ = aborted_by_server_ = switched_ = false;
+  begin();
   constexpr std::size_t expedited = 4;
+  const bool is_expedited = !block_ && !value.empty() && value.size() <= expedited;
+  std::expected<void, SdoFailure> result;
   if (!block_ && (value.size() <= expedited || !progress_)) {
-    return wait(client_.download(object.index, object.sub, value, *this, bus_.now(), time_out_, mode()));
+    result = wait(client_.download(object.index, object.sub, value, *this, bus_.now(), time_out_, mode()));
+  } else {
+    Giver giver(value, progress_);
+    result = wait(client_.download(object.index, object.sub, giver, static_cast<std::uint32_t>(value.size()),
+                                   *this, bus_.now(), time_out_, mode()));
   }
-  Giver giver(value, progress_);
-  return wait(client_.download(object.index, object.sub, giver, static_cast<std::uint32_t>(value.size()),
-                               *this, bus_.now(), time_out_, mode()));
+  if (result) note_speed(value.size(), is_expedited);
+  return result;
 }
 
 }  // namespace canopus::client

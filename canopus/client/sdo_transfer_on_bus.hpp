@@ -6,6 +6,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "canopus/canopen/sdo/sdo_client.hpp"
@@ -21,6 +22,20 @@ struct SdoFailure {
   canopen::AbortCode code = canopen::AbortCode::none;  ///< none: the bus, `reason` says what
   std::string reason;  ///< "abort 06020000H: object does not exist", "no answer within 500.0 ms"
 };
+
+/// How a transfer went.
+struct SdoSpeed {
+  enum class Form : std::uint8_t { expedited, segmented, block };
+  std::size_t bytes = 0;
+  can::Duration time{};  ///< from the request to the last answer
+  Form form = Form::expedited;
+
+  /// In kB/s, 1000 bytes each; 0: it took no time.
+  [[nodiscard]] double rate() const noexcept;
+};
+[[nodiscard]] std::string_view name(SdoSpeed::Form form) noexcept;
+/// "70000 bytes in 1.23 s, 56.9 kB/s, segmented"
+[[nodiscard]] std::string describe(const SdoSpeed& speed);
 
 class SdoOnBus final : public can::Participant, private canopen::SdoClientUser {
  public:
@@ -38,6 +53,9 @@ class SdoOnBus final : public can::Participant, private canopen::SdoClientUser {
   std::expected<std::vector<std::uint8_t>, SdoFailure> read(text::ObjectName object);
   std::expected<void, SdoFailure> write(text::ObjectName object, std::span<const std::uint8_t> value);
 
+  /// Of the last transfer that succeeded.
+  [[nodiscard]] const SdoSpeed& speed() const noexcept { return speed_; }
+
   // can::Participant
   void receive(const can::Frame& frame, can::Time now) override;
   void tick(can::Time now) override { client_.tick(now); }
@@ -46,6 +64,8 @@ class SdoOnBus final : public can::Participant, private canopen::SdoClientUser {
  private:
   void sdo_finished(canopen::SdoClient& client, can::Time now) override;
   std::expected<void, SdoFailure> wait(bool started);
+  void begin();
+  void note_speed(std::size_t bytes, bool was_expedited);
   [[nodiscard]] canopen::SdoClient::Mode mode() const;
 
   BusLoop& bus_;
@@ -53,7 +73,10 @@ class SdoOnBus final : public can::Participant, private canopen::SdoClientUser {
   bool block_;
   Progress progress_;
   canopen::SdoClient client_;
+  SdoSpeed speed_;
+  can::Time begun_{};
   bool finished_ = false;
+  bool was_expedited_ = false;  // the answer to an upload
   bool aborted_by_server_ = false;
   bool switched_ = false;  // asked for blocks, the server answered an upload expedited or in segments
 };

@@ -11,6 +11,8 @@
 #include <unistd.h>
 
 #include "canopus/cli/commands/eds_show.hpp"
+#include "canopus/cli/terminal/device_names.hpp"
+#include "canopus/cli/terminal/domain_words.hpp"
 #include "canopus/cli/terminal/kept_work.hpp"
 #include "canopus/cli/terminal/new_file.hpp"
 #include "canopus/eds/device_file.hpp"
@@ -29,6 +31,14 @@ std::optional<std::string> read_text(const std::string& file, Output& err) {
   const auto text = file == "-" ? text::read_standard_input() : text::read_file_or_reason(file);
   if (text) return *text;
   err.line("canopus: {}: {}", file, text.error());
+  return std::nullopt;
+}
+
+/// Of a file that is no text, as large as files may be.
+std::optional<std::string> read_bytes(const std::string& file, Output& err) {
+  const auto bytes = text::read_file_or_pipe(file);
+  if (bytes) return *bytes;
+  err.line("canopus: {}", bytes.error());
   return std::nullopt;
 }
 
@@ -201,12 +211,61 @@ void add_convert(CLI::App& eds, int& exit_code) {
   });
 }
 
+struct EdsConciseOptions {
+  std::string file;
+  std::string device;
+  bool json = false;
+};
+
+int eds_concise(const EdsConciseOptions& options, Output& out, Output& err) {
+  const auto text = options.file == "-" ? read_text(options.file, err) : read_bytes(options.file, err);
+  if (!text) return 2;
+  std::shared_ptr<const eds::DeviceFile> device;
+  if (!options.device.empty()) {
+    auto file = device_file_of_names(options.device);
+    if (!file) {
+      err.line("canopus: --eds: {}", file.error());
+      return 2;
+    }
+    device = std::move(*file);
+  }
+  const std::vector<std::uint8_t> bytes(text->begin(), text->end());
+  const DomainWords words =
+      domain_words(concise_dcf_object, bytes, device ? device->dictionary.get() : nullptr);
+  if (options.json) {
+    out.json(json_of(words));
+  } else {
+    for (const std::string& line : lines_of(words)) out.line("{}", line);
+  }
+  return words.problem.empty() ? 0 : 1;
+}
+
+void add_concise(CLI::App& eds, int& exit_code) {
+  CLI::App* concise = eds.add_subcommand("concise", "Show a concise DCF, as 1F22H has it, in words");
+  const auto options = std::make_shared<EdsConciseOptions>();
+  concise->add_option("FILE", options->file, "the concise DCF; - is the standard input")->required();
+  concise->add_option("--eds", options->device, "device file of the node that it is for: names and types")
+      ->type_name("FILE");
+  concise->add_flag("--json", options->json, "Print one JSON object instead");
+  concise->footer(
+      "Without --eds objects have the names of CiA 301 and CiA 302. From where the file does not fit on its "
+      "bytes\n"
+      "are shown.\n"
+      "\n"
+      "Exit status: 0 shown, 1 it is damaged, 2 wrong usage or a file that cannot be read.\n"
+      "\n"
+      "Example: canopus eds concise node5.cdcf --eds pump.eds");
+  concise->callback(
+      [options, &exit_code] { exit_code = eds_concise(*options, standard_output(), standard_error()); });
+}
+
 }  // namespace
 
 void add_eds_command(CLI::App& app, int& exit_code) {
   CLI::App* eds = app.add_subcommand("eds", "Look into device description files (EDS, DCF, XDD, XDC)");
   eds->require_subcommand(1);
   add_convert(*eds, exit_code);
+  add_concise(*eds, exit_code);
   CLI::App* check = eds->add_subcommand("check", "Say what is wrong with device files, worst first");
   const auto options = std::make_shared<EdsCheckOptions>();
   check->add_option("FILE", options->files, "EDS, DCF, XDD or XDC files; - is the standard input")

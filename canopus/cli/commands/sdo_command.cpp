@@ -1,10 +1,12 @@
 #include "canopus/cli/commands/sdo_command.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <ranges>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -13,6 +15,8 @@
 
 #include "canopus/canopen/service/nmt.hpp"
 #include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/cli/terminal/device_names.hpp"
+#include "canopus/cli/terminal/domain_words.hpp"
 #include "canopus/client/sdo_transfer_on_bus.hpp"
 #include "canopus/client/sdo_value.hpp"
 #include "canopus/text/file_text.hpp"
@@ -28,6 +32,7 @@ struct SdoArguments {
   std::string type;
   std::string value;
   std::string file;
+  std::string eds;
   bool raw = false;
   bool block = false;
 };
@@ -37,6 +42,7 @@ struct Target {
   std::uint8_t node = 0;
   text::ObjectName object;
   std::optional<canopen::DataType> type;
+  std::shared_ptr<const eds::DeviceFile> device;  ///< of names; null: none was given
 
   [[nodiscard]] std::string object_text() const {
     return fmt::format("{:04X}:{:02X}", object.index, object.sub);
@@ -59,7 +65,31 @@ std::expected<Target, std::string> target_of(const SdoArguments& arguments) {
                                          text::suggestion(arguments.type, client::type_names())));
     }
   }
+  if (!arguments.eds.empty()) {
+    auto device = device_file_of_names(arguments.eds);
+    if (!device) return std::unexpected("--eds: " + device.error());
+    target.device = std::move(*device);
+  }
   return target;
+}
+
+/// Whether a value is shown as domain_words() says: one of type domain, a concise DCF, and many bytes of no type.
+bool is_domain(const Target& target, std::span<const std::uint8_t> bytes) {
+  constexpr std::size_t many = 32;
+  if (target.type) return *target.type == canopen::DataType::domain;
+  if (target.object.index == concise_dcf_object) return target.object.sub != 0;
+  return bytes.size() > many && std::ranges::any_of(bytes, [](std::uint8_t byte) {
+           return byte < 0x20 || byte >= 0x7F;  // else it is a text
+         });
+}
+
+DomainWords words_of(const Target& target, std::span<const std::uint8_t> bytes) {
+  return domain_words(target.object.index, bytes, target.device ? target.device->dictionary.get() : nullptr);
+}
+
+/// How fast it went; of what goes in one frame nobody asks.
+void print_speed(const client::SdoSpeed& speed) {
+  if (speed.form != client::SdoSpeed::Form::expedited) print_line("  {}", client::describe(speed));
 }
 
 /// Bytes passed so far, on a terminal's stderr, once a transfer takes longer than a moment.
@@ -102,7 +132,8 @@ int failed(const SdoArguments& arguments, const Target& target, const client::Sd
                   fmt::format("node {}, {}: {}", target.node, target.object_text(), failure.reason));
 }
 
-int print_value(const SdoArguments& arguments, const Target& target, std::span<const std::uint8_t> bytes) {
+int print_value(const SdoArguments& arguments, const Target& target, std::span<const std::uint8_t> bytes,
+                const client::SdoSpeed& speed) {
   if (arguments.raw) {
     standard_output().content({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     return exit_code::done;
@@ -118,6 +149,7 @@ int print_value(const SdoArguments& arguments, const Target& target, std::span<c
                       fmt::format("cannot write {}: {}", arguments.file, std::strerror(reason)));
     }
     print_line("{}  {} bytes in {}", target.object_text(), bytes.size(), arguments.file);
+    print_speed(speed);
     return exit_code::done;
   }
   if (arguments.bus.json) {
@@ -129,7 +161,21 @@ int print_value(const SdoArguments& arguments, const Target& target, std::span<c
       line["type"] = arguments.type;
       line["value"] = client::json_value(bytes, *target.type);
     }
+    if (is_domain(target, bytes)) {
+      line["domain"] = json_of(words_of(target, bytes));
+      line["transfer"] = {{"bytes", speed.bytes},
+                          {"seconds", can::seconds(can::Time{speed.time})},
+                          {"form", client::name(speed.form)},
+                          {"text", client::describe(speed)}};
+    }
     print_json(line);
+    return exit_code::done;
+  }
+  if (is_domain(target, bytes)) {
+    const auto lines = lines_of(words_of(target, bytes));
+    print_line("{}  {}", target.object_text(), lines.front());
+    for (const std::string& line : lines | std::views::drop(1)) print_line("{}", line);
+    print_speed(speed);
     return exit_code::done;
   }
   if (!target.type) {
@@ -157,7 +203,8 @@ int read(const SdoArguments& arguments) {
       sdo.set_progress([&progress](std::size_t done, std::size_t of) { progress.show(done, of); });
       bytes = sdo.read(target->object);
     }
-    return bytes ? print_value(arguments, *target, *bytes) : failed(arguments, *target, bytes.error());
+    return bytes ? print_value(arguments, *target, *bytes, sdo.speed())
+                 : failed(arguments, *target, bytes.error());
   });
 }
 
@@ -198,12 +245,13 @@ int write(const SdoArguments& arguments) {
       result = sdo.write(target->object, *bytes);
     }
     if (!result) return failed(arguments, *target, result.error());
-    if (arguments.bus.json) return print_value(arguments, *target, *bytes);
+    if (arguments.bus.json) return print_value(arguments, *target, *bytes, sdo.speed());
     if (bytes->size() > 16) {
       print_line("{}  {} bytes written", target->object_text(), bytes->size());
     } else {
       print_line("{}  {} written", target->object_text(), client::hexadecimal(*bytes));
     }
+    print_speed(sdo.speed());
     return exit_code::done;
   });
 }
@@ -231,7 +279,16 @@ void add_sdo_command(CLI::App& app, int& exit_code) {
   add_common(*reading);
   reading->add_option("--file", arguments->file, "put the bytes into this file")->type_name("FILE");
   reading->add_flag("--raw", arguments->raw, "put the bytes on the output as they are");
-  reading->footer("Example: canopus sdo read 2 1018:01 --type u32");
+  reading
+      ->add_option(
+          "--eds", arguments->eds,
+          "device file of the node that a concise DCF (1F22H) is for: names and types of its objects")
+      ->type_name("FILE");
+  reading->footer(
+      "A concise DCF (1F22H) is shown as the objects that it writes; a value of type domain, or a long one "
+      "of no\n"
+      "type, as its first 4096 bytes with the text in them; with the speed of the transfer.\n"
+      "Example: canopus sdo read 2 1018:01 --type u32");
   reading->callback([arguments, &exit_code] { exit_code = read(*arguments); });
 
   CLI::App* writing = sdo->add_subcommand("write", "Write an object (SDO download)");

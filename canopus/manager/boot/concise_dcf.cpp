@@ -18,9 +18,10 @@ ConciseDcfReader::ConciseDcfReader(std::span<const std::uint8_t> file) noexcept 
   if (is_empty_concise_dcf(file)) return;
   if (file.size() < count_length) {
     intact_ = false;
+    rest_ = file;
     return;
   }
-  remaining_ = can::load_u32(file.first(count_length));
+  announced_ = remaining_ = can::load_u32(file.first(count_length));
   rest_ = file.subspan(count_length);
 }
 
@@ -42,6 +43,26 @@ std::optional<ConciseEntry> ConciseDcfReader::next() noexcept {
   rest_ = rest_.subspan(head_length + length);
   --remaining_;
   return entry;
+}
+
+std::string ConciseDcfReader::damage() const {
+  const auto bytes = [](std::size_t count) {
+    return std::to_string(count) + (count == 1 ? " byte" : " bytes");
+  };
+  const auto left = [](std::size_t count) {
+    return std::to_string(count) + (count == 1 ? " is left" : " are left");
+  };
+  if (intact_) return {};
+  if (announced_ == 0) return bytes(rest_.size()) + ", but the number of entries alone takes 4";
+  const std::string entry = "entry " + std::to_string(announced_ - remaining_ + 1);
+  const std::string of = " of " + std::to_string(announced_);
+  if (rest_.empty()) return entry + of + " is not there: the file ends before it";
+  if (rest_.size() < head_length) {
+    return entry + of + " begins with " + bytes(head_length) + " of index, sub-index and size, " +
+           left(rest_.size());
+  }
+  return entry + " says " + bytes(can::load_u32(rest_.subspan(3, 4))) + ", " +
+         left(rest_.size() - head_length);
 }
 
 bool is_empty_concise_dcf(std::span<const std::uint8_t> file) noexcept {

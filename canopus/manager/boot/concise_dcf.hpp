@@ -29,9 +29,16 @@ class ConciseDcfReader {
   [[nodiscard]] bool intact() const noexcept { return intact_; }
   /// Entries that the file announces and next() has not delivered yet.
   [[nodiscard]] std::uint32_t remaining() const noexcept { return remaining_; }
+  /// Entries that the file announces.
+  [[nodiscard]] std::uint32_t announced() const noexcept { return announced_; }
+  /// What next() has not delivered: behind the last entry, or from the damaged entry on.
+  [[nodiscard]] std::span<const std::uint8_t> rest() const noexcept { return rest_; }
+  /// What does not fit, for people: "entry 3 says 70000 bytes, 12 are left"; empty while intact().
+  [[nodiscard]] std::string damage() const;
 
  private:
   std::span<const std::uint8_t> rest_;
+  std::uint32_t announced_ = 0;
   std::uint32_t remaining_ = 0;
   bool intact_ = true;
 };
