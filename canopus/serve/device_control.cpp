@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "canopus/eds/value.hpp"
+#include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/plant/device_seat.hpp"
 #include "canopus/plant/file/process_value.hpp"
 #include "canopus/serve/control_message.hpp"
@@ -73,6 +74,13 @@ Json module_json(const plant::ModuleStatus& status, const std::vector<module::Mo
           {"bit_rate", information.bit_rate ? Json(*information.bit_rate) : Json()},
           {"node", information.node_id ? Json(*information.node_id) : Json()},
           {"errors", std::move(shown_errors)}};
+}
+
+/// In words, of a module that is on.
+Json history_of(plant::Plant& plant, std::size_t number) {
+  const plant::CatalogueEntry* const entry = plant::find_module(plant.module_section(number).model);
+  if (entry == nullptr) return Json::array();
+  return error_groups(plant::error_history(*entry, plant.module(number), plant.timeline().now()));
 }
 
 std::string where(const plant::NodeLabel& label) { return fmt::format("{}:{}", label.bus, label.node_id); }
@@ -247,6 +255,7 @@ Result<Json> Request::modules() const {
     names.push_back(all[i].label.name);
     if (fields_.has("module") && wanted != all[i].label.name) continue;
     list.push_back(module_json(all[i], plant_.module_errors(i)));
+    list.back()["history"] = all[i].is_on ? history_of(plant_, i) : Json::array();
   }
   if (list.empty() && fields_.has("module")) {
     return std::unexpected(fmt::format("the plant has no module \"{}\"{}", wanted,
@@ -269,6 +278,19 @@ Result<Json> Request::carry_out() {
 }
 
 }  // namespace
+
+nlohmann::ordered_json error_groups(const std::vector<plant::ErrorGroup>& groups) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const plant::ErrorGroup& group : groups) {
+    nlohmann::ordered_json lines = nlohmann::ordered_json::array();
+    for (const plant::ErrorLine& line : group.lines) {
+      lines.push_back({{"where", line.where}, {"code", line.code}, {"meaning", line.meaning}});
+      if (line.at) lines.back()["t"] = can::seconds(*line.at);
+    }
+    list.push_back({{"title", group.title}, {"lines", std::move(lines)}});
+  }
+  return list;
+}
 
 std::string DeviceControl::answer(std::string_view request) {
   const Json fields = control_request(request);

@@ -273,6 +273,12 @@ TEST_F(DeviceControlTest, ModulesAreShownAsModuleDiagnosticsShowThem) {
   };
   Json all = modules();
   ASSERT_EQ(all.size(), 2U);
+  const Json history = all[0]["history"];
+  ASSERT_EQ(history.size(), 1U) << "no error, and none before: " << history;
+  EXPECT_EQ(history[0]["title"], "event history");
+  EXPECT_EQ(history[0]["lines"].front()["t"].get<double>() >= history[0]["lines"].back()["t"].get<double>(),
+            true);
+  all[0].erase("history");
   EXPECT_EQ(all[0], Json::parse(R"({"module":"RJ71CN91 U0","plc":"a","bus":"line1","on":true,
     "leds":[{"name":"RUN","pattern":"on"},{"name":"ERR","pattern":"off"},{"name":"CAN ERR","pattern":"off"}],
     "function_mode":405,"function_mode_name":"CANopen, CiA 405","bit_rate":250000,"node":7,"errors":[]})"));
@@ -296,6 +302,12 @@ TEST_F(DeviceControlTest, ModulesAreShownAsModuleDiagnosticsShowThem) {
   EXPECT_EQ(all[0]["leds"][1], Json::parse(R"({"name":"ERR","pattern":"blinking"})"));
   EXPECT_EQ(all[0]["errors"], Json::parse(R"([{"code":"3000","class":"moderate",
     "overview":"The set parameter value is invalid","details":{"Buffer memory address":71}}])"));
+  EXPECT_EQ(all[0]["history"][0]["title"], "errors now");
+  const Json& now = all[0]["history"][0]["lines"];
+  EXPECT_EQ(now[0]["code"], "3000H");
+  EXPECT_EQ(now[1],
+            Json::parse(R"({"where":"G29 bit 6","code":"","meaning":"buffer memory setting error"})"));
+  EXPECT_EQ(now[2]["where"], "G39");
   y(0x23, 0);
   run_until(2200ms);
   EXPECT_EQ(modules(R"({"request":"modules","module":"plain"})")[0]["bit_rate"], nullptr);
@@ -303,6 +315,7 @@ TEST_F(DeviceControlTest, ModulesAreShownAsModuleDiagnosticsShowThem) {
   plant_->rack(0).power_off(plant_->timeline().now());
   for (const Json& module : modules()) {
     EXPECT_EQ(module.at("on"), false);
+    EXPECT_TRUE(module.at("history").empty());
     for (const char* key : {"function_mode", "bit_rate", "node"}) EXPECT_EQ(module.at(key), nullptr) << key;
     for (const Json& led : module.at("leds")) EXPECT_EQ(led.at("pattern"), "off");
   }

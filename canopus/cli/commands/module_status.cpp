@@ -1,6 +1,7 @@
 #include "canopus/cli/commands/module_status.hpp"
 
 #include <memory>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -40,6 +41,28 @@ std::string details_of(const Json& error) {
                                                : value.dump(-1, ' ', false, Json::error_handler_t::replace));
   }
   return shown;
+}
+
+/// What it shows and keeps of errors, in words; module diagnostics stand above.
+void print_history(const Json& module, Output& out) {
+  constexpr std::size_t most_shown = 20;
+  for (const Json& group : field_list(module, "history")) {
+    std::size_t count = 0;
+    for (const Json& line : field_list(group, "lines")) {
+      const std::string where = field_text(line, "where");
+      if (where == "module diagnostics") continue;
+      if (count == 0) out.line("  {}", field_text(group, "title"));
+      if (++count > most_shown) continue;
+      const bool has_time = line.is_object() && line.contains("t") && line["t"].is_number();
+      const std::string time = has_time ? fmt::format("{:.3f} s", line["t"].get<double>()) : "";
+      std::string shown;
+      for (const std::string& part : {time, where, field_text(line, "code"), field_text(line, "meaning")}) {
+        if (!part.empty()) shown += (shown.empty() ? "" : "  ") + part;
+      }
+      out.line("    {}", shown);
+    }
+    if (count > most_shown) out.line("    and {} before them (--json)", count - most_shown);
+  }
 }
 
 int ask(const ModuleStatusArguments& arguments) {
@@ -90,6 +113,7 @@ void print_modules(const Json& answer, Output& out) {
       out.line("  Error            {}H {}: {}{}", field_text(error, "code"), field_text(error, "class"),
                field_text(error, "overview"), details_of(error));
     }
+    print_history(module, out);
   }
   if (is_first) out.line("the plant has no module");
 }
@@ -97,7 +121,7 @@ void print_modules(const Json& answer, Output& out) {
 void add_module_status(CLI::App& module_command, int& exit_code) {
   const auto arguments = std::make_shared<ModuleStatusArguments>();
   CLI::App* status = module_command.add_subcommand(
-      "status", "The modules of a running plant: LEDs, function mode, baud rate, node-ID, errors");
+      "status", "The modules of a running plant: LEDs, function mode, baud rate, node-ID, errors in words");
   status->add_option("NAME", arguments->module, "one module, as the plant file calls it, or \"RJ71CN91 U0\"");
   status->add_option("--at", arguments->at, "where the plant can be controlled")
       ->type_name("HOST:PORT")

@@ -16,6 +16,8 @@
 #include "canopus/cli/project/shown_data.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/client/plc_module.hpp"
+#include "canopus/plant/catalogue/error_history.hpp"
+#include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::cli {
@@ -115,39 +117,40 @@ void print_result(std::string_view result, bool json) {
   }
 }
 
-constexpr std::array<std::string_view, 16> fx3u_error_bits{"",
-                                                           "hardware error",
-                                                           "internal power supply error",
-                                                           "CAN bus-off",
-                                                           "flash memory error",
-                                                           "write while initialising",
-                                                           "buffer memory setting error",
-                                                           "FROM/TO watchdog expired",
-                                                           "internal data queue overflow",
-                                                           "",
-                                                           "NMT error control failure",
-                                                           "baud rate change error",
-                                                           "node address change error",
-                                                           "emergency received from a slave",
-                                                           "CAN error passive",
-                                                           "Layer 2 message error"};
-constexpr std::array<std::string_view, 16> rj71_error_bits{"",
-                                                           "hardware error",
-                                                           "",
-                                                           "CAN bus-off",
-                                                           "flash ROM error",
-                                                           "save or restore while online in Layer 2",
-                                                           "buffer memory setting error",
-                                                           "",
-                                                           "send or receive buffer overflow",
-                                                           "",
-                                                           "NMT error control failure",
-                                                           "",
-                                                           "",
-                                                           "",
-                                                           "CAN error passive",
-                                                           "Layer 2 message slot error"};
 constexpr std::array<std::string_view, 4> states{"Stopped", "Pre-operational", "Operational", "?"};
+
+/// What other words than the error status say: failures of nodes, of the last command, of message slots.
+int print_other_errors(PlcModule& module, const module::ErrorTables& tables, std::uint16_t function_mode,
+                       bool json) {
+  module::ErrorTables others = tables;
+  std::vector<module::ErrorWords> rows;
+  for (const module::ErrorWords& row : tables.words) {
+    using enum module::ErrorWords::Kind;
+    if (row.kind != bits && row.kind != address) rows.push_back(row);
+  }
+  others.words = rows;
+  std::string failure;
+  std::uint32_t first = 0;
+  std::vector<std::uint16_t> words;
+  const auto read = [&](std::uint32_t address) -> std::uint16_t {
+    if (address < first || address - first >= words.size()) {
+      const auto row = std::ranges::find_if(rows, [address](const module::ErrorWords& one) {
+        return one.first <= address && address <= one.last;
+      });
+      constexpr std::uint32_t of_command = 5;
+      first = address;
+      const std::uint32_t count = row == rows.end() ? 1 : std::max(row->last - address + 1, of_command);
+      auto found = failure.empty() ? module.read_words(address, count) : decltype(module.read_words(0, 0)){};
+      if (failure.empty() && !found) failure = found.error();
+      words = failure.empty() ? std::move(*found) : std::vector<std::uint16_t>{};
+    }
+    return words.empty() ? std::uint16_t{0} : words[address - first];
+  };
+  for (const plant::ErrorLine& line : plant::errors_in_words(others, function_mode, read)) {
+    print_named(line.where, (line.code.empty() ? "" : line.code + " ") + line.meaning, 27, json);
+  }
+  return failure.empty() ? configure_code::done : configure_failed(configure_code::failed, failure);
+}
 
 }  // namespace
 
@@ -314,14 +317,19 @@ int show_module_status(const ConfigureArguments& arguments) {
     say("CAN transmission errors", fmt::format("{}", word(35)));
     say("CAN reception errors", fmt::format("{}", word(36)));
     say("Error status", fmt::format("{:04X}H", word(29)));
-    const auto& error_bits =
-        module.request_way() == project::RequestWay::signals ? rj71_error_bits : fx3u_error_bits;
-    for (std::size_t bit = 0; bit < error_bits.size(); ++bit) {
-      if ((word(29) >> bit & 1) != 0 && !error_bits[bit].empty())
-        print_named(fmt::format("bit {}", bit), std::string(error_bits[bit]), 6, arguments.json, "  ");
+    const bool is_asked_by_signals = module.request_way() == project::RequestWay::signals;
+    const project::ModuleModel& model =
+        is_asked_by_signals ? project::rj71cn91_settings() : project::fx3u_can_settings();
+    const module::ErrorTables& tables = *plant::find_module(model.name)->errors;
+    for (const module::ErrorWords& row : tables.words) {
+      if (row.kind != module::ErrorWords::Kind::bits) continue;
+      for (const module::ErrorText& text : row.texts) {
+        if ((word(row.first) >> text.code & 1) != 0)
+          print_named(fmt::format("bit {}", text.code), std::string(text.meaning), 6, arguments.json, "  ");
+      }
     }
     if (word(39) != 0) say("First refused setting", fmt::format("G{}", word(39)));
-    return configure_code::done;
+    return print_other_errors(module, tables, word(21), arguments.json);
   });
 }
 

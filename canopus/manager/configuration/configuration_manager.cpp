@@ -56,11 +56,6 @@ unsigned ConfigurationManager::files() const noexcept {
       std::count_if(files_.begin(), files_.end(), [](const auto& file) { return !file.empty(); }));
 }
 
-std::span<const std::uint8_t> ConfigurationManager::concise_dcf(std::uint8_t node_id) {
-  return node_id < files_.size() ? std::span<const std::uint8_t>(files_[node_id])
-                                 : std::span<const std::uint8_t>{};
-}
-
 AbortCode ConfigurationManager::before_read(canopen::ObjectDictionary& dictionary,
                                             const canopen::Entry& entry, can::Time) {
   if ((entry.index == concise_dcf_index || entry.index == program_index) && entry.sub != 0) {

@@ -73,7 +73,12 @@ class ConfigurationManager final : public ConfigurationSource, public canopen::O
   /// The store is busy.
   [[nodiscard]] bool busy(can::Time now) const noexcept { return now < busy_until_; }
 
-  std::span<const std::uint8_t> concise_dcf(std::uint8_t node_id) override;
+  /// Of a node; empty: there is none.
+  [[nodiscard]] std::span<const std::uint8_t> file(std::uint8_t node_id) const noexcept {
+    return node_id < files_.size() ? std::span<const std::uint8_t>(files_[node_id])
+                                   : std::span<const std::uint8_t>{};
+  }
+  std::span<const std::uint8_t> concise_dcf(std::uint8_t node_id) override { return file(node_id); }
   Program open_program(std::uint8_t node_id) override;
 
  private:

@@ -44,6 +44,9 @@ class AsFcopm final : public CommunicationModule, public RegisterAccess {
   [[nodiscard]] const ProgramInterface& program_interface() const noexcept override;
   [[nodiscard]] const canopen::Node& node() const noexcept override { return role_->node(); }
   [[nodiscard]] std::vector<SlaveBootRecord> boots() const override;
+  [[nodiscard]] std::vector<canopen::Emergency> kept_emergencies() const override {
+    return role_->kept_emergencies();
+  }
   [[nodiscard]] ModuleInformation information() const override;
   /// The chapter describes none.
   [[nodiscard]] std::vector<Led> leds(can::Time) const override { return {}; }

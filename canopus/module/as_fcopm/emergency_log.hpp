@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "canopus/canopen/service/node_listener.hpp"
 
@@ -30,6 +31,22 @@ class EmergencyLog {
     std::ranges::copy(message.manufacturer, bytes.begin() + 3);
     if (of_node.total != 255) ++of_node.total;
     of_node.stored = std::min<std::uint8_t>(of_node.total, most_stored);
+  }
+  /// All of them, the latest of node 1 last.
+  [[nodiscard]] std::vector<canopen::Emergency> all() const {
+    std::vector<canopen::Emergency> messages;
+    for (std::uint8_t node_id = 127; node_id != 0; --node_id) {
+      const Messages& of_node = nodes_[node_id];
+      for (std::size_t i = of_node.stored; i-- != 0;) {
+        const Bytes& bytes = of_node.latest[i];
+        canopen::Emergency message{.node_id = node_id,
+                                   .code = static_cast<std::uint16_t>(bytes[0] | bytes[1] << 8),
+                                   .error_register = bytes[2]};
+        std::copy(bytes.begin() + 3, bytes.end(), message.manufacturer.begin());
+        messages.push_back(message);
+      }
+    }
+    return messages;
   }
   /// Of node 1..127.
   [[nodiscard]] const Messages& of(std::uint8_t node_id) const noexcept { return nodes_[node_id & 0x7FU]; }

@@ -33,6 +33,9 @@ class MasterRole final : public Role,
   [[nodiscard]] OwnCode download_code() const noexcept override { return OwnCode::downloading; }
   [[nodiscard]] StartUp start_up() const noexcept override;
   [[nodiscard]] std::vector<SlaveBootRecord> boots() const override;
+  [[nodiscard]] std::vector<canopen::Emergency> kept_emergencies() const override {
+    return emergencies_.all();
+  }
 
   void receive(const can::Frame& frame, can::Time now) override;
   void transmitted(const can::Frame& frame, can::Time now) override;

@@ -68,6 +68,10 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   [[nodiscard]] std::vector<ModuleErrorRecord> module_errors() const override {
     return parts_.diagnostics.errors();
   }
+  [[nodiscard]] std::vector<canopen::Emergency> kept_emergencies() const override;
+  [[nodiscard]] std::span<const std::uint8_t> concise_dcf(std::uint8_t node_id) const override {
+    return parts_.concise_dcfs.file(node_id);
+  }
   bool clear_module_errors() override { return parts_.diagnostics.clear_minor(); }
   [[nodiscard]] ModuleInformation information() const override;
   [[nodiscard]] std::vector<Led> leds(can::Time now) const override {

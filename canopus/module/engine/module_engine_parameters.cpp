@@ -60,6 +60,14 @@ void ModuleEngine::refresh(can::Time now) {
   update(now);
 }
 
+std::vector<canopen::Emergency> ModuleEngine::kept_emergencies() const {
+  std::vector<canopen::Emergency> messages;
+  for (const auto& part : {parts_.emergencies.stack(), parts_.emergencies.ring()}) {
+    for (const EmergencyBuffer::Received& received : part) messages.push_back(received.message);
+  }
+  return messages;
+}
+
 ModuleInformation ModuleEngine::information() const {
   const ModuleState& state = parts_.state;
   if (state.phase == Phase::off) return {};

@@ -125,6 +125,12 @@ class CommunicationModule : public Module {
   /// What "Clear Error" of the engineering tool does. False: there is an error that it cannot clear.
   virtual bool clear_module_errors() { return true; }
   [[nodiscard]] virtual ModuleInformation information() const { return {}; }
+  /// Emergency messages of other nodes that it keeps for the program, oldest first.
+  [[nodiscard]] virtual std::vector<canopen::Emergency> kept_emergencies() const { return {}; }
+  /// The concise DCF that it keeps for a slave (1F22H); empty: none. Valid until the module gets another one.
+  [[nodiscard]] virtual std::span<const std::uint8_t> concise_dcf(std::uint8_t /*node_id*/) const {
+    return {};
+  }
   /// Its LEDs, from the top.
   [[nodiscard]] virtual std::vector<Led> leds(can::Time now) const = 0;
   /// Writes of the flash memory over all runs, as it would wear.

@@ -33,6 +33,10 @@ class ConciseDcfStore final : private manager::ConfigurationStore {
   /// nothing has changed. `changed`: something was written.
   [[nodiscard]] bool merge(const std::map<std::uint8_t, std::vector<std::uint8_t>>& files, bool& changed);
   [[nodiscard]] const manager::ConfigurationOptions& limits() noexcept { return configurations_.options(); }
+  /// Of a node; empty: there is none.
+  [[nodiscard]] std::span<const std::uint8_t> file(std::uint8_t node_id) const noexcept {
+    return configurations_.file(node_id);
+  }
   /// Deletes all of them.
   void clear();
 

@@ -11,21 +11,26 @@
 #include "canopus/eds/writer.hpp"
 #include "canopus/module/as_fcopm/as_fcopm.hpp"
 #include "canopus/module/as_fcopm/data_sheet.hpp"
+#include "canopus/module/as_fcopm/error_table.hpp"
 #include "canopus/module/as_fcopm/object_table.hpp"
 #include "canopus/module/fx2n_32can/buffer_table.hpp"
 #include "canopus/module/fx2n_32can/data_sheet.hpp"
+#include "canopus/module/fx2n_32can/error_table.hpp"
 #include "canopus/module/fx2n_32can/fx2n_32can.hpp"
 #include "canopus/module/fx2n_32can/object_table.hpp"
 #include "canopus/module/fx3u_can/buffer_table.hpp"
 #include "canopus/module/fx3u_can/data_sheet.hpp"
+#include "canopus/module/fx3u_can/error_table.hpp"
 #include "canopus/module/fx3u_can/fx3u_can.hpp"
 #include "canopus/module/fx3u_can/object_table.hpp"
 #include "canopus/module/me3can1_q/buffer_table.hpp"
 #include "canopus/module/me3can1_q/data_sheet.hpp"
+#include "canopus/module/me3can1_q/error_table.hpp"
 #include "canopus/module/me3can1_q/me3can1_q.hpp"
 #include "canopus/module/me3can1_q/object_table.hpp"
 #include "canopus/module/rj71cn91/buffer_table.hpp"
 #include "canopus/module/rj71cn91/data_sheet.hpp"
+#include "canopus/module/rj71cn91/error_table.hpp"
 #include "canopus/module/rj71cn91/object_table.hpp"
 #include "canopus/module/rj71cn91/rj71cn91.hpp"
 
@@ -54,23 +59,41 @@ void download_to_card(module::CommunicationModule& card, module::as_fcopm::Confi
 }
 
 const std::array catalogue = std::to_array<CatalogueEntry>({
-    {&module::me3can1_q::data_sheet, module::me3can1_q::object_dictionary,
-     module::ModuleSettings::stored_names, make<module::me3can1_q::Me3can1Q>,
-     module::me3can1_q::buffer_table},
-    {&module::rj71cn91::data_sheet, module::rj71cn91::object_dictionary, module::ModuleSettings::stored_names,
-     make<module::rj71cn91::Rj71cn91>, module::rj71cn91::buffer_table},
-    {&module::fx3u_can::data_sheet, module::fx3u_can::object_dictionary, module::ModuleSettings::stored_names,
-     make<module::fx3u_can::Fx3uCan>, module::fx3u_can::buffer_table, racks_of_blocks, lift_mode},
-    {&module::fx2n_32can::data_sheet, module::fx2n_32can::object_dictionary,
-     module::ModuleSettings::stored_names, make<module::fx2n_32can::Fx2n32Can>,
-     module::fx2n_32can::buffer_table, racks_of_fx3},
+    {.data_sheet = &module::me3can1_q::data_sheet,
+     .objects = module::me3can1_q::object_dictionary,
+     .stored = module::ModuleSettings::stored_names,
+     .make = make<module::me3can1_q::Me3can1Q>,
+     .buffer_rows = module::me3can1_q::buffer_table,
+     .errors = &module::me3can1_q::error_tables},
+    {.data_sheet = &module::rj71cn91::data_sheet,
+     .objects = module::rj71cn91::object_dictionary,
+     .stored = module::ModuleSettings::stored_names,
+     .make = make<module::rj71cn91::Rj71cn91>,
+     .buffer_rows = module::rj71cn91::buffer_table,
+     .errors = &module::rj71cn91::error_tables},
+    {.data_sheet = &module::fx3u_can::data_sheet,
+     .objects = module::fx3u_can::object_dictionary,
+     .stored = module::ModuleSettings::stored_names,
+     .make = make<module::fx3u_can::Fx3uCan>,
+     .buffer_rows = module::fx3u_can::buffer_table,
+     .families = racks_of_blocks,
+     .more_modes = lift_mode,
+     .errors = &module::fx3u_can::error_tables},
+    {.data_sheet = &module::fx2n_32can::data_sheet,
+     .objects = module::fx2n_32can::object_dictionary,
+     .stored = module::ModuleSettings::stored_names,
+     .make = make<module::fx2n_32can::Fx2n32Can>,
+     .buffer_rows = module::fx2n_32can::buffer_table,
+     .families = racks_of_fx3,
+     .errors = &module::fx2n_32can::error_tables},
     {.data_sheet = &module::as_fcopm::data_sheet,
      .objects = module::as_fcopm::object_dictionary,
      .stored = {},
      .make = make<module::as_fcopm::AsFcopm>,
      .families = racks_of_as300,
      .download = download_to_card,
-     .only_place = 2},
+     .only_place = 2,
+     .errors = &module::as_fcopm::error_tables},
 });
 
 bool same_letter(char a, char b) {

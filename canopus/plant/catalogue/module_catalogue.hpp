@@ -13,6 +13,7 @@
 #include "canopus/module/as_fcopm/configuration.hpp"
 #include "canopus/module/interface/communication_module.hpp"
 #include "canopus/module/interface/data_sheet.hpp"
+#include "canopus/module/interface/error_words.hpp"
 #include "canopus/module/interface/non_volatile_memory.hpp"
 #include "canopus/plc/cpu/device.hpp"
 
@@ -52,6 +53,8 @@ struct CatalogueEntry {
                    module::as_fcopm::Configuration configuration) = nullptr;
   /// The one place of the rack that it fits into; 0: any.
   std::uint16_t only_place = 0;
+  /// What its words say of errors; never null.
+  const module::ErrorTables* errors = nullptr;
 };
 
 [[nodiscard]] std::span<const CatalogueEntry> module_catalogue() noexcept;
