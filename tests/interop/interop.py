@@ -58,6 +58,7 @@ import web_nmt_checks  # noqa: F401
 import web_retry_checks  # noqa: F401
 import web_strip_checks  # noqa: F401
 import web_words_checks  # noqa: F401
+import web_in_words_checks  # noqa: F401
 import web_pace_checks  # noqa: F401
 import web_settings_checks  # noqa: F401
 import web_project_checks  # noqa: F401

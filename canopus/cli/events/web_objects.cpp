@@ -14,6 +14,8 @@
 #include "canopus/cli/events/web_view_fields.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/eds/words.hpp"
+#include "canopus/manager/boot/start_up_bits.hpp"
+#include "canopus/manager/nmt/negotiation_words.hpp"
 #include "canopus/module/interface/communication_module.hpp"
 #include "canopus/plant/device_seat.hpp"
 #include "canopus/trace/decode/object_meaning.hpp"
@@ -49,10 +51,25 @@ bool is_ascii(std::span<const std::uint8_t> bytes) {
   return std::ranges::all_of(bytes, [](std::uint8_t byte) { return byte >= 0x20 && byte < 0x7F; });
 }
 
+/// 1F90H:02 to 05 together are a time.
+void add_negotiation(nlohmann::ordered_json& row, const canopen::ObjectDictionary& objects,
+                     const canopen::Entry& entry, std::uint8_t node_id) {
+  constexpr std::uint16_t flying_master = 0x1F90, start_up = 0x1F80;
+  constexpr std::uint8_t first = 2, last = 5;
+  if (entry.index != flying_master || entry.sub < first || entry.sub > last) return;
+  const manager::FlyingMasterTiming timing = manager::flying_timing(objects, node_id);
+  std::string words = manager::negotiation_words(timing, node_id);
+  if ((objects.get<std::uint32_t>(start_up, 0, 0) & manager::start_up_bit::flying_master) == 0)
+    words += "; it takes no part (1F80H bit 5)";
+  row["words"] = std::move(words);
+  if (const std::string wrong = manager::overlapping_slots(timing); !wrong.empty()) row["warning"] = wrong;
+}
+
 void add_value(nlohmann::ordered_json& row, const canopen::ObjectDictionary& objects,
-               const canopen::Entry& entry, std::uint8_t node_id) {
+               const canopen::Entry& entry, std::uint8_t node_id, const BytesOfEntry& bytes_of) {
   const DataType type = entry.description->type;
-  const auto bytes = objects.bytes(entry);
+  const bool has_bytes = bytes_of && canopen::is_variable_length(type);
+  const auto bytes = has_bytes ? bytes_of(entry) : objects.bytes(entry);
   if (canopen::is_variable_length(type)) {
     row["bytes"] = bytes.size();
     row["hex"] = hexadecimal(bytes);
@@ -70,6 +87,7 @@ void add_value(nlohmann::ordered_json& row, const canopen::ObjectDictionary& obj
   const canopen::Limits limits = objects.description().limits(entry);
   if (limits.low) row["low"] = decimal(type, *limits.low);
   if (limits.high) row["high"] = decimal(type, *limits.high);
+  add_negotiation(row, objects, entry, node_id);
 }
 
 }  // namespace
@@ -80,8 +98,30 @@ const canopen::Node* node_at(plant::Plant& plant, std::size_t place) {
   return place - modules < plant.device_count() ? &plant.device(place - modules).device().node() : nullptr;
 }
 
+std::span<const std::uint8_t> bytes_of_object(plant::Plant& plant, std::size_t place,
+                                              const canopen::ObjectDictionary& objects,
+                                              const canopen::Entry& entry) {
+  constexpr std::uint16_t concise_dcfs = 0x1F22;  // a module does not keep them in its dictionary
+  if (entry.index == concise_dcfs && entry.sub != 0 && place < plant.modules().size()) {
+    const auto file = plant.module(place).concise_dcf(entry.sub);
+    if (!file.empty()) return file;
+  }
+  return objects.bytes(entry);
+}
+
+std::optional<ViewedObject> object_of_view(std::string_view text) {
+  unsigned index = 0, sub = 0;
+  const auto digits = [&text](std::size_t from, std::size_t count, unsigned& number) {
+    const char* const end = text.data() + from + count;
+    return std::from_chars(text.data() + from, end, number, 16).ptr == end;
+  };
+  if (text.size() != 7 || text[4] != ':' || !digits(0, 4, index) || !digits(5, 2, sub)) return std::nullopt;
+  return ViewedObject{static_cast<std::uint16_t>(index), static_cast<std::uint8_t>(sub)};
+}
+
 void add_objects(nlohmann::ordered_json& event, const canopen::ObjectDictionary& objects,
-                 std::uint8_t node_id, std::string_view lower_find, std::size_t from, std::size_t count) {
+                 std::uint8_t node_id, std::string_view lower_find, std::size_t from, std::size_t count,
+                 const BytesOfEntry& bytes) {
   const canopen::DictionaryDescription& description = objects.description();
   std::size_t all = 0;
   event["rows"] = nlohmann::ordered_json::array();
@@ -101,7 +141,7 @@ void add_objects(nlohmann::ordered_json& event, const canopen::ObjectDictionary&
                                  {"of", of},
                                  {"type", eds::name(entry.description->type)},
                                  {"access", eds::name(entry.description->access)}};
-      add_value(row, objects, entry, node_id);
+      add_value(row, objects, entry, node_id, bytes);
       event["rows"].push_back(std::move(row));
     }
   }
@@ -119,23 +159,19 @@ std::string objects_event(plant::Plant& plant, const nlohmann::json& wish) {
   event["node"] = status.label.node_id;
   event["name"] = status.label.name;
   event["from"] = view_number(wish, "from", SIZE_MAX);
-  add_objects(event, node->dictionary(), node->node_id(), view_text(wish, "find"),
-              event["from"].get<std::size_t>(), view_number(wish, "count", most_objects));
+  add_objects(
+      event, node->dictionary(), node->node_id(), view_text(wish, "find"), event["from"].get<std::size_t>(),
+      view_number(wish, "count", most_objects),
+      [&](const canopen::Entry& entry) { return bytes_of_object(plant, number, node->dictionary(), entry); });
   return view_event(event);
 }
 
 std::string meaning_event(plant::Plant& plant, const nlohmann::json& wish) {
-  const std::string object = view_text(wish, "meaning");
-  unsigned index = 0, sub = 0;
-  const auto digits = [&object](std::size_t from, std::size_t count, unsigned& number) {
-    const char* const end = object.data() + from + count;
-    return std::from_chars(object.data() + from, end, number, 16).ptr == end;
-  };
-  if (object.size() != 7 || object[4] != ':' || !digits(0, 4, index) || !digits(5, 2, sub)) return {};
-  const trace::ObjectMeaning meaning =
-      trace::object_meaning(static_cast<std::uint16_t>(index), static_cast<std::uint8_t>(sub));
+  const auto object = object_of_view(view_text(wish, "meaning"));
+  if (!object) return {};
+  const trace::ObjectMeaning meaning = trace::object_meaning(object->index, object->sub);
   nlohmann::ordered_json event = event_line(plant.timeline().now(), "meaning");
-  event["object"] = fmt::format("{:04X}:{:02X}", index, sub);
+  event["object"] = fmt::format("{:04X}:{:02X}", object->index, object->sub);
   event["meaning"] = meaning.text;
   event["unit"] = meaning.unit;
   event["source"] = meaning.source;

@@ -4,6 +4,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -28,9 +31,23 @@ inline constexpr std::size_t most_objects = 256;  ///< of one view
 /// that is no object.
 [[nodiscard]] std::string meaning_event(plant::Plant& plant, const nlohmann::json& wish);
 
+/// The value of an object of variable length of that node; of a module the concise DCFs that it keeps for its slaves, too.
+[[nodiscard]] std::span<const std::uint8_t> bytes_of_object(plant::Plant& plant, std::size_t place,
+                                                            const canopen::ObjectDictionary& objects,
+                                                            const canopen::Entry& entry);
+
+/// "1f22:05", in lower-case letters; nothing: it is no object.
+struct ViewedObject {
+  std::uint16_t index = 0;
+  std::uint8_t sub = 0;
+};
+[[nodiscard]] std::optional<ViewedObject> object_of_view(std::string_view text);
+
 /// Adds `of` (sub-indexes that hold the text) and `rows`, `count` of them from number `from` on. `lower_find` is in lower-case
-/// letters; `node_id` is for defaults.
+/// letters; `node_id` is for defaults. `bytes`: the value of an object of variable length, where it is not that in `objects`.
+using BytesOfEntry = std::function<std::span<const std::uint8_t>(const canopen::Entry&)>;
 void add_objects(nlohmann::ordered_json& event, const canopen::ObjectDictionary& objects,
-                 std::uint8_t node_id, std::string_view lower_find, std::size_t from, std::size_t count);
+                 std::uint8_t node_id, std::string_view lower_find, std::size_t from, std::size_t count,
+                 const BytesOfEntry& bytes = {});
 
 }  // namespace canopus::cli

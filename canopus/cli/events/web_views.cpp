@@ -7,6 +7,7 @@
 
 #include "canopus/canopen/service/cob_id.hpp"
 #include "canopus/cli/events/event_printer.hpp"
+#include "canopus/cli/events/web_details.hpp"
 #include "canopus/cli/events/web_objects.hpp"
 #include "canopus/cli/events/web_values.hpp"
 #include "canopus/cli/events/web_view_fields.hpp"
@@ -104,6 +105,8 @@ std::string WebViews::look(std::string_view view) {
   if (wish.contains("traffic")) return traffic_.look(wish);
   if (wish.contains("values")) return values_event(plant_, wish);
   if (wish.contains("meaning")) return meaning_event(plant_, wish);
+  if (wish.contains("errors")) return errors_event(plant_, wish);
+  if (wish.contains("domain")) return domain_event(plant_, wish);
   return {};
 }
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "canopus/cli/events/event_printer.hpp"
+#include "canopus/cli/events/web_details.hpp"
 #include "canopus/cli/events/web_view_fields.hpp"
 #include "canopus/serve/web/web_secret.hpp"
 #include "canopus/serve/web/web_users.hpp"
@@ -62,10 +63,16 @@ std::expected<nlohmann::ordered_json, std::string> change_pace(const WebPace& pa
 
 /// {"command": "plants"}, {"command": "open", "path": "..."} (no path: the built-in plant), {"command": "end", "number": 3}, {"command": "new project", "name": "..."},
 /// {"command": "new settings", "name": "...", "model": "RJ71CN91"}, {"command": "save as", "path": "...", "name": "..."}, {"command": "recent projects"}, {"command": "exit"};
-/// {"command": "trace", ...} and {"command": "export trace", ...}, trace_desk.hpp; and of the faults of simulated buses {"command": "faults"}, {"command": "run faults", ...}, web_faults.hpp.
-OwnCommands own_commands(WebStart* start, WebFaults& faults, WebTrace& trace, const WebPace& pace) {
+/// {"command": "trace", ...} and {"command": "export trace", ...}, trace_desk.hpp; and of the faults of simulated buses {"command": "faults"}, {"command": "run faults", ...}, web_faults.hpp; {"command": "domain words", ...},
+/// web_details.hpp.
+OwnCommands own_commands(WebStart* start, plant::Plant& plant, WebFaults& faults, WebTrace& trace,
+                         const WebPace& pace) {
   OwnCommands own;
   using Done = WebCommands::Own::Done;
+  own["domain words"] = {
+      .role = serve::WebRole::operate,
+      .is_noted = false,
+      .run = [&plant](const nlohmann::json& wish, const Done& done) { done(domain_in_words(plant, wish)); }};
   own["faults"] = {.role = serve::WebRole::look,
                    .run = [&faults](const nlohmann::json&, const Done& done) { done(faults.list()); }};
   own["run faults"] = {
@@ -134,7 +141,7 @@ WebPage::WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClo
       faults_(plant, clock),
       commands_(io, {.buses = std::move(buses),
                      .settings = std::move(settings),
-                     .own = own_commands(start_ ? &*start_ : nullptr, faults_, trace_, pace),
+                     .own = own_commands(start_ ? &*start_ : nullptr, plant, faults_, trace_, pace),
                      .now = [&plant] { return plant.timeline().now(); },
                      .done = [this](const serve::WebUser& user, const std::string& line, int code,
                                     const std::string& message,

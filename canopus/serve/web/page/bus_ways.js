@@ -1,8 +1,9 @@
 // Who is on a bus: a scan of its nodes, devices without a node-ID by LSS [CiA 305], and single objects of a node by SDO. Each is a command of the run's program, beside the plant.
 import { make, set_text } from "./dom.js";
+import { DomainWords, bytes_of, file_name, save_bytes } from "./domain_view.js";
 
 const hexadecimal = (number) => (number === undefined ? "-" : `${number.toString(16).toUpperCase().padStart(8, "0")}H`);
-const types = ["", "u8", "u16", "u32", "u64", "i8", "i16", "i32", "i64", "f32", "f64", "bool", "text", "bytes"];
+const types = ["", "u8", "u16", "u32", "u64", "i8", "i16", "i32", "i64", "f32", "f64", "bool", "text", "bytes", "domain"];
 
 function table_of(caption, heads) {
   const rows = make("tbody");
@@ -116,19 +117,32 @@ export class BusWays {
     const said = make("span", { role: "status" });
     const object = make("input", { "aria-label": "Object, index and sub-index", placeholder: "1018:02", size: 8, maxlength: 12, autocomplete: "off" });
     const type = make("select", { "aria-label": "Data type" }, ...types.map((one) => make("option", { value: one }, one || "type")));
-    const value = make("input", { "aria-label": "Value", placeholder: "value", size: 12, maxlength: 200, autocomplete: "off" });
+    const value = make("input", { "aria-label": "Value", placeholder: "value", size: 12, maxlength: 4000, autocomplete: "off" });
     const read = make("button", { type: "button" }, "Read object");
     const write = make("button", { type: "button", "data-role": "configure" }, "Write object");
     const wish = () => ({ bus, node, object: object.value.trim(), ...(type.value ? { type: type.value } : {}) });
+    const speed = make("p", { class: "faint speed", role: "status" });
+    let last = null;  // the value that is shown
+    const domain = new DomainWords(`what ${label} says`, () => save_bytes([bytes_of(last.bytes)], file_name(bus, node, last.object)));
     const run = async (button, command, verb) => {
       let row;
+      domain.show(null);
+      set_text(speed, "");
       const fine = await this.run(button, said, command, (rows) => { [row] = rows; });
       const bytes = row?.bytes?.replace(/..(?=.)/g, "$& ");
       if (row?.reason) set_text(said, `${row.object}: ${row.reason}`);
-      else if (fine && row) set_text(said, `${row.object} ${verb}: ${row.value === undefined ? bytes : `${row.value} (${bytes})`}`);
+      else if (fine && row?.domain) {
+        last = row;
+        set_text(said, `${row.object} ${verb}`);
+        domain.show(row.domain);
+        // The plant knows the device file of the slave that a concise DCF is for.
+        const named = row.object.startsWith("1F22") ? await this.commands.run({ command: "domain words", bus, object: row.object, bytes: row.bytes }) : null;
+        if (named?.code === 0 && last === row) domain.show(named.rows[0]);
+      } else if (fine && row) set_text(said, `${row.object} ${verb}: ${row.value === undefined ? bytes : `${row.value} (${bytes})`}`);
+      if (fine && row?.transfer && row.transfer.form !== "expedited") set_text(speed, row.transfer.text);
     };
     read.addEventListener("click", () => run(read, { command: "sdo read", ...wish() }, "reads"));
     write.addEventListener("click", () => run(write, { command: "sdo write", ...wish(), value: value.value }, "is written"));
-    return this.keep(make("div", { class: "ways sdo", role: "group", "aria-label": `SDO to ${label}` }, object, type, read, value, write, said), bus);
+    return this.keep(make("div", {}, make("div", { class: "ways sdo", role: "group", "aria-label": `SDO to ${label}` }, object, type, read, value, write, said), speed, domain.element), bus);
   }
 }

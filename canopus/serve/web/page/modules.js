@@ -14,14 +14,18 @@ const patterns = {
 function make_module() {
   return make("article", { class: "front" }, make("h3"), make("p", { class: "faint" }),
               make("ul", { class: "leds" }), make("p", { class: "figures" }), make("table"),
-              make("button", { type: "button", class: "open-words" }, "Buffer memory"));
+              make("button", { type: "button", class: "open-words" }, "Buffer memory"),
+              make("button", { type: "button", class: "open-errors" }, "Errors"), make("div", { class: "errors", role: "region", tabindex: "0", hidden: "" }));
 }
 
-function fill_module(card, module, number, keep_children, open_words) {
-  const [title, facts, leds, signals, table, words_button] = card.children;
+function fill_module(card, module, number, keep_children, open_words, errors) {
+  const [title, facts, leds, signals, table, words_button, errors_button, errors_part] = card.children;
   words_button.onclick = () => open_words(number, module.name);
   words_button.setAttribute("aria-label", `Buffer memory of ${module.name}`);
+  errors_button.onclick = () => errors.toggle(number);
+  errors_part.setAttribute("aria-label", `Errors of ${module.name}`);
   set_text(title, module.name);
+  errors.show(card, number);
   set_text(facts, `${module.plc} · ${module.bus}${module.node ? ` node ${module.node}` : ""} · ` +
                   `${module.on ? `CPU ${module.cpu}` : "no supply"}`);
   leds.setAttribute("aria-label", `LEDs of ${module.name}`);
@@ -42,10 +46,10 @@ function fill_module(card, module, number, keep_children, open_words) {
     make("td", {}, make("button", { type: "button", class: "number", title: `Plot ${module.name} G${word.address}`, "data-plot": `words ${number} ${word.address}` }, `${word.value}`)), make("td", { class: "faint" }, `${word.value.toString(16).toUpperCase().padStart(4, "0")}H`))));
 }
 
-/// `open_words`: shows the buffer memory of the module of this number and name.
-export function draw_modules(list, modules, keep_children, key_of, open_words) {
+/// `open_words`: shows the buffer memory of the module of this number and name; `errors`: an ErrorView.
+export function draw_modules(list, modules, keep_children, key_of, open_words, errors) {
   keep_children(list, modules, (module) => `${module.plc}\u0000${module.head}\u0000${key_of(module)}`, make_module,
-                (card, module) => fill_module(card, module, modules.indexOf(module), keep_children, open_words));
+                (card, module) => fill_module(card, module, modules.indexOf(module), keep_children, open_words, errors));
 }
 
 /// Lights the LEDs as they are at this millisecond of plant time. Who wants no motion sees them lit, with the pattern's name.

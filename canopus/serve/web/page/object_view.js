@@ -6,9 +6,10 @@ const row_height = 26;
 const beyond = 12;  // rows above and below what is seen
 
 export class ObjectView {
-  /// `say`: called when what it looks at has changed.
-  constructor(section, say) {
+  /// `domain`: a DomainView for what does not go into a row. `say`: called when what it looks at has changed.
+  constructor(section, domain, say) {
     this.section = section;
+    this.domain = domain;
     this.say = say;
     [this.title, this.list, this.space, this.table, this.find, this.count, this.base] =
       ["objects-title", "objects", "objects-space", "objects-table", "objects-find", "objects-count", "objects-base"]
@@ -28,6 +29,7 @@ export class ObjectView {
   }
 
   open(number, name) {
+    if (this.number !== number) this.domain.close();
     this.number = number;
     this.event = null;
     this.table.tBodies[0].replaceChildren();
@@ -41,6 +43,7 @@ export class ObjectView {
   close() {
     this.section.hidden = true;
     this.number = null;
+    this.domain.close();
     this.say();
   }
 
@@ -66,7 +69,7 @@ export class ObjectView {
     while (body.rows.length > event.rows.length) body.lastElementChild.remove();
     while (body.rows.length < event.rows.length) {
       body.append(make("tr", {}, make("th", { scope: "row" }), make("td"), make("td"), make("td"),
-                       make("td", {}, make("span"), make("button", { type: "button", class: "number", hidden: "" })), make("td")));
+                       make("td", {}, make("span"), make("button", { type: "button", class: "number", hidden: "" }), make("button", { type: "button", class: "plain", hidden: "" }, "Show")), make("td")));
     }
     event.rows.forEach((row, place) => this.fill(body.rows[place], row, event));
   }
@@ -77,7 +80,7 @@ export class ObjectView {
     if (!row) return null;
     const range = row.low !== undefined || row.high !== undefined ? `${row.low ?? ""} … ${row.high ?? ""}` : "";
     return { title: row.name === row.of ? row.name : `${row.of}: ${row.name}`, object: row.object,
-      rows: [["Object", row.object], ["Type", row.type], ["Access", row.access], ["Range", range], ["Default", row.default_decimal === undefined ? "" : `${row.default_decimal} (${row.default_hex}H)`], ["In words", words_of(row.object, row.decimal)]] };
+      rows: [["Object", row.object], ["Type", row.type], ["Access", row.access], ["Range", range], ["Default", row.default_decimal === undefined ? "" : `${row.default_decimal} (${row.default_hex}H)`], ["In words", row.words ?? words_of(row.object, row.decimal)], ["Warning", row.warning]] };
   }
 
   fill(line, row, event) {
@@ -88,12 +91,16 @@ export class ObjectView {
     name.title = name.textContent;
     set_text(type, row.type);
     set_text(access, row.access);
-    const [text, button] = value.children;
+    const [text, button, show] = value.children;
+    show.hidden = !row.bytes || (row.type !== "DOMAIN" && row.bytes <= 64);
+    show.setAttribute("aria-label", `Show ${row.object} ${row.name}`);
+    show.onclick = () => this.domain.open(event.number, row.object, name.title);
+    value.title = row.words ? [row.words, row.warning].filter(Boolean).join("; ") : "";
     const is_number = row.decimal !== undefined;
     button.hidden = !is_number;
     if (!is_number) {
       const shown = row.text !== undefined && !this.is_hexadecimal ? `“${row.text}”` : row.hex + (row.bytes > 64 ? "…" : "");
-      set_text(text, row.bytes === 0 ? "empty" : shown);
+      set_text(text, row.bytes === 0 ? "empty" : show.hidden ? shown : `${row.bytes} bytes `);
       set_text(usual, "");
       return;
     }

@@ -9,6 +9,8 @@ import { BootView } from "./boot_view.js";
 import { BusView } from "./bus_view.js";
 import { BusWays } from "./bus_ways.js";
 import { Description } from "./description.js";
+import { DomainView } from "./domain_view.js";
+import { ErrorView } from "./error_view.js";
 import { Links } from "./links.js";
 import { ObjectView } from "./object_view.js";
 import { PaceWays } from "./pace_ways.js";
@@ -51,7 +53,9 @@ const nmt_ways = new NmtWays(commands);
 const words = new WordView(by_id("words-section"), () => say_views());
 const boots = new BootView(by_id("boot-section"), bus_ways, () => say_views());
 const plots = new Plots(by_id("plots"), by_id("plot-list"), () => say_views());
-const objects = new ObjectView(by_id("objects-section"), () => say_views());
+const domain = new DomainView(by_id("domain"), () => say_views());
+const objects = new ObjectView(by_id("objects-section"), domain, () => say_views());
+const errors = new ErrorView(by_id("modules"), () => say_views());
 const bus_view = new BusView(by_id("bus-section"), () => say_views());
 const newest = new NewestEvents(by_id("newest"));
 const description = new Description(() => say_views());
@@ -234,7 +238,7 @@ function draw() {
   set_text(by_id("worst"), gone.length ? `bus ${gone[0]} is gone` : worst ? `${id_of(worst)} ${label_of(worst)}: ${troubles_of(worst)[0] ?? worst.state}` : all.length === 0 ? "no node is known" : off ? `${off} off` : "all well");
   for (const id of ["plant", "worst"]) if (by_id(id).title !== by_id(id).textContent) by_id(id).title = by_id(id).textContent;
   keep_children(by_id("buses"), state.buses, (bus) => bus.bus, make_bus, fill_bus);
-  draw_modules(by_id("modules"), state.modules, keep_children, key_of, (number, name) => words.open(number, name));
+  draw_modules(by_id("modules"), state.modules, keep_children, key_of, (number, name) => words.open(number, name), errors);
   draw_node();
   tree.draw(state, { keep_children, nodes_of, key_of, name_of: (node) => `${id_of(node)}  ${label_of(node)}`, mood_of: (node) => mood_of(node, troubles_of(node)) });
   bus_view.draw_counters(state);
@@ -273,6 +277,10 @@ function received(list) {
       words.draw(event);
     } else if (event.event === "objects") {
       objects.draw(event);
+    } else if (event.event === "domain") {
+      domain.draw(event);
+    } else if (event.event === "errors") {
+      errors.draw(event);
     } else if (event.event === "values") {
       plots.values(event);
     } else if (event.event === "meaning") {
@@ -369,7 +377,7 @@ function say_views() {
   if (views_timer !== null) return;
   views_timer = setTimeout(() => {
     views_timer = null;
-    const views = JSON.stringify([words.view, boots.view, objects.view, bus_view.view, plots.view, description.view].filter(Boolean));
+    const views = JSON.stringify([words.view, boots.view, objects.view, bus_view.view, plots.view, description.view, errors.view, domain.view].filter(Boolean));
     if (views === views_said || socket?.readyState !== WebSocket.OPEN) return;
     views_said = views;
     socket.send(`{"views":${views}}`);
