@@ -1,104 +1,141 @@
 #include "canopus/can/timeline.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstdio>
 #include <stdexcept>
 #include <utility>
 
 namespace canopus::can {
 
-namespace {
-
-/// A heap and the positions of its handles while places move in it: pointers of its own, which no store can change.
-template <typename Place>
-class Moves {
- public:
-  Moves(Place* places, std::uint32_t* positions) noexcept : places_(places), positions_(positions) {}
-  const Place& operator[](std::size_t position) const noexcept { return places_[position]; }
-  void put(std::size_t position, const Place& place) const noexcept {
-    places_[position] = place;
-    positions_[place.handle()] = static_cast<std::uint32_t>(position);
-  }
-  /// From `position` towards the root, not beyond `root`, as long as it is before its parent.
-  void up(std::size_t position, std::size_t root, const Place& moving) const noexcept {
-    while (position > root) {
-      const std::size_t parent = (position - 1) / 2;
-      if (!moving.before(places_[parent])) break;
-      put(position, places_[parent]);
-      position = parent;
-    }
-    put(position, moving);
-  }
-
- private:
-  Place* const places_;
-  std::uint32_t* const positions_;
-};
-
-}  // namespace
-
-void Timeline::sift_up(Heap& heap, std::size_t position) noexcept {
-  const Place moving = heap[position];
-  Moves(heap.data(), positions_.data()).up(position, 0, moving);
+// add() has made room for everybody.
+void Timeline::put_in(Queue& queue, const Place& place) noexcept {
+  std::size_t position = queue.size();
+  queue.push_back(place);
+  Place* const places = queue.data();
+  for (; position > 0 && places[position - 1].before(place); --position)
+    places[position] = places[position - 1];
+  places[position] = place;
 }
 
-// Who had his tick most often goes far down: the earlier children move up first, all the way, and then the moving one is
-// compared on its way back. That is one comparison for each level instead of two.
-void Timeline::sift_down(Heap& heap, std::size_t position) noexcept {
-  const Moves places(heap.data(), positions_.data());
-  const Place moving = places[position];
-  const std::size_t size = heap.size();
-  std::size_t place = position;
-  std::size_t child = 2 * place + 1;
-  for (; child + 1 < size; child = 2 * place + 1) {
-    child += static_cast<std::size_t>(places[child + 1].before(places[child]));
-    places.put(place, places[child]);
-    place = child;
+void Timeline::take_out(Queue& queue, std::uint64_t order) noexcept {
+  std::size_t position = queue.size() - 1;
+  while (queue[position].order != order) --position;
+  for (; position + 1 < queue.size(); ++position) queue[position] = queue[position + 1];
+  queue.pop_back();
+}
+
+void Timeline::put_node(Slot& slot) noexcept {
+  if (slot.deadline == never) return;
+  const std::int64_t slice = slice_of(slot.deadline);
+  if (is_soon(slice)) return put_in(nodes_, {slot.deadline, slot.order});
+  const auto handle = static_cast<std::uint32_t>(slot.order);
+  std::uint32_t& list = lists_[list_of(slice)];
+  slot.previous = nobody_else;
+  slot.next = std::exchange(list, handle);
+  if (slot.next != nobody_else) slots_[slot.next].previous = handle;
+  has_list_[list_of(slice) / 64] |= std::uint64_t{1} << list_of(slice) % 64;
+  ++listed_;
+}
+
+void Timeline::take_off_list(Slot& slot, std::int64_t slice) noexcept {
+  --listed_;
+  if (slot.next != nobody_else) slots_[slot.next].previous = slot.previous;
+  if (slot.previous != nobody_else) {
+    slots_[slot.previous].next = slot.next;
+    return;
   }
-  if (child < size) {
-    places.put(place, places[child]);
-    place = child;
+  lists_[list_of(slice)] = slot.next;
+  if (slot.next == nobody_else) has_list_[list_of(slice) / 64] &= ~(std::uint64_t{1} << list_of(slice) % 64);
+}
+
+/// 1 to slice_count: how far the next list behind that of the present slice is in which somebody waits.
+std::size_t Timeline::lists_to_next() const noexcept {
+  const std::size_t begin = list_of(present_slice_ + 1);
+  const std::size_t word = begin / 64;
+  if (const std::uint64_t behind = has_list_[word] >> begin % 64; behind != 0)
+    return 1 + static_cast<std::size_t>(std::countr_zero(behind));
+  for (std::size_t i = 1; i <= has_list_.size(); ++i) {
+    const std::uint64_t lists = has_list_[(word + i) % has_list_.size()];
+    if (lists != 0) return 1 + i * 64 - begin % 64 + static_cast<std::size_t>(std::countr_zero(lists));
   }
-  places.up(place, position, moving);
+  return slice_count;
+}
+
+std::int64_t Timeline::earliest_slice() const noexcept {
+  Time earliest = never;
+  for (const Slot& slot : slots_) {
+    if (slot.participant != nullptr && !slot.is_bus()) earliest = std::min(earliest, slot.deadline);
+  }
+  return slice_of(earliest);
+}
+
+void Timeline::advance() noexcept {
+  std::size_t passed = 0;
+  while (nodes_.empty() && listed_ > 0) {
+    const std::size_t way = lists_to_next();
+    passed += way;
+    // Nobody waits within a round: whoever is first may be years away.
+    present_slice_ =
+        passed > slice_count ? earliest_slice() : present_slice_ + static_cast<std::int64_t>(way);
+    for (std::uint32_t handle = lists_[list_of(present_slice_)]; handle != nobody_else;) {
+      Slot& slot = slots_[handle];
+      handle = slot.next;
+      if (slice_of(slot.deadline) > present_slice_) continue;  // in a later round
+      take_off_list(slot, present_slice_);
+      put_in(nodes_, {slot.deadline, slot.order});
+    }
+  }
 }
 
 Timeline::Handle Timeline::add(Ticker& participant, std::string name, Rank rank) {
   const Handle handle = slots_.size();
-  Heap& heap = heap_of(rank);
-  slots_.push_back({&participant, participant.deadline(), rank});
-  positions_.push_back(static_cast<std::uint32_t>(heap.size()));
-  names_.push_back(std::move(name));
   const std::uint64_t number = (whole_ != nullptr ? whole_ : this)->numbers_++;
-  heap.push_back({slots_.back().deadline, static_cast<std::uint64_t>(rank) << 63 | number << 32 | handle});
-  sift_up(heap, heap.size() - 1);
+  slots_.push_back({.participant = &participant,
+                    .deadline = participant.deadline(),
+                    .order = static_cast<std::uint64_t>(rank) << 63 | number << 32 | handle});
+  names_.push_back(std::move(name));
+  Slot& slot = slots_.back();
+  Queue& queue = rank == Rank::bus ? buses_ : nodes_;
+  if (queue.capacity() < slots_.size()) queue.reserve(2 * slots_.size());
+  if (rank == Rank::bus) {
+    put_in(buses_, {slot.deadline, slot.order});
+  } else {
+    put_node(slot);
+    if (nodes_.empty()) advance();
+  }
   return handle;
 }
 
 void Timeline::remove(Handle handle) {
-  const std::size_t position = positions_[handle];
-  if (slots_[handle].participant == nullptr) return;
-  slots_[handle].participant = nullptr;
+  Slot& slot = slots_[handle];
+  if (slot.participant == nullptr) return;
+  take_from_queue(slot, slot.deadline);
+  slot.participant = nullptr;
   names_[handle] = {};
-  Heap& heap = heap_of(slots_[handle].rank);
-  const Place last = heap.back();
-  heap.pop_back();
-  if (last.handle() == handle) return;
-  put(heap, position, last);
-  sift_up(heap, position);
-  sift_down(heap, positions_[last.handle()]);
+  if (nodes_.empty()) advance();
 }
 
 void Timeline::move(Handle handle, Time deadline) noexcept {
   Slot& slot = slots_[handle];
-  Heap& heap = heap_of(slot.rank);
-  const std::size_t position = positions_[handle];
-  const bool earlier = deadline < slot.deadline;
-  slot.deadline = deadline;
-  heap[position].deadline = deadline;
-  if (earlier) {
-    sift_up(heap, position);
+  if (slot.is_bus() && buses_.size() == 1) {  // as a plant's part mostly has it
+    buses_.front().deadline = slot.deadline = deadline;
+    return;
+  }
+  take_from_queue(slot, std::exchange(slot.deadline, deadline));
+  if (slot.is_bus()) return put_in(buses_, {deadline, slot.order});
+  put_node(slot);
+  if (nodes_.empty()) advance();
+}
+
+void Timeline::take_from_queue(Slot& slot, Time deadline) noexcept {
+  if (slot.is_bus()) return take_out(buses_, slot.order);
+  if (deadline == never) return;
+  const std::int64_t slice = slice_of(deadline);
+  if (is_soon(slice)) {
+    take_out(nodes_, slot.order);
   } else {
-    sift_down(heap, position);
+    take_off_list(slot, slice);
   }
 }
 

@@ -98,12 +98,18 @@ class Timeline {
   [[nodiscard]] Time outside_next() const noexcept { return first().deadline; }
 
  private:
+  /// What belongs to one participant, in one cache line.
   struct Slot {
     Ticker* participant = nullptr;
     Time deadline = never;
-    Rank rank = Rank::node;
+    std::uint64_t order = 0;           // as in its place
+    std::uint32_t next = nobody_else;  // handles, in the list of its slice
+    std::uint32_t previous = nobody_else;
+
+    [[nodiscard]] bool is_bus() const noexcept { return order >> 63 != 0; }
   };
-  /// What decides who is first lies in the heap itself: a comparison looks nowhere else.
+  static constexpr std::uint32_t nobody_else = 0xFFFF'FFFF;
+  /// What decides who is first lies in the queue itself: a comparison looks nowhere else.
   struct Place {
     Time deadline;
     std::uint64_t order;  // rank (1 bit), number over all parts (31), handle (32)
@@ -116,18 +122,23 @@ class Timeline {
           (static_cast<unsigned>(deadline == other.deadline) & static_cast<unsigned>(order < other.order)));
     }
   };
-  /// Those of one rank: a bus, whose deadline changes with each frame, does not go through those of a hundred nodes.
-  using Heap = std::vector<Place>;  // binary heap, earliest first
-
-  [[nodiscard]] Heap& heap_of(Rank rank) noexcept { return heaps_[static_cast<std::size_t>(rank)]; }
-  void put(Heap& heap, std::size_t position, const Place& place) noexcept {
-    heap[position] = place;
-    positions_[place.handle()] = static_cast<std::uint32_t>(position);
+  /// The last one first: whoever is first of all goes and comes without moving others.
+  using Queue = std::vector<Place>;
+  // Nodes mostly have their next deadline milliseconds away: only those of the present slice of time (and before it) are
+  // sorted. The others wait in lists, one for each slice; slices that are a whole round apart share one.
+  static constexpr unsigned slice_bits = 16;        // of nanoseconds: a slice has 66 us
+  static constexpr std::size_t slice_count = 1024;  // 67 ms
+  [[nodiscard]] static std::int64_t slice_of(Time time) noexcept {
+    return time.time_since_epoch().count() >> slice_bits;
   }
+  [[nodiscard]] static std::size_t list_of(std::int64_t slice) noexcept {
+    return static_cast<std::size_t>(slice) % slice_count;
+  }
+
   /// Who is first of all; with deadline never where there is nobody.
   [[nodiscard]] const Place& first() const noexcept {
-    const Place& node = heaps_[0].empty() ? nobody : heaps_[0].front();
-    const Place& bus = heaps_[1].empty() ? nobody : heaps_[1].front();
+    const Place& node = nodes_.empty() ? nobody : nodes_.back();
+    const Place& bus = buses_.empty() ? nobody : buses_.back();
     return node.deadline <= bus.deadline ? node : bus;  // at one moment nodes go first
   }
   /// Somebody who belongs to no part is due before this.
@@ -136,17 +147,36 @@ class Timeline {
   void run(Time end, const Place& until);
   void run_together(Time end);
   void move(Handle handle, Time deadline) noexcept;
-  void sift_up(Heap& heap, std::size_t position) noexcept;
-  void sift_down(Heap& heap, std::size_t position) noexcept;
+  [[nodiscard]] bool is_soon(std::int64_t slice) const noexcept { return slice <= present_slice_; }
+  static void put_in(Queue& queue, const Place& place) noexcept;
+  static void take_out(Queue& queue, std::uint64_t order) noexcept;
+  /// Into the queue, or the list of its slice.
+  void put_node(Slot& slot) noexcept;
+  /// From where it waits with this deadline.
+  void take_from_queue(Slot& slot, Time deadline) noexcept;
+  void take_off_list(Slot& slot, std::int64_t slice) noexcept;
+  /// To the next slice that somebody waits in, when nobody of the present one is left.
+  void advance() noexcept;
+  [[nodiscard]] std::int64_t earliest_slice() const noexcept;
+  [[nodiscard]] std::size_t lists_to_next() const noexcept;
   /// Counts a tick that comes after too many at one moment. True: the participant has been taken out.
   bool is_stalled(Handle handle);
 
   static constexpr Place nobody{never, ~std::uint64_t{0}};
+  static constexpr std::array<std::uint32_t, slice_count> all_empty() noexcept {
+    std::array<std::uint32_t, slice_count> lists{};
+    lists.fill(nobody_else);
+    return lists;
+  }
 
   std::vector<Slot> slots_;
-  std::vector<std::uint32_t> positions_;  // of each handle, in its heap
-  std::array<Heap, 2> heaps_;             // by rank
-  std::vector<std::string> names_;        // by handle: apart from what every tick needs
+  Queue nodes_;  // up to the end of the present slice; not empty as long as a list is not
+  Queue buses_;  // all: a bus's deadline changes with each frame
+  std::int64_t present_slice_ = 0;
+  std::size_t listed_ = 0;  // nodes
+  std::array<std::uint64_t, slice_count / 64> has_list_{};
+  std::array<std::uint32_t, slice_count> lists_ = all_empty();  // first handle of each
+  std::vector<std::string> names_;                              // by handle: apart from what every tick needs
   std::function<void(const Stall&)> stall_handler_;
   Time now_{};
   std::uint64_t latest_ = 0;  // of the orders of those who had their tick at now_

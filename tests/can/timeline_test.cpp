@@ -139,6 +139,104 @@ TEST(Timeline, RandomAlarms_TickAsASortedListHasThem) {
   }
 }
 
+/// Deadlines from the present one to years away, moved and removed from inside of ticks: whoever ticks is always the
+/// first of all.
+struct Crowd {
+  struct Member : Ticker {
+    void tick(Time now) override { crowd->ticked(*this, now); }
+    [[nodiscard]] Time deadline() const noexcept override { return at; }
+    Crowd* crowd = nullptr;
+    std::size_t number = 0;
+    Timeline::Handle handle = 0;
+    Time at = never;
+    bool is_there = true;
+  };
+
+  explicit Crowd(std::uint64_t seed) : random(seed) {}
+
+  void add() {
+    Member& member = *members.emplace_back(std::make_unique<Member>());
+    member.crowd = this;
+    member.number = members.size() - 1;
+    member.at = some_time();
+    member.handle = timeline.add(member);
+  }
+  Time some_time() {
+    const auto kind = random() % 12;
+    if (kind == 0) return never;
+    if (kind == 1) return std::max(Time{}, now - Duration(static_cast<Duration::rep>(random() % 1'000'000)));
+    if (kind == 2) return now;
+    // Up to 2^kind us: within a slice, a round of slices, and far beyond.
+    const std::uint64_t reach = std::uint64_t{1000} << 4 * (kind - 3);
+    return later(now, Duration(static_cast<Duration::rep>(random() % reach)));
+  }
+  void ticked(Member& member, Time time) {
+    now = time;
+    ++ticks;
+    is_in_order = is_in_order && member.is_there && timeline.moment().time >= member.at;
+    for (const auto& other : members) {
+      if (!other->is_there || other->number == member.number) continue;
+      is_in_order = is_in_order && std::pair(member.at, member.number) < std::pair(other->at, other->number);
+    }
+    member.at = later(std::max(some_time(), time), Duration(1));
+    Member& other = *members[random() % members.size()];
+    if (other.is_there && random() % 2 == 0) {
+      other.at = some_time();
+      timeline.refresh(other.handle);
+    }
+    if (random() % 50 == 0 && other.is_there) {
+      other.is_there = false;
+      timeline.remove(other.handle);
+    }
+    if (random() % 50 == 0 && members.size() < 80) add();
+  }
+  [[nodiscard]] Time first() const {
+    Time earliest = never;
+    for (const auto& member : members) {
+      if (member->is_there) earliest = std::min(earliest, member->at);
+    }
+    return earliest;
+  }
+
+  std::mt19937_64 random;
+  Timeline timeline;
+  std::vector<std::unique_ptr<Member>> members;
+  Time now{};
+  std::uint64_t ticks = 0;
+  bool is_in_order = true;
+};
+
+TEST(Timeline, DeadlinesNearAndYearsAway_MovedFromInside_TickInTheirOrder) {
+  std::uint64_t ticks = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    Crowd crowd(seed);
+    for (std::size_t count = 1 + seed % 40; count > 0; --count) crowd.add();
+    for (int step = 0; step < 60 && crowd.first() != never; ++step) {
+      ASSERT_EQ(crowd.timeline.next(), crowd.first()) << "seed " << seed;
+      const Time end = std::max(crowd.now, later(crowd.first(), Duration(1'000 * (step % 7))));
+      crowd.timeline.run_until(end);
+      crowd.now = end;
+      ASSERT_TRUE(crowd.is_in_order) << "seed " << seed << ", step " << step;
+      ASSERT_TRUE(crowd.first() > end) << "seed " << seed;
+    }
+    ticks += crowd.ticks;
+  }
+  EXPECT_GT(ticks, 2'000U);
+}
+
+TEST(Timeline, OneFarAway_IsFoundAtOnce) {
+  Log log;
+  Timeline timeline;
+  Alarm years("years", {Time(24h * 365 * 100)}, log);
+  timeline.add(years);
+  EXPECT_EQ(timeline.next(), Time(24h * 365 * 100));
+  Alarm soon("soon", {Time(1ms)}, log);
+  timeline.add(soon);
+  EXPECT_EQ(timeline.next(), Time(1ms));
+  timeline.run_until(Time(24h * 365 * 101));
+  EXPECT_EQ(log.size(), 2U);
+}
+
 /// Asks for each moment so often.
 struct Insistent : Ticker {
   explicit Insistent(std::uint64_t how_often, Time first = Time(1ms)) : times(how_often), at(first) {}

@@ -34,7 +34,75 @@ std::uint64_t whole(double value, std::uint64_t low, std::uint64_t high) noexcep
   const auto highest = static_cast<T>(high);
   if (!(value > static_cast<double>(lowest))) return low;
   if (!(value < static_cast<double>(highest))) return high;
+  const auto cut = static_cast<T>(value);
+  if (static_cast<double>(cut) == value) return static_cast<std::uint64_t>(cut);  // as counters have it
   return static_cast<std::uint64_t>(std::clamp(static_cast<T>(std::nearbyint(value)), lowest, highest));
+}
+
+/// Where in its periods a behaviour is: one division for all that asks.
+struct Phase {
+  Phase(const Behaviour& behaviour, can::Time now) noexcept
+      : period(std::max(behaviour.period, can::Duration{1})),
+        number(now.time_since_epoch() / period),
+        into(now.time_since_epoch() - number * period) {}
+  [[nodiscard]] double share() const noexcept {
+    return static_cast<double>(into.count()) / static_cast<double>(period.count());
+  }
+
+  can::Duration period;
+  can::Duration::rep number;
+  can::Duration into;
+};
+
+double value_in(const Behaviour& behaviour, const Phase& phase) noexcept {
+  const double span = behaviour.high - behaviour.low;
+  const auto step_number = static_cast<std::uint64_t>(phase.number);
+  switch (behaviour.kind) {
+    case Behaviour::Kind::constant: return behaviour.low;
+    case Behaviour::Kind::sine:
+      return behaviour.low + span * (0.5 + 0.5 * std::sin(2 * std::numbers::pi * phase.share()));
+    case Behaviour::Kind::ramp: return behaviour.low + span * phase.share();
+    case Behaviour::Kind::counter: {
+      if (!(behaviour.step > 0)) return behaviour.low;
+      const double steps = std::floor(span / behaviour.step) + 1;
+      constexpr double exact = 1ULL << 53;  // below it, whole numbers are the same as doubles
+      const double left = steps < exact && step_number < static_cast<std::uint64_t>(exact)
+                              ? static_cast<double>(step_number % static_cast<std::uint64_t>(steps))
+                              : std::fmod(static_cast<double>(step_number), steps);
+      return behaviour.low + left * behaviour.step;
+    }
+    case Behaviour::Kind::noise: {
+      const std::uint64_t random = mixed(mixed(behaviour.seed) ^ step_number);
+      return behaviour.low + span * (static_cast<double>(random >> 11) / 0x1FFFFFFFFFFFFFp0);
+    }
+    case Behaviour::Kind::echo: return 0;
+  }
+  return 0;
+}
+
+can::Time change_after(const Behaviour& behaviour, DataType type, double value, can::Time now,
+                       const Phase& phase) noexcept {
+  using Kind = Behaviour::Kind;
+  if (behaviour.kind == Kind::constant || behaviour.kind == Kind::echo) return can::never;
+  const auto period = phase.period;
+  const can::Time next_period = can::later(now, period - phase.into);
+  if (behaviour.kind == Kind::counter || behaviour.kind == Kind::noise) return next_period;
+  const double span = behaviour.high - behaviour.low;
+  if (!(span > 0)) return can::never;
+  const can::Time soon = can::later(now, can::Duration{1});
+  if (type == DataType::real32 || type == DataType::real64 || !std::isfinite(span)) return soon;
+  // A whole number changes where the value passes the middle between two; how long that takes at least follows
+  // from the steepest slope. What rounding does to the value is far below the part that is left out.
+  const double way = 0.5 - std::abs(value - std::nearbyint(value));
+  const double steepest = span * (behaviour.kind == Kind::sine ? std::numbers::pi : 1.0);
+  const double safe_way = way * 0.99 - (std::abs(behaviour.low) + std::abs(behaviour.high)) * 1e-9;
+  const double nanoseconds = safe_way / steepest * static_cast<double>(period.count());
+  if (!(nanoseconds >= 1)) return soon;
+  const bool is_long = nanoseconds >= static_cast<double>(period.count());
+  const can::Time passed = is_long
+                               ? can::later(now, period)
+                               : can::later(now, can::Duration(static_cast<can::Duration::rep>(nanoseconds)));
+  return behaviour.kind == Kind::ramp ? std::min(passed, next_period) : passed;  // a ramp falls at its end
 }
 
 }  // namespace
@@ -54,60 +122,17 @@ std::string_view name(Behaviour::Kind kind) noexcept {
 }
 
 double value_at(const Behaviour& behaviour, can::Time now) noexcept {
-  const auto elapsed = now.time_since_epoch();
-  const double span = behaviour.high - behaviour.low;
-  const auto period = std::max(behaviour.period, can::Duration{1});
-  const auto phase = [&] {
-    return static_cast<double>((elapsed % period).count()) / static_cast<double>(period.count());
-  };
-  const auto step_number = [&] { return static_cast<std::uint64_t>(elapsed / period); };
-  switch (behaviour.kind) {
-    case Behaviour::Kind::constant: return behaviour.low;
-    case Behaviour::Kind::sine:
-      return behaviour.low + span * (0.5 + 0.5 * std::sin(2 * std::numbers::pi * phase()));
-    case Behaviour::Kind::ramp: return behaviour.low + span * phase();
-    case Behaviour::Kind::counter: {
-      if (!(behaviour.step > 0)) return behaviour.low;
-      const double steps = std::floor(span / behaviour.step) + 1;
-      constexpr double exact = 1ULL << 53;  // below it, whole numbers are the same as doubles
-      const std::uint64_t number = step_number();
-      const double left = steps < exact && number < static_cast<std::uint64_t>(exact)
-                              ? static_cast<double>(number % static_cast<std::uint64_t>(steps))
-                              : std::fmod(static_cast<double>(number), steps);
-      return behaviour.low + left * behaviour.step;
-    }
-    case Behaviour::Kind::noise: {
-      const std::uint64_t random = mixed(mixed(behaviour.seed) ^ step_number());
-      return behaviour.low + span * (static_cast<double>(random >> 11) / 0x1FFFFFFFFFFFFFp0);
-    }
-    case Behaviour::Kind::echo: return 0;
-  }
-  return 0;
+  return value_in(behaviour, Phase(behaviour, now));
 }
 
 can::Time next_change(const Behaviour& behaviour, DataType type, double value, can::Time now) noexcept {
-  using Kind = Behaviour::Kind;
-  if (behaviour.kind == Kind::constant || behaviour.kind == Kind::echo) return can::never;
-  const auto period = std::max(behaviour.period, can::Duration{1});
-  const can::Duration into_period = now.time_since_epoch() % period;
-  const can::Time next_period = can::later(now, period - into_period);
-  if (behaviour.kind == Kind::counter || behaviour.kind == Kind::noise) return next_period;
-  const double span = behaviour.high - behaviour.low;
-  if (!(span > 0)) return can::never;
-  const can::Time soon = can::later(now, can::Duration{1});
-  if (type == DataType::real32 || type == DataType::real64 || !std::isfinite(span)) return soon;
-  // A whole number changes where the value passes the middle between two; how long that takes at least follows
-  // from the steepest slope. What rounding does to the value is far below the part that is left out.
-  const double way = 0.5 - std::abs(value - std::nearbyint(value));
-  const double steepest = span * (behaviour.kind == Kind::sine ? std::numbers::pi : 1.0);
-  const double safe_way = way * 0.99 - (std::abs(behaviour.low) + std::abs(behaviour.high)) * 1e-9;
-  const double nanoseconds = safe_way / steepest * static_cast<double>(period.count());
-  if (!(nanoseconds >= 1)) return soon;
-  const bool is_long = nanoseconds >= static_cast<double>(period.count());
-  const can::Time passed = is_long
-                               ? can::later(now, period)
-                               : can::later(now, can::Duration(static_cast<can::Duration::rep>(nanoseconds)));
-  return behaviour.kind == Kind::ramp ? std::min(passed, next_period) : passed;  // a ramp falls at its end
+  return change_after(behaviour, type, value, now, Phase(behaviour, now));
+}
+
+Sample sample_at(const Behaviour& behaviour, DataType type, can::Time now) noexcept {
+  const Phase phase(behaviour, now);
+  const double value = value_in(behaviour, phase);
+  return {value, change_after(behaviour, type, value, now, phase)};
 }
 
 Bounds bounds(DataType type, const canopen::Limits& limits) noexcept {

@@ -47,6 +47,13 @@ struct Behaviour {
 [[nodiscard]] can::Time next_change(const Behaviour& behaviour, canopen::DataType type, double value,
                                     can::Time now) noexcept;
 
+/// Both at once.
+struct Sample {
+  double value = 0;
+  can::Time next_change{};
+};
+[[nodiscard]] Sample sample_at(const Behaviour& behaviour, canopen::DataType type, can::Time now) noexcept;
+
 /// What an object can hold: bit patterns of its type, 64 bits wide, of a real as REAL64.
 struct Bounds {
   canopen::DataType type = canopen::DataType::unsigned8;

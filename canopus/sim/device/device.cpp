@@ -261,12 +261,12 @@ bool Device::move_values(can::Time now) {
   bool moved = false;
   for (Motion& motion : motions_) {
     if (motion.behaviour.kind == Behaviour::Kind::echo || is_moved(motion, now)) continue;
-    const double value = value_at(motion.behaviour, now);
-    moved = forcing_.put(motion.target, fitted(value, motion.bounds)) || moved;
+    const Sample sample = sample_at(motion.behaviour, motion.bounds.type, now);
+    moved = forcing_.put(motion.target, fitted(sample.value, motion.bounds)) || moved;
     motion.moved_to = dictionary.get<std::uint64_t>(motion.target);
     // What is forced shows nothing of what lies beneath: then it is put there at each sample.
     const bool shows = forcing_.all().empty() || !forcing_.is_forced(motion.target);
-    motion.next_change = shows ? next_change(motion.behaviour, motion.bounds.type, value, now) : now;
+    motion.next_change = shows ? sample.next_change : now;
   }
   return echo_values() || moved;
 }
@@ -275,10 +275,12 @@ bool Device::move_values(can::Time now) {
 /// or an application, is not seen here: then it is the next sample of all.
 void Device::plan_sample(can::Time now) noexcept {
   can::Time change = can::never;
+  const bool is_untouched = !written_ && playbacks_.empty();
   for (const Motion& motion : motions_) {
     if (motion.behaviour.kind == Behaviour::Kind::echo) continue;
     const bool is_watched = motion.target.index >= 0x2000 && !application_;
-    change = std::min(change, is_watched && is_moved(motion, now) ? motion.next_change : now);
+    const bool is_moved_already = now < motion.next_change && (is_untouched || is_moved(motion, now));
+    change = std::min(change, is_watched && is_moved_already ? motion.next_change : now);
   }
   written_ = false;
   const can::Duration interval = options_.sample_interval;
