@@ -129,7 +129,7 @@ EndCode Commands::read_own_buffer(FieldReader& data, FieldWriter& out) {
   if (const EndCode end_code = verdict(data); end_code != EndCode::completed) return end_code;
   if (count < 1 || count > maximum_own_buffer_words) return EndCode::word_points;
   if (start >= buffer.size() || count > buffer.size() - start) return EndCode::beyond_buffer_memory;
-  for (const std::uint16_t word : buffer.subspan(start, count)) out.u16(word);
+  out.words(buffer.subspan(start, count));
   return EndCode::completed;
 }
 
@@ -141,7 +141,7 @@ EndCode Commands::write_own_buffer(FieldReader& data) {
   if (data.fault() != FieldReader::Fault::none) return verdict(data);
   if (count < 1 || count > maximum_own_buffer_words) return EndCode::word_points;
   const auto words = std::span(words_).first(count);
-  for (std::uint16_t& word : words) word = data.u16();
+  data.words(words);
   if (const EndCode end_code = verdict(data); end_code != EndCode::completed) return end_code;
   if (start >= buffer.size() || count > buffer.size() - start) return EndCode::beyond_buffer_memory;
   std::ranges::copy(words, buffer.subspan(start).begin());

@@ -166,7 +166,7 @@ Outcome1e Commands1e::read_words(FieldReader& data, FieldWriter& out, can::Time 
   if (is_wide(point)) return read_wide_counters(point, count, out, now);
   const auto words = std::span(words_).first(count);
   (void)rack_.read_words(point.device, point.number, words, now);
-  for (const std::uint16_t word : words) out.u16(word);
+  out.words(words);
   return completed;
 }
 

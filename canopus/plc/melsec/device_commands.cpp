@@ -63,7 +63,7 @@ EndCode Commands::read_batch(Kind kind, FieldReader& data, FieldWriter& out, can
     const auto words = std::span(words_).first(count);
     const EndCode end_code = read(*target, words, now);
     if (end_code != EndCode::completed) return end_code;
-    for (const std::uint16_t word : words) out.u16(word);
+    out.words(words);
     return EndCode::completed;
   }
   if (!is_bit_device(*target)) return EndCode::wrong_contents;
@@ -83,7 +83,7 @@ EndCode Commands::write_batch(Kind kind, FieldReader& data, can::Time now) {
   if (!kind.bits) {
     if (count == 0 || count > maximum_words) return EndCode::word_points;
     const auto words = std::span(words_).first(count);
-    for (std::uint16_t& word : words) word = data.u16();
+    data.words(words);
     if (const EndCode end_code = verdict(data); end_code != EndCode::completed) return end_code;
     return write(*target, words, now);
   }
@@ -212,8 +212,7 @@ EndCode Commands::read_block_list(Kind kind, FieldReader& data, bool with_data, 
     if (data.fault() != FieldReader::Fault::none) return verdict(data);
     if (words == 0 || words > maximum_words - total) return EndCode::word_points;
     blocks_[i] = {target.value_or(Target{}), words, 0, static_cast<std::uint16_t>(total)};
-    if (with_data)
-      for (std::uint16_t& word : std::span(words_).subspan(total, words)) word = data.u16();
+    if (with_data) data.words(std::span(words_).subspan(total, words));
     total += words;
     EndCode end_code = EndCode::completed;
     if (!target)
@@ -235,7 +234,7 @@ EndCode Commands::read_blocks(Kind kind, FieldReader& data, FieldWriter& out, ca
   for (const Block& block : std::span(blocks_).first(count)) {
     const auto words = std::span(words_).first(block.count);
     if (const EndCode failed = read(block.target, words, now); failed != EndCode::completed) return failed;
-    for (const std::uint16_t word : words) out.u16(word);
+    out.words(words);
   }
   return EndCode::completed;
 }

@@ -5,8 +5,10 @@
 // A reader never reads beyond its bytes: the first field that is missing or not a number sets its fault, and
 // every field from then on reads as 0. So a command can be read to its end and judged once.
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <string_view>
 
@@ -26,10 +28,23 @@ class FieldReader {
   [[nodiscard]] Fault fault() const noexcept { return fault_; }
   [[nodiscard]] bool at_end() const noexcept { return position_ == bytes_.size(); }
 
-  std::uint8_t u8() noexcept { return static_cast<std::uint8_t>(number(1)); }
-  std::uint16_t u16() noexcept { return static_cast<std::uint16_t>(number(2)); }
-  std::uint32_t u24() noexcept { return number(3); }
-  std::uint32_t u32() noexcept { return number(4); }
+  std::uint8_t u8() noexcept { return static_cast<std::uint8_t>(number<1>()); }
+  std::uint16_t u16() noexcept { return static_cast<std::uint16_t>(number<2>()); }
+  std::uint32_t u24() noexcept { return number<3>(); }
+  std::uint32_t u32() noexcept { return number<4>(); }
+  /// A u16() for each; all 0 in binary when one is missing.
+  void words(std::span<std::uint16_t> into) noexcept {
+    if (code_ == DataCode::ascii) {
+      for (std::uint16_t& word : into) word = u16();
+      return;
+    }
+    const auto taken = raw(into.size_bytes());
+    if (taken.empty()) {
+      std::ranges::fill(into, std::uint16_t{0});
+    } else {
+      std::memcpy(into.data(), taken.data(), taken.size());
+    }
+  }
 
   /// Bytes as they are, e.g. the characters of ASCII; empty after a fault.
   std::span<const std::uint8_t> raw(std::size_t count) noexcept {
@@ -83,9 +98,11 @@ class FieldReader {
     return 255;
   }
 
-  std::uint32_t number(std::size_t size) noexcept {
+  template <std::size_t size>
+  std::uint32_t number() noexcept {
     if (code_ == DataCode::ascii) return digits(2 * size, 16);
-    return can::load_u32(raw(size));
+    const auto bytes = raw(size);
+    return bytes.empty() ? 0 : static_cast<std::uint32_t>(can::load_value(bytes.data(), size));
   }
 
   std::span<const std::uint8_t> bytes_;
@@ -107,6 +124,15 @@ class FieldWriter {
   void u8(std::uint8_t value) noexcept { number(value, 1); }
   void u16(std::uint16_t value) noexcept { number(value, 2); }
   void u32(std::uint32_t value) noexcept { number(value, 4); }
+  /// A u16() for each.
+  void words(std::span<const std::uint16_t> values) noexcept {
+    if (code_ == DataCode::ascii) {
+      for (const std::uint16_t value : values) number(value, 2);
+    } else if (!values.empty()) {  // as they lie in memory, see can/little_endian.hpp
+      std::memcpy(memory_.subspan(size_, values.size_bytes()).data(), values.data(), values.size_bytes());
+      size_ += values.size_bytes();
+    }
+  }
   void text(std::string_view characters) noexcept {
     for (const char character : characters) put(static_cast<std::uint8_t>(character));
   }

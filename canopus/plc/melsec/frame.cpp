@@ -38,6 +38,15 @@ std::optional<DataCode> data_code_of(std::uint8_t first_byte) noexcept {
 
 HeaderResult read_header(std::span<const std::uint8_t> bytes, DataCode code) noexcept {
   HeaderResult result;
+  // What nearly every client sends.
+  constexpr std::size_t binary_3e = 9;
+  if (code == DataCode::binary && bytes.size() >= binary_3e && bytes[0] == subheader_3e && bytes[1] == 0) {
+    result.state = HeaderResult::State::complete;
+    result.header.route = {bytes[2], bytes[3], can::load_as<std::uint16_t>(&bytes[4]), bytes[6]};
+    result.header.length = can::load_as<std::uint16_t>(&bytes[7]);
+    result.size = binary_3e;
+    return result;
+  }
   const Subheader subheader = subheader_of(bytes, code);
   if (subheader == Subheader::none) {
     result.state = HeaderResult::State::malformed;

@@ -89,10 +89,20 @@ std::expected<std::uint32_t, EndCode> modified(std::uint32_t number, const Modif
   return static_cast<std::uint32_t>(sum);
 }
 
-std::optional<Device> device_of(std::uint32_t code) {
+constexpr std::uint8_t no_device = 0xFF;
+
+/// The Device of each code, or no_device.
+constexpr std::array<std::uint8_t, 256> devices_by_code = [] {
+  std::array<std::uint8_t, 256> devices{};
+  devices.fill(no_device);
   for (std::size_t i = 0; i < codes.size(); ++i)
-    if (codes[i].binary == code && code != 0) return static_cast<Device>(i);
-  return std::nullopt;
+    if (codes[i].binary != 0) devices[codes[i].binary] = static_cast<std::uint8_t>(i);
+  return devices;
+}();
+
+std::optional<Device> device_of(std::uint32_t code) {
+  if (code >= devices_by_code.size() || devices_by_code[code] == no_device) return std::nullopt;
+  return static_cast<Device>(devices_by_code[code]);
 }
 
 /// "D*", "D " or "D" within a field of fixed width.
@@ -191,6 +201,10 @@ Written read_ascii(FieldReader& reader, Layout layout) {
 
 std::expected<Target, EndCode> read_target(FieldReader& reader, Layout layout,
                                            std::span<const std::uint16_t> index_registers) noexcept {
+  if (reader.code() == DataCode::binary && !layout.extended) {
+    const Written plain = read_binary(reader, layout);
+    return joined(plain.device, plain.is_g, Extension::none, 0, plain.number);
+  }
   const Written written =
       reader.code() == DataCode::ascii ? read_ascii(reader, layout) : read_binary(reader, layout);
   const auto module_number = modified(written.module_number, written.of_extension, index_registers);
