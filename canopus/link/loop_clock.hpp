@@ -13,6 +13,9 @@ class LoopClock {
   virtual can::Time now() = 0;
   /// A frame was queued or a deadline changed: the loop asks the timeline anew how long it may sleep.
   virtual void touched() = 0;
+  /// After now() and an access that may have done so, by who has got his answer and waits for nothing that comes of it: a
+  /// loop that has many of them a second need not become more punctual for them.
+  virtual void accessed() { touched(); }
 
  protected:
   ~LoopClock() = default;

@@ -67,6 +67,11 @@ void RealTime::touched() {
   if (std::min(timeline_.next(), end_) < armed_for_) arm();
 }
 
+// What is due is run by each access, so the timer need not be punctual for those that follow each other.
+void RealTime::accessed() {
+  if (timeline_.next() != next_) touched();
+}
+
 // Each clock costs as much as the rest of an access: whether the machine slept is looked at once a second,
 // since the clock that counts stands still in a sleep anyway.
 Pace::Reading RealTime::read_clocks() {
@@ -106,13 +111,16 @@ void RealTime::wake() {
 /// Runs what is due.
 void RealTime::advance() {
   const Pace::Reading reading = read_clocks();
+  next_ = timeline_.next();
   // What was to wait for others is not late.
-  const can::Time due = std::min(std::max(timeline_.next(), armed_for_), end_);
+  const can::Time due = std::min(std::max(next_, armed_for_), end_);
   const Pace::Step step = pace_.step(reading, timeline_.now(), due);
   lag_ = step.lag;
   largest_lag_ = std::max(largest_lag_, lag_);
   report(step, reading.elapsed);
-  timeline_.run_until(std::min(step.run_until, end_));
+  const can::Time until = std::min(step.run_until, end_);
+  timeline_.run_until(until);
+  if (next_ <= until) next_ = timeline_.next();
 }
 
 void RealTime::report(const Pace::Step& step, can::Duration elapsed) {

@@ -35,6 +35,8 @@ class RealTime final : public link::LoopClock {
   [[nodiscard]] double speed() const noexcept { return timeline_.now() < pace_.until() ? pace_.speed() : 0; }
   can::Time now() override;
   void touched() override;
+  /// Nothing to do, unless the access has changed the plant's next deadline.
+  void accessed() override;
   [[nodiscard]] can::Duration largest_lag() const noexcept { return largest_lag_; }
   [[nodiscard]] can::Duration lag() const noexcept { return lag_; }
   /// So often the process was stopped and continued.
@@ -61,6 +63,7 @@ class RealTime final : public link::LoopClock {
   can::Duration asleep_{};          // since the start, as read last
   can::Duration look_for_sleep_{};  // elapsed time from which on it is read again
   can::Time armed_for_ = can::never;
+  can::Time next_{};  // deadline of the plant when the present was asked for last
   can::Duration lag_{};
   can::Duration largest_lag_{};
   std::uint64_t continuations_ = 0;

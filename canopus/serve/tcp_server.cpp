@@ -156,7 +156,7 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
       if (parts_ == nullptr) return;  // the run ended on the way there
       if (answer(now)) {
         progress = true;
-        parts_->clock.touched();
+        parts_->clock.accessed();
         if (parts_ == nullptr) return;
       }
     }

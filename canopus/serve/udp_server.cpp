@@ -72,7 +72,7 @@ void UdpServer::Parts::receive() {
     const can::Time now = clock.now();
     if (!socket.is_open()) return;  // the run ended on the way there
     if (!answer(std::span(memory).first(*size), from, now)) continue;
-    clock.touched();
+    clock.accessed();
     if (!socket.is_open()) return;
   }
 }
