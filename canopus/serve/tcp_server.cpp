@@ -99,11 +99,26 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
   }
 
  private:
-  /// Waits for bytes; they are read when they are there, as an END may have moved those before them.
+  /// Bytes go where the session wants them. While requests wait for the END they are read when they are there, as the
+  /// END moves those before them.
   void receive() {
-    if (is_receiving_ || is_sending_ || input_ended_ || session_->space().empty()) return;
+    if (is_receiving_ || is_sending_ || input_ended_) return;
+    const auto space = session_->space();
+    if (space.empty()) return;
+    if (is_waiting_) return wait_to_receive();
+    // All that is complete has been answered, so nobody moves bytes of the session until these are there.
     is_receiving_ = true;
-    socket_.async_wait(tcp::socket::wait_read, [self = shared_from_this()](error_code error) {
+    socket_.async_read_some(asio::buffer(space.data(), space.size()),
+                            [self = shared_from_this()](const error_code& error, std::size_t count) {
+                              if (self->parts_ == nullptr) return;
+                              self->is_receiving_ = false;
+                              self->received(error, count);
+                            });
+  }
+
+  void wait_to_receive() {
+    is_receiving_ = true;
+    socket_.async_wait(tcp::socket::wait_read, [self = shared_from_this()](const error_code& error) {
       if (self->parts_ == nullptr) return;
       self->is_receiving_ = false;
       if (error) return self->end();
@@ -115,7 +130,12 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
     const auto space = session_->space();
     error_code error;
     const std::size_t count = socket_.read_some(asio::buffer(space.data(), space.size()), error);
-    if (error == asio::error::would_block) return receive();
+    // Not receive(): what an END has left may still be in the session.
+    if (error == asio::error::would_block) return wait_to_receive();
+    received(error, count);
+  }
+
+  void received(const error_code& error, std::size_t count) {
     if (error) {
       input_ended_ = true;
       // What it has asked is still done and answered.
@@ -185,9 +205,8 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
 
   /// False when the rest has to wait, or the connection is at its end.
   bool send() {
-    while (!session_->output().empty()) {
+    for (auto output = session_->output(); !output.empty(); output = session_->output()) {
       error_code error;
-      const auto output = session_->output();
       const std::size_t count = socket_.write_some(asio::buffer(output.data(), output.size()), error);
       if (error == asio::error::would_block) {
         wait_to_send();
