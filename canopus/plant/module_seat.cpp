@@ -170,8 +170,10 @@ void ModuleSeat::tick(can::Time now) {
 }
 
 can::Time ModuleSeat::deadline() const noexcept {
-  return std::min(
-      {module_->deadline(), program_.deadline(), exchange_watch_.deadline(), next_fault_, after_stop_due_});
+  can::Time next = std::min(next_fault_, after_stop_due_);
+  next = std::min(next, module_->deadline());
+  next = std::min(next, program_.deadline());
+  return std::min(next, exchange_watch_.deadline());
 }
 
 void ModuleSeat::signal_changed(module::SignalKind kind, unsigned number, bool on, can::Time now) {

@@ -210,6 +210,11 @@ class BusPort final : public Port {
     notify([&](can::Listener& hearer) { hearer.receive(frame, now); });
   }
   [[nodiscard]] can::Duration bit() const noexcept { return bit_length; }
+  /// can::bit_time() at its rate, without a division where a bit has whole nanoseconds.
+  [[nodiscard]] can::Duration time_of(std::uint64_t count) const noexcept {
+    if (bit_length.count() * rate == 1'000'000'000) return bit_length * static_cast<can::Duration::rep>(count);
+    return can::bit_time(count, rate);
+  }
 
   // What a received frame needs lies together.
   BusCore& core;

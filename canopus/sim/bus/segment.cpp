@@ -171,7 +171,7 @@ void Segment::start(can::Time now) {
   bits_ = can::frame_bits(port.current);
   if (healthy_) {
     state_ = State::frame;
-    deadline_ = now + can::bit_time(bits_, port.rate);
+    deadline_ = now + port.time_of(bits_);
   } else {
     state_ = State::lone_frame;
     deadline_ = now + can::bit_time(bits_ - after_ack_slot, port.rate) - after_sample_point(port.bit());

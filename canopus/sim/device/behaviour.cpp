@@ -39,19 +39,44 @@ std::uint64_t whole(double value, std::uint64_t low, std::uint64_t high) noexcep
   return static_cast<std::uint64_t>(std::clamp(static_cast<T>(std::nearbyint(value)), lowest, highest));
 }
 
-/// Where in its periods a behaviour is: one division for all that asks.
+/// Of a counter, until it begins again.
+std::uint64_t steps_of(const Behaviour& behaviour) noexcept {
+  const double steps = std::floor((behaviour.high - behaviour.low) / behaviour.step) + 1;
+  if (!(behaviour.step > 0) || !(steps >= 1)) return 1;
+  constexpr double exact = 1ULL << 53;  // below it, whole numbers are the same as doubles
+  return steps < exact ? static_cast<std::uint64_t>(steps) : std::uint64_t{1} << 63;
+}
+
+/// Where in its periods a behaviour is at a moment.
 struct Phase {
-  Phase(const Behaviour& behaviour, can::Time now) noexcept
-      : period(std::max(behaviour.period, can::Duration{1})),
-        number(now.time_since_epoch() / period),
-        into(now.time_since_epoch() - number * period) {}
+  Phase(const Behaviour& behaviour, can::Time now, SamplePlace& place) noexcept
+      : period(std::max(behaviour.period, can::Duration{1})) {
+    const can::Duration elapsed = now.time_since_epoch();
+    into = elapsed - place.begin;
+    if (into >= can::Duration{0} && into < period) {
+      step = place.step;
+    } else if (into >= period && into - period < period && place.steps != 0) {
+      ++place.number;
+      place.begin += period;
+      step = place.step = place.step + 1 == place.steps ? 0 : place.step + 1;
+      into -= period;
+    } else {
+      place.number = elapsed / period;
+      place.begin = place.number * period;
+      place.steps = steps_of(behaviour);
+      step = place.step = static_cast<std::uint64_t>(place.number) % place.steps;
+      into = elapsed - place.begin;
+    }
+    number = place.number;
+  }
   [[nodiscard]] double share() const noexcept {
     return static_cast<double>(into.count()) / static_cast<double>(period.count());
   }
 
   can::Duration period;
-  can::Duration::rep number;
-  can::Duration into;
+  can::Duration::rep number = 0;
+  std::uint64_t step = 0;  // number, modulo the steps of a counter
+  can::Duration into{};
 };
 
 double value_in(const Behaviour& behaviour, const Phase& phase) noexcept {
@@ -64,12 +89,7 @@ double value_in(const Behaviour& behaviour, const Phase& phase) noexcept {
     case Behaviour::Kind::ramp: return behaviour.low + span * phase.share();
     case Behaviour::Kind::counter: {
       if (!(behaviour.step > 0)) return behaviour.low;
-      const double steps = std::floor(span / behaviour.step) + 1;
-      constexpr double exact = 1ULL << 53;  // below it, whole numbers are the same as doubles
-      const double left = steps < exact && step_number < static_cast<std::uint64_t>(exact)
-                              ? static_cast<double>(step_number % static_cast<std::uint64_t>(steps))
-                              : std::fmod(static_cast<double>(step_number), steps);
-      return behaviour.low + left * behaviour.step;
+      return behaviour.low + static_cast<double>(phase.step) * behaviour.step;
     }
     case Behaviour::Kind::noise: {
       const std::uint64_t random = mixed(mixed(behaviour.seed) ^ step_number);
@@ -122,15 +142,17 @@ std::string_view name(Behaviour::Kind kind) noexcept {
 }
 
 double value_at(const Behaviour& behaviour, can::Time now) noexcept {
-  return value_in(behaviour, Phase(behaviour, now));
+  SamplePlace place;
+  return value_in(behaviour, Phase(behaviour, now, place));
 }
 
 can::Time next_change(const Behaviour& behaviour, DataType type, double value, can::Time now) noexcept {
-  return change_after(behaviour, type, value, now, Phase(behaviour, now));
+  SamplePlace place;
+  return change_after(behaviour, type, value, now, Phase(behaviour, now, place));
 }
 
-Sample sample_at(const Behaviour& behaviour, DataType type, can::Time now) noexcept {
-  const Phase phase(behaviour, now);
+Sample sample_at(const Behaviour& behaviour, DataType type, can::Time now, SamplePlace& place) noexcept {
+  const Phase phase(behaviour, now, place);
   const double value = value_in(behaviour, phase);
   return {value, change_after(behaviour, type, value, now, phase)};
 }

@@ -47,12 +47,22 @@ struct Behaviour {
 [[nodiscard]] can::Time next_change(const Behaviour& behaviour, canopen::DataType type, double value,
                                     can::Time now) noexcept;
 
+/// The period of a behaviour that was looked at last: the same one, or the next one, is found without a division.
+struct SamplePlace {
+  can::Duration::rep number = 0;  ///< of the period
+  can::Duration begin{};          ///< of the period
+  std::uint64_t steps = 0;        ///< of a counter; 0: not worked out yet
+  std::uint64_t step = 0;         ///< number, modulo steps
+};
+
 /// Both at once.
 struct Sample {
   double value = 0;
   can::Time next_change{};
 };
-[[nodiscard]] Sample sample_at(const Behaviour& behaviour, canopen::DataType type, can::Time now) noexcept;
+/// `place` is of this behaviour alone, at first as it is made.
+[[nodiscard]] Sample sample_at(const Behaviour& behaviour, canopen::DataType type, can::Time now,
+                               SamplePlace& place) noexcept;
 
 /// What an object can hold: bit patterns of its type, 64 bits wide, of a real as REAL64.
 struct Bounds {

@@ -261,7 +261,7 @@ bool Device::move_values(can::Time now) {
   bool moved = false;
   for (Motion& motion : motions_) {
     if (motion.behaviour.kind == Behaviour::Kind::echo || is_moved(motion, now)) continue;
-    const Sample sample = sample_at(motion.behaviour, motion.bounds.type, now);
+    const Sample sample = sample_at(motion.behaviour, motion.bounds.type, now, motion.place);
     moved = forcing_.put(motion.target, fitted(sample.value, motion.bounds)) || moved;
     motion.moved_to = dictionary.get<std::uint64_t>(motion.target);
     // What is forced shows nothing of what lies beneath: then it is put there at each sample.
@@ -288,8 +288,13 @@ void Device::plan_sample(can::Time now) noexcept {
     next_sample_ = can::never;
     return;
   }
-  const can::Duration to_now = now - sampled_from_;
-  const can::Duration to_change = std::max<can::Duration>(change - sampled_from_, to_now + can::Duration{1});
+  const can::Time least = std::max(change, now + can::Duration{1});
+  // Most often it is the next sample but one or two: no division.
+  if (next_sample_ <= now && now - next_sample_ < interval && least - now < 4 * interval) {
+    while (next_sample_ < least) next_sample_ += interval;
+    return;
+  }
+  const can::Duration to_change = least - sampled_from_;
   next_sample_ = can::later(sampled_from_, (to_change + interval - can::Duration{1}) / interval * interval);
 }
 

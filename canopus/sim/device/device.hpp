@@ -123,6 +123,7 @@ class Device final : public can::Participant, private canopen::NodeListener {
     // before, unless somebody else wrote there.
     std::uint64_t moved_to = 0;
     can::Time next_change{};
+    SamplePlace place{};
   };
   // NodeListener
   void reset_requested(canopen::NmtCommand which, can::Time now) override;
