@@ -88,6 +88,27 @@ await front.getByRole("button", { name: /^Errors of / }).click();
 await front.locator(".errors li").first().waitFor();
 seen.errors = await front.locator(".errors").evaluate((all) => Object.fromEntries([...all.querySelectorAll("h4")].map((one) => [one.textContent, [...one.nextElementSibling.children].map((line) => line.textContent)])));
 await picture(page, "module-errors", "#modules");
+
+// They are cleared there, and the module is reset, which is asked once.
+const said = front.locator(".module-ways [role=status]");
+const ended = (word) => page.waitForFunction((one) => document.querySelector(".front .module-ways [role=status]").textContent.startsWith(one), word);
+await front.getByRole("button", { name: "Clear errors" }).click();
+await ended("errors cleared");
+seen.cleared = { said: await said.textContent() };
+await page.waitForFunction(() => !document.querySelector(".front .errors").textContent.includes("G29 bit 6"));
+const reset = front.getByRole("button", { name: "Reset", exact: true });
+seen.reset = { how: await reset.getAttribute("title") };
+await reset.click();
+const dialog = page.getByRole("dialog", { name: /^Reset / });
+await judge(page, "a module's reset is asked");
+await dialog.getByRole("button", { name: "No" }).click();
+seen.reset.asked = await said.textContent();
+await reset.click();
+await dialog.getByRole("button", { name: "Yes" }).click();
+await ended("restarted in");
+seen.reset.said = await said.textContent();
+await judge(page, "a module's errors");
+await picture(page, "module-reset", "#modules");
 await front.getByRole("button", { name: /^Hide errors of / }).click();
 seen.errors_closed = !await front.locator(".errors").isVisible();
 await end();

@@ -61,7 +61,7 @@ def sdo_command_says_domains_and_concise_dcfs_in_words():
 
 @check
 def web_values_and_errors_in_words_in_chromium():
-    """A concise DCF and another domain by SDO and in a node's objects, saved as a file; the time of a flying master; a module's errors at its front."""
+    """A concise DCF and another domain by SDO and in a node's objects, saved as a file; the time of a flying master; a module's errors at its front, cleared, and the module reset."""
     chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     if not chromium:
         raise Skip("no Chromium: tools/install-packages check")
@@ -86,4 +86,7 @@ def web_values_and_errors_in_words_in_chromium():
     require(any("G39" in one and "G27" in one for one in seen["errors"]["errors now"]), seen["errors"])
     received = seen["errors"]["emergencies received"]
     require([re.match(r"node (\d) +(\w+H) ", one).groups() for one in received] == [("4", "8200H"), ("3", "3010H")] and "error register 81H" in received[0] and "data AB 00" in received[0], received)
+    require(seen["cleared"]["said"].startswith("errors cleared: Y0F ON until X0F is OFF"), seen["cleared"])
+    require(seen["reset"]["how"] == "Y02 ON until X02 is ON" and seen["reset"]["asked"] == seen["cleared"]["said"], seen["reset"])
+    require(re.fullmatch(r"restarted in [\d.]+ s: Y02 ON until X02 is ON", seen["reset"]["said"]), seen["reset"])
     require(seen["errors_closed"], "the errors stay open")

@@ -24,6 +24,23 @@ class Page:
 
 
 @check
+def web_requests_to_modules_wait_while_plant_time_stands_still():
+    with running(first_plant_file(), operational=[1, 2, 3], words=["--web"]) as plant:
+        page = Page(plant)
+        require(page.do(command="pace", speed=0)["code"] == 0, "pause")
+        page.watcher.say({"do": {"command": "reset module", "number": 0}, "id": 100})
+        reply = page.do(command="clear errors", number=0)
+        require(reply["code"] == 5 and "not yet over" in reply["message"], reply)
+        require(page.do(command="clear errors", number=1)["message"] == "number: expected that of a module of the plant, 0 to 0", "number")
+        require(page.do(command="pace", speed=100)["code"] == 0, "faster")
+        reply = page.watcher.event(lambda e: e["event"] == "reply" and e["id"] == 100)
+        require(reply["code"] == 0 and reply["rows"] == [{"module": "ME3CAN1-Q U0", "said": "restarted in 6.000 s: Y02 ON until X02 is ON", "seconds": 6.0}], reply)
+        looker = Watcher(page_of(plant)[1])
+        looker.say({"do": {"command": "clear errors", "number": 0}, "id": 1})
+        require(looker.event(lambda e: e["event"] == "reply")["code"] == 7, "who only looks")
+
+
+@check
 def web_plant_time_stands_still_steps_and_goes_faster():
     with running(first_plant_file(), operational=[1, 2, 3], words=["--web"]) as plant:
         page = Page(plant)

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "canopus/cli/events/event_printer.hpp"
+#include "canopus/cli/events/module_ways.hpp"
 #include "canopus/cli/events/web_objects.hpp"
 #include "canopus/cli/events/web_view_fields.hpp"
 #include "canopus/cli/terminal/domain_words.hpp"
@@ -50,6 +51,10 @@ std::optional<std::vector<std::uint8_t>> bytes_of_digits(std::string_view digits
   return bytes;
 }
 
+nlohmann::ordered_json json_of(const ModuleWay& way) {
+  return {{"offered", way.kind != ModuleWay::Kind::none}, {"how", way.how}};
+}
+
 }  // namespace
 
 std::expected<nlohmann::ordered_json, std::string> domain_in_words(plant::Plant& plant,
@@ -76,6 +81,9 @@ std::string errors_event(plant::Plant& plant, const nlohmann::json& wish) {
   event["groups"] = modules[number].is_on
                         ? serve::error_groups(plant::error_history(*entry, plant.module(number), now))
                         : nlohmann::ordered_json::array();
+  const ModuleWays& ways = module_ways(entry->data_sheet->model);
+  event["clear"] = json_of(ways.clear);
+  event["reset"] = json_of(ways.restart);
   return view_event(event);
 }
 

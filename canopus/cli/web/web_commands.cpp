@@ -228,6 +228,12 @@ void WebCommands::run_own(const WebUser& user, const std::string& name, const Ow
         fmt::format("{}: the role {} is needed, yours is {}", name, name_of(own.role), name_of(user.role)));
   }
   const std::string line = wish.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  if (own.live_bus && !is_armed()) {
+    if (const std::string bus = own.live_bus(wish); !bus.empty()) {
+      return refuse(user, line, id, reply, web_code::not_armed,
+                    fmt::format("{}: {} is a live bus; arm writing first", name, bus));
+    }
+  }
   own.run(wish, [this, user, line, id, reply, role = own.role,
                  is_noted = own.is_noted](std::expected<Json, std::string> row) {
     if (!row) return refuse(user, is_noted ? line : std::string(), id, reply, web_code::refused, row.error());

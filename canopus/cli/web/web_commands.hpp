@@ -47,6 +47,8 @@ class WebCommands {
     serve::WebRole role = serve::WebRole::operate;
     bool is_noted = true;  ///< false: looks again and again, and is nothing for the audit log
     std::function<void(const nlohmann::json& wish, Done done)> run{};
+    /// The live bus that it acts on, for which writing has to be armed; empty: none. Without the function it has none.
+    std::function<std::string(const nlohmann::json& wish)> live_bus{};
   };
   struct Use {
     std::vector<WebBus> buses{};

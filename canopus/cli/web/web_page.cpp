@@ -64,9 +64,9 @@ std::expected<nlohmann::ordered_json, std::string> change_pace(const WebPace& pa
 /// {"command": "plants"}, {"command": "open", "path": "..."} (no path: the built-in plant), {"command": "end", "number": 3}, {"command": "new project", "name": "..."},
 /// {"command": "new settings", "name": "...", "model": "RJ71CN91"}, {"command": "save as", "path": "...", "name": "..."}, {"command": "recent projects"}, {"command": "exit"};
 /// {"command": "trace", ...} and {"command": "export trace", ...}, trace_desk.hpp; and of the faults of simulated buses {"command": "faults"}, {"command": "run faults", ...}, web_faults.hpp; {"command": "domain words", ...},
-/// web_details.hpp.
-OwnCommands own_commands(WebStart* start, plant::Plant& plant, WebFaults& faults, WebTrace& trace,
-                         const WebPace& pace) {
+/// web_details.hpp; of the plant's modules {"command": "clear errors", "number": 0} and {"command": "reset module", ...}, web_modules.hpp.
+OwnCommands own_commands(WebStart* start, plant::Plant& plant, WebFaults& faults, WebModules& modules,
+                         WebTrace& trace, const WebPace& pace) {
   OwnCommands own;
   using Done = WebCommands::Own::Done;
   own["domain words"] = {
@@ -78,6 +78,15 @@ OwnCommands own_commands(WebStart* start, plant::Plant& plant, WebFaults& faults
   own["run faults"] = {
       .role = serve::WebRole::operate,
       .run = [&faults](const nlohmann::json& wish, const Done& done) { done(faults.run(wish)); }};
+  const auto live_bus = [&modules](const nlohmann::json& wish) { return modules.live_bus(wish); };
+  own["clear errors"] = {.role = serve::WebRole::operate,
+                         .run = [&modules](const nlohmann::json& wish,
+                                           Done done) { modules.clear_errors(wish, std::move(done)); },
+                         .live_bus = live_bus};
+  own["reset module"] = {
+      .role = serve::WebRole::operate,
+      .run = [&modules](const nlohmann::json& wish, Done done) { modules.restart(wish, std::move(done)); },
+      .live_bus = live_bus};
   own["trace"] = {
       .role = serve::WebRole::look,
       .is_noted = false,
@@ -139,9 +148,10 @@ WebPage::WebPage(boost::asio::io_context& io, plant::Plant& plant, link::LoopClo
                  ? std::nullopt
                  : std::optional<WebStart>(std::in_place, io, start, ChildProcess::itself, access_)),
       faults_(plant, clock),
+      modules_(plant, clock),
       commands_(io, {.buses = std::move(buses),
                      .settings = std::move(settings),
-                     .own = own_commands(start_ ? &*start_ : nullptr, plant, faults_, trace_, pace),
+                     .own = own_commands(start_ ? &*start_ : nullptr, plant, faults_, modules_, trace_, pace),
                      .now = [&plant] { return plant.timeline().now(); },
                      .done = [this](const serve::WebUser& user, const std::string& line, int code,
                                     const std::string& message,

@@ -19,6 +19,7 @@
 #include "canopus/cli/web/web_access.hpp"
 #include "canopus/cli/web/web_commands.hpp"
 #include "canopus/cli/web/web_faults.hpp"
+#include "canopus/cli/web/web_modules.hpp"
 #include "canopus/cli/web/web_start.hpp"
 #include "canopus/cli/web_trace/web_trace.hpp"
 #include "canopus/link/loop_clock.hpp"
@@ -86,6 +87,7 @@ class WebPage {
   WebTrace trace_;
   std::optional<WebStart> start_;
   WebFaults faults_;
+  WebModules modules_;
   WebCommands commands_;
   serve::WebServer server_;
 };

@@ -1,5 +1,6 @@
 // The fronts of the modules with their LEDs, signals and watched words.
 import { make, set_text } from "./dom.js";
+import { ErrorView } from "./error_view.js";
 
 // Patterns of CiA 303-3: when an LED is lit, by the milliseconds of its period.
 const patterns = {
@@ -15,7 +16,7 @@ function make_module() {
   return make("article", { class: "front" }, make("h3"), make("p", { class: "faint" }),
               make("ul", { class: "leds" }), make("p", { class: "figures" }), make("table"),
               make("button", { type: "button", class: "open-words" }, "Buffer memory"),
-              make("button", { type: "button", class: "open-errors" }, "Errors"), make("div", { class: "errors", role: "region", tabindex: "0", hidden: "" }));
+              make("button", { type: "button", class: "open-errors" }, "Errors"), ErrorView.make_part());
 }
 
 function fill_module(card, module, number, keep_children, open_words, errors) {

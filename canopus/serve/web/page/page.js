@@ -55,7 +55,7 @@ const boots = new BootView(by_id("boot-section"), bus_ways, () => say_views());
 const plots = new Plots(by_id("plots"), by_id("plot-list"), () => say_views());
 const domain = new DomainView(by_id("domain"), () => say_views());
 const objects = new ObjectView(by_id("objects-section"), domain, () => say_views());
-const errors = new ErrorView(by_id("modules"), () => say_views());
+const errors = new ErrorView(by_id("modules"), commands, () => say_views());
 const bus_view = new BusView(by_id("bus-section"), () => say_views());
 const newest = new NewestEvents(by_id("newest"));
 const description = new Description(() => say_views());
@@ -315,6 +315,7 @@ function greeted(hello) {
   nmt_ways.greeted(hello);
   bus_ways.greeted(hello);
   pace_ways.greeted(hello);
+  errors.greeted(hello);
   const projects = project_view.greeted(hello);
   const settings = settings_view.greeted(hello);
   // A module's settings and its PLC: there is neither a plant nor a bus.

@@ -17,6 +17,8 @@ const own_commands = {
     const on = c.faults.filter((one) => one?.on !== false).length;
     return `run the faults of ${said(c.bus)} anew, ${on} of ${c.faults.length} on${c.seed === undefined ? "" : `, seed ${said(c.seed)}`}`;
   },
+  "clear errors": (c) => (c.number === undefined ? "clear the errors of a module" : `clear the errors of module ${said(c.number)}`),
+  "reset module": (c) => (c.number === undefined ? "reset a module" : `reset module ${said(c.number)}`),
   plants: () => "look for plants and projects",
   open: (c) => (c.path === undefined ? "open a plant" : `open ${said(c.path)}`),
   end: (c) => (c.number === undefined ? "end a run" : `end run ${said(c.number)}`),
