@@ -57,7 +57,7 @@ export class Project {
 
   /// Nodes that do not answer are said, whatever else there is to say.
   tell_silence(rows) {
-    const silent = rows.filter((row) => row.object === undefined && row.state === "no answer");
+    const silent = [...new Map(rows.filter((row) => row.object === undefined && row.state === "no answer").map((row) => [row.node, row])).values()];  // each once
     if (silent.length === 0) return;
     const names = silent.slice(0, 3).map((row) => this.label(row.node)).join(", ");
     this.said.text = `${names}${silent.length > 3 ? ` and ${silent.length - 3} others` : ""}: ${silent.length > 1 ? "no answer" : silent[0].reason ?? "no answer"}`;
