@@ -119,3 +119,46 @@ def web_transfer_to_a_device_whose_power_is_cut():
         require(seen["green"] == [row[1] for row in results if row[2] == "written"], (lost, seen["green"]))
         require("written" in seen["facts"] and not seen["facts"].startswith(f"{len(results)} of") and seen["said"].startswith("5 drive: "), (lost, seen))
         require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
+
+
+@check
+def web_dcf_of_a_node_is_saved_and_taken_over():
+    """Save DCF keeps the file byte for byte; another DCF is compared, its values are taken over, and no others; another device's is refused."""
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if not chromium:
+        raise Skip("no Chromium: tools/install-packages check")
+    node_modules()
+    folder = new_project("web-dcf", (5, "drive", DEVICES / "drive.eds"))
+    project("set", folder, "drive", "1017=500", "6081=2000")
+    wanted = scratch / "wanted.dcf"
+    project("dcf", "save", folder, "drive", wanted)
+    require(wanted.read_bytes() == (folder / "drive.dcf").read_bytes(), "the DCF is not what the project has")
+    project("set", folder, "drive", "1017=300", "6083=77")
+    project("unset", folder, "drive", "6081")
+    differences = [{"object": "1017:00", "name": "Producer heartbeat time", "state": "different", "project": "0x012C", "dcf": "0x01F4"},
+                   {"object": "6081:00", "name": "Profile velocity", "state": "only in the DCF", "dcf": "0x000007D0"},
+                   {"object": "6083:00", "name": "Profile acceleration", "state": "only in the project", "project": "0x0000004D"}]
+    require(lines("dcf", "compare", folder, "drive", wanted, expect=4) == differences, "the command line compares otherwise")
+    before = (folder / "drive.dcf").read_bytes()
+    refused = project("dcf", "load", folder, "drive", DEVICES / "encoder.eds", expect=5).stderr
+    require("is of another device: vendor-ID 00000000H, product code 00000406H; node 5 (drive) has 00000000H, 00000402H" in refused, refused)
+    for broken, text in (("empty.dcf", ""), ("noise.dcf", "\x00\xff[["), ("folder.dcf", None)):
+        path = scratch / broken
+        if text is None:
+            path.mkdir(exist_ok=True)
+        else:
+            path.write_text(text, encoding="latin-1")
+        refused = project("dcf", "load", folder, "drive", path, expect=3).stderr
+        require(refused.startswith("canopus project: "), refused)
+    require((folder / "drive.dcf").read_bytes() == before, "a refused DCF has changed the project")
+    with running_page(folder) as page:
+        seen = json.loads(command("node", HERE / "web_dcf.mjs", chromium, page_with_key(page), pictures_of("project"), wanted, DEVICES / "encoder.eds", timeout=BROWSER_PATIENCE).stdout)
+    require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
+    require(seen["saved"][0] == "drive.dcf" and seen["saved"][1].encode("latin-1") == before, seen["saved"][0])
+    require("is of another device" in seen["refused"], seen["refused"])
+    require(seen["differs"] == "wanted.dcf: 3 values differ", seen["differs"])
+    require([row[0] for row in seen["rows"]] == [one["object"] for one in differences] and [row[4] for row in seen["rows"]] == [one["state"] for one in differences], seen["rows"])
+    require(seen["same"] == "wanted.dcf: the same values", seen["same"])
+    require(lines("dcf", "compare", folder, "drive", wanted) == [], "the values are not those of the DCF")
+    project("undo", folder)
+    require((folder / "drive.dcf").read_bytes() == before, "undo does not bring the values back")

@@ -200,6 +200,22 @@ void add_online(const Adder& adder) {
   }
 }
 
+void add_dcfs(const Adder& adder) {
+  CLI::App* dcf = adder.group.add_subcommand("dcf", "Save a node's DCF, or take over another one's values");
+  dcf->require_subcommand(1);
+  const auto add = [&](const char* name, const char* what, int (*run)(const ProjectArguments&),
+                       const char* file) {
+    auto [command, arguments] = adder.add(name, what, run, dcf);
+    add_node(*command, *arguments, true);
+    command->add_option("FILE", arguments->file, file)->required();
+  };
+  add("save", "Write the DCF or XDC of a node to a file", save_dcf, "the file to be written");
+  add("compare", "Show which configured values a DCF has otherwise than the project", compare_dcf,
+      "DCF or XDC of the same device");
+  add("load", "Take over the configured values of a DCF: those, and no others", load_dcf,
+      "DCF or XDC of the same device");
+}
+
 void add_pdos(const Adder& adder) {
   CLI::App* pdo = adder.group.add_subcommand("pdo", "List, map and link the PDOs of a project");
   pdo->require_subcommand(1);
@@ -343,6 +359,7 @@ void add_project_command(CLI::App& app, int& exit_code) {
   const Adder adder{*group, exit_code};
   add_changing(adder);
   add_looking(adder);
+  add_dcfs(adder);
   add_pdos(adder);
   add_online(adder);
 }

@@ -61,7 +61,7 @@ struct ProjectArguments {
   std::string nodes = "1-127";
 };
 
-// The commands, by the file they are in: project_show.cpp, project_edit.cpp, project_pdo.cpp, project_bus.cpp,
+// The commands, by the file they are in: project_show.cpp, project_edit.cpp, project_dcf.cpp, project_pdo.cpp, project_bus.cpp,
 // project_adopt.cpp, project_accept.cpp, project_report.cpp.
 int show_network(const ProjectArguments& arguments);
 int check_network(const ProjectArguments& arguments);
@@ -73,6 +73,9 @@ int set_in_network(const ProjectArguments& arguments);
 int unset_in_network(const ProjectArguments& arguments);
 int undo_in_network(const ProjectArguments& arguments);
 int write_concise_dcf(const ProjectArguments& arguments);
+int save_dcf(const ProjectArguments& arguments);
+int compare_dcf(const ProjectArguments& arguments);
+int load_dcf(const ProjectArguments& arguments);
 int list_network_pdos(const ProjectArguments& arguments);
 int map_network_pdo(const ProjectArguments& arguments);
 int switch_network_pdo_off(const ProjectArguments& arguments);

@@ -110,7 +110,6 @@ WebCommandLine begin_line(const WebCommand& command) {
 /// The fields of the wish, behind what is in `behind` already. `place`: the key that says what the command is for.
 std::expected<void, std::string> end_line(const WebCommand& command, const Json& wish, std::string_view place,
                                           std::vector<std::string> behind, WebCommandLine& line) {
-  if (line.makes_file) behind.emplace_back("{file}");
   const auto fields = fields_of(command);
   for (const WebCommandField& field : fields) {
     const auto value = wish.find(field.name);
@@ -120,6 +119,7 @@ std::expected<void, std::string> end_line(const WebCommand& command, const Json&
     }
     if (auto added = add_field(field, *value, line, behind); !added) return added;
   }
+  if (line.makes_file) behind.emplace_back("{file}");
   for (const auto& [key, value] : wish.items()) {
     const bool is_known =
         key == "command" || key == place ||

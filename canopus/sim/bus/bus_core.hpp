@@ -212,7 +212,8 @@ class BusPort final : public Port {
   [[nodiscard]] can::Duration bit() const noexcept { return bit_length; }
   /// can::bit_time() at its rate, without a division where a bit has whole nanoseconds.
   [[nodiscard]] can::Duration time_of(std::uint64_t count) const noexcept {
-    if (bit_length.count() * rate == 1'000'000'000) return bit_length * static_cast<can::Duration::rep>(count);
+    if (bit_length.count() * rate == 1'000'000'000)
+      return bit_length * static_cast<can::Duration::rep>(count);
     return can::bit_time(count, rate);
   }
 

@@ -186,12 +186,46 @@ export class ProjectView {
 
   async report() {
     const done = await this.project.run({ command: "project report" });
-    if (done.file === undefined) return;
-    const link = make("a", { href: URL.createObjectURL(new Blob([done.file], { type: "text/html" })), download: "report.html" });
+    if (done.file !== undefined) this.save(done.file, "text/html", "report.html");
+  }
+
+  /// The browser keeps a file.
+  save(text, type, name) {
+    const link = make("a", { href: URL.createObjectURL(new Blob([text], { type })), download: name });
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 60000);
-    this.project.said.text = "report.html";
+    this.project.said.text = name;
     this.draw();
+  }
+
+  async save_dcf(node) {
+    const done = await this.project.run({ command: "project dcf save", node: String(node.node) });
+    if (done.file !== undefined) this.save(done.file, "text/plain", (node.file ?? "node.dcf").split("/").pop());
+  }
+
+  /// Which values a DCF has otherwise; then they may be taken over.
+  async compare_dcf(node, chosen) {
+    if (chosen.size > 1500000) {
+      this.project.said = { text: `${chosen.name} is larger than 1.5 MB: take it over with canopus project dcf load`, mood: "error", command: "" };
+      return this.draw();
+    }
+    const file = { name: chosen.name, text: await chosen.text() };
+    const wish = { node: String(node.node), file };
+    const done = await this.project.run({ command: "project dcf compare", ...wish });
+    if (![0, 4].includes(done.code)) return;
+    this.project.said = { text: done.code === 0 ? `${file.name}: the same values` : `${file.name}: ${done.rows.length} values differ`, mood: "", command: done.command ?? "" };
+    const take = make("button", { type: "button" }, "Take over these values");
+    const cancel = make("button", { type: "button" }, "Leave them");
+    const close = () => { this.dcf_part.hidden = true; };
+    take.disabled = !this.may_configure;
+    take.addEventListener("click", () => this.project.change({ command: "project dcf load", ...wish }).then(close));
+    cancel.addEventListener("click", close);
+    this.dcf_part.hidden = done.code === 0;
+    this.dcf_part.replaceChildren(make("table", { class: "rows" }, make("caption", {}, `${file.name} and ${this.project.label(node.node)}`),
+      make("thead", {}, make("tr", {}, ...["Object", "Name", "Project", "DCF", "Difference"].map((one) => make("th", { scope: "col" }, one)))),
+      make("tbody", {}, ...done.rows.map((row) => make("tr", { class: "differs" }, make("th", { scope: "row" }, row.object), ...[row.name, row.project, row.dcf, row.state].map((one) => make("td", {}, one ?? "")))))), take, " ", cancel);
+    this.draw();
+    if (done.code === 4) take.focus();
   }
 
   // Transfer: look at what differs, then write, then what became of each step.
@@ -388,11 +422,22 @@ export class ProjectView {
       note.addEventListener("change", () => this.project.change({ command: "project note", node: String(node.node), text: note.value }));
       const accept = make("button", { type: "button" }, "Accept this device…");
       accept.addEventListener("click", () => this.look_at_device());
+      const save = make("button", { type: "button" }, "Save DCF");
+      save.addEventListener("click", () => this.save_dcf(node));
+      const dcf = make("input", { type: "file", accept: ".dcf,.xdc,.eds,.xdd", hidden: "" });
+      dcf.addEventListener("change", () => {
+        if (dcf.files.length) this.compare_dcf(node, dcf.files[0]);
+        dcf.value = "";
+      });
+      const load = make("button", { type: "button" }, "Compare with a DCF…");
+      load.addEventListener("click", () => dcf.click());
+      this.dcf_part = make("div", { class: "scrolls", role: "region", "aria-label": "Values of a DCF", tabindex: "0", hidden: "" });
+      load.disabled = this.role === "look";
       for (const one of [name, id, present, remove, note, accept]) one.disabled = !this.may_configure;
       const number = (value) => (value === undefined ? "–" : `${value.toString(16).toUpperCase().padStart(8, "0")}H`);
-      this.node_form.replaceChildren(field("Name", name), field("Node-ID", id), field("Present", present), field("Note", note), remove, accept,
+      this.node_form.replaceChildren(field("Name", name), field("Node-ID", id), field("Present", present), field("Note", note), remove, accept, save, load, dcf,
         make("p", { class: "faint" }, `${node.vendor ?? ""} ${node.product ?? ""} · device type ${number(node.device_type)} · vendor-ID ${number(node.vendor_id)} · ` +
-          `product code ${number(node.product_code)} · revision ${number(node.revision)} · serial number ${number(node.serial)} · ${node.file ?? ""}`));
+          `product code ${number(node.product_code)} · revision ${number(node.revision)} · serial number ${number(node.serial)} · ${node.file ?? ""}`), this.dcf_part);
     }
     this.draw_objects();
   }
