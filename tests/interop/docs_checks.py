@@ -124,10 +124,11 @@ def the_page_of_commands_shows_what_they_print():
     failing = network.replace('"../devices/', f'"{ROOT}/examples/devices/').replace("node = 4\n", "node = 4\nvendor = 0x195\n")
     require("0x195" in failing, "network.toml has no node 4")
     (scratch / "network.toml").write_text(failing)  # as the page says of it
-    with running(devices, has_plc=False) as plant, running(lss_example("plant.toml", "lss-page"), has_plc=False) as lss:
+    with running(devices, has_plc=False) as plant, running(lss_example("plant.toml", "lss-page"), has_plc=False) as lss, \
+            running(lss_example("other-rate.toml", "rate-page"), has_plc=False) as other_rate:
         for commands in transcripts(page):
             for command, shown in commands:
-                on = lss if " lss " in command else plant
+                on = other_rate if " lss search " in command else lss if " lss " in command else plant
                 words = words_of(command.replace("--timeout 20ms", f"--timeout {silence(100)}"), on)
                 require_shown(page, words, shown, (r" *\d+\.\d{6}  ",))
 

@@ -76,14 +76,14 @@ def gateway_changes_the_bit_rate_of_devices():
         other = Client(port)
         client.ask("[1] lss_switch_sel 0 0x406 0x10000 1", "[1] OK")
         client.ask("[2] lss_conf_bitrate 0 2", "[2] OK")
-        # This gateway cannot follow: its bus is one of another process.
+        # The gateway follows: the bus is a simulated one, where each client is a controller of its own.
         client.say("[3] lss_activate_bitrate 1500")
         plant.wait(lambda e: e["event"] == "lss" and e["bit_rate"] == 500000)
         other.ask("[4] 0 start", "[4] ERROR:303 #CAN buffer overflow")
         answer = client.line()
-        require(answer == "[3] ERROR:304 #CAN init: the bit rate of this bus is not set from here", answer)
+        require(answer == "[3] OK", answer)
         other.ask("[5] 0 start", "[5] OK")
-        client.ask("[6] init 3", "[6] ERROR:304 #CAN init: the bit rate of this bus is not set from here")
+        client.ask("[6] init 3", "[6] OK")
         plant.stop()
         if not shutil.which("tshark"):
             raise Skip("tshark is not installed: the frames were not judged")

@@ -23,6 +23,8 @@ using namespace std::chrono_literals;
 constexpr can::Duration settle_time = 100ms;
 /// For the other side to say that it has the new bit rate.
 constexpr can::Duration longest_change = 2s;
+/// An answer may come too late, and frames of others may be in its way: silence at all bit rates is looked at once more.
+constexpr int rounds = 2;
 
 std::string kilobits(std::uint32_t bit_rate) { return fmt::format("{:g} kbit/s", bit_rate / 1000.0); }
 
@@ -84,6 +86,7 @@ class SearchOnBus final : public can::Participant, private lss::LssSearchUser, p
   SearchOnBus& operator=(const SearchOnBus&) = delete;
 
   BusLoop::End run(std::uint8_t node, const LssAddress& address) {
+    finished_ = false;
     (void)search_.start(node, address, rate_.own(), bus_.now());
     const BusLoop::End end = bus_.run([this] {
       if (!rate_.is_done() || rate_.failure().empty()) return finished_;
@@ -136,7 +139,9 @@ std::optional<LssAddress> find_unconfigured(BusLoop& bus, OwnRate& rate, can::Du
   for (const std::uint32_t one : lss::bit_rates) {
     if (one != 0 && one != rate.own()) rates.push_back(one);
   }
-  for (const std::uint32_t one : rates) {
+  std::vector<std::uint32_t> all;
+  for (int round = 0; round < rounds; ++round) all.insert(all.end(), rates.begin(), rates.end());
+  for (const std::uint32_t one : all) {
     if (const BusLoop::End end = rate.change(one); end != BusLoop::End::done || !rate.failure().empty()) {
       code = complain_of_rate(rate, end, bus);
       return std::nullopt;
@@ -165,7 +170,11 @@ int search(const LssArguments& arguments, BusLoop& bus, std::uint8_t node,
   if (const BusLoop::End end = rate.change(own); end != BusLoop::End::done || !rate.failure().empty())
     return complain_of_rate(rate, end, bus);
   SearchOnBus on_bus(bus, rate, time_out);
-  const BusLoop::End end = on_bus.run(node, *address);
+  BusLoop::End end = BusLoop::End::done;
+  for (int round = 0;
+       round < rounds && end == BusLoop::End::done && rate.failure().empty() && !on_bus.answered_at();
+       ++round)
+    end = on_bus.run(node, *address);
   if (end != BusLoop::End::done || !rate.failure().empty()) return complain_of_rate(rate, end, bus);
   if (!on_bus.answered_at())
     return complain(exit_code::failed,

@@ -94,7 +94,7 @@ export class BusWays {
     const parts = ["vendor", "product", "revision", "serial"];
     const address = parts.map((part) => input(part, { size: 9, maxlength: 12, placeholder: "any" }));
     search.addEventListener("click", async () => {
-      const wish = { command: "lss search", bus, ...patience(), node: number.lastElementChild.value };
+      const wish = { command: "lss search", bus, node: number.lastElementChild.value };
       const rate = this.buses.get(bus)?.bit_rate;
       if (rate) wish.bit_rate = String(rate);
       for (const [i, part] of parts.entries()) if (address[i].lastElementChild.value.trim()) wish[part] = address[i].lastElementChild.value.trim();
