@@ -66,7 +66,7 @@ async function first_frames() {
   const times = [];
   for (let i = 0; i < 3; ++i) {
     await page.goto(url);
-    await page.waitForSelector("#start-projects button");
+    await page.waitForFunction(() => document.querySelector("#start-folder").textContent !== "" && !document.querySelector("#start-try").disabled);
     const begin = performance.now();
     await page.click("#start-try");
     await page.waitForFunction(() => / [1-9]\d* frames/.test(document.querySelector(".bus .faint")?.textContent ?? ""));
