@@ -47,41 +47,35 @@ std::uint64_t steps_of(const Behaviour& behaviour) noexcept {
   return steps < exact ? static_cast<std::uint64_t>(steps) : std::uint64_t{1} << 63;
 }
 
-/// Where in its periods a behaviour is at a moment.
+/// Where in its periods a behaviour is at a moment: `place` has come there, too.
 struct Phase {
-  Phase(const Behaviour& behaviour, can::Time now, SamplePlace& place) noexcept
-      : period(std::max(behaviour.period, can::Duration{1})) {
-    const can::Duration elapsed = now.time_since_epoch();
-    into = elapsed - place.begin;
-    if (into >= can::Duration{0} && into < period) {
-      step = place.step;
-    } else if (into >= period && into - period < period && place.steps != 0) {
+  Phase(const Behaviour& behaviour, can::Time now, SamplePlace& sample_place) noexcept
+      : period(std::max(behaviour.period, can::Duration{1})),
+        place(sample_place),
+        into(now.time_since_epoch() - place.number * period) {
+    if (into >= can::Duration{0} && into < period) return;
+    if (into >= period && into - period < period && place.steps != 0) {
       ++place.number;
-      place.begin += period;
-      step = place.step = place.step + 1 == place.steps ? 0 : place.step + 1;
+      place.step = place.step + 1 == place.steps ? 0 : place.step + 1;
       into -= period;
-    } else {
-      place.number = elapsed / period;
-      place.begin = place.number * period;
-      place.steps = steps_of(behaviour);
-      step = place.step = static_cast<std::uint64_t>(place.number) % place.steps;
-      into = elapsed - place.begin;
+      return;
     }
-    number = place.number;
+    place.number = now.time_since_epoch() / period;
+    place.steps = steps_of(behaviour);
+    place.step = static_cast<std::uint64_t>(place.number) % place.steps;
+    into = now.time_since_epoch() - place.number * period;
   }
   [[nodiscard]] double share() const noexcept {
     return static_cast<double>(into.count()) / static_cast<double>(period.count());
   }
 
   can::Duration period;
-  can::Duration::rep number = 0;
-  std::uint64_t step = 0;  // number, modulo the steps of a counter
-  can::Duration into{};
+  SamplePlace& place;
+  can::Duration into;
 };
 
 double value_in(const Behaviour& behaviour, const Phase& phase) noexcept {
   const double span = behaviour.high - behaviour.low;
-  const auto step_number = static_cast<std::uint64_t>(phase.number);
   switch (behaviour.kind) {
     case Behaviour::Kind::constant: return behaviour.low;
     case Behaviour::Kind::sine:
@@ -89,10 +83,11 @@ double value_in(const Behaviour& behaviour, const Phase& phase) noexcept {
     case Behaviour::Kind::ramp: return behaviour.low + span * phase.share();
     case Behaviour::Kind::counter: {
       if (!(behaviour.step > 0)) return behaviour.low;
-      return behaviour.low + static_cast<double>(phase.step) * behaviour.step;
+      return behaviour.low + static_cast<double>(phase.place.step) * behaviour.step;
     }
     case Behaviour::Kind::noise: {
-      const std::uint64_t random = mixed(mixed(behaviour.seed) ^ step_number);
+      const std::uint64_t random =
+          mixed(mixed(behaviour.seed) ^ static_cast<std::uint64_t>(phase.place.number));
       return behaviour.low + span * (static_cast<double>(random >> 11) / 0x1FFFFFFFFFFFFFp0);
     }
     case Behaviour::Kind::echo: return 0;

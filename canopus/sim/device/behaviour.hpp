@@ -50,7 +50,6 @@ struct Behaviour {
 /// The period of a behaviour that was looked at last: the same one, or the next one, is found without a division.
 struct SamplePlace {
   can::Duration::rep number = 0;  ///< of the period
-  can::Duration begin{};          ///< of the period
   std::uint64_t steps = 0;        ///< of a counter; 0: not worked out yet
   std::uint64_t step = 0;         ///< number, modulo steps
 };
