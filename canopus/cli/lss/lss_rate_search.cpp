@@ -64,7 +64,6 @@ class OwnRate {
   /// Why the bit rate could not be changed; empty: it could.
   [[nodiscard]] const std::string& failure() const noexcept { return failure_; }
   [[nodiscard]] std::uint32_t own() const noexcept { return own_; }
-  [[nodiscard]] std::uint32_t present() const noexcept { return present_; }
 
  private:
   BusLoop& bus_;

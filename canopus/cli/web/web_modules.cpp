@@ -1,6 +1,7 @@
 #include "canopus/cli/web/web_modules.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -32,6 +33,13 @@ void set_output(plc::Rack& rack, std::uint32_t number, bool on, can::Time now) {
   (void)rack.write_bits(plc::Device::y, number, std::span(&bit, 1), now);
 }
 
+/// The module that a wish names, below `count`.
+std::optional<std::size_t> number_of(const nlohmann::json& wish, std::size_t count) {
+  const auto said = wish.find("number");
+  const bool is_one = said != wish.end() && said->is_number_unsigned() && said->get<std::uint64_t>() < count;
+  return is_one ? std::optional(said->get<std::size_t>()) : std::nullopt;
+}
+
 }  // namespace
 
 WebModules::WebModules(plant::Plant& plant, link::LoopClock& clock)
@@ -43,11 +51,10 @@ void WebModules::clear_errors(const nlohmann::json& wish, Done done) { begin(wis
 void WebModules::restart(const nlohmann::json& wish, Done done) { begin(wish, true, std::move(done)); }
 
 std::string WebModules::live_bus(const nlohmann::json& wish) const {
-  const auto said = wish.find("number");
   const auto modules = plant_.modules();
-  if (said == wish.end() || !said->is_number_unsigned() || said->get<std::uint64_t>() >= modules.size())
-    return {};
-  const std::string_view name = modules[said->get<std::size_t>()].label.bus;
+  const auto number = number_of(wish, modules.size());
+  if (!number) return {};
+  const std::string_view name = modules[*number].label.bus;
   for (std::size_t i = 0; i < plant_.bus_count(); ++i) {
     const plant::BusSection& section = plant_.bus_section(i);
     if (plant_.bus(i).name() == name && section.is_linked() && section.replay.empty())
@@ -59,12 +66,12 @@ std::string WebModules::live_bus(const nlohmann::json& wish) const {
 std::expected<WebModules::Job, std::string> WebModules::job_of(const nlohmann::json& wish, bool is_restart) {
   const auto modules = plant_.modules();
   if (modules.empty()) return std::unexpected("the plant has no modules");
-  const auto said = wish.find("number");
-  if (said == wish.end() || !said->is_number_unsigned() || said->get<std::uint64_t>() >= modules.size()) {
+  const auto number = number_of(wish, modules.size());
+  if (!number) {
     return std::unexpected(
         fmt::format("number: expected that of a module of the plant, 0 to {}", modules.size() - 1));
   }
-  Job job{.module = said->get<std::size_t>(), .is_restart = is_restart};
+  Job job{.module = *number, .is_restart = is_restart};
   const plant::ModuleSection& section = plant_.module_section(job.module);
   const plant::ModuleStatus& status = modules[job.module];
   const auto refuse = [&](const auto& why) {
