@@ -11,8 +11,8 @@
 #include "canopus/cli/commands/scan_command.hpp"
 #include "canopus/cli/network/bus_session.hpp"
 #include "canopus/cli/network/project_command.hpp"
+#include "canopus/cli/terminal/device_names.hpp"
 #include "canopus/cli/terminal/print.hpp"
-#include "canopus/eds/words.hpp"
 #include "canopus/text/file_text.hpp"
 
 namespace canopus::cli {
@@ -29,11 +29,6 @@ struct Candidate {
   std::string text;
   eds::Identity identity;
 };
-
-bool is_device_file(const fs::path& path) {
-  const std::string extension = eds::lower(path.extension().string());
-  return extension == ".eds" || extension == ".dcf" || extension == ".xdd" || extension == ".xdc";
-}
 
 /// What is named as a file must be one; in folders what is none is passed over.
 std::expected<std::vector<Candidate>, std::string> read_candidates(const std::vector<std::string>& names) {

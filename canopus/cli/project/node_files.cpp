@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "canopus/cli/terminal/device_names.hpp"
 #include "canopus/eds/device_file.hpp"
-#include "canopus/eds/words.hpp"
 #include "canopus/text/file_text.hpp"
 
 namespace canopus::cli {
@@ -34,11 +34,9 @@ std::vector<std::string> device_files_in(const std::string& folder) {
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end && paths.size() < most;
        entry.increment(error)) {
-    const std::string extension = eds::lower(entry->path().extension().string());
-    const bool is_one =
-        extension == ".eds" || extension == ".dcf" || extension == ".xdd" || extension == ".xdc";
     std::error_code unknown;
-    if (is_one && entry->is_regular_file(unknown)) paths.push_back(entry->path().string());
+    if (is_device_file(entry->path()) && entry->is_regular_file(unknown))
+      paths.push_back(entry->path().string());
   }
   std::ranges::sort(paths);
   return paths;

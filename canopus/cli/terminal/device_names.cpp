@@ -2,9 +2,15 @@
 
 #include <fmt/format.h>
 
+#include "canopus/eds/words.hpp"
 #include "canopus/text/file_text.hpp"
 
 namespace canopus::cli {
+
+bool is_device_file(const std::filesystem::path& path) {
+  const std::string extension = eds::lower(path.extension().string());
+  return extension == ".eds" || extension == ".dcf" || extension == ".xdd" || extension == ".xdc";
+}
 
 std::expected<std::shared_ptr<const eds::DeviceFile>, std::string> device_file_of_names(
     const std::string& file) {
