@@ -10,6 +10,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "canopus/cli/terminal/domain_words.hpp"
+
 namespace canopus::cli {
 namespace {
 

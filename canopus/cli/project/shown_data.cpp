@@ -6,13 +6,10 @@
 
 #include <fmt/format.h>
 
-namespace canopus::cli {
+#include "canopus/cli/terminal/domain_words.hpp"
+#include "canopus/client/sdo_value.hpp"
 
-std::string ascii_of(std::span<const std::uint8_t> bytes) {
-  std::string shown;
-  for (const std::uint8_t byte : bytes) shown += byte >= 0x20 && byte < 0x7F ? static_cast<char>(byte) : '.';
-  return shown;
-}
+namespace canopus::cli {
 
 std::vector<std::pair<std::string_view, std::string>> shown_data(std::span<const std::uint8_t> bytes) {
   std::vector<std::pair<std::string_view, std::string>> forms;
@@ -29,10 +26,7 @@ std::vector<std::pair<std::string_view, std::string>> shown_data(std::span<const
     if (bytes.size() == 8)
       forms.emplace_back("floating point", fmt::format("{}", std::bit_cast<double>(value)));
   } else {
-    std::string hexadecimal;
-    for (const std::uint8_t byte : bytes)
-      hexadecimal += fmt::format("{}{:02X}", hexadecimal.empty() ? "" : " ", byte);
-    forms.emplace_back("hexadecimal", std::move(hexadecimal));
+    forms.emplace_back("hexadecimal", client::hexadecimal(bytes));
   }
   forms.emplace_back("ASCII", ascii_of(bytes));
   return forms;

@@ -10,9 +10,6 @@
 
 namespace canopus::cli {
 
-/// A character for each byte: itself from 20H to 7EH, else a dot.
-[[nodiscard]] std::string ascii_of(std::span<const std::uint8_t> bytes);
-
 /// "hexadecimal", "decimal", "floating point" (4 or 8 bytes) and "ASCII", each with its text; of more than 8 bytes no numbers.
 [[nodiscard]] std::vector<std::pair<std::string_view, std::string>> shown_data(
     std::span<const std::uint8_t> bytes);

@@ -58,18 +58,21 @@ DomainWords concise_words(std::span<const std::uint8_t> bytes, const canopen::Di
 
 }  // namespace
 
+std::string ascii_of(std::span<const std::uint8_t> bytes) {
+  std::string shown;
+  for (const std::uint8_t byte : bytes) shown += byte >= 0x20 && byte < 0x7F ? static_cast<char>(byte) : '.';
+  return shown;
+}
+
 std::vector<std::string> hex_dump(std::span<const std::uint8_t> bytes, std::size_t first) {
   constexpr std::size_t in_line = 16;
   std::vector<std::string> lines;
   for (std::size_t at = 0; at < bytes.size(); at += in_line) {
     const auto part = bytes.subspan(at, std::min(in_line, bytes.size() - at));
-    std::string line = fmt::format("{:08X} ", first + at), text;
-    for (const std::uint8_t byte : part) {
-      fmt::format_to(std::back_inserter(line), " {:02X}", byte);
-      text += byte >= 0x20 && byte < 0x7F ? static_cast<char>(byte) : '.';
-    }
+    std::string line = fmt::format("{:08X} ", first + at);
+    for (const std::uint8_t byte : part) fmt::format_to(std::back_inserter(line), " {:02X}", byte);
     line.append(3 * (in_line - part.size()), ' ');
-    lines.push_back(fmt::format("{}  |{}|", line, text));
+    lines.push_back(fmt::format("{}  |{}|", line, ascii_of(part)));
   }
   return lines;
 }

@@ -41,6 +41,9 @@ struct DomainWords {
 /// `heading`, `entries`, `problem`, `dump` as fields.
 [[nodiscard]] nlohmann::ordered_json json_of(const DomainWords& words);
 
+/// A character for each byte: itself from 20H to 7EH, else a dot.
+[[nodiscard]] std::string ascii_of(std::span<const std::uint8_t> bytes);
+
 /// "00000000  00 11 22 ...  |...text...|" for each 16 bytes; `first` is the address of the first one.
 [[nodiscard]] std::vector<std::string> hex_dump(std::span<const std::uint8_t> bytes, std::size_t first = 0);
 
