@@ -25,9 +25,18 @@ bool LssSearch::start(std::uint8_t node_id, const LssAddress& address, std::uint
   own_bit_rate_ = bit_rate_ = own_bit_rate;
   next_index_ = 0;
   found_ = false;
+  select(now);
+  return true;
+}
+
+void LssSearch::select(can::Time now) {
+  if (options_.to_waiting_first && state_ != State::preparing) {
+    state_ = State::preparing;
+    master_.switch_global(false, now);
+    return;
+  }
   state_ = State::selecting;
   master_.select(address_, now);
-  return true;
 }
 
 void LssSearch::cancel() noexcept {
@@ -59,6 +68,7 @@ void LssSearch::lss_finished(LssMaster&, LssResult result, can::Time now) {
   const bool done = result == LssResult::done;
   const bool other_rate = bit_rate_ != own_bit_rate_;
   switch (state_) {
+    case State::preparing: return select(now);
     case State::selecting:
       if (!done) return try_next_rate(now);
       state_ = State::setting_node_id;
@@ -85,11 +95,14 @@ void LssSearch::lss_finished(LssMaster&, LssResult result, can::Time now) {
       // The device counts from the end of the frame, which has only been queued.
       return wait(State::before_change,
                   options_.activation_delay + options_.settle_time + longest_frame(bit_rate_), now);
-    case State::leaving: return end(found_, now);
+    case State::leaving:
+      if (other_rate) return wait(State::left, options_.settle_time + longest_frame(bit_rate_), now);
+      return end(found_, now);
     case State::idle:
     case State::settling:
     case State::before_change:
-    case State::after_change: return;
+    case State::after_change:
+    case State::left: return;
   }
 }
 
@@ -98,15 +111,13 @@ void LssSearch::tick(can::Time now) {
   if (deadline_ > now) return;
   deadline_ = can::never;
   switch (state_) {
-    case State::settling:
-      state_ = State::selecting;
-      master_.select(address_, now);
-      return;
+    case State::settling: return select(now);
     case State::before_change:
       bit_rate_ = own_bit_rate_;
       user_->change_bit_rate(bit_rate_, now);
       return wait(State::after_change, options_.activation_delay, now);
     case State::after_change: return leave(true, now);
+    case State::left: return end(found_, now);
     default: return;
   }
 }

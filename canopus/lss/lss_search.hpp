@@ -33,6 +33,9 @@ class LssSearch final : private LssMasterUser {
     /// Pause after a change of the own bit rate, before the first frame.
     can::Duration settle_time = std::chrono::milliseconds(10);
     can::Duration time_out = std::chrono::milliseconds(100);  ///< for each answer
+    /// Before each selection all devices are told to wait (04H): one that another master, or a frame that was lost, left in
+    /// configuration state hears no selection.
+    bool to_waiting_first = false;
   };
 
   LssSearch(can::Sink& sink, LssSearchUser& user) : LssSearch(sink, user, Options{}) {}
@@ -48,6 +51,9 @@ class LssSearch final : private LssMasterUser {
   /// The bit rate that is being tried, bit/s.
   [[nodiscard]] std::uint32_t bit_rate() const noexcept { return bit_rate_; }
 
+  /// For each answer, from the next question on.
+  void set_time_out(can::Duration time_out) noexcept { master_.set_time_out(time_out); }
+
   void receive(const can::Frame& frame, can::Time now) { master_.receive(frame, now); }
   void tick(can::Time now);
   [[nodiscard]] can::Time deadline() const noexcept { return std::min(deadline_, master_.deadline()); }
@@ -55,7 +61,8 @@ class LssSearch final : private LssMasterUser {
  private:
   enum class State : std::uint8_t {
     idle,
-    settling,  ///< the bit rate was changed
+    settling,   ///< the bit rate was changed
+    preparing,  ///< all to waiting state
     selecting,
     setting_node_id,
     setting_bit_rate,
@@ -64,9 +71,11 @@ class LssSearch final : private LssMasterUser {
     before_change,  ///< the device is silent, then both change
     after_change,
     leaving,  ///< back to waiting state
+    left,     ///< the last frame at another rate goes out
   };
 
   void lss_finished(LssMaster& master, LssResult result, can::Time now) override;
+  void select(can::Time now);
   void try_rate(std::uint32_t bit_rate, can::Time now);
   void try_next_rate(can::Time now);
   void leave(bool found, can::Time now);

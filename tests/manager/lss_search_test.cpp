@@ -99,6 +99,46 @@ TEST_F(Search, NodeIdRefused_IsNotFound_AndTheDeviceIsLeftWaiting) {
   EXPECT_EQ(lines.back(), "node 5 not found");
 }
 
+// At 10 kbit/s a frame takes 13.5 ms; a controller that is restarted drops what it has not sent.
+TEST_F(Search, NodeIdRefusedAtAnotherRate_TheLastFrameGoesOutBeforeTheRateChanges) {
+  device_rate = 10'000;
+  refused = 0x11;
+  search.start(5, address, 250'000, now);
+  can::Time left{};
+  while (search.running()) {
+    if (!answers.empty()) {
+      search.receive(std::exchange(answers, {}).front(), now);
+    } else {
+      now = search.deadline();
+      search.tick(now);
+    }
+    if (lines.back() == "7E5 04 00" && left == can::Time{}) left = now;
+  }
+  EXPECT_THAT(std::vector(lines.end() - 3, lines.end()),
+              ElementsAre("7E5 04 00", "250 kbit/s", "node 5 not found"));
+  EXPECT_GE(now, left + 13500us);
+}
+
+TEST_F(Search, ToWaitingFirst_IsSaidBeforeEachSelection) {
+  lss::LssSearch careful{*this, *this, {.to_waiting_first = true}};
+  device_rate = 800'000;
+  refused = 0x11;
+  careful.start(5, address, 250'000, now);
+  while (careful.running()) {
+    if (!answers.empty()) {
+      careful.receive(std::exchange(answers, {}).front(), now);
+      continue;
+    }
+    now = careful.deadline();
+    careful.tick(now);
+  }
+  EXPECT_THAT(lines,
+              ElementsAre("7E5 04 00", "7E5 40 71", "7E5 41 63", "7E5 42 00", "7E5 43 07", "1000 kbit/s",
+                          "7E5 04 00", "7E5 40 71", "7E5 41 63", "7E5 42 00", "7E5 43 07", "800 kbit/s",
+                          "7E5 04 00", "7E5 40 71", "7E5 41 63", "7E5 42 00", "7E5 43 07", "7E5 11 05",
+                          "7E5 04 00", "250 kbit/s", "node 5 not found"));
+}
+
 TEST_F(Search, BitRateRefused_MattersOnlyWhereItDiffers) {
   refused = 0x13;
   search.start(5, address, 250'000, now);

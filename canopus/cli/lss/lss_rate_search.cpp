@@ -1,6 +1,7 @@
 #include "canopus/cli/lss/lss_rate_search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <optional>
 #include <string>
@@ -23,8 +24,9 @@ using namespace std::chrono_literals;
 constexpr can::Duration settle_time = 100ms;
 /// For the other side to say that it has the new bit rate.
 constexpr can::Duration longest_change = 2s;
-/// An answer may come too late, and frames of others may be in its way: silence at all bit rates is looked at once more.
-constexpr int rounds = 2;
+/// An answer may come too late, and frames of others may be in its way: silence at all bit rates is looked at once more, with
+/// so many times the time for each answer.
+constexpr std::array rounds{1, 4};
 
 std::string kilobits(std::uint32_t bit_rate) { return fmt::format("{:g} kbit/s", bit_rate / 1000.0); }
 
@@ -57,8 +59,11 @@ class OwnRate {
     begin(bit_rate);
     BusLoop::End end = bus_.run([this] { return is_done(); }, bus_.now() + longest_change);
     if (end == BusLoop::End::time_over) failure_ = "no answer";
-    if (end != BusLoop::End::done || !failure_.empty()) return end;
-    end = bus_.run([] { return false; }, bus_.now() + settle_time);
+    return end != BusLoop::End::done || !failure_.empty() ? end : settle();
+  }
+  /// Waits for the bus to settle: a change of the bit rate drops what was not sent yet.
+  BusLoop::End settle() {
+    const BusLoop::End end = bus_.run([] { return false; }, bus_.now() + settle_time);
     return end == BusLoop::End::time_over ? BusLoop::End::done : end;
   }
   /// Why the bit rate could not be changed; empty: it could.
@@ -75,8 +80,10 @@ class OwnRate {
 /// LssSearch on a bus of the command line.
 class SearchOnBus final : public can::Participant, private lss::LssSearchUser, private can::Sink {
  public:
-  SearchOnBus(BusLoop& bus, OwnRate& rate, can::Duration time_out)
-      : bus_(bus), rate_(rate), search_(*this, *this, {.settle_time = settle_time, .time_out = time_out}) {
+  SearchOnBus(BusLoop& bus, OwnRate& rate)
+      : bus_(bus),
+        rate_(rate),
+        search_(*this, *this, {.settle_time = settle_time, .to_waiting_first = true}) {
     bus_.need({link::IdentifierFilter::only(lss::from_slave)});
     bus_.add(*this);
   }
@@ -84,8 +91,9 @@ class SearchOnBus final : public can::Participant, private lss::LssSearchUser, p
   SearchOnBus(const SearchOnBus&) = delete;
   SearchOnBus& operator=(const SearchOnBus&) = delete;
 
-  BusLoop::End run(std::uint8_t node, const LssAddress& address) {
+  BusLoop::End run(std::uint8_t node, const LssAddress& address, can::Duration time_out) {
     finished_ = false;
+    search_.set_time_out(time_out);
     (void)search_.start(node, address, rate_.own(), bus_.now());
     const BusLoop::End end = bus_.run([this] {
       if (!rate_.is_done() || rate_.failure().empty()) return finished_;
@@ -131,27 +139,45 @@ int complain_of_rate(const OwnRate& rate, BusLoop::End end, const BusLoop& bus) 
   return complain(exit_code::failed, rate.failure());
 }
 
+/// The first device without a node-ID that answers to a fastscan at the present bit rate; `end` says what ended the scan if not
+/// an answer or silence. An answer that came too late leads the scan astray: again, with twice the time.
+std::optional<LssAddress> find_at_present_rate(BusLoop& bus, can::Duration time_out, BusLoop::End& end) {
+  constexpr int most_attempts = 3;
+  LssOnBus on_bus(bus, time_out);
+  std::optional<LssResult> result = LssResult::lost;
+  for (int attempt = 0; result == LssResult::lost && attempt < most_attempts; ++attempt) {
+    if (attempt != 0) on_bus.set_time_out(2 * on_bus.time_out());
+    all_to_waiting(on_bus);
+    result = on_bus.service([](auto& master, can::Time now) { return master.fastscan(now); });
+  }
+  if (!result) end = on_bus.end();
+  if (result == LssResult::silence) return std::nullopt;  // nobody is in configuration state
+  all_to_waiting(on_bus);
+  return result == LssResult::done ? std::optional(on_bus.master().address()) : std::nullopt;
+}
+
 /// The first device without a node-ID, at the network's bit rate or another one; nothing: `code` says why.
 std::optional<LssAddress> find_unconfigured(BusLoop& bus, OwnRate& rate, can::Duration time_out, int& code) {
-  LssOnBus on_bus(bus, time_out);
   std::vector<std::uint32_t> rates{rate.own()};
   for (const std::uint32_t one : lss::bit_rates) {
     if (one != 0 && one != rate.own()) rates.push_back(one);
   }
-  std::vector<std::uint32_t> all;
-  for (int round = 0; round < rounds; ++round) all.insert(all.end(), rates.begin(), rates.end());
-  for (const std::uint32_t one : all) {
-    if (const BusLoop::End end = rate.change(one); end != BusLoop::End::done || !rate.failure().empty()) {
-      code = complain_of_rate(rate, end, bus);
-      return std::nullopt;
-    }
-    all_to_waiting(on_bus);
-    const auto result = on_bus.service([](auto& master, can::Time now) { return master.fastscan(now); });
-    if (!result || result == LssResult::done) {
-      end_progress();
-      if (!result) code = complain_of(on_bus.end(), bus, "");
-      all_to_waiting(on_bus);
-      return result ? std::optional(on_bus.master().address()) : std::nullopt;
+  for (const int times : rounds) {
+    for (const std::uint32_t one : rates) {
+      BusLoop::End end = rate.change(one);
+      std::optional<LssAddress> address;
+      if (end == BusLoop::End::done && rate.failure().empty()) {
+        address = find_at_present_rate(bus, times * time_out, end);
+        if (address) end = rate.settle();
+      }
+      if (end != BusLoop::End::done || !rate.failure().empty()) {
+        code = complain_of_rate(rate, end, bus);
+        return std::nullopt;
+      }
+      if (address) {
+        end_progress();
+        return address;
+      }
     }
   }
   end_progress();
@@ -168,12 +194,12 @@ int search(const LssArguments& arguments, BusLoop& bus, std::uint8_t node,
   if (!address) return code;
   if (const BusLoop::End end = rate.change(own); end != BusLoop::End::done || !rate.failure().empty())
     return complain_of_rate(rate, end, bus);
-  SearchOnBus on_bus(bus, rate, time_out);
+  SearchOnBus on_bus(bus, rate);
   BusLoop::End end = BusLoop::End::done;
-  for (int round = 0;
-       round < rounds && end == BusLoop::End::done && rate.failure().empty() && !on_bus.answered_at();
-       ++round)
-    end = on_bus.run(node, *address);
+  for (const int times : rounds) {
+    end = on_bus.run(node, *address, times * time_out);
+    if (end != BusLoop::End::done || !rate.failure().empty() || on_bus.answered_at()) break;
+  }
   if (end != BusLoop::End::done || !rate.failure().empty()) return complain_of_rate(rate, end, bus);
   if (!on_bus.answered_at())
     return complain(exit_code::failed,
