@@ -14,7 +14,8 @@ namespace canopus::bench {
 
 /// A bus that carries frames in the order they were sent and takes no time: a frame sent while none is on its
 /// way is delivered at once, inside send(); those sent meanwhile follow one after the other. Each goes to
-/// everybody who wants its identifier (the acceptance filters of real controllers), the sender excepted.
+/// everybody who wants its identifier (the acceptance filters of real controllers), the sender excepted, and first
+/// to the nodes that hear everything.
 class PassThroughBus {
  public:
   class Port final : public can::Sink {
@@ -40,6 +41,11 @@ class PassThroughBus {
       if (wants(identifier)) lists_[identifier].push_back(&participant);
     }
   }
+  /// A node that every frame is handed to.
+  void add_to_all(canopen::Node& node, Port& port) {
+    port.owner = &node;
+    hear_all_.push_back(&node);
+  }
   void compile() {
     hearers_.clear();
     for (const auto& list : lists_) hearers_.insert(hearers_.end(), list.begin(), list.end());
@@ -62,6 +68,9 @@ class PassThroughBus {
   };
   void hand_out(const can::Frame& frame, const can::Participant* from) {
     ++frames_;
+    for (canopen::Node* node : hear_all_) {
+      if (node != from) node->receive(frame, now_);
+    }
     can::Participant* const* const last = first_[frame.identifier + 1];
     for (auto hearer = first_[frame.identifier]; hearer != last; ++hearer) {
       if (*hearer != from) (*hearer)->receive(frame, now_);
@@ -89,6 +98,7 @@ class PassThroughBus {
   std::array<std::vector<can::Participant*>, 2048> lists_;
   std::array<can::Participant* const*, 2049> first_{};  // of its hearers, in hearers_
   std::vector<can::Participant*> hearers_;
+  std::vector<canopen::Node*> hear_all_;
   std::array<Sent, 1200> waiting_;  // twice what all slaves say to one SYNC
 };
 
@@ -183,9 +193,11 @@ struct NodeOnBus {
       : port(bus), node(std::move(description), node_id, port) {
     node.power_on(can::Time{});
     node.command(canopen::NmtCommand::start, can::Time{});
-    bus.add(node, port, [&](std::uint32_t identifier) {
-      return delivery == Delivery::broadcast || node.wants(identifier);
-    });
+    if (delivery == Delivery::broadcast) {
+      bus.add_to_all(node, port);
+    } else {
+      bus.add(node, port, [&](std::uint32_t identifier) { return node.wants(identifier); });
+    }
   }
   PassThroughBus::Port port;
   canopen::Node node;

@@ -292,8 +292,7 @@ std::uint32_t Node::identifiers_revision() const {
 
 // What nearly all frames are comes first, and every call is the last thing that is done: nothing has to be
 // kept.
-void Node::receive(const can::Frame& frame, can::Time now) {
-  if (!filter_.may_pass(frame.identifier)) return;
+void Node::receive_passed(const can::Frame& frame, can::Time now) {
   Services& services = *services_;
   if (!is_base_data(frame)) return services.receive(frame, now);
   const IdentifierTable::Slot* slot = services.table.look_up(frame.identifier);
@@ -317,7 +316,7 @@ Node::Taken Node::take(const can::Frame& frame, can::Time now) {
       return Taken::heartbeat;
     }
   }
-  receive(frame, now);
+  receive_passed(frame, now);
   return Taken::other;
 }
 
