@@ -8,6 +8,16 @@
 
 namespace canopus::can {
 
+namespace {
+
+/// A quarter more where it has to grow: a plant of many buses has a timeline for each.
+template <typename Element>
+void make_room(std::vector<Element>& elements, std::size_t count) {
+  if (elements.capacity() < count) elements.reserve(count + count / 4);
+}
+
+}  // namespace
+
 // add() has made room for everybody.
 void Timeline::put_in(Queue& queue, const Place& place) noexcept {
   std::size_t position = queue.size();
@@ -91,16 +101,17 @@ void Timeline::advance() noexcept {
 Timeline::Handle Timeline::add(Ticker& participant, std::string name, Rank rank) {
   const Handle handle = slots_.size();
   const std::uint64_t number = (whole_ != nullptr ? whole_ : this)->numbers_++;
+  make_room(slots_, handle + 1);
   slots_.push_back({.participant = &participant,
                     .deadline = participant.deadline(),
                     .order = static_cast<std::uint64_t>(rank) << 63 | number << 32 | handle});
-  names_.push_back(std::move(name));
+  if (!name.empty()) names_.emplace_back(handle, std::move(name));
   Slot& slot = slots_.back();
-  Queue& queue = rank == Rank::bus ? buses_ : nodes_;
-  if (queue.capacity() < slots_.size()) queue.reserve(2 * slots_.size());
   if (rank == Rank::bus) {
+    make_room(buses_, buses_.size() + 1);
     put_in(buses_, {slot.deadline, slot.order});
   } else {
+    make_room(nodes_, slots_.size());
     put_node(slot);
     if (nodes_.empty()) advance();
   }
@@ -112,7 +123,7 @@ void Timeline::remove(Handle handle) {
   if (slot.participant == nullptr) return;
   take_from_queue(slot, slot.deadline);
   slot.participant = nullptr;
-  names_[handle] = {};
+  std::erase_if(names_, [&](const auto& name) { return name.first == handle; });
   if (nodes_.empty()) advance();
 }
 
@@ -245,7 +256,8 @@ void Timeline::run_together(Time end) {
 bool Timeline::is_stalled(Handle handle) {
   if (ticks_by_one_.size() < slots_.size()) ticks_by_one_.resize(slots_.size());
   if (++ticks_by_one_[handle] < most_ticks) return false;
-  const Stall stall{names_[handle].empty() ? "participant " + std::to_string(handle) : names_[handle], now_};
+  const auto name = std::ranges::find(names_, handle, &std::pair<Handle, std::string>::first);
+  const Stall stall{name == names_.end() ? "participant " + std::to_string(handle) : name->second, now_};
   remove(handle);
   if (!stall_handler_) throw std::logic_error(stall.text());
   stall_handler_(stall);

@@ -176,7 +176,7 @@ class Timeline {
   std::size_t listed_ = 0;  // nodes
   std::array<std::uint64_t, slice_count / 64> has_list_{};
   std::array<std::uint32_t, slice_count> lists_ = all_empty();  // first handle of each
-  std::vector<std::string> names_;                              // by handle: apart from what every tick needs
+  std::vector<std::pair<Handle, std::string>> names_;           // of those that have one, in order of handles
   std::function<void(const Stall&)> stall_handler_;
   Time now_{};
   std::uint64_t latest_ = 0;  // of the orders of those who had their tick at now_
