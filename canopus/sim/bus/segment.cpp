@@ -29,8 +29,12 @@ void Segment::reconsider() {
   bool has_bit_faults = false;
   for (const auto& port : core_.ports) {
     forced_ = forced_ || (port->segment == this && port->on_wire && port->stuck);
-    arbiter_.set(port->index, port->segment == this ? port->offer() : Arbiter::none);
-    if (port->segment != this) continue;
+    if (port->segment != this) {
+      arbiter_.set(port->index, Arbiter::none);
+      continue;
+    }
+    arbiter_.expect_identifiers();  // the far side of a cut mostly has no use for them
+    arbiter_.set(port->index, port->offer());
     if (port->present()) {
       members_.push_back(port.get());
       has_bit_faults = has_bit_faults || port->has_bit_fault();
@@ -156,7 +160,7 @@ void Segment::start(can::Time now) {
   // A waveform shows a suspension, which is not told as a whole.
   const bool shows_suspension =
       !core_.wire_observers.empty() && port.faults.state() == can::ErrorState::error_passive;
-  if (faults_.corruptions > 0 || another_offers(winner) || shows_suspension) {
+  if (faults_.corruptions > 0 || arbiter_.is_lowest_shared() || shows_suspension) {
     port.give_back();
     arbiter_.set(port.index, port.offer());
     return begin_bits(now);

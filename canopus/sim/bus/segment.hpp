@@ -103,11 +103,6 @@ class Segment {
   void become_idle(can::Time from);
   void suspend(BusPort& port, can::Time until);
   void end_suspension();
-  /// Whether a second port offers what arbitration cannot tell from what the winner sends.
-  [[nodiscard]] bool another_offers(std::uint64_t winner) const noexcept {
-    const std::uint64_t next = arbiter_.lowest_but(Arbiter::port_of(winner));
-    return next != Arbiter::none && Arbiter::value_of(next) == Arbiter::value_of(winner);
-  }
   [[nodiscard]] bool somebody_needs_bits() const noexcept;
   [[nodiscard]] bool shows_bits() const noexcept;
   [[nodiscard]] std::uint64_t offer_at_start(const BusPort& port) const noexcept;
