@@ -67,6 +67,8 @@ class Listener {
   virtual ~Listener() = default;
   /// A frame of another node was received without error; `now` is the end of the frame.
   virtual void receive(const Frame& frame, Time now) = 0;
+  /// After receive(): whether it may want its next tick at another moment than before. Where not, a bus does not ask for it.
+  [[nodiscard]] virtual bool is_retimed() const noexcept { return true; }
   /// A frame this participant sent was acknowledged and is complete on the bus.
   virtual void transmitted(const Frame& /*frame*/, Time /*now*/) {}
   /// Whether transmitted() may change when this participant wants its next tick; a constant. Where it may not, a bus does not ask.

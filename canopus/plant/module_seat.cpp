@@ -143,8 +143,11 @@ std::string ModuleSeat::not_started() const {
 }
 
 void ModuleSeat::receive(const can::Frame& frame, can::Time now) {
-  const bool is_new = module_->hear(frame, now);
-  if (is_new || !watched_.empty()) look(now);
+  using Heard = module::CommunicationModule::Heard;
+  const Heard heard = module_->hear(frame, now);
+  const bool looks = heard == Heard::news || !watched_.empty();
+  is_retimed_ = looks || heard == Heard::time;
+  if (looks) look(now);
 }
 
 void ModuleSeat::transmitted(const can::Frame& frame, can::Time now) {

@@ -48,6 +48,7 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver,
   void cpu_paused(bool paused, can::Time now) override;
 
   void receive(const can::Frame& frame, can::Time now) override;
+  [[nodiscard]] bool is_retimed() const noexcept override { return is_retimed_; }
   void transmitted(const can::Frame& frame, can::Time now) override;
   void controller_changed(can::Time now) override;
   void tick(can::Time now) override;
@@ -91,6 +92,7 @@ class ModuleSeat final : public can::Participant, public module::ModuleObserver,
   plc::ExchangeWatch exchange_watch_;
   PlantObserver& observer_;
   NodeStatus status_;
+  bool is_retimed_ = true;  // by the latest frame
   std::vector<std::uint16_t> watched_;
   // Signals that are ON for the built-in program's data exchange.
   std::uint32_t own_inputs_ = 0;

@@ -47,6 +47,11 @@ void TimerQueue::sift_down(std::size_t position) noexcept {
 }
 
 void TimerQueue::set(Number number, can::Time deadline) noexcept {
+  move(number, deadline);
+  next_ = heap_.empty() ? can::never : deadlines_[heap_.front()];
+}
+
+void TimerQueue::move(Number number, can::Time deadline) noexcept {
   const std::uint16_t position = positions_[number];
   const can::Time before = std::exchange(deadlines_[number], deadline);
   if (position == stopped) {
@@ -74,6 +79,7 @@ void TimerQueue::stop_all() noexcept {
     positions_[number] = stopped;
   }
   heap_.clear();
+  next_ = can::never;
 }
 
 TimerQueue::Number TimerQueue::pop() noexcept {

@@ -25,19 +25,19 @@ class TimerQueue {
   [[nodiscard]] std::size_t size() const noexcept { return deadlines_.size(); }
 
   /// The earliest deadline, or never.
-  [[nodiscard]] can::Time next() const noexcept {
-    return heap_.empty() ? can::never : deadlines_[heap_.front()];
-  }
+  [[nodiscard]] can::Time next() const noexcept { return next_; }
   /// Stops the earliest timer, which must exist, and returns its number.
   Number pop() noexcept;
 
  private:
   static constexpr std::uint16_t stopped = 0xFFFF;
+  void move(Number number, can::Time deadline) noexcept;
   [[nodiscard]] bool before(Number left, Number right) const noexcept;
   void place(std::size_t position, Number number) noexcept;
   void sift_up(std::size_t position) noexcept;
   void sift_down(std::size_t position) noexcept;
 
+  can::Time next_ = can::never;  // here, for it is asked at every turn and lies behind two pointers
   std::vector<can::Time> deadlines_;
   std::vector<std::uint16_t> positions_;  // in heap_
   std::vector<Number> heap_;

@@ -233,17 +233,24 @@ void ModuleEngine::begin_restart(can::Time now) {
   begin_initialization(parts_.profile.restart_time, now);
 }
 
-bool ModuleEngine::hear(const can::Frame& frame, can::Time now) {
-  if (!parts_.state.running() || parts_.layer2_state() == Layer2State::offline) return false;
+ModuleEngine::Heard ModuleEngine::hear(const can::Frame& frame, can::Time now) {
+  if (!parts_.state.running() || parts_.layer2_state() == Layer2State::offline) return Heard::process_data;
   last_frame_ = now;
-  const bool is_new = parts_.state.canopen_mode() ? hear_canopen(frame, now) : hear_layer2(frame, now);
-  if (is_new) update(now);
-  return is_new;
-}
-
-bool ModuleEngine::hear_layer2(const can::Frame& frame, can::Time now) {
-  parts_.layer2.receive(frame, now);
-  return true;
+  if (!parts_.state.canopen_mode()) {
+    parts_.layer2.receive(frame, now);
+    update(now);
+    return Heard::news;
+  }
+  const can::Time node_deadline = parts_.node.deadline();
+  const can::Time master_deadline = parts_.master.deadline();
+  if (hear_canopen(frame, now)) {
+    update(now);
+    return Heard::news;
+  }
+  // Without news no other part of the module wants another tick than before.
+  const bool is_as_before =
+      node_deadline == parts_.node.deadline() && master_deadline == parts_.master.deadline();
+  return is_as_before ? Heard::process_data : Heard::time;
 }
 
 // PDOs and heartbeats are nearly all that comes. Where they are as usual, nothing of what update() looks at has changed: what

@@ -113,7 +113,7 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
 
   // can::Participant
   void receive(const can::Frame& frame, can::Time now) override { (void)hear(frame, now); }
-  bool hear(const can::Frame& frame, can::Time now) override;
+  Heard hear(const can::Frame& frame, can::Time now) override;
   void transmitted(const can::Frame& frame, can::Time now) override;
   void controller_changed(can::Time now) override;
   void tick(can::Time now) override;
@@ -184,7 +184,6 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   void end_sending(const can::Frame& frame);
   /// What a frame changes. True: update() has to look.
   bool hear_canopen(const can::Frame& frame, can::Time now);
-  bool hear_layer2(const can::Frame& frame, can::Time now);
 
   CommandBus command_bus_{parts_};
   ModuleParts parts_;

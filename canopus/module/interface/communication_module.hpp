@@ -39,11 +39,16 @@ struct ModuleInformation {
 
 class CommunicationModule : public Module {
  public:
-  /// receive(). False: whatever is shown of the module, words, signals and states, is as it was, but for received process
-  /// data. That is so for most frames on a bus, and whoever watches the module need not look then.
-  virtual bool hear(const can::Frame& frame, can::Time now) {
+  /// What a frame was for the module. Most frames on a bus are `process_data`, and whoever watches the module need not look then.
+  enum class Heard : std::uint8_t {
+    process_data,  ///< whatever is shown of the module, words, signals and states, is as it was, but for received process data
+    time,  ///< the same, and deadline() is another one
+    news,  ///< anything may have changed
+  };
+  /// receive().
+  virtual Heard hear(const can::Frame& frame, can::Time now) {
     receive(frame, now);
-    return true;
+    return Heard::news;
   }
 
   // --- factory settings; to be called before power_on()

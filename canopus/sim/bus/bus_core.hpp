@@ -207,7 +207,9 @@ class BusPort final : public Port {
       return;
     }
     ++counted.received;
-    notify([&](can::Listener& hearer) { hearer.receive(frame, now); });
+    if (participant == nullptr) return;
+    participant->receive(frame, now);
+    if (participant != nullptr && participant->is_retimed()) core.timeline.refresh(handle);
   }
   [[nodiscard]] can::Duration bit() const noexcept { return bit_length; }
   /// can::bit_time() at its rate, without a division where a bit has whole nanoseconds.

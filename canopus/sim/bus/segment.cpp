@@ -208,7 +208,7 @@ void Segment::finish(can::Time now) {
   if (!core_.wire_observers.empty()) tell_frame();
   const can::Frame frame = port.current;
   const bool own = port.complete();
-  const can::Time next = now + can::bit_time(can::intermission_bits, port.rate);
+  const can::Time next = now + port.time_of(can::intermission_bits);
   core_.statistics.frame(frame);
   core_.statistics.busy(start_, next, bits_ + can::intermission_bits);
   if (counting_) count_success(port);
