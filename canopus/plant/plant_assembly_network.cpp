@@ -1,7 +1,6 @@
 // What nodes of one bus have to do with each other: slaves of a module, and how they all fit together.
 
 #include <algorithm>
-#include <map>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -14,27 +13,24 @@
 namespace canopus::plant {
 
 /// How the nodes of each bus fit together.
+// One bus after the other: each node's dictionary is made for it.
 void Assembly::review_buses() {
-  std::map<std::string_view, ReviewedBus> buses;
   for (const BusSection& section : parts_.file.buses) {
-    buses.emplace(section.name,
-                  ReviewedBus{.name = section.name, .may_have_others = section.may_have_others()});
-  }
-  for (const auto& [section, seat] : module_sections_) {
-    ReviewedBus& bus = buses.at(section->bus);
-    if (auto node = seat->module().initial_node()) {
-      bus.configured.insert(node->configures.begin(), node->configures.end());
-      bus.nodes.push_back(reviewed(*section, seat->status().label.name, std::move(*node)));
-    } else {
-      bus.has_plain_can = true;
+    ReviewedBus bus{.name = section.name, .may_have_others = section.may_have_others()};
+    for (const auto& [module_section, seat] : module_sections_) {
+      if (module_section->bus != section.name) continue;
+      if (auto node = seat->module().initial_node()) {
+        bus.configured.insert(node->configures.begin(), node->configures.end());
+        bus.nodes.push_back(reviewed(*module_section, seat->status().label.name, std::move(*node)));
+      } else {
+        bus.has_plain_can = true;
+      }
     }
-  }
-  for (const auto& [section, seat] : device_sections_) {
-    buses.at(section->bus).nodes.push_back(reviewed(*section, *seat));
-  }
-  for (const BusSection& section : parts_.file.buses) {
+    for (const auto& [device_section, seat] : device_sections_) {
+      if (device_section->bus == section.name) bus.nodes.push_back(reviewed(*device_section, *seat));
+    }
     find_line_troubles(section, parts_.warnings);
-    review(buses.at(section.name), parts_.warnings);
+    review(bus, parts_.warnings);
   }
 }
 
