@@ -2,6 +2,8 @@
 
 #include <cstdio>
 
+#include "canopus/module/interface/communication_module.hpp"
+
 namespace canopus::scenario {
 
 namespace {
@@ -183,7 +185,16 @@ ModuleScenario& ModuleScenario::rx(std::uint32_t identifier, const Bytes& bytes)
 }
 
 ModuleScenario& ModuleScenario::rx(const can::Frame& frame) {
-  module_->receive(frame, now_);
+  using module::CommunicationModule;
+  auto* const module = dynamic_cast<CommunicationModule*>(module_);
+  if (module == nullptr) {
+    module_->receive(frame, now_);
+  } else {
+    const can::Time before = module->deadline();
+    if (module->hear(frame, now_) == CommunicationModule::Heard::process_data) {
+      EXPECT_EQ(module->deadline(), before) << text(frame) << ": nobody would ask for it";
+    }
+  }
   settle();
   return *this;
 }
