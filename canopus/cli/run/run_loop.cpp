@@ -95,7 +95,8 @@ class Run {
   LiveTable table_;
   bool has_table_;
   std::optional<WebEvents> web_events_;
-  asio::io_context io_{1};
+  // Other threads post to it and do nothing else with what lives on it: no lock for each descriptor.
+  asio::io_context io_{BOOST_ASIO_CONCURRENCY_HINT_UNSAFE_IO};
   serve::LinkedBuses linked_buses_;
   std::unique_ptr<plant::Plant> plant_;
   RunRecording recording_;
