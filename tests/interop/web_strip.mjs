@@ -20,7 +20,9 @@ await done(() => page.locator("#pace").getByRole("button", { name: "Pause", exac
 await page.waitForFunction(() => document.getElementById("where").textContent === "SIMULATED PAUSED");
 await page.selectOption("#pace [aria-label='Speed of plant time']", "10");
 await done(() => page.locator("#pace").getByRole("button", { name: "Run", exact: true }).click(), "×10");
-await page.selectOption("#pace [aria-label='Speed of plant time']", "1");
+// The page must know that it runs, or a speed is chosen for later.
+await page.waitForFunction(() => document.getElementById("where").textContent === "SIMULATED ×10");
+await done(() => page.selectOption("#pace [aria-label='Speed of plant time']", "1"), /×1:/);
 const all = page.getByRole("group", { name: "NMT commands to all nodes of line1" });
 await done(() => all.getByRole("button", { name: "Pre-operational all" }).click(), "canopus nmt preop");
 await page.locator("#fault-add").click();
