@@ -39,17 +39,14 @@ class Search : public ::testing::Test, public can::Sink, public lss::LssSearchUs
   void lss_search_finished(std::uint8_t id, bool found, can::Time) override {
     lines.push_back("node " + std::to_string(id) + (found ? " found" : " not found"));
   }
+  /// What comes next: an answer, or the next deadline.
+  void step(lss::LssSearch& one) {
+    if (!answers.empty()) return one.receive(std::exchange(answers, {}).front(), now);
+    now = one.deadline();
+    one.tick(now);
+  }
   void run() {
-    while (search.running()) {
-      if (!answers.empty()) {
-        const can::Frame frame = answers.front();
-        answers.clear();
-        search.receive(frame, now);
-        continue;
-      }
-      now = search.deadline();
-      search.tick(now);
-    }
+    while (search.running()) step(search);
   }
 
   std::vector<std::string> lines;
@@ -106,12 +103,7 @@ TEST_F(Search, NodeIdRefusedAtAnotherRate_TheLastFrameGoesOutBeforeTheRateChange
   search.start(5, address, 250'000, now);
   can::Time left{};
   while (search.running()) {
-    if (!answers.empty()) {
-      search.receive(std::exchange(answers, {}).front(), now);
-    } else {
-      now = search.deadline();
-      search.tick(now);
-    }
+    step(search);
     if (lines.back() == "7E5 04 00" && left == can::Time{}) left = now;
   }
   EXPECT_THAT(std::vector(lines.end() - 3, lines.end()),
@@ -124,14 +116,7 @@ TEST_F(Search, ToWaitingFirst_IsSaidBeforeEachSelection) {
   device_rate = 800'000;
   refused = 0x11;
   careful.start(5, address, 250'000, now);
-  while (careful.running()) {
-    if (!answers.empty()) {
-      careful.receive(std::exchange(answers, {}).front(), now);
-      continue;
-    }
-    now = careful.deadline();
-    careful.tick(now);
-  }
+  while (careful.running()) step(careful);
   EXPECT_THAT(lines,
               ElementsAre("7E5 04 00", "7E5 40 71", "7E5 41 63", "7E5 42 00", "7E5 43 07", "1000 kbit/s",
                           "7E5 04 00", "7E5 40 71", "7E5 41 63", "7E5 42 00", "7E5 43 07", "800 kbit/s",
@@ -172,14 +157,7 @@ TEST_F(Search, OwnRateOf100Kbit_HasItsFormerIndex) {
 TEST_F(Search, AfterTheChange_NothingIsSentBeforeTheDeviceHearsAgain) {
   device_rate = 10'000;
   search.start(5, address, 250'000, now);
-  while (search.running() && (lines.empty() || lines.back() != "7E5 15 64")) {
-    if (!answers.empty()) {
-      search.receive(std::exchange(answers, {}).front(), now);
-      continue;
-    }
-    now = search.deadline();
-    search.tick(now);
-  }
+  while (search.running() && (lines.empty() || lines.back() != "7E5 15 64")) step(search);
   const can::Time asked = now;
   silent_until = asked + 13500us + 200ms;
   while (search.running() && lines.back() != "7E5 04 00") {

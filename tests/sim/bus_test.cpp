@@ -51,14 +51,14 @@ TEST_F(BusTest, Frame_ArrivesAtTheEndOfItsLastBit) {
   EXPECT_EQ(c.heard, (std::vector<Heard>{{frame_of_53_bits, Time(53us)}}));
 }
 
-/// Its deadline is asked for at any time; `asked`: how often.
+/// Counts how often its deadline is asked for. One frame moves it, no other does.
 struct Asked final : can::Participant {
   explicit Asked(Port& of) : port(of) {}
   void receive(const Frame& frame, Time now) override {
     if (frame == frame_of_53_bits) next = now + 10us;
-    is_other = frame == frame_of_53_bits;
+    is_moved = frame == frame_of_53_bits;
   }
-  [[nodiscard]] bool is_retimed() const noexcept override { return is_other; }
+  [[nodiscard]] bool is_retimed() const noexcept override { return is_moved; }
   void tick(Time now) override {
     ticks.push_back(now);
     next = can::never;
@@ -70,7 +70,7 @@ struct Asked final : can::Participant {
   Port& port;
   std::vector<Time> ticks;
   Time next = can::never;
-  bool is_other = true;
+  bool is_moved = true;
   mutable unsigned asked = 0;
 };
 

@@ -53,13 +53,14 @@ class OwnRate {
     if (answer && !*answer) failure_ = answer->error();
     return answer.has_value();
   }
-  /// The same, and waits for it and until the bus has settled.
+  /// The same, and waits for it and until the bus has settled. Not done: failure() says why, or the bus.
   BusLoop::End change(std::uint32_t bit_rate) {
     if (bit_rate == present_) return BusLoop::End::done;
     begin(bit_rate);
-    BusLoop::End end = bus_.run([this] { return is_done(); }, bus_.now() + longest_change);
+    const BusLoop::End end = bus_.run([this] { return is_done(); }, bus_.now() + longest_change);
     if (end == BusLoop::End::time_over) failure_ = "no answer";
-    return end != BusLoop::End::done || !failure_.empty() ? end : settle();
+    if (end != BusLoop::End::done) return end;
+    return failure_.empty() ? settle() : BusLoop::End::time_over;
   }
   /// Waits for the bus to settle: a change of the bit rate drops what was not sent yet.
   BusLoop::End settle() {
@@ -91,6 +92,7 @@ class SearchOnBus final : public can::Participant, private lss::LssSearchUser, p
   SearchOnBus(const SearchOnBus&) = delete;
   SearchOnBus& operator=(const SearchOnBus&) = delete;
 
+  /// Not done: the bit rate could not be changed, or the bus says why.
   BusLoop::End run(std::uint8_t node, const LssAddress& address, can::Duration time_out) {
     finished_ = false;
     search_.set_time_out(time_out);
@@ -101,7 +103,7 @@ class SearchOnBus final : public can::Participant, private lss::LssSearchUser, p
       return true;
     });
     end_progress();
-    return end;
+    return end == BusLoop::End::done && !rate_.failure().empty() ? BusLoop::End::time_over : end;
   }
   [[nodiscard]] bool found() const noexcept { return found_; }
   /// Where the device answered, bit/s; nothing: it did not.
@@ -166,11 +168,11 @@ std::optional<LssAddress> find_unconfigured(BusLoop& bus, OwnRate& rate, can::Du
     for (const std::uint32_t one : rates) {
       BusLoop::End end = rate.change(one);
       std::optional<LssAddress> address;
-      if (end == BusLoop::End::done && rate.failure().empty()) {
+      if (end == BusLoop::End::done) {
         address = find_at_present_rate(bus, times * time_out, end);
         if (address) end = rate.settle();
       }
-      if (end != BusLoop::End::done || !rate.failure().empty()) {
+      if (end != BusLoop::End::done) {
         code = complain_of_rate(rate, end, bus);
         return std::nullopt;
       }
@@ -192,15 +194,15 @@ int search(const LssArguments& arguments, BusLoop& bus, std::uint8_t node,
   int code = exit_code::done;
   const auto address = given ? given : find_unconfigured(bus, rate, time_out, code);
   if (!address) return code;
-  if (const BusLoop::End end = rate.change(own); end != BusLoop::End::done || !rate.failure().empty())
+  if (const BusLoop::End end = rate.change(own); end != BusLoop::End::done)
     return complain_of_rate(rate, end, bus);
   SearchOnBus on_bus(bus, rate);
   BusLoop::End end = BusLoop::End::done;
   for (const int times : rounds) {
     end = on_bus.run(node, *address, times * time_out);
-    if (end != BusLoop::End::done || !rate.failure().empty() || on_bus.answered_at()) break;
+    if (end != BusLoop::End::done || on_bus.answered_at()) break;
   }
-  if (end != BusLoop::End::done || !rate.failure().empty()) return complain_of_rate(rate, end, bus);
+  if (end != BusLoop::End::done) return complain_of_rate(rate, end, bus);
   if (!on_bus.answered_at())
     return complain(exit_code::failed,
                     fmt::format("{}: no answer at any bit rate of LSS", describe(*address)));

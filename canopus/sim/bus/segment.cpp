@@ -28,11 +28,11 @@ void Segment::reconsider() {
   forced_ = some_early_ = some_late_ = false;
   bool has_bit_faults = false;
   for (const auto& port : core_.ports) {
-    forced_ = forced_ || (port->segment == this && port->on_wire && port->stuck);
     if (port->segment != this) {
       arbiter_.set(port->index, Arbiter::none);
       continue;
     }
+    forced_ = forced_ || (port->on_wire && port->stuck);
     arbiter_.expect_identifiers();  // the far side of a cut mostly has no use for them
     arbiter_.set(port->index, port->offer());
     if (port->present()) {
