@@ -20,6 +20,8 @@ struct Bus::Impl {
   Impl(std::string name, std::uint32_t bit_rate, can::Timeline& timeline)
       : core(std::move(name), bit_rate, timeline), near(core, true), far(core, false) {}
 
+  void run_faults(can::Time now);
+  [[nodiscard]] can::Time next_of_faults() const noexcept;
   void run_timed_faults(can::Time now);
   void act(FaultPlan::TimedFault& timed, can::Time now);
   void begin(FaultPlan::TimedFault& timed, can::Time now);
@@ -132,6 +134,7 @@ std::expected<void, std::string> Bus::set_faults(const std::vector<Fault>& fault
   }
   impl_->near.drive({});
   core.plan = std::move(*plan);
+  core.had_faults = core.had_faults || !faults.empty();
   impl_->near.clear_faults();
   impl_->far.clear_faults();
   core.refresh();
@@ -141,20 +144,31 @@ std::expected<void, std::string> Bus::set_faults(const std::vector<Fault>& fault
 std::vector<FaultState> Bus::fault_states() const { return impl_->core.plan.states(); }
 
 void Bus::tick(can::Time now) {
-  impl_->core.ticking = true;
-  if (!impl_->core.delayed.empty()) impl_->release_delayed(now);
-  if (impl_->core.plan.next() <= now) impl_->run_timed_faults(now);
-  if (impl_->core.plan.driver().next() <= now) impl_->run_driver(now);
-  impl_->near.tick(now);
-  impl_->far.tick(now);
-  impl_->core.ticking = false;
-  impl_->core.ticked = now;
+  Impl& impl = *impl_;
+  impl.core.ticking = true;
+  if (impl.core.had_faults) [[unlikely]]
+    impl.run_faults(now);
+  impl.near.tick(now);
+  impl.far.tick(now);
+  impl.core.ticking = false;
+  impl.core.ticked = now;
 }
 
 can::Time Bus::deadline() const noexcept {
-  can::Time next = std::min(impl_->near.deadline(), impl_->far.deadline());
-  next = std::min({next, impl_->core.plan.next(), impl_->core.plan.driver().next()});
-  for (const BusCore::Delayed& delayed : impl_->core.delayed) next = std::min(next, delayed.until);
+  const Impl& impl = *impl_;
+  const can::Time next = std::min(impl.near.deadline(), impl.far.deadline());
+  return impl.core.had_faults ? std::min(next, impl.next_of_faults()) : next;
+}
+
+void Bus::Impl::run_faults(can::Time now) {
+  if (!core.delayed.empty()) release_delayed(now);
+  if (core.plan.next() <= now) run_timed_faults(now);
+  if (core.plan.driver().next() <= now) run_driver(now);
+}
+
+can::Time Bus::Impl::next_of_faults() const noexcept {
+  can::Time next = std::min(core.plan.next(), core.plan.driver().next());
+  for (const BusCore::Delayed& delayed : core.delayed) next = std::min(next, delayed.until);
   return next;
 }
 

@@ -72,6 +72,8 @@ struct BusCore {
   can::BusStatistics statistics;
   AcceptanceTable acceptance;
   FaultPlan plan;
+  bool had_faults =
+      false;  // some rule was set: what they do to the bus beside its frames has to be looked for
   std::unique_ptr<LineClocks>
       clocks;  // of a line with length; null: levels are seen at once, and clocks are perfect
   std::uint64_t frame_number = 0;  // of frames that were computed as a whole
@@ -122,9 +124,8 @@ class BusPort final : public Port {
 
   /// What it offers in arbitration, for Arbiter.
   [[nodiscard]] std::uint64_t offer() const noexcept {
-    if (!may_transmit()) return Arbiter::none;
-    if (babble_goes_first()) return Arbiter::key(arbitration(babble), index);
-    return queue.empty() ? Arbiter::none : Arbiter::key(arbitration(queue.front()), index);
+    if ((queue.empty() && !babble_due) || !may_transmit()) return Arbiter::none;
+    return Arbiter::key(arbitration(babble_goes_first() ? babble : queue.front()), index);
   }
   [[nodiscard]] bool babble_goes_first() const noexcept {
     return babble_due && (queue.empty() || arbitration(babble) < arbitration(queue.front()));

@@ -20,6 +20,7 @@ class AcceptanceTable {
  public:
   static constexpr std::size_t extended_row = 2048;
   static constexpr std::size_t every_base_row = 2049;
+  static constexpr std::uint16_t nobody = 0xFFFF;
 
   /// A set of ports, 64 to a word.
   class Ports {
@@ -39,6 +40,20 @@ class AcceptanceTable {
   [[nodiscard]] Ports ports_for(const can::Frame& frame) const noexcept {
     if (frame.extended) return {row(extended_row), row(extended_row)};
     return {row(frame.identifier & can::max_base_identifier), row(every_base_row)};
+  }
+  /// The ports that accept a frame where they are at most two, as with nearly all PDOs: the consumer, and the producer
+  /// itself, which may be asked for it.
+  struct Few {
+    bool are_known = false;  ///< no: see ports_for()
+    std::uint16_t first = nobody;
+    std::uint16_t second = nobody;  ///< higher than the first
+  };
+  [[nodiscard]] Few few_for(const can::Frame& frame) noexcept {
+    if (frame.extended) return {};
+    const std::size_t identifier = frame.identifier & can::max_base_identifier;
+    Looked& looked = looked_[identifier];
+    if (looked.first == not_looked) looked = look_for_few(identifier);
+    return {looked.first != many, looked.first, looked.second};
   }
   /// Makes room for `ports` ports; the new ones accept nothing yet.
   void resize(std::size_t ports) {
@@ -61,13 +76,21 @@ class AcceptanceTable {
     for (std::size_t identifier = changed._Find_first(); identifier < changed.size();
          identifier = changed._Find_next(identifier)) {
       set(port, identifier, now[identifier]);
+      looked_[identifier].first = not_looked;
     }
+    if (former.base.all() != wanted.base.all()) std::ranges::fill(looked_, Looked{});
     set(port, every_base_row, wanted.base.all());
     set(port, extended_row, wanted.extended);
   }
 
  private:
   static constexpr std::size_t rows = 2050;
+  static constexpr std::uint16_t not_looked = 0xFFFE;
+  static constexpr std::uint16_t many = 0xFFFD;
+  struct Looked {
+    std::uint16_t first = not_looked;
+    std::uint16_t second = nobody;
+  };
 
   [[nodiscard]] const std::uint64_t* row(std::size_t number) const noexcept {
     return &bits_[number * words_];
@@ -77,9 +100,23 @@ class AcceptanceTable {
     const std::uint64_t bit = std::uint64_t{1} << (port % 64);
     word = wanted ? word | bit : word & ~bit;
   }
+  [[nodiscard]] Looked look_for_few(std::size_t identifier) const noexcept {
+    Looked few{nobody, nobody};
+    for (std::size_t word = 0; word < words_; ++word) {
+      for (std::uint64_t ports = row(identifier)[word] | row(every_base_row)[word]; ports != 0;
+           ports &= ports - 1) {
+        const auto port =
+            static_cast<std::uint16_t>(64 * word + static_cast<std::size_t>(std::countr_zero(ports)));
+        if (few.second != nobody) return {many, nobody};
+        (few.first == nobody ? few.first : few.second) = port;
+      }
+    }
+    return few;
+  }
 
   std::size_t words_ = 0;
   std::vector<std::uint64_t> bits_;
+  std::vector<Looked> looked_ = std::vector<Looked>(can::max_base_identifier + 1);  // by identifier
 };
 
 /// The lowest of one key per port at any time. Data frames with base identifiers, nearly all there are on a CANopen bus, are
@@ -114,10 +151,12 @@ class Arbiter {
   void set(std::size_t port, std::uint64_t new_key) noexcept {
     std::uint64_t& offer = offers_[port];
     if (offer == new_key) return;
-    if (offer != none) take_out(port, offer);
-    offer = new_key;
+    const std::uint64_t old_key = std::exchange(offer, new_key);
+    if (old_key != none) take_out(port, old_key);
     if (new_key != none) put_in(port, new_key);
-    lowest_ = std::min(lowest_identifier(), tree_[1]);
+    // Whoever comes can only be lower; others are looked at when the lowest one goes.
+    lowest_ = old_key == lowest_ && old_key != none ? std::min(lowest_identifier(), tree_[1])
+                                                    : std::min(lowest_, new_key);
   }
   [[nodiscard]] std::uint64_t of(std::size_t port) const noexcept { return offers_[port]; }
   [[nodiscard]] std::uint64_t lowest() const noexcept { return lowest_; }

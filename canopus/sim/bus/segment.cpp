@@ -66,16 +66,15 @@ void Segment::reconsider() {
   healthy_ = healthy_ && acknowledging >= 2;
 }
 
-void Segment::offer_changed(BusPort& port) {
-  if (&port == suspended_) {
-    if (state_ == State::idle && port.offer() != Arbiter::none && suspended_until_ < deadline_) {
-      deadline_ = std::max(core_.timeline.now(), suspended_until_);
-      core_.refresh();
-    }
-    return;
-  }
-  arbiter_.set(port.index, port.offer());
-  if (state_ == State::frame || state_ == State::lone_frame) return;
+void Segment::suspended_offer_changed() {
+  if (state_ != State::idle || suspended_->offer() == Arbiter::none || suspended_until_ >= deadline_) return;
+  deadline_ = std::max(core_.timeline.now(), suspended_until_);
+  core_.refresh();
+}
+
+/// After what the port offers has changed, and while no frame is on the wire: the next one may begin earlier.
+void Segment::look_for_start(const BusPort& port) {
+  if (state_ == State::lone_frame) return;
   if (state_ == State::bits ? !ready(port, core_.timeline.now()) : arbiter_.lowest() == Arbiter::none) return;
   const can::Time possible =
       state_ == State::bits ? core_.timeline.now() : std::max(core_.timeline.now(), free_from_);
@@ -131,15 +130,6 @@ void Segment::take_off(BusPort& port) {
   port.bits.restart(true);
   fall_silent(port);
   port.tap = {};
-}
-
-void Segment::act(can::Time now) {
-  switch (state_) {
-    case State::idle: start(now); break;
-    case State::frame: finish(now); break;
-    case State::lone_frame: fail_lone(now); break;
-    case State::bits: bits_tick(now); break;
-  }
 }
 
 void Segment::start(can::Time now) {
@@ -227,7 +217,7 @@ void Segment::finish(can::Time now) {
   if (changes_) tell_changes(now);
 }
 
-void Segment::deliver(const can::Frame& frame, const BusPort& from, can::Time now) {
+void Segment::deliver_to_all(const can::Frame& frame, const BusPort& from, can::Time now) {
   const AcceptanceTable::Ports wanted = core_.acceptance.ports_for(frame);
   for (std::size_t word = 0; word < hearing_.size(); ++word) {
     std::uint64_t ports = wanted[word] & hearing_[word];

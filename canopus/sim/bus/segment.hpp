@@ -44,7 +44,12 @@ class Segment {
     if (state_ == State::frame && port.kept.frame_number != frame_number_) port.keep_offer(frame_number_);
   }
   /// It has changed.
-  void offer_changed(BusPort& port);
+  [[gnu::always_inline]] void offer_changed(BusPort& port) {
+    if (&port == suspended_) [[unlikely]]
+      return suspended_offer_changed();
+    arbiter_.set(port.index, port.offer());
+    if (state_ != State::frame) look_for_start(port);
+  }
   /// Something about the port is going to change now that both ways of working have to know.
   void before_change();
   /// It has changed.
@@ -54,7 +59,13 @@ class Segment {
   /// Between the two: the controller leaves the wire.
   void take_off(BusPort& port);
   void tick(can::Time now) {
-    if (now >= deadline_) act(now);
+    if (now < deadline_) return;
+    switch (state_) {
+      case State::idle: return start(now);
+      case State::frame: return finish(now);
+      case State::lone_frame: return fail_lone(now);
+      case State::bits: return bits_tick(now);
+    }
   }
   void report_wire() {
     if (state_ != State::frame || core_.wire_observers.empty()) return;
@@ -89,17 +100,27 @@ class Segment {
   };
 
   // segment.cpp: frame by frame
-  void act(can::Time now);
   void start(can::Time now);
   void finish(can::Time now);
   void fail_lone(can::Time now);
   void count_success(BusPort& transmitter);
   /// An error that the port found now, with its counters as they are.
   void report_error(const BusPort& port, can::BusErrorReport report);
-  void deliver(const can::Frame& frame, const BusPort& from, can::Time now);
+  void deliver(const can::Frame& frame, const BusPort& from, can::Time now) {
+    const AcceptanceTable::Few few = core_.acceptance.few_for(frame);
+    if (!few.are_known) return deliver_to_all(frame, from, now);
+    for (const std::size_t number : {few.first, few.second}) {
+      if (number == AcceptanceTable::nobody || number == from.index) continue;
+      if ((hearing_[number / 64] >> number % 64 & 1) == 0) continue;
+      if (BusPort& port = *core_.ports[number]; !dropped(port)) port.hear(frame, now);
+    }
+  }
+  void deliver_to_all(const can::Frame& frame, const BusPort& from, can::Time now);
   [[nodiscard]] bool dropped(const BusPort& port) const noexcept {
     return faults_.drop_everywhere || faults_.drop_at == &port;
   }
+  void suspended_offer_changed();
+  void look_for_start(const BusPort& port);
   void become_idle(can::Time from);
   void suspend(BusPort& port, can::Time until);
   void end_suspension();
