@@ -19,23 +19,21 @@ void make_room(std::vector<Element>& elements, std::size_t count) {
 }  // namespace
 
 // add() has made room for everybody.
-void Timeline::put_in(Queue& queue, const Place& place) noexcept {
-  std::size_t position = queue.size();
+[[gnu::always_inline]] inline void Timeline::put_in(Queue& queue, const Place& place) noexcept {
   queue.push_back(place);
-  Place* const places = queue.data();
-  for (; position > 0 && places[position - 1].before(place); --position)
-    places[position] = places[position - 1];
-  places[position] = place;
+  Place* position = &queue.back();
+  for (; position[-1].before(place); --position) *position = position[-1];
+  *position = place;
 }
 
-void Timeline::take_out(Queue& queue, std::uint64_t order) noexcept {
+[[gnu::always_inline]] inline void Timeline::take_out(Queue& queue, std::uint64_t order) noexcept {
   std::size_t position = queue.size() - 1;
   while (queue[position].order != order) --position;
   for (; position + 1 < queue.size(); ++position) queue[position] = queue[position + 1];
   queue.pop_back();
 }
 
-void Timeline::put_node(Slot& slot) noexcept {
+[[gnu::always_inline]] inline void Timeline::put_node(Slot& slot) noexcept {
   if (slot.deadline == never) return;
   const std::int64_t slice = slice_of(slot.deadline);
   if (is_soon(slice)) return put_in(nodes_, {slot.deadline, slot.order});
@@ -48,7 +46,7 @@ void Timeline::put_node(Slot& slot) noexcept {
   ++listed_;
 }
 
-void Timeline::take_off_list(Slot& slot, std::int64_t slice) noexcept {
+[[gnu::always_inline]] inline void Timeline::take_off_list(Slot& slot, std::int64_t slice) noexcept {
   --listed_;
   if (slot.next != nobody_else) slots_[slot.next].previous = slot.previous;
   if (slot.previous != nobody_else) {
@@ -57,6 +55,17 @@ void Timeline::take_off_list(Slot& slot, std::int64_t slice) noexcept {
   }
   lists_[list_of(slice)] = slot.next;
   if (slot.next == nobody_else) has_list_[list_of(slice) / 64] &= ~(std::uint64_t{1} << list_of(slice) % 64);
+}
+
+[[gnu::always_inline]] inline void Timeline::take_from_queue(Slot& slot, Time deadline) noexcept {
+  if (slot.is_bus()) return take_out(buses_, slot.order);
+  if (deadline == never) return;
+  const std::int64_t slice = slice_of(deadline);
+  if (is_soon(slice)) {
+    take_out(nodes_, slot.order);
+  } else {
+    take_off_list(slot, slice);
+  }
 }
 
 /// 1 to slice_count: how far the next list behind that of the present slice is in which somebody waits.
@@ -82,7 +91,7 @@ std::int64_t Timeline::earliest_slice() const noexcept {
 
 void Timeline::advance() noexcept {
   std::size_t passed = 0;
-  while (nodes_.empty() && listed_ > 0) {
+  while (is_empty(nodes_) && listed_ > 0) {
     const std::size_t way = lists_to_next();
     passed += way;
     // Nobody waits within a round: whoever is first may be years away.
@@ -112,9 +121,9 @@ Timeline::Handle Timeline::add(Ticker& participant, std::string name, Rank rank)
     make_room(buses_, buses_.size() + 1);
     put_in(buses_, {slot.deadline, slot.order});
   } else {
-    make_room(nodes_, slots_.size());
+    make_room(nodes_, slots_.size() + 1);
     put_node(slot);
-    if (nodes_.empty()) advance();
+    if (is_empty(nodes_)) advance();
   }
   return handle;
 }
@@ -125,30 +134,15 @@ void Timeline::remove(Handle handle) {
   take_from_queue(slot, slot.deadline);
   slot.participant = nullptr;
   std::erase_if(names_, [&](const auto& name) { return name.first == handle; });
-  if (nodes_.empty()) advance();
+  if (is_empty(nodes_)) advance();
 }
 
 void Timeline::move(Handle handle, Time deadline) noexcept {
   Slot& slot = slots_[handle];
-  if (slot.is_bus() && buses_.size() == 1) {  // as a plant's part mostly has it
-    buses_.front().deadline = slot.deadline = deadline;
-    return;
-  }
   take_from_queue(slot, std::exchange(slot.deadline, deadline));
   if (slot.is_bus()) return put_in(buses_, {deadline, slot.order});
   put_node(slot);
-  if (nodes_.empty()) advance();
-}
-
-void Timeline::take_from_queue(Slot& slot, Time deadline) noexcept {
-  if (slot.is_bus()) return take_out(buses_, slot.order);
-  if (deadline == never) return;
-  const std::int64_t slice = slice_of(deadline);
-  if (is_soon(slice)) {
-    take_out(nodes_, slot.order);
-  } else {
-    take_off_list(slot, slice);
-  }
+  if (is_empty(nodes_)) advance();
 }
 
 Time Timeline::next() const noexcept {
@@ -195,10 +189,12 @@ void Timeline::run_apart(Time end) {
 }
 
 void Timeline::run(Time end, const Place& until) {
+  const bool meets_parts = whole_ != nullptr && !apart_;  // of which one may be made earlier by this part
+  const bool meets_others = meets_parts || until.deadline != never;
   while (true) {
     const Place place = first();
-    if (place.deadline > end || !place.before(until)) break;
-    if (whole_ != nullptr && !apart_ && whole_->has_before(place)) break;  // made earlier by this part
+    if (place.deadline > end || place.deadline == never) break;
+    if (meets_others && (!place.before(until) || (meets_parts && whole_->has_before(place)))) break;
     const Handle handle = place.handle();
     if (place.deadline > now_) {
       now_ = place.deadline;

@@ -65,10 +65,15 @@ class Timeline {
   void set_stall_handler(std::function<void(const Stall&)> handler) { stall_handler_ = std::move(handler); }
   /// Reads the participant's deadline again. To be called after anything but its tick() happened to it.
   void refresh(Handle handle) {
-    const Slot& slot = slots_[handle];
+    Slot& slot = slots_[handle];
     if (slot.participant == nullptr) return;
     const Time deadline = slot.participant->deadline();
-    if (deadline != slot.deadline) move(handle, deadline);
+    if (deadline == slot.deadline) return;
+    if (slot.is_bus() && buses_.size() == 2) {  // alone, as a plant's part mostly has it
+      buses_.back().deadline = slot.deadline = deadline;
+    } else {
+      move(handle, deadline);
+    }
   }
   /// Earliest deadline of all.
   [[nodiscard]] Time next() const noexcept;
@@ -122,8 +127,10 @@ class Timeline {
           (static_cast<unsigned>(deadline == other.deadline) & static_cast<unsigned>(order < other.order)));
     }
   };
-  /// The last one first: whoever is first of all goes and comes without moving others.
+  /// The last one first: whoever is first of all goes and comes without moving others. Behind all is `nobody`, so that no
+  /// look at it, and no search, has to ask for its end.
   using Queue = std::vector<Place>;
+  [[nodiscard]] static bool is_empty(const Queue& queue) noexcept { return queue.size() == 1; }
   // Nodes mostly have their next deadline milliseconds away: only those of the present slice of time (and before it) are
   // sorted. The others wait in lists, one for each slice; slices that are a whole round apart share one.
   static constexpr unsigned slice_bits = 16;        // of nanoseconds: a slice has 66 us
@@ -137,8 +144,8 @@ class Timeline {
 
   /// Who is first of all; with deadline never where there is nobody.
   [[nodiscard]] const Place& first() const noexcept {
-    const Place& node = nodes_.empty() ? nobody : nodes_.back();
-    const Place& bus = buses_.empty() ? nobody : buses_.back();
+    const Place& node = nodes_.back();
+    const Place& bus = buses_.back();
     return node.deadline <= bus.deadline ? node : bus;  // at one moment nodes go first
   }
   /// Somebody who belongs to no part is due before this.
@@ -170,8 +177,8 @@ class Timeline {
   }
 
   std::vector<Slot> slots_;
-  Queue nodes_;  // up to the end of the present slice; not empty as long as a list is not
-  Queue buses_;  // all: a bus's deadline changes with each frame
+  Queue nodes_{nobody};  // up to the end of the present slice; not empty as long as a list is not
+  Queue buses_{nobody};  // all: a bus's deadline changes with each frame
   std::int64_t present_slice_ = 0;
   std::size_t listed_ = 0;  // nodes
   std::array<std::uint64_t, slice_count / 64> has_list_{};
