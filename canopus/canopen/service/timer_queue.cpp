@@ -46,7 +46,7 @@ void TimerQueue::sift_down(std::size_t position) noexcept {
   place(position, number);
 }
 
-void TimerQueue::set(Number number, can::Time deadline) noexcept {
+void TimerQueue::change(Number number, can::Time deadline) noexcept {
   move(number, deadline);
   next_ = heap_.empty() ? can::never : deadlines_[heap_.front()];
 }

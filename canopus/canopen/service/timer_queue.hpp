@@ -17,7 +17,9 @@ class TimerQueue {
   /// Makes `count` timers with consecutive numbers; returns the first number.
   Number add(std::size_t count = 1);
   /// Starts or moves a timer; can::never stops it.
-  void set(Number number, can::Time deadline) noexcept;
+  void set(Number number, can::Time deadline) noexcept {
+    if (deadlines_[number] != deadline) change(number, deadline);
+  }
   void stop(Number number) noexcept { set(number, can::never); }
   [[nodiscard]] bool runs(Number number) const noexcept { return positions_[number] != stopped; }
   [[nodiscard]] can::Time deadline(Number number) const noexcept { return deadlines_[number]; }
@@ -31,6 +33,7 @@ class TimerQueue {
 
  private:
   static constexpr std::uint16_t stopped = 0xFFFF;
+  void change(Number number, can::Time deadline) noexcept;
   void move(Number number, can::Time deadline) noexcept;
   [[nodiscard]] bool before(Number left, Number right) const noexcept;
   void place(std::size_t position, Number number) noexcept;
