@@ -97,7 +97,7 @@ void Node::Services::command(NmtCommand command, can::Time now) {
 
 void Node::Services::build_table() {
   identifiers_changed = false;
-  ++revision;
+  ++identifiers_revision;
   std::vector<IdentifierTable::Route> routes;
   if (state != NmtState::initialising) {
     routes.push_back({cob_id::nmt, ServiceKind::nmt, 0});
@@ -182,7 +182,8 @@ void Node::Services::tick(TimerQueue::Number number, can::Time now) {
 
 Node::Node(std::shared_ptr<const DictionaryDescription> description, std::uint8_t node_id, can::Sink& sink,
            NodeOptions options)
-    : services_(std::make_unique<Services>(std::move(description), node_id, sink, filter_, options)) {}
+    : services_(std::make_unique<Services>(std::move(description), node_id, sink, filter_, options)),
+      context_(services_.get()) {}
 
 Node::~Node() = default;
 
@@ -213,20 +214,16 @@ void Node::describe(std::shared_ptr<const DictionaryDescription> description, co
   ParameterStore* const store = services.stored_parameters.store();
   can::Sink& sink = services.sink;
   const std::uint8_t node_id = services.next_node_id;
-  const std::uint32_t revision = services.revision;
+  const std::uint32_t revision = services.identifiers_revision;
   std::destroy_at(&services);
   std::construct_at(&services, std::move(description), node_id, sink, filter_, options);
   services.listener = listener;
   services.stored_parameters.set_store(store);
-  services.revision = revision + 1;
+  services.identifiers_revision = revision + 1;
   for (const auto& [index, handler] : attached) services.dictionary.attach(index, index, *handler);
 }
 
 void Node::set_node_id(std::uint8_t node_id) noexcept { services_->next_node_id = node_id; }
-std::uint8_t Node::node_id() const noexcept { return services_->node_id; }
-NmtState Node::state() const noexcept { return services_->state; }
-ObjectDictionary& Node::dictionary() noexcept { return services_->dictionary; }
-const ObjectDictionary& Node::dictionary() const noexcept { return services_->dictionary; }
 
 void Node::command(NmtCommand command, can::Time now) { services_->command(command, now); }
 void Node::communication_error(can::Time now) { services_->communication_error(now); }
@@ -285,10 +282,7 @@ bool Node::wants_extended() const {
   services_->settle();
   return services_->hears_extended;
 }
-std::uint32_t Node::identifiers_revision() const {
-  services_->settle();
-  return services_->revision;
-}
+void Node::settle() const { services_->settle(); }
 
 // What nearly all frames are comes first, and every call is the last thing that is done: nothing has to be
 // kept.
@@ -327,7 +321,5 @@ void Node::tick(can::Time now) {
     services.tick(services.timers.pop(), now);
   }
 }
-
-can::Time Node::deadline() const noexcept { return services_->timers.next(); }
 
 }  // namespace canopus::canopen

@@ -18,6 +18,7 @@
 #include "canopus/canopen/sdo/sdo_channel.hpp"
 #include "canopus/canopen/service/identifier_filter.hpp"
 #include "canopus/canopen/service/nmt.hpp"
+#include "canopus/canopen/service/node_context.hpp"
 #include "canopus/canopen/service/node_listener.hpp"
 #include "canopus/canopen/service/node_options.hpp"
 
@@ -46,10 +47,10 @@ class Node final : public can::Participant {
   /// Takes effect at the next power_on() or reset.
   void set_node_id(std::uint8_t node_id) noexcept;
 
-  [[nodiscard]] std::uint8_t node_id() const noexcept;
-  [[nodiscard]] NmtState state() const noexcept;
-  [[nodiscard]] ObjectDictionary& dictionary() noexcept;
-  [[nodiscard]] const ObjectDictionary& dictionary() const noexcept;
+  [[nodiscard]] std::uint8_t node_id() const noexcept { return context_->node_id; }
+  [[nodiscard]] NmtState state() const noexcept { return context_->state; }
+  [[nodiscard]] ObjectDictionary& dictionary() noexcept { return context_->dictionary; }
+  [[nodiscard]] const ObjectDictionary& dictionary() const noexcept { return context_->dictionary; }
 
   /// Obeys an NMT command as if it had come from the bus, addressed to this node.
   void command(NmtCommand command, can::Time now);
@@ -101,7 +102,10 @@ class Node final : public can::Participant {
   /// True when it listens to any 29-bit identifier.
   [[nodiscard]] bool wants_extended() const;
   /// Changes whenever wants() may answer differently than before.
-  [[nodiscard]] std::uint32_t identifiers_revision() const;
+  [[nodiscard]] std::uint32_t identifiers_revision() const {
+    if (context_->identifiers_changed) settle();
+    return context_->identifiers_revision;
+  }
 
   /// A frame for another node costs a handful of instructions, without a call where the caller knows that this is a Node.
   void receive(const can::Frame& frame, can::Time now) override {
@@ -117,13 +121,15 @@ class Node final : public can::Participant {
   /// receive() for an owner that looks no further after what comes all the time.
   Taken take(const can::Frame& frame, can::Time now);
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override;
+  [[nodiscard]] can::Time deadline() const noexcept override { return context_->timers.next(); }
 
  private:
   struct Services;
   void receive_passed(const can::Frame& frame, can::Time now);
+  void settle() const;
   IdentifierFilter filter_;  // here, for every frame on the bus looks at it and at little else
   std::unique_ptr<Services> services_;
+  NodeContext* context_;  // the part of them that its owner asks about all the time
 };
 
 }  // namespace canopus::canopen

@@ -89,7 +89,6 @@ struct Node::Services final : NodeContext, WriteObserver {
   StoredParameters stored_parameters{*this};
   TimerQueue::Number reset_timer = timers.add();
   NmtCommand pending_reset = NmtCommand::reset_communication;  // while reset_timer runs
-  std::uint32_t revision = 0;
   std::uint8_t next_node_id = 0;
   bool powered = false;
   bool hears_extended = false;

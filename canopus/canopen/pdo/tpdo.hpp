@@ -71,22 +71,23 @@ class Tpdos final : public ObjectHandler {
 
  private:
   struct Tpdo {
+    // What a look at its values needs comes first.
     std::uint64_t last_data = 0;  // as sent; of type FCH as sampled
-    can::Time inhibited_until{};
-    can::Time event_due = can::never;
     CopyPlan plan;
     FrameHead head;
     CobId cob_id;  // not valid, too, when there is nothing mapped
+    std::uint8_t transmission_type = 0xFF;
+    std::uint8_t addressing = 0;  // of an MPDO, else 0
+    bool was_sent = false;        // last_data is what the receivers have
+    bool has_event = false;       // waits for SYNC or for the end of the inhibit time
+    can::Time inhibited_until{};
+    can::Time event_due = can::never;
     std::uint16_t number = 0;
     std::uint16_t inhibit_time = 0;  // 100 us
     std::uint16_t event_timer = 0;   // ms
-    std::uint8_t transmission_type = 0xFF;
-    std::uint8_t addressing = 0;  // of an MPDO, else 0
     std::uint8_t sync_start = 0;
     std::uint8_t syncs_left = 0;   // of type 01H-F0H, until the next transmission
     bool waits_for_start = false;  // for the SYNC whose counter is sync_start
-    bool has_event = false;        // waits for SYNC or for the end of the inhibit time
-    bool was_sent = false;         // last_data is what the receivers have
 
     [[nodiscard]] bool is_event_driven() const noexcept {
       return transmission_type >= 0xFE && addressing == 0;

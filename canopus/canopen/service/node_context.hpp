@@ -62,6 +62,7 @@ class NodeContext {
   IdentifierTable table;
   bool identifiers_changed = true;
   NmtState state = NmtState::initialising;
+  std::uint32_t identifiers_revision = 0;  // counts the tables that were built
   ObjectDictionary dictionary;
   can::Sink& sink;
   IdentifierFilter& filter;  // the node's own, for every frame looks at it
