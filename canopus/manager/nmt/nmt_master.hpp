@@ -65,6 +65,10 @@ class NmtMaster final : public can::Participant, private MasterContext, private 
   /// Gives everything up: no longer active, all states unknown, no frame is sent.
   void stop(can::Time now);
   void receive(const can::Frame& frame, can::Time now) override;
+  /// receive() would do nothing with a frame of an identifier that PDOs have by default.
+  [[nodiscard]] bool ignores_pdos() const noexcept {
+    return !link_.is_sending() && !link_.has_kept() && !lss_active() && !flying_.hears();
+  }
   /// SDO requests that wait for a full bus do not time out if the owner passes this on.
   void transmitted(const can::Frame& frame, can::Time now) override;
   void tick(can::Time now) override;

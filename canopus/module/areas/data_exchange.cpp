@@ -53,10 +53,8 @@ void DataExchange::add_copies(const canopen::ObjectDictionary& dictionary, std::
   }
 }
 
-void DataExchange::follow(const canopen::Node& node) {
-  const std::uint32_t revision = node.identifiers_revision();
-  if (revision == revision_ && !receive_first_.empty()) return;
-  revision_ = revision;
+void DataExchange::look_at_mappings(const canopen::Node& node) {
+  revision_ = node.identifiers_revision();
   receive_.clear();
   receive_first_.clear();
   transmit_.clear();
@@ -97,7 +95,7 @@ void DataExchange::rpdo_received(canopen::Node& node, std::uint16_t number) {
   const auto last = receive_.begin() + receive_first_[number + 1U];
   for (auto step = receive_.begin() + receive_first_[number]; step != last; ++step) {
     copy(&received_[step->place], block.data() + step->offset, step->bytes);
-    show_in_all(block, step->place, step->bytes);
+    if (layout_.all_variables) show_in_all(block, step->place, step->bytes);
   }
 }
 

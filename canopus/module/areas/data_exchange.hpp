@@ -48,7 +48,11 @@ class DataExchange final : public canopen::ObjectHandler {
     std::uint16_t place = 0;   // in received_ or to_send_
     std::uint16_t bytes = 0;
   };
-  void follow(const canopen::Node& node);
+  /// Of each frame: the mappings are those that the copies below were made of, or they are made anew.
+  void follow(const canopen::Node& node) {
+    if (node.identifiers_revision() != revision_ || receive_first_.empty()) look_at_mappings(node);
+  }
+  void look_at_mappings(const canopen::Node& node);
   void find_areas(const canopen::DictionaryDescription& description);
   /// Received bytes into every network variable that shows them.
   void show_in_all(std::span<std::uint8_t> block, std::size_t place, std::size_t bytes) const noexcept;

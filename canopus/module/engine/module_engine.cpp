@@ -255,16 +255,17 @@ ModuleEngine::Heard ModuleEngine::hear(const can::Frame& frame, can::Time now) {
 
 // PDOs and heartbeats are nearly all that comes. Where they are as usual, nothing of what update() looks at has changed: what
 // changes in the node or the master without news does so by other frames.
-bool ModuleEngine::hear_canopen(const can::Frame& frame, can::Time now) {
+inline bool ModuleEngine::hear_canopen(const can::Frame& frame, can::Time now) {
   const std::uint64_t news = parts_.news;
   const bool is_open = parts_.network.is_open();
   const auto taken = is_open ? parts_.node.take(frame, now) : canopen::Node::Taken::other;
-  parts_.master.receive(frame, now);
+  using namespace canopen::cob_id;
+  const bool is_pdo = frame.identifier > 0x180 && frame.identifier < sdo_response;
+  if (taken != canopen::Node::Taken::process_data || !is_pdo || !parts_.master.ignores_pdos())
+    parts_.master.receive(frame, now);
   const bool is_of_command = is_open && parts_.command.receive(frame, now);
   if (taken == canopen::Node::Taken::other || is_of_command || frame.extended || frame.remote) return true;
-  using namespace canopen::cob_id;
   const std::uint32_t function = frame.identifier & function_code;
-  const bool is_pdo = frame.identifier > 0x180 && frame.identifier < sdo_response;
   const bool is_state = function == error_control && frame.data[0] != 0;
   return parts_.news != news || !(is_pdo || is_state);
 }
