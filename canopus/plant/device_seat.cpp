@@ -21,9 +21,9 @@ sim::DeviceOptions options_of(const eds::DeviceFile& file) {
 
 DeviceSeat::DeviceSeat(std::shared_ptr<const eds::DeviceFile> file, const DeviceSection& section,
                        std::uint8_t node_id, can::Port& port, PlantObserver& observer)
-    : device_(file, node_id, port, options_of(*file)),
-      port_(port),
+    : port_(port),
       start_(can::Time{} + section.start),
+      device_(file, node_id, port, options_of(*file)),
       observer_(observer) {
   const std::string& product = device_.file().device.product_name;
   name_ = !section.name.empty() ? section.name : product;

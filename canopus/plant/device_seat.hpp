@@ -65,17 +65,18 @@ class DeviceSeat final : public can::Participant, private canopen::NodeListener,
   void look_at_lss(can::Time now);
   void accept();
 
-  std::unique_ptr<store::ParameterFile> store_;
-  std::unique_ptr<store::ParameterFile> lss_store_;
-  BusWatch* watch_ = nullptr;
-  std::uint32_t bit_rate_ = 0;
-  sim::Device device_;
+  // What each tick needs comes first.
   can::Port& port_;
-  std::uint32_t accepted_revision_ = 0;
-  std::string name_;
-  NodeStatus status_;
   can::Time start_;
+  std::uint32_t accepted_revision_ = 0;
+  std::uint32_t bit_rate_ = 0;
   bool is_unplugged_ = false;
+  std::unique_ptr<store::ParameterFile> store_;  // of the device, which it outlives
+  std::unique_ptr<store::ParameterFile> lss_store_;
+  sim::Device device_;
+  NodeStatus status_;
+  std::string name_;
+  BusWatch* watch_ = nullptr;
   PlantObserver& observer_;
 };
 

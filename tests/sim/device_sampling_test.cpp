@@ -226,6 +226,32 @@ RC_GTEST_PROP(BehaviourValue, DoesNotChangeBeforeItsNextChange, ()) {
   }
 }
 
+/// Counters of whole numbers are worked out in another way than the rest, unless the object cannot hold them all.
+RC_GTEST_PROP(BehaviourSample, IsTheFittedValueAndItsNextChange, ()) {
+  Behaviour behaviour = any_behaviour();
+  if (*rc::gen::arbitrary<bool>()) {
+    behaviour.kind = Behaviour::Kind::counter;
+    behaviour.low = *rc::gen::element(-9e15, -9e16, -300.0, -128.0, -5.0, 0.0, 3.0, 100.0, 65'530.0, 0.5);
+    behaviour.high = behaviour.low + *rc::gen::inRange(0, 400);
+    behaviour.step = *rc::gen::element(1.0, 2.0, 7.0, 0.5, 1e17);
+  }
+  const auto type = *rc::gen::element(DataType::boolean, DataType::unsigned8, DataType::integer8,
+                                      DataType::integer16, DataType::unsigned16, DataType::integer64,
+                                      DataType::unsigned64, DataType::real32, DataType::real64);
+  canopen::Limits limits;
+  if (type == DataType::unsigned8 && *rc::gen::arbitrary<bool>()) limits = {.low = 4, .high = 90};
+  const sim::Bounds bounds = sim::bounds(type, limits);
+  sim::SamplePlace place;
+  Time now = at(can::Duration(*rc::gen::inRange<std::int64_t>(0, 10'000'000'000)));
+  for (const int tenths : *rc::gen::container<std::vector<int>>(rc::gen::inRange(0, 40))) {
+    const sim::Sample sample = sim::sample_at(behaviour, bounds, now, place);
+    const double value = sim::value_at(behaviour, now);
+    RC_ASSERT(sample.value == sim::fitted(value, bounds));
+    RC_ASSERT(sample.next_change == sim::next_change(behaviour, type, value, now));
+    now += behaviour.period / 10 * tenths + 1ns;
+  }
+}
+
 TEST(BehaviourValue, ThatCannotChangeHasNoNextChange) {
   const auto next = [](Behaviour::Kind kind, double low, double high) {
     const Behaviour behaviour{.kind = kind, .low = low, .high = high, .period = 1s};

@@ -146,12 +146,6 @@ can::Time next_change(const Behaviour& behaviour, DataType type, double value, c
   return change_after(behaviour, type, value, now, Phase(behaviour, now, place));
 }
 
-Sample sample_at(const Behaviour& behaviour, DataType type, can::Time now, SamplePlace& place) noexcept {
-  const Phase phase(behaviour, now, place);
-  const double value = value_in(behaviour, phase);
-  return {value, change_after(behaviour, type, value, now, phase)};
-}
-
 Bounds bounds(DataType type, const canopen::Limits& limits) noexcept {
   if (type == DataType::real32 || type == DataType::real64) {
     constexpr double infinite = std::numeric_limits<double>::infinity();
@@ -174,6 +168,44 @@ std::uint64_t fitted(double value, const Bounds& bounds) noexcept {
   }
   return canopen::is_signed(type) ? whole<std::int64_t>(value, bounds.low, bounds.high)
                                   : whole<std::uint64_t>(value, bounds.low, bounds.high);
+}
+
+namespace {
+
+void look_for_whole_numbers(const Behaviour& behaviour, const Bounds& bounds, SamplePlace& place) noexcept {
+  using enum DataType;
+  if (behaviour.kind != Behaviour::Kind::counter || !(behaviour.step > 0)) return;
+  if (bounds.type == boolean || bounds.type == real32 || bounds.type == real64) return;
+  constexpr double exact = 1ULL << 53;
+  const auto is_whole = [](double number) {
+    return std::abs(number) < exact && std::trunc(number) == number;
+  };
+  const double last = behaviour.low + static_cast<double>(place.steps - 1) * behaviour.step;
+  if (!is_whole(behaviour.low) || !is_whole(behaviour.step) || !is_whole(last)) return;
+  const auto is_held = [&bounds](double number) {
+    const std::uint64_t bits = fitted(number, bounds);
+    return number == (canopen::is_signed(bounds.type) ? static_cast<double>(static_cast<std::int64_t>(bits))
+                                                      : static_cast<double>(bits));
+  };
+  if (!is_held(behaviour.low) || !is_held(last)) return;
+  place.is_whole = true;
+  place.whole_low = static_cast<std::int64_t>(behaviour.low);
+  place.whole_step = static_cast<std::int64_t>(behaviour.step);
+}
+
+}  // namespace
+
+Sample sample_at(const Behaviour& behaviour, const Bounds& bounds, can::Time now,
+                 SamplePlace& place) noexcept {
+  const bool knew_steps = place.steps != 0;
+  const Phase phase(behaviour, now, place);
+  if (!knew_steps && place.steps != 0) look_for_whole_numbers(behaviour, bounds, place);
+  if (place.is_whole) {
+    const std::int64_t value = place.whole_low + static_cast<std::int64_t>(place.step) * place.whole_step;
+    return {static_cast<std::uint64_t>(value), can::later(now, phase.period - phase.into)};
+  }
+  const double value = value_in(behaviour, phase);
+  return {fitted(value, bounds), change_after(behaviour, bounds.type, value, now, phase)};
 }
 
 }  // namespace canopus::sim

@@ -52,16 +52,11 @@ struct SamplePlace {
   can::Duration::rep number = 0;  ///< of the period
   std::uint64_t steps = 0;        ///< of a counter; 0: not worked out yet
   std::uint64_t step = 0;         ///< number, modulo steps
+  /// A counter of whole numbers that all fit into the object: they are worked out as such.
+  bool is_whole = false;
+  std::int64_t whole_low = 0;
+  std::int64_t whole_step = 0;
 };
-
-/// Both at once.
-struct Sample {
-  double value = 0;
-  can::Time next_change{};
-};
-/// `place` is of this behaviour alone, at first as it is made.
-[[nodiscard]] Sample sample_at(const Behaviour& behaviour, canopen::DataType type, can::Time now,
-                               SamplePlace& place) noexcept;
 
 /// What an object can hold: bit patterns of its type, 64 bits wide, of a real as REAL64.
 struct Bounds {
@@ -78,5 +73,14 @@ struct Bounds {
                                           const canopen::Limits& limits) noexcept {
   return fitted(value, bounds(type, limits));
 }
+
+/// The value as fitted() gives it, and next_change().
+struct Sample {
+  std::uint64_t value = 0;
+  can::Time next_change{};
+};
+/// `place` is of this behaviour alone, at first as it is made.
+[[nodiscard]] Sample sample_at(const Behaviour& behaviour, const Bounds& bounds, can::Time now,
+                               SamplePlace& place) noexcept;
 
 }  // namespace canopus::sim

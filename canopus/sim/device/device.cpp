@@ -1,126 +1,11 @@
 #include "canopus/sim/device/device.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <utility>
-
-#include "canopus/eds/problems.hpp"
-#include "canopus/eds/value.hpp"
 
 namespace canopus::sim {
 
 using canopen::Entry;
 using canopen::NmtState;
-
-namespace {
-
-bool same(const Entry& a, const Entry& b) noexcept { return a.index == b.index && a.sub == b.sub; }
-
-}  // namespace
-
-Device::Device(std::shared_ptr<const eds::DeviceFile> file, std::uint8_t node_id, can::Sink& sink,
-               DeviceOptions options)
-    : file_(std::move(file)),
-      gate_(sink),
-      node_(file_->dictionary, node_id, gate_, options.node),
-      options_(options) {
-  node_.set_listener(this);
-  options_.sample_interval = std::max<can::Duration>(options_.sample_interval, std::chrono::microseconds(1));
-}
-
-std::optional<std::string> Device::add_behaviour(const Behaviour& behaviour) {
-  const canopen::DictionaryDescription& description = *file_->dictionary;
-  const auto find = [&](std::uint16_t index, std::uint8_t sub, Entry& entry) -> std::optional<std::string> {
-    const std::string shown = eds::object_name(index, sub);
-    entry = description.find(index, sub);
-    if (!entry) return "the device has no object " + shown;
-    if (!eds::is_number(entry.description->type)) {
-      return shown + " is of type " + std::string(eds::name(entry.description->type)) + ", not a number";
-    }
-    return std::nullopt;
-  };
-  Motion motion{behaviour, {}, {}, {}};
-  if (auto problem = find(behaviour.index, behaviour.sub, motion.target)) return problem;
-  motion.bounds = bounds(motion.target.description->type, description.limits(motion.target));
-  for (const Playback& playback : playbacks_) {
-    if (std::ranges::any_of(playback.entries(),
-                            [&](const Entry& entry) { return same(entry, motion.target); }))
-      return eds::object_name(behaviour.index, behaviour.sub) + " is played back from a file already";
-  }
-  const std::string shown = eds::object_name(behaviour.index, behaviour.sub);
-  if (application_ && application_->owns(behaviour.index, behaviour.sub))
-    return shown + " is moved by the device itself";
-  switch (behaviour.kind) {
-    case Behaviour::Kind::echo:
-      if (auto problem = find(behaviour.source_index, behaviour.source_sub, motion.source)) return problem;
-      if (motion.source.description->type != motion.target.description->type) {
-        return shown + " is of type " + std::string(eds::name(motion.target.description->type)) +
-               ", its source " + eds::object_name(behaviour.source_index, behaviour.source_sub) +
-               " of type " + std::string(eds::name(motion.source.description->type)) +
-               ": an echo needs equal types";
-      }
-      break;
-    case Behaviour::Kind::counter:
-      if (!(behaviour.step > 0) || !std::isfinite(behaviour.step)) return "step must be greater than 0";
-      [[fallthrough]];
-    case Behaviour::Kind::sine:
-    case Behaviour::Kind::ramp:
-    case Behaviour::Kind::noise:
-      if (behaviour.period <= can::Duration::zero()) return "period must be greater than 0";
-      if (!(behaviour.low <= behaviour.high)) return "low must not be greater than high";
-      [[fallthrough]];
-    case Behaviour::Kind::constant:
-      if (!std::isfinite(behaviour.low) || !std::isfinite(behaviour.high))
-        return "low and high must be finite";
-      break;
-  }
-  samples_ =
-      samples_ || (behaviour.kind != Behaviour::Kind::echo && behaviour.kind != Behaviour::Kind::constant);
-  echoes_ = echoes_ || behaviour.kind == Behaviour::Kind::echo;
-  motions_.push_back(motion);
-  return std::nullopt;
-}
-
-std::expected<Entry, std::string> Device::process_value(std::uint16_t index, std::uint8_t sub) const {
-  const std::string shown = eds::object_name(index, sub);
-  const Entry entry = file_->dictionary->find(index, sub);
-  if (!entry) return std::unexpected("the device has no object " + shown);
-  if (index < 0x2000) {
-    return std::unexpected(shown + " configures the node; expected a process value, 2000H to FFFFH");
-  }
-  if (sub == 0 && file_->dictionary->find(index)->highest_sub != 0) {
-    return std::unexpected(shown + " is the number of sub-indexes; expected one of them");
-  }
-  if (!eds::is_number(entry.description->type)) {
-    return std::unexpected(shown + " is of type " + std::string(eds::name(entry.description->type)) +
-                           ", not a number");
-  }
-  return entry;
-}
-
-std::optional<std::string> Device::add_playback(Playback playback) {
-  const auto moves = [&](const Entry& entry) {
-    return std::ranges::any_of(motions_, [&](const Motion& motion) { return same(motion.target, entry); }) ||
-           std::ranges::any_of(playbacks_, [&](const Playback& other) {
-             return std::ranges::any_of(other.entries(), [&](const Entry& its) { return same(its, entry); });
-           });
-  };
-  for (const Entry& entry : playback.entries()) {
-    const std::string shown = eds::object_name(entry.index, entry.sub);
-    if (const auto value = process_value(entry.index, entry.sub); !value) return value.error();
-    if (moves(entry)) return shown + " moves already, by a behaviour or another file";
-    if (application_ && application_->owns(entry.index, entry.sub))
-      return shown + " is moved by the device itself";
-  }
-  playbacks_.push_back(std::move(playback));
-  return std::nullopt;
-}
-
-void Device::enable_lss(can::Controller& controller, canopen::ParameterStore* store) {
-  lss_ = std::make_unique<DeviceLss>(node_, gate_, controller,
-                                     DeviceLss::Settings{node_.node_id(), controller.bit_rate()},
-                                     file_->device.bit_rates, store);
-}
 
 void Device::power_on(can::Time now) {
   is_on_ = true;
@@ -261,8 +146,8 @@ bool Device::move_values(can::Time now) {
   bool moved = false;
   for (Motion& motion : motions_) {
     if (motion.behaviour.kind == Behaviour::Kind::echo || is_moved(motion, now)) continue;
-    const Sample sample = sample_at(motion.behaviour, motion.bounds.type, now, motion.place);
-    moved = forcing_.put(motion.target, fitted(sample.value, motion.bounds)) || moved;
+    const Sample sample = sample_at(motion.behaviour, motion.bounds, now, motion.place);
+    moved = forcing_.put(motion.target, sample.value) || moved;
     motion.moved_to = dictionary.get<std::uint64_t>(motion.target);
     // What is forced shows nothing of what lies beneath: then it is put there at each sample.
     const bool shows = forcing_.all().empty() || !forcing_.is_forced(motion.target);
@@ -271,9 +156,25 @@ bool Device::move_values(can::Time now) {
   return echo_values() || moved;
 }
 
+/// move_values() where nothing is forced, and nothing follows another value.
+inline bool Device::sample(can::Time now) {
+  canopen::ObjectDictionary& dictionary = node_.dictionary();
+  bool moved = false;
+  for (Motion& motion : motions_) {
+    const auto before = dictionary.get<std::uint64_t>(motion.target);
+    if (now < motion.next_change && before == motion.moved_to) continue;
+    const Sample sample = sample_at(motion.behaviour, motion.bounds, now, motion.place);
+    dictionary.set(motion.target, sample.value);
+    motion.moved_to = dictionary.get<std::uint64_t>(motion.target);
+    motion.next_change = sample.next_change;
+    moved = moved || motion.moved_to != before;
+  }
+  return moved;
+}
+
 /// The next sample at which a value may change. What other services of the node write by themselves (below 2000H),
 /// or an application, is not seen here: then it is the next sample of all.
-void Device::plan_sample(can::Time now) noexcept {
+inline void Device::plan_sample(can::Time now) noexcept {
   can::Time change = can::never;
   const bool is_untouched = !written_ && playbacks_.empty();
   for (const Motion& motion : motions_) {
@@ -327,12 +228,14 @@ void Device::after_event(can::Time now, bool moved) {
   if (!is_operational || !samples_) {
     next_sample_ = can::never;
     sampled_from_ = can::never;
-  } else if (sampled_from_ == can::never) {
-    sampled_from_ = now;
-    plan_sample(now);
-  } else if (next_sample_ <= now || written_) {
-    plan_sample(now);
+    return;
   }
+  if (sampled_from_ == can::never) {
+    sampled_from_ = now;
+  } else if (next_sample_ > now && !written_) {
+    return;
+  }
+  plan_sample(now);
 }
 
 void Device::receive(const can::Frame& frame, can::Time now) {
@@ -349,6 +252,11 @@ void Device::controller_changed(can::Time now) { node_.controller_changed(now); 
 
 void Device::tick(can::Time now) {
   if (lss_ && lss_->deadline() <= now) lss_->tick(now);
+  if (is_simple_ && forcing_.all().empty()) [[likely]] {
+    const bool moved = next_sample_ <= now && sample(now);
+    if (node_.deadline() <= now) node_.tick(now);
+    return after_event(now, moved);
+  }
   bool moved = release_due(now);
   if (next_row_ <= now) moved = play(now) || moved;
   if (next_sample_ <= now) moved = move_values(now) || moved;
@@ -360,6 +268,8 @@ void Device::tick(can::Time now) {
 
 can::Time Device::deadline() const noexcept {
   can::Time next = std::min(node_.deadline(), next_sample_);
+  if (is_simple_ && forcing_.all().empty()) [[likely]]
+    return lss_ ? std::min(next, lss_->deadline()) : next;
   if (next_row_ < next) next = next_row_;
   if (forcing_.deadline() < next) next = forcing_.deadline();
   if (!script_.empty()) next = std::min(next, script_.deadline());

@@ -56,11 +56,15 @@ class Device final : public can::Participant, private canopen::NodeListener {
   /// process value.
   [[nodiscard]] std::optional<std::string> add_playback(Playback playback);
   /// To be called before power_on(); the entries are those of process_value().
-  void add_script_step(const ScriptStep& step) { script_.add(step); }
+  void add_script_step(const ScriptStep& step) {
+    script_.add(step);
+    see_what_it_does();
+  }
 
   /// What the device does, too. To be called once, before what it owns is given another motion, and before power_on().
   void set_application(std::unique_ptr<DeviceApplication> application) noexcept {
     application_ = std::move(application);
+    see_what_it_does();
   }
   /// The application's own writing, as a bit pattern as wide as the entry; beneath, while the entry is forced. True when
   /// the value that everybody sees has changed.
@@ -116,9 +120,9 @@ class Device final : public can::Participant, private canopen::NodeListener {
  private:
   struct Motion {
     Behaviour behaviour;
-    canopen::Entry target;
     canopen::Entry source;  // echo
-    Bounds bounds;          // of the target
+    canopen::Entry target;
+    Bounds bounds;  // of the target
     // What the target held after it was moved last, and when that may be another value: nothing is to be done
     // before, unless somebody else wrote there.
     std::uint64_t moved_to = 0;
@@ -135,8 +139,13 @@ class Device final : public can::Participant, private canopen::NodeListener {
     return !application_ && motions_.empty() && playbacks_.empty() && script_.empty() &&
            forcing_.all().empty();
   }
+  void see_what_it_does() noexcept;
+  [[nodiscard]] static bool same(const canopen::Entry& a, const canopen::Entry& b) noexcept {
+    return a.index == b.index && a.sub == b.sub;
+  }
   // What changes values. True: somebody sees another value than before.
   bool move_values(can::Time now);
+  bool sample(can::Time now);
   [[nodiscard]] bool is_moved(const Motion& motion, can::Time now) const noexcept;
   void plan_sample(can::Time now) noexcept;
   bool echo_values() { return echoes_ && move_echoes(); }
@@ -154,23 +163,25 @@ class Device final : public can::Participant, private canopen::NodeListener {
 
   std::shared_ptr<const eds::DeviceFile> file_;
   can::Gate gate_;  // between the node and the sink
+  // What a sample, or a frame, of a device needs that has nothing but moving values lies together.
   canopen::Node node_;
   std::unique_ptr<DeviceLss> lss_;
-  DeviceOptions options_;
-  std::unique_ptr<DeviceApplication> application_;
   std::vector<Motion> motions_;
-  std::vector<Playback> playbacks_;
-  Script script_;
-  Forcing forcing_{node_.dictionary()};
-  ForceListener* force_listener_ = nullptr;
-  canopen::NodeListener* listener_ = nullptr;
-  can::Time next_row_ = can::never;  // of the playbacks
   can::Time next_sample_ = can::never;
   can::Time sampled_from_ = can::never;  // samples are at multiples of the interval after this; never: none
+  can::Time next_row_ = can::never;      // of the playbacks
   bool samples_ = false;                 // something else than constants and echoes
   bool echoes_ = false;                  // some of them
   bool written_ = false;                 // perhaps a moving value, by somebody else
+  bool is_simple_ = false;               // it has values to sample, and does nothing else by itself
   bool is_on_ = false;
+  Forcing forcing_{node_.dictionary()};
+  std::unique_ptr<DeviceApplication> application_;
+  DeviceOptions options_;
+  std::vector<Playback> playbacks_;
+  Script script_;
+  ForceListener* force_listener_ = nullptr;
+  canopen::NodeListener* listener_ = nullptr;
 };
 
 }  // namespace canopus::sim
