@@ -115,7 +115,8 @@ class Saver final : public can::Participant {
 class PlantSlices : public support::PlantFolder {
  protected:
   /// All files by name, and what was printed, of 4 s. Without slices: the whole runs together.
-  std::map<std::string, std::string> run(std::size_t threads, can::Duration slice, bool apart = true) {
+  std::map<std::string, std::string> run(std::size_t threads, can::Duration least, can::Duration most,
+                                         bool apart = true) {
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directory(folder_);
     write("saving.eds",
@@ -134,7 +135,8 @@ class PlantSlices : public support::PlantFolder {
     const can::Time end(4s);
     if (apart) {
       serve::PlantSlices slices(
-          *plant, {.threads = threads, .slice = slice, .met = [&recording] { recording.parts_met(); }});
+          *plant,
+          {.threads = threads, .least = least, .most = most, .met = [&recording] { recording.parts_met(); }});
       slices.run_until(can::Time(1234567us));
       slices.run_until(end);
     } else {
@@ -169,7 +171,7 @@ TEST_F(PlantSlices, Buses_AreOnePartIfARackOrABridgeJoinsThem) {
 }
 
 TEST_F(PlantSlices, EveryNumberOfThreadsAndEverySlice_GivesTheSameBytes) {
-  const auto together = run(1, 100ms, false);
+  const auto together = run(1, 100ms, 100ms, false);
   // The test is worth something: there are errors on the wire, two masters, frames of all buses, and stored files.
   const std::string& events = together.at("events");
   for (const char* word :
@@ -185,14 +187,20 @@ TEST_F(PlantSlices, EveryNumberOfThreadsAndEverySlice_GivesTheSameBytes) {
   EXPECT_GE(stored, 4U);
 
   for (const std::size_t threads : {1, 2, 4}) {
-    for (const can::Duration slice : std::array<can::Duration, 3>{3'141us, 100ms, 3s}) {
-      const auto apart = run(threads, slice);
+    struct Slices {
+      can::Duration least;
+      can::Duration most;
+    };
+    for (const Slices slices :
+         std::array<Slices, 4>{{{3'141us, 3'141us}, {100ms, 100ms}, {3s, 3s}, {7ms, 3s}}}) {
+      const auto apart = run(threads, slices.least, slices.most);
       EXPECT_EQ(apart.size(), together.size());
       for (const auto& [name, bytes] : together) {
         const auto found = apart.find(name);
         ASSERT_NE(found, apart.end()) << name;
         EXPECT_TRUE(found->second == bytes)
-            << name << " differs with " << threads << " threads and slices of " << slice / 1us << " us";
+            << name << " differs with " << threads << " threads and slices of " << slices.least / 1us
+            << " to " << slices.most / 1us << " us";
       }
     }
   }
@@ -223,7 +231,7 @@ TEST_F(PlantSlices, WhoBelongsToNoPart_FindsAllPartsAtHisMoment) {
   Looker looker(*plant);
   plant->timeline().add(looker, "looker");
   plant->power_on();
-  serve::PlantSlices slices(*plant, {.threads = 2, .slice = 30ms});
+  serve::PlantSlices slices(*plant, {.threads = 2, .least = 30ms, .most = 30ms});
   for (can::Time end{}; end < can::Time(1s);) slices.run_until(end += 45ms);
   EXPECT_EQ(looker.looks, 6U);
   EXPECT_EQ(plant->timeline().now(), can::Time(1035ms));

@@ -264,12 +264,13 @@ void Run::run_in_virtual_time() {
   plant_->power_on();
   const can::Timeline& timeline = plant_->timeline();
   const std::size_t threads = options_.threads != 0 ? options_.threads : std::thread::hardware_concurrency();
+  // When the run ends because all has come up is a matter of plant time alone.
+  constexpr can::Duration look = 100ms;
   serve::PlantSlices slices(*plant_, {.threads = std::max<std::size_t>(1, threads),
-                                      .slice = 100ms,
+                                      .least = look,
+                                      .most = expected_ ? look : 8 * look,
                                       .met = [this] { recording_.parts_met(); }});
-  while (timeline.now() < end && goes_on(0) && !expectation_over()) {
-    slices.run_until(std::min(can::later(timeline.now(), 100ms), end));
-  }
+  while (timeline.now() < end && goes_on(0) && !expectation_over()) slices.run_slice(end);
 }
 
 /// The nodes are all operational, or it is too late for them.

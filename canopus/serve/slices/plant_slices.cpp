@@ -9,15 +9,29 @@ PlantSlices::PlantSlices(plant::Plant& plant, Use use)
     : plant_(plant), use_(std::move(use)), workers_(std::min(use_.threads, plant.timeline().part_count())) {}
 
 void PlantSlices::run_until(can::Time end) {
+  do run_slice(end);
+  while (plant_.timeline().now() < end);
+}
+
+void PlantSlices::run_slice(can::Time end) {
   can::Timeline& timeline = plant_.timeline();
+  const can::Time slice_end = std::min(can::later(timeline.now(), slice_), end);
+  const auto start = std::chrono::steady_clock::now();
   // Who belongs to no part may look at any of them.
-  if (timeline.part_count() == 0 || timeline.outside_next() <= end) return timeline.run_until(end);
-  while (timeline.now() < end) {
-    const can::Time slice_end = std::min(can::later(timeline.now(), use_.slice), end);
+  if (timeline.part_count() == 0 || timeline.outside_next() <= slice_end) {
+    timeline.run_until(slice_end);
+  } else {
     workers_.run(timeline.part_count(), [&](std::size_t part) { timeline.part(part).run_apart(slice_end); });
     plant_.parts_met(slice_end);
     if (use_.met) use_.met();
   }
+  follow_the_clock(std::chrono::steady_clock::now() - start);
+}
+
+void PlantSlices::follow_the_clock(std::chrono::steady_clock::duration taken) noexcept {
+  using namespace std::chrono_literals;
+  if (taken < 10ms) slice_ = std::min(2 * slice_, use_.most);
+  if (taken > 40ms) slice_ = std::max(slice_ / 2, use_.least);
 }
 
 }  // namespace canopus::serve

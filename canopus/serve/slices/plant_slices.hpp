@@ -16,8 +16,11 @@ namespace canopus::serve {
 class PlantSlices {
  public:
   struct Use {
-    std::size_t threads = 1;                               ///< at most; never more than parts
-    can::Duration slice = std::chrono::milliseconds(100);  ///< > 0
+    std::size_t threads = 1;  ///< at most; never more than parts
+    /// Plant time, > 0: of the first slice, and of the longest one. A slice is twice as long as the one before as long as that
+    /// takes less than 10 ms of real time: the longer a part runs, the less often its memory has to come into the caches.
+    can::Duration least = std::chrono::milliseconds(100);
+    can::Duration most = std::chrono::milliseconds(800);
     /// Called whenever the parts have met, for who keeps back what happened in them.
     std::function<void()> met{};
   };
@@ -26,10 +29,15 @@ class PlantSlices {
 
   /// As can::Timeline::run_until().
   void run_until(can::Time end);
+  /// The same for one slice, which ends at `end` at the latest. For who has to look at something now and then.
+  void run_slice(can::Time end);
 
  private:
+  void follow_the_clock(std::chrono::steady_clock::duration taken) noexcept;
+
   plant::Plant& plant_;
   Use use_;
+  can::Duration slice_ = use_.least;
   WorkerThreads workers_;
 };
 
