@@ -6,6 +6,8 @@
 #include <atomic>
 #include <cerrno>
 #include <csignal>
+#include <filesystem>
+#include <iterator>
 #include <string>
 #include <thread>
 
@@ -75,6 +77,34 @@ TEST(OutputQueue, LinesComeInOrder) {
   queue.json({{"three", 3}});
   EXPECT_EQ(queue.finish(forever), 0U);
   EXPECT_EQ(pipe.read_until("}\n"), "one\ntwo 2\n{\"three\":3}\n");
+}
+
+TEST(OutputQueue, ThreadIsThereFromTheFirstLineOn) {
+  const auto threads = [] {
+    const std::filesystem::directory_iterator all("/proc/self/task");
+    return std::distance(begin(all), end(all));
+  };
+  Pipe pipe;
+  const auto before = threads();
+  OutputQueue queue(pipe.writer(), {});
+  EXPECT_TRUE(queue.is_idle());
+  EXPECT_TRUE(queue.flush(forever));
+  EXPECT_EQ(threads(), before);
+  queue.line("one");
+  EXPECT_EQ(threads(), before + 1);
+  EXPECT_EQ(queue.finish(forever), 0U);
+  EXPECT_EQ(pipe.read_until("\n"), "one\n");
+}
+
+TEST(OutputQueue, NothingIsPrintedAfterTheEndOfAQueueThatNobodyUsed) {
+  Pipe pipe;
+  OutputQueue queue(pipe.writer(), {});
+  EXPECT_EQ(queue.finish(forever), 0U);
+  queue.line("too late");
+  EXPECT_EQ(queue.lost(), 1U);
+  EXPECT_EQ(queue.finish(forever), 0U);
+  pipe.close_writer();
+  EXPECT_EQ(pipe.read_until("late\n"), "");
 }
 
 TEST(OutputQueue, UnreadLinesAreLostAndTheirNumberIsSaidAtTheirPlace) {

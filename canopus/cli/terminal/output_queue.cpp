@@ -162,7 +162,9 @@ void OutputQueue::Shared::run() {
 }
 
 OutputQueue::OutputQueue(int descriptor, Use use)
-    : shared_(std::make_shared<Shared>(descriptor, std::move(use))) {
+    : shared_(std::make_shared<Shared>(descriptor, std::move(use))) {}
+
+void OutputQueue::start_thread() {
   // Signals are for the thread that runs the plant.
   sigset_t all, before;
   sigfillset(&all);
@@ -175,6 +177,7 @@ OutputQueue::~OutputQueue() { (void)finish({}); }
 
 void OutputQueue::write(std::string_view text) {
   std::unique_lock lock(shared_->mutex);
+  if (!thread_.joinable() && !shared_->closing) start_thread();
   const auto settled = [&] { return !shared_->is_open() || shared_->fits(text.size()); };
   if (gathers_ && !settled()) shared_->work.notify_one();
   if (!shared_->wait(lock, patience_, settled) || !shared_->is_open()) {
@@ -205,10 +208,10 @@ bool OutputQueue::flush(const Patience& patience) {
 }
 
 std::uint64_t OutputQueue::finish(const Patience& patience) {
-  if (!thread_.joinable()) return 0;
-  (void)flush(patience);
+  if (thread_.joinable()) (void)flush(patience);
   std::unique_lock lock(shared_->mutex);
   shared_->closing = true;
+  if (!thread_.joinable()) return 0;
   std::uint64_t unread = 0;
   if (!shared_->idle()) {
     const std::string_view rest = std::string_view(shared_->batch).substr(shared_->written);

@@ -1,6 +1,7 @@
 #pragma once
 // A bounded queue of lines in front of a descriptor that may be slow, or that nobody reads: a pipe, a stopped
-// terminal. A thread of its own writes; who prints never waits for the reader, unless asked to.
+// terminal. A thread of its own writes; who prints never waits for the reader, unless asked to. It is there from the first
+// line on: system calls and locks of a process with one thread cost less.
 //
 //   print -> waiting lines (at most `capacity` octets) -> thread -> descriptor
 //
@@ -62,6 +63,7 @@ class OutputQueue final : public Output {
  private:
   struct Shared;
   void write(std::string_view text) override;
+  void start_thread();
 
   std::shared_ptr<Shared> shared_;  // the thread's, too: it may be stuck in the kernel when this one goes
   std::thread thread_;
