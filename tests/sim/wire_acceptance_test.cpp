@@ -11,7 +11,7 @@
 namespace canopus::sim::test {
 namespace {
 
-constexpr std::size_t hearing_ports = 70;  // more than a word of them
+constexpr std::uint32_t hearing_ports = 70;  // more than a word of them
 
 struct AcceptanceStep {
   std::size_t port;

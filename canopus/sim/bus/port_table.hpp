@@ -52,7 +52,10 @@ class AcceptanceTable {
     if (frame.extended) return {};
     const std::size_t identifier = frame.identifier & can::max_base_identifier;
     Looked& looked = looked_[identifier];
-    if (looked.first == not_looked) looked = look_for_few(identifier);
+    if (looked.first == not_looked) {
+      looked = look_for_few(identifier);
+      has_looked_ = true;
+    }
     return {looked.first != many, looked.first, looked.second};
   }
   /// Makes room for `ports` ports; the new ones accept nothing yet.
@@ -78,7 +81,8 @@ class AcceptanceTable {
       set(port, identifier, now[identifier]);
       looked_[identifier].first = not_looked;
     }
-    if (former.base.all() != wanted.base.all()) std::ranges::fill(looked_, Looked{});
+    if (former.base.all() != wanted.base.all() && std::exchange(has_looked_, false))
+      std::ranges::fill(looked_, Looked{});
     set(port, every_base_row, wanted.base.all());
     set(port, extended_row, wanted.extended);
   }
@@ -117,6 +121,7 @@ class AcceptanceTable {
   std::size_t words_ = 0;
   std::vector<std::uint64_t> bits_;
   std::vector<Looked> looked_ = std::vector<Looked>(can::max_base_identifier + 1);  // by identifier
+  bool has_looked_ = false;  // for some, since all were forgotten
 };
 
 /// The lowest of one key per port at any time. Data frames with base identifiers, nearly all there are on a CANopen bus, are
