@@ -218,6 +218,7 @@ AbortCode NmtMaster::request_configuration(std::uint8_t node_id, can::Time now) 
   if (is_empty_concise_dcf(concise_dcf(node_id))) return AbortCode::no_data;
   BootSlave& boot = start_up_.boot_of(node_id);
   if (boot.running()) return AbortCode::device_state;
+  link_.set_time(now);
   boot.configure(now);
   refresh(node_id);
   return AbortCode::none;
@@ -235,6 +236,7 @@ AbortCode NmtMaster::read_object(std::uint8_t node_id, std::uint16_t index, std:
                                  const SdoRequestOptions& request_options) {
   const AbortCode refusal = check_sdo_request(node_id);
   if (refusal == AbortCode::none) {
+    link_.set_time(now);
     requests_.upload(node_id, index, sub, std::move(done), now, request_options);
   }
   return refusal;
@@ -245,6 +247,7 @@ AbortCode NmtMaster::write_object(std::uint8_t node_id, std::uint16_t index, std
                                   const SdoRequestOptions& request_options) {
   const AbortCode refusal = check_sdo_request(node_id);
   if (refusal == AbortCode::none) {
+    link_.set_time(now);
     requests_.download(node_id, index, sub, value, std::move(done), now, request_options);
   }
   return refusal;

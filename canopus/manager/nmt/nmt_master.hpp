@@ -163,6 +163,7 @@ class NmtMaster final : public can::Participant, private MasterContext, private 
   }
   /// Ends those to one node, or to all (0), with local_control.
   void cancel_requests(std::uint8_t node_id, can::Time now) {
+    link_.set_time(now);
     requests_.cancel(node_id, canopen::AbortCode::local_control, now);
   }
 
