@@ -36,7 +36,7 @@ void FlyingStartUp::stop() noexcept {
 }
 
 bool FlyingStartUp::receive(const can::Frame& frame, can::Time now) {
-  if (!hears() && frame.identifier != canopen::cob_id::nmt) return false;
+  if (flying_.state() == FlyingMaster::State::off && frame.identifier != canopen::cob_id::nmt) return false;
   flying_.receive(frame, now);
   return true;
 }

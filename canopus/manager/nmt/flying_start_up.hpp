@@ -28,8 +28,6 @@ class FlyingStartUp final : private FlyingMasterUser {
   /// Node-ID of the active master that is known of, 0 = none.
   [[nodiscard]] std::uint8_t active_master() const noexcept { return flying_.active_master(); }
 
-  /// False: receive() does nothing but with NMT commands.
-  [[nodiscard]] bool hears() const noexcept { return flying_.state() != FlyingMaster::State::off; }
   /// True when there may be new deadlines.
   bool receive(const can::Frame& frame, can::Time now);
   void tick(can::Time now) {

@@ -16,8 +16,8 @@
 //   master_context.hpp     what these share; slave.hpp: what is known of one slave
 //
 // Driving it: MasterNode does (master_node.hpp). Otherwise the owner of node and master
-//   - calls receive(frame, now) for every frame, *after* Node::receive; tick() and deadline() as of any
-//     Participant;
+//   - calls receive(frame, now) for every frame, *after* Node::receive (PDOs may be left out: nothing is done with
+//     them); tick() and deadline() as of any Participant;
 //   - forwards what its NodeListener hears:  nmt_state_changed   -> own_state_changed
 //                                            heartbeat_received  -> heartbeat_received
 //                                            heartbeat_lost      -> heartbeat_lost
@@ -65,10 +65,6 @@ class NmtMaster final : public can::Participant, private MasterContext, private 
   /// Gives everything up: no longer active, all states unknown, no frame is sent.
   void stop(can::Time now);
   void receive(const can::Frame& frame, can::Time now) override;
-  /// receive() would do nothing with a frame of an identifier that PDOs have by default.
-  [[nodiscard]] bool ignores_pdos() const noexcept {
-    return !link_.is_sending() && !link_.has_kept() && !lss_active() && !flying_.hears();
-  }
   /// SDO requests that wait for a full bus do not time out if the owner passes this on.
   void transmitted(const can::Frame& frame, can::Time now) override;
   void tick(can::Time now) override;
