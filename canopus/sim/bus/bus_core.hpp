@@ -72,8 +72,8 @@ struct BusCore {
   can::BusStatistics statistics;
   AcceptanceTable acceptance;
   FaultPlan plan;
-  bool had_faults =
-      false;  // some rule was set: what they do to the bus beside its frames has to be looked for
+  // Some rule was set: what they do to the bus beside its frames has to be looked for.
+  bool had_faults = false;
   std::unique_ptr<LineClocks>
       clocks;  // of a line with length; null: levels are seen at once, and clocks are perfect
   std::uint64_t frame_number = 0;  // of frames that were computed as a whole

@@ -252,7 +252,7 @@ void Device::controller_changed(can::Time now) { node_.controller_changed(now); 
 
 void Device::tick(can::Time now) {
   if (lss_ && lss_->deadline() <= now) lss_->tick(now);
-  if (is_simple_ && forcing_.all().empty()) [[likely]] {
+  if (only_samples()) [[likely]] {
     const bool moved = next_sample_ <= now && sample(now);
     if (node_.deadline() <= now) node_.tick(now);
     return after_event(now, moved);
@@ -268,7 +268,7 @@ void Device::tick(can::Time now) {
 
 can::Time Device::deadline() const noexcept {
   can::Time next = std::min(node_.deadline(), next_sample_);
-  if (is_simple_ && forcing_.all().empty()) [[likely]]
+  if (only_samples()) [[likely]]
     return lss_ ? std::min(next, lss_->deadline()) : next;
   if (next_row_ < next) next = next_row_;
   if (forcing_.deadline() < next) next = forcing_.deadline();

@@ -140,6 +140,8 @@ class Device final : public can::Participant, private canopen::NodeListener {
            forcing_.all().empty();
   }
   void see_what_it_does() noexcept;
+  /// It does nothing but sample, and nothing is forced.
+  [[nodiscard]] bool only_samples() const noexcept { return is_simple_ && forcing_.all().empty(); }
   [[nodiscard]] static bool same(const canopen::Entry& a, const canopen::Entry& b) noexcept {
     return a.index == b.index && a.sub == b.sub;
   }
