@@ -31,7 +31,7 @@ void Pace::set_speed(double speed, can::Time now, can::Duration elapsed, can::Ti
   together_at_speed_ = times(together_, std::max(1.0, speed));
 }
 
-Pace::Step Pace::step(const Reading& reading, can::Time now, can::Time due) noexcept {
+Pace::Step Pace::step_with_care(const Reading& reading, can::Time now, can::Time due) noexcept {
   Step step;
   can::Duration present = reading.elapsed - stood_still_;
   // Until the deadline the process was free to sleep; it is absent from there on.

@@ -117,7 +117,7 @@ void RealTime::advance() {
   const Pace::Step step = pace_.step(reading, timeline_.now(), due);
   lag_ = step.lag;
   largest_lag_ = std::max(largest_lag_, lag_);
-  report(step, reading.elapsed);
+  if (step.lag != can::Duration{} || step.suspended != can::Duration{}) report(step, reading.elapsed);
   const can::Time until = std::min(step.run_until, end_);
   timeline_.run_until(until);
   if (next_ <= until) next_ = timeline_.next();

@@ -1,18 +1,20 @@
 #include "canopus/serve/tcp_server.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <ctime>
 #include <utility>
 #include <vector>
 
-#include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 
 #include "canopus/link/tcp_port.hpp"
+#include "canopus/link/watched_socket.hpp"
 #include "canopus/serve/connection_timer.hpp"
 
 namespace canopus::serve {
@@ -31,7 +33,10 @@ struct CoarseClock {
   }
 };
 
-struct TcpServer::Parts {
+/// Where the end of a stream came together with its last bytes, it is found so late.
+constexpr auto look_again_after = std::chrono::milliseconds(10);
+
+struct TcpServer::Parts : std::enable_shared_from_this<Parts> {
   Parts(asio::io_context& io, plc::Rack& the_rack, link::LoopClock& the_clock, std::string the_protocol,
         MakeConversation the_make, TcpServerOptions the_options, link::ClientReport the_report)
       : context(io),
@@ -41,10 +46,13 @@ struct TcpServer::Parts {
         make(std::move(the_make)),
         options(std::move(the_options)),
         report(std::move(the_report)),
-        port(io) {}
+        port(io),
+        look_timer(io) {}
 
   void admit(tcp::socket socket);
   [[nodiscard]] bool make_room(const std::string& newcomer);
+  void look_again_soon();
+  void look_again();
   void remove(const Connection& connection);
   void say(const std::string& client, const std::string& what) const {
     if (report) report(client + ' ' + what);
@@ -58,6 +66,8 @@ struct TcpServer::Parts {
   TcpServerOptions options;
   link::ClientReport report;
   link::TcpPort port;
+  asio::steady_timer look_timer;  // of connections that may have more to read than anybody tells of
+  bool looks_again = false;
   std::vector<std::shared_ptr<Connection>> connections;
   std::uint64_t requests = 0;
   std::uint64_t heard = 0;  // messages from clients and connections, so far
@@ -65,22 +75,27 @@ struct TcpServer::Parts {
 
 /// One client. Handlers hold it; it forgets the server when the server is gone.
 class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
-                              private plc::EndProcessing::Requests {
+                              private plc::EndProcessing::Requests,
+                              private link::WatchedSocket::User {
  public:
-  Connection(Parts& parts, tcp::socket socket)
+  Connection(Parts& parts, tcp::socket socket, std::string name)
       : parts_(&parts),
-        socket_(std::move(socket)),
-        name_(link::name_of_peer(socket_)),
+        name_(std::move(name)),
         heard_number_(++parts.heard),
         timer_(parts.context),
-        session_(parts.make(link::address_of_peer(socket_))) {}
+        session_(parts.make(link::address_of_peer(socket))),
+        socket_(parts.context, std::move(socket), *this) {}
 
   void start() {
-    error_code ignored;
-    socket_.set_option(tcp::no_delay(true), ignored);
-    socket_.non_blocking(true, ignored);
+    if (socket_.native_handle() < 0) return end("cannot be listened to, as the system is out of memory");
+    set(IPPROTO_TCP, TCP_NODELAY, 1);
     check_alive();
     receive();
+  }
+
+  /// Reads what nobody would tell of.
+  void look_again() {
+    if (parts_ != nullptr && socket_.is_doubtful() && is_receiving_ && !is_sending_) read();
   }
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
@@ -92,72 +107,58 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
   void close() noexcept {
     if (parts_ != nullptr) parts_->rack.end_processing().leave(*this);
     parts_ = nullptr;
-    error_code ignored;
-    socket_.shutdown(tcp::socket::shutdown_both, ignored);
-    socket_.close(ignored);
+    socket_.close();
     timer_.stop();
   }
 
  private:
-  /// Bytes go where the session wants them. While requests wait for the END they are read when they are there, as the
-  /// END moves those before them.
+  /// Bytes go where the session wants them, when they are there: the END of a scan may move those before them.
   void receive() {
-    if (is_receiving_ || is_sending_ || input_ended_) return;
-    const auto space = session_->space();
-    if (space.empty()) return;
-    if (is_waiting_) return wait_to_receive();
-    // All that is complete has been answered, so nobody moves bytes of the session until these are there.
-    is_receiving_ = true;
-    socket_.async_read_some(asio::buffer(space.data(), space.size()),
-                            [self = shared_from_this()](const error_code& error, std::size_t count) {
-                              if (self->parts_ == nullptr) return;
-                              self->is_receiving_ = false;
-                              self->received(error, count);
-                            });
+    if (is_receiving_ || is_sending_ || input_ended_ || session_->space().empty()) return;
+    wait_to_read();
   }
 
-  void wait_to_receive() {
-    is_receiving_ = true;
-    socket_.async_wait(tcp::socket::wait_read, [self = shared_from_this()](const error_code& error) {
-      if (self->parts_ == nullptr) return;
-      self->is_receiving_ = false;
-      if (error) return self->end();
-      if (!self->is_sending_) self->read();
-    });
+  void wait_to_read() {
+    if (std::exchange(is_receiving_, true)) return;
+    socket_.wait_to_read(shared_from_this());
+  }
+
+  void can_read() override {
+    is_receiving_ = false;
+    if (!is_sending_) read();
   }
 
   void read() {
     const auto space = session_->space();
-    error_code error;
-    const std::size_t count = socket_.read_some(asio::buffer(space.data(), space.size()), error);
+    if (space.empty()) return;  // work() makes some, and goes on
+    const auto read = socket_.read(space);
     // Not receive(): what an END has left may still be in the session.
-    if (error == asio::error::would_block) return wait_to_receive();
-    received(error, count);
-  }
-
-  void received(const error_code& error, std::size_t count) {
-    if (error) {
-      input_ended_ = true;
-      // What it has asked is still done and answered.
-      if (is_waiting_ || !session_->output().empty()) return;
-      return end(error == asio::error::timed_out ? "does not answer the alive check any more" : nullptr);
-    }
+    if (read.has_to_wait()) return wait_to_read();
+    if (read.count == 0) return end_input(read.error);
+    parts_->look_again_soon();
     heard_at_ = CoarseClock::now();
     heard_number_ = ++parts_->heard;
-    session_->received(count);
+    session_->received(read.count);
     work();
+  }
+
+  void end_input(int error) {
+    input_ended_ = true;
+    // What it has asked is still done and answered.
+    if (is_waiting_ || !session_->output().empty()) return;
+    end(error == ETIMEDOUT ? "does not answer the alive check any more" : nullptr);
+  }
+
+  void set(int level, int name, int value) noexcept {
+    ::setsockopt(socket_.native_handle(), level, name, &value, sizeof value);
   }
 
   void check_alive() {
     const TcpServerOptions& options = parts_->options;
-    const auto set = [this](int name, int value) {
-      ::setsockopt(socket_.native_handle(), IPPROTO_TCP, name, &value, sizeof value);
-    };
-    error_code ignored;
-    socket_.set_option(asio::socket_base::keep_alive(true), ignored);
-    set(TCP_KEEPIDLE, static_cast<int>(options.alive_check_start.count()));
-    set(TCP_KEEPINTVL, static_cast<int>(options.alive_check_interval.count()));
-    set(TCP_KEEPCNT, options.alive_checks);
+    set(SOL_SOCKET, SO_KEEPALIVE, 1);
+    set(IPPROTO_TCP, TCP_KEEPIDLE, static_cast<int>(options.alive_check_start.count()));
+    set(IPPROTO_TCP, TCP_KEEPINTVL, static_cast<int>(options.alive_check_interval.count()));
+    set(IPPROTO_TCP, TCP_KEEPCNT, options.alive_checks);
   }
 
   /// Sends what is answered, and answers what is complete, until there is nothing more, the client does not take
@@ -205,18 +206,18 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
 
   /// False when the rest has to wait, or the connection is at its end.
   bool send() {
-    for (auto output = session_->output(); !output.empty(); output = session_->output()) {
-      error_code error;
-      const std::size_t count = socket_.write_some(asio::buffer(output.data(), output.size()), error);
-      if (error == asio::error::would_block) {
+    for (auto output = session_->output(); !output.empty();) {
+      const auto written = socket_.write(output);
+      if (written.has_to_wait()) {
         wait_to_send();
         return false;
       }
-      if (error) {
+      if (written.error != 0) {
         end();
         return false;
       }
-      session_->sent(count);
+      session_->sent(written.count);
+      output = output.subspan(written.count);
     }
     return true;
   }
@@ -224,13 +225,13 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
   void wait_to_send() {
     is_sending_ = true;
     set_timer(parts_->options.send_timeout, "does not take its replies");
-    socket_.async_wait(tcp::socket::wait_write, [self = shared_from_this()](error_code error) {
-      if (self->parts_ == nullptr) return;
-      if (error) return self->end();
-      self->timer_.stop();
-      self->is_sending_ = false;
-      self->work();
-    });
+    socket_.wait_to_write(shared_from_this());
+  }
+
+  void can_write() override {
+    timer_.stop();
+    is_sending_ = false;
+    work();
   }
 
   /// A request that has begun has its time; one that is answered gives the next its own.
@@ -255,7 +256,6 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
   }
 
   Parts* parts_;
-  tcp::socket socket_;
   std::string name_;
   std::uint64_t heard_number_;
   CoarseClock::time_point heard_at_ = CoarseClock::now();
@@ -265,14 +265,29 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
   bool is_waiting_ = false;    // for the END of the scan
   bool input_ended_ = false;   // nothing more comes
   std::unique_ptr<Conversation> session_;
+  link::WatchedSocket socket_;
 };
 
 void TcpServer::Parts::admit(tcp::socket socket) {
   const std::string name = link::name_of_peer(socket);
   if (!link::is_allowed(socket, options.allowed)) return say(name, "is not allowed to connect");
   if (connections.size() >= options.maximum_clients && !make_room(name)) return;
-  connections.push_back(std::make_shared<Connection>(*this, std::move(socket)));
+  connections.push_back(std::make_shared<Connection>(*this, std::move(socket), name));
   connections.back()->start();
+}
+
+void TcpServer::Parts::look_again_soon() {
+  if (std::exchange(looks_again, true)) return;
+  look_timer.expires_after(look_again_after);
+  look_timer.async_wait([self = shared_from_this()](const error_code& error) {
+    if (!error) self->look_again();
+  });
+}
+
+void TcpServer::Parts::look_again() {
+  looks_again = false;
+  const auto all = connections;  // one that is at its end leaves them
+  for (const auto& connection : all) connection->look_again();
 }
 
 /// Closes the connection from which nothing has come for the longest time, if that is long enough.
@@ -321,6 +336,7 @@ std::uint64_t TcpServer::requests() const noexcept { return parts_->requests; }
 
 void TcpServer::stop() noexcept {
   parts_->port.close();
+  parts_->look_timer.cancel();
   for (const auto& connection : parts_->connections) connection->close();
   parts_->connections.clear();
 }

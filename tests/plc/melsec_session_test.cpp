@@ -66,6 +66,28 @@ TEST(MelsecSession, HasRequest_WhereWhatHasComeIsNone_UntilTheSessionIsOver) {
   }
 }
 
+TEST(MelsecSession, AskedInBetween_ItAnswersTheSame) {
+  const std::string two_words = bytes("50 00 00 ff ff 03 00 0c 00 10 00 01 04 00 00 64 00 00 a8 02 00");
+  std::string other_serial = read_d100;
+  other_serial[2] = 7;
+  const std::string stream = read_d100 + two_words + other_serial + bytes("50 00 00 ff ff 03 00 02 00 10 00");
+  const std::string plain = Plc().raw(stream);
+  for (std::size_t cut = 1; cut <= stream.size(); ++cut) {
+    Plc plc;
+    const auto receive = [&plc](const std::string& part) {
+      std::ranges::copy(part, plc.session->space().begin());
+      plc.session->received(part.size());
+    };
+    receive(stream.substr(0, cut));
+    (void)plc.session->has_request();
+    if (cut < stream.size()) receive(stream.substr(cut));
+    plc.session->process(plc.now);
+    const auto output = plc.session->output();
+    EXPECT_EQ(shown({reinterpret_cast<const char*>(output.data()), output.size()}), shown(plain))
+        << "asked after " << cut << " bytes";
+  }
+}
+
 TEST(MelsecSession, RequestsInOneSegment_AreAnsweredInOneOutput) {
   Plc plc;
   std::string requests;

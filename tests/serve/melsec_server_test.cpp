@@ -251,6 +251,19 @@ TEST_F(MelsecServerTest, AClientThatEndsItsStreamBehindItsRequests_IsAnsweredAnd
   EXPECT_THAT(reports_, ::testing::IsEmpty());
 }
 
+TEST_F(MelsecServerTest, UrgentBytesOfAClient_AreNoneOfItsRequests_AndHideNothing) {
+  start();
+  auto client = connect();
+  send(client, read_d100);
+  ASSERT_EQ(::send(client.native_handle(), "!", 1, MSG_OOB), 1);
+  send(client, read_d100);
+  std::string replies = receive(client);
+  if (replies.size() == read_d100_reply.size()) replies += ' ' + receive(client);
+  EXPECT_EQ(replies, read_d100_reply + ' ' + read_d100_reply);
+  client.shutdown(tcp::socket::shutdown_send);
+  EXPECT_EQ(receive(client), "closed");
+}
+
 TEST_F(MelsecServerTest, MoreClientsThanAllowed_AreClosedAtOnce) {
   start({.maximum_clients = 2});
   auto first = connect();

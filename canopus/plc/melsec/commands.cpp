@@ -40,8 +40,7 @@ EndCode Commands::execute(const Command& command, FieldReader& data, FieldWriter
     case 0x0801: {
       const std::optional<unsigned> found = device_subcommand(subcommand, rack_.model());
       if (!found) return EndCode::unknown_command;
-      const bool octal_io = rack_.model().number_base(Device::x) == 8;
-      const Kind kind{{(*found & 2U) != 0, (*found & 0x80U) != 0, octal_io}, (*found & 1U) != 0};
+      const Kind kind{{(*found & 2U) != 0, (*found & 0x80U) != 0, octal_io_}, (*found & 1U) != 0};
       const bool writes = number >= 0x1000;
       if (writes && !may_write()) return EndCode::online_change_disabled;
       switch (number) {

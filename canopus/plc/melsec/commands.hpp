@@ -41,7 +41,11 @@ class Commands {
  public:
   /// All must outlive this. `guard` counts wrong passwords; a port without a password needs none.
   Commands(Rack& rack, const PortSettings& settings, PasswordGuard* guard) noexcept
-      : rack_(rack), settings_(settings), guard_(guard), locked_(!settings.remote_password.empty()) {}
+      : rack_(rack),
+        settings_(settings),
+        guard_(guard),
+        octal_io_(rack.model().number_base(Device::x) == 8),
+        locked_(!settings.remote_password.empty()) {}
 
   /// `data` is what follows the subcommand; the reply's data go to `out`. With an end code other than
   /// completed, what is in `out` counts for nothing.
@@ -106,6 +110,7 @@ class Commands {
   Rack& rack_;
   const PortSettings& settings_;
   PasswordGuard* guard_;
+  bool octal_io_;
   bool locked_;
   bool has_reset_ = false;
   std::array<std::uint16_t, maximum_words> words_{};

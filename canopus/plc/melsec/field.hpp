@@ -137,7 +137,9 @@ class FieldWriter {
     for (const char character : characters) put(static_cast<std::uint8_t>(character));
   }
   void raw(std::span<const std::uint8_t> bytes) noexcept {
-    for (const std::uint8_t byte : bytes) put(byte);
+    if (bytes.empty()) return;
+    std::memcpy(memory_.subspan(size_, bytes.size()).data(), bytes.data(), bytes.size());
+    size_ += bytes.size();
   }
   void bits(std::span<const std::uint8_t> values) noexcept {
     if (code_ == DataCode::ascii) {

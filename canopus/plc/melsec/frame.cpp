@@ -1,5 +1,6 @@
 #include "canopus/plc/melsec/frame.hpp"
 
+#include <array>
 #include <string_view>
 
 namespace canopus::plc::melsec {
@@ -75,6 +76,16 @@ HeaderResult read_header(std::span<const std::uint8_t> bytes, DataCode code) noe
 
 std::size_t begin_reply(FieldWriter& out, const FrameHeader& request, EndCode end_code) noexcept {
   const bool ascii = out.code() == DataCode::ascii;
+  if (!ascii && !request.is_4e) {  // what nearly every client gets
+    const Route& route = request.route;
+    const std::size_t begin = out.size();
+    const auto low = [](unsigned value) { return static_cast<std::uint8_t>(value); };
+    const auto code = static_cast<unsigned>(end_code);
+    out.raw(std::array<std::uint8_t, 11>{0xD0, 0, route.network, route.pc, low(route.module_io),
+                                         low(unsigned{route.module_io} >> 8U), route.station, 0, 0, low(code),
+                                         low(code >> 8U)});
+    return begin + 7;
+  }
   if (request.is_4e) {
     out.text(ascii ? std::string_view("D400") : std::string_view("\xD4\0", 2));
     out.u16(request.serial);

@@ -53,7 +53,7 @@ bool Session::has_request() {
   const auto waiting = std::span(input_).first(input_size_);
   switch (frame_of(waiting[0])) {
     case Frame::is_3e: {
-      const HeaderResult head = read_header(waiting, *code_);
+      const HeaderResult& head = head_.emplace(read_header(waiting, *code_));
       if (head.state != HeaderResult::State::complete) return head.state == HeaderResult::State::malformed;
       return head.header.length > maximum_length || waiting.size() >= head.size + head.header.length;
     }
@@ -71,11 +71,12 @@ std::size_t Session::process(can::Time now) {
     const std::size_t waiting_output = output_size_;
     Step step;
     switch (frame_of(waiting[0])) {
-      case Frame::is_3e: step = next_3e(waiting, now); break;
+      case Frame::is_3e: step = next_3e(head_ ? *head_ : read_header(waiting, *code_), waiting, now); break;
       case Frame::is_1e: step = next_1e(waiting, now); break;
       case Frame::none: step.state = Step::State::unreadable; break;
     }
     if (step.state == Step::State::incomplete) break;
+    head_.reset();
     if (output_size_ != waiting_output) ++answered;
     over_ = step.state == Step::State::unreadable;
     used += step.size;
@@ -86,8 +87,8 @@ std::size_t Session::process(can::Time now) {
   return answered;
 }
 
-Session::Step Session::next_3e(std::span<const std::uint8_t> waiting, can::Time now) {
-  const HeaderResult head = read_header(waiting, *code_);
+Session::Step Session::next_3e(const HeaderResult& head, std::span<const std::uint8_t> waiting,
+                               can::Time now) {
   if (head.state == HeaderResult::State::incomplete) return {};
   if (head.state == HeaderResult::State::malformed) return {Step::State::unreadable, 0};
   const std::size_t length = head.header.length;

@@ -47,7 +47,10 @@ class Session {
 
   /// Where the next bytes go; never empty after process() unless output() is waiting to be sent.
   [[nodiscard]] std::span<std::uint8_t> space() noexcept { return std::span(input_).subspan(input_size_); }
-  void received(std::size_t count) noexcept { input_size_ += count; }
+  void received(std::size_t count) noexcept {
+    input_size_ += count;
+    head_.reset();
+  }
 
   /// process() has something to do: a request is complete, or what has come is none.
   [[nodiscard]] bool has_request();
@@ -83,7 +86,7 @@ class Session {
   [[nodiscard]] Frame frame_of(std::uint8_t first_byte);
   /// How long the 1E request in front is. In ASCII its letters are capitals from then on.
   [[nodiscard]] Request1e measure_1e(std::span<std::uint8_t> waiting);
-  Step next_3e(std::span<const std::uint8_t> waiting, can::Time now);
+  Step next_3e(const HeaderResult& head, std::span<const std::uint8_t> waiting, can::Time now);
   Step next_1e(std::span<std::uint8_t> waiting, can::Time now);
   Step answer(const FrameHeader& header, std::span<const std::uint8_t> body, can::Time now);
   void refuse(const FrameHeader& header, const Command& command, EndCode end_code);
@@ -92,6 +95,7 @@ class Session {
 
   PortSettings settings_;
   std::optional<DataCode> code_;
+  std::optional<HeaderResult> head_;  // of the 3E or 4E request in front, as has_request() found it
   Commands commands_;
   const Rules1e& rules_1e_;
   Commands1e commands_1e_;
