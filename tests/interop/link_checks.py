@@ -90,4 +90,4 @@ def plants_on_socketcan():
     candump and cansend take part; the interface goes down and up; bus-off and recovery."""
     for theirs, ours in (("vcan0", "vcan0"), ("can0", "can1")):
         done = in_machine("bash", HERE / "socketcan_plant.sh", program, theirs, ours)
-        require("socketcan plant ok" in done.stdout, f"{theirs} to {ours}:\n{done.stdout[-3000:]}\n{done.stderr[-2000:]}")
+        require("socketcan plant ok" in done.stdout, f"{theirs} to {ours}:\n{done.stdout[-12000:]}\n{done.stderr[-2000:]}")

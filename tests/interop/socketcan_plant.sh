@@ -7,7 +7,18 @@ examples=$(cd "$(dirname "$0")/../../examples" && pwd)
 work=$(mktemp -d)
 cd "$work" || exit 1
 trap 'kill $(jobs -p) 2>/dev/null' EXIT
-fail() { echo "socketcan plant: $*"; tail -n 5 module.json devices.json ./*.err; exit 1; }
+fail() {
+  echo "socketcan plant: $*"
+  local events
+  for events in devices.json module.json; do
+    echo "== $events: its last load, and what else has happened"
+    grep '"event":"load"' $events | tail -n 1
+    grep -v '"event":"load"' $events | tail -n 40
+  done
+  tail -n 5 ./*.err
+  ip -details -statistics link show "$ours"
+  exit 1
+}
 wait_for() {  # wait_for WHAT COMMAND...: until the command succeeds
   local what=$1 tries=0; shift
   until "$@"; do tries=$((tries + 1)); [ $tries -lt 300 ] || fail "$what"; sleep 0.2; done
