@@ -33,8 +33,11 @@ void TcpPort::State::accept() {
     // The system says so even when nobody waits; by now there may be descriptors again.
     if (failure == asio::error::no_descriptors) self->acceptor.accept(socket, failure);
     if (!failure) {
+      // Who has reset his connection meanwhile has no address any more, and nobody is there to be admitted.
+      error_code gone;
+      (void)socket.remote_endpoint(gone);
       const auto admit = self->users.admit;  // it may close the port
-      admit(std::move(socket));
+      if (!gone) admit(std::move(socket));
       if (self->acceptor.is_open()) self->accept();
       return;
     }

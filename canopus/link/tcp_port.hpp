@@ -19,7 +19,7 @@ class TcpPort {
   using Endpoint = boost::asio::ip::tcp::endpoint;
   using Socket = boost::asio::ip::tcp::socket;
   struct Users {
-    /// A client has connected.
+    /// A client has connected, and is still there.
     std::function<void(Socket socket)> admit{};
     /// A client has connected, and there is no file descriptor for it (no_descriptor_left). Its socket is closed
     /// behind this.

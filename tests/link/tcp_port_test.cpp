@@ -57,6 +57,20 @@ TEST_F(TcpPortTest, ClientsAreAdmitted_OneAfterTheOther) {
   EXPECT_EQ(refused, 0U);
 }
 
+TEST_F(TcpPortTest, WhoIsGoneBeforeItsTurn_IsNotAdmitted) {
+  listen();
+  tcp::socket gone(io), there(io);
+  connect(gone);
+  gone.set_option(asio::socket_base::linger(true, 0));
+  gone.close();
+  connect(there);
+  run_until([&] { return !admitted.empty(); });
+  ASSERT_EQ(admitted.size(), 1U);
+  boost::system::error_code failure;
+  EXPECT_EQ(admitted[0].remote_endpoint(failure), there.local_endpoint());
+  EXPECT_FALSE(failure);
+}
+
 TEST_F(TcpPortTest, PortInUse_IsASentenceWithItsAddress_AndNothingIsOpen) {
   listen();
   TcpPort other(io);
