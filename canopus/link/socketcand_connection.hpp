@@ -14,7 +14,7 @@
 
 #include "canopus/link/socketcand_server.hpp"
 #include "canopus/link/socketcand_session.hpp"
-#include "canopus/link/tcp_port.hpp"
+#include "canopus/link/tcp/tcp_port.hpp"
 
 namespace canopus::link {
 

@@ -13,8 +13,8 @@
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 
-#include "canopus/link/tcp_port.hpp"
-#include "canopus/link/watched_socket.hpp"
+#include "canopus/link/tcp/tcp_port.hpp"
+#include "canopus/link/tcp/watched_socket.hpp"
 #include "canopus/serve/connection_timer.hpp"
 
 namespace canopus::serve {

@@ -1,4 +1,4 @@
-#include "canopus/link/tcp_port.hpp"
+#include "canopus/link/tcp/tcp_port.hpp"
 
 #include <chrono>
 #include <functional>

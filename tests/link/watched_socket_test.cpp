@@ -1,7 +1,7 @@
 // On real sockets of the loopback interface; the test turns the event loop itself. What one end sends is there at the
 // other when send() has returned, so a turn of the loop without waiting finds it.
 
-#include "canopus/link/watched_socket.hpp"
+#include "canopus/link/tcp/watched_socket.hpp"
 
 #include <array>
 #include <cerrno>

@@ -17,7 +17,7 @@
 #include "canopus/client/gateway/gateway.hpp"
 #include "canopus/link/allow_list.hpp"
 #include "canopus/link/peer.hpp"
-#include "canopus/link/tcp_port.hpp"
+#include "canopus/link/tcp/tcp_port.hpp"
 
 namespace canopus::client {
 

@@ -11,7 +11,7 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
 
-#include "canopus/link/tcp_port.hpp"
+#include "canopus/link/tcp/tcp_port.hpp"
 #include "canopus/serve/web/web_gate.hpp"
 #include "canopus/serve/web/web_outbox.hpp"
 #include "canopus/serve/web/web_server.hpp"

@@ -222,9 +222,9 @@ void Segment::deliver_to_all(const can::Frame& frame, const BusPort& from, can::
   for (std::size_t word = 0; word < hearing_.size(); ++word) {
     std::uint64_t ports = wanted[word] & hearing_[word];
     while (ports != 0) {
-      BusPort& port = *core_.ports[64 * word + static_cast<std::size_t>(std::countr_zero(ports))];
+      const std::size_t number = 64 * word + static_cast<std::size_t>(std::countr_zero(ports));
       ports &= ports - 1;
-      if (&port != &from && !dropped(port)) port.hear(frame, now);
+      deliver_to(*core_.ports[number], frame, from, now);
     }
   }
 }

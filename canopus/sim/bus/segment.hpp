@@ -110,10 +110,12 @@ class Segment {
     const AcceptanceTable::Few few = core_.acceptance.few_for(frame);
     if (!few.are_known) return deliver_to_all(frame, from, now);
     for (const std::size_t number : {few.first, few.second}) {
-      if (number == AcceptanceTable::nobody || number == from.index) continue;
-      if ((hearing_[number / 64] >> number % 64 & 1) == 0) continue;
-      if (BusPort& port = *core_.ports[number]; !dropped(port)) port.hear(frame, now);
+      if (number == AcceptanceTable::nobody) continue;
+      if ((hearing_[number / 64] >> number % 64 & 1) != 0) deliver_to(*core_.ports[number], frame, from, now);
     }
+  }
+  void deliver_to(BusPort& port, const can::Frame& frame, const BusPort& from, can::Time now) {
+    if (&port != &from && !dropped(port)) port.hear(frame, now);
   }
   void deliver_to_all(const can::Frame& frame, const BusPort& from, can::Time now);
   [[nodiscard]] bool dropped(const BusPort& port) const noexcept {

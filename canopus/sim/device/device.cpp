@@ -141,35 +141,32 @@ bool Device::is_moved(const Motion& motion, can::Time now) const noexcept {
   return now < motion.next_change && node_.dictionary().get<std::uint64_t>(motion.target) == motion.moved_to;
 }
 
-bool Device::move_values(can::Time now) {
-  const canopen::ObjectDictionary& dictionary = node_.dictionary();
-  bool moved = false;
-  for (Motion& motion : motions_) {
-    if (motion.behaviour.kind == Behaviour::Kind::echo || is_moved(motion, now)) continue;
-    const Sample sample = sample_at(motion.behaviour, motion.bounds, now, motion.place);
-    moved = forcing_.put(motion.target, sample.value) || moved;
-    motion.moved_to = dictionary.get<std::uint64_t>(motion.target);
-    // What is forced shows nothing of what lies beneath: then it is put there at each sample.
-    const bool shows = forcing_.all().empty() || !forcing_.is_forced(motion.target);
-    motion.next_change = shows ? sample.next_change : now;
-  }
-  return echo_values() || moved;
-}
-
-/// move_values() where nothing is forced, and nothing follows another value.
+/// `is_simple`: nothing is forced, and nothing follows another value.
+template <bool is_simple>
 inline bool Device::sample(can::Time now) {
   canopen::ObjectDictionary& dictionary = node_.dictionary();
   bool moved = false;
   for (Motion& motion : motions_) {
+    if (!is_simple && motion.behaviour.kind == Behaviour::Kind::echo) continue;
     const auto before = dictionary.get<std::uint64_t>(motion.target);
     if (now < motion.next_change && before == motion.moved_to) continue;
     const Sample sample = sample_at(motion.behaviour, motion.bounds, now, motion.place);
-    dictionary.set(motion.target, sample.value);
+    if constexpr (is_simple) {
+      dictionary.set(motion.target, sample.value);
+    } else {
+      forcing_.put(motion.target, sample.value);
+    }
     motion.moved_to = dictionary.get<std::uint64_t>(motion.target);
-    motion.next_change = sample.next_change;
+    // What is forced shows nothing of what lies beneath: then it is put there at each sample.
+    motion.next_change = is_simple || !forcing_.is_forced(motion.target) ? sample.next_change : now;
     moved = moved || motion.moved_to != before;
   }
   return moved;
+}
+
+bool Device::move_values(can::Time now) {
+  const bool moved = sample<false>(now);
+  return echo_values() || moved;
 }
 
 /// The next sample at which a value may change. What other services of the node write by themselves (below 2000H),
@@ -253,7 +250,7 @@ void Device::controller_changed(can::Time now) { node_.controller_changed(now); 
 void Device::tick(can::Time now) {
   if (lss_ && lss_->deadline() <= now) lss_->tick(now);
   if (only_samples()) [[likely]] {
-    const bool moved = next_sample_ <= now && sample(now);
+    const bool moved = next_sample_ <= now && sample<true>(now);
     if (node_.deadline() <= now) node_.tick(now);
     return after_event(now, moved);
   }

@@ -147,6 +147,7 @@ class Device final : public can::Participant, private canopen::NodeListener {
   }
   // What changes values. True: somebody sees another value than before.
   bool move_values(can::Time now);
+  template <bool is_simple>
   bool sample(can::Time now);
   [[nodiscard]] bool is_moved(const Motion& motion, can::Time now) const noexcept;
   void plan_sample(can::Time now) noexcept;

@@ -1,4 +1,4 @@
-#include "canopus/link/watched_socket.hpp"
+#include "canopus/link/tcp/watched_socket.hpp"
 
 #include <cerrno>
 #include <utility>

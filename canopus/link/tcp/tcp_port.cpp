@@ -1,11 +1,11 @@
-#include "canopus/link/tcp_port.hpp"
+#include "canopus/link/tcp/tcp_port.hpp"
 
 #include <chrono>
 #include <utility>
 
 #include <boost/asio/steady_timer.hpp>
 
-#include "canopus/link/spare_descriptor.hpp"
+#include "canopus/link/tcp/spare_descriptor.hpp"
 
 namespace canopus::link {
 
