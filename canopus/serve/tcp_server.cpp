@@ -131,14 +131,14 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
   void read() {
     const auto space = session_->space();
     if (space.empty()) return;  // work() makes some, and goes on
-    const auto read = socket_.read(space);
+    const auto came = socket_.read(space);
     // Not receive(): what an END has left may still be in the session.
-    if (read.has_to_wait()) return wait_to_read();
-    if (read.count == 0) return end_input(read.error);
+    if (came.has_to_wait()) return wait_to_read();
+    if (came.count == 0) return end_input(came.error);
     parts_->look_again_soon();
     heard_at_ = CoarseClock::now();
     heard_number_ = ++parts_->heard;
-    session_->received(read.count);
+    session_->received(came.count);
     work();
   }
 
@@ -272,8 +272,9 @@ void TcpServer::Parts::admit(tcp::socket socket) {
   const std::string name = link::name_of_peer(socket);
   if (!link::is_allowed(socket, options.allowed)) return say(name, "is not allowed to connect");
   if (connections.size() >= options.maximum_clients && !make_room(name)) return;
-  connections.push_back(std::make_shared<Connection>(*this, std::move(socket), name));
-  connections.back()->start();
+  const auto connection = std::make_shared<Connection>(*this, std::move(socket), name);
+  connections.push_back(connection);
+  connection->start();
 }
 
 void TcpServer::Parts::look_again_soon() {

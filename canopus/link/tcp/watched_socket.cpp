@@ -72,7 +72,7 @@ struct WatchedSocket::Parts {
     socket.non_blocking(true, failure);
     descriptor = socket.release(failure);
     reactor.init_task();
-    // Without memory for it in the kernel nobody tells of it, and its waits fail at once.
+    // The kernel may have no memory to watch it.
     if (reactor.register_descriptor(descriptor, registration) != 0) close();
   }
 

@@ -49,8 +49,8 @@ class WatchedSocket {
   /// No signal comes of a client that is gone.
   [[nodiscard]] Transfer write(std::span<const std::uint8_t> data) noexcept;
 
-  /// User::can_read() is called once; from the event loop, not inside of this. `keeper` holds user and socket until then.
-  /// One wait at a time.
+  /// User::can_read() is called once; from the event loop, not inside of this. One wait at a time. `keeper` holds user and
+  /// socket until then: neither may be destroyed while something is waited for, also after close().
   void wait_to_read(std::shared_ptr<void> keeper);
   /// The same with User::can_write(), after a write that had to wait.
   void wait_to_write(std::shared_ptr<void> keeper);
