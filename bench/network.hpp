@@ -22,7 +22,7 @@ class PassThroughBus {
    public:
     explicit Port(PassThroughBus& bus) : bus_(&bus) {}
     bool send(const can::Frame& frame) override {
-      if (!bus_->delivering_) return bus_->deliver_at_once(frame, owner);
+      if (!bus_->delivering_) return bus_->deliver_(*bus_, frame, owner);
       if (bus_->end_ == bus_->waiting_.end()) return false;
       *bus_->end_++ = {frame, owner};
       return true;
@@ -45,6 +45,7 @@ class PassThroughBus {
   void add_to_all(canopen::Node& node, Port& port) {
     port.owner = &node;
     hear_all_.push_back(&node);
+    deliver_ = &deliver_at_once<true>;
   }
   void compile() {
     hearers_.clear();
@@ -66,31 +67,36 @@ class PassThroughBus {
     can::Frame frame;
     can::Participant* from;
   };
+  template <bool some_hear_all>
   void hand_out(const can::Frame& frame, const can::Participant* from) {
     ++frames_;
-    for (canopen::Node* node : hear_all_) {
-      if (node != from) node->receive(frame, now_);
+    if constexpr (some_hear_all) {
+      for (canopen::Node* node : hear_all_) {
+        if (node != from) node->receive(frame, now_);
+      }
     }
     can::Participant* const* const last = first_[frame.identifier + 1];
     for (auto hearer = first_[frame.identifier]; hearer != last; ++hearer) {
       if (*hearer != from) (*hearer)->receive(frame, now_);
     }
   }
-  [[gnu::noinline]] bool deliver_at_once(const can::Frame& frame, const can::Participant* from) {
-    delivering_ = true;
-    hand_out(frame, from);
-    finish();
+  template <bool some_hear_all>
+  [[gnu::noinline]] static bool deliver_at_once(PassThroughBus& bus, const can::Frame& frame,
+                                                const can::Participant* from) {
+    bus.delivering_ = true;
+    bus.hand_out<some_hear_all>(frame, from);
+    for (const Sent* next = bus.waiting_.data(); next != bus.end_;) {
+      const Sent& sent = *next++;  // stays, until half of the places are taken again
+      if (next == bus.end_ && next > &bus.waiting_[bus.waiting_.size() / 2])
+        next = bus.end_ = bus.waiting_.data();
+      bus.hand_out<some_hear_all>(sent.frame, sent.from);
+    }
+    bus.end_ = bus.waiting_.data();
+    bus.delivering_ = false;
     return true;
   }
-  void finish() {
-    for (const Sent* next = waiting_.data(); next != end_;) {
-      const Sent& sent = *next++;  // stays, until half of the places are taken again
-      if (next == end_ && next > &waiting_[waiting_.size() / 2]) next = end_ = waiting_.data();
-      hand_out(sent.frame, sent.from);
-    }
-    end_ = waiting_.data();
-    delivering_ = false;
-  }
+  /// A bus on which nobody hears all does not ask for those who do.
+  bool (*deliver_)(PassThroughBus&, const can::Frame&, const can::Participant*) = &deliver_at_once<false>;
   can::Time now_{};
   std::uint64_t frames_ = 0;
   bool delivering_ = false;
