@@ -31,7 +31,7 @@ both_operational() { word_is 602 5 && word_is 603 5; }
 missed() { ! word_is 602 5; }
 
 # The bit rate of a controller is the plant file's: the program sets it where the interface has another one.
-# Heartbeats are missed after 5 s (1388H), for a busy machine with an emulated one inside lets processes wait for more than a second:
+# Heartbeats are missed after 5 s (1388H), for on a busy machine with an emulated one inside those of 0.5 s were missed after 1.5 s:
 # a boot that begins then and meets the interface that goes down fails for good.
 sed "s#\"../devices/#\"$examples/devices/#; s#\"state\"#\"$work/store\"#; s#05DC#1388#g" "$examples/real-bus/module.toml" > module.toml
 [ "$(grep -o 1388 module.toml | wc -l)" = 2 ] || fail "the module's heartbeat consumer times are not where they were"
