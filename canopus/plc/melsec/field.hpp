@@ -128,19 +128,12 @@ class FieldWriter {
   void words(std::span<const std::uint16_t> values) noexcept {
     if (code_ == DataCode::ascii) {
       for (const std::uint16_t value : values) number(value, 2);
-    } else if (!values.empty()) {  // as they lie in memory, see can/little_endian.hpp
-      std::memcpy(memory_.subspan(size_, values.size_bytes()).data(), values.data(), values.size_bytes());
-      size_ += values.size_bytes();
+    } else {  // as they lie in memory, see can/little_endian.hpp
+      copy(values.data(), values.size_bytes());
     }
   }
-  void text(std::string_view characters) noexcept {
-    for (const char character : characters) put(static_cast<std::uint8_t>(character));
-  }
-  void raw(std::span<const std::uint8_t> bytes) noexcept {
-    if (bytes.empty()) return;
-    std::memcpy(memory_.subspan(size_, bytes.size()).data(), bytes.data(), bytes.size());
-    size_ += bytes.size();
-  }
+  void text(std::string_view characters) noexcept { copy(characters.data(), characters.size()); }
+  void raw(std::span<const std::uint8_t> bytes) noexcept { copy(bytes.data(), bytes.size()); }
   void bits(std::span<const std::uint8_t> values) noexcept {
     if (code_ == DataCode::ascii) {
       for (const std::uint8_t value : values) put(value != 0 ? '1' : '0');
@@ -154,6 +147,11 @@ class FieldWriter {
 
  private:
   void put(std::uint8_t byte) noexcept { memory_[size_++] = byte; }
+  void copy(const void* from, std::size_t size) noexcept {
+    if (size == 0) return;
+    std::memcpy(memory_.subspan(size_, size).data(), from, size);
+    size_ += size;
+  }
   void number(std::uint32_t value, std::size_t size) noexcept {
     if (code_ == DataCode::binary) {
       can::store_value(&memory_[size_], value, static_cast<unsigned>(size));
