@@ -101,7 +101,6 @@ struct WatchedSocket::Parts {
   Reactor& reactor;
   Reactor::per_descriptor_data registration = nullptr;
   int descriptor = -1;
-  bool is_doubtful = false;
   Wait reading;
   Wait writing;
 };
@@ -142,7 +141,6 @@ struct WatchedSocket::Parts {
 
   tcp::socket socket;
   User& user;
-  bool is_doubtful = false;
 };
 
 void WatchedSocket::wait_to_read(std::shared_ptr<void> keeper) {
@@ -182,7 +180,7 @@ WatchedSocket::Transfer WatchedSocket::read(std::span<std::uint8_t> space) noexc
   } while (count < 0 && errno == EINTR);
   const Transfer result = transfer_of(count);
   parts_->has_read(result.count == space.size());
-  parts_->is_doubtful = result.count != 0;
+  is_doubtful_ = result.count != 0;
   return result;
 }
 
@@ -195,8 +193,6 @@ WatchedSocket::Transfer WatchedSocket::write(std::span<const std::uint8_t> data)
   parts_->has_written(result.count == data.size());
   return result;
 }
-
-bool WatchedSocket::is_doubtful() const noexcept { return parts_->is_doubtful; }
 
 void WatchedSocket::close() noexcept { parts_->close(); }
 

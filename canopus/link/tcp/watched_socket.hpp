@@ -55,7 +55,7 @@ class WatchedSocket {
   /// The same with User::can_write(), after a write that had to wait.
   void wait_to_write(std::shared_ptr<void> keeper);
   /// Something may be left of which nobody tells.
-  [[nodiscard]] bool is_doubtful() const noexcept;
+  [[nodiscard]] bool is_doubtful() const noexcept { return is_doubtful_; }
 
   /// Negative: it is closed, or the system has no memory to watch it.
   [[nodiscard]] int native_handle() const noexcept;
@@ -65,6 +65,7 @@ class WatchedSocket {
  private:
   struct Parts;
   std::unique_ptr<Parts> parts_;
+  bool is_doubtful_ = false;  // the last read found something
 };
 
 }  // namespace canopus::link
