@@ -86,6 +86,10 @@ class Ticker {
   /// Earliest moment at which tick() is wanted; never = not at all. Valid until the next call of any other
   /// member.
   [[nodiscard]] virtual Time deadline() const noexcept = 0;
+  /// tick(), and then deadline(), for who has a tick for each frame: one call. `not_told`: deadline() is to be asked, unless
+  /// the participant has gone inside its tick.
+  virtual Time tick_and_tell(Time now);
+  static constexpr Time not_told = Time::min();
 };
 
 /// Hears a bus and lives in time.

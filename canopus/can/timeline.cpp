@@ -97,11 +97,16 @@ void Timeline::advance() noexcept {
     // Nobody waits within a round: whoever is first may be years away.
     present_slice_ =
         passed > slice_count ? earliest_slice() : present_slice_ + static_cast<std::int64_t>(way);
-    for (std::uint32_t handle = lists_[list_of(present_slice_)]; handle != nobody_else;) {
+    const std::size_t list = list_of(present_slice_);
+    has_list_[list / 64] &= ~(std::uint64_t{1} << list % 64);
+    for (std::uint32_t handle = std::exchange(lists_[list], nobody_else); handle != nobody_else;) {
       Slot& slot = slots_[handle];
       handle = slot.next;
-      if (slice_of(slot.deadline) > present_slice_) continue;  // in a later round
-      take_off_list(slot, present_slice_);
+      --listed_;
+      if (slice_of(slot.deadline) > present_slice_) {  // in a later round
+        put_node(slot);
+        continue;
+      }
       put_in(nodes_, {slot.deadline, slot.order});
       __builtin_prefetch(slot.participant);  // its tick is not far
     }
@@ -191,9 +196,12 @@ void Timeline::run_apart(Time end) {
 void Timeline::run(Time end, const Place& until) {
   const bool meets_parts = whole_ != nullptr && !apart_;  // of which one may be made earlier by this part
   const bool meets_others = meets_parts || until.deadline != never;
+  const bool is_whole = !parts_.empty();
+  const Time last = std::min(end, never - Duration{1});
+  const bool goes_on_alone = !meets_others && !is_whole && buses_.size() == 2;
   while (true) {
     const Place place = first();
-    if (place.deadline > end || place.deadline == never) break;
+    if (place.deadline > last) break;
     if (meets_others && (!place.before(until) || (meets_parts && whole_->has_before(place)))) break;
     const Handle handle = place.handle();
     if (place.deadline > now_) {
@@ -207,10 +215,29 @@ void Timeline::run(Time end, const Place& until) {
         if (is_stalled(handle)) continue;
       }
     }
-    slots_[handle].participant->tick(now_);
-    refresh(handle);
-    if (!parts_.empty()) return;  // who belongs to no part may have made somebody of one earlier
+    Time deadline = slots_[handle].participant->tick_and_tell(now_);
+    if (goes_on_alone && slots_[handle].is_bus()) deadline = go_on(handle, deadline, last);
+    if (deadline == Ticker::not_told) {
+      refresh(handle);
+    } else {
+      retime(handle, deadline);
+    }
+    if (is_whole) return;  // who belongs to no part may have made somebody of one earlier
   }
+}
+
+/// The only bus has had its tick: it has those that come before any node is due, too. Its deadline then.
+Time Timeline::go_on(Handle bus, Time deadline, Time last) {
+  const auto is_still_alone = [this] { return buses_.size() == 2; };
+  while (deadline > now_ && deadline <= last && deadline < nodes_.back().deadline && is_still_alone()) {
+    Slot& slot = slots_[bus];
+    buses_.back().deadline = slot.deadline = deadline;
+    now_ = deadline;
+    latest_ = slot.order;
+    ticks_ = 0;
+    deadline = slot.participant->tick_and_tell(now_);
+  }
+  return deadline;
 }
 
 // Who is first of all goes on until somebody of another part is: nothing that a part does makes another one earlier.

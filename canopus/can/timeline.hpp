@@ -65,15 +65,8 @@ class Timeline {
   void set_stall_handler(std::function<void(const Stall&)> handler) { stall_handler_ = std::move(handler); }
   /// Reads the participant's deadline again. To be called after anything but its tick() happened to it.
   void refresh(Handle handle) {
-    Slot& slot = slots_[handle];
-    if (slot.participant == nullptr) return;
-    const Time deadline = slot.participant->deadline();
-    if (deadline == slot.deadline) return;
-    if (slot.is_bus() && buses_.size() == 2) {  // alone, as a plant's part mostly has it
-      buses_.back().deadline = slot.deadline = deadline;
-    } else {
-      move(handle, deadline);
-    }
+    if (const Ticker* participant = slots_[handle].participant; participant != nullptr)
+      retime(handle, participant->deadline());
   }
   /// Earliest deadline of all.
   [[nodiscard]] Time next() const noexcept;
@@ -152,7 +145,17 @@ class Timeline {
   [[nodiscard]] bool has_before(const Place& place) const noexcept { return first().before(place); }
   /// Ticks whatever is due until `end` and before `until`. The whole ticks one participant.
   void run(Time end, const Place& until);
+  Time go_on(Handle bus, Time deadline, Time last);
   void run_together(Time end);
+  void retime(Handle handle, Time deadline) noexcept {
+    Slot& slot = slots_[handle];
+    if (deadline == slot.deadline || slot.participant == nullptr) return;  // it may have gone inside its tick
+    if (slot.is_bus() && buses_.size() == 2) {  // alone, as a plant's part mostly has it
+      buses_.back().deadline = slot.deadline = deadline;
+    } else {
+      move(handle, deadline);
+    }
+  }
   void move(Handle handle, Time deadline) noexcept;
   [[nodiscard]] bool is_soon(std::int64_t slice) const noexcept { return slice <= present_slice_; }
   static void put_in(Queue& queue, const Place& place) noexcept;

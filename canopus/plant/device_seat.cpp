@@ -105,6 +105,11 @@ void DeviceSeat::tick(can::Time now) {
   if (status_.is_on) look(now);
 }
 
+can::Time DeviceSeat::tick_and_tell(can::Time now) {
+  DeviceSeat::tick(now);
+  return DeviceSeat::deadline();
+}
+
 ForcedObject DeviceSeat::forced_object(const canopen::Entry& entry, can::Time until) const {
   return {.device = status_.label,
           .object = shown_object(entry),
@@ -125,7 +130,7 @@ void DeviceSeat::value_released(const canopen::Entry& entry, can::Time now) {
 // The controller is set up anew, too: nothing from before follows.
 void DeviceSeat::reset_requested(canopen::NmtCommand, can::Time) { port_.abort_transmissions(); }
 
-void DeviceSeat::look(can::Time now) {
+void DeviceSeat::look_closer(can::Time now) {
   if (device_.lss() != nullptr) look_at_lss(now);
   if (device_.node().identifiers_revision() != accepted_revision_) accept();
   if (device_.node().state() == status_.state) return;

@@ -49,6 +49,7 @@ class DeviceSeat final : public can::Participant, private canopen::NodeListener,
   [[nodiscard]] bool is_timed_by_transmissions() const noexcept override { return false; }
   void controller_changed(can::Time now) override;
   void tick(can::Time now) override;
+  can::Time tick_and_tell(can::Time now) override;
   can::Time deadline() const noexcept override {
     if (is_unplugged_) return can::never;
     return status_.is_on ? device_.deadline() : std::min(start_, device_.deadline());
@@ -61,7 +62,14 @@ class DeviceSeat final : public can::Participant, private canopen::NodeListener,
   void value_forced(const sim::Forcing::Force& force, can::Time now) override;
   void value_released(const canopen::Entry& entry, can::Time now) override;
 
-  void look(can::Time now);
+  void look(can::Time now) {
+    const canopen::Node& node = device_.node();
+    if (device_.lss() == nullptr && node.identifiers_revision() == accepted_revision_ &&
+        node.state() == status_.state)
+      return;
+    look_closer(now);
+  }
+  void look_closer(can::Time now);
   void look_at_lss(can::Time now);
   void accept();
 

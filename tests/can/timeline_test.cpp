@@ -6,6 +6,7 @@
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -145,7 +146,15 @@ struct Crowd {
   struct Member : Ticker {
     void tick(Time now) override { crowd->ticked(*this, now); }
     [[nodiscard]] Time deadline() const noexcept override { return at; }
+    Time tick_and_tell(Time now) override {
+      if (!tells) return Ticker::tick_and_tell(now);
+      tick(now);
+      return at;
+    }
+    [[nodiscard]] auto place() const { return std::tuple(at, is_bus, number); }
     Crowd* crowd = nullptr;
+    bool is_bus = false;
+    bool tells = false;
     std::size_t number = 0;
     Timeline::Handle handle = 0;
     Time at = never;
@@ -154,32 +163,38 @@ struct Crowd {
 
   explicit Crowd(std::uint64_t seed) : random(seed) {}
 
-  void add() {
+  void add(bool is_bus = false) {
     Member& member = *members.emplace_back(std::make_unique<Member>());
     member.crowd = this;
     member.number = members.size() - 1;
+    member.is_bus = is_bus;
+    member.tells = is_bus || member.number % 2 == 1;
     member.at = some_time();
-    member.handle = timeline.add(member);
+    member.handle = timeline.add(member, {}, is_bus ? Timeline::Rank::bus : Timeline::Rank::node);
   }
   Time some_time() {
     const auto kind = random() % 12;
     if (kind == 0) return never;
     if (kind == 1) return std::max(Time{}, now - Duration(static_cast<Duration::rep>(random() % 1'000'000)));
     if (kind == 2) return now;
-    // Up to 2^kind us: within a slice, a round of slices, and far beyond.
-    const std::uint64_t reach = std::uint64_t{1000} << 4 * (kind - 3);
-    return later(now, Duration(static_cast<Duration::rep>(random() % reach)));
+    // Up to 2^kind us: within a slice, a round of slices, and far beyond; in whole microseconds, so that some are equal.
+    const std::uint64_t reach = std::uint64_t{1} << 4 * (kind - 3);
+    return later(now, std::chrono::microseconds(static_cast<Duration::rep>(random() % reach)));
   }
   void ticked(Member& member, Time time) {
     now = time;
     ++ticks;
-    is_in_order = is_in_order && member.is_there && timeline.moment().time >= member.at;
+    is_in_order = is_in_order && member.is_there && timeline.moment().time >= member.at && time <= end;
     for (const auto& other : members) {
       if (!other->is_there || other->number == member.number) continue;
-      is_in_order = is_in_order && std::pair(member.at, member.number) < std::pair(other->at, other->number);
+      is_in_order = is_in_order && member.place() < other->place();
     }
-    member.at = later(std::max(some_time(), time), Duration(1));
-    Member& other = *members[random() % members.size()];
+    if (member.is_bus) {
+      member.at = time + std::chrono::microseconds(1 + random() % 5);
+    } else {
+      member.at = later(std::max(some_time(), time), 1us);
+    }
+    Member& other = random() % 20 == 0 ? member : *members[random() % members.size()];
     if (other.is_there && random() % 2 == 0) {
       other.at = some_time();
       timeline.refresh(other.handle);
@@ -188,7 +203,7 @@ struct Crowd {
       other.is_there = false;
       timeline.remove(other.handle);
     }
-    if (random() % 50 == 0 && members.size() < 80) add();
+    if (random() % 50 == 0 && members.size() < 80) add(random() % 8 == 0);
   }
   [[nodiscard]] Time first() const {
     Time earliest = never;
@@ -202,6 +217,7 @@ struct Crowd {
   Timeline timeline;
   std::vector<std::unique_ptr<Member>> members;
   Time now{};
+  Time end = never;  // of the run
   std::uint64_t ticks = 0;
   bool is_in_order = true;
 };
@@ -210,10 +226,12 @@ TEST(Timeline, DeadlinesNearAndYearsAway_MovedFromInside_TickInTheirOrder) {
   std::uint64_t ticks = 0;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     Crowd crowd(seed);
+    for (std::size_t buses = seed % 3; buses > 0; --buses) crowd.add(true);
     for (std::size_t count = 1 + seed % 40; count > 0; --count) crowd.add();
     for (int step = 0; step < 60 && crowd.first() != never; ++step) {
       ASSERT_EQ(crowd.timeline.next(), crowd.first()) << "seed " << seed;
       const Time end = std::max(crowd.now, later(crowd.first(), Duration(1'000 * (step % 7))));
+      crowd.end = end;
       crowd.timeline.run_until(end);
       crowd.now = end;
       ASSERT_TRUE(crowd.is_in_order) << "seed " << seed << ", step " << step;

@@ -21,6 +21,10 @@ struct Bus::Impl {
       : core(std::move(name), bit_rate, timeline), near(core, true), far(core, false) {}
 
   void run_faults(can::Time now);
+  [[nodiscard]] can::Time next() const noexcept {
+    return core.had_faults ? next_with_faults() : near.deadline();
+  }
+  [[nodiscard]] can::Time next_with_faults() const noexcept;
   [[nodiscard]] can::Time next_of_faults() const noexcept;
   void run_timed_faults(can::Time now);
   void act(FaultPlan::TimedFault& timed, can::Time now);
@@ -143,21 +147,27 @@ std::expected<void, std::string> Bus::set_faults(const std::vector<Fault>& fault
 
 std::vector<FaultState> Bus::fault_states() const { return impl_->core.plan.states(); }
 
-void Bus::tick(can::Time now) {
+can::Time Bus::tick_and_tell(can::Time now) {
   Impl& impl = *impl_;
   impl.core.ticking = true;
-  if (impl.core.had_faults) [[unlikely]]
+  if (impl.core.had_faults) [[unlikely]] {
     impl.run_faults(now);
-  impl.near.tick(now);
-  impl.far.tick(now);
+    impl.near.tick(now);
+    impl.far.tick(now);
+  } else {
+    impl.near.tick(now);  // nothing is on the far side of a wire that was never cut
+  }
   impl.core.ticking = false;
   impl.core.ticked = now;
+  return impl.next();
 }
 
-can::Time Bus::deadline() const noexcept {
-  const Impl& impl = *impl_;
-  const can::Time next = std::min(impl.near.deadline(), impl.far.deadline());
-  return impl.core.had_faults ? std::min(next, impl.next_of_faults()) : next;
+void Bus::tick(can::Time now) { tick_and_tell(now); }
+
+can::Time Bus::deadline() const noexcept { return impl_->next(); }
+
+can::Time Bus::Impl::next_with_faults() const noexcept {
+  return std::min({near.deadline(), far.deadline(), next_of_faults()});
 }
 
 void Bus::Impl::run_faults(can::Time now) {

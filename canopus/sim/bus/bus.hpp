@@ -98,6 +98,7 @@ class Bus final : public can::Bus, public can::Ticker {
   [[nodiscard]] std::uint64_t frames_of(std::uint32_t identifier, bool extended = false) const override;
 
   void tick(can::Time now) override;
+  can::Time tick_and_tell(can::Time now) override;
   [[nodiscard]] can::Time deadline() const noexcept override;
 
  private:
