@@ -146,10 +146,14 @@ template <bool is_simple>
 inline bool Device::sample(can::Time now) {
   canopen::ObjectDictionary& dictionary = node_.dictionary();
   bool moved = false;
+  can::Time next_change = can::never;
   for (Motion& motion : motions_) {
     if (!is_simple && motion.behaviour.kind == Behaviour::Kind::echo) continue;
     const auto before = dictionary.get<std::uint64_t>(motion.target);
-    if (now < motion.next_change && before == motion.moved_to) continue;
+    if (now < motion.next_change && before == motion.moved_to) {
+      next_change = std::min(next_change, motion.next_change);
+      continue;
+    }
     const Sample sample = sample_at(motion.behaviour, motion.bounds, now, motion.place);
     if constexpr (is_simple) {
       dictionary.set(motion.target, sample.value);
@@ -159,8 +163,10 @@ inline bool Device::sample(can::Time now) {
     motion.moved_to = dictionary.get<std::uint64_t>(motion.target);
     // What is forced shows nothing of what lies beneath: then it is put there at each sample.
     motion.next_change = is_simple || !forcing_.is_forced(motion.target) ? sample.next_change : now;
+    next_change = std::min(next_change, motion.next_change);
     moved = moved || motion.moved_to != before;
   }
+  next_change_ = next_change;
   return moved;
 }
 
@@ -169,17 +175,21 @@ bool Device::move_values(can::Time now) {
   return echo_values() || moved;
 }
 
-/// The next sample at which a value may change. What other services of the node write by themselves (below 2000H),
-/// or an application, is not seen here: then it is the next sample of all.
-inline void Device::plan_sample(can::Time now) noexcept {
+/// When a value may change, where somebody may have written. What other services of the node write by themselves (below
+/// 2000H), or an application, is not seen here: then it is now.
+can::Time Device::next_change_seen(can::Time now) const noexcept {
   can::Time change = can::never;
-  const bool is_untouched = !written_ && playbacks_.empty();
   for (const Motion& motion : motions_) {
     if (motion.behaviour.kind == Behaviour::Kind::echo) continue;
     const bool is_watched = motion.target.index >= 0x2000 && !application_;
-    const bool is_moved_already = now < motion.next_change && (is_untouched || is_moved(motion, now));
-    change = std::min(change, is_watched && is_moved_already ? motion.next_change : now);
+    change = std::min(change, is_watched && is_moved(motion, now) ? motion.next_change : now);
   }
+  return change;
+}
+
+/// The next sample at which a value may change.
+inline void Device::plan_sample(can::Time now) noexcept {
+  const can::Time change = is_watched_ && !written_ ? next_change_ : next_change_seen(now);
   written_ = false;
   const can::Duration interval = options_.sample_interval;
   if (can::never - change < 2 * interval) {
@@ -263,10 +273,9 @@ void Device::tick(can::Time now) {
   if (moved || !is_plain()) settle(now, moved);
 }
 
-can::Time Device::deadline() const noexcept {
+can::Time Device::deadline_of_all() const noexcept {
   can::Time next = std::min(node_.deadline(), next_sample_);
-  if (only_samples()) [[likely]]
-    return lss_ ? std::min(next, lss_->deadline()) : next;
+  if (only_samples()) return lss_ ? std::min(next, lss_->deadline()) : next;
   if (next_row_ < next) next = next_row_;
   if (forcing_.deadline() < next) next = forcing_.deadline();
   if (!script_.empty()) next = std::min(next, script_.deadline());

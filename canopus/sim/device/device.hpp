@@ -2,6 +2,7 @@
 // A simulated slave: behaves as the CANopen device its EDS or DCF describes, and moves the values that it has
 // to move.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <expected>
@@ -115,19 +116,23 @@ class Device final : public can::Participant, private canopen::NodeListener {
   void receive(const can::Frame& frame, can::Time now) override;
   void controller_changed(can::Time now) override;
   void tick(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override;
+  [[nodiscard]] can::Time deadline() const noexcept override {
+    if (!only_samples() || lss_) return deadline_of_all();
+    return std::min(node_.deadline(), next_sample_);
+  }
 
  private:
   struct Motion {
-    Behaviour behaviour;
-    canopen::Entry source;  // echo
+    // What each sample needs comes first.
     canopen::Entry target;
-    Bounds bounds;  // of the target
     // What the target held after it was moved last, and when that may be another value: nothing is to be done
     // before, unless somebody else wrote there.
     std::uint64_t moved_to = 0;
     can::Time next_change{};
     SamplePlace place{};
+    Behaviour behaviour;
+    Bounds bounds;          // of the target
+    canopen::Entry source;  // echo
   };
   // NodeListener
   void reset_requested(canopen::NmtCommand which, can::Time now) override;
@@ -151,6 +156,7 @@ class Device final : public can::Participant, private canopen::NodeListener {
   bool sample(can::Time now);
   [[nodiscard]] bool is_moved(const Motion& motion, can::Time now) const noexcept;
   void plan_sample(can::Time now) noexcept;
+  [[nodiscard]] can::Time next_change_seen(can::Time now) const noexcept;
   bool echo_values() { return echoes_ && move_echoes(); }
   bool move_echoes();
   bool act(can::Time now) { return application_ && application_->act(*this, now); }
@@ -161,6 +167,7 @@ class Device final : public can::Participant, private canopen::NodeListener {
   bool carry_out(const ScriptStep& step, can::Time now);
   bool look_at_conditions(can::Time now);
 
+  [[nodiscard]] can::Time deadline_of_all() const noexcept;
   void settle(can::Time now, bool moved);
   void after_event(can::Time now, bool moved);
 
@@ -172,11 +179,13 @@ class Device final : public can::Participant, private canopen::NodeListener {
   std::vector<Motion> motions_;
   can::Time next_sample_ = can::never;
   can::Time sampled_from_ = can::never;  // samples are at multiples of the interval after this; never: none
+  can::Time next_change_{};              // earliest of the motions, as of the last sample
   can::Time next_row_ = can::never;      // of the playbacks
   bool samples_ = false;                 // something else than constants and echoes
   bool echoes_ = false;                  // some of them
   bool written_ = false;                 // perhaps a moving value, by somebody else
   bool is_simple_ = false;               // it has values to sample, and does nothing else by itself
+  bool is_watched_ = false;              // nobody but it writes there without being seen
   bool is_on_ = false;
   Forcing forcing_{node_.dictionary()};
   std::unique_ptr<DeviceApplication> application_;

@@ -33,7 +33,8 @@ std::optional<std::string> Device::add_behaviour(const Behaviour& behaviour) {
     }
     return std::nullopt;
   };
-  Motion motion{behaviour, {}, {}, {}};
+  Motion motion{};
+  motion.behaviour = behaviour;
   if (auto problem = find(behaviour.index, behaviour.sub, motion.target)) return problem;
   motion.bounds = bounds(motion.target.description->type, description.limits(motion.target));
   for (const Playback& playback : playbacks_) {
@@ -72,12 +73,16 @@ std::optional<std::string> Device::add_behaviour(const Behaviour& behaviour) {
       samples_ || (behaviour.kind != Behaviour::Kind::echo && behaviour.kind != Behaviour::Kind::constant);
   echoes_ = echoes_ || behaviour.kind == Behaviour::Kind::echo;
   motions_.push_back(motion);
+  next_change_ = {};
   see_what_it_does();
   return std::nullopt;
 }
 
 void Device::see_what_it_does() noexcept {
   is_simple_ = samples_ && !echoes_ && !application_ && playbacks_.empty() && script_.empty();
+  is_watched_ =
+      !application_ && playbacks_.empty() &&
+      std::ranges::all_of(motions_, [](const Motion& motion) { return motion.target.index >= 0x2000; });
 }
 
 std::expected<Entry, std::string> Device::process_value(std::uint16_t index, std::uint8_t sub) const {
