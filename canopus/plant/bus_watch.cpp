@@ -27,12 +27,10 @@ NodeLabel BusWatch::label(std::uint8_t node_id) const {
 void BusWatch::frame_completed(const can::Frame& frame, can::Time /*start*/, can::Time end) {
   unacknowledged_.frame_completed();
   last_errors_.clear();
-  if (frame.extended || frame.remote) return;
-  const auto node_id = static_cast<std::uint8_t>(frame.identifier & 0x7F);
-  if (node_id == 0) return;
   const std::uint32_t function = frame.identifier & 0x780;
   if (function != canopen::cob_id::error_control && function != canopen::cob_id::emcy) return;
-  if (is_plain_can()) return;
+  const auto node_id = static_cast<std::uint8_t>(frame.identifier & 0x7F);
+  if (frame.extended || frame.remote || node_id == 0 || is_plain_can()) return;
   if (function == canopen::cob_id::error_control && frame.dlc == 1) {
     error_control(node_id, static_cast<std::uint8_t>(frame.data[0] & 0x7F), end);
   } else if (function == canopen::cob_id::emcy && frame.dlc == 8) {

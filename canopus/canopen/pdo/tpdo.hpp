@@ -70,16 +70,16 @@ class Tpdos final : public ObjectHandler {
   void after_write(ObjectDictionary&, const Entry&, can::Time now) override;
 
  private:
-  struct Tpdo {
-    // What a look at its values needs comes first.
+  struct alignas(32) Tpdo {
+    // What a look at its values needs comes first, in half a cache line.
     std::uint64_t last_data = 0;  // as sent; of type FCH as sampled
-    CopyPlan plan;
-    FrameHead head;
-    CobId cob_id;  // not valid, too, when there is nothing mapped
+    CobId cob_id;                 // not valid, too, when there is nothing mapped
     std::uint8_t transmission_type = 0xFF;
     std::uint8_t addressing = 0;  // of an MPDO, else 0
     bool was_sent = false;        // last_data is what the receivers have
     bool has_event = false;       // waits for SYNC or for the end of the inhibit time
+    CopyPlan plan;
+    FrameHead head;
     can::Time inhibited_until{};
     can::Time event_due = can::never;
     std::uint16_t number = 0;

@@ -234,13 +234,15 @@ void ModuleEngine::begin_restart(can::Time now) {
 }
 
 ModuleEngine::Heard ModuleEngine::hear(const can::Frame& frame, can::Time now) {
-  if (!parts_.state.running() || parts_.layer2_state() == Layer2State::offline) return Heard::process_data;
-  last_frame_ = now;
+  if (!parts_.state.running()) return Heard::process_data;
   if (!parts_.state.canopen_mode()) {
+    if (parts_.layer2_state() == Layer2State::offline) return Heard::process_data;
+    last_frame_ = now;
     parts_.layer2.receive(frame, now);
     update(now);
     return Heard::news;
   }
+  last_frame_ = now;
   const can::Time node_deadline = parts_.node.deadline();
   const can::Time master_deadline = parts_.master.deadline();
   if (hear_canopen(frame, now)) {

@@ -39,11 +39,14 @@ struct BusCore {
 
   /// Hands the errors of this moment to the observers, and then what became of the controllers.
   void report(can::Time now) {
+    if (!error_reports.empty() || !controller_reports.empty()) [[unlikely]]
+      report_all(now);
+  }
+  [[gnu::noinline]] void report_all(can::Time now) {
     if (!error_reports.empty()) {
       for (BusObserver* observer : observers) observer->errors_reported(error_reports, now);
       error_reports.clear();
     }
-    if (controller_reports.empty()) return;
     for (const can::ControllerReport& one : controller_reports) {
       for (BusObserver* observer : observers) observer->controller_changed(one, now);
     }
@@ -305,6 +308,7 @@ class BusPort final : public Port {
   BusPort* spokesman = nullptr;  // goes through the bits for this one, see segment_together.cpp
 
  private:
+  bool send_with_faults(const can::Frame& frame);
   void forget_queue();
   void start_anew();
   void be_on_wire();

@@ -21,6 +21,12 @@ BusPort::BusPort(BusCore& bus_core, Segment& port_segment, std::size_t port_inde
 }
 
 bool BusPort::send(const can::Frame& frame) {
+  if (core.had_faults) [[unlikely]]
+    return send_with_faults(frame);
+  return enqueue(frame);
+}
+
+bool BusPort::send_with_faults(const can::Frame& frame) {
   if (powered && core.plan.delays_frames()) {
     const can::Duration delay = core.plan.on_send(*this, frame, core.timeline.now());
     if (delay > can::Duration{}) {

@@ -211,7 +211,7 @@ class Arbiter {
     word &= ~(std::uint64_t{1} << identifier % 64);
     if (word == 0) words_ &= ~(std::uint32_t{1} << identifier / 64);
   }
-  void set_in_tree(std::size_t port, std::uint64_t new_key) noexcept {
+  [[gnu::noinline]] void set_in_tree(std::size_t port, std::uint64_t new_key) noexcept {
     std::size_t node = leaves_ + port;
     tree_[node] = new_key;
     while (node > 1) {

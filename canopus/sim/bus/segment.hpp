@@ -109,10 +109,13 @@ class Segment {
   void deliver(const can::Frame& frame, const BusPort& from, can::Time now) {
     const AcceptanceTable::Few few = core_.acceptance.few_for(frame);
     if (!few.are_known) return deliver_to_all(frame, from, now);
-    for (const std::size_t number : {few.first, few.second}) {
-      if (number == AcceptanceTable::nobody) continue;
-      if ((hearing_[number / 64] >> number % 64 & 1) != 0) deliver_to(*core_.ports[number], frame, from, now);
-    }
+    if (few.first != AcceptanceTable::nobody && few.first != from.index)
+      deliver_to(few.first, frame, from, now);
+    if (few.second != AcceptanceTable::nobody && few.second != from.index)
+      deliver_to(few.second, frame, from, now);
+  }
+  void deliver_to(std::size_t number, const can::Frame& frame, const BusPort& from, can::Time now) {
+    if ((hearing_[number / 64] >> number % 64 & 1) != 0) deliver_to(*core_.ports[number], frame, from, now);
   }
   void deliver_to(BusPort& port, const can::Frame& frame, const BusPort& from, can::Time now) {
     if (&port != &from && !dropped(port)) port.hear(frame, now);
