@@ -1,7 +1,6 @@
 #include "canopus/can/timeline.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cstdio>
 #include <stdexcept>
 #include <utility>
@@ -33,84 +32,40 @@ void make_room(std::vector<Element>& elements, std::size_t count) {
   queue.pop_back();
 }
 
-[[gnu::always_inline]] inline void Timeline::put_node(Slot& slot) noexcept {
-  if (slot.deadline == never) return;
-  const std::int64_t slice = slice_of(slot.deadline);
-  if (is_soon(slice)) return put_in(nodes_, {slot.deadline, slot.order});
-  const auto handle = static_cast<std::uint32_t>(slot.order);
-  std::uint32_t& list = lists_[list_of(slice)];
-  slot.previous = nobody_else;
-  slot.next = std::exchange(list, handle);
-  if (slot.next != nobody_else) slots_[slot.next].previous = handle;
-  has_list_[list_of(slice) / 64] |= std::uint64_t{1} << list_of(slice) % 64;
-  ++listed_;
-}
-
-[[gnu::always_inline]] inline void Timeline::take_off_list(Slot& slot, std::int64_t slice) noexcept {
-  --listed_;
-  if (slot.next != nobody_else) slots_[slot.next].previous = slot.previous;
-  if (slot.previous != nobody_else) {
-    slots_[slot.previous].next = slot.next;
+void Timeline::put_node(Handle handle, Time deadline) noexcept {
+  Time* const earliest = earliest_.data();
+  std::size_t match = players_ + handle;
+  earliest[match] = deadline;
+  Time lowest = deadline;
+  while (match > 1) {
+    const Time other = earliest[match ^ 1];
+    match /= 2;
+    lowest = lowest < other ? lowest : other;
+    earliest[match] = lowest;
+  }
+  if (lowest == never) {
+    first_node_ = nobody;
     return;
   }
-  lists_[list_of(slice)] = slot.next;
-  if (slot.next == nobody_else) has_list_[list_of(slice) / 64] &= ~(std::uint64_t{1} << list_of(slice) % 64);
+  while (match < players_) {
+    match *= 2;
+    match += static_cast<std::size_t>(earliest[match] !=
+                                      lowest);  // of two that are equal the one that was added first
+  }
+  const Slot& first = slots_[match - players_];
+  first_node_ = {lowest, first.order};
+  __builtin_prefetch(first.participant);  // its tick is not far
 }
 
-[[gnu::always_inline]] inline void Timeline::take_from_queue(Slot& slot, Time deadline) noexcept {
-  if (slot.is_bus()) return take_out(buses_, slot.order);
-  if (deadline == never) return;
-  const std::int64_t slice = slice_of(deadline);
-  if (is_soon(slice)) {
-    take_out(nodes_, slot.order);
-  } else {
-    take_off_list(slot, slice);
-  }
-}
-
-/// 1 to slice_count: how far the next list behind that of the present slice is in which somebody waits.
-std::size_t Timeline::lists_to_next() const noexcept {
-  const std::size_t begin = list_of(present_slice_ + 1);
-  const std::size_t word = begin / 64;
-  if (const std::uint64_t behind = has_list_[word] >> begin % 64; behind != 0)
-    return 1 + static_cast<std::size_t>(std::countr_zero(behind));
-  for (std::size_t i = 1; i <= has_list_.size(); ++i) {
-    const std::uint64_t lists = has_list_[(word + i) % has_list_.size()];
-    if (lists != 0) return 1 + i * 64 - begin % 64 + static_cast<std::size_t>(std::countr_zero(lists));
-  }
-  return slice_count;
-}
-
-std::int64_t Timeline::earliest_slice() const noexcept {
-  Time earliest = never;
-  for (const Slot& slot : slots_) {
-    if (slot.participant != nullptr && !slot.is_bus()) earliest = std::min(earliest, slot.deadline);
-  }
-  return slice_of(earliest);
-}
-
-void Timeline::advance() noexcept {
-  std::size_t passed = 0;
-  while (is_empty(nodes_) && listed_ > 0) {
-    const std::size_t way = lists_to_next();
-    passed += way;
-    // Nobody waits within a round: whoever is first may be years away.
-    present_slice_ =
-        passed > slice_count ? earliest_slice() : present_slice_ + static_cast<std::int64_t>(way);
-    const std::size_t list = list_of(present_slice_);
-    has_list_[list / 64] &= ~(std::uint64_t{1} << list % 64);
-    for (std::uint32_t handle = std::exchange(lists_[list], nobody_else); handle != nobody_else;) {
-      Slot& slot = slots_[handle];
-      handle = slot.next;
-      --listed_;
-      if (slice_of(slot.deadline) > present_slice_) {  // in a later round
-        put_node(slot);
-        continue;
-      }
-      put_in(nodes_, {slot.deadline, slot.order});
-      __builtin_prefetch(slot.participant);  // its tick is not far
-    }
-  }
+void Timeline::grow() {
+  const std::size_t before = players_;
+  players_ *= 2;
+  earliest_.resize(2 * players_, never);
+  std::copy_n(earliest_.begin() + static_cast<std::ptrdiff_t>(before), before,
+              earliest_.begin() + static_cast<std::ptrdiff_t>(players_));
+  std::fill_n(earliest_.begin() + static_cast<std::ptrdiff_t>(players_ + before), before, never);
+  for (std::size_t match = players_ - 1; match > 0; --match)
+    earliest_[match] = std::min(earliest_[2 * match], earliest_[2 * match + 1]);
 }
 
 Timeline::Handle Timeline::add(Ticker& participant, std::string name, Rank rank) {
@@ -121,14 +76,13 @@ Timeline::Handle Timeline::add(Ticker& participant, std::string name, Rank rank)
                     .deadline = participant.deadline(),
                     .order = static_cast<std::uint64_t>(rank) << 63 | number << 32 | handle});
   if (!name.empty()) names_.emplace_back(handle, std::move(name));
-  Slot& slot = slots_.back();
+  while (players_ < slots_.size()) grow();
+  const Slot& slot = slots_.back();
   if (rank == Rank::bus) {
     make_room(buses_, buses_.size() + 1);
     put_in(buses_, {slot.deadline, slot.order});
   } else {
-    make_room(nodes_, slots_.size() + 1);
-    put_node(slot);
-    if (is_empty(nodes_)) advance();
+    put_node(handle, slot.deadline);
   }
   return handle;
 }
@@ -136,18 +90,21 @@ Timeline::Handle Timeline::add(Ticker& participant, std::string name, Rank rank)
 void Timeline::remove(Handle handle) {
   Slot& slot = slots_[handle];
   if (slot.participant == nullptr) return;
-  take_from_queue(slot, slot.deadline);
+  if (slot.is_bus()) {
+    take_out(buses_, slot.order);
+  } else {
+    put_node(handle, never);
+  }
   slot.participant = nullptr;
   std::erase_if(names_, [&](const auto& name) { return name.first == handle; });
-  if (is_empty(nodes_)) advance();
 }
 
 void Timeline::move(Handle handle, Time deadline) noexcept {
   Slot& slot = slots_[handle];
-  take_from_queue(slot, std::exchange(slot.deadline, deadline));
-  if (slot.is_bus()) return put_in(buses_, {deadline, slot.order});
-  put_node(slot);
-  if (is_empty(nodes_)) advance();
+  slot.deadline = deadline;
+  if (!slot.is_bus()) return put_node(handle, deadline);
+  take_out(buses_, slot.order);
+  put_in(buses_, {deadline, slot.order});
 }
 
 Time Timeline::next() const noexcept {
@@ -229,7 +186,7 @@ void Timeline::run(Time end, const Place& until) {
 /// The only bus has had its tick: it has those that come before any node is due, too. Its deadline then.
 Time Timeline::go_on(Handle bus, Time deadline, Time last) {
   const auto is_still_alone = [this] { return buses_.size() == 2; };
-  while (deadline > now_ && deadline <= last && deadline < nodes_.back().deadline && is_still_alone()) {
+  while (deadline > now_ && deadline <= last && deadline < first_node_.deadline && is_still_alone()) {
     Slot& slot = slots_[bus];
     buses_.back().deadline = slot.deadline = deadline;
     now_ = deadline;

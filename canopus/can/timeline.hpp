@@ -11,7 +11,6 @@
 // (run_apart()), before or after the others or on another thread. What is said meanwhile is put into the one order
 // afterwards by the moment() at which it was said.
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -96,18 +95,15 @@ class Timeline {
   [[nodiscard]] Time outside_next() const noexcept { return first().deadline; }
 
  private:
-  /// What belongs to one participant, in one cache line.
+  /// What belongs to one participant.
   struct Slot {
     Ticker* participant = nullptr;
     Time deadline = never;
-    std::uint64_t order = 0;           // as in its place
-    std::uint32_t next = nobody_else;  // handles, in the list of its slice
-    std::uint32_t previous = nobody_else;
+    std::uint64_t order = 0;  // as in its place
 
     [[nodiscard]] bool is_bus() const noexcept { return order >> 63 != 0; }
   };
-  static constexpr std::uint32_t nobody_else = 0xFFFF'FFFF;
-  /// What decides who is first lies in the queue itself: a comparison looks nowhere else.
+  /// What decides who is first.
   struct Place {
     Time deadline;
     std::uint64_t order;  // rank (1 bit), number over all parts (31), handle (32)
@@ -123,23 +119,11 @@ class Timeline {
   /// The last one first: whoever is first of all goes and comes without moving others. Behind all is `nobody`, so that no
   /// look at it, and no search, has to ask for its end.
   using Queue = std::vector<Place>;
-  [[nodiscard]] static bool is_empty(const Queue& queue) noexcept { return queue.size() == 1; }
-  // Nodes mostly have their next deadline milliseconds away: only those of the present slice of time (and before it) are
-  // sorted. The others wait in lists, one for each slice; slices that are a whole round apart share one.
-  static constexpr unsigned slice_bits = 16;        // of nanoseconds: a slice has 66 us
-  static constexpr std::size_t slice_count = 1024;  // 67 ms
-  [[nodiscard]] static std::int64_t slice_of(Time time) noexcept {
-    return time.time_since_epoch().count() >> slice_bits;
-  }
-  [[nodiscard]] static std::size_t list_of(std::int64_t slice) noexcept {
-    return static_cast<std::size_t>(slice) % slice_count;
-  }
 
   /// Who is first of all; with deadline never where there is nobody.
   [[nodiscard]] const Place& first() const noexcept {
-    const Place& node = nodes_.back();
     const Place& bus = buses_.back();
-    return node.deadline <= bus.deadline ? node : bus;  // at one moment nodes go first
+    return first_node_.deadline <= bus.deadline ? first_node_ : bus;  // at one moment nodes go first
   }
   /// Somebody who belongs to no part is due before this.
   [[nodiscard]] bool has_before(const Place& place) const noexcept { return first().before(place); }
@@ -157,36 +141,23 @@ class Timeline {
     }
   }
   void move(Handle handle, Time deadline) noexcept;
-  [[nodiscard]] bool is_soon(std::int64_t slice) const noexcept { return slice <= present_slice_; }
   static void put_in(Queue& queue, const Place& place) noexcept;
   static void take_out(Queue& queue, std::uint64_t order) noexcept;
-  /// Into the queue, or the list of its slice.
-  void put_node(Slot& slot) noexcept;
-  /// From where it waits with this deadline.
-  void take_from_queue(Slot& slot, Time deadline) noexcept;
-  void take_off_list(Slot& slot, std::int64_t slice) noexcept;
-  /// To the next slice that somebody waits in, when nobody of the present one is left.
-  void advance() noexcept;
-  [[nodiscard]] std::int64_t earliest_slice() const noexcept;
-  [[nodiscard]] std::size_t lists_to_next() const noexcept;
+  void put_node(Handle handle, Time deadline) noexcept;
+  void grow();
   /// Counts a tick that comes after too many at one moment. True: the participant has been taken out.
   bool is_stalled(Handle handle);
 
   static constexpr Place nobody{never, ~std::uint64_t{0}};
-  static constexpr std::array<std::uint32_t, slice_count> all_empty() noexcept {
-    std::array<std::uint32_t, slice_count> lists{};
-    lists.fill(nobody_else);
-    return lists;
-  }
-
   std::vector<Slot> slots_;
-  Queue nodes_{nobody};  // up to the end of the present slice; not empty as long as a list is not
   Queue buses_{nobody};  // all: a bus's deadline changes with each frame
-  std::int64_t present_slice_ = 0;
-  std::size_t listed_ = 0;  // nodes
-  std::array<std::uint64_t, slice_count / 64> has_list_{};
-  std::array<std::uint32_t, slice_count> lists_ = all_empty();  // first handle of each
-  std::vector<std::pair<Handle, std::string>> names_;           // of those that have one, in order of handles
+  // Nodes play a tournament for the earliest deadline: behind the matches stand the players, by handle; match n is between
+  // 2 n and 2 n + 1, and match 1 the last one. A new deadline is played up to there, and the first of all is found on the way
+  // back: no branch hangs on who that is.
+  std::size_t players_ = 1;                   // a power of two; who is no node is never due
+  std::vector<Time> earliest_{never, never};  // of each match, and of each player
+  Place first_node_ = nobody;
+  std::vector<std::pair<Handle, std::string>> names_;  // of those that have one, in order of handles
   std::function<void(const Stall&)> stall_handler_;
   Time now_{};
   std::uint64_t latest_ = 0;  // of the orders of those who had their tick at now_

@@ -85,6 +85,32 @@ TEST(Timeline, Refresh_TakesOverAnEarlierAndALaterDeadline) {
   EXPECT_EQ(timeline.next(), Time(2ms));
 }
 
+TEST(Timeline, Refresh_ToTheMomentOfTheFirst_KeepsTheOrderOfAdd) {
+  Log log;
+  Timeline timeline;
+  Alarm a("a", {Time(9ms)}, log);
+  Alarm b("b", {Time(2ms)}, log);
+  Alarm c("c", {Time(9ms)}, log);
+  const auto handle_a = timeline.add(a);
+  timeline.add(b);
+  const auto handle_c = timeline.add(c);
+  for (auto [alarm, handle] : {std::pair(&c, handle_c), std::pair(&a, handle_a)}) {
+    alarm->moments = {Time(2ms)};
+    timeline.refresh(handle);
+  }
+  timeline.run_until(Time(2ms));
+  EXPECT_EQ(log, (Log{"a@2", "b@2", "c@2"}));
+}
+
+TEST(Timeline, WhereNobodyIsEverDue_ARunWithoutEndEnds) {
+  Log log;
+  Timeline timeline;
+  Alarm idle("idle", {}, log);
+  timeline.add_part().add(idle);
+  timeline.run_until(never);
+  EXPECT_EQ(log, Log{});
+}
+
 TEST(Timeline, ADeadlineThatHasPassed_TicksAtOnceAndTimeDoesNotGoBack) {
   Log log;
   Timeline timeline;
