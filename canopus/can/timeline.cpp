@@ -47,10 +47,10 @@ void Timeline::put_node(Handle handle, Time deadline) noexcept {
     first_node_ = nobody;
     return;
   }
+  // Of two that are equal the one that was added first.
   while (match < players_) {
     match *= 2;
-    match += static_cast<std::size_t>(earliest[match] !=
-                                      lowest);  // of two that are equal the one that was added first
+    match += static_cast<std::size_t>(earliest[match] != lowest);
   }
   const Slot& first = slots_[match - players_];
   first_node_ = {lowest, first.order};
