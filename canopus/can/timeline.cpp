@@ -63,7 +63,6 @@ void Timeline::grow() {
   earliest_.resize(2 * players_, never);
   std::copy_n(earliest_.begin() + static_cast<std::ptrdiff_t>(before), before,
               earliest_.begin() + static_cast<std::ptrdiff_t>(players_));
-  std::fill_n(earliest_.begin() + static_cast<std::ptrdiff_t>(players_ + before), before, never);
   for (std::size_t match = players_ - 1; match > 0; --match)
     earliest_[match] = std::min(earliest_[2 * match], earliest_[2 * match + 1]);
 }
@@ -76,7 +75,7 @@ Timeline::Handle Timeline::add(Ticker& participant, std::string name, Rank rank)
                     .deadline = participant.deadline(),
                     .order = static_cast<std::uint64_t>(rank) << 63 | number << 32 | handle});
   if (!name.empty()) names_.emplace_back(handle, std::move(name));
-  while (players_ < slots_.size()) grow();
+  if (players_ < slots_.size()) grow();
   const Slot& slot = slots_.back();
   if (rank == Rank::bus) {
     make_room(buses_, buses_.size() + 1);

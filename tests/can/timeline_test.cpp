@@ -203,7 +203,7 @@ struct Crowd {
     if (kind == 0) return never;
     if (kind == 1) return std::max(Time{}, now - Duration(static_cast<Duration::rep>(random() % 1'000'000)));
     if (kind == 2) return now;
-    // Up to 2^kind us: within a slice, a round of slices, and far beyond; in whole microseconds, so that some are equal.
+    // Up to 2^kind us: near and far; whole microseconds, so that some are equal.
     const std::uint64_t reach = std::uint64_t{1} << 4 * (kind - 3);
     return later(now, std::chrono::microseconds(static_cast<Duration::rep>(random() % reach)));
   }

@@ -275,7 +275,6 @@ void Device::tick(can::Time now) {
 
 can::Time Device::deadline_of_all() const noexcept {
   can::Time next = std::min(node_.deadline(), next_sample_);
-  if (only_samples()) return lss_ ? std::min(next, lss_->deadline()) : next;
   if (next_row_ < next) next = next_row_;
   if (forcing_.deadline() < next) next = forcing_.deadline();
   if (!script_.empty()) next = std::min(next, script_.deadline());
