@@ -224,7 +224,7 @@ void Segment::deliver_to_all(const can::Frame& frame, const BusPort& from, can::
     while (ports != 0) {
       const std::size_t number = 64 * word + static_cast<std::size_t>(std::countr_zero(ports));
       ports &= ports - 1;
-      deliver_to(*core_.ports[number], frame, from, now);
+      deliver_to(number, frame, from, now);
     }
   }
 }

@@ -109,16 +109,18 @@ class Segment {
   void deliver(const can::Frame& frame, const BusPort& from, can::Time now) {
     const AcceptanceTable::Few few = core_.acceptance.few_for(frame);
     if (!few.are_known) return deliver_to_all(frame, from, now);
-    if (few.first != AcceptanceTable::nobody && few.first != from.index)
-      deliver_to(few.first, frame, from, now);
-    if (few.second != AcceptanceTable::nobody && few.second != from.index)
-      deliver_to(few.second, frame, from, now);
+    deliver_if_hearing(few.first, frame, from, now);
+    deliver_if_hearing(few.second, frame, from, now);
   }
+  void deliver_if_hearing(std::size_t number, const can::Frame& frame, const BusPort& from, can::Time now) {
+    if (number != AcceptanceTable::nobody && (hearing_[number / 64] >> number % 64 & 1) != 0)
+      deliver_to(number, frame, from, now);
+  }
+  /// A member that wants it, perhaps its sender.
   void deliver_to(std::size_t number, const can::Frame& frame, const BusPort& from, can::Time now) {
-    if ((hearing_[number / 64] >> number % 64 & 1) != 0) deliver_to(*core_.ports[number], frame, from, now);
-  }
-  void deliver_to(BusPort& port, const can::Frame& frame, const BusPort& from, can::Time now) {
-    if (&port != &from && !dropped(port)) port.hear(frame, now);
+    if (number == from.index) return;
+    BusPort& port = *core_.ports[number];
+    if (!dropped(port)) port.hear(frame, now);
   }
   void deliver_to_all(const can::Frame& frame, const BusPort& from, can::Time now);
   [[nodiscard]] bool dropped(const BusPort& port) const noexcept {
