@@ -18,92 +18,79 @@ void make_room(std::vector<Element>& elements, std::size_t count) {
 }  // namespace
 
 // add() has made room for everybody.
-[[gnu::always_inline]] inline void Timeline::put_in(Queue& queue, const Place& place) noexcept {
+void Timeline::put_in(Queue& queue, const Place& place) noexcept {
   queue.push_back(place);
   Place* position = &queue.back();
   for (; position[-1].before(place); --position) *position = position[-1];
   *position = place;
 }
 
-[[gnu::always_inline]] inline void Timeline::take_out(Queue& queue, std::uint64_t order) noexcept {
+void Timeline::take_out(Queue& queue, std::uint64_t order) noexcept {
   std::size_t position = queue.size() - 1;
   while (queue[position].order != order) --position;
   for (; position + 1 < queue.size(); ++position) queue[position] = queue[position + 1];
   queue.pop_back();
 }
 
-void Timeline::put_node(Handle handle, Time deadline) noexcept {
-  Time* const earliest = earliest_.data();
-  std::size_t match = players_ + handle;
-  earliest[match] = deadline;
-  Time lowest = deadline;
+void Timeline::put_node(const Place& place) noexcept {
+  Key* const first_of = first_of_.data();
+  std::size_t match = player(place.handle());
+  Key first = key_of(place);
+  first_of[match] = first;
   while (match > 1) {
-    const Time other = earliest[match ^ 1];
+    const Key other = first_of[match ^ 1];
     match /= 2;
-    lowest = lowest < other ? lowest : other;
-    earliest[match] = lowest;
+    first = first < other ? first : other;
+    first_of[match] = first;
   }
-  if (lowest == never) {
+  first_node_ = place_of(first);
+  if (first_node_.deadline == never) {
     first_node_ = nobody;
     return;
   }
-  // Of two that are equal the one that was added first.
-  while (match < players_) {
-    match *= 2;
-    match += static_cast<std::size_t>(earliest[match] != lowest);
-  }
-  const Slot& first = slots_[match - players_];
-  first_node_ = {lowest, first.order};
-  __builtin_prefetch(first.participant);  // its tick is not far
+  __builtin_prefetch(participants_[first_node_.handle()]);  // its tick is not far
 }
 
-void Timeline::grow() {
+/// As many as there is room for participants.
+void Timeline::make_players() {
   const std::size_t before = players_;
-  players_ *= 2;
-  earliest_.resize(2 * players_, never);
-  std::copy_n(earliest_.begin() + static_cast<std::ptrdiff_t>(before), before,
-              earliest_.begin() + static_cast<std::ptrdiff_t>(players_));
+  players_ = std::max(participants_.capacity(), std::size_t{2});
+  std::vector<Key> first_of(2 * players_, key_of(nobody));
+  std::copy_n(first_of_.begin() + static_cast<std::ptrdiff_t>(before), before,
+              first_of.begin() + static_cast<std::ptrdiff_t>(players_));
   for (std::size_t match = players_ - 1; match > 0; --match)
-    earliest_[match] = std::min(earliest_[2 * match], earliest_[2 * match + 1]);
+    first_of[match] = std::min(first_of[2 * match], first_of[2 * match + 1]);
+  first_of_ = std::move(first_of);
 }
 
 Timeline::Handle Timeline::add(Ticker& participant, std::string name, Rank rank) {
-  const Handle handle = slots_.size();
+  const Handle handle = participants_.size();
   const std::uint64_t number = (whole_ != nullptr ? whole_ : this)->numbers_++;
-  make_room(slots_, handle + 1);
-  slots_.push_back({.participant = &participant,
-                    .deadline = participant.deadline(),
-                    .order = static_cast<std::uint64_t>(rank) << 63 | number << 32 | handle});
+  make_room(participants_, handle + 1);
+  participants_.push_back(&participant);
   if (!name.empty()) names_.emplace_back(handle, std::move(name));
-  if (players_ < slots_.size()) grow();
-  const Slot& slot = slots_.back();
+  if (players_ < participants_.capacity()) make_players();
+  const Place place{participant.deadline(), static_cast<std::uint64_t>(rank) << 63 | number << 32 | handle};
   if (rank == Rank::bus) {
     make_room(buses_, buses_.size() + 1);
-    put_in(buses_, {slot.deadline, slot.order});
+    put_in(buses_, place);
+    put_node({never, place.order});
   } else {
-    put_node(handle, slot.deadline);
+    put_node(place);
   }
   return handle;
 }
 
 void Timeline::remove(Handle handle) {
-  Slot& slot = slots_[handle];
-  if (slot.participant == nullptr) return;
-  if (slot.is_bus()) {
-    take_out(buses_, slot.order);
+  if (participants_[handle] == nullptr) return;
+  const Place place = place_of(first_of_[player(handle)]);
+  if (place.is_bus()) {
+    take_out(buses_, place.order);
   } else {
-    put_node(handle, never);
+    put_node({never, place.order});
   }
-  slot.participant = nullptr;
+  participants_[handle] = nullptr;
   std::erase_if(names_, [&](const auto& name) { return name.first == handle; });
-}
-
-void Timeline::move(Handle handle, Time deadline) noexcept {
-  Slot& slot = slots_[handle];
-  slot.deadline = deadline;
-  if (!slot.is_bus()) return put_node(handle, deadline);
-  take_out(buses_, slot.order);
-  put_in(buses_, {deadline, slot.order});
 }
 
 Time Timeline::next() const noexcept {
@@ -149,6 +136,19 @@ void Timeline::run_apart(Time end) {
   run_until(end);
 }
 
+/// Ticks the only bus, which is due, and goes on with it as long as no node is. Its deadline then.
+[[gnu::always_inline]] inline Time Timeline::run_bus(const Place& bus, Time last) {
+  while (true) {
+    const Time deadline = participants_[bus.handle()]->tick_and_tell(now_);
+    const bool is_first = deadline > now_ && deadline <= last && deadline < first_node_.deadline;
+    const bool is_alone = buses_.size() == 2 && buses_.back().order == bus.order;
+    if (!is_first || !is_alone) return deadline;
+    buses_.back().deadline = now_ = deadline;
+    latest_ = bus.order;
+    ticks_ = 0;
+  }
+}
+
 void Timeline::run(Time end, const Place& until) {
   const bool meets_parts = whole_ != nullptr && !apart_;  // of which one may be made earlier by this part
   const bool meets_others = meets_parts || until.deadline != never;
@@ -171,8 +171,9 @@ void Timeline::run(Time end, const Place& until) {
         if (is_stalled(handle)) continue;
       }
     }
-    Time deadline = slots_[handle].participant->tick_and_tell(now_);
-    if (goes_on_alone && slots_[handle].is_bus()) deadline = go_on(handle, deadline, last);
+    // Each of the two calls mostly leads to participants of one kind, which a processor foretells.
+    const Time deadline =
+        goes_on_alone && place.is_bus() ? run_bus(place, last) : participants_[handle]->tick_and_tell(now_);
     if (deadline == Ticker::not_told) {
       refresh(handle);
     } else {
@@ -180,20 +181,6 @@ void Timeline::run(Time end, const Place& until) {
     }
     if (is_whole) return;  // who belongs to no part may have made somebody of one earlier
   }
-}
-
-/// The only bus has had its tick: it has those that come before any node is due, too. Its deadline then.
-Time Timeline::go_on(Handle bus, Time deadline, Time last) {
-  const auto is_still_alone = [this] { return buses_.size() == 2; };
-  while (deadline > now_ && deadline <= last && deadline < first_node_.deadline && is_still_alone()) {
-    Slot& slot = slots_[bus];
-    buses_.back().deadline = slot.deadline = deadline;
-    now_ = deadline;
-    latest_ = slot.order;
-    ticks_ = 0;
-    deadline = slot.participant->tick_and_tell(now_);
-  }
-  return deadline;
 }
 
 // Who is first of all goes on until somebody of another part is: nothing that a part does makes another one earlier.
@@ -234,7 +221,7 @@ void Timeline::run_together(Time end) {
 }
 
 bool Timeline::is_stalled(Handle handle) {
-  if (ticks_by_one_.size() < slots_.size()) ticks_by_one_.resize(slots_.size());
+  if (ticks_by_one_.size() < participants_.size()) ticks_by_one_.resize(participants_.size());
   if (++ticks_by_one_[handle] < most_ticks) return false;
   const auto name = std::ranges::find(names_, handle, &std::pair<Handle, std::string>::first);
   const Stall stall{name == names_.end() ? "participant " + std::to_string(handle) : name->second, now_};

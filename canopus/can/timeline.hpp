@@ -64,7 +64,7 @@ class Timeline {
   void set_stall_handler(std::function<void(const Stall&)> handler) { stall_handler_ = std::move(handler); }
   /// Reads the participant's deadline again. To be called after anything but its tick() happened to it.
   void refresh(Handle handle) {
-    if (const Ticker* participant = slots_[handle].participant; participant != nullptr)
+    if (const Ticker* participant = participants_[handle]; participant != nullptr)
       retime(handle, participant->deadline());
   }
   /// Earliest deadline of all.
@@ -95,27 +95,23 @@ class Timeline {
   [[nodiscard]] Time outside_next() const noexcept { return first().deadline; }
 
  private:
-  /// What belongs to one participant.
-  struct Slot {
-    Ticker* participant = nullptr;
-    Time deadline = never;
-    std::uint64_t order = 0;  // as in its place
-
-    [[nodiscard]] bool is_bus() const noexcept { return order >> 63 != 0; }
-  };
   /// What decides who is first.
   struct Place {
     Time deadline;
     std::uint64_t order;  // rank (1 bit), number over all parts (31), handle (32)
 
     [[nodiscard]] Handle handle() const noexcept { return order & 0xFFFF'FFFF; }
-    [[nodiscard]] bool before(const Place& other) const noexcept {
-      // Without a branch, which nobody could foretell.
-      return static_cast<bool>(
-          static_cast<unsigned>(deadline < other.deadline) |
-          (static_cast<unsigned>(deadline == other.deadline) & static_cast<unsigned>(order < other.order)));
-    }
+    [[nodiscard]] bool is_bus() const noexcept { return order >> 63 != 0; }
+    [[nodiscard]] bool before(const Place& other) const noexcept { return key_of(*this) < key_of(other); }
   };
+  /// A place as one number: the lower one is first. To compare two takes no branch, which nobody could foretell.
+  __extension__ typedef __int128 Key;
+  [[nodiscard]] static Key key_of(const Place& place) noexcept {
+    return Key{place.deadline.time_since_epoch().count()} << 64 | place.order;
+  }
+  [[nodiscard]] static Place place_of(Key key) noexcept {
+    return {Time{Duration{static_cast<Duration::rep>(key >> 64)}}, static_cast<std::uint64_t>(key)};
+  }
   /// The last one first: whoever is first of all goes and comes without moving others. Behind all is `nobody`, so that no
   /// look at it, and no search, has to ask for its end.
   using Queue = std::vector<Place>;
@@ -129,33 +125,36 @@ class Timeline {
   [[nodiscard]] bool has_before(const Place& place) const noexcept { return first().before(place); }
   /// Ticks whatever is due until `end` and before `until`. The whole ticks one participant.
   void run(Time end, const Place& until);
-  Time go_on(Handle bus, Time deadline, Time last);
+  Time run_bus(const Place& bus, Time last);
   void run_together(Time end);
   void retime(Handle handle, Time deadline) noexcept {
-    Slot& slot = slots_[handle];
-    if (deadline == slot.deadline || slot.participant == nullptr) return;  // it may have gone inside its tick
-    if (slot.is_bus() && buses_.size() == 2) {  // alone, as a plant's part mostly has it
-      buses_.back().deadline = slot.deadline = deadline;
+    if (participants_[handle] == nullptr) return;  // it has gone inside its tick
+    const Place place = place_of(first_of_[player(handle)]);
+    if (!place.is_bus()) {
+      if (deadline != place.deadline) put_node({deadline, place.order});
+    } else if (buses_.size() == 2) {  // alone, as a plant's part mostly has it
+      buses_.back().deadline = deadline;
     } else {
-      move(handle, deadline);
+      take_out(buses_, place.order);
+      put_in(buses_, {deadline, place.order});
     }
   }
-  void move(Handle handle, Time deadline) noexcept;
   static void put_in(Queue& queue, const Place& place) noexcept;
   static void take_out(Queue& queue, std::uint64_t order) noexcept;
-  void put_node(Handle handle, Time deadline) noexcept;
-  void grow();
+  void put_node(const Place& place) noexcept;
+  void make_players();
+  [[nodiscard]] std::size_t player(Handle handle) const noexcept { return players_ + handle; }
   /// Counts a tick that comes after too many at one moment. True: the participant has been taken out.
   bool is_stalled(Handle handle);
 
   static constexpr Place nobody{never, ~std::uint64_t{0}};
-  std::vector<Slot> slots_;
-  Queue buses_{nobody};  // all: a bus's deadline changes with each frame
-  // Nodes play a tournament for the earliest deadline: behind the matches stand the players, by handle; match n is between
-  // 2 n and 2 n + 1, and match 1 the last one. A new deadline is played up to there, and the first of all is found on the way
-  // back: no branch hangs on who that is.
-  std::size_t players_ = 1;                   // a power of two; who is no node is never due
-  std::vector<Time> earliest_{never, never};  // of each match, and of each player
+  std::vector<Ticker*> participants_;  // by handle; null: it has gone
+  Queue buses_{nobody};                // all: a bus's deadline changes with each frame
+  // Nodes play a tournament for who is first: behind the matches stand the players, by handle; match n is between 2 n and
+  // 2 n + 1, and match 1 the last one. A new deadline is played up to there, and no branch hangs on who wins. A bus, and who
+  // has gone, plays with deadline never.
+  std::size_t players_ = 1;                                    // room for so many
+  std::vector<Key> first_of_{key_of(nobody), key_of(nobody)};  // each match, and each player
   Place first_node_ = nobody;
   std::vector<std::pair<Handle, std::string>> names_;  // of those that have one, in order of handles
   std::function<void(const Stall&)> stall_handler_;

@@ -134,6 +134,27 @@ TEST(Timeline, Remove_InsideATick_TakesEffectAtOnce) {
   EXPECT_EQ(timeline.next(), never);
 }
 
+TEST(Timeline, ABusThatGivesItsPlaceToAnotherInsideItsTick_HasNoFurtherOne) {
+  struct Bus final : Alarm {
+    using Alarm::Alarm;
+    Time tick_and_tell(Time now) override {
+      tick(now);
+      return deadline();
+    }
+  };
+  Log log;
+  Timeline timeline;
+  Bus first("first", {Time(1ms), Time(2ms), Time(3ms)}, log);
+  Bus second("second", {Time(4ms), Time(5ms)}, log);
+  const auto handle = timeline.add(first, {}, Timeline::Rank::bus);
+  first.then = [&] {
+    timeline.remove(handle);
+    timeline.add(second, {}, Timeline::Rank::bus);
+  };
+  timeline.run_until(Time(9ms));
+  EXPECT_EQ(log, (Log{"first@1", "second@4", "second@5"}));
+}
+
 TEST(Timeline, Empty_HasNoNextAndRuns) {
   Timeline timeline;
   EXPECT_EQ(timeline.next(), never);
