@@ -90,7 +90,7 @@ struct BusCore {
   std::vector<Delayed> delayed;  // in the order of send()
 };
 
-class BusPort final : public Port {
+class alignas(64) BusPort final : public Port {
  public:
   BusPort(BusCore& bus_core, Segment& port_segment, std::size_t port_index, std::string port_name);
 
@@ -223,50 +223,25 @@ class BusPort final : public Port {
     return can::bit_time(count, rate);
   }
 
-  // What a received frame needs lies together.
+  // What a frame needs on its way lies in the first three cache lines.
+  can::TransmitQueue queue;
+  can::Frame current;
   BusCore& core;
-  can::Listener* participant = nullptr;
-  can::Timeline::Handle handle = 0;
-  PortCounters counted;
-  bool timed_by_transmissions = true;  // the participant
-  bool jammed = false;                 // by a fault: received frames are held
-
   Segment* segment;
   std::size_t index;
-  std::uint32_t rate;
-  can::Duration bit_length;  // at this rate
-  bool is_plugged = true;
+  can::FaultConfinement faults;
   bool powered = true;
-  bool on_wire = true;  // both
+  bool on_wire = true;  // plugged and powered
   bool listen_only = false;
-  bool automatic_recovery = true;
-  bool recovering = false;
   bool sending = false;       // `current` is on the wire; it counts as waiting
   bool last_attempt = false;  // `current` was aborted: it does not wait again
-  can::Frame current;
-  can::TransmitQueue queue;
-  bool confirm = false;  // `current` is complete, its participant has to be notified
-  can::FaultConfinement faults;
-  std::uint32_t refused = 0;
-  std::uint32_t overrun = 0;
-
-  // Faults at work.
-  bool stuck = false;     // dominant
-  bool mute = false;      // stuck recessive
-  bool inverted = false;  // noise: what it sees
-  bool single_shot = false;
-  unsigned overload_frames = 0;  // asked for after each frame
-  unsigned early_bits = 0;       // before the bus is idle it may begin a frame
-  can::Duration lateness{};      // of what it drives
-  bool shown_dominant = false;   // as last reported to wire observers
-  std::size_t held_capacity = 0;
-  std::vector<can::Frame> held;  // received while jammed
+  bool single_shot = false;   // by a fault
+  bool babble_due = false;
   bool babbling = false;
   bool babble_always = false;
-  bool babble_due = false;
-  bool sends_babble = false;  // `current` is one
-  can::Frame babble;
-
+  bool sends_babble = false;           // `current` is one
+  bool timed_by_transmissions = true;  // the participant
+  bool jammed = false;                 // by a fault: received frames are held
   // What it offered when a frame of others began that was computed as a whole, if that has changed since.
   struct Kept {
     std::uint64_t frame_number = 0;
@@ -276,6 +251,30 @@ class BusPort final : public Port {
     can::Frame frame{};
   };
   Kept kept;
+  can::Listener* participant = nullptr;
+  can::Timeline::Handle handle = 0;
+  std::uint32_t rate;
+  can::Duration bit_length;  // at this rate
+  PortCounters counted;
+
+  bool is_plugged = true;
+  bool automatic_recovery = true;
+  bool recovering = false;
+  bool confirm = false;  // `current` is complete, its participant has to be notified
+  std::uint32_t refused = 0;
+  std::uint32_t overrun = 0;
+
+  // Faults at work.
+  bool stuck = false;            // dominant
+  bool mute = false;             // stuck recessive
+  bool inverted = false;         // noise: what it sees
+  unsigned overload_frames = 0;  // asked for after each frame
+  unsigned early_bits = 0;       // before the bus is idle it may begin a frame
+  can::Duration lateness{};      // of what it drives
+  bool shown_dominant = false;   // as last reported to wire observers
+  std::size_t held_capacity = 0;
+  std::vector<can::Frame> held;  // received while jammed
+  can::Frame babble;
 
   Acceptance accepted{.base = {}, .extended = false};  // as in core.acceptance
 
