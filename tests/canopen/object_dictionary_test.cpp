@@ -1,5 +1,7 @@
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
 
+#include <functional>
+
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -221,6 +223,33 @@ TEST(IdentifierTable, WhatNoFrameCanHave_IsNotFound) {
   EXPECT_EQ(table.first(0xFFFF'FFFF), nullptr);
   ASSERT_NE(table.first(0x181), nullptr);
   EXPECT_EQ(table.first(0x181)->number, 3);
+}
+
+TEST(IdentifierTable, ALargeOne_FindsEveryRoute_AlsoWhereIdentifiersEndAlike) {
+  const auto base = [](std::uint32_t i) { return IdentifierTable::key(0x100 + i, false, false); };
+  const auto base_and_remote = [](std::uint32_t i) {
+    return IdentifierTable::key(0x100 + i / 2, false, i % 2 != 0);
+  };
+  const auto ends_alike = [](std::uint32_t i) { return IdentifierTable::key(i << 11 | 0x123, true, false); };
+  const auto mixed = [&](std::uint32_t i) { return i % 3 == 0 ? ends_alike(i) : base(i); };
+  constexpr std::uint32_t none = 1'700;
+  for (const std::uint32_t count : {254U, 600U, 1'500U}) {
+    for (const auto& key_of :
+         {std::function<std::uint32_t(std::uint32_t)>(base), {base_and_remote}, {ends_alike}, {mixed}}) {
+      std::vector<IdentifierTable::Route> routes;
+      for (std::uint32_t i = 0; i < count; ++i)
+        routes.push_back({key_of(i), ServiceKind::rpdo, static_cast<std::uint16_t>(i)});
+      IdentifierTable table;
+      table.build(routes);
+      for (std::uint32_t i = 0; i < count; ++i) {
+        const IdentifierTable::Slot* const found = table.first(key_of(i));
+        ASSERT_NE(found, nullptr) << i;
+        EXPECT_EQ(found->number, i);
+        EXPECT_EQ(found->found, ServiceKind::rpdo);
+      }
+      EXPECT_EQ(table.first(key_of(none)), nullptr);
+    }
+  }
 }
 
 TEST(CobIds, RestrictedIdentifiers_AreThoseOfCia301) {
