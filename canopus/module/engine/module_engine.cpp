@@ -264,7 +264,7 @@ inline bool ModuleEngine::hear_canopen(const can::Frame& frame, can::Time now) {
   using namespace canopen::cob_id;
   const bool is_pdo = frame.identifier > 0x180 && frame.identifier < sdo_response;
   // The master does nothing with PDOs.
-  if (taken != canopen::Node::Taken::process_data || !is_pdo) parts_.master.receive(frame, now);
+  if (taken == canopen::Node::Taken::other || !is_pdo) parts_.master.receive(frame, now);
   const bool is_of_command = is_open && parts_.command.receive(frame, now);
   if (taken == canopen::Node::Taken::other || is_of_command || frame.extended || frame.remote) return true;
   const std::uint32_t function = frame.identifier & function_code;
