@@ -243,7 +243,9 @@ void Node::forget_error(std::uint16_t code, std::span<const std::uint8_t, 5> man
 void Node::pause_heartbeat(bool paused, can::Time now) { services_->heartbeat_producer.pause(paused, now); }
 bool Node::emergency_reset(can::Time now) { return services_->emcy_producer.reset(now); }
 
-unsigned Node::values_changed(can::Time now) { return services_->tpdos.values_changed(now); }
+unsigned Node::values_changed(Places places, can::Time now) {
+  return services_->tpdos.values_changed(places, now);
+}
 bool Node::tpdo_event(std::uint16_t number, can::Time now) { return services_->tpdos.event(number, now); }
 bool Node::send_destination_mpdo(std::uint16_t number, std::uint8_t node_id, std::uint16_t index,
                                  std::uint8_t sub, std::span<const std::uint8_t> value, can::Time now) {

@@ -6,6 +6,7 @@ namespace canopus::canopen {
 namespace {
 
 constexpr std::uint8_t maximum_mapped_objects = 0x40;
+constexpr std::uint16_t first_of_application = 0x2000;
 
 struct Mapping {
   explicit Mapping(std::uint32_t value)
@@ -31,6 +32,7 @@ void CopyPlan::clear() {
   rest_.clear();
   length_ = 0;
   word_ = 0;
+  places_ = 0;
 }
 
 std::uint64_t CopyPlan::gather_steps(const std::uint8_t* block) const noexcept {
@@ -57,6 +59,8 @@ void CopyPlan::compile(const ObjectDictionary& dictionary, std::uint16_t index) 
     const bool exists = entry && entry.description->length != 0 && entry.description->length <= 8 &&
                         mapping.bits != 0 && !is_dummy(dictionary, mapping);
     if (exists) {
+      places_ |= mapping.index < first_of_application ? all_places
+                                                      : places_of(entry.offset, entry.description->length);
       Step step{entry.offset, static_cast<std::uint8_t>(position), mapping.bits, entry.description->length};
       const bool aligned = position % 8 == 0 && mapping.bits == step.bytes * 8;
       const bool continues = aligned && !steps.empty() && steps.back().bits == steps.back().bytes * 8 &&

@@ -49,6 +49,8 @@ class CopyPlan {
   /// True when some of the bytes offset..offset+length of the block are mapped.
   [[nodiscard]] bool holds(std::uint32_t offset, std::uint8_t length) const noexcept;
 
+  /// Where the mapped values lie; all_places with one that nodes write by themselves, below 2000H.
+  [[nodiscard]] Places places() const noexcept { return places_; }
   /// The bytes of the block that are mapped lie within these: offset of the first, and behind the last. Nothing
   /// mapped: 0, 0.
   [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> extent() const noexcept;
@@ -101,6 +103,7 @@ class CopyPlan {
   Step first_ = no_step;
   std::uint8_t length_ = 0;
   std::uint8_t word_ = 0;  // bytes of it, if is_word()
+  Places places_ = 0;
   std::vector<Step> rest_;
 };
 

@@ -1,6 +1,7 @@
 #include "canopus/canopen/pdo/tpdo.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace canopus::canopen {
 namespace {
@@ -59,12 +60,17 @@ void Tpdos::read(Tpdo& pdo) {
 }
 
 void Tpdos::activate(Tpdo& pdo, can::Time now) {
+  all_told_ = false;
   pdo.has_event = false;
   pdo.was_sent = !node_.options.unsent_values_are_changed && pdo.cob_id.is_valid();
   if (pdo.was_sent) pdo.last_data = gather(pdo);
   pdo.inhibited_until = {};
   pdo.syncs_left = pdo.transmission_type;
   pdo.waits_for_start = pdo.sync_start != 0;
+  start_timer(pdo, now);
+}
+
+void Tpdos::start_timer(Tpdo& pdo, can::Time now) {
   const bool timed = pdo.is_event_driven() && pdo.event_timer != 0;
   pdo.event_due = timed && node_.is_operational() && pdo.cob_id.is_valid()
                       ? now + std::chrono::milliseconds(pdo.event_timer)
@@ -80,7 +86,9 @@ void Tpdos::schedule(const Tpdo& pdo) {
 void Tpdos::list_valid() {
   const auto list_if = [this](auto&& wanted) {
     for (std::size_t i = 0; i < tpdos_.size(); ++i) {
-      if (tpdos_[i].cob_id.is_valid() && wanted(tpdos_[i])) valid_.push_back(static_cast<std::uint16_t>(i));
+      const Tpdo& pdo = tpdos_[i];
+      if (pdo.cob_id.is_valid() && wanted(pdo))
+        valid_.push_back({static_cast<std::uint16_t>(i), pdo.plan.places()});
     }
   };
   valid_.clear();
@@ -222,14 +230,18 @@ bool Tpdos::event(std::uint16_t number, can::Time now) {
 
 // What is sent may bring an answer that changes the lists, on a bus that is a function call: they are looked at anew
 // each time.
-unsigned Tpdos::values_changed(can::Time now) {
+unsigned Tpdos::values_changed(Places places, can::Time now) {
   if (!node_.is_operational()) return 0;
+  if (!std::exchange(all_told_, true)) places = all_places;
   unsigned events = 0;
   for (std::size_t i = synchronous_; i < valid_.size(); ++i) {
-    Tpdo& pdo = tpdos_[valid_[i]];
+    if ((valid_[i].places & places) == 0) continue;
+    Tpdo& pdo = tpdos_[valid_[i].position];
     const std::uint64_t data = gather(pdo);
     if (pdo.was_sent && data == pdo.last_data) continue;
-    if (event_with(pdo, data, now)) ++events;
+    const bool is_told = event_with(pdo, data, now);
+    all_told_ = all_told_ && is_told;
+    events += is_told ? 1U : 0U;
   }
   return events;
 }
@@ -238,7 +250,7 @@ void Tpdos::object_written(const Entry& entry, can::Time now) {
   if (!node_.is_operational() || entry.description->length == 0) return;
   send_from(entry.index, entry.sub, now);
   for (std::size_t i = synchronous_; i < valid_.size(); ++i) {
-    Tpdo& pdo = tpdos_[valid_[i]];
+    Tpdo& pdo = tpdos_[valid_[i].position];
     if (!pdo.plan.holds(entry.offset, entry.description->length)) continue;
     if (!pdo.was_sent || gather(pdo) != pdo.last_data) event(pdo, now);
   }
@@ -247,7 +259,7 @@ void Tpdos::object_written(const Entry& entry, can::Time now) {
 void Tpdos::sync(std::uint8_t counter, can::Time now) {
   if (!node_.is_operational()) return;
   for (std::size_t i = 0; i < synchronous_; ++i) {
-    Tpdo& pdo = tpdos_[valid_[i]];
+    Tpdo& pdo = tpdos_[valid_[i].position];
     const std::uint8_t type = pdo.transmission_type;
     if (type == 0 || type == rtr_synchronous || pdo.waits_for_start) {
       sync_unusual(pdo, counter, now);
@@ -293,11 +305,10 @@ void Tpdos::requested(std::uint16_t position, can::Time now) {
   if (!node_.is_operational() || !pdo.cob_id.is_valid() || pdo.addressing != 0) return;
   if (pdo.is_event_driven()) {
     event(pdo, now);
-  } else if (pdo.transmission_type == rtr_synchronous) {
-    send(pdo, pdo.was_sent ? pdo.last_data : gather(pdo), now);
-  } else {
-    send(pdo, gather(pdo), now);
+    return;
   }
+  const bool has_sample = pdo.transmission_type == rtr_synchronous && pdo.was_sent;
+  send(pdo, has_sample ? pdo.last_data : gather(pdo), now);
 }
 
 void Tpdos::tick(std::uint16_t position, can::Time now) {
@@ -306,13 +317,10 @@ void Tpdos::tick(std::uint16_t position, can::Time now) {
   if (now >= pdo.event_due) {
     pdo.event_due = now + std::chrono::milliseconds(pdo.event_timer);
     event(pdo, now);
-    schedule(pdo);
-  } else if (inhibit_is_over) {
-    if (!send(pdo, gather(pdo), now)) pdo.has_event = false;  // the queue is full: the next event tries again
-    schedule(pdo);
-  } else {
-    schedule(pdo);
+  } else if (inhibit_is_over && !send(pdo, gather(pdo), now)) {
+    pdo.has_event = all_told_ = false;  // the queue is full: the next event tries again
   }
+  schedule(pdo);
 }
 
 void Tpdos::list_identifiers(std::vector<IdentifierTable::Route>& routes) const {
@@ -384,16 +392,9 @@ void Tpdos::after_write(ObjectDictionary& dictionary, const Entry& entry, can::T
   complete(*pdo);
   node_.change_identifiers();
   list_watched();
-  if (!new_event_timer) {
-    activate(*pdo, now);
-    list_valid();
-    return;
-  }
-  const bool timed = pdo->is_event_driven() && pdo->event_timer != 0;
-  pdo->event_due = timed && node_.is_operational() && pdo->cob_id.is_valid()
-                       ? now + std::chrono::milliseconds(pdo->event_timer)
-                       : can::never;
-  schedule(*pdo);
+  if (new_event_timer) return start_timer(*pdo, now);
+  activate(*pdo, now);
+  list_valid();
 }
 
 }  // namespace canopus::canopen

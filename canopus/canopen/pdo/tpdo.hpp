@@ -40,9 +40,9 @@ class Tpdos final : public ObjectHandler {
   void enter_operational(can::Time now);
   void leave_operational();
 
-  /// Every event-driven or acyclic TPDO whose values differ from what it last sent has its event. How many
-  /// had.
-  unsigned values_changed(can::Time now);
+  /// Every event-driven or acyclic TPDO whose values differ from what it last sent has its event. How many had. `places`:
+  /// no others were changed since the last call, but by the node itself below 2000H.
+  unsigned values_changed(Places places, can::Time now);
   /// The event of TPDO `number`. False: it does not exist, is not valid or event-driven, or was dismissed.
   bool event(std::uint16_t number, can::Time now);
   /// False: object_written() would do nothing for this entry.
@@ -106,6 +106,7 @@ class Tpdos final : public ObjectHandler {
     pdo.head = {pdo.cob_id.key(), pdo.addressing != 0 ? std::uint8_t{8} : pdo.plan.length()};
   }
   void activate(Tpdo& pdo, can::Time now);
+  void start_timer(Tpdo& pdo, can::Time now);
   bool event(Tpdo& pdo, can::Time now) { return event_with(pdo, gather(pdo), now); }
   /// `data`: what the PDO would carry now.
   bool event_with(Tpdo& pdo, std::uint64_t data, can::Time now);
@@ -124,17 +125,23 @@ class Tpdos final : public ObjectHandler {
     return static_cast<TimerQueue::Number>(first_timer_ + (&pdo - tpdos_.data()));
   }
 
+  struct Valid {
+    std::uint16_t position;
+    Places places;  // of what it maps
+  };
+
   NodeContext& node_;
   MpdoScanner scanner_{node_};
   std::vector<Tpdo> tpdos_;  // in order of number
-  // Positions of the valid ones: first those that SYNC concerns, then those that may have events.
-  std::vector<std::uint16_t> valid_;
+  // First those that SYNC concerns, then those that may have events.
+  std::vector<Valid> valid_;
   std::size_t synchronous_ = 0;  // so many are the first
   // All that TPDOs with events map lies here in the value block; values of another place need no look at them.
   std::uint32_t first_watched_ = 0;
   std::uint32_t watched_bytes_ = 0;
   TimerQueue::Number first_timer_ = 0;
   std::uint8_t defaults_of_ = 0;  // all was read of the defaults for this node-ID; 0: of others
+  bool all_told_ = false;         // no event that values_changed() found is still to be sent
 };
 
 }  // namespace canopus::canopen

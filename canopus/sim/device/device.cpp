@@ -1,6 +1,7 @@
 #include "canopus/sim/device/device.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace canopus::sim {
 
@@ -123,11 +124,11 @@ void Device::reset_done(canopen::NmtCommand which, can::Time now) {
 }
 
 void Device::rpdo_received(std::uint16_t number, can::Time) {
-  written_ = true;
+  written_ = was_written_ = true;
   forcing_.rpdo_received(number);
 }
 
-void Device::object_written(const Entry&, can::Time) { written_ = true; }
+void Device::object_written(const Entry&, can::Time) { written_ = was_written_ = true; }
 
 bool Device::emergency(std::uint16_t code, std::uint8_t error_register,
                        const std::array<std::uint8_t, 5>& manufacturer, can::Time now) {
@@ -141,11 +142,11 @@ bool Device::is_moved(const Motion& motion, can::Time now) const noexcept {
   return now < motion.next_change && node_.dictionary().get<std::uint64_t>(motion.target) == motion.moved_to;
 }
 
-/// `is_simple`: nothing is forced, and nothing follows another value.
+/// Where values have changed. `is_simple`: nothing is forced, and nothing follows another value.
 template <bool is_simple>
-inline bool Device::sample(can::Time now) {
+inline canopen::Places Device::sample(can::Time now) {
   canopen::ObjectDictionary& dictionary = node_.dictionary();
-  bool moved = false;
+  canopen::Places moved = 0;
   can::Time next_change = can::never;
   for (Motion& motion : motions_) {
     if (!is_simple && motion.behaviour.kind == Behaviour::Kind::echo) continue;
@@ -164,14 +165,15 @@ inline bool Device::sample(can::Time now) {
     // What is forced shows nothing of what lies beneath: then it is put there at each sample.
     motion.next_change = is_simple || !forcing_.is_forced(motion.target) ? sample.next_change : now;
     next_change = std::min(next_change, motion.next_change);
-    moved = moved || motion.moved_to != before;
+    if (motion.moved_to != before)
+      moved |= canopen::places_of(motion.target.offset, motion.target.description->length);
   }
   next_change_ = next_change;
   return moved;
 }
 
 bool Device::move_values(can::Time now) {
-  const bool moved = sample<false>(now);
+  const bool moved = sample<false>(now) != 0;
   return echo_values() || moved;
 }
 
@@ -226,12 +228,13 @@ void Device::settle(can::Time now, bool moved) {
     // What a condition forces, the application sees, too.
     if (!script_.empty()) moved = act(now) || moved;
   }
-  after_event(now, moved);
+  after_event(now, moved ? canopen::all_places : canopen::Places{0});
 }
 
-void Device::after_event(can::Time now, bool moved) {
+void Device::after_event(can::Time now, canopen::Places moved) {
   const bool is_operational = is_on_ && node_.state() == NmtState::operational;
-  if (moved && is_operational) node_.values_changed(now);
+  if (moved != 0 && is_operational)
+    node_.values_changed(std::exchange(was_written_, false) ? canopen::all_places : moved, now);
   if (!is_operational || !samples_) {
     next_sample_ = can::never;
     sampled_from_ = can::never;
@@ -260,7 +263,7 @@ void Device::controller_changed(can::Time now) { node_.controller_changed(now); 
 void Device::tick(can::Time now) {
   if (lss_ && lss_->deadline() <= now) lss_->tick(now);
   if (only_samples()) [[likely]] {
-    const bool moved = next_sample_ <= now && sample<true>(now);
+    const canopen::Places moved = next_sample_ <= now ? sample<true>(now) : canopen::Places{0};
     if (node_.deadline() <= now) node_.tick(now);
     return after_event(now, moved);
   }

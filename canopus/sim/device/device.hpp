@@ -153,7 +153,7 @@ class Device final : public can::Participant, private canopen::NodeListener {
   // What changes values. True: somebody sees another value than before.
   bool move_values(can::Time now);
   template <bool is_simple>
-  bool sample(can::Time now);
+  canopen::Places sample(can::Time now);
   [[nodiscard]] bool is_moved(const Motion& motion, can::Time now) const noexcept;
   void plan_sample(can::Time now) noexcept;
   [[nodiscard]] can::Time next_change_seen(can::Time now) const noexcept;
@@ -169,7 +169,7 @@ class Device final : public can::Participant, private canopen::NodeListener {
 
   [[nodiscard]] can::Time deadline_of_all() const noexcept;
   void settle(can::Time now, bool moved);
-  void after_event(can::Time now, bool moved);
+  void after_event(can::Time now, canopen::Places moved);
 
   std::shared_ptr<const eds::DeviceFile> file_;
   can::Gate gate_;  // between the node and the sink
@@ -183,7 +183,8 @@ class Device final : public can::Participant, private canopen::NodeListener {
   can::Time next_row_ = can::never;      // of the playbacks
   bool samples_ = false;                 // something else than constants and echoes
   bool echoes_ = false;                  // some of them
-  bool written_ = false;                 // perhaps a moving value, by somebody else
+  bool written_ = false;                 // perhaps a moving value, by somebody else, since the last sample
+  bool was_written_ = false;             // perhaps any value, by somebody else, since TPDOs were looked at
   bool is_simple_ = false;               // it has values to sample, and does nothing else by itself
   bool is_watched_ = false;              // nobody but it writes there without being seen
   bool is_on_ = false;
