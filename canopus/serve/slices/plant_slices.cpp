@@ -30,8 +30,8 @@ void PlantSlices::run_slice(can::Time end) {
 
 void PlantSlices::follow_the_clock(std::chrono::steady_clock::duration taken) noexcept {
   using namespace std::chrono_literals;
-  if (taken < 10ms) slice_ = std::min(2 * slice_, use_.most);
-  if (taken > 40ms) slice_ = std::max(slice_ / 2, use_.least);
+  if (taken < 20ms) slice_ = std::min(2 * slice_, use_.most);
+  if (taken > 80ms) slice_ = std::max(slice_ / 2, use_.least);
 }
 
 }  // namespace canopus::serve

@@ -18,9 +18,9 @@ class PlantSlices {
   struct Use {
     std::size_t threads = 1;  ///< at most; never more than parts
     /// Plant time, > 0: of the first slice, and of the longest one. A slice is twice as long as the one before as long as that
-    /// takes less than 10 ms of real time: the longer a part runs, the less often its memory has to come into the caches.
+    /// takes less than 20 ms of real time: the longer a part runs, the less often its memory has to come into the caches.
     can::Duration least = std::chrono::milliseconds(100);
-    can::Duration most = std::chrono::milliseconds(800);
+    can::Duration most = std::chrono::milliseconds(3'200);
     /// Called whenever the parts have met, for who keeps back what happened in them.
     std::function<void()> met{};
   };
