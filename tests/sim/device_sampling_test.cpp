@@ -32,17 +32,22 @@ constexpr can::Duration interval = 10ms;
 constexpr Time at(can::Duration since_start) { return Time{since_start}; }
 
 /// Node 5 of io-block.eds, alone on a wire that takes no time.
-struct SampledDevice final : can::Sink {
+struct SampledDevice : can::Sink {
   SampledDevice() : device(io_block(), 5, *this) {}
   static std::shared_ptr<const eds::DeviceFile> io_block() {
     static const auto file = [] {
       std::ifstream stream(CANOPUS_SOURCE_DIR "/examples/devices/io-block.eds", std::ios::binary);
-      return eds::read_device_file(std::string(std::istreambuf_iterator<char>(stream), {})).file;
+      std::string text(std::istreambuf_iterator<char>(stream), {});
+      // Its outputs may be mapped in TPDOs, too.
+      for (auto place = text.find("=rww"); place != std::string::npos; place = text.find("=rww"))
+        text.erase(place + 3, 1);
+      return eds::read_device_file(text).file;
     }();
     return file;
   }
   bool send(const Frame& frame) override {
     if (frame.identifier == 0x185) sent.emplace_back(now, frame.data[0]);
+    if (frame.identifier == 0x285) sent_by_second.emplace_back(now, frame.data[0]);
     return true;
   }
   void start() {
@@ -62,7 +67,8 @@ struct SampledDevice final : can::Sink {
 
   Time now{};
   sim::Device device;
-  std::vector<std::pair<Time, unsigned>> sent;  // of 6000H:01H, when
+  std::vector<std::pair<Time, unsigned>> sent;            // of 6000H:01H, when
+  std::vector<std::pair<Time, unsigned>> sent_by_second;  // what TPDO 2 begins with
   unsigned ticks = 0;
 };
 
@@ -118,6 +124,42 @@ TEST(DeviceSampling, WhatAnRpdoWritesThereLastsUntilTheNextSample) {
   EXPECT_EQ(output(), 0x44);
   d.run_until(at(1010ms));
   EXPECT_EQ(output(), 7);
+}
+
+/// A counter in TPDO 1 that steps every 50 ms, and one byte in TPDO 2.
+struct TwoTpdos : SampledDevice {
+  explicit TwoTpdos(std::uint16_t index, std::uint8_t sub) {
+    EXPECT_EQ(device.add_behaviour(
+                  {.kind = Behaviour::Kind::counter, .index = 0x6000, .sub = 1, .high = 9, .period = 50ms}),
+              std::nullopt);
+    start();
+    const auto low = static_cast<std::uint8_t>(index);
+    const auto high = static_cast<std::uint8_t>(index >> 8);
+    hear(data_frame(0x605, {0x23, 0x01, 0x18, 0x01, 0x85, 0x02, 0, 0xC0}));
+    hear(data_frame(0x605, {0x2F, 0x01, 0x1A, 0x00, 0, 0, 0, 0}));
+    hear(data_frame(0x605, {0x23, 0x01, 0x1A, 0x01, 0x08, sub, low, high}));
+    hear(data_frame(0x605, {0x2F, 0x01, 0x1A, 0x00, 1, 0, 0, 0}));
+    hear(data_frame(0x605, {0x2F, 0x01, 0x18, 0x02, 0xFF, 0, 0, 0}));
+    hear(data_frame(0x605, {0x23, 0x01, 0x18, 0x01, 0x85, 0x02, 0, 0x40}));
+    run_until(at(105ms));
+    sent_by_second.clear();
+  }
+};
+
+TEST(DeviceSampling, WhatAnRpdoWritesInAnotherTpdoIsSentWithTheNextStep) {
+  TwoTpdos d(0x6200, 1);
+  d.hear(data_frame(0x205, {0x44, 0x55}));
+  d.run_until(at(205ms));
+  EXPECT_THAT(d.sent, ElementsAre(std::pair(at(50ms), 1U), std::pair(at(100ms), 2U), std::pair(at(150ms), 3U),
+                                  std::pair(at(200ms), 4U)));
+  EXPECT_THAT(d.sent_by_second, ElementsAre(std::pair(at(150ms), 0x44U)));
+}
+
+TEST(DeviceSampling, WhatTheNodeItselfPutsInAnotherTpdoIsSentWithTheNextStep) {
+  TwoTpdos d(0x1001, 0);
+  ASSERT_TRUE(d.device.emergency(0x1000, 0x01, {}, d.now));
+  d.run_until(at(205ms));
+  EXPECT_THAT(d.sent_by_second, ElementsAre(std::pair(at(150ms), 1U)));
 }
 
 TEST(DeviceSampling, WhatIsWrittenBeneathAForcedValueIsNotTakenForTheBehaviours) {
