@@ -61,6 +61,31 @@ struct Twin : Conversation {
   }
 };
 
+TEST(Places, WhatTheEndOfAnInhibitTimeCouldNotSend_IsSentAtTheNextLook) {
+  Twin node({}, {{.mapping = {0x60000108}, .type = 0xFF, .inhibit_time = 100, .event_timer = 0}});
+  node.start();
+  const Places place = node.set(0x60000108, 7);
+  EXPECT_EQ(node.node.values_changed(place, node.now), 1U);
+  node.bus.is_full = true;
+  EXPECT_EQ(node.wait(20ms), "");
+  node.bus.is_full = false;
+  const Places other_place = node.set(0x60000808, 1);
+  ASSERT_EQ(place & other_place, 0);
+  EXPECT_EQ(node.node.values_changed(other_place, node.now), 1U);
+  EXPECT_EQ(node.bus.take(), "185 07");
+  node.set(0x60000108, 8);
+  EXPECT_EQ(node.node.values_changed(other_place, node.now), 0U);
+}
+
+TEST(Places, ATpdoWithoutValuesThatWasNotSentYet_IsSentAtTheNextLook) {
+  Twin node({}, {{.mapping = {0x00050008}, .type = 0xFF, .inhibit_time = 0, .event_timer = 0}});
+  node.bus.is_full = true;
+  node.start();
+  node.bus.is_full = false;
+  EXPECT_EQ(node.node.values_changed(node.set(0x60000108, 1), node.now), 1U);
+  EXPECT_EQ(node.bus.take(), "185 00");
+}
+
 RC_GTEST_PROP(Places, OfWhatWasChanged_SayTheSameAsAll, ()) {
   const auto anything = [](auto below) {
     return *rc::gen::inRange<std::uint32_t>(0, static_cast<std::uint32_t>(below));
@@ -83,7 +108,7 @@ RC_GTEST_PROP(Places, OfWhatWasChanged_SayTheSameAsAll, ()) {
   all.start();
   some.start();
   Places changed = 0;
-  for (int step = 0; step < 60; ++step) {
+  for (int step = 0; step < 120; ++step) {
     std::string said;
     std::string said_by_some;
     switch (anything(8)) {
@@ -98,6 +123,7 @@ RC_GTEST_PROP(Places, OfWhatWasChanged_SayTheSameAsAll, ()) {
       case 2:
       case 3:
       case 4:
+        if (changed == 0) break;
         all.node.values_changed(all.now);
         some.node.values_changed(changed, some.now);
         changed = 0;
@@ -118,12 +144,22 @@ RC_GTEST_PROP(Places, OfWhatWasChanged_SayTheSameAsAll, ()) {
             changed = all_places;
             break;
           }
-          case 1:
+          case 1: {
+            const bool is_start = anything(2) != 0;
             for (Twin* twin : {&all, &some}) {
-              twin->node.command(NmtCommand::enter_pre_operational, twin->now);
-              twin->node.command(NmtCommand::start, twin->now);
+              twin->node.command(is_start ? NmtCommand::start : NmtCommand::enter_pre_operational, twin->now);
             }
             break;
+          }
+          case 2: {
+            const auto communication = static_cast<std::uint16_t>(0x1800 + anything(tpdos.size()));
+            for (Twin* twin : {&all, &some}) {
+              const auto cob_id = twin->node.dictionary().get<std::uint32_t>(communication, 1);
+              twin->write(communication, 1, cob_id | 0x80000000, 4);
+              twin->write(communication, 1, cob_id, 4);
+            }
+            break;
+          }
           default:
             said = all.hear("080");
             said_by_some = some.hear("080");

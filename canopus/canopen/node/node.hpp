@@ -77,7 +77,7 @@ class Node final : public can::Participant {
   /// The application changed process values: every event-driven TPDO (and acyclic synchronous one) whose
   /// content differs from what it last sent has its event. Returns how many had.
   unsigned values_changed(can::Time now) { return values_changed(all_places, now); }
-  /// The same where nobody but the node itself, below 2000H, has changed values of other places since the last call.
+  /// The same where nobody but the node itself, below 2000H, has changed values of other places since the last call. Some places.
   unsigned values_changed(Places places, can::Time now);
   /// The application event of one TPDO, changed or not. False when it is not valid, or was dismissed.
   bool tpdo_event(std::uint16_t number, can::Time now);

@@ -76,7 +76,10 @@ void CopyPlan::compile(const ObjectDictionary& dictionary, std::uint16_t index) 
     position += mapping.bits;
   }
   length_ = static_cast<std::uint8_t>((position + 7) / 8);
-  if (steps.empty()) return;
+  if (steps.empty()) {
+    places_ = all_places;
+    return;
+  }
   first_ = steps.front();
   rest_.assign(steps.begin() + 1, steps.end());  // no larger than needed
   rest_.shrink_to_fit();

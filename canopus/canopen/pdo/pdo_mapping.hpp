@@ -49,7 +49,7 @@ class CopyPlan {
   /// True when some of the bytes offset..offset+length of the block are mapped.
   [[nodiscard]] bool holds(std::uint32_t offset, std::uint8_t length) const noexcept;
 
-  /// Where the mapped values lie; all_places with one that nodes write by themselves, below 2000H.
+  /// Where the mapped values lie; all_places with one that nodes write by themselves, below 2000H, or without any.
   [[nodiscard]] Places places() const noexcept { return places_; }
   /// The bytes of the block that are mapped lie within these: offset of the first, and behind the last. Nothing
   /// mapped: 0, 0.

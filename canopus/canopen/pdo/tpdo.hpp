@@ -40,8 +40,8 @@ class Tpdos final : public ObjectHandler {
   void enter_operational(can::Time now);
   void leave_operational();
 
-  /// Every event-driven or acyclic TPDO whose values differ from what it last sent has its event. How many had. `places`:
-  /// no others were changed since the last call, but by the node itself below 2000H.
+  /// Every event-driven or acyclic TPDO whose values differ from what it last sent has its event. How many had. `places`,
+  /// not 0: no others were changed since the last call, but by the node itself below 2000H.
   unsigned values_changed(Places places, can::Time now);
   /// The event of TPDO `number`. False: it does not exist, is not valid or event-driven, or was dismissed.
   bool event(std::uint16_t number, can::Time now);
