@@ -51,6 +51,18 @@ void Timeline::put_node(const Place& place) noexcept {
   __builtin_prefetch(participants_[first_node_.handle()]);  // its tick is not far
 }
 
+void Timeline::move(const Place& place, Time deadline) noexcept {
+  if (participants_[place.handle()] == nullptr) return;  // it has gone inside its tick
+  if (!place.is_bus()) {
+    put_node({deadline, place.order});
+  } else if (buses_.size() == 2) {  // alone, as a plant's part mostly has it
+    buses_.back().deadline = deadline;
+  } else {
+    take_out(buses_, place.order);
+    put_in(buses_, {deadline, place.order});
+  }
+}
+
 /// As many as there is room for participants.
 void Timeline::make_players() {
   const std::size_t before = players_;

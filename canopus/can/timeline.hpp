@@ -128,17 +128,11 @@ class Timeline {
   Time run_bus(const Place& bus, Time last);
   void run_together(Time end);
   void retime(Handle handle, Time deadline) noexcept {
-    if (participants_[handle] == nullptr) return;  // it has gone inside its tick
     const Place place = place_of(first_of_[player(handle)]);
-    if (!place.is_bus()) {
-      if (deadline != place.deadline) put_node({deadline, place.order});
-    } else if (buses_.size() == 2) {  // alone, as a plant's part mostly has it
-      buses_.back().deadline = deadline;
-    } else {
-      take_out(buses_, place.order);
-      put_in(buses_, {deadline, place.order});
-    }
+    if (deadline == place.deadline && !place.is_bus()) return;
+    move(place, deadline);
   }
+  void move(const Place& place, Time deadline) noexcept;
   static void put_in(Queue& queue, const Place& place) noexcept;
   static void take_out(Queue& queue, std::uint64_t order) noexcept;
   void put_node(const Place& place) noexcept;

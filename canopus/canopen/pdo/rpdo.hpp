@@ -61,7 +61,7 @@ class Rpdos final : public ObjectHandler {
     copy,  // one copy, at once: nothing waits, is watched or was wrong
     wait,  // the same, but it waits for SYNC
   };
-  struct alignas(64) Rpdo {          // a cache line, most often another one for each frame
+  struct Rpdo {
     std::uint64_t waiting_data = 0;  // for the next SYNC
     CopyPlan plan;
     CobId cob_id;

@@ -70,8 +70,8 @@ class Tpdos final : public ObjectHandler {
   void after_write(ObjectDictionary&, const Entry&, can::Time now) override;
 
  private:
-  struct alignas(32) Tpdo {
-    // What a look at its values needs comes first, in half a cache line.
+  struct Tpdo {
+    // What a look at its values needs comes first.
     std::uint64_t last_data = 0;  // as sent; of type FCH as sampled
     CobId cob_id;                 // not valid, too, when there is nothing mapped
     std::uint8_t transmission_type = 0xFF;
