@@ -268,7 +268,7 @@ void Run::run_in_virtual_time() {
   constexpr can::Duration look = 100ms;
   serve::PlantSlices slices(*plant_, {.threads = std::max<std::size_t>(1, threads),
                                       .least = look,
-                                      .most = expected_ ? look : 32 * look,
+                                      .most = expected_ ? look : serve::PlantSlices::Use{}.most,
                                       .met = [this] { recording_.parts_met(); }});
   while (timeline.now() < end && goes_on(0) && !expectation_over()) slices.run_slice(end);
 }
