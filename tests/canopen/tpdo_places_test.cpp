@@ -1,7 +1,7 @@
 // Node::values_changed() of some places: the same frames as of all, where nothing else was changed.
 
-#include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
