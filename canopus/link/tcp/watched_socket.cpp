@@ -179,9 +179,13 @@ WatchedSocket::Transfer WatchedSocket::read(std::span<std::uint8_t> space) noexc
     count = ::recv(native_handle(), space.data(), space.size(), 0);
   } while (count < 0 && errno == EINTR);
   const Transfer result = transfer_of(count);
-  parts_->has_read(result.count == space.size());
-  is_doubtful_ = result.count != 0;
+  has_read(result, space.size());
   return result;
+}
+
+void WatchedSocket::has_read(const Transfer& result, std::size_t space) noexcept {
+  parts_->has_read(result.count == space);
+  is_doubtful_ = result.count != 0;
 }
 
 WatchedSocket::Transfer WatchedSocket::write(std::span<const std::uint8_t> data) noexcept {
@@ -190,8 +194,12 @@ WatchedSocket::Transfer WatchedSocket::write(std::span<const std::uint8_t> data)
     count = ::send(native_handle(), data.data(), data.size(), MSG_NOSIGNAL);
   } while (count < 0 && errno == EINTR);
   const Transfer result = transfer_of(count);
-  parts_->has_written(result.count == data.size());
+  has_written(result, data.size());
   return result;
+}
+
+void WatchedSocket::has_written(const Transfer& result, std::size_t size) noexcept {
+  parts_->has_written(result.count == size);
 }
 
 void WatchedSocket::close() noexcept { parts_->close(); }

@@ -63,6 +63,11 @@ class WatchedSocket {
   void close() noexcept;
 
  private:
+  friend class SocketBatch;
+  /// What read() and write() keep of their result.
+  void has_read(const Transfer& result, std::size_t space) noexcept;
+  void has_written(const Transfer& result, std::size_t size) noexcept;
+
   struct Parts;
   std::unique_ptr<Parts> parts_;
   bool is_doubtful_ = false;  // the last read found something
