@@ -13,6 +13,7 @@
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 
+#include "canopus/link/tcp/socket_round.hpp"
 #include "canopus/link/tcp/tcp_port.hpp"
 #include "canopus/link/tcp/watched_socket.hpp"
 #include "canopus/serve/connection_timer.hpp"
@@ -68,6 +69,7 @@ struct TcpServer::Parts : std::enable_shared_from_this<Parts> {
   link::TcpPort port;
   asio::steady_timer look_timer;  // of connections that may have more to read than anybody tells of
   bool looks_again = false;
+  std::shared_ptr<link::SocketRound> round = std::make_shared<link::SocketRound>(context);
   std::vector<std::shared_ptr<Connection>> connections;
   std::uint64_t requests = 0;
   std::uint64_t heard = 0;  // messages from clients and connections, so far
@@ -76,7 +78,8 @@ struct TcpServer::Parts : std::enable_shared_from_this<Parts> {
 /// One client. Handlers hold it; it forgets the server when the server is gone.
 class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
                               private plc::EndProcessing::Requests,
-                              private link::WatchedSocket::User {
+                              private link::WatchedSocket::User,
+                              private link::SocketRound::User {
  public:
   Connection(Parts& parts, tcp::socket socket, std::string name)
       : parts_(&parts),
@@ -95,7 +98,8 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
 
   /// Reads what nobody would tell of.
   void look_again() {
-    if (parts_ != nullptr && socket_.is_doubtful() && is_receiving_ && !is_sending_) read();
+    if (parts_ == nullptr || !socket_.is_doubtful() || !is_receiving_ || is_sending_) return;
+    parts_->round->serve(self());
   }
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
@@ -112,9 +116,10 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
   }
 
  private:
-  /// Bytes go where the session wants them, when they are there: the END of a scan may move those before them.
+  [[nodiscard]] std::shared_ptr<link::SocketRound::User> self() { return {shared_from_this(), this}; }
+
   void receive() {
-    if (is_receiving_ || is_sending_ || input_ended_ || session_->space().empty()) return;
+    if (is_receiving_ || is_ready_ || is_sending_ || input_ended_ || session_->space().empty()) return;
     wait_to_read();
   }
 
@@ -125,21 +130,50 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
 
   void can_read() override {
     is_receiving_ = false;
-    if (!is_sending_) read();
+    if (is_sending_) return;
+    is_ready_ = true;
+    parts_->round->join(self(), parts_->connections.size() == 1);
   }
 
-  void read() {
-    const auto space = session_->space();
-    if (space.empty()) return;  // work() makes some, and goes on
-    const auto came = socket_.read(space);
-    // Not receive(): what an END has left may still be in the session.
-    if (came.has_to_wait()) return wait_to_read();
-    if (came.count == 0) return end_input(came.error);
+  /// Bytes go where the session wants them, when they are there: the END of a scan may move those before them.
+  link::BatchedRead begin() override {
+    is_ready_ = false;
+    if (parts_ == nullptr || is_sending_) return {};
+    return {.socket = &socket_,
+            .bytes = session_->space()};  // if there is none, work() makes some, and goes on
+  }
+
+  link::BatchedWrite reply(const link::WatchedSocket::Transfer& came) override {
+    if (parts_ == nullptr || !hear(came)) return {};
+    progress_ = false;
+    // What an END has left may still be there.
+    if (session_->output().empty() && !session_->over()) answer_complete(progress_);
+    if (parts_ == nullptr) return {};
+    return {.socket = &socket_, .bytes = session_->output()};
+  }
+
+  void go_on(const link::WatchedSocket::Transfer& sent) override {
+    if (parts_ == nullptr) return;
+    if (sent.error != 0 && !sent.has_to_wait()) return end();
+    if (sent.count != 0) session_->sent(sent.count);
+    work(progress_);
+  }
+
+  /// Whether something came.
+  bool hear(const link::WatchedSocket::Transfer& came) {
+    if (came.has_to_wait()) {
+      wait_to_read();
+      return false;
+    }
+    if (came.count == 0) {
+      end_input(came.error);
+      return false;
+    }
     parts_->look_again_soon();
     heard_at_ = CoarseClock::now();
     heard_number_ = ++parts_->heard;
     session_->received(came.count);
-    work();
+    return true;
   }
 
   void end_input(int error) {
@@ -164,26 +198,31 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
   /// Sends what is answered, and answers what is complete, until there is nothing more, the client does not take
   /// more, or the rest has to wait for the END of the scan. `progress`: something has just been answered.
   void work(bool progress = false) {
-    while (true) {
+    do {
       if (!send()) return;
       if (session_->over()) return end(("sent what is no request of the " + parts_->protocol).c_str());
-      if (!session_->has_request()) break;
-      if (parts_->rack.answers_at_end()) {
-        is_waiting_ = true;
-        parts_->rack.end_processing().wait(*this);
-        break;
-      }
-      const can::Time now = parts_->clock.now();
-      if (parts_ == nullptr) return;  // the run ended on the way there
-      if (answer(now)) {
-        progress = true;
-        parts_->clock.accessed();
-        if (parts_ == nullptr) return;
-      }
-    }
+    } while (answer_complete(progress));
+    if (parts_ == nullptr) return;  // the run ended on the way there
     watch_request(progress);
     if (input_ended_ && !is_waiting_) return end();
     receive();
+  }
+
+  /// Answers what is complete, unless that has to wait for the END of the scan. Whether there may be more to do.
+  bool answer_complete(bool& progress) {
+    if (!session_->has_request()) return false;
+    if (parts_->rack.answers_at_end()) {
+      is_waiting_ = true;
+      parts_->rack.end_processing().wait(*this);
+      return false;
+    }
+    const can::Time now = parts_->clock.now();
+    if (parts_ == nullptr) return false;
+    if (answer(now)) {
+      progress = true;
+      parts_->clock.accessed();
+    }
+    return parts_ != nullptr;
   }
 
   /// Whether something was answered.
@@ -261,9 +300,11 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
   CoarseClock::time_point heard_at_ = CoarseClock::now();
   ConnectionTimer timer_;
   bool is_receiving_ = false;  // waits for bytes
+  bool is_ready_ = false;      // has some, and waits to be served
   bool is_sending_ = false;    // waits for room to send
   bool is_waiting_ = false;    // for the END of the scan
   bool input_ended_ = false;   // nothing more comes
+  bool progress_ = false;      // something was answered since it is served
   std::unique_ptr<Conversation> session_;
   link::WatchedSocket socket_;
 };

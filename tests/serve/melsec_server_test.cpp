@@ -2,6 +2,7 @@
 
 #include "canopus/serve/melsec_server.hpp"
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -34,7 +35,8 @@ class TestClock final : public link::LoopClock {
  public:
   can::Time now() override {
     ++asked;
-    if (stop_when_asked != nullptr) stop_when_asked->stop();
+    if (on_asked) on_asked();
+    if (stop_when_asked != nullptr && asked > answered_before_stop) stop_when_asked->stop();
     return time;
   }
   void touched() override { ++touches; }
@@ -45,6 +47,8 @@ class TestClock final : public link::LoopClock {
   int touches = 0;
   int accesses = 0;
   MelsecServer* stop_when_asked = nullptr;
+  int answered_before_stop = 0;
+  std::function<void()> on_asked;
 };
 
 class MelsecServerTest : public ::testing::Test {
@@ -152,6 +156,8 @@ TEST_F(MelsecServerTest, HalfARequest_ThatStaysHalf_LosesItsConnection) {
 TEST_F(MelsecServerTest, BytesThatDrip_DoNotProlongTheTime) {
   start({.half_request_timeout = 100ms});
   auto client = connect();
+  send(client, read_d100);  // what was answered before does neither
+  EXPECT_EQ(receive(client), read_d100_reply);
   const auto begin = std::chrono::steady_clock::now();
   error_code error;
   // A byte every few milliseconds: a request of 21 bytes that never becomes complete within the time.
@@ -348,6 +354,77 @@ TEST_F(MelsecServerTest, RunThatEndsWhileTheTimeIsAsked_LeavesTheRequestUnanswer
   send(client, read_d100);
   EXPECT_EQ(receive(client), "closed");
   EXPECT_EQ(clock_.accesses + clock_.touches, 0);
+}
+
+TEST_F(MelsecServerTest, RequestsOfManyClients_AreAllAnswered_BeforeTheFirstReplyIsSent) {
+  start();
+  std::vector<tcp::socket> clients;
+  for (int i = 0; i < 5; ++i) clients.push_back(connect());
+  std::vector<std::size_t> replied;
+  clock_.on_asked = [&] { replied.push_back(clients[0].available()); };
+  for (auto& client : clients) send(client, read_d100);
+  for (auto& client : clients) EXPECT_EQ(receive(client), read_d100_reply);
+  EXPECT_THAT(replied, ElementsAre(0, 0, 0, 0, 0));
+  EXPECT_EQ(clock_.accesses, 5) << "the time is asked, and the loop told, for each";
+}
+
+TEST_F(MelsecServerTest, RequestsOfManyClients_AreAnsweredInTheirOrder) {
+  start();
+  auto writes = connect();
+  auto reads = connect();
+  send(writes, bytes("50 00 00 ff ff 03 00 0e 00 10 00 01 14 00 00 64 00 00 a8 01 00 78 56"));
+  send(reads, read_d100);
+  EXPECT_EQ(receive(reads), "d0 00 00 ff ff 03 00 04 00 00 00 78 56");
+  EXPECT_EQ(receive(writes), "d0 00 00 ff ff 03 00 02 00 00 00");
+}
+
+TEST_F(MelsecServerTest, ClientsOfOneRound_DoNotDisturbEachOther) {
+  start({.half_request_timeout = 300ms});
+  std::vector<tcp::socket> clients;
+  for (int i = 0; i < 6; ++i) clients.push_back(connect());
+  send(clients[0], read_d100 + read_d100);
+  send(clients[1], bytes("99 99 99"));
+  send(clients[2], read_d100.substr(0, 10));
+  clients[3].set_option(boost::asio::socket_base::linger(true, 0));
+  send(clients[3], read_d100);
+  clients[3].close();
+  clients[4].shutdown(tcp::socket::shutdown_send);
+  send(clients[5], read_d100);
+  EXPECT_EQ(receive(clients[0]), read_d100_reply + ' ' + read_d100_reply);
+  EXPECT_EQ(receive(clients[1]), "closed");
+  EXPECT_EQ(receive(clients[4]), "closed");
+  EXPECT_EQ(receive(clients[5]), read_d100_reply);
+  EXPECT_EQ(server_->clients(), 3U);
+  send(clients[2], read_d100.substr(10));
+  EXPECT_EQ(receive(clients[2]), read_d100_reply);
+  context_.run_for(400ms);
+  EXPECT_EQ(server_->clients(), 3U) << "no request is half any more";
+  EXPECT_THAT(reports_, ElementsAre(name_of(clients[1]) +
+                                    " sent what is no request of the MC protocol: its connection is closed"));
+}
+
+TEST_F(MelsecServerTest, RunThatEndsInTheMidstOfARound_LeavesAllUnanswered) {
+  clock_.stop_when_asked = &start();
+  clock_.answered_before_stop = 2;
+  std::vector<tcp::socket> clients;
+  for (int i = 0; i < 4; ++i) clients.push_back(connect());
+  for (auto& client : clients) send(client, read_d100);
+  for (auto& client : clients) EXPECT_EQ(receive(client), "closed");
+  EXPECT_EQ(clock_.asked, 3);
+  EXPECT_EQ(clock_.accesses, 2);
+}
+
+TEST_F(MelsecServerTest, ServerDestroyed_BeforeARoundOfItsClients_IsNotTouchedByIt) {
+  start();
+  auto first = connect();
+  auto second = connect();
+  send(first, read_d100);
+  send(second, read_d100);
+  context_.run_one();  // one of them is found to be ready
+  server_.reset();
+  context_.restart();
+  context_.run();
+  EXPECT_EQ(clock_.asked, 0);
 }
 
 TEST_F(MelsecServerTest, Listen_OnATakenPort_SaysSo) {
