@@ -58,6 +58,12 @@ struct Pair final : WatchedSocket::User {
 
 class SocketBatchTest : public ::testing::TestWithParam<Way> {
  protected:
+  /// What is waited for has to end before the sockets do.
+  void TearDown() override {
+    for (const auto& pair : pairs) pair->near->close();
+    turn();
+  }
+
   Pair& connect() { return *pairs.emplace_back(std::make_unique<Pair>(io, acceptor)); }
   /// "?" where there was nothing, "end" of a stream, or the error.
   std::vector<std::string> read(std::size_t space = 100) {
