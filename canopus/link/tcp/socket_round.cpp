@@ -17,14 +17,20 @@ void SocketRound::join(std::shared_ptr<User> user, bool alone) {
 
 void SocketRound::serve_ready() {
   served_.swap(ready_);
-  serve(served_);
+  serve_all(served_);
   served_.clear();
 }
 
-void SocketRound::serve(const std::shared_ptr<User>& user) { serve({&user, 1}); }
+void SocketRound::serve(const std::shared_ptr<User>& user) {
+  served_last_ = user.get();
+  const BatchedRead read = user->begin();
+  if (read.socket == nullptr || read.bytes.empty()) return;
+  const BatchedWrite write = user->reply(read.socket->read(read.bytes));
+  if (write.socket == nullptr) return;
+  user->go_on(write.bytes.empty() ? WatchedSocket::Transfer{} : write.socket->write(write.bytes));
+}
 
-void SocketRound::serve(std::span<const std::shared_ptr<User>> some) {
-  const auto self = shared_from_this();  // the server may be stopped on the way
+void SocketRound::serve_all(std::span<const std::shared_ptr<User>> some) {
   served_last_ = some.back().get();
   reads_.clear();
   users_.clear();

@@ -39,7 +39,7 @@ class SocketRound : public std::enable_shared_from_this<SocketRound> {
 
  private:
   void serve_ready();
-  void serve(std::span<const std::shared_ptr<User>> some);
+  void serve_all(std::span<const std::shared_ptr<User>> some);
 
   boost::asio::io_context& context_;
   std::vector<std::shared_ptr<User>> ready_;
