@@ -79,10 +79,10 @@ class DeviceSeat final : public can::Participant, private canopen::NodeListener,
   std::uint32_t accepted_revision_ = 0;
   std::uint32_t bit_rate_ = 0;
   bool is_unplugged_ = false;
+  NodeStatus status_;
   std::unique_ptr<store::ParameterFile> store_;  // of the device, which it outlives
   std::unique_ptr<store::ParameterFile> lss_store_;
   sim::Device device_;
-  NodeStatus status_;
   std::string name_;
   BusWatch* watch_ = nullptr;
   PlantObserver& observer_;

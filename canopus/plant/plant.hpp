@@ -103,19 +103,20 @@ class PlantObserver {
 
 /// A node as the live table and the summary show it.
 struct NodeStatus {
-  NodeLabel label;
+  // What is looked at with each frame comes first.
   canopen::NmtState state = canopen::NmtState::initialising;
-  module::Layer2State layer2 = module::Layer2State::inactive;
-  std::uint64_t frames = 0;  ///< that its controller has sent
-  std::size_t waiting = 0;   ///< frames in its transmit queue
-  std::uint64_t pdos = 0;    ///< sent so far; in a Layer 2 mode every frame counts
-  std::uint64_t emergencies = 0;
-  std::uint16_t last_emergency = 0;  ///< code
-  bool is_module = false;
   bool is_on = false;
+  bool is_module = false;
+  module::Layer2State layer2 = module::Layer2State::inactive;
   can::ErrorState error_state = can::ErrorState::error_active;  ///< of its controller
   std::uint16_t transmit_errors = 0;                            ///< TEC
   std::uint16_t receive_errors = 0;                             ///< REC
+  std::uint16_t last_emergency = 0;                             ///< code
+  std::uint64_t pdos = 0;    ///< sent so far; in a Layer 2 mode every frame counts
+  std::uint64_t frames = 0;  ///< that its controller has sent
+  std::size_t waiting = 0;   ///< frames in its transmit queue
+  std::uint64_t emergencies = 0;
+  NodeLabel label;
 };
 
 /// A module as a PLC program sees it.

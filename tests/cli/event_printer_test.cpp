@@ -111,8 +111,8 @@ TEST(LinePrinter, QuietMeansNothing) {
 TEST(Summary, SaysWhoIsNotOperational) {
   RunSummary summary{.end = can::Time{10s}, .wall = 100ms, .virtual_time = true};
   summary.nodes.push_back(
-      {.label = encoder, .state = canopen::NmtState::operational, .pdos = 5, .is_on = true});
-  summary.nodes.push_back({.label = stranger, .state = canopen::NmtState::stopped, .is_on = true});
+      {.state = canopen::NmtState::operational, .is_on = true, .pdos = 5, .label = encoder});
+  summary.nodes.push_back({.state = canopen::NmtState::stopped, .is_on = true, .label = stranger});
   EXPECT_THAT(describe(summary),
               testing::ElementsAre("ran 10.000 s of plant time in 100.0 ms, 100 times as fast as real time",
                                    "line1 node 3 (encoder): operational, 5 PDOs sent",

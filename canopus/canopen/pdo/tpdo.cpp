@@ -93,7 +93,7 @@ void Tpdos::list_valid() {
   };
   valid_.clear();
   list_if([](const Tpdo& pdo) { return pdo.is_synchronous() || pdo.transmission_type == rtr_synchronous; });
-  synchronous_ = valid_.size();
+  synchronous_ = static_cast<std::uint32_t>(valid_.size());
   list_if([](const Tpdo& pdo) { return pdo.may_have_events(); });
 }
 

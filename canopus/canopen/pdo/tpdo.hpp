@@ -130,18 +130,19 @@ class Tpdos final : public ObjectHandler {
     Places places;  // of what it maps
   };
 
+  // What a look at values needs comes first.
   NodeContext& node_;
-  MpdoScanner scanner_{node_};
-  std::vector<Tpdo> tpdos_;  // in order of number
+  std::uint32_t synchronous_ = 0;  // so many of valid_ are the first
+  bool all_told_ = false;          // no event that values_changed() found is still to be sent
+  std::uint8_t defaults_of_ = 0;   // all was read of the defaults for this node-ID; 0: of others
+  TimerQueue::Number first_timer_ = 0;
   // First those that SYNC concerns, then those that may have events.
   std::vector<Valid> valid_;
-  std::size_t synchronous_ = 0;  // so many are the first
+  std::vector<Tpdo> tpdos_;  // in order of number
   // All that TPDOs with events map lies here in the value block; values of another place need no look at them.
   std::uint32_t first_watched_ = 0;
   std::uint32_t watched_bytes_ = 0;
-  TimerQueue::Number first_timer_ = 0;
-  std::uint8_t defaults_of_ = 0;  // all was read of the defaults for this node-ID; 0: of others
-  bool all_told_ = false;         // no event that values_changed() found is still to be sent
+  MpdoScanner scanner_{node_};
 };
 
 }  // namespace canopus::canopen
