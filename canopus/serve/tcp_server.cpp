@@ -99,7 +99,7 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
   /// Reads what nobody would tell of.
   void look_again() {
     if (parts_ == nullptr || !socket_.is_doubtful() || !is_receiving_ || is_sending_) return;
-    parts_->round->serve(self());
+    read();
   }
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
@@ -116,8 +116,6 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
   }
 
  private:
-  [[nodiscard]] std::shared_ptr<link::SocketRound::User> self() { return {shared_from_this(), this}; }
-
   void receive() {
     if (is_receiving_ || is_ready_ || is_sending_ || input_ended_ || session_->space().empty()) return;
     wait_to_read();
@@ -131,8 +129,15 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
   void can_read() override {
     is_receiving_ = false;
     if (is_sending_) return;
+    if (parts_->round->goes_alone(*this, parts_->connections.size() == 1)) return read();
     is_ready_ = true;
-    parts_->round->join(self(), parts_->connections.size() == 1);
+    parts_->round->join({shared_from_this(), this});
+  }
+
+  void read() {
+    const auto space = session_->space();
+    if (space.empty()) return;  // work() makes some, and goes on
+    if (hear(socket_.read(space))) work();
   }
 
   /// Bytes go where the session wants them, when they are there: the END of a scan may move those before them.

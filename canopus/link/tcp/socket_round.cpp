@@ -7,34 +7,17 @@
 
 namespace canopus::link {
 
-void SocketRound::join(std::shared_ptr<User> user, bool alone) {
-  if (ready_.empty()) {
-    if (alone || served_last_ == user.get()) return serve(user);
-    boost::asio::post(context_, [self = shared_from_this()] { self->serve_ready(); });
-  }
+void SocketRound::join(std::shared_ptr<User> user) {
+  if (ready_.empty()) boost::asio::post(context_, [self = shared_from_this()] { self->serve_ready(); });
   ready_.push_back(std::move(user));
 }
 
 void SocketRound::serve_ready() {
   served_.swap(ready_);
-  serve_all(served_);
-  served_.clear();
-}
-
-void SocketRound::serve(const std::shared_ptr<User>& user) {
-  served_last_ = user.get();
-  const BatchedRead read = user->begin();
-  if (read.socket == nullptr || read.bytes.empty()) return;
-  const BatchedWrite write = user->reply(read.socket->read(read.bytes));
-  if (write.socket == nullptr) return;
-  user->go_on(write.bytes.empty() ? WatchedSocket::Transfer{} : write.socket->write(write.bytes));
-}
-
-void SocketRound::serve_all(std::span<const std::shared_ptr<User>> some) {
-  served_last_ = some.back().get();
+  served_last_ = served_.back().get();
   reads_.clear();
   users_.clear();
-  for (const auto& user : some) {
+  for (const auto& user : served_) {
     const BatchedRead read = user->begin();
     if (read.socket == nullptr || read.bytes.empty()) continue;
     reads_.push_back(read);
@@ -55,6 +38,7 @@ void SocketRound::serve_all(std::span<const std::shared_ptr<User>> some) {
   }
   batch_.write(writes_);
   for (std::size_t i = 0; i < writes_.size(); ++i) users_[i]->go_on(writes_[i].result);
+  served_.clear();
 }
 
 }  // namespace canopus::link

@@ -2,11 +2,10 @@
 // The sockets of a server that have something to read at the same time are served together: all read, then all are
 // answered, then all reply, with one call of the system for all reads and one for all writes (socket_batch.hpp).
 //
-// A round is what one turn of the event loop finds. A socket that is alone, or that was the last one served, is served at
-// once: whoever asks again and again by himself does not wait for others.
+// A round is what one turn of the event loop finds. A socket that is alone, or that was the last one served, does better
+// without one: whoever asks again and again by himself does not wait for others.
 
 #include <memory>
-#include <span>
 #include <vector>
 
 #include <boost/asio/io_context.hpp>
@@ -32,14 +31,18 @@ class SocketRound : public std::enable_shared_from_this<SocketRound> {
   /// `context` is the event loop of the sockets.
   explicit SocketRound(boost::asio::io_context& context) : context_(context) {}
 
-  /// With the others that this turn of the loop finds. `alone`: nobody else can be. Once until it is served.
-  void join(std::shared_ptr<User> user, bool alone);
-  /// Now, and nobody else.
-  void serve(const std::shared_ptr<User>& user);
+  /// Whether this one, which has something to read, is to read and reply by itself now, without a round: nobody is to be
+  /// served, and nobody else can be (`alone`), or it was the last one.
+  [[nodiscard]] bool goes_alone(const User& user, bool alone) noexcept {
+    if (!ready_.empty() || !(alone || served_last_ == &user)) return false;
+    served_last_ = &user;
+    return true;
+  }
+  /// It is served with the others that this turn of the loop finds. Once until then.
+  void join(std::shared_ptr<User> user);
 
  private:
   void serve_ready();
-  void serve_all(std::span<const std::shared_ptr<User>> some);
 
   boost::asio::io_context& context_;
   std::vector<std::shared_ptr<User>> ready_;
