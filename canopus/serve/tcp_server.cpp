@@ -98,8 +98,7 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
 
   /// Reads what nobody would tell of.
   void look_again() {
-    if (parts_ == nullptr || !socket_.is_doubtful() || !is_receiving_ || is_sending_) return;
-    read();
+    if (parts_ != nullptr && socket_.is_doubtful() && is_receiving_ && !is_sending_) read();
   }
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
@@ -148,8 +147,8 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
             .bytes = session_->space()};  // if there is none, work() makes some, and goes on
   }
 
-  link::BatchedWrite reply(const link::WatchedSocket::Transfer& came) override {
-    if (parts_ == nullptr || !hear(came)) return {};
+  link::BatchedWrite reply() override {
+    if (parts_ == nullptr) return {};
     progress_ = false;
     // What an END has left may still be there.
     if (session_->output().empty() && !session_->over()) answer_complete(progress_);
@@ -165,7 +164,8 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
   }
 
   /// Whether something came.
-  bool hear(const link::WatchedSocket::Transfer& came) {
+  bool hear(const link::WatchedSocket::Transfer& came) override {
+    if (parts_ == nullptr) return false;
     if (came.has_to_wait()) {
       wait_to_read();
       return false;

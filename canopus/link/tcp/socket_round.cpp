@@ -24,10 +24,13 @@ void SocketRound::serve_ready() {
     users_.push_back(user.get());
   }
   batch_.read(reads_);
+  std::size_t heard = 0;
+  for (std::size_t i = 0; i < reads_.size(); ++i)
+    if (users_[i]->hear(reads_[i].result)) users_[heard++] = users_[i];
   writes_.clear();
-  for (std::size_t i = 0; i < reads_.size(); ++i) {
+  for (std::size_t i = 0; i < heard; ++i) {
     User& user = *users_[i];
-    const BatchedWrite write = user.reply(reads_[i].result);
+    const BatchedWrite write = user.reply();
     if (write.socket == nullptr) continue;
     if (write.bytes.empty()) {
       user.go_on({});

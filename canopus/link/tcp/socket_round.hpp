@@ -16,14 +16,16 @@ namespace canopus::link {
 
 class SocketRound : public std::enable_shared_from_this<SocketRound> {
  public:
-  /// Who is served, by these three in turn. Any of them may close the sockets of all.
+  /// Who is served, by these four in turn. Any of them may close the sockets of all.
   class User {
    public:
     virtual ~User() = default;
     /// Where it reads to; nothing: it is not served now.
     virtual BatchedRead begin() = 0;
-    /// It has read. What it replies at once, which may be nothing; no socket: it is left alone.
-    virtual BatchedWrite reply(const WatchedSocket::Transfer& came) = 0;
+    /// It has read. All hear of theirs before anybody replies. False: it is left alone.
+    virtual bool hear(const WatchedSocket::Transfer& came) = 0;
+    /// What it replies at once, which may be nothing; no socket: it is left alone.
+    virtual BatchedWrite reply() = 0;
     /// So much of its reply was sent. The rest is its own matter.
     virtual void go_on(const WatchedSocket::Transfer& sent) = 0;
   };
