@@ -157,10 +157,7 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
   }
 
   void go_on(const link::WatchedSocket::Transfer& sent) override {
-    if (parts_ == nullptr) return;
-    if (sent.error != 0 && !sent.has_to_wait()) return end();
-    if (sent.count != 0) session_->sent(sent.count);
-    work(progress_);
+    if (parts_ != nullptr && take(sent)) work(progress_);
   }
 
   /// Whether something came.
@@ -250,19 +247,22 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
 
   /// False when the rest has to wait, or the connection is at its end.
   bool send() {
-    for (auto output = session_->output(); !output.empty();) {
-      const auto written = socket_.write(output);
-      if (written.has_to_wait()) {
-        wait_to_send();
-        return false;
-      }
-      if (written.error != 0) {
-        end();
-        return false;
-      }
-      session_->sent(written.count);
-      output = output.subspan(written.count);
+    for (auto output = session_->output(); !output.empty(); output = session_->output())
+      if (!take(socket_.write(output))) return false;
+    return true;
+  }
+
+  /// So much was sent. False as for send().
+  bool take(const link::WatchedSocket::Transfer& written) {
+    if (written.has_to_wait()) {
+      wait_to_send();
+      return false;
     }
+    if (written.error != 0) {
+      end();
+      return false;
+    }
+    session_->sent(written.count);
     return true;
   }
 

@@ -42,9 +42,11 @@ class SocketBatch::Ring {
   /// False: the ring is of no use any more. Those that were done have their result all the same.
   template <typename Transfer>
   bool run(std::span<Transfer> transfers) noexcept {
-    for (; !transfers.empty();
-         transfers = transfers.subspan(std::min<std::size_t>(transfers.size(), ring_size)))
-      if (!run_some(transfers.first(std::min<std::size_t>(transfers.size(), ring_size)))) return false;
+    while (!transfers.empty()) {
+      const auto some = transfers.first(std::min<std::size_t>(transfers.size(), ring_size));
+      if (!run_some(some)) return false;
+      transfers = transfers.subspan(some.size());
+    }
     return true;
   }
 
@@ -79,7 +81,7 @@ SocketBatch::SocketBatch(Way way) : way_(way) {}
 SocketBatch::~SocketBatch() = default;
 
 template <typename Transfer>
-void SocketBatch::run(std::span<Transfer> transfers) noexcept {
+void SocketBatch::try_together(std::span<Transfer> transfers) noexcept {
   for (Transfer& transfer : transfers) transfer.result = {.error = not_done};
   if (transfers.size() < 2 || way_ == Way::one_by_one) return;
   if (ring_ == nullptr) ring_.reset(new (std::nothrow) Ring);
@@ -88,24 +90,23 @@ void SocketBatch::run(std::span<Transfer> transfers) noexcept {
   ring_.reset();
 }
 
-void SocketBatch::read(std::span<BatchedRead> reads) noexcept {
-  run(reads);
-  for (auto& [socket, bytes, result] : reads) {
+template <typename Byte>
+void SocketBatch::run(std::span<BatchedTransfer<Byte>> transfers, Alone<Byte> alone, Told told) noexcept {
+  try_together(transfers);
+  for (auto& [socket, bytes, result] : transfers) {
     if (result.error == not_done || result.error == EINTR)
-      result = socket->read(bytes);
+      result = (socket->*alone)(bytes);
     else
-      socket->has_read(result, bytes.size());
+      (socket->*told)(result, bytes.size());
   }
 }
 
+void SocketBatch::read(std::span<BatchedRead> reads) noexcept {
+  run(reads, &WatchedSocket::read, &WatchedSocket::has_read);
+}
+
 void SocketBatch::write(std::span<BatchedWrite> writes) noexcept {
-  run(writes);
-  for (auto& [socket, bytes, result] : writes) {
-    if (result.error == not_done || result.error == EINTR)
-      result = socket->write(bytes);
-    else
-      socket->has_written(result, bytes.size());
-  }
+  run(writes, &WatchedSocket::write, &WatchedSocket::has_written);
 }
 
 }  // namespace canopus::link

@@ -14,19 +14,16 @@
 
 namespace canopus::link {
 
+template <typename Byte>
+struct BatchedTransfer {
+  WatchedSocket* socket = nullptr;
+  std::span<Byte> bytes{};  ///< not empty
+  WatchedSocket::Transfer result{};
+};
 /// WatchedSocket::read() in a batch.
-struct BatchedRead {
-  WatchedSocket* socket = nullptr;
-  std::span<std::uint8_t> bytes{};  ///< not empty
-  WatchedSocket::Transfer result{};
-};
-
+using BatchedRead = BatchedTransfer<std::uint8_t>;
 /// WatchedSocket::write() in a batch.
-struct BatchedWrite {
-  WatchedSocket* socket = nullptr;
-  std::span<const std::uint8_t> bytes{};  ///< not empty
-  WatchedSocket::Transfer result{};
-};
+using BatchedWrite = BatchedTransfer<const std::uint8_t>;
 
 class SocketBatch {
  public:
@@ -48,8 +45,13 @@ class SocketBatch {
 
  private:
   class Ring;
+  template <typename Byte>
+  using Alone = WatchedSocket::Transfer (WatchedSocket::*)(std::span<Byte>);
+  using Told = void (WatchedSocket::*)(const WatchedSocket::Transfer& result, std::size_t size);
   template <typename Transfer>
-  void run(std::span<Transfer> transfers) noexcept;
+  void try_together(std::span<Transfer> transfers) noexcept;
+  template <typename Byte>
+  void run(std::span<BatchedTransfer<Byte>> transfers, Alone<Byte> alone, Told told) noexcept;
 
   Way way_;
   std::unique_ptr<Ring> ring_;
