@@ -7,9 +7,13 @@ from kit import HERE, PYTHON, Skip, args, check, in_machine, program, require
 PROBE = args.program.resolve().parent / "tests/transport_probe"
 
 
-def transport(name):
+def need_probe():
     if not PROBE.is_file():
         raise Skip(f"{PROBE} is not built (cmake --build build --target transport_probe)")
+
+
+def transport(name):
+    need_probe()
     for module in ("can", "msgpack"):
         if subprocess.run([PYTHON, "-c", f"import {module}"], capture_output=True).returncode != 0:
             raise Skip(f"python3-{module} is not installed")
@@ -53,7 +57,6 @@ def cannelloni_over_tcp_carries_every_frame():
 @check
 def socketcan_says_what_the_controller_does():
     """In a virtual machine: confirmation by echo, time stamps, netlink, interface down and up, bit rate, filters."""
-    if not PROBE.is_file():
-        raise Skip(f"{PROBE} is not built (cmake --build build --target transport_probe)")
+    need_probe()
     done = in_machine("bash", HERE / "socketcan_transport.sh", program, PROBE)
     require("socketcan ok" in done.stdout, f"{done.stdout[-4000:]}\n{done.stderr[-2000:]}")
