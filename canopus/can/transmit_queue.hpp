@@ -1,9 +1,10 @@
 #pragma once
 // The frames that wait in a controller, and who wins arbitration.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
+#include <memory>
 
 #include "canopus/can/frame.hpp"
 
@@ -19,12 +20,16 @@ namespace canopus::can {
          (frame.identifier & 0x3FFFF) << 1 | remote;
 }
 
-/// A bounded queue, sorted or not. Its memory grows with the longest queue there ever was, by doubling, from
-/// 8 frames on.
+/// A bounded queue, sorted or not. Two frames lie in it, as many as most controllers ever have, and what a frame needs on
+/// its way lies together. Its memory grows with the longest queue there ever was, by doubling, from 8 frames on.
 class TransmitQueue {
  public:
+  TransmitQueue() = default;
+  TransmitQueue(const TransmitQueue&) = delete;
+  TransmitQueue& operator=(const TransmitQueue&) = delete;
+
   void configure(bool sorted, std::size_t capacity);
-  /// False: full. `reserved` places count as taken.
+  /// False: full. `reserved` places count as taken: of frames that are under way, one of which may come back.
   bool push(const Frame& frame, std::size_t reserved) {
     if (!empty() || reserved >= capacity_) return push_behind(frame, reserved);
     frames_[0] = frame;  // the usual case
@@ -49,14 +54,18 @@ class TransmitQueue {
   void clear() noexcept { begin_ = end_ = 0; }
 
  private:
+  static constexpr std::uint32_t own_room = 2;
   bool push_behind(const Frame& frame, std::size_t reserved);
   void insert(std::size_t position, const Frame& frame) noexcept;
   void make_room();
 
-  std::vector<Frame> frames_;  // begin_..end_ are waiting, the next one first
-  std::size_t capacity_ = 0;
-  std::size_t begin_ = 0;
-  std::size_t end_ = 0;
+  Frame* frames_ = own_.data();  // begin_..end_ are waiting, the next one first
+  std::uint32_t begin_ = 0;
+  std::uint32_t end_ = 0;
+  std::uint32_t capacity_ = 1;
+  std::uint32_t room_ = own_room;  // at frames_
+  std::array<Frame, own_room> own_{};
+  std::unique_ptr<Frame[]> more_;
   bool sorted_ = true;
 };
 
