@@ -60,7 +60,7 @@ std::uint32_t Bus::bit_rate() const noexcept { return impl_->core.bit_rate; }
 Port& Bus::add_port(std::string name) {
   BusCore& core = impl_->core;
   Segment& segment = impl_->near;
-  const std::size_t index = core.ports.size();
+  const auto index = static_cast<std::uint32_t>(core.ports.size());
   core.acceptance.resize(index + 1);
   core.ports.push_back(std::make_unique<BusPort>(core, segment, index, std::move(name)));
   if (core.clocks != nullptr) core.clocks->add(core.ports.back()->name(), core.bit_rate, core.timeline.now());

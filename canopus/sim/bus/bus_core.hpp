@@ -92,7 +92,7 @@ struct BusCore {
 
 class alignas(64) BusPort final : public Port {
  public:
-  BusPort(BusCore& bus_core, Segment& port_segment, std::size_t port_index, std::string port_name);
+  BusPort(BusCore& bus_core, Segment& port_segment, std::uint32_t port_index, std::string port_name);
 
   bool send(const can::Frame& frame) override;
   /// send() without faults that delay.
@@ -127,9 +127,10 @@ class alignas(64) BusPort final : public Port {
 
   /// What it offers in arbitration, for Arbiter.
   [[nodiscard]] std::uint64_t offer() const noexcept {
-    if ((queue.empty() && !babble_due) || !may_transmit()) return Arbiter::none;
+    if (!offers()) return Arbiter::none;
     return Arbiter::key(arbitration(babble_goes_first() ? babble : queue.front()), index);
   }
+  [[nodiscard]] bool offers() const noexcept { return (!queue.empty() || babble_due) && may_transmit(); }
   [[nodiscard]] bool babble_goes_first() const noexcept {
     return babble_due && (queue.empty() || arbitration(babble) < arbitration(queue.front()));
   }
@@ -155,7 +156,7 @@ class alignas(64) BusPort final : public Port {
   }
   /// Keeps what it offers now, which is what it offered when the frame with this number began.
   void keep_offer(std::uint64_t frame_number) noexcept {
-    kept = {.frame_number = frame_number, .offered = offer() != Arbiter::none};
+    kept = {.frame_number = frame_number, .offered = offers()};
     if (!kept.offered) return;
     kept.is_babble = babble_goes_first();
     kept.frame = kept.is_babble ? babble : queue.front();
@@ -228,17 +229,13 @@ class alignas(64) BusPort final : public Port {
   can::Frame current;
   BusCore& core;
   Segment* segment;
-  std::size_t index;
+  std::uint32_t index;
   can::FaultConfinement faults;
   bool powered = true;
   bool on_wire = true;  // plugged and powered
   bool listen_only = false;
-  bool sending = false;       // `current` is on the wire; it counts as waiting
-  bool last_attempt = false;  // `current` was aborted: it does not wait again
-  bool single_shot = false;   // by a fault
+  bool sending = false;  // `current` is on the wire; it counts as waiting
   bool babble_due = false;
-  bool babbling = false;
-  bool babble_always = false;
   bool sends_babble = false;           // `current` is one
   bool timed_by_transmissions = true;  // the participant
   bool jammed = false;                 // by a fault: received frames are held
@@ -252,11 +249,15 @@ class alignas(64) BusPort final : public Port {
   };
   Kept kept;
   can::Listener* participant = nullptr;
-  can::Timeline::Handle handle = 0;
-  std::uint32_t rate;
   can::Duration bit_length;  // at this rate
+  std::uint32_t rate;
   PortCounters counted;
 
+  can::Timeline::Handle handle = 0;
+  bool last_attempt = false;  // `current` was aborted: it does not wait again
+  bool single_shot = false;   // by a fault
+  bool babbling = false;
+  bool babble_always = false;
   bool is_plugged = true;
   bool automatic_recovery = true;
   bool recovering = false;
@@ -268,10 +269,10 @@ class alignas(64) BusPort final : public Port {
   bool stuck = false;            // dominant
   bool mute = false;             // stuck recessive
   bool inverted = false;         // noise: what it sees
+  bool shown_dominant = false;   // as last reported to wire observers
   unsigned overload_frames = 0;  // asked for after each frame
   unsigned early_bits = 0;       // before the bus is idle it may begin a frame
   can::Duration lateness{};      // of what it drives
-  bool shown_dominant = false;   // as last reported to wire observers
   std::size_t held_capacity = 0;
   std::vector<can::Frame> held;  // received while jammed
   can::Frame babble;

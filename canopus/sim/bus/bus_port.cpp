@@ -9,12 +9,12 @@ constexpr std::size_t max_queue_capacity = 65'535;
 
 }  // namespace
 
-BusPort::BusPort(BusCore& bus_core, Segment& port_segment, std::size_t port_index, std::string port_name)
+BusPort::BusPort(BusCore& bus_core, Segment& port_segment, std::uint32_t port_index, std::string port_name)
     : core(bus_core),
       segment(&port_segment),
       index(port_index),
+      bit_length(can::bit_time(1, bus_core.bit_rate)),
       rate(bus_core.bit_rate),
-      bit_length(can::bit_time(1, rate)),
       port_name_(std::move(port_name)) {
   queue.configure(true, default_queue_capacity);
   accept(Acceptance{});

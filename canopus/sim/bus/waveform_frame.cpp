@@ -131,7 +131,7 @@ void Waveform::write_arbitration(BitStream::Bit bit, unsigned plain, bool is_ove
 /// All but the transmitter.
 void Waveform::write_acknowledgement(const WireFrame& frame, bool dominant, can::Time now) {
   const Acknowledgement& all = acknowledged_[dominant ? 1 : 0];
-  const std::size_t transmitter = std::min(frame.transmitter.index, ports_.size());
+  const std::size_t transmitter = std::min<std::size_t>(frame.transmitter.index, ports_.size());
   const std::string_view lines = all.lines;
   const std::string_view before = lines.substr(0, all.begins[transmitter]);
   const std::string_view behind = lines.substr(all.begins[std::min(transmitter + 1, ports_.size())]);
