@@ -59,7 +59,20 @@ inline void store_value(std::uint8_t* to, std::uint64_t value, unsigned bytes) n
   for (unsigned i = 0; i < bytes; ++i) to[i] = static_cast<std::uint8_t>(value >> 8 * i);
 }
 
-/// The same behind what is there already.
+// Where the length is known beforehand as a mask, and 8 bytes may be touched whatever the length: no branch hangs on the
+// length, which differs from value to value.
+
+/// Of the 8 bytes at `from`, what `mask` has.
+[[nodiscard]] inline std::uint64_t load_masked(const std::uint8_t* from, std::uint64_t mask) noexcept {
+  return load_as<std::uint64_t>(from) & mask;
+}
+/// Of the 8 bytes at `to`, what `mask` has becomes as in `value`.
+inline void store_masked(std::uint8_t* to, std::uint64_t value, std::uint64_t mask) noexcept {
+  const std::uint64_t all = (load_as<std::uint64_t>(to) & ~mask) | (value & mask);
+  std::memcpy(to, &all, sizeof all);
+}
+
+/// The same as store_value() behind what is there already.
 inline void append_value(std::vector<std::uint8_t>& to, std::uint64_t value, unsigned bytes) {
   to.resize(to.size() + bytes);
   store_value(to.data() + to.size() - bytes, value, bytes);

@@ -1,5 +1,9 @@
 #include "canopus/canopen/pdo/pdo_mapping.hpp"
 
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "canopen/conversation.hpp"
@@ -72,6 +76,37 @@ TEST_F(PdoMappingTest, DefaultMappingWithMissingObjects_LeavesTheirBitsUnused) {
   node.dictionary().set(0x6000, 1, std::uint8_t{0xAB});
   EXPECT_EQ(plan.length(), 2);
   EXPECT_EQ(plan.gather(node.dictionary().block().data()), 0xAB00U);
+}
+
+// Of every length, at every place in block and frame: what lies beside them stays as it is.
+TEST_F(PdoMappingTest, OneCopyOfAnyLength_TouchesItsBytesAlone) {
+  ObjectDictionary& dictionary = node.dictionary();
+  for (unsigned dummies = 0; dummies < 8; ++dummies) {
+    for (unsigned length = 1; length + dummies <= 8; ++length) {
+      for (unsigned first = 1; first + length <= 9; ++first) {
+        for (unsigned i = 0; i < dummies + length; ++i) {
+          const std::uint32_t mapped = i < dummies ? 0x00050008 : 0x62000008 | (first + i - dummies) << 8;
+          dictionary.set(0x1600, static_cast<std::uint8_t>(i + 1), mapped);
+        }
+        dictionary.set(0x1600, 0, static_cast<std::uint8_t>(dummies + length));
+        CopyPlan plan;
+        plan.compile(dictionary, 0x1600);
+        ASSERT_TRUE(plan.is_single());
+        for (std::uint8_t& byte : dictionary.block()) byte = 0xA5;
+        plan.scatter(0x8877665544332211, dictionary.block().data());
+        std::vector<std::uint8_t> expected(dictionary.block().size(), 0xA5);
+        const std::uint32_t place =
+            dictionary.description().find(0x6200, static_cast<std::uint8_t>(first)).offset;
+        for (unsigned i = 0; i < length; ++i)
+          expected[place + i] = static_cast<std::uint8_t>(0x11 * (dummies + i + 1));
+        ASSERT_TRUE(std::ranges::equal(dictionary.block(), expected))
+            << dummies << ' ' << length << ' ' << first;
+        const unsigned above = 64 - 8 * (dummies + length);
+        ASSERT_EQ(plan.gather(dictionary.block().data()),
+                  0x8877665544332211 << above >> above >> 8 * dummies << 8 * dummies);
+      }
+    }
+  }
 }
 
 TEST_F(PdoMappingTest, CommunicationParameters_ObeyTheCobIdRules) {

@@ -6,12 +6,12 @@ namespace canopus::canopen {
 
 ObjectDictionary::ObjectDictionary(std::shared_ptr<const DictionaryDescription> description,
                                    std::uint8_t node_id)
-    : description_(std::move(description)),
-      block_(description_->block_size()),
+    : block_(description->block_size() + spare),
+      description_(std::move(description)),
       slots_(description_->slot_count()),
       handler_numbers_(description_->objects().size()),
       handlers_{nullptr} {
-  description_->load_defaults(block_, node_id);
+  description_->load_defaults(block(), node_id);
 }
 
 std::expected<Entry, AbortCode> ObjectDictionary::find(std::uint16_t index, std::uint8_t sub) const noexcept {
@@ -112,7 +112,7 @@ std::vector<ObjectDictionary::Attachment> ObjectDictionary::attachments() const 
 }
 
 void ObjectDictionary::reset(std::uint8_t node_id) {
-  description_->load_defaults(block_, node_id);
+  description_->load_defaults(block(), node_id);
   for (auto& slot : slots_) slot.reset();
 }
 

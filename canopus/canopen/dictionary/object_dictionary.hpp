@@ -62,6 +62,10 @@ class ObjectDictionary {
   ObjectDictionary(std::shared_ptr<const DictionaryDescription> description, std::uint8_t node_id);
 
   [[nodiscard]] const DictionaryDescription& description() const noexcept { return *description_; }
+  /// The same, to be kept.
+  [[nodiscard]] const std::shared_ptr<const DictionaryDescription>& shared_description() const noexcept {
+    return description_;
+  }
   /// The sub-index, or why there is none: no_object, no_sub_index.
   [[nodiscard]] std::expected<Entry, AbortCode> find(std::uint16_t index, std::uint8_t sub) const noexcept;
 
@@ -191,9 +195,12 @@ class ObjectDictionary {
   /// Replaces a value of variable length, or as many bytes of a fixed one as are given.
   void assign(const Entry& entry, std::span<const std::uint8_t> value);
 
-  /// All fixed-length values; EntryDescription says where. The block never moves.
-  [[nodiscard]] std::span<std::uint8_t> block() noexcept { return block_; }
-  [[nodiscard]] std::span<const std::uint8_t> block() const noexcept { return block_; }
+  /// All fixed-length values; EntryDescription says where. The block never moves, and 8 bytes from any value's first one on
+  /// may be read, and written as they are.
+  [[nodiscard]] std::span<std::uint8_t> block() noexcept { return {block_.data(), block_.size() - spare}; }
+  [[nodiscard]] std::span<const std::uint8_t> block() const noexcept {
+    return {block_.data(), block_.size() - spare};
+  }
 
   /// Calls `handler` for the objects first..last (those that exist) from now on; it replaces an earlier one.
   void attach(std::uint16_t first, std::uint16_t last, ObjectHandler& handler);
@@ -224,8 +231,9 @@ class ObjectDictionary {
     return {static_cast<std::uint32_t>(can::load_value(from, length)), length};
   }
 
+  static constexpr std::size_t spare = 8;  // bytes behind the values
+  std::vector<std::uint8_t> block_;        // first, for the owner to have it beside what else a frame needs
   std::shared_ptr<const DictionaryDescription> description_;
-  std::vector<std::uint8_t> block_;
   // What read_short() found last. Who reads one value again and again does not wait for the way through the
   // description, five loads of which each needs the one before.
   struct LastShort {

@@ -1,6 +1,7 @@
 #include "canopus/canopen/pdo/pdo_mapping.hpp"
 
 #include <algorithm>
+#include <vector>
 
 namespace canopus::canopen {
 namespace {
@@ -29,21 +30,22 @@ bool is_dummy(const ObjectDictionary& dictionary, const Mapping& mapping) {
 
 void CopyPlan::clear() {
   first_ = no_step;
-  rest_.clear();
+  rest_.reset();
+  rest_count_ = 0;
   length_ = 0;
-  word_ = 0;
+  is_single_ = false;
   places_ = 0;
 }
 
 std::uint64_t CopyPlan::gather_steps(const std::uint8_t* block) const noexcept {
   std::uint64_t frame = gather(first_, block);
-  for (const Step& step : rest_) frame |= gather(step, block);
+  for (const Step& step : rest()) frame |= gather(step, block);
   return frame;
 }
 
 void CopyPlan::scatter_steps(std::uint64_t frame, std::uint8_t* block) const noexcept {
   scatter(first_, frame, block);
-  for (const Step& step : rest_) scatter(step, frame, block);
+  for (const Step& step : rest()) scatter(step, frame, block);
 }
 
 void CopyPlan::compile(const ObjectDictionary& dictionary, std::uint16_t index) {
@@ -81,23 +83,25 @@ void CopyPlan::compile(const ObjectDictionary& dictionary, std::uint16_t index) 
     return;
   }
   first_ = steps.front();
-  rest_.assign(steps.begin() + 1, steps.end());  // no larger than needed
-  rest_.shrink_to_fit();
-  const bool is_word = first_.bytes == 2 || first_.bytes == 4 || first_.bytes == 8;
-  if (is_word && first_.bit == 0 && first_.bits == 8 * first_.bytes && rest_.empty()) word_ = first_.bytes;
+  rest_count_ = static_cast<std::uint8_t>(steps.size() - 1);
+  if (rest_count_ != 0) {
+    rest_ = std::make_unique<Step[]>(rest_count_);
+    std::copy(steps.begin() + 1, steps.end(), rest_.get());
+  }
+  is_single_ = rest_count_ == 0 && first_.bits == 8 * first_.bytes;
 }
 
 bool CopyPlan::holds(std::uint32_t offset, std::uint8_t length) const noexcept {
   const auto overlaps = [&](const Step& step) {
     return offset < step.offset + step.bytes && step.offset < offset + length;
   };
-  return overlaps(first_) || std::ranges::any_of(rest_, overlaps);
+  return overlaps(first_) || std::ranges::any_of(rest(), overlaps);
 }
 
 std::pair<std::uint32_t, std::uint32_t> CopyPlan::extent() const noexcept {
   if (first_.bytes == 0) return {0, 0};
   std::pair<std::uint32_t, std::uint32_t> extent{first_.offset, first_.offset + first_.bytes};
-  for (const Step& step : rest_) {
+  for (const Step& step : rest()) {
     extent.first = std::min(extent.first, step.offset);
     extent.second = std::max(extent.second, step.offset + step.bytes);
   }

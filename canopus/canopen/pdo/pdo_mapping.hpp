@@ -10,9 +10,9 @@
 
 #include <cstdint>
 #include <cstring>
+#include <memory>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/dictionary/abort_code.hpp"
@@ -44,7 +44,7 @@ class CopyPlan {
   [[nodiscard]] std::uint8_t length() const noexcept { return length_; }
   /// Copies that a frame costs.
   [[nodiscard]] std::size_t step_count() const noexcept {
-    return (first_.bytes != 0 ? 1U : 0U) + rest_.size();
+    return (first_.bytes != 0 ? 1U : 0U) + rest_count_;
   }
   /// True when some of the bytes offset..offset+length of the block are mapped.
   [[nodiscard]] bool holds(std::uint32_t offset, std::uint8_t length) const noexcept;
@@ -55,31 +55,20 @@ class CopyPlan {
   /// mapped: 0, 0.
   [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> extent() const noexcept;
 
-  /// The data bytes of a frame, little endian; those beyond length() are 0.
+  /// The data bytes of a frame, little endian; those beyond length() are 0. `block`: as ObjectDictionary::block().
   [[nodiscard]] std::uint64_t gather(const std::uint8_t* block) const noexcept {
-    switch (word_) {
-      case 8: return can::load_as<std::uint64_t>(block + first_.offset);
-      case 4: return can::load_as<std::uint32_t>(block + first_.offset);
-      case 2: return can::load_as<std::uint16_t>(block + first_.offset);
-      default: return gather_steps(block);
-    }
+    if (!is_single_) return gather_steps(block);
+    return can::load_masked(block + first_.offset, mask(first_.bits)) << first_.bit;
   }
   /// Puts the data bytes of a frame into the block.
   void scatter(std::uint64_t frame, std::uint8_t* block) const noexcept {
-    is_word() ? scatter_word(frame, block) : scatter_steps(frame, block);
+    is_single_ ? scatter_single(frame, block) : scatter_steps(frame, block);
   }
-  /// The mapping is but one copy of 2, 4 or 8 bytes, from bit 0 on.
-  [[nodiscard]] bool is_word() const noexcept { return word_ != 0; }
-  /// scatter() if is_word().
-  void scatter_word(std::uint64_t frame, std::uint8_t* block) const noexcept {
-    std::uint8_t* const to = block + first_.offset;
-    if (word_ == 8) {
-      std::memcpy(to, &frame, 8);
-    } else if (word_ == 4) {
-      std::memcpy(to, &frame, 4);
-    } else {
-      std::memcpy(to, &frame, 2);
-    }
+  /// The mapping is but one copy of whole bytes, as most are.
+  [[nodiscard]] bool is_single() const noexcept { return is_single_; }
+  /// scatter() if is_single().
+  void scatter_single(std::uint64_t frame, std::uint8_t* block) const noexcept {
+    can::store_masked(block + first_.offset, frame >> first_.bit, mask(first_.bits));
   }
 
  private:
@@ -98,13 +87,16 @@ class CopyPlan {
     return ~std::uint64_t{0} >> (64 - bits);
   }
 
+  [[nodiscard]] std::span<const Step> rest() const noexcept { return {rest_.get(), rest_count_}; }
+
   // Most mappings are one copy: it lies in the plan itself, which saves a way through memory.
   static constexpr Step no_step{.offset = 0, .bit = 0, .bits = 1, .bytes = 0};
   Step first_ = no_step;
+  std::unique_ptr<Step[]> rest_;
+  std::uint8_t rest_count_ = 0;
   std::uint8_t length_ = 0;
-  std::uint8_t word_ = 0;  // bytes of it, if is_word()
   Places places_ = 0;
-  std::vector<Step> rest_;
+  bool is_single_ = false;
 };
 
 /// May this value be mapped: does the object exist (06020000H, 06090011H), is it mappable in this direction

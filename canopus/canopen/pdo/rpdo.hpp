@@ -42,7 +42,7 @@ class Rpdos final : public ObjectHandler {
       return receive_other(pdo, frame, window_end, now);
     }
     if (pdo.way == Way::wait) return wait_for_sync(pdo, frame, window_end, now);
-    pdo.plan.scatter_word(std::bit_cast<std::uint64_t>(frame.data), node_.dictionary.block().data());
+    pdo.plan.scatter_single(std::bit_cast<std::uint64_t>(frame.data), node_.dictionary.block().data());
     if (node_.listener != nullptr) node_.listener->rpdo_received(pdo.number, now);
   }
   void sync(can::Time now);
@@ -85,7 +85,7 @@ class Rpdos final : public ObjectHandler {
   static void classify(Rpdo& pdo) noexcept {
     const bool is_usual = !pdo.watched && pdo.error_count == 0;
     const bool waits = pdo.transmission_type <= 240;
-    pdo.way = is_usual && waits ? Way::wait : is_usual && pdo.plan.is_word() ? Way::copy : Way::with_care;
+    pdo.way = is_usual && waits ? Way::wait : is_usual && pdo.plan.is_single() ? Way::copy : Way::with_care;
   }
   void wait_for_sync(Rpdo& pdo, const can::Frame& frame, can::Time window_end, can::Time now) {
     if (now > window_end) return;
