@@ -17,6 +17,9 @@
 // inhibit time and SYNC start value cannot be changed while valid (06090030H); changing the mapping:
 // check_mapping_write().
 
+#include <array>
+#include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "canopus/canopen/pdo/mpdo.hpp"
@@ -28,7 +31,7 @@
 
 namespace canopus::canopen {
 
-class Tpdos final : public ObjectHandler {
+class alignas(64) Tpdos final : public ObjectHandler {
  public:
   /// Only the TPDOs that the dictionary has exist.
   explicit Tpdos(NodeContext& node);
@@ -70,41 +73,44 @@ class Tpdos final : public ObjectHandler {
   void after_write(ObjectDictionary&, const Entry&, can::Time now) override;
 
  private:
-  struct Tpdo {
-    // What a look at its values needs comes first.
+  static constexpr std::uint8_t rtr_synchronous = 0xFC;  // transmission type
+  // All of it lies in one cache line.
+  struct alignas(64) Tpdo {
     std::uint64_t last_data = 0;  // as sent; of type FCH as sampled
-    CobId cob_id;                 // not valid, too, when there is nothing mapped
-    std::uint8_t transmission_type = 0xFF;
-    std::uint8_t addressing = 0;  // of an MPDO, else 0
-    bool was_sent = false;        // last_data is what the receivers have
-    bool has_event = false;       // waits for SYNC or for the end of the inhibit time
-    CopyPlan plan;
     FrameHead head;
+    [[no_unique_address]] CopyPlan plan;
+    std::uint8_t transmission_type = 0xFF;
+    std::uint16_t event_timer = 0;  // ms
     can::Time inhibited_until{};
     can::Time event_due = can::never;
-    std::uint16_t number = 0;
-    std::uint16_t inhibit_time = 0;  // 100 us
-    std::uint16_t event_timer = 0;   // ms
+    std::uint32_t inhibit_time = 0;  // us, in steps of the node's resolution
     std::uint8_t sync_start = 0;
-    std::uint8_t syncs_left = 0;   // of type 01H-F0H, until the next transmission
-    bool waits_for_start = false;  // for the SYNC whose counter is sync_start
+    std::uint8_t syncs_left = 0;  // of type 01H-F0H, until the next transmission
+    std::uint16_t number : 9 = 0;
+    bool is_valid : 1 = false;         // no, too, when there is nothing mapped
+    bool answers_requests : 1 = true;  // remote frames
+    bool is_source : 1 = false;        // MPDO in source addressing mode
+    bool is_destination : 1 = false;   // MPDO in destination addressing mode
+    bool was_sent : 1 = false;         // last_data is what the receivers have
+    bool has_event : 1 = false;        // waits for SYNC or for the end of the inhibit time
+    bool waits_for_start : 1 = false;  // for the SYNC whose counter is sync_start
 
-    [[nodiscard]] bool is_event_driven() const noexcept {
-      return transmission_type >= 0xFE && addressing == 0;
-    }
+    [[nodiscard]] bool is_mpdo() const noexcept { return is_source || is_destination; }
+    [[nodiscard]] bool is_event_driven() const noexcept { return transmission_type >= 0xFE && !is_mpdo(); }
     [[nodiscard]] bool may_have_events() const noexcept {
       return is_event_driven() || transmission_type == 0;
     }
     [[nodiscard]] bool is_synchronous() const noexcept { return transmission_type <= 0xF0; }
   };
+  static_assert(sizeof(Tpdo) == 64);
+  struct Valid {
+    std::uint16_t position = 0;
+    Places places = 0;  // of what it maps
+  };
   void read(Tpdo& pdo);
-  void read_cob_id(Tpdo& pdo) const noexcept;
-  /// What its frames look like, once COB-ID and mapping are read.
-  static void complete(Tpdo& pdo) noexcept {
-    const bool has_something = pdo.addressing != 0 || pdo.plan.length() != 0;
-    if (!has_something) pdo.cob_id.raw |= CobId::invalid_bit;
-    pdo.head = {pdo.cob_id.key(), pdo.addressing != 0 ? std::uint8_t{8} : pdo.plan.length()};
-  }
+  [[nodiscard]] CobId cob_id_of(std::uint16_t number) const noexcept;
+  /// What its frames look like, once all else is read.
+  void complete(Tpdo& pdo, CobId cob_id) const noexcept;
   void activate(Tpdo& pdo, can::Time now);
   void start_timer(Tpdo& pdo, can::Time now);
   bool event(Tpdo& pdo, can::Time now) { return event_with(pdo, gather(pdo), now); }
@@ -119,26 +125,25 @@ class Tpdos final : public ObjectHandler {
   }
   void schedule(const Tpdo& pdo);
   void list_valid();
+  void add_valid(Valid valid);
   void list_watched();
   [[nodiscard]] Tpdo* find(std::uint16_t index) noexcept;
   [[nodiscard]] TimerQueue::Number timer(const Tpdo& pdo) const noexcept {
     return static_cast<TimerQueue::Number>(first_timer_ + (&pdo - tpdos_.data()));
   }
 
-  struct Valid {
-    std::uint16_t position;
-    Places places;  // of what it maps
-  };
-
-  // What a look at values needs comes first.
+  // What a look at values needs lies in the first cache line.
   NodeContext& node_;
-  std::uint32_t synchronous_ = 0;  // so many of valid_ are the first
-  bool all_told_ = false;          // no event that values_changed() found is still to be sent
-  std::uint8_t defaults_of_ = 0;   // all was read of the defaults for this node-ID; 0: of others
+  bool all_told_ = false;         // no event that values_changed() found is still to be sent
+  std::uint8_t defaults_of_ = 0;  // all was read of the defaults for this node-ID; 0: of others
   TimerQueue::Number first_timer_ = 0;
   // First those that SYNC concerns, then those that may have events.
-  std::vector<Valid> valid_;
-  std::vector<Tpdo> tpdos_;  // in order of number
+  std::uint16_t synchronous_ = 0;
+  std::uint16_t valid_count_ = 0;
+  Valid* valid_ = few_valid_.data();
+  std::array<Valid, 4> few_valid_;  // as many as most devices have
+  std::vector<Tpdo> tpdos_;         // in order of number
+  std::unique_ptr<Valid[]> more_valid_;
   // All that TPDOs with events map lies here in the value block; values of another place need no look at them.
   std::uint32_t first_watched_ = 0;
   std::uint32_t watched_bytes_ = 0;

@@ -24,6 +24,8 @@ class FrameHead {
   constexpr FrameHead(std::uint32_t key, std::uint8_t dlc) noexcept
       : word_((key & 0x1FFF'FFFFU) | std::uint64_t{key >> 29 & 1U} << 32 | std::uint64_t{dlc} << 48) {}
   [[nodiscard]] constexpr std::uint64_t word() const noexcept { return word_; }
+  [[nodiscard]] constexpr std::uint32_t identifier() const noexcept { return word_ & 0x1FFF'FFFFU; }
+  [[nodiscard]] constexpr bool is_extended() const noexcept { return (word_ >> 32 & 1U) != 0; }
   /// head_without_dlc() of these frames.
   [[nodiscard]] constexpr std::uint64_t without_dlc() const noexcept { return word_ << 16; }
 
