@@ -182,8 +182,10 @@ void Node::Services::tick(TimerQueue::Number number, can::Time now) {
 
 Node::Node(std::shared_ptr<const DictionaryDescription> description, std::uint8_t node_id, can::Sink& sink,
            NodeOptions options)
-    : services_(std::make_unique<Services>(std::move(description), node_id, sink, filter_, options)),
-      context_(services_.get()) {}
+    : context_(nullptr),
+      services_(std::make_unique<Services>(std::move(description), node_id, sink, filter_, options)) {
+  context_ = services_.get();
+}
 
 Node::~Node() = default;
 
@@ -199,9 +201,19 @@ void Node::power_off() {
   services_->stop();
 }
 
+void Node::describe(std::shared_ptr<const DictionaryDescription> description, const NodeOptions& options) {
+  make_anew(std::move(description), services_->sink, options);
+}
+
+void Node::set_sink(can::Sink& sink) {
+  const NodeOptions options = services_->options;
+  make_anew(services_->dictionary.shared_description(), sink, options);
+}
+
 // The services read the dictionary when they are made. They are made anew in their place: whoever has the dictionary's
 // address, or is attached to it, need not know.
-void Node::describe(std::shared_ptr<const DictionaryDescription> description, const NodeOptions& options) {
+void Node::make_anew(std::shared_ptr<const DictionaryDescription> description, can::Sink& sink,
+                     const NodeOptions& options) {
   Services& services = *services_;
   const auto is_service = [&services](const ObjectHandler* handler) {
     const auto place = reinterpret_cast<std::uintptr_t>(handler);
@@ -212,7 +224,6 @@ void Node::describe(std::shared_ptr<const DictionaryDescription> description, co
   std::erase_if(attached, [&](const auto& attachment) { return is_service(attachment.handler); });
   NodeListener* const listener = services.listener;
   ParameterStore* const store = services.stored_parameters.store();
-  can::Sink& sink = services.sink;
   const std::uint8_t node_id = services.next_node_id;
   const std::uint32_t revision = services.identifiers_revision;
   std::destroy_at(&services);

@@ -44,6 +44,8 @@ class Node final : public can::Participant {
   /// Another object dictionary and behaviour, in the place of those there are, while the node is off. Who is attached to objects that
   /// both have stays so; for others attach again. An active master, or a paused heartbeat, is one no more.
   void describe(std::shared_ptr<const DictionaryDescription> description, const NodeOptions& options);
+  /// Another place for its frames, which must outlive it, while the node is off. As describe() with what there is.
+  void set_sink(can::Sink& sink);
   /// Takes effect at the next power_on() or reset.
   void set_node_id(std::uint8_t node_id) noexcept;
 
@@ -129,9 +131,11 @@ class Node final : public can::Participant {
   struct Services;
   void receive_passed(const can::Frame& frame, can::Time now);
   void settle() const;
+  void make_anew(std::shared_ptr<const DictionaryDescription> description, can::Sink& sink,
+                 const NodeOptions& options);
   IdentifierFilter filter_;  // here, for every frame on the bus looks at it and at little else
+  NodeContext* context_;     // the part of the services that its owner asks about all the time
   std::unique_ptr<Services> services_;
-  NodeContext* context_;  // the part of them that its owner asks about all the time
 };
 
 }  // namespace canopus::canopen

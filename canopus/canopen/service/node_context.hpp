@@ -23,15 +23,15 @@ struct CommunicationError {
   std::array<std::uint8_t, 5> manufacturer{};  ///< manufacturer-specific bytes
 };
 
-class NodeContext {
+class alignas(64) NodeContext {
  public:
   NodeContext(std::shared_ptr<const DictionaryDescription> description, std::uint8_t id, can::Sink& frames,
               IdentifierFilter& node_filter, const NodeOptions& node_options)
-      : dictionary(std::move(description), id),
+      : node_id(id),
         sink(frames),
+        dictionary(std::move(description), id),
         filter(node_filter),
-        options(node_options),
-        node_id(id) {
+        options(node_options) {
     filter.pass_all();
   }
 
@@ -59,18 +59,20 @@ class NodeContext {
     filter.pass_all();
   }
 
-  IdentifierTable table;
+  // From the next deadline of the timers to where the dictionary's values lie: what a node needs that sends, in one cache
+  // line.
+  TimerQueue timers;
   bool identifiers_changed = true;
   NmtState state = NmtState::initialising;
-  std::uint32_t identifiers_revision = 0;  // counts the tables that were built
-  ObjectDictionary dictionary;
-  can::Sink& sink;
-  IdentifierFilter& filter;  // the node's own, for every frame looks at it
-  NodeOptions options;
-  NodeListener* listener = nullptr;
-  TimerQueue timers;
   std::uint8_t node_id = 0;
   bool active_master = false;
+  std::uint32_t identifiers_revision = 0;  // counts the tables that were built
+  can::Sink& sink;
+  NodeListener* listener = nullptr;
+  ObjectDictionary dictionary;
+  IdentifierTable table;
+  IdentifierFilter& filter;  // the node's own, for every frame looks at it
+  NodeOptions options;
 
  protected:
   ~NodeContext() = default;

@@ -40,10 +40,10 @@ class TimerQueue {
   void sift_up(std::size_t position) noexcept;
   void sift_down(std::size_t position) noexcept;
 
-  can::Time next_ = can::never;  // here, for it is asked at every turn and lies behind two pointers
-  std::vector<can::Time> deadlines_;
   std::vector<std::uint16_t> positions_;  // in heap_
   std::vector<Number> heap_;
+  std::vector<can::Time> deadlines_;
+  can::Time next_ = can::never;  // here, for it is asked at every turn and lies behind two pointers
 };
 
 }  // namespace canopus::canopen
