@@ -64,8 +64,8 @@ class DeviceSeat final : public can::Participant, private canopen::NodeListener,
 
   void look(can::Time now) {
     const canopen::Node& node = device_.node();
-    if (device_.lss() == nullptr && node.identifiers_revision() == accepted_revision_ &&
-        node.state() == status_.state)
+    const bool is_lss_slave = !device_.only_samples() && device_.lss() != nullptr;
+    if (!is_lss_slave && node.identifiers_revision() == accepted_revision_ && node.state() == status_.state)
       return;
     look_closer(now);
   }
@@ -73,15 +73,15 @@ class DeviceSeat final : public can::Participant, private canopen::NodeListener,
   void look_at_lss(can::Time now);
   void accept();
 
-  // What each tick needs comes first.
-  can::Port& port_;
-  can::Time start_;
+  // What each tick needs lies in the first cache line, and in one of the device.
   std::uint32_t accepted_revision_ = 0;
-  std::uint32_t bit_rate_ = 0;
   bool is_unplugged_ = false;
   NodeStatus status_;
   std::unique_ptr<store::ParameterFile> store_;  // of the device, which it outlives
   std::unique_ptr<store::ParameterFile> lss_store_;
+  can::Port& port_;
+  can::Time start_;
+  std::uint32_t bit_rate_ = 0;
   sim::Device device_;
   std::string name_;
   BusWatch* watch_ = nullptr;

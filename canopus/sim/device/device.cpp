@@ -22,7 +22,7 @@ void Device::power_on(can::Time now) {
 void Device::power_off() {
   is_on_ = false;
   next_sample_ = can::never;
-  sampled_from_ = can::never;
+  is_sampling_ = false;
   next_row_ = can::never;
   node_.power_off();
   if (lss_) lss_->power_off();
@@ -40,6 +40,7 @@ bool Device::release(const Entry& entry, can::Time now) {
 
 bool Device::force_value(const Entry& entry, std::uint64_t value, can::Time until, can::Time now) {
   const bool changed = forcing_.force(entry, value, until);
+  see_what_it_does();
   written_ = true;
   if (force_listener_ == nullptr) return changed;
   for (const Forcing::Force& force : forcing_.all()) {
@@ -51,6 +52,7 @@ bool Device::force_value(const Entry& entry, std::uint64_t value, can::Time unti
 bool Device::release_value(const Entry& entry, can::Time now) {
   if (!forcing_.is_forced(entry)) return false;
   const bool changed = forcing_.release(entry);
+  see_what_it_does();
   written_ = true;
   if (force_listener_ != nullptr) force_listener_->value_released(entry, now);
   // Outside Operational nobody samples: what is beneath may be old.
@@ -137,36 +139,40 @@ bool Device::emergency(std::uint16_t code, std::uint8_t error_register,
 
 bool Device::emergency_reset(can::Time now) { return node_.emergency_reset(now); }
 
+/// What the target holds.
+std::uint64_t Device::value_of(const Motion& motion) const noexcept {
+  return can::load_masked(node_.dictionary().block().data() + motion.target.offset, motion.mask);
+}
+
 /// It holds what it has to hold now.
 bool Device::is_moved(const Motion& motion, can::Time now) const noexcept {
-  return now < motion.next_change && node_.dictionary().get<std::uint64_t>(motion.target) == motion.moved_to;
+  return now < motion.next_change && value_of(motion) == motion.moved_to;
 }
 
 /// Where values have changed. `is_simple`: nothing is forced, and nothing follows another value.
 template <bool is_simple>
 inline canopen::Places Device::sample(can::Time now) {
-  canopen::ObjectDictionary& dictionary = node_.dictionary();
+  std::uint8_t* const block = node_.dictionary().block().data();
   canopen::Places moved = 0;
   can::Time next_change = can::never;
   for (Motion& motion : motions_) {
     if (!is_simple && motion.behaviour.kind == Behaviour::Kind::echo) continue;
-    const auto before = dictionary.get<std::uint64_t>(motion.target);
+    const std::uint64_t before = value_of(motion);
     if (now < motion.next_change && before == motion.moved_to) {
       next_change = std::min(next_change, motion.next_change);
       continue;
     }
     const Sample sample = sample_at(motion.behaviour, motion.bounds, now, motion.place);
     if constexpr (is_simple) {
-      dictionary.set(motion.target, sample.value);
+      can::store_masked(block + motion.target.offset, sample.value, motion.mask);
     } else {
       forcing_.put(motion.target, sample.value);
     }
-    motion.moved_to = dictionary.get<std::uint64_t>(motion.target);
+    motion.moved_to = value_of(motion);
     // What is forced shows nothing of what lies beneath: then it is put there at each sample.
     motion.next_change = is_simple || !forcing_.is_forced(motion.target) ? sample.next_change : now;
     next_change = std::min(next_change, motion.next_change);
-    if (motion.moved_to != before)
-      moved |= canopen::places_of(motion.target.offset, motion.target.description->length);
+    if (motion.moved_to != before) moved |= motion.places;
   }
   next_change_ = next_change;
   return moved;
@@ -193,7 +199,7 @@ can::Time Device::next_change_seen(can::Time now) const noexcept {
 inline void Device::plan_sample(can::Time now) noexcept {
   const can::Time change = is_watched_ && !written_ ? next_change_ : next_change_seen(now);
   written_ = false;
-  const can::Duration interval = options_.sample_interval;
+  const can::Duration interval = sample_interval_;
   if (can::never - change < 2 * interval) {
     next_sample_ = can::never;
     return;
@@ -237,10 +243,11 @@ void Device::after_event(can::Time now, canopen::Places moved) {
     node_.values_changed(std::exchange(was_written_, false) ? canopen::all_places : moved, now);
   if (!is_operational || !samples_) {
     next_sample_ = can::never;
-    sampled_from_ = can::never;
+    is_sampling_ = false;
     return;
   }
-  if (sampled_from_ == can::never) {
+  if (!is_sampling_) {
+    is_sampling_ = true;
     sampled_from_ = now;
   } else if (next_sample_ > now && !written_) {
     return;
@@ -252,7 +259,7 @@ void Device::receive(const can::Frame& frame, can::Time now) {
   if (lss_ && frame.identifier == lss::from_master && !frame.extended) return lss_->receive(frame, now);
   if (is_plain()) return node_.receive(frame, now);
   // Nobody samples outside Operational: an SDO read, or the first TPDOs after start, see the values of now.
-  if (is_on_ && sampled_from_ == can::never) move_values(now);
+  if (is_on_ && !is_sampling_) move_values(now);
   const bool moved = is_on_ && act(now);
   node_.receive(frame, now);
   settle(now, moved);
@@ -261,12 +268,12 @@ void Device::receive(const can::Frame& frame, can::Time now) {
 void Device::controller_changed(can::Time now) { node_.controller_changed(now); }
 
 void Device::tick(can::Time now) {
-  if (lss_ && lss_->deadline() <= now) lss_->tick(now);
-  if (only_samples()) [[likely]] {
+  if (only_samples_) [[likely]] {
     const canopen::Places moved = next_sample_ <= now ? sample<true>(now) : canopen::Places{0};
     if (node_.deadline() <= now) node_.tick(now);
     return after_event(now, moved);
   }
+  if (lss_ && lss_->deadline() <= now) lss_->tick(now);
   bool moved = release_due(now);
   if (next_row_ <= now) moved = play(now) || moved;
   if (next_sample_ <= now) moved = move_values(now) || moved;

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "canopus/can/controller.hpp"
+#include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/node/node.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/sim/device/application.hpp"
@@ -42,7 +43,7 @@ class ForceListener {
   ~ForceListener() = default;
 };
 
-class Device final : public can::Participant, private canopen::NodeListener {
+class alignas(64) Device final : public can::Participant, private canopen::NodeListener {
  public:
   /// Off until power_on(). `sink` must outlive the device. node_id 1..127, or FFH: none until an LSS master
   /// gives it one.
@@ -94,6 +95,8 @@ class Device final : public can::Participant, private canopen::NodeListener {
   void enable_lss(can::Controller& controller, canopen::ParameterStore* store = nullptr);
   /// nullptr: it is no LSS slave.
   [[nodiscard]] const lss::LssSlave* lss() const noexcept { return lss_ ? &lss_->slave() : nullptr; }
+  /// It is no LSS slave, and nothing else but moving its values by itself is to be done: one look instead of many.
+  [[nodiscard]] bool only_samples() const noexcept { return only_samples_; }
 
   void power_on(can::Time now);
   void power_off();
@@ -117,18 +120,19 @@ class Device final : public can::Participant, private canopen::NodeListener {
   void controller_changed(can::Time now) override;
   void tick(can::Time now) override;
   [[nodiscard]] can::Time deadline() const noexcept override {
-    if (!only_samples() || lss_) return deadline_of_all();
-    return std::min(node_.deadline(), next_sample_);
+    return only_samples_ ? std::min(node_.deadline(), next_sample_) : deadline_of_all();
   }
 
  private:
-  struct Motion {
+  struct alignas(64) Motion {
     // What each sample needs comes first.
     canopen::Entry target;
     // What the target held after it was moved last, and when that may be another value: nothing is to be done
     // before, unless somebody else wrote there.
     std::uint64_t moved_to = 0;
     can::Time next_change{};
+    std::uint64_t mask = 0;  // of the target's bytes
+    canopen::Places places = 0;
     SamplePlace place{};
     Behaviour behaviour;
     Bounds bounds;          // of the target
@@ -145,8 +149,6 @@ class Device final : public can::Participant, private canopen::NodeListener {
            forcing_.all().empty();
   }
   void see_what_it_does() noexcept;
-  /// It does nothing but sample, and nothing is forced.
-  [[nodiscard]] bool only_samples() const noexcept { return is_simple_ && forcing_.all().empty(); }
   [[nodiscard]] static bool same(const canopen::Entry& a, const canopen::Entry& b) noexcept {
     return a.index == b.index && a.sub == b.sub;
   }
@@ -154,6 +156,7 @@ class Device final : public can::Participant, private canopen::NodeListener {
   bool move_values(can::Time now);
   template <bool is_simple>
   canopen::Places sample(can::Time now);
+  [[nodiscard]] std::uint64_t value_of(const Motion& motion) const noexcept;
   [[nodiscard]] bool is_moved(const Motion& motion, can::Time now) const noexcept;
   void plan_sample(can::Time now) noexcept;
   [[nodiscard]] can::Time next_change_seen(can::Time now) const noexcept;
@@ -172,29 +175,30 @@ class Device final : public can::Participant, private canopen::NodeListener {
   void after_event(can::Time now, canopen::Places moved);
 
   std::shared_ptr<const eds::DeviceFile> file_;
-  can::Gate gate_;  // between the node and the sink
-  // What a sample, or a frame, of a device needs that has nothing but moving values lies together.
-  canopen::Node node_;
-  std::unique_ptr<DeviceLss> lss_;
-  std::vector<Motion> motions_;
-  can::Time next_sample_ = can::never;
-  can::Time sampled_from_ = can::never;  // samples are at multiples of the interval after this; never: none
-  can::Time next_change_{};              // earliest of the motions, as of the last sample
-  can::Time next_row_ = can::never;      // of the playbacks
-  bool samples_ = false;                 // something else than constants and echoes
-  bool echoes_ = false;                  // some of them
-  bool written_ = false;                 // perhaps a moving value, by somebody else, since the last sample
-  bool was_written_ = false;             // perhaps any value, by somebody else, since TPDOs were looked at
-  bool is_simple_ = false;               // it has values to sample, and does nothing else by itself
-  bool is_watched_ = false;              // nobody but it writes there without being seen
-  bool is_on_ = false;
-  Forcing forcing_{node_.dictionary()};
-  std::unique_ptr<DeviceApplication> application_;
-  DeviceOptions options_;
-  std::vector<Playback> playbacks_;
-  Script script_;
-  ForceListener* force_listener_ = nullptr;
   canopen::NodeListener* listener_ = nullptr;
+  ForceListener* force_listener_ = nullptr;
+  can::Time sampled_from_{};         // while it samples: at multiples of the interval after this
+  can::Time next_row_ = can::never;  // of the playbacks
+  std::unique_ptr<DeviceApplication> application_;
+  std::vector<Playback> playbacks_;
+  // What a sample needs of a device that has nothing but moving values lies in one cache line: from the end of the node,
+  // where its context and its services are, to where its motions begin and end.
+  canopen::Node node_;
+  can::Duration sample_interval_;
+  can::Time next_sample_ = can::never;
+  can::Time next_change_{};    // earliest of the motions, as of the last sample
+  bool only_samples_ = false;  // it has values to sample, none is forced, and it does nothing else by itself
+  bool samples_ = false;       // something else than constants and echoes
+  bool is_sampling_ = false;   // Operational, and it samples
+  bool echoes_ = false;        // some of them
+  bool written_ = false;       // perhaps a moving value, by somebody else, since the last sample
+  bool was_written_ = false;   // perhaps any value, by somebody else, since TPDOs were looked at
+  bool is_watched_ = false;    // nobody but it writes there without being seen
+  bool is_on_ = false;
+  std::vector<Motion> motions_;
+  std::unique_ptr<DeviceLss> lss_;
+  Forcing forcing_{node_.dictionary()};
+  Script script_;
 };
 
 }  // namespace canopus::sim

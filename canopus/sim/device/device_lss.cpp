@@ -44,15 +44,16 @@ lss::LssAddress address_of(const canopen::Node& node) {
 
 std::optional<Settings> DeviceLss::stored(canopen::ParameterStore& store) { return decode(store.load()); }
 
-DeviceLss::DeviceLss(canopen::Node& node, can::Gate& gate, can::Controller& controller, Settings factory,
+DeviceLss::DeviceLss(canopen::Node& node, can::Controller& controller, Settings factory,
                      std::vector<std::uint32_t> bit_rates, canopen::ParameterStore* store)
     : node_(node),
-      gate_(gate),
       controller_(controller),
       bit_rates_(std::move(bit_rates)),
       store_(store),
       stored_(factory),
-      slave_(controller, *this, address_of(node)) {}
+      slave_(controller, *this, address_of(node)) {
+  node.set_sink(gate_);
+}
 
 void DeviceLss::power_on(can::Time) {
   is_on_ = true;

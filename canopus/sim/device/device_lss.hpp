@@ -23,10 +23,10 @@ class DeviceLss final : private lss::LssSlaveUser, private canopen::NodeListener
   /// What the store holds, or nothing.
   [[nodiscard]] static std::optional<Settings> stored(canopen::ParameterStore& store);
 
-  /// listener() must hear of the node. The LSS address is the node's 1018H. `gate` is closed while the device must
-  /// be silent; `bit_rates` (bit/s) is what it can be set to, empty: all; `store` keeps what it has to
-  /// store, nullptr: kept for as long as this object lives. All must outlive it.
-  DeviceLss(canopen::Node& node, can::Gate& gate, can::Controller& controller, Settings factory,
+  /// listener() must hear of the node, which is off. The LSS address is the node's 1018H. What the node sends goes to
+  /// `controller`, but for while the device must be silent; `bit_rates` (bit/s) is what it can be set to, empty: all;
+  /// `store` keeps what it has to store, nullptr: kept for as long as this object lives. All must outlive it.
+  DeviceLss(canopen::Node& node, can::Controller& controller, Settings factory,
             std::vector<std::uint32_t> bit_rates, canopen::ParameterStore* store);
 
   /// Node-ID and bit rate are what was stored, or the factory settings; the node is to be switched on next.
@@ -51,8 +51,8 @@ class DeviceLss final : private lss::LssSlaveUser, private canopen::NodeListener
   void reset_done(canopen::NmtCommand which, can::Time now) override;
 
   canopen::Node& node_;
-  can::Gate& gate_;
   can::Controller& controller_;
+  can::Gate gate_{controller_};  // between the node and the controller
   std::vector<std::uint32_t> bit_rates_;
   canopen::ParameterStore* store_;
   Settings stored_;

@@ -15,11 +15,9 @@ using canopen::Entry;
 Device::Device(std::shared_ptr<const eds::DeviceFile> file, std::uint8_t node_id, can::Sink& sink,
                DeviceOptions options)
     : file_(std::move(file)),
-      gate_(sink),
-      node_(file_->dictionary, node_id, gate_, options.node),
-      options_(options) {
+      node_(file_->dictionary, node_id, sink, options.node),
+      sample_interval_(std::max<can::Duration>(options.sample_interval, std::chrono::microseconds(1))) {
   node_.set_listener(this);
-  options_.sample_interval = std::max<can::Duration>(options_.sample_interval, std::chrono::microseconds(1));
 }
 
 std::optional<std::string> Device::add_behaviour(const Behaviour& behaviour) {
@@ -36,6 +34,9 @@ std::optional<std::string> Device::add_behaviour(const Behaviour& behaviour) {
   Motion motion{};
   motion.behaviour = behaviour;
   if (auto problem = find(behaviour.index, behaviour.sub, motion.target)) return problem;
+  const std::uint8_t length = motion.target.description->length;
+  motion.mask = ~std::uint64_t{0} >> (64 - 8 * length);
+  motion.places = canopen::places_of(motion.target.offset, length);
   motion.bounds = bounds(motion.target.description->type, description.limits(motion.target));
   for (const Playback& playback : playbacks_) {
     if (std::ranges::any_of(playback.entries(),
@@ -79,7 +80,8 @@ std::optional<std::string> Device::add_behaviour(const Behaviour& behaviour) {
 }
 
 void Device::see_what_it_does() noexcept {
-  is_simple_ = samples_ && !echoes_ && !application_ && playbacks_.empty() && script_.empty();
+  only_samples_ = samples_ && !echoes_ && !application_ && playbacks_.empty() && script_.empty() &&
+                  forcing_.all().empty() && !lss_;
   is_watched_ =
       !application_ && playbacks_.empty() &&
       std::ranges::all_of(motions_, [](const Motion& motion) { return motion.target.index >= 0x2000; });
@@ -122,9 +124,10 @@ std::optional<std::string> Device::add_playback(Playback playback) {
 }
 
 void Device::enable_lss(can::Controller& controller, canopen::ParameterStore* store) {
-  lss_ = std::make_unique<DeviceLss>(node_, gate_, controller,
+  lss_ = std::make_unique<DeviceLss>(node_, controller,
                                      DeviceLss::Settings{node_.node_id(), controller.bit_rate()},
                                      file_->device.bit_rates, store);
+  see_what_it_does();
 }
 
 }  // namespace canopus::sim
