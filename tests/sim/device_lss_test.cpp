@@ -123,6 +123,34 @@ TEST_F(LssOnBus, BitRate_ChangesAfterTheSwitchDelay_WithSilenceBeforeAndAfter) {
   EXPECT_LE(station.heard.front().at, asked + 400ms + 11ms);
 }
 
+// One that has nothing else to do than to move a value does not overlook it, whichever of the two it was told first.
+TEST_F(LssOnBus, BitRate_OfADeviceThatMovesAValue_ChangesAfterTheSwitchDelay) {
+  constexpr Behaviour moving{
+      .kind = Behaviour::Kind::counter, .index = 0x6000, .sub = 1, .high = 9, .period = 20ms};
+  for (const bool moves_first : {true, false}) {
+    Port& port = bus.add_port("device");
+    Device device(io_block(address), 5, port);
+    if (!moves_first) device.enable_lss(port, nullptr);
+    EXPECT_EQ(device.add_behaviour(moving), std::nullopt);
+    if (moves_first) device.enable_lss(port, nullptr);
+    const can::Timeline::Handle handle = timeline.add(device);
+    port.connect(device, handle);
+    device.power_on(timeline.now());
+    device.node().command(canopen::NmtCommand::start, timeline.now());
+    timeline.refresh(handle);
+    run_for(5ms);
+    EXPECT_EQ(select(address), LssResult::done);
+    EXPECT_EQ(set_bit_rate(2), LssResult::done);  // 500 kbit/s
+    EXPECT_EQ(activate(200ms), LssResult::done);
+    run_for(190ms);
+    EXPECT_EQ(port.bit_rate(), 250'000U);
+    run_for(10ms);
+    EXPECT_EQ(port.bit_rate(), 500'000U) << moves_first;
+    port.plug(false);
+    timeline.remove(handle);
+  }
+}
+
 TEST_F(LssOnBus, BitRateThatTheFileDoesNotName_IsRefused) {
   Seat& seat = add(address, 5);
   run_for(5ms);
