@@ -24,7 +24,7 @@ namespace canopus::can {
 /// its way lies together. Its memory grows with the longest queue there ever was, by doubling, from 8 frames on.
 class TransmitQueue {
  public:
-  TransmitQueue() = default;
+  TransmitQueue() noexcept { frames_ = own_.data(); }
   TransmitQueue(const TransmitQueue&) = delete;
   TransmitQueue& operator=(const TransmitQueue&) = delete;
 
@@ -59,7 +59,7 @@ class TransmitQueue {
   void insert(std::size_t position, const Frame& frame) noexcept;
   void make_room();
 
-  Frame* frames_ = own_.data();  // begin_..end_ are waiting, the next one first
+  Frame* frames_ = nullptr;  // begin_..end_ are waiting, the next one first
   std::uint32_t begin_ = 0;
   std::uint32_t end_ = 0;
   std::uint32_t capacity_ = 1;

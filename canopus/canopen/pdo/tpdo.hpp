@@ -140,7 +140,7 @@ class alignas(64) Tpdos final : public ObjectHandler {
   // First those that SYNC concerns, then those that may have events.
   std::uint16_t synchronous_ = 0;
   std::uint16_t valid_count_ = 0;
-  Valid* valid_ = few_valid_.data();
+  Valid* valid_ = nullptr;
   std::array<Valid, 4> few_valid_;  // as many as most devices have
   std::vector<Tpdo> tpdos_;         // in order of number
   std::unique_ptr<Valid[]> more_valid_;

@@ -16,6 +16,7 @@ constexpr std::uint32_t longest_value = 8;  // of fixed length, in bytes
 }  // namespace
 
 Tpdos::Tpdos(NodeContext& node) : node_(node) {
+  valid_ = few_valid_.data();
   std::size_t count = 0;
   const auto is_tpdo = [](const ObjectDescription& object) { return (object.index & 0xFE00) == 0x1800; };
   for (const auto& object : node.dictionary.description().objects()) count += is_tpdo(object) ? 1U : 0U;
