@@ -1,7 +1,6 @@
 #include "canopus/canopen/pdo/rpdo.hpp"
 
-#include <algorithm>
-
+#include "canopus/canopen/pdo/pdo_list.hpp"
 #include "canopus/canopen/service/emcy_code.hpp"
 
 namespace canopus::canopen {
@@ -13,23 +12,12 @@ constexpr std::uint16_t first_rpdo_mapping = 0x1600;
 }  // namespace
 
 Rpdos::Rpdos(NodeContext& node) : node_(node) {
-  std::size_t count = 0;
-  const auto is_rpdo = [](const ObjectDescription& object) { return (object.index & 0xFE00) == 0x1400; };
-  for (const auto& object : node.dictionary.description().objects()) count += is_rpdo(object) ? 1U : 0U;
-  rpdos_.reserve(count);
-  for (const auto& object : node.dictionary.description().objects()) {
-    if (!is_rpdo(object)) continue;
-    rpdos_.emplace_back().number = object.index & pdo_number_mask;
-  }
-  first_timer_ = node.timers.add(count);
+  make_pdos(rpdos_, node.dictionary.description(), first_rpdo_communication);
+  first_timer_ = node.timers.add(rpdos_.size());
   node.dictionary.attach(first_rpdo_communication, 0x17FF, *this);
 }
 
-Rpdos::Rpdo* Rpdos::find(std::uint16_t index) noexcept {
-  const std::uint16_t number = index & pdo_number_mask;
-  const auto place = std::ranges::lower_bound(rpdos_, number, {}, &Rpdo::number);
-  return place != rpdos_.end() && place->number == number ? &*place : nullptr;
-}
+Rpdos::Rpdo* Rpdos::find(std::uint16_t index) noexcept { return find_pdo(rpdos_, index); }
 
 CobId Rpdos::read_cob_id(const Rpdo& pdo) const noexcept {
   const auto index = static_cast<std::uint16_t>(first_rpdo_communication + pdo.number);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "canopus/canopen/pdo/pdo_list.hpp"
 #include "canopus/canopen/pdo/tpdo.hpp"
 
 namespace canopus::canopen {
@@ -17,23 +18,12 @@ constexpr std::uint32_t longest_value = 8;  // of fixed length, in bytes
 
 Tpdos::Tpdos(NodeContext& node) : node_(node) {
   valid_ = few_valid_.data();
-  std::size_t count = 0;
-  const auto is_tpdo = [](const ObjectDescription& object) { return (object.index & 0xFE00) == 0x1800; };
-  for (const auto& object : node.dictionary.description().objects()) count += is_tpdo(object) ? 1U : 0U;
-  tpdos_.reserve(count);
-  for (const auto& object : node.dictionary.description().objects()) {
-    if (!is_tpdo(object)) continue;
-    tpdos_.emplace_back().number = object.index & pdo_number_mask;
-  }
-  first_timer_ = node.timers.add(count);
+  make_pdos(tpdos_, node.dictionary.description(), first_tpdo_communication);
+  first_timer_ = node.timers.add(tpdos_.size());
   node.dictionary.attach(first_tpdo_communication, 0x1BFF, *this);
 }
 
-Tpdos::Tpdo* Tpdos::find(std::uint16_t index) noexcept {
-  const std::uint16_t number = index & pdo_number_mask;
-  const auto place = std::ranges::lower_bound(tpdos_, number, {}, [](const Tpdo& pdo) { return pdo.number; });
-  return place != tpdos_.end() && place->number == number ? &*place : nullptr;
-}
+Tpdos::Tpdo* Tpdos::find(std::uint16_t index) noexcept { return find_pdo(tpdos_, index); }
 
 CobId Tpdos::cob_id_of(std::uint16_t number) const noexcept {
   const auto index = static_cast<std::uint16_t>(first_tpdo_communication + number);
