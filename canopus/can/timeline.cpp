@@ -32,10 +32,20 @@ void Timeline::take_out(Queue& queue, std::uint64_t order) noexcept {
   queue.pop_back();
 }
 
-void Timeline::put_node(const Place& place) noexcept {
+Timeline::Key Timeline::key_of(Handle handle, Time deadline) const noexcept {
+  if (deadline == never) return waits_for_nothing;
+  const auto after_base = static_cast<std::uint64_t>(deadline.time_since_epoch().count()) -
+                          static_cast<std::uint64_t>(base_.time_since_epoch().count());
+  return std::min(after_base, far) << handle_bits | handle;
+}
+
+[[gnu::always_inline]] inline void Timeline::put_node(Handle handle, Time deadline) noexcept {
+  seats_[handle].place.deadline = deadline;
+  if (deadline < base_) [[unlikely]]
+    return play_anew(deadline);
   Key* const first_of = first_of_.data();
-  std::size_t match = player(place.handle());
-  Key first = key_of(place);
+  std::size_t match = player(handle);
+  Key first = key_of(handle, deadline);
   first_of[match] = first;
   while (match > 1) {
     const Key other = first_of[match ^ 1];
@@ -43,18 +53,41 @@ void Timeline::put_node(const Place& place) noexcept {
     first = first < other ? first : other;
     first_of[match] = first;
   }
-  first_node_ = place_of(first);
-  if (first_node_.deadline == never) {
-    first_node_ = nobody;
-    return;
-  }
-  __builtin_prefetch(participants_[first_node_.handle()]);  // its tick is not far
+  take_first(first);
 }
 
-void Timeline::move(const Place& place, Time deadline) noexcept {
-  if (participants_[place.handle()] == nullptr) return;  // it has gone inside its tick
+/// Who has won the last match.
+inline void Timeline::take_first(Key key) noexcept {
+  if (key >> handle_bits == far) [[unlikely]]
+    return look_for_first(key);
+  const Seat& seat = seats_[key & ((Key{1} << handle_bits) - 1)];
+  first_node_ = seat.place;
+  __builtin_prefetch(seat.participant);  // its tick is not far
+}
+
+void Timeline::look_for_first(Key key) noexcept {
+  first_node_ = nobody;
+  if (key == waits_for_nothing) return;
+  Time earliest = never;
+  for (const Seat& seat : seats_) earliest = std::min(earliest, seat.place.deadline);
+  play_anew(earliest);
+}
+
+/// `base`: not after any deadline.
+void Timeline::play_anew(Time base) noexcept {
+  base_ = base;
+  for (Handle handle = 0; handle < seats_.size(); ++handle)
+    first_of_[player(handle)] = key_of(handle, seats_[handle].place.deadline);
+  for (std::size_t match = players_ - 1; match > 0; --match)
+    first_of_[match] = std::min(first_of_[2 * match], first_of_[2 * match + 1]);
+  take_first(first_of_[1]);
+}
+
+/// What has another deadline now: part of run(), for each frame.
+[[gnu::always_inline]] inline void Timeline::move_inline(const Place& place, Time deadline) noexcept {
+  if (seats_[place.handle()].participant == nullptr) return;  // it has gone inside its tick
   if (!place.is_bus()) {
-    put_node({deadline, place.order});
+    put_node(place.handle(), deadline);
   } else if (buses_.size() == 2) {  // alone, as a plant's part mostly has it
     buses_.back().deadline = deadline;
   } else {
@@ -63,45 +96,42 @@ void Timeline::move(const Place& place, Time deadline) noexcept {
   }
 }
 
+void Timeline::move(const Place& place, Time deadline) noexcept { move_inline(place, deadline); }
+
 /// As many as there is room for participants.
 void Timeline::make_players() {
-  const std::size_t before = players_;
-  players_ = std::max(participants_.capacity(), std::size_t{2});
-  std::vector<Key> first_of(2 * players_, key_of(nobody));
-  std::copy_n(first_of_.begin() + static_cast<std::ptrdiff_t>(before), before,
-              first_of.begin() + static_cast<std::ptrdiff_t>(players_));
-  for (std::size_t match = players_ - 1; match > 0; --match)
-    first_of[match] = std::min(first_of[2 * match], first_of[2 * match + 1]);
-  first_of_ = std::move(first_of);
+  players_ = seats_.capacity();
+  first_of_.assign(2 * players_, waits_for_nothing);
+  play_anew(base_);
 }
 
 Timeline::Handle Timeline::add(Ticker& participant, std::string name, Rank rank) {
-  const Handle handle = participants_.size();
+  const Handle handle = seats_.size();
+  if (handle >= most_participants) throw std::length_error("a timeline has no room for more participants");
   const std::uint64_t number = (whole_ != nullptr ? whole_ : this)->numbers_++;
-  make_room(participants_, handle + 1);
-  participants_.push_back(&participant);
-  if (!name.empty()) names_.emplace_back(handle, std::move(name));
-  if (players_ < participants_.capacity()) make_players();
   const Place place{participant.deadline(), static_cast<std::uint64_t>(rank) << 63 | number << 32 | handle};
+  make_room(seats_, handle + 1);
+  seats_.push_back({&participant, {never, place.order}});
+  if (!name.empty()) names_.emplace_back(handle, std::move(name));
+  if (players_ < seats_.capacity()) make_players();
   if (rank == Rank::bus) {
     make_room(buses_, buses_.size() + 1);
     put_in(buses_, place);
-    put_node({never, place.order});
   } else {
-    put_node(place);
+    put_node(handle, place.deadline);
   }
   return handle;
 }
 
 void Timeline::remove(Handle handle) {
-  if (participants_[handle] == nullptr) return;
-  const Place place = place_of(first_of_[player(handle)]);
-  if (place.is_bus()) {
-    take_out(buses_, place.order);
+  Seat& seat = seats_[handle];
+  if (seat.participant == nullptr) return;
+  if (seat.place.is_bus()) {
+    take_out(buses_, seat.place.order);
   } else {
-    put_node({never, place.order});
+    put_node(handle, never);
   }
-  participants_[handle] = nullptr;
+  seat.participant = nullptr;
   std::erase_if(names_, [&](const auto& name) { return name.first == handle; });
 }
 
@@ -150,8 +180,9 @@ void Timeline::run_apart(Time end) {
 
 /// Ticks the only bus, which is due, and goes on with it as long as no node is. Its deadline then.
 [[gnu::always_inline]] inline Time Timeline::run_bus(const Place& bus, Time last) {
+  Ticker& participant = *seats_[bus.handle()].participant;
   while (true) {
-    const Time deadline = participants_[bus.handle()]->tick_and_tell(now_);
+    const Time deadline = participant.tick_and_tell(now_);
     const bool is_first = deadline > now_ && deadline <= last && deadline < first_node_.deadline;
     const bool is_alone = buses_.size() == 2 && buses_.back().order == bus.order;
     if (!is_first || !is_alone) return deadline;
@@ -184,12 +215,12 @@ void Timeline::run(Time end, const Place& until) {
       }
     }
     // Each of the two calls mostly leads to participants of one kind, which a processor foretells.
-    const Time deadline =
-        goes_on_alone && place.is_bus() ? run_bus(place, last) : participants_[handle]->tick_and_tell(now_);
+    const Time deadline = goes_on_alone && place.is_bus() ? run_bus(place, last)
+                                                          : seats_[handle].participant->tick_and_tell(now_);
     if (deadline == Ticker::not_told) {
       refresh(handle);
-    } else {
-      retime(handle, deadline);
+    } else if (const Place& now = seats_[handle].place; deadline != now.deadline || now.is_bus()) {
+      move_inline(now, deadline);
     }
     if (is_whole) return;  // who belongs to no part may have made somebody of one earlier
   }
@@ -233,7 +264,7 @@ void Timeline::run_together(Time end) {
 }
 
 bool Timeline::is_stalled(Handle handle) {
-  if (ticks_by_one_.size() < participants_.size()) ticks_by_one_.resize(participants_.size());
+  if (ticks_by_one_.size() < seats_.size()) ticks_by_one_.resize(seats_.size());
   if (++ticks_by_one_[handle] < most_ticks) return false;
   const auto name = std::ranges::find(names_, handle, &std::pair<Handle, std::string>::first);
   const Stall stall{name == names_.end() ? "participant " + std::to_string(handle) : name->second, now_};

@@ -11,6 +11,7 @@
 // (run_apart()), before or after the others or on another thread. What is said meanwhile is put into the one order
 // afterwards by the moment() at which it was said.
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -45,7 +46,7 @@ class Timeline {
   enum class Rank : std::uint8_t { node, bus };
 
   /// Adds a participant, which must outlive the timeline or be removed. Returns its handle. `name` is for
-  /// people, in errors; empty: its number.
+  /// people, in errors; empty: its number. Throws std::length_error when there have been a million.
   Handle add(Ticker& participant, std::string name = {}, Rank rank = Rank::node);
   /// Takes a participant out for good; its handle is not used again.
   void remove(Handle handle);
@@ -64,7 +65,7 @@ class Timeline {
   void set_stall_handler(std::function<void(const Stall&)> handler) { stall_handler_ = std::move(handler); }
   /// Reads the participant's deadline again. To be called after anything but its tick() happened to it.
   void refresh(Handle handle) {
-    if (const Ticker* participant = participants_[handle]; participant != nullptr)
+    if (const Ticker* participant = seats_[handle].participant; participant != nullptr)
       retime(handle, participant->deadline());
   }
   /// Earliest deadline of all.
@@ -102,16 +103,17 @@ class Timeline {
 
     [[nodiscard]] Handle handle() const noexcept { return order & 0xFFFF'FFFF; }
     [[nodiscard]] bool is_bus() const noexcept { return order >> 63 != 0; }
-    [[nodiscard]] bool before(const Place& other) const noexcept { return key_of(*this) < key_of(other); }
+    [[nodiscard]] bool before(const Place& other) const noexcept {
+      return deadline != other.deadline ? deadline < other.deadline : order < other.order;
+    }
   };
-  /// A place as one number: the lower one is first. To compare two takes no branch, which nobody could foretell.
-  __extension__ typedef __int128 Key;
-  [[nodiscard]] static Key key_of(const Place& place) noexcept {
-    return Key{place.deadline.time_since_epoch().count()} << 64 | place.order;
-  }
-  [[nodiscard]] static Place place_of(Key key) noexcept {
-    return {Time{Duration{static_cast<Duration::rep>(key >> 64)}}, static_cast<std::uint64_t>(key)};
-  }
+  /// A node in its tournament, the lower one is first: its deadline, counted from base_ on, and its handle.
+  using Key = std::uint64_t;
+  static constexpr unsigned handle_bits = 20;
+  static constexpr Handle most_participants = 1'000'000;
+  static constexpr Key waits_for_nothing = ~Key{0};
+  /// From here on (4.9 hours) keys do not tell deadlines apart.
+  static constexpr std::uint64_t far = waits_for_nothing >> handle_bits;
   /// The last one first: whoever is first of all goes and comes without moving others. Behind all is `nobody`, so that no
   /// look at it, and no search, has to ask for its end.
   using Queue = std::vector<Place>;
@@ -128,27 +130,37 @@ class Timeline {
   Time run_bus(const Place& bus, Time last);
   void run_together(Time end);
   void retime(Handle handle, Time deadline) noexcept {
-    const Place place = place_of(first_of_[player(handle)]);
-    if (deadline == place.deadline && !place.is_bus()) return;
-    move(place, deadline);
+    const Seat& seat = seats_[handle];
+    if (deadline == seat.place.deadline && !seat.place.is_bus()) return;
+    move(seat.place, deadline);
   }
   void move(const Place& place, Time deadline) noexcept;
+  void move_inline(const Place& place, Time deadline) noexcept;
   static void put_in(Queue& queue, const Place& place) noexcept;
   static void take_out(Queue& queue, std::uint64_t order) noexcept;
-  void put_node(const Place& place) noexcept;
+  void put_node(Handle handle, Time deadline) noexcept;
+  void take_first(Key key) noexcept;
+  void look_for_first(Key key) noexcept;
+  void play_anew(Time base) noexcept;
   void make_players();
   [[nodiscard]] std::size_t player(Handle handle) const noexcept { return players_ + handle; }
+  [[nodiscard]] Key key_of(Handle handle, Time deadline) const noexcept;
   /// Counts a tick that comes after too many at one moment. True: the participant has been taken out.
   bool is_stalled(Handle handle);
 
   static constexpr Place nobody{never, ~std::uint64_t{0}};
-  std::vector<Ticker*> participants_;  // by handle; null: it has gone
-  Queue buses_{nobody};                // all: a bus's deadline changes with each frame
+  struct Seat {
+    Ticker* participant;  // null: it has gone
+    Place place;          // of a bus: with deadline never
+  };
+  std::vector<Seat> seats_;  // by handle
+  Queue buses_{nobody};      // all: a bus's deadline changes with each frame
   // Nodes play a tournament for who is first: behind the matches stand the players, by handle; match n is between 2 n and
   // 2 n + 1, and match 1 the last one. A new deadline is played up to there, and no branch hangs on who wins. A bus, and who
-  // has gone, plays with deadline never.
-  std::size_t players_ = 1;                                    // room for so many
-  std::vector<Key> first_of_{key_of(nobody), key_of(nobody)};  // each match, and each player
+  // has gone, waits for nothing. When all are far, they play anew from the earliest deadline on.
+  std::size_t players_ = 1;                                          // room for so many
+  Time base_{};                                                      // no node's deadline is before it
+  std::vector<Key> first_of_{waits_for_nothing, waits_for_nothing};  // each match, and each player
   Place first_node_ = nobody;
   std::vector<std::pair<Handle, std::string>> names_;  // of those that have one, in order of handles
   std::function<void(const Stall&)> stall_handler_;
