@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "canopus/canopen/service/cob_id.hpp"
+#include "canopus/canopen/service/frame_of.hpp"
 #include "canopus/manager/boot/start_up_bits.hpp"
 #include "canopus/module/storage/stored_settings.hpp"
 
@@ -243,9 +244,38 @@ ModuleEngine::Heard ModuleEngine::hear(const can::Frame& frame, can::Time now) {
     return Heard::news;
   }
   last_frame_ = now;
+  const bool is_pdo = frame.identifier > 0x180 && frame.identifier < canopen::cob_id::sdo_response &&
+                      canopen::is_base_data(frame);
+  return is_pdo && parts_.network.is_open() ? hear_pdo(frame, now) : hear_other(frame, now);
+}
+
+// Where PDOs and heartbeats are as usual, nothing of what update() looks at has changed: what changes in the node or the master
+// without news does so by other frames. The master does nothing with PDOs, and one that is as usual moves no deadline.
+inline ModuleEngine::Heard ModuleEngine::hear_pdo(const can::Frame& frame, can::Time now) {
+  using enum canopen::Node::Taken;
+  const std::uint64_t news = parts_.news;
+  const canopen::Node::Taken taken = parts_.node.take(frame, now);
+  if (taken == other) parts_.master.receive(frame, now);
+  const bool is_of_command = parts_.command.receive(frame, now);
+  if (taken != other && !is_of_command && parts_.news == news)
+    return taken == heartbeat ? Heard::time : Heard::process_data;
+  update(now);
+  return Heard::news;
+}
+
+/// What is no PDO, or comes while the node is off the network.
+ModuleEngine::Heard ModuleEngine::hear_other(const can::Frame& frame, can::Time now) {
+  using enum canopen::Node::Taken;
+  const std::uint64_t news = parts_.news;
   const can::Time node_deadline = parts_.node.deadline();
   const can::Time master_deadline = parts_.master.deadline();
-  if (hear_canopen(frame, now)) {
+  const bool is_open = parts_.network.is_open();
+  const canopen::Node::Taken taken = is_open ? parts_.node.take(frame, now) : other;
+  parts_.master.receive(frame, now);
+  const bool is_of_command = is_open && parts_.command.receive(frame, now);
+  const bool is_state = canopen::is_base_data(frame) && frame.data[0] != 0 &&
+                        (frame.identifier & canopen::cob_id::function_code) == canopen::cob_id::error_control;
+  if (taken == other || is_of_command || !is_state || parts_.news != news) {
     update(now);
     return Heard::news;
   }
@@ -253,23 +283,6 @@ ModuleEngine::Heard ModuleEngine::hear(const can::Frame& frame, can::Time now) {
   const bool is_as_before =
       node_deadline == parts_.node.deadline() && master_deadline == parts_.master.deadline();
   return is_as_before ? Heard::process_data : Heard::time;
-}
-
-// PDOs and heartbeats are nearly all that comes. Where they are as usual, nothing of what update() looks at has changed: what
-// changes in the node or the master without news does so by other frames.
-inline bool ModuleEngine::hear_canopen(const can::Frame& frame, can::Time now) {
-  const std::uint64_t news = parts_.news;
-  const bool is_open = parts_.network.is_open();
-  const auto taken = is_open ? parts_.node.take(frame, now) : canopen::Node::Taken::other;
-  using namespace canopen::cob_id;
-  const bool is_pdo = frame.identifier > 0x180 && frame.identifier < sdo_response;
-  // The master does nothing with PDOs.
-  if (taken == canopen::Node::Taken::other || !is_pdo) parts_.master.receive(frame, now);
-  const bool is_of_command = is_open && parts_.command.receive(frame, now);
-  if (taken == canopen::Node::Taken::other || is_of_command || frame.extended || frame.remote) return true;
-  const std::uint32_t function = frame.identifier & function_code;
-  const bool is_state = function == error_control && frame.data[0] != 0;
-  return parts_.news != news || !(is_pdo || is_state);
 }
 
 void ModuleEngine::transmitted(const can::Frame& frame, can::Time now) {

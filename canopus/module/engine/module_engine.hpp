@@ -183,7 +183,8 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
   }
   void end_sending(const can::Frame& frame);
   /// What a frame changes. True: update() has to look.
-  bool hear_canopen(const can::Frame& frame, can::Time now);
+  Heard hear_pdo(const can::Frame& frame, can::Time now);
+  Heard hear_other(const can::Frame& frame, can::Time now);
 
   CommandBus command_bus_{parts_};
   ModuleParts parts_;
