@@ -16,10 +16,13 @@ BusCore::BusCore(std::string bus_name, std::uint32_t bus_bit_rate, can::Timeline
       timeline(bus_timeline) {}
 BusCore::~BusCore() = default;
 
-struct Bus::Impl {
+struct Bus::Impl final : can::Ticker {
   Impl(std::string name, std::uint32_t bit_rate, can::Timeline& timeline)
       : core(std::move(name), bit_rate, timeline), near(core, true), far(core, false) {}
 
+  void tick(can::Time now) override { tick_and_tell(now); }
+  can::Time tick_and_tell(can::Time now) override;
+  [[nodiscard]] can::Time deadline() const noexcept override { return next(); }
   void run_faults(can::Time now);
   [[nodiscard]] can::Time next() const noexcept {
     return core.had_faults ? next_with_faults() : near.deadline();
@@ -49,7 +52,7 @@ struct Bus::Impl {
 
 Bus::Bus(std::string name, std::uint32_t bit_rate, can::Timeline& timeline)
     : impl_(std::make_unique<Impl>(std::move(name), bit_rate, timeline)) {
-  impl_->core.handle = timeline.add(*this, "bus " + impl_->core.name, can::Timeline::Rank::bus);
+  impl_->core.handle = timeline.add(*impl_, "bus " + impl_->core.name, can::Timeline::Rank::bus);
 }
 
 Bus::~Bus() { impl_->core.timeline.remove(impl_->core.handle); }
@@ -147,24 +150,19 @@ std::expected<void, std::string> Bus::set_faults(const std::vector<Fault>& fault
 
 std::vector<FaultState> Bus::fault_states() const { return impl_->core.plan.states(); }
 
-can::Time Bus::tick_and_tell(can::Time now) {
-  Impl& impl = *impl_;
-  impl.core.ticking = true;
-  if (impl.core.had_faults) [[unlikely]] {
-    impl.run_faults(now);
-    impl.near.tick(now);
-    impl.far.tick(now);
+can::Time Bus::Impl::tick_and_tell(can::Time now) {
+  core.ticking = true;
+  if (core.had_faults) [[unlikely]] {
+    run_faults(now);
+    near.tick(now);
+    far.tick(now);
   } else {
-    impl.near.tick(now);  // nothing is on the far side of a wire that was never cut
+    near.tick(now);  // nothing is on the far side of a wire that was never cut
   }
-  impl.core.ticking = false;
-  impl.core.ticked = now;
-  return impl.next();
+  core.ticking = false;
+  core.ticked = now;
+  return next();
 }
-
-void Bus::tick(can::Time now) { tick_and_tell(now); }
-
-can::Time Bus::deadline() const noexcept { return impl_->next(); }
 
 can::Time Bus::Impl::next_with_faults() const noexcept {
   return std::min({near.deadline(), far.deadline(), next_of_faults()});

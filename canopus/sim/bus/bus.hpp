@@ -62,7 +62,7 @@ class WireObserver {
   ~WireObserver() = default;
 };
 
-class Bus final : public can::Bus, public can::Ticker {
+class Bus final : public can::Bus {
  public:
   /// bit_rate in bit/s. Adds itself to the timeline, which must outlive the bus.
   Bus(std::string name, std::uint32_t bit_rate, can::Timeline& timeline);
@@ -96,10 +96,6 @@ class Bus final : public can::Bus, public can::Ticker {
   void set_line(const Line& line);
   [[nodiscard]] BusLoad load(can::Time now) const override;
   [[nodiscard]] std::uint64_t frames_of(std::uint32_t identifier, bool extended = false) const override;
-
-  void tick(can::Time now) override;
-  can::Time tick_and_tell(can::Time now) override;
-  [[nodiscard]] can::Time deadline() const noexcept override;
 
  private:
   struct Impl;

@@ -126,9 +126,11 @@ class alignas(64) BusPort final : public Port {
   void recover() override;
 
   /// What it offers in arbitration, for Arbiter.
-  [[nodiscard]] std::uint64_t offer() const noexcept {
-    if (!offers()) return Arbiter::none;
-    return Arbiter::key(arbitration(babble_goes_first() ? babble : queue.front()), index);
+  [[nodiscard, gnu::always_inline]] std::uint64_t offer() const noexcept {
+    if (babble_due) [[unlikely]]
+      return offer_of_babbler();
+    if (queue.empty() || !may_transmit()) return Arbiter::none;
+    return Arbiter::key(arbitration(queue.front()), index);
   }
   [[nodiscard]] bool offers() const noexcept { return (!queue.empty() || babble_due) && may_transmit(); }
   [[nodiscard]] bool babble_goes_first() const noexcept {
@@ -309,6 +311,7 @@ class alignas(64) BusPort final : public Port {
 
  private:
   bool send_with_faults(const can::Frame& frame);
+  [[nodiscard]] std::uint64_t offer_of_babbler() const noexcept;
   void forget_queue();
   void start_anew();
   void be_on_wire();

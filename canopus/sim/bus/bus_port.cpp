@@ -48,6 +48,11 @@ bool BusPort::enqueue(const can::Frame& frame) {
   return true;
 }
 
+std::uint64_t BusPort::offer_of_babbler() const noexcept {
+  if (!may_transmit()) return Arbiter::none;
+  return Arbiter::key(arbitration(babble_goes_first() ? babble : queue.front()), index);
+}
+
 void BusPort::restart(std::uint32_t bit_rate) {
   segment->before_change();
   segment->take_off(*this);

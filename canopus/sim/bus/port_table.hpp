@@ -142,7 +142,7 @@ class Arbiter {
   }
 
   /// Room for what nodes of CANopen send. To be called before the first set(): nothing is allocated for a frame.
-  void expect_identifiers() { owners_.resize(can::max_base_identifier + 1); }
+  void expect_identifiers() { owners_.resize(can::max_base_identifier + 1, nobody); }
   void resize(std::size_t ports) {
     offers_.resize(ports, none);
     const std::size_t leaves = std::bit_ceil(std::max<std::size_t>(ports, 1));
@@ -153,15 +153,14 @@ class Arbiter {
     leaves_ = leaves;
     for (std::size_t node = leaves; node-- > 1;) tree_[node] = std::min(tree_[2 * node], tree_[2 * node + 1]);
   }
-  void set(std::size_t port, std::uint64_t new_key) noexcept {
+  [[gnu::always_inline]] void set(std::size_t port, std::uint64_t new_key) noexcept {
     std::uint64_t& offer = offers_[port];
     if (offer == new_key) return;
     const std::uint64_t old_key = std::exchange(offer, new_key);
     if (old_key != none) take_out(port, old_key);
     if (new_key != none) put_in(port, new_key);
-    // Whoever comes can only be lower; others are looked at when the lowest one goes.
-    lowest_ = old_key == lowest_ && old_key != none ? std::min(lowest_identifier(), tree_[1])
-                                                    : std::min(lowest_, new_key);
+    const std::uint64_t lower = std::min(lowest_, new_key);
+    lowest_ = lower == old_key ? std::min(lowest_identifier(), tree_[1]) : lower;  // the lowest one goes
   }
   [[nodiscard]] std::uint64_t of(std::size_t port) const noexcept { return offers_[port]; }
   [[nodiscard]] std::uint64_t lowest() const noexcept { return lowest_; }
@@ -175,15 +174,13 @@ class Arbiter {
   }
 
  private:
+  static constexpr std::uint16_t nobody = 0xFFFF;
   static constexpr unsigned behind_identifier = 21;  // bits of the arbitration value, 0 in a base data frame
   [[nodiscard]] static constexpr bool is_base_data(std::uint64_t key) noexcept {
     return (value_of(key) & ((1U << behind_identifier) - 1)) == 0;
   }
   [[nodiscard]] static constexpr std::size_t identifier_of(std::uint64_t key) noexcept {
     return value_of(key) >> behind_identifier;
-  }
-  [[nodiscard]] bool has(std::size_t identifier) const noexcept {
-    return (identifiers_[identifier / 64] >> identifier % 64 & 1) != 0;
   }
   [[nodiscard]] std::uint64_t lowest_identifier() const noexcept {
     if (words_ == 0) return none;
@@ -198,15 +195,15 @@ class Arbiter {
   }
   void put_in(std::size_t port, std::uint64_t new_key) noexcept {
     const std::size_t identifier = identifier_of(new_key);
-    if (!is_base_data(new_key) || has(identifier)) return set_in_tree(port, new_key);
+    if (!is_base_data(new_key) || owners_[identifier] != nobody) return set_in_tree(port, new_key);
     owners_[identifier] = static_cast<std::uint16_t>(port);
     identifiers_[identifier / 64] |= std::uint64_t{1} << identifier % 64;
     words_ |= std::uint32_t{1} << identifier / 64;
   }
   void take_out(std::size_t port, std::uint64_t old_key) noexcept {
     const std::size_t identifier = identifier_of(old_key);
-    if (!is_base_data(old_key) || !has(identifier) || owners_[identifier] != port)
-      return set_in_tree(port, none);
+    if (!is_base_data(old_key) || owners_[identifier] != port) return set_in_tree(port, none);
+    owners_[identifier] = nobody;
     std::uint64_t& word = identifiers_[identifier / 64];
     word &= ~(std::uint64_t{1} << identifier % 64);
     if (word == 0) words_ &= ~(std::uint32_t{1} << identifier / 64);
@@ -225,7 +222,7 @@ class Arbiter {
   std::uint64_t lowest_ = none;
   std::uint32_t words_ = 0;  // of identifiers_ that are not 0
   std::array<std::uint64_t, 32> identifiers_{};
-  std::vector<std::uint16_t> owners_;  // by identifier
+  std::vector<std::uint16_t> owners_;  // by identifier: the port whose offer is in the set
   std::vector<std::uint64_t> offers_;  // by port
   std::size_t leaves_ = 1;
   std::vector<std::uint64_t> tree_ = std::vector<std::uint64_t>(2, none);

@@ -203,7 +203,7 @@ void Segment::finish(can::Time now) {
   core_.statistics.busy(start_, next, bits_ + can::intermission_bits);
   if (counting_) count_success(port);
   become_idle(next);
-  if (port.faults.state() == can::ErrorState::error_passive) {
+  if (counting_ && port.faults.state() == can::ErrorState::error_passive) {
     suspend(port, next + can::bit_time(suspend_bits, port.rate));
   }
   for (BusObserver* observer : core_.observers) observer->frame_completed(frame, start_, now);
@@ -224,7 +224,7 @@ void Segment::deliver_to_all(const can::Frame& frame, const BusPort& from, can::
     while (ports != 0) {
       const std::size_t number = 64 * word + static_cast<std::size_t>(std::countr_zero(ports));
       ports &= ports - 1;
-      deliver_to(number, frame, from, now);
+      if (number != from.index) deliver_to(number, frame, now);
     }
   }
 }

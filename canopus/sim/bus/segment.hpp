@@ -113,12 +113,12 @@ class Segment {
     deliver_if_hearing(few.second, frame, from, now);
   }
   void deliver_if_hearing(std::size_t number, const can::Frame& frame, const BusPort& from, can::Time now) {
-    if (number != AcceptanceTable::nobody && (hearing_[number / 64] >> number % 64 & 1) != 0)
-      deliver_to(number, frame, from, now);
+    if (number != from.index && number != AcceptanceTable::nobody &&
+        (hearing_[number / 64] >> number % 64 & 1) != 0)
+      deliver_to(number, frame, now);
   }
-  /// A member that wants it, perhaps its sender.
-  void deliver_to(std::size_t number, const can::Frame& frame, const BusPort& from, can::Time now) {
-    if (number == from.index) return;
+  /// A member that wants it, and has not sent it.
+  void deliver_to(std::size_t number, const can::Frame& frame, can::Time now) {
     BusPort& port = *core_.ports[number];
     if (!dropped(port)) port.hear(frame, now);
   }
