@@ -195,8 +195,8 @@ void look_for_whole_numbers(const Behaviour& behaviour, const Bounds& bounds, Sa
 
 }  // namespace
 
-Sample sample_at(const Behaviour& behaviour, const Bounds& bounds, can::Time now,
-                 SamplePlace& place) noexcept {
+Sample sample_anywhere(const Behaviour& behaviour, const Bounds& bounds, can::Time now,
+                       SamplePlace& place) noexcept {
   const bool knew_steps = place.steps != 0;
   const Phase phase(behaviour, now, place);
   if (!knew_steps && place.steps != 0) look_for_whole_numbers(behaviour, bounds, place);

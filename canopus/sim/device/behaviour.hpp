@@ -79,8 +79,24 @@ struct Sample {
   std::uint64_t value = 0;
   can::Time next_change{};
 };
+/// sample_at() of any behaviour, at any moment.
+[[nodiscard]] Sample sample_anywhere(const Behaviour& behaviour, const Bounds& bounds, can::Time now,
+                                     SamplePlace& place) noexcept;
 /// `place` is of this behaviour alone, at first as it is made.
-[[nodiscard]] Sample sample_at(const Behaviour& behaviour, const Bounds& bounds, can::Time now,
-                               SamplePlace& place) noexcept;
+[[nodiscard]] inline Sample sample_at(const Behaviour& behaviour, const Bounds& bounds, can::Time now,
+                                      SamplePlace& place) noexcept {
+  const can::Duration period = behaviour.period;
+  can::Duration into = now.time_since_epoch() - place.number * period;
+  const bool is_next = into >= period;
+  if (is_next) into -= period;
+  if (!place.is_whole || into < can::Duration{} || into >= period)
+    return sample_anywhere(behaviour, bounds, now, place);
+  if (is_next) {
+    ++place.number;
+    place.step = place.step + 1 == place.steps ? 0 : place.step + 1;
+  }
+  const std::int64_t value = place.whole_low + static_cast<std::int64_t>(place.step) * place.whole_step;
+  return {static_cast<std::uint64_t>(value), can::later(now, period - into)};
+}
 
 }  // namespace canopus::sim

@@ -200,17 +200,19 @@ inline void Device::plan_sample(can::Time now) noexcept {
   const can::Time change = is_watched_ && !written_ ? next_change_ : next_change_seen(now);
   written_ = false;
   const can::Duration interval = sample_interval_;
+  // Most often it is one of the next four samples: no division.
+  if (next_sample_ <= now && now - next_sample_ < interval) {
+    for (can::Time next = next_sample_ + interval; next - now <= 4 * interval; next += interval) {
+      if (change > next) continue;
+      next_sample_ = next;
+      return;
+    }
+  }
   if (can::never - change < 2 * interval) {
     next_sample_ = can::never;
     return;
   }
-  const can::Time least = std::max(change, now + can::Duration{1});
-  // Most often it is the next sample but one or two: no division.
-  if (next_sample_ <= now && now - next_sample_ < interval && least - now < 4 * interval) {
-    while (next_sample_ < least) next_sample_ += interval;
-    return;
-  }
-  const can::Duration to_change = least - sampled_from_;
+  const can::Duration to_change = std::max(change, now + can::Duration{1}) - sampled_from_;
   next_sample_ = can::later(sampled_from_, (to_change + interval - can::Duration{1}) / interval * interval);
 }
 
@@ -237,7 +239,7 @@ void Device::settle(can::Time now, bool moved) {
   after_event(now, moved ? canopen::all_places : canopen::Places{0});
 }
 
-void Device::after_event(can::Time now, canopen::Places moved) {
+[[gnu::always_inline]] inline void Device::after_event(can::Time now, canopen::Places moved) {
   const bool is_operational = is_on_ && node_.state() == NmtState::operational;
   if (moved != 0 && is_operational)
     node_.values_changed(std::exchange(was_written_, false) ? canopen::all_places : moved, now);
