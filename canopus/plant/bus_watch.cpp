@@ -28,12 +28,17 @@ void BusWatch::frame_completed(const can::Frame& frame, can::Time /*start*/, can
   unacknowledged_.frame_completed();
   last_errors_.clear();
   const std::uint32_t function = frame.identifier & 0x780;
-  if (function != canopen::cob_id::error_control && function != canopen::cob_id::emcy) return;
+  if (function == canopen::cob_id::error_control || function == canopen::cob_id::emcy) hear(frame, end);
+}
+
+/// What has an identifier of error control or EMCY.
+void BusWatch::hear(const can::Frame& frame, can::Time end) {
+  const bool is_of_emcy = (frame.identifier & 0x780) == canopen::cob_id::emcy;
   const auto node_id = static_cast<std::uint8_t>(frame.identifier & 0x7F);
   if (frame.extended || frame.remote || node_id == 0 || is_plain_can()) return;
-  if (function == canopen::cob_id::error_control && frame.dlc == 1) {
+  if (!is_of_emcy && frame.dlc == 1) {
     error_control(node_id, static_cast<std::uint8_t>(frame.data[0] & 0x7F), end);
-  } else if (function == canopen::cob_id::emcy && frame.dlc == 8) {
+  } else if (is_of_emcy && frame.dlc == 8) {
     emergency(node_id, frame, end);
   }
 }

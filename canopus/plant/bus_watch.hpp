@@ -38,6 +38,7 @@ class BusWatch final : public can::BusObserver {
   void know_number(NodeStatus& status);
   [[nodiscard]] NodeLabel label_of(const can::Port& port) const;
   [[nodiscard]] bool is_plain_can() const;
+  void hear(const can::Frame& frame, can::Time end);
   void error_control(std::uint8_t node_id, std::uint8_t state, can::Time now);
   void emergency(std::uint8_t node_id, const can::Frame& frame, can::Time now);
 

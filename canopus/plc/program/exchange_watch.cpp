@@ -71,10 +71,10 @@ void ExchangeWatch::requested(can::Time now) {
 
 void ExchangeWatch::answered(can::Time now) {
   if (!is_open_) return;
-  const std::string y = signal_name('Y', head_ + interface_.exchange.signal);
   if (was_reported_) {
     report_ = "process data are exchanged again, after " + shown(now - since_);
   } else if (was_taken_back_) {
+    const std::string y = signal_name('Y', head_ + interface_.exchange.signal);
     report_ = "process data were not exchanged for " + shown(now - since_) + ": the module " +
               (has_initialized_ ? "initialized while " + y + " was ON" : "did not answer") +
               "; the built-in PLC program took " + y + " back and set it again";
