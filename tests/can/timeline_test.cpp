@@ -225,7 +225,7 @@ struct Crowd {
     if (kind == 1) return std::max(Time{}, now - Duration(static_cast<Duration::rep>(random() % 1'000'000)));
     if (kind == 2) return now;
     // Up to 2^kind us: near and far; whole microseconds, so that some are equal.
-    const std::uint64_t reach = std::uint64_t{1} << 4 * (kind - 3);
+    const std::uint64_t reach = std::uint64_t{1} << 6 * (kind - 3);
     return later(now, std::chrono::microseconds(static_cast<Duration::rep>(random() % reach)));
   }
   void ticked(Member& member, Time time) {
@@ -300,6 +300,33 @@ TEST(Timeline, OneFarAway_IsFoundAtOnce) {
   EXPECT_EQ(timeline.next(), Time(1ms));
   timeline.run_until(Time(24h * 365 * 101));
   EXPECT_EQ(log.size(), 2U);
+}
+
+TEST(Timeline, MomentsHoursDaysAndYearsAway_TickAsASortedListHasThem) {
+  constexpr Duration reaches[] = {1ms, 1h, 5h, 24h * 30, 24h * 365 * 90};
+  std::mt19937_64 random(11);
+  for (int round = 0; round < 200; ++round) {
+    Log log;
+    Timeline timeline;
+    std::vector<std::unique_ptr<Alarm>> alarms;
+    std::vector<std::pair<Time, std::size_t>> all;
+    const std::size_t count = 1 + random() % 9;
+    for (std::size_t number = 0; number < count; ++number) {
+      std::vector<Time> moments(1 + random() % 5);
+      for (Time& moment : moments)
+        moment = Time(1ms * (1 + random() % 3) + reaches[random() % std::size(reaches)] * (random() % 3));
+      std::sort(moments.begin(), moments.end());
+      for (const Time moment : moments) all.emplace_back(moment, number);
+      alarms.push_back(std::make_unique<Alarm>(std::to_string(number), moments, log));
+      timeline.add(*alarms.back());
+    }
+    std::sort(all.begin(), all.end());
+    Log expected;
+    for (const auto& [moment, number] : all)
+      expected.push_back(std::to_string(number) + "@" + std::to_string(moment.time_since_epoch() / 1ms));
+    timeline.run_until(Time(24h * 365 * 200));
+    ASSERT_EQ(log, expected) << "round " << round;
+  }
 }
 
 /// Asks for each moment so often.
