@@ -257,8 +257,7 @@ inline ModuleEngine::Heard ModuleEngine::hear_pdo(const can::Frame& frame, can::
   const canopen::Node::Taken taken = parts_.node.take(frame, now);
   if (taken == other) parts_.master.receive(frame, now);
   const bool is_of_command = parts_.command.receive(frame, now);
-  if (taken != other && !is_of_command && parts_.news == news)
-    return taken == heartbeat ? Heard::time : Heard::process_data;
+  if (taken != other && !is_of_command && parts_.news == news) return Heard::process_data;
   update(now);
   return Heard::news;
 }
