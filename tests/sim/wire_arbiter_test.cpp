@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -22,25 +23,43 @@ std::uint32_t some_arbitration(unsigned choice) {
   return can::arbitration(frame);
 }
 
-RC_GTEST_PROP(WireArbiter, IsWhoASearchFinds, ()) {
-  Arbiter arbiter;
-  arbiter.expect_identifiers();
-  arbiter.resize(ports);
-  std::vector<std::uint64_t> offers(ports, Arbiter::none);
-  const auto steps = *rc::gen::container<std::vector<std::uint32_t>>(rc::gen::arbitrary<std::uint32_t>());
-  for (const std::uint32_t step : steps) {
-    const std::uint32_t port = step % ports;
-    const std::uint32_t choice = step / ports % 211;
+/// An arbiter, and all offers beside it.
+struct Pair {
+  explicit Pair(std::uint32_t count) : offers(count, Arbiter::none) {
+    arbiter.expect_identifiers();
+    arbiter.resize(count);
+  }
+  /// A port offers something or nothing. True: the arbiter says what a search finds.
+  [[nodiscard]] bool agrees_after(std::uint32_t step) {
+    const std::uint32_t port = step % static_cast<std::uint32_t>(offers.size());
+    const std::uint32_t choice = step / static_cast<std::uint32_t>(offers.size()) % 211;
     offers[port] = choice % 3 == 2 ? Arbiter::none : Arbiter::key(some_arbitration(choice), port);
     arbiter.set(port, offers[port]);
     const std::uint64_t lowest = *std::ranges::min_element(offers);
-    RC_ASSERT(arbiter.lowest() == lowest);
-    RC_ASSERT(arbiter.of(port) == offers[port]);
-    if (lowest == Arbiter::none) continue;
+    if (arbiter.lowest() != lowest || arbiter.of(port) != offers[port]) return false;
+    if (lowest == Arbiter::none) return true;
     const auto shared = std::ranges::count_if(offers, [&](std::uint64_t offer) {
       return offer != Arbiter::none && Arbiter::value_of(offer) == Arbiter::value_of(lowest);
     });
-    RC_ASSERT(arbiter.is_lowest_shared() == (shared > 1));
+    return arbiter.is_lowest_shared() == (shared > 1);
+  }
+
+  Arbiter arbiter;
+  std::vector<std::uint64_t> offers;
+};
+
+RC_GTEST_PROP(WireArbiter, IsWhoASearchFinds, ()) {
+  Pair pair(ports);
+  const auto steps = *rc::gen::container<std::vector<std::uint32_t>>(rc::gen::arbitrary<std::uint32_t>());
+  for (const std::uint32_t step : steps) RC_ASSERT(pair.agrees_after(step));
+}
+
+TEST(WireArbiter, OfAFewPortsThatComeAndGoAllTheTime_IsWhoASearchFinds) {
+  std::mt19937 random(3);
+  for (std::uint32_t count = 1; count <= 6; ++count) {
+    Pair pair(count);
+    for (int step = 0; step < 5'000; ++step)
+      ASSERT_TRUE(pair.agrees_after(random())) << count << " ports, step " << step;
   }
 }
 
