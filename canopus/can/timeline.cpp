@@ -83,7 +83,7 @@ void Timeline::play_anew(Time base) noexcept {
   take_first(first_of_[1]);
 }
 
-/// What has another deadline now: part of run(), for each frame.
+/// move(), as a part of its caller.
 [[gnu::always_inline]] inline void Timeline::move_inline(const Place& place, Time deadline) noexcept {
   if (seats_[place.handle()].participant == nullptr) return;  // it has gone inside its tick
   if (!place.is_bus()) {
@@ -219,8 +219,8 @@ void Timeline::run(Time end, const Place& until) {
                                                           : seats_[handle].participant->tick_and_tell(now_);
     if (deadline == Ticker::not_told) {
       refresh(handle);
-    } else if (const Place& now = seats_[handle].place; deadline != now.deadline || now.is_bus()) {
-      move_inline(now, deadline);
+    } else if (const Place& before = seats_[handle].place; deadline != before.deadline || before.is_bus()) {
+      move_inline(before, deadline);
     }
     if (is_whole) return;  // who belongs to no part may have made somebody of one earlier
   }

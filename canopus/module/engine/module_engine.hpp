@@ -182,7 +182,7 @@ class ModuleEngine : public CommunicationModule, public BufferMemoryAccess {
     parts_.watchdog.accessed(address, is_online(), now);
   }
   void end_sending(const can::Frame& frame);
-  /// What a frame changes. True: update() has to look.
+  // What a frame changes, once update() has looked where it has to.
   Heard hear_pdo(const can::Frame& frame, can::Time now);
   Heard hear_other(const can::Frame& frame, can::Time now);
 
