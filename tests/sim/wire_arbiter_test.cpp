@@ -24,8 +24,8 @@ std::uint32_t some_arbitration(unsigned choice) {
 }
 
 /// An arbiter, and all offers beside it.
-struct Pair {
-  explicit Pair(std::uint32_t count) : offers(count, Arbiter::none) {
+struct ArbiterBeside {
+  explicit ArbiterBeside(std::uint32_t count) : offers(count, Arbiter::none) {
     arbiter.expect_identifiers();
     arbiter.resize(count);
   }
@@ -49,7 +49,7 @@ struct Pair {
 };
 
 RC_GTEST_PROP(WireArbiter, IsWhoASearchFinds, ()) {
-  Pair pair(ports);
+  ArbiterBeside pair(ports);
   const auto steps = *rc::gen::container<std::vector<std::uint32_t>>(rc::gen::arbitrary<std::uint32_t>());
   for (const std::uint32_t step : steps) RC_ASSERT(pair.agrees_after(step));
 }
@@ -57,9 +57,10 @@ RC_GTEST_PROP(WireArbiter, IsWhoASearchFinds, ()) {
 TEST(WireArbiter, OfAFewPortsThatComeAndGoAllTheTime_IsWhoASearchFinds) {
   std::mt19937 random(3);
   for (std::uint32_t count = 1; count <= 6; ++count) {
-    Pair pair(count);
+    ArbiterBeside pair(count);
     for (int step = 0; step < 5'000; ++step)
-      ASSERT_TRUE(pair.agrees_after(random())) << count << " ports, step " << step;
+      ASSERT_TRUE(pair.agrees_after(static_cast<std::uint32_t>(random())))
+          << count << " ports, step " << step;
   }
 }
 
