@@ -94,6 +94,24 @@ TEST(DeviceSampling, AStepBetweenTwoSamplesShowsAtTheNextOfThem) {
   EXPECT_THAT(d.sent, ElementsAre(std::pair(at(253ms), 1U), std::pair(at(503ms), 2U)));
 }
 
+TEST(DeviceSampling, StepsOfEveryShortPeriodShowAtTheirSample_OrAtTheNext) {
+  for (const can::Duration period : {10ms, 11ms, 15ms, 20ms, 25ms, 30ms, 39ms, 40ms, 41ms, 50ms, 55ms}) {
+    SampledDevice d;
+    ASSERT_EQ(
+        d.device.add_behaviour(
+            {.kind = Behaviour::Kind::counter, .index = 0x6000, .sub = 1, .high = 99, .period = period}),
+        std::nullopt);
+    d.start();
+    d.run_until(at(300ms));
+    std::vector<std::pair<Time, unsigned>> steps;
+    for (unsigned step = 1; step * period <= 300ms; ++step) {
+      const can::Duration sample = (step * period + interval - can::Duration{1}) / interval * interval;
+      if (sample <= 300ms) steps.emplace_back(at(sample), step);
+    }
+    EXPECT_EQ(d.sent, steps) << period / 1ms << " ms";
+  }
+}
+
 TEST(DeviceSampling, WhatAnSdoWritesThereLastsUntilTheNextSample) {
   SampledDevice d;
   ASSERT_EQ(
