@@ -162,28 +162,40 @@ TEST(Timeline, Empty_HasNoNextAndRuns) {
   EXPECT_EQ(timeline.now(), Time(1s));
 }
 
+/// Alarms in a timeline, and a list of all their moments.
+struct SortedAlarms {
+  void add(std::vector<Time> moments) {
+    std::sort(moments.begin(), moments.end());
+    for (const Time moment : moments) all.emplace_back(moment, alarms.size());
+    alarms.push_back(std::make_unique<Alarm>(std::to_string(alarms.size()), std::move(moments), log));
+    timeline.add(*alarms.back());
+  }
+  /// What the log has to be after all of them.
+  [[nodiscard]] Log expected() {
+    std::sort(all.begin(), all.end());
+    Log sorted;
+    for (const auto& [moment, number] : all)
+      sorted.push_back(std::to_string(number) + "@" + std::to_string(moment.time_since_epoch() / 1ms));
+    return sorted;
+  }
+
+  Log log;
+  Timeline timeline;
+  std::vector<std::unique_ptr<Alarm>> alarms;
+  std::vector<std::pair<Time, std::size_t>> all;
+};
+
 TEST(Timeline, RandomAlarms_TickAsASortedListHasThem) {
   std::mt19937_64 random(3);
   for (int round = 0; round < 200; ++round) {
-    Log log;
-    Timeline timeline;
-    std::vector<std::unique_ptr<Alarm>> alarms;
-    std::vector<std::pair<Time, std::size_t>> all;
+    SortedAlarms sorted;
     for (std::size_t number = 0; number < 1 + random() % 40; ++number) {
       std::vector<Time> moments(random() % 10);
       for (Time& moment : moments) moment = Time(1ms * static_cast<std::int64_t>(random() % 50));
-      std::sort(moments.begin(), moments.end());
-      for (const Time moment : moments) all.emplace_back(moment, number);
-      alarms.push_back(std::make_unique<Alarm>(std::to_string(number), moments, log));
-      timeline.add(*alarms.back());
+      sorted.add(std::move(moments));
     }
-    std::sort(all.begin(), all.end());
-    Log expected;
-    for (const auto& [moment, number] : all) {
-      expected.push_back(std::to_string(number) + "@" + std::to_string(moment.time_since_epoch() / 1ms));
-    }
-    timeline.run_until(Time(1s));
-    ASSERT_EQ(log, expected);
+    sorted.timeline.run_until(Time(1s));
+    ASSERT_EQ(sorted.log, sorted.expected());
   }
 }
 
@@ -306,26 +318,16 @@ TEST(Timeline, MomentsHoursDaysAndYearsAway_TickAsASortedListHasThem) {
   constexpr Duration reaches[] = {1ms, 1h, 5h, 24h * 30, 24h * 365 * 90};
   std::mt19937_64 random(11);
   for (int round = 0; round < 200; ++round) {
-    Log log;
-    Timeline timeline;
-    std::vector<std::unique_ptr<Alarm>> alarms;
-    std::vector<std::pair<Time, std::size_t>> all;
+    SortedAlarms sorted;
     const std::size_t count = 1 + random() % 9;
     for (std::size_t number = 0; number < count; ++number) {
       std::vector<Time> moments(1 + random() % 5);
       for (Time& moment : moments)
         moment = Time(1ms * (1 + random() % 3) + reaches[random() % std::size(reaches)] * (random() % 3));
-      std::sort(moments.begin(), moments.end());
-      for (const Time moment : moments) all.emplace_back(moment, number);
-      alarms.push_back(std::make_unique<Alarm>(std::to_string(number), moments, log));
-      timeline.add(*alarms.back());
+      sorted.add(std::move(moments));
     }
-    std::sort(all.begin(), all.end());
-    Log expected;
-    for (const auto& [moment, number] : all)
-      expected.push_back(std::to_string(number) + "@" + std::to_string(moment.time_since_epoch() / 1ms));
-    timeline.run_until(Time(24h * 365 * 200));
-    ASSERT_EQ(log, expected) << "round " << round;
+    sorted.timeline.run_until(Time(24h * 365 * 200));
+    ASSERT_EQ(sorted.log, sorted.expected()) << "round " << round;
   }
 }
 
