@@ -55,8 +55,7 @@ struct Phase {
         into(now.time_since_epoch() - place.number * period) {
     if (into >= can::Duration{0} && into < period) return;
     if (into >= period && into - period < period && place.steps != 0) {
-      ++place.number;
-      place.step = place.step + 1 == place.steps ? 0 : place.step + 1;
+      place.go_to_next_period();
       into -= period;
       return;
     }
@@ -200,10 +199,7 @@ Sample sample_anywhere(const Behaviour& behaviour, const Bounds& bounds, can::Ti
   const bool knew_steps = place.steps != 0;
   const Phase phase(behaviour, now, place);
   if (!knew_steps && place.steps != 0) look_for_whole_numbers(behaviour, bounds, place);
-  if (place.is_whole) {
-    const std::int64_t value = place.whole_low + static_cast<std::int64_t>(place.step) * place.whole_step;
-    return {static_cast<std::uint64_t>(value), can::later(now, phase.period - phase.into)};
-  }
+  if (place.is_whole) return {place.whole_value(), can::later(now, phase.period - phase.into)};
   const double value = value_in(behaviour, phase);
   return {fitted(value, bounds), change_after(behaviour, bounds.type, value, now, phase)};
 }

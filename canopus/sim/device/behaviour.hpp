@@ -56,6 +56,15 @@ struct SamplePlace {
   bool is_whole = false;
   std::int64_t whole_low = 0;
   std::int64_t whole_step = 0;
+
+  void go_to_next_period() noexcept {
+    ++number;
+    step = step + 1 == steps ? 0 : step + 1;
+  }
+  /// Of a counter that is_whole, as the object's bit pattern.
+  [[nodiscard]] std::uint64_t whole_value() const noexcept {
+    return static_cast<std::uint64_t>(whole_low + static_cast<std::int64_t>(step) * whole_step);
+  }
 };
 
 /// What an object can hold: bit patterns of its type, 64 bits wide, of a real as REAL64.
@@ -91,12 +100,8 @@ struct Sample {
   if (is_next) into -= period;
   if (!place.is_whole || into < can::Duration{} || into >= period)
     return sample_anywhere(behaviour, bounds, now, place);
-  if (is_next) {
-    ++place.number;
-    place.step = place.step + 1 == place.steps ? 0 : place.step + 1;
-  }
-  const std::int64_t value = place.whole_low + static_cast<std::int64_t>(place.step) * place.whole_step;
-  return {static_cast<std::uint64_t>(value), can::later(now, period - into)};
+  if (is_next) place.go_to_next_period();
+  return {place.whole_value(), can::later(now, period - into)};
 }
 
 }  // namespace canopus::sim
