@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "canopus/cli/analysis/trace_analysis.hpp"
 #include "canopus/cli/bench/bench_command.hpp"
@@ -23,6 +23,8 @@
 #include "canopus/cli/gateway/gateway_command.hpp"
 #include "canopus/cli/lss/lss_command.hpp"
 #include "canopus/cli/network/project_command.hpp"
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/parser.hpp"
 #include "canopus/cli/project/configure_command.hpp"
 #include "canopus/cli/reference/reference_command.hpp"
 #include "canopus/cli/run/run_command.hpp"
@@ -37,34 +39,18 @@
 namespace canopus::cli {
 namespace {
 
-/// The program and the commands the words named, from the outermost to the innermost.
-std::vector<const CLI::App*> commands_of(const CLI::App& app) {
-  std::vector<const CLI::App*> chain{&app};
-  while (!chain.back()->get_subcommands().empty()) chain.push_back(chain.back()->get_subcommands().back());
-  return chain;
-}
+using Named = std::span<const Parsing::Named>;
 
-/// "canopus plc read"
-std::string name_of(std::span<const CLI::App* const> chain) {
-  std::string name;
-  for (const CLI::App* command : chain) name += (name.empty() ? "" : " ") + command->get_name();
-  return name;
-}
-
-std::vector<std::string> commands_in(const CLI::App& app) {
+std::vector<std::string> commands_in(const Command& command) {
   std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-    names.push_back(command->get_name());
-  }
+  for (const Command& inner : command.commands()) names.push_back(inner.name());
   return names;
 }
 
-std::vector<std::string> options_of(const CLI::App& app) {
+std::vector<std::string> options_of(const Command& command) {
   std::vector<std::string> names;
-  for (const CLI::Option* option : app.get_options()) {
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-    for (const std::string& name : option->get_snames()) names.push_back("-" + name);
-  }
+  for (const Option& option : command.options())
+    names.insert(names.end(), option.names().rbegin(), option.names().rend());
   return names;
 }
 
@@ -75,14 +61,14 @@ std::string suggestion_of(std::string_view word, const std::vector<std::string>&
 }
 
 /// What to say of an option that the command does not have.
-std::string unknown_option(std::string_view word, std::span<const CLI::App* const> chain, std::size_t level) {
+std::string unknown_option(std::string_view word, Named chain, std::size_t level) {
   word = word.substr(0, word.find('='));
   for (std::size_t inner = level + 1; inner < chain.size(); ++inner) {
-    const auto names = options_of(*chain[inner]);
+    const auto names = options_of(*chain[inner].command);
     if (std::ranges::find(names, word) == names.end()) continue;
-    return fmt::format("{} comes behind the command: {} {}", word, name_of(chain.first(inner + 1)), word);
+    return fmt::format("{} comes behind the command: {} {}", word, chain[inner].command->full_name(), word);
   }
-  const auto names = options_of(*chain[level]);
+  const auto names = options_of(*chain[level].command);
   const std::string_view meant =
       text::nearest(word, std::vector<std::string_view>(names.begin(), names.end()));
   return meant.empty() ? fmt::format("unknown option \"{}\"", word)
@@ -91,13 +77,13 @@ std::string unknown_option(std::string_view word, std::span<const CLI::App* cons
 
 /// What to say of the first word that no command took, the innermost command's first; nothing when all were
 /// taken.
-std::optional<std::string> unknown_word(std::span<const CLI::App* const> chain) {
+std::optional<std::string> unknown_word(Named chain) {
   for (std::size_t level = chain.size(); level-- > 0;) {
-    const auto left_over = chain[level]->remaining();
+    const std::vector<std::string>& left_over = chain[level].left_over;
     if (left_over.empty()) continue;
     const auto option = std::ranges::find_if(left_over, is_option);
     const auto word = std::ranges::find_if_not(left_over, is_option);
-    const auto commands = commands_in(*chain[level]);
+    const auto commands = commands_in(*chain[level].command);
     const bool wants_command = level + 1 == chain.size() && !commands.empty();
     if (wants_command && word != left_over.end()) {
       return fmt::format("unknown command \"{}\"{}", *word, suggestion_of(*word, commands));
@@ -114,32 +100,29 @@ void print_lines(Output& out, const std::string& text) {
 }
 
 /// What is wrong with the words.
-std::string mistake(std::span<const CLI::App* const> chain, const CLI::ParseError& error) {
-  const auto kind = static_cast<CLI::ExitCodes>(error.get_exit_code());
-  if (kind == CLI::ExitCodes::ExtrasError || kind == CLI::ExitCodes::RequiredError) {
+std::string mistake(const Parsing& parsing) {
+  const Named chain = parsing.commands;
+  if (parsing.result == Parsing::Result::misfit) {
     if (const auto unknown = unknown_word(chain)) return *unknown;
-    const auto commands = commands_in(*chain.back());
+    const auto commands = commands_in(*chain.back().command);
     if (!commands.empty()) {
       return "a command is missing" + suggestion_of("", commands);
     }
   }
-  return error.what();
+  return parsing.text;
 }
 
-int explain(const CLI::App& app, const CLI::ParseError& error) {
-  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) {
-    std::ostringstream help, nothing;
-    (void)app.exit(error, help, nothing);
-    print_lines(standard_output(), help.str());
+int explain(Command& program, const Parsing& parsing) {
+  if (parsing.result == Parsing::Result::answered) {
+    print_lines(standard_output(), parsing.text);
     return exit_code::done;
   }
-  const auto chain = commands_of(app);
-  if (chain.size() == 1 && app.remaining().empty()) {
-    print_lines(standard_error(), app.help());
+  if (parsing.commands.size() == 1 && parsing.commands.front().left_over.empty()) {
+    print_lines(standard_error(), help_of(program));
     return exit_code::usage;
   }
-  const std::string command = name_of(chain);
-  print_error("{}: {}", command, mistake(chain, error));
+  const std::string command = parsing.commands.back().command->full_name();
+  print_error("{}: {}", command, mistake(parsing));
   print_error("`{} --help` says more.", command);
   return exit_code::usage;
 }
@@ -147,8 +130,8 @@ int explain(const CLI::App& app, const CLI::ParseError& error) {
 }  // namespace
 
 int run_command_line(std::span<const std::string> words) {
-  CLI::App app{"Canopus: CANopen communication modules of PLCs, and whole CANopen plants, as software",
-               "canopus"};
+  Command app{"Canopus: CANopen communication modules of PLCs, and whole CANopen plants, as software",
+              "canopus"};
   app.set_version_flag("-V,--version", std::string("canopus ") + version());
   app.require_subcommand(1);
   app.footer("`canopus COMMAND --help` says more about a command.");
@@ -166,8 +149,12 @@ int run_command_line(std::span<const std::string> words) {
   add_gateway_command(app, code, version());
   add_lss_command(app, code);
   add_master_command(app, code);
-  add_trace_command(app, code);
-  add_trace_analysis(app, code);
+  app.add_subcommand("trace", "Look into traces of CAN buses, convert and compare them",
+                     [&code](Command& trace) {
+                       trace.require_subcommand(1);
+                       add_trace_files(trace, code);
+                       add_trace_analysis(trace, code);
+                     });
   add_monitor_command(app, code);
   add_replay_command(app, code);
   add_bench_command(app, code);
@@ -176,17 +163,13 @@ int run_command_line(std::span<const std::string> words) {
   add_users_command(app, code);
   add_reference_commands(app, code, version());
 
-  std::vector<std::string> reversed(words.rbegin(), words.rend());  // as CLI11 takes them
+  std::vector<std::string> asked(words.begin(), words.end());
   if (!words.empty() && words.front() == "help") {  // `canopus help run` is `canopus run --help`
-    reversed.pop_back();
-    reversed.insert(reversed.begin(), "--help");
+    asked.erase(asked.begin());
+    asked.emplace_back("--help");
   }
-  try {
-    app.parse(std::move(reversed));
-  } catch (const CLI::ParseError& error) {
-    return explain(app, error);
-  }
-  return code;
+  const Parsing parsing = parse_words(app, asked);
+  return parsing.result == Parsing::Result::ran ? code : explain(app, parsing);
 }
 
 }  // namespace canopus::cli

@@ -6,9 +6,11 @@
 #include <fstream>
 #include <sstream>
 
-#include <CLI/CLI.hpp>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
+
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/parser.hpp"
 
 namespace {
 
@@ -94,18 +96,20 @@ TEST_F(EdsCheck, Json_IsOneObjectPerFile) {
 }
 
 TEST_F(EdsCheck, CommandLine_RunsTheCheck) {
-  CLI::App app("canopus");
+  canopus::cli::Command app("canopus");
   int exit_code = 0;
   canopus::cli::add_eds_command(app, exit_code);
-  app.parse("eds check --quiet " + write("a.eds", "nothing"), false);
+  const std::vector<std::string> words{"eds", "check", "--quiet", write("a.eds", "nothing")};
+  EXPECT_EQ(canopus::cli::parse_words(app, words).result, canopus::cli::Parsing::Result::ran);
   EXPECT_EQ(exit_code, 1);
 }
 
 TEST_F(EdsCheck, CommandLineWithoutFiles_IsAUsageError) {
-  CLI::App app("canopus");
+  canopus::cli::Command app("canopus");
   int exit_code = 0;
   canopus::cli::add_eds_command(app, exit_code);
-  EXPECT_THROW(app.parse("eds check", false), CLI::ParseError);
+  const std::vector<std::string> words{"eds", "check"};
+  EXPECT_EQ(canopus::cli::parse_words(app, words).result, canopus::cli::Parsing::Result::misfit);
 }
 
 class EdsConvert : public EdsCheck {

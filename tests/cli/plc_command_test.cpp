@@ -6,12 +6,13 @@
 #include <thread>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/parser.hpp"
 #include "canopus/client/plc_address.hpp"
 #include "canopus/serve/melsec_server.hpp"
 
@@ -53,18 +54,12 @@ class PlcCommandTest : public ::testing::Test {
   Outcome run(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "plc");
     arguments.insert(arguments.end(), {"--port", port_});
-    std::vector<const char*> words = {"canopus"};
-    for (const std::string& argument : arguments) words.push_back(argument.c_str());
-    CLI::App app;
+    Command app;
     Outcome outcome;
     add_plc_command(app, outcome.exit_code);
     CaptureStdout();
     CaptureStderr();
-    try {
-      app.parse(static_cast<int>(words.size()), words.data());
-    } catch (const CLI::ParseError& error) {
-      outcome.exit_code = 100;
-    }
+    if (parse_words(app, arguments).result != Parsing::Result::ran) outcome.exit_code = 100;
     outcome.out = GetCapturedStdout();
     outcome.err = GetCapturedStderr();
     return outcome;

@@ -6,13 +6,14 @@
 #include <thread>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "canopus/cli/commands/plc_command.hpp"
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/parser.hpp"
 #include "canopus/client/plc_point.hpp"
 #include "canopus/plc/modbus/as300_map.hpp"
 #include "canopus/serve/melsec_server.hpp"
@@ -66,18 +67,14 @@ class ServedPlc {
     arguments.insert(arguments.begin(), "plc");
     arguments.insert(arguments.end(), {"--port", std::to_string(port_)});
     arguments.insert(arguments.end(), options.begin(), options.end());
-    std::vector<const char*> words = {"canopus"};
-    for (const std::string& argument : arguments) words.push_back(argument.c_str());
-    CLI::App app;
+    Command app;
     Outcome outcome;
     add_plc_command(app, outcome.exit_code);
     CaptureStdout();
     CaptureStderr();
-    try {
-      app.parse(static_cast<int>(words.size()), words.data());
-    } catch (const CLI::ParseError& error) {
+    if (const Parsing parsing = parse_words(app, arguments); parsing.result != Parsing::Result::ran) {
       outcome.exit_code = 100;
-      outcome.err = error.what();
+      outcome.err = parsing.text;
     }
     outcome.out = GetCapturedStdout();
     outcome.err += GetCapturedStderr();

@@ -1,14 +1,13 @@
 // The commands as data, and the pages and scripts that are made from it. What shells and mandoc make of them:
 // tests/interop/reference_checks.py.
 
-#include <CLI/CLI.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "canopus/cli/reference/command_description.hpp"
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/reference/completion_script.hpp"
 #include "canopus/cli/reference/manual_page.hpp"
-#include "canopus/cli/terminal/option_checks.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -22,8 +21,8 @@ using testing::Not;
 struct Program {
   Program() {
     app.set_help_flag("-h,--help", "Say it");
-    CLI::App* group = app.add_subcommand("bus", "What is on the bus");
-    CLI::App* send = group->add_subcommand("send", "Send a frame");
+    Command* group = app.add_subcommand("bus", "What is on the bus");
+    Command* send = group->add_subcommand("send", "Send a frame");
     send->add_option("FRAME", text, "As 181#0102, or a \\ and a 'quote'")->required();
     send->add_option("FILE", files, "More of them");
     send->add_option("-r,--rate", text, "How often: [fast] or not")
@@ -32,46 +31,47 @@ struct Program {
     send->add_flag("--quiet", flag, "Say nothing");
     send->footer(".A line that begins with a dot\n'and one with a quote");
   }
-  CLI::App app{"Does things", "prog"};
+  Command app{"Does things", "prog"};
   std::string text;
   std::vector<std::string> files;
   bool flag = false;
 
-  CommandDescription described() { return describe(app); }
-  CommandDescription send() { return described().commands[0].commands[0]; }
+  const Command& described() { return app; }
+  const Command& send() { return *bus().find("send"); }
+  const Command& bus() { return *app.find("bus"); }
 };
 
-TEST(CommandDescription, NamesACommandByAllItsWords) {
+TEST(CommandTable, NamesACommandByAllItsWords) {
   Program program;
-  EXPECT_EQ(program.described().name, "prog");
-  EXPECT_EQ(program.send().name, "prog bus send");
-  EXPECT_EQ(program.send().word(), "send");
+  EXPECT_EQ(program.described().full_name(), "prog");
+  EXPECT_EQ(program.send().full_name(), "prog bus send");
+  EXPECT_EQ(program.send().name(), "send");
   EXPECT_EQ(program.described().usage(), "prog [OPTIONS] COMMAND");
   EXPECT_EQ(program.send().usage(), "prog bus send [OPTIONS] FRAME [FILE...]");
 }
 
-TEST(CommandDescription, KnowsWhatAnOptionTakes) {
+TEST(CommandTable, KnowsWhatAnOptionTakes) {
   Program program;
-  const auto options = program.send().options;
-  const auto rate =
-      std::ranges::find_if(options, [](const auto& option) { return option.names.back() == "--rate"; });
+  const auto options = program.send().options();
+  const auto rate = std::ranges::find_if(
+      options, [](const auto& option) { return option.get().names().back() == "--rate"; });
   ASSERT_NE(rate, options.end());
-  EXPECT_THAT(rate->names, ElementsAre("-r", "--rate"));
-  EXPECT_EQ(rate->value, "RATE");
-  EXPECT_THAT(rate->choices, ElementsAre("slow", "fast"));
-  EXPECT_FALSE(rate->several);
-  const auto quiet =
-      std::ranges::find_if(options, [](const auto& option) { return option.names.back() == "--quiet"; });
+  EXPECT_THAT(rate->get().names(), ElementsAre("-r", "--rate"));
+  EXPECT_EQ(rate->get().value(), "RATE");
+  EXPECT_THAT(rate->get().choices(), ElementsAre("slow", "fast"));
+  EXPECT_FALSE(rate->get().is_several());
+  const auto quiet = std::ranges::find_if(
+      options, [](const auto& option) { return option.get().names().back() == "--quiet"; });
   ASSERT_NE(quiet, options.end());
-  EXPECT_EQ(quiet->value, "");
-  EXPECT_THAT(quiet->choices, IsEmpty());
-  EXPECT_TRUE(program.send().arguments[0].required);
-  EXPECT_TRUE(program.send().arguments[1].several);
+  EXPECT_EQ(quiet->get().value(), "");
+  EXPECT_THAT(quiet->get().choices(), IsEmpty());
+  EXPECT_TRUE(program.send().arguments()[0].get().data().required);
+  EXPECT_TRUE(program.send().arguments()[1].get().is_several());
 }
 
 TEST(ManualPage, PrintsEveryTextAsItIs) {
   Program program;
-  const std::string page = manual_page(program.described().commands[0], "1.2.3");
+  const std::string page = manual_page(program.bus(), "1.2.3");
   EXPECT_THAT(page, HasSubstr(".TH prog\\-bus 1 \"\" \"canopus 1.2.3\""));
   EXPECT_THAT(page, HasSubstr("As 181#0102, or a \\e and a \\(aqquote\\(aq\n"));
   EXPECT_THAT(page, HasSubstr("\n\\&.A line that begins with a dot\n\\(aqand one with a quote\n"));
@@ -95,7 +95,7 @@ TEST(MarkdownPage, KeepsItsTablesWhole) {
 
 TEST(CompletionScript, QuotesWhatAShellWouldRead) {
   Program program;
-  const CommandDescription described = program.described();
+  const Command& described = program.described();
   EXPECT_THAT(completion_script(described, Shell::fish),
               HasSubstr("-s r -l rate -x -a 'slow fast' -d 'How often: [fast] or not'"));
   EXPECT_THAT(completion_script(described, Shell::zsh),

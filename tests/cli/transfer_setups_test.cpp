@@ -9,7 +9,6 @@
 #include <thread>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
@@ -18,6 +17,8 @@
 #include <gtest/gtest.h>
 
 #include "canopus/cli/commands/plc_command.hpp"
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/parser.hpp"
 #include "canopus/cli/project/configure_command.hpp"
 #include "canopus/serve/melsec_server.hpp"
 #include "canopus/store/folder_lock.hpp"
@@ -64,21 +65,16 @@ class TransferSetupTest : public ::testing::Test {
     std::string err;
   };
   static Outcome run(Words words) {
-    words.insert(words.begin(), "canopus");
-    std::vector<const char*> arguments;
-    for (const std::string& word : words) arguments.push_back(word.c_str());
-    CLI::App app;
+    Command app;
     Outcome outcome;
     add_plc_command(app, outcome.exit_code);
     add_configure_command(app, outcome.exit_code);
     ::testing::internal::CaptureStdout();
     ::testing::internal::CaptureStderr();
     std::string mistake;
-    try {
-      app.parse(static_cast<int>(arguments.size()), arguments.data());
-    } catch (const CLI::ParseError& error) {
+    if (const Parsing parsing = parse_words(app, words); parsing.result != Parsing::Result::ran) {
       outcome.exit_code = 2;
-      mistake = error.what();
+      mistake = parsing.text;
     }
     outcome.out = ::testing::internal::GetCapturedStdout();
     outcome.err = ::testing::internal::GetCapturedStderr() + mistake;

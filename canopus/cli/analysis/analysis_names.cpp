@@ -3,9 +3,8 @@
 #include <filesystem>
 #include <utility>
 
-#include <CLI/CLI.hpp>
-
-#include "canopus/cli/terminal/option_checks.hpp"
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/terminal/plant_loading.hpp"
 #include "canopus/eds/device_file.hpp"
 #include "canopus/network/network_file.hpp"
@@ -91,7 +90,7 @@ bool add_node(const std::string& text, trace::Names& names, Output& err) {
 
 }  // namespace
 
-void add_names_options(CLI::App& command, NamesOptions& options) {
+void add_names_options(Command& command, NamesOptions& options) {
   command.add_option("--plant", options.plant, "Plant file: names of nodes and objects, mapped PDOs")
       ->type_name("PLANT");
   command.add_option("--network", options.network, "Network file of `canopus master`, for the same")

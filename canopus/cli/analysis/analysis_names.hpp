@@ -8,11 +8,9 @@
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/trace/decode/names.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace canopus::cli {
+
+class Command;
 
 struct NamesOptions {
   std::string plant{};
@@ -21,7 +19,7 @@ struct NamesOptions {
 };
 
 /// --plant, --network and --node.
-void add_names_options(CLI::App& command, NamesOptions& options);
+void add_names_options(Command& command, NamesOptions& options);
 
 /// The files that are named, for those who write one.
 [[nodiscard]] std::vector<std::string> files_of(const NamesOptions& options);

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
-#include <CLI/CLI.hpp>
-
+#include "canopus/cli/options/command.hpp"
 #include "canopus/text/nearest_word.hpp"
 #include "canopus/text/text_values.hpp"
 
@@ -46,7 +45,7 @@ bool is_wanted(const List& list, const Value& value) {
 
 }  // namespace
 
-void add_filter_options(CLI::App& command, FilterOptions& options, bool of_file) {
+void add_filter_options(Command& command, FilterOptions& options, bool of_file) {
   const auto list = [&](const char* name, std::vector<std::string>& values, const char* help,
                         const char* type) {
     command.add_option(name, values, help)->type_name(type)->allow_extra_args(false);

@@ -12,11 +12,9 @@
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/trace/decode/message.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace canopus::cli {
+
+class Command;
 
 struct FilterOptions {
   std::vector<std::string> nodes{};
@@ -30,7 +28,7 @@ struct FilterOptions {
 };
 
 /// --filter, --only-node, --service, --object, --id; --channel, --from and --to where `of_file`.
-void add_filter_options(CLI::App& command, FilterOptions& options, bool of_file);
+void add_filter_options(Command& command, FilterOptions& options, bool of_file);
 
 /// What stands before a value in the sentence about a mistake.
 struct FilterNames {

@@ -2,14 +2,14 @@
 #include <memory>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <unistd.h>
 
 #include "canopus/cli/analysis/analysis_names.hpp"
 #include "canopus/cli/analysis/filter_expression.hpp"
 #include "canopus/cli/analysis/message_printer.hpp"
 #include "canopus/cli/analysis/trace_analysis.hpp"
-#include "canopus/cli/terminal/option_checks.hpp"
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/terminal/same_file.hpp"
 #include "canopus/link/bus_loop.hpp"
 #include "canopus/text/text_values.hpp"
@@ -133,33 +133,37 @@ int monitor(const MonitorOptions& options) {
   return end == BusLoop::End::lost ? fail(1, bus.failure()) : 0;
 }
 
-}  // namespace
-
-void add_monitor_command(CLI::App& app, int& exit_code) {
+void build_monitor_command(Command& command, int& exit_code) {
   const auto options = std::make_shared<MonitorOptions>();
-  CLI::App* command = app.add_subcommand("monitor", "Show what the frames on a bus mean, as they come");
   command
-      ->add_option("BUS", options->bus,
-                   "The bus, as --bus of the other commands names it: socketcand:HOST:PORT/BUS, "
-                   "socketcan:INTERFACE, ...")
+      .add_option("BUS", options->bus,
+                  "The bus, as --bus of the other commands names it: socketcand:HOST:PORT/BUS, "
+                  "socketcan:INTERFACE, ...")
       ->required();
-  add_names_options(*command, options->names);
-  add_filter_options(*command, options->filter, false);
+  add_names_options(command, options->names);
+  add_filter_options(command, options->filter, false);
   command
-      ->add_option("-t,--time", options->time,
-                   "Time column: z since the start, a absolute, d since the line before, A date")
+      .add_option("-t,--time", options->time,
+                  "Time column: z since the start, a absolute, d since the line before, A date")
       ->type_name("z|a|d|A")
       ->check(one_of_words({"z", "a", "d", "A"}))
       ->capture_default_str();
-  command->add_flag("--frames", options->frames, "Every frame with its bytes; SDO transfers are not folded");
-  command->add_option("--write", options->write, "Record the frames, too: .pcap, or a candump log")
+  command.add_flag("--frames", options->frames, "Every frame with its bytes; SDO transfers are not folded");
+  command.add_option("--write", options->write, "Record the frames, too: .pcap, or a candump log")
       ->type_name("FILE");
-  command->add_option("--for", options->duration, "End after this time, as 10s; without it Ctrl-C does")
+  command.add_option("--for", options->duration, "End after this time, as 10s; without it Ctrl-C does")
       ->type_name("TIME");
-  command->add_flag("--json", options->json, "Print JSON, one object per line");
-  command->footer(
+  command.add_flag("--json", options->json, "Print JSON, one object per line");
+  command.footer(
       "It only hears. Exit codes: 0 ended, 1 no bus or the bus was lost, 2 wrong command line or file.");
-  command->callback([options, &exit_code] { exit_code = monitor(*options); });
+  command.callback([options, &exit_code] { exit_code = monitor(*options); });
+}
+
+}  // namespace
+
+void add_monitor_command(Command& app, int& exit_code) {
+  app.add_subcommand("monitor", "Show what the frames on a bus mean, as they come",
+                     [&exit_code](Command& command) { build_monitor_command(command, exit_code); });
 }
 
 }  // namespace canopus::cli

@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "canopus/cli/terminal/option_checks.hpp"
+#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::cli {

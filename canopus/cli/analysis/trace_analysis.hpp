@@ -1,19 +1,17 @@
 #pragma once
 // canopus trace show, stats, plot and export; canopus monitor.
 
-namespace CLI {
-class App;
-}
-
 namespace canopus::cli {
 
-void add_trace_show(CLI::App& trace, int& exit_code);
-void add_trace_stats(CLI::App& trace, int& exit_code);
-void add_trace_plot(CLI::App& trace, int& exit_code);
-void add_trace_export(CLI::App& trace, int& exit_code);
-/// All four, into the group `canopus trace`, which is made if it is not there.
-void add_trace_analysis(CLI::App& app, int& exit_code);
+class Command;
 
-void add_monitor_command(CLI::App& app, int& exit_code);
+void add_trace_show(Command& trace, int& exit_code);
+void add_trace_stats(Command& trace, int& exit_code);
+void add_trace_plot(Command& trace, int& exit_code);
+void add_trace_export(Command& trace, int& exit_code);
+/// All four, into `canopus trace`.
+void add_trace_analysis(Command& trace, int& exit_code);
+
+void add_monitor_command(Command& app, int& exit_code);
 
 }  // namespace canopus::cli

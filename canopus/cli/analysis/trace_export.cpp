@@ -2,11 +2,11 @@
 #include <memory>
 #include <set>
 
-#include <CLI/CLI.hpp>
 #include <fmt/ranges.h>
 
 #include "canopus/cli/analysis/analysis_names.hpp"
 #include "canopus/cli/analysis/trace_analysis.hpp"
+#include "canopus/cli/options/command.hpp"
 #include "canopus/trace/report/bus_model.hpp"
 
 namespace canopus::cli {
@@ -61,9 +61,9 @@ int write_export(const ExportOptions& options) {
 
 }  // namespace
 
-void add_trace_export(CLI::App& trace, int& exit_code) {
+void add_trace_export(Command& trace, int& exit_code) {
   const auto options = std::make_shared<ExportOptions>();
-  CLI::App* command =
+  Command* command =
       trace.add_subcommand("export", "Write what is known of a plant's frames as a file for other programs");
   command->add_flag("--dbc", options->dbc,
                     "A DBC file: a message for each PDO, a signal for each mapped object");

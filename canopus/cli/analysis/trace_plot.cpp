@@ -5,14 +5,13 @@
 #include <filesystem>
 #include <memory>
 
-#include <CLI/CLI.hpp>
-
 #include "canopus/cli/analysis/analysis_names.hpp"
 #include "canopus/cli/analysis/picture_signal.hpp"
 #include "canopus/cli/analysis/trace_analysis.hpp"
 #include "canopus/cli/analysis/trace_walk.hpp"
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/terminal/channel_choice.hpp"
-#include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/cli/terminal/same_file.hpp"
 #include "canopus/text/text_values.hpp"
 #include "canopus/trace/decode/decoder.hpp"
@@ -81,9 +80,9 @@ int plot(const PlotOptions& options) {
 
 }  // namespace
 
-void add_trace_plot(CLI::App& trace, int& exit_code) {
+void add_trace_plot(Command& trace, int& exit_code) {
   const auto options = std::make_shared<PlotOptions>();
-  CLI::App* command = trace.add_subcommand(
+  Command* command = trace.add_subcommand(
       "plot", "Draw load, values of PDOs and states of the nodes over time, as an SVG picture");
   command->add_option("FILE", options->file, "Trace in any format that is read; - is the standard input")
       ->required();

@@ -1,7 +1,6 @@
 #include <memory>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <unistd.h>
 
 #include "canopus/cli/analysis/analysis_names.hpp"
@@ -9,8 +8,9 @@
 #include "canopus/cli/analysis/message_printer.hpp"
 #include "canopus/cli/analysis/trace_analysis.hpp"
 #include "canopus/cli/analysis/trace_walk.hpp"
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/terminal/channel_choice.hpp"
-#include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/trace/decode/decoder.hpp"
 
 namespace canopus::cli {
@@ -64,9 +64,9 @@ int show(const ShowOptions& options) {
 
 }  // namespace
 
-void add_trace_show(CLI::App& trace, int& exit_code) {
+void add_trace_show(Command& trace, int& exit_code) {
   const auto options = std::make_shared<ShowOptions>();
-  CLI::App* command = trace.add_subcommand("show", "Show what the frames of a trace mean");
+  Command* command = trace.add_subcommand("show", "Show what the frames of a trace mean");
   command->add_option("FILE", options->file, "Trace in any format that is read; - is the standard input")
       ->required();
   add_names_options(*command, options->names);

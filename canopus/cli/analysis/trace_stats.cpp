@@ -1,14 +1,14 @@
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "canopus/cli/analysis/analysis_names.hpp"
 #include "canopus/cli/analysis/statistics_json.hpp"
 #include "canopus/cli/analysis/trace_analysis.hpp"
 #include "canopus/cli/analysis/trace_walk.hpp"
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/terminal/channel_choice.hpp"
-#include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/trace/report/statistics.hpp"
 
 namespace canopus::cli {
@@ -140,9 +140,9 @@ int show_statistics(const StatsOptions& options) {
 
 }  // namespace
 
-void add_trace_stats(CLI::App& trace, int& exit_code) {
+void add_trace_stats(Command& trace, int& exit_code) {
   const auto options = std::make_shared<StatsOptions>();
-  CLI::App* command =
+  Command* command =
       trace.add_subcommand("stats", "Figures of a trace: load, cycle times, heartbeats, SDO latencies");
   command->add_option("FILE", options->file, "Trace in any format that is read; - is the standard input")
       ->required();

@@ -3,13 +3,13 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "canopus/cli/commands/bus_command.hpp"
-#include "canopus/cli/terminal/option_checks.hpp"
-#include "canopus/cli/terminal/real_time_option.hpp"
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/option_checks.hpp"
+#include "canopus/cli/options/real_time_option.hpp"
 #include "canopus/serve/jitter.hpp"
 #include "canopus/text/text_values.hpp"
 
@@ -139,13 +139,10 @@ OptionCheck duration_from(can::Duration least, can::Duration most) {
   };
 }
 
-}  // namespace
-
-void add_bench_command(CLI::App& app, int& exit_code) {
-  auto* bench = app.add_subcommand("bench", "Measure this machine");
-  bench->require_subcommand(1);
+void build_bench_command(Command& bench, int& exit_code) {
+  bench.require_subcommand(1);
   auto* command =
-      bench->add_subcommand("jitter", "How punctual a plant is here: SYNC and answers, beside a mere sleep");
+      bench.add_subcommand("jitter", "How punctual a plant is here: SYNC and answers, beside a mere sleep");
   const auto arguments = std::make_shared<BenchArguments>();
   command
       ->add_option("--bus", arguments->bus,
@@ -171,6 +168,13 @@ void add_bench_command(CLI::App& app, int& exit_code) {
       "First a thread sleeps for each period, as cyclictest does; then a plant runs as long in real time.\n"
       "Exit codes: 0 measured, 1 the bus could not be joined or carries nothing, 2 wrong command line.");
   command->callback([arguments, &exit_code] { exit_code = jitter(*arguments); });
+}
+
+}  // namespace
+
+void add_bench_command(Command& app, int& exit_code) {
+  app.add_subcommand("bench", "Measure this machine",
+                     [&exit_code](Command& bench) { build_bench_command(bench, exit_code); });
 }
 
 }  // namespace canopus::cli

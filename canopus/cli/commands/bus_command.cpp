@@ -2,13 +2,12 @@
 
 #include <charconv>
 
-#include <CLI/CLI.hpp>
-
+#include "canopus/cli/options/command.hpp"
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::cli {
 
-void add_bus_options(CLI::App& command, BusOptions& options, const char* time_out, bool with_json) {
+void add_bus_options(Command& command, BusOptions& options, const char* time_out, bool with_json) {
   command
       .add_option("--bus", options.bus,
                   "socketcand:HOST:PORT/BUS (the name is not needed with canopus run), socketcan:INTERFACE, "

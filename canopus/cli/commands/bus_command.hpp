@@ -10,11 +10,9 @@
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/link/bus_loop.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace canopus::cli {
+
+class Command;
 
 using link::BusLoop;
 
@@ -32,7 +30,7 @@ struct BusOptions {
 };
 
 /// --bus and --timeout (`time_out` says what it means), and --json where `with_json`.
-void add_bus_options(CLI::App& command, BusOptions& options, const char* time_out, bool with_json = true);
+void add_bus_options(Command& command, BusOptions& options, const char* time_out, bool with_json = true);
 
 /// "canopus: ..." on stderr; returns `code`.
 int complain(int code, std::string_view message);

@@ -2,9 +2,9 @@
 
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/ranges.h>
 
+#include "canopus/cli/options/command.hpp"
 #include "canopus/cli/terminal/plant_loading.hpp"
 #include "canopus/sim/lift/units.hpp"
 
@@ -47,19 +47,26 @@ int check_plant(const CheckOptions& options, Output& out, Output& err) {
   return good ? 0 : 2;
 }
 
-void add_check_command(CLI::App& app, int& exit_code) {
+namespace {
+
+void build_check_command(Command& command, int& exit_code) {
   auto options = std::make_shared<CheckOptions>();
-  CLI::App* command =
-      app.add_subcommand("check", "Check a plant file, and the device files it names, without running it");
-  command->add_option("PLANT", options->plant, "Plant file (TOML, see docs/plant-file.md)")->required();
-  command->add_flag("--strict", options->strict, "A warning is a mistake, too");
-  command->footer(
+  command.add_option("PLANT", options->plant, "Plant file (TOML, see docs/plant-file.md)")->required();
+  command.add_flag("--strict", options->strict, "A warning is a mistake, too");
+  command.footer(
       "A mistake is printed as FILE:LINE:COLUMN: what was found and what was expected; the plant does not\n"
       "start with one. A warning, FILE:LINE:COLUMN: warning: ..., is something that was probably not meant;\n"
       "a run says it, too.\n"
       "Exit codes: 0 good, 2 wrong (with --strict: or a warning).");
-  command->callback(
+  command.callback(
       [options, &exit_code] { exit_code = check_plant(*options, standard_output(), standard_error()); });
+}
+
+}  // namespace
+
+void add_check_command(Command& app, int& exit_code) {
+  app.add_subcommand("check", "Check a plant file, and the device files it names, without running it",
+                     [&exit_code](Command& command) { build_check_command(command, exit_code); });
 }
 
 }  // namespace canopus::cli

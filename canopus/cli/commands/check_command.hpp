@@ -6,11 +6,9 @@
 
 #include "canopus/cli/terminal/print.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace canopus::cli {
+
+class Command;
 
 struct CheckOptions {
   std::string plant;    ///< path of the plant file
@@ -22,6 +20,6 @@ struct CheckOptions {
 int check_plant(const CheckOptions& options, Output& out, Output& err);
 
 /// Adds the subcommand; when the user asks for it, parsing runs it and puts the exit code into `exit_code`.
-void add_check_command(CLI::App& app, int& exit_code);
+void add_check_command(Command& app, int& exit_code);
 
 }  // namespace canopus::cli

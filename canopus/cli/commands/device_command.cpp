@@ -3,10 +3,10 @@
 #include <functional>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/cli/options/command.hpp"
 #include "canopus/cli/terminal/json_fields.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/client/control_client.hpp"
@@ -93,12 +93,8 @@ int ask(const DeviceArguments& arguments, const Json& request) {
   return exit_code::done;
 }
 
-}  // namespace
-
-void add_device_command(CLI::App& app, int& exit_code) {
+void build_device_command(Command& device, int& exit_code) {
   const auto arguments = std::make_shared<DeviceArguments>();
-  CLI::App& device =
-      *app.add_subcommand("device", "Show and force the values of the devices of a running plant");
   device.require_subcommand(1);
   device.footer(
       "The plant file opens a plant to this command: [plant] control = \"127.0.0.1:29540\".\n"
@@ -112,7 +108,7 @@ void add_device_command(CLI::App& app, int& exit_code) {
       "Example: canopus device set io-block 6000:01 3 --for 200ms");
   const auto add = [&](const char* name, const char* help,
                        std::function<Json(const DeviceArguments&)> request) {
-    CLI::App& command = *device.add_subcommand(name, help);
+    Command& command = *device.add_subcommand(name, help);
     command.add_option("--at", arguments->at, "where the plant can be controlled")
         ->type_name("HOST:PORT")
         ->capture_default_str();
@@ -125,10 +121,10 @@ void add_device_command(CLI::App& app, int& exit_code) {
     });
     return &command;
   };
-  const auto add_name = [&](CLI::App& command) {
+  const auto add_name = [&](Command& command) {
     command.add_option("NAME", arguments->device, "the device")->required();
   };
-  const auto add_object = [&](CLI::App& command, bool required) {
+  const auto add_object = [&](Command& command, bool required) {
     command.add_option("OBJECT", arguments->object, "6000:01, or a parameter's name")->required(required);
   };
   const auto with_object = [](Json request, const DeviceArguments& all) {
@@ -164,6 +160,13 @@ void add_device_command(CLI::App& app, int& exit_code) {
   add("list", "Show the devices, and what is forced", [](const DeviceArguments&) {
     return Json{{"request", "list"}};
   });
+}
+
+}  // namespace
+
+void add_device_command(Command& app, int& exit_code) {
+  app.add_subcommand("device", "Show and force the values of the devices of a running plant",
+                     [&exit_code](Command& device) { build_device_command(device, exit_code); });
 }
 
 }  // namespace canopus::cli

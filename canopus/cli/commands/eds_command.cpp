@@ -5,12 +5,12 @@
 #include <memory>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "canopus/cli/commands/eds_show.hpp"
+#include "canopus/cli/options/command.hpp"
 #include "canopus/cli/terminal/device_names.hpp"
 #include "canopus/cli/terminal/domain_words.hpp"
 #include "canopus/cli/terminal/kept_work.hpp"
@@ -186,15 +186,19 @@ int eds_convert(const EdsConvertOptions& options, Output& out, Output& err) {
 
 namespace {
 
-void add_convert(CLI::App& eds, int& exit_code) {
-  CLI::App* convert =
+void add_convert(Command& eds, int& exit_code) {
+  Command* convert =
       eds.add_subcommand("convert", "Write an EDS or DCF as XDD or XDC, or the other way round");
   const auto options = std::make_shared<EdsConvertOptions>();
   convert->add_option("IN", options->from, "EDS, DCF, XDD or XDC file; - is the standard input")->required();
   convert->add_option("OUT", options->to, "File to write, by its extension; - is the standard output")
       ->required();
   convert->add_option("--to", options->kind, "What to write, whatever OUT is called: eds, dcf, xdd or xdc")
-      ->check(CLI::IsMember({"eds", "dcf", "xdd", "xdc"}));
+      ->type_name("TEXT:{eds,dcf,xdd,xdc}")
+      ->check([](const std::string& kind) {
+        const bool is_known = kind == "eds" || kind == "dcf" || kind == "xdd" || kind == "xdc";
+        return is_known ? std::string() : kind + " not in {eds,dcf,xdd,xdc}";
+      });
   convert->footer(
       "Objects, values, limits, access and names are kept. What the other format has no place for, and what\n"
       "the reader repaired, is a warning on the standard error. A file that is there is replaced, whole or\n"
@@ -240,8 +244,8 @@ int eds_concise(const EdsConciseOptions& options, Output& out, Output& err) {
   return words.problem.empty() ? 0 : 1;
 }
 
-void add_concise(CLI::App& eds, int& exit_code) {
-  CLI::App* concise = eds.add_subcommand("concise", "Show a concise DCF, as 1F22H has it, in words");
+void add_concise(Command& eds, int& exit_code) {
+  Command* concise = eds.add_subcommand("concise", "Show a concise DCF, as 1F22H has it, in words");
   const auto options = std::make_shared<EdsConciseOptions>();
   concise->add_option("FILE", options->file, "the concise DCF; - is the standard input")->required();
   concise->add_option("--eds", options->device, "device file of the node that it is for: names and types")
@@ -259,14 +263,11 @@ void add_concise(CLI::App& eds, int& exit_code) {
       [options, &exit_code] { exit_code = eds_concise(*options, standard_output(), standard_error()); });
 }
 
-}  // namespace
-
-void add_eds_command(CLI::App& app, int& exit_code) {
-  CLI::App* eds = app.add_subcommand("eds", "Look into device description files (EDS, DCF, XDD, XDC)");
-  eds->require_subcommand(1);
-  add_convert(*eds, exit_code);
-  add_concise(*eds, exit_code);
-  CLI::App* check = eds->add_subcommand("check", "Say what is wrong with device files, worst first");
+void build_eds_command(Command& eds, int& exit_code) {
+  eds.require_subcommand(1);
+  add_convert(eds, exit_code);
+  add_concise(eds, exit_code);
+  Command* check = eds.add_subcommand("check", "Say what is wrong with device files, worst first");
   const auto options = std::make_shared<EdsCheckOptions>();
   check->add_option("FILE", options->files, "EDS, DCF, XDD or XDC files; - is the standard input")
       ->required();
@@ -285,8 +286,8 @@ void add_eds_command(CLI::App& app, int& exit_code) {
     bool json = false;
   };
   const auto shown = std::make_shared<ShowOptions>();
-  CLI::App* show =
-      eds->add_subcommand("show", "List a device's identity, objects, and PDOs with their mapping");
+  Command* show =
+      eds.add_subcommand("show", "List a device's identity, objects, and PDOs with their mapping");
   show->add_option("FILE", shown->file, "EDS, DCF, XDD or XDC file; - is the standard input")->required();
   show->add_flag("--json", shown->json, "Print one JSON object instead");
   show->footer(
@@ -304,6 +305,13 @@ void add_eds_command(CLI::App& app, int& exit_code) {
     options->colour = !options->json && wants_colour(STDOUT_FILENO);
     exit_code = eds_check(*options, standard_output(), standard_error());
   });
+}
+
+}  // namespace
+
+void add_eds_command(Command& app, int& exit_code) {
+  app.add_subcommand("eds", "Look into device description files (EDS, DCF, XDD, XDC)",
+                     [&exit_code](Command& eds) { build_eds_command(eds, exit_code); });
 }
 
 }  // namespace canopus::cli

@@ -7,11 +7,9 @@
 
 #include "canopus/cli/terminal/print.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace canopus::cli {
+
+class Command;
 
 struct EdsCheckOptions {
   std::vector<std::string> files;
@@ -36,6 +34,6 @@ int eds_convert(const EdsConvertOptions& options, Output& out, Output& err);
 
 /// Adds the subcommand `eds` with its own subcommand `check` to the program. When the user asks for it,
 /// parsing runs it and puts the exit code into `exit_code`.
-void add_eds_command(CLI::App& app, int& exit_code);
+void add_eds_command(Command& app, int& exit_code);
 
 }  // namespace canopus::cli

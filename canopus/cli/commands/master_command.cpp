@@ -3,12 +3,12 @@
 #include <memory>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/cli/options/command.hpp"
 #include "canopus/cli/terminal/boot_report.hpp"
 #include "canopus/network/network_master.hpp"
 #include "canopus/text/file_text.hpp"
@@ -248,28 +248,31 @@ int boot(const MasterArguments& arguments) {
   return with_bus(arguments.bus, boot_on, BusTime::real);
 }
 
-}  // namespace
-
-void add_master_command(CLI::App& app, int& exit_code) {
+void build_master_command(Command& command, int& exit_code) {
   const auto arguments = std::make_shared<MasterArguments>();
-  CLI::App* command = app.add_subcommand("master", "Boot a network as its NMT master, without a PLC");
   command
-      ->add_option("--dcf", arguments->network,
-                   "Network file (TOML, see docs/commands.md), or a project's nodelist.cpj")
+      .add_option("--dcf", arguments->network,
+                  "Network file (TOML, see docs/commands.md), or a project's nodelist.cpj")
       ->type_name("FILE")
       ->required();
-  command->add_flag("--stay", arguments->stay, "Stay the network's master, until Ctrl-C or the end of --for");
-  command->add_option("--for", arguments->duration, "End after this time, for example 10s")
-      ->type_name("TIME");
-  auto* quiet = command->add_flag("-q,--quiet", arguments->quiet, "Print failures and the last line alone");
-  add_bus_options(*command, arguments->bus, "for each SDO answer of a slave");
-  quiet->excludes(command->get_option("--json"));
-  command->footer(
+  command.add_flag("--stay", arguments->stay, "Stay the network's master, until Ctrl-C or the end of --for");
+  command.add_option("--for", arguments->duration, "End after this time, for example 10s")->type_name("TIME");
+  auto* quiet = command.add_flag("-q,--quiet", arguments->quiet, "Print failures and the last line alone");
+  add_bus_options(command, arguments->bus, "for each SDO answer of a slave");
+  quiet->excludes(command.get_option("--json"));
+  command.footer(
       "Without --stay it ends when the start-up is over; the slaves stay as they are.\n"
       "Exit code: 0 all mandatory slaves booted and no slave failed, 1 some did not, or no bus, 2 wrong file "
       "or "
       "usage.");
-  command->callback([arguments, &exit_code] { exit_code = boot(*arguments); });
+  command.callback([arguments, &exit_code] { exit_code = boot(*arguments); });
+}
+
+}  // namespace
+
+void add_master_command(Command& app, int& exit_code) {
+  app.add_subcommand("master", "Boot a network as its NMT master, without a PLC",
+                     [&exit_code](Command& command) { build_master_command(command, exit_code); });
 }
 
 }  // namespace canopus::cli

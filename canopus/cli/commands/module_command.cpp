@@ -5,12 +5,12 @@
 #include <fstream>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "canopus/cli/commands/module_compare.hpp"
 #include "canopus/cli/commands/module_status.hpp"
+#include "canopus/cli/options/command.hpp"
 #include "canopus/cli/terminal/new_file.hpp"
 #include "canopus/cli/terminal/plant_loading.hpp"
 #include "canopus/module/storage/flash_memory.hpp"
@@ -227,10 +227,10 @@ int module_eds_file(const std::string& model, const std::string& path, Output& o
   return 0;
 }
 
-void add_module_command(CLI::App& app, int& exit_code) {
-  CLI::App* command =
-      app.add_subcommand("module", "Say what the soft modules are, and describe them to other tools");
-  command->require_subcommand(1);
+namespace {
+
+void build_module_command(Command& command, int& exit_code) {
+  command.require_subcommand(1);
   struct Words {
     std::string model, plant, store, output;
     std::optional<unsigned> mode;
@@ -238,7 +238,7 @@ void add_module_command(CLI::App& app, int& exit_code) {
   };
   const auto words = std::make_shared<Words>();
 
-  CLI::App* list = command->add_subcommand("list", "The modules there are, or those of a plant's PLCs");
+  Command* list = command.add_subcommand("list", "The modules there are, or those of a plant's PLCs");
   list->add_option("PLANT", words->plant,
                    "Plant file: its product lists, as the programming tool shows them");
   list->add_flag("--json", words->json, "One JSON object per line");
@@ -247,7 +247,7 @@ void add_module_command(CLI::App& app, int& exit_code) {
                             standard_output(), standard_error());
   });
 
-  CLI::App* info = command->add_subcommand("info", "What the manual says of a module and no register shows");
+  Command* info = command.add_subcommand("info", "What the manual says of a module and no register shows");
   info->add_option("MODEL", words->model, "for example me3can1-q")->required();
   info->add_option("--store", words->store,
                    "Its folder in a plant's store: how often its flash memory was written")
@@ -260,7 +260,7 @@ void add_module_command(CLI::App& app, int& exit_code) {
                     words->json, standard_output(), standard_error());
   });
 
-  CLI::App* eds = command->add_subcommand("eds", "An EDS file of the module, for configuration tools");
+  Command* eds = command.add_subcommand("eds", "An EDS file of the module, for configuration tools");
   eds->add_option("MODEL", words->model, "for example me3can1-q")->required();
   eds->add_option("--mode", words->mode, "Function mode of another object dictionary: 417 of an FX3U-CAN");
   eds->add_option("-o,--output", words->output, "Write it into this file")->type_name("FILE");
@@ -268,13 +268,21 @@ void add_module_command(CLI::App& app, int& exit_code) {
     exit_code =
         module_eds_file(words->model, words->output, standard_output(), standard_error(), words->mode);
   });
-  command->add_subcommand("compare", "A table that compares the modules, in Markdown")
-      ->callback([&exit_code] { exit_code = module_compare(standard_output()); });
-  add_module_status(*command, exit_code);
-  command->footer(
+  command.add_subcommand("compare", "A table that compares the modules, in Markdown")->callback([&exit_code] {
+    exit_code = module_compare(standard_output());
+  });
+  add_module_status(command, exit_code);
+  command.footer(
       "Exit codes: 0 done, 1 a running plant refused or could not be reached, 2 no such module, or a file "
       "that cannot be read or written.\n"
       "Example: canopus module eds me3can1-q -o me3can1-q.eds");
+}
+
+}  // namespace
+
+void add_module_command(Command& app, int& exit_code) {
+  app.add_subcommand("module", "Say what the soft modules are, and describe them to other tools",
+                     [&exit_code](Command& command) { build_module_command(command, exit_code); });
 }
 
 }  // namespace canopus::cli

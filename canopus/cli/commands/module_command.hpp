@@ -8,11 +8,9 @@
 
 #include "canopus/cli/terminal/print.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace canopus::cli {
+
+class Command;
 
 /// The modules there are, or, with a plant file, the product list of each of its PLCs.
 int module_list(const std::optional<std::string>& plant, bool json, Output& out, Output& err);
@@ -24,6 +22,6 @@ int module_eds_file(const std::string& model, const std::string& path, Output& o
                     std::optional<unsigned> mode = {});
 
 /// Adds the subcommand `module` to the program. Exit code: 0 done, 2 no such module or file.
-void add_module_command(CLI::App& app, int& exit_code);
+void add_module_command(Command& app, int& exit_code);
 
 }  // namespace canopus::cli

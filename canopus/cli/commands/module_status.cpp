@@ -3,9 +3,9 @@
 #include <memory>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "canopus/cli/options/command.hpp"
 #include "canopus/cli/terminal/json_fields.hpp"
 #include "canopus/client/control_client.hpp"
 #include "canopus/text/text_values.hpp"
@@ -118,9 +118,9 @@ void print_modules(const Json& answer, Output& out) {
   if (is_first) out.line("the plant has no module");
 }
 
-void add_module_status(CLI::App& module_command, int& exit_code) {
+void add_module_status(Command& module_command, int& exit_code) {
   const auto arguments = std::make_shared<ModuleStatusArguments>();
-  CLI::App* status = module_command.add_subcommand(
+  Command* status = module_command.add_subcommand(
       "status", "The modules of a running plant: LEDs, function mode, baud rate, node-ID, errors in words");
   status->add_option("NAME", arguments->module, "one module, as the plant file calls it, or \"RJ71CN91 U0\"");
   status->add_option("--at", arguments->at, "where the plant can be controlled")

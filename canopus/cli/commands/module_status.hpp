@@ -7,16 +7,14 @@
 
 #include "canopus/cli/terminal/print.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace canopus::cli {
+
+class Command;
 
 /// Prints the control server's answer to the request "modules". Nothing of it is trusted.
 void print_modules(const nlohmann::ordered_json& answer, Output& out);
 
 /// Adds `status` to `canopus module`. Exit code: 0 done, 1 the plant refused or could not be reached, 2 wrong command line.
-void add_module_status(CLI::App& module_command, int& exit_code);
+void add_module_status(Command& module_command, int& exit_code);
 
 }  // namespace canopus::cli

@@ -5,12 +5,12 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "canopus/canopen/service/nmt.hpp"
 #include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/cli/options/command.hpp"
 #include "canopus/client/sdo_transfer_on_bus.hpp"
 #include "canopus/text/text_values.hpp"
 
@@ -133,13 +133,10 @@ int command_node(const NmtArguments& arguments, const Service& service) {
   });
 }
 
-}  // namespace
-
-void add_nmt_command(CLI::App& app, int& exit_code) {
+void build_nmt_command(Command& nmt, int& exit_code) {
   const auto arguments = std::make_shared<NmtArguments>();
-  CLI::App* nmt = app.add_subcommand("nmt", "Send NMT commands to the nodes of a bus");
-  nmt->require_subcommand(1);
-  nmt->footer(
+  nmt.require_subcommand(1);
+  nmt.footer(
       "NMT commands are not confirmed: without --wait, done means sent.\n"
       "An NMT master does not hear the command of somebody else: --master has the master send it (1F82H, "
       "request NMT), so\n"
@@ -148,7 +145,7 @@ void add_nmt_command(CLI::App& app, int& exit_code) {
       "NMT master.\n"
       "Exit code: 0 done, 1 no bus, or the node did not do it, 2 wrong command line.");
   for (const Service& service : services) {
-    CLI::App* command = nmt->add_subcommand(service.name, service.help);
+    Command* command = nmt.add_subcommand(service.name, service.help);
     command->add_option("NODE", arguments->node, "node-ID 1 to 127, or all")->required();
     command->add_flag("--wait", arguments->wait,
                       "wait until the node's heartbeat (after a reset: its boot-up message) shows it");
@@ -157,6 +154,13 @@ void add_nmt_command(CLI::App& app, int& exit_code) {
     add_bus_options(*command, arguments->bus, "for --wait and --master");
     command->callback([arguments, &service, &exit_code] { exit_code = command_node(*arguments, service); });
   }
+}
+
+}  // namespace
+
+void add_nmt_command(Command& app, int& exit_code) {
+  app.add_subcommand("nmt", "Send NMT commands to the nodes of a bus",
+                     [&exit_code](Command& nmt) { build_nmt_command(nmt, exit_code); });
 }
 
 }  // namespace canopus::cli

@@ -8,11 +8,9 @@
 
 #include "canopus/client/plc_client.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace canopus::cli {
+
+class Command;
 
 struct TransferSetup;
 
@@ -44,7 +42,7 @@ struct PlcArguments {
 };
 
 /// --setup, --host, --port, the frames, --timeout and so on.
-void add_connection_options(CLI::App& command, PlcArguments& arguments);
+void add_connection_options(Command& command, PlcArguments& arguments);
 
 /// The setup's values take the place of those that are there.
 void use_setup(const TransferSetup& setup, PlcArguments& arguments);

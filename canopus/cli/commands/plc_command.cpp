@@ -11,13 +11,13 @@
 #include <thread>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "canopus/cli/commands/plc_access.hpp"
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/setups/transfer_setups.hpp"
-#include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/client/plc_address.hpp"
 #include "canopus/client/plc_client.hpp"
@@ -121,23 +121,24 @@ int with_point(const PlcArguments& arguments,
   return point ? action(*point, arguments) : plc_failed(usage, point.error());
 }
 
-/// Throws what CLI11 reports as a mistake of the command line.
-void use_setup(const std::string& name, PlcArguments& arguments) {
+/// Empty, or what is wrong with the name.
+std::string use_setup(const std::string& name, PlcArguments& arguments) {
   const auto setup = find_transfer_setup(name);
-  if (!setup) throw CLI::ValidationError("--setup", setup.error());
+  if (!setup) return setup.error();
   use_setup(*setup, arguments);
   arguments.setup = name;
+  return {};
 }
 
-void add_address(CLI::App& command, PlcArguments& arguments, const char* help) {
+void add_address(Command& command, PlcArguments& arguments, const char* help) {
   command.add_option("ADDRESS", arguments.address, help)->required();
 }
 
-void add_verify_option(CLI::App& command, PlcArguments& arguments) {
+void add_verify_option(Command& command, PlcArguments& arguments) {
   command.add_flag("--no-verify", arguments.no_verify, "do not read back what was written");
 }
 
-void add_reading_options(CLI::App& command, PlcArguments& arguments) {
+void add_reading_options(Command& command, PlcArguments& arguments) {
   command.add_option("-n,--count", arguments.count, "points: words, or bits of a bit device")
       ->type_name("NUMBER")
       ->check(number_from(1, 65536))
@@ -151,10 +152,10 @@ void add_reading_options(CLI::App& command, PlcArguments& arguments) {
 
 }  // namespace
 
-void add_connection_options(CLI::App& command, PlcArguments& arguments) {
+void add_connection_options(Command& command, PlcArguments& arguments) {
   // The first: options are taken in this order, so each of the others takes the place of the setup's value.
-  CLI::Option* const setup = command.add_option_function<std::string>(
-      "--setup", [&arguments](const std::string& name) { use_setup(name, arguments); },
+  Option* const setup = command.add_option_function(
+      "--setup", [&arguments](const std::string& name) { return use_setup(name, arguments); },
       "a transfer setup by its name (canopus configure setup); the other options go before its values");
   setup->type_name("NAME");
   command.add_option("--host", arguments.connection.host, "the PLC's address")->capture_default_str();
@@ -168,13 +169,12 @@ void add_connection_options(CLI::App& command, PlcArguments& arguments) {
       .add_flag("--modbus", arguments.modbus,
                 "Modbus TCP: an AS300 by its devices, any other PLC by addresses")
       ->excludes(setup);
-  CLI::Option* const ascii =
-      command.add_flag("--ascii", arguments.connection.ascii, "ASCII instead of binary");
+  Option* const ascii = command.add_flag("--ascii", arguments.connection.ascii, "ASCII instead of binary");
   command
       .add_flag_callback(
           "--binary", [&arguments] { arguments.connection.ascii = false; }, "binary (the default)")
       ->excludes(ascii);
-  CLI::Option* const udp = command.add_flag("--udp", arguments.connection.udp, "UDP instead of TCP");
+  Option* const udp = command.add_flag("--udp", arguments.connection.udp, "UDP instead of TCP");
   command
       .add_flag_callback(
           "--tcp", [&arguments] { arguments.connection.udp = false; }, "TCP (the default)")
@@ -200,10 +200,10 @@ void add_connection_options(CLI::App& command, PlcArguments& arguments) {
       ->type_name("MODEL");
 }
 
-void add_plc_command(CLI::App& app, int& exit_code) {
+namespace {
+
+void build_plc_command(Command& plc, int& exit_code) {
   const auto arguments = std::make_shared<PlcArguments>();
-  CLI::App& plc =
-      *app.add_subcommand("plc", "Read and write a PLC over the MELSEC communication protocol or Modbus TCP");
   plc.require_subcommand(1);
   plc.footer(
       "Addresses: D100, M0, X1F (X Y B W SB SW in hexadecimal), U3\\G256 for buffer memory; quote the "
@@ -216,7 +216,7 @@ void add_plc_command(CLI::App& app, int& exit_code) {
       "reached,\n"
       "2 wrong command line.");
   const auto add = [&](const char* name, const char* help, std::function<int()> action) {
-    CLI::App& command = *plc.add_subcommand(name, help);
+    Command& command = *plc.add_subcommand(name, help);
     add_connection_options(command, *arguments);
     // The shared pointer keeps the arguments as long as the command.
     command.callback([arguments, &exit_code, action = std::move(action)] { exit_code = action(); });
@@ -282,6 +282,13 @@ void add_plc_command(CLI::App& app, int& exit_code) {
     return with_client(*arguments, [&](client::PlcClient& client) { return type(client, *arguments); });
   });
   asking->add_flag("--json", arguments->json, "as one JSON object");
+}
+
+}  // namespace
+
+void add_plc_command(Command& app, int& exit_code) {
+  app.add_subcommand("plc", "Read and write a PLC over the MELSEC communication protocol or Modbus TCP",
+                     [&exit_code](Command& plc) { build_plc_command(plc, exit_code); });
 }
 
 }  // namespace canopus::cli

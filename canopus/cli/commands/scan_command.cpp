@@ -3,12 +3,12 @@
 #include <charconv>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/cli/options/command.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -127,19 +127,26 @@ std::string scan_progress(unsigned asked, unsigned of, std::size_t found) {
                      of, found);
 }
 
-void add_scan_command(CLI::App& app, int& exit_code) {
+namespace {
+
+void build_scan_command(Command& command, int& exit_code) {
   const auto arguments = std::make_shared<ScanArguments>();
   arguments->bus.time_out = "200ms";
-  CLI::App* command =
-      app.add_subcommand("scan", "Find the nodes of a bus: identity, name and NMT state of each");
-  command->add_option("--nodes", arguments->nodes, "only these node-IDs, for example 1-32")
+  command.add_option("--nodes", arguments->nodes, "only these node-IDs, for example 1-32")
       ->type_name("FIRST-LAST")
       ->capture_default_str();
-  add_bus_options(*command, arguments->bus, "for each answer of a node");
-  command->footer(
+  add_bus_options(command, arguments->bus, "for each answer of a node");
+  command.footer(
       "Every node is asked over its default SDO channel; no other client should be using it meanwhile.\n"
       "Exit code: 0 nodes found, 1 none, or no bus, 2 wrong command line.");
-  command->callback([arguments, &exit_code] { exit_code = scan(*arguments); });
+  command.callback([arguments, &exit_code] { exit_code = scan(*arguments); });
+}
+
+}  // namespace
+
+void add_scan_command(Command& app, int& exit_code) {
+  app.add_subcommand("scan", "Find the nodes of a bus: identity, name and NMT state of each",
+                     [&exit_code](Command& command) { build_scan_command(command, exit_code); });
 }
 
 }  // namespace canopus::cli

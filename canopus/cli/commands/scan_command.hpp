@@ -12,11 +12,9 @@
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/client/bus_scan.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace canopus::cli {
+
+class Command;
 
 /// Node-IDs, both included.
 struct NodeRange {
@@ -38,6 +36,6 @@ struct NodeRange {
 
 /// Adds the subcommand `scan` to the program. When the user asks for it, parsing runs it and puts the exit
 /// code into `exit_code`.
-void add_scan_command(CLI::App& app, int& exit_code);
+void add_scan_command(Command& app, int& exit_code);
 
 }  // namespace canopus::cli

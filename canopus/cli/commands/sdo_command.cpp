@@ -8,13 +8,13 @@
 #include <optional>
 #include <ranges>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "canopus/canopen/service/nmt.hpp"
 #include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/cli/options/command.hpp"
 #include "canopus/cli/terminal/device_names.hpp"
 #include "canopus/cli/terminal/domain_words.hpp"
 #include "canopus/client/sdo_transfer_on_bus.hpp"
@@ -256,16 +256,13 @@ int write(const SdoArguments& arguments) {
   });
 }
 
-}  // namespace
-
-void add_sdo_command(CLI::App& app, int& exit_code) {
+void build_sdo_command(Command& sdo, int& exit_code) {
   const auto arguments = std::make_shared<SdoArguments>();
-  CLI::App* sdo = app.add_subcommand("sdo", "Read and write objects of a node on a bus");
-  sdo->require_subcommand(1);
-  sdo->footer(
+  sdo.require_subcommand(1);
+  sdo.footer(
       "Objects are written as in CiA documents, in hexadecimal: 1018:01, 1008 (sub-index 00H).\n"
       "Exit code: 0 done, 1 the node aborted or does not answer, 2 wrong command line.");
-  const auto add_common = [&](CLI::App& command) {
+  const auto add_common = [&](Command& command) {
     command.add_option("NODE", arguments->node, "node-ID, 1 to 127")->required();
     command.add_option("OBJECT", arguments->object, "INDEX[:SUB] in hexadecimal")->required();
     command.add_option("--type", arguments->type, "type of the value: " + text::one_of(client::type_names()))
@@ -275,7 +272,7 @@ void add_sdo_command(CLI::App& app, int& exit_code) {
     add_bus_options(command, arguments->bus, "for each answer of the node");
   };
 
-  CLI::App* reading = sdo->add_subcommand("read", "Show an object (SDO upload)");
+  Command* reading = sdo.add_subcommand("read", "Show an object (SDO upload)");
   add_common(*reading);
   reading->add_option("--file", arguments->file, "put the bytes into this file")->type_name("FILE");
   reading->add_flag("--raw", arguments->raw, "put the bytes on the output as they are");
@@ -291,13 +288,20 @@ void add_sdo_command(CLI::App& app, int& exit_code) {
       "Example: canopus sdo read 2 1018:01 --type u32");
   reading->callback([arguments, &exit_code] { exit_code = read(*arguments); });
 
-  CLI::App* writing = sdo->add_subcommand("write", "Write an object (SDO download)");
+  Command* writing = sdo.add_subcommand("write", "Write an object (SDO download)");
   add_common(*writing);
   writing->add_option("VALUE", arguments->value, "1234, -5, 0x4D2, 4D2H, 1.5, true, text, bytes as 01A0FF");
   writing->add_option("--file", arguments->file, "write the bytes of this file")->type_name("FILE");
   writing->add_flag("--raw", arguments->raw, "VALUE is bytes in hexadecimal");
   writing->footer("Example: canopus sdo write 2 1017 500 --type u16");
   writing->callback([arguments, &exit_code] { exit_code = write(*arguments); });
+}
+
+}  // namespace
+
+void add_sdo_command(Command& app, int& exit_code) {
+  app.add_subcommand("sdo", "Read and write objects of a node on a bus",
+                     [&exit_code](Command& sdo) { build_sdo_command(sdo, exit_code); });
 }
 
 }  // namespace canopus::cli

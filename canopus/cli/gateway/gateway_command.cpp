@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <poll.h>
 #include <unistd.h>
 
 #include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/cli/options/command.hpp"
 #include "canopus/client/gateway/gateway_server.hpp"
 #include "canopus/text/text_values.hpp"
 
@@ -84,24 +84,28 @@ int serve(const GatewayArguments& arguments, const char* version) {
       BusTime::real);
 }
 
-}  // namespace
-
-void add_gateway_command(CLI::App& app, int& exit_code, const char* version) {
+void build_gateway_command(Command& command, int& exit_code, const char* version) {
   const auto arguments = std::make_shared<GatewayArguments>();
-  CLI::App* command =
-      app.add_subcommand("gateway", "Give a bus to clients over TCP, in the ASCII of CiA 309-3");
-  add_bus_options(*command, arguments->bus, "for joining the bus", false);
-  command->add_option("--listen", arguments->listen, "Where clients connect; port 0 takes a free one")
+  add_bus_options(command, arguments->bus, "for joining the bus", false);
+  command.add_option("--listen", arguments->listen, "Where clients connect; port 0 takes a free one")
       ->type_name("HOST:PORT")
       ->capture_default_str();
-  command->add_option("--node", arguments->node, "the gateway's own node-ID, for its heartbeat")
+  command.add_option("--node", arguments->node, "the gateway's own node-ID, for its heartbeat")
       ->type_name("NODE");
-  command->add_option("--allow", arguments->allowed, "an address or network whose machines may connect, too")
+  command.add_option("--allow", arguments->allowed, "an address or network whose machines may connect, too")
       ->type_name("NETWORK");
-  command->footer(
+  command.footer(
       "Commands and answers: docs/gateway.md. Exit code: 0 ended by Ctrl-C or SIGTERM, 1 no bus or no port,\n"
       "2 wrong command line.");
-  command->callback([arguments, &exit_code, version] { exit_code = serve(*arguments, version); });
+  command.callback([arguments, &exit_code, version] { exit_code = serve(*arguments, version); });
+}
+
+}  // namespace
+
+void add_gateway_command(Command& app, int& exit_code, const char* version) {
+  app.add_subcommand(
+      "gateway", "Give a bus to clients over TCP, in the ASCII of CiA 309-3",
+      [&exit_code, version](Command& command) { build_gateway_command(command, exit_code, version); });
 }
 
 }  // namespace canopus::cli

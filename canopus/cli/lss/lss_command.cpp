@@ -4,14 +4,14 @@
 #include <memory>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "canopus/cli/lss/lss_device.hpp"
 #include "canopus/cli/lss/lss_rate_search.hpp"
 #include "canopus/cli/lss/lss_scan.hpp"
-#include "canopus/cli/terminal/option_checks.hpp"
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::cli {
@@ -199,26 +199,23 @@ int switch_state(const LssArguments& arguments) {
   });
 }
 
-void add_address_options(CLI::App& command, LssArguments& arguments) {
+void add_address_options(Command& command, LssArguments& arguments) {
   command.add_option("--vendor", arguments.vendor, "vendor-ID: 405, 0x195 or 195H")->type_name("U32");
   command.add_option("--product", arguments.product, "product code")->type_name("U32");
   command.add_option("--revision", arguments.revision, "revision number")->type_name("U32");
   command.add_option("--serial", arguments.serial, "serial number")->type_name("U32");
 }
 
-}  // namespace
-
-void add_lss_command(CLI::App& app, int& exit_code) {
+void build_lss_command(Command& command, int& exit_code) {
   const auto arguments = std::make_shared<LssArguments>();
   arguments->bus.time_out = "100ms";
-  CLI::App* command = app.add_subcommand("lss", "Find devices and set their node-IDs and bit rates (LSS)");
-  command->require_subcommand(1);
-  command->footer(
+  command.require_subcommand(1);
+  command.footer(
       "Only one LSS master at a time may be on a bus.\n"
       "Exit code: 0 done, 1 no answer, refused, or no bus, 2 wrong command line.");
   const auto add = [&](const char* name, const char* what, int (*run)(const LssArguments&),
                        const char* time_out = "for each answer") {
-    CLI::App* sub = command->add_subcommand(name, what);
+    Command* sub = command.add_subcommand(name, what);
     add_bus_options(*sub, arguments->bus, time_out);
     sub->callback([arguments, &exit_code, run] { exit_code = run(*arguments); });
     return sub;
@@ -226,8 +223,8 @@ void add_lss_command(CLI::App& app, int& exit_code) {
   const char* const one_device =
       "Without an address the device must be the only one on the bus that knows LSS.";
 
-  CLI::App* sub = add("scan", "Find all devices without a node-ID (fastscan)", lss_scan,
-                      "for each answer; a device takes 133 of them, in a slow scan 65");
+  Command* sub = add("scan", "Find all devices without a node-ID (fastscan)", lss_scan,
+                     "for each answer; a device takes 133 of them, in a slow scan 65");
   sub->add_option("--assign", arguments->assign, "give them node-IDs from this one on, as they are found")
       ->type_name("NODE");
   sub->add_flag("--store", arguments->store, "and have them keep it");
@@ -291,6 +288,13 @@ void add_lss_command(CLI::App& app, int& exit_code) {
       ->required()
       ->check(one_of_words({"waiting", "configuration"}));
   add_address_options(*sub, *arguments);
+}
+
+}  // namespace
+
+void add_lss_command(Command& app, int& exit_code) {
+  app.add_subcommand("lss", "Find devices and set their node-IDs and bit rates (LSS)",
+                     [&exit_code](Command& command) { build_lss_command(command, exit_code); });
 }
 
 }  // namespace canopus::cli

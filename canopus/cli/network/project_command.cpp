@@ -3,12 +3,12 @@
 #include <memory>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/terminal/kept_work.hpp"
-#include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/project/network/network_load.hpp"
 
@@ -19,14 +19,13 @@ using Action = int (*)(const ProjectArguments&);
 
 /// Adds a command; each has arguments of its own.
 struct Adder {
-  CLI::App& group;
+  Command& group;
   int& exit_code;
 
-  std::pair<CLI::App*, std::shared_ptr<ProjectArguments>> add(const char* name, const char* help,
-                                                              Action action,
-                                                              CLI::App* below = nullptr) const {
+  std::pair<Command*, std::shared_ptr<ProjectArguments>> add(const char* name, const char* help,
+                                                             Action action, Command* below = nullptr) const {
     auto arguments = std::make_shared<ProjectArguments>();
-    CLI::App* command = (below != nullptr ? below : &group)->add_subcommand(name, help);
+    Command* command = (below != nullptr ? below : &group)->add_subcommand(name, help);
     command->add_option("PROJECT", arguments->project, "folder with nodelist.cpj, or a file *.cpj")
         ->required();
     command->add_option("--network", arguments->network, "of a list with several networks: which one, from 1")
@@ -38,18 +37,18 @@ struct Adder {
   }
 };
 
-void add_dry_run(CLI::App& command, ProjectArguments& arguments) {
+void add_dry_run(Command& command, ProjectArguments& arguments) {
   command.add_flag("--dry-run", arguments.dry_run,
                    "show what would change, and the load of the bus, but write nothing");
 }
 
 constexpr const char* node_help = "node-ID, or name in the project";
 
-void add_node(CLI::App& command, ProjectArguments& arguments, bool required) {
+void add_node(Command& command, ProjectArguments& arguments, bool required) {
   command.add_option("NODE", arguments.node, node_help)->required(required);
 }
 
-void add_node_id(CLI::App& command, unsigned& node_id, const char* help) {
+void add_node_id(Command& command, unsigned& node_id, const char* help) {
   command.add_option("--node-id", node_id, help)->type_name("1-127")->check(number_from(1, 127));
 }
 
@@ -95,21 +94,23 @@ void add_changing(const Adder& adder) {
     command->add_option("OBJECT=VALUE", arguments->items,
                         "1017=500, \"Producer heartbeat time=500\", '1800:01=$NODEID+0x180'");
     command
-        ->add_option_function<std::string>(
+        ->add_option_function(
             "--name",
             [arguments = arguments](const std::string& name) {
               arguments->name = name;
               arguments->is_named = true;
+              return std::string();
             },
             "of the node, or without NODE of the network")
         ->type_name("NAME");
     add_node_id(*command, arguments->node_id, "another one; COB-IDs that hold it follow");
     command
-        ->add_option_function<std::string>(
+        ->add_option_function(
             "--reference",
             [arguments = arguments](const std::string& reference) {
               arguments->reference = reference;
               arguments->has_reference = true;
+              return std::string();
             },
             "reference designation, for example -M1")
         ->type_name("TEXT");
@@ -141,7 +142,7 @@ void add_changing(const Adder& adder) {
   }
 }
 
-void add_bus(CLI::App& command, ProjectArguments& arguments) {
+void add_bus(Command& command, ProjectArguments& arguments) {
   add_bus_options(command, arguments.bus, "for each answer of a node", false);
 }
 
@@ -201,7 +202,7 @@ void add_online(const Adder& adder) {
 }
 
 void add_dcfs(const Adder& adder) {
-  CLI::App* dcf = adder.group.add_subcommand("dcf", "Save a node's DCF, or take over another one's values");
+  Command* dcf = adder.group.add_subcommand("dcf", "Save a node's DCF, or take over another one's values");
   dcf->require_subcommand(1);
   const auto add = [&](const char* name, const char* what, int (*run)(const ProjectArguments&),
                        const char* file) {
@@ -217,7 +218,7 @@ void add_dcfs(const Adder& adder) {
 }
 
 void add_pdos(const Adder& adder) {
-  CLI::App* pdo = adder.group.add_subcommand("pdo", "List, map and link the PDOs of a project");
+  Command* pdo = adder.group.add_subcommand("pdo", "List, map and link the PDOs of a project");
   pdo->require_subcommand(1);
   {
     auto [command, arguments] = adder.add(
@@ -225,7 +226,7 @@ void add_pdos(const Adder& adder) {
     add_node(*command, *arguments, false);
     command->add_flag("--all", arguments->all_values, "those that are off, too");
   }
-  const auto add_pdo = [](CLI::App& command, ProjectArguments& arguments) {
+  const auto add_pdo = [](Command& command, ProjectArguments& arguments) {
     add_node(command, arguments, true);
     command.add_option("PDO", arguments.pdo, "tpdo1, rpdo2 and so on")->required();
   };
@@ -343,11 +344,11 @@ int change_network(const ProjectArguments& arguments, const std::string& title,
   return code;
 }
 
-void add_project_command(CLI::App& app, int& exit_code) {
-  CLI::App* group =
-      app.add_subcommand("project", "Set up a CANopen network: nodes, values and PDOs as CiA 306 files");
-  group->require_subcommand(1);
-  group->footer(
+namespace {
+
+void build_project_command(Command& group, int& exit_code) {
+  group.require_subcommand(1);
+  group.footer(
       "A project is a folder: nodelist.cpj names the nodes, and each has its DCF beside it. Other tools read "
       "and write the\n"
       "same files; what is not changed stays byte for byte.\n"
@@ -356,12 +357,19 @@ void add_project_command(CLI::App& app, int& exit_code) {
       "4 differences, or errors in the project, 5 the project cannot be as asked for, 6 a node refused a "
       "value.\n"
       "docs/project.md goes through it.");
-  const Adder adder{*group, exit_code};
+  const Adder adder{group, exit_code};
   add_changing(adder);
   add_looking(adder);
   add_dcfs(adder);
   add_pdos(adder);
   add_online(adder);
+}
+
+}  // namespace
+
+void add_project_command(Command& app, int& exit_code) {
+  app.add_subcommand("project", "Set up a CANopen network: nodes, values and PDOs as CiA 306 files",
+                     [&exit_code](Command& group) { build_project_command(group, exit_code); });
 }
 
 }  // namespace canopus::cli

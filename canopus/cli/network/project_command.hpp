@@ -8,14 +8,12 @@
 #include "canopus/cli/commands/bus_command.hpp"
 #include "canopus/cli/network/project_folder.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace canopus::cli {
 
+class Command;
+
 /// Adds the command and those in it.
-void add_project_command(CLI::App& app, int& exit_code);
+void add_project_command(Command& app, int& exit_code);
 
 /// Exit codes of `canopus project`, one for each kind of failure.
 namespace project_code {

@@ -3,10 +3,9 @@
 #include <charconv>
 #include <memory>
 
-#include <CLI/CLI.hpp>
-
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/terminal/kept_work.hpp"
-#include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/cli/terminal/print.hpp"
 
 namespace canopus::cli {
@@ -19,7 +18,7 @@ std::string why_no_model(const std::string& name) {
   return fmt::format("\"{}\" is not known; expected one of {}", name, project::module_model_names());
 }
 
-void add_model_option(CLI::App& command, ConfigureArguments& arguments) {
+void add_model_option(Command& command, ConfigureArguments& arguments) {
   arguments.model = project::fx3u_can_settings().name;
   command.add_option("--model", arguments.model, "the module: " + project::module_model_names())
       ->type_name("MODEL")
@@ -29,13 +28,13 @@ void add_model_option(CLI::App& command, ConfigureArguments& arguments) {
 
 /// Adds a command; each has arguments of its own.
 struct Adder {
-  CLI::App& group;
+  Command& group;
   int& exit_code;
 
-  std::pair<CLI::App*, std::shared_ptr<ConfigureArguments>> add(const char* name, const char* help,
-                                                                Action action) const {
+  std::pair<Command*, std::shared_ptr<ConfigureArguments>> add(const char* name, const char* help,
+                                                               Action action) const {
     auto arguments = std::make_shared<ConfigureArguments>();
-    CLI::App* command = group.add_subcommand(name, help);
+    Command* command = group.add_subcommand(name, help);
     command->callback(
         [arguments, action, code = &exit_code] { *code = keep_working([&] { return action(*arguments); }); });
     return {command, arguments};
@@ -58,7 +57,7 @@ struct Adder {
         ->type_name("FILE");
     return added;
   }
-  static void add_online_options(CLI::App& command, ConfigureArguments& arguments) {
+  static void add_online_options(Command& command, ConfigureArguments& arguments) {
     add_connection_options(command, arguments.plc);
     command
         .add_option("--number", arguments.module_number,
@@ -71,7 +70,7 @@ struct Adder {
 const std::vector<std::string_view> window_words{"basic",  "node",  "tpdo",     "rpdo",
                                                  "master", "slave", "consumer", "producer"};
 
-void add_transfer_options(CLI::App& command, ConfigureArguments& arguments) {
+void add_transfer_options(Command& command, ConfigureArguments& arguments) {
   Adder::add_online_options(command, arguments);
   command.add_option("--part", arguments.part, "what is transferred")
       ->type_name("PART")
@@ -286,22 +285,30 @@ std::expected<project::PdoRange, std::string> parse_area(const std::string& text
   return project::PdoRange{first, last};
 }
 
-void add_configure_command(CLI::App& app, int& exit_code) {
-  CLI::App* group = app.add_subcommand(
-      "configure", "Set up a communication module through its PLC, as its CANopen Configuration Tool does");
-  group->require_subcommand(1);
-  group->footer(
+namespace {
+
+void build_configure_command(Command& group, int& exit_code) {
+  group.require_subcommand(1);
+  group.footer(
       "A project holds the settings of one module (FX3U-CAN or RJ71CN91, CANopen 405 mode) and is one XML "
       "file.\n"
       "Exit codes: 0 done, 1 the module or the PLC refused or cannot be reached, 2 wrong command line, "
       "project or file,\n"
       "3 the CPU module is in RUN, 4 differences, or errors in the project.\n"
       "docs/configure.md goes through it.");
-  const Adder adder{*group, exit_code};
+  const Adder adder{group, exit_code};
   add_offline(adder);
   add_online(adder);
   add_nodes(adder);
-  add_setup_commands(*group, exit_code);
+  add_setup_commands(group, exit_code);
+}
+
+}  // namespace
+
+void add_configure_command(Command& app, int& exit_code) {
+  app.add_subcommand("configure",
+                     "Set up a communication module through its PLC, as its CANopen Configuration Tool does",
+                     [&exit_code](Command& group) { build_configure_command(group, exit_code); });
 }
 
 }  // namespace canopus::cli

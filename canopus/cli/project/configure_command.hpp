@@ -8,14 +8,12 @@
 #include "canopus/cli/commands/plc_access.hpp"
 #include "canopus/project/module_transfer.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace canopus::cli {
 
+class Command;
+
 /// Adds the command and those in it.
-void add_configure_command(CLI::App& app, int& exit_code);
+void add_configure_command(Command& app, int& exit_code);
 
 struct ConfigureArguments {
   PlcArguments plc;
@@ -76,7 +74,7 @@ int list_nodes(const ConfigureArguments& arguments);
 int identify_slave(const ConfigureArguments& arguments);
 
 /// `configure setup ...`: transfer setups (project_setups.cpp).
-void add_setup_commands(CLI::App& configure, int& exit_code);
+void add_setup_commands(Command& configure, int& exit_code);
 
 /// "canopus configure: ..." on stderr; returns `code`.
 int configure_failed(int code, const std::string& message);

@@ -5,14 +5,14 @@
 #include <optional>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/project/configure_command.hpp"
 #include "canopus/cli/setups/transfer_setups.hpp"
 #include "canopus/cli/terminal/kept_work.hpp"
-#include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/project/module_windows.hpp"
 
@@ -179,7 +179,7 @@ int test_setup(const SetupArguments& arguments) {
 }
 
 /// [Configure] to [Finish].
-void add_setup_options(CLI::App& command, SetupArguments& arguments) {
+void add_setup_options(Command& command, SetupArguments& arguments) {
   command.add_option("--host", arguments.host, "Host(IP Address) [127.0.0.1]")->type_name("HOST");
   command.add_option("--port", arguments.port, "of the PLC [5007]")
       ->type_name("PORT")
@@ -215,8 +215,8 @@ void add_setup_options(CLI::App& command, SetupArguments& arguments) {
 
 }  // namespace
 
-void add_setup_commands(CLI::App& configure, int& exit_code) {
-  CLI::App* const group =
+void add_setup_commands(Command& configure, int& exit_code) {
+  Command* const group =
       configure.add_subcommand("setup", "Transfer setups: ways to PLCs, kept by name, for --setup NAME");
   group->require_subcommand(1);
   group->footer(
@@ -232,7 +232,7 @@ void add_setup_commands(CLI::App& configure, int& exit_code) {
   using Setup = int (*)(const SetupArguments&);
   const auto add = [&](const char* name, const char* help, Setup action) {
     auto arguments = std::make_shared<SetupArguments>();
-    CLI::App* command = group->add_subcommand(name, help);
+    Command* command = group->add_subcommand(name, help);
     command->callback(
         [arguments, action, code = &exit_code] { *code = keep_working([&] { return action(*arguments); }); });
     return std::pair(command, arguments);

@@ -23,40 +23,40 @@ std::string fish_quoted(const std::string& text) {
 
 /// The command and all commands in it, outermost first.
 template <typename Each>
-void walk(const CommandDescription& command, const Each& each) {
+void walk(const Command& command, const Each& each) {
   each(command);
-  for (const CommandDescription& inner : command.commands) walk(inner, each);
+  for (const Command& inner : command.commands()) walk(inner, each);
 }
 
-std::vector<std::string> words_behind(const CommandDescription& command) {
+std::vector<std::string> words_behind(const Command& command) {
   std::vector<std::string> words;
-  for (const CommandDescription& inner : command.commands) words.push_back(inner.word());
-  for (const OptionDescription& option : command.options)
-    words.insert(words.end(), option.names.begin(), option.names.end());
+  for (const Command& inner : command.commands()) words.push_back(inner.name());
+  for (const Option& option : command.options())
+    words.insert(words.end(), option.names().begin(), option.names().end());
   return words;
 }
 
 /// Of every command with commands in it: "canopus/trace) words;;"
-std::string bash_script(const CommandDescription& program) {
+std::string bash_script(const Command& program) {
   std::string commands, options, values, arguments;
-  walk(program, [&](const CommandDescription& command) {
-    const std::string key = replaced(command.name, " ", "/");
+  walk(program, [&](const Command& command) {
+    const std::string key = replaced(command.full_name(), " ", "/");
     std::vector<std::string> inner;
-    for (const CommandDescription& each : command.commands) inner.push_back(each.word());
+    for (const Command& each : command.commands()) inner.push_back(each.name());
     if (!inner.empty())
       commands += fmt::format("    {}) echo {} ;;\n", key, quoted(fmt::format("{}", fmt::join(inner, " "))));
     options += fmt::format("    {}) echo {} ;;\n", key,
                            quoted(fmt::format("{}", fmt::join(words_behind(command), " "))));
-    for (const OptionDescription& argument : command.arguments) {
-      if (argument.choices.empty()) continue;
+    for (const Option& argument : command.arguments()) {
+      if (argument.choices().empty()) continue;
       arguments += fmt::format("    {}) echo {} ;;\n", key,
-                               quoted(fmt::format("{}", fmt::join(argument.choices, " "))));
+                               quoted(fmt::format("{}", fmt::join(argument.choices(), " "))));
     }
-    for (const OptionDescription& option : command.options) {
-      if (option.value.empty()) continue;
-      for (const std::string& name : option.names) {
+    for (const Option& option : command.options()) {
+      if (option.value().empty()) continue;
+      for (const std::string& name : option.names()) {
         values += fmt::format("    {}:{}) echo {} ;;\n", key, name,
-                              quoted(fmt::format("{}", fmt::join(option.choices, " "))));
+                              quoted(fmt::format("{}", fmt::join(option.choices(), " "))));
       }
     }
   });
@@ -105,8 +105,8 @@ complete -o bashdefault -o default -F _canopus canopus
 )sh";
 }
 
-std::string zsh_function(const CommandDescription& command) {
-  return "_" + replaced(replaced(command.name, " ", "_"), "-", "_");
+std::string zsh_function(const Command& command) {
+  return "_" + replaced(replaced(command.full_name(), " ", "_"), "-", "_");
 }
 
 /// As _arguments wants a description: no brackets, no colons.
@@ -114,28 +114,28 @@ std::string zsh_text(const std::string& text) {
   return replaced(replaced(replaced(text, "[", "("), "]", ")"), ":", "\\:");
 }
 
-std::string zsh_value(const OptionDescription& option) {
+std::string zsh_value(const Option& option) {
   const std::string action =
-      option.choices.empty() ? "_files" : fmt::format("({})", fmt::join(option.choices, " "));
-  return fmt::format(":{}:{}",
-                     zsh_text(option.names.front().starts_with('-') ? option.value : option.names.front()),
-                     action);
+      option.choices().empty() ? "_files" : fmt::format("({})", fmt::join(option.choices(), " "));
+  return fmt::format(
+      ":{}:{}", zsh_text(option.names().front().starts_with('-') ? option.value() : option.names().front()),
+      action);
 }
 
-std::string zsh_script(const CommandDescription& program) {
+std::string zsh_script(const Command& program) {
   std::string script = "#compdef canopus\n";
-  walk(program, [&](const CommandDescription& command) {
+  walk(program, [&](const Command& command) {
     script += fmt::format("{}() {{\n  _arguments -C", zsh_function(command));
-    for (const OptionDescription& option : command.options) {
-      for (const std::string& name : option.names) {
-        const std::string repeat = option.several ? "*" : "";
-        script += " \\\n    " + quoted(repeat + name + "[" + zsh_text(option.description) + "]" +
-                                       (option.value.empty() ? "" : zsh_value(option)));
+    for (const Option& option : command.options()) {
+      for (const std::string& name : option.names()) {
+        const std::string repeat = option.is_several() ? "*" : "";
+        script += " \\\n    " + quoted(repeat + name + "[" + zsh_text(option.description()) + "]" +
+                                       (option.value().empty() ? "" : zsh_value(option)));
       }
     }
-    if (command.commands.empty()) {
-      for (const OptionDescription& argument : command.arguments) {
-        script += " \\\n    " + quoted((argument.several ? "*" : "") + zsh_value(argument));
+    if (command.commands().empty()) {
+      for (const Option& argument : command.arguments()) {
+        script += " \\\n    " + quoted((argument.is_several() ? "*" : "") + zsh_value(argument));
       }
       script += "\n}\n";
       return;
@@ -143,12 +143,12 @@ std::string zsh_script(const CommandDescription& program) {
     script +=
         " \\\n    '1:command:->command' \\\n    '*::arguments:->arguments'\n  case $state in\n  command)\n   "
         " local -a commands=(";
-    for (const CommandDescription& inner : command.commands) {
-      script += "\n      " + quoted(inner.word() + ":" + inner.description);
+    for (const Command& inner : command.commands()) {
+      script += "\n      " + quoted(inner.name() + ":" + inner.description());
     }
     script += ")\n    _describe command commands ;;\n  arguments)\n    case $words[1] in\n";
-    for (const CommandDescription& inner : command.commands) {
-      script += fmt::format("    {}) {} ;;\n", inner.word(), zsh_function(inner));
+    for (const Command& inner : command.commands()) {
+      script += fmt::format("    {}) {} ;;\n", inner.name(), zsh_function(inner));
     }
     script += "    esac ;;\n  esac\n}\n";
   });
@@ -157,15 +157,16 @@ std::string zsh_script(const CommandDescription& program) {
 }
 
 /// The words behind "canopus" as the condition of a completion: the ones of this command, and no inner one yet.
-std::string fish_condition(const CommandDescription& command) {
-  return fish_quoted("__canopus_at " +
-                     command.name.substr(std::min(command.name.size(), std::string_view("canopus ").size())));
+std::string fish_condition(const Command& command) {
+  return fish_quoted("__canopus_at " + command.full_name().substr(std::min(
+                                           command.full_name().size(), std::string_view("canopus ").size())));
 }
 
-std::string fish_script(const CommandDescription& program) {
+std::string fish_script(const Command& program) {
   std::string known;
-  walk(program, [&](const CommandDescription& command) {
-    if (!command.commands.empty() || command.name != program.name) known += " " + fish_quoted(command.name);
+  walk(program, [&](const Command& command) {
+    if (!command.commands().empty() || command.full_name() != program.full_name())
+      known += " " + fish_quoted(command.full_name());
   });
   std::string script = R"sh(# Completion of canopus for fish
 set -g __canopus_commands)sh" +
@@ -179,28 +180,28 @@ function __canopus_at
   test "$path" = (string join ' ' canopus $argv)
 end
 )sh";
-  walk(program, [&](const CommandDescription& command) {
+  walk(program, [&](const Command& command) {
     const std::string condition = fish_condition(command);
-    for (const CommandDescription& inner : command.commands) {
+    for (const Command& inner : command.commands()) {
       script += fmt::format("complete -c canopus -f -n {} -a {} -d {}\n", condition,
-                            fish_quoted(inner.word()), fish_quoted(inner.description));
+                            fish_quoted(inner.name()), fish_quoted(inner.description()));
     }
-    for (const OptionDescription& argument : command.arguments) {
-      if (argument.choices.empty()) continue;
+    for (const Option& argument : command.arguments()) {
+      if (argument.choices().empty()) continue;
       script += fmt::format("complete -c canopus -f -n {} -a {}\n", condition,
-                            fish_quoted(fmt::format("{}", fmt::join(argument.choices, " "))));
+                            fish_quoted(fmt::format("{}", fmt::join(argument.choices(), " "))));
     }
-    for (const OptionDescription& option : command.options) {
+    for (const Option& option : command.options()) {
       script += fmt::format("complete -c canopus -n {}", condition);
-      for (const std::string& name : option.names) {
+      for (const std::string& name : option.names()) {
         script += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
       }
-      if (!option.choices.empty()) {
-        script += " -x -a " + fish_quoted(fmt::format("{}", fmt::join(option.choices, " ")));
-      } else if (!option.value.empty()) {
+      if (!option.choices().empty()) {
+        script += " -x -a " + fish_quoted(fmt::format("{}", fmt::join(option.choices(), " ")));
+      } else if (!option.value().empty()) {
         script += " -r";
       }
-      script += " -d " + fish_quoted(option.description) + "\n";
+      script += " -d " + fish_quoted(option.description()) + "\n";
     }
   });
   return script;
@@ -215,7 +216,7 @@ std::optional<Shell> shell_of(std::string_view word) {
   return std::nullopt;
 }
 
-std::string completion_script(const CommandDescription& program, Shell shell) {
+std::string completion_script(const Command& program, Shell shell) {
   switch (shell) {
     case Shell::bash: return bash_script(program);
     case Shell::zsh: return zsh_script(program);

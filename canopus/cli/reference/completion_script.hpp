@@ -1,11 +1,11 @@
 #pragma once
-// Scripts that complete the words of the program's command line in a shell, made from the description of its commands.
+// Scripts that complete the words of the program's command line in a shell, made from the table of its commands.
 
 #include <optional>
 #include <string>
 #include <string_view>
 
-#include "canopus/cli/reference/command_description.hpp"
+#include "canopus/cli/options/command.hpp"
 
 namespace canopus::cli {
 
@@ -15,6 +15,6 @@ enum class Shell { bash, zsh, fish };
 [[nodiscard]] std::optional<Shell> shell_of(std::string_view word);
 
 /// What to load in the shell, or to put where it looks for completions.
-[[nodiscard]] std::string completion_script(const CommandDescription& program, Shell shell);
+[[nodiscard]] std::string completion_script(const Command& program, Shell shell);
 
 }  // namespace canopus::cli

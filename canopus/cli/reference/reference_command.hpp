@@ -4,13 +4,11 @@
 
 #include <string_view>
 
-namespace CLI {
-class App;
-}
-
 namespace canopus::cli {
 
+class Command;
+
 /// To be added last: they describe `app` as it is when they run.
-void add_reference_commands(CLI::App& app, int& exit_code, std::string_view version);
+void add_reference_commands(Command& app, int& exit_code, std::string_view version);
 
 }  // namespace canopus::cli

@@ -5,11 +5,10 @@
 #include <string>
 #include <string_view>
 
-#include <CLI/CLI.hpp>
-
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/option_checks.hpp"
+#include "canopus/cli/options/real_time_option.hpp"
 #include "canopus/cli/run/run_loop.hpp"
-#include "canopus/cli/terminal/option_checks.hpp"
-#include "canopus/cli/terminal/real_time_option.hpp"
 #include "canopus/cli/web/web_access.hpp"
 #include "canopus/text/text_values.hpp"
 #include "canopus/trace/file/trace_file.hpp"
@@ -17,10 +16,9 @@
 namespace canopus::cli {
 
 namespace {
-constexpr std::string_view without_time = "true";  // what CLI11 gives for a flag without a value
-}
+constexpr std::string_view without_time = "true";  // what a flag without a value gets
 
-void add_run_command(CLI::App& app, int& exit_code) {
+void build_run_command(Command& command, int& exit_code) {
   struct Words {
     RunOptions options;
     std::string duration;
@@ -30,44 +28,42 @@ void add_run_command(CLI::App& app, int& exit_code) {
     RealTimeOption real_time;
   };
   auto words = std::make_shared<Words>();
-  CLI::App* command = app.add_subcommand("run", "Start everything a plant file describes, until Ctrl-C");
-  command->add_option("PLANT", words->options.plant, "Plant file (TOML, see docs/plant-file.md)")->required();
+  command.add_option("PLANT", words->options.plant, "Plant file (TOML, see docs/plant-file.md)")->required();
   command
-      ->add_option("--for", words->duration, "Stop after this much plant time, for example 10s, 500ms, 2min")
+      .add_option("--for", words->duration, "Stop after this much plant time, for example 10s, 500ms, 2min")
       ->type_name("TIME")
       ->check([](const std::string& text) {
         const auto duration = text::parse_duration(text);
         return duration ? std::string() : duration.error();
       });
-  auto* virtual_time = command->add_flag(
+  auto* virtual_time = command.add_flag(
       "--virtual", words->options.virtual_time,
       "Virtual time: as fast as possible, the same every time, without --step without clients");
   command
-      ->add_flag(
+      .add_flag(
           "--step", words->options.step,
           "Drive the plant from outside: its time moves only when a client of the control server asks for "
           "scans or time (docs/control.md); without `control` in the plant file on a free port")
       ->needs(virtual_time);
-  command->add_flag("--free-ports", words->options.free_ports,
-                    "Every server takes a free port instead of the plant file's, and says which");
-  auto* web = command
-                  ->add_option(
-                      "--web", words->web,
+  command.add_flag("--free-ports", words->options.free_ports,
+                   "Every server takes a free port instead of the plant file's, and says which");
+  auto* web =
+      command
+          .add_option("--web", words->web,
                       "Show the plant on a page in the browser, at this address of this machine; without one "
                       "on a free port (docs/web.md). It says where, and opens nothing by itself")
-                  ->type_name("[ADDRESS:PORT]")
-                  ->expected(0, 1)
-                  ->excludes(virtual_time)
-                  ->check([](const std::string& text) {
-                    if (text.empty()) return std::string();
-                    const auto place = text::parse_host_and_port(text);
-                    return place ? std::string() : place.error();
-                  });
+          ->type_name("[ADDRESS:PORT]")
+          ->expected(0, 1)
+          ->excludes(virtual_time)
+          ->check([](const std::string& text) {
+            if (text.empty()) return std::string();
+            const auto place = text::parse_host_and_port(text);
+            return place ? std::string() : place.error();
+          });
   command
-      ->add_option(
-          "--web-settings", words->web_settings,
-          "The settings of a module of the plant, a project of `canopus configure`, are on the page, "
-          "too; may be given again")
+      .add_option("--web-settings", words->web_settings,
+                  "The settings of a module of the plant, a project of `canopus configure`, are on the page, "
+                  "too; may be given again")
       ->type_name("FILE")
       ->allow_extra_args(false)
       ->needs(web)
@@ -77,44 +73,44 @@ void add_run_command(CLI::App& app, int& exit_code) {
         words->options.web_settings.push_back(std::move(*settings));
         return std::string();
       });
-  add_web_access_options(*command, "--web-", words->options.web_access, web);
-  command->add_option("--seed", words->options.seed, "Seed of everything random, instead of the plant file's")
+  add_web_access_options(command, "--web-", words->options.web_access, web);
+  command.add_option("--seed", words->options.seed, "Seed of everything random, instead of the plant file's")
       ->check(number_from(0, std::numeric_limits<std::uint64_t>::max()))
       ->type_name("N");
   command
-      ->add_option("--threads", words->options.threads,
-                   "With --virtual: at most so many threads run the parts of the plant that share nothing; "
-                   "without it one for each processor. The output is the same with any number")
+      .add_option("--threads", words->options.threads,
+                  "With --virtual: at most so many threads run the parts of the plant that share nothing; "
+                  "without it one for each processor. The output is the same with any number")
       ->needs(virtual_time)
       ->check(number_from(1, 256))
       ->type_name("N");
   command
-      ->add_option(
+      .add_option(
           "--link", words->options.links,
           "Put a bus of the plant on a real one, or on a trace: BUS=ADDRESS, with one bus ADDRESS alone; "
           "again for the next bus (docs/commands.md has the addresses)")
       ->type_name("[BUS=]ADDRESS")
       ->allow_extra_args(false);
   command
-      ->add_option("--trace", words->options.trace,
-                   "Record every frame: as candump log (*.log or no extension), or *.pcap, *.pcapng, *.asc, "
-                   "*.trc, *.csv")
+      .add_option("--trace", words->options.trace,
+                  "Record every frame: as candump log (*.log or no extension), or *.pcap, *.pcapng, *.asc, "
+                  "*.trc, *.csv")
       ->type_name("FILE")
       ->check([](const std::string& path) {
         const auto format = trace::trace_format_of(path);
         return format ? std::string() : format.error();
       });
   command
-      ->add_option(
+      .add_option(
           "--vcd", words->options.vcd,
           "Record the wire bit by bit as a waveform (VCD, for PulseView, GTKWave, sigrok-cli); slower")
       ->type_name("FILE");
   command
-      ->add_option("--svg", words->options.svg,
-                   "At the end, draw the lifts: position, doors and calls over time (docs/lift.md)")
+      .add_option("--svg", words->options.svg,
+                  "At the end, draw the lifts: position, doors and calls over time (docs/lift.md)")
       ->type_name("FILE");
   command
-      ->add_flag(
+      .add_flag(
           "--expect-operational", words->operational,
           "Exit code 3 unless all nodes are operational at the end; =TIME: unless they were within this "
           "plant time, and without --for the run ends as soon as they are")
@@ -124,9 +120,9 @@ void add_run_command(CLI::App& app, int& exit_code) {
         return duration ? std::string() : duration.error();
       });
   auto* json =
-      command->add_flag("--json", words->options.json, "One JSON object per line (see docs/events.md)");
-  command->add_flag("-q,--quiet", words->options.quiet, "Print errors alone")->excludes(json);
-  command->footer(
+      command.add_flag("--json", words->options.json, "One JSON object per line (see docs/events.md)");
+  command.add_flag("-q,--quiet", words->options.quiet, "Print errors alone")->excludes(json);
+  command.footer(
       "Without --json and --quiet a terminal shows a live table, a pipe gets one line per event.\n"
       "Exit codes: 0 ended as asked, 1 could not start, could not write a file or the output, or an error "
       "in\n"
@@ -136,7 +132,7 @@ void add_run_command(CLI::App& app, int& exit_code) {
       "waits 5 s\n"
       "for the rest of a request and 30 s for replies that a client does not take; docs/mc-protocol.md.\n"
       "Example: canopus run plant.toml --virtual --expect-operational=30s");
-  command->callback([words, web, &exit_code] {
+  command.callback([words, web, &exit_code] {
     if (!words->duration.empty()) words->options.duration = *text::parse_duration(words->duration);
     words->options.real_time = words->real_time.wanted();
     if (web->count() != 0) {
@@ -148,6 +144,13 @@ void add_run_command(CLI::App& app, int& exit_code) {
     }
     exit_code = run_plant(words->options);
   });
+}
+
+}  // namespace
+
+void add_run_command(Command& app, int& exit_code) {
+  app.add_subcommand("run", "Start everything a plant file describes, until Ctrl-C",
+                     [&exit_code](Command& command) { build_run_command(command, exit_code); });
 }
 
 }  // namespace canopus::cli

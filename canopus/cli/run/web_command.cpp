@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "canopus/cli/commands/plc_arguments.hpp"
 #include "canopus/cli/network/project_folder.hpp"
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/run/run_loop.hpp"
-#include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/cli/terminal/plant_loading.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/text/printable.hpp"
@@ -156,71 +156,73 @@ int run_project(const WebArguments& arguments) {
   return run_page(arguments, std::move(options));
 }
 
-}  // namespace
-
-void add_web_command(CLI::App& app, int& exit_code) {
+void build_web_command(Command& command, int& exit_code) {
   auto arguments = std::make_shared<WebArguments>();
-  CLI::App* command = app.add_subcommand(
-      "web", "Show and edit a project on a page in the browser, with its bus or simulated");
   auto* project =
-      command->add_option("PROJECT", arguments->project,
-                          "folder with nodelist.cpj, a file *.cpj, or a module project *.xml (canopus "
-                          "configure); without it the page offers the plants and projects of this "
-                          "folder, a new project, and a built-in plant");
-  command->add_option("--network", arguments->network, "of a list with several networks: which one, from 1")
+      command.add_option("PROJECT", arguments->project,
+                         "folder with nodelist.cpj, a file *.cpj, or a module project *.xml (canopus "
+                         "configure); without it the page offers the plants and projects of this "
+                         "folder, a new project, and a built-in plant");
+  command.add_option("--network", arguments->network, "of a list with several networks: which one, from 1")
       ->type_name("NUMBER")
       ->check(number_from(1, 1000))
       ->needs(project);
   auto* bus = command
-                  ->add_option("--bus", arguments->bus,
-                               "the real bus, for example socketcan:can0; without it the project's nodes are "
-                               "simulated (docs/commands.md has the addresses)")
+                  .add_option("--bus", arguments->bus,
+                              "the real bus, for example socketcan:can0; without it the project's nodes are "
+                              "simulated (docs/commands.md has the addresses)")
                   ->type_name("ADDRESS");
-  command->add_flag("--no-devices", arguments->no_devices, "neither a bus nor simulated nodes: files alone")
+  command.add_flag("--no-devices", arguments->no_devices, "neither a bus nor simulated nodes: files alone")
       ->excludes(bus)
       ->needs(project);
   bus->needs(project);
   command
-      ->add_option(
-          "--eds", arguments->device_files,
-          "a device file, or a folder with them, for devices that are found on the bus; may be given "
-          "again; without it the project's folder")
+      .add_option("--eds", arguments->device_files,
+                  "a device file, or a folder with them, for devices that are found on the bus; may be given "
+                  "again; without it the project's folder")
       ->type_name("FILE")
       ->allow_extra_args(false);
   command
-      ->add_option("--listen", arguments->listen,
-                   "address and port of this machine for the page; without it a free port (docs/web.md)")
+      .add_option("--listen", arguments->listen,
+                  "address and port of this machine for the page; without it a free port (docs/web.md)")
       ->type_name("ADDRESS:PORT")
       ->check([](const std::string& text) {
         const auto place = text::parse_host_and_port(text);
         return place ? std::string() : place.error();
       });
-  command->option_defaults()->group("The PLC of a module project");
-  add_connection_options(*command, arguments->plc);
+  command.option_group("The PLC of a module project");
+  add_connection_options(command, arguments->plc);
   for (const char* name : {"--modbus", "--unit", "--octal", "--module"})
-    command->remove_option(command->get_option(name));
-  command->option_defaults()->group("Options");
-  add_web_access_options(*command, "--", arguments->access);
-  command->add_option("--for", arguments->duration, "Stop after this time, for example 10s")
+    command.remove_option(command.get_option(name));
+  command.option_group("Options");
+  add_web_access_options(command, "--", arguments->access);
+  command.add_option("--for", arguments->duration, "Stop after this time, for example 10s")
       ->type_name("TIME")
       ->check([](const std::string& text) {
         const auto duration = text::parse_duration(text);
         return duration ? std::string() : duration.error();
       });
-  auto* json = command->add_flag("--json", arguments->json, "One JSON object per line (see docs/events.md)");
-  command->add_flag("-q,--quiet", arguments->quiet, "Print errors alone")->excludes(json);
-  command->footer(
+  auto* json = command.add_flag("--json", arguments->json, "One JSON object per line (see docs/events.md)");
+  command.add_flag("-q,--quiet", arguments->quiet, "Print errors alone")->excludes(json);
+  command.footer(
       "It says where the page is, and opens nothing by itself. Whoever knows the key of the printed address "
       "may\n"
       "edit the project; on a real bus nothing is written before somebody has armed writing on the page.\n"
       "Example: canopus web line1 --bus socketcan:can0");
-  command->callback([arguments, &exit_code] {
+  command.callback([arguments, &exit_code] {
     if (arguments->project.ends_with(".xml")) {
       exit_code = run_settings(*arguments);
     } else {
       exit_code = arguments->project.empty() ? run_start(*arguments) : run_project(*arguments);
     }
   });
+}
+
+}  // namespace
+
+void add_web_command(Command& app, int& exit_code) {
+  app.add_subcommand("web", "Show and edit a project on a page in the browser, with its bus or simulated",
+                     [&exit_code](Command& command) { build_web_command(command, exit_code); });
 }
 
 }  // namespace canopus::cli

@@ -5,12 +5,12 @@
 #include <limits>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <unistd.h>
 
 #include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/terminal/channel_choice.hpp"
-#include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/cli/trace/trace_input_file.hpp"
 #include "canopus/cli/trace/trace_player.hpp"
 #include "canopus/text/text_values.hpp"
@@ -262,36 +262,32 @@ int replay(const ReplayOptions& options) {
       BusTime::real);
 }
 
-}  // namespace
-
-void add_replay_command(CLI::App& app, int& exit_code) {
+void build_replay_command(Command& command, int& exit_code) {
   const auto options = std::make_shared<ReplayOptions>();
-  CLI::App* command = app.add_subcommand("replay", "Send the frames of a trace on a bus");
-  command->add_option("FILE", options->file, "Trace in any format that is read; - is the standard input")
+  command.add_option("FILE", options->file, "Trace in any format that is read; - is the standard input")
       ->required();
-  add_bus_options(*command, options->bus, "How long to wait for the bus at the start", false);
+  add_bus_options(command, options->bus, "How long to wait for the bus at the start", false);
   command
-      ->add_option("--speed", options->speed,
-                   "Twice as fast is 2; max is as fast as the bus takes the frames")
+      .add_option("--speed", options->speed, "Twice as fast is 2; max is as fast as the bus takes the frames")
       ->type_name("N|max")
       ->capture_default_str();
-  command->add_option("--loop", options->loops, "How often; 0 until Ctrl-C")
+  command.add_option("--loop", options->loops, "How often; 0 until Ctrl-C")
       ->type_name("N")
       ->capture_default_str()
       ->check(number_from(0, std::numeric_limits<std::uint32_t>::max()));
-  command->add_option("--from", options->from, "Begin this long after the first frame")->type_name("TIME");
-  command->add_option("--to", options->to, "End this long after the first frame")->type_name("TIME");
+  command.add_option("--from", options->from, "Begin this long after the first frame")->type_name("TIME");
+  command.add_option("--to", options->to, "End this long after the first frame")->type_name("TIME");
   command
-      ->add_option("--id", options->identifiers,
-                   "Only these identifiers: 601, 580-5FF, 18EBFF00x; may be given again")
+      .add_option("--id", options->identifiers,
+                  "Only these identifiers: 601, 580-5FF, 18EBFF00x; may be given again")
       ->type_name("ID");
-  command->add_option("--channel", options->channels, "Only this channel of the trace; may be given again")
+  command.add_option("--channel", options->channels, "Only this channel of the trace; may be given again")
       ->type_name("NAME");
   command
-      ->add_option("--node", options->node,
-                   "Only what this node hears: NMT, SYNC, TIME, its RPDOs, its SDO server, guarding, LSS")
+      .add_option("--node", options->node,
+                  "Only what this node hears: NMT, SYNC, TIME, its RPDOs, its SDO server, guarding, LSS")
       ->type_name("NODE");
-  command->footer(
+  command.footer(
       "Each frame is sent at its time since the first one; error frames are not sent. All channels go to one "
       "bus.\n"
       "Exit codes: 0 sent, or ended by Ctrl-C; 1 the bus was lost, complained or takes no more, parts of the "
@@ -299,7 +295,14 @@ void add_replay_command(CLI::App& app, int& exit_code) {
       "could not be read, or a --channel is not in it; 2 wrong command line or file.\n"
       "\n"
       "Example: canopus replay drive.blf --bus socketcan:can0 --node 5 --speed 2");
-  command->callback([options, &exit_code] { exit_code = replay(*options); });
+  command.callback([options, &exit_code] { exit_code = replay(*options); });
+}
+
+}  // namespace
+
+void add_replay_command(Command& app, int& exit_code) {
+  app.add_subcommand("replay", "Send the frames of a trace on a bus",
+                     [&exit_code](Command& command) { build_replay_command(command, exit_code); });
 }
 
 }  // namespace canopus::cli

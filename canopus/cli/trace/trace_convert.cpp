@@ -2,13 +2,12 @@
 
 #include <memory>
 
-#include <CLI/CLI.hpp>
-
 #include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/terminal/channel_choice.hpp"
 #include "canopus/cli/terminal/kept_work.hpp"
 #include "canopus/cli/terminal/new_file.hpp"
-#include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/cli/terminal/same_file.hpp"
 #include "canopus/cli/trace/trace_command.hpp"
 #include "canopus/cli/trace/trace_input_file.hpp"
@@ -143,9 +142,9 @@ int convert(const ConvertOptions& options) {
 
 }  // namespace
 
-void add_trace_convert(CLI::App& trace, int& exit_code) {
+void add_trace_convert(Command& trace, int& exit_code) {
   const auto options = std::make_shared<ConvertOptions>();
-  CLI::App* command = trace.add_subcommand("convert", "Write a trace in another format");
+  Command* command = trace.add_subcommand("convert", "Write a trace in another format");
   command->add_option("IN", options->in, "Trace in any format that is read; - is the standard input")
       ->required();
   command->add_option("OUT", options->out, "File to write; - is the standard output")->required();

@@ -2,11 +2,11 @@
 
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/cli/options/command.hpp"
 #include "canopus/cli/trace/trace_command.hpp"
 #include "canopus/cli/trace/trace_comparison.hpp"
 #include "canopus/cli/trace/trace_input_file.hpp"
@@ -110,9 +110,9 @@ int diff(const DiffOptions& options) {
 
 }  // namespace
 
-void add_trace_diff(CLI::App& trace, int& exit_code) {
+void add_trace_diff(Command& trace, int& exit_code) {
   const auto options = std::make_shared<DiffOptions>();
-  CLI::App* command =
+  Command* command =
       trace.add_subcommand("diff", "Compare two traces frame by frame, whatever their formats");
   command->add_option("A", options->a, "Trace; - is the standard input")->required();
   command->add_option("B", options->b, "The other trace")->required();

@@ -3,10 +3,10 @@
 #include <map>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "canopus/cli/commands/bus_command.hpp"
+#include "canopus/cli/options/command.hpp"
 #include "canopus/cli/trace/trace_command.hpp"
 #include "canopus/cli/trace/trace_input_file.hpp"
 
@@ -123,14 +123,14 @@ void print_as_json(const std::string& file, const TraceInputFile& in, const Figu
 
 }  // namespace
 
-void add_trace_info(CLI::App& trace, int& exit_code) {
+void add_trace_info(Command& trace, int& exit_code) {
   struct Options {
     std::string file, from;
     bool identifiers = false;
     bool json = false;
   };
   const auto options = std::make_shared<Options>();
-  CLI::App* command = trace.add_subcommand("info", "Say what is in a trace: format, frames, times, channels");
+  Command* command = trace.add_subcommand("info", "Say what is in a trace: format, frames, times, channels");
   command->add_option("FILE", options->file, "Trace in any format that is read; - is the standard input")
       ->required();
   add_format_option(*command, "--from", options->from, "Format, instead of what the content says", true);

@@ -1,13 +1,13 @@
 #include "canopus/cli/trace/trace_input_file.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "canopus/cli/terminal/option_checks.hpp"
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/option_checks.hpp"
 
 namespace canopus::cli {
 
-void add_format_option(CLI::App& command, const std::string& option, std::string& name,
+void add_format_option(Command& command, const std::string& option, std::string& name,
                        const std::string& help, bool read) {
   std::vector<std::string_view> known;
   for (const auto& entry : trace::format_names) {

@@ -9,14 +9,12 @@
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/trace/file/trace_reader.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace canopus::cli {
 
+class Command;
+
 /// `option` (--from, --to): the name of a format; empty is none. blf only where it is read.
-void add_format_option(CLI::App& command, const std::string& option, std::string& name,
+void add_format_option(Command& command, const std::string& option, std::string& name,
                        const std::string& help, bool read);
 
 class TraceInputFile {

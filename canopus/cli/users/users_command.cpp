@@ -6,13 +6,13 @@
 #include <optional>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <sys/stat.h>
 
+#include "canopus/cli/options/command.hpp"
+#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/terminal/new_file.hpp"
-#include "canopus/cli/terminal/option_checks.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/cli/users/password_input.hpp"
 #include "canopus/serve/web/web_password.hpp"
@@ -151,19 +151,19 @@ std::expected<std::string, std::string> without_user(const std::string& text, co
   return changed;
 }
 
-void add_users_command(CLI::App& app, int& exit_code) {
+namespace {
+
+void build_users_command(Command& users, int& exit_code) {
   auto arguments = std::make_shared<UsersArguments>();
-  CLI::App* users =
-      app.add_subcommand("web-users", "Users of the page in the browser: who they are and what they may do");
-  users->require_subcommand(1);
+  users.require_subcommand(1);
   const auto command = [&](const char* name, const char* help, int (*run)(const UsersArguments&)) {
-    CLI::App* one = users->add_subcommand(name, help);
+    Command* one = users.add_subcommand(name, help);
     one->add_option("FILE", arguments->file, "the users, one a line: name, role, hash of the password")
         ->required();
     one->callback([arguments, run, &exit_code] { exit_code = run(*arguments); });
     return one;
   };
-  CLI::App* add = command(
+  Command* add = command(
       "add", "Add a user; the password is asked for, or is the first line of the standard input", add_user);
   add->add_option("NAME", arguments->name, "letters, digits and . _ - @")->required()->check(check_name);
   add->add_option("--role", arguments->role,
@@ -176,10 +176,17 @@ void add_users_command(CLI::App& app, int& exit_code) {
   add->footer(
       "The file is made for its owner alone; others may not read or write it.\n"
       "Example: canopus web-users add users.txt anna --role operate");
-  CLI::App* remove = command("remove", "Remove a user", remove_user);
+  Command* remove = command("remove", "Remove a user", remove_user);
   remove->add_option("NAME", arguments->name, "the user")->required()->check(check_name);
-  CLI::App* list = command("list", "Print the users and their roles", list_users);
+  Command* list = command("list", "Print the users and their roles", list_users);
   list->add_flag("--json", arguments->json, "One JSON object per line");
+}
+
+}  // namespace
+
+void add_users_command(Command& app, int& exit_code) {
+  app.add_subcommand("web-users", "Users of the page in the browser: who they are and what they may do",
+                     [&exit_code](Command& users) { build_users_command(users, exit_code); });
 }
 
 }  // namespace canopus::cli

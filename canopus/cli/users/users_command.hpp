@@ -7,14 +7,12 @@
 
 #include "canopus/serve/web/web_users.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace canopus::cli {
 
+class Command;
+
 /// Adds `web-users` with its commands; sets exit_code when one runs.
-void add_users_command(CLI::App& app, int& exit_code);
+void add_users_command(Command& app, int& exit_code);
 
 /// The text of a users' file with this account in place of the one of its name, or behind the others; every other byte stays.
 /// The errors begin with `file`.

@@ -1,13 +1,11 @@
 #include "canopus/cli/web/web_access.hpp"
 
-#include <CLI/CLI.hpp>
-
+#include "canopus/cli/options/command.hpp"
 #include "canopus/serve/web/web_request.hpp"
 
 namespace canopus::cli {
 
-void add_web_access_options(CLI::App& command, const std::string& prefix, WebAccess& access,
-                            CLI::Option* page) {
+void add_web_access_options(Command& command, const std::string& prefix, WebAccess& access, Option* page) {
   auto* users =
       command.add_option(prefix + "users", access.users,
                          "The page is for the users in this file (canopus web-users), at any address of "
@@ -26,7 +24,7 @@ void add_web_access_options(CLI::App& command, const std::string& prefix, WebAcc
     return read ? std::string() : read.error();
   });
   if (page == nullptr) return;
-  for (CLI::Option* option : {users, audit, origin}) option->needs(page);
+  for (Option* option : {users, audit, origin}) option->needs(page);
 }
 
 }  // namespace canopus::cli

@@ -3,12 +3,10 @@
 
 #include <string>
 
-namespace CLI {
-class App;
-class Option;
-}  // namespace CLI
-
 namespace canopus::cli {
+
+class Command;
+class Option;
 
 struct WebAccess {
   std::string
@@ -24,7 +22,7 @@ struct WebAccess {
 
 /// --web-users, --web-audit, --web-origin; `prefix` is "--web-" or "--". Each needs `page`, the option that opens the page, if
 /// there is one. `access` outlives the command.
-void add_web_access_options(CLI::App& command, const std::string& prefix, WebAccess& access,
-                            CLI::Option* page = nullptr);
+void add_web_access_options(Command& command, const std::string& prefix, WebAccess& access,
+                            Option* page = nullptr);
 
 }  // namespace canopus::cli

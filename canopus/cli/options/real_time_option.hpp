@@ -3,10 +3,9 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
-#include <CLI/CLI.hpp>
-
-#include "canopus/cli/terminal/option_checks.hpp"
+#include "canopus/cli/options/option_checks.hpp"
 #include "canopus/serve/real_time_thread.hpp"
 
 namespace canopus::cli {
@@ -20,10 +19,10 @@ struct RealTimeOption {
     if (text != any) thread.processor = static_cast<unsigned>(std::stoul(text));
     return thread;
   }
-  static constexpr std::string_view any = "true";  // what CLI11 gives a flag without a value
+  static constexpr std::string_view any = "true";  // what a flag without a value gets
 };
 
-inline void add_real_time_option(CLI::App& command, RealTimeOption& option) {
+inline void add_real_time_option(Command& command, RealTimeOption& option) {
   constexpr unsigned most_processors = 1023;
   command
       .add_flag("--realtime", option.text,

@@ -1,0 +1,38 @@
+#pragma once
+// Reads a command line by the table of commands. The only part of the program that knows CLI11.
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "canopus/cli/options/command.hpp"
+
+namespace canopus::cli {
+
+/// What a command line came to.
+struct Parsing {
+  enum class Result : std::uint8_t {
+    ran,       ///< the command was called
+    answered,  ///< `text` is the help or the version
+    misfit,    ///< a word is missing, or one too many; `text` says which, but knows no better word
+    wrong      ///< `text` says what
+  };
+  /// A command that the words named.
+  struct Named {
+    const Command* command;
+    std::vector<std::string> left_over;  ///< words behind it that nothing took
+  };
+
+  Result result = Result::ran;
+  std::string text{};
+  std::vector<Named> commands{};  ///< the program, then the commands inwards
+};
+
+/// Puts the values into the options' targets and calls the command. Of the commands only those named are built.
+[[nodiscard]] Parsing parse_words(Command& program, std::span<const std::string> words);
+
+/// What --help prints.
+[[nodiscard]] std::string help_of(Command& program);
+
+}  // namespace canopus::cli
