@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <utility>
@@ -12,18 +13,19 @@ namespace canopus::serve {
 /// How long a client may take for something, in real time. One at a time.
 class ConnectionTimer {
  public:
-  explicit ConnectionTimer(boost::asio::io_context& context) : timer_(context) {}
+  using Clock = std::chrono::steady_clock;
 
-  /// Calls `over` after `timeout`, unless it is set or stopped before. `over` keeps the owner of the timer alive.
+  /// `now` says how late the timer is; another one than the clock's is for tests.
+  explicit ConnectionTimer(boost::asio::io_context& context, Clock::time_point (*now)() = &Clock::now)
+      : timer_(context), now_(now) {}
+
+  /// Calls `over` after `timeout`, unless it is set or stopped before. Where this process did not run when the time was
+  /// over (a busy machine, a suspended process), the client could not be served: it has the whole time again.
+  /// `over` keeps the owner of the timer alive.
   template <typename Over>
   void set(std::chrono::milliseconds timeout, Over over) {
     is_set_ = true;
-    const std::uint64_t turn = ++turn_;
-    timer_.expires_after(timeout);
-    timer_.async_wait([this, turn, over = std::move(over)](const boost::system::error_code& error) {
-      // A timer that was set again after it had expired is not meant any more.
-      if (!error && turn == turn_) over();
-    });
+    wait(timeout, ++turn_, std::move(over));
   }
   void stop() noexcept {
     if (!std::exchange(is_set_, false)) return;
@@ -34,7 +36,23 @@ class ConnectionTimer {
   [[nodiscard]] bool is_set() const noexcept { return is_set_; }
 
  private:
+  template <typename Over>
+  void wait(std::chrono::milliseconds timeout, std::uint64_t turn, Over over) {
+    timer_.expires_after(timeout);
+    timer_.async_wait(
+        [this, timeout, turn, over = std::move(over)](const boost::system::error_code& error) mutable {
+          // A timer that was set again after it had expired is not meant any more.
+          if (error || turn != turn_) return;
+          const bool is_late = now_() - timer_.expiry() > std::max(least_delay, timeout / 4);
+          if (is_late) return wait(timeout, turn, std::move(over));
+          over();
+        });
+  }
+
+  static constexpr std::chrono::milliseconds least_delay{250};  // less is usual on a machine in use
+
   boost::asio::steady_timer timer_;
+  Clock::time_point (*now_)();
   bool is_set_ = false;
   std::uint64_t turn_ = 0;
 };
