@@ -15,8 +15,6 @@ namespace {
 
 using Done = NetworkProject::Done;
 
-constexpr std::uint8_t highest_node_id = 127;
-
 std::string first_problem(const std::vector<eds::Problem>& problems) {
   return fmt::format("line {}: {}", problems.front().line, problems.front().message);
 }

@@ -16,8 +16,6 @@ namespace {
 using Severity = eds::Problem::Severity;
 using Done = std::expected<void, std::string>;
 
-constexpr unsigned highest_node_id = 127;
-
 bool is_decimal(std::string_view text) noexcept {
   return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
 }

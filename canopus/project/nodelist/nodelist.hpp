@@ -22,6 +22,8 @@
 
 namespace canopus::project {
 
+inline constexpr std::uint8_t highest_node_id = 127;  ///< [CiA 301]
+
 struct ListedNode {
   std::uint8_t node_id = 0;  ///< 1 to 127
   bool present = true;
