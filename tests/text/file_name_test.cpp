@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-namespace canopus::text {
+namespace canopus::text::file_name_test {
 namespace {
 
 TEST(FileName, OrdinaryNames_StayAsTheyAre) {
@@ -45,4 +45,4 @@ RC_GTEST_PROP(FileName, OfAnyName_IsOneNameOfHarmlessCharacters, (const std::str
 }
 
 }  // namespace
-}  // namespace canopus::text
+}  // namespace canopus::text::file_name_test

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-namespace canopus::text {
+namespace canopus::text::file_text_test {
 namespace {
 
 TEST(ReadFile, EveryByte_AndNoneOfAnEmptyFile) {
@@ -44,4 +44,4 @@ TEST(ReadFile, DataThatAnotherProgramGives_EndWithIt) {
 }
 
 }  // namespace
-}  // namespace canopus::text
+}  // namespace canopus::text::file_text_test

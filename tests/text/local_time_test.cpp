@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace canopus::text {
+namespace canopus::text::local_time_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -59,4 +59,4 @@ TEST(LocalTime, ZoneWestOfGreenwich_IsBehind) {
 }
 
 }  // namespace
-}  // namespace canopus::text
+}  // namespace canopus::text::local_time_test

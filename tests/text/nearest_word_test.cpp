@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace canopus::text {
+namespace canopus::text::nearest_word_test {
 namespace {
 
 using namespace std::string_view_literals;
@@ -43,4 +43,4 @@ TEST(NearestWord, SuggestionNamesTheNearestOneOrAll) {
 }
 
 }  // namespace
-}  // namespace canopus::text
+}  // namespace canopus::text::nearest_word_test

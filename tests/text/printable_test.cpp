@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-namespace canopus::text {
+namespace canopus::text::printable_test {
 namespace {
 
 using namespace std::string_literals;
@@ -81,4 +81,4 @@ TEST(Columns, ATextIsClippedBetweenCharacters) {
 }
 
 }  // namespace
-}  // namespace canopus::text
+}  // namespace canopus::text::printable_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace canopus::text {
+namespace canopus::text::text_values_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -53,4 +53,4 @@ TEST(TextValues, AHostMayBeLeftOut) {
 }
 
 }  // namespace
-}  // namespace canopus::text
+}  // namespace canopus::text::text_values_test
