@@ -8,10 +8,9 @@
 #include <string>
 #include <string_view>
 
-#include <nlohmann/json.hpp>
-
 #include "canopus/cli/web/web_arguments.hpp"
 #include "canopus/serve/web/web_wish.hpp"
+#include "canopus/text/json.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace canopus;
@@ -20,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const cli::WebBus bus{
       .name = "a", .project = "PROJECT", .network = 2, .address = "BUS", .device_files = {"EDS"}};
   const cli::WebSettings settings{.file = "SETTINGS", .model = "RJ71CN91", .plc = {"--host=HOST"}};
-  const auto said = nlohmann::json::parse(wish->command->text);
+  const auto said = text::parse_json(wish->command->text).value();
   const bool is_of_settings = said.is_object() && said.contains("settings");
   const auto line = is_of_settings ? cli::web_command_line(said, settings) : cli::web_command_line(said, bus);
   if (!line) {

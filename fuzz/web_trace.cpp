@@ -6,9 +6,8 @@
 #include <cstdlib>
 #include <string_view>
 
-#include <nlohmann/json.hpp>
-
 #include "canopus/cli/web_trace/trace_desk.hpp"
+#include "canopus/text/json.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace canopus;
@@ -27,7 +26,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     desk.add({&record, 1});
   }
   const std::string_view text(reinterpret_cast<const char*>(at), size - static_cast<std::size_t>(at - data));
-  auto wish = nlohmann::json::parse(text, nullptr, false);
+  auto wish = text::parse_json(text).value_or(text::Json());
   if (!wish.is_object()) wish = {{"filter", text}, {"fold", (data[0] & 1U) != 0}};
   const auto answer = desk.look(wish);
   if (!answer && answer.error().empty()) std::abort();
@@ -35,7 +34,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       (*answer)["first"].get<std::uint64_t>() > (*answer)["end"].get<std::uint64_t>()) {
     std::abort();
   }
-  if (answer) (void)answer->dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  if (answer) (void)answer->dump();
   wish["part"] = 0;
   if (!wish.contains("format")) wish["format"] = "candump";
   const auto part = desk.export_part(wish);

@@ -14,7 +14,7 @@ namespace canopus::client {
 namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 
 namespace {
 
@@ -87,9 +87,9 @@ std::expected<std::string, std::string> Connection::exchange(std::string request
 std::expected<Json, std::string> ask_control(const ControlConnection& connection, const Json& request) {
   Connection open(connection);
   if (auto good = open.open(); !good) return std::unexpected(good.error());
-  const auto line = open.exchange(request.dump(-1, ' ', false, Json::error_handler_t::replace));
+  const auto line = open.exchange(request.dump());
   if (!line) return std::unexpected(line.error());
-  Json answer = Json::parse(*line, nullptr, false);
+  Json answer = text::parse_json(*line, {.bytes = longest_answer}).value_or(Json());
   const auto wrong = [&] {
     return std::unexpected(fmt::format("{}:{}: the answer is none of a plant's control server",
                                        connection.host, connection.port));

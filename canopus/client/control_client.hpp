@@ -6,7 +6,7 @@
 #include <expected>
 #include <string>
 
-#include <nlohmann/json.hpp>
+#include "canopus/text/json.hpp"
 
 namespace canopus::client {
 
@@ -18,7 +18,7 @@ struct ControlConnection {
 
 /// Sends one request and gives its answer, a JSON object whose "ok" is true. The error is a sentence: what
 /// could not be done, or what the plant says is wrong.
-[[nodiscard]] std::expected<nlohmann::ordered_json, std::string> ask_control(
-    const ControlConnection& connection, const nlohmann::ordered_json& request);
+[[nodiscard]] std::expected<text::Json, std::string> ask_control(const ControlConnection& connection,
+                                                                 const text::Json& request);
 
 }  // namespace canopus::client

@@ -7,10 +7,10 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/can/little_endian.hpp"
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::client {
 namespace {
@@ -261,7 +261,7 @@ std::string show_bytes(std::span<const std::uint8_t> bytes) {
   return shown;
 }
 
-nlohmann::ordered_json json_value(std::span<const std::uint8_t> bytes, DataType type) {
+text::Json json_value(std::span<const std::uint8_t> bytes, DataType type) {
   if (!fits(bytes, type)) return nullptr;
   if (type == DataType::boolean) return bytes[0] != 0;
   if (type == DataType::real32 || type == DataType::real64) return real_of(bytes);

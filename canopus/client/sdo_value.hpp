@@ -9,9 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "canopus/canopen/dictionary/data_type.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::client {
 
@@ -37,7 +36,7 @@ namespace canopus::client {
 /// they can mean it.
 [[nodiscard]] std::string show_bytes(std::span<const std::uint8_t> bytes);
 /// The value as JSON; null when the length does not fit the type.
-[[nodiscard]] nlohmann::ordered_json json_value(std::span<const std::uint8_t> bytes, canopen::DataType type);
+[[nodiscard]] text::Json json_value(std::span<const std::uint8_t> bytes, canopen::DataType type);
 
 /// "00 11 AA", without a blank "0011AA".
 [[nodiscard]] std::string hexadecimal(std::span<const std::uint8_t> bytes, std::string_view between = " ");

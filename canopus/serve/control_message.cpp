@@ -59,7 +59,7 @@ std::string control_answer(const Json& fields, const Result<Json>& result, can::
   } else {
     answer["error"] = result.error();
   }
-  return text::printable_json(answer.dump(-1, ' ', false, Json::error_handler_t::replace)) + '\n';
+  return text::printable_json(answer.dump()) + '\n';
 }
 
 }  // namespace canopus::serve

@@ -6,13 +6,12 @@
 #include <string>
 #include <string_view>
 
-#include <nlohmann/json.hpp>
-
 #include "canopus/can/time.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::serve {
 
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 /// What a request leads to, or a sentence that says why nothing was done.
 template <typename Value>
 using Result = std::expected<Value, std::string>;
@@ -41,6 +40,8 @@ class ControlFields {
 [[nodiscard]] std::string control_answer(const Json& fields, const Result<Json>& result, can::Time now);
 
 /// What came as a line; no object when it is no JSON object.
-[[nodiscard]] inline Json control_request(std::string_view line) { return Json::parse(line, nullptr, false); }
+[[nodiscard]] inline Json control_request(std::string_view line) {
+  return text::parse_json(line).value_or(Json());
+}
 
 }  // namespace canopus::serve

@@ -279,10 +279,10 @@ Result<Json> Request::carry_out() {
 
 }  // namespace
 
-nlohmann::ordered_json error_groups(const std::vector<plant::ErrorGroup>& groups) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+text::Json error_groups(const std::vector<plant::ErrorGroup>& groups) {
+  text::Json list = text::Json::array();
   for (const plant::ErrorGroup& group : groups) {
-    nlohmann::ordered_json lines = nlohmann::ordered_json::array();
+    text::Json lines = text::Json::array();
     for (const plant::ErrorLine& line : group.lines) {
       lines.push_back({{"where", line.where}, {"code", line.code}, {"meaning", line.meaning}});
       if (line.at) lines.back()["t"] = can::seconds(*line.at);

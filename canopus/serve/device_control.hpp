@@ -7,15 +7,14 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "canopus/plant/catalogue/error_history.hpp"
 #include "canopus/plant/plant.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::serve {
 
 /// [{"title": "errors now", "lines": [{"where": "G29 bit 3", "code": "", "meaning": "...", "t": 12.5}]}]: `t` where it is known.
-[[nodiscard]] nlohmann::ordered_json error_groups(const std::vector<plant::ErrorGroup>& groups);
+[[nodiscard]] text::Json error_groups(const std::vector<plant::ErrorGroup>& groups);
 
 class DeviceControl {
  public:

@@ -82,7 +82,7 @@ Result<Json> result_of(const PlantRuns::Goal& goal, const PlantRuns::Outcome& ou
 
 ControlServer::CallOff RunControl::answer(std::string_view line, ControlServer::Reply reply) {
   Json fields = control_request(line);
-  if (!fields.is_object() || fields.value("request", Json()) != "run") {
+  if (!fields.is_object() || fields.value("request", "") != "run") {
     reply(DeviceControl(plant_).answer(line));
     return {};
   }

@@ -4,10 +4,10 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/terminal/boot_report.hpp"
 #include "canopus/client/sdo_transfer_on_bus.hpp"
+#include "canopus/text/json.hpp"
 
 #include "plant_parts.hpp"
 
@@ -50,9 +50,7 @@ std::string_view name(manager::ErrorControlEvent event) {
   return "";
 }
 
-std::string line_of(const nlohmann::ordered_json& object) {
-  return object.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
-}
+std::string line_of(const text::Json& object) { return object.dump() + '\n'; }
 
 void check_node(unsigned node) {
   if (node < 1 || node > last_node) throw PlantProblem(fmt::format("node {}: a node-ID is 1 to 127", node));
@@ -122,10 +120,10 @@ std::string MasterRun::results() const {
   for (const NetworkSlave& slave : network_->slaves()) {
     const auto result = network_->result(slave);
     const BootRecord& record = network_->master().boot_record(slave.node);
-    nlohmann::ordered_json line{{"node", slave.node},
-                                {"name", slave.name},
-                                {"result", name(result)},
-                                {"state", state_name(network_->master().node_state(slave.node))}};
+    text::Json line{{"node", slave.node},
+                    {"name", slave.name},
+                    {"result", name(result)},
+                    {"state", state_name(network_->master().node_state(slave.node))}};
     if (result == NetworkMaster::Result::failed) cli::add_boot(line, record, now());
     lines += line_of(line);
   }
@@ -242,7 +240,7 @@ void MasterRun::receive(const can::Frame& frame, can::Time now) {
 }
 
 void MasterRun::event(const char* what, const NetworkSlave& slave, can::Time now, std::string more) {
-  nlohmann::ordered_json line{{"t", can::seconds(now)}, {"event", what}, {"node", slave.node}};
+  text::Json line{{"t", can::seconds(now)}, {"event", what}, {"node", slave.node}};
   if (!slave.name.empty()) line["name"] = slave.name;
   if (!more.empty()) line["what"] = std::move(more);
   events_ += line_of(line);

@@ -13,7 +13,6 @@
 
 #include <boost/asio/io_context.hpp>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/analysis/message_printer.hpp"
 #include "canopus/cli/events/event_printer.hpp"
@@ -22,6 +21,7 @@
 #include "canopus/plant/file/process_value.hpp"
 #include "canopus/serve/linked_buses.hpp"
 #include "canopus/serve/plant_runs.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/text/nearest_word.hpp"
 #include "canopus/trace/decode/decoder.hpp"
 

@@ -3,11 +3,10 @@
 #include <utility>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "canopus/cli/analysis/analysis_names.hpp"
 #include "canopus/cli/analysis/message_printer.hpp"
 #include "canopus/cli/analysis/trace_walk.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/trace/decode/decoder.hpp"
 
 #include "plant_run.hpp"

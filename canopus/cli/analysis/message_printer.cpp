@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <chrono>
 
-#include <nlohmann/json.hpp>
-
 #include "canopus/canopen/dictionary/abort_code.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/text/local_time.hpp"
 #include "canopus/trace/decode/value_text.hpp"
 
@@ -126,8 +125,8 @@ void MessagePrinter::print(const Message& message, std::string_view channel) {
   out_.line(line);
 }
 
-nlohmann::ordered_json to_json(const Message& message, std::string_view channel) {
-  nlohmann::ordered_json json;
+text::Json to_json(const Message& message, std::string_view channel) {
+  text::Json json;
   json["time"] = can::seconds(message.time);
   if (!channel.empty()) json["channel"] = channel;
   json["id"] = identifier_text(message.frame);
@@ -148,7 +147,7 @@ nlohmann::ordered_json to_json(const Message& message, std::string_view channel)
     json["data"] = digits;
   }
   for (const trace::Signal& signal : message.signals) {
-    nlohmann::ordered_json one;
+    text::Json one;
     one["object"] = fmt::format("{:04X}:{:02X}", signal.index, signal.sub);
     if (!signal.name.empty()) one["name"] = signal.name;
     if (signal.number) {

@@ -5,10 +5,9 @@
 #include <string>
 #include <string_view>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "canopus/can/time.hpp"
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/trace/decode/message.hpp"
 
 namespace canopus::cli {
@@ -49,6 +48,6 @@ class MessagePrinter {
 [[nodiscard]] std::string object_text(const trace::Message& message);
 /// Service, and which of them: "TPDO1", "heartbeat", "SDO".
 [[nodiscard]] std::string service_text(const trace::Message& message);
-[[nodiscard]] nlohmann::ordered_json to_json(const trace::Message& message, std::string_view channel);
+[[nodiscard]] text::Json to_json(const trace::Message& message, std::string_view channel);
 
 }  // namespace canopus::cli

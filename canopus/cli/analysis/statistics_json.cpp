@@ -4,7 +4,8 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 
@@ -18,7 +19,7 @@ namespace {
 using trace::ChannelFigures;
 using trace::NodeFigures;
 using trace::TimeFigures;
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 
 /// Whole microseconds are enough for people and programs.
 double rounded(can::Duration duration) { return static_cast<double>((duration.count() + 500) / 1000) / 1e3; }
@@ -97,7 +98,7 @@ Json events_json(const std::vector<trace::TraceEvent>& events, can::Time begin) 
 
 }  // namespace
 
-nlohmann::ordered_json to_json(const trace::Statistics& statistics, std::uint32_t bit_rate) {
+text::Json to_json(const trace::Statistics& statistics, std::uint32_t bit_rate) {
   Json json;
   json["duration"] = std::chrono::duration<double>(statistics.duration()).count();
   if (bit_rate != 0) json["bit_rate"] = bit_rate;

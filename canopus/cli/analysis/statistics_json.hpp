@@ -4,8 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include <nlohmann/json_fwd.hpp>
-
+#include "canopus/text/json.hpp"
 #include "canopus/trace/report/statistics.hpp"
 
 namespace canopus::cli {
@@ -13,6 +12,6 @@ namespace canopus::cli {
 /// "183", "0A000123": of a key of ChannelFigures::identifiers.
 [[nodiscard]] std::string identifier_of_key(std::uint32_t key);
 /// `bit_rate`: of all channels, for their load; 0: not known.
-[[nodiscard]] nlohmann::ordered_json to_json(const trace::Statistics& statistics, std::uint32_t bit_rate);
+[[nodiscard]] text::Json to_json(const trace::Statistics& statistics, std::uint32_t bit_rate);
 
 }  // namespace canopus::cli

@@ -1,7 +1,5 @@
 #include <memory>
 
-#include <nlohmann/json.hpp>
-
 #include "canopus/cli/analysis/analysis_names.hpp"
 #include "canopus/cli/analysis/statistics_json.hpp"
 #include "canopus/cli/analysis/trace_analysis.hpp"
@@ -9,6 +7,7 @@
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/terminal/channel_choice.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/trace/report/statistics.hpp"
 
 namespace canopus::cli {

@@ -4,13 +4,13 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/commands/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/options/real_time_option.hpp"
 #include "canopus/serve/jitter.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::cli {
@@ -88,9 +88,9 @@ void print_table(const serve::JitterResult& result, const BenchArguments& argume
 }
 
 void print_object(const serve::JitterResult& result) {
-  nlohmann::ordered_json object;
+  text::Json object;
   for (const Column& column : columns_of(result)) {
-    nlohmann::ordered_json values;
+    text::Json values;
     values["count"] = column.values->count();
     for (const Row& row : rows)
       values[std::string(row.key) + "_ns"] = column.values->quantile(row.per_mille).count();

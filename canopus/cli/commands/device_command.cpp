@@ -15,7 +15,7 @@
 namespace canopus::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 
 struct DeviceArguments {
   std::string device, object, value, hold;

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "canopus/cli/commands/eds_show.hpp"
@@ -20,6 +19,7 @@
 #include "canopus/eds/files/xdd_writer.hpp"
 #include "canopus/eds/words.hpp"
 #include "canopus/text/file_text.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -94,7 +94,7 @@ void print_text(Output& out, const std::string& file, const eds::ReadResult& res
 }
 
 void print_as_json(Output& out, const std::string& file, const eds::ReadResult& result) {
-  nlohmann::ordered_json line;
+  text::Json line;
   line["file"] = file;
   line["accepted"] = result.file != nullptr;
   if (result.file != nullptr) {
@@ -110,9 +110,9 @@ void print_as_json(Output& out, const std::string& file, const eds::ReadResult& 
     if (identity.product_code) line["product_code"] = *identity.product_code;
     if (identity.revision) line["revision"] = *identity.revision;
   }
-  line["problems"] = nlohmann::ordered_json::array();
+  line["problems"] = text::Json::array();
   for (const eds::Problem& problem : result.problems) {
-    nlohmann::ordered_json entry;
+    text::Json entry;
     entry["line"] = problem.line;
     if (problem.column != 0) entry["column"] = problem.column;
     entry["severity"] = eds::name(problem.severity);

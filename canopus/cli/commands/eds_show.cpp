@@ -5,13 +5,13 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/eds/device_file.hpp"
 #include "canopus/eds/value.hpp"
 #include "canopus/eds/words.hpp"
 #include "canopus/plant/file/process_value.hpp"
 #include "canopus/text/file_text.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -20,7 +20,7 @@ using canopen::DataType;
 using canopen::DictionaryDescription;
 using canopen::Entry;
 using canopen::ObjectDescription;
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 
 constexpr std::size_t line_width = 80;
 

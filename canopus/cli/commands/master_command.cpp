@@ -4,7 +4,6 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "canopus/cli/commands/bus_command.hpp"
@@ -12,6 +11,7 @@
 #include "canopus/cli/terminal/boot_report.hpp"
 #include "canopus/network/network_master.hpp"
 #include "canopus/text/file_text.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::cli {
@@ -126,8 +126,8 @@ class Printer final : public network::NetworkObserver {
     if (master == 0) return "there is no active master yet";
     return fmt::format("node {} is the active master, this one stands by", master);
   }
-  static nlohmann::ordered_json boot_fields(const BootRecord& record, can::Time now) {
-    nlohmann::ordered_json fields = nlohmann::ordered_json::object();
+  static text::Json boot_fields(const BootRecord& record, can::Time now) {
+    text::Json fields = text::Json::object();
     add_boot(fields, record, now);
     return fields;
   }
@@ -159,7 +159,7 @@ class Printer final : public network::NetworkObserver {
       case network::NetworkMaster::Result::failed: break;
     }
     if (json_) {
-      nlohmann::ordered_json fields = boot_fields(record, now);
+      text::Json fields = boot_fields(record, now);
       fields["result"] = "failed";
       return event("result", slave, now, std::move(fields));
     }
@@ -172,9 +172,8 @@ class Printer final : public network::NetworkObserver {
     if (quiet_) return;
     print_line("{:12.6f}  {}: {}", can::seconds(now), network::describe(slave), paint(text, colour, colour_));
   }
-  void event(const char* name, const network::NetworkSlave& slave, can::Time now,
-             nlohmann::ordered_json more) {
-    nlohmann::ordered_json object{{"event", name}, {"time", can::seconds(now)}, {"node", slave.node}};
+  void event(const char* name, const network::NetworkSlave& slave, can::Time now, text::Json more) {
+    text::Json object{{"event", name}, {"time", can::seconds(now)}, {"node", slave.node}};
     if (!slave.name.empty()) object["name"] = slave.name;
     for (const auto& [key, value] : more.items()) object[key] = value;
     print_json(object);

@@ -6,7 +6,6 @@
 #include <memory>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/commands/module_compare.hpp"
 #include "canopus/cli/commands/module_status.hpp"
@@ -17,13 +16,14 @@
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/store/file_memory.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/text/nearest_word.hpp"
 
 namespace canopus::cli {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 using module::DataSheet;
 
 const plant::CatalogueEntry* known_module(const std::string& model, Output& err) {

@@ -13,7 +13,7 @@
 namespace canopus::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 
 struct ModuleStatusArguments {
   std::string module;
@@ -35,10 +35,9 @@ std::string details_of(const Json& error) {
   const auto details = error.is_object() ? error.find("details") : error.end();
   if (!error.is_object() || details == error.end() || !details->is_object()) return shown;
   for (const auto& [name, value] : details->items()) {
-    shown +=
-        fmt::format("{}{} {}", shown.empty() ? "; " : ", ", name,
-                    value.is_number_unsigned() ? fmt::format("{0} ({0:X}H)", value.get<std::uint64_t>())
-                                               : value.dump(-1, ' ', false, Json::error_handler_t::replace));
+    shown += fmt::format(
+        "{}{} {}", shown.empty() ? "; " : ", ", name,
+        value.is_number_unsigned() ? fmt::format("{0} ({0:X}H)", value.get<std::uint64_t>()) : value.dump());
   }
   return shown;
 }

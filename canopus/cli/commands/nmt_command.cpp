@@ -6,12 +6,12 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/canopen/service/nmt.hpp"
 #include "canopus/cli/commands/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/client/sdo_transfer_on_bus.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::cli {
@@ -114,7 +114,7 @@ int command_node(const NmtArguments& arguments, const Service& service) {
     }
     const std::string whom = all ? "all nodes" : fmt::format("node {}", node);
     if (arguments.bus.json) {
-      nlohmann::ordered_json line;
+      text::Json line;
       line["command"] = service.name;
       line["node"] = node;
       if (master != 0) line["master"] = master;

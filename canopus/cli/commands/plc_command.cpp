@@ -12,7 +12,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/commands/plc_access.hpp"
 #include "canopus/cli/options/command.hpp"
@@ -21,6 +20,7 @@
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/client/plc_address.hpp"
 #include "canopus/client/plc_client.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::cli {
@@ -106,7 +106,7 @@ int type(client::PlcClient& client, const PlcArguments& arguments) {
   const auto found = client.read_type();
   if (!found) return plc_failed(refused, found.error());
   if (arguments.json) {
-    print_json(nlohmann::ordered_json{{"name", found->name}, {"code", found->code}});
+    print_json(text::Json{{"name", found->name}, {"code", found->code}});
   } else if (arguments.modbus) {
     print_line("{}", found->name);
   } else {

@@ -6,10 +6,10 @@
 #include <thread>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/commands/plc_access.hpp"
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::cli {
@@ -18,7 +18,7 @@ namespace {
 
 using client::PlcPoint;
 using WatchClock = std::chrono::steady_clock;
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 
 /// What a watch prints of one reading.
 class WatchPrinter {

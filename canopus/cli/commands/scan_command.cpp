@@ -4,11 +4,11 @@
 #include <memory>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "canopus/cli/commands/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -104,8 +104,8 @@ std::vector<Line> scan_table(const std::vector<client::FoundNode>& nodes, bool c
   return lines;
 }
 
-nlohmann::ordered_json scan_json(const client::FoundNode& node) {
-  nlohmann::ordered_json line;
+text::Json scan_json(const client::FoundNode& node) {
+  text::Json line;
   line["node"] = node.node_id;
   line["answers_sdo"] = node.answers_sdo;
   if (node.state) line["state"] = canopen::name(*node.state);

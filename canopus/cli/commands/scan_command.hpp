@@ -6,11 +6,10 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "canopus/cli/commands/bus_command.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/client/bus_scan.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 
@@ -30,7 +29,7 @@ struct NodeRange {
 /// The table, a header line and a line per node. `colour`: states in colour.
 [[nodiscard]] std::vector<Line> scan_table(const std::vector<client::FoundNode>& nodes, bool colour);
 /// One JSON object for a node; what is not known is left out.
-[[nodiscard]] nlohmann::ordered_json scan_json(const client::FoundNode& node);
+[[nodiscard]] text::Json scan_json(const client::FoundNode& node);
 /// "[######----]  64 of 127 nodes asked, 3 found"
 [[nodiscard]] std::string scan_progress(unsigned asked, unsigned of, std::size_t found);
 

@@ -9,7 +9,6 @@
 #include <ranges>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "canopus/canopen/service/nmt.hpp"
@@ -20,6 +19,7 @@
 #include "canopus/client/sdo_transfer_on_bus.hpp"
 #include "canopus/client/sdo_value.hpp"
 #include "canopus/text/file_text.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/text/nearest_word.hpp"
 
 namespace canopus::cli {
@@ -118,7 +118,7 @@ class ProgressLine {
 
 int failed(const SdoArguments& arguments, const Target& target, const client::SdoFailure& failure) {
   if (arguments.bus.json) {
-    nlohmann::ordered_json line;
+    text::Json line;
     line["node"] = target.node;
     line["object"] = target.object_text();
     if (failure.code != canopen::AbortCode::none) {
@@ -153,7 +153,7 @@ int print_value(const SdoArguments& arguments, const Target& target, std::span<c
     return exit_code::done;
   }
   if (arguments.bus.json) {
-    nlohmann::ordered_json line;
+    text::Json line;
     line["node"] = target.node;
     line["object"] = target.object_text();
     line["bytes"] = client::hexadecimal(bytes, "");

@@ -2,15 +2,15 @@
 
 #include <fmt/compile.h>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/terminal/boot_report.hpp"
 #include "canopus/plant/file/process_value.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 
 using plant::no_node_id;
 
@@ -42,7 +42,7 @@ double event_seconds(can::Time time) {
   return static_cast<double>(time.time_since_epoch() / std::chrono::microseconds(1)) / 1e6;
 }
 
-nlohmann::ordered_json event_line(can::Time now, std::string_view kind) {
+text::Json event_line(can::Time now, std::string_view kind) {
   return {{"t", event_seconds(now)}, {"event", kind}};
 }
 

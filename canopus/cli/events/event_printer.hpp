@@ -8,10 +8,9 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/plant/plant.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 
@@ -40,7 +39,7 @@ struct RunSummary {
 /// In seconds. Microseconds are what a trace has; more digits would only be noise.
 [[nodiscard]] double event_seconds(can::Time time);
 /// What every event begins with.
-[[nodiscard]] nlohmann::ordered_json event_line(can::Time now, std::string_view kind);
+[[nodiscard]] text::Json event_line(can::Time now, std::string_view kind);
 
 /// Lines for programs.
 class JsonPrinter final : public plant::PlantObserver {
@@ -76,8 +75,8 @@ class JsonPrinter final : public plant::PlantObserver {
   void error(std::string_view source, std::string_view message, can::Time now) override;
 
  private:
-  void print(const nlohmann::ordered_json& line, can::Time now);
-  static void add_lifts(nlohmann::ordered_json& summary, const std::vector<RunSummary::LiftCount>& lifts);
+  void print(const text::Json& line, can::Time now);
+  static void add_lifts(text::Json& summary, const std::vector<RunSummary::LiftCount>& lifts);
   Output& out_;
   std::atomic<can::Time> latest_{};
 };

@@ -5,15 +5,15 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/events/event_printer.hpp"
 #include "canopus/sim/lift/lift_report.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::cli {
 
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 using sim::lift::CarCounts;
 using sim::lift::LiftEvent;
 

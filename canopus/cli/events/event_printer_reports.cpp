@@ -6,13 +6,13 @@
 #include <string_view>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/events/event_printer.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 
 namespace {
 

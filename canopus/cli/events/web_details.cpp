@@ -33,8 +33,8 @@ const canopen::DictionaryDescription* configured_device(plant::Plant& plant, std
   return nullptr;
 }
 
-nlohmann::ordered_json words_of_domain(plant::Plant& plant, std::string_view bus, ViewedObject object,
-                                       std::span<const std::uint8_t> bytes) {
+text::Json words_of_domain(plant::Plant& plant, std::string_view bus, ViewedObject object,
+                           std::span<const std::uint8_t> bytes) {
   const bool is_concise = object.index == concise_dcf_object;
   const auto* const device = is_concise ? configured_device(plant, bus, object.sub) : nullptr;
   return json_of(domain_words(object.index, bytes, device));
@@ -51,14 +51,13 @@ std::optional<std::vector<std::uint8_t>> bytes_of_digits(std::string_view digits
   return bytes;
 }
 
-nlohmann::ordered_json json_of(const ModuleWay& way) {
+text::Json json_of(const ModuleWay& way) {
   return {{"offered", way.kind != ModuleWay::Kind::none}, {"how", way.how}};
 }
 
 }  // namespace
 
-std::expected<nlohmann::ordered_json, std::string> domain_in_words(plant::Plant& plant,
-                                                                   const nlohmann::json& wish) {
+std::expected<text::Json, std::string> domain_in_words(plant::Plant& plant, const text::Json& wish) {
   const auto object = object_of_view(view_text(wish, "object"));
   if (!object) return std::unexpected("object: expected INDEX:SUB, as 1F22:03");
   const auto bytes = bytes_of_digits(view_text(wish, "bytes"));
@@ -68,26 +67,26 @@ std::expected<nlohmann::ordered_json, std::string> domain_in_words(plant::Plant&
   return words_of_domain(plant, has_bus ? bus->get<std::string>() : std::string(), *object, *bytes);
 }
 
-std::string errors_event(plant::Plant& plant, const nlohmann::json& wish) {
+std::string errors_event(plant::Plant& plant, const text::Json& wish) {
   const std::size_t number = view_number(wish, "errors", SIZE_MAX);
   const auto modules = plant.modules();
   if (number >= modules.size()) return {};
   const plant::CatalogueEntry* const entry = plant::find_module(plant.module_section(number).model);
   if (entry == nullptr) return {};
   const can::Time now = plant.timeline().now();
-  nlohmann::ordered_json event = event_line(now, "errors");
+  text::Json event = event_line(now, "errors");
   event["number"] = number;
   event["module"] = modules[number].label.name;
   event["groups"] = modules[number].is_on
                         ? serve::error_groups(plant::error_history(*entry, plant.module(number), now))
-                        : nlohmann::ordered_json::array();
+                        : text::Json::array();
   const ModuleWays& ways = module_ways(entry->data_sheet->model);
   event["clear"] = json_of(ways.clear);
   event["reset"] = json_of(ways.restart);
   return view_event(event);
 }
 
-std::string domain_event(plant::Plant& plant, const nlohmann::json& wish) {
+std::string domain_event(plant::Plant& plant, const text::Json& wish) {
   const std::size_t number = view_number(wish, "domain", SIZE_MAX);
   const canopen::Node* const node = node_at(plant, number);
   const auto object = object_of_view(view_text(wish, "object"));
@@ -97,7 +96,7 @@ std::string domain_event(plant::Plant& plant, const nlohmann::json& wish) {
   if (!entry || !canopen::is_variable_length(entry.description->type)) return {};
   const auto bytes = bytes_of_object(plant, number, objects, entry);
   const plant::NodeStatus status = plant.nodes()[number];
-  nlohmann::ordered_json event = event_line(plant.timeline().now(), "domain");
+  text::Json event = event_line(plant.timeline().now(), "domain");
   event["number"] = number;
   event["bus"] = status.label.bus;
   event["node"] = status.label.node_id;

@@ -5,24 +5,23 @@
 #include <expected>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include "canopus/plant/plant.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 
 /// The event of a view {"errors": MODULE}: what the module of that number in `state` shows and keeps of errors, as
 /// plant::error_history() says, and how a program clears errors and restarts it (module_ways.hpp); empty: there is no such module.
-[[nodiscard]] std::string errors_event(plant::Plant& plant, const nlohmann::json& wish);
+[[nodiscard]] std::string errors_event(plant::Plant& plant, const text::Json& wish);
 
 /// The event of a view {"domain": NODE, "object": "1F22:05"}: the value in words, as domain_words() says, of an object of variable
 /// length of the node of that number. With "part": N its bytes from N on, as many as `domain_part` says. Empty: there is none.
-[[nodiscard]] std::string domain_event(plant::Plant& plant, const nlohmann::json& wish);
+[[nodiscard]] std::string domain_event(plant::Plant& plant, const text::Json& wish);
 inline constexpr std::size_t domain_part = 32768;
 
 /// Of {"bus": "line1", "object": "1F22:03", "bytes": "0200..."}: these bytes in words, as domain_words() says, a concise DCF with the names
 /// of the device file of the node that it is for. The error is a sentence.
-[[nodiscard]] std::expected<nlohmann::ordered_json, std::string> domain_in_words(plant::Plant& plant,
-                                                                                 const nlohmann::json& wish);
+[[nodiscard]] std::expected<text::Json, std::string> domain_in_words(plant::Plant& plant,
+                                                                     const text::Json& wish);
 
 }  // namespace canopus::cli

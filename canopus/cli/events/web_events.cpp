@@ -4,15 +4,15 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/terminal/boot_report.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/text/printable.hpp"
 
 namespace canopus::cli {
 namespace {
 
-using Fields = nlohmann::ordered_json;
+using Fields = text::Json;
 
 Fields label_fields(const plant::NodeLabel& label) {
   return {{"bus", label.bus}, {"node", label.node_id}, {"name", label.name}};
@@ -174,7 +174,7 @@ std::string state_event(plant::Plant& plant, const WebTraffic* traffic, const We
     fields["text"] = describe_value(forced);
     state["forced"].push_back(std::move(fields));
   }
-  return text::printable_json(state.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  return text::printable_json(state.dump());
 }
 
 }  // namespace canopus::cli

@@ -25,7 +25,7 @@ can::Duration TimeFigures::mean() const noexcept {
   return count_ == 0 ? can::Duration{} : sum_ / static_cast<std::int64_t>(count_);
 }
 
-nlohmann::ordered_json time_fields(const TimeFigures& times) {
+text::Json time_fields(const TimeFigures& times) {
   const auto seconds = [](can::Duration time) { return can::seconds(can::Time{time}); };
   return {{"count", times.count()},
           {"least", seconds(times.least())},

@@ -6,10 +6,9 @@
 #include <cstdint>
 #include <optional>
 
-#include <nlohmann/json.hpp>
-
 #include "canopus/can/frame.hpp"
 #include "canopus/can/time.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 
@@ -31,7 +30,7 @@ class TimeFigures {
 };
 
 /// `count`, and in seconds `least mean most`.
-[[nodiscard]] nlohmann::ordered_json time_fields(const TimeFigures& times);
+[[nodiscard]] text::Json time_fields(const TimeFigures& times);
 
 class WebFigures {
  public:

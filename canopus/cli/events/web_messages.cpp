@@ -2,11 +2,10 @@
 
 #include <utility>
 
-#include <nlohmann/json.hpp>
-
 #include "canopus/cli/analysis/message_printer.hpp"
 #include "canopus/cli/events/event_printer.hpp"
 #include "canopus/plant/initial_nodes.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/text/printable.hpp"
 
 namespace canopus::cli {
@@ -51,16 +50,16 @@ std::string WebMessages::look(bool wanted) {
     return {};
   }
   if (frames_.empty()) return {};
-  nlohmann::ordered_json event = event_line(plant_.timeline().now(), "messages");
+  text::Json event = event_line(plant_.timeline().now(), "messages");
   event["left_out"] = std::exchange(left_out_, 0);
-  event["messages"] = nlohmann::ordered_json::array();
+  event["messages"] = text::Json::array();
   for (const trace::TraceRecord& record : std::exchange(frames_, {})) {
     const std::string& bus = plant_.bus(record.channel).name();
     decoder_.receive(record, bus, [&](const trace::Message& message) {
       event["messages"].push_back(to_json(message, bus));
     });
   }
-  return text::printable_json(event.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  return text::printable_json(event.dump());
 }
 
 }  // namespace canopus::cli

@@ -7,7 +7,6 @@
 #include <span>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/canopen/node/node.hpp"
 #include "canopus/cli/events/event_printer.hpp"
@@ -18,6 +17,7 @@
 #include "canopus/manager/nmt/negotiation_words.hpp"
 #include "canopus/module/interface/communication_module.hpp"
 #include "canopus/plant/device_seat.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/trace/decode/object_meaning.hpp"
 
 namespace canopus::cli {
@@ -52,8 +52,8 @@ bool is_ascii(std::span<const std::uint8_t> bytes) {
 }
 
 /// 1F90H:02 to 05 together are a time.
-void add_negotiation(nlohmann::ordered_json& row, const canopen::ObjectDictionary& objects,
-                     const canopen::Entry& entry, std::uint8_t node_id) {
+void add_negotiation(text::Json& row, const canopen::ObjectDictionary& objects, const canopen::Entry& entry,
+                     std::uint8_t node_id) {
   constexpr std::uint16_t flying_master = 0x1F90, start_up = 0x1F80;
   constexpr std::uint8_t first = 2, last = 5;
   if (entry.index != flying_master || entry.sub < first || entry.sub > last) return;
@@ -65,8 +65,8 @@ void add_negotiation(nlohmann::ordered_json& row, const canopen::ObjectDictionar
   if (const std::string wrong = manager::overlapping_slots(timing); !wrong.empty()) row["warning"] = wrong;
 }
 
-void add_value(nlohmann::ordered_json& row, const canopen::ObjectDictionary& objects,
-               const canopen::Entry& entry, std::uint8_t node_id, const BytesOfEntry& bytes_of) {
+void add_value(text::Json& row, const canopen::ObjectDictionary& objects, const canopen::Entry& entry,
+               std::uint8_t node_id, const BytesOfEntry& bytes_of) {
   const DataType type = entry.description->type;
   const bool has_bytes = bytes_of && canopen::is_variable_length(type);
   const auto bytes = has_bytes ? bytes_of(entry) : objects.bytes(entry);
@@ -119,12 +119,12 @@ std::optional<ViewedObject> object_of_view(std::string_view text) {
   return ViewedObject{static_cast<std::uint16_t>(index), static_cast<std::uint8_t>(sub)};
 }
 
-void add_objects(nlohmann::ordered_json& event, const canopen::ObjectDictionary& objects,
-                 std::uint8_t node_id, std::string_view lower_find, std::size_t from, std::size_t count,
+void add_objects(text::Json& event, const canopen::ObjectDictionary& objects, std::uint8_t node_id,
+                 std::string_view lower_find, std::size_t from, std::size_t count,
                  const BytesOfEntry& bytes) {
   const canopen::DictionaryDescription& description = objects.description();
   std::size_t all = 0;
-  event["rows"] = nlohmann::ordered_json::array();
+  event["rows"] = text::Json::array();
   for (const canopen::ObjectDescription& object : description.objects()) {
     const std::string_view of = description.name(object);
     const bool is_meant =
@@ -136,11 +136,11 @@ void add_objects(nlohmann::ordered_json& event, const canopen::ObjectDictionary&
       if (!is_meant && !has_words(own, lower_find)) continue;
       const std::size_t place = all++;
       if (place < from || place - from >= count) continue;
-      nlohmann::ordered_json row{{"object", fmt::format("{:04X}:{:02X}", object.index, sub)},
-                                 {"name", own.empty() ? of : own},
-                                 {"of", of},
-                                 {"type", eds::name(entry.description->type)},
-                                 {"access", eds::name(entry.description->access)}};
+      text::Json row{{"object", fmt::format("{:04X}:{:02X}", object.index, sub)},
+                     {"name", own.empty() ? of : own},
+                     {"of", of},
+                     {"type", eds::name(entry.description->type)},
+                     {"access", eds::name(entry.description->access)}};
       add_value(row, objects, entry, node_id, bytes);
       event["rows"].push_back(std::move(row));
     }
@@ -148,12 +148,12 @@ void add_objects(nlohmann::ordered_json& event, const canopen::ObjectDictionary&
   event["of"] = all;
 }
 
-std::string objects_event(plant::Plant& plant, const nlohmann::json& wish) {
+std::string objects_event(plant::Plant& plant, const text::Json& wish) {
   const std::size_t number = view_number(wish, "objects", SIZE_MAX);
   const canopen::Node* const node = node_at(plant, number);
   if (node == nullptr) return {};
   const plant::NodeStatus status = plant.nodes()[number];
-  nlohmann::ordered_json event = event_line(plant.timeline().now(), "objects");
+  text::Json event = event_line(plant.timeline().now(), "objects");
   event["number"] = number;
   event["bus"] = status.label.bus;
   event["node"] = status.label.node_id;
@@ -166,11 +166,11 @@ std::string objects_event(plant::Plant& plant, const nlohmann::json& wish) {
   return view_event(event);
 }
 
-std::string meaning_event(plant::Plant& plant, const nlohmann::json& wish) {
+std::string meaning_event(plant::Plant& plant, const text::Json& wish) {
   const auto object = object_of_view(view_text(wish, "meaning"));
   if (!object) return {};
   const trace::ObjectMeaning meaning = trace::object_meaning(object->index, object->sub);
-  nlohmann::ordered_json event = event_line(plant.timeline().now(), "meaning");
+  text::Json event = event_line(plant.timeline().now(), "meaning");
   event["object"] = fmt::format("{:04X}:{:02X}", object->index, object->sub);
   event["meaning"] = meaning.text;
   event["unit"] = meaning.unit;

@@ -13,7 +13,7 @@
 namespace canopus::cli {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 
 /// The field of a bit of a whole frame: by its number without stuff bits up to the CRC, then by its place before the end.
 can::FrameField field_of(unsigned payload, unsigned header, std::size_t data, std::size_t bits_left,
@@ -209,7 +209,7 @@ const WebFigures* WebTraffic::figures(std::string_view bus) const noexcept {
   return nullptr;
 }
 
-std::string WebTraffic::look(const nlohmann::json& wish) {
+std::string WebTraffic::look(const text::Json& wish) {
   const std::size_t number = view_number(wish, "traffic", SIZE_MAX);
   if (number >= taps_.size()) return {};
   const Bus& bus = taps_[number]->bus;

@@ -12,12 +12,11 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "canopus/can/bus.hpp"
 #include "canopus/cli/events/web_figures.hpp"
 #include "canopus/cli/events/web_wire.hpp"
 #include "canopus/plant/plant.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 
@@ -66,7 +65,7 @@ class WebTraffic {
 
   /// The event of a view {"traffic": BUS, "can_id": 389}: of the bus of that number in `state`, with the bits of the last frame of
   /// that base identifier, with "extended": true of that identifier of 29 bits, if there was one; empty: there is no such bus.
-  [[nodiscard]] std::string look(const nlohmann::json& wish);
+  [[nodiscard]] std::string look(const text::Json& wish);
   /// Nobody looks any more.
   void forget() { wires_.clear(); }
   /// Of the bus of this name; nullptr: there is none.
@@ -83,14 +82,14 @@ class WebTraffic {
 
   plant::Plant& plant_;
   [[nodiscard]] WebWire* wire_of(std::size_t bus);
-  void add_frame(nlohmann::ordered_json& event, std::size_t bus, const Seen& seen);
-  void add_error_frames(nlohmann::ordered_json& event, std::size_t bus);
+  void add_frame(text::Json& event, std::size_t bus, const Seen& seen);
+  void add_error_frames(text::Json& event, std::size_t bus);
 
   std::vector<std::unique_ptr<Tap>> taps_;
   std::map<std::size_t, WebWire> wires_;  // of simulated buses that somebody looks at
 };
 
 /// Adds `bits`: each bit of the frame as the bus had it: `level` (`d`, `r`), `field`, and `stuff` when it is a stuff bit.
-void add_bits(nlohmann::ordered_json& event, const can::Frame& frame);
+void add_bits(text::Json& event, const can::Frame& frame);
 
 }  // namespace canopus::cli

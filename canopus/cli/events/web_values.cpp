@@ -29,7 +29,7 @@ std::optional<std::uint64_t> take_number(std::string_view& key, int base, char b
   return number;
 }
 
-nlohmann::ordered_json number_of(DataType type, std::uint64_t raw) {
+text::Json number_of(DataType type, std::uint64_t raw) {
   if (type == DataType::real32) return std::bit_cast<float>(static_cast<std::uint32_t>(raw));
   if (type == DataType::real64) return std::bit_cast<double>(raw);
   if (!canopen::is_signed(type)) return raw;
@@ -37,7 +37,7 @@ nlohmann::ordered_json number_of(DataType type, std::uint64_t raw) {
   return static_cast<std::int64_t>(raw << unused) >> unused;
 }
 
-nlohmann::ordered_json word(plant::Plant& plant, std::string_view key) {
+text::Json word(plant::Plant& plant, std::string_view key) {
   const auto module = take_number(key, 10, ' ');
   const auto address = module ? take_number(key, 10, '\0') : std::nullopt;
   if (!address || *module >= plant.modules().size() || *address > 0xFFFF) return nullptr;
@@ -46,7 +46,7 @@ nlohmann::ordered_json word(plant::Plant& plant, std::string_view key) {
   return memory->look_at_word(static_cast<std::uint16_t>(*address), plant.timeline().now());
 }
 
-nlohmann::ordered_json object(plant::Plant& plant, std::string_view key) {
+text::Json object(plant::Plant& plant, std::string_view key) {
   const auto place = take_number(key, 10, ' ');
   const auto index = place ? take_number(key, 16, ':') : std::nullopt;
   const auto sub = index ? take_number(key, 16, '\0') : std::nullopt;
@@ -64,16 +64,16 @@ nlohmann::ordered_json object(plant::Plant& plant, std::string_view key) {
 
 }  // namespace
 
-std::string values_event(plant::Plant& plant, const nlohmann::json& wish) {
+std::string values_event(plant::Plant& plant, const text::Json& wish) {
   const auto keys = wish.find("values");
   if (keys == wish.end() || !keys->is_array() || keys->size() > most_values) return {};
-  nlohmann::ordered_json event = event_line(plant.timeline().now(), "values");
-  event["values"] = nlohmann::ordered_json::array();
+  text::Json event = event_line(plant.timeline().now(), "values");
+  event["values"] = text::Json::array();
   constexpr std::string_view words = "words ";
   constexpr std::string_view objects = "objects ";
-  for (const nlohmann::json& one : *keys) {
+  for (const text::Json& one : *keys) {
     const std::string key = one.is_string() ? one.get<std::string>() : std::string();
-    nlohmann::ordered_json value;
+    text::Json value;
     if (key.starts_with(words)) value = word(plant, std::string_view(key).substr(words.size()));
     if (key.starts_with(objects)) value = object(plant, std::string_view(key).substr(objects.size()));
     event["values"].push_back({{"key", key}, {"value", std::move(value)}});

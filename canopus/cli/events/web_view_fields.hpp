@@ -5,17 +5,17 @@
 #include <string>
 #include <string_view>
 
-#include <nlohmann/json.hpp>
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 
 /// A number of a wish, within 0 and `most`; 0 when it is none.
-[[nodiscard]] std::size_t view_number(const nlohmann::json& wish, const char* key, std::size_t most);
+[[nodiscard]] std::size_t view_number(const text::Json& wish, const char* key, std::size_t most);
 /// A text of a wish in lower-case letters, for has_words(); empty when it is none.
-[[nodiscard]] std::string view_text(const nlohmann::json& wish, const char* key);
+[[nodiscard]] std::string view_text(const text::Json& wish, const char* key);
 /// `text`, in whatever case of its letters, holds `lower_words`; empty words are in every text.
 [[nodiscard]] bool has_words(std::string_view text, std::string_view lower_words) noexcept;
 /// One line, with nothing in it that would control a terminal.
-[[nodiscard]] std::string view_event(const nlohmann::ordered_json& event);
+[[nodiscard]] std::string view_event(const text::Json& event);
 
 }  // namespace canopus::cli

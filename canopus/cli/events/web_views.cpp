@@ -29,7 +29,7 @@ std::string_view access_name(module::WordAccess access) {
 }
 
 /// `low` and `high`, or `values`; of a word that takes anything, nothing.
-void add_range(nlohmann::ordered_json& line, const module::ValueRange& range) {
+void add_range(text::Json& line, const module::ValueRange& range) {
   using enum module::ValueRange::Kind;
   if (range.kind == one_of) {
     line["values"] = range.values;
@@ -97,7 +97,7 @@ std::string WebViews::look(std::string_view view) {
     traffic_.forget();
     return {};
   }
-  const auto wish = nlohmann::json::parse(view, nullptr, false);
+  const auto wish = text::parse_json(view).value_or(Json());
   if (!wish.is_object()) return {};
   if (wish.contains("words")) return words_event(wish);
   if (wish.contains("boots")) return boots_event();
@@ -110,7 +110,7 @@ std::string WebViews::look(std::string_view view) {
   return {};
 }
 
-std::string WebViews::words_event(const nlohmann::json& view) {
+std::string WebViews::words_event(const text::Json& view) {
   if (modules_.empty()) list_modules();
   is_looked_at_ = true;
   const std::size_t position = view_number(view, "words", SIZE_MAX);

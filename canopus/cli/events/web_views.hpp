@@ -9,13 +9,12 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "canopus/can/bus.hpp"
 #include "canopus/cli/events/web_boots.hpp"
 #include "canopus/cli/events/web_traffic.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/plant/plant.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 
@@ -44,7 +43,7 @@ class WebViews {
   [[nodiscard]] const WebTraffic& traffic() const noexcept { return traffic_; }
 
  private:
-  using Json = nlohmann::ordered_json;
+  using Json = text::Json;
   /// A module with its names of words.
   struct Module {
     std::string name;
@@ -77,7 +76,7 @@ class WebViews {
   };
 
   void list_modules();
-  [[nodiscard]] std::string words_event(const nlohmann::json& view);
+  [[nodiscard]] std::string words_event(const text::Json& view);
   [[nodiscard]] std::string boots_event() const;
   [[nodiscard]] std::vector<ProcessWord> process_words(const Module& module) const;
   /// "node 3 (encoder) TPDO1": who of the plant sends this on the module's bus.

@@ -5,13 +5,13 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/lss/lss_device.hpp"
 #include "canopus/cli/lss/lss_rate_search.hpp"
 #include "canopus/cli/lss/lss_scan.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::cli {
@@ -19,7 +19,7 @@ namespace {
 
 using lss::LssAddress;
 using lss::LssResult;
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 
 constexpr std::string_view selecting = "selecting the device";
 

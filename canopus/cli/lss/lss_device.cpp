@@ -12,7 +12,7 @@ namespace canopus::cli {
 
 using lss::LssAddress;
 using lss::LssResult;
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 
 void show(const LssArguments& arguments, const Json& line, const std::string& text) {
   if (arguments.bus.json) return print_json(line);

@@ -7,9 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include <nlohmann/json.hpp>
-
 #include "canopus/cli/lss/lss_on_bus.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 
@@ -23,8 +22,8 @@ struct LssArguments {
 };
 
 /// A line for people, or the JSON.
-void show(const LssArguments& arguments, const nlohmann::ordered_json& line, const std::string& text);
-[[nodiscard]] nlohmann::ordered_json json(const lss::LssAddress& address);
+void show(const LssArguments& arguments, const text::Json& line, const std::string& text);
+[[nodiscard]] text::Json json(const lss::LssAddress& address);
 [[nodiscard]] std::string describe(const lss::LssAddress& address);
 
 /// What a service that had to succeed ended with, as an exit code.

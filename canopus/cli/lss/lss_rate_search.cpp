@@ -17,7 +17,7 @@ namespace {
 
 using lss::LssAddress;
 using lss::LssResult;
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 using namespace std::chrono_literals;
 
 /// From a new bit rate to the first frame: an adapter is closed and opened for it.

@@ -16,7 +16,7 @@ namespace {
 
 using lss::LssAddress;
 using lss::LssResult;
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 
 /// Of a fastscan: is anybody there, and for each part 32 bits and a confirmation.
 constexpr unsigned fastscan_questions = 1 + 4 * 33;

@@ -5,12 +5,12 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "canopus/canopen/service/nmt.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/client/sdo_value.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -19,7 +19,7 @@ using network::ComparedValue;
 using network::WriteStep;
 using project::NetworkProject;
 using project::ProjectNode;
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 
 std::string_view state_name(ComparedValue::State state) {
   switch (state) {

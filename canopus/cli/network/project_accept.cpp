@@ -4,13 +4,13 @@
 #include <iterator>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/canopen/service/nmt.hpp"
 #include "canopus/cli/network/bus_objects.hpp"
 #include "canopus/cli/network/project_command.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/project/network/device_acceptance.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -19,7 +19,7 @@ using project::AcceptedValue;
 using project::IdentityValue;
 using project::NetworkProject;
 using project::ProjectNode;
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 
 constexpr text::ObjectName identity_objects[] = {
     {0x1000, 0}, {0x1018, 1}, {0x1018, 2}, {0x1018, 3}, {0x1018, 4}};

@@ -4,7 +4,6 @@
 #include <filesystem>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "canopus/canopen/service/nmt.hpp"
@@ -14,6 +13,7 @@
 #include "canopus/cli/terminal/device_names.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/text/file_text.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using client::FoundNode;
 using project::NetworkProject;
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 
 /// A device file, and whose it is.
 struct Candidate {

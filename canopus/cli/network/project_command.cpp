@@ -4,13 +4,13 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/terminal/kept_work.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/project/network/network_load.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -303,14 +303,14 @@ int with_network(const ProjectArguments& arguments,
 static void tell_load(const ProjectArguments& arguments, const project::NetworkLoad& before,
                       const project::NetworkLoad& after) {
   if (arguments.bus.json) {
-    return print_json(nlohmann::ordered_json{{"event", "dry run"},
-                                             {"bit_rate", after.bit_rate},
-                                             {"load", after.steady},
-                                             {"load_before", before.steady},
-                                             {"load_at_most", after.most},
-                                             {"load_at_most_before", before.most},
-                                             {"unlimited", after.unlimited},
-                                             {"unlimited_before", before.unlimited}});
+    return print_json(text::Json{{"event", "dry run"},
+                                 {"bit_rate", after.bit_rate},
+                                 {"load", after.steady},
+                                 {"load_before", before.steady},
+                                 {"load_at_most", after.most},
+                                 {"load_at_most_before", before.most},
+                                 {"unlimited", after.unlimited},
+                                 {"unlimited_before", before.unlimited}});
   }
   print_line(
       "load {:.1f} % (was {:.1f} %) by timers and SYNC, {:.1f} % (was {:.1f} %) at most; nothing is written",

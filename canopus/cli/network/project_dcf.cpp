@@ -7,13 +7,13 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/network/project_command.hpp"
 #include "canopus/cli/terminal/new_file.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/eds/writer.hpp"
 #include "canopus/text/file_text.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::cli {
@@ -21,7 +21,7 @@ namespace {
 
 using project::NetworkProject;
 using project::ProjectNode;
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 
 /// A value that the project's node and the DCF have otherwise, as device files write it; nothing: it is not configured there.
 struct DcfDifference {

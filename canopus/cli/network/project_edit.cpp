@@ -3,7 +3,6 @@
 #include <filesystem>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/network/project_command.hpp"
 #include "canopus/cli/terminal/new_file.hpp"
@@ -11,13 +10,14 @@
 #include "canopus/network/dcf_download.hpp"
 #include "canopus/store/files.hpp"
 #include "canopus/text/file_text.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 namespace {
 
 using project::NetworkProject;
 using project::ProjectNode;
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 
 void tell_node(const ProjectArguments& arguments, std::string_view what, const ProjectNode& node) {
   if (arguments.bus.json) {

@@ -4,13 +4,13 @@
 #include <charconv>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/network/project_command.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/eds/number.hpp"
 #include "canopus/eds/words.hpp"
 #include "canopus/project/network/pdo_link.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::cli {
@@ -19,7 +19,7 @@ namespace {
 using project::NetworkProject;
 using project::Pdo;
 using project::ProjectNode;
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 
 /// "tpdo1", "RPDO3"; nothing: the node has none of that name.
 const Pdo* find_pdo(const ProjectNode& node, std::string_view name) {

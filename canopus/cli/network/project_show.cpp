@@ -4,7 +4,6 @@
 #include <map>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "canopus/cli/network/network_check.hpp"
@@ -13,13 +12,14 @@
 #include "canopus/client/sdo_value.hpp"
 #include "canopus/eds/words.hpp"
 #include "canopus/project/network/network_load.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 namespace {
 
 using project::NetworkProject;
 using project::ProjectNode;
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 using Severity = eds::Problem::Severity;
 
 std::size_t count(const ProjectNode& node, bool transmit) {
@@ -97,8 +97,8 @@ void add_facts(Json& line, const ProjectNode& node, const canopen::Entry& entry)
   const eds::EntryFacts* const facts = node.device->find_facts(entry.index, entry.sub);
   line["configured"] = facts != nullptr && facts->configured;
   if (facts != nullptr && facts->configured && !facts->default_text.empty())
-    line["default"] = facts->default_text;
-  if (facts != nullptr && !facts->denotation.empty()) line["denotation"] = facts->denotation;
+    line["default"] = facts->default_text.text();
+  if (facts != nullptr && !facts->denotation.empty()) line["denotation"] = facts->denotation.text();
   if (description.tpdo_mappable) line["tpdo"] = true;
   if (description.rpdo_mappable) line["rpdo"] = true;
   using enum canopen::DataType;

@@ -1,18 +1,18 @@
 // Commands that say what there is to be set, of a module and not of a project.
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/project/configure_command.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/project/mappable_objects.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 namespace {
 
 using project::Field;
 using project::Window;
-using DescriptionJson = nlohmann::ordered_json;
+using DescriptionJson = text::Json;
 
 void print_window_head(const Window& window) {
   print_line("{} ({})", window.title, window.word);

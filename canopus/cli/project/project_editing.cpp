@@ -3,12 +3,12 @@
 #include <filesystem>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/project/configure_command.hpp"
 #include "canopus/cli/project/project_files.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/project/module_project.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -16,7 +16,7 @@ namespace {
 using project::ModuleProject;
 using project::Row;
 using project::Window;
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 
 /// "tpdo/3": a window and the number of a row.
 struct Place {

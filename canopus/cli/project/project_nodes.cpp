@@ -4,12 +4,12 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/project/node_files.hpp"
 #include "canopus/cli/project/project_access.hpp"
 #include "canopus/cli/project/project_files.hpp"
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 using client::PlcModule;
 using project::ModuleProject;
 using project::ObjectNumber;
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 
 struct NodeObject {
   std::string_view name;  ///< as the node settings window prints it

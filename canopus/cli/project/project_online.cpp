@@ -7,7 +7,6 @@
 #include <functional>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "canopus/cli/project/configure_command.hpp"
@@ -18,6 +17,7 @@
 #include "canopus/client/plc_module.hpp"
 #include "canopus/plant/catalogue/error_history.hpp"
 #include "canopus/plant/catalogue/module_catalogue.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::cli {
@@ -25,7 +25,7 @@ namespace {
 
 using client::PlcModule;
 using project::ModuleProject;
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 
 constexpr unsigned most_nodes = 127;
 

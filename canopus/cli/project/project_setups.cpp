@@ -6,7 +6,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
@@ -15,11 +14,12 @@
 #include "canopus/cli/terminal/kept_work.hpp"
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/project/module_windows.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 namespace {
 
-using SetupLine = nlohmann::ordered_json;
+using SetupLine = text::Json;
 
 struct SetupArguments {
   std::string name;

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/commands/plc_arguments.hpp"
 #include "canopus/cli/network/project_folder.hpp"
@@ -16,6 +15,7 @@
 #include "canopus/cli/run/run_loop.hpp"
 #include "canopus/cli/terminal/plant_loading.hpp"
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/text/printable.hpp"
 #include "canopus/text/text_values.hpp"
 
@@ -38,8 +38,8 @@ struct WebArguments {
 
 /// As a TOML string.
 std::string in_toml(std::string_view text) {
-  using Json = nlohmann::json;
-  return Json(text::printable(text)).dump(-1, ' ', false, Json::error_handler_t::replace);
+  using Json = text::Json;
+  return Json(text::printable(text)).dump();
 }
 
 /// A plant of one bus: the real one, or a simulated one with the project's nodes.

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/setups/user_state.hpp"
 #include "canopus/store/files.hpp"
 #include "canopus/store/folder_lock.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/text/nearest_word.hpp"
 #include "canopus/text/printable.hpp"
 #include "canopus/text/text_values.hpp"
@@ -21,7 +21,7 @@ namespace canopus::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using SetupJson = nlohmann::ordered_json;
+using SetupJson = text::Json;
 
 constexpr std::size_t longest_setup_file = 1'000'000;
 constexpr std::size_t longest_setup_text = 255;
@@ -90,12 +90,12 @@ std::string take_value(const std::string& key, const SetupJson& value, TransferS
 
 /// One line of the file. Empty: taken.
 std::string take_line(std::string_view text, TransferSetups& setups) {
-  const auto line = SetupJson::parse(text, nullptr, false);
+  const auto line = text::parse_json(text).value_or(SetupJson());
   if (!line.is_object()) return "expected a JSON object";
   TransferSetup setup;
   const auto name = line.find("name");
   if (name == line.end() || !name->is_string()) return "expected \"name\", a text";
-  const auto& called = name->get_ref<const std::string&>();
+  const auto& called = name->string();
   if (std::string why = why_no_setup_name(called); !why.empty()) return why;
   for (const auto& [key, value] : line.items()) {
     if (key == "name") continue;

@@ -1,14 +1,15 @@
 #include "canopus/cli/terminal/boot_report.hpp"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 
 using manager::BootError;
 using manager::BootStep;
 
-void add_boot(nlohmann::ordered_json& line, const manager::BootRecord& record, can::Time now) {
+void add_boot(text::Json& line, const manager::BootRecord& record, can::Time now) {
   line["step"] = manager::describe(record.step);
   line["since"] = static_cast<double>(record.since.time_since_epoch() / std::chrono::microseconds(1)) / 1e6;
   const bool names_object = asks_object(record.step == BootStep::failed ? record.failed_step : record.step) ||

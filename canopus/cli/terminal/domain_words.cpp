@@ -4,9 +4,9 @@
 #include <iterator>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/manager/boot/concise_dcf.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/text/printable.hpp"
 #include "canopus/trace/decode/object_facts.hpp"
 
@@ -100,9 +100,9 @@ std::vector<std::string> lines_of(const DomainWords& words) {
   return lines;
 }
 
-nlohmann::ordered_json json_of(const DomainWords& words) {
-  nlohmann::ordered_json json{{"heading", words.heading}};
-  json["entries"] = nlohmann::ordered_json::array();
+text::Json json_of(const DomainWords& words) {
+  text::Json json{{"heading", words.heading}};
+  json["entries"] = text::Json::array();
   for (const auto& entry : words.entries) {
     json["entries"].push_back({{"object", entry.object}, {"name", entry.name}, {"value", entry.value}});
   }

@@ -8,9 +8,8 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 
@@ -39,7 +38,7 @@ struct DomainWords {
 /// The same for a terminal, a line each.
 [[nodiscard]] std::vector<std::string> lines_of(const DomainWords& words);
 /// `heading`, `entries`, `problem`, `dump` as fields.
-[[nodiscard]] nlohmann::ordered_json json_of(const DomainWords& words);
+[[nodiscard]] text::Json json_of(const DomainWords& words);
 
 /// A character for each byte: itself from 20H to 7EH, else a dot.
 [[nodiscard]] std::string ascii_of(std::span<const std::uint8_t> bytes);

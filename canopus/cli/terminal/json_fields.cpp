@@ -2,13 +2,12 @@
 
 namespace canopus::cli {
 
-using Json = nlohmann::ordered_json;
+using Json = text::Json;
 
 std::string field_text(const Json& object, const char* key) {
   const auto found = object.is_object() ? object.find(key) : object.end();
   if (!object.is_object() || found == object.end() || found->is_null()) return "";
-  return found->is_string() ? found->get<std::string>()
-                            : found->dump(-1, ' ', false, Json::error_handler_t::replace);
+  return found->is_string() ? found->get<std::string>() : found->dump();
 }
 
 const Json& field_list(const Json& object, const char* key) {

@@ -3,13 +3,13 @@
 
 #include <string>
 
-#include <nlohmann/json.hpp>
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 
 /// The text of a field, or its value as text; empty where there is none, or null.
-[[nodiscard]] std::string field_text(const nlohmann::ordered_json& object, const char* key);
+[[nodiscard]] std::string field_text(const text::Json& object, const char* key);
 /// The field where it is an array, else an empty one.
-[[nodiscard]] const nlohmann::ordered_json& field_list(const nlohmann::ordered_json& object, const char* key);
+[[nodiscard]] const text::Json& field_list(const text::Json& object, const char* key);
 
 }  // namespace canopus::cli

@@ -9,39 +9,54 @@
 // ends the program with a sentence and an exit code; a standard error that cannot be written has nobody to
 // hear about it.
 
+#include <array>
 #include <cstdint>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <variant>
 
 #include <fmt/format.h>
-#include <nlohmann/json_fwd.hpp>
 
+#include "canopus/text/json.hpp"
 #include "canopus/text/printable.hpp"
 
 namespace canopus::cli {
 
 class Line;
 
-namespace detail {
-
-/// An argument of a line as it is formatted: text is made printable, numbers and lines stay.
-template <typename T>
-auto printable_argument(const T& value) {
-  if constexpr (std::is_same_v<T, Line>) {
-    return std::string_view(value.text());
-  } else if constexpr (std::is_same_v<T, char>) {
-    return text::printable({&value, 1});
-  } else if constexpr (std::is_convertible_v<const T&, std::string_view>) {
-    return text::printable(value);
-  } else {
-    static_assert(std::is_arithmetic_v<T>, "a line is made of text, numbers and other lines");
-    return value;
+/// What stands in a line for a {}: text, a number, another line. It lasts as long as the call it is made for.
+class LineArgument {
+ public:
+  // NOLINTNEXTLINE(google-explicit-constructor): it is made of what print_line() is given.
+  template <typename T>
+  LineArgument(const T& value) {
+    if constexpr (std::is_same_v<T, Line>) {
+      set_line(value);
+    } else if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, char>) {
+      value_ = value;
+    } else if constexpr (std::is_convertible_v<const T&, std::string_view>) {
+      value_ = std::string_view(value);
+    } else if constexpr (std::is_floating_point_v<T>) {
+      value_ = value;
+    } else if constexpr (std::is_signed_v<T>) {
+      value_ = static_cast<std::int64_t>(value);
+    } else {
+      static_assert(std::is_unsigned_v<T>, "a line is made of text, numbers and other lines");
+      value_ = static_cast<std::uint64_t>(value);
+    }
   }
-}
 
-}  // namespace detail
+ private:
+  friend class Line;
+  struct Safe {
+    const std::string* text;  ///< of a line: printable already
+  };
+  void set_line(const Line& line);
+  std::variant<std::string_view, Safe, char, bool, std::int64_t, std::uint64_t, float, double> value_;
+};
 
 /// A line, or a part of one, that is safe to print: no text in it controls the terminal. Colours come from
 /// paint() alone.
@@ -54,14 +69,15 @@ class Line {
   }
   template <typename... T>
   Line& add(fmt::format_string<const T&...> format, const T&... arguments) {
-    fmt::vformat_to(std::back_inserter(text_), fmt::string_view(format),
-                    fmt::make_format_args(detail::printable_argument(arguments)...));
-    return *this;
+    const std::array<LineArgument, sizeof...(T)> list{LineArgument(arguments)...};
+    const fmt::string_view text(format);
+    return add_formatted({text.data(), text.size()}, list);
   }
   [[nodiscard]] const std::string& text() const noexcept { return text_; }
 
  private:
   friend Line paint(std::string_view text, std::string_view code, bool colour);
+  Line& add_formatted(std::string_view format, std::span<const LineArgument> arguments);
   std::string text_;
 };
 
@@ -86,7 +102,7 @@ class Output {
     line(Line(format, arguments...));
   }
   /// The object in one line.
-  void json(const nlohmann::ordered_json& object);
+  void json(const text::Json& object);
   /// A file's content as it is. Not for what people read.
   void content(std::string_view bytes) { write(bytes); }
 
@@ -138,7 +154,7 @@ void print_error(fmt::format_string<const T&...> format, const T&... arguments) 
   standard_error().line(Line(format, arguments...));
 }
 /// One JSON object on the standard output, in a line.
-void print_json(const nlohmann::ordered_json& object);
+void print_json(const text::Json& object);
 
 /// The last line of the terminal of the standard error says how far something is, redrawn in place; the next
 /// line printed takes its place. Nothing unless is_terminal(STDERR_FILENO).

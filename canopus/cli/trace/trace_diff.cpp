@@ -2,7 +2,6 @@
 
 #include <memory>
 
-#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 #include "canopus/cli/commands/bus_command.hpp"
@@ -10,6 +9,7 @@
 #include "canopus/cli/trace/trace_command.hpp"
 #include "canopus/cli/trace/trace_comparison.hpp"
 #include "canopus/cli/trace/trace_input_file.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/text/text_values.hpp"
 
 namespace canopus::cli {
@@ -58,7 +58,7 @@ void print_difference(Difference difference, const ComparedRecord* a, const Comp
 
 void print_difference_as_json(Difference difference, const ComparedRecord* a, const ComparedRecord* b) {
   constexpr std::array names{"only in A", "only in B", "order", "time"};
-  nlohmann::ordered_json line;
+  text::Json line;
   line["difference"] = names[static_cast<std::size_t>(difference)];
   if (a != nullptr) line["a"] = seconds_text(a->time);
   if (b != nullptr) line["b"] = seconds_text(b->time);

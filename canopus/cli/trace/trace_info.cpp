@@ -3,12 +3,11 @@
 #include <map>
 #include <memory>
 
-#include <nlohmann/json.hpp>
-
 #include "canopus/cli/commands/bus_command.hpp"
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/trace/trace_command.hpp"
 #include "canopus/cli/trace/trace_input_file.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -93,7 +92,7 @@ void print_text(const std::string& file, const TraceInputFile& in, const Figures
 }
 
 void print_as_json(const std::string& file, const TraceInputFile& in, const Figures& figures) {
-  nlohmann::ordered_json line;
+  text::Json line;
   line["file"] = file;
   line["format"] = trace::name_of(in.reader().format());
   line["frames"] = figures.frames;
@@ -110,11 +109,11 @@ void print_as_json(const std::string& file, const TraceInputFile& in, const Figu
     line["last"] = seconds_text(figures.last->time_since_epoch());
     line["duration"] = seconds_text(*figures.last - *figures.first);
   }
-  line["channels"] = nlohmann::ordered_json::array();
+  line["channels"] = text::Json::array();
   for (const auto& [channel, count] : figures.channels) {
     line["channels"].push_back({{"name", in.reader().channel(channel)}, {"frames", count}});
   }
-  line["identifiers"] = nlohmann::ordered_json::array();
+  line["identifiers"] = text::Json::array();
   for (const auto& [key, count] : figures.identifiers) {
     line["identifiers"].push_back({{"id", identifier_text(key)}, {"frames", count}});
   }

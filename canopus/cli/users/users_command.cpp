@@ -7,7 +7,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <sys/stat.h>
 
 #include "canopus/cli/options/command.hpp"
@@ -16,6 +15,7 @@
 #include "canopus/cli/terminal/print.hpp"
 #include "canopus/cli/users/password_input.hpp"
 #include "canopus/serve/web/web_password.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 namespace {

@@ -12,7 +12,7 @@
 namespace canopus::cli {
 namespace {
 
-using Json = nlohmann::json;
+using Json = text::Json;
 using Settings = WebCommand::Settings;
 using enum WebCommandField::Kind;
 
@@ -28,7 +28,7 @@ std::span<const WebCommandField> fields_of(const WebCommand& command) {
 /// Nothing that could not be an argument of a process.
 bool is_argument(const Json& value) {
   if (!value.is_string()) return false;
-  const auto& said = value.get_ref<const std::string&>();
+  const auto& said = value.string();
   return said.size() <= longest_text && !said.contains('\0');
 }
 
@@ -82,8 +82,7 @@ std::expected<const WebCommand*, std::string> command_of(const Json& wish,
                                                          std::span<const WebCommand> commands) {
   const auto name = wish.find("command");
   if (name == wish.end() || !name->is_string()) return std::unexpected("expected \"command\"");
-  const auto command =
-      std::ranges::find(commands, std::string_view(name->get_ref<const std::string&>()), &WebCommand::title);
+  const auto command = std::ranges::find(commands, std::string_view(name->string()), &WebCommand::title);
   if (command != commands.end()) return &*command;
   return std::unexpected(fmt::format("unknown command \"{}\"; expected one of {}",
                                      text::printable(name->get<std::string>()), names_of(commands)));

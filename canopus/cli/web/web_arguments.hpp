@@ -9,10 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "canopus/cli/web/web_settings.hpp"
 #include "canopus/serve/web/web_user.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 
@@ -41,11 +40,11 @@ struct WebCommandLine {
 
 /// A command as the page says it: {"command": "project set", "bus": "line1", "node": "5", "items": ["1017=500"]}. The error is a
 /// sentence.
-[[nodiscard]] std::expected<WebCommandLine, std::string> web_command_line(const nlohmann::json& wish,
+[[nodiscard]] std::expected<WebCommandLine, std::string> web_command_line(const text::Json& wish,
                                                                           const WebBus& bus);
 
 /// Likewise {"command": "configure set", "settings": "module.xml", "window": "tpdo/5", "items": ["Event timer=100"]}.
-[[nodiscard]] std::expected<WebCommandLine, std::string> web_command_line(const nlohmann::json& wish,
+[[nodiscard]] std::expected<WebCommandLine, std::string> web_command_line(const text::Json& wish,
                                                                           const WebSettings& settings);
 /// A command of the second kind.
 [[nodiscard]] bool is_web_settings_command(std::string_view name);

@@ -42,13 +42,12 @@ std::string party_of(const WebUser& user) {
 
 /// What the wish names of `all` under `key`, the first one if it names none.
 template <typename Place>
-const Place* place_of(const std::vector<Place>& all, std::string Place::*name, const nlohmann::json& wish,
+const Place* place_of(const std::vector<Place>& all, std::string Place::*name, const text::Json& wish,
                       const char* key) {
   const auto said = wish.find(key);
   if (said == wish.end()) return all.empty() ? nullptr : &all.front();
-  const auto found = std::ranges::find_if(all, [&](const Place& one) {
-    return said->is_string() && one.*name == said->template get_ref<const std::string&>();
-  });
+  const auto found = std::ranges::find_if(
+      all, [&](const Place& one) { return said->is_string() && one.*name == said->string(); });
   return found == all.end() ? nullptr : &*found;
 }
 
@@ -92,7 +91,7 @@ void WebCommands::refuse(const WebUser& user, const std::string& line, std::uint
 }
 
 std::expected<WebCommands::Placed, std::string> WebCommands::place(const std::string& name,
-                                                                   const nlohmann::json& wish) const {
+                                                                   const text::Json& wish) const {
   const auto placed = [&](const auto* one, std::string_view kind,
                           const std::string& called) -> std::expected<Placed, std::string> {
     auto line = web_command_line(wish, *one);
@@ -111,7 +110,7 @@ std::expected<WebCommands::Placed, std::string> WebCommands::place(const std::st
 }
 
 void WebCommands::run(const WebUser& user, std::string_view command, std::uint32_t id, WebReply reply) {
-  const auto wish = nlohmann::json::parse(command, nullptr, false);
+  const auto wish = text::parse_json(command).value_or(Json());
   const auto name = wish.is_object() && wish.contains("command") && wish["command"].is_string()
                         ? wish["command"].get<std::string>()
                         : std::string();
@@ -181,8 +180,7 @@ void WebCommands::hello(const WebUser& user, std::uint32_t id, const WebReply& r
   send(reply, std::move(event));
 }
 
-void WebCommands::arm(const WebUser& user, const nlohmann::json& wish, std::uint32_t id,
-                      const WebReply& reply) {
+void WebCommands::arm(const WebUser& user, const text::Json& wish, std::uint32_t id, const WebReply& reply) {
   const bool on = wish.contains("on") && wish["on"].is_boolean() && wish["on"].get<bool>();
   const std::string line = on ? "arm" : "disarm";
   if (on && user.role < WebRole::operate) {
@@ -197,8 +195,7 @@ void WebCommands::arm(const WebUser& user, const nlohmann::json& wish, std::uint
   send(reply, std::move(event));
 }
 
-void WebCommands::stop(const WebUser& user, const nlohmann::json& wish, std::uint32_t id,
-                       const WebReply& reply) {
+void WebCommands::stop(const WebUser& user, const text::Json& wish, std::uint32_t id, const WebReply& reply) {
   const auto number = wish.find("id");
   const auto job = std::ranges::find_if(jobs_, [&](const Job& one) {
     return number != wish.end() && number->is_number_unsigned() && one.id == number->get<std::uint64_t>() &&
@@ -221,13 +218,13 @@ void WebCommands::stop(const WebUser& user, const nlohmann::json& wish, std::uin
 }
 
 void WebCommands::run_own(const WebUser& user, const std::string& name, const Own& own,
-                          const nlohmann::json& wish, std::uint32_t id, const WebReply& reply) {
+                          const text::Json& wish, std::uint32_t id, const WebReply& reply) {
   if (user.role < own.role) {
     return refuse(
         user, name, id, reply, web_code::not_allowed,
         fmt::format("{}: the role {} is needed, yours is {}", name, name_of(own.role), name_of(user.role)));
   }
-  const std::string line = wish.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  const std::string line = wish.dump();
   if (own.live_bus && !is_armed()) {
     if (const std::string bus = own.live_bus(wish); !bus.empty()) {
       return refuse(user, line, id, reply, web_code::not_armed,
@@ -276,8 +273,7 @@ std::expected<std::shared_ptr<ChildProcess>, std::string> WebCommands::start(con
   return ChildProcess::start(io_, use_.program, job.line.arguments,
                              {.line =
                                   [this](std::string line) {
-                                    if (nlohmann::json::accept(line))
-                                      jobs_.front().rows.push_back(std::move(line));
+                                    if (text::parse_json(line)) jobs_.front().rows.push_back(std::move(line));
                                     tell_rows(false);
                                   },
                               .ended = [this](int code, const std::string& errors) { ended(code, errors); },

@@ -16,12 +16,12 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <nlohmann/json.hpp>
 
 #include "canopus/can/time.hpp"
 #include "canopus/cli/web/child_process.hpp"
 #include "canopus/cli/web/web_arguments.hpp"
 #include "canopus/serve/web/web_server.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 
@@ -43,12 +43,12 @@ class WebCommands {
 
   /// One that is done in this process: says once its row, or a sentence; at once or later.
   struct Own {
-    using Done = std::function<void(std::expected<nlohmann::ordered_json, std::string>)>;
+    using Done = std::function<void(std::expected<text::Json, std::string>)>;
     serve::WebRole role = serve::WebRole::operate;
     bool is_noted = true;  ///< false: looks again and again, and is nothing for the audit log
-    std::function<void(const nlohmann::json& wish, Done done)> run{};
+    std::function<void(const text::Json& wish, Done done)> run{};
     /// The live bus that it acts on, for which writing has to be armed; empty: none. Without the function it has none.
-    std::function<std::string(const nlohmann::json& wish)> live_bus{};
+    std::function<std::string(const text::Json& wish)> live_bus{};
   };
   struct Use {
     std::vector<WebBus> buses{};
@@ -82,7 +82,7 @@ class WebCommands {
   [[nodiscard]] bool is_armed() const;
 
  private:
-  using Json = nlohmann::ordered_json;
+  using Json = text::Json;
   struct Job {
     serve::WebUser user;
     WebCommandLine line;
@@ -100,9 +100,9 @@ class WebCommands {
   void refuse(const serve::WebUser& user, const std::string& line, std::uint32_t id,
               const serve::WebReply& reply, int code, const std::string& message) const;
   void hello(const serve::WebUser& user, std::uint32_t id, const serve::WebReply& reply) const;
-  void arm(const serve::WebUser& user, const nlohmann::json& wish, std::uint32_t id,
+  void arm(const serve::WebUser& user, const text::Json& wish, std::uint32_t id,
            const serve::WebReply& reply);
-  void stop(const serve::WebUser& user, const nlohmann::json& wish, std::uint32_t id,
+  void stop(const serve::WebUser& user, const text::Json& wish, std::uint32_t id,
             const serve::WebReply& reply);
   /// A command line, and whether what it writes to is somebody else's.
   struct Placed {
@@ -111,9 +111,9 @@ class WebCommands {
     std::string place{};  ///< "line1 is a live bus"
   };
   [[nodiscard]] std::expected<Placed, std::string> place(const std::string& name,
-                                                         const nlohmann::json& wish) const;
-  void run_own(const serve::WebUser& user, const std::string& name, const Own& own,
-               const nlohmann::json& wish, std::uint32_t id, const serve::WebReply& reply);
+                                                         const text::Json& wish) const;
+  void run_own(const serve::WebUser& user, const std::string& name, const Own& own, const text::Json& wish,
+               std::uint32_t id, const serve::WebReply& reply);
   [[nodiscard]] bool has_room_for(const serve::WebUser& user) const;
   void start_next();
   void choose_next();

@@ -46,8 +46,8 @@ WebFaults::Json WebFaults::list() const {
   return row;
 }
 
-std::expected<WebFaults::Json, std::string> WebFaults::run(const nlohmann::json& wish) {
-  const auto text_of = [](const nlohmann::json& object, const char* key) {
+std::expected<WebFaults::Json, std::string> WebFaults::run(const text::Json& wish) {
+  const auto text_of = [](const text::Json& object, const char* key) {
     const auto found = object.find(key);
     return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
   };
@@ -70,7 +70,7 @@ std::expected<WebFaults::Json, std::string> WebFaults::run(const nlohmann::json&
   }
   std::vector<Rule> rules;
   std::vector<sim::Fault> faults;
-  for (const nlohmann::json& one : *list) {
+  for (const text::Json& one : *list) {
     const std::string text = one.is_object() ? text_of(one, "text") : std::string();
     const auto wrong = [&](const std::string& what) {
       return std::unexpected(fmt::format("fault {}: {}", rules.size() + 1, what));

@@ -5,10 +5,9 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "canopus/link/loop_clock.hpp"
 #include "canopus/plant/plant.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 
@@ -16,7 +15,7 @@ class WebFaults {
  public:
   static constexpr std::size_t most_faults = 200;
   static constexpr std::size_t longest_fault = 4000;  ///< bytes of its text
-  using Json = nlohmann::ordered_json;
+  using Json = text::Json;
 
   /// Both must outlive this.
   WebFaults(plant::Plant& plant, link::LoopClock& clock);
@@ -26,7 +25,7 @@ class WebFaults {
   [[nodiscard]] Json list() const;
   /// {"bus": "line1", "seed": 1, "faults": [{"text": "kind = ...", "on": true}]}: from now on these, and no others, counted from
   /// the beginning. The row is that of list(); on an error nothing changes.
-  [[nodiscard]] std::expected<Json, std::string> run(const nlohmann::json& wish);
+  [[nodiscard]] std::expected<Json, std::string> run(const text::Json& wish);
 
  private:
   struct Rule {

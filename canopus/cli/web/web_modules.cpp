@@ -34,7 +34,7 @@ void set_output(plc::Rack& rack, std::uint32_t number, bool on, can::Time now) {
 }
 
 /// The module that a wish names, below `count`.
-std::optional<std::size_t> number_of(const nlohmann::json& wish, std::size_t count) {
+std::optional<std::size_t> number_of(const text::Json& wish, std::size_t count) {
   const auto said = wish.find("number");
   const bool is_one = said != wish.end() && said->is_number_unsigned() && said->get<std::uint64_t>() < count;
   return is_one ? std::optional(said->get<std::size_t>()) : std::nullopt;
@@ -47,10 +47,10 @@ WebModules::WebModules(plant::Plant& plant, link::LoopClock& clock)
 
 WebModules::~WebModules() { plant_.timeline().remove(handle_); }
 
-void WebModules::clear_errors(const nlohmann::json& wish, Done done) { begin(wish, false, std::move(done)); }
-void WebModules::restart(const nlohmann::json& wish, Done done) { begin(wish, true, std::move(done)); }
+void WebModules::clear_errors(const text::Json& wish, Done done) { begin(wish, false, std::move(done)); }
+void WebModules::restart(const text::Json& wish, Done done) { begin(wish, true, std::move(done)); }
 
-std::string WebModules::live_bus(const nlohmann::json& wish) const {
+std::string WebModules::live_bus(const text::Json& wish) const {
   const auto modules = plant_.modules();
   const auto number = number_of(wish, modules.size());
   if (!number) return {};
@@ -63,7 +63,7 @@ std::string WebModules::live_bus(const nlohmann::json& wish) const {
   return {};
 }
 
-std::expected<WebModules::Job, std::string> WebModules::job_of(const nlohmann::json& wish, bool is_restart) {
+std::expected<WebModules::Job, std::string> WebModules::job_of(const text::Json& wish, bool is_restart) {
   const auto modules = plant_.modules();
   if (modules.empty()) return std::unexpected("the plant has no modules");
   const auto number = number_of(wish, modules.size());
@@ -101,7 +101,7 @@ std::expected<WebModules::Job, std::string> WebModules::job_of(const nlohmann::j
   return job;
 }
 
-void WebModules::begin(const nlohmann::json& wish, bool is_restart, Done done) {
+void WebModules::begin(const text::Json& wish, bool is_restart, Done done) {
   (void)clock_.now();
   auto job = job_of(wish, is_restart);
   if (!job) return done(std::unexpected(job.error()));

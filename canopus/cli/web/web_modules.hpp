@@ -10,18 +10,17 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "canopus/can/timeline.hpp"
 #include "canopus/cli/events/module_ways.hpp"
 #include "canopus/link/loop_clock.hpp"
 #include "canopus/plant/plant.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 
 class WebModules final : private can::Ticker {
  public:
-  using Json = nlohmann::ordered_json;
+  using Json = text::Json;
   using Done = std::function<void(std::expected<Json, std::string>)>;
   /// How long a module may take to answer, of plant time: to an error clear, to a restart (or `restart_time` of the plant
   /// file, if that is longer, and `longest_clear`).
@@ -36,11 +35,11 @@ class WebModules final : private can::Ticker {
 
   /// {"number": 0}: the errors of that module in `state` are cleared. The row {"module", "said", "seconds"}, or why not, comes
   /// when it has ended, which is later in plant time. One of the two at a time for each module.
-  void clear_errors(const nlohmann::json& wish, Done done);
+  void clear_errors(const text::Json& wish, Done done);
   /// The same: the module is restarted.
-  void restart(const nlohmann::json& wish, Done done);
+  void restart(const text::Json& wish, Done done);
   /// The bus of the module that the wish names, if it is a real one; else empty.
-  [[nodiscard]] std::string live_bus(const nlohmann::json& wish) const;
+  [[nodiscard]] std::string live_bus(const text::Json& wish) const;
 
  private:
   enum class Step : std::uint8_t {
@@ -70,8 +69,8 @@ class WebModules final : private can::Ticker {
   void tick(can::Time now) override;
   [[nodiscard]] can::Time deadline() const noexcept override { return jobs_.empty() ? can::never : next_; }
 
-  void begin(const nlohmann::json& wish, bool is_restart, Done done);
-  [[nodiscard]] std::expected<Job, std::string> job_of(const nlohmann::json& wish, bool is_restart);
+  void begin(const text::Json& wish, bool is_restart, Done done);
+  [[nodiscard]] std::expected<Job, std::string> job_of(const text::Json& wish, bool is_restart);
   void step(Job& job, can::Time now);
   void step_signal(Job& job, can::Time now);
   void step_word(Job& job, can::Time now);

@@ -36,19 +36,18 @@ std::string one_line(std::string message) {
 
 using OwnCommands = std::map<std::string, WebCommands::Own, std::less<>>;
 
-std::string word_of(const nlohmann::json& wish, const char* key) {
+std::string word_of(const text::Json& wish, const char* key) {
   const auto found = wish.find(key);
   return found != wish.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
 /// {"command": "pace", "speed": 2}, 0: plant time stands still; {"command": "pace", "run": "100ms"}: it goes on for so long.
-std::expected<nlohmann::ordered_json, std::string> change_pace(const WebPace& pace,
-                                                               const nlohmann::json& wish) {
+std::expected<text::Json, std::string> change_pace(const WebPace& pace, const text::Json& wish) {
   if (const std::string time = word_of(wish, "run"); !time.empty()) {
     const auto duration = text::parse_duration(time);
     if (!duration) return std::unexpected("run: " + duration.error());
     pace.set_speed(pace.speed() == 0 ? 1 : pace.speed(), *duration);
-    return nlohmann::ordered_json{{"speed", pace.speed()}};
+    return text::Json{{"speed", pace.speed()}};
   }
   const auto speed = wish.find("speed");
   const bool is_number = speed != wish.end() && speed->is_number();
@@ -58,7 +57,7 @@ std::expected<nlohmann::ordered_json, std::string> change_pace(const WebPace& pa
         fmt::format("speed: expected 0 (stand still) or {} to {}", WebPage::slowest, WebPage::fastest));
   }
   pace.set_speed(value, can::Duration::max());
-  return nlohmann::ordered_json{{"speed", value}};
+  return text::Json{{"speed", value}};
 }
 
 /// {"command": "plants"}, {"command": "open", "path": "..."} (no path: the built-in plant), {"command": "end", "number": 3}, {"command": "new project", "name": "..."},
@@ -72,61 +71,57 @@ OwnCommands own_commands(WebStart* start, plant::Plant& plant, WebFaults& faults
   own["domain words"] = {
       .role = serve::WebRole::operate,
       .is_noted = false,
-      .run = [&plant](const nlohmann::json& wish, const Done& done) { done(domain_in_words(plant, wish)); }};
+      .run = [&plant](const text::Json& wish, const Done& done) { done(domain_in_words(plant, wish)); }};
   own["faults"] = {.role = serve::WebRole::look,
-                   .run = [&faults](const nlohmann::json&, const Done& done) { done(faults.list()); }};
+                   .run = [&faults](const text::Json&, const Done& done) { done(faults.list()); }};
   own["run faults"] = {
       .role = serve::WebRole::operate,
-      .run = [&faults](const nlohmann::json& wish, const Done& done) { done(faults.run(wish)); }};
-  const auto live_bus = [&modules](const nlohmann::json& wish) { return modules.live_bus(wish); };
-  own["clear errors"] = {.role = serve::WebRole::operate,
-                         .run = [&modules](const nlohmann::json& wish,
-                                           Done done) { modules.clear_errors(wish, std::move(done)); },
-                         .live_bus = live_bus};
+      .run = [&faults](const text::Json& wish, const Done& done) { done(faults.run(wish)); }};
+  const auto live_bus = [&modules](const text::Json& wish) { return modules.live_bus(wish); };
+  own["clear errors"] = {
+      .role = serve::WebRole::operate,
+      .run = [&modules](const text::Json& wish, Done done) { modules.clear_errors(wish, std::move(done)); },
+      .live_bus = live_bus};
   own["reset module"] = {
       .role = serve::WebRole::operate,
-      .run = [&modules](const nlohmann::json& wish, Done done) { modules.restart(wish, std::move(done)); },
+      .run = [&modules](const text::Json& wish, Done done) { modules.restart(wish, std::move(done)); },
       .live_bus = live_bus};
-  own["trace"] = {
-      .role = serve::WebRole::look,
-      .is_noted = false,
-      .run = [&trace](const nlohmann::json& wish, Done done) { trace.look(wish, std::move(done)); }};
+  own["trace"] = {.role = serve::WebRole::look,
+                  .is_noted = false,
+                  .run = [&trace](const text::Json& wish, Done done) { trace.look(wish, std::move(done)); }};
   own["export trace"] = {
-      .role = serve::WebRole::look,
-      .is_noted = false,
-      .run = [&trace](const nlohmann::json& wish, Done done) { trace.export_part(wish, std::move(done)); }};
+      .role = serve::WebRole::look, .is_noted = false, .run = [&trace](const text::Json& wish, Done done) {
+        trace.export_part(wish, std::move(done));
+      }};
   if (pace.set_speed) {
-    own["pace"] = {
-        .role = serve::WebRole::operate,
-        .run = [pace](const nlohmann::json& wish, const Done& done) { done(change_pace(pace, wish)); }};
+    own["pace"] = {.role = serve::WebRole::operate, .run = [pace](const text::Json& wish, const Done& done) {
+                     done(change_pace(pace, wish));
+                   }};
   }
   if (start == nullptr) return own;
   own["plants"] = {.role = serve::WebRole::look,
-                   .run = [start](const nlohmann::json&, const Done& done) { done(start->list()); }};
-  own["open"] = {.role = serve::WebRole::configure, .run = [start](const nlohmann::json& wish, Done done) {
+                   .run = [start](const text::Json&, const Done& done) { done(start->list()); }};
+  own["open"] = {.role = serve::WebRole::configure, .run = [start](const text::Json& wish, Done done) {
                    start->open(word_of(wish, "path"), std::move(done));
                  }};
-  own["end"] = {.role = serve::WebRole::configure,
-                .run = [start](const nlohmann::json& wish, const Done& done) {
+  own["end"] = {.role = serve::WebRole::configure, .run = [start](const text::Json& wish, const Done& done) {
                   const auto number = wish.find("number");
                   const bool is_number = number != wish.end() && number->is_number_unsigned();
                   start->end(is_number ? number->get<std::uint64_t>() : UINT64_MAX, done);
                 }};
-  own["new project"] = {.role = serve::WebRole::configure,
-                        .run = [start](const nlohmann::json& wish, Done done) {
+  own["new project"] = {.role = serve::WebRole::configure, .run = [start](const text::Json& wish, Done done) {
                           start->make_project(word_of(wish, "name"), std::move(done));
                         }};
-  own["recent projects"] = {
-      .role = serve::WebRole::configure,
-      .is_noted = false,
-      .run = [start](const nlohmann::json&, const Done& done) { done(start->recent()); }};
+  own["recent projects"] = {.role = serve::WebRole::configure,
+                            .is_noted = false,
+                            .run = [start](const text::Json&, const Done& done) { done(start->recent()); }};
   own["exit"] = {.role = serve::WebRole::configure,
-                 .run = [start](const nlohmann::json&, const Done& done) { start->exit(done); }};
-  own["save as"] = {.role = serve::WebRole::configure, .run = [start](const nlohmann::json& wish, Done done) {
+                 .run = [start](const text::Json&, const Done& done) { start->exit(done); }};
+  own["save as"] = {.role = serve::WebRole::configure, .run = [start](const text::Json& wish, Done done) {
                       start->save_settings_as(word_of(wish, "path"), word_of(wish, "name"), std::move(done));
                     }};
   own["new settings"] = {
-      .role = serve::WebRole::configure, .run = [start](const nlohmann::json& wish, Done done) {
+      .role = serve::WebRole::configure, .run = [start](const text::Json& wish, Done done) {
         start->make_settings(word_of(wish, "name"), word_of(wish, "model"), std::move(done));
       }};
   return own;
@@ -236,7 +231,7 @@ void WebPage::write(const serve::WebUser& user, const std::string& what, int cod
     if (const std::string trouble = audit_->take_trouble(); !trouble.empty() && report_) report_(trouble);
   }
   if (role == serve::WebRole::look) return;
-  nlohmann::ordered_json event = event_line(now, "audit");
+  text::Json event = event_line(now, "audit");
   event["user"] = user.name;
   event["role"] = name_of(user.role);
   event["address"] = user.address;

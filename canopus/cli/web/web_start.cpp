@@ -256,7 +256,7 @@ void WebStart::run(std::vector<std::string> arguments, Child begun) {
            [this, number](const std::string& line) {
              Child& one = children_[number];
              if (one.done.empty()) return;
-             const auto event = nlohmann::json::parse(line, nullptr, false);
+             const auto event = text::parse_json(line).value_or(Json());
              if (!event.is_object() || event.value("event", "") != "listen" ||
                  event.value("protocol", "") != "web")
                return;

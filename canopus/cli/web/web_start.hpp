@@ -15,10 +15,10 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/web/child_process.hpp"
 #include "canopus/cli/web/web_access.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 
@@ -28,7 +28,7 @@ class WebStart {
   static constexpr std::size_t most_running = 8;
   static constexpr std::uintmax_t most_read = 64U
                                               << 20;  ///< bytes of files, each time it is asked what there is
-  using Json = nlohmann::ordered_json;
+  using Json = text::Json;
   /// Called once: a row, or a sentence.
   using Done = std::function<void(std::expected<Json, std::string>)>;
 

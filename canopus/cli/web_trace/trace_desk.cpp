@@ -17,13 +17,14 @@ namespace {
 using trace::Message;
 using trace::TraceRecord;
 
-std::optional<std::uint64_t> number_of(const nlohmann::json& object, const char* key) {
+std::optional<std::uint64_t> number_of(const text::Json& object, const char* key) {
   const auto found = object.find(key);
-  if (found == object.end() || !found->is_number_integer() || *found < 0) return std::nullopt;
+  if (found == object.end() || !found->is_number_integer()) return std::nullopt;
+  if (!found->is_number_unsigned() && found->get<std::int64_t>() < 0) return std::nullopt;
   return found->get<std::uint64_t>();
 }
 
-std::string text_of(const nlohmann::json& object, const char* key) {
+std::string text_of(const text::Json& object, const char* key) {
   const auto found = object.find(key);
   return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
@@ -40,7 +41,7 @@ void TraceDesk::add(std::span<const TraceRecord> records) {
   for (const TraceRecord& record : records) store_.add(record);
 }
 
-TraceDesk::Answer TraceDesk::look(const nlohmann::json& wish) {
+TraceDesk::Answer TraceDesk::look(const text::Json& wish) {
   if (const auto record = number_of(wish, "frames")) return look_at_frames(*record);
   if (wish.contains("statistics")) return look_at_statistics();
   return look_at_rows(wish);
@@ -61,7 +62,7 @@ std::expected<TraceDesk::Query*, std::string> TraceDesk::query(const std::string
   return &queries_.front();
 }
 
-TraceDesk::Answer TraceDesk::look_at_rows(const nlohmann::json& wish) {
+TraceDesk::Answer TraceDesk::look_at_rows(const text::Json& wish) {
   const bool folded = !wish.contains("fold") || wish["fold"] != false;
   const auto found = query(text_of(wish, "filter"), folded);
   if (!found) return std::unexpected(found.error());
@@ -160,7 +161,7 @@ TraceDesk::Json TraceDesk::look_at_statistics() {
   return event;
 }
 
-TraceDesk::Answer TraceDesk::export_part(const nlohmann::json& wish) {
+TraceDesk::Answer TraceDesk::export_part(const text::Json& wish) {
   const auto part = number_of(wish, "part");
   if (!part) return std::unexpected("\"part\" is to be a number from 0 on");
   std::string bytes;

@@ -14,10 +14,9 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
 #include "canopus/cli/web_trace/trace_rows.hpp"
 #include "canopus/cli/web_trace/trace_store.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/trace/file/trace_encoder.hpp"
 #include "canopus/trace/report/statistics.hpp"
 
@@ -31,7 +30,7 @@ class TraceDesk {
       4;  ///< filters that are kept decoded; another one ends the oldest
   static constexpr std::size_t part_frames = 16'384;  ///< that an export looks at at once
   static constexpr std::size_t slice = 2000;  ///< frames that are decoded before the clock is looked at
-  using Json = nlohmann::ordered_json;
+  using Json = text::Json;
 
   struct Use {
     trace::Names names{};
@@ -51,11 +50,11 @@ class TraceDesk {
   ///   {"frames": RECORD}     frames of the SDO transfer to which this one belongs, up to it
   ///   {"statistics": true}
   /// as docs/web.md has the answers.
-  [[nodiscard]] Answer look(const nlohmann::json& wish);
+  [[nodiscard]] Answer look(const text::Json& wish);
 
   /// {"filter": "...", "format": "candump", "part": 0}: the next part of the file: {"data": "base64", "frames": 12, "done": false, "at": 0.5};
   /// part 0 begins.
-  [[nodiscard]] Answer export_part(const nlohmann::json& wish);
+  [[nodiscard]] Answer export_part(const text::Json& wish);
 
  private:
   struct Query {
@@ -73,7 +72,7 @@ class TraceDesk {
     std::uint64_t end = 0;
   };
   [[nodiscard]] std::expected<Query*, std::string> query(const std::string& filter, bool folded);
-  [[nodiscard]] Answer look_at_rows(const nlohmann::json& wish);
+  [[nodiscard]] Answer look_at_rows(const text::Json& wish);
   [[nodiscard]] Json look_at_frames(std::uint64_t last);
   [[nodiscard]] Json look_at_statistics();
 

@@ -5,9 +5,9 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/analysis/message_printer.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 
@@ -76,18 +76,18 @@ void TraceRows::forget(std::uint64_t first_record) {
   }
 }
 
-nlohmann::ordered_json TraceRows::row(std::uint64_t number, const TraceStore& store) const {
+text::Json TraceRows::row(std::uint64_t number, const TraceStore& store) const {
   const Block& part = blocks_[(number - begin_) / block];
   const std::size_t place = (number - begin_) % block;
   const Row& row = part.rows[place];
   const std::size_t end = place + 1 < part.rows.size() ? part.rows[place + 1].text : part.texts.size();
-  nlohmann::ordered_json json{{"n", number},
-                              {"record", row.record},
-                              {"t", can::seconds(row.time)},
-                              {"bus", buses_[row.head->bus]},
-                              {"id", fmt::format("{:0{}X}", row.identifier, row.is_extended ? 8 : 3)},
-                              {"service", trace::name(row.head->service)},
-                              {"what", row.head->what}};
+  text::Json json{{"n", number},
+                  {"record", row.record},
+                  {"t", can::seconds(row.time)},
+                  {"bus", buses_[row.head->bus]},
+                  {"id", fmt::format("{:0{}X}", row.identifier, row.is_extended ? 8 : 3)},
+                  {"service", trace::name(row.head->service)},
+                  {"what", row.head->what}};
   if (row.head->node != 0 || row.head->service == Service::nmt) json["node"] = row.head->node;
   if (!row.head->node_name.empty()) json["name"] = row.head->node_name;
   if (!row.head->object.empty()) json["object"] = row.head->object;

@@ -9,10 +9,9 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "canopus/cli/analysis/filter_expression.hpp"
 #include "canopus/cli/web_trace/trace_store.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/trace/decode/decoder.hpp"
 
 namespace canopus::cli {
@@ -32,7 +31,7 @@ class TraceRows {
   [[nodiscard]] std::uint64_t begin() const noexcept { return begin_; }
   [[nodiscard]] std::uint64_t end() const noexcept { return end_; }
   /// One from begin() up to end(), as docs/events.md has it.
-  [[nodiscard]] nlohmann::ordered_json row(std::uint64_t number, const TraceStore& store) const;
+  [[nodiscard]] text::Json row(std::uint64_t number, const TraceStore& store) const;
 
  private:
   /// What many lines have in common.

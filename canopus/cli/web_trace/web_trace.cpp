@@ -90,7 +90,7 @@ void WebTrace::wait() {
   });
 }
 
-void WebTrace::ask(Question question, const nlohmann::json& wish, Done done) {
+void WebTrace::ask(Question question, const text::Json& wish, Done done) {
   hand_over();
   const bool is_taken = worker_->add([question, wish, done, lost = lost_, desk = desk_, until = until_,
                                       there = std::weak_ptr(is_there_), &io = io_] {

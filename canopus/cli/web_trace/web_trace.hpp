@@ -12,12 +12,12 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <nlohmann/json.hpp>
 
 #include "canopus/can/bus.hpp"
 #include "canopus/cli/web_trace/trace_desk.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/serve/web/web_worker.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::cli {
 
@@ -37,16 +37,14 @@ class WebTrace {
 
   /// TraceDesk::look(), TraceDesk::export_part(). `done` is called in the loop, once; the error is a
   /// sentence.
-  using Done = std::function<void(std::expected<nlohmann::ordered_json, std::string>)>;
-  void look(const nlohmann::json& wish, Done done) { ask(&TraceDesk::look, wish, std::move(done)); }
-  void export_part(const nlohmann::json& wish, Done done) {
-    ask(&TraceDesk::export_part, wish, std::move(done));
-  }
+  using Done = std::function<void(std::expected<text::Json, std::string>)>;
+  void look(const text::Json& wish, Done done) { ask(&TraceDesk::look, wish, std::move(done)); }
+  void export_part(const text::Json& wish, Done done) { ask(&TraceDesk::export_part, wish, std::move(done)); }
 
  private:
   class Tap;
-  using Question = std::expected<nlohmann::ordered_json, std::string> (TraceDesk::*)(const nlohmann::json&);
-  void ask(Question question, const nlohmann::json& wish, Done done);
+  using Question = std::expected<text::Json, std::string> (TraceDesk::*)(const text::Json&);
+  void ask(Question question, const text::Json& wish, Done done);
   void hold(const trace::TraceRecord& record) noexcept;
   void hand_over();
   void wait();

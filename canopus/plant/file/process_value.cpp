@@ -9,10 +9,10 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/eds/device_file.hpp"
 #include "canopus/eds/value.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/text/nearest_word.hpp"
 
 namespace canopus::plant {
@@ -201,7 +201,7 @@ std::string show_value(DataType type, std::uint64_t bits) {
   return fmt::format("{}", bits);
 }
 
-nlohmann::ordered_json json_value(DataType type, std::uint64_t bits) {
+text::Json json_value(DataType type, std::uint64_t bits) {
   if (type == DataType::boolean) return (bits & 1) != 0;
   if (is_real(type)) {
     const double value = real(type, bits);

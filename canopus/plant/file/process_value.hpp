@@ -8,11 +8,10 @@
 #include <string_view>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/sim/device/device.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::plant {
 
@@ -36,7 +35,7 @@ namespace canopus::plant {
 /// "17", "-3", "true", "2.5".
 [[nodiscard]] std::string show_value(canopen::DataType type, std::uint64_t bits);
 /// The same as a number or boolean of JSON; what JSON has no number for (an infinity) as its text.
-[[nodiscard]] nlohmann::ordered_json json_value(canopen::DataType type, std::uint64_t bits);
+[[nodiscard]] text::Json json_value(canopen::DataType type, std::uint64_t bits);
 
 /// "6000:01"
 [[nodiscard]] std::string shown_object(const canopen::Entry& entry);

@@ -8,11 +8,11 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "canopus/serve/web/web_worker.hpp"
+#include "canopus/text/json.hpp"
 #include "canopus/text/printable.hpp"
 
 namespace canopus::serve {
@@ -29,15 +29,15 @@ std::string utc_of(std::int64_t milliseconds) {
 }  // namespace
 
 std::string audit_line(const WebAuditEntry& entry) {
-  nlohmann::ordered_json line{{"at", utc_of(entry.milliseconds)},
-                              {"t", entry.plant_time},
-                              {"user", entry.user.name},
-                              {"role", name_of(entry.user.role)},
-                              {"address", entry.user.address},
-                              {"do", entry.what},
-                              {"code", entry.code}};
+  text::Json line{{"at", utc_of(entry.milliseconds)},
+                  {"t", entry.plant_time},
+                  {"user", entry.user.name},
+                  {"role", name_of(entry.user.role)},
+                  {"address", entry.user.address},
+                  {"do", entry.what},
+                  {"code", entry.code}};
   if (!entry.message.empty()) line["message"] = entry.message;
-  return text::printable_json(line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  return text::printable_json(line.dump());
 }
 
 struct WebAudit::File {

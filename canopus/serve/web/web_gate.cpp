@@ -5,10 +5,10 @@
 
 #include <boost/asio/post.hpp>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/serve/web/web_password.hpp"
 #include "canopus/serve/web/web_secret.hpp"
+#include "canopus/text/json.hpp"
 
 namespace canopus::serve {
 namespace {
@@ -155,7 +155,7 @@ WebAnswer WebGate::log_out(std::string_view form, WebSession* session, const Cli
 
 WebAnswer WebGate::described(const WebSession* session) {
   if (session == nullptr) return {.status = 401, .body = "log in first\n"};
-  const nlohmann::ordered_json text{
+  const text::Json text{
       {"user", session->user.name}, {"role", name_of(session->user.role)}, {"key", session->key}};
   return {.content_type = "application/json", .body = text.dump()};
 }
