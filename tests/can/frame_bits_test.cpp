@@ -9,7 +9,7 @@
 #include "can/random_frame.hpp"
 #include "can/slow_frame.hpp"
 
-namespace canopus::can {
+namespace canopus::can::frame_bits_test {
 namespace {
 
 // A frame written out by hand: the bits of each field, a stuff bit in brackets where it is on the wire.
@@ -115,4 +115,4 @@ TEST(BitTime, ForEveryCiaBitRate_IsAWholeNumberOfNanoseconds) {
 }
 
 }  // namespace
-}  // namespace canopus::can
+}  // namespace canopus::can::frame_bits_test

@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-namespace canopus::can {
+namespace canopus::can::timeline_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -539,4 +539,4 @@ TEST(Timeline, AMomentOfAParts_IsItsPlaceInTheOrderOfAll) {
 }
 
 }  // namespace
-}  // namespace canopus::can
+}  // namespace canopus::can::timeline_test

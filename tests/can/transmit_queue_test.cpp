@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace canopus::can {
+namespace canopus::can::transmit_queue_test {
 namespace {
 
 Frame numbered(std::uint32_t identifier, unsigned number) {
@@ -102,4 +102,4 @@ TEST(TransmitQueue, DoesWhatAListWould) {
 }
 
 }  // namespace
-}  // namespace canopus::can
+}  // namespace canopus::can::transmit_queue_test

@@ -11,7 +11,7 @@
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
 #include "canopus/canopen/node/node.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::dictionary_description_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -232,4 +232,4 @@ TEST(Node, ListsTheIdentifiersThatItWants) {
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::dictionary_description_test

@@ -10,7 +10,7 @@
 
 #include "canopus/canopen/dictionary/object_dictionary.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::dictionary_sharing_test {
 namespace {
 
 constexpr DataType types[] = {DataType::unsigned8,  DataType::unsigned16, DataType::unsigned32,
@@ -173,4 +173,4 @@ TEST(DictionarySharing, ObjectsOfARange) {
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::dictionary_sharing_test

@@ -2,7 +2,7 @@
 
 #include "canopen/conversation.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::emcy_test {
 namespace {
 
 struct EmcyTest : testing::Test, Conversation {
@@ -109,4 +109,4 @@ TEST(Emcy, ClearingTheHistory_CanClearTheRegister) {
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::emcy_test

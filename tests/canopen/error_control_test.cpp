@@ -2,7 +2,7 @@
 
 #include "canopen/conversation.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::error_control_test {
 namespace {
 
 struct HeartbeatTest : testing::Test, Conversation {};
@@ -132,4 +132,4 @@ TEST_F(ErrorBehaviourTest, OtherValues_AreRefused) {
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::error_control_test

@@ -5,7 +5,7 @@
 #include "canopus/canopen/node/node.hpp"
 #include "canopus/canopen/service/node_context.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::identifier_filter_test {
 namespace {
 
 using testing::ElementsAre;
@@ -100,4 +100,4 @@ TEST(IdentifierFilter, ExtendedIdentifiersAreHeard) {
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::identifier_filter_test

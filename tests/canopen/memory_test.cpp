@@ -29,7 +29,7 @@ void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 #pragma GCC diagnostic pop
 
-namespace canopus::canopen {
+namespace canopus::canopen::memory_test {
 namespace {
 
 struct Counter final : can::Sink {
@@ -164,4 +164,4 @@ TEST(Memory, NothingIsAllocatedOnAFramesPath) {
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::memory_test

@@ -2,7 +2,7 @@
 
 #include "canopen/conversation.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::mpdo_test {
 namespace {
 
 DictionaryBuilder with_lists() {
@@ -103,4 +103,4 @@ TEST_F(MpdoTest, Conditions_AreChecked) {
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::mpdo_test

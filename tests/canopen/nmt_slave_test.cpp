@@ -2,7 +2,7 @@
 
 #include "canopen/conversation.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::nmt_slave_test {
 namespace {
 
 struct NmtSlaveTest : testing::Test, Conversation {};
@@ -125,4 +125,4 @@ TEST_F(NmtSlaveTest, PowerOff_IsSilent) {
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::nmt_slave_test

@@ -4,7 +4,7 @@
 
 #include "canopen/conversation.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::node_take_test {
 namespace {
 
 using Taken = Node::Taken;
@@ -70,4 +70,4 @@ TEST_F(NodeTakeTest, WhatItDoesNotListenTo_IsNothing_AndAllElseMore) {
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::node_take_test

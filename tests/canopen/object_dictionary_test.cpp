@@ -9,7 +9,7 @@
 #include "canopus/canopen/service/identifier_table.hpp"
 #include "canopus/canopen/service/timer_queue.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::object_dictionary_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -302,4 +302,4 @@ RC_GTEST_PROP(IdentifierTable, EveryRouteIsFoundAndNoOther, (const std::vector<s
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::object_dictionary_test

@@ -8,7 +8,7 @@
 
 #include "canopen/conversation.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::pdo_mapping_test {
 namespace {
 
 struct PdoMappingTest : testing::Test, Conversation {
@@ -138,4 +138,4 @@ TEST_F(PdoMappingTest, InhibitTimeAndStartValue_CannotBeChangedWhileValid) {
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::pdo_mapping_test

@@ -6,7 +6,7 @@
 
 #include "canopen/conversation.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::pdo_reset_test {
 namespace {
 
 constexpr std::uint16_t reset_tpdo = 0x1800;
@@ -148,4 +148,4 @@ TEST(PdoDefaults, WithAValueOfVariableLengthAmongThem_AreNotTold) {
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::pdo_reset_test

@@ -6,7 +6,7 @@
 
 #include "canopen/conversation.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::restricted_identifier_test {
 namespace {
 
 /// standard_objects() with another default of one COB-ID.
@@ -116,4 +116,4 @@ TEST(RestrictedIdentifier, AnSdoClientUsesTheDefaultChannelOfAServerButNoOtherRe
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::restricted_identifier_test

@@ -2,7 +2,7 @@
 
 #include "canopen/conversation.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::rpdo_test {
 namespace {
 
 constexpr std::uint16_t rpdo1 = 0x1400;
@@ -130,4 +130,4 @@ TEST_F(RpdoTest, AnotherIdentifier_TakesEffectAtOnce) {
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::rpdo_test

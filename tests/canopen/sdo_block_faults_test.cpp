@@ -16,7 +16,7 @@
 
 #include "canopen/conversation.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::sdo_block_faults_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -285,4 +285,4 @@ RC_GTEST_PROP(SdoBlockFaults, WhatReportsSuccessIsRight, ()) {
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::sdo_block_faults_test

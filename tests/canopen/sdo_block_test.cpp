@@ -9,7 +9,7 @@
 #include "canopen/conversation.hpp"
 #include "canopen/megabytes.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::sdo_block_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -208,4 +208,4 @@ TEST_F(SdoBlockServer, SmallStream_GoesExpedited) {
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::sdo_block_test

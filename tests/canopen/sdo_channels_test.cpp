@@ -2,7 +2,7 @@
 
 #include "canopen/conversation.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::sdo_channels_test {
 namespace {
 
 DictionaryBuilder with_channels() {
@@ -69,4 +69,4 @@ TEST_F(SdoChannelsTest, ClientChannel_MayBeTheDefaultOfAServer) {
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::sdo_channels_test

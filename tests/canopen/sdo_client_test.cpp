@@ -4,7 +4,7 @@
 
 #include "canopen/conversation.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::sdo_client_test {
 namespace {
 
 class SdoClientTest : public testing::Test, public SdoClientUser {
@@ -174,4 +174,4 @@ TEST_F(SdoClientTest, FramesOfOtherChannels_AreNotItsOwn) {
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::sdo_client_test

@@ -9,7 +9,7 @@
 
 #include "canopen/conversation.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::sdo_disturbance_test {
 namespace {
 
 class DisturbedSdoClient : public testing::Test, public SdoClientUser {
@@ -163,4 +163,4 @@ TEST_F(DisturbedSdoClient, LostConfirmationOfALaterSubBlock_WithoutCrc_TimesOutI
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::sdo_disturbance_test

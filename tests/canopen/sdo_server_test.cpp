@@ -2,7 +2,7 @@
 
 #include "canopen/conversation.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::sdo_server_test {
 namespace {
 
 TEST(SdoServer, ReadOfUpToFourBytes_IsAnsweredExpedited) {
@@ -133,4 +133,4 @@ TEST(SdoServer, InStopped_NothingIsAnswered) {
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::sdo_server_test

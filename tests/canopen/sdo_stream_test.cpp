@@ -9,7 +9,7 @@
 #include "canopen/conversation.hpp"
 #include "canopen/megabytes.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::sdo_stream_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -177,4 +177,4 @@ INSTANTIATE_TEST_SUITE_P(Modes, SdoStream,
                          testing::Values(SdoClient::Mode::segmented, SdoClient::Mode::block));
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::sdo_stream_test

@@ -2,7 +2,7 @@
 
 #include "canopen/conversation.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::stored_parameters_test {
 namespace {
 
 DictionaryBuilder with_store(std::uint32_t capability = 1) {
@@ -212,4 +212,4 @@ TEST(StoredParameters, MarkedEntriesOnly_WhereTheDictionaryMarksSome) {
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::stored_parameters_test

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-namespace canopus::canopen {
+namespace canopus::canopen::stored_values_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -117,4 +117,4 @@ RC_GTEST_PROP(StoredValuesProperty, AnyBytes_AreAnswered, (const Bytes& bytes)) 
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::stored_values_test

@@ -2,7 +2,7 @@
 
 #include "canopen/conversation.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::sync_test {
 namespace {
 
 struct SyncTest : testing::Test, Conversation {};
@@ -110,4 +110,4 @@ TEST_F(TimeTest, Producer_NeedsBit30AndNotStopped) {
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::sync_test

@@ -11,7 +11,7 @@
 
 #include "canopen/conversation.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::tpdo_places_test {
 namespace {
 
 TEST(Places, ValuesThatShareAByte_ShareAPlace) {
@@ -173,4 +173,4 @@ RC_GTEST_PROP(Places, OfWhatWasChanged_SayTheSameAsAll, ()) {
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::tpdo_places_test

@@ -2,7 +2,7 @@
 
 #include "canopen/conversation.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::tpdo_test {
 namespace {
 
 constexpr std::uint16_t tpdo1 = 0x1800;
@@ -251,4 +251,4 @@ TEST_F(TpdoTest, WithNothingMapped_IsSentOnceItIsMapped) {
 }
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::tpdo_test

@@ -2,13 +2,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/commands/scan_command.hpp"
 
 #include "support/device_bus.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::bus_scan_test {
 namespace {
 
 using canopen::NmtCommand;
@@ -120,4 +119,4 @@ TEST(ScanProgress, IsABarOfThirty) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::bus_scan_test

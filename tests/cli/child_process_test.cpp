@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-namespace canopus::cli {
+namespace canopus::cli::child_process_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -99,4 +99,4 @@ TEST_F(ChildProcessTest, WhoSaysTooMuch_IsEnded_AndToldSo) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::child_process_test

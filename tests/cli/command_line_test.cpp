@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace canopus::cli {
+namespace canopus::cli::command_line_test {
 namespace {
 
 using testing::HasSubstr;
@@ -114,4 +114,4 @@ TEST(CommandLine, HelpIsWhereAUserLooks) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::command_line_test

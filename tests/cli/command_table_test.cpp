@@ -13,7 +13,7 @@
 #include "canopus/cli/options/parser.hpp"
 #include "canopus/cli/reference/completion_script.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::command_table_test {
 namespace {
 
 using testing::ContainsRegex;
@@ -211,4 +211,4 @@ TEST(CommandTable, TheHelp_ShowsACapturedDefault) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::command_table_test

@@ -3,7 +3,6 @@
 #include "canopus/cli/terminal/domain_words.hpp"
 
 #include <gmock/gmock.h>
-#include <nlohmann/json.hpp>
 #include <rapidcheck/gtest.h>
 
 #include "canopus/cli/commands/eds_command.hpp"
@@ -12,7 +11,7 @@
 
 #include "paths.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::domain_words_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -113,4 +112,4 @@ RC_GTEST_PROP(DomainWords, AnyBytes_AreShownWithoutControlCharacters, (const Byt
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::domain_words_test

@@ -12,6 +12,7 @@
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/parser.hpp"
 
+namespace canopus::cli::eds_command_test {
 namespace {
 
 using canopus::cli::EdsCheckOptions;
@@ -170,3 +171,4 @@ TEST_F(EdsConvert, UnknownExtensionOrFile_IsRefusedAndNothingIsWritten) {
 }
 
 }  // namespace
+}  // namespace canopus::cli::eds_command_test

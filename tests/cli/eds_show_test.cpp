@@ -8,7 +8,7 @@
 
 #include "support/plant_folder.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::eds_show_test {
 namespace {
 
 using ::testing::AllOf;
@@ -92,4 +92,4 @@ TEST_F(EdsShow, AFileThatIsNone_IsSaidWithItsReason) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::eds_show_test

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace canopus::cli {
+namespace canopus::cli::event_printer_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -120,4 +120,4 @@ TEST(Summary, SaysWhoIsNotOperational) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::event_printer_test

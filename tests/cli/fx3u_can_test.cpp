@@ -13,7 +13,7 @@
 
 #include "paths.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::fx3u_can_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -149,4 +149,4 @@ TEST(Fx3uCanExamples, AreAccepted_ComeUp_AndCarryTheirData) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::fx3u_can_test

@@ -9,7 +9,7 @@
 
 #include "cli/table_picture.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::layer2_plant_test {
 namespace {
 
 using testing::_;
@@ -185,4 +185,4 @@ TEST(Layer2PlantFile, MistakesAreNamed) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::layer2_plant_test

@@ -5,7 +5,7 @@
 
 #include "canopus/cli/events/event_printer.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::lift_printer_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -102,4 +102,4 @@ TEST(LiftPrinter, Summary) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::lift_printer_test

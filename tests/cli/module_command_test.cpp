@@ -16,7 +16,7 @@
 #include "canopus/plant/catalogue/module_catalogue.hpp"
 #include "canopus/store/file_memory.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::module_command_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -69,7 +69,7 @@ TEST(ModuleStatus, LinesOfARunningPlant_WhateverTheServerSends) {
   RecordProperty("spec", "RJ71-DIAG-002");
   const auto shown = [](std::string_view answer) {
     TextOutput out;
-    print_modules(nlohmann::ordered_json::parse(answer), out);
+    print_modules(text::parse_json(answer).value(), out);
     return out.text();
   };
   EXPECT_EQ(
@@ -327,4 +327,4 @@ TEST(ModuleEds, DescribesTheObjectDictionary) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::module_command_test

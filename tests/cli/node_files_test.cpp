@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace canopus::cli {
+namespace canopus::cli::node_files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -95,4 +95,4 @@ TEST(NodeFile, IsThatOfTheWholeIdentity) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::node_files_test

@@ -12,7 +12,7 @@
 
 #include "paths.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::operational_check_test {
 namespace {
 
 using canopen::NmtState;
@@ -131,4 +131,4 @@ TEST(ExpectOperational, AWrongTimeIsUsage) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::operational_check_test

@@ -14,10 +14,9 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 #include <unistd.h>
 
-namespace canopus::cli {
+namespace canopus::cli::output_queue_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -275,4 +274,4 @@ TEST(OutputQueue, TheDescriptionStaysBlocking) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::output_queue_test

@@ -2,7 +2,7 @@
 
 #include "support/plant_folder.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::plant_loading_test {
 namespace {
 
 using testing::ElementsAre;
@@ -80,4 +80,4 @@ TEST_F(PlantLoadingTest, MoreNodesThanNodeIds_IsOneMistake) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::plant_loading_test

@@ -18,7 +18,7 @@
 
 #include "plc/conversation.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::plc_command_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -265,4 +265,4 @@ TEST(PlcWord, InEveryWriting) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::plc_command_test

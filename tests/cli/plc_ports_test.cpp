@@ -21,7 +21,7 @@
 
 #include "plc/conversation.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::plc_ports_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -322,4 +322,4 @@ TEST(PlcModbus, AnotherPlc_SaysWhatItIs) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::plc_ports_test

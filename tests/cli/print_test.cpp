@@ -13,11 +13,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "paths.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::print_test {
 namespace {
 
 using testing::IsEmpty;
@@ -126,4 +125,4 @@ TEST(PrintRule, TheProgramPrintsOneWay) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::print_test

@@ -17,7 +17,7 @@
 #include "cli/table_picture.hpp"
 #include "paths.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::process_data_test {
 namespace {
 
 using ::testing::AllOf;
@@ -365,4 +365,4 @@ TEST_F(ProcessDataTest, ADeviceThatStartsLater_IsSilentAndAcknowledgesNothingBef
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::process_data_test

@@ -9,7 +9,7 @@
 #include "canopus/cli/reference/completion_script.hpp"
 #include "canopus/cli/reference/manual_page.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::reference_test {
 namespace {
 
 using testing::ElementsAre;
@@ -106,4 +106,4 @@ TEST(CompletionScript, QuotesWhatAShellWouldRead) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::reference_test

@@ -9,7 +9,7 @@
 #include "canopus/cli/run/live_table.hpp"
 #include "canopus/cli/run/screen.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::run_messages_test {
 namespace {
 
 using testing::HasSubstr;
@@ -59,4 +59,4 @@ TEST(Screen, EachLineIsPut_NoneIsWrittenBehindTheLastColumn) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::run_messages_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace canopus::cli {
+namespace canopus::cli::run_recording_test {
 namespace {
 
 TEST(VcdPath, IsThatOfTheOptionWithTheBusInItsName) {
@@ -53,4 +53,4 @@ TEST(TraceWriter, FramesOfARealBus_HaveTheStampsOfTheKernel) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::run_recording_test

@@ -12,7 +12,7 @@
 
 #include "canopus/cli/terminal/domain_words.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::shown_data_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -43,4 +43,4 @@ TEST(ShownData, LongData_AreBytesAndText) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::shown_data_test

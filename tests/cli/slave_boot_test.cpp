@@ -12,7 +12,7 @@
 #include "cli/table_picture.hpp"
 #include "paths.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::slave_boot_test {
 namespace {
 
 using manager::BootStep;
@@ -138,4 +138,4 @@ TEST_F(SlaveBootTest, Json_HasTheFieldsThatPrograms_LookAt) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::slave_boot_test

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace canopus::cli {
+namespace canopus::cli::table_keys_test {
 namespace {
 
 using testing::ElementsAre;
@@ -49,4 +49,4 @@ TEST(TableKeys, ScrollWithinTheTable) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::table_keys_test

@@ -10,7 +10,7 @@
 
 #include "cli/table_picture.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::table_layout_test {
 namespace {
 
 using testing::Contains;
@@ -331,4 +331,4 @@ TEST(TableText, AWideCharacterInOneColumn_IsLeftOut) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::table_layout_test

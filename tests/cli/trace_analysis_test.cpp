@@ -5,7 +5,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 
 #include "canopus/cli/analysis/analysis_names.hpp"
 #include "canopus/cli/analysis/message_filter.hpp"
@@ -13,7 +12,7 @@
 
 #include "paths.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::trace_analysis_test {
 namespace {
 
 using testing::HasSubstr;
@@ -166,4 +165,4 @@ TEST(AnalysisNames, WrongNode_SaysWhatWasExpected) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::trace_analysis_test

@@ -21,7 +21,7 @@
 
 #include "paths.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::trace_commands_test {
 namespace {
 
 using testing::HasSubstr;
@@ -286,4 +286,4 @@ TEST_F(ReplayTest, AChannelThatTheTraceHasNot_IsSaid) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::trace_commands_test

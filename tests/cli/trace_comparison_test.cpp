@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace canopus::cli {
+namespace canopus::cli::trace_comparison_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -102,4 +102,4 @@ TEST(TraceComparison, TracesWithNothingInCommon_ComeToAnEnd) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::trace_comparison_test

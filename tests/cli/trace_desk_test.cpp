@@ -5,21 +5,20 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-namespace canopus::cli {
+namespace canopus::cli::trace_desk_test {
 namespace {
 
 using namespace std::chrono_literals;
-using nlohmann::json;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using Json = nlohmann::ordered_json;
+using text::Json;
 
 /// {{"filter", "x"}} alone could be an array, too.
 struct Wish {
-  Wish(std::initializer_list<std::pair<const char*, json>> fields) {
+  Wish(std::initializer_list<std::pair<const char*, Json>> fields) {
     for (const auto& [key, value] : fields) object[key] = value;
   }
-  json object = json::object();
+  Json object = Json::object();
 };
 
 class TraceDeskTest : public testing::Test {
@@ -58,12 +57,14 @@ class TraceDeskTest : public testing::Test {
   }
   std::vector<std::string> texts(const Wish& wish) {
     std::vector<std::string> all;
-    for (const Json answer = look(wish); const Json& row : answer["rows"]) all.push_back(row["text"]);
+    for (const Json answer = look(wish); const Json& row : answer["rows"])
+      all.push_back(row["text"].get<std::string>());
     return all;
   }
   std::vector<unsigned> numbers(const Wish& wish) {
     std::vector<unsigned> all;
-    for (const Json answer = look(wish); const Json& row : answer["rows"]) all.push_back(row["n"]);
+    for (const Json answer = look(wish); const Json& row : answer["rows"])
+      all.push_back(row["n"].get<unsigned>());
     return all;
   }
 
@@ -120,7 +121,7 @@ TEST_F(TraceDeskTest, FramesOfATransfer_AreItsOwn) {
   upload(2s, 4);
   const Json answer = look({{"frames", 6}});
   std::vector<std::string> data;
-  for (const Json& row : answer["rows"]) data.push_back(row["data"]);
+  for (const Json& row : answer["rows"]) data.push_back(row["data"].get<std::string>());
   EXPECT_THAT(data, ElementsAre("4018100100000000", "8018100100000206"));
   EXPECT_TRUE(look({{"frames", 4}})["rows"].empty()) << "no SDO";
   EXPECT_TRUE(look({{"frames", 99}})["rows"].empty()) << "none yet";
@@ -154,7 +155,7 @@ TEST_F(TraceDeskTest, OldestFrames_AreForgotten_AndNumbersStay) {
   EXPECT_EQ(answer["rows"][1]["record"], 19'999);
   EXPECT_EQ(look({{"filter", ""}, {"count", 1}, {"from", 0}})["rows"][0]["record"], answer["forgotten"]);
   // A query that goes on while frames are forgotten.
-  const unsigned last = answer["rows"][1]["n"];
+  const auto last = answer["rows"][1]["n"].get<unsigned>();
   heartbeats(5'000);
   const Json later = look({{"filter", ""}, {"count", 1}});
   EXPECT_EQ(later["rows"][0]["n"], last + 5'000);
@@ -264,7 +265,7 @@ TEST_F(TraceDeskTest, Export_HasTheFramesOfTheFilter_InParts) {
   EXPECT_EQ((*row)["done"], true);
   EXPECT_DOUBLE_EQ((*row)["at"].get<double>(), 1);
   EXPECT_EQ(
-      from_base64((*row)["data"]),
+      from_base64((*row)["data"].get<std::string>()),
       "(0000000001.000000) line1 604#4000100000000000\n(0000000001.001000) line1 584#4300100092010200\n");
   heartbeats(40'000);
   std::string all;
@@ -272,8 +273,8 @@ TEST_F(TraceDeskTest, Export_HasTheFramesOfTheFilter_InParts) {
   for (bool done = false; !done; ++parts) {
     row = desk_->export_part(Wish{{"filter", ""}, {"format", "candump"}, {"part", parts}}.object);
     ASSERT_TRUE(row) << row.error();
-    all += from_base64((*row)["data"]);
-    done = (*row)["done"];
+    all += from_base64((*row)["data"].get<std::string>());
+    done = (*row)["done"].get<bool>();
   }
   EXPECT_EQ(parts, 3U);
   EXPECT_EQ(std::ranges::count(all, '\n'), 40'004);
@@ -318,7 +319,7 @@ RC_GTEST_FIXTURE_PROP(TraceDeskTest, AnyWishAndAnyFrames_AreSurvived, ()) {
     desk_->add({&record, 1});
   }
   const auto filter = *rc::gen::string<std::string>();
-  json wish{{"filter", filter}, {"fold", *rc::gen::arbitrary<bool>()}, {"from", *rc::gen::inRange(0, 100)}};
+  Json wish{{"filter", filter}, {"fold", *rc::gen::arbitrary<bool>()}, {"from", *rc::gen::inRange(0, 100)}};
   (void)desk_->look(wish);
   (void)desk_->look(Wish{{"filter", ""}, {"from", *rc::gen::inRange(0, 100)}, {"fold", false}}.object);
   (void)desk_->look(Wish{{"frames", *rc::gen::inRange(0, 100)}}.object);
@@ -327,4 +328,4 @@ RC_GTEST_FIXTURE_PROP(TraceDeskTest, AnyWishAndAnyFrames_AreSurvived, ()) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::trace_desk_test

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-namespace canopus::cli {
+namespace canopus::cli::trace_player_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -155,4 +155,4 @@ RC_GTEST_PROP(TracePlayerProperties, BusThatTakesFramesNowAndThen_GetsAllInOrder
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::trace_player_test

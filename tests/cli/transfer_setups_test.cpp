@@ -25,7 +25,7 @@
 
 #include "plc/conversation.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::transfer_setups_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -209,6 +209,8 @@ TEST_F(TransferSetupTest, WrongFile_IsSaidWithItsLine_AndLosesNothing) {
       {"{", ":2: expected a JSON object"},
       {"", ":2: expected a JSON object"},
       {"[]", ":2: expected a JSON object"},
+      {R"({"name":)" + std::string(100'000, '[') + std::string(100'000, ']') + "}",
+       ":2: expected a JSON object"},
       {R"({"host":"a"})", ":2: expected \"name\", a text"},
       {R"({"name":5})", ":2: expected \"name\", a text"},
       {R"({"name":"a/b"})", ":2: \"a/b\" is no name"},
@@ -374,4 +376,4 @@ TEST_F(SetupOfRack, CpuNo1IsTheRacksOwn_OthersAreNotThere) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::transfer_setups_test

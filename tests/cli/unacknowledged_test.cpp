@@ -12,7 +12,7 @@
 
 #include "paths.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::unacknowledged_test {
 namespace {
 
 using testing::ElementsAre;
@@ -79,4 +79,4 @@ TEST(UnacknowledgedEvent, IsALineAndJson) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::unacknowledged_test

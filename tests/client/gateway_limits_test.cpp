@@ -6,7 +6,7 @@
 
 #include "gateway_setup.hpp"
 
-namespace canopus::client {
+namespace canopus::client::gateway_limits_test {
 namespace {
 
 using can::data_frame;
@@ -72,4 +72,4 @@ TEST_F(GatewayLimitsTest, ObjectThatIsTooLong_IsNotRead) {
 }
 
 }  // namespace
-}  // namespace canopus::client
+}  // namespace canopus::client::gateway_limits_test

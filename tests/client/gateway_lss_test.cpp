@@ -6,7 +6,7 @@
 
 #include "gateway_setup.hpp"
 
-namespace canopus::client {
+namespace canopus::client::gateway_lss_test {
 namespace {
 
 using can::data_frame;
@@ -346,4 +346,4 @@ TEST_F(GatewayLssTest, CommandTimeOut_EndsAService) {
 }
 
 }  // namespace
-}  // namespace canopus::client
+}  // namespace canopus::client::gateway_lss_test

@@ -4,7 +4,7 @@
 
 #include "gateway_setup.hpp"
 
-namespace canopus::client {
+namespace canopus::client::gateway_pdo_test {
 namespace {
 
 using can::data_frame;
@@ -264,4 +264,4 @@ TEST_F(GatewayPdoTest, SyncStartValue_IsTheFirstSyncThatCounts) {
 }
 
 }  // namespace
-}  // namespace canopus::client
+}  // namespace canopus::client::gateway_pdo_test

@@ -11,7 +11,7 @@
 
 #include "gateway_setup.hpp"
 
-namespace canopus::client {
+namespace canopus::client::gateway_test {
 namespace {
 
 using can::data_frame;
@@ -347,4 +347,4 @@ RC_GTEST_PROP(GatewayProperties, CutAnywhere_TheConversationIsTheSame, ()) {
 }
 
 }  // namespace
-}  // namespace canopus::client
+}  // namespace canopus::client::gateway_test

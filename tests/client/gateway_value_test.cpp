@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace canopus::client {
+namespace canopus::client::gateway_value_test {
 namespace {
 
 struct ValueRow {
@@ -69,4 +69,4 @@ TEST(GatewayValueText, WhatIsNoValue_IsNone) {
 }
 
 }  // namespace
-}  // namespace canopus::client
+}  // namespace canopus::client::gateway_value_test

@@ -2,12 +2,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
 #include <rapidcheck/gtest.h>
 
 #include "canopus/canopen/dictionary/dictionary_description.hpp"
 
-namespace canopus::client {
+namespace canopus::client::sdo_value_test {
 namespace {
 
 using canopen::DataType;
@@ -144,4 +143,4 @@ RC_GTEST_PROP(SdoValueProperty, EveryUnsigned32_IsReadAgainAsWritten, (std::uint
 }
 
 }  // namespace
-}  // namespace canopus::client
+}  // namespace canopus::client::sdo_value_test

@@ -5,6 +5,7 @@
 
 #include "eds/reading.hpp"
 
+namespace canopus::eds::communication_defaults_test {
 namespace {
 
 using namespace canopus;
@@ -129,3 +130,4 @@ TEST(RestrictedIdentifier, ThatIsSwitchedOffOrAllowedIsNotReported) {
 }
 
 }  // namespace
+}  // namespace canopus::eds::communication_defaults_test

@@ -6,6 +6,7 @@
 
 #include "eds/reading.hpp"
 
+namespace canopus::eds::configuration_text_test {
 namespace {
 
 using namespace canopus::eds;
@@ -117,3 +118,4 @@ TEST(ConfigurationText, ValueThatDoesNotFit_IsRefused_AndChangesNothing) {
 }
 
 }  // namespace
+}  // namespace canopus::eds::configuration_text_test

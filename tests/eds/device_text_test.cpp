@@ -12,6 +12,7 @@
 #include "eds/xdd_text.hpp"
 #include "paths.hpp"
 
+namespace canopus::eds::device_text_test {
 namespace {
 
 using namespace canopus::eds;
@@ -294,3 +295,4 @@ RC_GTEST_PROP(DeviceText, AnyNameOfANode_IsReadAgain, ()) {
 }
 
 }  // namespace
+}  // namespace canopus::eds::device_text_test

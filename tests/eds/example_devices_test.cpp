@@ -5,6 +5,7 @@
 #include "eds/reading.hpp"
 #include "paths.hpp"
 
+namespace canopus::eds::example_devices_test {
 namespace {
 
 using namespace canopus;
@@ -26,3 +27,4 @@ TEST_P(ExampleDevice, File_HasNotOneProblem) {
 INSTANTIATE_TEST_SUITE_P(All, ExampleDevice, testing::Values("io-block.eds", "encoder.eds", "drive.eds"));
 
 }  // namespace
+}  // namespace canopus::eds::example_devices_test

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+namespace canopus::eds::ini_test {
 namespace {
 
 using namespace canopus::eds;
@@ -127,3 +128,4 @@ TEST(Problems, List_IsWorstFirstThenByLine) {
 }
 
 }  // namespace
+}  // namespace canopus::eds::ini_test

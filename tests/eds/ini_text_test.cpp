@@ -16,6 +16,7 @@
 #include "eds/reading.hpp"
 #include "paths.hpp"
 
+namespace canopus::eds::ini_text_test {
 namespace {
 
 using namespace canopus::eds;
@@ -287,3 +288,4 @@ TEST(IniText, RealFiles_ChangedInOneValue_DifferInOneLine) {
 }
 
 }  // namespace
+}  // namespace canopus::eds::ini_text_test

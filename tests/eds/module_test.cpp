@@ -4,6 +4,7 @@
 
 #include "eds/reading.hpp"
 
+namespace canopus::eds::module_test {
 namespace {
 
 using namespace canopus;
@@ -52,3 +53,4 @@ TEST(Modules, OfATypeThatIsNotThere_LeaveTheSlotEmpty) {
 }
 
 }  // namespace
+}  // namespace canopus::eds::module_test

@@ -7,6 +7,7 @@
 #include "eds/reading.hpp"
 #include "paths.hpp"
 
+namespace canopus::eds::mutation_test {
 namespace {
 
 using namespace canopus;
@@ -75,3 +76,4 @@ RC_GTEST_PROP(Mutation, AnyChangeOfAFile_GivesADeviceOrAnErrorWithALine, ()) {
 }
 
 }  // namespace
+}  // namespace canopus::eds::mutation_test

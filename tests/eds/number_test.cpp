@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+namespace canopus::eds::number_test {
 namespace {
 
 using canopus::eds::Number;
@@ -85,3 +86,4 @@ TEST(Real, Real_TakesPointAndComma) {
 TEST(Real, Real_IsNotReadFromHexadecimal) { EXPECT_FALSE(read_real("0x3F800000")); }
 
 }  // namespace
+}  // namespace canopus::eds::number_test

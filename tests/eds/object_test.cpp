@@ -4,6 +4,7 @@
 
 #include "eds/reading.hpp"
 
+namespace canopus::eds::object_test {
 namespace {
 
 using namespace canopus;
@@ -240,3 +241,4 @@ INSTANTIATE_TEST_SUITE_P(
                             "no object is described: an EDS has sections such as [1000] and [1018sub1]"}));
 
 }  // namespace
+}  // namespace canopus::eds::object_test

@@ -4,6 +4,7 @@
 
 #include "eds/reading.hpp"
 
+namespace canopus::eds::pdo_test {
 namespace {
 
 using namespace canopus;
@@ -115,3 +116,4 @@ TEST(PdoCount, ThatContradictsTheObjects_IsNoted) {
 }
 
 }  // namespace
+}  // namespace canopus::eds::pdo_test

@@ -8,6 +8,7 @@
 #include "eds/reading.hpp"
 #include "paths.hpp"
 
+namespace canopus::eds::real_files_test {
 namespace {
 
 using namespace canopus;
@@ -257,3 +258,4 @@ TEST(RealFiles, EveryDataType_HasItsValue) {
 }
 
 }  // namespace
+}  // namespace canopus::eds::real_files_test

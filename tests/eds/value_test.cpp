@@ -4,6 +4,7 @@
 
 #include "eds/reading.hpp"
 
+namespace canopus::eds::value_test {
 namespace {
 
 using namespace canopus;
@@ -188,3 +189,4 @@ TEST(AccessType, Nonsense_IsTakenAsRw) {
 }
 
 }  // namespace
+}  // namespace canopus::eds::value_test

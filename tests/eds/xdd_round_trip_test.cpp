@@ -15,6 +15,7 @@
 #include "eds/xdd_text.hpp"
 #include "paths.hpp"
 
+namespace canopus::eds::xdd_round_trip_test {
 namespace {
 
 using namespace canopus;
@@ -336,3 +337,4 @@ RC_GTEST_PROP(XddRoundTrip, AnyValueAndName_ComesBack, ()) {
 }
 
 }  // namespace
+}  // namespace canopus::eds::xdd_round_trip_test

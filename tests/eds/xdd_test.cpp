@@ -5,6 +5,7 @@
 #include "eds/reading.hpp"
 #include "eds/xdd_text.hpp"
 
+namespace canopus::eds::xdd_test {
 namespace {
 
 using namespace canopus;
@@ -388,3 +389,4 @@ TEST(Xdd, ElementWithThousandsOfAttributes_IsRefused) {
 }
 
 }  // namespace
+}  // namespace canopus::eds::xdd_test

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace canopus::link {
+namespace canopus::link::allow_list_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -80,4 +80,4 @@ TEST(AllowList, WrongNetwork_IsAnErrorThatSaysWhatWasExpected) {
 }
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::link::allow_list_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace canopus::link {
+namespace canopus::link::bus_address_test {
 namespace {
 
 using Kind = BusAddress::Kind;
@@ -137,4 +137,4 @@ INSTANTIATE_TEST_SUITE_P(
             R"("socketcand:[::1" is not a bus; expected an IPv6 address in brackets, for example socketcand:[::1]:29536)"}));
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::link::bus_address_test

@@ -14,7 +14,7 @@
 
 #include "link/toy_bus.hpp"
 
-namespace canopus::link {
+namespace canopus::link::bus_client_test {
 namespace {
 
 namespace asio = boost::asio;
@@ -186,4 +186,4 @@ TEST(SocketcanClient, MissingKernelOrInterface_IsToldWithTheAddress) {
 }
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::link::bus_client_test

@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace canopus::link {
+namespace canopus::link::can_error_test {
 namespace {
 
 using testing::HasSubstr;
@@ -59,4 +59,4 @@ TEST(CanError, RestartedController_HasItsCountersAtZeroAndKeepsItsBitRate) {
 }
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::link::can_error_test

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-namespace canopus::link {
+namespace canopus::link::cannelloni_records_test {
 namespace {
 
 std::string write_cannelloni_datagram(std::uint8_t sequence, std::span<const can::Frame> frames) {
@@ -138,4 +138,4 @@ TEST(CannelloniSequence, PeerThatWasStartedAnew_IsFollowedFromItsSecondDatagramO
 }
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::link::cannelloni_records_test

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-namespace canopus::link {
+namespace canopus::link::complaint_limiter_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -100,4 +100,4 @@ RC_GTEST_PROP(ComplaintLimiterProperty, AnyTimes_OneASecondAndEveryOneCounted,
 }
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::link::complaint_limiter_test

@@ -8,7 +8,7 @@
 #include <rapidcheck/gtest.h>
 #include <unistd.h>
 
-namespace canopus::link {
+namespace canopus::link::connection_owner_test {
 namespace {
 
 using boost::asio::ip::make_address;
@@ -66,4 +66,4 @@ TEST(ConnectionOwner, OfAConnectionOfThisProcess_IsItsOwnUser) {
 }
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::link::connection_owner_test

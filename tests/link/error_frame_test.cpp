@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <linux/can/error.h>
 
-namespace canopus::can {
+namespace canopus::can::error_frame_test {
 namespace {
 
 constexpr std::uint32_t counters = 0x200;  // CAN_ERR_CNT, which older headers do not have
@@ -94,4 +94,4 @@ TEST(ErrorFrame, OfEachState_HasTheKernelsClassAndFlags) {
 }
 
 }  // namespace
-}  // namespace canopus::can
+}  // namespace canopus::can::error_frame_test

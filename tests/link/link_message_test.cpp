@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-namespace canopus::link {
+namespace canopus::link::link_message_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -120,4 +120,4 @@ RC_GTEST_PROP(LinkMessageProperties, AnyDamage_IsSurvived, (Bytes garbage)) {
 }
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::link::link_message_test

@@ -9,7 +9,7 @@
 
 #include "canopus/link/linked_bus.hpp"
 
-namespace canopus::link {
+namespace canopus::link::linked_bus_stamp_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -97,4 +97,4 @@ TEST_F(LinkedBusStamps, ThoseOfAnotherClock_AreNotTaken) {
 }
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::link::linked_bus_stamp_test

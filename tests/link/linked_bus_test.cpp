@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace canopus::link {
+namespace canopus::link::linked_bus_test {
 namespace {
 
 using can::data_frame;
@@ -471,4 +471,4 @@ TEST_F(LinkedBusTest, Load_CountsTheBitsOfBothDirections) {
 }
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::link::linked_bus_test

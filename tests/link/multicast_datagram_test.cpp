@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-namespace canopus::link {
+namespace canopus::link::multicast_datagram_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -143,4 +143,4 @@ RC_GTEST_PROP(MulticastDatagramProperties, AnyBytes_AreAFrameOrAMistake, (Bytes 
 }
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::link::multicast_datagram_test

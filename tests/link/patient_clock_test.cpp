@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-namespace canopus::link {
+namespace canopus::link::patient_clock_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -48,4 +48,4 @@ RC_GTEST_PROP(PatientClock, NeverGoesBackAndNeverAhead, ()) {
 }
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::link::patient_clock_test

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-namespace canopus::link {
+namespace canopus::link::slcan_text_test {
 namespace {
 
 using can::Frame;
@@ -129,4 +129,4 @@ RC_GTEST_PROP(SlcanTextProperties, CutAnywhere_AreTheSameLines, (const std::stri
 }
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::link::slcan_text_test

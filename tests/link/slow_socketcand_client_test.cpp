@@ -2,7 +2,7 @@
 
 #include "link/socketcand_client.hpp"
 
-namespace canopus::link {
+namespace canopus::link::slow_socketcand_client_test {
 namespace {
 
 /// A client that connects and never reads.
@@ -108,4 +108,4 @@ TEST_F(SocketcandServerTest, ManyCommandsAtOnce_AreAllAnswered) {
 }
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::link::slow_socketcand_client_test

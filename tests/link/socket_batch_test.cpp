@@ -19,7 +19,7 @@
 #include <sys/resource.h>
 #include <sys/socket.h>
 
-namespace canopus::link {
+namespace canopus::link::socket_batch_test {
 namespace {
 
 namespace asio = boost::asio;
@@ -248,4 +248,4 @@ TEST_P(SocketBatchTest, ASystemThatRefuses_HasItReadOneByOne) {
 }
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::link::socket_batch_test

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-namespace canopus::link {
+namespace canopus::link::socketcand_dialogue_test {
 namespace {
 
 using can::Frame;
@@ -252,4 +252,4 @@ RC_GTEST_PROP(SocketcandDialogueBytes, CutAnywhere_AreTheSameFrames, ()) {
 }
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::link::socketcand_dialogue_test

@@ -2,7 +2,7 @@
 
 #include "link/socketcand_client.hpp"
 
-namespace canopus::link {
+namespace canopus::link::socketcand_server_test {
 namespace {
 
 TEST_F(SocketcandServerTest, MissingAcknowledgement_IsAnErrorFrameToTheClient) {
@@ -283,4 +283,4 @@ TEST_F(SocketcandServerTest, PortInUse_IsAnErrorThatNamesIt) {
 }
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::link::socketcand_server_test

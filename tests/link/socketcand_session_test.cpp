@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-namespace canopus::link {
+namespace canopus::link::socketcand_session_test {
 namespace {
 
 using can::Frame;
@@ -363,4 +363,4 @@ RC_GTEST_PROP(SocketcandSessionProperties, AnyBytes_GiveWellFormedAnswersOnly, (
 }
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::link::socketcand_session_test

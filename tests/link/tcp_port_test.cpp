@@ -13,7 +13,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-namespace canopus::link {
+namespace canopus::link::tcp_port_test {
 namespace {
 
 namespace asio = boost::asio;
@@ -129,4 +129,4 @@ TEST_F(TcpPortTest, WithoutAFileDescriptor_AClientIsTakenToBeRefused_AndLaterOne
 }
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::link::tcp_port_test

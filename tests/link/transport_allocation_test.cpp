@@ -18,7 +18,7 @@
 
 #include "support/counted_allocations.hpp"
 
-namespace canopus::link {
+namespace canopus::link::transport_allocation_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -184,4 +184,4 @@ INSTANTIATE_TEST_SUITE_P(Transports, TransportAllocation, testing::ValuesIn(case
 });
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::link::transport_allocation_test

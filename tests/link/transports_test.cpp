@@ -19,7 +19,7 @@
 
 #include "canopus/link/bus_client.hpp"
 
-namespace canopus::link {
+namespace canopus::link::transports_test {
 namespace {
 
 namespace asio = boost::asio;
@@ -411,4 +411,4 @@ TEST_F(CannelloniTest, Udp_ManyMistakesAreSaidOnce) {
 }
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::link::transports_test

@@ -20,7 +20,7 @@
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 
-namespace canopus::link {
+namespace canopus::link::watched_socket_test {
 namespace {
 
 namespace asio = boost::asio;
@@ -259,4 +259,4 @@ TEST_F(WatchedSocketTest, ALoopThatEndsBeforeItsSockets_LetsKeepersGo) {
 }
 
 }  // namespace
-}  // namespace canopus::link
+}  // namespace canopus::link::watched_socket_test

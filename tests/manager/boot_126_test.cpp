@@ -2,7 +2,7 @@
 
 #include "manager/network_on_bus.hpp"
 
-namespace canopus::manager::test {
+namespace canopus::manager::test::boot_126_test {
 namespace {
 
 /// How one configuration of 2 kB gets to a slave, frame by frame, as CiA 301 has it.
@@ -144,4 +144,4 @@ INSTANTIATE_TEST_SUITE_P(Files, Boot126,
                                            Configuration2k::segmented));
 
 }  // namespace
-}  // namespace canopus::manager::test
+}  // namespace canopus::manager::test::boot_126_test

@@ -4,7 +4,7 @@
 
 #include "master_bench.hpp"
 
-namespace canopus::manager::test {
+namespace canopus::manager::test::boot_slave_test {
 namespace {
 
 using ::testing::Contains;
@@ -320,4 +320,4 @@ TEST_F(BootSlave, Explanation_OfAWrongDevice_NamesBothValues) {
 }
 
 }  // namespace
-}  // namespace canopus::manager::test
+}  // namespace canopus::manager::test::boot_slave_test

@@ -5,7 +5,7 @@
 
 #include "canopus/manager/boot/concise_dcf.hpp"
 
-namespace canopus::manager {
+namespace canopus::manager::concise_dcf_damage_test {
 namespace {
 
 std::string damage_of(const std::vector<std::uint8_t>& file) {
@@ -44,4 +44,4 @@ RC_GTEST_PROP(ConciseDcfDamage, IsSaid_WhereAndOnlyWhereAFileIsNotWhole,
 }
 
 }  // namespace
-}  // namespace canopus::manager
+}  // namespace canopus::manager::concise_dcf_damage_test

@@ -9,7 +9,7 @@
 #include "master_bench.hpp"
 #include "two_entries.hpp"
 
-namespace canopus::manager::test {
+namespace canopus::manager::test::configuration_manager_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -224,4 +224,4 @@ TEST_F(Manager, FileInUse_CannotBeReplacedMeanwhile) {
 }
 
 }  // namespace
-}  // namespace canopus::manager::test
+}  // namespace canopus::manager::test::configuration_manager_test

@@ -8,7 +8,7 @@
 #include "master_bench.hpp"
 #include "two_entries.hpp"
 
-namespace canopus::manager::test {
+namespace canopus::manager::test::configuration_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -298,4 +298,4 @@ TEST_F(Configuration, Restore_RefusedByTheSlave_Fails) {
 }
 
 }  // namespace
-}  // namespace canopus::manager::test
+}  // namespace canopus::manager::test::configuration_test

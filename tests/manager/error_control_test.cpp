@@ -4,7 +4,7 @@
 
 #include "master_bench.hpp"
 
-namespace canopus::manager::test {
+namespace canopus::manager::test::error_control_test {
 namespace {
 
 using ::testing::Contains;
@@ -355,4 +355,4 @@ TEST_F(ErrorControl, Guarding_NotByASlave) {
 }
 
 }  // namespace
-}  // namespace canopus::manager::test
+}  // namespace canopus::manager::test::error_control_test

@@ -15,7 +15,7 @@
 
 #include "master_bench.hpp"
 
-namespace canopus::manager::test {
+namespace canopus::manager::test::flying_master_on_bus_test {
 namespace {
 
 unsigned seeds() {
@@ -323,4 +323,4 @@ TEST_P(FlyingOnBus, BusCutAndJoined_OneActiveMasterInEachPart_ThenOneAgain) {
 INSTANTIATE_TEST_SUITE_P(Masters, FlyingOnBus, ::testing::Values(2U, 3U, 10U));
 
 }  // namespace
-}  // namespace canopus::manager::test
+}  // namespace canopus::manager::test::flying_master_on_bus_test

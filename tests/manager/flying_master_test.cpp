@@ -10,7 +10,7 @@
 
 #include "master_bench.hpp"
 
-namespace canopus::manager::test {
+namespace canopus::manager::test::flying_master_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -223,4 +223,4 @@ TEST_F(Flying, KeepAliveSlaves_AreResetAllTheSame) {
 }
 
 }  // namespace
-}  // namespace canopus::manager::test
+}  // namespace canopus::manager::test::flying_master_test

@@ -10,7 +10,7 @@
 
 #include "master_bench.hpp"
 
-namespace canopus::manager::test {
+namespace canopus::manager::test::flying_network_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -239,4 +239,4 @@ TEST_P(FlyingNetwork, BusCutAndMerged_OneActiveMasterInEachPart_ThenOneAgain) {
 INSTANTIATE_TEST_SUITE_P(Masters, FlyingNetwork, ::testing::Values(2U, 3U, 10U));
 
 }  // namespace
-}  // namespace canopus::manager::test
+}  // namespace canopus::manager::test::flying_network_test

@@ -4,7 +4,7 @@
 
 #include "master_bench.hpp"
 
-namespace canopus::manager::test {
+namespace canopus::manager::test::late_boot_up_test {
 namespace {
 
 using ::testing::Contains;
@@ -173,4 +173,4 @@ TEST_F(LateBootUp, Boot126SlavesInParallel_AllAreStarted) {
 }
 
 }  // namespace
-}  // namespace canopus::manager::test
+}  // namespace canopus::manager::test::late_boot_up_test

@@ -13,7 +13,7 @@
 
 #include "master_bench.hpp"
 
-namespace canopus::manager::test {
+namespace canopus::manager::test::lss_master_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -275,4 +275,4 @@ TEST(Lss, Fastscan_Finds32UnconfiguredDevices_AndGivesEachANodeId) {
 }
 
 }  // namespace
-}  // namespace canopus::manager::test
+}  // namespace canopus::manager::test::lss_master_test

@@ -2,7 +2,7 @@
 
 #include "manager/network_on_bus.hpp"
 
-namespace canopus::manager::test {
+namespace canopus::manager::test::network_on_bus_test {
 namespace {
 
 TEST_F(NetworkOnBus, Slaves_AreIdentifiedConfiguredWatchedAndStarted) {
@@ -167,4 +167,4 @@ TEST_F(NetworkOnBus, LargeFiles_GoSideBySide) {
 }
 
 }  // namespace
-}  // namespace canopus::manager::test
+}  // namespace canopus::manager::test::network_on_bus_test

@@ -2,7 +2,7 @@
 
 #include "manager/program_download.hpp"
 
-namespace canopus::manager::test {
+namespace canopus::manager::test::program_download_test {
 namespace {
 
 TEST_F(ProgramDownload, ExpectedVersion_IsLeftAlone) {
@@ -320,4 +320,4 @@ TEST_F(ProgramDownload, BootTimeOver_EndsWithI) {
 }
 
 }  // namespace
-}  // namespace canopus::manager::test
+}  // namespace canopus::manager::test::program_download_test

@@ -2,7 +2,7 @@
 
 #include "manager/program_download.hpp"
 
-namespace canopus::manager::test {
+namespace canopus::manager::test::program_restart_test {
 namespace {
 
 // --- restarts
@@ -132,4 +132,4 @@ TEST_F(ProgramManager, ProgramThatIsBeingDownloaded_CannotBeReplaced) {
 }
 
 }  // namespace
-}  // namespace canopus::manager::test
+}  // namespace canopus::manager::test::program_restart_test

@@ -4,7 +4,7 @@
 
 #include "master_bench.hpp"
 
-namespace canopus::manager::test {
+namespace canopus::manager::test::request_nmt_test {
 namespace {
 
 using ::testing::Contains;
@@ -174,4 +174,4 @@ TEST_F(ShownState, MasterIgnoresForeignFrames) {
 }
 
 }  // namespace
-}  // namespace canopus::manager::test
+}  // namespace canopus::manager::test::request_nmt_test

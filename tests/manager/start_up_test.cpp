@@ -4,7 +4,7 @@
 
 #include "master_bench.hpp"
 
-namespace canopus::manager::test {
+namespace canopus::manager::test::start_up_test {
 namespace {
 
 using ::testing::Contains;
@@ -301,4 +301,4 @@ TEST_F(StartUp, OwnNodeIdIn1f81_IsIgnored) {
 }
 
 }  // namespace
-}  // namespace canopus::manager::test
+}  // namespace canopus::manager::test::start_up_test

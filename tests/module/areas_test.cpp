@@ -13,7 +13,7 @@
 #include "canopus/module/me3can1_q/model.hpp"
 #include "canopus/module/storage/stored_settings.hpp"
 
-namespace canopus::module {
+namespace canopus::module::areas_test {
 namespace {
 
 constexpr std::array table =
@@ -216,4 +216,4 @@ RC_GTEST_PROP(StoredSettings, AnyBytes_AreAnswered, (const std::vector<std::uint
 }
 
 }  // namespace
-}  // namespace canopus::module
+}  // namespace canopus::module::areas_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace canopus::module {
+namespace canopus::module::buffer_memory_test {
 namespace {
 
 constexpr Modes mode_a = 1;
@@ -162,4 +162,4 @@ TEST_F(BufferMemoryTest, Area_SeesCheckedAccessesOnly) {
 }
 
 }  // namespace
-}  // namespace canopus::module
+}  // namespace canopus::module::buffer_memory_test

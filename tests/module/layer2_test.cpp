@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace canopus::module {
+namespace canopus::module::layer2_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -223,4 +223,4 @@ TEST(Layer2, ReceiveProcessing_TakesSoManyMessagesAtOnce) {
 }
 
 }  // namespace
-}  // namespace canopus::module
+}  // namespace canopus::module::layer2_test

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace canopus::network {
+namespace canopus::network::dcf_download_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -109,4 +109,4 @@ TEST(DcfDownload, OtherNodeId_IsInTheCobId) {
 }
 
 }  // namespace
-}  // namespace canopus::network
+}  // namespace canopus::network::dcf_download_test

@@ -15,7 +15,7 @@
 
 #include "paths.hpp"
 
-namespace canopus::network {
+namespace canopus::network::device_configuration_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -269,4 +269,4 @@ TEST(DeviceConfiguration, Values_AreWrittenAsDcfsHaveThem) {
 }
 
 }  // namespace
-}  // namespace canopus::network
+}  // namespace canopus::network::device_configuration_test

@@ -10,7 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace canopus::network {
+namespace canopus::network::network_file_test {
 namespace {
 
 using testing::ElementsAre;
@@ -253,4 +253,4 @@ TEST_F(NetworkOfAProject, WhatIsWrong_IsSaid) {
 }
 
 }  // namespace
-}  // namespace canopus::network
+}  // namespace canopus::network::network_file_test

@@ -10,7 +10,7 @@
 #include "paths.hpp"
 #include "support/device_bus.hpp"
 
-namespace canopus::network {
+namespace canopus::network::network_master_test {
 namespace {
 
 using canopen::NmtState;
@@ -348,4 +348,4 @@ TEST_F(NetworkMasterTest, FlyingMasters_OneIsActiveTheOtherStandsBy) {
 }
 
 }  // namespace
-}  // namespace canopus::network
+}  // namespace canopus::network::network_master_test

@@ -13,7 +13,7 @@
 #include "paths.hpp"
 #include "support/counted_allocations.hpp"
 
-namespace canopus::plant {
+namespace canopus::plant::allocation_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -106,4 +106,4 @@ TEST(Allocation, APlantThatRuns_AllocatesNothing) {
 }
 
 }  // namespace
-}  // namespace canopus::plant
+}  // namespace canopus::plant::allocation_test

@@ -8,7 +8,7 @@
 #include "paths.hpp"
 #include "support/plant_folder.hpp"
 
-namespace canopus::plant {
+namespace canopus::plant::as_fcopm_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -296,4 +296,4 @@ TEST_F(AsFcopmPlant, TheExampleRuns) {
 }
 
 }  // namespace
-}  // namespace canopus::plant
+}  // namespace canopus::plant::as_fcopm_test

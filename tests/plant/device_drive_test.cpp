@@ -7,7 +7,7 @@
 #include "paths.hpp"
 #include "support/plant_folder.hpp"
 
-namespace canopus::plant {
+namespace canopus::plant::device_drive_test {
 namespace {
 
 using ::testing::AllOf;
@@ -99,4 +99,4 @@ TEST_F(DeviceDrive, AFaultComesAtItsTime) {
 }
 
 }  // namespace
-}  // namespace canopus::plant
+}  // namespace canopus::plant::device_drive_test

@@ -12,7 +12,7 @@
 
 #include "support/plant_folder.hpp"
 
-namespace canopus::plant {
+namespace canopus::plant::device_script_test {
 namespace {
 
 using ::testing::AllOf;
@@ -235,6 +235,8 @@ TEST_F(DeviceControlTest, EveryWrongRequestIsAnswered) {
   says("[]", "this is no JSON object");
   says("\xFF\x00\x1B[2J", "this is no JSON object");
   says(std::string(4000, '['), "this is no JSON object");
+  says(R"({"request":"list","id":)" + std::string(64, '[') + std::string(64, ']') + "}",
+       "this is no JSON object");
   says("{}", "request is missing; expected a string");
   says(R"({"request":5})", "request: expected a string");
   says(R"({"request":"sett"})", R"(request: \"sett\" is unknown; did you mean \"set\"?)");
@@ -337,4 +339,4 @@ TEST_F(DeviceControlTest, TheKeyOfThePlantFileSaysWhereItListens) {
 }
 
 }  // namespace
-}  // namespace canopus::plant
+}  // namespace canopus::plant::device_script_test

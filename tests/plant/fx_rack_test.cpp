@@ -4,7 +4,7 @@
 
 #include "support/plant_folder.hpp"
 
-namespace canopus::plant {
+namespace canopus::plant::fx_rack_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -89,4 +89,4 @@ TEST_F(FxRack, SlavesOfThePlantFile_HaveTheirWords) {
 }
 
 }  // namespace
-}  // namespace canopus::plant
+}  // namespace canopus::plant::fx_rack_test

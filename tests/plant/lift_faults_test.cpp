@@ -8,7 +8,7 @@
 
 #include "plant/lift_run.hpp"
 
-namespace canopus::plant {
+namespace canopus::plant::lift_faults_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -225,4 +225,4 @@ TEST_F(LiftFaults, TwoLifts_NeedNumbersAndNodesOfTheirOwn) {
 }
 
 }  // namespace
-}  // namespace canopus::plant
+}  // namespace canopus::plant::lift_faults_test

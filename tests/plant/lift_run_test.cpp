@@ -11,7 +11,7 @@
 
 #include "canopus/cli/run/lift_picture.hpp"
 
-namespace canopus::plant {
+namespace canopus::plant::lift_run_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -186,4 +186,4 @@ TEST_F(LiftRun, Picture) {
 }
 
 }  // namespace
-}  // namespace canopus::plant
+}  // namespace canopus::plant::lift_run_test

@@ -5,8 +5,10 @@
 
 #include "plant/plant_review.hpp"
 
-namespace canopus::plant {
+namespace canopus::plant::line_review_test {
 namespace {
+
+using namespace plant_review;
 
 using namespace std::chrono_literals;
 using ::testing::StartsWith;
@@ -107,4 +109,4 @@ TEST_F(LineReviewTest, WhatIsCalledTooLong_FailsOnALineOfControllers_AndTheRestW
 }
 
 }  // namespace
-}  // namespace canopus::plant
+}  // namespace canopus::plant::line_review_test

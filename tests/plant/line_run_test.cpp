@@ -4,8 +4,10 @@
 
 #include "plant/plant_review.hpp"
 
-namespace canopus::plant {
+namespace canopus::plant::line_run_test {
 namespace {
+
+using namespace plant_review;
 
 using namespace std::chrono_literals;
 
@@ -77,4 +79,4 @@ TEST_F(LineRunTest, WrongKeys_AreErrors) {
 }
 
 }  // namespace
-}  // namespace canopus::plant
+}  // namespace canopus::plant::line_run_test

@@ -16,7 +16,7 @@
 #include "paths.hpp"
 #include "support/plant_folder.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::linked_plant_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -263,4 +263,4 @@ TEST_F(ReplayedPlant, RealBusInVirtualTime_IsAMistake) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::linked_plant_test

@@ -11,7 +11,7 @@
 
 #include "paths.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::module_comparison_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -41,4 +41,4 @@ TEST(ModuleComparison, CountsAreTheManuals) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::module_comparison_test

@@ -13,7 +13,7 @@
 
 #include "paths.hpp"
 
-namespace canopus::plant {
+namespace canopus::plant::module_independence_test {
 namespace {
 
 using ::testing::IsEmpty;
@@ -77,4 +77,4 @@ TEST(ModuleIndependence, OutsideOfItsFolder_OnlyTheCatalogueKnowsAModule) {
 }
 
 }  // namespace
-}  // namespace canopus::plant
+}  // namespace canopus::plant::module_independence_test

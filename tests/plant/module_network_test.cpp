@@ -5,7 +5,7 @@
 
 #include "canopus/module/me3can1_q/me3can1_q.hpp"
 
-namespace canopus::plant {
+namespace canopus::plant::module_network_test {
 namespace {
 
 using canopen::DataType;
@@ -166,4 +166,4 @@ TEST(ModuleNetwork, WhatCannotBeConnectedIsToldWithItsReason) {
 }
 
 }  // namespace
-}  // namespace canopus::plant
+}  // namespace canopus::plant::module_network_test

@@ -5,7 +5,7 @@
 
 #include "support/plant_folder.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::module_parameters_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -363,4 +363,4 @@ TEST_F(ModuleParametersFile, MistakesOfTheModule_HaveTheirPlace) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::module_parameters_test

@@ -11,7 +11,7 @@
 
 #include "support/fake_communication_module.hpp"
 
-namespace canopus::plant {
+namespace canopus::plant::module_seat_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -193,4 +193,4 @@ TEST(ModuleSeat, InPause_SaysThatTheBuiltInProgramStandsStill) {
 }
 
 }  // namespace
-}  // namespace canopus::plant
+}  // namespace canopus::plant::module_seat_test

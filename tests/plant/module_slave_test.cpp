@@ -9,7 +9,7 @@
 
 #include "support/plant_folder.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::module_slave_test {
 namespace {
 
 using ::testing::AllOf;
@@ -211,4 +211,4 @@ TEST_F(ModuleSlave, ANodeIdIsThereOnce) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::module_slave_test

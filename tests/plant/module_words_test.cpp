@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace canopus::cli {
+namespace canopus::cli::module_words_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -57,4 +57,4 @@ TEST(ModuleWords, WhatIsNone_IsSaidWithTheNearestName) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::module_words_test

@@ -8,7 +8,7 @@
 #include "paths.hpp"
 #include "support/plant_folder.hpp"
 
-namespace canopus::plant {
+namespace canopus::plant::plant_descriptions_test {
 namespace {
 
 class PlantDescriptions : public support::PlantFolder, public PlantObserver {
@@ -185,4 +185,4 @@ TEST_F(PresetObjects, AreRefusedAsAWriteWouldBe) {
 }
 
 }  // namespace
-}  // namespace canopus::plant
+}  // namespace canopus::plant::plant_descriptions_test

@@ -2,7 +2,7 @@
 
 #include "plant/good_plant.hpp"
 
-namespace canopus::plant {
+namespace canopus::plant::plant_file_bus_test {
 namespace {
 
 constexpr std::string_view two_buses =
@@ -145,4 +145,4 @@ TEST(PlantFileBridge, RingOfThree_IsAMistake) {
 }
 
 }  // namespace
-}  // namespace canopus::plant
+}  // namespace canopus::plant::plant_file_bus_test

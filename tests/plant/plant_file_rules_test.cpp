@@ -2,7 +2,7 @@
 
 #include "plant/good_plant.hpp"
 
-namespace canopus::plant {
+namespace canopus::plant::plant_file_rules_test {
 namespace {
 
 struct Servers {
@@ -370,4 +370,4 @@ TEST(PlantFile, PlaceToListenThatIsNoAddress_IsAnError) {
 }
 
 }  // namespace
-}  // namespace canopus::plant
+}  // namespace canopus::plant::plant_file_rules_test

@@ -2,7 +2,7 @@
 
 #include "plant/good_plant.hpp"
 
-namespace canopus::plant {
+namespace canopus::plant::plant_file_test {
 namespace {
 
 TEST(PlantFile, EverythingThatIsWrittenIsRead) {
@@ -218,4 +218,4 @@ TEST(PlantFile, OneSlaveTwice_IsAMistake) {
 }
 
 }  // namespace
-}  // namespace canopus::plant
+}  // namespace canopus::plant::plant_file_test

@@ -7,7 +7,7 @@
 
 #include "canopus/plant/file/plant_file.hpp"
 
-namespace canopus::plant {
+namespace canopus::plant::plant_ports_test {
 namespace {
 
 using plc::WritePermission;
@@ -232,4 +232,4 @@ TEST(PlantModbus, APublicAddressAndATakenPort_AreErrors) {
 }
 
 }  // namespace
-}  // namespace canopus::plant
+}  // namespace canopus::plant::plant_ports_test

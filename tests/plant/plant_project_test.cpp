@@ -2,7 +2,7 @@
 
 #include "support/plant_folder.hpp"
 
-namespace canopus {
+namespace canopus::plant_project_test {
 namespace {
 
 using support::device_file;
@@ -106,4 +106,4 @@ TEST_F(PlantProject, ADeviceWithoutAnyFile_IsAMistake) {
 }
 
 }  // namespace
-}  // namespace canopus
+}  // namespace canopus::plant_project_test

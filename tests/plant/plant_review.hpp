@@ -7,7 +7,7 @@
 
 #include "support/plant_folder.hpp"
 
-namespace canopus::plant {
+namespace canopus::plant::plant_review {
 
 using testing::AllOf;
 using testing::Contains;
@@ -58,4 +58,4 @@ class PlantReviewTest : public support::PlantFolder {
   const std::string served = bus + "serve = \"socketcand:127.0.0.1:0\"\n";
 };
 
-}  // namespace canopus::plant
+}  // namespace canopus::plant::plant_review

@@ -3,8 +3,10 @@
 #include "paths.hpp"
 #include "plant/plant_review.hpp"
 
-namespace canopus::plant {
+namespace canopus::plant::plant_review_slaves_test {
 namespace {
+
+using namespace plant_review;
 
 // --- what the plant file asks for
 
@@ -130,4 +132,4 @@ TEST_F(PlantReviewTest, RealDeviceFiles_GetFewWarnings) {
 }
 
 }  // namespace
-}  // namespace canopus::plant
+}  // namespace canopus::plant::plant_review_slaves_test

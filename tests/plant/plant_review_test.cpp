@@ -3,8 +3,10 @@
 
 #include "plant/plant_review.hpp"
 
-namespace canopus::plant {
+namespace canopus::plant::plant_review_test {
 namespace {
+
+using namespace plant_review;
 
 // --- SYNC
 
@@ -258,4 +260,4 @@ TEST_F(PlantReviewTest, EqualLssAddresses_AreAWarning) {
 }
 
 }  // namespace
-}  // namespace canopus::plant
+}  // namespace canopus::plant::plant_review_test

@@ -24,7 +24,7 @@
 #include "paths.hpp"
 #include "support/plant_folder.hpp"
 
-namespace canopus::plant {
+namespace canopus::plant::plant_slices_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -238,4 +238,4 @@ TEST_F(PlantSlices, WhoBelongsToNoPart_FindsAllPartsAtHisMoment) {
 }
 
 }  // namespace
-}  // namespace canopus::plant
+}  // namespace canopus::plant::plant_slices_test

@@ -9,7 +9,7 @@
 
 #include "paths.hpp"
 
-namespace canopus::plant {
+namespace canopus::plant::plant_stall_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -59,4 +59,4 @@ TEST(PlantStall, APartThatAsksForOneMomentWithoutEnd_IsReportedByNameAndTheOther
 }
 
 }  // namespace
-}  // namespace canopus::plant
+}  // namespace canopus::plant::plant_stall_test

@@ -10,7 +10,7 @@
 
 #include "support/plant_folder.hpp"
 
-namespace canopus::plant {
+namespace canopus::plant::plant_stores_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -281,4 +281,4 @@ TEST_F(PlantStoresTest, FileThatNobodyOwns_IsAWarning) {
 }
 
 }  // namespace
-}  // namespace canopus::plant
+}  // namespace canopus::plant::plant_stores_test

@@ -2,7 +2,7 @@
 
 #include "plc/answering_module.hpp"
 
-namespace canopus::plc {
+namespace canopus::plc::built_in_program_test {
 namespace {
 
 TEST(BuiltInProgram, Exchange_BySignal_WaitsForTheAnswerAndComesAgainAtTheInterval) {
@@ -291,4 +291,4 @@ TEST(BuiltInProgram, CpuInStopFromTheStart_DoesNothing) {
 }
 
 }  // namespace
-}  // namespace canopus::plc
+}  // namespace canopus::plc::built_in_program_test

@@ -8,7 +8,7 @@
 #include <malloc.h>
 #include <rapidcheck/gtest.h>
 
-namespace canopus::plc {
+namespace canopus::plc::device_words_test {
 namespace {
 
 constexpr std::size_t size = 5000;  // the last page is not full
@@ -84,4 +84,4 @@ TEST(DeviceWords, AreZeroAtFirst) {
 }
 
 }  // namespace
-}  // namespace canopus::plc
+}  // namespace canopus::plc::device_words_test

@@ -11,7 +11,7 @@
 
 #include "plc/fake_module.hpp"
 
-namespace canopus::plc {
+namespace canopus::plc::families_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -367,4 +367,4 @@ TEST(As300, RegistersOfACard_AreReadAndWrittenInIt) {
 }
 
 }  // namespace
-}  // namespace canopus::plc
+}  // namespace canopus::plc::families_test

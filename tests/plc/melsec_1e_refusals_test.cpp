@@ -2,7 +2,7 @@
 
 #include "plc/plc_1e.hpp"
 
-namespace canopus::plc {
+namespace canopus::plc::melsec_1e_refusals_test {
 namespace {
 
 // --- refusals ---
@@ -338,4 +338,4 @@ RC_GTEST_PROP(Melsec1e, AnyBytes_LeaveASessionThatAnswersOrIsOver,
 }
 
 }  // namespace
-}  // namespace canopus::plc
+}  // namespace canopus::plc::melsec_1e_refusals_test

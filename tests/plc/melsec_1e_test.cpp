@@ -2,7 +2,7 @@
 
 #include "plc/plc_1e.hpp"
 
-namespace canopus::plc {
+namespace canopus::plc::melsec_1e_test {
 namespace {
 
 TEST(Melsec1e, StepRelaysAndSpecialRelaysOfAnFx_AreReadAndWritten) {
@@ -177,4 +177,4 @@ TEST(Melsec1e, Loopback) {
 }
 
 }  // namespace
-}  // namespace canopus::plc
+}  // namespace canopus::plc::melsec_1e_test

@@ -24,7 +24,7 @@ void* operator new(std::size_t size) {
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t /*size*/) noexcept { std::free(memory); }
 
-namespace canopus::plc {
+namespace canopus::plc::melsec_allocation_test {
 namespace {
 
 TEST(MelsecSession, Requests_AllocateNothing) {
@@ -48,4 +48,4 @@ TEST(MelsecSession, Requests_AllocateNothing) {
 }
 
 }  // namespace
-}  // namespace canopus::plc
+}  // namespace canopus::plc::melsec_allocation_test

@@ -6,7 +6,7 @@
 
 #include "plc/conversation.hpp"
 
-namespace canopus::plc {
+namespace canopus::plc::melsec_index_test {
 namespace {
 
 using testing::Plc;
@@ -115,4 +115,4 @@ TEST(MelsecOctal, XAndYOfAnFx5_AreOctalInAscii) {
 }
 
 }  // namespace
-}  // namespace canopus::plc
+}  // namespace canopus::plc::melsec_index_test

@@ -7,7 +7,7 @@
 
 #include "plc/conversation.hpp"
 
-namespace canopus::plc {
+namespace canopus::plc::melsec_iqr_devices_test {
 namespace {
 
 using testing::Plc;
@@ -117,4 +117,4 @@ TEST(MelsecIqrDevices, Hg_IsBufferMemory_WhichARemoteRunDoesNotClear_ButTheSuppl
 }
 
 }  // namespace
-}  // namespace canopus::plc
+}  // namespace canopus::plc::melsec_iqr_devices_test

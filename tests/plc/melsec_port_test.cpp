@@ -6,7 +6,7 @@
 
 #include "plc/conversation.hpp"
 
-namespace canopus::plc {
+namespace canopus::plc::melsec_port_test {
 namespace {
 
 using testing::bytes;
@@ -196,4 +196,4 @@ TEST(MelsecRemoteReset, WithTheSwitchAtStop_ComesUpInStop) {
 }
 
 }  // namespace
-}  // namespace canopus::plc
+}  // namespace canopus::plc::melsec_port_test

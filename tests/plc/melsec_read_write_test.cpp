@@ -6,7 +6,7 @@
 
 #include "plc/conversation.hpp"
 
-namespace canopus::plc {
+namespace canopus::plc::melsec_read_write_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -349,4 +349,4 @@ TEST(Melsec, EveryAccess_HappensAtTheTimeGiven) {
 }
 
 }  // namespace
-}  // namespace canopus::plc
+}  // namespace canopus::plc::melsec_read_write_test

@@ -7,7 +7,7 @@
 
 #include "plc/conversation.hpp"
 
-namespace canopus::plc {
+namespace canopus::plc::melsec_refusal_test {
 namespace {
 
 using testing::bytes;
@@ -270,4 +270,4 @@ TEST(MelsecRefusal, RequestAfterARefusedOne_IsAnsweredAsUsual) {
 }
 
 }  // namespace
-}  // namespace canopus::plc
+}  // namespace canopus::plc::melsec_refusal_test

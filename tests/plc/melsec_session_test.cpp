@@ -10,7 +10,7 @@
 
 #include "plc/conversation.hpp"
 
-namespace canopus::plc {
+namespace canopus::plc::melsec_session_test {
 namespace {
 
 using testing::bytes;
@@ -216,4 +216,4 @@ RC_GTEST_PROP(MelsecSession, WordsWritten_AreReadBack, ()) {
 }
 
 }  // namespace
-}  // namespace canopus::plc
+}  // namespace canopus::plc::melsec_session_test

@@ -2,7 +2,7 @@
 
 #include "plc/plc_modbus.hpp"
 
-namespace canopus::plc {
+namespace canopus::plc::modbus_map_test {
 namespace {
 
 TEST(ModbusMap, OverlappingRanges_AreRefused) {
@@ -121,4 +121,4 @@ RC_GTEST_PROP(ModbusMap, AnyRegisters_ComeBackAsTheyWereWritten, ()) {
 }
 
 }  // namespace
-}  // namespace canopus::plc
+}  // namespace canopus::plc::modbus_map_test

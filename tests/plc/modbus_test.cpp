@@ -2,7 +2,7 @@
 
 #include "plc/plc_modbus.hpp"
 
-namespace canopus::plc {
+namespace canopus::plc::modbus_test {
 namespace {
 
 TEST(Modbus, Header_IsThatOfTheRequest) {
@@ -257,4 +257,4 @@ TEST(ModbusSession, WhatIsNoHeader_EndsTheSession) {
 }
 
 }  // namespace
-}  // namespace canopus::plc
+}  // namespace canopus::plc::modbus_test

@@ -11,7 +11,7 @@
 
 #include "plc/conversation.hpp"
 
-namespace canopus::plc {
+namespace canopus::plc::rack_test {
 namespace {
 
 using module::CpuState;
@@ -410,4 +410,4 @@ TEST(Rack, Listener_HearsOfSupplyAndCpu) {
 }
 
 }  // namespace
-}  // namespace canopus::plc
+}  // namespace canopus::plc::rack_test

@@ -13,7 +13,7 @@
 
 #include "plc/conversation.hpp"
 
-namespace canopus::plc {
+namespace canopus::plc::scan_test {
 namespace {
 
 using module::CpuState;
@@ -290,4 +290,4 @@ TEST(Scan, EndOf_IsOnTheGrid_AndNeverBeyondAllTime) {
 }
 
 }  // namespace
-}  // namespace canopus::plc
+}  // namespace canopus::plc::scan_test

@@ -7,6 +7,7 @@
 
 #include "project/project_folder.hpp"
 
+namespace canopus::project::device_acceptance_test {
 namespace {
 
 using namespace canopus;
@@ -72,3 +73,4 @@ TEST(DeviceAcceptance, WhatADeviceHasNot_IsLeft_AndARefusalChangesNothing) {
 }
 
 }  // namespace
+}  // namespace canopus::project::device_acceptance_test

@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace canopus::project {
+namespace canopus::project::mappable_objects_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -75,4 +75,4 @@ TEST(MappableObjects, OfWindowsWithoutMapping_AreNone) {
 }
 
 }  // namespace
-}  // namespace canopus::project
+}  // namespace canopus::project::mappable_objects_test

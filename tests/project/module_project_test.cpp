@@ -8,7 +8,7 @@
 
 #include "canopus/project/module_project_file.hpp"
 
-namespace canopus::project {
+namespace canopus::project::module_project_test {
 namespace {
 
 using testing::ElementsAre;
@@ -206,4 +206,4 @@ TEST(ModuleProjectFile, AnyBytesAreAProjectOrAnError) {
 }
 
 }  // namespace
-}  // namespace canopus::project
+}  // namespace canopus::project::module_project_test

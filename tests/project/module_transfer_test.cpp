@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace canopus::project {
+namespace canopus::project::module_transfer_test {
 namespace {
 
 using testing::ElementsAre;
@@ -213,4 +213,4 @@ TEST_F(ModuleTransferTest, AnotherNodeHasNoWords) {
 }
 
 }  // namespace
-}  // namespace canopus::project
+}  // namespace canopus::project::module_transfer_test

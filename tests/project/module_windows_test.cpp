@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace canopus::project {
+namespace canopus::project::module_windows_test {
 namespace {
 
 const Window& window(std::string_view word) {
@@ -160,4 +160,4 @@ TEST(ModuleWindows, ValuesAreWrittenAndReadAsTheWindowShowsThem) {
 }
 
 }  // namespace
-}  // namespace canopus::project
+}  // namespace canopus::project::module_windows_test

@@ -7,6 +7,7 @@
 #include "paths.hpp"
 #include "project/project_folder.hpp"
 
+namespace canopus::project::network_project_test {
 namespace {
 
 using namespace canopus;
@@ -231,3 +232,4 @@ TEST(NetworkProject, ALibraryBelowTheFolder_KeepsItsPaths) {
 }
 
 }  // namespace
+}  // namespace canopus::project::network_project_test

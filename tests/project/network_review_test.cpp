@@ -9,6 +9,7 @@
 
 #include "project/project_folder.hpp"
 
+namespace canopus::project::network_review_test {
 namespace {
 
 using namespace canopus;
@@ -252,3 +253,4 @@ TEST(NetworkReview, ABusThatIsTooFull) {
 }
 
 }  // namespace
+}  // namespace canopus::project::network_review_test

@@ -17,6 +17,7 @@
 #include "paths.hpp"
 #include "project/project_folder.hpp"
 
+namespace canopus::project::network_xdd_test {
 namespace {
 
 using namespace canopus;
@@ -281,3 +282,4 @@ TEST_F(NetworkXddCorpus, AllFilesAsTheyAreAndConverted_AreOneProject) {
 }
 
 }  // namespace
+}  // namespace canopus::project::network_xdd_test

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+namespace canopus::project::nodelist_test {
 namespace {
 
 using namespace canopus;
@@ -196,3 +197,4 @@ TEST(PathInProject, PathThatLeavesTheFolder_IsRefused) {
 }
 
 }  // namespace
+}  // namespace canopus::project::nodelist_test

@@ -10,6 +10,7 @@
 
 #include "project/project_folder.hpp"
 
+namespace canopus::project::pdo_link_test {
 namespace {
 
 using namespace canopus;
@@ -350,3 +351,4 @@ TEST(SetPdo, WritesWhatDiffers) {
 }
 
 }  // namespace
+}  // namespace canopus::project::pdo_link_test

@@ -10,6 +10,7 @@
 
 #include "project/project_folder.hpp"
 
+namespace canopus::project::project_notes_test {
 namespace {
 
 using namespace canopus;
@@ -171,3 +172,4 @@ TEST(ProjectNotes, ANodesNote_GoesWhereTheNodeGoes) {
 }
 
 }  // namespace
+}  // namespace canopus::project::project_notes_test

@@ -14,7 +14,7 @@
 #include "paths.hpp"
 #include "support/spec_table.hpp"
 
-namespace canopus::project {
+namespace canopus::project::rj71cn91_windows_test {
 namespace {
 
 using testing::ElementsAre;
@@ -309,4 +309,4 @@ TEST(Rj71Tool, MappedObjectsHaveTheNamesOfTheDetailsWindow) {
 }
 
 }  // namespace
-}  // namespace canopus::project
+}  // namespace canopus::project::rj71cn91_windows_test

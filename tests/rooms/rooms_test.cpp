@@ -15,6 +15,7 @@
 
 #include "paths.hpp"
 
+namespace canopus::rooms {
 namespace {
 
 namespace fs = std::filesystem;
@@ -167,3 +168,4 @@ TEST(Rooms, NoFile_IsLongerThan400Lines) {
 }
 
 }  // namespace
+}  // namespace canopus::rooms

@@ -9,7 +9,7 @@
 #include "canopus/serve/client_ports.hpp"
 #include "canopus/sim/bus/bus.hpp"
 
-namespace canopus::serve {
+namespace canopus::serve::client_errors_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -91,4 +91,4 @@ TEST_F(ClientErrors, OfAClientThatIsAlone_AreItsStates_AndOnceThatNobodyAcknowle
 }
 
 }  // namespace
-}  // namespace canopus::serve
+}  // namespace canopus::serve::client_errors_test

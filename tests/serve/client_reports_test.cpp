@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace canopus::serve {
+namespace canopus::serve::client_reports_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -42,4 +42,4 @@ TEST(ClientReports, ManyReportsInASecond_AreCountedAndSaidLater) {
 }
 
 }  // namespace
-}  // namespace canopus::serve
+}  // namespace canopus::serve::client_reports_test

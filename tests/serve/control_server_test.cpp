@@ -12,7 +12,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace canopus::serve {
+namespace canopus::serve::control_server_test {
 namespace {
 
 using boost::asio::ip::tcp;
@@ -248,4 +248,4 @@ TEST_F(ControlServerTest, WhoIsNotOnTheListMayNotConnect) {
 }
 
 }  // namespace
-}  // namespace canopus::serve
+}  // namespace canopus::serve::control_server_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace canopus::serve {
+namespace canopus::serve::histogram_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -62,4 +62,4 @@ TEST(LatenessTest, ABurstAfterADelay_IsLateForEachOfThem) {
 TEST(LatenessTest, NothingCame) { EXPECT_EQ(lateness({}, 10ms).count(), 0U); }
 
 }  // namespace
-}  // namespace canopus::serve
+}  // namespace canopus::serve::histogram_test

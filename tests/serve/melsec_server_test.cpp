@@ -17,7 +17,7 @@
 
 #include "plc/conversation.hpp"
 
-namespace canopus::serve {
+namespace canopus::serve::melsec_server_test {
 namespace {
 
 using boost::asio::ip::tcp;
@@ -437,4 +437,4 @@ TEST_F(MelsecServerTest, Listen_OnATakenPort_SaysSo) {
 }
 
 }  // namespace
-}  // namespace canopus::serve
+}  // namespace canopus::serve::melsec_server_test

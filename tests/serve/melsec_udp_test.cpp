@@ -14,7 +14,7 @@
 
 #include "plc/conversation.hpp"
 
-namespace canopus::serve {
+namespace canopus::serve::melsec_udp_test {
 namespace {
 
 using boost::asio::ip::udp;
@@ -201,4 +201,4 @@ TEST(MelsecPortWriters, AnAddressThatIsNotOnTheList_MayOnlyLook) {
 }
 
 }  // namespace
-}  // namespace canopus::serve
+}  // namespace canopus::serve::melsec_udp_test

@@ -15,7 +15,7 @@
 
 #include "plc/conversation.hpp"
 
-namespace canopus::serve {
+namespace canopus::serve::modbus_server_test {
 namespace {
 
 using boost::asio::ip::tcp;
@@ -103,4 +103,4 @@ TEST_F(ModbusServerTest, HalfARequestThatStaysHalf_LosesItsConnection) {
 }
 
 }  // namespace
-}  // namespace canopus::serve
+}  // namespace canopus::serve::modbus_server_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace canopus::serve {
+namespace canopus::serve::pace_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -217,4 +217,4 @@ TEST(Pace, Slower_WhatIsFarAwayStaysAMoment) {
 }
 
 }  // namespace
-}  // namespace canopus::serve
+}  // namespace canopus::serve::pace_test

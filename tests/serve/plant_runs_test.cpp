@@ -12,7 +12,7 @@
 #include "canopus/plant/file/plant_file.hpp"
 #include "canopus/serve/run_control.hpp"
 
-namespace canopus::serve {
+namespace canopus::serve::plant_runs_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -235,4 +235,4 @@ TEST_F(PlantRunsTest, OfSeveralPlcs_OneIsNamed) {
 }
 
 }  // namespace
-}  // namespace canopus::serve
+}  // namespace canopus::serve::plant_runs_test

@@ -11,7 +11,7 @@
 
 #include "canopus/plant/file/plant_file.hpp"
 
-namespace canopus::serve {
+namespace canopus::serve::real_time_test {
 namespace {
 
 using ::testing::IsEmpty;
@@ -84,4 +84,4 @@ TEST_F(RealTimeTest, WhoWaitsForWhatComesOfIt_HasEachDeadlineWaitedFor) {
 }
 
 }  // namespace
-}  // namespace canopus::serve
+}  // namespace canopus::serve::real_time_test

@@ -20,7 +20,7 @@
 
 #include "plc/conversation.hpp"
 
-namespace canopus::serve {
+namespace canopus::serve::scan_requests_test {
 namespace {
 
 using boost::asio::ip::tcp;
@@ -524,4 +524,4 @@ TEST_F(ScanRequests, ConnectionsThatWait_CountAndAreNotPutOut) {
 }
 
 }  // namespace
-}  // namespace canopus::serve
+}  // namespace canopus::serve::scan_requests_test

@@ -13,7 +13,7 @@
 #include "can/slow_frame.hpp"
 #include "sim/bus_station.hpp"
 
-namespace canopus::sim {
+namespace canopus::sim::bit_driver_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -221,4 +221,4 @@ RC_GTEST_PROP(BitDriverProperty, AnyLevelsAgainstAnyTraffic_LeaveABusThatWorks, 
 }
 
 }  // namespace
-}  // namespace canopus::sim
+}  // namespace canopus::sim::bit_driver_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace canopus::sim {
+namespace canopus::sim::bit_timing_test {
 namespace {
 
 struct Wave {
@@ -135,4 +135,4 @@ TEST(BitTiming, ClockTolerance_IsTheSmallerOfTheTwoConditions) {
 }
 
 }  // namespace
-}  // namespace canopus::sim
+}  // namespace canopus::sim::bit_timing_test

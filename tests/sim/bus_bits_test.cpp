@@ -17,7 +17,7 @@
 #include "can/slow_frame.hpp"
 #include "sim/bus_station.hpp"
 
-namespace canopus::sim {
+namespace canopus::sim::bus_bits_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -353,4 +353,4 @@ TEST(BusBits, ChangeInTheMiddleOfAFrame_LeavesTheFrameAsItIs) {
 }
 
 }  // namespace
-}  // namespace canopus::sim
+}  // namespace canopus::sim::bus_bits_test

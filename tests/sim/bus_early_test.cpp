@@ -10,7 +10,7 @@
 
 #include "sim/bus_station.hpp"
 
-namespace canopus::sim {
+namespace canopus::sim::bus_early_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -109,4 +109,4 @@ TEST_F(BusEarly, WrongNumbers_AreRefused) {
 }
 
 }  // namespace
-}  // namespace canopus::sim
+}  // namespace canopus::sim::bus_early_test

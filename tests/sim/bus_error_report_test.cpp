@@ -11,7 +11,7 @@
 
 #include "sim/bus_station.hpp"
 
-namespace canopus::sim {
+namespace canopus::sim::bus_error_report_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -174,4 +174,4 @@ TEST_F(ErrorReports, AreNoneWhereNothingIsWrong) {
 }
 
 }  // namespace
-}  // namespace canopus::sim
+}  // namespace canopus::sim::bus_error_report_test

@@ -9,7 +9,7 @@
 
 #include "sim/bus_station.hpp"
 
-namespace canopus::sim {
+namespace canopus::sim::bus_join_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -44,4 +44,4 @@ TEST(BusJoin, AFrameSentAtAnyMomentAfterAJoin_StartsAtOnce) {
 }
 
 }  // namespace
-}  // namespace canopus::sim
+}  // namespace canopus::sim::bus_join_test

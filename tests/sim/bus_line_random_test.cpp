@@ -5,7 +5,7 @@
 
 #include "sim/bus_run.hpp"
 
-namespace canopus::sim {
+namespace canopus::sim::bus_line_random_test {
 namespace {
 
 using namespace random_script;
@@ -104,4 +104,4 @@ TEST(BusLineRandom, OnAnyLineWithAnyFaults_TimeGoesOnAndCountersAreRight) { chec
 TEST(BusLineRandom, OnAGoodLine_TheBusHealsFromAnyFaults) { check_many(check_healing); }
 
 }  // namespace
-}  // namespace canopus::sim
+}  // namespace canopus::sim::bus_line_random_test

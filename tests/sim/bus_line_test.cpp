@@ -11,7 +11,7 @@
 
 #include "sim/bus_station.hpp"
 
-namespace canopus::sim {
+namespace canopus::sim::bus_line_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -220,4 +220,4 @@ TEST(BusLine, ClocksTooFarApart_DestroyFrames) {
 }
 
 }  // namespace
-}  // namespace canopus::sim
+}  // namespace canopus::sim::bus_line_test

@@ -9,7 +9,7 @@
 
 #include "sim/bus_station.hpp"
 
-namespace canopus::sim {
+namespace canopus::sim::bus_power_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -140,4 +140,4 @@ TEST_F(BusPower, ADelayedFrameIsLostWithTheSupply) {
 }
 
 }  // namespace
-}  // namespace canopus::sim
+}  // namespace canopus::sim::bus_power_test

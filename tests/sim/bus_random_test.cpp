@@ -7,7 +7,7 @@
 
 #include "sim/bus_run.hpp"
 
-namespace canopus::sim {
+namespace canopus::sim::bus_random_test {
 namespace {
 
 using namespace random_script;
@@ -34,4 +34,4 @@ TEST(BusRandom, CalmScripts_EveryFrameArrivesAndBothWaysOfWorkingAgree) { check_
 TEST(BusRandom, RoughScripts_TimeGoesOnTheBusHealsAndBothWaysOfWorkingAgree) { check_scripts(true); }
 
 }  // namespace
-}  // namespace canopus::sim
+}  // namespace canopus::sim::bus_random_test

@@ -6,7 +6,7 @@
 
 #include "sim/bus_repeat.hpp"
 
-namespace canopus::sim {
+namespace canopus::sim::bus_repeat_test {
 namespace {
 
 using namespace repeat;
@@ -194,4 +194,4 @@ TEST(BusRepeat, RandomErrors_TheWireIsTheReferences) {
 }
 
 }  // namespace
-}  // namespace canopus::sim
+}  // namespace canopus::sim::bus_repeat_test

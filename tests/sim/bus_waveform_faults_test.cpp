@@ -10,7 +10,7 @@
 #include "sim/bus_station.hpp"
 #include "sim/waveform_reading.hpp"
 
-namespace canopus::sim {
+namespace canopus::sim::bus_waveform_faults_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -86,4 +86,4 @@ TEST(WaveformFaults, FarSideOfACut_HasALineOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace canopus::sim
+}  // namespace canopus::sim::bus_waveform_faults_test

@@ -16,7 +16,7 @@
 #include "sim/bus_run.hpp"
 #include "sim/waveform_reading.hpp"
 
-namespace canopus::sim {
+namespace canopus::sim::bus_waveform_random_test {
 namespace {
 
 using namespace random_script;
@@ -151,4 +151,4 @@ TEST(WaveformRandom, CalmScripts_SayWhatTheBusReports) { check_waveforms(false);
 TEST(WaveformRandom, RoughScripts_SayWhatTheBusReports) { check_waveforms(true); }
 
 }  // namespace
-}  // namespace canopus::sim
+}  // namespace canopus::sim::bus_waveform_random_test

@@ -19,7 +19,7 @@
 #include "can/slow_frame.hpp"
 #include "sim/bus_station.hpp"
 
-namespace canopus::sim {
+namespace canopus::sim::bus_waveform_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -351,4 +351,4 @@ TEST(Waveform, PortsOfOneName_AreToldApart) {
 }
 
 }  // namespace
-}  // namespace canopus::sim
+}  // namespace canopus::sim::bus_waveform_test

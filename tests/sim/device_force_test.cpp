@@ -11,6 +11,7 @@
 
 #include "paths.hpp"
 
+namespace canopus::sim::device_force_test {
 namespace {
 
 using namespace canopus;
@@ -382,3 +383,4 @@ TEST_F(DeviceForce, OneObjectHasOneMover) {
 }
 
 }  // namespace
+}  // namespace canopus::sim::device_force_test

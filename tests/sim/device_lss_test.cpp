@@ -2,7 +2,7 @@
 
 #include "sim/lss_on_bus.hpp"
 
-namespace canopus::sim {
+namespace canopus::sim::device_lss_test {
 namespace {
 
 TEST_F(LssOnBus, WithoutNodeId_TheDeviceIsSilentAndDeaf_UntilItHasOne_ThenItBootsUp) {
@@ -338,4 +338,4 @@ TEST_F(LssOnBus, Fastscan_Finds32DevicesWithRandomIdentities_AndConfiguresAll_Bi
 }
 
 }  // namespace
-}  // namespace canopus::sim
+}  // namespace canopus::sim::device_lss_test

@@ -16,6 +16,7 @@
 
 #include "paths.hpp"
 
+namespace canopus::sim::device_sampling_test {
 namespace {
 
 using namespace canopus;
@@ -327,3 +328,4 @@ TEST(BehaviourValue, ThatCannotChangeHasNoNextChange) {
 }
 
 }  // namespace
+}  // namespace canopus::sim::device_sampling_test

@@ -10,6 +10,7 @@
 
 #include "paths.hpp"
 
+namespace canopus::sim::device_test {
 namespace {
 
 using namespace canopus;
@@ -271,3 +272,4 @@ TEST(Fitted, Value_IsKeptWithinTheObjectsLimits) {
 }
 
 }  // namespace
+}  // namespace canopus::sim::device_test

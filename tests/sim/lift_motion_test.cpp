@@ -7,7 +7,7 @@
 
 #include "canopus/sim/lift/motion.hpp"
 
-namespace canopus::sim::lift {
+namespace canopus::sim::lift::lift_motion_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -96,4 +96,4 @@ TEST(LiftMotion, Stops_AndGoesOnFromThere) {
 }
 
 }  // namespace
-}  // namespace canopus::sim::lift
+}  // namespace canopus::sim::lift::lift_motion_test

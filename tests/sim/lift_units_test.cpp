@@ -17,7 +17,7 @@
 
 #include "paths.hpp"
 
-namespace canopus::sim::lift {
+namespace canopus::sim::lift::lift_units_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -280,4 +280,4 @@ TEST(LiftUnits, CanIdsOfLift8) {
 }
 
 }  // namespace
-}  // namespace canopus::sim::lift
+}  // namespace canopus::sim::lift::lift_units_test

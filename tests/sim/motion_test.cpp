@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <rapidcheck/gtest.h>
 
+namespace canopus::sim::motion_test {
 namespace {
 
 using namespace canopus;
@@ -107,3 +108,4 @@ RC_GTEST_PROP(MotionOfAnAxis, AnyCommands_KeepTheLimits, ()) {
 }
 
 }  // namespace
+}  // namespace canopus::sim::motion_test

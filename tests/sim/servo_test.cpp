@@ -11,6 +11,7 @@
 
 #include "paths.hpp"
 
+namespace canopus::sim::servo_test {
 namespace {
 
 using namespace canopus;
@@ -455,3 +456,4 @@ TEST_F(ServoTest, NothingElseMovesItsObjects) {
 }
 
 }  // namespace
+}  // namespace canopus::sim::servo_test

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace canopus::sim {
+namespace canopus::sim::timed_line_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -125,4 +125,4 @@ TEST(TimedLine, WherePhase2Decides_AQuantumIsLostToTheEdge) {
 }
 
 }  // namespace
-}  // namespace canopus::sim
+}  // namespace canopus::sim::timed_line_test

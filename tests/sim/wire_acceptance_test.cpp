@@ -8,7 +8,7 @@
 
 #include "canopus/sim/bus/port_table.hpp"
 
-namespace canopus::sim::test {
+namespace canopus::sim::test::wire_acceptance_test {
 namespace {
 
 constexpr std::uint32_t hearing_ports = 70;  // more than a word of them
@@ -62,4 +62,4 @@ RC_GTEST_PROP(WireAcceptance, IsThatOfEachPort, ()) {
 }
 
 }  // namespace
-}  // namespace canopus::sim::test
+}  // namespace canopus::sim::test::wire_acceptance_test

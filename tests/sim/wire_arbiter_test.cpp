@@ -11,7 +11,7 @@
 #include "canopus/can/transmit_queue.hpp"
 #include "canopus/sim/bus/port_table.hpp"
 
-namespace canopus::sim::test {
+namespace canopus::sim::test::wire_arbiter_test {
 namespace {
 
 constexpr std::uint32_t ports = 70;  // more than a word of them
@@ -82,4 +82,4 @@ TEST(WireArbiter, GrowsWithItsPorts) {
 }
 
 }  // namespace
-}  // namespace canopus::sim::test
+}  // namespace canopus::sim::test::wire_arbiter_test

@@ -15,7 +15,7 @@
 #include "can/random_frame.hpp"
 #include "sim/bus_station.hpp"
 
-namespace canopus::sim {
+namespace canopus::sim::wire_arbitration_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -121,4 +121,4 @@ TEST(WireArbitration, AFrameThatIsRepeatedAfterAnError_HasTheLosersOfItsLastAtte
 }
 
 }  // namespace
-}  // namespace canopus::sim
+}  // namespace canopus::sim::wire_arbitration_test

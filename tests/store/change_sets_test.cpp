@@ -6,7 +6,7 @@
 
 #include "store/cut_files.hpp"
 
-namespace canopus::store {
+namespace canopus::store::change_sets_test {
 namespace {
 
 const std::filesystem::path folder = "line";
@@ -169,4 +169,4 @@ TEST(ChangeSets, PowerCutOfAnUndo_LeavesAllFilesOldOrAllNew) {
 }
 
 }  // namespace
-}  // namespace canopus::store
+}  // namespace canopus::store::change_sets_test

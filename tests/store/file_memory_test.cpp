@@ -6,7 +6,7 @@
 #include <rapidcheck/gtest.h>
 #include <sys/stat.h>
 
-namespace canopus::store {
+namespace canopus::store::file_memory_test {
 namespace {
 
 using State = module::NonVolatileMemory::Content::State;
@@ -207,4 +207,4 @@ RC_GTEST_FIXTURE_PROP(FileMemoryTest, AnyContent_ComesBack, (const Bytes& bytes)
 }
 
 }  // namespace
-}  // namespace canopus::store
+}  // namespace canopus::store::file_memory_test

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-namespace canopus::store {
+namespace canopus::store::folder_lock_test {
 namespace {
 
 class FolderLockTest : public testing::Test {
@@ -58,4 +58,4 @@ TEST_F(FolderLockTest, ALinkInPlaceOfTheLockIsNotFollowed) {
 }
 
 }  // namespace
-}  // namespace canopus::store
+}  // namespace canopus::store::folder_lock_test

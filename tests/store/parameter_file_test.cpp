@@ -8,7 +8,7 @@
 
 #include "canopus/canopen/node/node.hpp"
 
-namespace canopus::store {
+namespace canopus::store::parameter_file_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -78,4 +78,4 @@ TEST(ParameterFile, AFolderThatCannotBeMadeIsAHardwareError) {
 }
 
 }  // namespace
-}  // namespace canopus::store
+}  // namespace canopus::store::parameter_file_test

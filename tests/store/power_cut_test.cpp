@@ -6,7 +6,7 @@
 
 #include "store/cut_files.hpp"
 
-namespace canopus::store {
+namespace canopus::store::power_cut_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -118,4 +118,4 @@ TEST(PowerCut, TheFileSystemOfTheTest_ForgetsWhatWasNotFlushed) {
 }
 
 }  // namespace
-}  // namespace canopus::store
+}  // namespace canopus::store::power_cut_test

@@ -13,7 +13,7 @@
 
 #include "paths.hpp"
 
-namespace canopus::trace {
+namespace canopus::trace::candump_log_test {
 namespace {
 
 using can::Duration;
@@ -289,4 +289,4 @@ TEST(CandumpTraces, CanopenNodeBlockTransfer_IsReadWhole) {
 }
 
 }  // namespace
-}  // namespace canopus::trace
+}  // namespace canopus::trace::candump_log_test

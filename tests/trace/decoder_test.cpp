@@ -11,7 +11,7 @@
 
 #include "canopus/eds/device_file.hpp"
 
-namespace canopus::trace {
+namespace canopus::trace::decoder_test {
 namespace {
 
 using can::data_frame;
@@ -342,4 +342,4 @@ TEST(DecoderProperty, AnyRecords_AreSurvivedAndUnknownOnesStayUnknown) {
 }
 
 }  // namespace
-}  // namespace canopus::trace
+}  // namespace canopus::trace::decoder_test

@@ -20,7 +20,7 @@
 #include "paths.hpp"
 #include "trace/support_trace.hpp"
 
-namespace canopus::trace {
+namespace canopus::trace::foreign_tools_test {
 namespace {
 
 using can::Frame;
@@ -230,4 +230,4 @@ TEST_F(ForeignTools, Candump_OfTheSameFrames_IsReadByTsharkLikeOurPcap) {
 }
 
 }  // namespace
-}  // namespace canopus::trace
+}  // namespace canopus::trace::foreign_tools_test

@@ -7,7 +7,7 @@
 
 #include "trace/support_trace.hpp"
 
-namespace canopus::trace {
+namespace canopus::trace::format_details_test {
 namespace {
 
 using can::Time;
@@ -198,4 +198,4 @@ TEST(BlfDetails, TimesOf10us_SendRequestsAndUnknownObjects) {
 }
 
 }  // namespace
-}  // namespace canopus::trace
+}  // namespace canopus::trace::format_details_test

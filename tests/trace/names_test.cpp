@@ -8,7 +8,7 @@
 #include "canopus/trace/decode/bus_knowledge.hpp"
 #include "canopus/trace/decode/value_text.hpp"
 
-namespace canopus::trace {
+namespace canopus::trace::names_test {
 namespace {
 
 using testing::ElementsAre;
@@ -109,4 +109,4 @@ TEST(NumberOf, TakesTheBitsThatAreMapped) {
 }
 
 }  // namespace
-}  // namespace canopus::trace
+}  // namespace canopus::trace::names_test

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace canopus::trace {
+namespace canopus::trace::object_meaning_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -59,4 +59,4 @@ TEST(ObjectMeaning, WhatIsNotKnown) {
 }
 
 }  // namespace
-}  // namespace canopus::trace
+}  // namespace canopus::trace::object_meaning_test

@@ -13,7 +13,7 @@
 
 #include "trace/support_trace.hpp"
 
-namespace canopus::trace {
+namespace canopus::trace::python_can_test {
 namespace {
 
 using can::Time;
@@ -181,4 +181,4 @@ INSTANTIATE_TEST_SUITE_P(Formats, PythonCanTrc11, testing::Values(FileFormat::tr
                          [](const auto& format) { return std::string(name_of(format.param)); });
 
 }  // namespace
-}  // namespace canopus::trace
+}  // namespace canopus::trace::python_can_test

@@ -10,7 +10,7 @@
 #include "canopus/trace/report/names_of_others.hpp"
 #include "canopus/trace/report/trace_picture.hpp"
 
-namespace canopus::trace {
+namespace canopus::trace::report_files_test {
 namespace {
 
 using can::data_frame;
@@ -161,4 +161,4 @@ TEST(TracePicture, LongTrace_DoesNotGrowWithItsLength) {
 }
 
 }  // namespace
-}  // namespace canopus::trace
+}  // namespace canopus::trace::report_files_test

@@ -10,7 +10,7 @@
 
 #include "trace/support_trace.hpp"
 
-namespace canopus::trace {
+namespace canopus::trace::round_trip_test {
 namespace {
 
 using can::Frame;
@@ -146,4 +146,4 @@ INSTANTIATE_TEST_SUITE_P(Formats, RoundTrip,
                          [](const auto& format) { return std::string(name_of(format.param)); });
 
 }  // namespace
-}  // namespace canopus::trace
+}  // namespace canopus::trace::round_trip_test

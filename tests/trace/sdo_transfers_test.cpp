@@ -8,7 +8,7 @@
 
 #include "canopus/trace/decode/decoder.hpp"
 
-namespace canopus::trace {
+namespace canopus::trace::sdo_transfers_test {
 namespace {
 
 using can::data_frame;
@@ -245,4 +245,4 @@ TEST_F(SdoTransfers, SecondSdoServer_IsLearnt) {
 }
 
 }  // namespace
-}  // namespace canopus::trace
+}  // namespace canopus::trace::sdo_transfers_test

@@ -7,7 +7,7 @@
 
 #include "canopus/can/frame_bits.hpp"
 
-namespace canopus::trace {
+namespace canopus::trace::statistics_test {
 namespace {
 
 using can::data_frame;
@@ -118,4 +118,4 @@ TEST_F(StatisticsTest, Emergencies_AreListed) {
 }
 
 }  // namespace
-}  // namespace canopus::trace
+}  // namespace canopus::trace::statistics_test

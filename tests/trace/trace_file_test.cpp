@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace canopus::trace {
+namespace canopus::trace::trace_file_test {
 namespace {
 
 using can::Frame;
@@ -119,4 +119,4 @@ TEST_F(TraceFileTest, FullDisk_IsToldOnClose) {
 }
 
 }  // namespace
-}  // namespace canopus::trace
+}  // namespace canopus::trace::trace_file_test

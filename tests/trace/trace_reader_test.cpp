@@ -12,7 +12,7 @@
 
 #include "paths.hpp"
 
-namespace canopus::trace {
+namespace canopus::trace::trace_reader_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -161,4 +161,4 @@ TEST(TraceReader, FileThatIsNotThere_IsNamed) {
 }
 
 }  // namespace
-}  // namespace canopus::trace
+}  // namespace canopus::trace::trace_reader_test

@@ -3,7 +3,7 @@
 
 #include "conformance/cia301/script.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::cob_id_test {
 namespace {
 
 struct CobIdObject {
@@ -95,4 +95,4 @@ const Case changes[] = {
 INSTANTIATE_TEST_SUITE_P(Change, CobIds, testing::ValuesIn(changes), case_name);
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::cob_id_test

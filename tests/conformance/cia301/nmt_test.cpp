@@ -2,7 +2,7 @@
 
 #include "conformance/cia301/script.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::nmt_test {
 namespace {
 
 class Nmt : public testing::TestWithParam<Case> {};
@@ -167,4 +167,4 @@ const Case services[] = {
 INSTANTIATE_TEST_SUITE_P(Service, Nmt, testing::ValuesIn(services), case_name);
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::nmt_test

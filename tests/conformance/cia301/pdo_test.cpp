@@ -2,7 +2,7 @@
 
 #include "conformance/cia301/script.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::pdo_test {
 namespace {
 
 class Pdo : public testing::TestWithParam<Case> {};
@@ -177,4 +177,4 @@ TEST_P(CyclicTpdo, IsSentAtEveryNthSync) {
 INSTANTIATE_TEST_SUITE_P(Period, CyclicTpdo, testing::Values(1, 2, 3, 7, 16, 127, 128, 239, 240));
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::pdo_test

@@ -2,7 +2,7 @@
 
 #include "conformance/cia301/script.hpp"
 
-namespace canopus::canopen {
+namespace canopus::canopen::sdo_test {
 namespace {
 
 class Sdo : public testing::TestWithParam<Case> {};
@@ -391,4 +391,4 @@ std::vector<Case> data_types() {
 INSTANTIATE_TEST_SUITE_P(DataType, Sdo, testing::ValuesIn(data_types()), case_name);
 
 }  // namespace
-}  // namespace canopus::canopen
+}  // namespace canopus::canopen::sdo_test

@@ -6,7 +6,7 @@
 
 #include "conformance/iso16845/lower_tester.hpp"
 
-namespace canopus::sim::iso16845 {
+namespace canopus::sim::iso16845::bit_timing_test {
 namespace {
 
 constexpr int steps = 40;
@@ -206,4 +206,4 @@ TEST(Iso16845_8_7_BitTiming, HardSynchronisation_OnASofBeforeItsOwn) {
 }
 
 }  // namespace
-}  // namespace canopus::sim::iso16845
+}  // namespace canopus::sim::iso16845::bit_timing_test

@@ -2,7 +2,7 @@
 
 #include "conformance/iso16845/lower_tester.hpp"
 
-namespace canopus::sim::iso16845 {
+namespace canopus::sim::iso16845::received_frame_test {
 namespace {
 
 // --- 7.1 Valid frame format
@@ -439,4 +439,4 @@ TEST(Iso16845_7_6_Rec, ErrorsOfAPassiveReceiver_LeaveItPassive) {
 }
 
 }  // namespace
-}  // namespace canopus::sim::iso16845
+}  // namespace canopus::sim::iso16845::received_frame_test

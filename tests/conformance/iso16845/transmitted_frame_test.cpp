@@ -2,7 +2,7 @@
 
 #include "conformance/iso16845/lower_tester.hpp"
 
-namespace canopus::sim::iso16845 {
+namespace canopus::sim::iso16845::transmitted_frame_test {
 namespace {
 
 /// Frame of 53 bits with its acknowledgement by the lower tester, from bit 0.
@@ -320,4 +320,4 @@ TEST(Iso16845_8_6_Tec, OverloadFramesAndLostArbitration_CountNothing) {
 }
 
 }  // namespace
-}  // namespace canopus::sim::iso16845
+}  // namespace canopus::sim::iso16845::transmitted_frame_test

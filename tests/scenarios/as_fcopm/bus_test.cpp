@@ -2,7 +2,7 @@
 
 #include "scenarios/as_fcopm/card.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::as_fcopm_bus_test {
 namespace {
 
 class FcopmBus : public testing::Test, public FcopmCard {};
@@ -142,4 +142,4 @@ TEST_F(FcopmBus, ARequestBeforeTheStartWaitsForNothing_OneInTheMiddleOfABootTake
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::as_fcopm_bus_test

@@ -4,7 +4,7 @@
 
 #include "scenarios/as_fcopm/card.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::as_fcopm_configuration_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -159,4 +159,4 @@ TEST(FcopmConfiguration, AFixedMappingIsLeftAlone_TimesAreWrittenWhereTheyAreGiv
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::as_fcopm_configuration_test

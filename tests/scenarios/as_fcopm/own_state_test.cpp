@@ -2,7 +2,7 @@
 
 #include "scenarios/as_fcopm/card.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::as_fcopm_own_state_test {
 namespace {
 
 class FcopmOwnState : public testing::Test, public FcopmCard {};
@@ -169,4 +169,4 @@ TEST_F(FcopmOwnState, TheRegistersAreReadOnly) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::as_fcopm_own_state_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/as_fcopm/card.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::as_fcopm_process_data_test {
 namespace {
 
 class FcopmProcessData : public testing::Test, public FcopmCard {
@@ -280,4 +280,4 @@ TEST_F(FcopmProcessData, InputWordsAreReadOnly) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::as_fcopm_process_data_test

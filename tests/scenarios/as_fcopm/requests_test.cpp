@@ -2,7 +2,7 @@
 
 #include "scenarios/as_fcopm/card.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::as_fcopm_requests_test {
 namespace {
 
 class FcopmRequests : public testing::Test, public FcopmCard {
@@ -330,4 +330,4 @@ TEST_F(FcopmRequests, C03_ARequestThatFailsShowsNoMessages) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::as_fcopm_requests_test

@@ -4,7 +4,7 @@
 
 #include "scenarios/as_fcopm/card.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::as_fcopm_slave_test {
 namespace {
 
 class FcopmAsSlave : public testing::Test, public FcopmCard {
@@ -395,4 +395,4 @@ TEST_F(FcopmAsSlave, DownloadedObjectsComeBackWithAReset_WrittenOnesDoNot) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::as_fcopm_slave_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/as_fcopm/card.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::as_fcopm_status_test {
 namespace {
 
 class FcopmStatus : public testing::Test, public FcopmCard {};
@@ -253,4 +253,4 @@ TEST_F(FcopmStatus, TwoCausesAtOnce_TheGraverIsShown_TheOtherStays) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::as_fcopm_status_test

@@ -8,7 +8,7 @@
 #include "scenarios/as_fcopm/card.hpp"
 #include "scenarios/module_page.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::as_fcopm_tables_test {
 namespace {
 
 using module::BufferAddress;
@@ -140,4 +140,4 @@ TEST(FcopmTables, ThePageHasEveryRegister) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::as_fcopm_tables_test

@@ -6,7 +6,7 @@
 
 #include "canopus/module/areas/object_rows.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::sketch {
 
 using namespace module;
 using canopen::Access;
@@ -190,4 +190,4 @@ constinit const ModuleModel as_fcopm_sketch{
     .master_options = [] { return manager::MasterOptions{}; },
 };
 
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::sketch

@@ -7,12 +7,14 @@
 
 namespace canopus::scenario {
 
+namespace sketch {
 extern const module::ModuleModel as_fcopm_sketch;
+}
 
 class AsFcopmSketch final : public module::ModuleEngine {
  public:
   AsFcopmSketch(can::Controller& controller, module::NonVolatileMemory& memory)
-      : ModuleEngine(as_fcopm_sketch, controller, memory, {}) {}
+      : ModuleEngine(sketch::as_fcopm_sketch, controller, memory, {}) {}
 };
 
 }  // namespace canopus::scenario

@@ -5,7 +5,7 @@
 #include "scenarios/engine/other_models.hpp"
 #include "scenarios/fx3u_can/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::engine_built_in_program_test {
 namespace {
 
 class WithProgram : public OtherScenario<module::fx3u_can::Fx3uCan> {
@@ -74,4 +74,4 @@ TEST(BuiltInProgramByWords, GoesOnlineAfterEachStart) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::engine_built_in_program_test

@@ -3,7 +3,7 @@
 #include "canopus/module/areas/object_rows.hpp"
 #include "canopus/module/engine/signal_port.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::other_models {
 
 using namespace module;
 using canopen::Access;
@@ -192,4 +192,4 @@ constinit const ModuleModel elsewhere{
     .master_options = [] { return manager::MasterOptions{}; },
 };
 
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::other_models

@@ -10,15 +10,17 @@
 
 namespace canopus::scenario {
 
+namespace other_models {
 /// All addresses, bits and signals differ from the ME3CAN1-Q's; 8 words and 2 PDOs each way, four-digit year.
 extern const module::ModuleModel elsewhere;
+}  // namespace other_models
 
 /// Signals: 1C ready, 1B data exchange, 1A restart, 19 error, 18 NMT error, 17 emergency, 16 set clock, 15
 /// read clock, 14 command, 13 save/restore, 12 online (Layer 2), 11 transmit trigger (Layer 2).
 class ElsewhereModule final : public module::ModuleEngine {
  public:
   ElsewhereModule(can::Controller& controller, module::NonVolatileMemory& memory)
-      : ModuleEngine(elsewhere, controller, memory, {}) {}
+      : ModuleEngine(other_models::elsewhere, controller, memory, {}) {}
 };
 
 template <typename Model>

@@ -2,7 +2,7 @@
 
 #include "scenarios/engine/other_models.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::engine_other_models_test {
 namespace {
 
 using Elsewhere = OtherScenario<ElsewhereModule>;
@@ -156,4 +156,4 @@ TEST(OtherModel, ASaveThatIsTakenBack_IsDone_AndNotAnswered) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::engine_other_models_test

@@ -3,7 +3,7 @@
 #include "scenarios/engine/as_fcopm_sketch.hpp"
 #include "scenarios/engine/other_models.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::engine_sketches_test {
 namespace {
 
 class AsFcopm : public testing::Test, public OtherScenario<AsFcopmSketch> {
@@ -74,4 +74,4 @@ TEST_F(AsFcopm, AMessageThatIsNoneIsAnsweredWithItsStatus) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::engine_sketches_test

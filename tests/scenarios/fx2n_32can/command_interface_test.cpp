@@ -2,7 +2,7 @@
 
 #include "scenarios/fx2n_32can/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx2n_32can_command_interface_test {
 namespace {
 
 // S-30
@@ -250,4 +250,4 @@ TEST(Fx2nCommand, SendsAnEmergencyMessage) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx2n_32can_command_interface_test

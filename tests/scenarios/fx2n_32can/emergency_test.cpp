@@ -2,7 +2,7 @@
 
 #include "scenarios/fx2n_32can/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx2n_32can_emergency_test {
 namespace {
 
 void receive(Fx2nScenario& s, std::uint16_t first, std::uint16_t last, std::uint8_t node = 3) {
@@ -120,4 +120,4 @@ TEST(Fx2nEmergency, TheErrorBit_IsThereAsLongAsSomebodysError) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx2n_32can_emergency_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/fx2n_32can/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx2n_32can_guarding_test {
 namespace {
 
 /// Records of 8400H, then FFFFh.
@@ -208,4 +208,4 @@ TEST(Fx2nManager, StartsItsNetwork) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx2n_32can_guarding_test

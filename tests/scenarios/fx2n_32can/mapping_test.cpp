@@ -2,7 +2,7 @@
 
 #include "scenarios/fx2n_32can/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx2n_32can_mapping_test {
 namespace {
 
 using CobIdOf = std::uint32_t (*)(std::uint32_t n, std::uint32_t node);  // of PDO n, from 1 on
@@ -269,4 +269,4 @@ TEST(Fx2nMapping, OtherNodes_MayChangeItsPdos) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx2n_32can_mapping_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/fx2n_32can/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx2n_32can_process_data_test {
 namespace {
 
 // S-20
@@ -193,4 +193,4 @@ TEST(Fx2nProcessData, AProducerIsTriggered_ByASyncOrByARemoteFrame) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx2n_32can_process_data_test

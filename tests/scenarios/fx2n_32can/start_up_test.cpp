@@ -7,7 +7,7 @@
 
 #include "scenarios/fx2n_32can/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx2n_32can_start_up_test {
 namespace {
 
 module::LedPattern pattern_of(Fx2nScenario& s, std::string_view name) {
@@ -244,4 +244,4 @@ TEST(Fx2nStart, WhatIsPhysical_IsInItsDataSheet) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx2n_32can_start_up_test

@@ -8,7 +8,7 @@
 #include "scenarios/fx2n_32can/scenario.hpp"
 #include "scenarios/module_page.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx2n_32can_tables_test {
 namespace {
 
 using module::BufferAddress;
@@ -107,4 +107,4 @@ TEST(Fx2nTables, TheModulesPage_HasEveryRow) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx2n_32can_tables_test

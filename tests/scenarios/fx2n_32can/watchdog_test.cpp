@@ -2,7 +2,7 @@
 
 #include "scenarios/fx2n_32can/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx2n_32can_watchdog_test {
 namespace {
 
 const Bytes expired{0x00, 0x62, 0x01, '3', '0', '0', 'X', 'F'};
@@ -82,4 +82,4 @@ TEST(Fx2nWatchdog, CommandsWait_UntilTheErrorIsReset) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx2n_32can_watchdog_test

@@ -3,7 +3,7 @@
 #include "scenarios/fx3u_can/lift_scenario.hpp"
 #include "support/spec_table.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx3u_can_call_controller_test {
 namespace {
 
 // T417-10
@@ -193,4 +193,4 @@ TEST(FxCallController, EveryCode_GoesThrough) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx3u_can_call_controller_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/fx3u_can/lift_scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx3u_can_car_controllers_test {
 namespace {
 
 using module::BufferAddress;
@@ -227,4 +227,4 @@ TEST(FxCarLoad, LoadAndItsSignals) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx3u_can_car_controllers_test

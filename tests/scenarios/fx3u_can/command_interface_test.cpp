@@ -2,7 +2,7 @@
 
 #include "scenarios/fx3u_can/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx3u_can_command_interface_test {
 namespace {
 
 // S110
@@ -213,4 +213,4 @@ TEST(FxCommand, BusOff_EndsCommands) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx3u_can_command_interface_test

@@ -4,7 +4,7 @@
 
 #include "scenarios/fx3u_can/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx3u_can_data_corners_test {
 namespace {
 
 TEST(FxProcessData, RestrictedIdentifiers_AreRefused) {
@@ -291,4 +291,4 @@ TEST(FxLayer2, OtherBitsOfTheExchange_DoNothing) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx3u_can_data_corners_test

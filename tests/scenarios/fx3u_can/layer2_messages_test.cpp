@@ -2,7 +2,7 @@
 
 #include "scenarios/fx3u_can/layer2_slots.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx3u_can_layer2_messages_test {
 namespace {
 
 TEST(FxLayer2, RemoteFrames_AreAnswered_Noted_OrIgnored) {
@@ -202,4 +202,4 @@ TEST(FxLayer2, BusOff_IsLeftByARestart) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx3u_can_layer2_messages_test

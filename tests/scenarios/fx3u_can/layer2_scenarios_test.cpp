@@ -2,7 +2,7 @@
 
 #include "scenarios/fx3u_can/layer2_slots.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx3u_can_layer2_scenarios_test {
 namespace {
 
 /// READY-L2.
@@ -288,4 +288,4 @@ TEST(FxLayer2Scenarios, TL2_37_To39_TheCommandInterface) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx3u_can_layer2_scenarios_test

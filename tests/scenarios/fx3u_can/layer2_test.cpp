@@ -2,7 +2,7 @@
 
 #include "scenarios/fx3u_can/layer2_slots.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx3u_can_layer2_test {
 namespace {
 
 TEST(FxLayer2, StartsOffline_AndNothingOfCanopenIsThere) {
@@ -221,4 +221,4 @@ TEST(FxLayer2, LengthsAndRemoteFrames_OfASlot) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx3u_can_layer2_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/fx3u_can/lift_scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx3u_can_lift_mode_test {
 namespace {
 
 // T417-01, T417-02
@@ -374,4 +374,4 @@ TEST(FxLiftMode, FactorySettings_AreIn405Mode_AfterARestart) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx3u_can_lift_mode_test

@@ -10,7 +10,7 @@
 #include "scenarios/fx3u_can/lift_scenario.hpp"
 #include "support/spec_table.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx3u_can_lift_objects_test {
 namespace {
 
 // T417-50, T417-51
@@ -216,4 +216,4 @@ TEST(FxLiftObjects, EveryWord_HasItsDefault_AndItsAccess) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx3u_can_lift_objects_test

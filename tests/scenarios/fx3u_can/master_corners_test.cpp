@@ -6,7 +6,7 @@
 
 #include "scenarios/fx3u_can/master_steps.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx3u_can_master_corners_test {
 namespace {
 
 /// Node 3 is there, and boots.
@@ -320,4 +320,4 @@ TEST(FxStartUp, AFaultyStoredConfiguration_KeepsItInitializing_UntilItIsRestored
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx3u_can_master_corners_test

@@ -8,7 +8,7 @@
 
 #include "canopus/module/me3can1_q/me3can1_q.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx3u_can_network_test {
 namespace {
 
 using Member = BlockNetwork::Member;
@@ -245,4 +245,4 @@ TEST(FxNetwork, WithAnMe3can1Q_MasterAndSlaveOfEachOther) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx3u_can_network_test

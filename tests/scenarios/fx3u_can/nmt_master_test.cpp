@@ -2,7 +2,7 @@
 
 #include "scenarios/fx3u_can/master_steps.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx3u_can_nmt_master_test {
 namespace {
 
 // S070
@@ -368,4 +368,4 @@ TEST(FxNmt, AChangeOfAnObject_MakesTheConfigurationsDateInvalid) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx3u_can_nmt_master_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/fx3u_can/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx3u_can_process_data_test {
 namespace {
 
 // S020
@@ -359,4 +359,4 @@ TEST(FxProcessData, Pdos_InOperationalOnly) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx3u_can_process_data_test

@@ -3,7 +3,7 @@
 
 #include "scenarios/fx3u_can/layer2_slots.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx3u_can_program_example_test {
 namespace {
 
 constexpr std::uint32_t station = 3;  // a MELSEC STlite
@@ -99,4 +99,4 @@ TEST(FxProgram, Layer2_SlotsSavedThenRestartedThenOnline) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx3u_can_program_example_test

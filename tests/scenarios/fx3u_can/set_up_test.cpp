@@ -2,7 +2,7 @@
 
 #include "scenarios/fx3u_can/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx3u_can_set_up_test {
 namespace {
 
 /// A node answers the write of an SDO: index and sub-index of the request.
@@ -301,4 +301,4 @@ TEST(FxSetUp, InTheWrongState_NothingIsSent) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx3u_can_set_up_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/fx3u_can/master_steps.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx3u_can_start_up_corners_test {
 namespace {
 
 using Objects = std::vector<std::tuple<std::uint16_t, std::uint8_t, std::uint32_t, unsigned>>;
@@ -193,4 +193,4 @@ TEST(FxConfiguration, SixtyConciseDcfs_OfUpTo65531Bytes) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx3u_can_start_up_corners_test

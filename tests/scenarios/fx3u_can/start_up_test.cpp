@@ -2,7 +2,7 @@
 
 #include "scenarios/fx3u_can/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx3u_can_start_up_test {
 namespace {
 
 // S001
@@ -210,4 +210,4 @@ TEST(FxStartUp, ReservedBits_StayZero) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx3u_can_start_up_test

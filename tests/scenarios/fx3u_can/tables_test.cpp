@@ -8,7 +8,7 @@
 #include "scenarios/fx3u_can/scenario.hpp"
 #include "scenarios/module_page.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx3u_can_tables_test {
 namespace {
 
 using module::BufferAddress;
@@ -143,4 +143,4 @@ TEST(FxTables, TheModulesPage_HasEveryRow) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx3u_can_tables_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/fx3u_can/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx3u_can_time_and_emergency_test {
 namespace {
 
 /// An emergency message's bytes; nothing of the maker's.
@@ -368,4 +368,4 @@ TEST(FxErrorControl, GuardsItsSlaves) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx3u_can_time_and_emergency_test

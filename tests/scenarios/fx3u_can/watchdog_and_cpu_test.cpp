@@ -2,7 +2,7 @@
 
 #include "scenarios/fx3u_can/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::fx3u_can_watchdog_and_cpu_test {
 namespace {
 
 using module::LedPattern;
@@ -214,4 +214,4 @@ TEST(FxLeds, TheErrorLed_ShowsTheWorst) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::fx3u_can_watchdog_and_cpu_test

@@ -3,7 +3,7 @@
 #include "scenarios/me3can1_q/buffer_memory_table.hpp"
 #include "scenarios/module_page.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_buffer_memory_saving_test {
 namespace {
 
 using namespace table_rows;
@@ -91,4 +91,4 @@ TEST(Me3BufferTable, TheModulesPage_HasEveryRow) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_buffer_memory_saving_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/buffer_memory_table.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_buffer_memory_table_test {
 namespace {
 
 using namespace table_rows;
@@ -117,4 +117,4 @@ TEST(Me3BufferTable, EveryReservedBit_StaysZero) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_buffer_memory_table_test

@@ -12,7 +12,7 @@
 
 #include "scenarios/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_bus_test {
 namespace {
 
 using module::me3can1_q::Me3can1Q;
@@ -321,4 +321,4 @@ TEST(Me3OnABus, S82_ExchangingFasterThanTheBusCarries_OverflowsTheQueue) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_bus_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_clear_request_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(ClearRequests);
@@ -62,4 +62,4 @@ TEST_P(ClearRequests, Y10_MayBeOnBeforeTheInitializationEnds) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_clear_request_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_command_interface_sdo_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(CommandInterfaceSdo);
@@ -329,4 +329,4 @@ TEST_P(CommandInterfaceSdo, MultiWrite_ToOtherNodes_OfUpToEightBytes) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_command_interface_sdo_test

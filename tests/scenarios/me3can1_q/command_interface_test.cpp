@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_command_interface_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(CommandInterface);
@@ -342,4 +342,4 @@ TEST_P(CommandInterface, S37_BusOffAndWrongState) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_command_interface_test

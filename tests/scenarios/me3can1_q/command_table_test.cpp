@@ -7,7 +7,7 @@
 #include "scenarios/me3can1_q/scenario.hpp"
 #include "support/spec_table.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_command_table_test {
 namespace {
 
 constexpr std::uint16_t error = 0x000F;
@@ -255,4 +255,4 @@ TEST(Me3CommandTable, EveryErrorClass_OfEveryCommandThatCanHaveIt) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_command_table_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/concise_dcf.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_concise_dcf_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(ConciseDcf);
@@ -297,4 +297,4 @@ TEST_P(ConciseDcf, FileInUse_IsNotDeleted) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_concise_dcf_test

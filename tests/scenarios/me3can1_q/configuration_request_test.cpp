@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/concise_dcf.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_configuration_request_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(ConfigurationRequest);
@@ -134,4 +134,4 @@ TEST_P(EmergencyInhibitTime, HoldsEmergenciesBack) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_configuration_request_test

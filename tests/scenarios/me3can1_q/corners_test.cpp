@@ -3,7 +3,7 @@
 
 #include "scenarios/me3can1_q/layer2_forms.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_corners_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(CornersOfLayer2);
@@ -288,4 +288,4 @@ TEST_P(CornersOfCanopen, GuardingAnswer_WithTheWrongToggleBit_DoesNotCount) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_corners_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/error_table.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_emergency_table_test {
 namespace {
 
 // --- emergencies
@@ -205,4 +205,4 @@ TEST(Me3ErrorTable, SdoAbortCodesOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_emergency_table_test

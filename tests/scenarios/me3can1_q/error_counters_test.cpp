@@ -6,7 +6,7 @@
 
 #include "scenarios/me3can1_q/rack_bench.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_error_counters_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(ErrorCounters);
@@ -210,4 +210,4 @@ TEST(Me3ErrorCounters, EverySdoAbortCode_IsShownUnchanged) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_error_counters_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/error_table.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_error_table_test {
 namespace {
 
 // The kinds of rows, so that none is left out.
@@ -304,4 +304,4 @@ TEST(Me3ErrorTable, EveryResultAndClassOfTheCommandInterface) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_error_table_test

@@ -6,7 +6,7 @@
 
 #include "scenarios/me3can1_q/rack_bench.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_fault_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(Fault);
@@ -325,4 +325,4 @@ TEST_P(Fault, RestartWithinTheInhibitTime_SendsNoEmergency_AndDoesNotWait) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_fault_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_flying_master_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(FlyingMaster);
@@ -358,4 +358,4 @@ TEST_P(FlyingMaster, ApplicationData_AreNotMirrored) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_flying_master_test

@@ -5,7 +5,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_initialization_test {
 namespace {
 
 TEST(Me3StartUp, S04_PowerOn_InitializesFirst_ThenPreOperationalWithBootUpFrame) {
@@ -158,4 +158,4 @@ TEST(Me3StartUp, FaultyStoredMapping_OfMoreThanEightBytes_KeepsInitializingToo) 
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_initialization_test

@@ -9,7 +9,7 @@
 
 #include "scenarios/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_layer2_bus_test {
 namespace {
 
 // Notes the identifiers it hears.
@@ -188,4 +188,4 @@ TEST(Me3Layer2Bus, S55_FramesWithoutDataAt1MbitPerSecond_OverflowASlot) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_layer2_bus_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/layer2_frames.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_layer2_messages_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(Layer2Messages);
@@ -150,4 +150,4 @@ TEST(Me3Layer2Messages, DataExchange_WithAnyG20) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_layer2_messages_test

@@ -17,7 +17,7 @@
 
 #include "scenarios/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_layer2_model_test {
 namespace {
 
 using namespace layer2;
@@ -299,4 +299,4 @@ RC_GTEST_PROP(Me3Layer2Model, FramesFlagsAndWords_AreTheModels, ()) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_layer2_model_test

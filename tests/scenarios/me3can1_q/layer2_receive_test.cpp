@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_layer2_receive_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(Layer2Receive);
@@ -275,4 +275,4 @@ TEST(Me3Layer2Receive, S55_ReceiveOverflow) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_layer2_receive_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/layer2_frames.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_layer2_remote_frames_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(Layer2RemoteFrames);
@@ -238,4 +238,4 @@ TEST_P(Layer2RemoteFrames, IdentifierWidth_FollowsTheMode) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_layer2_remote_frames_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/layer2_frames.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_layer2_saving_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(Layer2Saving);
@@ -131,4 +131,4 @@ TEST_P(Layer2Saving, PowerDownMessages_DoNotExist) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_layer2_saving_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/layer2_frames.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_layer2_setting_errors_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(Layer2SettingErrors);
@@ -268,4 +268,4 @@ TEST_P(Layer2SettingErrors, DisabledSlot_NeitherSendsNorReceives) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_layer2_setting_errors_test

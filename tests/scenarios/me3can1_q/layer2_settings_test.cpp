@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/layer2_frames.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_layer2_settings_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(Layer2Settings);
@@ -286,4 +286,4 @@ TEST(Me3Layer2Settings, S54_ConfigurationWhileOnline_IsRefused) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_layer2_settings_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/layer2_frames.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_layer2_transmit_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(Layer2Transmit);
@@ -319,4 +319,4 @@ TEST(Me3Layer2Transmit, CycleTimeInMilliseconds_IsAChoice) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_layer2_transmit_test

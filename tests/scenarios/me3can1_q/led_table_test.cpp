@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/error_table.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_led_table_test {
 namespace {
 
 // --- LEDs
@@ -110,4 +110,4 @@ TEST(Me3ErrorTable, EveryErrorBehavior_OnEveryCause) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_led_table_test

@@ -4,7 +4,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_led_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(Led);
@@ -294,4 +294,4 @@ TEST_P(Led, Patterns_OverTime) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_led_test

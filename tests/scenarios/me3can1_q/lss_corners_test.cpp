@@ -3,8 +3,10 @@
 
 #include "scenarios/rj71cn91/presets.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_lss_corners_test {
 namespace {
+
+using namespace rj71cn91_presets;
 
 CANOPUS_OF_BOTH_MODULES(LssCorners);
 
@@ -97,4 +99,4 @@ TEST_P(LssCorners, Search_FromEveryOwnBitRate_TriesTheOthersOfTheStandard) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_lss_corners_test

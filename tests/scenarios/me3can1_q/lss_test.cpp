@@ -9,7 +9,7 @@
 #include "paths.hpp"
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_lss_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(Lss);
@@ -391,4 +391,4 @@ TEST_F(Me3LssOnBus, DevicesWithoutNodeIdPluggedInOneByOne_AreFoundAtAnyBitRate_A
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_lss_test

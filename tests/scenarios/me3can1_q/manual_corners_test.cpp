@@ -3,8 +3,10 @@
 
 #include "scenarios/rj71cn91/presets.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_manual_corners_test {
 namespace {
+
+using namespace rj71cn91_presets;
 
 CANOPUS_OF_BOTH_MODULES(ManualCorners);
 
@@ -123,4 +125,4 @@ TEST_P(ManualCorners, ProcessDataWords_AllOfThem_BeginWith0) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_manual_corners_test

@@ -3,7 +3,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_mapping_change_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(MappingChange);
@@ -128,4 +128,4 @@ TEST_P(MappingChange, StoredAndRestored_CountsAfterEachRestart) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_mapping_change_test

@@ -3,7 +3,7 @@
 
 #include "scenarios/me3can1_q/nmt_master_slave.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::nmt_master_slave {
 
 inline constexpr std::uint32_t only_watched = 0x01;  // 1F81H: assigned
 inline constexpr std::uint32_t kept_alive = 0x1D;    // and not to be reset while Operational
@@ -46,4 +46,4 @@ inline void start_with(IntelligentScenario& s, std::initializer_list<Object> obj
   s.y(0x02, true).wait_x(0x02, true, 60s, where).y(0x02, false);
 }
 
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::nmt_master_slave

@@ -4,8 +4,10 @@
 
 #include "scenarios/me3can1_q/master_branches.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_master_branches_test {
 namespace {
+
+using namespace nmt_master_slave;
 
 CANOPUS_OF_BOTH_MODULES(KeepAlive);
 CANOPUS_OF_BOTH_MODULES(MasterRole);
@@ -235,4 +237,4 @@ TEST_P(KeepAlive, SlaveThatGuardsItsMaster_MissesTheRemoteFrames_WhenTheMasterHa
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_master_branches_test

@@ -2,8 +2,10 @@
 
 #include "scenarios/me3can1_q/master_branches.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_master_error_control_test {
 namespace {
+
+using namespace nmt_master_slave;
 
 CANOPUS_OF_BOTH_MODULES(ErrorBehaviour);
 CANOPUS_OF_BOTH_MODULES(ErrorControl);
@@ -222,4 +224,4 @@ TEST(Me3Emergency, CodesTheModuleSendsByItself) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_master_error_control_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_network_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(Network);
@@ -332,4 +332,4 @@ TEST_P(Network, S69_SyncProducer_OnlyAsActiveMaster) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_network_test

@@ -2,8 +2,10 @@
 
 #include "scenarios/me3can1_q/nmt_master_slave.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_nmt_master_error_control_test {
 namespace {
+
+using namespace nmt_master_slave;
 
 CANOPUS_OF_BOTH_MODULES(NmtMasterErrorControl);
 
@@ -233,4 +235,4 @@ TEST_P(NmtMasterErrorControl, ClearingTheFailures_KeepsTheActivityBits) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_nmt_master_error_control_test

@@ -3,7 +3,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::nmt_master_slave {
 
 inline constexpr std::uint32_t optional = 0x05;   // 1F81H: assigned, boot slave
 inline constexpr std::uint32_t mandatory = 0x0D;  // and mandatory
@@ -68,4 +68,4 @@ inline void run_with_slave_2(IntelligentScenario& s, std::uint32_t start_up, std
 
 inline can::Duration since(const IntelligentScenario& s, can::Time from) { return s.now() - from; }
 
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::nmt_master_slave

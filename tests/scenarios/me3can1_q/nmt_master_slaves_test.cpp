@@ -2,8 +2,10 @@
 
 #include "scenarios/me3can1_q/nmt_master_slave.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_nmt_master_slaves_test {
 namespace {
+
+using namespace nmt_master_slave;
 
 CANOPUS_OF_BOTH_MODULES(NmtMasterSlaves);
 
@@ -272,4 +274,4 @@ TEST_P(NmtMasterSlaves, S62_LateBootUp_IsFollowedByTheSlavesStartUp) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_nmt_master_slaves_test

@@ -2,8 +2,10 @@
 
 #include "scenarios/me3can1_q/nmt_master_slave.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_nmt_master_start_up_test {
 namespace {
+
+using namespace nmt_master_slave;
 
 CANOPUS_OF_BOTH_MODULES(NmtMasterStartUp);
 
@@ -272,4 +274,4 @@ TEST_P(NmtMasterStartUp, Nmt102ah_Reads0_IsReadOnly_AndCommandsFollowEachOtherAt
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_nmt_master_start_up_test

@@ -3,7 +3,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_nmt_slave_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(NmtSlave);
@@ -331,4 +331,4 @@ TEST_P(NmtSlave, HeartbeatProducing_SwitchesGuardingOff) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_nmt_slave_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_object_dictionary_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(EmergencyInObjectDictionary);
@@ -392,4 +392,4 @@ TEST(Me3Emergency, LostHeartbeat_NamesTheNode) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_object_dictionary_test

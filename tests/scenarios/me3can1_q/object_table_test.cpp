@@ -6,7 +6,7 @@
 #include "scenarios/me3can1_q/scenario.hpp"
 #include "support/spec_table.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_object_table_test {
 namespace {
 
 constexpr std::uint8_t node_id = 5;
@@ -392,4 +392,4 @@ TEST(Me3ObjectTable, EveryRow_CanBeMappedOrNot_AsItSays) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_object_table_test

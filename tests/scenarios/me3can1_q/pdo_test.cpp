@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_pdo_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(Pdo);
@@ -358,4 +358,4 @@ TEST_P(Pdo, SynchronousTypes_EveryNthSync_OrAfterAnEvent) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_pdo_test

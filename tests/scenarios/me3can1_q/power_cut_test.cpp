@@ -10,7 +10,7 @@
 #include "scenarios/me3can1_q/scenario.hpp"
 #include "store/cut_files.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_power_cut_test {
 namespace {
 
 using module::me3can1_q::Me3can1Q;
@@ -376,4 +376,4 @@ TEST(Me3PowerCut, FlashWrites_AreCounted_OverPowerCyclesAndStores) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_power_cut_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_process_data_exchange_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(ProcessDataExchange);
@@ -315,4 +315,4 @@ TEST_P(ProcessDataExchange, MappingIsChecked_LengthAndMappability) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_process_data_exchange_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_process_data_words_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(ProcessData);
@@ -240,4 +240,4 @@ TEST_P(ProcessData, NetworkVariables_Exist_AsTheProfileSays) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_process_data_words_test

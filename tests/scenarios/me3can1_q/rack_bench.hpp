@@ -13,14 +13,6 @@
 
 namespace canopus::scenario {
 
-inline module::LedPattern led(IntelligentScenario& s, std::string_view name) {
-  for (const module::Led& led : s.plug_in().leds(s.now())) {
-    if (led.name == name) return led.pattern;
-  }
-  ADD_FAILURE() << "no LED " << name;
-  return module::LedPattern::off;
-}
-
 /// An ME3CAN1-Q two seconds after its supply came.
 struct RackBench {
   can::Timeline timeline;

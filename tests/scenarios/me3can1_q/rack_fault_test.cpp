@@ -9,7 +9,7 @@
 
 #include "scenarios/me3can1_q/rack_bench.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_rack_fault_test {
 namespace {
 
 TEST(Me3RackFault, CpuErrorInARack_StopsTheCpu_AndIsToldByTheModule) {
@@ -119,4 +119,4 @@ TEST(Me3RackFault, NoModuleChange_WhileTheRackIsOn) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_rack_fault_test

@@ -9,7 +9,7 @@
 
 #include "scenarios/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_random_test {
 namespace {
 
 class RandomAccess : public testing::TestWithParam<unsigned> {};
@@ -213,4 +213,4 @@ INSTANTIATE_TEST_SUITE_P(Seeds, RandomLayer2, testing::Range(1U, 11U));
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomAccess, testing::Range(1U, 21U));
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_random_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_request_nmt_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(RequestNmt);
@@ -83,4 +83,4 @@ TEST(Me3RequestNmt, AsSlave_SendsNothing) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_request_nmt_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_save_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(Save);
@@ -320,4 +320,4 @@ TEST_P(Save, PresetSettings_HoldUntilTheModuleSavesItsOwn) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_save_test

@@ -86,6 +86,15 @@ class IntelligentScenario : private IntelligentBench, public ModuleScenario {
   IntelligentScenario& request(unsigned number, Where where);
 };
 
+/// What the LED of this name does.
+inline module::LedPattern led(IntelligentScenario& s, std::string_view name) {
+  for (const module::Led& each : s.plug_in().leds(s.now())) {
+    if (each.name == name) return each.pattern;
+  }
+  ADD_FAILURE() << "no LED " << name;
+  return module::LedPattern::off;
+}
+
 /// A test that runs with both modules; GetParam() is the model.
 class OfBothModules : public testing::TestWithParam<std::string_view> {
  protected:

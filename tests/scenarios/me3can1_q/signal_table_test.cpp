@@ -6,7 +6,7 @@
 #include "scenarios/me3can1_q/scenario.hpp"
 #include "support/spec_table.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_signal_table_test {
 namespace {
 
 bool is_in(const SpecRow& row, std::uint16_t mode) {
@@ -113,4 +113,4 @@ TEST(Me3SignalTable, SignalsOfTheOtherMode_StayOff) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_signal_table_test

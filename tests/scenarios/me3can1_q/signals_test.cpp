@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_signals_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(Signals);
@@ -355,4 +355,4 @@ TEST_P(Signals, ReadOnlyWords_IgnoreWrites) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_signals_test

@@ -5,7 +5,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_start_up_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(StartUp);
@@ -299,4 +299,4 @@ TEST(Me3StartUp, ModeChange_TakesEffectAfterSaveAndRestart_AndDeletesTheObjectDi
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_start_up_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::me3can1_q_time_stamp_test {
 namespace {
 
 CANOPUS_OF_BOTH_MODULES(TimeStamp);
@@ -395,4 +395,4 @@ TEST(Me3TimeStamp, DailyCorrection_AddsItsSecondsToEachDay) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::me3can1_q_time_stamp_test

@@ -2,8 +2,10 @@
 
 #include "scenarios/rj71cn91/presets.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::rj71cn91_command_interface_test {
 namespace {
+
+using namespace rj71cn91_presets;
 
 TEST(Rj71Cif, Handshake_AndTheAreaStaysAsItIs) {
   RecordProperty("spec", "RJ71-CIF-001 RJ71-CIF-002");
@@ -144,4 +146,4 @@ TEST(Rj71Sdo, ValuesOutOfRange) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::rj71cn91_command_interface_test

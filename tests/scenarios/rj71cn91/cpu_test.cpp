@@ -6,7 +6,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::rj71cn91_cpu_test {
 namespace {
 
 constexpr auto run = module::CpuState::run;
@@ -274,4 +274,4 @@ TEST(Rj71StartUp, Revision_SameMajor_AndNoOlderMinor) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::rj71cn91_cpu_test

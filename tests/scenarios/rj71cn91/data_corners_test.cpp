@@ -3,8 +3,10 @@
 #include "scenarios/me3can1_q/layer2_forms.hpp"
 #include "scenarios/rj71cn91/presets.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::rj71cn91_data_corners_test {
 namespace {
+
+using namespace rj71cn91_presets;
 
 CANOPUS_OF_BOTH_MODULES(DataCorners);
 
@@ -188,4 +190,4 @@ TEST_P(DataCorners, RemoteFrames_WithTheirHandlingOff_InBothForms) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::rj71cn91_data_corners_test

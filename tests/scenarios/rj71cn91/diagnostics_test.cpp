@@ -9,7 +9,7 @@
 #include "scenarios/me3can1_q/scenario.hpp"
 #include "support/spec_table.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::rj71cn91_diagnostics_test {
 namespace {
 
 using module::ErrorClass;
@@ -33,14 +33,6 @@ Codes errors(IntelligentScenario& s) {
   Codes codes;
   for (const auto& record : s.plug_in().module_errors()) codes.push_back(record.code);
   return codes;
-}
-
-LedPattern led(IntelligentScenario& s, std::string_view name) {
-  for (const module::Led& each : s.plug_in().leds(s.now())) {
-    if (each.name == name) return each.pattern;
-  }
-  ADD_FAILURE() << name;
-  return LedPattern::off;
 }
 
 // The tables are the manual's.
@@ -373,4 +365,4 @@ TEST(Rj71Diagnostics, EachError_WithItsDetails) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::rj71cn91_diagnostics_test

@@ -3,7 +3,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::rj71cn91_differences_test {
 namespace {
 
 const Bytes no_error(8, 0);
@@ -343,4 +343,4 @@ TEST(Rj71Cif, NodeAbove127_IsAnUnknownCommand) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::rj71cn91_differences_test

@@ -5,8 +5,10 @@
 
 #include "scenarios/rj71cn91/presets.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::rj71cn91_emergency_test {
 namespace {
+
+using namespace rj71cn91_presets;
 
 constexpr auto stop = module::CpuState::stop;
 
@@ -159,4 +161,4 @@ TEST(Rj71Diagnostics, InvalidObject_1802H) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::rj71cn91_emergency_test

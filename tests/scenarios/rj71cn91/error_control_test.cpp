@@ -3,8 +3,10 @@
 
 #include "scenarios/rj71cn91/presets.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::rj71cn91_error_control_test {
 namespace {
+
+using namespace rj71cn91_presets;
 
 constexpr std::uint32_t guarded_100_by_3 = 0x00640301;  // 1F81H: assigned; guard time 100 ms, retry factor 3
 
@@ -215,4 +217,4 @@ TEST(Rj71ErrorBehaviour, BusOff_LostMaster_LostHeartbeat_CpuStop_OfASlave_NoHear
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::rj71cn91_error_control_test

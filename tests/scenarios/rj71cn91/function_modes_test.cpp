@@ -3,8 +3,10 @@
 
 #include "scenarios/rj71cn91/presets.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::rj71cn91_function_modes_test {
 namespace {
+
+using namespace rj71cn91_presets;
 
 const Bytes read_1000{0x40, 0x00, 0x10, 0x00, 0, 0, 0, 0};
 const Bytes is_0195{0x43, 0x00, 0x10, 0x00, 0x95, 0x01, 0x00, 0x00};
@@ -247,4 +249,4 @@ TEST(Rj71Modes, AnotherMode_NeedsSaveAndRestart) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::rj71cn91_function_modes_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/layer2_forms.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::rj71cn91_layer2_test {
 namespace {
 
 using Address = module::BufferAddress;
@@ -350,4 +350,4 @@ TEST(Rj71Layer2, CifFrame_IsDoneWhenItWasSent_OrEndsAfterASecond) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::rj71cn91_layer2_test

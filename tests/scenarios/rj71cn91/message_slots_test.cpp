@@ -6,8 +6,10 @@
 #include "scenarios/me3can1_q/layer2_forms.hpp"
 #include "scenarios/rj71cn91/presets.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::rj71cn91_message_slots_test {
 namespace {
+
+using namespace rj71cn91_presets;
 
 TEST(Rj71Slots, Kind_ByParametersAAndB) {
   RecordProperty("spec", "RJ71-L2-002");
@@ -341,4 +343,4 @@ TEST(Rj71Slots, LowerIdentifierFirst_WhenSeveralBeginTogether) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::rj71cn91_message_slots_test

@@ -14,7 +14,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::rj71cn91_mixed_network_test {
 namespace {
 
 class Network {
@@ -296,4 +296,4 @@ TEST(MixedNetwork, FlyingMasters_InTheEndOneIsActive_TheBest) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::rj71cn91_mixed_network_test

@@ -7,8 +7,10 @@
 
 #include "scenarios/rj71cn91/presets.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::rj71cn91_module_state_test {
 namespace {
+
+using namespace rj71cn91_presets;
 
 using module::LedPattern;
 
@@ -250,4 +252,4 @@ TEST(Rj71Diagnostics, EveryEvent_Comes_AndY10AndY11KeepTheirs) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::rj71cn91_module_state_test

@@ -2,7 +2,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::rj71cn91_nmt_and_time_test {
 namespace {
 
 constexpr auto stop = module::CpuState::stop;
@@ -114,4 +114,4 @@ TEST(Rj71Layer2, Dlc_0To8_AndOnlyTheseBytes) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::rj71cn91_nmt_and_time_test

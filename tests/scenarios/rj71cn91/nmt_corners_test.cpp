@@ -3,8 +3,10 @@
 
 #include "scenarios/rj71cn91/presets.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::rj71cn91_nmt_corners_test {
 namespace {
+
+using namespace rj71cn91_presets;
 
 CANOPUS_OF_BOTH_MODULES(NmtCorners);
 
@@ -230,4 +232,4 @@ TEST_P(NmtCorners, GuardingOfANodeWithoutASetUp_IsNotStarted) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::rj71cn91_nmt_corners_test

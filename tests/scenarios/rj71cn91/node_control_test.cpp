@@ -2,8 +2,10 @@
 
 #include "scenarios/rj71cn91/presets.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::rj71cn91_node_control_test {
 namespace {
+
+using namespace rj71cn91_presets;
 
 TEST(Rj71NodeControl, ActiveMaster_ControlsEverybody_AndObeysNobody) {
   RecordProperty("spec", "RJ71-NODECTL-007");
@@ -172,4 +174,4 @@ TEST(Rj71Nmt, WhatKeepsANodeFromOperational) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::rj71cn91_node_control_test

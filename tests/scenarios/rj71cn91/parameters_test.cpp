@@ -5,8 +5,10 @@
 
 #include "scenarios/rj71cn91/presets.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::rj71cn91_parameters_test {
 namespace {
+
+using namespace rj71cn91_presets;
 
 void give(IntelligentScenario& s, std::uint16_t index, std::uint8_t sub, std::uint32_t value,
           unsigned length = 4) {
@@ -218,4 +220,4 @@ TEST(Rj71Refresh, ExchangesProcessData_Y1DoesNot) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::rj71cn91_parameters_test

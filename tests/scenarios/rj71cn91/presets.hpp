@@ -5,7 +5,7 @@
 
 #include "scenarios/me3can1_q/scenario.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::rj71cn91_presets {
 
 struct PresetObject {
   std::uint16_t index = 0;
@@ -44,14 +44,6 @@ inline void expect_node_lost(IntelligentScenario& s, std::uint8_t own, std::uint
   s.wait_tx(0x080U + own, {node_id, 0x8F, 0x11, 0, 0, 0, 0, 0}, 20s, where);
 }
 
-inline module::LedPattern led(IntelligentScenario& s, std::string_view name) {
-  for (const module::Led& each : s.plug_in().leds(s.now())) {
-    if (each.name == name) return each.pattern;
-  }
-  ADD_FAILURE() << name;
-  return module::LedPattern::off;
-}
-
 /// Codes of the events since the history had `first` entries.
 inline std::vector<std::uint16_t> event_codes(IntelligentScenario& s, std::size_t first = 0) {
   std::vector<std::uint16_t> codes;
@@ -67,4 +59,4 @@ inline std::vector<std::uint16_t> error_codes(IntelligentScenario& s) {
   return codes;
 }
 
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::rj71cn91_presets

@@ -4,8 +4,10 @@
 
 #include "scenarios/rj71cn91/presets.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::rj71cn91_process_data_test {
 namespace {
+
+using namespace rj71cn91_presets;
 
 /// Operational, as node 1 or another one.
 void operational(IntelligentScenario& s, std::uint8_t node = 1) {
@@ -399,4 +401,4 @@ TEST(Rj71CanIds, FixedOnes_SettableOnes_AndDuplicatesAreNobodysBusiness) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::rj71cn91_process_data_test

@@ -2,8 +2,10 @@
 
 #include "scenarios/rj71cn91/presets.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::rj71cn91_start_up_test {
 namespace {
+
+using namespace rj71cn91_presets;
 
 constexpr std::uint32_t assigned = 0x01;   // 1F81H: NMT slave
 constexpr std::uint32_t optional = 0x05;   // and boot slave
@@ -321,4 +323,4 @@ TEST(Rj71Configuration, UpToDate_IsNotWrittenAgain) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::rj71cn91_start_up_test

@@ -11,7 +11,7 @@
 #include "scenarios/me3can1_q/scenario.hpp"
 #include "scenarios/module_page.hpp"
 
-namespace canopus::scenario {
+namespace canopus::scenario::rj71cn91_tables_test {
 namespace {
 
 using Address = module::BufferAddress;
@@ -358,4 +358,4 @@ TEST(Rj71Tables, TheModulesPage_HasEverySignal_Command_AndLed) {
 }
 
 }  // namespace
-}  // namespace canopus::scenario
+}  // namespace canopus::scenario::rj71cn91_tables_test

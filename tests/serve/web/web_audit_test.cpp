@@ -13,7 +13,7 @@
 
 #include "canopus/serve/web/web_worker.hpp"
 
-namespace canopus::serve {
+namespace canopus::serve::web_audit_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -149,4 +149,4 @@ TEST(WebWorker, IsLeftAlone_WhenItHangs) {
 }
 
 }  // namespace
-}  // namespace canopus::serve
+}  // namespace canopus::serve::web_audit_test

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-namespace canopus::serve {
+namespace canopus::serve::web_form_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -58,4 +58,4 @@ RC_GTEST_PROP(WebForm, AnyBytes, (const std::string& name, const std::string& va
 }
 
 }  // namespace
-}  // namespace canopus::serve
+}  // namespace canopus::serve::web_form_test

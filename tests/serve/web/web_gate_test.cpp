@@ -12,7 +12,7 @@
 
 #include "canopus/serve/web/web_password.hpp"
 
-namespace canopus::serve {
+namespace canopus::serve::web_gate_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -300,4 +300,4 @@ TEST_F(WebGateTest, WithoutUsers_NobodyHasASession) {
 }
 
 }  // namespace
-}  // namespace canopus::serve
+}  // namespace canopus::serve::web_gate_test

@@ -6,7 +6,7 @@
 
 #include "canopus/serve/web/web_sessions.hpp"
 
-namespace canopus::serve {
+namespace canopus::serve::web_limits_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -190,4 +190,4 @@ TEST(WebSessions, EndWithTheirUser_HisRoleAndHisPassword) {
 }
 
 }  // namespace
-}  // namespace canopus::serve
+}  // namespace canopus::serve::web_limits_test

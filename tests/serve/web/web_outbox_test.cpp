@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace canopus::serve {
+namespace canopus::serve::web_outbox_test {
 namespace {
 
 WebOutbox::Text text(const std::string& words) { return std::make_shared<const std::string>(words); }
@@ -65,4 +65,4 @@ TEST(WebOutbox, OfTooManyEventsTheNewest_AndHowManyWereLost) {
 }
 
 }  // namespace
-}  // namespace canopus::serve
+}  // namespace canopus::serve::web_outbox_test

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-namespace canopus::serve {
+namespace canopus::serve::web_request_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -310,4 +310,4 @@ RC_GTEST_PROP(WebRequest, AnyBytes, ()) {
 }
 
 }  // namespace
-}  // namespace canopus::serve
+}  // namespace canopus::serve::web_request_test

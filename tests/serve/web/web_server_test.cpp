@@ -17,7 +17,7 @@
 #include "canopus/serve/web/web_password.hpp"
 #include "canopus/serve/web/web_wish.hpp"
 
-namespace canopus::serve {
+namespace canopus::serve::web_server_test {
 namespace {
 
 using boost::asio::ip::tcp;
@@ -445,6 +445,12 @@ TEST(WebWish, OnlyWhatAWatcherMaySay) {
                            "{\"do\":{},\"id\":1,\"x\":1}"}) {
     EXPECT_FALSE(read_wish(text)) << text;
   }
+  // Whoever carries it out walks through it.
+  const auto nested = [](std::size_t depth) { return std::string(depth, '[') + std::string(depth, ']'); };
+  EXPECT_TRUE(read_wish("{\"do\":{\"a\":" + nested(62) + "},\"id\":1}"));
+  EXPECT_FALSE(read_wish("{\"do\":{\"a\":" + nested(63) + "},\"id\":1}"));
+  EXPECT_FALSE(read_wish("{\"do\":{\"a\":" + nested(100'000) + "},\"id\":1}"));
+  EXPECT_FALSE(read_wish("{\"views\":[{\"a\":" + nested(62) + "}]}"));
   const auto wish = read_wish("{\"id\": 4294967295, \"do\": {\"command\": \"hello\"}}");
   EXPECT_EQ(wish->command->text, "{\"command\":\"hello\"}");
   EXPECT_EQ(wish->command->id, 4294967295U);
@@ -606,4 +612,4 @@ TEST_F(WebServerTest, ItMayBeStoppedWithWatchers) {
 }
 
 }  // namespace
-}  // namespace canopus::serve
+}  // namespace canopus::serve::web_server_test

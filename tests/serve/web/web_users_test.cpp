@@ -16,7 +16,7 @@
 #include "canopus/serve/web/web_password.hpp"
 #include "canopus/serve/web/web_secret.hpp"
 
-namespace canopus::serve {
+namespace canopus::serve::web_users_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -218,4 +218,4 @@ RC_GTEST_PROP(WebUsers, AnyText, ()) {
 }
 
 }  // namespace
-}  // namespace canopus::serve
+}  // namespace canopus::serve::web_users_test

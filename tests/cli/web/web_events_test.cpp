@@ -11,7 +11,7 @@
 
 #include "canopus/cli/events/web_messages.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::web_events_test {
 namespace {
 
 using ::testing::AllOf;
@@ -236,4 +236,4 @@ bit_rate = 250_000
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::web_events_test

@@ -13,9 +13,10 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <rapidcheck/gtest.h>
 
-namespace canopus::cli {
+namespace canopus::cli::web_commands_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -36,7 +37,7 @@ const WebSettings module{.file = "module.xml",
                          .plc = {"--host=192.168.3.39", "--port=5007"},
                          .is_live = true};
 
-std::expected<WebCommandLine, std::string> line_of(const Json& wish, const WebBus& bus = line1) {
+std::expected<WebCommandLine, std::string> line_of(const text::Json& wish, const WebBus& bus = line1) {
   return web_command_line(wish, bus);
 }
 
@@ -55,7 +56,7 @@ TEST(WebArguments, CommandLine_IsThatOfAPerson) {
 }
 
 TEST(WebArguments, CommandOfModuleSettings_NamesTheirFileAndTheirPlc) {
-  const auto arguments = [](const Json& wish) {
+  const auto arguments = [](const text::Json& wish) {
     const auto line = web_command_line(wish, module);
     return line ? line->arguments : std::vector<std::string>{line.error()};
   };
@@ -85,7 +86,7 @@ TEST(WebArguments, CommandOfModuleSettings_NamesTheirFileAndTheirPlc) {
 }
 
 TEST(WebArguments, ModuleSettings_WriteToTheModuleOnlyWithYes) {
-  const auto writes = [](const Json& wish) { return web_command_line(wish, module)->writes_to_bus; };
+  const auto writes = [](const text::Json& wish) { return web_command_line(wish, module)->writes_to_bus; };
   EXPECT_FALSE(writes({{"command", "configure write"}}));
   EXPECT_FALSE(writes({{"command", "configure write"}, {"yes", false}}));
   EXPECT_TRUE(writes({{"command", "configure write"}, {"yes", true}}));
@@ -148,11 +149,11 @@ TEST(WebArguments, Roles) {
 }
 
 TEST(WebArguments, Nonsense_IsRefusedInASentence) {
-  const auto error = [](const Json& wish, const WebBus& bus = line1) {
+  const auto error = [](const text::Json& wish, const WebBus& bus = line1) {
     const auto line = line_of(wish, bus);
     return line ? std::string("it was taken") : line.error();
   };
-  EXPECT_EQ(error(Json::object()), "expected \"command\"");
+  EXPECT_EQ(error(text::Json::object()), "expected \"command\"");
   EXPECT_THAT(error({{"command", "plc write"}}), HasSubstr("unknown command \"plc write\"; expected one of"));
   EXPECT_EQ(error({{"command", "project remove"}}), "project remove: expected \"node\"");
   EXPECT_EQ(error({{"command", "project remove"}, {"node", 5}}),
@@ -182,7 +183,7 @@ TEST(WebArguments, Nonsense_IsRefusedInASentence) {
 
 RC_GTEST_PROP(WebArguments, NothingThatThePageSays_IsAnOptionOfItsOwn,
               (const std::string& node, const std::vector<std::string>& items, const std::string& name)) {
-  const Json wish{{"command", "project set"}, {"node", node}, {"items", items}, {"name", name}};
+  const text::Json wish{{"command", "project set"}, {"node", node}, {"items", items}, {"name", name}};
   const auto line = line_of(wish);
   if (!line) return;
   const auto& words = line->arguments;
@@ -215,28 +216,28 @@ class WebCommandsTest : public ::testing::Test {
     WebBus bus = line1;
     bus.is_live = is_live_;
     commands_.emplace(
-        io_, WebCommands::Use{
-                 .buses = {bus},
-                 .own = {{"double",
-                          {.role = WebRole::operate,
-                           .run =
-                               [](const Json& wish, const WebCommands::Own::Done& done) {
-                                 if (!wish.contains("n")) return done(std::unexpected("expected n"));
-                                 done(nlohmann::ordered_json::object({{"n", 2 * wish["n"].get<int>()}}));
-                               }}}},
-                 .program = path.string(),
-                 .now = [] { return can::Time{}; },
-                 .longest_with_files = longest_,
-                 .longest_on_bus = longest_,
-                 .grace = std::chrono::milliseconds(50),
-                 .armed_for = armed_for_,
-                 .most_output = 100'000,
-                 .done =
-                     [this](const serve::WebUser& user, const std::string& line, int code,
-                            const std::string& message, serve::WebRole) {
-                       done_.push_back(user.name + ": " + line + ": " + std::to_string(code) +
-                                       (message.empty() ? "" : ": " + message));
-                     }});
+        io_, WebCommands::Use{.buses = {bus},
+                              .own = {{"double",
+                                       {.role = WebRole::operate,
+                                        .run =
+                                            [](const text::Json& wish, const WebCommands::Own::Done& done) {
+                                              if (!wish.contains("n"))
+                                                return done(std::unexpected("expected n"));
+                                              done(text::Json::object({{"n", 2 * wish["n"].get<int>()}}));
+                                            }}}},
+                              .program = path.string(),
+                              .now = [] { return can::Time{}; },
+                              .longest_with_files = longest_,
+                              .longest_on_bus = longest_,
+                              .grace = std::chrono::milliseconds(50),
+                              .armed_for = armed_for_,
+                              .most_output = 100'000,
+                              .done =
+                                  [this](const serve::WebUser& user, const std::string& line, int code,
+                                         const std::string& message, serve::WebRole) {
+                                    done_.push_back(user.name + ": " + line + ": " + std::to_string(code) +
+                                                    (message.empty() ? "" : ": " + message));
+                                  }});
   }
   void say(const Json& wish, std::uint32_t id = 1, WebRole role = WebRole::configure,
            const std::string& name = "ann") {
@@ -311,6 +312,16 @@ TEST_F(WebCommandsTest, AProgramThatCannotBeStarted_IsSaid) {
   EXPECT_EQ(replies[0]["code"], 1);
   EXPECT_THAT(replies[0]["message"].get<std::string>(),
               HasSubstr("a command cannot be started: No such file"));
+}
+
+TEST_F(WebCommandsTest, WhatIsNestedDeeply_IsNoCommand) {
+  script("exit 0\n");
+  const std::string nested = std::string(200'000, '[') + std::string(200'000, ']');
+  commands_->run({.name = "ann", .role = WebRole::configure}, R"({"command":"double","n":)" + nested + "}", 7,
+                 [this](const std::string& event) { replies_.push_back(Json::parse(event)); });
+  ASSERT_EQ(replies_.size(), 1U);
+  EXPECT_EQ(replies_[0]["id"], 7);
+  EXPECT_EQ(replies_[0]["message"], "expected \"command\"");
 }
 
 TEST_F(WebCommandsTest, Role_IsNeeded) {
@@ -535,4 +546,4 @@ TEST_F(WebCommandsTest, EndOfTheRun_EndsWhatRuns) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::web_commands_test

@@ -13,7 +13,7 @@
 #include "paths.hpp"
 #include "support/plant_folder.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::web_views_test {
 namespace {
 
 using ::testing::Contains;
@@ -175,6 +175,14 @@ TEST_F(WebViewsTest, WhatIsNoView_IsNothing) {
   }
 }
 
+TEST_F(WebViewsTest, WhatIsNestedDeeply_IsNoView) {
+  start(plant_text, 100ms);
+  for (const std::size_t depth : {64U, 200'000U}) {
+    const std::string nested = std::string(depth, '[') + std::string(depth, ']');
+    EXPECT_EQ(views_->look(R"({"words":0,"x":)" + nested + "}"), "") << depth;
+  }
+}
+
 TEST_F(WebViewsTest, Boots_AreStepsWithTheirTimes) {
   start(plant_text);
   const Json event = look(R"({"boots":true})");
@@ -270,4 +278,4 @@ TEST_F(WebViewsTest, Values_AreNumbersOfWordsAndObjects) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::web_views_test

@@ -20,7 +20,7 @@
 #include "paths.hpp"
 #include "support/plant_folder.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::web_traffic_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -149,7 +149,7 @@ TEST_F(WebTrafficTest, WhatIsNoBusAndNoNode_IsNothing) {
 
 // CAN-ID 000H, two bytes: 01H 05H. By hand: after five equal bits comes one of the other level [ISO 11898-1 10.5].
 TEST(WebBits, FieldsStuffBitsAndAcknowledge) {
-  nlohmann::ordered_json event;
+  text::Json event;
   add_bits(event, can::data_frame(0, {0x01, 0x05}));
   std::string levels;
   std::string stuffed;
@@ -157,7 +157,7 @@ TEST(WebBits, FieldsStuffBitsAndAcknowledge) {
   for (const auto& bit : event["bits"]) {
     levels += bit["level"].get<std::string>();
     stuffed += bit.contains("stuff") ? 's' : '.';
-    if (fields.empty() || fields.back() != bit["field"]) fields.push_back(bit["field"]);
+    if (fields.empty() || fields.back() != bit["field"]) fields.push_back(bit["field"].get<std::string>());
   }
   // SOF, eleven bits of the identifier, RTR, IDE and r0 dominant, DLC 0010: 17 dominant bits before its 1.
   EXPECT_EQ(levels.substr(0, 22), "dddddrdddddrdddddrddrd");
@@ -168,11 +168,11 @@ TEST(WebBits, FieldsStuffBitsAndAcknowledge) {
 }
 
 TEST(WebBits, AnExtendedFrame_HasItsOwnFields) {
-  nlohmann::ordered_json event;
+  text::Json event;
   add_bits(event, {.identifier = 0x1234'5678, .extended = true, .remote = true, .dlc = 8});
   std::vector<std::string> fields;
   for (const auto& bit : event["bits"]) {
-    if (fields.empty() || fields.back() != bit["field"]) fields.push_back(bit["field"]);
+    if (fields.empty() || fields.back() != bit["field"]) fields.push_back(bit["field"].get<std::string>());
   }
   EXPECT_THAT(fields, ::testing::Contains("ID.17-13"));
   EXPECT_THAT(fields, ::testing::Not(::testing::Contains("data"))) << "a remote frame has none";
@@ -233,7 +233,7 @@ TEST(WebObjects, ValuesOfAllKinds_AsManyAsAreInSight) {
                   {.name = "Alike", .type = DataType::unsigned8});
   canopen::ObjectDictionary objects(builder.build(), 7);
   ASSERT_TRUE(objects.set<std::int16_t>(0x2000, 0, -3));
-  nlohmann::ordered_json event;
+  text::Json event;
   add_objects(event, objects, 7, "", 0, 6);
   EXPECT_EQ(event["of"], 5 + 255);
   const auto rows = event["rows"];
@@ -333,4 +333,4 @@ TEST_F(WebTrafficTest, FramesThatWait) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::web_traffic_test

@@ -18,7 +18,7 @@
 #include "paths.hpp"
 #include "support/plant_folder.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::web_details_test {
 namespace {
 
 using ::testing::Contains;
@@ -52,7 +52,7 @@ class WebDetails : public support::PlantFolder, public plant::PlantObserver {
   void run(can::Duration time) { plant_->timeline().run_until(plant_->timeline().now() + time); }
   can::Time now() { return plant_->timeline().now(); }
   DetailsJson look(const std::string& wish) {
-    const auto view = nlohmann::json::parse(wish);
+    const auto view = text::parse_json(wish).value();
     const std::string text = view.contains("errors")   ? errors_event(*plant_, view)
                              : view.contains("domain") ? domain_event(*plant_, view)
                                                        : objects_event(*plant_, view);
@@ -204,17 +204,18 @@ TEST_F(WebDetails, ModuleStatus_SaysTheSame) {
   start(with_module("ME3CAN1-Q"));
   write_word(27, 200);
   serve::DeviceControl control(*plant_);
-  const DetailsJson answer = DetailsJson::parse(control.answer(R"({"request": "modules"})"));
-  EXPECT_EQ(answer["modules"][0]["history"], look(R"({"errors": 0})")["groups"]);
+  const std::string answer = control.answer(R"({"request": "modules"})");
+  EXPECT_EQ(DetailsJson::parse(answer)["modules"][0]["history"], look(R"({"errors": 0})")["groups"]);
   TextOutput out;
-  print_modules(answer, out);
+  print_modules(text::parse_json(answer).value(), out);
   EXPECT_THAT(out.text(),
               HasSubstr("  errors now\n    G29 bit 6  buffer memory setting error: a value out of range was "
                         "written\n    G39  first value out of range was written to G27\n"));
   TextOutput odd;
   print_modules(
-      DetailsJson::parse(
-          R"({"modules": [{"history": [7, {"lines": [3, {"t": "x"}]}, {"lines": 5}]}, {"history": 2}]})"),
+      text::parse_json(
+          R"({"modules": [{"history": [7, {"lines": [3, {"t": "x"}]}, {"lines": 5}]}, {"history": 2}]})")
+          .value(),
       odd);
 }
 
@@ -256,7 +257,7 @@ TEST_F(WebDetails, BytesThatWereRead_AreSaidWithTheSlavesOwnNames) {
   EXPECT_THAT(said("line1", "1F22", file).error(), HasSubstr("object: expected"));
   for (const char* wrong : {"0", "0g", "+1", "-1", " 1"})
     EXPECT_THAT(said("line1", "1F22:03", wrong).error(), HasSubstr("bytes: expected")) << wrong;
-  EXPECT_FALSE(domain_in_words(*plant_, nlohmann::json::object()));
+  EXPECT_FALSE(domain_in_words(*plant_, text::Json::object()));
 }
 
 TEST_F(WebDetails, Domain_IsOneOfAnObjectOfVariableLength) {
@@ -281,4 +282,4 @@ TEST_F(WebDetails, TimesOfAFlyingMaster_ComeToASentence_AndAWarning) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::web_details_test

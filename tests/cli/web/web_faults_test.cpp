@@ -8,13 +8,14 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "canopus/plant/file/fault_text.hpp"
 
 #include "paths.hpp"
 #include "support/plant_folder.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::web_faults_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -41,7 +42,7 @@ class WebFaultsTest : public support::PlantFolder {
   }
   void run(can::Duration time) { plant_->timeline().run_until(plant_->timeline().now() + time); }
   Json bus() { return Json::parse(faults_->list().dump())["buses"][0]; }
-  std::string error(const Json& wish) {
+  std::string error(const text::Json& wish) {
     const auto row = faults_->run(wish);
     return row ? "it was taken" : row.error();
   }
@@ -100,7 +101,7 @@ TEST_F(WebFaultsTest, Run_PutsThemInPlaceOfTheOthers_FromTheBeginning) {
   EXPECT_FALSE(faults[1]["from_file"]);
   EXPECT_TRUE(faults[2]["active"]);
   EXPECT_EQ(plant_->bus(0).load(plant_->timeline().now()).error_frames, errors + 2);
-  ASSERT_TRUE(faults_->run({{"bus", "line1"}, {"faults", Json::array()}}));
+  ASSERT_TRUE(faults_->run({{"bus", "line1"}, {"faults", text::Json::array()}}));
   EXPECT_TRUE(bus()["faults"].empty());
   EXPECT_EQ(bus()["seed"], 9);
 }
@@ -108,15 +109,15 @@ TEST_F(WebFaultsTest, Run_PutsThemInPlaceOfTheOthers_FromTheBeginning) {
 TEST_F(WebFaultsTest, Nonsense_IsRefusedInASentence_AndChangesNothing) {
   start();
   const Json before = bus();
-  const auto with = [](const Json& fault) { return Json{{"bus", "line1"}, {"faults", {fault}}}; };
-  EXPECT_EQ(error({{"bus", "line2"}, {"faults", Json::array()}}),
+  const auto with = [](const text::Json& fault) { return text::Json{{"bus", "line1"}, {"faults", {fault}}}; };
+  EXPECT_EQ(error({{"bus", "line2"}, {"faults", text::Json::array()}}),
             "there is no simulated bus \"line2\": faults are for simulated buses");
-  EXPECT_EQ(error({{"bus", 1}, {"faults", Json::array()}}),
+  EXPECT_EQ(error({{"bus", 1}, {"faults", text::Json::array()}}),
             "there is no simulated bus \"\": faults are for simulated buses");
   EXPECT_EQ(error({{"bus", "line1"}}), "\"faults\" is to be a list of up to 200 faults");
-  EXPECT_EQ(error({{"bus", "line1"}, {"faults", Json(std::vector<int>(201))}}),
+  EXPECT_EQ(error({{"bus", "line1"}, {"faults", text::Json(std::vector<int>(201))}}),
             "\"faults\" is to be a list of up to 200 faults");
-  EXPECT_EQ(error({{"bus", "line1"}, {"faults", Json::array()}, {"seed", -1}}),
+  EXPECT_EQ(error({{"bus", "line1"}, {"faults", text::Json::array()}, {"seed", -1}}),
             "\"seed\" is to be a number from 0 on");
   EXPECT_EQ(error(with("drop")), "fault 1: expected its text, for example kind = \"drop\"");
   EXPECT_EQ(error(with({{"text", std::string(4001, ' ')}})),
@@ -133,4 +134,4 @@ TEST_F(WebFaultsTest, Nonsense_IsRefusedInASentence_AndChangesNothing) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::web_faults_test

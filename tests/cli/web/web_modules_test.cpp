@@ -8,19 +8,20 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "canopus/cli/web/web_commands.hpp"
 
 #include "paths.hpp"
 #include "support/plant_folder.hpp"
 
-namespace canopus::cli {
+namespace canopus::cli::web_modules_test {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 using namespace std::chrono_literals;
-using WishJson = nlohmann::json;
+using WishJson = text::Json;
 
 std::string plant_with(const std::string& module, const std::string& rack = "", const std::string& bus = "") {
   return "[[bus]]\nname = \"line1\"\nbit_rate = 250_000\n" + bus +
@@ -314,7 +315,7 @@ TEST_F(WebModulesTest, Nonsense_IsRefusedInASentence) {
   for (const WishJson& wish : {WishJson{{"number", 1U}}, WishJson{{"number", -1}}, WishJson{{"number", "0"}},
                                WishJson{{"number", 0.5}}, WishJson::object()}) {
     clear(wish);
-    EXPECT_EQ(said_, "number: expected that of a module of the plant, 0 to 0") << wish;
+    EXPECT_EQ(said_, "number: expected that of a module of the plant, 0 to 0") << wish.dump();
     EXPECT_EQ(modules_->live_bus(wish), "");
   }
   EXPECT_EQ(clock_.touches, 0);
@@ -337,19 +338,19 @@ TEST_F(WebModulesTest, LiveBus_IsThatOfALink) {
 TEST(WebOwnCommands, OnALiveBus_WantToBeArmed) {
   boost::asio::io_context io;
   int runs = 0;
-  WebCommands commands(
-      io, {.own = {{"clear errors",
-                    {.run =
-                         [&runs](const WishJson&, const WebCommands::Own::Done& done) {
-                           ++runs;
-                           done(WebModules::Json::object());
-                         },
-                     .live_bus = [](const WishJson& wish) { return wish.value("bus", std::string()); }}}},
-           .now = [] { return can::Time{}; }});
-  WishJson reply;
+  WebCommands commands(io,
+                       {.own = {{"clear errors",
+                                 {.run =
+                                      [&runs](const WishJson&, const WebCommands::Own::Done& done) {
+                                        ++runs;
+                                        done(WebModules::Json::object());
+                                      },
+                                  .live_bus = [](const WishJson& wish) { return wish.value("bus", ""); }}}},
+                        .now = [] { return can::Time{}; }});
+  nlohmann::json reply;
   const auto say = [&](const WishJson& wish) {
     commands.run({.role = serve::WebRole::operate}, wish.dump(), 1,
-                 [&reply](const std::string& event) { reply = WishJson::parse(event); });
+                 [&reply](const std::string& event) { reply = nlohmann::json::parse(event); });
   };
   say({{"command", "clear errors"}});
   EXPECT_EQ(reply["code"], 0);
@@ -364,4 +365,4 @@ TEST(WebOwnCommands, OnALiveBus_WantToBeArmed) {
 }
 
 }  // namespace
-}  // namespace canopus::cli
+}  // namespace canopus::cli::web_modules_test
