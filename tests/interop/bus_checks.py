@@ -6,8 +6,8 @@ import signal
 import subprocess
 import threading
 
-from kit import (HERE, PATIENCE, PYTHON, ROOT, RawClient, Skip, check, command, first_plant, host_port, in_machine, program, require, running,
-                 scratch, silence, talking)
+from kit import (HERE, PATIENCE, PYTHON, ROOT, RawClient, Skip, check, command, first_plant, host_port, in_machine, program, require,
+                 running, scratch, silence, talking, tier)
 
 DEVICE = HERE / "interop_device.eds"
 PATTERN = bytes((i * 7 + (i >> 8)) & 0xFF for i in range(1000))  # as the JavaScript peers make it
@@ -324,6 +324,7 @@ def a_cpp_slave_serves_foreign_programs():
 
 
 @check
+@tier("machine")
 def commands_join_socketcan():
     """In a virtual machine with a kernel that has SocketCAN: a virtual interface, and two controllers on one bus."""
     script = HERE / "socketcan_commands.sh"

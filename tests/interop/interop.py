@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs the program for real and lets programs we did not write judge it. Writes JUnit XML.
 
-usage: interop.py --program build/canopus --results build/results/interop.xml [--only NAME] [--keep] [--jobs N]
+usage: interop.py --program build/canopus --results build/results/interop.xml [--only NAME] [--tier TIER] [--list] [--keep] [--jobs N]
 
 A check that needs something absent (a package, ../shared) is skipped with the reason. Ports are always chosen by the
 system; the program says which in its `listen` events. Checks run side by side (runner.py, schedule.py): each has a process and a
@@ -392,6 +392,14 @@ def first_mapped_object(path):
 # --- run them
 
 
+def show_list():
+    """Every check: tier, seconds on a quiet machine, why it is not in the shorter tier."""
+    for function in sorted(checks, key=lambda f: (schedule.TIERS.index(schedule.tier_of(f)), f.__name__)):
+        tier, plan = schedule.tier_of(function), schedule.plan_of(function)
+        print(f"{tier:8} {plan.seconds:4.0f} s  {function.__name__}{': ' + schedule.reason_of(function) if tier != 'check' else ''}")
+    return 0
+
+
 def main():
     # A shell ignores them for what it starts in the background, and who is started here would inherit that.
     signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -401,13 +409,15 @@ def main():
     if unknown:
         print(f"interop: schedule.py plans checks that there are not: {', '.join(sorted(unknown))}", file=sys.stderr)
         return 2
+    if args.list:
+        return show_list()
+    chosen = [f for f in checks if (not args.only or args.only in f.__name__) and (not args.tier or schedule.tier_of(f) in args.tier)]
     base = pathlib.Path(tempfile.mkdtemp(prefix="canopus-interop-"))
     runner = Runner(base, scratch.move_to, schedule.PLANS, places=args.jobs, waiting=schedule.WAITING if args.jobs > 1 else 0,
                     limit=schedule.LIMIT, keep=args.keep)
     begun = time.monotonic()
     try:
-        outcomes = runner.run([f for f in checks if not args.only or args.only in f.__name__],
-                              lambda outcome: print(line_of(outcome), end="", flush=True))
+        outcomes = runner.run(chosen, lambda outcome: print(line_of(outcome), end="", flush=True))
     except KeyboardInterrupt:
         print("interop: interrupted", file=sys.stderr)
         return 130

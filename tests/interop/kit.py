@@ -22,9 +22,11 @@ DEVICE_FILES = ROOT.parent / "shared" / "data" / "eds"
 PYTHON = "/usr/bin/python3"  # Debian's, which sees Debian's python3-can
 
 parser = argparse.ArgumentParser(description="Runs the program for real and lets programs we did not write judge it.")
-parser.add_argument("--program", type=pathlib.Path, required=True)
+parser.add_argument("--program", type=pathlib.Path, default=ROOT / "build/canopus")
 parser.add_argument("--results", type=pathlib.Path)
 parser.add_argument("--only", help="only checks whose name contains this")
+parser.add_argument("--tier", action="append", choices=["check", "long", "browser", "machine"], help="only checks of this tier; again for another one")
+parser.add_argument("--list", action="store_true", help="print the checks with tier and seconds, and run none")
 parser.add_argument("--keep", action="store_true", help="keep the scratch folders")
 parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="checks that compute at one time; those that wait run besides, "
                     "those that judge time alone; 1: one after the other")
@@ -88,6 +90,14 @@ def covers(features):
     """Names the features of the manuals (spec/*/features.csv) whose behaviour the check looks at."""
     def mark(function):
         function.features = features
+        return function
+    return mark
+
+
+def tier(name):
+    """When the check runs, other than in `./check`: "long", "browser", "machine"; all of them in `./check --all`."""
+    def mark(function):
+        function.tier = name
         return function
     return mark
 
@@ -324,6 +334,15 @@ def node_modules():
             # What is optional are serial ports.
             command("npm", "ci", "--no-audit", "--no-fund", "--ignore-scripts", "--omit=optional", cwd=HERE, timeout=600)
         build_crc()
+
+
+def browser():
+    """The Chromium of this machine; node has what drives it."""
+    for name in ("chromium", "chromium-browser", "google-chrome"):
+        if path := shutil.which(name):
+            node_modules()
+            return path
+    raise Skip("no Chromium: tools/install-packages long")
 
 
 @contextlib.contextmanager

@@ -1,6 +1,6 @@
 """Plants on buses that are not simulated: those of another process, of a kernel with SocketCAN (in a virtual machine), and
 traces."""
-from kit import HERE, ROOT, check, command, host_port, in_machine, program, require, running, scratch, until
+from kit import HERE, ROOT, check, command, host_port, in_machine, program, require, running, scratch, tier, until
 
 
 def example(name, **changes):
@@ -85,6 +85,7 @@ def trace_of_a_run_is_a_bus():
 
 
 @check
+@tier("machine")
 def plants_on_socketcan():
     """In a virtual machine: a module as master on vcan0 and on a controller with real bit timing, its slaves in another process;
     candump and cansend take part; the interface goes down and up; bus-off and recovery."""

@@ -1,8 +1,10 @@
 """When which check runs: those of which nothing is said here are Plan(). The seconds are those of a quiet machine with two cores; every
 run shows them, and what of them was a processor's.
+A check runs in `./check` unless it is marked (`@tier`) or judges time (`alone`); those run in `./check --all`.
 """
 from runner import Plan
 
+TIERS = ["check", "long", "browser", "machine"]
 WAITING = 12  # checks at one time that hardly compute, besides those that do
 LIMIT = 900   # s: a check that takes longer fails
 
@@ -78,3 +80,20 @@ PLANS = {
     "sixty_four_clients_find_their_own_words_and_the_bus_loses_nothing": Plan(alone=True),
     "web_hostile_clients": Plan(alone=True),
 }
+
+_REASONS = {"browser": "Chromium computes for minutes", "machine": "the processor of the virtual machine is emulated",
+            "long": "it judges how fast the program is"}
+
+
+def plan_of(function):
+    return PLANS.get(function.__name__, Plan())
+
+
+def tier_of(function):
+    if hasattr(function, "tier"):
+        return function.tier
+    return "long" if plan_of(function).alone else "check"
+
+
+def reason_of(function):
+    return _REASONS[tier_of(function)]

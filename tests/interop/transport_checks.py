@@ -2,7 +2,7 @@
 import shutil
 import subprocess
 
-from kit import HERE, PYTHON, Skip, args, check, in_machine, program, require
+from kit import HERE, PYTHON, Skip, args, check, in_machine, program, require, tier
 
 PROBE = args.program.resolve().parent / "tests/transport_probe"
 
@@ -55,6 +55,7 @@ def cannelloni_over_tcp_carries_every_frame():
 
 
 @check
+@tier("machine")
 def socketcan_says_what_the_controller_does():
     """In a virtual machine: confirmation by echo, time stamps, netlink, interface down and up, bit rate, filters."""
     need_probe()

@@ -1,20 +1,17 @@
 """Checks of scan, LSS and single objects on the page of a run, in a real Chromium."""
 import json
 import re
-import shutil
 
 import kit
-from kit import BROWSER_PATIENCE, HERE, ROOT, Skip, check, command, first_plant_file, node_modules, require, running, scratch
+from kit import BROWSER_PATIENCE, HERE, ROOT, browser, check, command, first_plant_file, require, running, scratch, tier
 from web_checks import page_of, page_with_key, pictures_of
 
 
 @check
+@tier("browser")
 def web_scan_lss_and_sdo_in_chromium():
     """A scan from one node to another; devices without a node-ID are found and get one; an object is read, written and refused with its reason."""
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if not chromium:
-        raise Skip("no Chromium: tools/install-packages check")
-    node_modules()
+    chromium = browser()
     text = (ROOT / "examples/lss/plant.toml").read_text().replace("127.0.0.1:29536", "127.0.0.1:0").replace('"../devices/', f'"{ROOT}/examples/devices/')
     plant_file = scratch / "web-lss.toml"
     plant_file.write_text("\n".join(line for line in text.splitlines() if not line.startswith("store")) + "\n")
@@ -44,12 +41,10 @@ def other_rate_file(name):
 
 
 @check
+@tier("browser")
 def web_lss_over_bit_rates_in_chromium():
     """A device that waits at another bit rate is found there, and has a node-ID at the bit rate of the network."""
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if not chromium:
-        raise Skip("no Chromium: tools/install-packages check")
-    node_modules()
+    chromium = browser()
     with running(other_rate_file("web-rates.toml"), has_plc=False, words=["--web"]) as plant:
         seen = json.loads(command("node", HERE / "web_rates.mjs", chromium, page_with_key(plant), pictures_of("views"), timeout=BROWSER_PATIENCE).stdout)
     require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)
@@ -81,12 +76,10 @@ def lss_search_over_bit_rates():
 
 
 @check
+@tier("browser")
 def web_error_frames_and_arbitration_in_chromium():
     """What was wrong where, with the bits of the frame, the flags and the delimiter; who lost the arbitration to a frame; waiting frames."""
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if not chromium:
-        raise Skip("no Chromium: tools/install-packages check")
-    node_modules()
+    chromium = browser()
     text = first_plant_file().read_text()
     fault = '[[bus.fault]]\nkind = "corrupt"\nidentifier = 0x183\nbit = 30\nevery = 50\n\n'
     plant_file = scratch / "web-error-frames.toml"

@@ -7,12 +7,11 @@ import json
 import os
 import pathlib
 import re
-import shutil
 import socket
 import struct
 
 from docs_checks import require_shown, transcripts
-from kit import BROWSER_PATIENCE, HERE, PATIENCE, Skip, check, command, first_plant_file, node_modules, program, require, running, scratch
+from kit import BROWSER_PATIENCE, HERE, PATIENCE, browser, check, command, first_plant_file, program, require, running, scratch, tier
 
 
 class Watcher:
@@ -163,10 +162,7 @@ def pictures_of(name):
 
 def browse(address, name):
     """What a real Chromium saw of the page."""
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if not chromium:
-        raise Skip("no Chromium: tools/install-packages check")
-    node_modules()
+    chromium = browser()
     folder = pictures_of(name)
     done = command("node", HERE / "web_browser.mjs", chromium, address, folder)
     seen = json.loads(done.stdout)
@@ -185,6 +181,7 @@ def browse(address, name):
 
 
 @check
+@tier("browser")
 def web_page_in_chromium():
     """The page of the first plant in a real browser, by keyboard alone, light and dark, in two sizes."""
     with running(first_plant_file(), operational=[1, 2, 3], words=["--web"]) as plant:
@@ -205,6 +202,7 @@ def web_page_in_chromium():
 
 
 @check
+@tier("browser")
 def web_page_escapes_names():
     """Names that would be markup, script or control characters are text on the page; a slave that is missing is red, with the
     reason in sight."""
@@ -223,15 +221,13 @@ def web_page_escapes_names():
 
 def look_at_views(address, name, *words):
     """What a real Chromium saw of the views."""
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if not chromium:
-        raise Skip("no Chromium: tools/install-packages check")
-    node_modules()
+    chromium = browser()
     folder = pictures_of(name)
     return json.loads(command("node", HERE / "web_views.mjs", chromium, address, folder, *words, timeout=BROWSER_PATIENCE).stdout)
 
 
 @check
+@tier("browser")
 def web_views_in_chromium():
     """Bus, objects and plots of the first plant's page, by links and keys; axe-core finds nothing serious, light and dark."""
     with running(first_plant_file(), operational=[1, 2, 3], words=["--web"]) as plant:
@@ -265,6 +261,7 @@ def web_views_in_chromium():
 
 
 @check
+@tier("browser")
 def web_reason_in_one_click():
     """A slave whose product code is not the expected one is red; one click shows the reason without scrolling (W5)."""
     text = first_plant_file().read_text().replace('"1016:01" =', '"1F86:04" = 0x1234, "1016:01" =', 1)

@@ -1,19 +1,16 @@
 """Checks of the description of what has the focus and of the strip with the newest events, in a real Chromium."""
 import json
 import re
-import shutil
 
-from kit import BROWSER_PATIENCE, HERE, Skip, check, command, first_plant_file, node_modules, require, running
+from kit import BROWSER_PATIENCE, HERE, browser, check, command, first_plant_file, require, running, tier
 from web_checks import page_of, pictures_of
 
 
 @check
+@tier("browser")
 def web_description_in_chromium():
     """What an object or a word is, its range and default, what it is for; the newest events lead to their frames."""
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if not chromium:
-        raise Skip("no Chromium: tools/install-packages check")
-    node_modules()
+    chromium = browser()
     with running(first_plant_file(), operational=[1, 2, 3], words=["--web"]) as plant:
         seen = json.loads(command("node", HERE / "web_description.mjs", chromium, page_of(plant)[0], pictures_of("views"), timeout=BROWSER_PATIENCE).stdout)
     require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)

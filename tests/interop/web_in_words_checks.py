@@ -1,10 +1,9 @@
 """Checks of what the page says in words: domains and concise DCFs, the times of a flying master, a module's errors; in a real Chromium."""
 import json
 import re
-import shutil
 
 from bus_checks import on_bus
-from kit import BROWSER_PATIENCE, HERE, Skip, check, command, first_plant_file, host_port, node_modules, program, require, running, scratch
+from kit import BROWSER_PATIENCE, HERE, browser, check, command, first_plant_file, host_port, program, require, running, scratch, tier
 from web_checks import page_with_key, pictures_of
 
 
@@ -60,12 +59,10 @@ def sdo_command_says_domains_and_concise_dcfs_in_words():
 
 
 @check
+@tier("browser")
 def web_values_and_errors_in_words_in_chromium():
     """A concise DCF and another domain by SDO and in a node's objects, saved as a file; the time of a flying master; a module's errors at its front, cleared, and the module reset."""
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if not chromium:
-        raise Skip("no Chromium: tools/install-packages check")
-    node_modules()
+    chromium = browser()
     with running(plant_of_words(), operational=[1, 2, 3], words=["--web"]) as plant:
         command(program, "plc", "write", "U0\\G27", "200", "--port", host_port(plant.mc)[1], expect=1)
         emergencies = scratch / "web-in-words.log"  # of nodes 3 and 4; the newest stands first

@@ -19,7 +19,7 @@ import threading
 import time
 import urllib.parse
 
-from kit import HERE, PATIENCE, Skip, check, command, first_plant_file, node_modules, program, require, running, scratch, until
+from kit import HERE, PATIENCE, browser, check, command, first_plant_file, program, require, running, scratch, tier, until
 
 PASSWORD = "correct horse ä&=+%"
 
@@ -294,13 +294,11 @@ class OtherSite(http.server.BaseHTTPRequestHandler):
 
 
 @check
+@tier("browser")
 def web_log_in_in_chromium():
     """Users in a real browser: wrong password, the page with name and role, a cookie that no script reads and no other site gets, log-out;
     pages of other servers cannot log in, read the session, open the WebSocket or frame the page."""
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if not chromium:
-        raise Skip("no Chromium: tools/install-packages check")
-    node_modules()
+    chromium = browser()
     path = users_file("users-6", anna="operate")
     other = http.server.ThreadingHTTPServer(("127.0.0.1", 0), OtherSite)
     threading.Thread(target=other.serve_forever, daemon=True).start()

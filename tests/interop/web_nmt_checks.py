@@ -1,18 +1,15 @@
 """Checks of NMT commands on the page of a run, in a real Chromium."""
 import json
-import shutil
 
-from kit import BROWSER_PATIENCE, HERE, Skip, check, command, first_plant_file, node_modules, require, running, scratch
+from kit import BROWSER_PATIENCE, HERE, browser, check, command, first_plant_file, require, running, scratch, tier
 from web_checks import page_with_key
 
 
 @check
+@tier("browser")
 def web_nmt_in_chromium():
     """Start, Stop and the others to all nodes of a bus and to one, by mouse and keyboard; nothing for who only looks."""
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if not chromium:
-        raise Skip("no Chromium: tools/install-packages check")
-    node_modules()
+    chromium = browser()
     # Slaves that no master starts again.
     text = first_plant_file().read_text()
     plant_file = scratch / "web-nmt.toml"

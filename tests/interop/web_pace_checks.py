@@ -1,8 +1,7 @@
 """Checks of run, pause, step and speed on the page of a run."""
 import json
-import shutil
 
-from kit import BROWSER_PATIENCE, HERE, Skip, check, command, first_plant_file, node_modules, require, running, scratch
+from kit import BROWSER_PATIENCE, HERE, browser, check, command, first_plant_file, require, running, scratch, tier
 from web_checks import Watcher, page_of, page_with_key, pictures_of
 
 
@@ -85,11 +84,9 @@ def web_plant_time_of_a_bus_outside_goes_with_the_clock():
 
 
 @check
+@tier("browser")
 def web_pace_in_chromium():
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if not chromium:
-        raise Skip("no Chromium: tools/install-packages check")
-    node_modules()
+    chromium = browser()
     with running(first_plant_file(), operational=[1, 2, 3], words=["--web"]) as plant:
         seen = json.loads(command("node", HERE / "web_pace.mjs", chromium, page_with_key(plant), pictures_of("views"), timeout=BROWSER_PATIENCE).stdout)
     require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)

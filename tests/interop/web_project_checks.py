@@ -7,7 +7,8 @@ import shutil
 import socket
 import subprocess
 
-from kit import BROWSER_PATIENCE, HERE, PATIENCE, ROOT, Skip, check, command, first_plant_file, node_modules, program, require, running, running_page, scratch, until
+from kit import (BROWSER_PATIENCE, HERE, PATIENCE, ROOT, Skip, browser, check, command, first_plant_file, program, require, running,
+                 running_page, scratch, tier, until)
 from web_checks import Watcher, page_of, page_with_key
 
 DEVICES = ROOT / "examples/devices"
@@ -21,13 +22,11 @@ def new_project(name):
 
 
 @check
+@tier("browser")
 def web_project_in_chromium():
     """W2, W3, W4, W7 and W10 with their clicks, three columns, refused values, arming, and who only looks, in a real browser on the
     bus of a running plant; axe-core finds nothing serious."""
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if not chromium:
-        raise Skip("no Chromium: tools/install-packages check")
-    node_modules()
+    chromium = browser()
     pictures = pathlib.Path(os.environ.get("CANOPUS_PICTURES", scratch)) / "project"
     pictures.mkdir(parents=True, exist_ok=True)
     folder = new_project("web-found")
@@ -176,13 +175,11 @@ def web_project_says_what_is_wrong():
 
 
 @check
+@tier("browser")
 def web_start_in_chromium():
     """W1: without a plant and a project, one click runs the built-in plant, and its frames are there within a second or so; plants and
     projects of the folder and a new project are offered; nobody without the key starts anything."""
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if not chromium:
-        raise Skip("no Chromium: tools/install-packages check")
-    node_modules()
+    chromium = browser()
     pictures = pathlib.Path(os.environ.get("CANOPUS_PICTURES", scratch)) / "start"
     pictures.mkdir(parents=True, exist_ok=True)
     folder = scratch / "web start"
@@ -218,12 +215,10 @@ def web_start_in_chromium():
 
 
 @check
+@tier("browser")
 def web_faults_in_chromium():
     """W9: right click on a frame, Lose it, Run; the frame is lost, and what it hit is counted; the same by keys; a fault of the file is off by a click."""
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if not chromium:
-        raise Skip("no Chromium: tools/install-packages check")
-    node_modules()
+    chromium = browser()
     pictures = pathlib.Path(os.environ.get("CANOPUS_PICTURES", scratch)) / "faults"
     pictures.mkdir(parents=True, exist_ok=True)
     with running(first_plant_file(), operational=[1, 2, 3], words=["--web"]) as plant:

@@ -1,18 +1,14 @@
 """Checks of [Retry] on the page: a failed boot is tried again by the master, one slave or the whole start-up, in a real Chromium."""
 import json
-import shutil
 
 from bus_checks import on_bus
-from kit import BROWSER_PATIENCE, HERE, Skip, check, command, first_plant_file, node_modules, require, running, scratch
+from kit import BROWSER_PATIENCE, HERE, browser, check, command, first_plant_file, require, running, scratch, tier
 from web_checks import page_with_key
 
 
 def look(address):
     """One visit of the page: what it shows before and after one click."""
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if not chromium:
-        raise Skip("no Chromium: tools/install-packages check")
-    node_modules()
+    chromium = browser()
     return json.loads(command("node", HERE / "web_retry.mjs", chromium, address, scratch, "drive", timeout=BROWSER_PATIENCE).stdout)
 
 
@@ -27,6 +23,7 @@ def plant_with_wrong_product(name, mandatory):
 
 
 @check
+@tier("browser")
 def web_retry_of_one_slave():
     """An optional slave with another product code failed; with what is expected put right, one click boots it."""
     with running(plant_with_wrong_product("retry-one.toml", mandatory=False), words=["--web"]) as plant:
@@ -46,6 +43,7 @@ def web_retry_of_one_slave():
 
 
 @check
+@tier("browser")
 def web_retry_of_a_halted_start_up():
     """A mandatory slave halted the start-up: the page says so, offers that of all, and all are booted."""
     with running(plant_with_wrong_product("retry-all.toml", mandatory=True), words=["--web"]) as plant:

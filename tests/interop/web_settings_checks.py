@@ -4,11 +4,10 @@ import json
 import os
 import pathlib
 import re
-import shutil
 
 from configure_checks import state, tool
 from configure_rj71cn91_checks import module_of, new, number, rack
-from kit import HERE, ROOT, Skip, check, command, node_modules, program, require, running, running_page, scratch
+from kit import HERE, ROOT, Skip, browser, check, command, program, require, running, running_page, scratch, tier
 from web_checks import Watcher, page_of, page_with_key
 
 TOOL = ROOT.parent / "shared/spec/rj71cn91/config-tool.csv"
@@ -93,13 +92,11 @@ def field_tests(rows):
 
 
 @check
+@tier("browser")
 def web_settings_in_chromium():
     """All fields of the RJ71CN91's tool on the page: values out of range are refused with the range, those at its ends are taken; mapping, transfer, SDO, scan, status, backups."""
     rows = table()
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if not chromium:
-        raise Skip("no Chromium: tools/install-packages check")
-    node_modules()
+    chromium = browser()
     pictures = pathlib.Path(os.environ.get("CANOPUS_PICTURES", scratch)) / "settings"
     pictures.mkdir(parents=True, exist_ok=True)
     path, backup = new("web-settings"), new("web-backup", ("basic", "Node ID=77"))

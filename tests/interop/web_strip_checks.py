@@ -1,19 +1,16 @@
 """Checks of the strip at the bottom of the page and of its list of events, in a real Chromium."""
 import json
 import re
-import shutil
 
-from kit import BROWSER_PATIENCE, HERE, Skip, check, command, first_plant_file, node_modules, require, running
+from kit import BROWSER_PATIENCE, HERE, browser, check, command, first_plant_file, require, running, tier
 from web_checks import page_with_key, pictures_of
 
 
 @check
+@tier("browser")
 def web_strip_in_chromium():
     """What somebody does stands there in words: what was run, by whom, how it ended; nothing as JSON."""
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if not chromium:
-        raise Skip("no Chromium: tools/install-packages check")
-    node_modules()
+    chromium = browser()
     with running(first_plant_file(), operational=[1, 2, 3], words=["--web"]) as plant:
         seen = json.loads(command("node", HERE / "web_strip.mjs", chromium, page_with_key(plant), pictures_of("strip"), timeout=BROWSER_PATIENCE).stdout)
     require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], seen)

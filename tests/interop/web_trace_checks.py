@@ -6,17 +6,15 @@ import re
 import shutil
 import subprocess
 
-from kit import BROWSER_PATIENCE, HERE, Skip, check, command, first_plant_file, node_modules, require, running, scratch
+from kit import BROWSER_PATIENCE, HERE, browser, check, command, first_plant_file, require, running, scratch, tier
 from web_checks import page_of
 
 
 @check
+@tier("browser")
 def web_trace_in_chromium():
     """Lines of a trace: they follow, are held, filtered, folded, counted and exported; who only looks may do all of it."""
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if not chromium:
-        raise Skip("no Chromium: tools/install-packages check")
-    node_modules()
+    chromium = browser()
     pictures = pathlib.Path(os.environ.get("CANOPUS_PICTURES", scratch)) / "trace"
     pictures.mkdir(parents=True, exist_ok=True)
     with running(first_plant_file(), operational=[1, 2, 3], words=["--web"]) as plant:

@@ -1,20 +1,17 @@
 """Checks of a transfer on the page of a project that does not go as it should: refused values, a device that keeps none, another device, and
 somebody who writes to the devices meanwhile."""
 import json
-import shutil
 
-from kit import BROWSER_PATIENCE, HERE, Skip, check, command, node_modules, program, require, running_page, scratch
+from kit import BROWSER_PATIENCE, HERE, browser, check, command, program, require, running_page, scratch, tier
 from project_checks import DEVICES, lines, new_project, plant_of, project
 from web_checks import page_with_key, pictures_of
 
 
 @check
+@tier("browser")
 def web_transfer_says_what_was_not_written():
     """Each step with its abort; what the device has now counts; nothing is written that was not in the list."""
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if not chromium:
-        raise Skip("no Chromium: tools/install-packages check")
-    node_modules()
+    chromium = browser()
     folder = new_project("web-transfer", (3, "encoder", DEVICES / "encoder.eds"), (5, "drive", DEVICES / "drive.eds"), (7, "other", DEVICES / "drive.eds"))
     project("set", folder, "encoder", "1017=300")
     project("set", folder, "drive", "1017=500", "6081=2000", "6083=3000", "6084=4000")
@@ -87,7 +84,7 @@ def cut_off(name, extra=""):
     """A transfer to an encoder and to a drive, on a bus with this fault; what the page shows, and the drive's answers in their order."""
     with plant_of(name, [(3, DEVICES / "encoder.eds", ""), (5, DEVICES / "drive.eds", "")], extra) as plant:
         with running_page(scratch / "web-power-cut", "--bus", f"socketcand:{plant.socketcand}") as page:
-            seen = json.loads(command("node", HERE / "web_power_cut.mjs", shutil.which("chromium"), page_with_key(page), pictures_of("transfer"), timeout=BROWSER_PATIENCE).stdout)
+            seen = json.loads(command("node", HERE / "web_power_cut.mjs", browser(), page_with_key(page), pictures_of("transfer"), timeout=BROWSER_PATIENCE).stdout)
         plant.stop()
     command(program, "trace", "convert", plant.trace, scratch / f"{name}.log")
     answers = [line.split("#")[1][:2] for line in (scratch / f"{name}.log").read_text().splitlines() if " 585#" in line]
@@ -95,11 +92,9 @@ def cut_off(name, extra=""):
 
 
 @check
+@tier("browser")
 def web_transfer_to_a_device_whose_power_is_cut():
     """A device that falls silent in the middle of a write: nothing is shown as written that has not been read back; another device is written whole."""
-    if not shutil.which("chromium"):
-        raise Skip("no Chromium: tools/install-packages check")
-    node_modules()
     folder = new_project("web-power-cut", (3, "encoder", DEVICES / "encoder.eds"), (5, "drive", DEVICES / "drive.eds"))
     project("set", folder, "encoder", "1017=300")
     project("set", folder, "drive", "1017=500", "6081=2000", "6083=3000", "6084=4000")
@@ -122,12 +117,10 @@ def web_transfer_to_a_device_whose_power_is_cut():
 
 
 @check
+@tier("browser")
 def web_dcf_of_a_node_is_saved_and_taken_over():
     """Save DCF keeps the file byte for byte; another DCF is compared, its values are taken over, and no others; another device's is refused."""
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if not chromium:
-        raise Skip("no Chromium: tools/install-packages check")
-    node_modules()
+    chromium = browser()
     folder = new_project("web-dcf", (5, "drive", DEVICES / "drive.eds"))
     project("set", folder, "drive", "1017=500", "6081=2000")
     wanted = scratch / "wanted.dcf"

@@ -3,7 +3,7 @@ the project, nodes of one name."""
 import json
 import shutil
 
-from kit import BROWSER_PATIENCE, HERE, ROOT, Skip, check, command, node_modules, program, require, running, running_page, scratch
+from kit import BROWSER_PATIENCE, HERE, ROOT, browser, check, command, program, require, running, running_page, scratch, tier
 from web_checks import Watcher, page_of, page_with_key, pictures_of
 
 DEVICES = ROOT / "examples/devices"
@@ -11,16 +11,14 @@ DEVICES = ROOT / "examples/devices"
 
 def look(address, name, *words):
     """What a real Chromium saw."""
-    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-    if not chromium:
-        raise Skip("no Chromium: tools/install-packages check")
-    node_modules()
+    chromium = browser()
     seen = json.loads(command("node", HERE / "web_truth.mjs", chromium, address, pictures_of(name), *words, timeout=BROWSER_PATIENCE).stdout)
     require(seen["problems"] == [] and seen["axe"] == [] and seen["overflow"] == [], (seen["problems"], seen["axe"], seen["overflow"]))
     return seen
 
 
 @check
+@tier("browser")
 def web_run_that_hangs_is_not_shown_as_alive():
     """A process that stands still keeps its connections: the page says so, and its time stands still, too. Devices of one name are each shown once."""
     plant_file = scratch / "web-twins.toml"
@@ -39,6 +37,7 @@ def web_run_that_hangs_is_not_shown_as_alive():
 
 
 @check
+@tier("browser")
 def web_bus_that_is_gone_is_not_shown_as_there():
     """Nothing that was found on a bus before is shown as found now; a refused write stays to be written; what others change is seen."""
     folder = scratch / "web-truth"
@@ -65,6 +64,7 @@ def web_bus_that_is_gone_is_not_shown_as_there():
 
 
 @check
+@tier("browser")
 def web_looking_asks_no_node():
     """Every view of the page is opened by who may do everything: nothing is on the bus but what was there before, heartbeats and PDOs."""
     folder = scratch / "web-looking"
