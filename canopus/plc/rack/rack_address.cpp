@@ -34,9 +34,8 @@ int base_of(Device device, unsigned io_base) {
 }
 
 std::unexpected<std::string> not_an_address(std::string_view text, std::string_view why) {
-  std::string message(1, '\'');
-  message.append(text).append("' ").append(why);
-  return std::unexpected(message + "; expected a device (D100, M0, X1F, W2A) or buffer memory (U0\\G25)");
+  return std::unexpected("'" + std::string(text) + "' " + std::string(why) +
+                         "; expected a device (D100, M0, X1F, W2A) or buffer memory (U0\\G25)");
 }
 
 std::expected<RackAddress, std::string> parse_buffer(std::string_view text, std::string_view upper_text) {
@@ -88,12 +87,7 @@ std::expected<RackAddress, std::string> parse_rack_address(std::string_view text
 
 std::string to_text(const RackAddress& address, std::uint32_t offset, unsigned io_base) {
   const std::uint32_t at = address.number + offset;
-  if (address.is_buffer) {
-    return std::string(1, 'U')
-        .append(in_base(address.head_address / 16, 16))
-        .append("\\G")
-        .append(in_base(at, 10));
-  }
+  if (address.is_buffer) return "U" + in_base(address.head_address / 16, 16) + "\\G" + in_base(at, 10);
   const std::string_view name = device_info(address.device).name;
   return std::string(name) + in_base(at, base_of(address.device, io_base));
 }
