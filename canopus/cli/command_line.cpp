@@ -129,13 +129,10 @@ int explain(Command& program, const Parsing& parsing) {
 
 }  // namespace
 
-int run_command_line(std::span<const std::string> words) {
-  Command app{"Canopus: CANopen communication modules of PLCs, and whole CANopen plants, as software",
-              "canopus"};
+void add_commands(Command& app, int& code) {
   app.set_version_flag("-V,--version", std::string("canopus ") + version());
   app.require_subcommand(1);
   app.footer("`canopus COMMAND --help` says more about a command.");
-  int code = exit_code::done;
   add_run_command(app, code);
   add_web_command(app, code);
   add_check_command(app, code);
@@ -162,7 +159,13 @@ int run_command_line(std::span<const std::string> words) {
   add_project_command(app, code);
   add_users_command(app, code);
   add_reference_commands(app, code, version());
+}
 
+int run_command_line(std::span<const std::string> words) {
+  Command app{"Canopus: CANopen communication modules of PLCs, and whole CANopen plants, as software",
+              "canopus"};
+  int code = exit_code::done;
+  add_commands(app, code);
   std::vector<std::string> asked(words.begin(), words.end());
   if (!words.empty() && words.front() == "help") {  // `canopus help run` is `canopus run --help`
     asked.erase(asked.begin());
