@@ -8,6 +8,7 @@
 
 #include "can/random_frame.hpp"
 #include "can/slow_frame.hpp"
+#include "support/random_cases.hpp"
 
 namespace canopus::can::frame_bits_test {
 namespace {
@@ -81,9 +82,9 @@ TEST(FrameBits, TheSlowModel_GivesTheWireWrittenOutByHand) {
   }
 }
 
-TEST(FrameBits, AMillionRandomFramesOfAllKinds_HaveTheLengthAndCrcOfTheSlowModel) {
+TEST(FrameBits, RandomFramesOfAllKinds_HaveTheLengthAndCrcOfTheSlowModel) {
   std::mt19937_64 random(20'260'101);
-  for (int count = 0; count < 1'000'000; ++count) {
+  for (unsigned left = support::random_cases(200'000, 1'000'000); left != 0; --left) {
     const Frame frame = random_frame(random);
     const std::string header_and_data = slow::before_crc(frame);
     ASSERT_EQ(frame_crc(frame), slow::crc(header_and_data)) << header_and_data;

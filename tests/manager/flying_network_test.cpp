@@ -1,6 +1,5 @@
 // Flying master [CiA 302-2; ME3CAN1-Q 4.8.10]: whole networks of masters.
 
-#include <cstdlib>
 #include <iostream>
 #include <random>
 
@@ -9,6 +8,7 @@
 #include "canopus/manager/nmt/flying_master.hpp"
 
 #include "master_bench.hpp"
+#include "support/random_cases.hpp"
 
 namespace canopus::manager::test::flying_network_test {
 namespace {
@@ -168,11 +168,8 @@ class FlyingNetwork : public ::testing::TestWithParam<unsigned> {
       network.switch_on(member);
     }
   }
-  /// How many networks are tried; more of them with CANOPUS_SEEDS=1000 in the environment.
-  static unsigned seeds() {
-    const char* wanted = std::getenv("CANOPUS_SEEDS");
-    return wanted != nullptr ? static_cast<unsigned>(std::atoi(wanted)) : 25U;
-  }
+  /// How many networks are tried.
+  static unsigned seeds() { return support::random_cases(100, 1000); }
   static constexpr can::Duration limit = 60s;
 };
 

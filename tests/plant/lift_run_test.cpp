@@ -11,6 +11,8 @@
 
 #include "canopus/cli/run/lift_picture.hpp"
 
+#include "support/random_cases.hpp"
+
 namespace canopus::plant::lift_run_test {
 namespace {
 
@@ -46,8 +48,7 @@ TEST_F(LiftRun, EverybodyArrives_WithOneLift) {
 
 // Two lifts in eight floors share their hall calls. CANOPUS_SEEDS: how many seeds.
 TEST_F(LiftRun, EverybodyArrives_WithTwoLifts_FromEverySeed) {
-  const char* wanted = std::getenv("CANOPUS_SEEDS");
-  const unsigned seeds = wanted != nullptr ? static_cast<unsigned>(std::stoul(wanted)) : 10;
+  const unsigned seeds = support::random_cases(4, 10);
   can::Duration longest{};
   std::uint32_t overloads = 0, reversals = 0;
   for (unsigned seed = 1; seed <= seeds; ++seed) {

@@ -3,9 +3,10 @@
 // and to where bits begin and are sampled. Whatever happens, time goes on, what the bus reports fits together,
 // frames arrive, in the end everybody hears everybody, and frame by frame and bit by bit are the same bus.
 //
-// CANOPUS_SEEDS: so many scripts instead of 400; RC_PARAMS=seed=N: others.
+// CANOPUS_SEEDS: so many scripts instead of 200, or of 1000 in ./check --all; RC_PARAMS=seed=N: others.
 
 #include "sim/bus_run.hpp"
+#include "support/random_cases.hpp"
 
 namespace canopus::sim::bus_random_test {
 namespace {
@@ -21,13 +22,7 @@ void check_scripts(bool rough) {
     RC_ASSERT(complaints(bit_by_bit) == "");
     RC_ASSERT(first_difference(frame_by_frame, bit_by_bit) == "");
   };
-  rc::detail::TestParams params = rc::detail::configuration().testParams;
-  const char* wanted = std::getenv("CANOPUS_SEEDS");
-  params.maxSuccess = wanted != nullptr ? std::atoi(wanted) : 400;
-  const auto result = rc::detail::checkTestable(property, rc::detail::TestMetadata{}, params);
-  std::ostringstream text;
-  rc::detail::printResultMessage(result, text);
-  EXPECT_TRUE(result.is<rc::detail::SuccessResult>()) << text.str();
+  support::expect_property(property, 200, 1000);
 }
 
 TEST(BusRandom, CalmScripts_EveryFrameArrivesAndBothWaysOfWorkingAgree) { check_scripts(false); }

@@ -2,9 +2,11 @@
 // doing. A reference controller (slow_bus.hpp) judges; the cases that matter most are also walked through by hand.
 // Numbers are bits at 1 Mbit/s.
 //
-// CANOPUS_SEEDS: so many random scripts instead of 150; RC_PARAMS=seed=N: others.
+// CANOPUS_SEEDS: so many random scripts instead of 150, or of 500 in ./check --all; RC_PARAMS=seed=N: others.
 
 #include "sim/bus_repeat.hpp"
+
+#include "support/random_cases.hpp"
 
 namespace canopus::sim::bus_repeat_test {
 namespace {
@@ -184,13 +186,7 @@ TEST(BusRepeat, RandomErrors_TheWireIsTheReferences) {
     const Script one = *script();
     RC_ASSERT(verdict(one) == "");
   };
-  rc::detail::TestParams params = rc::detail::configuration().testParams;
-  const char* wanted = std::getenv("CANOPUS_SEEDS");
-  params.maxSuccess = wanted != nullptr ? std::atoi(wanted) : 150;
-  const auto result = rc::detail::checkTestable(property, rc::detail::TestMetadata{}, params);
-  std::ostringstream text;
-  rc::detail::printResultMessage(result, text);
-  EXPECT_TRUE(result.is<rc::detail::SuccessResult>()) << text.str();
+  support::expect_property(property, 150, 500);
 }
 
 }  // namespace

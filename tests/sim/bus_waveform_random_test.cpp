@@ -1,7 +1,7 @@
 // Waveforms of random scripts: what their text says is what the bus reports bit by bit, whether the bus works bit by bit
 // for somebody else or tells whole frames.
 //
-// CANOPUS_SEEDS: so many scripts instead of 40; RC_PARAMS=seed=N: others.
+// CANOPUS_SEEDS: so many scripts instead of 40, or of 200 in ./check --all; RC_PARAMS=seed=N: others.
 
 #include <memory>
 #include <optional>
@@ -15,6 +15,7 @@
 #include "can/random_frame.hpp"
 #include "sim/bus_run.hpp"
 #include "sim/waveform_reading.hpp"
+#include "support/random_cases.hpp"
 
 namespace canopus::sim::bus_waveform_random_test {
 namespace {
@@ -83,13 +84,7 @@ void check_waveforms(bool rough) {
     run.bus().remove_observer(static_cast<WireObserver&>(report));
     RC_ASSERT(waveform_reading::difference(read.moments, report.moments()) == "");
   };
-  rc::detail::TestParams params = rc::detail::configuration().testParams;
-  const char* wanted = std::getenv("CANOPUS_SEEDS");
-  params.maxSuccess = wanted != nullptr ? std::atoi(wanted) : 40;
-  const auto result = rc::detail::checkTestable(property, rc::detail::TestMetadata{}, params);
-  std::ostringstream text;
-  rc::detail::printResultMessage(result, text);
-  EXPECT_TRUE(result.is<rc::detail::SuccessResult>()) << text.str();
+  support::expect_property(property, 40, 200);
 }
 
 /// Runs stations that send at times, with faults, and returns the waveform.

@@ -1,14 +1,14 @@
 // The supply goes off in the middle of saves: each of the three stores (G22 and Y1F, 1010H and 1011H, 1F22H)
 // holds the old or the new content at the next start, never a mixture, and what was reported as saved is
-// there. CANOPUS_SEEDS: so many random sequences instead of 10000.
+// there. CANOPUS_SEEDS: so many random sequences instead of 1000, or of 10000 in ./check --all.
 
-#include <cstdlib>
 #include <random>
 
 #include "canopus/store/file_memory.hpp"
 
 #include "scenarios/me3can1_q/scenario.hpp"
 #include "store/cut_files.hpp"
+#include "support/random_cases.hpp"
 
 namespace canopus::scenario::me3can1_q_power_cut_test {
 namespace {
@@ -212,14 +212,10 @@ struct Stores {
   }
 };
 
-unsigned sequences() {
-  const char* wanted = std::getenv("CANOPUS_SEEDS");
-  return wanted == nullptr ? 10'000 : static_cast<unsigned>(std::strtoul(wanted, nullptr, 10));
-}
-
 TEST(Me3PowerCut, S83_RandomSequencesOfSavesAndCuts_LeaveTheOldOrTheNewContent) {
   RecordProperty("spec", "ME3-SYS-013 ME3-SYS-014 ME3-SAVE-009 ME3-CFG-003 ME3-STO-003");
-  for (unsigned seed = 1; seed <= sequences() && !HasFailure(); ++seed) {
+  const unsigned sequences = support::random_cases(1000, 10'000);
+  for (unsigned seed = 1; seed <= sequences && !HasFailure(); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937 random(seed);
     CutFiles files;
