@@ -231,14 +231,12 @@ NetworkReading read_network(std::string_view text, std::string path) {
   NetworkReading reading;
   NetworkFile& network = reading.network;
   network.path = std::move(path);
-  toml::table root;
-  try {
-    root = toml::parse(text, network.path);
-  } catch (const toml::parse_error& error) {
-    reading.errors.push_back({text::place_of(error.source()), std::string(error.description())});
+  const auto root = text::parse_toml(text);
+  if (!root) {
+    reading.errors.push_back(root.error());
     return reading;
   }
-  text::TableReader table(root, "the network file", reading.errors);
+  text::TableReader table(*root, "the network file", reading.errors);
   network.name = table.text("name").value_or("");
   table.table("master", "[master]", "expected a table, [master]",
               [&](text::TableReader& master) { read_master(master, network); });
@@ -249,7 +247,7 @@ NetworkReading read_network(std::string_view text, std::string path) {
   network.project_network = static_cast<std::size_t>(
       table.integer("project_network", 1, 1000, "networks of a project are counted from 1").value_or(1));
   table.finish();
-  const auto* master = root["master"].as_table();
+  const auto* master = (*root)["master"].as_table();
   if (!network.project.empty())
     add_project(reading, project_place, master != nullptr && master->contains("node"));
   check(reading);

@@ -21,12 +21,14 @@ class Json;
 class JsonItem;
 struct JsonMember;
 
-/// Something with begin() and end() that is no text: it becomes an array.
+/// Something with begin() and end() that is no text: it becomes an array. What is its own element (a path, a JSON value
+/// of another library) would become arrays without end.
 template <typename List>
 concept JsonList = !std::same_as<List, Json> && !std::is_convertible_v<const List&, std::string_view> &&
                    requires(const List& list) {
   list.begin() != list.end();
   list.size();
+  requires !std::same_as<std::remove_cvref_t<decltype(*list.begin())>, List>;
 };
 
 /// null, true or false, a number, a string, an array or an object. A wrong kind of value (an index into a string,

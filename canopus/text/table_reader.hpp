@@ -17,16 +17,11 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <toml++/toml.h>
 
 #include "canopus/text/file_error.hpp"
+#include "canopus/text/toml.hpp"
 
 namespace canopus::text {
-
-/// Where a node of the file begins.
-[[nodiscard]] inline Place place_of(const toml::source_region& region) {
-  return {static_cast<std::uint32_t>(region.begin.line), static_cast<std::uint32_t>(region.begin.column)};
-}
 
 /// "a string", "the integer 128": what was found instead.
 [[nodiscard]] inline std::string describe_found(const toml::node& node) {

@@ -24,6 +24,15 @@ std::vector<std::string> errors_of(std::string_view text) {
   return lines;
 }
 
+TEST(NetworkFileText, ThatIsTooDeep_IsRefusedWithItsLine) {
+  std::string deep = "[[slave]]\nnode = 5\na";
+  for (int i = 0; i < 40'000; ++i) deep += ".a";
+  EXPECT_THAT(
+      errors_of(deep + " = 1\n"),
+      ElementsAre("n.toml:3:126: tables and arrays, or the parts of a key, are nested deeper than 64 levels; "
+                  "expected at most 64"));
+}
+
 TEST(NetworkFileText, SlaveAlone_GetsTheDefaults) {
   const NetworkReading reading = read_network("[[slave]]\nnode = 5\n", "n.toml");
   ASSERT_THAT(reading.errors, IsEmpty());

@@ -5,6 +5,16 @@
 namespace canopus::plant::plant_file_test {
 namespace {
 
+TEST(PlantFile, TooDeep_IsRefusedWithItsLine) {
+  std::string deep = "[plant]\nname = \"x\"\n[a";
+  for (int i = 0; i < 40'000; ++i) deep += ".a";
+  const PlantReading reading = read_plant(deep + "]\n", "plant.toml");
+  ASSERT_EQ(reading.errors.size(), 1U);
+  EXPECT_EQ(text::describe(reading.errors[0], "plant.toml"),
+            "plant.toml:3:129: tables and arrays, or the parts of a key, are nested deeper than 64 levels; "
+            "expected at most 64");
+}
+
 TEST(PlantFile, EverythingThatIsWrittenIsRead) {
   const PlantReading reading = read_plant(good_plant, "plant.toml");
   ASSERT_THAT(reading.errors, IsEmpty());

@@ -41,6 +41,18 @@ TEST(ProjectNotes, NotesStandByNodeId) {
   EXPECT_EQ(notes.text(), std::string(head) + "[notes]\n3 = \"3\"\n5 = \"5\"\n7 = \"7\"\n12 = \"12\"\n");
 }
 
+TEST(ProjectNotes, FileThatIsTooDeep_IsRefusedWithItsLine) {
+  std::string deep = "[notes]\n4 = \"x\"\n[a";
+  for (int i = 0; i < 40'000; ++i) deep += ".a";
+  ProjectNotes notes(deep + "]\n", 0);
+  EXPECT_EQ(notes.line(), 3U);
+  EXPECT_EQ(notes.problem(),
+            "this cannot be read as TOML: tables and arrays, or the parts of a key, are nested deeper than "
+            "64 levels; "
+            "expected at most 64");
+  EXPECT_NE(error_of(notes.set(4, "y")), "");
+}
+
 TEST(ProjectNotes, AFileOfAnotherHand_DiffersInThatLineAlone) {
   const std::string before =
       "\xEF\xBB\xBF# ours\r\ntitle = \"Halle 3\"\r\n\r\n[notes]   # by node\r\n  \"5\" = 'geh\xC3\xB6rt Max' "
@@ -91,9 +103,9 @@ TEST(ProjectNotes, WhatIsNoFileOfNotes_IsSaidAndNotChanged) {
     EXPECT_EQ(problem_of(std::string("[notes]\n") + line + "\n"),
               "2: [notes] has something else than notes; expected a node-ID, = and a text in quotes");
   }
-  EXPECT_TRUE(problem_of("[notes]\n5 = \"x\n").starts_with("2: this is no TOML: "));
-  EXPECT_TRUE(problem_of(std::string("\xFF\xFE[\0n\0", 6)).starts_with("1: this is no TOML: "));
-  EXPECT_TRUE(problem_of("[notes]\n5 = \"\xFC\"\n").starts_with("2: this is no TOML: "));
+  EXPECT_TRUE(problem_of("[notes]\n5 = \"x\n").starts_with("2: this cannot be read as TOML: "));
+  EXPECT_TRUE(problem_of(std::string("\xFF\xFE[\0n\0", 6)).starts_with("1: this cannot be read as TOML: "));
+  EXPECT_TRUE(problem_of("[notes]\n5 = \"\xFC\"\n").starts_with("2: this cannot be read as TOML: "));
 }
 
 TEST(ProjectNotes, ANoteThatCannotBeWritten_ChangesNothing) {

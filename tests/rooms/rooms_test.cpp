@@ -154,6 +154,20 @@ TEST(Rooms, CMake_HasTheRoomsAndArrowsOfThePicture) {
   EXPECT_EQ(cmake_rooms(), rooms);
 }
 
+// What comes from a stranger is bounded in depth and size where its text is parsed, once for each library.
+TEST(Rooms, ParserOfALibrary_IsCalledInOneFileAlone) {
+  const std::multimap<std::string, std::string> parsers{
+      {"text/toml.cpp", "toml::parse("},       {"text/toml.cpp", "toml::parse_file("},
+      {"text/json_library.cpp", "nlohmann/"},  {"eds/xml/document.cpp", ".load_buffer"},
+      {"eds/xml/document.cpp", ".load_file("}, {"eds/xml/document.cpp", ".load_string("},
+  };
+  for (const auto& [file, found] : includes()) {
+    const std::string text = text_of(source / "canopus" / file);
+    for (const auto& [only, call] : parsers)
+      EXPECT_TRUE(file == only || !text.contains(call)) << file << " parses as " << only << " does";
+  }
+}
+
 TEST(Rooms, NoFolder_HoldsMoreThan40Files) {
   std::map<std::string, int> files;
   for (const auto& [file, found] : includes()) ++files[folder_of(file)];

@@ -33,6 +33,13 @@ TEST(Json, Braces_AreAnObjectWhenEachHoldsAKeyAndAValue) {
   EXPECT_EQ(Json::array().dump() + Json::object().dump() + Json().dump(), "[]{}null");
 }
 
+// Its elements are of its own type: as a list it would never end.
+TEST(Json, ValueOfAnotherLibrary_IsNoList) {
+  EXPECT_TRUE(JsonList<std::vector<int>>);
+  EXPECT_FALSE(JsonList<nlohmann::json>);
+  EXPECT_FALSE(JsonList<Witness>);
+}
+
 TEST(Json, Values_OfEachTypeOfTheProgram) {
   EXPECT_EQ(Json(true).dump(), "true");
   EXPECT_EQ(Json(std::uint8_t{255}).dump(), "255");

@@ -295,15 +295,13 @@ PlcSection read_plc(text::TableReader& table) {
 PlantReading read_plant(std::string_view text, std::string path) {
   PlantReading reading;
   reading.plant.path = std::move(path);
-  toml::table root;
-  try {
-    root = toml::parse(text, reading.plant.path);
-  } catch (const toml::parse_error& problem) {
-    reading.errors.push_back({text::place_of(problem.source()), std::string(problem.description())});
+  const auto root = text::parse_toml(text);
+  if (!root) {
+    reading.errors.push_back(root.error());
     return reading;
   }
   PlantFile& plant = reading.plant;
-  text::TableReader top(root, "plant file", reading.errors);
+  text::TableReader top(*root, "plant file", reading.errors);
   top.table("plant", "plant", "expected a table, written as [plant]", [&](text::TableReader& head) {
     plant.name = head.text("name").value_or("");
     plant.seed =

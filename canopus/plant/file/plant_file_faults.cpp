@@ -197,14 +197,11 @@ FaultSection read_fault(text::TableReader& table) {
 }
 
 std::expected<FaultSection, std::string> read_fault(std::string_view text) {
-  toml::table root;
-  try {
-    root = toml::parse(text);
-  } catch (const toml::parse_error& problem) {
-    return std::unexpected(fmt::format("line {}: {}", problem.source().begin.line, problem.description()));
-  }
+  const auto root = text::parse_toml(text);
+  if (!root)
+    return std::unexpected(fmt::format("line {}: {}", root.error().place.line, root.error().message));
   std::vector<text::FileError> errors;
-  text::TableReader table(root, "fault", errors);
+  text::TableReader table(*root, "fault", errors);
   FaultSection section = read_fault(table);
   table.finish();
   section.text = text;  // as somebody wrote it

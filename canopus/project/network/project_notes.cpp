@@ -4,7 +4,8 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
+
+#include "canopus/text/toml.hpp"
 
 namespace canopus::project {
 namespace {
@@ -117,29 +118,29 @@ void ProjectNotes::read() {
   problem_.clear();
   line_ = 0;
   if (!text_) return;
-  try {
-    const toml::table file = toml::parse(*text_);
-    const toml::node* const node = file.get(table_);
-    if (node == nullptr) return;
-    if (!node->is_table()) {
-      line_ = node->source().begin.line;
-      problem_ = fmt::format("{} is no table; expected [{}] and lines such as 5 = \"text\"", table_, table_);
+  const auto file = text::parse_toml(*text_);
+  if (!file) {
+    line_ = file.error().place.line;
+    problem_ = fmt::format("this cannot be read as TOML: {}", file.error().message);
+    return;
+  }
+  const toml::node* const node = file->get(table_);
+  if (node == nullptr) return;
+  if (!node->is_table()) {
+    line_ = node->source().begin.line;
+    problem_ = fmt::format("{} is no table; expected [{}] and lines such as 5 = \"text\"", table_, table_);
+    return;
+  }
+  for (const auto& [key, value] : *node->as_table()) {
+    const auto id = node_id_of(key.str());
+    if (!id || *id == 0 || !value.is_string()) {
+      line_ = key.source().begin.line;
+      problem_ = fmt::format("[{}] has something else than notes; expected a node-ID, = and a text in quotes",
+                             table_);
+      notes_.clear();
       return;
     }
-    for (const auto& [key, value] : *node->as_table()) {
-      const auto id = node_id_of(key.str());
-      if (!id || *id == 0 || !value.is_string()) {
-        line_ = key.source().begin.line;
-        problem_ = fmt::format(
-            "[{}] has something else than notes; expected a node-ID, = and a text in quotes", table_);
-        notes_.clear();
-        return;
-      }
-      notes_[*id] = value.as_string()->get();
-    }
-  } catch (const toml::parse_error& error) {
-    line_ = error.source().begin.line;
-    problem_ = fmt::format("this is no TOML: {}", error.description());
+    notes_[*id] = value.as_string()->get();
   }
 }
 
@@ -156,8 +157,10 @@ std::expected<void, std::string> ProjectNotes::set(std::uint8_t node_id, std::st
     return std::unexpected(fmt::format("the note has {} bytes; {} at most", note.size(), longest));
   std::string text = text_.value_or(std::string(made_header));
   const std::string key = std::to_string(node_id);
-  const toml::table file = toml::parse(text);
-  const toml::table* const table = file[table_].as_table();
+  const auto file = text::parse_toml(text);
+  if (!file)
+    return std::unexpected(fmt::format("line {}: {}", file.error().place.line, file.error().message));
+  const toml::table* const table = (*file)[table_].as_table();
   const auto place = table == nullptr ? toml::table::const_iterator{} : table->find(key);
   const std::string line = key + " = " + quoted(note);
   if (table == nullptr) {
