@@ -21,7 +21,6 @@ using canopen::DataType;
 using canopen::ObjectCode;
 using Severity = Problem::Severity;
 
-constexpr std::size_t largest_text = 4U << 20;     // bytes; the largest known device has 0.2 MB
 constexpr std::size_t most_sub_indexes = 100'000;  // so that no file takes all memory
 constexpr std::size_t most_limits = 65'000;        // EntryDescription::limits has 16 bits
 
@@ -234,9 +233,9 @@ void refuse(std::string_view text, const IniFile& file, Problems& problems) {
 }
 
 std::optional<IniFile> read_ini(std::string_view text, Problems& problems) {
-  if (text.size() <= largest_text) return IniFile(text, problems);
-  problems.error(1, "the file is larger than 4 MB: no EDS or DCF is");
-  return std::nullopt;
+  IniFile file(text, problems);
+  if (text.size() > largest_ini_text) return std::nullopt;
+  return file;
 }
 
 }  // namespace

@@ -21,6 +21,11 @@ bool is_comment(std::string_view line) noexcept {
 
 }  // namespace
 
+std::string size_problem(std::size_t bytes, std::size_t most) {
+  if (bytes <= most) return {};
+  return "the file has " + std::to_string(bytes) + " bytes; expected at most " + std::to_string(most);
+}
+
 const Item* Section::find(std::string_view folded_key) const noexcept {
   const auto place = std::ranges::find(items, folded_key, &Item::folded_key);
   return place == items.end() ? nullptr : &*place;
@@ -32,6 +37,10 @@ const Item* Section::find_value(std::string_view folded_key) const noexcept {
 }
 
 IniFile::IniFile(std::string_view text, Problems& problems) {
+  if (std::string problem = size_problem(text.size(), largest_ini_text); !problem.empty()) {
+    problems.error(1, std::move(problem));
+    return;
+  }
   std::string converted;
   if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF")) {
     converted = from_utf16(text.substr(2), text.starts_with("\xFE\xFF"));

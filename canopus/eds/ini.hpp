@@ -12,6 +12,11 @@
 
 namespace canopus::eds {
 
+/// A text of sections and keys has at most so many bytes, so that none takes all memory; the largest known has 0.2 MB.
+constexpr std::size_t largest_ini_text = std::size_t{4} << 20;
+/// Why a text of this size is refused; empty: it is not.
+[[nodiscard]] std::string size_problem(std::size_t bytes, std::size_t most);
+
 /// Key=value.
 struct Item {
   std::string folded_key;  ///< words.hpp
@@ -35,7 +40,7 @@ struct Section {
 
 class IniFile {
  public:
-  /// Takes any bytes. Of a section that comes twice, the later one adds the keys the first one lacks; of a
+  /// Takes any bytes; of too many it says so and has no section. Of a section that comes twice, the later one adds the keys the first one lacks; of a
   /// key that comes twice in a section, the first one counts.
   IniFile(std::string_view text, Problems& problems);
   /// Of sections that were found otherwise; no two have the same folded name.

@@ -44,10 +44,11 @@ std::string name_problem(std::string_view what, std::string_view name, std::stri
 }  // namespace
 
 IniText::IniText(std::string_view text) {
-  is_utf16_ = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
-  if (is_utf16_) {
+  const bool is_utf16 = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
+  problem_ = is_utf16 ? "the file is UTF-16 text: save it as 8-bit text"
+                      : size_problem(text.size(), largest_ini_text);
+  if (!problem_.empty()) {
     tail_ = text;
-    read_places();
     return;
   }
   if (text.starts_with("\xEF\xBB\xBF")) {
@@ -98,7 +99,7 @@ void IniText::read_places() {
 
 const std::size_t* IniText::find(std::string_view section, std::string_view key) const {
   const auto place = sections_.find(folded(section));
-  if (place == sections_.end() || is_utf16_) return nullptr;
+  if (place == sections_.end()) return nullptr;
   const auto item = place->second.lines.find(folded(key));
   return item == place->second.lines.end() ? nullptr : &item->second;
 }
@@ -183,8 +184,7 @@ std::expected<std::string, std::string> IniText::encoded(std::string_view value)
 
 std::expected<void, std::string> IniText::set(std::string_view section, std::string_view key,
                                               std::string_view value) {
-  if (is_utf16_)
-    return std::unexpected("the file is UTF-16 text: save it as 8-bit text before it is changed");
+  if (!problem_.empty()) return std::unexpected(problem_);
   std::expected<std::string, std::string> bytes = encoded(value);
   if (!bytes) return std::unexpected(std::move(bytes.error()));
   if (const std::size_t* place = find(section, key)) {
@@ -239,8 +239,7 @@ void IniText::append_section(std::string_view name, std::string first_line) {
 }
 
 std::expected<void, std::string> IniText::remove(std::string_view section, std::string_view key) {
-  if (is_utf16_)
-    return std::unexpected("the file is UTF-16 text: save it as 8-bit text before it is changed");
+  if (!problem_.empty()) return std::unexpected(problem_);
   if (find(section, key) == nullptr) return {};
   const std::string folded_section = folded(section);
   const std::string folded_key = folded(key);

@@ -16,14 +16,14 @@ namespace canopus::eds {
 /// key that comes twice the first one counts, and is the one that is changed.
 class IniText {
  public:
-  /// Takes any bytes.
+  /// Takes any bytes. Of a text that is not read (problem()) nothing is found, and nothing is changed.
   explicit IniText(std::string_view text);
 
   /// The file as it is now. Unchanged, these are the bytes it was made from.
   [[nodiscard]] std::string text() const;
 
-  /// False for a file in UTF-16, whose keys are not even found.
-  [[nodiscard]] bool is_8_bit() const noexcept { return !is_utf16_; }
+  /// Why the text is not read: it is in UTF-16, or larger than largest_ini_text; empty: it is.
+  [[nodiscard]] const std::string& problem() const noexcept { return problem_; }
 
   /// The value, without blanks around it, in UTF-8; empty when the key has none. Nothing: no such key.
   [[nodiscard]] std::optional<std::string> value(std::string_view section, std::string_view key) const;
@@ -72,7 +72,7 @@ class IniText {
   std::vector<std::string> lines_;  // each with its end
   std::string tail_;                // a DOS end of file and what is behind it
   char end_character_ = '\n';       // what ends a line, perhaps behind a carriage return
-  bool is_utf16_ = false;
+  std::string problem_;
   bool is_utf8_ = true;
   std::map<std::string, Section, std::less<>> sections_;  // by folded name
   std::vector<std::string> section_names_;

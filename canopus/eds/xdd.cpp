@@ -331,17 +331,13 @@ std::optional<unsigned> read_hexadecimal(std::string_view text, std::size_t digi
 }
 
 std::optional<IniFile> read_xdd(std::string_view text, Problems& problems) {
-  constexpr std::size_t largest_text = 8U << 20;  // bytes; the largest known one has 0.2 MB
-  if (text.size() > largest_text) {
-    problems.error(1, "the file is larger than 8 MB: no XDD or XDC is");
-    return std::nullopt;
-  }
   const auto utf8 = xml_text(text, problems);
   if (!utf8) return std::nullopt;
   const auto document = xml::Document::parse(*utf8);
   if (!document) {
     problems.report(Severity::error, document.error().position.line,
-                    "this is no XML: " + document.error().message, document.error().position.column);
+                    "this cannot be read as XML: " + document.error().message,
+                    document.error().position.column);
     return std::nullopt;
   }
   const pugi::xml_node network = xml::network_profile(**document);

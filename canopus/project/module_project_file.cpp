@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <pugixml.hpp>
 
+#include "canopus/eds/xml/document.hpp"
+
 namespace canopus::project {
 namespace {
 
@@ -14,14 +16,12 @@ constexpr const char* root_name = "canopus-module";
 /// Reads a file and remembers where it is, for what it has to say.
 class Reader {
  public:
-  explicit Reader(std::string_view text) : text_(text) {}
+  explicit Reader(const eds::xml::Document& document) : document_(document) {}
 
   std::expected<ModuleProject, std::string> read() {
-    const pugi::xml_parse_result parsed = document_.load_buffer(text_.data(), text_.size());
-    if (!parsed) return std::unexpected(at(parsed.offset, parsed.description()));
-    const pugi::xml_node root = document_.child(root_name);
-    if (!root)
-      return std::unexpected(at(0, fmt::format("no <{}>: this is no project of a module", root_name)));
+    const pugi::xml_node root = document_.root();
+    if (std::string_view(root.name()) != root_name)
+      return std::unexpected(at(root, fmt::format("no <{}>: this is no project of a module", root_name)));
     if (const unsigned format = root.attribute("format").as_uint(0); format != project_format) {
       return std::unexpected(at(
           root, fmt::format("format \"{}\": this version reads format {}{}", root.attribute("format").value(),
@@ -44,12 +44,8 @@ class Reader {
   }
 
  private:
-  std::string at(std::ptrdiff_t offset, std::string_view what) const {
-    const auto end = text_.begin() + std::clamp<std::ptrdiff_t>(offset, 0, std::ssize(text_));
-    return fmt::format("{}: {}", 1 + std::count(text_.begin(), end, '\n'), what);
-  }
   std::string at(const pugi::xml_node& node, std::string_view what) const {
-    return at(node.offset_debug(), what);
+    return fmt::format("{}: {}", document_.position(node).line, what);
   }
 
   std::expected<void, std::string> read_window(ModuleProject& project, const pugi::xml_node& node,
@@ -100,8 +96,7 @@ class Reader {
   }
 
   static constexpr unsigned any = 0xFFFF'FFFF;
-  std::string_view text_;
-  pugi::xml_document document_;
+  const eds::xml::Document& document_;
 };
 
 }  // namespace
@@ -142,6 +137,10 @@ std::string to_xml(const ModuleProject& project) {
   return out.str();
 }
 
-std::expected<ModuleProject, std::string> from_xml(std::string_view text) { return Reader(text).read(); }
+std::expected<ModuleProject, std::string> from_xml(std::string_view text) {
+  const auto document = eds::xml::Document::parse(text);
+  if (document) return Reader(**document).read();
+  return std::unexpected(fmt::format("{}: {}", document.error().position.line, document.error().message));
+}
 
 }  // namespace canopus::project

@@ -206,8 +206,8 @@ TEST(DeviceText, EdsOfANode_IsMadeAsBefore) {
 }
 
 TEST(DeviceText, UnusableXddOrNode_IsRefused) {
-  EXPECT_EQ(make_device_configuration("<html>", {}, node_5()).error().substr(0, 26),
-            "line 1: this is no XML: an");
+  EXPECT_EQ(make_device_configuration("<html>", {}, node_5()).error().substr(0, 38),
+            "line 1: this cannot be read as XML: an");
   EXPECT_EQ(make_device_configuration("<a/>", {}, node_5()).error().substr(0, 26),
             "line 1: the root element i");
   Commissioning other = node_5();

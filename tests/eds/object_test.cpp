@@ -232,7 +232,8 @@ TEST_P(Refused, TextWithoutOneObject_IsRefusedWithItsLine) {
 INSTANTIATE_TEST_SUITE_P(
     Texts, Refused,
     testing::Values(Refusal{"", 1, "the file is empty"}, Refusal{" \n\n", 1, "the file is empty"},
-                    Refusal{"<?xml version=\"1.0\"?>\n", 1, "this is no XML: there is no element in it"},
+                    Refusal{"<?xml version=\"1.0\"?>\n", 1,
+                            "this cannot be read as XML: there is no element in it"},
                     Refusal{"\nhello\n", 2, "this is not an EDS or DCF: there is not one [section]"},
                     Refusal{"\x7F"
                             "ELF\x02\x01\n",

@@ -339,26 +339,28 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Hostile{"page", "<html></html>",
                 "1: error: the root element is no ISO15745ProfileContainer, as an XDD [CiA 311] has it"},
-        Hostile{"nothing", "<", "1: error: this is no XML: a '<' that begins no tag"},
+        Hostile{"nothing", "<", "1: error: this cannot be read as XML: a '<' that begins no tag"},
         Hostile{"truncated", xdd("").substr(0, 900),
-                "18: error: this is no XML: an attribute is not name=\"value\""},
+                "18: error: this cannot be read as XML: an attribute is not name=\"value\""},
         Hostile{
             "bomb",
             "<?xml version=\"1.0\"?>\n<!DOCTYPE a [\n<!ENTITY b \"c\">\n<!ENTITY d \"&b;&b;\">]>\n<a>&d;</a>",
-            "2: error: this is no XML: the file declares entities, which no device file needs: they are not "
+            "2: error: this cannot be read as XML: the file declares entities, which no device file needs: "
+            "they are not "
             "expanded"},
         Hostile{"deep", nested(100'000),
-                "1: error: this is no XML: an end tag that does not belong to the element it would end"},
+                "1: error: this cannot be read as XML: an end tag that does not belong to the element it "
+                "would end"},
         Hostile{
             "not UTF-8", "<?xml version=\"1.0\"?>\n<a b=\"\xFF\"/>",
             "2: error: bytes that are not UTF-8, as which an XML file is read that names no other encoding"},
         Hostile{"zero", std::string("<a>\n\0</a>", 9),
-                "2: error: this is no XML: a zero byte: no XML text has one"},
-        Hostile{"two roots", "<a/>\n<b/>", "2: error: this is no XML: a second root element"},
+                "2: error: this cannot be read as XML: a zero byte: no XML text has one"},
+        Hostile{"two roots", "<a/>\n<b/>", "2: error: this cannot be read as XML: a second root element"},
         Hostile{"attribute twice", "<a b=\"1\"\n b=\"2\"/>",
-                "1: error: this is no XML: an element has an attribute twice"},
+                "1: error: this cannot be read as XML: an element has an attribute twice"},
         Hostile{"huge", '<' + std::string(9U << 20, 'a'),
-                "1: error: the file is larger than 8 MB: no XDD or XDC is"},
+                "1: error: this cannot be read as XML: the text has 9437185 bytes; expected at most 8388608"},
         Hostile{"other network",
                 "<ISO15745ProfileContainer><ISO15745Profile>\n<ProfileBody "
                 "xsi:type=\"ProfileBody_CommunicationNetwork_Powerlink\"/></ISO15745Profile></"
@@ -378,14 +380,15 @@ TEST(Xdd, DeepElementsInAWholeFile_AreRefused) {
   std::string end;
   for (int i = 0; i < 70; ++i) end += "</a>";
   const ReadResult result = read_device_file(xdd("", nested(70) + end));
-  EXPECT_EQ(first_problem(result), "9: error: this is no XML: elements are nested more than 64 deep");
+  EXPECT_EQ(first_problem(result),
+            "9: error: this cannot be read as XML: elements are nested more than 64 deep");
 }
 
 TEST(Xdd, ElementWithThousandsOfAttributes_IsRefused) {
   std::string object = "<CANopenObject index=\"2000\"";
   for (int i = 0; i < 5000; ++i) object += " a" + std::to_string(i) + "=\"\"";
   EXPECT_EQ(first_problem(read_device_file(xdd(object + "/>"))),
-            "23: error: this is no XML: an element with more than 64 attributes");
+            "23: error: this cannot be read as XML: an element with more than 64 attributes");
 }
 
 }  // namespace

@@ -166,7 +166,7 @@ TEST(ModuleProjectFile, WhatIsWrongIsToldWithItsLine) {
   const std::string head = "<?xml version=\"1.0\"?>\n<canopus-module model=\"FX3U-CAN\" format=\"1\">\n";
   const std::string tail = "\n</canopus-module>\n";
   for (const auto& [text, error] : {
-           Bad{"", "1: No document element found"},
+           Bad{"", "1: there is no element in it"},
            Bad{"<a/>", "1: no <canopus-module>: this is no project of a module"},
            Bad{"<canopus-module model=\"FX3U-CAN\" format=\"2\"/>",
                "1: format \"2\": this version reads format 1; the file is newer"},
@@ -187,6 +187,15 @@ TEST(ModuleProjectFile, WhatIsWrongIsToldWithItsLine) {
     ASSERT_FALSE(read) << text;
     EXPECT_EQ(read.error(), error);
   }
+}
+
+TEST(ModuleProjectFile, TooDeepOrTooLong_IsRefused) {
+  std::string deep = "<canopus-module model=\"FX3U-CAN\" format=\"1\">\n";
+  for (int i = 0; i < 100; ++i) deep += "<window>";
+  for (int i = 0; i < 100; ++i) deep += "</window>";
+  EXPECT_EQ(from_xml(deep + "</canopus-module>").error(), "2: elements are nested more than 64 deep");
+  EXPECT_EQ(from_xml("<canopus-module/>" + std::string(std::size_t{8} << 20, ' ')).error(),
+            "1: the text has 8388625 bytes; expected at most 8388608");
 }
 
 TEST(ModuleProjectFile, AnyBytesAreAProjectOrAnError) {

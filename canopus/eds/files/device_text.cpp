@@ -97,7 +97,7 @@ std::variant<IniText, DeviceText::Xdd, DeviceText::Unreadable> DeviceText::read(
   auto parsed = xml::Text::parse(*utf8, is_latin);
   if (!parsed) {
     return Unreadable{std::string(text), "line " + std::to_string(parsed.error().position.line) +
-                                             ": this is no XML: " + parsed.error().message};
+                                             ": this cannot be read as XML: " + parsed.error().message};
   }
   return Xdd{std::move(*parsed), is_latin};
 }

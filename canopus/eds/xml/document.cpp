@@ -5,7 +5,8 @@
 namespace canopus::eds::xml {
 namespace {
 
-constexpr int most_levels = 64;  // the deepest known device file has 12
+constexpr int most_levels = 64;                           // the deepest known device file has 12
+constexpr std::size_t most_bytes = std::size_t{8} << 20;  // the largest known device file has 0.2 MB
 
 constexpr std::size_t most_attributes = 64;  // of one element
 
@@ -81,6 +82,11 @@ Document::Document(std::string_view text) : text_(text), buffer_(text), line_sta
 }
 
 std::expected<std::unique_ptr<Document>, Mistake> Document::parse(std::string_view text) {
+  if (text.size() > most_bytes) {
+    return std::unexpected(Mistake{{},
+                                   "the text has " + std::to_string(text.size()) +
+                                       " bytes; expected at most " + std::to_string(most_bytes)});
+  }
   std::unique_ptr<Document> document(new Document(text));
   const auto mistake = [&](std::size_t offset, std::string message) {
     return std::unexpected(Mistake{document->position_of(offset), std::move(message)});

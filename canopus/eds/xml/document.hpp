@@ -35,7 +35,7 @@ struct Span {
 class Document {
  public:
   /// Parses UTF-8 text, with a byte order mark or without. Refused: what is not well-formed, more than one root,
-  /// zero bytes, more than 64 levels of elements, and entities of its own.
+  /// zero bytes, more than 8 MiB, more than 64 levels of elements, and entities of its own.
   [[nodiscard]] static std::expected<std::unique_ptr<Document>, Mistake> parse(std::string_view text);
   Document(const Document&) = delete;
   Document& operator=(const Document&) = delete;

@@ -96,9 +96,7 @@ void Nodelist::report(Severity severity, unsigned line, std::string message) {
 }
 
 void Nodelist::read() {
-  if (!file_.is_8_bit()) {
-    return report(Severity::error, 1, "the file is UTF-16 text: save it as 8-bit text");
-  }
+  if (!file_.problem().empty()) return report(Severity::error, 1, file_.problem());
   for (const std::string& section : file_.sections()) {
     if (is_topology(section)) read_network(section);
   }
