@@ -15,6 +15,28 @@ TEST(PlantFile, TooDeep_IsRefusedWithItsLine) {
             "expected at most 64");
 }
 
+/// A plant of so many tables, each with a name of its own.
+std::string many(std::size_t count, std::string_view table, std::string_view rest) {
+  std::string text;
+  for (std::size_t i = 0; i < count; ++i)
+    text += fmt::format("[[{}]]\nname = \"{}{}\"\n{}\n", table, table, i, rest);
+  return text;
+}
+
+TEST(PlantFile, TooManyBusesOrPlcs_AreRefusedWithTheirNumber) {
+  const auto errors = [](const std::string& text) {
+    std::vector<std::string> lines;
+    for (const text::FileError& error : read_plant(text, "p.toml").errors)
+      lines.push_back(text::describe(error, "p.toml"));
+    return lines;
+  };
+  EXPECT_THAT(errors(many(256, "bus", "bit_rate = 250_000")), IsEmpty());
+  EXPECT_THAT(errors(many(20'000, "bus", "bit_rate = 250_000")),
+              ElementsAre("p.toml:769:1: the plant has 20000 buses; expected at most 256"));
+  EXPECT_THAT(errors(many(1, "bus", "bit_rate = 250_000") + many(257, "plc", "cpu = \"stop\"")),
+              ElementsAre("p.toml:772:1: the plant has 257 PLCs; expected at most 256"));
+}
+
 TEST(PlantFile, EverythingThatIsWrittenIsRead) {
   const PlantReading reading = read_plant(good_plant, "plant.toml");
   ASSERT_THAT(reading.errors, IsEmpty());

@@ -290,6 +290,19 @@ PlcSection read_plc(text::TableReader& table) {
   return plc;
 }
 
+/// So many buses and PLCs a plant has at most; of what sits on them, node-IDs and head addresses are the bounds.
+constexpr std::size_t most_buses = 256;
+constexpr std::size_t most_plcs = 256;
+
+/// Says at the first one that is too many how many there are.
+void check_number(const toml::table& root, std::string_view key, std::string_view what, std::size_t most,
+                  std::vector<text::FileError>& errors) {
+  const auto* const list = root[key].as_array();
+  if (list == nullptr || list->size() <= most) return;
+  errors.push_back({text::place_of(list->get(most)->source()),
+                    fmt::format("the plant has {} {}; expected at most {}", list->size(), what, most)});
+}
+
 }  // namespace
 
 PlantReading read_plant(std::string_view text, std::string path) {
@@ -300,6 +313,9 @@ PlantReading read_plant(std::string_view text, std::string path) {
     reading.errors.push_back(root.error());
     return reading;
   }
+  check_number(*root, "bus", "buses", most_buses, reading.errors);
+  check_number(*root, "plc", "PLCs", most_plcs, reading.errors);
+  if (!reading.errors.empty()) return reading;
   PlantFile& plant = reading.plant;
   text::TableReader top(*root, "plant file", reading.errors);
   top.table("plant", "plant", "expected a table, written as [plant]", [&](text::TableReader& head) {
