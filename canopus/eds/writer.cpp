@@ -240,6 +240,16 @@ std::string write_device_file(const FileInfo& file, const DeviceInfo& device,
   return writer.take();
 }
 
+std::string too_much_to_write(const DeviceFile& file) {
+  std::size_t count = 0;
+  for (const ObjectDescription& object : file.dictionary->objects())
+    count += object.highest_sub + std::size_t{1};
+  if (count <= most_written_sub_indexes) return {};
+  return "the file describes " + std::to_string(count) +
+         " sub-indexes, and what is written describes each; expected at most " +
+         std::to_string(most_written_sub_indexes);
+}
+
 WrittenFile write_eds(const DeviceFile& file) {
   Writer writer(*file.dictionary, &file);
   write_file_info(writer, file.file);

@@ -18,6 +18,13 @@ struct WrittenFile {
   std::vector<std::string> warnings;  ///< what the format cannot say, or says otherwise
 };
 
+/// Sub-indexes that a written file describes, as many as a file that is read may.
+inline constexpr std::size_t most_written_sub_indexes = 100'000;
+
+/// Why write_eds() and write_xdd() would write too much: both describe every sub-index, which a file with CompactSubObj
+/// has 254 of in six lines. Empty: they would not.
+[[nodiscard]] std::string too_much_to_write(const DeviceFile& file);
+
 /// What a device file says as an EDS or, with a commissioning, as a DCF; lines end in CR LF. Every sub-index has its
 /// section.
 [[nodiscard]] WrittenFile write_eds(const DeviceFile& file);

@@ -336,5 +336,24 @@ RC_GTEST_PROP(XddRoundTrip, AnyValueAndName_ComesBack, ()) {
             file.dictionary->name(file.dictionary->find(0x2000, 0)));
 }
 
+// 254 sub-indexes in six lines: 1.4 MB would become half a gigabyte.
+TEST(XddRoundTrip, FileOfTooManySubIndexes_IsNotWritten) {
+  const auto device = [](int arrays) {
+    std::string text =
+        "[DeviceInfo]\nVendorName=x\n[1000]\nParameterName=Device "
+        "type\nObjectType=7\nDataType=7\nAccessType=ro\n";
+    for (int i = 0; i < arrays; ++i) {
+      text += "[" + std::to_string(2000 + i) +
+              "]\nParameterName=A\nObjectType=8\nDataType=5\nAccessType=rw\nCompactSubObj=254\n";
+    }
+    return read_device_file(text).file;
+  };
+  // 1000H, 1001H and 1018H have 7 sub-indexes, each array 255.
+  EXPECT_EQ(too_much_to_write(*device(392)), "");
+  EXPECT_EQ(
+      too_much_to_write(*device(393)),
+      "the file describes 100222 sub-indexes, and what is written describes each; expected at most 100000");
+}
+
 }  // namespace
 }  // namespace canopus::eds::xdd_round_trip_test

@@ -164,6 +164,10 @@ int eds_convert(const EdsConvertOptions& options, Output& out, Output& err) {
     err.line("{}:{}: {}: {}", from, problem.line, eds::name(problem.severity), problem.message);
   }
   if (read.file == nullptr) return 1;
+  if (const std::string problem = eds::too_much_to_write(*read.file); !problem.empty()) {
+    err.line("{}: error: {}", from, problem);
+    return 1;
+  }
   const bool is_configured = kind == "dcf" || kind == "xdc";
   if (is_configured != read.file->commissioning.has_value()) {
     err.line("{}: warning: the file {}: what is written is {}", from,
