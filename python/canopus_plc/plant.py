@@ -213,7 +213,7 @@ class Plant:
         for line in stream:
             try:
                 event = json.loads(line)
-            except ValueError:
+            except (ValueError, RecursionError):
                 continue
             with self._news:
                 self.events.append(event)
