@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "canopus/can/little_endian.hpp"
+#include "canopus/store/inner_path.hpp"
 
 namespace canopus::store {
 namespace {
@@ -79,13 +80,37 @@ class ChangeSets::Reader {
     return all;
   }
   [[nodiscard]] bool is_whole() const noexcept { return is_whole_; }
+  [[nodiscard]] bool has_more() const noexcept { return is_whole_ && !left_.empty(); }
 
  private:
   std::span<const std::uint8_t> left_;
   bool is_whole_ = true;
 };
 
+ChangeSets::Done ChangeSets::check(const std::filesystem::path& name) {
+  return check_inner_path(*files_, folder_, name.string());
+}
+
+/// What a journal names, by the spelling alone: a file that became a link since must not make the others inaccessible.
+ChangeSets::Done ChangeSets::check_names(const Journal& journal) {
+  const auto check_all = [this](const FileContents& contents) -> Done {
+    for (const auto& [name, content] : contents) {
+      if (auto good = check_inner_name(name); !good) {
+        return std::unexpected(name_of(records_ / journal_name) + ": " + good.error());
+      }
+    }
+    return {};
+  };
+  if (auto good = check_all(journal.pending); !good) return good;
+  if (auto good = check_all(journal.before.value_or(FileContents{})); !good) return good;
+  for (const Record& record : journal.records) {
+    if (auto good = check_all(record.before); !good) return good;
+  }
+  return {};
+}
+
 std::expected<ChangeSets::Journal, std::string> ChangeSets::load() {
+  if (auto good = check(records_ / journal_name); !good) return std::unexpected(std::move(good.error()));
   const auto stored = journal_.read(journal_name);
   if (stored.state == module::NonVolatileMemory::Content::State::missing) return Journal{};
   if (stored.state != module::NonVolatileMemory::Content::State::good) {
@@ -105,7 +130,9 @@ std::expected<ChangeSets::Journal, std::string> ChangeSets::load() {
     }
     journal.records.push_back(std::move(record));
   }
+  if (reader.has_more()) journal.before = reader.contents();
   if (!reader.is_whole()) return std::unexpected(name_of(records_ / journal_name) + ": is damaged");
+  if (auto good = check_names(journal); !good) return std::unexpected(std::move(good.error()));
   return journal;
 }
 
@@ -121,11 +148,15 @@ ChangeSets::Done ChangeSets::save(const Journal& journal) {
       can::append_value(bytes, sum.value_or(0), 4);
     }
   }
+  if (journal.before) append(bytes, *journal.before);
+  if (auto good = check(records_ / journal_name); !good) return good;
   if (!journal_.write(journal_name, bytes)) return std::unexpected(journal_.error());
   return {};
 }
 
 std::expected<std::optional<std::string>, std::string> ChangeSets::read(const std::string& name) {
+  if (const auto before = before_.find(name); before != before_.end()) return before->second;
+  if (auto good = check(name); !good) return std::unexpected(std::move(good.error()));
   const auto bytes = files_->read(folder_ / name, longest_file);
   if (bytes) return std::string(bytes->begin(), bytes->end());
   if (bytes.error() == ENOENT || bytes.error() == ENOTDIR) return std::nullopt;
@@ -169,9 +200,13 @@ ChangeSets::Done ChangeSets::put(const std::string& name, const std::optional<st
 /// `journal` has something pending.
 ChangeSets::Done ChangeSets::carry_out(Journal journal) {
   for (const auto& [name, content] : journal.pending) {
+    if (auto good = check(name); !good) return good;
+  }
+  for (const auto& [name, content] : journal.pending) {
     if (auto done = put(name, content); !done) return done;
   }
   journal.pending.clear();
+  journal.before.reset();
   return save(journal);
 }
 
@@ -180,6 +215,20 @@ ChangeSets::Done ChangeSets::recover() {
   if (!journal) return std::unexpected(std::move(journal.error()));
   if (journal->pending.empty()) return {};
   return carry_out(std::move(*journal));
+}
+
+std::expected<bool, std::string> ChangeSets::look() {
+  before_.clear();
+  auto journal = load();
+  if (!journal) return std::unexpected(std::move(journal.error()));
+  if (journal->pending.empty()) return false;
+  if (journal->before) {
+    before_ = std::move(*journal->before);
+  } else if (!journal->records.empty()) {
+    before_ = std::move(journal->records.back().before);
+  }
+  std::erase_if(before_, [&](const auto& file) { return !journal->pending.contains(file.first); });
+  return true;
 }
 
 void ChangeSets::drop_oldest(std::vector<Record>& records) {
@@ -206,7 +255,7 @@ ChangeSets::Done ChangeSets::write(const FileContents& contents, std::string_vie
     journal->pending[name] = content;
   }
   if (journal->pending.empty()) return {};
-  const Journal old{.pending = record.before, .records = journal->records};
+  const Journal old{.pending = record.before, .records = journal->records, .before = record.before};
   journal->records.push_back(std::move(record));
   drop_oldest(journal->records);
   if (auto saved = save(*journal); !saved) return saved;
@@ -222,13 +271,15 @@ std::expected<std::optional<std::string>, std::string> ChangeSets::undo() {
   if (!journal) return std::unexpected(std::move(journal.error()));
   if (journal->records.empty()) return std::nullopt;
   Record record = std::move(journal->records.back());
+  journal->before.emplace();
   for (const auto& [name, sum] : record.after) {
-    const auto now = read(name);
+    auto now = read(name);
     if (!now) return std::unexpected(now.error());
     if (checksum(*now) != sum) {
       return std::unexpected(name_of(name) + ": has been changed since \"" + record.title +
                              "\", which can therefore not be taken back");
     }
+    journal->before->emplace(name, std::move(*now));
   }
   journal->records.pop_back();
   journal->pending = std::move(record.before);

@@ -22,7 +22,8 @@ namespace canopus::store {
 /// Contents by path below the folder, with '/'; nothing: no such file.
 using FileContents = std::map<std::string, std::optional<std::string>>;
 
-/// All errors are sentences that name the file. One process at a time may use a folder (FolderLock).
+/// The names are paths inside of the folder without symbolic links, also those that a journal holds (inner_path.hpp): a
+/// journal of a stranger that names others is refused whole. All errors are sentences that name the file. One process at a time may use a folder (FolderLock).
 class ChangeSets {
  public:
   static constexpr std::size_t most_kept = 50;             ///< changes that can be taken back
@@ -37,12 +38,15 @@ class ChangeSets {
         records_(records),
         journal_(folder_ / records, {}, files) {}
 
-  /// Ends a change that a power cut left half done. To be called before anything is read.
+  /// Ends a change that a power cut left half done. To be called before anything is read, by whoever may write.
   [[nodiscard]] std::expected<void, std::string> recover();
+  /// For those who only look, in place of recover(): writes nothing; from then on read() gives what the files were before a
+  /// change that is not finished. False when there is none.
+  [[nodiscard]] std::expected<bool, std::string> look();
   /// A file as it stands; nothing: it is not there.
   [[nodiscard]] std::expected<std::optional<std::string>, std::string> read(const std::string& name);
   /// Gives the files these contents, making folders as needed. Those that have theirs already are not touched, and nothing
-  /// is recorded when that is true of all. `title` says for people what was done. Paths are the caller's to check.
+  /// is recorded when that is true of all. `title` says for people what was done.
   [[nodiscard]] std::expected<void, std::string> write(const FileContents& contents, std::string_view title);
   /// Takes the latest change back and forgets it: its title, or nothing when there is none. Refused when one of its
   /// files has been changed by somebody else since.
@@ -60,9 +64,13 @@ class ChangeSets {
   struct Journal {
     FileContents pending;  // to be written
     std::vector<Record> records;
+    // What the pending files were; nothing: the last record has it, as with every change that is not an undo.
+    std::optional<FileContents> before;
   };
   class Reader;
 
+  [[nodiscard]] Done check(const std::filesystem::path& name);
+  [[nodiscard]] Done check_names(const Journal& journal);
   [[nodiscard]] std::expected<Journal, std::string> load();
   [[nodiscard]] Done save(const Journal& journal);
   [[nodiscard]] Done carry_out(Journal journal);
@@ -76,6 +84,7 @@ class ChangeSets {
   Files* files_;
   std::filesystem::path records_;
   FileMemory journal_;
+  FileContents before_;  // of who only looks
 };
 
 }  // namespace canopus::store

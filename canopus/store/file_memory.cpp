@@ -99,6 +99,7 @@ FileMemory::Stored FileMemory::load(std::string_view name) {
   const auto damaged = [&path](const std::string& why) {
     return Stored{.content = {.state = State::damaged, .bytes = {}}, .damage = path.string() + ": " + why};
   };
+  if (files_->is_link(path)) return damaged("it is a symbolic link, which is not followed");
   auto read = files_->read(path, header_size + largest_content);
   if (!read) {
     if (read.error() == ENOENT || read.error() == ENOTDIR) return {};

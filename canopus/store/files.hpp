@@ -25,6 +25,8 @@ class Files {
   /// have to be waited for.
   [[nodiscard]] virtual std::expected<std::vector<std::uint8_t>, int> read(const std::filesystem::path& path,
                                                                            std::size_t at_most) = 0;
+  /// Whether the name itself is a symbolic link, wherever that leads.
+  [[nodiscard]] virtual bool is_link(const std::filesystem::path& path) = 0;
   /// Makes one folder: 0, EEXIST, ENOENT when its parent is missing, ...
   [[nodiscard]] virtual int make_folder(const std::filesystem::path& path) = 0;
   /// Makes an empty file for writing. One that has this name is taken away first, a link as such: nothing that

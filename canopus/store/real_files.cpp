@@ -36,6 +36,10 @@ class RealFiles final : public Files {
     if (why != 0) return std::unexpected(why);
     return bytes;
   }
+  bool is_link(const std::filesystem::path& path) override {
+    struct stat status {};
+    return ::lstat(path.c_str(), &status) == 0 && S_ISLNK(status.st_mode);
+  }
   int make_folder(const std::filesystem::path& path) override { return outcome(::mkdir(path.c_str(), 0755)); }
   std::expected<int, int> create(const std::filesystem::path& path) override {
     constexpr int new_file = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW;

@@ -58,6 +58,7 @@ class CutFiles final : public Files {
     if (file->cached.size() > at_most) return std::unexpected(EFBIG);
     return file->cached;
   }
+  bool is_link(const std::filesystem::path& /*path*/) override { return false; }
   int make_folder(const std::filesystem::path& path) override {
     step();
     if (folders_.contains(path.string())) return EEXIST;

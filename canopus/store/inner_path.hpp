@@ -1,0 +1,28 @@
+#pragma once
+// Files whose names a file says: a journal, the list of a project. Such a file may come from a stranger, so that it names
+// files of its own folder alone.
+
+#include <expected>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "canopus/store/files.hpp"
+
+namespace canopus::store {
+
+/// Whether `name` is a path below a folder by its spelling alone: relative, with '/', without "..", without control
+/// characters. The error names it: "\"../x\" is not a path inside the folder".
+[[nodiscard]] std::expected<void, std::string> check_inner_name(std::string_view name);
+
+/// The same, and neither the file nor a folder between `folder` and it is a symbolic link. `folder` itself may be one: a
+/// person has named it. The error is a sentence that names the file.
+[[nodiscard]] std::expected<void, std::string> check_inner_path(Files& files,
+                                                                const std::filesystem::path& folder,
+                                                                std::string_view name);
+
+/// The bytes of such a file, 64 MiB at most. The error is a sentence that names the file.
+[[nodiscard]] std::expected<std::string, std::string> read_inner_file(const std::filesystem::path& folder,
+                                                                      std::string_view name);
+
+}  // namespace canopus::store
