@@ -8,6 +8,7 @@
 #include <toml++/toml.h>
 
 #include "canopus/project/nodelist/project_members.hpp"
+#include "canopus/store/inner_path.hpp"
 #include "canopus/text/file_text.hpp"
 #include "canopus/text/table_reader.hpp"
 
@@ -179,9 +180,12 @@ void read_master(text::TableReader& table, NetworkFile& network) {
 void add_project(NetworkReading& reading, text::Place place, bool names_master) {
   NetworkFile& network = reading.network;
   const std::filesystem::path folder = std::filesystem::path(network.path).parent_path();
-  const auto read = [&](const std::string& path) { return text::read_file((folder / path).string()); };
+  const auto list = text::read_file((folder / network.project).string());
+  const auto read_dcf = [&](const std::string& below, const std::string& name) {
+    return store::read_inner_file(folder / below, name);
+  };
   const project::ProjectMembers project =
-      project::read_members(network.project, network.project_network - 1, read);
+      project::read_members(network.project, list, network.project_network - 1, read_dcf);
   for (const std::string& error : project.errors) reading.errors.push_back({place, error});
   for (const project::ProjectMember& member : project.members) {
     if (member.is_manager && !names_master) network.node = member.node_id;

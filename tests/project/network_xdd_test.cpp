@@ -146,10 +146,11 @@ TEST(NetworkXdd, Members_HaveTheBitRateAndTheManagerOfTheirXdc) {
   ProjectFolder folder;
   mixed(folder, "drive", "encoder");
   const auto members = [&] {
-    return project::read_members("nodelist.cpj", 0,
-                                 [&](const std::string& path) -> std::expected<std::string, std::string> {
-                                   return folder.files.at(path);
-                                 });
+    return project::read_members(
+        "nodelist.cpj", folder.files.at("nodelist.cpj"), 0,
+        [&](const std::string& below, const std::string& name) -> std::expected<std::string, std::string> {
+          return folder.files.at(below + name);
+        });
   };
   ASSERT_EQ(members().members.size(), 2U);
   EXPECT_EQ(members().bit_rate, 250'000U);

@@ -7,6 +7,7 @@
 
 #include "canopus/plant/file/plant_sections.hpp"
 #include "canopus/project/nodelist/project_members.hpp"
+#include "canopus/store/inner_path.hpp"
 #include "canopus/text/file_text.hpp"
 
 namespace canopus::plant {
@@ -39,8 +40,12 @@ void add_projects(PlantFile& plant, std::vector<text::FileError>& errors) {
   const std::size_t own_devices = plant.devices.size();
   for (const BusSection& bus : plant.buses) {
     if (bus.project.empty()) continue;
-    const auto read = [&](const std::string& path) { return text::read_file((folder / path).string()); };
-    const project::ProjectMembers project = project::read_members(bus.project, bus.project_network - 1, read);
+    const auto list = text::read_file((folder / bus.project).string());
+    const auto read_dcf = [&](const std::string& below, const std::string& name) {
+      return store::read_inner_file(folder / below, name);
+    };
+    const project::ProjectMembers project =
+        project::read_members(bus.project, list, bus.project_network - 1, read_dcf);
     for (const std::string& error : project.errors) {
       errors.push_back({bus.project_place, fmt::format("project = \"{}\": {}", bus.project, error)});
     }

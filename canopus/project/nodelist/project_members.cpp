@@ -44,11 +44,11 @@ Commissioned commissioned(std::string_view text) {
 
 }  // namespace
 
-ProjectMembers read_members(
-    const std::string& list, std::size_t network,
-    const std::function<std::expected<std::string, std::string>(const std::string& path)>& read) {
+ProjectMembers read_members(const std::string& list, const std::expected<std::string, std::string>& text,
+                            std::size_t network,
+                            const std::function<std::expected<std::string, std::string>(
+                                const std::string& folder, const std::string& name)>& read_dcf) {
   ProjectMembers result;
-  const auto text = read(list);
   if (!text) {
     result.errors.push_back(text.error());
     return result;
@@ -76,7 +76,7 @@ ProjectMembers read_members(
       result.errors.push_back(who + path.error());
       continue;
     }
-    const auto dcf_text = read(folder + *path);
+    const auto dcf_text = read_dcf(folder, *path);
     if (!dcf_text) {
       result.errors.push_back(who + dcf_text.error());
       continue;
