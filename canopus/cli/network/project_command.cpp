@@ -290,11 +290,16 @@ std::expected<std::uint32_t, std::string> parse_bit_rate(std::string_view text) 
       fmt::format("--bit-rate {}: expected for example 500k: 1k to 1M, whole kbit/s", eds::printable(text)));
 }
 
+static void warn_if_unfinished(const ProjectFolder& folder) {
+  if (const auto sentence = folder.unfinished()) print_error("canopus project: {}", *sentence);
+}
+
 int with_network(const ProjectArguments& arguments,
                  const std::function<int(const ProjectFolder&, const project::NetworkProject&)>& action) {
   auto folder = ProjectFolder::open(arguments.project, ProjectFolder::For::looking);
   if (!folder) return project_failed(project_code::file, folder.error());
   const auto project = folder->read(arguments.network);
+  warn_if_unfinished(*folder);
   if (!project) return project_failed(project_code::file, project.error());
   return action(*folder, *project);
 }
@@ -319,13 +324,17 @@ static void tell_load(const ProjectArguments& arguments, const project::NetworkL
 
 int change_network(const ProjectArguments& arguments, const std::string& title,
                    const std::function<int(ProjectFolder&, project::NetworkProject&)>& action) {
-  // Nothing is made in a folder that has no project.
+  // Nothing is made in a folder that has no project, and none is about to be made.
   if (auto looked = ProjectFolder::open(arguments.project, ProjectFolder::For::looking);
-      looked && !looked->read(arguments.network)) {
-    return project_failed(project_code::file, looked->read(arguments.network).error());
+      looked && !looked->unfinished()) {
+    if (const auto project = looked->read(arguments.network); !project) {
+      return project_failed(project_code::file, project.error());
+    }
   }
-  auto folder = ProjectFolder::open(arguments.project, ProjectFolder::For::changing);
+  const auto purpose = arguments.dry_run ? ProjectFolder::For::looking : ProjectFolder::For::changing;
+  auto folder = ProjectFolder::open(arguments.project, purpose);
   if (!folder) return project_failed(project_code::file, folder.error());
+  warn_if_unfinished(*folder);
   auto project = folder->read(arguments.network);
   if (!project) return project_failed(project_code::file, project.error());
   if (!arguments.dry_run) {

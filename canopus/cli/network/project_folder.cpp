@@ -1,9 +1,9 @@
 #include "canopus/cli/network/project_folder.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "canopus/eds/words.hpp"
+#include "canopus/store/inner_path.hpp"
 
 namespace canopus::cli {
 
@@ -19,16 +19,30 @@ std::expected<ProjectFolder, std::string> ProjectFolder::open(const std::string&
   }
   if (folder.empty()) folder = ".";
   ProjectFolder project(folder, std::move(list));
-  const fs::path records = folder / ".canopus";
-  const bool has_records = fs::is_directory(records, error);
-  // Who only looks leaves a folder without a journal, or one that he may not write, as it is.
-  const bool is_locked = purpose == For::changing || (has_records && ::access(records.c_str(), W_OK) == 0);
-  if (!is_locked) return project;
-  auto lock = store::FolderLock::take(records);
+  if (purpose == For::looking) {
+    const auto is_unfinished = project.changes_.look();
+    if (!is_unfinished) return std::unexpected(is_unfinished.error());
+    project.is_unfinished_ = *is_unfinished;
+    return project;
+  }
+  constexpr std::string_view records = ".canopus";
+  if (auto good = store::check_inner_path(store::real_files(), folder, records); !good) {
+    return std::unexpected(std::move(good.error()));
+  }
+  auto lock = store::FolderLock::take(folder / records);
   if (!lock) return std::unexpected(fmt::format("{}: {}", folder.string(), lock.error()));
   project.lock_ = std::move(*lock);
   if (auto recovered = project.changes_.recover(); !recovered) return std::unexpected(recovered.error());
   return project;
+}
+
+std::optional<std::string> ProjectFolder::unfinished() const {
+  if (!is_unfinished_) return std::nullopt;
+  return fmt::format(
+      "{}: a change is not finished (a power cut, or another command at work); this is the project before "
+      "it, and the "
+      "next command that changes the project finishes it first",
+      shown_path(".canopus/journal"));
 }
 
 project::ReadFile ProjectFolder::reader() {

@@ -17,10 +17,13 @@ class ProjectFolder {
  public:
   enum class For : std::uint8_t { looking, changing };
 
-  /// `path`: a folder with nodelist.cpj, or a file *.cpj. Ends what a power cut left half done. Errors are sentences that name
-  /// the file.
+  /// `path`: a folder with nodelist.cpj, or a file *.cpj. To change it: nobody else may meanwhile, and what a power cut left
+  /// half done is ended. To look: nothing is written, and unfinished() says what was left. Errors are sentences that name the
+  /// file.
   [[nodiscard]] static std::expected<ProjectFolder, std::string> open(const std::string& path, For purpose);
 
+  /// Of one who only looks: a sentence about a change that is not finished; what is read is the project before it.
+  [[nodiscard]] std::optional<std::string> unfinished() const;
   /// `network`: from 1.
   [[nodiscard]] std::expected<project::NetworkProject, std::string> read(unsigned network);
   [[nodiscard]] std::expected<project::NetworkProject, std::string> make(std::string_view name);
@@ -43,6 +46,7 @@ class ProjectFolder {
   std::string list_;
   store::ChangeSets changes_;
   std::optional<store::FolderLock> lock_{};
+  bool is_unfinished_ = false;
 };
 
 }  // namespace canopus::cli

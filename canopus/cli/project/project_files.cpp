@@ -9,6 +9,7 @@
 #include "canopus/cli/setups/user_state.hpp"
 #include "canopus/project/module_project_file.hpp"
 #include "canopus/store/files.hpp"
+#include "canopus/store/inner_path.hpp"
 #include "canopus/text/printable.hpp"
 
 namespace canopus::cli {
@@ -57,6 +58,9 @@ std::expected<ChangingProject, std::string> ChangingProject::open(const std::str
   std::error_code error;
   if (!fs::exists(path, error) && !fs::exists(folder / records, error))
     return std::unexpected(fmt::format("{}: {}", path, store::describe_error(ENOENT)));
+  if (auto good = store::check_inner_path(store::real_files(), folder, (records / ".lock").string()); !good) {
+    return std::unexpected(std::move(good.error()));
+  }
   auto lock = store::FolderLock::take(folder / records);
   if (!lock) return std::unexpected(fmt::format("{}: {}", path, lock.error()));
   store::ChangeSets changes(folder, store::real_files(), records);

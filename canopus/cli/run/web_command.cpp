@@ -138,13 +138,17 @@ int run_project(const WebArguments& arguments) {
     print_error("canopus web: {}", folder.error());
     return file_error;
   }
+  const auto unfinished = folder->unfinished();
+  if (unfinished) print_error("canopus web: {}; until then its nodes are not simulated", *unfinished);
   const auto project = folder->read(arguments.network);
   if (!project) {
     print_error("canopus web: {}; `canopus project new` makes a project", project.error());
     return file_error;
   }
   const std::string list = folder->shown_list();
-  bool with_devices = arguments.bus.empty() && !arguments.no_devices && !project->nodes().empty();
+  // A plant is made of the files as they lie there, some of which may be those after the change.
+  bool with_devices =
+      !unfinished && arguments.bus.empty() && !arguments.no_devices && !project->nodes().empty();
   if (with_devices) with_devices = has_devices(plant_text(arguments, *project, list, true), list);
   RunOptions options{.plant = list, .plant_text = plant_text(arguments, *project, list, with_devices)};
   // The project's own folder has its DCFs, which are device files, too.
@@ -152,7 +156,6 @@ int run_project(const WebArguments& arguments) {
       .project = arguments.project, .network = arguments.network, .device_files = arguments.device_files};
   if (options.web_project->device_files.empty())
     options.web_project->device_files = {folder->folder().string()};
-  folder = std::unexpected(std::string());  // others may use the project
   return run_page(arguments, std::move(options));
 }
 
