@@ -10,6 +10,7 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/write.hpp>
 
+#include "canopus/link/tcp/connection_places.hpp"
 #include "canopus/link/tcp/tcp_port.hpp"
 #include "canopus/serve/connection_timer.hpp"
 
@@ -31,7 +32,6 @@ struct ControlServer::Parts {
         port(io) {}
 
   void admit(tcp::socket socket);
-  [[nodiscard]] bool make_room(const std::string& newcomer);
   void remove(const Connection& connection);
   void say(const std::string& client, const std::string& what) const {
     if (report) report(client + ' ' + what);
@@ -64,11 +64,10 @@ class ControlServer::Connection : public std::enable_shared_from_this<Connection
   }
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
-  /// When something came from the client last.
-  [[nodiscard]] WallClock::time_point heard_at() const noexcept { return heard_at_; }
-
-  /// Its answer is not there yet.
-  [[nodiscard]] bool waits() const noexcept { return state_ == State::waits; }
+  /// While it waits for its answer it has a reason to be silent.
+  [[nodiscard]] link::HeldPlace place() const noexcept {
+    return {.hold = state_ == State::waits ? link::Hold::firm : link::Hold::while_used, .used = heard_at_};
+  }
 
   void close() noexcept {
     parts_ = nullptr;
@@ -198,29 +197,11 @@ class ControlServer::Connection : public std::enable_shared_from_this<Connection
 void ControlServer::Parts::admit(tcp::socket socket) {
   const std::string name = link::name_of_peer(socket);
   if (!link::is_allowed(socket, options.allowed)) return say(name, "is not allowed to connect");
-  if (connections.size() >= options.maximum_clients && !make_room(name)) return;
+  const link::ConnectionPlaces places(options.maximum_clients, options.gives_way_after);
+  const auto report_of = [this](const std::string& client, const std::string& what) { say(client, what); };
+  if (!places.make_room(connections, name, WallClock::now(), report_of)) return;
   connections.push_back(std::make_shared<Connection>(*this, std::move(socket)));
   connections.back()->start();
-}
-
-/// Closes the connection from which nothing has come for the longest time, if that is long enough. Those that
-/// wait for an answer have a reason to be silent.
-bool ControlServer::Parts::make_room(const std::string& newcomer) {
-  const auto silent_since = [](const auto& other) {
-    return other->waits() ? WallClock::time_point::max() : other->heard_at();
-  };
-  const auto idlest = std::ranges::min_element(connections, {}, silent_since);
-  const auto idle = WallClock::now() - (*idlest)->heard_at();
-  if ((*idlest)->waits() || idle < options.gives_way_after) {
-    say(newcomer, "was refused: all " + std::to_string(options.maximum_clients) + " connections are in use");
-    return false;
-  }
-  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(idle).count();
-  say((*idlest)->name(),
-      "has asked nothing for " + std::to_string(seconds) + " s: its connection gives way to " + newcomer);
-  (*idlest)->close();
-  connections.erase(idlest);
-  return true;
 }
 
 void ControlServer::Parts::remove(const Connection& connection) {

@@ -13,6 +13,7 @@
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 
+#include "canopus/link/tcp/connection_places.hpp"
 #include "canopus/link/tcp/socket_round.hpp"
 #include "canopus/link/tcp/tcp_port.hpp"
 #include "canopus/link/tcp/watched_socket.hpp"
@@ -51,7 +52,6 @@ struct TcpServer::Parts : std::enable_shared_from_this<Parts> {
         look_timer(io) {}
 
   void admit(tcp::socket socket);
-  [[nodiscard]] bool make_room(const std::string& newcomer);
   void look_again_soon();
   void look_again();
   void remove(const Connection& connection);
@@ -102,10 +102,9 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
   }
 
   [[nodiscard]] const std::string& name() const noexcept { return name_; }
-  /// When something came from the client last.
-  [[nodiscard]] CoarseClock::time_point heard_at() const noexcept { return heard_at_; }
-  /// The same as a number: later is higher, and no two are equal.
-  [[nodiscard]] std::uint64_t heard_number() const noexcept { return heard_number_; }
+  [[nodiscard]] link::HeldPlace place() const noexcept {
+    return {.hold = link::Hold::while_used, .used = heard_at_, .number = heard_number_};
+  }
 
   void close() noexcept {
     if (parts_ != nullptr) parts_->rack.end_processing().leave(*this);
@@ -301,7 +300,7 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
 
   Parts* parts_;
   std::string name_;
-  std::uint64_t heard_number_;
+  std::uint64_t heard_number_;  // later is higher, and no two are equal
   CoarseClock::time_point heard_at_ = CoarseClock::now();
   ConnectionTimer timer_;
   bool is_receiving_ = false;  // waits for bytes
@@ -317,7 +316,9 @@ class TcpServer::Connection : public std::enable_shared_from_this<Connection>,
 void TcpServer::Parts::admit(tcp::socket socket) {
   const std::string name = link::name_of_peer(socket);
   if (!link::is_allowed(socket, options.allowed)) return say(name, "is not allowed to connect");
-  if (connections.size() >= options.maximum_clients && !make_room(name)) return;
+  const link::ConnectionPlaces places(options.maximum_clients, options.gives_way_after);
+  const auto report_of = [this](const std::string& client, const std::string& what) { say(client, what); };
+  if (!places.make_room(connections, name, CoarseClock::now(), report_of)) return;
   const auto connection = std::make_shared<Connection>(*this, std::move(socket), name);
   connections.push_back(connection);
   connection->start();
@@ -335,23 +336,6 @@ void TcpServer::Parts::look_again() {
   looks_again = false;
   const auto all = connections;  // one that is at its end leaves them
   for (const auto& connection : all) connection->look_again();
-}
-
-/// Closes the connection from which nothing has come for the longest time, if that is long enough.
-bool TcpServer::Parts::make_room(const std::string& newcomer) {
-  const auto idlest =
-      std::ranges::min_element(connections, {}, [](const auto& other) { return other->heard_number(); });
-  const auto idle = CoarseClock::now() - (*idlest)->heard_at();
-  if (idle < options.gives_way_after) {
-    say(newcomer, "was refused: all " + std::to_string(options.maximum_clients) + " connections are in use");
-    return false;
-  }
-  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(idle).count();
-  say((*idlest)->name(),
-      "has asked nothing for " + std::to_string(seconds) + " s: its connection gives way to " + newcomer);
-  (*idlest)->close();
-  connections.erase(idlest);
-  return true;
 }
 
 void TcpServer::Parts::remove(const Connection& connection) {

@@ -30,7 +30,7 @@ bool knows_key(std::string_view target, std::string_view key) {
 
 WebServer::Connection::Connection(Parts& parts, tcp::socket socket)
     : parts_(&parts),
-      stream_(std::move(socket)),
+      stream_(WebClientSocket(std::move(socket))),
       name_(link::name_of_peer(stream_.next_layer())),
       timer_(parts.context),
       outbox_(parts.options.most_events, parts.use.lost),
@@ -42,6 +42,12 @@ void WebServer::Connection::start() {
   socket().set_option(tcp::no_delay(true), ignored);
   set_timer(parts_->options.head_timeout, "left a request incomplete");
   receive();
+}
+
+/// Whoever has a key or a session stays; of the others those first that only ask.
+link::Hold WebServer::Connection::hold() const noexcept {
+  if (state_ == State::watches) return session_ || knows_key_ ? link::Hold::firm : link::Hold::weak;
+  return session_ || knows_key_ || logs_in_ ? link::Hold::weak : link::Hold::none;
 }
 
 void WebServer::Connection::send() {
@@ -145,6 +151,7 @@ void WebServer::Connection::look_at_request(WebAnswer result) {
 
 void WebServer::Connection::log_in(std::string_view form) {
   state_ = State::answers;
+  logs_in_ = true;
   set_timer(parts_->options.send_timeout, nullptr);
   parts_->gate->log_in(form, {.address = address_, .name = name_}, parts_->place, WebTime::now(),
                        [client = weak_from_this()](const WebAnswer& result) {
@@ -155,6 +162,7 @@ void WebServer::Connection::log_in(std::string_view form) {
 
 void WebServer::Connection::answer(const WebAnswer& answer) {
   state_ = State::answers;
+  logs_in_ = false;
   output_ = written(answer);
   set_timer(parts_->options.send_timeout, "does not take its answer");
   asio::async_write(socket(), asio::buffer(output_), [self = shared_from_this()](error_code, std::size_t) {
@@ -175,12 +183,16 @@ void WebServer::Connection::drain() {
 }
 
 void WebServer::Connection::upgrade() {
-  state_ = State::upgrades;
   const WebServerOptions& options = parts_->options;
   const std::string_view target(request_->target().data(), request_->target().size());
   if (session_) user_.name = session_->user.name;
-  if (knows_key(target, session_ ? session_->key : options.key))
-    user_.role = session_ ? session_->user.role : options.role;
+  knows_key_ = knows_key(target, session_ ? session_->key : options.key);
+  if (knows_key_) user_.role = session_ ? session_->user.role : options.role;
+  if (!session_ && !knows_key_ && !parts_->has_room_for_watcher(network())) {
+    return answer({.status = 503, .body = "too many watch without the key of the page\n"});
+  }
+  state_ = State::upgrades;
+  stream_.next_layer().set_most_frames(options.most_messages);
   stream_.set_option(websocket::stream_base::timeout{.handshake_timeout = options.head_timeout,
                                                      .idle_timeout = options.silent_timeout * 2 / 3,
                                                      .keep_alive_pings = true});
@@ -200,7 +212,7 @@ void WebServer::Connection::upgrade() {
     self->state_ = State::watches;
     self->parts_->watch();
     if (self->parts_ == nullptr) return;  // the run ended on the way there
-    for (const WebOutbox::Text& latest : self->parts_->latest) self->outbox_.add_event(latest);
+    for (const WebOutbox::Text& event : self->parts_->latest) self->outbox_.add_event(event);
     self->listen();
     self->parts_->show_state();
   });
@@ -210,18 +222,14 @@ void WebServer::Connection::listen() {
   stream_.async_read(message_, [self = shared_from_this()](error_code error, std::size_t) {
     if (self->parts_ == nullptr) return;
     if (error == websocket::error::message_too_big) return self->end("sent a message that is too long");
+    if (self->stream_.next_layer().has_sent_too_much()) return self->end("sends too much");
     if (error) return self->end();
-    const auto now = WebTime::now();
-    self->heard_at_ = now;
-    if (now - self->second_began_ > std::chrono::seconds(1)) {
-      self->second_began_ = now;
-      self->messages_ = 0;
-    }
-    if (++self->messages_ > self->parts_->options.most_messages) return self->end("sends too much");
+    self->heard_at_ = WebTime::now();
     const auto bytes = self->message_.cdata();
     if (auto wish = read_wish({static_cast<const char*>(bytes.data()), bytes.size()}))
       self->heard(std::move(*wish));
     self->message_.clear();
+    self->message_.shrink_to_fit();  // a device file may be 2 MiB
     if (self->parts_ != nullptr) self->listen();
   });
 }
@@ -241,6 +249,7 @@ void WebServer::Connection::reply(std::string event) {
   if (parts_ == nullptr) return;
   if (!outbox_.add_reply(std::move(event))) return end("does not take the replies to its commands");
   send();
+  if (parts_ != nullptr) parts_->limit_waiting();
 }
 
 void WebServer::Connection::set_timer(std::chrono::milliseconds timeout, const char* reason) {

@@ -13,7 +13,10 @@
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/websocket/stream.hpp>
 
+#include "canopus/link/tcp/connection_places.hpp"
 #include "canopus/serve/connection_timer.hpp"
+#include "canopus/serve/web/web_frames.hpp"
+#include "canopus/serve/web/web_limits.hpp"
 #include "canopus/serve/web/web_outbox.hpp"
 #include "canopus/serve/web/web_request.hpp"
 #include "canopus/serve/web/web_server.hpp"
@@ -29,6 +32,17 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
   void start();
 
   [[nodiscard]] bool watches() const noexcept { return state_ == State::watches; }
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  [[nodiscard]] link::InternetAddress network() const noexcept { return network_of(address_); }
+  [[nodiscard]] bool watches_without_key() const noexcept {
+    return (watches() || state_ == State::upgrades) && !session_ && !knows_key_;
+  }
+  /// The oldest give way first.
+  [[nodiscard]] link::HeldPlace place() const noexcept { return {.hold = hold(), .used = began_}; }
+  /// Of what is on its way to the client, and of replies.
+  [[nodiscard]] std::size_t waiting_bytes() const noexcept {
+    return outbox_.reply_bytes() + (is_sending_ ? output_.size() : 0);
+  }
   [[nodiscard]] bool wants_messages() const noexcept { return watches() && wants_messages_; }
 
   void add_event(const WebOutbox::Text& event) { outbox_.add_event(event); }
@@ -42,6 +56,8 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
   /// Beast waits without end for a client that it has closed to close its side, too.
   void look_for_end(std::chrono::steady_clock::time_point now);
   void close() noexcept;
+  /// `reason`: what the client did, when it was not its client that ended the connection.
+  void end(const char* reason = nullptr);
 
  private:
   enum class State : std::uint8_t {
@@ -64,13 +80,12 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
   void heard(WebWish wish);
   void reply(std::string event);
   void set_timer(std::chrono::milliseconds timeout, const char* reason);
-  /// `reason`: what the client did, when it was not its client that ended the connection.
-  void end(const char* reason = nullptr);
+  [[nodiscard]] link::Hold hold() const noexcept;
 
   static constexpr int most_drained = 64;
 
   Parts* parts_;
-  boost::beast::websocket::stream<boost::asio::ip::tcp::socket> stream_;
+  boost::beast::websocket::stream<WebClientSocket> stream_;
   std::string name_;
   ConnectionTimer timer_;
   WebOutbox outbox_;
@@ -88,9 +103,10 @@ class WebServer::Connection : public std::enable_shared_from_this<Connection> {
   bool wants_messages_ = false;
   std::vector<std::string> views_;
   int drained_ = 0;
-  unsigned messages_ = 0;
+  bool logs_in_ = false;
+  bool knows_key_ = false;
+  std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
   std::chrono::steady_clock::time_point heard_at_{};
-  std::chrono::steady_clock::time_point second_began_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace canopus::serve

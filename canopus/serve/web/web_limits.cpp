@@ -5,6 +5,7 @@
 namespace canopus::serve {
 
 link::InternetAddress network_of(link::InternetAddress address) noexcept {
+  if (link::is_loopback(address)) return link::InternetAddress{};
   const bool is_ipv4 =
       std::ranges::all_of(address.begin(), address.begin() + 10, [](auto byte) { return byte == 0; });
   if (!is_ipv4) std::fill(address.begin() + 8, address.end(), std::uint8_t{0});

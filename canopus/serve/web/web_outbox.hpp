@@ -13,21 +13,49 @@
 
 namespace canopus::serve {
 
+/// The newest events, as many as have room by number and by size.
+class WebEventList {
+ public:
+  using Text = std::shared_ptr<const std::string>;  ///< shared by all watchers
+  static constexpr std::size_t most_bytes = 1U << 20;
+
+  explicit WebEventList(std::size_t most) : most_(most) {}
+
+  /// How many, the oldest first, have no room any more.
+  std::size_t add(Text event) {
+    bytes_ += event->size();
+    events_.push_back(std::move(event));
+    std::size_t gone = 0;
+    for (; events_.size() > most_ || bytes_ > most_bytes; ++gone) {
+      bytes_ -= events_.front()->size();
+      events_.pop_front();
+    }
+    return gone;
+  }
+  void clear() noexcept {
+    events_.clear();
+    bytes_ = 0;
+  }
+  [[nodiscard]] bool empty() const noexcept { return events_.empty(); }
+  [[nodiscard]] auto begin() const noexcept { return events_.begin(); }
+  [[nodiscard]] auto end() const noexcept { return events_.end(); }
+
+ private:
+  std::size_t most_;
+  std::deque<Text> events_;
+  std::size_t bytes_ = 0;
+};
+
 class WebOutbox {
  public:
-  using Text = std::shared_ptr<const std::string>;            ///< shared by all watchers
+  using Text = WebEventList::Text;
   static constexpr std::size_t most_reply_bytes = 32U << 20;  ///< that wait
   using LostEvent = std::function<std::string(std::uint64_t)>;
 
   /// `lost` makes the event for so many events that did not find room.
-  WebOutbox(std::size_t most_events, LostEvent lost) : most_events_(most_events), lost_(std::move(lost)) {}
+  WebOutbox(std::size_t most_events, LostEvent lost) : events_(most_events), lost_(std::move(lost)) {}
 
-  void add_event(Text event) {
-    events_.push_back(std::move(event));
-    if (events_.size() <= most_events_) return;
-    events_.pop_front();
-    ++lost_events_;
-  }
+  void add_event(Text event) { lost_events_ += events_.add(std::move(event)); }
   /// In place of one that has not gone out.
   void set_state(Text state) { state_ = std::move(state); }
 
@@ -43,8 +71,10 @@ class WebOutbox {
     return reply_bytes_ <= most_reply_bytes;
   }
 
+  [[nodiscard]] std::size_t reply_bytes() const noexcept { return reply_bytes_; }
   [[nodiscard]] bool empty() const noexcept {
-    return events_.empty() && replies_.empty() && !messages_ && !state_ && views_.empty();
+    return lost_events_ == 0 && events_.empty() && replies_.empty() && !messages_ && !state_ &&
+           views_.empty();
   }
   /// A JSON array of all that waits.
   [[nodiscard]] std::string take() {
@@ -67,9 +97,8 @@ class WebOutbox {
   }
 
  private:
-  std::size_t most_events_;
+  WebEventList events_;
   LostEvent lost_;
-  std::deque<Text> events_;
   std::uint64_t lost_events_ = 0;
   std::deque<std::string> replies_;
   std::size_t reply_bytes_ = 0;

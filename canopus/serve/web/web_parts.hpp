@@ -2,7 +2,6 @@
 // The parts of the page's server that its clients and the server itself share; for web_server.cpp and web_connection.cpp alone.
 
 #include <cstddef>
-#include <deque>
 #include <memory>
 #include <string>
 #include <vector>
@@ -33,9 +32,14 @@ struct WebServer::Parts : std::enable_shared_from_this<Parts> {
                                                           if (report) report(said);
                                                         }})),
         port(io),
+        latest(options.most_events),
         timer(io) {}
 
   void admit(boost::asio::ip::tcp::socket socket);
+  /// A further watcher without key and session, of this network, has a place.
+  [[nodiscard]] bool has_room_for_watcher(const link::InternetAddress& network) const;
+  /// No more waits for all clients together than may.
+  void limit_waiting();
   void remove(const Connection& connection);
   void watch();
   void show_state();
@@ -55,7 +59,7 @@ struct WebServer::Parts : std::enable_shared_from_this<Parts> {
   link::TcpPort port;
   WebPlace place;
   std::vector<std::shared_ptr<Connection>> connections;
-  std::deque<WebOutbox::Text> latest;  // events, for newcomers
+  WebEventList latest;  // for newcomers
   boost::asio::steady_timer timer;
   bool is_watched = false;       // the timer runs
   bool is_viewed = false;        // somebody looks at more than the state

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "canopus/link/tcp/connection_places.hpp"
 #include "canopus/serve/web/web_connection.hpp"
 #include "canopus/serve/web/web_parts.hpp"
 
@@ -21,9 +22,17 @@ void WebServer::Parts::admit(tcp::socket socket) {
   const link::AllowList allowed =
       gate->has_users() ? link::AllowList({link::Network{.prefix = 0}}) : link::AllowList();
   if (!link::is_allowed(socket, allowed)) return say(name, "is not allowed to connect");
-  if (connections.size() >= options.maximum_clients) {
-    return say(name, fmt::format("was refused: all {} connections are in use", options.maximum_clients));
-  }
+  const auto now = MonotonicClock::now();
+  const auto report_of = [this](const std::string& client, const std::string& what) { say(client, what); };
+  const link::ConnectionPlaces places(options.maximum_clients, {});
+  const auto asks_from_there = [network = network_of(link::address_of_peer(socket))](const Connection& one) {
+    return one.place().hold == link::Hold::none && one.network() == network;
+  };
+  const auto asking =
+      std::ranges::count_if(connections, [&](const auto& one) { return asks_from_there(*one); });
+  if (std::cmp_greater_equal(asking, options.most_requests_of_address))
+    places.give_way(connections, name, now, report_of, asks_from_there);
+  if (!places.make_room(connections, name, now, report_of)) return;
   const auto connection = std::make_shared<Connection>(*this, std::move(socket));
   connections.push_back(connection);
   connection->start();
@@ -31,6 +40,22 @@ void WebServer::Parts::admit(tcp::socket socket) {
 
 void WebServer::Parts::remove(const Connection& connection) {
   std::erase_if(connections, [&](const auto& other) { return other.get() == &connection; });
+}
+
+bool WebServer::Parts::has_room_for_watcher(const link::InternetAddress& network) const {
+  const auto is_one = [&](const auto& one) {
+    return one->watches_without_key() && one->network() == network;
+  };
+  return std::cmp_less(std::ranges::count_if(connections, is_one), options.most_watchers_of_address);
+}
+
+void WebServer::Parts::limit_waiting() {
+  std::size_t all = 0;
+  for (const auto& one : connections) all += one->waiting_bytes();
+  if (all <= options.most_waiting_bytes) return;
+  const auto most =
+      *std::ranges::max_element(connections, {}, [](const auto& one) { return one->waiting_bytes(); });
+  most->end("does not take the replies to its commands");
 }
 
 /// States are made as long as somebody watches.
@@ -148,8 +173,7 @@ std::size_t WebServer::clients() const noexcept { return parts_->connections.siz
 /// Goes out with the next state: nothing is written inside of the timeline, and a thousand events are one message.
 void WebServer::event(std::string_view json) {
   const auto text = std::make_shared<const std::string>(json);
-  parts_->latest.push_back(text);
-  if (parts_->latest.size() > parts_->options.most_events) parts_->latest.pop_front();
+  parts_->latest.add(text);
   for (const auto& connection : parts_->connections) {
     if (connection->watches()) connection->add_event(text);
   }

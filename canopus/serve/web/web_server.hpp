@@ -26,8 +26,13 @@
 namespace canopus::serve {
 
 struct WebServerOptions {
-  /// Further clients are refused.
+  /// When there are so many, the oldest request that is not whole or is answered gives way to a further client, then the oldest
+  /// watcher without key and session; if all have one, the further client is refused.
   std::size_t maximum_clients = 64;
+  /// Connections of one address without key and session: requests that are not whole or are answered (then the oldest gives way), and
+  /// watchers (a further one is refused).
+  std::size_t most_requests_of_address = 32;
+  std::size_t most_watchers_of_address = 50;
   /// From the connection to the end of the request's head.
   std::chrono::milliseconds head_timeout{5000};
   /// For an answer or a message that the client does not take.
@@ -45,8 +50,10 @@ struct WebServerOptions {
   std::chrono::milliseconds state_interval{250};
   /// Events that wait for a slow client; of those a newcomer gets.
   std::size_t most_events = 500;
-  /// A message of a client, and of one that may change something (a command brings a device file along); what it may
-  /// send in a second.
+  /// Bytes that wait for all clients together; then the one for which most wait is closed.
+  std::size_t most_waiting_bytes = 64U << 20;
+  /// A message of a client, and of one that may change something (a command brings a device file along); messages, pings, pongs and
+  /// small parts of messages that it may send in a second (web_frames.hpp).
   std::size_t longest_message = 1024;
   std::size_t longest_command = 2U << 20;
   unsigned most_messages = 40;

@@ -31,7 +31,10 @@ std::optional<WebWish> read_wish(std::string_view text) {
   if (!wish.contains("views") || !value.is_array() || value.size() > WebWish::most_views) return std::nullopt;
   if (!std::ranges::all_of(value, [](const Json& view) { return view.is_object(); })) return std::nullopt;
   std::vector<std::string> views;
-  for (const Json& view : value) views.push_back(view.dump());
+  for (const Json& view : value) {
+    views.push_back(view.dump());
+    if (views.back().size() > WebWish::longest_view) return std::nullopt;
+  }
   return WebWish{.views = std::move(views)};
 }
 

@@ -14,6 +14,7 @@ namespace canopus::serve {
 /// before; {"do": {...}, "id": N}, a command, whose replies have that number.
 struct WebWish {
   static constexpr std::size_t most_views = 8;
+  static constexpr std::size_t longest_view = 1024;  ///< bytes of its JSON
   struct Command {
     std::string text{};  ///< the object, as JSON
     std::uint32_t id = 0;

@@ -43,6 +43,13 @@ TEST(WebRate, ANetworkOfIpv6IsOneAddress) {
   EXPECT_EQ(admitted(rate, address("fd00:0:0:1::1"), start), 10);
 }
 
+TEST(WebRate, ThisMachineIsOneAddress) {
+  WebRate rate({.of_address_at_once = 10, .of_address = 2});
+  EXPECT_EQ(admitted(rate, address("127.0.0.1"), start), 10);
+  EXPECT_EQ(admitted(rate, address("127.1.2.3"), start), 0);
+  EXPECT_EQ(admitted(rate, address("::1"), start), 0);
+}
+
 TEST(WebRate, AddressesDoNotFillTheMemory) {
   WebRate rate({.most_addresses = 50});
   link::InternetAddress from = address("fd00::1");

@@ -64,5 +64,17 @@ TEST(WebOutbox, OfTooManyEventsTheNewest_AndHowManyWereLost) {
   EXPECT_EQ(waiting.take(), "[f]") << "said once";
 }
 
+TEST(WebOutbox, OfEventsOfManyBytesTheNewest_AndHowManyWereLost) {
+  WebOutbox waiting = outbox(1000);
+  const std::string large(WebEventList::most_bytes / 4, 'x');
+  for (int i = 0; i < 100; ++i) waiting.add_event(text(large));
+  const std::string all = waiting.take();
+  EXPECT_EQ(all.substr(0, 9), "[lost 96,");
+  EXPECT_LT(all.size(), WebEventList::most_bytes + 100);
+  waiting.add_event(text(std::string(WebEventList::most_bytes + 1, 'x')));
+  EXPECT_FALSE(waiting.empty());
+  EXPECT_EQ(waiting.take(), "[lost 1]") << "one that has no room at all";
+}
+
 }  // namespace
 }  // namespace canopus::serve::web_outbox_test

@@ -420,29 +420,31 @@ TEST(WebWish, OnlyWhatAWatcherMaySay) {
   EXPECT_THAT(*read_wish("{\"views\": []}")->views, IsEmpty());
   EXPECT_THAT(*read_wish("{\"views\": [{\"words\": 0, \"from\": 7}, {}]}")->views,
               ElementsAre("{\"from\":7,\"words\":0}", "{}"));
-  for (const char* text : {"",
-                           "true",
-                           "[]",
-                           "{}",
-                           "{\"messages\":1}",
-                           "{\"messages\":true,\"x\":1}",
-                           "{\"message\":true}",
-                           "{\"messages\":true",
-                           "[[[[[[[[[[[[[[[[[[",
-                           "\xFF",
-                           "{\"request\":\"set\"}",
-                           "{\"views\":{}}",
-                           "{\"views\":[1]}",
-                           "{\"views\":[{},{},{},{},{},{},{},{},{}]}",
-                           "{\"views\":[],\"messages\":true}",
-                           "{\"messages\":[]}",
-                           "{\"views\":true}",
-                           "{\"do\":{}}",
-                           "{\"do\":[],\"id\":1}",
-                           "{\"do\":{},\"id\":-1}",
-                           "{\"do\":{},\"id\":4294967296}",
-                           "{\"do\":{},\"id\":1.5}",
-                           "{\"do\":{},\"id\":1,\"x\":1}"}) {
+  for (const std::string& text :
+       std::vector<std::string>{"",
+                                "true",
+                                "[]",
+                                "{}",
+                                "{\"messages\":1}",
+                                "{\"messages\":true,\"x\":1}",
+                                "{\"message\":true}",
+                                "{\"messages\":true",
+                                "[[[[[[[[[[[[[[[[[[",
+                                "\xFF",
+                                "{\"request\":\"set\"}",
+                                "{\"views\":{}}",
+                                "{\"views\":[1]}",
+                                "{\"views\":[{},{},{},{},{},{},{},{},{}]}",
+                                R"({"views":[{"a":")" + std::string(WebWish::longest_view, 'x') + "\"}]}",
+                                "{\"views\":[],\"messages\":true}",
+                                "{\"messages\":[]}",
+                                "{\"views\":true}",
+                                "{\"do\":{}}",
+                                "{\"do\":[],\"id\":1}",
+                                "{\"do\":{},\"id\":-1}",
+                                "{\"do\":{},\"id\":4294967296}",
+                                "{\"do\":{},\"id\":1.5}",
+                                "{\"do\":{},\"id\":1,\"x\":1}"}) {
     EXPECT_FALSE(read_wish(text)) << text;
   }
   // Whoever carries it out walks through it.
@@ -568,11 +570,84 @@ TEST_F(WebServerTest, FurtherClientsAreRefused_AndTheOthersStay) {
   start({.maximum_clients = 2});
   auto first = watch();
   receive(first, "}]");
-  auto second = connect();
+  auto second = watch();
+  receive(second, "}]");
   auto third = connect();
   EXPECT_EQ(receive(third), "closed");
   EXPECT_EQ(server_->clients(), 2U);
   EXPECT_THAT(reports_, ElementsAre(HasSubstr("was refused: all 2 connections are in use")));
+}
+
+TEST_F(WebServerTest, HalfRequests_GiveWay_TheOldestFirst) {
+  start({.maximum_clients = 8, .most_requests_of_address = 4, .role = WebRole::configure, .key = "01"});
+  std::vector<tcp::socket> half;
+  for (int i = 0; i < 80; ++i) {
+    half.push_back(connect());
+    send(half.back(), "GET / HT");
+  }
+  for (int i = 0; i < 20 && server_->clients() > 4; ++i) context_.run_one_for(10ms);
+  EXPECT_EQ(server_->clients(), 4U) << "of one address";
+  auto owner = watch("?key=01");
+  EXPECT_THAT(receive(owner, "}]"), StartsWith("HTTP/1.1 101 "));
+  auto page = connect();
+  send(page, "GET / HTTP/1.1\r\nHost: " + host() + "\r\n\r\n");
+  EXPECT_THAT(receive(page, "</html>"), StartsWith("HTTP/1.1 200 "));
+  EXPECT_THAT(reports_[0], HasSubstr(": its connection is closed"));
+}
+
+TEST_F(WebServerTest, WatchersWithoutKey_AreSoManyOfAnAddress_AndGiveWayToThoseWithIt) {
+  start({.maximum_clients = 4, .most_watchers_of_address = 3, .role = WebRole::configure, .key = "01"});
+  std::vector<tcp::socket> watchers;
+  for (int i = 0; i < 3; ++i) {
+    watchers.push_back(watch());
+    receive(watchers.back(), "}]");
+  }
+  auto further = watch();
+  EXPECT_THAT(receive(further, "key of the page"), StartsWith("HTTP/1.1 503 "));
+  std::vector<tcp::socket> owners;
+  for (int i = 0; i < 4; ++i) {
+    owners.push_back(watch("?key=01"));
+    EXPECT_THAT(receive(owners.back(), "}]"), StartsWith("HTTP/1.1 101 ")) << i;
+  }
+  for (tcp::socket& watcher : watchers) EXPECT_THAT(receive(watcher), EndsWith("closed"));
+  EXPECT_EQ(server_->clients(), 4U);
+  auto fifth = watch("?key=01");
+  EXPECT_THAT(receive(fifth), EndsWith("closed")) << "none of them gives way";
+  for (tcp::socket& owner : owners) EXPECT_THAT(receive(owner, "}]"), Not(HasSubstr("closed")));
+}
+
+TEST_F(WebServerTest, PingsAndPartsOfMessagesCountAsMessages) {
+  const std::string ping("\x89\x80\0\0\0\0", 6);
+  const std::string empty_part("\0\x80\0\0\0\0", 6);
+  const std::string begin("\x01\x80\0\0\0\0", 6);
+  for (const auto& [first, repeated] : {std::pair(std::string(), ping), std::pair(begin, empty_part)}) {
+    start({.most_messages = 20});
+    auto client = watch();
+    receive(client, "}]");
+    std::string frames = first;
+    for (int i = 0; i < 19; ++i) frames += repeated;
+    send(client, frames);
+    EXPECT_THAT(receive(client, "}]"), Not(HasSubstr("closed")));
+    send(client, repeated + repeated);
+    EXPECT_THAT(receive(client), EndsWith("closed"));
+    EXPECT_THAT(reports_, ElementsAre(HasSubstr("sends too much")));
+    reports_.clear();
+  }
+}
+
+TEST_F(WebServerTest, SoManyBytesWaitForAllClients) {
+  start({.most_waiting_bytes = 30U << 20});
+  std::vector<tcp::socket> clients;
+  for (std::uint32_t id = 0; id < 4; ++id) {
+    clients.push_back(watch());
+    receive(clients.back(), "}]");
+    send(clients.back(), message("{\"do\":{},\"id\":" + std::to_string(id) + "}"));
+    receive(clients.back(), "first");
+    reply_(std::string(12U << 20, 'x'));  // more than the system takes
+  }
+  EXPECT_LT(server_->clients(), 4U);
+  EXPECT_GE(server_->clients(), 2U);
+  EXPECT_THAT(reports_, ::testing::Contains(HasSubstr("does not take the replies to its commands")));
 }
 
 TEST_F(WebServerTest, ThousandsOfConnects_LeaveNothingBehind) {
