@@ -8,6 +8,7 @@
 
 #include "canopus/cli/web/web_command_table.hpp"
 #include "canopus/text/printable.hpp"
+#include "canopus/text/shortened.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -84,8 +85,8 @@ std::expected<const WebCommand*, std::string> command_of(const Json& wish,
   if (name == wish.end() || !name->is_string()) return std::unexpected("expected \"command\"");
   const auto command = std::ranges::find(commands, std::string_view(name->string()), &WebCommand::title);
   if (command != commands.end()) return &*command;
-  return std::unexpected(fmt::format("unknown command \"{}\"; expected one of {}",
-                                     text::printable(name->get<std::string>()), names_of(commands)));
+  return std::unexpected(
+      fmt::format("unknown command {}; expected one of {}", quoted_name(name->string()), names_of(commands)));
 }
 
 /// Its own words alone.
@@ -123,8 +124,7 @@ std::expected<void, std::string> end_line(const WebCommand& command, const Json&
     const bool is_known =
         key == "command" || key == place ||
         std::ranges::any_of(fields, [&](const WebCommandField& one) { return one.name == key; });
-    if (!is_known)
-      return std::unexpected(fmt::format("{}: unknown \"{}\"", command.title, text::printable(key)));
+    if (!is_known) return std::unexpected(fmt::format("{}: unknown {}", command.title, quoted_name(key)));
   }
   line.arguments.emplace_back("--");
   line.arguments.insert(line.arguments.end(), behind.begin(), behind.end());
@@ -187,6 +187,11 @@ std::expected<WebCommandLine, std::string> web_command_line(const Json& wish, co
   if (auto ended = end_line(command, wish, "settings", std::move(behind), line); !ended)
     return std::unexpected(ended.error());
   return line;
+}
+
+std::string quoted_name(std::string_view name) {
+  constexpr std::size_t longest = 100;
+  return fmt::format("\"{}\"", text::printable(text::shortened(name, longest)));
 }
 
 std::string shown_command(const std::vector<std::string>& arguments) {

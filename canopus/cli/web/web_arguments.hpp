@@ -49,6 +49,9 @@ struct WebCommandLine {
 /// A command of the second kind.
 [[nodiscard]] bool is_web_settings_command(std::string_view name);
 
+/// What somebody calls a command or a field, in quotes and not too long for a sentence.
+[[nodiscard]] std::string quoted_name(std::string_view name);
+
 /// As a person would type it.
 [[nodiscard]] std::string shown_command(const std::vector<std::string>& arguments);
 

@@ -10,7 +10,9 @@
 #include "canopus/cli/events/event_printer.hpp"
 #include "canopus/cli/events/web_view_fields.hpp"
 #include "canopus/text/file_text.hpp"
+#include "canopus/text/nearest_word.hpp"
 #include "canopus/text/printable.hpp"
+#include "canopus/text/shortened.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -33,6 +35,17 @@ std::string file_name_of(std::string_view said) {
   const std::size_t slash = said.find_last_of("/\\");
   const std::string name(slash == std::string_view::npos ? said : said.substr(slash + 1));
   return name.empty() || name == "." || name == ".." || name.size() > 200 ? "device.eds" : name;
+}
+
+/// An error for a field that the command does not have.
+std::expected<void, std::string> check_fields(const text::Json& wish, std::string_view command,
+                                              const std::vector<std::string_view>& known) {
+  for (const auto& [key, value] : wish.items()) {
+    if (key == "command" || std::ranges::find(known, key) != known.end()) continue;
+    return std::unexpected(fmt::format("{}: unknown {}; expected {}", command, quoted_name(key),
+                                       known.empty() ? "no field" : text::one_of(known)));
+  }
+  return {};
 }
 
 /// Whose commands take turns with those of others: without users all with the key, and all without it.
@@ -78,7 +91,8 @@ void WebCommands::send(const WebReply& reply, Json event) const { reply(view_eve
 
 void WebCommands::done(const WebUser& user, const std::string& line, int code, const std::string& message,
                        WebRole role) const {
-  if (use_.done) use_.done(user, line, code, message, role);
+  if (!use_.done) return;
+  use_.done(user, text::shortened(line, longest_noted), code, text::shortened(message, longest_noted), role);
 }
 
 void WebCommands::refuse(const WebUser& user, const std::string& line, std::uint32_t id,
@@ -114,6 +128,12 @@ void WebCommands::run(const WebUser& user, std::string_view command, std::uint32
   const auto name = wish.is_object() && wish.contains("command") && wish["command"].is_string()
                         ? wish["command"].get<std::string>()
                         : std::string();
+  static const std::map<std::string, std::vector<std::string_view>, std::less<>> fields{
+      {"hello", {}}, {"arm", {"on"}}, {"stop", {"id"}}};
+  if (const auto own = fields.find(name); own != fields.end()) {
+    if (auto good = check_fields(wish, name, own->second); !good)
+      return refuse(user, name, id, reply, web_code::usage, good.error());
+  }
   if (name == "hello") return hello(user, id, reply);
   if (name == "arm") return arm(user, wish, id, reply);
   if (name == "stop") return stop(user, wish, id, reply);
@@ -183,9 +203,9 @@ void WebCommands::hello(const WebUser& user, std::uint32_t id, const WebReply& r
 void WebCommands::arm(const WebUser& user, const text::Json& wish, std::uint32_t id, const WebReply& reply) {
   const bool on = wish.contains("on") && wish["on"].is_boolean() && wish["on"].get<bool>();
   const std::string line = on ? "arm" : "disarm";
-  if (on && user.role < WebRole::operate) {
+  if (user.role < WebRole::operate) {
     return refuse(user, line, id, reply, web_code::not_allowed,
-                  "arm: the role operate is needed, yours is look");
+                  line + ": the role operate is needed, yours is look");
   }
   armed_until_ = on ? ArmClock::now() + use_.armed_for : ArmClock::time_point{};
   Json event = event_of(id);
@@ -224,7 +244,9 @@ void WebCommands::run_own(const WebUser& user, const std::string& name, const Ow
         user, name, id, reply, web_code::not_allowed,
         fmt::format("{}: the role {} is needed, yours is {}", name, name_of(own.role), name_of(user.role)));
   }
-  const std::string line = wish.dump();
+  if (auto good = check_fields(wish, name, own.fields); !good)
+    return refuse(user, own.is_noted ? name : std::string(), id, reply, web_code::usage, good.error());
+  const std::string line = text::shortened(wish.dump(), longest_noted);
   if (own.live_bus && !is_armed()) {
     if (const std::string bus = own.live_bus(wish); !bus.empty()) {
       return refuse(user, line, id, reply, web_code::not_armed,

@@ -40,12 +40,15 @@ class WebCommands {
   static constexpr std::size_t most_waiting = 32;
   static constexpr std::size_t most_of_user = 16;     ///< of these
   static constexpr std::size_t most_of_lookers = 16;  ///< of all who only look together
+  static constexpr std::size_t longest_noted =
+      4096;  ///< bytes of a command line, or a reason, that are kept of it
 
   /// One that is done in this process: says once its row, or a sentence; at once or later.
   struct Own {
     using Done = std::function<void(std::expected<text::Json, std::string>)>;
     serve::WebRole role = serve::WebRole::operate;
     bool is_noted = true;  ///< false: looks again and again, and is nothing for the audit log
+    std::vector<std::string_view> fields{};  ///< beside "command"; with another one it is refused
     std::function<void(const text::Json& wish, Done done)> run{};
     /// The live bus that it acts on, for which writing has to be armed; empty: none. Without the function it has none.
     std::function<std::string(const text::Json& wish)> live_bus{};
@@ -63,7 +66,8 @@ class WebCommands {
     std::chrono::nanoseconds armed_for =
         std::chrono::minutes(10);         ///< then writing on a live bus is not allowed any more
     std::size_t most_output = 64U << 20;  ///< bytes that a command may say
-    /// What was done: who, the command line, its code, the reason (empty: none was said), the role that it needs.
+    /// What was done: who, the command line, its code, the reason (empty: none was said), the role that it needs. Both texts have
+    /// `longest_noted`.
     std::function<void(const serve::WebUser& user, const std::string& line, int code,
                        const std::string& message, serve::WebRole role)>
         done{};

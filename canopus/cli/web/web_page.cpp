@@ -13,6 +13,7 @@
 #include "canopus/serve/web/web_secret.hpp"
 #include "canopus/serve/web/web_users.hpp"
 #include "canopus/text/printable.hpp"
+#include "canopus/text/shortened.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -31,7 +32,7 @@ serve::WebServerOptions options_of(const WebAccess& access) {
 std::string one_line(std::string message) {
   constexpr std::size_t longest = 300;
   std::ranges::replace(message, '\n', ' ');
-  return std::string(text::clipped(text::printable(message), longest));
+  return text::shortened(text::printable(message), longest);
 }
 
 using OwnCommands = std::map<std::string, WebCommands::Own, std::less<>>;
@@ -71,45 +72,58 @@ OwnCommands own_commands(WebStart* start, plant::Plant& plant, WebFaults& faults
   own["domain words"] = {
       .role = serve::WebRole::operate,
       .is_noted = false,
+      .fields = {"bus", "object", "bytes"},
       .run = [&plant](const text::Json& wish, const Done& done) { done(domain_in_words(plant, wish)); }};
   own["faults"] = {.role = serve::WebRole::look,
                    .run = [&faults](const text::Json&, const Done& done) { done(faults.list()); }};
   own["run faults"] = {
       .role = serve::WebRole::operate,
+      .fields = {"bus", "seed", "faults"},
       .run = [&faults](const text::Json& wish, const Done& done) { done(faults.run(wish)); }};
   const auto live_bus = [&modules](const text::Json& wish) { return modules.live_bus(wish); };
   own["clear errors"] = {
       .role = serve::WebRole::operate,
+      .fields = {"number"},
       .run = [&modules](const text::Json& wish, Done done) { modules.clear_errors(wish, std::move(done)); },
       .live_bus = live_bus};
   own["reset module"] = {
       .role = serve::WebRole::operate,
+      .fields = {"number"},
       .run = [&modules](const text::Json& wish, Done done) { modules.restart(wish, std::move(done)); },
       .live_bus = live_bus};
   own["trace"] = {.role = serve::WebRole::look,
                   .is_noted = false,
+                  .fields = {"filter", "fold", "from", "count", "frames", "statistics"},
                   .run = [&trace](const text::Json& wish, Done done) { trace.look(wish, std::move(done)); }};
   own["export trace"] = {
-      .role = serve::WebRole::look, .is_noted = false, .run = [&trace](const text::Json& wish, Done done) {
-        trace.export_part(wish, std::move(done));
-      }};
+      .role = serve::WebRole::look,
+      .is_noted = false,
+      .fields = {"filter", "format", "part"},
+      .run = [&trace](const text::Json& wish, Done done) { trace.export_part(wish, std::move(done)); }};
   if (pace.set_speed) {
-    own["pace"] = {.role = serve::WebRole::operate, .run = [pace](const text::Json& wish, const Done& done) {
-                     done(change_pace(pace, wish));
-                   }};
+    own["pace"] = {
+        .role = serve::WebRole::operate,
+        .fields = {"speed", "run"},
+        .run = [pace](const text::Json& wish, const Done& done) { done(change_pace(pace, wish)); }};
   }
   if (start == nullptr) return own;
   own["plants"] = {.role = serve::WebRole::look,
                    .run = [start](const text::Json&, const Done& done) { done(start->list()); }};
-  own["open"] = {.role = serve::WebRole::configure, .run = [start](const text::Json& wish, Done done) {
+  own["open"] = {.role = serve::WebRole::configure,
+                 .fields = {"path"},
+                 .run = [start](const text::Json& wish, Done done) {
                    start->open(word_of(wish, "path"), std::move(done));
                  }};
-  own["end"] = {.role = serve::WebRole::configure, .run = [start](const text::Json& wish, const Done& done) {
+  own["end"] = {.role = serve::WebRole::configure,
+                .fields = {"number"},
+                .run = [start](const text::Json& wish, const Done& done) {
                   const auto number = wish.find("number");
                   const bool is_number = number != wish.end() && number->is_number_unsigned();
                   start->end(is_number ? number->get<std::uint64_t>() : UINT64_MAX, done);
                 }};
-  own["new project"] = {.role = serve::WebRole::configure, .run = [start](const text::Json& wish, Done done) {
+  own["new project"] = {.role = serve::WebRole::configure,
+                        .fields = {"name"},
+                        .run = [start](const text::Json& wish, Done done) {
                           start->make_project(word_of(wish, "name"), std::move(done));
                         }};
   own["recent projects"] = {.role = serve::WebRole::configure,
@@ -117,13 +131,17 @@ OwnCommands own_commands(WebStart* start, plant::Plant& plant, WebFaults& faults
                             .run = [start](const text::Json&, const Done& done) { done(start->recent()); }};
   own["exit"] = {.role = serve::WebRole::configure,
                  .run = [start](const text::Json&, const Done& done) { start->exit(done); }};
-  own["save as"] = {.role = serve::WebRole::configure, .run = [start](const text::Json& wish, Done done) {
+  own["save as"] = {.role = serve::WebRole::configure,
+                    .fields = {"path", "name"},
+                    .run = [start](const text::Json& wish, Done done) {
                       start->save_settings_as(word_of(wish, "path"), word_of(wish, "name"), std::move(done));
                     }};
-  own["new settings"] = {
-      .role = serve::WebRole::configure, .run = [start](const text::Json& wish, Done done) {
-        start->make_settings(word_of(wish, "name"), word_of(wish, "model"), std::move(done));
-      }};
+  own["new settings"] = {.role = serve::WebRole::configure,
+                         .fields = {"name", "model"},
+                         .run = [start](const text::Json& wish, Done done) {
+                           start->make_settings(word_of(wish, "name"), word_of(wish, "model"),
+                                                std::move(done));
+                         }};
   return own;
 }
 

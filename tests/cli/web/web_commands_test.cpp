@@ -219,6 +219,7 @@ class WebCommandsTest : public ::testing::Test {
         io_, WebCommands::Use{.buses = {bus},
                               .own = {{"double",
                                        {.role = WebRole::operate,
+                                        .fields = {"n", "text"},
                                         .run =
                                             [](const text::Json& wish, const WebCommands::Own::Done& done) {
                                               if (!wish.contains("n"))
@@ -354,6 +355,16 @@ TEST_F(WebCommandsTest, LiveBus_IsWrittenOnlyWhenArmed) {
   say({{"command", "arm"}, {"on", false}});
   say(write);
   EXPECT_EQ(replies().back()["code"], web_code::not_armed);
+}
+
+TEST_F(WebCommandsTest, WhoOnlyLooks_CannotDisarm) {
+  script("exit 0\n");
+  say({{"command", "arm"}, {"on", true}});
+  say({{"command", "arm"}, {"on", false}}, 2, WebRole::look);
+  EXPECT_EQ(replies().back()["code"], web_code::not_allowed);
+  EXPECT_TRUE(commands_->is_armed());
+  EXPECT_THAT(
+      done_, ElementsAre("ann: arm: 0", "ann: disarm: 7: disarm: the role operate is needed, yours is look"));
 }
 
 TEST_F(WebCommandsTest, Arming_FallsOffAfterItsTime) {
@@ -519,6 +530,39 @@ TEST_F(WebCommandsTest, CommandOfThisProcess_IsDoneAtOnce) {
   EXPECT_EQ(replies_[1]["message"], "expected n");
   EXPECT_THAT(done_, ElementsAre(R"(ann: {"command":"double","n":3}: 0)",
                                  R"(ann: {"command":"double"}: 5: expected n)"));
+}
+
+TEST_F(WebCommandsTest, AFieldThatTheCommandDoesNotHave_IsRefusedByItsName) {
+  script("exit 0\n");
+  say({{"command", "double"}, {"n", 3}, {"filler", std::string(2'000'000, 'x')}});
+  say({{"command", "hello"}, {"n", 3}});
+  say({{"command", "arm"}, {"on", true}, {"off", true}});
+  say({{"command", "stop"}, {"ID", 1}});
+  for (const Json& reply : replies_) EXPECT_EQ(reply["code"], web_code::usage) << reply;
+  EXPECT_EQ(replies_[0]["message"], "double: unknown \"filler\"; expected n or text");
+  EXPECT_EQ(replies_[1]["message"], "hello: unknown \"n\"; expected no field");
+  EXPECT_THAT(done_, ElementsAre("ann: double: 2: double: unknown \"filler\"; expected n or text",
+                                 "ann: hello: 2: hello: unknown \"n\"; expected no field",
+                                 "ann: arm: 2: arm: unknown \"off\"; expected on",
+                                 "ann: stop: 2: stop: unknown \"ID\"; expected id"));
+  EXPECT_FALSE(commands_->is_armed());
+}
+
+TEST_F(WebCommandsTest, WhatIsKeptOfACommand_IsCut_AndSaysSo) {
+  script("for i in 1 2 3 4 5 6 7 8 9 10; do printf '%01000d' 0 >&2; done; exit 1\n");
+  const std::string many(2'000'000, 'x');
+  say({{"command", many}});
+  say({{"command", "double"}, {"n", 3}, {"text", many}});
+  say({{"command", "double"}, {many, 3}});
+  say({{"command", "project remove"}, {"node", "1"}, {many, 3}});
+  say({{"command", "project set"}, {"items", std::vector<std::string>(512, std::string(1000, 'x'))}});
+  EXPECT_THAT(replies().back()["message"].get<std::string>(), ::testing::SizeIs(10'000))
+      << "its client gets all";
+  ASSERT_EQ(done_.size(), 5U);
+  for (const std::string& one : done_) {
+    EXPECT_LT(one.size(), 2 * WebCommands::longest_noted + 200);
+    EXPECT_THAT(one, HasSubstr(" bytes in all)"));
+  }
 }
 
 TEST_F(WebCommandsTest, Hello_SaysWhoOneIsAndWhatThereIs) {

@@ -340,7 +340,8 @@ TEST(WebOwnCommands, OnALiveBus_WantToBeArmed) {
   int runs = 0;
   WebCommands commands(io,
                        {.own = {{"clear errors",
-                                 {.run =
+                                 {.fields = {"bus"},
+                                  .run =
                                       [&runs](const WishJson&, const WebCommands::Own::Done& done) {
                                         ++runs;
                                         done(WebModules::Json::object());
