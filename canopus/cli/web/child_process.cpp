@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -12,6 +13,8 @@
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "canopus/cli/web/parent_process.hpp"
 
 namespace canopus::cli {
 namespace {
@@ -34,11 +37,34 @@ struct Pipe {
   bool good = false;
 };
 
+/// That of this process, and what end_with_parent() reads.
+std::vector<std::string> environment_of_child(const std::filesystem::path& folder) {
+  std::vector<std::string> all;
+  for (char** one = environ; *one != nullptr; ++one) all.emplace_back(*one);
+  all.push_back(fmt::format("{}={}", parent_variable, ::getpid()));
+  all.push_back(fmt::format("{}={}", parent_folder_variable, folder.string()));
+  return all;
+}
+
+std::vector<char*> pointers_to(std::vector<std::string>& words) {
+  std::vector<char*> pointers;
+  for (std::string& word : words) pointers.push_back(word.data());
+  pointers.push_back(nullptr);
+  return pointers;
+}
+
 std::string sentence(int error) {
   return fmt::format("a command cannot be started: {}", std::generic_category().message(error));
 }
 
 }  // namespace
+
+std::filesystem::path ChildProcess::make_folder() {
+  std::error_code error;
+  const std::string pattern = std::string(child_folder_prefix) + "XXXXXX";
+  std::string name = (std::filesystem::temp_directory_path(error) / pattern).string();
+  return error || ::mkdtemp(name.data()) == nullptr ? std::filesystem::path() : std::filesystem::path(name);
+}
 
 std::expected<std::shared_ptr<ChildProcess>, std::string> ChildProcess::start(
     boost::asio::io_context& io, const std::string& program, const std::vector<std::string>& arguments,
@@ -67,11 +93,10 @@ std::expected<std::shared_ptr<ChildProcess>, std::string> ChildProcess::start(
                              POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
   std::vector<std::string> words{"canopus"};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> pointers;
-  for (std::string& word : words) pointers.push_back(word.data());
-  pointers.push_back(nullptr);
+  std::vector<std::string> environment = environment_of_child(use.folder);
   pid_t process = 0;
-  const int error = ::posix_spawn(&process, program.c_str(), &files, &attributes, pointers.data(), environ);
+  const int error = ::posix_spawn(&process, program.c_str(), &files, &attributes, pointers_to(words).data(),
+                                  pointers_to(environment).data());
   ::posix_spawn_file_actions_destroy(&files);
   ::posix_spawnattr_destroy(&attributes);
   if (error != 0) return std::unexpected(sentence(error));
@@ -109,7 +134,7 @@ void ChildProcess::stop() noexcept {
     if (::waitpid(process, nullptr, WNOHANG) != 0) return;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
-  ::kill(process, SIGKILL);
+  ::kill(-process, SIGKILL);
   ::waitpid(process, nullptr, 0);
 }
 

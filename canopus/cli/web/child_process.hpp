@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <expected>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -27,11 +28,16 @@ class ChildProcess : public std::enable_shared_from_this<ChildProcess> {
     /// Its exit code, 128 + N of one that signal N ended, and its standard error. Comes once, unless it is stopped.
     std::function<void(int code, std::string errors)> ended{};
     std::size_t most_output = SIZE_MAX;  ///< bytes of its standard output; one that has more to say is ended
+    /// Of make_folder(), for this process alone. Who starts it removes it when it has ended; if that one ends before, it is removed
+    /// all the same.
+    std::filesystem::path folder{};
   };
 
+  /// A folder for files of a process, that only this user can look into; empty: there is none to be had.
+  [[nodiscard]] static std::filesystem::path make_folder();
   /// The program that runs now.
   static constexpr const char* itself = "/proc/self/exe";
-  /// Calls `use` from the loop's thread. `program`: a path; `arguments`: those behind its name. The error is a sentence.
+  /// The process ends with this one (parent_process.hpp). Calls `use` from the loop's thread. `program`: a path; `arguments`: those behind its name. The error is a sentence.
   [[nodiscard]] static std::expected<std::shared_ptr<ChildProcess>, std::string> start(
       boost::asio::io_context& io, const std::string& program, const std::vector<std::string>& arguments,
       Use use);

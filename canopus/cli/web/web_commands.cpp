@@ -23,13 +23,6 @@ using serve::WebRole;
 using serve::WebUser;
 using ArmClock = std::chrono::steady_clock;
 
-/// A folder that only this user can look into; empty: there is none to be had.
-fs::path make_folder() {
-  std::error_code error;
-  std::string name = (fs::temp_directory_path(error) / "canopus-XXXXXX").string();
-  return error || ::mkdtemp(name.data()) == nullptr ? fs::path() : fs::path(name);
-}
-
 /// The last part of a name that the page says, if it can be a file's name here.
 std::string file_name_of(std::string_view said) {
   const std::size_t slash = said.find_last_of("/\\");
@@ -267,7 +260,7 @@ void WebCommands::run_own(const WebUser& user, const std::string& name, const Ow
 /// Its file in a folder of its own. The error is a sentence, empty: none.
 std::string WebCommands::make_file(Job& job) const {
   if (!job.line.file_text && !job.line.makes_file) return {};
-  job.folder = make_folder();
+  job.folder = ChildProcess::make_folder();
   if (job.folder.empty()) return "there is no folder for temporary files";
   const fs::path file = job.folder / file_name_of(job.line.file_name);
   if (job.line.file_text) {
@@ -299,7 +292,8 @@ std::expected<std::shared_ptr<ChildProcess>, std::string> WebCommands::start(con
                                     tell_rows(false);
                                   },
                               .ended = [this](int code, const std::string& errors) { ended(code, errors); },
-                              .most_output = use_.most_output});
+                              .most_output = use_.most_output,
+                              .folder = job.folder});
 }
 
 /// Then it is asked to end, and after some grace ended.

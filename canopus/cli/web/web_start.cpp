@@ -36,10 +36,10 @@ std::string too_many() {
 /// Its files in a folder of their own; empty: they cannot be written.
 fs::path write_example() {
   std::error_code error;
-  std::string name = (fs::temp_directory_path(error) / "canopus-XXXXXX").string();
-  if (error || ::mkdtemp(name.data()) == nullptr) return {};
+  fs::path name = ChildProcess::make_folder();
+  if (name.empty()) return {};
   for (const ExampleFile& file : example_files()) {
-    const fs::path path = fs::path(name) / file.path;
+    const fs::path path = name / file.path;
     fs::create_directories(path.parent_path(), error);
     std::ofstream out(path, std::ios::binary);
     out << file.content;
@@ -160,6 +160,7 @@ void WebStart::open(const std::string& path, Done done) {
     // A project that was made here was opened by its folder.
     if (child.path != whole && fs::path(child.path) / "nodelist.cpj" != fs::path(whole)) continue;
     if (!child.url.empty()) return done(Json{{"url", child.url}});
+    if (child.done.size() >= most_openers) return done(std::unexpected("it is being opened; try again"));
     return child.done.push_back(std::move(done));
   }
   if (has("plants")) return run_plant(whole, {}, std::move(done));
@@ -274,7 +275,8 @@ void WebStart::run(std::vector<std::string> arguments, Child begun) {
                done(std::unexpected(errors.empty() ? fmt::format("it ended with exit code {}", code)
                                                    : errors));
              }
-           }});
+           },
+       .folder = begun.folder});
   if (!child) {
     if (!begun.folder.empty()) fs::remove_all(begun.folder, ignored);
     return begun.done.front()(std::unexpected(child.error()));

@@ -26,6 +26,7 @@ class WebStart {
  public:
   static constexpr std::size_t most_listed = 200;
   static constexpr std::size_t most_running = 8;
+  static constexpr std::size_t most_openers = 32;  ///< that wait for one page to be there
   static constexpr std::uintmax_t most_read = 64U
                                               << 20;  ///< bytes of files, each time it is asked what there is
   using Json = text::Json;

@@ -73,12 +73,9 @@ void WebTrace::hold(const trace::TraceRecord& record) noexcept {
 
 void WebTrace::hand_over() {
   if (held_.empty()) return;
-  std::vector<trace::TraceRecord> next;
-  next.reserve(held_.capacity());
-  auto records = std::make_shared<std::vector<trace::TraceRecord>>(std::move(held_));
-  held_ = std::move(next);
-  if (worker_->add([desk = desk_, records] { desk->add(*records); })) return;
-  held_.assign(records->begin(), records->end());
+  // A copy of as many as there are: room for all that may come, given away each time, would scatter the memory.
+  const auto records = std::make_shared<const std::vector<trace::TraceRecord>>(held_);
+  if (worker_->add([desk = desk_, records] { desk->add(*records); })) held_.clear();
 }
 
 void WebTrace::wait() {

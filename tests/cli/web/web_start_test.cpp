@@ -273,6 +273,15 @@ TEST_F(WebStartTest, WhatRunsAlready_IsShownAgain_AndEnded) {
   EXPECT_THAT(start.list()["running"], IsEmpty());
 }
 
+TEST_F(WebStartTest, NotMoreWaitForAPageThanSoMany) {
+  write("a.toml", "[[bus]]\n");
+  WebStart& start = this->start("exec sleep 1000\n");
+  for (std::size_t i = 0; i < WebStart::most_openers; ++i) start.open("a.toml", say());
+  EXPECT_THAT(said_, IsEmpty());
+  start.open("a.toml", say());
+  EXPECT_THAT(said(), ElementsAre("error: it is being opened; try again"));
+}
+
 TEST_F(WebStartTest, LinksThatLeadOut_AreNotOffered) {
   std::ofstream(top_ / "outside.toml") << "[[bus]]\n";
   std::ofstream(top_ / "outside.cpj") << "";
