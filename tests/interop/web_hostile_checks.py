@@ -212,3 +212,34 @@ def web_a_browser_that_goes_in_the_middle_of_a_command():
         until(lambda: sum(any(word in one["do"] for word in ("project diff", "project set", "scan")) for one in done()) == 3, f"the log has {log.read_text()}")
         require("777" in command(program, "project", "show", folder, "1", "--json").stdout, "what had begun was not done")
         require(not list(folder.glob("*.new")), "something is half written")
+
+
+@check
+def web_nobody_without_the_key_locks_its_owner_out():
+    """Half requests and watchers give way to who has the key; what they and he send is not kept without a bound."""
+    with running(first_plant_file(), operational=[1], words=["--web"]) as plant:
+        _, port = page_of(plant)
+        half = [socket.create_connection(("127.0.0.1", port), PATIENCE) for _ in range(80)]
+        for one in half:
+            one.sendall(b"GET / HT")
+        upgrade = (f"GET /events HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nOrigin: http://127.0.0.1:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+                   "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n").encode()
+        watchers = [socket.create_connection(("127.0.0.1", port), PATIENCE) for _ in range(64)]
+        for one in watchers:
+            one.sendall(upgrade)
+        owner = Person(plant)
+        require(owner.do(command="hello")[0]["role"] == "configure", "the owner has no place")
+        before = memory_of(plant.process)
+        for _ in range(8):
+            owner.number += 1
+            wish = json.dumps({"do": {"command": "pace", "speed": 1, "filler": "x" * 1_500_000}, "id": owner.number}).encode()
+            owner.watcher.socket.sendall(frame(0x81, wish))
+            reply, _ = owner.end(owner.number)
+            require(reply["code"] == 2 and 'unknown "filler"' in reply["message"], reply)
+        grown = memory_of(plant.process) - before
+        require(grown < 20, f"{grown:.0f} MB more after 12 MB of commands")
+        print(f"    {grown:.1f} MB more after 12 MB of commands")
+        for one in half + watchers:
+            one.close()
+        code, errors = plant.stop()
+        require(code == 0, errors)
