@@ -111,7 +111,7 @@ def sigrok_reads_the_waveform_beside_counters_and_fields():
         raise Skip("sigrok-cli is not installed")
     wave = scratch / "wave.vcd"
     run(plant('[[bus.fault]]\nkind = "drive"\nfield = "CRC delimiter"\nbits = "0"\ncount = 1\n'), "--quiet", "--vcd", wave)
-    done = command("sigrok-cli", "-i", wave, "-I", "vcd", "-P", "can:can_rx=can:nominal_bitrate=500000:sample_point=75", "-A",
+    done = command("sigrok-cli", "-i", wave, "-I", "vcd:downsample=25", "-P", "can:can_rx=can:nominal_bitrate=500000:sample_point=75", "-A",
                    "can=id:warnings")
     lines = done.stdout.splitlines()
     require(sum("Identifier: 1795" in line or "Identifier: 1796" in line for line in lines) > 150, done.stdout[:400])

@@ -211,6 +211,8 @@ class Run {
     return std::move(outcome_);
   }
   [[nodiscard]] Bus& bus() { return bus_; }
+  /// Gets every port after each step.
+  std::function<void(const Port&)> look_at;
   [[nodiscard]] Time now() const { return timeline_.now(); }
 
  private:
@@ -339,6 +341,7 @@ class Run {
                             : transmit >= 128 || receive >= 128 ? can::ErrorState::error_passive
                                                                 : can::ErrorState::error_active;
       judge_.check(port.error_state() == expected, "an error state that is not the counters'");
+      if (look_at) look_at(port);
     }
   }
 

@@ -60,13 +60,13 @@ std::string signals_alone(const std::string& text) {
 }
 
 TEST(Waveform, OfAFrameWithoutData_IsThisText) {
-  // 0 11111(0)11111(0)1 0 0 0 00(1)00: SOF, identifier, RTR, IDE, r0, DLC. Ticks of 1 us, ten to a bit.
+  // 0 11111(0)11111(0)1 0 0 0 00(1)00: SOF, identifier, RTR, IDE, r0, DLC. Bits of 10 us with the sample point at 8.75 us.
   Scene scene(100'000);
   scene.a.send_at(Time(1ms), data_frame(0x7FF));
   const std::string text = signals_alone(scene.record(Time(1'200us)));
   EXPECT_EQ(text,
             "$version Canopus $end\n"
-            "$timescale 1 us $end\n"
+            "$timescale 10 ns $end\n"
             "$scope module line_1 $end\n"
             "$var wire 1 ! can $end\n"
             "$var wire 1 \" a_tx $end\n"
@@ -79,16 +79,16 @@ TEST(Waveform, OfAFrameWithoutData_IsThisText) {
             "$enddefinitions $end\n"
             "#0\n"
             "$dumpvars\n1!\n1\"\n0#\n0$\n1%\n0&\n0'\n$end\n"
-            "#1000\n0\"\n1$\n0!\n"  // SOF
-            "#1010\n1\"\n1!\n"      // five recessive bits of the identifier
-            "#1060\n0\"\n0!\n"      // stuff bit
-            "#1070\n1\"\n1!\n"
-            "#1120\n0\"\n0!\n"
-            "#1130\n1\"\n1!\n"  // the last bit of the identifier
-            "#1140\n0\"\n0!\n"  // RTR
-            "#1150\n0$\n"       // IDE: arbitration is over
-            "#1190\n1\"\n1!\n"  // stuff bit
-            "#1200\n0\"\n0!\n");
+            "#100000\n0\"\n1$\n0!\n"  // SOF
+            "#101000\n1\"\n1!\n"      // five recessive bits of the identifier
+            "#106000\n0\"\n0!\n"      // stuff bit
+            "#107000\n1\"\n1!\n"
+            "#112000\n0\"\n0!\n"
+            "#113000\n1\"\n1!\n"  // the last bit of the identifier
+            "#114000\n0\"\n0!\n"  // RTR
+            "#115000\n0$\n"       // IDE: arbitration is over
+            "#119000\n1\"\n1!\n"  // stuff bit
+            "#120000\n0\"\n0!\n");
 }
 
 bool have_sigrok() { return std::system("command -v sigrok-cli >/dev/null 2>&1") == 0; }
@@ -97,9 +97,10 @@ bool have_sigrok() { return std::system("command -v sigrok-cli >/dev/null 2>&1")
 std::vector<std::string> judge(const std::string& text, std::uint32_t bit_rate, const std::string& classes) {
   const std::string path = ::testing::TempDir() + "canopus_wire.vcd";
   std::ofstream(path) << text;
-  const std::string command = "sigrok-cli -i '" + path +
-                              "' -I vcd -P can:can_rx=can:nominal_bitrate=" + std::to_string(bit_rate) +
-                              ":sample_point=75 -A can=" + classes + " 2>/dev/null";
+  const std::string command =
+      "sigrok-cli -i '" + path +
+      "' -I vcd:downsample=125 -P can:can_rx=can:nominal_bitrate=" + std::to_string(bit_rate) +
+      ":sample_point=75 -A can=" + classes + " 2>/dev/null";
   std::vector<std::string> lines;
   std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen(command.c_str(), "r"), pclose);
   if (!pipe) return lines;
@@ -238,10 +239,10 @@ TEST(Waveform, FlagsAndArbitration_AreSignalsOfTheirOwn) {
                   .has_value());
   scene.a.send_at(Time(100us), data_frame(0x123, {0x55}));
   const std::string text = signals_alone(scene.record(Time(1ms)));
-  // a sends its flag in bits 22 to 27, b in bits 28 to 33; unit 100 ns... see BusErrors for the same walk.
-  EXPECT_NE(text.find("#1220\n0\"\n1#\n"), std::string::npos) << text;
-  EXPECT_NE(text.find("#1280\n1\"\n0#\n0%\n1&\n"), std::string::npos);
-  EXPECT_NE(text.find("#1340\n1%\n0&\n1!\n"), std::string::npos);
+  // a sends its flag in bits 22 to 27, b in bits 28 to 33; unit 1 ns... see BusErrors for the same walk.
+  EXPECT_NE(text.find("#122000\n0\"\n1#\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("#128000\n1\"\n0#\n0%\n1&\n"), std::string::npos);
+  EXPECT_NE(text.find("#134000\n1%\n0&\n1!\n"), std::string::npos);
 }
 
 /// When `name` has which number: "1000=5".
@@ -268,20 +269,21 @@ TEST(Waveform, CountersAndFields_AreNumbers) {
   scene.a.send_at(Time(100us), data_frame(0x123, {0x55}));
   const std::string text = scene.record(Time(300us));
   // The transmitter's error at the sample point of bit 21, its success 53 bits and the error frame later.
-  EXPECT_EQ(changes_of(text, "a_tec"), (std::vector<std::string>{"0=0", "1218=8", "1978=7"}));
-  EXPECT_EQ(changes_of(text, "b_rec"), (std::vector<std::string>{"0=0", "1278=1", "1898=0"}));
+  EXPECT_EQ(changes_of(text, "a_tec"), (std::vector<std::string>{"0=0", "121875=8", "197875=7"}));
+  EXPECT_EQ(changes_of(text, "b_rec"), (std::vector<std::string>{"0=0", "127875=1", "189875=0"}));
   // SOF, ID.28-21, ID.20-18, RTR, IDE, r0, DLC, data, active error flag, superposition, delimiter, intermission.
   const auto fields = changes_of(text, "field");
   ASSERT_GE(fields.size(), 14U);
-  EXPECT_EQ(
-      std::vector<std::string>(fields.begin(), fields.begin() + 14),
-      (std::vector<std::string>{"0=0", "1000=1", "1010=2", "1090=3", "1120=4", "1130=5", "1140=11", "1150=12",
-                                "1200=13", "1220=21", "1280=24", "1350=25", "1420=19", "1450=1"}));
+  EXPECT_EQ(std::vector<std::string>(fields.begin(), fields.begin() + 14),
+            (std::vector<std::string>{"0=0", "100000=1", "101000=2", "109000=3", "112000=4", "113000=5",
+                                      "114000=11", "115000=12", "120000=13", "122000=21", "128000=24",
+                                      "135000=25", "142000=19", "145000=1"}));
   EXPECT_NE(text.find("-1 as field, 0 idle, 1 SOF,"), std::string::npos);
   EXPECT_NE(text.find("12 DLC, 13 data, 14 CRC,"), std::string::npos);
   // The other one is on its own where it does not know of the error yet, and where it still sends its flag.
   EXPECT_EQ(changes_of(text, "a_field"), (std::vector<std::string>{"0=-1"}));
-  EXPECT_EQ(changes_of(text, "b_field"), (std::vector<std::string>{"0=-1", "1220=13", "1280=21", "1340=-1"}));
+  EXPECT_EQ(changes_of(text, "b_field"),
+            (std::vector<std::string>{"0=-1", "122000=13", "128000=21", "134000=-1"}));
 }
 
 TEST(Waveform, APortThatIsSwitchedOff_IsIdleFromTheFirstFrameOn_AndAsTheBusAgainWithTheFirstItHears) {
@@ -294,7 +296,7 @@ TEST(Waveform, APortThatIsSwitchedOff_IsIdleFromTheFirstFrameOn_AndAsTheBusAgain
     if (now > Time(300us)) c.port.set_power(true);
   };
   const std::string text = scene.record(Time(1ms));
-  EXPECT_EQ(changes_of(text, "c_field"), (std::vector<std::string>{"0=-1", "1010=0", "6010=-1"}));
+  EXPECT_EQ(changes_of(text, "c_field"), (std::vector<std::string>{"0=-1", "101000=0", "601000=-1"}));
   EXPECT_EQ(changes_of(text, "b_field"), (std::vector<std::string>{"0=-1"}));
 }
 
@@ -315,7 +317,7 @@ TEST(Waveform, InTheMiddleOfAFrame_FlushHandsOverWhatThereIsOfIt) {
   Scene scene(1'000'000);
   scene.a.send_at(Time(100us), data_frame(0x123, {0x55}));
   const std::string text = scene.record(Time(110us));
-  EXPECT_EQ(changes_of(text, "field"), (std::vector<std::string>{"0=0", "1000=1", "1010=2", "1090=3"}));
+  EXPECT_EQ(changes_of(text, "field"), (std::vector<std::string>{"0=0", "100000=1", "101000=2", "109000=3"}));
 }
 
 TEST(Waveform, Resolution_DividesTheBitsOfAllPorts) {
@@ -329,7 +331,24 @@ TEST(Waveform, Resolution_DividesTheBitsOfAllPorts) {
   Scene scene(10'000);
   scene.b.port.restart(800'000);
   const Waveform waveform(scene.bus, Time{}, [](std::string_view) {});
-  EXPECT_EQ(waveform.resolution(), 10ns);
+  EXPECT_EQ(waveform.resolution(), 1ns);  // 1.25 us, sampled 156 ns before its end
+}
+
+TEST(Waveform, Resolution_DividesSamplePointsAndTimesOfFaults) {
+  const auto resolution = [](std::uint32_t rate, const std::vector<Fault>& faults, can::Duration grid) {
+    Scene scene(rate);
+    EXPECT_TRUE(scene.bus.set_faults(faults, 1).has_value());
+    return Waveform(
+               scene.bus, Time{}, [](std::string_view) {}, grid)
+        .resolution();
+  };
+  EXPECT_EQ(resolution(1'000'000, {}, 1us), 1ns);  // 125 ns from the sample point to the end of the bit
+  EXPECT_EQ(resolution(500'000, {}, 1us), 10ns);   // 250 ns
+  EXPECT_EQ(resolution(250'000, {}, 1us), 100ns);  // 500 ns
+  EXPECT_EQ(resolution(10'000, {}, 1us), 100ns);   // 12.5 us
+  EXPECT_EQ(resolution(250'000, {}, 1ns), 1ns);
+  EXPECT_EQ(resolution(250'000, {{.kind = FaultKind::late, .delay = 330ns, .ports = {"a"}}}, 1us), 10ns);
+  EXPECT_EQ(resolution(250'000, {{.kind = FaultKind::termination, .resistors = 1}}, 1us), 1ns);
 }
 
 TEST(Waveform, AtItsEnd_TheBusWorksFrameByFrameAgain) {

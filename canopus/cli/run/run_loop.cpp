@@ -111,7 +111,9 @@ class Run {
 
 bool Run::open_recordings() {
   auto opened = recording_.open_trace(options_.trace, *plant_);
-  if (opened) opened = recording_.open_vcd(options_.vcd, *plant_);
+  // In real time clients act at any moment.
+  const can::Duration grid = options_.virtual_time ? can::Duration(1us) : can::Duration(1ns);
+  if (opened) opened = recording_.open_vcd(options_.vcd, *plant_, grid);
   if (opened) opened = recording_.open_svg(options_.svg, *plant_);
   if (!opened) print_error("canopus: {}", opened.error());
   return opened.has_value();

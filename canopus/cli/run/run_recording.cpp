@@ -105,7 +105,7 @@ std::string vcd_path_of(std::string_view path, std::string_view bus) {
   return fmt::format("{}-{}{}", stem, text::file_name_of(bus), suffix);
 }
 
-VcdFile::VcdFile(std::string path, sim::Bus& bus, const can::Timeline& timeline)
+VcdFile::VcdFile(std::string path, sim::Bus& bus, const can::Timeline& timeline, can::Duration grid)
     : path_(std::move(path)), timeline_(timeline) {
   auto stream = RecordingStream::open(path_);
   if (!stream) {
@@ -118,7 +118,8 @@ VcdFile::VcdFile(std::string path, sim::Bus& bus, const can::Timeline& timeline)
     fail(errno);
     return;
   }
-  waveform_.emplace(bus, can::Time{}, [this](std::string_view text) { write(text); });
+  waveform_.emplace(
+      bus, can::Time{}, [this](std::string_view text) { write(text); }, grid);
 }
 
 VcdFile::~VcdFile() { (void)close({}, {}); }
@@ -189,7 +190,8 @@ std::expected<void, std::string> RunRecording::open_trace(const std::string& pat
   return {};
 }
 
-std::expected<void, std::string> RunRecording::open_vcd(const std::string& path, plant::Plant& plant) {
+std::expected<void, std::string> RunRecording::open_vcd(const std::string& path, plant::Plant& plant,
+                                                        can::Duration grid) {
   if (path.empty()) return {};
   for (std::size_t i = 0; i < plant.bus_count(); ++i) {
     if (plant.simulated_bus(i) == nullptr) {
@@ -198,7 +200,7 @@ std::expected<void, std::string> RunRecording::open_vcd(const std::string& path,
     }
     sim::Bus& bus = *plant.simulated_bus(i);
     const std::string of_bus = plant.bus_count() == 1 ? path : vcd_path_of(path, bus.name());
-    vcd_.push_back(std::make_unique<VcdFile>(of_bus, bus, plant.timeline_of_bus(i)));
+    vcd_.push_back(std::make_unique<VcdFile>(of_bus, bus, plant.timeline_of_bus(i), grid));
     if (std::string problem = vcd_.back()->error(); !problem.empty()) {
       return std::unexpected(std::move(problem));
     }

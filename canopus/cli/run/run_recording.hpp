@@ -82,8 +82,8 @@ class TraceWriter final : public can::BusObserver {
 /// The wire of one bus as a VCD file. The first error is kept and returned by close().
 class VcdFile {
  public:
-  /// The timeline is that of the bus.
-  VcdFile(std::string path, sim::Bus& bus, const can::Timeline& timeline);
+  /// The timeline is that of the bus; `grid` as sim::Waveform has it.
+  VcdFile(std::string path, sim::Bus& bus, const can::Timeline& timeline, can::Duration grid);
   ~VcdFile();
   VcdFile(const VcdFile&) = delete;
   VcdFile& operator=(const VcdFile&) = delete;
@@ -113,8 +113,9 @@ class RunRecording {
  public:
   /// Every frame of the plant's buses in this file; no path: none. The error is a sentence.
   [[nodiscard]] std::expected<void, std::string> open_trace(const std::string& path, plant::Plant& plant);
-  /// The wire of each bus, with several buses in one file each.
-  [[nodiscard]] std::expected<void, std::string> open_vcd(const std::string& path, plant::Plant& plant);
+  /// The wire of each bus, with several buses in one file each. Whatever acts on the plant does so at multiples of `grid`.
+  [[nodiscard]] std::expected<void, std::string> open_vcd(const std::string& path, plant::Plant& plant,
+                                                          can::Duration grid = std::chrono::microseconds(1));
   /// A picture of the lifts, written at the end; no path: none.
   [[nodiscard]] std::expected<void, std::string> open_svg(const std::string& path, plant::Plant& plant);
   void set_patience(const OutputQueue::Patience& patience);

@@ -1,6 +1,7 @@
 #include "canopus/sim/bus/bus.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "canopus/sim/bus/bus_core.hpp"
@@ -111,6 +112,23 @@ bool Bus::can_be_cut() const noexcept {
   const auto& faults = impl_->core.plan.timed_faults();
   return std::any_of(faults.begin(), faults.end(),
                      [](const FaultPlan::TimedFault& timed) { return timed.fault.kind == FaultKind::cut; });
+}
+
+bool Bus::is_cut_off(const Port& port) const noexcept {
+  return std::ranges::any_of(impl_->core.ports, [&](const auto& one) {
+    return one.get() == &port && (!one->plugged() || one->segment == &impl_->far);
+  });
+}
+
+can::Duration Bus::time_grid() const noexcept {
+  const BusCore& core = impl_->core;
+  if (core.clocks != nullptr) return can::Duration(1);
+  const auto with_bit = [](can::Duration grid, can::Duration bit) {
+    return can::Duration(std::gcd(std::gcd(grid.count(), bit.count()), after_sample_point(bit).count()));
+  };
+  can::Duration grid = with_bit(core.plan.time_grid(), can::bit_time(1, core.bit_rate));
+  for (const auto& port : core.ports) grid = with_bit(grid, port->bit());
+  return grid;
 }
 
 void Bus::set_line(const Line& line) {

@@ -90,6 +90,11 @@ class Bus final : public can::Bus {
   [[nodiscard]] std::vector<FaultState> fault_states() const;
   /// Whether one of the faults cuts the wire, now or later.
   [[nodiscard]] bool can_be_cut() const noexcept;
+  /// Of which the times of all that the bus does are multiples, if its participants act at multiples of it: bits, sample
+  /// points and synchronisation at the ports' bit rates, and the faults that are set. 1 ns with a line.
+  [[nodiscard]] can::Duration time_grid() const noexcept;
+  /// A port of this bus that hears nothing of the wire: it is unplugged, or on the far side of a cut.
+  [[nodiscard]] bool is_cut_off(const Port& port) const noexcept;
   /// From here on the bus is this line: levels need time, each controller has its own clock and looks at the wire once
   /// a quantum, and all goes bit by bit. Ports are named as in add_port() and may come later; those that are there start
   /// anew. `line.timing` must have no problem().

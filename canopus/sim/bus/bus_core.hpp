@@ -97,8 +97,8 @@ class alignas(64) BusPort final : public Port {
   bool send(const can::Frame& frame) override;
   /// send() without faults that delay.
   bool enqueue(const can::Frame& frame);
-  [[nodiscard]] std::uint16_t transmit_error_counter() const override { return faults.transmit_errors(); }
-  [[nodiscard]] std::uint16_t receive_error_counter() const override { return faults.receive_errors(); }
+  [[nodiscard]] std::uint16_t transmit_error_counter() const override;
+  [[nodiscard]] std::uint16_t receive_error_counter() const override;
   [[nodiscard]] can::ErrorState error_state() const override { return faults.state(); }
   [[nodiscard]] std::uint32_t bit_rate() const override { return rate; }
   void restart(std::uint32_t bit_rate) override;
@@ -232,7 +232,7 @@ class alignas(64) BusPort final : public Port {
   BusCore& core;
   Segment* segment;
   std::uint32_t index;
-  can::FaultConfinement faults;
+  can::FaultConfinement faults;  // of a frame computed as a whole, as before it: see Segment::counters_of()
   bool powered = true;
   bool on_wire = true;  // plugged and powered
   bool listen_only = false;

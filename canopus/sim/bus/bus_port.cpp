@@ -53,6 +53,12 @@ std::uint64_t BusPort::offer_of_babbler() const noexcept {
   return Arbiter::key(arbitration(babble_goes_first() ? babble : queue.front()), index);
 }
 
+std::uint16_t BusPort::transmit_error_counter() const {
+  return segment->counters_of(*this).transmit_errors();
+}
+
+std::uint16_t BusPort::receive_error_counter() const { return segment->counters_of(*this).receive_errors(); }
+
 void BusPort::restart(std::uint32_t bit_rate) {
   segment->before_change();
   segment->take_off(*this);
@@ -105,6 +111,7 @@ void BusPort::set_power(bool on) {
     std::erase_if(core.delayed, [&](const BusCore::Delayed& waiting) { return waiting.port == this; });
     segment->take_off(*this);
     start_anew();
+    segment->tell_counters(*this, core.timeline.now());
   }
   be_on_wire();
   segment->after_change();

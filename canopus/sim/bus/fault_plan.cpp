@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "canopus/sim/bus/bus_core.hpp"
 #include "canopus/sim/bus/termination.hpp"
@@ -48,6 +49,16 @@ bool is_timed(FaultKind kind) {
     case FaultKind::drive: return false;
     default: return true;
   }
+}
+
+can::Duration with_times_of(const Fault& fault, can::Duration grid) {
+  if (fault.kind == FaultKind::termination) return can::Duration(1);  // its time comes of voltages
+  const can::Duration until = fault.until == can::never ? can::Duration{} : fault.until.time_since_epoch();
+  for (const can::Duration one :
+       {fault.from.time_since_epoch(), until, fault.delay, fault.interval, fault.bit_time}) {
+    grid = can::Duration(std::gcd(grid.count(), one.count()));
+  }
+  return grid;
 }
 
 /// What is wrong with the numbers of a fault that is_timed(); empty: nothing.
@@ -107,6 +118,7 @@ std::expected<FaultPlan, std::string> FaultPlan::make(const std::vector<Fault>& 
     const Fault& fault = faults[number];
     const std::string where = "fault " + std::to_string(number + 1) + " (" + name_of(fault.kind) + "): ";
     if (const std::string wrong = wrong_value(fault); !wrong.empty()) return std::unexpected(where + wrong);
+    plan.time_grid_ = with_times_of(fault, plan.time_grid_);
     const auto unknown = [&](const std::string& name) {
       return std::unexpected(where + "no port \"" + name + "\" on bus \"" + core.name + "\"");
     };

@@ -59,6 +59,8 @@ class FaultPlan {
   /// When a fault begins, ends or babbles next.
   [[nodiscard]] can::Time next() const noexcept { return timed_faults_.empty() ? can::never : next_change(); }
   [[nodiscard]] std::vector<FaultState> states() const;
+  /// Of which the times are multiples that the faults have of their own; 0: they have none.
+  [[nodiscard]] can::Duration time_grid() const noexcept { return time_grid_; }
   [[nodiscard]] BitDriver& driver() noexcept { return driver_; }
   [[nodiscard]] const BitDriver& driver() const noexcept { return driver_; }
 
@@ -81,6 +83,7 @@ class FaultPlan {
   std::vector<TimedFault> timed_faults_;
   BitDriver driver_;
   std::size_t count_ = 0;  // of faults
+  can::Duration time_grid_{};
   std::mt19937_64 random_;
 };
 

@@ -150,7 +150,9 @@ void Segment::start(can::Time now) {
   // A waveform shows a suspension, which is not told as a whole.
   const bool shows_suspension =
       !core_.wire_observers.empty() && port.faults.state() == can::ErrorState::error_passive;
-  if (faults_.corruptions > 0 || arbiter_.is_lowest_shared() || shows_suspension) {
+  // A new state is reported at the sample point that it comes with, within the frame.
+  const bool changes_a_controller = healthy_ && counting_ && success_changes_a_controller(port);
+  if (faults_.corruptions > 0 || arbiter_.is_lowest_shared() || shows_suspension || changes_a_controller) {
     port.give_back();
     arbiter_.set(port.index, port.offer());
     return begin_bits(now);
@@ -214,7 +216,6 @@ void Segment::finish(can::Time now) {
     arbiter_.set(port.index, port.offer());
     deadline_ = arbiter_.lowest() == Arbiter::none ? can::never : next;
   }
-  if (changes_) tell_changes(now);
 }
 
 void Segment::deliver_to_all(const can::Frame& frame, const BusPort& from, can::Time now) {
@@ -230,23 +231,43 @@ void Segment::deliver_to_all(const can::Frame& frame, const BusPort& from, can::
 }
 
 /// Success takes errors back, rules g and h.
+can::FaultConfinement Segment::after_success(const BusPort& port, const BusPort& transmitter) const noexcept {
+  can::FaultConfinement faults = port.faults;
+  if (port.listen_only) return faults;
+  if (&port == &transmitter) {
+    faults.transmitted();
+  } else {
+    faults.received();
+  }
+  return faults;
+}
+
+bool Segment::success_changes_a_controller(const BusPort& transmitter) const noexcept {
+  return std::ranges::any_of(members_, [&](const BusPort* port) {
+    if (port->faults.clean()) return false;
+    const can::FaultConfinement after = after_success(*port, transmitter);
+    return after.state() != port->faults.state() || after.warning() != port->faults.warning();
+  });
+}
+
+/// None of them comes to another state: such a frame goes bit by bit.
 void Segment::count_success(BusPort& transmitter) {
   counting_ = false;
   for (BusPort* port : members_) {
-    if (port->listen_only || port->faults.clean()) continue;
-    const bool warned = port->faults.warning();
-    const can::ErrorState state = port->faults.state();
-    if (port == &transmitter) {
-      port->faults.transmitted();
-    } else {
-      port->faults.received();
-    }
-    if (port->faults.warning() != warned || port->faults.state() != state) {
-      port->tap.changed = changes_ = true;
-      core_.note_controller(*port, state);
-    }
-    counting_ = counting_ || !port->faults.clean();
+    if (port->faults.clean()) continue;
+    port->faults = after_success(*port, transmitter);
+    counting_ = counting_ || (!port->listen_only && !port->faults.clean());
   }
+}
+
+can::FaultConfinement Segment::counters_of(const BusPort& port) const noexcept {
+  if (state_ != State::frame || !counting_ || !port.present()) return port.faults;
+  const BusPort& sender = *transmitter_;
+  const unsigned bits = &port == &sender ? bits_ : bits_ - after_ack_slot;  // up to the one that counts
+  const can::Time sampled = start_ + sender.time_of(bits) - after_sample_point(sender.bit());
+  const can::Time now = core_.timeline.now();
+  const bool is_counted = sampled < now || (sampled == now && core_.has_ticked());
+  return is_counted ? after_success(port, sender) : port.faults;
 }
 
 void Segment::fail_lone(can::Time now) {

@@ -90,6 +90,10 @@ class Segment {
   /// Between before_change() and after_change(): a port has come from another segment.
   void arrive(BusPort& port, const Segment& from);
   [[nodiscard]] can::Time deadline() const noexcept { return deadline_; }
+  /// The port's error counters now. Within a frame that is computed as a whole they are those of its bits.
+  [[nodiscard]] can::FaultConfinement counters_of(const BusPort& port) const noexcept;
+  /// Observers of the wire look at the port's counters.
+  void tell_counters(const BusPort& port, can::Time now);
 
  private:
   enum class State : std::uint8_t {
@@ -104,6 +108,9 @@ class Segment {
   void finish(can::Time now);
   void fail_lone(can::Time now);
   void count_success(BusPort& transmitter);
+  [[nodiscard]] bool success_changes_a_controller(const BusPort& transmitter) const noexcept;
+  [[nodiscard]] can::FaultConfinement after_success(const BusPort& port,
+                                                    const BusPort& transmitter) const noexcept;
   /// An error that the port found now, with its counters as they are.
   void report_error(const BusPort& port, can::BusErrorReport report);
   void deliver(const can::Frame& frame, const BusPort& from, can::Time now) {
@@ -194,7 +201,6 @@ class Segment {
   /// It drives nothing any more, as observers hear.
   void fall_silent(BusPort& port);
   void tell_place(const BusPort& port, can::Time now);
-  void tell_counters(const BusPort& port, can::Time now);
   void tell_driven(BusPort& port, can::Time now);
   void tell_activity(BusPort& port, can::Time now);
   void schedule(can::Time now);

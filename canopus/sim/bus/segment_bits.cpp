@@ -333,12 +333,7 @@ void Segment::conclude(BusPort& port, const Sampled& sampled, can::Time now) {
     arbiter_.set(port.index, port.offer());
     port.bits.join(port.current);
   }
-  const can::ErrorState state = sampled.faults.state();
-  const bool has_changed = port.faults.state() != state || port.faults.warning() != sampled.faults.warning();
-  if (replaying_) {  // an error frame was counted and reported when it was computed
-    if (has_changed && !failed_) tap.changed = changes_ = true;
-    return;
-  }
+  if (replaying_) return;  // an error frame was counted and reported when it was computed
   if (events.error != BusError::none) {
     ++port.counted.errors;
     report_error(port, {.error = events.error,
@@ -352,6 +347,8 @@ void Segment::conclude(BusPort& port, const Sampled& sampled, can::Time now) {
     for (BusObserver* observer : core_.observers) observer->error_detected(port, events.error, now);
   }
   if (events.recovered) port.recovering = false;
+  const can::ErrorState state = sampled.faults.state();
+  const bool has_changed = port.faults.state() != state || port.faults.warning() != sampled.faults.warning();
   if (has_changed) {
     tap.changed = changes_ = true;
     if (port.faults.state() == can::ErrorState::bus_off) {

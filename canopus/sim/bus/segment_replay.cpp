@@ -41,6 +41,7 @@ void Segment::enter_bits() {
 void Segment::replay(can::Time until) {
   BusPort& port = *transmitter_;
   replaying_ = true;
+  error_frame_ = false;  // of an earlier frame
   port.bits.transmit(port.current);
   port.tap.frame_start = start_;
   port.tap.next = start_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <initializer_list>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -13,15 +14,15 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// The longest of 1 ns to 1 us that is at most a tenth of every bit, and of which every bit is a multiple.
-can::Duration resolution_for(const Bus& bus) {
-  std::vector<std::uint32_t> rates = {bus.bit_rate()};
-  for (const Port* port : bus.ports()) rates.push_back(port->bit_rate());
+/// The longest of 1 ns to 1 us that is at most a tenth of every bit, and of which all times are multiples.
+can::Duration resolution_for(const Bus& bus, can::Duration grid) {
+  const can::Duration of_all(std::gcd(bus.time_grid().count(), grid.count()));
+  can::Duration shortest_bit = can::bit_time(1, bus.bit_rate());
+  for (const Port* port : bus.ports()) {
+    shortest_bit = std::min(shortest_bit, can::bit_time(1, port->bit_rate()));
+  }
   const auto fits = [&](can::Duration resolution) {
-    return std::all_of(rates.begin(), rates.end(), [&](std::uint32_t rate) {
-      const can::Duration bit = can::bit_time(1, rate);
-      return resolution * 10 <= bit && bit % resolution == can::Duration{};
-    });
+    return resolution * 10 <= shortest_bit && of_all % resolution == can::Duration{};
   };
   can::Duration resolution = 1us;
   while (resolution > 1ns && !fits(resolution)) resolution /= 10;
@@ -37,12 +38,12 @@ std::string word(std::string name) {
 
 }  // namespace
 
-Waveform::Waveform(Bus& bus, can::Time now, Sink sink)
+Waveform::Waveform(Bus& bus, can::Time now, Sink sink, can::Duration grid)
     : bus_(bus),
       ports_(bus.ports()),
       has_far_side_(bus.can_be_cut()),
       values_(far_side() + 1),
-      text_(std::move(sink), resolution_for(bus)),
+      text_(std::move(sink), resolution_for(bus, grid)),
       fields_(ports_.size()),
       moment_(now) {
   for (std::size_t number = 0; number < values_.size(); ++number) {

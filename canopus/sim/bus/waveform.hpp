@@ -33,14 +33,15 @@ class Waveform final : public WireObserver {
   using Sink = WaveformText::Sink;
 
   /// Writes the head, with the ports the bus has now, and begins to watch. `sink` takes text in pieces of any length,
-  /// that of a frame when it is complete; bus and sink must outlive this.
-  Waveform(Bus& bus, can::Time now, Sink sink);
+  /// that of a frame when it is complete; bus and sink must outlive this. Participants act at multiples of `grid`.
+  Waveform(Bus& bus, can::Time now, Sink sink, can::Duration grid = std::chrono::microseconds(1));
   /// Hands over what has been written, and lets the bus go.
   ~Waveform();
   Waveform(const Waveform&) = delete;
   Waveform& operator=(const Waveform&) = delete;
 
-  /// Unit of the times in the dump: at least ten to a bit, and a whole number of them to every port's bit.
+  /// Unit of the times in the dump: at least ten to a bit, and a whole number of them to Bus::time_grid() and `grid`, so
+  /// that no time is rounded.
   [[nodiscard]] can::Duration resolution() const noexcept { return text_.resolution(); }
   /// Hands everything up to `now`, the present, to the sink.
   void flush(can::Time now);
