@@ -88,8 +88,13 @@ bool Plant::has_stalled() const noexcept { return parts_->has_stalled; }
 
 std::vector<NodeStatus> Plant::nodes() const {
   std::vector<NodeStatus> all;
-  const auto add = [&all](const NodeStatus& status, const can::Port& port) {
+  const auto is_cut_off = [this](const can::Port& port) {
+    return std::ranges::any_of(parts_->simulated,
+                               [&](const sim::Bus* bus) { return bus != nullptr && bus->is_cut_off(port); });
+  };
+  const auto add = [&](const NodeStatus& status, const can::Port& port) {
     NodeStatus& node = all.emplace_back(status);
+    node.is_cut_off = node.is_on && is_cut_off(port);
     node.frames = port.counters().transmitted;
     node.waiting = port.waiting();
     node.error_state = port.error_state();

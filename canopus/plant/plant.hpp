@@ -108,6 +108,7 @@ struct NodeStatus {
   bool is_on = false;
   bool is_module = false;
   module::Layer2State layer2 = module::Layer2State::inactive;
+  bool is_cut_off = false;  ///< it is on, and hears nothing of its simulated bus: see sim::Bus::is_cut_off()
   can::ErrorState error_state = can::ErrorState::error_active;  ///< of its controller
   std::uint16_t transmit_errors = 0;                            ///< TEC
   std::uint16_t receive_errors = 0;                             ///< REC

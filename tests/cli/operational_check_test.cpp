@@ -41,6 +41,17 @@ TEST(OperationalCheck, WithoutATimeOnlyTheEndCounts) {
   EXPECT_TRUE(check.met(up, at(2s)));
 }
 
+TEST(OperationalCheck, ANodeThatTakesNoPartInItsBus_IsNotInOperationWhateverItsNmtState) {
+  plant::NodeStatus cut_off = node(3, NmtState::operational);
+  cut_off.is_cut_off = true;
+  plant::NodeStatus bus_off = node(4, NmtState::operational);
+  bus_off.error_state = can::ErrorState::bus_off;
+  EXPECT_FALSE(all_operational({up[0], cut_off}));
+  EXPECT_FALSE(all_operational({up[0], bus_off}));
+  EXPECT_THAT(not_operational({up[0], cut_off, bus_off}, {}, at(1s)),
+              ElementsAre(HasSubstr("is cut off from its bus"), HasSubstr("is bus-off")));
+}
+
 TEST(OperationalCheck, WithATimeTheRunEndsWhenAllAreOperational) {
   OperationalCheck check(5s, false);
   EXPECT_FALSE(check.over(down, at(1s)));

@@ -104,7 +104,7 @@ TEST(TableLayout, A40x10Terminal_HasTheHeaderTroubleAndTheLatestError) {
   plant.message(can::Time{5s}, "ME3CAN1-Q U0: G24 = 301: not a baud rate");
   EXPECT_THAT(
       plant.lines({10, 40}),
-      ElementsAre("first plant    130/130 operational", "line1   250 kbit/s  load   4.2 %",
+      ElementsAre("first plant    129/130 operational", "line1   250 kbit/s  load   4.2 %",
                   "plc1 U3  X30 X32 X3F  Y31 … 2 more", "Node  Name        NMT state",
                   "   7  device 7    bus-off", "      bus-off: TEC 256, REC 0",
                   "   1  device 1    operational", "… 128 more nodes",

@@ -219,8 +219,14 @@ std::string_view state_name(const plant::NodeStatus& node) {
   return canopen::name(node.state);
 }
 
+std::string_view condition_name(const plant::NodeStatus& node) {
+  if (node.is_cut_off) return "cut off from its bus";
+  if (node.is_on && node.error_state == can::ErrorState::bus_off) return "bus-off";
+  return state_name(node);
+}
+
 bool in_operation(const plant::NodeStatus& node) {
-  if (!node.is_on) return false;
+  if (!node.is_on || node.is_cut_off || node.error_state == can::ErrorState::bus_off) return false;
   return node.layer2 == module::Layer2State::inactive ? node.state == canopen::NmtState::operational
                                                       : node.layer2 == module::Layer2State::online;
 }

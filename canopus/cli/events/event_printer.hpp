@@ -122,7 +122,9 @@ class LinePrinter final : public plant::PlantObserver {
 [[nodiscard]] std::string describe(const module::ModuleErrorRecord& record);
 /// "operational", "off", "layer 2 online"
 [[nodiscard]] std::string_view state_name(const plant::NodeStatus& node);
-/// Operational, or online in a Layer 2 mode.
+/// The same, but of a node that takes no part in its bus: "cut off from its bus", "bus-off".
+[[nodiscard]] std::string_view condition_name(const plant::NodeStatus& node);
+/// Operational, or online in a Layer 2 mode, and takes part in its bus.
 [[nodiscard]] bool in_operation(const plant::NodeStatus& node);
 /// "line1 node 3 (encoder)", "line1 unconfigured (encoder)"; without a node-ID "line1 (ME3CAN1-Q U0)"
 [[nodiscard]] std::string describe(const plant::NodeLabel& node);

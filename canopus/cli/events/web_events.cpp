@@ -45,6 +45,7 @@ Fields node_fields(const plant::NodeStatus& node) {
   fields["module"] = node.is_module;
   fields["state"] = state_name(node);
   fields["in_operation"] = in_operation(node);
+  if (node.is_cut_off) fields["cut_off"] = true;
   fields["frames"] = node.frames;
   fields["waiting"] = node.waiting;
   fields["pdos"] = node.pdos;
@@ -97,6 +98,16 @@ void add_figures(Fields& fields, const WebFigures* figures, std::uint8_t node_id
                            {"period", can::seconds(can::Time{node.period})}};
   }
   if (node.answers.count() != 0) fields["sdo"] = time_fields(node.answers);
+}
+
+/// The NMT state of a node outside of the plant, as far as its bus says it: that it was booted is another thing.
+void add_nmt_state(Fields& fields, const WebFigures* figures, std::uint8_t node_id, can::Time now) {
+  const WebFigures::Node seen = figures == nullptr ? WebFigures::Node{} : figures->node(node_id);
+  const bool is_silent =
+      seen.heartbeat && seen.period > can::Duration{} && 2 * (now - *seen.heartbeat) > 3 * seen.period;
+  const bool is_known = seen.state && !is_silent;
+  fields["state"] = is_known ? canopen::name(*seen.state) : "not known";
+  fields["in_operation"] = is_known && *seen.state == canopen::NmtState::operational;
 }
 
 /// The boot that succeeded has asked for the identity, and found what it expected.
@@ -155,7 +166,9 @@ std::string state_event(plant::Plant& plant, const WebTraffic* traffic, const We
     Fields slave = label_fields(boot.slave);
     slave["master"] = boot.master.node_id;
     add_boot(slave, boot.record, now);
-    if (traffic != nullptr) add_figures(slave, traffic->figures(boot.slave.bus), boot.slave.node_id, now);
+    const WebFigures* const figures = traffic == nullptr ? nullptr : traffic->figures(boot.slave.bus);
+    add_figures(slave, figures, boot.slave.node_id, now);
+    add_nmt_state(slave, figures, boot.slave.node_id, now);
     if (boots != nullptr && has_compared_identity(*boots, boot)) slave["identity"] = "as expected";
     state["slaves"].push_back(std::move(slave));
   }

@@ -6,11 +6,35 @@ namespace canopus::cli {
 namespace {
 
 // [CiA 301 7.3.5]
+constexpr std::uint32_t nmt_id = 0x000;
 constexpr std::uint32_t sync_id = 0x080;
 constexpr std::uint32_t sdo_answer_id = 0x580;
 constexpr std::uint32_t sdo_request_id = 0x600;
 constexpr std::uint32_t error_control_id = 0x700;
 constexpr std::uint32_t node_bits = 0x7F;
+constexpr std::uint8_t state_bits = 0x7F;  // the other one is the toggle bit of node guarding
+
+/// What an error control message says; none: nothing that CiA 301 knows.
+std::optional<canopen::NmtState> said_state(std::uint8_t byte) noexcept {
+  switch (const auto state = static_cast<canopen::NmtState>(byte & state_bits)) {
+    case canopen::NmtState::initialising: return canopen::NmtState::pre_operational;  // the boot-up message
+    case canopen::NmtState::stopped:
+    case canopen::NmtState::operational:
+    case canopen::NmtState::pre_operational: return state;
+  }
+  return {};
+}
+
+std::optional<canopen::NmtState> state_after(std::uint8_t command) noexcept {
+  switch (static_cast<canopen::NmtCommand>(command)) {
+    case canopen::NmtCommand::start: return canopen::NmtState::operational;
+    case canopen::NmtCommand::stop: return canopen::NmtState::stopped;
+    case canopen::NmtCommand::enter_pre_operational: return canopen::NmtState::pre_operational;
+    case canopen::NmtCommand::reset_node:
+    case canopen::NmtCommand::reset_communication: return canopen::NmtState::initialising;
+  }
+  return {};
+}
 
 }  // namespace
 
@@ -33,8 +57,22 @@ text::Json time_fields(const TimeFigures& times) {
           {"most", seconds(times.most())}};
 }
 
+/// Node-ID 0: all. Of a node that was never heard it is not known whether it obeys.
+void WebFigures::commanded(std::uint8_t command, std::uint8_t node_id) noexcept {
+  const auto state = state_after(command);
+  if (!state || node_id >= nodes_.size()) return;
+  for (std::size_t number = 1; number < nodes_.size(); ++number) {
+    Node& node = nodes_[number];
+    if (node.state && (node_id == 0 || node_id == number)) node.state = state;
+  }
+}
+
 void WebFigures::frame_completed(const can::Frame& frame, can::Time end) noexcept {
   if (frame.extended || frame.remote) return;
+  if (frame.identifier == nmt_id) {
+    if (frame.dlc == 2) commanded(frame.data[0], frame.data[1]);
+    return;
+  }
   if (frame.identifier == sync_id) {
     if (last_sync_) sync_.add(end - *last_sync_);
     last_sync_ = end;
@@ -48,7 +86,9 @@ void WebFigures::frame_completed(const can::Frame& frame, can::Time end) noexcep
       node.asked.reset();
       break;
     case error_control_id:
-      if (frame.dlc != 1 || frame.data[0] == 0) break;
+      if (frame.dlc != 1) break;
+      if (const auto state = said_state(frame.data[0])) node.state = state;
+      if (frame.data[0] == 0) break;
       node.period = node.heartbeat ? end - *node.heartbeat : can::Duration{};
       node.heartbeat = end;
       break;

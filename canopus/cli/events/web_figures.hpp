@@ -8,6 +8,7 @@
 
 #include "canopus/can/frame.hpp"
 #include "canopus/can/time.hpp"
+#include "canopus/canopen/service/nmt.hpp"
 #include "canopus/text/json.hpp"
 
 namespace canopus::cli {
@@ -37,8 +38,10 @@ class WebFigures {
   struct Node {
     std::optional<can::Time> heartbeat{};  ///< end of the last one; boot-up messages are none
     can::Duration period{};                ///< between the last two; 0: there was one at most
-    std::optional<can::Time> asked{};      ///< end of the SDO request that has no answer yet
-    TimeFigures answers{};                 ///< from the end of an SDO request to the end of its answer
+    /// As its last boot-up message, heartbeat or guarding answer said, or an NMT command since; none: it has sent none.
+    std::optional<canopen::NmtState> state{};
+    std::optional<can::Time> asked{};  ///< end of the SDO request that has no answer yet
+    TimeFigures answers{};             ///< from the end of an SDO request to the end of its answer
   };
 
   void frame_completed(const can::Frame& frame, can::Time end) noexcept;
@@ -48,6 +51,8 @@ class WebFigures {
   [[nodiscard]] const TimeFigures& sync() const noexcept { return sync_; }
 
  private:
+  void commanded(std::uint8_t command, std::uint8_t node_id) noexcept;
+
   std::array<Node, 128> nodes_{};
   std::optional<can::Time> last_sync_{};
   TimeFigures sync_{};

@@ -27,7 +27,7 @@ std::vector<std::string> not_operational(const std::vector<plant::NodeStatus>& n
   };
   for (const plant::NodeStatus& node : nodes) {
     if (in_operation(node)) continue;
-    std::string text = fmt::format("{} is {}", describe(node.label), state_name(node));
+    std::string text = fmt::format("{} is {}", describe(node.label), condition_name(node));
     for (const plant::SlaveBoot& boot : boots) {
       if (same_node(boot.slave, node.label) && booting(boot))
         text += ": " + manager::explain(boot.record, now);

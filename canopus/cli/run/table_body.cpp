@@ -167,6 +167,8 @@ void look_at(Entry& entry) {
   }
   if (!status.is_on) {
     add(entry, Severity::off, {}, TableStyle::faint);
+  } else if (status.is_cut_off) {
+    add(entry, Severity::not_operational, std::string(condition_name(status)), TableStyle::error);
   } else if (!in_operation(status)) {
     add(entry, Severity::not_operational, {}, TableStyle::warning);
   }

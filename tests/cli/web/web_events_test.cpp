@@ -11,6 +11,8 @@
 
 #include "canopus/cli/events/web_messages.hpp"
 
+#include "paths.hpp"
+
 namespace canopus::cli::web_events_test {
 namespace {
 
@@ -147,6 +149,61 @@ watch = ["G25"]
   EXPECT_EQ(state["modules"][0]["words"][0]["address"], 25);
 }
 
+TEST(WebEvents, ASlaveThatItsBusSaysNothingOf_HasNoKnownNmtState) {
+  const plant::PlantReading reading = plant::read_plant(R"(
+[[bus]]
+name = "line1"
+bit_rate = 250_000
+[[plc]]
+listen = "off"
+[[plc.module]]
+model = "ME3CAN1-Q"
+head = 0
+node = 1
+master = true
+slaves = "all"
+objects = { "1F81:09" = 0x05 }
+)",
+                                                        "plant.toml");
+  ASSERT_TRUE(reading.errors.empty());
+  Counting nobody;
+  auto built = plant::Plant::build(reading.plant, nobody);
+  ASSERT_TRUE(built.has_value());
+  plant::Plant& plant = **built;
+  plant.power_on();
+  plant.timeline().run_until(can::Time{3s});
+  const auto state = nlohmann::json::parse(state_event(plant));
+  ASSERT_THAT(state["slaves"], SizeIs(1));
+  EXPECT_EQ(state["slaves"][0]["state"], "not known");
+  EXPECT_EQ(state["slaves"][0]["in_operation"], false);
+}
+
+TEST(WebEvents, ANodeOnTheFarSideOfACut_IsNotInOperation) {
+  const plant::PlantReading reading = plant::read_plant(
+      "[[bus]]\nname = \"line1\"\nbit_rate = 250_000\n"
+      "[[bus.fault]]\nkind = \"cut\"\nports = [\"encoder\"]\nfrom = \"1s\"\nuntil = \"2s\"\n"
+      "[[device]]\nnode = 3\nname = \"encoder\"\neds = \"" CANOPUS_SOURCE_DIR
+      "/examples/devices/encoder.eds\"\n"
+      "[[device]]\nnode = 4\nname = \"drive\"\neds = \"" CANOPUS_SOURCE_DIR "/examples/devices/drive.eds\"\n",
+      "plant.toml");
+  ASSERT_TRUE(reading.errors.empty());
+  Counting nobody;
+  auto built = plant::Plant::build(reading.plant, nobody);
+  ASSERT_TRUE(built.has_value());
+  plant::Plant& plant = **built;
+  plant.power_on();
+  const auto cut_off_at = [&](can::Duration moment) {
+    plant.timeline().run_until(can::Time{moment});
+    std::vector<bool> all;
+    const auto state = nlohmann::json::parse(state_event(plant));
+    for (const auto& node : state["nodes"]) all.push_back(node.value("cut_off", false));
+    return all;
+  };
+  EXPECT_EQ(cut_off_at(500ms), (std::vector<bool>{false, false}));
+  EXPECT_EQ(cut_off_at(1500ms), (std::vector<bool>{true, false}));
+  EXPECT_EQ(cut_off_at(2500ms), (std::vector<bool>{false, false}));
+}
+
 TEST(WebFigures, HeartbeatsAnswersAndSync_ByThePredefinedConnectionSet) {
   WebFigures figures;
   const auto frame = [&](std::uint32_t id, std::vector<std::uint8_t> data, can::Duration moment) {
@@ -175,6 +232,26 @@ TEST(WebFigures, HeartbeatsAnswersAndSync_ByThePredefinedConnectionSet) {
   EXPECT_EQ(figures.node(6).answers.count(), 0U);
   for (const can::Duration moment : {1000ms, 1010ms, 1019ms, 1030ms}) frame(0x080, {}, moment);
   EXPECT_EQ(time_fields(figures.sync()).dump(), R"({"count":3,"least":0.009,"mean":0.01,"most":0.011})");
+}
+
+TEST(WebFigures, TheNmtState_IsThatOfTheLastErrorControlMessage_OrOfAnNmtCommandSince) {
+  WebFigures figures;
+  const auto after = [&](std::uint32_t id, std::vector<std::uint8_t> data) {
+    can::Frame one{.identifier = id, .dlc = static_cast<std::uint8_t>(data.size())};
+    std::ranges::copy(data, one.data.begin());
+    figures.frame_completed(one, can::Time{1ms});
+    return figures.node(5).state;
+  };
+  using enum canopen::NmtState;
+  EXPECT_EQ(after(0x000, {0x01, 0x00}), std::nullopt) << "nobody has heard of it";
+  EXPECT_EQ(after(0x705, {0x00}), pre_operational);
+  EXPECT_EQ(after(0x000, {0x01, 0x06}), pre_operational) << "for another one";
+  EXPECT_EQ(after(0x000, {0x01, 0x05}), operational);
+  EXPECT_EQ(after(0x000, {0x02, 0x00}), stopped);
+  EXPECT_EQ(after(0x705, {0x85}), operational) << "with the toggle bit of node guarding";
+  EXPECT_EQ(after(0x705, {0x33}), operational) << "no state of CiA 301";
+  EXPECT_EQ(after(0x000, {0x82, 0x05}), initialising);
+  EXPECT_EQ(after(0x705, {0x7F}), pre_operational);
 }
 
 TEST(WebFigures, OtherFrames_AreNone) {

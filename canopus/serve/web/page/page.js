@@ -82,6 +82,7 @@ function troubles_of(node) {
   const lines = state.troubles.filter((one) => key_of(one) === key_of(node)).map((one) => one.message);
   const slave = slave_of(node);
   if (slave && slave.reason && slave.step !== "booted") lines.unshift(slave.reason);
+  if (node.cut_off) lines.unshift("cut off from its bus");
   return lines;
 }
 
@@ -90,8 +91,7 @@ function nodes_of(bus) {
   const own = state.nodes.filter((node) => node.bus === bus);
   const known = new Set(own.map((node) => node.node));
   const foreign = state.slaves.filter((slave) => slave.bus === bus && !known.has(slave.node)).map((slave) => ({
-    ...slave, foreign: true, in_operation: slave.step === "booted",
-    state: slave.step === "booted" ? "booted" : "not booted", pdos: 0, emcy: 0, tec: 0, rec: 0, controller: "error active",
+    ...slave, foreign: true, pdos: 0, emcy: 0, tec: 0, rec: 0, controller: "error active",
   }));
   return [...own, ...foreign];
 }
