@@ -53,6 +53,29 @@ def values_of_the_communication_profile_in_words():
         require(shown == words, f"{place}: {shown!r} instead of {words!r}")
 
 
+@check
+def faults_that_act_are_shown_whatever_somebody_edits():
+    """A fault that is removed from the list, switched off or changed in it is on until the list is run, and says so."""
+    if not shutil.which("node"):
+        raise Skip("node is not installed")
+    drop, jam = 'kind = "drop"', 'kind = "jam"'
+    acting = [{"text": drop, "on": True, "hits": 3, "active": False}, {"text": jam, "on": True, "hits": 0, "active": True}, {"text": "x", "on": False}]
+    cases = [
+        ([{"text": drop, "on": True}, {"text": jam, "on": True}], acting, {"says": ["3 frames hit", "now"], "left": []}),
+        ([], acting, {"says": [], "left": [{"text": drop, "says": "3 frames hit, removed, but on until Run"}, {"text": jam, "says": "now, removed, but on until Run"}]}),
+        ([{"text": drop, "on": False}, {"text": jam + "\n", "on": True}], acting,
+         {"says": ["3 frames hit, on until Run", "not yet run"], "left": [{"text": jam, "says": "now, removed, but on until Run"}]}),
+        ([{"text": drop, "on": True}], acting[:1] * 2, {"says": ["3 frames hit"], "left": [{"text": drop, "says": "3 frames hit, removed, but on until Run"}]}),
+        ([{"text": drop, "on": True}, {"text": jam, "on": False}], [], {"says": ["not yet run", "off"], "left": []}),
+        ([], [], {"says": [], "left": []}),
+    ]
+    script = (f'import {{ fault_rows }} from {json.dumps(str(ROOT / "canopus/serve/web/page/fault_rows.js"))};'
+              f"console.log(JSON.stringify({json.dumps([case[:2] for case in cases])}.map(([edited, acting]) => fault_rows(edited, acting))));")
+    said = json.loads(command("node", "--input-type=module", "--eval", script).stdout)
+    for (edited, _, words), shown in zip(cases, said, strict=True):
+        require(shown == words, f"{edited}: {shown} instead of {words}")
+
+
 def audit(do, code=0, user="anna", **more):
     return {"t": 1.5, "event": "audit", "user": user, "role": "operate", "address": "192.168.1.7:50123", "do": do if isinstance(do, str) else json.dumps(do), "code": code, **more}
 

@@ -1,5 +1,6 @@
 // Faults of simulated buses: the list, on and off, new ones from a frame or a kind, and what they hit. Run has them begin anew.
 import { make, set_text } from "./dom.js";
+import { fault_rows } from "./fault_rows.js";
 
 const kinds = {
   drop: 'kind = "drop"\nidentifier = 0x181\ncount = 1',
@@ -69,16 +70,11 @@ export class FaultView {
     const is_same = (one, other) => one.faults.length === other.faults.length &&
       one.faults.every((fault, place) => fault.text === other.faults[place].text && fault.on === other.faults[place].on);
     this.buses = row.buses.map((bus) => {
+      const acting = bus.faults.map((fault) => ({ ...fault }));
       const known = this.buses.find((one) => one.bus === bus.bus);
-      if (!known || !(known.is_changed || is_same(known, bus))) return bus;
-      for (const fault of known.faults) {
-        const found = bus.faults.find((one) => one.text === fault.text);
-        fault.hits = found?.hits;
-        fault.active = found?.active;
-      }
-      return known;
+      return Object.assign(known && (known.is_changed || is_same(known, bus)) ? known : bus, { acting });
     });
-    this.is_watched = this.buses.some((bus) => bus.faults.some((fault) => fault.on));
+    this.is_watched = this.buses.some((bus) => bus.acting.some((fault) => fault.on));
     if (this.bus.options.length !== this.buses.length) this.bus.replaceChildren(...this.buses.map((bus) => make("option", { value: bus.bus }, bus.bus)));
     this.section.hidden = this.buses.length === 0 || document.getElementById("start-section").hidden === false || document.body.classList.contains("settings-alone");
     this.draw();
@@ -111,7 +107,7 @@ export class FaultView {
     const bus = this.chosen;
     const done = await this.commands.run({ command: "run faults", bus: bus.bus, seed: Number(this.seed.value) || 0, faults: bus.faults.map(({ text, on }) => ({ text, on })) });
     this.said.dataset.mood = done.code === 0 ? "" : "error";
-    if (done.code !== 0) return set_text(this.said, done.message);
+    if (done.code !== 0) return set_text(this.said, `${done.message}; the bus goes on as before`);
     bus.is_changed = false;
     bus.seed = done.rows[0].buses.find((one) => one.bus === bus.bus).seed;
     const on = bus.faults.filter((fault) => fault.on).length;
@@ -149,14 +145,15 @@ export class FaultView {
     if (!bus) return;
     if (document.activeElement !== this.seed) this.seed.value = bus.seed;
     for (const one of this.section.querySelectorAll("button, textarea, #fault-seed")) one.disabled = !this.may_run;
-    const text = JSON.stringify([bus.bus, bus.faults.map(({ text, on }) => [text, on]), this.may_run]);
+    const { says, left } = fault_rows(bus.faults, bus.acting);
+    const text = JSON.stringify([bus.bus, bus.faults.map(({ text, on }) => [text, on]), left.map((fault) => fault.text), this.may_run]);
     if (this.drawn !== text) {
       this.drawn = text;
-      this.list.replaceChildren(...bus.faults.map((fault, place) => this.row(bus, fault, place)));
-      if (bus.faults.length === 0) this.list.replaceChildren(make("li", { class: "faint" }, "the bus has no faults"));
+      this.list.replaceChildren(...bus.faults.map((fault, place) => this.row(bus, fault, place)),
+        ...left.map((fault) => make("li", { class: "fault" }, make("pre", {}, fault.text), make("span", { class: "hits" }))));
+      if (says.length + left.length === 0) this.list.replaceChildren(make("li", { class: "faint" }, "the bus has no faults"));
     }
-    bus.faults.forEach((fault, place) => set_text(this.list.children[place].querySelector(".hits"),
-      !fault.on ? "off" : fault.hits === undefined ? "not yet run" : fault.active ? "now" : `${fault.hits} frames hit`));
+    [...says, ...left.map((fault) => fault.says)].forEach((words, place) => set_text(this.list.children[place].querySelector(".hits"), words));
   }
 
   row(bus, fault, place) {
@@ -165,7 +162,6 @@ export class FaultView {
     words.disabled = !this.may_run;
     words.addEventListener("change", () => {
       fault.text = words.value;
-      delete fault.hits;
       this.changed(bus);
     });
     const on = make("input", { type: "checkbox" });
