@@ -102,12 +102,15 @@ void add_figures(Fields& fields, const WebFigures* figures, std::uint8_t node_id
 
 /// The NMT state of a node outside of the plant, as far as its bus says it: that it was booted is another thing.
 void add_nmt_state(Fields& fields, const WebFigures* figures, std::uint8_t node_id, can::Time now) {
-  const WebFigures::Node seen = figures == nullptr ? WebFigures::Node{} : figures->node(node_id);
+  fields["state"] = "not known";
+  fields["in_operation"] = false;
+  if (figures == nullptr) return;
+  const WebFigures::Node& node = figures->node(node_id);
   const bool is_silent =
-      seen.heartbeat && seen.period > can::Duration{} && 2 * (now - *seen.heartbeat) > 3 * seen.period;
-  const bool is_known = seen.state && !is_silent;
-  fields["state"] = is_known ? canopen::name(*seen.state) : "not known";
-  fields["in_operation"] = is_known && *seen.state == canopen::NmtState::operational;
+      node.heartbeat && node.period > can::Duration{} && 2 * (now - *node.heartbeat) > 3 * node.period;
+  if (!node.state || is_silent) return;
+  fields["state"] = canopen::name(*node.state);
+  fields["in_operation"] = *node.state == canopen::NmtState::operational;
 }
 
 /// The boot that succeeded has asked for the identity, and found what it expected.
