@@ -25,6 +25,7 @@ import configure_checks  # noqa: F401
 import configure_rj71cn91_checks  # noqa: F401
 import bus_error_checks  # noqa: F401
 import docs_checks  # noqa: F401
+import endless_peer_checks  # noqa: F401
 import foreign_stack_checks  # noqa: F401
 import fx2n_32can_checks  # noqa: F401
 import fx3u_can_checks  # noqa: F401

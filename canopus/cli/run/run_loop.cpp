@@ -29,6 +29,7 @@
 #include "canopus/cli/run/stop_signals.hpp"
 #include "canopus/cli/terminal/plant_loading.hpp"
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/link/bounded_poll.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/serve/client_reports.hpp"
 #include "canopus/serve/linked_buses.hpp"
@@ -237,7 +238,8 @@ bool Run::run_in_step() {
       if (io_.run_one() == 0) break;
       continue;
     }
-    io_.poll();  // what clients have sent before comes first
+    // What clients have sent before comes first.
+    (void)link::poll_portion(io_, [this] { return is_to_end(); });
     if (readers.are_behind(servers.waiting_messages(), WallClock::now())) {
       io_.run_one_for(1ms);
       continue;
@@ -257,7 +259,7 @@ bool Run::run_in_step() {
 void Run::run_in_virtual_time() {
   const can::Time end = options_.duration ? can::Time{} + *options_.duration : can::never;
   const auto goes_on = [this](auto) {
-    io_.poll();
+    (void)link::poll_portion(io_, [this] { return is_to_end(); });
     return !is_to_end();
   };
   output_->set_patience(goes_on);

@@ -224,7 +224,8 @@ class SocketcanTransport final : public Transport {
   void on_events() {
     std::array<std::uint8_t, 16384> input;
     bool ours = false;
-    while (true) {
+    constexpr int most_at_once = 64;  // what is left is still there for hear_events()
+    for (int count = 0; count < most_at_once; ++count) {
       const ssize_t size = ::recv(events_.native_handle(), input.data(), input.size(), MSG_DONTWAIT);
       if (size < 0 && errno == ENOBUFS) ours = true;  // events were lost
       if (size <= 0) break;
