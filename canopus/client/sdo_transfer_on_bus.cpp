@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "canopus/canopen/service/nmt.hpp"
+#include "canopus/text/byte_size.hpp"
 
 namespace canopus::client {
 namespace {
@@ -46,7 +47,15 @@ class Giver final : public canopen::ByteSource {
 
 }  // namespace
 
-std::string describe_abort(AbortCode code, bool aborted_by_server, can::Duration time_out) {
+AbortCode abort_on_bus(AbortCode code) noexcept {
+  return code == canopen::SdoClient::buffer_too_small ? AbortCode::out_of_memory : code;
+}
+
+std::string describe_abort(AbortCode code, bool aborted_by_server, can::Duration time_out,
+                           std::size_t limit) {
+  if (code == canopen::SdoClient::buffer_too_small) {
+    return fmt::format("the value is longer than the limit of {}", text::describe_byte_size(limit));
+  }
   if (code == AbortCode::timed_out && !aborted_by_server) {
     return fmt::format("no answer within {}", text::describe_duration(time_out));
   }
@@ -102,8 +111,9 @@ void SdoOnBus::receive(const can::Frame& frame, can::Time now) {
   const unsigned command = frame.data[0] >> 5;
   client_.receive(frame, now);
   if (!answers || client_.busy()) return;  // not what ended the transfer
-  aborted_by_server_ = command == abort;
-  switched_ = block_ && command == initiate_upload;
+  // A segment of a block begins with its number, which can look like either command.
+  aborted_by_server_ = command == abort && !client_.gave_up();
+  switched_ = block_ && command == initiate_upload && client_.abort_code() == AbortCode::command_specifier;
   constexpr unsigned expedited_bit = 0x02;
   was_expedited_ = command == initiate_upload && (frame.data[0] & expedited_bit) != 0;
 }
@@ -138,7 +148,7 @@ std::expected<void, SdoFailure> SdoOnBus::wait(bool started) {
     return std::unexpected(
         SdoFailure{code, "it answers the block upload with an ordinary one; without --block it can be read"});
   }
-  std::string reason = describe_abort(code, aborted_by_server_, time_out_);
+  std::string reason = describe_abort(code, aborted_by_server_, time_out_, client_.maximum_size());
   const bool unknown = block_ && aborted_by_server_ && code == AbortCode::command_specifier;
   if (unknown) reason += "; without --block it may work";
   return std::unexpected(SdoFailure{code, std::move(reason)});

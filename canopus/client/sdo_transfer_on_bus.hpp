@@ -49,6 +49,8 @@ class SdoOnBus final : public can::Participant, private canopen::SdoClientUser {
   SdoOnBus(const SdoOnBus&) = delete;
   SdoOnBus& operator=(const SdoOnBus&) = delete;
 
+  /// What read() takes, in bytes; at first SdoClient::default_maximum_size.
+  void set_limit(std::size_t bytes) noexcept { client_.set_maximum_size(bytes); }
   void set_progress(Progress progress) { progress_ = std::move(progress); }
   std::expected<std::vector<std::uint8_t>, SdoFailure> read(text::ObjectName object);
   std::expected<void, SdoFailure> write(text::ObjectName object, std::span<const std::uint8_t> value);
@@ -81,8 +83,13 @@ class SdoOnBus final : public can::Participant, private canopen::SdoClientUser {
   bool switched_ = false;  // asked for blocks, the server answered an upload expedited or in segments
 };
 
-/// The words for an abort code; `aborted_by_server`: it came over the bus.
+/// The words for an abort code; `aborted_by_server`: it came over the bus. `limit`: the client's, which a value exceeds
+/// where the code is SdoClient::buffer_too_small.
 [[nodiscard]] std::string describe_abort(canopen::AbortCode code, bool aborted_by_server,
-                                         can::Duration time_out);
+                                         can::Duration time_out,
+                                         std::size_t limit = canopen::SdoClient::default_maximum_size);
+
+/// As the server got the code: 05040005H for SdoClient::buffer_too_small, which is never on a bus.
+[[nodiscard]] canopen::AbortCode abort_on_bus(canopen::AbortCode code) noexcept;
 
 }  // namespace canopus::client

@@ -166,7 +166,7 @@ SdoResult MasterRun::sdo(unsigned node, unsigned index, unsigned sub, const std:
   const auto answer = std::make_shared<std::optional<SdoResult>>();
   const auto done = [answer, time_out](const manager::SdoResult& result, can::Time) {
     SdoResult& own = answer->emplace();
-    own.abort_code = static_cast<std::uint32_t>(result.abort_code);
+    own.abort_code = static_cast<std::uint32_t>(client::abort_on_bus(result.abort_code));
     if (result.abort_code != canopen::AbortCode::none) {
       const bool is_answer = result.abort_code != canopen::AbortCode::timed_out;
       own.reason = client::describe_abort(result.abort_code, is_answer, time_out);

@@ -257,7 +257,7 @@ SdoResult PlantRun::sdo(const std::string& bus, unsigned node, unsigned index, u
     throw;
   }
   const canopen::AbortCode code = seat->client.abort_code();
-  SdoResult result{.abort_code = static_cast<std::uint32_t>(code)};
+  SdoResult result{.abort_code = static_cast<std::uint32_t>(client::abort_on_bus(code))};
   if (code != canopen::AbortCode::none) {
     result.reason = client::describe_abort(code, !seat->client.gave_up(), time_out);
   } else if (!value) {

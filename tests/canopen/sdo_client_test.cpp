@@ -147,6 +147,23 @@ TEST_F(SdoClientTest, MoreThanTheMaximum_IsReportedAsBufferTooSmall) {
   EXPECT_EQ(static_cast<std::uint32_t>(client.abort_code()), 0x60600000U);
 }
 
+TEST_F(SdoClientTest, AnnouncedSizeAboveTheUsualLimit_IsRefusedAtOnce) {
+  client.upload(0x1008, 0, *this, now);
+  bus.take();
+  EXPECT_EQ(hear("589 41 08 10 00 01 00 00 01"), "609 80 08 10 00 05 00 04 05") << "16 MiB and a byte";
+  client.upload(0x1008, 0, *this, now, 200ms, SdoClient::Mode::block);
+  bus.take();
+  EXPECT_EQ(hear("589 C6 08 10 00 01 00 00 01"), "609 80 08 10 00 05 00 04 05");
+  EXPECT_EQ(finished, 2);
+}
+
+TEST_F(SdoClientTest, HigherLimit_LetsAnAnnouncedSizeThrough) {
+  client.set_maximum_size(0x01000001);
+  client.upload(0x1008, 0, *this, now);
+  bus.take();
+  EXPECT_EQ(hear("589 41 08 10 00 01 00 00 01"), "609 60 00 00 00 00 00 00 00");
+}
+
 TEST_F(SdoClientTest, MoreBytesThanAnnounced_AreAborted) {
   client.upload(0x1008, 0, *this, now);
   hear("589 41 08 10 00 03 00 00 00");
@@ -172,6 +189,55 @@ TEST_F(SdoClientTest, FramesOfOtherChannels_AreNotItsOwn) {
   EXPECT_FALSE(client.receive(from_text("588 43 00 10 00 01 02 03 04"), now));
   EXPECT_TRUE(client.receive(from_text("589 43 00 10 00 01 02 03 04"), now));
 }
+
+/// A server that has always another segment, and never says how many bytes there are.
+class EndlessServer : public testing::TestWithParam<SdoClient::Mode>, public can::Sink, public SdoClientUser {
+ protected:
+  static constexpr std::size_t limit = 16'777'216;
+
+  EndlessServer() { client.set_server(9); }
+  bool send(const can::Frame& frame) override {
+    last_sent = frame;
+    return true;
+  }
+  void sdo_finished(SdoClient&, can::Time) override {}
+  void answer(std::initializer_list<std::uint8_t> bytes) {
+    client.receive(can::data_frame(0x589, bytes), can::Time{});
+  }
+  /// Gives bytes until the client has enough, or has taken twice the limit.
+  std::size_t upload() {
+    const bool in_blocks = GetParam() == SdoClient::Mode::block;
+    client.upload(0x1008, 0, *this, can::Time{}, 200ms, GetParam());
+    answer({static_cast<std::uint8_t>(in_blocks ? 0xC0 : 0x40), 0x08, 0x10, 0, 0, 0, 0, 0});
+    std::size_t bytes = 0;
+    for (std::uint8_t segment = 0; client.busy() && bytes < 2 * limit; bytes += 7) {
+      if (in_blocks) {
+        segment = static_cast<std::uint8_t>(segment % 127 + 1);
+        answer({segment, 1, 2, 3, 4, 5, 6, 7});
+      } else {
+        answer({segment, 1, 2, 3, 4, 5, 6, 7});
+        segment ^= 0x10;
+      }
+    }
+    return bytes;
+  }
+
+  can::Frame last_sent;
+  SdoClient client{*this};
+};
+
+TEST_P(EndlessServer, UploadIsAbortedAtTheLimit) {
+  EXPECT_LE(upload(), limit + 127 * 7);
+  EXPECT_FALSE(client.busy());
+  EXPECT_EQ(to_text(last_sent), "609 80 08 10 00 05 00 04 05");
+  EXPECT_EQ(static_cast<std::uint32_t>(client.abort_code()), 0x60600000U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, EndlessServer,
+                         testing::Values(SdoClient::Mode::segmented, SdoClient::Mode::block),
+                         [](const auto& test) {
+                           return test.param == SdoClient::Mode::block ? "Block" : "Segmented";
+                         });
 
 }  // namespace
 }  // namespace canopus::canopen::sdo_client_test

@@ -178,14 +178,15 @@ void SdoClient::upload_initiated(const can::Frame& frame, can::Time now) {
 
 inline void SdoClient::object_uploaded(const can::Frame& frame, can::Time now) {
   if ((frame.data[0] & sdo::expedited_bit) == 0) return long_upload_initiated(frame, now);
-  if (into_ != nullptr || maximum_size_ != 0) return take_expedited(frame, now);
+  constexpr std::size_t most_expedited = 4;
+  if (into_ != nullptr || maximum_size_ < most_expedited) return take_expedited(frame, now);
   collector_.take(sdo::value(frame), sdo::expedited_data(frame).size());
   finish(AbortCode::none, now);
 }
 
 void SdoClient::take_expedited(const can::Frame& frame, can::Time now) {
   const auto data = sdo::expedited_data(frame);
-  if (maximum_size_ != 0 && data.size() > maximum_size_) return refuse(buffer_too_small, now);
+  if (data.size() > maximum_size_) return refuse(buffer_too_small, now);
   if (into_ == nullptr) {
     collector_.take(sdo::value(frame), data.size());
   } else if (const AbortCode code = into_->write(data); code != AbortCode::none) {
@@ -195,11 +196,10 @@ void SdoClient::take_expedited(const can::Frame& frame, can::Time now) {
 }
 
 void SdoClient::long_upload_initiated(const can::Frame& frame, can::Time now) {
-  const std::size_t maximum = maximum_size_ != 0 ? maximum_size_ : SIZE_MAX / 2;
   std::optional<std::size_t> announced;
   if ((frame.data[0] & sdo::size_bit) != 0) announced = sdo::value(frame);
-  if (announced && *announced > maximum) return refuse(buffer_too_small, now);
-  collector_.begin(into_, maximum, buffer_too_small, announced, 0);
+  if (announced && *announced > maximum_size_) return refuse(buffer_too_small, now);
+  collector_.begin(into_, maximum_size_, buffer_too_small, announced, 0);
   state_ = State::upload_segment;
   request_segment(now);
 }

@@ -38,6 +38,8 @@ class SdoClient {
   /// Local code, never on the bus: the value is longer than set_maximum_size() allows [ME3CAN1-Q 8.2.3].
   static constexpr auto buffer_too_small = static_cast<AbortCode>(0x60600000);
   static constexpr can::Duration default_time_out = std::chrono::milliseconds(500);
+  /// Bytes. A server can send without end: what no object of a usual device needs is not kept.
+  static constexpr std::size_t default_maximum_size = std::size_t{16} << 20;
 
   explicit SdoClient(can::Sink& sink) : sink_(&sink) { collector_.make_room(); }
 
@@ -70,9 +72,10 @@ class SdoClient {
   void drop(AbortCode code) noexcept;
 
   [[nodiscard]] bool busy() const noexcept { return state_ != State::idle; }
-  /// Limits what an upload may bring, in bytes; 0 = no limit. More is aborted with 05040005H, as soon as it
-  /// is announced or comes, and reported as buffer_too_small.
+  /// Limits what an upload may bring, in bytes, at first default_maximum_size. More is aborted with 05040005H,
+  /// as soon as it is announced or comes, and reported as buffer_too_small.
   void set_maximum_size(std::size_t bytes) noexcept { maximum_size_ = bytes; }
+  [[nodiscard]] std::size_t maximum_size() const noexcept { return maximum_size_; }
 
   /// Block uploads: a server may answer a value of up to this many bytes expedited or segmented instead; 0 =
   /// never, one that does so is aborted with 05040001H. 4 as long as nobody says otherwise: what fits comes
@@ -172,7 +175,7 @@ class SdoClient {
   bool all_sent_ = false;    // of a segmented download
   bool gave_up_ = false;
   AbortCode abort_code_ = AbortCode::none;
-  std::size_t maximum_size_ = 0;
+  std::size_t maximum_size_ = default_maximum_size;
   ByteSink* into_ = nullptr;
   SegmentSource source_;
   SegmentCollector collector_;

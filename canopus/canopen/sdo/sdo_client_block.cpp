@@ -53,10 +53,9 @@ void SdoClient::block_upload_initiated(const can::Frame& frame, can::Time now) {
   if (!is_about_this_object(frame)) return;
   std::optional<std::size_t> announced;
   if ((frame.data[0] & 2U) != 0) announced = sdo::value(frame);
-  const std::size_t maximum = maximum_size_ != 0 ? maximum_size_ : SIZE_MAX / 2;
-  if (announced && *announced > maximum) return refuse(buffer_too_small, now);
+  if (announced && *announced > maximum_size_) return refuse(buffer_too_small, now);
   const bool with_crc = (frame.data[0] & sdo::crc_bit) != 0;
-  collector_.begin(into_, maximum, buffer_too_small, announced, sdo::segment_size);
+  collector_.begin(into_, maximum_size_, buffer_too_small, announced, sdo::segment_size);
   collector_.count_crc(with_crc);
   block_receiver_.begin(own_block_size, with_crc, frame);
   state_ = State::block_upload;

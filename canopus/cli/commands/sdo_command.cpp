@@ -18,6 +18,7 @@
 #include "canopus/cli/terminal/domain_words.hpp"
 #include "canopus/client/sdo_transfer_on_bus.hpp"
 #include "canopus/client/sdo_value.hpp"
+#include "canopus/text/byte_size.hpp"
 #include "canopus/text/file_text.hpp"
 #include "canopus/text/json.hpp"
 #include "canopus/text/nearest_word.hpp"
@@ -33,6 +34,7 @@ struct SdoArguments {
   std::string value;
   std::string file;
   std::string eds;
+  std::string limit = "16M";
   bool raw = false;
   bool block = false;
 };
@@ -122,7 +124,7 @@ int failed(const SdoArguments& arguments, const Target& target, const client::Sd
     line["node"] = target.node;
     line["object"] = target.object_text();
     if (failure.code != canopen::AbortCode::none) {
-      line["abort"] = fmt::format("{:08X}", static_cast<std::uint32_t>(failure.code));
+      line["abort"] = fmt::format("{:08X}", static_cast<std::uint32_t>(client::abort_on_bus(failure.code)));
     }
     line["reason"] = failure.reason;
     print_json(line);
@@ -191,20 +193,35 @@ int print_value(const SdoArguments& arguments, const Target& target, std::span<c
   return exit_code::done;
 }
 
+/// A size is 32 bits wide in an SDO.
+std::expected<std::size_t, std::string> limit_of(const SdoArguments& arguments) {
+  constexpr std::uint64_t most = 0xFFFFFFFF;
+  const auto limit = text::parse_byte_size(arguments.limit);
+  if (!limit) return std::unexpected("--limit: " + limit.error());
+  if (*limit > most)
+    return std::unexpected(fmt::format("--limit {}: expected at most 4095M", arguments.limit));
+  return static_cast<std::size_t>(*limit);
+}
+
 int read(const SdoArguments& arguments) {
   const auto target = target_of(arguments);
   if (!target) return complain(exit_code::usage, target.error());
+  const auto limit = limit_of(arguments);
+  if (!limit) return complain(exit_code::usage, limit.error());
   return with_bus(arguments.bus, [&](BusLoop& bus, can::Duration time_out) {
     bus.need({link::IdentifierFilter::only(canopen::cob_id::sdo_response + target->node)});
     client::SdoOnBus sdo(bus, target->node, time_out, arguments.block);
+    sdo.set_limit(*limit);
     std::expected<std::vector<std::uint8_t>, client::SdoFailure> bytes;
     {
       ProgressLine progress(bus);
       sdo.set_progress([&progress](std::size_t done, std::size_t of) { progress.show(done, of); });
       bytes = sdo.read(target->object);
     }
-    return bytes ? print_value(arguments, *target, *bytes, sdo.speed())
-                 : failed(arguments, *target, bytes.error());
+    if (bytes) return print_value(arguments, *target, *bytes, sdo.speed());
+    client::SdoFailure failure = bytes.error();
+    if (failure.code == canopen::SdoClient::buffer_too_small) failure.reason += ", which --limit can raise";
+    return failed(arguments, *target, failure);
   });
 }
 
@@ -275,6 +292,9 @@ void build_sdo_command(Command& sdo, int& exit_code) {
   Command* reading = sdo.add_subcommand("read", "Show an object (SDO upload)");
   add_common(*reading);
   reading->add_option("--file", arguments->file, "put the bytes into this file")->type_name("FILE");
+  reading->add_option("--limit", arguments->limit, "most bytes that are taken: 65536, 64K, 16M, 1G")
+      ->type_name("SIZE")
+      ->capture_default_str();
   reading->add_flag("--raw", arguments->raw, "put the bytes on the output as they are");
   reading
       ->add_option(
