@@ -9,8 +9,12 @@
 
 namespace canopus::serve {
 
-LinkedBuses::LinkedBuses(boost::asio::io_context& io, const std::string& plant_path, bool virtual_time)
-    : io_(io), folder_(std::filesystem::path(plant_path).parent_path()), virtual_time_(virtual_time) {}
+LinkedBuses::LinkedBuses(boost::asio::io_context& io, const std::string& plant_path, bool virtual_time,
+                         trace::KeepReading keep_reading)
+    : io_(io),
+      folder_(std::filesystem::path(plant_path).parent_path()),
+      virtual_time_(virtual_time),
+      keep_reading_(std::move(keep_reading)) {}
 
 LinkedBuses::~LinkedBuses() = default;
 
@@ -19,7 +23,7 @@ std::expected<std::unique_ptr<can::Bus>, std::string> LinkedBuses::open(const pl
   std::unique_ptr<link::BusClient> client;
   if (!section.replay.empty()) {
     auto replay = ReplayBus::open((folder_ / section.replay).lexically_normal().string(),
-                                  section.replay_channel, timeline);
+                                  section.replay_channel, timeline, keep_reading_);
     if (!replay) return std::unexpected(replay.error());
     client = std::move(*replay);
   } else if (virtual_time_) {

@@ -13,6 +13,7 @@
 
 #include "canopus/link/linked_bus.hpp"
 #include "canopus/plant/plant.hpp"
+#include "canopus/trace/file/trace_input.hpp"
 
 namespace canopus::serve {
 
@@ -21,7 +22,9 @@ class LinkedBuses final : public plant::BusOpener {
  public:
   /// `plant_path` is what paths of traces are relative to. In virtual time only traces can be opened: a plant that runs ahead
   /// of the clock cannot wait for the frames of a real bus.
-  LinkedBuses(boost::asio::io_context& io, const std::string& plant_path, bool virtual_time);
+  /// `keep_reading`: for traces, as open_trace() has it; called by the thread that the bus is ticked on.
+  LinkedBuses(boost::asio::io_context& io, const std::string& plant_path, bool virtual_time,
+              trace::KeepReading keep_reading = {});
   ~LinkedBuses();
   LinkedBuses(const LinkedBuses&) = delete;
   LinkedBuses& operator=(const LinkedBuses&) = delete;
@@ -39,6 +42,7 @@ class LinkedBuses final : public plant::BusOpener {
   boost::asio::io_context& io_;
   std::filesystem::path folder_;
   bool virtual_time_;
+  trace::KeepReading keep_reading_;
   std::vector<link::LinkedBus*> buses_;  // they belong to the plant
 };
 

@@ -5,13 +5,19 @@
 
 namespace canopus::serve {
 
+/// Of plant time, until a trace that has much at one moment is read on.
+constexpr can::Duration portion_pause = std::chrono::milliseconds(1);
+
 std::expected<std::unique_ptr<ReplayBus>, std::string> ReplayBus::open(const std::string& path,
                                                                        std::string channel,
-                                                                       can::Timeline& timeline) {
-  auto reader = trace::open_trace(path);
+                                                                       can::Timeline& timeline,
+                                                                       trace::KeepReading keep_reading) {
+  auto reader = trace::open_trace(path, std::nullopt, std::move(keep_reading));
   if (!reader) return std::unexpected(reader.error());
   std::unique_ptr<ReplayBus> bus(new ReplayBus(std::move(*reader), std::move(channel), timeline));
-  bus->read_next();
+  do {
+    bus->read_next();
+  } while (!bus->next_ && bus->at_ != can::never);
   if (!bus->next_ && !bus->mistake_.empty()) return std::unexpected(bus->mistake_);
   if (!bus->next_ && !bus->channel_.empty()) {
     std::string message = path + ": no frame of the channel \"" + bus->channel_ + "\"; expected one of";
@@ -52,11 +58,21 @@ void ReplayBus::tick(can::Time now) {
   const std::size_t count = std::exchange(sent_count_, 0);
   const std::array<can::Frame, 16> sent = sent_;
   for (std::size_t i = 0; i < count && user_ != nullptr; ++i) user_->frame_sent(sent[i]);
-  while (next_ && at_ <= now) {
-    const can::Frame frame = next_->frame;
+  // More than any bus carries in a moment: in a trace without end, whose times stand still, they are given in portions.
+  constexpr int most_at_once = 1000;
+  for (int given = 0; at_ <= now; ++given) {
+    if (given == most_at_once) {
+      at_ = can::later(now, portion_pause);
+      return;
+    }
+    const std::optional<trace::TraceRecord> due = next_;
     read_next();
-    if (user_ != nullptr) user_->frame_received(frame);
+    if (due && user_ != nullptr) user_->frame_received(due->frame);
   }
+}
+
+bool ReplayBus::wants(const trace::TraceRecord& record) const {
+  return !record.error_frame && (channel_.empty() || reader_->channel(record.channel) == channel_);
 }
 
 void ReplayBus::read_next() {
@@ -64,7 +80,8 @@ void ReplayBus::read_next() {
   at_ = can::never;
   constexpr int most_mistakes = 1000;  // the plant waits meanwhile
   int mistakes_in_a_row = 0;
-  while (true) {
+  constexpr int most_unwanted = 10'000;
+  for (int unwanted = 0; unwanted < most_unwanted;) {
     auto record = reader_->next();
     if (!record) {  // the next call goes on behind it, where the format allows that
       if (++mistakes_ == 1) mistake_ = record.error();
@@ -78,14 +95,17 @@ void ReplayBus::read_next() {
       mistakes_ = 0;
       return;
     }
-    if ((*record)->error_frame) continue;
-    if (!channel_.empty() && reader_->channel((*record)->channel) != channel_) continue;
+    if (!wants(**record)) {
+      ++unwanted;
+      continue;
+    }
     if (!zero_) zero_ = (*record)->time;
     next_ = **record;
     // A trace whose time goes back is played back in its order.
     at_ = std::max(timeline_.now(), can::later(can::Time{}, (*record)->time - *zero_));
     return;
   }
+  at_ = can::later(timeline_.now(), portion_pause);
 }
 
 }  // namespace canopus::serve

@@ -19,10 +19,10 @@ namespace canopus::serve {
 /// Reads the trace as it goes, in constant memory. Time 0 of the run is that of the first frame.
 class ReplayBus final : public link::BusClient, public can::Ticker {
  public:
-  /// `path` as open_trace() takes it; `channel`: of its channels this one alone, empty: all. Errors are sentences.
-  [[nodiscard]] static std::expected<std::unique_ptr<ReplayBus>, std::string> open(const std::string& path,
-                                                                                   std::string channel,
-                                                                                   can::Timeline& timeline);
+  /// `path` and `keep_reading` as open_trace() takes them; `channel`: of its channels this one alone, empty: all. Errors are sentences.
+  [[nodiscard]] static std::expected<std::unique_ptr<ReplayBus>, std::string> open(
+      const std::string& path, std::string channel, can::Timeline& timeline,
+      trace::KeepReading keep_reading = {});
   ~ReplayBus() override;
   ReplayBus(const ReplayBus&) = delete;
   ReplayBus& operator=(const ReplayBus&) = delete;
@@ -36,8 +36,10 @@ class ReplayBus final : public link::BusClient, public can::Ticker {
 
  private:
   ReplayBus(std::unique_ptr<trace::TraceReader> reader, std::string channel, can::Timeline& timeline);
-  /// Reads up to the next frame; error frames are left out.
+  /// Reads up to the next frame; error frames are left out. After many that are not wanted it leaves the rest to the next
+  /// tick, a millisecond later: a plant that reads a stream without end goes on all the same.
   void read_next();
+  [[nodiscard]] bool wants(const trace::TraceRecord& record) const;
 
   std::unique_ptr<trace::TraceReader> reader_;
   std::string channel_;
@@ -46,7 +48,7 @@ class ReplayBus final : public link::BusClient, public can::Ticker {
   link::BusClientUser* user_ = nullptr;
   std::optional<trace::TraceRecord> next_;
   std::optional<can::Time> zero_;  // of the trace
-  can::Time at_ = can::never;      // of next_, in the run
+  can::Time at_ = can::never;      // of next_, in the run, or when to read on
   std::array<can::Frame, 16> sent_{};
   std::size_t sent_count_ = 0;
   std::size_t mistakes_ = 0;  // of the file so far

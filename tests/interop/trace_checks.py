@@ -2,6 +2,8 @@
 import contextlib
 import csv
 import json
+import os
+import pathlib
 import shutil
 import signal
 import socket
@@ -10,7 +12,7 @@ import subprocess
 import threading
 import time
 
-from kit import PATIENCE, PYTHON, ROOT, RawClient, Skip, check, command, first_plant, first_plant_file, program, require, running, scratch
+from kit import PATIENCE, PYTHON, ROOT, RawClient, Skip, check, command, first_plant, first_plant_file, program, require, running, scratch, until
 
 
 def recorded_as(extension):
@@ -240,3 +242,36 @@ def a_replay_on_a_bus_without_another_node_ends_with_an_error():
     with running(path, has_plc=False) as plant:  # nobody acknowledges
         done = command(program, "replay", numbered_log(20000), "--bus", f"socketcand:{plant.socketcand}", "--speed", "max", expect=1)
         require("canopus: " in done.stderr and "frames" in done.stderr, done.stderr)
+
+
+@check
+def a_named_pipe_that_nobody_writes_to_is_waited_for_in_words():
+    """A trace that comes through a named pipe: commands say that they wait for it, end by a signal, and read it when it comes."""
+    silent = scratch / "silent.log"
+    os.mkfifo(silent)
+    waits = f"canopus: {silent}: waiting until a program writes to this named pipe\n"
+    plant = scratch / "plant.toml"
+    plant.write_text('[[bus]]\nname = "line1"\nbit_rate = 250_000\n')
+    commands = [("trace", "info", silent), ("trace", "show", silent), ("replay", silent, "--bus", "socketcand:127.0.0.1:1"),
+                ("run", plant, "--link", f"replay:{silent}", "--quiet")]
+    for words in commands:
+        for how in (signal.SIGINT, signal.SIGTERM):
+            with subprocess.Popen([program, *map(str, words)], stderr=subprocess.PIPE, text=True) as process:
+                said = process.stderr.readline()
+                process.send_signal(how)
+                process.wait(timeout=PATIENCE)
+            require(said == waits, f"{words}: {said}")
+    with subprocess.Popen([program, "run", plant, "--link", f"replay:{silent}", "--quiet"], stderr=subprocess.PIPE, text=True) as run:
+        require(run.stderr.readline() == waits, "the run does not say that it waits")
+        with open(silent, "w") as writer:
+            writer.write("(1.000000) can0 123#01\n")
+            writer.flush()
+            until(lambda: handles(run.pid, signal.SIGTERM), "the plant runs, and waits for the next frame")
+            run.send_signal(signal.SIGTERM)
+            require(run.wait(timeout=PATIENCE) == 0, "SIGTERM does not end it as any run")
+
+
+def handles(process, number):
+    status = pathlib.Path(f"/proc/{process}/status").read_text()
+    caught = next(line.split()[1] for line in status.splitlines() if line.startswith("SigCgt:"))
+    return int(caught, 16) >> (number - 1) & 1

@@ -26,9 +26,10 @@
 #include "canopus/cli/run/run_recording.hpp"
 #include "canopus/cli/run/run_screen.hpp"
 #include "canopus/cli/run/run_summary.hpp"
-#include "canopus/cli/run/stop_signals.hpp"
 #include "canopus/cli/terminal/plant_loading.hpp"
 #include "canopus/cli/terminal/print.hpp"
+#include "canopus/cli/terminal/silent_pipe.hpp"
+#include "canopus/cli/terminal/stop_signals.hpp"
 #include "canopus/link/bounded_poll.hpp"
 #include "canopus/plant/plant.hpp"
 #include "canopus/serve/client_reports.hpp"
@@ -57,7 +58,10 @@ class Run {
         // Where errors go elsewhere than to the terminal, they go there as they come.
         table_(raw_plant_, ::isatty(STDERR_FILENO) != 0 ? nullptr : &standard_error()),
         has_table_(!options.json && !options.quiet && !options.virtual_time && is_terminal(STDOUT_FILENO)),
-        linked_buses_(io_, options.plant, options.virtual_time) {
+        linked_buses_(io_, options.plant, options.virtual_time, [this](std::string_view silent) {
+          report_silent_pipe(silent, standard_error());
+          return !stop_watch_ || !stop_watch_->came();
+        }) {
     if (options.web) web_events_.emplace(printer());
   }
 
@@ -102,6 +106,7 @@ class Run {
   std::unique_ptr<plant::Plant> plant_;
   RunRecording recording_;
   std::optional<StopSignals> stop_signals_;
+  std::optional<StopWatch> stop_watch_;  // for reading traces, while nothing of io_ runs
   std::atomic<bool> output_failed_{false};
   std::optional<RunOutput> output_;
   std::optional<OperationalCheck> expected_;
@@ -307,6 +312,7 @@ bool Run::came_up() {
 /// From now on nothing that is printed makes the plant wait, and a signal ends the run.
 void Run::start_output() {
   stop_signals_.emplace(io_, [this] { io_.stop(); });
+  stop_watch_.emplace(HangUp::is_seen);
   output_.emplace(
       RunOutput::Use{.lost_line =
                          [this](std::uint64_t lines) {

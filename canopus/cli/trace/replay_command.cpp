@@ -11,6 +11,7 @@
 #include "canopus/cli/options/command.hpp"
 #include "canopus/cli/options/option_checks.hpp"
 #include "canopus/cli/terminal/channel_choice.hpp"
+#include "canopus/cli/terminal/stop_signals.hpp"
 #include "canopus/cli/trace/trace_input_file.hpp"
 #include "canopus/cli/trace/trace_player.hpp"
 #include "canopus/text/text_values.hpp"
@@ -213,8 +214,13 @@ int replay(const ReplayOptions& options) {
   if (options.file == "-" && options.loops != 1) {
     return complain(exit_code::usage, "--loop: the standard input can be read only once");
   }
-  auto in = TraceInputFile::open(options.file, {}, standard_error());
+  StopWatch stop(HangUp::left_alone);
+  const auto open = [&] {
+    return TraceInputFile::open(options.file, {}, standard_error(), [&stop] { return !stop.came(); });
+  };
+  auto in = open();
   if (!in) return exit_code::usage;
+  if (stop.came()) return exit_code::done;
   return with_bus(
       options.bus,
       [&](BusLoop& bus, can::Duration) {
@@ -231,12 +237,12 @@ int replay(const ReplayOptions& options) {
         for (std::uint64_t loop = 0;
              end == BusLoop::End::done && (options.loops == 0 || loop < options.loops); ++loop) {
           const std::uint64_t before = sent;
-          if (loop > 0) in = TraceInputFile::open(options.file, {}, standard_error());
+          if (loop > 0) in = open();
           if (!in) return exit_code::failed;
           end = play(bus, *in, *choice, channels, *speed, sent);
           mistakes += in->mistakes();
           in->finish();
-          if (sent == before) break;  // nothing to send: once is enough
+          if (sent == before || stop.came()) break;  // nothing to send: once is enough
         }
         const bool is_played = end == BusLoop::End::done;
         if (is_played) end = wait_for_sent(bus);

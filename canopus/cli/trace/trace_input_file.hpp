@@ -2,6 +2,7 @@
 // A trace as the commands read it: opened with or without --from, its mistakes printed, but not all of thousands.
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,9 +20,10 @@ void add_format_option(Command& command, const std::string& option, std::string&
 
 class TraceInputFile {
  public:
-  /// Nothing after the reason was printed on `err`. `format`: as --from has it, or empty.
+  /// Nothing after the reason was printed on `err`. `format`: as --from has it, or empty. `goes_on`: asked before each
+  /// read and while a pipe has nothing; false ends the trace.
   [[nodiscard]] static std::optional<TraceInputFile> open(const std::string& path, const std::string& format,
-                                                          Output& err);
+                                                          Output& err, std::function<bool()> goes_on = {});
 
   /// The next record; nothing at the end. Mistakes on the way are printed.
   [[nodiscard]] std::optional<trace::TraceRecord> next();

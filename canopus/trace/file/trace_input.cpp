@@ -7,6 +7,8 @@
 #include <utility>
 
 #include <fcntl.h>
+#include <poll.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace canopus::trace {
@@ -24,23 +26,57 @@ struct Descriptor {
   int number;
 };
 
+bool is_pipe(int descriptor) {
+  struct stat status {};
+  return ::fstat(descriptor, &status) == 0 && S_ISFIFO(status.st_mode);
+}
+
+/// Reads a file or pipe, for which it waits only as long as `keep_reading` wants.
+class FileSource {
+ public:
+  FileSource(int number, std::string silent_name, KeepReading keep_reading)
+      : file_(std::make_shared<Descriptor>(number)),
+        silent_name_(std::move(silent_name)),
+        keep_reading_(std::move(keep_reading)) {}
+
+  std::expected<std::size_t, int> operator()(std::span<char> bytes) {
+    constexpr int asked_every = 100;  // ms
+    while (keep_reading_ == nullptr || keep_reading_({})) {
+      pollfd wanted{.fd = file_->number, .events = POLLIN, .revents = 0};
+      const int ready = ::poll(&wanted, 1, asked_every);
+      if (ready == 0) {
+        const std::string name = std::exchange(silent_name_, {});
+        if (!name.empty() && keep_reading_ != nullptr && !keep_reading_(name)) break;
+        continue;
+      }
+      const ssize_t size = ready < 0 ? -1 : ::read(file_->number, bytes.data(), bytes.size());
+      if (size < 0 && (errno == EINTR || errno == EAGAIN)) continue;
+      if (size < 0) return std::unexpected(errno);
+      silent_name_.clear();
+      return static_cast<std::size_t>(size);
+    }
+    return 0;
+  }
+
+ private:
+  std::shared_ptr<Descriptor> file_;  // a std::function can be copied
+  std::string silent_name_;           // empty: it is no named pipe, or has been written to
+  KeepReading keep_reading_;
+};
+
 }  // namespace
 
-std::expected<TraceInput, std::string> TraceInput::open(const std::string& path) {
+std::expected<TraceInput, std::string> TraceInput::open(const std::string& path, KeepReading keep_reading) {
   const bool standard_input = path == "-";
-  const int number = standard_input ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  // Else a pipe would be waited for here until somebody opens it for writing.
+  constexpr int flags = O_RDONLY | O_CLOEXEC | O_NONBLOCK;
+  const int number = standard_input ? STDIN_FILENO : ::open(path.c_str(), flags);
   if (number < 0) {
     return std::unexpected(path + ": cannot open the trace: " + std::generic_category().message(errno));
   }
-  const auto file = std::make_shared<Descriptor>(number);
-  return TraceInput(standard_input ? "<stdin>" : path,
-                    [file](std::span<char> bytes) -> std::expected<std::size_t, int> {
-                      while (true) {
-                        const ssize_t size = ::read(file->number, bytes.data(), bytes.size());
-                        if (size >= 0) return static_cast<std::size_t>(size);
-                        if (errno != EINTR) return std::unexpected(errno);
-                      }
-                    });
+  return TraceInput(
+      standard_input ? "<stdin>" : path,
+      FileSource(number, !standard_input && is_pipe(number) ? path : std::string(), std::move(keep_reading)));
 }
 
 TraceInput TraceInput::from_memory(std::string name, std::string bytes) {

@@ -17,13 +17,19 @@ namespace canopus::trace {
 /// Longest line that is read, in bytes; what is longer is no line of a trace.
 inline constexpr std::size_t trace_max_line = 16384;
 
+/// Asked before each read from a file, and ten times a second while there is nothing to read; false ends the trace
+/// there. `silent`: the name of a named pipe that nothing has been written to, once; else empty.
+using KeepReading = std::function<bool(std::string_view silent)>;
+
 class TraceInput {
  public:
   /// The number of bytes put into the span, 0 at the end, or an errno.
   using Source = std::function<std::expected<std::size_t, int>(std::span<char>)>;
 
-  /// "-" is the standard input. The error names the file and says what the system said.
-  [[nodiscard]] static std::expected<TraceInput, std::string> open(const std::string& path);
+  /// "-" is the standard input. The error names the file and says what the system said. A named pipe is not waited
+  /// for here, but when it is read.
+  [[nodiscard]] static std::expected<TraceInput, std::string> open(const std::string& path,
+                                                                   KeepReading keep_reading = {});
   [[nodiscard]] static TraceInput from_memory(std::string name, std::string bytes);
   TraceInput(std::string name, Source source) : name_(std::move(name)), source_(std::move(source)) {}
 

@@ -92,8 +92,8 @@ OpenedReader open_reader(TraceInput input, std::optional<FileFormat> format) {
   return std::unexpected(input.name() + ": expected one of the formats");
 }
 
-OpenedReader open_trace(const std::string& path, std::optional<FileFormat> format) {
-  auto input = TraceInput::open(path);
+OpenedReader open_trace(const std::string& path, std::optional<FileFormat> format, KeepReading keep_reading) {
+  auto input = TraceInput::open(path, std::move(keep_reading));
   if (!input) return std::unexpected(std::move(input.error()));
   return open_reader(std::move(*input), format);
 }

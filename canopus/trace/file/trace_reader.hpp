@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "canopus/trace/file/file_format.hpp"
+#include "canopus/trace/file/trace_input.hpp"
 #include "canopus/trace/file/trace_record.hpp"
 
 namespace canopus::trace {
@@ -28,8 +29,9 @@ class TraceReader {
   [[nodiscard]] virtual std::size_t left_out() const noexcept = 0;
 };
 
-/// Opens a file ("-" is the standard input). Without a format it is found from the content, not from the name.
+/// Opens a file ("-" is the standard input). Without a format it is found from the content, not from the name: a pipe is
+/// waited for. `keep_reading`: as TraceInput::open() has it; a trace that it ends at once has no records.
 [[nodiscard]] std::expected<std::unique_ptr<TraceReader>, std::string> open_trace(
-    const std::string& path, std::optional<FileFormat> format = std::nullopt);
+    const std::string& path, std::optional<FileFormat> format = std::nullopt, KeepReading keep_reading = {});
 
 }  // namespace canopus::trace
