@@ -14,16 +14,13 @@ inline constexpr std::size_t most_handlers_at_once = 512;
 /// Machine's time of one portion; the handler that is under way at its end is finished.
 inline constexpr std::chrono::milliseconds longest_portion{100};
 
-/// Runs handlers that are ready until there are none, the portion is used up, or `is_enough()`. Returns how many ran.
+/// Runs handlers that are ready until there are none, the portion is used up, or `is_enough()`.
 template <typename IsEnough>
-std::size_t poll_portion(boost::asio::io_context& io, IsEnough is_enough) {
+void poll_portion(boost::asio::io_context& io, IsEnough is_enough) {
   const auto end = std::chrono::steady_clock::now() + longest_portion;
-  std::size_t count = 0;
-  while (count < most_handlers_at_once && !is_enough() && io.poll_one() != 0) {
-    ++count;
-    if (std::chrono::steady_clock::now() >= end) break;
+  for (std::size_t count = 0; count < most_handlers_at_once && !is_enough(); ++count) {
+    if (io.poll_one() == 0 || std::chrono::steady_clock::now() >= end) return;
   }
-  return count;
 }
 
 }  // namespace canopus::link

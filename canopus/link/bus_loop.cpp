@@ -94,7 +94,7 @@ BusLoop::End BusLoop::run(const std::function<bool()>& done, can::Time end) {
     const can::Time time = now();
     if (patient_) patient_->look(elapsed());
     if (io_.stopped()) io_.restart();
-    (void)poll_portion(io_, [this] { return interrupted_ || lost_; });
+    poll_portion(io_, [this] { return interrupted_ || lost_; });
     refresh();
     timeline_.run_until(time);
     if (done()) return End::done;

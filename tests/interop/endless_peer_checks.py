@@ -100,10 +100,12 @@ def ended(process, started, what):
 @check
 def a_peer_without_pause_does_not_hold_a_command():
     """`--for`, SIGINT and SIGTERM end commands over slcan, socketcand and cannelloni."""
-    for address, greet in (("slcan:tcp:127.0.0.1:{}@250000", slcan_bytes), ("socketcand:127.0.0.1:{}", socketcand_bytes),
-                           ("cannelloni:tcp:127.0.0.1:{}", cannelloni_bytes)):
-        for words, stop in ((("monitor", "--for", "1s"), None), (("monitor",), signal.SIGINT), (("monitor",), signal.SIGTERM),
-                            (("scan", "--nodes", "1-2", "--timeout", "100ms"), None)):
+    by_time, by_signal = (("monitor", "--for", "500ms"), None), (("monitor",), signal.SIGINT)
+    others = (("monitor",), signal.SIGTERM), (("scan", "--nodes", "1-2", "--timeout", "100ms"), None)
+    for address, greet, cases in (("slcan:tcp:127.0.0.1:{}@250000", slcan_bytes, (by_time, by_signal, *others)),
+                                  ("socketcand:127.0.0.1:{}", socketcand_bytes, (by_time, by_signal)),
+                                  ("cannelloni:tcp:127.0.0.1:{}", cannelloni_bytes, (by_time, by_signal))):
+        for words, stop in cases:
             with server_that(stream(greet)) as port:
                 bus = address.format(port)
                 started = time.monotonic()
@@ -111,7 +113,7 @@ def a_peer_without_pause_does_not_hold_a_command():
                 process = subprocess.Popen([program, *words, *place], stdout=subprocess.DEVNULL,
                                            stderr=subprocess.DEVNULL)
                 if stop:
-                    time.sleep(0.7)  # it is on the bus, and busy
+                    time.sleep(0.4)  # it is on the bus, and busy
                     process.send_signal(stop)
                 ended(process, started, f"canopus {' '.join([*words, *place])}, {stop}")
                 require(stop or time.monotonic() - started > 0.1, f"{bus}: {words} ended at once")

@@ -58,7 +58,7 @@ PLANS = {
     "web_project_in_chromium": Plan(77),
     "plants_on_socketcan": Plan(26),
     "web_page_escapes_names": Plan(20),
-    "a_peer_without_pause_does_not_hold_a_command": Plan(14),
+    "a_peer_without_pause_does_not_hold_a_command": Plan(7),
     "web_page_in_chromium": Plan(19),
     "gateway_ends_a_client_that_takes_no_events": Plan(19),
     "socketcan_says_what_the_controller_does": Plan(12),

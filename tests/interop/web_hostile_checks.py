@@ -154,7 +154,7 @@ class Person:
 @check
 def web_files_of_a_project_that_are_something_else():
     """A FIFO, a folder, a device, a link to nowhere or in a circle in place of a file while the page runs: a sentence that names it, nothing is
-    changed, nothing waits for ever. A link to a file is that file, and stays one."""
+    changed, nothing waits for ever. A link to a file is not followed: a folder from somebody else would lead anywhere."""
     folder = new_project("web-other-files")
     command(program, "project", "add", folder, DEVICES / "encoder.eds", "--bit-rate", "250k")
     (dcf,), kept = folder.glob("*.dcf"), scratch / "kept.dcf"
@@ -182,13 +182,13 @@ def web_files_of_a_project_that_are_something_else():
         nodelist.unlink()
         nodelist.write_bytes(listed)
         require(owner.do(command="project set", node="1", items=["1017=100"])[0]["code"] == 0, "it is a file again")
-        # A link to a file of the same person.
-        kept.write_bytes(dcf.read_bytes())
+        content = dcf.read_bytes()
+        kept.write_bytes(content)
         dcf.unlink()
         dcf.symlink_to(kept)
         reply, _ = owner.do(command="project set", node="1", items=["1017=200"])
-        require(reply["code"] == 0, reply)
-        require(b"200" in dcf.read_bytes(), "the value is not there")
+        require(reply["code"] == 5 and f"{dcf.name}: is a symbolic link, which is not followed" in reply["message"], reply)
+        require(kept.read_bytes() == content, "a file outside of the project was changed")
 
 
 @check

@@ -7,10 +7,7 @@ namespace canopus::cli {
 int walk_trace(const std::string& path, Output& err,
                const std::function<bool(const trace::TraceRecord&, std::string_view channel)>& record) {
   constexpr unsigned enough_errors = 100;
-  auto reader = trace::open_trace(path, std::nullopt, [&err](std::string_view silent) {
-    report_silent_pipe(silent, err);
-    return true;  // signals end the process
-  });
+  auto reader = trace::open_trace(path, std::nullopt, wait_in_words(err, [] { return true; }));
   if (!reader) {
     err.line("canopus: {}", reader.error());
     return 2;

@@ -58,10 +58,9 @@ class Run {
         // Where errors go elsewhere than to the terminal, they go there as they come.
         table_(raw_plant_, ::isatty(STDERR_FILENO) != 0 ? nullptr : &standard_error()),
         has_table_(!options.json && !options.quiet && !options.virtual_time && is_terminal(STDOUT_FILENO)),
-        linked_buses_(io_, options.plant, options.virtual_time, [this](std::string_view silent) {
-          report_silent_pipe(silent, standard_error());
-          return !stop_watch_ || !stop_watch_->came();
-        }) {
+        linked_buses_(io_, options.plant, options.virtual_time, wait_in_words(standard_error(), [this] {
+                        return !stop_watch_ || !stop_watch_->came();
+                      })) {
     if (options.web) web_events_.emplace(printer());
   }
 
@@ -106,7 +105,7 @@ class Run {
   std::unique_ptr<plant::Plant> plant_;
   RunRecording recording_;
   std::optional<StopSignals> stop_signals_;
-  std::optional<StopWatch> stop_watch_;  // for reading traces, while nothing of io_ runs
+  std::optional<StopWatch> stop_watch_;  // while nothing of io_ may run
   std::atomic<bool> output_failed_{false};
   std::optional<RunOutput> output_;
   std::optional<OperationalCheck> expected_;
@@ -226,12 +225,7 @@ bool Run::run_in_step() {
   if (!servers.open()) return false;
   show_connections();
   // The plant waits for who reads its output, inside of which no client may access it: signals come elsewhere.
-  asio::io_context signals{1};
-  StopSignals stop(signals, {});
-  const auto goes_on = [&](auto) {
-    signals.poll();
-    return !stop.came() && !output_failed_;
-  };
+  const auto goes_on = [this](auto) { return !stop_watch_->came() && !output_failed_; };
   output_->set_patience(goes_on);
   recording_.set_patience(goes_on);
   linked_buses_.start(nullptr, *plant_);
@@ -243,8 +237,7 @@ bool Run::run_in_step() {
       if (io_.run_one() == 0) break;
       continue;
     }
-    // What clients have sent before comes first.
-    (void)link::poll_portion(io_, [this] { return is_to_end(); });
+    link::poll_portion(io_, [this] { return is_to_end(); });  // what clients have sent before comes first
     if (readers.are_behind(servers.waiting_messages(), WallClock::now())) {
       io_.run_one_for(1ms);
       continue;
@@ -264,7 +257,7 @@ bool Run::run_in_step() {
 void Run::run_in_virtual_time() {
   const can::Time end = options_.duration ? can::Time{} + *options_.duration : can::never;
   const auto goes_on = [this](auto) {
-    (void)link::poll_portion(io_, [this] { return is_to_end(); });
+    link::poll_portion(io_, [this] { return is_to_end(); });
     return !is_to_end();
   };
   output_->set_patience(goes_on);

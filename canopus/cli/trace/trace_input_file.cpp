@@ -19,11 +19,8 @@ void add_format_option(Command& command, const std::string& option, std::string&
 
 std::optional<TraceInputFile> TraceInputFile::open(const std::string& path, const std::string& format,
                                                    Output& err, std::function<bool()> goes_on) {
-  auto reader = trace::open_trace(path, trace::format_of_name(format),
-                                  [&err, goes_on = std::move(goes_on)](std::string_view silent) {
-                                    report_silent_pipe(silent, err);
-                                    return goes_on == nullptr || goes_on();
-                                  });
+  auto reader =
+      trace::open_trace(path, trace::format_of_name(format), wait_in_words(err, std::move(goes_on)));
   if (!reader) {
     err.line("canopus: {}", reader.error());
     return std::nullopt;

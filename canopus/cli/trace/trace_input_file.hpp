@@ -22,8 +22,9 @@ class TraceInputFile {
  public:
   /// Nothing after the reason was printed on `err`. `format`: as --from has it, or empty. `goes_on`: asked before each
   /// read and while a pipe has nothing; false ends the trace.
-  [[nodiscard]] static std::optional<TraceInputFile> open(const std::string& path, const std::string& format,
-                                                          Output& err, std::function<bool()> goes_on = {});
+  [[nodiscard]] static std::optional<TraceInputFile> open(
+      const std::string& path, const std::string& format, Output& err,
+      std::function<bool()> goes_on = [] { return true; });
 
   /// The next record; nothing at the end. Mistakes on the way are printed.
   [[nodiscard]] std::optional<trace::TraceRecord> next();
