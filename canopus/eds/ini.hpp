@@ -40,7 +40,7 @@ struct Section {
 
 class IniFile {
  public:
-  /// Takes any bytes; of too many it says so and has no section. Of a section that comes twice, the later one adds the keys the first one lacks; of a
+  /// Takes any bytes; of too many it has no section. Where a section comes twice, the later one adds keys; of a
   /// key that comes twice in a section, the first one counts.
   IniFile(std::string_view text, Problems& problems);
   /// Of sections that were found otherwise; no two have the same folded name.

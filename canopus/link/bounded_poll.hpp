@@ -1,6 +1,6 @@
 #pragma once
 // What an io_context has ready, in bounded portions. A peer that sends without pause always has the next handler
-// ready: io_context::poll() would then never return, and nobody would look at the clock or at signals.
+// ready: io_context::poll() would then never return, and neither clock nor signals would be read.
 
 #include <chrono>
 #include <cstddef>

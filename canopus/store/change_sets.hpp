@@ -23,7 +23,7 @@ namespace canopus::store {
 using FileContents = std::map<std::string, std::optional<std::string>>;
 
 /// The names are paths inside of the folder without symbolic links, also those that a journal holds (inner_path.hpp): a
-/// journal of a stranger that names others is refused whole. All errors are sentences that name the file. One process at a time may use a folder (FolderLock).
+/// journal of a stranger that names others is refused whole. Errors name the file. One process at a time (FolderLock).
 class ChangeSets {
  public:
   static constexpr std::size_t most_kept = 50;             ///< changes that can be taken back
@@ -38,7 +38,7 @@ class ChangeSets {
         records_(records),
         journal_(folder_ / records, {}, files) {}
 
-  /// Ends a change that a power cut left half done. To be called before anything is read, by whoever may write.
+  /// Ends a change that a power cut left half done. To be called before anything is read, by a caller that may write.
   [[nodiscard]] std::expected<void, std::string> recover();
   /// For those who only look, in place of recover(): writes nothing; from then on read() gives what the files were before a
   /// change that is not finished. False when there is none.

@@ -17,7 +17,7 @@ class ProjectFolder {
  public:
   enum class For : std::uint8_t { looking, changing };
 
-  /// `path`: a folder with nodelist.cpj, or a file *.cpj. To change it: nobody else may meanwhile, and what a power cut left
+  /// `path`: a folder with nodelist.cpj, or a file *.cpj. To change it: no other process may meanwhile, and what a power cut left
   /// half done is ended. To look: nothing is written, and unfinished() says what was left. Errors are sentences that name the
   /// file.
   [[nodiscard]] static std::expected<ProjectFolder, std::string> open(const std::string& path, For purpose);

@@ -41,7 +41,7 @@ class StopSignals {
   bool came_ = false;
 };
 
-/// The same for who is busy outside of any io_context: asked now and then, by any thread.
+/// The same for a caller outside of any io_context: asked now and then, by any thread.
 class StopWatch {
  public:
   explicit StopWatch(HangUp hang_ups) : signals_(io_, {}, hang_ups) {}

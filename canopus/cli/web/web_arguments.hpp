@@ -49,7 +49,7 @@ struct WebCommandLine {
 /// A command of the second kind.
 [[nodiscard]] bool is_web_settings_command(std::string_view name);
 
-/// What somebody calls a command or a field, in quotes and not too long for a sentence.
+/// The name of a command or a field as a client sent it, in quotes and not too long for a sentence.
 [[nodiscard]] std::string quoted_name(std::string_view name);
 
 /// As a person would type it.

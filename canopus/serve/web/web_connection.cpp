@@ -44,7 +44,7 @@ void WebServer::Connection::start() {
   receive();
 }
 
-/// Whoever has a key or a session stays; of the others those first that only ask.
+/// A connection with a key or a session stays; of the others those first that only ask.
 link::Hold WebServer::Connection::hold() const noexcept {
   if (state_ == State::watches) return session_ || knows_key_ ? link::Hold::firm : link::Hold::weak;
   return session_ || knows_key_ || logs_in_ ? link::Hold::weak : link::Hold::none;

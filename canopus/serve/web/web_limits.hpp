@@ -14,7 +14,7 @@ namespace canopus::serve {
 
 using WebMoment = std::chrono::steady_clock::time_point;
 
-/// Whoever has an IPv6 address has all of its network of 64 bits, and who is on this machine all of 127.0.0.0/8: they count as one.
+/// A client with an IPv6 address has all of its network of 64 bits, and one on this machine all of 127.0.0.0/8: they count as one.
 [[nodiscard]] link::InternetAddress network_of(link::InternetAddress address) noexcept;
 
 /// Requests: so many at once, and so many a second from then on.

@@ -68,7 +68,7 @@ class FileSource {
 
 std::expected<TraceInput, std::string> TraceInput::open(const std::string& path, KeepReading keep_reading) {
   const bool standard_input = path == "-";
-  // Else a pipe would be waited for here until somebody opens it for writing.
+  // Else the call would wait here until another program opens the pipe for writing.
   constexpr int flags = O_RDONLY | O_CLOEXEC | O_NONBLOCK;
   const int number = standard_input ? STDIN_FILENO : ::open(path.c_str(), flags);
   if (number < 0) {
