@@ -5,12 +5,8 @@
 namespace canopus::cli {
 namespace {
 
-// [CiA 301 7.3.5]
-constexpr std::uint32_t nmt_id = 0x000;
-constexpr std::uint32_t sync_id = 0x080;
-constexpr std::uint32_t sdo_answer_id = 0x580;
-constexpr std::uint32_t sdo_request_id = 0x600;
-constexpr std::uint32_t error_control_id = 0x700;
+namespace cob_id = canopen::cob_id;
+
 constexpr std::uint32_t node_bits = 0x7F;
 constexpr std::uint8_t state_bits = 0x7F;  // the other one is the toggle bit of node guarding
 
@@ -69,23 +65,23 @@ void WebFigures::commanded(std::uint8_t command, std::uint8_t node_id) noexcept 
 
 void WebFigures::frame_completed(const can::Frame& frame, can::Time end) noexcept {
   if (frame.extended || frame.remote) return;
-  if (frame.identifier == nmt_id) {
+  if (frame.identifier == cob_id::nmt) {
     if (frame.dlc == 2) commanded(frame.data[0], frame.data[1]);
     return;
   }
-  if (frame.identifier == sync_id) {
+  if (frame.identifier == cob_id::sync) {
     if (last_sync_) sync_.add(end - *last_sync_);
     last_sync_ = end;
     return;
   }
   Node& node = nodes_[frame.identifier & node_bits];
   switch (frame.identifier & ~node_bits) {
-    case sdo_request_id: node.asked = end; break;
-    case sdo_answer_id:
+    case cob_id::sdo_request: node.asked = end; break;
+    case cob_id::sdo_response:
       if (node.asked) node.answers.add(end - *node.asked);
       node.asked.reset();
       break;
-    case error_control_id:
+    case cob_id::error_control:
       if (frame.dlc != 1) break;
       if (const auto state = said_state(frame.data[0])) node.state = state;
       if (frame.data[0] == 0) break;
