@@ -168,18 +168,5 @@ TEST(Rooms, ParserOfALibrary_IsCalledInOneFileAlone) {
   }
 }
 
-TEST(Rooms, NoFolder_HoldsMoreThan40Files) {
-  std::map<std::string, int> files;
-  for (const auto& [file, found] : includes()) ++files[folder_of(file)];
-  for (const auto& [folder, count] : files) EXPECT_LE(count, 40) << folder;
-}
-
-TEST(Rooms, NoFile_IsLongerThan400Lines) {
-  for (const auto& [file, found] : includes()) {
-    const std::string text = text_of(source / "canopus" / file);
-    EXPECT_LE(std::ranges::count(text, '\n'), 400) << file;
-  }
-}
-
 }  // namespace
 }  // namespace canopus::rooms
